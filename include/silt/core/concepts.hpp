@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: MIT
+// What a simulation is made of, as concepts. Conventions that hold everywhere:
+//
+//   r_ij = x_j − x_i                      points from i to j
+//   normal n of a contact                 points the way i is pushed, so n = −r_ij / r
+//   forces and moments are ADDED by an interaction; the integrator clears them
+//   a spin is counter-clockwise positive; SI units throughout
+//   an index below size() is an owned particle, one above it a ghost: fields of ghosts are as fresh
+//   as the last refresh_ghosts(field)
+#pragma once
+
+#include <silt/core/error.hpp>
+#include <silt/core/particles.hpp>
+#include <silt/core/types.hpp>
+
+#include <concepts>
+#include <type_traits>
+
+namespace silt {
+
+/// A container of particles with the columns of Particles.
+template <class P>
+concept ParticleSet = requires(P p, const P q) {
+  typename P::Real;
+  typename P::Vec;
+  { P::dimension } -> std::convertible_to<int>;
+  { q.size() } -> std::same_as<Index>;
+  p[position];
+};
+
+/// Functions of the shape that searches call: any generic lambda will do.
+namespace archetype {
+struct OnNeighbour {
+  template <class V, class R>
+  void operator()(Index, const V&, R) const {}
+};
+struct OnPair {
+  template <class V, class R>
+  void operator()(Index, Index, const V&, R) const {}
+};
+}  // namespace archetype
+
+/// Finds all pairs closer than radius(). Models: UniformGrid, NeighbourList, BruteForce.
+template <class S, class P>
+concept NeighbourSearch =
+    ParticleSet<P> && requires(S s, const S found, P& p, typename P::Real r, Index i) {
+      s.set_radius(r);
+      { found.radius() } -> std::convertible_to<typename P::Real>;
+      s.update(p);
+      found.for_each_neighbour(i, archetype::OnNeighbour{});
+      found.for_each_pair(archetype::OnPair{});
+    };
+
+/// Knows how far it reaches [m]; 0 if it needs no neighbours.
+template <class I, class P>
+concept Reaching = requires(const I i, const P& p) {
+  { i.reach(p) } -> std::convertible_to<typename P::Real>;
+};
+
+/// Adds forces [N] and moments [N m] to the particles. Models: dem::Contacts, Gravity, Forces.
+template <class I, class P, class S>
+concept Interaction =
+    NeighbourSearch<S, P> && Reaching<I, P> && requires(I i, P& p, S& s, double dt) {
+      i.accelerate(p, s, dt);
+    };
+
+/// An incompressible flow, advanced by predictor and pressure. Model: mps::Flow.
+template <class I, class P, class S>
+concept PressureInteraction =
+    NeighbourSearch<S, P> && Reaching<I, P> && requires(I i, P& p, S& s, double dt) {
+      i.predict(p, s, dt);
+      i.collide(p, s, dt);
+      { i.project(p, s, dt) } -> std::same_as<SolveReport>;
+      i.correct(p, dt);
+    };
+
+/// Advances particles by one step. Models: Leapfrog, SemiImplicit.
+template <class T, class P, class S, class I>
+concept Integrator =
+    NeighbourSearch<S, P> && Reaching<I, P> && requires(T t, P& p, S& s, I& i, double dt) {
+      t.step(p, s, i, dt);
+    };
+
+/// Chooses the next time step [s].
+template <class I, class P>
+concept ChoosesTimeStep = requires(I i, const P& p) {
+  { i.time_step(p) } -> std::convertible_to<double>;
+};
+
+/// Has state of its own that a failed step must undo.
+template <class T>
+concept Transactional = requires(T t) {
+  t.save();
+  { t.restore() } noexcept;
+};
+
+/// Velocity after dt, from the velocity before and the acceleration. Models: NoDamping,
+/// GlobalDamping.
+template <class D, class Real = double>
+concept Damping = requires(const D d, Real v, Real a, Real dt) {
+  { d.kicked(v, a, dt) } -> std::convertible_to<Real>;
+};
+
+/// Called with the simulation at every output. A lambda is one.
+template <class O, class Sim>
+concept Observer = std::invocable<O&, const Sim&>;
+
+}  // namespace silt

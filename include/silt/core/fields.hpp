@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: MIT
+// Fields: what a particle carries. A field is a tag type; its kind says what one particle holds.
+// A user's own field is one line:
+//   inline constexpr struct temperature_t : silt::scalar_field {} temperature{};
+#pragma once
+
+#include <silt/core/types.hpp>
+
+#include <concepts>
+#include <string_view>
+
+namespace silt {
+
+struct any_field {};
+
+/// One Real per particle.
+struct scalar_field : any_field {
+  template <int Dim, class Real>
+  using value = Real;
+};
+
+/// One Vec<Dim, Real> per particle.
+struct vector_field : any_field {
+  template <int Dim, class Real>
+  using value = Vec<Dim, Real>;
+};
+
+/// One Spin<Dim, Real> per particle: a number in 2D, a vector in 3D.
+struct spin_field : any_field {
+  template <int Dim, class Real>
+  using value = Spin<Dim, Real>;
+};
+
+/// One T per particle, whatever the dimension and precision.
+template <class T>
+struct field_of : any_field {
+  template <int Dim, class Real>
+  using value = T;
+};
+
+template <class F>
+concept Field = std::derived_from<F, any_field>;
+
+template <Field F, int Dim, class Real>
+using value_of = typename F::template value<Dim, Real>;
+
+/// The field's name as the user wrote it, for files and errors: temperature_t is "temperature".
+template <Field F>
+constexpr std::string_view name_of() {
+  std::string_view name = __PRETTY_FUNCTION__;
+  name = name.substr(name.find("F = ") + 4);
+  name = name.substr(0, name.find_first_of(";]"));
+  if (const auto scope = name.rfind("::"); scope != name.npos) name = name.substr(scope + 2);
+  if (name.ends_with("_t")) name.remove_suffix(2);
+  return name;
+}
+
+/// What a step may do to a field, so that a failed step can be undone without copying everything:
+/// a `constant` is never changed by a step, a `derived` is made anew by every step.
+enum class Role { state, constant, derived };
+
+template <Field F>
+constexpr Role role_of() {
+  if constexpr (requires { F::role; }) {
+    return F::role;
+  } else {
+    return Role::state;
+  }
+}
+
+struct constant_field {
+  static constexpr Role role = Role::constant;
+};
+struct derived_field {
+  static constexpr Role role = Role::derived;
+};
+
+inline constexpr struct position_t : vector_field {
+} position{};  ///< centre x [m]
+inline constexpr struct velocity_t : vector_field {
+} velocity{};  ///< u or v [m/s]
+inline constexpr struct spin_t : spin_field {
+} spin{};  ///< angular velocity [rad/s]
+inline constexpr struct angle_t : spin_field {
+} angle{};  ///< turned so far: the spin summed over time [rad]
+inline constexpr struct force_t : vector_field, derived_field {
+} force{};  ///< sum of the forces of this step [N]
+inline constexpr struct torque_t : spin_field, derived_field {
+} torque{};  ///< sum of the moments of this step [N m]
+inline constexpr struct mass_t : scalar_field, constant_field {
+} mass{};  ///< m [kg]
+inline constexpr struct radius_t : scalar_field, constant_field {
+} radius{};  ///< R [m]
+inline constexpr struct inertia_t : scalar_field, constant_field {
+} inertia{};  ///< I [kg m²]
+
+}  // namespace silt

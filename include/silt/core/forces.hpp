@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: MIT
+// Several interactions as one, and gravity.
+#pragma once
+
+#include <silt/core/concepts.hpp>
+#include <silt/core/error.hpp>
+#include <silt/core/parallel.hpp>
+#include <silt/core/types.hpp>
+
+#include <algorithm>
+#include <limits>
+#include <tuple>
+#include <utility>
+
+namespace silt {
+
+/// The same acceleration for every particle: F = m g.
+template <int Dim, class Real = double>
+class Gravity {
+ public:
+  /// g [m/s²]. Throws if it is not finite.
+  explicit Gravity(const Vec<Dim, Real>& g) : g_(g) { require_finite("Gravity: acceleration", g); }
+
+  const Vec<Dim, Real>& acceleration() const noexcept { return g_; }
+
+  template <class P>
+  typename P::Real reach(const P&) const {
+    return 0;
+  }
+
+  template <class P, class S>
+    requires HasFields<P, mass_t, force_t>
+  void accelerate(P& particles, const S&, double) const {
+    const auto m = particles[mass];
+    const auto f = particles[force];
+    for_each(particles.size(), [&](Index i) { f[i] += m[i] * g_; });
+  }
+
+ private:
+  Vec<Dim, Real> g_;
+};
+
+template <class Real>
+Gravity(const Eigen::Matrix<Real, 2, 1>&) -> Gravity<2, Real>;
+template <class Real>
+Gravity(const Eigen::Matrix<Real, 3, 1>&) -> Gravity<3, Real>;
+
+/// The sum of its parts, in their order.
+template <class... Parts>
+class Forces {
+ public:
+  explicit Forces(Parts... parts) : parts_(std::move(parts)...) {}
+
+  /// The part of this type, to read what it measured.
+  template <class Part>
+  const Part& part() const {
+    return std::get<Part>(parts_);
+  }
+  template <Index K>
+  const auto& part() const {
+    return std::get<K>(parts_);
+  }
+
+  template <class P>
+    requires(Reaching<Parts, P> && ...)
+  typename P::Real reach(const P& particles) const {
+    typename P::Real most = 0;
+    for_each_part([&](const auto& part) { most = std::max(most, part.reach(particles)); });
+    return most;
+  }
+
+  template <class P, class S>
+    requires(Interaction<Parts, P, S> && ...)
+  void accelerate(P& particles, S& search, double dt) {
+    for_each_part([&](auto& part) { part.accelerate(particles, search, dt); });
+  }
+
+  /// The smallest of the parts that choose one; infinite if none does.
+  template <class P>
+  double time_step(const P& particles) {
+    double smallest = std::numeric_limits<double>::infinity();
+    for_each_part([&](auto& part) {
+      if constexpr (ChoosesTimeStep<decltype(part), P>) {
+        smallest = std::min(smallest, double(part.time_step(particles)));
+      }
+    });
+    return smallest;
+  }
+
+  void save() {
+    for_each_part([](auto& part) {
+      if constexpr (Transactional<decltype(part)>) part.save();
+    });
+  }
+  void restore() noexcept {
+    for_each_part([](auto& part) {
+      if constexpr (Transactional<decltype(part)>) part.restore();
+    });
+  }
+
+ private:
+  template <class F>
+  void for_each_part(F&& f) {
+    std::apply([&](auto&... part) { (f(part), ...); }, parts_);
+  }
+  template <class F>
+  void for_each_part(F&& f) const {
+    std::apply([&](const auto&... part) { (f(part), ...); }, parts_);
+  }
+
+  std::tuple<Parts...> parts_;
+};
+
+}  // namespace silt

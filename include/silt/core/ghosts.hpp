@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: MIT
+// Periodic sides as ghosts: copies behind the owned particles, so that nothing above core/ knows
+// about periods. A search makes them when it is built; a step refreshes the fields it changes.
+#pragma once
+
+#include <silt/core/box.hpp>
+#include <silt/core/particles.hpp>
+
+#include <string>
+
+namespace silt {
+
+/// Brings owned particles back into the periodic box and makes the ghosts that lie within `depth`
+/// [m] of it. Throws if a periodic side is shorter than 2 depth: a pair could then meet twice.
+template <class P>
+void make_ghosts(P& particles, typename P::Real depth) {
+  using Real = typename P::Real;
+  using Vec = typename P::Vec;
+  particles.clear_ghosts();
+  const auto& box = particles.box();
+  if (!box.any_periodic()) return;
+
+  for (auto& x : particles[position]) x = box.wrap(x);
+  for (int k = 0; k < P::dimension; ++k) {
+    if (!box.periodic[static_cast<std::size_t>(k)]) continue;
+    const Real side = box.upper[k] - box.lower[k];
+    if (side < 2 * depth) {
+      fail("Box: the periodic side " + to_text(double(side)) + " m along axis " +
+           std::to_string(k) + " is shorter than twice the search radius " +
+           to_text(double(depth)) + " m; widen the box");
+    }
+    Vec shift = Vec::Zero();
+    shift[k] = side;
+    const Index rows = particles.total();
+    for (Index i = 0; i < rows; ++i) {
+      const Real x = particles.with_ghosts(position)[i][k];
+      if (x <= box.lower[k] + depth) particles.add_ghost(i, shift);
+      if (x >= box.upper[k] - depth) particles.add_ghost(i, Vec(-shift));
+    }
+  }
+}
+
+}  // namespace silt

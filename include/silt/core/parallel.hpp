@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: MIT
+// The one place with OpenMP. What stands here gives the same bits for any number of threads:
+//   - for_each: every index is worked on by one thread, and writes only what belongs to it;
+//   - ordered_sum: sums over fixed chunks, added in the order of the chunks;
+//   - an exception of any index is caught, and the one of the lowest index is thrown after the loop.
+#pragma once
+
+#include <silt/core/error.hpp>
+#include <silt/core/types.hpp>
+
+#include <algorithm>
+#include <exception>
+#include <string>
+#include <utility>
+#include <vector>
+
+#ifdef _OPENMP
+#include <omp.h>
+#endif
+
+namespace silt {
+
+/// Threads that the loops below use.
+inline int threads() {
+#ifdef _OPENMP
+  return omp_get_max_threads();
+#else
+  return 1;
+#endif
+}
+
+/// Sets the number of threads of this process. Throws if it is below 1, or above 1 in a build
+/// without OpenMP.
+inline void use_threads(int number) {
+  if (number < 1) {
+    fail("use_threads: number = " + std::to_string(number) + " is below 1; give at least 1");
+  }
+#ifdef _OPENMP
+  omp_set_num_threads(number);
+#else
+  if (number > 1) {
+    fail("use_threads: number = " + std::to_string(number) +
+         ", but this program was built without OpenMP; build it with -fopenmp or give 1");
+  }
+#endif
+}
+
+/// Indices [first, last) of one chunk.
+struct Chunk {
+  Index number;
+  Index first;
+  Index last;
+};
+
+inline constexpr Index chunk_size = 1024;
+
+inline Index chunk_count(Index n) { return (n + chunk_size - 1) / chunk_size; }
+
+/// f(chunk) for every chunk of [0, n), in parallel. Each thread has one contiguous run of chunks.
+template <class F>
+void for_each_chunk(Index n, F&& f) {
+  const Index chunks = chunk_count(n);
+  const auto chunk = [n](Index c) {
+    return Chunk{c, c * chunk_size, std::min(n, (c + 1) * chunk_size)};
+  };
+#ifdef _OPENMP
+  if (chunks > 1 && threads() > 1 && !omp_in_parallel()) {
+    // A thread stops at its first fault, and its chunks come in order; the lowest of these first
+    // faults is therefore the lowest of all.
+    std::exception_ptr fault;
+    Index fault_chunk = nowhere;
+#pragma omp parallel
+    {
+      const auto team = static_cast<Index>(omp_get_num_threads());
+      const auto me = static_cast<Index>(omp_get_thread_num());
+      const Index last = chunks * (me + 1) / team;
+      Index c = chunks * me / team;
+      try {
+        for (; c < last; ++c) f(chunk(c));
+      } catch (...) {
+#pragma omp critical(silt_fault)
+        if (c < fault_chunk) {
+          fault_chunk = c;
+          fault = std::current_exception();
+        }
+      }
+    }
+    if (fault) std::rethrow_exception(fault);
+    return;
+  }
+#endif
+  for (Index c = 0; c < chunks; ++c) f(chunk(c));
+}
+
+/// f(i) for every i of [0, n), in parallel.
+template <class F>
+void for_each(Index n, F&& f) {
+  for_each_chunk(n, [&f](Chunk chunk) {
+    for (Index i = chunk.first; i < chunk.last; ++i) f(i);
+  });
+}
+
+/// Σ f(i), the same bits for any number of threads.
+template <class Value, class F>
+Value ordered_sum(Index n, const Value& zero, F&& f) {
+  std::vector<Value> partial(chunk_count(n), zero);
+  for_each_chunk(n, [&](Chunk chunk) {
+    Value sum = zero;
+    for (Index i = chunk.first; i < chunk.last; ++i) sum += f(i);
+    partial[chunk.number] = sum;
+  });
+  Value sum = zero;
+  for (const Value& part : partial) sum += part;
+  return sum;
+}
+
+/// max over f(i), at least `least`.
+template <class Value, class F>
+Value largest(Index n, Value least, F&& f) {
+  std::vector<Value> partial(chunk_count(n), least);
+  for_each_chunk(n, [&](Chunk chunk) {
+    Value most = least;
+    for (Index i = chunk.first; i < chunk.last; ++i) most = std::max<Value>(most, f(i));
+    partial[chunk.number] = most;
+  });
+  return partial.empty() ? least : *std::max_element(partial.begin(), partial.end());
+}
+
+/// Lowest i for which f(i) holds, `nowhere` if there is none.
+template <class F>
+Index first_where(Index n, F&& f) {
+  std::vector<Index> found(chunk_count(n), nowhere);
+  for_each_chunk(n, [&](Chunk chunk) {
+    for (Index i = chunk.first; i < chunk.last; ++i) {
+      if (f(i)) {
+        found[chunk.number] = i;
+        return;
+      }
+    }
+  });
+  for (const Index i : found) {
+    if (i != nowhere) return i;
+  }
+  return nowhere;
+}
+
+}  // namespace silt

@@ -1,0 +1,290 @@
+// SPDX-License-Identifier: MIT
+// The one container: particles with one contiguous column per field, stable ids, and ghosts.
+//
+//            owned: 0 … size()-1              ghosts: size() … total()-1
+//   position [ x0 x1 x2 …                   | copies of owned particles, shifted by a period ]
+//   velocity [ u0 u1 u2 …                   | copies                                         ]
+//   id       [ 17  3  4 …                   | the owner's id                                 ]
+//
+// Users hold ids across steps, never indices: the order in memory is the library's business.
+#pragma once
+
+#include <silt/core/box.hpp>
+#include <silt/core/error.hpp>
+#include <silt/core/fields.hpp>
+#include <silt/core/types.hpp>
+
+#include <concepts>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+namespace silt {
+
+/// Particles in Dim dimensions with a position and the given further fields.
+///   p[position][i]   Vec<Dim, Real>& of owned particle i [m]
+///   p[field]         span over the size() owned particles
+template <int Dim, class RealType, Field... Fields>
+class Particles {
+  static_assert(Dim == 2 || Dim == 3, "silt::Particles: the dimension is 2 or 3");
+  static_assert(std::floating_point<RealType>, "silt::Particles: Real is float or double");
+
+ public:
+  static constexpr int dimension = Dim;
+  using Real = RealType;
+  using Vec = silt::Vec<Dim, Real>;
+  using Spin = silt::Spin<Dim, Real>;
+
+  template <class F>
+  static constexpr bool has = std::same_as<F, position_t> || (std::same_as<F, Fields> || ...);
+
+  Particles() = default;
+  explicit Particles(Box<Dim, Real> box) : box_(std::move(box)) { box_.check(); }
+
+  /// Owned particles.
+  Index size() const noexcept { return ids_.size() - owners_.size(); }
+  bool empty() const noexcept { return size() == 0; }
+  /// Owned particles and ghosts.
+  Index total() const noexcept { return ids_.size(); }
+
+  template <Field F>
+    requires has<F>
+  auto operator[](F) noexcept {
+    return std::span(column<F>().data(), size());
+  }
+  template <Field F>
+    requires has<F>
+  auto operator[](F) const noexcept {
+    return std::span(column<F>().data(), size());
+  }
+
+  /// Owned particles and, behind them, ghosts: what an index from a search reads.
+  template <Field F>
+    requires has<F>
+  auto with_ghosts(F) const noexcept {
+    return std::span(column<F>().data(), total());
+  }
+
+  Id id(Index i) const noexcept { return ids_[i]; }
+  std::span<const Id> ids() const noexcept { return {ids_.data(), size()}; }
+  /// Place of the particle with this id, `nowhere` if it was removed or never lived.
+  Index index_of(Id id) const noexcept { return id < places_.size() ? places_[id] : nowhere; }
+  /// The owned particle that i is, or is a ghost of.
+  Index owner(Index i) const noexcept { return i < size() ? i : owners_[i - size()]; }
+
+  /// Grows whenever particles come, go or move in memory.
+  std::uint64_t revision() const noexcept { return revision_; }
+
+  const Box<Dim, Real>& box() const noexcept { return box_; }
+  /// Throws if the box has no volume, or a periodic side that is not finite.
+  void set_box(const Box<Dim, Real>& box) {
+    box.check();
+    clear_ghosts();
+    box_ = box;
+    ++revision_;
+  }
+
+  void reserve(Index n) {
+    for_each_column([n](auto& column, auto) { column.reserve(n); });
+    ids_.reserve(n);
+  }
+
+  /// Adds a particle at x [m], all other fields zero, and returns its place. Drops the ghosts.
+  /// Throws if x is not finite.
+  Index add(const Vec& x) {
+    require_finite("Particles::add: position", x);
+    clear_ghosts();
+    const Index i = size();
+    const Id id = places_.size();
+    for_each_column([](auto& column, auto field) {
+      column.push_back(zero_of<decltype(field)>());
+    });
+    column<position_t>()[i] = x;
+    ids_.push_back(id);
+    places_.push_back(i);
+    ++revision_;
+    return i;
+  }
+
+  /// Removes every owned particle i with gone(i), keeps the others in order. Returns how many went.
+  template <std::predicate<Index> Gone>
+  Index remove_if(Gone&& gone) {
+    clear_ghosts();
+    Index kept = 0;
+    const Index before = size();
+    for (Index i = 0; i < before; ++i) {
+      if (gone(i)) {
+        places_[ids_[i]] = nowhere;
+        continue;
+      }
+      if (kept != i) move_row(i, kept);
+      ++kept;
+    }
+    if (kept == before) return 0;
+    for_each_column([kept](auto& column, auto) { column.resize(kept); });
+    ids_.resize(kept);
+    ++revision_;
+    return before - kept;
+  }
+
+  /// Removes one particle by id. Throws if there is none.
+  void remove(Id id) {
+    const Index place = index_of(id);
+    if (place == nowhere) {
+      fail("Particles::remove: no particle has the id " + std::to_string(id) +
+           "; it was removed before, or never added");
+    }
+    remove_if([place](Index i) { return i == place; });
+  }
+
+  /// Row i becomes what row order[i] was. Throws unless order is a permutation of 0 … size()-1.
+  void reorder(std::span<const Index> order) {
+    clear_ghosts();
+    check_permutation(order);
+    for_each_column([order](auto& column, auto) {
+      auto sorted = column;
+      for (Index i = 0; i < order.size(); ++i) sorted[i] = column[order[i]];
+      column.swap(sorted);
+    });
+    std::vector<Id> ids(order.size());
+    for (Index i = 0; i < order.size(); ++i) ids[i] = ids_[order[i]];
+    ids_.swap(ids);
+    for (Index i = 0; i < ids_.size(); ++i) places_[ids_[i]] = i;
+    ++revision_;
+  }
+
+  // Ghosts; core/ghosts.hpp says when.
+
+  void clear_ghosts() {
+    const Index owned = size();
+    for_each_column([owned](auto& column, auto) { column.resize(owned); });
+    ids_.resize(owned);
+    owners_.clear();
+    shifts_.clear();
+  }
+
+  /// Adds a ghost of row `source` (owned or ghost), displaced by `shift` [m].
+  void add_ghost(Index source, const Vec& shift) {
+    const Index first_owner = owner(source);
+    const Vec whole = source < size() ? shift : Vec(shifts_[source - size()] + shift);
+    for_each_column([source](auto& column, auto) {
+      const auto copy = column[source];
+      column.push_back(copy);
+    });
+    column<position_t>().back() += shift;
+    ids_.push_back(ids_[first_owner]);
+    owners_.push_back(first_owner);
+    shifts_.push_back(whole);
+  }
+
+  /// Copies field F of the owners to their ghosts; positions are shifted.
+  template <Field F>
+    requires has<F>
+  void refresh_ghosts(F) {
+    auto& values = column<F>();
+    const Index owned = size();
+    for (Index g = 0; g < owners_.size(); ++g) {
+      values[owned + g] = values[owners_[g]];
+      if constexpr (std::same_as<F, position_t>) values[owned + g] += shifts_[g];
+    }
+  }
+
+  /// f(values, field) for every column: spans over the owned particles.
+  template <class F>
+  void for_each_field(F&& f) const {
+    f(std::span(column<position_t>().data(), size()), position_t{});
+    (f(std::span(column<Fields>().data(), size()), Fields{}), ...);
+  }
+
+  // A step is a transaction: save() before it, restore() if it throws. Only state is copied.
+
+  void save() {
+    for_each_column([this]<class F>(auto& column, F) {
+      if constexpr (role_of<F>() == Role::state) std::get<Column<F>>(saved_).values = column;
+    });
+  }
+  void restore() noexcept {
+    for_each_column([this]<class F>(auto& column, F) {
+      if constexpr (role_of<F>() == Role::state) {
+        auto& saved = std::get<Column<F>>(saved_).values;
+        // Ghosts may have come or gone since; they are made anew by the next search.
+        for (Index i = 0; i < size(); ++i) column[i] = saved[i];
+      }
+    });
+  }
+
+ private:
+  template <class F>
+  struct Column {
+    std::vector<value_of<F, Dim, Real>> values;
+  };
+  // Position comes first, whether the list names it or not.
+  template <class... Fs>
+  using Columns = std::tuple<Column<position_t>, Column<Fs>...>;
+
+  template <class F>
+  auto& column() noexcept {
+    return std::get<Column<F>>(columns_).values;
+  }
+  template <class F>
+  const auto& column() const noexcept {
+    return std::get<Column<F>>(columns_).values;
+  }
+
+  template <class F>
+  static value_of<F, Dim, Real> zero_of() {
+    using Value = value_of<F, Dim, Real>;
+    if constexpr (requires { Value::Zero(); }) {
+      return Value::Zero();
+    } else {
+      return Value{};
+    }
+  }
+
+  template <class F>
+  void for_each_column(F&& f) {
+    f(column<position_t>(), position_t{});
+    (f(column<Fields>(), Fields{}), ...);
+  }
+
+  void move_row(Index from, Index to) {
+    for_each_column([from, to](auto& column, auto) { column[to] = column[from]; });
+    ids_[to] = ids_[from];
+    places_[ids_[to]] = to;
+  }
+
+  void check_permutation(std::span<const Index> order) const {
+    std::vector<char> seen(size(), 0);
+    bool good = order.size() == size();
+    for (Index k = 0; good && k < order.size(); ++k) {
+      good = order[k] < size() && !seen[order[k]];
+      if (good) seen[order[k]] = 1;
+    }
+    if (!good) {
+      fail("Particles::reorder: the order of " + std::to_string(order.size()) +
+           " indices is not a permutation of the " + std::to_string(size()) +
+           " particles; name each index once");
+    }
+  }
+
+  static_assert(!(std::same_as<Fields, position_t> || ...),
+                "silt::Particles: position is always there; leave it out of the list");
+
+  Columns<Fields...> columns_;
+  Columns<Fields...> saved_;
+  std::vector<Id> ids_;
+  std::vector<Index> places_;  // by id
+  std::vector<Index> owners_;  // by ghost
+  std::vector<Vec> shifts_;    // by ghost
+  Box<Dim, Real> box_;
+  std::uint64_t revision_ = 0;
+};
+
+/// P has every one of the fields.
+template <class P, class... Fs>
+concept HasFields = (P::template has<Fs> && ...);
+
+}  // namespace silt

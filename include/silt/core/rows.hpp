@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: MIT
+// Rows of unequal length in one piece of memory (compressed sparse rows): neighbours of a particle,
+// contacts of a grain, entries of a matrix row. Built in parallel, the same for any thread count.
+//
+//   first  [0     3  4        ]
+//   items  [a b c|d |e f g h  ]
+#pragma once
+
+#include <silt/core/parallel.hpp>
+#include <silt/core/types.hpp>
+
+#include <algorithm>
+#include <span>
+#include <vector>
+
+namespace silt {
+
+template <class T>
+class Rows {
+ public:
+  /// Row i becomes what f(i, add) adds by add(item). Memory of earlier builds is reused.
+  template <class F>
+  void build(Index n, F&& f) {
+    first_.assign(n + 1, 0);
+    chunks_.resize(chunk_count(n));
+    for_each_chunk(n, [&](Chunk chunk) {
+      auto& items = chunks_[chunk.number];
+      items.clear();
+      for (Index i = chunk.first; i < chunk.last; ++i) {
+        f(i, [&items](const T& item) { items.push_back(item); });
+        first_[i + 1] = items.size();
+      }
+    });
+    for (Index c = 1; c < chunks_.size(); ++c) {
+      const Index before = first_[c * chunk_size];
+      const Index last = std::min(n, (c + 1) * chunk_size);
+      for (Index i = c * chunk_size; i < last; ++i) first_[i + 1] += before;
+    }
+    items_.resize(first_[n]);
+    for_each_chunk(n, [&](Chunk chunk) {
+      std::copy(chunks_[chunk.number].begin(), chunks_[chunk.number].end(),
+                items_.begin() + static_cast<std::ptrdiff_t>(first_[chunk.first]));
+    });
+  }
+
+  /// Rows.
+  Index size() const noexcept { return first_.empty() ? 0 : first_.size() - 1; }
+
+  std::span<T> operator[](Index row) noexcept {
+    return std::span(items_).subspan(first_[row], first_[row + 1] - first_[row]);
+  }
+  std::span<const T> operator[](Index row) const noexcept {
+    return std::span(items_).subspan(first_[row], first_[row + 1] - first_[row]);
+  }
+
+  /// Place of each row's first item, and the number of all items behind the last.
+  std::span<const Index> first() const noexcept { return first_; }
+  std::span<T> items() noexcept { return items_; }
+  std::span<const T> items() const noexcept { return items_; }
+
+ private:
+  std::vector<Index> first_;
+  std::vector<T> items_;
+  std::vector<std::vector<T>> chunks_;
+};
+
+}  // namespace silt

@@ -1,0 +1,226 @@
+// SPDX-License-Identifier: MIT
+// A simulation is four values: particles P, a neighbour search S, an interaction I, an integrator T.
+#pragma once
+
+#include <silt/core/concepts.hpp>
+#include <silt/core/error.hpp>
+#include <silt/core/parallel.hpp>
+#include <silt/core/particles.hpp>
+#include <silt/core/types.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string>
+#include <type_traits>
+#include <utility>
+
+namespace silt {
+
+/// How long Simulation::run goes, and how often it calls its observers.
+struct Run {
+  double until = 0;                     ///< run while time < until [s]
+  double output_every = 0;              ///< [s]; 0: at the beginning and at the end only
+  std::optional<double> time_step = {};  ///< [s]; without one, the interaction chooses
+};
+
+template <class P, class S, class I, class T>
+class Simulation {
+  static_assert(ParticleSet<P>, "silt::Simulation: the first value is the particles");
+  static_assert(NeighbourSearch<S, P>,
+                "silt::Simulation: the second value is no neighbour search for these particles "
+                "(same dimension and precision? see NeighbourSearch in silt/core/concepts.hpp)");
+  static_assert(Reaching<I, P>,
+                "silt::Simulation: the third value is no interaction for these particles (has it "
+                "reach(particles), and have they the fields it needs?)");
+  static_assert(!NeighbourSearch<S, P> || !Reaching<I, P> || Integrator<T, P, S, I>,
+                "silt::Simulation: this integrator cannot advance these particles with this "
+                "interaction (Leapfrog takes forces on grains, SemiImplicit a flow)");
+
+ public:
+  /// Throws if the search is set to less than the interaction reaches.
+  Simulation(P particles, S search, I interaction, T integrator)
+      : particles_(std::move(particles)),
+        search_(std::move(search)),
+        interaction_(std::move(interaction)),
+        integrator_(std::move(integrator)),
+        radius_is_ours_(!(search_.radius() > 0)) {
+    prepare();
+  }
+
+  double time() const noexcept { return time_; }           ///< [s]
+  std::uint64_t steps() const noexcept { return steps_; }  ///< done so far
+  double last_time_step() const noexcept { return last_time_step_; }  ///< [s]
+  /// Particles removed because they left the box; see Leavers.
+  std::uint64_t particles_lost() const noexcept { return particles_lost_; }
+
+  P& particles() noexcept { return particles_; }
+  const P& particles() const noexcept { return particles_; }
+  const S& search() const noexcept { return search_; }
+  I& interaction() noexcept { return interaction_; }
+  const I& interaction() const noexcept { return interaction_; }
+  const T& integrator() const noexcept { return integrator_; }
+
+  /// The particles with all fields at time(). Integrators whose velocities live between two steps
+  /// bring them to it; the simulation itself is left as it is.
+  P snapshot() const {
+    if constexpr (requires(T t, P p, S s, I i) { t.synchronise(p, s, i); }) {
+      Simulation copy = *this;
+      copy.integrator_.synchronise(copy.particles_, copy.search_, copy.interaction_);
+      return std::move(copy.particles_);
+    } else {
+      return particles_;
+    }
+  }
+
+  /// The time step the interaction would choose now [s]. Throws if it chooses none.
+  double time_step() {
+    double dt = std::numeric_limits<double>::infinity();
+    if constexpr (ChoosesTimeStep<I, P>) dt = interaction_.time_step(particles_);
+    if (!is_finite(dt)) {
+      fail("Simulation: nothing here chooses a time step; give one: run({.time_step = …}) or "
+           "step(dt)");
+    }
+    return dt;
+  }
+
+  /// One step with the time step the interaction chooses.
+  void step() { step(time_step()); }
+
+  /// One step of dt [s]: a transaction. Throws silt::Error if dt is not positive or beyond
+  /// stability, if the step made something that is not finite, if a particle left a box that
+  /// refuses it, or if a solve failed; the simulation is then as it was before.
+  void step(double dt) {
+    try {
+      require_positive("Simulation: time_step", dt);
+      prepare();
+      save();
+    } catch (const Error& error) {
+      throw error.at(steps_, time_);
+    }
+    try {
+      integrator_.step(particles_, search_, interaction_, dt);
+      check_finite();
+      check_leavers();
+    } catch (const Error& error) {
+      restore();
+      throw error.at(steps_, time_);
+    } catch (...) {
+      restore();
+      throw;
+    }
+    remove_leavers();
+    time_ += dt;
+    ++steps_;
+    last_time_step_ = dt;
+  }
+
+  /// Steps while time() < until. Observers are called with the simulation at the beginning, at the
+  /// first step at or after every multiple of output_every, and at the end; those that have
+  /// `after_step(simulation, run)` also after every step.
+  template <class... Observers>
+    requires(Observer<Observers, Simulation> && ...)
+  void run(const Run& run, Observers&&... observers) {
+    require_finite("Run: until", run.until);
+    require_not_negative("Run: output_every", run.output_every);
+    if (run.time_step) require_positive("Run: time_step", *run.time_step);
+    const auto observe = [&] { (observers(std::as_const(*this)), ...); };
+    const auto outputs_at = [&](double time) {
+      return run.output_every > 0 ? std::floor(time / run.output_every * (1 + 1e-12)) : 0.0;
+    };
+    const double end = run.until * (1 - 1e-12);
+    observe();
+    double outputs = outputs_at(time_);
+    bool observed = true;
+    while (time_ < end) {
+      step(run.time_step ? *run.time_step : time_step());
+      const auto after_step = [&](auto& observer) {
+        if constexpr (requires { observer.after_step(std::as_const(*this), run); }) {
+          observer.after_step(std::as_const(*this), run);
+        }
+      };
+      (after_step(observers), ...);
+      observed = outputs_at(time_) > outputs;
+      if (observed) {
+        observe();
+        outputs = outputs_at(time_);
+      }
+    }
+    if (!observed) observe();
+  }
+
+ private:
+  // The search must see as far as the interaction reaches.
+  void prepare() {
+    const auto reach = interaction_.reach(particles_);
+    require_not_negative("Simulation: the interaction's reach", double(reach));
+    if (radius_is_ours_) {
+      search_.set_radius(reach > 0 ? reach : 1);
+    } else if (search_.radius() < reach) {
+      fail("Simulation: the search radius " + to_text(double(search_.radius())) +
+           " m is less than the interaction reaches, " + to_text(double(reach)) +
+           " m; enlarge it, or leave it to the simulation");
+    }
+  }
+
+  void save() {
+    particles_.save();
+    if constexpr (Transactional<I>) interaction_.save();
+    saved_integrator_ = integrator_;
+  }
+  void restore() noexcept {
+    particles_.restore();
+    if constexpr (Transactional<I>) interaction_.restore();
+    integrator_ = *saved_integrator_;
+  }
+
+  void check_finite() const {
+    particles_.for_each_field([this]<class F>(auto values, F) {
+      using Value = typename decltype(values)::value_type;
+      if constexpr (role_of<F>() == Role::state && requires(Value v) { is_finite(v); }) {
+        const Index broken = first_where(values.size(), [&](Index i) { return !is_finite(values[i]); });
+        if (broken != nowhere) {
+          fail("Simulation: the step made a " + std::string(name_of<F>()) +
+                   " that is not finite; take a smaller time step, or look at the forces",
+               {.particle = broken, .id = particles_.id(broken)});
+        }
+      }
+    });
+  }
+
+  void check_leavers() const {
+    const auto& box = particles_.box();
+    if (box.leavers != Leavers::refuse) return;
+    const auto x = particles_[position];
+    const Index gone = first_where(x.size(), [&](Index i) { return !box.holds(x[i]); });
+    if (gone == nowhere) return;
+    std::string at = to_text(double(x[gone][0]));
+    for (int k = 1; k < P::dimension; ++k) at += ", " + to_text(double(x[gone][k]));
+    fail("Simulation: a particle left the box at x = (" + at +
+             ") m; widen the box, stop the leak, or set Box::leavers to Leavers::remove",
+         {.particle = gone, .id = particles_.id(gone)});
+  }
+
+  void remove_leavers() {
+    const auto& box = particles_.box();
+    if (box.leavers != Leavers::remove) return;
+    const auto outside = [&](Index i) { return !box.holds(particles_[position][i]); };
+    if (first_where(particles_.size(), outside) == nowhere) return;
+    particles_lost_ += particles_.remove_if(outside);
+  }
+
+  P particles_;
+  S search_;
+  I interaction_;
+  T integrator_;
+  std::optional<T> saved_integrator_;
+  bool radius_is_ours_;
+  std::uint64_t steps_ = 0;
+  std::uint64_t particles_lost_ = 0;
+  double time_ = 0;
+  double last_time_step_ = 0;
+};
+
+}  // namespace silt

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: MIT
+// The words every other header speaks: vectors, spins, indices, ids.
+#pragma once
+
+#include <Eigen/Core>
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <type_traits>
+
+namespace silt {
+
+/// A vector of space: Dim components of Real.
+template <int Dim, class Real = double>
+using Vec = Eigen::Matrix<Real, Dim, 1>;
+
+/// Angular velocity, angle, moment: one number in the plane (counter-clockwise positive), a vector
+/// in space.
+template <int Dim, class Real = double>
+using Spin = std::conditional_t<Dim == 2, Real, Vec<3, Real>>;
+
+/// Place of a particle in memory. It changes when particles are removed or reordered.
+using Index = std::size_t;
+
+/// Name of a particle for life.
+using Id = std::uint64_t;
+
+inline constexpr Index nowhere = std::numeric_limits<Index>::max();
+
+template <int Dim, class Real>
+Spin<Dim, Real> zero_spin() {
+  if constexpr (Dim == 2) {
+    return Real(0);
+  } else {
+    return Vec<3, Real>::Zero();
+  }
+}
+
+/// Moment a × b of a force b at the arm a.
+template <class Real>
+Real moment(const Vec<2, Real>& arm, const Vec<2, Real>& force) {
+  return arm[0] * force[1] - arm[1] * force[0];
+}
+template <class Real>
+Vec<3, Real> moment(const Vec<3, Real>& arm, const Vec<3, Real>& force) {
+  return {arm[1] * force[2] - arm[2] * force[1], arm[2] * force[0] - arm[0] * force[2],
+          arm[0] * force[1] - arm[1] * force[0]};
+}
+
+/// Velocity w × a of a point at the arm a on a body that turns with w.
+template <class Real>
+Vec<2, Real> cross(Real spin, const Vec<2, Real>& arm) {
+  return {-spin * arm[1], spin * arm[0]};
+}
+template <class Real>
+Vec<3, Real> cross(const Vec<3, Real>& spin, const Vec<3, Real>& arm) {
+  return moment(spin, arm);
+}
+
+template <class Real>
+Real squared(Real x) {
+  return x * x;
+}
+
+/// |w|² of a spin in either dimension.
+template <class Real>
+Real squared_norm(Real spin)
+  requires std::is_floating_point_v<Real>
+{
+  return spin * spin;
+}
+template <class Real>
+Real squared_norm(const Vec<3, Real>& spin) {
+  return spin.squaredNorm();
+}
+
+}  // namespace silt

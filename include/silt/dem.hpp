@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: MIT
+// Granular flow: everything a DEM program includes, but for files.
+#pragma once
+
+#include <silt/core/forces.hpp>
+#include <silt/core/lattice.hpp>
+#include <silt/core/simulation.hpp>
+#include <silt/dem/contacts.hpp>
+#include <silt/dem/cundall_strack.hpp>
+#include <silt/dem/grains.hpp>
+#include <silt/integrate/leapfrog.hpp>
+#include <silt/search/brute_force.hpp>
+#include <silt/search/neighbour_list.hpp>
+#include <silt/search/uniform_grid.hpp>

@@ -1,0 +1,439 @@
+// SPDX-License-Identifier: MIT
+// The interaction of DEM: finds who touches whom, remembers what a law remembers, asks the law for
+// each contact once, and sums per grain in a fixed order.
+#pragma once
+
+#include <silt/core/concepts.hpp>
+#include <silt/core/error.hpp>
+#include <silt/core/pair_memory.hpp>
+#include <silt/core/parallel.hpp>
+#include <silt/core/rows.hpp>
+#include <silt/core/types.hpp>
+#include <silt/dem/contact.hpp>
+#include <silt/dem/grains.hpp>
+#include <silt/dem/materials.hpp>
+#include <silt/dem/time_step.hpp>
+#include <silt/dem/walls.hpp>
+
+#include <algorithm>
+#include <limits>
+#include <optional>
+#include <string>
+#include <tuple>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+namespace silt::dem {
+
+/// Where the contact force takes hold.
+enum class LeverArm {
+  contact_point,  ///< in the middle of the overlap: keeps angular momentum to round-off
+  radius,         ///< at R, as [SahChoi2004] (14) has it: off by δ/2
+};
+
+struct ContactSettings {
+  LeverArm lever_arm = LeverArm::contact_point;
+  double steps_per_contact = 50;  ///< of the default time step [-]
+  bool refuse_unstable = true;    ///< throw when Δt is beyond what the existing contacts allow
+};
+
+/// Contacts under one law (or one per pair of materials), of grains among themselves and with walls.
+/// A wall is any type that models dem::Wall.
+template <class Law, class... Walls>
+class Contacts {
+ public:
+  /// Throws if a parameter of the law or of a wall is out of range.
+  explicit Contacts(Law law, Walls... walls) : Contacts(Materials<Law>{law}, std::move(walls)...) {}
+  explicit Contacts(Materials<Law> materials, Walls... walls)
+      : materials_(std::move(materials)), walls_(std::move(walls)...) {
+    for_each_wall([this](auto& wall, Index w) {
+      wall.check();
+      check_material(wall.material, "of wall " + std::to_string(w));
+    });
+  }
+
+  /// The same contacts with other settings. Throws if they are out of range.
+  Contacts with(const ContactSettings& settings) const {
+    require_positive("ContactSettings: steps_per_contact", settings.steps_per_contact);
+    Contacts contacts = *this;
+    contacts.settings_ = settings;
+    return contacts;
+  }
+
+  /// Two of the largest radius [m].
+  template <class P>
+  typename P::Real reach(const P& grains) const {
+    using Real = typename P::Real;
+    const auto R = grains[radius];
+    return 2 * largest(R.size(), Real(0), [&](Index i) { return R[i]; });
+  }
+
+  /// Adds contact forces and moments. Throws if two centres coincide, if a material is unknown, or
+  /// if dt is beyond stability.
+  template <class P, class S>
+    requires HasFields<P, velocity_t, spin_t, force_t, torque_t, mass_t, inertia_t, radius_t,
+                       material_t> &&
+             ContactLaw<Law, P::dimension, typename P::Real> &&
+             (Wall<Walls, P::dimension, typename P::Real> && ...)
+  void accelerate(P& grains, const S& search, double dt) {
+    auto& now = found<P>();
+    grains.refresh_ghosts(velocity);
+    grains.refresh_ghosts(spin);
+    find(grains, search, now);
+    now.memory.renew(grains.ids(), now.touches.first(), now.partners);
+    ask_law(grains, now, static_cast<typename P::Real>(dt));
+    add_to_grains(grains, now);
+    if constexpr (knows_stiffness<P>) {
+      if (settings_.refuse_unstable) check_stability(grains, now, dt);
+    }
+    count_ = now.partners.size();
+  }
+
+  /// A fraction 1/steps_per_contact of the shortest contact that the lightest grains can have [s].
+  template <class P>
+  double time_step(const P& grains) const {
+    using Contact = dem::Contact<P::dimension, typename P::Real>;
+    const auto m = grains[mass];
+    double duration = std::numeric_limits<double>::infinity();
+    if constexpr (knows_stiffness<P>) {
+      const double lightest = -largest(m.size(), -std::numeric_limits<double>::infinity(),
+                                       [&](Index i) { return -double(m[i]); });
+      if (!(lightest > 0) || !is_finite(lightest)) return duration;
+      Contact contact{};
+      contact.effective_mass = static_cast<typename P::Real>(lightest / 2);
+      contact.effective_radius = 1;
+      // A spring along the tangent also has to turn the grain: 1 + m R²/I is 3 for discs, 3.5 for
+      // spheres.
+      for (std::uint32_t a = 0; a < materials_.count(); ++a) {
+        for (std::uint32_t b = 0; b < materials_.count(); ++b) {
+          const Stiffness k = materials_.between(a, b).stiffness(contact);
+          const double stiffest = std::max(k.normal, 3.5 * k.tangential);
+          if (!(stiffest > 0)) continue;
+          duration =
+              std::min(duration, contact_duration({.mass = lightest / 2, .stiffness = stiffest}));
+        }
+      }
+    }
+    return duration / settings_.steps_per_contact;
+  }
+
+  /// Contacts of the last step, walls included.
+  Index size() const noexcept { return count_; }
+
+  /// f(i, j, contact, force on i) for every contact of the last step; j is the partner's place
+  /// (owned or ghost), or `nowhere` for a wall.
+  template <class P, class F>
+  void for_each_contact(const P&, F&& f) const {
+    const auto& last = found<P>();
+    for (Index i = 0; i < last.touches.size(); ++i) {
+      for (const auto& touch : last.touches[i]) f(i, touch.j, touch.contact, touch.force);
+    }
+  }
+
+  /// Energy in the springs of the last step's contacts [J]; 0 for a law that does not tell.
+  template <class P>
+  double elastic_energy(const P& grains) const {
+    const auto& last = found<P>();
+    double energy = 0;
+    if constexpr (requires(const Touch<P> t, const MemoryOf<P> m, const Law law) {
+                    law.elastic_energy(t.contact, m);
+                  }) {
+      energy = ordered_sum(last.touches.size(), 0.0, [&](Index i) {
+        double of_row = 0;
+        Index c = last.touches.first()[i];
+        for (const Touch<P>& touch : last.touches[i]) {
+          of_row += law_of(grains, i, touch)
+                        .elastic_energy(touch.contact, last.memory.values()[c++]);
+        }
+        return of_row;
+      });
+    }
+    return energy;
+  }
+
+  /// What the law remembers of the pairs that touch, by ids: for a checkpoint.
+  template <class P>
+  auto& memory(const P&) noexcept {
+    return found<P>().memory;
+  }
+  template <class P>
+  const auto& memory(const P&) const noexcept {
+    return found<P>().memory;
+  }
+
+  void save() noexcept {
+    std::apply([](auto&... each) { (each.memory.save(), ...); }, found_);
+  }
+  void restore() noexcept {
+    std::apply([](auto&... each) { (each.memory.restore(), ...); }, found_);
+  }
+
+ private:
+  template <int Dim, class Real>
+  static auto memory_type() {
+    if constexpr (LawWithMemory<Law, Dim, Real>) {
+      return typename Law::template Memory<Dim, Real>{};
+    } else {
+      return NoMemory{};
+    }
+  }
+  template <class P>
+  using MemoryOf = decltype(memory_type<P::dimension, typename P::Real>());
+
+  template <class P>
+  static constexpr bool knows_stiffness =
+      requires(const Law law, const Contact<P::dimension, typename P::Real> c) {
+        { law.stiffness(c) } -> std::convertible_to<Stiffness>;
+      };
+
+  template <int Dim, class Real>
+  struct TouchOf {
+    Index j = nowhere;           // nowhere: a wall
+    Id partner = 0;              // id of j, or wall_id
+    std::uint32_t material = 0;  // of the partner
+    Real arm_i = 0;              // [m]
+    Real arm_j = 0;              // [m]
+    Contact<Dim, Real> contact{};
+    Vec<Dim, Real> force = Vec<Dim, Real>::Zero();  // on i [N]
+  };
+  template <class P>
+  using Touch = TouchOf<P::dimension, typename P::Real>;
+
+  template <int Dim, class Real>
+  struct Found {
+    Rows<TouchOf<Dim, Real>> touches;  // row i: contacts of i with higher ids and with walls
+    std::vector<Id> partners;
+    PairMemory<decltype(memory_type<Dim, Real>())> memory;
+    std::vector<Index> incoming_first;  // by grain: contacts found in the rows of lower ids
+    std::vector<Index> incoming;
+    std::vector<Index> row_of;          // by contact
+  };
+
+  // Contacts learns dimension and precision from the grains only; one of these four is in use.
+  template <class P>
+  auto& found() noexcept {
+    return std::get<Found<P::dimension, typename P::Real>>(found_);
+  }
+  template <class P>
+  const auto& found() const noexcept {
+    return std::get<Found<P::dimension, typename P::Real>>(found_);
+  }
+
+  // Every contact once, in the row of the lower id. A row is sorted by the partner's id, so that
+  // neither the search nor the order in memory shows in any sum.
+  template <class P, class S>
+  void find(const P& grains, const S& search, Found<P::dimension, typename P::Real>& now) const {
+    using Real = typename P::Real;
+    using Vec = typename P::Vec;
+    const auto x = grains[position];
+    const auto R = grains.with_ghosts(radius);
+    const auto materials = grains.with_ghosts(material);
+    now.touches.build(grains.size(), [&](Index i, auto&& add) {
+      if (materials[i] >= materials_.count()) check_material(materials[i], "of a grain", {.particle = i, .id = grains.id(i)});
+      search.for_each_neighbour(i, [&](Index j, const Vec& r_ij, Real r) {
+        const Real overlap = R[i] + R[j] - r;
+        if (!(overlap > 0) || grains.id(j) <= grains.id(i)) return;
+        if (!(r > 0)) {
+          fail("dem::Contacts: the centres of grains " + std::to_string(grains.id(i)) + " and " +
+                   std::to_string(grains.id(j)) + " coincide; place them apart",
+               {.particle = i, .id = grains.id(i)});
+        }
+        Touch<P> touch;
+        touch.j = j;
+        touch.partner = grains.id(j);
+        touch.material = materials[j];
+        touch.contact.normal = -r_ij / r;
+        touch.contact.overlap = overlap;
+        touch.arm_i = arm(R[i], overlap / 2);
+        touch.arm_j = arm(R[j], overlap / 2);
+        add(touch);
+      });
+      for_each_wall([&](const auto& wall, Index w) {
+        const auto nearest = wall.nearest(x[i]);
+        const Real overlap = R[i] - nearest.distance;
+        if (!(overlap > 0)) return;
+        Touch<P> touch;
+        touch.partner = wall_id(w);
+        touch.material = wall.material;
+        touch.contact.normal = nearest.normal;
+        touch.contact.overlap = overlap;
+        touch.arm_i = arm(R[i], overlap);
+        add(touch);
+      });
+    });
+    now.partners.resize(now.touches.items().size());
+    for_each(grains.size(), [&](Index i) {
+      const auto row = now.touches[i];
+      std::sort(row.begin(), row.end(),
+                [](const Touch<P>& a, const Touch<P>& b) { return a.partner < b.partner; });
+      Index c = now.touches.first()[i];
+      for (const Touch<P>& touch : row) now.partners[c++] = touch.partner;
+    });
+  }
+
+  // The law's force for every contact.
+  template <class P>
+  void ask_law(const P& grains, Found<P::dimension, typename P::Real>& now,
+               typename P::Real dt) const {
+    using Vec = typename P::Vec;
+    const auto v = grains.with_ghosts(velocity);
+    const auto w = grains.with_ghosts(spin);
+    const auto m = grains.with_ghosts(mass);
+    const auto R = grains.with_ghosts(radius);
+    for_each(grains.size(), [&](Index i) {
+      Index c = now.touches.first()[i];
+      for (Touch<P>& touch : now.touches[i]) {
+        auto& contact = touch.contact;
+        const Vec& n = contact.normal;
+        contact.time_step = dt;
+        contact.relative_velocity = v[i] - cross(w[i], Vec(touch.arm_i * n));
+        contact.effective_mass = m[i];
+        contact.effective_radius = R[i];
+        if (const Index j = touch.j; j != nowhere) {
+          contact.relative_velocity -= v[j] + cross(w[j], Vec(touch.arm_j * n));
+          contact.effective_mass = m[i] * m[j] / (m[i] + m[j]);
+          contact.effective_radius = R[i] * R[j] / (R[i] + R[j]);
+        }
+        const Law& law = law_of(grains, i, touch);
+        if constexpr (LawWithMemory<Law, P::dimension, typename P::Real>) {
+          touch.force = law.force(std::as_const(contact), now.memory.values()[c]);
+        } else {
+          touch.force = law.force(std::as_const(contact));
+        }
+        ++c;
+      }
+    });
+  }
+
+  // Σ F and Σ M (14): a grain's own row first, then the contacts of lower ids, in their order.
+  template <class P>
+  void add_to_grains(P& grains, Found<P::dimension, typename P::Real>& now) const {
+    using Vec = typename P::Vec;
+    list_incoming(grains, now);
+    const auto F = grains[force];
+    const auto M = grains[torque];
+    for_each(grains.size(), [&](Index i) {
+      for (const Touch<P>& touch : now.touches[i]) {
+        F[i] += touch.force;
+        M[i] += moment(Vec(-touch.arm_i * touch.contact.normal), touch.force);
+      }
+      for_each_incoming(now, i, [&](Index, const Touch<P>& touch) {
+        F[i] -= touch.force;
+        M[i] += moment(Vec(touch.arm_j * touch.contact.normal), Vec(-touch.force));
+      });
+    });
+  }
+
+  template <class P>
+  static void list_incoming(const P& grains, Found<P::dimension, typename P::Real>& now) {
+    auto& first = now.incoming_first;
+    first.assign(grains.size() + 1, 0);
+    for (const auto& touch : now.touches.items()) {
+      if (touch.j != nowhere) ++first[grains.owner(touch.j) + 1];
+    }
+    for (Index i = 0; i < grains.size(); ++i) first[i + 1] += first[i];
+    now.incoming.resize(first.back());
+    now.row_of.resize(now.touches.items().size());
+    // Fill from behind: first[i + 1] walks down from the end of row i to its beginning.
+    for (Index i = grains.size(); i-- > 0;) {
+      for (Index c = now.touches.first()[i + 1]; c-- > now.touches.first()[i];) {
+        now.row_of[c] = i;
+        const Index j = now.touches.items()[c].j;
+        if (j != nowhere) now.incoming[--first[grains.owner(j) + 1]] = c;
+      }
+    }
+    // Now first[i + 1] is the beginning of row i.
+    for (Index i = 0; i < grains.size(); ++i) first[i] = first[i + 1];
+    first.back() = now.incoming.size();
+  }
+
+  // f(row the contact stands in, touch) for every contact in which i is the partner.
+  template <class Now, class F>
+  static void for_each_incoming(const Now& now, Index i, F&& f) {
+    for (Index k = now.incoming_first[i]; k < now.incoming_first[i + 1]; ++k) {
+      const Index c = now.incoming[k];
+      f(now.row_of[c], now.touches.items()[c]);
+    }
+  }
+
+  // Δt against the contacts that exist. A cheap bound passes nearly always; FrequencyBound decides.
+  template <class P>
+  void check_stability(const P& grains, const Found<P::dimension, typename P::Real>& now,
+                       double dt) const {
+    const auto m = grains[mass];
+    const auto I = grains[inertia];
+    const auto for_each_contact_of = [&](Index i, auto&& f) {
+      for (const Touch<P>& touch : now.touches[i]) {
+        f(touch, law_of(grains, i, touch).stiffness(touch.contact), double(touch.arm_i));
+      }
+      for_each_incoming(now, i, [&](Index row, const Touch<P>& touch) {
+        f(touch, law_of(grains, row, touch).stiffness(touch.contact), double(touch.arm_j));
+      });
+    };
+    const auto is_beyond = [&](Index i) {
+      double sum = 0;
+      double beta = 0;
+      for_each_contact_of(i, [&](const Touch<P>& touch, const Stiffness& k, double arm) {
+        const double turning = 1 + double(m[i]) * arm * arm / double(I[i]);
+        sum += std::max(k.normal, k.tangential * turning) / double(touch.contact.effective_mass);
+        beta = std::max(beta, k.beta);
+      });
+      return sum > 0 && dt > stable_time_step({.angular_frequency = std::sqrt(sum), .beta = beta});
+    };
+    const auto stable_of = [&](Index i) {
+      FrequencyBound<P::dimension, typename P::Real> bound;
+      double beta = 0;
+      for_each_contact_of(i, [&](const Touch<P>& touch, const Stiffness& k, double arm) {
+        bound.add(touch.contact, k, {.mass = double(m[i]), .inertia = double(I[i]), .arm = arm});
+        beta = std::max(beta, k.beta);
+      });
+      return stable_time_step(
+          {.angular_frequency = std::sqrt(bound.squared_frequency()), .beta = beta});
+    };
+    const Index broken = first_where(
+        grains.size(), [&](Index i) { return is_beyond(i) && dt > stable_of(i); });
+    if (broken != nowhere) {
+      fail("dem::Contacts: time_step = " + to_text(dt) + " s exceeds the stable " +
+               to_text(stable_of(broken)) + " s of a grain with its contacts; lower it",
+           {.particle = broken, .id = grains.id(broken)});
+    }
+  }
+
+  template <class P>
+  const Law& law_of(const P& grains, Index i, const Touch<P>& touch) const {
+    return materials_.between(grains[material][i], touch.material);
+  }
+
+  void check_material(std::uint32_t number, const std::string& whose, Where where = {}) const {
+    if (number >= materials_.count()) {
+      fail("dem::Contacts: material " + std::to_string(number) + " " + whose + ", but there are " +
+               std::to_string(materials_.count()) + "; give Contacts all materials",
+           where);
+    }
+  }
+
+  template <class Real>
+  Real arm(Real R, Real to_contact_point) const {
+    return settings_.lever_arm == LeverArm::radius ? R : R - to_contact_point;
+  }
+
+  template <class F>
+  void for_each_wall(F&& f) {
+    Index w = 0;
+    std::apply([&](auto&... wall) { (f(wall, w++), ...); }, walls_);
+  }
+  template <class F>
+  void for_each_wall(F&& f) const {
+    Index w = 0;
+    std::apply([&](const auto&... wall) { (f(wall, w++), ...); }, walls_);
+  }
+
+  Materials<Law> materials_;
+  std::tuple<Walls...> walls_;
+  ContactSettings settings_;
+  std::tuple<Found<2, float>, Found<2, double>, Found<3, float>, Found<3, double>> found_;
+  Index count_ = 0;
+};
+
+}  // namespace silt::dem

@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: MIT
+// The law of Cundall and Strack (1979) as [SahChoi2004] (8)–(13), (22)–(24) has it: a spring and a
+// dashpot along the normal, a spring, a dashpot and a slider along the tangent.
+#pragma once
+
+#include <silt/core/error.hpp>
+#include <silt/core/types.hpp>
+#include <silt/dem/contact.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+namespace silt::dem {
+
+/// Friction angle φ [rad], with its tangent worked out once.
+struct FrictionAngle {
+  double value = 0;
+  double tangent = 0;
+
+  constexpr FrictionAngle() = default;
+  FrictionAngle(double angle) : value(angle), tangent(std::tan(angle)) {}
+};
+
+/// Restitution e of a head-on impact whose contact ends at zero overlap (the dashpot may pull there),
+/// with the damping ratio that gives it: ζ = −ln e / √(π² + ln² e).
+struct Restitution {
+  double value = 1;
+  double damping_ratio = 0;
+
+  constexpr Restitution() = default;
+  Restitution(double e)
+      : value(e),
+        damping_ratio(-std::log(e) /
+                      std::sqrt(std::numbers::pi * std::numbers::pi + squared(std::log(e)))) {}
+};
+
+/// F_n = k_n δ: the default.
+struct OverlapForm {
+  template <int Dim, class Real>
+  struct Memory {
+    Vec<Dim, Real> tangential_force = Vec<Dim, Real>::Zero();  ///< spring part, on i [N]
+  };
+
+  template <class C, class M>
+  static typename C::Real spring_force(const C& contact, M&, typename C::Real k_n) {
+    return k_n * contact.overlap;
+  }
+};
+
+/// F_n^N = F_n^{N−1} + k_n v_n Δt: the paper's (8), (10), (12). Tends to OverlapForm as Δt → 0.
+struct IncrementalForm {
+  template <int Dim, class Real>
+  struct Memory {
+    Vec<Dim, Real> tangential_force = Vec<Dim, Real>::Zero();  ///< spring part, on i [N]
+    Real normal_force = 0;                                     ///< spring part [N]
+  };
+
+  template <class C, class M>
+  static typename C::Real spring_force(const C& contact, M& memory, typename C::Real k_n) {
+    memory.normal_force += k_n * contact.approach_speed() * contact.time_step;
+    return memory.normal_force;
+  }
+};
+
+template <class NormalForm>
+struct CundallStrackLaw {
+  double normal_stiffness = 0;      ///< k_n [N/m], above 0
+  double tangential_stiffness = 0;  ///< k_s [N/m]; 0: no friction force at all
+  Restitution restitution = {};     ///< e [-] in (0, 1]; sets c_n = 2 ζ √(k_n m*), c_s = c_n k_s/k_n
+  std::optional<double> beta = {};  ///< β [s]: c_n = β k_n, c_s = β k_s (24), in place of e
+  FrictionAngle friction_angle = {};  ///< φ_μ [rad] in [0, π/2)
+  double cohesion = 0;                ///< c of (13): tangential force that holds without load [N]
+  bool tension = true;  ///< false: the dashpot never pulls, and e grows to e_clip(ζ) of Schwager
+                        ///< and Pöschel (2007)
+
+  template <int Dim, class Real>
+  using Memory = typename NormalForm::template Memory<Dim, Real>;
+
+  /// Throws if a parameter is out of range.
+  void check() const {
+    require_positive("CundallStrack: normal_stiffness", normal_stiffness);
+    require_not_negative("CundallStrack: tangential_stiffness", tangential_stiffness);
+    require_positive("CundallStrack: restitution", restitution.value);
+    require_between("CundallStrack: restitution", restitution.value, {0, 1});
+    require_between("CundallStrack: friction_angle", friction_angle.value,
+                    {0, std::numbers::pi / 2 - 1e-6});
+    require_not_negative("CundallStrack: cohesion", cohesion);
+    if (beta) {
+      require_not_negative("CundallStrack: beta", *beta);
+      if (restitution.value != 1) {
+        fail("CundallStrack: restitution = " + to_text(restitution.value) + " and beta = " +
+             to_text(*beta) + " s both set the dashpot; give one of them");
+      }
+    }
+  }
+
+  /// Force on i [N].
+  template <class C, class M>
+  typename C::Vec force(const C& contact, M& memory) const {
+    using Real = typename C::Real;
+    using Vec = typename C::Vec;
+    const Real k_n = Real(normal_stiffness);
+    const Real k_s = Real(tangential_stiffness);
+    const Real c_over_k = dashpot_over_spring(contact.effective_mass);
+    const Vec& n = contact.normal;
+    const Real v_n = contact.approach_speed();
+    const Vec v_s = contact.tangential_velocity();
+
+    const Real F_n = NormalForm::spring_force(contact, memory, k_n);
+    const Real D_n = c_over_k * k_n * v_n;  // (22)
+
+    Vec F_s = turned_into_plane(memory.tangential_force, n) - k_s * v_s * contact.time_step;
+    const Real limit = std::max(Real(0), F_n * Real(friction_angle.tangent) + Real(cohesion));
+    const Real size = F_s.norm();
+    const bool slides = size > limit;  // (13)
+    if (slides) F_s *= limit / size;
+    memory.tangential_force = F_s;
+    // While it slides, friction alone dissipates.
+    const Vec D_s = slides ? Vec(Vec::Zero()) : Vec(-c_over_k * k_s * v_s);  // (23)
+
+    const Real normal = tension ? F_n + D_n : std::max(Real(0), F_n + D_n);
+    return normal * n + F_s + D_s;
+  }
+
+  /// Energy in the two springs [J].
+  template <class C, class M>
+  double elastic_energy(const C& contact, const M& memory) const {
+    double energy = normal_stiffness * squared(double(contact.overlap)) / 2;
+    if (tangential_stiffness > 0) {
+      energy += double(memory.tangential_force.squaredNorm()) / (2 * tangential_stiffness);
+    }
+    return energy;
+  }
+
+  template <class C>
+  Stiffness stiffness(const C& contact) const {
+    return {.normal = normal_stiffness,
+            .tangential = tangential_stiffness,
+            .beta = double(dashpot_over_spring(contact.effective_mass))};
+  }
+
+  /// Between two materials: springs in series (equal ones stay as they are), the lower restitution,
+  /// and the smaller friction angle and cohesion, (13).
+  static CundallStrackLaw mix(const CundallStrackLaw& a, const CundallStrackLaw& b) {
+    CundallStrackLaw law = a.restitution.value <= b.restitution.value ? a : b;
+    law.normal_stiffness = in_series(a.normal_stiffness, b.normal_stiffness);
+    law.tangential_stiffness = in_series(a.tangential_stiffness, b.tangential_stiffness);
+    if (a.beta || b.beta) law.beta = std::max(a.beta.value_or(0), b.beta.value_or(0));
+    law.friction_angle =
+        a.friction_angle.value <= b.friction_angle.value ? a.friction_angle : b.friction_angle;
+    law.cohesion = std::min(a.cohesion, b.cohesion);
+    law.tension = a.tension && b.tension;
+    return law;
+  }
+
+ private:
+  static double in_series(double a, double b) { return a + b > 0 ? 2 * a * b / (a + b) : 0; }
+
+  // β = c/k [s]: given, or 2 ζ √(m*/k_n).
+  template <class Real>
+  Real dashpot_over_spring(Real effective_mass) const {
+    if (beta) return Real(*beta);
+    return Real(2 * restitution.damping_ratio) *
+           std::sqrt(effective_mass / Real(normal_stiffness));
+  }
+
+  // The contact plane turns; the spring turns with it and keeps its length.
+  template <class Vec>
+  static Vec turned_into_plane(const Vec& spring, const Vec& n) {
+    const Vec in_plane = spring - spring.dot(n) * n;
+    const auto length = in_plane.norm();
+    return length > 0 ? Vec(in_plane * (spring.norm() / length)) : Vec(Vec::Zero());
+  }
+};
+
+using CundallStrack = CundallStrackLaw<OverlapForm>;
+using CundallStrackIncremental = CundallStrackLaw<IncrementalForm>;
+
+}  // namespace silt::dem

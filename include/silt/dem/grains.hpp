@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: MIT
+// Grains: the particles of DEM.
+#pragma once
+
+#include <silt/core/error.hpp>
+#include <silt/core/fields.hpp>
+#include <silt/core/particles.hpp>
+#include <silt/core/types.hpp>
+
+#include <cstdint>
+#include <numbers>
+#include <vector>
+
+namespace silt::dem {
+
+/// Which of the materials a grain is made of: its place in dem::Materials.
+inline constexpr struct material_t : field_of<std::uint32_t>, constant_field {
+} material{};
+
+/// Discs (2D) or spheres (3D), with any further fields of the user's.
+template <int Dim, class Real = double, Field... Further>
+using Grains = Particles<Dim, Real, velocity_t, spin_t, angle_t, force_t, torque_t, mass_t,
+                         inertia_t, radius_t, material_t, Further...>;
+
+/// What a grain's mass and moment of inertia are computed from.
+enum class Shape {
+  natural,  ///< a disc of unit thickness in 2D, a sphere in 3D
+  sphere,   ///< a sphere, also in 2D: a layer of spheres whose centres stay in the plane
+};
+
+struct Grain {
+  double radius = 0;               ///< R [m], above 0
+  double density = 0;              ///< ρ of the grain itself [kg/m³], above 0
+  Shape shape = Shape::natural;    ///< disc: I = ½ m R²; sphere: I = ⅖ m R²
+  std::uint32_t material = 0;      ///< place in dem::Materials
+};
+
+/// Adds a grain at rest at x [m]; returns its place. Throws if radius or density is not positive.
+template <class P>
+  requires HasFields<P, mass_t, inertia_t, radius_t, material_t>
+Index add_grain(P& grains, const typename P::Vec& x, const Grain& grain) {
+  using Real = typename P::Real;
+  require_positive("Grain: radius", grain.radius);
+  require_positive("Grain: density", grain.density);
+  const bool disc = P::dimension == 2 && grain.shape == Shape::natural;
+  const double r = grain.radius;
+  const double volume = disc ? std::numbers::pi * r * r : std::numbers::pi * r * r * r * 4 / 3;
+  const double m = grain.density * volume;
+  const Index i = grains.add(x);
+  grains[radius][i] = Real(r);
+  grains[mass][i] = Real(m);
+  grains[inertia][i] = Real(disc ? m * r * r / 2 : m * r * r * 2 / 5);
+  grains[material][i] = grain.material;
+  return i;
+}
+
+/// Equal grains at rest at the points [m]; with further fields: make_grains<temperature_t>(…).
+/// Throws as add_grain does.
+template <Field... Further, class Real, int Dim>
+Grains<Dim, Real, Further...> make_grains(const std::vector<Eigen::Matrix<Real, Dim, 1>>& points,
+                                          const Grain& grain) {
+  Grains<Dim, Real, Further...> grains;
+  grains.reserve(points.size());
+  for (const auto& x : points) add_grain(grains, x, grain);
+  return grains;
+}
+
+}  // namespace silt::dem

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: MIT
+// A material is a law's set of parameters. Between two materials acts Law::mix(a, b).
+#pragma once
+
+#include <silt/core/error.hpp>
+#include <silt/core/types.hpp>
+
+#include <cstdint>
+#include <initializer_list>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace silt::dem {
+
+/// The laws of all pairs of materials.
+template <class Law>
+class Materials {
+ public:
+  /// Throws if there is none, or if a law's parameters are out of range.
+  Materials(std::initializer_list<Law> laws) : count_(laws.size()) {
+    if (count_ == 0) fail("Materials: there is none; give at least one law");
+    const std::vector<Law> own(laws);
+    for (const Law& a : own) {
+      if constexpr (requires { a.check(); }) a.check();
+      for (const Law& b : own) {
+        if constexpr (requires { Law::mix(a, b); }) {
+          table_.push_back(Law::mix(a, b));
+        } else {
+          table_.push_back(a);
+        }
+      }
+    }
+    if constexpr (!requires(const Law& a) { Law::mix(a, a); }) {
+      if (count_ > 1) {
+        fail("Materials: this law does not say how two materials mix; give it a static "
+             "mix(a, b), or use one material");
+      }
+    }
+  }
+
+  std::uint32_t count() const noexcept { return static_cast<std::uint32_t>(count_); }
+
+  /// Law between materials a and b, both below count().
+  const Law& between(std::uint32_t a, std::uint32_t b) const noexcept {
+    return table_[a * count_ + b];
+  }
+
+ private:
+  Index count_;
+  std::vector<Law> table_;
+};
+
+}  // namespace silt::dem

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: MIT
+// Every particle against every other, O(N²): the oracle of the tests and the peer of the benchmark.
+#pragma once
+
+#include <silt/core/error.hpp>
+#include <silt/core/ghosts.hpp>
+#include <silt/core/types.hpp>
+
+#include <cmath>
+#include <vector>
+
+namespace silt {
+
+template <int Dim, class RealType = double>
+class BruteForce {
+ public:
+  using Real = RealType;
+  using Vec = silt::Vec<Dim, Real>;
+
+  struct Settings {
+    Real radius = 0;  ///< pairs closer than this are found [m]; 0: as far as the interaction reaches
+  };
+
+  BruteForce() = default;
+  /// Throws if the radius is negative or not finite.
+  explicit BruteForce(Settings settings) : radius_(settings.radius) {
+    require_not_negative("BruteForce: radius", double(radius_));
+  }
+
+  Real radius() const noexcept { return radius_; }
+  /// Throws if the radius is not positive.
+  void set_radius(Real radius) {
+    require_positive("BruteForce: radius", double(radius));
+    radius_ = radius;
+  }
+
+  /// Takes the positions, and makes the ghosts of periodic sides.
+  template <class P>
+  void update(P& particles) {
+    require_positive("BruteForce: radius", double(radius_));
+    make_ghosts(particles, radius_);
+    const auto x = particles.with_ghosts(position);
+    positions_.assign(x.begin(), x.end());
+    owned_ = particles.size();
+    owners_.resize(positions_.size());
+    for (Index i = 0; i < owners_.size(); ++i) owners_[i] = particles.owner(i);
+  }
+
+  /// f(j, r_ij, r) for every j, owned or ghost, with r < radius(); i is owned, r_ij = x_j − x_i.
+  template <class F>
+  void for_each_neighbour(Index i, F&& f) const {
+    const Real reach = radius_ * radius_;
+    const Vec x_i = positions_[i];
+    for (Index j = 0; j < positions_.size(); ++j) {
+      const Vec r_ij = positions_[j] - x_i;
+      const Real r2 = r_ij.squaredNorm();
+      if (r2 < reach && j != i) f(j, r_ij, std::sqrt(r2));
+    }
+  }
+
+  /// f(i, j, r_ij, r) for every pair once; i is owned, j owned or ghost.
+  template <class F>
+  void for_each_pair(F&& f) const {
+    const Real reach = radius_ * radius_;
+    for (Index i = 0; i < owned_; ++i) {
+      const Vec x_i = positions_[i];
+      for (Index j = i + 1; j < positions_.size(); ++j) {
+        if (owners_[j] <= i) continue;
+        const Vec r_ij = positions_[j] - x_i;
+        const Real r2 = r_ij.squaredNorm();
+        if (r2 < reach) f(i, j, r_ij, std::sqrt(r2));
+      }
+    }
+  }
+
+ private:
+  Real radius_ = 0;
+  Index owned_ = 0;
+  std::vector<Vec> positions_;
+  std::vector<Index> owners_;
+};
+
+}  // namespace silt

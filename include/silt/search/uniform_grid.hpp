@@ -1,0 +1,265 @@
+// SPDX-License-Identifier: MIT
+// Square cells with the search radius as edge, [SahChoi2004] (1). Particles are sorted by cell, x
+// fastest, so that the cells beside one another in a row are one range of memory:
+//
+//     row y+1   . . [a a|b  |c c] . .      3 ranges in 2D, 9 in 3D, instead of 9 and 27 cells
+//     row y     . . [d  |i  |   ] . .
+//     row y-1   . . [   |e e|f  ] . .
+//
+// The number of cells is O(N) whatever the extent: where the particles' bounding box has more, the
+// grid is folded (cell c lies in bin c mod n along each axis). Far cells then share a bin, which
+// costs a few distance tests and never a pair. Fold lengths are pairwise coprime, so that a line of
+// particles along a diagonal does not fall into one bin in n.
+#pragma once
+
+#include <silt/core/error.hpp>
+#include <silt/core/ghosts.hpp>
+#include <silt/core/parallel.hpp>
+#include <silt/core/types.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <numeric>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace silt {
+
+template <int Dim, class RealType = double>
+class UniformGrid {
+ public:
+  using Real = RealType;
+  using Vec = silt::Vec<Dim, Real>;
+
+  struct Settings {
+    Real radius = 0;  ///< pairs closer than this are found [m]; 0: as far as the interaction reaches
+  };
+
+  UniformGrid() = default;
+  /// Throws if the radius is negative or not finite.
+  explicit UniformGrid(Settings settings) : radius_(settings.radius) {
+    require_not_negative("UniformGrid: radius", double(radius_));
+  }
+
+  Real radius() const noexcept { return radius_; }
+  /// Throws if the radius is not positive.
+  void set_radius(Real radius) {
+    require_positive("UniformGrid: radius", double(radius));
+    radius_ = radius;
+  }
+
+  /// Sorts the particles into cells, and makes the ghosts of periodic sides. Throws if a position is
+  /// not finite.
+  template <class P>
+  void update(P& particles) {
+    require_positive("UniformGrid: radius", double(radius_));
+    make_ghosts(particles, radius_);
+    const auto x = particles.with_ghosts(position);
+    lay_grid(x, particles);
+    sort(x);
+    owned_ = particles.size();
+    ghost_owners_.resize(x.size() - owned_);
+    for (Index g = 0; g < ghost_owners_.size(); ++g) {
+      ghost_owners_[g] = particles.owner(owned_ + g);
+    }
+  }
+
+  /// f(j, r_ij, r) for every j, owned or ghost, with r < radius(); i is owned, r_ij = x_j − x_i.
+  template <class F>
+  void for_each_neighbour(Index i, F&& f) const {
+    const Real reach = radius_ * radius_;
+    const Index own_slot = slot_of_[i];
+    const Vec x_i = sorted_[own_slot];
+    for_each_range(cell_of(x_i), [&](Index first, Index last) {
+      for (Index slot = first; slot < last; ++slot) {
+        const Vec r_ij = sorted_[slot] - x_i;
+        const Real r2 = r_ij.squaredNorm();
+        if (r2 < reach && slot != own_slot) f(particle_of_[slot], r_ij, std::sqrt(r2));
+      }
+    });
+  }
+
+  /// f(i, j, r_ij, r) for every pair once; i is owned, j owned or ghost.
+  template <class F>
+  void for_each_pair(F&& f) const {
+    for (Index i = 0; i < owned_; ++i) {
+      for_each_neighbour(i, [&](Index j, const Vec& r_ij, Real r) {
+        if ((j < owned_ ? j : ghost_owners_[j - owned_]) > i) f(i, j, r_ij, r);
+      });
+    }
+  }
+
+  /// Bins of the grid: at most a small multiple of the number of particles.
+  Index bins() const noexcept { return start_.empty() ? 0 : start_.size() - 1; }
+
+  /// Owned particles in cell order: what Particles::reorder takes so that neighbours in space become
+  /// neighbours in memory.
+  std::vector<Index> order() const {
+    std::vector<Index> order;
+    order.reserve(owned_);
+    for (const Index i : particle_of_) {
+      if (i < owned_) order.push_back(i);
+    }
+    return order;
+  }
+
+ private:
+  using Cell = std::array<std::int64_t, Dim>;
+
+  template <class P>
+  void lay_grid(std::span<const Vec> x, const P& particles) {
+    const Index broken = first_where(x.size(), [&](Index i) { return !is_finite(x[i]); });
+    if (broken != nowhere) {
+      fail("UniformGrid: a position is not finite; look at what moved it",
+           {.particle = particles.owner(broken), .id = particles.id(broken)});
+    }
+    Vec lower = x.empty() ? Vec(Vec::Zero()) : x[0];
+    Vec upper = lower;
+    for (const Vec& at : x) {
+      lower = lower.cwiseMin(at);
+      upper = upper.cwiseMax(at);
+    }
+    origin_ = lower;
+    // A little wider than the radius, so that rounding cannot put a pair two cells apart.
+    const Real rounding = 4 * std::numeric_limits<Real>::epsilon();
+    const Real edge = radius_ + rounding * (radius_ + (upper - lower).maxCoeff());
+    per_edge_ = 1 / edge;
+
+    // Doubles, because the product may exceed every integer.
+    std::array<double, Dim> cells;
+    for (int k = 0; k < Dim; ++k) {
+      const double along = std::floor(double(upper[k] - lower[k]) * double(per_edge_)) + 1;
+      if (!(along < 4e18)) {
+        fail("UniformGrid: the particles extend over " + to_text(double(upper[k] - lower[k])) +
+             " m, more than 4e18 search radii of " + to_text(double(radius_)) +
+             " m; remove the stray ones or enlarge the radius");
+      }
+      cells[static_cast<std::size_t>(k)] = along;
+    }
+    const double limit = 2.0 * double(x.size()) + 64;
+    const auto product = [&] {
+      return std::accumulate(cells.begin(), cells.end(), 1.0, [](double a, double b) { return a * b; });
+    };
+    folded_.fill(false);
+    while (product() > limit) {
+      const auto longest = static_cast<std::size_t>(
+          std::max_element(cells.begin(), cells.end()) - cells.begin());
+      cells[longest] = std::max(3.0, std::min(std::floor(cells[longest] / 2), limit));
+      folded_[longest] = true;
+    }
+    for (std::size_t k = 0; k < Dim; ++k) {
+      bins_[k] = static_cast<std::int64_t>(cells[k]);
+      for (std::size_t other = 0; folded_[k] && other < k; ++other) {
+        while (folded_[other] && std::gcd(bins_[k], bins_[other]) != 1 && bins_[k] > 3) --bins_[k];
+      }
+    }
+  }
+
+  Cell cell_of(const Vec& x) const {
+    Cell cell;
+    for (int k = 0; k < Dim; ++k) {
+      cell[static_cast<std::size_t>(k)] =
+          static_cast<std::int64_t>(std::floor((x[k] - origin_[k]) * per_edge_));
+    }
+    return cell;
+  }
+
+  // Bin of a cell along axis k.
+  std::int64_t fold(std::int64_t c, std::size_t k) const {
+    if (!folded_[k]) return c;
+    const std::int64_t bin = c % bins_[k];
+    return bin < 0 ? bin + bins_[k] : bin;
+  }
+
+  Index bin_of(const Cell& cell) const {
+    std::int64_t bin = 0;
+    for (std::size_t k = Dim; k-- > 0;) bin = bin * bins_[k] + fold(cell[k], k);
+    return static_cast<Index>(bin);
+  }
+
+  // Counting sort by bin; particles of one bin stay in the order of their indices.
+  void sort(std::span<const Vec> x) {
+    const Index n = x.size();
+    bin_.resize(n);
+    for_each(n, [&](Index i) { bin_[i] = bin_of(cell_of(x[i])); });
+    Index bins = 1;
+    for (const std::int64_t along : bins_) bins *= static_cast<Index>(along);
+    start_.assign(bins + 1, 0);
+    for (Index i = 0; i < n; ++i) ++start_[bin_[i] + 1];
+    std::partial_sum(start_.begin(), start_.end(), start_.begin());
+    slot_of_.resize(n);
+    sorted_.resize(n);
+    particle_of_.resize(n);
+    next_.assign(start_.begin(), start_.end() - 1);
+    for (Index i = 0; i < n; ++i) {
+      const Index slot = next_[bin_[i]]++;
+      slot_of_[i] = slot;
+      sorted_[slot] = x[i];
+      particle_of_[slot] = i;
+    }
+  }
+
+  // Bins beside bin c along axis k as at most two runs of consecutive bins.
+  struct Runs {
+    std::array<std::array<std::int64_t, 2>, 2> run;  // first and last bin
+    int count;
+  };
+  Runs around(std::int64_t c, std::size_t k) const {
+    const std::int64_t n = bins_[k];
+    if (!folded_[k]) {
+      return {{{{std::max<std::int64_t>(c - 1, 0), std::min(c + 1, n - 1)}, {}}}, 1};
+    }
+    const std::int64_t from = fold(c - 1, k);
+    if (from + 2 < n) return {{{{from, from + 2}, {}}}, 1};
+    return {{{{from, n - 1}, {0, from + 2 - n}}}, 2};
+  }
+
+  // f(first, last) for every range of slots that may hold neighbours of something in the cell.
+  template <class F>
+  void for_each_range(const Cell& cell, F&& f) const {
+    const Runs along_x = around(cell[0], 0);
+    const auto row = [&](std::int64_t rows_before) {
+      const std::int64_t base = rows_before * bins_[0];
+      for (int r = 0; r < along_x.count; ++r) {
+        const auto [from, to] = along_x.run[static_cast<std::size_t>(r)];
+        f(start_[static_cast<Index>(base + from)], start_[static_cast<Index>(base + to) + 1]);
+      }
+    };
+    const auto rows = [&](std::int64_t planes_before) {
+      const Runs along_y = around(cell[1], 1);
+      for (int r = 0; r < along_y.count; ++r) {
+        const auto [from, to] = along_y.run[static_cast<std::size_t>(r)];
+        for (std::int64_t y = from; y <= to; ++y) row(planes_before * bins_[1] + y);
+      }
+    };
+    if constexpr (Dim == 2) {
+      rows(0);
+    } else {
+      const Runs along_z = around(cell[2], 2);
+      for (int r = 0; r < along_z.count; ++r) {
+        const auto [from, to] = along_z.run[static_cast<std::size_t>(r)];
+        for (std::int64_t z = from; z <= to; ++z) rows(z);
+      }
+    }
+  }
+
+  Real radius_ = 0;
+  Index owned_ = 0;
+  Vec origin_ = Vec::Zero();
+  Real per_edge_ = 0;
+  std::array<std::int64_t, Dim> bins_{};
+  std::array<bool, Dim> folded_{};
+  std::vector<Index> start_;        // first slot of each bin
+  std::vector<Vec> sorted_;         // positions by slot
+  std::vector<Index> particle_of_;  // by slot
+  std::vector<Index> slot_of_;      // by particle
+  std::vector<Index> bin_;          // by particle
+  std::vector<Index> next_;
+  std::vector<Index> ghost_owners_;
+};
+
+}  // namespace silt
