@@ -1,0 +1,258 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""Compiles every ```cpp block of README.md and docs/, and runs those that have a main().
+
+    check.py REPOSITORY SCRATCH FLAGS-FILE COMPILER...
+    check.py --self-test
+
+A block is a file of its own, unless HTML comments right before it say otherwise:
+
+    <!-- silt: wrap -->          statements: they are put into a main() behind
+                                 #include <silt/silt.hpp> and using namespace silt;
+    <!-- silt: name NAME -->     later blocks of this page can go on from here
+    <!-- silt: after NAME -->    goes on from the block of that name (and from what that one goes
+                                 on from)
+    <!-- silt: skip REASON -->   neither compiled nor run
+
+Several hold at once if they stand in several comments. A block without wrap that others go on from
+stays outside of main(), so that it can declare types; #include lines always go to the top.
+"""
+
+import concurrent.futures
+import dataclasses
+import os
+import pathlib
+import re
+import subprocess
+import sys
+import textwrap
+
+COMMENT = re.compile(r"^\s*<!--\s*silt:\s*(\w+)\s*(.*?)\s*-->\s*$")
+FENCE = re.compile(r"^\s*```\s*([\w+]*)")
+MAIN = re.compile(r"\bint\s+main\s*\(")
+RUN_SECONDS = 300
+
+
+class PageError(Exception):
+    pass
+
+
+@dataclasses.dataclass
+class Program:
+    """What blocks add up to: lines at the top, at namespace scope and inside main()."""
+
+    where: str = ""
+    includes: tuple = ()
+    outside: str = ""
+    inside: str = ""
+
+    def then(self, page, line, text, wrap):
+        """This program with one more block, whose lines keep their number in the page."""
+        includes, rest = [], []
+        for offset, row in enumerate(text.splitlines()):
+            is_include = re.match(r"\s*#\s*include\b", row)
+            if is_include:
+                includes.append(f'#line {line + offset} "{page}"\n{row}\n')
+            rest.append("" if is_include else row)
+        body = f'#line {line} "{page}"\n' + "\n".join(rest) + "\n"
+        return Program(
+            where=f"{page}:{line}",
+            includes=self.includes + tuple(includes),
+            outside=self.outside + ("" if wrap else body),
+            inside=self.inside + (body if wrap else ""),
+        )
+
+    def source(self):
+        if not self.inside:
+            return "".join(self.includes) + self.outside
+        return (
+            "#include <silt/silt.hpp>\n"
+            + "".join(self.includes)
+            + "using namespace silt;\n"
+            + self.outside
+            + "int main() {\n"
+            + self.inside
+            + "}\n"
+        )
+
+
+def blocks_of(text):
+    """Yields (line of the first row, directives, text) of each C++ block of a page."""
+    directives, language, rows, first = {}, None, [], 0
+    for number, line in enumerate(text.splitlines(), 1):
+        fence = FENCE.match(line)
+        if language is not None:
+            if fence and not fence.group(1):
+                if language in ("cpp", "c++", "cxx"):
+                    yield first, directives, textwrap.dedent("\n".join(rows))
+                directives, language = {}, None
+            else:
+                rows.append(line)
+        elif fence:
+            language, rows, first = fence.group(1).lower(), [], number + 1
+        elif comment := COMMENT.match(line):
+            directives[comment.group(1)] = comment.group(2)
+        elif line.strip():
+            directives = {}
+    if language is not None:
+        raise PageError(f"line {first - 1}: this block has no end")
+
+
+def programs_of(page, text):
+    """The programs of one page, in order."""
+    named, programs = {}, []
+    try:
+        for line, directives, block in blocks_of(text):
+            unknown = set(directives) - {"wrap", "name", "after", "skip"}
+            if unknown:
+                raise PageError(f"line {line}: unknown directive {sorted(unknown)[0]}")
+            if "skip" in directives:
+                if not directives["skip"]:
+                    raise PageError(f"line {line}: skip needs a reason")
+                continue
+            start = Program()
+            if "after" in directives:
+                if directives["after"] not in named:
+                    raise PageError(f"line {line}: no block {directives['after']} before this one")
+                start = named[directives["after"]]
+            program = start.then(page, line, block, "wrap" in directives)
+            if "name" in directives:
+                named[directives["name"]] = program
+            programs.append(program)
+    except PageError as error:
+        raise PageError(f"{page}: {error}") from None
+    return programs
+
+
+def attempt(program, scratch, compile_command):
+    """Compiles and runs one program; returns what went wrong, or nothing."""
+    folder = scratch / re.sub(r"\W+", "_", program.where)
+    folder.mkdir(parents=True, exist_ok=True)
+    source = folder / "block.cpp"
+    text = program.source()
+    source.write_text(text, encoding="utf-8")
+    has_main = MAIN.search(text) is not None
+    mode = ["-O1", "-o", str(folder / "block")] if has_main else ["-fsyntax-only"]
+    # The flags' file goes last, since it also names libraries.
+    made = subprocess.run(
+        [compile_command[1], *compile_command[2:], str(source), *mode, f"@{compile_command[0]}"],
+        capture_output=True,
+        text=True,
+    )
+    if made.returncode != 0:
+        return f"{program.where}: does not compile\n{made.stderr}"
+    if not has_main:
+        return ""
+    try:
+        ran = subprocess.run(
+            [str(folder / "block")],
+            cwd=folder,
+            env={"OMP_NUM_THREADS": "1", **os.environ},
+            capture_output=True,
+            text=True,
+            errors="replace",
+            timeout=RUN_SECONDS,
+        )
+    except subprocess.TimeoutExpired:
+        return f"{program.where}: still running after {RUN_SECONDS} s"
+    if ran.returncode != 0:
+        return f"{program.where}: ended with {ran.returncode}\n{ran.stdout}{ran.stderr}"
+    return ""
+
+
+def check(repository, scratch, compile_command):
+    pages = [repository / "README.md", *sorted((repository / "docs").rglob("*.md"))]
+    programs = [
+        program
+        for page in pages
+        if page.is_file()
+        for program in programs_of(
+            page.relative_to(repository).as_posix(), page.read_text(encoding="utf-8")
+        )
+    ]
+    with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as workers:
+        outcomes = workers.map(lambda p: attempt(p, scratch, compile_command), programs)
+        faults = [fault for fault in outcomes if fault]
+    for fault in faults:
+        print(fault)
+    print(f"{len(programs)} blocks, {len(faults)} with faults")
+    return not faults
+
+
+def self_test():
+    page = textwrap.dedent(
+        """\
+        ```cpp
+        int main() { return 0; }
+        ```
+        <!-- silt: name law -->
+
+        ```cpp
+        #include <cmath>
+        struct Law {};
+        ```
+        Words.
+        <!-- silt: after law -->
+        <!-- silt: wrap -->
+        <!-- silt: name use -->
+        ```cpp
+        #include <vector>
+        Law law;
+        ```
+        <!-- silt: after use -->
+        <!-- silt: wrap -->
+        ```cpp
+        use(law);
+        ```
+        <!-- silt: skip not C++ yet -->
+        ```cpp
+        ...
+        ```
+        ```sh
+        cmake
+        ```
+        <!-- silt: wrap -->
+        Words between: the comment above says nothing of this block.
+        1. In a list:
+           ```cpp
+           struct Indented {};
+           ```
+        """
+    )
+    whole, law, use, both, indented = programs_of("p.md", page)
+    assert whole.source() == '#line 2 "p.md"\nint main() { return 0; }\n'
+    assert law.source() == '#line 7 "p.md"\n#include <cmath>\n#line 7 "p.md"\n\nstruct Law {};\n'
+    assert use.source().splitlines()[0] == "#include <silt/silt.hpp>"
+    assert use.source().index("<vector>") < use.source().index("struct Law")
+    assert use.source().index("struct Law") < use.source().index("int main() {")
+    assert both.source().index("Law law;") < both.source().index("use(law);")
+    assert indented.source().endswith("\nstruct Indented {};\n") and not indented.inside
+    assert indented.where == "p.md:34"
+    for wrong in (
+        "<!-- silt: after nobody -->\n```cpp\n```",
+        "<!-- silt: skip -->\n```cpp\n```",
+        "<!-- silt: warp -->\n```cpp\n```",
+        "```cpp\nint main() {}",
+    ):
+        try:
+            programs_of("p.md", wrong)
+        except PageError:
+            continue
+        raise AssertionError(f"no error for {wrong!r}")
+
+
+def main(arguments):
+    if arguments == ["--self-test"]:
+        self_test()
+        return
+    if len(arguments) < 4:
+        sys.exit(__doc__)
+    try:
+        sound = check(pathlib.Path(arguments[0]), pathlib.Path(arguments[1]), arguments[2:])
+    except PageError as error:
+        sys.exit(str(error))
+    sys.exit(0 if sound else 1)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

@@ -1,0 +1,123 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""Checks what every header of the library must keep to, over its lines alone.
+
+    check.py FOLDER       the include/ folder; prints each fault as file:line and exits with 1
+    check.py --self-test  plants one fault of each kind and sees that each is found
+
+Star, not chain: a folder under include/silt/ includes core/ and itself; only the headers directly
+in include/silt/ join folders.
+"""
+
+import pathlib
+import re
+import sys
+import tempfile
+
+INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')
+OPENMP = re.compile(r'#\s*pragma\s+omp\b|_Pragma\s*\(\s*"omp\b')
+FORBIDDEN = re.compile(r"^(iostream|regex|ranges|Eigen/Dense|(unsupported/)?Eigen/src/.*)$")
+THREADS = "core/parallel.hpp"
+
+
+def faults_of(root, header):
+    """Yields (line number, sentence) of one header below root/silt."""
+    name = header.relative_to(root / "silt")
+    folder = name.parts[0] if len(name.parts) > 1 else None
+    lines = header.read_text(encoding="utf-8").splitlines()
+
+    if not lines or lines[0] != "// SPDX-License-Identifier: MIT":
+        yield 1, "the first line must be // SPDX-License-Identifier: MIT"
+    if "#pragma once" not in lines:
+        yield 1, "#pragma once is missing"
+
+    for number, line in enumerate(lines, 1):
+        if OPENMP.search(line) and name.as_posix() != THREADS:
+            yield number, f"OpenMP stands in {THREADS} alone"
+        include = INCLUDE.match(line)
+        if not include:
+            continue
+        bracket, path = include.groups()
+        if path == "omp.h" and name.as_posix() != THREADS:
+            yield number, f"OpenMP stands in {THREADS} alone"
+        if FORBIDDEN.match(path):
+            yield number, f"<{path}> has no place in a header"
+
+        if path.startswith("silt/"):
+            if not (root / path).is_file():
+                yield number, f"there is no {path}"
+            elif folder and not path.startswith(("silt/core/", f"silt/{folder}/")):
+                allowed = "core/" if folder == "core" else f"core/ and {folder}/"
+                yield number, f"{folder}/ may include {allowed} of ours alone, not {path}"
+        elif bracket == '"' or (header.parent / path).is_file():
+            yield number, f"include our headers by their full path, silt/..., not {path}"
+
+
+def check(root):
+    root = pathlib.Path(root)
+    headers = sorted((root / "silt").rglob("*.hpp"))
+    return [
+        f"{header}:{number}: {sentence}"
+        for header in headers
+        for number, sentence in faults_of(root, header)
+    ]
+
+
+def self_test():
+    sound = "// SPDX-License-Identifier: MIT\n#pragma once\n"
+    files = {
+        "core/types.hpp": "#include <Eigen/Core>\n#include <vector>\n",
+        "core/parallel.hpp": "#include <omp.h>\n#pragma omp parallel for\n",
+        "search/grid.hpp": "#include <silt/core/types.hpp>\n#include <silt/search/cells.hpp>\n",
+        "search/cells.hpp": "",
+        "dem.hpp": "#include <silt/core/types.hpp>\n#include <silt/search/grid.hpp>\n",
+    }
+    planted = {
+        "a folder beside it": ("search/x.hpp", sound + "#include <silt/dem/law.hpp>\n", 3),
+        "a folder from core": ("core/x.hpp", sound + "#include <silt/search/grid.hpp>\n", 3),
+        "an umbrella": ("search/x.hpp", sound + "#include <silt/dem.hpp>\n", 3),
+        "a short path": ("search/x.hpp", sound + '#include "cells.hpp"\n', 3),
+        "a short path in brackets": ("search/x.hpp", sound + "#include <cells.hpp>\n", 3),
+        "a header that is not there": ("search/x.hpp", sound + "#include <silt/core/y.hpp>\n", 3),
+        "a forbidden header": ("core/x.hpp", sound + "#  include <iostream>\n", 3),
+        "all of Eigen": ("core/x.hpp", sound + "#include <Eigen/Dense>\n", 3),
+        "Eigen's inside": ("core/x.hpp", sound + "#include <Eigen/src/Core/util/Macros.h>\n", 3),
+        "omp.h": ("dem/x.hpp", sound + "#include <omp.h>\n", 3),
+        "an OpenMP pragma": ("dem/x.hpp", sound + "#pragma omp simd\n", 3),
+        "an OpenMP operator": ("dem/x.hpp", sound + '_Pragma("omp simd")\n', 3),
+        "no licence": ("core/x.hpp", "// A file.\n#pragma once\n", 1),
+        "no guard": ("core/x.hpp", "// SPDX-License-Identifier: MIT\n", 1),
+    }
+
+    def write(root, name, text):
+        path = root / "silt" / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8")
+
+    wrong = []
+    for what, (name, text, line) in {"nothing": (None, "", 0), **planted}.items():
+        with tempfile.TemporaryDirectory() as folder:
+            root = pathlib.Path(folder)
+            for sound_name, body in files.items():
+                write(root, sound_name, sound + body)
+            write(root, "dem/law.hpp", sound)
+            if name:
+                write(root, name, text)
+            found = check(root)
+            expected = f"{root / 'silt' / name}:{line}: " if name else None
+            if [fault.startswith(expected) for fault in found] != ([True] if name else []):
+                wrong.append(f"planted {what}, found {found}")
+    return wrong
+
+
+def main(arguments):
+    if len(arguments) != 1:
+        sys.exit(__doc__)
+    faults = self_test() if arguments[0] == "--self-test" else check(arguments[0])
+    for fault in faults:
+        print(fault)
+    sys.exit(1 if faults else 0)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
