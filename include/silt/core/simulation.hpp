@@ -63,13 +63,26 @@ class Simulation {
   const I& interaction() const noexcept { return interaction_; }
   const T& integrator() const noexcept { return integrator_; }
 
-  /// The particles with all fields at time(). Integrators whose velocities live between two steps
-  /// bring them to it; the simulation itself is left as it is.
-  P snapshot() const {
+  /// Particles and interaction with everything at time(). Integrators whose velocities live between
+  /// two steps bring them to it; the simulation itself is left as it is.
+  struct State {
+    P particles;
+    I interaction;  ///< what it measured, such as the contacts, belongs to the particles beside it
+  };
+  State state() const {
     if constexpr (requires(T t, P p, S s, I i) { t.synchronise(p, s, i); }) {
       Simulation copy = *this;
       copy.integrator_.synchronise(copy.particles_, copy.search_, copy.interaction_);
-      return std::move(copy.particles_);
+      return {std::move(copy.particles_), std::move(copy.interaction_)};
+    } else {
+      return {particles_, interaction_};
+    }
+  }
+
+  /// The particles of state().
+  P snapshot() const {
+    if constexpr (requires(T t, P p, S s, I i) { t.synchronise(p, s, i); }) {
+      return state().particles;
     } else {
       return particles_;
     }

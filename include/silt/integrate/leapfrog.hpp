@@ -81,10 +81,10 @@ class Leapfrog {
     last_time_step_ = dt;
   }
 
-  /// Brings velocities and spins from N − ½ to N: v^N = ½ (v^{N−½} + v^{N+½}) (27), (28).
+  /// Brings velocities and spins from N − ½ to N: v^N = ½ (v^{N−½} + v^{N+½}) (27), (28). Before the
+  /// first step they are there already, and only the forces are made.
   template <class P, class S, class I>
   void synchronise(P& particles, S& search, I& interaction) {
-    if (!started_) return;
     const P before = particles;
     search.update(particles);
     clear(particles);
