@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: MIT
+// Tables as text: one line of names, then one line of numbers per row, separated by commas. Lines
+// that begin with # are comments.
+#pragma once
+
+#include <silt/core/error.hpp>
+#include <silt/core/types.hpp>
+#include <silt/io/file.hpp>
+
+#include <algorithm>
+#include <charconv>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <initializer_list>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace silt {
+
+/// A table that grows by rows. Every row is on disc when row() returns, so that a long run can be
+/// watched and a broken one evaluated. Numbers are written with the fewest digits that read back as
+/// the same number.
+class CsvFile {
+ public:
+  /// Begins the file anew with the names of its columns; the folder must exist. Throws silt::Error
+  /// if there is no column or the file cannot be written.
+  CsvFile(std::filesystem::path path, std::vector<std::string> columns)
+      : path_(std::move(path)), columns_(columns.size()) {
+    if (columns.empty()) {
+      fail("CsvFile: " + path_.string() + " has no columns; name at least one");
+    }
+    errno = 0;
+    stream_.reset(std::fopen(path_.string().c_str(), "wb"));
+    if (!stream_) refuse();
+    std::string line;
+    for (const std::string& name : columns) line += (line.empty() ? "" : ",") + name;
+    write(line + "\n");
+  }
+
+  /// Adds a row. Throws silt::Error if it has not one value per column, or cannot be written.
+  void row(std::initializer_list<double> values) { row(std::span(values.begin(), values.size())); }
+  void row(std::span<const double> values) {
+    if (values.size() != columns_) {
+      fail("CsvFile: a row of " + std::to_string(values.size()) + " values for the " +
+           std::to_string(columns_) + " columns of " + path_.string() +
+           "; give one value per column");
+    }
+    std::string line;
+    for (const double value : values) line += (line.empty() ? "" : ",") + file::digits(value);
+    write(line + "\n");
+  }
+
+ private:
+  void write(const std::string& line) {
+    errno = 0;
+    if (std::fwrite(line.data(), 1, line.size(), stream_.get()) != line.size() ||
+        std::fflush(stream_.get()) != 0) {
+      refuse();
+    }
+  }
+
+  [[noreturn]] void refuse() const {
+    file::refuse("CsvFile: cannot write", path_, file::last_error(),
+                 "check that the folder exists, is writable and has space left");
+  }
+
+  std::filesystem::path path_;
+  Index columns_;
+  file::Stream stream_;
+};
+
+/// A table that was read, by the names of its columns.
+class CsvTable {
+ public:
+  CsvTable(std::string name, std::vector<std::string> names, std::vector<std::vector<double>> columns)
+      : name_(std::move(name)), names_(std::move(names)), columns_(std::move(columns)) {}
+
+  const std::vector<std::string>& names() const noexcept { return names_; }
+  Index rows() const noexcept { return columns_.empty() ? 0 : columns_.front().size(); }
+
+  /// The column of that name. Throws silt::Error, naming those there are, if there is none.
+  const std::vector<double>& operator[](std::string_view column) const {
+    const auto found = std::find(names_.begin(), names_.end(), column);
+    if (found == names_.end()) {
+      std::string all;
+      for (const std::string& name : names_) all += (all.empty() ? "" : ", ") + name;
+      fail("CsvTable: " + name_ + " has no column " + std::string(column) + "; it has " + all);
+    }
+    return columns_[static_cast<Index>(found - names_.begin())];
+  }
+
+ private:
+  std::string name_;
+  std::vector<std::string> names_;
+  std::vector<std::vector<double>> columns_;
+};
+
+/// Reads a table of numbers. Blank lines and lines that begin with # are skipped, blanks around a
+/// number too. Throws silt::Error, naming line and column, for what is not a number, for a row that
+/// is too short or too long, for two columns of one name, and if the file cannot be read.
+inline CsvTable read_csv(const std::filesystem::path& path) {
+  const auto trimmed = [](std::string_view text) {
+    constexpr std::string_view blanks = " \t\r";
+    const auto from = text.find_first_not_of(blanks);
+    if (from == std::string_view::npos) return std::string_view{};
+    return text.substr(from, text.find_last_not_of(blanks) - from + 1);
+  };
+  const auto cells_of = [&](std::string_view line) {
+    std::vector<std::string_view> cells;
+    for (std::size_t from = 0; from != std::string_view::npos + 1;) {
+      const auto comma = line.find(',', from);
+      cells.push_back(trimmed(line.substr(from, comma - from)));
+      from = comma + 1;
+    }
+    return cells;
+  };
+
+  errno = 0;
+  std::ifstream stream(path);
+  if (!stream) {
+    file::refuse("read_csv: cannot open", path, file::last_error(), "check the path");
+  }
+  std::vector<std::string> names;
+  std::vector<std::vector<double>> columns;
+  std::string line;
+  for (Index number = 1; std::getline(stream, line); ++number) {
+    const std::string_view text = trimmed(line);
+    if (text.empty() || text.front() == '#') continue;
+    const std::string where = "read_csv: " + path.string() + ", line " + std::to_string(number);
+    const auto cells = cells_of(text);
+    if (names.empty()) {
+      for (const std::string_view name : cells) {
+        if (name.empty() || std::find(names.begin(), names.end(), name) != names.end()) {
+          fail(where + ": the column name \"" + std::string(name) +
+               "\" is empty or there twice; give each column its own");
+        }
+        names.emplace_back(name);
+      }
+      columns.resize(names.size());
+      continue;
+    }
+    if (cells.size() != names.size()) {
+      fail(where + ": " + std::to_string(cells.size()) + " values for " +
+           std::to_string(names.size()) + " columns; give one value per column");
+    }
+    for (Index c = 0; c < cells.size(); ++c) {
+      double value = 0;
+      const char* end = cells[c].data() + cells[c].size();
+      const auto read = std::from_chars(cells[c].data(), end, value);
+      if (read.ec != std::errc{} || read.ptr != end) {
+        fail(where + ", column " + names[c] + ": \"" + std::string(cells[c]) +
+             "\" is not a number; correct it");
+      }
+      columns[c].push_back(value);
+    }
+  }
+  if (names.empty()) {
+    fail("read_csv: " + path.string() + " has no line of column names; check that it is a table");
+  }
+  return {path.string(), std::move(names), std::move(columns)};
+}
+
+}  // namespace silt

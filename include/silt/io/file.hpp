@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: MIT
+// Files written whole or not at all: a reader, or a run that dies, never meets half a file.
+#pragma once
+
+#include <silt/core/error.hpp>
+
+#include <cerrno>
+#include <charconv>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <system_error>
+
+namespace silt::file {
+
+struct Close {
+  void operator()(std::FILE* stream) const noexcept { std::fclose(stream); }
+};
+using Stream = std::unique_ptr<std::FILE, Close>;
+
+/// Throws silt::Error for what the system refused to do with a file: `what` says who wanted what,
+/// `advice` what the user can do.
+[[noreturn]] inline void refuse(const std::string& what, const std::filesystem::path& path,
+                                const std::error_code& reason, const std::string& advice) {
+  fail(what + " " + path.string() + ": " + reason.message() + "; " + advice);
+}
+
+inline std::error_code last_error() { return {errno, std::generic_category()}; }
+
+/// Makes the folder and those above it. Throws silt::Error if that cannot be done. `who` begins the
+/// error's sentence.
+inline void make_folder(const std::string& who, const std::filesystem::path& folder) {
+  std::error_code reason;
+  std::filesystem::create_directories(folder, reason);
+  if (!reason && !std::filesystem::is_directory(folder)) {
+    reason = std::make_error_code(std::errc::not_a_directory);
+  }
+  if (reason) {
+    refuse(who + ": cannot make the folder", folder, reason,
+           "choose a folder that can be made and written to");
+  }
+}
+
+/// The file becomes `bytes`: written beside it, then renamed over it. Throws silt::Error if that
+/// cannot be done, and leaves a file that was there as it was. `who` begins the error's sentence.
+inline void replace(const std::string& who, const std::filesystem::path& path,
+                    std::string_view bytes) {
+  const std::string advice = "check that the folder exists, is writable and has space left";
+  std::filesystem::path part = path;
+  part += ".part";
+  Stream stream(std::fopen(part.string().c_str(), "wb"));
+  if (!stream) refuse(who + ": cannot open", part, last_error(), advice);
+  errno = 0;
+  const bool written = std::fwrite(bytes.data(), 1, bytes.size(), stream.get()) == bytes.size();
+  // A full disc may show only here.
+  const bool closed = std::fclose(stream.release()) == 0;
+  std::error_code reason = last_error();
+  if (written && closed) {
+    std::filesystem::rename(part, path, reason);
+    if (!reason) return;
+  }
+  std::error_code ignored;
+  std::filesystem::remove(part, ignored);
+  refuse(who + ": cannot write", path, reason, advice);
+}
+
+/// The shortest digits that read back as the same number.
+template <class Number>
+std::string digits(Number value) {
+  char text[64];
+  const auto end = std::to_chars(text, text + sizeof text, value).ptr;
+  return {text, end};
+}
+
+}  // namespace silt::file

@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: MIT
+// Frames for ParaView and everything else that reads VTK's XML formats.
+//
+//   VtkSeries{"out/tower"}   out/tower.pvd                the frames and their times: open this one
+//                            out/tower/tower_000000.vtu   one frame: points with every column
+//
+// A frame is an unstructured grid of single vertices. Its arrays are stored as they are in memory,
+// one after the other behind the XML ("appended raw"), each after its number of bytes.
+#pragma once
+
+#include <silt/core/fields.hpp>
+#include <silt/core/parallel.hpp>
+#include <silt/core/types.hpp>
+#include <silt/io/file.hpp>
+
+#include <bit>
+#include <concepts>
+#include <cstdint>
+#include <cstring>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <type_traits>
+#include <utility>
+
+namespace silt {
+
+/// VTK's name of a number's type; none for what VTK cannot store.
+template <class Number>
+constexpr const char* vtk_type() {
+  if constexpr (std::is_enum_v<Number>) {
+    return vtk_type<std::underlying_type_t<Number>>();
+  } else if constexpr (std::floating_point<Number>) {
+    return sizeof(Number) == 4 ? "Float32" : sizeof(Number) == 8 ? "Float64" : nullptr;
+  } else if constexpr (std::integral<Number>) {
+    constexpr const char* types[] = {"UInt8", "UInt16", "UInt32", "UInt64",
+                                     "Int8",  "Int16",  "Int32",  "Int64"};
+    return types[std::countr_zero(sizeof(Number)) + (std::is_signed_v<Number> ? 4 : 0)];
+  } else {
+    return nullptr;
+  }
+}
+
+/// One frame as the bytes of a .vtu file: positions as points; every other column of numbers or
+/// vectors, and the ids, as point data under name_of<F>(). Vectors of the plane get a third
+/// component 0. Columns of other types are left out. The same bits for the same particles.
+template <class P>
+std::string vtk_frame(const P& particles) {
+  const Index n = particles.size();
+  std::string points, point_data, arrays;
+
+  // Adds n × components numbers, value(i, k) each, and returns the XML that describes them.
+  const auto add = [&]<class Number>(Number, std::string_view name, int components, Index count,
+                                     auto&& value) {
+    std::string xml = "<DataArray type=\"" + std::string(vtk_type<Number>()) + "\" Name=\"" +
+                      std::string(name) + "\" NumberOfComponents=\"" + std::to_string(components) +
+                      "\" format=\"appended\" offset=\"" + std::to_string(arrays.size()) +
+                      "\"/>\n";
+    const auto width = static_cast<Index>(components);
+    const std::uint64_t bytes = count * width * sizeof(Number);
+    const Index begin = arrays.size() + sizeof bytes;
+    arrays.resize(begin + bytes);
+    std::memcpy(arrays.data() + begin - sizeof bytes, &bytes, sizeof bytes);
+    for_each(count, [&](Index i) {
+      for (int k = 0; k < components; ++k) {
+        const Number number = value(i, k);
+        const Index place = i * width + static_cast<Index>(k);
+        std::memcpy(arrays.data() + begin + place * sizeof number, &number, sizeof number);
+      }
+    });
+    return xml;
+  };
+
+  particles.for_each_field([&]<class Values, class F>(const Values& values, F) {
+    using Value = typename Values::value_type;
+    if constexpr (requires { typename Value::Scalar; Value::SizeAtCompileTime; }) {
+      using Number = typename Value::Scalar;
+      constexpr int size = Value::SizeAtCompileTime;
+      if constexpr (size > 0 && vtk_type<Number>() != nullptr) {
+        auto& xml = std::same_as<F, position_t> ? points : point_data;
+        xml += add(Number{}, name_of<F>(), size == 2 ? 3 : size, n, [&](Index i, int k) {
+          return k < size ? values[i][k] : Number(0);
+        });
+      }
+    } else if constexpr (vtk_type<Value>() != nullptr) {
+      point_data += add(Value{}, name_of<F>(), 1, n, [&](Index i, int) { return values[i]; });
+    }
+  });
+  point_data += add(Id{}, "id", 1, n, [&](Index i, int) { return particles.id(i); });
+  using Integer = std::int64_t;
+  std::string cells = add(Integer{}, "connectivity", 1, n,
+                          [](Index i, int) { return static_cast<Integer>(i); });
+  cells += add(Integer{}, "offsets", 1, n, [](Index i, int) { return static_cast<Integer>(i + 1); });
+  constexpr std::uint8_t vertex = 1;  // VTK_VERTEX
+  cells += add(std::uint8_t{}, "types", 1, n, [](Index, int) { return vertex; });
+
+  const std::string order =
+      std::endian::native == std::endian::little ? "LittleEndian" : "BigEndian";
+  const std::string count = std::to_string(n);
+  return "<?xml version=\"1.0\"?>\n"
+         "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"" + order +
+         "\" header_type=\"UInt64\">\n<UnstructuredGrid>\n<Piece NumberOfPoints=\"" + count +
+         "\" NumberOfCells=\"" + count + "\">\n<Points>\n" + points + "</Points>\n<Cells>\n" +
+         cells + "</Cells>\n<PointData>\n" + point_data + "</PointData>\n</Piece>\n"
+         "</UnstructuredGrid>\n<AppendedData encoding=\"raw\">\n_" + arrays +
+         "\n</AppendedData>\n</VTKFile>\n";
+}
+
+/// Observer that writes a frame at every output, and after it the list of all frames with their
+/// times [s]. Fields are those of Simulation::snapshot(): all at one time.
+class VtkSeries {
+ public:
+  /// Frames go into the folder `path`, which is made, their list into `path`.pvd. Files of the same
+  /// names are replaced. Throws silt::Error if the folder cannot be made.
+  explicit VtkSeries(std::filesystem::path path) : folder_(std::move(path)) {
+    if (!folder_.has_filename()) folder_ = folder_.parent_path();  // "tower/" is "tower"
+    file::make_folder("VtkSeries", folder_);
+  }
+
+  /// Throws silt::Error if a file cannot be written.
+  template <class Sim>
+    requires requires(const Sim& simulation) {
+      simulation.snapshot();
+      simulation.time();
+    }
+  void operator()(const Sim& simulation) {
+    std::string number = std::to_string(frames_);
+    number.insert(0, number.size() < 6 ? 6 - number.size() : 0, '0');
+    const std::string name = folder_.filename().string();
+    const std::string frame = name + "_" + number + ".vtu";
+    file::replace("VtkSeries", folder_ / frame, vtk_frame(simulation.snapshot()));
+    ++frames_;
+
+    list_ += "<DataSet timestep=\"" + file::digits(double(simulation.time())) + "\" file=\"" +
+             name + "/" + frame + "\"/>\n";
+    std::filesystem::path list = folder_;
+    list += ".pvd";
+    file::replace("VtkSeries", list,
+                  "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\">\n"
+                  "<Collection>\n" + list_ + "</Collection>\n</VTKFile>\n");
+  }
+
+  /// Frames written so far.
+  Index frames() const noexcept { return frames_; }
+
+ private:
+  std::filesystem::path folder_;
+  Index frames_ = 0;
+  std::string list_;
+};
+
+}  // namespace silt

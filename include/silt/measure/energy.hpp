@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: MIT
+// Energies and momentum of a set of particles. Give them a snapshot(): positions and velocities must
+// belong to one time. Sums are the same bits for any number of threads.
+#pragma once
+
+#include <silt/core/fields.hpp>
+#include <silt/core/parallel.hpp>
+#include <silt/core/particles.hpp>
+#include <silt/core/types.hpp>
+
+namespace silt {
+
+/// Σ ½ m v² [J].
+template <class P>
+  requires HasFields<P, velocity_t, mass_t>
+double kinetic_energy(const P& particles) {
+  const auto v = particles[velocity];
+  const auto m = particles[mass];
+  return ordered_sum(particles.size(), 0.0,
+                     [&](Index i) { return double(m[i]) * double(v[i].squaredNorm()) / 2; });
+}
+
+/// Σ ½ I ω² [J].
+template <class P>
+  requires HasFields<P, spin_t, inertia_t>
+double rotational_energy(const P& particles) {
+  const auto w = particles[spin];
+  const auto inertias = particles[inertia];
+  return ordered_sum(particles.size(), 0.0, [&](Index i) {
+    return double(inertias[i]) * double(squared_norm(w[i])) / 2;
+  });
+}
+
+/// −Σ m g·x [J]: that of the acceleration g [m/s²], zero at the origin.
+template <class P>
+  requires HasFields<P, mass_t>
+double potential_energy(const P& particles, const typename P::Vec& g) {
+  const auto x = particles[position];
+  const auto m = particles[mass];
+  return -ordered_sum(particles.size(), 0.0,
+                      [&](Index i) { return double(m[i]) * double(g.dot(x[i])); });
+}
+
+/// Σ m v [kg m/s].
+template <class P>
+  requires HasFields<P, velocity_t, mass_t>
+Vec<P::dimension> momentum(const P& particles) {
+  using Sum = Vec<P::dimension>;
+  const auto v = particles[velocity];
+  const auto m = particles[mass];
+  return ordered_sum(particles.size(), Sum(Sum::Zero()), [&](Index i) {
+    return Sum(double(m[i]) * v[i].template cast<double>());
+  });
+}
+
+}  // namespace silt

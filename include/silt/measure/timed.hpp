@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: MIT
+// Where the time goes: a search or an interaction that adds up the seconds spent in it, and is
+// otherwise what it was.
+#pragma once
+
+#include <chrono>
+#include <utility>
+
+namespace silt {
+
+/// Wall-clock seconds, added up over the spans between start() and the span's end.
+class Stopwatch {
+ public:
+  class Span {
+   public:
+    explicit Span(double& seconds) : seconds_(seconds), begin_(Clock::now()) {}
+    Span(const Span&) = delete;
+    Span& operator=(const Span&) = delete;
+    ~Span() { seconds_ += std::chrono::duration<double>(Clock::now() - begin_).count(); }
+
+   private:
+    using Clock = std::chrono::steady_clock;
+    double& seconds_;
+    Clock::time_point begin_;
+  };
+
+  [[nodiscard]] Span start() { return Span(seconds_); }
+  double seconds() const noexcept { return seconds_; }
+
+ private:
+  double seconds_ = 0;
+};
+
+/// A neighbour search that measures its update(): TimedSearch{UniformGrid<2>{}}.
+template <class S>
+class TimedSearch : public S {
+ public:
+  explicit TimedSearch(S search) : S(std::move(search)) {}
+
+  template <class P>
+  void update(P& particles) {
+    const auto span = watch_.start();
+    S::update(particles);
+  }
+
+  /// Spent in update() so far [s].
+  double seconds() const noexcept { return watch_.seconds(); }
+
+ private:
+  Stopwatch watch_;
+};
+
+/// An interaction that measures its accelerate(): TimedInteraction{dem::Contacts{law}}.
+template <class I>
+class TimedInteraction : public I {
+ public:
+  explicit TimedInteraction(I interaction) : I(std::move(interaction)) {}
+
+  template <class P, class S>
+    requires requires(I& i, P& p, S& s) { i.accelerate(p, s, 0.0); }
+  void accelerate(P& particles, S& search, double dt) {
+    const auto span = watch_.start();
+    I::accelerate(particles, search, dt);
+  }
+
+  /// Spent in accelerate() so far [s].
+  double seconds() const noexcept { return watch_.seconds(); }
+
+ private:
+  Stopwatch watch_;
+};
+
+}  // namespace silt
