@@ -87,6 +87,7 @@ install_missing() {
 configure() {
   local folder=$1
   shift
+  mkdir -p "$repo/build"
   cmake -S "$repo" -B "$repo/build/$folder" -DSILT_BUILD_TESTS=OFF -DSILT_BUILD_EXAMPLES=OFF \
     -DSILT_BUILD_BENCH=OFF "$@" >"$repo/build/$folder.log" 2>&1 ||
     { cat "$repo/build/$folder.log" >&2; return 1; }
@@ -98,5 +99,3 @@ build() {
   shift
   cmake --build "$repo/build/$folder" -j "$jobs" "$@"
 }
-
-mkdir -p "$repo/build"
