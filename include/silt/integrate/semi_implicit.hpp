@@ -3,37 +3,48 @@
 #pragma once
 
 #include <silt/core/concepts.hpp>
-#include <silt/core/parallel.hpp>
 #include <silt/core/particles.hpp>
 
 namespace silt {
 
 /// Original order: the predictor moves particles to r*, and a second search finds n*.
 struct MovesParticles {
+  template <class Flow>
   static constexpr bool moves = true;
 };
 
-/// Improved order: the predictor changes velocities only.
+/// Improved order: the predictor changes velocities only; one search a step.
 struct KeepsParticles {
+  template <class Flow>
   static constexpr bool moves = false;
 };
 
-template <class Predictor = KeepsParticles>
+/// The order that the flow's pressure source is made for.
+struct AsTheSourceAsks {
+  template <class Flow>
+  static constexpr bool moves = Flow::needs_moved_particles;
+};
+
+/// Advances an incompressible flow.
+template <class Predictor = AsTheSourceAsks>
 class SemiImplicit {
  public:
   template <class P, class S, class F>
-    requires PressureInteraction<F, P, S> && HasFields<P, velocity_t> &&
-             (!requires { typename F::Predictor; } || std::same_as<typename F::Predictor, Predictor>)
+    requires PressureInteraction<F, P, S> && HasFields<P, velocity_t>
   void step(P& particles, S& search, F& flow, double dt) {
+    constexpr bool moves = Predictor::template moves<F>;
+    static_assert(moves || !F::needs_moved_particles,
+                  "silt::SemiImplicit: this flow's pressure source needs the number density of "
+                  "moved particles; use SemiImplicit<MovesParticles>");
     search.update(particles);
     flow.predict(particles, search, dt);  // u* = u + Δt (ν∇²u + F)
-    if constexpr (Predictor::moves) {
+    if constexpr (moves) {
       flow.advect(particles, dt);  // r* = r + Δt u*
       search.update(particles);
     }
     flow.collide(particles, search, dt);
     flow.project(particles, search, dt);  // n, free surface, source, ∇²P = source, u' = −Δt/ρ ∇P
-    flow.correct(particles, dt);          // u = u* + u';  r = r* + Δt u', or r = r + Δt u
+    flow.correct(particles, dt);          // u = u* + u';  r = r + Δt u, or r* + Δt u'
   }
 };
 

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: MIT
+// Free-surface flow: everything an MPS program includes, but for files.
+#pragma once
+
+#include <silt/core/lattice.hpp>
+#include <silt/core/simulation.hpp>
+#include <silt/integrate/semi_implicit.hpp>
+#include <silt/mps/cases.hpp>
+#include <silt/mps/flow.hpp>
+#include <silt/mps/fluid.hpp>
+#include <silt/mps/tank.hpp>
+#include <silt/search/brute_force.hpp>
+#include <silt/search/neighbour_list.hpp>
+#include <silt/search/uniform_grid.hpp>
+#include <silt/solve/conjugate_gradient.hpp>
+
+namespace silt::mps {
+
+/// The flow of a scheme with Silt's own solver: mps::Flow<mps::Case10> in 2D.
+template <class Scheme, int Dim = 2, class Real = double,
+          LinearSolver Solver = ConjugateGradient<Jacobi>>
+using Flow = BasicFlow<Scheme, Dim, Real, Solver>;
+
+}  // namespace silt::mps

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: MIT
+// The eleven cases of [HwangLeePark2010] Table 1, from the original MPS (00) to PNU-MPS (10).
+#pragma once
+
+#include <silt/mps/collision.hpp>
+#include <silt/mps/free_surface.hpp>
+#include <silt/mps/kernel.hpp>
+#include <silt/mps/operators.hpp>
+#include <silt/mps/source.hpp>
+
+#include <ratio>
+
+namespace silt::mps {
+
+/// One choice for every column of Table 1.
+template <PressureSource SourceType, CollisionModel CollisionType, Kernel KernelType,
+          FreeSurface SurfaceType, class GradientType>
+struct Scheme {
+  using Source = SourceType;
+  using Collision = CollisionType;
+  using Kernel = KernelType;
+  using Surface = SurfaceType;
+  using Gradient = GradientType;
+};
+
+using Collision08 = Collision<std::ratio<4, 5>, std::ratio<1, 5>>;         // (0.8, 0.2)
+using CollisionPlastic = Collision<std::ratio<1>, std::ratio<0>>;          // (1.0, 0.0)
+using CollisionBouncy = Collision<std::ratio<1>, std::ratio<2, 5>>;        // (1.0, 0.4)
+using BothConditions = BothSurfaces<DensitySurface, CountSurface>;         // (13) and (17)
+
+// clang-format off
+//                    source            (a, b)             kernel          surface         gradient
+using Case00 = Scheme<DensitySource,    OriginalCollision, InverseKernel,  DensitySurface, MinimumGradient>;
+using Case01 = Scheme<DivergenceSource, OriginalCollision, InverseKernel,  DensitySurface, MinimumGradient>;
+using Case02 = Scheme<DivergenceSource, OriginalCollision, GaussianKernel, DensitySurface, MinimumGradient>;
+using Case03 = Scheme<DivergenceSource, OriginalCollision, CubicKernel,    DensitySurface, MinimumGradient>;
+using Case04 = Scheme<DivergenceSource, Collision08,       CubicKernel,    DensitySurface, MinimumGradient>;
+using Case05 = Scheme<DivergenceSource, AdoptedCollision,  CubicKernel,    DensitySurface, MinimumGradient>;
+using Case06 = Scheme<DivergenceSource, CollisionPlastic,  CubicKernel,    DensitySurface, MinimumGradient>;
+using Case07 = Scheme<DivergenceSource, CollisionBouncy,   CubicKernel,    DensitySurface, MinimumGradient>;
+using Case08 = Scheme<DivergenceSource, AdoptedCollision,  CubicKernel,    CountSurface,   MinimumGradient>;
+using Case09 = Scheme<DivergenceSource, AdoptedCollision,  CubicKernel,    BothConditions, MinimumGradient>;
+using Case10 = Scheme<DivergenceSource, AdoptedCollision,  CubicKernel,    BothConditions, ConservingGradient>;
+// clang-format on
+
+}  // namespace silt::mps

@@ -1,0 +1,314 @@
+// SPDX-License-Identifier: MIT
+// The interaction of MPS, [HwangLeePark2010]: predictor, collision, pressure, corrector.
+#pragma once
+
+#include <silt/core/concepts.hpp>
+#include <silt/core/error.hpp>
+#include <silt/core/linear_system.hpp>
+#include <silt/core/parallel.hpp>
+#include <silt/core/types.hpp>
+#include <silt/mps/cases.hpp>
+#include <silt/mps/fluid.hpp>
+#include <silt/mps/operators.hpp>
+#include <silt/mps/pressure.hpp>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace silt::mps {
+
+/// Numbers of a flow; those of the policies are in the members of their type.
+template <int Dim, class Scheme>
+struct FlowSettings {
+  double spacing = 0;        ///< particle spacing l0 [m], above 0
+  double density = 1000;     ///< ρ [kg/m³]
+  double viscosity = 1e-6;   ///< kinematic ν [m²/s]
+  Vec<Dim> gravity = -9.81 * Vec<Dim>::Unit(Dim - 1);  ///< F [m/s²]
+  double radius = 3.1;            ///< re/l0 of density, surface, gradient, divergence [-]
+  double laplacian_radius = 3.1;  ///< re/l0 of the Laplacian [-]
+  double courant = 0.2;           ///< Δt ≤ courant l0 / largest speed [-]
+  double speed_scale = 0;  ///< expected speed, e.g. √(g H) [m/s]: Δt ≤ courant l0 / speed_scale
+  double largest_time_step = std::numeric_limits<double>::infinity();  ///< [s]
+  bool clip_negative_pressure = true;  ///< P ← max(P, 0): MPS fluid does not pull
+  typename Scheme::Source source = {};
+  typename Scheme::Surface surface = {};
+  typename Scheme::Collision collision = {};
+
+  void check() const {
+    require_positive("FlowSettings: spacing", spacing);
+    require_positive("FlowSettings: density", density);
+    require_not_negative("FlowSettings: viscosity", viscosity);
+    require_finite("FlowSettings: gravity", gravity);
+    require_between("FlowSettings: radius", radius, {1.0 + 1e-9, 10});
+    require_between("FlowSettings: laplacian_radius", laplacian_radius, {1.0 + 1e-9, 10});
+    require_positive("FlowSettings: courant", courant);
+    require_not_negative("FlowSettings: speed_scale", speed_scale);
+    if (!(largest_time_step > 0)) {
+      fail("FlowSettings: largest_time_step = " + to_text(largest_time_step) +
+           " s must be positive; give a value above 0");
+    }
+    source.check();
+    surface.check();
+    collision.check();
+  }
+};
+
+/// Incompressible flow under one column of Table 1, in Dim dimensions, with pressure by Solver.
+template <class Scheme, int Dim, class RealType, LinearSolver Solver>
+class BasicFlow {
+ public:
+  using Real = RealType;
+  using Vec = silt::Vec<Dim, Real>;
+  using Settings = FlowSettings<Dim, Scheme>;
+  static constexpr bool needs_moved_particles = Scheme::Source::needs_moved_particles;
+
+  /// Throws if a number is out of range.
+  explicit BasicFlow(const Settings& settings, Solver solver = {})
+      : settings_(settings), solver_(std::move(solver)) {
+    settings_.check();
+    solver_.check();
+    stencil_ = Stencil({.spacing = settings_.spacing, .radius = settings_.radius});
+    laplacian_ = Stencil({.spacing = settings_.spacing, .radius = settings_.laplacian_radius});
+    gravity_ = settings_.gravity.template cast<Real>();
+  }
+
+  const Settings& settings() const noexcept { return settings_; }
+  /// Iterations and residual of the last pressure solve.
+  const SolveReport& last_solve() const noexcept { return report_; }
+  /// The stencil of density, gradient and divergence.
+  const auto& stencil() const noexcept { return stencil_; }
+  double seconds_in_pressure() const noexcept { return seconds_in_pressure_; }  ///< [s], wall time
+
+  /// The larger of the two radii [m].
+  template <FluidParticles P>
+  Real reach(const P&) const {
+    return std::max(stencil_.re, laplacian_.re);
+  }
+
+  /// Courant limit of the fastest particle and of the speed scale, and the viscous limit [s].
+  template <FluidParticles P>
+  double time_step(const P& particles) const {
+    const double way = settings_.courant * settings_.spacing;
+    const double speed = std::max(fastest(particles), settings_.speed_scale);
+    double dt = settings_.largest_time_step;
+    if (speed > 0) dt = std::min(dt, way / speed);
+    if (settings_.viscosity > 0) dt = std::min(dt, viscous_limit());
+    return dt;
+  }
+
+  /// u* = u + Δt (ν∇²u + F)      (8)
+  /// Throws if Δt is beyond stability: a particle passing a spacing, or the viscous limit.
+  template <FluidParticles P, class S>
+  void predict(P& particles, const S& search, double time_step) {
+    check_stability(particles, time_step);
+    const Real dt = Real(time_step);
+    const Real nu = Real(settings_.viscosity);
+    particles.refresh_ghosts(velocity);
+    const auto u = particles.with_ghosts(velocity);
+    const auto kinds = particles[kind];
+    change_.resize(particles.size());
+    for_each(particles.size(), [&](Index i) {
+      change_[i].setZero();
+      if (kinds[i] != Kind::fluid) return;
+      change_[i] = dt * gravity_;
+      if (nu > 0) change_[i] += (dt * nu) * laplacian(search, laplacian_, i, u);
+    });
+    apply_change(particles);
+    moved_with_.assign(particles.size(), Vec::Zero());
+  }
+
+  /// r* = r + Δt u*: the original order moves particles before the pressure.
+  template <FluidParticles P>
+  void advect(P& particles, double time_step) {
+    const Real dt = Real(time_step);
+    const auto u = particles[velocity];
+    const auto x = particles[position];
+    const auto kinds = particles[kind];
+    for_each(particles.size(), [&](Index i) {
+      if (kinds[i] != Kind::fluid) return;
+      moved_with_[i] = u[i];
+      x[i] += dt * u[i];
+    });
+  }
+
+  /// Approaching pairs closer than a l0 exchange momentum; every pair sees the velocities before.
+  template <FluidParticles P, class S>
+  void collide(P& particles, const S& search, double) {
+    const auto& model = settings_.collision;
+    const Real reach = Real(model.distance * settings_.spacing);
+    if (!(reach > 0)) return;
+    particles.refresh_ghosts(velocity);
+    const auto u = particles.with_ghosts(velocity);
+    const auto kinds = particles.with_ghosts(kind);
+    for_each(particles.size(), [&](Index i) {
+      change_[i].setZero();
+      if (kinds[i] != Kind::fluid) return;
+      search.for_each_neighbour(i, [&](Index j, const Vec& r_ij, Real r) {
+        if (!(r < reach)) return;
+        check_apart(particles, i, r);
+        change_[i] += model.impulse(r_ij, r, Vec(u[j] - u[i]), kinds[j] != Kind::fluid);
+      });
+    });
+    apply_change(particles);
+  }
+
+  /// Number density, free surface, source, ∇²P = source, and u' = −(Δt/ρ) ∇P      (9), (16), (11)
+  /// Throws if the solve does not converge.
+  template <FluidParticles P, class S>
+  SolveReport project(P& particles, const S& search, double time_step) {
+    const auto begin = std::chrono::steady_clock::now();
+    particles.refresh_ghosts(velocity);
+    find_density_and_surface(particles, search);
+    const auto u = particles.with_ghosts(velocity);
+    const auto n = particles[number_density];
+    equation_.assemble(particles, search, laplacian_, [&](Index i) {
+      SourceTerms terms{.density = settings_.density, .time_step = time_step};
+      terms.compression = double((n[i] - stencil_.n0) / stencil_.n0);
+      if constexpr (Scheme::Source::needs_divergence) {
+        terms.divergence = double(divergence(search, stencil_, i, u));
+      }
+      return settings_.source.value(terms);
+    });
+    report_ = equation_.solve(particles, solver_);
+    refuse_failed(report_);
+    if (settings_.clip_negative_pressure) {
+      const auto p = particles[pressure];
+      for_each(particles.size(), [&](Index i) { p[i] = std::max(p[i], Real(0)); });
+    }
+    find_pressure_change(particles, search, Real(time_step));
+    const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - begin;
+    seconds_in_pressure_ += taken.count();
+    return report_;
+  }
+
+  /// u = u* + u';  r = r + Δt u, or r* + Δt u' where the particles have moved with u*.
+  template <FluidParticles P>
+  void correct(P& particles, double time_step) {
+    const Real dt = Real(time_step);
+    apply_change(particles);
+    const auto u = particles[velocity];
+    const auto x = particles[position];
+    const auto kinds = particles[kind];
+    for_each(particles.size(), [&](Index i) {
+      if (kinds[i] == Kind::fluid) x[i] += dt * (u[i] - moved_with_[i]);
+    });
+  }
+
+ private:
+  using Stencil = mps::Stencil<Dim, Real, typename Scheme::Kernel>;
+
+  template <class P>
+  static double fastest(const P& particles) {
+    const auto u = particles[velocity];
+    return std::sqrt(largest(u.size(), 0.0, [&](Index i) { return double(u[i].squaredNorm()); }));
+  }
+
+  // The explicit viscous term is stable while Δt ν times its largest eigenvalue, twice the row's sum
+  // 2d/λ, stays below 2; half of that is taken.
+  double viscous_limit() const {
+    return double(laplacian_.lambda) / (4 * Dim * settings_.viscosity);
+  }
+
+  template <class P>
+  void check_stability(const P& particles, double dt) const {
+    if (settings_.viscosity > 0 && dt > 2 * viscous_limit()) {
+      fail("mps::Flow: time_step = " + to_text(dt) + " s exceeds the viscous limit " +
+           to_text(2 * viscous_limit()) + " s; lower it");
+    }
+    const auto u = particles[velocity];
+    const Index broken = first_where(u.size(), [&](Index i) {
+      return double(u[i].norm()) * dt > settings_.spacing;
+    });
+    if (broken != nowhere) {
+      const double speed = double(u[broken].norm());
+      fail("mps::Flow: time_step = " + to_text(dt) + " s moves a particle of " + to_text(speed) +
+               " m/s by more than the spacing; take at most " +
+               to_text(settings_.courant * settings_.spacing / speed) + " s",
+           {.particle = broken, .id = particles.id(broken)});
+    }
+  }
+
+  template <class P>
+  void check_apart(const P& particles, Index i, Real r) const {
+    if (!(r > 0)) {
+      fail("mps::Flow: two particles lie on one point; place them apart",
+           {.particle = i, .id = particles.id(i)});
+    }
+  }
+
+  template <class P>
+  void apply_change(P& particles) {
+    const auto u = particles[velocity];
+    for_each(particles.size(), [&](Index i) { u[i] += change_[i]; });
+  }
+
+  // n_i (5) and the free surface (13), (17).
+  template <class P, class S>
+  void find_density_and_surface(P& particles, const S& search) {
+    const auto n = particles[number_density];
+    const auto on_surface = particles[surface];
+    const auto kinds = particles[kind];
+    for_each(particles.size(), [&](Index i) {
+      Real density = 0;
+      int neighbours = 0;
+      if (kinds[i] != Kind::dummy) {
+        for_each_weighted(search, i, stencil_, [&](Index, const Vec&, Real r, Real w) {
+          check_apart(particles, i, r);
+          density += w;
+          ++neighbours;
+        });
+      }
+      n[i] = density;
+      on_surface[i] = settings_.surface.holds({.density = double(density / stencil_.n0),
+                                               .neighbours = double(neighbours) /
+                                                             double(stencil_.neighbours)});
+    });
+  }
+
+  // u' = −(Δt/ρ) ∇P      (11)
+  template <class P, class S>
+  void find_pressure_change(P& particles, const S& search, Real dt) {
+    particles.refresh_ghosts(pressure);
+    const auto p = particles.with_ghosts(pressure);
+    const auto kinds = particles.with_ghosts(kind);
+    const Real factor = -dt / Real(settings_.density);
+    for_each(particles.size(), [&](Index i) {
+      change_[i].setZero();
+      if (kinds[i] != Kind::fluid) return;
+      change_[i] = factor * Scheme::Gradient::at(stencil_, p[i], [&](auto&& f) {
+        for_each_weighted(search, i, stencil_, [&](Index j, const Vec& r_ij, Real r, Real w) {
+          if (kinds[j] != Kind::dummy) f(p[j], r_ij, r, w);
+        });
+      });
+    });
+  }
+
+  void refuse_failed(const SolveReport& report) const {
+    if (report.reason == SolveReport::Reason::converged ||
+        report.reason == SolveReport::Reason::nothing_to_solve) {
+      return;
+    }
+    fail("mps::Flow: the pressure solve stopped at a residual of " + to_text(report.residual) +
+         " after " + std::to_string(report.iterations) + " iterations over " +
+         std::to_string(report.unknowns) +
+         " unknowns; lower the time step, or allow more iterations or a larger tolerance");
+  }
+
+  Settings settings_;
+  Solver solver_;
+  Stencil stencil_;
+  Stencil laplacian_;
+  Vec gravity_ = Vec::Zero();
+  PressureEquation equation_;
+  SolveReport report_;
+  double seconds_in_pressure_ = 0;
+  std::vector<Vec> change_;      // of the velocity, by the part of the step under way
+  std::vector<Vec> moved_with_;  // velocity that the predictor has moved each particle with
+};
+
+}  // namespace silt::mps

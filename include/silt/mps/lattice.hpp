@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: MIT
+// Reference values of a kernel on the full square (cubic) lattice: what the operators divide by.
+#pragma once
+
+#include <silt/core/error.hpp>
+#include <silt/core/types.hpp>
+#include <silt/mps/kernel.hpp>
+
+#include <cmath>
+
+namespace silt::mps {
+
+struct LatticeValues {
+  double n0 = 0;          ///< number density Σ w, (5) [-]
+  double lambda = 0;      ///< Σ w r² / Σ w over l0², (7) [-]
+  int neighbours = 0;     ///< N0, the number of neighbours, (17) [-]
+};
+
+/// Sums over all lattice points with 0 < r < re; `radius` is re/l0. Throws unless it is above 1.
+template <int Dim, Kernel K>
+LatticeValues lattice_values(double radius) {
+  require_finite("lattice_values: radius", radius);
+  if (!(radius > 1)) {
+    fail("lattice_values: radius = " + to_text(radius) +
+         " spacings reaches no neighbour; give more than 1");
+  }
+  LatticeValues values;
+  double second_moment = 0;
+  const int reach = static_cast<int>(std::ceil(radius));
+  const int depth = Dim == 3 ? reach : 0;
+  for (int z = -depth; z <= depth; ++z) {
+    for (int y = -reach; y <= reach; ++y) {
+      for (int x = -reach; x <= reach; ++x) {
+        const double r2 = double(x * x + y * y + z * z);
+        if (r2 == 0 || r2 >= radius * radius) continue;
+        const double w = K::weight(std::sqrt(r2) / radius);
+        values.n0 += w;
+        second_moment += w * r2;
+        ++values.neighbours;
+      }
+    }
+  }
+  values.lambda = second_moment / values.n0;
+  return values;
+}
+
+}  // namespace silt::mps

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: MIT
+// The differential operators of MPS, [HwangLeePark2010] (4)–(7), (18); d is the dimension,
+// r_ij = r_j − r_i, sums run over neighbours closer than the operator's radius re.
+#pragma once
+
+#include <silt/core/types.hpp>
+#include <silt/mps/kernel.hpp>
+#include <silt/mps/lattice.hpp>
+
+#include <algorithm>
+#include <concepts>
+
+namespace silt::mps {
+
+/// A kernel with its radius, and its sums over the full lattice.
+template <int Dim, class RealType, Kernel K>
+struct Stencil {
+  using Real = RealType;
+  static constexpr int dimension = Dim;
+
+  Real re = 0;      ///< radius [m]
+  Real n0 = 0;      ///< (5) [-]
+  Real lambda = 0;  ///< (7) [m²]
+  int neighbours = 0;  ///< N0 [-]
+
+  Stencil() = default;
+  /// spacing is l0 [m], radius re/l0 [-].
+  struct Size {
+    double spacing;
+    double radius;
+  };
+  explicit Stencil(const Size& size) {
+    const LatticeValues values = lattice_values<Dim, K>(size.radius);
+    re = Real(size.radius * size.spacing);
+    n0 = Real(values.n0);
+    lambda = Real(values.lambda * size.spacing * size.spacing);
+    neighbours = values.neighbours;
+  }
+
+  Real weight(Real r) const { return K::weight(r / re); }
+};
+
+/// f(j, r_ij, r, w) for every neighbour of i within the stencil.
+template <class S, class T, class F>
+void for_each_weighted(const S& search, Index i, const T& stencil, F&& f) {
+  search.for_each_neighbour(i, [&](Index j, const auto& r_ij, auto r) {
+    if (r < stencil.re) f(j, r_ij, r, stencil.weight(r));
+  });
+}
+
+/// <∇φ>_i = d/n0 Σ (φ_j − φ̂_i) r_ij w/r²,  φ̂_i the smallest of the neighbourhood, i included    (4)
+/// Always repels, does not conserve momentum.
+struct MinimumGradient {
+  /// for_each(f) calls f(φ_j, r_ij, r, w).
+  template <class T, class Real, class Neighbours>
+  static Vec<T::dimension, Real> at(const T& stencil, Real phi_i, Neighbours&& for_each) {
+    using Vec = silt::Vec<T::dimension, Real>;
+    Real lowest = phi_i;
+    for_each([&](Real phi_j, const Vec&, Real, Real) { lowest = std::min(lowest, phi_j); });
+    Vec sum = Vec::Zero();
+    for_each([&](Real phi_j, const Vec& r_ij, Real r, Real w) {
+      sum += ((phi_j - lowest) * w / (r * r)) * r_ij;
+    });
+    return (T::dimension / stencil.n0) * sum;
+  }
+};
+
+/// <∇φ>_i = d/n0 Σ (φ_j + φ_i) r_ij w/r²      conserves momentum, Toyota et al. (2005)         (18)
+struct ConservingGradient {
+  template <class T, class Real, class Neighbours>
+  static Vec<T::dimension, Real> at(const T& stencil, Real phi_i, Neighbours&& for_each) {
+    using Vec = silt::Vec<T::dimension, Real>;
+    Vec sum = Vec::Zero();
+    for_each([&](Real phi_j, const Vec& r_ij, Real r, Real w) {
+      sum += ((phi_j + phi_i) * w / (r * r)) * r_ij;
+    });
+    return (T::dimension / stencil.n0) * sum;
+  }
+};
+
+/// Gradient of a scalar at one particle.
+template <class G, int Dim, class Real = double>
+concept Gradient = requires(const Stencil<Dim, Real, CubicKernel> stencil, Real phi) {
+  {
+    G::at(stencil, phi, [](auto&& f) { f(Real(), Vec<Dim, Real>(), Real(), Real()); })
+  } -> std::convertible_to<Vec<Dim, Real>>;
+};
+
+/// <∇·u>_i = d/n0 Σ (u_j − u_i)·r_ij w/r²
+template <class S, class T, class U>
+typename T::Real divergence(const S& search, const T& stencil, Index i, const U& u) {
+  typename T::Real sum = 0;
+  for_each_weighted(search, i, stencil, [&](Index j, const auto& r_ij, auto r, auto w) {
+    sum += (u[j] - u[i]).dot(r_ij) * w / (r * r);
+  });
+  return T::dimension / stencil.n0 * sum;
+}
+
+/// <∇²φ>_i = 2d/(λ n0) Σ (φ_j − φ_i) w     (6), with the n0 that is usual instead of the printed n_i
+template <class S, class T, class U>
+auto laplacian(const S& search, const T& stencil, Index i, const U& phi) {
+  using Value = std::remove_cvref_t<decltype(phi[i])>;
+  Value sum = phi[i] - phi[i];
+  for_each_weighted(search, i, stencil, [&](Index j, const auto&, auto, auto w) {
+    sum += (phi[j] - phi[i]) * w;
+  });
+  return Value(sum * (2 * T::dimension / (stencil.lambda * stencil.n0)));
+}
+
+}  // namespace silt::mps

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: MIT
+// An open tank with a column of fluid at its left wall, made of particles on one lattice.
+//
+//        |        tank         |        fluid at (i + ½) l0 from the corner (0, 0[, 0])
+//   d d w|~~~~~~               |w d d   w: walls that carry pressure, half a spacing outside
+//   d d w|~~~~~~~~             |w d d   d: dummies behind them
+//   d d w+---------------------+w d d
+//   d d w w w w w w w w w w w w w d d
+#pragma once
+
+#include <silt/core/box.hpp>
+#include <silt/core/error.hpp>
+#include <silt/core/types.hpp>
+#include <silt/mps/fluid.hpp>
+
+#include <cmath>
+
+namespace silt::mps {
+
+struct TankSize {
+  double length = 0;  ///< along x [m]
+  double height = 0;  ///< of the walls, along y (2D) or z (3D) [m]
+  double depth = 0;   ///< along y, 3D only [m]
+};
+
+template <int Dim>
+struct Tank {
+  Vec<2> column = Vec<2>::Zero();  ///< width and height of the fluid [m]; in 3D it fills the depth
+  TankSize size = {};
+  double spacing = 0;    ///< l0 [m]
+  int dummy_layers = 4;  ///< at least the largest radius in spacings, rounded up
+  Leavers leavers = Leavers::refuse;  ///< particles that jump out of the tank's surroundings
+};
+
+/// Fluid at rest in an open tank; lengths are rounded to whole spacings. The box around it reaches
+/// three tank heights up. Throws if a length is below a spacing or the column does not fit.
+template <int Dim, class Real = double, Field... Further>
+Fluid<Dim, Real, Further...> make_tank(const Tank<Dim>& tank) {
+  constexpr int up = Dim - 1;
+  require_positive("Tank: spacing", tank.spacing);
+  require_between("Tank: dummy_layers", tank.dummy_layers, {0, 100});
+  const auto cells = [&](const char* name, double length) {
+    require_finite(name, length);
+    const double number = std::round(length / tank.spacing);
+    if (!(number >= 1) || !(number < 1e6)) {
+      fail(std::string(name) + " = " + to_text(length) + " m is " + to_text(number) +
+           " spacings; give between 1 and 1e6 spacings");
+    }
+    return static_cast<int>(number);
+  };
+  using Cell = Eigen::Matrix<int, Dim, 1>;
+  Cell inside;
+  Cell fluid;
+  inside[0] = cells("Tank: length", tank.size.length);
+  inside[up] = cells("Tank: height", tank.size.height);
+  fluid[0] = cells("Tank: column width", tank.column[0]);
+  fluid[up] = cells("Tank: column height", tank.column[1]);
+  if constexpr (Dim == 3) fluid[1] = inside[1] = cells("Tank: depth", tank.size.depth);
+  for (int k = 0; k < Dim; ++k) {
+    if (fluid[k] > inside[k]) {
+      fail("Tank: the column of " + std::to_string(fluid[k]) + " spacings along axis " +
+           std::to_string(k) + " does not fit into the tank of " + std::to_string(inside[k]) +
+           "; widen the tank");
+    }
+  }
+
+  // Layers outside the tank: 1 is the wall, further ones are dummies. There is no lid.
+  const int layers = 1 + tank.dummy_layers;
+  const auto layer = [&](const Cell& cell) {
+    int outside = 0;
+    for (int k = 0; k < Dim; ++k) {
+      outside = std::max(outside, -cell[k]);
+      if (k != up) outside = std::max(outside, cell[k] - inside[k] + 1);
+    }
+    return outside;
+  };
+
+  Box<Dim, Real> box;
+  for (int k = 0; k < Dim; ++k) {
+    box.lower[k] = Real(-(layers + 1) * tank.spacing);
+    box.upper[k] = Real((inside[k] + layers + 1) * tank.spacing);
+  }
+  box.upper[up] = Real(3 * inside[up] * tank.spacing);
+  box.leavers = tank.leavers;
+  silt::mps::Fluid<Dim, Real, Further...> particles(box);
+
+  const auto add_if = [&](const Cell& cell, bool is_wanted, Kind of_kind) {
+    if (!is_wanted) return;
+    add_particle(particles, (cell.template cast<Real>().array() + Real(0.5)) * Real(tank.spacing),
+                 of_kind);
+  };
+  const auto for_each_cell = [&](auto&& f) {
+    const int depth = Dim == 3 ? layers : 0;
+    const int across = Dim == 3 ? inside[1] : 1;
+    for (int z = -layers; z < inside[up]; ++z) {
+      for (int y = -depth; y < across + depth; ++y) {
+        for (int x = -layers; x < inside[0] + layers; ++x) {
+          Cell cell;
+          cell[0] = x;
+          if constexpr (Dim == 3) cell[1] = y;
+          cell[up] = z;
+          f(cell);
+        }
+      }
+    }
+  };
+  for_each_cell([&](const Cell& cell) {
+    bool in_column = layer(cell) == 0;
+    for (int k = 0; k < Dim; ++k) in_column &= cell[k] < fluid[k];
+    add_if(cell, in_column, Kind::fluid);
+  });
+  for_each_cell([&](const Cell& cell) { add_if(cell, layer(cell) == 1, Kind::wall); });
+  for_each_cell([&](const Cell& cell) { add_if(cell, layer(cell) > 1, Kind::dummy); });
+  return particles;
+}
+
+}  // namespace silt::mps

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: MIT
+// The diagonal as preconditioner.
+#pragma once
+
+#include <silt/core/linear_system.hpp>
+#include <silt/core/parallel.hpp>
+#include <silt/core/types.hpp>
+
+#include <concepts>
+#include <vector>
+
+namespace silt {
+
+/// z ≈ A⁻¹ r. Model: Jacobi.
+template <class M>
+concept Preconditioner = requires(M m, const LinearSystem& system, const std::vector<double>& r,
+                                  std::vector<double>& z) {
+  m.prepare(system);
+  m.apply(r, z);
+};
+
+/// z = D⁻¹ r.
+class Jacobi {
+ public:
+  void prepare(const LinearSystem& system) {
+    inverse_.resize(system.size());
+    for_each(system.size(), [&](Index i) { inverse_[i] = 1 / system.diagonal[i]; });
+  }
+  void apply(const std::vector<double>& r, std::vector<double>& z) const {
+    for_each(r.size(), [&](Index i) { z[i] = inverse_[i] * r[i]; });
+  }
+
+ private:
+  std::vector<double> inverse_;
+};
+
+}  // namespace silt
