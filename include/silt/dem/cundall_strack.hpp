@@ -36,7 +36,7 @@ struct Restitution {
                       std::sqrt(std::numbers::pi * std::numbers::pi + squared(std::log(e)))) {}
 };
 
-/// F_n = k_n δ: the default.
+/// F_n = k_n δ, and D_n = c_n v_n with the velocity at N itself: second order in Δt. The default.
 struct OverlapForm {
   template <int Dim, class Real>
   struct Memory {
@@ -47,9 +47,33 @@ struct OverlapForm {
   static typename C::Real spring_force(const C& contact, M&, typename C::Real k_n) {
     return k_n * contact.overlap;
   }
+
+  /// D_n (22), with v_n^N in place of v_n^{N−½}, which is half a step late:
+  /// v_n^N = v_n^{N−½} − ½ Δt (F_n + D_n)/m*.
+  template <class C>
+  static typename C::Real dashpot_force(const C& contact, typename C::Real spring_force,
+                                        typename C::Real c_n) {
+    using Real = typename C::Real;
+    const Real half_kick = contact.time_step / (2 * contact.effective_mass);
+    const Real v_n =
+        (contact.approach_speed() - half_kick * spring_force) / (1 + half_kick * c_n);
+    return c_n * v_n * share_of_step(contact.overlap, std::abs(v_n) * contact.time_step);
+  }
+
+ private:
+  // A contact begins and ends somewhere within a step, and its dashpot begins and ends with a jump.
+  // With u steps since the beginning (or before the end), the steps u and u + 1 must together carry
+  // u + 3/2 steps' worth of it; this is the continuous weight that does and that is 1 from u = 2 on.
+  template <class Real>
+  static Real share_of_step(Real overlap, Real way_of_a_step) {
+    if (overlap >= 2 * way_of_a_step) return 1;
+    const Real u = overlap / way_of_a_step;
+    return u < 1 ? u * 3 / 2 : 2 - u / 2;
+  }
 };
 
-/// F_n^N = F_n^{N−1} + k_n v_n Δt: the paper's (8), (10), (12). Tends to OverlapForm as Δt → 0.
+/// F_n^N = F_n^{N−1} + k_n v_n Δt and D_n = c_n v_n^{N−½}: the paper's (8), (10), (12), (22) to the
+/// letter, first order in Δt. Tends to OverlapForm as Δt → 0.
 struct IncrementalForm {
   template <int Dim, class Real>
   struct Memory {
@@ -61,6 +85,12 @@ struct IncrementalForm {
   static typename C::Real spring_force(const C& contact, M& memory, typename C::Real k_n) {
     memory.normal_force += k_n * contact.approach_speed() * contact.time_step;
     return memory.normal_force;
+  }
+
+  template <class C>
+  static typename C::Real dashpot_force(const C& contact, typename C::Real,
+                                        typename C::Real c_n) {
+    return c_n * contact.approach_speed();
   }
 };
 
@@ -105,11 +135,10 @@ struct CundallStrackLaw {
     const Real k_s = Real(tangential_stiffness);
     const Real c_over_k = dashpot_over_spring(contact.effective_mass);
     const Vec& n = contact.normal;
-    const Real v_n = contact.approach_speed();
     const Vec v_s = contact.tangential_velocity();
 
     const Real F_n = NormalForm::spring_force(contact, memory, k_n);
-    const Real D_n = c_over_k * k_n * v_n;  // (22)
+    const Real D_n = NormalForm::dashpot_force(contact, F_n, c_over_k * k_n);
 
     Vec F_s = turned_into_plane(memory.tangential_force, n) - k_s * v_s * contact.time_step;
     const Real limit = std::max(Real(0), F_n * Real(friction_angle.tangent) + Real(cohesion));
