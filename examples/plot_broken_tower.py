@@ -1,0 +1,246 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""Draws what broken_tower wrote.
+
+    plot_broken_tower.py FOLDER
+
+Makes frames.png, energy.png, collapse.gif and comparison.md in FOLDER. Runs in the subfolders
+undamped (--alpha 0), symmetric (--offset 0) and frictionless (--friction-angle 0) are compared with
+it, where they are there.
+"""
+
+import json
+import pathlib
+import sys
+
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.animation import FuncAnimation, PillowWriter
+from matplotlib.colors import LinearSegmentedColormap
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+from support.frames import Series, draw, speed
+
+GREY = "#8a9099"
+RED = "#b3261e"
+
+
+class Run:
+    """One output folder."""
+
+    def __init__(self, folder):
+        self.summary = json.loads((folder / "summary.json").read_text())
+        self.options = self.summary["options"]
+        self.series = Series(folder / "frames.pvd")
+        self.energy = np.genfromtxt(folder / "energy.csv", delimiter=",", names=True)
+
+    @classmethod
+    def there(cls, folder):
+        return cls(folder) if (folder / "summary.json").exists() else None
+
+
+def view(axes, run, half_width, height):
+    """Floor, limits, no clutter."""
+    axes.set_xlim(-half_width, half_width)
+    axes.set_ylim(-0.05 * height, height)
+    axes.axhspan(-height, 0, color="#e7e3dc", zorder=0)
+    axes.axhline(0, color="#5b5348", linewidth=0.8)
+    axes.set_xticks([])
+    axes.set_yticks([])
+    for side in axes.spines.values():
+        side.set_visible(False)
+
+
+def colours(run):
+    """Sand at rest, hot when fast; up to the speed of a free fall from half the height."""
+    top = 2 * run.options["radius"] * run.options["rows"]
+    heat = LinearSegmentedColormap.from_list(
+        "heat", ["#ddd6c8", "#f3cf6b", "#ee8434", "#c8313c", "#6a1247"])
+    return {"cmap": heat, "norm": plt.Normalize(0, np.sqrt(9.81 * top))}
+
+
+def draw_frames(run, undamped, path):
+    """Eight moments of the collapse; below them the end, with and without global damping."""
+    top = 2 * run.options["radius"] * run.options["rows"] + run.options["drop_height"]
+    times = [t for t in (0.0, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9) if t <= run.series.times[-1]]
+    ends = [each for each in (run, undamped) if each]
+    figure = plt.figure(figsize=(11, 5.9 + 0.85 * len(ends)))
+    upper, lower = figure.subfigures(2, 1, height_ratios=[5.9, 0.85 * len(ends)])
+
+    panels = upper.subplots(2, 4)
+    upper.subplots_adjust(left=0.01, right=0.915, bottom=0.02, top=0.95, wspace=0.04, hspace=0.14)
+    for axes in panels.flat:
+        axes.set_axis_off()
+    for axes, time in zip(panels.flat, times):
+        axes.set_axis_on()
+        frame = run.series[run.series.nearest(time)]
+        view(axes, run, 0.64 * top, 1.06 * top)
+        circles = draw(axes, frame, speed(frame), edge=0.3, **colours(run))
+        axes.set_title(f"t = {time:.1f} s", fontsize=11, loc="left")
+    bar = upper.colorbar(circles, cax=upper.add_axes((0.93, 0.2, 0.013, 0.6)), extend="max")
+    bar.set_label("speed [m/s]")
+    bar.outline.set_visible(False)
+
+    half = 1.03 * max(each.summary["farthest"] for each in ends)
+    strips = np.atleast_1d(lower.subplots(len(ends), 1))
+    lower.subplots_adjust(left=0.01, right=0.99, bottom=0.03, top=0.8, hspace=0.9)
+    for axes, each in zip(strips, ends):
+        frame = each.series[len(each.series) - 1]
+        view(axes, each, half, 0.075 * half)
+        draw(axes, frame, speed(frame), edge=0.15, **colours(run))
+        limit = 2 * each.summary["pile_radius"]
+        axes.vlines([-limit, limit], 0, 0.075 * half, color=RED, linewidth=1, linestyle=(0, (4, 2)))
+        x = frame["position"]
+        gone = x[np.abs(x[:, 0]) > limit]
+        axes.plot(gone[:, 0], gone[:, 1] + 0.025 * half, "v", color=RED, markersize=5)
+        alpha = each.options["alpha"]
+        damping = f"global damping α = {alpha:g} 1/s" if alpha else "no global damping"
+        axes.set_title(f"t = {each.series.times[-1]:.1f} s, {damping}: {each.summary['escaped']} of "
+                       f"{each.summary['particles']} discs have escaped beyond twice the radius that "
+                       f"holds 95 % (dashed)", fontsize=10, loc="left")
+    figure.savefig(path, dpi=150)
+    plt.close(figure)
+
+
+def draw_energy(run, undamped, path):
+    figure, axes = plt.subplots(2, 2, figsize=(10.5, 6.6), layout="constrained", sharex="col")
+    energy = run.energy
+    t = energy["t"]
+    weight = (run.summary["particles"] * run.options["density"] * np.pi
+              * run.options["radius"] ** 2 * 9.81)
+
+    parts = {"potential": "#2b6cb0", "kinetic": "#d9822b", "rotational": "#3a9d5d",
+             "elastic": "#8e5bb5"}
+    total = sum(energy[part] for part in parts)
+    axes[0, 0].plot(t, total / 1e3, color="#20242a", linewidth=1.6, label="sum")
+    for part, colour in parts.items():
+        axes[0, 0].plot(t, energy[part] / 1e3, color=colour, linewidth=1.3, label=part)
+    axes[0, 0].set_ylabel("energy [kJ]")
+    axes[0, 0].legend(frameon=False, fontsize=9)
+    axes[0, 0].set_title("where the energy is", loc="left", fontsize=11)
+
+    for each, colour in ((run, "#d9822b"), (undamped, "#2b6cb0")):
+        if each:
+            moving = each.energy["kinetic"] + each.energy["rotational"]
+            axes[0, 1].semilogy(each.energy["t"], np.maximum(moving, 1e-3), color=colour,
+                                label=f"α = {each.options['alpha']:g} 1/s")
+    axes[0, 1].set_ylim(1e-2)
+    axes[0, 1].set_ylabel("kinetic + rotational [J]")
+    axes[0, 1].legend(frameon=False, fontsize=9)
+    axes[0, 1].set_title("energy of motion", loc="left", fontsize=11)
+
+    axes[1, 0].plot(t, energy["momentum_x"], color="#d9822b", label="along the floor")
+    axes[1, 0].plot(t, energy["momentum_y"], color="#2b6cb0", label="upwards")
+    axes[1, 0].set_ylabel("momentum [kg m/s]")
+    axes[1, 0].legend(frameon=False, fontsize=9)
+    axes[1, 0].set_title("momentum", loc="left", fontsize=11)
+
+    axes[1, 1].axhline(1, color=GREY, linewidth=0.8)
+    axes[1, 1].plot(t, energy["floor_y"] / weight, color="#20242a", linewidth=0.9)
+    axes[1, 1].set_ylabel("force on the floor / weight [-]")
+    axes[1, 1].set_title("load on the floor", loc="left", fontsize=11)
+
+    for each in axes.flat:
+        each.grid(color="#eceef1", linewidth=0.8)
+        each.set_axisbelow(True)
+        each.spines[["top", "right"]].set_visible(False)
+        each.set_xlim(0, t[-1])
+    for each in axes[1]:
+        each.set_xlabel("time [s]")
+    figure.savefig(path, dpi=150)
+    plt.close(figure)
+
+
+def animate(run, path):
+    """Up to 1.5 s of the run at half its speed."""
+    top = 2 * run.options["radius"] * run.options["rows"] + run.options["drop_height"]
+    end = min(1.5, run.series.times[-1])
+    numbers = [run.series.nearest(t) for t in np.arange(0, end, 0.025)]
+    figure = plt.figure(figsize=(5.2, 4.1), dpi=80)
+    axes = figure.add_axes((0, 0, 1, 1))
+
+    def show(number):
+        axes.clear()
+        frame = run.series[number]
+        view(axes, run, 0.74 * top, 1.12 * top)
+        draw(axes, frame, speed(frame), edge=0.2, **colours(run))
+        axes.text(0.03, 0.93, f"t = {run.series.times[number]:.2f} s", fontsize=11,
+                  transform=axes.transAxes)
+
+    FuncAnimation(figure, show, frames=numbers).save(path, writer=PillowWriter(fps=20))
+    plt.close(figure)
+
+
+def asymmetry(run, until):
+    """Largest distance of a disc from the mirror image of its partner up to a time [m]."""
+    columns, rows = run.options["columns"], run.options["rows"]
+    ids = np.arange(columns * rows).reshape(rows, columns)
+    mirror = np.append(ids[:, ::-1].ravel(), columns * rows)
+    worst = 0
+    for number in np.flatnonzero(run.series.times <= until):
+        frame = run.series[number]
+        x = np.empty((len(frame["id"]), 2))
+        x[frame["id"]] = frame["position"][:, :2]
+        worst = max(worst, np.abs(x - x[mirror] * [-1, 1]).max())
+    return worst
+
+
+def compare(run, others, path):
+    """Checks against what must hold, as a table."""
+    s = run.summary
+    rows = [
+        ("floor load / weight before the disc lands", f"{s['floor_load_over_weight']:.4f}", "1 ± 0.01",
+         abs(s["floor_load_over_weight"] - 1) <= 0.01),
+        ("largest deviation of a contact force from i m g", f"{100 * s['layer_load_error']:.2g} %",
+         "≤ 1 %", s["layer_load_error"] <= 0.01),
+        (f"escaped at t = {run.options['until']:g} s, α = {run.options['alpha']:g} 1/s",
+         s["escaped"], "0", s["escaped"] == 0),
+    ]
+    if undamped := others["undamped"]:
+        escaped = undamped.summary["escaped"]
+        rows.append((f"escaped at t = {undamped.options['until']:g} s, α = 0", escaped,
+                     "> 0", escaped > 0))
+        energy = undamped.energy
+        total = sum(energy[part] for part in ("kinetic", "rotational", "potential", "elastic"))
+        growth = np.diff(total).max() / total[0]
+        rows.append(("largest growth of the energy between outputs, α = 0", f"{growth:.1e} of it",
+                     "≤ 1e-3", growth <= 1e-3))
+    if symmetric := others["symmetric"]:
+        worst = asymmetry(symmetric, 0.2) / symmetric.options["radius"]
+        rows.append(("asymmetry up to t = 0.2 s, offset 0", f"{worst:.1e} R", "≤ 1e-6 R",
+                     worst <= 1e-6))
+    if frictionless := others["frictionless"]:
+        energy = frictionless.energy
+        worst = np.abs(energy["momentum_x"]).max() / np.abs(energy["momentum_y"]).max()
+        rows.append(("momentum along a floor without friction / falling momentum", f"{worst:.1e}",
+                     "≤ 1e-10", worst <= 1e-10))
+    lines = ["# Broken tower", "",
+             "After [SahChoi2004], Figs 9 and 10: with global damping no disc is thrown off, without "
+             "it some are.", "", "| | measured | must be | |", "|---|---|---|---|"]
+    lines += [f"| {what} | {value} | {wanted} | {'yes' if good else '**no**'} |"
+              for what, value, wanted, good in rows]
+    lines += ["", f"{s['particles']} discs, {s['steps']} steps of {s['time_step']:.3g} s in "
+              f"{s['wall_seconds']:.1f} s: {s['seconds_search']:.1f} s for the search, "
+              f"{s['seconds_contacts']:.1f} s for the contacts."]
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+def main(arguments):
+    if len(arguments) != 1:
+        sys.exit(__doc__)
+    folder = pathlib.Path(arguments[0])
+    if not (folder / "summary.json").exists():
+        sys.exit(f"plot_broken_tower.py: {folder} has no summary.json; run broken_tower first")
+    run = Run(folder)
+    others = {name: Run.there(folder / name) for name in ("undamped", "symmetric", "frictionless")}
+    draw_frames(run, others["undamped"], folder / "frames.png")
+    draw_energy(run, others["undamped"], folder / "energy.png")
+    animate(run, folder / "collapse.gif")
+    compare(run, others, folder / "comparison.md")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
