@@ -44,14 +44,17 @@ struct Box {
     return inside;
   }
 
-  /// The image of x in [lower, upper) along the periodic axes, in closed form.
+  /// The image of x in [lower, upper) along the periodic axes, in closed form. What is not finite
+  /// stays as it is.
   Vec<Dim, Real> wrap(Vec<Dim, Real> x) const {
     for (int k = 0; k < Dim; ++k) {
       if (!periodic[static_cast<std::size_t>(k)]) continue;
       const Real side = upper[k] - lower[k];
-      if (x[k] >= lower[k] && x[k] < upper[k]) continue;
+      if ((x[k] >= lower[k] && x[k] < upper[k]) || !is_finite(x[k])) continue;
       x[k] -= side * std::floor((x[k] - lower[k]) / side);
-      if (!(x[k] < upper[k])) x[k] = lower[k];
+      // Rounding may leave it on the upper side; from very far, where a period is less than the
+      // spacing of numbers, anywhere.
+      if (!(x[k] >= lower[k] && x[k] < upper[k])) x[k] = lower[k];
     }
     return x;
   }

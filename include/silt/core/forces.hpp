@@ -8,6 +8,7 @@
 #include <silt/core/types.hpp>
 
 #include <algorithm>
+#include <concepts>
 #include <limits>
 #include <tuple>
 #include <utility>
@@ -29,7 +30,7 @@ class Gravity {
   }
 
   template <class P, class S>
-    requires HasFields<P, mass_t, force_t>
+    requires HasFields<P, mass_t, force_t> && std::same_as<typename P::Vec, Vec<Dim, Real>>
   void accelerate(P& particles, const S&, double) const {
     const auto m = particles[mass];
     const auto f = particles[force];

@@ -4,6 +4,8 @@
 #pragma once
 
 #include <silt/core/box.hpp>
+#include <silt/core/error.hpp>
+#include <silt/core/parallel.hpp>
 #include <silt/core/particles.hpp>
 
 #include <string>
@@ -11,16 +13,23 @@
 namespace silt {
 
 /// Brings owned particles back into the periodic box and makes the ghosts that lie within `depth`
-/// [m] of it. Throws if a periodic side is shorter than 2 depth: a pair could then meet twice.
+/// [m] of it. Throws if a position is not finite, or if a periodic side is shorter than 2 depth: a
+/// pair could then meet twice.
 template <class P>
 void make_ghosts(P& particles, typename P::Real depth) {
   using Real = typename P::Real;
   using Vec = typename P::Vec;
   particles.clear_ghosts();
+  const auto x_owned = particles[position];
+  const Index broken = first_where(x_owned.size(), [&](Index i) { return !is_finite(x_owned[i]); });
+  if (broken != nowhere) {
+    fail("search: a position is not finite; look at what moved the particle",
+         {.particle = broken, .id = particles.id(broken)});
+  }
   const auto& box = particles.box();
   if (!box.any_periodic()) return;
 
-  for (auto& x : particles[position]) x = box.wrap(x);
+  for (auto& x : x_owned) x = box.wrap(x);
   for (int k = 0; k < P::dimension; ++k) {
     if (!box.periodic[static_cast<std::size_t>(k)]) continue;
     const Real side = box.upper[k] - box.lower[k];

@@ -8,26 +8,34 @@
 
 #include <array>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 namespace silt {
 
 /// Centres of the cells of edge `spacing` [m] that fill the box from its lower corner, x fastest.
-/// Along each axis as many as fit; a last cell that sticks out by less than a millionth is in.
-/// Throws if the spacing is not positive or the box not finite.
+/// Along each axis as many as fit; a last cell that sticks out by less than a millionth, or than
+/// rounding explains, is in. Throws if the spacing is not positive, the box not finite, or the points
+/// more than 1e9.
 template <int Dim, class Real = double>
 std::vector<Vec<Dim, Real>> lattice(const Box<Dim, Real>& box, Real spacing) {
   require_positive("lattice: spacing", double(spacing));
   require_finite("lattice: lower", box.lower);
   require_finite("lattice: upper", box.upper);
+  box.check();
   std::array<Index, 3> count{1, 1, 1};
+  double points_in_all = 1;
   for (int k = 0; k < Dim; ++k) {
-    const double cells = std::floor(double((box.upper[k] - box.lower[k]) / spacing) + 1e-6);
-    if (!(cells < 1e9)) {
-      fail("lattice: " + to_text(cells) + " cells along axis " + std::to_string(k) +
-           " are more than 1e9; enlarge the spacing");
+    const double length = double(box.upper[k]) - double(box.lower[k]);
+    const double rounding = 4 * double(std::numeric_limits<Real>::epsilon());
+    const double cells =
+        std::floor(length / double(spacing) * (1 + rounding) + 1e-6);
+    points_in_all *= cells;
+    if (!(cells <= 1e9) || !(points_in_all <= 1e9)) {
+      fail("lattice: spacing = " + to_text(double(spacing)) + " m makes more than 1e9 points; "
+           "enlarge the spacing");
     }
-    count[static_cast<std::size_t>(k)] = cells > 0 ? static_cast<Index>(cells) : 0;
+    count[static_cast<std::size_t>(k)] = static_cast<Index>(cells);
   }
   std::vector<Vec<Dim, Real>> points;
   points.reserve(count[0] * count[1] * count[2]);

@@ -10,11 +10,13 @@
 // reordering and removal in between do not matter.
 #pragma once
 
+#include <silt/core/error.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/types.hpp>
 
 #include <algorithm>
 #include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -31,7 +33,7 @@ class PairMemory {
   /// Value{}; the others are forgotten.
   void renew(std::span<const Id> owners, std::span<const Index> first,
              std::span<const Id> partners) {
-    Rows& next = previous_;
+    Rows& next = renewed_ ? spare_ : previous_;
     next.owners.assign(owners.begin(), owners.end());
     next.first.assign(first.begin(), first.end());
     next.partners.assign(partners.begin(), partners.end());
@@ -47,7 +49,7 @@ class PairMemory {
       }
     });
     tabulate(next);
-    std::swap(current_, previous_);
+    std::swap(current_, next);
     renewed_ = true;
   }
 
@@ -85,11 +87,23 @@ class PairMemory {
     Id partner;
     Value value;
   };
-  /// Replaces all memory: what a restart reads.
+  /// Replaces all memory: what a restart reads. Throws unless owner < partner in every entry and
+  /// every pair stands there once.
   void assign(std::vector<Entry> entries) {
     std::sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) {
       return std::pair(a.owner, a.partner) < std::pair(b.owner, b.partner);
     });
+    for (Index e = 0; e < entries.size(); ++e) {
+      const auto& [owner, partner, value] = entries[e];
+      const bool twice =
+          e > 0 && entries[e - 1].owner == owner && entries[e - 1].partner == partner;
+      if (owner >= partner || twice) {
+        fail("PairMemory::assign: the pair " + std::to_string(owner) + ", " +
+             std::to_string(partner) +
+             (twice ? " is there twice" : " does not begin with the lower id") +
+             "; give each pair once, as for_each_pair does");
+      }
+    }
     Rows& next = previous_;
     next = {};
     next.first.push_back(0);
@@ -107,7 +121,7 @@ class PairMemory {
     renewed_ = false;
   }
 
-  /// The rows before a renew() stay untouched until the next one, so undoing a step is a swap.
+  /// The rows before the first renew() after save() stay untouched, so undoing a step is a swap.
   void save() noexcept { renewed_ = false; }
   void restore() noexcept {
     if (renewed_) std::swap(current_, previous_);
@@ -135,6 +149,7 @@ class PairMemory {
 
   Rows current_;
   Rows previous_;
+  Rows spare_;  // for a second renew() within a step
   bool renewed_ = false;
 };
 

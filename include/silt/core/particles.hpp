@@ -51,20 +51,20 @@ class Particles {
   Index total() const noexcept { return ids_.size(); }
 
   template <Field F>
-    requires has<F>
   auto operator[](F) noexcept {
+    check_carried<F>();
     return std::span(column<F>().data(), size());
   }
   template <Field F>
-    requires has<F>
   auto operator[](F) const noexcept {
+    check_carried<F>();
     return std::span(column<F>().data(), size());
   }
 
   /// Owned particles and, behind them, ghosts: what an index from a search reads.
   template <Field F>
-    requires has<F>
   auto with_ghosts(F) const noexcept {
+    check_carried<F>();
     return std::span(column<F>().data(), total());
   }
 
@@ -182,8 +182,8 @@ class Particles {
 
   /// Copies field F of the owners to their ghosts; positions are shifted.
   template <Field F>
-    requires has<F>
   void refresh_ghosts(F) {
+    check_carried<F>();
     auto& values = column<F>();
     const Index owned = size();
     for (Index g = 0; g < owners_.size(); ++g) {
@@ -217,6 +217,13 @@ class Particles {
   }
 
  private:
+  // A sentence rather than a constraint; ask HasFields whether particles carry a field.
+  template <class F>
+  static constexpr void check_carried() {
+    static_assert(has<F>, "silt::Particles: these particles do not carry this field; add its type "
+                          "(temperature_t of temperature) to their list");
+  }
+
   template <class F>
   struct Column {
     std::vector<value_of<F, Dim, Real>> values;

@@ -65,6 +65,15 @@ class Contacts {
   template <class P>
   typename P::Real reach(const P& grains) const {
     using Real = typename P::Real;
+    static_assert(HasFields<P, velocity_t, spin_t, force_t, torque_t, mass_t, inertia_t, radius_t,
+                            material_t>,
+                  "silt::dem::Contacts: these particles lack a field of dem::Grains");
+    static_assert(ContactLaw<Law, P::dimension, Real>,
+                  "silt::dem::Contacts: the law has neither force(contact) nor force(contact, "
+                  "memory) that gives a vector (see ContactLaw in silt/dem/contact.hpp)");
+    static_assert((Wall<Walls, P::dimension, Real> && ...),
+                  "silt::dem::Contacts: a wall lacks nearest(x), material or check(), or is of "
+                  "another dimension or precision (see Wall in silt/dem/walls.hpp)");
     const auto R = grains[radius];
     return 2 * largest(R.size(), Real(0), [&](Index i) { return R[i]; });
   }
@@ -78,6 +87,7 @@ class Contacts {
              (Wall<Walls, P::dimension, typename P::Real> && ...)
   void accelerate(P& grains, const S& search, double dt) {
     auto& now = found<P>();
+    keep_last(now);
     grains.refresh_ghosts(velocity);
     grains.refresh_ghosts(spin);
     find(grains, search, now);
@@ -121,13 +131,14 @@ class Contacts {
   /// Contacts of the last step, walls included.
   Index size() const noexcept { return count_; }
 
-  /// f(i, j, contact, force on i) for every contact of the last step; j is the partner's place
-  /// (owned or ghost), or `nowhere` for a wall.
+  /// f(i, j, contact, force on i) for every contact of the last step whose grains are still there;
+  /// i and j are the places of the two (owned ones, now), j is `nowhere` for a wall.
   template <class P, class F>
-  void for_each_contact(const P&, F&& f) const {
-    const auto& last = found<P>();
-    for (Index i = 0; i < last.touches.size(); ++i) {
-      for (const auto& touch : last.touches[i]) f(i, touch.j, touch.contact, touch.force);
+  void for_each_contact(const P& grains, F&& f) const {
+    for (const auto& touch : found<P>().touches.items()) {
+      if (is_there(grains, touch)) {
+        f(grains.index_of(touch.id), grains.index_of(touch.partner), touch.contact, touch.force);
+      }
     }
   }
 
@@ -139,14 +150,10 @@ class Contacts {
     if constexpr (requires(const Touch<P> t, const MemoryOf<P> m, const Law law) {
                     law.elastic_energy(t.contact, m);
                   }) {
-      energy = ordered_sum(last.touches.size(), 0.0, [&](Index i) {
-        double of_row = 0;
-        Index c = last.touches.first()[i];
-        for (const Touch<P>& touch : last.touches[i]) {
-          of_row += law_of(grains, i, touch)
-                        .elastic_energy(touch.contact, last.memory.values()[c++]);
-        }
-        return of_row;
+      energy = ordered_sum(last.partners.size(), 0.0, [&](Index c) {
+        const Touch<P>& touch = last.touches.items()[c];
+        if (!is_there(grains, touch)) return 0.0;
+        return double(law_of(touch).elastic_energy(touch.contact, last.memory.values()[c]));
       });
     }
     return energy;
@@ -163,10 +170,22 @@ class Contacts {
   }
 
   void save() noexcept {
-    std::apply([](auto&... each) { (each.memory.save(), ...); }, found_);
+    for_each_found([](auto& each) {
+      each.memory.save();
+      each.keeps_last = false;
+    });
+    saved_count_ = count_;
   }
   void restore() noexcept {
-    std::apply([](auto&... each) { (each.memory.restore(), ...); }, found_);
+    for_each_found([](auto& each) {
+      each.memory.restore();
+      if (each.keeps_last) {
+        std::swap(each.touches, each.last_touches);
+        std::swap(each.partners, each.last_partners);
+      }
+      each.keeps_last = false;
+    });
+    count_ = saved_count_;
   }
 
  private:
@@ -189,9 +208,11 @@ class Contacts {
 
   template <int Dim, class Real>
   struct TouchOf {
-    Index j = nowhere;           // nowhere: a wall
-    Id partner = 0;              // id of j, or wall_id
-    std::uint32_t material = 0;  // of the partner
+    Index j = nowhere;                   // nowhere: a wall
+    Id id = 0;                           // of i
+    Id partner = 0;                      // id of j, or wall_id
+    std::uint32_t material = 0;          // of i
+    std::uint32_t partner_material = 0;  // of j or the wall
     Real arm_i = 0;              // [m]
     Real arm_j = 0;              // [m]
     Contact<Dim, Real> contact{};
@@ -207,8 +228,31 @@ class Contacts {
     PairMemory<decltype(memory_type<Dim, Real>())> memory;
     std::vector<Index> incoming_first;  // by grain: contacts found in the rows of lower ids
     std::vector<Index> incoming;
-    std::vector<Index> row_of;          // by contact
+    Rows<TouchOf<Dim, Real>> last_touches;  // those of the step before, while a step is being made
+    std::vector<Id> last_partners;
+    bool keeps_last = false;
   };
+
+  // The first call within a step puts the contacts of the step before aside, for restore().
+  template <class Now>
+  static void keep_last(Now& now) {
+    if (now.keeps_last) return;
+    std::swap(now.touches, now.last_touches);
+    std::swap(now.partners, now.last_partners);
+    now.keeps_last = true;
+  }
+
+  // Grains may have been removed since the contact was found.
+  template <class P>
+  static bool is_there(const P& grains, const Touch<P>& touch) {
+    return grains.index_of(touch.id) != nowhere &&
+           (touch.j == nowhere || grains.index_of(touch.partner) != nowhere);
+  }
+
+  template <class F>
+  void for_each_found(F&& f) noexcept {
+    std::apply([&f](auto&... each) { (f(each), ...); }, found_);
+  }
 
   // Contacts learns dimension and precision from the grains only; one of these four is in use.
   template <class P>
@@ -230,7 +274,9 @@ class Contacts {
     const auto R = grains.with_ghosts(radius);
     const auto materials = grains.with_ghosts(material);
     now.touches.build(grains.size(), [&](Index i, auto&& add) {
-      if (materials[i] >= materials_.count()) check_material(materials[i], "of a grain", {.particle = i, .id = grains.id(i)});
+      if (materials[i] >= materials_.count()) {
+        check_material(materials[i], "of a grain", {.particle = i, .id = grains.id(i)});
+      }
       search.for_each_neighbour(i, [&](Index j, const Vec& r_ij, Real r) {
         const Real overlap = R[i] + R[j] - r;
         if (!(overlap > 0) || grains.id(j) <= grains.id(i)) return;
@@ -241,8 +287,10 @@ class Contacts {
         }
         Touch<P> touch;
         touch.j = j;
+        touch.id = grains.id(i);
         touch.partner = grains.id(j);
-        touch.material = materials[j];
+        touch.material = materials[i];
+        touch.partner_material = materials[j];
         touch.contact.normal = -r_ij / r;
         touch.contact.overlap = overlap;
         touch.arm_i = arm(R[i], overlap / 2);
@@ -254,8 +302,10 @@ class Contacts {
         const Real overlap = R[i] - nearest.distance;
         if (!(overlap > 0)) return;
         Touch<P> touch;
+        touch.id = grains.id(i);
         touch.partner = wall_id(w);
-        touch.material = wall.material;
+        touch.material = materials[i];
+        touch.partner_material = wall.material;
         touch.contact.normal = nearest.normal;
         touch.contact.overlap = overlap;
         touch.arm_i = arm(R[i], overlap);
@@ -295,7 +345,7 @@ class Contacts {
           contact.effective_mass = m[i] * m[j] / (m[i] + m[j]);
           contact.effective_radius = R[i] * R[j] / (R[i] + R[j]);
         }
-        const Law& law = law_of(grains, i, touch);
+        const Law& law = law_of(touch);
         if constexpr (LawWithMemory<Law, P::dimension, typename P::Real>) {
           touch.force = law.force(std::as_const(contact), now.memory.values()[c]);
         } else {
@@ -318,7 +368,7 @@ class Contacts {
         F[i] += touch.force;
         M[i] += moment(Vec(-touch.arm_i * touch.contact.normal), touch.force);
       }
-      for_each_incoming(now, i, [&](Index, const Touch<P>& touch) {
+      for_each_incoming(now, i, [&](const Touch<P>& touch) {
         F[i] -= touch.force;
         M[i] += moment(Vec(touch.arm_j * touch.contact.normal), Vec(-touch.force));
       });
@@ -334,11 +384,9 @@ class Contacts {
     }
     for (Index i = 0; i < grains.size(); ++i) first[i + 1] += first[i];
     now.incoming.resize(first.back());
-    now.row_of.resize(now.touches.items().size());
     // Fill from behind: first[i + 1] walks down from the end of row i to its beginning.
     for (Index i = grains.size(); i-- > 0;) {
       for (Index c = now.touches.first()[i + 1]; c-- > now.touches.first()[i];) {
-        now.row_of[c] = i;
         const Index j = now.touches.items()[c].j;
         if (j != nowhere) now.incoming[--first[grains.owner(j) + 1]] = c;
       }
@@ -348,12 +396,11 @@ class Contacts {
     first.back() = now.incoming.size();
   }
 
-  // f(row the contact stands in, touch) for every contact in which i is the partner.
+  // f(touch) for every contact in which i is the partner.
   template <class Now, class F>
   static void for_each_incoming(const Now& now, Index i, F&& f) {
     for (Index k = now.incoming_first[i]; k < now.incoming_first[i + 1]; ++k) {
-      const Index c = now.incoming[k];
-      f(now.row_of[c], now.touches.items()[c]);
+      f(now.touches.items()[now.incoming[k]]);
     }
   }
 
@@ -365,10 +412,10 @@ class Contacts {
     const auto I = grains[inertia];
     const auto for_each_contact_of = [&](Index i, auto&& f) {
       for (const Touch<P>& touch : now.touches[i]) {
-        f(touch, law_of(grains, i, touch).stiffness(touch.contact), double(touch.arm_i));
+        f(touch, law_of(touch).stiffness(touch.contact), double(touch.arm_i));
       }
-      for_each_incoming(now, i, [&](Index row, const Touch<P>& touch) {
-        f(touch, law_of(grains, row, touch).stiffness(touch.contact), double(touch.arm_j));
+      for_each_incoming(now, i, [&](const Touch<P>& touch) {
+        f(touch, law_of(touch).stiffness(touch.contact), double(touch.arm_j));
       });
     };
     const auto is_beyond = [&](Index i) {
@@ -400,9 +447,9 @@ class Contacts {
     }
   }
 
-  template <class P>
-  const Law& law_of(const P& grains, Index i, const Touch<P>& touch) const {
-    return materials_.between(grains[material][i], touch.material);
+  template <class Touch>
+  const Law& law_of(const Touch& touch) const {
+    return materials_.between(touch.material, touch.partner_material);
   }
 
   void check_material(std::uint32_t number, const std::string& whose, Where where = {}) const {
@@ -434,6 +481,7 @@ class Contacts {
   ContactSettings settings_;
   std::tuple<Found<2, float>, Found<2, double>, Found<3, float>, Found<3, double>> found_;
   Index count_ = 0;
+  Index saved_count_ = 0;
 };
 
 }  // namespace silt::dem

@@ -52,14 +52,14 @@ class UniformGrid {
     radius_ = radius;
   }
 
-  /// Sorts the particles into cells, and makes the ghosts of periodic sides. Throws if a position is
-  /// not finite.
+  /// Sorts the particles into cells, and makes the ghosts of periodic sides. Throws as make_ghosts
+  /// does.
   template <class P>
   void update(P& particles) {
     require_positive("UniformGrid: radius", double(radius_));
     make_ghosts(particles, radius_);
     const auto x = particles.with_ghosts(position);
-    lay_grid(x, particles);
+    lay_grid(x);
     sort(x);
     owned_ = particles.size();
     ghost_owners_.resize(x.size() - owned_);
@@ -110,13 +110,7 @@ class UniformGrid {
  private:
   using Cell = std::array<std::int64_t, Dim>;
 
-  template <class P>
-  void lay_grid(std::span<const Vec> x, const P& particles) {
-    const Index broken = first_where(x.size(), [&](Index i) { return !is_finite(x[i]); });
-    if (broken != nowhere) {
-      fail("UniformGrid: a position is not finite; look at what moved it",
-           {.particle = particles.owner(broken), .id = particles.id(broken)});
-    }
+  void lay_grid(std::span<const Vec> x) {
     Vec lower = x.empty() ? Vec(Vec::Zero()) : x[0];
     Vec upper = lower;
     for (const Vec& at : x) {
@@ -129,10 +123,11 @@ class UniformGrid {
     const Real edge = radius_ + rounding * (radius_ + (upper - lower).maxCoeff());
     per_edge_ = 1 / edge;
 
-    // Doubles, because the product may exceed every integer.
+    // Doubles, because the product may exceed every integer; but each factor rounded as in cell_of,
+    // so that the last particle lies in the last cell.
     std::array<double, Dim> cells;
     for (int k = 0; k < Dim; ++k) {
-      const double along = std::floor(double(upper[k] - lower[k]) * double(per_edge_)) + 1;
+      const double along = double(std::floor((upper[k] - lower[k]) * per_edge_)) + 1;
       if (!(along < 4e18)) {
         fail("UniformGrid: the particles extend over " + to_text(double(upper[k] - lower[k])) +
              " m, more than 4e18 search radii of " + to_text(double(radius_)) +
@@ -153,9 +148,13 @@ class UniformGrid {
     }
     for (std::size_t k = 0; k < Dim; ++k) {
       bins_[k] = static_cast<std::int64_t>(cells[k]);
-      for (std::size_t other = 0; folded_[k] && other < k; ++other) {
-        while (folded_[other] && std::gcd(bins_[k], bins_[other]) != 1 && bins_[k] > 3) --bins_[k];
-      }
+      const auto shares_a_factor = [&] {
+        for (std::size_t other = 0; other < k; ++other) {
+          if (folded_[other] && std::gcd(bins_[k], bins_[other]) != 1) return true;
+        }
+        return false;
+      };
+      while (folded_[k] && bins_[k] > 3 && shares_a_factor()) --bins_[k];
     }
   }
 

@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: MIT
+// Random points, and the pairs of points found by hand: all images, no ghosts, no cells.
+#pragma once
+
+#include <silt/core/box.hpp>
+#include <silt/core/particles.hpp>
+
+#include <algorithm>
+#include <random>
+#include <tuple>
+#include <vector>
+
+namespace silt::test {
+
+template <int Dim, class Real>
+Box<Dim, Real> cube(Real lower, Real upper) {
+  Box<Dim, Real> box;
+  box.lower.setConstant(lower);
+  box.upper.setConstant(upper);
+  return box;
+}
+
+template <int Dim, class Real>
+std::vector<Vec<Dim, Real>> random_points(Index n, const Box<Dim, Real>& box, unsigned seed) {
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> unit(0, 1);
+  std::vector<Vec<Dim, Real>> points(n);
+  for (auto& x : points) {
+    for (int k = 0; k < Dim; ++k) {
+      const double at = double(box.lower[k]) + unit(random) * double(box.upper[k] - box.lower[k]);
+      x[k] = std::min(static_cast<Real>(at), std::nextafter(box.upper[k], box.lower[k]));
+    }
+  }
+  return points;
+}
+
+template <int Dim, class Real>
+Particles<Dim, Real> particles_at(const std::vector<Vec<Dim, Real>>& points,
+                                  const Box<Dim, Real>& box = {}) {
+  Particles<Dim, Real> particles(box);
+  for (const auto& x : points) particles.add(x);
+  return particles;
+}
+
+/// Owner i, owner j, and r_ij by component: one meeting of two particles.
+template <int Dim, class Real>
+using Meeting = std::tuple<Index, Index, std::vector<Real>>;
+
+template <int Dim, class Real>
+Meeting<Dim, Real> meeting(Index i, Index j, const Vec<Dim, Real>& r_ij) {
+  return {i, j, std::vector<Real>(r_ij.data(), r_ij.data() + Dim)};
+}
+
+/// Every (i, j, r_ij) with r < radius, of all periodic images that touch a neighbouring box.
+template <class P>
+auto meetings_by_hand(const P& particles, typename P::Real radius) {
+  constexpr int Dim = P::dimension;
+  using Real = typename P::Real;
+  const auto x = particles[position];
+  const auto& box = particles.box();
+  std::vector<Vec<Dim, Real>> shifts{Vec<Dim, Real>::Zero()};
+  for (int k = 0; k < Dim; ++k) {
+    if (!box.periodic[static_cast<std::size_t>(k)]) continue;
+    for (Index s = 0, known = shifts.size(); s < known; ++s) {
+      for (const Real sign : {Real(-1), Real(1)}) {
+        auto shift = shifts[s];
+        shift[k] = sign * (box.upper[k] - box.lower[k]);
+        shifts.push_back(shift);
+      }
+    }
+  }
+  std::vector<Meeting<Dim, Real>> found;
+  for (Index i = 0; i < x.size(); ++i) {
+    for (Index j = 0; j < x.size(); ++j) {
+      for (const auto& shift : shifts) {
+        const Vec<Dim, Real> r_ij = Vec<Dim, Real>(x[j] + shift) - x[i];
+        if (i != j && r_ij.squaredNorm() < radius * radius) {
+          found.push_back(meeting<Dim, Real>(i, j, r_ij));
+        }
+      }
+    }
+  }
+  std::sort(found.begin(), found.end());
+  return found;
+}
+
+/// The same by a search, from for_each_neighbour.
+template <class P, class S>
+auto meetings(const P& particles, const S& search) {
+  using Real = typename P::Real;
+  std::vector<Meeting<P::dimension, Real>> found;
+  for (Index i = 0; i < particles.size(); ++i) {
+    search.for_each_neighbour(i, [&](Index j, const typename P::Vec& r_ij, Real) {
+      found.push_back(meeting<P::dimension, Real>(i, particles.owner(j), r_ij));
+    });
+  }
+  std::sort(found.begin(), found.end());
+  return found;
+}
+
+/// The same from for_each_pair, which gives every pair once.
+template <class P, class S>
+auto pairs(const P& particles, const S& search) {
+  using Real = typename P::Real;
+  std::vector<Meeting<P::dimension, Real>> found;
+  search.for_each_pair([&](Index i, Index j, const typename P::Vec& r_ij, Real) {
+    found.push_back(meeting<P::dimension, Real>(i, particles.owner(j), r_ij));
+  });
+  std::sort(found.begin(), found.end());
+  return found;
+}
+
+/// Those seen from the lower index.
+template <class Meetings>
+Meetings once_each(const Meetings& meetings) {
+  Meetings once;
+  for (const auto& m : meetings) {
+    if (std::get<0>(m) < std::get<1>(m)) once.push_back(m);
+  }
+  return once;
+}
+
+}  // namespace silt::test
