@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: MIT
+#include "support/check.hpp"
+
+#include <silt/core/parallel.hpp>
+#include <silt/core/rows.hpp>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace silt::test {
+namespace {
+
+class Threads : public ::testing::TestWithParam<int> {};
+INSTANTIATE_TEST_SUITE_P(OneToFour, Threads, ::testing::Values(1, 2, 3, 4));
+
+// Sizes around the chunk, and several chunks per thread.
+const std::vector<Index> sizes{0, 1, chunk_size - 1, chunk_size, chunk_size + 1, 10 * chunk_size + 7};
+
+TEST_P(Threads, WorkOnEveryIndexOnce) {
+  with_threads(GetParam(), [] {
+    for (const Index n : sizes) {
+      std::vector<int> visits(n, 0);
+      for_each(n, [&](Index i) { ++visits[i]; });
+      EXPECT_EQ(std::count(visits.begin(), visits.end(), 1), static_cast<std::ptrdiff_t>(n));
+    }
+  });
+}
+
+// Values of very different size, so that another order of addition gives another last bit.
+double term(Index i) { return std::sin(double(i) * 12.9898) * std::pow(10.0, double(i % 17) - 8); }
+
+TEST_P(Threads, AddToTheSameBits) {
+  for (const Index n : sizes) {
+    const double alone = with_threads(1, [n] { return ordered_sum(n, 0.0, term); });
+    const double together = with_threads(GetParam(), [n] { return ordered_sum(n, 0.0, term); });
+    EXPECT_EQ(alone, together);
+  }
+}
+
+TEST(OrderedSum, IsTheSumAndZeroOfNothing) {
+  EXPECT_EQ(ordered_sum(5000, Index{0}, [](Index i) { return i; }), Index{5000 * 4999 / 2});
+  EXPECT_EQ(ordered_sum(0, 3.5, term), 3.5);
+}
+
+TEST_P(Threads, FindTheLargestAndTheFirst) {
+  with_threads(GetParam(), [] {
+    EXPECT_EQ(largest(9000, 0.0, [](Index i) { return double(i == 4321 ? 7 : i % 5); }), 7.0);
+    EXPECT_EQ(largest(0, -2.0, [](Index) { return 1.0; }), -2.0);
+    EXPECT_EQ(largest(10, 3.0, [](Index) { return 1.0; }), 3.0);
+    EXPECT_EQ(first_where(9000, [](Index i) { return i >= 5000 || i == 4444; }), 4444u);
+    EXPECT_EQ(first_where(9000, [](Index) { return false; }), nowhere);
+  });
+}
+
+TEST_P(Threads, ThrowWhatTheLowestFaultyIndexThrew) {
+  with_threads(GetParam(), [] {
+    for (const Index lowest : {Index{0}, Index{1500}, Index{5000}, 10 * chunk_size}) {
+      for (int repeat = 0; repeat < 20; ++repeat) {
+        try {
+          for_each(11 * chunk_size, [&](Index i) {
+            if (i >= lowest) throw std::runtime_error(std::to_string(i));
+          });
+          FAIL() << "nothing was thrown";
+        } catch (const std::runtime_error& error) {
+          EXPECT_EQ(error.what(), std::to_string(lowest));
+        }
+      }
+    }
+  });
+}
+
+TEST_P(Threads, MayNestLoops) {
+  with_threads(GetParam(), [] {
+    std::vector<double> sums(3000);
+    for_each(sums.size(), [&](Index i) {
+      sums[i] = ordered_sum(2100, 0.0, [i](Index k) { return double(i + k); });
+    });
+    for (Index i = 0; i < sums.size(); ++i) ASSERT_EQ(sums[i], 2100.0 * double(i) + 2100 * 2099 / 2);
+  });
+}
+
+TEST(UseThreads, SetsTheNumberAndRefusesNone) {
+#ifdef _OPENMP
+  with_threads(4, [] { EXPECT_EQ(threads(), 4); });
+#endif
+  const int before = threads();
+  EXPECT_TRUE(refuses([] { use_threads(0); }, {"use_threads", "number = 0"}));
+  EXPECT_TRUE(refuses([] { use_threads(-3); }, {"use_threads", "number = -3"}));
+  EXPECT_EQ(threads(), before);
+}
+
+TEST_P(Threads, BuildTheSameRows) {
+  with_threads(GetParam(), [] {
+    Rows<Index> rows;
+    for (const Index n : {Index{4000}, Index{0}, Index{1}, Index{3000}}) {  // memory is reused
+      rows.build(n, [](Index i, auto&& add) {
+        for (Index k = 0; k < i % 4; ++k) add(10 * i + k);
+      });
+      ASSERT_EQ(rows.size(), n);
+      Index before = 0;
+      for (Index i = 0; i < n; ++i) {
+        ASSERT_EQ(rows.first()[i], before);
+        ASSERT_EQ(rows[i].size(), i % 4);
+        for (Index k = 0; k < i % 4; ++k) ASSERT_EQ(rows[i][k], 10 * i + k);
+        before += i % 4;
+      }
+      EXPECT_EQ(rows.items().size(), before);
+    }
+  });
+}
+
+TEST(Rows, AreNoneBeforeTheFirstBuild) { EXPECT_EQ(Rows<int>{}.size(), 0u); }
+
+TEST(Finite, IsToldFromTheBits) {
+  EXPECT_TRUE(is_finite(0.0));
+  EXPECT_TRUE(is_finite(-1.7e308));
+  EXPECT_TRUE(is_finite(5e-324));
+  EXPECT_FALSE(is_finite(std::nan("")));
+  EXPECT_FALSE(is_finite(HUGE_VAL));
+  EXPECT_FALSE(is_finite(-HUGE_VALF));
+  EXPECT_FALSE(is_finite(Vec<3, float>(0, 0, std::nanf(""))));
+}
+
+TEST(Error, SaysWhereItHappened) {
+  const Error error = Error("it broke", {.particle = 3, .id = 17}).at(120, 0.31);
+  EXPECT_STREQ(error.what(), "it broke (particle 3, id 17, step 120, t = 0.31 s)");
+  EXPECT_EQ(error.where().id, Id{17});
+  EXPECT_STREQ(Error("alone").what(), "alone");
+}
+
+TEST(Error, NamesTheNumberThatIsWrong) {
+  EXPECT_TRUE(refuses([] { require_between("x", 3, {0, 2}); }, {"x = 3", "0 to 2"}));
+  EXPECT_TRUE(refuses([] { require_not_negative("x", -3); }, {"x = -3"}));
+  EXPECT_TRUE(refuses([] { require_positive("x", 0); }, {"x = 0"}));
+  EXPECT_NO_THROW(require_between("x", 2, {0, 2}));
+  EXPECT_NO_THROW(require_not_negative("x", 0));
+}
+
+}  // namespace
+}  // namespace silt::test

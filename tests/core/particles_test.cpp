@@ -1,0 +1,220 @@
+// SPDX-License-Identifier: MIT
+#include "support/check.hpp"
+#include "support/points.hpp"
+
+#include <silt/core/fields.hpp>
+#include <silt/core/ghosts.hpp>
+#include <silt/core/particles.hpp>
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <limits>
+#include <map>
+#include <random>
+
+namespace silt::test {
+namespace {
+
+inline constexpr struct temperature_t : scalar_field {
+} temperature{};
+inline constexpr struct colour_t : field_of<std::array<unsigned char, 3>>, constant_field {
+} colour{};
+inline constexpr struct heat_t : scalar_field, derived_field {
+} heat{};
+
+template <int Dim, class Real>
+using Warm = Particles<Dim, Real, velocity_t, spin_t, temperature_t, colour_t, heat_t>;
+
+template <class P>
+class AllParticles : public ::testing::Test {};
+using Kinds = ::testing::Types<Warm<2, double>, Warm<2, float>, Warm<3, double>, Warm<3, float>>;
+TYPED_TEST_SUITE(AllParticles, Kinds);
+
+TYPED_TEST(AllParticles, AreBornWithAPositionAndZeros) {
+  TypeParam particles;
+  EXPECT_TRUE(particles.empty());
+  using Vec = typename TypeParam::Vec;
+  const Index i = particles.add(Vec::Constant(3));
+  EXPECT_EQ(i, 0u);
+  EXPECT_EQ(particles.size(), 1u);
+  EXPECT_EQ(particles[position][0], Vec(Vec::Constant(3)));
+  EXPECT_EQ(particles[velocity][0], Vec(Vec::Zero()));
+  EXPECT_EQ(squared_norm(particles[spin][0]), 0);
+  EXPECT_EQ(particles[temperature][0], 0);
+  EXPECT_EQ(particles[colour][0], (std::array<unsigned char, 3>{}));
+}
+
+// Rows are followed by a model: a plain map from id to what the particle should carry.
+TYPED_TEST(AllParticles, KeepTheirRowsWhileOthersComeGoAndChangePlaces) {
+  using Real = typename TypeParam::Real;
+  using Vec = typename TypeParam::Vec;
+  TypeParam particles;
+  std::map<Id, Real> alive;
+  std::mt19937 random(1);
+  Real next = 1;
+  const auto expect_as_modelled = [&] {
+    ASSERT_EQ(particles.size(), alive.size());
+    for (const auto& [id, value] : alive) {
+      const Index i = particles.index_of(id);
+      ASSERT_LT(i, particles.size());
+      EXPECT_EQ(particles.id(i), id);
+      EXPECT_EQ(particles[position][i], Vec(Vec::Constant(value)));
+      EXPECT_EQ(particles[temperature][i], value);
+      EXPECT_EQ(particles[colour][i][1], static_cast<unsigned char>(id));
+    }
+  };
+  std::uint64_t revision = particles.revision();
+  for (int round = 0; round < 30; ++round) {
+    for (int k = 0; k < 5; ++k, next += 1) {
+      const Index i = particles.add(Vec::Constant(next));
+      EXPECT_FALSE(alive.contains(particles.id(i))) << "an id is never used again";
+      particles[temperature][i] = next;
+      particles[colour][i][1] = static_cast<unsigned char>(particles.id(i));
+      alive[particles.id(i)] = next;
+    }
+    std::vector<Index> order(particles.size());
+    for (Index i = 0; i < order.size(); ++i) order[i] = i;
+    std::shuffle(order.begin(), order.end(), random);
+    particles.reorder(order);
+    expect_as_modelled();
+
+    const Id gone = particles.id(random() % particles.size());
+    particles.remove(gone);
+    alive.erase(gone);
+    EXPECT_EQ(particles.index_of(gone), nowhere);
+    const Index removed = particles.remove_if([&](Index i) { return particles.id(i) % 7 == 3; });
+    EXPECT_EQ(removed, std::erase_if(alive, [](const auto& row) { return row.first % 7 == 3; }));
+    expect_as_modelled();
+    EXPECT_GT(particles.revision(), revision);
+    revision = particles.revision();
+  }
+}
+
+TYPED_TEST(AllParticles, FollowTheOrderTheyAreGiven) {
+  using Vec = typename TypeParam::Vec;
+  using Real = typename TypeParam::Real;
+  TypeParam particles;
+  for (int k = 0; k < 3; ++k) particles.add(Vec::Constant(Real(k)));
+  const std::vector<Index> order{2, 0, 1};
+  particles.reorder(order);
+  EXPECT_EQ(particles[position][0][0], Real(2));
+  EXPECT_EQ(particles[position][1][0], Real(0));
+  EXPECT_EQ(particles.id(0), 2u);
+  EXPECT_EQ(particles.index_of(1), 2u);
+}
+
+TYPED_TEST(AllParticles, HaveGhostsThatCopyTheirOwnersDisplaced) {
+  using Real = typename TypeParam::Real;
+  using Vec = typename TypeParam::Vec;
+  constexpr int dim = TypeParam::dimension;
+  auto box = cube<dim, Real>(0, 1);
+  box.periodic.fill(true);
+  TypeParam particles(box);
+  particles.add(Vec::Constant(Real(0.5)));     // the middle: no ghost
+  particles.add(Vec::Constant(Real(0.0625)));  // a corner: one ghost for every other corner
+  particles[temperature][1] = 20;
+  make_ghosts(particles, Real(0.125));
+  EXPECT_EQ(particles.size(), 2u);
+  ASSERT_EQ(particles.total(), 2u + (1u << dim) - 1u);
+  for (Index g = particles.size(); g < particles.total(); ++g) {
+    EXPECT_EQ(particles.owner(g), 1u);
+    EXPECT_EQ(particles.id(g), particles.id(1));
+    EXPECT_EQ(particles.with_ghosts(temperature)[g], Real(20));
+    int shifted = 0;
+    for (int k = 0; k < dim; ++k) {
+      const Real x = particles.with_ghosts(position)[g][k];
+      EXPECT_TRUE(x == Real(0.0625) || x == Real(1.0625));
+      shifted += x > 1;
+    }
+    EXPECT_GE(shifted, 1);
+  }
+
+  // A ghost is as fresh as the last refresh of a field.
+  particles[temperature][1] = 30;
+  EXPECT_EQ(particles.with_ghosts(temperature)[2], Real(20));
+  particles.refresh_ghosts(temperature);
+  EXPECT_EQ(particles.with_ghosts(temperature)[2], Real(30));
+  const Vec before = particles.with_ghosts(position)[particles.total() - 1];
+  particles[position][1] += Vec::Constant(Real(0.03125));
+  particles.refresh_ghosts(position);
+  EXPECT_EQ(particles.with_ghosts(position)[particles.total() - 1],
+            Vec(before + Vec::Constant(Real(0.03125))));
+
+  // Adding, removing and reordering drop them.
+  particles.add(Vec::Zero());
+  EXPECT_EQ(particles.total(), 3u);
+  EXPECT_EQ(particles[temperature][1], Real(30));
+}
+
+TYPED_TEST(AllParticles, ReturnToWhatWasSaved) {
+  using Real = typename TypeParam::Real;
+  using Vec = typename TypeParam::Vec;
+  TypeParam particles;
+  for (int k = 0; k < 5; ++k) particles.add(Vec::Constant(Real(k)));
+  particles[temperature][3] = 7;
+  const Bytes before = state_of(particles);
+  particles.save();
+  for (auto& x : particles[position]) x *= 2;
+  particles[temperature][3] = std::numeric_limits<Real>::quiet_NaN();
+  particles[velocity][0] = Vec::Ones();
+  EXPECT_NE(state_of(particles), before);
+  particles.restore();
+  EXPECT_EQ(state_of(particles), before);
+}
+
+TYPED_TEST(AllParticles, RefuseAPositionThatIsNotFinite) {
+  using Real = typename TypeParam::Real;
+  using Vec = typename TypeParam::Vec;
+  TypeParam particles;
+  Vec x = Vec::Zero();
+  x[1] = std::numeric_limits<Real>::quiet_NaN();
+  EXPECT_TRUE(refuses([&] { particles.add(x); }, {"Particles::add: position", "nan"}));
+  x[1] = std::numeric_limits<Real>::infinity();
+  EXPECT_TRUE(refuses([&] { particles.add(x); }, {"Particles::add: position", "inf"}));
+  EXPECT_TRUE(particles.empty());
+}
+
+TYPED_TEST(AllParticles, RefuseToRemoveTheUnknown) {
+  using Vec = typename TypeParam::Vec;
+  TypeParam particles;
+  particles.add(Vec::Zero());
+  EXPECT_TRUE(refuses([&] { particles.remove(12); }, {"Particles::remove", "id 12"}));
+  particles.remove(0);
+  EXPECT_TRUE(refuses([&] { particles.remove(0); }, {"Particles::remove", "id 0"}));
+}
+
+TYPED_TEST(AllParticles, RefuseAnOrderThatIsNoPermutation) {
+  using Vec = typename TypeParam::Vec;
+  TypeParam particles;
+  for (int k = 0; k < 3; ++k) particles.add(Vec::Zero());
+  const Bytes before = state_of(particles);
+  for (const std::vector<Index>& wrong :
+       {std::vector<Index>{0, 1}, {0, 1, 1}, {0, 1, 3}, {0, 1, 2, 2}, {}}) {
+    EXPECT_TRUE(refuses([&] { particles.reorder(wrong); }, {"Particles::reorder", "3"}));
+    EXPECT_EQ(state_of(particles), before);
+  }
+}
+
+TEST(Fields, AreCalledWhatTheUserWrote) {
+  EXPECT_EQ(name_of<position_t>(), "position");
+  EXPECT_EQ(name_of<temperature_t>(), "temperature");
+}
+
+TEST(Fields, SayWhatAStepMayDoToThem) {
+  EXPECT_EQ(role_of<position_t>(), Role::state);
+  EXPECT_EQ(role_of<temperature_t>(), Role::state);
+  EXPECT_EQ(role_of<colour_t>(), Role::constant);
+  EXPECT_EQ(role_of<heat_t>(), Role::derived);
+}
+
+TEST(Fields, AreVisitedOnceEachWithPositionFirst) {
+  std::vector<std::string> names;
+  Warm<2, double> particles;
+  particles.for_each_field([&]<class F>(auto, F) { names.emplace_back(name_of<F>()); });
+  EXPECT_EQ(names, (std::vector<std::string>{"position", "velocity", "spin", "temperature", "colour",
+                                             "heat"}));
+}
+
+}  // namespace
+}  // namespace silt::test
