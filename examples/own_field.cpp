@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: MIT
+// A field of one's own: grains with a temperature that flows from each to those it touches. The
+// field is one line, its physics a plain loop between two steps, and neither knows what the particles
+// are. Run it in any folder, then open warm_grains.pvd in ParaView.
+#include <silt/dem.hpp>
+#include <silt/io/vtk.hpp>
+
+#include <algorithm>
+#include <cstdio>
+#include <numeric>
+#include <vector>
+
+inline constexpr struct temperature_t : silt::scalar_field {
+} temperature{};  ///< T [K]
+
+/// dT_i/dt = rate Σ_j (T_j − T_i) over the neighbours j that the search finds; rate [1/s]. What one
+/// gains the other loses, so that the sum stays.
+template <class Simulation>
+void conduct(Simulation& simulation, double rate) {
+  auto& particles = simulation.particles();
+  const double share = rate * simulation.last_time_step();
+  const auto T = particles[temperature];
+  std::vector<double> gained(T.size(), 0.0);
+  simulation.search().for_each_pair([&](silt::Index i, silt::Index j, const auto&, auto) {
+    j = particles.owner(j);  // beyond a periodic side stands the image of a particle
+    const double flow = share * (T[j] - T[i]);
+    gained[i] += flow;
+    gained[j] -= flow;
+  });
+  for (silt::Index i = 0; i < T.size(); ++i) T[i] += gained[i];
+}
+
+/// Steps and conducts until the given time [s], with a frame every 20 ms.
+template <class Simulation>
+void warm(Simulation& simulation, double until, silt::VtkSeries frames) {
+  while (simulation.time() < until) {
+    if (simulation.time() >= 0.02 * double(frames.frames())) frames(simulation);
+    simulation.step();
+    conduct(simulation, 50.0);
+  }
+  frames(simulation);
+  const auto T = simulation.particles()[temperature];
+  const auto [coldest, hottest] = std::minmax_element(T.begin(), T.end());
+  std::printf("%zu particles: %.1f to %.1f K, mean %.6f K\n", T.size(), *coldest, *hottest,
+              std::accumulate(T.begin(), T.end(), 0.0) / double(T.size()));
+}
+
+void warm_grains() {
+  using namespace silt;
+  constexpr double R = 0.01;  // [m]
+  auto grains = dem::make_grains<temperature_t>(lattice<2>({{-0.1, 0}, {0.1, 0.4}}, 2 * R),
+                                                {.radius = R, .density = 2500});
+  for (Index i = 0; i < grains.size(); ++i) {
+    grains[temperature][i] = grains[position][i][0] < 0 ? 400 : 300;
+  }
+  const dem::CundallStrack law{.normal_stiffness = 1e6,
+                               .tangential_stiffness = 5e5,
+                               .restitution = 0.3,
+                               .friction_angle = 0.5};
+  const Vec<2> down_a_slope{2.5, -9.5};  // [m/s²]
+  Simulation heap{grains, UniformGrid<2>{},
+                  Forces{Gravity<2>{down_a_slope}, dem::Contacts{law, dem::Plane<2>{}}}, Leapfrog{}};
+  warm(heap, 0.8, VtkSeries{"warm_grains"});
+}
+
+int main() {
+  warm_grains();
+}
