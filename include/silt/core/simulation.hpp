@@ -48,6 +48,7 @@ class Simulation {
         integrator_(std::move(integrator)),
         radius_is_ours_(!(search_.radius() > 0)) {
     prepare();
+    search_.update(particles_);
   }
 
   double time() const noexcept { return time_; }           ///< [s]
@@ -58,6 +59,7 @@ class Simulation {
 
   P& particles() noexcept { return particles_; }
   const P& particles() const noexcept { return particles_; }
+  /// As it was updated last: within the last step, or by the constructor.
   const S& search() const noexcept { return search_; }
   I& interaction() noexcept { return interaction_; }
   const I& interaction() const noexcept { return interaction_; }
@@ -149,7 +151,7 @@ class Simulation {
     bool observed = true;
     while (time_ < end) {
       step(run.time_step ? *run.time_step : time_step());
-      const auto after_step = [&](auto& observer) {
+      [[maybe_unused]] const auto after_step = [&](auto& observer) {
         if constexpr (requires { observer.after_step(std::as_const(*this), run); }) {
           observer.after_step(std::as_const(*this), run);
         }
@@ -222,6 +224,7 @@ class Simulation {
     const auto outside = [&](Index i) { return !box.holds(particles_[position][i]); };
     if (first_where(particles_.size(), outside) == nowhere) return;
     particles_lost_ += particles_.remove_if(outside);
+    search_.update(particles_);  // its indices are those of before
   }
 
   P particles_;
