@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: MIT
+// A gauge at a point of a wall or of the fluid.
+#pragma once
+
+#include <silt/core/concepts.hpp>
+#include <silt/core/error.hpp>
+#include <silt/core/types.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <concepts>
+#include <optional>
+
+namespace silt {
+
+/// Reads a scalar field at a point: linearly between the particles of one lattice spacing around.
+template <int Dim>
+struct Probe {
+  Vec<Dim> point = Vec<Dim>::Zero();  ///< [m]
+  double spacing = 0;                 ///< l0 [m]: how far it looks along each axis
+
+  /// Σ φ_j s_j / Σ s_j with the tent s = Π_k (1 − |x_k − point_k|/l0) over the particles for which
+  /// belongs(j); nothing where there are none. At a flat wall half a spacing behind the point this is
+  /// the linear interpolation along the wall. Throws if the spacing is not positive.
+  template <ParticleSet P, Field F, std::predicate<Index> Belongs>
+  std::optional<double> read(const P& particles, F field, Belongs&& belongs) const {
+    static_assert(P::dimension == Dim, "silt::Probe: the particles have another dimension");
+    require_positive("Probe: spacing", spacing);
+    require_finite("Probe: point", point);
+    const auto x = particles[position];
+    const auto values = particles[field];
+    double sum = 0;
+    double shares = 0;
+    for (Index j = 0; j < particles.size(); ++j) {
+      double share = 1;
+      for (int k = 0; k < Dim && share > 0; ++k) {
+        share *= std::max(0.0, 1 - std::abs(double(x[j][k]) - point[k]) / spacing);
+      }
+      if (!(share > 0) || !belongs(j)) continue;
+      sum += share * double(values[j]);
+      shares += share;
+    }
+    if (!(shares > 0)) return std::nullopt;
+    return sum / shares;
+  }
+};
+
+}  // namespace silt
