@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: MIT
+// Grains in the few arrangements that many tests start from, and what they are measured by.
+#pragma once
+
+#include "support/points.hpp"
+
+#include <silt/dem.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace silt::test {
+
+inline constexpr dem::Grain pebble{.radius = 0.01, .density = 2500};
+
+/// One pebble at x with velocity v.
+template <int Dim>
+dem::Grains<Dim> one_grain(const Vec<Dim>& x, const Vec<Dim>& v, const dem::Grain& grain = pebble) {
+  dem::Grains<Dim> grains;
+  dem::add_grain(grains, x, grain);
+  grains[velocity][0] = v;
+  return grains;
+}
+
+/// Two equal pebbles along the first axis, `gap` apart, the first at rest, the second coming.
+template <int Dim>
+dem::Grains<Dim> two_grains(double gap, const Vec<Dim>& v, const dem::Grain& grain = pebble) {
+  dem::Grains<Dim> grains;
+  dem::add_grain(grains, Vec<Dim>(Vec<Dim>::Zero()), grain);
+  dem::add_grain(grains, Vec<Dim>((2 * grain.radius + gap) * Vec<Dim>::Unit(0)), grain);
+  grains[velocity][1] = v;
+  return grains;
+}
+
+/// Random grains that may touch but not deeply: a jittered lattice with random velocities and spins.
+template <int Dim, class Real>
+dem::Grains<Dim, Real> crowd(Index along_each_axis, unsigned seed) {
+  const Real spacing = Real(0.0205);
+  const auto box = cube<Dim, Real>(0, Real(along_each_axis) * spacing);
+  auto points = lattice(box, spacing);
+  const auto jitter = random_points(points.size(), cube<Dim, Real>(Real(-5e-4), Real(5e-4)), seed);
+  for (Index i = 0; i < points.size(); ++i) points[i] += jitter[i];
+  auto grains = dem::make_grains(points, pebble);
+  const auto v = random_points(points.size(), cube<Dim, Real>(-1, 1), seed + 1);
+  for (Index i = 0; i < points.size(); ++i) {
+    grains[velocity][i] = v[i];
+    if constexpr (Dim == 2) {
+      grains[spin][i] = 50 * v[i][0];
+    } else {
+      grains[spin][i] = 50 * v[i].reverse();
+    }
+  }
+  return grains;
+}
+
+template <class P>
+Vec<P::dimension> momentum(const P& grains) {
+  Vec<P::dimension> sum = Vec<P::dimension>::Zero();
+  for (Index i = 0; i < grains.size(); ++i) {
+    sum += double(grains[mass][i]) * grains[velocity][i].template cast<double>();
+  }
+  return sum;
+}
+
+/// Orbital and spin.
+template <class P>
+typename P::Spin angular_momentum(const P& grains) {
+  typename P::Spin sum = zero_spin<P::dimension, typename P::Real>();
+  for (Index i = 0; i < grains.size(); ++i) {
+    const typename P::Vec p = grains[mass][i] * grains[velocity][i];
+    sum += moment(typename P::Vec(grains[position][i]), p) + grains[inertia][i] * grains[spin][i];
+  }
+  return sum;
+}
+
+template <class P>
+double kinetic_energy(const P& grains) {
+  double energy = 0;
+  for (Index i = 0; i < grains.size(); ++i) {
+    energy += double(grains[mass][i] * grains[velocity][i].squaredNorm() +
+                     grains[inertia][i] * squared_norm(grains[spin][i])) / 2;
+  }
+  return energy;
+}
+
+/// Steps of dt until a contact came and went; the largest overlap on the way, 0 if none came.
+template <class Sim>
+double through_contact(Sim& sim, double dt, int most_steps = 100000) {
+  double deepest = 0;
+  for (int k = 0; k < most_steps; ++k) {
+    sim.step(dt);
+    sim.interaction().for_each_contact(
+        sim.particles(), [&](Index, Index, const auto& contact, const auto&) {
+          deepest = std::max(deepest, double(contact.overlap));
+        });
+    if (deepest > 0 && sim.interaction().size() == 0) return deepest;
+  }
+  return 0;
+}
+
+}  // namespace silt::test
