@@ -76,7 +76,8 @@ class CsvFile {
 /// A table that was read, by the names of its columns.
 class CsvTable {
  public:
-  CsvTable(std::string name, std::vector<std::string> names, std::vector<std::vector<double>> columns)
+  CsvTable(std::string name, std::vector<std::string> names,
+           std::vector<std::vector<double>> columns)
       : name_(std::move(name)), names_(std::move(names)), columns_(std::move(columns)) {}
 
   const std::vector<std::string>& names() const noexcept { return names_; }
@@ -111,11 +112,11 @@ inline CsvTable read_csv(const std::filesystem::path& path) {
   };
   const auto cells_of = [&](std::string_view line) {
     std::vector<std::string_view> cells;
-    for (std::size_t from = 0; from != std::string_view::npos + 1;) {
-      const auto comma = line.find(',', from);
-      cells.push_back(trimmed(line.substr(from, comma - from)));
-      from = comma + 1;
+    for (auto comma = line.find(','); comma != std::string_view::npos; comma = line.find(',')) {
+      cells.push_back(trimmed(line.substr(0, comma)));
+      line.remove_prefix(comma + 1);
     }
+    cells.push_back(trimmed(line));
     return cells;
   };
 

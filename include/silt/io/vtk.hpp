@@ -90,9 +90,10 @@ std::string vtk_frame(const P& particles) {
   using Integer = std::int64_t;
   std::string cells = add(Integer{}, "connectivity", 1, n,
                           [](Index i, int) { return static_cast<Integer>(i); });
-  cells += add(Integer{}, "offsets", 1, n, [](Index i, int) { return static_cast<Integer>(i + 1); });
-  constexpr std::uint8_t vertex = 1;  // VTK_VERTEX
-  cells += add(std::uint8_t{}, "types", 1, n, [](Index, int) { return vertex; });
+  cells += add(Integer{}, "offsets", 1, n,
+               [](Index i, int) { return static_cast<Integer>(i + 1); });
+  using Byte = std::uint8_t;
+  cells += add(Byte{}, "types", 1, n, [](Index, int) { return Byte(1); });  // VTK_VERTEX
 
   const std::string order =
       std::endian::native == std::endian::little ? "LittleEndian" : "BigEndian";

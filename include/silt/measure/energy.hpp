@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Energies and momentum of a set of particles. Give them a snapshot(): positions and velocities must
-// belong to one time. Sums are the same bits for any number of threads.
+// Energies and momentum of a set of particles. Give them a snapshot(): positions and velocities
+// must belong to one time. Sums are the same bits for any number of threads.
 #pragma once
 
 #include <silt/core/fields.hpp>

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: MIT
+#include <silt/io/csv.hpp>
+
+#include "support/check.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <numbers>
+#include <string>
+#include <vector>
+
+namespace {
+
+using namespace silt;
+
+class Csv : public testing::Test {
+ protected:
+  std::filesystem::path path =
+      std::filesystem::path(testing::TempDir()) /
+      (std::string("silt_csv_") +
+       testing::UnitTest::GetInstance()->current_test_info()->name() + ".csv");
+
+  void TearDown() override { std::filesystem::remove(path); }
+
+  void write(const std::string& text) { std::ofstream(path, std::ios::binary) << text; }
+
+  auto refuses_to_read(const std::string& text, const std::vector<std::string>& words) {
+    write(text);
+    return test::refuses([this] { read_csv(path); }, words);
+  }
+};
+
+TEST_F(Csv, NumbersReadBackAsTheyWere) {
+  const std::vector<double> values{0.1, -1.0 / 3, std::numbers::pi * 1e-300, 5e-324, 0,
+                                   std::numeric_limits<double>::max()};
+  {
+    CsvFile file{path, {"t", "x_front"}};
+    for (const double value : values) file.row({value, -value});
+  }
+  const CsvTable table = read_csv(path);
+  EXPECT_EQ(table.names(), (std::vector<std::string>{"t", "x_front"}));
+  EXPECT_EQ(table["t"], values);
+  EXPECT_EQ(table["x_front"][0], -0.1);
+}
+
+TEST_F(Csv, EveryRowIsOnDiscAtOnce) {
+  CsvFile file{path, {"t"}};
+  EXPECT_EQ(read_csv(path).rows(), 0u);
+  file.row({0.5});
+  EXPECT_EQ(read_csv(path)["t"], (std::vector<double>{0.5}));
+}
+
+TEST_F(Csv, ARowOfTheWrongLengthIsRefused) {
+  CsvFile file{path, {"t", "x"}};
+  EXPECT_THROW(file.row({1}), Error);
+  EXPECT_THROW(file.row({1, 2, 3}), Error);
+  EXPECT_EQ(read_csv(path).rows(), 0u);
+}
+
+TEST_F(Csv, AFileThatCannotBeWrittenIsRefusedWithTheReason) {
+  const auto below = path / "below" / "a.csv";
+  EXPECT_TRUE(test::refuses([&] { CsvFile(below, {"t"}); },
+                            {"CsvFile", below.string(), "No such file or directory"}));
+  EXPECT_THROW(CsvFile(path, {}), Error);
+}
+
+TEST_F(Csv, CommentsBlanksAndForeignLineEndsAreSkipped) {
+  write("# Martin and Moyce\r\n\r\n T , Z\r\n1, 2.5\r\n  # more\r\n-3e2,\t4\r\n");
+  const CsvTable table = read_csv(path);
+  EXPECT_EQ(table["T"], (std::vector<double>{1, -300}));
+  EXPECT_EQ(table["Z"], (std::vector<double>{2.5, 4}));
+}
+
+TEST_F(Csv, ErrorsNameLineAndColumn) {
+  EXPECT_TRUE(refuses_to_read("t,x\n1,2\n3,4m\n", {"line 3, column x: \"4m\""}));
+  EXPECT_TRUE(refuses_to_read("t,x\n1,\n", {"line 2, column x: \"\""}));
+  EXPECT_TRUE(refuses_to_read("# c\nt,x\n1\n", {"line 3: 1 values for 2"}));
+  EXPECT_TRUE(refuses_to_read("t,t\n", {"line 1: the column name \"t\""}));
+  EXPECT_TRUE(refuses_to_read("", {"no line of column names"}));
+  EXPECT_THROW(read_csv(path / "nowhere"), Error);
+}
+
+TEST_F(Csv, AColumnThatIsNotThereIsRefusedWithThoseThatAre) {
+  write("t,x\n");
+  EXPECT_TRUE(test::refuses([this] { read_csv(path)["y"]; }, {"no column y; it has t, x"}));
+}
+
+}  // namespace

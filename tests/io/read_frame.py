@@ -1,0 +1,46 @@
+# SPDX-License-Identifier: MIT
+"""Reads a frame with VTK's own reader or with meshio, and prints what it found, for vtk_test.cpp.
+
+    read_frame.py vtk|meshio FILE
+
+One line per array: name, number of components, and the sums over the particles. Exits with 77 when
+the module is not there.
+"""
+
+import sys
+
+
+def read_with_vtk(path):
+    from vtkmodules.util.numpy_support import vtk_to_numpy
+    from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridReader
+
+    reader = vtkXMLUnstructuredGridReader()
+    reader.SetFileName(path)
+    reader.Update()
+    grid = reader.GetOutput()
+    data = grid.GetPointData()
+    arrays = {data.GetArrayName(k): vtk_to_numpy(data.GetArray(k))
+              for k in range(data.GetNumberOfArrays())}
+    return grid.GetNumberOfCells(), vtk_to_numpy(grid.GetPoints().GetData()), arrays
+
+
+def read_with_meshio(path):
+    import meshio
+
+    mesh = meshio.read(path)
+    return sum(len(block.data) for block in mesh.cells), mesh.points, mesh.point_data
+
+
+def main(tool, path):
+    try:
+        cells, points, arrays = {"vtk": read_with_vtk, "meshio": read_with_meshio}[tool](path)
+    except ImportError:
+        sys.exit(77)
+    print("cells", cells)
+    for name, values in sorted({"position": points, **arrays}.items()):
+        values = values.reshape(len(points), -1)
+        sums = " ".join(f"{value:.12g}" for value in values.sum(axis=0).astype(float))
+        print(name, values.shape[1], sums)
+
+
+main(*sys.argv[1:])
