@@ -2,8 +2,8 @@
 // The broken tower: discs stacked in a square pattern on a rough floor collapse after one more disc
 // fell on the top. With global damping none is thrown off, without it (--alpha 0) some are.
 //
-// After J.-Y. Sah, J.-W. Choi, "Analysis of Granular Flow Using DEM", Figs 9 and 10. The paper gives
-// no sizes; those here are ours, and --help says why they are what they are.
+// After J.-Y. Sah, J.-W. Choi, "Analysis of Granular Flow Using DEM", Figs 9 and 10. The paper
+// gives no sizes; those here are ours, and --help says why they are what they are.
 //
 //   broken_tower --out out/broken_tower
 //   broken_tower --out out/broken_tower/undamped --alpha 0
@@ -64,21 +64,22 @@ void describe(CLI::App& app, Options& o) {
       "from within and wide enough to leave a heap", between({1, 10000}));
   add("--radius", o.radius, "of a disc [m]", positive());
   add("--density", o.density, "of a disc [kg/m3], stone; discs are of unit thickness", positive());
-  add("--normal-stiffness", o.normal_stiffness, "of a contact [N/m]; the default lets the weight of "
-      "the tower press the lowest contacts by 2 % of a diameter", positive());
+  add("--normal-stiffness", o.normal_stiffness, "of a contact [N/m]; by default the weight of the "
+      "tower presses the lowest contacts by 2 % of a diameter", positive());
   add("--friction-angle", o.friction_angle, "between discs and with the floor [degrees]; on a "
       "smoother floor the whole heap slides, and no disc is far from the others",
       between({0, 89}));
   add("--restitution", o.restitution, "of a contact [-]; hard discs lose little at a contact, so "
       "that global damping makes the difference", between({0.01, 1}));
-  add("--alpha", o.alpha, "global damping [1/s]; 0: none. The default stops a rolling disc within a "
-      "second, and hardly slows the fall, which takes half a second", not_negative());
+  add("--alpha", o.alpha, "global damping [1/s]; 0: none. The default stops a rolling disc within "
+      "a second, and hardly slows the fall, which takes half a second", not_negative());
   add("--drop-height", o.drop_height, "of the falling disc above the top [m]", positive());
-  add("--offset", o.offset, "of the falling disc from the tower's axis, to the right [m]; 0: all is "
-      "symmetric", any);
-  add("--until", o.until, "end of the run [s]; discs that were thrown off must have the time to get "
-      "away from the others", positive());
-  add("--output-every", o.output_every, "time between frames, and between energies [s]", positive());
+  add("--offset", o.offset, "of the falling disc from the tower's axis, to the right [m]; 0: all "
+      "is symmetric", any);
+  add("--until", o.until, "end of the run [s]; discs that were thrown off must have the time to "
+      "get away from the others", positive());
+  add("--output-every", o.output_every, "time between frames, and between energies [s]",
+      positive());
   add("--threads", o.threads, "threads; the result is the same bits for any number",
       between({1, 1024}));
   app.add_option("--out", o.out, "folder for energy.csv, summary.json and frames.pvd")
@@ -97,8 +98,8 @@ void check_together(const Options& o) {
   }
 }
 
-// Layer by layer from the floor up, each contact already pressed by the weight above it, so that the
-// tower begins at rest in its own equilibrium. The last disc is the one that falls.
+// Layer by layer from the floor up, each contact already pressed by the weight above it, so that
+// the tower begins at rest in its own equilibrium. The last disc is the one that falls.
 dem::Grains<2> make_tower(const Options& o) {
   const dem::Grain disc{.radius = o.radius, .density = o.density};
   dem::Grains<2> grains;

@@ -3,7 +3,7 @@
 // viscous friction that Coulomb limits. It is a plain struct; the library neither knows it nor is
 // told about it, and the same struct serves discs and spheres, in double and in float.
 //
-// A ball is thrown along a floor, bounces, and leaves it rolling: a ball keeps 5/7 of its speed then.
+// A ball is thrown along a floor, bounces, and leaves it rolling: then 5/7 of its speed are left.
 #include <silt/dem.hpp>
 
 #include <algorithm>
@@ -20,7 +20,8 @@ struct Hertz {
   typename Contact::Vec force(const Contact& c) const {
     using Real = typename Contact::Real;
     using Vec = typename Contact::Vec;
-    const Real spring = Real(4 * modulus / 3) * std::sqrt(c.effective_radius * c.overlap) * c.overlap;
+    const Real contact_radius = std::sqrt(c.effective_radius * c.overlap);
+    const Real spring = Real(4 * modulus / 3) * contact_radius * c.overlap;
     const Real F_n = std::max(Real(0), spring * (1 + Real(loss) * c.approach_speed()));
     const Vec drag_force = -Real(drag) * c.tangential_velocity();
     const Real share = std::min(Real(1), Real(friction) * F_n / (drag_force.norm() + Real(1e-30)));

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // A field of one's own: grains with a temperature that flows from each to those it touches. The
-// field is one line, its physics a plain loop between two steps, and neither knows what the particles
-// are. Run it in any folder, then open warm_grains.pvd in ParaView.
+// field is one line, its physics a plain loop between two steps, and neither knows what the
+// particles are. Run it in any folder, then open warm_grains.pvd in ParaView.
 #include <silt/dem.hpp>
 #include <silt/io/vtk.hpp>
 
@@ -59,7 +59,8 @@ void warm_grains() {
                                .friction_angle = 0.5};
   const Vec<2> down_a_slope{2.5, -9.5};  // [m/s²]
   Simulation heap{grains, UniformGrid<2>{},
-                  Forces{Gravity<2>{down_a_slope}, dem::Contacts{law, dem::Plane<2>{}}}, Leapfrog{}};
+                  Forces{Gravity<2>{down_a_slope}, dem::Contacts{law, dem::Plane<2>{}}},
+                  Leapfrog{}};
   warm(heap, 0.8, VtkSeries{"warm_grains"});
 }
 

@@ -92,15 +92,16 @@ def draw_frames(run, undamped, path):
         view(axes, each, half, 0.075 * half)
         draw(axes, frame, speed(frame), edge=0.15, **colours(run))
         limit = 2 * each.summary["pile_radius"]
-        axes.vlines([-limit, limit], 0, 0.075 * half, color=RED, linewidth=1, linestyle=(0, (4, 2)))
+        axes.vlines([-limit, limit], 0, 0.075 * half, color=RED, linewidth=1,
+                    linestyle=(0, (4, 2)))
         x = frame["position"]
         gone = x[np.abs(x[:, 0]) > limit]
         axes.plot(gone[:, 0], gone[:, 1] + 0.025 * half, "v", color=RED, markersize=5)
         alpha = each.options["alpha"]
         damping = f"global damping α = {alpha:g} 1/s" if alpha else "no global damping"
-        axes.set_title(f"t = {each.series.times[-1]:.1f} s, {damping}: {each.summary['escaped']} of "
-                       f"{each.summary['particles']} discs have escaped beyond twice the radius that "
-                       f"holds 95 % (dashed)", fontsize=10, loc="left")
+        axes.set_title(f"t = {each.series.times[-1]:.1f} s, {damping}: "
+                       f"{each.summary['escaped']} of {each.summary['particles']} discs have escaped beyond twice the radius "
+                       f"that holds 95 % (dashed)", fontsize=10, loc="left")
     figure.savefig(path, dpi=150)
     plt.close(figure)
 
@@ -192,8 +193,8 @@ def compare(run, others, path):
     """Checks against what must hold, as a table."""
     s = run.summary
     rows = [
-        ("floor load / weight before the disc lands", f"{s['floor_load_over_weight']:.4f}", "1 ± 0.01",
-         abs(s["floor_load_over_weight"] - 1) <= 0.01),
+        ("floor load / weight before the disc lands", f"{s['floor_load_over_weight']:.4f}",
+         "1 ± 0.01", abs(s["floor_load_over_weight"] - 1) <= 0.01),
         ("largest deviation of a contact force from i m g", f"{100 * s['layer_load_error']:.2g} %",
          "≤ 1 %", s["layer_load_error"] <= 0.01),
         (f"escaped at t = {run.options['until']:g} s, α = {run.options['alpha']:g} 1/s",
@@ -218,8 +219,8 @@ def compare(run, others, path):
         rows.append(("momentum along a floor without friction / falling momentum", f"{worst:.1e}",
                      "≤ 1e-10", worst <= 1e-10))
     lines = ["# Broken tower", "",
-             "After [SahChoi2004], Figs 9 and 10: with global damping no disc is thrown off, without "
-             "it some are.", "", "| | measured | must be | |", "|---|---|---|---|"]
+             "After [SahChoi2004], Figs 9 and 10: with global damping no disc is thrown off, "
+             "without it some are.", "", "| | measured | must be | |", "|---|---|---|---|"]
     lines += [f"| {what} | {value} | {wanted} | {'yes' if good else '**no**'} |"
               for what, value, wanted, good in rows]
     lines += ["", f"{s['particles']} discs, {s['steps']} steps of {s['time_step']:.3g} s in "

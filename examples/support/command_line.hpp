@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // What the larger examples share: options that are checked, an output folder, a summary, and exit
-// codes: 0 done, 1 the run failed, 2 an option was refused. Every failure is one sentence on stderr.
+// codes: 0 done, 1 the run failed, 2 an option was refused. A failure is one sentence on stderr.
 #pragma once
 
 #include <silt/core/error.hpp>
