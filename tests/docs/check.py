@@ -12,6 +12,7 @@ A block is a file of its own, unless HTML comments right before it say otherwise
     <!-- silt: name NAME -->     later blocks of this page can go on from here
     <!-- silt: after NAME -->    goes on from the block of that name (and from what that one goes
                                  on from)
+    <!-- silt: file PATH -->     is the text of this file of the repository, but for its SPDX line
     <!-- silt: skip REASON -->   neither compiled nor run
 
 Several hold at once if they stand in several comments. A block without wrap that others go on from
@@ -25,11 +26,13 @@ import pathlib
 import re
 import subprocess
 import sys
+import tempfile
 import textwrap
 
 COMMENT = re.compile(r"^\s*<!--\s*silt:\s*(\w+)\s*(.*?)\s*-->\s*$")
 FENCE = re.compile(r"^\s*```\s*([\w+]*)")
 MAIN = re.compile(r"\bint\s+main\s*\(")
+SPDX = "// SPDX-License-Identifier: MIT\n"
 RUN_SECONDS = 300
 
 
@@ -98,18 +101,28 @@ def blocks_of(text):
         raise PageError(f"line {first - 1}: this block has no end")
 
 
-def programs_of(page, text):
+def refuse_other_text(line, block, path):
+    """Raises unless a block is the text of a file."""
+    if not path.is_file():
+        raise PageError(f"line {line}: there is no file {path}")
+    if block.strip() != path.read_text(encoding="utf-8").removeprefix(SPDX).strip():
+        raise PageError(f"line {line}: this block is not the text of {path}; copy it again")
+
+
+def programs_of(page, text, repository=pathlib.Path()):
     """The programs of one page, in order."""
     named, programs = {}, []
     try:
         for line, directives, block in blocks_of(text):
-            unknown = set(directives) - {"wrap", "name", "after", "skip"}
+            unknown = set(directives) - {"wrap", "name", "after", "file", "skip"}
             if unknown:
                 raise PageError(f"line {line}: unknown directive {sorted(unknown)[0]}")
             if "skip" in directives:
                 if not directives["skip"]:
                     raise PageError(f"line {line}: skip needs a reason")
                 continue
+            if "file" in directives:
+                refuse_other_text(line, block, repository / directives["file"])
             start = Program()
             if "after" in directives:
                 if directives["after"] not in named:
@@ -167,7 +180,7 @@ def check(repository, scratch, compile_command):
         for page in pages
         if page.is_file()
         for program in programs_of(
-            page.relative_to(repository).as_posix(), page.read_text(encoding="utf-8")
+            page.relative_to(repository).as_posix(), page.read_text(encoding="utf-8"), repository
         )
     ]
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as workers:
@@ -228,7 +241,19 @@ def self_test():
     assert both.source().index("Law law;") < both.source().index("use(law);")
     assert indented.source().endswith("\nstruct Indented {};\n") and not indented.inside
     assert indented.where == "p.md:34"
+    with tempfile.TemporaryDirectory() as folder:
+        copied = pathlib.Path(folder)
+        (copied / "copied.cpp").write_text(SPDX + "int main() {}\n", encoding="utf-8")
+        copy = "<!-- silt: file copied.cpp -->\n```cpp\nint main() {%s}\n```"
+        (program,) = programs_of("p.md", copy % "", copied)
+        assert MAIN.search(program.source())
+        try:
+            programs_of("p.md", copy % " return 1; ", copied)
+            raise AssertionError("no error for a text that differs from its file's")
+        except PageError:
+            pass
     for wrong in (
+        "<!-- silt: file nowhere.cpp -->\n```cpp\n```",
         "<!-- silt: after nobody -->\n```cpp\n```",
         "<!-- silt: skip -->\n```cpp\n```",
         "<!-- silt: warp -->\n```cpp\n```",
