@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
-// A field of one's own: grains with a temperature that flows from each to those it touches. The
-// field is one line, its physics a plain loop between two steps, and neither knows what the
-// particles are. Run it in any folder, then open warm_grains.pvd in ParaView.
-#include <silt/dem.hpp>
+// A field of one's own: a temperature that flows from each particle to its neighbours, carried by
+// grains and by water. The field is one line, its physics a plain loop between two steps, and neither
+// knows what the particles are. Run it in any folder, then open warm_grains.pvd and warm_water.pvd in
+// ParaView.
 #include <silt/io/vtk.hpp>
+#include <silt/silt.hpp>
 
 #include <algorithm>
 #include <cstdio>
@@ -14,7 +15,7 @@ inline constexpr struct temperature_t : silt::scalar_field {
 } temperature{};  ///< T [K]
 
 /// dT_i/dt = rate Σ_j (T_j − T_i) over the neighbours j that the search finds; rate [1/s]. What one
-/// gains the other loses, so that the sum stays.
+/// gains the other loses, so that the sum stays. Stable while rate Δt times their number is below 1.
 template <class Simulation>
 void conduct(Simulation& simulation, double rate) {
   auto& particles = simulation.particles();
@@ -30,13 +31,13 @@ void conduct(Simulation& simulation, double rate) {
   for (silt::Index i = 0; i < T.size(); ++i) T[i] += gained[i];
 }
 
-/// Steps and conducts until the given time [s], with a frame every 20 ms.
+/// Steps and conducts for 0.8 s, with a frame every 20 ms.
 template <class Simulation>
-void warm(Simulation& simulation, double until, silt::VtkSeries frames) {
-  while (simulation.time() < until) {
+void warm(Simulation& simulation, double rate, silt::VtkSeries frames) {
+  while (simulation.time() < 0.8) {
     if (simulation.time() >= 0.02 * double(frames.frames())) frames(simulation);
     simulation.step();
-    conduct(simulation, 50.0);
+    conduct(simulation, rate);
   }
   frames(simulation);
   const auto T = simulation.particles()[temperature];
@@ -61,9 +62,23 @@ void warm_grains() {
   Simulation heap{grains, UniformGrid<2>{},
                   Forces{Gravity<2>{down_a_slope}, dem::Contacts{law, dem::Plane<2>{}}},
                   Leapfrog{}};
-  warm(heap, 0.8, VtkSeries{"warm_grains"});
+  warm(heap, 50, VtkSeries{"warm_grains"});
+}
+
+void warm_water() {
+  using namespace silt;
+  constexpr double l0 = 0.02;  // particle spacing [m]
+  auto tank = mps::make_tank<2, double, temperature_t>(
+      {.column = {0.2, 0.4}, .size = {.length = 0.8, .height = 0.6}, .spacing = l0});
+  for (Index i = 0; i < tank.size(); ++i) {
+    tank[temperature][i] = tank[mps::kind][i] == mps::Kind::fluid ? 350 : 300;
+  }
+  const mps::Flow<mps::Case10> water{{.spacing = l0, .speed_scale = 2}};
+  Simulation dam{tank, NeighbourList<2>{}, water, SemiImplicit<>{}};
+  warm(dam, 5, VtkSeries{"warm_water"});
 }
 
 int main() {
   warm_grains();
+  warm_water();
 }

@@ -1,15 +1,25 @@
 // SPDX-License-Identifier: MIT
-// A column of water collapses: the whole program. Open dam.pvd with ParaView.
+// A column of water collapses in a tank: everything an MPS program needs. Run it in any folder, then
+// open dam.pvd in ParaView.
 #include <silt/io/progress.hpp>
 #include <silt/io/vtk.hpp>
 #include <silt/mps.hpp>
 
-int main() {
+#include <cstdio>
+
+int main() try {
   using namespace silt;
   constexpr double l0 = 0.02;  // particle spacing [m]
-  auto tank = mps::make_tank<2>(
+
+  const auto tank = mps::make_tank<2>(
       {.column = {0.4, 0.8}, .size = {.length = 1.6, .height = 1.2}, .spacing = l0});
-  mps::Flow<mps::Case10> water{{.spacing = l0, .viscosity = 1e-6, .speed_scale = 2.8}};
+
+  // PNU-MPS; speed_scale is √(g H), the speed that limits the time step from the start.
+  const mps::Flow<mps::Case10> water{{.spacing = l0, .density = 1000, .speed_scale = 2.8}};
+
   Simulation dam{tank, NeighbourList<2>{}, water, SemiImplicit<>{}};
   dam.run({.until = 1.0, .output_every = 0.02}, VtkSeries{"dam"}, Progress{});
+} catch (const silt::Error& error) {
+  std::fprintf(stderr, "%s\n", error.what());
+  return 1;
 }
