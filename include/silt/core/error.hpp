@@ -58,6 +58,14 @@ inline std::string to_text(double value) {
   return text;
 }
 
+/// A vector: "(1, 2)".
+template <class Real, int Dim>
+std::string to_text(const Eigen::Matrix<Real, Dim, 1>& value) {
+  std::string text = "(" + to_text(double(value[0]));
+  for (int k = 1; k < Dim; ++k) text += ", " + to_text(double(value[k]));
+  return text + ")";
+}
+
 inline std::string Error::compose(const std::string& sentence, const Where& where) {
   std::string text = sentence;
   auto add = [&, first = true](const std::string& part) mutable {

@@ -14,6 +14,7 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <type_traits>
 #include <utility>
 
@@ -195,14 +196,27 @@ class Simulation {
     particles_.for_each_field([this]<class F>(auto values, F) {
       using Value = typename decltype(values)::value_type;
       if constexpr (role_of<F>() == Role::state && requires(Value v) { is_finite(v); }) {
-        const Index broken = first_where(values.size(), [&](Index i) { return !is_finite(values[i]); });
-        if (broken != nowhere) {
-          fail("Simulation: the step made a " + std::string(name_of<F>()) +
-                   " that is not finite; take a smaller time step, or look at the forces",
-               {.particle = broken, .id = particles_.id(broken)});
+        const Index broken =
+            first_where(values.size(), [&](Index i) { return !is_finite(values[i]); });
+        if (broken != nowhere) fail_at(broken, name_of<F>(), to_text(values[broken]));
+      }
+    });
+  }
+
+  // Names a sum of this step that is not finite, if there is one, rather than what came of it.
+  [[noreturn]] void fail_at(Index broken, std::string_view name, std::string value) const {
+    particles_.for_each_field([&]<class F>(auto values, F) {
+      using Value = typename decltype(values)::value_type;
+      if constexpr (role_of<F>() == Role::derived && requires(Value v) { is_finite(v); }) {
+        if (!is_finite(values[broken])) {
+          name = name_of<F>();
+          value = to_text(values[broken]);
         }
       }
     });
+    fail("Simulation: the step made a " + std::string(name) + " of " + value +
+             ", which is not finite; take a smaller time step, or look at the forces",
+         {.particle = broken, .id = particles_.id(broken)});
   }
 
   void check_leavers() const {
@@ -211,10 +225,8 @@ class Simulation {
     const auto x = particles_[position];
     const Index gone = first_where(x.size(), [&](Index i) { return !box.holds(x[i]); });
     if (gone == nowhere) return;
-    std::string at = to_text(double(x[gone][0]));
-    for (int k = 1; k < P::dimension; ++k) at += ", " + to_text(double(x[gone][k]));
-    fail("Simulation: a particle left the box at x = (" + at +
-             ") m; widen the box, stop the leak, or set Box::leavers to Leavers::remove",
+    fail("Simulation: a particle left the box at x = " + to_text(x[gone]) +
+             " m; widen the box, stop the leak, or set Box::leavers to Leavers::remove",
          {.particle = gone, .id = particles_.id(gone)});
   }
 

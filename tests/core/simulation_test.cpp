@@ -1,0 +1,328 @@
+// SPDX-License-Identifier: MIT
+// A step is a transaction, and run() calls its observers when it says.
+#include "support/check.hpp"
+#include "support/grains.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string>
+
+namespace silt::test {
+namespace {
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr double inf = std::numeric_limits<double>::infinity();
+
+// What a user's own interaction may do at the step it is told to.
+struct Fault {
+  Id id = 0;
+  double push = 0;  // [N]
+  bool throws = false;
+};
+class Saboteur {
+ public:
+  std::shared_ptr<std::optional<Fault>> fault = std::make_shared<std::optional<Fault>>();
+
+  template <class P>
+  typename P::Real reach(const P&) const {
+    return 0;
+  }
+  template <class P, class S>
+  void accelerate(P& particles, const S&, double) {
+    if (!*fault) return;
+    if ((*fault)->throws) throw std::runtime_error("the user's own");
+    const Index i = particles.index_of((*fault)->id);
+    particles[force][i][0] += typename P::Real((*fault)->push);
+  }
+};
+
+const dem::CundallStrackIncremental law{.normal_stiffness = 1e6,
+                                        .tangential_stiffness = 5e5,
+                                        .restitution = 0.6,
+                                        .friction_angle = 0.5};
+
+template <class S, bool periodic>
+struct Setting {
+  using Search = S;
+  static constexpr int dim = S::Vec::RowsAtCompileTime;
+
+  // A crowd that collides within and, where the box is periodic, through its sides. Row 5 was added
+  // and removed, so that ids are not places.
+  static auto make(Saboteur saboteur) {
+    auto grains = crowd<dim, double>(dim == 2 ? 7 : 4, 1);
+    grains.remove(5);
+    auto box = cube<dim, double>(-0.5, 0.5);
+    if (periodic) {
+      box = cube<dim, double>(0, dim == 2 ? 7 * 0.0205 : 4 * 0.0205);
+      box.periodic.fill(true);
+      box.periodic[0] = false;
+      box.lower[0] = -0.5;
+      box.upper[0] = 0.5;
+    }
+    grains.set_box(box);
+    return Simulation{std::move(grains), Search{},
+                      Forces{saboteur, dem::Contacts{law, dem::Plane<dim>{.point = -Vec<dim>::Unit(0),
+                                                                          .normal = Vec<dim>::Unit(0)}}},
+                      Leapfrog{GlobalDamping{.alpha = 0.1}}};
+  }
+};
+
+// All that a step may change: columns, ids, what contacts remember, clock, and what observers read.
+template <class Sim>
+Bytes everything(const Sim& sim) {
+  Bytes bytes = state_of(sim.particles());
+  const auto& contacts = sim.interaction().template part<1>();
+  contacts.memory(sim.particles()).for_each_pair([&](Id a, Id b, const auto& memory) {
+    append(bytes, std::span<const Id>({a, b}));
+    append(bytes, std::span<const double>(memory.tangential_force.data(),
+                                          static_cast<Index>(memory.tangential_force.size())));
+    append(bytes, std::span<const double>({memory.normal_force}));
+  });
+  contacts.for_each_contact(sim.particles(), [&](Index i, Index j, const auto& contact, const auto&) {
+    append(bytes, std::span<const Id>({i, j}));
+    append(bytes, std::span<const double>({contact.overlap}));
+  });
+  append(bytes, std::span<const double>({sim.time(), sim.last_time_step(),
+                                         contacts.elastic_energy(sim.particles())}));
+  append(bytes, std::span<const Id>({sim.steps(), sim.particles_lost(), contacts.size()}));
+  return bytes;
+}
+
+constexpr double dt = 2e-5;
+
+// Provokes a failure now, and after 1, 2, 3 … steps, and goes on as if it had not been.
+template <class Setting, class Provoke>
+void expect_no_trace(const std::vector<std::string>& words, Provoke&& provoke) {
+  Saboteur saboteur;
+  auto sim = Setting::make(saboteur);
+  Saboteur honest;
+  auto undisturbed = Setting::make(honest);
+  for (int k = 0; k < 25; ++k) {
+    const Bytes before = everything(sim);
+    auto say = words;
+    say.push_back("step " + std::to_string(k));
+    say.push_back("t = " + to_text(sim.time()) + " s");
+    ASSERT_TRUE(refuses([&] { provoke(sim, saboteur); }, say)) << "step " << k;
+    saboteur.fault->reset();
+    ASSERT_EQ(everything(sim), before) << "step " << k;
+    sim.step(dt);
+    undisturbed.step(dt);
+    ASSERT_EQ(everything(sim), everything(undisturbed)) << "step " << k;
+  }
+  EXPECT_GT(sim.interaction().template part<1>().size(), 10u) << "grains did touch";
+}
+
+template <class T>
+class Transactions : public ::testing::Test {};
+using Settings = ::testing::Types<Setting<UniformGrid<2>, true>, Setting<NeighbourList<2>, true>,
+                                  Setting<NeighbourList<3>, false>, Setting<BruteForce<2>, false>>;
+TYPED_TEST_SUITE(Transactions, Settings);
+
+TYPED_TEST(Transactions, AForceThatIsNotFiniteLeavesNoTrace) {
+  for (const double wrong : {nan, inf}) {
+    expect_no_trace<TypeParam>({"force of (" + to_text(wrong), "not finite", "id 11", "particle 10"},
+                               [wrong](auto& sim, Saboteur& saboteur) {
+                                 *saboteur.fault = {.id = 11, .push = wrong};
+                                 sim.step(dt);
+                               });
+  }
+}
+
+TYPED_TEST(Transactions, AGrainThatLeavesTheBoxLeavesNoTrace) {
+  expect_no_trace<TypeParam>({"left the box", "id 11", "x = (", "Leavers::remove"},
+                             [](auto& sim, Saboteur& saboteur) {
+                               *saboteur.fault = {.id = 11, .push = 1e12};
+                               sim.step(dt);
+                             });
+}
+
+TYPED_TEST(Transactions, ATimeStepBeyondStabilityLeavesNoTrace) {
+  Saboteur saboteur;
+  auto sim = TypeParam::make(saboteur);
+  auto undisturbed = TypeParam::make({});
+  for (int k = 0; k < 10; ++k) {
+    sim.step(dt);
+    undisturbed.step(dt);
+  }
+  const Bytes before = everything(sim);
+  for (const double wrong : {1.0, 1e-2}) {
+    EXPECT_TRUE(refuses([&] { sim.step(wrong); }, {"time_step = " + to_text(wrong), "stable", "id ", "step 10"}));
+  }
+  for (const double wrong : {0.0, -1.0, nan, inf}) {
+    EXPECT_TRUE(refuses([&] { sim.step(wrong); }, {"time_step = " + to_text(wrong), "step 10"}));
+  }
+  EXPECT_EQ(everything(sim), before);
+  for (int k = 0; k < 10; ++k) {
+    sim.step(dt);
+    undisturbed.step(dt);
+  }
+  EXPECT_EQ(everything(sim), everything(undisturbed));
+}
+
+TYPED_TEST(Transactions, AnExceptionOfTheUsersPassesAndLeavesNoTrace) {
+  Saboteur saboteur;
+  auto sim = TypeParam::make(saboteur);
+  auto undisturbed = TypeParam::make({});
+  for (int k = 0; k < 10; ++k) {
+    *saboteur.fault = {.throws = true};
+    const Bytes before = everything(sim);
+    EXPECT_THROW(sim.step(dt), std::runtime_error);
+    EXPECT_EQ(everything(sim), before);
+    saboteur.fault->reset();
+    sim.step(dt);
+    undisturbed.step(dt);
+  }
+  EXPECT_EQ(everything(sim), everything(undisturbed));
+}
+
+TYPED_TEST(Transactions, ASnapshotLeavesNoTrace) {
+  auto sim = TypeParam::make({});
+  auto undisturbed = TypeParam::make({});
+  for (int k = 0; k < 20; ++k) {
+    const auto snapshot = sim.snapshot();
+    EXPECT_EQ(snapshot.size(), sim.particles().size());
+    sim.step(dt);
+    undisturbed.step(dt);
+    ASSERT_EQ(everything(sim), everything(undisturbed)) << k;
+  }
+}
+
+TEST(Simulation, NamesTwoGrainsInOnePlaceAndStaysAsItWas) {
+  auto grains = two_grains<2>(0.1, Vec<2>(0, 0));
+  dem::add_grain(grains, {0.5, 0.5}, pebble);
+  Simulation sim{grains, UniformGrid<2>{}, dem::Contacts{law}, Leapfrog{}};
+  sim.step(dt);
+  sim.particles()[position][2] = sim.particles()[position][1];
+  const Bytes before = state_of(sim.particles());
+  EXPECT_TRUE(refuses([&] { sim.step(dt); }, {"grains 1 and 2 coincide", "id 1", "step 1", "t = 2e-05 s"}));
+  EXPECT_EQ(state_of(sim.particles()), before);
+  EXPECT_EQ(sim.steps(), 1u);
+}
+
+TEST(Simulation, RemovesAndCountsLeaversWhereTheBoxSaysSo) {
+  auto grains = one_grain<2>({0.5, 0.5}, {1, 0});
+  dem::add_grain(grains, {0.5, 0.2}, pebble);
+  auto box = cube<2, double>(0, 1);
+  box.leavers = Leavers::remove;
+  grains.set_box(box);
+  Simulation sim{grains, UniformGrid<2>{}, dem::Contacts{law, dem::Plane<2>{}}, Leapfrog{}};
+  sim.run({.until = 0.4, .time_step = 1e-3});
+  EXPECT_EQ(sim.particles().size(), 2u);
+  EXPECT_EQ(sim.particles_lost(), 0u);
+  sim.run({.until = 0.6, .time_step = 1e-3});
+  ASSERT_EQ(sim.particles().size(), 1u);
+  EXPECT_EQ(sim.particles().id(0), 1u);
+  EXPECT_EQ(sim.particles_lost(), 1u);
+}
+
+TEST(Simulation, ForgetsTheContactsOfAGrainThatLeft) {
+  // The last of a row of touching grains is pushed out; what is read afterwards is of those left.
+  auto grains = two_grains<2>(-1e-4, Vec<2>(0, 0));
+  dem::add_grain(grains, {0.0399, 0.01}, pebble);
+  auto box = cube<2, double>(-1, 1);
+  box.upper[0] = 0.03995;
+  box.leavers = Leavers::remove;
+  grains.set_box(box);
+  Simulation sim{grains, UniformGrid<2>{}, dem::Contacts{dem::CundallStrack{.normal_stiffness = 1e5}},
+                 Leapfrog{}};
+  const auto energy = [&] { return sim.interaction().elastic_energy(sim.particles()); };
+  sim.step(1e-5);
+  const double pair_energy = 1e5 * 1e-4 * 1e-4 / 2;
+  EXPECT_EQ(sim.interaction().size(), 1u);
+  EXPECT_NEAR(energy(), pair_energy, 1e-3 * pair_energy);
+  while (sim.particles_lost() == 0) sim.step(1e-5);
+  Index seen = 0;
+  sim.interaction().for_each_contact(sim.particles(), [&](Index i, Index j, const auto&, const auto&) {
+    ++seen;
+    EXPECT_LT(i, sim.particles().size());
+    EXPECT_LT(j, sim.particles().size());
+  });
+  EXPECT_LE(seen, 1u);
+  EXPECT_TRUE(is_finite(energy()));
+}
+
+TEST(Simulation, CallsObserversAtTheStartAtOutputsAndAtTheEnd) {
+  Simulation sim{one_grain<2>({0, 1}, {0, 0}), UniformGrid<2>{}, Gravity<2>{{0, -9.81}}, Leapfrog{}};
+  std::vector<double> times;
+  const auto note = [&](const auto& s) { times.push_back(s.time()); };
+  sim.run({.until = 1.05, .output_every = 0.25, .time_step = 0.0625}, note);
+  EXPECT_EQ(times, (std::vector<double>{0, 0.25, 0.5, 0.75, 1.0, 1.0625}));
+
+  times.clear();
+  sim.run({.until = 2, .time_step = 0.0625}, note);
+  EXPECT_EQ(times, (std::vector<double>{1.0625, 2}));
+
+  times.clear();
+  sim.run({.until = 1, .time_step = 0.0625}, note);
+  EXPECT_EQ(times, (std::vector<double>{2})) << "nothing is left to do";
+}
+
+TEST(Simulation, CallsObserversOnceAtAnOutputThatIsTheEnd) {
+  Simulation sim{one_grain<2>({0, 1}, {0, 0}), UniformGrid<2>{}, Gravity<2>{{0, -9.81}}, Leapfrog{}};
+  int calls = 0;
+  // Steps of 0.1 and their sums are not exact; the count of outputs is.
+  sim.run({.until = 3, .output_every = 0.1, .time_step = 0.1}, [&](const auto&) { ++calls; });
+  EXPECT_EQ(sim.steps(), 30u);
+  EXPECT_EQ(calls, 31);
+}
+
+struct CountsSteps {
+  std::shared_ptr<int> steps = std::make_shared<int>(0);
+  template <class Sim>
+  void operator()(const Sim&) const {}
+  template <class Sim>
+  void after_step(const Sim&, const Run& run) const {
+    EXPECT_EQ(run.until, 0.5);
+    ++*steps;
+  }
+};
+
+TEST(Simulation, CallsAfterStepAfterEveryStep) {
+  Simulation sim{one_grain<2>({0, 1}, {0, 0}), UniformGrid<2>{}, Gravity<2>{{0, -9.81}}, Leapfrog{}};
+  const CountsSteps counter;
+  sim.run({.until = 0.5, .time_step = 0.125}, counter);
+  EXPECT_EQ(*counter.steps, 4);
+}
+
+TEST(Simulation, RefusesARunThatIsNone) {
+  Simulation sim{one_grain<2>({0, 1}, {0, 0}), UniformGrid<2>{}, Gravity<2>{{0, -9.81}}, Leapfrog{}};
+  EXPECT_TRUE(refuses([&] { sim.run({.until = nan}); }, {"Run: until = nan"}));
+  EXPECT_TRUE(refuses([&] { sim.run({.until = inf}); }, {"Run: until = inf"}));
+  EXPECT_TRUE(refuses([&] { sim.run({.until = 1, .output_every = -1}); }, {"Run: output_every = -1"}));
+  EXPECT_TRUE(refuses([&] { sim.run({.until = 1, .time_step = 0.0}); }, {"Run: time_step = 0"}));
+  EXPECT_TRUE(refuses([&] { sim.run({.until = 1}); }, {"chooses a time step"}));
+  EXPECT_TRUE(refuses([&] { sim.step(); }, {"chooses a time step"}));
+  EXPECT_EQ(sim.steps(), 0u);
+}
+
+TEST(Simulation, RefusesASearchThatSeesLessThanTheInteractionReaches) {
+  EXPECT_TRUE(refuses(
+      [] {
+        Simulation{two_grains<2>(0, Vec<2>(0, 0)), UniformGrid<2>({.radius = 0.015}),
+                   dem::Contacts{law}, Leapfrog{}};
+      },
+      {"search radius 0.015", "0.02"}));
+}
+
+TEST(Simulation, EnlargesTheSearchWhenALargerGrainArrives) {
+  Simulation sim{two_grains<2>(0.1, Vec<2>(0, 0)), UniformGrid<2>{}, dem::Contacts{law}, Leapfrog{}};
+  sim.step(dt);
+  EXPECT_EQ(sim.search().radius(), 0.02);
+  dem::add_grain(sim.particles(), {0, 0.1}, {.radius = 0.095, .density = 2500});
+  sim.step(dt);
+  EXPECT_EQ(sim.search().radius(), 0.19);
+  EXPECT_EQ(sim.interaction().size(), 1u) << "it touches the grain at the origin";
+}
+
+TEST(Gravity, RefusesWhatIsNoAcceleration) {
+  EXPECT_TRUE(refuses([] { Gravity<2>({0, nan}); }, {"Gravity: acceleration", "nan"}));
+  EXPECT_TRUE(refuses([] { Gravity<3>({0, 0, inf}); }, {"Gravity: acceleration", "inf"}));
+}
+
+}  // namespace
+}  // namespace silt::test

@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: MIT
+#include "support/check.hpp"
+#include "support/grains.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <random>
+
+namespace silt::test {
+namespace {
+
+// A user's own interaction: every particle on a spring to the origin.
+struct SpringToOrigin {
+  double omega = 1;
+
+  template <class P>
+  typename P::Real reach(const P&) const {
+    return 0;
+  }
+  template <class P, class S>
+  void accelerate(P& particles, const S&, double) const {
+    for (Index i = 0; i < particles.size(); ++i) {
+      particles[force][i] -= omega * omega * particles[mass][i] * particles[position][i];
+    }
+  }
+};
+
+struct Deviation {
+  double position;
+  double velocity;
+  double energy;
+};
+
+template <int Dim>
+Deviation after_some_swings(double dt) {
+  Vec<Dim> x0 = Vec<Dim>::Zero();
+  Vec<Dim> v0 = Vec<Dim>::Zero();
+  x0[0] = 1;
+  v0[Dim - 1] = 0.5;
+  Simulation sim{one_grain<Dim>(x0, v0), UniformGrid<Dim>{}, SpringToOrigin{}, Leapfrog{}};
+  const double end = 8;
+  sim.run({.until = end, .time_step = dt});
+  const double t = sim.time();
+  const auto now = sim.snapshot();
+  const Vec<Dim> x = x0 * std::cos(t) + v0 * std::sin(t);
+  const Vec<Dim> v = -x0 * std::sin(t) + v0 * std::cos(t);
+  const double energy = (now[velocity][0].squaredNorm() + now[position][0].squaredNorm()) / 2;
+  return {(now[position][0] - x).norm(), (now[velocity][0] - v).norm(),
+          std::abs(energy - (x0.squaredNorm() + v0.squaredNorm()) / 2)};
+}
+
+TEST(Leapfrog, IsOfSecondOrderInPositionAndInTheVelocityOfASnapshot) {
+  const Deviation coarse = after_some_swings<2>(1.0 / 16);
+  const Deviation fine = after_some_swings<2>(1.0 / 32);
+  const Deviation finest = after_some_swings<3>(1.0 / 64);
+  EXPECT_NEAR(std::log2(coarse.position / fine.position), 2, 0.05);
+  EXPECT_NEAR(std::log2(coarse.velocity / fine.velocity), 2, 0.05);
+  EXPECT_NEAR(std::log2(fine.position / finest.position), 2, 0.05);
+  EXPECT_NEAR(std::log2(fine.velocity / finest.velocity), 2, 0.05);
+}
+
+TEST(Leapfrog, KeepsTheEnergyOfAnOscillatorOverManyPeriods) {
+  Simulation sim{one_grain<2>({1, 0}, {0, 0}), UniformGrid<2>{}, SpringToOrigin{}, Leapfrog{}};
+  double least = 1;
+  double most = 0;
+  sim.run({.until = 2000, .output_every = 1, .time_step = 0.05}, [&](const auto& s) {
+    const auto now = s.snapshot();
+    const double energy = (now[velocity][0].squaredNorm() + now[position][0].squaredNorm()) / 2;
+    least = std::min(least, energy);
+    most = std::max(most, energy);
+  });
+  EXPECT_LT(most - least, 1e-3);
+}
+
+TEST(Leapfrog, IsOfSecondOrderWithAChangingTimeStep) {
+  const auto deviation = [](double scale) {
+    Simulation sim{one_grain<2>({1, 0}, {0, 0}), UniformGrid<2>{}, SpringToOrigin{}, Leapfrog{}};
+    while (sim.time() < 6) sim.step(scale * (1 + 0.5 * std::sin(3 * sim.time())));
+    return std::abs(sim.particles()[position][0][0] - std::cos(sim.time()));
+  };
+  EXPECT_GT(std::log2(deviation(0.02) / deviation(0.01)), 1.7);
+}
+
+TEST(Leapfrog, FallsAsGalileoSays) {
+  Simulation sim{one_grain<3>({0, 0, 5}, {1, 0, 2}), UniformGrid<3>{}, Gravity<3>{{0, 0, -9.81}}, Leapfrog{}};
+  sim.run({.until = 1, .time_step = 1.0 / 64});
+  const auto now = sim.snapshot();
+  EXPECT_NEAR(now[position][0][0], 1, 1e-12);
+  EXPECT_NEAR(now[position][0][2], 5 + 2 - 9.81 / 2, 1e-12) << "a parabola is exact";
+  EXPECT_NEAR(now[velocity][0][2], 2 - 9.81, 1e-12);
+}
+
+TEST(Leapfrog, KeepsKineticEnergyInAPeriodicBoxWithoutContacts) {
+  auto box = cube<2, double>(0, 1);
+  box.periodic.fill(true);
+  dem::Grains<2> grains(box);
+  const auto v = random_points(30, cube<2, double>(-3, 3), 2);
+  for (Index i = 0; i < v.size(); ++i) {
+    // Each on a line of its own: nobody meets.
+    dem::add_grain(grains, {0.5, (double(i) + 0.5) / 30}, {.radius = 0.01, .density = 1});
+    grains[velocity][i] = {v[i][0], 0};
+    grains[spin][i] = v[i][1];
+  }
+  Simulation sim{grains, NeighbourList<2>{}, dem::Contacts{dem::CundallStrack{.normal_stiffness = 1}}, Leapfrog{}};
+  const double before = kinetic_energy(sim.particles());
+  sim.run({.until = 20, .time_step = 0.01});
+  EXPECT_EQ(kinetic_energy(sim.particles()), before);
+  for (const auto& x : sim.snapshot()[position]) EXPECT_TRUE(0 <= x[0] && x[0] < 1);
+}
+
+TEST(Leapfrog, TurnsGrainsByTheirSpin) {
+  auto flat = one_grain<2>({0, 0}, {0, 0});
+  flat[spin][0] = 3;
+  Simulation disc{flat, UniformGrid<2>{}, Gravity<2>{{0, 0}}, Leapfrog{}};
+  disc.run({.until = 2, .time_step = 0.125});
+  EXPECT_DOUBLE_EQ(disc.particles()[angle][0], 6);
+  auto round = one_grain<3>({0, 0, 0}, {0, 0, 0});
+  round[spin][0] = {1, -2, 3};
+  Simulation sphere{round, UniformGrid<3>{}, Gravity<3>{{0, 0, 0}}, Leapfrog{}};
+  sphere.run({.until = 2, .time_step = 0.125});
+  EXPECT_EQ(sphere.particles()[angle][0], Vec<3>(2, -4, 6));
+}
+
+// --- global damping ------------------------------------------------------------------------------
+
+TEST(GlobalDamping, LosesTheFractionOfEquation32AtEveryStep) {
+  // α Δt/2 = 1/4: each step leaves (1 − 1/4)/(1 + 1/4) = 3/5 of velocity and spin.
+  auto grains = one_grain<2>({0, 0}, {8, 0});
+  grains[spin][0] = 40;
+  Simulation sim{grains, UniformGrid<2>{}, Gravity<2>{{0, 0}}, Leapfrog{GlobalDamping{.alpha = 2}}};
+  sim.step(0.25);
+  double v = sim.particles()[velocity][0][0];
+  EXPECT_NEAR(sim.snapshot()[velocity][0][0], v * 0.8, 1e-14) << "the mean of the half steps, (27)";
+  for (int k = 0; k < 5; ++k) {
+    sim.step(0.25);
+    v *= 0.6;
+    EXPECT_NEAR(sim.particles()[velocity][0][0], v, 1e-14);
+    EXPECT_NEAR(sim.particles()[spin][0], 5 * v, 1e-13) << "(33) is (32) for the spin";
+  }
+}
+
+TEST(GlobalDamping, StartsFromTheVelocityItIsGiven) {
+  Simulation sim{one_grain<2>({0, 0}, {8, 0}), UniformGrid<2>{}, Gravity<2>{{0, 0}},
+                 Leapfrog{GlobalDamping{.alpha = 2}}};
+  sim.step(0.25);
+  // v^{1/2} and v^{−1/2} have the mean 8 and the ratio 3/5.
+  EXPECT_NEAR(sim.particles()[velocity][0][0], 6, 1e-14);
+}
+
+TEST(GlobalDamping, LetsAFreeParticleDecayExponentially) {
+  const auto left = [](double dt) {
+    Simulation sim{one_grain<3>({0, 0, 0}, {0, 2, 0}), UniformGrid<3>{}, Gravity<3>{{0, 0, 0}},
+                   Leapfrog{GlobalDamping{.alpha = 0.7}}};
+    sim.run({.until = 4, .time_step = dt});
+    return sim.snapshot()[velocity][0][1] - 2 * std::exp(-0.7 * sim.time());
+  };
+  EXPECT_LT(std::abs(left(1.0 / 64)), 1e-4);
+  EXPECT_NEAR(std::log2(left(1.0 / 16) / left(1.0 / 32)), 2, 0.05);
+}
+
+TEST(GlobalDamping, LetsAParticleFallWithAtMostGravityOverAlpha) {
+  Simulation sim{one_grain<2>({0, 0}, {0, 0}), UniformGrid<2>{}, Gravity<2>{{0, -9.81}},
+                 Leapfrog{GlobalDamping{.alpha = 0.5}}};
+  sim.run({.until = 80, .time_step = 0.05});
+  EXPECT_NEAR(sim.particles()[velocity][0][1], -9.81 / 0.5, 1e-9);
+}
+
+TEST(GlobalDamping, RefusesARateThatIsNone) {
+  EXPECT_TRUE(refuses([] { Leapfrog{GlobalDamping{.alpha = -1}}; }, {"GlobalDamping: alpha = -1"}));
+  EXPECT_TRUE(refuses([] { Leapfrog{GlobalDamping{.alpha = std::numeric_limits<double>::quiet_NaN()}}; },
+                      {"GlobalDamping: alpha = nan"}));
+}
+
+}  // namespace
+}  // namespace silt::test
