@@ -145,6 +145,7 @@ class BasicFlow {
     particles.refresh_ghosts(velocity);
     const auto u = particles.with_ghosts(velocity);
     const auto kinds = particles.with_ghosts(kind);
+    change_.resize(particles.size());
     for_each(particles.size(), [&](Index i) {
       change_[i].setZero();
       if (kinds[i] != Kind::fluid) return;
@@ -277,6 +278,7 @@ class BasicFlow {
     const auto p = particles.with_ghosts(pressure);
     const auto kinds = particles.with_ghosts(kind);
     const Real factor = -dt / Real(settings_.density);
+    change_.resize(particles.size());
     for_each(particles.size(), [&](Index i) {
       change_[i].setZero();
       if (kinds[i] != Kind::fluid) return;

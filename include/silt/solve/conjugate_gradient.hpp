@@ -60,7 +60,7 @@ class ConjugateGradient {
       p_ = z_;
       double rho = dot(r_, z_);
       double residual = report.residual;
-      while (residual > settings_.tolerance) {
+      while (!(residual <= settings_.tolerance)) {  // a NaN goes in, to be named there
         if (report.iterations == settings_.most_iterations || !is_finite(residual)) {
           report.reason = is_finite(residual) ? SolveReport::Reason::not_converged
                                               : SolveReport::Reason::broke_down;

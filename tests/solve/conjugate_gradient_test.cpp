@@ -1,0 +1,237 @@
+// SPDX-License-Identifier: MIT
+#include "support/check.hpp"
+
+#include <silt/solve/conjugate_gradient.hpp>
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+namespace silt::test {
+namespace {
+
+using Reason = SolveReport::Reason;
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+/// M = 1: leaves the residual as it is.
+struct NoPreconditioner {
+  void prepare(const LinearSystem&) {}
+  void apply(const std::vector<double>& r, std::vector<double>& z) const { z = r; }
+};
+
+static_assert(LinearSolver<ConjugateGradient<>>);
+static_assert(LinearSolver<ConjugateGradient<NoPreconditioner>>);
+static_assert(Preconditioner<Jacobi> && Preconditioner<NoPreconditioner>);
+
+struct Unprepared {
+  void apply(const std::vector<double>&, std::vector<double>&) const {}
+};
+static_assert(!Preconditioner<Unprepared> && !Preconditioner<LinearSystem>);
+
+struct SilentSolver {
+  void check() const {}
+  void solve(const LinearSystem&, std::vector<double>&) {}
+};
+struct UncheckedSolver {
+  SolveReport solve(const LinearSystem&, std::vector<double>&) { return {}; }
+};
+static_assert(!LinearSolver<SilentSolver> && !LinearSolver<UncheckedSolver> && !LinearSolver<Jacobi>);
+
+// −u'' on n inner points of a line with u = 0 at both ends: diagonal 2, beside it −1.
+LinearSystem string_of(Index n) {
+  LinearSystem system;
+  system.diagonal.assign(n, 2);
+  system.off_diagonal.build(n, [n](Index i, auto&& add) {
+    if (i > 0) add({i - 1, -1.0});
+    if (i + 1 < n) add({i + 1, -1.0});
+  });
+  system.right_side.assign(n, 0);
+  return system;
+}
+
+// A x, written by columns.
+std::vector<double> times(const LinearSystem& system, const std::vector<double>& x) {
+  std::vector<double> y(system.size(), 0);
+  for (Index i = 0; i < system.size(); ++i) {
+    y[i] += system.diagonal[i] * x[i];
+    for (const auto& [column, value] : system.off_diagonal[i]) y[column] += value * x[i];
+  }
+  return y;
+}
+
+double size_of(const std::vector<double>& x) {
+  double sum = 0;
+  for (const double each : x) sum += each * each;
+  return std::sqrt(sum);
+}
+
+double residual(const LinearSystem& system, const std::vector<double>& x) {
+  auto r = times(system, x);
+  for (Index i = 0; i < r.size(); ++i) r[i] = system.right_side[i] - r[i];
+  return size_of(r) / size_of(system.right_side);
+}
+
+std::vector<double> uneven(Index n) {
+  std::vector<double> x(n);
+  for (Index i = 0; i < n; ++i) x[i] = std::sin(double(3 * i)) + 0.1 * double(i % 7);
+  return x;
+}
+
+template <class M>
+class ConjugateGradients : public ::testing::Test {};
+using Preconditioners = ::testing::Types<Jacobi, NoPreconditioner>;
+TYPED_TEST_SUITE(ConjugateGradients, Preconditioners);
+
+TYPED_TEST(ConjugateGradients, FindTheSolutionTheSystemWasMadeFrom) {
+  const auto exact = uneven(50);
+  auto system = string_of(50);
+  // Make the diagonal uneven, too.
+  for (Index i = 0; i < 50; ++i) system.diagonal[i] += double(i);
+  system.right_side = times(system, exact);
+  ConjugateGradient<TypeParam> solver({.tolerance = 1e-13});
+  std::vector<double> x(50, 0);
+  const SolveReport report = solver.solve(system, x);
+  EXPECT_EQ(report.reason, Reason::converged);
+  EXPECT_EQ(report.unknowns, 50u);
+  for (Index i = 0; i < 50; ++i) EXPECT_NEAR(x[i], exact[i], 1e-11);
+}
+
+TYPED_TEST(ConjugateGradients, EndWithinAsManyIterationsAsThereAreEigenvalues) {
+  // Exact arithmetic needs at most n; the string of 40 has 40 eigenvalues.
+  auto system = string_of(40);
+  system.right_side = uneven(40);
+  ConjugateGradient<TypeParam> solver({.tolerance = 1e-9});
+  std::vector<double> x(40, 0);
+  EXPECT_LE(solver.solve(system, x).iterations, 42);
+  // An eigenvector as the right side takes one.
+  for (Index i = 0; i < 40; ++i) {
+    system.right_side[i] = std::sin(double(i + 1) * std::numbers::pi / 41);
+  }
+  x.assign(40, 0);
+  EXPECT_EQ(solver.solve(system, x).iterations, 1);
+}
+
+TYPED_TEST(ConjugateGradients, MeetTheToleranceTheyReport) {
+  auto system = string_of(400);
+  system.right_side = uneven(400);
+  for (const double tolerance : {1e-2, 1e-6, 1e-10}) {
+    ConjugateGradient<TypeParam> solver({.tolerance = tolerance});
+    std::vector<double> x(400, 1.0);
+    const SolveReport report = solver.solve(system, x);
+    EXPECT_EQ(report.reason, Reason::converged);
+    EXPECT_NEAR(report.residual, residual(system, x), 1e-13);
+    EXPECT_LE(residual(system, x), tolerance * 1.01);
+  }
+}
+
+TYPED_TEST(ConjugateGradients, StartFromWhatTheyAreGiven) {
+  auto system = string_of(300);
+  system.right_side = uneven(300);
+  ConjugateGradient<TypeParam> solver({.tolerance = 1e-8});
+  std::vector<double> x(300, 0);
+  ASSERT_GT(solver.solve(system, x).iterations, 10);
+  const auto solved = x;
+  const SolveReport again = solver.solve(system, x);
+  EXPECT_EQ(again.reason, Reason::converged);
+  EXPECT_EQ(again.iterations, 0);
+  EXPECT_EQ(x, solved);
+}
+
+TYPED_TEST(ConjugateGradients, GiveTheSameBitsForAnyNumberOfThreads) {
+  auto system = string_of(5000);
+  for (Index i = 0; i < 5000; ++i) system.diagonal[i] += 0.01 + double(i % 11);
+  system.right_side = uneven(5000);
+  const auto solved_by = [&](int number) {
+    return with_threads(number, [&] {
+      std::vector<double> x(5000, 0);
+      ConjugateGradient<TypeParam>().solve(system, x);
+      return x;
+    });
+  };
+  const auto alone = solved_by(1);
+  for (const int number : {2, 3, 4}) EXPECT_EQ(solved_by(number), alone) << number;
+}
+
+TYPED_TEST(ConjugateGradients, SolveASingularSystemWhoseRightSideIsInItsRange) {
+  // A ring: the constant is in the kernel.
+  LinearSystem ring;
+  const Index n = 60;
+  ring.diagonal.assign(n, 2);
+  ring.off_diagonal.build(n, [](Index i, auto&& add) {
+    add({(i + n - 1) % n, -1.0});
+    add({(i + 1) % n, -1.0});
+  });
+  const auto exact = uneven(n);
+  ring.right_side = times(ring, exact);
+  ConjugateGradient<TypeParam> solver({.tolerance = 1e-12});
+  std::vector<double> x(n, 5);
+  EXPECT_EQ(solver.solve(ring, x).reason, Reason::converged);
+  for (Index i = 0; i < n; ++i) EXPECT_NEAR(x[i] - x[0], exact[i] - exact[0], 1e-9);
+}
+
+TEST(ConjugateGradient, OfNoUnknownsHasNothingToSolve) {
+  std::vector<double> x;
+  const SolveReport report = ConjugateGradient<>().solve(string_of(0), x);
+  EXPECT_EQ(report.reason, Reason::nothing_to_solve);
+  EXPECT_EQ(report.unknowns, 0u);
+}
+
+TEST(ConjugateGradient, OfAZeroRightSideIsZero) {
+  std::vector<double> x(10, 3.0);
+  const SolveReport report = ConjugateGradient<>().solve(string_of(10), x);
+  EXPECT_EQ(report.reason, Reason::nothing_to_solve);
+  EXPECT_EQ(report.iterations, 0);
+  EXPECT_EQ(x, std::vector<double>(10, 0.0));
+}
+
+TEST(ConjugateGradient, SaysThatItHasNotConverged) {
+  auto system = string_of(1000);
+  system.right_side = uneven(1000);
+  std::vector<double> x(1000, 0);
+  const SolveReport report =
+      ConjugateGradient<>({.tolerance = 1e-10, .most_iterations = 5}).solve(system, x);
+  EXPECT_EQ(report.reason, Reason::not_converged);
+  EXPECT_EQ(report.iterations, 5);
+  EXPECT_GT(report.residual, 1e-10);
+  EXPECT_NEAR(report.residual, residual(system, x), 1e-12);
+}
+
+TEST(ConjugateGradient, SaysThatItBrokeDown) {
+  std::vector<double> x(10, 0);
+  auto indefinite = string_of(10);
+  indefinite.right_side = uneven(10);
+  for (double& each : indefinite.diagonal) each = -1;
+  EXPECT_EQ(ConjugateGradient<>().solve(indefinite, x).reason, Reason::broke_down);
+
+  auto not_a_number = string_of(10);
+  not_a_number.right_side = uneven(10);
+  not_a_number.right_side[3] = nan;
+  x.assign(10, 0);
+  EXPECT_EQ(ConjugateGradient<>().solve(not_a_number, x).reason, Reason::broke_down);
+}
+
+TEST(ConjugateGradient, AskedForMoreThanRoundingAllowsEndsAllTheSame) {
+  auto system = string_of(2000);
+  system.right_side = uneven(2000);
+  std::vector<double> x(2000, 0);
+  const SolveReport report =
+      ConjugateGradient<>({.tolerance = 1e-300, .most_iterations = 20000}).solve(system, x);
+  EXPECT_LE(report.iterations, 20000);
+  EXPECT_LT(report.residual, 1e-9);
+}
+
+TEST(SolveSettings, AreRefusedOutOfRange) {
+  EXPECT_TRUE(refuses([] { ConjugateGradient<>({.tolerance = 0}); }, {"tolerance = 0 "}));
+  EXPECT_TRUE(refuses([] { ConjugateGradient<>({.tolerance = -1e-6}); }, {"tolerance = -1e-06"}));
+  EXPECT_TRUE(refuses([] { ConjugateGradient<>({.tolerance = nan}); }, {"tolerance = nan"}));
+  EXPECT_TRUE(
+      refuses([] { ConjugateGradient<>({.most_iterations = 0}); }, {"most_iterations = 0 "}));
+}
+
+}  // namespace
+}  // namespace silt::test
