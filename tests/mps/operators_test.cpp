@@ -1,0 +1,292 @@
+// SPDX-License-Identifier: MIT
+// What the operators guarantee: on a full lattice they are exact for the lowest polynomials; on any
+// arrangement gradient (18) conserves momentum and (4) does not push on uniform pressure.
+#include "support/check.hpp"
+#include "support/fluid.hpp"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+namespace silt::test {
+namespace {
+
+using mps::ConservingGradient;
+using mps::CubicKernel;
+using mps::GaussianKernel;
+using mps::InverseKernel;
+using mps::MinimumGradient;
+
+static_assert(mps::Gradient<MinimumGradient, 2> && mps::Gradient<MinimumGradient, 3, float>);
+static_assert(mps::Gradient<ConservingGradient, 3> && mps::Gradient<ConservingGradient, 2, float>);
+static_assert(!mps::Gradient<CubicKernel, 2> && !mps::Gradient<int, 3>);
+struct ScalarGradient {
+  template <class T, class Real, class Neighbours>
+  static const char* at(const T&, Real, Neighbours&&) {
+    return "";
+  }
+};
+static_assert(!mps::Gradient<ScalarGradient, 2>);
+
+// What the tests below do in one dimension and precision.
+template <class S>
+struct Setting {
+  static constexpr int dim = S::dimension;
+  using Real = typename S::Real;
+  using Vec = typename S::Vec;
+
+  template <class K>
+  using Stencil = mps::Stencil<dim, Real, K>;
+
+  static constexpr Real l0 = Real(0.1);
+
+  template <class K>
+  static Stencil<K> stencil(double radius, Real spacing = l0) {
+    return Stencil<K>({.spacing = spacing, .radius = radius});
+  }
+
+  // Values at the particles and their images, of a function of space.
+  template <class P, class F>
+  static auto values(const P& particles, F&& f) {
+    using Value = std::remove_cvref_t<decltype(f(Vec()))>;
+    std::vector<Value> all;
+    for (const auto& x : particles.with_ghosts(position)) all.push_back(f(x));
+    return all;
+  }
+
+  template <class G, class T, class Search, class Phi>
+  static Vec gradient(const Search& search, const T& stencil, Index i, const Phi& phi) {
+    return G::at(stencil, phi[i], [&](auto&& f) {
+      mps::for_each_weighted(search, i, stencil,
+                             [&](Index j, const Vec& r_ij, Real r, Real w) { f(phi[j], r_ij, r, w); });
+    });
+  }
+
+  static Vec slope() {
+    Vec a;
+    for (int k = 0; k < dim; ++k) a[k] = Real(1) / Real(k + 2) - Real(0.4);
+    return a;
+  }
+
+  // f(particles, search, stencil) on full periodic lattices, with every kernel and the usual radii.
+  template <class F>
+  static void on_full_lattices(F&& f) {
+    for (const double radius : {1.5, 2.1, 3.1}) {
+      auto particles = full_box<dim, Real>(8, l0);
+      UniformGrid<dim, Real> search({.radius = Real(radius) * l0});
+      search.update(particles);
+      f(particles, search, stencil<InverseKernel>(radius));
+      f(particles, search, stencil<GaussianKernel>(radius));
+      f(particles, search, stencil<CubicKernel>(radius));
+    }
+  }
+};
+
+template <class S>
+class Operators : public ::testing::Test {};
+TYPED_TEST_SUITE(Operators, Spaces);
+
+TYPED_TEST(Operators, BothGradientsOfALinearFieldAreExactOnAFullLattice) {
+  using On = Setting<TypeParam>;
+  using Real = typename TypeParam::Real;
+  On::on_full_lattices([&](const auto& particles, const auto& search, const auto& stencil) {
+    const auto a = On::slope();
+    const auto phi = On::values(particles, [&](const auto& x) { return a.dot(x) + Real(0.3); });
+    for (Index i = 0; i < particles.size(); i += 7) {
+      const auto by4 = On::template gradient<MinimumGradient>(search, stencil, i, phi);
+      const auto by18 = On::template gradient<ConservingGradient>(search, stencil, i, phi);
+      EXPECT_LE((by4 - a).norm(), TypeParam::rounding);
+      EXPECT_LE((by18 - a).norm(), TypeParam::rounding * 10);  // φ_j + φ_i is large over l0
+    }
+  });
+}
+
+TYPED_TEST(Operators, DivergenceOfALinearVelocityIsExactOnAFullLattice) {
+  using On = Setting<TypeParam>;
+  using Vec = typename TypeParam::Vec;
+  constexpr int dim = TypeParam::dimension;
+  Eigen::Matrix<typename TypeParam::Real, dim, dim> m;
+  for (int r = 0; r < dim; ++r) {
+    for (int c = 0; c < dim; ++c) m(r, c) = typename TypeParam::Real(r + 1) / typename TypeParam::Real(c + 2);
+  }
+  On::on_full_lattices([&](const auto& particles, const auto& search, const auto& stencil) {
+    const auto u = On::values(particles, [&](const auto& x) { return Vec(m * x); });
+    for (Index i = 0; i < particles.size(); i += 7) {
+      EXPECT_NEAR(mps::divergence(search, stencil, i, u), m.trace(), TypeParam::rounding);
+    }
+  });
+}
+
+TYPED_TEST(Operators, ARigidRotationHasNoDivergence) {
+  using On = Setting<TypeParam>;
+  // On any arrangement: u_j − u_i stands at right angles to r_ij.
+  using Real = typename TypeParam::Real;
+  using Vec = typename TypeParam::Vec;
+  constexpr int dim = TypeParam::dimension;
+  auto particles = blob<dim, Real>(6, On::l0, Real(0.3));
+  UniformGrid<dim, Real> search({.radius = Real(3.1) * On::l0});
+  search.update(particles);
+  const auto u = On::values(particles, [&](const auto& x) {
+    Vec turned = Vec::Zero();
+    turned[0] = -x[1];
+    turned[1] = x[0];
+    return turned;
+  });
+  const auto stencil = On::template stencil<CubicKernel>(3.1);
+  for (Index i = 0; i < particles.size(); ++i) {
+    EXPECT_NEAR(mps::divergence(search, stencil, i, u), 0, TypeParam::rounding);
+  }
+}
+
+TYPED_TEST(Operators, LaplacianOfAQuadraticFieldIsExactOnAFullLattice) {
+  using On = Setting<TypeParam>;
+  using Real = typename TypeParam::Real;
+  constexpr int dim = TypeParam::dimension;
+  Eigen::Matrix<Real, dim, dim> m;
+  for (int r = 0; r < dim; ++r) {
+    for (int c = 0; c < dim; ++c) m(r, c) = Real(1 + r * c) / Real(r + c + 1);
+  }
+  On::on_full_lattices([&](const auto& particles, const auto& search, const auto& stencil) {
+    const auto a = On::slope();
+    const auto phi = On::values(
+        particles, [&](const auto& x) { return Real(x.dot(m * x)) + a.dot(x) - Real(0.2); });
+    for (Index i = 0; i < particles.size(); i += 7) {
+      // Rounding of φ over l0².
+      EXPECT_NEAR(mps::laplacian(search, stencil, i, phi), 2 * m.trace(),
+                  TypeParam::rounding / squared(On::l0));
+    }
+  });
+}
+
+TYPED_TEST(Operators, LaplacianOfAVectorIsThatOfItsComponents) {
+  using On = Setting<TypeParam>;
+  using Real = typename TypeParam::Real;
+  using Vec = typename TypeParam::Vec;
+  constexpr int dim = TypeParam::dimension;
+  auto particles = blob<dim, Real>(6, On::l0, Real(0.2));
+  UniformGrid<dim, Real> search({.radius = Real(3.1) * On::l0});
+  search.update(particles);
+  give_random_velocities(particles, Real(1), 5);
+  const auto u = particles[velocity];
+  const auto stencil = On::template stencil<CubicKernel>(3.1);
+  for (Index i = 0; i < particles.size(); i += 5) {
+    const Vec whole = mps::laplacian(search, stencil, i, u);
+    for (int k = 0; k < dim; ++k) {
+      std::vector<Real> component;
+      for (const auto& v : u) component.push_back(v[k]);
+      EXPECT_NEAR(whole[k], mps::laplacian(search, stencil, i, component),
+                  TypeParam::rounding * whole.norm());
+    }
+  }
+}
+
+TYPED_TEST(Operators, GradientConservesMomentumOnlyInItsConservingForm) {
+  using On = Setting<TypeParam>;
+  using Real = typename TypeParam::Real;
+  using Vec = typename TypeParam::Vec;
+  constexpr int dim = TypeParam::dimension;
+  auto particles = blob<dim, Real>(6, On::l0, Real(0.3));
+  UniformGrid<dim, Real> search({.radius = Real(3.1) * On::l0});
+  search.update(particles);
+  const auto stencil = On::template stencil<CubicKernel>(3.1);
+  std::vector<Real> phi;
+  for (const auto& x : random_points(particles.size(), cube<dim, Real>(0, 1), 3)) phi.push_back(x[0]);
+  Vec by4 = Vec::Zero();
+  Vec by18 = Vec::Zero();
+  Real size = 0;
+  for (Index i = 0; i < particles.size(); ++i) {
+    const Vec each = On::template gradient<ConservingGradient>(search, stencil, i, phi);
+    by4 += On::template gradient<MinimumGradient>(search, stencil, i, phi);
+    by18 += each;
+    size += each.norm();
+  }
+  EXPECT_LE(by18.norm(), TypeParam::rounding * size);
+  EXPECT_GT(by4.norm(), Real(1e-3) * size);
+}
+
+TYPED_TEST(Operators, OfUniformPressureOnlyTheConservingGradientPushesOutwards) {
+  using On = Setting<TypeParam>;
+  using Real = typename TypeParam::Real;
+  constexpr int dim = TypeParam::dimension;
+  auto particles = blob<dim, Real>(6, On::l0, Real(0.1));
+  UniformGrid<dim, Real> search({.radius = Real(3.1) * On::l0});
+  search.update(particles);
+  const std::vector<Real> phi(particles.size(), 1000);
+  const auto stencil = On::template stencil<CubicKernel>(3.1);
+  const auto centre = TypeParam::Vec::Constant(3 * On::l0).eval();
+  for (Index i = 0; i < particles.size(); ++i) {
+    EXPECT_EQ((On::template gradient<MinimumGradient>(search, stencil, i, phi).norm()), 0);
+  }
+  // A corner particle is driven away from the others: −∇P points outwards.
+  const auto corner = On::template gradient<ConservingGradient>(search, stencil, 0, phi);
+  EXPECT_LT(-corner.dot(centre - particles[position][0]), 0);
+}
+
+TYPED_TEST(Operators, MinimumGradientNeverPullsParticlesTogether) {
+  using On = Setting<TypeParam>;
+  // Every term is a push from j on i, since no φ_j is below φ̂: −∇φ·r_ij ≤ 0 for a lone neighbour.
+  using Real = typename TypeParam::Real;
+  using Vec = typename TypeParam::Vec;
+  auto two = fluid_at<TypeParam::dimension, Real>({Vec(Vec::Zero()), Vec(On::l0 * Vec::Unit(0))});
+  UniformGrid<TypeParam::dimension, Real> search({.radius = Real(3.1) * On::l0});
+  search.update(two);
+  const auto stencil = On::template stencil<CubicKernel>(3.1);
+  for (const auto& phi : {std::array<Real, 2>{-3, 7}, std::array<Real, 2>{7, -3}}) {
+    EXPECT_GE((On::template gradient<MinimumGradient>(search, stencil, 0, phi)[0]), 0);
+    EXPECT_LE((On::template gradient<MinimumGradient>(search, stencil, 1, phi)[0]), 0);
+  }
+}
+
+// Largest error over the particles of a periodic box of side 1, for one sine along each axis.
+template <int Dim>
+std::array<double, 3> errors_on_a_sine(int along) {
+  const double k = 2 * std::numbers::pi;
+  auto particles = full_box<Dim, double>(along, 1.0 / along);
+  UniformGrid<Dim> search({.radius = 3.1 / along});
+  search.update(particles);
+  const mps::Stencil<Dim, double, CubicKernel> stencil({.spacing = 1.0 / along, .radius = 3.1});
+  std::vector<double> phi;
+  std::vector<Vec<Dim>> u;
+  for (const auto& x : particles.with_ghosts(position)) {
+    phi.push_back(0);
+    u.push_back(Vec<Dim>::Zero());
+    for (int d = 0; d < Dim; ++d) {
+      phi.back() += std::sin(k * x[d]);
+      u.back()[d] = std::sin(k * x[d]);
+    }
+  }
+  std::array<double, 3> error{};
+  for (Index i = 0; i < particles.size(); ++i) {
+    const Vec<Dim>& x = particles[position][i];
+    const Vec<Dim> slope = k * (k * x).array().cos();
+    const Vec<Dim> gradient = ConservingGradient::at(stencil, phi[i], [&](auto&& f) {
+      mps::for_each_weighted(search, i, stencil, [&](Index j, const Vec<Dim>& r_ij, double r,
+                                                     double w) { f(phi[j], r_ij, r, w); });
+    });
+    error[0] = std::max(error[0], (gradient - slope).norm());
+    error[1] = std::max(error[1], std::abs(mps::divergence(search, stencil, i, u) - slope.sum()));
+    error[2] = std::max(error[2],
+                        std::abs(mps::laplacian(search, stencil, i, phi) + k * k * phi[i]));
+  }
+  return error;
+}
+
+template <int Dim>
+void expect_second_order(int coarse) {
+  const auto error = errors_on_a_sine<Dim>(coarse);
+  const auto error_of_half = errors_on_a_sine<Dim>(2 * coarse);
+  for (const Index k : {0u, 1u, 2u}) {
+    EXPECT_NEAR(std::log2(error[k] / error_of_half[k]), 2, 0.1) << "operator " << k;
+  }
+}
+
+TEST(OperatorsOnSmoothFields, ConvergeWithTheSquareOfTheSpacing) {
+  expect_second_order<2>(20);
+  expect_second_order<3>(16);
+}
+
+}  // namespace
+}  // namespace silt::test

@@ -1,0 +1,265 @@
+// SPDX-License-Identifier: MIT
+// Sources, surfaces and collisions alone, and the table of cases made from them.
+#include "support/check.hpp"
+#include "support/fluid.hpp"
+
+#include <gtest/gtest.h>
+
+#include <concepts>
+#include <type_traits>
+
+namespace silt::test {
+namespace {
+
+using mps::AdoptedCollision;
+using mps::BothSurfaces;
+using mps::CountSurface;
+using mps::DensitySource;
+using mps::DensitySurface;
+using mps::DivergenceSource;
+
+// --- concepts ------------------------------------------------------------------------------------
+
+static_assert(mps::PressureSource<DensitySource> && mps::PressureSource<DivergenceSource>);
+static_assert(mps::FreeSurface<DensitySurface> && mps::FreeSurface<CountSurface>);
+static_assert(mps::FreeSurface<BothSurfaces<CountSurface, NoSurface>> && mps::FreeSurface<NoSurface>);
+static_assert(mps::CollisionModel<AdoptedCollision>);
+
+struct SourceThatDoesNotSayWhen {
+  static constexpr bool needs_divergence = false;
+  void check() const {}
+  double value(const mps::SourceTerms&) const { return 0; }
+};
+static_assert(!mps::PressureSource<SourceThatDoesNotSayWhen>);
+static_assert(!mps::PressureSource<DensitySurface>);
+
+struct SurfaceOfNumbers {
+  void check() const {}
+  double holds(const mps::Fullness&) const { return 1; }
+};
+struct UncheckedSurface {
+  bool holds(const mps::Fullness&) const { return true; }
+};
+static_assert(!mps::FreeSurface<SurfaceOfNumbers> && !mps::FreeSurface<UncheckedSurface>);
+static_assert(!mps::FreeSurface<DensitySource>);
+
+struct CollisionWithoutDistance {
+  void check() const {}
+  template <class V, class R>
+  V impulse(const V& r_ij, R, const V&, bool) const {
+    return r_ij;
+  }
+};
+static_assert(!mps::CollisionModel<CollisionWithoutDistance>);
+static_assert(!mps::CollisionModel<DensitySource>);
+
+// --- Table 1 -------------------------------------------------------------------------------------
+
+template <class Case, class Source, class Kernel, class Surface, class Gradient>
+constexpr bool is_made_of = std::same_as<typename Case::Source, Source> &&
+                            std::same_as<typename Case::Kernel, Kernel> &&
+                            std::same_as<typename Case::Surface, Surface> &&
+                            std::same_as<typename Case::Gradient, Gradient>;
+
+template <class Case>
+constexpr bool collides_with(double a, double b) {
+  const typename Case::Collision collision;
+  return collision.distance == a && collision.restitution == b;
+}
+
+using Both = BothSurfaces<DensitySurface, CountSurface>;
+using Inverse = mps::InverseKernel;
+using Gaussian = mps::GaussianKernel;
+using Cubic = mps::CubicKernel;
+using By4 = mps::MinimumGradient;
+using By18 = mps::ConservingGradient;
+
+static_assert(is_made_of<mps::Case00, DensitySource, Inverse, DensitySurface, By4>);
+static_assert(is_made_of<mps::Case01, DivergenceSource, Inverse, DensitySurface, By4>);
+static_assert(is_made_of<mps::Case02, DivergenceSource, Gaussian, DensitySurface, By4>);
+static_assert(is_made_of<mps::Case03, DivergenceSource, Cubic, DensitySurface, By4>);
+static_assert(is_made_of<mps::Case04, DivergenceSource, Cubic, DensitySurface, By4>);
+static_assert(is_made_of<mps::Case05, DivergenceSource, Cubic, DensitySurface, By4>);
+static_assert(is_made_of<mps::Case06, DivergenceSource, Cubic, DensitySurface, By4>);
+static_assert(is_made_of<mps::Case07, DivergenceSource, Cubic, DensitySurface, By4>);
+static_assert(is_made_of<mps::Case08, DivergenceSource, Cubic, CountSurface, By4>);
+static_assert(is_made_of<mps::Case09, DivergenceSource, Cubic, Both, By4>);
+static_assert(is_made_of<mps::Case10, DivergenceSource, Cubic, Both, By18>);
+
+static_assert(collides_with<mps::Case00>(0.5, 0.2) && collides_with<mps::Case01>(0.5, 0.2));
+static_assert(collides_with<mps::Case02>(0.5, 0.2) && collides_with<mps::Case03>(0.5, 0.2));
+static_assert(collides_with<mps::Case04>(0.8, 0.2) && collides_with<mps::Case05>(1.0, 0.2));
+static_assert(collides_with<mps::Case06>(1.0, 0.0) && collides_with<mps::Case07>(1.0, 0.4));
+static_assert(collides_with<mps::Case08>(1.0, 0.2) && collides_with<mps::Case09>(1.0, 0.2));
+static_assert(collides_with<mps::Case10>(1.0, 0.2));
+
+// --- sources -------------------------------------------------------------------------------------
+
+TEST(DensitySource, GivesCompressedFluidANegativeSource) {
+  // And with it, since the Laplacian of a maximum is negative, a higher pressure.
+  EXPECT_LT(DensitySource{}.value({.density = 1000, .time_step = 1e-3, .compression = 0.01}), 0);
+  EXPECT_GT(DensitySource{}.value({.density = 1000, .time_step = 1e-3, .compression = -0.01}), 0);
+  EXPECT_DOUBLE_EQ(DensitySource{}.value({.density = 1000, .time_step = 1e-3, .compression = 0.01}),
+                   -1e7);
+}
+
+TEST(DivergenceSource, GivesFluidThatConvergesANegativeSource) {
+  const DivergenceSource source;
+  EXPECT_LT(source.value({.density = 1000, .time_step = 1e-3, .divergence = -1}), 0);
+  EXPECT_GT(source.value({.density = 1000, .time_step = 1e-3, .divergence = 1}), 0);
+  EXPECT_EQ(source.value({.density = 1000, .time_step = 1e-3}), 0);
+}
+
+TEST(DivergenceSource, TakesTheShareGammaOfTheOriginals) {
+  const mps::SourceTerms compressed{.density = 998, .time_step = 2e-3, .compression = 0.03};
+  EXPECT_DOUBLE_EQ(DivergenceSource{}.value(compressed), 0.01 * DensitySource{}.value(compressed));
+  EXPECT_DOUBLE_EQ(DivergenceSource{.gamma = 1}.value(compressed),
+                   DensitySource{}.value(compressed));
+  EXPECT_EQ(DivergenceSource{.gamma = 0}.value(compressed), 0);
+}
+
+// --- surfaces ------------------------------------------------------------------------------------
+
+TEST(Surfaces, HoldBelowTheirThresholdOnly) {
+  EXPECT_TRUE(DensitySurface{}.holds({.density = 0.96, .neighbours = 2}));
+  EXPECT_FALSE(DensitySurface{}.holds({.density = 0.97, .neighbours = 0}));
+  EXPECT_TRUE(CountSurface{}.holds({.density = 2, .neighbours = 0.84}));
+  EXPECT_FALSE(CountSurface{}.holds({.density = 0, .neighbours = 0.85}));
+}
+
+TEST(BothSurfaces, HoldOnlyWhereEachDoes) {
+  const Both both;
+  EXPECT_TRUE(both.holds({.density = 0.9, .neighbours = 0.8}));
+  EXPECT_FALSE(both.holds({.density = 0.9, .neighbours = 0.9}));
+  EXPECT_FALSE(both.holds({.density = 1.0, .neighbours = 0.8}));
+  EXPECT_FALSE(both.holds({.density = 1.0, .neighbours = 0.9}));
+}
+
+// --- collisions ----------------------------------------------------------------------------------
+
+template <class S>
+class Collisions : public ::testing::Test {};
+TYPED_TEST_SUITE(Collisions, Spaces);
+
+// The velocities after collide() of Case10's collision, a = 1, with the given restitution.
+template <class P>
+void collide(P& fluid, double restitution, double distance = 1, double l0 = 0.1) {
+  mps::Flow<mps::Case10, P::dimension, typename P::Real> flow(
+      {.spacing = l0, .collision = {.distance = distance, .restitution = restitution}});
+  UniformGrid<P::dimension, typename P::Real> search;
+  search.set_radius(flow.reach(fluid));
+  search.update(fluid);
+  flow.collide(fluid, search, 1e-3);
+}
+
+// Two particles 0.08 apart along a slanted line, with given velocities.
+template <class S>
+typename S::Fluid pair(const typename S::Vec& u0, const typename S::Vec& u1) {
+  using Real = typename S::Real;
+  using Vec = typename S::Vec;
+  Vec apart = Vec::Constant(1);
+  apart[0] = 2;
+  apart *= Real(0.08) / apart.norm();
+  auto fluid = fluid_at<S::dimension, Real>({Vec(Vec::Zero()), apart});
+  fluid[velocity][0] = u0;
+  fluid[velocity][1] = u1;
+  return fluid;
+}
+
+TYPED_TEST(Collisions, LetApproachingPairsPartWithTheRestitution) {
+  using Vec = typename TypeParam::Vec;
+  using Real = typename TypeParam::Real;
+  for (const double b : {0.0, 0.2, 1.0}) {
+    auto fluid = pair<TypeParam>(Vec(Vec::Unit(0)), Vec(Vec::Unit(1) * Real(0.3)));
+    const Vec n = (fluid[position][1] - fluid[position][0]).normalized();
+    const Vec before = fluid[velocity][1] - fluid[velocity][0];
+    const Vec sum_before = fluid[velocity][1] + fluid[velocity][0];
+    ASSERT_LT(before.dot(n), 0);
+    collide(fluid, b);
+    const Vec after = fluid[velocity][1] - fluid[velocity][0];
+    EXPECT_NEAR(after.dot(n), -Real(b) * before.dot(n), TypeParam::rounding);
+    EXPECT_LE(((after - n * n.dot(after)) - (before - n * n.dot(before))).norm(),
+              TypeParam::rounding) << "what is at right angles stays";
+    EXPECT_LE((fluid[velocity][1] + fluid[velocity][0] - sum_before).norm(), TypeParam::rounding);
+  }
+}
+
+TYPED_TEST(Collisions, LeaveRecedingAndDistantPairsUntouched) {
+  using Vec = typename TypeParam::Vec;
+  auto receding = pair<TypeParam>(Vec(Vec::Constant(-1)), Vec(Vec::Unit(1)));
+  const auto before = state_of(receding);
+  collide(receding, 0.2);
+  EXPECT_TRUE(state_of(receding) == before);
+
+  auto distant = pair<TypeParam>(Vec(Vec::Unit(0)), Vec(Vec::Zero()));
+  const auto before_distant = state_of(distant);
+  collide(distant, 0.2, 0.79);  // they are 0.8 spacings apart
+  EXPECT_TRUE(state_of(distant) == before_distant);
+  collide(distant, 0.2, 0.81);
+  EXPECT_FALSE(state_of(distant) == before_distant);
+}
+
+TYPED_TEST(Collisions, AreOffWithoutDistance) {
+  using Vec = typename TypeParam::Vec;
+  auto fluid = pair<TypeParam>(Vec(100 * Vec::Unit(0)), Vec(-100 * Vec::Unit(0)));
+  const auto before = state_of(fluid);
+  collide(fluid, 1, 0);
+  EXPECT_TRUE(state_of(fluid) == before);
+}
+
+TYPED_TEST(Collisions, WithAWallThrowBackAsFromAnInfiniteMass) {
+  using Vec = typename TypeParam::Vec;
+  using Real = typename TypeParam::Real;
+  for (const auto of_kind : {mps::Kind::wall, mps::Kind::dummy}) {
+    auto fluid = pair<TypeParam>(Vec(Vec::Unit(0)), Vec(Vec::Zero()));
+    fluid[mps::kind][1] = of_kind;
+    const Vec n = (fluid[position][1] - fluid[position][0]).normalized();
+    const Real before = fluid[velocity][0].dot(n);
+    collide(fluid, 0.2);
+    EXPECT_NEAR(fluid[velocity][0].dot(n), -Real(0.2) * before, TypeParam::rounding);
+    EXPECT_EQ(fluid[velocity][1], Vec::Zero());
+  }
+}
+
+TYPED_TEST(Collisions, ConserveTheMomentumOfACrowd) {
+  using Real = typename TypeParam::Real;
+  auto crowd = blob<TypeParam::dimension, Real>(6, Real(0.1), Real(0.3));
+  give_random_velocities(crowd, Real(2), 7);
+  const auto before = velocity_sum(crowd);
+  const auto state = state_of(crowd);
+  collide(crowd, 0.2);
+  EXPECT_FALSE(state_of(crowd) == state);
+  EXPECT_LE((velocity_sum(crowd) - before).norm(), double(TypeParam::rounding) * speed_sum(crowd));
+}
+
+TYPED_TEST(Collisions, ConserveMomentumThroughPeriodicSides) {
+  using Real = typename TypeParam::Real;
+  auto crowd = full_box<TypeParam::dimension, Real>(7, Real(0.1), Real(0.3));
+  give_random_velocities(crowd, Real(2), 8);
+  const auto before = velocity_sum(crowd);
+  collide(crowd, 0.2);
+  EXPECT_LE((velocity_sum(crowd) - before).norm(), double(TypeParam::rounding) * speed_sum(crowd));
+}
+
+// --- bad input -----------------------------------------------------------------------------------
+
+TEST(Policies, RefuseNumbersOutOfRange) {
+  EXPECT_TRUE(refuses([] { DensitySurface{.beta = 1.2}.check(); }, {"DensitySurface: beta = 1.2"}));
+  EXPECT_TRUE(refuses([] { DensitySurface{.beta = nan}.check(); }, {"DensitySurface: beta = nan"}));
+  EXPECT_TRUE(refuses([] { CountSurface{.beta = -0.1}.check(); }, {"CountSurface: beta = -0.1"}));
+  EXPECT_TRUE(refuses([] { (Both{.second = {.beta = 7}}).check(); }, {"CountSurface: beta = 7"}));
+  EXPECT_TRUE(refuses([] { (Both{.first = {.beta = 7}}).check(); }, {"DensitySurface: beta = 7"}));
+  EXPECT_TRUE(
+      refuses([] { DivergenceSource{.gamma = 2}.check(); }, {"DivergenceSource: gamma = 2 "}));
+  EXPECT_TRUE(
+      refuses([] { DivergenceSource{.gamma = nan}.check(); }, {"DivergenceSource: gamma = nan"}));
+  EXPECT_TRUE(
+      refuses([] { AdoptedCollision{.distance = -1}.check(); }, {"Collision: distance = -1"}));
+  EXPECT_TRUE(
+      refuses([] { AdoptedCollision{.distance = inf}.check(); }, {"Collision: distance = inf"}));
+  EXPECT_TRUE(refuses([] { AdoptedCollision{.restitution = 1.5}.check(); },
+                      {"Collision: restitution = 1.5"}));
+}
+
+}  // namespace
+}  // namespace silt::test
