@@ -16,6 +16,7 @@
 #include <silt/dem/walls.hpp>
 
 #include <algorithm>
+#include <cstddef>
 #include <limits>
 #include <optional>
 #include <string>
@@ -394,6 +395,15 @@ class Contacts {
     // Now first[i + 1] is the beginning of row i.
     for (Index i = 0; i < grains.size(); ++i) first[i] = first[i + 1];
     first.back() = now.incoming.size();
+    // They came in the order of memory; sums go in the order of ids.
+    for_each(grains.size(), [&](Index i) {
+      const auto begin = now.incoming.begin();
+      std::sort(begin + static_cast<std::ptrdiff_t>(first[i]),
+                begin + static_cast<std::ptrdiff_t>(first[i + 1]),
+                [touches = now.touches.items()](Index a, Index b) {
+                  return touches[a].id < touches[b].id;
+                });
+    });
   }
 
   // f(touch) for every contact in which i is the partner.

@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: MIT
+// The same bits whatever the threads, the search, the order in memory, and the units.
+#include "support/check.hpp"
+#include "support/grains.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numeric>
+#include <random>
+
+namespace silt::test {
+namespace {
+
+const dem::CundallStrack law{.normal_stiffness = 1e6,
+                             .tangential_stiffness = 5e5,
+                             .restitution = 0.6,
+                             .friction_angle = 0.5,
+                             .cohesion = 0.1};
+
+// State by id, so that the order in memory does not show.
+template <class P>
+Bytes by_id(P grains) {
+  std::vector<Index> order(grains.size());
+  std::iota(order.begin(), order.end(), Index{0});
+  std::sort(order.begin(), order.end(), [&](Index a, Index b) { return grains.id(a) < grains.id(b); });
+  grains.reorder(order);
+  return state_of(grains);
+}
+
+template <class S, class P>
+P after_steps(P grains, int steps, const Vec<P::dimension, typename P::Real>& g) {
+  using Real = typename P::Real;
+  Simulation sim{std::move(grains), S{},
+                 Forces{Gravity<P::dimension, Real>{g}, dem::Contacts{law, dem::Plane<P::dimension, Real>{}}},
+                 Leapfrog{GlobalDamping{.alpha = 0.2}}};
+  for (int k = 0; k < steps; ++k) sim.step(2e-5);
+  EXPECT_GE(sim.interaction().template part<1>().size(), 10u);
+  EXPECT_TRUE(is_finite(sim.interaction().template part<1>().elastic_energy(sim.particles())));
+  return sim.snapshot();
+}
+
+template <class P>
+class Determinism : public ::testing::Test {};
+using Kinds = ::testing::Types<dem::Grains<2, double>, dem::Grains<2, float>, dem::Grains<3, double>,
+                               dem::Grains<3, float>>;
+TYPED_TEST_SUITE(Determinism, Kinds);
+
+template <class P>
+typename P::Vec down() {
+  typename P::Vec g = P::Vec::Zero();
+  g[P::dimension - 1] = -10;
+  return g;
+}
+
+TYPED_TEST(Determinism, GivesTheSameBitsForOneToFourThreads) {
+  constexpr int dim = TypeParam::dimension;
+  using Real = typename TypeParam::Real;
+  const auto start = crowd<dim, Real>(dim == 2 ? 60 : 15, 5);
+  ASSERT_GT(start.size(), 3000u);
+  const auto run = [&] {
+    return state_of(after_steps<UniformGrid<dim, Real>>(start, 25, down<TypeParam>()));
+  };
+  const Bytes alone = with_threads(1, run);
+  for (const int number : {2, 3, 4}) EXPECT_EQ(with_threads(number, run), alone) << number << " threads";
+}
+
+TYPED_TEST(Determinism, GivesTheSameBitsForEverySearchAndOrderInMemory) {
+  constexpr int dim = TypeParam::dimension;
+  using Real = typename TypeParam::Real;
+  for (const bool periodic : {false, true}) {
+    auto start = crowd<dim, Real>(dim == 2 ? 12 : 5, 6);
+    if (periodic) {
+      auto box = cube<dim, Real>(0, Real(dim == 2 ? 12 : 5) * Real(0.0205));
+      box.periodic[0] = true;
+      for (int k = 1; k < dim; ++k) {
+        box.lower[k] = -1;
+        box.upper[k] = 1;
+      }
+      start.set_box(box);
+    }
+    const auto g = down<TypeParam>();
+    const Bytes right = by_id(after_steps<BruteForce<dim, Real>>(start, 100, g));
+    EXPECT_EQ(by_id(after_steps<UniformGrid<dim, Real>>(start, 100, g)), right);
+    EXPECT_EQ(by_id(after_steps<NeighbourList<dim, Real>>(start, 100, g)), right);
+
+    auto shuffled = start;
+    std::vector<Index> order(start.size());
+    std::iota(order.begin(), order.end(), Index{0});
+    std::shuffle(order.begin(), order.end(), std::mt19937(1));
+    shuffled.reorder(order);
+    EXPECT_EQ(by_id(after_steps<UniformGrid<dim, Real>>(shuffled, 100, g)), right);
+  }
+}
+
+TYPED_TEST(Determinism, KeepsContactMemoryWhenGrainsAreReorderedOnTheWay) {
+  constexpr int dim = TypeParam::dimension;
+  using Real = typename TypeParam::Real;
+  const auto run = [&](bool reorder) {
+    Simulation sim{crowd<dim, Real>(dim == 2 ? 10 : 5, 7), UniformGrid<dim, Real>{}, dem::Contacts{law},
+                   Leapfrog{}};
+    for (int k = 0; k < 60; ++k) {
+      if (reorder && k % 10 == 5) sim.particles().reorder(sim.search().order());
+      sim.step(2e-5);
+    }
+    return by_id(sim.particles());
+  };
+  EXPECT_EQ(run(true), run(false));
+}
+
+// --- units ---------------------------------------------------------------------------------------
+
+// Powers of four, so that square roots, too, only change exponents.
+struct Units {
+  double length;
+  double mass;
+  double time;
+};
+
+template <int Dim, class Law>
+dem::Grains<Dim> in_units(const Units& u, double beta) {
+  auto grains = crowd<Dim, double>(Dim == 2 ? 8 : 4, 8);
+  for (Index i = 0; i < grains.size(); ++i) {
+    grains[position][i] *= u.length;
+    grains[velocity][i] *= u.length / u.time;
+    grains[spin][i] *= 1 / u.time;
+    grains[mass][i] *= u.mass;
+    grains[radius][i] *= u.length;
+    grains[inertia][i] *= u.mass * u.length * u.length;
+  }
+  const double stiffness = u.mass / (u.time * u.time);
+  const double newton = stiffness * u.length;
+  Law scaled{.normal_stiffness = 1e6 * stiffness,
+             .tangential_stiffness = 5e5 * stiffness,
+             .friction_angle = 0.5,
+             .cohesion = 0.1 * newton};
+  if (beta > 0) {
+    scaled.beta = beta * u.time;
+  } else {
+    scaled.restitution = 0.6;
+  }
+  Vec<Dim> g = Vec<Dim>::Zero();
+  g[Dim - 1] = -9.81 * u.length / (u.time * u.time);
+  Simulation sim{grains, NeighbourList<Dim>{}, Forces{Gravity<Dim>{g}, dem::Contacts{scaled, dem::Plane<Dim>{}}},
+                 Leapfrog{GlobalDamping{.alpha = 0.3 / u.time}}};
+  for (int k = 0; k < 150; ++k) sim.step();
+  auto out = sim.snapshot();
+  for (Index i = 0; i < out.size(); ++i) {
+    out[position][i] /= u.length;
+    out[velocity][i] /= u.length / u.time;
+    out[spin][i] *= u.time;
+    out[mass][i] /= u.mass;
+    out[radius][i] /= u.length;
+    out[inertia][i] /= u.mass * u.length * u.length;
+  }
+  return out;
+}
+
+template <int Dim, class Law>
+void expect_no_units(double beta) {
+  const Bytes si = state_of(in_units<Dim, Law>({1, 1, 1}, beta));
+  EXPECT_EQ(state_of(in_units<Dim, Law>({4, 1, 1}, beta)), si);
+  EXPECT_EQ(state_of(in_units<Dim, Law>({1, 0x1p-20, 1}, beta)), si);
+  EXPECT_EQ(state_of(in_units<Dim, Law>({1, 1, 0x1p-12}, beta)), si);
+  EXPECT_EQ(state_of(in_units<Dim, Law>({0x1p-10, 0x1p30, 0x1p8}, beta)), si);
+}
+
+TEST(Units, DoNotShowInASingleBit) {
+  expect_no_units<2, dem::CundallStrack>(0);
+  expect_no_units<3, dem::CundallStrack>(0);
+  expect_no_units<2, dem::CundallStrack>(1e-5);
+  expect_no_units<3, dem::CundallStrackIncremental>(0);
+}
+
+}  // namespace
+}  // namespace silt::test
