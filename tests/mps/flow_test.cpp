@@ -1,0 +1,321 @@
+// SPDX-License-Identifier: MIT
+// The step of a flow: its limits, its failures, and what it conserves.
+#include "support/check.hpp"
+#include "support/fluid.hpp"
+
+#include <silt/core/forces.hpp>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace silt::test {
+namespace {
+
+using mps::Case10;
+using mps::Flow;
+using mps::Kind;
+using Settings = mps::FlowSettings<2, Case10>;
+
+static_assert(PressureInteraction<Flow<Case10>, mps::Fluid<2>, UniformGrid<2>>);
+static_assert(PressureInteraction<Flow<Case10, 3, float>, mps::Fluid<3, float>, BruteForce<3, float>>);
+static_assert(!PressureInteraction<Flow<Case10>, Particles<2, double, velocity_t>, UniformGrid<2>>);
+static_assert(!PressureInteraction<Gravity<2>, mps::Fluid<2>, UniformGrid<2>>);
+static_assert(Integrator<SemiImplicit<>, mps::Fluid<2>, UniformGrid<2>, Flow<Case10>>);
+static_assert(!Integrator<SemiImplicit<>, mps::Fluid<2>, UniformGrid<2>, Gravity<2>>);
+static_assert(ChoosesTimeStep<Flow<Case10>, mps::Fluid<2>>);
+static_assert(mps::FluidParticles<mps::Fluid<3, float>> && !mps::FluidParticles<Particles<2, double>>);
+
+template <class P>
+auto simulation(P particles, const Settings& settings, const SolveSettings& solve = {}) {
+  return Simulation{std::move(particles), UniformGrid<2>{},
+                    Flow<Case10>(settings, ConjugateGradient<>(solve)), SemiImplicit{}};
+}
+
+auto dam(const SolveSettings& solve = {}) {
+  return simulation(small_dam<2>(), {.spacing = 0.02, .largest_time_step = 1e-3}, solve);
+}
+
+// --- time step -----------------------------------------------------------------------------------
+
+TEST(FlowTimeStep, LetsTheFastestParticlePassTheCourantNumberOfASpacing) {
+  auto sim = simulation(blob<2, double>(6, 0.02), {.spacing = 0.02, .courant = 0.3});
+  sim.particles()[velocity][7] = {3, -4};
+  EXPECT_NEAR(sim.time_step() * 5, 0.3 * 0.02, 1e-15);
+  // The faster it gets, the smaller the step.
+  for (int k = 0; k < 20; ++k) {
+    const double dt = sim.time_step();
+    double fastest = 0;
+    for (const auto& u : sim.particles()[velocity]) fastest = std::max(fastest, u.norm());
+    EXPECT_LE(dt * fastest, 0.3 * 0.02 * (1 + 1e-12));
+    sim.step();
+    EXPECT_EQ(sim.last_time_step(), dt);
+  }
+}
+
+TEST(FlowTimeStep, OfFluidAtRestIsThatOfTheExpectedSpeed) {
+  auto sim = simulation(blob<2, double>(6, 0.02), {.spacing = 0.02, .speed_scale = 2});
+  EXPECT_DOUBLE_EQ(sim.time_step(), 0.2 * 0.02 / 2);
+}
+
+TEST(FlowTimeStep, IsNotAboveTheLargest) {
+  auto sim = simulation(blob<2, double>(6, 0.02), {.spacing = 0.02, .largest_time_step = 1e-4});
+  EXPECT_EQ(sim.time_step(), 1e-4);
+}
+
+TEST(FlowTimeStep, HalvesWhenViscosityDoublesOrSpacingShrinks) {
+  const auto chosen = [](double spacing, double viscosity) {
+    return simulation(blob<2, double>(6, spacing), {.spacing = spacing, .viscosity = viscosity})
+        .time_step();
+  };
+  EXPECT_NEAR(chosen(0.02, 2) / chosen(0.02, 1), 0.5, 1e-12);
+  EXPECT_NEAR(chosen(0.01, 1) / chosen(0.02, 1), 0.25, 1e-12);
+}
+
+TEST(FlowTimeStep, OfFluidWithoutSpeedOrViscosityMustBeGiven) {
+  auto sim = simulation(blob<2, double>(6, 0.02), {.spacing = 0.02, .viscosity = 0});
+  EXPECT_TRUE(refuses([&] { sim.step(); }, {"nothing here chooses a time step"}));
+}
+
+TEST(FlowTimeStep, WithinTheViscousLimitNeverFeedsAVelocity) {
+  // In a full periodic lattice, at the largest step that is accepted, the roughest velocities decay.
+  auto particles = full_box<2, double>(10, 0.02);
+  const Settings settings{.spacing = 0.02, .viscosity = 1, .gravity = Vec<2>::Zero()};
+  Flow<Case10> flow(settings);
+  UniformGrid<2> search({.radius = flow.reach(particles)});
+  search.update(particles);
+  for (Index i = 0; i < particles.size(); ++i) {
+    particles[velocity][i] = {(i + i / 10) % 2 == 0 ? 1e-3 : -1e-3, 1e-3 * std::sin(double(i))};
+  }
+  const auto energy = [&] {
+    double sum = 0;
+    for (const auto& u : particles[velocity]) sum += u.squaredNorm();
+    return sum;
+  };
+  const double limit = 2 * flow.time_step(particles);  // half the limit is chosen
+  for (int k = 0; k < 50; ++k) {
+    const double before = energy();
+    flow.predict(particles, search, limit * 0.999);
+    EXPECT_LE(energy(), before * (1 + 1e-12));
+  }
+  EXPECT_TRUE(refuses([&] { flow.predict(particles, search, limit * 1.001); },
+                      {"time_step = ", "exceeds the viscous limit ", "lower it"}));
+}
+
+// --- failed steps --------------------------------------------------------------------------------
+
+// A step of `broken` fails with the words and leaves no trace: repaired, it goes on as if nothing
+// had been.
+template <class Break, class Repair>
+void expect_undone(Break&& fail_a_step, Repair&& repair, const std::vector<std::string>& words) {
+  auto undisturbed = dam();
+  auto sim = dam();
+  for (int k = 0; k < 10; ++k) {
+    undisturbed.step();
+    sim.step();
+  }
+  const auto before = state_of(sim.particles());
+  EXPECT_TRUE(refuses([&] { fail_a_step(sim); }, words));
+  EXPECT_TRUE(state_of(sim.particles()) == before);
+  EXPECT_EQ(sim.steps(), 10u);
+  EXPECT_EQ(sim.time(), undisturbed.time());
+  repair(sim);
+  for (int k = 0; k < 10; ++k) {
+    undisturbed.step();
+    sim.step();
+  }
+  EXPECT_TRUE(state_of(sim.particles()) == state_of(undisturbed.particles()));
+  EXPECT_EQ(sim.time(), undisturbed.time());
+}
+
+TEST(FailedFlowStep, OfAPressureSolveSaysHowFarItCameAndLeavesNoTrace) {
+  const Flow<Case10> good = dam().interaction();
+  expect_undone(
+      [](auto& sim) {
+        sim.interaction() = Flow<Case10>(sim.interaction().settings(),
+                                         ConjugateGradient<>({.tolerance = 1e-12, .most_iterations = 2}));
+        sim.step();
+      },
+      [&](auto& sim) { sim.interaction() = good; },
+      {"pressure solve", "residual of ", "after 2 iterations", "unknowns", "step 10", "t = "});
+}
+
+TEST(FailedFlowStep, ReportsTheSolveThatFailed) {
+  auto sim = dam({.tolerance = 1e-12, .most_iterations = 2});
+  EXPECT_THROW(sim.step(), Error);
+  EXPECT_EQ(sim.interaction().last_solve().reason, SolveReport::Reason::not_converged);
+  EXPECT_EQ(sim.interaction().last_solve().iterations, 2);
+  EXPECT_GT(sim.interaction().last_solve().residual, 1e-12);
+}
+
+TEST(FailedFlowStep, OfATimeStepThatIsTooLongLeavesNoTrace) {
+  expect_undone(
+      [](auto& sim) { sim.step(1.0); }, [](auto&) {},
+      {"mps::Flow: time_step = 1 s", "spacing", "take at most ", "particle ", "id "});
+}
+
+TEST(FailedFlowStep, OfATimeStepThatIsNoTimeLeavesNoTrace) {
+  expect_undone([](auto& sim) { sim.step(0); }, [](auto&) {}, {"time_step = 0 "});
+  expect_undone([](auto& sim) { sim.step(nan); }, [](auto&) {}, {"time_step = nan"});
+}
+
+TEST(FailedFlowStep, OfTwoParticlesOnOnePointNamesOne) {
+  auto fluid = blob<2, double>(5, 0.02);
+  fluid[position][13] = fluid[position][12];
+  auto sim = simulation(fluid, {.spacing = 0.02, .largest_time_step = 1e-3});
+  EXPECT_TRUE(refuses([&] { sim.step(); }, {"one point", "id 12"}));
+}
+
+TEST(Flow, ReportsASolveWithinItsTolerance) {
+  for (const double tolerance : {1e-4, 1e-9}) {
+    auto sim = dam({.tolerance = tolerance});
+    for (int k = 0; k < 5; ++k) {
+      sim.step();
+      const SolveReport& report = sim.interaction().last_solve();
+      EXPECT_EQ(report.reason, SolveReport::Reason::converged);
+      EXPECT_LE(report.residual, tolerance * 1.001);
+      EXPECT_GT(report.unknowns, 100u);
+    }
+  }
+}
+
+// --- physics of small bodies ---------------------------------------------------------------------
+
+TEST(Flow, LetsABlockOfFluidFallWithoutPressure) {
+  const double dt = 1e-3;
+  auto sim = simulation(blob<2, double>(12, 0.02), {.spacing = 0.02, .viscosity = 1e-3});
+  const auto start = sim.particles();
+  for (int k = 0; k < 200; ++k) sim.step(dt);
+  const double t = sim.time();
+  for (Index i = 0; i < start.size(); ++i) {
+    const Vec<2> fallen = sim.particles()[position][i] - start[position][i];
+    EXPECT_NEAR(fallen[0], 0, 1e-9);
+    EXPECT_NEAR(fallen[1], -9.81 * t * t / 2, 9.81 * t * dt);  // first order in Δt
+    EXPECT_NEAR(sim.particles()[velocity][i][1], -9.81 * t, 1e-8);
+    EXPECT_NEAR(sim.particles()[mps::pressure][i], 0, 1e-3) << "of 2354 Pa at its foot, at rest";
+  }
+}
+
+TEST(Flow, GivesACompressedBlobAPressureThatDrivesItApart) {
+  // A lattice with 2 % less spacing than the fluid's.
+  auto sim = simulation(blob<2, double>(16, 0.0196),
+                        {.spacing = 0.02, .gravity = Vec<2>::Zero(), .largest_time_step = 1e-3});
+  const auto size = [](const auto& particles) {
+    double sum = 0;
+    const Vec<2> centre = Vec<2>::Constant(8 * 0.0196);
+    for (const auto& x : particles[position]) sum += (x - centre).squaredNorm();
+    return sum;
+  };
+  const double before = size(sim.particles());
+  sim.step();
+  double highest = 0;
+  for (const double p : sim.particles()[mps::pressure]) {
+    EXPECT_GE(p, 0);
+    highest = std::max(highest, p);
+  }
+  EXPECT_GT(highest, 0);
+  EXPECT_GT(size(sim.particles()), before);
+}
+
+template <class S>
+class Blobs : public ::testing::Test {};
+TYPED_TEST_SUITE(Blobs, Spaces);
+
+TYPED_TEST(Blobs, KeepTheirMomentumUnderCase10) {
+  using Real = typename TypeParam::Real;
+  constexpr int dim = TypeParam::dimension;
+  for (const bool periodic : {false, true}) {
+    auto fluid = periodic ? full_box<dim, Real>(8, Real(0.02), Real(0.1))
+                          : blob<dim, Real>(8, Real(0.0195), Real(0.1));
+    give_random_velocities(fluid, Real(0.5), 11);
+    const auto before = velocity_sum(fluid);
+    Simulation sim{std::move(fluid), UniformGrid<dim, Real>{},
+                   Flow<Case10, dim, Real>({.spacing = 0.02,
+                                            .viscosity = 1e-3,
+                                            .gravity = Vec<dim>::Zero(),
+                                            .largest_time_step = 1e-3}),
+                   SemiImplicit{}};
+    for (int k = 0; k < 20; ++k) sim.step();
+    EXPECT_GT(sim.interaction().last_solve().unknowns, 10u);
+    EXPECT_LE((velocity_sum(sim.particles()) - before).norm(),
+              double(TypeParam::rounding) * 20 * speed_sum(sim.particles()))
+        << (periodic ? "periodic" : "free");
+  }
+}
+
+TEST(Flow, InAClosedFullTankIsSolvedThoughOnlyPressureDifferencesMatter) {
+  using Closed = mps::Scheme<mps::DivergenceSource, mps::AdoptedCollision, mps::CubicKernel, NoSurface,
+                             mps::ConservingGradient>;
+  auto fluid = full_box<2, double>(12, 0.02, 0.05);
+  give_random_velocities(fluid, 0.1, 3);
+  Simulation sim{std::move(fluid), UniformGrid<2>{},
+                 Flow<Closed>({.spacing = 0.02, .gravity = Vec<2>::Zero(), .largest_time_step = 1e-3}),
+                 SemiImplicit{}};
+  for (int k = 0; k < 10; ++k) {
+    sim.step();
+    EXPECT_EQ(sim.interaction().last_solve().unknowns, 144u);
+    EXPECT_EQ(sim.interaction().last_solve().reason, SolveReport::Reason::converged);
+    const auto p = sim.particles()[mps::pressure];
+    EXPECT_EQ(*std::min_element(p.begin(), p.end()), 0);
+    EXPECT_GT(*std::max_element(p.begin(), p.end()), 0);
+  }
+}
+
+TEST(Flow, WithoutFluidStepsAllTheSame) {
+  auto sim = simulation(mps::Fluid<2>{}, {.spacing = 0.02});
+  sim.step(1e-3);
+  EXPECT_EQ(sim.interaction().last_solve().reason, SolveReport::Reason::nothing_to_solve);
+}
+
+TEST(Flow, KeepsALoneParticleOutOfThePressureEquation) {
+  auto sim = simulation(fluid_at<2, double>({{0, 0}}), {.spacing = 0.02});
+  for (int k = 0; k < 10; ++k) sim.step(1e-3);
+  EXPECT_NEAR(sim.particles()[velocity][0][1], -9.81e-2, 1e-12);
+  EXPECT_EQ(sim.particles()[mps::pressure][0], 0);
+}
+
+// --- bad input -----------------------------------------------------------------------------------
+
+TEST(FlowSettings, AreRefusedByNameAndValue) {
+  const auto refused = [](const std::function<void(Settings&)>& spoil, const std::string& words) {
+    Settings settings{.spacing = 0.01};
+    spoil(settings);
+    return refuses([&] { Flow<Case10> flow(settings); }, {"FlowSettings: " + words});
+  };
+  EXPECT_TRUE(refuses([] { Flow<Case10> flow({}); }, {"FlowSettings: spacing = 0 "}));
+  EXPECT_TRUE(refused([](auto& s) { s.spacing = -1; }, "spacing = -1 "));
+  EXPECT_TRUE(refused([](auto& s) { s.spacing = nan; }, "spacing = nan "));
+  EXPECT_TRUE(refused([](auto& s) { s.density = 0; }, "density = 0 "));
+  EXPECT_TRUE(refused([](auto& s) { s.density = inf; }, "density = inf "));
+  EXPECT_TRUE(refused([](auto& s) { s.viscosity = -1e-6; }, "viscosity = -1e-06 "));
+  EXPECT_TRUE(refused([](auto& s) { s.viscosity = nan; }, "viscosity = nan "));
+  EXPECT_TRUE(refused([](auto& s) { s.gravity[1] = nan; }, "gravity = nan "));
+  EXPECT_TRUE(refused([](auto& s) { s.radius = 1; }, "radius = 1 "));
+  EXPECT_TRUE(refused([](auto& s) { s.radius = 31; }, "radius = 31 "));
+  EXPECT_TRUE(refused([](auto& s) { s.laplacian_radius = 0.5; }, "laplacian_radius = 0.5 "));
+  EXPECT_TRUE(refused([](auto& s) { s.laplacian_radius = nan; }, "laplacian_radius = nan "));
+  EXPECT_TRUE(refused([](auto& s) { s.courant = 0; }, "courant = 0 "));
+  EXPECT_TRUE(refused([](auto& s) { s.speed_scale = -2; }, "speed_scale = -2 "));
+  EXPECT_TRUE(refused([](auto& s) { s.largest_time_step = 0; }, "largest_time_step = 0 "));
+  EXPECT_TRUE(refused([](auto& s) { s.largest_time_step = nan; }, "largest_time_step = nan "));
+}
+
+TEST(FlowSettings, AreRefusedForTheNumbersOfTheirPoliciesToo) {
+  const auto refused = [](const std::function<void(Settings&)>& spoil, const std::string& words) {
+    Settings settings{.spacing = 0.01};
+    spoil(settings);
+    return refuses([&] { Flow<Case10> flow(settings); }, {words});
+  };
+  EXPECT_TRUE(refused([](auto& s) { s.source.gamma = -1; }, "DivergenceSource: gamma = -1 "));
+  EXPECT_TRUE(refused([](auto& s) { s.surface.first.beta = 2; }, "DensitySurface: beta = 2 "));
+  EXPECT_TRUE(refused([](auto& s) { s.surface.second.beta = 2; }, "CountSurface: beta = 2 "));
+  EXPECT_TRUE(refused([](auto& s) { s.collision.restitution = 2; }, "restitution = 2 "));
+}
+
+}  // namespace
+}  // namespace silt::test

@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: MIT
+// The pressure equation as a linear system, and what its solution means.
+#include "support/check.hpp"
+#include "support/fluid.hpp"
+
+#include <Eigen/Cholesky>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace silt::test {
+namespace {
+
+using mps::CubicKernel;
+using mps::Kind;
+using mps::PressureEquation;
+using Reason = SolveReport::Reason;
+
+// Particles at one pressure equation, with the search and the stencil it needs.
+template <int Dim, class Real = double>
+struct Problem {
+  static constexpr Real l0 = Real(0.1);
+
+  explicit Problem(mps::Fluid<Dim, Real> fluid) : particles(std::move(fluid)) {
+    search.set_radius(stencil.re);
+    search.update(particles);
+  }
+
+  // Those within one and a half spacings of the cube's faces lie on the surface.
+  void open(int along) {
+    for (Index i = 0; i < particles.size(); ++i) {
+      const auto& x = particles[position][i];
+      particles[mps::surface][i] =
+          x.minCoeff() < Real(1.5) * l0 || x.maxCoeff() > (Real(along) - Real(1.5)) * l0;
+    }
+  }
+
+  template <class F>
+  void assemble(F&& source) {
+    equation.assemble(particles, search, stencil, source);
+  }
+  void assemble_uniform(double source) {
+    assemble([source](Index) { return source; });
+  }
+  SolveReport solve(const SolveSettings& settings = {.tolerance = 1e-11}) {
+    ConjugateGradient<> solver(settings);
+    return equation.solve(particles, solver);
+  }
+
+  const LinearSystem& system() const { return equation.system(); }
+
+  Eigen::MatrixXd matrix() const {
+    const auto n = static_cast<Eigen::Index>(system().size());
+    Eigen::MatrixXd a = Eigen::MatrixXd::Zero(n, n);
+    for (Index row = 0; row < system().size(); ++row) {
+      const auto r = static_cast<Eigen::Index>(row);
+      a(r, r) = system().diagonal[row];
+      for (const auto& [column, value] : system().off_diagonal[row]) {
+        a(r, static_cast<Eigen::Index>(column)) += value;
+      }
+    }
+    return a;
+  }
+
+  double laplacian_of_pressure(Index i) {
+    particles.refresh_ghosts(mps::pressure);
+    return double(
+        mps::laplacian(search, stencil, i, particles.with_ghosts(mps::pressure)));
+  }
+
+  mps::Fluid<Dim, Real> particles;
+  UniformGrid<Dim, Real> search;
+  mps::Stencil<Dim, Real, CubicKernel> stencil{{.spacing = l0, .radius = 3.1}};
+  PressureEquation equation;
+};
+
+template <class S>
+class Equations : public ::testing::Test {};
+TYPED_TEST_SUITE(Equations, Spaces);
+
+TYPED_TEST(Equations, OfOpenFluidAreSymmetricAndPositiveDefinite) {
+  using Real = typename TypeParam::Real;
+  constexpr int along = TypeParam::dimension == 2 ? 12 : 7;
+  Problem<TypeParam::dimension, Real> problem(
+      blob<TypeParam::dimension, Real>(along, Real(0.1), Real(0.25)));
+  problem.open(along);
+  problem.assemble_uniform(-1);
+  const auto a = problem.matrix();
+  ASSERT_GT(a.rows(), 20);
+  EXPECT_TRUE(a == a.transpose()) << "to the bit";
+  EXPECT_EQ(a.llt().info(), Eigen::Success);
+  // No positive entry beside the diagonal, and no row sum below zero: a maximum principle holds.
+  for (Eigen::Index r = 0; r < a.rows(); ++r) {
+    EXPECT_LE(a.row(r).sum() - a(r, r), 0);
+    EXPECT_GE(a.row(r).sum(), -1e-12 * a(r, r));
+  }
+}
+
+TYPED_TEST(Equations, OfAPeriodicBoxAreSymmetricToRounding) {
+  using Real = typename TypeParam::Real;
+  Problem<TypeParam::dimension, Real> problem(
+      full_box<TypeParam::dimension, Real>(7, Real(0.1), Real(0.25)));
+  problem.assemble_uniform(-1);
+  const auto a = problem.matrix();
+  EXPECT_EQ(a.rows(), static_cast<Eigen::Index>(problem.particles.size()));
+  EXPECT_LE((a - a.transpose()).norm(), double(TypeParam::rounding) * a.norm());
+}
+
+TYPED_TEST(Equations, GiveCompressedFluidAPressureAboveZeroEverywhere) {
+  using Real = typename TypeParam::Real;
+  constexpr int along = TypeParam::dimension == 2 ? 12 : 7;
+  for (const double sign : {1.0, -1.0}) {
+    Problem<TypeParam::dimension, Real> problem(
+        blob<TypeParam::dimension, Real>(along, Real(0.1), Real(0.25)));
+    problem.open(along);
+    problem.assemble_uniform(-1e6 * sign);
+    ASSERT_EQ(problem.solve().reason, Reason::converged);
+    for (Index i = 0; i < problem.particles.size(); ++i) {
+      const double p = sign * double(problem.particles[mps::pressure][i]);
+      if (problem.particles[mps::surface][i]) {
+        EXPECT_EQ(p, 0);
+      } else {
+        EXPECT_GT(p, 0);
+      }
+    }
+  }
+}
+
+template <int Dim>
+void expect_that_the_laplacian_is_the_source() {
+  constexpr int along = Dim == 2 ? 14 : 8;
+  Problem<Dim> problem(blob<Dim, double>(along, 0.1, 0.25));
+  problem.open(along);
+  const auto source = [](Index i) { return 1e5 * std::sin(double(i)) - 3e4; };
+  problem.assemble(source);
+  const SolveReport report = problem.solve();
+  EXPECT_EQ(report.reason, Reason::converged);
+  EXPECT_EQ(report.unknowns, problem.system().size());
+  Index unknowns = 0;
+  for (Index i = 0; i < problem.particles.size(); ++i) {
+    if (problem.particles[mps::surface][i]) continue;
+    ++unknowns;
+    EXPECT_NEAR(problem.laplacian_of_pressure(i), source(i), 1e-2);
+  }
+  EXPECT_EQ(unknowns, report.unknowns);
+}
+
+TEST(PressureEquation, MakesTheLaplacianOfPressureTheSource) {
+  expect_that_the_laplacian_is_the_source<2>();
+  expect_that_the_laplacian_is_the_source<3>();
+}
+
+TEST(PressureEquation, OfAClosedFullBoxIsSolvedUpToTheConstantThatMakesTheLowestPressureZero) {
+  Problem<2> problem(full_box<2, double>(10, 0.1, 0.2));
+  const auto source = [](Index i) { return 1e5 * std::sin(double(i)) - 3e4; };
+  problem.assemble(source);
+  ASSERT_EQ(problem.solve().reason, Reason::converged);
+  const auto p = problem.particles[mps::pressure];
+  EXPECT_EQ(*std::min_element(p.begin(), p.end()), 0);
+  // Fluid that cannot leave cannot expand on the whole: the mean of the source is taken out.
+  double mean = 0;
+  for (Index i = 0; i < p.size(); ++i) mean += source(i) / double(p.size());
+  for (Index i = 0; i < p.size(); ++i) {
+    EXPECT_NEAR(problem.laplacian_of_pressure(i), source(i) - mean, 1e-2);
+  }
+}
+
+TEST(PressureEquation, SettlesEachClosedBodyByItself) {
+  auto points = jittered<2, double>(6, 0.1, 0.2);
+  const Index one_body = points.size();
+  for (Index i = 0; i < one_body; ++i) points.push_back(points[i] + Vec<2>(5, 0));
+  Problem<2> problem(fluid_at(points));
+  problem.assemble([&](Index i) { return (i < one_body ? 1e4 : 7e5) * std::cos(double(i)); });
+  ASSERT_EQ(problem.solve().reason, Reason::converged);
+  const auto p = problem.particles[mps::pressure];
+  EXPECT_EQ(*std::min_element(p.begin(), p.begin() + std::ptrdiff_t(one_body)), 0);
+  EXPECT_EQ(*std::min_element(p.begin() + std::ptrdiff_t(one_body), p.end()), 0);
+}
+
+TEST(PressureEquation, LeavesIsolatedParticlesOut) {
+  auto points = jittered<2, double>(6, 0.1, 0.1);
+  points.push_back({3, 3});
+  Problem<2> problem(fluid_at(points));
+  problem.particles[mps::pressure].back() = 12;
+  problem.particles[mps::surface][0] = 1;
+  problem.assemble_uniform(-1e5);
+  EXPECT_EQ(problem.system().size(), points.size() - 2);
+  ASSERT_EQ(problem.solve().reason, Reason::converged);
+  EXPECT_EQ(problem.particles[mps::pressure].back(), 0);
+  for (const double p : problem.particles[mps::pressure]) EXPECT_TRUE(is_finite(p));
+}
+
+TEST(PressureEquation, IsOverFluidAndWallsButNotOverDummies) {
+  auto tank = small_dam<2>();
+  Problem<2> problem(std::move(tank));
+  problem.assemble_uniform(-1);
+  EXPECT_EQ(problem.system().size(), mps::count(problem.particles, Kind::fluid) +
+                                         mps::count(problem.particles, Kind::wall));
+}
+
+TEST(PressureEquation, WithoutUnknownsHasNothingToSolve) {
+  Problem<2> problem(blob<2, double>(5, 0.1, 0.1));
+  for (auto& each : problem.particles[mps::surface]) each = 1;
+  for (auto& p : problem.particles[mps::pressure]) p = 5;
+  problem.assemble_uniform(-1);
+  const SolveReport report = problem.solve();
+  EXPECT_EQ(report.reason, Reason::nothing_to_solve);
+  EXPECT_EQ(report.unknowns, 0u);
+  for (const double p : problem.particles[mps::pressure]) EXPECT_EQ(p, 0);
+
+  Problem<2> empty(mps::Fluid<2>{});
+  empty.assemble_uniform(-1);
+  EXPECT_EQ(empty.solve().reason, Reason::nothing_to_solve);
+}
+
+TEST(PressureEquation, WithoutSourceHasNoPressure) {
+  Problem<2> problem(blob<2, double>(12, 0.1, 0.1));
+  problem.open(12);
+  for (auto& p : problem.particles[mps::pressure]) p = 5;
+  problem.assemble_uniform(0);
+  EXPECT_EQ(problem.solve().iterations, 0);
+  for (const double p : problem.particles[mps::pressure]) EXPECT_EQ(p, 0);
+}
+
+TEST(PressureEquation, StartsFromThePressuresThereAre) {
+  Problem<2> problem(blob<2, double>(16, 0.1, 0.1));
+  problem.open(16);
+  problem.assemble_uniform(-1e4);
+  const SolveSettings settings{.tolerance = 1e-8};
+  EXPECT_GT(problem.solve(settings).iterations, 3);
+  const auto before = state_of(problem.particles);
+  EXPECT_EQ(problem.solve(settings).iterations, 0);
+  EXPECT_TRUE(state_of(problem.particles) == before);
+}
+
+TEST(PressureEquation, ThatIsNotSolvedLeavesThePressuresAsTheyWere) {
+  Problem<2> problem(blob<2, double>(16, 0.1, 0.1));
+  problem.open(16);
+  for (auto& p : problem.particles[mps::pressure]) p = 77;
+  problem.assemble([](Index i) { return std::sin(double(i)); });
+  const auto before = state_of(problem.particles);
+  const SolveReport report = problem.solve({.tolerance = 1e-12, .most_iterations = 2});
+  EXPECT_EQ(report.reason, Reason::not_converged);
+  EXPECT_TRUE(state_of(problem.particles) == before);
+}
+
+}  // namespace
+}  // namespace silt::test
