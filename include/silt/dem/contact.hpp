@@ -32,7 +32,7 @@ struct Contact {
 struct Stiffness {
   double normal = 0;      ///< k_n [N/m]
   double tangential = 0;  ///< k_s [N/m]
-  double beta = 0;        ///< dashpot over spring c/k [s]
+  double beta = 0;        ///< dashpot over spring c/k [s], of a dashpot that sees v^{N−½}
 };
 
 /// A law without memory: force on i [N] from the contact alone.
