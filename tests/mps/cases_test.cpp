@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: MIT
+// All eleven cases of Table 1 run in 2D and 3D, and the tank they start from.
+#include "support/check.hpp"
+#include "support/fluid.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <string>
+#include <tuple>
+#include <utility>
+
+namespace silt::test {
+namespace {
+
+using mps::Kind;
+
+// --- the tank ------------------------------------------------------------------------------------
+
+TEST(Tank, OfThePaperHas1600FluidParticlesAndOneLayerOfWalls) {
+  const auto tank = mps::make_tank<2>(
+      {.column = {0.4, 0.4}, .size = {.length = 0.4, .height = 0.4}, .spacing = 0.01});
+  EXPECT_EQ(mps::count(tank, Kind::fluid), 1600u);
+  EXPECT_EQ(mps::count(tank, Kind::wall), 42u + 2 * 40);  // floor with its corners, two walls
+  EXPECT_EQ(mps::count(tank, Kind::dummy), 4u * (42 + 2 * 40) + 2 * (1 + 2 + 3 + 4) * 2);
+  EXPECT_EQ(tank.size(), mps::count(tank, Kind::fluid) + mps::count(tank, Kind::wall) +
+                             mps::count(tank, Kind::dummy));
+}
+
+template <int Dim>
+void expect_full_below_the_surface() {
+  const double l0 = 0.02;
+  Simulation sim{small_dam<Dim>(l0), UniformGrid<Dim>{},
+                 mps::Flow<mps::Case10, Dim>({.spacing = l0, .largest_time_step = 1e-3}),
+                 SemiImplicit{}};
+  const auto start = sim.particles();
+  sim.step();
+  const double n0 = sim.interaction().stencil().n0;
+  const double top = (Dim == 2 ? 15 : 8) * l0;
+  Index full = 0;
+  for (Index i = 0; i < start.size(); ++i) {
+    const auto& x = start[position][i];
+    if (start[mps::kind][i] == Kind::dummy || x[0] > 6.6 * l0 || x[Dim - 1] > top - 3 * l0) continue;
+    // Whatever lies three spacings inside the fluid has the neighbours of the full lattice, walls too.
+    EXPECT_NEAR(sim.particles()[mps::number_density][i], n0, 1e-9 * n0);
+    EXPECT_FALSE(sim.particles()[mps::surface][i]);
+    ++full;
+  }
+  EXPECT_GT(full, 20u);
+}
+
+TEST(Tank, GivesEveryParticleOffTheSurfaceAllItsNeighbours) {
+  expect_full_below_the_surface<2>();
+  expect_full_below_the_surface<3>();
+}
+
+TEST(Tank, RoundsLengthsToWholeSpacings) {
+  const auto tank = mps::make_tank<2>(
+      {.column = {0.104, 0.096}, .size = {.length = 0.2, .height = 0.2}, .spacing = 0.01});
+  EXPECT_EQ(mps::count(tank, Kind::fluid), 100u);
+}
+
+TEST(Tank, IsRefusedByNameAndValue) {
+  const auto refused = [](const std::function<void(mps::Tank<3>&)>& spoil, const std::string& words) {
+    mps::Tank<3> tank{.column = {0.1, 0.1},
+                      .size = {.length = 0.2, .height = 0.2, .depth = 0.1},
+                      .spacing = 0.01};
+    spoil(tank);
+    return refuses([&] { mps::make_tank(tank); }, {"Tank: ", words});
+  };
+  EXPECT_TRUE(refused([](auto& t) { t.spacing = 0; }, "spacing = 0 "));
+  EXPECT_TRUE(refused([](auto& t) { t.spacing = nan; }, "spacing = nan "));
+  EXPECT_TRUE(refused([](auto& t) { t.spacing = 1e-9; }, "length = 0.2 m is 2e+08 spacings"));
+  EXPECT_TRUE(refused([](auto& t) { t.dummy_layers = -1; }, "dummy_layers = -1 "));
+  EXPECT_TRUE(refused([](auto& t) { t.size.length = 0.001; }, "length = 0.001 m"));
+  EXPECT_TRUE(refused([](auto& t) { t.size.height = -1; }, "height = -1 m"));
+  EXPECT_TRUE(refused([](auto& t) { t.size.depth = 0; }, "depth = 0 m"));
+  EXPECT_TRUE(refused([](auto& t) { t.size.depth = inf; }, "depth = inf "));
+  EXPECT_TRUE(refused([](auto& t) { t.column[0] = nan; }, "column width = nan "));
+  EXPECT_TRUE(refused([](auto& t) { t.column[1] = 0; }, "column height = 0 m"));
+  EXPECT_TRUE(refused([](auto& t) { t.column[0] = 0.3; }, "30 spacings along axis 0"));
+  EXPECT_TRUE(refused([](auto& t) { t.column[1] = 0.3; }, "30 spacings along axis 2"));
+}
+
+// --- the cases -----------------------------------------------------------------------------------
+
+template <class CaseType, int Dim>
+struct Setting {
+  using Case = CaseType;
+  static constexpr int dimension = Dim;
+};
+
+template <class T>
+class Cases : public ::testing::Test {};
+template <int Dim, class... Case>
+auto settings(std::tuple<Case...>) -> std::tuple<Setting<Case, Dim>...>;
+using All = std::tuple<mps::Case00, mps::Case01, mps::Case02, mps::Case03, mps::Case04, mps::Case05,
+                       mps::Case06, mps::Case07, mps::Case08, mps::Case09, mps::Case10>;
+template <class... T, class... U>
+auto joined(std::tuple<T...>, std::tuple<U...>) -> ::testing::Types<T..., U...>;
+using AllSettings = decltype(joined(settings<2>(All{}), settings<3>(All{})));
+TYPED_TEST_SUITE(Cases, AllSettings);
+
+// A column begins to collapse: it presses on floor and wall, and nothing but fluid moves.
+template <class Case, int Dim, class Order>
+void expect_a_column_to_collapse(Order order) {
+  Simulation sim{small_dam<Dim>(), UniformGrid<Dim>{},
+                 mps::Flow<Case, Dim>({.spacing = 0.02, .largest_time_step = 1e-3}), order};
+  const auto start = sim.particles();
+  for (int k = 0; k < 8; ++k) sim.step();
+  const auto& particles = sim.particles();
+  const double weight = 1000 * 9.81 * (Dim == 2 ? 15 : 8) * 0.02;
+  double highest = 0;
+  double outwards = 0;
+  double down = 0;
+  for (Index i = 0; i < particles.size(); ++i) {
+    if (particles[mps::kind][i] == Kind::fluid) {
+      outwards += particles[velocity][i][0];
+      down += particles[velocity][i][Dim - 1];
+      continue;
+    }
+    EXPECT_EQ(particles[position][i], start[position][i]);
+    EXPECT_EQ(particles[velocity][i], Vec<Dim>::Zero());
+    if (particles[mps::kind][i] == Kind::wall) {
+      highest = std::max(highest, particles[mps::pressure][i]);
+    } else {
+      EXPECT_EQ(particles[mps::pressure][i], 0);
+    }
+  }
+  EXPECT_GT(outwards, 0);
+  EXPECT_LT(down, 0);
+  EXPECT_GT(highest, 0.2 * weight);
+  EXPECT_LT(highest, 20 * weight);
+}
+
+TYPED_TEST(Cases, LetAColumnCollapseInTheOrderTheirSourceAsksFor) {
+  expect_a_column_to_collapse<typename TypeParam::Case, TypeParam::dimension>(SemiImplicit{});
+}
+
+TYPED_TEST(Cases, LetAColumnCollapseWithMovedParticles) {
+  expect_a_column_to_collapse<typename TypeParam::Case, TypeParam::dimension>(
+      SemiImplicit<MovesParticles>{});
+}
+
+TYPED_TEST(Cases, WithoutTheOriginalsSourceLetAColumnCollapseWithKeptParticles) {
+  if constexpr (!TypeParam::Case::Source::needs_moved_particles) {
+    expect_a_column_to_collapse<typename TypeParam::Case, TypeParam::dimension>(
+        SemiImplicit<KeepsParticles>{});
+  }
+}
+
+TEST(Cases, TakeTheOrderOfTheirSourceUnlessToldOtherwise) {
+  const auto after = [](auto flow, auto order) {
+    Simulation sim{small_dam<2>(), UniformGrid<2>{}, flow, order};
+    for (int k = 0; k < 5; ++k) sim.step();
+    return state_of(sim.particles());
+  };
+  const mps::Flow<mps::Case00> original({.spacing = 0.02, .largest_time_step = 1e-3});
+  const mps::Flow<mps::Case01> improved({.spacing = 0.02, .largest_time_step = 1e-3});
+  EXPECT_TRUE(after(original, SemiImplicit{}) == after(original, SemiImplicit<MovesParticles>{}));
+  EXPECT_TRUE(after(improved, SemiImplicit{}) == after(improved, SemiImplicit<KeepsParticles>{}));
+  EXPECT_FALSE(after(improved, SemiImplicit{}) == after(improved, SemiImplicit<MovesParticles>{}));
+}
+
+}  // namespace
+}  // namespace silt::test

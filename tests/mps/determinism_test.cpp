@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: MIT
+// The same bits: for any number of threads, for any units that are powers of four of one another, and
+// for any search that lists neighbours in one order.
+#include "support/check.hpp"
+#include "support/fluid.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace silt::test {
+namespace {
+
+using mps::Case00;
+using mps::Case10;
+using mps::Flow;
+
+template <class Case, int Dim>
+Bytes after_steps(const mps::Fluid<Dim>& fluid, double l0, int steps) {
+  Simulation sim{fluid, UniformGrid<Dim>{},
+                 Flow<Case, Dim>({.spacing = l0, .viscosity = 1e-4, .largest_time_step = 1e-3}),
+                 SemiImplicit{}};
+  for (int k = 0; k < steps; ++k) sim.step();
+  return state_of(sim.particles());
+}
+
+template <class Case, int Dim>
+void expect_one_result(const mps::Fluid<Dim>& fluid, double l0, int steps) {
+  ASSERT_GT(fluid.size(), 3 * chunk_size) << "too few for more threads to matter";
+  const auto by = [&](int number) {
+    return with_threads(number, [&] { return after_steps<Case>(fluid, l0, steps); });
+  };
+  const Bytes alone = by(1);
+  for (const int number : {2, 3, 4}) EXPECT_TRUE(by(number) == alone) << number << " threads";
+}
+
+TEST(FlowBits, AreTheSameForAnyNumberOfThreads) {
+  const auto tank = mps::make_tank<2>(
+      {.column = {0.8, 0.8}, .size = {.length = 1.6, .height = 1.2}, .spacing = 0.016});
+  expect_one_result<Case10>(tank, 0.016, 200);
+  expect_one_result<Case00>(tank, 0.016, 50);
+}
+
+TEST(FlowBits, AreTheSameForAnyNumberOfThreadsIn3D) {
+  const auto tank = mps::make_tank<3>({.column = {0.4, 0.4},
+                                       .size = {.length = 0.8, .height = 0.5, .depth = 0.2},
+                                       .spacing = 0.05});
+  expect_one_result<Case10>(tank, 0.05, 30);
+}
+
+// Units of length, mass and time in metres, kilograms and seconds.
+struct Units {
+  double length = 1;
+  double mass = 1;
+  double time = 1;
+};
+
+template <class Case, int Dim>
+auto dam_in(const Units& unit) {
+  const double l0 = 0.02 * unit.length;
+  const double speed = unit.length / unit.time;
+  mps::FlowSettings<Dim, Case> settings{
+      .spacing = l0,
+      .density = 1000 * unit.mass / std::pow(unit.length, 3),
+      .viscosity = 1e-3 * unit.length * speed,
+      .speed_scale = 1.5 * speed,
+      .largest_time_step = 1e-3 * unit.time};
+  settings.gravity *= speed / unit.time;
+  Simulation sim{small_dam<Dim>(l0), UniformGrid<Dim>{}, Flow<Case, Dim>(settings), SemiImplicit{}};
+  for (int k = 0; k < (Dim == 2 ? 150 : 20); ++k) sim.step();
+  return sim;
+}
+
+template <class Case, int Dim>
+void expect_the_same_bits_in_other_units() {
+  const auto plain = dam_in<Case, Dim>({});
+  for (const Units& unit : {Units{.length = 4}, Units{.mass = 16}, Units{.time = 0.25},
+                            Units{.length = 1.0 / 16, .mass = 4, .time = 64}}) {
+    const auto other = dam_in<Case, Dim>(unit);
+    const auto& a = plain.particles();
+    const auto& b = other.particles();
+    ASSERT_EQ(a.size(), b.size());
+    EXPECT_EQ(other.time(), plain.time() * unit.time);
+    const double speed = unit.length / unit.time;
+    const double stress = unit.mass / (unit.length * unit.time * unit.time);
+    bool same = true;
+    for (Index i = 0; i < a.size(); ++i) {
+      same &= b[position][i] == unit.length * a[position][i];
+      same &= b[velocity][i] == speed * a[velocity][i];
+      same &= b[mps::pressure][i] == stress * a[mps::pressure][i];
+    }
+    EXPECT_TRUE(same) << "length " << unit.length << ", mass " << unit.mass << ", time " << unit.time;
+  }
+}
+
+TEST(FlowBits, AreTheSameInUnitsThatArePowersOfFour) {
+  expect_the_same_bits_in_other_units<Case10, 2>();
+  expect_the_same_bits_in_other_units<Case00, 2>();
+  expect_the_same_bits_in_other_units<Case10, 3>();
+}
+
+template <class S>
+auto dam_with(S search, int steps) {
+  Simulation sim{small_dam<2>(), std::move(search),
+                 Flow<Case10>({.spacing = 0.02, .largest_time_step = 1e-3}), SemiImplicit{}};
+  for (int k = 0; k < steps; ++k) sim.step();
+  return sim.particles();
+}
+
+TEST(FlowBits, AreThoseOfTheGridForAListWithoutSkin) {
+  const auto by_grid = dam_with(UniformGrid<2>{}, 100);
+  const auto by_list = dam_with(NeighbourList<2>({.skin_fraction = 0}), 100);
+  EXPECT_TRUE(state_of(by_list) == state_of(by_grid));
+}
+
+TEST(FlowBits, OfOtherSearchesDifferByRoundingOnly) {
+  // Neighbours come in another order, so sums are rounded differently.
+  const auto by_grid = dam_with(UniformGrid<2>{}, 3);
+  const auto by_list = dam_with(NeighbourList<2>{}, 3);
+  const auto by_hand = dam_with(BruteForce<2>{}, 3);
+  double highest = 0;
+  for (const double p : by_grid[mps::pressure]) highest = std::max(highest, p);
+  for (Index i = 0; i < by_grid.size(); ++i) {
+    EXPECT_LE((by_list[position][i] - by_grid[position][i]).norm(), 1e-13);
+    EXPECT_LE((by_hand[position][i] - by_grid[position][i]).norm(), 1e-13);
+    EXPECT_NEAR(by_list[mps::pressure][i], by_grid[mps::pressure][i], 1e-9 * highest);
+    EXPECT_NEAR(by_hand[mps::pressure][i], by_grid[mps::pressure][i], 1e-9 * highest);
+  }
+}
+
+}  // namespace
+}  // namespace silt::test
