@@ -71,24 +71,24 @@ class UniformGrid {
   /// f(j, r_ij, r) for every j, owned or ghost, with r < radius(); i is owned, r_ij = x_j − x_i.
   template <class F>
   void for_each_neighbour(Index i, F&& f) const {
-    const Real reach = radius_ * radius_;
-    const Index own_slot = slot_of_[i];
-    const Vec x_i = sorted_[own_slot];
-    for_each_range(cell_of(x_i), [&](Index first, Index last) {
-      for (Index slot = first; slot < last; ++slot) {
-        const Vec r_ij = sorted_[slot] - x_i;
-        const Real r2 = r_ij.squaredNorm();
-        if (r2 < reach && slot != own_slot) f(particle_of_[slot], r_ij, std::sqrt(r2));
-      }
+    for_each_near(slot_of_[i], 0, [&](Index slot, const Vec& r_ij, Real r) {
+      f(particle_of_[slot], r_ij, r);
     });
   }
 
-  /// f(i, j, r_ij, r) for every pair once; i is owned, j owned or ghost.
+  /// f(i, j, r_ij, r) for every pair once; i is owned, j owned or ghost. Pairs come in the order of
+  /// the cells.
   template <class F>
   void for_each_pair(F&& f) const {
-    for (Index i = 0; i < owned_; ++i) {
-      for_each_neighbour(i, [&](Index j, const Vec& r_ij, Real r) {
-        if ((j < owned_ ? j : ghost_owners_[j - owned_]) > i) f(i, j, r_ij, r);
+    for (Index slot = 0; slot < sorted_.size(); ++slot) {
+      const Index a = particle_of_[slot];
+      for_each_near(slot, slot + 1, [&](Index other, const Vec& r_ab, Real r) {
+        const Index b = particle_of_[other];
+        const Index i = std::min(a, b);
+        const Index j = std::max(a, b);
+        // Ghosts stand behind the owned; of a pair and its image one is met.
+        if (j >= owned_ && (i >= owned_ || ghost_owners_[j - owned_] <= i)) return;
+        f(i, j, Vec((a < b ? Real(1) : Real(-1)) * r_ab), r);
       });
     }
   }
@@ -162,7 +162,7 @@ class UniformGrid {
     Cell cell;
     for (int k = 0; k < Dim; ++k) {
       cell[static_cast<std::size_t>(k)] =
-          static_cast<std::int64_t>(std::floor((x[k] - origin_[k]) * per_edge_));
+          static_cast<std::int64_t>((x[k] - origin_[k]) * per_edge_);  // never below 0
     }
     return cell;
   }
@@ -217,33 +217,74 @@ class UniformGrid {
     return {{{{from, n - 1}, {0, from + 2 - n}}}, 2};
   }
 
-  // f(first, last) for every range of slots that may hold neighbours of something in the cell.
-  template <class F>
-  void for_each_range(const Cell& cell, F&& f) const {
+  // Ranges of slots that may hold neighbours of something in the cell: one or, where the grid is
+  // folded within it, two for each of the 3 (9) rows of cells. `onwards`: slots behind the cell's
+  // own only, so that what lies before it may be left out.
+  struct Ranges {
+    std::array<std::array<Index, 2>, Dim == 2 ? 6 : 18> range;  // first slot, and one behind the last
+    int count;
+  };
+  Ranges ranges_around(const Cell& cell, bool onwards) const {
+    Ranges ranges;
+    ranges.count = 0;
     const Runs along_x = around(cell[0], 0);
-    const auto row = [&](std::int64_t rows_before) {
+    Runs along_last = around(cell[Dim - 1], Dim - 1);
+    if (onwards && !folded_[Dim - 1]) along_last.run[0][0] = cell[Dim - 1];
+    const auto for_each_bin = [](const Runs& runs, auto&& f) {
+      for (int r = 0; r < runs.count; ++r) {
+        const auto [from, to] = runs.run[static_cast<std::size_t>(r)];
+        for (std::int64_t bin = from; bin <= to; ++bin) f(bin);
+      }
+    };
+    const auto add_row = [&](std::int64_t rows_before) {
       const std::int64_t base = rows_before * bins_[0];
       for (int r = 0; r < along_x.count; ++r) {
         const auto [from, to] = along_x.run[static_cast<std::size_t>(r)];
-        f(start_[static_cast<Index>(base + from)], start_[static_cast<Index>(base + to) + 1]);
-      }
-    };
-    const auto rows = [&](std::int64_t planes_before) {
-      const Runs along_y = around(cell[1], 1);
-      for (int r = 0; r < along_y.count; ++r) {
-        const auto [from, to] = along_y.run[static_cast<std::size_t>(r)];
-        for (std::int64_t y = from; y <= to; ++y) row(planes_before * bins_[1] + y);
+        ranges.range[static_cast<std::size_t>(ranges.count++)] = {
+            start_[static_cast<Index>(base + from)], start_[static_cast<Index>(base + to) + 1]};
       }
     };
     if constexpr (Dim == 2) {
-      rows(0);
+      for_each_bin(along_last, add_row);
     } else {
-      const Runs along_z = around(cell[2], 2);
-      for (int r = 0; r < along_z.count; ++r) {
-        const auto [from, to] = along_z.run[static_cast<std::size_t>(r)];
-        for (std::int64_t z = from; z <= to; ++z) rows(z);
+      const Runs along_y = around(cell[1], 1);
+      for_each_bin(along_last, [&](std::int64_t z) {
+        for_each_bin(along_y, [&](std::int64_t y) { add_row(z * bins_[1] + y); });
+      });
+    }
+    return ranges;
+  }
+
+  // f(slot, r_ij, r) for every slot from `first` on whose position is within the radius of that in
+  // slot `own`. Whether a distance is below the radius cannot be predicted, so that a branch would
+  // cost more than the distance: hits are noted without one, and handed over together.
+  template <class F>
+  void for_each_near(Index own, Index first, F&& f) const {
+    const Real reach = radius_ * radius_;
+    const Vec x_i = sorted_[own];
+    const Vec* const x = sorted_.data();
+    std::array<Index, 32> hits;
+    Index count = 0;
+    const auto hand_over = [&](Index noted) {
+      for (Index k = 0; k < noted; ++k) {
+        const Vec r_ij = x[hits[k]] - x_i;
+        f(hits[k], r_ij, std::sqrt(r_ij.squaredNorm()));
+      }
+    };
+    const Ranges ranges = ranges_around(cell_of(x_i), first > 0);
+    for (int row = 0; row < ranges.count; ++row) {
+      const auto [begin, end] = ranges.range[static_cast<std::size_t>(row)];
+      for (Index slot = std::max(begin, first); slot < end; ++slot) {
+        const Vec r_ij = x[slot] - x_i;
+        hits[count] = slot;
+        count += static_cast<Index>(r_ij.squaredNorm() < reach) & static_cast<Index>(slot != own);
+        if (count == hits.size()) {
+          hand_over(count);
+          count = 0;
+        }
       }
     }
+    hand_over(count);
   }
 
   Real radius_ = 0;
