@@ -40,10 +40,15 @@ struct OnPair {
 };
 }  // namespace archetype
 
+/// Made for vectors of P's dimension and precision, or for any (then it has no S::Vec).
+template <class S, class P>
+concept FitsVectorsOf =
+    !requires { typename S::Vec; } || std::same_as<typename S::Vec, typename P::Vec>;
+
 /// Finds all pairs closer than radius(). Models: UniformGrid, NeighbourList, BruteForce.
 template <class S, class P>
 concept NeighbourSearch =
-    ParticleSet<P> && requires(S s, const S found, P& p, typename P::Real r, Index i) {
+    ParticleSet<P> && FitsVectorsOf<S, P> && requires(S s, const S found, P& p, typename P::Real r, Index i) {
       s.set_radius(r);
       { found.radius() } -> std::convertible_to<typename P::Real>;
       s.update(p);
