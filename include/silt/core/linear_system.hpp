@@ -6,6 +6,7 @@
 #include <silt/core/rows.hpp>
 #include <silt/core/types.hpp>
 
+#include <array>
 #include <concepts>
 #include <vector>
 
@@ -21,6 +22,16 @@ struct LinearSystem {
   std::vector<double> diagonal;
   Rows<Entry> off_diagonal;
   std::vector<double> right_side;
+
+  /// Where the unknowns lie, for preconditioners that use space. Without points they do not.
+  struct Geometry {
+    double spacing = 0;                        ///< of the particles [m]
+    double full_diagonal = 0;                  ///< of an unknown with all its neighbours
+    std::vector<std::array<double, 3>> points;  ///< [m]
+    std::vector<std::array<double, 3>> second_moments;  ///< Σ_j |a_ij| Δx_a² over unknowns j
+    std::vector<double> to_surface;  ///< Σ of the weights to points of given value
+  };
+  Geometry geometry;
 
   Index size() const noexcept { return diagonal.size(); }
 };

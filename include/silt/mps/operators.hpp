@@ -18,7 +18,8 @@ struct Stencil {
   using Real = RealType;
   static constexpr int dimension = Dim;
 
-  Real re = 0;      ///< radius [m]
+  Real spacing = 0;    ///< l0 [m]
+  Real re = 0;         ///< radius [m]
   Real n0 = 0;      ///< (5) [-]
   Real lambda = 0;  ///< (7) [m²]
   int neighbours = 0;  ///< N0 [-]
@@ -31,6 +32,7 @@ struct Stencil {
   };
   explicit Stencil(const Size& size) {
     const LatticeValues values = lattice_values<Dim, K>(size.radius);
+    spacing = Real(size.spacing);
     re = Real(size.radius * size.spacing);
     n0 = Real(values.n0);
     lambda = Real(values.lambda * size.spacing * size.spacing);

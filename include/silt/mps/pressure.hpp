@@ -12,6 +12,8 @@
 #include <silt/mps/operators.hpp>
 
 #include <algorithm>
+#include <array>
+#include <limits>
 #include <vector>
 
 namespace silt::mps {
@@ -26,25 +28,39 @@ class PressureEquation {
     const auto kinds = particles.with_ghosts(kind);
     system_.diagonal.resize(unknowns_.size());
     system_.right_side.resize(unknowns_.size());
-    touches_surface_.resize(unknowns_.size());
+    auto& geometry = system_.geometry;
+    geometry.spacing = double(stencil.spacing);
+    geometry.full_diagonal = double(stencil.n0);
+    geometry.points.resize(unknowns_.size());
+    geometry.second_moments.resize(unknowns_.size());
+    geometry.to_surface.resize(unknowns_.size());
+    const auto x = particles[position];
     const double scale = double(stencil.lambda) * double(stencil.n0) / (2 * T::dimension);
     system_.off_diagonal.build(unknowns_.size(), [&](Index row, auto&& add) {
       const Index i = unknowns_[row];
       double diagonal = 0;
-      bool at_surface = false;
-      for_each_weighted(search, i, stencil, [&](Index j, const auto&, auto, auto w) {
+      double to_surface = 0;
+      std::array<double, 3> point{};
+      std::array<double, 3> second_moments{};
+      for (int k = 0; k < P::dimension; ++k) point[Index(k)] = double(x[i][k]);
+      for_each_weighted(search, i, stencil, [&](Index j, const auto& r_ij, auto, auto w) {
         if (kinds[j] == Kind::dummy) return;
         diagonal += double(w);
         const Index column = row_of_[particles.owner(j)];
         if (column == nowhere) {
-          at_surface = true;
-        } else {
-          add({column, -double(w)});
+          to_surface += double(w);
+          return;
+        }
+        add({column, -double(w)});
+        for (int k = 0; k < P::dimension; ++k) {
+          second_moments[Index(k)] += double(w) * squared(double(r_ij[k]));
         }
       });
       system_.diagonal[row] = diagonal;
       system_.right_side[row] = -double(source(i)) * scale;
-      touches_surface_[row] = at_surface;
+      geometry.points[row] = point;
+      geometry.second_moments[row] = second_moments;
+      geometry.to_surface[row] = to_surface;
     });
     find_closed_bodies();
     make_consistent();
@@ -104,7 +120,7 @@ class PressureEquation {
     body_.assign(unknowns_.size(), nowhere);
     bodies_ = 1;
     for (Index row = 0; row < unknowns_.size(); ++row) {
-      if (touches_surface_[row] && body_[row] == nowhere) flood(row, open);
+      if (system_.geometry.to_surface[row] > 0 && body_[row] == nowhere) flood(row, open);
     }
     for (Index row = 0; row < unknowns_.size(); ++row) {
       if (body_[row] == nowhere) flood(row, bodies_++);
@@ -156,7 +172,6 @@ class PressureEquation {
   std::vector<Index> unknowns_;  // particle of each row
   std::vector<Index> row_of_;    // row of each particle, nowhere: P = 0
   std::vector<char> is_unknown_;
-  std::vector<char> touches_surface_;  // by row
   std::vector<Index> body_;            // by row; 0: connected to a free surface
   Index bodies_ = 1;
   std::vector<Index> front_;
