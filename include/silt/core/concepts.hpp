@@ -86,6 +86,14 @@ concept Integrator =
       t.step(p, s, i, dt);
     };
 
+/// Lets a part of a simulation say in its own words what it misses: I::explain<P>(), all
+/// static_asserts. True, so that it can stand in one.
+template <class I, class P>
+constexpr bool explain() {
+  if constexpr (requires { I::template explain<P>(); }) I::template explain<P>();
+  return true;
+}
+
 /// Chooses the next time step [s].
 template <class I, class P>
 concept ChoosesTimeStep = requires(I i, const P& p) {

@@ -52,6 +52,12 @@ class Forces {
  public:
   explicit Forces(Parts... parts) : parts_(std::move(parts)...) {}
 
+  /// Lets each part say in words what it misses.
+  template <class P>
+  static constexpr void explain() {
+    (static_cast<void>(silt::explain<Parts, P>()), ...);
+  }
+
   /// The part of this type, to read what it measured.
   template <class Part>
   const Part& part() const {

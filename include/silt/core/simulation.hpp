@@ -33,6 +33,7 @@ class Simulation {
   static_assert(NeighbourSearch<S, P>,
                 "silt::Simulation: the second value is no neighbour search for these particles "
                 "(same dimension and precision? see NeighbourSearch in silt/core/concepts.hpp)");
+  static_assert(explain<I, P>());
   static_assert(Reaching<I, P>,
                 "silt::Simulation: the third value is no interaction for these particles (has it "
                 "reach(particles), and have they the fields it needs?)");

@@ -62,19 +62,24 @@ class Contacts {
     return contacts;
   }
 
+  /// Fails to compile, in words, for grains that these contacts cannot act on.
+  template <class P>
+  static constexpr void explain() {
+    static_assert(HasFields<P, velocity_t, spin_t, force_t, torque_t, mass_t, inertia_t, radius_t,
+                            material_t>,
+                  "silt::dem::Contacts: these particles lack a field of dem::Grains");
+    static_assert(ContactLaw<Law, P::dimension, typename P::Real>,
+                  "silt::dem::Contacts: the law has neither force(contact) nor force(contact, "
+                  "memory) that gives a vector (see ContactLaw in silt/dem/contact.hpp)");
+    static_assert((Wall<Walls, P::dimension, typename P::Real> && ...),
+                  "silt::dem::Contacts: a wall lacks nearest(x), material or check(), or is of "
+                  "another dimension or precision (see Wall in silt/dem/walls.hpp)");
+  }
+
   /// Two of the largest radius [m].
   template <class P>
   typename P::Real reach(const P& grains) const {
     using Real = typename P::Real;
-    static_assert(HasFields<P, velocity_t, spin_t, force_t, torque_t, mass_t, inertia_t, radius_t,
-                            material_t>,
-                  "silt::dem::Contacts: these particles lack a field of dem::Grains");
-    static_assert(ContactLaw<Law, P::dimension, Real>,
-                  "silt::dem::Contacts: the law has neither force(contact) nor force(contact, "
-                  "memory) that gives a vector (see ContactLaw in silt/dem/contact.hpp)");
-    static_assert((Wall<Walls, P::dimension, Real> && ...),
-                  "silt::dem::Contacts: a wall lacks nearest(x), material or check(), or is of "
-                  "another dimension or precision (see Wall in silt/dem/walls.hpp)");
     const auto R = grains[radius];
     return 2 * largest(R.size(), Real(0), [&](Index i) { return R[i]; });
   }

@@ -1,0 +1,16 @@
+// expect: (static assertion failed|static_assert failed).*this integrator cannot advance these particles with this
+// SPDX-License-Identifier: MIT
+#include <silt/dem.hpp>
+#include <silt/integrate/semi_implicit.hpp>
+
+using namespace silt;
+
+int main() {
+  dem::Grains<2> grains;
+  [[maybe_unused]] const dem::CundallStrack law{.normal_stiffness = 1e6};
+#ifdef SILT_VALID
+  Simulation sim{grains, UniformGrid<2>{}, dem::Contacts{law}, Leapfrog{}};
+#else
+  Simulation sim{grains, UniformGrid<2>{}, dem::Contacts{law}, SemiImplicit<>{}};
+#endif
+}

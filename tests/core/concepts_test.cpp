@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: MIT
+// Who models what, and who does not: one named archetype that has just what a concept asks for, the
+// library's own models, and what lacks one thing.
+#include <silt/dem.hpp>
+#include <silt/integrate/semi_implicit.hpp>
+
+#include <gtest/gtest.h>
+
+namespace silt::test {
+namespace {
+
+using Grains = dem::Grains<2>;
+using Points = Particles<2, double>;
+struct Nothing {};
+
+// --- ParticleSet, HasFields, Field ----------------------------------------------------------------
+
+struct ParticleArchetype {
+  using Real = double;
+  using Vec = silt::Vec<2>;
+  static constexpr int dimension = 2;
+  Index size() const;
+  Vec* operator[](position_t);
+};
+static_assert(ParticleSet<ParticleArchetype>);
+static_assert(ParticleSet<Grains> && ParticleSet<Particles<3, float>>);
+static_assert(!ParticleSet<Nothing> && !ParticleSet<std::vector<Vec<2>>>);
+
+static_assert(HasFields<Grains, mass_t, radius_t, dem::material_t> && HasFields<Points, position_t>);
+static_assert(!HasFields<Points, velocity_t> && !HasFields<Nothing, position_t>);
+
+static_assert(Field<position_t> && !Field<Nothing> && !Field<double>);
+
+// --- NeighbourSearch ------------------------------------------------------------------------------
+
+struct SearchArchetype {
+  void set_radius(double);
+  double radius() const;
+  void update(ParticleArchetype&);
+  template <class F>
+  void for_each_neighbour(Index, F&&) const;
+  template <class F>
+  void for_each_pair(F&&) const;
+};
+static_assert(NeighbourSearch<SearchArchetype, ParticleArchetype>);
+static_assert(NeighbourSearch<UniformGrid<2>, Grains> && NeighbourSearch<NeighbourList<2>, Grains> &&
+              NeighbourSearch<BruteForce<2>, Points>);
+static_assert(!NeighbourSearch<Nothing, Grains> && !NeighbourSearch<UniformGrid<2>, Nothing>);
+static_assert(!NeighbourSearch<UniformGrid<3>, Grains> && !NeighbourSearch<NeighbourList<3>, Grains> &&
+              !NeighbourSearch<BruteForce<2, float>, Grains>);
+
+// --- Reaching, Interaction ------------------------------------------------------------------------
+
+struct InteractionArchetype {
+  double reach(const ParticleArchetype&) const;
+  void accelerate(ParticleArchetype&, SearchArchetype&, double);
+};
+static_assert(Reaching<InteractionArchetype, ParticleArchetype>);
+static_assert(Interaction<InteractionArchetype, ParticleArchetype, SearchArchetype>);
+using Contacts = dem::Contacts<dem::CundallStrack, dem::Plane<2>>;
+static_assert(Interaction<Contacts, Grains, UniformGrid<2>>);
+static_assert(Interaction<Gravity<2>, Grains, BruteForce<2>>);
+static_assert(Interaction<Forces<Gravity<2>, Contacts>, Grains, NeighbourList<2>>);
+static_assert(!Interaction<Nothing, Grains, UniformGrid<2>> && !Reaching<Nothing, Grains>);
+static_assert(!Interaction<Gravity<2>, Points, UniformGrid<2>>);  // no mass, no force
+static_assert(!Interaction<Gravity<3>, Grains, UniformGrid<2>>);
+static_assert(!Interaction<Gravity<2>, dem::Grains<2, float>, UniformGrid<2, float>>);
+static_assert(!Interaction<dem::Contacts<dem::CundallStrack, dem::Plane<3>>, Grains, UniformGrid<2>>);
+static_assert(!Interaction<dem::Contacts<Nothing>, Grains, UniformGrid<2>>);
+
+// --- PressureInteraction, Integrator --------------------------------------------------------------
+
+struct FlowArchetype {
+  double reach(const ParticleArchetype&) const;
+  void predict(ParticleArchetype&, SearchArchetype&, double);
+  void collide(ParticleArchetype&, SearchArchetype&, double);
+  SolveReport project(ParticleArchetype&, SearchArchetype&, double);
+  void correct(ParticleArchetype&, double);
+};
+static_assert(PressureInteraction<FlowArchetype, ParticleArchetype, SearchArchetype>);
+static_assert(!PressureInteraction<Contacts, Grains, UniformGrid<2>>);
+static_assert(!Interaction<FlowArchetype, ParticleArchetype, SearchArchetype>);
+
+struct IntegratorArchetype {
+  void step(ParticleArchetype&, SearchArchetype&, InteractionArchetype&, double);
+};
+static_assert(Integrator<IntegratorArchetype, ParticleArchetype, SearchArchetype, InteractionArchetype>);
+static_assert(Integrator<Leapfrog<>, Grains, UniformGrid<2>, Contacts>);
+static_assert(!Integrator<SemiImplicit<>, Grains, UniformGrid<2>, Contacts>);
+static_assert(!Integrator<Leapfrog<>, ParticleArchetype, SearchArchetype, FlowArchetype>);
+static_assert(!Integrator<Nothing, Grains, UniformGrid<2>, Contacts>);
+
+// --- what parts may also do -----------------------------------------------------------------------
+
+struct ChooserArchetype {
+  double time_step(const ParticleArchetype&);
+};
+static_assert(ChoosesTimeStep<ChooserArchetype, ParticleArchetype>);
+static_assert(ChoosesTimeStep<Contacts, Grains> && !ChoosesTimeStep<Gravity<2>, Grains>);
+
+struct TransactionalArchetype {
+  void save();
+  void restore() noexcept;
+};
+struct MayThrowOnRestore {
+  void save();
+  void restore();
+};
+static_assert(Transactional<TransactionalArchetype> && Transactional<Contacts>);
+static_assert(!Transactional<MayThrowOnRestore> && !Transactional<Gravity<2>>);
+
+struct DampingArchetype {
+  double kicked(double, double, double) const;
+};
+static_assert(Damping<DampingArchetype> && Damping<NoDamping> && Damping<GlobalDamping, float>);
+static_assert(!Damping<Nothing>);
+
+struct ObserverArchetype {
+  void operator()(const Grains&) const;
+};
+static_assert(Observer<ObserverArchetype, Grains> && !Observer<Nothing, Grains>);
+
+// --- contact laws and walls -----------------------------------------------------------------------
+
+struct LawArchetype {
+  Vec<2> force(const dem::Contact<2, double>&) const;
+};
+struct LawWithMemoryArchetype {
+  template <int Dim, class Real>
+  struct Memory {};
+  Vec<2> force(const dem::Contact<2, double>&, Memory<2, double>&) const;
+};
+static_assert(dem::LawWithoutMemory<LawArchetype, 2, double> && !dem::LawWithMemory<LawArchetype, 2, double>);
+static_assert(dem::LawWithMemory<LawWithMemoryArchetype, 2, double> &&
+              !dem::LawWithoutMemory<LawWithMemoryArchetype, 2, double>);
+static_assert(dem::ContactLaw<dem::CundallStrack, 2, double> && dem::ContactLaw<dem::CundallStrack, 3, float> &&
+              dem::ContactLaw<dem::CundallStrackIncremental, 3, double>);
+static_assert(!dem::ContactLaw<LawArchetype, 3, double> && !dem::ContactLaw<Nothing, 2, double>);
+
+struct WallArchetype {
+  std::uint32_t material;
+  dem::NearestPoint<2, double> nearest(const Vec<2>&) const;
+  void check();
+};
+static_assert(dem::Wall<WallArchetype, 2, double>);
+static_assert(dem::Wall<dem::Plane<2>, 2, double> && dem::Wall<dem::Plane<3, float>, 3, float> &&
+              dem::Wall<dem::Segment<>, 2, double>);
+static_assert(!dem::Wall<dem::Plane<2>, 3, double> && !dem::Wall<dem::Segment<>, 2, float> &&
+              !dem::Wall<Nothing, 2, double>);
+
+TEST(Concepts, HoldAtCompileTime) { SUCCEED(); }
+
+}  // namespace
+}  // namespace silt::test
