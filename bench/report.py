@@ -129,7 +129,10 @@ def main(arguments):
         sys.exit(f"report.py: {folder} has no *.json; run bench/run first")
     results, context = [], {}
     for file in files:
-        content = json.loads(file.read_text(encoding="utf-8"))
+        try:
+            content = json.loads(file.read_text(encoding="utf-8"))
+        except json.JSONDecodeError as error:
+            sys.exit(f"report.py: {file} is broken off ({error}); run its benchmark again")
         results += content["benchmarks"]
         context = content["context"]
     times = times_of(results)
