@@ -1,4 +1,4 @@
-// expect: .*Kernel
+// expect: the third choice is no kernel \(has it a static weight\(q\) in float and in double
 // SPDX-License-Identifier: MIT
 #include <silt/mps.hpp>
 

@@ -13,9 +13,25 @@
 namespace silt::mps {
 
 /// One choice for every column of Table 1.
-template <PressureSource SourceType, CollisionModel CollisionType, Kernel KernelType,
-          FreeSurface SurfaceType, class GradientType>
+template <class SourceType, class CollisionType, class KernelType, class SurfaceType,
+          class GradientType>
 struct Scheme {
+  static_assert(PressureSource<SourceType>,
+                "mps::Scheme: the first choice is no pressure source (see PressureSource in "
+                "silt/mps/source.hpp)");
+  static_assert(CollisionModel<CollisionType>,
+                "mps::Scheme: the second choice is no collision model (see CollisionModel in "
+                "silt/mps/collision.hpp)");
+  static_assert(Kernel<KernelType>,
+                "mps::Scheme: the third choice is no kernel (has it a static weight(q) in float and "
+                "in double? see Kernel in silt/mps/kernel.hpp)");
+  static_assert(FreeSurface<SurfaceType>,
+                "mps::Scheme: the fourth choice is no free surface (see FreeSurface in "
+                "silt/mps/free_surface.hpp)");
+  static_assert(Gradient<GradientType, 2>,
+                "mps::Scheme: the fifth choice is no gradient (see Gradient in "
+                "silt/mps/operators.hpp)");
+
   using Source = SourceType;
   using Collision = CollisionType;
   using Kernel = KernelType;
