@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: MIT
+// The still tank of [HwangLeePark2010] section 3: water at rest under gravity, whose pressure is known.
+#pragma once
+
+#include <silt/mps.hpp>
+
+#include <cmath>
+#include <utility>
+
+namespace silt::test {
+
+/// Pressure of the floor while the tank stands.
+struct FloorPressure {
+  double mean = 0;     // over time [Pa]
+  double scatter = 0;  // standard deviation over time, over the mean [-]
+};
+
+/// A tank `depth` deep is left to itself, and the wall particles of the floor whose horizontal distance
+/// from the middle is below 0.75 spacings are read from time `from` on.
+template <class Scheme, int Dim>
+FloorPressure floor_pressure(const mps::Tank<Dim>& tank, double from, double until) {
+  Simulation sim{mps::make_tank(tank), UniformGrid<Dim>{},
+                 mps::Flow<Scheme, Dim>({.spacing = tank.spacing, .largest_time_step = 1e-3}),
+                 SemiImplicit{}};
+  Vec<Dim> middle = Vec<Dim>::Zero();
+  middle[0] = tank.size.length / 2;
+  if constexpr (Dim == 3) middle[1] = tank.size.depth / 2;
+  middle[Dim - 1] = -tank.spacing / 2;
+  double sum = 0;
+  double squares = 0;
+  double span = 0;
+  while (sim.time() < until) {
+    sim.step();
+    if (sim.time() < from) continue;
+    const auto& particles = sim.particles();
+    double pressure = 0;
+    int number = 0;
+    for (Index i = 0; i < particles.size(); ++i) {
+      if (particles[mps::kind][i] != mps::Kind::wall) continue;
+      if ((particles[position][i] - middle).norm() > 0.75 * tank.spacing) continue;
+      pressure += particles[mps::pressure][i];
+      ++number;
+    }
+    const double dt = sim.last_time_step();
+    pressure /= number;
+    sum += dt * pressure;
+    squares += dt * pressure * pressure;
+    span += dt;
+  }
+  const double mean = sum / span;
+  return {mean, std::sqrt(squares / span - mean * mean) / mean};
+}
+
+}  // namespace silt::test

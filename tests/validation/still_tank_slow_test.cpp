@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: MIT
+// The still tank of [HwangLeePark2010] at its spacing of 0.01 m and over its span of time.
+#include "support/still_tank.hpp"
+
+#include <gtest/gtest.h>
+
+namespace silt::test {
+namespace {
+
+TEST(StillTankOfThePaper, PressesOnItsFloorWithTheWeightOfTheWater) {
+  const mps::Tank<2> tank{
+      .column = {0.4, 0.4}, .size = {.length = 0.4, .height = 0.4}, .spacing = 0.01};
+  const auto floor = floor_pressure<mps::Case10>(tank, 0.5, 2.0);
+  EXPECT_NEAR(floor.mean / 3924, 1, 0.015) << "RER (14)";
+  EXPECT_LT(floor.scatter, 0.01);
+}
+
+}  // namespace
+}  // namespace silt::test

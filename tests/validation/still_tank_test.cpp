@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: MIT
+// Water at rest presses on the floor with ρ g h. The wall particles of the floor and the particles of
+// the surface, where P = 0, are as far apart as the water is deep.
+#include "support/still_tank.hpp"
+
+#include <gtest/gtest.h>
+
+namespace silt::test {
+namespace {
+
+using mps::Case10;
+
+TEST(StillTank, PressesOnItsFloorWithTheWeightOfTheWater) {
+  const mps::Tank<2> tank{
+      .column = {0.4, 0.4}, .size = {.length = 0.4, .height = 0.4}, .spacing = 0.02};
+  const auto floor = floor_pressure<Case10>(tank, 0.3, 0.6);
+  EXPECT_NEAR(floor.mean / 3924, 1, 0.03);
+  EXPECT_LT(floor.scatter, 0.03);
+}
+
+TEST(StillTank, PressesOnItsFloorIn3DToASpacingOfWater) {
+  // Only eight spacings deep: the surface is no sharper than one of them.
+  const double l0 = 0.05;
+  const mps::Tank<3> tank{.column = {8 * l0, 8 * l0},
+                          .size = {.length = 8 * l0, .height = 10 * l0, .depth = 8 * l0},
+                          .spacing = l0};
+  const auto floor = floor_pressure<Case10>(tank, 0.15, 0.3);
+  EXPECT_NEAR(floor.mean / (1000 * 9.81 * 8 * l0), 1, 1.0 / 8);
+  EXPECT_LT(floor.scatter, 0.03);
+}
+
+}  // namespace
+}  // namespace silt::test
