@@ -107,7 +107,8 @@ TEST(Leapfrog, KeepsKineticEnergyInAPeriodicBoxWithoutContacts) {
   const double before = kinetic_energy(sim.particles());
   sim.run({.until = 20, .time_step = 0.01});
   EXPECT_EQ(kinetic_energy(sim.particles()), before);
-  for (const auto& x : sim.snapshot()[position]) EXPECT_TRUE(0 <= x[0] && x[0] < 1);
+  const auto now = sim.snapshot();
+  for (const auto& x : now[position]) EXPECT_TRUE(0 <= x[0] && x[0] < 1);
 }
 
 TEST(Leapfrog, TurnsGrainsByTheirSpin) {
