@@ -31,10 +31,13 @@ static_assert(!Integrator<SemiImplicit<>, mps::Fluid<2>, UniformGrid<2>, Gravity
 static_assert(ChoosesTimeStep<Flow<Case10>, mps::Fluid<2>>);
 static_assert(mps::FluidParticles<mps::Fluid<3, float>> && !mps::FluidParticles<Particles<2, double>>);
 
+// Case 10 with settings of its solver.
+using SolvedFlow = Flow<Case10, 2, double, ConjugateGradient<>>;
+
 template <class P>
 auto simulation(P particles, const Settings& settings, const SolveSettings& solve = {}) {
   return Simulation{std::move(particles), UniformGrid<2>{},
-                    Flow<Case10>(settings, ConjugateGradient<>(solve)), SemiImplicit{}};
+                    SolvedFlow(settings, ConjugateGradient<>(solve)), SemiImplicit{}};
 }
 
 auto dam(const SolveSettings& solve = {}) {
@@ -134,11 +137,12 @@ void expect_undone(Break&& fail_a_step, Repair&& repair, const std::vector<std::
 }
 
 TEST(FailedFlowStep, OfAPressureSolveSaysHowFarItCameAndLeavesNoTrace) {
-  const Flow<Case10> good = dam().interaction();
+  const SolvedFlow good = dam().interaction();
   expect_undone(
       [](auto& sim) {
-        sim.interaction() = Flow<Case10>(sim.interaction().settings(),
-                                         ConjugateGradient<>({.tolerance = 1e-12, .most_iterations = 2}));
+        sim.interaction() =
+            SolvedFlow(sim.interaction().settings(),
+                       ConjugateGradient<>({.tolerance = 1e-12, .most_iterations = 2}));
         sim.step();
       },
       [&](auto& sim) { sim.interaction() = good; },

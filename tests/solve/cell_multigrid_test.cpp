@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: MIT
+// Multigrid on background cells as a preconditioner: symmetric, positive definite, and worth it.
+#include "support/check.hpp"
+#include "support/fluid.hpp"
+
+#include <silt/solve/cell_multigrid.hpp>
+#include <silt/solve/conjugate_gradient.hpp>
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+namespace silt::test {
+namespace {
+
+static_assert(Preconditioner<CellMultigrid<2>> && Preconditioner<CellMultigrid<3>>);
+static_assert(LinearSolver<ConjugateGradient<CellMultigrid<3>>>);
+
+// The pressure equation of a cube of fluid, open on top or closed all around.
+template <int Dim>
+LinearSystem pressure_equation(int along, bool open) {
+  const double l0 = 0.01;
+  auto fluid = blob<Dim, double>(along, l0, 0.2);
+  for (Index i = 0; i < fluid.size(); ++i) {
+    fluid[mps::surface][i] = open && fluid[position][i][Dim - 1] > (along - 1) * l0;
+  }
+  const mps::Stencil<Dim, double, mps::CubicKernel> stencil({.spacing = l0, .radius = 3.1});
+  UniformGrid<Dim> search({.radius = stencil.re});
+  search.update(fluid);
+  mps::PressureEquation equation;
+  equation.assemble(fluid, search, stencil, [](Index i) { return -1e4 - 2e3 * std::sin(double(i)); });
+  return equation.system();
+}
+
+double dot(const std::vector<double>& a, const std::vector<double>& b) {
+  double sum = 0;
+  for (Index i = 0; i < a.size(); ++i) sum += a[i] * b[i];
+  return sum;
+}
+
+std::vector<double> waves(Index n, double number) {
+  std::vector<double> x(n);
+  for (Index i = 0; i < n; ++i) x[i] = std::cos(number * double(i)) + 0.2 * std::sin(double(i * i));
+  return x;
+}
+
+template <int Dim>
+void expect_symmetric_and_positive(int along, bool open) {
+  const LinearSystem system = pressure_equation<Dim>(along, open);
+  CellMultigrid<Dim> multigrid;
+  multigrid.prepare(system);
+  std::vector<std::vector<double>> r;
+  std::vector<std::vector<double>> z;
+  for (const double number : {0.001, 0.02, 0.3, 2.0}) {
+    r.push_back(waves(system.size(), number));
+    z.emplace_back(system.size());
+    multigrid.apply(r.back(), z.back());
+  }
+  for (Index a = 0; a < r.size(); ++a) {
+    EXPECT_GT(dot(r[a], z[a]), 0);
+    for (Index b = 0; b < a; ++b) {
+      const double size = std::sqrt(dot(r[a], z[a]) * dot(r[b], z[b]));
+      EXPECT_NEAR(dot(r[a], z[b]), dot(r[b], z[a]), 1e-5 * size);  // floats inside
+    }
+  }
+}
+
+TEST(CellMultigrid, IsSymmetricAndPositiveDefinite) {
+  for (const bool open : {true, false}) {
+    expect_symmetric_and_positive<2>(40, open);
+    expect_symmetric_and_positive<3>(12, open);
+  }
+}
+
+template <class M>
+SolveReport solved_by(const LinearSystem& system, std::vector<double>& x) {
+  x.assign(system.size(), 0);
+  return ConjugateGradient<M>({.tolerance = 1e-8}).solve(system, x);
+}
+
+TEST(CellMultigrid, FindsTheSolutionThatJacobiFinds) {
+  const LinearSystem system = pressure_equation<2>(30, true);
+  std::vector<double> by_multigrid;
+  std::vector<double> by_jacobi;
+  EXPECT_EQ(solved_by<CellMultigrid<2>>(system, by_multigrid).reason,
+            SolveReport::Reason::converged);
+  solved_by<Jacobi>(system, by_jacobi);
+  const double size = std::sqrt(dot(by_jacobi, by_jacobi));
+  for (Index i = 0; i < system.size(); ++i) {
+    EXPECT_NEAR(by_multigrid[i], by_jacobi[i], 1e-4 * size / std::sqrt(double(system.size())));
+  }
+}
+
+TEST(CellMultigrid, NeedsAboutAsManyIterationsHoweverManyParticlesThereAre) {
+  std::vector<double> x;
+  const auto iterations = [&](int along) {
+    return solved_by<CellMultigrid<2>>(pressure_equation<2>(along, true), x).iterations;
+  };
+  const int few = iterations(25);
+  const int many = iterations(100);
+  EXPECT_LT(many, 1.6 * few);
+  EXPECT_LT(2 * many, solved_by<Jacobi>(pressure_equation<2>(100, true), x).iterations);
+}
+
+TEST(CellMultigrid, GivesTheSameBitsForAnyNumberOfThreads) {
+  const LinearSystem system = pressure_equation<2>(80, true);
+  const auto by = [&](int number) {
+    return with_threads(number, [&] {
+      std::vector<double> x;
+      solved_by<CellMultigrid<2>>(system, x);
+      return x;
+    });
+  };
+  const auto alone = by(1);
+  for (const int number : {2, 3, 4}) EXPECT_TRUE(by(number) == alone) << number;
+}
+
+TEST(CellMultigrid, WithoutKnowingWhereTheUnknownsLieIsTheDiagonal) {
+  LinearSystem system;
+  system.diagonal = {2, 4, 8};
+  system.off_diagonal.build(3, [](Index, auto&&) {});
+  system.right_side = {1, 1, 1};
+  CellMultigrid<2> multigrid;
+  multigrid.prepare(system);
+  std::vector<double> z(3);
+  multigrid.apply({1, 1, 1}, z);
+  EXPECT_EQ(z, (std::vector<double>{0.5, 0.25, 0.125}));
+}
+
+TEST(CellMultigrid, RefusesSettingsOutOfRange) {
+  EXPECT_TRUE(refuses([] { CellMultigrid<2>({.cell = 0.5}); }, {"CellMultigrid: cell = 0.5"}));
+  EXPECT_TRUE(refuses([] { CellMultigrid<2>({.weak = -1}); }, {"CellMultigrid: weak = -1"}));
+  EXPECT_TRUE(refuses([] { CellMultigrid<2>({.sweeps = 0}); }, {"CellMultigrid: sweeps = 0"}));
+  EXPECT_TRUE(refuses([] { CellMultigrid<3>({.solved_directly = 0}); },
+                      {"CellMultigrid: solved_directly = 0"}));
+}
+
+}  // namespace
+}  // namespace silt::test
