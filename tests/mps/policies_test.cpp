@@ -26,7 +26,7 @@ static_assert(mps::FreeSurface<BothSurfaces<CountSurface, NoSurface>> && mps::Fr
 static_assert(mps::CollisionModel<AdoptedCollision>);
 
 struct SourceThatDoesNotSayWhen {
-  static constexpr bool needs_divergence = false;
+  [[maybe_unused]] static constexpr bool needs_divergence = false;
   void check() const {}
   double value(const mps::SourceTerms&) const { return 0; }
 };
