@@ -80,8 +80,9 @@ TEST(FlowTimeStep, HalvesWhenViscosityDoublesOrSpacingShrinks) {
   EXPECT_NEAR(chosen(0.01, 1) / chosen(0.02, 1), 0.25, 1e-12);
 }
 
-TEST(FlowTimeStep, OfFluidWithoutSpeedOrViscosityMustBeGiven) {
-  auto sim = simulation(blob<2, double>(6, 0.02), {.spacing = 0.02, .viscosity = 0});
+TEST(FlowTimeStep, OfFluidWithoutSpeedWeightOrViscosityMustBeGiven) {
+  auto sim = simulation(blob<2, double>(6, 0.02),
+                        {.spacing = 0.02, .viscosity = 0, .gravity = Vec<2>::Zero()});
   EXPECT_TRUE(refuses([&] { sim.step(); }, {"nothing here chooses a time step"}));
 }
 
