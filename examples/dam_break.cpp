@@ -195,7 +195,7 @@ void collapse(const Options& o) {
                                 .laplacian_radius = o.laplacian_radius,
                                 .courant = o.courant,
                                 .speed_scale = std::sqrt(g * o.column[1])},
-                               ConjugateGradient<>{{.tolerance = o.tolerance}}};
+                               mps::PressureSolver<Dim>{{.tolerance = o.tolerance}}};
   Simulation dam{std::move(particles), TimedSearch{NeighbourList<Dim>{{.skin_fraction = 0}}}, water,
                  SemiImplicit<>{}};
   Gauges<Dim> gauges(o);

@@ -12,13 +12,18 @@
 #include <silt/search/brute_force.hpp>
 #include <silt/search/neighbour_list.hpp>
 #include <silt/search/uniform_grid.hpp>
+#include <silt/solve/cell_multigrid.hpp>
 #include <silt/solve/conjugate_gradient.hpp>
 
 namespace silt::mps {
 
-/// The flow of a scheme with Silt's own solver: mps::Flow<mps::Case10> in 2D.
+/// Silt's own: iterations do not grow with the number of particles.
+template <int Dim>
+using PressureSolver = ConjugateGradient<CellMultigrid<Dim>>;
+
+/// The flow of a scheme, with its pressure by Silt's own solver: mps::Flow<mps::Case10> in 2D.
 template <class Scheme, int Dim = 2, class Real = double,
-          LinearSolver Solver = ConjugateGradient<Jacobi>>
+          LinearSolver Solver = PressureSolver<Dim>>
 using Flow = BasicFlow<Scheme, Dim, Real, Solver>;
 
 }  // namespace silt::mps

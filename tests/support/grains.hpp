@@ -66,7 +66,7 @@ Vec<P::dimension> momentum(const P& grains) {
 /// Orbital and spin.
 template <class P>
 typename P::Spin angular_momentum(const P& grains) {
-  typename P::Spin sum = zero_spin<P::dimension, typename P::Real>();
+  typename P::Spin sum = zero_of<typename P::Spin>();
   for (Index i = 0; i < grains.size(); ++i) {
     const typename P::Vec p = grains[mass][i] * grains[velocity][i];
     sum += moment(typename P::Vec(grains[position][i]), p) + grains[inertia][i] * grains[spin][i];

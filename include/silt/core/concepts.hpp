@@ -69,7 +69,8 @@ concept Interaction =
       i.accelerate(p, s, dt);
     };
 
-/// An incompressible flow, advanced by predictor and pressure. Model: mps::Flow.
+/// An incompressible flow, advanced by predictor and pressure. It may also have advect(p, dt), which
+/// moves the particles with the predictor's velocities, and needs_moved_particles. Model: mps::Flow.
 template <class I, class P, class S>
 concept PressureInteraction =
     NeighbourSearch<S, P> && Reaching<I, P> && requires(I i, P& p, S& s, double dt) {
@@ -107,8 +108,10 @@ concept Transactional = requires(T t) {
   { t.restore() } noexcept;
 };
 
-/// Velocity after dt, from the velocity before and the acceleration. Models: NoDamping,
-/// GlobalDamping.
+/// Velocity after dt, from the velocity before and the acceleration. It may also have
+///   check(), check(dt)            throw if a parameter, or a step, is out of range
+///   half_step_before(v, a, dt)    v^{N−½} from v^N, where that is not v − ½ a Δt
+/// Models: NoDamping, GlobalDamping.
 template <class D, class Real = double>
 concept Damping = requires(const D d, Real v, Real a, Real dt) {
   { d.kicked(v, a, dt) } -> std::convertible_to<Real>;

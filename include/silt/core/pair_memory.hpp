@@ -30,7 +30,7 @@ class PairMemory {
  public:
   /// Makes the rows [first[r], first[r+1]) of `partners` the current ones. owners[r] is the id of
   /// row r, partners are sorted within a row. A pair that was there keeps its value, a new one gets
-  /// Value{}; the others are forgotten.
+  /// zero_of<Value>(); the others are forgotten.
   void renew(std::span<const Id> owners, std::span<const Index> first,
              std::span<const Id> partners) {
     Rows& next = renewed_ ? spare_ : previous_;
@@ -45,7 +45,7 @@ class PairMemory {
       for (Index c = first[r]; c < first[r + 1]; ++c) {
         while (o < end && current_.partners[o] < partners[c]) ++o;
         const bool known = o < end && current_.partners[o] == partners[c];
-        next.values[c] = known ? current_.values[o] : Value{};
+        next.values[c] = known ? current_.values[o] : zero_of<Value>();
       }
     });
     tabulate(next);

@@ -100,7 +100,7 @@ class Particles {
     const Index i = size();
     const Id id = places_.size();
     for_each_column([](auto& column, auto field) {
-      column.push_back(zero_of<decltype(field)>());
+      column.push_back(zero_of<value_of<decltype(field), Dim, Real>>());
     });
     column<position_t>()[i] = x;
     ids_.push_back(id);
@@ -239,16 +239,6 @@ class Particles {
   template <class F>
   const auto& column() const noexcept {
     return std::get<Column<F>>(columns_).values;
-  }
-
-  template <class F>
-  static value_of<F, Dim, Real> zero_of() {
-    using Value = value_of<F, Dim, Real>;
-    if constexpr (requires { Value::Zero(); }) {
-      return Value::Zero();
-    } else {
-      return Value{};
-    }
   }
 
   template <class F>

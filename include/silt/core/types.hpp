@@ -28,12 +28,13 @@ using Id = std::uint64_t;
 
 inline constexpr Index nowhere = std::numeric_limits<Index>::max();
 
-template <int Dim, class Real>
-Spin<Dim, Real> zero_spin() {
-  if constexpr (Dim == 2) {
-    return Real(0);
+/// Zero of any type that a particle or a pair may hold; Eigen's own start with anything.
+template <class Value>
+Value zero_of() {
+  if constexpr (requires { Value::Zero(); }) {
+    return Value::Zero();
   } else {
-    return Vec<3, Real>::Zero();
+    return Value{};
   }
 }
 

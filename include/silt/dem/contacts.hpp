@@ -5,25 +5,23 @@
 
 #include <silt/core/concepts.hpp>
 #include <silt/core/error.hpp>
-#include <silt/core/pair_memory.hpp>
 #include <silt/core/parallel.hpp>
-#include <silt/core/rows.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/contact.hpp>
 #include <silt/dem/grains.hpp>
 #include <silt/dem/materials.hpp>
+#include <silt/dem/stability.hpp>
 #include <silt/dem/time_step.hpp>
+#include <silt/dem/touches.hpp>
 #include <silt/dem/walls.hpp>
 
 #include <algorithm>
-#include <cstddef>
+#include <cmath>
+#include <cstdint>
 #include <limits>
-#include <optional>
 #include <string>
 #include <tuple>
-#include <type_traits>
 #include <utility>
-#include <vector>
 
 namespace silt::dem {
 
@@ -92,18 +90,16 @@ class Contacts {
              ContactLaw<Law, P::dimension, typename P::Real> &&
              (Wall<Walls, P::dimension, typename P::Real> && ...)
   void accelerate(P& grains, const S& search, double dt) {
-    auto& now = found<P>();
-    keep_last(now);
+    auto& touches = found<P>();
     grains.refresh_ghosts(velocity);
     grains.refresh_ghosts(spin);
-    find(grains, search, now);
-    now.memory.renew(grains.ids(), now.touches.first(), now.partners);
-    ask_law(grains, now, static_cast<typename P::Real>(dt));
-    add_to_grains(grains, now);
+    find(grains, search, touches);
+    ask_law(grains, touches, static_cast<typename P::Real>(dt));
+    add_to_grains(grains, touches);
     if constexpr (knows_stiffness<P>) {
-      if (settings_.refuse_unstable) check_stability(grains, now, dt);
+      if (settings_.refuse_unstable) check_stability(grains, touches, dt);
     }
-    count_ = now.partners.size();
+    count_ = touches.size();
   }
 
   /// A fraction 1/steps_per_contact of the shortest contact that the lightest grains can have [s].
@@ -141,7 +137,7 @@ class Contacts {
   /// i and j are the places of the two (owned ones, now), j is `nowhere` for a wall.
   template <class P, class F>
   void for_each_contact(const P& grains, F&& f) const {
-    for (const auto& touch : found<P>().touches.items()) {
+    for (const auto& touch : found<P>().all()) {
       if (is_there(grains, touch)) {
         f(grains.index_of(touch.id), grains.index_of(touch.partner), touch.contact, touch.force);
       }
@@ -153,13 +149,13 @@ class Contacts {
   double elastic_energy(const P& grains) const {
     const auto& last = found<P>();
     double energy = 0;
-    if constexpr (requires(const Touch<P> t, const MemoryOf<P> m, const Law law) {
+    if constexpr (requires(const TouchOf<P> t, const MemoryOf<P> m, const Law law) {
                     law.elastic_energy(t.contact, m);
                   }) {
-      energy = ordered_sum(last.partners.size(), 0.0, [&](Index c) {
-        const Touch<P>& touch = last.touches.items()[c];
+      energy = ordered_sum(last.size(), 0.0, [&](Index c) {
+        const TouchOf<P>& touch = last.all()[c];
         if (!is_there(grains, touch)) return 0.0;
-        return double(law_of(touch).elastic_energy(touch.contact, last.memory.values()[c]));
+        return double(law_of(touch).elastic_energy(touch.contact, last.memory().values()[c]));
       });
     }
     return energy;
@@ -168,29 +164,19 @@ class Contacts {
   /// What the law remembers of the pairs that touch, by ids: for a checkpoint.
   template <class P>
   auto& memory(const P&) noexcept {
-    return found<P>().memory;
+    return found<P>().memory();
   }
   template <class P>
   const auto& memory(const P&) const noexcept {
-    return found<P>().memory;
+    return found<P>().memory();
   }
 
   void save() noexcept {
-    for_each_found([](auto& each) {
-      each.memory.save();
-      each.keeps_last = false;
-    });
+    std::apply([](auto&... each) { (each.save(), ...); }, found_);
     saved_count_ = count_;
   }
   void restore() noexcept {
-    for_each_found([](auto& each) {
-      each.memory.restore();
-      if (each.keeps_last) {
-        std::swap(each.touches, each.last_touches);
-        std::swap(each.partners, each.last_partners);
-      }
-      each.keeps_last = false;
-    });
+    std::apply([](auto&... each) { (each.restore(), ...); }, found_);
     count_ = saved_count_;
   }
 
@@ -213,73 +199,37 @@ class Contacts {
       };
 
   template <int Dim, class Real>
-  struct TouchOf {
-    Index j = nowhere;                   // nowhere: a wall
-    Id id = 0;                           // of i
-    Id partner = 0;                      // id of j, or wall_id
-    std::uint32_t material = 0;          // of i
-    std::uint32_t partner_material = 0;  // of j or the wall
-    Real arm_i = 0;              // [m]
-    Real arm_j = 0;              // [m]
-    Contact<Dim, Real> contact{};
-    Vec<Dim, Real> force = Vec<Dim, Real>::Zero();  // on i [N]
-  };
+  using Found = Touches<Dim, Real, decltype(memory_type<Dim, Real>())>;
   template <class P>
-  using Touch = TouchOf<P::dimension, typename P::Real>;
-
-  template <int Dim, class Real>
-  struct Found {
-    Rows<TouchOf<Dim, Real>> touches;  // row i: contacts of i with higher ids and with walls
-    std::vector<Id> partners;
-    PairMemory<decltype(memory_type<Dim, Real>())> memory;
-    std::vector<Index> incoming_first;  // by grain: contacts found in the rows of lower ids
-    std::vector<Index> incoming;
-    Rows<TouchOf<Dim, Real>> last_touches;  // those of the step before, while a step is being made
-    std::vector<Id> last_partners;
-    bool keeps_last = false;
-  };
-
-  // The first call within a step puts the contacts of the step before aside, for restore().
-  template <class Now>
-  static void keep_last(Now& now) {
-    if (now.keeps_last) return;
-    std::swap(now.touches, now.last_touches);
-    std::swap(now.partners, now.last_partners);
-    now.keeps_last = true;
-  }
+  using FoundOf = Found<P::dimension, typename P::Real>;
+  template <class P>
+  using TouchOf = Touch<P::dimension, typename P::Real>;
 
   // Grains may have been removed since the contact was found.
   template <class P>
-  static bool is_there(const P& grains, const Touch<P>& touch) {
+  static bool is_there(const P& grains, const TouchOf<P>& touch) {
     return grains.index_of(touch.id) != nowhere &&
            (touch.j == nowhere || grains.index_of(touch.partner) != nowhere);
-  }
-
-  template <class F>
-  void for_each_found(F&& f) noexcept {
-    std::apply([&f](auto&... each) { (f(each), ...); }, found_);
   }
 
   // Contacts learns dimension and precision from the grains only; one of these four is in use.
   template <class P>
   auto& found() noexcept {
-    return std::get<Found<P::dimension, typename P::Real>>(found_);
+    return std::get<FoundOf<P>>(found_);
   }
   template <class P>
   const auto& found() const noexcept {
-    return std::get<Found<P::dimension, typename P::Real>>(found_);
+    return std::get<FoundOf<P>>(found_);
   }
 
-  // Every contact once, in the row of the lower id. A row is sorted by the partner's id, so that
-  // neither the search nor the order in memory shows in any sum.
   template <class P, class S>
-  void find(const P& grains, const S& search, Found<P::dimension, typename P::Real>& now) const {
+  void find(const P& grains, const S& search, FoundOf<P>& touches) const {
     using Real = typename P::Real;
     using Vec = typename P::Vec;
     const auto x = grains[position];
     const auto R = grains.with_ghosts(radius);
     const auto materials = grains.with_ghosts(material);
-    now.touches.build(grains.size(), [&](Index i, auto&& add) {
+    touches.renew(grains, [&](Index i, auto&& add) {
       if (materials[i] >= materials_.count()) {
         check_material(materials[i], "of a grain", {.particle = i, .id = grains.id(i)});
       }
@@ -291,7 +241,7 @@ class Contacts {
                    std::to_string(grains.id(j)) + " coincide; place them apart",
                {.particle = i, .id = grains.id(i)});
         }
-        Touch<P> touch;
+        TouchOf<P> touch;
         touch.j = j;
         touch.id = grains.id(i);
         touch.partner = grains.id(j);
@@ -307,7 +257,7 @@ class Contacts {
         const auto nearest = wall.nearest(x[i]);
         const Real overlap = R[i] - nearest.distance;
         if (!(overlap > 0)) return;
-        Touch<P> touch;
+        TouchOf<P> touch;
         touch.id = grains.id(i);
         touch.partner = wall_id(w);
         touch.material = materials[i];
@@ -318,28 +268,19 @@ class Contacts {
         add(touch);
       });
     });
-    now.partners.resize(now.touches.items().size());
-    for_each(grains.size(), [&](Index i) {
-      const auto row = now.touches[i];
-      std::sort(row.begin(), row.end(),
-                [](const Touch<P>& a, const Touch<P>& b) { return a.partner < b.partner; });
-      Index c = now.touches.first()[i];
-      for (const Touch<P>& touch : row) now.partners[c++] = touch.partner;
-    });
   }
 
   // The law's force for every contact.
   template <class P>
-  void ask_law(const P& grains, Found<P::dimension, typename P::Real>& now,
-               typename P::Real dt) const {
+  void ask_law(const P& grains, FoundOf<P>& touches, typename P::Real dt) const {
     using Vec = typename P::Vec;
     const auto v = grains.with_ghosts(velocity);
     const auto w = grains.with_ghosts(spin);
     const auto m = grains.with_ghosts(mass);
     const auto R = grains.with_ghosts(radius);
     for_each(grains.size(), [&](Index i) {
-      Index c = now.touches.first()[i];
-      for (Touch<P>& touch : now.touches[i]) {
+      auto memory = touches.memory_of_row(i).begin();
+      for (TouchOf<P>& touch : touches.row(i)) {
         auto& contact = touch.contact;
         const Vec& n = contact.normal;
         contact.time_step = dt;
@@ -353,117 +294,44 @@ class Contacts {
         }
         const Law& law = law_of(touch);
         if constexpr (LawWithMemory<Law, P::dimension, typename P::Real>) {
-          touch.force = law.force(std::as_const(contact), now.memory.values()[c]);
+          touch.force = law.force(std::as_const(contact), *memory);
         } else {
           touch.force = law.force(std::as_const(contact));
         }
-        ++c;
+        ++memory;
       }
     });
   }
 
-  // Σ F and Σ M (14): a grain's own row first, then the contacts of lower ids, in their order.
+  // Σ F and Σ M (14).
   template <class P>
-  void add_to_grains(P& grains, Found<P::dimension, typename P::Real>& now) const {
+  static void add_to_grains(P& grains, const FoundOf<P>& touches) {
     using Vec = typename P::Vec;
-    list_incoming(grains, now);
     const auto F = grains[force];
     const auto M = grains[torque];
     for_each(grains.size(), [&](Index i) {
-      for (const Touch<P>& touch : now.touches[i]) {
-        F[i] += touch.force;
-        M[i] += moment(Vec(-touch.arm_i * touch.contact.normal), touch.force);
-      }
-      for_each_incoming(now, i, [&](const Touch<P>& touch) {
-        F[i] -= touch.force;
-        M[i] += moment(Vec(touch.arm_j * touch.contact.normal), Vec(-touch.force));
+      touches.for_each_of(i, [&](const TouchOf<P>& touch, bool is_own) {
+        const Vec& n = touch.contact.normal;
+        F[i] += is_own ? touch.force : Vec(-touch.force);
+        M[i] += is_own ? moment(Vec(-touch.arm_i * n), touch.force)
+                       : moment(Vec(touch.arm_j * n), Vec(-touch.force));
       });
     });
   }
 
   template <class P>
-  static void list_incoming(const P& grains, Found<P::dimension, typename P::Real>& now) {
-    auto& first = now.incoming_first;
-    first.assign(grains.size() + 1, 0);
-    for (const auto& touch : now.touches.items()) {
-      if (touch.j != nowhere) ++first[grains.owner(touch.j) + 1];
-    }
-    for (Index i = 0; i < grains.size(); ++i) first[i + 1] += first[i];
-    now.incoming.resize(first.back());
-    // Fill from behind: first[i + 1] walks down from the end of row i to its beginning.
-    for (Index i = grains.size(); i-- > 0;) {
-      for (Index c = now.touches.first()[i + 1]; c-- > now.touches.first()[i];) {
-        const Index j = now.touches.items()[c].j;
-        if (j != nowhere) now.incoming[--first[grains.owner(j) + 1]] = c;
-      }
-    }
-    // Now first[i + 1] is the beginning of row i.
-    for (Index i = 0; i < grains.size(); ++i) first[i] = first[i + 1];
-    first.back() = now.incoming.size();
-    // They came in the order of memory; sums go in the order of ids.
-    for_each(grains.size(), [&](Index i) {
-      const auto begin = now.incoming.begin();
-      std::sort(begin + static_cast<std::ptrdiff_t>(first[i]),
-                begin + static_cast<std::ptrdiff_t>(first[i + 1]),
-                [touches = now.touches.items()](Index a, Index b) {
-                  return touches[a].id < touches[b].id;
-                });
+  void check_stability(const P& grains, const FoundOf<P>& touches, double dt) const {
+    const Unstable unstable = find_unstable(grains, touches, dt, [&](const TouchOf<P>& touch) {
+      return Stiffness(law_of(touch).stiffness(touch.contact));
     });
+    if (unstable.grain == nowhere) return;
+    fail("dem::Contacts: time_step = " + to_text(dt) + " s exceeds the stable " +
+             to_text(unstable.stable_time_step) + " s of a grain with its contacts; lower it",
+         {.particle = unstable.grain, .id = grains.id(unstable.grain)});
   }
 
-  // f(touch) for every contact in which i is the partner.
-  template <class Now, class F>
-  static void for_each_incoming(const Now& now, Index i, F&& f) {
-    for (Index k = now.incoming_first[i]; k < now.incoming_first[i + 1]; ++k) {
-      f(now.touches.items()[now.incoming[k]]);
-    }
-  }
-
-  // Δt against the contacts that exist. A cheap bound passes nearly always; FrequencyBound decides.
-  template <class P>
-  void check_stability(const P& grains, const Found<P::dimension, typename P::Real>& now,
-                       double dt) const {
-    const auto m = grains[mass];
-    const auto I = grains[inertia];
-    const auto for_each_contact_of = [&](Index i, auto&& f) {
-      for (const Touch<P>& touch : now.touches[i]) {
-        f(touch, law_of(touch).stiffness(touch.contact), double(touch.arm_i));
-      }
-      for_each_incoming(now, i, [&](const Touch<P>& touch) {
-        f(touch, law_of(touch).stiffness(touch.contact), double(touch.arm_j));
-      });
-    };
-    const auto is_beyond = [&](Index i) {
-      double sum = 0;
-      double beta = 0;
-      for_each_contact_of(i, [&](const Touch<P>& touch, const Stiffness& k, double arm) {
-        const double turning = 1 + double(m[i]) * arm * arm / double(I[i]);
-        sum += std::max(k.normal, k.tangential * turning) / double(touch.contact.effective_mass);
-        beta = std::max(beta, k.beta);
-      });
-      return sum > 0 && dt > stable_time_step({.angular_frequency = std::sqrt(sum), .beta = beta});
-    };
-    const auto stable_of = [&](Index i) {
-      FrequencyBound<P::dimension, typename P::Real> bound;
-      double beta = 0;
-      for_each_contact_of(i, [&](const Touch<P>& touch, const Stiffness& k, double arm) {
-        bound.add(touch.contact, k, {.mass = double(m[i]), .inertia = double(I[i]), .arm = arm});
-        beta = std::max(beta, k.beta);
-      });
-      return stable_time_step(
-          {.angular_frequency = std::sqrt(bound.squared_frequency()), .beta = beta});
-    };
-    const Index broken = first_where(
-        grains.size(), [&](Index i) { return is_beyond(i) && dt > stable_of(i); });
-    if (broken != nowhere) {
-      fail("dem::Contacts: time_step = " + to_text(dt) + " s exceeds the stable " +
-               to_text(stable_of(broken)) + " s of a grain with its contacts; lower it",
-           {.particle = broken, .id = grains.id(broken)});
-    }
-  }
-
-  template <class Touch>
-  const Law& law_of(const Touch& touch) const {
+  template <int Dim, class Real>
+  const Law& law_of(const Touch<Dim, Real>& touch) const {
     return materials_.between(touch.material, touch.partner_material);
   }
 

@@ -8,17 +8,9 @@ namespace silt {
 
 /// Plain leapfrog, [SahChoi2004] (17) (18).
 struct NoDamping {
-  void check() const {}
-
   template <class Value, class Real>
   Value kicked(const Value& v, const Value& acceleration, Real dt) const {
     return v + dt * acceleration;
-  }
-
-  /// v^{N−½} that belongs to the velocity v^N at the step, the inverse of (27).
-  template <class Value, class Real>
-  Value half_step_before(const Value& v, const Value& acceleration, Real dt) const {
-    return v - (dt / 2) * acceleration;
   }
 };
 
@@ -28,6 +20,14 @@ struct GlobalDamping {
 
   /// Throws if alpha is negative or not finite.
   void check() const { require_not_negative("GlobalDamping: alpha", alpha); }
+
+  /// Throws if α Δt is above 2: the step would turn velocities round.
+  void check(double time_step) const {
+    if (alpha * time_step > 2) {
+      fail("GlobalDamping: alpha = " + to_text(alpha) + " 1/s turns velocities round in a step of " +
+           to_text(time_step) + " s; take at most " + to_text(2 / alpha) + " s");
+    }
+  }
 
   /// v^{N+½} = { v^{N−½} (1 − α Δt/2) + a Δt } / (1 + α Δt/2)        (32), and (33) for the spin
   template <class Value, class Real>

@@ -17,7 +17,7 @@ void clear(P& particles) {
   for_each(particles.size(), [&](Index i) { f[i].setZero(); });
   if constexpr (HasFields<P, torque_t>) {
     const auto m = particles[torque];
-    const auto zero = zero_spin<P::dimension, typename P::Real>();
+    const auto zero = zero_of<typename P::Spin>();
     for_each(particles.size(), [&](Index i) { m[i] = zero; });
   }
 }
@@ -58,16 +58,19 @@ void drift(P& particles, double time_step) {
 
 /// Advances particles under forces. The velocities given at the start are those at time 0; from the
 /// first step on, `velocity` and `spin` hold v^{N−½}, and Simulation::snapshot() gives v^N (27) (28).
-template <class D = NoDamping>
+template <Damping<double> D = NoDamping>
 class Leapfrog {
  public:
   Leapfrog() = default;
   /// Throws if the damping's numbers are out of range.
-  explicit Leapfrog(D damping) : damping_(damping) { damping_.check(); }
+  explicit Leapfrog(D damping) : damping_(damping) {
+    if constexpr (requires { damping.check(); }) damping.check();
+  }
 
   template <class P, class S, class I>
     requires Interaction<I, P, S> && HasFields<P, velocity_t, force_t, mass_t>
   void step(P& particles, S& search, I& interaction, double dt) {
+    if constexpr (requires { damping_.check(dt); }) damping_.check(dt);
     if (!started_) start(particles, search, interaction, dt);
     // A changed time step moves the half step; with a constant one this is dt.
     const double between_half_steps = (last_time_step_ + dt) / 2;
@@ -115,7 +118,12 @@ class Leapfrog {
     using Value = typename Values::value_type;
     using Real = typename Inertias::value_type;
     for_each(v.size(), [&](Index i) {
-      v[i] = damping_.half_step_before(Value(v[i]), Value(sums[i] / inertias[i]), Real(time_step));
+      const Value a = sums[i] / inertias[i];
+      if constexpr (requires { damping_.half_step_before(a, a, Real(time_step)); }) {
+        v[i] = damping_.half_step_before(Value(v[i]), a, Real(time_step));
+      } else {
+        v[i] -= a * Real(time_step / 2);
+      }
     });
   }
 

@@ -22,7 +22,10 @@ struct KeepsParticles {
 /// The order that the flow's pressure source is made for.
 struct AsTheSourceAsks {
   template <class Flow>
-  static constexpr bool moves = Flow::needs_moved_particles;
+  static constexpr bool moves = [] {
+    if constexpr (requires { Flow::needs_moved_particles; }) return Flow::needs_moved_particles;
+    return false;
+  }();
 };
 
 /// Advances an incompressible flow.
@@ -33,7 +36,7 @@ class SemiImplicit {
     requires PressureInteraction<F, P, S> && HasFields<P, velocity_t>
   void step(P& particles, S& search, F& flow, double dt) {
     constexpr bool moves = Predictor::template moves<F>;
-    static_assert(moves || !F::needs_moved_particles,
+    static_assert(moves || !AsTheSourceAsks::template moves<F>,
                   "silt::SemiImplicit: this flow's pressure source needs the number density of "
                   "moved particles; use SemiImplicit<MovesParticles>");
     search.update(particles);

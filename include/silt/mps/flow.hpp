@@ -90,13 +90,16 @@ class BasicFlow {
     return std::max(stencil_.re, laplacian_.re);
   }
 
-  /// Courant limit of the fastest particle and of the speed scale, and the viscous limit [s].
+  /// Courant limit of the fastest particle, of the speed scale and of a fall from rest, and the viscous
+  /// limit [s].
   template <FluidParticles P>
   double time_step(const P& particles) const {
     const double way = settings_.courant * settings_.spacing;
     const double speed = std::max(fastest(particles), settings_.speed_scale);
     double dt = settings_.largest_time_step;
     if (speed > 0) dt = std::min(dt, way / speed);
+    const double pull = settings_.gravity.norm();
+    if (pull > 0) dt = std::min(dt, std::sqrt(way / pull));
     if (settings_.viscosity > 0) dt = std::min(dt, viscous_limit());
     return dt;
   }

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: MIT
+// The time step against the contacts that exist.
+#pragma once
+
+#include <silt/core/particles.hpp>
+#include <silt/core/parallel.hpp>
+#include <silt/core/types.hpp>
+#include <silt/dem/contact.hpp>
+#include <silt/dem/time_step.hpp>
+
+#include <Eigen/Core>
+
+#include <algorithm>
+#include <cmath>
+
+namespace silt::dem {
+
+/// Bound on the squared angular frequency [1/s²] of a grain among the contacts that it has.
+///
+/// A contact's spring energy is ½ k (g_i·q_i + g_j·q_j)², with q the displacements and turns in
+/// mass-weighted coordinates. By Cauchy and Schwarz, each grain may be given the share
+/// (1/m_i + 1/m_j) m_i k (g_i·q_i)²; the largest eigenvalue of the sum of a grain's shares then bounds
+/// ω² of the whole system from above, and is exact for a single pair.
+template <int Dim, class Real>
+class FrequencyBound {
+  static constexpr int size = Dim == 2 ? 3 : 6;
+  using Matrix = Eigen::Matrix<double, size, size>;
+
+ public:
+  /// The contact of a grain with the given mass [kg], inertia [kg m²] and lever arm [m].
+  struct Side {
+    double mass;
+    double inertia;
+    double arm;
+  };
+  void add(const Contact<Dim, Real>& contact, const Stiffness& k, const Side& side) {
+    const Vec<Dim, double> n = contact.normal.template cast<double>();
+    // Velocity of the contact point from that of the grain and its scaled spin w √(I/m).
+    Eigen::Matrix<double, Dim, size> motion = Eigen::Matrix<double, Dim, size>::Zero();
+    motion.template leftCols<Dim>().setIdentity();
+    const double lever = side.arm * std::sqrt(side.mass / side.inertia);
+    if constexpr (Dim == 2) {
+      motion.col(2) = lever * Vec<2, double>(n[1], -n[0]);
+    } else {
+      motion.template rightCols<3>() << 0, -n[2], n[1], n[2], 0, -n[0], -n[1], n[0], 0;
+      motion.template rightCols<3>() *= lever;
+    }
+    using Plane = Eigen::Matrix<double, Dim, Dim>;
+    const Plane normal = n * n.transpose();
+    const Plane spring = k.normal * normal + k.tangential * (Plane::Identity() - normal);
+    shares_ += motion.transpose() * spring * motion / double(contact.effective_mass);
+  }
+
+  /// ≥ the largest eigenvalue, too large by less than 6 %: the trace of the 32nd power.
+  double squared_frequency() const {
+    const double scale = shares_.trace();
+    if (!(scale > 0)) return 0;
+    Matrix power = shares_ / scale;
+    double exponent = 1;
+    for (int squarings = 0; squarings < 5; ++squarings) {
+      power = Matrix(power * power);
+      exponent /= 2;
+    }
+    return scale * std::pow(power.trace(), exponent);
+  }
+
+ private:
+  Matrix shares_ = Matrix::Zero();
+};
+
+/// A grain whose contacts do not stand the time step.
+struct Unstable {
+  Index grain = nowhere;       ///< `nowhere`: there is none
+  double stable_time_step = 0;  ///< that it would stand [s]
+};
+
+/// The first grain for which dt [s] is beyond stability; stiffness_of(touch) gives the springs. A cheap
+/// bound passes nearly always; where it does not, FrequencyBound decides.
+template <class P, class T, class StiffnessOf>
+Unstable find_unstable(const P& grains, const T& touches, double dt, StiffnessOf&& stiffness_of) {
+  using Touch = typename T::Touch;
+  const auto m = grains[mass];
+  const auto I = grains[inertia];
+  const auto for_each_contact_of = [&](Index i, auto&& f) {
+    touches.for_each_of(i, [&](const Touch& touch, bool is_own) {
+      f(touch.contact, stiffness_of(touch), double(is_own ? touch.arm_i : touch.arm_j));
+    });
+  };
+  const auto is_beyond = [&](Index i) {
+    double sum = 0;
+    double beta = 0;
+    for_each_contact_of(i, [&](const auto& contact, const Stiffness& k, double arm) {
+      const double turning = 1 + double(m[i]) * arm * arm / double(I[i]);
+      sum += std::max(k.normal, k.tangential * turning) / double(contact.effective_mass);
+      beta = std::max(beta, k.beta);
+    });
+    return sum > 0 && dt > stable_time_step({.angular_frequency = std::sqrt(sum), .beta = beta});
+  };
+  const auto stable_of = [&](Index i) {
+    FrequencyBound<P::dimension, typename P::Real> bound;
+    double beta = 0;
+    for_each_contact_of(i, [&](const auto& contact, const Stiffness& k, double arm) {
+      bound.add(contact, k, {.mass = double(m[i]), .inertia = double(I[i]), .arm = arm});
+      beta = std::max(beta, k.beta);
+    });
+    return stable_time_step(
+        {.angular_frequency = std::sqrt(bound.squared_frequency()), .beta = beta});
+  };
+  const Index broken =
+      first_where(grains.size(), [&](Index i) { return is_beyond(i) && dt > stable_of(i); });
+  if (broken == nowhere) return {};
+  return {.grain = broken, .stable_time_step = stable_of(broken)};
+}
+
+}  // namespace silt::dem
