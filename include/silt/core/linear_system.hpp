@@ -3,6 +3,7 @@
 #pragma once
 
 #include <silt/core/error.hpp>
+#include <silt/core/parallel.hpp>
 #include <silt/core/rows.hpp>
 #include <silt/core/types.hpp>
 
@@ -23,6 +24,11 @@ struct LinearSystem {
   Rows<Entry> off_diagonal;
   std::vector<double> right_side;
 
+  /// Bodies of unknowns that A fixes up to a constant only: number of the body of each row, 0 for
+  /// rows of none. A solver keeps these constants out of what it adds to x.
+  std::vector<Index> closed_body;
+  Index closed_bodies = 0;
+
   /// Where the unknowns lie, for preconditioners that use space. Without points they do not.
   struct Geometry {
     double spacing = 0;                        ///< of the particles [m]
@@ -34,6 +40,21 @@ struct LinearSystem {
   Geometry geometry;
 
   Index size() const noexcept { return diagonal.size(); }
+
+  /// Takes its mean over each closed body out of v.
+  void remove_constants(std::vector<double>& v) const {
+    if (closed_bodies == 0) return;
+    std::vector<double> sum(closed_bodies + 1, 0);
+    std::vector<double> members(closed_bodies + 1, 0);
+    for (Index row = 0; row < v.size(); ++row) {
+      sum[closed_body[row]] += v[row];
+      members[closed_body[row]] += 1;
+    }
+    for_each(v.size(), [&](Index row) {
+      const Index body = closed_body[row];
+      if (body > 0) v[row] -= sum[body] / members[body];
+    });
+  }
 };
 
 /// Solves a LinearSystem in place, from the x it is given. Models: ConjugateGradient.

@@ -63,7 +63,8 @@ class PressureEquation {
       geometry.to_surface[row] = to_surface;
     });
     find_closed_bodies();
-    make_consistent();
+    // Fluid that cannot leave cannot expand: in a closed body the sources add up to nothing.
+    system_.remove_constants(system_.right_side);
   }
 
   /// Solves from the pressures the particles have, and gives them the new ones; elsewhere P = 0.
@@ -117,54 +118,41 @@ class PressureEquation {
   // only. Such bodies are found by walking from the surface: what is not reached is closed.
   void find_closed_bodies() {
     constexpr Index open = 0;
-    body_.assign(unknowns_.size(), nowhere);
-    bodies_ = 1;
+    auto& body = system_.closed_body;
+    body.assign(unknowns_.size(), nowhere);
+    system_.closed_bodies = 0;
     for (Index row = 0; row < unknowns_.size(); ++row) {
-      if (system_.geometry.to_surface[row] > 0 && body_[row] == nowhere) flood(row, open);
+      if (system_.geometry.to_surface[row] > 0 && body[row] == nowhere) flood(row, open);
     }
     for (Index row = 0; row < unknowns_.size(); ++row) {
-      if (body_[row] == nowhere) flood(row, bodies_++);
+      if (body[row] == nowhere) flood(row, ++system_.closed_bodies);
     }
   }
 
   void flood(Index row, Index body) {
     front_.assign(1, row);
-    body_[row] = body;
+    system_.closed_body[row] = body;
     while (!front_.empty()) {
       const Index at = front_.back();
       front_.pop_back();
       for (const auto& [column, value] : system_.off_diagonal[at]) {
-        if (body_[column] != nowhere || value == 0) continue;
-        body_[column] = body;
+        if (system_.closed_body[column] != nowhere || value == 0) continue;
+        system_.closed_body[column] = body;
         front_.push_back(column);
       }
     }
   }
 
-  // In a closed body the sources must add up to nothing: fluid that cannot leave cannot expand.
-  void make_consistent() {
-    if (bodies_ == 1) return;
-    std::vector<double> sum(bodies_, 0);
-    std::vector<double> members(bodies_, 0);
-    for (Index row = 0; row < body_.size(); ++row) {
-      sum[body_[row]] += system_.right_side[row];
-      members[body_[row]] += 1;
-    }
-    for (Index row = 0; row < body_.size(); ++row) {
-      const Index body = body_[row];
-      if (body > 0) system_.right_side[row] -= sum[body] / members[body];
-    }
-  }
-
   // Of all pressures that differ by a constant, a closed body takes those whose lowest is zero.
   void settle_closed_bodies() {
-    if (bodies_ == 1) return;
-    std::vector<double> lowest(bodies_, std::numeric_limits<double>::infinity());
-    for (Index row = 0; row < body_.size(); ++row) {
-      lowest[body_[row]] = std::min(lowest[body_[row]], solution_[row]);
+    const auto& body = system_.closed_body;
+    if (system_.closed_bodies == 0) return;
+    std::vector<double> lowest(system_.closed_bodies + 1, std::numeric_limits<double>::infinity());
+    for (Index row = 0; row < body.size(); ++row) {
+      lowest[body[row]] = std::min(lowest[body[row]], solution_[row]);
     }
-    for (Index row = 0; row < body_.size(); ++row) {
-      if (body_[row] > 0) solution_[row] -= lowest[body_[row]];
+    for (Index row = 0; row < body.size(); ++row) {
+      if (body[row] > 0) solution_[row] -= lowest[body[row]];
     }
   }
 
@@ -172,8 +160,6 @@ class PressureEquation {
   std::vector<Index> unknowns_;  // particle of each row
   std::vector<Index> row_of_;    // row of each particle, nowhere: P = 0
   std::vector<char> is_unknown_;
-  std::vector<Index> body_;            // by row; 0: connected to a free surface
-  Index bodies_ = 1;
   std::vector<Index> front_;
   std::vector<double> solution_;
 };

@@ -298,17 +298,14 @@ class CellMultigrid {
   }
 
   // The coarsest level's inverse, where it is small enough to be solved directly.
-  // A closed body fixes its pressure up to a constant only, and the inverse would blow the constant
-  // that rounding leaves in a residual up to the size of the solution. A little leak bounds it.
   void invert_coarsest() {
-    constexpr double leak = 1e-3;
     const Level& level = levels_.back();
     const auto n = static_cast<Eigen::Index>(level.size());
     if (level.size() > 4 * settings_.solved_directly) return;
     Eigen::MatrixXd A = Eigen::MatrixXd::Zero(n, n);
     for (Index c = 0; c < level.size(); ++c) {
       const auto row = static_cast<Eigen::Index>(c);
-      A(row, row) = level.diagonal[c] > 0 ? (1 + leak) * double(level.diagonal[c]) : 1;
+      A(row, row) = level.diagonal[c] > 0 ? double(level.diagonal[c]) : 1;
       for (int f = 0; f < faces; ++f) {
         const Index other = level.beside[c * faces + Index(f)];
         if (other == c) continue;

@@ -57,6 +57,7 @@ class ConjugateGradient {
       if (report.residual <= settings_.tolerance) return report;
 
       preconditioner_.apply(r_, z_);
+      system.remove_constants(z_);
       p_ = z_;
       double rho = dot(r_, z_);
       double residual = report.residual;
@@ -79,6 +80,7 @@ class ConjugateGradient {
           r_[i] -= alpha * q_[i];
         });
         preconditioner_.apply(r_, z_);
+        system.remove_constants(z_);
         const double next = dot(r_, z_);
         const double beta = next / rho;
         rho = next;
