@@ -20,8 +20,7 @@ inline constexpr struct temperature_t : scalar_field {
 } temperature{};
 inline constexpr struct colour_t : field_of<std::array<unsigned char, 3>>, constant_field {
 } colour{};
-inline constexpr struct heat_t : scalar_field, derived_field {
-} heat{};
+struct heat_t : scalar_field, derived_field {};
 
 template <int Dim, class Real>
 using Warm = Particles<Dim, Real, velocity_t, spin_t, temperature_t, colour_t, heat_t>;

@@ -69,7 +69,7 @@ TEST(BadInput, IsNamedWithItsValue) {
   };
   for (const auto& [name, use_it, values] : all) {
     for (const double value : values) {
-      EXPECT_TRUE(refuses([&] { use_it(value); }, {name + " = " + to_text(value)})) << name;
+      EXPECT_TRUE(refuses([&use = use_it, value] { use(value); }, {name + " = " + to_text(value)})) << name;
     }
   }
 }
