@@ -110,13 +110,22 @@ def search_tables(times):
     return lines
 
 
-def step_table(times):
-    lines = ["", "## Whole steps of DEM", "", "| | particles | a step | per particle [ns] |",
-             "|---|---|---|---|"]
-    for family, measured in times.items():
-        if family.startswith("dem_step/"):
-            lines += [f"| {family.removeprefix('dem_step/')} | {n} | {short(t)} | {number(t / n)} |"
-                      for n, t in sorted(measured.items())]
+def step_table(results, family, title, further):
+    """One row a size; further: name of a counter → title of its column."""
+    lines = ["", f"## {title}", "",
+             "| | particles | a step | per particle [ns] |" + "".join(f" {each} |" for each in
+                                                                   further.values()),
+             "|---|---|---|---|" + "---|" * len(further)]
+    for result in results:
+        if not result["name"].startswith(family) or result.get("run_type") == "aggregate":
+            continue
+        if "items_per_second" not in result:
+            continue
+        name = "/".join(result["name"].removeprefix(family).split("/")[:2])
+        t = result["real_time"] * NANOSECONDS[result["time_unit"]]
+        n = round(t * 1e-9 * result["items_per_second"])
+        lines.append(f"| {name} | {n} | {short(t)} | {number(t / n)} |"
+                     + "".join(f" {number(result[each])} |" for each in further))
     return lines
 
 
@@ -129,8 +138,11 @@ def main(arguments):
         sys.exit(f"report.py: {folder} has no *.json; run bench/run first")
     results, context = [], {}
     for file in files:
+        text = file.read_text(encoding="utf-8")
+        if not text.strip():
+            continue  # its benchmark had nothing that the filter wanted
         try:
-            content = json.loads(file.read_text(encoding="utf-8"))
+            content = json.loads(text)
         except json.JSONDecodeError as error:
             sys.exit(f"report.py: {file} is broken off ({error}); run its benchmark again")
         results += content["benchmarks"]
@@ -147,8 +159,13 @@ def main(arguments):
              "search is update() and for_each_pair().", ""]
     if any(family.startswith("contact_search/") for family in times):
         lines += search_tables(times)
-    if any(family.startswith("dem_step/") for family in times):
-        lines += step_table(times)
+    if any(result["name"].startswith("dem_step/") for result in results):
+        lines += step_table(results, "dem_step/", "Whole steps of DEM",
+                            {"contacts": "contacts per grain", "threads": "threads"})
+    if any(result["name"].startswith("mps_step/") for result in results):
+        lines += step_table(results, "mps_step/", "Whole steps of MPS",
+                            {"iterations": "iterations", "pressure_ms": "in the pressure [ms]",
+                             "threads": "threads"})
     text = "\n".join(lines) + "\n"
     (folder / "report.md").write_text(text, encoding="utf-8")
     print(text, end="")
