@@ -2,6 +2,10 @@
 # Sourced by tests/run, examples/run and bench/run: finds the repository, installs what is missing
 # from the system's packages, configures and builds.
 
+# Threads that wait by spinning keep others off the cores: beside one more busy process, a program on
+# all cores takes up to a hundred times as long. Sleeping costs little.
+export OMP_WAIT_POLICY=${OMP_WAIT_POLICY:-passive}
+
 repo=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 jobs=$(nproc 2>/dev/null || echo 2)
 export OMP_WAIT_POLICY=${OMP_WAIT_POLICY:-passive}  # idle threads leave the core to the next test
