@@ -8,8 +8,7 @@ export OMP_WAIT_POLICY=${OMP_WAIT_POLICY:-passive}
 
 repo=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 jobs=$(nproc 2>/dev/null || echo 2)
-export OMP_WAIT_POLICY=${OMP_WAIT_POLICY:-passive}  # idle threads leave the core to the next test
-missing=()                                          # Debian's names of the packages we lack
+missing=()  # Debian's names of the packages we lack
 
 # need COMMAND PACKAGE: a program on the path.
 need() { command -v "$1" >/dev/null || missing+=("$2"); }
