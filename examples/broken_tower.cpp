@@ -25,6 +25,7 @@
 #include <cstdio>
 #include <numbers>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace {
@@ -100,7 +101,7 @@ void check_together(const Options& o) {
 
 // Layer by layer from the floor up, each contact already pressed by the weight above it, so that
 // the tower begins at rest in its own equilibrium. The last disc is the one that falls.
-dem::Grains<2> make_tower(const Options& o) {
+dem::Grains<2> make_tower(const Options& o) try {
   const dem::Grain disc{.radius = o.radius, .density = o.density};
   dem::Grains<2> grains;
   double height = -o.radius;
@@ -112,6 +113,8 @@ dem::Grains<2> make_tower(const Options& o) {
   }
   dem::add_grain(grains, {o.offset, height + 2 * o.radius + o.drop_height}, disc);
   return grains;
+} catch (const Error& error) {
+  throw support::Refusal(error.what());
 }
 
 // Writes energy.csv, and compares the loads inside the tower with the weight above, i m g, for as
@@ -190,8 +193,25 @@ struct Spread {
   }
 };
 
+// Numbers that only together give no usable time step are refused like any other option.
+template <class Sim>
+void check_time_step(const Options& o, Sim& tower) {
+  double steps = 0;
+  try {
+    steps = o.until / tower.time_step();
+    GlobalDamping{.alpha = o.alpha}.check(tower.time_step());
+  } catch (const Error& error) {
+    throw support::Refusal(error.what());
+  }
+  if (steps > 1e10) {
+    throw support::Refusal("--until " + to_text(o.until) + " takes " + to_text(steps) +
+                           " steps with these grains; shorten it, or soften them");
+  }
+}
+
 void collapse(const Options& o) {
   check_together(o);
+  auto grains = make_tower(o);
   support::make_output_folder(o.out);
   use_threads(o.threads);
 
@@ -200,9 +220,10 @@ void collapse(const Options& o) {
                                .restitution = o.restitution,
                                .friction_angle = o.friction_angle * std::numbers::pi / 180};
   const auto floor = dem::Plane<2>{.normal = {0, 1}};
-  Simulation tower{make_tower(o), TimedSearch{UniformGrid<2>{}},
+  Simulation tower{std::move(grains), TimedSearch{UniformGrid<2>{}},
                    Forces{Gravity<2>{{0, -g}}, TimedInteraction{dem::Contacts{law, floor}}},
                    Leapfrog{GlobalDamping{.alpha = o.alpha}}};
+  check_time_step(o, tower);
   Ledger ledger(o);
   Stopwatch wall;
   {

@@ -62,8 +62,7 @@ void describe(CLI::App& app, Options& o, std::vector<std::string>& probes) {
       ->delimiter(',')->expected(2);
   add("--tank", o.tank, "length,height of the walls [m]; four column widths, as in Koshizuka and Oka "
       "(1996), since the paper does not say", positive())->delimiter(',')->expected(2);
-  app.add_option("--dimension", o.dimension, "2 or 3")
-      ->check(CLI::IsMember({2, 3}))->capture_default_str();
+  add("--dimension", o.dimension, "2 or 3", between({2, 3}));
   add("--depth", o.depth, "of the tank in 3D [m]", positive());
   add("--until", o.until, "end of the run [s]", positive());
   app.add_option("--probe", probes, "X,Y or in 3D X,Y,Z of a pressure gauge [m], repeatable; without "
@@ -97,6 +96,10 @@ void read_probes(Options& o, const std::vector<std::string>& texts) {
       throw support::Refusal("--probe " + text + " has " + std::to_string(point.size()) +
                              " coordinates and must have " + std::to_string(o.dimension));
     }
+    const bool inside = point.front() >= 0 && point.front() <= o.tank[0] && point.back() >= 0 &&
+                        point.back() <= o.tank[1] &&
+                        (o.dimension == 2 || (point[1] >= 0 && point[1] <= o.depth));
+    if (!inside) throw support::Refusal("--probe " + text + " must lie in the tank or on its walls");
     o.probes.push_back(point);
   }
   if (!o.probes.empty()) return;
@@ -188,7 +191,7 @@ void collapse(const Options& o) {
   support::make_output_folder(o.out);
   use_threads(o.threads);
   const Index fluid_particles = count(particles, mps::Kind::fluid);
-  const Index wall_particles = particles.size() - fluid_particles;
+  const Index wall_particles = count(particles, mps::Kind::wall);
 
   mps::Flow<Scheme, Dim> water{{.spacing = o.spacing,
                                 .radius = o.radius,
@@ -211,6 +214,7 @@ void collapse(const Options& o) {
                                  {"wall_seconds", wall.seconds()},
                                  {"fluid_particles", fluid_particles},
                                  {"wall_particles", wall_particles},
+                                 {"dummy_particles", count(dam.particles(), mps::Kind::dummy)},
                                  {"time_simulated", dam.time()},
                                  {"solver_iterations_mean", gauges.iterations() / steps},
                                  {"solver_iterations_max", gauges.most_iterations()},

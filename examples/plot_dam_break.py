@@ -269,7 +269,8 @@ def compare(run, original, path):
     lines += [f"| {what} | {value} | {wanted} | "
               f"{'' if good is None else 'yes' if good else '**no**'} |"
               for what, value, wanted, good in rows]
-    lines += ["", f"{s['fluid_particles']} fluid and {s['wall_particles']} wall particles, "
+    lines += ["", f"{s['fluid_particles']} fluid, {s['wall_particles']} wall and {s['dummy_particles']} "
+              "dummy particles, "
               f"{s['steps']} steps to {s['time_simulated']:.2f} s in {s['seconds_total']:.1f} s: "
               f"{s['seconds_search']:.1f} s for the search, {s['seconds_pressure']:.1f} s for the "
               f"pressure ({s['solver_iterations_mean']:.0f} iterations a step)."]

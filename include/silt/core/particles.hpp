@@ -199,16 +199,16 @@ class Particles {
     (f(std::span(column<Fields>().data(), size()), Fields{}), ...);
   }
 
-  // A step is a transaction: save() before it, restore() if it throws. Only state is copied.
+  // A step is a transaction: save() before it, restore() if it throws. Constants are not copied.
 
   void save() {
     for_each_column([this]<class F>(auto& column, F) {
-      if constexpr (role_of<F>() == Role::state) std::get<Column<F>>(saved_).values = column;
+      if constexpr (role_of<F>() != Role::constant) std::get<Column<F>>(saved_).values = column;
     });
   }
   void restore() noexcept {
     for_each_column([this]<class F>(auto& column, F) {
-      if constexpr (role_of<F>() == Role::state) {
+      if constexpr (role_of<F>() != Role::constant) {
         auto& saved = std::get<Column<F>>(saved_).values;
         // Ghosts may have come or gone since; they are made anew by the next search.
         for (Index i = 0; i < size(); ++i) column[i] = saved[i];
@@ -226,6 +226,8 @@ class Particles {
 
   template <class F>
   struct Column {
+    static_assert(!std::same_as<value_of<F, Dim, Real>, bool>,
+                  "silt::Particles: a column of bool is not contiguous; use std::uint8_t");
     std::vector<value_of<F, Dim, Real>> values;
   };
   // Position comes first, whether the list names it or not.

@@ -184,11 +184,13 @@ class Simulation {
 
   void save() {
     particles_.save();
+    if constexpr (Transactional<S>) search_.save();
     if constexpr (Transactional<I>) interaction_.save();
     saved_integrator_ = integrator_;
   }
   void restore() noexcept {
     particles_.restore();
+    if constexpr (Transactional<S>) search_.restore();
     if constexpr (Transactional<I>) interaction_.restore();
     integrator_ = *saved_integrator_;
   }

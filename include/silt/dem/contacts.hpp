@@ -82,8 +82,8 @@ class Contacts {
     return 2 * largest(R.size(), Real(0), [&](Index i) { return R[i]; });
   }
 
-  /// Adds contact forces and moments. Throws if two centres coincide, if a material is unknown, or
-  /// if dt is beyond stability.
+  /// Adds contact forces and moments. Throws if two centres coincide, if a radius or mass is not
+  /// positive, if a material is unknown, or if dt is beyond stability.
   template <class P, class S>
     requires HasFields<P, velocity_t, spin_t, force_t, torque_t, mass_t, inertia_t, radius_t,
                        material_t> &&
@@ -91,6 +91,7 @@ class Contacts {
              (Wall<Walls, P::dimension, typename P::Real> && ...)
   void accelerate(P& grains, const S& search, double dt) {
     auto& touches = found<P>();
+    check_grains(grains);
     grains.refresh_ghosts(velocity);
     grains.refresh_ghosts(spin);
     find(grains, search, touches);
@@ -220,6 +221,19 @@ class Contacts {
   template <class P>
   const auto& found() const noexcept {
     return std::get<FoundOf<P>>(found_);
+  }
+
+  template <class P>
+  static void check_grains(const P& grains) {
+    const auto R = grains[radius];
+    const auto m = grains[mass];
+    const Index odd = first_where(grains.size(), [&](Index i) { return !(R[i] > 0) || !(m[i] > 0); });
+    if (odd != nowhere) {
+      const Where where{.particle = odd, .id = grains.id(odd)};
+      fail("dem::Contacts: radius = " + to_text(double(R[odd])) + " m and mass = " +
+               to_text(double(m[odd])) + " kg of a grain must be positive; set them",
+           where);
+    }
   }
 
   template <class P, class S>

@@ -185,7 +185,13 @@ struct CundallStrackLaw {
 
   /// Between two materials: springs in series (equal ones stay as they are), the lower restitution,
   /// and the smaller friction angle and cohesion, (13).
+  /// Throws if one gives its dashpot by e and the other by β.
   static CundallStrackLaw mix(const CundallStrackLaw& a, const CundallStrackLaw& b) {
+    if (a.beta.has_value() != b.beta.has_value()) {
+      fail("CundallStrack: one material gives restitution = " +
+           to_text((a.beta ? b : a).restitution.value) + ", the other beta = " +
+           to_text(*(a.beta ? a : b).beta) + " s; give both materials the same of the two");
+    }
     CundallStrackLaw law = a.restitution.value <= b.restitution.value ? a : b;
     law.normal_stiffness = in_series(a.normal_stiffness, b.normal_stiffness);
     law.tangential_stiffness = in_series(a.tangential_stiffness, b.tangential_stiffness);

@@ -46,6 +46,9 @@ Index add_grain(P& grains, const typename P::Vec& x, const Grain& grain) {
   const double r = grain.radius;
   const double volume = disc ? std::numbers::pi * r * r : std::numbers::pi * r * r * r * 4 / 3;
   const double m = grain.density * volume;
+  // In the precision of the grains, so that one too small or too large for it is named.
+  require_positive("Grain: mass", double(Real(m)));
+  require_positive("Grain: inertia", double(Real(disc ? m * r * r / 2 : m * r * r * 2 / 5)));
   const Index i = grains.add(x);
   grains[radius][i] = Real(r);
   grains[mass][i] = Real(m);

@@ -37,7 +37,10 @@ class CsvFile {
     stream_.reset(std::fopen(path_.string().c_str(), "wb"));
     if (!stream_) refuse();
     std::string line;
-    for (const std::string& name : columns) line += (line.empty() ? "" : ",") + name;
+    for (const std::string& name : columns) {
+      if (!line.empty()) line += ',';
+      line += name;
+    }
     write(line + "\n");
   }
 
@@ -50,7 +53,10 @@ class CsvFile {
            "; give one value per column");
     }
     std::string line;
-    for (const double value : values) line += (line.empty() ? "" : ",") + file::digits(value);
+    for (const double value : values) {
+      if (!line.empty()) line += ',';
+      line += file::digits(value);
+    }
     write(line + "\n");
   }
 

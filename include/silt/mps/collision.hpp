@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The collision model of MPS: pairs closer than a l0 that approach exchange momentum with
-// restitution b, [HwangLeePark2010] section 2.3.
+// restitution b, the last-but-one column of [HwangLeePark2010] Table 1.
 #pragma once
 
 #include <silt/core/error.hpp>

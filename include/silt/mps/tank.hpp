@@ -64,6 +64,13 @@ Fluid<Dim, Real, Further...> make_tank(const Tank<Dim>& tank) {
     }
   }
 
+  double all_cells = 1;
+  for (int k = 0; k < Dim; ++k) all_cells *= inside[k] + 2.0 * (1 + tank.dummy_layers);
+  if (all_cells > 1e9) {
+    fail("Tank: " + to_text(all_cells) + " cells of the spacing " + to_text(tank.spacing) +
+         " m are more than 1e9; enlarge the spacing");
+  }
+
   // Layers outside the tank: 1 is the wall, further ones are dummies. There is no lid.
   const int layers = 1 + tank.dummy_layers;
   const auto layer = [&](const Cell& cell) {

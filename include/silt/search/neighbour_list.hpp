@@ -14,6 +14,7 @@
 #include <cstdint>
 #include <limits>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace silt {
@@ -80,6 +81,17 @@ class NeighbourList {
     }
   }
 
+  /// The list before the first rebuild of a step is kept, so that undoing the step brings it back.
+  void save() noexcept { keeps_last_ = false; }
+  void restore() noexcept {
+    if (!keeps_last_) return;
+    std::swap(rows_, last_rows_);
+    std::swap(reference_, last_reference_);
+    // Ghosts went with the old list; without them it fits the particles again.
+    if (!ghost_owners_.empty() || last_had_ghosts_) built_ = false;
+    keeps_last_ = false;
+  }
+
   /// Times the list was built.
   std::uint64_t rebuilds() const noexcept { return rebuilds_; }
 
@@ -100,6 +112,12 @@ class NeighbourList {
 
   template <class P>
   void build(P& particles) {
+    if (!keeps_last_) {
+      std::swap(rows_, last_rows_);
+      std::swap(reference_, last_reference_);
+      last_had_ghosts_ = !ghost_owners_.empty();
+      keeps_last_ = true;
+    }
     built_ = false;
     inner_.set_radius(radius() * (1 + settings_.skin_fraction));
     inner_.update(particles);
@@ -125,6 +143,10 @@ class NeighbourList {
   std::vector<Vec> positions_;
   Rows<Index> rows_;
   std::vector<Index> ghost_owners_;
+  Rows<Index> last_rows_;
+  std::vector<Vec> last_reference_;
+  bool last_had_ghosts_ = false;
+  bool keeps_last_ = false;
 };
 
 }  // namespace silt
