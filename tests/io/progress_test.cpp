@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <fcntl.h>
+#include <poll.h>
 #include <string>
 #include <unistd.h>
 
@@ -53,10 +54,16 @@ TEST(Progress, RewritesOneLineOnATerminalAndEndsIt) {
     Progress progress{terminal};
     run_to_the_end(progress);
   }
-  char text[4096];
-  const auto length = read(controller, text, sizeof text);
-  ASSERT_GT(length, 0);
-  const std::string shown(text, static_cast<std::size_t>(length));
+  // A terminal hands over what it has so far, which need not be all.
+  std::string shown;
+  while (shown.find('\n') == std::string::npos) {
+    pollfd waiting{.fd = controller, .events = POLLIN, .revents = 0};
+    ASSERT_EQ(poll(&waiting, 1, 10000), 1) << shown;
+    char text[4096];
+    const auto length = read(controller, text, sizeof text);
+    ASSERT_GT(length, 0) << shown;
+    shown.append(text, static_cast<std::size_t>(length));
+  }
   EXPECT_EQ(shown.front(), '\r');
   EXPECT_NE(shown.find("step 4  t = 1 s"), std::string::npos) << shown;
   EXPECT_NE(shown.find("100.0 %"), std::string::npos) << shown;
