@@ -59,32 +59,41 @@ need_toolchain() {
   fi
 }
 
+# Installs packages by apt-get; what it said is in $install_log. Fails where it cannot.
+install_log=
+install_packages() {
+  local as_root=()
+  if [[ $(id -u) -ne 0 ]]; then as_root=(sudo); fi
+  install_log="there is no apt-get here, or no way to be root"
+  command -v apt-get >/dev/null && command -v "${as_root[0]:-apt-get}" >/dev/null || return 1
+  echo "Installing $*"
+  local install=("${as_root[@]}" env DEBIAN_FRONTEND=noninteractive
+    apt-get install -y --no-install-recommends "$@")
+  install_log=$("${install[@]}" 2>&1 </dev/null) && return
+  # A fresh machine has no list of packages, an old one a stale list.
+  install_log+=$("${as_root[@]}" apt-get update 2>&1 </dev/null) || true
+  install_log+=$("${install[@]}" 2>&1 </dev/null)
+}
+
 # Installs what the need… calls above found missing, or says what that is and gives up.
 install_missing() {
   ((${#missing[@]})) || return 0
-  local list="${missing[*]}" as_root=() log
-  if [[ $(id -u) -ne 0 ]]; then as_root=(sudo); fi
-  if ! command -v apt-get >/dev/null || ! command -v "${as_root[0]:-apt-get}" >/dev/null; then
-    echo "silt: please install ${list// /, } (Debian's names), which cannot be done from here." >&2
+  if ! install_packages "${missing[@]}"; then
+    echo "$install_log" >&2
+    echo "silt: please install ${missing[*]} (Debian's names), which cannot be done from here." >&2
     exit 1
   fi
-  echo "Installing ${list// /, }"
-  log=$(mktemp)
-  local install=("${as_root[@]}" env DEBIAN_FRONTEND=noninteractive
-    apt-get install -y --no-install-recommends "${missing[@]}")
-  if ! "${install[@]}" >"$log" 2>&1; then
-    # A fresh machine has no list of packages, an old one a stale list.
-    "${as_root[@]}" apt-get update >>"$log" 2>&1 || true
-    if ! "${install[@]}" >>"$log" 2>&1; then
-      cat "$log"
-      rm -f "$log"
-      echo "silt: apt-get could not install ${list// /, }." >&2
-      exit 1
-    fi
-  fi
-  rm -f "$log"
   missing=()
 }
+
+# want CHECK PACKAGE WHAT: installs a package that one can do without, or says what will be missing.
+want() {
+  if eval "$1" >/dev/null 2>&1 || install_packages "$2"; then return; fi
+  echo "silt: $2 (Debian's name) cannot be installed from here: $3 is left out."
+}
+
+# has_header NAME: for want.
+has_header() { echo "#include <$1>" | "${CXX:-c++}" -E -x c++ - >/dev/null 2>&1; }
 
 # configure FOLDER [CMake options]: configures build/FOLDER with just the programs asked for.
 configure() {

@@ -1,18 +1,256 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Turns the JSON of the benchmarks into a table.
+"""Turns what the benchmarks measured into tables, beside the targets.
 
     report.py FOLDER    reads FOLDER/*.json, writes FOLDER/report.md and prints it
 
-Figures that were not measured but follow from a fit are marked with ~.
+A benchmark's file is NAME.THREADS.json; lammps.json comes from against/lammps/compare.py.
 """
 
+import dataclasses
 import json
+import math
 import pathlib
 import platform
+import re
+import statistics
 import sys
 
-NANOSECONDS = {"ns": 1, "us": 1e3, "ms": 1e6, "s": 1e9}
+SECONDS = {"ns": 1e-9, "us": 1e-6, "ms": 1e-3, "s": 1}
+FIGURES_OF_THE_RUN = {
+    "name", "run_name", "run_type", "family_index", "per_family_instance_index", "repetitions",
+    "repetition_index", "threads", "iterations", "real_time", "cpu_time", "time_unit",
+    "items_per_second", "aggregate_name", "aggregate_unit", "label",
+}
+
+
+@dataclasses.dataclass
+class Measured:
+    """One size of one family on a number of threads."""
+
+    seconds: float
+    particles: int
+    counters: dict
+
+    @property
+    def ns_per_particle(self):
+        return 1e9 * self.seconds / self.particles
+
+
+class Results:
+    """families[name][threads][size] → Measured; the medians where runs were repeated."""
+
+    def __init__(self, folder):
+        self.families, self.context, self.lammps = {}, {}, None
+        for file in sorted(folder.glob("*.json")):
+            text = file.read_text(encoding="utf-8")
+            if not text.strip():
+                continue  # its benchmark had nothing that the filter wanted
+            try:
+                content = json.loads(text)
+            except json.JSONDecodeError as error:
+                sys.exit(f"report.py: {file} is broken off ({error}); run its benchmark again")
+            if file.name == "lammps.json":
+                self.lammps = content
+                continue
+            threads = int(file.suffixes[-2][1:]) if len(file.suffixes) > 1 else 1
+            self.context = content["context"]
+            for result in content["benchmarks"]:
+                self.add(result, threads)
+
+    def add(self, result, threads):
+        if result.get("error_occurred") or result.get("aggregate_name", "median") != "median":
+            return
+        if result.get("run_type") == "iteration" and result.get("repetitions", 1) > 1:
+            return  # its median comes later
+        name = re.fullmatch(r"(.*?)/(\d+)((/\w+:\d+)*)(/real_time)?", result["run_name"])
+        if not name:
+            return
+        # Wall-clock time where a benchmark asks for it, as those with threads do.
+        clock = "real_time" if name[5] else "cpu_time"
+        seconds = result[clock] * SECONDS[result["time_unit"]]
+        size = int(name[2])
+        particles = round(result.get("items_per_second", 0) * seconds) or size
+        counters = {key: value for key, value in result.items()
+                    if key not in FIGURES_OF_THE_RUN and isinstance(value, (int, float))}
+        family = self.families.setdefault(name[1], {}).setdefault(threads, {})
+        family[size] = Measured(seconds, particles, counters)
+
+    def at(self, family, size, threads=1):
+        return self.families.get(family, {}).get(threads, {}).get(size)
+
+    def ns(self, family, size, threads=1):
+        measured = self.at(family, size, threads)
+        return measured and measured.ns_per_particle
+
+    def ms(self, family, size, threads=1):
+        measured = self.at(family, size, threads)
+        return measured and 1e3 * measured.seconds
+
+    def exponent(self, family, least=3000):
+        """k of time = c N^k, fitted over the sizes from `least` on."""
+        points = [(math.log(each.particles), math.log(each.seconds))
+                  for each in self.families.get(family, {}).get(1, {}).values()
+                  if each.particles >= least]
+        if len(points) < 2:
+            return None
+        n, t = (statistics.mean(values) for values in zip(*points))
+        return sum((x - n) * (y - t) for x, y in points) / sum((x - n) ** 2 for x, y in points)
+
+    def speed_up(self, family, size):
+        one, two = self.at(family, size), self.at(family, size, 2)
+        return one and two and one.seconds / two.seconds
+
+
+def number(value):
+    if value is None:
+        return ""
+    if value == 0:
+        return "0"
+    digits = max(0, 2 - math.floor(math.log10(abs(value))))
+    return f"{value:.{digits}f}" if abs(value) < 1e5 else f"{value:.3g}"
+
+
+def table(titles, rows):
+    yield "| " + " | ".join(titles) + " |"
+    yield "|" + "---|" * len(titles)
+    for row in rows:
+        yield "| " + " | ".join(row) + " |"
+    yield ""
+
+
+def of_program(results, program):
+    return [family for family in results.families if family.split("/")[0] == program]
+
+
+def by_size(results, program, sizes):
+    """Nanoseconds per particle, a column each size."""
+    rows = []
+    for family in of_program(results, program):
+        largest = max(results.families[family].get(1, {0: 0}))
+        rows.append([family.removeprefix(program + "/"),
+                     *(number(results.ns(family, size)) for size in sizes),
+                     number(results.exponent(family)),
+                     number(results.speed_up(family, largest))])
+    titles = [f"{size:.3g}".replace("e+0", "e") for size in sizes]
+    yield from table(["ns per particle and step, N =", *titles, "exponent from 3000 on",
+                      "two threads, largest N"], rows)
+
+
+def by_row(results, program):
+    """A row each size, with all counters."""
+    rows, counters = [], []
+    for family in of_program(results, program):
+        for of_threads in results.families[family].values():
+            for each in of_threads.values():
+                counters += [key for key in each.counters if key not in counters]
+    for family in of_program(results, program):
+        for size, each in sorted(results.families[family].get(1, {}).items()):
+            rows.append([f"{family.removeprefix(program + '/')}/{size}", number(1e3 * each.seconds),
+                         number(results.speed_up(family, size)),
+                         *(number(each.counters.get(key)) for key in counters)])
+    yield from table(["", "ms", "two threads", *(key.replace("_", " ") for key in counters)], rows)
+
+
+def memory_table(results):
+    rows = []
+    for family in of_program(results, "memory"):
+        for each in results.families[family].get(1, {}).values():
+            of = each.counters
+            rows.append([family.removeprefix("memory/"), number(of["particles"]),
+                         number(of["bytes"]), number(of["peak"]), number(of["allocations"])])
+    yield from table(["", "particles", "bytes per particle", "peak", "allocations of warm steps"],
+                     rows)
+
+
+def lammps_table(content):
+    rows = []
+
+    def spread(of, digits):
+        return f"{of['median']:.{digits}f} ({of['least']:.{digits}f}–{of['most']:.{digits}f})"
+
+    for result in content["results"]:
+        for law in ("hooke_history", "cundall_strack"):
+            if law not in result:
+                continue
+            ours, theirs = result[law], result["lammps"]
+            rows.append([f"{result['scene']}/{result['grains']}", str(result["cores"]), law,
+                         spread(theirs["million_steps_per_second"], 1),
+                         spread(ours["million_steps_per_second"], 1),
+                         f"**{spread(ours['times_lammps'], 2)}**",
+                         f"{theirs['contacts']:.3f} / {ours['contacts']:.3f}",
+                         f"{theirs['rebuilds']:.0f} / {ours['rebuilds']:.0f}"])
+    yield from table(["", "cores", "Silt's law", "LAMMPS", "Silt", "times LAMMPS",
+                      "contacts per grain", "rebuilds"], rows)
+    rows = []
+    for result in content["results"]:
+        if "physics" not in result:
+            continue
+        of = result["physics"]
+        energies = [of[code]["kinetic"] for code in ("lammps", "silt")]
+        heights = [of[code]["height"] for code in ("lammps", "silt")]
+        rows.append([f"{result['scene']}/{result['grains']}", str(result["cores"]),
+                     str(sum(result["steps"])), f"{energies[0]:.6g}",
+                     f"{energies[1] / energies[0] - 1:+.1e}",
+                     f"{heights[1] - heights[0]:+.1e}", f"{of['farthest']:.1e}"])
+    yield from table(["", "cores", "steps", "kinetic energy of a grain, LAMMPS", "Silt's, relative",
+                      "mean height, difference", "farthest apart is one grain"], rows)
+
+
+# --- targets -------------------------------------------------------------------------------------
+
+
+def ratio(a, b):
+    return a / b if a and b else None
+
+
+def lammps_ratio(results, scene, grains, cores, law="hooke_history"):
+    for result in results.lammps["results"] if results.lammps else []:
+        if (result["scene"], result["grains"], result["cores"]) == (scene, grains, cores):
+            return result.get(law, {}).get("times_lammps", {}).get("median")
+    return None
+
+
+def of_memory(results, kind):
+    """The most of any simulation of this kind."""
+    held = [max(each.counters["bytes"], each.counters["peak"])
+            for family in of_program(results, "memory") if family.startswith(f"memory/{kind}")
+            for each in results.families[family].get(1, {}).values()]
+    return max(held, default=None)
+
+
+def targets(results):
+    """(what, at least, aim, measured); a target above 0 is to be reached from below if `more`."""
+    more, less = True, False
+    for scene in ("bed", "gas", "chute"):
+        for grains in (32000, 256000):
+            for cores in (1, 2):
+                at_least = 2.5 if scene == "bed" else 1.5
+                aim = 2.5 if scene != "bed" else 4 if cores == 1 else 6
+                yield (f"DEM {scene} {grains}, {cores} core(s), times LAMMPS", more, at_least, aim,
+                       lammps_ratio(results, scene, grains, cores))
+    yield ("DEM bed, exponent", less, 1.08, 1.03, results.exponent("dem_step/bed"))
+    yield ("DEM, bytes per particle", less, 600, 300, of_memory(results, "dem"))
+    yield ("MPS, bytes per particle", less, 1200, 700, of_memory(results, "mps"))
+    for family, of_threads in results.families.items():
+        sizes = [size for size, each in of_threads.get(1, {}).items() if each.particles >= 30000]
+        for size in sizes:
+            if 2 in of_threads and size in of_threads[2]:
+                yield (f"{family}/{size}, two threads", more, 1.7, 1.9,
+                       results.speed_up(family, size))
+
+
+def target_table(results):
+    rows = []
+    for what, more, at_least, aim, measured in targets(results):
+        if measured is None:
+            continue
+        reached = "missed"
+        for word, bound in (("at least", at_least), ("aim", aim)):
+            if (measured >= bound) if more else (measured <= bound):
+                reached = word
+        rows.append([what, number(at_least), number(aim), number(measured), reached])
+    yield from table(["", "at least", "aim", "measured", "reached"], rows)
 
 
 def processor():
@@ -24,149 +262,45 @@ def processor():
     return names[0] if names else platform.processor() or platform.machine()
 
 
-def times_of(results):
-    """{family: {particles: nanoseconds of an iteration}}; the median where runs were repeated."""
-    times = {}
-    for result in results:
-        if result.get("run_type") == "aggregate" and result.get("aggregate_name") != "median":
-            continue
-        # Wall-clock time where a benchmark asks for it, as those with threads do.
-        clock = "real_time" if result["run_name"].endswith("/real_time") else "cpu_time"
-        name = result["run_name"].removesuffix("/real_time")
-        family, _, particles = name.rpartition("/")
-        if particles.isdigit() and "error_occurred" not in result:
-            nanoseconds = result[clock] * NANOSECONDS[result["time_unit"]]
-            times.setdefault(family, {})[int(particles)] = nanoseconds
-    return times
-
-
-def quadratic(times):
-    """c of time = c N², by the largest N, where nothing else counts; and that N."""
-    largest = max(times)
-    return times[largest] / largest**2, largest
-
-
-def short(nanoseconds):
-    for unit, size in (("s", 1e9), ("ms", 1e6), ("µs", 1e3)):
-        if nanoseconds >= size:
-            return f"{nanoseconds / size:.3g} {unit}"
-    return f"{nanoseconds:.3g} ns"
-
-
-def number(value):
-    return f"{value:.0f}" if value >= 100 else f"{value:.2g}" if value < 10 else f"{value:.1f}"
-
-
-def search_tables(times):
-    kinds = [family.removeprefix("contact_search/uniform_grid/") for family in times
-             if family.startswith("contact_search/uniform_grid/")]
-    lines = []
-
-    lines += ["## Contact search: time per particle [ns]", "",
-              "| | 10³ | 10⁴ | 10⁵ | 10⁶ | 10⁵ over 10³ |", "|---|---|---|---|---|---|"]
-    for family, measured in times.items():
-        if not family.startswith("contact_search/"):
-            continue
-        cells = [number(measured[n] / n) if n in measured else "" for n in
-                 (1000, 10000, 100000, 1000000)]
-        both = 1000 in measured and 100000 in measured
-        cells.append(f"{measured[100000] / measured[1000] / 100:.2f}" if both else "")
-        lines.append(f"| {family.removeprefix('contact_search/')} | " + " | ".join(cells) + " |")
-
-    lines += ["", "## Contact search: speed-up over O(N²)", "",
-              "| | 10³ | 10⁴ | 10⁵ |", "|---|---|---|---|"]
-    claims, fits = [], []
-    for kind in kinds:
-        brute = times.get(f"contact_search/brute_force/{kind}")
-        if not brute:
-            continue
-        c, largest = quadratic(brute)
-        fits.append(f"{kind}: {c:.3g} ns N² (from N = {largest})")
-        for search in ("uniform_grid", "neighbour_list"):
-            measured = times.get(f"contact_search/{search}/{kind}", {})
-            cells = []
-            for n in (1000, 10000, 100000):
-                if n not in measured:
-                    cells.append("")
-                elif n in brute:
-                    cells.append(number(brute[n] / measured[n]))
-                else:
-                    cells.append("~" + number(c * n**2 / measured[n]))
-            lines.append(f"| {search}/{kind} | " + " | ".join(cells) + " |")
-        grid = times[f"contact_search/uniform_grid/{kind}"]
-        claims += [(kind, n, grid[n] / brute[n]) for n in sorted(grid) if n in brute]
-    if fits:
-        lines += ["", "~: brute force was not run at 10⁵; its time is extrapolated from its own N², "
-                  + "; ".join(fits) + "."]
-    if claims:
-        sizes = sorted({n for _, n, _ in claims})
-        shares = {n: max(share for _, m, share in claims if m == n) for n in sizes}
-        broken = [n for n in sizes if shares[n] >= 0.5]
-        held = [n for n in sizes if n > max(broken, default=0)]
-        verdict = (f"holds in every case from N = {held[0]} on" if held else "does not hold")
-        lines += ["", f"The paper claims less than 50 % of the O(M²) time: with the uniform grid this "
-                  f"{verdict}. The largest share of all cases is "
-                  + ", ".join(f"{100 * shares[n]:.2g} % at {n}" for n in sizes) + "."]
-    return lines
-
-
-def step_table(results, family, title, further):
-    """One row a size; further: name of a counter → title of its column."""
-    lines = ["", f"## {title}", "",
-             "| | particles | a step | per particle [ns] |" + "".join(f" {each} |" for each in
-                                                                   further.values()),
-             "|---|---|---|---|" + "---|" * len(further)]
-    for result in results:
-        if not result["name"].startswith(family) or result.get("run_type") == "aggregate":
-            continue
-        if "items_per_second" not in result:
-            continue
-        name = "/".join(result["name"].removeprefix(family).split("/")[:2])
-        t = result["real_time"] * NANOSECONDS[result["time_unit"]]
-        n = round(t * 1e-9 * result["items_per_second"])
-        lines.append(f"| {name} | {n} | {short(t)} | {number(t / n)} |"
-                     + "".join(f" {number(result[each])} |" for each in further))
-    return lines
+def lines_of(results):
+    context = results.context
+    yield from ["# Benchmarks", "",
+                f"- machine: {processor()}, {context.get('num_cpus', '?')} cores, "
+                f"{platform.system()} {platform.machine()}",
+                f"- compiler: {context.get('compiler', 'unknown')}",
+                f"- flags: `{context.get('flags', 'unknown')}`",
+                f"- date: {context.get('date', 'unknown')}", "",
+                "One thread unless said otherwise; \"two threads\" is how many times as fast they "
+                "are.", "", "## Targets", ""]
+    yield from target_table(results)
+    if of_program(results, "contact_search"):
+        yield from ["## Contact search", ""]
+        yield from by_size(results, "contact_search", (1000, 10000, 100000, 1000000))
+    if of_program(results, "dem_step"):
+        yield from ["## Whole steps of DEM", ""]
+        yield from by_size(results, "dem_step", (4000, 32000, 256000, 1024000))
+    if results.lammps:
+        yield from ["## DEM against LAMMPS", "",
+                    f"LAMMPS {results.lammps['lammps']}; million grain-steps per second, median "
+                    "(least–most) of runs made in turn.", ""]
+        yield from lammps_table(results.lammps)
+    for program, title in (("mps_step", "Whole steps of MPS"), ("pressure_solve", "Pressure solve")):
+        if of_program(results, program):
+            yield from [f"## {title}", ""]
+            yield from by_row(results, program)
+    if of_program(results, "memory"):
+        yield from ["## Memory", ""]
+        yield from memory_table(results)
 
 
 def main(arguments):
     if len(arguments) != 1:
         sys.exit(__doc__)
     folder = pathlib.Path(arguments[0])
-    files = sorted(folder.glob("*.json"))
-    if not files:
-        sys.exit(f"report.py: {folder} has no *.json; run bench/run first")
-    results, context = [], {}
-    for file in files:
-        text = file.read_text(encoding="utf-8")
-        if not text.strip():
-            continue  # its benchmark had nothing that the filter wanted
-        try:
-            content = json.loads(text)
-        except json.JSONDecodeError as error:
-            sys.exit(f"report.py: {file} is broken off ({error}); run its benchmark again")
-        results += content["benchmarks"]
-        context = content["context"]
-    times = times_of(results)
-
-    lines = ["# Benchmarks", "",
-             f"- machine: {processor()}, {context.get('num_cpus', '?')} threads, "
-             f"{platform.system()} {platform.machine()}",
-             f"- compiler: {context.get('compiler', 'unknown')}",
-             f"- flags: `{context.get('flags', 'unknown')}`",
-             f"- date: {context.get('date', 'unknown')}", "",
-             "Points of a packing's density in random order, fixed seed; an iteration of a contact "
-             "search is update() and for_each_pair().", ""]
-    if any(family.startswith("contact_search/") for family in times):
-        lines += search_tables(times)
-    if any(result["name"].startswith("dem_step/") for result in results):
-        lines += step_table(results, "dem_step/", "Whole steps of DEM",
-                            {"contacts": "contacts per grain", "threads": "threads"})
-    if any(result["name"].startswith("mps_step/") for result in results):
-        lines += step_table(results, "mps_step/", "Whole steps of MPS",
-                            {"iterations": "iterations", "pressure_ms": "in the pressure [ms]",
-                             "threads": "threads"})
-    text = "\n".join(lines) + "\n"
+    results = Results(folder)
+    if not results.families and not results.lammps:
+        sys.exit(f"report.py: {folder} has no *.json with results; run bench/run first")
+    text = "\n".join(lines_of(results))
     (folder / "report.md").write_text(text, encoding="utf-8")
     print(text, end="")
 

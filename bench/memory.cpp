@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: MIT
+// What a simulation holds, and whether a warm step asks for memory: memory/<what>/<particles>.
+//   bytes         on the heap after some steps, per particle
+//   peak          the most that the process has held since, per particle: pages of it
+//   allocations   of 100 (dem) or 10 (mps) further steps
+#include "../tests/support/allocations.hpp"
+#include "program.hpp"
+#include "scenes.hpp"
+
+#include <silt/mps.hpp>
+
+#include <benchmark/benchmark.h>
+
+#include <malloc.h>
+
+#include <cmath>
+#include <cstdint>
+#include <fstream>
+#include <string>
+
+namespace {
+
+using namespace bench;
+
+double bytes_on_heap() {
+  const auto info = mallinfo2();
+  return double(info.uordblks) + double(info.hblkhd);
+}
+
+// Pages in use, now ("VmRSS") or at most since the last reset ("VmHWM") [bytes].
+double pages(const std::string& which) {
+  std::ifstream status("/proc/self/status");
+  std::string word;
+  double kilobytes = 0;
+  while (status >> word && word != which + ":") {}
+  status >> kilobytes;
+  return 1024 * kilobytes;
+}
+void reset_peak() { std::ofstream("/proc/self/clear_refs") << 5; }
+
+// Makes a simulation by `make`, steps it by `step`.
+template <class Make, class Step>
+void measure(benchmark::State& state, Make&& make, Step&& step, int warm, int further) {
+  for (auto _ : state) {
+    malloc_trim(0);
+    const double heap_before = bytes_on_heap();
+    const double pages_before = pages("VmRSS");
+    reset_peak();
+    auto simulation = make();
+    for (int k = 0; k < warm; ++k) step(simulation);
+    const double n = double(simulation.particles().size());
+    state.counters["bytes"] = (bytes_on_heap() - heap_before) / n;
+    state.counters["peak"] = (pages("VmHWM") - pages_before) / n;
+    state.counters["particles"] = n;
+    const std::uint64_t before = silt::test::allocations;
+    for (int k = 0; k < further; ++k) step(simulation);
+    state.counters["allocations"] = double(silt::test::allocations - before);
+  }
+}
+
+template <Scene scene>
+void dem(benchmark::State& state) {
+  const auto n = static_cast<Index>(state.range(0));
+  measure(
+      state,
+      [n] {
+        if constexpr (scene == Scene::gas) {
+          return in_space(state_of(scene, n), cundall_strack());
+        } else {
+          return on_floor(state_of(scene, n), scene, cundall_strack());
+        }
+      },
+      [](auto& simulation) { simulation.step(time_step); }, 500, 100);
+}
+
+template <int Dim>
+void mps(benchmark::State& state) {
+  using namespace silt;
+  const double l0 = 0.4 / double(state.range(0));
+  measure(
+      state,
+      [l0] {
+        auto tank = mps::make_tank<Dim>({.column = {0.4, 0.8},
+                                         .size = {.length = 1.6, .height = 1.2, .depth = 0.4},
+                                         .spacing = l0});
+        const mps::Flow<mps::Case10, Dim> water{
+            {.spacing = l0, .speed_scale = std::sqrt(9.81 * 0.8)}};
+        return Simulation{std::move(tank), NeighbourList<Dim>{}, water, SemiImplicit<>{}};
+      },
+      [](auto& simulation) { simulation.step(); }, 20, 10);
+}
+
+void add(const char* name, void (*function)(benchmark::State&), std::int64_t n) {
+  benchmark::RegisterBenchmark(name, function)->Arg(n)->Iterations(1);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  add("memory/dem_bed", dem<Scene::bed>, 32000);
+  add("memory/dem_gas", dem<Scene::gas>, 32000);
+  add("memory/dem_chute", dem<Scene::chute>, 32000);
+  add("memory/mps_2d", mps<2>, 80);
+  add("memory/mps_3d", mps<3>, 16);
+  return bench::run(argc, argv);
+}
