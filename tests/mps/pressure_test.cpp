@@ -57,9 +57,9 @@ struct Problem {
     for (Index row = 0; row < system().size(); ++row) {
       const auto r = static_cast<Eigen::Index>(row);
       a(r, r) = system().diagonal[row];
-      for (const auto& [column, value] : system().off_diagonal[row]) {
+      system().off_diagonal.for_each_entry(row, [&](Index column, double value) {
         a(r, static_cast<Eigen::Index>(column)) += value;
-      }
+      });
     }
     return a;
   }

@@ -47,8 +47,8 @@ LinearSystem string_of(Index n) {
   LinearSystem system;
   system.diagonal.assign(n, 2);
   system.off_diagonal.build(n, [n](Index i, auto&& add) {
-    if (i > 0) add({i - 1, -1.0});
-    if (i + 1 < n) add({i + 1, -1.0});
+    if (i > 0) add(i - 1, -1.0);
+    if (i + 1 < n) add(i + 1, -1.0);
   });
   system.right_side.assign(n, 0);
   return system;
@@ -59,7 +59,8 @@ std::vector<double> times(const LinearSystem& system, const std::vector<double>&
   std::vector<double> y(system.size(), 0);
   for (Index i = 0; i < system.size(); ++i) {
     y[i] += system.diagonal[i] * x[i];
-    for (const auto& [column, value] : system.off_diagonal[i]) y[column] += value * x[i];
+    system.off_diagonal.for_each_entry(
+        i, [&](Index column, double value) { y[column] += value * x[i]; });
   }
   return y;
 }
@@ -163,8 +164,8 @@ TYPED_TEST(ConjugateGradients, SolveASingularSystemWhoseRightSideIsInItsRange) {
   const Index n = 60;
   ring.diagonal.assign(n, 2);
   ring.off_diagonal.build(n, [](Index i, auto&& add) {
-    add({(i + n - 1) % n, -1.0});
-    add({(i + 1) % n, -1.0});
+    add((i + n - 1) % n, -1.0);
+    add((i + 1) % n, -1.0);
   });
   const auto exact = uneven(n);
   ring.right_side = times(ring, exact);

@@ -4,42 +4,45 @@
 
 #include <silt/core/error.hpp>
 #include <silt/core/parallel.hpp>
-#include <silt/core/rows.hpp>
 #include <silt/core/types.hpp>
+#include <silt/core/window_rows.hpp>
 
 #include <array>
 #include <concepts>
+#include <cstdint>
 #include <vector>
 
 namespace silt {
 
-/// A x = b with A symmetric and positive definite, or semi-definite with b in its range. Always in
-/// double: a pressure to six digits is beyond float.
+/// A x = b with A symmetric and positive definite, or semi-definite with b in its range. Unknowns and
+/// their sums are double: a pressure to six digits is beyond float. What A has beside its diagonal
+/// is rounded to float, once.
 struct LinearSystem {
-  struct Entry {
-    Index column;
-    double value;
-  };
   std::vector<double> diagonal;
-  Rows<Entry> off_diagonal;
+  WindowRows off_diagonal;
   std::vector<double> right_side;
 
   /// Bodies of unknowns that A fixes up to a constant only: number of the body of each row, 0 for
   /// rows of none. A solver keeps these constants out of what it adds to x.
-  std::vector<Index> closed_body;
+  std::vector<std::uint32_t> closed_body;
   Index closed_bodies = 0;
 
   /// Where the unknowns lie, for preconditioners that use space. Without points they do not.
   struct Geometry {
-    double spacing = 0;                        ///< of the particles [m]
-    double full_diagonal = 0;                  ///< of an unknown with all its neighbours
+    double spacing = 0;                         ///< of the particles [m]
+    double full_diagonal = 0;                   ///< of an unknown with all its neighbours
     std::vector<std::array<double, 3>> points;  ///< [m]
-    std::vector<std::array<double, 3>> second_moments;  ///< Σ_j |a_ij| Δx_a² over unknowns j
-    std::vector<double> to_surface;  ///< Σ of the weights to points of given value
+    std::vector<std::array<float, 3>> second_moments;  ///< Σ_j |a_ij| Δx_a²/spacing² over unknowns j
+    std::vector<float> to_surface;  ///< Σ of the weights to points of given value
   };
   Geometry geometry;
 
   Index size() const noexcept { return diagonal.size(); }
+
+  /// (A x)_i
+  double times(Index row, std::span<const double> x) const {
+    return diagonal[row] * x[row] + off_diagonal.times(row, x);
+  }
 
   /// Takes its mean over each closed body out of v.
   void remove_constants(std::vector<double>& v) const {

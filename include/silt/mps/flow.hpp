@@ -8,55 +8,20 @@
 #include <silt/core/parallel.hpp>
 #include <silt/core/types.hpp>
 #include <silt/mps/cases.hpp>
+#include <silt/mps/flow_settings.hpp>
 #include <silt/mps/fluid.hpp>
+#include <silt/mps/neighbourhood.hpp>
 #include <silt/mps/operators.hpp>
 #include <silt/mps/pressure.hpp>
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
 
 namespace silt::mps {
-
-/// Numbers of a flow; those of the policies are in the members of their type.
-template <int Dim, class Scheme>
-struct FlowSettings {
-  double spacing = 0;        ///< particle spacing l0 [m], above 0
-  double density = 1000;     ///< ρ [kg/m³]
-  double viscosity = 1e-6;   ///< kinematic ν [m²/s]
-  Vec<Dim> gravity = -9.81 * Vec<Dim>::Unit(Dim - 1);  ///< F [m/s²]
-  double radius = 3.1;            ///< re/l0 of density, surface, gradient, divergence [-]
-  double laplacian_radius = 3.1;  ///< re/l0 of the Laplacian [-]
-  double courant = 0.2;           ///< Δt ≤ courant l0 / largest speed [-]
-  double speed_scale = 0;  ///< expected speed, e.g. √(g H) [m/s]: Δt ≤ courant l0 / speed_scale
-  double largest_time_step = std::numeric_limits<double>::infinity();  ///< [s]
-  bool clip_negative_pressure = true;  ///< P ← max(P, 0): MPS fluid does not pull
-  typename Scheme::Source source = {};
-  typename Scheme::Surface surface = {};
-  typename Scheme::Collision collision = {};
-
-  void check() const {
-    require_positive("FlowSettings: spacing", spacing);
-    require_positive("FlowSettings: density", density);
-    require_not_negative("FlowSettings: viscosity", viscosity);
-    require_finite("FlowSettings: gravity", gravity);
-    require_between("FlowSettings: radius", radius, {1.0 + 1e-9, 10});
-    require_between("FlowSettings: laplacian_radius", laplacian_radius, {1.0 + 1e-9, 10});
-    require_positive("FlowSettings: courant", courant);
-    require_not_negative("FlowSettings: speed_scale", speed_scale);
-    if (!(largest_time_step > 0)) {
-      fail("FlowSettings: largest_time_step = " + to_text(largest_time_step) +
-           " s must be positive; give a value above 0");
-    }
-    source.check();
-    surface.check();
-    collision.check();
-  }
-};
 
 /// Incompressible flow under one column of Table 1, in Dim dimensions, with pressure by Solver.
 template <class Scheme, int Dim, class RealType, LinearSolver Solver>
@@ -109,6 +74,7 @@ class BasicFlow {
   template <FluidParticles P, class S>
   void predict(P& particles, const S& search, double time_step) {
     check_stability(particles, time_step);
+    find_neighbours(particles, search);
     const Real dt = Real(time_step);
     const Real nu = Real(settings_.viscosity);
     particles.refresh_ghosts(velocity);
@@ -119,7 +85,7 @@ class BasicFlow {
       change_[i].setZero();
       if (kinds[i] != Kind::fluid) return;
       change_[i] = dt * gravity_;
-      if (nu > 0) change_[i] += (dt * nu) * laplacian(search, laplacian_, i, u);
+      if (nu > 0) change_[i] += (dt * nu) * laplacian(around_laplacian(), laplacian_, i, u);
     });
     apply_change(particles);
     moved_with_.assign(particles.size(), Vec::Zero());
@@ -145,6 +111,7 @@ class BasicFlow {
     const auto& model = settings_.collision;
     const Real reach = Real(model.distance * settings_.spacing);
     if (!(reach > 0)) return;
+    find_neighbours_of_moved(particles, search);
     particles.refresh_ghosts(velocity);
     const auto u = particles.with_ghosts(velocity);
     const auto kinds = particles.with_ghosts(kind);
@@ -152,9 +119,7 @@ class BasicFlow {
     for_each(particles.size(), [&](Index i) {
       change_[i].setZero();
       if (kinds[i] != Kind::fluid) return;
-      search.for_each_neighbour(i, [&](Index j, const Vec& r_ij, Real r) {
-        if (!(r < reach)) return;
-        check_apart(particles, i, r);
+      around_.for_each_closer(i, reach, [&](Index j, const Vec& r_ij, Real r) {
         change_[i] += model.impulse(r_ij, r, Vec(u[j] - u[i]), kinds[j] != Kind::fluid);
       });
     });
@@ -166,15 +131,16 @@ class BasicFlow {
   template <FluidParticles P, class S>
   SolveReport project(P& particles, const S& search, double time_step) {
     const auto begin = std::chrono::steady_clock::now();
+    find_neighbours_of_moved(particles, search);
     particles.refresh_ghosts(velocity);
-    find_density_and_surface(particles, search);
+    find_density_and_surface(particles);
     const auto u = particles.with_ghosts(velocity);
     const auto n = particles[number_density];
-    equation_.assemble(particles, search, laplacian_, [&](Index i) {
+    equation_.assemble(particles, around_laplacian(), laplacian_, [&](Index i) {
       SourceTerms terms{.density = settings_.density, .time_step = time_step};
       terms.compression = double((n[i] - stencil_.n0) / stencil_.n0);
       if constexpr (Scheme::Source::needs_divergence) {
-        terms.divergence = double(divergence(search, stencil_, i, u));
+        terms.divergence = double(divergence(around_, stencil_, i, u));
       }
       return settings_.source.value(terms);
     });
@@ -184,7 +150,7 @@ class BasicFlow {
       const auto p = particles[pressure];
       for_each(particles.size(), [&](Index i) { p[i] = std::max(p[i], Real(0)); });
     }
-    find_pressure_change(particles, search, Real(time_step));
+    find_pressure_change(particles, Real(time_step));
     const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - begin;
     seconds_in_pressure_ += taken.count();
     return report_;
@@ -237,12 +203,19 @@ class BasicFlow {
     }
   }
 
-  template <class P>
-  void check_apart(const P& particles, Index i, Real r) const {
-    if (!(r > 0)) {
-      fail("mps::Flow: two particles lie on one point; place them apart",
-           {.particle = i, .id = particles.id(i)});
-    }
+  template <class P, class S>
+  void find_neighbours(const P& particles, const S& search) {
+    around_.find(particles, search, stencil_);
+    if (stencil_.re != laplacian_.re) around_laplacian_.find(particles, search, laplacian_);
+  }
+
+  template <class P, class S>
+  void find_neighbours_of_moved(const P& particles, const S& search) {
+    if (!around_.is_of(particles)) find_neighbours(particles, search);
+  }
+
+  const auto& around_laplacian() const {
+    return stencil_.re == laplacian_.re ? around_ : around_laplacian_;
   }
 
   template <class P>
@@ -252,31 +225,21 @@ class BasicFlow {
   }
 
   // n_i (5) and the free surface (13), (17).
-  template <class P, class S>
-  void find_density_and_surface(P& particles, const S& search) {
+  template <class P>
+  void find_density_and_surface(P& particles) {
     const auto n = particles[number_density];
     const auto on_surface = particles[surface];
-    const auto kinds = particles[kind];
     for_each(particles.size(), [&](Index i) {
-      Real density = 0;
-      int neighbours = 0;
-      if (kinds[i] != Kind::dummy) {
-        for_each_weighted(search, i, stencil_, [&](Index, const Vec&, Real r, Real w) {
-          check_apart(particles, i, r);
-          density += w;
-          ++neighbours;
-        });
-      }
-      n[i] = density;
-      on_surface[i] = settings_.surface.holds({.density = double(density / stencil_.n0),
-                                               .neighbours = double(neighbours) /
+      n[i] = around_.density(i);
+      on_surface[i] = settings_.surface.holds({.density = double(n[i] / stencil_.n0),
+                                               .neighbours = double(around_[i].size()) /
                                                              double(stencil_.neighbours)});
     });
   }
 
   // u' = −(Δt/ρ) ∇P      (11)
-  template <class P, class S>
-  void find_pressure_change(P& particles, const S& search, Real dt) {
+  template <class P>
+  void find_pressure_change(P& particles, Real dt) {
     particles.refresh_ghosts(pressure);
     const auto p = particles.with_ghosts(pressure);
     const auto kinds = particles.with_ghosts(kind);
@@ -286,7 +249,7 @@ class BasicFlow {
       change_[i].setZero();
       if (kinds[i] != Kind::fluid) return;
       change_[i] = factor * Scheme::Gradient::at(stencil_, p[i], [&](auto&& f) {
-        for_each_weighted(search, i, stencil_, [&](Index j, const Vec& r_ij, Real r, Real w) {
+        for_each_weighted(around_, i, stencil_, [&](Index j, const Vec& r_ij, Real r, Real w) {
           if (kinds[j] != Kind::dummy) f(p[j], r_ij, r, w);
         });
       });
@@ -308,6 +271,8 @@ class BasicFlow {
   Solver solver_;
   Stencil stencil_;
   Stencil laplacian_;
+  Neighbourhood<Dim, Real> around_;            // within the stencil
+  Neighbourhood<Dim, Real> around_laplacian_;  // of the Laplacian, where its radius is another
   Vec gravity_ = Vec::Zero();
   PressureEquation equation_;
   SolveReport report_;

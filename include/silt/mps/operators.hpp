@@ -50,6 +50,14 @@ void for_each_weighted(const S& search, Index i, const T& stencil, F&& f) {
   });
 }
 
+/// Whether f(j, w) holds of some neighbour of i within the stencil.
+template <class S, class T, class F>
+bool any_weighted(const S& search, Index i, const T& stencil, F&& f) {
+  bool any = false;
+  for_each_weighted(search, i, stencil, [&](Index j, const auto&, auto, auto w) { any |= f(j, w); });
+  return any;
+}
+
 /// <∇φ>_i = d/n0 Σ (φ_j − φ̂_i) r_ij w/r²,  φ̂_i the smallest of the neighbourhood, i included    (4)
 /// Always repels, does not conserve momentum.
 struct MinimumGradient {
@@ -60,8 +68,8 @@ struct MinimumGradient {
     Real lowest = phi_i;
     for_each([&](Real phi_j, const Vec&, Real, Real) { lowest = std::min(lowest, phi_j); });
     Vec sum = Vec::Zero();
-    for_each([&](Real phi_j, const Vec& r_ij, Real r, Real w) {
-      sum += ((phi_j - lowest) * w / (r * r)) * r_ij;
+    for_each([&](Real phi_j, const Vec& r_ij, Real, Real w) {
+      sum += ((phi_j - lowest) * w / r_ij.squaredNorm()) * r_ij;
     });
     return (T::dimension / stencil.n0) * sum;
   }
@@ -73,8 +81,8 @@ struct ConservingGradient {
   static Vec<T::dimension, Real> at(const T& stencil, Real phi_i, Neighbours&& for_each) {
     using Vec = silt::Vec<T::dimension, Real>;
     Vec sum = Vec::Zero();
-    for_each([&](Real phi_j, const Vec& r_ij, Real r, Real w) {
-      sum += ((phi_j + phi_i) * w / (r * r)) * r_ij;
+    for_each([&](Real phi_j, const Vec& r_ij, Real, Real w) {
+      sum += ((phi_j + phi_i) * w / r_ij.squaredNorm()) * r_ij;
     });
     return (T::dimension / stencil.n0) * sum;
   }
@@ -92,8 +100,8 @@ concept Gradient = requires(const Stencil<Dim, Real, CubicKernel> stencil, Real 
 template <class S, class T, class U>
 typename T::Real divergence(const S& search, const T& stencil, Index i, const U& u) {
   typename T::Real sum = 0;
-  for_each_weighted(search, i, stencil, [&](Index j, const auto& r_ij, auto r, auto w) {
-    sum += (u[j] - u[i]).dot(r_ij) * w / (r * r);
+  for_each_weighted(search, i, stencil, [&](Index j, const auto& r_ij, auto, auto w) {
+    sum += (u[j] - u[i]).dot(r_ij) * w / r_ij.squaredNorm();
   });
   return T::dimension / stencil.n0 * sum;
 }

@@ -13,6 +13,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <limits>
 #include <vector>
 
@@ -21,11 +22,10 @@ namespace silt::mps {
 class PressureEquation {
  public:
   /// Numbers the unknowns: fluid and wall particles off the surface that have a neighbour with
-  /// pressure. source(i) gives ∇²P [Pa/m²].
+  /// pressure. `neighbours` is a search or a Neighbourhood; source(i) gives ∇²P [Pa/m²].
   template <FluidParticles P, class S, class T, class Source>
-  void assemble(const P& particles, const S& search, const T& stencil, Source&& source) {
-    number_unknowns(particles, search, stencil);
-    const auto kinds = particles.with_ghosts(kind);
+  void assemble(const P& particles, const S& neighbours, const T& stencil, Source&& source) {
+    number_unknowns(particles, neighbours, stencil);
     system_.diagonal.resize(unknowns_.size());
     system_.right_side.resize(unknowns_.size());
     auto& geometry = system_.geometry;
@@ -36,31 +36,33 @@ class PressureEquation {
     geometry.to_surface.resize(unknowns_.size());
     const auto x = particles[position];
     const double scale = double(stencil.lambda) * double(stencil.n0) / (2 * T::dimension);
+    const double per_spacing = 1 / squared(geometry.spacing);
     system_.off_diagonal.build(unknowns_.size(), [&](Index row, auto&& add) {
       const Index i = unknowns_[row];
       double diagonal = 0;
       double to_surface = 0;
-      std::array<double, 3> point{};
-      std::array<double, 3> second_moments{};
-      for (int k = 0; k < P::dimension; ++k) point[Index(k)] = double(x[i][k]);
-      for_each_weighted(search, i, stencil, [&](Index j, const auto& r_ij, auto, auto w) {
-        if (kinds[j] == Kind::dummy) return;
-        diagonal += double(w);
-        const Index column = row_of_[particles.owner(j)];
-        if (column == nowhere) {
-          to_surface += double(w);
+      std::array<double, P::dimension> moments{};
+      for_each_weighted(neighbours, i, stencil, [&](Index j, const auto& r_ij, auto, auto weight) {
+        const std::uint32_t column = row_of_[j];
+        if (column == dummy) return;
+        const double w = double(static_cast<float>(weight));  // as the system keeps it
+        diagonal += w;
+        if (column == zero) {
+          to_surface += w;
           return;
         }
-        add({column, -double(w)});
-        for (int k = 0; k < P::dimension; ++k) {
-          second_moments[Index(k)] += double(w) * squared(double(r_ij[k]));
+        add(column, -w);
+        for (Index k = 0; k < moments.size(); ++k) {
+          moments[k] += w * squared(double(r_ij[static_cast<Eigen::Index>(k)]));
         }
       });
       system_.diagonal[row] = diagonal;
       system_.right_side[row] = -double(source(i)) * scale;
-      geometry.points[row] = point;
-      geometry.second_moments[row] = second_moments;
-      geometry.to_surface[row] = to_surface;
+      geometry.to_surface[row] = static_cast<float>(to_surface);
+      for (Index k = 0; k < moments.size(); ++k) {
+        geometry.points[row][k] = double(x[i][static_cast<Eigen::Index>(k)]);
+        geometry.second_moments[row][k] = static_cast<float>(moments[k] * per_spacing);
+      }
     });
     find_closed_bodies();
     // Fluid that cannot leave cannot expand: in a closed body the sources add up to nothing.
@@ -82,7 +84,7 @@ class PressureEquation {
     }
     settle_closed_bodies();
     for_each(values.size(), [&](Index i) {
-      values[i] = row_of_[i] == nowhere ? Real(0) : Real(solution_[row_of_[i]]);
+      values[i] = row_of_[i] < unknowns_.size() ? Real(solution_[row_of_[i]]) : Real(0);
     });
     return report;
   }
@@ -90,56 +92,70 @@ class PressureEquation {
   const LinearSystem& system() const noexcept { return system_; }
 
  private:
+  // What stands in row_of_ for particles without a row: those with P = 0, and dummies.
+  static constexpr std::uint32_t zero = std::numeric_limits<std::uint32_t>::max();
+  static constexpr std::uint32_t dummy = zero - 1;
+
   template <class P, class S, class T>
-  void number_unknowns(const P& particles, const S& search, const T& stencil) {
-    const auto kinds = particles[kind];
-    const auto kinds_around = particles.with_ghosts(kind);
+  void number_unknowns(const P& particles, const S& neighbours, const T& stencil) {
+    const auto kinds = particles.with_ghosts(kind);
     const auto on_surface = particles[surface];
-    is_unknown_.resize(particles.size());
+    row_of_.resize(particles.total());
     for_each(particles.size(), [&](Index i) {
-      bool connected = false;
-      if (kinds[i] != Kind::dummy && !on_surface[i]) {
-        for_each_weighted(search, i, stencil, [&](Index j, const auto&, auto, auto w) {
-          connected |= kinds_around[j] != Kind::dummy && w > 0;
-        });
-      }
-      is_unknown_[i] = connected;
+      row_of_[i] = kinds[i] == Kind::dummy ? dummy : zero;
+      if (kinds[i] == Kind::dummy || on_surface[i]) return;
+      const bool is_connected = any_weighted(
+          neighbours, i, stencil, [&](Index j, auto w) { return kinds[j] != Kind::dummy && w > 0; });
+      if (is_connected) row_of_[i] = 0;
     });
     unknowns_.clear();
-    row_of_.assign(particles.size(), nowhere);
     for (Index i = 0; i < particles.size(); ++i) {
-      if (!is_unknown_[i]) continue;
-      row_of_[i] = unknowns_.size();
-      unknowns_.push_back(i);
+      if (row_of_[i] != 0) continue;
+      row_of_[i] = static_cast<std::uint32_t>(unknowns_.size());
+      unknowns_.push_back(static_cast<std::uint32_t>(i));
+    }
+    for (Index i = particles.size(); i < particles.total(); ++i) {
+      row_of_[i] = row_of_[particles.owner(i)];
     }
   }
 
   // A body of fluid with no free surface (a closed full tank) fixes its pressure up to a constant
   // only. Such bodies are found by walking from the surface: what is not reached is closed.
   void find_closed_bodies() {
-    constexpr Index open = 0;
     auto& body = system_.closed_body;
-    body.assign(unknowns_.size(), nowhere);
+    body.assign(unknowns_.size(), unreached);
     system_.closed_bodies = 0;
-    for (Index row = 0; row < unknowns_.size(); ++row) {
-      if (system_.geometry.to_surface[row] > 0 && body[row] == nowhere) flood(row, open);
+    // Surfaces mostly lie on top, so that one pass downwards reaches nearly all.
+    for (Index row = unknowns_.size(); row-- > 0;) {
+      if (system_.geometry.to_surface[row] > 0 || is_beside_open(row)) body[row] = open;
     }
     for (Index row = 0; row < unknowns_.size(); ++row) {
-      if (body[row] == nowhere) flood(row, ++system_.closed_bodies);
+      if (body[row] == unreached && is_beside_open(row)) flood(row, open);
+    }
+    for (Index row = 0; row < unknowns_.size(); ++row) {
+      if (body[row] == unreached) flood(row, static_cast<std::uint32_t>(++system_.closed_bodies));
     }
   }
 
-  void flood(Index row, Index body) {
-    front_.assign(1, row);
+  static constexpr std::uint32_t open = 0;
+  static constexpr std::uint32_t unreached = std::numeric_limits<std::uint32_t>::max();
+
+  bool is_beside_open(Index row) const {
+    return system_.off_diagonal.has_entry(
+        row, [&](Index column) { return system_.closed_body[column] == open; });
+  }
+
+  void flood(Index row, std::uint32_t body) {
+    front_.assign(1, static_cast<std::uint32_t>(row));
     system_.closed_body[row] = body;
     while (!front_.empty()) {
       const Index at = front_.back();
       front_.pop_back();
-      for (const auto& [column, value] : system_.off_diagonal[at]) {
-        if (system_.closed_body[column] != nowhere || value == 0) continue;
+      system_.off_diagonal.for_each_entry(at, [&](Index column, double) {
+        if (system_.closed_body[column] != unreached) return;
         system_.closed_body[column] = body;
-        front_.push_back(column);
-      }
+        front_.push_back(static_cast<std::uint32_t>(column));
+      });
     }
   }
 
@@ -157,10 +173,9 @@ class PressureEquation {
   }
 
   LinearSystem system_;
-  std::vector<Index> unknowns_;  // particle of each row
-  std::vector<Index> row_of_;    // row of each particle, nowhere: P = 0
-  std::vector<char> is_unknown_;
-  std::vector<Index> front_;
+  std::vector<std::uint32_t> unknowns_;  // particle of each row
+  std::vector<std::uint32_t> row_of_;    // row of each particle, ghosts as their owners
+  std::vector<std::uint32_t> front_;
   std::vector<double> solution_;
 };
 

@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <limits>
 #include <numeric>
-#include <utility>
+#include <span>
 #include <vector>
 
 namespace silt {
@@ -18,87 +18,126 @@ namespace silt {
 template <int Dim>
 using GridCell = std::array<std::int64_t, Dim>;
 
-/// Numbers the distinct ones of the given cells: red before black, as on a chessboard, and sorted
-/// within a colour.
+/// In which order cells get their numbers; within a colour, x runs fastest.
+enum class CellOrder {
+  plain,       ///< all of one colour
+  chessboard,  ///< red ones before black ones; no two of a colour share a face
+};
+
 template <int Dim>
 class BackgroundCells {
  public:
   using Cell = GridCell<Dim>;
 
-  explicit BackgroundCells(std::vector<Cell> cells) {
-    std::sort(cells.begin(), cells.end());
-    cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
-    lower_.fill(std::numeric_limits<std::int64_t>::max());
-    Cell upper;
-    upper.fill(std::numeric_limits<std::int64_t>::min());
-    for (const Cell& cell : cells) {
-      for (std::size_t k = 0; k < Dim; ++k) {
-        lower_[k] = std::min(lower_[k], cell[k]);
-        upper[k] = std::max(upper[k], cell[k]);
-      }
-    }
-    double box = cells.empty() ? 0 : 1;
-    for (std::size_t k = 0; k < Dim && !cells.empty(); ++k) {
-      box *= double(upper[k]) - double(lower_[k]) + 1;
-    }
-    sorted_ = cells;
-    reds_ = static_cast<Index>(std::stable_partition(cells.begin(), cells.end(), is_red) -
-                               cells.begin());
-    number_.resize(cells.size());
-    // Where the box is not much larger than its content, a table answers at once.
-    is_dense_ = box <= 8 * double(cells.size()) + 4096;
-    if (is_dense_) {
-      for (std::size_t k = 0; k < Dim && !cells.empty(); ++k) extent_[k] = upper[k] - lower_[k] + 1;
-      table_.assign(static_cast<Index>(box), none);
-      for (Index c = 0; c < cells.size(); ++c) table_[place(cells[c])] = std::uint32_t(c);
-    } else {
-      for (Index c = 0; c < cells.size(); ++c) {
-        number_[static_cast<Index>(std::lower_bound(sorted_.begin(), sorted_.end(), cells[c]) -
-                                   sorted_.begin())] = std::uint32_t(c);
-      }
-    }
-    cells_ = std::move(cells);
-  }
-
   /// What find() gives for a cell that is not there.
   static constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
-  /// No two cells of one colour share a face.
-  static bool is_red(const Cell& cell) {
-    return (std::accumulate(cell.begin(), cell.end(), std::int64_t(0)) & 1) == 0;
+
+  /// Numbers the distinct ones of the given cells. Memory of earlier numberings is reused.
+  void number(std::span<const Cell> given, CellOrder order) {
+    order_ = order;
+    find_box(given);
+    double box = given.empty() ? 0 : 1;
+    for (const std::int64_t along : extent_) box *= double(along);
+    // Where the box is not much larger than its content, a table answers at once.
+    has_table_ = box <= 2 * double(given.size()) + 4096;
+    cells_.clear();
+    if (has_table_) {
+      collect_by_table(given, static_cast<Index>(box));
+    } else {
+      cells_.assign(given.begin(), given.end());
+      std::sort(cells_.begin(), cells_.end(), comes_before);
+      cells_.erase(std::unique(cells_.begin(), cells_.end()), cells_.end());
+    }
+    put_reds_first();
+    for (Index c = 0; has_table_ && c < cells_.size(); ++c) {
+      table_[place(cells_[c])] = static_cast<std::uint32_t>(c);
+    }
   }
 
   /// Number of the cell.
   std::uint32_t find(const Cell& cell) const {
-    if (is_dense_) {
+    if (has_table_) {
       for (std::size_t k = 0; k < Dim; ++k) {
         if (cell[k] < lower_[k] || cell[k] - lower_[k] >= extent_[k]) return none;
       }
       return table_[place(cell)];
     }
-    const auto at = std::lower_bound(sorted_.begin(), sorted_.end(), cell);
-    if (at == sorted_.end() || *at != cell) return none;
-    return number_[static_cast<Index>(at - sorted_.begin())];
+    const auto first_black = cells_.begin() + static_cast<std::ptrdiff_t>(reds_);
+    const auto begin = is_red(cell) ? cells_.begin() : first_black;
+    const auto end = is_red(cell) ? first_black : cells_.end();
+    const auto at = std::lower_bound(begin, end, cell, comes_before);
+    if (at == end || *at != cell) return none;
+    return static_cast<std::uint32_t>(at - cells_.begin());
   }
+
   /// The cells by number.
-  const std::vector<Cell>& cells() const { return cells_; }
+  std::span<const Cell> cells() const noexcept { return cells_; }
+  Index size() const noexcept { return cells_.size(); }
   /// Cells 0 … reds()-1 are red.
-  Index reds() const { return reds_; }
+  Index reds() const noexcept { return reds_; }
 
  private:
+  bool is_red(const Cell& cell) const {
+    return order_ == CellOrder::plain ||
+           (std::accumulate(cell.begin(), cell.end(), std::int64_t(0)) & 1) == 0;
+  }
+
+  static bool comes_before(const Cell& a, const Cell& b) {
+    return std::lexicographical_compare(a.rbegin(), a.rend(), b.rbegin(), b.rend());
+  }
+
+  void find_box(std::span<const Cell> given) {
+    lower_.fill(std::numeric_limits<std::int64_t>::max());
+    Cell upper;
+    upper.fill(std::numeric_limits<std::int64_t>::min());
+    for (const Cell& cell : given) {
+      for (std::size_t k = 0; k < Dim; ++k) {
+        lower_[k] = std::min(lower_[k], cell[k]);
+        upper[k] = std::max(upper[k], cell[k]);
+      }
+    }
+    extent_.fill(0);
+    for (std::size_t k = 0; k < Dim && !given.empty(); ++k) extent_[k] = upper[k] - lower_[k] + 1;
+  }
+
+  void collect_by_table(std::span<const Cell> given, Index places) {
+    table_.assign(places, none);
+    for (const Cell& cell : given) table_[place(cell)] = 0;
+    Cell cell = lower_;
+    for (Index at = 0; at < places; ++at) {
+      if (table_[at] != none) cells_.push_back(cell);
+      for (std::size_t k = 0; k < Dim; ++k) {  // the next, as in counting
+        if (++cell[k] - lower_[k] < extent_[k] || k + 1 == Dim) break;
+        cell[k] = lower_[k];
+      }
+    }
+  }
+
+  void put_reds_first() {
+    by_colour_.clear();
+    for (const bool red : {true, false}) {
+      for (const Cell& cell : cells_) {
+        if (is_red(cell) == red) by_colour_.push_back(cell);
+      }
+      if (red) reds_ = by_colour_.size();
+    }
+    cells_.swap(by_colour_);
+  }
+
   Index place(const Cell& cell) const {
     std::int64_t at = 0;
     for (std::size_t k = Dim; k-- > 0;) at = at * extent_[k] + (cell[k] - lower_[k]);
     return static_cast<Index>(at);
   }
 
+  CellOrder order_ = CellOrder::plain;
   std::vector<Cell> cells_;
-  std::vector<Cell> sorted_;
-  std::vector<std::uint32_t> number_;  // by place in sorted_
-  std::vector<std::uint32_t> table_;
+  std::vector<Cell> by_colour_;
+  std::vector<std::uint32_t> table_;  // number by place in the box
   Cell lower_{};
   std::array<std::int64_t, Dim> extent_{};
   Index reds_ = 0;
-  bool is_dense_ = true;
+  bool has_table_ = true;
 };
 
 }  // namespace silt

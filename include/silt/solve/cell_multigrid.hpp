@@ -22,16 +22,14 @@
 #include <silt/core/linear_system.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/types.hpp>
-#include <silt/solve/background_cells.hpp>
+#include <silt/solve/cell_level.hpp>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <numeric>
 #include <vector>
 
 namespace silt {
@@ -59,258 +57,138 @@ class CellMultigrid {
   void prepare(const LinearSystem& system) {
     inverse_.resize(system.size());
     for_each(system.size(), [&](Index i) { inverse_[i] = 1 / system.diagonal[i]; });
-    levels_.clear();
+    used_ = 0;
     if (system.geometry.points.empty()) return;
     lay_finest_cells(system);
-    while (levels_.back().size() > settings_.solved_directly && coarsen()) {
+    while (coarsest().size() > settings_.solved_directly && coarsen()) {
     }
     invert_coarsest();
   }
 
   void apply(const std::vector<double>& r, std::vector<double>& z) {
-    if (levels_.empty() || levels_[0].size() == 0) {
+    if (used_ == 0 || levels_[0].size() == 0) {
       for_each(r.size(), [&](Index i) { z[i] = inverse_[i] * r[i]; });
       return;
     }
     Level& finest = levels_[0];
-    for_each(finest.size(), [&](Index c) {
-      float sum = 0;
-      for (Index k = finest.first_below[c]; k < finest.first_below[c + 1]; ++k) {
-        sum += finest.share_below[k] * float(r[finest.below[k]]);
-      }
-      finest.b[c] = sum;
-    });
+    finest.to_finer.restrict_to(finest.b, [&](Index i) { return r[i]; });
     cycle(0);
-    for_each(r.size(), [&](Index i) {
-      float sum = 0;
-      for (int k = 0; k < corners; ++k) {
-        const Corner& corner = from_finest_[i * corners + static_cast<Index>(k)];
-        sum += corner.share * finest.x[corner.cell];
-      }
-      z[i] = inverse_[i] * r[i] + double(sum);
+    finest.to_finer.interpolate(finest.x, [&](Index i, float correction) {
+      z[i] = inverse_[i] * r[i] + double(correction);
     });
   }
 
-  Index levels() const noexcept { return levels_.size(); }
+  Index levels() const noexcept { return used_; }
 
  private:
-  static constexpr int corners = 1 << Dim;
-  static constexpr int faces = 2 * Dim;
-  using Cell = GridCell<Dim>;
-  using Numbering = BackgroundCells<Dim>;
+  using Level = CellLevel<Dim>;
+  using Point = std::array<double, Dim>;
 
-  // Share of a coarse value in a fine one; a share of 0 stands for a missing cell.
-  struct Corner {
-    std::uint32_t cell = 0;
-    float share = 0;
-  };
-
-  struct Level {
-    std::vector<Cell> cells;           // red ones first
-    Index reds = 0;
-    std::vector<std::uint32_t> beside;  // by face: 2 k and 2 k + 1 along axis k; itself where none
-    std::vector<float> conductance;     // by face, 0 where none
-    std::vector<float> mass;
-    std::vector<float> diagonal;
-    std::vector<float> inverse;         // of the diagonal
-    std::vector<float> x, b, r;
-    std::vector<Corner> from_above;     // interpolation from the next coarser level
-    // Transposed interpolation from this level to what is below it, particles or finer cells.
-    std::vector<Index> first_below;
-    std::vector<std::uint32_t> below;
-    std::vector<float> share_below;
-
-    Index size() const { return cells.size(); }
-  };
+  Level& add_level() {
+    if (used_ == levels_.size()) levels_.emplace_back();
+    return levels_[used_++];
+  }
+  Level& coarsest() { return levels_[used_ - 1]; }
 
   void lay_finest_cells(const LinearSystem& system) {
     const auto& geometry = system.geometry;
-    const double h = settings_.cell * geometry.spacing;
-    const Index n = system.size();
+    const double edge = settings_.cell * geometry.spacing;
     const auto takes_part = [&](Index i) {
       return system.diagonal[i] >= settings_.weak * geometry.full_diagonal;
     };
-    const auto at = [&](Index i, int k) { return geometry.points[i][Index(k)] / h; };
-
-    std::vector<Cell> cells(n);
-    std::vector<Cell> occupied;
-    for_each(n, [&](Index i) {
-      if (!takes_part(i)) return;
-      for (int k = 0; k < Dim; ++k) cells[i][Index(k)] = std::int64_t(std::floor(at(i, k)));
-    });
-    for (Index i = 0; i < n; ++i) {
-      if (takes_part(i)) occupied.push_back(cells[i]);
+    const auto point = [&](Index i) {
+      Point x;
+      for (std::size_t k = 0; k < Dim; ++k) x[k] = geometry.points[i][k] / edge;
+      return x;
+    };
+    occupied_.clear();
+    for (Index i = 0; i < system.size(); ++i) {
+      if (takes_part(i)) occupied_.push_back(cell_at(point(i)));
     }
-    Numbering numbering(std::move(occupied));
-    Level& level = add_level(numbering);
+    Level& level = add_level();
+    level.cells.number(occupied_, CellOrder::chessboard);
+    level.lay_out();
+    level.to_finer.build(system.size(), level.cells, point, takes_part);
 
-    // K_a = ½ Σ_i Σ_j w_ij Δx_a² / h², and Σ_i of the weights to the free surface.
-    std::vector<std::array<double, Dim>> stiffness(level.size(), std::array<double, Dim>{});
-    std::vector<double> masses(level.size(), 0.0);
-    for (Index i = 0; i < n; ++i) {
-      if (!takes_part(i)) continue;
-      const Index c = numbering.find(cells[i]);
-      for (int k = 0; k < Dim; ++k) {
-        stiffness[c][Index(k)] += geometry.second_moments[i][Index(k)] / (2 * h * h);
-      }
-      masses[c] += geometry.to_surface[i];
+    // The particles' masses m_i = Σ w_ij to the free surface and stiffnesses ½ Σ_j w_ij Δx² / edge²
+    // along each axis, shared among the cells as the residual is; a face has the mean of its cells'.
+    level.to_finer.restrict_to(level.mass, [&](Index i) { return geometry.to_surface[i]; });
+    const float scale = float(1 / (2 * squared(settings_.cell)));
+    for (std::size_t k = 0; k < Dim; ++k) {
+      level.to_finer.restrict_to(level.b, [&](Index i) { return geometry.second_moments[i][k]; });
+      for_each(level.size(), [&](Index c) {
+        for (const Index f : {2 * k, 2 * k + 1}) {
+          const Index other = level.beside[c][f];
+          if (other != c) level.conductance[c][f] = scale * (level.b[c] + level.b[other]) / 2;
+        }
+      });
     }
-    for (Index c = 0; c < level.size(); ++c) {
-      level.mass[c] = float(masses[c]);
-      for (int f = 0; f < faces; ++f) {
-        const Index other = level.beside[c * faces + Index(f)];
-        if (other == c) continue;
-        level.conductance[c * faces + Index(f)] =
-            float((stiffness[c][Index(f / 2)] + stiffness[other][Index(f / 2)]) / 2);
-      }
-    }
-    finish_diagonal(level, 1e-6f);
+    level.finish(1e-6f);
+  }
 
-    from_finest_.assign(n * corners, Corner{});
-    for_each(n, [&](Index i) {
-      if (!takes_part(i)) return;
-      std::array<double, Dim> x;
-      for (int k = 0; k < Dim; ++k) x[Index(k)] = at(i, k);
-      interpolate(numbering, x, &from_finest_[i * corners]);
-    });
-    transpose(from_finest_, level);
+  static GridCell<Dim> cell_at(const Point& x) {
+    GridCell<Dim> cell;
+    for (std::size_t k = 0; k < Dim; ++k) cell[k] = std::int64_t(std::floor(x[k]));
+    return cell;
   }
 
   // The next level; false where it would hardly be smaller.
   bool coarsen() {
-    const Index n = levels_.back().size();
-    std::vector<Cell> parents(n);
-    for (Index c = 0; c < n; ++c) {
-      for (std::size_t k = 0; k < Dim; ++k) parents[c][k] = levels_.back().cells[c][k] >> 1;
-    }
-    Numbering numbering(parents);
-    if (numbering.cells().size() * 4 > n * 3) return false;
-    Level& coarse = add_level(numbering);
-    Level& fine = levels_[levels_.size() - 2];
-
-    std::vector<double> conductance(coarse.size() * faces, 0.0);
-    std::vector<double> masses(coarse.size(), 0.0);
-    for (Index c = 0; c < n; ++c) {
-      const Index parent = numbering.find(parents[c]);
-      masses[parent] += double(fine.mass[c]);
-      for (int f = 0; f < faces; ++f) {
-        const Index other = fine.beside[c * faces + Index(f)];
-        if (other == c || parents[other] == parents[c]) continue;
-        conductance[parent * faces + Index(f)] +=
-            double(fine.conductance[c * faces + Index(f)]) / 2;
-      }
-    }
-    std::transform(masses.begin(), masses.end(), coarse.mass.begin(), [](double m) { return float(m); });
-    std::transform(conductance.begin(), conductance.end(), coarse.conductance.begin(),
-                   [](double k) { return float(k); });
-    finish_diagonal(coarse, 1e-6f * std::pow(4.0f, float(levels_.size() - 1)));
-
-    fine.from_above.assign(n * corners, Corner{});
+    const Index n = coarsest().size();
+    occupied_.resize(n);
     for_each(n, [&](Index c) {
-      std::array<double, Dim> x;
-      for (std::size_t k = 0; k < Dim; ++k) x[k] = (double(fine.cells[c][k]) + 0.5) / 2;
-      interpolate(numbering, x, &fine.from_above[c * corners]);
+      for (std::size_t k = 0; k < Dim; ++k) occupied_[c][k] = coarsest().cells.cells()[c][k] >> 1;
     });
-    transpose(fine.from_above, coarse);
+    Level& coarse = add_level();
+    Level& fine = levels_[used_ - 2];
+    coarse.cells.number(occupied_, CellOrder::chessboard);
+    if (coarse.size() * 4 > n * 3) {
+      --used_;
+      return false;
+    }
+    coarse.lay_out();
+    coarse.to_finer.build(
+        n, coarse.cells,
+        [&](Index c) {
+          Point x;
+          for (std::size_t k = 0; k < Dim; ++k) x[k] = (double(fine.cells.cells()[c][k]) + 0.5) / 2;
+          return x;
+        },
+        [](Index) { return true; });
+    for_each(coarse.size(), [&](Index parent) { sum_children(fine, coarse, parent); });
+    coarse.finish(1e-6f * std::pow(4.0f, float(used_ - 1)));
     return true;
   }
 
-  Level& add_level(const Numbering& numbering) {
-    Level& level = levels_.emplace_back();
-    level.cells = numbering.cells();
-    level.reds = numbering.reds();
-    const Index n = level.size();
-    level.beside.resize(n * faces);
-    level.conductance.assign(n * faces, 0);
-    for_each(n, [&](Index c) {
-      for (int f = 0; f < faces; ++f) {
-        Cell next = level.cells[c];
-        next[Index(f / 2)] += f % 2 == 0 ? -1 : 1;
-        const std::uint32_t other = numbering.find(next);
-        level.beside[c * faces + Index(f)] = other == Numbering::none ? std::uint32_t(c) : other;
-      }
-    });
-    for (auto* values : {&level.mass, &level.diagonal, &level.inverse, &level.x, &level.b, &level.r}) {
-      values->assign(n, 0);
-    }
-    return level;
-  }
-
-  // Cells that touch no surface get a little mass: an all-closed body would be singular.
-  void finish_diagonal(Level& level, float floor) const {
-    for_each(level.size(), [&](Index c) {
-      float sum = 0;
-      for (int f = 0; f < faces; ++f) sum += level.conductance[c * faces + Index(f)];
-      level.mass[c] = std::max(level.mass[c], floor * sum);
-      level.diagonal[c] = sum + level.mass[c];
-      level.inverse[c] = level.diagonal[c] > 0 ? 1 / level.diagonal[c] : 0;
-    });
-  }
-
-  // Linear interpolation at x, in cells, from the cells' centres; those that are missing are left
-  // out and the others' shares grow in proportion.
-  static void interpolate(const Numbering& numbering, const std::array<double, Dim>& x,
-                          Corner* to) {
-    Cell low;
-    std::array<double, Dim> beyond;
-    for (std::size_t k = 0; k < Dim; ++k) {
-      const double shifted = x[k] - 0.5;
-      low[k] = std::int64_t(std::floor(shifted));
-      beyond[k] = shifted - std::floor(shifted);
-    }
-    double sum = 0;
-    std::array<double, corners> shares{};
-    for (int corner = 0; corner < corners; ++corner) {
-      Cell cell = low;
-      double share = 1;
+  static void sum_children(const Level& fine, Level& coarse, Index parent) {
+    for (Index child = 0; child < Index(1) << Dim; ++child) {
+      GridCell<Dim> cell = coarse.cells.cells()[parent];
+      for (std::size_t k = 0; k < Dim; ++k) cell[k] = 2 * cell[k] + std::int64_t((child >> k) & 1);
+      const std::uint32_t c = fine.cells.find(cell);
+      if (c == BackgroundCells<Dim>::none) continue;
+      coarse.mass[parent] += fine.mass[c];
       for (std::size_t k = 0; k < Dim; ++k) {
-        const bool high = (corner >> k) & 1;
-        cell[k] += high;
-        share *= high ? beyond[k] : 1 - beyond[k];
+        const Index outer = 2 * k + ((child >> k) & 1);
+        coarse.conductance[parent][outer] += fine.conductance[c][outer] / 2;
       }
-      const std::uint32_t found = share > 0 ? numbering.find(cell) : Numbering::none;
-      if (found == Numbering::none) continue;
-      to[corner].cell = found;
-      shares[Index(corner)] = share;
-      sum += share;
-    }
-    for (int corner = 0; corner < corners && sum > 0; ++corner) {
-      to[corner].share = float(shares[Index(corner)] / sum);
     }
   }
 
-  static void transpose(const std::vector<Corner>& corners_of, Level& level) {
-    level.first_below.assign(level.size() + 1, 0);
-    for (const Corner& corner : corners_of) {
-      if (corner.share > 0) ++level.first_below[corner.cell + 1];
-    }
-    std::partial_sum(level.first_below.begin(), level.first_below.end(),
-                     level.first_below.begin());
-    level.below.resize(level.first_below.back());
-    level.share_below.resize(level.first_below.back());
-    std::vector<Index> next(level.first_below.begin(), level.first_below.end() - 1);
-    for (Index k = 0; k < corners_of.size(); ++k) {
-      if (!(corners_of[k].share > 0)) continue;
-      const Index at = next[corners_of[k].cell]++;
-      level.below[at] = std::uint32_t(k / corners);
-      level.share_below[at] = corners_of[k].share;
-    }
+  bool is_solved_directly(const Level& level) const {
+    return level.size() <= 4 * settings_.solved_directly;
   }
 
-  // The coarsest level's inverse, where it is small enough to be solved directly.
   void invert_coarsest() {
-    const Level& level = levels_.back();
+    const Level& level = coarsest();
+    if (!is_solved_directly(level)) return;
     const auto n = static_cast<Eigen::Index>(level.size());
-    if (level.size() > 4 * settings_.solved_directly) return;
     Eigen::MatrixXd A = Eigen::MatrixXd::Zero(n, n);
     for (Index c = 0; c < level.size(); ++c) {
       const auto row = static_cast<Eigen::Index>(c);
       A(row, row) = level.diagonal[c] > 0 ? double(level.diagonal[c]) : 1;
-      for (int f = 0; f < faces; ++f) {
-        const Index other = level.beside[c * faces + Index(f)];
-        if (other == c) continue;
-        A(row, static_cast<Eigen::Index>(other)) -=
-            double(level.conductance[c * faces + Index(f)]);
+      for (Index f = 0; f < Level::faces; ++f) {
+        const Index other = level.beside[c][f];
+        if (other != c) A(row, static_cast<Eigen::Index>(other)) -= double(level.conductance[c][f]);
       }
     }
     const Eigen::MatrixXd inverse = A.llt().solve(Eigen::MatrixXd::Identity(n, n));
@@ -319,8 +197,8 @@ class CellMultigrid {
 
   void cycle(Index l) {
     Level& level = levels_[l];
-    const bool is_coarsest = l + 1 == levels_.size();
-    if (is_coarsest && level.size() <= 4 * settings_.solved_directly) {
+    const bool is_coarsest = l + 1 == used_;
+    if (is_coarsest && is_solved_directly(level)) {
       const auto n = static_cast<Eigen::Index>(level.size());
       Eigen::Map<Eigen::VectorXf>(level.x.data(), n).noalias() =
           coarsest_inverse_ * Eigen::Map<const Eigen::VectorXf>(level.b.data(), n);
@@ -328,55 +206,29 @@ class CellMultigrid {
     }
     std::fill(level.x.begin(), level.x.end(), 0.0f);
     for (int sweep = 0; sweep < settings_.sweeps; ++sweep) {
-      relax(level, 0, level.reds);
-      relax(level, level.reds, level.size());
+      level.relax(Level::red);
+      level.relax(Level::black);
     }
     if (!is_coarsest) {
       Level& coarse = levels_[l + 1];
-      for_each(level.size(), [&](Index c) {
-        level.r[c] = level.b[c] - level.x[c] * level.diagonal[c] + flow_in(level, c);
-      });
-      for_each(coarse.size(), [&](Index c) {
-        float sum = 0;
-        for (Index k = coarse.first_below[c]; k < coarse.first_below[c + 1]; ++k) {
-          sum += coarse.share_below[k] * level.r[coarse.below[k]];
-        }
-        coarse.b[c] = sum;
-      });
+      level.find_residual();
+      coarse.to_finer.restrict_to(coarse.b, [&](Index c) { return level.r[c]; });
       cycle(l + 1);
-      for_each(level.size(), [&](Index c) {
-        for (int k = 0; k < corners; ++k) {
-          const Corner& corner = level.from_above[c * corners + Index(k)];
-          level.x[c] += corner.share * coarse.x[corner.cell];
-        }
+      coarse.to_finer.interpolate(coarse.x, [&](Index c, float correction) {
+        level.x[c] += correction;
       });
     }
     for (int sweep = 0; sweep < settings_.sweeps; ++sweep) {
-      relax(level, level.reds, level.size());
-      relax(level, 0, level.reds);
+      level.relax(Level::black);
+      level.relax(Level::red);
     }
-  }
-
-  static float flow_in(const Level& level, Index c) {
-    float sum = 0;
-    for (int f = 0; f < faces; ++f) {
-      sum += level.conductance[c * faces + Index(f)] * level.x[level.beside[c * faces + Index(f)]];
-    }
-    return sum;
-  }
-
-  // Gauss–Seidel over one colour: none of its cells is beside another.
-  static void relax(Level& level, Index from, Index to) {
-    for_each(to - from, [&](Index k) {
-      const Index c = from + k;
-      level.x[c] = (level.b[c] + flow_in(level, c)) * level.inverse[c];
-    });
   }
 
   Settings settings_;
-  std::vector<double> inverse_;
-  std::vector<Level> levels_;
-  std::vector<Corner> from_finest_;  // by row of the system
+  std::vector<double> inverse_;  // of the system's diagonal
+  std::vector<Level> levels_;    // those of earlier systems keep their memory
+  Index used_ = 0;
+  std::vector<GridCell<Dim>> occupied_;
   Eigen::MatrixXf coarsest_inverse_;
 };
 

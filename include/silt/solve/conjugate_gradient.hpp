@@ -9,7 +9,9 @@
 #include <silt/core/types.hpp>
 #include <silt/solve/jacobi.hpp>
 
+#include <array>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 namespace silt {
@@ -35,13 +37,13 @@ class ConjugateGradient {
   }
 
   const SolveSettings& settings() const noexcept { return settings_; }
+  const M& preconditioner() const noexcept { return preconditioner_; }
 
   /// Improves x until the residual is within the tolerance. Never throws: read the report's reason.
   SolveReport solve(const LinearSystem& system, std::vector<double>& x) {
-    const std::vector<double>& b = system.right_side;
     const Index n = system.size();
     SolveReport report{.unknowns = n};
-    const double size_of_b = std::sqrt(dot(b, b));
+    const double size_of_b = std::sqrt(dot(system.right_side, system.right_side));
     if (n == 0 || size_of_b == 0) {
       for_each(n, [&](Index i) { x[i] = 0; });
       return report;
@@ -51,46 +53,32 @@ class ConjugateGradient {
 
     // A second round starts where rounding has parted the recurrence from the true residual.
     for (int round = 0; round < 3; ++round) {
-      subtract_product(system, x, b, r_);  // r = b − A x
-      report.residual = std::sqrt(dot(r_, r_)) / size_of_b;
+      report.residual = find_residual(system, x) / size_of_b;
       report.reason = SolveReport::Reason::converged;
       if (report.residual <= settings_.tolerance) return report;
 
-      preconditioner_.apply(r_, z_);
-      system.remove_constants(z_);
+      precondition(system);  // z = M⁻¹ r
       p_ = z_;
       double rho = dot(r_, z_);
       double residual = report.residual;
       while (!(residual <= settings_.tolerance)) {  // a NaN goes in, to be named there
-        if (report.iterations == settings_.most_iterations || !is_finite(residual)) {
-          report.reason = is_finite(residual) ? SolveReport::Reason::not_converged
-                                              : SolveReport::Reason::broke_down;
-          report.residual = true_residual(system, x) / size_of_b;
+        const bool is_lost = !is_finite(residual);
+        const double curvature = is_lost ? 0 : multiply(system);  // q = A p;  p·q
+        if (is_lost || !(curvature > 0) || report.iterations == settings_.most_iterations) {
+          report.reason = !is_lost && curvature > 0 ? SolveReport::Reason::not_converged
+                                                    : SolveReport::Reason::broke_down;
+          report.residual = find_residual(system, x) / size_of_b;
           return report;
         }
-        product(system, p_, q_);
-        const double curvature = dot(p_, q_);
-        if (!(curvature > 0)) {
-          report.reason = SolveReport::Reason::broke_down;
-          report.residual = true_residual(system, x) / size_of_b;
-          return report;
-        }
-        const double alpha = rho / curvature;
-        for_each(n, [&](Index i) {
-          x[i] += alpha * p_[i];
-          r_[i] -= alpha * q_[i];
-        });
-        preconditioner_.apply(r_, z_);
-        system.remove_constants(z_);
+        residual = std::sqrt(advance(rho / curvature, x)) / size_of_b;  // x += α p;  r −= α q
+        precondition(system);
         const double next = dot(r_, z_);
-        const double beta = next / rho;
+        turn(next / rho);  // p = z + β p
         rho = next;
-        for_each(n, [&](Index i) { p_[i] = z_[i] + beta * p_[i]; });
-        residual = std::sqrt(dot(r_, r_)) / size_of_b;
         ++report.iterations;
       }
     }
-    report.residual = true_residual(system, x) / size_of_b;
+    report.residual = find_residual(system, x) / size_of_b;
     // Within a hundred rounding errors of the tolerance is as good as there.
     const bool close = report.residual <= settings_.tolerance * (1 + 1e-3) + 1e-13;
     report.reason = close ? SolveReport::Reason::converged : SolveReport::Reason::not_converged;
@@ -98,35 +86,80 @@ class ConjugateGradient {
   }
 
  private:
-  // |b − A x|
-  double true_residual(const LinearSystem& system, const std::vector<double>& x) {
-    subtract_product(system, x, system.right_side, r_);
-    return std::sqrt(dot(r_, r_));
+  // r = b − A x, and |r|.
+  double find_residual(const LinearSystem& system, const std::vector<double>& x) {
+    return std::sqrt(sum_over_chunks(system.size(), [&](Chunk chunk) {
+      for (Index i = chunk.first; i < chunk.last; ++i) {
+        r_[i] = system.right_side[i] - system.times(i, x);
+      }
+      return dot(chunk, r_, r_);
+    }));
   }
 
-  static double dot(const std::vector<double>& a, const std::vector<double>& b) {
-    return ordered_sum(a.size(), 0.0, [&](Index i) { return a[i] * b[i]; });
+  double multiply(const LinearSystem& system) {
+    return sum_over_chunks(system.size(), [&](Chunk chunk) {
+      for (Index i = chunk.first; i < chunk.last; ++i) q_[i] = system.times(i, p_);
+      return dot(chunk, p_, q_);
+    });
   }
 
-  static double row_times(const LinearSystem& system, Index i, const std::vector<double>& x) {
-    double sum = system.diagonal[i] * x[i];
-    for (const auto& [column, value] : system.off_diagonal[i]) sum += value * x[column];
+  double advance(double alpha, std::vector<double>& x) {
+    return sum_over_chunks(x.size(), [&](Chunk chunk) {
+      add(chunk, x, alpha, p_);
+      add(chunk, r_, -alpha, q_);
+      return dot(chunk, r_, r_);
+    });
+  }
+
+  void precondition(const LinearSystem& system) {
+    preconditioner_.apply(r_, z_);
+    system.remove_constants(z_);
+  }
+
+  void turn(double beta) {
+    for_each_chunk(p_.size(), [&](Chunk chunk) {
+      double* const p = p_.data();
+      const double* const z = z_.data();
+      for (Index i = chunk.first; i < chunk.last; ++i) p[i] = z[i] + beta * p[i];
+    });
+  }
+
+  double dot(const std::vector<double>& a, const std::vector<double>& b) {
+    return sum_over_chunks(a.size(), [&](Chunk chunk) { return dot(chunk, a, b); });
+  }
+
+  // a += scale b
+  static void add(Chunk chunk, std::vector<double>& a, double scale, const std::vector<double>& b) {
+    double* const to = a.data();
+    const double* const from = b.data();
+    for (Index i = chunk.first; i < chunk.last; ++i) to[i] += scale * from[i];
+  }
+
+  // In eight sums side by side, so that one addition need not wait for the last.
+  static double dot(Chunk chunk, const std::vector<double>& a, const std::vector<double>& b) {
+    std::array<double, 8> sum{};
+    Index i = chunk.first;
+    for (; i + sum.size() <= chunk.last; i += sum.size()) {
+      for (Index lane = 0; lane < sum.size(); ++lane) sum[lane] += a[i + lane] * b[i + lane];
+    }
+    for (; i < chunk.last; ++i) sum[0] += a[i] * b[i];
+    return ((sum[0] + sum[4]) + (sum[2] + sum[6])) + ((sum[1] + sum[5]) + (sum[3] + sum[7]));
+  }
+
+  // Σ f(chunk), the chunks in order.
+  template <class F>
+  double sum_over_chunks(Index n, F&& f) {
+    partial_.resize(chunk_count(n));
+    for_each_chunk(n, [&](Chunk chunk) { partial_[chunk.number] = f(chunk); });
+    double sum = 0;
+    for (const double part : partial_) sum += part;
     return sum;
-  }
-
-  static void product(const LinearSystem& system, const std::vector<double>& x,
-                      std::vector<double>& y) {
-    for_each(system.size(), [&](Index i) { y[i] = row_times(system, i, x); });
-  }
-
-  static void subtract_product(const LinearSystem& system, const std::vector<double>& x,
-                               const std::vector<double>& b, std::vector<double>& r) {
-    for_each(system.size(), [&](Index i) { r[i] = b[i] - row_times(system, i, x); });
   }
 
   SolveSettings settings_;
   M preconditioner_{};
   std::vector<double> r_, z_, p_, q_;
+  std::vector<double> partial_;  // sums of the chunks
 };
 
 }  // namespace silt

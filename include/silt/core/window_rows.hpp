@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: MIT
+// Rows of a sparse matrix whose entries lie in clusters, as those of particles sorted in space do:
+// windows of eight consecutive columns, with zeros between the entries.
+//
+//   entries   5:a  6:b  9:c  40:d
+//   windows   at 5 [a b 0 0 c 0 0 0]   at 40 [d 0 0 0 0 0 0 0]
+//
+// A product reads x in runs, without an index for every entry. Entries are kept in single precision,
+// which halves what it has to read; it is formed in double.
+#pragma once
+
+#include <silt/core/parallel.hpp>
+#include <silt/core/types.hpp>
+
+#include <algorithm>
+#include <cstdint>
+#include <cstring>
+#include <span>
+#include <vector>
+
+namespace silt {
+
+class WindowRows {
+ public:
+  /// Columns of a window.
+  static constexpr Index lanes = 8;
+
+  /// A square matrix of n rows: row i becomes the sum of what f(i, add) adds by add(column, value).
+  /// Any order of columns will do, an ascending one gives the fewest windows. Memory of earlier
+  /// builds is reused.
+  template <class F>
+  void build(Index n, F&& f) {
+    size_ = n;
+    parts_.resize(chunk_count(n));
+    const Index last_window = n > lanes ? n - lanes : 0;  // none reaches beyond the last column
+    for_each_chunk(n, [&](Chunk chunk) {
+      Part& part = parts_[chunk.number];
+      part.first.clear();
+      Index windows = 0;
+      for (Index i = chunk.first; i < chunk.last; ++i) {
+        part.first.push_back(static_cast<std::uint32_t>(windows));
+        Index at = 0;             // first column of the window that is being filled
+        float* values = nullptr;  // its own
+        f(i, [&](Index column, double value) {
+          if (!values || column - at >= lanes) {  // also where it lies before
+            at = std::min(column, last_window);
+            values = part.open_window(windows++, at);
+          }
+          values[column - at] += static_cast<float>(value);
+        });
+      }
+      part.first.push_back(static_cast<std::uint32_t>(windows));
+    });
+  }
+
+  /// Rows.
+  Index size() const noexcept { return size_; }
+
+  /// Σ_j a_ij x_j of row i; x has size() numbers.
+  double times(Index row, std::span<const double> x) const {
+    if (x.size() < lanes) return narrow_times(row, x);
+    const Part& part = parts_[row / chunk_size];
+    const Index last = part.first[row % chunk_size + 1];
+    Doubles sum{};
+    for (Index window = part.first[row % chunk_size]; window < last; ++window) {
+      Floats a;
+      Doubles x_at;
+      std::memcpy(&a, &part.values[window * lanes], sizeof a);
+      std::memcpy(&x_at, &x[part.columns[window]], sizeof x_at);
+      sum += __builtin_convertvector(a, Doubles) * x_at;
+    }
+    return ((sum[0] + sum[4]) + (sum[2] + sum[6])) + ((sum[1] + sum[5]) + (sum[3] + sum[7]));
+  }
+
+  /// f(column, value) for every entry of a row that is not zero.
+  template <class F>
+  void for_each_entry(Index row, F&& f) const {
+    const Part& part = parts_[row / chunk_size];
+    const Index k = row % chunk_size;
+    for (Index at = part.first[k] * lanes; at < part.first[k + 1] * lanes; ++at) {
+      if (part.values[at] != 0) f(part.column(at), double(part.values[at]));
+    }
+  }
+
+  /// Whether f(column) holds of an entry of a row that is not zero; asks from the last one on.
+  template <class F>
+  bool has_entry(Index row, F&& f) const {
+    const Part& part = parts_[row / chunk_size];
+    const Index k = row % chunk_size;
+    for (Index at = part.first[k + 1] * lanes; at-- > part.first[k] * lanes;) {
+      if (part.values[at] != 0 && f(part.column(at))) return true;
+    }
+    return false;
+  }
+
+ private:
+  // Vectors of GCC and Clang: SSE, AVX, AVX-512 or NEON, as the processor has it.
+  typedef double Doubles __attribute__((vector_size(lanes * sizeof(double))));
+  typedef float Floats __attribute__((vector_size(lanes * sizeof(float))));
+
+  // Windows of the rows of one chunk.
+  struct Part {
+    std::vector<std::uint32_t> first;    // window of each row
+    std::vector<std::uint32_t> columns;  // of each window
+    std::vector<float> values;
+
+    // Zeros for the values of this window, the last so far.
+    float* open_window(Index window, Index column) {
+      if (window == columns.size()) {
+        columns.resize(2 * window + chunk_size);
+        values.resize(columns.size() * lanes);
+      }
+      columns[window] = static_cast<std::uint32_t>(column);
+      float* const zeros = &values[window * lanes];
+      std::fill_n(zeros, lanes, 0.0f);
+      return zeros;
+    }
+    // Of the entry at this place among the values.
+    Index column(Index at) const { return columns[at / lanes] + at % lanes; }
+  };
+
+  double narrow_times(Index row, std::span<const double> x) const {
+    double sum = 0;
+    for_each_entry(row, [&](Index column, double value) { sum += value * x[column]; });
+    return sum;
+  }
+
+  Index size_ = 0;
+  std::vector<Part> parts_;
+};
+
+}  // namespace silt

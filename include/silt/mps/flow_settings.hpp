@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: MIT
+// The numbers of a flow.
+#pragma once
+
+#include <silt/core/error.hpp>
+#include <silt/core/types.hpp>
+#include <silt/mps/cases.hpp>
+
+#include <limits>
+
+namespace silt::mps {
+
+/// Numbers of a flow; those of the policies are in the members of their type.
+template <int Dim, class Scheme>
+struct FlowSettings {
+  double spacing = 0;        ///< particle spacing l0 [m], above 0
+  double density = 1000;     ///< ρ [kg/m³]
+  double viscosity = 1e-6;   ///< kinematic ν [m²/s]
+  Vec<Dim> gravity = -9.81 * Vec<Dim>::Unit(Dim - 1);  ///< F [m/s²]
+  double radius = 3.1;            ///< re/l0 of density, surface, gradient, divergence [-]
+  double laplacian_radius = 3.1;  ///< re/l0 of the Laplacian [-]
+  double courant = 0.2;           ///< Δt ≤ courant l0 / largest speed [-]
+  double speed_scale = 0;  ///< expected speed, e.g. √(g H) [m/s]: Δt ≤ courant l0 / speed_scale
+  double largest_time_step = std::numeric_limits<double>::infinity();  ///< [s]
+  bool clip_negative_pressure = true;  ///< P ← max(P, 0): MPS fluid does not pull
+  typename Scheme::Source source = {};
+  typename Scheme::Surface surface = {};
+  typename Scheme::Collision collision = {};
+
+  void check() const {
+    require_positive("FlowSettings: spacing", spacing);
+    require_positive("FlowSettings: density", density);
+    require_not_negative("FlowSettings: viscosity", viscosity);
+    require_finite("FlowSettings: gravity", gravity);
+    require_between("FlowSettings: radius", radius, {1.0 + 1e-9, 10});
+    require_between("FlowSettings: laplacian_radius", laplacian_radius, {1.0 + 1e-9, 10});
+    require_positive("FlowSettings: courant", courant);
+    require_not_negative("FlowSettings: speed_scale", speed_scale);
+    if (!(largest_time_step > 0)) {
+      fail("FlowSettings: largest_time_step = " + to_text(largest_time_step) +
+           " s must be positive; give a value above 0");
+    }
+    source.check();
+    surface.check();
+    collision.check();
+    if (collision.distance > radius) {
+      fail("Collision: distance = " + to_text(collision.distance) +
+           " spacings is beyond FlowSettings: radius = " + to_text(radius) +
+           "; lower the one or enlarge the other");
+    }
+  }
+};
+
+}  // namespace silt::mps

@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: MIT
+// Linear interpolation P from the centres of background cells to points, and its transpose.
+//
+//     +---+---+---+     c  centres of cells
+//     | c | c | c |     The points within one square of four (in space, one cube of eight) centres
+//     +--[+---+]--+     form a patch: they see the same centres. Both directions go patch by patch,
+//     | c | c | c |     and so read and write every centre and every point once.
+//     +--[+---+]--+
+//
+// A centre whose cell is missing is left out, and the shares of the others grow in proportion.
+#pragma once
+
+#include <silt/core/parallel.hpp>
+#include <silt/core/types.hpp>
+#include <silt/solve/background_cells.hpp>
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <numeric>
+#include <span>
+#include <vector>
+
+namespace silt {
+
+template <int Dim>
+class CellInterpolation {
+ public:
+  using Cells = BackgroundCells<Dim>;
+  using Cell = GridCell<Dim>;
+  using Point = std::array<double, Dim>;  // in edges of a cell
+  static constexpr Index corners = Index(1) << Dim;
+
+  /// For n points; point(i) is where, takes_part(i) whether P reaches it: elsewhere it gives zero.
+  template <class Where, class TakesPart>
+  void build(Index n, const Cells& cells, Where&& point, TakesPart&& takes_part) {
+    sort_into_patches(n, point, takes_part);
+    find_corners(cells);
+    share_.resize(n * corners);
+    for_each(patches_.size(), [&](Index patch) {
+      for (Index k = first_[patch]; k < first_[patch + 1]; ++k) {
+        share_out(point(member_[k]), patch, &share_[k * corners]);
+      }
+    });
+    std::fill(share_.begin() + static_cast<std::ptrdiff_t>(first_[patches_.size()] * corners),
+              share_.end(), 0.0f);
+  }
+
+  /// b = Pᵀ r, with r(i) at the points.
+  template <class Values>
+  void restrict_to(std::span<float> b, Values&& r) {
+    for_each(patches_.size(), [&](Index patch) {
+      std::array<float, corners> sum{};
+      for (Index k = first_[patch]; k < first_[patch + 1]; ++k) {
+        const float value = static_cast<float>(r(member_[k]));
+        for (Index c = 0; c < corners; ++c) sum[c] += share_[k * corners + c] * value;
+      }
+      sum_[patch] = sum;
+    });
+    for_each(b.size(), [&](Index cell) {
+      float sum = 0;
+      for (Index c = 0; c < corners; ++c) sum += sum_[patches_of_[cell][c]][c];
+      b[cell] = sum;
+    });
+  }
+
+  /// f(i, (P x)_i) for every point.
+  template <class F>
+  void interpolate(std::span<const float> x, F&& f) const {
+    for_each(patches_.size() + 1, [&](Index patch) {
+      std::array<float, corners> at{};
+      for (Index c = 0; c < corners; ++c) at[c] = x[cells_of_[patch][c]];
+      for (Index k = first_[patch]; k < first_[patch + 1]; ++k) {
+        float sum = 0;
+        for (Index c = 0; c < corners; ++c) sum += share_[k * corners + c] * at[c];
+        f(member_[k], sum);
+      }
+    });
+  }
+
+ private:
+  using Corners = std::array<std::uint32_t, corners>;
+
+  // The cell whose centre is the patch's lowest corner.
+  static Cell low_corner(const Point& x) {
+    Cell low;
+    for (std::size_t k = 0; k < Dim; ++k) low[k] = std::int64_t(std::floor(x[k] - 0.5));
+    return low;
+  }
+
+  static Cell corner(Cell low, Index c) {
+    for (std::size_t k = 0; k < Dim; ++k) low[k] += std::int64_t((c >> k) & 1);
+    return low;
+  }
+
+  // Counting sort; points that take no part come last, in a patch without centres.
+  template <class Where, class TakesPart>
+  void sort_into_patches(Index n, Where&& point, TakesPart&& takes_part) {
+    low_corners_.clear();
+    for (Index i = 0; i < n; ++i) {
+      if (takes_part(i)) low_corners_.push_back(low_corner(point(i)));
+    }
+    patches_.number(low_corners_, CellOrder::plain);
+    const Index outside = patches_.size();
+    patch_of_.resize(n);
+    for_each(n, [&](Index i) {
+      patch_of_[i] = takes_part(i) ? patches_.find(low_corner(point(i)))
+                                   : static_cast<std::uint32_t>(outside);
+    });
+    first_.assign(outside + 3, 0);
+    for (Index i = 0; i < n; ++i) ++first_[patch_of_[i] + 2];
+    std::partial_sum(first_.begin(), first_.end(), first_.begin());
+    member_.resize(n);
+    for (Index i = 0; i < n; ++i) member_[first_[patch_of_[i] + 1]++] = std::uint32_t(i);
+  }
+
+  // Cells at the corners of each patch, and patches around each cell. What is missing stands as
+  // `nothing`: cell 0 with a share of zero, and a patch behind the last whose sum is zero.
+  void find_corners(const Cells& cells) {
+    const auto nothing = static_cast<std::uint32_t>(patches_.size());
+    cells_of_.assign(patches_.size() + 1, Corners{});
+    present_.assign(patches_.size() + 1, {});
+    patches_of_.resize(cells.size());
+    for (Corners& around : patches_of_) around.fill(nothing);
+    sum_.assign(patches_.size() + 1, {});
+    for (Index patch = 0; patch < patches_.size(); ++patch) {
+      for (Index c = 0; c < corners; ++c) {
+        const std::uint32_t found = cells.find(corner(patches_.cells()[patch], c));
+        if (found == Cells::none) continue;
+        cells_of_[patch][c] = found;
+        present_[patch][c] = true;
+        patches_of_[found][c] = static_cast<std::uint32_t>(patch);
+      }
+    }
+  }
+
+  void share_out(const Point& x, Index patch, float* shares) const {
+    const Cell low = patches_.cells()[patch];
+    std::array<double, corners> share;
+    double sum = 0;
+    for (Index c = 0; c < corners; ++c) {
+      share[c] = present_[patch][c] ? 1 : 0;
+      for (std::size_t k = 0; k < Dim; ++k) {
+        const double beyond = x[k] - 0.5 - double(low[k]);
+        share[c] *= (c >> k) & 1 ? beyond : 1 - beyond;
+      }
+      sum += share[c];
+    }
+    for (Index c = 0; c < corners; ++c) shares[c] = sum > 0 ? float(share[c] / sum) : 0.0f;
+  }
+
+  BackgroundCells<Dim> patches_;  // each by its low corner
+  std::vector<Cell> low_corners_;
+  std::vector<std::uint32_t> patch_of_;                // by point
+  std::vector<std::uint32_t> first_;                   // place of each patch's first point
+  std::vector<std::uint32_t> member_;                  // point by place
+  std::vector<float> share_;                           // by place and corner
+  std::vector<Corners> cells_of_;                      // by patch
+  std::vector<std::array<bool, corners>> present_;     // by patch
+  std::vector<Corners> patches_of_;                    // by cell
+  std::vector<std::array<float, corners>> sum_;        // by patch
+};
+
+}  // namespace silt
