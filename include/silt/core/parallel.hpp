@@ -56,31 +56,28 @@ inline constexpr Index chunk_size = 1024;
 
 inline Index chunk_count(Index n) { return (n + chunk_size - 1) / chunk_size; }
 
-/// f(chunk) for every chunk of [0, n), in parallel. Each thread has one contiguous run of chunks.
+/// f(k) for every k of [0, count), in parallel: tasks that are each worth a thread's while. Each
+/// thread has one contiguous run of them.
 template <class F>
-void for_each_chunk(Index n, F&& f) {
-  const Index chunks = chunk_count(n);
-  const auto chunk = [n](Index c) {
-    return Chunk{c, c * chunk_size, std::min(n, (c + 1) * chunk_size)};
-  };
+void for_each_task(Index count, F&& f) {
 #ifdef _OPENMP
-  if (chunks > 1 && threads() > 1 && !omp_in_parallel()) {
-    // A thread stops at its first fault, and its chunks come in order; the lowest of these first
+  if (count > 1 && threads() > 1 && !omp_in_parallel()) {
+    // A thread stops at its first fault, and its tasks come in order; the lowest of these first
     // faults is therefore the lowest of all.
     std::exception_ptr fault;
-    Index fault_chunk = nowhere;
+    Index fault_task = nowhere;
 #pragma omp parallel
     {
       const auto team = static_cast<Index>(omp_get_num_threads());
       const auto me = static_cast<Index>(omp_get_thread_num());
-      const Index last = chunks * (me + 1) / team;
-      Index c = chunks * me / team;
+      const Index last = count * (me + 1) / team;
+      Index task = count * me / team;
       try {
-        for (; c < last; ++c) f(chunk(c));
+        for (; task < last; ++task) f(task);
       } catch (...) {
 #pragma omp critical(silt_fault)
-        if (c < fault_chunk) {
-          fault_chunk = c;
+        if (task < fault_task) {
+          fault_task = task;
           fault = std::current_exception();
         }
       }
@@ -89,7 +86,15 @@ void for_each_chunk(Index n, F&& f) {
     return;
   }
 #endif
-  for (Index c = 0; c < chunks; ++c) f(chunk(c));
+  for (Index task = 0; task < count; ++task) f(task);
+}
+
+/// f(chunk) for every chunk of [0, n), in parallel. Each thread has one contiguous run of chunks.
+template <class F>
+void for_each_chunk(Index n, F&& f) {
+  for_each_task(chunk_count(n), [&f, n](Index c) {
+    f(Chunk{c, c * chunk_size, std::min(n, (c + 1) * chunk_size)});
+  });
 }
 
 /// f(i) for every i of [0, n), in parallel.

@@ -1,33 +1,35 @@
 // SPDX-License-Identifier: MIT
-// Square cells with the search radius as edge, [SahChoi2004] (1). Particles are sorted by cell, x
-// fastest, so that the cells beside one another in a row are one range of memory:
+// The contact search of [SahChoi2004]: particles sorted into square cells, so that whoever is near
+// stands in a few ranges of memory. See cells.hpp for the cells, bin_sort.hpp for the sort.
 //
-//     row y+1   . . [a a|b  |c c] . .      3 ranges in 2D, 9 in 3D, instead of 9 and 27 cells
-//     row y     . . [d  |i  |   ] . .
-//     row y-1   . . [   |e e|f  ] . .
-//
-// The number of cells is O(N) whatever the extent: where the particles' bounding box has more, the
-// grid is folded (cell c lies in bin c mod n along each axis). Far cells then share a bin, which
-// costs a few distance tests and never a pair. Fold lengths are pairwise coprime, so that a line of
-// particles along a diagonal does not fall into one bin in n.
+//   slots      0    1    2    3  …       particles in cell order
+//   x          x3   x0   x7   x1 …       one column per coordinate: a register loads many at once
+//   item       3    0    7    1  …       their places among the particles
 #pragma once
 
 #include <silt/core/error.hpp>
 #include <silt/core/ghosts.hpp>
 #include <silt/core/parallel.hpp>
+#include <silt/core/simd.hpp>
 #include <silt/core/types.hpp>
+#include <silt/search/bin_sort.hpp>
+#include <silt/search/cells.hpp>
+#include <silt/search/neighbour_rows.hpp>
+#include <silt/search/shared_candidates.hpp>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <numeric>
 #include <span>
 #include <string>
 #include <vector>
 
 namespace silt {
+
+/// What rows of neighbours hold: every pair at both of its particles, or at one of them.
+enum class Pairs { twice, once };
 
 template <int Dim, class RealType = double>
 class UniformGrid {
@@ -51,17 +53,34 @@ class UniformGrid {
     require_positive("UniformGrid: radius", double(radius));
     radius_ = radius;
   }
+  /// Candidates reach no farther than radius() [m].
+  Real margin() const noexcept { return 0; }
+
+  /// Puts the owned particles in cell order if many of them are out of it, so that neighbours in
+  /// space are neighbours in memory.
+  template <class P>
+  void sort(P& particles) {
+    if (particles.size() < worth_sorting) return;
+    require_positive("UniformGrid: radius", double(radius_));
+    sort_into_cells(particles[position]);
+    owned_ = particles.size();
+    if (sorted_.descents() > particles.size() / 16) particles.reorder(order());
+  }
 
   /// Sorts the particles into cells, and makes the ghosts of periodic sides. Throws as make_ghosts
-  /// does.
+  /// does, and if there are 2³² particles or more.
   template <class P>
   void update(P& particles) {
     require_positive("UniformGrid: radius", double(radius_));
     make_ghosts(particles, radius_);
     const auto x = particles.with_ghosts(position);
-    lay_grid(x);
-    sort(x);
     owned_ = particles.size();
+    sort_into_cells(x);
+    for (auto& column : x_) column.resize(x.size() + simd::lanes<Real>);
+    for_each(x.size(), [&](Index slot) {
+      const Vec& at = x[sorted_.item_of()[slot]];
+      for (std::size_t k = 0; k < Dim; ++k) x_[k][slot] = at[static_cast<int>(k)];
+    });
     ghost_owners_.resize(x.size() - owned_);
     for (Index g = 0; g < ghost_owners_.size(); ++g) {
       ghost_owners_[g] = particles.owner(owned_ + g);
@@ -71,236 +90,264 @@ class UniformGrid {
   /// f(j, r_ij, r) for every j, owned or ghost, with r < radius(); i is owned, r_ij = x_j − x_i.
   template <class F>
   void for_each_neighbour(Index i, F&& f) const {
-    for_each_near(slot_of_[i], 0, [&](Index slot, const Vec& r_ij, Real r) {
-      f(particle_of_[slot], r_ij, r);
+    const Real reach = radius_ * radius_;
+    const Index own = slot_of(i);
+    const Vec x_i = at(own);
+    for_each_slot_around(own, [&](Index slot) {
+      const Vec r_ij = at(slot) - x_i;
+      const Real r2 = r_ij.squaredNorm();
+      if (r2 < reach) f(Index{sorted_.item_of()[slot]}, r_ij, std::sqrt(r2));
     });
+  }
+
+  /// f(j) for some j of owned i, owned or ghost: every pair closer than radius() is met from one of
+  /// its particles, a pair and its periodic image from one of the two. Others may come as well.
+  template <class F>
+  void for_each_candidate(Index i, F&& f) const {
+    const Index own = slot_of(i);
+    const auto onwards = [&](Index slot) { f(Index{sorted_.item_of()[slot]}); };
+    if (has_ghosts() || cells_.shared()) {
+      for_each_slot_around(own, [&](Index slot) {
+        if (is_met_from(own, slot)) onwards(slot);
+      });
+    } else {
+      for_each_slot_onwards(own, onwards);
+    }
   }
 
   /// f(i, j, r_ij, r) for every pair once; i is owned, j owned or ghost. Pairs come in the order of
   /// the cells.
   template <class F>
   void for_each_pair(F&& f) const {
-    for (Index slot = 0; slot < sorted_.size(); ++slot) {
-      const Index a = particle_of_[slot];
-      for_each_near(slot, slot + 1, [&](Index other, const Vec& r_ab, Real r) {
-        const Index b = particle_of_[other];
-        const Index i = std::min(a, b);
-        const Index j = std::max(a, b);
-        // Ghosts stand behind the owned; of a pair and its image one is met.
-        if (j >= owned_ && (i >= owned_ || ghost_owners_[j - owned_] <= i)) return;
-        f(i, j, Vec((a < b ? Real(1) : Real(-1)) * r_ab), r);
+    const Real reach = radius_ * radius_;
+    for (Index own = 0; own < sorted_.size(); ++own) {
+      const Index a = sorted_.item_of()[own];
+      if (a >= owned_) continue;
+      for_each_candidate(a, [&](Index b) {
+        const Vec r_ab = at(slot_of(b)) - at(own);
+        const Real r2 = r_ab.squaredNorm();
+        if (!(r2 < reach)) return;
+        if (a < b) {
+          f(a, b, r_ab, std::sqrt(r2));
+        } else {
+          f(b, a, Vec(-r_ab), std::sqrt(r2));
+        }
       });
     }
   }
 
+  /// Makes row slot_of(i) the neighbours of i, in the order of for_each_neighbour, or its
+  /// candidates, in that of for_each_candidate. Pairs that are farther apart than the radius by a
+  /// rounding may come as well. Rows of ghosts are empty.
+  void build_rows(NeighbourRows& rows, Pairs pairs) const {
+    rows.build(sorted_.size(), [&](Chunk chunk, NeighbourRows::Writer& row) {
+      // Its memory stays warm; what it holds is made anew for every block.
+      static thread_local SharedCandidates<Dim, Real> candidates;
+      for (Index slot = chunk.first; slot < chunk.last;) {
+        if (cells_.shared()) {
+          add_row(slot++, pairs, row);
+        } else {
+          slot = add_rows_of_block(slot, chunk.last, pairs, candidates, row);
+        }
+      }
+    });
+  }
+
+  /// Place of particle i in the order of the cells.
+  Index slot_of(Index i) const noexcept { return sorted_.slot_of()[i]; }
+
   /// Bins of the grid: at most a small multiple of the number of particles.
-  Index bins() const noexcept { return start_.empty() ? 0 : start_.size() - 1; }
+  Index bins() const noexcept { return sorted_.start().empty() ? 0 : cells_.bins(); }
 
   /// Owned particles in cell order: what Particles::reorder takes so that neighbours in space become
   /// neighbours in memory.
   std::vector<Index> order() const {
     std::vector<Index> order;
     order.reserve(owned_);
-    for (const Index i : particle_of_) {
+    for (const Index i : sorted_.item_of()) {
       if (i < owned_) order.push_back(i);
     }
     return order;
   }
 
  private:
-  using Cell = std::array<std::int64_t, Dim>;
+  // Fewer particles fit into a cache in any order.
+  static constexpr Index worth_sorting = 1024;
+  // Particles that are enough to share candidates, and cells that are still close together.
+  static constexpr Index shared_by = 8;
+  static constexpr std::int64_t longest_block = 4;
 
-  void lay_grid(std::span<const Vec> x) {
-    Vec lower = x.empty() ? Vec(Vec::Zero()) : x[0];
-    Vec upper = lower;
-    for (const Vec& at : x) {
-      lower = lower.cwiseMin(at);
-      upper = upper.cwiseMax(at);
+  void sort_into_cells(std::span<const Vec> x) {
+    if (x.size() >= std::numeric_limits<std::uint32_t>::max()) {
+      fail("UniformGrid: " + std::to_string(x.size()) +
+           " particles and ghosts are more than 32 bits can number; divide them");
     }
-    origin_ = lower;
-    // A little wider than the radius, so that rounding cannot put a pair two cells apart.
-    const Real rounding = 4 * std::numeric_limits<Real>::epsilon();
-    const Real edge = radius_ + rounding * (radius_ + (upper - lower).maxCoeff());
-    per_edge_ = 1 / edge;
+    cells_.lay(extent_of(x), x.size(), radius_);
+    sorted_.sort(x.size(), cells_.bins(), [&](Index i) { return cells_.bin_of(cells_.cell_of(x[i])); });
+  }
 
-    // Doubles, because the product may exceed every integer; but each factor rounded as in cell_of,
-    // so that the last particle lies in the last cell.
-    std::array<double, Dim> cells;
-    for (int k = 0; k < Dim; ++k) {
-      const double along = double(std::floor((upper[k] - lower[k]) * per_edge_)) + 1;
-      if (!(along < 4e18)) {
-        fail("UniformGrid: the particles extend over " + to_text(double(upper[k] - lower[k])) +
-             " m, more than 4e18 search radii of " + to_text(double(radius_)) +
-             " m; remove the stray ones or enlarge the radius");
+  typename Cells<Dim, Real>::Extent extent_of(std::span<const Vec> x) {
+    if (x.empty()) return {Vec::Zero(), Vec::Zero(), Vec::Zero()};
+    corners_.resize(chunk_count(x.size()));
+    for_each_chunk(x.size(), [&](Chunk chunk) {
+      Vec lower = x[chunk.first];
+      Vec upper = lower;
+      for (const Vec& at : x.subspan(chunk.first, chunk.last - chunk.first)) {
+        lower = lower.cwiseMin(at);
+        upper = upper.cwiseMax(at);
       }
-      cells[static_cast<std::size_t>(k)] = along;
+      corners_[chunk.number] = {lower, upper};
+    });
+    auto [lower, upper] = corners_.front();
+    for (const auto& corners : corners_) {
+      lower = lower.cwiseMin(corners[0]);
+      upper = upper.cwiseMax(corners[1]);
     }
-    const double limit = 2.0 * double(x.size()) + 64;
-    const auto product = [&] {
-      return std::accumulate(cells.begin(), cells.end(), 1.0, [](double a, double b) { return a * b; });
-    };
-    folded_.fill(false);
-    while (product() > limit) {
-      const auto longest = static_cast<std::size_t>(
-          std::max_element(cells.begin(), cells.end()) - cells.begin());
-      cells[longest] = std::max(3.0, std::min(std::floor(cells[longest] / 2), limit));
-      folded_[longest] = true;
-    }
-    for (std::size_t k = 0; k < Dim; ++k) {
-      bins_[k] = static_cast<std::int64_t>(cells[k]);
-      const auto shares_a_factor = [&] {
-        for (std::size_t other = 0; other < k; ++other) {
-          if (folded_[other] && std::gcd(bins_[k], bins_[other]) != 1) return true;
-        }
-        return false;
-      };
-      while (folded_[k] && bins_[k] > 3 && shares_a_factor()) --bins_[k];
-    }
+    return {lower, upper, x[x.size() / 2]};
   }
 
-  Cell cell_of(const Vec& x) const {
-    Cell cell;
-    for (int k = 0; k < Dim; ++k) {
-      cell[static_cast<std::size_t>(k)] =
-          static_cast<std::int64_t>((x[k] - origin_[k]) * per_edge_);  // never below 0
-    }
-    return cell;
+  bool has_ghosts() const noexcept { return !ghost_owners_.empty(); }
+
+  Vec at(Index slot) const {
+    Vec x;
+    for (std::size_t k = 0; k < Dim; ++k) x[static_cast<int>(k)] = x_[k][slot];
+    return x;
   }
 
-  // Bin of a cell along axis k.
-  std::int64_t fold(std::int64_t c, std::size_t k) const {
-    if (!folded_[k]) return c;
-    const std::int64_t bin = c % bins_[k];
-    return bin < 0 ? bin + bins_[k] : bin;
+  simd::Columns<Dim, Real> columns() const {
+    simd::Columns<Dim, Real> columns;
+    for (std::size_t k = 0; k < Dim; ++k) columns[k] = x_[k].data();
+    return columns;
   }
 
-  Index bin_of(const Cell& cell) const {
-    std::int64_t bin = 0;
-    for (std::size_t k = Dim; k-- > 0;) bin = bin * bins_[k] + fold(cell[k], k);
-    return static_cast<Index>(bin);
+  // Of two slots one meets the other. Ghosts meet nobody; of a pair and its image the one is met
+  // whose owned particle has the lower index.
+  bool is_met_from(Index own, Index slot) const {
+    return is_met(own, sorted_.item_of()[own], sorted_.item_of()[slot]);
+  }
+  bool is_met(Index own, Index i, Index j) const {
+    return j < owned_ ? own < slot_of(j) : i < ghost_owners_[j - owned_];
   }
 
-  // Counting sort by bin; particles of one bin stay in the order of their indices.
-  void sort(std::span<const Vec> x) {
-    const Index n = x.size();
-    bin_.resize(n);
-    for_each(n, [&](Index i) { bin_[i] = bin_of(cell_of(x[i])); });
-    Index bins = 1;
-    for (const std::int64_t along : bins_) bins *= static_cast<Index>(along);
-    start_.assign(bins + 1, 0);
-    for (Index i = 0; i < n; ++i) ++start_[bin_[i] + 1];
-    std::partial_sum(start_.begin(), start_.end(), start_.begin());
-    slot_of_.resize(n);
-    sorted_.resize(n);
-    particle_of_.resize(n);
-    next_.assign(start_.begin(), start_.end() - 1);
-    for (Index i = 0; i < n; ++i) {
-      const Index slot = next_[bin_[i]]++;
-      slot_of_[i] = slot;
-      sorted_[slot] = x[i];
-      particle_of_[slot] = i;
-    }
-  }
-
-  // Bins beside bin c along axis k as at most two runs of consecutive bins.
-  struct Runs {
-    std::array<std::array<std::int64_t, 2>, 2> run;  // first and last bin
-    int count;
-  };
-  Runs around(std::int64_t c, std::size_t k) const {
-    const std::int64_t n = bins_[k];
-    if (!folded_[k]) {
-      return {{{{std::max<std::int64_t>(c - 1, 0), std::min(c + 1, n - 1)}, {}}}, 1};
-    }
-    const std::int64_t from = fold(c - 1, k);
-    if (from + 2 < n) return {{{{from, from + 2}, {}}}, 1};
-    return {{{{from, n - 1}, {0, from + 2 - n}}}, 2};
-  }
-
-  // Ranges of slots that may hold neighbours of something in the cell: one or, where the grid is
-  // folded within it, two for each of the 3 (9) rows of cells. `onwards`: slots behind the cell's
-  // own only, so that what lies before it may be left out.
-  struct Ranges {
-    std::array<std::array<Index, 2>, Dim == 2 ? 6 : 18> range;  // first slot, and one behind the last
-    int count;
-  };
-  Ranges ranges_around(const Cell& cell, bool onwards) const {
-    Ranges ranges;
-    ranges.count = 0;
-    const Runs along_x = around(cell[0], 0);
-    Runs along_last = around(cell[Dim - 1], Dim - 1);
-    // In 3D g++ 12 makes slower code of the shorter loop than it saves.
-    if (Dim == 2 && onwards && !folded_[Dim - 1]) along_last.run[0][0] = cell[Dim - 1];
-    const auto for_each_bin = [](const Runs& runs, auto&& f) {
-      for (int r = 0; r < runs.count; ++r) {
-        const auto [from, to] = runs.run[static_cast<std::size_t>(r)];
-        for (std::int64_t bin = from; bin <= to; ++bin) f(bin);
-      }
-    };
-    const auto add_row = [&](std::int64_t rows_before) {
-      const std::int64_t base = rows_before * bins_[0];
-      for (int r = 0; r < along_x.count; ++r) {
-        const auto [from, to] = along_x.run[static_cast<std::size_t>(r)];
-        ranges.range[static_cast<std::size_t>(ranges.count++)] = {
-            start_[static_cast<Index>(base + from)], start_[static_cast<Index>(base + to) + 1]};
-      }
-    };
-    if constexpr (Dim == 2) {
-      for_each_bin(along_last, add_row);
-    } else {
-      const Runs along_y = around(cell[1], 1);
-      for_each_bin(along_last, [&](std::int64_t z) {
-        for_each_bin(along_y, [&](std::int64_t y) { add_row(z * bins_[1] + y); });
-      });
-    }
-    return ranges;
-  }
-
-  // f(slot, r_ij, r) for every slot from `first` on whose position is within the radius of that in
-  // slot `own`. Whether a distance is below the radius cannot be predicted, so that a branch would
-  // cost more than the distance: hits are noted without one, and handed over together.
+  // f(slot) for every slot but `own` that lies near it, and for none much beyond the radius.
   template <class F>
-  void for_each_near(Index own, Index first, F&& f) const {
-    const Real reach = radius_ * radius_;
-    const Vec x_i = sorted_[own];
-    const Vec* const x = sorted_.data();
-    std::array<Index, 32> hits;
-    Index count = 0;
-    const auto hand_over = [&](Index noted) {
-      for (Index k = 0; k < noted; ++k) {
-        const Vec r_ij = x[hits[k]] - x_i;
-        f(hits[k], r_ij, std::sqrt(r_ij.squaredNorm()));
-      }
-    };
-    const Ranges ranges = ranges_around(cell_of(x_i), first > 0);
-    for (int row = 0; row < ranges.count; ++row) {
-      const auto [begin, end] = ranges.range[static_cast<std::size_t>(row)];
-      for (Index slot = std::max(begin, first); slot < end; ++slot) {
-        const Vec r_ij = x[slot] - x_i;
-        hits[count] = slot;
-        count += static_cast<Index>(r_ij.squaredNorm() < reach) & static_cast<Index>(slot != own);
-        if (count == hits.size()) {
-          hand_over(count);
-          count = 0;
-        }
+  void for_each_slot_around(Index own, F&& f) const {
+    Near near(*this, own);
+    cells_.for_each_range_around(bin_of(own), 1, [&](Index first, Index last) {
+      near.note(sorted_.start()[first], sorted_.start()[last], f);
+    });
+    near.hand_over(f);
+  }
+  template <class F>
+  void for_each_slot_onwards(Index own, F&& f) const {
+    Near near(*this, own);
+    cells_.for_each_range_onwards(bin_of(own), 1, [&](Index first, Index last) {
+      near.note(std::max<Index>(sorted_.start()[first], own + 1), sorted_.start()[last], f);
+    });
+    near.hand_over(f);
+  }
+
+  Index bin_of(Index slot) const { return cells_.bin_of(cells_.cell_of(at(slot))); }
+
+  // Whether a distance is below the radius cannot be predicted, so that a branch would cost more
+  // than the distance: what is near is noted without one, and handed over together.
+  struct Near {
+    static constexpr Index most = 64;
+
+    Near(const UniformGrid& grid, Index slot)
+        : x(grid.columns()), own(static_cast<std::uint32_t>(slot)) {
+      for (std::size_t k = 0; k < Dim; ++k) centre[k] = x[k][own];
+      reach = squared(grid.radius_) * (1 + 8 * std::numeric_limits<Real>::epsilon());
+    }
+
+    template <class F>
+    void note(Index first, Index last, F&& f) {
+      constexpr int N = simd::lanes<Real>;
+      const auto slots = [](Index s) { return simd::count_from<N>(s); };
+      while (first < last) {
+        if (count == most) hand_over(f);
+        const Index end = std::min(last, first + (most - count));
+        const auto* const noted_to =
+            simd::compress_near<N>(x, first, end, centre, reach, slots, own, noted.data() + count);
+        count = static_cast<Index>(noted_to - noted.data());
+        first = end;
       }
     }
-    hand_over(count);
+    template <class F>
+    void hand_over(F&& f) {
+      for (Index k = 0; k < count; ++k) f(Index{noted[k]});
+      count = 0;
+    }
+
+    simd::Columns<Dim, Real> x;
+    std::uint32_t own;
+    std::array<Real, Dim> centre;
+    Real reach;
+    std::array<std::uint32_t, most + simd::lanes<Real>> noted;
+    Index count = 0;
+  };
+
+  // Rows of the block that begins with this slot; returns the slot behind it.
+  Index add_rows_of_block(Index first, Index limit, Pairs pairs,
+                          SharedCandidates<Dim, Real>& candidates, NeighbourRows::Writer& row) const {
+    const auto items = sorted_.item_of();
+    const auto start = sorted_.start();
+    // A few cells in a row, until there are enough particles to share what is found.
+    const auto cell = cells_.cell_of(at(first));
+    const Index bin = cells_.bin_of(cell);
+    const Index longest = cells_.block_from(cell, longest_block);
+    Index length = 1;
+    while (length < longest && start[bin + length] < first + shared_by) ++length;
+    const Index last = std::min<Index>(start[bin + length], limit);
+
+    candidates.begin(columns(), items.data(), first, last, radius_);
+    const auto add = [&](Index from, Index to) { candidates.add(start[from], start[to]); };
+    const bool onwards = pairs == Pairs::once && !has_ghosts();
+    if (onwards) {
+      cells_.for_each_range_onwards(bin, length, add);
+    } else {
+      cells_.for_each_range_around(bin, length, add);
+    }
+    std::uint32_t* to = row.room((last - first) * candidates.size() + simd::lanes<float>);
+    for (Index slot = first; slot < last; ++slot) {
+      if (items[slot] < owned_) {
+        std::uint32_t* const begin = to;
+        to = candidates.near(slot, onwards, begin);
+        if (pairs == Pairs::once && !onwards) to = keep_met(slot, begin, to);
+      }
+      row.end_row(to);
+    }
+    return last;
+  }
+
+  std::uint32_t* keep_met(Index own, std::uint32_t* begin, std::uint32_t* end) const {
+    const Index i = sorted_.item_of()[own];
+    return std::remove_if(begin, end, [&](std::uint32_t j) { return !is_met(own, i, j); });
+  }
+
+  // One row, without sharing: where far cells share bins, a block is not small.
+  void add_row(Index slot, Pairs pairs, NeighbourRows::Writer& row) const {
+    const Index i = sorted_.item_of()[slot];
+    std::uint32_t* to = row.room(1);
+    const auto add = [&](Index j) {
+      to = row.room(1, to);
+      *to++ = static_cast<std::uint32_t>(j);
+    };
+    if (i < owned_ && pairs == Pairs::once) {
+      for_each_candidate(i, add);
+    } else if (i < owned_) {
+      for_each_slot_around(slot, [&](Index other) { add(sorted_.item_of()[other]); });
+    }
+    row.end_row(to);
   }
 
   Real radius_ = 0;
   Index owned_ = 0;
-  Vec origin_ = Vec::Zero();
-  Real per_edge_ = 0;
-  std::array<std::int64_t, Dim> bins_{};
-  std::array<bool, Dim> folded_{};
-  std::vector<Index> start_;        // first slot of each bin
-  std::vector<Vec> sorted_;         // positions by slot
-  std::vector<Index> particle_of_;  // by slot
-  std::vector<Index> slot_of_;      // by particle
-  std::vector<Index> bin_;          // by particle
-  std::vector<Index> next_;
+  Cells<Dim, Real> cells_;
+  BinSort sorted_;
+  std::array<std::vector<Real>, Dim> x_;  // by slot, and room to read a register beyond
   std::vector<Index> ghost_owners_;
+  std::vector<std::array<Vec, 2>> corners_;  // of each chunk
 };
 
 }  // namespace silt

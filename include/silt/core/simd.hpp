@@ -1,0 +1,244 @@
+// SPDX-License-Identifier: MIT
+// The one place with intrinsics: a few numbers worked on at once.
+//
+// Arithmetic is the compilers' own: a Pack is a vector type of GCC and Clang, which become SSE, AVX,
+// AVX-512 or NEON by themselves. What they do not have is the step that a search lives on, to write
+// out only the lanes that passed a test:
+//
+//   values  [ a b c d e f g h ]      mask 1 0 0 1 1 0 1 0      to  [ a d e g . . . . ]
+//
+// Hence compress(), in one instruction of AVX-512, a shuffle from a table in AVX2, and a loop
+// without branches elsewhere. std::experimental::simd, Highway and xsimd were looked at: the first
+// has no compress, and the other two would make a library that needs only Eigen need one more, for
+// this one function. AVX-512 can also compress straight to memory, which takes AMD's processors a
+// hundred cycles; hence the register, stored whole.
+//
+// SILT_NO_INTRINSICS takes the portable path everywhere, for tests.
+#pragma once
+
+#include <silt/core/types.hpp>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstdint>
+#include <cstring>
+#include <type_traits>
+
+#if !defined(SILT_NO_INTRINSICS)
+#if defined(__AVX512F__) && defined(__AVX512VL__) && defined(__AVX512DQ__)
+#define SILT_AVX512
+#elif defined(__AVX2__)
+#define SILT_AVX2
+#endif
+#if defined(SILT_AVX512) || defined(SILT_AVX2)
+#include <immintrin.h>
+#endif
+#endif
+
+namespace silt::simd {
+
+/// Bytes of a register.
+#if defined(SILT_AVX512)
+inline constexpr int width = 64;
+#elif defined(SILT_AVX2)
+inline constexpr int width = 32;
+#else
+inline constexpr int width = 16;
+#endif
+
+/// Numbers of type T in a register.
+template <class T>
+inline constexpr int lanes = width / static_cast<int>(sizeof(T));
+
+template <class T, int N>
+struct PackOf {
+  typedef T type __attribute__((vector_size(N * sizeof(T))));
+};
+/// N numbers of type T, with the operators of one.
+template <class T, int N = lanes<T>>
+using Pack = typename PackOf<T, N>::type;
+
+/// One bit per lane.
+using Mask = std::uint32_t;
+
+template <class T, int N = lanes<T>>
+Pack<T, N> load(const T* from) {
+  Pack<T, N> pack;
+  std::memcpy(&pack, from, sizeof pack);
+  return pack;
+}
+template <class T, int N = lanes<T>>
+void store(T* to, const Pack<T, N>& pack) {
+  std::memcpy(to, &pack, sizeof pack);
+}
+template <class T, int N = lanes<T>>
+Pack<T, N> broadcast(T value) {
+  return value - Pack<T, N>{};
+}
+
+template <class T, int N = lanes<T>>
+Pack<T, N> abs(const Pack<T, N>& a) {
+  using Bits = std::conditional_t<sizeof(T) == 4, std::uint32_t, std::uint64_t>;
+  return (Pack<T, N>)((Pack<Bits, N>)a & ~(Bits{1} << (8 * sizeof(T) - 1)));
+}
+
+/// a b + c, rounded once or twice.
+template <class T, int N = lanes<T>>
+Pack<T, N> multiply_add(const Pack<T, N>& a, const Pack<T, N>& b, const Pack<T, N>& c) {
+#if defined(SILT_AVX512)
+  if constexpr (std::is_same_v<T, float> && N == 16) {
+    return (Pack<T, N>)_mm512_fmadd_ps((__m512)a, (__m512)b, (__m512)c);
+  } else if constexpr (std::is_same_v<T, double> && N == 8) {
+    return (Pack<T, N>)_mm512_fmadd_pd((__m512d)a, (__m512d)b, (__m512d)c);
+  } else if constexpr (std::is_same_v<T, float> && N == 8) {
+    return (Pack<T, N>)_mm256_fmadd_ps((__m256)a, (__m256)b, (__m256)c);
+  } else
+#endif
+  {
+    return a * b + c;
+  }
+}
+
+/// from, from + 1, …
+template <int N>
+Pack<std::uint32_t, N> count_from(Index from) {
+  Pack<std::uint32_t, N> pack;
+  for (int k = 0; k < N; ++k) pack[k] = static_cast<std::uint32_t>(k);
+  return pack + static_cast<std::uint32_t>(from);
+}
+
+/// The lanes below `count`.
+template <int N>
+Mask first_lanes(Index count) {
+  return static_cast<Mask>((std::uint64_t{1} << std::min<Index>(count, N)) - 1);
+}
+
+/// The lanes in which a < b.
+template <class T, int N = lanes<T>>
+Mask less(const Pack<T, N>& a, const Pack<T, N>& b) {
+#if defined(SILT_AVX512)
+  if constexpr (std::is_same_v<T, float> && N == 16) {
+    return _mm512_cmp_ps_mask((__m512)a, (__m512)b, _CMP_LT_OQ);
+  } else if constexpr (std::is_same_v<T, float> && N == 8) {
+    return _mm256_cmp_ps_mask((__m256)a, (__m256)b, _CMP_LT_OQ);
+  } else if constexpr (std::is_same_v<T, double> && N == 8) {
+    return _mm512_cmp_pd_mask((__m512d)a, (__m512d)b, _CMP_LT_OQ);
+  } else
+#elif defined(SILT_AVX2)
+  if constexpr (std::is_same_v<T, float> && N == 8) {
+    return static_cast<Mask>(_mm256_movemask_ps((__m256)(a < b)));
+  } else if constexpr (std::is_same_v<T, float> && N == 4) {
+    return static_cast<Mask>(_mm_movemask_ps((__m128)(a < b)));
+  } else if constexpr (std::is_same_v<T, double> && N == 4) {
+    return static_cast<Mask>(_mm256_movemask_pd((__m256d)(a < b)));
+  } else
+#endif
+  {
+    Mask mask = 0;
+    for (int k = 0; k < N; ++k) mask |= static_cast<Mask>(a[k] < b[k]) << k;
+    return mask;
+  }
+}
+
+/// The lanes of a that are not b.
+template <int N>
+Mask differs(const Pack<std::uint32_t, N>& a, std::uint32_t b) {
+#if defined(SILT_AVX512)
+  if constexpr (N == 16) {
+    return _mm512_cmpneq_epi32_mask((__m512i)a, _mm512_set1_epi32(static_cast<int>(b)));
+  } else if constexpr (N == 8) {
+    return _mm256_cmpneq_epi32_mask((__m256i)a, _mm256_set1_epi32(static_cast<int>(b)));
+  } else
+#elif defined(SILT_AVX2)
+  if constexpr (N == 8) {
+    return ~static_cast<Mask>(_mm256_movemask_ps((__m256)(a == b)));
+  } else if constexpr (N == 4) {
+    return ~static_cast<Mask>(_mm_movemask_ps((__m128)(a == b)));
+  } else
+#endif
+  {
+    Mask mask = 0;
+    for (int k = 0; k < N; ++k) mask |= static_cast<Mask>(a[k] != b) << k;
+    return mask;
+  }
+}
+
+#if defined(SILT_AVX2)
+/// By mask: which lane goes where, a byte each.
+inline constexpr std::array<std::uint64_t, 256> compressing_shuffles = [] {
+  std::array<std::uint64_t, 256> table{};
+  for (unsigned mask = 0; mask < 256; ++mask) {
+    unsigned to = 0;
+    for (unsigned lane = 0; lane < 8; ++lane) {
+      if (mask >> lane & 1u) table[mask] |= std::uint64_t{lane} << (8 * to++);
+    }
+  }
+  return table;
+}();
+#endif
+
+/// Writes the lanes in the mask to `to`, in order, and returns how many those are. What lies behind
+/// them, up to N in all, is overwritten.
+template <class T, int N = lanes<T>>
+Index compress(T* to, const Pack<T, N>& values, Mask mask) {
+  static_assert(sizeof(T) == 4);
+#if defined(SILT_AVX512)
+  if constexpr (N == 16) {
+    const __m512i chosen = _mm512_maskz_compress_epi32(static_cast<__mmask16>(mask), (__m512i)values);
+    _mm512_storeu_si512(to, chosen);
+  } else if constexpr (N == 8) {
+    const __m256i chosen = _mm256_maskz_compress_epi32(static_cast<__mmask8>(mask), (__m256i)values);
+    _mm256_storeu_si256(reinterpret_cast<__m256i*>(to), chosen);
+  } else
+#elif defined(SILT_AVX2)
+  if constexpr (N == 8 || N == 4) {
+    const __m128i bytes = _mm_cvtsi64_si128(static_cast<long long>(compressing_shuffles[mask]));
+    const __m256i shuffle = _mm256_cvtepu8_epi32(bytes);
+    if constexpr (N == 8) {
+      const __m256i chosen = _mm256_permutevar8x32_epi32((__m256i)values, shuffle);
+      _mm256_storeu_si256(reinterpret_cast<__m256i*>(to), chosen);
+    } else {
+      const __m256i wide = _mm256_castsi128_si256((__m128i)values);
+      const __m128i chosen = _mm256_castsi256_si128(_mm256_permutevar8x32_epi32(wide, shuffle));
+      _mm_storeu_si128(reinterpret_cast<__m128i*>(to), chosen);
+    }
+  } else
+#endif
+  {
+    Index count = 0;
+    for (int k = 0; k < N; ++k) {
+      to[count] = values[k];
+      count += mask >> k & 1u;
+    }
+    return count;
+  }
+  return static_cast<Index>(std::popcount(mask));
+}
+
+/// Coordinates as columns: x[k][s] is coordinate k of point s.
+template <int Dim, class Real>
+using Columns = std::array<const Real*, Dim>;
+
+/// Writes item(s), which gives those of a register's points at once, to `to` for every s of
+/// [first, last) whose point lies within √reach of the centre, but for the item `own`. They stay in
+/// order; returns where they end. Reads the columns, and overwrites `to`, up to a register beyond.
+template <int N, std::size_t Dim, class Real, class Item>
+std::uint32_t* compress_near(const std::array<const Real*, Dim>& x, Index first, Index last,
+                             const std::array<Real, Dim>& centre, Real reach, Item&& item,
+                             std::uint32_t own, std::uint32_t* to) {
+  for (Index s = first; s < last; s += N) {
+    const Pack<Real, N> d0 = load<Real, N>(x[0] + s) - centre[0];
+    Pack<Real, N> r2 = d0 * d0;
+    for (std::size_t k = 1; k < Dim; ++k) {
+      const Pack<Real, N> d = load<Real, N>(x[k] + s) - centre[k];
+      r2 = multiply_add<Real, N>(d, d, r2);
+    }
+    const Pack<std::uint32_t, N> items = item(s);
+    const Mask near = less<Real, N>(r2, broadcast<Real, N>(reach)) & first_lanes<N>(last - s);
+    to += compress<std::uint32_t, N>(to, items, near & differs<N>(items, own));
+  }
+  return to;
+}
+
+}  // namespace silt::simd

@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: MIT
+// Counting sort of particles by bin, in parallel. Particles of one bin stay in the order of their
+// indices, so that the result is the same for any number of threads:
+//
+//   bin      [ 2 0 2 1 0 ]       by particle
+//   start    [ 0 2 3 5 ]         first slot of each bin, and the number of particles
+//   item_of  [ 1 4 3 0 2 ]       by slot
+//   slot_of  [ 3 0 4 2 1 ]       by particle
+//
+// Particles that lie in order already, as they do after Particles::reorder, need no counting.
+#pragma once
+
+#include <silt/core/parallel.hpp>
+#include <silt/core/simd.hpp>
+#include <silt/core/types.hpp>
+
+#include <algorithm>
+#include <cstdint>
+#include <numeric>
+#include <span>
+#include <utility>
+#include <vector>
+
+namespace silt {
+
+class BinSort {
+ public:
+  /// Sorts 0 … n-1 by bin_of(i), which is below `bins`. n and bins are less than 2³².
+  template <class F>
+  void sort(Index n, Index bins, F&& bin_of) {
+    bin_.resize(n);
+    start_.resize(bins + 1);
+    descents_of_.resize(chunk_count(n));
+    for_each_chunk(n, [&](Chunk chunk) {
+      Index descents = 0;
+      for (Index i = chunk.first; i < chunk.last; ++i) {
+        bin_[i] = static_cast<std::uint32_t>(bin_of(i));
+      }
+      for (Index i = chunk.first + 1; i < chunk.last; ++i) descents += bin_[i] < bin_[i - 1];
+      descents_of_[chunk.number] = descents;
+    });
+    descents_ = std::accumulate(descents_of_.begin(), descents_of_.end(), Index{0});
+    for (Index i = chunk_size; i < n; i += chunk_size) descents_ += bin_[i] < bin_[i - 1];
+    if (descents_ == 0) {
+      take_as_it_is();
+    } else {
+      count();
+    }
+  }
+
+  Index size() const noexcept { return bin_.size(); }
+  /// How often a particle lies in a lower bin than the one before it: 0 if they lie in order.
+  Index descents() const noexcept { return descents_; }
+
+  std::span<const std::uint32_t> start() const noexcept { return start_; }
+  std::span<const std::uint32_t> item_of() const noexcept { return {item_of_.data(), size()}; }
+  std::span<const std::uint32_t> slot_of() const noexcept { return slot_of_; }
+
+ private:
+  void take_as_it_is() {
+    const Index n = size();
+    const Index bins = start_.size() - 1;
+    if (!in_order_ || slot_of_.size() != n) {
+      resize();
+      std::iota(slot_of_.begin(), slot_of_.end(), std::uint32_t{0});
+      std::iota(item_of_.begin(), item_of_.end(), std::uint32_t{0});
+      in_order_ = true;
+    }
+    for_each(n, [&](Index i) {
+      for (Index bin = i == 0 ? 0 : bin_[i - 1] + Index{1}; bin <= bin_[i]; ++bin) {
+        start_[bin] = static_cast<std::uint32_t>(i);
+      }
+    });
+    std::fill(start_.begin() + (n == 0 ? 0 : std::ptrdiff_t{bin_[n - 1]} + 1),
+              start_.begin() + static_cast<std::ptrdiff_t>(bins) + 1, static_cast<std::uint32_t>(n));
+  }
+
+  // Each part counts its own particles; the bins' starts are summed over bins, and within a bin over
+  // parts, whose particles so follow one another in the order of their indices.
+  void count() {
+    const Index n = size();
+    const Index bins = start_.size() - 1;
+    const Index parts = std::min<Index>(static_cast<Index>(threads()), chunk_count(n));
+    resize();
+    in_order_ = false;
+    next_.resize(parts * bins);
+    const auto for_each_of_part = [&](Index part, auto&& f) {
+      for (Index i = n * part / parts; i < n * (part + 1) / parts; ++i) f(i);
+    };
+    for_each_task(parts, [&](Index part) {
+      std::uint32_t* const counts = next_.data() + part * bins;
+      std::fill(counts, counts + bins, 0u);
+      for_each_of_part(part, [&](Index i) { ++counts[bin_[i]]; });
+    });
+
+    before_chunk_.resize(chunk_count(bins));
+    for_each_chunk(bins, [&](Chunk chunk) {
+      std::uint32_t sum = 0;
+      for (Index part = 0; part < parts; ++part) {
+        const std::uint32_t* const counts = next_.data() + part * bins;
+        for (Index bin = chunk.first; bin < chunk.last; ++bin) sum += counts[bin];
+      }
+      before_chunk_[chunk.number] = sum;
+    });
+    std::exclusive_scan(before_chunk_.begin(), before_chunk_.end(), before_chunk_.begin(), 0u);
+    for_each_chunk(bins, [&](Chunk chunk) {
+      std::uint32_t slot = before_chunk_[chunk.number];
+      for (Index bin = chunk.first; bin < chunk.last; ++bin) {
+        start_[bin] = slot;
+        for (Index part = 0; part < parts; ++part) {
+          std::uint32_t& next = next_[part * bins + bin];
+          slot += std::exchange(next, slot);
+        }
+      }
+    });
+    start_[bins] = static_cast<std::uint32_t>(n);
+
+    for_each_task(parts, [&](Index part) {
+      std::uint32_t* const next = next_.data() + part * bins;
+      for_each_of_part(part, [&](Index i) {
+        const std::uint32_t slot = next[bin_[i]]++;
+        slot_of_[i] = slot;
+        item_of_[slot] = static_cast<std::uint32_t>(i);
+      });
+    });
+  }
+
+  // item_of_ may be read a register beyond its end.
+  void resize() {
+    slot_of_.resize(size());
+    item_of_.resize(size() + simd::lanes<std::uint32_t>);
+  }
+
+  std::vector<std::uint32_t> bin_;
+  std::vector<std::uint32_t> start_;
+  std::vector<std::uint32_t> item_of_;
+  std::vector<std::uint32_t> slot_of_;
+  std::vector<std::uint32_t> next_;  // by part and bin
+  std::vector<std::uint32_t> before_chunk_;
+  std::vector<Index> descents_of_;  // by chunk
+  Index descents_ = 0;
+  bool in_order_ = false;
+};
+
+}  // namespace silt
