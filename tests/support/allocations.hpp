@@ -4,7 +4,6 @@
 #pragma once
 
 #include <atomic>
-#include <cerrno>
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
@@ -53,11 +52,6 @@ void* realloc(void* memory, std::size_t bytes) noexcept {
 void* aligned_alloc(std::size_t alignment, std::size_t bytes) noexcept {
   ++silt::test::allocations;
   return __libc_memalign(alignment, bytes);
-}
-int posix_memalign(void** memory, std::size_t alignment, std::size_t bytes) noexcept {
-  ++silt::test::allocations;
-  *memory = __libc_memalign(alignment, bytes);
-  return *memory != nullptr ? 0 : ENOMEM;
 }
 }
 #endif
