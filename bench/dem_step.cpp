@@ -7,6 +7,7 @@
 #include <benchmark/benchmark.h>
 
 #include <cstdint>
+#include <initializer_list>
 #include <map>
 #include <string>
 
@@ -24,6 +25,8 @@ auto warm_simulation(Index n) {
   auto simulation = [n] {
     if constexpr (scene == Scene::gas) {
       return in_space(state_of(scene, n), cundall_strack());
+    } else if constexpr (scene == Scene::discs) {
+      return on_floor<2>(state_of(scene, n), scene, cundall_strack());
     } else {
       return on_floor(state_of(scene, n), scene, cundall_strack());
     }
@@ -59,10 +62,9 @@ void step(benchmark::State& state) {
 }
 
 template <Scene scene>
-void add(std::int64_t largest) {
+void add(std::initializer_list<std::int64_t> sizes) {
   const std::string name = "dem_step/" + name_of(scene);
-  for (const std::int64_t n : {4000, 32000, 256000, 1024000}) {
-    if (n > largest) continue;
+  for (const std::int64_t n : sizes) {
     benchmark::RegisterBenchmark(name.c_str(), step<scene>)
         ->Arg(n)->Iterations(steps_of(n))->Repetitions(3)
         ->Unit(benchmark::kMicrosecond)->UseRealTime();
@@ -72,8 +74,9 @@ void add(std::int64_t largest) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  add<Scene::bed>(1024000);
-  add<Scene::gas>(256000);
-  add<Scene::chute>(256000);
+  add<Scene::bed>({4000, 32000, 256000, 1024000});
+  add<Scene::gas>({4000, 32000, 256000});
+  add<Scene::chute>({4000, 32000, 256000});
+  add<Scene::discs>({20000});
   return bench::run(argc, argv);
 }

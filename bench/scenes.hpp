@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: MIT
-// Three flows of equal spheres that the benchmarks of DEM share:
+// Flows of equal spheres that the benchmarks of DEM share:
 //   bed     settled on a floor under gravity, between periodic sides
 //   chute   the same, flowing down 26 degrees
 //   gas     a solid fraction of 0.3 in motion, periodic along all axes
+//   discs   a bed in two dimensions
 //
 // Diameter, mass and gravity are 1, as in the chute of LAMMPS's own benchmarks, and so are stiffness,
 // damping, friction and time step. A state is made once, and kept in a file that LAMMPS reads, too: a
-// tile of 4000 grains, repeated along the periodic axes, every grain then pushed at random, all in
+// tile of 4000 (1250) grains, repeated along the periodic axes, every grain then pushed at random, all in
 // random order, so that each code has to find an order in memory by itself.
 #pragma once
 
@@ -50,10 +51,11 @@ inline silt::dem::CundallStrack cundall_strack() {
           .friction_angle = std::atan(hooke_history.xmu)};
 }
 
-enum class Scene { bed, gas, chute };
+enum class Scene { bed, gas, chute, discs };
 
 inline std::string name_of(Scene scene) {
-  return scene == Scene::bed ? "bed" : scene == Scene::gas ? "gas" : "chute";
+  constexpr std::array names{"bed", "gas", "chute", "discs"};
+  return names[static_cast<std::size_t>(scene)];
 }
 
 inline Vec3 gravity_of(Scene scene) {
@@ -62,6 +64,12 @@ inline Vec3 gravity_of(Scene scene) {
   return {std::sin(slope), 0, -std::cos(slope)};
 }
 
+/// Axes that are periodic: the first ones.
+constexpr int periodic_axes(Scene scene) {
+  return scene == Scene::gas ? 3 : scene == Scene::discs ? 1 : 2;
+}
+
+/// Discs move in the plane of x and z.
 struct Body {
   Vec3 x = Vec3::Zero(), v = Vec3::Zero(), w = Vec3::Zero();
 };
@@ -73,21 +81,47 @@ struct State {
 
 // --- simulations ---------------------------------------------------------------------------------
 
-inline silt::dem::Grains<3> grains_of(const State& state, Scene scene) {
-  silt::Box<3> box;
-  for (int k = 0; k < (scene == Scene::gas ? 3 : 2); ++k) {
+template <int Dim>
+silt::Vec<Dim> in_space_of(const Vec3& a) {
+  if constexpr (Dim == 2) return {a[0], a[2]};
+  else return a;
+}
+
+template <int Dim>
+silt::dem::Grains<Dim> grains_of(const State& state, Scene scene) {
+  silt::Box<Dim> box;
+  for (int k = 0; k < periodic_axes(scene); ++k) {
     box.lower[k] = state.lower[k];
     box.upper[k] = state.upper[k];
     box.periodic[static_cast<std::size_t>(k)] = true;
   }
-  silt::dem::Grains<3> grains(box);
+  silt::dem::Grains<Dim> grains(box);
   grains.reserve(state.bodies.size());
-  for (const Body& body : state.bodies) {
-    const Index i = silt::dem::add_grain(grains, body.x, {.radius = 0.5, .density = mass_density});
-    grains[silt::velocity][i] = body.v;
-    grains[silt::spin][i] = body.w;
+  for (const auto& [x, v, w] : state.bodies) {
+    const Index i = silt::dem::add_grain(
+        grains, in_space_of<Dim>(x),
+        {.radius = 0.5, .density = mass_density, .shape = silt::dem::Shape::sphere});
+    grains[silt::velocity][i] = in_space_of<Dim>(v);
+    if constexpr (Dim == 2) grains[silt::spin][i] = -w[1];
+    else grains[silt::spin][i] = w;
   }
   return grains;
+}
+
+template <class Grains>
+std::vector<Body> bodies_of(const Grains& grains) {
+  std::vector<Body> bodies(grains.size());
+  for (Index i = 0; i < grains.size(); ++i) {
+    const auto x = grains.box().wrap(grains[silt::position][i]);
+    const auto v = grains[silt::velocity][i];
+    const auto w = grains[silt::spin][i];
+    if constexpr (Grains::dimension == 2) {
+      bodies[grains.id(i)] = {{x[0], 0, x[1]}, {v[0], 0, v[1]}, {0, -w, 0}};
+    } else {
+      bodies[grains.id(i)] = {x, v, w};
+    }
+  }
+  return bodies;
 }
 
 template <class Law>
@@ -97,18 +131,18 @@ constexpr silt::dem::ContactSettings settings_for() {
 }
 
 /// A simulation of a scene with a floor, or of the gas.
-template <class Law, class Damping = silt::NoDamping>
+template <int Dim = 3, class Law, class Damping = silt::NoDamping>
 auto on_floor(const State& state, Scene scene, Law law, Damping damping = {}) {
   using namespace silt;
-  return Simulation{grains_of(state, scene), NeighbourList<3>{},
-                    Forces{Gravity<3>{gravity_of(scene)},
-                           dem::Contacts{law, dem::Plane<3>{}}.with(settings_for<Law>())},
+  return Simulation{grains_of<Dim>(state, scene), NeighbourList<Dim>{},
+                    Forces{Gravity<Dim>{in_space_of<Dim>(gravity_of(scene))},
+                           dem::Contacts{law, dem::Plane<Dim>{}}.with(settings_for<Law>())},
                     Leapfrog{damping}};
 }
 template <class Law>
 auto in_space(const State& state, Law law) {
   using namespace silt;
-  return Simulation{grains_of(state, Scene::gas), NeighbourList<3>{},
+  return Simulation{grains_of<3>(state, Scene::gas), NeighbourList<3>{},
                     dem::Contacts{law}.with(settings_for<Law>()), Leapfrog{}};
 }
 
@@ -122,19 +156,9 @@ const auto& contacts_of(const Interaction& interaction) {
   }
 }
 
-template <class Particles>
-std::vector<Body> bodies_of(const Particles& grains) {
-  std::vector<Body> bodies(grains.size());
-  for (Index i = 0; i < grains.size(); ++i) {
-    bodies[grains.id(i)] = {grains.box().wrap(grains[silt::position][i]),
-                            grains[silt::velocity][i], grains[silt::spin][i]};
-  }
-  return bodies;
-}
-
 // --- states --------------------------------------------------------------------------------------
 
-inline constexpr Index tile_size = 4000;
+constexpr Index tile_size(Scene scene) { return scene == Scene::discs ? 1250 : 4000; }
 
 class Random {
  public:
@@ -161,25 +185,28 @@ void settle(Simulation& bed, double dt, double energy, int most) {
     bed.step(dt);
     if (step % 500 != 0) continue;
     double sum = 0;
-    for (const Vec3& v : bed.particles()[silt::velocity]) sum += v.squaredNorm() / 2;
+    for (const auto& v : bed.particles()[silt::velocity]) sum += v.squaredNorm() / 2;
     if (sum / double(bed.particles().size()) < energy) return;
   }
 }
 
-// 4000 grains fall, in disorder, onto 14 × 14.
-inline State settled_tile() {
+// Grains fall, in disorder, onto 14 × 14 (25).
+template <int Dim>
+State settled_tile(Scene scene) {
   Random random(2011);
-  State state{.bodies = {}, .lower = {0, 0, 0}, .upper = {14, 14, 40}};
-  const double spacing = 14.0 / 12;
-  for (const Vec3& x : silt::lattice<3>({{0, 0, 0}, {14, 14, 40}}, spacing)) {
-    if (state.bodies.size() == tile_size) break;
+  const double side = Dim == 2 ? 25 : 14;
+  const double spacing = side / std::floor(side / 1.15);
+  State state{.bodies = {}, .lower = {0, 0, 0}, .upper = {side, Dim == 2 ? 1 : side, 4 * side}};
+  for (const Vec3& x : silt::lattice<3>(
+           {state.lower, {side, Dim == 2 ? spacing : side, 4 * side}}, spacing)) {
+    if (state.bodies.size() == tile_size(scene)) break;
     const Vec3 shift = 0.08 * (random.in_cube() - Vec3::Constant(0.5));
     state.bodies.push_back({.x = x + shift, .v = random.normal()});
   }
-  auto falling = on_floor(state, Scene::bed, hooke_history, silt::GlobalDamping{.alpha = 0.2});
+  auto falling = on_floor<Dim>(state, scene, hooke_history, silt::GlobalDamping{.alpha = 0.2});
   settle(falling, 2 * time_step, 1e-3, 60000);
   state.bodies = bodies_of(falling.particles());
-  auto resting = on_floor(state, Scene::bed, hooke_history, silt::GlobalDamping{.alpha = 3});
+  auto resting = on_floor<Dim>(state, scene, hooke_history, silt::GlobalDamping{.alpha = 3});
   settle(resting, 2 * time_step, 1e-8, 40000);
   state.bodies = bodies_of(resting.snapshot());
   return state;
@@ -198,9 +225,10 @@ inline State flowing_tile(State state) {
 // 4000 grains thrown into a cube one after the other, each where it touches no other.
 inline State gas_tile() {
   Random random(30);
-  const double edge = std::cbrt(double(tile_size) * std::numbers::pi / 6 / 0.3);
+  constexpr Index n = tile_size(Scene::gas);
+  const double edge = std::cbrt(double(n) * std::numbers::pi / 6 / 0.3);
   State state{.bodies = {}, .lower = Vec3::Zero(), .upper = Vec3::Constant(edge)};
-  while (state.bodies.size() < tile_size) {
+  while (state.bodies.size() < n) {
     const Vec3 x = edge * random.in_cube();
     const auto is_clear = [&](const Body& other) {
       Vec3 r = x - other.x;
@@ -214,7 +242,7 @@ inline State gas_tile() {
   return state;
 }
 
-/// `times` copies of the tile, along the periodic axes in turn; every grain pushed by a random
+/// 2^k = `times` copies of the tile, along the periodic axes in turn; every grain pushed by a random
 /// velocity of the given size, and all in random order.
 inline State repeated(State state, Index times, int axes, double push) {
   for (int axis = 0; times > 1; axis = (axis + 1) % axes, times /= 2) {
@@ -300,14 +328,18 @@ inline std::filesystem::path file_of(Scene scene, Index n) {
 State state_of(Scene scene, Index n);
 
 inline State make_state(Scene scene, Index n) {
-  if (n == 0) return scene == Scene::gas ? gas_tile()
-                   : scene == Scene::bed ? settled_tile()
-                                         : flowing_tile(state_of(Scene::bed, 0));
-  const double push = scene == Scene::gas ? 3 : scene == Scene::bed ? 1e-3 : 0.1;
-  return repeated(state_of(scene, 0), n / tile_size, scene == Scene::gas ? 3 : 2, push);
+  if (n == 0) {
+    return scene == Scene::gas     ? gas_tile()
+           : scene == Scene::chute ? flowing_tile(state_of(Scene::bed, 0))
+           : scene == Scene::discs ? settled_tile<2>(scene)
+                                   : settled_tile<3>(scene);
+  }
+  const double push = scene == Scene::gas ? 3 : scene == Scene::chute ? 0.1 : 1e-3;
+  return repeated(state_of(scene, 0), n / tile_size(scene), periodic_axes(scene), push);
 }
 
-/// The state with n = 4000 · 2^k grains, from its file, which is made if it is not there; 0: the tile.
+/// The state with 2^k tiles of grains, n in all, from its file, which is made if it is not there; 0: the
+/// tile.
 inline State state_of(Scene scene, Index n) {
   const auto path = file_of(scene, n);
   if (!std::filesystem::exists(path)) write(make_state(scene, n), path);
