@@ -5,7 +5,7 @@
 //   allocations   of 100 (dem) or 10 (mps) further steps
 #include "../tests/support/allocations.hpp"
 #include "program.hpp"
-#include "scenes.hpp"
+#include "states.hpp"
 
 #include <silt/mps.hpp>
 

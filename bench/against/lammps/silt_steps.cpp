@@ -3,7 +3,7 @@
 //   silt_steps make SCENE N                          makes the state's file and prints its name
 //   silt_steps run SCENE N LAW WARM STEPS FINAL      WARM steps, then STEPS timed ones; prints what
 //                                                    they took and led to, and writes FINAL
-#include "../../scenes.hpp"
+#include "../../states.hpp"
 
 #include <chrono>
 #include <cstdio>
