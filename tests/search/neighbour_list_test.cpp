@@ -6,7 +6,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
+#include <tuple>
+#include <utility>
+#include <vector>
 
 namespace silt::test {
 namespace {
@@ -84,6 +88,182 @@ TEST(NeighbourList, ServesOneSetOfParticlesAfterAnother) {
   found.update(near);
   found.update(apart);
   EXPECT_EQ(meetings(apart, found), meetings_by_hand(apart, 1.0));
+}
+
+// Every pair closer than radius() + margin() is among the candidates, once.
+template <class P, class S>
+void expect_all_candidates(const P& particles, const S& found) {
+  const auto x = particles.with_ghosts(position);
+  const double reach = found.radius() + found.margin();
+  std::vector<std::pair<Index, Index>> met;
+  for (Index i = 0; i < particles.size(); ++i) {
+    found.for_each_candidate(i, [&](Index j) {
+      if ((x[j] - x[i]).norm() < reach - 1e-9) met.emplace_back(std::minmax(i, particles.owner(j)));
+    });
+  }
+  std::sort(met.begin(), met.end());
+  EXPECT_EQ(std::adjacent_find(met.begin(), met.end()), met.end());
+  EXPECT_EQ(met.size(), meetings_by_hand(particles, reach - 1e-9).size() / 2);
+}
+
+template <class P>
+void shake(P& particles, double by, unsigned seed) {
+  const auto moves = random_points(particles.size(), cube<P::dimension, double>(-by, by), seed);
+  for (Index i = 0; i < particles.size(); ++i) particles[position][i] += moves[i];
+}
+
+TEST(NeighbourList, NamesEveryPairWithinItsMarginOnceWhileParticlesMove) {
+  for (const bool periodic : {false, true}) {
+    auto box = cube<3, double>(0, 2);
+    box.periodic.fill(periodic);
+    auto particles = particles_at(random_points(400, box, 1), box);
+    NeighbourList<3> found({.radius = 0.3, .skin_fraction = 0.3});
+    double least = found.radius();
+    for (unsigned step = 0; step < 60; ++step) {
+      found.update(particles);
+      expect_all_candidates(particles, found);
+      least = std::min(least, found.margin());
+      shake(particles, 0.004, 10 + step);
+    }
+    EXPECT_GT(found.rebuilds(), 1u);
+    EXPECT_LT(least, 0.05);
+  }
+}
+
+TEST(NeighbourList, UsesUpItsMarginByTwiceTheFarthestMove) {
+  auto particles = three();
+  auto found = list();
+  found.update(particles);
+  EXPECT_DOUBLE_EQ(found.margin(), 0.2);
+  particles[position][2][1] += 0.03;
+  particles[position][1][1] -= 0.02;
+  found.update(particles);
+  EXPECT_NEAR(found.margin(), 0.14, 1e-15);
+}
+
+TEST(NeighbourList, AnswersTheFirstQuestionAndTheLaterOnesAlike) {
+  const auto box = cube<2, double>(0, 2);
+  auto particles = particles_at(random_points(150, box, 2), box);
+  NeighbourList<2> found({.radius = 0.3, .skin_fraction = 0.2});
+  found.update(particles);
+  const auto first = meetings(particles, found);
+  const auto first_pairs = pairs(particles, found);
+  found.update(particles);
+  EXPECT_EQ(found.rebuilds(), 1u);
+  EXPECT_EQ(meetings(particles, found), first);
+  EXPECT_EQ(pairs(particles, found), first_pairs);
+  EXPECT_EQ(first, meetings_by_hand(particles, 0.3));
+  EXPECT_EQ(first_pairs, once_each(first));
+}
+
+TEST(NeighbourList, SortsParticlesWhenItMustBeRebuiltAnyway) {
+  const auto box = cube<2, double>(0, 10);
+  auto particles = particles_at(random_points(3000, box, 3), box);
+  NeighbourList<2> found({.radius = 0.3, .skin_fraction = 0.2});
+  found.sort(particles);
+  EXPECT_NE(particles.id(0), 0u);
+  found.update(particles);
+  const auto revision = particles.revision();
+  for (int step = 0; step < 5; ++step) {
+    found.sort(particles);
+    found.update(particles);
+  }
+  EXPECT_EQ(found.rebuilds(), 1u);
+  EXPECT_EQ(particles.revision(), revision);
+  // Sheared until the rows of cells have changed places.
+  for (int step = 0; step < 300; ++step) {
+    for (auto& x : particles[position]) x[0] += 0.005 * x[1];
+    found.sort(particles);
+    found.update(particles);
+  }
+  EXPECT_GT(found.rebuilds(), 3u);
+  EXPECT_NE(particles.revision(), revision);
+  EXPECT_EQ(pairs(particles, found).size(), meetings_by_hand(particles, 0.3).size() / 2);
+}
+
+// Steps of the same size in fixed directions; how often the list is rebuilt, and how thick it became.
+struct Rebuilds {
+  std::uint64_t number;
+  double skin;
+};
+template <class S>
+Rebuilds fly(S found, double by, int steps) {
+  const auto box = cube<3, double>(0, 2);
+  auto particles = particles_at(random_points(400, box, 4), box);
+  const auto ways = random_points(400, cube<3, double>(-by, by), 5);
+  for (int step = 0; step < steps; ++step) {
+    found.update(particles);
+    for (Index i = 0; i < particles.size(); ++i) {
+      found.for_each_candidate(i, [](Index) {});
+      particles[position][i] += step % 400 < 200 ? ways[i] : -ways[i];
+    }
+  }
+  return {found.rebuilds(), found.skin()};
+}
+
+TEST(NeighbourList, MakesItsSkinThickerTheFasterParticlesAre) {
+  const auto slow = fly(NeighbourList<3>({.radius = 0.3}), 3e-4, 1000);
+  const auto fast = fly(NeighbourList<3>({.radius = 0.3}), 3e-3, 1000);
+  EXPECT_GT(fast.skin, 1.2 * slow.skin);
+  EXPECT_GT(fast.number, slow.number);
+  const auto again = fly(NeighbourList<3>({.radius = 0.3}), 3e-3, 1000);
+  EXPECT_EQ(again.skin, fast.skin);
+  EXPECT_EQ(again.number, fast.number);
+}
+
+TEST(NeighbourList, KeepsASkinThatIsGiven) {
+  EXPECT_DOUBLE_EQ(fly(NeighbourList<3>({.radius = 0.3, .skin_fraction = 0.1}), 3e-3, 200).skin, 0.03);
+}
+
+TEST(NeighbourList, IsWhatItWasWhenAStepIsUndone) {
+  const auto box = cube<3, double>(0, 2);
+  const auto run = [&](bool fails) {
+    auto particles = particles_at(random_points(400, box, 6), box);
+    NeighbourList<3> found({.radius = 0.3});
+    std::vector<std::tuple<Index, Index, double>> met;
+    for (unsigned step = 0; step < 60; ++step) {
+      if (fails && step % 7 == 3) {
+        found.save();
+        const std::vector<Vec<3>> before(particles[position].begin(), particles[position].end());
+        shake(particles, 0.05, 90);
+        found.update(particles);
+        std::copy(before.begin(), before.end(), particles[position].begin());
+        found.restore();
+      }
+      found.save();
+      found.update(particles);
+      for (Index i = 0; i < particles.size(); ++i) {
+        found.for_each_candidate(i, [&](Index j) { met.emplace_back(i, j, found.margin()); });
+      }
+      shake(particles, 0.004, 10 + step);
+    }
+    return met;
+  };
+  EXPECT_TRUE(run(true) == run(false));
+}
+
+TEST(NeighbourList, IsTheSameForAnyNumberOfThreads) {
+  const auto run = [](int number) {
+    return with_threads(number, [] {
+      const auto box = cube<3, double>(0, 2);
+      auto particles = particles_at(random_points(5000, box, 7), box);
+      NeighbourList<3> found({.radius = 0.15});
+      std::vector<Id> met;
+      for (unsigned step = 0; step < 30; ++step) {
+        found.sort(particles);
+        found.update(particles);
+        for (Index i = 0; i < particles.size(); ++i) {
+          found.for_each_candidate(i, [&](Index j) { met.push_back(particles.id(j)); });
+          found.for_each_neighbour(i, [&](Index j, const Vec<3>&, double) { met.push_back(j); });
+        }
+        shake(particles, 0.003, 10 + step);
+      }
+      return met;
+    });
+  };
+  const auto one = run(1);
+  EXPECT_TRUE(run(2) == one);
+  EXPECT_TRUE(run(4) == one);
 }
 
 TEST(NeighbourList, RefusesASkinThatIsNoFraction) {

@@ -227,15 +227,22 @@ template <int N, std::size_t Dim, class Real, class Item>
 std::uint32_t* compress_near(const std::array<const Real*, Dim>& x, Index first, Index last,
                              const std::array<Real, Dim>& centre, Real reach, Item&& item,
                              std::uint32_t own, std::uint32_t* to) {
+  // Copies, because stores to `to` might change what is behind a reference.
+  const std::array<const Real*, Dim> from = x;
+  struct {
+    Pack<Real, N> x;
+  } middle[Dim];
+  for (std::size_t k = 0; k < Dim; ++k) middle[k].x = broadcast<Real, N>(centre[k]);
+  const auto limit = broadcast<Real, N>(reach);
   for (Index s = first; s < last; s += N) {
-    const Pack<Real, N> d0 = load<Real, N>(x[0] + s) - centre[0];
+    const Pack<Real, N> d0 = load<Real, N>(from[0] + s) - middle[0].x;
     Pack<Real, N> r2 = d0 * d0;
     for (std::size_t k = 1; k < Dim; ++k) {
-      const Pack<Real, N> d = load<Real, N>(x[k] + s) - centre[k];
+      const Pack<Real, N> d = load<Real, N>(from[k] + s) - middle[k].x;
       r2 = multiply_add<Real, N>(d, d, r2);
     }
     const Pack<std::uint32_t, N> items = item(s);
-    const Mask near = less<Real, N>(r2, broadcast<Real, N>(reach)) & first_lanes<N>(last - s);
+    const Mask near = less<Real, N>(r2, limit) & first_lanes<N>(last - s);
     to += compress<std::uint32_t, N>(to, items, near & differs<N>(items, own));
   }
   return to;

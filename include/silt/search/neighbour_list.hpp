@@ -1,18 +1,27 @@
 // SPDX-License-Identifier: MIT
 // A list of neighbours within radius + skin, reused until some particle has moved half the skin:
 // until then no pair can have come closer than the radius unseen.
+//
+// Its rows hold every pair once, for for_each_candidate, or twice, for for_each_neighbour. Only those
+// are built that were asked for: the first question is answered by the grid below the list, and from
+// the next update on there are rows for it.
 #pragma once
 
 #include <silt/core/error.hpp>
 #include <silt/core/ghosts.hpp>
 #include <silt/core/parallel.hpp>
-#include <silt/core/rows.hpp>
 #include <silt/core/types.hpp>
+#include <silt/search/neighbour_rows.hpp>
+#include <silt/search/skin.hpp>
 #include <silt/search/uniform_grid.hpp>
 
+#include <algorithm>
+#include <array>
+#include <atomic>
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -26,36 +35,68 @@ class NeighbourList {
   using Vec = silt::Vec<Dim, Real>;
 
   struct Settings {
-    Real radius = 0;          ///< as of UniformGrid [m]
-    Real skin_fraction = Real(0.2);  ///< skin over radius [-]; larger: fewer rebuilds, longer rows
+    Real radius = 0;  ///< as of UniformGrid [m]
+    /// Skin over radius [-]: thicker, and the list is rebuilt less often, but its rows are longer.
+    /// Without one it tunes itself.
+    std::optional<Real> skin_fraction = {};
   };
 
   NeighbourList() = default;
   /// Throws if the radius or the skin is negative or not finite.
-  explicit NeighbourList(Settings settings) : settings_(settings) {
+  explicit NeighbourList(Settings settings) : radius_(settings.radius) {
     require_not_negative("NeighbourList: radius", double(settings.radius));
-    require_not_negative("NeighbourList: skin_fraction", double(settings.skin_fraction));
+    if (!settings.skin_fraction) return;
+    require_not_negative("NeighbourList: skin_fraction", double(*settings.skin_fraction));
+    now_.tuning = Skin(double(*settings.skin_fraction));
   }
 
-  Real radius() const noexcept { return settings_.radius; }
+  Real radius() const noexcept { return radius_; }
   /// Throws if the radius is not positive.
   void set_radius(Real radius) {
     require_positive("NeighbourList: radius", double(radius));
-    if (radius != settings_.radius) built_ = false;
-    settings_.radius = radius;
+    if (radius != radius_) list_.built = false;
+    radius_ = radius;
+  }
+  /// How much farther than radius() the candidates reached at the last update: the skin, without what
+  /// two particles have used up of it [m].
+  Real margin() const noexcept { return std::max(Real(0), list_.skin - 2 * now_.moved); }
+
+  /// Puts the owned particles in cell order if the list will have to be rebuilt.
+  template <class P>
+  void sort(P& particles) {
+    require_positive("NeighbourList: radius", double(radius()));
+    if (fits(particles)) {
+      // While much of the skin is left nobody need be asked.
+      if (now_.moved + 2 * now_.pace < list_.skin / 2) return;
+      if (farthest_move(particles) <= list_.skin / 2) return;
+      outgrow();
+      list_.built = false;
+    }
+    list_.grid.set_radius(radius() * (1 + Real(now_.tuning.fraction())));
+    list_.grid.sort(particles);
   }
 
   /// Takes the positions; rebuilds the list if particles came, went, were reordered or moved far.
   template <class P>
   void update(P& particles) {
     require_positive("NeighbourList: radius", double(radius()));
-    if (is_valid(particles)) {
+    ++now_.updates;
+    const bool fitting = fits(particles);
+    const Real moved = fitting ? farthest_move(particles) : 0;
+    if (fitting) now_.pace = moved - now_.moved;
+    if (fitting && moved <= list_.skin / 2) {
+      now_.moved = moved;
       particles.refresh_ghosts(position);
     } else {
+      if (fitting) outgrow();
       build(particles);
     }
+    for (const Pairs pairs : {Pairs::twice, Pairs::once}) build_rows(pairs);
     const auto x = particles.with_ghosts(position);
-    positions_.assign(x.begin(), x.end());
+    positions_.resize(x.size());
+    for_each_chunk(x.size(), [&](Chunk chunk) {
+      std::copy_n(x.data() + chunk.first, chunk.last - chunk.first, positions_.data() + chunk.first);
+    });
   }
 
   /// f(j, r_ij, r) for every j, owned or ghost, with r < radius(); i is owned, r_ij = x_j − x_i.
@@ -63,90 +104,180 @@ class NeighbourList {
   void for_each_neighbour(Index i, F&& f) const {
     const Real reach = radius() * radius();
     const Vec x_i = positions_[i];
-    for (const Index j : rows_[i]) {
+    const auto meet = [&](Index j) {
       const Vec r_ij = positions_[j] - x_i;
       const Real r2 = r_ij.squaredNorm();
       if (r2 < reach) f(j, r_ij, std::sqrt(r2));
+    };
+    if (!has_rows(Pairs::twice)) {
+      list_.grid.for_each_neighbour(i, [&](Index j, const Vec&, Real) { meet(j); });
+      return;
     }
+    // Who has come within the radius cannot be predicted: noted without a branch, then met.
+    const auto row = rows(Pairs::twice)[list_.grid.slot_of(i)];
+    std::array<std::uint32_t, 64> noted;
+    for (Index from = 0; from < row.size(); from += noted.size()) {
+      Index count = 0;
+      for (const std::uint32_t j : row.subspan(from, std::min(noted.size(), row.size() - from))) {
+        noted[count] = j;
+        count += (positions_[j] - x_i).squaredNorm() < reach;
+      }
+      for (Index k = 0; k < count; ++k) meet(noted[k]);
+    }
+  }
+
+  /// f(j) for some j of owned i, owned or ghost: every pair that was closer than radius() + margin()
+  /// at the last update is met from one of its particles, a pair and its periodic image from one of
+  /// the two. Others may come as well.
+  template <class F>
+  void for_each_candidate(Index i, F&& f) const {
+    if (!has_rows(Pairs::once)) {
+      list_.grid.for_each_candidate(i, f);
+      return;
+    }
+    for (const std::uint32_t j : rows(Pairs::once)[list_.grid.slot_of(i)]) f(Index{j});
   }
 
   /// f(i, j, r_ij, r) for every pair once; i is owned, j owned or ghost.
   template <class F>
   void for_each_pair(F&& f) const {
-    const Index owned = rows_.size();
-    for (Index i = 0; i < owned; ++i) {
-      for_each_neighbour(i, [&](Index j, const Vec& r_ij, Real r) {
-        if ((j < owned ? j : ghost_owners_[j - owned]) > i) f(i, j, r_ij, r);
+    const Real reach = radius() * radius();
+    for (Index a = 0; a < list_.reference.size(); ++a) {
+      for_each_candidate(a, [&](Index b) {
+        const Index i = std::min(a, b);
+        const Index j = std::max(a, b);
+        const Vec r_ij = positions_[j] - positions_[i];
+        const Real r2 = r_ij.squaredNorm();
+        if (r2 < reach) f(i, j, r_ij, std::sqrt(r2));
       });
     }
   }
 
   /// The list before the first rebuild of a step is kept, so that undoing the step brings it back.
-  void save() noexcept { keeps_last_ = false; }
+  void save() noexcept {
+    saved_ = now_;
+    keeps_last_ = false;
+  }
   void restore() noexcept {
+    now_ = saved_;
     if (!keeps_last_) return;
-    std::swap(rows_, last_rows_);
-    std::swap(reference_, last_reference_);
+    std::swap(list_, last_);
     // Ghosts went with the old list; without them it fits the particles again.
-    if (!ghost_owners_.empty() || last_had_ghosts_) built_ = false;
+    if (list_.has_ghosts || last_.has_ghosts) list_.built = false;
     keeps_last_ = false;
   }
 
   /// Times the list was built.
   std::uint64_t rebuilds() const noexcept { return rebuilds_; }
+  /// Skin of the list as it was built last [m].
+  Real skin() const noexcept { return list_.skin; }
 
  private:
+  // What a rebuild replaces.
+  struct List {
+    bool built = false;
+    bool has_ghosts = false;
+    Real skin = 0;
+    std::uint64_t revision = 0;
+    Inner grid;
+    std::vector<Vec> reference;  // positions it was built from
+    std::array<NeighbourRows, 2> rows;
+    std::array<bool, 2> has_rows{};
+  };
+
+  // What every update changes.
+  struct State {
+    Skin tuning;
+    Real moved = 0;     // farthest, from where the list was built
+    Real pace = 0;      // by how much the farthest moved on since the update before
+    Index updates = 0;  // of the list as it is
+  };
+
+  const NeighbourRows& rows(Pairs pairs) const { return list_.rows[static_cast<Index>(pairs)]; }
+  bool has_rows(Pairs pairs) const {
+    const auto kind = static_cast<Index>(pairs);
+    // Several threads may ask.
+    if (!list_.has_rows[kind]) std::atomic_ref(asked_[kind]).store(true, std::memory_order_relaxed);
+    return list_.has_rows[kind];
+  }
+  void build_rows(Pairs pairs) {
+    const auto kind = static_cast<Index>(pairs);
+    if (!asked_[kind] || list_.has_rows[kind]) return;
+    list_.grid.build_rows(list_.rows[kind], pairs);
+    list_.has_rows[kind] = true;
+  }
+
+  // Whether these are the particles of the list, in their places.
   template <class P>
-  bool is_valid(const P& particles) const {
-    if (!built_ || particles.revision() != revision_ || particles.size() != reference_.size() ||
-        particles.total() != positions_.size()) {
-      return false;
-    }
+  bool fits(const P& particles) const {
+    return list_.built && particles.revision() == list_.revision &&
+           particles.size() == list_.reference.size() && particles.total() == positions_.size();
+  }
+
+  // How far the farthest has moved from where the list was built; infinity if that is no number,
+  // and the rebuild names it.
+  template <class P>
+  Real farthest_move(const P& particles) {
     const auto x = particles[position];
-    const Real allowed = squared(settings_.skin_fraction * radius() / 2);
-    // "not within" rather than "beyond": a NaN counts as moved, and the rebuild names it.
-    return first_where(x.size(), [&](Index i) {
-             return !((x[i] - reference_[i]).squaredNorm() <= allowed);
-           }) == nowhere;
+    farthest_.resize(chunk_count(x.size()));
+    for_each_chunk(x.size(), [&](Chunk chunk) {
+      Real farthest = 0;
+      bool all_numbers = true;
+      for (Index i = chunk.first; i < chunk.last; ++i) {
+        const Real moved = (x[i] - list_.reference[i]).squaredNorm();
+        farthest = std::max(farthest, moved);
+        all_numbers &= moved >= 0;
+      }
+      farthest_[chunk.number] = all_numbers ? farthest : std::numeric_limits<Real>::infinity();
+    });
+    if (farthest_.empty()) return 0;
+    return std::sqrt(*std::max_element(farthest_.begin(), farthest_.end()));
   }
 
   template <class P>
   void build(P& particles) {
-    if (!keeps_last_) {
-      std::swap(rows_, last_rows_);
-      std::swap(reference_, last_reference_);
-      last_had_ghosts_ = !ghost_owners_.empty();
+    // One without a skin is rebuilt at every move, so that there is nothing to bring back.
+    if (!keeps_last_ && list_.skin > 0) {
+      std::swap(list_, last_);
       keeps_last_ = true;
     }
-    built_ = false;
-    inner_.set_radius(radius() * (1 + settings_.skin_fraction));
-    inner_.update(particles);
-    const Index n = particles.size();
-    rows_.build(n, [&](Index i, auto&& add) {
-      inner_.for_each_neighbour(i, [&](Index j, const Vec&, Real) { add(j); });
-    });
+    list_.built = false;
+    list_.has_rows = {};
+    list_.skin = radius() * Real(now_.tuning.fraction());
+    list_.grid.set_radius(radius() + list_.skin);
+    list_.grid.update(particles);
     const auto x = particles[position];
-    reference_.assign(x.begin(), x.end());
-    ghost_owners_.resize(particles.total() - n);
-    for (Index g = 0; g < ghost_owners_.size(); ++g) ghost_owners_[g] = particles.owner(n + g);
-    revision_ = particles.revision();
-    built_ = true;
+    list_.reference.assign(x.begin(), x.end());
+    list_.has_ghosts = particles.total() > particles.size();
+    list_.revision = particles.revision();
+    list_.built = true;
+    now_.moved = 0;
+    now_.updates = 0;
     ++rebuilds_;
   }
 
-  Settings settings_;
-  Inner inner_;
-  bool built_ = false;
-  std::uint64_t revision_ = 0;
-  std::uint64_t rebuilds_ = 0;
-  std::vector<Vec> reference_;  // positions the list was built from
-  std::vector<Vec> positions_;
-  Rows<Index> rows_;
-  std::vector<Index> ghost_owners_;
-  Rows<Index> last_rows_;
-  std::vector<Vec> last_reference_;
-  bool last_had_ghosts_ = false;
+  // Somebody has moved too far: what that teaches about the skin.
+  void outgrow() {
+    for (const Pairs pairs : {Pairs::once, Pairs::twice}) {
+      if (!list_.has_rows[static_cast<Index>(pairs)]) continue;
+      const auto particles = double(std::max<Index>(list_.reference.size(), 1));
+      now_.tuning.learn({.dimension = Dim,
+                         .entries = double(rows(pairs).entries()) / particles,
+                         .updates = std::max<Index>(now_.updates, 1)});
+      return;
+    }
+  }
+
+  Real radius_ = 0;
+  State now_;
+  State saved_;
+  List list_;
+  List last_;
   bool keeps_last_ = false;
+  mutable std::array<bool, 2> asked_{};  // for rows of each kind
+  std::uint64_t rebuilds_ = 0;
+  std::vector<Vec> positions_;  // with ghosts, at the last update
+  std::vector<Real> farthest_;  // by chunk
 };
 
 }  // namespace silt

@@ -252,7 +252,8 @@ class UniformGrid {
   // Whether a distance is below the radius cannot be predicted, so that a branch would cost more
   // than the distance: what is near is noted without one, and handed over together.
   struct Near {
-    static constexpr Index most = 64;
+    static constexpr Index most = 256;
+    static constexpr Index piece = 128;
 
     Near(const UniformGrid& grid, Index slot)
         : x(grid.columns()), own(static_cast<std::uint32_t>(slot)) {
@@ -264,13 +265,12 @@ class UniformGrid {
     void note(Index first, Index last, F&& f) {
       constexpr int N = simd::lanes<Real>;
       const auto slots = [](Index s) { return simd::count_from<N>(s); };
-      while (first < last) {
-        if (count == most) hand_over(f);
-        const Index end = std::min(last, first + (most - count));
+      for (; first < last; first += piece) {
+        if (count > most - piece) hand_over(f);
+        const Index end = std::min(last, first + piece);
         const auto* const noted_to =
             simd::compress_near<N>(x, first, end, centre, reach, slots, own, noted.data() + count);
         count = static_cast<Index>(noted_to - noted.data());
-        first = end;
       }
     }
     template <class F>
