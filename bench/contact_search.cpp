@@ -1,9 +1,17 @@
 // SPDX-License-Identifier: MIT
-// Contact search: contact_search/<search>/<dimension>/<precision>/<particles>. An iteration is what
-// a step of DEM asks for: the positions are new, and every pair within the reach is met once.
+// Contact search: contact_search/<search>/<dimension>/<precision>/<radius>/<what>/<particles>.
 //
-// The particles do not move, so that neighbour_list builds its list but once: what is measured is a
-// step between two rebuilds, and how many those are depends on the flow.
+//   dense   particles as dense as in a packing, and the radius 1.05 of their diameter: DEM
+//   mps     a jittered lattice, and the radius 3.1 of its spacing, about 118 neighbours in space: MPS
+//
+//   full    take the positions, sort them into cells, and list for every particle who is near
+//   half    the same with each pair once, as contacts need it
+//   random  as half, from particles in random order, which are put in order first
+//   kept    a step between two rebuilds of a list with skin: see that it holds, and walk it
+//   pairs   all pairs within the radius, each once
+//
+// Particles lie in cell order, as a simulation keeps them. Threads are those of OMP_NUM_THREADS; the
+// peers, brute_force and nanoflann (build the tree, ask it for every particle), have one.
 #include <silt/core/parallel.hpp>
 #include <silt/search/brute_force.hpp>
 #include <silt/search/neighbour_list.hpp>
@@ -14,18 +22,97 @@
 #include "points.hpp"
 #include "program.hpp"
 
+#ifdef SILT_BENCH_NANOFLANN
+#include <nanoflann.hpp>
+#endif
+
+#include <cstdint>
 #include <string>
+#include <vector>
 
 namespace {
 
 using namespace silt;
+using bench::Density;
 
-template <class Search, int Dim, class Real>
-void search_contacts(benchmark::State& state) {
-  const auto n = static_cast<Index>(state.range(0));
-  auto particles = bench::particles<Dim, Real>(n);
-  Search search;
-  search.set_radius(static_cast<Real>(bench::reach));
+// Neighbours per particle, and the time per particle by the number of particles.
+void report(benchmark::State& state, double neighbours) {
+  state.SetItemsProcessed(state.iterations() * state.range(0));
+  state.SetComplexityN(state.range(0));
+  state.counters["neighbours"] = neighbours / double(state.range(0));
+}
+
+template <int Dim, class Real>
+Particles<Dim, Real> in_cell_order(const benchmark::State& state, Density density) {
+  auto particles = bench::particles<Dim, Real>(static_cast<Index>(state.range(0)), density);
+  UniformGrid<Dim, Real> grid({.radius = static_cast<Real>(bench::reach(density))});
+  grid.update(particles);
+  particles.reorder(grid.order());
+  return particles;
+}
+
+template <int Dim, class Real>
+void grid_lists(benchmark::State& state, Density density, Pairs pairs) {
+  auto particles = in_cell_order<Dim, Real>(state, density);
+  UniformGrid<Dim, Real> grid({.radius = static_cast<Real>(bench::reach(density))});
+  NeighbourRows rows;
+  for (auto _ : state) {
+    grid.sort(particles);
+    grid.update(particles);
+    grid.build_rows(rows, pairs);
+    benchmark::ClobberMemory();
+  }
+  report(state, double(rows.entries()) * (pairs == Pairs::once ? 2 : 1));
+}
+
+template <int Dim, class Real>
+void grid_lists_from_random_order(benchmark::State& state, Density density) {
+  const auto start = bench::particles<Dim, Real>(static_cast<Index>(state.range(0)), density);
+  auto particles = start;
+  UniformGrid<Dim, Real> grid({.radius = static_cast<Real>(bench::reach(density))});
+  NeighbourRows rows;
+  for (auto _ : state) {
+    state.PauseTiming();
+    particles = start;
+    state.ResumeTiming();
+    grid.sort(particles);
+    grid.update(particles);
+    grid.build_rows(rows, Pairs::once);
+    benchmark::ClobberMemory();
+  }
+  report(state, 2 * double(rows.entries()));
+}
+
+template <int Dim, class Real>
+void keep_list(benchmark::State& state, Density density) {
+  auto particles = in_cell_order<Dim, Real>(state, density);
+  NeighbourList<Dim, Real> list(
+      {.radius = static_cast<Real>(bench::reach(density)), .skin_fraction = Real(0.1)});
+  const auto step = [&] {
+    list.sort(particles);
+    list.update(particles);
+    std::vector<Index> candidates(chunk_count(particles.size()));
+    for_each_chunk(particles.size(), [&](Chunk chunk) {
+      Index count = 0;
+      for (Index i = chunk.first; i < chunk.last; ++i) {
+        list.for_each_candidate(i, [&count, i](Index j) { count += i ^ j ? 1 : 0; });
+      }
+      candidates[chunk.number] = count;
+    });
+    benchmark::DoNotOptimize(candidates.data());
+  };
+  step();
+  step();
+  for (auto _ : state) step();
+  double pairs = 0;
+  list.for_each_pair([&](Index, Index, const auto&, Real) { ++pairs; });
+  report(state, 2 * pairs);
+}
+
+template <int Dim, class Real>
+void brute_force(benchmark::State& state, Density density) {
+  auto particles = in_cell_order<Dim, Real>(state, density);
+  BruteForce<Dim, Real> search({.radius = static_cast<Real>(bench::reach(density))});
   Index pairs = 0;
   for (auto _ : state) {
     pairs = 0;
@@ -33,44 +120,92 @@ void search_contacts(benchmark::State& state) {
     search.for_each_pair([&pairs](Index, Index, const auto&, Real) { ++pairs; });
     benchmark::DoNotOptimize(pairs);
   }
-  state.SetItemsProcessed(state.iterations() * state.range(0));
-  state.SetComplexityN(state.range(0));
-  state.counters["neighbours"] = 2 * double(pairs) / double(n);
+  report(state, 2 * double(pairs));
 }
 
-struct Sizes {
-  std::int64_t largest;
-  benchmark::BigO complexity;
+#ifdef SILT_BENCH_NANOFLANN
+template <int Dim, class Real>
+struct Cloud {
+  std::span<const Vec<Dim, Real>> points;
+
+  std::size_t kdtree_get_point_count() const { return points.size(); }
+  Real kdtree_get_pt(std::size_t i, std::size_t k) const { return points[i][static_cast<int>(k)]; }
+  template <class Bounds>
+  bool kdtree_get_bbox(Bounds&) const {
+    return false;
+  }
 };
 
-template <class Search, int Dim, class Real>
-void add(const std::string& search, const std::string& precision, const Sizes& sizes) {
-  const std::string name =
-      "contact_search/" + search + "/" + std::to_string(Dim) + "d/" + precision;
-  auto* const family =
-      benchmark::RegisterBenchmark(name.c_str(), search_contacts<Search, Dim, Real>);
-  for (const std::int64_t n : {100, 316, 1000, 3162, 10000, 31623, 100000, 316228, 1000000}) {
-    if (n <= sizes.largest) family->Arg(n);
+template <int Dim, class Real>
+void nanoflann_lists(benchmark::State& state, Density density) {
+  auto particles = in_cell_order<Dim, Real>(state, density);
+  const Cloud<Dim, Real> cloud{particles[position]};
+  using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<Real, Cloud<Dim, Real>>,
+                                                   Cloud<Dim, Real>, Dim, std::uint32_t>;
+  const auto reach = static_cast<Real>(bench::reach(density));
+  std::vector<std::uint32_t> neighbours;
+  std::vector<Index> first;
+  std::vector<std::pair<std::uint32_t, Real>> found;
+  for (auto _ : state) {
+    Tree tree(Dim, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(10));
+    neighbours.clear();
+    first.assign(1, 0);
+    for (std::uint32_t i = 0; i < cloud.points.size(); ++i) {
+      tree.radiusSearch(cloud.points[i].data(), reach * reach, found,
+                        nanoflann::SearchParams(32, 0, false));
+      for (const auto& [j, r2] : found) {
+        if (j != i) neighbours.push_back(j);
+      }
+      first.push_back(neighbours.size());
+    }
+    benchmark::ClobberMemory();
   }
-  family->Complexity(sizes.complexity)->Unit(benchmark::kMicrosecond);
+  report(state, double(neighbours.size()));
+}
+#endif
+
+template <class F>
+void add(const std::string& name, std::int64_t largest, benchmark::BigO complexity, F&& run) {
+  auto* const family = benchmark::RegisterBenchmark(("contact_search/" + name).c_str(), run);
+  for (const std::int64_t n : {1000, 10000, 100000, 1000000, 4000000}) {
+    if (n <= largest) family->Arg(n);
+  }
+  family->Complexity(complexity)->Unit(benchmark::kMillisecond)->UseRealTime();
 }
 
 template <int Dim, class Real>
 void add_all(const std::string& precision) {
-  constexpr Sizes all{1000000, benchmark::oN};
-  add<UniformGrid<Dim, Real>, Dim, Real>("uniform_grid", precision, all);
-  add<NeighbourList<Dim, Real>, Dim, Real>("neighbour_list", precision, all);
-  add<BruteForce<Dim, Real>, Dim, Real>("brute_force", precision,
-                                        {31623, benchmark::oNSquared});
+  constexpr std::int64_t million = 1000000;
+  using benchmark::oN;
+  for (const Density density : {Density::dense, Density::mps}) {
+    const std::string kind = "/" + std::to_string(Dim) + "d/" + precision +
+                             (density == Density::dense ? "/dense" : "/mps");
+    for (const Pairs pairs : {Pairs::twice, Pairs::once}) {
+      add("uniform_grid" + kind + (pairs == Pairs::once ? "/half" : "/full"), 4 * million, oN,
+          [=](benchmark::State& state) { grid_lists<Dim, Real>(state, density, pairs); });
+    }
+#ifdef SILT_BENCH_NANOFLANN
+    if (std::is_same_v<Real, double>) {
+      add("nanoflann" + kind + "/full", million, benchmark::oNLogN,
+          [=](benchmark::State& state) { nanoflann_lists<Dim, Real>(state, density); });
+    }
+#endif
+    if (density != Density::dense) continue;
+    add("uniform_grid" + kind + "/random", million, oN,
+        [=](benchmark::State& state) { grid_lists_from_random_order<Dim, Real>(state, density); });
+    add("neighbour_list" + kind + "/kept", million, oN,
+        [=](benchmark::State& state) { keep_list<Dim, Real>(state, density); });
+    add("brute_force" + kind + "/pairs", million / 10, benchmark::oNSquared,
+        [=](benchmark::State& state) { brute_force<Dim, Real>(state, density); });
+  }
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  use_threads(1);  // pairs are met one after the other
-  add_all<2, double>("double");
-  add_all<2, float>("float");
   add_all<3, double>("double");
   add_all<3, float>("float");
+  add_all<2, double>("double");
+  add_all<2, float>("float");
   return bench::run(argc, argv);
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The particles that all benchmarks of one dimension share: a packing's density whatever their
-// number, and the same points for the same number.
+// The particles that all benchmarks of one dimension share: as dense whatever their number, and the
+// same points for the same number.
 #pragma once
 
 #include <silt/core/lattice.hpp>
@@ -14,34 +14,38 @@
 
 namespace bench {
 
-inline constexpr double diameter = 1;
+/// A square (cubic) lattice whose points are moved at random along each axis, and who is near whom.
+enum class Density {
+  dense,  ///< grains of one diameter in a packing, nearly in contact: about 4 (6) neighbours
+  mps,    ///< fluid particles within the wider radius of MPS: about 29 (118) neighbours
+};
 
-/// Search radius: what is nearly in contact, too.
-inline constexpr double reach = 1.05 * diameter;
+/// Between points of the lattice; the diameter of a grain is 1.
+constexpr double spacing(Density density) { return density == Density::dense ? 0.97 : 1; }
+/// By how much a point is moved at most.
+constexpr double jitter(Density density) { return density == Density::dense ? 0.04 : 0.2; }
+/// Search radius.
+constexpr double reach(Density density) { return density == Density::dense ? 1.05 : 3.1; }
 
-/// n points of a square (cubic) lattice of one diameter, each moved at random by up to 4 % of it
-/// along each axis: as in a packing, about 4 (6) neighbours within the reach. Their order in memory
-/// is random, as after a long run that never sorted its particles.
+/// n of these particles. Their order in memory is random, as after a long run that never sorted its
+/// particles.
 template <int Dim, class Real>
-std::vector<silt::Vec<Dim, Real>> packing(silt::Index n) {
+silt::Particles<Dim, Real> particles(silt::Index n, Density density) {
   using Vec = silt::Vec<Dim, Real>;
-  const double edge = std::ceil(std::pow(double(n), 1.0 / Dim)) * diameter;
+  const double step = spacing(density);
+  const double edge = std::ceil(std::pow(double(n), 1.0 / Dim)) * step;
   std::mt19937_64 random(20040101);
-  std::uniform_real_distribution<double> shift(-0.04 * diameter, 0.04 * diameter);
+  std::uniform_real_distribution<double> shift(-jitter(density), jitter(density));
   auto points = silt::lattice<Dim, Real>(
-      {Vec(Vec::Zero()), Vec(Vec::Constant(static_cast<Real>(edge)))}, Real(diameter));
+      {Vec(Vec::Zero()), Vec(Vec::Constant(static_cast<Real>(edge)))}, static_cast<Real>(step));
   points.resize(n);
   for (Vec& point : points) {
     for (int k = 0; k < Dim; ++k) point[k] += static_cast<Real>(shift(random));
   }
   std::shuffle(points.begin(), points.end(), random);
-  return points;
-}
-
-template <int Dim, class Real>
-silt::Particles<Dim, Real> particles(silt::Index n) {
   silt::Particles<Dim, Real> particles;
-  for (const auto& point : packing<Dim, Real>(n)) particles.add(point);
+  particles.reserve(n);
+  for (const Vec& point : points) particles.add(point);
   return particles;
 }
 
