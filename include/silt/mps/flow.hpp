@@ -8,6 +8,7 @@
 #include <silt/core/parallel.hpp>
 #include <silt/core/types.hpp>
 #include <silt/mps/cases.hpp>
+#include <silt/mps/flow_seconds.hpp>
 #include <silt/mps/flow_settings.hpp>
 #include <silt/mps/fluid.hpp>
 #include <silt/mps/neighbourhood.hpp>
@@ -15,7 +16,6 @@
 #include <silt/mps/pressure.hpp>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <string>
 #include <utility>
@@ -47,7 +47,9 @@ class BasicFlow {
   const SolveReport& last_solve() const noexcept { return report_; }
   /// The stencil of density, gradient and divergence.
   const auto& stencil() const noexcept { return stencil_; }
-  double seconds_in_pressure() const noexcept { return seconds_in_pressure_; }  ///< [s], wall time
+  /// Where the time went so far.
+  const FlowSeconds& seconds() const noexcept { return seconds_; }
+  double seconds_in_pressure() const noexcept { return seconds_.pressure; }  ///< [s], wall time
 
   /// The larger of the two radii [m].
   template <FluidParticles P>
@@ -130,29 +132,17 @@ class BasicFlow {
   /// Throws if the solve does not converge.
   template <FluidParticles P, class S>
   SolveReport project(P& particles, const S& search, double time_step) {
-    const auto begin = std::chrono::steady_clock::now();
     find_neighbours_of_moved(particles, search);
-    particles.refresh_ghosts(velocity);
+    const Timed in_pressure(seconds_.pressure);
     find_density_and_surface(particles);
-    const auto u = particles.with_ghosts(velocity);
-    const auto n = particles[number_density];
-    equation_.assemble(particles, around_laplacian(), laplacian_, [&](Index i) {
-      SourceTerms terms{.density = settings_.density, .time_step = time_step};
-      terms.compression = double((n[i] - stencil_.n0) / stencil_.n0);
-      if constexpr (Scheme::Source::needs_divergence) {
-        terms.divergence = double(divergence(around_, stencil_, i, u));
-      }
-      return settings_.source.value(terms);
-    });
-    report_ = equation_.solve(particles, solver_);
+    assemble(particles, time_step);
+    solve(particles);
     refuse_failed(report_);
     if (settings_.clip_negative_pressure) {
       const auto p = particles[pressure];
       for_each(particles.size(), [&](Index i) { p[i] = std::max(p[i], Real(0)); });
     }
     find_pressure_change(particles, Real(time_step));
-    const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - begin;
-    seconds_in_pressure_ += taken.count();
     return report_;
   }
 
@@ -205,6 +195,7 @@ class BasicFlow {
 
   template <class P, class S>
   void find_neighbours(const P& particles, const S& search) {
+    const Timed in_neighbours(seconds_.neighbours);
     around_.find(particles, search, stencil_);
     if (stencil_.re != laplacian_.re) around_laplacian_.find(particles, search, laplacian_);
   }
@@ -235,6 +226,29 @@ class BasicFlow {
                                                .neighbours = double(around_[i].size()) /
                                                              double(stencil_.neighbours)});
     });
+  }
+
+  // ∇²P = source      (9), (16)
+  template <class P>
+  void assemble(P& particles, double time_step) {
+    const Timed in_assembly(seconds_.assembly);
+    particles.refresh_ghosts(velocity);
+    const auto u = particles.with_ghosts(velocity);
+    const auto n = particles[number_density];
+    equation_.assemble(particles, around_laplacian(), laplacian_, [&](Index i) {
+      SourceTerms terms{.density = settings_.density, .time_step = time_step};
+      terms.compression = double((n[i] - stencil_.n0) / stencil_.n0);
+      if constexpr (Scheme::Source::needs_divergence) {
+        terms.divergence = double(divergence(around_, stencil_, i, u));
+      }
+      return settings_.source.value(terms);
+    });
+  }
+
+  template <class P>
+  void solve(P& particles) {
+    const Timed in_solve(seconds_.solve);
+    report_ = equation_.solve(particles, solver_);
   }
 
   // u' = −(Δt/ρ) ∇P      (11)
@@ -276,7 +290,7 @@ class BasicFlow {
   Vec gravity_ = Vec::Zero();
   PressureEquation equation_;
   SolveReport report_;
-  double seconds_in_pressure_ = 0;
+  FlowSeconds seconds_;
   std::vector<Vec> change_;      // of the velocity, by the part of the step under way
   std::vector<Vec> moved_with_;  // velocity that the predictor has moved each particle with
 };
