@@ -108,6 +108,15 @@ Pack<std::uint32_t, N> count_from(Index from) {
   return pack + static_cast<std::uint32_t>(from);
 }
 
+/// In double precision. (Of the compilers' own conversion g++ 12 makes two halves.)
+inline Pack<double, 8> widen(const Pack<float, 8>& a) {
+#if defined(SILT_AVX512)
+  return (Pack<double, 8>)_mm512_cvtps_pd((__m256)a);
+#else
+  return __builtin_convertvector(a, Pack<double, 8>);
+#endif
+}
+
 /// The lanes below `count`.
 template <int N>
 Mask first_lanes(Index count) {

@@ -10,11 +10,11 @@
 #pragma once
 
 #include <silt/core/parallel.hpp>
+#include <silt/core/simd.hpp>
 #include <silt/core/types.hpp>
 
 #include <algorithm>
 #include <cstdint>
-#include <cstring>
 #include <span>
 #include <vector>
 
@@ -60,14 +60,16 @@ class WindowRows {
   double times(Index row, std::span<const double> x) const {
     if (x.size() < lanes) return narrow_times(row, x);
     const Part& part = parts_[row / chunk_size];
+    const Index first = part.first[row % chunk_size];
     const Index last = part.first[row % chunk_size + 1];
-    Doubles sum{};
-    for (Index window = part.first[row % chunk_size]; window < last; ++window) {
-      Floats a;
-      Doubles x_at;
-      std::memcpy(&a, &part.values[window * lanes], sizeof a);
-      std::memcpy(&x_at, &x[part.columns[window]], sizeof x_at);
-      sum += __builtin_convertvector(a, Doubles) * x_at;
+    const float* const values = part.values.data();
+    const std::uint32_t* const columns = part.columns.data();
+    // Rows are read once, in order: the processor sees that later than we do.
+    for (Index line = 0; line < 4; ++line) __builtin_prefetch(values + first * lanes + 512 + 16 * line);
+    simd::Pack<double, lanes> sum{};
+    for (Index window = first; window < last; ++window) {
+      const auto a = simd::load<float, lanes>(values + window * lanes);
+      sum += simd::widen(a) * simd::load<double, lanes>(x.data() + columns[window]);
     }
     return ((sum[0] + sum[4]) + (sum[2] + sum[6])) + ((sum[1] + sum[5]) + (sum[3] + sum[7]));
   }
@@ -94,10 +96,6 @@ class WindowRows {
   }
 
  private:
-  // Vectors of GCC and Clang: SSE, AVX, AVX-512 or NEON, as the processor has it.
-  typedef double Doubles __attribute__((vector_size(lanes * sizeof(double))));
-  typedef float Floats __attribute__((vector_size(lanes * sizeof(float))));
-
   // Windows of the rows of one chunk.
   struct Part {
     std::vector<std::uint32_t> first;    // window of each row
