@@ -23,7 +23,7 @@ struct LinearSystem {
   std::vector<double> right_side;
 
   /// Bodies of unknowns that A fixes up to a constant only: number of the body of each row, 0 for
-  /// rows of none. A solver keeps these constants out of what it adds to x.
+  /// rows of none, and nothing where there are no such bodies. A solver keeps these constants out of what it adds to x.
   std::vector<std::uint32_t> closed_body;
   Index closed_bodies = 0;
 

@@ -14,6 +14,7 @@
 #include <silt/core/types.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -84,13 +85,18 @@ class WindowRows {
     }
   }
 
-  /// Whether f(column) holds of an entry of a row that is not zero; asks from the last one on.
-  template <class F>
-  bool has_entry(Index row, F&& f) const {
+  /// Whether a row has an entry, not zero, in a marked column; asks from the last ones on.
+  bool has_entry_in(Index row, std::span<const std::uint8_t> marked) const {
     const Part& part = parts_[row / chunk_size];
     const Index k = row % chunk_size;
-    for (Index at = part.first[k + 1] * lanes; at-- > part.first[k] * lanes;) {
-      if (part.values[at] != 0 && f(part.column(at))) return true;
+    for (Index window = part.first[k + 1]; window-- > part.first[k];) {
+      const Index column = part.columns[window];
+      std::array<std::uint8_t, lanes> marks{};
+      std::copy_n(marked.begin() + static_cast<std::ptrdiff_t>(column),
+                  std::min(lanes, marked.size() - column), marks.begin());
+      for (Index lane = 0; lane < lanes; ++lane) {
+        if (marks[lane] && part.values[window * lanes + lane] != 0) return true;
+      }
     }
     return false;
   }

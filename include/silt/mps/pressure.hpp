@@ -122,38 +122,40 @@ class PressureEquation {
   // A body of fluid with no free surface (a closed full tank) fixes its pressure up to a constant
   // only. Such bodies are found by walking from the surface: what is not reached is closed.
   void find_closed_bodies() {
-    auto& body = system_.closed_body;
-    body.assign(unknowns_.size(), unreached);
-    system_.closed_bodies = 0;
+    const Index n = unknowns_.size();
+    const auto& entries = system_.off_diagonal;
+    is_open_.assign(n, 0);
     // Surfaces mostly lie on top, so that one pass downwards reaches nearly all.
-    for (Index row = unknowns_.size(); row-- > 0;) {
-      if (system_.geometry.to_surface[row] > 0 || is_beside_open(row)) body[row] = open;
+    for (Index row = n; row-- > 0;) {
+      is_open_[row] = system_.geometry.to_surface[row] > 0 || entries.has_entry_in(row, is_open_);
     }
-    for (Index row = 0; row < unknowns_.size(); ++row) {
-      if (body[row] == unreached && is_beside_open(row)) flood(row, open);
+    for (Index row = 0; row < n; ++row) {
+      if (is_open_[row] || !entries.has_entry_in(row, is_open_)) continue;
+      flood(row, [&](Index at) { return !is_open_[at]; }, [&](Index at) { is_open_[at] = true; });
     }
-    for (Index row = 0; row < unknowns_.size(); ++row) {
-      if (body[row] == unreached) flood(row, static_cast<std::uint32_t>(++system_.closed_bodies));
+    auto& body = system_.closed_body;
+    system_.closed_bodies = 0;
+    body.clear();
+    for (Index row = 0; row < n; ++row) {
+      if (is_open_[row]) continue;
+      if (body.empty()) body.assign(n, 0);
+      if (body[row] > 0) continue;
+      const auto number = static_cast<std::uint32_t>(++system_.closed_bodies);
+      flood(row, [&](Index at) { return body[at] == 0; }, [&](Index at) { body[at] = number; });
     }
   }
 
-  static constexpr std::uint32_t open = 0;
-  static constexpr std::uint32_t unreached = std::numeric_limits<std::uint32_t>::max();
-
-  bool is_beside_open(Index row) const {
-    return system_.off_diagonal.has_entry(
-        row, [&](Index column) { return system_.closed_body[column] == open; });
-  }
-
-  void flood(Index row, std::uint32_t body) {
+  // Marks the row and all that can be reached from it over rows that are new.
+  template <class IsNew, class Mark>
+  void flood(Index row, IsNew&& is_new, Mark&& mark) {
+    mark(row);
     front_.assign(1, static_cast<std::uint32_t>(row));
-    system_.closed_body[row] = body;
     while (!front_.empty()) {
       const Index at = front_.back();
       front_.pop_back();
       system_.off_diagonal.for_each_entry(at, [&](Index column, double) {
-        if (system_.closed_body[column] != unreached) return;
-        system_.closed_body[column] = body;
+        if (!is_new(column)) return;
+        mark(column);
         front_.push_back(static_cast<std::uint32_t>(column));
       });
     }
@@ -175,6 +177,7 @@ class PressureEquation {
   LinearSystem system_;
   std::vector<std::uint32_t> unknowns_;  // particle of each row
   std::vector<std::uint32_t> row_of_;    // row of each particle, ghosts as their owners
+  std::vector<std::uint8_t> is_open_;    // rows that a surface reaches
   std::vector<std::uint32_t> front_;
   std::vector<double> solution_;
 };

@@ -141,15 +141,19 @@ class UniformGrid {
   /// rounding may come as well. Rows of ghosts are empty.
   void build_rows(NeighbourRows& rows, Pairs pairs) const {
     rows.build(sorted_.size(), [&](Chunk chunk, NeighbourRows::Writer& row) {
-      // Its memory stays warm; what it holds is made anew for every block.
-      static thread_local SharedCandidates<Dim, Real> candidates;
-      for (Index slot = chunk.first; slot < chunk.last;) {
-        if (cells_.shared()) {
-          add_row(slot++, pairs, row);
-        } else {
-          slot = add_rows_of_block(slot, chunk.last, pairs, candidates, row);
-        }
-      }
+      add_rows(chunk, pairs, [](Index) { return true; }, row);
+    });
+  }
+
+  /// f(chunk, i, js) for every owned i that is wanted(i), js being the indices of its neighbours as
+  /// build_rows finds them: for rows that are read once. Several chunks at a time, each by one
+  /// thread and in the order of the cells.
+  template <class Wanted, class F>
+  void for_each_row(Wanted&& wanted, F&& f) const {
+    for_each_chunk(sorted_.size(), [&](Chunk chunk) {
+      static thread_local std::vector<std::uint32_t> memory;
+      RowReader<std::remove_reference_t<F>> row{f, sorted_.item_of().data(), chunk, memory};
+      add_rows(chunk, Pairs::twice, wanted, row);
     });
   }
 
@@ -287,9 +291,56 @@ class UniformGrid {
     Index count = 0;
   };
 
+  // Hands every row to f where NeighbourRows::Writer would keep it.
+  template <class F>
+  struct RowReader {
+    F& f;
+    const std::uint32_t* items;
+    Chunk chunk;
+    std::vector<std::uint32_t>& memory;
+    Index slot = chunk.first;
+    Index begin = 0;
+
+    std::uint32_t* room(Index most) {
+      begin = 0;
+      return room(most, memory.data());
+    }
+    std::uint32_t* room(Index most, std::uint32_t* to) {
+      const auto used = static_cast<Index>(to - memory.data());
+      if (used + most > memory.size()) memory.resize(2 * (used + most));
+      return memory.data() + used;
+    }
+    void end_row(const std::uint32_t* to) {
+      const auto end = static_cast<Index>(to - memory.data());
+      const Index i = items[slot++];
+      if (end > begin) f(chunk.number, i, std::span<const std::uint32_t>(memory).subspan(begin, end - begin));
+      begin = end;
+    }
+  };
+
+  // Rows of the particles that are wanted, and empty ones for the others and for ghosts.
+  template <class Wanted, class Row>
+  void add_rows(Chunk chunk, Pairs pairs, const Wanted& wanted, Row& row) const {
+    // Its memory stays warm; what it holds is made anew for every block.
+    static thread_local SharedCandidates<Dim, Real> candidates;
+    const auto has_row = [&](Index slot) {
+      const Index i = sorted_.item_of()[slot];
+      return i < owned_ && wanted(i);
+    };
+    for (Index slot = chunk.first; slot < chunk.last;) {
+      if (cells_.shared()) {
+        add_row(slot, pairs, has_row(slot), row);
+        ++slot;
+      } else {
+        slot = add_rows_of_block(slot, chunk.last, pairs, has_row, candidates, row);
+      }
+    }
+  }
+
   // Rows of the block that begins with this slot; returns the slot behind it.
-  Index add_rows_of_block(Index first, Index limit, Pairs pairs,
-                          SharedCandidates<Dim, Real>& candidates, NeighbourRows::Writer& row) const {
+  template <class HasRow, class Row>
+  Index add_rows_of_block(Index first, Index limit, Pairs pairs, const HasRow& has_row,
+                          SharedCandidates<Dim, Real>& candidates, Row& row) const {
     const auto items = sorted_.item_of();
     const auto start = sorted_.start();
     // A few cells in a row, until there are enough particles to share what is found.
@@ -299,18 +350,20 @@ class UniformGrid {
     Index length = 1;
     while (length < longest && start[bin + length] < first + shared_by) ++length;
     const Index last = std::min<Index>(start[bin + length], limit);
+    Index rows = 0;
+    for (Index slot = first; slot < last; ++slot) rows += has_row(slot);
 
     candidates.begin(columns(), items.data(), first, last, radius_);
     const auto add = [&](Index from, Index to) { candidates.add(start[from], start[to]); };
     const bool onwards = pairs == Pairs::once && !has_ghosts();
-    if (onwards) {
+    if (rows > 0 && onwards) {
       cells_.for_each_range_onwards(bin, length, add);
-    } else {
+    } else if (rows > 0) {
       cells_.for_each_range_around(bin, length, add);
     }
-    std::uint32_t* to = row.room((last - first) * candidates.size() + simd::lanes<float>);
+    std::uint32_t* to = row.room(rows * candidates.size() + simd::lanes<float>);
     for (Index slot = first; slot < last; ++slot) {
-      if (items[slot] < owned_) {
+      if (has_row(slot)) {
         std::uint32_t* const begin = to;
         to = candidates.near(slot, onwards, begin);
         if (pairs == Pairs::once && !onwards) to = keep_met(slot, begin, to);
@@ -326,16 +379,17 @@ class UniformGrid {
   }
 
   // One row, without sharing: where far cells share bins, a block is not small.
-  void add_row(Index slot, Pairs pairs, NeighbourRows::Writer& row) const {
+  template <class Row>
+  void add_row(Index slot, Pairs pairs, bool has_row, Row& row) const {
     const Index i = sorted_.item_of()[slot];
     std::uint32_t* to = row.room(1);
     const auto add = [&](Index j) {
       to = row.room(1, to);
       *to++ = static_cast<std::uint32_t>(j);
     };
-    if (i < owned_ && pairs == Pairs::once) {
+    if (has_row && pairs == Pairs::once) {
       for_each_candidate(i, add);
-    } else if (i < owned_) {
+    } else if (has_row) {
       for_each_slot_around(slot, [&](Index other) { add(sorted_.item_of()[other]); });
     }
     row.end_row(to);
