@@ -2,6 +2,7 @@
 #include "support/check.hpp"
 
 #include <silt/solve/conjugate_gradient.hpp>
+#include <silt/solve/incomplete_cholesky.hpp>
 
 #include <gtest/gtest.h>
 
@@ -27,6 +28,7 @@ struct NoPreconditioner {
 static_assert(LinearSolver<ConjugateGradient<>>);
 static_assert(LinearSolver<ConjugateGradient<NoPreconditioner>>);
 static_assert(Preconditioner<Jacobi> && Preconditioner<NoPreconditioner>);
+static_assert(Preconditioner<IncompleteCholesky>);
 
 struct Unprepared {
   void apply(const std::vector<double>&, std::vector<double>&) const {}
@@ -173,6 +175,25 @@ TYPED_TEST(ConjugateGradients, SolveASingularSystemWhoseRightSideIsInItsRange) {
   std::vector<double> x(n, 5);
   EXPECT_EQ(solver.solve(ring, x).reason, Reason::converged);
   for (Index i = 0; i < n; ++i) EXPECT_NEAR(x[i] - x[0], exact[i] - exact[0], 1e-9);
+}
+
+TEST(ConjugateGradient, NeedsFewerIterationsWithIncompleteCholeskyFactors) {
+  // A plate of 30 by 30: entries one beside the diagonal, and thirty.
+  constexpr Index along = 30;
+  LinearSystem plate;
+  plate.diagonal.assign(along * along, 4);
+  plate.off_diagonal.build(along * along, [](Index i, auto&& add) {
+    if (i >= along) add(i - along, -1.0);
+    if (i % along > 0) add(i - 1, -1.0);
+    if (i % along + 1 < along) add(i + 1, -1.0);
+    if (i + along < along * along) add(i + along, -1.0);
+  });
+  plate.right_side = uneven(along * along);
+  std::vector<double> x(along * along, 0);
+  const int by_factors = ConjugateGradient<IncompleteCholesky>().solve(plate, x).iterations;
+  EXPECT_LE(residual(plate, x), 1e-6);
+  x.assign(along * along, 0);
+  EXPECT_LT(2 * by_factors, ConjugateGradient<Jacobi>().solve(plate, x).iterations);
 }
 
 TEST(ConjugateGradient, OfNoUnknownsHasNothingToSolve) {

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: MIT
+#include "support/check.hpp"
+
+#include <silt/core/window_rows.hpp>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <map>
+#include <random>
+#include <utility>
+#include <vector>
+
+namespace silt::test {
+namespace {
+
+using Entries = std::map<std::pair<Index, Index>, double>;
+
+// A few entries a row, in clusters, of numbers that single precision holds.
+Entries clustered(Index n) {
+  std::mt19937 random(8);
+  Entries entries;
+  for (Index row = 0; row < n; ++row) {
+    for (int cluster = 0; cluster < 3; ++cluster) {
+      const Index at = random() % n;
+      for (Index k = 0; k < 1 + random() % 12; ++k) {
+        entries[{row, std::min(n - 1, at + k)}] = double(random() % 1000) / 64 - 5;
+      }
+    }
+  }
+  return entries;
+}
+
+WindowRows rows_of(Index n, const Entries& entries, bool backwards = false) {
+  WindowRows rows;
+  rows.build(n, [&](Index i, auto&& add) {
+    std::vector<std::pair<Index, double>> row;
+    for (auto at = entries.lower_bound({i, 0}); at != entries.end() && at->first.first == i; ++at) {
+      row.emplace_back(at->first.second, at->second);
+    }
+    if (backwards) std::reverse(row.begin(), row.end());
+    for (const auto& [column, value] : row) add(column, value);
+  });
+  return rows;
+}
+
+TEST(WindowRows, KeepTheEntriesTheyWereGivenInAnyOrder) {
+  for (const Index n : {1, 5, 8, 9, 100, 3000}) {
+    Entries entries = clustered(n);
+    for (const bool backwards : {false, true}) {
+      const WindowRows rows = rows_of(n, entries, backwards);
+      EXPECT_EQ(rows.size(), n);
+      Entries found;
+      for (Index row = 0; row < n; ++row) {
+        rows.for_each_entry(row, [&](Index column, double value) { found[{row, column}] += value; });
+      }
+      std::erase_if(entries, [](const auto& each) { return each.second == 0; });
+      EXPECT_EQ(found, entries) << n;
+    }
+  }
+}
+
+TEST(WindowRows, MultiplyAsTheirEntriesDo) {
+  for (const Index n : {1, 7, 8, 100, 3000}) {
+    const Entries entries = clustered(n);
+    const WindowRows rows = rows_of(n, entries);
+    std::vector<double> x(n);
+    for (Index i = 0; i < n; ++i) x[i] = double(i % 17) - 3;  // whole numbers: no rounding
+    std::vector<double> product(n, 0);
+    for (const auto& [place, value] : entries) product[place.first] += value * x[place.second];
+    for (Index row = 0; row < n; ++row) EXPECT_EQ(rows.times(row, x), product[row]) << n;
+  }
+}
+
+TEST(WindowRows, AddUpWhatIsAddedTwice) {
+  WindowRows rows;
+  rows.build(20, [](Index i, auto&& add) {
+    add(i, 1.5);
+    add(i, 2.0);
+  });
+  rows.for_each_entry(7, [](Index column, double value) {
+    EXPECT_EQ(column, 7u);
+    EXPECT_EQ(value, 3.5);
+  });
+  std::vector<double> x(20, 2);
+  EXPECT_EQ(rows.times(19, x), 7);
+}
+
+TEST(WindowRows, KnowWhetherARowHasAnEntryInAMarkedColumn) {
+  for (const Index n : {5, 60}) {
+    const Entries entries = clustered(n);
+    const WindowRows rows = rows_of(n, entries);
+    for (Index column = 0; column < n; ++column) {
+      std::vector<std::uint8_t> marked(n, 0);
+      marked[column] = 1;
+      for (Index row = 0; row < n; ++row) {
+        const auto entry = entries.find({row, column});
+        EXPECT_EQ(rows.has_entry_in(row, marked), entry != entries.end() && entry->second != 0);
+      }
+    }
+  }
+}
+
+TEST(WindowRows, BuiltAgainForgetWhatTheyWere) {
+  WindowRows rows = rows_of(3000, clustered(3000));
+  rows.build(10, [](Index, auto&&) {});
+  EXPECT_EQ(rows.size(), 10u);
+  for (Index row = 0; row < 10; ++row) {
+    rows.for_each_entry(row, [](Index, double) { ADD_FAILURE(); });
+    EXPECT_EQ(rows.times(row, std::vector<double>(10, 1.0)), 0);
+  }
+}
+
+}  // namespace
+}  // namespace silt::test
