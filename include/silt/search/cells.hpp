@@ -29,9 +29,6 @@ template <int Dim, class Real>
 class Cells {
  public:
   using Vec = silt::Vec<Dim, Real>;
-  /// Counted from the lower corner of the particles.
-  using Cell = std::array<std::int64_t, Dim>;
-
   /// Lower and upper corner of the points, and a typical one.
   struct Extent {
     Vec lower;
@@ -39,7 +36,7 @@ class Cells {
     Vec middle;
   };
   void lay(const Extent& extent, Index points, Real reach) {
-    // Rounding must not put a pair two cells apart: cell_of rounds by 2⁻²² of an edge, and a
+    // Rounding must not put a pair two cells apart: along() rounds by 2⁻²² of an edge, and a
     // distance in single precision is good to 2⁻²¹.
     const double edge = double(reach) * (1 + 0x1p-18);
     per_edge_ = 1 / edge;
@@ -52,14 +49,13 @@ class Cells {
       anchor_[k] = is_finite(anchor) ? anchor : middle;
     }
     lower_.fill(0);
-    lower_ = cell_of(extent.lower);
-    const Cell last = cell_of(extent.upper);
+    for (std::size_t k = 0; k < Dim; ++k) lower_[k] = along(extent.lower, k);
 
     // Three along each axis, so that what lies around a cell never meets itself around the ring.
     std::array<std::int64_t, Dim> cells;
     double product = 1;
     for (std::size_t k = 0; k < Dim; ++k) {
-      cells[k] = std::max<std::int64_t>(last[k] + 1, 3);
+      cells[k] = std::max<std::int64_t>(std::int64_t{along(extent.upper, k)} + 1, 3);
       product *= double(cells[k]);
     }
     const bool beyond = *std::max_element(cells.begin(), cells.end()) > farthest;
@@ -72,34 +68,32 @@ class Cells {
     }
     stride_[0] = 1;
     for (std::size_t k = 1; k < Dim; ++k) stride_[k] = stride_[k - 1] * cells[k - 1];
-    row_length_ = cells[0];
     list_rows();
   }
 
   Index bins() const noexcept { return static_cast<Index>(bins_); }
   /// Whether far cells share bins.
   bool shared() const noexcept { return shared_; }
-  /// Cells of a row from this one on, of at most `most`, whose surroundings do not meet themselves
-  /// around the ring.
-  Index block_from(const Cell& cell, std::int64_t most) const {
-    return static_cast<Index>(std::min({most, row_length_ - cell[0], row_length_ - 2}));
+  /// Bin of the cell that x lies in; it may lie outside of the extent where bins are shared only.
+  Index bin_of(const Vec& x) const {
+    if (!shared_) return bin_of_its_own(x);
+    std::int64_t bin = 0;
+    for (std::size_t k = 0; k < Dim; ++k) bin += std::int64_t{along(x, k)} * stride_[k];
+    return static_cast<Index>(bin % bins_);
   }
-
-  Cell cell_of(const Vec& x) const {
-    Cell cell;
+  /// The same where no bins are shared: in 32 bits, for many at a time.
+  std::uint32_t bin_of_its_own(const Vec& x) const {
+    std::uint32_t bin = 0;
     for (std::size_t k = 0; k < Dim; ++k) {
-      const double at = (double(x[static_cast<int>(k)]) - anchor_[k]) * per_edge_;
-      const double near = at < -farthest ? -farthest : at > farthest ? double(farthest) : at;
-      // From below 0 the conversion to a whole number would round upwards.
-      cell[k] = static_cast<std::int32_t>(near + farthest) - lower_[k];
+      bin += static_cast<std::uint32_t>(along(x, k)) * static_cast<std::uint32_t>(stride_[k]);
     }
-    return cell;
+    return bin;
   }
 
-  Index bin_of(const Cell& cell) const {
-    std::int64_t bin = cell[0];
-    for (std::size_t k = 1; k < Dim; ++k) bin += cell[k] * stride_[k];
-    return static_cast<Index>(shared_ ? bin % bins_ : bin);
+  /// Cells of a row, at most `most` of them and the first that of x, whose surroundings do not meet
+  /// themselves around the ring.
+  Index block_from(const Vec& x, std::int64_t most) const {
+    return static_cast<Index>(std::min({most, stride_[1] - along(x, 0), stride_[1] - 2}));
   }
 
   /// f(first, last) for every range of bins, `last` not included, around `length` cells of a row
@@ -130,6 +124,14 @@ class Cells {
   // What is more than 2³⁰ cells away lies in the outermost cell.
   static constexpr std::int32_t farthest = (1 << 30) - 1;
 
+  // Cell that x lies in along axis k, counted from the lower corner.
+  std::int32_t along(const Vec& x, std::size_t k) const {
+    const double at = (double(x[static_cast<int>(k)]) - anchor_[k]) * per_edge_;
+    const double near = std::min(std::max(at, -double(farthest)), double(farthest));
+    // From below 0 the conversion to a whole number would round upwards.
+    return static_cast<std::int32_t>(near + farthest) - lower_[k];
+  }
+
   // How far the rows around a cell are from its own, in rising order.
   void list_rows() {
     std::size_t r = 0;
@@ -151,9 +153,8 @@ class Cells {
 
   std::array<double, Dim> anchor_{};
   double per_edge_ = 0;
-  Cell lower_{};
+  std::array<std::int32_t, Dim> lower_{};
   std::int64_t bins_ = 0;
-  std::int64_t row_length_ = 0;
   bool shared_ = false;
   std::array<std::int64_t, Dim> stride_{};
   std::array<std::int64_t, Dim == 2 ? 3 : 9> rows_{};

@@ -61,10 +61,13 @@ class UniformGrid {
   template <class P>
   void sort(P& particles) {
     if (particles.size() < worth_sorting) return;
+    // What the last update saw is new enough.
+    const Index many = particles.size() / 16;
+    if (particles.revision() == revision_ && sorted_.descents() <= many) return;
     require_positive("UniformGrid: radius", double(radius_));
     sort_into_cells(particles[position]);
     owned_ = particles.size();
-    if (sorted_.descents() > particles.size() / 16) particles.reorder(order());
+    if (sorted_.descents() > many) particles.reorder(order());
   }
 
   /// Sorts the particles into cells, and makes the ghosts of periodic sides. Throws as make_ghosts
@@ -75,6 +78,7 @@ class UniformGrid {
     make_ghosts(particles, radius_);
     const auto x = particles.with_ghosts(position);
     owned_ = particles.size();
+    revision_ = particles.revision();
     sort_into_cells(x);
     for (auto& column : x_) column.resize(x.size() + simd::lanes<Real>);
     for_each(x.size(), [&](Index slot) {
@@ -187,7 +191,11 @@ class UniformGrid {
            " particles and ghosts are more than 32 bits can number; divide them");
     }
     cells_.lay(extent_of(x), x.size(), radius_);
-    sorted_.sort(x.size(), cells_.bins(), [&](Index i) { return cells_.bin_of(cells_.cell_of(x[i])); });
+    if (cells_.shared()) {
+      sorted_.sort(x.size(), cells_.bins(), [&](Index i) { return cells_.bin_of(x[i]); });
+    } else {
+      sorted_.sort(x.size(), cells_.bins(), [&](Index i) { return cells_.bin_of_its_own(x[i]); });
+    }
   }
 
   typename Cells<Dim, Real>::Extent extent_of(std::span<const Vec> x) {
@@ -251,7 +259,7 @@ class UniformGrid {
     near.hand_over(f);
   }
 
-  Index bin_of(Index slot) const { return cells_.bin_of(cells_.cell_of(at(slot))); }
+  Index bin_of(Index slot) const { return cells_.bin_of(at(slot)); }
 
   // Whether a distance is below the radius cannot be predicted, so that a branch would cost more
   // than the distance: what is near is noted without one, and handed over together.
@@ -344,9 +352,8 @@ class UniformGrid {
     const auto items = sorted_.item_of();
     const auto start = sorted_.start();
     // A few cells in a row, until there are enough particles to share what is found.
-    const auto cell = cells_.cell_of(at(first));
-    const Index bin = cells_.bin_of(cell);
-    const Index longest = cells_.block_from(cell, longest_block);
+    const Index bin = cells_.bin_of_its_own(at(first));
+    const Index longest = cells_.block_from(at(first), longest_block);
     Index length = 1;
     while (length < longest && start[bin + length] < first + shared_by) ++length;
     const Index last = std::min<Index>(start[bin + length], limit);
@@ -397,6 +404,7 @@ class UniformGrid {
 
   Real radius_ = 0;
   Index owned_ = 0;
+  std::uint64_t revision_ = 0;  // of the particles at the last update
   Cells<Dim, Real> cells_;
   BinSort sorted_;
   std::array<std::vector<Real>, Dim> x_;  // by slot, and room to read a register beyond
