@@ -108,6 +108,26 @@ TYPED_TEST(Determinism, KeepsContactMemoryWhenGrainsAreReorderedOnTheWay) {
   EXPECT_EQ(run(true), run(false));
 }
 
+TYPED_TEST(Determinism, GoesOnWithMemoryThatWasTakenOutAndPutBack) {
+  constexpr int dim = TypeParam::dimension;
+  using Real = typename TypeParam::Real;
+  const auto run = [&](bool interrupt) {
+    Simulation sim{crowd<dim, Real>(dim == 2 ? 10 : 5, 7), NeighbourList<dim, Real>{},
+                   dem::Contacts{law}, Leapfrog{}};
+    for (int k = 0; k < 60; ++k) {
+      if (interrupt && k % 10 == 5) {
+        const auto memory = sim.interaction().memory(sim.particles());
+        EXPECT_EQ(memory.size(), sim.interaction().size());
+        sim.interaction() = dem::Contacts{law};
+        sim.interaction().remember(sim.particles(), memory);
+      }
+      sim.step(2e-5);
+    }
+    return by_id(sim.particles());
+  };
+  EXPECT_EQ(run(true), run(false));
+}
+
 // --- units ---------------------------------------------------------------------------------------
 
 // Powers of four, so that square roots, too, only change exponents.

@@ -56,6 +56,34 @@ concept NeighbourSearch =
       found.for_each_pair(archetype::OnPair{});
     };
 
+/// May put the owned particles into an order in memory that makes it faster; ids stay.
+template <class S, class P>
+concept SortsParticles = requires(S s, P& p) { s.sort(p); };
+
+/// f(j) for every j that may be closer to owned particle i than radius() + margin_of(search): of a pair
+/// of owned particles at one of the two, of a pair across a periodic side at both, each with the
+/// ghost of the other. More may come.
+template <class S, class F>
+void for_each_candidate(const S& search, Index i, F&& f) {
+  if constexpr (requires { search.for_each_candidate(i, f); }) {
+    search.for_each_candidate(i, f);
+  } else {
+    search.for_each_neighbour(i, [&](Index j, const auto&, auto) {
+      if (j > i) f(j);
+    });
+  }
+}
+
+/// How far beyond radius() the candidates are complete now [m].
+template <class Real, class S>
+Real margin_of(const S& search) {
+  if constexpr (requires { search.margin(); }) {
+    return search.margin();
+  } else {
+    return 0;
+  }
+}
+
 /// Knows how far it reaches [m]; 0 if it needs no neighbours.
 template <class I, class P>
 concept Reaching = requires(const I i, const P& p) {

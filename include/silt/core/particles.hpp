@@ -75,7 +75,7 @@ class Particles {
   /// The owned particle that i is, or is a ghost of.
   Index owner(Index i) const noexcept { return i < size() ? i : owners_[i - size()]; }
 
-  /// Grows whenever particles come, go or move in memory.
+  /// Grows whenever particles or ghosts come, go or move in memory.
   std::uint64_t revision() const noexcept { return revision_; }
 
   const Box<Dim, Real>& box() const noexcept { return box_; }
@@ -159,6 +159,8 @@ class Particles {
   // Ghosts; core/ghosts.hpp says when.
 
   void clear_ghosts() {
+    if (owners_.empty()) return;
+    ++revision_;
     const Index owned = size();
     for_each_column([owned](auto& column, auto) { column.resize(owned); });
     ids_.resize(owned);
@@ -168,6 +170,7 @@ class Particles {
 
   /// Adds a ghost of row `source` (owned or ghost), displaced by `shift` [m].
   void add_ghost(Index source, const Vec& shift) {
+    ++revision_;
     const Index first_owner = owner(source);
     const Vec whole = source < size() ? shift : Vec(shifts_[source - size()] + shift);
     for_each_column([source](auto& column, auto) {

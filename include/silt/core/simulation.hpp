@@ -50,6 +50,7 @@ class Simulation {
         integrator_(std::move(integrator)),
         radius_is_ours_(!(search_.radius() > 0)) {
     prepare();
+    sort();
     search_.update(particles_);
   }
 
@@ -113,6 +114,7 @@ class Simulation {
     try {
       require_positive("Simulation: time_step", dt);
       prepare();
+      sort();
       save();
     } catch (const Error& error) {
       throw error.at(steps_, time_);
@@ -169,6 +171,11 @@ class Simulation {
   }
 
  private:
+  // Before the state is saved, so that a failed step has nothing to undo.
+  void sort() {
+    if constexpr (SortsParticles<S, P>) search_.sort(particles_);
+  }
+
   // The search must see as far as the interaction reaches.
   void prepare() {
     const auto reach = interaction_.reach(particles_);

@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: MIT
 // The interaction of DEM: finds who touches whom, remembers what a law remembers, asks the law for
-// each contact once, and sums per grain in a fixed order.
+// each contact once, and sums per grain in a fixed order. A step is accelerate().
 #pragma once
 
 #include <silt/core/concepts.hpp>
 #include <silt/core/error.hpp>
+#include <silt/core/pair_memory.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/contact.hpp>
+#include <silt/dem/contact_lanes.hpp>
 #include <silt/dem/grains.hpp>
 #include <silt/dem/materials.hpp>
 #include <silt/dem/stability.hpp>
@@ -17,11 +19,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <concepts>
 #include <cstdint>
+#include <cstring>
 #include <limits>
+#include <numeric>
 #include <string>
 #include <tuple>
 #include <utility>
+#include <vector>
 
 namespace silt::dem {
 
@@ -91,16 +97,14 @@ class Contacts {
              (Wall<Walls, P::dimension, typename P::Real> && ...)
   void accelerate(P& grains, const S& search, double dt) {
     auto& touches = found<P>();
-    check_grains(grains);
+    touches.begin_step();
     grains.refresh_ghosts(velocity);
     grains.refresh_ghosts(spin);
-    find(grains, search, touches);
+    const auto look = look_at(grains, touches);
+    if (is_stale(grains, touches, look)) find_near(grains, search, touches, look, dt);
     ask_law(grains, touches, static_cast<typename P::Real>(dt));
     add_to_grains(grains, touches);
-    if constexpr (knows_stiffness<P>) {
-      if (settings_.refuse_unstable) check_stability(grains, touches, dt);
-    }
-    count_ = touches.size();
+    check_stability(grains, touches, dt);
   }
 
   /// A fraction 1/steps_per_contact of the shortest contact that the lightest grains can have [s].
@@ -132,31 +136,39 @@ class Contacts {
   }
 
   /// Contacts of the last step, walls included.
-  Index size() const noexcept { return count_; }
+  Index size() const noexcept {
+    return std::apply([](const auto&... each) { return (each.seen().count + ...); }, found_);
+  }
 
   /// f(i, j, contact, force on i) for every contact of the last step whose grains are still there;
   /// i and j are the places of the two (owned ones, now), j is `nowhere` for a wall.
   template <class P, class F>
   void for_each_contact(const P& grains, F&& f) const {
-    for (const auto& touch : found<P>().all()) {
-      if (is_there(grains, touch)) {
-        f(grains.index_of(touch.id), grains.index_of(touch.partner), touch.contact, touch.force);
-      }
-    }
+    using Lanes = LanesOf<P>;
+    const auto& touches = found<P>();
+    for_each_touch(grains, [&](const Lanes& eight, int lane, Index c) {
+      Vec<P::dimension, typename P::Real> force;
+      const auto* const row = &touches.seen().rows[c * Lanes::row_words];
+      for (int k = 0; k < P::dimension; ++k) force[k] = row[Lanes::F + k];
+      f(grains.index_of(touches.near().first_id(c)), grains.index_of(touches.near().second_id(c)),
+        eight.contact(lane, touches.seen().time_step), force);
+    });
   }
 
   /// Energy in the springs of the last step's contacts [J]; 0 for a law that does not tell.
   template <class P>
   double elastic_energy(const P& grains) const {
-    const auto& last = found<P>();
+    using Lanes = LanesOf<P>;
+    using Memory = typename LawMemory<Law, P::dimension, typename P::Real>::type;
     double energy = 0;
-    if constexpr (requires(const TouchOf<P> t, const MemoryOf<P> m, const Law law) {
-                    law.elastic_energy(t.contact, m);
-                  }) {
-      energy = ordered_sum(last.size(), 0.0, [&](Index c) {
-        const TouchOf<P>& touch = last.all()[c];
-        if (!is_there(grains, touch)) return 0.0;
-        return double(law_of(touch).elastic_energy(touch.contact, last.memory().values()[c]));
+    if constexpr (requires(const Contact<P::dimension, typename P::Real> contact, const Memory memory,
+                           const Law law) { law.elastic_energy(contact, memory); }) {
+      const auto& touches = found<P>();
+      for_each_touch(grains, [&](const Lanes& eight, int lane, Index c) {
+        const auto memory =
+            Lanes::template memory_at<Law>(touches.near().memory(c / lanes), lane);
+        energy += double(law_of(eight, lane).elastic_energy(
+            eight.contact(lane, touches.seen().time_step), memory));
       });
     }
     return energy;
@@ -164,54 +176,56 @@ class Contacts {
 
   /// What the law remembers of the pairs that touch, by ids: for a checkpoint.
   template <class P>
-  auto& memory(const P&) noexcept {
-    return found<P>().memory();
+  auto memory(const P& grains) const {
+    using Lanes = LanesOf<P>;
+    using Memory = PairMemory<typename LawMemory<Law, P::dimension, typename P::Real>::type>;
+    std::vector<typename Memory::Entry> entries;
+    const auto& near = found<P>().near();
+    for_each_touch(grains, [&](const Lanes&, int lane, Index c) {
+      entries.push_back({near.first_id(c), near.second_id(c),
+                         Lanes::template memory_at<Law>(near.memory(c / lanes), lane)});
+    });
+    return Memory(std::move(entries));
   }
-  template <class P>
-  const auto& memory(const P&) const noexcept {
-    return found<P>().memory();
+
+  /// Replaces it: what a restart reads.
+  template <class P, class Memory>
+  void remember(const P&, const PairMemory<Memory>& memory) {
+    using Words = typename FoundOf<P>::Near::Words;
+    static_assert(
+        std::same_as<Memory, typename LawMemory<Law, P::dimension, typename P::Real>::type>,
+        "silt::dem::Contacts: this is not what the law remembers of grains like these");
+    std::vector<typename PairMemory<Words>::Entry> entries;
+    memory.for_each_pair([&](Id a, Id b, const Memory& own) {
+      entries.push_back({a, b, words_from<P>(own)});
+    });
+    found<P>().remember(PairMemory<Words>(std::move(entries)));
   }
 
   void save() noexcept {
     std::apply([](auto&... each) { (each.save(), ...); }, found_);
-    saved_count_ = count_;
   }
   void restore() noexcept {
     std::apply([](auto&... each) { (each.restore(), ...); }, found_);
-    count_ = saved_count_;
   }
 
  private:
-  template <int Dim, class Real>
-  static auto memory_type() {
-    if constexpr (LawWithMemory<Law, Dim, Real>) {
-      return typename Law::template Memory<Dim, Real>{};
-    } else {
-      return NoMemory{};
-    }
-  }
-  template <class P>
-  using MemoryOf = decltype(memory_type<P::dimension, typename P::Real>());
-
   template <class P>
   static constexpr bool knows_stiffness =
       requires(const Law law, const Contact<P::dimension, typename P::Real> c) {
         { law.stiffness(c) } -> std::convertible_to<Stiffness>;
       };
 
+  template <class P>
+  static constexpr int words_of = LawMemory<Law, P::dimension, typename P::Real>::words;
   template <int Dim, class Real>
-  using Found = Touches<Dim, Real, decltype(memory_type<Dim, Real>())>;
+  using Found = Touches<Dim, Real, LawMemory<Law, Dim, Real>::words>;
   template <class P>
   using FoundOf = Found<P::dimension, typename P::Real>;
   template <class P>
-  using TouchOf = Touch<P::dimension, typename P::Real>;
-
-  // Grains may have been removed since the contact was found.
+  using LanesOf = ContactLanes<P::dimension, typename P::Real>;
   template <class P>
-  static bool is_there(const P& grains, const TouchOf<P>& touch) {
-    return grains.index_of(touch.id) != nowhere &&
-           (touch.j == nowhere || grains.index_of(touch.partner) != nowhere);
-  }
+  using LookOf = typename GrainRows<P::dimension, typename P::Real>::Look;
 
   // Contacts learns dimension and precision from the grains only; one of these four is in use.
   template <class P>
@@ -224,129 +238,311 @@ class Contacts {
   }
 
   template <class P>
-  static void check_grains(const P& grains) {
-    const auto R = grains[radius];
-    const auto m = grains[mass];
-    const Index odd = first_where(grains.size(), [&](Index i) { return !(R[i] > 0) || !(m[i] > 0); });
-    if (odd != nowhere) {
+  LookOf<P> look_at(const P& grains, FoundOf<P>& touches) const {
+    const auto look =
+        touches.seen().grains.take(grains, touches.validity().since, materials_.count());
+    if (const Index odd = look.odd; odd != nowhere) {
       const Where where{.particle = odd, .id = grains.id(odd)};
-      fail("dem::Contacts: radius = " + to_text(double(R[odd])) + " m and mass = " +
-               to_text(double(m[odd])) + " kg of a grain must be positive; set them",
+      check_material(grains[material][odd], "of a grain", where);
+      fail("dem::Contacts: radius = " + to_text(double(grains[radius][odd])) + " m and mass = " +
+               to_text(double(grains[mass][odd])) + " kg of a grain must be positive; set them",
            where);
     }
+    return look;
+  }
+
+  // Two grains come closer by at most the sum of what they moved.
+  template <class P>
+  static bool is_stale(const P& grains, const FoundOf<P>& touches, const LookOf<P>& look) {
+    const auto& validity = touches.validity();
+    return validity.revision != grains.revision() || validity.since.size() != grains.size() ||
+           !(4 * look.farthest <= squared(validity.margin));
   }
 
   template <class P, class S>
-  void find(const P& grains, const S& search, FoundOf<P>& touches) const {
+  void find_near(const P& grains, const S& search, FoundOf<P>& touches, const LookOf<P>& look,
+                 double dt) const {
     using Real = typename P::Real;
-    using Vec = typename P::Vec;
-    const auto x = grains[position];
-    const auto R = grains.with_ghosts(radius);
-    const auto materials = grains.with_ghosts(material);
-    touches.renew(grains, [&](Index i, auto&& add) {
-      if (materials[i] >= materials_.count()) {
-        check_material(materials[i], "of a grain", {.particle = i, .id = grains.id(i)});
+    constexpr int Dim = P::dimension;
+    using Near = typename FoundOf<P>::Near;
+    using Rows = GrainRows<Dim, Real>;
+    // Near enough to be few, far enough to last for some steps; no farther than the search sees.
+    constexpr Real lasting_steps = 20;
+    const Real wide = reach(grains);
+    const Real margin =
+        std::clamp<Real>(2 * lasting_steps * std::sqrt(look.fastest) * Real(dt), Real(0.002) * wide,
+                         std::max(Real(0.002) * wide, Real(0.1) * wide));
+    const Real seen_margin = search.radius() + margin_of<Real>(search) - wide;
+    touches.renew_near([&](Near& near, auto& validity, auto&& recall) {
+      const Rows& rows = touches.seen().grains;
+      validity.margin = std::clamp<Real>(margin, 0, std::max<Real>(seen_margin, 0));
+      validity.revision = grains.revision();
+      const auto x = grains[position];
+      validity.since.assign(x.begin(), x.end());
+      near.find_all(
+          grains,
+          [&](Index i, auto&& add) {
+            const Real* const a = rows[i];
+            for_each_candidate(search, i, [&](Index j) {
+              // Of the two images of a pair, that in which the lower id is no ghost.
+              if (j >= grains.size() && grains.id(j) < grains.id(i)) return;
+              const Real* const b = rows[j];
+              Real squared_distance = 0;
+              for (int k = 0; k < Dim; ++k) squared_distance += squared(b[k] - a[k]);
+              const Real limit = a[Rows::R] + b[Rows::R] + validity.margin;
+              if (!(squared_distance < squared(limit))) return;
+              const auto [first, second] = std::minmax(
+                  {std::pair(grains.id(i), i), std::pair(grains.id(j), j)});
+              add({static_cast<std::uint32_t>(first.second),
+                   static_cast<std::uint32_t>(second.second)});
+            });
+          },
+          [&](Index i, auto&& add) {
+            for_each_wall([&](const auto& wall, Index w) {
+              if (wall.nearest(x[i]).distance < rows[i][Rows::R] + validity.margin) {
+                add(static_cast<std::uint32_t>(w));
+              }
+            });
+          },
+          fresh_memory<P>(), recall);
+    });
+    note_stable_time_step(grains, touches);
+  }
+
+  template <class P, class Memory>
+  static auto words_from(const Memory& own) {
+    typename FoundOf<P>::Near::Words words{};
+    if constexpr (words_of<P> > 0) {
+      std::memcpy(words.data(), static_cast<const void*>(&own), sizeof own);
+    }
+    return words;
+  }
+  template <class P>
+  static auto fresh_memory() {
+    return words_from<P>(typename LawMemory<Law, P::dimension, typename P::Real>::type{});
+  }
+
+  // Geometry and motion of eight contacts.
+  template <class P>
+  void measure(LanesOf<P>& eight, const FoundOf<P>& touches, Index group) const {
+    using Real = typename P::Real;
+    const auto& near = touches.near();
+    const auto& rows = touches.seen().grains;
+    const Real arm_share = settings_.lever_arm == LeverArm::radius ? Real(0) : Real(0.5);
+    if (!near.is_of_walls(group)) {
+      eight.between(rows, near.first(group), near.second(group), arm_share);
+      return;
+    }
+    eight.at_walls(rows, near.first(group), near.second(group), arm_share,
+                   [this](std::uint32_t number, const typename P::Vec& x) {
+                     NearestPoint<P::dimension, Real> nearest{};
+                     for_each_wall([&](const auto& wall, Index w) {
+                       if (w == number) nearest = wall.nearest(x);
+                     });
+                     return nearest;
+                   });
+    for_each_wall([&](const auto& wall, Index w) {
+      for (int lane = 0; lane < lanes; ++lane) {
+        if (near.second(group)[lane] == w) eight.set_second_material(lane, wall.material);
       }
-      search.for_each_neighbour(i, [&](Index j, const Vec& r_ij, Real r) {
-        const Real overlap = R[i] + R[j] - r;
-        if (!(overlap > 0) || grains.id(j) <= grains.id(i)) return;
-        if (!(r > 0)) {
-          fail("dem::Contacts: the centres of grains " + std::to_string(grains.id(i)) + " and " +
-                   std::to_string(grains.id(j)) + " coincide; place them apart",
-               {.particle = i, .id = grains.id(i)});
-        }
-        TouchOf<P> touch;
-        touch.j = j;
-        touch.id = grains.id(i);
-        touch.partner = grains.id(j);
-        touch.material = materials[i];
-        touch.partner_material = materials[j];
-        touch.contact.normal = -r_ij / r;
-        touch.contact.overlap = overlap;
-        touch.arm_i = arm(R[i], overlap / 2);
-        touch.arm_j = arm(R[j], overlap / 2);
-        add(touch);
-      });
-      for_each_wall([&](const auto& wall, Index w) {
-        const auto nearest = wall.nearest(x[i]);
-        const Real overlap = R[i] - nearest.distance;
-        if (!(overlap > 0)) return;
-        TouchOf<P> touch;
-        touch.id = grains.id(i);
-        touch.partner = wall_id(w);
-        touch.material = materials[i];
-        touch.partner_material = wall.material;
-        touch.contact.normal = nearest.normal;
-        touch.contact.overlap = overlap;
-        touch.arm_i = arm(R[i], overlap);
-        add(touch);
-      });
     });
   }
 
   // The law's force for every contact.
   template <class P>
-  void ask_law(const P& grains, FoundOf<P>& touches, typename P::Real dt) const {
-    using Vec = typename P::Vec;
-    const auto v = grains.with_ghosts(velocity);
-    const auto w = grains.with_ghosts(spin);
-    const auto m = grains.with_ghosts(mass);
-    const auto R = grains.with_ghosts(radius);
+  void ask_law(const P& grains, FoundOf<P>& touches, typename P::Real dt) {
+    using Real = typename P::Real;
+    using Lanes = LanesOf<P>;
+    constexpr int words = words_of<P>;
+    const auto fresh = fresh_memory<P>();
+    auto& seen = touches.seen();
+    seen.time_step = dt;
+    seen.rows.resize(touches.near().size() * Lanes::row_words);
+    counts_.assign(chunk_count(touches.near().size()), 0);
+    touches.use_memory([&](const auto& near, auto&& memory_of) {
+      for_each_chunk(near.size(), [&](Chunk chunk) {
+        Lanes eight;
+        for (Index group = chunk.first / lanes; group < chunk.last / lanes; ++group) {
+          measure<P>(eight, touches, group);
+          bool touch[lanes];
+          int count = 0;
+          for (int lane = 0; lane < lanes; ++lane) {
+            touch[lane] = lane < near.filled(group) && eight.overlap(lane) > 0;
+            count += touch[lane];
+          }
+          Real* const memory = memory_of(group);
+          if (count > 0) {
+            check_centres(near, eight, group, touch);
+            ask<P>(eight, touch, dt, memory);
+          }
+          for (int k = 0; k < words; ++k) {
+            for (int lane = 0; lane < lanes; ++lane) {
+              Real& word = memory[k * lanes + lane];
+              word = touch[lane] ? word : fresh[static_cast<std::size_t>(k)];
+            }
+          }
+          eight.give(touch, &seen.rows[group * lanes * Lanes::row_words]);
+          counts_[chunk.number] += static_cast<Index>(count);
+        }
+      });
+    });
+    seen.count = std::accumulate(counts_.begin(), counts_.end(), Index(0));
+    static_cast<void>(grains);
+  }
+
+  template <class P>
+  void ask(LanesOf<P>& eight, const bool* touch, typename P::Real dt,
+           typename P::Real* memory) const {
+    const Law* common = &materials_.between(0, 0);
+    if (materials_.count() > 1) {
+      common = nullptr;
+      bool same = true;
+      for (int lane = 0; lane < lanes; ++lane) {
+        if (!touch[lane]) continue;
+        const Law* const law = &law_of(eight, lane);
+        if (common != nullptr && common != law) same = false;
+        common = law;
+      }
+      if (!same) common = nullptr;
+    }
+    if constexpr (LawInLanes<Law, P::dimension, typename P::Real>) {
+      if (common != nullptr) {
+        eight.ask(*common, dt, memory);
+        return;
+      }
+    }
+    for (int lane = 0; lane < lanes; ++lane) {
+      if (touch[lane]) eight.ask_one(law_of(eight, lane), lane, dt, memory);
+    }
+  }
+
+  template <class Near, class Lanes>
+  static void check_centres(const Near& near, const Lanes& eight, Index group, const bool* touch) {
+    for (int lane = 0; lane < lanes; ++lane) {
+      if (!touch[lane] || eight.distance(lane) > 0) continue;
+      const Index c = group * lanes + static_cast<Index>(lane);
+      fail("dem::Contacts: the centres of grains " + std::to_string(near.first_id(c)) + " and " +
+               std::to_string(near.second_id(c)) + " coincide; place them apart",
+           {.particle = near.first(group)[lane], .id = near.first_id(c)});
+    }
+  }
+
+  // Σ F and Σ M (14), in the order of the partners' ids.
+  template <class P>
+  static void add_to_grains(P& grains, const FoundOf<P>& touches) {
+    using Real = typename P::Real;
+    using Lanes = LanesOf<P>;
+    constexpr int Dim = P::dimension;
+    const auto F = grains[force];
+    const auto M = grains[torque];
+    const Real* const rows = touches.seen().rows.data();
     for_each(grains.size(), [&](Index i) {
-      auto memory = touches.memory_of_row(i).begin();
-      for (TouchOf<P>& touch : touches.row(i)) {
-        auto& contact = touch.contact;
-        const Vec& n = contact.normal;
-        contact.time_step = dt;
-        contact.relative_velocity = v[i] - cross(w[i], Vec(touch.arm_i * n));
-        contact.effective_mass = m[i];
-        contact.effective_radius = R[i];
-        if (const Index j = touch.j; j != nowhere) {
-          contact.relative_velocity -= v[j] + cross(w[j], Vec(touch.arm_j * n));
-          contact.effective_mass = m[i] * m[j] / (m[i] + m[j]);
-          contact.effective_radius = R[i] * R[j] / (R[i] + R[j]);
-        }
-        const Law& law = law_of(touch);
-        if constexpr (LawWithMemory<Law, P::dimension, typename P::Real>) {
-          touch.force = law.force(std::as_const(contact), *memory);
-        } else {
-          touch.force = law.force(std::as_const(contact));
-        }
-        ++memory;
+      Real sum[Dim] = {};
+      Real turning[Lanes::spins] = {};
+      for (const auto part : touches.near().of(i)) {
+        const Real* const row = rows + part.contact() * Lanes::row_words;
+        const Real sign = part.is_second() ? Real(-1) : Real(1);
+        const Real arm = row[Lanes::arm + part.is_second()];
+        for (int k = 0; k < Dim; ++k) sum[k] += sign * row[Lanes::F + k];
+        for (int k = 0; k < Lanes::spins; ++k) turning[k] -= arm * row[Lanes::T + k];
+      }
+      for (int k = 0; k < Dim; ++k) F[i][k] += sum[k];
+      if constexpr (Dim == 2) {
+        M[i] += turning[0];
+      } else {
+        for (int k = 0; k < Dim; ++k) M[i][k] += turning[k];
       }
     });
   }
 
-  // Σ F and Σ M (14).
+  // f(eight, lane, number) for every contact of the last step whose grains are still there.
+  template <class P, class F>
+  void for_each_touch(const P& grains, F&& f) const {
+    const auto& touches = found<P>();
+    const auto& near = touches.near();
+    LanesOf<P> eight;
+    for (Index group = 0; group < near.groups(); ++group) {
+      measure<P>(eight, touches, group);
+      for (int lane = 0; lane < near.filled(group); ++lane) {
+        const Index c = group * lanes + static_cast<Index>(lane);
+        if (!(eight.overlap(lane) > 0) || grains.index_of(near.first_id(c)) == nowhere) continue;
+        if (!near.is_of_walls(group) && grains.index_of(near.second_id(c)) == nowhere) continue;
+        f(eight, lane, c);
+      }
+    }
+  }
+
+  // What even a grain with as many contacts as any, all as stiff as any, would stand.
   template <class P>
-  static void add_to_grains(P& grains, const FoundOf<P>& touches) {
-    using Vec = typename P::Vec;
-    const auto F = grains[force];
-    const auto M = grains[torque];
-    for_each(grains.size(), [&](Index i) {
-      touches.for_each_of(i, [&](const TouchOf<P>& touch, bool is_own) {
-        const Vec& n = touch.contact.normal;
-        F[i] += is_own ? touch.force : Vec(-touch.force);
-        M[i] += is_own ? moment(Vec(-touch.arm_i * n), touch.force)
-                       : moment(Vec(touch.arm_j * n), Vec(-touch.force));
+  void note_stable_time_step(const P& grains, FoundOf<P>& touches) const {
+    if constexpr (knows_stiffness<P>) {
+      using Real = typename P::Real;
+      auto& validity = touches.validity();
+      const auto& near = touches.near();
+      Index most_contacts = 0;
+      for (Index i = 0; i < grains.size(); ++i) {
+        most_contacts = std::max(most_contacts, near.of(i).size());
+      }
+      const auto m = grains[mass];
+      const auto R = grains[radius];
+      const auto I = grains[inertia];
+      const double most_turning = largest(grains.size(), 1.0, [&](Index i) {
+        return 1 + double(m[i]) * double(R[i]) * double(R[i]) / double(I[i]);
       });
-    });
+      double stiffest = 0;
+      double beta = 0;
+      LanesOf<P> eight;
+      for (Index group = 0; group < near.groups(); ++group) {
+        measure<P>(eight, touches, group);
+        for (int lane = 0; lane < near.filled(group); ++lane) {
+          auto contact = eight.contact(lane, Real(0));
+          contact.overlap = std::max(contact.overlap, Real(0)) + validity.margin;
+          const Stiffness k = law_of(eight, lane).stiffness(contact);
+          stiffest = std::max(
+              stiffest, std::max(k.normal, k.tangential * most_turning) / double(contact.effective_mass));
+          beta = std::max(beta, k.beta);
+        }
+      }
+      validity.stable_time_step =
+          stiffest > 0 ? stable_time_step({.angular_frequency =
+                                               std::sqrt(stiffest * double(most_contacts)),
+                                           .beta = beta})
+                       : std::numeric_limits<double>::infinity();
+    }
   }
 
   template <class P>
   void check_stability(const P& grains, const FoundOf<P>& touches, double dt) const {
-    const Unstable unstable = find_unstable(grains, touches, dt, [&](const TouchOf<P>& touch) {
-      return Stiffness(law_of(touch).stiffness(touch.contact));
-    });
-    if (unstable.grain == nowhere) return;
-    fail("dem::Contacts: time_step = " + to_text(dt) + " s exceeds the stable " +
-             to_text(unstable.stable_time_step) + " s of a grain with its contacts; lower it",
-         {.particle = unstable.grain, .id = grains.id(unstable.grain)});
+    if constexpr (knows_stiffness<P>) {
+      if (!settings_.refuse_unstable || dt <= touches.validity().stable_time_step) return;
+      std::vector<Held<P>> held(touches.near().size());
+      for_each_touch(grains, [&](const LanesOf<P>& eight, int lane, Index c) {
+        const auto contact = eight.contact(lane, touches.seen().time_step);
+        held[c] = {contact, law_of(eight, lane).stiffness(contact), {eight.arm_i(lane), eight.arm_j(lane)}, true};
+      });
+      const Unstable unstable = find_unstable(grains, dt, [&](Index i, auto&& f) {
+        for (const auto part : touches.near().of(i)) {
+          const Held<P>& each = held[part.contact()];
+          if (each.touches) f(each.contact, each.stiffness, double(each.arms[part.is_second()]));
+        }
+      });
+      if (unstable.grain == nowhere) return;
+      fail("dem::Contacts: time_step = " + to_text(dt) + " s exceeds the stable " +
+               to_text(unstable.stable_time_step) + " s of a grain with its contacts; lower it",
+           {.particle = unstable.grain, .id = grains.id(unstable.grain)});
+    }
   }
+  template <class P>
+  struct Held {
+    Contact<P::dimension, typename P::Real> contact{};
+    Stiffness stiffness{};
+    typename P::Real arms[2] = {};
+    bool touches = false;
+  };
 
-  template <int Dim, class Real>
-  const Law& law_of(const Touch<Dim, Real>& touch) const {
-    return materials_.between(touch.material, touch.partner_material);
+  template <class Lanes>
+  const Law& law_of(const Lanes& eight, int lane) const {
+    return materials_.between(eight.first_material(lane), eight.second_material(lane));
   }
 
   void check_material(std::uint32_t number, const std::string& whose, Where where = {}) const {
@@ -355,11 +551,6 @@ class Contacts {
                std::to_string(materials_.count()) + "; give Contacts all materials",
            where);
     }
-  }
-
-  template <class Real>
-  Real arm(Real R, Real to_contact_point) const {
-    return settings_.lever_arm == LeverArm::radius ? R : R - to_contact_point;
   }
 
   template <class F>
@@ -377,8 +568,7 @@ class Contacts {
   std::tuple<Walls...> walls_;
   ContactSettings settings_;
   std::tuple<Found<2, float>, Found<2, double>, Found<3, float>, Found<3, double>> found_;
-  Index count_ = 0;
-  Index saved_count_ = 0;
+  std::vector<Index> counts_;  // by chunk
 };
 
 }  // namespace silt::dem

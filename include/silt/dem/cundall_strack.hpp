@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <optional>
 
@@ -58,10 +59,9 @@ struct OverlapForm {
     using Real = typename C::Real;
     const Real v_half = contact.approach_speed();
     // Before it touched, it flew freely.
-    const Real v_before = memory.was_there > 0 ? memory.approach_speed : v_half;
+    const Real v_n = v_half + memory.was_there * (v_half - memory.approach_speed) / 2;
     memory.approach_speed = v_half;
     memory.was_there = 1;
-    const Real v_n = v_half + (v_half - v_before) / 2;
     // Extrapolated, the velocity of an oscillation is too large by the factor 1 + ⅜ (ω Δt)².
     const Real swing = k_n * squared(contact.time_step) / contact.effective_mass;
     return c_n * v_n * share_of_step(contact.overlap, std::abs(v_n) * contact.time_step) /
@@ -77,9 +77,8 @@ struct OverlapForm {
   // u + 3/2 steps' worth of it; this is the continuous weight that does and that is 1 from u = 2 on.
   template <class Real>
   static Real share_of_step(Real overlap, Real way_of_a_step) {
-    if (overlap >= 2 * way_of_a_step) return 1;
     const Real u = overlap / way_of_a_step;
-    return u < 1 ? u * 3 / 2 : 2 - u / 2;
+    return u < 1 ? u * 3 / 2 : std::max(Real(1), 2 - u / 2);
   }
 };
 
@@ -160,10 +159,10 @@ struct CundallStrackLaw {
     if (slides) F_s *= limit / size;
     memory.tangential_force = F_s;
     // While it slides, friction alone dissipates.
-    const Vec D_s = slides ? Vec(Vec::Zero()) : Vec(-c_over_k * k_s * v_s);  // (23)
+    const Real c_s = slides ? Real(0) : c_over_k * k_s;  // (23)
 
-    const Real normal = tension ? F_n + D_n : std::max(Real(0), F_n + D_n);
-    return normal * n + F_s + D_s;
+    const Real weakest = tension ? -std::numeric_limits<double>::infinity() : 0;
+    return std::max(weakest, F_n + D_n) * n + F_s - c_s * v_s;
   }
 
   /// Energy in the two springs [J].
@@ -209,17 +208,18 @@ struct CundallStrackLaw {
   // β = c/k [s]: given, or 2 ζ √(m*/k_n).
   template <class Real>
   Real dashpot_over_spring(Real effective_mass) const {
-    if (beta) return Real(*beta);
-    return Real(2 * restitution.damping_ratio) *
-           std::sqrt(effective_mass / Real(normal_stiffness));
+    // Only one of the two is set; the other is 0.
+    return Real(beta.value_or(0)) +
+           Real(2 * restitution.damping_ratio) * std::sqrt(effective_mass / Real(normal_stiffness));
   }
 
   // The contact plane turns; the spring turns with it and keeps its length.
   template <class Vec>
   static Vec turned_into_plane(const Vec& spring, const Vec& n) {
+    using Real = typename Vec::Scalar;
     const Vec in_plane = spring - spring.dot(n) * n;
-    const auto length = in_plane.norm();
-    return length > 0 ? Vec(in_plane * (spring.norm() / length)) : Vec(Vec::Zero());
+    const Real length = in_plane.norm();
+    return in_plane * (length > 0 ? spring.norm() / length : Real(0));
   }
 };
 

@@ -74,18 +74,13 @@ struct Unstable {
   double stable_time_step = 0;  ///< that it would stand [s]
 };
 
-/// The first grain for which dt [s] is beyond stability; stiffness_of(touch) gives the springs. A cheap
-/// bound passes nearly always; where it does not, FrequencyBound decides.
-template <class P, class T, class StiffnessOf>
-Unstable find_unstable(const P& grains, const T& touches, double dt, StiffnessOf&& stiffness_of) {
-  using Touch = typename T::Touch;
+/// The first grain for which dt [s] is beyond stability; for_each_contact_of(i, f) calls
+/// f(contact, stiffness, lever arm of i). A cheap bound passes nearly always; where it does not,
+/// FrequencyBound decides.
+template <class P, class ForEachContactOf>
+Unstable find_unstable(const P& grains, double dt, ForEachContactOf&& for_each_contact_of) {
   const auto m = grains[mass];
   const auto I = grains[inertia];
-  const auto for_each_contact_of = [&](Index i, auto&& f) {
-    touches.for_each_of(i, [&](const Touch& touch, bool is_own) {
-      f(touch.contact, stiffness_of(touch), double(is_own ? touch.arm_i : touch.arm_j));
-    });
-  };
   const auto is_beyond = [&](Index i) {
     double sum = 0;
     double beta = 0;

@@ -1,141 +1,125 @@
 // SPDX-License-Identifier: MIT
-// The contacts of one step as they are kept: who touches whom, how, with what memory.
-//
-//   row of i       contacts of i with higher ids, sorted by the partner's id, then with walls
-//   incoming of i  contacts that stand in the rows of lower ids, sorted by those
-//
-// Every contact stands once, in the row of its lower id; a grain's sums run over its row and then
-// over its incoming contacts. Neither the search nor the order in memory shows in any sum.
+// What contacts keep from step to step, and how a failed step is undone: nothing that a step before
+// made is written over, so that undoing is a swap.
 #pragma once
 
 #include <silt/core/pair_memory.hpp>
-#include <silt/core/parallel.hpp>
-#include <silt/core/rows.hpp>
 #include <silt/core/types.hpp>
-#include <silt/dem/contact.hpp>
+#include <silt/dem/grain_rows.hpp>
+#include <silt/dem/near_contacts.hpp>
 
 #include <algorithm>
-#include <cstddef>
 #include <cstdint>
-#include <span>
+#include <limits>
+#include <optional>
 #include <utility>
 #include <vector>
 
 namespace silt::dem {
 
-/// One contact, found at i.
-template <int Dim, class RealType>
-struct Touch {
-  using Real = RealType;
-
-  Index j = nowhere;                   ///< partner, owned or ghost; `nowhere`: a wall
-  Id id = 0;                           ///< of i
-  Id partner = 0;                      ///< id of j, or wall_id
-  std::uint32_t material = 0;          ///< of i
-  std::uint32_t partner_material = 0;  ///< of j or the wall
-  Real arm_i = 0;                      ///< from the centre of i to where the force acts [m]
-  Real arm_j = 0;                      ///< likewise of j [m]
-  Contact<Dim, Real> contact{};
-  Vec<Dim, Real> force = Vec<Dim, Real>::Zero();  ///< on i [N]
-};
-
-/// The contacts of the last step, and of the one before while a step is being made.
-template <int Dim, class RealType, class Memory>
+template <int Dim, class RealType, int words>
 class Touches {
  public:
   using Real = RealType;
-  using Touch = dem::Touch<Dim, Real>;
+  using Near = NearContacts<Real, words>;
 
-  Index size() const noexcept { return rows_.items().size(); }
-  std::span<Touch> row(Index i) noexcept { return rows_[i]; }
-  std::span<const Touch> row(Index i) const noexcept { return rows_[i]; }
-  std::span<const Touch> all() const noexcept { return rows_.items(); }
+  /// What one step saw and made.
+  struct Seen {
+    GrainRows<Dim, Real> grains;
+    std::vector<Real> rows;  ///< by contact, what its grains add up
+    Index count = 0;         ///< contacts that touch
+    Real time_step = 0;      ///< [s]
+  };
+  /// Since when, and how long, the near contacts are good.
+  struct Validity {
+    std::vector<Vec<Dim, Real>> since;  ///< positions of the owned grains [m]
+    Real margin = 0;                    ///< gap up to which pairs are near [m]
+    std::uint64_t revision = std::numeric_limits<std::uint64_t>::max();
+    double stable_time_step = 0;  ///< that all near contacts stand [s]
+  };
 
-  /// What the law remembers, contact by contact: that of row(i)[k] is memory_of_row(i)[k].
-  std::span<Memory> memory_of_row(Index i) noexcept {
-    return memory_.values().subspan(rows_.first()[i], rows_[i].size());
+  const Seen& seen() const noexcept { return seen_; }
+  Seen& seen() noexcept { return seen_; }
+  const Near& near() const noexcept { return near_; }
+  const Validity& validity() const noexcept { return validity_; }
+  Validity& validity() noexcept { return validity_; }
+
+  /// The step begins to see and make: in place of what the one before the last did.
+  void begin_step() {
+    if (keeps_seen_) return;
+    std::swap(seen_, last_seen_);
+    keeps_seen_ = true;
   }
-  PairMemory<Memory>& memory() noexcept { return memory_; }
-  const PairMemory<Memory>& memory() const noexcept { return memory_; }
 
-  /// Row i becomes what find(i, add) adds; memory goes with the ids.
-  template <class P, class Find>
-  void renew(const P& grains, Find&& find) {
-    keep_last();
-    rows_.build(grains.size(), find);
-    partners_.resize(rows_.items().size());
-    for_each(grains.size(), [&](Index i) {
-      const auto touches = rows_[i];
-      std::sort(touches.begin(), touches.end(),
-                [](const Touch& a, const Touch& b) { return a.partner < b.partner; });
-      Index c = rows_.first()[i];
-      for (const Touch& touch : touches) partners_[c++] = touch.partner;
-    });
-    memory_.renew(grains.ids(), rows_.first(), partners_);
-    list_incoming(grains);
-  }
-
-  /// f(touch, true) for the contacts in the row of i, then f(touch, false) for those in which i is
-  /// the partner.
-  template <class F>
-  void for_each_of(Index i, F&& f) const {
-    for (const Touch& touch : rows_[i]) f(touch, true);
-    for (Index k = incoming_first_[i]; k < incoming_first_[i + 1]; ++k) {
-      f(rows_.items()[incoming_[k]], false);
+  /// find(near, validity, recall) finds the near contacts anew; recall(first id, second id, words)
+  /// is what find_all takes.
+  template <class Find>
+  void renew_near(Find&& find) {
+    Near& before = keeps_near_ ? spare_near_ : last_near_;
+    Validity& validity_before = keeps_near_ ? spare_validity_ : last_validity_;
+    std::swap(near_, before);
+    std::swap(validity_, validity_before);
+    keeps_near_ = true;
+    if (recalled_) {
+      find(near_, validity_, [this](Id a, Id b, typename Near::Words& own) {
+        if (const auto* const known = recalled_->find(a, b)) own = *known;
+      });
+      recalled_.reset();
+    } else {
+      before.tabulate();
+      find(near_, validity_,
+           [&](Id a, Id b, typename Near::Words& own) { before.recall(a, b, own); });
     }
   }
 
-  void save() noexcept {
-    memory_.save();
-    keeps_last_ = false;
+  /// From now on, this is what is remembered.
+  void remember(PairMemory<typename Near::Words> memory) {
+    recalled_ = std::move(memory);
+    validity_ = {};
   }
+
+  /// ask(near, memory) asks the law; memory(group) is where it finds and leaves what it remembers.
+  template <class Ask>
+  void use_memory(Ask&& ask) {
+    if (keeps_near_ || keeps_memory_) {
+      ask(near_, [this](Index group) { return near_.memory(group); });
+      return;
+    }
+    near_.make_room_for_next_memory();
+    ask(near_, [this](Index group) {
+      const Real* const now = near_.memory(group);
+      Real* const next = near_.next_memory(group);
+      std::copy(now, now + lanes * words, next);
+      return next;
+    });
+    near_.swap_memory();
+    keeps_memory_ = true;
+  }
+
+  void save() noexcept { keeps_seen_ = keeps_near_ = keeps_memory_ = false; }
   void restore() noexcept {
-    memory_.restore();
-    if (keeps_last_) std::swap(rows_, last_rows_);
-    keeps_last_ = false;
+    if (keeps_seen_) std::swap(seen_, last_seen_);
+    if (keeps_near_) {
+      std::swap(near_, last_near_);
+      std::swap(validity_, last_validity_);
+    }
+    if (keeps_memory_) near_.swap_memory();
+    save();
   }
 
  private:
-  // The first renewal within a step puts the contacts of the step before aside, for restore().
-  void keep_last() noexcept {
-    if (keeps_last_) return;
-    std::swap(rows_, last_rows_);
-    keeps_last_ = true;
-  }
-
-  template <class P>
-  void list_incoming(const P& grains) {
-    auto& first = incoming_first_;
-    first.assign(grains.size() + 1, 0);
-    for (const Touch& touch : rows_.items()) {
-      if (touch.j != nowhere) ++first[grains.owner(touch.j) + 1];
-    }
-    for (Index i = 0; i < grains.size(); ++i) first[i + 1] += first[i];
-    incoming_.resize(first.back());
-    // Fill from behind: first[i + 1] walks down from the end of row i to its beginning.
-    for (Index c = rows_.items().size(); c-- > 0;) {
-      const Index j = rows_.items()[c].j;
-      if (j != nowhere) incoming_[--first[grains.owner(j) + 1]] = c;
-    }
-    // Now first[i + 1] is the beginning of row i.
-    for (Index i = 0; i < grains.size(); ++i) first[i] = first[i + 1];
-    first.back() = incoming_.size();
-    // They came in the order of memory; sums go in the order of ids.
-    for_each(grains.size(), [&](Index i) {
-      const auto begin = incoming_.begin();
-      std::sort(begin + static_cast<std::ptrdiff_t>(first[i]),
-                begin + static_cast<std::ptrdiff_t>(first[i + 1]),
-                [touches = all()](Index a, Index b) { return touches[a].id < touches[b].id; });
-    });
-  }
-
-  Rows<Touch> rows_;
-  std::vector<Id> partners_;
-  PairMemory<Memory> memory_;
-  std::vector<Index> incoming_first_;  // by grain
-  std::vector<Index> incoming_;
-  Rows<Touch> last_rows_;
-  bool keeps_last_ = false;
+  Seen seen_;
+  Seen last_seen_;
+  Near near_;
+  Near last_near_;
+  Near spare_near_;  // for a second search within a step
+  Validity validity_;
+  Validity last_validity_;
+  Validity spare_validity_;
+  std::optional<PairMemory<typename Near::Words>> recalled_;
+  bool keeps_seen_ = false;
+  bool keeps_near_ = false;
+  bool keeps_memory_ = false;
 };
 
 }  // namespace silt::dem
