@@ -195,6 +195,7 @@ void expect_right_rows(const Particles<Dim, Real>& start, Real radius) {
       row.push_back(j);
       if (!near(i, j)) continue;
       const Index owner = particles.owner(j);
+      if (j >= particles.size() && owner < i) continue;
       once.push_back(i < owner ? meeting<Dim, Real>(i, owner, x[j] - x[i])
                                : meeting<Dim, Real>(owner, i, x[i] - x[j]));
     }
@@ -247,7 +248,7 @@ TEST(UniformGrid, BuildsRowsOfAllPairsAndOfEachPairOnce) {
   expect_right_rows_everywhere<3, float>();
 }
 
-TEST(UniformGrid, MeetsEachPairWithAGhostOnce) {
+TEST(UniformGrid, MeetsEachPairAcrossAPeriodOnceFromEitherSide) {
   auto box = cube<2, double>(0, 2);
   box.periodic.fill(true);
   auto particles = particles_at(random_points(200, box, 5), box);
@@ -256,6 +257,7 @@ TEST(UniformGrid, MeetsEachPairWithAGhostOnce) {
   std::vector<std::pair<Index, Index>> met;
   for (Index i = 0; i < particles.size(); ++i) {
     grid.for_each_candidate(i, [&](Index j) {
+      if (grid.is_second_image(i, j)) return;
       if ((particles.with_ghosts(position)[j] - particles[position][i]).norm() < 0.3 - 1e-9) {
         met.emplace_back(std::minmax(i, particles.owner(j)));
       }

@@ -126,9 +126,9 @@ class NeighbourList {
     }
   }
 
-  /// f(j) for some j of owned i, owned or ghost: every pair that was closer than radius() + margin()
-  /// at the last update is met from one of its particles, a pair and its periodic image from one of
-  /// the two. Others may come as well.
+  /// f(j) for some j of owned i: every pair of owned particles that was closer than radius() +
+  /// margin() at the last update is met from one of the two, every owned one and ghost from the
+  /// owned one. Others may come as well.
   template <class F>
   void for_each_candidate(Index i, F&& f) const {
     if (!has_rows(Pairs::once)) {
@@ -144,6 +144,7 @@ class NeighbourList {
     const Real reach = radius() * radius();
     for (Index a = 0; a < list_.reference.size(); ++a) {
       for_each_candidate(a, [&](Index b) {
+        if (list_.grid.is_second_image(a, b)) return;
         const Index i = std::min(a, b);
         const Index j = std::max(a, b);
         const Vec r_ij = positions_[j] - positions_[i];

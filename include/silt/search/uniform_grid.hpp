@@ -104,8 +104,8 @@ class UniformGrid {
     });
   }
 
-  /// f(j) for some j of owned i, owned or ghost: every pair closer than radius() is met from one of
-  /// its particles, a pair and its periodic image from one of the two. Others may come as well.
+  /// f(j) for some j of owned i: every pair of owned particles closer than radius() is met from one of
+  /// the two, every owned one and ghost from the owned one. Others may come as well.
   template <class F>
   void for_each_candidate(Index i, F&& f) const {
     const Index own = slot_of(i);
@@ -119,6 +119,11 @@ class UniformGrid {
     }
   }
 
+  /// Whether j is a ghost, and i with it the image of a pair that counts from its other particle.
+  bool is_second_image(Index i, Index j) const noexcept {
+    return j >= owned_ && ghost_owners_[j - owned_] <= i;
+  }
+
   /// f(i, j, r_ij, r) for every pair once; i is owned, j owned or ghost. Pairs come in the order of
   /// the cells.
   template <class F>
@@ -128,6 +133,7 @@ class UniformGrid {
       const Index a = sorted_.item_of()[own];
       if (a >= owned_) continue;
       for_each_candidate(a, [&](Index b) {
+        if (is_second_image(a, b)) return;
         const Vec r_ab = at(slot_of(b)) - at(own);
         const Real r2 = r_ab.squaredNorm();
         if (!(r2 < reach)) return;
@@ -235,10 +241,10 @@ class UniformGrid {
   // Of two slots one meets the other. Ghosts meet nobody; of a pair and its image the one is met
   // whose owned particle has the lower index.
   bool is_met_from(Index own, Index slot) const {
-    return is_met(own, sorted_.item_of()[own], sorted_.item_of()[slot]);
+    return is_met(own, sorted_.item_of()[slot]);
   }
-  bool is_met(Index own, Index i, Index j) const {
-    return j < owned_ ? own < slot_of(j) : i < ghost_owners_[j - owned_];
+  bool is_met(Index own, Index j) const {
+    return j >= owned_ || own < slot_of(j);
   }
 
   // f(slot) for every slot but `own` that lies near it, and for none much beyond the radius.
@@ -381,8 +387,7 @@ class UniformGrid {
   }
 
   std::uint32_t* keep_met(Index own, std::uint32_t* begin, std::uint32_t* end) const {
-    const Index i = sorted_.item_of()[own];
-    return std::remove_if(begin, end, [&](std::uint32_t j) { return !is_met(own, i, j); });
+    return std::remove_if(begin, end, [&](std::uint32_t j) { return !is_met(own, j); });
   }
 
   // One row, without sharing: where far cells share bins, a block is not small.
