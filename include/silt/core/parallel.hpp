@@ -105,10 +105,34 @@ void for_each(Index n, F&& f) {
   });
 }
 
+/// What each chunk of [0, n) comes to, in memory that the thread keeps for the next time.
+template <class Value>
+class PerChunk {
+ public:
+  PerChunk(Index n, const Value& initial) : values_(std::move(spare())) {
+    values_.assign(chunk_count(n), initial);
+  }
+  PerChunk(const PerChunk&) = delete;
+  PerChunk& operator=(const PerChunk&) = delete;
+  ~PerChunk() { spare() = std::move(values_); }
+
+  Value& operator[](Index chunk) noexcept { return values_[chunk]; }
+  auto begin() const noexcept { return values_.begin(); }
+  auto end() const noexcept { return values_.end(); }
+
+ private:
+  // Within an f that sums itself, the inner one finds this empty.
+  static std::vector<Value>& spare() noexcept {
+    thread_local std::vector<Value> memory;
+    return memory;
+  }
+  std::vector<Value> values_;
+};
+
 /// Σ f(i), the same bits for any number of threads.
 template <class Value, class F>
 Value ordered_sum(Index n, const Value& zero, F&& f) {
-  std::vector<Value> partial(chunk_count(n), zero);
+  PerChunk<Value> partial(n, zero);
   for_each_chunk(n, [&](Chunk chunk) {
     Value sum = zero;
     for (Index i = chunk.first; i < chunk.last; ++i) sum += f(i);
@@ -122,19 +146,21 @@ Value ordered_sum(Index n, const Value& zero, F&& f) {
 /// max over f(i), at least `least`.
 template <class Value, class F>
 Value largest(Index n, Value least, F&& f) {
-  std::vector<Value> partial(chunk_count(n), least);
+  PerChunk<Value> partial(n, least);
   for_each_chunk(n, [&](Chunk chunk) {
     Value most = least;
     for (Index i = chunk.first; i < chunk.last; ++i) most = std::max<Value>(most, f(i));
     partial[chunk.number] = most;
   });
-  return partial.empty() ? least : *std::max_element(partial.begin(), partial.end());
+  Value most = least;
+  for (const Value& part : partial) most = std::max<Value>(most, part);
+  return most;
 }
 
 /// Lowest i for which f(i) holds, `nowhere` if there is none.
 template <class F>
 Index first_where(Index n, F&& f) {
-  std::vector<Index> found(chunk_count(n), nowhere);
+  PerChunk<Index> found(n, nowhere);
   for_each_chunk(n, [&](Chunk chunk) {
     for (Index i = chunk.first; i < chunk.last; ++i) {
       if (f(i)) {
