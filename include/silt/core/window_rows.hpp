@@ -111,7 +111,9 @@ class WindowRows {
     // Zeros for the values of this window, the last so far.
     float* open_window(Index window, Index column) {
       if (window == columns.size()) {
-        columns.resize(2 * window + chunk_size);
+        columns.reserve(window + window / 8 + lanes * lanes);  // resize() alone would double it
+        columns.resize(columns.capacity());
+        values.reserve(columns.size() * lanes);
         values.resize(columns.size() * lanes);
       }
       columns[window] = static_cast<std::uint32_t>(column);

@@ -121,7 +121,10 @@ class Neighbourhood {
     constexpr Index block = 32;  // so many at a time, so that the weights are taken in registers
     auto& entries = entries_[chunk];
     Index& used = used_[chunk];
-    if (used + js.size() > entries.size()) entries.resize(2 * (used + js.size()));
+    if (used + js.size() > entries.size()) {
+      entries.reserve((used + js.size()) * 9 / 8);  // resize() alone would double it
+      entries.resize(entries.capacity());
+    }
     const Index first = used;
     const Vec x_i = positions_[i];
     const Real re2 = stencil.re * stencil.re;

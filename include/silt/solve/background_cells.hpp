@@ -2,6 +2,7 @@
 // The occupied cells of a square (cubic) grid of any extent, numbered, and found again by their place.
 #pragma once
 
+#include <silt/core/parallel.hpp>
 #include <silt/core/types.hpp>
 
 #include <algorithm>
@@ -13,6 +14,20 @@
 #include <vector>
 
 namespace silt {
+
+/// f(c) for c of [0, n): in parallel where there is enough of it for the little that a cell takes.
+template <class F>
+void for_each_cell(Index n, F&& f) {
+  constexpr Index few = 4096;
+  constexpr Index run = 256;
+  if (n < few) {
+    for (Index c = 0; c < n; ++c) f(c);
+  } else {
+    for_each_task((n + run - 1) / run, [&](Index task) {
+      for (Index c = task * run; c < std::min(n, (task + 1) * run); ++c) f(c);
+    });
+  }
+}
 
 /// Cell c along each axis covers [c, c + 1) edges.
 template <int Dim>

@@ -49,7 +49,7 @@ class CellInterpolation {
   /// b = Pᵀ r, with r(i) at the points.
   template <class Values>
   void restrict_to(std::span<float> b, Values&& r) {
-    for_each(patches_.size(), [&](Index patch) {
+    for_each_cell(patches_.size(), [&](Index patch) {
       std::array<float, corners> sum{};
       for (Index k = first_[patch]; k < first_[patch + 1]; ++k) {
         const float value = static_cast<float>(r(member_[k]));
@@ -57,7 +57,7 @@ class CellInterpolation {
       }
       sum_[patch] = sum;
     });
-    for_each(b.size(), [&](Index cell) {
+    for_each_cell(b.size(), [&](Index cell) {
       float sum = 0;
       for (Index c = 0; c < corners; ++c) sum += sum_[patches_of_[cell][c]][c];
       b[cell] = sum;
@@ -67,7 +67,7 @@ class CellInterpolation {
   /// f(i, (P x)_i) for every point.
   template <class F>
   void interpolate(std::span<const float> x, F&& f) const {
-    for_each(patches_.size() + 1, [&](Index patch) {
+    for_each_cell(patches_.size() + 1, [&](Index patch) {
       std::array<float, corners> at{};
       for (Index c = 0; c < corners; ++c) at[c] = x[cells_of_[patch][c]];
       for (Index k = first_[patch]; k < first_[patch + 1]; ++k) {

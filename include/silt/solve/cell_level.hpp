@@ -41,7 +41,7 @@ struct CellLevel {
     beside.resize(n);
     conductance.resize(n);
     for (auto* values : {&mass, &diagonal, &inverse, &x, &b, &r}) values->assign(n, 0);
-    for_each(n, [&](Index c) {
+    for_each_cell(n, [&](Index c) {
       for (Index f = 0; f < faces; ++f) {
         GridCell<Dim> next = cells.cells()[c];
         next[f / 2] += f % 2 == 0 ? -1 : 1;
@@ -54,7 +54,7 @@ struct CellLevel {
 
   /// Cells that touch no surface get a little mass: an all-closed body would be singular.
   void finish(float least_mass) {
-    for_each(size(), [&](Index c) {
+    for_each_cell(size(), [&](Index c) {
       float sum = 0;
       for (Index f = 0; f < faces; ++f) sum += conductance[c][f];
       mass[c] = std::max(mass[c], least_mass * sum);
@@ -67,14 +67,14 @@ struct CellLevel {
   void relax(Colour colour) {
     const Index from = colour == red ? 0 : cells.reds();
     const Index to = colour == red ? cells.reds() : size();
-    for_each(to - from, [&](Index k) {
+    for_each_cell(to - from, [&](Index k) {
       const Index c = from + k;
       x[c] = (b[c] + inflow(c)) * inverse[c];
     });
   }
 
   void find_residual() {
-    for_each(size(), [&](Index c) { r[c] = b[c] + inflow(c) - diagonal[c] * x[c]; });
+    for_each_cell(size(), [&](Index c) { r[c] = b[c] + inflow(c) - diagonal[c] * x[c]; });
   }
 
  private:

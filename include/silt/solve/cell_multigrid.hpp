@@ -41,7 +41,7 @@ class CellMultigrid {
     double cell = 2;               ///< edge of the finest cells over the particle spacing [-]
     double weak = 0.2;             ///< rows below this share of a full diagonal stay out [-]
     int sweeps = 2;                ///< before and after each correction
-    Index solved_directly = 150;   ///< cells of the coarsest level
+    Index solved_directly = 16;    ///< cells of the coarsest level, at most 64
   };
 
   CellMultigrid() = default;
@@ -50,7 +50,8 @@ class CellMultigrid {
     require_between("CellMultigrid: cell", settings.cell, {1, 16});
     require_between("CellMultigrid: weak", settings.weak, {0, 1});
     require_between("CellMultigrid: sweeps", settings.sweeps, {1, 16});
-    require_positive("CellMultigrid: solved_directly", double(settings.solved_directly));
+    require_between("CellMultigrid: solved_directly", double(settings.solved_directly),
+                    {1, double(most_directly)});
   }
 
   /// Without the system's geometry, the diagonal alone.
@@ -83,6 +84,11 @@ class CellMultigrid {
  private:
   using Level = CellLevel<Dim>;
   using Point = std::array<double, Dim>;
+  // Of few cells, so that it needs no memory of the heap.
+  static constexpr int most_directly = 64;
+  template <class Real>
+  using SmallMatrix = Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor,
+                                    most_directly, most_directly>;
 
   Level& add_level() {
     if (used_ == levels_.size()) levels_.emplace_back();
@@ -174,15 +180,14 @@ class CellMultigrid {
     }
   }
 
-  bool is_solved_directly(const Level& level) const {
-    return level.size() <= 4 * settings_.solved_directly;
-  }
+  // Where coarsening ends early, a few more are as well.
+  static bool is_solved_directly(const Level& level) { return level.size() <= most_directly; }
 
   void invert_coarsest() {
     const Level& level = coarsest();
     if (!is_solved_directly(level)) return;
     const auto n = static_cast<Eigen::Index>(level.size());
-    Eigen::MatrixXd A = Eigen::MatrixXd::Zero(n, n);
+    SmallMatrix<double> A = SmallMatrix<double>::Zero(n, n);
     for (Index c = 0; c < level.size(); ++c) {
       const auto row = static_cast<Eigen::Index>(c);
       A(row, row) = level.diagonal[c] > 0 ? double(level.diagonal[c]) : 1;
@@ -191,8 +196,8 @@ class CellMultigrid {
         if (other != c) A(row, static_cast<Eigen::Index>(other)) -= double(level.conductance[c][f]);
       }
     }
-    const Eigen::MatrixXd inverse = A.llt().solve(Eigen::MatrixXd::Identity(n, n));
-    coarsest_inverse_ = inverse.cast<float>();
+    const SmallMatrix<double> inverse = A.llt().solve(SmallMatrix<double>::Identity(n, n));
+    coarsest_inverse_ = inverse.template cast<float>();
   }
 
   void cycle(Index l) {
@@ -229,7 +234,7 @@ class CellMultigrid {
   std::vector<Level> levels_;    // those of earlier systems keep their memory
   Index used_ = 0;
   std::vector<GridCell<Dim>> occupied_;
-  Eigen::MatrixXf coarsest_inverse_;
+  SmallMatrix<float> coarsest_inverse_;
 };
 
 }  // namespace silt
