@@ -247,6 +247,15 @@ def targets(results):
              "thin walls or closed tanks", 30, 20)):
         yield (f"solver iterations, 3·10³–10⁶ unknowns, {what}", LESS, at_least, aim,
                most_iterations(results, tanks))
+    dams = (("D1", "2d", 3200), ("D2", "2d", 51200), ("D3", "3d", 102400))
+    for (name, family, size), at_least, aim in zip(dams, (1.5, 22, 65), (1, 15, 45)):
+        measured = results.at(f"mps_step/{family}", size)
+        yield (f"pressure solve with its setup, {name} [ms]", LESS, at_least, aim,
+               measured and measured.counters["solve_ms"])
+    for (name, family, size), at_least, aim in zip(dams, (3, 45, 160), (2, 28, 100)):
+        yield (f"MPS step, {name} [ms]", LESS, at_least, aim,
+               results.ms(f"mps_step/{family}", size))
+    yield ("MPS 2D, exponent", LESS, 1.10, 1.03, results.exponent("mps_step/2d"))
     yield ("DEM, bytes per particle", LESS, 600, 300, of_memory(results, "dem"))
     yield ("MPS, bytes per particle", LESS, 1200, 700, of_memory(results, "mps"))
     yield from two_thread_targets(results)
