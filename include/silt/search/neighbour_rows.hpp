@@ -18,6 +18,9 @@
 
 namespace silt {
 
+/// What rows of neighbours hold: every pair at both of its particles, or at one of them.
+enum class Pairs { twice, once };
+
 class NeighbourRows {
  public:
   /// Adds the rows of one chunk, one after the other.
@@ -91,6 +94,41 @@ class NeighbourRows {
   Index rows_ = 0;
   std::vector<std::uint32_t> end_;  // by chunk: 0, and the end of each row
   std::vector<std::vector<std::uint32_t>> entries_;  // by chunk
+};
+
+/// What NeighbourRows::Writer is for rows that are kept, for rows that are read once: hands each one
+/// that is not empty, as f(chunk, items[row], row).
+template <class F>
+class RowReader {
+ public:
+  RowReader(F& f, Chunk chunk, std::span<const std::uint32_t> items,
+            std::vector<std::uint32_t>& memory)
+      : f_(f), chunk_(chunk.number), items_(items), row_(chunk.first), memory_(memory) {}
+
+  std::uint32_t* room(Index most) {
+    begin_ = 0;
+    return room(most, memory_.data());
+  }
+  std::uint32_t* room(Index most, std::uint32_t* to) {
+    const auto used = static_cast<Index>(to - memory_.data());
+    if (used + most > memory_.size()) memory_.resize(2 * (used + most));
+    return memory_.data() + used;
+  }
+  void end_row(const std::uint32_t* to) {
+    const auto end = static_cast<Index>(to - memory_.data());
+    const Index i = items_[row_++];
+    const std::span<const std::uint32_t> all = memory_;
+    if (end > begin_) f_(chunk_, i, all.subspan(begin_, end - begin_));
+    begin_ = end;
+  }
+
+ private:
+  F& f_;
+  Index chunk_;
+  std::span<const std::uint32_t> items_;
+  Index row_;
+  std::vector<std::uint32_t>& memory_;
+  Index begin_ = 0;
 };
 
 }  // namespace silt
