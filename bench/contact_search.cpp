@@ -10,10 +10,14 @@
 //   kept    a step between two rebuilds of a list with skin: see that it holds, and walk it
 //   pairs   all pairs within the radius, each once
 //
+//   sizes   spheres of one diameter and as much volume of ones ten times as large, sought through one
+//           grid, and through one for each size; half: take the positions, and list each pair once
+//
 // Particles lie in cell order, as a simulation keeps them. Threads are those of OMP_NUM_THREADS; the
 // peers, brute_force and nanoflann (build the tree, ask it for every particle), have one.
 #include <silt/core/parallel.hpp>
 #include <silt/search/brute_force.hpp>
+#include <silt/search/level_grid.hpp>
 #include <silt/search/neighbour_list.hpp>
 #include <silt/search/uniform_grid.hpp>
 
@@ -26,8 +30,13 @@
 #include <nanoflann.hpp>
 #endif
 
+#include <cmath>
 #include <cstdint>
+#include <random>
+#include <span>
 #include <string>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 namespace {
@@ -107,6 +116,32 @@ void keep_list(benchmark::State& state, Density density) {
   double pairs = 0;
   list.for_each_pair([&](Index, Index, const auto&, Real) { ++pairs; });
   report(state, 2 * pairs);
+}
+
+// Of radius ½ and 5, without regard to who overlaps with whom.
+template <class Search>
+void lists_of_two_sizes(benchmark::State& state) {
+  const auto n = static_cast<Index>(state.range(0));
+  Particles<3, double, radius_t> spheres;
+  std::mt19937_64 random(20040101);
+  std::uniform_real_distribution<double> along(0, std::cbrt(2 * double(n)));
+  for (Index i = 0; i < n; ++i) {
+    const double x = along(random);
+    const double y = along(random);
+    spheres.add({x, y, along(random)});
+    spheres[radius][i] = i % 1000 == 0 ? 5 : 0.5;
+  }
+  UniformGrid<3> order({.radius = 1});
+  order.update(spheres);
+  spheres.reorder(order.order());
+  Search search({.radius = 10});
+  NeighbourRows rows;
+  for (auto _ : state) {
+    search.update(spheres);
+    search.build_rows(rows, Pairs::once);
+    benchmark::ClobberMemory();
+  }
+  report(state, 2 * double(rows.entries()));
 }
 
 template <int Dim, class Real>
@@ -207,5 +242,7 @@ int main(int argc, char** argv) {
   add_all<3, float>("float");
   add_all<2, double>("double");
   add_all<2, float>("float");
+  add("uniform_grid/3d/double/sizes/half", 100000, benchmark::oN, lists_of_two_sizes<UniformGrid<3>>);
+  add("level_grid/3d/double/sizes/half", 1000000, benchmark::oN, lists_of_two_sizes<LevelGrid<3>>);
   return bench::run(argc, argv);
 }

@@ -10,5 +10,6 @@
 #include <silt/dem/grains.hpp>
 #include <silt/integrate/leapfrog.hpp>
 #include <silt/search/brute_force.hpp>
+#include <silt/search/level_grid.hpp>
 #include <silt/search/neighbour_list.hpp>
 #include <silt/search/uniform_grid.hpp>

@@ -66,6 +66,7 @@ class Cells {
     } else {
       bins_ = static_cast<std::int64_t>(product);
     }
+    cells_ = cells;
     stride_[0] = 1;
     for (std::size_t k = 1; k < Dim; ++k) stride_[k] = stride_[k - 1] * cells[k - 1];
     list_rows();
@@ -74,14 +75,17 @@ class Cells {
   Index bins() const noexcept { return static_cast<Index>(bins_); }
   /// Whether far cells share bins.
   bool shared() const noexcept { return shared_; }
-  /// Bin of the cell that x lies in; it may lie outside of the extent where bins are shared only.
+  /// Bin of the cell that x lies in, wherever that is.
   Index bin_of(const Vec& x) const {
-    if (!shared_) return bin_of_its_own(x);
     std::int64_t bin = 0;
     for (std::size_t k = 0; k < Dim; ++k) bin += std::int64_t{along(x, k)} * stride_[k];
-    return static_cast<Index>(bin % bins_);
+    if (bin < 0 || bin >= bins_) {
+      bin %= bins_;
+      if (bin < 0) bin += bins_;
+    }
+    return static_cast<Index>(bin);
   }
-  /// The same where no bins are shared: in 32 bits, for many at a time.
+  /// The same for x within the extent where no bins are shared: in 32 bits, for many at a time.
   std::uint32_t bin_of_its_own(const Vec& x) const {
     std::uint32_t bin = 0;
     for (std::size_t k = 0; k < Dim; ++k) {
@@ -101,16 +105,30 @@ class Cells {
   template <class F>
   void for_each_range_around(Index bin, Index length, F&& f) const {
     for (const std::int64_t row : rows_) {
-      std::int64_t first = static_cast<std::int64_t>(bin) + row - 1;
-      if (first < 0) first += bins_;
-      if (first >= bins_) first -= bins_;
-      const std::int64_t last = first + static_cast<std::int64_t>(length) + 2;
-      f(static_cast<Index>(first), static_cast<Index>(std::min(last, bins_)));
-      if (last > bins_) f(Index{0}, static_cast<Index>(last - bins_));
+      for_each_range_from(static_cast<std::int64_t>(bin) + row - 1,
+                          static_cast<std::int64_t>(length) + 2, f);
     }
   }
 
-  /// The same without the bins in front of this one, where none are shared.
+  /// f(first, last) for every range of bins around x that may have points closer than `distance`, which
+  /// may be many cells: all bins, where they are that many.
+  template <class F>
+  void for_each_range_within(const Vec& x, Real distance, F&& f) const {
+    const double cells = std::ceil(double(distance) * (1 + 0x1p-18) * per_edge_);
+    if (2 * cells + 1 > double(*std::min_element(cells_.begin(), cells_.end()))) {
+      f(Index{0}, bins());
+      return;
+    }
+    const auto n = static_cast<std::int64_t>(cells);
+    const auto bin = static_cast<std::int64_t>(bin_of(x));
+    for (std::int64_t z = Dim == 3 ? -n : 0; z <= (Dim == 3 ? n : 0); ++z) {
+      for (std::int64_t y = -n; y <= n; ++y) {
+        for_each_range_from(bin + z * stride_[Dim - 1] + y * stride_[1] - n, 2 * n + 1, f);
+      }
+    }
+  }
+
+  /// Those of for_each_range_around without the bins in front of this one, where none are shared.
   template <class F>
   void for_each_range_onwards(Index bin, Index length, F&& f) const {
     f(bin, std::min(bin + length + 1, bins()));
@@ -121,6 +139,16 @@ class Cells {
   }
 
  private:
+  // So many bins of the ring from `first` on, which is less than a round away: one range, or two.
+  template <class F>
+  void for_each_range_from(std::int64_t first, std::int64_t length, F&& f) const {
+    if (first < 0) first += bins_;
+    if (first >= bins_) first -= bins_;
+    const std::int64_t last = first + length;
+    f(static_cast<Index>(first), static_cast<Index>(std::min(last, bins_)));
+    if (last > bins_) f(Index{0}, static_cast<Index>(last - bins_));
+  }
+
   // What is more than 2³⁰ cells away lies in the outermost cell.
   static constexpr std::int32_t farthest = (1 << 30) - 1;
 
@@ -156,6 +184,7 @@ class Cells {
   std::array<std::int32_t, Dim> lower_{};
   std::int64_t bins_ = 0;
   bool shared_ = false;
+  std::array<std::int64_t, Dim> cells_{};  // along each axis
   std::array<std::int64_t, Dim> stride_{};
   std::array<std::int64_t, Dim == 2 ? 3 : 9> rows_{};
 };

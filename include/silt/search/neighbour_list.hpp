@@ -73,7 +73,7 @@ class NeighbourList {
       list_.built = false;
     }
     list_.grid.set_radius(radius() * (1 + Real(now_.tuning.fraction())));
-    list_.grid.sort(particles);
+    if constexpr (requires { list_.grid.sort(particles); }) list_.grid.sort(particles);
   }
 
   /// Takes the positions; rebuilds the list if particles came, went, were reordered or moved far.

@@ -35,6 +35,7 @@ class SortedCells {
       fail("search: " + std::to_string(x.size()) +
            " particles and ghosts are more than 32 bits can number; divide them");
     }
+    reach_ = reach;
     cells_.lay(extent_of(x), x.size(), reach);
     if (cells_.shared()) {
       order_.sort(x.size(), cells_.bins(), [&](Index i) { return cells_.bin_of(x[i]); });
@@ -73,18 +74,22 @@ class SortedCells {
     return columns;
   }
 
-  /// f(slot) for every slot but `own` closer to x than `distance`, which is at most the cells' reach;
-  /// slots that are farther by a rounding may come as well.
+  /// f(slot) for every slot but `own` closer to x than `distance`; slots that are farther by a
+  /// rounding may come as well.
   template <class F>
   void for_each_around(const Vec& x, Real distance, Index own, F&& f) const {
     Near near(columns(), x, distance, own);
-    cells_.for_each_range_around(cells_.bin_of(x), 1, [&](Index first, Index last) {
-      near.note(start()[first], start()[last], f);
-    });
+    const auto note = [&](Index first, Index last) { near.note(start()[first], start()[last], f); };
+    if (distance <= reach_) {
+      cells_.for_each_range_around(cells_.bin_of(x), 1, note);
+    } else {
+      cells_.for_each_range_within(x, distance, note);
+    }
     near.hand_over(f);
   }
 
-  /// The same for the slots behind `own`, around its point. Where no bins are shared.
+  /// The same for the slots behind `own`, around its point; not beyond a cell, and where no bins are
+  /// shared.
   template <class F>
   void for_each_onwards(Index own, Real distance, F&& f) const {
     const Vec x = at(own);
@@ -154,6 +159,7 @@ class SortedCells {
     Index count = 0;
   };
 
+  Real reach_ = 0;
   Cells<Dim, Real> cells_;
   BinSort order_;
   std::array<std::vector<Real>, Dim> x_;  // by slot

@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: MIT
+#include "support/check.hpp"
+#include "support/points.hpp"
+
+#include <silt/core/fields.hpp>
+#include <silt/search/level_grid.hpp>
+#include <silt/search/neighbour_list.hpp>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <vector>
+
+namespace silt::test {
+namespace {
+
+template <int Dim, class Real = double>
+using Grains = Particles<Dim, Real, radius_t>;
+
+template <int Dim, class Real, class SizeOf>
+Grains<Dim, Real> grains_in(const Box<Dim, Real>& box, Index n, unsigned seed, SizeOf&& size_of) {
+  Grains<Dim, Real> grains(box);
+  std::mt19937_64 random(seed);
+  for (const auto& x : random_points(n, box, seed)) {
+    const Index i = grains.add(x);
+    grains[radius][i] = Real(size_of(random));
+  }
+  return grains;
+}
+
+// A few large among many small.
+double bimodal(std::mt19937_64& random) { return random() % 20 == 0 ? 0.2 : 0.02; }
+// From 0.02 to 0.2, the smaller the more.
+double spread(std::mt19937_64& random) {
+  return 0.02 * std::pow(10.0, std::pow(std::uniform_real_distribution<double>(0, 1)(random), 3.0));
+}
+double alike(std::mt19937_64& random) {
+  return std::uniform_real_distribution<double>(0.055, 0.06)(random);
+}
+
+using Pair = std::pair<Index, Index>;
+
+// Pairs of owners, by hand over all images, whose surfaces are closer than the gap.
+template <class P>
+std::vector<Pair> pairs_by_hand(const P& grains, double gap) {
+  double most = 0;
+  for (const auto R : grains[radius]) most = std::max(most, double(R));
+  std::vector<Pair> found;
+  for (const auto& [i, j, r_ij] :
+       meetings_by_hand(grains, typename P::Real(2 * most + gap))) {
+    double r2 = 0;
+    for (const auto r : r_ij) r2 += double(r) * double(r);
+    const double reach = double(grains[radius][i]) + double(grains[radius][j]) + gap;
+    if (i < j && r2 < reach * reach) found.emplace_back(i, j);
+  }
+  std::sort(found.begin(), found.end());
+  return found;
+}
+
+template <class P, class S>
+void expect_right(P& grains, S& search, double gap) {
+  search.update(grains);
+  const auto right = pairs_by_hand(grains, gap);
+  std::vector<Pair> pairs;
+  search.for_each_pair(
+      [&](Index i, Index j, const auto&, auto) { pairs.emplace_back(std::minmax(i, grains.owner(j))); });
+  std::sort(pairs.begin(), pairs.end());
+  EXPECT_EQ(pairs, right);
+
+  const auto x = grains.with_ghosts(position);
+  const auto R = grains.with_ghosts(radius);
+  const auto near = [&](Index i, Index j) { return (x[j] - x[i]).norm() < R[i] + R[j] + gap; };
+  std::vector<Pair> candidates;
+  std::vector<Pair> neighbours;
+  for (Index i = 0; i < grains.size(); ++i) {
+    search.for_each_candidate(i, [&](Index j) {
+      if (near(i, j)) candidates.emplace_back(std::minmax(i, grains.owner(j)));
+    });
+    search.for_each_neighbour(i, [&](Index j, const auto&, auto) {
+      if (i < grains.owner(j)) neighbours.emplace_back(i, grains.owner(j));
+    });
+  }
+  std::sort(candidates.begin(), candidates.end());
+  std::sort(neighbours.begin(), neighbours.end());
+  EXPECT_EQ(candidates, right);
+  EXPECT_EQ(neighbours, right);
+}
+
+template <int Dim, class Real>
+void expect_right_in_space_and_in_periods() {
+  for (const bool periodic : {false, true}) {
+    auto box = cube<Dim, Real>(0, Dim == 2 ? 4 : 2);
+    box.periodic.fill(periodic);
+    for (const auto size_of : {bimodal, spread, alike}) {
+      for (const double gap : {0.0, 0.01, 0.1}) {
+        auto grains = grains_in<Dim, Real>(box, 1200, 3, size_of);
+        const auto R = grains[radius];
+        const Real most = *std::max_element(R.begin(), R.end());
+        LevelGrid<Dim, Real> search({.radius = 2 * most + Real(gap)});
+        expect_right(grains, search, double(search.radius() - 2 * most));
+      }
+    }
+  }
+}
+
+TEST(LevelGrid, FindsEveryPairNearTouchingWhateverTheSizes) {
+  expect_right_in_space_and_in_periods<2, double>();
+  expect_right_in_space_and_in_periods<3, double>();
+}
+
+TEST(LevelGrid, FindsNothingAmongNoneAndOne) {
+  Grains<3> grains;
+  LevelGrid<3> search({.radius = 1});
+  expect_right(grains, search, 1);
+  grains.add({1, 2, 3});
+  grains[radius][0] = 0.5;
+  expect_right(grains, search, 0);
+}
+
+TEST(LevelGrid, FindsPairsWhereFarCellsShareBins) {
+  auto grains = grains_in<2, double>(cube<2, double>(0, 3), 400, 5, bimodal);
+  for (Index i = 0; i < 100; ++i) grains[position][i] += Vec<2>(1e7 * double(i % 3), -1e8);
+  LevelGrid<2> search({.radius = 0.4});
+  expect_right(grains, search, 0);
+}
+
+TEST(LevelGrid, HasOneLevelForSizesAlikeAndTwoForLargeAmongSmall) {
+  const auto levels = [](auto size_of, Index n) {
+    auto grains = grains_in<3, double>(cube<3, double>(0, 2), n, 4, size_of);
+    const auto R = grains[radius];
+    LevelGrid<3> search({.radius = 2 * *std::max_element(R.begin(), R.end())});
+    search.update(grains);
+    return search.levels();
+  };
+  EXPECT_EQ(levels(alike, 3000), 1u);
+  EXPECT_EQ(levels(bimodal, 3000), 2u);
+}
+
+TEST(LevelGrid, ServesAListWithSkin) {
+  auto box = cube<2, double>(0, 3);
+  box.periodic[0] = true;
+  auto grains = grains_in<2, double>(box, 500, 6, bimodal);
+  NeighbourList<2, double, LevelGrid<2>> found({.radius = 0.4, .skin_fraction = 0.1});
+  for (unsigned step = 0; step < 40; ++step) {
+    found.update(grains);
+    std::vector<Pair> met;
+    const auto x = grains.with_ghosts(position);
+    const auto R = grains.with_ghosts(radius);
+    for (Index i = 0; i < grains.size(); ++i) {
+      found.for_each_candidate(i, [&](Index j) {
+        if ((x[j] - x[i]).norm() < R[i] + R[j]) met.emplace_back(std::minmax(i, grains.owner(j)));
+      });
+    }
+    std::sort(met.begin(), met.end());
+    auto wrapped = grains;
+    for (auto& at : wrapped[position]) at = box.wrap(at);
+    EXPECT_EQ(met, pairs_by_hand(wrapped, 0)) << step;
+    const auto moves = random_points(500, cube<2, double>(-0.004, 0.004), 10 + step);
+    for (Index i = 0; i < grains.size(); ++i) grains[position][i] += moves[i];
+  }
+  EXPECT_GT(found.rebuilds(), 1u);
+  EXPECT_LT(found.rebuilds(), 40u);
+}
+
+TEST(LevelGrid, IsTheSameForAnyNumberOfThreads) {
+  const auto met_with = [](int number) {
+    return with_threads(number, [] {
+      auto grains = grains_in<3, double>(cube<3, double>(0, 4), 9000, 7, bimodal);
+      LevelGrid<3> search({.radius = 0.4});
+      search.update(grains);
+      std::vector<Pair> met;
+      for (Index i = 0; i < grains.size(); ++i) {
+        search.for_each_candidate(i, [&](Index j) { met.emplace_back(i, j); });
+      }
+      return met;
+    });
+  };
+  const auto one = met_with(1);
+  EXPECT_TRUE(met_with(2) == one);
+  EXPECT_TRUE(met_with(4) == one);
+}
+
+TEST(LevelGrid, RefusesARadiusBelowTwoOfTheLargest) {
+  auto grains = grains_in<2, double>(cube<2, double>(0, 1), 10, 8, [](auto&) { return 0.1; });
+  LevelGrid<2> search({.radius = 0.19});
+  EXPECT_TRUE(refuses([&] { search.update(grains); }, {"radius = 0.19", "0.2 m"}));
+}
+
+}  // namespace
+}  // namespace silt::test
