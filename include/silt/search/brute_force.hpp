@@ -7,7 +7,6 @@
 #include <silt/core/types.hpp>
 
 #include <cmath>
-#include <limits>
 #include <vector>
 
 namespace silt {
@@ -59,27 +58,18 @@ class BruteForce {
     }
   }
 
-  /// f(j) for every j, owned or ghost, whose pair with owned i nobody else names.
-  template <class F>
-  void for_each_candidate(Index i, F&& f) const {
-    for (Index j = i + 1; j < positions_.size(); ++j) {
-      if (owners_[j] > i) f(j);
-    }
-  }
-  /// Candidates are all there are.
-  Real margin() const noexcept { return std::numeric_limits<Real>::infinity(); }
-
   /// f(i, j, r_ij, r) for every pair once; i is owned, j owned or ghost.
   template <class F>
   void for_each_pair(F&& f) const {
     const Real reach = radius_ * radius_;
     for (Index i = 0; i < owned_; ++i) {
       const Vec x_i = positions_[i];
-      for_each_candidate(i, [&](Index j) {
+      for (Index j = i + 1; j < positions_.size(); ++j) {
+        if (owners_[j] <= i) continue;
         const Vec r_ij = positions_[j] - x_i;
         const Real r2 = r_ij.squaredNorm();
         if (r2 < reach) f(i, j, r_ij, std::sqrt(r2));
-      });
+      }
     }
   }
 

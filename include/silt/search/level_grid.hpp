@@ -91,26 +91,38 @@ class LevelGrid {
     }
   }
 
-  /// f(j) for some j of owned i, owned or ghost: every pair closer than R_i + R_j + gap is met from
-  /// one of its particles, a pair and its periodic image from one of the two. Others may come as well.
+  /// f(j) for some j of owned i: every pair of owned particles closer than R_i + R_j + gap is met from
+  /// one of the two, every owned one and ghost from the owned one. Others may come as well.
   template <class F>
   void for_each_candidate(Index i, F&& f) const {
     const Level& own = level_of(i);
     const Index slot_i = slot_if(true, i);
     const Vec x_i = own.points.at(slot_i);
-    const auto among_equals = [&](Index slot) {
-      const Index j = item_at(own, slot);
-      if (j < owned_ ? slot_i < slot : i < owners_[j - owned_]) f(j);
+    const auto meet_those_of = [&](const Level& level, const auto& is_met) {
+      level.points.for_each_around(x_i, radii_[i] + level.largest + gap_, slot_if(&level == &own, i),
+                                   [&](Index slot) {
+        const Index j = item_at(level, slot);
+        if (is_met(slot, j)) f(j);
+      });
     };
     if (owners_.empty() && !own.points.cells().shared()) {
-      own.points.for_each_onwards(slot_i, radii_[i] + own.largest + gap_, among_equals);
+      own.points.for_each_onwards(slot_i, radii_[i] + own.largest + gap_,
+                                  [&](Index slot) { f(item_at(own, slot)); });
     } else {
-      own.points.for_each_around(x_i, radii_[i] + own.largest + gap_, slot_i, among_equals);
+      meet_those_of(own, [&](Index slot, Index j) { return j >= owned_ || slot_i < slot; });
     }
-    for (const Level* level = &own + 1; level != levels_.data() + levels_.size(); ++level) {
-      level->points.for_each_around(x_i, radii_[i] + level->largest + gap_, nowhere,
-                                    [&](Index slot) { f(item_at(*level, slot)); });
+    for (const Level& level : levels_) {
+      if (&level > &own) meet_those_of(level, [](Index, Index) { return true; });
+      // A ghost looks up to nobody.
+      if (&level < &own && !owners_.empty()) {
+        meet_those_of(level, [this](Index, Index j) { return j >= owned_; });
+      }
     }
+  }
+
+  /// Whether j is a ghost, and i with it the image of a pair that counts from its other particle.
+  bool is_second_image(Index i, Index j) const noexcept {
+    return j >= owned_ && owners_[j - owned_] <= i;
   }
 
   /// f(i, j, r_ij, r) for every pair once; i is owned, j owned or ghost.
@@ -118,6 +130,7 @@ class LevelGrid {
   void for_each_pair(F&& f) const {
     for (Index a = 0; a < owned_; ++a) {
       for_each_candidate(a, [&](Index b) {
+        if (is_second_image(a, b)) return;
         const Index i = std::min(a, b);
         const Index j = std::max(a, b);
         const Vec r_ij = position_of(j) - position_of(i);
