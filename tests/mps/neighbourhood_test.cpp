@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: MIT
+// A flow's own list: the neighbours that the search finds, with the weights of the stencil.
+#include "support/check.hpp"
+#include "support/fluid.hpp"
+
+#include <gtest/gtest.h>
+
+#include <map>
+#include <set>
+#include <vector>
+
+namespace silt::test {
+namespace {
+
+using mps::Kind;
+
+template <class S>
+class Neighbourhoods : public ::testing::Test {};
+TYPED_TEST_SUITE(Neighbourhoods, Spaces);
+
+// A periodic box, shaken, in which every fifth particle is a wall and every seventh a dummy.
+template <class T>
+auto mixed_box() {
+  using Real = typename T::Real;
+  auto fluid = full_box<T::dimension, Real>(T::dimension == 2 ? 40 : 12, Real(0.1), Real(0.2));
+  for (Index i = 0; i < fluid.size(); ++i) {
+    if (i % 5 == 0) fluid[mps::kind][i] = Kind::wall;
+    if (i % 7 == 0) fluid[mps::kind][i] = Kind::dummy;
+  }
+  return fluid;
+}
+
+template <class T>
+using StencilOf = mps::Stencil<T::dimension, typename T::Real, mps::CubicKernel>;
+
+template <class T, class Search>
+void expect_what_the_search_finds(Search search) {
+  using Real = typename T::Real;
+  auto fluid = mixed_box<T>();
+  const StencilOf<T> stencil({.spacing = Real(0.1), .radius = 3.1});
+  search.set_radius(Real(1.1) * stencil.re);  // the stencil is narrower
+  search.update(fluid);
+  mps::Neighbourhood<T::dimension, Real> around;
+  around.find(fluid, search, stencil);
+  for (Index i = 0; i < fluid.size(); ++i) {
+    std::map<Index, Real> expected;
+    Real density = 0;
+    if (fluid[mps::kind][i] != Kind::dummy) {
+      mps::for_each_weighted(search, i, stencil, [&](Index j, const auto&, Real, Real w) {
+        expected[j] = w;
+        density += w;
+      });
+    }
+    EXPECT_EQ(around[i].size(), expected.size());
+    EXPECT_NEAR(around.density(i), density, T::rounding * density);
+    mps::for_each_weighted(around, i, stencil, [&](Index j, const auto& r_ij, Real r, Real w) {
+      ASSERT_TRUE(expected.contains(j));
+      EXPECT_NEAR(w, expected[j], 1e-6);
+      EXPECT_NEAR((fluid.with_ghosts(position)[j] - fluid[position][i] - r_ij).norm(), 0, 1e-12);
+      EXPECT_NEAR(r_ij.norm(), r, T::rounding);
+    });
+  }
+}
+
+TYPED_TEST(Neighbourhoods, AreThoseOfTheSearchWithinTheStencil) {
+  constexpr int dim = TypeParam::dimension;
+  using Real = typename TypeParam::Real;
+  expect_what_the_search_finds<TypeParam>(UniformGrid<dim, Real>{});
+  expect_what_the_search_finds<TypeParam>(BruteForce<dim, Real>{});
+}
+
+TYPED_TEST(Neighbourhoods, GiveBothOfAPairTheSameWeightToTheBit) {
+  using Real = typename TypeParam::Real;
+  constexpr int dim = TypeParam::dimension;
+  auto fluid = blob<dim, Real>(dim == 2 ? 30 : 10, Real(0.1), Real(0.2));
+  const StencilOf<TypeParam> stencil({.spacing = Real(0.1), .radius = 2.1});
+  UniformGrid<dim, Real> search({.radius = stencil.re});
+  search.update(fluid);
+  mps::Neighbourhood<dim, Real> around;
+  around.find(fluid, search, stencil);
+  std::map<std::pair<Index, Index>, float> weights;
+  for (Index i = 0; i < fluid.size(); ++i) {
+    for (const auto& [j, weight] : around[i]) weights[{i, Index(j)}] = weight;
+  }
+  ASSERT_GT(weights.size(), fluid.size());
+  for (const auto& [pair, weight] : weights) {
+    EXPECT_EQ((weights[{pair.second, pair.first}]), weight);
+  }
+}
+
+TYPED_TEST(Neighbourhoods, HandOverThoseThatAreCloser) {
+  using Real = typename TypeParam::Real;
+  constexpr int dim = TypeParam::dimension;
+  auto fluid = mixed_box<TypeParam>();
+  const StencilOf<TypeParam> stencil({.spacing = Real(0.1), .radius = 3.1});
+  UniformGrid<dim, Real> search({.radius = stencil.re});
+  search.update(fluid);
+  mps::Neighbourhood<dim, Real> around;
+  around.find(fluid, search, stencil);
+  const Real reach = Real(0.12);
+  for (Index i = 0; i < fluid.size(); ++i) {
+    std::set<Index> expected;
+    for (const auto& [j, weight] : around[i]) {
+      const Real r = (fluid.with_ghosts(position)[j] - fluid[position][i]).norm();
+      if (r < reach) expected.insert(j);
+    }
+    std::set<Index> found;
+    around.for_each_closer(i, reach, [&](Index j, const auto&, Real r) {
+      EXPECT_LT(r, reach * (1 + TypeParam::rounding));
+      found.insert(j);
+    });
+    EXPECT_EQ(found, expected);
+  }
+}
+
+TEST(Neighbourhood, KnowsWhetherParticlesMovedSinceItWasFound) {
+  auto fluid = blob<2, double>(10, 0.1);
+  const mps::Stencil<2, double, mps::CubicKernel> stencil({.spacing = 0.1, .radius = 3.1});
+  UniformGrid<2> search({.radius = stencil.re});
+  mps::Neighbourhood<2, double> around;
+  search.update(fluid);
+  around.find(fluid, search, stencil);
+  EXPECT_TRUE(around.is_of(fluid));
+  fluid[velocity][3] = {1, 2};
+  EXPECT_TRUE(around.is_of(fluid));
+  fluid[position][3][0] += 1e-15;
+  EXPECT_FALSE(around.is_of(fluid));
+  search.update(fluid);
+  around.find(fluid, search, stencil);
+  EXPECT_TRUE(around.is_of(fluid));
+  mps::add_particle(fluid, {5, 5}, Kind::fluid);
+  EXPECT_FALSE(around.is_of(fluid));
+}
+
+TEST(Neighbourhood, RefusesTwoParticlesOnOnePoint) {
+  auto fluid = fluid_at<2, double>({{0, 0}, {0.1, 0}, {0.1, 0}});
+  const mps::Stencil<2, double, mps::CubicKernel> stencil({.spacing = 0.1, .radius = 3.1});
+  UniformGrid<2> search({.radius = stencil.re});
+  search.update(fluid);
+  mps::Neighbourhood<2, double> around;
+  EXPECT_TRUE(refuses([&] { around.find(fluid, search, stencil); },
+                      {"two particles lie on one point", "particle 1"}));
+}
+
+}  // namespace
+}  // namespace silt::test
