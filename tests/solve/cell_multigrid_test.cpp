@@ -19,9 +19,18 @@ static_assert(LinearSolver<ConjugateGradient<CellMultigrid<3>>>);
 
 // The pressure equation of a cube of fluid, open on top or closed all around.
 template <int Dim>
-LinearSystem pressure_equation(int along, bool open) {
+LinearSystem pressure_equation(int along, bool open, int walls = 0) {
   const double l0 = 0.01;
   auto fluid = blob<Dim, double>(along, l0, 0.2);
+  for (Index i = 0; i < fluid.size(); ++i) {
+    // Each as thin as keeps both sides apart, and three quarters high.
+    const int column = int(fluid[position][i][0] / l0);
+    const bool high = fluid[position][i][Dim - 1] > 0.75 * along * l0;
+    for (int wall = 1; wall <= walls; ++wall) {
+      const int from = wall * along / (walls + 1);
+      if (!high && column >= from && column < from + 4) fluid[mps::kind][i] = mps::Kind::dummy;
+    }
+  }
   for (Index i = 0; i < fluid.size(); ++i) {
     fluid[mps::surface][i] = open && fluid[position][i][Dim - 1] > (along - 1) * l0;
   }
@@ -46,8 +55,8 @@ std::vector<double> waves(Index n, double number) {
 }
 
 template <int Dim>
-void expect_symmetric_and_positive(int along, bool open) {
-  const LinearSystem system = pressure_equation<Dim>(along, open);
+void expect_symmetric_and_positive(int along, bool open, int walls = 0) {
+  const LinearSystem system = pressure_equation<Dim>(along, open, walls);
   CellMultigrid<Dim> multigrid;
   multigrid.prepare(system);
   std::vector<std::vector<double>> r;
@@ -69,6 +78,7 @@ void expect_symmetric_and_positive(int along, bool open) {
 TEST(CellMultigrid, IsSymmetricAndPositiveDefinite) {
   for (const bool open : {true, false}) {
     expect_symmetric_and_positive<2>(40, open);
+    expect_symmetric_and_positive<2>(60, open, 3);
     expect_symmetric_and_positive<3>(12, open);
   }
 }
@@ -101,6 +111,15 @@ TEST(CellMultigrid, NeedsAboutAsManyIterationsHoweverManyParticlesThereAre) {
   const int many = iterations(100);
   EXPECT_LT(many, 1.6 * few);
   EXPECT_LT(2 * many, solved_by<Jacobi>(pressure_equation<2>(100, true), x).iterations);
+}
+
+TEST(CellMultigrid, KeepsApartWhatThinWallsKeepApart) {
+  std::vector<double> x;
+  const auto iterations = [&](int walls) {
+    return solved_by<CellMultigrid<2>>(pressure_equation<2>(110, true, walls), x).iterations;
+  };
+  const int without = iterations(0);
+  for (const int walls : {1, 3, 8}) EXPECT_LT(iterations(walls), 1.7 * without) << walls;
 }
 
 TEST(CellMultigrid, GivesTheSameBitsForAnyNumberOfThreads) {

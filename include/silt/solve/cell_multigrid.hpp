@@ -11,7 +11,7 @@
 //
 //     particles   · ·· · · ·· ·        Σ_j w_ij (p_i − p_j)
 //     level 0     | □ | □ | □ | □ |    5 (7) points; conductances from the second moments of w
-//     level 1     |   □   |   □   |    edges doubled; conductances: half the sum of those crossed
+//     level 1     |   □   |   □   |    edges doubled, see cell_coarsening.hpp
 //     …           until few cells are left, which are solved directly
 //
 // Single precision inside; sweeps are red–black, before the correction in one order and after it in
@@ -22,6 +22,9 @@
 #include <silt/core/linear_system.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/types.hpp>
+#include <silt/solve/background_cells.hpp>
+#include <silt/solve/cell_coarsening.hpp>
+#include <silt/solve/cell_interpolation.hpp>
 #include <silt/solve/cell_level.hpp>
 
 #include <Eigen/Cholesky>
@@ -72,9 +75,9 @@ class CellMultigrid {
       return;
     }
     Level& finest = levels_[0];
-    finest.to_finer.restrict_to(finest.b, [&](Index i) { return r[i]; });
+    to_particles_.restrict_to(finest.b, [&](Index i) { return r[i]; });
     cycle(0);
-    finest.to_finer.interpolate(finest.x, [&](Index i, float correction) {
+    to_particles_.interpolate(finest.x, [&](Index i, float correction) {
       z[i] = inverse_[i] * r[i] + double(correction);
     });
   }
@@ -86,14 +89,12 @@ class CellMultigrid {
   using Point = std::array<double, Dim>;
   // Of few cells, so that it needs no memory of the heap.
   static constexpr int most_directly = 64;
+  // Of a cell, over its conductances on the finest level.
+  static constexpr float least_mass = 1e-6f;
   template <class Real>
   using SmallMatrix = Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor,
                                     most_directly, most_directly>;
 
-  Level& add_level() {
-    if (used_ == levels_.size()) levels_.emplace_back();
-    return levels_[used_++];
-  }
   Level& coarsest() { return levels_[used_ - 1]; }
 
   void lay_finest_cells(const LinearSystem& system) {
@@ -111,25 +112,37 @@ class CellMultigrid {
     for (Index i = 0; i < system.size(); ++i) {
       if (takes_part(i)) occupied_.push_back(cell_at(point(i)));
     }
-    Level& level = add_level();
-    level.cells.number(occupied_, CellOrder::chessboard);
-    level.lay_out();
-    level.to_finer.build(system.size(), level.cells, point, takes_part);
+    finest_cells_.number(occupied_, CellOrder::chessboard);
+    to_particles_.build(system.size(), finest_cells_, point, takes_part);
+    if (levels_.empty()) levels_.emplace_back();
+    used_ = 1;
+    Level& level = levels_[0];
+    level.reset(finest_cells_.size());
+    level.cells.assign(finest_cells_.cells().begin(), finest_cells_.cells().end());
+    level.reds = finest_cells_.reds();
 
     // The particles' masses m_i = Σ w_ij to the free surface and stiffnesses ½ Σ_j w_ij Δx² / edge²
-    // along each axis, shared among the cells as the residual is; a face has the mean of its cells'.
-    level.to_finer.restrict_to(level.mass, [&](Index i) { return geometry.to_surface[i]; });
+    // along each axis, shared among the cells as the residual is; a link has the mean of its cells'.
+    to_particles_.restrict_to(level.mass, [&](Index i) { return geometry.to_surface[i]; });
     const float scale = float(1 / (2 * squared(settings_.cell)));
     for (std::size_t k = 0; k < Dim; ++k) {
-      level.to_finer.restrict_to(level.b, [&](Index i) { return geometry.second_moments[i][k]; });
-      for_each(level.size(), [&](Index c) {
-        for (const Index f : {2 * k, 2 * k + 1}) {
-          const Index other = level.beside[c][f];
-          if (other != c) level.conductance[c][f] = scale * (level.b[c] + level.b[other]) / 2;
-        }
-      });
+      stiffness_[k].resize(level.size());
+      to_particles_.restrict_to(stiffness_[k],
+                                [&](Index i) { return scale * geometry.second_moments[i][k]; });
     }
-    level.finish(1e-6f);
+    level.links.build(level.size(), [&](Index c, auto&& add) {
+      for (std::size_t k = 0; k < Dim; ++k) {
+        for (const std::int64_t way : {-1, 1}) {
+          GridCell<Dim> next = level.cells[c];
+          next[k] += way;
+          const std::uint32_t other = finest_cells_.find(next);
+          if (other == BackgroundCells<Dim>::none) continue;
+          const float conductance = (stiffness_[k][c] + stiffness_[k][other]) / 2;
+          if (conductance > 0) add({other, conductance});
+        }
+      }
+    });
+    level.finish(least_mass);
   }
 
   static GridCell<Dim> cell_at(const Point& x) {
@@ -140,44 +153,13 @@ class CellMultigrid {
 
   // The next level; false where it would hardly be smaller.
   bool coarsen() {
-    const Index n = coarsest().size();
-    occupied_.resize(n);
-    for_each(n, [&](Index c) {
-      for (std::size_t k = 0; k < Dim; ++k) occupied_[c][k] = coarsest().cells.cells()[c][k] >> 1;
-    });
-    Level& coarse = add_level();
-    Level& fine = levels_[used_ - 2];
-    coarse.cells.number(occupied_, CellOrder::chessboard);
-    if (coarse.size() * 4 > n * 3) {
-      --used_;
-      return false;
-    }
-    coarse.lay_out();
-    coarse.to_finer.build(
-        n, coarse.cells,
-        [&](Index c) {
-          Point x;
-          for (std::size_t k = 0; k < Dim; ++k) x[k] = (double(fine.cells.cells()[c][k]) + 0.5) / 2;
-          return x;
-        },
-        [](Index) { return true; });
-    for_each(coarse.size(), [&](Index parent) { sum_children(fine, coarse, parent); });
-    coarse.finish(1e-6f * std::pow(4.0f, float(used_ - 1)));
+    if (used_ == levels_.size()) levels_.emplace_back();
+    if (coarsenings_.size() < used_) coarsenings_.emplace_back();
+    Level& coarse = levels_[used_];
+    if (!coarsenings_[used_ - 1].lay(levels_[used_ - 1], coarse)) return false;
+    coarse.finish(least_mass * std::pow(4.0f, float(used_)));
+    ++used_;
     return true;
-  }
-
-  static void sum_children(const Level& fine, Level& coarse, Index parent) {
-    for (Index child = 0; child < Index(1) << Dim; ++child) {
-      GridCell<Dim> cell = coarse.cells.cells()[parent];
-      for (std::size_t k = 0; k < Dim; ++k) cell[k] = 2 * cell[k] + std::int64_t((child >> k) & 1);
-      const std::uint32_t c = fine.cells.find(cell);
-      if (c == BackgroundCells<Dim>::none) continue;
-      coarse.mass[parent] += fine.mass[c];
-      for (std::size_t k = 0; k < Dim; ++k) {
-        const Index outer = 2 * k + ((child >> k) & 1);
-        coarse.conductance[parent][outer] += fine.conductance[c][outer] / 2;
-      }
-    }
   }
 
   // Where coarsening ends early, a few more are as well.
@@ -191,9 +173,8 @@ class CellMultigrid {
     for (Index c = 0; c < level.size(); ++c) {
       const auto row = static_cast<Eigen::Index>(c);
       A(row, row) = level.diagonal[c] > 0 ? double(level.diagonal[c]) : 1;
-      for (Index f = 0; f < Level::faces; ++f) {
-        const Index other = level.beside[c][f];
-        if (other != c) A(row, static_cast<Eigen::Index>(other)) -= double(level.conductance[c][f]);
+      for (const auto& [other, conductance] : level.links[c]) {
+        A(row, static_cast<Eigen::Index>(other)) -= double(conductance);
       }
     }
     const SmallMatrix<double> inverse = A.llt().solve(SmallMatrix<double>::Identity(n, n));
@@ -217,11 +198,9 @@ class CellMultigrid {
     if (!is_coarsest) {
       Level& coarse = levels_[l + 1];
       level.find_residual();
-      coarse.to_finer.restrict_to(coarse.b, [&](Index c) { return level.r[c]; });
+      coarsenings_[l].restrict_to(coarse.b, level.r);
       cycle(l + 1);
-      coarse.to_finer.interpolate(coarse.x, [&](Index c, float correction) {
-        level.x[c] += correction;
-      });
+      coarsenings_[l].add_interpolated(coarse.x, level.x);
     }
     for (int sweep = 0; sweep < settings_.sweeps; ++sweep) {
       level.relax(Level::black);
@@ -231,9 +210,13 @@ class CellMultigrid {
 
   Settings settings_;
   std::vector<double> inverse_;  // of the system's diagonal
-  std::vector<Level> levels_;    // those of earlier systems keep their memory
-  Index used_ = 0;
   std::vector<GridCell<Dim>> occupied_;
+  BackgroundCells<Dim> finest_cells_;
+  CellInterpolation<Dim> to_particles_;
+  std::array<std::vector<float>, Dim> stiffness_;  // by finest cell
+  std::vector<Level> levels_;  // those of earlier systems keep their memory
+  std::vector<CellCoarsening<Dim>> coarsenings_;  // from each to the next
+  Index used_ = 0;             // levels
   SmallMatrix<float> coarsest_inverse_;
 };
 
