@@ -115,12 +115,16 @@ Pack<std::uint32_t, N> count_from(Index from) {
   return pack + static_cast<std::uint32_t>(from);
 }
 
-/// In double precision. (Of the compilers' own conversion g++ 12 makes two halves.)
-inline Pack<double, 8> widen(const Pack<float, 8>& a) {
+/// sum += a x in eight lanes. (Of the compilers' own conversion g++ 12 makes two halves.)
+inline void add_products(const float* a, const double* x, Pack<double, 8>& sum) {
+  Pack<float, 8> narrow;
+  Pack<double, 8> factor;
+  std::memcpy(&narrow, a, sizeof narrow);
+  std::memcpy(&factor, x, sizeof factor);
 #if defined(SILT_AVX512)
-  return (Pack<double, 8>)_mm512_cvtps_pd((__m256)a);
+  sum += (Pack<double, 8>)_mm512_cvtps_pd((__m256)narrow) * factor;
 #else
-  return __builtin_convertvector(a, Pack<double, 8>);
+  sum += __builtin_convertvector(narrow, Pack<double, 8>) * factor;
 #endif
 }
 

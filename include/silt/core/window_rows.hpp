@@ -66,11 +66,12 @@ class WindowRows {
     const float* const values = part.values.data();
     const std::uint32_t* const columns = part.columns.data();
     // Rows are read once, in order: the processor sees that later than we do.
-    for (Index line = 0; line < 4; ++line) __builtin_prefetch(values + first * lanes + 512 + 16 * line);
-    simd::Pack<double, lanes> sum{};
+    for (Index line = 0; line < 4; ++line) {
+      __builtin_prefetch(values + first * lanes + 512 + 16 * line);
+    }
+    simd::Pack<double, 8> sum{};
     for (Index window = first; window < last; ++window) {
-      const auto a = simd::load<float, lanes>(values + window * lanes);
-      sum += simd::widen(a) * simd::load<double, lanes>(x.data() + columns[window]);
+      simd::add_products(values + window * lanes, x.data() + columns[window], sum);
     }
     return ((sum[0] + sum[4]) + (sum[2] + sum[6])) + ((sum[1] + sum[5]) + (sum[3] + sum[7]));
   }
