@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: MIT
 """Turns what the benchmarks measured into tables, beside the targets.
 
-    report.py FOLDER    reads FOLDER/*.json, writes FOLDER/report.md and prints it
+    report.py FOLDER         reads FOLDER/*.json, writes FOLDER/report.md and prints it
+    report.py FOLDER PAGE    also puts it between the two comments in PAGE that ask for it
 
 A benchmark's file is NAME.THREADS.json; lammps.json comes from against/lammps/compare.py.
 """
@@ -66,11 +67,12 @@ class Results:
         name = re.fullmatch(r"(.*?)/(\d+)((/\w+:\d+)*)(/real_time)?", result["run_name"])
         if not name:
             return
-        # Wall-clock time where a benchmark asks for it, as those with threads do.
-        clock = "real_time" if name[5] else "cpu_time"
+        # One thread's own time, whatever else the machine does; of several, the wall's.
+        clock = "cpu_time" if threads == 1 else "real_time"
         seconds = result[clock] * SECONDS[result["time_unit"]]
         size = int(name[2])
-        particles = round(result.get("items_per_second", 0) * seconds) or size
+        wall = result["real_time" if name[5] else "cpu_time"] * SECONDS[result["time_unit"]]
+        particles = round(result.get("items_per_second", 0) * wall) or size
         counters = {key: value for key, value in result.items()
                     if key not in FIGURES_OF_THE_RUN and isinstance(value, (int, float))}
         family = self.families.setdefault(name[1], {}).setdefault(threads, {})
@@ -349,8 +351,19 @@ def lines_of(results):
         yield from memory_table(results)
 
 
+def put_into(page, text):
+    """Replaces what stands between the comments, with the headings one level lower."""
+    begin, end = "<!-- bench/report.py: from here -->\n", "<!-- bench/report.py: to here -->\n"
+    before, _, rest = page.read_text(encoding="utf-8").partition(begin)
+    _, found, after = rest.partition(end)
+    if not found:
+        sys.exit(f"report.py: {page} lacks the comments {begin.strip()} and {end.strip()}")
+    text = text.partition("\n")[2].lstrip().replace("\n## ", "\n### ")
+    page.write_text(before + begin + "\n" + text.rstrip() + "\n\n" + end + after, encoding="utf-8")
+
+
 def main(arguments):
-    if len(arguments) != 1:
+    if len(arguments) not in (1, 2):
         sys.exit(__doc__)
     folder = pathlib.Path(arguments[0])
     results = Results(folder)
@@ -359,6 +372,8 @@ def main(arguments):
     text = "\n".join(lines_of(results))
     (folder / "report.md").write_text(text, encoding="utf-8")
     print(text, end="")
+    if len(arguments) == 2:
+        put_into(pathlib.Path(arguments[1]), text)
 
 
 if __name__ == "__main__":
