@@ -20,7 +20,7 @@ import sys
 SECONDS = {"ns": 1e-9, "us": 1e-6, "ms": 1e-3, "s": 1}
 FIGURES_OF_THE_RUN = {
     "name", "run_name", "run_type", "family_index", "per_family_instance_index", "repetitions",
-    "repetition_index", "threads", "iterations", "real_time", "cpu_time", "time_unit",
+    "repetition_index", "threads", "real_time", "cpu_time", "time_unit",
     "items_per_second", "aggregate_name", "aggregate_unit", "label",
 }
 
@@ -194,7 +194,8 @@ def lammps_table(content):
         rows.append([f"{result['scene']}/{result['grains']}", str(result["cores"]),
                      str(sum(result["steps"])), f"{energies[0]:.6g}",
                      f"{energies[1] / energies[0] - 1:+.1e}",
-                     f"{heights[1] - heights[0]:+.1e}", f"{of['farthest']:.1e}"])
+                     "" if result["scene"] == "gas" else f"{heights[1] - heights[0]:+.1e}",
+                     f"{of['farthest']:.1e}"])
     yield from table(["", "cores", "steps", "kinetic energy of a grain, LAMMPS", "Silt's, relative",
                       "mean height, difference", "farthest apart is one grain"], rows)
 
