@@ -96,15 +96,7 @@ class UniformGrid {
   /// the two, every owned one and ghost from the owned one. Others may come as well.
   template <class F>
   void for_each_candidate(Index i, F&& f) const {
-    const Index own = slot_of(i);
-    const auto onwards = [&](Index slot) { f(Index{points_.item_of()[slot]}); };
-    if (has_ghosts() || points_.cells().shared()) {
-      for_each_slot_around(own, [&](Index slot) {
-        if (is_met(own, points_.item_of()[slot])) onwards(slot);
-      });
-    } else {
-      points_.for_each_onwards(own, radius_, onwards);
-    }
+    for_each_slot_met(slot_of(i), [&](Index slot) { f(Index{points_.item_of()[slot]}); });
   }
 
   /// Whether j is a ghost, and i with it the image of a pair that counts from its other particle.
@@ -120,9 +112,11 @@ class UniformGrid {
     for (Index own = 0; own < points_.size(); ++own) {
       const Index a = points_.item_of()[own];
       if (a >= owned_) continue;
-      for_each_candidate(a, [&](Index b) {
+      const Vec x_a = points_.at(own);
+      for_each_slot_met(own, [&](Index slot) {
+        const Index b = points_.item_of()[slot];
         if (is_second_image(a, b)) return;
-        const Vec r_ab = points_.at(slot_of(b)) - points_.at(own);
+        const Vec r_ab = points_.at(slot) - x_a;
         const Real r2 = r_ab.squaredNorm();
         if (!(r2 < reach)) return;
         if (a < b) {
@@ -187,6 +181,17 @@ class UniformGrid {
   template <class F>
   void for_each_slot_around(Index own, F&& f) const {
     points_.for_each_around(points_.at(own), radius_, own, f);
+  }
+
+  template <class F>
+  void for_each_slot_met(Index own, F&& f) const {
+    if (has_ghosts() || points_.cells().shared()) {
+      for_each_slot_around(own, [&](Index slot) {
+        if (is_met(own, points_.item_of()[slot])) f(slot);
+      });
+    } else {
+      points_.for_each_onwards(own, radius_, f);
+    }
   }
 
   // Rows of the particles that are wanted, and empty ones for the others and for ghosts.
