@@ -49,13 +49,15 @@ class UniformGrid {
   Real margin() const noexcept { return 0; }
 
   /// Puts the owned particles in cell order if many of them are out of it, so that neighbours in
-  /// space are neighbours in memory.
+  /// space are neighbours in memory; particles that came or went since the last update, if any are:
+  /// rows of a lattice ascend too often to count as many.
   template <class P>
   void sort(P& particles) {
     if (particles.size() < worth_sorting) return;
     // What the last update saw is new enough.
-    const Index many = particles.size() / 16;
-    if (particles.revision() == revision_ && points_.descents() <= many) return;
+    const bool is_new = particles.revision() != revision_;
+    const Index many = is_new ? 0 : particles.size() / 16;
+    if (!is_new && points_.descents() <= many) return;
     require_positive("UniformGrid: radius", double(radius_));
     points_.sort(particles[position], radius_);
     owned_ = particles.size();
