@@ -10,11 +10,13 @@
 #pragma once
 
 #include <silt/core/error.hpp>
+#include <silt/core/parallel.hpp>
 #include <silt/core/particles.hpp>
 #include <silt/core/types.hpp>
 
 #include <concepts>
 #include <type_traits>
+#include <utility>
 
 namespace silt {
 
@@ -90,12 +92,29 @@ concept Reaching = requires(const I i, const P& p) {
   { i.reach(p) } -> std::convertible_to<typename P::Real>;
 };
 
-/// Adds forces [N] and moments [N m] to the particles. Models: dem::Contacts, Gravity, Forces.
+/// Adds forces [N] and moments [N m] to the particles, and changes no other field of theirs that the
+/// integrator advances. Models: dem::Contacts, Gravity, Forces.
 template <class I, class P, class S>
 concept Interaction =
     NeighbourSearch<S, P> && Reaching<I, P> && requires(I i, P& p, S& s, double dt) {
       i.accelerate(p, s, dt);
     };
+
+/// An interaction may also part accelerate() in two: interact(p, s, dt) works out what needs several
+/// particles, add_forces(p, i) then adds to owned particle i alone. A step can so go through the
+/// particles once.
+template <class I, class P>
+concept AddsForces = requires(const I i, P& p, Index k) { i.add_forces(p, k); };
+template <class I, class P, class S>
+concept ActsByParticle =
+    AddsForces<I, P> && requires(I i, P& p, S& s, double dt) { i.interact(p, s, dt); };
+template <class I, class P, class S>
+  requires ActsByParticle<I, P, S>
+void accelerate_all(I& interaction, P& particles, S& search, double dt) {
+  interaction.interact(particles, search, dt);
+  for_each(particles.size(),
+           [&](Index i) { std::as_const(interaction).add_forces(particles, i); });
+}
 
 /// An incompressible flow, advanced by predictor and pressure. It may also have advect(p, dt), which
 /// moves the particles with the predictor's velocities, and needs_moved_particles. Model: mps::Flow.
@@ -108,7 +127,15 @@ concept PressureInteraction =
       i.correct(p, dt);
     };
 
-/// Advances particles by one step. Models: Leapfrog, SemiImplicit.
+/// Field F is written by T only through Particles::advance or after Particles::keep, so that nobody
+/// else need save it.
+template <class T, class F>
+concept AdvancesField = bool(T::template advances<F>);
+
+/// Advances particles by one step. It may also have
+///   advances<F>     true for the fields that it saves itself, see AdvancesField
+///   all_finite()    true if it knows that all it made in the last step is finite
+/// Models: Leapfrog, SemiImplicit.
 template <class T, class P, class S, class I>
 concept Integrator =
     NeighbourSearch<S, P> && Reaching<I, P> && requires(T t, P& p, S& s, I& i, double dt) {

@@ -31,10 +31,15 @@ class Gravity {
 
   template <class P, class S>
     requires HasFields<P, mass_t, force_t> && std::same_as<typename P::Vec, Vec<Dim, Real>>
-  void accelerate(P& particles, const S&, double) const {
-    const auto m = particles[mass];
-    const auto f = particles[force];
-    for_each(particles.size(), [&](Index i) { f[i] += m[i] * g_; });
+  void accelerate(P& particles, S& search, double dt) const {
+    accelerate_all(*this, particles, search, dt);
+  }
+  template <class P, class S>
+  void interact(P&, const S&, double) const {}
+  template <class P>
+    requires HasFields<P, mass_t, force_t> && std::same_as<typename P::Vec, Vec<Dim, Real>>
+  void add_forces(P& particles, Index i) const {
+    particles[force][i] += particles[mass][i] * g_;
   }
 
  private:
@@ -80,6 +85,17 @@ class Forces {
     requires(Interaction<Parts, P, S> && ...)
   void accelerate(P& particles, S& search, double dt) {
     for_each_part([&](auto& part) { part.accelerate(particles, search, dt); });
+  }
+
+  template <class P, class S>
+    requires(ActsByParticle<Parts, P, S> && ...)
+  void interact(P& particles, S& search, double dt) {
+    for_each_part([&](auto& part) { part.interact(particles, search, dt); });
+  }
+  template <class P>
+    requires(AddsForces<Parts, P> && ...)
+  void add_forces(P& particles, Index i) const {
+    for_each_part([&](const auto& part) { part.add_forces(particles, i); });
   }
 
   /// The smallest of the parts that choose one; infinite if none does.

@@ -29,6 +29,8 @@ void make_ghosts(P& particles, typename P::Real depth) {
   const auto& box = particles.box();
   if (!box.any_periodic()) return;
 
+  const auto leaves = [&](Index i) { return x_owned[i] != box.wrap(x_owned[i]); };
+  if (first_where(x_owned.size(), leaves) != nowhere) particles.keep(position);
   for (auto& x : x_owned) x = box.wrap(x);
   for (int k = 0; k < P::dimension; ++k) {
     if (!box.periodic[static_cast<std::size_t>(k)]) continue;

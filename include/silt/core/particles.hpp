@@ -14,7 +14,9 @@
 #include <silt/core/fields.hpp>
 #include <silt/core/types.hpp>
 
+#include <algorithm>
 #include <concepts>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -202,21 +204,50 @@ class Particles {
     (f(std::span(column<Fields>().data(), size()), Fields{}), ...);
   }
 
-  // A step is a transaction: save() before it, restore() if it throws. Constants are not copied.
+  // A step is a transaction: save() before it, restore() if it throws. What is not kept nor advanced
+  // in between is not brought back; constants need not be.
 
-  void save() {
-    for_each_column([this]<class F>(auto& column, F) {
-      if constexpr (role_of<F>() != Role::constant) std::get<Column<F>>(saved_).values = column;
-    });
+  void save() noexcept {
+    for_each_column([this]<class F>(auto&, F) { saved<F>().kept = false; });
   }
+  /// Keeps field F as it is for restore(), before it is changed in place.
+  template <Field F>
+  void keep(F) {
+    auto& [before, kept] = saved<F>();
+    if (kept) return;
+    before = column<F>();
+    kept = true;
+  }
+  /// Values of field F of the owned particles, and the place for the new ones, all of which must be
+  /// written: restore() brings the former back. They are one and the same where F was kept before.
+  template <Field F>
+  auto advance(F) {
+    auto& [before, kept] = saved<F>();
+    auto& now = column<F>();
+    if (!kept) {
+      before.resize(now.size());
+      std::copy(now.begin() + static_cast<std::ptrdiff_t>(size()), now.end(),
+                before.begin() + static_cast<std::ptrdiff_t>(size()));
+      before.swap(now);
+      kept = true;
+      return Advance{std::span(std::as_const(before).data(), size()), std::span(now.data(), size())};
+    }
+    return Advance{std::span(std::as_const(now).data(), size()), std::span(now.data(), size())};
+  }
+  template <class Value>
+  struct Advance {
+    std::span<const Value> before;
+    std::span<Value> after;
+  };
+
   void restore() noexcept {
     for_each_column([this]<class F>(auto& column, F) {
-      if constexpr (role_of<F>() != Role::constant) {
-        auto& saved = std::get<Column<F>>(saved_).values;
-        // Ghosts may have come or gone since; they are made anew by the next search.
-        for (Index i = 0; i < size(); ++i) column[i] = saved[i];
-      }
+      const auto& [before, kept] = saved<F>();
+      if (!kept) return;
+      // Ghosts may have come or gone since; they are made anew by the next search.
+      for (Index i = 0; i < size(); ++i) column[i] = before[i];
     });
+    save();
   }
 
  private:
@@ -232,6 +263,7 @@ class Particles {
     static_assert(!std::same_as<value_of<F, Dim, Real>, bool>,
                   "silt::Particles: a column of bool is not contiguous; use std::uint8_t");
     std::vector<value_of<F, Dim, Real>> values;
+    bool kept = true;  // of a saved column: there is nothing more to save
   };
   // Position comes first, whether the list names it or not.
   template <class... Fs>
@@ -244,6 +276,11 @@ class Particles {
   template <class F>
   const auto& column() const noexcept {
     return std::get<Column<F>>(columns_).values;
+  }
+
+  template <class F>
+  auto& saved() noexcept {
+    return std::get<Column<F>>(saved_);
   }
 
   template <class F>

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <concepts>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -191,6 +192,9 @@ class Simulation {
 
   void save() {
     particles_.save();
+    particles_.for_each_field([this]<class F>(auto, F field) {
+      if constexpr (role_of<F>() != Role::constant && !AdvancesField<T, F>) particles_.keep(field);
+    });
     if constexpr (Transactional<S>) search_.save();
     if constexpr (Transactional<I>) interaction_.save();
     saved_integrator_ = integrator_;
@@ -203,6 +207,9 @@ class Simulation {
   }
 
   void check_finite() const {
+    if constexpr (requires { { integrator_.all_finite() } -> std::same_as<bool>; }) {
+      if (integrator_.all_finite()) return;
+    }
     particles_.for_each_field([this]<class F>(auto values, F) {
       using Value = typename decltype(values)::value_type;
       if constexpr (role_of<F>() == Role::state && requires(Value v) { is_finite(v); }) {

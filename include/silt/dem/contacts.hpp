@@ -96,15 +96,47 @@ class Contacts {
              ContactLaw<Law, P::dimension, typename P::Real> &&
              (Wall<Walls, P::dimension, typename P::Real> && ...)
   void accelerate(P& grains, const S& search, double dt) {
+    accelerate_all(*this, grains, search, dt);
+  }
+
+  /// The first part of it: works out the force of every contact.
+  template <class P, class S>
+  void interact(P& grains, const S& search, double dt) {
     auto& touches = found<P>();
     touches.begin_step();
     grains.refresh_ghosts(velocity);
     grains.refresh_ghosts(spin);
-    const auto look = look_at(grains, touches);
-    if (is_stale(grains, touches, look)) find_near(grains, search, touches, look, dt);
+    if (!look_at(grains, touches)) find_near(grains, search, touches, dt);
     ask_law(grains, touches, static_cast<typename P::Real>(dt));
-    add_to_grains(grains, touches);
     check_stability(grains, touches, dt);
+  }
+
+  /// The second: Σ F and Σ M (14) of grain i, in the order of the partners' ids.
+  template <class P>
+    requires HasFields<P, force_t, torque_t, material_t>
+  void add_forces(P& grains, Index i) const {
+    using Real = typename P::Real;
+    using Lanes = LanesOf<P>;
+    constexpr int Dim = P::dimension;
+    const auto& touches = found<P>();
+    const Real* const rows = touches.seen().rows.data();
+    Real sum[Dim] = {};
+    Real turning[Lanes::spins] = {};
+    const auto parts = touches.near().of(i);
+    __builtin_prefetch(rows + touches.near().soon_after(parts).contact() * Lanes::row_words);
+    for (const auto part : parts) {
+      const Real* const row = rows + part.contact() * Lanes::row_words;
+      const Real sign = part.is_second() ? Real(-1) : Real(1);
+      const Real arm = row[Lanes::arm + part.is_second()];
+      for (int k = 0; k < Dim; ++k) sum[k] += sign * row[Lanes::F + k];
+      for (int k = 0; k < Lanes::spins; ++k) turning[k] -= arm * row[Lanes::T + k];
+    }
+    for (int k = 0; k < Dim; ++k) grains[force][i][k] += sum[k];
+    if constexpr (Dim == 2) {
+      grains[torque][i] += turning[0];
+    } else {
+      for (int k = 0; k < Dim; ++k) grains[torque][i][k] += turning[k];
+    }
   }
 
   /// A fraction 1/steps_per_contact of the shortest contact that the lightest grains can have [s].
@@ -224,8 +256,6 @@ class Contacts {
   using FoundOf = Found<P::dimension, typename P::Real>;
   template <class P>
   using LanesOf = ContactLanes<P::dimension, typename P::Real>;
-  template <class P>
-  using LookOf = typename GrainRows<P::dimension, typename P::Real>::Look;
 
   // Contacts learns dimension and precision from the grains only; one of these four is in use.
   template <class P>
@@ -237,10 +267,13 @@ class Contacts {
     return std::get<FoundOf<P>>(found_);
   }
 
+  // Whether the near contacts are still all that can touch: two grains come closer by at most the sum of
+  // what they moved.
   template <class P>
-  LookOf<P> look_at(const P& grains, FoundOf<P>& touches) const {
-    const auto look =
-        touches.seen().grains.take(grains, touches.validity().since, materials_.count());
+  bool look_at(const P& grains, FoundOf<P>& touches) const {
+    const auto& validity = touches.validity();
+    const auto look = touches.seen().grains.take(grains, {validity.since, validity.margin / 2},
+                                                 materials_.count());
     if (const Index odd = look.odd; odd != nowhere) {
       const Where where{.particle = odd, .id = grains.id(odd)};
       check_material(grains[material][odd], "of a grain", where);
@@ -248,20 +281,11 @@ class Contacts {
                to_text(double(grains[mass][odd])) + " kg of a grain must be positive; set them",
            where);
     }
-    return look;
-  }
-
-  // Two grains come closer by at most the sum of what they moved.
-  template <class P>
-  static bool is_stale(const P& grains, const FoundOf<P>& touches, const LookOf<P>& look) {
-    const auto& validity = touches.validity();
-    return validity.revision != grains.revision() || validity.since.size() != grains.size() ||
-           !(4 * look.farthest <= squared(validity.margin));
+    return validity.revision == grains.revision() && look.all_near;
   }
 
   template <class P, class S>
-  void find_near(const P& grains, const S& search, FoundOf<P>& touches, const LookOf<P>& look,
-                 double dt) const {
+  void find_near(const P& grains, const S& search, FoundOf<P>& touches, double dt) const {
     using Real = typename P::Real;
     constexpr int Dim = P::dimension;
     using Near = typename FoundOf<P>::Near;
@@ -269,8 +293,11 @@ class Contacts {
     // Near enough to be few, far enough to last for some steps; no farther than the search sees.
     constexpr Real lasting_steps = 20;
     const Real wide = reach(grains);
+    const auto v = grains[velocity];
+    const Real fastest = std::sqrt(
+        largest(v.size(), Real(0), [&](Index i) { return v[i].squaredNorm(); }));
     const Real margin =
-        std::clamp<Real>(2 * lasting_steps * std::sqrt(look.fastest) * Real(dt), Real(0.002) * wide,
+        std::clamp<Real>(2 * lasting_steps * fastest * Real(dt), Real(0.002) * wide,
                          std::max(Real(0.002) * wide, Real(0.1) * wide));
     const Real seen_margin = search.radius() + margin_of<Real>(search) - wide;
     touches.renew_near([&](Near& near, auto& validity, auto&& recall) {
@@ -322,6 +349,14 @@ class Contacts {
     return words_from<P>(typename LawMemory<Law, P::dimension, typename P::Real>::type{});
   }
 
+  template <class P>
+  static void prefetch(const FoundOf<P>& touches, Index group) {
+    const auto& near = touches.near();
+    if (group >= near.groups() || near.is_of_walls(group)) return;
+    touches.seen().grains.prefetch(near.first(group));
+    touches.seen().grains.prefetch(near.second(group));
+  }
+
   // Geometry and motion of eight contacts.
   template <class P>
   void measure(LanesOf<P>& eight, const FoundOf<P>& touches, Index group) const {
@@ -363,6 +398,7 @@ class Contacts {
       for_each_chunk(near.size(), [&](Chunk chunk) {
         Lanes eight;
         for (Index group = chunk.first / lanes; group < chunk.last / lanes; ++group) {
+          prefetch<P>(touches, group + 4);
           measure<P>(eight, touches, group);
           bool touch[lanes];
           int count = 0;
@@ -425,34 +461,6 @@ class Contacts {
                std::to_string(near.second_id(c)) + " coincide; place them apart",
            {.particle = near.first(group)[lane], .id = near.first_id(c)});
     }
-  }
-
-  // Σ F and Σ M (14), in the order of the partners' ids.
-  template <class P>
-  static void add_to_grains(P& grains, const FoundOf<P>& touches) {
-    using Real = typename P::Real;
-    using Lanes = LanesOf<P>;
-    constexpr int Dim = P::dimension;
-    const auto F = grains[force];
-    const auto M = grains[torque];
-    const Real* const rows = touches.seen().rows.data();
-    for_each(grains.size(), [&](Index i) {
-      Real sum[Dim] = {};
-      Real turning[Lanes::spins] = {};
-      for (const auto part : touches.near().of(i)) {
-        const Real* const row = rows + part.contact() * Lanes::row_words;
-        const Real sign = part.is_second() ? Real(-1) : Real(1);
-        const Real arm = row[Lanes::arm + part.is_second()];
-        for (int k = 0; k < Dim; ++k) sum[k] += sign * row[Lanes::F + k];
-        for (int k = 0; k < Lanes::spins; ++k) turning[k] -= arm * row[Lanes::T + k];
-      }
-      for (int k = 0; k < Dim; ++k) F[i][k] += sum[k];
-      if constexpr (Dim == 2) {
-        M[i] += turning[0];
-      } else {
-        for (int k = 0; k < Dim; ++k) M[i][k] += turning[k];
-      }
-    });
   }
 
   // f(eight, lane, number) for every contact of the last step whose grains are still there.

@@ -13,7 +13,6 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <limits>
 #include <vector>
 
 namespace silt::dem {
@@ -39,16 +38,20 @@ class GrainRows {
   /// One number of each of eight grains.
   using Column = Real[lanes];
 
+  /// Where grains were, and how far from there a look finds them still near [m].
+  struct Reference {
+    const std::vector<Vec>& positions;  ///< of the owned grains, or empty
+    Real near;
+  };
   /// What a look at all grains tells.
   struct Look {
-    Real fastest = 0;      ///< largest |v|² of an owned grain [m²/s²]
-    Real farthest = 0;     ///< largest |x − since|² of an owned grain [m²]; infinite if not finite
-    Index odd = nowhere;   ///< first owned grain with radius or mass not positive, or of no material
+    Index odd = nowhere;  ///< first owned grain with radius or mass not positive, or of no material
+    bool all_near = true;  ///< every owned grain is still near its reference
   };
 
-  /// Copies owned grains and ghosts. `since` are earlier positions of the owned ones, or none.
+  /// Copies owned grains and ghosts.
   template <class P>
-  Look take(const P& grains, const std::vector<Vec>& since, std::uint32_t materials_known) {
+  Look take(const P& grains, const Reference& reference, std::uint32_t materials_known) {
     const Index owned = grains.size();
     const Index total = grains.total();
     const auto xs = grains.with_ghosts(position);
@@ -59,9 +62,9 @@ class GrainRows {
     const auto materials = grains.with_ghosts(dem::material);
     rows_.resize(total * words);
     looks_.resize(chunk_count(total));
-    const bool compares = since.size() == owned;
+    const bool compares = reference.positions.size() == owned;
+    const Real near_squared = squared(reference.near);
     for_each_chunk(total, [&](Chunk chunk) {
-      Look look;
       for (Index i = chunk.first; i < chunk.last; ++i) {
         Real* const row = &rows_[i * words];
         for (int k = 0; k < Dim; ++k) {
@@ -76,28 +79,39 @@ class GrainRows {
           for (int k = 0; k < Dim; ++k) row[w + k] = ws[i][k];
         }
         row[material] = static_cast<Real>(materials[i]);
-        if (i >= owned) continue;
-        const bool sound = Rs[i] > 0 && ms[i] > 0 && materials[i] < materials_known;
-        if (!sound && look.odd == nowhere) look.odd = i;
-        look.fastest = std::max(look.fastest, vs[i].squaredNorm());
-        const Real moved = compares ? (xs[i] - since[i]).squaredNorm() : Real(0);
-        // A NaN counts as far.
-        look.farthest = moved <= look.farthest ? look.farthest
-                        : moved > 0            ? moved
-                                               : std::numeric_limits<Real>::infinity();
+      }
+      Look look;
+      bool all_near = compares;
+      bool all_sound = true;
+      for (Index i = chunk.first; i < std::min(chunk.last, owned); ++i) {
+        all_sound &= (Rs[i] > 0) & (ms[i] > 0) & (materials[i] < materials_known);
+        // Not "beyond": a NaN is not near.
+        if (compares) all_near &= (xs[i] - reference.positions[i]).squaredNorm() <= near_squared;
+      }
+      look.all_near = all_near;
+      for (Index i = chunk.first; !all_sound && look.odd == nowhere; ++i) {
+        if (!(Rs[i] > 0 && ms[i] > 0 && materials[i] < materials_known)) look.odd = i;
       }
       looks_[chunk.number] = look;
     });
-    Look all;
+    Look all{.all_near = compares};
     for (const Look& look : looks_) {
-      all.fastest = std::max(all.fastest, look.fastest);
-      all.farthest = std::max(all.farthest, look.farthest);
       all.odd = std::min(all.odd, look.odd);
+      all.all_near &= look.all_near;
     }
     return all;
   }
 
   const Real* operator[](Index i) const noexcept { return &rows_[i * words]; }
+
+  /// Asks for the rows of eight grains that will be loaded soon.
+  void prefetch(const std::uint32_t* places) const {
+    for (int lane = 0; lane < lanes; ++lane) {
+      const Real* const row = &rows_[Index(places[lane]) * words];
+      __builtin_prefetch(row);
+      __builtin_prefetch(row + words - 1);
+    }
+  }
 
   /// columns[k][lane] = number k of the grain at places[lane].
   void load(const std::uint32_t* places, Column* columns) const {

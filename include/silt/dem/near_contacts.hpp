@@ -76,6 +76,9 @@ class NearContacts {
     return std::span(parts_).subspan(begin_[i], begin_[i + 1] - begin_[i]);
   }
 
+  /// One that will be asked for soon, after those of a grain.
+  Part soon_after(std::span<const Part> parts) const noexcept { return *(parts.data() + 16); }
+
   /// Id of the grain at a place when the contacts were found.
   Id id(std::uint32_t place) const noexcept { return ids_[place]; }
   Id first_id(Index contact) const noexcept { return ids_[first_[contact]]; }
@@ -168,6 +171,7 @@ class NearContacts {
     for_each_part([&](Index i, Index, bool) { ++begin_[i + 1]; });
     for (Index i = 0; i < owned; ++i) begin_[i + 1] += begin_[i];
     parts_.resize(begin_[owned]);
+    parts_.resize(begin_[owned] + 17, Part(0, false));  // room to look ahead
     for_each_part([&](Index i, Index c, bool is_second) { parts_[begin_[i]++] = {c, is_second}; });
     for (Index i = owned; i > 0; --i) begin_[i] = begin_[i - 1];
     begin_[0] = 0;

@@ -8,53 +8,123 @@
 #include <silt/core/particles.hpp>
 #include <silt/integrate/damping.hpp>
 
+#include <algorithm>
+#include <concepts>
+#include <span>
+#include <utility>
+#include <vector>
+
 namespace silt {
 
-/// Forces and moments to zero.
-template <class P>
-void clear(P& particles) {
-  const auto f = particles[force];
-  for_each(particles.size(), [&](Index i) { f[i].setZero(); });
-  if constexpr (HasFields<P, torque_t>) {
-    const auto m = particles[torque];
-    const auto zero = zero_of<typename P::Spin>();
-    for_each(particles.size(), [&](Index i) { m[i] = zero; });
-  }
-}
+template <class F, class... Fs>
+inline constexpr bool one_of = (std::same_as<F, Fs> || ...);
 
-/// v^{N−½} → v^{N+½} (32) and, where particles turn, θ'^{N−½} → θ'^{N+½} (33).
-template <class P, class D>
-void kick(P& particles, const D& damping, double time_step) {
+/// The motion of particles, one at a time, from the fields before to those after a step.
+template <class P>
+class Motion {
   using Vec = typename P::Vec;
-  const auto dt = static_cast<typename P::Real>(time_step);
-  const auto v = particles[velocity];
-  const auto f = particles[force];
-  const auto m = particles[mass];
-  for_each(particles.size(),
-           [&](Index i) { v[i] = damping.kicked(Vec(v[i]), Vec(f[i] / m[i]), dt); });
-  if constexpr (HasFields<P, spin_t, torque_t, inertia_t>) {
-    using Spin = typename P::Spin;
-    const auto w = particles[spin];
-    const auto t = particles[torque];
-    const auto inertias = particles[inertia];
-    for_each(particles.size(),
-             [&](Index i) { w[i] = damping.kicked(Spin(w[i]), Spin(t[i] / inertias[i]), dt); });
-  }
-}
+  using Spin = typename P::Spin;
+  using Real = typename P::Real;
 
-/// x^{N+1} = x^N + v^{N+½} Δt,  θ^{N+1} = θ^N + θ'^{N+½} Δt        (19)
-template <class P>
-void drift(P& particles, double time_step) {
-  const auto dt = static_cast<typename P::Real>(time_step);
-  const auto x = particles[position];
-  const auto v = particles[velocity];
-  for_each(particles.size(), [&](Index i) { x[i] += v[i] * dt; });
-  if constexpr (HasFields<P, spin_t, angle_t>) {
-    const auto w = particles[spin];
-    const auto turned = particles[angle];
-    for_each(particles.size(), [&](Index i) { turned[i] += w[i] * dt; });
+ public:
+  explicit Motion(P& particles)
+      : x_(particles.advance(position)),
+        v_(particles.advance(velocity)),
+        f_(particles.advance(force).after),
+        m_(particles[mass]) {
+    if constexpr (turns) {
+      w_ = particles.advance(spin);
+      t_ = particles.advance(torque).after;
+      inertias_ = particles[inertia];
+    }
+    if constexpr (has_angle) angle_ = particles.advance(angle);
   }
-}
+
+  /// Force and moment to zero.
+  void clear(Index i) {
+    f_[i].setZero();
+    if constexpr (turns) t_[i] = zero_of<Spin>();
+  }
+
+  /// v^{N−½} → v^{N+½} (32) and, where particles turn, θ'^{N−½} → θ'^{N+½} (33).
+  template <class D>
+  void kick(Index i, const D& damping, double dt) {
+    set_velocities(i, [&]<class Value>(const Value& v, const Value& a) -> Value {
+      return damping.kicked(v, a, Real(dt));
+    });
+  }
+
+  /// v^N = ½ (v^{N−½} + v^{N+½}) (27), (28); positions stay.
+  template <class D>
+  void kick_to_the_mean(Index i, const D& damping, double dt) {
+    set_velocities(i, [&]<class Value>(const Value& v, const Value& a) -> Value {
+      return (damping.kicked(v, a, Real(dt)) + v) / 2;
+    });
+    stay(i);
+  }
+
+  /// v^N → v^{N−½}; positions stay.
+  template <class D>
+  void step_back(Index i, const D& damping, double dt) {
+    set_velocities(i, [&]<class Value>(const Value& v, const Value& a) -> Value {
+      if constexpr (requires { damping.half_step_before(v, a, Real(dt)); }) {
+        return damping.half_step_before(v, a, Real(dt));
+      } else {
+        return v - a * Real(dt / 2);
+      }
+    });
+    stay(i);
+  }
+
+  /// x^{N+1} = x^N + v^{N+½} Δt,  θ^{N+1} = θ^N + θ'^{N+½} Δt        (19)
+  void drift(Index i, double dt) {
+    x_.after[i] = x_.before[i] + v_.after[i] * Real(dt);
+    if constexpr (has_angle) angle_.after[i] = angle_.before[i] + w_.after[i] * Real(dt);
+  }
+
+  /// False if something of particle i is not finite; rarely also if it is merely huge.
+  bool is_sound(Index i) const {
+    Real sum = x_.after[i].sum() + v_.after[i].sum();
+    if constexpr (turns) sum += sum_of(w_.after[i]);
+    if constexpr (has_angle) sum += sum_of(angle_.after[i]);
+    return is_finite(sum);
+  }
+
+ private:
+  static constexpr bool turns = HasFields<P, spin_t, torque_t, inertia_t>;
+  static constexpr bool has_angle = turns && HasFields<P, angle_t>;
+
+  // set(velocity before, acceleration) gives the one after.
+  template <class Set>
+  void set_velocities(Index i, Set&& set) {
+    v_.after[i] = set(Vec(v_.before[i]), Vec(f_[i] / m_[i]));
+    if constexpr (turns) w_.after[i] = set(Spin(w_.before[i]), Spin(t_[i] / inertias_[i]));
+  }
+
+  void stay(Index i) {
+    x_.after[i] = x_.before[i];
+    if constexpr (has_angle) angle_.after[i] = angle_.before[i];
+  }
+
+  static Real sum_of(const Spin& turning) {
+    if constexpr (P::dimension == 2) {
+      return turning;
+    } else {
+      return turning.sum();
+    }
+  }
+
+  template <class Value>
+  using Advance = typename P::template Advance<Value>;
+  Advance<Vec> x_;
+  Advance<Vec> v_;
+  std::span<Vec> f_;
+  std::span<const Real> m_;
+  Advance<Spin> w_;
+  Advance<Spin> angle_;
+  std::span<Spin> t_;
+  std::span<const Real> inertias_;
+};
 
 /// Advances particles under forces. The velocities given at the start are those at time 0; from the
 /// first step on, `velocity` and `spin` hold v^{N−½}, and Simulation::snapshot() gives v^N (27) (28).
@@ -76,10 +146,12 @@ class Leapfrog {
     const double between_half_steps = (last_time_step_ + dt) / 2;
 
     search.update(particles);
-    clear(particles);
-    interaction.accelerate(particles, search, dt);
-    kick(particles, damping_, between_half_steps);
-    drift(particles, dt);
+    const auto add_forces = make_forces(particles, search, interaction, dt);
+    advance(particles, [&](Motion<P>& motion, Index i) {
+      add_forces(motion, i);
+      motion.kick(i, damping_, between_half_steps);
+      motion.drift(i, dt);
+    });
 
     last_time_step_ = dt;
   }
@@ -88,16 +160,58 @@ class Leapfrog {
   /// first step they are there already, and only the forces are made.
   template <class P, class S, class I>
   void synchronise(P& particles, S& search, I& interaction) {
-    const P before = particles;
     search.update(particles);
-    clear(particles);
-    interaction.accelerate(particles, search, last_time_step_);
-    kick(particles, damping_, last_time_step_);
-    average(particles, before, velocity);
-    if constexpr (HasFields<P, spin_t>) average(particles, before, spin);
+    const auto add_forces = make_forces(particles, search, interaction, last_time_step_);
+    advance(particles, [&](Motion<P>& motion, Index i) {
+      add_forces(motion, i);
+      motion.kick_to_the_mean(i, damping_, last_time_step_);
+    });
   }
 
+  // See AdvancesField in core/concepts.hpp.
+  template <class F>
+  static constexpr bool advances =
+      one_of<F, position_t, velocity_t, spin_t, angle_t, force_t, torque_t>;
+  bool all_finite() const noexcept { return all_finite_; }
+
  private:
+  // What adds the forces of particle i: at once, where the interaction can do that for one particle.
+  template <class P, class S, class I>
+  static auto make_forces(P& particles, S& search, I& interaction, double dt) {
+    if constexpr (ActsByParticle<I, P, S>) {
+      interaction.interact(particles, search, dt);
+      return [&particles, &interaction = std::as_const(interaction)](Motion<P>& motion, Index i) {
+        motion.clear(i);
+        interaction.add_forces(particles, i);
+      };
+    } else {
+      const auto f = particles.advance(force).after;
+      for_each(f.size(), [&](Index i) { f[i].setZero(); });
+      if constexpr (HasFields<P, torque_t>) {
+        const auto t = particles.advance(torque).after;
+        for_each(t.size(), [&](Index i) { t[i] = zero_of<typename P::Spin>(); });
+      }
+      interaction.accelerate(particles, search, dt);
+      return [](Motion<P>&, Index) {};
+    }
+  }
+
+  // move(motion, i) for every particle.
+  template <class P, class Move>
+  void advance(P& particles, Move&& move) {
+    Motion<P> motion(particles);
+    sound_.resize(chunk_count(particles.size()));
+    for_each_chunk(particles.size(), [&](Chunk chunk) __attribute__((flatten)) {
+      bool sound = true;
+      for (Index i = chunk.first; i < chunk.last; ++i) {
+        move(motion, i);
+        sound &= motion.is_sound(i);
+      }
+      sound_[chunk.number] = sound;
+    });
+    all_finite_ = std::all_of(sound_.begin(), sound_.end(), [](char sound) { return sound; });
+  }
+
   // v^0 → v^{−½}, so that v^0 is the mean of its two half steps.
   template <class P, class S, class I>
   void start(P& particles, S& search, I& interaction, double dt) {
@@ -105,38 +219,18 @@ class Leapfrog {
     started_ = true;
     I trial = interaction;  // what contacts remember must not grow by a step that is not made
     search.update(particles);
-    clear(particles);
-    trial.accelerate(particles, search, dt);
-    step_back(particles[velocity], particles[force], particles[mass], dt);
-    if constexpr (HasFields<P, spin_t, torque_t, inertia_t>) {
-      step_back(particles[spin], particles[torque], particles[inertia], dt);
-    }
-  }
-
-  template <class Values, class Sums, class Inertias>
-  void step_back(Values v, Sums sums, Inertias inertias, double time_step) {
-    using Value = typename Values::value_type;
-    using Real = typename Inertias::value_type;
-    for_each(v.size(), [&](Index i) {
-      const Value a = sums[i] / inertias[i];
-      if constexpr (requires { damping_.half_step_before(a, a, Real(time_step)); }) {
-        v[i] = damping_.half_step_before(Value(v[i]), a, Real(time_step));
-      } else {
-        v[i] -= a * Real(time_step / 2);
-      }
+    const auto add_forces = make_forces(particles, search, trial, dt);
+    advance(particles, [&](Motion<P>& motion, Index i) {
+      add_forces(motion, i);
+      motion.step_back(i, damping_, dt);
     });
-  }
-
-  template <class P, class F>
-  static void average(P& after, const P& before, F field) {
-    const auto v = after[field];
-    const auto v_before = before[field];
-    for_each(v.size(), [&](Index i) { v[i] = (v[i] + v_before[i]) / 2; });
   }
 
   D damping_{};
   bool started_ = false;
+  bool all_finite_ = false;
   double last_time_step_ = 0;
+  std::vector<char> sound_;  // by chunk
 };
 
 }  // namespace silt
