@@ -6,7 +6,7 @@
 #include <silt/core/lane.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/contact.hpp>
-#include <silt/dem/grain_rows.hpp>
+#include <silt/dem/grain_columns.hpp>
 #include <silt/dem/walls.hpp>
 
 #include <algorithm>
@@ -52,34 +52,37 @@ class ContactLanes {
  public:
   using Real = RealType;
   using Vec = silt::Vec<Dim, Real>;
-  using Rows = GrainRows<Dim, Real>;
+  using Columns = GrainColumns<Dim, Real>;
   static constexpr int spins = Dim == 2 ? 1 : 3;
 
-  /// What a grain adds up: F, n × F and the two lever arms, at these places of a row of eight.
-  static constexpr int F = 0;
-  static constexpr int T = Dim;
-  static constexpr int arm = 6;
+  /// What is kept of a contact, at these places of a row of eight: n, δ, F on its first grain, and the
+  /// share of δ by which the lever arms are shorter than R.
+  static constexpr int n = 0;
+  static constexpr int overlap_word = 3;
+  static constexpr int F = 4;
+  static constexpr int arm_share_word = 7;
   static constexpr int row_words = 8;
 
   /// Lane l is the contact of grains first[l] and second[l].
-  void between(const Rows& rows, const std::uint32_t* first, const std::uint32_t* second,
+  void between(const Columns& grains, const std::uint32_t* first, const std::uint32_t* second,
                Real arm_share) {
-    rows.load(first, i_);
-    rows.load(second, j_);
+    grains.load(first, i_);
+    grains.load(second, j_);
+    arm_share_ = arm_share;
     for (int lane = 0; lane < lanes; ++lane) {
       Real r_ij[Dim];
       Real r_squared = 0;
       for (int k = 0; k < Dim; ++k) {
-        r_ij[k] = j_[Rows::x + k][lane] - i_[Rows::x + k][lane];
+        r_ij[k] = j_[Columns::x + k][lane] - i_[Columns::x + k][lane];
         r_squared += r_ij[k] * r_ij[k];
       }
       const Real r = std::sqrt(r_squared);
       distance_[lane] = r;
       for (int k = 0; k < Dim; ++k) normal_[k][lane] = -r_ij[k] / r;
-      const Real m_i = i_[Rows::m][lane];
-      const Real m_j = j_[Rows::m][lane];
-      const Real R_i = i_[Rows::R][lane];
-      const Real R_j = j_[Rows::R][lane];
+      const Real m_i = i_[Columns::m][lane];
+      const Real m_j = j_[Columns::m][lane];
+      const Real R_i = i_[Columns::R][lane];
+      const Real R_j = j_[Columns::R][lane];
       overlap_[lane] = R_i + R_j - r;
       mass_[lane] = m_i * m_j / (m_i + m_j);
       radius_[lane] = R_i * R_j / (R_i + R_j);
@@ -92,21 +95,22 @@ class ContactLanes {
   /// Lane l is the contact of grain first[l] with wall second[l]; nearest(number, x) is the wall's
   /// nearest point.
   template <class Nearest>
-  void at_walls(const Rows& rows, const std::uint32_t* first, const std::uint32_t* second,
+  void at_walls(const Columns& grains, const std::uint32_t* first, const std::uint32_t* second,
                 Real arm_share, Nearest&& nearest) {
-    rows.load(first, i_);
+    grains.load(first, i_);
+    arm_share_ = arm_share;
     for (auto& column : j_) std::fill(column, column + lanes, Real(0));
     for (int lane = 0; lane < lanes; ++lane) {
       Vec x;
-      for (int k = 0; k < Dim; ++k) x[k] = i_[Rows::x + k][lane];
+      for (int k = 0; k < Dim; ++k) x[k] = i_[Columns::x + k][lane];
       const NearestPoint<Dim, Real> at = nearest(second[lane], x);
-      const Real R_i = i_[Rows::R][lane];
+      const Real R_i = i_[Columns::R][lane];
       for (int k = 0; k < Dim; ++k) normal_[k][lane] = at.normal[k];
       distance_[lane] = 1;
       overlap_[lane] = R_i - at.distance;
-      mass_[lane] = i_[Rows::m][lane];
+      mass_[lane] = i_[Columns::m][lane];
       radius_[lane] = R_i;
-      arm_i_[lane] = R_i - 2 * arm_share * overlap_[lane];
+      arm_i_[lane] = R_i - arm_share * overlap_[lane];
       arm_j_[lane] = 0;
     }
     find_motion();
@@ -115,18 +119,6 @@ class ContactLanes {
   Real overlap(int lane) const { return overlap_[lane]; }
   /// Of the two centres [m]; 0 where they coincide.
   Real distance(int lane) const { return distance_[lane]; }
-  std::uint32_t first_material(int lane) const {
-    return static_cast<std::uint32_t>(i_[Rows::material][lane]);
-  }
-  std::uint32_t second_material(int lane) const {
-    return static_cast<std::uint32_t>(j_[Rows::material][lane]);
-  }
-  void set_second_material(int lane, std::uint32_t number) {
-    j_[Rows::material][lane] = static_cast<Real>(number);
-  }
-  Real arm_i(int lane) const { return arm_i_[lane]; }
-  Real arm_j(int lane) const { return arm_j_[lane]; }
-
   /// The contact in one lane, as a law sees it. Scalar is Real or Lane<Real>.
   template <class Scalar = Real>
   Contact<Dim, Scalar> contact(int lane, Real dt) const {
@@ -204,26 +196,16 @@ class ContactLanes {
     }
   }
 
-  /// The row of each lane: what its two grains add up; nothing for lanes that do not touch.
-  void give(const bool* touches, Real* rows) {
+  /// The row of each lane; no force in lanes that do not touch.
+  void give(const bool* touches, Real* rows) const {
     Real columns[row_words][lanes] = {};
     for (int lane = 0; lane < lanes; ++lane) {
-      Real f[Dim];
       for (int k = 0; k < Dim; ++k) {
-        f[k] = touches[lane] ? force_[k][lane] : Real(0);
-        columns[F + k][lane] = f[k];
+        columns[n + k][lane] = normal_[k][lane];
+        columns[F + k][lane] = touches[lane] ? force_[k][lane] : Real(0);
       }
-      if constexpr (Dim == 2) {
-        columns[T][lane] = touches[lane] ? normal_[0][lane] * f[1] - normal_[1][lane] * f[0] : 0;
-      } else {
-        for (int k = 0; k < Dim; ++k) {
-          const int a = (k + 1) % Dim;
-          const int b = (k + 2) % Dim;
-          columns[T + k][lane] = touches[lane] ? normal_[a][lane] * f[b] - normal_[b][lane] * f[a] : 0;
-        }
-      }
-      columns[arm][lane] = arm_i_[lane];
-      columns[arm + 1][lane] = arm_j_[lane];
+      columns[overlap_word][lane] = overlap_[lane];
+      columns[arm_share_word][lane] = arm_share_;
     }
     for (int half = 0; half < lanes; half += 4) {
       for (int k = 0; k < row_words; k += 4) {
@@ -237,17 +219,17 @@ class ContactLanes {
   // Velocity of i's surface against j's at the contact point, (5).
   void find_motion() {
     for (int lane = 0; lane < lanes; ++lane) {
-      const auto surface = [&](const typename Rows::Column* side, Real signed_arm, int k) {
+      const auto surface = [&](const typename Columns::Column* side, Real signed_arm, int k) {
         Real w_cross_n;
         if constexpr (Dim == 2) {
-          w_cross_n = (k == 0 ? -1 : 1) * side[Rows::w][lane] * normal_[1 - k][lane];
+          w_cross_n = (k == 0 ? -1 : 1) * side[Columns::w][lane] * normal_[1 - k][lane];
         } else {
           const int a = (k + 1) % Dim;
           const int b = (k + 2) % Dim;
-          w_cross_n = side[Rows::w + a][lane] * normal_[b][lane] -
-                      side[Rows::w + b][lane] * normal_[a][lane];
+          w_cross_n = side[Columns::w + a][lane] * normal_[b][lane] -
+                      side[Columns::w + b][lane] * normal_[a][lane];
         }
-        return side[Rows::v + k][lane] + signed_arm * w_cross_n;
+        return side[Columns::v + k][lane] + signed_arm * w_cross_n;
       };
       for (int k = 0; k < Dim; ++k) {
         velocity_[k][lane] = surface(i_, -arm_i_[lane], k) - surface(j_, arm_j_[lane], k);
@@ -255,8 +237,9 @@ class ContactLanes {
     }
   }
 
-  alignas(64) typename Rows::Column i_[Rows::words];
-  alignas(64) typename Rows::Column j_[Rows::words];
+  Real arm_share_;
+  alignas(64) typename Columns::Column i_[Columns::words];
+  alignas(64) typename Columns::Column j_[Columns::words];
   alignas(64) Real normal_[Dim][lanes];
   alignas(64) Real velocity_[Dim][lanes];
   alignas(64) Real force_[Dim][lanes];

@@ -106,7 +106,7 @@ class Contacts {
     touches.begin_step();
     grains.refresh_ghosts(velocity);
     grains.refresh_ghosts(spin);
-    if (!look_at(grains, touches)) find_near(grains, search, touches, dt);
+    if (is_stale(grains, touches)) find_near(grains, search, touches, dt);
     ask_law(grains, touches, static_cast<typename P::Real>(dt));
     check_stability(grains, touches, dt);
   }
@@ -120,23 +120,21 @@ class Contacts {
     constexpr int Dim = P::dimension;
     const auto& touches = found<P>();
     const Real* const rows = touches.seen().rows.data();
-    Real sum[Dim] = {};
-    Real turning[Lanes::spins] = {};
+    const Real R = grains[radius][i];
+    Vec<Dim, Real> sum = Vec<Dim, Real>::Zero();
+    auto turning = zero_of<Spin<Dim, Real>>();
     const auto parts = touches.near().of(i);
     __builtin_prefetch(rows + touches.near().soon_after(parts).contact() * Lanes::row_words);
     for (const auto part : parts) {
       const Real* const row = rows + part.contact() * Lanes::row_words;
-      const Real sign = part.is_second() ? Real(-1) : Real(1);
-      const Real arm = row[Lanes::arm + part.is_second()];
-      for (int k = 0; k < Dim; ++k) sum[k] += sign * row[Lanes::F + k];
-      for (int k = 0; k < Lanes::spins; ++k) turning[k] -= arm * row[Lanes::T + k];
+      const Eigen::Map<const Vec<Dim, Real>> n(row + Lanes::n);
+      const Eigen::Map<const Vec<Dim, Real>> F(row + Lanes::F);
+      const Real arm = R - row[Lanes::arm_share_word] * row[Lanes::overlap_word];
+      sum += part.is_second() ? Vec<Dim, Real>(-F) : Vec<Dim, Real>(F);
+      turning -= arm * moment(Vec<Dim, Real>(n), Vec<Dim, Real>(F));
     }
-    for (int k = 0; k < Dim; ++k) grains[force][i][k] += sum[k];
-    if constexpr (Dim == 2) {
-      grains[torque][i] += turning[0];
-    } else {
-      for (int k = 0; k < Dim; ++k) grains[torque][i][k] += turning[k];
-    }
+    grains[force][i] += sum;
+    grains[torque][i] += turning;
   }
 
   /// A fraction 1/steps_per_contact of the shortest contact that the lightest grains can have [s].
@@ -173,34 +171,28 @@ class Contacts {
   }
 
   /// f(i, j, contact, force on i) for every contact of the last step whose grains are still there;
-  /// i and j are the places of the two (owned ones, now), j is `nowhere` for a wall.
+  /// i and j are the places of the two (owned ones, now), j is `nowhere` for a wall. The contact's
+  /// velocity is that of the grains as they are given.
   template <class P, class F>
   void for_each_contact(const P& grains, F&& f) const {
-    using Lanes = LanesOf<P>;
-    const auto& touches = found<P>();
-    for_each_touch(grains, [&](const Lanes& eight, int lane, Index c) {
+    for_each_touch(grains, [&](Index c, const auto& sides) {
+      const auto* const row = row_of<P>(c);
       Vec<P::dimension, typename P::Real> force;
-      const auto* const row = &touches.seen().rows[c * Lanes::row_words];
-      for (int k = 0; k < P::dimension; ++k) force[k] = row[Lanes::F + k];
-      f(grains.index_of(touches.near().first_id(c)), grains.index_of(touches.near().second_id(c)),
-        eight.contact(lane, touches.seen().time_step), force);
+      for (int k = 0; k < P::dimension; ++k) force[k] = row[LanesOf<P>::F + k];
+      f(sides.i, sides.j, contact_of(grains, c, sides), force);
     });
   }
 
   /// Energy in the springs of the last step's contacts [J]; 0 for a law that does not tell.
   template <class P>
   double elastic_energy(const P& grains) const {
-    using Lanes = LanesOf<P>;
     using Memory = typename LawMemory<Law, P::dimension, typename P::Real>::type;
     double energy = 0;
     if constexpr (requires(const Contact<P::dimension, typename P::Real> contact, const Memory memory,
                            const Law law) { law.elastic_energy(contact, memory); }) {
-      const auto& touches = found<P>();
-      for_each_touch(grains, [&](const Lanes& eight, int lane, Index c) {
-        const auto memory =
-            Lanes::template memory_at<Law>(touches.near().memory(c / lanes), lane);
-        energy += double(law_of(eight, lane).elastic_energy(
-            eight.contact(lane, touches.seen().time_step), memory));
+      for_each_touch(grains, [&](Index c, const auto& sides) {
+        energy += double(law_of(grains, sides).elastic_energy(contact_of(grains, c, sides),
+                                                              memory_of<P>(c)));
       });
     }
     return energy;
@@ -209,13 +201,11 @@ class Contacts {
   /// What the law remembers of the pairs that touch, by ids: for a checkpoint.
   template <class P>
   auto memory(const P& grains) const {
-    using Lanes = LanesOf<P>;
     using Memory = PairMemory<typename LawMemory<Law, P::dimension, typename P::Real>::type>;
     std::vector<typename Memory::Entry> entries;
     const auto& near = found<P>().near();
-    for_each_touch(grains, [&](const Lanes&, int lane, Index c) {
-      entries.push_back({near.first_id(c), near.second_id(c),
-                         Lanes::template memory_at<Law>(near.memory(c / lanes), lane)});
+    for_each_touch(grains, [&](Index c, const auto&) {
+      entries.push_back({near.first_id(c), near.second_id(c), memory_of<P>(c)});
     });
     return Memory(std::move(entries));
   }
@@ -267,66 +257,72 @@ class Contacts {
     return std::get<FoundOf<P>>(found_);
   }
 
-  // Whether the near contacts are still all that can touch: two grains come closer by at most the sum of
-  // what they moved.
+  // Whether something else than the near contacts might touch: two grains come closer by at most the sum
+  // of what they moved.
   template <class P>
-  bool look_at(const P& grains, FoundOf<P>& touches) const {
-    const auto& validity = touches.validity();
-    const auto look = touches.seen().grains.take(grains, {validity.since, validity.margin / 2},
-                                                 materials_.count());
-    if (const Index odd = look.odd; odd != nowhere) {
-      const Where where{.particle = odd, .id = grains.id(odd)};
-      check_material(grains[material][odd], "of a grain", where);
-      fail("dem::Contacts: radius = " + to_text(double(grains[radius][odd])) + " m and mass = " +
-               to_text(double(grains[mass][odd])) + " kg of a grain must be positive; set them",
-           where);
-    }
-    return validity.revision == grains.revision() && look.all_near;
+  static bool is_stale(const P& grains, const FoundOf<P>& touches) {
+    const auto& [since, margin, revision, stable] = touches.validity();
+    if (revision != grains.revision() || since.size() != grains.size()) return true;
+    const auto x = grains[position];
+    const auto near = squared(margin / 2);
+    // Not "beyond": a NaN is not near.
+    return first_where(x.size(), [&, &since = since](Index i) {
+             return !((x[i] - since[i]).squaredNorm() <= near);
+           }) != nowhere;
+  }
+
+  template <class P>
+  void check_grains(const P& grains) const {
+    const auto R = grains[radius];
+    const auto m = grains[mass];
+    const auto materials = grains[material];
+    const Index odd = first_where(grains.size(), [&](Index i) {
+      return !(R[i] > 0 && m[i] > 0 && materials[i] < materials_.count());
+    });
+    if (odd == nowhere) return;
+    const Where where{.particle = odd, .id = grains.id(odd)};
+    check_material(materials[odd], "of a grain", where);
+    fail("dem::Contacts: radius = " + to_text(double(R[odd])) + " m and mass = " +
+             to_text(double(m[odd])) + " kg of a grain must be positive; set them",
+         where);
   }
 
   template <class P, class S>
   void find_near(const P& grains, const S& search, FoundOf<P>& touches, double dt) const {
     using Real = typename P::Real;
-    constexpr int Dim = P::dimension;
-    using Near = typename FoundOf<P>::Near;
-    using Rows = GrainRows<Dim, Real>;
+    check_grains(grains);
     // Near enough to be few, far enough to last for some steps; no farther than the search sees.
-    constexpr Real lasting_steps = 20;
+    constexpr double lasting_steps = 20;
     const Real wide = reach(grains);
     const auto v = grains[velocity];
     const Real fastest = std::sqrt(
         largest(v.size(), Real(0), [&](Index i) { return v[i].squaredNorm(); }));
-    const Real margin =
-        std::clamp<Real>(2 * lasting_steps * fastest * Real(dt), Real(0.002) * wide,
-                         std::max(Real(0.002) * wide, Real(0.1) * wide));
-    const Real seen_margin = search.radius() + margin_of<Real>(search) - wide;
-    touches.renew_near([&](Near& near, auto& validity, auto&& recall) {
-      const Rows& rows = touches.seen().grains;
-      validity.margin = std::clamp<Real>(margin, 0, std::max<Real>(seen_margin, 0));
+    const Real wanted = std::clamp<Real>(Real(2 * lasting_steps * dt) * fastest,
+                                         Real(0.002) * wide, Real(0.1) * wide);
+    const Real seen = search.radius() + margin_of<Real>(search) - wide;
+    touches.renew_near([&](auto& near, auto& validity, auto&& recall) {
+      validity.margin = std::clamp<Real>(wanted, 0, std::max<Real>(seen, 0));
       validity.revision = grains.revision();
-      const auto x = grains[position];
-      validity.since.assign(x.begin(), x.end());
+      const auto owned = grains[position];
+      validity.since.assign(owned.begin(), owned.end());
+      const auto x = grains.with_ghosts(position);
+      const auto R = grains.with_ghosts(radius);
       near.find_all(
           grains,
           [&](Index i, auto&& add) {
-            const Real* const a = rows[i];
             for_each_candidate(search, i, [&](Index j) {
               // Of the two images of a pair, that in which the lower id is no ghost.
               if (j >= grains.size() && grains.id(j) < grains.id(i)) return;
-              const Real* const b = rows[j];
-              Real squared_distance = 0;
-              for (int k = 0; k < Dim; ++k) squared_distance += squared(b[k] - a[k]);
-              const Real limit = a[Rows::R] + b[Rows::R] + validity.margin;
-              if (!(squared_distance < squared(limit))) return;
-              const auto [first, second] = std::minmax(
-                  {std::pair(grains.id(i), i), std::pair(grains.id(j), j)});
-              add({static_cast<std::uint32_t>(first.second),
-                   static_cast<std::uint32_t>(second.second)});
+              const Real limit = R[i] + R[j] + validity.margin;
+              if (!((x[j] - x[i]).squaredNorm() < squared(limit))) return;
+              const bool in_order = grains.id(i) < grains.id(j);
+              add({static_cast<std::uint32_t>(in_order ? i : j),
+                   static_cast<std::uint32_t>(in_order ? j : i)});
             });
           },
           [&](Index i, auto&& add) {
             for_each_wall([&](const auto& wall, Index w) {
-              if (wall.nearest(x[i]).distance < rows[i][Rows::R] + validity.margin) {
+              if (wall.nearest(x[i]).distance < R[i] + validity.margin) {
                 add(static_cast<std::uint32_t>(w));
               }
             });
@@ -349,26 +345,18 @@ class Contacts {
     return words_from<P>(typename LawMemory<Law, P::dimension, typename P::Real>::type{});
   }
 
-  template <class P>
-  static void prefetch(const FoundOf<P>& touches, Index group) {
-    const auto& near = touches.near();
-    if (group >= near.groups() || near.is_of_walls(group)) return;
-    touches.seen().grains.prefetch(near.first(group));
-    touches.seen().grains.prefetch(near.second(group));
-  }
-
   // Geometry and motion of eight contacts.
   template <class P>
-  void measure(LanesOf<P>& eight, const FoundOf<P>& touches, Index group) const {
+  void measure(LanesOf<P>& eight, const typename LanesOf<P>::Columns& columns,
+               const FoundOf<P>& touches, Index group) const {
     using Real = typename P::Real;
     const auto& near = touches.near();
-    const auto& rows = touches.seen().grains;
-    const Real arm_share = settings_.lever_arm == LeverArm::radius ? Real(0) : Real(0.5);
+    const Real to_contact = settings_.lever_arm == LeverArm::radius ? Real(0) : Real(1);
     if (!near.is_of_walls(group)) {
-      eight.between(rows, near.first(group), near.second(group), arm_share);
+      eight.between(columns, near.first(group), near.second(group), to_contact / 2);
       return;
     }
-    eight.at_walls(rows, near.first(group), near.second(group), arm_share,
+    eight.at_walls(columns, near.first(group), near.second(group), to_contact,
                    [this](std::uint32_t number, const typename P::Vec& x) {
                      NearestPoint<P::dimension, Real> nearest{};
                      for_each_wall([&](const auto& wall, Index w) {
@@ -376,11 +364,6 @@ class Contacts {
                      });
                      return nearest;
                    });
-    for_each_wall([&](const auto& wall, Index w) {
-      for (int lane = 0; lane < lanes; ++lane) {
-        if (near.second(group)[lane] == w) eight.set_second_material(lane, wall.material);
-      }
-    });
   }
 
   // The law's force for every contact.
@@ -394,12 +377,15 @@ class Contacts {
     seen.time_step = dt;
     seen.rows.resize(touches.near().size() * Lanes::row_words);
     counts_.assign(chunk_count(touches.near().size()), 0);
+    const typename Lanes::Columns columns(grains);
     touches.use_memory([&](const auto& near, auto&& memory_of) {
       for_each_chunk(near.size(), [&](Chunk chunk) {
         Lanes eight;
         for (Index group = chunk.first / lanes; group < chunk.last / lanes; ++group) {
-          prefetch<P>(touches, group + 4);
-          measure<P>(eight, touches, group);
+          if (group + 4 < near.groups() && !near.is_of_walls(group + 4)) {
+            columns.prefetch(near.second(group + 4));
+          }
+          measure<P>(eight, columns, touches, group);
           bool touch[lanes];
           int count = 0;
           for (int lane = 0; lane < lanes; ++lane) {
@@ -409,7 +395,7 @@ class Contacts {
           Real* const memory = memory_of(group);
           if (count > 0) {
             check_centres(near, eight, group, touch);
-            ask<P>(eight, touch, dt, memory);
+            ask(grains, near, eight, group, touch, dt, memory);
           }
           for (int k = 0; k < words; ++k) {
             for (int lane = 0; lane < lanes; ++lane) {
@@ -423,32 +409,30 @@ class Contacts {
       });
     });
     seen.count = std::accumulate(counts_.begin(), counts_.end(), Index(0));
-    static_cast<void>(grains);
   }
 
-  template <class P>
-  void ask(LanesOf<P>& eight, const bool* touch, typename P::Real dt,
-           typename P::Real* memory) const {
-    const Law* common = &materials_.between(0, 0);
-    if (materials_.count() > 1) {
-      common = nullptr;
-      bool same = true;
-      for (int lane = 0; lane < lanes; ++lane) {
-        if (!touch[lane]) continue;
-        const Law* const law = &law_of(eight, lane);
-        if (common != nullptr && common != law) same = false;
-        common = law;
-      }
-      if (!same) common = nullptr;
+  template <class P, class Near>
+  void ask(const P& grains, const Near& near, LanesOf<P>& eight, Index group, const bool* touch,
+           typename P::Real dt, typename P::Real* memory) const {
+    const Law* laws[lanes] = {};
+    const Law* common = nullptr;
+    bool is_common = true;
+    for (int lane = 0; lane < lanes; ++lane) {
+      if (!touch[lane]) continue;
+      laws[lane] = materials_.count() == 1
+                       ? &materials_.between(0, 0)
+                       : &law_of(grains, sides_of(grains, near, group * lanes + Index(lane)));
+      is_common &= common == nullptr || common == laws[lane];
+      common = laws[lane];
     }
     if constexpr (LawInLanes<Law, P::dimension, typename P::Real>) {
-      if (common != nullptr) {
+      if (is_common) {
         eight.ask(*common, dt, memory);
         return;
       }
     }
     for (int lane = 0; lane < lanes; ++lane) {
-      if (touch[lane]) eight.ask_one(law_of(eight, lane), lane, dt, memory);
+      if (touch[lane]) eight.ask_one(*laws[lane], lane, dt, memory);
     }
   }
 
@@ -463,59 +447,121 @@ class Contacts {
     }
   }
 
-  // f(eight, lane, number) for every contact of the last step whose grains are still there.
+  // Both sides of a contact: places of owned grains, or the number of a wall.
+  struct Sides {
+    Index i = nowhere;
+    Index j = nowhere;
+    Index wall = nowhere;
+  };
+  // As they were when it was found.
+  template <class P, class Near>
+  static Sides sides_of(const P& grains, const Near& near, Index c) {
+    if (near.is_of_walls(c / lanes)) return {.i = near.first_place(c), .wall = near.second_place(c)};
+    return {.i = grains.owner(near.first_place(c)), .j = grains.owner(near.second_place(c))};
+  }
+
+  // f(contact, sides) for every contact of the last step whose grains are still there.
   template <class P, class F>
   void for_each_touch(const P& grains, F&& f) const {
     const auto& touches = found<P>();
     const auto& near = touches.near();
-    LanesOf<P> eight;
-    for (Index group = 0; group < near.groups(); ++group) {
-      measure<P>(eight, touches, group);
-      for (int lane = 0; lane < near.filled(group); ++lane) {
-        const Index c = group * lanes + static_cast<Index>(lane);
-        if (!(eight.overlap(lane) > 0) || grains.index_of(near.first_id(c)) == nowhere) continue;
-        if (!near.is_of_walls(group) && grains.index_of(near.second_id(c)) == nowhere) continue;
-        f(eight, lane, c);
-      }
+    if (touches.seen().rows.size() != near.size() * LanesOf<P>::row_words) return;
+    for (Index c = 0; c < near.size(); ++c) {
+      if (!near.is_contact(c) || !(row_of<P>(c)[LanesOf<P>::overlap_word] > 0)) continue;
+      const bool at_wall = near.is_of_walls(c / lanes);
+      const Sides sides{.i = grains.index_of(near.first_id(c)),
+                        .j = at_wall ? nowhere : grains.index_of(near.second_id(c)),
+                        .wall = at_wall ? near.second_place(c) : nowhere};
+      if (sides.i != nowhere && (at_wall || sides.j != nowhere)) f(c, sides);
     }
+  }
+
+  template <class P>
+  const typename P::Real* row_of(Index c) const {
+    return &found<P>().seen().rows[c * LanesOf<P>::row_words];
+  }
+  template <class P>
+  auto memory_of(Index c) const {
+    return LanesOf<P>::template memory_at<Law>(found<P>().near().memory(c / lanes),
+                                               static_cast<int>(c % lanes));
+  }
+
+  // What does not change from step to step.
+  template <class P>
+  static auto constants_of(const P& grains, const Sides& sides) {
+    using Real = typename P::Real;
+    Contact<P::dimension, Real> contact;
+    const Real m = grains[mass][sides.i];
+    const Real R = grains[radius][sides.i];
+    contact.effective_mass = m;
+    contact.effective_radius = R;
+    if (sides.j != nowhere) {
+      const Real m_j = grains[mass][sides.j];
+      const Real R_j = grains[radius][sides.j];
+      contact.effective_mass = m * m_j / (m + m_j);
+      contact.effective_radius = R * R_j / (R + R_j);
+    }
+    return contact;
+  }
+  template <class P>
+  auto contact_of(const P& grains, Index c, const Sides& sides) const {
+    using Lanes = LanesOf<P>;
+    using Vec = typename P::Vec;
+    const auto* const row = row_of<P>(c);
+    auto contact = constants_of(grains, sides);
+    for (int k = 0; k < P::dimension; ++k) contact.normal[k] = row[Lanes::n + k];
+    contact.overlap = row[Lanes::overlap_word];
+    contact.time_step = found<P>().seen().time_step;
+    const auto surface = [&](Index i, typename P::Real towards) {
+      const auto arm = grains[radius][i] - row[Lanes::arm_share_word] * contact.overlap;
+      return Vec(grains[velocity][i] + cross(grains[spin][i], Vec(towards * arm * contact.normal)));
+    };
+    contact.relative_velocity = surface(sides.i, -1);
+    if (sides.j != nowhere) contact.relative_velocity -= surface(sides.j, 1);
+    return contact;
   }
 
   // What even a grain with as many contacts as any, all as stiff as any, would stand.
   template <class P>
   void note_stable_time_step(const P& grains, FoundOf<P>& touches) const {
     if constexpr (knows_stiffness<P>) {
-      using Real = typename P::Real;
-      auto& validity = touches.validity();
       const auto& near = touches.near();
+      const auto x = grains.with_ghosts(position);
+      const auto R = grains.with_ghosts(radius);
+      const auto m = grains[mass];
+      const auto I = grains[inertia];
       Index most_contacts = 0;
+      double most_turning = 1;
       for (Index i = 0; i < grains.size(); ++i) {
         most_contacts = std::max(most_contacts, near.of(i).size());
+        most_turning = std::max(
+            most_turning, 1 + double(m[i]) * double(R[i]) * double(R[i]) / double(I[i]));
       }
-      const auto m = grains[mass];
-      const auto R = grains[radius];
-      const auto I = grains[inertia];
-      const double most_turning = largest(grains.size(), 1.0, [&](Index i) {
-        return 1 + double(m[i]) * double(R[i]) * double(R[i]) / double(I[i]);
-      });
       double stiffest = 0;
       double beta = 0;
-      LanesOf<P> eight;
-      for (Index group = 0; group < near.groups(); ++group) {
-        measure<P>(eight, touches, group);
-        for (int lane = 0; lane < near.filled(group); ++lane) {
-          auto contact = eight.contact(lane, Real(0));
-          contact.overlap = std::max(contact.overlap, Real(0)) + validity.margin;
-          const Stiffness k = law_of(eight, lane).stiffness(contact);
-          stiffest = std::max(
-              stiffest, std::max(k.normal, k.tangential * most_turning) / double(contact.effective_mass));
-          beta = std::max(beta, k.beta);
+      for (Index c = 0; c < near.size(); ++c) {
+        if (!near.is_contact(c)) continue;
+        const Sides sides = sides_of(grains, near, c);
+        auto contact = constants_of(grains, sides);
+        // A spring may grow stiffer as it is pressed.
+        contact.overlap = touches.validity().margin;
+        if (sides.j != nowhere) {
+          const Index a = near.first_place(c);
+          const Index b = near.second_place(c);
+          contact.overlap += std::max<typename P::Real>(0, R[a] + R[b] - (x[b] - x[a]).norm());
+        } else {
+          contact.overlap += R[sides.i];
         }
+        const Stiffness k = law_of(grains, sides).stiffness(contact);
+        stiffest = std::max(stiffest, std::max(k.normal, k.tangential * most_turning) /
+                                          double(contact.effective_mass));
+        beta = std::max(beta, k.beta);
       }
-      validity.stable_time_step =
-          stiffest > 0 ? stable_time_step({.angular_frequency =
-                                               std::sqrt(stiffest * double(most_contacts)),
-                                           .beta = beta})
-                       : std::numeric_limits<double>::infinity();
+      touches.validity().stable_time_step =
+          stiffest > 0
+              ? stable_time_step(
+                    {.angular_frequency = std::sqrt(stiffest * double(most_contacts)), .beta = beta})
+              : std::numeric_limits<double>::infinity();
     }
   }
 
@@ -523,15 +569,22 @@ class Contacts {
   void check_stability(const P& grains, const FoundOf<P>& touches, double dt) const {
     if constexpr (knows_stiffness<P>) {
       if (!settings_.refuse_unstable || dt <= touches.validity().stable_time_step) return;
-      std::vector<Held<P>> held(touches.near().size());
-      for_each_touch(grains, [&](const LanesOf<P>& eight, int lane, Index c) {
-        const auto contact = eight.contact(lane, touches.seen().time_step);
-        held[c] = {contact, law_of(eight, lane).stiffness(contact), {eight.arm_i(lane), eight.arm_j(lane)}, true};
+      struct Held {
+        Contact<P::dimension, typename P::Real> contact{};
+        Stiffness stiffness{};
+        bool touches = false;
+      };
+      std::vector<Held> held(touches.near().size());
+      for_each_touch(grains, [&](Index c, const Sides& sides) {
+        const auto contact = contact_of(grains, c, sides);
+        held[c] = {contact, law_of(grains, sides).stiffness(contact), true};
       });
       const Unstable unstable = find_unstable(grains, dt, [&](Index i, auto&& f) {
         for (const auto part : touches.near().of(i)) {
-          const Held<P>& each = held[part.contact()];
-          if (each.touches) f(each.contact, each.stiffness, double(each.arms[part.is_second()]));
+          const Held& each = held[part.contact()];
+          const auto share = row_of<P>(part.contact())[LanesOf<P>::arm_share_word];
+          const double arm = double(grains[radius][i] - share * each.contact.overlap);
+          if (each.touches) f(each.contact, each.stiffness, arm);
         }
       });
       if (unstable.grain == nowhere) return;
@@ -540,17 +593,20 @@ class Contacts {
            {.particle = unstable.grain, .id = grains.id(unstable.grain)});
     }
   }
-  template <class P>
-  struct Held {
-    Contact<P::dimension, typename P::Real> contact{};
-    Stiffness stiffness{};
-    typename P::Real arms[2] = {};
-    bool touches = false;
-  };
 
-  template <class Lanes>
-  const Law& law_of(const Lanes& eight, int lane) const {
-    return materials_.between(eight.first_material(lane), eight.second_material(lane));
+  template <class P>
+  const Law& law_of(const P& grains, const Sides& sides) const {
+    std::uint32_t other = 0;
+    if (sides.j != nowhere) {
+      other = grains[material][sides.j];
+    } else {
+      for_each_wall([&](const auto& wall, Index w) {
+        if (w == sides.wall) other = wall.material;
+      });
+    }
+    const std::uint32_t own = grains[material][sides.i];
+    check_material(std::max(own, other), "of a grain", {.particle = sides.i, .id = grains.id(sides.i)});
+    return materials_.between(own, other);
   }
 
   void check_material(std::uint32_t number, const std::string& whose, Where where = {}) const {

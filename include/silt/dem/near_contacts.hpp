@@ -16,7 +16,7 @@
 #include <silt/core/parallel.hpp>
 #include <silt/core/rows.hpp>
 #include <silt/core/types.hpp>
-#include <silt/dem/grain_rows.hpp>
+#include <silt/dem/grain_columns.hpp>
 
 #include <algorithm>
 #include <array>
@@ -63,6 +63,12 @@ class NearContacts {
   }
   const std::uint32_t* first(Index group) const noexcept { return &first_[group * lanes]; }
   const std::uint32_t* second(Index group) const noexcept { return &second_[group * lanes]; }
+
+  bool is_contact(Index c) const noexcept {
+    return c < pairs_ || (c >= walls_begin_ && c < walls_begin_ + walls_);
+  }
+  Index first_place(Index c) const noexcept { return first_[c]; }
+  Index second_place(Index c) const noexcept { return second_[c]; }
 
   Real* memory(Index group) noexcept { return memory_.data() + group * lanes * words; }
   const Real* memory(Index group) const noexcept { return memory_.data() + group * lanes * words; }

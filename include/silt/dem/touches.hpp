@@ -5,7 +5,6 @@
 
 #include <silt/core/pair_memory.hpp>
 #include <silt/core/types.hpp>
-#include <silt/dem/grain_rows.hpp>
 #include <silt/dem/near_contacts.hpp>
 
 #include <algorithm>
@@ -23,10 +22,9 @@ class Touches {
   using Real = RealType;
   using Near = NearContacts<Real, words>;
 
-  /// What one step saw and made.
+  /// What one step made.
   struct Seen {
-    GrainRows<Dim, Real> grains;
-    std::vector<Real> rows;  ///< by contact, what its grains add up
+    std::vector<Real> rows;  ///< by contact, see ContactLanes
     Index count = 0;         ///< contacts that touch
     Real time_step = 0;      ///< [s]
   };

@@ -199,9 +199,10 @@ class Leapfrog {
   // move(motion, i) for every particle.
   template <class P, class Move>
   void advance(P& particles, Move&& move) {
-    Motion<P> motion(particles);
+    const Motion<P> all(particles);
     sound_.resize(chunk_count(particles.size()));
     for_each_chunk(particles.size(), [&](Chunk chunk) __attribute__((flatten)) {
+      Motion<P> motion = all;  // where no store can reach it
       bool sound = true;
       for (Index i = chunk.first; i < chunk.last; ++i) {
         move(motion, i);
