@@ -154,10 +154,31 @@ TYPED_TEST(AllParticles, ReturnToWhatWasSaved) {
   particles[temperature][3] = 7;
   const Bytes before = state_of(particles);
   particles.save();
+  particles.keep(position);
+  particles.keep(temperature);
+  particles.keep(velocity);
   for (auto& x : particles[position]) x *= 2;
   particles[temperature][3] = std::numeric_limits<Real>::quiet_NaN();
   particles[velocity][0] = Vec::Ones();
   EXPECT_NE(state_of(particles), before);
+  particles.restore();
+  EXPECT_EQ(state_of(particles), before);
+}
+
+TYPED_TEST(AllParticles, ReturnToWhatWasBeforeAnAdvance) {
+  using Real = typename TypeParam::Real;
+  using Vec = typename TypeParam::Vec;
+  TypeParam particles;
+  for (int k = 0; k < 5; ++k) particles.add(Vec::Constant(Real(k)));
+  particles.add_ghost(1, Vec::Constant(Real(10)));
+  const Bytes before = state_of(particles);
+  particles.save();
+  for (int twice = 0; twice < 2; ++twice) {
+    const auto [old, now] = particles.advance(position);
+    for (Index i = 0; i < now.size(); ++i) now[i] = old[i] + Vec::Ones();
+  }
+  EXPECT_EQ(particles[position][2], Vec(Vec::Constant(Real(4))));
+  EXPECT_EQ(particles.with_ghosts(position)[5], Vec(Vec::Constant(Real(11))));
   particles.restore();
   EXPECT_EQ(state_of(particles), before);
 }
