@@ -126,6 +126,38 @@ class Motion {
   std::span<const Real> inertias_;
 };
 
+// The same for all particles, for an integrator of one's own.
+
+/// Motion that changes the particles in place, so that each of its verbs may be called alone.
+template <class P>
+Motion<P> motion_in_place(P& particles) {
+  particles.for_each_field([&]<class F>(auto, F field) {
+    if constexpr (role_of<F>() != Role::constant) particles.keep(field);
+  });
+  return Motion<P>(particles);
+}
+
+/// Forces and moments to zero.
+template <class P>
+void clear(P& particles) {
+  auto motion = motion_in_place(particles);
+  for_each(particles.size(), [&](Index i) { motion.clear(i); });
+}
+
+/// v^{N−½} → v^{N+½} (32) and, where particles turn, θ'^{N−½} → θ'^{N+½} (33).
+template <class P, class D>
+void kick(P& particles, const D& damping, double time_step) {
+  auto motion = motion_in_place(particles);
+  for_each(particles.size(), [&](Index i) { motion.kick(i, damping, time_step); });
+}
+
+/// x^{N+1} = x^N + v^{N+½} Δt,  θ^{N+1} = θ^N + θ'^{N+½} Δt        (19)
+template <class P>
+void drift(P& particles, double time_step) {
+  auto motion = motion_in_place(particles);
+  for_each(particles.size(), [&](Index i) { motion.drift(i, time_step); });
+}
+
 /// Advances particles under forces. The velocities given at the start are those at time 0; from the
 /// first step on, `velocity` and `spin` hold v^{N−½}, and Simulation::snapshot() gives v^N (27) (28).
 template <Damping<double> D = NoDamping>
@@ -185,12 +217,7 @@ class Leapfrog {
         interaction.add_forces(particles, i);
       };
     } else {
-      const auto f = particles.advance(force).after;
-      for_each(f.size(), [&](Index i) { f[i].setZero(); });
-      if constexpr (HasFields<P, torque_t>) {
-        const auto t = particles.advance(torque).after;
-        for_each(t.size(), [&](Index i) { t[i] = zero_of<typename P::Spin>(); });
-      }
+      clear(particles);
       interaction.accelerate(particles, search, dt);
       return [](Motion<P>&, Index) {};
     }
