@@ -208,7 +208,7 @@ class Particles {
   // in between is not brought back; constants need not be.
 
   void save() noexcept {
-    for_each_column([this]<class F>(auto&, F) { saved<F>().kept = false; });
+    for_each_column([&]<class F>(auto&, F) { saved<F>().kept = false; });
   }
   /// Keeps field F as it is for restore(), before it is changed in place.
   template <Field F>
@@ -222,6 +222,7 @@ class Particles {
   /// written: restore() brings the former back. They are one and the same where F was kept before.
   template <Field F>
   auto advance(F) {
+    using Value = value_of<F, Dim, Real>;
     auto& [before, kept] = saved<F>();
     auto& now = column<F>();
     if (!kept) {
@@ -230,9 +231,9 @@ class Particles {
                 before.begin() + static_cast<std::ptrdiff_t>(size()));
       before.swap(now);
       kept = true;
-      return Advance{std::span(std::as_const(before).data(), size()), std::span(now.data(), size())};
+      return Advance<Value>{{before.data(), size()}, {now.data(), size()}};
     }
-    return Advance{std::span(std::as_const(now).data(), size()), std::span(now.data(), size())};
+    return Advance<Value>{{now.data(), size()}, {now.data(), size()}};
   }
   template <class Value>
   struct Advance {

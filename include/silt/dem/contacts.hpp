@@ -12,6 +12,7 @@
 #include <silt/dem/contact_lanes.hpp>
 #include <silt/dem/grains.hpp>
 #include <silt/dem/materials.hpp>
+#include <silt/dem/single_contacts.hpp>
 #include <silt/dem/stability.hpp>
 #include <silt/dem/time_step.hpp>
 #include <silt/dem/touches.hpp>
@@ -175,11 +176,12 @@ class Contacts {
   /// velocity is that of the grains as they are given.
   template <class P, class F>
   void for_each_contact(const P& grains, F&& f) const {
-    for_each_touch(grains, [&](Index c, const auto& sides) {
-      const auto* const row = row_of<P>(c);
+    const auto& touches = found<P>();
+    for_each_touch(grains, touches, [&](Index c, const Sides& sides) {
+      const auto* const row = row_of(grains, touches, c);
       Vec<P::dimension, typename P::Real> force;
       for (int k = 0; k < P::dimension; ++k) force[k] = row[LanesOf<P>::F + k];
-      f(sides.i, sides.j, contact_of(grains, c, sides), force);
+      f(sides.i, sides.j, contact_of(grains, touches, c, sides), force);
     });
   }
 
@@ -190,9 +192,10 @@ class Contacts {
     double energy = 0;
     if constexpr (requires(const Contact<P::dimension, typename P::Real> contact, const Memory memory,
                            const Law law) { law.elastic_energy(contact, memory); }) {
-      for_each_touch(grains, [&](Index c, const auto& sides) {
-        energy += double(law_of(grains, sides).elastic_energy(contact_of(grains, c, sides),
-                                                              memory_of<P>(c)));
+      const auto& touches = found<P>();
+      for_each_touch(grains, touches, [&](Index c, const Sides& sides) {
+        energy += double(law_of(grains, sides)
+                             .elastic_energy(contact_of(grains, touches, c, sides), memory_of<P>(c)));
       });
     }
     return energy;
@@ -204,7 +207,7 @@ class Contacts {
     using Memory = PairMemory<typename LawMemory<Law, P::dimension, typename P::Real>::type>;
     std::vector<typename Memory::Entry> entries;
     const auto& near = found<P>().near();
-    for_each_touch(grains, [&](Index c, const auto&) {
+    for_each_touch(grains, found<P>(), [&](Index c, const Sides&) {
       entries.push_back({near.first_id(c), near.second_id(c), memory_of<P>(c)});
     });
     return Memory(std::move(entries));
@@ -447,121 +450,18 @@ class Contacts {
     }
   }
 
-  // Both sides of a contact: places of owned grains, or the number of a wall.
-  struct Sides {
-    Index i = nowhere;
-    Index j = nowhere;
-    Index wall = nowhere;
-  };
-  // As they were when it was found.
-  template <class P, class Near>
-  static Sides sides_of(const P& grains, const Near& near, Index c) {
-    if (near.is_of_walls(c / lanes)) return {.i = near.first_place(c), .wall = near.second_place(c)};
-    return {.i = grains.owner(near.first_place(c)), .j = grains.owner(near.second_place(c))};
-  }
-
-  // f(contact, sides) for every contact of the last step whose grains are still there.
-  template <class P, class F>
-  void for_each_touch(const P& grains, F&& f) const {
-    const auto& touches = found<P>();
-    const auto& near = touches.near();
-    if (touches.seen().rows.size() != near.size() * LanesOf<P>::row_words) return;
-    for (Index c = 0; c < near.size(); ++c) {
-      if (!near.is_contact(c) || !(row_of<P>(c)[LanesOf<P>::overlap_word] > 0)) continue;
-      const bool at_wall = near.is_of_walls(c / lanes);
-      const Sides sides{.i = grains.index_of(near.first_id(c)),
-                        .j = at_wall ? nowhere : grains.index_of(near.second_id(c)),
-                        .wall = at_wall ? near.second_place(c) : nowhere};
-      if (sides.i != nowhere && (at_wall || sides.j != nowhere)) f(c, sides);
-    }
-  }
-
-  template <class P>
-  const typename P::Real* row_of(Index c) const {
-    return &found<P>().seen().rows[c * LanesOf<P>::row_words];
-  }
   template <class P>
   auto memory_of(Index c) const {
     return LanesOf<P>::template memory_at<Law>(found<P>().near().memory(c / lanes),
                                                static_cast<int>(c % lanes));
   }
 
-  // What does not change from step to step.
-  template <class P>
-  static auto constants_of(const P& grains, const Sides& sides) {
-    using Real = typename P::Real;
-    Contact<P::dimension, Real> contact;
-    const Real m = grains[mass][sides.i];
-    const Real R = grains[radius][sides.i];
-    contact.effective_mass = m;
-    contact.effective_radius = R;
-    if (sides.j != nowhere) {
-      const Real m_j = grains[mass][sides.j];
-      const Real R_j = grains[radius][sides.j];
-      contact.effective_mass = m * m_j / (m + m_j);
-      contact.effective_radius = R * R_j / (R + R_j);
-    }
-    return contact;
-  }
-  template <class P>
-  auto contact_of(const P& grains, Index c, const Sides& sides) const {
-    using Lanes = LanesOf<P>;
-    using Vec = typename P::Vec;
-    const auto* const row = row_of<P>(c);
-    auto contact = constants_of(grains, sides);
-    for (int k = 0; k < P::dimension; ++k) contact.normal[k] = row[Lanes::n + k];
-    contact.overlap = row[Lanes::overlap_word];
-    contact.time_step = found<P>().seen().time_step;
-    const auto surface = [&](Index i, typename P::Real towards) {
-      const auto arm = grains[radius][i] - row[Lanes::arm_share_word] * contact.overlap;
-      return Vec(grains[velocity][i] + cross(grains[spin][i], Vec(towards * arm * contact.normal)));
-    };
-    contact.relative_velocity = surface(sides.i, -1);
-    if (sides.j != nowhere) contact.relative_velocity -= surface(sides.j, 1);
-    return contact;
-  }
-
-  // What even a grain with as many contacts as any, all as stiff as any, would stand.
   template <class P>
   void note_stable_time_step(const P& grains, FoundOf<P>& touches) const {
     if constexpr (knows_stiffness<P>) {
-      const auto& near = touches.near();
-      const auto x = grains.with_ghosts(position);
-      const auto R = grains.with_ghosts(radius);
-      const auto m = grains[mass];
-      const auto I = grains[inertia];
-      Index most_contacts = 0;
-      double most_turning = 1;
-      for (Index i = 0; i < grains.size(); ++i) {
-        most_contacts = std::max(most_contacts, near.of(i).size());
-        most_turning = std::max(
-            most_turning, 1 + double(m[i]) * double(R[i]) * double(R[i]) / double(I[i]));
-      }
-      double stiffest = 0;
-      double beta = 0;
-      for (Index c = 0; c < near.size(); ++c) {
-        if (!near.is_contact(c)) continue;
-        const Sides sides = sides_of(grains, near, c);
-        auto contact = constants_of(grains, sides);
-        // A spring may grow stiffer as it is pressed.
-        contact.overlap = touches.validity().margin;
-        if (sides.j != nowhere) {
-          const Index a = near.first_place(c);
-          const Index b = near.second_place(c);
-          contact.overlap += std::max<typename P::Real>(0, R[a] + R[b] - (x[b] - x[a]).norm());
-        } else {
-          contact.overlap += R[sides.i];
-        }
-        const Stiffness k = law_of(grains, sides).stiffness(contact);
-        stiffest = std::max(stiffest, std::max(k.normal, k.tangential * most_turning) /
-                                          double(contact.effective_mass));
-        beta = std::max(beta, k.beta);
-      }
-      touches.validity().stable_time_step =
-          stiffest > 0
-              ? stable_time_step(
-                    {.angular_frequency = std::sqrt(stiffest * double(most_contacts)), .beta = beta})
-              : std::numeric_limits<double>::infinity();
+      touches.validity().stable_time_step = stable_for_all(
+          grains, touches.near(), touches.validity().margin,
+          [&](const Sides& sides) -> const Law& { return law_of(grains, sides); });
     }
   }
 
@@ -569,24 +469,9 @@ class Contacts {
   void check_stability(const P& grains, const FoundOf<P>& touches, double dt) const {
     if constexpr (knows_stiffness<P>) {
       if (!settings_.refuse_unstable || dt <= touches.validity().stable_time_step) return;
-      struct Held {
-        Contact<P::dimension, typename P::Real> contact{};
-        Stiffness stiffness{};
-        bool touches = false;
-      };
-      std::vector<Held> held(touches.near().size());
-      for_each_touch(grains, [&](Index c, const Sides& sides) {
-        const auto contact = contact_of(grains, c, sides);
-        held[c] = {contact, law_of(grains, sides).stiffness(contact), true};
-      });
-      const Unstable unstable = find_unstable(grains, dt, [&](Index i, auto&& f) {
-        for (const auto part : touches.near().of(i)) {
-          const Held& each = held[part.contact()];
-          const auto share = row_of<P>(part.contact())[LanesOf<P>::arm_share_word];
-          const double arm = double(grains[radius][i] - share * each.contact.overlap);
-          if (each.touches) f(each.contact, each.stiffness, arm);
-        }
-      });
+      const Unstable unstable =
+          find_unstable(grains, touches, dt,
+                        [&](const Sides& sides) -> const Law& { return law_of(grains, sides); });
       if (unstable.grain == nowhere) return;
       fail("dem::Contacts: time_step = " + to_text(dt) + " s exceeds the stable " +
                to_text(unstable.stable_time_step) + " s of a grain with its contacts; lower it",

@@ -6,12 +6,16 @@
 #include <silt/core/parallel.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/contact.hpp>
+#include <silt/dem/contact_lanes.hpp>
+#include <silt/dem/single_contacts.hpp>
 #include <silt/dem/time_step.hpp>
 
 #include <Eigen/Core>
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <vector>
 
 namespace silt::dem {
 
@@ -74,13 +78,72 @@ struct Unstable {
   double stable_time_step = 0;  ///< that it would stand [s]
 };
 
-/// The first grain for which dt [s] is beyond stability; for_each_contact_of(i, f) calls
-/// f(contact, stiffness, lever arm of i). A cheap bound passes nearly always; where it does not,
-/// FrequencyBound decides.
-template <class P, class ForEachContactOf>
-Unstable find_unstable(const P& grains, double dt, ForEachContactOf&& for_each_contact_of) {
+/// What even a grain with as many contacts as any, all as stiff as any, would stand [s]; infinite if
+/// nothing is stiff. law_of(sides) is the law of a near contact; margin [m] is how far those that do not
+/// touch yet may be apart.
+template <class P, class Near, class LawOf>
+double stable_for_all(const P& grains, const Near& near, typename P::Real margin, LawOf&& law_of) {
+  const auto x = grains.with_ghosts(position);
+  const auto R = grains.with_ghosts(radius);
   const auto m = grains[mass];
   const auto I = grains[inertia];
+  Index most_contacts = 0;
+  double most_turning = 1;
+  for (Index i = 0; i < grains.size(); ++i) {
+    most_contacts = std::max(most_contacts, near.of(i).size());
+    most_turning =
+        std::max(most_turning, 1 + double(m[i]) * double(R[i]) * double(R[i]) / double(I[i]));
+  }
+  double stiffest = 0;
+  double beta = 0;
+  for (Index c = 0; c < near.size(); ++c) {
+    if (!near.is_contact(c)) continue;
+    const Sides sides = sides_of(grains, near, c);
+    auto contact = constants_of(grains, sides);
+    // A spring may grow stiffer as it is pressed.
+    contact.overlap = margin;
+    if (sides.j != nowhere) {
+      const Index a = near.first_place(c);
+      const Index b = near.second_place(c);
+      contact.overlap += std::max<typename P::Real>(0, R[a] + R[b] - (x[b] - x[a]).norm());
+    } else {
+      contact.overlap += R[sides.i];
+    }
+    const Stiffness k = law_of(sides).stiffness(contact);
+    stiffest = std::max(stiffest, std::max(k.normal, k.tangential * most_turning) /
+                                      double(contact.effective_mass));
+    beta = std::max(beta, k.beta);
+  }
+  if (!(stiffest > 0)) return std::numeric_limits<double>::infinity();
+  return stable_time_step(
+      {.angular_frequency = std::sqrt(stiffest * double(most_contacts)), .beta = beta});
+}
+
+/// The first grain for which dt [s] is beyond stability among the contacts of this step. A cheap bound
+/// passes nearly always; where it does not, FrequencyBound decides.
+template <class P, class T, class LawOf>
+Unstable find_unstable(const P& grains, const T& touches, double dt, LawOf&& law_of) {
+  using Lanes = ContactLanes<P::dimension, typename P::Real>;
+  const auto m = grains[mass];
+  const auto I = grains[inertia];
+  struct Held {
+    Contact<P::dimension, typename P::Real> contact{};
+    Stiffness stiffness{};
+    bool touches = false;
+  };
+  std::vector<Held> held(touches.near().size());
+  for_each_touch(grains, touches, [&](Index c, const Sides& sides) {
+    const auto contact = contact_of(grains, touches, c, sides);
+    held[c] = {contact, law_of(sides).stiffness(contact), true};
+  });
+  const auto for_each_contact_of = [&](Index i, auto&& f) {
+    for (const auto part : touches.near().of(i)) {
+      const Held& each = held[part.contact()];
+      const auto share = row_of(grains, touches, part.contact())[Lanes::arm_share_word];
+      const double arm = double(grains[radius][i] - share * each.contact.overlap);
+      if (each.touches) f(each.contact, each.stiffness, arm);
+    }
+  };
   const auto is_beyond = [&](Index i) {
     double sum = 0;
     double beta = 0;

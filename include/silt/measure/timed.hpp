@@ -63,6 +63,9 @@ class TimedInteraction : public I {
     I::accelerate(particles, search, dt);
   }
 
+  // Only the whole can be timed, not what is added to one particle.
+  void interact() = delete;
+
   /// Spent in accelerate() so far [s].
   double seconds() const noexcept { return watch_.seconds(); }
 
