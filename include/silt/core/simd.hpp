@@ -115,16 +115,15 @@ Pack<std::uint32_t, N> count_from(Index from) {
   return pack + static_cast<std::uint32_t>(from);
 }
 
-/// sum += a x in eight lanes. (Of the compilers' own conversion g++ 12 makes two halves.)
-inline void add_products(const float* a, const double* x, Pack<double, 8>& sum) {
-  Pack<float, 8> narrow;
-  Pack<double, 8> factor;
-  std::memcpy(&narrow, a, sizeof narrow);
-  std::memcpy(&factor, x, sizeof factor);
+/// sum += a x in four lanes. (Of the compilers' own conversion g++ 12 makes two halves.)
+inline void add_products(const float* a, const double* x, Pack<double, 4>& sum) {
 #if defined(SILT_AVX512)
-  sum += (Pack<double, 8>)_mm512_cvtps_pd((__m256)narrow) * factor;
+  sum = (Pack<double, 4>)_mm256_fmadd_pd(_mm256_cvtps_pd(_mm_loadu_ps(a)), _mm256_loadu_pd(x),
+                                         (__m256d)sum);
+#elif defined(SILT_AVX2)
+  sum += (Pack<double, 4>)_mm256_cvtps_pd(_mm_loadu_ps(a)) * (Pack<double, 4>)_mm256_loadu_pd(x);
 #else
-  sum += __builtin_convertvector(narrow, Pack<double, 8>) * factor;
+  for (int k = 0; k < 4; ++k) sum[k] += double(a[k]) * x[k];
 #endif
 }
 
