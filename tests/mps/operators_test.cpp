@@ -61,7 +61,7 @@ struct Setting {
   static Vec gradient(const Search& search, const T& stencil, Index i, const Phi& phi) {
     return G::at(stencil, phi[i], [&](auto&& f) {
       mps::for_each_weighted(search, i, stencil,
-                             [&](Index j, const Vec& r_ij, Real r, Real w) { f(phi[j], r_ij, r, w); });
+                             [&](Index j, const Vec& r_ij, Real w, Real w_r2) { f(phi[j], r_ij, w, w_r2); });
     });
   }
 
@@ -263,8 +263,8 @@ std::array<double, 3> errors_on_a_sine(int along) {
     const Vec<Dim>& x = particles[position][i];
     const Vec<Dim> slope = k * (k * x).array().cos();
     const Vec<Dim> gradient = ConservingGradient::at(stencil, phi[i], [&](auto&& f) {
-      mps::for_each_weighted(search, i, stencil, [&](Index j, const Vec<Dim>& r_ij, double r,
-                                                     double w) { f(phi[j], r_ij, r, w); });
+      mps::for_each_weighted(search, i, stencil, [&](Index j, const Vec<Dim>& r_ij, double w,
+                                                     double w_r2) { f(phi[j], r_ij, w, w_r2); });
     });
     error[0] = std::max(error[0], (gradient - slope).norm());
     error[1] = std::max(error[1], std::abs(mps::divergence(search, stencil, i, u) - slope.sum()));

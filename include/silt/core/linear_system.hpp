@@ -29,10 +29,10 @@ struct LinearSystem {
 
   /// Where the unknowns lie, for preconditioners that use space. Without points they do not.
   struct Geometry {
-    double spacing = 0;                         ///< of the particles [m]
-    double full_diagonal = 0;                   ///< of an unknown with all its neighbours
+    double spacing = 0;        ///< of the particles [m]
+    double full_diagonal = 0;  ///< of an unknown with all its neighbours
+    double second_moment = 0;  ///< Σ_j |a_ij| Δx²/spacing² over Σ_j |a_ij|, along an axis
     std::vector<std::array<double, 3>> points;  ///< [m]
-    std::vector<std::array<float, 3>> second_moments;  ///< Σ_j |a_ij| Δx_a²/spacing² over unknowns j
     std::vector<float> to_surface;  ///< Σ of the weights to points of given value
   };
   Geometry geometry;

@@ -81,16 +81,14 @@ class BasicFlow {
     const Real nu = Real(settings_.viscosity);
     particles.refresh_ghosts(velocity);
     const auto u = particles.with_ghosts(velocity);
-    const auto kinds = particles[kind];
     change_.resize(particles.size());
-    for_each(particles.size(), [&](Index i) {
-      change_[i].setZero();
-      if (kinds[i] != Kind::fluid) return;
-      change_[i] = dt * gravity_;
-      if (nu > 0) change_[i] += (dt * nu) * laplacian(around_laplacian(), laplacian_, i, u);
+    for_each_of_fluid(particles, [&](Index i) {
+      Vec change = dt * gravity_;
+      if (nu > 0) change += (dt * nu) * laplacian(around_laplacian(), laplacian_, i, u);
+      change_[i] = change;
     });
     apply_change(particles);
-    moved_with_.assign(particles.size(), Vec::Zero());
+    moved_with_.clear();
   }
 
   /// r* = r + Δt u*: the original order moves particles before the pressure.
@@ -99,12 +97,8 @@ class BasicFlow {
     const Real dt = Real(time_step);
     const auto u = particles[velocity];
     const auto x = particles[position];
-    const auto kinds = particles[kind];
-    for_each(particles.size(), [&](Index i) {
-      if (kinds[i] != Kind::fluid) return;
-      moved_with_[i] = u[i];
-      x[i] += dt * u[i];
-    });
+    moved_with_.assign(u.begin(), u.end());
+    for_each_of_fluid(particles, [&](Index i) { x[i] += dt * u[i]; });
   }
 
   /// Approaching pairs closer than a l0 exchange momentum; every pair sees the velocities before.
@@ -117,13 +111,15 @@ class BasicFlow {
     particles.refresh_ghosts(velocity);
     const auto u = particles.with_ghosts(velocity);
     const auto kinds = particles.with_ghosts(kind);
+    // Weights fall with the distance; rounding must not lose anybody.
+    const float least = static_cast<float>(stencil_.weight(reach)) * (1 - 0x1p-16f);
     change_.resize(particles.size());
-    for_each(particles.size(), [&](Index i) {
-      change_[i].setZero();
-      if (kinds[i] != Kind::fluid) return;
-      around_.for_each_closer(i, reach, [&](Index j, const Vec& r_ij, Real r) {
-        change_[i] += model.impulse(r_ij, r, Vec(u[j] - u[i]), kinds[j] != Kind::fluid);
+    for_each_of_fluid(particles, [&](Index i) {
+      Vec change = Vec::Zero();
+      around_.for_each_closer(i, reach, least, [&](Index j, const Vec& r_ij, Real r) {
+        change += model.impulse(r_ij, r, Vec(u[j] - u[i]), kinds[j] != Kind::fluid);
       });
+      change_[i] = change;
     });
     apply_change(particles);
   }
@@ -153,14 +149,22 @@ class BasicFlow {
     apply_change(particles);
     const auto u = particles[velocity];
     const auto x = particles[position];
-    const auto kinds = particles[kind];
-    for_each(particles.size(), [&](Index i) {
-      if (kinds[i] == Kind::fluid) x[i] += dt * (u[i] - moved_with_[i]);
-    });
+    if (moved_with_.empty()) {
+      for_each_of_fluid(particles, [&](Index i) { x[i] += dt * u[i]; });
+    } else {
+      for_each_of_fluid(particles, [&](Index i) { x[i] += dt * (u[i] - moved_with_[i]); });
+    }
   }
 
  private:
   using Stencil = mps::Stencil<Dim, Real, typename Scheme::Kernel>;
+
+  template <class P, class F>
+  static void for_each_of_fluid(const P& particles, F&& f) {
+    for_each(particles.size(), [&f, kinds = particles[kind]](Index i) {
+      if (kinds[i] == Kind::fluid) f(i);
+    });
+  }
 
   template <class P>
   static double fastest(const P& particles) {
@@ -212,7 +216,7 @@ class BasicFlow {
   template <class P>
   void apply_change(P& particles) {
     const auto u = particles[velocity];
-    for_each(particles.size(), [&](Index i) { u[i] += change_[i]; });
+    for_each_of_fluid(particles, [&](Index i) { u[i] += change_[i]; });
   }
 
   // n_i (5) and the free surface (13), (17).
@@ -259,12 +263,10 @@ class BasicFlow {
     const auto kinds = particles.with_ghosts(kind);
     const Real factor = -dt / Real(settings_.density);
     change_.resize(particles.size());
-    for_each(particles.size(), [&](Index i) {
-      change_[i].setZero();
-      if (kinds[i] != Kind::fluid) return;
+    for_each_of_fluid(particles, [&](Index i) {
       change_[i] = factor * Scheme::Gradient::at(stencil_, p[i], [&](auto&& f) {
-        for_each_weighted(around_, i, stencil_, [&](Index j, const Vec& r_ij, Real r, Real w) {
-          if (kinds[j] != Kind::dummy) f(p[j], r_ij, r, w);
+        for_each_weighted(around_, i, stencil_, [&](Index j, const Vec& r_ij, Real w, Real w_r2) {
+          if (kinds[j] != Kind::dummy) f(p[j], r_ij, w, w_r2);
         });
       });
     });
@@ -291,8 +293,8 @@ class BasicFlow {
   PressureEquation equation_;
   SolveReport report_;
   FlowSeconds seconds_;
-  std::vector<Vec> change_;      // of the velocity, by the part of the step under way
-  std::vector<Vec> moved_with_;  // velocity that the predictor has moved each particle with
+  std::vector<Vec> change_;      // of the fluid's velocity, by the part of the step under way
+  std::vector<Vec> moved_with_;  // velocity the predictor moved each particle with, if it did
 };
 
 }  // namespace silt::mps

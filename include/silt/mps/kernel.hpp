@@ -9,7 +9,7 @@
 
 namespace silt::mps {
 
-/// Weight of a neighbour at q = r/re in (0, 1) [-].
+/// Weight of a neighbour at q = r/re in (0, 1) [-]; does not rise with q.
 template <class K>
 concept Kernel = requires(double q, float p) {
   { K::weight(q) } -> std::same_as<double>;

@@ -5,6 +5,7 @@
 #include <silt/core/error.hpp>
 #include <silt/core/fields.hpp>
 #include <silt/core/parallel.hpp>
+#include <silt/core/simd.hpp>
 #include <silt/core/types.hpp>
 #include <silt/mps/fluid.hpp>
 
@@ -12,22 +13,29 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <numeric>
 #include <span>
 #include <vector>
 
 namespace silt::mps {
 
-/// The neighbours of fluid and wall particles within one stencil. Weights are kept in single precision
-/// (their sums are not): half the memory to walk through.
+/// The neighbours of fluid and wall particles within one stencil. Weights, and their quotients w/r² that
+/// gradient and divergence need, are kept in single precision (their sums are not): half the memory
+/// to walk through.
 template <int Dim, class RealType>
 class Neighbourhood {
  public:
   using Real = RealType;
   using Vec = silt::Vec<Dim, Real>;
 
-  struct Neighbour {
-    std::uint32_t index;  // owned or ghost
-    float weight;
+  /// The neighbours of one particle, in three columns.
+  struct Row {
+    const std::uint32_t* index;  // owned or ghost
+    const float* weight;
+    const float* weight_over_square;  // w/r² [1/m²]
+    Index length;
+
+    Index size() const noexcept { return length; }
   };
 
   /// Asks the search for everyone's neighbours. Throws if two particles lie on one point.
@@ -36,10 +44,10 @@ class Neighbourhood {
     const auto x = particles.with_ghosts(position);
     positions_.assign(x.begin(), x.end());
     revision_ = particles.revision();
-    rows_.assign(particles.size(), Row{});
+    places_.assign(particles.size(), Place{});
     density_.assign(particles.size(), 0);
-    entries_.resize(chunk_count(x.size()));
-    used_.assign(entries_.size(), 0);
+    columns_.resize(chunk_count(x.size()));
+    for (Columns& columns : columns_) columns.used = 0;
     const auto has_row = [kinds = particles[kind]](Index i) { return kinds[i] != Kind::dummy; };
     for_each_row(particles, search, has_row, [&](Index chunk, Index i, std::span<const std::uint32_t> js) {
       if (!add_row(chunk, i, js, stencil)) {
@@ -57,30 +65,37 @@ class Neighbourhood {
            first_where(x.size(), [&](Index i) { return x[i] != positions_[i]; }) == nowhere;
   }
 
-  /// f(j, r_ij, r) for the neighbours of i closer than `reach` [m].
+  /// f(j, r_ij, r) for the neighbours of i closer than `reach` [m]; all of these weigh more than `least`,
+  /// which spares the positions of most others.
   template <class F>
-  void for_each_closer(Index i, Real reach, F&& f) const {
-    // Which these are cannot be foreseen: noted without a branch, then handed over.
-    std::array<std::uint32_t, 64> noted;
-    const std::span<const Neighbour> row = (*this)[i];
+  void for_each_closer(Index i, Real reach, float least, F&& f) const {
+    constexpr Index step = simd::lanes<float>;
+    constexpr Index piece = 4 * step;
+    std::array<std::uint32_t, piece> noted;
+    const Row row = (*this)[i];
     const Vec x_i = positions_[i];
-    for (Index from = 0; from < row.size(); from += noted.size()) {
+    const auto limit = simd::broadcast<float>(least);
+    for (Index from = 0; from < row.size(); from += piece) {
       Index count = 0;
-      for (Index k = from; k < std::min(row.size(), from + noted.size()); ++k) {
-        const Vec r_ij = positions_[row[k].index] - x_i;
-        noted[count] = row[k].index;
-        count += r_ij.squaredNorm() < reach * reach;
+      const Index end = std::min(row.size(), from + piece);
+      for (Index k = from; k < end; k += step) {
+        const simd::Mask heavy = simd::less<float>(limit, simd::load(row.weight + k));
+        count += simd::compress<std::uint32_t>(&noted[count], simd::load(row.index + k),
+                                               heavy & simd::first_lanes<step>(end - k));
       }
       for (Index k = 0; k < count; ++k) {
         const Vec r_ij = positions_[noted[k]] - x_i;
-        f(Index(noted[k]), r_ij, r_ij.norm());
+        const Real r2 = r_ij.squaredNorm();
+        if (r2 < reach * reach) f(Index(noted[k]), r_ij, std::sqrt(r2));
       }
     }
   }
 
-  std::span<const Neighbour> operator[](Index i) const noexcept {
-    const Row& row = rows_[i];
-    return {entries_[row.chunk].data() + row.first, row.length};
+  Row operator[](Index i) const noexcept {
+    const Place& at = places_[i];
+    const Columns& columns = columns_[at.chunk];
+    return {columns.index.data() + at.first, columns.weight.data() + at.first,
+            columns.weight_over_square.data() + at.first, at.length};
   }
   Vec position_of(Index i) const noexcept { return positions_[i]; }
 
@@ -89,10 +104,39 @@ class Neighbourhood {
 
  private:
   // Where the neighbours of a particle stand.
-  struct Row {
+  struct Place {
     std::uint32_t chunk = 0;
     std::uint32_t first = 0;
     std::uint32_t length = 0;
+  };
+
+  // Weights are taken in registers of at most so many lanes.
+  static constexpr Index lanes = 8;
+
+  // Neighbours of the particles of one chunk, and room for more.
+  struct Columns {
+    std::vector<std::uint32_t> index;
+    std::vector<float> weight;
+    std::vector<float> weight_over_square;
+    Index used = 0;
+    std::vector<Real> square;  // r² of the row that is being added
+    std::vector<Real> exact;   // its weights, unrounded
+
+    // For a row of so many, and the lanes beyond.
+    void reserve(Index row) {
+      if (row + lanes > square.size()) {
+        square.resize(2 * row + lanes);
+        exact.resize(2 * row + lanes);
+      }
+      const Index least = used + row + lanes;
+      if (least <= index.size()) return;
+      index.reserve(least * 9 / 8);  // resize() alone would double it
+      index.resize(index.capacity());
+      weight.reserve(index.size());
+      weight.resize(index.size());
+      weight_over_square.reserve(index.size());
+      weight_over_square.resize(index.size());
+    }
   };
 
   // f(chunk, i, js) for the particles that have a row; js may hold some that are too far. What is
@@ -117,62 +161,73 @@ class Neighbourhood {
 
   // False if one of them lies where i does.
   template <class T>
-  bool add_row(Index chunk, Index i, std::span<const std::uint32_t> js, const T& stencil) {
-    constexpr Index block = 32;  // so many at a time, so that the weights are taken in registers
-    auto& entries = entries_[chunk];
-    Index& used = used_[chunk];
-    if (used + js.size() > entries.size()) {
-      entries.reserve((used + js.size()) * 9 / 8);  // resize() alone would double it
-      entries.resize(entries.capacity());
-    }
-    const Index first = used;
+  bool add_row(Index chunk, Index i, std::span<const std::uint32_t> js, T stencil) {
+    Columns& to = columns_[chunk];
+    to.reserve(js.size());
+    std::uint32_t* const index = to.index.data() + to.used;
+    float* const weight = to.weight.data() + to.used;
+    float* const weight_over_square = to.weight_over_square.data() + to.used;
+    Real* const square = to.square.data();
+    Real* const exact = to.exact.data();
+
     const Vec x_i = positions_[i];
     const Real re2 = stencil.re * stencil.re;
-    Real density = 0;
+    Index length = 0;
     bool apart = true;
-    for (Index from = 0; from < js.size(); from += block) {
-      const Index count = std::min(block, js.size() - from);
-      std::array<Real, block> r2;
-      std::array<Real, block> weight;
-      r2.fill(re2);
-      for (Index k = 0; k < count; ++k) r2[k] = (positions_[js[from + k]] - x_i).squaredNorm();
-      for (Index k = 0; k < block; ++k) weight[k] = stencil.weight(std::sqrt(r2[k]));
-      for (Index k = 0; k < count; ++k) {
-        const bool near = r2[k] < re2;
-        entries[used] = {js[from + k], static_cast<float>(weight[k])};
-        used += near;
-        density += near ? weight[k] : 0;
-        apart &= r2[k] > 0;
-      }
+    for (const std::uint32_t j : js) {
+      const Real r2 = (positions_[j] - x_i).squaredNorm();
+      index[length] = j;
+      square[length] = r2;
+      length += r2 < re2;
+      apart &= r2 > 0;
     }
-    density_[i] = density;
-    rows_[i] = {static_cast<std::uint32_t>(chunk), static_cast<std::uint32_t>(first),
-                static_cast<std::uint32_t>(used - first)};
+
+    const Index padded = (length + lanes - 1) / lanes * lanes;
+    std::fill(square + length, square + padded, re2);
+    for (Index k = 0; k < padded; ++k) {
+      const Real w = stencil.weight(std::sqrt(square[k]));
+      exact[k] = w;
+      weight[k] = static_cast<float>(w);
+      weight_over_square[k] = static_cast<float>(w / square[k]);
+    }
+    std::fill(exact + length, exact + padded, Real(0));
+    std::array<Real, lanes> sum{};
+    for (Index k = 0; k < padded; k += lanes) {
+      for (Index lane = 0; lane < lanes; ++lane) sum[lane] += exact[k + lane];
+    }
+    density_[i] = std::accumulate(sum.begin(), sum.end(), Real(0));
+    places_[i] = {static_cast<std::uint32_t>(chunk), static_cast<std::uint32_t>(to.used),
+                  static_cast<std::uint32_t>(length)};
+    to.used += length;
     return apart;
   }
 
-  std::vector<Row> rows_;
-  std::vector<std::vector<Neighbour>> entries_;  // by chunk, and room for more
-  std::vector<Index> used_;                      // of these, by chunk
+  std::vector<Place> places_;
+  std::vector<Columns> columns_;  // by chunk
   std::vector<Real> density_;
   std::vector<Vec> positions_;  // with ghosts
   std::uint64_t revision_ = 0;
 };
 
-/// f(j, r_ij, r, w) for every neighbour of i, as a search gives them to a stencil.
+/// f(j, r_ij, w, w/r²) for every neighbour of i, as a search gives them to a stencil. Inlined, so that
+/// what f sums up stays in registers: the way through memory takes longer than all else.
 template <int Dim, class Real, class T, class F>
-void for_each_weighted(const Neighbourhood<Dim, Real>& neighbourhood, Index i, const T&, F&& f) {
+[[gnu::always_inline]] inline void for_each_weighted(const Neighbourhood<Dim, Real>& neighbourhood, Index i, const T&, F&& f) {
   const Vec<Dim, Real> x_i = neighbourhood.position_of(i);
-  for (const auto& [j, weight] : neighbourhood[i]) {
-    const Vec<Dim, Real> r_ij = neighbourhood.position_of(j) - x_i;
-    f(Index(j), r_ij, r_ij.norm(), Real(weight));
+  const auto row = neighbourhood[i];
+  for (Index k = 0; k < row.size(); ++k) {
+    const Vec<Dim, Real> r_ij = neighbourhood.position_of(row.index[k]) - x_i;
+    f(Index(row.index[k]), r_ij, Real(row.weight[k]), Real(row.weight_over_square[k]));
   }
 }
 
 template <int Dim, class Real, class T, class F>
 bool any_weighted(const Neighbourhood<Dim, Real>& neighbourhood, Index i, const T&, F&& f) {
-  return std::ranges::any_of(neighbourhood[i],
-                             [&f](const auto& j) { return f(Index(j.index), Real(j.weight)); });
+  const auto row = neighbourhood[i];
+  for (Index k = 0; k < row.size(); ++k) {
+    if (f(Index(row.index[k]), Real(row.weight[k]))) return true;
+  }
+  return false;
 }
 
 }  // namespace silt::mps

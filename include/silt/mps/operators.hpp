@@ -20,8 +20,9 @@ struct Stencil {
 
   Real spacing = 0;    ///< l0 [m]
   Real re = 0;         ///< radius [m]
-  Real n0 = 0;      ///< (5) [-]
-  Real lambda = 0;  ///< (7) [m²]
+  Real per_re = 0;     ///< 1/re [1/m]
+  Real n0 = 0;         ///< (5) [-]
+  Real lambda = 0;     ///< (7) [m²]
   int neighbours = 0;  ///< N0 [-]
 
   Stencil() = default;
@@ -34,19 +35,22 @@ struct Stencil {
     const LatticeValues values = lattice_values<Dim, K>(size.radius);
     spacing = Real(size.spacing);
     re = Real(size.radius * size.spacing);
+    per_re = 1 / re;
     n0 = Real(values.n0);
     lambda = Real(values.lambda * size.spacing * size.spacing);
     neighbours = values.neighbours;
   }
 
-  Real weight(Real r) const { return K::weight(r / re); }
+  Real weight(Real r) const { return K::weight(r * per_re); }
 };
 
-/// f(j, r_ij, r, w) for every neighbour of i within the stencil.
+/// f(j, r_ij, w, w/r²) for every neighbour of i within the stencil.
 template <class S, class T, class F>
 void for_each_weighted(const S& search, Index i, const T& stencil, F&& f) {
   search.for_each_neighbour(i, [&](Index j, const auto& r_ij, auto r) {
-    if (r < stencil.re) f(j, r_ij, r, stencil.weight(r));
+    if (!(r < stencil.re)) return;
+    const auto w = stencil.weight(r);
+    f(j, r_ij, w, w / (r * r));
   });
 }
 
@@ -54,22 +58,22 @@ void for_each_weighted(const S& search, Index i, const T& stencil, F&& f) {
 template <class S, class T, class F>
 bool any_weighted(const S& search, Index i, const T& stencil, F&& f) {
   bool any = false;
-  for_each_weighted(search, i, stencil, [&](Index j, const auto&, auto, auto w) { any |= f(j, w); });
+  for_each_weighted(search, i, stencil, [&](Index j, const auto&, auto w, auto) { any |= f(j, w); });
   return any;
 }
 
 /// <∇φ>_i = d/n0 Σ (φ_j − φ̂_i) r_ij w/r²,  φ̂_i the smallest of the neighbourhood, i included    (4)
 /// Always repels, does not conserve momentum.
 struct MinimumGradient {
-  /// for_each(f) calls f(φ_j, r_ij, r, w).
+  /// for_each(f) calls f(φ_j, r_ij, w, w/r²).
   template <class T, class Real, class Neighbours>
   static Vec<T::dimension, Real> at(const T& stencil, Real phi_i, Neighbours&& for_each) {
     using Vec = silt::Vec<T::dimension, Real>;
     Real lowest = phi_i;
     for_each([&](Real phi_j, const Vec&, Real, Real) { lowest = std::min(lowest, phi_j); });
     Vec sum = Vec::Zero();
-    for_each([&](Real phi_j, const Vec& r_ij, Real, Real w) {
-      sum += ((phi_j - lowest) * w / r_ij.squaredNorm()) * r_ij;
+    for_each([&](Real phi_j, const Vec& r_ij, Real, Real w_r2) {
+      sum += ((phi_j - lowest) * w_r2) * r_ij;
     });
     return (T::dimension / stencil.n0) * sum;
   }
@@ -81,8 +85,8 @@ struct ConservingGradient {
   static Vec<T::dimension, Real> at(const T& stencil, Real phi_i, Neighbours&& for_each) {
     using Vec = silt::Vec<T::dimension, Real>;
     Vec sum = Vec::Zero();
-    for_each([&](Real phi_j, const Vec& r_ij, Real, Real w) {
-      sum += ((phi_j + phi_i) * w / r_ij.squaredNorm()) * r_ij;
+    for_each([&](Real phi_j, const Vec& r_ij, Real, Real w_r2) {
+      sum += ((phi_j + phi_i) * w_r2) * r_ij;
     });
     return (T::dimension / stencil.n0) * sum;
   }
@@ -100,8 +104,8 @@ concept Gradient = requires(const Stencil<Dim, Real, CubicKernel> stencil, Real 
 template <class S, class T, class U>
 typename T::Real divergence(const S& search, const T& stencil, Index i, const U& u) {
   typename T::Real sum = 0;
-  for_each_weighted(search, i, stencil, [&](Index j, const auto& r_ij, auto, auto w) {
-    sum += (u[j] - u[i]).dot(r_ij) * w / r_ij.squaredNorm();
+  for_each_weighted(search, i, stencil, [&](Index j, const auto& r_ij, auto, auto w_r2) {
+    sum += (u[j] - u[i]).dot(r_ij) * w_r2;
   });
   return T::dimension / stencil.n0 * sum;
 }
@@ -111,7 +115,7 @@ template <class S, class T, class U>
 auto laplacian(const S& search, const T& stencil, Index i, const U& phi) {
   using Value = std::remove_cvref_t<decltype(phi[i])>;
   Value sum = phi[i] - phi[i];
-  for_each_weighted(search, i, stencil, [&](Index j, const auto&, auto, auto w) {
+  for_each_weighted(search, i, stencil, [&](Index j, const auto&, auto w, auto) {
     sum += (phi[j] - phi[i]) * w;
   });
   return Value(sum * (2 * T::dimension / (stencil.lambda * stencil.n0)));

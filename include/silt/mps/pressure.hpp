@@ -31,38 +31,30 @@ class PressureEquation {
     auto& geometry = system_.geometry;
     geometry.spacing = double(stencil.spacing);
     geometry.full_diagonal = double(stencil.n0);
+    geometry.second_moment = double(stencil.lambda) / (T::dimension * squared(geometry.spacing));
     geometry.points.resize(unknowns_.size());
-    geometry.second_moments.resize(unknowns_.size());
     geometry.to_surface.resize(unknowns_.size());
     const auto x = particles[position];
     const double scale = double(stencil.lambda) * double(stencil.n0) / (2 * T::dimension);
-    const double per_spacing = 1 / squared(geometry.spacing);
     system_.off_diagonal.build(unknowns_.size(), [&](Index row, auto&& add) {
       const Index i = unknowns_[row];
       double diagonal = 0;
       double to_surface = 0;
-      std::array<double, P::dimension> moments{};
-      for_each_weighted(neighbours, i, stencil, [&](Index j, const auto& r_ij, auto, auto weight) {
+      for_each_weighted(neighbours, i, stencil, [&](Index j, const auto&, auto weight, auto) {
         const std::uint32_t column = row_of_[j];
         if (column == dummy) return;
         const double w = double(static_cast<float>(weight));  // as the system keeps it
         diagonal += w;
         if (column == zero) {
           to_surface += w;
-          return;
-        }
-        add(column, -w);
-        for (Index k = 0; k < moments.size(); ++k) {
-          moments[k] += w * squared(double(r_ij[static_cast<Eigen::Index>(k)]));
+        } else {
+          add(column, -w);
         }
       });
       system_.diagonal[row] = diagonal;
       system_.right_side[row] = -double(source(i)) * scale;
       geometry.to_surface[row] = static_cast<float>(to_surface);
-      for (Index k = 0; k < moments.size(); ++k) {
-        geometry.points[row][k] = double(x[i][static_cast<Eigen::Index>(k)]);
-        geometry.second_moments[row][k] = static_cast<float>(moments[k] * per_spacing);
-      }
+      for (int k = 0; k < P::dimension; ++k) geometry.points[row][Index(k)] = double(x[i][k]);
     });
     find_closed_bodies();
     // Fluid that cannot leave cannot expand: in a closed body the sources add up to nothing.

@@ -121,15 +121,15 @@ class CellMultigrid {
     level.cells.assign(finest_cells_.cells().begin(), finest_cells_.cells().end());
     level.reds = finest_cells_.reds();
 
-    // The particles' masses m_i = Σ w_ij to the free surface and stiffnesses ½ Σ_j w_ij Δx² / edge²
-    // along each axis, shared among the cells as the residual is; a link has the mean of its cells'.
+    // The particles' masses m_i = Σ w_ij to the free surface, and stiffnesses ½ Σ_j w_ij Δx² / edge², are
+    // shared among the cells as the residual is; a link has the mean of its cells'. Where a stencil
+    // is cut, its second moment is taken to be cut as its sum is.
     to_particles_.restrict_to(level.mass, [&](Index i) { return geometry.to_surface[i]; });
-    const float scale = float(1 / (2 * squared(settings_.cell)));
-    for (std::size_t k = 0; k < Dim; ++k) {
-      stiffness_[k].resize(level.size());
-      to_particles_.restrict_to(stiffness_[k],
-                                [&](Index i) { return scale * geometry.second_moments[i][k]; });
-    }
+    const double scale = geometry.second_moment / (2 * squared(settings_.cell));
+    stiffness_.resize(level.size());
+    to_particles_.restrict_to(stiffness_, [&](Index i) {
+      return scale * (system.diagonal[i] - double(geometry.to_surface[i]));
+    });
     level.links.build(level.size(), [&](Index c, auto&& add) {
       for (std::size_t k = 0; k < Dim; ++k) {
         for (const std::int64_t way : {-1, 1}) {
@@ -137,7 +137,7 @@ class CellMultigrid {
           next[k] += way;
           const std::uint32_t other = finest_cells_.find(next);
           if (other == BackgroundCells<Dim>::none) continue;
-          const float conductance = (stiffness_[k][c] + stiffness_[k][other]) / 2;
+          const float conductance = (stiffness_[c] + stiffness_[other]) / 2;
           if (conductance > 0) add({other, conductance});
         }
       }
@@ -213,7 +213,7 @@ class CellMultigrid {
   std::vector<GridCell<Dim>> occupied_;
   BackgroundCells<Dim> finest_cells_;
   CellInterpolation<Dim> to_particles_;
-  std::array<std::vector<float>, Dim> stiffness_;  // by finest cell
+  std::vector<float> stiffness_;  // by finest cell
   std::vector<Level> levels_;  // those of earlier systems keep their memory
   std::vector<CellCoarsening<Dim>> coarsenings_;  // from each to the next
   Index used_ = 0;             // levels
