@@ -39,9 +39,10 @@ struct LinearSystem {
 
   Index size() const noexcept { return diagonal.size(); }
 
-  /// (A x)_i
-  double times(Index row, std::span<const double> x) const {
-    return diagonal[row] * x[row] + off_diagonal.times(row, x);
+  /// f(i, (A x)_i) for the rows of one chunk.
+  template <class F>
+  void multiply(Chunk chunk, std::span<const double> x, F&& f) const {
+    off_diagonal.multiply(chunk, x, [&](Index i, double sum) { f(i, diagonal[i] * x[i] + sum); });
   }
 
   /// Takes its mean over each closed body out of v.

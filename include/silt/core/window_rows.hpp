@@ -59,24 +59,32 @@ class WindowRows {
   /// Rows.
   Index size() const noexcept { return size_; }
 
-  /// Σ_j a_ij x_j of row i; x has size() numbers.
-  double times(Index row, std::span<const double> x) const {
-    if (x.size() < lanes) return narrow_times(row, x);
-    const Part& part = parts_[row / chunk_size];
-    const Index first = part.first[row % chunk_size];
-    const Index last = part.first[row % chunk_size + 1];
-    const float* const values = part.values.data();
+  /// f(i, Σ_j a_ij x_j) for the rows of one chunk of them; x has size() numbers.
+  template <class F>
+  void multiply(Chunk chunk, std::span<const double> x, F&& f) const {
+    const Part& part = parts_[chunk.number];
+    if (x.size() < lanes) {
+      for (Index i = chunk.first; i < chunk.last; ++i) f(i, narrow_product(i, x));
+      return;
+    }
+    const std::uint32_t* const first = part.first.data();
     const std::uint32_t* const columns = part.columns.data();
-    // Rows are read once, in order: the processor sees that later than we do.
-    for (Index line = 0; line < 4; ++line) {
-      __builtin_prefetch(values + first * lanes + 1024 + 16 * line);
+    const float* const values = part.values.data();
+    const double* const factors = x.data();
+    for (Index i = chunk.first; i < chunk.last; ++i) {
+      const Index begin = first[i - chunk.first];
+      const Index end = first[i - chunk.first + 1];
+      // Rows are read once, in order: the processor sees that later than we do.
+      for (Index line = 0; line < 4; ++line) {
+        __builtin_prefetch(values + begin * lanes + 1024 + 16 * line);
+      }
+      __builtin_prefetch(columns + begin + 256);
+      simd::Pack<double, 4> sum{};
+      for (Index window = begin; window < end; ++window) {
+        simd::add_products(values + window * lanes, factors + columns[window], sum);
+      }
+      f(i, (sum[0] + sum[2]) + (sum[1] + sum[3]));
     }
-    __builtin_prefetch(columns + first + 256);
-    simd::Pack<double, 4> sum{};
-    for (Index window = first; window < last; ++window) {
-      simd::add_products(values + window * lanes, x.data() + columns[window], sum);
-    }
-    return (sum[0] + sum[2]) + (sum[1] + sum[3]);
   }
 
   /// f(column, value) for every entry of a row that is not zero.
@@ -129,7 +137,7 @@ class WindowRows {
     Index column(Index at) const { return columns[at / lanes] + at % lanes; }
   };
 
-  double narrow_times(Index row, std::span<const double> x) const {
+  double narrow_product(Index row, std::span<const double> x) const {
     double sum = 0;
     for_each_entry(row, [&](Index column, double value) { sum += value * x[column]; });
     return sum;

@@ -71,11 +71,12 @@ class ConjugateGradient {
           return report;
         }
         residual = std::sqrt(advance(rho / curvature, x)) / size_of_b;  // x += α p;  r −= α q
+        ++report.iterations;
+        if (residual <= settings_.tolerance) break;
         precondition(system);
         const double next = dot(r_, z_);
         turn(next / rho);  // p = z + β p
         rho = next;
-        ++report.iterations;
       }
     }
     report.residual = find_residual(system, x) / size_of_b;
@@ -89,16 +90,16 @@ class ConjugateGradient {
   // r = b − A x, and |r|.
   double find_residual(const LinearSystem& system, const std::vector<double>& x) {
     return std::sqrt(sum_over_chunks(system.size(), [&](Chunk chunk) {
-      for (Index i = chunk.first; i < chunk.last; ++i) {
-        r_[i] = system.right_side[i] - system.times(i, x);
-      }
+      system.multiply(chunk, x, [&](Index i, double product) {
+        r_[i] = system.right_side[i] - product;
+      });
       return dot(chunk, r_, r_);
     }));
   }
 
   double multiply(const LinearSystem& system) {
     return sum_over_chunks(system.size(), [&](Chunk chunk) {
-      for (Index i = chunk.first; i < chunk.last; ++i) q_[i] = system.times(i, p_);
+      system.multiply(chunk, p_, [&](Index i, double product) { q_[i] = product; });
       return dot(chunk, p_, q_);
     });
   }
