@@ -147,12 +147,12 @@ class Neighbourhood {
       search.for_each_row(has_row, f);
     } else {
       for_each_chunk(particles.size(), [&](Chunk chunk) {
-        std::vector<std::uint32_t> js;
+        static thread_local std::vector<std::uint32_t> js;  // its memory stays
         for (Index i = chunk.first; i < chunk.last; ++i) {
           if (!has_row(i)) continue;
           js.clear();
           search.for_each_neighbour(
-              i, [&js](Index j, const Vec&, Real) { js.push_back(static_cast<std::uint32_t>(j)); });
+              i, [](Index j, const Vec&, Real) { js.push_back(static_cast<std::uint32_t>(j)); });
           f(chunk.number, i, std::span<const std::uint32_t>(js));
         }
       });

@@ -172,8 +172,8 @@ class UniformGrid {
   // Fewer particles fit into a cache in any order.
   static constexpr Index worth_sorting = 1024;
   // Particles that are enough to share candidates, and cells that are still close together.
-  static constexpr Index shared_by = 8;
-  static constexpr std::int64_t longest_block = 4;
+  static constexpr Index shared_by = 16;
+  static constexpr std::int64_t longest_block = 12;
 
   bool has_ghosts() const noexcept { return !ghost_owners_.empty(); }
 

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: MIT
+// What was allocated in the first steps serves all later ones.
+#include "support/allocations.hpp"
+
+#include <silt/mps.hpp>
+
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+namespace silt::test {
+namespace {
+
+// Of ten steps of a still tank behind twenty others.
+template <int Dim, class Search>
+std::uint64_t allocations_of_tank(Search search, double spacing) {
+  auto tank = mps::make_tank<Dim>({.column = {0.2, 0.2},
+                                   .size = {.length = 0.2, .height = 0.3, .depth = 0.2},
+                                   .spacing = spacing});
+  const mps::Flow<mps::Case10, Dim> water{{.spacing = spacing, .speed_scale = 1.4}};
+  Simulation simulation{std::move(tank), std::move(search), water, SemiImplicit<>{}};
+  const double dt = simulation.time_step() / 4;
+  for (int k = 0; k < 20; ++k) simulation.step(dt);
+  const std::uint64_t before = allocations;
+  for (int k = 0; k < 10; ++k) simulation.step(dt);
+  return allocations - before;
+}
+
+class WarmStep : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    if (!counts_allocations) GTEST_SKIP() << "nothing counts allocations in this build";
+  }
+};
+
+TEST_F(WarmStep, OfWaterAllocatesNothing) {
+  EXPECT_EQ(allocations_of_tank<2>(UniformGrid<2>{}, 0.005), 0U);
+  EXPECT_EQ(allocations_of_tank<3>(UniformGrid<3>{}, 0.02), 0U);
+  EXPECT_EQ(allocations_of_tank<2>(NeighbourList<2>{}, 0.005), 0U);
+  EXPECT_EQ(allocations_of_tank<3>(NeighbourList<3>{}, 0.02), 0U);
+}
+
+// Else the test above would hold whatever the library does.
+TEST_F(WarmStep, IsCountedWhereItAllocates) {
+  const std::uint64_t before = allocations;
+  const std::vector<double> one(100);
+  EXPECT_EQ(allocations - before, 1U) << one[0];
+}
+
+}  // namespace
+}  // namespace silt::test
