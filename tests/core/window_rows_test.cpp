@@ -54,7 +54,7 @@ std::vector<double> product(const WindowRows& rows, const std::vector<double>& x
 }
 
 TEST(WindowRows, KeepTheEntriesTheyWereGivenInAnyOrder) {
-  for (const Index n : {1, 5, 8, 9, 100, 3000}) {
+  for (const Index n : {1u, 5u, 8u, 9u, 100u, 3000u}) {
     Entries entries = clustered(n);
     for (const bool backwards : {false, true}) {
       const WindowRows rows = rows_of(n, entries, backwards);
@@ -70,7 +70,7 @@ TEST(WindowRows, KeepTheEntriesTheyWereGivenInAnyOrder) {
 }
 
 TEST(WindowRows, MultiplyAsTheirEntriesDo) {
-  for (const Index n : {1, 7, 8, 100, 3000}) {
+  for (const Index n : {1u, 3u, 4u, 7u, 100u, 3000u}) {
     const Entries entries = clustered(n);
     const WindowRows rows = rows_of(n, entries);
     std::vector<double> x(n);
@@ -95,7 +95,7 @@ TEST(WindowRows, AddUpWhatIsAddedTwice) {
 }
 
 TEST(WindowRows, KnowWhetherARowHasAnEntryInAMarkedColumn) {
-  for (const Index n : {5, 60}) {
+  for (const Index n : {5u, 60u}) {
     const Entries entries = clustered(n);
     const WindowRows rows = rows_of(n, entries);
     for (Index column = 0; column < n; ++column) {

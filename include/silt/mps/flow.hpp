@@ -149,11 +149,9 @@ class BasicFlow {
     apply_change(particles);
     const auto u = particles[velocity];
     const auto x = particles[position];
-    if (moved_with_.empty()) {
-      for_each_of_fluid(particles, [&](Index i) { x[i] += dt * u[i]; });
-    } else {
-      for_each_of_fluid(particles, [&](Index i) { x[i] += dt * (u[i] - moved_with_[i]); });
-    }
+    for_each_of_fluid(particles, [&](Index i) {
+      x[i] += dt * (moved_with_.empty() ? u[i] : Vec(u[i] - moved_with_[i]));
+    });
   }
 
  private:

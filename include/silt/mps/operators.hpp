@@ -103,11 +103,12 @@ concept Gradient = requires(const Stencil<Dim, Real, CubicKernel> stencil, Real 
 /// <∇·u>_i = d/n0 Σ (u_j − u_i)·r_ij w/r²
 template <class S, class T, class U>
 typename T::Real divergence(const S& search, const T& stencil, Index i, const U& u) {
-  typename T::Real sum = 0;
+  // Summed up along each axis, and over the axes once.
+  Vec<T::dimension, typename T::Real> sum = Vec<T::dimension, typename T::Real>::Zero();
   for_each_weighted(search, i, stencil, [&](Index j, const auto& r_ij, auto, auto w_r2) {
-    sum += (u[j] - u[i]).dot(r_ij) * w_r2;
+    sum += (u[j] - u[i]).cwiseProduct(r_ij) * w_r2;
   });
-  return T::dimension / stencil.n0 * sum;
+  return T::dimension / stencil.n0 * sum.sum();
 }
 
 /// <∇²φ>_i = 2d/(λ n0) Σ (φ_j − φ_i) w     (6), with the n0 that is usual instead of the printed n_i

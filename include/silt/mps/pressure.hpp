@@ -34,12 +34,14 @@ class PressureEquation {
     geometry.second_moment = double(stencil.lambda) / (T::dimension * squared(geometry.spacing));
     geometry.points.resize(unknowns_.size());
     geometry.to_surface.resize(unknowns_.size());
+    last_column_.resize(unknowns_.size());
     const auto x = particles[position];
     const double scale = double(stencil.lambda) * double(stencil.n0) / (2 * T::dimension);
     system_.off_diagonal.build(unknowns_.size(), [&](Index row, auto&& add) {
       const Index i = unknowns_[row];
       double diagonal = 0;
       double to_surface = 0;
+      std::uint32_t last_column = static_cast<std::uint32_t>(row);
       for_each_weighted(neighbours, i, stencil, [&](Index j, const auto&, auto weight, auto) {
         const std::uint32_t column = row_of_[j];
         if (column == dummy) return;
@@ -49,11 +51,13 @@ class PressureEquation {
           to_surface += w;
         } else {
           add(column, -w);
+          last_column = std::max(last_column, column);
         }
       });
       system_.diagonal[row] = diagonal;
       system_.right_side[row] = -double(source(i)) * scale;
       geometry.to_surface[row] = static_cast<float>(to_surface);
+      last_column_[row] = last_column;
       for (int k = 0; k < P::dimension; ++k) geometry.points[row][Index(k)] = double(x[i][k]);
     });
     find_closed_bodies();
@@ -117,9 +121,10 @@ class PressureEquation {
     const Index n = unknowns_.size();
     const auto& entries = system_.off_diagonal;
     is_open_.assign(n, 0);
-    // Surfaces mostly lie on top, so that one pass downwards reaches nearly all.
+    // Surfaces mostly lie on top, so that one pass downwards reaches nearly all, from the last that each
+    // row is connected with.
     for (Index row = n; row-- > 0;) {
-      is_open_[row] = system_.geometry.to_surface[row] > 0 || entries.has_entry_in(row, is_open_);
+      is_open_[row] = system_.geometry.to_surface[row] > 0 || is_open_[last_column_[row]];
     }
     for (Index row = 0; row < n; ++row) {
       if (is_open_[row] || !entries.has_entry_in(row, is_open_)) continue;
@@ -167,9 +172,10 @@ class PressureEquation {
   }
 
   LinearSystem system_;
-  std::vector<std::uint32_t> unknowns_;  // particle of each row
-  std::vector<std::uint32_t> row_of_;    // row of each particle, ghosts as their owners
-  std::vector<std::uint8_t> is_open_;    // rows that a surface reaches
+  std::vector<std::uint32_t> unknowns_;     // particle of each row
+  std::vector<std::uint32_t> row_of_;       // row of each particle, ghosts as their owners
+  std::vector<std::uint32_t> last_column_;  // with an entry in each row, or the row itself
+  std::vector<std::uint8_t> is_open_;       // rows that a surface reaches
   std::vector<std::uint32_t> front_;
   std::vector<double> solution_;
 };
