@@ -86,6 +86,13 @@ Real margin_of(const S& search) {
   }
 }
 
+/// Knows how far particles have gone: search.travelled() [m] grows at every update by at least what the
+/// farthest moved since the one before, as long as particles.revision() stays.
+template <class S>
+concept KnowsTravel = requires(const S s) {
+  { s.travelled() } -> std::convertible_to<double>;
+};
+
 /// Knows how far it reaches [m]; 0 if it needs no neighbours.
 template <class I, class P>
 concept Reaching = requires(const I i, const P& p) {

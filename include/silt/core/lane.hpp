@@ -17,6 +17,13 @@
 #include <limits>
 #include <type_traits>
 
+// Stands before such a loop: g++ must be told that no lane reads what another writes; clang sees it.
+#ifdef __clang__
+#define SILT_EACH_LANE_ALONE
+#else
+#define SILT_EACH_LANE_ALONE _Pragma("GCC ivdep")
+#endif
+
 namespace silt {
 
 template <std::floating_point Real>
@@ -68,6 +75,24 @@ class Lane {
  private:
   Real value_;
 };
+
+/// The same numbers in memory, to be read and written in such a loop.
+template <std::floating_point Real>
+auto* lanes_of(Real* values) {
+  return reinterpret_cast<Lane<Real>*>(values);
+}
+template <std::floating_point Real>
+auto* lanes_of(const Real* values) {
+  return reinterpret_cast<const Lane<Real>*>(values);
+}
+template <std::floating_point Real, int Dim>
+auto* lanes_of(Eigen::Matrix<Real, Dim, 1>* values) {
+  return reinterpret_cast<Vec<Dim, Lane<Real>>*>(values);
+}
+template <std::floating_point Real, int Dim>
+auto* lanes_of(const Eigen::Matrix<Real, Dim, 1>* values) {
+  return reinterpret_cast<const Vec<Dim, Lane<Real>>*>(values);
+}
 
 }  // namespace silt
 

@@ -107,7 +107,7 @@ class Contacts {
     touches.begin_step();
     grains.refresh_ghosts(velocity);
     grains.refresh_ghosts(spin);
-    if (is_stale(grains, touches)) find_near(grains, search, touches, dt);
+    if (is_stale(grains, search, touches)) find_near(grains, search, touches, dt);
     ask_law(grains, touches, static_cast<typename P::Real>(dt));
     check_stability(grains, touches, dt);
   }
@@ -130,7 +130,7 @@ class Contacts {
       const Real* const row = rows + part.contact() * Lanes::row_words;
       const Eigen::Map<const Vec<Dim, Real>> n(row + Lanes::n);
       const Eigen::Map<const Vec<Dim, Real>> F(row + Lanes::F);
-      const Real arm = R - row[Lanes::arm_share_word] * row[Lanes::overlap_word];
+      const Real arm = R - row[Lanes::arm_share] * row[Lanes::overlap];
       sum += part.is_second() ? Vec<Dim, Real>(-F) : Vec<Dim, Real>(F);
       turning -= arm * moment(Vec<Dim, Real>(n), Vec<Dim, Real>(F));
     }
@@ -262,15 +262,18 @@ class Contacts {
 
   // Whether something else than the near contacts might touch: two grains come closer by at most the sum
   // of what they moved.
-  template <class P>
-  static bool is_stale(const P& grains, const FoundOf<P>& touches) {
-    const auto& [since, margin, revision, stable] = touches.validity();
-    if (revision != grains.revision() || since.size() != grains.size()) return true;
+  template <class P, class S>
+  static bool is_stale(const P& grains, const S& search, FoundOf<P>& touches) {
+    auto& validity = touches.validity();
+    if (validity.revision != grains.revision() || validity.since.size() != grains.size()) return true;
+    if constexpr (KnowsTravel<S>) {
+      if (search.travelled() - validity.travelled <= double(validity.margin / 2)) return false;
+    }
     const auto x = grains[position];
-    const auto near = squared(margin / 2);
+    const auto near = squared(validity.margin / 2);
     // Not "beyond": a NaN is not near.
-    return first_where(x.size(), [&, &since = since](Index i) {
-             return !((x[i] - since[i]).squaredNorm() <= near);
+    return first_where(x.size(), [&](Index i) {
+             return !((x[i] - validity.since[i]).squaredNorm() <= near);
            }) != nowhere;
   }
 
@@ -308,6 +311,7 @@ class Contacts {
       validity.revision = grains.revision();
       const auto owned = grains[position];
       validity.since.assign(owned.begin(), owned.end());
+      if constexpr (KnowsTravel<S>) validity.travelled = search.travelled();
       const auto x = grains.with_ghosts(position);
       const auto R = grains.with_ghosts(radius);
       near.find_all(
@@ -348,18 +352,19 @@ class Contacts {
     return words_from<P>(typename LawMemory<Law, P::dimension, typename P::Real>::type{});
   }
 
-  // Geometry and motion of eight contacts.
+  // Geometry of eight contacts.
   template <class P>
   void measure(LanesOf<P>& eight, const typename LanesOf<P>::Columns& columns,
                const FoundOf<P>& touches, Index group) const {
     using Real = typename P::Real;
     const auto& near = touches.near();
     const Real to_contact = settings_.lever_arm == LeverArm::radius ? Real(0) : Real(1);
+    const int filled = near.filled(group);
     if (!near.is_of_walls(group)) {
-      eight.between(columns, near.first(group), near.second(group), to_contact / 2);
+      eight.between(columns, near.first(group), near.second(group), filled, to_contact / 2);
       return;
     }
-    eight.at_walls(columns, near.first(group), near.second(group), to_contact,
+    eight.at_walls(columns, near.first(group), near.second(group), filled, to_contact,
                    [this](std::uint32_t number, const typename P::Vec& x) {
                      NearestPoint<P::dimension, Real> nearest{};
                      for_each_wall([&](const auto& wall, Index w) {
@@ -372,82 +377,60 @@ class Contacts {
   // The law's force for every contact.
   template <class P>
   void ask_law(const P& grains, FoundOf<P>& touches, typename P::Real dt) {
-    using Real = typename P::Real;
     using Lanes = LanesOf<P>;
-    constexpr int words = words_of<P>;
-    const auto fresh = fresh_memory<P>();
     auto& seen = touches.seen();
     seen.time_step = dt;
     seen.rows.resize(touches.near().size() * Lanes::row_words);
     counts_.assign(chunk_count(touches.near().size()), 0);
     const typename Lanes::Columns columns(grains);
-    touches.use_memory([&](const auto& near, auto&& memory_of) {
+    touches.use_memory([&](const auto& near, auto&& before, auto&& after) {
       for_each_chunk(near.size(), [&](Chunk chunk) {
         Lanes eight;
+        Index count = 0;
         for (Index group = chunk.first / lanes; group < chunk.last / lanes; ++group) {
           if (group + 4 < near.groups() && !near.is_of_walls(group + 4)) {
             columns.prefetch(near.second(group + 4));
           }
           measure<P>(eight, columns, touches, group);
-          bool touch[lanes];
-          int count = 0;
-          for (int lane = 0; lane < lanes; ++lane) {
-            touch[lane] = lane < near.filled(group) && eight.overlap(lane) > 0;
-            count += touch[lane];
-          }
-          Real* const memory = memory_of(group);
-          if (count > 0) {
-            check_centres(near, eight, group, touch);
-            ask(grains, near, eight, group, touch, dt, memory);
-          }
-          for (int k = 0; k < words; ++k) {
-            for (int lane = 0; lane < lanes; ++lane) {
-              Real& word = memory[k * lanes + lane];
-              word = touch[lane] ? word : fresh[static_cast<std::size_t>(k)];
-            }
-          }
-          eight.give(touch, &seen.rows[group * lanes * Lanes::row_words]);
-          counts_[chunk.number] += static_cast<Index>(count);
+          check_centres(near, eight, group);
+          ask(grains, near, eight, group, dt, before(group), after(group));
+          eight.give(&seen.rows[group * lanes * Lanes::row_words]);
+          count += static_cast<Index>(eight.count());
         }
+        counts_[chunk.number] = count;
       });
     });
     seen.count = std::accumulate(counts_.begin(), counts_.end(), Index(0));
   }
 
   template <class P, class Near>
-  void ask(const P& grains, const Near& near, LanesOf<P>& eight, Index group, const bool* touch,
-           typename P::Real dt, typename P::Real* memory) const {
-    const Law* laws[lanes] = {};
-    const Law* common = nullptr;
-    bool is_common = true;
-    for (int lane = 0; lane < lanes; ++lane) {
-      if (!touch[lane]) continue;
-      laws[lane] = materials_.count() == 1
-                       ? &materials_.between(0, 0)
-                       : &law_of(grains, sides_of(grains, near, group * lanes + Index(lane)));
-      is_common &= common == nullptr || common == laws[lane];
-      common = laws[lane];
-    }
+  void ask(const P& grains, const Near& near, LanesOf<P>& eight, Index group, typename P::Real dt,
+           const typename P::Real* before, typename P::Real* after) const {
+    const auto fresh = fresh_memory<P>();
     if constexpr (LawInLanes<Law, P::dimension, typename P::Real>) {
-      if (is_common) {
-        eight.ask(*common, dt, memory);
+      if (materials_.count() == 1 && eight.count() > 0) {
+        eight.ask(materials_.between(0, 0), dt, fresh, before, after);
         return;
       }
     }
     for (int lane = 0; lane < lanes; ++lane) {
-      if (touch[lane]) eight.ask_one(*laws[lane], lane, dt, memory);
+      if (eight.touches(lane)) {
+        const Sides sides = sides_of(grains, near, group * lanes + Index(lane));
+        eight.ask_one(law_of(grains, sides), lane, dt, before, after);
+      } else {
+        eight.rest(lane, fresh, after);
+      }
     }
   }
 
   template <class Near, class Lanes>
-  static void check_centres(const Near& near, const Lanes& eight, Index group, const bool* touch) {
-    for (int lane = 0; lane < lanes; ++lane) {
-      if (!touch[lane] || eight.distance(lane) > 0) continue;
-      const Index c = group * lanes + static_cast<Index>(lane);
-      fail("dem::Contacts: the centres of grains " + std::to_string(near.first_id(c)) + " and " +
-               std::to_string(near.second_id(c)) + " coincide; place them apart",
-           {.particle = near.first(group)[lane], .id = near.first_id(c)});
-    }
+  static void check_centres(const Near& near, const Lanes& eight, Index group) {
+    const int lane = eight.coincident();
+    if (lane == lanes) return;
+    const Index c = group * lanes + static_cast<Index>(lane);
+    fail("dem::Contacts: the centres of grains " + std::to_string(near.first_id(c)) + " and " +
+             std::to_string(near.second_id(c)) + " coincide; place them apart",
+         {.particle = near.first(group)[lane], .id = near.first_id(c)});
   }
 
   template <class P>

@@ -17,10 +17,23 @@ namespace silt::dem {
 inline constexpr struct material_t : field_of<std::uint32_t>, constant_field {
 } material{};
 
-/// Discs (2D) or spheres (3D), with any further fields of the user's.
+namespace detail {
+// A sphere's spin has no sum that says how it lies; whoever wants the sum adds angle_t.
+template <int Dim, class Real, Field... Further>
+struct GrainsOf {
+  using type = Particles<Dim, Real, velocity_t, spin_t, force_t, torque_t, mass_t, inertia_t,
+                         radius_t, material_t, Further...>;
+};
+template <class Real, Field... Further>
+struct GrainsOf<2, Real, Further...> {
+  using type = Particles<2, Real, velocity_t, spin_t, angle_t, force_t, torque_t, mass_t, inertia_t,
+                         radius_t, material_t, Further...>;
+};
+}  // namespace detail
+
+/// Discs (2D), which also carry their angle, or spheres (3D), with any further fields of the user's.
 template <int Dim, class Real = double, Field... Further>
-using Grains = Particles<Dim, Real, velocity_t, spin_t, angle_t, force_t, torque_t, mass_t,
-                         inertia_t, radius_t, material_t, Further...>;
+using Grains = typename detail::GrainsOf<Dim, Real, Further...>::type;
 
 /// What a grain's mass and moment of inertia are computed from.
 enum class Shape {

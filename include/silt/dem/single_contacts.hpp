@@ -38,7 +38,7 @@ void for_each_touch(const P& grains, const T& touches, F&& f) {
   const auto& near = touches.near();
   if (touches.seen().rows.size() != near.size() * Lanes::row_words) return;
   for (Index c = 0; c < near.size(); ++c) {
-    if (!near.is_contact(c) || !(row_of(grains, touches, c)[Lanes::overlap_word] > 0)) continue;
+    if (!near.is_contact(c) || !(row_of(grains, touches, c)[Lanes::overlap] > 0)) continue;
     const bool at_wall = near.is_of_walls(c / lanes);
     const Sides sides{.i = grains.index_of(near.first_id(c)),
                       .j = at_wall ? nowhere : grains.index_of(near.second_id(c)),
@@ -73,10 +73,10 @@ auto contact_of(const P& grains, const T& touches, Index c, const Sides& sides) 
   const auto* const row = row_of(grains, touches, c);
   auto contact = constants_of(grains, sides);
   for (int k = 0; k < P::dimension; ++k) contact.normal[k] = row[Lanes::n + k];
-  contact.overlap = row[Lanes::overlap_word];
+  contact.overlap = row[Lanes::overlap];
   contact.time_step = touches.seen().time_step;
   const auto surface = [&](Index i, typename P::Real towards) {
-    const auto arm = grains[radius][i] - row[Lanes::arm_share_word] * contact.overlap;
+    const auto arm = grains[radius][i] - row[Lanes::arm_share] * contact.overlap;
     return Vec(grains[velocity][i] + cross(grains[spin][i], Vec(towards * arm * contact.normal)));
   };
   contact.relative_velocity = surface(sides.i, -1);

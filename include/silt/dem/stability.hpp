@@ -139,7 +139,7 @@ Unstable find_unstable(const P& grains, const T& touches, double dt, LawOf&& law
   const auto for_each_contact_of = [&](Index i, auto&& f) {
     for (const auto part : touches.near().of(i)) {
       const Held& each = held[part.contact()];
-      const auto share = row_of(grains, touches, part.contact())[Lanes::arm_share_word];
+      const auto share = row_of(grains, touches, part.contact())[Lanes::arm_share];
       const double arm = double(grains[radius][i] - share * each.contact.overlap);
       if (each.touches) f(each.contact, each.stiffness, arm);
     }

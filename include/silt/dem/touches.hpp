@@ -31,6 +31,7 @@ class Touches {
   /// Since when, and how long, the near contacts are good.
   struct Validity {
     std::vector<Vec<Dim, Real>> since;  ///< positions of the owned grains [m]
+    double travelled = 0;               ///< of the search then, see KnowsTravel [m]
     Real margin = 0;                    ///< gap up to which pairs are near [m]
     std::uint64_t revision = std::numeric_limits<std::uint64_t>::max();
     double stable_time_step = 0;  ///< that all near contacts stand [s]
@@ -76,20 +77,18 @@ class Touches {
     validity_ = {};
   }
 
-  /// ask(near, memory) asks the law; memory(group) is where it finds and leaves what it remembers.
+  /// ask(near, before, after) asks the law; before(group) is where it finds what it remembers, after(group)
+  /// where it leaves that.
   template <class Ask>
   void use_memory(Ask&& ask) {
     if (keeps_near_ || keeps_memory_) {
-      ask(near_, [this](Index group) { return near_.memory(group); });
+      const auto in_place = [this](Index group) { return near_.memory(group); };
+      ask(near_, in_place, in_place);
       return;
     }
     near_.make_room_for_next_memory();
-    ask(near_, [this](Index group) {
-      const Real* const now = near_.memory(group);
-      Real* const next = near_.next_memory(group);
-      std::copy(now, now + lanes * words, next);
-      return next;
-    });
+    ask(near_, [this](Index group) { return near_.memory(group); },
+        [this](Index group) { return near_.next_memory(group); });
     near_.swap_memory();
     keeps_memory_ = true;
   }

@@ -4,13 +4,14 @@
 
 #include <silt/core/concepts.hpp>
 #include <silt/core/error.hpp>
+#include <silt/core/lane.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/particles.hpp>
 #include <silt/integrate/damping.hpp>
 
 #include <algorithm>
 #include <concepts>
-#include <span>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -19,67 +20,69 @@ namespace silt {
 template <class F, class... Fs>
 inline constexpr bool one_of = (std::same_as<F, Fs> || ...);
 
-/// The motion of particles, one at a time, from the fields before to those after a step.
+/// The motion of particles, one at a time, from the fields before to those after a step. Written over
+/// lanes, a loop that calls it becomes vector instructions; see core/lane.hpp.
 template <class P>
 class Motion {
-  using Vec = typename P::Vec;
-  using Spin = typename P::Spin;
   using Real = typename P::Real;
+  using Scalar = Lane<Real>;
+  using Vec = silt::Vec<P::dimension, Scalar>;
+  using Spin = silt::Spin<P::dimension, Scalar>;
 
  public:
   explicit Motion(P& particles)
-      : x_(particles.advance(position)),
-        v_(particles.advance(velocity)),
-        f_(particles.advance(force).after),
-        m_(particles[mass]) {
+      : x_(of(particles.advance(position))),
+        v_(of(particles.advance(velocity))),
+        f_(of(particles.advance(force)).after),
+        m_(lanes_of(particles[mass].data())) {
     if constexpr (turns) {
-      w_ = particles.advance(spin);
-      t_ = particles.advance(torque).after;
-      inertias_ = particles[inertia];
+      w_ = of(particles.advance(spin));
+      t_ = of(particles.advance(torque)).after;
+      inertias_ = lanes_of(particles[inertia].data());
     }
-    if constexpr (has_angle) angle_ = particles.advance(angle);
+    if constexpr (has_angle) angle_ = of(particles.advance(angle));
   }
 
   /// Force and moment to zero.
-  void clear(Index i) {
-    f_[i].setZero();
+  void clear(Index i) const {
+    f_[i] = zero_of<Vec>();
     if constexpr (turns) t_[i] = zero_of<Spin>();
   }
 
   /// v^{N−½} → v^{N+½} (32) and, where particles turn, θ'^{N−½} → θ'^{N+½} (33).
   template <class D>
-  void kick(Index i, const D& damping, double dt) {
+  void kick(Index i, const D& damping, double dt) const {
     set_velocities(i, [&]<class Value>(const Value& v, const Value& a) -> Value {
-      return damping.kicked(v, a, Real(dt));
+      return damping.kicked(v, a, Scalar(dt));
     });
   }
 
   /// v^N = ½ (v^{N−½} + v^{N+½}) (27), (28); positions stay.
   template <class D>
-  void kick_to_the_mean(Index i, const D& damping, double dt) {
+  void kick_to_the_mean(Index i, const D& damping, double dt) const {
     set_velocities(i, [&]<class Value>(const Value& v, const Value& a) -> Value {
-      return (damping.kicked(v, a, Real(dt)) + v) / 2;
+      return (damping.kicked(v, a, Scalar(dt)) + v) / Scalar(2);
     });
     stay(i);
   }
 
   /// v^N → v^{N−½}; positions stay.
   template <class D>
-  void step_back(Index i, const D& damping, double dt) {
+  void step_back(Index i, const D& damping, double dt) const {
     set_velocities(i, [&]<class Value>(const Value& v, const Value& a) -> Value {
-      if constexpr (requires { damping.half_step_before(v, a, Real(dt)); }) {
-        return damping.half_step_before(v, a, Real(dt));
+      if constexpr (requires { damping.half_step_before(v, a, Scalar(dt)); }) {
+        return damping.half_step_before(v, a, Scalar(dt));
       } else {
-        return v - a * Real(dt / 2);
+        return v - a * Scalar(dt / 2);
       }
     });
     stay(i);
   }
 
   /// x^{N+1} = x^N + v^{N+½} Δt,  θ^{N+1} = θ^N + θ'^{N+½} Δt        (19)
-  void drift(Index i, double dt) {
-    x_.after[i] = x_.before[i] + v_.after[i] * Real(dt);
-    if constexpr (has_angle) angle_.after[i] = angle_.before[i] + w_.after[i] * Real(dt);
+  void drift(Index i, double dt) const {
+    x_.after[i] = x_.before[i] + v_.after[i] * Scalar(dt);
+    if constexpr (has_angle) angle_.after[i] = angle_.before[i] + w_.after[i] * Scalar(dt);
   }
 
   /// False if something of particle i is not finite; rarely also if it is merely huge.
@@ -87,7 +90,7 @@ class Motion {
     Real sum = x_.after[i].sum() + v_.after[i].sum();
     if constexpr (turns) sum += sum_of(w_.after[i]);
     if constexpr (has_angle) sum += sum_of(angle_.after[i]);
-    return is_finite(sum);
+    return sum - sum == 0;  // no call, as is_finite() makes one
   }
 
  private:
@@ -96,12 +99,12 @@ class Motion {
 
   // set(velocity before, acceleration) gives the one after.
   template <class Set>
-  void set_velocities(Index i, Set&& set) {
-    v_.after[i] = set(Vec(v_.before[i]), Vec(f_[i] / m_[i]));
-    if constexpr (turns) w_.after[i] = set(Spin(w_.before[i]), Spin(t_[i] / inertias_[i]));
+  void set_velocities(Index i, Set&& set) const {
+    v_.after[i] = set(Vec(v_.before[i]), Vec(f_[i] * (1 / m_[i])));
+    if constexpr (turns) w_.after[i] = set(Spin(w_.before[i]), Spin(t_[i] * (1 / inertias_[i])));
   }
 
-  void stay(Index i) {
+  void stay(Index i) const {
     x_.after[i] = x_.before[i];
     if constexpr (has_angle) angle_.after[i] = angle_.before[i];
   }
@@ -115,15 +118,24 @@ class Motion {
   }
 
   template <class Value>
-  using Advance = typename P::template Advance<Value>;
-  Advance<Vec> x_;
-  Advance<Vec> v_;
-  std::span<Vec> f_;
-  std::span<const Real> m_;
-  Advance<Spin> w_;
-  Advance<Spin> angle_;
-  std::span<Spin> t_;
-  std::span<const Real> inertias_;
+  struct Column {
+    const Value* before;
+    Value* after;
+  };
+  template <class Advance>
+  static auto of(const Advance& field) {
+    auto* const after = lanes_of(field.after.data());
+    return Column<std::remove_pointer_t<decltype(after)>>{lanes_of(field.before.data()), after};
+  }
+
+  Column<Vec> x_;
+  Column<Vec> v_;
+  Vec* f_;
+  const Scalar* m_;
+  Column<Spin> w_{};
+  Column<Spin> angle_{};
+  Spin* t_ = nullptr;
+  const Scalar* inertias_ = nullptr;
 };
 
 // The same for all particles, for an integrator of one's own.
@@ -179,9 +191,8 @@ class Leapfrog {
 
     search.update(particles);
     const auto add_forces = make_forces(particles, search, interaction, dt);
-    advance(particles, [&](Motion<P>& motion, Index i) {
-      add_forces(motion, i);
-      motion.kick(i, damping_, between_half_steps);
+    advance(particles, add_forces, [=, damping = damping_](const Motion<P>& motion, Index i) {
+      motion.kick(i, damping, between_half_steps);
       motion.drift(i, dt);
     });
 
@@ -194,9 +205,8 @@ class Leapfrog {
   void synchronise(P& particles, S& search, I& interaction) {
     search.update(particles);
     const auto add_forces = make_forces(particles, search, interaction, last_time_step_);
-    advance(particles, [&](Motion<P>& motion, Index i) {
-      add_forces(motion, i);
-      motion.kick_to_the_mean(i, damping_, last_time_step_);
+    advance(particles, add_forces, [dt = last_time_step_, damping = damping_](const Motion<P>& motion, Index i) {
+      motion.kick_to_the_mean(i, damping, dt);
     });
   }
 
@@ -212,32 +222,48 @@ class Leapfrog {
   static auto make_forces(P& particles, S& search, I& interaction, double dt) {
     if constexpr (ActsByParticle<I, P, S>) {
       interaction.interact(particles, search, dt);
-      return [&particles, &interaction = std::as_const(interaction)](Motion<P>& motion, Index i) {
+      return [&particles, &interaction = std::as_const(interaction)](const Motion<P>& motion,
+                                                                     Index i) {
         motion.clear(i);
         interaction.add_forces(particles, i);
       };
     } else {
       clear(particles);
       interaction.accelerate(particles, search, dt);
-      return [](Motion<P>&, Index) {};
+      return [](const Motion<P>&, Index) {};
     }
   }
 
-  // move(motion, i) for every particle.
-  template <class P, class Move>
-  void advance(P& particles, Move&& move) {
+  // add_forces(motion, i), then move(motion, i) for every particle.
+  template <class P, class AddForces, class Move>
+  void advance(P& particles, AddForces&& add_forces, Move&& move) {
+    constexpr Index block = 64;  // what stays at hand between the two
     const Motion<P> all(particles);
     sound_.resize(chunk_count(particles.size()));
     for_each_chunk(particles.size(), [&](Chunk chunk) __attribute__((flatten)) {
-      Motion<P> motion = all;  // where no store can reach it
+      const Motion<P> motion = all;  // where no store can reach it
       bool sound = true;
-      for (Index i = chunk.first; i < chunk.last; ++i) {
-        move(motion, i);
-        sound &= motion.is_sound(i);
+      for (Index first = chunk.first; first < chunk.last; first += block) {
+        const Index last = std::min(first + block, chunk.last);
+        for (Index i = first; i < last; ++i) add_forces(motion, i);
+        sound &= all_sound_after(move, motion, first, last);
       }
       sound_[chunk.number] = sound;
     });
     all_finite_ = std::all_of(sound_.begin(), sound_.end(), [](char sound) { return sound; });
+  }
+
+  // Moves particles [first, last). By value: copies that no store can change.
+  template <class Move, class M>
+  [[gnu::flatten, gnu::noinline]] static bool all_sound_after(const Move move, const M motion,
+                                                              Index first, Index last) {
+    int broken = 0;  // an int, of which g++ 12 makes lanes
+    SILT_EACH_LANE_ALONE
+    for (Index i = first; i < last; ++i) {
+      move(motion, i);
+      broken |= !motion.is_sound(i);
+    }
+    return broken == 0;
   }
 
   // v^0 → v^{−½}, so that v^0 is the mean of its two half steps.
@@ -248,9 +274,8 @@ class Leapfrog {
     I trial = interaction;  // what contacts remember must not grow by a step that is not made
     search.update(particles);
     const auto add_forces = make_forces(particles, search, trial, dt);
-    advance(particles, [&](Motion<P>& motion, Index i) {
-      add_forces(motion, i);
-      motion.step_back(i, damping_, dt);
+    advance(particles, add_forces, [=, damping = damping_](const Motion<P>& motion, Index i) {
+      motion.step_back(i, damping, dt);
     });
   }
 

@@ -82,22 +82,27 @@ class NeighbourList {
     require_positive("NeighbourList: radius", double(radius()));
     ++now_.updates;
     const bool fitting = fits(particles);
-    const Real moved = fitting ? farthest_move(particles) : 0;
-    if (fitting) now_.pace = moved - now_.moved;
-    if (fitting && moved <= list_.skin / 2) {
-      now_.moved = moved;
+    if (knows(particles)) take_owned(particles);
+    // The sum of the farthest moves is never less than the farthest of the sums, and nearly free.
+    if (fitting && now_.moved > list_.skin / 2) now_.moved = farthest_move(particles);
+    if (fitting && now_.moved <= list_.skin / 2) {
       particles.refresh_ghosts(position);
+      const auto x = particles.with_ghosts(position);
+      std::copy(x.begin() + std::ptrdiff_t(particles.size()), x.end(),
+                positions_.begin() + std::ptrdiff_t(particles.size()));
     } else {
       if (fitting) outgrow();
       build(particles);
+      const auto x = particles.with_ghosts(position);
+      positions_.assign(x.begin(), x.end());
     }
+    revision_ = particles.revision();
     for (const Pairs pairs : {Pairs::twice, Pairs::once}) build_rows(pairs);
-    const auto x = particles.with_ghosts(position);
-    positions_.resize(x.size());
-    for_each_chunk(x.size(), [&](Chunk chunk) {
-      std::copy_n(x.data() + chunk.first, chunk.last - chunk.first, positions_.data() + chunk.first);
-    });
   }
+
+  /// Grows at every update by what the farthest particle moved since the one before [m], as long as the
+  /// particles keep their places: while it has grown by less than d, none has moved by d.
+  double travelled() const noexcept { return travelled_; }
 
   /// f(j, r_ij, r) for every j, owned or ghost, with r < radius(); i is owned, r_ij = x_j − x_i.
   template <class F>
@@ -161,6 +166,7 @@ class NeighbourList {
   }
   void restore() noexcept {
     now_ = saved_;
+    now_.moved = std::numeric_limits<Real>::infinity();  // to be asked anew
     if (!keeps_last_) return;
     std::swap(list_, last_);
     // Ghosts went with the old list; without them it fits the particles again.
@@ -189,7 +195,7 @@ class NeighbourList {
   // What every update changes.
   struct State {
     Skin tuning;
-    Real moved = 0;     // farthest, from where the list was built
+    Real moved = 0;     // at most, from where the list was built
     Real pace = 0;      // by how much the farthest moved on since the update before
     Index updates = 0;  // of the list as it is
   };
@@ -211,25 +217,48 @@ class NeighbourList {
   // Whether these are the particles of the list, in their places.
   template <class P>
   bool fits(const P& particles) const {
-    return list_.built && particles.revision() == list_.revision &&
-           particles.size() == list_.reference.size() && particles.total() == positions_.size();
+    return list_.built && knows(particles) && particles.revision() == list_.revision &&
+           particles.size() == list_.reference.size();
+  }
+  // Whether the positions of the last update are theirs, place by place.
+  template <class P>
+  bool knows(const P& particles) const {
+    return particles.revision() == revision_ && particles.total() == positions_.size();
   }
 
-  // How far the farthest has moved from where the list was built; infinity if that is no number,
-  // and the rebuild names it.
+  // How far the farthest has moved from where the list was built.
   template <class P>
   Real farthest_move(const P& particles) {
     const auto x = particles[position];
-    farthest_.resize(chunk_count(x.size()));
-    for_each_chunk(x.size(), [&](Chunk chunk) {
-      Real farthest = 0;
+    return farthest(x.size(), [&](Index i) { return (x[i] - list_.reference[i]).squaredNorm(); });
+  }
+
+  // Takes the positions of the owned particles, and notes how far they moved.
+  template <class P>
+  void take_owned(const P& particles) {
+    const auto x = particles[position];
+    now_.pace = farthest(x.size(), [&](Index i) {
+      const Real moved = (x[i] - positions_[i]).squaredNorm();
+      positions_[i] = x[i];
+      return moved;
+    });
+    now_.moved += now_.pace;
+    travelled_ += double(now_.pace);
+  }
+
+  // √ of the largest of squared(i); infinity if one is no number, and the rebuild names it.
+  template <class Squared>
+  Real farthest(Index n, Squared&& squared) {
+    farthest_.resize(chunk_count(n));
+    for_each_chunk(n, [&](Chunk chunk) {
+      Real most = 0;
       bool all_numbers = true;
       for (Index i = chunk.first; i < chunk.last; ++i) {
-        const Real moved = (x[i] - list_.reference[i]).squaredNorm();
-        farthest = std::max(farthest, moved);
+        const Real moved = squared(i);
+        most = std::max(most, moved);
         all_numbers &= moved >= 0;
       }
-      farthest_[chunk.number] = all_numbers ? farthest : std::numeric_limits<Real>::infinity();
+      farthest_[chunk.number] = all_numbers ? most : std::numeric_limits<Real>::infinity();
     });
     if (farthest_.empty()) return 0;
     return std::sqrt(*std::max_element(farthest_.begin(), farthest_.end()));
@@ -278,6 +307,8 @@ class NeighbourList {
   mutable std::array<bool, 2> asked_{};  // for rows of each kind
   std::uint64_t rebuilds_ = 0;
   std::vector<Vec> positions_;  // with ghosts, at the last update
+  std::uint64_t revision_ = 0;  // of the particles then
+  double travelled_ = 0;
   std::vector<Real> farthest_;  // by chunk
 };
 
