@@ -117,7 +117,8 @@ TEST(Leapfrog, TurnsGrainsByTheirSpin) {
   Simulation disc{flat, UniformGrid<2>{}, Gravity<2>{{0, 0}}, Leapfrog{}};
   disc.run({.until = 2, .time_step = 0.125});
   EXPECT_DOUBLE_EQ(disc.particles()[angle][0], 6);
-  auto round = one_grain<3>({0, 0, 0}, {0, 0, 0});
+  dem::Grains<3, double, angle_t> round;
+  dem::add_grain(round, {0, 0, 0}, {.radius = 0.5, .density = 1});
   round[spin][0] = {1, -2, 3};
   Simulation sphere{round, UniformGrid<3>{}, Gravity<3>{{0, 0, 0}}, Leapfrog{}};
   sphere.run({.until = 2, .time_step = 0.125});

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
-// Eight contacts at once: their geometry and motion, the law's answer, and what goes to the grains.
+// Eight contacts at once: their geometry and motion, the law's answer, and what is kept of each.
 // The loops over `lane` become vector instructions, the law's code included; see core/lane.hpp.
 #pragma once
 
 #include <silt/core/lane.hpp>
+#include <silt/core/transpose.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/contact.hpp>
 #include <silt/dem/grain_columns.hpp>
@@ -12,7 +13,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstddef>
 #include <cstdint>
 #include <cstring>
 
@@ -23,6 +23,8 @@ template <class Law, int Dim, class Real>
 struct LawMemory {
   using type = NoMemory;
   static constexpr int words = 0;
+  static type from(const Real*) { return {}; }
+  static void put(const type&, Real*) {}
 };
 template <class Law, int Dim, class Real>
   requires LawWithMemory<Law, Dim, Real>
@@ -30,6 +32,14 @@ struct LawMemory<Law, Dim, Real> {
   using type = typename Law::template Memory<Dim, Real>;
   static constexpr int words =
       static_cast<int>((sizeof(type) + sizeof(Real) - 1) / sizeof(Real));
+  static type from(const Real* row) {
+    type memory{};
+    std::memcpy(static_cast<void*>(&memory), row, sizeof memory);
+    return memory;
+  }
+  static void put(const type& memory, Real* row) {
+    std::memcpy(row, static_cast<const void*>(&memory), sizeof memory);
+  }
 };
 
 /// The law is written for any scalar, and remembers nothing but Reals: the same code then works on
@@ -43,182 +53,176 @@ concept LawInLanes =
       sizeof(typename LawMemory<Law, Dim, Lane<Real>>::type) ==
           sizeof(typename LawMemory<Law, Dim, Real>::type)));
 
-template <int Dim, class RealType>
+/// What is kept of a contact that touches, besides what the law remembers: n, δ, F on its first grain, and
+/// the share of δ by which the lever arms are shorter than R.
+struct ContactRow {
+  static constexpr int n = 0;
+  static constexpr int overlap = 3;
+  static constexpr int F = 4;
+  static constexpr int arm_share = 7;
+  static constexpr int words = 8;
+};
+
+template <int Dim, class RealType, int memory_words>
 class ContactLanes {
  public:
   using Real = RealType;
   using Vec = silt::Vec<Dim, Real>;
   using Columns = GrainColumns<Dim, Real>;
+  using Row = ContactRow;
+  /// Words of memory, filled up to whole fours.
+  static constexpr int padded_words = (memory_words + 3) / 4 * 4;
 
-  /// What is kept of a contact, at these places of a row of eight: n, δ, F on its first grain, and the
-  /// share of δ by which the lever arms are shorter than R.
-  static constexpr int n = 0;
-  static constexpr int overlap = 3;
-  static constexpr int F = 4;
-  static constexpr int arm_share = 7;
-  static constexpr int row_words = 8;
-
-  /// Lane l is the contact of grains first[l] and second[l]; only the first `filled` are contacts.
-  void between(const Columns& grains, const std::uint32_t* first, const std::uint32_t* second,
-               int filled, Real share_of_overlap) {
-    grains.load(first, i_);
-    grains.load(second, j_);
-    std::fill_n(row_[arm_share], lanes, share_of_overlap);
+  /// Lane l looks at grains first[l] and second[l]; bit l is set if the two touch.
+  unsigned look_at(const Columns& grains, const std::uint32_t* first, const std::uint32_t* second) {
+    grains.load_places(first, i_);
+    grains.load_places(second, j_);
     for (int lane = 0; lane < lanes; ++lane) {
-      Real r_ij[Dim];
       Real r_squared = 0;
       for (int k = 0; k < Dim; ++k) {
-        r_ij[k] = j_[Columns::x + k][lane] - i_[Columns::x + k][lane];
-        r_squared += r_ij[k] * r_ij[k];
+        r_squared += squared(j_[Columns::x + k][lane] - i_[Columns::x + k][lane]);
       }
-      const Real r = std::sqrt(r_squared);
-      const Real against_r = -1 / r;
-      distance_[lane] = r;
-      for (int k = 0; k < Dim; ++k) row_[n + k][lane] = r_ij[k] * against_r;
+      distance_[lane] = std::sqrt(r_squared);
+      row_[Row::overlap][lane] = i_[Columns::R][lane] + j_[Columns::R][lane] - distance_[lane];
+    }
+    return touching();
+  }
+
+  /// The contacts of the pairs looked at.
+  void between(const Columns& grains, const std::uint32_t* first, const std::uint32_t* second,
+               Real share_of_overlap) {
+    grains.load_motion(first, i_);
+    grains.load_motion(second, j_);
+    for (int lane = 0; lane < lanes; ++lane) {
+      const Real against_r = -1 / distance_[lane];
+      for (int k = 0; k < Dim; ++k) {
+        row_[Row::n + k][lane] =
+            (j_[Columns::x + k][lane] - i_[Columns::x + k][lane]) * against_r;
+      }
       const Real m_i = i_[Columns::m][lane];
       const Real m_j = j_[Columns::m][lane];
       const Real R_i = i_[Columns::R][lane];
       const Real R_j = j_[Columns::R][lane];
-      row_[overlap][lane] = R_i + R_j - r;
       mass_[lane] = m_i * m_j / (m_i + m_j);
       radius_[lane] = R_i * R_j / (R_i + R_j);
     }
-    fill_up(filled);
+    std::fill_n(row_[Row::arm_share], lanes, share_of_overlap);
   }
 
-  /// Lane l is the contact of grain first[l] with wall second[l]; nearest(number, x) is the wall's
-  /// nearest point.
+  /// Lane l looks at grain first[l] and wall second[l]; nearest(number, x) is the wall's nearest point.
   template <class Nearest>
-  void at_walls(const Columns& grains, const std::uint32_t* first, const std::uint32_t* second,
-                int filled, Real share_of_overlap, Nearest&& nearest) {
-    grains.load(first, i_);
-    std::fill_n(row_[arm_share], lanes, share_of_overlap);
-    for (auto& column : j_) std::fill(column, column + lanes, Real(0));
+  unsigned look_at_walls(const Columns& grains, const std::uint32_t* first,
+                         const std::uint32_t* second, Nearest&& nearest) {
+    grains.load_places(first, i_);
     for (int lane = 0; lane < lanes; ++lane) {
       Vec x;
       for (int k = 0; k < Dim; ++k) x[k] = i_[Columns::x + k][lane];
       const NearestPoint<Dim, Real> at = nearest(second[lane], x);
-      const Real R_i = i_[Columns::R][lane];
-      for (int k = 0; k < Dim; ++k) row_[n + k][lane] = at.normal[k];
-      distance_[lane] = 1;
-      row_[overlap][lane] = R_i - at.distance;
-      mass_[lane] = i_[Columns::m][lane];
-      radius_[lane] = R_i;
+      for (int k = 0; k < Dim; ++k) row_[Row::n + k][lane] = at.normal[k];
+      row_[Row::overlap][lane] = i_[Columns::R][lane] - at.distance;
     }
-    fill_up(filled);
+    return touching();
   }
 
-  bool touches(int lane) const { return row_[overlap][lane] > 0; }
-  /// How many lanes touch.
-  int count() const {
-    std::int64_t count = 0;
-    for (int lane = 0; lane < lanes; ++lane) count += touches(lane);
-    return static_cast<int>(count);
+  /// The contacts of the grains looked at.
+  void at_walls(const Columns& grains, const std::uint32_t* first, Real share_of_overlap) {
+    grains.load_motion(first, i_);
+    for (auto& column : j_) std::fill(column, column + lanes, Real(0));
+    std::copy_n(i_[Columns::m], lanes, mass_);
+    std::copy_n(i_[Columns::R], lanes, radius_);
+    std::fill_n(row_[Row::arm_share], lanes, share_of_overlap);
   }
-  /// A lane that touches and whose centres coincide, `lanes` if there is none.
-  int coincident() const {
-    std::int64_t any = 0;
-    for (int lane = 0; lane < lanes; ++lane) any |= !(distance_[lane] > 0);
-    int lane = any != 0 ? 0 : lanes;
-    while (lane < lanes && !(touches(lane) && !(distance_[lane] > 0))) ++lane;
+
+  /// The first lane of those in `bits` whose centres coincide, `lanes` if there is none.
+  int coincident(unsigned bits) const {
+    int lane = 0;
+    while (lane < lanes && !((bits >> lane & 1) != 0 && !(distance_[lane] > 0))) ++lane;
     return lane;
   }
 
-  /// Asks one law for all lanes. before[k * lanes + lane] is word k of what it remembers, and goes to
-  /// after; a lane that does not touch remembers `fresh`.
-  template <class Law, std::size_t words>
-  [[gnu::flatten]] void ask(const Law& shared, Real dt, const std::array<Real, words>& fresh,
-                            const Real* before, Real* after) {
+  /// memory(lane) is what the law remembers there.
+  template <class MemoryAt>
+  void recall(MemoryAt&& memory) {
+    for (int half = 0; half < lanes; half += 4) {
+      for (int k = 0; k < memory_words; k += 4) {
+        transpose_four<Real>([&](int lane) { return memory(half + lane) + k; },
+                             [&](int number) { return &memory_[k + number][half]; });
+      }
+    }
+  }
+
+  /// Asks one law for all lanes.
+  template <class Law>
+  [[gnu::flatten]] void ask(const Law& shared, Real dt) {
     using Scalar = Lane<Real>;
-    const Law law = shared;  // copies that no store below can change
-    const std::array<Real, words> unknown = fresh;
+    const Law law = shared;  // a copy that no store below can change
     SILT_EACH_LANE_ALONE
     for (int lane = 0; lane < lanes; ++lane) {
       const auto contact = this->contact<Scalar>(lane, dt);
-      const bool touches = contact.overlap > 0;
       silt::Vec<Dim, Scalar> f;
-      if constexpr (words > 0) {
+      if constexpr (memory_words > 0) {
         typename LawMemory<Law, Dim, Scalar>::type own;
         auto* const word = reinterpret_cast<Scalar*>(&own);
-        for (std::size_t k = 0; k < words; ++k) word[k] = before[k * lanes + lane];
+        for (int k = 0; k < memory_words; ++k) word[k] = memory_[k][lane];
         f = law.force(contact, own);
-        for (std::size_t k = 0; k < words; ++k) {
-          after[k * lanes + lane] = touches ? Real(word[k]) : unknown[k];
-        }
+        for (int k = 0; k < memory_words; ++k) memory_[k][lane] = word[k];
       } else {
         f = law.force(contact);
       }
-      for (int k = 0; k < Dim; ++k) row_[F + k][lane] = touches ? Real(f[k]) : Real(0);
+      for (int k = 0; k < Dim; ++k) row_[Row::F + k][lane] = f[k];
     }
   }
 
   /// Asks a law for one lane: where lanes have different laws, or a law is for one scalar type only.
   template <class Law>
-  void ask_one(const Law& law, int lane, Real dt, const Real* before, Real* after) {
+  void ask(const Law& law, Real dt, int lane) {
+    using Memory = LawMemory<Law, Dim, Real>;
     const auto contact = this->contact<Real>(lane, dt);
     Vec f;
-    if constexpr (LawMemory<Law, Dim, Real>::words > 0) {
-      auto own = memory_at<Law>(before, lane);
+    if constexpr (memory_words > 0) {
+      Real words[memory_words];
+      for (int k = 0; k < memory_words; ++k) words[k] = memory_[k][lane];
+      auto own = Memory::from(words);
       f = law.force(contact, own);
-      remember<Law>(own, after, lane);
+      Memory::put(own, words);
+      for (int k = 0; k < memory_words; ++k) memory_[k][lane] = words[k];
     } else {
       f = law.force(contact);
     }
-    for (int k = 0; k < Dim; ++k) row_[F + k][lane] = f[k];
+    for (int k = 0; k < Dim; ++k) row_[Row::F + k][lane] = f[k];
   }
 
-  /// No force in a lane.
-  template <std::size_t words>
-  void rest(int lane, const std::array<Real, words>& fresh, Real* after) {
-    for (std::size_t k = 0; k < words; ++k) after[k * lanes + static_cast<Index>(lane)] = fresh[k];
-    for (int k = 0; k < Dim; ++k) row_[F + k][lane] = 0;
-  }
-
-  /// What the law remembers in one lane, from and to words.
-  template <class Law>
-  static auto memory_at(const Real* memory, int lane) {
-    using Memory = typename LawMemory<Law, Dim, Real>::type;
-    constexpr int words = LawMemory<Law, Dim, Real>::words;
-    Memory own{};
-    if constexpr (words > 0) {
-      Real word[words];
-      for (int k = 0; k < words; ++k) word[k] = memory[k * lanes + lane];
-      std::memcpy(static_cast<void*>(&own), word, sizeof own);
-    }
-    return own;
-  }
-  template <class Law, class Memory>
-  static void remember(const Memory& own, Real* memory, int lane) {
-    constexpr int words = LawMemory<Law, Dim, Real>::words;
-    if constexpr (words > 0) {
-      Real word[words] = {};
-      std::memcpy(word, static_cast<const void*>(&own), sizeof own);
-      for (int k = 0; k < words; ++k) memory[k * lanes + lane] = word[k];
-    }
-  }
-
-  /// The row of each lane.
-  void give(Real* rows) const {
-    for (int half = 0; half < lanes; half += 4) {
-      for (int k = 0; k < row_words; k += 4) {
-        transpose_four<Real>([&](int number) { return &row_[k + number][half]; },
-                             [&](int lane) { return &rows[(half + lane) * row_words + k]; });
-      }
-    }
+  /// The row and the memory of each lane.
+  void give(Real* rows, Real* memories) const {
+    give<Row::words>(row_, rows);
+    give<padded_words>(memory_, memories);
   }
 
  private:
-  // Lanes that are no contacts do not touch.
-  void fill_up(int filled) {
-    for (int lane = filled; lane < lanes; ++lane) row_[overlap][lane] = -1;
+  unsigned touching() const {
+    unsigned bits = 0;
+    for (int lane = 0; lane < lanes; ++lane) {
+      bits |= static_cast<unsigned>(row_[Row::overlap][lane] > 0) << lane;
+    }
+    return bits;
+  }
+
+  template <int words, class Lanes>
+  static void give(const Lanes& columns, Real* rows) {
+    for (int half = 0; half < lanes; half += 4) {
+      for (int k = 0; k < words; k += 4) {
+        transpose_four<Real>([&](int number) { return &columns[k + number][half]; },
+                             [&](int lane) { return &rows[(half + lane) * words + k]; });
+      }
+    }
   }
 
   // The contact in one lane, as a law sees it. Scalar is Real or Lane<Real>.
   template <class Scalar>
   Contact<Dim, Scalar> contact(int lane, Real dt) const {
     Contact<Dim, Scalar> contact;
-    for (int k = 0; k < Dim; ++k) contact.normal[k] = row_[n + k][lane];
-    contact.overlap = row_[overlap][lane];
+    for (int k = 0; k < Dim; ++k) contact.normal[k] = row_[Row::n + k][lane];
+    contact.overlap = row_[Row::overlap][lane];
     contact.effective_mass = mass_[lane];
     contact.effective_radius = radius_[lane];
     contact.time_step = dt;
@@ -234,7 +238,7 @@ class ContactLanes {
       }
       return silt::Vec<Dim, Scalar>(v + signed_arm * cross(w, contact.normal));
     };
-    const Real shorter = row_[arm_share][lane] * row_[overlap][lane];
+    const Real shorter = row_[Row::arm_share][lane] * row_[Row::overlap][lane];
     contact.relative_velocity = surface(i_, Scalar(shorter - i_[Columns::R][lane])) -
                                 surface(j_, Scalar(j_[Columns::R][lane] - shorter));
     return contact;
@@ -242,7 +246,8 @@ class ContactLanes {
 
   alignas(64) typename Columns::Column i_[Columns::words];
   alignas(64) typename Columns::Column j_[Columns::words];
-  alignas(64) Real row_[row_words][lanes] = {};
+  alignas(64) Real row_[Row::words][lanes] = {};
+  alignas(64) Real memory_[std::max(padded_words, 1)][lanes] = {};
   alignas(64) Real distance_[lanes];
   alignas(64) Real mass_[lanes];
   alignas(64) Real radius_[lanes];

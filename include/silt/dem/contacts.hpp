@@ -11,7 +11,9 @@
 #include <silt/dem/contact.hpp>
 #include <silt/dem/contact_lanes.hpp>
 #include <silt/dem/grains.hpp>
+#include <silt/dem/law_pass.hpp>
 #include <silt/dem/materials.hpp>
+#include <silt/dem/near_search.hpp>
 #include <silt/dem/single_contacts.hpp>
 #include <silt/dem/stability.hpp>
 #include <silt/dem/time_step.hpp>
@@ -19,12 +21,12 @@
 #include <silt/dem/walls.hpp>
 
 #include <algorithm>
-#include <cmath>
+#include <array>
 #include <concepts>
 #include <cstdint>
-#include <cstring>
 #include <limits>
 #include <numeric>
+#include <span>
 #include <string>
 #include <tuple>
 #include <utility>
@@ -53,8 +55,7 @@ class Contacts {
   explicit Contacts(Law law, Walls... walls) : Contacts(Materials<Law>{law}, std::move(walls)...) {}
   explicit Contacts(Materials<Law> materials, Walls... walls)
       : materials_(std::move(materials)), walls_(std::move(walls)...) {
-    for_each_wall([this](auto& wall, Index w) {
-      wall.check();
+    walls_.for_each([this](const auto& wall, Index w) {
       check_material(wall.material, "of wall " + std::to_string(w));
     });
   }
@@ -107,7 +108,7 @@ class Contacts {
     touches.begin_step();
     grains.refresh_ghosts(velocity);
     grains.refresh_ghosts(spin);
-    if (is_stale(grains, search, touches)) find_near(grains, search, touches, dt);
+    if (is_stale(grains, search, touches.validity())) renew_near(grains, search, touches, dt);
     ask_law(grains, touches, static_cast<typename P::Real>(dt));
     check_stability(grains, touches, dt);
   }
@@ -117,22 +118,20 @@ class Contacts {
     requires HasFields<P, force_t, torque_t, material_t>
   void add_forces(P& grains, Index i) const {
     using Real = typename P::Real;
-    using Lanes = LanesOf<P>;
-    constexpr int Dim = P::dimension;
+    using Row = typename FoundOf<P>::Row;
+    using Vec = typename P::Vec;
     const auto& touches = found<P>();
-    const Real* const rows = touches.seen().rows.data();
     const Real R = grains[radius][i];
-    Vec<Dim, Real> sum = Vec<Dim, Real>::Zero();
-    auto turning = zero_of<Spin<Dim, Real>>();
-    const auto parts = touches.near().of(i);
-    __builtin_prefetch(rows + touches.near().soon_after(parts).contact() * Lanes::row_words);
-    for (const auto part : parts) {
-      const Real* const row = rows + part.contact() * Lanes::row_words;
-      const Eigen::Map<const Vec<Dim, Real>> n(row + Lanes::n);
-      const Eigen::Map<const Vec<Dim, Real>> F(row + Lanes::F);
-      const Real arm = R - row[Lanes::arm_share] * row[Lanes::overlap];
-      sum += part.is_second() ? Vec<Dim, Real>(-F) : Vec<Dim, Real>(F);
-      turning -= arm * moment(Vec<Dim, Real>(n), Vec<Dim, Real>(F));
+    Vec sum = Vec::Zero();
+    auto turning = zero_of<Spin<P::dimension, Real>>();
+    for (const auto part : touches.near().of(i)) {
+      const Real* const row = touches.seen().row_of(part.contact());
+      if (row == nullptr) continue;
+      const Eigen::Map<const Vec> n(row + Row::n);
+      const Eigen::Map<const Vec> F(row + Row::F);
+      const Real arm = R - row[Row::arm_share] * row[Row::overlap];
+      sum += part.is_second() ? Vec(-F) : Vec(F);
+      turning -= arm * moment(Vec(n), Vec(F));
     }
     grains[force][i] += sum;
     grains[torque][i] += turning;
@@ -177,25 +176,25 @@ class Contacts {
   template <class P, class F>
   void for_each_contact(const P& grains, F&& f) const {
     const auto& touches = found<P>();
-    for_each_touch(grains, touches, [&](Index c, const Sides& sides) {
-      const auto* const row = row_of(grains, touches, c);
-      Vec<P::dimension, typename P::Real> force;
-      for (int k = 0; k < P::dimension; ++k) force[k] = row[LanesOf<P>::F + k];
-      f(sides.i, sides.j, contact_of(grains, touches, c, sides), force);
+    for_each_touch(grains, touches, [&](Index, const Sides& sides, const auto* row) {
+      typename P::Vec force;
+      for (int k = 0; k < P::dimension; ++k) force[k] = row[ContactRow::F + k];
+      f(sides.i, sides.j, contact_of(grains, touches.seen(), row, sides), force);
     });
   }
 
   /// Energy in the springs of the last step's contacts [J]; 0 for a law that does not tell.
   template <class P>
   double elastic_energy(const P& grains) const {
-    using Memory = typename LawMemory<Law, P::dimension, typename P::Real>::type;
     double energy = 0;
-    if constexpr (requires(const Contact<P::dimension, typename P::Real> contact, const Memory memory,
+    if constexpr (requires(const Contact<P::dimension, typename P::Real> contact,
+                           const typename MemoryOf<P>::type memory,
                            const Law law) { law.elastic_energy(contact, memory); }) {
       const auto& touches = found<P>();
-      for_each_touch(grains, touches, [&](Index c, const Sides& sides) {
+      for_each_touch(grains, touches, [&](Index c, const Sides& sides, const auto* row) {
         energy += double(law_of(grains, sides)
-                             .elastic_energy(contact_of(grains, touches, c, sides), memory_of<P>(c)));
+                             .elastic_energy(contact_of(grains, touches.seen(), row, sides),
+                                             MemoryOf<P>::from(touches.seen().memory_of(c))));
       });
     }
     return energy;
@@ -204,11 +203,12 @@ class Contacts {
   /// What the law remembers of the pairs that touch, by ids: for a checkpoint.
   template <class P>
   auto memory(const P& grains) const {
-    using Memory = PairMemory<typename LawMemory<Law, P::dimension, typename P::Real>::type>;
+    using Memory = PairMemory<typename MemoryOf<P>::type>;
     std::vector<typename Memory::Entry> entries;
-    const auto& near = found<P>().near();
-    for_each_touch(grains, found<P>(), [&](Index c, const Sides&) {
-      entries.push_back({near.first_id(c), near.second_id(c), memory_of<P>(c)});
+    const auto& touches = found<P>();
+    for_each_touch(grains, touches, [&](Index c, const Sides&, const auto*) {
+      entries.push_back({touches.near().first_id(c), touches.near().second_id(c),
+                         MemoryOf<P>::from(touches.seen().memory_of(c))});
     });
     return Memory(std::move(entries));
   }
@@ -216,10 +216,9 @@ class Contacts {
   /// Replaces it: what a restart reads.
   template <class P, class Memory>
   void remember(const P&, const PairMemory<Memory>& memory) {
-    using Words = typename FoundOf<P>::Near::Words;
-    static_assert(
-        std::same_as<Memory, typename LawMemory<Law, P::dimension, typename P::Real>::type>,
-        "silt::dem::Contacts: this is not what the law remembers of grains like these");
+    using Words = typename FoundOf<P>::Words;
+    static_assert(std::same_as<Memory, typename MemoryOf<P>::type>,
+                  "silt::dem::Contacts: this is not what the law remembers of grains like these");
     std::vector<typename PairMemory<Words>::Entry> entries;
     memory.for_each_pair([&](Id a, Id b, const Memory& own) {
       entries.push_back({a, b, words_from<P>(own)});
@@ -242,14 +241,11 @@ class Contacts {
       };
 
   template <class P>
-  static constexpr int words_of = LawMemory<Law, P::dimension, typename P::Real>::words;
+  using MemoryOf = LawMemory<Law, P::dimension, typename P::Real>;
   template <int Dim, class Real>
   using Found = Touches<Dim, Real, LawMemory<Law, Dim, Real>::words>;
   template <class P>
   using FoundOf = Found<P::dimension, typename P::Real>;
-  template <class P>
-  using LanesOf = ContactLanes<P::dimension, typename P::Real>;
-
   // Contacts learns dimension and precision from the grains only; one of these four is in use.
   template <class P>
   auto& found() noexcept {
@@ -258,23 +254,6 @@ class Contacts {
   template <class P>
   const auto& found() const noexcept {
     return std::get<FoundOf<P>>(found_);
-  }
-
-  // Whether something else than the near contacts might touch: two grains come closer by at most the sum
-  // of what they moved.
-  template <class P, class S>
-  static bool is_stale(const P& grains, const S& search, FoundOf<P>& touches) {
-    auto& validity = touches.validity();
-    if (validity.revision != grains.revision() || validity.since.size() != grains.size()) return true;
-    if constexpr (KnowsTravel<S>) {
-      if (search.travelled() - validity.travelled <= double(validity.margin / 2)) return false;
-    }
-    const auto x = grains[position];
-    const auto near = squared(validity.margin / 2);
-    // Not "beyond": a NaN is not near.
-    return first_where(x.size(), [&](Index i) {
-             return !((x[i] - validity.since[i]).squaredNorm() <= near);
-           }) != nowhere;
   }
 
   template <class P>
@@ -294,149 +273,50 @@ class Contacts {
   }
 
   template <class P, class S>
-  void find_near(const P& grains, const S& search, FoundOf<P>& touches, double dt) const {
-    using Real = typename P::Real;
+  void renew_near(const P& grains, const S& search, FoundOf<P>& touches, double dt) const {
     check_grains(grains);
-    // Near enough to be few, far enough to last for some steps; no farther than the search sees.
-    constexpr double lasting_steps = 20;
-    const Real wide = reach(grains);
-    const auto v = grains[velocity];
-    const Real fastest = std::sqrt(
-        largest(v.size(), Real(0), [&](Index i) { return v[i].squaredNorm(); }));
-    const Real wanted = std::clamp<Real>(Real(2 * lasting_steps * dt) * fastest,
-                                         Real(0.002) * wide, Real(0.1) * wide);
-    const Real seen = search.radius() + margin_of<Real>(search) - wide;
-    touches.renew_near([&](auto& near, auto& validity, auto&& recall) {
-      validity.margin = std::clamp<Real>(wanted, 0, std::max<Real>(seen, 0));
-      validity.revision = grains.revision();
-      const auto owned = grains[position];
-      validity.since.assign(owned.begin(), owned.end());
-      if constexpr (KnowsTravel<S>) validity.travelled = search.travelled();
-      const auto x = grains.with_ghosts(position);
-      const auto R = grains.with_ghosts(radius);
-      near.find_all(
-          grains,
-          [&](Index i, auto&& add) {
-            for_each_candidate(search, i, [&](Index j) {
-              // Of the two images of a pair, that in which the lower id is no ghost.
-              if (j >= grains.size() && grains.id(j) < grains.id(i)) return;
-              const Real limit = R[i] + R[j] + validity.margin;
-              if (!((x[j] - x[i]).squaredNorm() < squared(limit))) return;
-              const bool in_order = grains.id(i) < grains.id(j);
-              add({static_cast<std::uint32_t>(in_order ? i : j),
-                   static_cast<std::uint32_t>(in_order ? j : i)});
-            });
-          },
-          [&](Index i, auto&& add) {
-            for_each_wall([&](const auto& wall, Index w) {
-              if (wall.nearest(x[i]).distance < R[i] + validity.margin) {
-                add(static_cast<std::uint32_t>(w));
-              }
-            });
-          },
-          fresh_memory<P>(), recall);
+    touches.renew_near([&](NearContacts& near, auto& validity) {
+      renew_validity(grains, search, reach(grains), dt, validity);
+      find_near(grains, search, walls_, validity.margin, near);
     });
     note_stable_time_step(grains, touches);
   }
 
-  template <class P, class Memory>
-  static auto words_from(const Memory& own) {
-    typename FoundOf<P>::Near::Words words{};
-    if constexpr (words_of<P> > 0) {
-      std::memcpy(words.data(), static_cast<const void*>(&own), sizeof own);
-    }
+  template <class P>
+  static auto words_from(const typename MemoryOf<P>::type& own) {
+    typename FoundOf<P>::Words words{};
+    MemoryOf<P>::put(own, words.data());
     return words;
   }
-  template <class P>
-  static auto fresh_memory() {
-    return words_from<P>(typename LawMemory<Law, P::dimension, typename P::Real>::type{});
-  }
 
-  // Geometry of eight contacts.
-  template <class P>
-  void measure(LanesOf<P>& eight, const typename LanesOf<P>::Columns& columns,
-               const FoundOf<P>& touches, Index group) const {
-    using Real = typename P::Real;
-    const auto& near = touches.near();
-    const Real to_contact = settings_.lever_arm == LeverArm::radius ? Real(0) : Real(1);
-    const int filled = near.filled(group);
-    if (!near.is_of_walls(group)) {
-      eight.between(columns, near.first(group), near.second(group), filled, to_contact / 2);
-      return;
-    }
-    eight.at_walls(columns, near.first(group), near.second(group), filled, to_contact,
-                   [this](std::uint32_t number, const typename P::Vec& x) {
-                     NearestPoint<P::dimension, Real> nearest{};
-                     for_each_wall([&](const auto& wall, Index w) {
-                       if (w == number) nearest = wall.nearest(x);
-                     });
-                     return nearest;
-                   });
-  }
-
-  // The law's force for every contact.
+  // The law's force for every contact that touches.
   template <class P>
   void ask_law(const P& grains, FoundOf<P>& touches, typename P::Real dt) {
-    using Lanes = LanesOf<P>;
+    using Real = typename P::Real;
+    using Lanes = typename FoundOf<P>::Lanes;
     auto& seen = touches.seen();
     seen.time_step = dt;
-    seen.rows.resize(touches.near().size() * Lanes::row_words);
+    seen.resize(touches.near().size());
+    const auto ask = [&, this, dt](Lanes& eight, const auto& contacts, unsigned touching) {
+      if constexpr (LawInLanes<Law, P::dimension, Real>) {
+        if (materials_.count() == 1) return eight.ask(materials_.between(0, 0), dt);
+      }
+      for (int lane = 0; lane < lanes; ++lane) {
+        if ((touching >> lane & 1) == 0) continue;
+        const Index c = contacts[static_cast<Index>(lane)];
+        eight.ask(law_of(grains, sides_of(grains, touches.near(), c)), dt, lane);
+      }
+    };
+    std::array<Real, std::size_t{Lanes::padded_words}> fresh{};
+    MemoryOf<P>::put({}, fresh.data());
+    const Real arm_share = settings_.lever_arm == LeverArm::radius ? 0 : Real(0.5);
+    const LawPass pass(grains, touches, walls_, fresh, arm_share, ask);
     counts_.assign(chunk_count(touches.near().size()), 0);
-    const typename Lanes::Columns columns(grains);
-    touches.use_memory([&](const auto& near, auto&& before, auto&& after) {
-      for_each_chunk(near.size(), [&](Chunk chunk) {
-        Lanes eight;
-        Index count = 0;
-        for (Index group = chunk.first / lanes; group < chunk.last / lanes; ++group) {
-          if (group + 4 < near.groups() && !near.is_of_walls(group + 4)) {
-            columns.prefetch(near.second(group + 4));
-          }
-          measure<P>(eight, columns, touches, group);
-          check_centres(near, eight, group);
-          ask(grains, near, eight, group, dt, before(group), after(group));
-          eight.give(&seen.rows[group * lanes * Lanes::row_words]);
-          count += static_cast<Index>(eight.count());
-        }
-        counts_[chunk.number] = count;
-      });
+    for_each_chunk(touches.near().size(), [&](Chunk chunk) {
+      auto own = pass;  // of this thread
+      counts_[chunk.number] = own(chunk);
     });
     seen.count = std::accumulate(counts_.begin(), counts_.end(), Index(0));
-  }
-
-  template <class P, class Near>
-  void ask(const P& grains, const Near& near, LanesOf<P>& eight, Index group, typename P::Real dt,
-           const typename P::Real* before, typename P::Real* after) const {
-    const auto fresh = fresh_memory<P>();
-    if constexpr (LawInLanes<Law, P::dimension, typename P::Real>) {
-      if (materials_.count() == 1 && eight.count() > 0) {
-        eight.ask(materials_.between(0, 0), dt, fresh, before, after);
-        return;
-      }
-    }
-    for (int lane = 0; lane < lanes; ++lane) {
-      if (eight.touches(lane)) {
-        const Sides sides = sides_of(grains, near, group * lanes + Index(lane));
-        eight.ask_one(law_of(grains, sides), lane, dt, before, after);
-      } else {
-        eight.rest(lane, fresh, after);
-      }
-    }
-  }
-
-  template <class Near, class Lanes>
-  static void check_centres(const Near& near, const Lanes& eight, Index group) {
-    const int lane = eight.coincident();
-    if (lane == lanes) return;
-    const Index c = group * lanes + static_cast<Index>(lane);
-    fail("dem::Contacts: the centres of grains " + std::to_string(near.first_id(c)) + " and " +
-             std::to_string(near.second_id(c)) + " coincide; place them apart",
-         {.particle = near.first(group)[lane], .id = near.first_id(c)});
-  }
-
-  template <class P>
-  auto memory_of(Index c) const {
-    return LanesOf<P>::template memory_at<Law>(found<P>().near().memory(c / lanes),
-                                               static_cast<int>(c % lanes));
   }
 
   template <class P>
@@ -464,14 +344,8 @@ class Contacts {
 
   template <class P>
   const Law& law_of(const P& grains, const Sides& sides) const {
-    std::uint32_t other = 0;
-    if (sides.j != nowhere) {
-      other = grains[material][sides.j];
-    } else {
-      for_each_wall([&](const auto& wall, Index w) {
-        if (w == sides.wall) other = wall.material;
-      });
-    }
+    const std::uint32_t other =
+        sides.j != nowhere ? grains[material][sides.j] : walls_.material(sides.wall);
     const std::uint32_t own = grains[material][sides.i];
     check_material(std::max(own, other), "of a grain", {.particle = sides.i, .id = grains.id(sides.i)});
     return materials_.between(own, other);
@@ -485,19 +359,8 @@ class Contacts {
     }
   }
 
-  template <class F>
-  void for_each_wall(F&& f) {
-    Index w = 0;
-    std::apply([&](auto&... wall) { (f(wall, w++), ...); }, walls_);
-  }
-  template <class F>
-  void for_each_wall(F&& f) const {
-    Index w = 0;
-    std::apply([&](const auto&... wall) { (f(wall, w++), ...); }, walls_);
-  }
-
   Materials<Law> materials_;
-  std::tuple<Walls...> walls_;
+  WallSet<Walls...> walls_;
   ContactSettings settings_;
   std::tuple<Found<2, float>, Found<2, double>, Found<3, float>, Found<3, double>> found_;
   std::vector<Index> counts_;  // by chunk

@@ -40,27 +40,24 @@ class GrainColumns {
         R_(grains.with_ghosts(radius)),
         m_(grains.with_ghosts(mass)) {}
 
-  /// columns[k][lane] = number k of the grain at places[lane].
-  void load(const std::uint32_t* places, Column* columns) const {
+  /// columns[k][lane] = number k of the grain at places[lane]: position and radius …
+  void load_places(const std::uint32_t* places, Column* columns) const {
+    load_vectors(x_, places, columns + x);
+    for (int lane = 0; lane < lanes; ++lane) columns[R][lane] = R_[places[lane]];
+  }
+  /// … and the rest.
+  void load_motion(const std::uint32_t* places, Column* columns) const {
+    load_vectors(v_, places, columns + v);
     if constexpr (Dim == 2) {
-      for (int lane = 0; lane < lanes; ++lane) {
-        const Index i = places[lane];
-        for (int k = 0; k < Dim; ++k) {
-          columns[x + k][lane] = x_[i][k];
-          columns[v + k][lane] = v_[i][k];
-        }
-        columns[w][lane] = w_[i];
-      }
+      for (int lane = 0; lane < lanes; ++lane) columns[w][lane] = w_[places[lane]];
     } else {
-      load_vectors(x_, places, columns + x);
-      load_vectors(v_, places, columns + v);
       load_vectors(w_, places, columns + w);
     }
-    for (int lane = 0; lane < lanes; ++lane) {
-      columns[R][lane] = R_[places[lane]];
-      columns[m][lane] = m_[places[lane]];
-    }
+    for (int lane = 0; lane < lanes; ++lane) columns[m][lane] = m_[places[lane]];
   }
+
+  const Vec& position_of(Index place) const { return x_[place]; }
+  Real radius_of(Index place) const { return R_[place]; }
 
   /// Asks for grains that will be loaded soon.
   void prefetch(const std::uint32_t* places) const {
@@ -72,19 +69,30 @@ class GrainColumns {
   }
 
  private:
-  // Four numbers from where a vector of three begins: the fourth is of the next one, and of no use. The
-  // last vector has no next one.
   static void load_vectors(std::span<const Vec> values, const std::uint32_t* places,
                            Column* columns) {
-    Real last[4] = {};
-    for (int k = 0; k < Dim; ++k) last[k] = values.back()[k];
-    for (int half = 0; half < lanes; half += 4) {
-      transpose_four<Real>(
-          [&](int lane) -> const Real* {
-            const Index i = places[half + lane];
-            return i + 1 < values.size() ? values[i].data() : last;
-          },
-          [&](int number) { return &columns[number][half]; });
+    if constexpr (Dim == 2) {
+      for (int lane = 0; lane < lanes; ++lane) {
+        for (int k = 0; k < Dim; ++k) columns[k][lane] = values[places[lane]][k];
+      }
+    } else {
+      // Four numbers from where a vector of three begins: the fourth is of the next one, and of no use. The
+      // last vector has no next one.
+      const auto end = static_cast<std::uint32_t>(values.size() - 1);
+      unsigned any_is_last = 0;
+      for (int lane = 0; lane < lanes; ++lane) any_is_last |= places[lane] == end;
+      const auto load = [&](auto&& at) {
+        for (int half = 0; half < lanes; half += 4) {
+          transpose_four<Real>([&](int lane) { return at(places[half + lane]); },
+                               [&](int number) { return &columns[number][half]; });
+        }
+      };
+      if (any_is_last == 0) {
+        load([&](std::uint32_t place) { return values[place].data(); });
+      } else {
+        const Real last[4] = {values[end][0], values[end][1], values[end][2], 0};
+        load([&](std::uint32_t place) { return place == end ? last : values[place].data(); });
+      }
     }
   }
 

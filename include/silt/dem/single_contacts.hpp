@@ -8,6 +8,7 @@
 #include <silt/dem/contact.hpp>
 #include <silt/dem/contact_lanes.hpp>
 #include <silt/dem/grains.hpp>
+#include <silt/dem/near_contacts.hpp>
 
 namespace silt::dem {
 
@@ -19,32 +20,27 @@ struct Sides {
 };
 
 /// Those of near contact c, as they were when it was found.
-template <class P, class Near>
-Sides sides_of(const P& grains, const Near& near, Index c) {
-  if (near.is_of_walls(c / lanes)) return {.i = near.first_place(c), .wall = near.second_place(c)};
-  return {.i = grains.owner(near.first_place(c)), .j = grains.owner(near.second_place(c))};
+template <class P>
+Sides sides_of(const P& grains, const NearContacts& near, Index c) {
+  if (near.is_of_wall(c)) return {.i = near.first(c), .wall = near.second(c)};
+  return {.i = grains.owner(near.first(c)), .j = grains.owner(near.second(c))};
 }
 
-/// What the last step kept of contact c, see ContactLanes.
-template <class P, class T>
-const typename P::Real* row_of(const P&, const T& touches, Index c) {
-  return &touches.seen().rows[c * ContactLanes<P::dimension, typename P::Real>::row_words];
-}
-
-/// f(c, sides) for every contact of the last step whose grains are still there.
+/// f(c, sides, row) for every contact of the last step whose grains are still there; the row is a
+/// ContactRow.
 template <class P, class T, class F>
 void for_each_touch(const P& grains, const T& touches, F&& f) {
-  using Lanes = ContactLanes<P::dimension, typename P::Real>;
   const auto& near = touches.near();
-  if (touches.seen().rows.size() != near.size() * Lanes::row_words) return;
-  for (Index c = 0; c < near.size(); ++c) {
-    if (!near.is_contact(c) || !(row_of(grains, touches, c)[Lanes::overlap] > 0)) continue;
-    const bool at_wall = near.is_of_walls(c / lanes);
+  if (touches.seen().at.size() != near.size()) return;
+  near.for_each_contact([&](Index c) {
+    const auto* const row = touches.seen().row_of(c);
+    if (row == nullptr) return;
+    const bool at_wall = near.is_of_wall(c);
     const Sides sides{.i = grains.index_of(near.first_id(c)),
                       .j = at_wall ? nowhere : grains.index_of(near.second_id(c)),
-                      .wall = at_wall ? near.second_place(c) : nowhere};
-    if (sides.i != nowhere && (at_wall || sides.j != nowhere)) f(c, sides);
-  }
+                      .wall = at_wall ? near.second(c) : nowhere};
+    if (sides.i != nowhere && (at_wall || sides.j != nowhere)) f(c, sides, row);
+  });
 }
 
 /// A contact of which only the masses and radii are filled in: they do not change from step to step.
@@ -65,18 +61,17 @@ auto constants_of(const P& grains, const Sides& sides) {
   return contact;
 }
 
-/// Contact c of the last step; its velocity is that of the grains as they are given.
-template <class P, class T>
-auto contact_of(const P& grains, const T& touches, Index c, const Sides& sides) {
-  using Lanes = ContactLanes<P::dimension, typename P::Real>;
+/// A contact of the last step from its row; its velocity is that of the grains as they are given.
+template <class P, class Seen>
+auto contact_of(const P& grains, const Seen& seen, const typename P::Real* row, const Sides& sides) {
+  using Row = ContactRow;
   using Vec = typename P::Vec;
-  const auto* const row = row_of(grains, touches, c);
   auto contact = constants_of(grains, sides);
-  for (int k = 0; k < P::dimension; ++k) contact.normal[k] = row[Lanes::n + k];
-  contact.overlap = row[Lanes::overlap];
-  contact.time_step = touches.seen().time_step;
+  for (int k = 0; k < P::dimension; ++k) contact.normal[k] = row[Row::n + k];
+  contact.overlap = row[Row::overlap];
+  contact.time_step = seen.time_step;
   const auto surface = [&](Index i, typename P::Real towards) {
-    const auto arm = grains[radius][i] - row[Lanes::arm_share] * contact.overlap;
+    const auto arm = grains[radius][i] - row[Row::arm_share] * contact.overlap;
     return Vec(grains[velocity][i] + cross(grains[spin][i], Vec(towards * arm * contact.normal)));
   };
   contact.relative_velocity = surface(sides.i, -1);

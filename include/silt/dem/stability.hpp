@@ -81,8 +81,8 @@ struct Unstable {
 /// What even a grain with as many contacts as any, all as stiff as any, would stand [s]; infinite if
 /// nothing is stiff. law_of(sides) is the law of a near contact; margin [m] is how far those that do not
 /// touch yet may be apart.
-template <class P, class Near, class LawOf>
-double stable_for_all(const P& grains, const Near& near, typename P::Real margin, LawOf&& law_of) {
+template <class P, class LawOf>
+double stable_for_all(const P& grains, const NearContacts& near, typename P::Real margin, LawOf&& law_of) {
   const auto x = grains.with_ghosts(position);
   const auto R = grains.with_ghosts(radius);
   const auto m = grains[mass];
@@ -96,15 +96,14 @@ double stable_for_all(const P& grains, const Near& near, typename P::Real margin
   }
   double stiffest = 0;
   double beta = 0;
-  for (Index c = 0; c < near.size(); ++c) {
-    if (!near.is_contact(c)) continue;
+  near.for_each_contact([&](Index c) {
     const Sides sides = sides_of(grains, near, c);
     auto contact = constants_of(grains, sides);
     // A spring may grow stiffer as it is pressed.
     contact.overlap = margin;
     if (sides.j != nowhere) {
-      const Index a = near.first_place(c);
-      const Index b = near.second_place(c);
+      const Index a = near.first(c);
+      const Index b = near.second(c);
       contact.overlap += std::max<typename P::Real>(0, R[a] + R[b] - (x[b] - x[a]).norm());
     } else {
       contact.overlap += R[sides.i];
@@ -113,7 +112,7 @@ double stable_for_all(const P& grains, const Near& near, typename P::Real margin
     stiffest = std::max(stiffest, std::max(k.normal, k.tangential * most_turning) /
                                       double(contact.effective_mass));
     beta = std::max(beta, k.beta);
-  }
+  });
   if (!(stiffest > 0)) return std::numeric_limits<double>::infinity();
   return stable_time_step(
       {.angular_frequency = std::sqrt(stiffest * double(most_contacts)), .beta = beta});
@@ -123,7 +122,7 @@ double stable_for_all(const P& grains, const Near& near, typename P::Real margin
 /// passes nearly always; where it does not, FrequencyBound decides.
 template <class P, class T, class LawOf>
 Unstable find_unstable(const P& grains, const T& touches, double dt, LawOf&& law_of) {
-  using Lanes = ContactLanes<P::dimension, typename P::Real>;
+  using Row = ContactRow;
   const auto m = grains[mass];
   const auto I = grains[inertia];
   struct Held {
@@ -132,16 +131,16 @@ Unstable find_unstable(const P& grains, const T& touches, double dt, LawOf&& law
     bool touches = false;
   };
   std::vector<Held> held(touches.near().size());
-  for_each_touch(grains, touches, [&](Index c, const Sides& sides) {
-    const auto contact = contact_of(grains, touches, c, sides);
+  for_each_touch(grains, touches, [&](Index c, const Sides& sides, const auto* row) {
+    const auto contact = contact_of(grains, touches.seen(), row, sides);
     held[c] = {contact, law_of(sides).stiffness(contact), true};
   });
   const auto for_each_contact_of = [&](Index i, auto&& f) {
     for (const auto part : touches.near().of(i)) {
       const Held& each = held[part.contact()];
-      const auto share = row_of(grains, touches, part.contact())[Lanes::arm_share];
-      const double arm = double(grains[radius][i] - share * each.contact.overlap);
-      if (each.touches) f(each.contact, each.stiffness, arm);
+      if (!each.touches) continue;
+      const auto share = touches.seen().row_of(part.contact())[Row::arm_share];
+      f(each.contact, each.stiffness, double(grains[radius][i] - share * each.contact.overlap));
     }
   };
   const auto is_beyond = [&](Index i) {

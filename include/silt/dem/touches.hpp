@@ -4,10 +4,13 @@
 #pragma once
 
 #include <silt/core/pair_memory.hpp>
+#include <silt/core/parallel.hpp>
 #include <silt/core/types.hpp>
+#include <silt/dem/contact_lanes.hpp>
 #include <silt/dem/near_contacts.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -16,17 +19,40 @@
 
 namespace silt::dem {
 
-template <int Dim, class RealType, int words>
+template <int Dim, class RealType, int memory_words>
 class Touches {
  public:
   using Real = RealType;
-  using Near = NearContacts<Real, words>;
+  using Row = ContactRow;
+  using Lanes = ContactLanes<Dim, Real, memory_words>;
+  static constexpr Index padded_words = Lanes::padded_words;
+  using Words = std::array<Real, memory_words>;
+  static constexpr std::uint32_t none = ~std::uint32_t(0);
 
-  /// What one step made.
+  /// What one step made. Only contacts that touch have a row; the rows of a chunk of near contacts begin
+  /// at the chunk, and lie together.
   struct Seen {
-    std::vector<Real> rows;  ///< by contact, see ContactLanes
-    Index count = 0;         ///< contacts that touch
-    Real time_step = 0;      ///< [s]
+    std::vector<Real, Eigen::aligned_allocator<Real>> rows;      ///< see ContactRow
+    std::vector<Real, Eigen::aligned_allocator<Real>> memories;  ///< padded_words a row
+    std::vector<std::uint32_t> at;  ///< number of the row of each near contact, or `none`
+    Index count = 0;                ///< contacts that touch
+    Real time_step = 0;             ///< [s]
+
+    void resize(Index contacts) {
+      const Index numbers = chunk_count(contacts) * chunk_size;
+      rows.resize(numbers * Row::words);
+      memories.resize(numbers * padded_words);
+      at.resize(contacts);
+    }
+    Real* row(Index number) noexcept { return rows.data() + number * Row::words; }
+    Real* memory(Index number) noexcept { return memories.data() + number * padded_words; }
+    const Real* memory(Index number) const noexcept {
+      return memories.data() + number * padded_words;
+    }
+    const Real* row_of(Index contact) const noexcept {
+      return at[contact] == none ? nullptr : rows.data() + at[contact] * Row::words;
+    }
+    const Real* memory_of(Index contact) const noexcept { return memory(at[contact]); }
   };
   /// Since when, and how long, the near contacts are good.
   struct Validity {
@@ -39,84 +65,116 @@ class Touches {
 
   const Seen& seen() const noexcept { return seen_; }
   Seen& seen() noexcept { return seen_; }
-  const Near& near() const noexcept { return near_; }
+  const NearContacts& near() const noexcept { return near_; }
   const Validity& validity() const noexcept { return validity_; }
   Validity& validity() noexcept { return validity_; }
 
-  /// The step begins to see and make: in place of what the one before the last did.
-  void begin_step() {
-    if (keeps_seen_) return;
-    std::swap(seen_, last_seen_);
-    keeps_seen_ = true;
+  /// What the law remembered of a contact at the last look, if it touched then.
+  class Memories {
+   public:
+    Memories(const std::uint32_t* at, const Real* memories) : at_(at), memories_(memories) {}
+    const Real* of(Index contact, const Real* otherwise) const noexcept {
+      const std::uint32_t row = at_[contact];
+      return row == none ? otherwise : memories_ + Index{row} * padded_words;
+    }
+
+   private:
+    const std::uint32_t* at_;
+    const Real* memories_;
+  };
+  Memories memories_before() const noexcept {
+    return {(has_moved_rows_ ? moved_rows_ : before().at).data(), before().memories.data()};
   }
 
-  /// find(near, validity, recall) finds the near contacts anew; recall(first id, second id, words)
-  /// is what find_all takes.
+  /// The step begins to see and make: in place of what the one before the last did.
+  void begin_step() {
+    std::swap(seen_, keeps_seen_ ? spare_seen_ : last_seen_);
+    before_is_spare_ = keeps_seen_;
+    keeps_seen_ = true;
+    has_moved_rows_ = false;
+  }
+
+  /// find(near, validity) finds the near contacts anew.
   template <class Find>
   void renew_near(Find&& find) {
-    Near& before = keeps_near_ ? spare_near_ : last_near_;
-    Validity& validity_before = keeps_near_ ? spare_validity_ : last_validity_;
-    std::swap(near_, before);
-    std::swap(validity_, validity_before);
+    NearContacts& last = keeps_near_ ? spare_near_ : last_near_;
+    std::swap(near_, last);
+    std::swap(validity_, keeps_near_ ? spare_validity_ : last_validity_);
     keeps_near_ = true;
+    find(near_, validity_);
+    moved_rows_.assign(near_.size(), none);
     if (recalled_) {
-      find(near_, validity_, [this](Id a, Id b, typename Near::Words& own) {
-        if (const auto* const known = recalled_->find(a, b)) own = *known;
-      });
-      recalled_.reset();
+      recall();
     } else {
-      before.tabulate();
-      find(near_, validity_,
-           [&](Id a, Id b, typename Near::Words& own) { before.recall(a, b, own); });
+      last.tabulate();
+      for_each_near([&](Index c) {
+        const Index known = last.find(near_.first_id(c), near_.second_id(c));
+        if (known != nowhere) moved_rows_[c] = before().at[known];
+      });
     }
+    has_moved_rows_ = true;
   }
 
   /// From now on, this is what is remembered.
-  void remember(PairMemory<typename Near::Words> memory) {
+  void remember(PairMemory<Words> memory) {
     recalled_ = std::move(memory);
+    was_recalled_ = false;
     validity_ = {};
   }
 
-  /// ask(near, before, after) asks the law; before(group) is where it finds what it remembers, after(group)
-  /// where it leaves that.
-  template <class Ask>
-  void use_memory(Ask&& ask) {
-    if (keeps_near_ || keeps_memory_) {
-      const auto in_place = [this](Index group) { return near_.memory(group); };
-      ask(near_, in_place, in_place);
-      return;
-    }
-    near_.make_room_for_next_memory();
-    ask(near_, [this](Index group) { return near_.memory(group); },
-        [this](Index group) { return near_.next_memory(group); });
-    near_.swap_memory();
-    keeps_memory_ = true;
+  void save() noexcept {
+    if (was_recalled_) recalled_.reset();
+    keeps_seen_ = keeps_near_ = was_recalled_ = false;
   }
-
-  void save() noexcept { keeps_seen_ = keeps_near_ = keeps_memory_ = false; }
   void restore() noexcept {
     if (keeps_seen_) std::swap(seen_, last_seen_);
     if (keeps_near_) {
       std::swap(near_, last_near_);
       std::swap(validity_, last_validity_);
     }
-    if (keeps_memory_) near_.swap_memory();
-    save();
+    keeps_seen_ = keeps_near_ = was_recalled_ = false;
   }
 
  private:
+  const Seen& before() const noexcept { return before_is_spare_ ? spare_seen_ : last_seen_; }
+
+  template <class F>
+  void for_each_near(F&& f) const {
+    for_each_chunk(near_.size(), [&](Chunk chunk) {
+      chunk = near_.without_gap(chunk);
+      for (Index c = chunk.first; c < chunk.last; ++c) f(c);
+    });
+  }
+
+  // Rows of their own for what a restart remembers.
+  void recall() {
+    before_is_spare_ = true;
+    spare_seen_.resize(near_.size());
+    for_each_near([&](Index c) {
+      const auto* const known = recalled_->find(near_.first_id(c), near_.second_id(c));
+      if (known == nullptr) return;
+      std::copy(known->begin(), known->end(), spare_seen_.memory(c));
+      moved_rows_[c] = static_cast<std::uint32_t>(c);
+    });
+    was_recalled_ = true;
+  }
+
   Seen seen_;
   Seen last_seen_;
-  Near near_;
-  Near last_near_;
-  Near spare_near_;  // for a second search within a step
+  Seen spare_seen_;  // for a second look within a step
+  NearContacts near_;
+  NearContacts last_near_;
+  NearContacts spare_near_;
   Validity validity_;
   Validity last_validity_;
   Validity spare_validity_;
-  std::optional<PairMemory<typename Near::Words>> recalled_;
+  std::vector<std::uint32_t> moved_rows_;  // where the contacts just found were before
+  std::optional<PairMemory<Words>> recalled_;
   bool keeps_seen_ = false;
   bool keeps_near_ = false;
-  bool keeps_memory_ = false;
+  bool before_is_spare_ = false;
+  bool has_moved_rows_ = false;
+  bool was_recalled_ = false;
 };
 
 }  // namespace silt::dem

@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <concepts>
 #include <cstdint>
+#include <tuple>
+#include <utility>
 
 namespace silt::dem {
 
@@ -69,6 +71,42 @@ struct Segment {
     // The centre is on the wall: push it to the left of from → to.
     return {Vec<2, Real>(-along[1], along[0]).normalized(), 0};
   }
+};
+
+/// Walls by their numbers, in the order given.
+template <class... Walls>
+class WallSet {
+ public:
+  /// Throws if a wall is out of range.
+  explicit WallSet(Walls... walls) : walls_(std::move(walls)...) {
+    std::apply([](auto&... wall) { (wall.check(), ...); }, walls_);
+  }
+
+  /// f(wall, number) for each.
+  template <class F>
+  void for_each(F&& f) const {
+    Index number = 0;
+    std::apply([&](const auto&... wall) { (f(wall, number++), ...); }, walls_);
+  }
+
+  template <int Dim, class Real>
+  NearestPoint<Dim, Real> nearest(Index number, const Vec<Dim, Real>& x) const {
+    NearestPoint<Dim, Real> nearest{};
+    for_each([&](const auto& wall, Index w) {
+      if (w == number) nearest = wall.nearest(x);
+    });
+    return nearest;
+  }
+  std::uint32_t material(Index number) const {
+    std::uint32_t material = 0;
+    for_each([&](const auto& wall, Index w) {
+      if (w == number) material = wall.material;
+    });
+    return material;
+  }
+
+ private:
+  std::tuple<Walls...> walls_;
 };
 
 }  // namespace silt::dem

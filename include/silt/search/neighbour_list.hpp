@@ -82,7 +82,8 @@ class NeighbourList {
     require_positive("NeighbourList: radius", double(radius()));
     ++now_.updates;
     const bool fitting = fits(particles);
-    if (knows(particles)) take_owned(particles);
+    const auto before = set_aside_positions();
+    if (knows(particles)) take_owned(particles, before);
     // The sum of the farthest moves is never less than the farthest of the sums, and nearly free.
     if (fitting && now_.moved > list_.skin / 2) now_.moved = farthest_move(particles);
     if (fitting && now_.moved <= list_.skin / 2) {
@@ -96,13 +97,14 @@ class NeighbourList {
       const auto x = particles.with_ghosts(position);
       positions_.assign(x.begin(), x.end());
     }
-    revision_ = particles.revision();
+    now_.revision = particles.revision();
+    now_.total = particles.total();
     for (const Pairs pairs : {Pairs::twice, Pairs::once}) build_rows(pairs);
   }
 
   /// Grows at every update by what the farthest particle moved since the one before [m], as long as the
   /// particles keep their places: while it has grown by less than d, none has moved by d.
-  double travelled() const noexcept { return travelled_; }
+  double travelled() const noexcept { return now_.travelled; }
 
   /// f(j, r_ij, r) for every j, owned or ghost, with r < radius(); i is owned, r_ij = x_j − x_i.
   template <class F>
@@ -162,11 +164,12 @@ class NeighbourList {
   /// The list before the first rebuild of a step is kept, so that undoing the step brings it back.
   void save() noexcept {
     saved_ = now_;
-    keeps_last_ = false;
+    keeps_last_ = keeps_positions_ = false;
   }
   void restore() noexcept {
     now_ = saved_;
-    now_.moved = std::numeric_limits<Real>::infinity();  // to be asked anew
+    if (keeps_positions_) positions_.swap(last_positions_);
+    keeps_positions_ = false;
     if (!keeps_last_) return;
     std::swap(list_, last_);
     // Ghosts went with the old list; without them it fits the particles again.
@@ -196,8 +199,11 @@ class NeighbourList {
   struct State {
     Skin tuning;
     Real moved = 0;     // at most, from where the list was built
-    Real pace = 0;      // by how much the farthest moved on since the update before
+    Real pace = 0;      // of the farthest since the update before
     Index updates = 0;  // of the list as it is
+    double travelled = 0;
+    std::uint64_t revision = 0;  // of the particles at the last update
+    Index total = 0;             // of them then
   };
 
   const NeighbourRows& rows(Pairs pairs) const { return list_.rows[static_cast<Index>(pairs)]; }
@@ -223,7 +229,7 @@ class NeighbourList {
   // Whether the positions of the last update are theirs, place by place.
   template <class P>
   bool knows(const P& particles) const {
-    return particles.revision() == revision_ && particles.total() == positions_.size();
+    return particles.revision() == now_.revision && particles.total() == now_.total;
   }
 
   // How far the farthest has moved from where the list was built.
@@ -233,17 +239,26 @@ class NeighbourList {
     return farthest(x.size(), [&](Index i) { return (x[i] - list_.reference[i]).squaredNorm(); });
   }
 
+  // The positions of the last update; new ones do not write over them while a step may be undone.
+  std::span<const Vec> set_aside_positions() {
+    if (keeps_positions_) return positions_;
+    positions_.swap(last_positions_);
+    positions_.resize(last_positions_.size());
+    keeps_positions_ = true;
+    return last_positions_;
+  }
+
   // Takes the positions of the owned particles, and notes how far they moved.
   template <class P>
-  void take_owned(const P& particles) {
+  void take_owned(const P& particles, std::span<const Vec> before) {
     const auto x = particles[position];
     now_.pace = farthest(x.size(), [&](Index i) {
-      const Real moved = (x[i] - positions_[i]).squaredNorm();
+      const Real moved = (x[i] - before[i]).squaredNorm();
       positions_[i] = x[i];
       return moved;
     });
     now_.moved += now_.pace;
-    travelled_ += double(now_.pace);
+    now_.travelled += double(now_.pace);
   }
 
   // √ of the largest of squared(i); infinity if one is no number, and the rebuild names it.
@@ -307,8 +322,8 @@ class NeighbourList {
   mutable std::array<bool, 2> asked_{};  // for rows of each kind
   std::uint64_t rebuilds_ = 0;
   std::vector<Vec> positions_;  // with ghosts, at the last update
-  std::uint64_t revision_ = 0;  // of the particles then
-  double travelled_ = 0;
+  std::vector<Vec> last_positions_;  // at the last update before the step
+  bool keeps_positions_ = true;
   std::vector<Real> farthest_;  // by chunk
 };
 
