@@ -4,7 +4,7 @@
 #pragma once
 
 #include <silt/core/lane.hpp>
-#include <silt/core/transpose.hpp>
+#include <silt/core/four.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/contact.hpp>
 #include <silt/dem/grain_columns.hpp>

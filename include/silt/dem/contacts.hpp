@@ -5,6 +5,7 @@
 
 #include <silt/core/concepts.hpp>
 #include <silt/core/error.hpp>
+#include <silt/core/four.hpp>
 #include <silt/core/pair_memory.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/types.hpp>
@@ -118,23 +119,27 @@ class Contacts {
     requires HasFields<P, force_t, torque_t, material_t>
   void add_forces(P& grains, Index i) const {
     using Real = typename P::Real;
-    using Row = typename FoundOf<P>::Row;
-    using Vec = typename P::Vec;
+    using Row = ContactRow;
     const auto& touches = found<P>();
+    const auto& seen = touches.seen();
     const Real R = grains[radius][i];
-    Vec sum = Vec::Zero();
-    auto turning = zero_of<Spin<P::dimension, Real>>();
+    Four<Real> sum{};
+    Four<Real> turning{};
     for (const auto part : touches.near().of(i)) {
-      const Real* const row = touches.seen().row_of(part.contact());
+      const Real* const row = seen.row_of(part.contact());
       if (row == nullptr) continue;
-      const Eigen::Map<const Vec> n(row + Row::n);
-      const Eigen::Map<const Vec> F(row + Row::F);
+      const auto n = load_four(row + Row::n);
+      const auto F = load_four(row + Row::F);
       const Real arm = R - row[Row::arm_share] * row[Row::overlap];
-      sum += part.is_second() ? Vec(-F) : Vec(F);
-      turning -= arm * moment(Vec(n), Vec(F));
+      sum += (part.is_second() ? Real(-1) : Real(1)) * F;
+      turning -= arm * cross_of_fours(n, F);
     }
-    grains[force][i] += sum;
-    grains[torque][i] += turning;
+    for (int k = 0; k < P::dimension; ++k) grains[force][i][k] += sum[k];
+    if constexpr (P::dimension == 2) {
+      grains[torque][i] += turning[2];
+    } else {
+      for (int k = 0; k < 3; ++k) grains[torque][i][k] += turning[k];
+    }
   }
 
   /// A fraction 1/steps_per_contact of the shortest contact that the lightest grains can have [s].

@@ -4,7 +4,7 @@
 #pragma once
 
 #include <silt/core/particles.hpp>
-#include <silt/core/transpose.hpp>
+#include <silt/core/four.hpp>
 #include <silt/core/types.hpp>
 
 #include <cstdint>
