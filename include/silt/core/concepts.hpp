@@ -107,20 +107,63 @@ concept Interaction =
       i.accelerate(p, s, dt);
     };
 
-/// An interaction may also part accelerate() in two: interact(p, s, dt) works out what needs several
-/// particles, add_forces(p, i) then adds to owned particle i alone. A step can so go through the
-/// particles once.
+/// An interaction may also have add_forces(p, i), which adds to owned particle i alone what
+/// accelerate() adds to all: a step can so go through the particles once. If more than particle i has a
+/// part in that, it may also have
+///   prepare(p, s, dt)      called once, before all
+///   interact(p, chunk)     called for every chunk of particles: makes what several particles share
+///   needs<P>(chunk)        the chunks whose interact() takes part in the forces of this one's particles
+///   conclude(p, dt)        called once, behind all
+/// Models: dem::Contacts, Gravity, Forces.
 template <class I, class P>
 concept AddsForces = requires(const I i, P& p, Index k) { i.add_forces(p, k); };
+
 template <class I, class P, class S>
-concept ActsByParticle =
-    AddsForces<I, P> && requires(I i, P& p, S& s, double dt) { i.interact(p, s, dt); };
+void prepare(I& interaction, P& particles, S& search, double dt) {
+  if constexpr (requires { interaction.prepare(particles, search, dt); }) {
+    interaction.prepare(particles, search, dt);
+  }
+}
+template <class I, class P>
+void interact(I& interaction, P& particles, Chunk chunk) {
+  if constexpr (requires { interaction.interact(particles, chunk); }) {
+    interaction.interact(particles, chunk);
+  }
+}
+template <class P, class I>
+ChunkSpan needs(const I& interaction, Chunk chunk) {
+  if constexpr (requires { interaction.template needs<P>(chunk); }) {
+    return interaction.template needs<P>(chunk);
+  } else {
+    return {chunk.number, chunk.number};
+  }
+}
+template <class I, class P>
+void conclude(I& interaction, P& particles, double dt) {
+  if constexpr (requires { interaction.conclude(particles, dt); }) {
+    interaction.conclude(particles, dt);
+  }
+}
+
+/// use_forces(chunk) for all particles, once what they need has interacted: it may call add_forces() for
+/// those of the chunk, and change them. Between prepare() and conclude().
+template <class I, class P, class UseForces>
+  requires AddsForces<I, P>
+void for_each_chunk_with_forces(I& interaction, P& particles, UseForces&& use_forces) {
+  for_each_chunk_in_two(
+      particles.size(), [&](Chunk chunk) { interact(interaction, particles, chunk); }, use_forces,
+      [&](Chunk chunk) { return needs<P>(interaction, chunk); });
+}
 template <class I, class P, class S>
-  requires ActsByParticle<I, P, S>
+  requires AddsForces<I, P>
 void accelerate_all(I& interaction, P& particles, S& search, double dt) {
-  interaction.interact(particles, search, dt);
-  for_each(particles.size(),
-           [&](Index i) { std::as_const(interaction).add_forces(particles, i); });
+  prepare(interaction, particles, search, dt);
+  for_each_chunk_with_forces(interaction, particles, [&](Chunk chunk) {
+    for (Index i = chunk.first; i < chunk.last; ++i) {
+      std::as_const(interaction).add_forces(particles, i);
+    }
+  });
+  conclude(interaction, particles, dt);
 }
 
 /// An incompressible flow, advanced by predictor and pressure. It may also have advect(p, dt), which

@@ -34,8 +34,6 @@ class Gravity {
   void accelerate(P& particles, S& search, double dt) const {
     accelerate_all(*this, particles, search, dt);
   }
-  template <class P, class S>
-  void interact(P&, const S&, double) const {}
   template <class P>
     requires HasFields<P, mass_t, force_t> && std::same_as<typename P::Vec, Vec<Dim, Real>>
   void add_forces(P& particles, Index i) const {
@@ -88,9 +86,25 @@ class Forces {
   }
 
   template <class P, class S>
-    requires(ActsByParticle<Parts, P, S> && ...)
-  void interact(P& particles, S& search, double dt) {
-    for_each_part([&](auto& part) { part.interact(particles, search, dt); });
+  void prepare(P& particles, S& search, double dt) {
+    for_each_part([&](auto& part) { silt::prepare(part, particles, search, dt); });
+  }
+  template <class P>
+  void interact(P& particles, Chunk chunk) {
+    for_each_part([&](auto& part) { silt::interact(part, particles, chunk); });
+  }
+  template <class P>
+  ChunkSpan needs(Chunk chunk) const {
+    ChunkSpan all{chunk.number, chunk.number};
+    for_each_part([&](const auto& part) {
+      const ChunkSpan own = silt::needs<P>(part, chunk);
+      all = {std::min(all.first, own.first), std::max(all.last, own.last)};
+    });
+    return all;
+  }
+  template <class P>
+  void conclude(P& particles, double dt) {
+    for_each_part([&](auto& part) { silt::conclude(part, particles, dt); });
   }
   template <class P>
     requires(AddsForces<Parts, P> && ...)

@@ -129,6 +129,40 @@ class PerChunk {
   std::vector<Value> values_;
 };
 
+/// Chunks of one loop, from the first to the last.
+struct ChunkSpan {
+  Index first;
+  Index last;
+};
+
+/// make(chunk) and then use(chunk) for every chunk of [0, n), in parallel; use(chunk) comes after
+/// make() of all chunks of needs(chunk), and soon after, while what was made is at hand.
+template <class Make, class Use, class Needs>
+void for_each_chunk_in_two(Index n, Make&& make, Use&& use, Needs&& needs) {
+  const auto chunk_at = [n](Index c) {
+    return Chunk{c, c * chunk_size, std::min(n, (c + 1) * chunk_size)};
+  };
+  const Index chunks = chunk_count(n);
+  const Index runs = std::min(chunks, static_cast<Index>(threads()));
+  PerChunk<char> used(n, false);
+  for_each_task(runs, [&](Index run) {
+    const Index begin = chunks * run / runs;
+    const Index end = chunks * (run + 1) / runs;
+    Index next = begin;
+    for (Index c = begin; c < end; ++c) {
+      make(chunk_at(c));
+      for (; next < end && needs(chunk_at(next)).last <= c; ++next) {
+        if (needs(chunk_at(next)).first < begin) continue;  // it needs what others make
+        use(chunk_at(next));
+        used[next] = true;
+      }
+    }
+  });
+  for_each_task(chunks, [&](Index c) {
+    if (!used[c]) use(chunk_at(c));
+  });
+}
+
 /// Σ f(i), the same bits for any number of threads.
 template <class Value, class F>
 Value ordered_sum(Index n, const Value& zero, F&& f) {

@@ -208,45 +208,53 @@ class Particles {
   // in between is not brought back; constants need not be.
 
   void save() noexcept {
-    for_each_column([&]<class F>(auto&, F) { saved<F>().kept = false; });
+    for_each_column([this]<class F>(auto&, F) { saved<F>().kept = saved<F>().is_next = false; });
   }
   /// Keeps field F as it is for restore(), before it is changed in place.
   template <Field F>
   void keep(F) {
-    auto& [before, kept] = saved<F>();
-    if (kept) return;
-    before = column<F>();
-    kept = true;
+    auto& before = saved<F>();
+    if (before.kept) return;
+    before.values = column<F>();
+    before.kept = true;
   }
-  /// Values of field F of the owned particles, and the place for the new ones, all of which must be
-  /// written: restore() brings the former back. They are one and the same where F was kept before.
+  /// Values of field F of the owned particles, and the place for the next ones, all of which must be
+  /// written; they take the former's place with arrive(). The two are one and the same where F was
+  /// kept before.
   template <Field F>
   auto advance(F) {
     using Value = value_of<F, Dim, Real>;
-    auto& [before, kept] = saved<F>();
     auto& now = column<F>();
-    if (!kept) {
-      before.resize(now.size());
-      std::copy(now.begin() + static_cast<std::ptrdiff_t>(size()), now.end(),
-                before.begin() + static_cast<std::ptrdiff_t>(size()));
-      before.swap(now);
-      kept = true;
-      return Advance<Value>{{before.data(), size()}, {now.data(), size()}};
-    }
-    return Advance<Value>{{now.data(), size()}, {now.data(), size()}};
+    auto& next = saved<F>();
+    if (next.kept) return Advance<Value>{{now.data(), size()}, {now.data(), size()}};
+    next.values.resize(now.size());
+    next.is_next = true;
+    return Advance<Value>{{now.data(), size()}, {next.values.data(), size()}};
   }
   template <class Value>
   struct Advance {
     std::span<const Value> before;
     std::span<Value> after;
   };
+  /// All fields that advance have their next values.
+  void arrive() {
+    for_each_column([this]<class F>(auto&, F) {
+      if (saved<F>().is_next) exchange<F>();
+    });
+  }
+  /// Place for values of field F that are made anew, all of which must be written.
+  template <Field F>
+  auto renew(F field) {
+    if (!saved<F>().kept) exchange<F>();
+    return (*this)[field];
+  }
 
   void restore() noexcept {
     for_each_column([this]<class F>(auto& column, F) {
-      const auto& [before, kept] = saved<F>();
-      if (!kept) return;
+      const auto& before = saved<F>();
+      if (!before.kept) return;
       // Ghosts may have come or gone since; they are made anew by the next search.
-      for (Index i = 0; i < size(); ++i) column[i] = before[i];
+      for (Index i = 0; i < size(); ++i) column[i] = before.values[i];
     });
     save();
   }
@@ -264,7 +272,9 @@ class Particles {
     static_assert(!std::same_as<value_of<F, Dim, Real>, bool>,
                   "silt::Particles: a column of bool is not contiguous; use std::uint8_t");
     std::vector<value_of<F, Dim, Real>> values;
-    bool kept = true;  // of a saved column: there is nothing more to save
+    // Of a saved column:
+    bool kept = true;      // there is nothing more to save
+    bool is_next = false;  // it holds what comes, rather than what was
   };
   // Position comes first, whether the list names it or not.
   template <class... Fs>
@@ -277,6 +287,19 @@ class Particles {
   template <class F>
   const auto& column() const noexcept {
     return std::get<Column<F>>(columns_).values;
+  }
+
+  // What was saved for what is now; ghosts stay as they are.
+  template <class F>
+  void exchange() {
+    auto& now = column<F>();
+    auto& other = saved<F>();
+    other.values.resize(now.size());
+    const auto owned = static_cast<std::ptrdiff_t>(size());
+    std::copy(now.begin() + owned, now.end(), other.values.begin() + owned);
+    now.swap(other.values);
+    other.is_next = false;
+    other.kept = true;
   }
 
   template <class F>

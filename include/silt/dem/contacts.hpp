@@ -102,19 +102,49 @@ class Contacts {
     accelerate_all(*this, grains, search, dt);
   }
 
-  /// The first part of it: works out the force of every contact.
+  // The same in parts, see AddsForces in core/concepts.hpp.
+
   template <class P, class S>
-  void interact(P& grains, const S& search, double dt) {
+  void prepare(P& grains, const S& search, double dt) {
     auto& touches = found<P>();
-    touches.begin_step();
+    touches.begin_step(static_cast<typename P::Real>(dt));
     grains.refresh_ghosts(velocity);
     grains.refresh_ghosts(spin);
     if (is_stale(grains, search, touches.validity())) renew_near(grains, search, touches, dt);
-    ask_law(grains, touches, static_cast<typename P::Real>(dt));
-    check_stability(grains, touches, dt);
+    touches.seen().resize(touches.near().size());
+    counts_.assign(chunk_count(grains.size()), 0);
   }
 
-  /// The second: Σ F and Σ M (14) of grain i, in the order of the partners' ids.
+  /// Asks the law for the contacts found at a chunk of grains.
+  template <class P>
+  void interact(const P& grains, Chunk chunk) {
+    using Real = typename P::Real;
+    using Lanes = typename FoundOf<P>::Lanes;
+    auto& touches = found<P>();
+    const Real dt = touches.seen().time_step;
+    const auto ask = [&, this, dt](Lanes& eight, const auto& contacts, unsigned touching) {
+      if constexpr (LawInLanes<Law, P::dimension, Real>) {
+        if (materials_.count() == 1) return eight.ask(materials_.between(0, 0), dt);
+      }
+      for (int lane = 0; lane < lanes; ++lane) {
+        if ((touching >> lane & 1) == 0) continue;
+        const Index c = contacts[static_cast<Index>(lane)];
+        eight.ask(law_of(grains, sides_of(grains, touches.near(), c)), dt, lane);
+      }
+    };
+    std::array<Real, std::size_t{Lanes::padded_words}> fresh{};
+    MemoryOf<P>::put({}, fresh.data());
+    const Real arm_share = settings_.lever_arm == LeverArm::radius ? 0 : Real(0.5);
+    LawPass pass(grains, touches, walls_, fresh, arm_share, ask);
+    counts_[chunk.number] = pass(touches.near().of_chunk(chunk.number));
+  }
+
+  template <class P>
+  ChunkSpan needs(Chunk chunk) const {
+    return found<P>().near().of_chunk(chunk.number).needs;
+  }
+
+  /// Σ F and Σ M (14) of grain i, in the order of the partners' ids.
   template <class P>
     requires HasFields<P, force_t, torque_t, material_t>
   void add_forces(P& grains, Index i) const {
@@ -140,6 +170,13 @@ class Contacts {
     } else {
       for (int k = 0; k < 3; ++k) grains[torque][i][k] += turning[k];
     }
+  }
+
+  template <class P>
+  void conclude(const P& grains, double dt) {
+    auto& touches = found<P>();
+    touches.seen().count = std::accumulate(counts_.begin(), counts_.end(), Index(0));
+    check_stability(grains, touches, dt);
   }
 
   /// A fraction 1/steps_per_contact of the shortest contact that the lightest grains can have [s].
@@ -292,36 +329,6 @@ class Contacts {
     typename FoundOf<P>::Words words{};
     MemoryOf<P>::put(own, words.data());
     return words;
-  }
-
-  // The law's force for every contact that touches.
-  template <class P>
-  void ask_law(const P& grains, FoundOf<P>& touches, typename P::Real dt) {
-    using Real = typename P::Real;
-    using Lanes = typename FoundOf<P>::Lanes;
-    auto& seen = touches.seen();
-    seen.time_step = dt;
-    seen.resize(touches.near().size());
-    const auto ask = [&, this, dt](Lanes& eight, const auto& contacts, unsigned touching) {
-      if constexpr (LawInLanes<Law, P::dimension, Real>) {
-        if (materials_.count() == 1) return eight.ask(materials_.between(0, 0), dt);
-      }
-      for (int lane = 0; lane < lanes; ++lane) {
-        if ((touching >> lane & 1) == 0) continue;
-        const Index c = contacts[static_cast<Index>(lane)];
-        eight.ask(law_of(grains, sides_of(grains, touches.near(), c)), dt, lane);
-      }
-    };
-    std::array<Real, std::size_t{Lanes::padded_words}> fresh{};
-    MemoryOf<P>::put({}, fresh.data());
-    const Real arm_share = settings_.lever_arm == LeverArm::radius ? 0 : Real(0.5);
-    const LawPass pass(grains, touches, walls_, fresh, arm_share, ask);
-    counts_.assign(chunk_count(touches.near().size()), 0);
-    for_each_chunk(touches.near().size(), [&](Chunk chunk) {
-      auto own = pass;  // of this thread
-      counts_[chunk.number] = own(chunk);
-    });
-    seen.count = std::accumulate(counts_.begin(), counts_.end(), Index(0));
   }
 
   template <class P>

@@ -19,7 +19,7 @@
 
 namespace silt::dem {
 
-/// Looks at the near contacts of a chunk, eight at a time, and keeps the law's answer for those that touch.
+/// Looks at the near contacts of a chunk of grains, eight at a time, and keeps the law's answer for those that touch.
 /// ask(eight, contacts, touching) asks it: for lane l if bit l is set; the others may be asked as well.
 ///
 /// Eight of which most touch are asked as they lie; where few do, they are collected to full eights.
@@ -47,17 +47,22 @@ class LawPass {
         ask_(&ask) {}
 
   /// Returns how many touch.
-  Index operator()(Chunk chunk) {
-    std::fill(&seen_.at[chunk.first], &seen_.at[chunk.last - 1] + 1, Found::none);
-    next_row_ = chunk.first;
+  Index operator()(const NearContacts::OfChunk& chunk) {
+    const auto all = chunk.all();
+    std::fill(seen_.at.begin() + std::ptrdiff_t(all.first),
+              seen_.at.begin() + std::ptrdiff_t(all.last), Found::none);
+    return through(chunk.pairs, false) + through(chunk.walls, true);
+  }
+
+ private:
+  Index through(NearContacts::Range range, bool of_walls) {
+    of_walls_ = of_walls;
+    next_row_ = range.first;
     count_ = 0;
-    of_walls_ = near_.is_of_wall(chunk.first);
-    chunk = near_.without_gap(chunk);
-    for (Index c = chunk.first; c < chunk.last; c += lanes) {
-      const std::uint32_t* const first = near_.firsts(c);
-      const std::uint32_t* const second = near_.seconds(c);
-      const Index filled = std::min<Index>(lanes, chunk.last - c);
-      if (!of_walls_) columns_.prefetch(near_.seconds(std::min(c + 4 * lanes, chunk.last - 1)));
+    for (Index c = range.first; c < range.last; c += lanes) {
+      const Index filled = std::min<Index>(lanes, range.last - c);
+      const std::uint32_t* const first = near_.first_places(c);
+      const std::uint32_t* const second = near_.second_places(c);
       const unsigned touching = look_at(first, second) & ((1u << filled) - 1);
       if (std::popcount(touching) > lanes / 2) {
         Eight contacts;
@@ -73,12 +78,12 @@ class LawPass {
     return count_;
   }
 
- private:
   unsigned look_at(const std::uint32_t* first, const std::uint32_t* second) {
     if (!of_walls_) return eight_.look_at(columns_, first, second);
     return eight_.look_at_walls(columns_, first, second,
-                                [this](Index number, const typename P::Vec& x) {
-                                  return walls_.template nearest<P::dimension, Real>(number, x);
+                                [this](std::uint32_t place, const typename P::Vec& x) {
+                                  return walls_.template nearest<P::dimension, Real>(
+                                      NearContacts::wall_at(place), x);
                                 });
   }
 
@@ -87,15 +92,15 @@ class LawPass {
     if (collected_ == lanes) meet_collected();
   }
   void meet_collected() {
-    std::uint32_t first[lanes];
-    std::uint32_t second[lanes];
+    std::fill(collection_.begin() + std::ptrdiff_t(collected_), collection_.end(), collection_[0]);
+    std::array<std::uint32_t, lanes> first;
+    std::array<std::uint32_t, lanes> second;
     for (Index lane = 0; lane < lanes; ++lane) {
-      if (lane >= collected_) collection_[lane] = collection_[0];
-      first[lane] = near_.first(collection_[lane]);
-      second[lane] = near_.second(collection_[lane]);
+      first[lane] = *near_.first_places(collection_[lane]);
+      second[lane] = *near_.second_places(collection_[lane]);
     }
-    look_at(first, second);
-    meet(first, second, collection_, (1u << collected_) - 1);
+    look_at(first.data(), second.data());
+    meet(first.data(), second.data(), collection_, (1u << collected_) - 1);
     collected_ = 0;
   }
 

@@ -2,9 +2,11 @@
 // The pairs that touch or soon may. They are found anew only when grains have moved; until then a step
 // just goes through them:
 //
-//   contact    0   1   2 …           pairs, then (from a multiple of chunk_size) grains at walls
+//   contact    0   1   2 …           those found at a chunk of grains: pairs, then grains at walls
 //   first    [ 3   3   5 …           the one with the lower id
 //   second   [ 9   4   9 …           the other, owned or ghost; the number of the wall
+//
+// The pairs of a chunk, and its grains at walls, are filled up to whole eights.
 //
 // Each grain has a list of its contacts, sorted by the partner's id, walls last: its sums run in
 // that order, so that neither the search nor the order in memory shows in them.
@@ -21,6 +23,7 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace silt::dem {
@@ -44,30 +47,45 @@ class NearContacts {
     std::uint32_t second;
   };
 
-  /// Contacts, with the gap before those with walls.
-  Index size() const noexcept { return walls_begin_ + walls_; }
-  bool is_of_wall(Index contact) const noexcept { return contact >= walls_begin_; }
-  /// Those of a chunk of size(): all pairs, or all with walls, without the gap.
-  Chunk without_gap(Chunk chunk) const noexcept {
-    if (!is_of_wall(chunk.first)) chunk.last = std::min(chunk.last, pairs_);
-    return chunk;
-  }
-  /// Places of the two; may be read up to seven beyond a chunk.
+  /// Contacts, those that fill up included.
+  Index size() const noexcept { return first_.size(); }
+  bool is_of_wall(Index contact) const noexcept { return second_[contact] >= wall_bit; }
+  /// Places of the two, or the number of the wall.
   std::uint32_t first(Index contact) const noexcept { return first_[contact]; }
-  std::uint32_t second(Index contact) const noexcept { return second_[contact]; }
-  const std::uint32_t* firsts(Index from) const noexcept { return &first_[from]; }
-  const std::uint32_t* seconds(Index from) const noexcept { return &second_[from]; }
+  std::uint32_t second(Index contact) const noexcept { return wall_at(second_[contact]); }
+  /// The same of an eight, with walls at places of their own.
+  const std::uint32_t* first_places(Index contact) const noexcept { return &first_[contact]; }
+  const std::uint32_t* second_places(Index contact) const noexcept { return &second_[contact]; }
+  static std::uint32_t wall_at(std::uint32_t place) noexcept { return place & ~wall_bit; }
   /// Their ids when the contacts were found.
   Id first_id(Index contact) const noexcept { return ids_[first_[contact]]; }
   Id second_id(Index contact) const noexcept {
-    return is_of_wall(contact) ? wall_id(second_[contact]) : ids_[second_[contact]];
+    return is_of_wall(contact) ? wall_id(second(contact)) : ids_[second_[contact]];
   }
+
+  /// Contacts [first, last), which begin with a whole eight.
+  struct Range {
+    Index first;
+    Index last;
+  };
+  /// Those found at a chunk of grains.
+  struct OfChunk {
+    Range pairs;
+    Range walls;
+    ChunkSpan needs;  ///< chunks at which all contacts of these grains were found
+    /// All, those that fill up included.
+    Range all() const { return {pairs.first, full_eights(walls.last)}; }
+  };
+  const OfChunk& of_chunk(Index number) const noexcept { return chunks_[number]; }
 
   /// f(contact) for each.
   template <class F>
   void for_each_contact(F&& f) const {
-    for (Index c = 0; c < pairs_; ++c) f(c);
-    for (Index c = walls_begin_; c < size(); ++c) f(c);
+    for (const OfChunk& chunk : chunks_) {
+      for (const Range range : {chunk.pairs, chunk.walls}) {
+        for (Index c = range.first; c < range.last; ++c) f(c);
+      }
+    }
   }
 
   /// Contacts of owned grain i.
@@ -107,33 +125,49 @@ class NearContacts {
 
  private:
   static constexpr std::uint32_t none = ~std::uint32_t(0);
+  static constexpr std::uint32_t wall_bit = std::uint32_t(1) << 31;
+
+  static constexpr Index full_eights(Index n) { return (n + lanes - 1) / lanes * lanes; }
 
   void line_up(Index owned) {
-    pairs_ = pair_rows_.items().size();
-    walls_ = wall_rows_.items().size();
-    walls_begin_ = chunk_count(pairs_) * chunk_size;
-    if (size() >= Index(1) << 31) {
-      fail("dem::Contacts: " + std::to_string(size()) +
+    chunks_.resize(chunk_count(owned));
+    Index size = 0;
+    for (Index number = 0; number < chunks_.size(); ++number) {
+      const auto count = [&](const auto& rows) {
+        return rows.first()[std::min(owned, (number + 1) * chunk_size)] -
+               rows.first()[number * chunk_size];
+      };
+      OfChunk& chunk = chunks_[number];
+      chunk.pairs = {size, size + count(pair_rows_)};
+      chunk.walls.first = full_eights(chunk.pairs.last);
+      chunk.walls.last = chunk.walls.first + count(wall_rows_);
+      chunk.needs = {number, number};
+      size = chunk.all().last;
+    }
+    if (size >= wall_bit) {
+      fail("dem::Contacts: " + std::to_string(size) +
            " pairs of grains are near each other, more than 2^31; use fewer grains");
     }
-    first_.resize(size() + lanes);
-    second_.resize(size() + lanes);
-    for_each(pairs_, [&](Index c) {
-      first_[c] = pair_rows_.items()[c].first;
-      second_[c] = pair_rows_.items()[c].second;
-    });
-    for_each(owned, [&](Index i) {
-      const Index row = wall_rows_.first()[i];
-      for (Index k = row; k < wall_rows_.first()[i + 1]; ++k) {
-        first_[walls_begin_ + k] = static_cast<std::uint32_t>(i);
-        second_[walls_begin_ + k] = wall_rows_.items()[k];
+    first_.resize(size);
+    second_.resize(size);
+    for_each_chunk(owned, [&](Chunk grains) {
+      const OfChunk& chunk = chunks_[grains.number];
+      const Range all = chunk.all();
+      std::fill(first_.begin() + std::ptrdiff_t(all.first), first_.begin() + std::ptrdiff_t(all.last), 0);
+      std::fill(second_.begin() + std::ptrdiff_t(all.first), second_.begin() + std::ptrdiff_t(all.last), 0);
+      Index pair = chunk.pairs.first;
+      Index wall = chunk.walls.first;
+      for (Index i = grains.first; i < grains.last; ++i) {
+        for (const Pair& found : std::as_const(pair_rows_)[i]) {
+          first_[pair] = found.first;
+          second_[pair++] = found.second;
+        }
+        for (const std::uint32_t number : std::as_const(wall_rows_)[i]) {
+          first_[wall] = static_cast<std::uint32_t>(i);
+          second_[wall++] = number | wall_bit;
+        }
       }
     });
-    const auto fill_up = [&](Index from, Index to) {
-      for (Index c = from; c < to; ++c) first_[c] = second_[c] = 0;
-    };
-    fill_up(pairs_, walls_begin_);
-    fill_up(size(), first_.size());
   }
 
   template <class P>
@@ -152,18 +186,37 @@ class NearContacts {
     for_each_part([&](Index i, Index c, bool is_second) { parts_[begin_[i]++] = {c, is_second}; });
     for (Index i = owned; i > 0; --i) begin_[i] = begin_[i - 1];
     begin_[0] = 0;
-    for_each(owned, [&](Index i) {
-      const auto partner = [&](Part part) {
-        return part.is_second() ? first_id(part.contact()) : second_id(part.contact());
-      };
-      std::sort(parts_.begin() + begin_[i], parts_.begin() + begin_[i + 1],
-                [&](Part a, Part b) { return partner(a) < partner(b); });
+    for_each_chunk(owned, [&](Chunk chunk) {
+      Index lowest = chunks_[chunk.number].pairs.first;
+      Index highest = lowest;
+      for (Index i = chunk.first; i < chunk.last; ++i) {
+        sort_parts(i);
+        for (const Part part : of(i)) {
+          lowest = std::min(lowest, part.contact());
+          highest = std::max(highest, part.contact());
+        }
+      }
+      chunks_[chunk.number].needs = {chunk_of(lowest), chunk_of(highest)};
     });
   }
 
-  Index pairs_ = 0;
-  Index walls_ = 0;
-  Index walls_begin_ = 0;
+  void sort_parts(Index i) {
+    const auto partner = [&](Part part) {
+      return part.is_second() ? first_id(part.contact()) : second_id(part.contact());
+    };
+    std::sort(parts_.begin() + begin_[i], parts_.begin() + begin_[i + 1],
+              [&](Part a, Part b) { return partner(a) < partner(b); });
+  }
+
+  // Number of the chunk at which a contact was found.
+  Index chunk_of(Index contact) const {
+    const auto behind = std::upper_bound(
+        chunks_.begin(), chunks_.end(), contact,
+        [](Index c, const OfChunk& chunk) { return c < chunk.pairs.first; });
+    return static_cast<Index>(behind - chunks_.begin()) - 1;
+  }
+
+  std::vector<OfChunk> chunks_;
   std::vector<std::uint32_t> first_;
   std::vector<std::uint32_t> second_;
   std::vector<std::uint32_t> begin_;  // by owned grain

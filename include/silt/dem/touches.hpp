@@ -29,8 +29,8 @@ class Touches {
   using Words = std::array<Real, memory_words>;
   static constexpr std::uint32_t none = ~std::uint32_t(0);
 
-  /// What one step made. Only contacts that touch have a row; the rows of a chunk of near contacts begin
-  /// at the chunk, and lie together.
+  /// What one step made. Only contacts that touch have a row; the rows of those found at a chunk of grains
+  /// lie together, from the first of these contacts on.
   struct Seen {
     std::vector<Real, Eigen::aligned_allocator<Real>> rows;      ///< see ContactRow
     std::vector<Real, Eigen::aligned_allocator<Real>> memories;  ///< padded_words a row
@@ -39,9 +39,8 @@ class Touches {
     Real time_step = 0;             ///< [s]
 
     void resize(Index contacts) {
-      const Index numbers = chunk_count(contacts) * chunk_size;
-      rows.resize(numbers * Row::words);
-      memories.resize(numbers * padded_words);
+      rows.resize(contacts * Row::words);
+      memories.resize(contacts * padded_words);
       at.resize(contacts);
     }
     Real* row(Index number) noexcept { return rows.data() + number * Row::words; }
@@ -87,11 +86,12 @@ class Touches {
   }
 
   /// The step begins to see and make: in place of what the one before the last did.
-  void begin_step() {
+  void begin_step(Real time_step) {
     std::swap(seen_, keeps_seen_ ? spare_seen_ : last_seen_);
     before_is_spare_ = keeps_seen_;
     keeps_seen_ = true;
     has_moved_rows_ = false;
+    seen_.time_step = time_step;
   }
 
   /// find(near, validity) finds the near contacts anew.
@@ -107,7 +107,7 @@ class Touches {
       recall();
     } else {
       last.tabulate();
-      for_each_near([&](Index c) {
+      near_.for_each_contact([&](Index c) {
         const Index known = last.find(near_.first_id(c), near_.second_id(c));
         if (known != nowhere) moved_rows_[c] = before().at[known];
       });
@@ -138,19 +138,11 @@ class Touches {
  private:
   const Seen& before() const noexcept { return before_is_spare_ ? spare_seen_ : last_seen_; }
 
-  template <class F>
-  void for_each_near(F&& f) const {
-    for_each_chunk(near_.size(), [&](Chunk chunk) {
-      chunk = near_.without_gap(chunk);
-      for (Index c = chunk.first; c < chunk.last; ++c) f(c);
-    });
-  }
-
   // Rows of their own for what a restart remembers.
   void recall() {
     before_is_spare_ = true;
     spare_seen_.resize(near_.size());
-    for_each_near([&](Index c) {
+    near_.for_each_contact([&](Index c) {
       const auto* const known = recalled_->find(near_.first_id(c), near_.second_id(c));
       if (known == nullptr) return;
       std::copy(known->begin(), known->end(), spare_seen_.memory(c));

@@ -33,11 +33,11 @@ class Motion {
   explicit Motion(P& particles)
       : x_(of(particles.advance(position))),
         v_(of(particles.advance(velocity))),
-        f_(of(particles.advance(force)).after),
+        f_(lanes_of(particles.renew(force).data())),
         m_(lanes_of(particles[mass].data())) {
     if constexpr (turns) {
       w_ = of(particles.advance(spin));
-      t_ = of(particles.advance(torque)).after;
+      t_ = lanes_of(particles.renew(torque).data());
       inertias_ = lanes_of(particles[inertia].data());
     }
     if constexpr (has_angle) angle_ = of(particles.advance(angle));
@@ -190,8 +190,7 @@ class Leapfrog {
     const double between_half_steps = (last_time_step_ + dt) / 2;
 
     search.update(particles);
-    const auto add_forces = make_forces(particles, search, interaction, dt);
-    advance(particles, add_forces, [=, damping = damping_](const Motion<P>& motion, Index i) {
+    advance(particles, search, interaction, dt, [=, damping = damping_](const Motion<P>& motion, Index i) {
       motion.kick(i, damping, between_half_steps);
       motion.drift(i, dt);
     });
@@ -204,8 +203,7 @@ class Leapfrog {
   template <class P, class S, class I>
   void synchronise(P& particles, S& search, I& interaction) {
     search.update(particles);
-    const auto add_forces = make_forces(particles, search, interaction, last_time_step_);
-    advance(particles, add_forces, [dt = last_time_step_, damping = damping_](const Motion<P>& motion, Index i) {
+    advance(particles, search, interaction, last_time_step_, [dt = last_time_step_, damping = damping_](const Motion<P>& motion, Index i) {
       motion.kick_to_the_mean(i, damping, dt);
     });
   }
@@ -217,39 +215,38 @@ class Leapfrog {
   bool all_finite() const noexcept { return all_finite_; }
 
  private:
-  // What adds the forces of particle i: at once, where the interaction can do that for one particle.
-  template <class P, class S, class I>
-  static auto make_forces(P& particles, S& search, I& interaction, double dt) {
-    if constexpr (ActsByParticle<I, P, S>) {
-      interaction.interact(particles, search, dt);
-      return [&particles, &interaction = std::as_const(interaction)](const Motion<P>& motion,
-                                                                     Index i) {
-        motion.clear(i);
-        interaction.add_forces(particles, i);
-      };
-    } else {
-      clear(particles);
-      interaction.accelerate(particles, search, dt);
-      return [](const Motion<P>&, Index) {};
-    }
-  }
-
-  // add_forces(motion, i), then move(motion, i) for every particle.
-  template <class P, class AddForces, class Move>
-  void advance(P& particles, AddForces&& add_forces, Move&& move) {
-    constexpr Index block = 64;  // what stays at hand between the two
-    const Motion<P> all(particles);
+  // Makes the forces, and then move(motion, i) for every particle; chunk by chunk, where the interaction
+  // can.
+  template <class P, class S, class I, class Move>
+  void advance(P& particles, S& search, I& interaction, double dt, Move&& move) {
     sound_.resize(chunk_count(particles.size()));
-    for_each_chunk(particles.size(), [&](Chunk chunk) __attribute__((flatten)) {
-      const Motion<P> motion = all;  // where no store can reach it
-      bool sound = true;
-      for (Index first = chunk.first; first < chunk.last; first += block) {
-        const Index last = std::min(first + block, chunk.last);
-        for (Index i = first; i < last; ++i) add_forces(motion, i);
-        sound &= all_sound_after(move, motion, first, last);
-      }
-      sound_[chunk.number] = sound;
-    });
+    if constexpr (AddsForces<I, P>) {
+      prepare(interaction, particles, search, dt);
+      const Motion<P> motion(particles);
+      for_each_chunk_with_forces(interaction, particles, [&](Chunk chunk) {
+        bool sound = true;
+        constexpr Index block = 64;  // what stays at hand between the two
+        for (Index first = chunk.first; first < chunk.last; first += block) {
+          const Index last = std::min(first + block, chunk.last);
+          for (Index i = first; i < last; ++i) {
+            motion.clear(i);
+            std::as_const(interaction).add_forces(particles, i);
+          }
+          sound &= all_sound_after(move, motion, first, last);
+        }
+        sound_[chunk.number] = sound;
+      });
+      conclude(interaction, particles, dt);
+    } else {
+      const Motion<P> still(particles);
+      for_each(particles.size(), [&](Index i) { still.clear(i); });
+      interaction.accelerate(particles, search, dt);
+      const Motion<P> motion(particles);
+      for_each_chunk(particles.size(), [&](Chunk chunk) {
+        sound_[chunk.number] = all_sound_after(move, motion, chunk.first, chunk.last);
+      });
+    }
+    particles.arrive();
     all_finite_ = std::all_of(sound_.begin(), sound_.end(), [](char sound) { return sound; });
   }
 
@@ -273,8 +270,7 @@ class Leapfrog {
     started_ = true;
     I trial = interaction;  // what contacts remember must not grow by a step that is not made
     search.update(particles);
-    const auto add_forces = make_forces(particles, search, trial, dt);
-    advance(particles, add_forces, [=, damping = damping_](const Motion<P>& motion, Index i) {
+    advance(particles, search, trial, dt, [=, damping = damping_](const Motion<P>& motion, Index i) {
       motion.step_back(i, damping, dt);
     });
   }

@@ -64,7 +64,7 @@ class TimedInteraction : public I {
   }
 
   // Only the whole can be timed, not what is added to one particle.
-  void interact() = delete;
+  void add_forces() = delete;
 
   /// Spent in accelerate() so far [s].
   double seconds() const noexcept { return watch_.seconds(); }
