@@ -176,9 +176,38 @@ TYPED_TEST(AllParticles, ReturnToWhatWasBeforeAnAdvance) {
   for (int twice = 0; twice < 2; ++twice) {
     const auto [old, now] = particles.advance(position);
     for (Index i = 0; i < now.size(); ++i) now[i] = old[i] + Vec::Ones();
+    particles.arrive();
   }
   EXPECT_EQ(particles[position][2], Vec(Vec::Constant(Real(4))));
   EXPECT_EQ(particles.with_ghosts(position)[5], Vec(Vec::Constant(Real(11))));
+  particles.restore();
+  EXPECT_EQ(state_of(particles), before);
+}
+
+TYPED_TEST(AllParticles, AreWhereTheyWereUntilTheyArrive) {
+  using Real = typename TypeParam::Real;
+  using Vec = typename TypeParam::Vec;
+  TypeParam particles;
+  for (int k = 0; k < 5; ++k) particles.add(Vec::Constant(Real(k)));
+  const Bytes before = state_of(particles);
+  particles.save();
+  const auto next = particles.advance(position).after;
+  for (auto& x : next) x = Vec::Ones();
+  EXPECT_EQ(state_of(particles), before);
+  particles.restore();
+  particles.arrive();
+  EXPECT_EQ(state_of(particles), before);
+}
+
+TYPED_TEST(AllParticles, ReturnToWhatWasBeforeARenewal) {
+  using Vec = typename TypeParam::Vec;
+  TypeParam particles;
+  for (int k = 0; k < 5; ++k) particles.add(Vec::Zero());
+  particles[temperature][2] = 7;
+  const Bytes before = state_of(particles);
+  particles.save();
+  for (auto& T : particles.renew(temperature)) T = 3;
+  EXPECT_EQ(particles[temperature][2], 3);
   particles.restore();
   EXPECT_EQ(state_of(particles), before);
 }

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <random>
+#include <vector>
 
 namespace silt::test {
 namespace {
@@ -72,6 +73,27 @@ TEST(Leapfrog, KeepsTheEnergyOfAnOscillatorOverManyPeriods) {
     most = std::max(most, energy);
   });
   EXPECT_LT(most - least, 1e-3);
+}
+
+// The same spring, particle by particle.
+struct SpringOfEach : SpringToOrigin {
+  template <class P>
+  void add_forces(P& particles, Index i) const {
+    particles[force][i] -= omega * omega * particles[mass][i] * particles[position][i];
+  }
+};
+
+TEST(Leapfrog, SeesWhatAStepBeganWithWhereForcesAreAddedParticleByParticle) {
+  const auto path = [](auto spring) {
+    Simulation sim{one_grain<2>({1, 0}, {0, 0.5}), UniformGrid<2>{}, spring, Leapfrog{}};
+    std::vector<double> x;
+    for (int step = 0; step < 50; ++step) {
+      sim.step(0.05);
+      x.push_back(sim.particles()[position][0][0]);
+    }
+    return x;
+  };
+  EXPECT_EQ(path(SpringOfEach{}), path(SpringToOrigin{}));
 }
 
 TEST(Leapfrog, IsOfSecondOrderWithAChangingTimeStep) {

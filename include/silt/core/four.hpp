@@ -17,18 +17,18 @@ struct FourOf {
 template <class Real>
 using Four = typename detail::FourOf<Real>::type;
 
+// Fours are given by reference: how a function returns one depends on the processor's flags.
+
 template <class Real>
-Four<Real> load_four(const Real* from) {
-  Four<Real> four;
+void load_four(const Real* from, Four<Real>& four) {
   std::memcpy(&four, from, sizeof four);
-  return four;
 }
 
-/// a × b of the first three; of the fourth, nothing is said.
-template <class F>
-F cross_of_fours(const F& a, const F& b) {
-  return __builtin_shufflevector(a, a, 1, 2, 0, 3) * __builtin_shufflevector(b, b, 2, 0, 1, 3) -
-         __builtin_shufflevector(a, a, 2, 0, 1, 3) * __builtin_shufflevector(b, b, 1, 2, 0, 3);
+/// c −= s a × b of the first three; of the fourth, nothing is said.
+template <class Real, class F>
+void subtract_cross(F& c, Real s, const F& a, const F& b) {
+  c -= s * (__builtin_shufflevector(a, a, 1, 2, 0, 3) * __builtin_shufflevector(b, b, 2, 0, 1, 3) -
+            __builtin_shufflevector(a, a, 2, 0, 1, 3) * __builtin_shufflevector(b, b, 1, 2, 0, 3));
 }
 
 /// Four rows become four columns: to(k)[lane] = from(lane)[k] for k and lane in 0 … 3, which are pointers
@@ -36,10 +36,11 @@ F cross_of_fours(const F& a, const F& b) {
 /// eight shuffles take a third of the time of sixteen gathered loads.
 template <class Real, class From, class To>
 inline void transpose_four(From&& from, To&& to) {
-  Four<Real> a = load_four<Real>(from(0));
-  Four<Real> b = load_four<Real>(from(1));
-  Four<Real> c = load_four<Real>(from(2));
-  Four<Real> d = load_four<Real>(from(3));
+  Four<Real> a, b, c, d;
+  load_four<Real>(from(0), a);
+  load_four<Real>(from(1), b);
+  load_four<Real>(from(2), c);
+  load_four<Real>(from(3), d);
   const Four<Real> ab_even = __builtin_shufflevector(a, b, 0, 4, 2, 6);
   const Four<Real> ab_odd = __builtin_shufflevector(a, b, 1, 5, 3, 7);
   const Four<Real> cd_even = __builtin_shufflevector(c, d, 0, 4, 2, 6);

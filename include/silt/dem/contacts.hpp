@@ -158,11 +158,12 @@ class Contacts {
     for (const auto part : touches.near().of(i)) {
       const Real* const row = seen.row_of(part.contact());
       if (row == nullptr) continue;
-      const auto n = load_four(row + Row::n);
-      const auto F = load_four(row + Row::F);
+      Four<Real> n, F;
+      load_four(row + Row::n, n);
+      load_four(row + Row::F, F);
       const Real arm = R - row[Row::arm_share] * row[Row::overlap];
       sum += (part.is_second() ? Real(-1) : Real(1)) * F;
-      turning -= arm * cross_of_fours(n, F);
+      subtract_cross(turning, arm, n, F);
     }
     for (int k = 0; k < P::dimension; ++k) grains[force][i][k] += sum[k];
     if constexpr (P::dimension == 2) {
