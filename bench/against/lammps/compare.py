@@ -34,7 +34,7 @@ WAYS = "hooke_history,cundall_strack,portable"
 
 
 def run(command, threads=1):
-    environment = {"OMP_WAIT_POLICY": "passive", **os.environ, "OMP_NUM_THREADS": str(threads)}
+    environment = {**os.environ, "OMP_NUM_THREADS": str(threads)}
     done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
     if done.returncode != 0:
         sys.exit(f"compare.py: {' '.join(map(str, command))} failed\n{done.stdout[-2000:]}{done.stderr}")

@@ -208,7 +208,10 @@ class Particles {
   // in between is not brought back; constants need not be.
 
   void save() noexcept {
-    for_each_column([this]<class F>(auto&, F) { saved<F>().kept = saved<F>().is_next = false; });
+    for_each_column([this]<class F>(auto&, F) {
+      auto& before = this->template saved<F>();
+      before.kept = before.is_next = false;
+    });
   }
   /// Keeps field F as it is for restore(), before it is changed in place.
   template <Field F>
@@ -239,7 +242,7 @@ class Particles {
   /// All fields that advance have their next values.
   void arrive() {
     for_each_column([this]<class F>(auto&, F) {
-      if (saved<F>().is_next) exchange<F>();
+      if (this->template saved<F>().is_next) this->template exchange<F>();
     });
   }
   /// Place for values of field F that are made anew, all of which must be written.

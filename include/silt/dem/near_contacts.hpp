@@ -153,8 +153,7 @@ class NearContacts {
     for_each_chunk(owned, [&](Chunk grains) {
       const OfChunk& chunk = chunks_[grains.number];
       const Range all = chunk.all();
-      std::fill(first_.begin() + std::ptrdiff_t(all.first), first_.begin() + std::ptrdiff_t(all.last), 0);
-      std::fill(second_.begin() + std::ptrdiff_t(all.first), second_.begin() + std::ptrdiff_t(all.last), 0);
+      for (Index c = all.first; c < all.last; ++c) first_[c] = second_[c] = 0;
       Index pair = chunk.pairs.first;
       Index wall = chunk.walls.first;
       for (Index i = grains.first; i < grains.last; ++i) {

@@ -190,10 +190,11 @@ class Leapfrog {
     const double between_half_steps = (last_time_step_ + dt) / 2;
 
     search.update(particles);
-    advance(particles, search, interaction, dt, [=, damping = damping_](const Motion<P>& motion, Index i) {
-      motion.kick(i, damping, between_half_steps);
-      motion.drift(i, dt);
-    });
+    advance(particles, search, interaction, dt,
+            [=, damping = damping_](const Motion<P>& motion, Index i) {
+              motion.kick(i, damping, between_half_steps);
+              motion.drift(i, dt);
+            });
 
     last_time_step_ = dt;
   }
@@ -203,9 +204,10 @@ class Leapfrog {
   template <class P, class S, class I>
   void synchronise(P& particles, S& search, I& interaction) {
     search.update(particles);
-    advance(particles, search, interaction, last_time_step_, [dt = last_time_step_, damping = damping_](const Motion<P>& motion, Index i) {
-      motion.kick_to_the_mean(i, damping, dt);
-    });
+    advance(particles, search, interaction, last_time_step_,
+            [dt = last_time_step_, damping = damping_](const Motion<P>& motion, Index i) {
+              motion.kick_to_the_mean(i, damping, dt);
+            });
   }
 
   // See AdvancesField in core/concepts.hpp.
@@ -270,9 +272,10 @@ class Leapfrog {
     started_ = true;
     I trial = interaction;  // what contacts remember must not grow by a step that is not made
     search.update(particles);
-    advance(particles, search, trial, dt, [=, damping = damping_](const Motion<P>& motion, Index i) {
-      motion.step_back(i, damping, dt);
-    });
+    advance(particles, search, trial, dt,
+            [=, damping = damping_](const Motion<P>& motion, Index i) {
+              motion.step_back(i, damping, dt);
+            });
   }
 
   D damping_{};
