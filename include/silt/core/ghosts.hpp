@@ -43,10 +43,18 @@ void make_ghosts(P& particles, typename P::Real depth) {
     Vec shift = Vec::Zero();
     shift[k] = side;
     const Index rows = particles.total();
+    const auto is_low = [&](Index i) {
+      return particles.with_ghosts(position)[i][k] <= box.lower[k] + depth;
+    };
+    const auto is_high = [&](Index i) {
+      return particles.with_ghosts(position)[i][k] >= box.upper[k] - depth;
+    };
+    const auto ghosts = ordered_sum(
+        rows, Index(0), [&](Index i) { return Index(is_low(i)) + Index(is_high(i)); });
+    particles.reserve(rows + ghosts + ghosts / 8);
     for (Index i = 0; i < rows; ++i) {
-      const Real x = particles.with_ghosts(position)[i][k];
-      if (x <= box.lower[k] + depth) particles.add_ghost(i, shift);
-      if (x >= box.upper[k] - depth) particles.add_ghost(i, Vec(-shift));
+      if (is_low(i)) particles.add_ghost(i, shift);
+      if (is_high(i)) particles.add_ghost(i, Vec(-shift));
     }
   }
 }

@@ -230,7 +230,7 @@ class Particles {
     auto& now = column<F>();
     auto& next = saved<F>();
     if (next.kept) return Advance<Value>{{now.data(), size()}, {now.data(), size()}};
-    next.values.resize(now.size());
+    resize_sparingly(next.values, now.size());
     next.is_next = true;
     return Advance<Value>{{now.data(), size()}, {next.values.data(), size()}};
   }
@@ -297,7 +297,7 @@ class Particles {
   void exchange() {
     auto& now = column<F>();
     auto& other = saved<F>();
-    other.values.resize(now.size());
+    resize_sparingly(other.values, now.size());
     const auto owned = static_cast<std::ptrdiff_t>(size());
     std::copy(now.begin() + owned, now.end(), other.values.begin() + owned);
     now.swap(other.values);

@@ -318,9 +318,9 @@ class Contacts {
   template <class P, class S>
   void renew_near(const P& grains, const S& search, FoundOf<P>& touches, double dt) const {
     check_grains(grains);
-    touches.renew_near([&](NearContacts& near, auto& validity) {
+    touches.renew_near([&](NearContacts& near, auto& found, auto& validity) {
       renew_validity(grains, search, reach(grains), dt, validity);
-      find_near(grains, search, walls_, validity.margin, near);
+      find_near(grains, search, walls_, validity.margin, near, found);
     });
     note_stable_time_step(grains, touches);
   }

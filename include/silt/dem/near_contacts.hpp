@@ -23,7 +23,6 @@
 #include <cstdint>
 #include <span>
 #include <string>
-#include <utility>
 #include <vector>
 
 namespace silt::dem {
@@ -93,16 +92,21 @@ class NearContacts {
     return std::span(parts_).subspan(begin_[i], begin_[i + 1] - begin_[i]);
   }
 
+  /// What is found, grain by grain, before it is lined up.
+  struct Found {
+    Rows<Pair> pairs;
+    Rows<std::uint32_t> walls;
+  };
   /// Finds all anew: pairs_at(i, add(Pair)) and walls_at(i, add(number)) tell those found at owned
-  /// grain i.
+  /// grain i. The memory of `found` is reused.
   template <class P, class PairsAt, class WallsAt>
-  void find_all(const P& grains, PairsAt&& pairs_at, WallsAt&& walls_at) {
+  void find_all(const P& grains, PairsAt&& pairs_at, WallsAt&& walls_at, Found& found) {
     const Index owned = grains.size();
-    pair_rows_.build(owned, pairs_at);
-    wall_rows_.build(owned, walls_at);
-    ids_.resize(grains.total());
+    found.pairs.build(owned, pairs_at);
+    found.walls.build(owned, walls_at);
+    resize_sparingly(ids_, grains.total());
     for_each(ids_.size(), [&](Index i) { ids_[i] = grains.id(i); });
-    line_up(owned);
+    line_up(owned, found);
     list_parts(grains);
   }
 
@@ -129,7 +133,7 @@ class NearContacts {
 
   static constexpr Index full_eights(Index n) { return (n + lanes - 1) / lanes * lanes; }
 
-  void line_up(Index owned) {
+  void line_up(Index owned, const Found& found) {
     chunks_.resize(chunk_count(owned));
     Index size = 0;
     for (Index number = 0; number < chunks_.size(); ++number) {
@@ -138,9 +142,9 @@ class NearContacts {
                rows.first()[number * chunk_size];
       };
       OfChunk& chunk = chunks_[number];
-      chunk.pairs = {size, size + count(pair_rows_)};
+      chunk.pairs = {size, size + count(found.pairs)};
       chunk.walls.first = full_eights(chunk.pairs.last);
-      chunk.walls.last = chunk.walls.first + count(wall_rows_);
+      chunk.walls.last = chunk.walls.first + count(found.walls);
       chunk.needs = {number, number};
       size = chunk.all().last;
     }
@@ -148,8 +152,8 @@ class NearContacts {
       fail("dem::Contacts: " + std::to_string(size) +
            " pairs of grains are near each other, more than 2^31; use fewer grains");
     }
-    first_.resize(size);
-    second_.resize(size);
+    resize_sparingly(first_, size);
+    resize_sparingly(second_, size);
     for_each_chunk(owned, [&](Chunk grains) {
       const OfChunk& chunk = chunks_[grains.number];
       const Range all = chunk.all();
@@ -157,11 +161,11 @@ class NearContacts {
       Index pair = chunk.pairs.first;
       Index wall = chunk.walls.first;
       for (Index i = grains.first; i < grains.last; ++i) {
-        for (const Pair& found : std::as_const(pair_rows_)[i]) {
-          first_[pair] = found.first;
-          second_[pair++] = found.second;
+        for (const Pair& each : found.pairs[i]) {
+          first_[pair] = each.first;
+          second_[pair++] = each.second;
         }
-        for (const std::uint32_t number : std::as_const(wall_rows_)[i]) {
+        for (const std::uint32_t number : found.walls[i]) {
           first_[wall] = static_cast<std::uint32_t>(i);
           second_[wall++] = number | wall_bit;
         }
@@ -181,7 +185,7 @@ class NearContacts {
     };
     for_each_part([&](Index i, Index, bool) { ++begin_[i + 1]; });
     for (Index i = 0; i < owned; ++i) begin_[i + 1] += begin_[i];
-    parts_.resize(begin_[owned]);
+    resize_sparingly(parts_, begin_[owned]);
     for_each_part([&](Index i, Index c, bool is_second) { parts_[begin_[i]++] = {c, is_second}; });
     for (Index i = owned; i > 0; --i) begin_[i] = begin_[i - 1];
     begin_[0] = 0;
@@ -222,8 +226,6 @@ class NearContacts {
   std::vector<Part> parts_;
   std::vector<Id> ids_;                // by place
   std::vector<std::uint32_t> places_;  // by id
-  Rows<Pair> pair_rows_;
-  Rows<std::uint32_t> wall_rows_;
 };
 
 }  // namespace silt::dem

@@ -53,7 +53,7 @@ void renew_validity(const P& grains, const S& search, typename P::Real reach, do
 /// Pairs and grains at walls whose gap is below `margin` [m].
 template <class P, class S, class Walls>
 void find_near(const P& grains, const S& search, const Walls& walls, typename P::Real margin,
-               NearContacts& near) {
+               NearContacts& near, NearContacts::Found& found) {
   using Real = typename P::Real;
   const auto x = grains.with_ghosts(position);
   const auto R = grains.with_ghosts(radius);
@@ -74,7 +74,8 @@ void find_near(const P& grains, const S& search, const Walls& walls, typename P:
         walls.for_each([&](const auto& wall, Index w) {
           if (wall.nearest(x[i]).distance < R[i] + margin) add(static_cast<std::uint32_t>(w));
         });
-      });
+      },
+      found);
 }
 
 }  // namespace silt::dem

@@ -39,9 +39,9 @@ class Touches {
     Real time_step = 0;             ///< [s]
 
     void resize(Index contacts) {
-      rows.resize(contacts * Row::words);
-      memories.resize(contacts * padded_words);
-      at.resize(contacts);
+      resize_sparingly(rows, contacts * Row::words);
+      resize_sparingly(memories, contacts * padded_words);
+      resize_sparingly(at, contacts);
     }
     Real* row(Index number) noexcept { return rows.data() + number * Row::words; }
     Real* memory(Index number) noexcept { return memories.data() + number * padded_words; }
@@ -94,14 +94,14 @@ class Touches {
     seen_.time_step = time_step;
   }
 
-  /// find(near, validity) finds the near contacts anew.
+  /// find(near, found, validity) finds the near contacts anew.
   template <class Find>
   void renew_near(Find&& find) {
     NearContacts& last = keeps_near_ ? spare_near_ : last_near_;
     std::swap(near_, last);
     std::swap(validity_, keeps_near_ ? spare_validity_ : last_validity_);
     keeps_near_ = true;
-    find(near_, validity_);
+    find(near_, found_, validity_);
     moved_rows_.assign(near_.size(), none);
     if (recalled_) {
       recall();
@@ -157,6 +157,7 @@ class Touches {
   NearContacts near_;
   NearContacts last_near_;
   NearContacts spare_near_;
+  NearContacts::Found found_;
   Validity validity_;
   Validity last_validity_;
   Validity spare_validity_;
