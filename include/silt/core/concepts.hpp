@@ -86,13 +86,6 @@ Real margin_of(const S& search) {
   }
 }
 
-/// Knows how far particles have gone: search.travelled() [m] grows at every update by at least what the
-/// farthest moved since the one before, as long as particles.revision() stays.
-template <class S>
-concept KnowsTravel = requires(const S s) {
-  { s.travelled() } -> std::convertible_to<double>;
-};
-
 /// Knows how far it reaches [m]; 0 if it needs no neighbours.
 template <class I, class P>
 concept Reaching = requires(const I i, const P& p) {
@@ -127,6 +120,9 @@ void prepare(I& interaction, P& particles, S& search, double dt) {
 template <class I, class P>
 void interact(I& interaction, P& particles, Chunk chunk) {
   if constexpr (requires { interaction.interact(particles, chunk); }) {
+    static_assert(requires { { interaction.template needs<P>(chunk) } -> std::same_as<ChunkSpan>; },
+                  "silt: an interaction with interact(particles, chunk) also has needs<P>(chunk), "
+                  "which gives a ChunkSpan");
     interaction.interact(particles, chunk);
   }
 }

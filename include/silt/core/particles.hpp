@@ -220,6 +220,7 @@ class Particles {
     if (before.kept) return;
     before.values = column<F>();
     before.kept = true;
+    before.is_next = false;
   }
   /// Values of field F of the owned particles, and the place for the next ones, all of which must be
   /// written; they take the former's place with arrive(). The two are one and the same where F was

@@ -42,16 +42,25 @@ struct LawMemory<Law, Dim, Real> {
   }
 };
 
+namespace detail {
+// A scalar of odd size: among such, anything else shows in the size of the whole.
+struct OddScalar {
+  float parts[3];
+};
+template <class Law, int Dim, class Real>
+concept RemembersRealsOnly =
+    !LawWithMemory<Law, Dim, Real> ||
+    (sizeof(typename Law::template Memory<Dim, OddScalar>) ==
+         sizeof(OddScalar) * LawMemory<Law, Dim, Real>::words &&
+     sizeof(typename Law::template Memory<Dim, Lane<Real>>) ==
+         sizeof(Real) * LawMemory<Law, Dim, Real>::words);
+}  // namespace detail
+
 /// The law is written for any scalar, and remembers nothing but Reals: the same code then works on
 /// eight contacts at once.
 template <class Law, int Dim, class Real>
 concept LawInLanes =
-    ContactLaw<Law, Dim, Lane<Real>> &&
-    (!LawWithMemory<Law, Dim, Real> ||
-     (sizeof(typename LawMemory<Law, Dim, float>::type) * 2 ==
-          sizeof(typename LawMemory<Law, Dim, double>::type) &&
-      sizeof(typename LawMemory<Law, Dim, Lane<Real>>::type) ==
-          sizeof(typename LawMemory<Law, Dim, Real>::type)));
+    ContactLaw<Law, Dim, Lane<Real>> && detail::RemembersRealsOnly<Law, Dim, Real>;
 
 /// What is kept of a contact that touches, besides what the law remembers: n, δ, F on its first grain, and
 /// the share of δ by which the lever arms are shorter than R.
@@ -202,7 +211,7 @@ class ContactLanes {
   unsigned touching() const {
     unsigned bits = 0;
     for (int lane = 0; lane < lanes; ++lane) {
-      bits |= static_cast<unsigned>(row_[Row::overlap][lane] > 0) << lane;
+      if (row_[Row::overlap][lane] > 0) bits |= 1u << lane;
     }
     return bits;
   }

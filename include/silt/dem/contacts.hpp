@@ -27,7 +27,6 @@
 #include <cstdint>
 #include <limits>
 #include <numeric>
-#include <span>
 #include <string>
 #include <tuple>
 #include <utility>
@@ -48,7 +47,7 @@ struct ContactSettings {
 };
 
 /// Contacts under one law (or one per pair of materials), of grains among themselves and with walls.
-/// A wall is any type that models dem::Wall.
+/// A wall is any type that models dem::Wall. Radii may change only with particles.revision().
 template <class Law, class... Walls>
 class Contacts {
  public:
@@ -111,7 +110,7 @@ class Contacts {
     grains.refresh_ghosts(velocity);
     grains.refresh_ghosts(spin);
     if (is_stale(grains, search, touches.validity())) renew_near(grains, search, touches, dt);
-    touches.seen().resize(touches.near().size());
+    touches.make_room();
     counts_.assign(chunk_count(grains.size()), 0);
   }
 
@@ -249,6 +248,12 @@ class Contacts {
     using Memory = PairMemory<typename MemoryOf<P>::type>;
     std::vector<typename Memory::Entry> entries;
     const auto& touches = found<P>();
+    if (const auto* const recalled = touches.recalled()) {
+      recalled->for_each_pair([&](Id a, Id b, const auto& words) {
+        entries.push_back({a, b, MemoryOf<P>::from(words.data())});
+      });
+      return Memory(std::move(entries));
+    }
     for_each_touch(grains, touches, [&](Index c, const Sides&, const auto*) {
       entries.push_back({touches.near().first_id(c), touches.near().second_id(c),
                          MemoryOf<P>::from(touches.seen().memory_of(c))});
@@ -336,7 +341,7 @@ class Contacts {
   void note_stable_time_step(const P& grains, FoundOf<P>& touches) const {
     if constexpr (knows_stiffness<P>) {
       touches.validity().stable_time_step = stable_for_all(
-          grains, touches.near(), touches.validity().margin,
+          grains, touches.near(), walls_, touches.validity().margin,
           [&](const Sides& sides) -> const Law& { return law_of(grains, sides); });
     }
   }

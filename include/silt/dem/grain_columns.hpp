@@ -56,18 +56,6 @@ class GrainColumns {
     for (int lane = 0; lane < lanes; ++lane) columns[m][lane] = m_[places[lane]];
   }
 
-  const Vec& position_of(Index place) const { return x_[place]; }
-  Real radius_of(Index place) const { return R_[place]; }
-
-  /// Asks for grains that will be loaded soon.
-  void prefetch(const std::uint32_t* places) const {
-    for (int lane = 0; lane < lanes; ++lane) {
-      __builtin_prefetch(&x_[places[lane]]);
-      __builtin_prefetch(&v_[places[lane]]);
-      __builtin_prefetch(&w_[places[lane]]);
-    }
-  }
-
  private:
   static void load_vectors(std::span<const Vec> values, const std::uint32_t* places,
                            Column* columns) {

@@ -150,7 +150,7 @@ class NearContacts {
     }
     if (size >= wall_bit) {
       fail("dem::Contacts: " + std::to_string(size) +
-           " pairs of grains are near each other, more than 2^31; use fewer grains");
+           " contacts are near, more than 2^31; use fewer grains");
     }
     resize_sparingly(first_, size);
     resize_sparingly(second_, size);
@@ -199,6 +199,7 @@ class NearContacts {
           highest = std::max(highest, part.contact());
         }
       }
+      if (begin_[chunk.first] == begin_[chunk.last]) return;
       chunks_[chunk.number].needs = {chunk_of(lowest), chunk_of(highest)};
     });
   }

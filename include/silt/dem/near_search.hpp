@@ -4,6 +4,7 @@
 
 #include <silt/core/concepts.hpp>
 #include <silt/core/parallel.hpp>
+#include <silt/core/travel.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/grains.hpp>
 #include <silt/dem/near_contacts.hpp>
@@ -20,7 +21,7 @@ template <class P, class S, class Validity>
 bool is_stale(const P& grains, const S& search, const Validity& validity) {
   if (validity.revision != grains.revision() || validity.since.size() != grains.size()) return true;
   if constexpr (KnowsTravel<S>) {
-    if (search.travelled() - validity.travelled <= double(validity.margin / 2)) return false;
+    if (search.travel().is_within(double(validity.margin / 2), validity.travel)) return false;
   }
   const auto x = grains[position];
   const auto near = squared(validity.margin / 2);
@@ -47,7 +48,7 @@ void renew_validity(const P& grains, const S& search, typename P::Real reach, do
   validity.revision = grains.revision();
   const auto x = grains[position];
   validity.since.assign(x.begin(), x.end());
-  if constexpr (KnowsTravel<S>) validity.travelled = search.travelled();
+  if constexpr (KnowsTravel<S>) validity.travel = search.travel();
 }
 
 /// Pairs and grains at walls whose gap is below `margin` [m].

@@ -81,8 +81,9 @@ struct Unstable {
 /// What even a grain with as many contacts as any, all as stiff as any, would stand [s]; infinite if
 /// nothing is stiff. law_of(sides) is the law of a near contact; margin [m] is how far those that do not
 /// touch yet may be apart.
-template <class P, class LawOf>
-double stable_for_all(const P& grains, const NearContacts& near, typename P::Real margin, LawOf&& law_of) {
+template <class P, class Walls, class LawOf>
+double stable_for_all(const P& grains, const NearContacts& near, const Walls& walls,
+                      typename P::Real margin, LawOf&& law_of) {
   const auto x = grains.with_ghosts(position);
   const auto R = grains.with_ghosts(radius);
   const auto m = grains[mass];
@@ -106,7 +107,8 @@ double stable_for_all(const P& grains, const NearContacts& near, typename P::Rea
       const Index b = near.second(c);
       contact.overlap += std::max<typename P::Real>(0, R[a] + R[b] - (x[b] - x[a]).norm());
     } else {
-      contact.overlap += R[sides.i];
+      const auto at = walls.template nearest<P::dimension, typename P::Real>(sides.wall, x[sides.i]);
+      contact.overlap += std::max<typename P::Real>(0, R[sides.i] - at.distance);
     }
     const Stiffness k = law_of(sides).stiffness(contact);
     stiffest = std::max(stiffest, std::max(k.normal, k.tangential * most_turning) /

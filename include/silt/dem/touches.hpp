@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-// What contacts keep from step to step, and how a failed step is undone: nothing that a step before
-// made is written over, so that undoing is a swap.
+// What contacts keep from step to step, and how a failed step is undone: nothing that the step before
+// made is written over until the next save(), so that undoing is a swap.
 #pragma once
 
 #include <silt/core/pair_memory.hpp>
-#include <silt/core/parallel.hpp>
+#include <silt/core/travel.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/contact_lanes.hpp>
 #include <silt/dem/near_contacts.hpp>
@@ -56,7 +56,7 @@ class Touches {
   /// Since when, and how long, the near contacts are good.
   struct Validity {
     std::vector<Vec<Dim, Real>> since;  ///< positions of the owned grains [m]
-    double travelled = 0;               ///< of the search then, see KnowsTravel [m]
+    Travel travel;                      ///< of the search then
     Real margin = 0;                    ///< gap up to which pairs are near [m]
     std::uint64_t revision = std::numeric_limits<std::uint64_t>::max();
     double stable_time_step = 0;  ///< that all near contacts stand [s]
@@ -94,6 +94,13 @@ class Touches {
     seen_.time_step = time_step;
   }
 
+  /// For what this look will see of the near contacts.
+  void make_room() {
+    seen_.resize(near_.size());
+    // Without a save(), nobody undoes a look that an exception ended.
+    if (before_is_spare_) std::fill(seen_.at.begin(), seen_.at.end(), none);
+  }
+
   /// find(near, found, validity) finds the near contacts anew.
   template <class Find>
   void renew_near(Find&& find) {
@@ -103,7 +110,7 @@ class Touches {
     keeps_near_ = true;
     find(near_, found_, validity_);
     moved_rows_.assign(near_.size(), none);
-    if (recalled_) {
+    if (recalled() != nullptr) {
       recall();
     } else {
       last.tabulate();
@@ -120,6 +127,11 @@ class Touches {
     recalled_ = std::move(memory);
     was_recalled_ = false;
     validity_ = {};
+  }
+
+  /// That, until a look has taken it; else `nullptr`.
+  const PairMemory<Words>* recalled() const noexcept {
+    return recalled_ && !was_recalled_ ? &*recalled_ : nullptr;
   }
 
   void save() noexcept {

@@ -33,21 +33,18 @@ class Motion {
   explicit Motion(P& particles)
       : x_(of(particles.advance(position))),
         v_(of(particles.advance(velocity))),
-        f_(lanes_of(particles.renew(force).data())),
+        f_(lanes_of(particles[force].data())),
         m_(lanes_of(particles[mass].data())) {
     if constexpr (turns) {
       w_ = of(particles.advance(spin));
-      t_ = lanes_of(particles.renew(torque).data());
+      t_ = lanes_of(particles[torque].data());
       inertias_ = lanes_of(particles[inertia].data());
     }
     if constexpr (has_angle) angle_ = of(particles.advance(angle));
   }
 
-  /// Force and moment to zero.
-  void clear(Index i) const {
-    f_[i] = zero_of<Vec>();
-    if constexpr (turns) t_[i] = zero_of<Spin>();
-  }
+  /// Whether what was before is written over.
+  bool is_in_place() const { return x_.before == x_.after; }
 
   /// v^{N−½} → v^{N+½} (32) and, where particles turn, θ'^{N−½} → θ'^{N+½} (33).
   template <class D>
@@ -130,11 +127,11 @@ class Motion {
 
   Column<Vec> x_;
   Column<Vec> v_;
-  Vec* f_;
+  const Vec* f_;
   const Scalar* m_;
   Column<Spin> w_{};
   Column<Spin> angle_{};
-  Spin* t_ = nullptr;
+  const Spin* t_ = nullptr;
   const Scalar* inertias_ = nullptr;
 };
 
@@ -149,11 +146,23 @@ Motion<P> motion_in_place(P& particles) {
   return Motion<P>(particles);
 }
 
+/// Forces and moments of particles [first, last) to zero, after particles.renew() of both.
+template <class P>
+void clear(P& particles, Index first, Index last) {
+  const auto set_zero = [=](auto values) {
+    std::fill(values.begin() + std::ptrdiff_t(first), values.begin() + std::ptrdiff_t(last),
+              zero_of<typename decltype(values)::value_type>());
+  };
+  set_zero(particles[force]);
+  if constexpr (HasFields<P, torque_t>) set_zero(particles[torque]);
+}
+
 /// Forces and moments to zero.
 template <class P>
 void clear(P& particles) {
-  auto motion = motion_in_place(particles);
-  for_each(particles.size(), [&](Index i) { motion.clear(i); });
+  particles.renew(force);
+  if constexpr (HasFields<P, torque_t>) particles.renew(torque);
+  for_each_chunk(particles.size(), [&](Chunk c) { clear(particles, c.first, c.last); });
 }
 
 /// v^{N−½} → v^{N+½} (32) and, where particles turn, θ'^{N−½} → θ'^{N+½} (33).
@@ -221,32 +230,35 @@ class Leapfrog {
   // can.
   template <class P, class S, class I, class Move>
   void advance(P& particles, S& search, I& interaction, double dt, Move&& move) {
-    sound_.resize(chunk_count(particles.size()));
+    sound_.assign(chunk_count(particles.size()), true);
+    const auto move_all_of = [&](const Motion<P>& motion, Index first, Index last) {
+      sound_[first / chunk_size] &= all_sound_after(move, motion, first, last);
+    };
     if constexpr (AddsForces<I, P>) {
       prepare(interaction, particles, search, dt);
+      particles.renew(force);
+      if constexpr (HasFields<P, torque_t>) particles.renew(torque);
       const Motion<P> motion(particles);
       for_each_chunk_with_forces(interaction, particles, [&](Chunk chunk) {
-        bool sound = true;
         constexpr Index block = 64;  // what stays at hand between the two
         for (Index first = chunk.first; first < chunk.last; first += block) {
           const Index last = std::min(first + block, chunk.last);
-          for (Index i = first; i < last; ++i) {
-            motion.clear(i);
-            std::as_const(interaction).add_forces(particles, i);
-          }
-          sound &= all_sound_after(move, motion, first, last);
+          clear(particles, first, last);
+          for (Index i = first; i < last; ++i) std::as_const(interaction).add_forces(particles, i);
+          if (!motion.is_in_place()) move_all_of(motion, first, last);
         }
-        sound_[chunk.number] = sound;
       });
       conclude(interaction, particles, dt);
+      if (motion.is_in_place()) {
+        for_each_chunk(particles.size(),
+                       [&](Chunk chunk) { move_all_of(motion, chunk.first, chunk.last); });
+      }
     } else {
-      const Motion<P> still(particles);
-      for_each(particles.size(), [&](Index i) { still.clear(i); });
+      clear(particles);
       interaction.accelerate(particles, search, dt);
       const Motion<P> motion(particles);
-      for_each_chunk(particles.size(), [&](Chunk chunk) {
-        sound_[chunk.number] = all_sound_after(move, motion, chunk.first, chunk.last);
-      });
+      for_each_chunk(particles.size(),
+                     [&](Chunk chunk) { move_all_of(motion, chunk.first, chunk.last); });
     }
     particles.arrive();
     all_finite_ = std::all_of(sound_.begin(), sound_.end(), [](char sound) { return sound; });

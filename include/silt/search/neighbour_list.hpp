@@ -10,6 +10,7 @@
 #include <silt/core/error.hpp>
 #include <silt/core/ghosts.hpp>
 #include <silt/core/parallel.hpp>
+#include <silt/core/travel.hpp>
 #include <silt/core/types.hpp>
 #include <silt/search/neighbour_rows.hpp>
 #include <silt/search/skin.hpp>
@@ -102,9 +103,8 @@ class NeighbourList {
     for (const Pairs pairs : {Pairs::twice, Pairs::once}) build_rows(pairs);
   }
 
-  /// Grows at every update by what the farthest particle moved since the one before [m], as long as the
-  /// particles keep their places: while it has grown by less than d, none has moved by d.
-  double travelled() const noexcept { return now_.travelled; }
+  /// Grows at every update by what the farthest particle moved since the one before.
+  Travel travel() const noexcept { return {journey_.number(), now_.travelled}; }
 
   /// f(j, r_ij, r) for every j, owned or ghost, with r < radius(); i is owned, r_ij = x_j − x_i.
   template <class F>
@@ -201,7 +201,7 @@ class NeighbourList {
     Real moved = 0;     // at most, from where the list was built
     Real pace = 0;      // of the farthest since the update before
     Index updates = 0;  // of the list as it is
-    double travelled = 0;
+    double travelled = 0;  // the sum of paces [m]
     std::uint64_t revision = 0;  // of the particles at the last update
     Index total = 0;             // of them then
   };
@@ -313,6 +313,7 @@ class NeighbourList {
     }
   }
 
+  Journey journey_;
   Real radius_ = 0;
   State now_;
   State saved_;

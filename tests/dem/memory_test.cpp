@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: MIT
+// What contacts remember, and of whom: through new searches, restarts and several looks in a step.
+#include "support/check.hpp"
+#include "support/grains.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace silt::test {
+namespace {
+
+// A spring that counts how often it is looked at, in Reals and in a number that is none.
+struct CountingSpring {
+  template <int Dim, class Real>
+  struct Memory {
+    Real looks = 0;
+    int number = 0;
+  };
+  template <class C, class M>
+  auto force(const C& contact, M& memory) const {
+    memory.looks += 1;
+    memory.number += 1;
+    return typename C::Vec(typename C::Real(1e-6) * contact.overlap * contact.normal);
+  }
+};
+
+// A row of grains in touch.
+template <int Dim, class Real>
+dem::Grains<Dim, Real> row_of(int number) {
+  dem::Grains<Dim, Real> grains;
+  for (int k = 0; k < number; ++k) {
+    Vec<Dim, Real> x = Vec<Dim, Real>::Zero();
+    x[0] = Real(0.95 * k);
+    dem::add_grain(grains, x, {.radius = 0.5, .density = 1});
+  }
+  return grains;
+}
+
+template <class C, class P>
+std::vector<int> looks_of(const C& contacts, const P& grains) {
+  std::vector<int> looks;
+  contacts.memory(grains).for_each_pair([&](Id, Id, const auto& memory) {
+    EXPECT_EQ(memory.looks, memory.number);
+    looks.push_back(memory.number);
+  });
+  return looks;
+}
+
+template <class Real>
+void expect_counts() {
+  Simulation sim{row_of<3, Real>(7), UniformGrid<3, Real>{}, dem::Contacts{CountingSpring{}}, Leapfrog{}};
+  for (int step = 1; step <= 4; ++step) {
+    sim.step(1e-6);
+    EXPECT_EQ(looks_of(sim.interaction(), sim.particles()), std::vector<int>(6, step));
+  }
+}
+
+TEST(LawMemory, HoldsNumbersThatAreNoReals) {
+  expect_counts<double>();
+  expect_counts<float>();
+}
+
+TEST(LawMemory, GoesOnFromWhatARestartReads) {
+  const auto grains = row_of<2, double>(2);
+  UniformGrid<2> search({.radius = 1});
+  dem::Contacts contacts{CountingSpring{}};
+  PairMemory<CountingSpring::Memory<2, double>> memory({{0, 1, {.looks = 100, .number = 100}}});
+  contacts.remember(grains, memory);
+  EXPECT_EQ(looks_of(contacts, grains), std::vector{100});
+  auto moved = grains;
+  for (int look = 101; look < 105; ++look) {
+    moved[position][0][0] += look % 2 == 0 ? 0.04 : -0.04;  // so far that all is found anew
+    search.update(moved);
+    contacts.accelerate(moved, search, 1e-6);
+    EXPECT_EQ(looks_of(contacts, moved), std::vector{look});
+  }
+  Simulation sim{grains, UniformGrid<2>{}, dem::Contacts{CountingSpring{}}, Leapfrog{}};
+  sim.interaction().remember(sim.particles(), memory);
+  EXPECT_THROW(sim.step(-1), Error);
+  for (int look = 101; look < 104; ++look) {
+    sim.step(1e-6);
+    EXPECT_EQ(looks_of(sim.interaction(), sim.particles()), std::vector{look});
+    const auto state = sim.state();
+    EXPECT_EQ(looks_of(state.interaction, state.particles), std::vector{look + 1});
+  }
+}
+
+// Contacts that were found with one list must not take another's word for it that nobody has moved.
+TEST(Contacts, AreFoundAnewForAnotherList) {
+  dem::Grains<2> grains;
+  for (const double x : {0.0, 5.0}) dem::add_grain(grains, {x, 0}, {.radius = 0.5, .density = 1});
+  grains[velocity][0] = {1, 0};
+  const dem::CundallStrack spring{.normal_stiffness = 1e3};
+  Simulation first{grains, NeighbourList<2>{}, dem::Contacts{spring}, Leapfrog{}};
+  first.run({.until = 3, .time_step = 1e-3});
+  const auto [particles, contacts] = first.state();
+  Simulation second{particles, NeighbourList<2>{}, contacts, Leapfrog{}};
+  second.run({.until = 3, .time_step = 1e-3});
+  EXPECT_NEAR(second.snapshot()[velocity][1][0], 1, 1e-3) << "they have met";
+
+  auto by_hand = particles;
+  dem::Contacts same{spring};
+  Index most = 0;
+  for (int step = 0; step < 1500; ++step) {
+    NeighbourList<2> list({.radius = 1});
+    list.update(by_hand);
+    same.accelerate(by_hand, list, 1e-3);
+    most = std::max(most, same.size());
+    by_hand[position][0][0] += 1e-3;
+  }
+  EXPECT_EQ(most, 1u);
+}
+
+}  // namespace
+}  // namespace silt::test
