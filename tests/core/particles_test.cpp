@@ -146,11 +146,18 @@ TYPED_TEST(AllParticles, HaveGhostsThatCopyTheirOwnersDisplaced) {
   EXPECT_EQ(particles[temperature][1], Real(30));
 }
 
+// Particle k at (k, k, …).
+template <class P>
+P five_in_a_row() {
+  P particles;
+  for (int k = 0; k < 5; ++k) particles.add(P::Vec::Constant(static_cast<typename P::Real>(k)));
+  return particles;
+}
+
 TYPED_TEST(AllParticles, ReturnToWhatWasSaved) {
   using Real = typename TypeParam::Real;
   using Vec = typename TypeParam::Vec;
-  TypeParam particles;
-  for (int k = 0; k < 5; ++k) particles.add(Vec::Constant(Real(k)));
+  auto particles = five_in_a_row<TypeParam>();
   particles[temperature][3] = 7;
   const Bytes before = state_of(particles);
   particles.save();
@@ -168,8 +175,7 @@ TYPED_TEST(AllParticles, ReturnToWhatWasSaved) {
 TYPED_TEST(AllParticles, ReturnToWhatWasBeforeAnAdvance) {
   using Real = typename TypeParam::Real;
   using Vec = typename TypeParam::Vec;
-  TypeParam particles;
-  for (int k = 0; k < 5; ++k) particles.add(Vec::Constant(Real(k)));
+  auto particles = five_in_a_row<TypeParam>();
   particles.add_ghost(1, Vec::Constant(Real(10)));
   const Bytes before = state_of(particles);
   particles.save();
@@ -185,10 +191,8 @@ TYPED_TEST(AllParticles, ReturnToWhatWasBeforeAnAdvance) {
 }
 
 TYPED_TEST(AllParticles, AreWhereTheyWereUntilTheyArrive) {
-  using Real = typename TypeParam::Real;
   using Vec = typename TypeParam::Vec;
-  TypeParam particles;
-  for (int k = 0; k < 5; ++k) particles.add(Vec::Constant(Real(k)));
+  auto particles = five_in_a_row<TypeParam>();
   const Bytes before = state_of(particles);
   particles.save();
   const auto next = particles.advance(position).after;
@@ -200,9 +204,7 @@ TYPED_TEST(AllParticles, AreWhereTheyWereUntilTheyArrive) {
 }
 
 TYPED_TEST(AllParticles, ReturnToWhatWasBeforeARenewal) {
-  using Vec = typename TypeParam::Vec;
-  TypeParam particles;
-  for (int k = 0; k < 5; ++k) particles.add(Vec::Zero());
+  auto particles = five_in_a_row<TypeParam>();
   particles[temperature][2] = 7;
   const Bytes before = state_of(particles);
   particles.save();

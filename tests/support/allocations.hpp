@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Counts what a whole program asks of the heap, by standing in front of the C library's malloc:
-// operator new and Eigen come through it, too. One source file of a program may include this.
+// Counts what a whole program asks of the heap: operator new and Eigen come through malloc, too. It stands
+// in front of the C library's, or is told by the sanitizer that stands there already. One source file of
+// a program may include this.
 #pragma once
 
 #include <atomic>
@@ -8,29 +9,31 @@
 #include <cstdint>
 #include <cstdlib>
 
-#ifdef __has_feature
-#define SILT_HAS_FEATURE(feature) __has_feature(feature)
-#else
-#define SILT_HAS_FEATURE(feature) 0
-#endif
-// Sanitizers stand there already.
-#if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__) && !SILT_HAS_FEATURE(address_sanitizer)
-#define SILT_COUNTS_ALLOCATIONS 1
-#else
-#define SILT_COUNTS_ALLOCATIONS 0
-#endif
-#undef SILT_HAS_FEATURE
-
 namespace silt::test {
-
-inline constexpr bool counts_allocations = SILT_COUNTS_ALLOCATIONS;
 
 /// Calls of malloc and its kin so far.
 inline std::atomic<std::uint64_t> allocations{0};
 
 }  // namespace silt::test
 
-#if SILT_COUNTS_ALLOCATIONS
+#ifdef __has_feature
+#define SILT_HAS_FEATURE(feature) __has_feature(feature)
+#else
+#define SILT_HAS_FEATURE(feature) 0
+#endif
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__) || \
+    SILT_HAS_FEATURE(address_sanitizer) || SILT_HAS_FEATURE(thread_sanitizer)
+
+extern "C" int __sanitizer_install_malloc_and_free_hooks(
+    void (*on_malloc)(const volatile void*, std::size_t), void (*on_free)(const volatile void*));
+
+namespace silt::test {
+inline const int listens_to_sanitizer = __sanitizer_install_malloc_and_free_hooks(
+    [](const volatile void*, std::size_t) { ++allocations; }, [](const volatile void*) {});
+}  // namespace silt::test
+
+#else
+
 extern "C" {
 void* __libc_malloc(std::size_t bytes);
 void* __libc_calloc(std::size_t number, std::size_t bytes);
@@ -54,4 +57,6 @@ void* aligned_alloc(std::size_t alignment, std::size_t bytes) noexcept {
   return __libc_memalign(alignment, bytes);
 }
 }
+
 #endif
+#undef SILT_HAS_FEATURE

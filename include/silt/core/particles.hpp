@@ -10,17 +10,16 @@
 #pragma once
 
 #include <silt/core/box.hpp>
+#include <silt/core/columns.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/fields.hpp>
 #include <silt/core/types.hpp>
 
 #include <algorithm>
 #include <concepts>
-#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string>
-#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -90,7 +89,7 @@ class Particles {
   }
 
   void reserve(Index n) {
-    for_each_column([n](auto& column, auto) { column.reserve(n); });
+    columns_.for_each([n](auto& column, auto) { column.reserve(n); });
     ids_.reserve(n);
   }
 
@@ -101,7 +100,7 @@ class Particles {
     clear_ghosts();
     const Index i = size();
     const Id id = places_.size();
-    for_each_column([](auto& column, auto field) {
+    columns_.for_each([](auto& column, auto field) {
       column.push_back(zero_of<value_of<decltype(field), Dim, Real>>());
     });
     column<position_t>()[i] = x;
@@ -126,7 +125,7 @@ class Particles {
       ++kept;
     }
     if (kept == before) return 0;
-    for_each_column([kept](auto& column, auto) { column.resize(kept); });
+    columns_.for_each([kept](auto& column, auto) { column.resize(kept); });
     ids_.resize(kept);
     ++revision_;
     return before - kept;
@@ -146,7 +145,7 @@ class Particles {
   void reorder(std::span<const Index> order) {
     clear_ghosts();
     check_permutation(order);
-    for_each_column([order](auto& column, auto) {
+    columns_.for_each([order](auto& column, auto) {
       auto sorted = column;
       for (Index i = 0; i < order.size(); ++i) sorted[i] = column[order[i]];
       column.swap(sorted);
@@ -164,7 +163,7 @@ class Particles {
     if (owners_.empty()) return;
     ++revision_;
     const Index owned = size();
-    for_each_column([owned](auto& column, auto) { column.resize(owned); });
+    columns_.for_each([owned](auto& column, auto) { column.resize(owned); });
     ids_.resize(owned);
     owners_.clear();
     shifts_.clear();
@@ -175,7 +174,7 @@ class Particles {
     ++revision_;
     const Index first_owner = owner(source);
     const Vec whole = source < size() ? shift : Vec(shifts_[source - size()] + shift);
-    for_each_column([source](auto& column, auto) {
+    columns_.for_each([source](auto& column, auto) {
       const auto copy = column[source];
       column.push_back(copy);
     });
@@ -204,64 +203,26 @@ class Particles {
     (f(std::span(column<Fields>().data(), size()), Fields{}), ...);
   }
 
-  // A step is a transaction: save() before it, restore() if it throws. What is not kept nor advanced
-  // in between is not brought back; constants need not be.
+  // A step is a transaction, see Columns: save() before it, restore() if it throws.
 
-  void save() noexcept {
-    for_each_column([this]<class F>(auto&, F) {
-      auto& before = this->template saved<F>();
-      before.kept = before.is_next = false;
-    });
-  }
-  /// Keeps field F as it is for restore(), before it is changed in place.
+  void save() noexcept { columns_.save(); }
   template <Field F>
   void keep(F) {
-    auto& before = saved<F>();
-    if (before.kept) return;
-    before.values = column<F>();
-    before.kept = true;
-    before.is_next = false;
+    columns_.template keep<F>();
   }
-  /// Values of field F of the owned particles, and the place for the next ones, all of which must be
-  /// written; they take the former's place with arrive(). The two are one and the same where F was
-  /// kept before.
   template <Field F>
   auto advance(F) {
-    using Value = value_of<F, Dim, Real>;
-    auto& now = column<F>();
-    auto& next = saved<F>();
-    if (next.kept) return Advance<Value>{{now.data(), size()}, {now.data(), size()}};
-    resize_sparingly(next.values, now.size());
-    next.is_next = true;
-    return Advance<Value>{{now.data(), size()}, {next.values.data(), size()}};
+    return columns_.template advance<F>(size());
   }
   template <class Value>
-  struct Advance {
-    std::span<const Value> before;
-    std::span<Value> after;
-  };
-  /// All fields that advance have their next values.
-  void arrive() {
-    for_each_column([this]<class F>(auto&, F) {
-      if (this->template saved<F>().is_next) this->template exchange<F>();
-    });
-  }
-  /// Place for values of field F that are made anew, all of which must be written.
+  using Advance = typename Columns<Dim, Real, position_t, Fields...>::template Advance<Value>;
+  void arrive() { columns_.arrive(size()); }
   template <Field F>
   auto renew(F field) {
-    if (!saved<F>().kept) exchange<F>();
+    columns_.template renew<F>(size());
     return (*this)[field];
   }
-
-  void restore() noexcept {
-    for_each_column([this]<class F>(auto& column, F) {
-      const auto& before = saved<F>();
-      if (!before.kept) return;
-      // Ghosts may have come or gone since; they are made anew by the next search.
-      for (Index i = 0; i < size(); ++i) column[i] = before.values[i];
-    });
-    save();
-  }
+  void restore() noexcept { columns_.restore(size()); }
 
  private:
   // A sentence rather than a constraint; ask HasFields whether particles carry a field.
@@ -272,53 +233,16 @@ class Particles {
   }
 
   template <class F>
-  struct Column {
-    static_assert(!std::same_as<value_of<F, Dim, Real>, bool>,
-                  "silt::Particles: a column of bool is not contiguous; use std::uint8_t");
-    std::vector<value_of<F, Dim, Real>> values;
-    // Of a saved column:
-    bool kept = true;      // there is nothing more to save
-    bool is_next = false;  // it holds what comes, rather than what was
-  };
-  // Position comes first, whether the list names it or not.
-  template <class... Fs>
-  using Columns = std::tuple<Column<position_t>, Column<Fs>...>;
-
-  template <class F>
   auto& column() noexcept {
-    return std::get<Column<F>>(columns_).values;
+    return columns_.template of<F>();
   }
   template <class F>
   const auto& column() const noexcept {
-    return std::get<Column<F>>(columns_).values;
-  }
-
-  // What was saved for what is now; ghosts stay as they are.
-  template <class F>
-  void exchange() {
-    auto& now = column<F>();
-    auto& other = saved<F>();
-    resize_sparingly(other.values, now.size());
-    const auto owned = static_cast<std::ptrdiff_t>(size());
-    std::copy(now.begin() + owned, now.end(), other.values.begin() + owned);
-    now.swap(other.values);
-    other.is_next = false;
-    other.kept = true;
-  }
-
-  template <class F>
-  auto& saved() noexcept {
-    return std::get<Column<F>>(saved_);
-  }
-
-  template <class F>
-  void for_each_column(F&& f) {
-    f(column<position_t>(), position_t{});
-    (f(column<Fields>(), Fields{}), ...);
+    return columns_.template of<F>();
   }
 
   void move_row(Index from, Index to) {
-    for_each_column([from, to](auto& column, auto) { column[to] = column[from]; });
+    columns_.for_each([from, to](auto& column, auto) { column[to] = column[from]; });
     ids_[to] = ids_[from];
     places_[ids_[to]] = to;
   }
@@ -340,8 +264,8 @@ class Particles {
   static_assert(!(std::same_as<Fields, position_t> || ...),
                 "silt::Particles: position is always there; leave it out of the list");
 
-  Columns<Fields...> columns_;
-  Columns<Fields...> saved_;
+  // Position comes first, whether the list names it or not.
+  Columns<Dim, Real, position_t, Fields...> columns_;
   std::vector<Id> ids_;
   std::vector<Index> places_;  // by id
   std::vector<Index> owners_;  // by ghost

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-// The interaction of DEM: finds who touches whom, remembers what a law remembers, asks the law for
-// each contact once, and sums per grain in a fixed order. A step is accelerate().
+// The interaction of DEM. Its step: find what is near (near_search.hpp), ask the law for each contact that
+// touches once (law_pass.hpp), sum per grain in a fixed order (single_contacts.hpp), and check that the
+// time step is stable (stability.hpp).
 #pragma once
 
 #include <silt/core/concepts.hpp>
 #include <silt/core/error.hpp>
-#include <silt/core/four.hpp>
 #include <silt/core/pair_memory.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/types.hpp>
@@ -17,7 +17,6 @@
 #include <silt/dem/near_search.hpp>
 #include <silt/dem/single_contacts.hpp>
 #include <silt/dem/stability.hpp>
-#include <silt/dem/time_step.hpp>
 #include <silt/dem/touches.hpp>
 #include <silt/dem/walls.hpp>
 
@@ -56,7 +55,7 @@ class Contacts {
   explicit Contacts(Materials<Law> materials, Walls... walls)
       : materials_(std::move(materials)), walls_(std::move(walls)...) {
     walls_.for_each([this](const auto& wall, Index w) {
-      check_material(wall.material, "of wall " + std::to_string(w));
+      materials_.check(wall.material, "of wall " + std::to_string(w));
     });
   }
 
@@ -147,29 +146,7 @@ class Contacts {
   template <class P>
     requires HasFields<P, force_t, torque_t, material_t>
   void add_forces(P& grains, Index i) const {
-    using Real = typename P::Real;
-    using Row = ContactRow;
-    const auto& touches = found<P>();
-    const auto& seen = touches.seen();
-    const Real R = grains[radius][i];
-    Four<Real> sum{};
-    Four<Real> turning{};
-    for (const auto part : touches.near().of(i)) {
-      const Real* const row = seen.row_of(part.contact());
-      if (row == nullptr) continue;
-      Four<Real> n, F;
-      load_four(row + Row::n, n);
-      load_four(row + Row::F, F);
-      const Real arm = R - row[Row::arm_share] * row[Row::overlap];
-      sum += (part.is_second() ? Real(-1) : Real(1)) * F;
-      subtract_cross(turning, arm, n, F);
-    }
-    for (int k = 0; k < P::dimension; ++k) grains[force][i][k] += sum[k];
-    if constexpr (P::dimension == 2) {
-      grains[torque][i] += turning[2];
-    } else {
-      for (int k = 0; k < 3; ++k) grains[torque][i][k] += turning[k];
-    }
+    add_rows(grains, found<P>(), i);
   }
 
   template <class P>
@@ -182,29 +159,9 @@ class Contacts {
   /// A fraction 1/steps_per_contact of the shortest contact that the lightest grains can have [s].
   template <class P>
   double time_step(const P& grains) const {
-    using Contact = dem::Contact<P::dimension, typename P::Real>;
-    const auto m = grains[mass];
-    double duration = std::numeric_limits<double>::infinity();
-    if constexpr (knows_stiffness<P>) {
-      const double lightest = -largest(m.size(), -std::numeric_limits<double>::infinity(),
-                                       [&](Index i) { return -double(m[i]); });
-      if (!(lightest > 0) || !is_finite(lightest)) return duration;
-      Contact contact{};
-      contact.effective_mass = static_cast<typename P::Real>(lightest / 2);
-      contact.effective_radius = 1;
-      // A spring along the tangent also has to turn the grain: 1 + m R²/I is 3 for discs, 3.5 for
-      // spheres.
-      for (std::uint32_t a = 0; a < materials_.count(); ++a) {
-        for (std::uint32_t b = 0; b < materials_.count(); ++b) {
-          const Stiffness k = materials_.between(a, b).stiffness(contact);
-          const double stiffest = std::max(k.normal, 3.5 * k.tangential);
-          if (!(stiffest > 0)) continue;
-          duration =
-              std::min(duration, contact_duration({.mass = lightest / 2, .stiffness = stiffest}));
-        }
-      }
-    }
-    return duration / settings_.steps_per_contact;
+    double shortest = std::numeric_limits<double>::infinity();
+    if constexpr (knows_stiffness<P>) shortest = shortest_contact(grains, materials_);
+    return shortest / settings_.steps_per_contact;
   }
 
   /// Contacts of the last step, walls included.
@@ -314,7 +271,7 @@ class Contacts {
     });
     if (odd == nowhere) return;
     const Where where{.particle = odd, .id = grains.id(odd)};
-    check_material(materials[odd], "of a grain", where);
+    materials_.check(materials[odd], "of a grain", where);
     fail("dem::Contacts: radius = " + to_text(double(R[odd])) + " m and mass = " +
              to_text(double(m[odd])) + " kg of a grain must be positive; set them",
          where);
@@ -365,16 +322,9 @@ class Contacts {
     const std::uint32_t other =
         sides.j != nowhere ? grains[material][sides.j] : walls_.material(sides.wall);
     const std::uint32_t own = grains[material][sides.i];
-    check_material(std::max(own, other), "of a grain", {.particle = sides.i, .id = grains.id(sides.i)});
+    materials_.check(std::max(own, other), "of a grain",
+                     {.particle = sides.i, .id = grains.id(sides.i)});
     return materials_.between(own, other);
-  }
-
-  void check_material(std::uint32_t number, const std::string& whose, Where where = {}) const {
-    if (number >= materials_.count()) {
-      fail("dem::Contacts: material " + std::to_string(number) + " " + whose + ", but there are " +
-               std::to_string(materials_.count()) + "; give Contacts all materials",
-           where);
-    }
   }
 
   Materials<Law> materials_;

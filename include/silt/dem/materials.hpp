@@ -41,6 +41,15 @@ class Materials {
 
   std::uint32_t count() const noexcept { return static_cast<std::uint32_t>(count_); }
 
+  /// Throws if there is no material of this number; `whose` and `where` say who has it.
+  void check(std::uint32_t number, const std::string& whose, Where where = {}) const {
+    if (number >= count_) {
+      fail("dem::Contacts: material " + std::to_string(number) + " " + whose + ", but there are " +
+               std::to_string(count_) + "; give Contacts all materials",
+           where);
+    }
+  }
+
   /// Law between materials a and b, both below count().
   const Law& between(std::uint32_t a, std::uint32_t b) const noexcept {
     return table_[a * count_ + b];

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
-// A look at single contacts, as observers and the check of stability need them: from what a step kept,
-// back to the contact that the law saw.
+// What a step kept of single contacts: summed for a grain, or turned back into the contact that the law
+// saw, as observers and the check of stability need it.
 #pragma once
 
+#include <silt/core/four.hpp>
 #include <silt/core/particles.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/contact.hpp>
@@ -77,6 +78,33 @@ auto contact_of(const P& grains, const Seen& seen, const typename P::Real* row, 
   contact.relative_velocity = surface(sides.i, -1);
   if (sides.j != nowhere) contact.relative_velocity -= surface(sides.j, 1);
   return contact;
+}
+
+/// Adds Σ F and Σ M (14) of the last look to grain i, in the order of the partners' ids.
+template <class P, class T>
+void add_rows(P& grains, const T& touches, Index i) {
+  using Real = typename P::Real;
+  using Row = ContactRow;
+  const auto& seen = touches.seen();
+  const Real R = grains[radius][i];
+  Four<Real> sum{};
+  Four<Real> turning{};
+  for (const auto part : touches.near().of(i)) {
+    const Real* const row = seen.row_of(part.contact());
+    if (row == nullptr) continue;
+    Four<Real> n, F;
+    load_four(row + Row::n, n);
+    load_four(row + Row::F, F);
+    const Real arm = R - row[Row::arm_share] * row[Row::overlap];
+    sum += (part.is_second() ? Real(-1) : Real(1)) * F;
+    subtract_cross(turning, arm, n, F);
+  }
+  for (int k = 0; k < P::dimension; ++k) grains[force][i][k] += sum[k];
+  if constexpr (P::dimension == 2) {
+    grains[torque][i] += turning[2];
+  } else {
+    for (int k = 0; k < 3; ++k) grains[torque][i][k] += turning[k];
+  }
 }
 
 }  // namespace silt::dem

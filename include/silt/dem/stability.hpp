@@ -7,6 +7,7 @@
 #include <silt/core/types.hpp>
 #include <silt/dem/contact.hpp>
 #include <silt/dem/contact_lanes.hpp>
+#include <silt/dem/materials.hpp>
 #include <silt/dem/single_contacts.hpp>
 #include <silt/dem/time_step.hpp>
 
@@ -14,6 +15,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <vector>
 
@@ -71,6 +73,30 @@ class FrequencyBound {
  private:
   Matrix shares_ = Matrix::Zero();
 };
+
+/// Shortest contact that the lightest grains can have [s]; infinite if there are none, or nothing is stiff.
+template <class P, class Law>
+double shortest_contact(const P& grains, const Materials<Law>& materials) {
+  const auto m = grains[mass];
+  double shortest = std::numeric_limits<double>::infinity();
+  const double lightest = -largest(m.size(), -shortest, [&](Index i) { return -double(m[i]); });
+  if (!(lightest > 0) || !is_finite(lightest)) return shortest;
+  Contact<P::dimension, typename P::Real> contact{};
+  contact.effective_mass = static_cast<typename P::Real>(lightest / 2);
+  contact.effective_radius = 1;
+  // A spring along the tangent also has to turn the grain: 1 + m R²/I is 3 for discs, 3.5 for
+  // spheres.
+  for (std::uint32_t a = 0; a < materials.count(); ++a) {
+    for (std::uint32_t b = 0; b < materials.count(); ++b) {
+      const Stiffness k = materials.between(a, b).stiffness(contact);
+      const double stiffest = std::max(k.normal, 3.5 * k.tangential);
+      if (!(stiffest > 0)) continue;
+      shortest =
+          std::min(shortest, contact_duration({.mass = lightest / 2, .stiffness = stiffest}));
+    }
+  }
+  return shortest;
+}
 
 /// A grain whose contacts do not stand the time step.
 struct Unstable {
