@@ -212,7 +212,8 @@ class Neighbourhood {
 /// f(j, r_ij, w, w/r²) for every neighbour of i, as a search gives them to a stencil. Inlined, so that
 /// what f sums up stays in registers: the way through memory takes longer than all else.
 template <int Dim, class Real, class T, class F>
-[[gnu::always_inline]] inline void for_each_weighted(const Neighbourhood<Dim, Real>& neighbourhood, Index i, const T&, F&& f) {
+[[gnu::always_inline]] inline void for_each_weighted(
+    const Neighbourhood<Dim, Real>& neighbourhood, Index i, const T&, F&& f) {
   const Vec<Dim, Real> x_i = neighbourhood.position_of(i);
   const auto row = neighbourhood[i];
   for (Index k = 0; k < row.size(); ++k) {
