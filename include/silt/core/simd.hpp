@@ -22,6 +22,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <type_traits>
@@ -104,6 +105,28 @@ Pack<T, N> multiply_add(const Pack<T, N>& a, const Pack<T, N>& b, const Pack<T, 
 #endif
   {
     return a * b + c;
+  }
+}
+
+/// √a.
+template <class T, int N = lanes<T>>
+Pack<T, N> square_root(const Pack<T, N>& a) {
+#if defined(SILT_AVX512) || defined(SILT_AVX2)
+  if constexpr (std::is_same_v<T, float> && N == 8) {
+    return (Pack<T, N>)_mm256_sqrt_ps((__m256)a);
+  } else if constexpr (std::is_same_v<T, double> && N == 4) {
+    return (Pack<T, N>)_mm256_sqrt_pd((__m256d)a);
+  } else
+#endif
+#if defined(SILT_AVX512)
+  if constexpr (std::is_same_v<T, double> && N == 8) {
+    return (Pack<T, N>)_mm512_maskz_sqrt_pd(0xff, (__m512d)a);
+  } else
+#endif
+  {
+    Pack<T, N> root;
+    for (int k = 0; k < N; ++k) root[k] = std::sqrt(a[k]);
+    return root;
   }
 }
 

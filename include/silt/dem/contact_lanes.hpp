@@ -3,8 +3,9 @@
 // The loops over `lane` become vector instructions, the law's code included; see core/lane.hpp.
 #pragma once
 
-#include <silt/core/lane.hpp>
 #include <silt/core/four.hpp>
+#include <silt/core/lane.hpp>
+#include <silt/core/simd.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/contact.hpp>
 #include <silt/dem/grain_columns.hpp>
@@ -15,6 +16,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <type_traits>
 
 namespace silt::dem {
 
@@ -63,12 +65,12 @@ concept LawInLanes =
     ContactLaw<Law, Dim, Lane<Real>> && detail::RemembersRealsOnly<Law, Dim, Real>;
 
 /// What is kept of a contact that touches, besides what the law remembers: n, δ, F on its first grain, and
-/// the share of δ by which the lever arms are shorter than R.
+/// by how much its lever arms are shorter than R.
 struct ContactRow {
   static constexpr int n = 0;
   static constexpr int overlap = 3;
   static constexpr int F = 4;
-  static constexpr int arm_share = 7;
+  static constexpr int shorter = 7;
   static constexpr int words = 8;
 };
 
@@ -83,112 +85,113 @@ class ContactLanes {
   static constexpr int padded_words = (memory_words + 3) / 4 * 4;
 
   /// Lane l looks at grains first[l] and second[l]; bit l is set if the two touch.
-  unsigned look_at(const Columns& grains, const std::uint32_t* first, const std::uint32_t* second) {
-    grains.load_places(first, i_);
-    grains.load_places(second, j_);
-    for (int lane = 0; lane < lanes; ++lane) {
-      Real r_squared = 0;
+  [[gnu::always_inline]] unsigned look_at(const Columns& grains, const std::uint32_t* first,
+                                          const std::uint32_t* second) {
+    unsigned touching = 0;
+    for (int p = 0; p < packs; ++p) {
+      grains.load(first + p * N, i_[p]);
+      grains.load(second + p * N, j_[p]);
+      Pack r_squared{};
       for (int k = 0; k < Dim; ++k) {
-        r_squared += squared(j_[Columns::x + k][lane] - i_[Columns::x + k][lane]);
+        const Pack r = j_[p].x[k] - i_[p].x[k];
+        r_squared += r * r;
       }
-      distance_[lane] = std::sqrt(r_squared);
-      row_[Row::overlap][lane] = i_[Columns::R][lane] + j_[Columns::R][lane] - distance_[lane];
+      distance_[p] = simd::square_root<Real, N>(r_squared);
+      overlap_[p] = i_[p].R + j_[p].R - distance_[p];
+      touching |= simd::less<Real, N>(Pack{}, overlap_[p]) << (p * N);
     }
-    return touching();
+    return touching;
   }
 
-  /// The contacts of the pairs looked at.
-  void between(const Columns& grains, const std::uint32_t* first, const std::uint32_t* second,
-               Real share_of_overlap) {
-    grains.load_motion(first, i_);
-    grains.load_motion(second, j_);
-    for (int lane = 0; lane < lanes; ++lane) {
-      const Real against_r = -1 / distance_[lane];
-      for (int k = 0; k < Dim; ++k) {
-        row_[Row::n + k][lane] =
-            (j_[Columns::x + k][lane] - i_[Columns::x + k][lane]) * against_r;
-      }
-      const Real m_i = i_[Columns::m][lane];
-      const Real m_j = j_[Columns::m][lane];
-      const Real R_i = i_[Columns::R][lane];
-      const Real R_j = j_[Columns::R][lane];
-      mass_[lane] = m_i * m_j / (m_i + m_j);
-      radius_[lane] = R_i * R_j / (R_i + R_j);
+  /// The lanes whose centres coincide, a bit each.
+  unsigned coincident() const {
+    unsigned apart = 0;
+    for (int p = 0; p < packs; ++p) apart |= simd::less<Real, N>(Pack{}, distance_[p]) << (p * N);
+    return ~apart;
+  }
+
+  /// The contacts of the pairs looked at. arm_share is the share of δ by which lever arms are shorter than R.
+  [[gnu::always_inline]] void meet(const Columns& grains, const std::uint32_t* first,
+                                   const std::uint32_t* second, Real arm_share) {
+    for (int p = 0; p < packs; ++p) {
+      typename Columns::Motion i, j;
+      grains.load(first + p * N, i);
+      grains.load(second + p * N, j);
+      const Pack against_r = -1 / distance_[p];
+      Pack n[Dim];
+      for (int k = 0; k < Dim; ++k) n[k] = (j_[p].x[k] - i_[p].x[k]) * against_r;
+      const Pack shorter = arm_share * overlap_[p];
+      Pack u[Dim], u_j[Dim];
+      surface_velocity(i, shorter - i_[p].R, n, u);
+      surface_velocity(j, j_[p].R - shorter, n, u_j);
+      for (int k = 0; k < Dim; ++k) u[k] -= u_j[k];
+      put(p, n, overlap_[p], u, shorter, i.m * j.m / (i.m + j.m),
+          i_[p].R * j_[p].R / (i_[p].R + j_[p].R));
     }
-    std::fill_n(row_[Row::arm_share], lanes, share_of_overlap);
   }
 
   /// Lane l looks at grain first[l] and wall second[l]; nearest(number, x) is the wall's nearest point.
   template <class Nearest>
   unsigned look_at_walls(const Columns& grains, const std::uint32_t* first,
                          const std::uint32_t* second, Nearest&& nearest) {
-    grains.load_places(first, i_);
-    for (int lane = 0; lane < lanes; ++lane) {
-      Vec x;
-      for (int k = 0; k < Dim; ++k) x[k] = i_[Columns::x + k][lane];
-      const NearestPoint<Dim, Real> at = nearest(second[lane], x);
-      for (int k = 0; k < Dim; ++k) row_[Row::n + k][lane] = at.normal[k];
-      row_[Row::overlap][lane] = i_[Columns::R][lane] - at.distance;
+    unsigned touching = 0;
+    for (int p = 0; p < packs; ++p) {
+      grains.load(first + p * N, i_[p]);
+      for (int lane = 0; lane < N; ++lane) {
+        Vec x;
+        for (int k = 0; k < Dim; ++k) x[k] = i_[p].x[k][lane];
+        const NearestPoint<Dim, Real> at = nearest(second[p * N + lane], x);
+        for (int k = 0; k < Dim; ++k) row_[Row::n + k][p * N + lane] = at.normal[k];
+        overlap_[p][lane] = i_[p].R[lane] - at.distance;
+      }
+      touching |= simd::less<Real, N>(Pack{}, overlap_[p]) << (p * N);
     }
-    return touching();
+    return touching;
   }
 
   /// The contacts of the grains looked at.
-  void at_walls(const Columns& grains, const std::uint32_t* first, Real share_of_overlap) {
-    grains.load_motion(first, i_);
-    for (auto& column : j_) std::fill(column, column + lanes, Real(0));
-    std::copy_n(i_[Columns::m], lanes, mass_);
-    std::copy_n(i_[Columns::R], lanes, radius_);
-    std::fill_n(row_[Row::arm_share], lanes, share_of_overlap);
-  }
-
-  /// The first lane of those in `bits` whose centres coincide, `lanes` if there is none.
-  int coincident(unsigned bits) const {
-    int lane = 0;
-    while (lane < lanes && !((bits >> lane & 1) != 0 && !(distance_[lane] > 0))) ++lane;
-    return lane;
+  void meet_walls(const Columns& grains, const std::uint32_t* first, Real arm_share) {
+    for (int p = 0; p < packs; ++p) {
+      typename Columns::Motion i;
+      grains.load(first + p * N, i);
+      Pack n[Dim];
+      for (int k = 0; k < Dim; ++k) n[k] = simd::load<Real, N>(row_[Row::n + k] + p * N);
+      const Pack shorter = arm_share * overlap_[p];
+      Pack u[Dim];
+      surface_velocity(i, shorter - i_[p].R, n, u);
+      put(p, n, overlap_[p], u, shorter, i.m, i_[p].R);
+    }
   }
 
   /// memory(lane) is what the law remembers there.
   template <class MemoryAt>
-  void recall(MemoryAt&& memory) {
-    for (int half = 0; half < lanes; half += 4) {
+  [[gnu::always_inline]] void recall(MemoryAt&& memory) {
+    for (int p = 0; p < packs; ++p) {
       for (int k = 0; k < memory_words; k += 4) {
-        transpose_four<Real>([&](int lane) { return memory(half + lane) + k; },
-                             [&](int number) { return &memory_[k + number][half]; });
+        Pack four[4];
+        columns_from<Real, N>([&](int lane) { return memory(p * N + lane) + k; }, four);
+        for (int m = 0; m < 4; ++m) simd::store<Real, N>(memory_[k + m] + p * N, four[m]);
       }
     }
   }
 
   /// Asks one law for all lanes.
   template <class Law>
-  [[gnu::flatten]] void ask(const Law& shared, Real dt) {
-    using Scalar = Lane<Real>;
+  [[gnu::flatten, gnu::noinline]] void ask(const Law& shared, Real dt) {
     const Law law = shared;  // a copy that no store below can change
     SILT_EACH_LANE_ALONE
-    for (int lane = 0; lane < lanes; ++lane) {
-      const auto contact = this->contact<Scalar>(lane, dt);
-      silt::Vec<Dim, Scalar> f;
-      if constexpr (memory_words > 0) {
-        typename LawMemory<Law, Dim, Scalar>::type own;
-        auto* const word = reinterpret_cast<Scalar*>(&own);
-        for (int k = 0; k < memory_words; ++k) word[k] = memory_[k][lane];
-        f = law.force(contact, own);
-        for (int k = 0; k < memory_words; ++k) memory_[k][lane] = word[k];
-      } else {
-        f = law.force(contact);
-      }
-      for (int k = 0; k < Dim; ++k) row_[Row::F + k][lane] = f[k];
-    }
+    for (int lane = 0; lane < lanes; ++lane) ask<Lane<Real>>(law, dt, lane);
   }
 
   /// Asks a law for one lane: where lanes have different laws, or a law is for one scalar type only.
-  template <class Law>
+  template <class Scalar = Real, class Law>
   void ask(const Law& law, Real dt, int lane) {
-    using Memory = LawMemory<Law, Dim, Real>;
-    const auto contact = this->contact<Real>(lane, dt);
-    Vec f;
-    if constexpr (memory_words > 0) {
+    const auto contact = this->contact<Scalar>(lane, dt);
+    silt::Vec<Dim, Scalar> f;
+    if constexpr (memory_words == 0) {
+      f = law.force(contact);
+    } else if constexpr (std::is_same_v<Scalar, Real>) {
+      using Memory = LawMemory<Law, Dim, Real>;
       Real words[memory_words];
       for (int k = 0; k < memory_words; ++k) words[k] = memory_[k][lane];
       auto own = Memory::from(words);
@@ -196,70 +199,83 @@ class ContactLanes {
       Memory::put(own, words);
       for (int k = 0; k < memory_words; ++k) memory_[k][lane] = words[k];
     } else {
-      f = law.force(contact);
+      typename LawMemory<Law, Dim, Scalar>::type own;
+      auto* const word = reinterpret_cast<Scalar*>(&own);
+      for (int k = 0; k < memory_words; ++k) word[k] = memory_[k][lane];
+      f = law.force(contact, own);
+      for (int k = 0; k < memory_words; ++k) memory_[k][lane] = word[k];
     }
     for (int k = 0; k < Dim; ++k) row_[Row::F + k][lane] = f[k];
   }
 
   /// The row and the memory of each lane.
-  void give(Real* rows, Real* memories) const {
-    give<Row::words>(row_, rows);
-    give<padded_words>(memory_, memories);
+  [[gnu::always_inline]] void give(Real* rows, Real* memories) const {
+    for (int k = 0; k < Row::words; k += 4) rows_from(&row_[k], rows + k, Row::words);
+    for (int k = 0; k < padded_words; k += 4) rows_from(&memory_[k], memories + k, padded_words);
   }
 
  private:
-  unsigned touching() const {
-    unsigned bits = 0;
-    for (int lane = 0; lane < lanes; ++lane) {
-      if (row_[Row::overlap][lane] > 0) bits |= 1u << lane;
-    }
-    return bits;
-  }
+  static constexpr int N = Columns::N;
+  static constexpr int packs = lanes / N;
+  using Pack = typename Columns::Pack;
 
-  template <int words, class Lanes>
-  static void give(const Lanes& columns, Real* rows) {
-    for (int half = 0; half < lanes; half += 4) {
-      for (int k = 0; k < words; k += 4) {
-        transpose_four<Real>([&](int number) { return &columns[k + number][half]; },
-                             [&](int lane) { return &rows[(half + lane) * words + k]; });
+  // u = v + a ω × n, with a to the surface along n, (5).
+  [[gnu::always_inline]] static void surface_velocity(const typename Columns::Motion& grain,
+                                                      const Pack& a, const Pack (&n)[Dim],
+                                                      Pack (&u)[Dim]) {
+    const auto& w = grain.w;
+    if constexpr (Dim == 2) {
+      u[0] = grain.v[0] - a * (w[0] * n[1]);
+      u[1] = grain.v[1] + a * (w[0] * n[0]);
+    } else {
+      for (int k = 0; k < 3; ++k) {
+        const int l = (k + 1) % 3;
+        const int m = (k + 2) % 3;
+        u[k] = grain.v[k] + a * (w[l] * n[m] - w[m] * n[l]);
       }
     }
+  }
+
+  [[gnu::always_inline]] void put(int p, const Pack (&n)[Dim], const Pack& overlap,
+                                  const Pack (&u)[Dim], const Pack& shorter, const Pack& mass,
+                                  const Pack& R) {
+    const auto store = [p](Real(&column)[lanes], const Pack& pack) {
+      simd::store<Real, N>(column + p * N, pack);
+    };
+    for (int k = 0; k < Dim; ++k) store(row_[Row::n + k], n[k]);
+    store(row_[Row::overlap], overlap);
+    store(row_[Row::shorter], shorter);
+    for (int k = 0; k < Dim; ++k) store(velocity_[k], u[k]);
+    store(mass_, mass);
+    store(radius_, R);
   }
 
   // The contact in one lane, as a law sees it. Scalar is Real or Lane<Real>.
   template <class Scalar>
   Contact<Dim, Scalar> contact(int lane, Real dt) const {
     Contact<Dim, Scalar> contact;
-    for (int k = 0; k < Dim; ++k) contact.normal[k] = row_[Row::n + k][lane];
+    for (int k = 0; k < Dim; ++k) {
+      contact.normal[k] = row_[Row::n + k][lane];
+      contact.relative_velocity[k] = velocity_[k][lane];
+    }
     contact.overlap = row_[Row::overlap][lane];
     contact.effective_mass = mass_[lane];
     contact.effective_radius = radius_[lane];
     contact.time_step = dt;
-    // Velocity of i's surface against j's at the contact point, (5).
-    const auto surface = [&](const typename Columns::Column* side, Scalar signed_arm) {
-      silt::Vec<Dim, Scalar> v;
-      silt::Spin<Dim, Scalar> w;
-      for (int k = 0; k < Dim; ++k) v[k] = side[Columns::v + k][lane];
-      if constexpr (Dim == 2) {
-        w = side[Columns::w][lane];
-      } else {
-        for (int k = 0; k < Dim; ++k) w[k] = side[Columns::w + k][lane];
-      }
-      return silt::Vec<Dim, Scalar>(v + signed_arm * cross(w, contact.normal));
-    };
-    const Real shorter = row_[Row::arm_share][lane] * row_[Row::overlap][lane];
-    contact.relative_velocity = surface(i_, Scalar(shorter - i_[Columns::R][lane])) -
-                                surface(j_, Scalar(j_[Columns::R][lane] - shorter));
     return contact;
   }
 
-  alignas(64) typename Columns::Column i_[Columns::words];
-  alignas(64) typename Columns::Column j_[Columns::words];
+  // Of what was looked at.
+  typename Columns::Places i_[packs];
+  typename Columns::Places j_[packs];
+  Pack distance_[packs];
+  Pack overlap_[packs];
+  // One column per number of the contacts.
   alignas(64) Real row_[Row::words][lanes] = {};
-  alignas(64) Real memory_[std::max(padded_words, 1)][lanes] = {};
-  alignas(64) Real distance_[lanes];
+  alignas(64) Real velocity_[Dim][lanes];
   alignas(64) Real mass_[lanes];
   alignas(64) Real radius_[lanes];
+  alignas(64) Real memory_[std::max(padded_words, 1)][lanes] = {};
 };
 
 }  // namespace silt::dem

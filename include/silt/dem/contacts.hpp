@@ -106,8 +106,7 @@ class Contacts {
   void prepare(P& grains, const S& search, double dt) {
     auto& touches = found<P>();
     touches.begin_step(static_cast<typename P::Real>(dt));
-    grains.refresh_ghosts(velocity);
-    grains.refresh_ghosts(spin);
+    grains.refresh_ghosts(velocity, spin);
     if (is_stale(grains, search, touches.validity())) renew_near(grains, search, touches, dt);
     touches.make_room();
     counts_.assign(chunk_count(grains.size()), 0);
@@ -130,10 +129,8 @@ class Contacts {
         eight.ask(law_of(grains, sides_of(grains, touches.near(), c)), dt, lane);
       }
     };
-    std::array<Real, std::size_t{Lanes::padded_words}> fresh{};
-    MemoryOf<P>::put({}, fresh.data());
     const Real arm_share = settings_.lever_arm == LeverArm::radius ? 0 : Real(0.5);
-    LawPass pass(grains, touches, walls_, fresh, arm_share, ask);
+    LawPass pass(grains, touches, walls_, arm_share, ask);
     counts_[chunk.number] = pass(touches.near().of_chunk(chunk.number));
   }
 
@@ -248,7 +245,7 @@ class Contacts {
   template <class P>
   using MemoryOf = LawMemory<Law, P::dimension, typename P::Real>;
   template <int Dim, class Real>
-  using Found = Touches<Dim, Real, LawMemory<Law, Dim, Real>::words>;
+  using Found = Touches<Dim, Real, LawMemory<Law, Dim, Real>>;
   template <class P>
   using FoundOf = Found<P::dimension, typename P::Real>;
   // Contacts learns dimension and precision from the grains only; one of these four is in use.

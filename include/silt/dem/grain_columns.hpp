@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: MIT
-// What contacts read of grains, eight at a time: from the places where they lie to one column per
-// number, as vector instructions take them.
+// What contacts read of grains, several at a time: from the places where they lie to one register per
+// number.
 #pragma once
 
-#include <silt/core/particles.hpp>
 #include <silt/core/four.hpp>
+#include <silt/core/particles.hpp>
+#include <silt/core/simd.hpp>
 #include <silt/core/types.hpp>
 
+#include <algorithm>
 #include <cstdint>
-#include <span>
 
 namespace silt::dem {
 
@@ -21,74 +22,76 @@ class GrainColumns {
   using Real = RealType;
   using Vec = silt::Vec<Dim, Real>;
   using Spin = silt::Spin<Dim, Real>;
+  static constexpr int spin_words = Dim == 2 ? 1 : 3;
 
-  /// One number of each of eight grains; these are their places.
-  using Column = Real[lanes];
-  static constexpr int x = 0;
-  static constexpr int v = 4;
-  static constexpr int w = 8;
-  static constexpr int R = 12;
-  static constexpr int m = 13;
-  static constexpr int words = 14;
+  /// As many grains as fill a register; these are their places.
+  static constexpr int N = std::min(lanes, simd::lanes<Real>);
+  using Pack = simd::Pack<Real, N>;
+  struct Places {
+    Pack x[Dim];  ///< [m]
+    Pack R;       ///< [m]
+  };
+  struct Motion {
+    Pack v[Dim];         ///< [m/s]
+    Pack w[spin_words];  ///< [1/s]
+    Pack m;              ///< [kg]
+  };
 
   /// Reads the grains, ghosts included, as long as they stay where they are.
   template <class P>
   explicit GrainColumns(const P& grains)
-      : x_(grains.with_ghosts(position)),
-        v_(grains.with_ghosts(velocity)),
-        w_(grains.with_ghosts(spin)),
-        R_(grains.with_ghosts(radius)),
-        m_(grains.with_ghosts(mass)) {}
+      : x_(grains.with_ghosts(position).data()),
+        v_(grains.with_ghosts(velocity).data()),
+        w_(grains.with_ghosts(spin).data()),
+        R_(grains.with_ghosts(radius).data()),
+        m_(grains.with_ghosts(mass).data()),
+        last_(static_cast<std::uint32_t>(grains.total() - 1)) {}
 
-  /// columns[k][lane] = number k of the grain at places[lane]: position and radius …
-  void load_places(const std::uint32_t* places, Column* columns) const {
-    load_vectors(x_, places, columns + x);
-    for (int lane = 0; lane < lanes; ++lane) columns[R][lane] = R_[places[lane]];
+  [[gnu::always_inline]] void load(const std::uint32_t* places, Places& grains) const {
+    load(x_, places, grains.x);
+    load(R_, places, grains.R);
   }
-  /// … and the rest.
-  void load_motion(const std::uint32_t* places, Column* columns) const {
-    load_vectors(v_, places, columns + v);
+  [[gnu::always_inline]] void load(const std::uint32_t* places, Motion& grains) const {
+    load(v_, places, grains.v);
     if constexpr (Dim == 2) {
-      for (int lane = 0; lane < lanes; ++lane) columns[w][lane] = w_[places[lane]];
+      load(w_, places, grains.w[0]);
     } else {
-      load_vectors(w_, places, columns + w);
+      load(w_, places, grains.w);
     }
-    for (int lane = 0; lane < lanes; ++lane) columns[m][lane] = m_[places[lane]];
+    load(m_, places, grains.m);
   }
 
  private:
-  static void load_vectors(std::span<const Vec> values, const std::uint32_t* places,
-                           Column* columns) {
-    if constexpr (Dim == 2) {
-      for (int lane = 0; lane < lanes; ++lane) {
-        for (int k = 0; k < Dim; ++k) columns[k][lane] = values[places[lane]][k];
-      }
+  [[gnu::always_inline]] static void load(const Real* values, const std::uint32_t* places,
+                                          Pack& numbers) {
+    Real column[N];
+    for (int lane = 0; lane < N; ++lane) column[lane] = values[places[lane]];
+    numbers = simd::load<Real, N>(column);
+  }
+  [[gnu::always_inline]] void load(const Vec* values, const std::uint32_t* places,
+                                   Pack (&columns)[Dim]) const {
+    // Four numbers from where a vector of three begins: the fourth is of the next one, and of no use. The last
+    // vector has no next one.
+    const auto all = simd::first_lanes<N>(N);
+    if (Dim == 3 && simd::differs<N>(simd::load<std::uint32_t, N>(places), last_) == all) {
+      Pack four[4];
+      columns_from<Real, N>([=](int lane) { return values[places[lane]].data(); }, four);
+      std::copy_n(four, Dim, columns);
     } else {
-      // Four numbers from where a vector of three begins: the fourth is of the next one, and of no use. The
-      // last vector has no next one.
-      const auto end = static_cast<std::uint32_t>(values.size() - 1);
-      unsigned any_is_last = 0;
-      for (int lane = 0; lane < lanes; ++lane) any_is_last |= places[lane] == end;
-      const auto load = [&](auto&& at) {
-        for (int half = 0; half < lanes; half += 4) {
-          transpose_four<Real>([&](int lane) { return at(places[half + lane]); },
-                               [&](int number) { return &columns[number][half]; });
-        }
-      };
-      if (any_is_last == 0) {
-        load([&](std::uint32_t place) { return values[place].data(); });
-      } else {
-        const Real last[4] = {values[end][0], values[end][1], values[end][2], 0};
-        load([&](std::uint32_t place) { return place == end ? last : values[place].data(); });
+      Real column[N];
+      for (int k = 0; k < Dim; ++k) {
+        for (int lane = 0; lane < N; ++lane) column[lane] = values[places[lane]][k];
+        columns[k] = simd::load<Real, N>(column);
       }
     }
   }
 
-  std::span<const Vec> x_;
-  std::span<const Vec> v_;
-  std::span<const Spin> w_;
-  std::span<const Real> R_;
-  std::span<const Real> m_;
+  const Vec* x_;
+  const Vec* v_;
+  const Spin* w_;
+  const Real* R_;
+  const Real* m_;
+  std::uint32_t last_;
 };
 
 }  // namespace silt::dem

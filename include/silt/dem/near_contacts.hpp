@@ -2,11 +2,12 @@
 // The pairs that touch or soon may. They are found anew only when grains have moved; until then a step
 // just goes through them:
 //
-//   contact    0   1   2 …           those found at a chunk of grains: pairs, then grains at walls
+//   contact    0   1   2 …           those of a chunk of grains: pairs, then grains at walls
 //   first    [ 3   3   5 …           the one with the lower id
 //   second   [ 9   4   9 …           the other, owned or ghost; the number of the wall
 //
-// The pairs of a chunk, and its grains at walls, are filled up to whole eights.
+// A pair belongs to the chunk of that grain of the two which comes first in memory. The pairs of a chunk,
+// and its grains at walls, are filled up to whole eights.
 //
 // Each grain has a list of its contacts, sorted by the partner's id, walls last: its sums run in
 // that order, so that neither the search nor the order in memory shows in them.
@@ -37,6 +38,12 @@ class NearContacts {
         : number_(static_cast<std::uint32_t>(2 * contact) + static_cast<std::uint32_t>(is_second)) {}
     Index contact() const { return number_ / 2; }
     bool is_second() const { return number_ % 2 == 1; }
+    /// Of the force on this grain, against that on the first of the two.
+    template <class Real>
+    Real sign() const {
+      static constexpr Real signs[] = {1, -1};
+      return signs[number_ % 2];
+    }
 
    private:
     std::uint32_t number_;
@@ -67,11 +74,11 @@ class NearContacts {
     Index first;
     Index last;
   };
-  /// Those found at a chunk of grains.
+  /// Those of a chunk of grains.
   struct OfChunk {
     Range pairs;
     Range walls;
-    ChunkSpan needs;  ///< chunks at which all contacts of these grains were found
+    ChunkSpan needs;  ///< chunks to which all contacts of these grains belong
     /// All, those that fill up included.
     Range all() const { return {pairs.first, full_eights(walls.last)}; }
   };
@@ -96,17 +103,26 @@ class NearContacts {
   struct Found {
     Rows<Pair> pairs;
     Rows<std::uint32_t> walls;
+    std::vector<std::vector<Pair>> strays;  ///< pairs of another chunk, by the one they were found at
+    std::vector<Index> lined_up;            ///< pairs so far, by chunk
   };
   /// Finds all anew: pairs_at(i, add(Pair)) and walls_at(i, add(number)) tell those found at owned
   /// grain i. The memory of `found` is reused.
   template <class P, class PairsAt, class WallsAt>
   void find_all(const P& grains, PairsAt&& pairs_at, WallsAt&& walls_at, Found& found) {
     const Index owned = grains.size();
-    found.pairs.build(owned, pairs_at);
+    found.strays.resize(chunk_count(owned));
+    for (auto& strays : found.strays) strays.clear();
+    found.pairs.build(owned, [&](Index i, auto&& add) {
+      const Index here = i / chunk_size;
+      pairs_at(i, [&](const Pair& pair) {
+        home_of(pair, grains) == here ? add(pair) : found.strays[here].push_back(pair);
+      });
+    });
     found.walls.build(owned, walls_at);
     resize_sparingly(ids_, grains.total());
     for_each(ids_.size(), [&](Index i) { ids_[i] = grains.id(i); });
-    line_up(owned, found);
+    line_up(grains, found);
     list_parts(grains);
   }
 
@@ -133,19 +149,39 @@ class NearContacts {
 
   static constexpr Index full_eights(Index n) { return (n + lanes - 1) / lanes * lanes; }
 
-  void line_up(Index owned, const Found& found) {
-    chunks_.resize(chunk_count(owned));
+  // The chunk of the grain that comes first in memory: whoever goes through the chunks in their order has
+  // then met all contacts of those behind.
+  template <class P>
+  static Index home_of(const Pair& pair, const P& grains) {
+    return std::min(grains.owner(pair.first), grains.owner(pair.second)) / chunk_size;
+  }
+
+  template <class P>
+  void line_up(const P& grains, Found& found) {
+    const Index owned = grains.size();
+    const Index number_of_chunks = chunk_count(owned);
+    const auto count_at = [&](const auto& rows, Index number) {
+      return rows.first()[std::min(owned, (number + 1) * chunk_size)] -
+             rows.first()[number * chunk_size];
+    };
+    const auto for_each_stray = [&](auto&& f) {
+      for (const auto& strays : found.strays) {
+        for (const Pair& pair : strays) f(home_of(pair, grains), pair);
+      }
+    };
+    auto& lined_up = found.lined_up;
+    lined_up.assign(number_of_chunks, 0);
+    for_each_stray([&](Index home, const Pair&) { ++lined_up[home]; });
+    chunks_.resize(number_of_chunks);
     Index size = 0;
-    for (Index number = 0; number < chunks_.size(); ++number) {
-      const auto count = [&](const auto& rows) {
-        return rows.first()[std::min(owned, (number + 1) * chunk_size)] -
-               rows.first()[number * chunk_size];
-      };
+    for (Index number = 0; number < number_of_chunks; ++number) {
       OfChunk& chunk = chunks_[number];
-      chunk.pairs = {size, size + count(found.pairs)};
+      const Index found_here = count_at(found.pairs, number);
+      chunk.pairs = {size, size + found_here + lined_up[number]};
       chunk.walls.first = full_eights(chunk.pairs.last);
-      chunk.walls.last = chunk.walls.first + count(found.walls);
+      chunk.walls.last = chunk.walls.first + count_at(found.walls, number);
       chunk.needs = {number, number};
+      lined_up[number] = found_here;
       size = chunk.all().last;
     }
     if (size >= wall_bit) {
@@ -154,22 +190,25 @@ class NearContacts {
     }
     resize_sparingly(first_, size);
     resize_sparingly(second_, size);
-    for_each_chunk(owned, [&](Chunk grains) {
-      const OfChunk& chunk = chunks_[grains.number];
+    const auto put = [&](Index contact, const Pair& pair) {
+      first_[contact] = pair.first;
+      second_[contact] = pair.second;
+    };
+    for_each_chunk(owned, [&](Chunk its) {
+      const OfChunk& chunk = chunks_[its.number];
       const Range all = chunk.all();
-      for (Index c = all.first; c < all.last; ++c) first_[c] = second_[c] = 0;
+      for (Index c = all.first; c < all.last; ++c) put(c, {0, 0});
       Index pair = chunk.pairs.first;
       Index wall = chunk.walls.first;
-      for (Index i = grains.first; i < grains.last; ++i) {
-        for (const Pair& each : found.pairs[i]) {
-          first_[pair] = each.first;
-          second_[pair++] = each.second;
-        }
+      for (Index i = its.first; i < its.last; ++i) {
+        for (const Pair& each : found.pairs[i]) put(pair++, each);
         for (const std::uint32_t number : found.walls[i]) {
-          first_[wall] = static_cast<std::uint32_t>(i);
-          second_[wall++] = number | wall_bit;
+          put(wall++, {static_cast<std::uint32_t>(i), number | wall_bit});
         }
       }
+    });
+    for_each_stray([&](Index home, const Pair& pair) {
+      put(chunks_[home].pairs.first + lined_up[home]++, pair);
     });
   }
 
@@ -212,7 +251,7 @@ class NearContacts {
               [&](Part a, Part b) { return partner(a) < partner(b); });
   }
 
-  // Number of the chunk at which a contact was found.
+  // Number of the chunk that a contact belongs to.
   Index chunk_of(Index contact) const {
     const auto behind = std::upper_bound(
         chunks_.begin(), chunks_.end(), contact,

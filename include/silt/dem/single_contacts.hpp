@@ -34,8 +34,8 @@ void for_each_touch(const P& grains, const T& touches, F&& f) {
   const auto& near = touches.near();
   if (touches.seen().at.size() != near.size()) return;
   near.for_each_contact([&](Index c) {
+    if (!touches.seen().touches(c)) return;
     const auto* const row = touches.seen().row_of(c);
-    if (row == nullptr) return;
     const bool at_wall = near.is_of_wall(c);
     const Sides sides{.i = grains.index_of(near.first_id(c)),
                       .j = at_wall ? nowhere : grains.index_of(near.second_id(c)),
@@ -72,7 +72,7 @@ auto contact_of(const P& grains, const Seen& seen, const typename P::Real* row, 
   contact.overlap = row[Row::overlap];
   contact.time_step = seen.time_step;
   const auto surface = [&](Index i, typename P::Real towards) {
-    const auto arm = grains[radius][i] - row[Row::arm_share] * contact.overlap;
+    const auto arm = grains[radius][i] - row[Row::shorter];
     return Vec(grains[velocity][i] + cross(grains[spin][i], Vec(towards * arm * contact.normal)));
   };
   contact.relative_velocity = surface(sides.i, -1);
@@ -82,7 +82,7 @@ auto contact_of(const P& grains, const Seen& seen, const typename P::Real* row, 
 
 /// Adds Σ F and Σ M (14) of the last look to grain i, in the order of the partners' ids.
 template <class P, class T>
-void add_rows(P& grains, const T& touches, Index i) {
+[[gnu::always_inline]] inline void add_rows(P& grains, const T& touches, Index i) {
   using Real = typename P::Real;
   using Row = ContactRow;
   const auto& seen = touches.seen();
@@ -91,14 +91,14 @@ void add_rows(P& grains, const T& touches, Index i) {
   Four<Real> turning{};
   for (const auto part : touches.near().of(i)) {
     const Real* const row = seen.row_of(part.contact());
-    if (row == nullptr) continue;
-    Four<Real> n, F;
+    Four<Real> n, F, F_x_n;
     load_four(row + Row::n, n);
     load_four(row + Row::F, F);
-    const Real arm = R - row[Row::arm_share] * row[Row::overlap];
-    sum += (part.is_second() ? Real(-1) : Real(1)) * F;
-    subtract_cross(turning, arm, n, F);
+    sum += part.template sign<Real>() * F;
+    cross_turned(n, F, F_x_n);
+    turning += (R - row[Row::shorter]) * F_x_n;
   }
+  turn_back(turning);
   for (int k = 0; k < P::dimension; ++k) grains[force][i][k] += sum[k];
   if constexpr (P::dimension == 2) {
     grains[torque][i] += turning[2];

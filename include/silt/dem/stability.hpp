@@ -167,8 +167,8 @@ Unstable find_unstable(const P& grains, const T& touches, double dt, LawOf&& law
     for (const auto part : touches.near().of(i)) {
       const Held& each = held[part.contact()];
       if (!each.touches) continue;
-      const auto share = touches.seen().row_of(part.contact())[Row::arm_share];
-      f(each.contact, each.stiffness, double(grains[radius][i] - share * each.contact.overlap));
+      const auto shorter = touches.seen().row_of(part.contact())[Row::shorter];
+      f(each.contact, each.stiffness, double(grains[radius][i] - shorter));
     }
   };
   const auto is_beyond = [&](Index i) {

@@ -19,18 +19,22 @@
 
 namespace silt::dem {
 
-template <int Dim, class RealType, int memory_words>
+/// Memory is the law's LawMemory.
+template <int Dim, class RealType, class Memory>
 class Touches {
  public:
   using Real = RealType;
   using Row = ContactRow;
-  using Lanes = ContactLanes<Dim, Real, memory_words>;
+  using Lanes = ContactLanes<Dim, Real, Memory::words>;
   static constexpr Index padded_words = Lanes::padded_words;
-  using Words = std::array<Real, memory_words>;
-  static constexpr std::uint32_t none = ~std::uint32_t(0);
+  using Words = std::array<Real, std::size_t{Memory::words}>;
+  /// Row of the contacts that do not touch: all zeros, with the memory of a new contact. Who reads it like
+  /// any other saves a branch that cannot be predicted.
+  static constexpr std::uint32_t none = 0;
+  static constexpr std::uint32_t first_row = lanes;
 
-  /// What one step made. Only contacts that touch have a row; the rows of those found at a chunk of grains
-  /// lie together, from the first of these contacts on.
+  /// What one step made. Only contacts that touch have a row of their own; the rows of those found at a
+  /// chunk of grains lie together, as far behind first_row as the first of these contacts.
   struct Seen {
     std::vector<Real, Eigen::aligned_allocator<Real>> rows;      ///< see ContactRow
     std::vector<Real, Eigen::aligned_allocator<Real>> memories;  ///< padded_words a row
@@ -38,9 +42,15 @@ class Touches {
     Index count = 0;                ///< contacts that touch
     Real time_step = 0;             ///< [s]
 
+    Seen() {
+      resize(0);
+      std::fill_n(rows.begin(), first_row * Row::words, Real(0));
+      std::fill(memories.begin(), memories.end(), Real(0));
+      if constexpr (Memory::words > 0) Memory::put({}, memories.data());
+    }
     void resize(Index contacts) {
-      resize_sparingly(rows, contacts * Row::words);
-      resize_sparingly(memories, contacts * padded_words);
+      resize_sparingly(rows, (contacts + first_row) * Row::words);
+      resize_sparingly(memories, (contacts + first_row) * padded_words);
       resize_sparingly(at, contacts);
     }
     Real* row(Index number) noexcept { return rows.data() + number * Row::words; }
@@ -48,8 +58,9 @@ class Touches {
     const Real* memory(Index number) const noexcept {
       return memories.data() + number * padded_words;
     }
+    bool touches(Index contact) const noexcept { return at[contact] != none; }
     const Real* row_of(Index contact) const noexcept {
-      return at[contact] == none ? nullptr : rows.data() + at[contact] * Row::words;
+      return rows.data() + Index{at[contact]} * Row::words;
     }
     const Real* memory_of(Index contact) const noexcept { return memory(at[contact]); }
   };
@@ -68,18 +79,13 @@ class Touches {
   const Validity& validity() const noexcept { return validity_; }
   Validity& validity() noexcept { return validity_; }
 
-  /// What the law remembered of a contact at the last look, if it touched then.
-  class Memories {
-   public:
-    Memories(const std::uint32_t* at, const Real* memories) : at_(at), memories_(memories) {}
-    const Real* of(Index contact, const Real* otherwise) const noexcept {
-      const std::uint32_t row = at_[contact];
-      return row == none ? otherwise : memories_ + Index{row} * padded_words;
+  /// What the law remembers of contacts from the last look on.
+  struct Memories {
+    const std::uint32_t* at;
+    const Real* memories;
+    const Real* of(Index contact) const noexcept {
+      return memories + Index{at[contact]} * padded_words;
     }
-
-   private:
-    const std::uint32_t* at_;
-    const Real* memories_;
   };
   Memories memories_before() const noexcept {
     return {(has_moved_rows_ ? moved_rows_ : before().at).data(), before().memories.data()};
@@ -157,8 +163,8 @@ class Touches {
     near_.for_each_contact([&](Index c) {
       const auto* const known = recalled_->find(near_.first_id(c), near_.second_id(c));
       if (known == nullptr) return;
-      std::copy(known->begin(), known->end(), spare_seen_.memory(c));
-      moved_rows_[c] = static_cast<std::uint32_t>(c);
+      moved_rows_[c] = static_cast<std::uint32_t>(first_row + c);
+      std::copy(known->begin(), known->end(), spare_seen_.memory(moved_rows_[c]));
     });
     was_recalled_ = true;
   }
