@@ -13,6 +13,7 @@
 #include <silt/core/columns.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/fields.hpp>
+#include <silt/core/parallel.hpp>
 #include <silt/core/types.hpp>
 
 #include <algorithm>
@@ -184,16 +185,11 @@ class Particles {
     shifts_.push_back(whole);
   }
 
-  /// Copies field F of the owners to their ghosts; positions are shifted.
-  template <Field F>
-  void refresh_ghosts(F) {
-    check_carried<F>();
-    auto& values = column<F>();
-    const Index owned = size();
-    for (Index g = 0; g < owners_.size(); ++g) {
-      values[owned + g] = values[owners_[g]];
-      if constexpr (std::same_as<F, position_t>) values[owned + g] += shifts_[g];
-    }
+  /// Copies these fields of the owners to their ghosts; positions are shifted.
+  template <Field... F>
+  void refresh_ghosts(F...) {
+    (check_carried<F>(), ...);
+    for_each(owners_.size(), [&](Index g) { (refresh_ghost<F>(g), ...); });
   }
 
   /// f(values, field) for every column: spans over the owned particles.
@@ -239,6 +235,14 @@ class Particles {
   template <class F>
   const auto& column() const noexcept {
     return columns_.template of<F>();
+  }
+
+  template <class F>
+  void refresh_ghost(Index g) {
+    auto& values = column<F>();
+    auto& ghost = values[size() + g];
+    ghost = values[owners_[g]];
+    if constexpr (std::same_as<F, position_t>) ghost += shifts_[g];
   }
 
   void move_row(Index from, Index to) {

@@ -9,6 +9,7 @@
 
 #include <silt/core/error.hpp>
 #include <silt/core/ghosts.hpp>
+#include <silt/core/lane.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/travel.hpp>
 #include <silt/core/types.hpp>
@@ -19,11 +20,13 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <limits>
 #include <optional>
 #include <span>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -183,6 +186,7 @@ class NeighbourList {
   Real skin() const noexcept { return list_.skin; }
 
  private:
+  using Bits = std::conditional_t<sizeof(Real) == 4, std::uint32_t, std::uint64_t>;
   // What a rebuild replaces.
   struct List {
     bool built = false;
@@ -235,8 +239,9 @@ class NeighbourList {
   // How far the farthest has moved from where the list was built.
   template <class P>
   Real farthest_move(const P& particles) {
-    const auto x = particles[position];
-    return farthest(x.size(), [&](Index i) { return (x[i] - list_.reference[i]).squaredNorm(); });
+    const auto* const x = lanes_of(particles[position].data());
+    const auto* const reference = lanes_of(list_.reference.data());
+    return farthest(particles.size(), [=](Index i) { return (x[i] - reference[i]).squaredNorm(); });
   }
 
   // The positions of the last update; new ones do not write over them while a step may be undone.
@@ -251,10 +256,12 @@ class NeighbourList {
   // Takes the positions of the owned particles, and notes how far they moved.
   template <class P>
   void take_owned(const P& particles, std::span<const Vec> before) {
-    const auto x = particles[position];
-    now_.pace = farthest(x.size(), [&](Index i) {
-      const Real moved = (x[i] - before[i]).squaredNorm();
-      positions_[i] = x[i];
+    const auto* const x = lanes_of(particles[position].data());
+    const auto* const last = lanes_of(before.data());
+    auto* const taken = lanes_of(positions_.data());
+    now_.pace = farthest(particles.size(), [=](Index i) {
+      const auto moved = (x[i] - last[i]).squaredNorm();
+      taken[i] = x[i];
       return moved;
     });
     now_.moved += now_.pace;
@@ -264,19 +271,21 @@ class NeighbourList {
   // √ of the largest of squared(i); infinity if one is no number, and the rebuild names it.
   template <class Squared>
   Real farthest(Index n, Squared&& squared) {
+    // Of numbers that are not negative the larger has the larger bits, and what is no number has the largest:
+    // unlike the larger of two Reals, that is found for many at once.
+    constexpr Bits without_sign = ~Bits(0) / 2;
     farthest_.resize(chunk_count(n));
     for_each_chunk(n, [&](Chunk chunk) {
-      Real most = 0;
-      bool all_numbers = true;
+      Bits most = 0;
+      SILT_EACH_LANE_ALONE
       for (Index i = chunk.first; i < chunk.last; ++i) {
-        const Real moved = squared(i);
-        most = std::max(most, moved);
-        all_numbers &= moved >= 0;
+        most = std::max(most, std::bit_cast<Bits>(Real(squared(i))) & without_sign);
       }
-      farthest_[chunk.number] = all_numbers ? most : std::numeric_limits<Real>::infinity();
+      farthest_[chunk.number] = most;
     });
     if (farthest_.empty()) return 0;
-    return std::sqrt(*std::max_element(farthest_.begin(), farthest_.end()));
+    const auto most = std::bit_cast<Real>(*std::max_element(farthest_.begin(), farthest_.end()));
+    return most >= 0 ? std::sqrt(most) : std::numeric_limits<Real>::infinity();
   }
 
   template <class P>
@@ -325,7 +334,7 @@ class NeighbourList {
   std::vector<Vec> positions_;  // with ghosts, at the last update
   std::vector<Vec> last_positions_;  // at the last update before the step
   bool keeps_positions_ = true;
-  std::vector<Real> farthest_;  // by chunk
+  std::vector<Bits> farthest_;  // squared, by chunk
 };
 
 }  // namespace silt
