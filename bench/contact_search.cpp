@@ -13,8 +13,8 @@
 //   sizes   spheres of one diameter and as much volume of ones ten times as large, sought through one
 //           grid, and through one for each size; half: take the positions, and list each pair once
 //
-// Particles lie in cell order, as a simulation keeps them. Threads are those of OMP_NUM_THREADS; the
-// peers, brute_force and nanoflann (build the tree, ask it for every particle), have one.
+// Particles lie in cell order, as a simulation keeps them. Threads are those of OMP_NUM_THREADS;
+// the peers, brute_force and nanoflann (build the tree, ask it for every particle), have one.
 #include <silt/core/parallel.hpp>
 #include <silt/search/brute_force.hpp>
 #include <silt/search/level_grid.hpp>

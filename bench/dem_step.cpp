@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Whole steps of DEM: dem_step/<scene>/<grains>, the scenes being those of scenes.hpp, under Silt's own
-// law, on all threads that OpenMP gives. The bed has a larger size than the others, for the exponent.
+// Whole steps of DEM: dem_step/<scene>/<grains>, the scenes being those of scenes.hpp, under Silt's
+// own law, on all threads that OpenMP gives. The bed has a larger size than the others, for the
+// exponent.
 #include "program.hpp"
 #include "states.hpp"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A contact law of one's own: the one that LAMMPS calls gran/hooke/history, so that both codes can be
-// given the same work.
+// A contact law of one's own: the one that LAMMPS calls gran/hooke/history, so that both codes can
+// be given the same work.
 #pragma once
 
 #include <silt/core/types.hpp>

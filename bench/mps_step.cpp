@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Whole steps of MPS: mps_step/<dimension>/<fluid particles> advances a dam break under case 10 with
-// the pressure solved to 1e-6, on all threads that OpenMP gives. A column of water 0.4 m wide and
-// 0.8 m high stands in a tank 1.6 m long and 1.2 m high, with one layer of wall and four of dummies.
+// Whole steps of MPS: mps_step/<dimension>/<fluid particles> advances a dam break under case 10
+// with the pressure solved to 1e-6, on all threads that OpenMP gives. A column of water 0.4 m wide
+// and 0.8 m high stands in a tank 1.6 m long and 1.2 m high, with one layer of wall and four of
+// dummies.
 //
 //   2d/3200    spacing 10 mm      2d/51200   2.5 mm      radii of 3.1 spacings
 //   3d/102400  spacing 10 mm: the tank of 2d/3200, 32 spacings deep, with walls and dummies at the

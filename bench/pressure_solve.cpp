@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-// Pressure solves by themselves: pressure_solve/<solver>/<tank>/<unknowns>, from zero to a residual of
-// 1e-6, on all threads that OpenMP gives. setup_ms and solve_ms are parts of the time; the assembly
-// is none of it.
+// Pressure solves by themselves: pressure_solve/<solver>/<tank>/<unknowns>, from zero to a residual
+// of 1e-6, on all threads that OpenMP gives. setup_ms and solve_ms are parts of the time; the
+// assembly is none of it.
 //
-// The tanks are full of fluid that was shaken off its lattice, and have about as many unknowns as they
-// say, in a square (cube):
+// The tanks are full of fluid that was shaken off its lattice, and have about as many unknowns as
+// they say, in a square (cube):
 //   2d, 3d           open on top
 //   baffles_2d, …_3d open on top, with three walls across it, three quarters high and as thin as
 //                    keeps what is left and right of them apart

@@ -5,8 +5,8 @@
 //   gas     a solid fraction of 0.3 in motion, periodic along all axes
 //   discs   a bed in two dimensions
 //
-// Diameter, mass and gravity are 1, as in the chute of LAMMPS's own benchmarks, and so are stiffness,
-// damping, friction and time step.
+// Diameter, mass and gravity are 1, as in the chute of LAMMPS's own benchmarks, and so are
+// stiffness, damping, friction and time step.
 #pragma once
 
 #include "hooke_history.hpp"

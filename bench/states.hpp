@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The states that the scenes start from. Each is made once, and kept in a file that LAMMPS reads, too:
-// a tile of 4000 (1250) grains, repeated along the periodic axes, every grain then pushed at random,
-// all in random order, so that each code has to find an order in memory by itself.
+// The states that the scenes start from. Each is made once, and kept in a file that LAMMPS reads,
+// too: a tile of 4000 (1250) grains, repeated along the periodic axes, every grain then pushed at
+// random, all in random order, so that each code has to find an order in memory by itself.
 #pragma once
 
 #include "scenes.hpp"
@@ -111,8 +111,8 @@ inline State gas_tile() {
   return state;
 }
 
-/// 2^k = `times` copies of the tile, along the periodic axes in turn; every grain pushed by a random
-/// velocity of the given size, and all in random order.
+/// 2^k = `times` copies of the tile, along the periodic axes in turn; every grain pushed by a
+/// random velocity of the given size, and all in random order.
 inline State repeated(State state, Index times, int axes, double push) {
   for (int axis = 0; times > 1; axis = (axis + 1) % axes, times /= 2) {
     const double length = state.upper[axis] - state.lower[axis];
@@ -207,8 +207,8 @@ inline State make_state(Scene scene, Index n) {
   return repeated(state_of(scene, 0), n / tile_size(scene), periodic_axes(scene), push);
 }
 
-/// The state with 2^k tiles of grains, n in all, from its file, which is made if it is not there; 0: the
-/// tile.
+/// The state with 2^k tiles of grains, n in all, from its file, which is made if it is not there;
+/// 0: the tile.
 inline State state_of(Scene scene, Index n) {
   const auto path = file_of(scene, n);
   if (!std::filesystem::exists(path)) write(make_state(scene, n), path);

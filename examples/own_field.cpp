@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // A field of one's own: a temperature that flows from each particle to its neighbours, carried by
-// grains and by water. The field is one line, its physics a plain loop between two steps, and neither
-// knows what the particles are. Run it in any folder, then open warm_grains.pvd and warm_water.pvd in
-// ParaView.
+// grains and by water. The field is one line, its physics a plain loop between two steps, and
+// neither knows what the particles are. Run it in any folder, then open warm_grains.pvd and
+// warm_water.pvd in ParaView.
 #include <silt/io/vtk.hpp>
 #include <silt/silt.hpp>
 
@@ -15,7 +15,8 @@ inline constexpr struct temperature_t : silt::scalar_field {
 } temperature{};  ///< T [K]
 
 /// dT_i/dt = rate Σ_j (T_j − T_i) over the neighbours j that the search finds; rate [1/s]. What one
-/// gains the other loses, so that the sum stays. Stable while rate Δt times their number is below 1.
+/// gains the other loses, so that the sum stays. Stable while rate Δt times their number is below
+/// 1.
 template <class Simulation>
 void conduct(Simulation& simulation, double rate) {
   auto& particles = simulation.particles();

@@ -13,7 +13,8 @@ using Grains = dem::Grains<2>;
 using Points = Particles<2, double>;
 struct Nothing {};
 
-// --- ParticleSet, HasFields, Field ----------------------------------------------------------------
+// --- ParticleSet, HasFields, Field
+// ----------------------------------------------------------------
 
 struct ParticleArchetype {
   using Real = double;
@@ -31,7 +32,8 @@ static_assert(!HasFields<Points, velocity_t> && !HasFields<Nothing, position_t>)
 
 static_assert(Field<position_t> && !Field<Nothing> && !Field<double>);
 
-// --- NeighbourSearch ------------------------------------------------------------------------------
+// --- NeighbourSearch
+// ------------------------------------------------------------------------------
 
 struct SearchArchetype {
   void set_radius(double);
@@ -49,7 +51,8 @@ static_assert(!NeighbourSearch<Nothing, Grains> && !NeighbourSearch<UniformGrid<
 static_assert(!NeighbourSearch<UniformGrid<3>, Grains> && !NeighbourSearch<NeighbourList<3>, Grains> &&
               !NeighbourSearch<BruteForce<2, float>, Grains>);
 
-// --- Reaching, Interaction ------------------------------------------------------------------------
+// --- Reaching, Interaction
+// ------------------------------------------------------------------------
 
 struct InteractionArchetype {
   double reach(const ParticleArchetype&) const;
@@ -68,7 +71,8 @@ static_assert(!Interaction<Gravity<2>, dem::Grains<2, float>, UniformGrid<2, flo
 static_assert(!Interaction<dem::Contacts<dem::CundallStrack, dem::Plane<3>>, Grains, UniformGrid<2>>);
 static_assert(!Interaction<dem::Contacts<Nothing>, Grains, UniformGrid<2>>);
 
-// --- PressureInteraction, Integrator --------------------------------------------------------------
+// --- PressureInteraction, Integrator
+// --------------------------------------------------------------
 
 struct FlowArchetype {
   double reach(const ParticleArchetype&) const;
@@ -90,7 +94,8 @@ static_assert(!Integrator<SemiImplicit<>, Grains, UniformGrid<2>, Contacts>);
 static_assert(!Integrator<Leapfrog<>, ParticleArchetype, SearchArchetype, FlowArchetype>);
 static_assert(!Integrator<Nothing, Grains, UniformGrid<2>, Contacts>);
 
-// --- what parts may also do -----------------------------------------------------------------------
+// --- what parts may also do
+// -----------------------------------------------------------------------
 
 struct ChooserArchetype {
   double time_step(const ParticleArchetype&);
@@ -120,7 +125,8 @@ struct ObserverArchetype {
 };
 static_assert(Observer<ObserverArchetype, Grains> && !Observer<Nothing, Grains>);
 
-// --- contact laws and walls -----------------------------------------------------------------------
+// --- contact laws and walls
+// -----------------------------------------------------------------------
 
 struct LawArchetype {
   Vec<2> force(const dem::Contact<2, double>&) const;

@@ -163,8 +163,8 @@ TEST(Friction, AnObliqueImpactThatSlidesLosesMuTimesTheNormalImpulse) {
 template <int Dim>
 void sticks() {
   for (const Body& body : bodies<Dim>()) {
-    // The surface swings on the tangential spring with ω² = k_s (1 + 1/c)/m. Choose k_s such that the
-    // contact lasts a quarter of that period: the surface is then at rest, as if it had stuck.
+    // The surface swings on the tangential spring with ω² = k_s (1 + 1/c)/m. Choose k_s such that
+    // the contact lasts a quarter of that period: the surface is then at rest, as if it had stuck.
     const double k_n = 1e6;
     const double k_s = k_n / 4 / (1 + 1 / body.c);
     const auto out = oblique<Dim>(body,

@@ -19,8 +19,8 @@ struct Impact {
   double duration;  // time in contact times ω0 [-]
 };
 
-// The head-on impact of two grains, or of one on a wall, at v0 with `steps` per contact; `phase` says
-// where within a step the contact begins.
+// The head-on impact of two grains, or of one on a wall, at v0 with `steps` per contact; `phase`
+// says where within a step the contact begins.
 template <int Dim>
 struct Case {
   bool wall;

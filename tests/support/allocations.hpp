@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Counts what a whole program asks of the heap: operator new and Eigen come through malloc, too. It stands
-// in front of the C library's, or is told by the sanitizer that stands there already. One source file of
-// a program may include this.
+// Counts what a whole program asks of the heap: operator new and Eigen come through malloc, too. It
+// stands in front of the C library's, or is told by the sanitizer that stands there already. One
+// source file of a program may include this.
 #pragma once
 
 #include <atomic>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The dam break of [HwangLeePark2010] section 4, in 2D: a column of water 0.4 m wide and 0.8 m high at
-// the left of a tank 1.6 m long, and what is read from it.
+// The dam break of [HwangLeePark2010] section 4, in 2D: a column of water 0.4 m wide and 0.8 m high
+// at the left of a tank 1.6 m long, and what is read from it.
 #pragma once
 
 #include <silt/io/csv.hpp>
@@ -34,8 +34,8 @@ struct DamBreak {
   bool broke = false;  // it stopped because a step was refused
 };
 
-/// Largest x of the fluid within three spacings of the floor, half a spacing on. Drops that fly ahead
-/// do not count: two others must be within two spacings.
+/// Largest x of the fluid within three spacings of the floor, half a spacing on. Drops that fly
+/// ahead do not count: two others must be within two spacings.
 template <class P>
 double leading_edge(const P& particles, double l0) {
   const auto x = particles[position];
@@ -135,8 +135,8 @@ inline double at_time(const std::vector<double>& time, const std::vector<double>
   return value[k - 1] + part * (value[k] - value[k - 1]);
 }
 
-/// Rms of the front against the table of Martin and Moyce, relative, over T from 1.19 to 3.3. Nobody
-/// saw the instant of release, so one time shift is allowed: both pass Z = 1.44 at T = 1.19.
+/// Rms of the front against the table of Martin and Moyce, relative, over T from 1.19 to 3.3.
+/// Nobody saw the instant of release, so one time shift is allowed: both pass Z = 1.44 at T = 1.19.
 inline double front_deviation(const DamBreak& record) {
   const double T0 = 1.19;
   const double Z0 = 1.44;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The still tank of [HwangLeePark2010] section 3: water at rest under gravity, whose pressure is known.
+// The still tank of [HwangLeePark2010] section 3: water at rest under gravity, whose pressure is
+// known.
 #pragma once
 
 #include <silt/mps.hpp>
@@ -15,8 +16,8 @@ struct FloorPressure {
   double scatter = 0;  // standard deviation over time, over the mean [-]
 };
 
-/// A tank `depth` deep is left to itself, and the wall particles of the floor whose horizontal distance
-/// from the middle is below 0.75 spacings are read from time `from` on.
+/// A tank `depth` deep is left to itself, and the wall particles of the floor whose horizontal
+/// distance from the middle is below 0.75 spacings are read from time `from` on.
 template <class Scheme, int Dim>
 FloorPressure floor_pressure(const mps::Tank<Dim>& tank, double from, double until) {
   Simulation sim{mps::make_tank(tank), UniformGrid<Dim>{},

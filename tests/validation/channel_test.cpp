@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
-// Fluid between two walls, periodic along them, set in motion by a body force (Poiseuille) from rest.
+// Fluid between two walls, periodic along them, set in motion by a body force (Poiseuille) from
+// rest.
 //
-// With a Laplacian that reaches the next row only, the wall is the row of wall particles. A wider one
-// also sees rows behind it, all at rest: the walls then lie deeper. How deep, is the mean row at which
-// a random walk with the stencil's row weights first lands on a wall; profiles are linear there.
+// With a Laplacian that reaches the next row only, the wall is the row of wall particles. A wider
+// one also sees rows behind it, all at rest: the walls then lie deeper. How deep, is the mean row
+// at which a random walk with the stencil's row weights first lands on a wall; profiles are linear
+// there.
 #include "support/check.hpp"
 #include "support/fluid.hpp"
 
@@ -85,8 +87,8 @@ TEST(Channel, FillsWithThePoiseuilleProfileBetweenItsWallParticles) {
   EXPECT_LT(largest_error<2>(1.5, l0), 0.01);
 }
 
-// Where a random walk that starts in the first row of fluid, steps by the rows of the 2D stencil, and
-// never reaches the far wall lands at last, as a distance from that row.
+// Where a random walk that starts in the first row of fluid, steps by the rows of the 2D stencil,
+// and never reaches the far wall lands at last, as a distance from that row.
 double depth_of_walls(double radius) {
   const int reach = static_cast<int>(std::ceil(radius)) - 1;
   const auto index = [&](int row) { return static_cast<Index>(row + reach); };

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// The dam break of [HwangLeePark2010] at a spacing of 0.01 m: case 10 against the original and against
-// the front and the height of Martin and Moyce (1952). Our choices for what the paper leaves open
-// (radii, tank length, Δt) are the defaults of FlowSettings and those in support/dam_break.hpp.
+// The dam break of [HwangLeePark2010] at a spacing of 0.01 m: case 10 against the original and
+// against the front and the height of Martin and Moyce (1952). Our choices for what the paper
+// leaves open (radii, tank length, Δt) are the defaults of FlowSettings and those in
+// support/dam_break.hpp.
 #include "support/dam_break.hpp"
 
 #include <gtest/gtest.h>

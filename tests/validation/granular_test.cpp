@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Small runs against closed forms: a bouncing grain, two stacked grains, a column, the broken tower.
+// Small runs against closed forms: a bouncing grain, two stacked grains, a column, the broken
+// tower.
 #include "support/check.hpp"
 #include "support/grains.hpp"
 

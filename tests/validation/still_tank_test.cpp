@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Water at rest presses on the floor with ρ g h. The wall particles of the floor and the particles of
-// the surface, where P = 0, are as far apart as the water is deep.
+// Water at rest presses on the floor with ρ g h. The wall particles of the floor and the particles
+// of the surface, where P = 0, are as far apart as the water is deep.
 #include "support/still_tank.hpp"
 
 #include <gtest/gtest.h>

@@ -15,9 +15,9 @@
 
 namespace silt {
 
-/// One vector of values for each of the fields, all equally long: first those of owned particles, then
-/// those of ghosts. A step is a transaction: save() before it, restore() if it throws. What is not kept,
-/// advanced or renewed in between is not brought back; constants need not be.
+/// One vector of values for each of the fields, all equally long: first those of owned particles,
+/// then those of ghosts. A step is a transaction: save() before it, restore() if it throws. What is
+/// not kept, advanced or renewed in between is not brought back; constants need not be.
 template <int Dim, class Real, Field... Fields>
 class Columns {
  public:
@@ -52,9 +52,9 @@ class Columns {
     std::span<const Value> before;
     std::span<Value> after;
   };
-  /// Values of field F of the owned particles, and the place for the next ones, all of which must be
-  /// written; they take the former's place with arrive(). The two are one and the same where F was
-  /// kept before.
+  /// Values of field F of the owned particles, and the place for the next ones, all of which must
+  /// be written; they take the former's place with arrive(). The two are one and the same where F
+  /// was kept before.
   template <Field F>
   auto advance(Index owned) {
     using Value = value_of<F, Dim, Real>;

@@ -50,7 +50,8 @@ concept FitsVectorsOf =
 /// Finds all pairs closer than radius(). Models: UniformGrid, NeighbourList, BruteForce.
 template <class S, class P>
 concept NeighbourSearch =
-    ParticleSet<P> && FitsVectorsOf<S, P> && requires(S s, const S found, P& p, typename P::Real r, Index i) {
+    ParticleSet<P> && FitsVectorsOf<S, P> &&
+    requires(S s, const S found, P& p, typename P::Real r, Index i) {
       s.set_radius(r);
       { found.radius() } -> std::convertible_to<typename P::Real>;
       s.update(p);
@@ -62,9 +63,9 @@ concept NeighbourSearch =
 template <class S, class P>
 concept SortsParticles = requires(S s, P& p) { s.sort(p); };
 
-/// f(j) for every j that may be closer to owned particle i than radius() + margin_of(search): of a pair
-/// of owned particles at one of the two, of a pair across a periodic side at both, each with the
-/// ghost of the other. More may come.
+/// f(j) for every j that may be closer to owned particle i than radius() + margin_of(search): of a
+/// pair of owned particles at one of the two, of a pair across a periodic side at both, each with
+/// the ghost of the other. More may come.
 template <class S, class F>
 void for_each_candidate(const S& search, Index i, F&& f) {
   if constexpr (requires { search.for_each_candidate(i, f); }) {
@@ -92,8 +93,8 @@ concept Reaching = requires(const I i, const P& p) {
   { i.reach(p) } -> std::convertible_to<typename P::Real>;
 };
 
-/// Adds forces [N] and moments [N m] to the particles, and changes no other field of theirs that the
-/// integrator advances. Models: dem::Contacts, Gravity, Forces.
+/// Adds forces [N] and moments [N m] to the particles, and changes no other field of theirs that
+/// the integrator advances. Models: dem::Contacts, Gravity, Forces.
 template <class I, class P, class S>
 concept Interaction =
     NeighbourSearch<S, P> && Reaching<I, P> && requires(I i, P& p, S& s, double dt) {
@@ -101,8 +102,8 @@ concept Interaction =
     };
 
 /// An interaction may also have add_forces(p, i), which adds to owned particle i alone what
-/// accelerate() adds to all: a step can so go through the particles once. If more than particle i has a
-/// part in that, it may also have
+/// accelerate() adds to all: a step can so go through the particles once. If more than particle i
+/// has a part in that, it may also have
 ///   prepare(p, s, dt)      called once, before all
 ///   interact(p, chunk)     called for every chunk of particles: makes what several particles share
 ///   needs<P>(chunk)        the chunks whose interact() takes part in the forces of this one's particles
@@ -141,8 +142,8 @@ void conclude(I& interaction, P& particles, double dt) {
   }
 }
 
-/// use_forces(chunk) for all particles, once what they need has interacted: it may call add_forces() for
-/// those of the chunk, and change them. Between prepare() and conclude().
+/// use_forces(chunk) for all particles, once what they need has interacted: it may call
+/// add_forces() for those of the chunk, and change them. Between prepare() and conclude().
 template <class I, class P, class UseForces>
   requires AddsForces<I, P>
 void for_each_chunk_with_forces(I& interaction, P& particles, UseForces&& use_forces) {
@@ -162,8 +163,9 @@ void accelerate_all(I& interaction, P& particles, S& search, double dt) {
   conclude(interaction, particles, dt);
 }
 
-/// An incompressible flow, advanced by predictor and pressure. It may also have advect(p, dt), which
-/// moves the particles with the predictor's velocities, and needs_moved_particles. Model: mps::Flow.
+/// An incompressible flow, advanced by predictor and pressure. It may also have advect(p, dt),
+/// which moves the particles with the predictor's velocities, and needs_moved_particles. Model:
+/// mps::Flow.
 template <class I, class P, class S>
 concept PressureInteraction =
     NeighbourSearch<S, P> && Reaching<I, P> && requires(I i, P& p, S& s, double dt) {

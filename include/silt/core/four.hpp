@@ -25,7 +25,8 @@ void load_four(const Real* from, F& four) {
   std::memcpy(&four, from, sizeof four);
 }
 
-/// b × a of the first three with its numbers one place on, as (z, x, y); of the fourth, nothing is said.
+/// b × a of the first three with its numbers one place on, as (z, x, y); of the fourth, nothing is
+/// said.
 template <class F>
 void cross_turned(const F& a, const F& b, F& c) {
   c = __builtin_shufflevector(a, a, 1, 2, 0, 3) * b - a * __builtin_shufflevector(b, b, 1, 2, 0, 3);
@@ -48,9 +49,9 @@ void transpose(Four<Real>& a, Four<Real>& b, Four<Real>& c, Four<Real>& d) {
   d = __builtin_shufflevector(ab_odd, cd_odd, 2, 3, 6, 7);
 }
 
-/// Four numbers of each of N rows become columns: to[k] has number k of row from(lane) in each lane. It is how
-/// a loop over contacts reads what lies together per grain: eight loads and eight shuffles take a third
-/// of the time of sixteen gathered loads.
+/// Four numbers of each of N rows become columns: to[k] has number k of row from(lane) in each
+/// lane. It is how a loop over contacts reads what lies together per grain: eight loads and eight
+/// shuffles take a third of the time of sixteen gathered loads.
 template <class Real, int N, class From>
 [[gnu::always_inline]] inline void columns_from(From&& from, simd::Pack<Real, N> (&to)[4]) {
   if constexpr (N == 8 || N == 4) {

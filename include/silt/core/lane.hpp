@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 // One lane of a loop that the compiler turns into vector instructions.
 //
-// A law is written for one contact. Run over eight contacts that lie beside one another, a compiler makes
-// of it the code for eight at once, `if`s included, unless it meets vector instructions that were
-// written by hand. Eigen writes such for a vector of three doubles, but for no scalar type that it does
-// not know: a Lane<double> is a double by another name.
+// A law is written for one contact. Run over eight contacts that lie beside one another, a compiler
+// makes of it the code for eight at once, `if`s included, unless it meets vector instructions that
+// were written by hand. Eigen writes such for a vector of three doubles, but for no scalar type
+// that it does not know: a Lane<double> is a double by another name.
 #pragma once
 
 #include <silt/core/error.hpp>
@@ -17,7 +17,8 @@
 #include <limits>
 #include <type_traits>
 
-// Stands before such a loop: g++ must be told that no lane reads what another writes; clang sees it.
+// Stands before such a loop: g++ must be told that no lane reads what another writes; clang sees
+// it.
 #ifdef __clang__
 #define SILT_EACH_LANE_ALONE
 #else

@@ -15,8 +15,8 @@ namespace silt {
 
 /// Centres of the cells of edge `spacing` [m] that fill the box from its lower corner, x fastest.
 /// Along each axis as many as fit; a last cell that sticks out by less than a millionth, or than
-/// rounding explains, is in. Throws if the spacing is not positive, the box not finite, or the points
-/// more than 1e9.
+/// rounding explains, is in. Throws if the spacing is not positive, the box not finite, or the
+/// points more than 1e9.
 template <int Dim, class Real = double>
 std::vector<Vec<Dim, Real>> lattice(const Box<Dim, Real>& box, Real spacing) {
   require_positive("lattice: spacing", double(spacing));

@@ -14,16 +14,17 @@
 
 namespace silt {
 
-/// A x = b with A symmetric and positive definite, or semi-definite with b in its range. Unknowns and
-/// their sums are double: a pressure to six digits is beyond float. What A has beside its diagonal
-/// is rounded to float, once.
+/// A x = b with A symmetric and positive definite, or semi-definite with b in its range. Unknowns
+/// and their sums are double: a pressure to six digits is beyond float. What A has beside its
+/// diagonal is rounded to float, once.
 struct LinearSystem {
   std::vector<double> diagonal;
   WindowRows off_diagonal;
   std::vector<double> right_side;
 
   /// Bodies of unknowns that A fixes up to a constant only: number of the body of each row, 0 for
-  /// rows of none, and nothing where there are no such bodies. A solver keeps these constants out of what it adds to x.
+  /// rows of none, and nothing where there are no such bodies. A solver keeps these constants out
+  /// of what it adds to x.
   std::vector<std::uint32_t> closed_body;
   Index closed_bodies = 0;
 

@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: MIT
 // The one place with intrinsics: a few numbers worked on at once.
 //
-// Arithmetic is the compilers' own: a Pack is a vector type of GCC and Clang, which become SSE, AVX,
-// AVX-512 or NEON by themselves. What they do not have is the step that a search lives on, to write
-// out only the lanes that passed a test:
+// Arithmetic is the compilers' own: a Pack is a vector type of GCC and Clang, which become SSE,
+// AVX, AVX-512 or NEON by themselves. What they do not have is the step that a search lives on, to
+// write out only the lanes that passed a test:
 //
 //   values  [ a b c d e f g h ]      mask 1 0 0 1 1 0 1 0      to  [ a d e g . . . . ]
 //
 // Hence compress(): one instruction of AVX-512, a shuffle from a table in AVX2, and a loop without
 // branches elsewhere. std::experimental::simd has no compress, and Highway or xsimd would make a
 // library that needs only Eigen need one more, for this one function. Measured on lists of 118
-// neighbours in 3D, tests by registers of 16 take 2.9 ns each, of which 1.7 is the arithmetic; AVX-512
-// can also compress straight to memory, which took 27 ns on an AMD EPYC: hence the register, stored
-// whole.
+// neighbours in 3D, tests by registers of 16 take 2.9 ns each, of which 1.7 is the arithmetic;
+// AVX-512 can also compress straight to memory, which took 27 ns on an AMD EPYC: hence the
+// register, stored whole.
 //
 // SILT_NO_INTRINSICS takes the portable path everywhere, for tests.
 #pragma once

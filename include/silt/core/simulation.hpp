@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A simulation is four values: particles P, a neighbour search S, an interaction I, an integrator T.
+// A simulation is four values: particles P, a neighbour search S, an interaction I, an integrator
+// T.
 #pragma once
 
 #include <silt/core/concepts.hpp>

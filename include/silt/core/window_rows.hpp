@@ -5,10 +5,10 @@
 //   entries   5:a  6:b  8:c  40:d
 //   windows   at 5 [a b 0 c]   at 40 [d 0 0 0]
 //
-// A product reads x in runs, without an index for every entry. Entries are kept in single precision,
-// which halves what it has to read; it is formed in double. What is read decides what it takes: of
-// fluid in space, with 31 entries in a row, windows of four are a third smaller than windows of
-// eight, and the product as much faster.
+// A product reads x in runs, without an index for every entry. Entries are kept in single
+// precision, which halves what it has to read; it is formed in double. What is read decides what it
+// takes: of fluid in space, with 31 entries in a row, windows of four are a third smaller than
+// windows of eight, and the product as much faster.
 #pragma once
 
 #include <silt/core/parallel.hpp>

@@ -48,9 +48,9 @@ concept LawWithMemory = requires(const L law, const Contact<Dim, Real> contact,
   { law.force(contact, memory) } -> std::convertible_to<Vec<Dim, Real>>;
 };
 
-/// A struct with one `force(contact)` or `force(contact, memory)`, both const and without side effects: it may
-/// also be asked beside others about a pair that does not touch, whose overlap and normal are then any
-/// numbers, and what it answers is dropped. It may also have
+/// A struct with one `force(contact)` or `force(contact, memory)`, both const and without side
+/// effects: it may also be asked beside others about a pair that does not touch, whose overlap and
+/// normal are then any numbers, and what it answers is dropped. It may also have
 ///   check()                  throws if a parameter is out of range
 ///   stiffness(contact)       → Stiffness: then a default and a stable time step are known
 ///   elastic_energy(contact, memory)   [J] stored in the springs

@@ -64,8 +64,8 @@ template <class Law, int Dim, class Real>
 concept LawInLanes =
     ContactLaw<Law, Dim, Lane<Real>> && detail::RemembersRealsOnly<Law, Dim, Real>;
 
-/// What is kept of a contact that touches, besides what the law remembers: n, δ, F on its first grain, and
-/// by how much its lever arms are shorter than R.
+/// What is kept of a contact that touches, besides what the law remembers: n, δ, F on its first
+/// grain, and by how much its lever arms are shorter than R.
 struct ContactRow {
   static constexpr int n = 0;
   static constexpr int overlap = 3;
@@ -110,7 +110,8 @@ class ContactLanes {
     return ~apart;
   }
 
-  /// The contacts of the pairs looked at. arm_share is the share of δ by which lever arms are shorter than R.
+  /// The contacts of the pairs looked at. arm_share is the share of δ by which lever arms are
+  /// shorter than R.
   [[gnu::always_inline]] void meet(const Columns& grains, const std::uint32_t* first,
                                    const std::uint32_t* second, Real arm_share) {
     for (int p = 0; p < packs; ++p) {
@@ -130,7 +131,8 @@ class ContactLanes {
     }
   }
 
-  /// Lane l looks at grain first[l] and wall second[l]; nearest(number, x) is the wall's nearest point.
+  /// Lane l looks at grain first[l] and wall second[l]; nearest(number, x) is the wall's nearest
+  /// point.
   template <class Nearest>
   unsigned look_at_walls(const Columns& grains, const std::uint32_t* first,
                          const std::uint32_t* second, Nearest&& nearest) {
@@ -183,7 +185,8 @@ class ContactLanes {
     for (int lane = 0; lane < lanes; ++lane) ask<Lane<Real>>(law, dt, lane);
   }
 
-  /// Asks a law for one lane: where lanes have different laws, or a law is for one scalar type only.
+  /// Asks a law for one lane: where lanes have different laws, or a law is for one scalar type
+  /// only.
   template <class Scalar = Real, class Law>
   void ask(const Law& law, Real dt, int lane) {
     const auto contact = this->contact<Scalar>(lane, dt);

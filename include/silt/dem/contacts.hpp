@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The interaction of DEM. Its step: find what is near (near_search.hpp), ask the law for each contact that
-// touches once (law_pass.hpp), sum per grain in a fixed order (single_contacts.hpp), and check that the
-// time step is stable (stability.hpp).
+// The interaction of DEM. Its step: find what is near (near_search.hpp), ask the law for each
+// contact that touches once (law_pass.hpp), sum per grain in a fixed order (single_contacts.hpp),
+// and check that the time step is stable (stability.hpp).
 #pragma once
 
 #include <silt/core/concepts.hpp>
@@ -45,8 +45,9 @@ struct ContactSettings {
   bool refuse_unstable = true;    ///< throw when Δt is beyond what the existing contacts allow
 };
 
-/// Contacts under one law (or one per pair of materials), of grains among themselves and with walls.
-/// A wall is any type that models dem::Wall. Radii may change only with particles.revision().
+/// Contacts under one law (or one per pair of materials), of grains among themselves and with
+/// walls. A wall is any type that models dem::Wall. Radii may change only with
+/// particles.revision().
 template <class Law, class... Walls>
 class Contacts {
  public:

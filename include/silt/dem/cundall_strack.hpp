@@ -24,8 +24,8 @@ struct FrictionAngle {
   FrictionAngle(double angle) : value(angle), tangent(std::tan(angle)) {}
 };
 
-/// Restitution e of a head-on impact whose contact ends at zero overlap (the dashpot may pull there),
-/// with the damping ratio that gives it: ζ = −ln e / √(π² + ln² e).
+/// Restitution e of a head-on impact whose contact ends at zero overlap (the dashpot may pull
+/// there), with the damping ratio that gives it: ζ = −ln e / √(π² + ln² e).
 struct Restitution {
   double value = 1;
   double damping_ratio = 0;
@@ -51,8 +51,8 @@ struct OverlapForm {
     return k_n * contact.overlap;
   }
 
-  /// D_n (22), with v_n^N in place of v_n^{N−½}, which is half a step late: extrapolated from the last
-  /// two half steps, v_n^N = v_n^{N−½} + ½ (v_n^{N−½} − v_n^{N−3/2}).
+  /// D_n (22), with v_n^N in place of v_n^{N−½}, which is half a step late: extrapolated from the
+  /// last two half steps, v_n^N = v_n^{N−½} + ½ (v_n^{N−½} − v_n^{N−3/2}).
   template <class C, class M>
   static typename C::Real dashpot_force(const C& contact, M& memory, typename C::Real k_n,
                                         typename C::Real c_n) {
@@ -74,7 +74,8 @@ struct OverlapForm {
  private:
   // A contact begins and ends somewhere within a step, and its dashpot begins and ends with a jump.
   // With u steps since the beginning (or before the end), the steps u and u + 1 must together carry
-  // u + 3/2 steps' worth of it; this is the continuous weight that does and that is 1 from u = 2 on.
+  // u + 3/2 steps' worth of it; this is the continuous weight that does and that is 1 from u = 2
+  // on.
   template <class Real>
   static Real share_of_step(Real overlap, Real way_of_a_step) {
     const Real u = overlap / way_of_a_step;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What contacts read of grains, several at a time: from the places where they lie to one register per
-// number.
+// What contacts read of grains, several at a time: from the places where they lie to one register
+// per number.
 #pragma once
 
 #include <silt/core/four.hpp>
@@ -70,8 +70,8 @@ class GrainColumns {
   }
   [[gnu::always_inline]] void load(const Vec* values, const std::uint32_t* places,
                                    Pack (&columns)[Dim]) const {
-    // Four numbers from where a vector of three begins: the fourth is of the next one, and of no use. The last
-    // vector has no next one.
+    // Four numbers from where a vector of three begins: the fourth is of the next one, and of no
+    // use. The last vector has no next one.
     const auto all = simd::first_lanes<N>(N);
     if (Dim == 3 && simd::differs<N>(simd::load<std::uint32_t, N>(places), last_) == all) {
       Pack four[4];

@@ -20,11 +20,12 @@
 
 namespace silt::dem {
 
-/// Looks at the near contacts of a chunk of grains, eight at a time, and keeps the law's answer for those
-/// that touch. ask(eight, contacts, touching) asks it: for lane l if bit l is set; the others may be asked
-/// as well.
+/// Looks at the near contacts of a chunk of grains, eight at a time, and keeps the law's answer for
+/// those that touch. ask(eight, contacts, touching) asks it: for lane l if bit l is set; the others
+/// may be asked as well.
 ///
-/// Eight of which most touch are asked as they lie; where few do, they are collected to full eights.
+/// Eight of which most touch are asked as they lie; where few do, they are collected to full
+/// eights.
 template <class P, class Found, class Walls, class Ask>
 class LawPass {
   using Real = typename P::Real;
@@ -33,8 +34,8 @@ class LawPass {
  public:
   using Eight = std::array<Index, lanes>;
 
-  /// arm_share is the share of δ by which the lever arms of two grains are shorter than R, half of what it
-  /// is at a wall.
+  /// arm_share is the share of δ by which the lever arms of two grains are shorter than R, half of
+  /// what it is at a wall.
   LawPass(const P& grains, Found& touches, const Walls& walls, Real arm_share, const Ask& ask)
       : grains_(grains),
         near_(touches.near()),
@@ -78,7 +79,8 @@ class LawPass {
         for (Index lane = 0; lane < lanes; ++lane) contacts[lane] = c + lane;
         meet<of_walls>(eight, first, second, contacts, touching, row);
         for (Index lane = 0; lane < lanes; ++lane) {
-          at[c + lane] = (touching >> lane & 1) != 0 ? static_cast<std::uint32_t>(row + lane) : Found::none;
+          const bool touches = (touching >> lane & 1) != 0;
+          at[c + lane] = touches ? static_cast<std::uint32_t>(row + lane) : Found::none;
         }
         row += lanes;
         continue;
@@ -100,7 +102,8 @@ class LawPass {
   }
 
   template <bool of_walls>
-  [[gnu::always_inline]] unsigned look_at(Lanes& eight, const std::uint32_t* first, const std::uint32_t* second) const {
+  [[gnu::always_inline]] unsigned look_at(Lanes& eight, const std::uint32_t* first,
+                                          const std::uint32_t* second) const {
     if constexpr (of_walls) {
       return eight.look_at_walls(columns_, first, second,
                                  [this](std::uint32_t place, const typename P::Vec& x) {
@@ -130,8 +133,9 @@ class LawPass {
 
   // Contacts that were just looked at; their rows begin with this one.
   template <bool of_walls>
-  [[gnu::always_inline]] void meet(Lanes& eight, const std::uint32_t* first, const std::uint32_t* second,
-            const Eight& contacts, unsigned touching, Index row) const {
+  [[gnu::always_inline]] void meet(Lanes& eight, const std::uint32_t* first,
+                                   const std::uint32_t* second, const Eight& contacts,
+                                   unsigned touching, Index row) const {
     if constexpr (of_walls) {
       eight.meet_walls(columns_, first, 2 * arm_share_);
     } else {

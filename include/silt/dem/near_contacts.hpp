@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
-// The pairs that touch or soon may. They are found anew only when grains have moved; until then a step
-// just goes through them:
+// The pairs that touch or soon may. They are found anew only when grains have moved; until then a
+// step just goes through them:
 //
 //   contact    0   1   2 …           those of a chunk of grains: pairs, then grains at walls
 //   first    [ 3   3   5 …           the one with the lower id
 //   second   [ 9   4   9 …           the other, owned or ghost; the number of the wall
 //
-// A pair belongs to the chunk of that grain of the two which comes first in memory. The pairs of a chunk,
-// and its grains at walls, are filled up to whole eights.
+// A pair belongs to the chunk of that grain of the two which comes first in memory. The pairs of a
+// chunk, and its grains at walls, are filled up to whole eights.
 //
 // Each grain has a list of its contacts, sorted by the partner's id, walls last: its sums run in
 // that order, so that neither the search nor the order in memory shows in them.
@@ -126,8 +126,8 @@ class NearContacts {
     list_parts(grains);
   }
 
-  /// The contact of this pair of ids, the lower one first; `nowhere` if the two are not near. Takes a call
-  /// of tabulate() before.
+  /// The contact of this pair of ids, the lower one first; `nowhere` if the two are not near. Takes
+  /// a call of tabulate() before.
   Index find(Id a, Id b) const noexcept {
     if (a >= places_.size() || places_[a] == none) return nowhere;
     for (const Part part : of(places_[a])) {
@@ -149,8 +149,8 @@ class NearContacts {
 
   static constexpr Index full_eights(Index n) { return (n + lanes - 1) / lanes * lanes; }
 
-  // The chunk of the grain that comes first in memory: whoever goes through the chunks in their order has
-  // then met all contacts of those behind.
+  // The chunk of the grain that comes first in memory: whoever goes through the chunks in their
+  // order has then met all contacts of those behind.
   template <class P>
   static Index home_of(const Pair& pair, const P& grains) {
     return std::min(grains.owner(pair.first), grains.owner(pair.second)) / chunk_size;

@@ -15,8 +15,8 @@
 
 namespace silt::dem {
 
-/// Whether something else than the near contacts might touch: two grains come closer by at most the sum
-/// of what they moved.
+/// Whether something else than the near contacts might touch: two grains come closer by at most the
+/// sum of what they moved.
 template <class P, class S, class Validity>
 bool is_stale(const P& grains, const S& search, const Validity& validity) {
   if (validity.revision != grains.revision() || validity.since.size() != grains.size()) return true;

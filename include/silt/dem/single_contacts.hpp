@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What a step kept of single contacts: summed for a grain, or turned back into the contact that the law
-// saw, as observers and the check of stability need it.
+// What a step kept of single contacts: summed for a grain, or turned back into the contact that the
+// law saw, as observers and the check of stability need it.
 #pragma once
 
 #include <silt/core/four.hpp>
@@ -44,7 +44,8 @@ void for_each_touch(const P& grains, const T& touches, F&& f) {
   });
 }
 
-/// A contact of which only the masses and radii are filled in: they do not change from step to step.
+/// A contact of which only the masses and radii are filled in: they do not change from step to
+/// step.
 template <class P>
 auto constants_of(const P& grains, const Sides& sides) {
   using Real = typename P::Real;

@@ -25,8 +25,8 @@ namespace silt::dem {
 ///
 /// A contact's spring energy is ½ k (g_i·q_i + g_j·q_j)², with q the displacements and turns in
 /// mass-weighted coordinates. By Cauchy and Schwarz, each grain may be given the share
-/// (1/m_i + 1/m_j) m_i k (g_i·q_i)²; the largest eigenvalue of the sum of a grain's shares then bounds
-/// ω² of the whole system from above, and is exact for a single pair.
+/// (1/m_i + 1/m_j) m_i k (g_i·q_i)²; the largest eigenvalue of the sum of a grain's shares then
+/// bounds ω² of the whole system from above, and is exact for a single pair.
 template <int Dim, class Real>
 class FrequencyBound {
   static constexpr int size = Dim == 2 ? 3 : 6;
@@ -74,7 +74,8 @@ class FrequencyBound {
   Matrix shares_ = Matrix::Zero();
 };
 
-/// Shortest contact that the lightest grains can have [s]; infinite if there are none, or nothing is stiff.
+/// Shortest contact that the lightest grains can have [s]; infinite if there are none, or nothing
+/// is stiff.
 template <class P, class Law>
 double shortest_contact(const P& grains, const Materials<Law>& materials) {
   const auto m = grains[mass];
@@ -104,9 +105,9 @@ struct Unstable {
   double stable_time_step = 0;  ///< that it would stand [s]
 };
 
-/// What even a grain with as many contacts as any, all as stiff as any, would stand [s]; infinite if
-/// nothing is stiff. law_of(sides) is the law of a near contact; margin [m] is how far those that do not
-/// touch yet may be apart.
+/// What even a grain with as many contacts as any, all as stiff as any, would stand [s]; infinite
+/// if nothing is stiff. law_of(sides) is the law of a near contact; margin [m] is how far those
+/// that do not touch yet may be apart.
 template <class P, class Walls, class LawOf>
 double stable_for_all(const P& grains, const NearContacts& near, const Walls& walls,
                       typename P::Real margin, LawOf&& law_of) {
@@ -146,8 +147,8 @@ double stable_for_all(const P& grains, const NearContacts& near, const Walls& wa
       {.angular_frequency = std::sqrt(stiffest * double(most_contacts)), .beta = beta});
 }
 
-/// The first grain for which dt [s] is beyond stability among the contacts of this step. A cheap bound
-/// passes nearly always; where it does not, FrequencyBound decides.
+/// The first grain for which dt [s] is beyond stability among the contacts of this step. A cheap
+/// bound passes nearly always; where it does not, FrequencyBound decides.
 template <class P, class T, class LawOf>
 Unstable find_unstable(const P& grains, const T& touches, double dt, LawOf&& law_of) {
   using Row = ContactRow;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What contacts keep from step to step, and how a failed step is undone: nothing that the step before
-// made is written over until the next save(), so that undoing is a swap.
+// What contacts keep from step to step, and how a failed step is undone: nothing that the step
+// before made is written over until the next save(), so that undoing is a swap.
 #pragma once
 
 #include <silt/core/pair_memory.hpp>
@@ -28,13 +28,13 @@ class Touches {
   using Lanes = ContactLanes<Dim, Real, Memory::words>;
   static constexpr Index padded_words = Lanes::padded_words;
   using Words = std::array<Real, std::size_t{Memory::words}>;
-  /// Row of the contacts that do not touch: all zeros, with the memory of a new contact. Who reads it like
-  /// any other saves a branch that cannot be predicted.
+  /// Row of the contacts that do not touch: all zeros, with the memory of a new contact. Who reads
+  /// it like any other saves a branch that cannot be predicted.
   static constexpr std::uint32_t none = 0;
   static constexpr std::uint32_t first_row = lanes;
 
-  /// What one step made. Only contacts that touch have a row of their own; the rows of those found at a
-  /// chunk of grains lie together, as far behind first_row as the first of these contacts.
+  /// What one step made. Only contacts that touch have a row of their own; the rows of those found
+  /// at a chunk of grains lie together, as far behind first_row as the first of these contacts.
   struct Seen {
     std::vector<Real, Eigen::aligned_allocator<Real>> rows;      ///< see ContactRow
     std::vector<Real, Eigen::aligned_allocator<Real>> memories;  ///< padded_words a row

@@ -20,8 +20,8 @@ namespace silt {
 template <class F, class... Fs>
 inline constexpr bool one_of = (std::same_as<F, Fs> || ...);
 
-/// The motion of particles, one at a time, from the fields before to those after a step. Written over
-/// lanes, a loop that calls it becomes vector instructions; see core/lane.hpp.
+/// The motion of particles, one at a time, from the fields before to those after a step. Written
+/// over lanes, a loop that calls it becomes vector instructions; see core/lane.hpp.
 template <class P>
 class Motion {
   using Real = typename P::Real;
@@ -180,7 +180,8 @@ void drift(P& particles, double time_step) {
 }
 
 /// Advances particles under forces. The velocities given at the start are those at time 0; from the
-/// first step on, `velocity` and `spin` hold v^{N−½}, and Simulation::snapshot() gives v^N (27) (28).
+/// first step on, `velocity` and `spin` hold v^{N−½}, and Simulation::snapshot() gives v^N (27)
+/// (28).
 template <Damping<double> D = NoDamping>
 class Leapfrog {
  public:
@@ -208,8 +209,8 @@ class Leapfrog {
     last_time_step_ = dt;
   }
 
-  /// Brings velocities and spins from N − ½ to N: v^N = ½ (v^{N−½} + v^{N+½}) (27), (28). Before the
-  /// first step they are there already, and only the forces are made.
+  /// Brings velocities and spins from N − ½ to N: v^N = ½ (v^{N−½} + v^{N+½}) (27), (28). Before
+  /// the first step they are there already, and only the forces are made.
   template <class P, class S, class I>
   void synchronise(P& particles, S& search, I& interaction) {
     search.update(particles);
@@ -226,8 +227,8 @@ class Leapfrog {
   bool all_finite() const noexcept { return all_finite_; }
 
  private:
-  // Makes the forces, and then move(motion, i) for every particle; chunk by chunk, where the interaction
-  // can.
+  // Makes the forces, and then move(motion, i) for every particle; chunk by chunk, where the
+  // interaction can.
   template <class P, class S, class I, class Move>
   void advance(P& particles, S& search, I& interaction, double dt, Move&& move) {
     sound_.assign(chunk_count(particles.size()), true);

@@ -20,8 +20,8 @@ struct Probe {
   double spacing = 0;                 ///< l0 [m]: how far it looks along each axis
 
   /// Σ φ_j s_j / Σ s_j with the tent s = Π_k (1 − |x_k − point_k|/l0) over the particles for which
-  /// belongs(j); nothing where there are none. At a flat wall half a spacing behind the point this is
-  /// the linear interpolation along the wall. Throws if the spacing is not positive.
+  /// belongs(j); nothing where there are none. At a flat wall half a spacing behind the point this
+  /// is the linear interpolation along the wall. Throws if the spacing is not positive.
   template <ParticleSet P, Field F, std::predicate<Index> Belongs>
   std::optional<double> read(const P& particles, F field, Belongs&& belongs) const {
     static_assert(P::dimension == Dim, "silt::Probe: the particles have another dimension");

@@ -57,8 +57,8 @@ class BasicFlow {
     return std::max(stencil_.re, laplacian_.re);
   }
 
-  /// Courant limit of the fastest particle, of the speed scale and of a fall from rest, and the viscous
-  /// limit [s].
+  /// Courant limit of the fastest particle, of the speed scale and of a fall from rest, and the
+  /// viscous limit [s].
   template <FluidParticles P>
   double time_step(const P& particles) const {
     const double way = settings_.courant * settings_.spacing;
@@ -170,8 +170,8 @@ class BasicFlow {
     return std::sqrt(largest(u.size(), 0.0, [&](Index i) { return double(u[i].squaredNorm()); }));
   }
 
-  // The explicit viscous term is stable while Δt ν times its largest eigenvalue, twice the row's sum
-  // 2d/λ, stays below 2; half of that is taken.
+  // The explicit viscous term is stable while Δt ν times its largest eigenvalue, twice the row's
+  // sum 2d/λ, stays below 2; half of that is taken.
   double viscous_limit() const {
     return double(laplacian_.lambda) / (4 * Dim * settings_.viscosity);
   }

@@ -19,9 +19,9 @@
 
 namespace silt::mps {
 
-/// The neighbours of fluid and wall particles within one stencil. Weights, and their quotients w/r² that
-/// gradient and divergence need, are kept in single precision (their sums are not): half the memory
-/// to walk through.
+/// The neighbours of fluid and wall particles within one stencil. Weights, and their quotients w/r²
+/// that gradient and divergence need, are kept in single precision (their sums are not): half the
+/// memory to walk through.
 template <int Dim, class RealType>
 class Neighbourhood {
  public:
@@ -49,7 +49,8 @@ class Neighbourhood {
     columns_.resize(chunk_count(x.size()));
     for (Columns& columns : columns_) columns.used = 0;
     const auto has_row = [kinds = particles[kind]](Index i) { return kinds[i] != Kind::dummy; };
-    for_each_row(particles, search, has_row, [&](Index chunk, Index i, std::span<const std::uint32_t> js) {
+    using Indices = std::span<const std::uint32_t>;
+    for_each_row(particles, search, has_row, [&](Index chunk, Index i, Indices js) {
       if (!add_row(chunk, i, js, stencil)) {
         fail("mps::Flow: two particles lie on one point; place them apart",
              {.particle = i, .id = particles.id(i)});
@@ -65,8 +66,8 @@ class Neighbourhood {
            first_where(x.size(), [&](Index i) { return x[i] != positions_[i]; }) == nowhere;
   }
 
-  /// f(j, r_ij, r) for the neighbours of i closer than `reach` [m]; all of these weigh more than `least`,
-  /// which spares the positions of most others.
+  /// f(j, r_ij, r) for the neighbours of i closer than `reach` [m]; all of these weigh more than
+  /// `least`, which spares the positions of most others.
   template <class F>
   void for_each_closer(Index i, Real reach, float least, F&& f) const {
     constexpr Index step = simd::lanes<float>;
@@ -209,8 +210,8 @@ class Neighbourhood {
   std::uint64_t revision_ = 0;
 };
 
-/// f(j, r_ij, w, w/r²) for every neighbour of i, as a search gives them to a stencil. Inlined, so that
-/// what f sums up stays in registers: the way through memory takes longer than all else.
+/// f(j, r_ij, w, w/r²) for every neighbour of i, as a search gives them to a stencil. Inlined, so
+/// that what f sums up stays in registers: the way through memory takes longer than all else.
 template <int Dim, class Real, class T, class F>
 [[gnu::always_inline]] inline void for_each_weighted(
     const Neighbourhood<Dim, Real>& neighbourhood, Index i, const T&, F&& f) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The pressure equation ∇²P = source as a symmetric system over the particles that carry pressure and
-// do not lie on the free surface.
+// The pressure equation ∇²P = source as a symmetric system over the particles that carry pressure
+// and do not lie on the free surface.
 //
 //   Σ_j w_ij (P_i − P_j) = −source_i λ n0 / (2d),   P_j = 0 on the free surface, no dummies in Σ
 #pragma once
@@ -121,8 +121,8 @@ class PressureEquation {
     const Index n = unknowns_.size();
     const auto& entries = system_.off_diagonal;
     is_open_.assign(n, 0);
-    // Surfaces mostly lie on top, so that one pass downwards reaches nearly all, from the last that each
-    // row is connected with.
+    // Surfaces mostly lie on top, so that one pass downwards reaches nearly all, from the last that
+    // each row is connected with.
     for (Index row = n; row-- > 0;) {
       is_open_[row] = system_.geometry.to_surface[row] > 0 || is_open_[last_column_[row]];
     }

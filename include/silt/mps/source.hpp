@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Sources of the pressure equation ∇²P = source, [HwangLeePark2010] (9), (16). A compressed particle
-// (n > n0) gets a negative source, and with it a higher pressure.
+// Sources of the pressure equation ∇²P = source, [HwangLeePark2010] (9), (16). A compressed
+// particle (n > n0) gets a negative source, and with it a higher pressure.
 #pragma once
 
 #include <silt/core/error.hpp>

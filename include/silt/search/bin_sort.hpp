@@ -75,8 +75,8 @@ class BinSort {
               start_.begin() + static_cast<std::ptrdiff_t>(bins) + 1, static_cast<std::uint32_t>(n));
   }
 
-  // Each part counts its own particles; the bins' starts are summed over bins, and within a bin over
-  // parts, whose particles so follow one another in the order of their indices.
+  // Each part counts its own particles; the bins' starts are summed over bins, and within a bin
+  // over parts, whose particles so follow one another in the order of their indices.
   void count() {
     const Index n = size();
     const Index bins = start_.size() - 1;

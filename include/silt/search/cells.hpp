@@ -11,8 +11,8 @@
 //
 // No cell lies at an edge: behind the last cell of a row comes the first of the next, a stranger
 // that costs a distance test and never a pair. For the same reason the number of bins is O(N)
-// whatever the extent. Where the particles' bounding box has more cells, far ones share a bin; their
-// number is then prime, so that a line of particles in any direction fills the whole ring.
+// whatever the extent. Where the particles' bounding box has more cells, far ones share a bin;
+// their number is then prime, so that a line of particles in any direction fills the whole ring.
 #pragma once
 
 #include <silt/core/error.hpp>
@@ -110,8 +110,8 @@ class Cells {
     }
   }
 
-  /// f(first, last) for every range of bins around x that may have points closer than `distance`, which
-  /// may be many cells: all bins, where they are that many.
+  /// f(first, last) for every range of bins around x that may have points closer than `distance`,
+  /// which may be many cells: all bins, where they are that many.
   template <class F>
   void for_each_range_within(const Vec& x, Real distance, F&& f) const {
     const double cells = std::ceil(double(distance) * (1 + 0x1p-18) * per_edge_);

@@ -91,8 +91,8 @@ class LevelGrid {
     }
   }
 
-  /// f(j) for some j of owned i: every pair of owned particles closer than R_i + R_j + gap is met from
-  /// one of the two, every owned one and ghost from the owned one. Others may come as well.
+  /// f(j) for some j of owned i: every pair of owned particles closer than R_i + R_j + gap is met
+  /// from one of the two, every owned one and ghost from the owned one. Others may come as well.
   template <class F>
   void for_each_candidate(Index i, F&& f) const {
     const Level& own = level_of(i);

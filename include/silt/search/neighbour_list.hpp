@@ -2,9 +2,9 @@
 // A list of neighbours within radius + skin, reused until some particle has moved half the skin:
 // until then no pair can have come closer than the radius unseen.
 //
-// Its rows hold every pair once, for for_each_candidate, or twice, for for_each_neighbour. Only those
-// are built that were asked for: the first question is answered by the grid below the list, and from
-// the next update on there are rows for it.
+// Its rows hold every pair once, for for_each_candidate, or twice, for for_each_neighbour. Only
+// those are built that were asked for: the first question is answered by the grid below the list,
+// and from the next update on there are rows for it.
 #pragma once
 
 #include <silt/core/error.hpp>
@@ -61,8 +61,8 @@ class NeighbourList {
     if (radius != radius_) list_.built = false;
     radius_ = radius;
   }
-  /// How much farther than radius() the candidates reached at the last update: the skin, without what
-  /// two particles have used up of it [m].
+  /// How much farther than radius() the candidates reached at the last update: the skin, without
+  /// what two particles have used up of it [m].
   Real margin() const noexcept { return std::max(Real(0), list_.skin - 2 * now_.moved); }
 
   /// Puts the owned particles in cell order if the list will have to be rebuilt.
@@ -271,8 +271,8 @@ class NeighbourList {
   // √ of the largest of squared(i); infinity if one is no number, and the rebuild names it.
   template <class Squared>
   Real farthest(Index n, Squared&& squared) {
-    // Of numbers that are not negative the larger has the larger bits, and what is no number has the largest:
-    // unlike the larger of two Reals, that is found for many at once.
+    // Of numbers that are not negative the larger has the larger bits, and what is no number has
+    // the largest: unlike the larger of two Reals, that is found for many at once.
     constexpr Bits without_sign = ~Bits(0) / 2;
     farthest_.resize(chunk_count(n));
     for_each_chunk(n, [&](Chunk chunk) {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Rows of neighbours: unequal length, 32 bits an entry, written by several threads at once.
 //
-// Rows of one chunk stand in one piece of memory, each chunk in its own: where it begins need not be
-// known before the chunks in front of it are done, and nothing is copied behind. With 118 neighbours
-// in a row, copying would take longer than finding them.
+// Rows of one chunk stand in one piece of memory, each chunk in its own: where it begins need not
+// be known before the chunks in front of it are done, and nothing is copied behind. With 118
+// neighbours in a row, copying would take longer than finding them.
 #pragma once
 
 #include <silt/core/error.hpp>
@@ -96,8 +96,8 @@ class NeighbourRows {
   std::vector<std::vector<std::uint32_t>> entries_;  // by chunk
 };
 
-/// What NeighbourRows::Writer is for rows that are kept, for rows that are read once: hands each one
-/// that is not empty, as f(chunk, items[row], row).
+/// What NeighbourRows::Writer is for rows that are kept, for rows that are read once: hands each
+/// one that is not empty, as f(chunk, items[row], row).
 template <class F>
 class RowReader {
  public:

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Candidates that the particles of one block (a few cells in a row) share: found once, tested by each
-// of them. In a dense block, those that none of them can reach, because they are beyond the radius
-// from the block's bounding box, are dropped on the way:
+// Candidates that the particles of one block (a few cells in a row) share: found once, tested by
+// each of them. In a dense block, those that none of them can reach, because they are beyond the
+// radius from the block's bounding box, are dropped on the way:
 //
 //     . ┌─────────┐ .      x  dropped
 //   x   │ o ┌───┐ │        o  kept
@@ -49,8 +49,8 @@ class SharedCandidates {
     }
   }
 
-  /// Adds the slots [first, last), or those of them that may be near. A range that overlaps with the
-  /// block contains it.
+  /// Adds the slots [first, last), or those of them that may be near. A range that overlaps with
+  /// the block contains it.
   void add(Index first, Index last) {
     reserve(count_ + (last - first) + 2 * simd::lanes<float>);
     if (!is_dense_) {
@@ -67,8 +67,8 @@ class SharedCandidates {
 
   Index size() const noexcept { return count_; }
 
-  /// Writes the candidates that lie near slot `slot` of the block, or those behind it only, to `to`,
-  /// and returns where they end. There must be room for all, and a register beyond.
+  /// Writes the candidates that lie near slot `slot` of the block, or those behind it only, to
+  /// `to`, and returns where they end. There must be room for all, and a register beyond.
   std::uint32_t* near(Index slot, bool onwards, std::uint32_t* to) const {
     constexpr int N = simd::lanes<float>;
     const Index own = own_ + (slot - first_);

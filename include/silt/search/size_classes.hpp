@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
-// How to part particles of many sizes into levels, each with cells of its own size. One grid for all
-// has cells for the largest, into which a crowd of the small ones falls; with levels, a particle
-// looks among its own level, and up to the coarser ones, whose cells are as large as they need be.
+// How to part particles of many sizes into levels, each with cells of its own size. One grid for
+// all has cells for the largest, into which a crowd of the small ones falls; with levels, a
+// particle looks among its own level, and up to the coarser ones, whose cells are as large as they
+// need be.
 //
 // What a choice costs is counted in distance tests, from the histogram of the sizes. A level of N
-// particles with cells of edge E has (3E)^Dim N / V of them around any point, V being the particles'
-// own volume:
+// particles with cells of edge E has (3E)^Dim N / V of them around any point, V being the
+// particles' own volume:
 //
 //   N (½ (3E)^Dim N/V + c)      among themselves, each pair once
 //   n ((3E)^Dim N/V + c)        looked up to by the n particles of finer levels
@@ -39,8 +40,8 @@ inline double largest_of(SizeClass size) {
   return std::bit_cast<double>((std::uint64_t{size} + 1) << 51);
 }
 
-/// The highest size class of each level, the finest first: the best choice for this many particles of
-/// each class, seen as far as `gap` [m] beyond touching. No level is empty.
+/// The highest size class of each level, the finest first: the best choice for this many particles
+/// of each class, seen as far as `gap` [m] beyond touching. No level is empty.
 inline std::vector<SizeClass> choose_levels(const std::vector<Index>& histogram, double gap,
                                             int dimension) {
   // In tests: finding the cells and beginning anew in each of their rows.

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 // How thick the skin of a neighbour list should be. A thick one is rebuilt seldom, but every walk
-// along it meets more strangers. With e entries per particle at no skin, s the skin over the radius,
-// and particles that move at most u radii a step, a step costs per particle
+// along it meets more strangers. With e entries per particle at no skin, s the skin over the
+// radius, and particles that move at most u radii a step, a step costs per particle
 //
 //   (1 + s)^Dim e  +  (fixed + per_entry (1 + s)^Dim e) 2u/s
 //
-// in units of what it takes to look at one entry: the walk, and its share of a rebuild. All of it is
-// counted, nothing is timed, so that the same input gives the same bits.
+// in units of what it takes to look at one entry: the walk, and its share of a rebuild. All of it
+// is counted, nothing is timed, so that the same input gives the same bits.
 #pragma once
 
 #include <silt/core/types.hpp>

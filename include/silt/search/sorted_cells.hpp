@@ -88,8 +88,8 @@ class SortedCells {
     near.hand_over(f);
   }
 
-  /// The same for the slots behind `own`, around its point; not beyond a cell, and where no bins are
-  /// shared.
+  /// The same for the slots behind `own`, around its point; not beyond a cell, and where no bins
+  /// are shared.
   template <class F>
   void for_each_onwards(Index own, Real distance, F&& f) const {
     const Vec x = at(own);

@@ -3,7 +3,8 @@
 // edge. Whoever is near stands in the same cell or in one beside it, and those are a few ranges of
 // memory (cells.hpp), whose distances are tested a register at a time (core/simd.hpp).
 //
-// Lists for all particles come in bulk, by blocks that share what they find (shared_candidates.hpp).
+// Lists for all particles come in bulk, by blocks that share what they find
+// (shared_candidates.hpp).
 #pragma once
 
 #include <silt/core/error.hpp>
@@ -94,8 +95,8 @@ class UniformGrid {
     });
   }
 
-  /// f(j) for some j of owned i: every pair of owned particles closer than radius() is met from one of
-  /// the two, every owned one and ghost from the owned one. Others may come as well.
+  /// f(j) for some j of owned i: every pair of owned particles closer than radius() is met from one
+  /// of the two, every owned one and ghost from the owned one. Others may come as well.
   template <class F>
   void for_each_candidate(Index i, F&& f) const {
     for_each_slot_met(slot_of(i), [&](Index slot) { f(Index{points_.item_of()[slot]}); });
@@ -139,9 +140,9 @@ class UniformGrid {
     });
   }
 
-  /// f(chunk, i, js) for every owned i that is wanted(i) and has neighbours, js being the indices of its neighbours as
-  /// build_rows finds them: for rows that are read once. Several chunks at a time, each by one
-  /// thread and in the order of the cells.
+  /// f(chunk, i, js) for every owned i that is wanted(i) and has neighbours, js being the indices
+  /// of its neighbours as build_rows finds them: for rows that are read once. Several chunks at a
+  /// time, each by one thread and in the order of the cells.
   template <class Wanted, class F>
   void for_each_row(Wanted&& wanted, F&& f) const {
     for_each_chunk(points_.size(), [&](Chunk chunk) {
@@ -157,8 +158,8 @@ class UniformGrid {
   /// Bins of the grid: at most a small multiple of the number of particles.
   Index bins() const noexcept { return points_.start().empty() ? 0 : points_.cells().bins(); }
 
-  /// Owned particles in cell order: what Particles::reorder takes so that neighbours in space become
-  /// neighbours in memory.
+  /// Owned particles in cell order: what Particles::reorder takes so that neighbours in space
+  /// become neighbours in memory.
   std::vector<Index> order() const {
     std::vector<Index> order;
     order.reserve(owned_);

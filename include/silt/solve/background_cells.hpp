@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The occupied cells of a square (cubic) grid of any extent, numbered, and found again by their place.
+// The occupied cells of a square (cubic) grid of any extent, numbered, and found again by their
+// place.
 #pragma once
 
 #include <silt/core/parallel.hpp>

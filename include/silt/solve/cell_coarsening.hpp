@@ -29,8 +29,8 @@ class CellCoarsening {
  public:
   using Level = CellLevel<Dim>;
 
-  /// Makes `coarse` the next level above `fine`, but for its diagonal; false where it would hardly be
-  /// smaller.
+  /// Makes `coarse` the next level above `fine`, but for its diagonal; false where it would hardly
+  /// be smaller.
   bool lay(const Level& fine, Level& coarse) {
     const Index n = fine.size();
     places_.resize(n);
@@ -174,8 +174,8 @@ class CellCoarsening {
     }
   }
 
-  // From the parent of a fine cell to the corner that lies towards its side, over one link after the
-  // other, in one order of the axes or the other; false if no way leads there.
+  // From the parent of a fine cell to the corner that lies towards its side, over one link after
+  // the other, in one order of the axes or the other; false if no way leads there.
   static bool walk(const Level& coarse, const GridCell<Dim>& fine, Index corner, std::uint32_t& cell) {
     for (const bool backwards : {false, true}) {
       std::uint32_t at = cell;

@@ -6,8 +6,8 @@
 //
 //     z = D⁻¹ r + P V(Pᵀ r)
 //
-// with P the linear interpolation from the centres of the occupied cells, and V one V-cycle over the
-// cells and their coarsenings:
+// with P the linear interpolation from the centres of the occupied cells, and V one V-cycle over
+// the cells and their coarsenings:
 //
 //     particles   · ·· · · ·· ·        Σ_j w_ij (p_i − p_j)
 //     level 0     | □ | □ | □ | □ |    5 (7) points; conductances from the second moments of w
@@ -121,9 +121,9 @@ class CellMultigrid {
     level.cells.assign(finest_cells_.cells().begin(), finest_cells_.cells().end());
     level.reds = finest_cells_.reds();
 
-    // The particles' masses m_i = Σ w_ij to the free surface, and stiffnesses ½ Σ_j w_ij Δx² / edge², are
-    // shared among the cells as the residual is; a link has the mean of its cells'. Where a stencil
-    // is cut, its second moment is taken to be cut as its sum is.
+    // The particles' masses m_i = Σ w_ij to the free surface, and stiffnesses ½ Σ_j w_ij Δx² /
+    // edge², are shared among the cells as the residual is; a link has the mean of its cells'.
+    // Where a stencil is cut, its second moment is taken to be cut as its sum is.
     to_particles_.restrict_to(level.mass, [&](Index i) { return geometry.to_surface[i]; });
     const double scale = geometry.second_moment / (2 * squared(settings_.cell));
     stiffness_.resize(level.size());

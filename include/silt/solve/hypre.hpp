@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Algebraic multigrid of the library hypre (BoomerAMG) as preconditioner, to measure one's own
-// against. Silt's other headers never include this one: a program that does needs hypre and MPI, and
-// calls MPI_Init before its first solve. One process, with the threads hypre was built for.
+// against. Silt's other headers never include this one: a program that does needs hypre and MPI,
+// and calls MPI_Init before its first solve. One process, with the threads hypre was built for.
 #pragma once
 
 #include <silt/core/error.hpp>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Eigen's incomplete Cholesky factors as preconditioner: A ≈ L Lᵀ with no more entries than A has
-// (Lin and Moré 1999). Fewer iterations than the diagonal alone takes, and like those they grow with
-// the number of unknowns.
+// (Lin and Moré 1999). Fewer iterations than the diagonal alone takes, and like those they grow
+// with the number of unknowns.
 #pragma once
 
 #include <silt/core/linear_system.hpp>
@@ -41,7 +41,8 @@ class IncompleteCholesky {
   }
 
  private:
-  // Ordered as the particles are: an order that saves fill-in, of which there is none, loses accuracy.
+  // Ordered as the particles are: an order that saves fill-in, of which there is none, loses
+  // accuracy.
   using Factors = Eigen::IncompleteCholesky<double, Eigen::Lower, Eigen::NaturalOrdering<int>>;
   std::vector<Eigen::Triplet<double>> lower_;
   std::shared_ptr<const Factors> factors_;
