@@ -203,17 +203,6 @@ TYPED_TEST(AllParticles, AreWhereTheyWereUntilTheyArrive) {
   EXPECT_EQ(state_of(particles), before);
 }
 
-TYPED_TEST(AllParticles, ReturnToWhatWasBeforeARenewal) {
-  auto particles = five_in_a_row<TypeParam>();
-  particles[temperature][2] = 7;
-  const Bytes before = state_of(particles);
-  particles.save();
-  for (auto& T : particles.renew(temperature)) T = 3;
-  EXPECT_EQ(particles[temperature][2], 3);
-  particles.restore();
-  EXPECT_EQ(state_of(particles), before);
-}
-
 TYPED_TEST(AllParticles, RefuseAPositionThatIsNotFinite) {
   using Real = typename TypeParam::Real;
   using Vec = typename TypeParam::Vec;

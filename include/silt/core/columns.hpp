@@ -17,7 +17,8 @@ namespace silt {
 
 /// One vector of values for each of the fields, all equally long: first those of owned particles,
 /// then those of ghosts. A step is a transaction: save() before it, restore() if it throws. What is
-/// not kept, advanced or renewed in between is not brought back; constants need not be.
+/// neither kept nor advanced in between is not brought back: constants need not be, and what a step
+/// derives is as far as it came.
 template <int Dim, class Real, Field... Fields>
 class Columns {
  public:
@@ -68,12 +69,6 @@ class Columns {
   /// All fields that advance have their next values.
   void arrive(Index owned) { (arrive<Fields>(owned), ...); }
 
-  /// Makes place for values of field F that are made anew, all of which must be written.
-  template <Field F>
-  void renew(Index owned) {
-    if (!saved<F>().kept) exchange<F>(owned);
-  }
-
   void restore(Index owned) noexcept {
     (restore<Fields>(owned), ...);
     save();
@@ -98,22 +93,18 @@ class Columns {
   }
 
   template <class F>
-  void arrive(Index owned) {
-    if (saved<F>().is_next) exchange<F>(owned);
-  }
-  template <class F>
   void restore(Index owned) noexcept {
     // Ghosts may have come or gone since; they are made anew by the next search.
     const auto& before = saved<F>();
     if (before.kept) std::copy_n(before.values.begin(), owned, of<F>().begin());
   }
 
-  // What was saved for what is now; ghosts stay as they are.
+  // Ghosts stay as they are.
   template <class F>
-  void exchange(Index owned) {
+  void arrive(Index owned) {
     auto& now = of<F>();
     auto& other = saved<F>();
-    resize_sparingly(other.values, now.size());
+    if (!other.is_next) return;
     const auto ghosts = static_cast<std::ptrdiff_t>(owned);
     std::copy(now.begin() + ghosts, now.end(), other.values.begin() + ghosts);
     now.swap(other.values);

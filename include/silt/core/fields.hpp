@@ -56,7 +56,8 @@ constexpr std::string_view name_of() {
 }
 
 /// What a step may do to a field, so that a failed step can be undone without copying everything:
-/// a `constant` is never changed by a step, a `derived` is made anew by every step.
+/// a `constant` is never changed by a step, a `derived` is made anew by every step, and after a
+/// failed one is as far as that came.
 enum class Role { state, constant, derived };
 
 template <Field F>

@@ -213,11 +213,6 @@ class Particles {
   template <class Value>
   using Advance = typename Columns<Dim, Real, position_t, Fields...>::template Advance<Value>;
   void arrive() { columns_.arrive(size()); }
-  template <Field F>
-  auto renew(F field) {
-    columns_.template renew<F>(size());
-    return (*this)[field];
-  }
   void restore() noexcept { columns_.restore(size()); }
 
  private:

@@ -194,7 +194,7 @@ class Simulation {
   void save() {
     particles_.save();
     particles_.for_each_field([this]<class F>(auto, F field) {
-      if constexpr (role_of<F>() != Role::constant && !AdvancesField<T, F>) particles_.keep(field);
+      if constexpr (role_of<F>() == Role::state && !AdvancesField<T, F>) particles_.keep(field);
     });
     if constexpr (Transactional<S>) search_.save();
     if constexpr (Transactional<I>) interaction_.save();

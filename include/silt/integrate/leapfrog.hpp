@@ -141,12 +141,12 @@ class Motion {
 template <class P>
 Motion<P> motion_in_place(P& particles) {
   particles.for_each_field([&]<class F>(auto, F field) {
-    if constexpr (role_of<F>() != Role::constant) particles.keep(field);
+    if constexpr (role_of<F>() == Role::state) particles.keep(field);
   });
   return Motion<P>(particles);
 }
 
-/// Forces and moments of particles [first, last) to zero, after particles.renew() of both.
+/// Forces and moments of particles [first, last) to zero.
 template <class P>
 void clear(P& particles, Index first, Index last) {
   const auto set_zero = [=](auto values) {
@@ -160,8 +160,6 @@ void clear(P& particles, Index first, Index last) {
 /// Forces and moments to zero.
 template <class P>
 void clear(P& particles) {
-  particles.renew(force);
-  if constexpr (HasFields<P, torque_t>) particles.renew(torque);
   for_each_chunk(particles.size(), [&](Chunk c) { clear(particles, c.first, c.last); });
 }
 
@@ -222,8 +220,7 @@ class Leapfrog {
 
   // See AdvancesField in core/concepts.hpp.
   template <class F>
-  static constexpr bool advances =
-      one_of<F, position_t, velocity_t, spin_t, angle_t, force_t, torque_t>;
+  static constexpr bool advances = one_of<F, position_t, velocity_t, spin_t, angle_t>;
   bool all_finite() const noexcept { return all_finite_; }
 
  private:
@@ -237,8 +234,6 @@ class Leapfrog {
     };
     if constexpr (AddsForces<I, P>) {
       prepare(interaction, particles, search, dt);
-      particles.renew(force);
-      if constexpr (HasFields<P, torque_t>) particles.renew(torque);
       const Motion<P> motion(particles);
       for_each_chunk_with_forces(interaction, particles, [&](Chunk chunk) {
         constexpr Index block = 64;  // what stays at hand between the two
