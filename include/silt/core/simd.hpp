@@ -194,9 +194,9 @@ Mask differs(const Pack<std::uint32_t, N>& a, std::uint32_t b) {
   } else
 #elif defined(SILT_AVX2)
   if constexpr (N == 8) {
-    return ~static_cast<Mask>(_mm256_movemask_ps((__m256)(a == b)));
+    return 0xff & ~static_cast<Mask>(_mm256_movemask_ps((__m256)(a == b)));
   } else if constexpr (N == 4) {
-    return ~static_cast<Mask>(_mm_movemask_ps((__m128)(a == b)));
+    return 0xf & ~static_cast<Mask>(_mm_movemask_ps((__m128)(a == b)));
   } else
 #endif
   {

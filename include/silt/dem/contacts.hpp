@@ -106,9 +106,11 @@ class Contacts {
   template <class P, class S>
   void prepare(P& grains, const S& search, double dt) {
     auto& touches = found<P>();
+    const bool stale = is_stale(grains, search, touches.validity());
+    if (stale) check_grains(grains);
     touches.begin_step(static_cast<typename P::Real>(dt));
     grains.refresh_ghosts(velocity, spin);
-    if (is_stale(grains, search, touches.validity())) renew_near(grains, search, touches, dt);
+    if (stale) renew_near(grains, search, touches, dt);
     touches.make_room();
     counts_.assign(chunk_count(grains.size()), 0);
   }
@@ -150,7 +152,7 @@ class Contacts {
   template <class P>
   void conclude(const P& grains, double dt) {
     auto& touches = found<P>();
-    touches.seen().count = std::accumulate(counts_.begin(), counts_.end(), Index(0));
+    touches.end_step(std::accumulate(counts_.begin(), counts_.end(), Index(0)));
     check_stability(grains, touches, dt);
   }
 
@@ -277,7 +279,6 @@ class Contacts {
 
   template <class P, class S>
   void renew_near(const P& grains, const S& search, FoundOf<P>& touches, double dt) const {
-    check_grains(grains);
     touches.renew_near([&](NearContacts& near, auto& found, auto& validity) {
       renew_validity(grains, search, reach(grains), dt, validity);
       find_near(grains, search, walls_, validity.margin, near, found);

@@ -229,8 +229,8 @@ class NearContacts {
     for (Index i = owned; i > 0; --i) begin_[i] = begin_[i - 1];
     begin_[0] = 0;
     for_each_chunk(owned, [&](Chunk chunk) {
-      Index lowest = chunks_[chunk.number].pairs.first;
-      Index highest = lowest;
+      Index lowest = size();
+      Index highest = 0;
       for (Index i = chunk.first; i < chunk.last; ++i) {
         sort_parts(i);
         for (const Part part : of(i)) {

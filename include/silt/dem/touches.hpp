@@ -93,6 +93,9 @@ class Touches {
 
   /// The step begins to see and make: in place of what the one before the last did.
   void begin_step(Real time_step) {
+    // Of a look that an exception ended, and that nobody undid, nothing is remembered.
+    if (!is_whole_) seen_.at.assign(near_.size(), none);
+    is_whole_ = false;
     std::swap(seen_, keeps_seen_ ? spare_seen_ : last_seen_);
     before_is_spare_ = keeps_seen_;
     keeps_seen_ = true;
@@ -101,10 +104,11 @@ class Touches {
   }
 
   /// For what this look will see of the near contacts.
-  void make_room() {
-    seen_.resize(near_.size());
-    // Without a save(), nobody undoes a look that an exception ended.
-    if (before_is_spare_) std::fill(seen_.at.begin(), seen_.at.end(), none);
+  void make_room() { seen_.resize(near_.size()); }
+  /// All is seen; so many touch.
+  void end_step(Index count) {
+    seen_.count = count;
+    is_whole_ = true;
   }
 
   /// find(near, found, validity) finds the near contacts anew.
@@ -145,7 +149,10 @@ class Touches {
     keeps_seen_ = keeps_near_ = was_recalled_ = false;
   }
   void restore() noexcept {
-    if (keeps_seen_) std::swap(seen_, last_seen_);
+    if (keeps_seen_) {
+      std::swap(seen_, last_seen_);
+      is_whole_ = true;
+    }
     if (keeps_near_) {
       std::swap(near_, last_near_);
       std::swap(validity_, last_validity_);
@@ -181,6 +188,7 @@ class Touches {
   Validity spare_validity_;
   std::vector<std::uint32_t> moved_rows_;  // where the contacts just found were before
   std::optional<PairMemory<Words>> recalled_;
+  bool is_whole_ = true;  // what was seen last
   bool keeps_seen_ = false;
   bool keeps_near_ = false;
   bool before_is_spare_ = false;
