@@ -14,9 +14,9 @@
 inline constexpr struct temperature_t : silt::scalar_field {
 } temperature{};  ///< T [K]
 
-/// dT_i/dt = rate Σ_j (T_j − T_i) over the neighbours j that the search finds; rate [1/s]. What one
-/// gains the other loses, so that the sum stays. Stable while rate Δt times their number is below
-/// 1.
+/// dT_i/dt = rate Σ_j (T_j − T_i) over the neighbours j that the search finds; rate [1/s].
+/// What one gains the other loses, so that the sum stays. Stable while rate Δt times their
+/// number is below 1.
 template <class Simulation>
 void conduct(Simulation& simulation, double rate) {
   auto& particles = simulation.particles();

@@ -79,8 +79,8 @@ TYPED_TEST(Determinism, GivesTheSameBitsForEverySearchAndOrderInMemory) {
   constexpr int dim = TypeParam::dimension;
   using Real = typename TypeParam::Real;
   for (const bool periodic : {false, true}) {
-    // More than a chunk of grains: pairs through a side then belong to another one than they are
-    // found at.
+    // More than a chunk of grains: pairs through a side then belong to another one than
+    // they are found at.
     const Index along = periodic ? (dim == 2 ? 36 : 11) : (dim == 2 ? 12 : 5);
     auto start = crowd<dim, Real>(along, 6);
     if (periodic) {

@@ -43,8 +43,8 @@ void expect_full_below_the_surface() {
   for (Index i = 0; i < start.size(); ++i) {
     const auto& x = start[position][i];
     if (start[mps::kind][i] == Kind::dummy || x[0] > 6.6 * l0 || x[Dim - 1] > top - 3 * l0) continue;
-    // Whatever lies three spacings inside the fluid has the neighbours of the full lattice, walls
-    // too.
+    // Whatever lies three spacings inside the fluid has the neighbours of the full
+    // lattice, walls too.
     EXPECT_NEAR(sim.particles()[mps::number_density][i], n0, 1e-9 * n0);
     EXPECT_FALSE(sim.particles()[mps::surface][i]);
     ++full;

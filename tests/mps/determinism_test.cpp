@@ -36,8 +36,8 @@ void expect_one_result(const mps::Fluid<Dim>& fluid, double l0, int steps) {
   for (const int number : {2, 3, 4}) EXPECT_TRUE(by(number) == alone) << number << " threads";
 }
 
-// More threads than there are cores wait for one another at every loop: few steps in the quick
-// tests.
+// More threads than there are cores wait for one another at every loop: few steps in
+// the quick tests.
 mps::Fluid<2> wide_dam(double l0) {
   return mps::make_tank<2>(
       {.column = {0.8, 0.8}, .size = {.length = 1.6, .height = 1.2}, .spacing = l0});

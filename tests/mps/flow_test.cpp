@@ -87,8 +87,8 @@ TEST(FlowTimeStep, OfFluidWithoutSpeedWeightOrViscosityMustBeGiven) {
 }
 
 TEST(FlowTimeStep, WithinTheViscousLimitNeverFeedsAVelocity) {
-  // In a full periodic lattice, at the largest step that is accepted, the roughest velocities
-  // decay.
+  // In a full periodic lattice, at the largest step that is accepted, the roughest
+  // velocities decay.
   auto particles = full_box<2, double>(10, 0.02);
   const Settings settings{.spacing = 0.02, .viscosity = 1, .gravity = Vec<2>::Zero()};
   Flow<Case10> flow(settings);

@@ -183,8 +183,8 @@ TEST(NeighbourList, SortsParticlesWhenItMustBeRebuiltAnyway) {
   EXPECT_EQ(pairs(particles, found).size(), meetings_by_hand(particles, 0.3).size() / 2);
 }
 
-// Steps of the same size in fixed directions; how often the list is rebuilt, and how thick it
-// became.
+// Steps of the same size in fixed directions; how often the list is rebuilt, and how
+// thick it became.
 struct Rebuilds {
   std::uint64_t number;
   double skin;

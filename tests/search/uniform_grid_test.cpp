@@ -168,8 +168,8 @@ TEST(UniformGrid, FindsPairsWhoseExtentIsNoNumber) {
   expect_right_and_small<3, float>({{-3e38f, 0, 0}, {3e38f, 0, 0}, {3e38f, 0, 0.5f}}, 1.0f);
 }
 
-// The rows of a list, against the pairs by hand: none is missing, and none is far beyond the
-// radius.
+// The rows of a list, against the pairs by hand: none is missing, and none is far
+// beyond the radius.
 template <int Dim, class Real>
 void expect_right_rows(const Particles<Dim, Real>& start, Real radius) {
   auto particles = start;

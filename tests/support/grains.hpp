@@ -33,8 +33,8 @@ dem::Grains<Dim> two_grains(double gap, const Vec<Dim>& v, const dem::Grain& gra
   return grains;
 }
 
-/// Random grains that may touch but not deeply: a jittered lattice with random velocities and
-/// spins.
+/// Random grains that may touch but not deeply: a jittered lattice with random
+/// velocities and spins.
 template <int Dim, class Real>
 dem::Grains<Dim, Real> crowd(Index along_each_axis, unsigned seed) {
   const Real spacing = Real(0.0205);

@@ -2,10 +2,10 @@
 // Fluid between two walls, periodic along them, set in motion by a body force (Poiseuille) from
 // rest.
 //
-// With a Laplacian that reaches the next row only, the wall is the row of wall particles. A wider
-// one also sees rows behind it, all at rest: the walls then lie deeper. How deep, is the mean row
-// at which a random walk with the stencil's row weights first lands on a wall; profiles are linear
-// there.
+// With a Laplacian that reaches the next row only, the wall is the row of wall particles. A
+// wider one also sees rows behind it, all at rest: the walls then lie deeper. How deep, is the
+// mean row at which a random walk with the stencil's row weights first lands on a wall; profiles
+// are linear there.
 #include "support/check.hpp"
 #include "support/fluid.hpp"
 

@@ -9,14 +9,8 @@
 
 namespace silt {
 
-namespace detail {
 template <class Real>
-struct FourOf {
-  typedef Real type __attribute__((vector_size(4 * sizeof(Real))));
-};
-}  // namespace detail
-template <class Real>
-using Four = typename detail::FourOf<Real>::type;
+using Four = simd::Pack<Real, 4>;
 
 // Fours are given by reference: how a function returns one depends on the processor's flags.
 
@@ -25,8 +19,8 @@ void load_four(const Real* from, F& four) {
   std::memcpy(&four, from, sizeof four);
 }
 
-/// b × a of the first three with its numbers one place on, as (z, x, y); of the fourth, nothing is
-/// said.
+/// b × a of the first three with its numbers one place on, as (z, x, y); of the fourth,
+/// nothing is said.
 template <class F>
 void cross_turned(const F& a, const F& b, F& c) {
   c = __builtin_shufflevector(a, a, 1, 2, 0, 3) * b - a * __builtin_shufflevector(b, b, 1, 2, 0, 3);
@@ -49,34 +43,29 @@ void transpose(Four<Real>& a, Four<Real>& b, Four<Real>& c, Four<Real>& d) {
   d = __builtin_shufflevector(ab_odd, cd_odd, 2, 3, 6, 7);
 }
 
+namespace detail {
+// Number k of rows from(first), …, from(first + 3), in lanes 0 to 3 of columns[k].
+template <class Real, class From>
+[[gnu::always_inline]] inline void four_columns_from(From&& from, int first,
+                                                     Four<Real> (&columns)[4]) {
+  for (int lane = 0; lane < 4; ++lane) load_four(from(first + lane), columns[lane]);
+  transpose<Real>(columns[0], columns[1], columns[2], columns[3]);
+}
+}  // namespace detail
+
 /// Four numbers of each of N rows become columns: to[k] has number k of row from(lane) in each
 /// lane. It is how a loop over contacts reads what lies together per grain: eight loads and eight
 /// shuffles take a third of the time of sixteen gathered loads.
 template <class Real, int N, class From>
 [[gnu::always_inline]] inline void columns_from(From&& from, simd::Pack<Real, N> (&to)[4]) {
-  if constexpr (N == 8 || N == 4) {
-    Four<Real> a, b, c, d;
-    load_four(from(0), a);
-    load_four(from(1), b);
-    load_four(from(2), c);
-    load_four(from(3), d);
-    transpose<Real>(a, b, c, d);
-    if constexpr (N == 8) {
-      Four<Real> e, f, g, h;
-      load_four(from(4), e);
-      load_four(from(5), f);
-      load_four(from(6), g);
-      load_four(from(7), h);
-      transpose<Real>(e, f, g, h);
-      to[0] = __builtin_shufflevector(a, e, 0, 1, 2, 3, 4, 5, 6, 7);
-      to[1] = __builtin_shufflevector(b, f, 0, 1, 2, 3, 4, 5, 6, 7);
-      to[2] = __builtin_shufflevector(c, g, 0, 1, 2, 3, 4, 5, 6, 7);
-      to[3] = __builtin_shufflevector(d, h, 0, 1, 2, 3, 4, 5, 6, 7);
-    } else {
-      to[0] = a;
-      to[1] = b;
-      to[2] = c;
-      to[3] = d;
+  if constexpr (N == 4) {
+    detail::four_columns_from<Real>(from, 0, to);
+  } else if constexpr (N == 8) {
+    Four<Real> lower[4], upper[4];
+    detail::four_columns_from<Real>(from, 0, lower);
+    detail::four_columns_from<Real>(from, 4, upper);
+    for (int k = 0; k < 4; ++k) {
+      to[k] = __builtin_shufflevector(lower[k], upper[k], 0, 1, 2, 3, 4, 5, 6, 7);
     }
   } else {
     for (int lane = 0; lane < N; ++lane) {

@@ -17,8 +17,8 @@
 #include <limits>
 #include <type_traits>
 
-// Stands before such a loop: g++ must be told that no lane reads what another writes; clang sees
-// it.
+// Stands before such a loop: g++ must be told that no lane reads what another
+// writes; clang sees it.
 #ifdef __clang__
 #define SILT_EACH_LANE_ALONE
 #else

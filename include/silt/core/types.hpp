@@ -59,8 +59,8 @@ Vec<3, Real> cross(const Vec<3, Real>& spin, const Vec<3, Real>& arm) {
   return moment(spin, arm);
 }
 
-/// Resizes a std::vector; where it must grow, a sixteenth more than asked for, not twofold as of
-/// itself.
+/// Resizes a std::vector; where it must grow, a sixteenth more than asked for, not
+/// twofold as of itself.
 template <class Vector>
 void resize_sparingly(Vector& values, Index n) {
   if (n > values.capacity()) values.reserve(n + n / 16);

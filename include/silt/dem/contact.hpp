@@ -14,10 +14,12 @@ struct Contact {
   static constexpr int dimension = Dim;
   using Real = RealType;
   using Vec = silt::Vec<Dim, Real>;
+  using Spin = silt::Spin<Dim, Real>;
 
   Vec normal = Vec::Zero();  ///< unit vector, points the way i is pushed; −e of [SahChoi2004] (3)
   Real overlap = 0;  ///< δ = R_i + R_j − |x_j − x_i| [m], above 0; may tend to 0
   Vec relative_velocity = Vec::Zero();  ///< of i's surface against j's at the contact point, (5) [m/s]
+  Spin relative_spin = zero_of<Spin>();  ///< ω_i − ω_j, for a law that gives a couple [1/s]
   Real effective_mass = 0;    ///< m* = m_i m_j / (m_i + m_j); at a wall m_i [kg]
   Real effective_radius = 0;  ///< R* = R_i R_j / (R_i + R_j); at a wall R_i [m]
   Real time_step = 0;         ///< Δt since the contact was last looked at [s]
@@ -35,10 +37,61 @@ struct Stiffness {
   double beta = 0;        ///< dashpot over spring c/k [s], of a dashpot that sees v^{N−½}
 };
 
-/// A law without memory: force on i [N] from the contact alone.
+/// The force on i by the mechanisms that make it, for the energy ledger.
+template <int Dim, class RealType>
+struct ForceParts {
+  using Real = RealType;
+  using Vec = silt::Vec<Dim, Real>;
+
+  Real normal_spring = 0;   ///< along the normal, pushes above 0 [N]
+  Real normal_dashpot = 0;  ///< likewise
+  Real adhesion = 0;        ///< likewise, so below 0 where it pulls
+  Vec tangential_spring = Vec::Zero();   ///< [N]
+  Vec tangential_dashpot = Vec::Zero();  ///< [N]
+  Real plastic = 0;   ///< lost in this step by a spring that yields [J]
+  Real friction = 0;  ///< lost in this step by the slider [J]
+
+  Vec force(const Vec& normal) const {
+    return (normal_spring + normal_dashpot + adhesion) * normal + tangential_spring +
+           tangential_dashpot;
+  }
+};
+
+/// The same with the couple on i, beside the moment of the force; on j acts the opposite. In 3D
+/// what is along the normal resists twisting, the rest rolling.
+template <int Dim, class RealType>
+struct LoadParts : ForceParts<Dim, RealType> {
+  using Spin = silt::Spin<Dim, RealType>;
+
+  Spin rolling_spring = zero_of<Spin>();   ///< [N m]
+  Spin rolling_dashpot = zero_of<Spin>();  ///< [N m]
+  RealType rolling_friction = 0;           ///< lost in this step by the slider [J]
+
+  Spin couple() const { return rolling_spring + rolling_dashpot; }
+};
+
+namespace detail {
+template <class Answer, int Dim, class Real>
+concept IsParts = std::derived_from<Answer, ForceParts<Dim, Real>>;
+}  // namespace detail
+
+/// A law that tells the force by its parts: parts(contact) or parts(contact, memory) gives
+/// ForceParts, or LoadParts if it also gives a couple.
+template <class L, int Dim, class Real>
+concept TellsParts =
+    requires(const L law, const Contact<Dim, Real> contact) {
+      { law.parts(contact) } -> detail::IsParts<Dim, Real>;
+    } || requires(const L law, const Contact<Dim, Real> contact,
+                  typename L::template Memory<Dim, Real> memory) {
+      { law.parts(contact, memory) } -> detail::IsParts<Dim, Real>;
+    };
+
+/// A law without memory: force on i [N] from the contact alone, whole or by its parts.
 template <class L, int Dim, class Real>
 concept LawWithoutMemory = requires(const L law, const Contact<Dim, Real> contact) {
   { law.force(contact) } -> std::convertible_to<Vec<Dim, Real>>;
+} || requires(const L law, const Contact<Dim, Real> contact) {
+  { law.parts(contact) } -> detail::IsParts<Dim, Real>;
 };
 
 /// A law with memory: L::Memory<Dim, Real> lives as long as the contact, and starts as Memory{}.
@@ -46,17 +99,41 @@ template <class L, int Dim, class Real>
 concept LawWithMemory = requires(const L law, const Contact<Dim, Real> contact,
                                  typename L::template Memory<Dim, Real> memory) {
   { law.force(contact, memory) } -> std::convertible_to<Vec<Dim, Real>>;
+} || requires(const L law, const Contact<Dim, Real> contact,
+              typename L::template Memory<Dim, Real> memory) {
+  { law.parts(contact, memory) } -> detail::IsParts<Dim, Real>;
 };
 
-/// A struct with one `force(contact)` or `force(contact, memory)`, both const and without side
-/// effects: it may also be asked beside others about a pair that does not touch, whose overlap and
-/// normal are then any numbers, and what it answers is dropped. It may also have
+/// A struct with one `force(contact)` or `force(contact, memory)`, or with `parts` in its place,
+/// const and without side effects: it may also be asked beside others about a pair that does not
+/// touch, whose overlap and normal are then any numbers, and what it answers is dropped. It may
+/// also have
 ///   check()                  throws if a parameter is out of range
 ///   stiffness(contact)       → Stiffness: then a default and a stable time step are known
 ///   elastic_energy(contact, memory)   [J] stored in the springs
 ///   mix(a, b)  (static)      the law between two materials
 template <class L, int Dim, class Real>
 concept ContactLaw = LawWithoutMemory<L, Dim, Real> || LawWithMemory<L, Dim, Real>;
+
+/// What a law answers about one contact: a force, or parts of one. The memory is none or one.
+template <class Law, class C, class... Memory>
+auto answer_of(const Law& law, const C& contact, Memory&... memory) {
+  if constexpr (requires { law.parts(contact, memory...); }) {
+    return law.parts(contact, memory...);
+  } else {
+    return typename C::Vec(law.force(contact, memory...));
+  }
+}
+
+/// The law gives a couple beside its force.
+template <class L, int Dim, class Real>
+concept GivesCouple =
+    requires(const L law, const Contact<Dim, Real> contact) {
+      { law.parts(contact) } -> std::derived_from<LoadParts<Dim, Real>>;
+    } || requires(const L law, const Contact<Dim, Real> contact,
+                  typename L::template Memory<Dim, Real> memory) {
+      { law.parts(contact, memory) } -> std::derived_from<LoadParts<Dim, Real>>;
+    };
 
 /// What a law without memory remembers.
 struct NoMemory {};

@@ -13,7 +13,7 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
+#include <concepts>
 #include <cstdint>
 #include <cstring>
 #include <type_traits>
@@ -65,22 +65,25 @@ concept LawInLanes =
     ContactLaw<Law, Dim, Lane<Real>> && detail::RemembersRealsOnly<Law, Dim, Real>;
 
 /// What is kept of a contact that touches, besides what the law remembers: n, δ, F on its first
-/// grain, and by how much its lever arms are shorter than R.
+/// grain, by how much its lever arms are shorter than R, and the couple on its first grain if the
+/// law gives one.
+template <bool has_couple>
 struct ContactRow {
   static constexpr int n = 0;
   static constexpr int overlap = 3;
   static constexpr int F = 4;
   static constexpr int shorter = 7;
-  static constexpr int words = 8;
+  static constexpr int couple = 8;
+  static constexpr int words = has_couple ? 12 : 8;
 };
 
-template <int Dim, class RealType, int memory_words>
+template <int Dim, class RealType, int memory_words, bool has_couple>
 class ContactLanes {
  public:
   using Real = RealType;
   using Vec = silt::Vec<Dim, Real>;
   using Columns = GrainColumns<Dim, Real>;
-  using Row = ContactRow;
+  using Row = ContactRow<has_couple>;
   /// Words of memory, filled up to whole fours.
   static constexpr int padded_words = (memory_words + 3) / 4 * 4;
 
@@ -126,13 +129,16 @@ class ContactLanes {
       surface_velocity(i, shorter - i_[p].R, n, u);
       surface_velocity(j, j_[p].R - shorter, n, u_j);
       for (int k = 0; k < Dim; ++k) u[k] -= u_j[k];
+      if constexpr (has_couple) {
+        for (int k = 0; k < spin_words; ++k) put_spin(p, k, i.w[k] - j.w[k]);
+      }
       put(p, n, overlap_[p], u, shorter, i.m * j.m / (i.m + j.m),
           i_[p].R * j_[p].R / (i_[p].R + j_[p].R));
     }
   }
 
-  /// Lane l looks at grain first[l] and wall second[l]; nearest(number, x) is the wall's nearest
-  /// point.
+  /// Lane l looks at grain first[l] and wall second[l]; nearest(number, x) is the
+  /// wall's nearest point.
   template <class Nearest>
   unsigned look_at_walls(const Columns& grains, const std::uint32_t* first,
                          const std::uint32_t* second, Nearest&& nearest) {
@@ -161,6 +167,9 @@ class ContactLanes {
       const Pack shorter = arm_share * overlap_[p];
       Pack u[Dim];
       surface_velocity(i, shorter - i_[p].R, n, u);
+      if constexpr (has_couple) {
+        for (int k = 0; k < spin_words; ++k) put_spin(p, k, i.w[k]);
+      }
       put(p, n, overlap_[p], u, shorter, i.m, i_[p].R);
     }
   }
@@ -185,30 +194,28 @@ class ContactLanes {
     for (int lane = 0; lane < lanes; ++lane) ask<Lane<Real>>(law, dt, lane);
   }
 
-  /// Asks a law for one lane: where lanes have different laws, or a law is for one scalar type
-  /// only.
+  /// Asks a law for one lane: where lanes have different laws, or a law is for one
+  /// scalar type only.
   template <class Scalar = Real, class Law>
   void ask(const Law& law, Real dt, int lane) {
     const auto contact = this->contact<Scalar>(lane, dt);
-    silt::Vec<Dim, Scalar> f;
     if constexpr (memory_words == 0) {
-      f = law.force(contact);
+      keep(lane, contact, answer_of(law, contact));
     } else if constexpr (std::is_same_v<Scalar, Real>) {
       using Memory = LawMemory<Law, Dim, Real>;
       Real words[memory_words];
       for (int k = 0; k < memory_words; ++k) words[k] = memory_[k][lane];
       auto own = Memory::from(words);
-      f = law.force(contact, own);
+      keep(lane, contact, answer_of(law, contact, own));
       Memory::put(own, words);
       for (int k = 0; k < memory_words; ++k) memory_[k][lane] = words[k];
     } else {
       typename LawMemory<Law, Dim, Scalar>::type own;
       auto* const word = reinterpret_cast<Scalar*>(&own);
       for (int k = 0; k < memory_words; ++k) word[k] = memory_[k][lane];
-      f = law.force(contact, own);
+      keep(lane, contact, answer_of(law, contact, own));
       for (int k = 0; k < memory_words; ++k) memory_[k][lane] = word[k];
     }
-    for (int k = 0; k < Dim; ++k) row_[Row::F + k][lane] = f[k];
   }
 
   /// The row and the memory of each lane.
@@ -220,6 +227,7 @@ class ContactLanes {
  private:
   static constexpr int N = Columns::N;
   static constexpr int packs = lanes / N;
+  static constexpr int spin_words = Columns::spin_words;
   using Pack = typename Columns::Pack;
 
   // u = v + a ω × n, with a to the surface along n, (5).
@@ -253,6 +261,29 @@ class ContactLanes {
     store(radius_, R);
   }
 
+  [[gnu::always_inline]] void put_spin(int p, int k, const Pack& spin) {
+    simd::store<Real, N>(spin_[k] + p * N, spin);
+  }
+
+  template <class C, class Answer>
+  void keep(int lane, const C& contact, const Answer& answer) {
+    typename C::Vec f;
+    if constexpr (std::convertible_to<Answer, typename C::Vec>) {
+      f = answer;
+    } else {
+      f = answer.force(contact.normal);
+    }
+    for (int k = 0; k < Dim; ++k) row_[Row::F + k][lane] = f[k];
+    if constexpr (has_couple) {
+      const auto couple = answer.couple();
+      if constexpr (Dim == 2) {
+        row_[Row::couple][lane] = couple;
+      } else {
+        for (int k = 0; k < 3; ++k) row_[Row::couple + k][lane] = couple[k];
+      }
+    }
+  }
+
   // The contact in one lane, as a law sees it. Scalar is Real or Lane<Real>.
   template <class Scalar>
   Contact<Dim, Scalar> contact(int lane, Real dt) const {
@@ -260,6 +291,13 @@ class ContactLanes {
     for (int k = 0; k < Dim; ++k) {
       contact.normal[k] = row_[Row::n + k][lane];
       contact.relative_velocity[k] = velocity_[k][lane];
+    }
+    if constexpr (has_couple) {
+      if constexpr (Dim == 2) {
+        contact.relative_spin = spin_[0][lane];
+      } else {
+        for (int k = 0; k < 3; ++k) contact.relative_spin[k] = spin_[k][lane];
+      }
     }
     contact.overlap = row_[Row::overlap][lane];
     contact.effective_mass = mass_[lane];
@@ -269,13 +307,14 @@ class ContactLanes {
   }
 
   // Of what was looked at.
-  typename Columns::Places i_[packs];
-  typename Columns::Places j_[packs];
+  typename Columns::Position i_[packs];
+  typename Columns::Position j_[packs];
   Pack distance_[packs];
   Pack overlap_[packs];
   // One column per number of the contacts.
   alignas(64) Real row_[Row::words][lanes] = {};
   alignas(64) Real velocity_[Dim][lanes];
+  alignas(64) Real spin_[has_couple ? spin_words : 1][lanes];
   alignas(64) Real mass_[lanes];
   alignas(64) Real radius_[lanes];
   alignas(64) Real memory_[std::max(padded_words, 1)][lanes] = {};

@@ -21,7 +21,6 @@
 #include <silt/dem/walls.hpp>
 
 #include <algorithm>
-#include <array>
 #include <concepts>
 #include <cstdint>
 #include <limits>
@@ -76,7 +75,7 @@ class Contacts {
                   "silt::dem::Contacts: these particles lack a field of dem::Grains");
     static_assert(ContactLaw<Law, P::dimension, typename P::Real>,
                   "silt::dem::Contacts: the law has neither force(contact) nor force(contact, "
-                  "memory) that gives a vector (see ContactLaw in silt/dem/contact.hpp)");
+                  "memory) that gives a vector, nor parts in its place (see ContactLaw in silt/dem/contact.hpp)");
     static_assert((Wall<Walls, P::dimension, typename P::Real> && ...),
                   "silt::dem::Contacts: a wall lacks nearest(x), material or check(), or is of "
                   "another dimension or precision (see Wall in silt/dem/walls.hpp)");
@@ -177,7 +176,7 @@ class Contacts {
     const auto& touches = found<P>();
     for_each_touch(grains, touches, [&](Index, const Sides& sides, const auto* row) {
       typename P::Vec force;
-      for (int k = 0; k < P::dimension; ++k) force[k] = row[ContactRow::F + k];
+      for (int k = 0; k < P::dimension; ++k) force[k] = row[FoundOf<P>::Row::F + k];
       f(sides.i, sides.j, contact_of(grains, touches.seen(), row, sides), force);
     });
   }
@@ -248,7 +247,7 @@ class Contacts {
   template <class P>
   using MemoryOf = LawMemory<Law, P::dimension, typename P::Real>;
   template <int Dim, class Real>
-  using Found = Touches<Dim, Real, LawMemory<Law, Dim, Real>>;
+  using Found = Touches<Dim, Real, LawMemory<Law, Dim, Real>, GivesCouple<Law, Dim, Real>>;
   template <class P>
   using FoundOf = Found<P::dimension, typename P::Real>;
   // Contacts learns dimension and precision from the grains only; one of these four is in use.

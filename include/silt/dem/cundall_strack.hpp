@@ -72,10 +72,10 @@ struct OverlapForm {
   static constexpr double lateness = 2;
 
  private:
-  // A contact begins and ends somewhere within a step, and its dashpot begins and ends with a jump.
-  // With u steps since the beginning (or before the end), the steps u and u + 1 must together carry
-  // u + 3/2 steps' worth of it; this is the continuous weight that does and that is 1 from u = 2
-  // on.
+  // A contact begins and ends somewhere within a step, and its dashpot begins and ends with a
+  // jump. With u steps since the beginning (or before the end), the steps u and u + 1 must
+  // together carry u + 3/2 steps' worth of it; this is the continuous weight that does and that is
+  // 1 from u = 2 on.
   template <class Real>
   static Real share_of_step(Real overlap, Real way_of_a_step) {
     const Real u = overlap / way_of_a_step;

@@ -27,7 +27,7 @@ class GrainColumns {
   /// As many grains as fill a register; these are their places.
   static constexpr int N = std::min(lanes, simd::lanes<Real>);
   using Pack = simd::Pack<Real, N>;
-  struct Places {
+  struct Position {
     Pack x[Dim];  ///< [m]
     Pack R;       ///< [m]
   };
@@ -47,7 +47,7 @@ class GrainColumns {
         m_(grains.with_ghosts(mass).data()),
         last_(static_cast<std::uint32_t>(grains.total() - 1)) {}
 
-  [[gnu::always_inline]] void load(const std::uint32_t* places, Places& grains) const {
+  [[gnu::always_inline]] void load(const std::uint32_t* places, Position& grains) const {
     load(x_, places, grains.x);
     load(R_, places, grains.R);
   }

@@ -31,8 +31,8 @@ struct GrainsOf<2, Real, Further...> {
 };
 }  // namespace detail
 
-/// Discs (2D), which also carry their angle, or spheres (3D), with any further fields of the
-/// user's.
+/// Discs (2D), which also carry their angle, or spheres (3D), with any further
+/// fields of the user's.
 template <int Dim, class Real = double, Field... Further>
 using Grains = typename detail::GrainsOf<Dim, Real, Further...>::type;
 

@@ -24,8 +24,8 @@ namespace silt::dem {
 /// those that touch. ask(eight, contacts, touching) asks it: for lane l if bit l is set; the others
 /// may be asked as well.
 ///
-/// Eight of which most touch are asked as they lie; where few do, they are collected to full
-/// eights.
+/// Eight of which most touch are asked as they lie; where few do, they are collected
+/// to full eights.
 template <class P, class Found, class Walls, class Ask>
 class LawPass {
   using Real = typename P::Real;
@@ -72,9 +72,9 @@ class LawPass {
       const std::uint32_t* const second = near_.second_places(c);
       const unsigned touching =
           look_at<of_walls>(eight, first, second) & simd::first_lanes<lanes>(range.last - c);
-      const int touch = std::popcount(touching);
-      count += static_cast<Index>(touch);
-      if (touch > lanes / 2) {
+      const int number = std::popcount(touching);
+      count += static_cast<Index>(number);
+      if (number > lanes / 2) {
         Eight contacts;
         for (Index lane = 0; lane < lanes; ++lane) contacts[lane] = c + lane;
         meet<of_walls>(eight, first, second, contacts, touching, row);

@@ -44,8 +44,8 @@ void for_each_touch(const P& grains, const T& touches, F&& f) {
   });
 }
 
-/// A contact of which only the masses and radii are filled in: they do not change from step to
-/// step.
+/// A contact of which only the masses and radii are filled in: they do not change
+/// from step to step.
 template <class P>
 auto constants_of(const P& grains, const Sides& sides) {
   using Real = typename P::Real;
@@ -66,7 +66,7 @@ auto constants_of(const P& grains, const Sides& sides) {
 /// A contact of the last step from its row; its velocity is that of the grains as they are given.
 template <class P, class Seen>
 auto contact_of(const P& grains, const Seen& seen, const typename P::Real* row, const Sides& sides) {
-  using Row = ContactRow;
+  using Row = typename Seen::Row;
   using Vec = typename P::Vec;
   auto contact = constants_of(grains, sides);
   for (int k = 0; k < P::dimension; ++k) contact.normal[k] = row[Row::n + k];
@@ -77,7 +77,11 @@ auto contact_of(const P& grains, const Seen& seen, const typename P::Real* row, 
     return Vec(grains[velocity][i] + cross(grains[spin][i], Vec(towards * arm * contact.normal)));
   };
   contact.relative_velocity = surface(sides.i, -1);
-  if (sides.j != nowhere) contact.relative_velocity -= surface(sides.j, 1);
+  contact.relative_spin = grains[spin][sides.i];
+  if (sides.j != nowhere) {
+    contact.relative_velocity -= surface(sides.j, 1);
+    contact.relative_spin -= grains[spin][sides.j];
+  }
   return contact;
 }
 
@@ -85,11 +89,12 @@ auto contact_of(const P& grains, const Seen& seen, const typename P::Real* row, 
 template <class P, class T>
 [[gnu::always_inline]] inline void add_rows(P& grains, const T& touches, Index i) {
   using Real = typename P::Real;
-  using Row = ContactRow;
+  using Row = typename T::Row;
   const auto& seen = touches.seen();
   const Real R = grains[radius][i];
   Four<Real> sum{};
   Four<Real> turning{};
+  [[maybe_unused]] Four<Real> couples{};
   for (const auto part : touches.near().of(i)) {
     const Real* const row = seen.row_of(part.contact());
     Four<Real> n, F, F_x_n;
@@ -98,8 +103,20 @@ template <class P, class T>
     sum += part.template sign<Real>() * F;
     cross_turned(n, F, F_x_n);
     turning += (R - row[Row::shorter]) * F_x_n;
+    if constexpr (T::couples) {
+      Four<Real> couple;
+      load_four(row + Row::couple, couple);
+      couples += part.template sign<Real>() * couple;
+    }
   }
   turn_back(turning);
+  if constexpr (T::couples) {
+    if constexpr (P::dimension == 2) {
+      turning[2] += couples[0];
+    } else {
+      turning += couples;
+    }
+  }
   for (int k = 0; k < P::dimension; ++k) grains[force][i][k] += sum[k];
   if constexpr (P::dimension == 2) {
     grains[torque][i] += turning[2];

@@ -74,8 +74,8 @@ class FrequencyBound {
   Matrix shares_ = Matrix::Zero();
 };
 
-/// Shortest contact that the lightest grains can have [s]; infinite if there are none, or nothing
-/// is stiff.
+/// Shortest contact that the lightest grains can have [s]; infinite if there are none, or
+/// nothing is stiff.
 template <class P, class Law>
 double shortest_contact(const P& grains, const Materials<Law>& materials) {
   const auto m = grains[mass];
@@ -85,8 +85,8 @@ double shortest_contact(const P& grains, const Materials<Law>& materials) {
   Contact<P::dimension, typename P::Real> contact{};
   contact.effective_mass = static_cast<typename P::Real>(lightest / 2);
   contact.effective_radius = 1;
-  // A spring along the tangent also has to turn the grain: 1 + m R²/I is 3 for discs, 3.5 for
-  // spheres.
+  // A spring along the tangent also has to turn the grain: 1 + m R²/I is 3 for discs,
+  // 3.5 for spheres.
   for (std::uint32_t a = 0; a < materials.count(); ++a) {
     for (std::uint32_t b = 0; b < materials.count(); ++b) {
       const Stiffness k = materials.between(a, b).stiffness(contact);
@@ -151,7 +151,7 @@ double stable_for_all(const P& grains, const NearContacts& near, const Walls& wa
 /// bound passes nearly always; where it does not, FrequencyBound decides.
 template <class P, class T, class LawOf>
 Unstable find_unstable(const P& grains, const T& touches, double dt, LawOf&& law_of) {
-  using Row = ContactRow;
+  using Row = typename T::Row;
   const auto m = grains[mass];
   const auto I = grains[inertia];
   struct Held {

@@ -20,12 +20,13 @@
 namespace silt::dem {
 
 /// Memory is the law's LawMemory.
-template <int Dim, class RealType, class Memory>
+template <int Dim, class RealType, class Memory, bool has_couple>
 class Touches {
  public:
   using Real = RealType;
-  using Row = ContactRow;
-  using Lanes = ContactLanes<Dim, Real, Memory::words>;
+  using Row = ContactRow<has_couple>;
+  using Lanes = ContactLanes<Dim, Real, Memory::words, has_couple>;
+  static constexpr bool couples = has_couple;
   static constexpr Index padded_words = Lanes::padded_words;
   using Words = std::array<Real, std::size_t{Memory::words}>;
   /// Row of the contacts that do not touch: all zeros, with the memory of a new contact. Who reads
@@ -36,6 +37,7 @@ class Touches {
   /// What one step made. Only contacts that touch have a row of their own; the rows of those found
   /// at a chunk of grains lie together, as far behind first_row as the first of these contacts.
   struct Seen {
+    using Row = ContactRow<has_couple>;
     std::vector<Real, Eigen::aligned_allocator<Real>> rows;      ///< see ContactRow
     std::vector<Real, Eigen::aligned_allocator<Real>> memories;  ///< padded_words a row
     std::vector<std::uint32_t> at;  ///< number of the row of each near contact, or `none`

@@ -177,9 +177,9 @@ void drift(P& particles, double time_step) {
   for_each(particles.size(), [&](Index i) { motion.drift(i, time_step); });
 }
 
-/// Advances particles under forces. The velocities given at the start are those at time 0; from the
-/// first step on, `velocity` and `spin` hold v^{N−½}, and Simulation::snapshot() gives v^N (27)
-/// (28).
+/// Advances particles under forces. The velocities given at the start are those at time 0;
+/// from the first step on, `velocity` and `spin` hold v^{N−½}, and Simulation::snapshot()
+/// gives v^N (27) (28).
 template <Damping<double> D = NoDamping>
 class Leapfrog {
  public:

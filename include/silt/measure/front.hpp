@@ -23,9 +23,9 @@ struct Front {
   double height = 0;  ///< of the fluid at the back wall [m]
 };
 
-/// Edge of the fluid in a tank whose floor and back wall lie at 0, as the search last saw it; the
-/// last axis points up. is_fluid(i) says which particles count. Throws if the spacing is not
-/// positive.
+/// Edge of the fluid in a tank whose floor and back wall lie at 0, as the search last saw
+/// it; the last axis points up. is_fluid(i) says which particles count. Throws if the
+/// spacing is not positive.
 template <ParticleSet P, NeighbourSearch<P> S, std::predicate<Index> IsFluid>
 Front find_front(const P& particles, const S& search, const FrontRule& rule, IsFluid&& is_fluid) {
   require_positive("FrontRule: spacing", rule.spacing);

@@ -11,8 +11,8 @@
 
 namespace silt::mps {
 
-/// a and b of Table 1, as ratios so that a case is a type: Collision<std::ratio<1>, std::ratio<1,
-/// 5>>.
+/// a and b of Table 1, as ratios so that a case is a type: Collision<std::ratio<1>,
+/// std::ratio<1, 5>>.
 template <class A, class B>
 struct Collision {
   double distance = double(A::num) / double(A::den);     ///< a, in spacings [-]; 0: no collisions

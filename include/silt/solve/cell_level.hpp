@@ -3,8 +3,8 @@
 //
 //     Σ_l k_l (x_c − x_l) + m_c x_c = b_c
 //
-// with the conductances k to the cells l beside c, and the mass m, which ties c to the free
-// surface.
+// with the conductances k to the cells l beside c, and the mass m, which ties c to
+// the free surface.
 #pragma once
 
 #include <silt/core/rows.hpp>

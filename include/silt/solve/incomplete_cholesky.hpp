@@ -41,8 +41,8 @@ class IncompleteCholesky {
   }
 
  private:
-  // Ordered as the particles are: an order that saves fill-in, of which there is none, loses
-  // accuracy.
+  // Ordered as the particles are: an order that saves fill-in, of which there is none,
+  // loses accuracy.
   using Factors = Eigen::IncompleteCholesky<double, Eigen::Lower, Eigen::NaturalOrdering<int>>;
   std::vector<Eigen::Triplet<double>> lower_;
   std::shared_ptr<const Factors> factors_;
