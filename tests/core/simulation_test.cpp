@@ -289,6 +289,47 @@ TEST(Simulation, CallsAfterStepAfterEveryStep) {
   EXPECT_EQ(*counter.steps, 4);
 }
 
+// A push along x that grows with time; it notes when forces were asked for.
+class Rising {
+ public:
+  std::shared_ptr<std::vector<double>> asked = std::make_shared<std::vector<double>>();
+
+  void at(double time) { time_ = time; }
+  template <class P>
+  typename P::Real reach(const P&) const {
+    return 0;
+  }
+  template <class P, class S>
+  void accelerate(P& particles, const S&, double) const {
+    asked->push_back(time_);
+    for (Index i = 0; i < particles.size(); ++i) {
+      particles[force][i][0] += particles[mass][i] * time_;
+    }
+  }
+
+ private:
+  double time_ = nan;
+};
+static_assert(DependsOnTime<Rising> && !DependsOnTime<Gravity<2>>);
+
+TEST(Simulation, TellsAnInteractionTheTimeOfThePositions) {
+  const Rising rising;
+  Saboteur saboteur;
+  Simulation sim{one_grain<2>({0, 1}, {0, 0}), UniformGrid<2>{}, Forces{rising, saboteur},
+                 Leapfrog{}};
+  for (int k = 0; k < 3; ++k) sim.step(0.125);
+  // The first step also looks at time 0 to find v^{−½}.
+  EXPECT_EQ(*rising.asked, (std::vector<double>{0, 0, 0.125, 0.25}));
+  EXPECT_EQ(sim.snapshot()[velocity][0][0], 0.375 * 0.375 / 2);
+  EXPECT_EQ(rising.asked->back(), 0.375);
+
+  saboteur.fault->emplace().push = nan;
+  EXPECT_THROW(sim.step(0.125), Error);
+  saboteur.fault->reset();
+  sim.step(0.125);
+  EXPECT_EQ(rising.asked->back(), 0.375) << "a failed step takes no time";
+}
+
 TEST(Simulation, RefusesARunThatIsNone) {
   Simulation sim{one_grain<2>({0, 1}, {0, 0}), UniformGrid<2>{}, Gravity<2>{{0, -9.81}}, Leapfrog{}};
   EXPECT_TRUE(refuses([&] { sim.run({.until = nan}); }, {"Run: until = nan"}));

@@ -163,6 +163,17 @@ void accelerate_all(I& interaction, P& particles, S& search, double dt) {
   conclude(interaction, particles, dt);
 }
 
+/// Depends on time: at(t) tells it the time of the positions [s] before it is asked for anything
+/// that a step takes. It keeps no clock of its own: Simulation::time() is the one. Models:
+/// dem::Contacts, Forces.
+template <class I>
+concept DependsOnTime = requires(I i, double time) { i.at(time); };
+
+template <class I>
+void tell_time(I& interaction, double time) {
+  if constexpr (DependsOnTime<I>) interaction.at(time);
+}
+
 /// An incompressible flow, advanced by predictor and pressure. It may also have advect(p, dt),
 /// which moves the particles with the predictor's velocities, and needs_moved_particles. Model:
 /// mps::Flow.

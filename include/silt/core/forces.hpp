@@ -79,6 +79,11 @@ class Forces {
     return most;
   }
 
+  /// Tells the time [s] to the parts that depend on it.
+  void at(double time) {
+    for_each_part([=](auto& part) { tell_time(part, time); });
+  }
+
   template <class P, class S>
     requires(Interaction<Parts, P, S> && ...)
   void accelerate(P& particles, S& search, double dt) {

@@ -79,6 +79,7 @@ class Simulation {
   State state() const {
     if constexpr (requires(T t, P p, S s, I i) { t.synchronise(p, s, i); }) {
       Simulation copy = *this;
+      tell_time(copy.interaction_, time_);
       copy.integrator_.synchronise(copy.particles_, copy.search_, copy.interaction_);
       return {std::move(copy.particles_), std::move(copy.interaction_)};
     } else {
@@ -122,6 +123,7 @@ class Simulation {
       throw error.at(steps_, time_);
     }
     try {
+      tell_time(interaction_, time_);
       integrator_.step(particles_, search_, interaction_, dt);
       check_finite();
       check_leavers();
