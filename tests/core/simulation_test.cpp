@@ -330,6 +330,26 @@ TEST(Simulation, TellsAnInteractionTheTimeOfThePositions) {
   EXPECT_EQ(rising.asked->back(), 0.375) << "a failed step takes no time";
 }
 
+struct DropsOne {
+  std::vector<double> times;
+  template <class Sim>
+  void before_step(Sim& simulation) {
+    times.push_back(simulation.time());
+    dem::add_grain(simulation.particles(), {double(times.size()), 1}, pebble);
+  }
+};
+
+TEST(Simulation, LetsAnObserverChangeItBeforeEveryStep) {
+  Simulation sim{dem::Grains<2>{}, UniformGrid<2>{}, Gravity<2>{{0, -9.81}}, Leapfrog{}};
+  DropsOne drops;
+  std::vector<Index> seen;
+  const auto see = [&](const auto& s) { seen.push_back(s.particles().size()); };
+  sim.run({.until = 0.5, .output_every = 0.25, .time_step = 0.125}, see, drops);
+  EXPECT_EQ(drops.times, (std::vector<double>{0, 0.125, 0.25, 0.375}));
+  EXPECT_EQ(seen, (std::vector<Index>{0, 2, 4}));
+  EXPECT_LT(sim.particles()[position][0][1], sim.particles()[position][3][1]);
+}
+
 TEST(Simulation, RefusesARunThatIsNone) {
   Simulation sim{one_grain<2>({0, 1}, {0, 0}), UniformGrid<2>{}, Gravity<2>{{0, -9.81}}, Leapfrog{}};
   EXPECT_TRUE(refuses([&] { sim.run({.until = nan}); }, {"Run: until = nan"}));

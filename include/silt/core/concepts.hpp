@@ -231,8 +231,22 @@ concept Damping = requires(const D d, Real v, Real a, Real dt) {
   { d.kicked(v, a, dt) } -> std::convertible_to<Real>;
 };
 
+struct Run;
+
 /// Called with the simulation at every output. A lambda is one.
 template <class O, class Sim>
-concept Observer = std::invocable<O&, const Sim&>;
+concept ObservesOutputs = std::invocable<O&, const Sim&>;
+/// o.before_step(simulation), called before every step, may change it: inflow, removal.
+template <class O, class Sim>
+concept ActsBeforeSteps = requires(O o, Sim& simulation) { o.before_step(simulation); };
+/// o.after_step(simulation, run), called after every step.
+template <class O, class Sim>
+concept ObservesSteps =
+    requires(O o, const Sim& simulation, const Run& run) { o.after_step(simulation, run); };
+
+/// Does at least one of the three.
+template <class O, class Sim>
+concept Observer =
+    ObservesOutputs<O, Sim> || ActsBeforeSteps<O, Sim> || ObservesSteps<O, Sim>;
 
 }  // namespace silt

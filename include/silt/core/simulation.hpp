@@ -142,14 +142,30 @@ class Simulation {
 
   /// Steps while time() < until. Observers are called with the simulation at the beginning, at the
   /// first step at or after every multiple of output_every, and at the end; those that have
-  /// `after_step(simulation, run)` also after every step.
+  /// `after_step(simulation, run)` also after every step, and those that have
+  /// `before_step(simulation)` before every step, with the simulation to change.
   template <class... Observers>
     requires(Observer<Observers, Simulation> && ...)
   void run(const Run& run, Observers&&... observers) {
     require_finite("Run: until", run.until);
     require_not_negative("Run: output_every", run.output_every);
     if (run.time_step) require_positive("Run: time_step", *run.time_step);
-    const auto observe = [&] { (observers(std::as_const(*this)), ...); };
+    const auto observe = [&] {
+      [[maybe_unused]] const auto show = [&](auto& observer) {
+        if constexpr (ObservesOutputs<decltype(observer), Simulation>) {
+          observer(std::as_const(*this));
+        }
+      };
+      (show(observers), ...);
+    };
+    [[maybe_unused]] const auto before_step = [&](auto& observer) {
+      if constexpr (ActsBeforeSteps<decltype(observer), Simulation>) observer.before_step(*this);
+    };
+    [[maybe_unused]] const auto after_step = [&](auto& observer) {
+      if constexpr (ObservesSteps<decltype(observer), Simulation>) {
+        observer.after_step(std::as_const(*this), run);
+      }
+    };
     const auto outputs_at = [&](double time) {
       return run.output_every > 0 ? std::floor(time / run.output_every * (1 + 1e-12)) : 0.0;
     };
@@ -158,12 +174,8 @@ class Simulation {
     double outputs = outputs_at(time_);
     bool observed = true;
     while (time_ < end) {
+      (before_step(observers), ...);
       step(run.time_step ? *run.time_step : time_step());
-      [[maybe_unused]] const auto after_step = [&](auto& observer) {
-        if constexpr (requires { observer.after_step(std::as_const(*this), run); }) {
-          observer.after_step(std::as_const(*this), run);
-        }
-      };
       (after_step(observers), ...);
       observed = outputs_at(time_) > outputs;
       if (observed) {
