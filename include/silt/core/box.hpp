@@ -6,8 +6,10 @@
 #include <silt/core/error.hpp>
 #include <silt/core/types.hpp>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <string>
 
 namespace silt {
@@ -43,6 +45,21 @@ struct Box {
     }
     return inside;
   }
+
+  /// How far x is inside of every side that is not periodic [m]; below 0: outside.
+  Real clearance(const Vec<Dim, Real>& x) const {
+    Real least = std::numeric_limits<Real>::infinity();
+    for (int k = 0; k < Dim; ++k) {
+      if (periodic[static_cast<std::size_t>(k)]) continue;
+      least = std::min({least, x[k] - lower[k], upper[k] - x[k]});
+    }
+    return least;
+  }
+
+  /// [m³], in 2D [m²].
+  double volume() const { return double(length().prod()); }
+  /// Itself: among regions of other shapes, the box around it.
+  const Box& bounds() const { return *this; }
 
   /// The image of x in [lower, upper) along the periodic axes, in closed form. What is not finite
   /// stays as it is.

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: MIT
+// Regions of space to put grains into, or to take them from. A silt::Box is one; grains may stick
+// out of its periodic sides.
+#pragma once
+
+#include <silt/core/box.hpp>
+#include <silt/core/error.hpp>
+#include <silt/core/types.hpp>
+
+#include <algorithm>
+#include <concepts>
+#include <numbers>
+#include <type_traits>
+#include <utility>
+
+namespace silt::dem {
+
+/// A region has
+///   clearance(x)   → [m] how far x is inside; below 0: outside
+///   bounds()       → the Box around it, finite where grains are put
+///   volume()       → [m³], in 2D [m²]
+///   check()        throws if it is none
+template <class R, int Dim, class Real>
+concept Region = requires(const R region, const Vec<Dim, Real> x) {
+  { region.clearance(x) } -> std::convertible_to<Real>;
+  { region.bounds() } -> std::convertible_to<Box<Dim, Real>>;
+  { region.volume() } -> std::convertible_to<double>;
+  region.check();
+};
+
+/// The Box around a region, of its dimension and precision.
+template <class R>
+using BoundsOf = std::remove_cvref_t<decltype(std::declval<const R&>().bounds())>;
+
+/// Upright cylinder in 3D, along the last axis.
+template <class Real = double>
+struct Pillar {
+  Vec<3, Real> foot = Vec<3, Real>::Zero();  ///< centre of the lower end [m]
+  Real radius = 0;                           ///< [m], above 0
+  Real height = 0;                           ///< [m], above 0
+
+  void check() const {
+    require_finite("Pillar: foot", foot);
+    require_positive("Pillar: radius", double(radius));
+    require_positive("Pillar: height", double(height));
+  }
+  Box<3, Real> bounds() const {
+    const Vec<3, Real> aside(radius, radius, 0);
+    return {.lower = foot - aside, .upper = foot + aside + Vec<3, Real>(0, 0, height)};
+  }
+  double volume() const {
+    return std::numbers::pi * double(radius) * double(radius) * double(height);
+  }
+  Real clearance(const Vec<3, Real>& x) const {
+    const Vec<3, Real> from_foot = x - foot;
+    return std::min({radius - from_foot.template head<2>().norm(), from_foot[2],
+                     height - from_foot[2]});
+  }
+};
+
+}  // namespace silt::dem

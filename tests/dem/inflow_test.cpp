@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: MIT
+#include "support/check.hpp"
+#include "support/points.hpp"
+
+#include <silt/dem.hpp>
+#include <silt/dem/inflow.hpp>
+#include <silt/dem/outflow.hpp>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+namespace silt::test {
+namespace {
+
+const dem::Blend<dem::UniformSizes> pebbles{
+    .sizes = {.smallest_radius = 0.008, .largest_radius = 0.012}, .density = 2500};
+const dem::CundallStrack law{.normal_stiffness = 1e5,
+                             .tangential_stiffness = 5e4,
+                             .restitution = 0.5,
+                             .friction_angle = 0.4};
+const Box<2> above{.lower = {0, 0.3}, .upper = {0.2, 0.4}};
+
+auto empty_bin() {
+  return Simulation{dem::Grains<2>{}, NeighbourList<2>{},
+                    Forces{Gravity<2>{{0, -9.81}},
+                           dem::Contacts{law, dem::Plane<2>{}, dem::Plane<2>{.normal = {1, 0}},
+                                         dem::Plane<2>{.point = {0.2, 0}, .normal = {-1, 0}}}},
+                    Leapfrog{}};
+}
+
+TEST(Inflow, FillsToANumberWithoutOverlap) {
+  auto bin = empty_bin();
+  dem::Inflow rain{above, pebbles, {.number = 100, .velocity = {0, -1}, .every = 0.02}};
+  double most_energy = 0;
+  const auto see = [&](const auto& sim) {
+    for (Index i = 0; i < sim.particles().size(); ++i) {
+      const auto& v = sim.particles()[velocity][i];
+      most_energy = std::max(most_energy, v.squaredNorm() / 2 +
+                                              9.81 * sim.particles()[position][i][1]);
+    }
+  };
+  bin.run({.until = 0.6, .output_every = 0.005}, see, rain);
+  EXPECT_TRUE(rain.is_done());
+  EXPECT_EQ(bin.particles().size(), 100u);
+  EXPECT_LT(most_energy, 1.1 * (0.5 + 9.81 * 0.4)) << "none was thrown by an overlap";
+}
+
+TEST(Inflow, ComesAtItsRate) {
+  auto bin = empty_bin();
+  dem::Inflow rain{above, pebbles,
+                   {.number = 50, .rate = 100, .from = 0.1, .velocity = {0, -1}}};
+  std::vector<Index> numbers;
+  bin.run({.until = 1, .output_every = 0.1, .time_step = 1e-4}, rain,
+          [&](const auto& sim) { numbers.push_back(sim.particles().size()); });
+  // The step at 0.1 s lets in the first.
+  EXPECT_EQ(numbers, (std::vector<Index>{0, 0, 10, 20, 30, 40, 50, 50, 50, 50, 50}));
+}
+
+TEST(Inflow, DrawsTheSameGrainsWhateverHappens) {
+  auto rained = empty_bin();
+  dem::Inflow rain{above, pebbles, {.number = 30, .rate = 1000, .seed = 5}};
+  rained.run({.until = 0.2, .time_step = 1e-4}, rain);
+  auto filled = empty_bin();
+  dem::Inflow filling{above, pebbles, {.number = 30, .seed = 5}};
+  filled.run({.until = 0.2, .time_step = 1e-4}, filling);
+  ASSERT_EQ(rained.particles().size(), 30u);
+  ASSERT_EQ(filled.particles().size(), 30u);
+  for (Id id = 0; id < 30; ++id) {
+    EXPECT_EQ(rained.particles()[radius][rained.particles().index_of(id)],
+              filled.particles()[radius][filled.particles().index_of(id)]);
+  }
+}
+
+TEST(Outflow, CountsWhatItRemoves) {
+  dem::Grains<2> grains;
+  for (const double x : {0.0, 0.1, 0.2}) {
+    dem::add_grain(grains, {x, 0.1 + x}, {.radius = 0.01, .density = 2500});
+  }
+  const double each = grains[mass][0];
+  Simulation fall{grains, UniformGrid<2>{}, Gravity<2>{{0, -9.81}}, Leapfrog{}};
+  Box<2> below;
+  below.upper[1] = 0;
+  dem::Outflow drain{below};
+  // They fall 0.1, 0.2 and 0.3 m, which takes 0.143, 0.202 and 0.247 s.
+  std::vector<Index> left;
+  fall.run({.until = 0.25, .output_every = 0.05, .time_step = 1e-3}, drain,
+           [&](const auto& sim) { left.push_back(sim.particles().size()); });
+  EXPECT_EQ(left, (std::vector<Index>{3, 3, 3, 2, 2, 0}));
+  EXPECT_EQ(drain.number(), 3u);
+  EXPECT_NEAR(drain.mass(), 3 * each, 1e-12);
+}
+
+TEST(Inflow, RefusesWhatIsOutOfRange) {
+  EXPECT_TRUE(refuses([] { dem::Inflow(above, pebbles, {.number = 1, .rate = 0.0}); },
+                      {"Inflow: rate = 0"}));
+  EXPECT_TRUE(refuses([] { dem::Inflow(above, pebbles, {.number = 1, .every = -1}); },
+                      {"Inflow: every = -1"}));
+  EXPECT_TRUE(refuses([] { dem::Outflow(dem::Pillar<>{}); }, {"Pillar: radius"}));
+}
+
+}  // namespace
+}  // namespace silt::test

@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: MIT
+#include "support/check.hpp"
+#include "support/points.hpp"
+
+#include <silt/dem.hpp>
+#include <silt/dem/packing.hpp>
+#include <silt/dem/settling.hpp>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace silt::test {
+namespace {
+
+const dem::Blend<dem::UniformSizes> blend{
+    .sizes = {.smallest_radius = 0.02, .largest_radius = 0.1}, .density = 2500};
+
+// The smallest gap between two grains, over all images; by all pairs.
+template <class P>
+double smallest_gap(const P& grains) {
+  double gap = 1e9;
+  for (const auto& [i, j, r] : meetings_by_hand(grains, typename P::Real(0.25))) {
+    double square = 0;
+    for (const auto part : r) square += double(part) * double(part);
+    gap = std::min(gap, std::sqrt(square) - double(grains[radius][i] + grains[radius][j]));
+  }
+  return gap;
+}
+
+template <class P>
+double solid_volume(const P& grains) {
+  double sum = 0;
+  for (const double R : grains[radius]) sum += dem::volume_of<P::dimension>(R);
+  return sum;
+}
+
+template <int Dim>
+void expect_packing(bool periodic) {
+  auto box = cube<Dim, double>(0, Dim == 2 ? 3 : 1.5);
+  box.periodic[0] = periodic;
+  dem::Grains<Dim> grains(box);
+  const double share = Dim == 2 ? 0.55 : 0.3;
+  dem::scatter(grains, blend, box, {.solid_fraction = share, .seed = 3});
+  EXPECT_GT(grains.size(), 100u);
+  EXPECT_GE(smallest_gap(grains), 0);
+  EXPECT_LT(smallest_gap(grains), 0.01) << "they are close";
+  const double filled = solid_volume(grains) / box.volume();
+  EXPECT_GE(filled, share);
+  EXPECT_LT(filled, share + 0.01);
+  int astride = 0;
+  for (Index i = 0; i < grains.size(); ++i) {
+    const auto& x = grains[position][i];
+    EXPECT_GE(box.clearance(x), grains[radius][i]);
+    astride += x[0] < grains[radius][i];
+  }
+  EXPECT_EQ(astride > 0, periodic);
+
+  auto again = dem::Grains<Dim>(box);
+  dem::scatter(again, blend, box, {.solid_fraction = share, .seed = 3});
+  EXPECT_EQ(state_of(again), state_of(grains));
+}
+
+TEST(Packing, FillsAShareOfTheRegionWithoutOverlap) {
+  expect_packing<2>(false);
+  expect_packing<2>(true);
+  expect_packing<3>(false);
+  expect_packing<3>(true);
+}
+
+TEST(Packing, LeavesAloneWhatIsThere) {
+  dem::Grains<3> grains;
+  dem::add_grain(grains, {0, 0, 0.3}, {.radius = 0.2, .density = 1});
+  const dem::Pillar<> pillar{.radius = 0.5, .height = 1};
+  dem::scatter(grains, blend, pillar, {.number = 100});
+  EXPECT_EQ(grains.size(), 101u);
+  EXPECT_GE(smallest_gap(grains), 0);
+  for (Index i = 1; i < grains.size(); ++i) {
+    EXPECT_GE(pillar.clearance(grains[position][i]), grains[radius][i]);
+  }
+}
+
+TEST(Packing, RefusesTheImpossibleAndSaysHowFarItCame) {
+  dem::Grains<2> grains;
+  const auto box = cube<2, double>(0, 1);
+  const dem::Blend<dem::EqualSizes> discs{.sizes = {.value = 0.05}, .density = 1};
+  EXPECT_TRUE(refuses([&] { dem::scatter(grains, discs, box, {.number = 100}); },
+                      {"dem::scatter: placed ", " of 100 grains", "radius 0.05"}));
+  EXPECT_TRUE(grains.empty());
+  EXPECT_TRUE(refuses([&] { dem::scatter(grains, discs, box, {}); }, {"either a number or"}));
+  EXPECT_TRUE(refuses([&] { dem::scatter(grains, discs, box, {.solid_fraction = 1.2}); },
+                      {"solid_fraction = 1.2"}));
+  EXPECT_TRUE(refuses([&] { dem::scatter(grains, discs, Box<2>{}, {.number = 1}); },
+                      {"lower corner of the region = -inf"}));
+}
+
+// Random sequential addition stops at 0.547 of the plane; so far all tries succeed sooner or later.
+TEST(Packing, ComesNearToWhereRandomAdditionEnds) {
+  dem::Grains<2> grains;
+  const dem::Blend<dem::EqualSizes> discs{.sizes = {.value = 0.01}, .density = 1};
+  auto box = cube<2, double>(0, 1);
+  box.periodic = {true, true};
+  grains.set_box(box);
+  dem::scatter(grains, discs, box, {.solid_fraction = 0.52, .tries = 20000});
+  EXPECT_NEAR(solid_volume(grains), 0.52, 1e-3);
+}
+
+TEST(Packing, SettlesToABedThatCarriesItsWeight) {
+  const dem::Blend<dem::UniformSizes> pebbles{
+      .sizes = {.smallest_radius = 0.008, .largest_radius = 0.012}, .density = 2500};
+  dem::Grains<2> grains;
+  const Box<2> box{.lower = {0, 0}, .upper = {0.2, 0.3}};
+  dem::scatter(grains, pebbles, box, {.number = 80});
+  double weight = 0;
+  for (const double m : grains[mass]) weight += 9.81 * m;
+  const dem::CundallStrack law{.normal_stiffness = 1e5,
+                               .tangential_stiffness = 5e4,
+                               .restitution = 0.3,
+                               .friction_angle = 0.4};
+  Simulation bed{grains, NeighbourList<2>{},
+                 Forces{Gravity<2>{{0, -9.81}},
+                        dem::Contacts{law, dem::Plane<2>{}, dem::Plane<2>{.normal = {1, 0}},
+                                      dem::Plane<2>{.point = {0.2, 0}, .normal = {-1, 0}}}},
+                 Leapfrog{GlobalDamping{.alpha = 2}}};
+  const dem::Settling rest{.speed = 1e-4, .look_every = 0.1, .at_most = 5};
+  const double took = dem::settle(bed, rest);
+  EXPECT_LT(took, 5);
+  EXPECT_LT(dem::rms_speed(bed.particles()), 1e-4);
+  double floor = 0;
+  const auto state = bed.state();
+  state.interaction.part<1>().for_each_contact(
+      state.particles, [&](Index, Index j, const auto&, const Vec<2>& f) {
+        if (j == nowhere) floor += f[1];
+      });
+  EXPECT_NEAR(floor / weight, 1, 0.01);
+
+  EXPECT_TRUE(refuses(
+      [&] { dem::settle(bed, {.speed = 1e-30, .look_every = 0.01, .at_most = 0.02}); },
+      {"dem::settle: after 0.02 s", "speed = 1e-30"}));
+}
+
+}  // namespace
+}  // namespace silt::test
