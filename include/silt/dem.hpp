@@ -8,6 +8,10 @@
 #include <silt/dem/contacts.hpp>
 #include <silt/dem/cundall_strack.hpp>
 #include <silt/dem/grains.hpp>
+#include <silt/dem/law.hpp>
+#include <silt/dem/linear_friction.hpp>
+#include <silt/dem/linear_spring_dashpot.hpp>
+#include <silt/dem/walton_braun.hpp>
 #include <silt/integrate/leapfrog.hpp>
 #include <silt/search/brute_force.hpp>
 #include <silt/search/level_grid.hpp>

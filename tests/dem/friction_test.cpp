@@ -197,7 +197,8 @@ dem::Contact<2, double> sliding_contact(double overlap, double speed) {
 Vec<2> after_sliding(const dem::CundallStrack& law, double overlap, double speed) {
   dem::CundallStrack::Memory<2, double> memory;
   Vec<2> force = Vec<2>::Zero();
-  for (int k = 0; k < 1000; ++k) force = law.force(sliding_contact(overlap, speed), memory);
+  const auto contact = sliding_contact(overlap, speed);
+  for (int k = 0; k < 1000; ++k) force = law.parts(contact, memory).force(contact.normal);
   return force;
 }
 

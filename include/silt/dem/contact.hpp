@@ -37,6 +37,20 @@ struct Stiffness {
   double beta = 0;        ///< dashpot over spring c/k [s], of a dashpot that sees v^{N−½}
 };
 
+/// Energy that the springs of a contact hold [J].
+struct ElasticParts {
+  double normal = 0;
+  double tangential = 0;
+  double rolling = 0;   ///< and twisting
+  double adhesion = 0;  ///< below 0: what it takes to pull the two apart
+
+  double sum() const { return normal + tangential + rolling + adhesion; }
+};
+
+/// Of two materials: a pair of equal grains has the stiffness k, so each grain's own spring has 2 k,
+/// and two of those act in series.
+inline double in_series(double a, double b) { return a + b > 0 ? 2 * a * b / (a + b) : 0; }
+
 /// The force on i by the mechanisms that make it, for the energy ledger.
 template <int Dim, class RealType>
 struct ForceParts {
@@ -111,6 +125,7 @@ concept LawWithMemory = requires(const L law, const Contact<Dim, Real> contact,
 ///   check()                  throws if a parameter is out of range
 ///   stiffness(contact)       → Stiffness: then a default and a stable time step are known
 ///   elastic_energy(contact, memory)   [J] stored in the springs
+///   elastic_parts(contact, memory)    → ElasticParts: the same by mechanisms
 ///   mix(a, b)  (static)      the law between two materials
 template <class L, int Dim, class Real>
 concept ContactLaw = LawWithoutMemory<L, Dim, Real> || LawWithMemory<L, Dim, Real>;

@@ -49,13 +49,20 @@ namespace detail {
 struct OddScalar {
   float parts[3];
 };
+// The memory's Reals, with the padding that the alignment of a vector may put behind them.
+template <class Memory, class Scalar, class OfOddScalars>
+inline constexpr bool holds_only =
+    sizeof(OfOddScalars) % sizeof(OddScalar) == 0 &&
+    (sizeof(OfOddScalars) / sizeof(OddScalar) * sizeof(Scalar) + alignof(Memory) - 1) /
+            alignof(Memory) * alignof(Memory) ==
+        sizeof(Memory);
 template <class Law, int Dim, class Real>
 concept RemembersRealsOnly =
     !LawWithMemory<Law, Dim, Real> ||
-    (sizeof(typename Law::template Memory<Dim, OddScalar>) ==
-         sizeof(OddScalar) * LawMemory<Law, Dim, Real>::words &&
+    (holds_only<typename Law::template Memory<Dim, Real>, Real,
+                typename Law::template Memory<Dim, OddScalar>> &&
      sizeof(typename Law::template Memory<Dim, Lane<Real>>) ==
-         sizeof(Real) * LawMemory<Law, Dim, Real>::words);
+         sizeof(typename Law::template Memory<Dim, Real>));
 }  // namespace detail
 
 /// The law is written for any scalar, and remembers nothing but Reals: the same code then works on

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: MIT
+// Along the tangent: the spring, dashpot and slider of Cundall and Strack (1979).
+#pragma once
+
+#include <silt/core/error.hpp>
+#include <silt/core/types.hpp>
+#include <silt/dem/contact.hpp>
+#include <silt/dem/law_parts.hpp>
+#include <silt/dem/slider.hpp>
+
+#include <algorithm>
+
+namespace silt::dem {
+
+/// F_s^N = F_s^{N−1} − k_s v_s Δt, no larger than F_n tan φ_μ + c, (10)–(13) of [SahChoi2004], with
+/// the normal part's spring as F_n. Its dashpot has the normal part's β: c_s = β k_s (24), 0 while
+/// it slides. The spring turns with the contact plane and keeps its length.
+struct LinearFriction {
+  double tangential_stiffness = 0;    ///< k_s [N/m], above 0
+  FrictionAngle friction_angle = {};  ///< φ_μ [rad] in [0, π/2)
+  double cohesion = 0;                ///< c of (13): force that holds without load [N]
+
+  template <int Dim, class Real>
+  struct Memory {
+    Vec<Dim, Real> force = Vec<Dim, Real>::Zero();  ///< of the spring, on i [N]
+  };
+
+  void check() const {
+    require_positive("LinearFriction: tangential_stiffness", tangential_stiffness);
+    friction_angle.check("LinearFriction: friction_angle");
+    require_not_negative("LinearFriction: cohesion", cohesion);
+  }
+
+  template <class C, class M>
+  TangentialForce<C> tangential_force(const C& contact, const NormalForce<C>& normal,
+                                      M& memory) const {
+    using Real = typename C::Real;
+    const Real k = Real(tangential_stiffness);
+    const Slider<Real> slider{
+        .stiffness = k,
+        .dashpot = normal.beta * k,
+        .limit = std::max(Real(0), normal.spring * Real(friction_angle.tangent) + Real(cohesion))};
+    const auto pull = slide(slider, turned_into_plane(memory.force, contact.normal),
+                            contact.tangential_velocity(), contact.time_step);
+    memory.force = pull.spring;
+    return {.spring = pull.spring, .dashpot = pull.dashpot, .friction = pull.lost};
+  }
+
+  template <class C, class M>
+  double elastic_energy(const C&, const M& memory) const {
+    return energy_of_spring(memory.force, tangential_stiffness);
+  }
+
+  template <class C>
+  Stiffness stiffness(const C&, Stiffness normal) const {
+    normal.tangential = tangential_stiffness;
+    return normal;
+  }
+
+  /// Springs in series (equal ones stay as they are), the smaller friction angle and cohesion.
+  static LinearFriction mix(const LinearFriction& a, const LinearFriction& b) {
+    return {.tangential_stiffness = in_series(a.tangential_stiffness, b.tangential_stiffness),
+            .friction_angle =
+                std::ranges::min(a.friction_angle, b.friction_angle, {}, &FrictionAngle::value),
+            .cohesion = std::min(a.cohesion, b.cohesion)};
+  }
+};
+
+}  // namespace silt::dem

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: MIT
+// Along the normal: a linear spring and a dashpot, given by restitution.
+#pragma once
+
+#include <silt/core/error.hpp>
+#include <silt/core/types.hpp>
+#include <silt/dem/contact.hpp>
+#include <silt/dem/dashpot.hpp>
+#include <silt/dem/law_parts.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace silt::dem {
+
+/// F = k δ + c v_n with c = 2 ζ √(k m*). Without other forces its impact is exactly
+///   e = exp(−π ζ/√(1 − ζ²)), t_c = π/(ω √(1 − ζ²)), ω = √(k/m*),
+/// whatever the speed; in steps of a fiftieth of t_c e is within 0.5 % of the given.
+struct LinearSpringDashpot {
+  double normal_stiffness = 0;   ///< k [N/m], above 0
+  Restitution restitution = {};  ///< e [-] in (0, 1]
+  bool tension = true;  ///< false: the dashpot never pulls, and e grows to e_clip(ζ) of Schwager
+                        ///< and Pöschel (2007)
+
+  template <int, class Real>
+  using Memory = CentredDashpot::Memory<Real>;
+
+  void check() const {
+    require_positive("LinearSpringDashpot: normal_stiffness", normal_stiffness);
+    restitution.check("LinearSpringDashpot: restitution");
+  }
+
+  template <class C, class M>
+  NormalForce<C> normal_force(const C& contact, M& memory) const {
+    using Real = typename C::Real;
+    const Real k = Real(normal_stiffness);
+    const Real beta = dashpot_over_spring(contact.effective_mass);
+    const Real spring = k * contact.overlap;
+    const Real dashpot = CentredDashpot::force(contact, memory, k, beta * k);
+    return {.spring = spring,
+            .dashpot = tension ? dashpot : without_pull(spring, dashpot),
+            .stiffness = k,
+            .beta = beta};
+  }
+
+  template <class C, class M>
+  double elastic_energy(const C& contact, const M&) const {
+    return normal_stiffness * squared(double(contact.overlap)) / 2;
+  }
+
+  template <class C>
+  Stiffness stiffness(const C& contact) const {
+    return {.normal = normal_stiffness,
+            .beta = CentredDashpot::lateness * double(dashpot_over_spring(contact.effective_mass))};
+  }
+
+  /// Springs in series (equal ones stay as they are), the lower restitution; pulls if both may.
+  static LinearSpringDashpot mix(const LinearSpringDashpot& a, const LinearSpringDashpot& b) {
+    return {.normal_stiffness = in_series(a.normal_stiffness, b.normal_stiffness),
+            .restitution = std::ranges::min(a.restitution, b.restitution, {}, &Restitution::value),
+            .tension = a.tension && b.tension};
+  }
+
+ private:
+  // c/k = 2 ζ √(m*/k) [s].
+  template <class Real>
+  Real dashpot_over_spring(Real effective_mass) const {
+    return Real(2 * restitution.damping_ratio) * std::sqrt(effective_mass / Real(normal_stiffness));
+  }
+};
+
+}  // namespace silt::dem
