@@ -9,7 +9,8 @@
 #include <silt/core/types.hpp>
 #include <silt/dem/contact.hpp>
 #include <silt/dem/grain_columns.hpp>
-#include <silt/dem/walls.hpp>
+#include <silt/dem/wall.hpp>
+#include <silt/dem/wall_motion.hpp>
 
 #include <algorithm>
 #include <array>
@@ -164,8 +165,11 @@ class ContactLanes {
     return touching;
   }
 
-  /// The contacts of the grains looked at.
-  void meet_walls(const Columns& grains, const std::uint32_t* first, Real arm_share) {
+  /// The contacts of the grains looked at. velocity(number) is that of a wall that
+  /// moves, a RigidVelocity; `nullptr` where none does.
+  template <class Velocity>
+  void meet_walls(const Columns& grains, const std::uint32_t* first, const std::uint32_t* second,
+                  Real arm_share, [[maybe_unused]] Velocity&& velocity) {
     for (int p = 0; p < packs; ++p) {
       typename Columns::Motion i;
       grains.load(first + p * N, i);
@@ -174,6 +178,18 @@ class ContactLanes {
       const Pack shorter = arm_share * overlap_[p];
       Pack u[Dim];
       surface_velocity(i, shorter - i_[p].R, n, u);
+      if constexpr (!std::is_null_pointer_v<std::remove_cvref_t<Velocity>>) {
+        for (int lane = 0; lane < N; ++lane) {
+          Vec point;
+          for (int k = 0; k < Dim; ++k) {
+            point[k] = i_[p].x[k][lane] + (shorter[lane] - i_[p].R[lane]) * n[k][lane];
+          }
+          const RigidVelocity<Dim, Real> wall = velocity(second[p * N + lane]);
+          const Vec u_wall = wall.at(point);
+          for (int k = 0; k < Dim; ++k) u[k][lane] -= u_wall[k];
+          for (int k = 0; k < spin_words; ++k) i.w[k][lane] -= component(wall.spin, k);
+        }
+      }
       if constexpr (has_couple) {
         for (int k = 0; k < spin_words; ++k) put_spin(p, k, i.w[k]);
       }
@@ -236,6 +252,14 @@ class ContactLanes {
   static constexpr int packs = lanes / N;
   static constexpr int spin_words = Columns::spin_words;
   using Pack = typename Columns::Pack;
+
+  static Real component(const silt::Spin<Dim, Real>& spin, [[maybe_unused]] int k) {
+    if constexpr (Dim == 2) {
+      return spin;
+    } else {
+      return spin[k];
+    }
+  }
 
   // u = v + a ω × n, with a to the surface along n, (5).
   [[gnu::always_inline]] static void surface_velocity(const typename Columns::Motion& grain,

@@ -18,6 +18,7 @@
 #include <silt/dem/single_contacts.hpp>
 #include <silt/dem/stability.hpp>
 #include <silt/dem/touches.hpp>
+#include <silt/dem/wall_load.hpp>
 #include <silt/dem/walls.hpp>
 
 #include <algorithm>
@@ -54,9 +55,9 @@ class Contacts {
   explicit Contacts(Law law, Walls... walls) : Contacts(Materials<Law>{law}, std::move(walls)...) {}
   explicit Contacts(Materials<Law> materials, Walls... walls)
       : materials_(std::move(materials)), walls_(std::move(walls)...) {
-    walls_.for_each([this](const auto& wall, Index w) {
-      materials_.check(wall.material, "of wall " + std::to_string(w));
-    });
+    for (Index w = 0; w < walls_.size(); ++w) {
+      materials_.check(walls_.material(w), "of wall " + std::to_string(w));
+    }
   }
 
   /// The same contacts with other settings. Throws if they are out of range.
@@ -78,7 +79,8 @@ class Contacts {
                   "memory) that gives a vector, nor parts in its place (see ContactLaw in silt/dem/contact.hpp)");
     static_assert((Wall<Walls, P::dimension, typename P::Real> && ...),
                   "silt::dem::Contacts: a wall lacks nearest(x), material or check(), or is of "
-                  "another dimension or precision (see Wall in silt/dem/walls.hpp)");
+                  "another dimension or precision (see silt/dem/wall.hpp), or moves by no motion "
+                  "(see silt/dem/wall_motion.hpp)");
   }
 
   /// Two of the largest radius [m].
@@ -100,14 +102,17 @@ class Contacts {
     accelerate_all(*this, grains, search, dt);
   }
 
+  /// The time of the positions [s], which Simulation tells: where moving walls are.
+  void at(double time) { time_ = time; }
+
   // The same in parts, see AddsForces in core/concepts.hpp.
 
   template <class P, class S>
   void prepare(P& grains, const S& search, double dt) {
     auto& touches = found<P>();
-    const bool stale = is_stale(grains, search, touches.validity());
+    const bool stale = is_stale(grains, search, walls_, time_, touches.validity());
     if (stale) check_grains(grains);
-    touches.begin_step(static_cast<typename P::Real>(dt));
+    touches.begin_step({.time = time_, .time_step = dt});
     grains.refresh_ghosts(velocity, spin);
     if (stale) renew_near(grains, search, touches, dt);
     touches.make_room();
@@ -132,7 +137,8 @@ class Contacts {
       }
     };
     const Real arm_share = settings_.lever_arm == LeverArm::radius ? 0 : Real(0.5);
-    LawPass pass(grains, touches, walls_, arm_share, ask);
+    const auto walls = walls_as_the_law_saw_them<P>();
+    LawPass pass(grains, touches, walls, arm_share, ask);
     counts_[chunk.number] = pass(touches.near().of_chunk(chunk.number));
   }
 
@@ -170,15 +176,55 @@ class Contacts {
 
   /// f(i, j, contact, force on i) for every contact of the last step whose grains are still there;
   /// i and j are the places of the two (owned ones, now), j is `nowhere` for a wall. The contact's
-  /// velocity is that of the grains as they are given.
+  /// velocity is that of the grains as they are given, against that of a wall at the time of the
+  /// contact, N.
   template <class P, class F>
   void for_each_contact(const P& grains, F&& f) const {
     const auto& touches = found<P>();
+    const auto walls = walls_of_last_step<P>();
     for_each_touch(grains, touches, [&](Index, const Sides& sides, const auto* row) {
-      typename P::Vec force;
-      for (int k = 0; k < P::dimension; ++k) force[k] = row[FoundOf<P>::Row::F + k];
-      f(sides.i, sides.j, contact_of(grains, touches.seen(), row, sides), force);
+      f(sides.i, sides.j, contact_of(grains, touches.seen(), row, sides, walls),
+        force_of<P>(row));
     });
+  }
+
+  /// f(touch), with a WallTouch, for every contact of the last step with a wall whose grain is still
+  /// there.
+  template <class P, class F>
+  void for_each_wall_contact(const P& grains, F&& f) const {
+    using Row = typename FoundOf<P>::Row;
+    const auto walls = walls_of_last_step<P>();
+    for_each_touch(grains, found<P>(), [&](Index, const Sides& sides, const auto* row) {
+      if (sides.wall == nowhere) return;
+      WallTouch<P::dimension, typename P::Real> touch;
+      touch.grain = sides.i;
+      touch.wall = walls_.number_of(sides.wall);
+      touch.point = contact_point<P, Row>(grains, row, sides);
+      const auto velocity = walls.velocity(sides.wall);
+      touch.velocity = velocity.at(touch.point);
+      touch.spin = velocity.spin;
+      touch.force = -force_of<P>(row);
+      touch.couple = -couple_of<P>(row);
+      f(touch);
+    });
+  }
+
+  /// What grains did to a wall in the last step, by its number; the moment is about a point [m]. The
+  /// same bits for any number of threads. Throws if there is no wall of this number.
+  template <class P>
+  auto load_on(const P& grains, Index wall,
+               const typename P::Vec& about = P::Vec::Zero()) const {
+    if (wall >= walls_.size()) {
+      fail("dem::Contacts: there is no wall " + std::to_string(wall) + ", but " +
+           std::to_string(walls_.size()) + "; ask for one below that");
+    }
+    WallLoad<P::dimension, typename P::Real> load;
+    for_each_wall_contact(grains, [&](const auto& touch) {
+      if (touch.wall != wall) return;
+      load.force += touch.force;
+      load.moment += silt::moment(typename P::Vec(touch.point - about), touch.force) + touch.couple;
+    });
+    return load;
   }
 
   /// Energy in the springs of the last step's contacts [J]; 0 for a law that does not tell.
@@ -189,9 +235,10 @@ class Contacts {
                            const typename MemoryOf<P>::type memory,
                            const Law law) { law.elastic_energy(contact, memory); }) {
       const auto& touches = found<P>();
+      const auto walls = walls_of_last_step<P>();
       for_each_touch(grains, touches, [&](Index c, const Sides& sides, const auto* row) {
         energy += double(law_of(grains, sides)
-                             .elastic_energy(contact_of(grains, touches.seen(), row, sides),
+                             .elastic_energy(contact_of(grains, touches.seen(), row, sides, walls),
                                              MemoryOf<P>::from(touches.seen().memory_of(c))));
       });
     }
@@ -261,6 +308,43 @@ class Contacts {
   }
 
   template <class P>
+  auto walls_at(const WallTimes& times) const {
+    return walls_.template at<P::dimension, typename P::Real>(times);
+  }
+  // All as of N, when the contacts of the last step, or of this one, were made.
+  template <class P>
+  auto walls_of_last_step() const {
+    const double time = found<P>().seen().time;
+    return walls_at<P>({.positions = time, .velocities = time});
+  }
+  // With velocities as of N − ½: those of the grains that the law saw.
+  template <class P>
+  auto walls_as_the_law_saw_them() const {
+    const auto& seen = found<P>().seen();
+    return walls_at<P>(
+        {.positions = seen.time, .velocities = seen.time - double(seen.time_step) / 2});
+  }
+
+  template <class P>
+  static typename P::Vec force_of(const typename P::Real* row) {
+    typename P::Vec force;
+    for (int k = 0; k < P::dimension; ++k) force[k] = row[FoundOf<P>::Row::F + k];
+    return force;
+  }
+  template <class P>
+  static typename P::Spin couple_of([[maybe_unused]] const typename P::Real* row) {
+    auto couple = zero_of<typename P::Spin>();
+    if constexpr (FoundOf<P>::couples) {
+      if constexpr (P::dimension == 2) {
+        couple = row[FoundOf<P>::Row::couple];
+      } else {
+        for (int k = 0; k < 3; ++k) couple[k] = row[FoundOf<P>::Row::couple + k];
+      }
+    }
+    return couple;
+  }
+
+  template <class P>
   void check_grains(const P& grains) const {
     const auto R = grains[radius];
     const auto m = grains[mass];
@@ -279,8 +363,9 @@ class Contacts {
   template <class P, class S>
   void renew_near(const P& grains, const S& search, FoundOf<P>& touches, double dt) const {
     touches.renew_near([&](NearContacts& near, auto& found, auto& validity) {
-      renew_validity(grains, search, reach(grains), dt, validity);
-      find_near(grains, search, walls_, validity.margin, near, found);
+      const typename FoundOf<P>::Step step{.time = time_, .time_step = dt};
+      renew_validity(grains, search, walls_, step, reach(grains), validity);
+      find_near(grains, search, walls_of_last_step<P>(), validity.margin, near, found);
     });
     note_stable_time_step(grains, touches);
   }
@@ -296,7 +381,7 @@ class Contacts {
   void note_stable_time_step(const P& grains, FoundOf<P>& touches) const {
     if constexpr (knows_stiffness<P>) {
       touches.validity().stable_time_step = stable_for_all(
-          grains, touches.near(), walls_, touches.validity().margin,
+          grains, touches.near(), walls_of_last_step<P>(), touches.validity().margin,
           [&](const Sides& sides) -> const Law& { return law_of(grains, sides); });
     }
   }
@@ -306,7 +391,7 @@ class Contacts {
     if constexpr (knows_stiffness<P>) {
       if (!settings_.refuse_unstable || dt <= touches.validity().stable_time_step) return;
       const Unstable unstable =
-          find_unstable(grains, touches, dt,
+          find_unstable(grains, touches, walls_of_last_step<P>(), dt,
                         [&](const Sides& sides) -> const Law& { return law_of(grains, sides); });
       if (unstable.grain == nowhere) return;
       fail("dem::Contacts: time_step = " + to_text(dt) + " s exceeds the stable " +
@@ -318,7 +403,7 @@ class Contacts {
   template <class P>
   const Law& law_of(const P& grains, const Sides& sides) const {
     const std::uint32_t other =
-        sides.j != nowhere ? grains[material][sides.j] : walls_.material(sides.wall);
+        sides.j != nowhere ? grains[material][sides.j] : walls_.material(walls_.number_of(sides.wall));
     const std::uint32_t own = grains[material][sides.i];
     materials_.check(std::max(own, other), "of a grain",
                      {.particle = sides.i, .id = grains.id(sides.i)});
@@ -328,6 +413,7 @@ class Contacts {
   Materials<Law> materials_;
   WallSet<Walls...> walls_;
   ContactSettings settings_;
+  double time_ = 0;  // as told by at()
   std::tuple<Found<2, float>, Found<2, double>, Found<3, float>, Found<3, double>> found_;
   std::vector<Index> counts_;  // by chunk
 };

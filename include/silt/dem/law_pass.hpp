@@ -9,7 +9,6 @@
 #include <silt/dem/contact_lanes.hpp>
 #include <silt/dem/near_contacts.hpp>
 #include <silt/dem/touches.hpp>
-#include <silt/dem/walls.hpp>
 
 #include <algorithm>
 #include <array>
@@ -22,7 +21,7 @@ namespace silt::dem {
 
 /// Looks at the near contacts of a chunk of grains, eight at a time, and keeps the law's answer for
 /// those that touch. ask(eight, contacts, touching) asks it: for lane l if bit l is set; the others
-/// may be asked as well.
+/// may be asked as well. `walls` are a WallsThen.
 ///
 /// Eight of which most touch are asked as they lie; where few do, they are collected
 /// to full eights.
@@ -107,8 +106,7 @@ class LawPass {
     if constexpr (of_walls) {
       return eight.look_at_walls(columns_, first, second,
                                  [this](std::uint32_t place, const typename P::Vec& x) {
-                                   return walls_.template nearest<P::dimension, Real>(
-                                       NearContacts::wall_at(place), x);
+                                   return walls_.nearest(NearContacts::wall_at(place), x);
                                  });
     } else {
       return eight.look_at(columns_, first, second);
@@ -137,7 +135,13 @@ class LawPass {
                                    const std::uint32_t* second, const Eight& contacts,
                                    unsigned touching, Index row) const {
     if constexpr (of_walls) {
-      eight.meet_walls(columns_, first, 2 * arm_share_);
+      if constexpr (Walls::move) {
+        eight.meet_walls(columns_, first, second, 2 * arm_share_, [this](std::uint32_t place) {
+          return walls_.velocity(NearContacts::wall_at(place));
+        });
+      } else {
+        eight.meet_walls(columns_, first, second, 2 * arm_share_, nullptr);
+      }
     } else {
       const unsigned coincident = eight.coincident() & touching;
       if (coincident != 0) refuse(contacts[static_cast<Index>(std::countr_zero(coincident))]);

@@ -2,6 +2,7 @@
 // When the contacts that are near are to be found anew, and how.
 #pragma once
 
+#include <silt/core/box.hpp>
 #include <silt/core/concepts.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/travel.hpp>
@@ -12,14 +13,20 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 
 namespace silt::dem {
 
-/// Whether something else than the near contacts might touch: two grains come closer by at most the
-/// sum of what they moved.
-template <class P, class S, class Validity>
-bool is_stale(const P& grains, const S& search, const Validity& validity) {
+/// Whether something else than the near contacts might touch at this time [s]: two grains, or a
+/// grain and a wall, come closer by at most the sum of what they moved. `walls` is a WallSet.
+template <class P, class S, class Walls, class Validity>
+bool is_stale(const P& grains, const S& search, const Walls& walls, double time,
+              const Validity& validity) {
   if (validity.revision != grains.revision() || validity.since.size() != grains.size()) return true;
+  if constexpr (Walls::move) {
+    const auto moved = walls.farthest_move({.from = validity.time, .to = time}, validity.extent);
+    if (!(moved <= validity.margin / 2)) return true;
+  }
   if constexpr (KnowsTravel<S>) {
     if (search.travel().is_within(double(validity.margin / 2), validity.travel)) return false;
   }
@@ -31,27 +38,51 @@ bool is_stale(const P& grains, const S& search, const Validity& validity) {
          }) != nowhere;
 }
 
-/// Notes that all is found at these positions; `reach` [m] is how far contacts reach.
-template <class P, class S, class Validity>
-void renew_validity(const P& grains, const S& search, typename P::Real reach, double dt,
-                    Validity& validity) {
+/// The box around all grains.
+template <class P>
+auto extent_of(const P& grains) {
+  using Real = typename P::Real;
+  const auto x = grains[position];
+  Box<P::dimension, Real> box;
+  constexpr Real infinity = std::numeric_limits<Real>::infinity();
+  for (int k = 0; k < P::dimension; ++k) {
+    box.upper[k] = largest(x.size(), -infinity, [&](Index i) { return x[i][k]; });
+    box.lower[k] = -largest(x.size(), -infinity, [&](Index i) { return -x[i][k]; });
+  }
+  return box;
+}
+
+/// Notes that all is found at these positions, in a step of dt; `reach` [m] is how far contacts
+/// reach.
+template <class P, class S, class Walls, class Step, class Validity>
+void renew_validity(const P& grains, const S& search, const Walls& walls, const Step& step,
+                    typename P::Real reach, Validity& validity) {
   using Real = typename P::Real;
   // Near enough to be few, far enough to last for some steps; no farther than the search sees.
   constexpr double lasting_steps = 20;
   const auto v = grains[velocity];
-  const Real fastest =
+  Real fastest =
       std::sqrt(largest(v.size(), Real(0), [&](Index i) { return v[i].squaredNorm(); }));
-  const Real wanted = std::clamp<Real>(Real(2 * lasting_steps * dt) * fastest,
+  if constexpr (Walls::move) {
+    if (grains.size() > 0) {
+      validity.extent = extent_of(grains);
+      fastest = std::max(fastest, walls.fastest(step.time, validity.extent));
+    }
+  }
+  const Real wanted = std::clamp<Real>(Real(2 * lasting_steps * step.time_step) * fastest,
                                        Real(0.002) * reach, Real(0.1) * reach);
   const Real seen = search.radius() + margin_of<Real>(search) - reach;
   validity.margin = std::clamp<Real>(wanted, 0, std::max<Real>(seen, 0));
   validity.revision = grains.revision();
+  validity.time = step.time;
+  validity.extent.lower.array() -= validity.margin / 2;
+  validity.extent.upper.array() += validity.margin / 2;
   const auto x = grains[position];
   validity.since.assign(x.begin(), x.end());
   if constexpr (KnowsTravel<S>) validity.travel = search.travel();
 }
 
-/// Pairs and grains at walls whose gap is below `margin` [m].
+/// Pairs and grains at walls whose gap is below `margin` [m]; `walls` are a WallsThen.
 template <class P, class S, class Walls>
 void find_near(const P& grains, const S& search, const Walls& walls, typename P::Real margin,
                NearContacts& near, NearContacts::Found& found) {
@@ -72,8 +103,8 @@ void find_near(const P& grains, const S& search, const Walls& walls, typename P:
         });
       },
       [&](Index i, auto&& add) {
-        walls.for_each([&](const auto& wall, Index w) {
-          if (wall.nearest(x[i]).distance < R[i] + margin) add(static_cast<std::uint32_t>(w));
+        walls.for_each_part_near(typename P::Vec(x[i]), Real(R[i] + margin), [&](Index place) {
+          add(static_cast<std::uint32_t>(place));
         });
       },
       found);

@@ -13,11 +13,11 @@
 
 namespace silt::dem {
 
-/// Both sides of a contact: places of owned grains, or the number of a wall.
+/// Both sides of a contact: places of owned grains, or of a wall's part.
 struct Sides {
   Index i = nowhere;
   Index j = nowhere;     ///< `nowhere`: a wall
-  Index wall = nowhere;  ///< `nowhere`: a grain
+  Index wall = nowhere;  ///< place of the wall's part, see WallSet; `nowhere`: a grain
 };
 
 /// Those of near contact c, as they were when it was found.
@@ -63,9 +63,20 @@ auto constants_of(const P& grains, const Sides& sides) {
   return contact;
 }
 
-/// A contact of the last step from its row; its velocity is that of the grains as they are given.
-template <class P, class Seen>
-auto contact_of(const P& grains, const Seen& seen, const typename P::Real* row, const Sides& sides) {
+/// Where the force of a contact takes hold, from its row [m].
+template <class P, class Row>
+typename P::Vec contact_point(const P& grains, const typename P::Real* row, const Sides& sides) {
+  const auto arm = grains[radius][sides.i] - row[Row::shorter];
+  typename P::Vec point = grains[position][sides.i];
+  for (int k = 0; k < P::dimension; ++k) point[k] -= arm * row[Row::n + k];
+  return point;
+}
+
+/// A contact of the last step from its row; its velocity is that of the grains as they are given
+/// and of the walls, a WallsThen.
+template <class P, class Seen, class Walls>
+auto contact_of(const P& grains, const Seen& seen, const typename P::Real* row, const Sides& sides,
+                const Walls& walls) {
   using Row = typename Seen::Row;
   using Vec = typename P::Vec;
   auto contact = constants_of(grains, sides);
@@ -81,6 +92,10 @@ auto contact_of(const P& grains, const Seen& seen, const typename P::Real* row, 
   if (sides.j != nowhere) {
     contact.relative_velocity -= surface(sides.j, 1);
     contact.relative_spin -= grains[spin][sides.j];
+  } else if constexpr (Walls::move) {
+    const auto velocity = walls.velocity(sides.wall);
+    contact.relative_velocity -= velocity.at(contact_point<P, Row>(grains, row, sides));
+    contact.relative_spin -= velocity.spin;
   }
   return contact;
 }

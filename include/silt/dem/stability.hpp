@@ -107,7 +107,7 @@ struct Unstable {
 
 /// What even a grain with as many contacts as any, all as stiff as any, would stand [s]; infinite
 /// if nothing is stiff. law_of(sides) is the law of a near contact; margin [m] is how far those
-/// that do not touch yet may be apart.
+/// that do not touch yet may be apart. `walls` are a WallsThen.
 template <class P, class Walls, class LawOf>
 double stable_for_all(const P& grains, const NearContacts& near, const Walls& walls,
                       typename P::Real margin, LawOf&& law_of) {
@@ -134,7 +134,7 @@ double stable_for_all(const P& grains, const NearContacts& near, const Walls& wa
       const Index b = near.second(c);
       contact.overlap += std::max<typename P::Real>(0, R[a] + R[b] - (x[b] - x[a]).norm());
     } else {
-      const auto at = walls.template nearest<P::dimension, typename P::Real>(sides.wall, x[sides.i]);
+      const auto at = walls.nearest(sides.wall, x[sides.i]);
       contact.overlap += std::max<typename P::Real>(0, R[sides.i] - at.distance);
     }
     const Stiffness k = law_of(sides).stiffness(contact);
@@ -149,8 +149,9 @@ double stable_for_all(const P& grains, const NearContacts& near, const Walls& wa
 
 /// The first grain for which dt [s] is beyond stability among the contacts of this step. A cheap
 /// bound passes nearly always; where it does not, FrequencyBound decides.
-template <class P, class T, class LawOf>
-Unstable find_unstable(const P& grains, const T& touches, double dt, LawOf&& law_of) {
+template <class P, class T, class Walls, class LawOf>
+Unstable find_unstable(const P& grains, const T& touches, const Walls& walls, double dt,
+                       LawOf&& law_of) {
   using Row = typename T::Row;
   const auto m = grains[mass];
   const auto I = grains[inertia];
@@ -161,7 +162,7 @@ Unstable find_unstable(const P& grains, const T& touches, double dt, LawOf&& law
   };
   std::vector<Held> held(touches.near().size());
   for_each_touch(grains, touches, [&](Index c, const Sides& sides, const auto* row) {
-    const auto contact = contact_of(grains, touches.seen(), row, sides);
+    const auto contact = contact_of(grains, touches.seen(), row, sides, walls);
     held[c] = {contact, law_of(sides).stiffness(contact), true};
   });
   const auto for_each_contact_of = [&](Index i, auto&& f) {

@@ -3,6 +3,7 @@
 // before made is written over until the next save(), so that undoing is a swap.
 #pragma once
 
+#include <silt/core/box.hpp>
 #include <silt/core/pair_memory.hpp>
 #include <silt/core/travel.hpp>
 #include <silt/core/types.hpp>
@@ -43,6 +44,7 @@ class Touches {
     std::vector<std::uint32_t> at;  ///< number of the row of each near contact, or `none`
     Index count = 0;                ///< contacts that touch
     Real time_step = 0;             ///< [s]
+    double time = 0;                ///< of the positions [s]
 
     Seen() {
       resize(0);
@@ -72,6 +74,8 @@ class Touches {
     Travel travel;                      ///< of the search then
     Real margin = 0;                    ///< gap up to which pairs are near [m]
     std::uint64_t revision = std::numeric_limits<std::uint64_t>::max();
+    double time = 0;              ///< of these positions, and of the walls [s]
+    Box<Dim, Real> extent;        ///< in which the grains stay as long [m]
     double stable_time_step = 0;  ///< that all near contacts stand [s]
   };
 
@@ -93,8 +97,12 @@ class Touches {
     return {(has_moved_rows_ ? moved_rows_ : before().at).data(), before().memories.data()};
   }
 
-  /// The step begins to see and make: in place of what the one before the last did.
-  void begin_step(Real time_step) {
+  /// The step from `time` on begins to see and make: in place of what the one before the last did.
+  struct Step {
+    double time;       ///< [s]
+    double time_step;  ///< [s]
+  };
+  void begin_step(const Step& step) {
     // Of a look that an exception ended, and that nobody undid, nothing is remembered.
     if (!is_whole_) seen_.at.assign(near_.size(), none);
     is_whole_ = false;
@@ -102,7 +110,8 @@ class Touches {
     before_is_spare_ = keeps_seen_;
     keeps_seen_ = true;
     has_moved_rows_ = false;
-    seen_.time_step = time_step;
+    seen_.time_step = static_cast<Real>(step.time_step);
+    seen_.time = step.time;
   }
 
   /// For what this look will see of the near contacts.
