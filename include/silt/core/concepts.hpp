@@ -225,6 +225,7 @@ concept Transactional = requires(T t) {
 /// Velocity after dt, from the velocity before and the acceleration. It may also have
 ///   check(), check(dt)            throw if a parameter, or a step, is out of range
 ///   half_step_before(v, a, dt)    v^{N−½} from v^N, where that is not v − ½ a Δt
+///   drag(v)                       its part of the acceleration at v^N, for an energy ledger
 /// Models: NoDamping, GlobalDamping.
 template <class D, class Real = double>
 concept Damping = requires(const D d, Real v, Real a, Real dt) {

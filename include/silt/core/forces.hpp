@@ -71,6 +71,12 @@ class Forces {
     return std::get<K>(parts_);
   }
 
+  /// f(part) for each.
+  template <class F>
+  void for_each_part(F&& f) const {
+    std::apply([&](const auto&... part) { (f(part), ...); }, parts_);
+  }
+
   template <class P>
     requires(Reaching<Parts, P> && ...)
   typename P::Real reach(const P& particles) const {
@@ -144,10 +150,6 @@ class Forces {
   template <class F>
   void for_each_part(F&& f) {
     std::apply([&](auto&... part) { (f(part), ...); }, parts_);
-  }
-  template <class F>
-  void for_each_part(F&& f) const {
-    std::apply([&](const auto&... part) { (f(part), ...); }, parts_);
   }
 
   std::tuple<Parts...> parts_;

@@ -15,6 +15,7 @@ namespace silt {
 
 /// Partner id of wall w: above every particle's id.
 constexpr Id wall_id(Index wall) { return ~static_cast<Id>(wall); }
+constexpr bool is_wall_id(Id id) { return id >> 63 != 0; }
 
 template <class Value>
 class PairMemory {

@@ -45,6 +45,13 @@ struct ElasticParts {
   double adhesion = 0;  ///< below 0: what it takes to pull the two apart
 
   double sum() const { return normal + tangential + rolling + adhesion; }
+  ElasticParts& operator+=(const ElasticParts& more) {
+    normal += more.normal;
+    tangential += more.tangential;
+    rolling += more.rolling;
+    adhesion += more.adhesion;
+    return *this;
+  }
 };
 
 /// Of two materials: a pair of equal grains has the stiffness k, so each grain's own spring has 2 k,

@@ -50,6 +50,9 @@ struct ContactSettings {
 /// particles.revision().
 template <class Law, class... Walls>
 class Contacts {
+  template <class P>
+  using MemoryOf = LawMemory<Law, P::dimension, typename P::Real>;
+
  public:
   /// Throws if a parameter of the law or of a wall is out of range.
   explicit Contacts(Law law, Walls... walls) : Contacts(Materials<Law>{law}, std::move(walls)...) {}
@@ -227,6 +230,50 @@ class Contacts {
     return load;
   }
 
+  /// f(AnsweredContact) for every contact of the last step: the law is asked again, as it was then.
+  /// `before` are the grains as that step found them, velocities and all. Not for after save().
+  template <class P, class F>
+  void for_each_answer(const P& before, F&& f) const {
+    const auto& touches = found<P>();
+    const auto memories = touches.memories_before();
+    const auto walls = walls_of_last_step<P>();
+    const auto walls_seen = walls_as_the_law_saw_them<P>();
+    for_each_touch(before, touches, [&](Index c, const Sides& sides, const auto* row) {
+      using Row = typename FoundOf<P>::Row;
+      const Law& law = law_of(before, sides);
+      const auto contact = contact_of(before, touches.seen(), row, sides, walls_seen);
+      RigidVelocity<P::dimension, typename P::Real> wall;
+      if (sides.wall != nowhere) wall = walls.velocity(sides.wall);
+      const auto ask = [&] {
+        if constexpr (MemoryOf<P>::words == 0) {
+          return answer_of(law, contact);
+        } else {
+          auto own = MemoryOf<P>::from(memories.of(c));
+          return answer_of(law, contact, own);
+        }
+      };
+      f(AnsweredContact<P::dimension, typename P::Real, decltype(ask())>{
+          .sides = sides,
+          .first = touches.near().first_id(c),
+          .second = touches.near().second_id(c),
+          .contact = contact,
+          .shorter = row[Row::shorter],
+          .answer = ask(),
+          .wall_velocity = wall.at(contact_point<P, Row>(before, row, sides)),
+          .wall_spin = wall.spin,
+          .elastic = elastic_parts_of<P>(law, contact, touches.seen().memory_of(c))});
+    });
+  }
+
+  /// The law tells its force by parts, and the energy in its springs.
+  template <class P>
+  static constexpr bool tells_springs = TellsParts<Law, P::dimension, typename P::Real> &&
+                                        requires(const Law law,
+                                                 const Contact<P::dimension, typename P::Real> c,
+                                                 const typename MemoryOf<P>::type memory) {
+                                          law.elastic_parts(c, memory);
+                                        };
+
   /// Energy in the springs of the last step's contacts [J]; 0 for a law that does not tell.
   template <class P>
   double elastic_energy(const P& grains) const {
@@ -286,13 +333,22 @@ class Contacts {
 
  private:
   template <class P>
+  static ElasticParts elastic_parts_of(const Law& law,
+                                       const Contact<P::dimension, typename P::Real>& contact,
+                                       const typename P::Real* memory) {
+    if constexpr (tells_springs<P>) {
+      return law.elastic_parts(contact, MemoryOf<P>::from(memory));
+    } else {
+      return {};
+    }
+  }
+
+  template <class P>
   static constexpr bool knows_stiffness =
       requires(const Law law, const Contact<P::dimension, typename P::Real> c) {
         { law.stiffness(c) } -> std::convertible_to<Stiffness>;
       };
 
-  template <class P>
-  using MemoryOf = LawMemory<Law, P::dimension, typename P::Real>;
   template <int Dim, class Real>
   using Found = Touches<Dim, Real, LawMemory<Law, Dim, Real>, GivesCouple<Law, Dim, Real>>;
   template <class P>

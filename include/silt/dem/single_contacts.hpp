@@ -20,6 +20,20 @@ struct Sides {
   Index wall = nowhere;  ///< place of the wall's part, see WallSet; `nowhere`: a grain
 };
 
+/// A contact of a step with what its law answered then.
+template <int Dim, class Real, class Answer>
+struct AnsweredContact {
+  Sides sides;  ///< places in the grains that were given
+  Id first;     ///< ids of the two; the second may be wall_id()
+  Id second;
+  Contact<Dim, Real> contact;    ///< as the law saw it
+  Real shorter;                  ///< what lever arms lack to R [m]
+  Answer answer;                 ///< a force, ForceParts or LoadParts
+  Vec<Dim, Real> wall_velocity;  ///< at time N, where the force takes hold; 0 between grains [m/s]
+  Spin<Dim, Real> wall_spin;     ///< likewise [1/s]
+  ElasticParts elastic{};        ///< zero for a law that does not tell
+};
+
 /// Those of near contact c, as they were when it was found.
 template <class P>
 Sides sides_of(const P& grains, const NearContacts& near, Index c) {
@@ -84,8 +98,9 @@ auto contact_of(const P& grains, const Seen& seen, const typename P::Real* row, 
   contact.overlap = row[Row::overlap];
   contact.time_step = seen.time_step;
   const auto surface = [&](Index i, typename P::Real towards) {
-    const auto arm = grains[radius][i] - row[Row::shorter];
-    return Vec(grains[velocity][i] + cross(grains[spin][i], Vec(towards * arm * contact.normal)));
+    const auto arm = towards * (grains[radius][i] - row[Row::shorter]);
+    // In this order of operations: then it is what the law saw, to the bit.
+    return Vec(grains[velocity][i] + arm * cross(grains[spin][i], contact.normal));
   };
   contact.relative_velocity = surface(sides.i, -1);
   contact.relative_spin = grains[spin][sides.i];

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <silt/core/error.hpp>
+#include <silt/core/types.hpp>
 
 namespace silt {
 
@@ -11,6 +12,11 @@ struct NoDamping {
   template <class Value, class Real>
   Value kicked(const Value& v, const Value& acceleration, Real dt) const {
     return v + dt * acceleration;
+  }
+
+  template <class Value>
+  Value drag(const Value&) const {
+    return zero_of<Value>();
   }
 };
 
@@ -40,6 +46,12 @@ struct GlobalDamping {
   template <class Value, class Real>
   Value half_step_before(const Value& v, const Value& acceleration, Real dt) const {
     return v * (1 + Real(alpha) * dt / 2) - (dt / 2) * acceleration;
+  }
+
+  /// Its part of the acceleration, −α v^N [m/s²].
+  template <class Value>
+  Value drag(const Value& v) const {
+    return -alpha * v;
   }
 };
 

@@ -189,6 +189,8 @@ class Leapfrog {
     if constexpr (requires { damping.check(); }) damping.check();
   }
 
+  const D& damping() const noexcept { return damping_; }
+
   template <class P, class S, class I>
     requires Interaction<I, P, S> && HasFields<P, velocity_t, force_t, mass_t>
   void step(P& particles, S& search, I& interaction, double dt) {

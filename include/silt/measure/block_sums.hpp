@@ -32,7 +32,7 @@ class BlockSums {
   /// Throws if the sample has another number of numbers.
   void add(std::span<const double> sample) {
     if (sample.size() != current_.size()) {
-      fail("BlockSums: a sample of " + std::to_string(sample.size()) + " numbers, where others have " +
+      fail("BlockSums: a sample has " + std::to_string(sample.size()) + " numbers, not " +
            std::to_string(current_.size()) + "; give all of them");
     }
     for (Index k = 0; k < sample.size(); ++k) current_[k] += sample[k];

@@ -107,7 +107,8 @@ class Profiles {
       row.height = slices_.lower + (double(s) + 0.5) * slices_.thickness();
       row.solid_fraction = sums_.mean(first + volume);
       for (int k = 0; k < Dim; ++k) {
-        row.velocity[Index(k)] = sums_.estimate([=](Means means) { return mean_flow(means, first, k); });
+        row.velocity[Index(k)] =
+            sums_.estimate([=](Means means) { return mean_flow(means, first, k); });
         row.component[Index(k)] =
             sums_.estimate([=](Means means) { return fluctuation(means, first, k); });
       }

@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: MIT
+// How grains move at the time of their positions, from the half steps before and after; and what
+// one contact does on them.
+#pragma once
+
+#include <silt/core/particles.hpp>
+#include <silt/core/types.hpp>
+#include <silt/dem/contact.hpp>
+#include <silt/dem/energy_terms.hpp>
+#include <silt/dem/grains.hpp>
+#include <silt/dem/single_contacts.hpp>
+
+#include <concepts>
+#include <vector>
+
+namespace silt::dem {
+
+/// v^N and θ'^N, [SahChoi2004] (27) (28), in double precision whatever the grains' own, and the
+/// work of contacts from N − ½ to N + ½.
+template <class P>
+class MeanMotion {
+ public:
+  static constexpr int dimension = P::dimension;
+  using Vector = Vec<dimension, double>;
+  using Turn = Spin<dimension, double>;
+
+  static Vector wide(const typename P::Vec& v) { return v.template cast<double>(); }
+  static double wide(typename P::Real w)
+    requires(dimension == 2)
+  {
+    return double(w);
+  }
+  static double product(double a, double b) { return a * b; }
+  static double product(const Vector& a, const Vector& b) { return a.dot(b); }
+
+  /// Grains before a step and those that are left after it; duration is that of the kick [s].
+  /// Grains that are gone left with what they came with.
+  void set(const P& before, const P& after, double duration) {
+    duration_ = duration;
+    kinetic_change_ = rotational_change_ = carried_away_ = 0;
+    v_.resize(before.size());
+    w_.resize(before.size());
+    stays_.assign(before.size(), false);
+    for (Index i = 0; i < before.size(); ++i) {
+      v_[i] = wide(before[velocity][i]);
+      w_[i] = wide(before[spin][i]);
+    }
+    for (Index k = 0; k < after.size(); ++k) {
+      const Index i = before.index_of(after.id(k));
+      const Vector v = wide(after[velocity][k]) - v_[i];
+      const Turn w = wide(after[spin][k]) - w_[i];
+      stays_[i] = true;
+      v_[i] += v / 2;
+      w_[i] += w / 2;
+      kinetic_change_ += double(before[mass][i]) * v.dot(v_[i]);
+      rotational_change_ += double(before[inertia][i]) * product(w, w_[i]);
+    }
+    for (Index i = 0; i < before.size(); ++i) {
+      if (stays_[i]) continue;
+      carried_away_ += (double(before[mass][i]) * v_[i].squaredNorm() +
+                        double(before[inertia][i]) * squared_norm(w_[i])) / 2;
+    }
+  }
+
+  double duration() const noexcept { return duration_; }
+  bool stays(Index i) const noexcept { return stays_[i]; }
+  const Vector& velocity_of(Index i) const noexcept { return v_[i]; }
+  const Turn& spin_of(Index i) const noexcept { return w_[i]; }
+
+  /// Of the energies of those that stay [J].
+  double kinetic_change() const noexcept { return kinetic_change_; }
+  double rotational_change() const noexcept { return rotational_change_; }
+  /// With those that are gone, rotation included [J].
+  double carried_away() const noexcept { return carried_away_; }
+
+  /// Adds what a contact, an AnsweredContact of these grains, did.
+  template <class Each>
+  void add_contact(const P& before, const Each& each, Works& works, Losses& lost) const {
+    const auto [i, j, wall] = each.sides;
+    if (!stays_[i] && (j == nowhere || !stays_[j])) return;
+    const Vector n = wide(each.contact.normal);
+    const auto arm = [&](Index k) { return before[radius][k] - each.shorter; };
+    const auto surface = [&](Index k, double a) { return Vector(v_[k] + a * cross(w_[k], n)); };
+    // Of the other side, grain or wall.
+    Vector v_other;
+    Turn w_other;
+    if (j != nowhere) {
+      v_other = surface(j, double(arm(j)));
+      w_other = w_[j];
+    } else {
+      v_other = wide(each.wall_velocity);
+      w_other = wide(each.wall_spin);
+    }
+    const Vector v_own = surface(i, -double(arm(i)));
+    const Load load = add_parts(each.answer, n, (v_own - v_other) * duration_,
+                                (w_[i] - w_other) * duration_, works, lost);
+    const auto work = [&](const Vector& v, const Turn& w) {
+      return (load.force.dot(v) + product(load.couple, w)) * duration_;
+    };
+    if (j == nowhere) {
+      works.walls += work(v_other, w_other);
+    } else if (!stays_[j]) {
+      works.leavers += work(v_other, w_other);
+    } else if (!stays_[i]) {
+      works.leavers -= work(v_own, w_[i]);
+    }
+  }
+
+ private:
+  // On the first of the two.
+  struct Load {
+    Vector force;
+    Turn couple;
+  };
+  // Of surfaces that went u [m] and turned by `turn` against one another.
+  template <class Answer>
+  static Load add_parts(const Answer& answer, const Vector& n, const Vector& u, const Turn& turn,
+                        Works& works, Losses& lost) {
+    if constexpr (std::convertible_to<Answer, typename P::Vec>) {
+      const Vector force = wide(answer);
+      works.contact += force.dot(u);
+      return {force, zero_of<Turn>()};
+    } else {
+      const double u_n = n.dot(u);
+      works.normal_spring += double(answer.normal_spring) * u_n;
+      works.normal_dashpot += double(answer.normal_dashpot) * u_n;
+      works.adhesion += double(answer.adhesion) * u_n;
+      works.tangential_spring += wide(answer.tangential_spring).dot(u);
+      works.tangential_dashpot += wide(answer.tangential_dashpot).dot(u);
+      lost.friction += double(answer.friction);
+      lost.plastic += double(answer.plastic);
+      Turn couple = zero_of<Turn>();
+      if constexpr (requires { answer.couple(); }) {
+        works.rolling_spring += product(wide(answer.rolling_spring), turn);
+        works.rolling_dashpot += product(wide(answer.rolling_dashpot), turn);
+        lost.rolling_friction += double(answer.rolling_friction);
+        couple = wide(answer.couple());
+      }
+      const Vector force =
+          double(answer.normal_spring + answer.normal_dashpot + answer.adhesion) * n +
+          wide(answer.tangential_spring) + wide(answer.tangential_dashpot);
+      return {force, couple};
+    }
+  }
+
+  double duration_ = 0;
+  double kinetic_change_ = 0;
+  double rotational_change_ = 0;
+  double carried_away_ = 0;
+  std::vector<Vector> v_;
+  std::vector<Turn> w_;
+  std::vector<char> stays_;
+};
+
+}  // namespace silt::dem
