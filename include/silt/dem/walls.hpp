@@ -2,7 +2,11 @@
 // The walls to choose from, and their motions.
 #pragma once
 
+#include <silt/dem/box_wall.hpp>
+#include <silt/dem/mesh_wall.hpp>
 #include <silt/dem/plane.hpp>
+#include <silt/dem/polyline.hpp>
+#include <silt/dem/round_walls.hpp>
 #include <silt/dem/segment.hpp>
 #include <silt/dem/wall.hpp>
 #include <silt/dem/wall_motion.hpp>

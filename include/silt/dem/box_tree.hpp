@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: MIT
+// Boxes around things in space, and boxes around these, to find what is near a point.
+#pragma once
+
+#include <silt/core/types.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <numeric>
+#include <utility>
+#include <vector>
+
+namespace silt::dem {
+
+template <class Real>
+class BoxTree {
+ public:
+  using Vec = silt::Vec<3, Real>;
+  struct Bounds {
+    Vec lower = Vec::Zero();
+    Vec upper = Vec::Zero();
+
+    void enclose(const Bounds& other) {
+      lower = lower.cwiseMin(other.lower);
+      upper = upper.cwiseMax(other.upper);
+    }
+    Real squared_distance(const Vec& x) const {
+      return (x - x.cwiseMax(lower).cwiseMin(upper)).squaredNorm();
+    }
+  };
+
+  BoxTree() = default;
+  /// Of items by their numbers.
+  explicit BoxTree(const std::vector<Bounds>& items) : items_(items.size()) {
+    std::iota(items_.begin(), items_.end(), std::uint32_t(0));
+    nodes_.reserve(2 * items.size());
+    if (!items.empty()) build(items, {0, static_cast<std::uint32_t>(items.size())});
+  }
+
+  /// visit(item) for the items whose bounds are nearer to x than `limit`, squared [m²]; it returns
+  /// the limit for those to come. The nearer half is gone through first.
+  template <class Visit>
+  void visit_near(const Vec& x, Real limit, Visit&& visit) const {
+    if (nodes_.empty()) return;
+    std::array<std::uint32_t, 64> waiting;  // the tree halves: it is no deeper than 32
+    Index count = 0;
+    waiting[count++] = 0;
+    while (count > 0) {
+      const std::uint32_t number = waiting[--count];
+      const Node& node = nodes_[number];
+      if (!(node.bounds.squared_distance(x) < limit)) continue;
+      for (std::uint32_t k = node.items.first; k < node.items.last; ++k) limit = visit(items_[k]);
+      if (node.second == 0) continue;
+      std::uint32_t near = number + 1;
+      std::uint32_t far = node.second;
+      if (nodes_[far].bounds.squared_distance(x) < nodes_[near].bounds.squared_distance(x)) {
+        std::swap(near, far);
+      }
+      waiting[count++] = far;
+      waiting[count++] = near;
+    }
+  }
+
+ private:
+  struct Range {
+    std::uint32_t first;
+    std::uint32_t last;
+  };
+  // The first half of a node is the one behind it.
+  struct Node {
+    Bounds bounds;
+    Range items{0, 0};         // of a leaf
+    std::uint32_t second = 0;  // other half; 0: a leaf
+  };
+  static constexpr std::uint32_t leaf_size = 4;
+
+  void build(const std::vector<Bounds>& bounds, Range range) {
+    const Index number = nodes_.size();
+    nodes_.emplace_back();
+    Bounds all = bounds[items_[range.first]];
+    for (std::uint32_t k = range.first; k < range.last; ++k) all.enclose(bounds[items_[k]]);
+    nodes_[number].bounds = all;
+    if (range.last - range.first <= leaf_size) {
+      nodes_[number].items = range;
+      return;
+    }
+    int axis = 0;
+    (all.upper - all.lower).maxCoeff(&axis);
+    const std::uint32_t middle = range.first + (range.last - range.first) / 2;
+    const auto key = [&](std::uint32_t item) {
+      return std::pair(bounds[item].lower[axis] + bounds[item].upper[axis], item);
+    };
+    std::nth_element(items_.begin() + range.first, items_.begin() + middle,
+                     items_.begin() + range.last,
+                     [&](std::uint32_t a, std::uint32_t b) { return key(a) < key(b); });
+    build(bounds, {range.first, middle});
+    nodes_[number].second = static_cast<std::uint32_t>(nodes_.size());
+    build(bounds, {middle, range.last});
+  }
+
+  std::vector<std::uint32_t> items_;
+  std::vector<Node> nodes_;
+};
+
+}  // namespace silt::dem

@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: MIT
+// What a surface of triangles looks like to a sphere: flat facets of many triangles, straight lines
+// where facets meet or end, and corners where lines meet or end.
+#pragma once
+
+#include <silt/core/types.hpp>
+#include <silt/dem/welded_mesh.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+namespace silt::dem {
+
+template <class Real>
+struct MeshFeatures {
+  using Vec = silt::Vec<3, Real>;
+  static constexpr std::uint32_t none = ~std::uint32_t(0);
+
+  /// Between two vertices, and how the triangles lie that have it.
+  struct Edge {
+    std::uint32_t from;
+    std::uint32_t to;
+    Vec along;                     ///< unit vector, from → to
+    Real length;                   ///< [m]
+    std::vector<Vec> inwards;      ///< unit vectors from the edge into its triangles
+    std::vector<std::uint32_t> faces;  ///< these
+    std::uint32_t line = none;     ///< that it is a piece of; none: within a facet
+  };
+  struct Face {
+    std::array<std::uint32_t, 3> vertices;
+    std::array<std::uint32_t, 3> edges{};  ///< from each vertex to the next
+    std::array<Vec, 3> inwards;          ///< from each of these
+    Vec normal;
+    std::uint32_t facet = none;
+  };
+  /// An edge as seen from one of its ends.
+  struct Piece {
+    std::uint32_t edge;
+    bool is_turned;
+  };
+  struct Line {
+    std::vector<Piece> pieces;
+    std::vector<Real> begins;  ///< how far along the line each begins [m]
+  };
+
+  std::vector<Vec> vertices;  ///< [m]
+  std::vector<Face> faces;
+  std::vector<Edge> edges;
+  std::vector<std::vector<std::uint32_t>> facets;  ///< their faces
+  std::vector<Line> lines;
+  std::vector<std::uint32_t> corners;         ///< their vertices
+  std::vector<std::uint32_t> corner_at;       ///< by vertex, or none
+  std::vector<std::vector<Piece>> edges_at;   ///< by vertex, as seen from it
+  std::vector<char> is_on_line;               ///< by vertex
+
+  /// Faces whose planes differ by less than `flat` [rad] may be one facet, edges one line.
+  MeshFeatures(const WeldedMesh<Real>& mesh, Real flat) : vertices(mesh.vertices) {
+    for (const auto& triangle : mesh.triangles) add_face(triangle);
+    find_edges();
+    find_facets(flat);
+    find_lines(flat);
+    find_corners();
+  }
+
+  Vec along(const Piece& piece) const {
+    return piece.is_turned ? Vec(-edges[piece.edge].along) : edges[piece.edge].along;
+  }
+  std::uint32_t begin_of(const Piece& piece) const {
+    return piece.is_turned ? edges[piece.edge].to : edges[piece.edge].from;
+  }
+  std::uint32_t end_of(const Piece& piece) const {
+    return piece.is_turned ? edges[piece.edge].from : edges[piece.edge].to;
+  }
+
+ private:
+  void add_face(const std::array<std::uint32_t, 3>& triangle) {
+    const Vec& a = vertices[triangle[0]];
+    const Vec n = moment(Vec(vertices[triangle[1]] - a), Vec(vertices[triangle[2]] - a));
+    faces.push_back({.vertices = triangle, .inwards = {}, .normal = n.normalized()});
+  }
+
+  void find_edges() {
+    using Found = std::tuple<std::uint32_t, std::uint32_t, std::uint32_t, std::size_t>;
+    std::vector<Found> all;  // lower vertex, higher one, face, place there
+    for (std::uint32_t f = 0; f < faces.size(); ++f) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        const auto ends = std::minmax(faces[f].vertices[k], faces[f].vertices[(k + 1) % 3]);
+        all.emplace_back(ends.first, ends.second, f, k);
+      }
+    }
+    std::ranges::sort(all);
+    for (const auto& [from, to, f, k] : all) {
+      if (edges.empty() || edges.back().from != from || edges.back().to != to) {
+        const Vec difference = vertices[to] - vertices[from];
+        edges.push_back({from, to, difference.normalized(), difference.norm(), {}, {}});
+      }
+      Edge& edge = edges.back();
+      const Vec across = vertices[faces[f].vertices[(k + 2) % 3]] - vertices[from];
+      faces[f].edges[k] = static_cast<std::uint32_t>(edges.size() - 1);
+      faces[f].inwards[k] = (across - across.dot(edge.along) * edge.along).normalized();
+      edge.inwards.push_back(faces[f].inwards[k]);
+      edge.faces.push_back(f);
+    }
+  }
+
+  // The facet goes on beyond the edge.
+  static bool is_flat(const Edge& edge, Real flat) {
+    return edge.faces.size() == 2 && (edge.inwards[0] + edge.inwards[1]).norm() < flat;
+  }
+
+  void find_facets(Real flat) {
+    for (std::uint32_t first = 0; first < faces.size(); ++first) {
+      if (faces[first].facet != none) continue;
+      const auto number = static_cast<std::uint32_t>(facets.size());
+      std::vector<std::uint32_t> facet{first};
+      faces[first].facet = number;
+      for (Index k = 0; k < facet.size(); ++k) {
+        for (const std::uint32_t e : faces[facet[k]].edges) {
+          if (!is_flat(edges[e], flat)) continue;
+          for (const std::uint32_t other : edges[e].faces) {
+            // Small angles must not add up to a bend.
+            if (faces[other].facet != none ||
+                moment(faces[other].normal, faces[first].normal).norm() > flat) {
+              continue;
+            }
+            faces[other].facet = number;
+            facet.push_back(other);
+          }
+        }
+      }
+      std::ranges::sort(facet);
+      facets.push_back(std::move(facet));
+    }
+  }
+
+  bool is_within_a_facet(const Edge& edge, Real flat) const {
+    return is_flat(edge, flat) && faces[edge.faces[0]].facet == faces[edge.faces[1]].facet;
+  }
+
+  void find_lines(Real flat) {
+    edges_at.resize(vertices.size());
+    is_on_line.assign(vertices.size(), false);
+    std::vector<std::vector<Piece>> creases(vertices.size());
+    std::vector<char> waits(edges.size(), false);
+    for (std::uint32_t e = 0; e < edges.size(); ++e) {
+      const bool is_crease = !is_within_a_facet(edges[e], flat);
+      waits[e] = is_crease;
+      for (const bool is_turned : {false, true}) {
+        const std::uint32_t v = begin_of({e, is_turned});
+        edges_at[v].push_back({e, is_turned});
+        if (is_crease) {
+          creases[v].push_back({e, is_turned});
+          is_on_line[v] = true;
+        }
+      }
+    }
+    // The line goes on from the end of a piece, with the direction in which it began.
+    const auto next_of = [&](const Piece& piece, const Vec& direction) {
+      const auto& at = creases[end_of(piece)];
+      if (at.size() != 2) return Piece{none, false};
+      const Piece next = at[0].edge == piece.edge ? at[1] : at[0];
+      const bool goes_on = waits[next.edge] && (along(next) - direction).norm() < flat;
+      return goes_on ? next : Piece{none, false};
+    };
+    for (std::uint32_t e = 0; e < edges.size(); ++e) {
+      if (!waits[e]) continue;
+      Piece first{e, true};  // as far back as it goes
+      waits[e] = false;
+      const Vec back = along(first);
+      std::vector<Piece> behind{first};
+      for (Piece next = next_of(first, back); next.edge != none; next = next_of(next, back)) {
+        waits[next.edge] = false;
+        behind.push_back(next);
+      }
+      Line line;
+      for (Index k = behind.size(); k-- > 0;) {
+        line.pieces.push_back({behind[k].edge, !behind[k].is_turned});
+      }
+      const Piece own{e, false};
+      for (Piece next = next_of(own, along(own)); next.edge != none;
+           next = next_of(next, along(own))) {
+        waits[next.edge] = false;
+        line.pieces.push_back(next);
+      }
+      Real begin = 0;
+      for (const Piece& piece : line.pieces) {
+        line.begins.push_back(begin);
+        begin += edges[piece.edge].length;
+        edges[piece.edge].line = static_cast<std::uint32_t>(lines.size());
+      }
+      lines.push_back(std::move(line));
+    }
+  }
+
+  void find_corners() {
+    corner_at.assign(vertices.size(), none);
+    for (const Line& line : lines) {
+      for (const std::uint32_t v : {begin_of(line.pieces.front()), end_of(line.pieces.back())}) {
+        if (corner_at[v] != none) continue;
+        corner_at[v] = static_cast<std::uint32_t>(corners.size());
+        corners.push_back(v);
+      }
+    }
+  }
+};
+
+}  // namespace silt::dem

@@ -1,0 +1,255 @@
+// SPDX-License-Identifier: MIT
+// A wall of triangles. It touches a sphere wherever it comes nearest to the centre: where the
+// distance is smaller than at all points around. On a flat facet that is one point, whatever
+// triangles the facet is made of; over a convex edge or corner it is one as well, since that is
+// pushed only from where it is nearer than all that meets there.
+#pragma once
+
+#include <silt/core/error.hpp>
+#include <silt/core/triangle.hpp>
+#include <silt/core/types.hpp>
+#include <silt/dem/box_tree.hpp>
+#include <silt/dem/mesh_features.hpp>
+#include <silt/dem/wall.hpp>
+#include <silt/dem/welded_mesh.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <numeric>
+#include <vector>
+
+namespace silt::dem {
+
+struct MeshSettings {
+  std::uint32_t material = 0;  ///< place in dem::Materials
+  double flat_angle = 1e-3;    ///< triangles that differ by less are one facet [rad]
+};
+
+/// Solid from both sides. Parts are its facets, then its lines, then its corners, in the order of
+/// the triangles; each has a contact memory of its own. Triangles must meet at whole edges. Copies
+/// share the mesh.
+template <class Real = double>
+class MeshWall {
+  using Vec = silt::Vec<3, Real>;
+  using Nearest = NearestPoint<3, Real>;
+  using Features = MeshFeatures<Real>;
+  using Piece = typename Features::Piece;
+  using Tree = BoxTree<Real>;
+
+ public:
+  std::uint32_t material;
+
+  /// Throws if there is no triangle, or one without area.
+  explicit MeshWall(const std::vector<Triangle<Real>>& triangles, const MeshSettings& settings = {})
+      : material(settings.material) {
+    require_between("MeshSettings: flat_angle", settings.flat_angle, {0, 0.5});
+    mesh_ = std::make_shared<const Mesh>(weld(triangles), Real(settings.flat_angle));
+  }
+  void check() const noexcept {}
+
+  Index facets() const { return mesh_->features.facets.size(); }
+  Index lines() const { return mesh_->features.lines.size(); }
+  Index corners() const { return mesh_->features.corners.size(); }
+
+  Index parts() const { return facets() + lines() + corners(); }
+
+  Nearest nearest(Index part, const Vec& x) const {
+    if (part < facets()) return nearest_of_facet(part, x);
+    part -= facets();
+    return part < lines() ? nearest_of_line(part, x) : nearest_of_corner(part - lines(), x);
+  }
+
+  template <class F>
+  void for_each_part_near(const Vec& x, Real distance, F&& f) const {
+    const auto& all = mesh_->features;
+    std::vector<Index> near;
+    mesh_->faces.visit_near(x, squared(distance), [&](std::uint32_t number) {
+      const auto& face = all.faces[number];
+      bool is_near = is_above(face, x) && std::abs(height(face, x)) < distance;
+      for (std::size_t k = 0; k < 3; ++k) {
+        const auto& edge = all.edges[face.edges[k]];
+        if ((x - foot_on(edge, x)).norm() < distance) {
+          is_near = true;
+          if (edge.line != Features::none) near.push_back(facets() + edge.line);
+        }
+        const std::uint32_t v = face.vertices[k];
+        if (all.corner_at[v] != Features::none && (x - all.vertices[v]).norm() < distance) {
+          near.push_back(facets() + lines() + all.corner_at[v]);
+        }
+      }
+      if (is_near) near.push_back(face.facet);
+      return squared(distance);
+    });
+    std::ranges::sort(near);
+    near.erase(std::unique(near.begin(), near.end()), near.end());
+    for (const Index part : near) f(part);
+  }
+
+ private:
+  struct Mesh {
+    Mesh(const WeldedMesh<Real>& mesh, Real flat) : features(mesh, flat) {
+      std::vector<std::uint32_t> all(features.faces.size());
+      std::iota(all.begin(), all.end(), std::uint32_t(0));
+      faces = tree_of(all);
+      for (const auto& facet : features.facets) {
+        trees.push_back(facet.size() > few ? tree_of(facet) : Tree());
+      }
+    }
+    Tree tree_of(const std::vector<std::uint32_t>& some) const {
+      std::vector<typename Tree::Bounds> bounds;
+      for (const std::uint32_t f : some) {
+        const auto& [a, b, c] = features.faces[f].vertices;
+        const auto& x = features.vertices;
+        bounds.push_back({x[a].cwiseMin(x[b]).cwiseMin(x[c]), x[a].cwiseMax(x[b]).cwiseMax(x[c])});
+      }
+      return Tree(bounds);
+    }
+    static constexpr Index few = 8;
+
+    Features features;
+    Tree faces;
+    std::vector<Tree> trees;  // of the facets that have more than a few faces
+  };
+  using Face = typename Features::Face;
+  using Edge = typename Features::Edge;
+
+  Real height(const Face& face, const Vec& x) const {
+    return (x - mesh_->features.vertices[face.vertices[0]]).dot(face.normal);
+  }
+
+  // How far x is on the side of an edge where a face lies. Faces and lines ask the same, so that one
+  // of them pushes, and one alone.
+  Real inside(const Edge& edge, const Vec& inwards, const Vec& x) const {
+    return (x - mesh_->features.vertices[edge.from]).dot(inwards);
+  }
+  bool is_above(const Face& face, const Vec& x) const {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Edge& edge = mesh_->features.edges[face.edges[k]];
+      const Real s = inside(edge, face.inwards[k], x);
+      const bool is_within = edge.line == Features::none ? s >= 0 : s > 0;
+      if (!is_within || is_straight_above_corner(face, k, x)) return false;
+    }
+    return true;
+  }
+  // Of a face that has a point of a line, but no piece of it there.
+  bool is_straight_above_corner(const Face& face, std::size_t k, const Vec& x) const {
+    const auto& all = mesh_->features;
+    const std::uint32_t v = face.vertices[k];
+    if (!all.is_on_line[v]) return false;
+    for (const std::uint32_t e : {face.edges[k], face.edges[(k + 2) % 3]}) {
+      const Piece piece{e, all.edges[e].to == v};
+      if (all.edges[e].line != Features::none || beyond_begin(piece, x) > 0) return false;
+    }
+    return true;
+  }
+
+  Vec foot_on(const Edge& edge, const Vec& x) const {
+    const Vec& from = mesh_->features.vertices[edge.from];
+    return from + std::clamp<Real>((x - from).dot(edge.along), 0, edge.length) * edge.along;
+  }
+
+  // The nearest points of a facet's faces: one straight below the centre, and those at edges, of
+  // which some are on lines.
+  struct Candidates {
+    Nearest below = nothing_near<3, Real>();
+    Real at_edge = std::numeric_limits<Real>::infinity();
+    Vec foot = Vec::Zero();
+    Real on_line = std::numeric_limits<Real>::infinity();
+  };
+
+  void consider(const Face& face, const Vec& x, Candidates& best) const {
+    const auto& all = mesh_->features;
+    if (is_above(face, x)) {
+      const Real h = height(face, x);
+      if (std::abs(h) < best.below.distance) {
+        best.below = {h < 0 ? Vec(-face.normal) : face.normal, std::abs(h)};
+      }
+      return;
+    }
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Edge& edge = all.edges[face.edges[k]];
+      const Vec foot = foot_on(edge, x);
+      const Real distance = (x - foot).norm();
+      if (edge.line != Features::none) best.on_line = std::min(best.on_line, distance);
+      for (const std::uint32_t v : {edge.from, edge.to}) {
+        if (!all.is_on_line[v]) continue;
+        best.on_line = std::min(best.on_line, (x - all.vertices[v]).norm());
+      }
+      if (!(distance < best.at_edge)) continue;
+      best.at_edge = distance;
+      best.foot = foot;
+    }
+  }
+
+  Nearest nearest_of_facet(Index number, const Vec& x) const {
+    const auto& all = mesh_->features;
+    const auto& facet = all.facets[number];
+    constexpr Real more = Real(1) + Real(1e-5);
+    constexpr Real round_off = 64 * std::numeric_limits<Real>::epsilon();
+    Candidates best;
+    if (facet.size() <= Mesh::few) {
+      for (const std::uint32_t f : facet) consider(all.faces[f], x, best);
+    } else {
+      mesh_->trees[number].visit_near(
+          x, std::numeric_limits<Real>::infinity(), [&](std::uint32_t k) {
+            consider(all.faces[facet[k]], x, best);
+            return squared(std::min(best.below.distance, best.at_edge) * more) +
+                   std::numeric_limits<Real>::min();
+          });
+    }
+    if (best.below.distance <= best.at_edge * more) return best.below;
+    // Where two faces of a facet differ a little there may be no face straight below.
+    if (!(best.at_edge > 0) || best.on_line <= best.at_edge * (1 + round_off)) {
+      return nothing_near<3, Real>();
+    }
+    return {(x - best.foot) / best.at_edge, best.at_edge};
+  }
+
+  Real beyond_begin(const Piece& piece, const Vec& x) const {
+    const auto& all = mesh_->features;
+    return (x - all.vertices[all.begin_of(piece)]).dot(all.along(piece));
+  }
+
+  Nearest nearest_of_line(Index number, const Vec& x) const {
+    const auto& all = mesh_->features;
+    const auto& line = all.lines[number];
+    const Piece last{line.pieces.back().edge, !line.pieces.back().is_turned};
+    const Real along = beyond_begin(line.pieces.front(), x);
+    if (!(along > 0 && beyond_begin(last, x) > 0)) return nothing_near<3, Real>();
+    const auto behind = std::upper_bound(line.begins.begin() + 1, line.begins.end(), along);
+    const Edge& edge =
+        all.edges[line.pieces[static_cast<Index>(behind - line.begins.begin()) - 1].edge];
+    Vec outwards = Vec::Zero();
+    for (const Vec& inwards : edge.inwards) {
+      if (inside(edge, inwards, x) > 0) return nothing_near<3, Real>();
+      outwards -= inwards;
+    }
+    return away_from(foot_on(edge, x), x, outwards);
+  }
+
+  Nearest nearest_of_corner(Index number, const Vec& x) const {
+    const auto& all = mesh_->features;
+    const std::uint32_t v = all.corners[number];
+    Vec outwards = Vec::Zero();
+    for (const Piece& piece : all.edges_at[v]) {
+      if (beyond_begin(piece, x) > 0) return nothing_near<3, Real>();
+      outwards -= all.along(piece);
+    }
+    return away_from(all.vertices[v], x, outwards);
+  }
+
+  // `outwards` where x is the foot itself.
+  static Nearest away_from(const Vec& foot, const Vec& x, const Vec& outwards) {
+    const Vec out = x - foot;
+    const Real distance = out.norm();
+    if (distance > 0) return {out / distance, distance};
+    return {outwards.norm() > 0 ? Vec(outwards.normalized()) : Vec(Vec::Unit(2)), 0};
+  }
+
+  std::shared_ptr<const Mesh> mesh_;
+};
+
+}  // namespace silt::dem

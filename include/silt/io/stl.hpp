@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: MIT
+// Surfaces of triangles as STL files, which programs that draw parts write: binary or as text.
+#pragma once
+
+#include <silt/core/error.hpp>
+#include <silt/core/triangle.hpp>
+#include <silt/core/types.hpp>
+#include <silt/io/file.hpp>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cctype>
+#include <cerrno>
+#include <charconv>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace silt {
+
+enum class StlFormat { binary, text };
+
+struct StlSettings {
+  double scale = 1;  ///< of a length in the file [m]; STL does not say: 1e-3 for millimetres
+};
+
+namespace detail {
+
+inline constexpr Index stl_header = 84;    // 80 letters, and how many triangles
+inline constexpr Index stl_triangle = 50;  // 12 floats, and two bytes of no meaning
+
+inline std::uint32_t stl_word(std::string_view bytes, Index at) {
+  std::uint32_t word = 0;
+  for (Index k = 4; k-- > 0;) word = word << 8 | static_cast<unsigned char>(bytes[at + k]);
+  return word;
+}
+
+inline std::vector<Triangle<double>> binary_stl(const std::string& file, std::string_view bytes,
+                                                double scale) {
+  if (bytes.size() < stl_header) {
+    fail("read_stl: " + file + " is no STL file: it has " + std::to_string(bytes.size()) +
+         " bytes and does not begin with \"solid\"; check the path");
+  }
+  const Index count = stl_word(bytes, stl_header - 4);
+  const Index whole = (bytes.size() - stl_header) / stl_triangle;
+  if (whole < count) {
+    fail("read_stl: " + file + " breaks off in triangle " + std::to_string(whole) + " of " +
+         std::to_string(count) + ", or is no STL file; get it anew");
+  }
+  std::vector<Triangle<double>> triangles(count);
+  for (Index t = 0; t < count; ++t) {
+    Index at = stl_header + t * stl_triangle + 12;  // behind the normal, which the corners tell
+    for (auto& corner : triangles[t].corners) {
+      for (int k = 0; k < 3; ++k, at += 4) {
+        corner[k] = scale * double(std::bit_cast<float>(stl_word(bytes, at)));
+      }
+    }
+  }
+  return triangles;
+}
+
+// Words of a text, one after the other, letters small.
+class StlWords {
+ public:
+  StlWords(const std::string& file, std::string_view text) : file_(file), text_(text) {}
+
+  /// Empty at the end.
+  std::string next() {
+    while (!text_.empty() && is_blank(text_.front())) drop();
+    std::string word;
+    while (!text_.empty() && !is_blank(text_.front())) {
+      word += static_cast<char>(std::tolower(static_cast<unsigned char>(text_.front())));
+      drop();
+    }
+    return word;
+  }
+  void skip_line() {
+    while (!text_.empty() && text_.front() != '\n') drop();
+  }
+  void expect(std::string_view wanted) {
+    const std::string word = next();
+    if (word != wanted) refuse(wanted, word);
+  }
+  double number() {
+    const std::string word = next();
+    const char* const begin = word.data() + (word.starts_with('+') ? 1 : 0);
+    const char* const end = word.data() + word.size();
+    double value = 0;
+    const auto read = std::from_chars(begin, end, value);
+    if (word.empty() || read.ec != std::errc{} || read.ptr != end) refuse("a number", word);
+    return value;
+  }
+  [[noreturn]] void refuse(std::string_view wanted, const std::string& word) const {
+    fail("read_stl: " + file_ + ", line " + std::to_string(line_) + ", triangle " +
+         std::to_string(triangles) + ": " +
+         (word.empty() ? std::string("the file ends") : "\"" + word + "\" stands") +
+         " where there should be " + std::string(wanted) + "; correct it, or get it anew");
+  }
+
+  Index triangles = 0;  ///< so far
+
+ private:
+  static bool is_blank(char c) { return std::isspace(static_cast<unsigned char>(c)) != 0; }
+  void drop() {
+    line_ += text_.front() == '\n';
+    text_.remove_prefix(1);
+  }
+
+  const std::string& file_;
+  std::string_view text_;
+  Index line_ = 1;
+};
+
+inline std::vector<Triangle<double>> text_stl(const std::string& file, std::string_view text,
+                                              double scale) {
+  std::vector<Triangle<double>> triangles;
+  StlWords words(file, text);
+  std::string word = words.next();
+  while (!word.empty()) {
+    if (word != "solid") words.refuse("solid", word);
+    words.skip_line();  // its name
+    for (word = words.next(); word == "facet"; word = words.next()) {
+      words.expect("normal");
+      for (int k = 0; k < 3; ++k) words.next();  // the corners tell it
+      words.expect("outer");
+      words.expect("loop");
+      Triangle<double> triangle;
+      for (auto& corner : triangle.corners) {
+        words.expect("vertex");
+        for (int k = 0; k < 3; ++k) corner[k] = scale * words.number();
+      }
+      words.expect("endloop");
+      words.expect("endfacet");
+      triangles.push_back(triangle);
+      words.triangles = triangles.size();
+    }
+    if (word != "endsolid") words.refuse("facet or endsolid", word);
+    words.skip_line();
+    word = words.next();
+  }
+  return triangles;
+}
+
+// Binary files may begin with "solid", too. Their size tells them.
+inline bool is_text_stl(std::string_view bytes) {
+  if (bytes.size() >= stl_header &&
+      bytes.size() == stl_header + stl_triangle * stl_word(bytes, stl_header - 4)) {
+    return false;
+  }
+  const auto letter = std::ranges::find_if(
+      bytes, [](char c) { return std::isspace(static_cast<unsigned char>(c)) == 0; });
+  std::string begin(bytes.substr(static_cast<Index>(letter - bytes.begin()), 5));
+  std::ranges::transform(begin, begin.begin(), [](char c) {
+    return static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  });
+  return begin == "solid" && bytes.substr(0, 512).find('\0') == std::string_view::npos;
+}
+
+}  // namespace detail
+
+/// Reads a file of triangles, binary or text, in the order of the file. Normals and attributes are
+/// not read: the corners tell all. Throws silt::Error, naming file and triangle, if it cannot be
+/// read, breaks off, is not STL, or has no triangle, one without area, or a number that is not finite.
+inline std::vector<Triangle<double>> read_stl(const std::filesystem::path& path,
+                                              const StlSettings& settings = {}) {
+  require_positive("StlSettings: scale", settings.scale);
+  errno = 0;
+  std::ifstream stream(path, std::ios::binary);
+  if (!stream || std::filesystem::is_directory(path)) {
+    file::refuse("read_stl: cannot open", path, file::last_error(), "check the path");
+  }
+  const std::string bytes{std::istreambuf_iterator<char>(stream), {}};
+  const std::string name = path.string();
+  const auto triangles = detail::is_text_stl(bytes)
+                             ? detail::text_stl(name, bytes, settings.scale)
+                             : detail::binary_stl(name, bytes, settings.scale);
+  if (triangles.empty()) fail("read_stl: " + name + " has no triangle; check how it was made");
+  for (Index t = 0; t < triangles.size(); ++t) {
+    require_area("read_stl: " + name + ": triangle " + std::to_string(t), triangles[t]);
+  }
+  return triangles;
+}
+
+/// Writes triangles [m]; binary files hold them in single precision. Throws silt::Error if the file
+/// cannot be written.
+template <class Real>
+void write_stl(const std::filesystem::path& path, const std::vector<Triangle<Real>>& triangles,
+               StlFormat format = StlFormat::binary) {
+  std::string bytes = format == StlFormat::binary ? std::string(detail::stl_header - 4, ' ')
+                                                  : std::string("solid silt\n");
+  const auto put = [&](std::uint32_t word) {
+    for (int k = 0; k < 4; ++k) bytes += static_cast<char>(word >> (8 * k) & 0xff);
+  };
+  if (format == StlFormat::binary) put(static_cast<std::uint32_t>(triangles.size()));
+  for (const Triangle<Real>& triangle : triangles) {
+    const auto& [a, b, c] = triangle.corners;
+    const Vec<3, Real> normal = moment(Vec<3, Real>(b - a), Vec<3, Real>(c - a)).normalized();
+    if (format == StlFormat::binary) {
+      for (const auto& vector : {normal, a, b, c}) {
+        for (int k = 0; k < 3; ++k) put(std::bit_cast<std::uint32_t>(static_cast<float>(vector[k])));
+      }
+      bytes += std::string(2, '\0');
+    } else {
+      const auto numbers = [](const Vec<3, Real>& x) {
+        return " " + file::digits(x[0]) + " " + file::digits(x[1]) + " " + file::digits(x[2]) + "\n";
+      };
+      bytes += "facet normal" + numbers(normal) + "outer loop\n";
+      for (const auto& corner : triangle.corners) bytes += "vertex" + numbers(corner);
+      bytes += "endloop\nendfacet\n";
+    }
+  }
+  if (format == StlFormat::text) bytes += "endsolid silt\n";
+  file::replace("write_stl", path, bytes);
+}
+
+}  // namespace silt
