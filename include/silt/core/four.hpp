@@ -68,8 +68,12 @@ template <class Real, int N, class From>
       to[k] = __builtin_shufflevector(lower[k], upper[k], 0, 1, 2, 3, 4, 5, 6, 7);
     }
   } else {
-    for (int lane = 0; lane < N; ++lane) {
-      for (int k = 0; k < 4; ++k) to[k][lane] = from(lane)[k];
+    // By way of arrays: of packs that are filled lane by lane, g++ 12 loses some at -O3.
+    Real rows[N][4], columns[4][N];
+    for (int lane = 0; lane < N; ++lane) std::memcpy(rows[lane], from(lane), sizeof rows[lane]);
+    for (int k = 0; k < 4; ++k) {
+      for (int lane = 0; lane < N; ++lane) columns[k][lane] = rows[lane][k];
+      to[k] = simd::load<Real, N>(columns[k]);
     }
   }
 }

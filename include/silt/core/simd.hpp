@@ -124,18 +124,18 @@ Pack<T, N> square_root(const Pack<T, N>& a) {
   } else
 #endif
   {
-    Pack<T, N> root;
+    T root[N];
     for (int k = 0; k < N; ++k) root[k] = std::sqrt(a[k]);
-    return root;
+    return load<T, N>(root);
   }
 }
 
 /// from, from + 1, …
 template <int N>
 Pack<std::uint32_t, N> count_from(Index from) {
-  Pack<std::uint32_t, N> pack;
-  for (int k = 0; k < N; ++k) pack[k] = static_cast<std::uint32_t>(k);
-  return pack + static_cast<std::uint32_t>(from);
+  std::uint32_t count[N];
+  for (int k = 0; k < N; ++k) count[k] = static_cast<std::uint32_t>(from) + static_cast<std::uint32_t>(k);
+  return load<std::uint32_t, N>(count);
 }
 
 /// sum += a x in four lanes. (Of the compilers' own conversion g++ 12 makes two halves.)

@@ -153,13 +153,15 @@ class ContactLanes {
     unsigned touching = 0;
     for (int p = 0; p < packs; ++p) {
       grains.load(first + p * N, i_[p]);
+      Real overlaps[N];
       for (int lane = 0; lane < N; ++lane) {
         Vec x;
         for (int k = 0; k < Dim; ++k) x[k] = i_[p].x[k][lane];
         const NearestPoint<Dim, Real> at = nearest(second[p * N + lane], x);
         for (int k = 0; k < Dim; ++k) row_[Row::n + k][p * N + lane] = at.normal[k];
-        overlap_[p][lane] = i_[p].R[lane] - at.distance;
+        overlaps[lane] = i_[p].R[lane] - at.distance;
       }
+      overlap_[p] = simd::load<Real, N>(overlaps);
       touching |= simd::less<Real, N>(Pack{}, overlap_[p]) << (p * N);
     }
     return touching;
