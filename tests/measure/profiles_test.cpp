@@ -8,7 +8,9 @@
 
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <random>
+#include <span>
 #include <vector>
 
 namespace silt::test {
@@ -79,6 +81,18 @@ TEST(Profiles, OfASimpleCubicLatticeAreExact) {
     EXPECT_NEAR(rows[s].solid_fraction.value, 4 * (outer ? cap : pi / 12 - cap), 1e-12) << s;
     EXPECT_NEAR(rows[s].temperature.value, 0, 1e-15);
   }
+}
+
+TEST(Profiles, TellWhatComesOfAllSolidFractionsTogether) {
+  Profiles<2> profiles({.lower = 0, .upper = 1, .count = 4, .cross_section = 1});
+  for (const double height : {0.2, 0.3, 0.2, 0.3}) {
+    profiles.add(one_grain<2>({0, height}, {0, 0}, {.radius = 0.1, .density = 1}));
+  }
+  const Estimate sum = profiles.of_solid_fractions([](std::span<const double> fractions) {
+    return std::accumulate(fractions.begin(), fractions.end(), 0.0) / 4;
+  });
+  EXPECT_NEAR(sum.value, pi * 0.01, 1e-15);
+  EXPECT_NEAR(sum.standard_error, 0, 1e-15) << "wherever the grain was, it was there as a whole";
 }
 
 TEST(Profiles, GoRoundAPeriodicHeight) {

@@ -97,6 +97,16 @@ class Profiles {
   Index samples() const noexcept { return sums_.samples(); }
   const Slices& slices() const noexcept { return slices_; }
 
+  /// f(solid fractions of all slices, from below), with its standard error by blocks.
+  template <class F>
+  Estimate of_solid_fractions(F&& f) const {
+    std::vector<double> fractions(slices_.count);
+    return sums_.estimate([&](Means means) {
+      for (Index s = 0; s < slices_.count; ++s) fractions[s] = means[s * numbers + volume];
+      return f(std::span<const double>(fractions));
+    });
+  }
+
   /// One row for each slice, from below. Throws if there was no sample.
   std::vector<ProfileRow<Dim>> rows() const {
     if (samples() == 0) fail("Profiles: there are 0 samples; call it with a simulation first");
