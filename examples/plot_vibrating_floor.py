@@ -1,0 +1,363 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""Draws what vibrating_floor wrote, beside the kinetic theory of the same bed.
+
+    plot_vibrating_floor.py FOLDER
+
+If FOLDER holds one run, makes profile.png and comparison.md in it. If it holds the runs of a study
+in subfolders, makes figures.png (Figs 5 to 8 of [SahChoi2004]), figures_2d.png, and comparison.md
+with every relation that must hold; see study_vibrating_floor.py.
+"""
+
+import json
+import pathlib
+import sys
+
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt
+import numpy as np
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+from support.kinetic_theory import SteadyBed
+
+COLOURS = ["#2b6cb0", "#d9822b", "#3a9d5d"]
+GREY = "#8a9099"
+
+FIGURES = {
+    "mean_temperature_over_gd": "T / g d",
+    "centre_of_mass_over_d": "centre of mass / d",
+    "solid_fraction_max": "largest solid fraction",
+    "solid_fraction_peak_over_d": "at height / d",
+    "floor_force_over_weight": "floor force / weight",
+}
+
+
+def table(path):
+    return np.genfromtxt(path, delimiter=",", names=True)
+
+
+class Measured:
+    """A number with its standard error."""
+
+    def __init__(self, value, error):
+        self.value, self.error = float(value), float(error)
+
+    def __sub__(self, other):
+        return Measured(self.value - other.value, np.hypot(self.error, other.error))
+
+    def over(self, other):
+        """Their ratio."""
+        ratio = self.value / other.value
+        return Measured(ratio, abs(ratio) * np.hypot(self.error / self.value,
+                                                     other.error / other.value))
+
+    def __str__(self):
+        # As many digits as two of the error need.
+        digits = 3
+        if np.isfinite(self.error) and self.error > 0:
+            digits = int(np.clip(1 - np.floor(np.log10(self.error)), 0, 6))
+        return f"{self.value:.{digits}f} ± {self.error:.{digits}f}"
+
+
+class Run:
+    """One output folder."""
+
+    def __init__(self, folder):
+        self.summary = json.loads((folder / "summary.json").read_text())
+        self.options = self.summary["options"]
+        self.profile = table(folder / "profile.csv")
+        self.errors = table(folder / "profile_errors.csv")
+        self.y = self.profile["y_over_d"]
+
+    def __getattr__(self, name):
+        """Options by their names."""
+        try:
+            return self.options[name]
+        except KeyError:
+            raise AttributeError(name) from None
+
+    def figure(self, name):
+        return Measured(self.summary[name], self.summary["standard_errors"][name])
+
+    def band(self, name, lower, upper):
+        """A column's mean between two heights [d]. Slices of one grain fluctuate together, so the
+        error is that of one of them."""
+        inside = (self.y > lower) & (self.y < upper) & np.isfinite(self.profile[name])
+        weight = self.profile["solid_fraction"][inside]
+        return Measured(np.average(self.profile[name][inside], weights=weight),
+                        np.average(self.errors[name][inside], weights=weight))
+
+    def theory(self):
+        return SteadyBed(self.summary["mass_holdup"], self.boundary_velocity, self.restitution)
+
+    @property
+    def name(self):
+        return f"m_t = {self.mass_holdup:g}, V_b = {self.boundary_velocity:g}"
+
+
+def curve(axes, run, name, colour, label):
+    """A profile against height, with two standard errors, as far up as it is known."""
+    values, errors = run.profile[name], run.errors[name]
+    known = (run.profile["solid_fraction"] > 2e-4) & (errors < 0.15 * values)
+    if name != "solid_fraction":
+        known &= run.y > 0
+    values, errors, y = values[known], errors[known], run.y[known]
+    axes.fill_betweenx(y, values - 2 * errors, values + 2 * errors, color=colour, alpha=0.25,
+                       linewidth=0)
+    axes.plot(values, y, color=colour, linewidth=1.5, label=label)
+
+
+def theory_curve(axes, theory, name, colour):
+    values = {"solid_fraction": theory.solid_fraction, "temperature_over_gd": theory.temperature}
+    known = theory.solid_fraction > 2e-4
+    axes.plot(values[name][known], theory.y[known], color=colour, linewidth=1.1,
+              linestyle=(0, (5, 3)))
+
+
+def finish(axes, name, top):
+    if name == "solid_fraction":
+        axes.set_xlabel("solid fraction ν [-]")
+        axes.set_xlim(0)
+    else:
+        axes.set_xlabel("fluctuation energy T / g d = ⟨v'²⟩ / (%s g d)" % "D")
+        axes.set_xscale("log")
+    axes.set_ylabel("height y / d")
+    axes.set_ylim(0, top)
+    axes.grid(color="#eceef1", linewidth=0.8)
+    axes.set_axisbelow(True)
+    axes.spines[["top", "right"]].set_visible(False)
+
+
+def draw_figures(rows, path, title, theories):
+    """rows: (captions of the two panels, height, [(run, label)])."""
+    figure, panels = plt.subplots(2, 2, figsize=(10.5, 8.6), layout="constrained")
+    for axes, (captions, top, runs) in zip(panels, rows):
+        for each, name, caption in zip(axes, ("temperature_over_gd", "solid_fraction"), captions):
+            for (run, label), colour in zip(runs, COLOURS):
+                curve(each, run, name, colour, label)
+                if run in theories:
+                    theory_curve(each, theories[run], name, colour)
+            if theories:
+                each.plot([], [], color=GREY, linewidth=1.1, linestyle=(0, (5, 3)),
+                          label="kinetic theory")
+            finish(each, name, top)
+            each.set_title(caption, loc="left", fontsize=11)
+            each.legend(frameon=False, fontsize=9)
+    figure.suptitle(title, fontsize=11, x=0.01, ha="left")
+    figure.savefig(path, dpi=110)
+    plt.close(figure)
+
+
+class Check:
+    """Lines of a table: what, measured, what it must be, whether it holds."""
+
+    def __init__(self):
+        self.lines = []
+        self.failed = 0
+
+    def add(self, what, measured, wanted, holds):
+        self.failed += not holds
+        self.lines.append(f"| {what} | {measured} | {wanted} | {'yes' if holds else '**no**'} |")
+
+    def rises(self, what, before, after):
+        """Beyond two standard errors."""
+        rise = after - before
+        self.add(f"{what} rises", f"{before} → {after}", "beyond 2 standard errors",
+                 rise.value > 2 * rise.error)
+
+    def falls(self, what, before, after):
+        fall = before - after
+        self.add(f"{what} falls", f"{before} → {after}", "beyond 2 standard errors",
+                 fall.value > 2 * fall.error)
+
+    def unchanged(self, what, measured, reference, limit):
+        """A ratio within the limit of 1, or not told from it."""
+        ratio = measured.over(reference)
+        self.add(what, f"{100 * (ratio.value - 1):+.2f} ± {100 * ratio.error:.2f} %",
+                 f"within {100 * limit:g} %", abs(ratio.value - 1) < limit)
+
+    def text(self):
+        return ["| | measured | must be | |", "|---|---|---|---|"] + self.lines
+
+
+def figure_table(runs, theories):
+    """All figures of the runs, and below each what kinetic theory has."""
+    lines = ["| run | grains | " + " | ".join(FIGURES.values()) + " |",
+             "|---|---|" + "---|" * len(FIGURES)]
+    for run in runs:
+        numbers = " | ".join(str(run.figure(name)) for name in FIGURES)
+        lines.append(f"| {run.name} | {run.summary['grains']} | {numbers} |")
+        if theory := theories.get(run):
+            lines.append(f"| … kinetic theory | | {theory.mean_temperature:.4f} | "
+                         f"{theory.centre_of_mass:.2f} | {theory.solid_fraction_max:.3f} | "
+                         f"{theory.solid_fraction_peak:.2f} | 1 |")
+    return lines
+
+
+def check_one(check, run):
+    force = run.figure("floor_force_over_weight")
+    check.add(f"{run.name}: floor force / weight", force, "1 ± 0.01", abs(force.value - 1) <= 0.01)
+    kept = run.summary["mass_holdup_of_profile"] / run.summary["mass_holdup"]
+    check.add(f"{run.name}: integral of the solid fraction / m_t d", f"{kept:.6f}", "1 ± 1e-6",
+              abs(kept - 1) <= 1e-6)
+
+
+def check_cooling(check, run, top):
+    """The energy falls from diameter to diameter, up to the given height."""
+    bands = [run.band("temperature_over_gd", y, y + 1) for y in np.arange(0.5, top, 1)]
+    falls = [below - above for below, above in zip(bands, bands[1:])]
+    worst = min(falls, key=lambda fall: fall.value / fall.error)
+    check.add(f"{run.name}: energy falls from diameter to diameter up to {len(bands) + 0.5:g} d",
+              f"{bands[0]} → {bands[-1]}, least fall {worst}", "each beyond 2 standard errors",
+              worst.value > 2 * worst.error)
+
+
+def check_orders(check, by_holdup, by_velocity):
+    """The relations between the runs that the paper's figures show."""
+    T, peak, at = (lambda run: run.figure("mean_temperature_over_gd"),
+                   lambda run: run.figure("solid_fraction_max"),
+                   lambda run: run.figure("solid_fraction_peak_over_d"))
+    for less, more in zip(by_holdup, by_holdup[1:]):
+        pair = f"V_b = 2, m_t {less.mass_holdup:g} → {more.mass_holdup:g}"
+        check.falls(f"{pair}: mean energy", T(less), T(more))
+        check.rises(f"{pair}: largest solid fraction", peak(less), peak(more))
+        # The thinnest bed is nearly as dense at the floor as anywhere, so its peak lies anywhere.
+        if less is not by_holdup[0]:
+            check.rises(f"{pair}: height of the largest solid fraction", at(less), at(more))
+    for less, more in zip(by_velocity, by_velocity[1:]):
+        pair = f"m_t = 5, V_b {less.boundary_velocity:g} → {more.boundary_velocity:g}"
+        check.rises(f"{pair}: mean energy", T(less), T(more))
+        check.rises(f"{pair}: height of the largest solid fraction", at(less), at(more))
+    for run in dict.fromkeys(by_holdup + by_velocity):
+        check_cooling(check, run, max(2.5, 0.8 * run.figure("solid_fraction_peak_over_d").value))
+        check.falls(f"{run.name}: energy at 0.5 d to 1.5 d, from vertical to horizontal,",
+                    run.band("temperature_vertical", 0.5, 1.5),
+                    run.band("temperature_horizontal", 0.5, 1.5))
+    thin = by_holdup[0]
+    near = thin.band("solid_fraction", 0.5, 1.5).over(peak(thin))
+    check.add(f"{thin.name}: solid fraction at 0.5 d to 1.5 d over its maximum", near, "≥ 0.8",
+              near.value >= 0.8)
+    for run in by_holdup[1:]:
+        check.rises(f"{run.name}: solid fraction from 0.5 d to 1.5 d up to its maximum",
+                    run.band("solid_fraction", 0.5, 1.5), peak(run))
+
+
+class Study:
+    """The runs below a folder, told apart by their options."""
+
+    def __init__(self, folder):
+        self.runs = [Run(path.parent) for path in sorted(folder.glob("*/summary.json"))]
+
+    def find(self, **options):
+        """The run with these options and otherwise the paper's; None if it is not there."""
+        wanted = {"dimension": 3, "mass_holdup": 2.5, "boundary_velocity": 2, "frequency": 50,
+                  "restitution": 0.9, **options}
+        wanted.setdefault("cell_width", 8 if wanted["dimension"] == 3 else 40)
+        wanted.setdefault("loading_stiffness", 2.7e8 if wanted["dimension"] == 3 else 2.7e7)
+        for run in self.runs:
+            if all(run.options[name] == value for name, value in wanted.items()):
+                return run
+        return None
+
+    def series(self, dimension):
+        """By mass hold-up, and by boundary velocity; those that are there."""
+        by_holdup = [self.find(dimension=dimension, mass_holdup=m) for m in (1, 2.5, 5)]
+        by_velocity = [self.find(dimension=dimension, mass_holdup=5, boundary_velocity=v)
+                       for v in (0.25, 2, 5)]
+        return ([run for run in by_holdup if run], [run for run in by_velocity if run])
+
+
+def rows_of(by_holdup, by_velocity, names):
+    return [([f"{names[0]}: energy, V_b = 2", f"{names[1]}: solid fraction, V_b = 2"], 20,
+             [(run, f"m_t = {run.mass_holdup:g}") for run in by_holdup]),
+            ([f"{names[2]}: energy, m_t = 5", f"{names[3]}: solid fraction, m_t = 5"], 20,
+             [(run, f"V_b = {run.boundary_velocity:g}") for run in by_velocity])]
+
+
+def compare_study(study, folder):
+    by_holdup, by_velocity = study.series(3)
+    runs = list(dict.fromkeys(by_holdup + by_velocity))
+    theories = {run: run.theory() for run in runs}
+    draw_figures(rows_of(by_holdup, by_velocity, ("Fig. 5", "Fig. 6", "Fig. 7", "Fig. 8")),
+                 folder / "figures.png",
+                 "Spheres on a vibrating floor, after [SahChoi2004] Figs 5–8; bands: two standard "
+                 "errors", theories)
+    check = Check()
+    for run in runs:
+        check_one(check, run)
+    check_orders(check, by_holdup, by_velocity)
+    both = ("mean_temperature_over_gd", "centre_of_mass_over_d")
+    for holdup in (2.5, 5):
+        hard, soft = study.find(mass_holdup=holdup), study.find(mass_holdup=holdup,
+                                                                 loading_stiffness=2.7e7)
+        for name in both if hard and soft else ():
+            check.unchanged(f"{hard.name}: {FIGURES[name]} with a tenth of K_1",
+                            soft.figure(name), hard.figure(name), 0.02)
+    narrow = study.find(loading_stiffness=2.7e7)
+    wide = study.find(loading_stiffness=2.7e7, cell_width=16)
+    for name in both if narrow and wide else ():
+        check.unchanged(f"{wide.name}: {FIGURES[name]} with the cell twice as wide",
+                        wide.figure(name), narrow.figure(name), 0.03)
+    for run in runs:
+        if run.mass_holdup in (2.5, 5) and run.boundary_velocity == 2:
+            theory = Measured(theories[run].mean_temperature, 0)
+            check.unchanged(f"{run.name}: mean energy against kinetic theory",
+                            run.figure("mean_temperature_over_gd"), theory, 0.1)
+
+    lines = ["# Vibrating floor", "", "Spheres, 3D:", ""] + figure_table(runs, theories)
+    lines += [""] + check.text()
+
+    flat = list(dict.fromkeys(sum(study.series(2), [])))
+    if flat:
+        names = ("As Fig. 5", "As Fig. 6", "As Fig. 7", "As Fig. 8")
+        draw_figures(rows_of(*study.series(2), names), folder / "figures_2d.png",
+                     "Discs on a vibrating floor: trends as in Figs 5–8, not the same numbers", {})
+        trends = Check()
+        check_orders(trends, *study.series(2))
+        lines += ["", "Discs, 2D, for the trends:", ""] + figure_table(flat, {})
+        lines += [""] + trends.text()
+        check.failed += trends.failed
+    seconds = sum(run.summary["wall_seconds"] for run in study.runs)
+    lines += ["", f"{len(study.runs)} runs, {seconds / 60:.0f} minutes in all; "
+              f"{check.failed or 'none'} of these relations {'do' if check.failed > 1 else 'does'} "
+              "not hold."]
+    (folder / "comparison.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+def compare_one(run, folder):
+    theories = {run: run.theory()} if run.dimension == 3 else {}
+    figure, panels = plt.subplots(1, 2, figsize=(10, 4.6), layout="constrained")
+    top = 1.6 * run.figure("centre_of_mass_over_d").value + 4
+    for axes, name in zip(panels, ("temperature_over_gd", "solid_fraction")):
+        curve(axes, run, name, COLOURS[0], "measured, ± 2 standard errors")
+        if run in theories:
+            theory_curve(axes, theories[run], name, COLOURS[0])
+            axes.plot([], [], color=COLOURS[0], linestyle=(0, (5, 3)), label="kinetic theory")
+        finish(axes, name, top)
+        axes.legend(frameon=False, fontsize=9)
+    figure.suptitle(run.name, fontsize=11, x=0.01, ha="left")
+    figure.savefig(folder / "profile.png", dpi=110)
+    plt.close(figure)
+    check = Check()
+    check_one(check, run)
+    lines = ["# Vibrating floor", ""] + figure_table([run], theories) + [""] + check.text()
+    (folder / "comparison.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+def main(arguments):
+    if len(arguments) != 1:
+        sys.exit(__doc__)
+    folder = pathlib.Path(arguments[0])
+    if (folder / "summary.json").exists():
+        return compare_one(Run(folder), folder)
+    study = Study(folder)
+    if not study.runs:
+        sys.exit(f"plot_vibrating_floor.py: {folder} has no summary.json, nor have its subfolders; "
+                 "run vibrating_floor first")
+    compare_study(study, folder)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
