@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: MIT
+// A law as those see it who try it: as functions that answer, in double, in float, and for eight
+// contacts at once as dem::Contacts asks.
+#pragma once
+
+#include <silt/core/types.hpp>
+#include <silt/dem/contact.hpp>
+#include <silt/dem/contact_lanes.hpp>
+#include <silt/dem/grains.hpp>
+#include <silt/dem/prescribed_contact.hpp>
+#include <silt/dem/wall.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+namespace silt::dem {
+
+template <int Dim>
+using EightContacts = std::array<PrescribedContact<Dim>, lanes>;
+template <int Dim>
+using EightLoads = std::array<std::vector<LawLoad<Dim>>, lanes>;
+
+/// The loads along eight contacts of one duration. Each is made by a grain of mass m* and radius R*
+/// on a wall of its own.
+template <class Law, int Dim>
+  requires LawInLanes<Law, Dim, double>
+EightLoads<Dim> loads_in_lanes(const Law& law, const EightContacts<Dim>& contacts) {
+  using Kept = LawMemory<Law, Dim, double>;
+  constexpr bool has_couple = GivesCouple<Law, Dim, double>;
+  using Eight = ContactLanes<Dim, double, Kept::words, has_couple>;
+  using Row = typename Eight::Row;
+
+  Grains<Dim> grains;
+  std::array<std::uint32_t, lanes> places;
+  for (std::uint32_t lane = 0; lane < lanes; ++lane) {
+    places[lane] = lane;
+    add_grain(grains, Vec<Dim>(Vec<Dim>::Zero()), {.radius = 1, .density = 1});
+    grains[mass][lane] = contacts[lane].front().effective_mass;
+    grains[radius][lane] = contacts[lane].front().effective_radius;
+  }
+  const typename Eight::Columns columns(grains);
+  alignas(64) double rows[lanes * Row::words] = {};
+  alignas(64) double memories[lanes * std::max(Eight::padded_words, 1)] = {};
+  const auto memory_of = [&](int lane) { return memories + lane * Eight::padded_words; };
+
+  Eight eight;
+  EightLoads<Dim> loads;
+  for (Index k = 0; k < contacts[0].size(); ++k) {
+    for (Index lane = 0; lane < lanes; ++lane) {
+      const auto& contact = contacts[lane][k];
+      if (k == 0 || !(contact.overlap > 0)) Kept::put({}, memory_of(int(lane)));
+      // u = v − (R − δ) ω × n
+      const Vec<Dim> arm = (contact.overlap - contact.effective_radius) * contact.normal;
+      grains[velocity][lane] = contact.relative_velocity - cross(contact.relative_spin, arm);
+      grains[spin][lane] = contact.relative_spin;
+    }
+    const auto nearest = [&](std::uint32_t lane, const auto&) {
+      const auto& contact = contacts[lane][k];
+      return NearestPoint<Dim, double>{contact.normal, contact.effective_radius - contact.overlap};
+    };
+    eight.look_at_walls(columns, places.data(), places.data(), nearest);
+    eight.meet_walls(columns, places.data(), places.data(), 1, nullptr);
+    eight.recall(memory_of);
+    eight.ask(law, contacts[0][k].time_step);
+    eight.give(rows, memories);
+    for (Index lane = 0; lane < lanes; ++lane) {
+      LawLoad<Dim>& load = loads[lane].emplace_back();
+      if (!(contacts[lane][k].overlap > 0)) continue;
+      const double* const row = rows + lane * Row::words;
+      for (int d = 0; d < Dim; ++d) load.force[d] = row[Row::F + d];
+      if constexpr (has_couple && Dim == 2) load.couple = row[Row::couple];
+      if constexpr (has_couple && Dim == 3) {
+        for (int d = 0; d < 3; ++d) load.couple[d] = row[Row::couple + d];
+      }
+    }
+  }
+  return loads;
+}
+
+/// A law, of which nothing shows any more but its answers.
+template <int Dim>
+struct LawOnTrial {
+  MeetLaw<Dim> in_double;
+  MeetLaw<Dim> in_float;  ///< empty for a law of double only
+  /// Empty for a law that is asked contact by contact.
+  std::function<EightLoads<Dim>(const EightContacts<Dim>&)> in_lanes;
+  bool tells_energy = false;
+  bool gives_couple = false;
+};
+
+template <int Dim, class Law>
+LawOnTrial<Dim> on_trial(const Law& law) {
+  LawOnTrial<Dim> trial;
+  trial.in_double = meet_in_precision<double, Dim>(law);
+  if constexpr (ContactLaw<Law, Dim, float>) trial.in_float = meet_in_precision<float, Dim>(law);
+  if constexpr (LawInLanes<Law, Dim, double>) {
+    trial.in_lanes = [law](const EightContacts<Dim>& eight) { return loads_in_lanes(law, eight); };
+  }
+  trial.tells_energy = TellsEnergy<Law, Dim, double>;
+  trial.gives_couple = GivesCouple<Law, Dim, double>;
+  return trial;
+}
+
+}  // namespace silt::dem
