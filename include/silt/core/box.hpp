@@ -76,6 +76,15 @@ struct Box {
     return x;
   }
 
+  /// For a checkpoint, see core/transfer.hpp.
+  template <class Archive>
+  void transfer(Archive& archive) {
+    archive("lower", lower);
+    archive("upper", upper);
+    archive("periodic", periodic);
+    archive("leavers", leavers);
+  }
+
   /// Throws unless lower < upper along every axis, with finite sides where periodic.
   void check() const {
     for (int k = 0; k < Dim; ++k) {

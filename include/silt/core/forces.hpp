@@ -5,11 +5,13 @@
 #include <silt/core/concepts.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/parallel.hpp>
+#include <silt/core/transfer.hpp>
 #include <silt/core/types.hpp>
 
 #include <algorithm>
 #include <concepts>
 #include <limits>
+#include <string>
 #include <tuple>
 #include <utility>
 
@@ -133,6 +135,15 @@ class Forces {
       }
     });
     return smallest;
+  }
+
+  /// For a checkpoint, see core/transfer.hpp.
+  template <class Archive, class P>
+  void transfer(Archive& archive, P& particles) {
+    Index number = 0;
+    for_each_part([&](auto& part) {
+      transfer_part(archive, std::to_string(number++), part, particles);
+    });
   }
 
   void save() {

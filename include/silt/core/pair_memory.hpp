@@ -45,6 +45,32 @@ class PairMemory {
 
   Index size() const noexcept { return entries_.size(); }
 
+  /// For a checkpoint, see core/transfer.hpp.
+  template <class Archive>
+  void transfer(Archive& archive) {
+    std::vector<Id> owners, partners;
+    std::vector<Value> values;
+    for (const Entry& entry : entries_) {
+      owners.push_back(entry.owner);
+      partners.push_back(entry.partner);
+      values.push_back(entry.value);
+    }
+    archive("owners", owners);
+    archive("partners", partners);
+    archive("values", values);
+    if constexpr (Archive::reads) {
+      if (owners.size() != partners.size() || owners.size() != values.size()) {
+        fail("PairMemory: what was read has columns of different lengths; it was not written by "
+             "transfer()");
+      }
+      std::vector<Entry> entries;
+      for (Index e = 0; e < owners.size(); ++e) {
+        entries.push_back({owners[e], partners[e], values[e]});
+      }
+      *this = PairMemory(std::move(entries));
+    }
+  }
+
   /// Value of the pair, in either order; nullptr if there is none.
   const Value* find(Id a, Id b) const noexcept {
     const std::pair pair = std::minmax(a, b);

@@ -199,6 +199,23 @@ class Particles {
     (f(std::span(column<Fields>().data(), size()), Fields{}), ...);
   }
 
+  /// For a checkpoint, see core/transfer.hpp: everything but the ghosts.
+  template <class Archive>
+  void transfer(Archive& archive) {
+    archive.same("dimension", std::to_string(Dim));
+    archive.same("precision", sizeof(Real) == 4 ? "float" : "double");
+    archive.same("fields", (std::string(name_of<position_t>()) + ... +
+                            (" " + std::string(name_of<Fields>()))));
+    Index owned = size();
+    Index next_id = places_.size();
+    archive("next_id", next_id);
+    if constexpr (Archive::reads) clear_ghosts();
+    archive("id", ids_, owned);
+    archive.within("box", [&] { box_.transfer(archive); });
+    columns_.for_each([&]<class F>(auto& column, F) { archive(name_of<F>(), column, owned); });
+    if constexpr (Archive::reads) arrange(next_id);
+  }
+
   // A step is a transaction, see Columns: save() before it, restore() if it throws.
 
   void save() noexcept { columns_.save(); }
@@ -244,6 +261,22 @@ class Particles {
     columns_.for_each([from, to](auto& column, auto) { column[to] = column[from]; });
     ids_[to] = ids_[from];
     places_[ids_[to]] = to;
+  }
+
+  // Finds the places of ids that were read.
+  void arrange(Index next_id) {
+    places_.assign(next_id, nowhere);
+    bool good = true;
+    columns_.for_each([&](auto& column, auto) { good = good && column.size() == ids_.size(); });
+    for (Index i = 0; good && i < ids_.size(); ++i) {
+      good = ids_[i] < next_id && places_[ids_[i]] == nowhere;
+      if (good) places_[ids_[i]] = i;
+    }
+    if (!good) {
+      fail("Particles: what was read has columns of different lengths, or an id twice; it was not "
+           "written by transfer()");
+    }
+    ++revision_;
   }
 
   void check_permutation(std::span<const Index> order) const {

@@ -7,6 +7,7 @@
 #include <silt/core/error.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/particles.hpp>
+#include <silt/core/transfer.hpp>
 #include <silt/core/types.hpp>
 
 #include <algorithm>
@@ -94,6 +95,28 @@ class Simulation {
     } else {
       return particles_;
     }
+  }
+
+  /// For a checkpoint, see core/transfer.hpp: all that a run goes on from. What a program gives when
+  /// it builds a simulation (laws, walls, settings) is not among it.
+  template <class Archive>
+  void transfer(Archive& archive) {
+    static_assert(!Transactional<I> || Transferable<I, Archive, P> || Transferable<I, Archive>,
+                  "silt::Simulation: a step changes the state of this interaction (it has save() "
+                  "and restore()), so a checkpoint needs its transfer(archive, particles)");
+    archive("time", time_);
+    archive("steps", steps_);
+    archive("last_time_step", last_time_step_);
+    archive("particles_lost", particles_lost_);
+    archive.within("particles", [&] { particles_.transfer(archive); });
+    if constexpr (Archive::reads) prepare();
+    if constexpr (Transferable<S, Archive, P>) {
+      transfer_part(archive, "search", search_, particles_);
+    } else if constexpr (Archive::reads) {
+      search_.update(particles_);
+    }
+    transfer_part(archive, "integrator", integrator_, particles_);
+    transfer_part(archive, "interaction", interaction_, particles_);
   }
 
   /// The time step the interaction would choose now [s]. Throws if it chooses none.
@@ -197,12 +220,23 @@ class Simulation {
     const auto reach = interaction_.reach(particles_);
     require_not_negative("Simulation: the interaction's reach", double(reach));
     if (radius_is_ours_) {
-      search_.set_radius(reach > 0 ? reach : 1);
+      search_.set_radius(reach > 0 ? reach : radius_for_nothing());
     } else if (search_.radius() < reach) {
       fail("Simulation: the search radius " + to_text(double(search_.radius())) +
            " m is less than the interaction reaches, " + to_text(double(reach)) +
            " m; enlarge it, or leave it to the simulation");
     }
+  }
+
+  // Any that fits into a periodic box, with a skin: nobody looks for neighbours, or nobody is there.
+  typename P::Real radius_for_nothing() const {
+    typename P::Real most = 1;
+    const auto& box = particles_.box();
+    for (int k = 0; k < P::dimension; ++k) {
+      const bool is_periodic = box.periodic[static_cast<std::size_t>(k)];
+      if (is_periodic) most = std::min(most, (box.upper[k] - box.lower[k]) / 4);
+    }
+    return most;
   }
 
   void save() {

@@ -324,6 +324,14 @@ class Contacts {
     found<P>().remember(PairMemory<Words>(std::move(entries)));
   }
 
+  /// For a checkpoint, see core/transfer.hpp: what the law remembers.
+  template <class Archive, class P>
+  void transfer(Archive& archive, const P& grains) {
+    auto own = memory(grains);
+    archive.within("memory", [&] { own.transfer(archive); });
+    if constexpr (Archive::reads) remember(grains, own);
+  }
+
   void save() noexcept {
     std::apply([](auto&... each) { (each.save(), ...); }, found_);
   }

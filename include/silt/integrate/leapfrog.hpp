@@ -220,6 +220,13 @@ class Leapfrog {
             });
   }
 
+  /// For a checkpoint, see core/transfer.hpp.
+  template <class Archive>
+  void transfer(Archive& archive) {
+    archive("started", started_);
+    archive("last_time_step", last_time_step_);
+  }
+
   // See AdvancesField in core/concepts.hpp.
   template <class F>
   static constexpr bool advances = one_of<F, position_t, velocity_t, spin_t, angle_t>;

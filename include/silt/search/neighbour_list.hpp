@@ -11,6 +11,7 @@
 #include <silt/core/ghosts.hpp>
 #include <silt/core/lane.hpp>
 #include <silt/core/parallel.hpp>
+#include <silt/core/transfer.hpp>
 #include <silt/core/travel.hpp>
 #include <silt/core/types.hpp>
 #include <silt/search/neighbour_rows.hpp>
@@ -180,6 +181,34 @@ class NeighbourList {
     keeps_last_ = false;
   }
 
+  /// For a checkpoint, see core/transfer.hpp: what the list was built from, and its age, so that it
+  /// is rebuilt, and positions are wrapped, in the same steps as ever.
+  template <class Archive, class P>
+  void transfer(Archive& archive, P& particles) {
+    std::vector<Vec> reference, last;
+    if (!Archive::reads && fits(particles)) {
+      reference = list_.reference;
+      last.assign(positions_.begin(), positions_.begin() + std::ptrdiff_t(particles.size()));
+    }
+    archive("reference", reference);
+    archive("last", last);
+    archive("skin", list_.skin);
+    archive("has_rows", list_.has_rows);
+    archive("asked", asked_);
+    archive("rebuilds", rebuilds_);
+    archive.within("tuning", [&] { now_.tuning.transfer(archive); });
+    archive("moved", now_.moved);
+    archive("pace", now_.pace);
+    archive("updates", now_.updates);
+    if constexpr (Archive::reads) {
+      journey_ = Journey();
+      list_.built = false;
+      if (!reference.empty() && reference.size() == particles.size()) {
+        build_again(particles, reference, last);
+      }
+    }
+  }
+
   /// Times the list was built.
   std::uint64_t rebuilds() const noexcept { return rebuilds_; }
   /// Skin of the list as it was built last [m].
@@ -308,6 +337,27 @@ class NeighbourList {
     now_.moved = 0;
     now_.updates = 0;
     ++rebuilds_;
+  }
+
+  // The list as it was, of these positions, and last updated at those.
+  template <class P>
+  void build_again(P& particles, const std::vector<Vec>& reference, const std::vector<Vec>& last) {
+    list_.grid.set_radius(radius() + list_.skin);
+    at_positions(particles, reference, [&] { list_.grid.update(particles); });
+    list_.reference = reference;
+    list_.has_ghosts = particles.total() > particles.size();
+    list_.revision = now_.revision = particles.revision();
+    list_.built = true;
+    now_.total = particles.total();
+    for (const Pairs pairs : {Pairs::twice, Pairs::once}) {
+      const auto kind = static_cast<Index>(pairs);
+      if (list_.has_rows[kind]) list_.grid.build_rows(list_.rows[kind], pairs);
+    }
+    at_positions(particles, last, [&] {
+      particles.refresh_ghosts(position);
+      const auto x = particles.with_ghosts(position);
+      positions_.assign(x.begin(), x.end());
+    });
   }
 
   // Somebody has moved too far: what that teaches about the skin.

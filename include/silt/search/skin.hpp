@@ -24,6 +24,12 @@ class Skin {
 
   double fraction() const noexcept { return fraction_; }
 
+  /// For a checkpoint, see core/transfer.hpp.
+  template <class Archive>
+  void transfer(Archive& archive) {
+    archive("fraction", fraction_);
+  }
+
   /// What a list has gone through when somebody has moved half its skin.
   struct Life {
     int dimension;

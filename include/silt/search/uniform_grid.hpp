@@ -11,6 +11,7 @@
 #include <silt/core/ghosts.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/simd.hpp>
+#include <silt/core/transfer.hpp>
 #include <silt/core/types.hpp>
 #include <silt/search/neighbour_rows.hpp>
 #include <silt/search/shared_candidates.hpp>
@@ -79,6 +80,24 @@ class UniformGrid {
     ghost_owners_.resize(x.size() - owned_);
     for (Index g = 0; g < ghost_owners_.size(); ++g) {
       ghost_owners_[g] = particles.owner(owned_ + g);
+    }
+  }
+
+  /// For a checkpoint, see core/transfer.hpp: the last update, by which sort() judges.
+  template <class Archive, class P>
+  void transfer(Archive& archive, P& particles) {
+    std::vector<Vec> x;
+    if (!Archive::reads && particles.revision() == revision_) {
+      for (Index i = 0; i < owned_; ++i) x.push_back(points_.at(slot_of(i)));
+    }
+    archive("positions", x);
+    if constexpr (Archive::reads) {
+      if (x.size() == particles.size()) {
+        at_positions(particles, x, [&] { update(particles); });
+      } else {
+        update(particles);
+        revision_ = 0;  // they came or went since
+      }
     }
   }
 

@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: MIT
+// What a checkpoint holds of searches, and what it is not read from.
+#include "support/check.hpp"
+#include "support/grains.hpp"
+
+#include <silt/dem/outflow.hpp>
+#include <silt/io/checkpoint.hpp>
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <vector>
+
+namespace silt::test {
+namespace {
+
+class CheckpointFile : public testing::Test {
+ protected:
+  std::filesystem::path path =
+      std::filesystem::path(testing::TempDir()) /
+      (std::string("silt_") + testing::UnitTest::GetInstance()->current_test_info()->name() +
+       ".silt");
+
+  void TearDown() override { std::filesystem::remove(path); }
+
+  std::string bytes() const {
+    std::ifstream stream(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(stream), {}};
+  }
+  void write(const std::string& bytes) const {
+    std::ofstream(path, std::ios::binary) << bytes;
+  }
+};
+
+// So many that they are sorted in memory from time to time: the order of rows is part of the bits.
+template <class S>
+void expect_the_same_order(const std::filesystem::path& path) {
+  auto gas = crowd<2, double>(40, 3);
+  auto box = cube<2, double>(-0.1, 1);
+  box.periodic = {true, true};
+  gas.set_box(box);
+  const auto make = [&gas] {
+    return Simulation{gas, S({.radius = 0.02}), Gravity<2>{{3, -9.81}}, Leapfrog{}};
+  };
+  auto whole = make();
+  for (int k = 0; k < 37; ++k) whole.step(2e-3);
+  write_checkpoint(path, whole);
+  auto part = make();
+  read_checkpoint(path, part);
+  EXPECT_EQ(state_of(part.particles()), state_of(whole.particles()));
+  EXPECT_NE(std::vector<Id>(part.particles().ids().begin(), part.particles().ids().end()),
+            std::vector<Id>(gas.ids().begin(), gas.ids().end()));
+  for (int k = 0; k < 60; ++k) {
+    whole.step(2e-3);
+    part.step(2e-3);
+    ASSERT_EQ(state_of(part.particles()), state_of(whole.particles())) << "step " << k;
+  }
+}
+
+TEST_F(CheckpointFile, HoldsTheOrderInMemoryOfAGrid) {
+  expect_the_same_order<UniformGrid<2>>(path);
+}
+TEST_F(CheckpointFile, HoldsTheOrderInMemoryOfAList) {
+  expect_the_same_order<NeighbourList<2>>(path);
+}
+
+const dem::CundallStrack law{.normal_stiffness = 1e5, .tangential_stiffness = 5e4};
+
+auto two() {
+  return Simulation{two_grains<2>(-1e-4, Vec<2>(-0.1, 0.2)), UniformGrid<2>{}, dem::Contacts{law},
+                    Leapfrog{}};
+}
+
+// Two flying grains: all that an error about something else takes.
+template <int Dim, class Real>
+auto flight() {
+  const Vec<Dim, Real> g = -Vec<Dim, Real>::Unit(0);
+  return Simulation{crowd<Dim, Real>(1, 1), UniformGrid<Dim, Real>{}, Gravity<Dim, Real>{g},
+                    Leapfrog{}};
+}
+
+struct Spring {
+  template <class C>
+  typename C::Vec force(const C& contact) const {
+    return typename C::Real(1e5) * contact.overlap * contact.normal;
+  }
+};
+
+TEST_F(CheckpointFile, IsRefusedUnlessItIsAsItWasWritten) {
+  auto sim = two();
+  sim.run({.until = 1e-3});
+  write_checkpoint(path, sim);
+  const std::string good = bytes();
+  const Bytes before = state_of(sim.particles());
+  const auto refused = [&](const std::string& text, const std::vector<std::string>& words) {
+    write(text);
+    return refuses([&] { read_checkpoint(path, sim); }, words);
+  };
+  for (const Index length : {Index{30}, good.size() / 2, good.size() - 1}) {
+    EXPECT_TRUE(refused(good.substr(0, length), {path.string(), "cut short or damaged"}));
+  }
+  for (const Index at : {Index{40}, good.size() / 2, good.size() - 3}) {
+    std::string bad = good;
+    bad[at] = static_cast<char>(bad[at] ^ 4);
+    EXPECT_TRUE(refused(bad, {"cut short or damaged"}));
+  }
+  EXPECT_TRUE(refused("", {"is no checkpoint"}));
+  EXPECT_TRUE(refused("x,y\n1,2\n", {"is no checkpoint"}));
+  std::filesystem::remove(path);
+  EXPECT_TRUE(refuses([&] { read_checkpoint(path, sim); }, {"cannot open", path.string()}));
+  EXPECT_EQ(state_of(sim.particles()), before);
+}
+
+TEST_F(CheckpointFile, IsOfOneDimensionPrecisionSearchAndLaw) {
+  auto plane = flight<2, double>();
+  write_checkpoint(path, plane);
+  auto space = flight<3, double>();
+  EXPECT_TRUE(refuses([&] { read_checkpoint(path, space); },
+                      {"simulation/particles/dimension = 2, but here it is 3"}));
+  auto single = flight<2, float>();
+  EXPECT_TRUE(refuses([&] { read_checkpoint(path, single); },
+                      {"precision = double, but here it is float"}));
+  Simulation listed{crowd<2, double>(1, 1), NeighbourList<2>{}, Gravity<2>{{0, -1}}, Leapfrog{}};
+  EXPECT_TRUE(refuses([&] { read_checkpoint(path, listed); },
+                      {"search/positions where", "search/reference is expected"}));
+  dem::Outflow drain{cube<2, double>(0, 1)};
+  EXPECT_TRUE(refuses([&] { read_checkpoint(path, plane, drain); }, {"has no part 0/number"}));
+  write_checkpoint(path, plane, drain);
+  EXPECT_TRUE(refuses([&] { read_checkpoint(path, plane); }, {"more parts than"}));
+
+  auto with_friction = two();
+  with_friction.run({.until = 1e-3});
+  write_checkpoint(path, with_friction);
+  Simulation without{two().particles(), UniformGrid<2>{}, dem::Contacts{Spring{}}, Leapfrog{}};
+  EXPECT_TRUE(refuses([&] { read_checkpoint(path, without); },
+                      {"memory/values of 1 blocks of 32 bytes each, but here it is of 1 blocks"}));
+}
+
+}  // namespace
+}  // namespace silt::test

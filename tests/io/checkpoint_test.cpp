@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: MIT
+// A run that is stopped, written, read and continued has the bits of one that was not stopped.
+#include "support/check.hpp"
+#include "support/grains.hpp"
+
+#include <silt/dem/inflow.hpp>
+#include <silt/dem/outflow.hpp>
+#include <silt/io/checkpoint.hpp>
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace silt::test {
+namespace {
+
+class Checkpoint : public testing::Test {
+ protected:
+  std::filesystem::path path =
+      std::filesystem::path(testing::TempDir()) /
+      (std::string("silt_") + testing::UnitTest::GetInstance()->current_test_info()->name() +
+       ".silt");
+
+  void TearDown() override { std::filesystem::remove(path); }
+};
+
+const dem::CundallStrack law{.normal_stiffness = 1e5,
+                             .tangential_stiffness = 5e4,
+                             .restitution = 0.6,
+                             .friction_angle = 0.5};
+const dem::Blend<dem::UniformSizes> pebbles{
+    .sizes = {.smallest_radius = 0.006, .largest_radius = 0.012}, .density = 2500};
+
+// Grains that slide down a slope through periodic sides; rain falls on them, and a hole in the
+// middle of the rain takes some away.
+template <int Dim>
+struct Slope {
+  static constexpr double wide = Dim == 2 ? 0.6 : 0.12;
+
+  static Box<Dim> box() {
+    auto box = cube<Dim, double>(0, wide);
+    box.periodic.fill(true);
+    box.periodic[Dim - 1] = false;
+    box.lower[Dim - 1] = -1;
+    box.upper[Dim - 1] = 1;
+    return box;
+  }
+  static Box<Dim> part(double lower, double upper) {
+    auto part = box();
+    part.lower[Dim - 1] = lower;
+    part.upper[Dim - 1] = upper;
+    return part;
+  }
+  static Box<Dim> hole() {
+    auto hole = part(0, 0.05);
+    hole.periodic.fill(false);
+    hole.upper[0] = 0.05;
+    return hole;
+  }
+  static Vec<Dim> pull() {
+    Vec<Dim> g = -9.81 * Vec<Dim>::Unit(Dim - 1);
+    g[0] = 5;
+    return g;
+  }
+
+  template <class S>
+  static auto make(S search) {
+    dem::Grains<Dim> grains(box());
+    return Simulation{grains, std::move(search),
+                      Forces{Gravity<Dim>{pull()},
+                             dem::Contacts{law, dem::Plane<Dim>{}}.with({.steps_per_contact = 20})},
+                      Leapfrog{GlobalDamping{.alpha = 0.5}}};
+  }
+
+  dem::Inflow<Box<Dim>, dem::UniformSizes> rain{
+      part(0.1, 0.25), pebbles,
+      {.number = 460, .rate = 2000, .velocity = -2 * Vec<Dim>::Unit(Dim - 1), .every = 0.01}};
+  dem::Outflow<Box<Dim>> drain{hole()};
+};
+
+template <int Dim, class S>
+void expect_the_same(const std::filesystem::path& path) {
+  const auto run = [](auto& sim, auto& slope, double until) {
+    sim.run({.until = until}, slope.drain, slope.rain);
+  };
+  const auto bits = [](const auto& sim, const auto& slope) {
+    Bytes bytes = state_of(sim.particles());
+    const Bytes now = state_of(sim.snapshot());
+    bytes.insert(bytes.end(), now.begin(), now.end());
+    const double numbers[] = {sim.time(), double(sim.steps()), slope.drain.mass(),
+                              double(slope.rain.number()), double(slope.drain.number())};
+    append(bytes, std::span<const double>(numbers));
+    return bytes;
+  };
+  auto whole = Slope<Dim>::make(S{});
+  Slope<Dim> around_whole;
+  run(whole, around_whole, 0.1637);
+  EXPECT_FALSE(around_whole.rain.is_done());
+  EXPECT_GT(around_whole.drain.number(), 0u);
+  EXPECT_GT(whole.interaction().template part<1>().size(), Dim == 2 ? 50u : 15u);
+  write_checkpoint(path, whole, around_whole.rain, around_whole.drain);
+  const auto here = bits(whole, around_whole);
+  run(whole, around_whole, 0.23);
+
+  for (const int number : Dim == 2 ? std::vector{1, 4} : std::vector{3}) {
+    with_threads(number, [&] {
+      auto part = Slope<Dim>::make(S{});
+      Slope<Dim> around_part;
+      read_checkpoint(path, part, around_part.rain, around_part.drain);
+      EXPECT_EQ(bits(part, around_part), here);
+      run(part, around_part, 0.23);
+      EXPECT_EQ(part.steps(), whole.steps());
+      EXPECT_EQ(bits(part, around_part), bits(whole, around_whole)) << number << " threads";
+      return 0;
+    });
+  }
+}
+
+TEST_F(Checkpoint, GoesOnBitByBitInThePlane) { expect_the_same<2, NeighbourList<2>>(path); }
+TEST_F(Checkpoint, GoesOnBitByBitInSpace) { expect_the_same<3, NeighbourList<3>>(path); }
+}  // namespace
+}  // namespace silt::test
