@@ -6,6 +6,7 @@
 #include <silt/core/random.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/grains.hpp>
+#include <silt/dem/looks.hpp>
 #include <silt/dem/packing.hpp>
 #include <silt/dem/region.hpp>
 #include <silt/dem/size_distribution.hpp>
@@ -57,11 +58,7 @@ class Inflow {
   void before_step(Sim& simulation) {
     const double since = simulation.time() - settings_.from;
     if (since < 0 || came_ >= due(since)) return;
-    if (settings_.every > 0) {
-      const Index looks = 1 + whole(since / settings_.every);
-      if (looks <= looks_) return;
-      looks_ = looks;
-    }
+    if (!looks_.is_due({.since = since, .every = settings_.every})) return;
     let_in(simulation.particles(), due(since));
   }
 
@@ -70,17 +67,14 @@ class Inflow {
   void transfer(Archive& archive) {
     archive("came", came_);
     archive("tried", tried_);
-    archive("looks", looks_);
+    archive("looks", looks_.number);
   }
 
  private:
-  // Times are sums of time steps: a rounding must not put an event off by a step.
-  static Index whole(double count) { return static_cast<Index>(count * (1 + 1e-12)); }
-
   Index due(double since) const {
     if (!settings_.rate) return settings_.number;
     const double coming = std::min(*settings_.rate * since, double(settings_.number));
-    return std::min(settings_.number, 1 + whole(coming));
+    return std::min(settings_.number, 1 + whole_times(coming));
   }
 
   template <class P>
@@ -106,7 +100,7 @@ class Inflow {
   Settings settings_;
   Index came_ = 0;
   std::uint64_t tried_ = 0;  // random numbers used up to find room for the one that waits
-  Index looks_ = 0;
+  Looks looks_;
 };
 
 template <class R, class Sizes>

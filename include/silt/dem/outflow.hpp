@@ -6,6 +6,7 @@
 #include <silt/core/parallel.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/grains.hpp>
+#include <silt/dem/looks.hpp>
 #include <silt/dem/region.hpp>
 
 #include <utility>
@@ -17,14 +18,23 @@ namespace silt::dem {
 template <class R>
 class Outflow {
  public:
-  /// Throws if the region is none.
-  explicit Outflow(R region) : region_(std::move(region)) { region_.check(); }
+  struct Settings {
+    double every = 0;  ///< time between two looks [s]; 0: every step
+  };
+
+  /// Throws if the region is none, or the time negative.
+  explicit Outflow(R region) : Outflow(std::move(region), {}) {}
+  Outflow(R region, Settings settings) : region_(std::move(region)), settings_(settings) {
+    region_.check();
+    require_not_negative("Outflow: every", settings_.every);
+  }
 
   Index number() const noexcept { return number_; }  ///< removed so far
   double mass() const noexcept { return mass_; }     ///< of those [kg]
 
   template <class Sim>
   void before_step(Sim& simulation) {
+    if (!looks_.is_due({.since = simulation.time(), .every = settings_.every})) return;
     auto& grains = simulation.particles();
     const auto is_in = [&](Index i) { return region_.clearance(grains[position][i]) >= 0; };
     if (first_where(grains.size(), is_in) == nowhere) return;
@@ -39,12 +49,18 @@ class Outflow {
   void transfer(Archive& archive) {
     archive("number", number_);
     archive("mass", mass_);
+    archive("looks", looks_.number);
   }
 
  private:
   R region_;
+  Settings settings_;
+  Looks looks_;
   Index number_ = 0;
   double mass_ = 0;
 };
+
+template <class R>
+Outflow(R, typename Outflow<R>::Settings) -> Outflow<R>;
 
 }  // namespace silt::dem

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: MIT
+// Looking at a simulation from time to time.
+#pragma once
+
+#include <silt/core/types.hpp>
+
+namespace silt::dem {
+
+/// Whole part of a count that comes from times. They are sums of time steps: a rounding must not
+/// put an event off by a step.
+inline Index whole_times(double count) { return static_cast<Index>(count * (1 + 1e-12)); }
+
+/// How many looks there were.
+struct Looks {
+  Index number = 0;
+
+  /// Whether one more is due.
+  struct Clock {
+    double since = 0;  ///< the beginning [s]
+    double every = 0;  ///< time between two looks [s]; 0: always
+  };
+  bool is_due(const Clock& clock) {
+    if (!(clock.every > 0)) return true;
+    const Index due = 1 + whole_times(clock.since / clock.every);
+    if (due <= number) return false;
+    number = due;
+    return true;
+  }
+};
+
+}  // namespace silt::dem
