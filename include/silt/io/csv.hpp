@@ -83,8 +83,11 @@ class CsvFile {
 class CsvTable {
  public:
   CsvTable(std::string name, std::vector<std::string> names,
-           std::vector<std::vector<double>> columns)
-      : name_(std::move(name)), names_(std::move(names)), columns_(std::move(columns)) {}
+           std::vector<std::vector<double>> columns, std::vector<Index> lines = {})
+      : name_(std::move(name)),
+        names_(std::move(names)),
+        columns_(std::move(columns)),
+        lines_(std::move(lines)) {}
 
   const std::vector<std::string>& names() const noexcept { return names_; }
   Index rows() const noexcept { return columns_.empty() ? 0 : columns_.front().size(); }
@@ -100,10 +103,20 @@ class CsvTable {
     return columns_[static_cast<Index>(found - names_.begin())];
   }
 
+  /// Throws silt::Error about the number of a row and column: where it stands, what it is, and why
+  /// it will not do ("must be …").
+  [[noreturn]] void refuse(Index row, std::string_view column, const std::string& why) const {
+    const std::string line =
+        row < lines_.size() ? ", line " + std::to_string(lines_[row]) : std::string();
+    fail(name_ + line + ", column " + std::string(column) + ": " +
+         file::digits((*this)[column][row]) + " " + why + "; correct it");
+  }
+
  private:
   std::string name_;
   std::vector<std::string> names_;
   std::vector<std::vector<double>> columns_;
+  std::vector<Index> lines_;  // of the file, by row
 };
 
 /// Reads a table of numbers. Blank lines and lines that begin with # are skipped, blanks around a
@@ -133,6 +146,7 @@ inline CsvTable read_csv(const std::filesystem::path& path) {
   }
   std::vector<std::string> names;
   std::vector<std::vector<double>> columns;
+  std::vector<Index> lines;
   std::string line;
   for (Index number = 1; std::getline(stream, line); ++number) {
     const std::string_view text = trimmed(line);
@@ -154,6 +168,7 @@ inline CsvTable read_csv(const std::filesystem::path& path) {
       fail(where + ": " + std::to_string(cells.size()) + " values for " +
            std::to_string(names.size()) + " columns; give one value per column");
     }
+    lines.push_back(number);
     for (Index c = 0; c < cells.size(); ++c) {
       double value = 0;
       const char* end = cells[c].data() + cells[c].size();
@@ -168,7 +183,7 @@ inline CsvTable read_csv(const std::filesystem::path& path) {
   if (names.empty()) {
     fail("read_csv: " + path.string() + " has no line of column names; check that it is a table");
   }
-  return {path.string(), std::move(names), std::move(columns)};
+  return {path.string(), std::move(names), std::move(columns), std::move(lines)};
 }
 
 }  // namespace silt

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: MIT
+// Fields as single numbers with names, as tables have them: x, y, z; velocity_x, velocity_y; radius.
+#pragma once
+
+#include <silt/core/fields.hpp>
+#include <silt/core/types.hpp>
+
+#include <concepts>
+#include <limits>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+namespace silt {
+
+/// One value of the field is a number, an enumerator or a vector of up to three.
+template <Field F, int Dim, class Real>
+inline constexpr bool has_numbers = [] {
+  using Value = value_of<F, Dim, Real>;
+  if constexpr (requires { typename Value::Scalar; Value::SizeAtCompileTime; }) {
+    return Value::SizeAtCompileTime > 0 && Value::SizeAtCompileTime <= 3;
+  } else {
+    return std::is_arithmetic_v<Value> || std::is_enum_v<Value>;
+  }
+}();
+
+/// The names of the numbers of a value.
+template <Field F, int Dim, class Real>
+  requires has_numbers<F, Dim, Real>
+std::vector<std::string> number_names() {
+  using Value = value_of<F, Dim, Real>;
+  const std::string name(name_of<F>());
+  if constexpr (std::is_arithmetic_v<Value> || std::is_enum_v<Value>) {
+    return {name};
+  } else {
+    static constexpr const char* axes[] = {"x", "y", "z"};
+    std::vector<std::string> names;
+    for (int k = 0; k < Value::SizeAtCompileTime; ++k) {
+      names.push_back(std::same_as<F, position_t> ? axes[k] : name + "_" + axes[k]);
+    }
+    return names;
+  }
+}
+
+/// Number k of a value.
+template <class Value>
+auto number_of(const Value& value, Index k) {
+  if constexpr (std::is_enum_v<Value>) {
+    return static_cast<std::underlying_type_t<Value>>(value);
+  } else if constexpr (std::is_arithmetic_v<Value>) {
+    return value;
+  } else {
+    return value[static_cast<Eigen::Index>(k)];
+  }
+}
+
+template <class Value>
+void set_number(Value& value, Index k, double number) {
+  if constexpr (std::is_arithmetic_v<Value> || std::is_enum_v<Value>) {
+    value = static_cast<Value>(number);
+  } else {
+    value[static_cast<Eigen::Index>(k)] = static_cast<typename Value::Scalar>(number);
+  }
+}
+
+/// Whether such a value can hold that number.
+template <class Value>
+bool holds_number(double number) {
+  if constexpr (std::integral<Value>) {
+    const double lowest = double(std::numeric_limits<Value>::lowest());
+    const double highest = double(std::numeric_limits<Value>::max());
+    return lowest <= number && number <= highest && double(static_cast<Value>(number)) == number;
+  } else if constexpr (std::is_enum_v<Value>) {
+    return holds_number<std::underlying_type_t<Value>>(number);
+  } else {
+    return true;
+  }
+}
+
+}  // namespace silt

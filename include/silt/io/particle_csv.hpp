@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: MIT
+// Particles as a table of text, one row each; dem::grains_from(read_csv(path)) reads grains back.
+#pragma once
+
+#include <silt/core/field_numbers.hpp>
+#include <silt/core/fields.hpp>
+#include <silt/core/types.hpp>
+#include <silt/io/file.hpp>
+
+#include <algorithm>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace silt {
+
+/// Writes all numbers of the particles but those that every step makes anew (forces), with the
+/// fewest digits that read back as the same number: x, y[, z], velocity_x, …, radius. Rows stand in
+/// the order of the ids. The file is there whole or not at all. Throws silt::Error if it cannot be
+/// written.
+template <class P>
+void write_csv(const std::filesystem::path& path, const P& particles) {
+  std::vector<Id> ids(particles.ids().begin(), particles.ids().end());
+  std::sort(ids.begin(), ids.end());
+  std::string head;
+  std::vector<std::string> rows(ids.size());
+  particles.for_each_field([&]<class F>(auto values, F) {
+    if constexpr (role_of<F>() != Role::derived && has_numbers<F, P::dimension, typename P::Real>) {
+      const auto names = number_names<F, P::dimension, typename P::Real>();
+      for (Index k = 0; k < names.size(); ++k) {
+        const char* const comma = head.empty() ? "" : ",";
+        head += comma + names[k];
+        for (Index row = 0; row < rows.size(); ++row) {
+          const auto& value = values[particles.index_of(ids[row])];
+          rows[row] += comma + file::digits(number_of(value, k));
+        }
+      }
+    }
+  });
+  std::string text = head + "\n";
+  for (const std::string& row : rows) text += row + "\n";
+  file::replace("write_csv", path, text);
+}
+
+}  // namespace silt
