@@ -5,12 +5,16 @@
 #include <silt/core/forces.hpp>
 #include <silt/core/lattice.hpp>
 #include <silt/core/simulation.hpp>
+#include <silt/dem/adhesion.hpp>
 #include <silt/dem/contacts.hpp>
 #include <silt/dem/cundall_strack.hpp>
 #include <silt/dem/grains.hpp>
+#include <silt/dem/hertz.hpp>
 #include <silt/dem/law.hpp>
 #include <silt/dem/linear_friction.hpp>
 #include <silt/dem/linear_spring_dashpot.hpp>
+#include <silt/dem/mindlin.hpp>
+#include <silt/dem/rolling_resistance.hpp>
 #include <silt/dem/walton_braun.hpp>
 #include <silt/integrate/leapfrog.hpp>
 #include <silt/search/brute_force.hpp>

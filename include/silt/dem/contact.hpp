@@ -34,7 +34,9 @@ struct Contact {
 struct Stiffness {
   double normal = 0;      ///< k_n [N/m]
   double tangential = 0;  ///< k_s [N/m]
-  double beta = 0;        ///< dashpot over spring c/k [s], of a dashpot that sees v^{N−½}
+  double beta = 0;  ///< dashpot over spring c/k of these two [s], of a dashpot that sees v^{N−½}
+  double rolling = 0;          ///< couple over relative turn [N m/rad], in any direction
+  double rolling_dashpot = 0;  ///< couple over relative spin [N m s], likewise
 };
 
 /// Energy that the springs of a contact hold [J].

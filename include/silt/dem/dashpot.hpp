@@ -31,6 +31,18 @@ struct Restitution {
   }
 };
 
+/// Weight [-] of a force that begins and ends with a jump, such as a dashpot's, at this overlap [m]
+/// of a contact that goes way_of_a_step [m] in a step.
+///
+/// A contact begins and ends somewhere within a step. With u steps since the beginning (or before
+/// the end), the steps u and u + 1 must together carry u + 3/2 steps' worth of the force; this is
+/// the continuous weight that does and that is 1 from u = 2 on.
+template <class Real>
+Real share_of_step(Real overlap, Real way_of_a_step) {
+  const Real u = overlap / way_of_a_step;
+  return u < 1 ? u * 3 / 2 : std::max(Real(1), 2 - u / 2);
+}
+
 /// D_n = c v_n with the velocity at N itself: second order in Δt.
 struct CentredDashpot {
   template <class Real>
@@ -59,17 +71,6 @@ struct CentredDashpot {
 
   /// Extrapolation makes a dashpot count twice in the limit of stability.
   static constexpr double lateness = 2;
-
- private:
-  // A contact begins and ends somewhere within a step, and its dashpot begins and ends with a
-  // jump. With u steps since the beginning (or before the end), the steps u and u + 1 must
-  // together carry u + 3/2 steps' worth of it; this is the continuous weight that does and that is
-  // 1 from u = 2 on.
-  template <class Real>
-  static Real share_of_step(Real overlap, Real way_of_a_step) {
-    const Real u = overlap / way_of_a_step;
-    return u < 1 ? u * 3 / 2 : std::max(Real(1), 2 - u / 2);
-  }
 };
 
 /// The dashpot's force, where it may pull no harder than the spring pushes [N].

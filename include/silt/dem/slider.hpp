@@ -66,6 +66,21 @@ SliderForce<Vec> slide(const Slider<Real>& slider, const Vec& before, const Vec&
   return {F, -c * v, std::max(Real(0), lost)};
 }
 
+template <class Vec>
+struct KeptForce {
+  Vec force;                  ///< [N]
+  typename Vec::Scalar lost;  ///< by the change [J]
+};
+
+/// A spring's force when its stiffness has become k. A stiffer spring has the same force, a softer
+/// one the same stretch: either way it holds no more energy than before.
+template <class Vec, class Real>
+KeptForce<Vec> with_stiffness(Real k, const Vec& force, Real k_before) {
+  const Vec kept = k < k_before ? Vec(force * (k / k_before)) : force;
+  const Real lost = force.squaredNorm() / k_before - kept.squaredNorm() / k;
+  return {kept, k_before > 0 && k > 0 ? lost / 2 : Real(0)};
+}
+
 /// ½ F²/k [J]; 0 without a spring.
 template <class Vec>
 double energy_of_spring(const Vec& force, double stiffness) {

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: MIT
+// Along the tangent: the no-slip spring of Mindlin (1949) with a dashpot and a slider, to go with
+// Hertz.
+#pragma once
+
+#include <silt/core/error.hpp>
+#include <silt/core/types.hpp>
+#include <silt/dem/contact.hpp>
+#include <silt/dem/elastic.hpp>
+#include <silt/dem/law_parts.hpp>
+#include <silt/dem/slider.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace silt::dem {
+
+/// F_s grows by −k_t v_s Δt with k_t = 8 G* √(R* δ), the stiffness of the contact area of this step,
+/// and is no larger than F_n tan φ_μ. While the area grows F_s stays, while it shrinks F_s shrinks
+/// with it, as in [ThorntonCumminsCleary2013]: otherwise a closed path of pressing and shearing would
+/// give energy. What the spring loses by that counts as friction. The dashpot is
+/// c_t = c_n √(k_t/k_n), Tsuji's; 0 while it slides. Slip of the rim before gross sliding (Mindlin
+/// and Deresiewicz 1953) is not in it.
+struct Mindlin {
+  Elastic elastic = {};
+  FrictionAngle friction_angle = {};  ///< φ_μ [rad] in [0, π/2)
+
+  template <int Dim, class Real>
+  struct Memory {
+    Vec<Dim, Real> force = Vec<Dim, Real>::Zero();  ///< of the spring, on i [N]
+    Real stiffness = 0;                             ///< k_t of the step before [N/m]
+  };
+
+  void check() const {
+    elastic.check("Mindlin");
+    friction_angle.check("Mindlin: friction_angle");
+  }
+
+  template <class C, class M>
+  TangentialForce<C> tangential_force(const C& contact, const NormalForce<C>& normal,
+                                      M& memory) const {
+    using Real = typename C::Real;
+    using Vec = typename C::Vec;
+    const Real k = stiffness_of_area(contact);
+    const Slider<Real> slider{
+        .stiffness = k,
+        .dashpot = normal.beta * std::sqrt(normal.stiffness * k),
+        .limit = std::max(Real(0), normal.spring * Real(friction_angle.tangent))};
+    const auto kept = with_stiffness(
+        k, Vec(turned_into_plane(memory.force, contact.normal)), Real(memory.stiffness));
+    const auto pull = slide(slider, kept.force, contact.tangential_velocity(), contact.time_step);
+    memory.force = pull.spring;
+    memory.stiffness = k;
+    return {.spring = pull.spring, .dashpot = pull.dashpot, .friction = kept.lost + pull.lost};
+  }
+
+  template <class C, class M>
+  double elastic_energy(const C&, const M& memory) const {
+    return energy_of_spring(memory.force, double(memory.stiffness));
+  }
+
+  template <class C>
+  Stiffness stiffness(const C& contact, Stiffness normal) const {
+    normal.tangential = double(stiffness_of_area(contact));
+    return normal;
+  }
+
+  /// 1/G* is the sum of both materials' (2 − ν)/G; the smaller friction angle.
+  static Mindlin mix(const Mindlin& a, const Mindlin& b) {
+    return {.elastic = Elastic::mix(a.elastic, b.elastic),
+            .friction_angle =
+                std::ranges::min(a.friction_angle, b.friction_angle, {}, &FrictionAngle::value)};
+  }
+
+ private:
+  // k_t [N/m].
+  template <class C>
+  typename C::Real stiffness_of_area(const C& contact) const {
+    using Real = typename C::Real;
+    return Real(8 * elastic.contact_shear_modulus()) *
+           std::sqrt(contact.effective_radius * contact.overlap);
+  }
+};
+
+}  // namespace silt::dem

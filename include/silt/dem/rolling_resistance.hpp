@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: MIT
+// Against rolling, and in 3D against twisting: a spring, a dashpot and a slider that act on the
+// relative spin, type C of Ai, Chen, Rotter and Ooi (2011).
+#pragma once
+
+#include <silt/core/error.hpp>
+#include <silt/core/types.hpp>
+#include <silt/dem/contact.hpp>
+#include <silt/dem/law_parts.hpp>
+#include <silt/dem/slider.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace silt::dem {
+
+/// M^N = M^{N−1} − k_r w Δt, no larger than μ_r R* F_n, with k_r = 2.25 k_n (μ_r R*)² and w the
+/// relative spin across the normal; the vector M turns with the contact plane. Its dashpot is
+/// 2 η √(I_r k_r), 0 while it slides. [AiChenRotterOoi2011], with I_r = 7/5 m* R*²: exact for a
+/// sphere at a wall; between equal spheres η acts as half of that paper's.
+///
+/// In 3D the relative spin along the normal is resisted in the same way, with μ_t in place of μ_r.
+/// A grain stays on an incline of tan θ ≤ μ_r. Where k_n changes with the overlap k_r does, and M
+/// with it as Mindlin's force.
+struct RollingResistance {
+  double rolling_friction = 0;   ///< μ_r [-]; 0: rolls freely
+  double twisting_friction = 0;  ///< μ_t [-]; 0: twists freely; 2D has no twisting
+  double damping_ratio = 0.3;    ///< η [-]
+
+  template <int Dim, class Real>
+  struct Memory {
+    Vec<Dim, Real> rolling = Vec<Dim, Real>::Zero();  ///< of the spring across n, on i [N m]
+    Real twisting = 0;                                ///< of the spring along n, on i [N m]
+    Real stiffness = 0;                               ///< k_n of the step before [N/m]
+  };
+  template <class Real>
+  struct Memory<2, Real> {
+    Real rolling = 0;    ///< of the spring, on i [N m]
+    Real stiffness = 0;  ///< k_n of the step before [N/m]
+  };
+
+  void check() const {
+    require_not_negative("RollingResistance: rolling_friction", rolling_friction);
+    require_not_negative("RollingResistance: twisting_friction", twisting_friction);
+    require_not_negative("RollingResistance: damping_ratio", damping_ratio);
+  }
+
+  template <class C, class M>
+  RollingCouple<C> rolling_couple(const C& contact, const NormalForce<C>& normal,
+                                  M& memory) const {
+    using Real = typename C::Real;
+    using Number = Vec<1, Real>;
+    const Real k_before = memory.stiffness;
+    memory.stiffness = normal.stiffness;
+    if constexpr (C::dimension == 2) {
+      const auto roll = resist(Real(rolling_friction), contact, normal, k_before,
+                               Number(memory.rolling), Number(contact.relative_spin));
+      memory.rolling = roll.spring[0];
+      return {.spring = roll.spring[0], .dashpot = roll.dashpot[0], .friction = roll.lost};
+    } else {
+      const auto& n = contact.normal;
+      const Real about_n = contact.relative_spin.dot(n);
+      const auto roll =
+          resist(Real(rolling_friction), contact, normal, k_before,
+                 turned_into_plane(memory.rolling, n),
+                 typename C::Vec(contact.relative_spin - about_n * n));
+      const auto twist = resist(Real(twisting_friction), contact, normal, k_before,
+                                Number(memory.twisting), Number(about_n));
+      memory.rolling = roll.spring;
+      memory.twisting = twist.spring[0];
+      return {.spring = roll.spring + twist.spring[0] * n,
+              .dashpot = roll.dashpot + twist.dashpot[0] * n,
+              .friction = roll.lost + twist.lost};
+    }
+  }
+
+  template <class C, class M>
+  double elastic_energy(const C& contact, const M& memory) const {
+    const double R = double(contact.effective_radius);
+    const double k_n = double(memory.stiffness);
+    if constexpr (C::dimension == 2) {
+      return energy_of_spring(Vec<1>(double(memory.rolling)), of(rolling_friction, R, k_n));
+    } else {
+      return energy_of_spring(memory.rolling, of(rolling_friction, R, k_n)) +
+             energy_of_spring(Vec<1>(double(memory.twisting)), of(twisting_friction, R, k_n));
+    }
+  }
+
+  template <class C>
+  Stiffness stiffness(const C& contact, Stiffness normal) const {
+    const double R = double(contact.effective_radius);
+    const double mu = std::max(rolling_friction, C::dimension == 2 ? 0 : twisting_friction);
+    normal.rolling = of(mu, R, normal.normal);
+    normal.rolling_dashpot = dashpot(double(contact.effective_mass), R, normal.rolling);
+    return normal;
+  }
+
+  /// The smaller of both coefficients, the higher damping ratio.
+  static RollingResistance mix(const RollingResistance& a, const RollingResistance& b) {
+    return {.rolling_friction = std::min(a.rolling_friction, b.rolling_friction),
+            .twisting_friction = std::min(a.twisting_friction, b.twisting_friction),
+            .damping_ratio = std::max(a.damping_ratio, b.damping_ratio)};
+  }
+
+ private:
+  // k_r [N m/rad].
+  template <class Real>
+  static Real of(Real mu, Real R, Real k_n) {
+    return Real(2.25) * k_n * squared(mu * R);
+  }
+
+  // [N m s]
+  template <class Real>
+  Real dashpot(Real m, Real R, Real k_r) const {
+    return Real(2 * damping_ratio) * std::sqrt(Real(1.4) * m * k_r) * R;
+  }
+
+  template <class C, class V>
+  SliderForce<V> resist(typename C::Real mu, const C& contact, const NormalForce<C>& normal,
+                        typename C::Real k_n_before, const V& before, const V& spin) const {
+    using Real = typename C::Real;
+    const Real R = contact.effective_radius;
+    const Real k = of(mu, R, normal.stiffness);
+    const Slider<Real> slider{.stiffness = k,
+                              .dashpot = dashpot(contact.effective_mass, R, k),
+                              .limit = std::max(Real(0), mu * R * normal.spring)};
+    const auto kept = with_stiffness(k, before, of(mu, R, k_n_before));
+    auto pull = slide(slider, kept.force, spin, contact.time_step);
+    pull.lost += kept.lost;
+    return pull;
+  }
+};
+
+}  // namespace silt::dem
