@@ -18,7 +18,8 @@ struct Contact {
 
   Vec normal = Vec::Zero();  ///< unit vector, points the way i is pushed; −e of [SahChoi2004] (3)
   Real overlap = 0;  ///< δ = R_i + R_j − |x_j − x_i| [m], above 0; may tend to 0
-  Vec relative_velocity = Vec::Zero();  ///< of i's surface against j's at the contact point, (5) [m/s]
+  Vec relative_velocity = Vec::Zero();  ///< of i's surface at the contact point against j's, (5)
+                                        ///< [m/s]
   Spin relative_spin = zero_of<Spin>();  ///< ω_i − ω_j, for a law that gives a couple [1/s]
   Real effective_mass = 0;    ///< m* = m_i m_j / (m_i + m_j); at a wall m_i [kg]
   Real effective_radius = 0;  ///< R* = R_i R_j / (R_i + R_j); at a wall R_i [m]
@@ -56,8 +57,8 @@ struct ElasticParts {
   }
 };
 
-/// Of two materials: a pair of equal grains has the stiffness k, so each grain's own spring has 2 k,
-/// and two of those act in series.
+/// Of two materials: a pair of equal grains has the stiffness k, so each grain's own spring has
+/// 2 k, and two of those act in series.
 inline double in_series(double a, double b) { return a + b > 0 ? 2 * a * b / (a + b) : 0; }
 
 /// The force on i by the mechanisms that make it, for the energy ledger.

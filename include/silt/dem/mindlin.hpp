@@ -15,12 +15,12 @@
 
 namespace silt::dem {
 
-/// F_s grows by −k_t v_s Δt with k_t = 8 G* √(R* δ), the stiffness of the contact area of this step,
-/// and is no larger than F_n tan φ_μ. While the area grows F_s stays, while it shrinks F_s shrinks
-/// with it, as in [ThorntonCumminsCleary2013]: otherwise a closed path of pressing and shearing would
-/// give energy. What the spring loses by that counts as friction. The dashpot is
-/// c_t = c_n √(k_t/k_n), Tsuji's; 0 while it slides. Slip of the rim before gross sliding (Mindlin
-/// and Deresiewicz 1953) is not in it.
+/// F_s grows by −k_t v_s Δt with k_t = 8 G* √(R* δ), the stiffness of the contact area of this
+/// step, and is no larger than F_n tan φ_μ. While the area grows F_s stays, while it shrinks F_s
+/// shrinks with it, as in [ThorntonCumminsCleary2013]: otherwise a closed path of pressing and
+/// shearing would give energy. What the spring loses by that counts as friction. The dashpot is
+/// c_t = c_n √(k_t/k_n), which is Tsuji's with Hertz; 0 while it slides. Slip of the rim before all
+/// slides (Mindlin and Deresiewicz 1953) is not in it.
 struct Mindlin {
   Elastic elastic = {};
   FrictionAngle friction_angle = {};  ///< φ_μ [rad] in [0, π/2)
@@ -46,9 +46,10 @@ struct Mindlin {
         .stiffness = k,
         .dashpot = normal.beta * std::sqrt(normal.stiffness * k),
         .limit = std::max(Real(0), normal.spring * Real(friction_angle.tangent))};
-    const auto kept = with_stiffness(
-        k, Vec(turned_into_plane(memory.force, contact.normal)), Real(memory.stiffness));
-    const auto pull = slide(slider, kept.force, contact.tangential_velocity(), contact.time_step);
+    const Vec v = contact.tangential_velocity();
+    const auto kept = with_stiffness(k, turned_into_plane(memory.force, contact.normal),
+                                     memory.stiffness, Vec(v * contact.time_step));
+    const auto pull = slide(slider, kept.force, v, contact.time_step);
     memory.force = pull.spring;
     memory.stiffness = k;
     return {.spring = pull.spring, .dashpot = pull.dashpot, .friction = kept.lost + pull.lost};

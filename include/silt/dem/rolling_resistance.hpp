@@ -124,7 +124,8 @@ struct RollingResistance {
     const Slider<Real> slider{.stiffness = k,
                               .dashpot = dashpot(contact.effective_mass, R, k),
                               .limit = std::max(Real(0), mu * R * normal.spring)};
-    const auto kept = with_stiffness(k, before, of(mu, R, k_n_before));
+    const auto kept =
+        with_stiffness(k, before, of(mu, R, k_n_before), V(spin * contact.time_step));
     auto pull = slide(slider, kept.force, spin, contact.time_step);
     pull.lost += kept.lost;
     return pull;

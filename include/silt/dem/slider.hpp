@@ -72,13 +72,15 @@ struct KeptForce {
   typename Vec::Scalar lost;  ///< by the change [J]
 };
 
-/// A spring's force when its stiffness has become k. A stiffer spring has the same force, a softer
-/// one the same stretch: either way it holds no more energy than before.
+/// A spring's force when its stiffness has become k in a step in which it goes this way [m]. A
+/// stiffer spring has the same force, a softer one the same stretch: either way it holds no more
+/// energy than before.
 template <class Vec, class Real>
-KeptForce<Vec> with_stiffness(Real k, const Vec& force, Real k_before) {
+KeptForce<Vec> with_stiffness(Real k, const Vec& force, Real k_before, const Vec& way) {
   const Vec kept = k < k_before ? Vec(force * (k / k_before)) : force;
-  const Real lost = force.squaredNorm() / k_before - kept.squaredNorm() / k;
-  return {kept, k_before > 0 && k > 0 ? lost / 2 : Real(0)};
+  // The way was gone while the force changed, against the mean of both.
+  const Real lost = force.squaredNorm() / k_before - kept.squaredNorm() / k - way.dot(force - kept);
+  return {kept, k_before > 0 && k > 0 ? std::max(Real(0), lost / 2) : Real(0)};
 }
 
 /// ½ F²/k [J]; 0 without a spring.

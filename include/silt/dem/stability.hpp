@@ -21,7 +21,36 @@
 
 namespace silt::dem {
 
-/// Bound on the squared angular frequency [1/s²] of a grain among the contacts that it has.
+/// What a grain stands whose springs and dashpots, over its mass, are at most these.
+struct Stiffest {
+  double spring = 0;   ///< ω² [1/s²]
+  double dashpot = 0;  ///< Σ c/m [1/s], of dashpots that see v^{N−½}
+
+  /// [s]; infinite if nothing is stiff.
+  double stable_time_step() const {
+    if (!(spring > 0)) return std::numeric_limits<double>::infinity();
+    return dem::stable_time_step(
+        {.angular_frequency = std::sqrt(spring), .beta = dashpot / spring});
+  }
+};
+
+/// The grain's side of a contact: its mass [kg], inertia [kg m²] and lever arm [m].
+struct Lever {
+  double mass;
+  double inertia;
+  double arm;
+};
+
+/// No less than what one contact adds to Stiffest, for a grain by itself.
+inline Stiffest at_most(const Stiffness& k, double effective_mass, const Lever& lever) {
+  const double per_turn = lever.mass / lever.inertia;
+  const double linear = std::max(k.normal, k.tangential * (1 + per_turn * squared(lever.arm)));
+  return {.spring = (linear + k.rolling * per_turn) / effective_mass,
+          .dashpot = (k.beta * linear + k.rolling_dashpot * per_turn) / effective_mass};
+}
+
+/// Bound on the squared angular frequency [1/s²] of a grain among the contacts that it has, and in
+/// the same way on its dashpots.
 ///
 /// A contact's spring energy is ½ k (g_i·q_i + g_j·q_j)², with q the displacements and turns in
 /// mass-weighted coordinates. By Cauchy and Schwarz, each grain may be given the share
@@ -30,38 +59,44 @@ namespace silt::dem {
 template <int Dim, class Real>
 class FrequencyBound {
   static constexpr int size = Dim == 2 ? 3 : 6;
+  static constexpr int turns = size - Dim;
   using Matrix = Eigen::Matrix<double, size, size>;
 
  public:
-  /// The contact of a grain with the given mass [kg], inertia [kg m²] and lever arm [m].
-  struct Side {
-    double mass;
-    double inertia;
-    double arm;
-  };
-  void add(const Contact<Dim, Real>& contact, const Stiffness& k, const Side& side) {
+  void add(const Contact<Dim, Real>& contact, const Stiffness& k, const Lever& lever) {
     const Vec<Dim, double> n = contact.normal.template cast<double>();
     // Velocity of the contact point from that of the grain and its scaled spin w √(I/m).
     Eigen::Matrix<double, Dim, size> motion = Eigen::Matrix<double, Dim, size>::Zero();
     motion.template leftCols<Dim>().setIdentity();
-    const double lever = side.arm * std::sqrt(side.mass / side.inertia);
+    const double per_turn = lever.mass / lever.inertia;
+    const double scaled_arm = lever.arm * std::sqrt(per_turn);
     if constexpr (Dim == 2) {
-      motion.col(2) = lever * Vec<2, double>(n[1], -n[0]);
+      motion.col(2) = scaled_arm * Vec<2, double>(n[1], -n[0]);
     } else {
       motion.template rightCols<3>() << 0, -n[2], n[1], n[2], 0, -n[0], -n[1], n[0], 0;
-      motion.template rightCols<3>() *= lever;
+      motion.template rightCols<3>() *= scaled_arm;
     }
     using Plane = Eigen::Matrix<double, Dim, Dim>;
     const Plane normal = n * n.transpose();
     const Plane spring = k.normal * normal + k.tangential * (Plane::Identity() - normal);
-    shares_ += motion.transpose() * spring * motion / double(contact.effective_mass);
+    const double m = double(contact.effective_mass);
+    const Matrix share = motion.transpose() * spring * motion / m;
+    springs_ += share;
+    dashpots_ += k.beta * share;
+    springs_.diagonal().template tail<turns>().array() += k.rolling * per_turn / m;
+    dashpots_.diagonal().template tail<turns>().array() += k.rolling_dashpot * per_turn / m;
   }
 
-  /// ≥ the largest eigenvalue, too large by less than 6 %: the trace of the 32nd power.
-  double squared_frequency() const {
-    const double scale = shares_.trace();
+  Stiffest stiffest() const {
+    return {.spring = largest_eigenvalue(springs_), .dashpot = largest_eigenvalue(dashpots_)};
+  }
+
+ private:
+  // From above, too large by less than 6 %: the trace of the 32nd power.
+  static double largest_eigenvalue(const Matrix& matrix) {
+    const double scale = matrix.trace();
     if (!(scale > 0)) return 0;
-    Matrix power = shares_ / scale;
+    Matrix power = matrix / scale;
     double exponent = 1;
     for (int squarings = 0; squarings < 5; ++squarings) {
       power = Matrix(power * power);
@@ -70,27 +105,36 @@ class FrequencyBound {
     return scale * std::pow(power.trace(), exponent);
   }
 
- private:
-  Matrix shares_ = Matrix::Zero();
+  Matrix springs_ = Matrix::Zero();
+  Matrix dashpots_ = Matrix::Zero();
 };
 
-/// Shortest contact that the lightest grains can have [s]; infinite if there are none, or
-/// nothing is stiff.
+/// Share of its radius by which a grain is pressed in shortest_contact: a spring that stiffens as
+/// it is pressed is as stiff as there.
+inline constexpr double usual_overlap = 0.01;
+
+/// Shortest contact that two of the lightest grains can have [s], π √(m*/k) with the stiffest
+/// spring at usual_overlap; infinite if there are none, or nothing is stiff.
 template <class P, class Law>
 double shortest_contact(const P& grains, const Materials<Law>& materials) {
+  using Real = typename P::Real;
   const auto m = grains[mass];
   double shortest = std::numeric_limits<double>::infinity();
   const double lightest = -largest(m.size(), -shortest, [&](Index i) { return -double(m[i]); });
   if (!(lightest > 0) || !is_finite(lightest)) return shortest;
-  Contact<P::dimension, typename P::Real> contact{};
-  contact.effective_mass = static_cast<typename P::Real>(lightest / 2);
-  contact.effective_radius = 1;
-  // A spring along the tangent also has to turn the grain: 1 + m R²/I is 3 for discs,
-  // 3.5 for spheres.
+  const Index grain = first_where(m.size(), [&](Index i) { return double(m[i]) == lightest; });
+  const double R = double(grains[radius][grain]);
+  Contact<P::dimension, Real> contact{};
+  contact.effective_mass = static_cast<Real>(lightest / 2);
+  contact.effective_radius = static_cast<Real>(R / 2);
+  contact.overlap = static_cast<Real>(usual_overlap * R);
+  const double per_turn = lightest / double(grains[inertia][grain]);
   for (std::uint32_t a = 0; a < materials.count(); ++a) {
     for (std::uint32_t b = 0; b < materials.count(); ++b) {
       const Stiffness k = materials.between(a, b).stiffness(contact);
-      const double stiffest = std::max(k.normal, 3.5 * k.tangential);
+      // A spring along the tangent also has to turn the grain: 1 + m R²/I is 3 for discs,
+      // 3.5 for spheres.
+      const double stiffest = std::max({k.normal, 3.5 * k.tangential, k.rolling * per_turn});
       if (!(stiffest > 0)) continue;
       shortest =
           std::min(shortest, contact_duration({.mass = lightest / 2, .stiffness = stiffest}));
@@ -116,14 +160,17 @@ double stable_for_all(const P& grains, const NearContacts& near, const Walls& wa
   const auto m = grains[mass];
   const auto I = grains[inertia];
   Index most_contacts = 0;
-  double most_turning = 1;
+  // The grain that a couple turns most easily, and the one that a force at its surface does.
+  Lever loosest{.mass = 0, .inertia = 1, .arm = 0};
   for (Index i = 0; i < grains.size(); ++i) {
     most_contacts = std::max(most_contacts, near.of(i).size());
-    most_turning =
-        std::max(most_turning, 1 + double(m[i]) * double(R[i]) * double(R[i]) / double(I[i]));
+    const double per_turn = double(m[i]) / double(I[i]);
+    const double turning = std::max(per_turn * squared(double(R[i])),
+                                    loosest.mass * squared(loosest.arm));
+    loosest.mass = std::max(loosest.mass, per_turn);
+    loosest.arm = std::sqrt(turning / loosest.mass);
   }
-  double stiffest = 0;
-  double beta = 0;
+  Stiffest all;
   near.for_each_contact([&](Index c) {
     const Sides sides = sides_of(grains, near, c);
     auto contact = constants_of(grains, sides);
@@ -138,13 +185,13 @@ double stable_for_all(const P& grains, const NearContacts& near, const Walls& wa
       contact.overlap += std::max<typename P::Real>(0, R[sides.i] - at.distance);
     }
     const Stiffness k = law_of(sides).stiffness(contact);
-    stiffest = std::max(stiffest, std::max(k.normal, k.tangential * most_turning) /
-                                      double(contact.effective_mass));
-    beta = std::max(beta, k.beta);
+    const Stiffest one = at_most(k, double(contact.effective_mass), loosest);
+    all.spring = std::max(all.spring, one.spring);
+    all.dashpot = std::max(all.dashpot, one.dashpot);
   });
-  if (!(stiffest > 0)) return std::numeric_limits<double>::infinity();
-  return stable_time_step(
-      {.angular_frequency = std::sqrt(stiffest * double(most_contacts)), .beta = beta});
+  all.spring *= double(most_contacts);
+  all.dashpot *= double(most_contacts);
+  return all.stable_time_step();
 }
 
 /// The first grain for which dt [s] is beyond stability among the contacts of this step. A cheap
@@ -165,33 +212,33 @@ Unstable find_unstable(const P& grains, const T& touches, const Walls& walls, do
     const auto contact = contact_of(grains, touches.seen(), row, sides, walls);
     held[c] = {contact, law_of(sides).stiffness(contact), true};
   });
+  // f(contact, stiffness, lever of i)
   const auto for_each_contact_of = [&](Index i, auto&& f) {
     for (const auto part : touches.near().of(i)) {
       const Held& each = held[part.contact()];
       if (!each.touches) continue;
       const auto shorter = touches.seen().row_of(part.contact())[Row::shorter];
-      f(each.contact, each.stiffness, double(grains[radius][i] - shorter));
+      f(each.contact, each.stiffness,
+        Lever{.mass = double(m[i]),
+              .inertia = double(I[i]),
+              .arm = double(grains[radius][i] - shorter)});
     }
   };
   const auto is_beyond = [&](Index i) {
-    double sum = 0;
-    double beta = 0;
-    for_each_contact_of(i, [&](const auto& contact, const Stiffness& k, double arm) {
-      const double turning = 1 + double(m[i]) * arm * arm / double(I[i]);
-      sum += std::max(k.normal, k.tangential * turning) / double(contact.effective_mass);
-      beta = std::max(beta, k.beta);
+    Stiffest sum;
+    for_each_contact_of(i, [&](const auto& contact, const Stiffness& k, const Lever& lever) {
+      const Stiffest one = at_most(k, double(contact.effective_mass), lever);
+      sum.spring += one.spring;
+      sum.dashpot += one.dashpot;
     });
-    return sum > 0 && dt > stable_time_step({.angular_frequency = std::sqrt(sum), .beta = beta});
+    return dt > sum.stable_time_step();
   };
   const auto stable_of = [&](Index i) {
     FrequencyBound<P::dimension, typename P::Real> bound;
-    double beta = 0;
-    for_each_contact_of(i, [&](const auto& contact, const Stiffness& k, double arm) {
-      bound.add(contact, k, {.mass = double(m[i]), .inertia = double(I[i]), .arm = arm});
-      beta = std::max(beta, k.beta);
+    for_each_contact_of(i, [&](const auto& contact, const Stiffness& k, const Lever& lever) {
+      bound.add(contact, k, lever);
     });
-    return stable_time_step(
-        {.angular_frequency = std::sqrt(bound.squared_frequency()), .beta = beta});
+    return bound.stiffest().stable_time_step();
   };
   const Index broken =
       first_where(grains.size(), [&](Index i) { return is_beyond(i) && dt > stable_of(i); });

@@ -1,0 +1,365 @@
+// SPDX-License-Identifier: MIT
+// The normal parts of laws against exact impacts, and how parts make a law.
+#include "support/check.hpp"
+#include "support/single_contact.hpp"
+
+#include <silt/dem/adhesion.hpp>
+#include <silt/dem/contact_lanes.hpp>
+#include <silt/dem/cundall_strack.hpp>
+#include <silt/dem/hertz.hpp>
+#include <silt/dem/law.hpp>
+#include <silt/dem/linear_friction.hpp>
+#include <silt/dem/linear_spring_dashpot.hpp>
+#include <silt/dem/materials.hpp>
+#include <silt/dem/mindlin.hpp>
+#include <silt/dem/rolling_resistance.hpp>
+#include <silt/dem/walton_braun.hpp>
+#include <silt/io/csv.hpp>
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+namespace silt::test {
+namespace {
+
+constexpr double pi = std::numbers::pi;
+constexpr double phases[] = {0.05, 0.3, 0.55, 0.8, 0.95};
+
+// --- linear spring and dashpot -------------------------------------------------------------------
+
+template <int Dim, class Real>
+void expect_the_table() {
+  const CsvTable table = read_csv(SILT_TESTS_DIR "/reference/linear_spring_dashpot_exact.csv");
+  const double k = 1e6, omega = 1e3;  // m* = 1 kg
+  for (Index row = 0; row < table.rows(); ++row) {
+    const double e = table["e_nominal"][row];
+    for (const bool tension : {true, false}) {
+      const dem::Law law{
+          dem::LinearSpringDashpot{.normal_stiffness = k, .restitution = e, .tension = tension}};
+      for (const double phase : phases) {
+        const auto impact =
+            collide<Dim, Real>(law, {.time_step = pi / omega / 50, .phase = phase});
+        const double wanted = tension ? e : table["e_if_clipped"][row];
+        EXPECT_NEAR(impact.restitution / wanted, 1, 0.005) << e << " tension " << tension;
+        EXPECT_NEAR(impact.deepest * omega / table["delta_max_omega0_over_v0"][row], 1, 0.01) << e;
+      }
+    }
+  }
+}
+
+TEST(LinearSpringDashpotPart, HasTheRestitutionAndTheDepthOfTheTable) {
+  expect_the_table<2, double>();
+  expect_the_table<3, float>();
+}
+
+TEST(Law, OfLinearPartsIsCundallAndStracksBitByBit) {
+  const double k = 1e5;
+  const dem::CundallStrack whole{.normal_stiffness = k,
+                                 .tangential_stiffness = 0.8 * k,
+                                 .restitution = 0.6,
+                                 .friction_angle = 0.3,
+                                 .cohesion = 0.1};
+  const dem::Law parts{
+      dem::LinearFriction{.tangential_stiffness = 0.8 * k, .friction_angle = 0.3, .cohesion = 0.1},
+      dem::LinearSpringDashpot{.normal_stiffness = k, .restitution = 0.6}};
+  dem::Contact<3, double> contact;
+  contact.effective_mass = 0.01;
+  contact.effective_radius = 0.01;
+  contact.time_step = 1e-5;
+  dem::CundallStrack::Memory<3, double> of_whole;
+  decltype(parts)::Memory<3, double> of_parts;
+  double lost = 0;
+  for (int step = 0; step < 2000; ++step) {
+    const double t = step * contact.time_step;
+    contact.normal = Vec<3>(std::cos(20 * t), std::sin(20 * t), 0.1).normalized();
+    contact.overlap = 1e-4 * (1.1 + std::sin(900 * t));
+    contact.relative_velocity = Vec<3>(0.1 * std::sin(300 * t), 0.2, 0.3 * std::cos(500 * t));
+    const auto a = whole.parts(contact, of_whole);
+    const auto b = parts.parts(contact, of_parts);
+    ASSERT_EQ(a.force(contact.normal), b.force(contact.normal));
+    ASSERT_EQ(a.friction, b.friction);
+    ASSERT_EQ(whole.elastic_energy(contact, of_whole), parts.elastic_energy(contact, of_parts));
+    lost += b.friction;
+  }
+  EXPECT_GT(lost, 0) << "it also slid";
+  EXPECT_EQ(whole.stiffness(contact).beta, parts.stiffness(contact).beta);
+}
+
+// --- Walton and Braun ----------------------------------------------------------------------------
+
+template <int Dim, class Real>
+void expect_walton_braun() {
+  const double K_1 = 1e6;
+  for (const double e : {1.0, 0.9, 0.6, 0.3}) {
+    const dem::Law law{dem::WaltonBraun{.loading_stiffness = K_1, .restitution = e}};
+    const double lasts = pi / 2 * std::sqrt(1 / K_1) * (1 + e);
+    for (const double phase : phases) {
+      const auto impact = collide<Dim, Real>(law, {.time_step = lasts / 50, .phase = phase});
+      EXPECT_NEAR(impact.restitution / e, 1, 0.002) << e;
+      EXPECT_NEAR(impact.deepest * std::sqrt(K_1), 1, 0.002) << e;
+      EXPECT_NEAR(impact.pushed / lasts, 1, 0.03) << e << ": to a step or so";
+      EXPECT_NEAR(impact.plastic, (1 - e * e) / 2, 0.002) << e << ": of ½ J";
+    }
+  }
+}
+
+TEST(WaltonBraun, ReturnsTheRestitutionAndLosesTheRestByYielding) {
+  expect_walton_braun<2, double>();
+  expect_walton_braun<3, float>();
+}
+
+TEST(WaltonBraun, RestitutionIsOfSecondOrderInTheTimeStep) {
+  const dem::Law law{dem::WaltonBraun{.loading_stiffness = 1e6, .restitution = 0.6}};
+  const auto worst = [&](double dt) {
+    double error = 0;
+    for (int k = 0; k < 64; ++k) {
+      const double phase = (k + 0.5) / 64;
+      const double e = collide<2, double>(law, {.time_step = dt, .phase = phase}).restitution;
+      error = std::max(error, std::abs(e / 0.6 - 1));
+    }
+    return error;
+  };
+  // Four times the steps: a sixteenth of the error. The tenth leaves room for the phases.
+  EXPECT_LT(worst(2e-5), worst(8e-5) / 10);
+}
+
+TEST(WaltonBraun, UnloadsAndReloadsAlongTheSteepLineUntilItMeetsTheFirst) {
+  const double K_1 = 100, e = 0.8, K_2 = K_1 / (e * e);
+  const dem::Law law{dem::WaltonBraun{.loading_stiffness = K_1, .restitution = e}};
+  decltype(law)::Memory<2, double> memory;
+  dem::Contact<2, double> contact;
+  const auto at = [&](double overlap) {
+    contact.overlap = overlap;
+    return law.parts(contact, memory).normal_spring;
+  };
+  EXPECT_DOUBLE_EQ(at(0.1), K_1 * 0.1);
+  EXPECT_DOUBLE_EQ(at(0.2), K_1 * 0.2);
+  const double delta_0 = (1 - e * e) * 0.2;
+  EXPECT_DOUBLE_EQ(at(0.15), K_2 * (0.15 - delta_0));
+  EXPECT_DOUBLE_EQ(law.elastic_energy(contact, memory), K_2 * squared(0.15 - delta_0) / 2);
+  EXPECT_DOUBLE_EQ(at(0.18), K_2 * (0.18 - delta_0));
+  EXPECT_EQ(at(0.5 * delta_0), 0) << "it never pulls";
+  EXPECT_DOUBLE_EQ(at(0.2), K_1 * 0.2);
+  EXPECT_DOUBLE_EQ(at(0.3), K_1 * 0.3);
+  EXPECT_DOUBLE_EQ(law.stiffness(contact).normal, K_2);
+}
+
+// --- Hertz ---------------------------------------------------------------------------------------
+
+// Chung and Ooi, Granular Matter 13 (2011) 643, tests 1 and 2 and the elastic cases of test 3; the
+// columns after the speed are Hertz's theory.
+struct ChungOoi {
+  const char* what;
+  dem::Elastic elastic;
+  bool wall;
+  double R, density, speed;
+  double deepest, strongest, lasts;
+};
+const ChungOoi chung_ooi[] = {
+    {"glass", {4.8e10, 0.2}, false, 0.01, 2800, 20, 274.113e-6, 10696.9, 40.3392e-6},
+    {"limestone", {2e10, 0.25}, false, 0.01, 2500, 20, 368.304e-6, 7108.24, 54.2007e-6},
+    {"aluminium alloy", {7e10, 0.3}, true, 0.1, 2699, 0.2, 49.7172e-6, 11369.9, 731.653e-6},
+    {"magnesium alloy", {4e10, 0.35}, true, 0.1, 1800, 0.2, 52.1233e-6, 7232.68, 767.062e-6},
+    {"aluminium oxide", {3.8e11, 0.23}, true, 0.0025, 4000, 3.9, 8.08881e-6, 615.352, 6.10448e-6},
+    {"cast iron", {1e11, 0.25}, true, 0.0025, 7000, 3.9, 17.1887e-6, 506.76, 12.972e-6}};
+
+dem::Hertz hertz_of(const ChungOoi& test, double restitution) {
+  const dem::Hertz grain{.elastic = test.elastic, .restitution = restitution};
+  const dem::Hertz rigid{.elastic = {.young_modulus = 1e30}};
+  return test.wall ? dem::Hertz::mix(grain, rigid) : grain;
+}
+
+HeadOn bodies_of(const ChungOoi& test, double steps) {
+  const double m = test.density * 4 / 3 * pi * test.R * test.R * test.R;
+  return {.mass = test.wall ? m : m / 2,
+          .radius = test.wall ? test.R : test.R / 2,
+          .speed = test.speed,
+          .time_step = test.lasts / steps};
+}
+
+TEST(Hertz, HasTheForceTheDepthAndTheDurationOfChungAndOoi) {
+  for (const ChungOoi& test : chung_ooi) {
+    const dem::Law law{hertz_of(test, 1)};
+    const auto coarse = collide<3, double>(law, bodies_of(test, 50));
+    EXPECT_NEAR(coarse.strongest / test.strongest, 1, 0.01) << test.what;
+    EXPECT_NEAR(coarse.deepest / test.deepest, 1, 0.01) << test.what;
+    const auto fine = collide<2, double>(law, bodies_of(test, 500));
+    EXPECT_NEAR(fine.pushed / test.lasts, 1, 0.003) << test.what;
+    EXPECT_NEAR(fine.strongest / test.strongest, 1, 2e-4) << test.what;
+  }
+}
+
+TEST(Hertz, RestitutionIsAsGivenAtAnySpeed) {
+  const ChungOoi& iron = chung_ooi[5];
+  for (const double e : {1.0, 0.9, 0.8, 0.6, 0.4, 0.2}) {
+    const dem::Law law{hertz_of(iron, e)};
+    for (const double slower : {1.0, 10.0, 1000.0}) {
+      for (const double phase : phases) {
+        HeadOn bodies = bodies_of(iron, 50);
+        bodies.speed /= slower;
+        bodies.time_step *= std::pow(slower, 0.2);
+        bodies.phase = phase;
+        EXPECT_NEAR((collide<3, double>(law, bodies).restitution / e), 1, 0.01) << e;
+      }
+    }
+  }
+}
+
+TEST(Elastic, OfTwoMaterialsHasTheModuliOfTheirContact) {
+  const dem::Elastic steel{.young_modulus = 2.1e11, .poisson_ratio = 0.3};
+  const dem::Elastic rubber{.young_modulus = 5e6, .poisson_ratio = 0.49};
+  const auto compliance = [](const dem::Elastic& a) {
+    return (1 - squared(a.poisson_ratio)) / a.young_modulus;
+  };
+  const auto shear_compliance = [](const dem::Elastic& a) {
+    return (2 - a.poisson_ratio) * 2 * (1 + a.poisson_ratio) / a.young_modulus;
+  };
+  const auto mixed = dem::Elastic::mix(steel, rubber);
+  EXPECT_NEAR(mixed.contact_modulus() * (compliance(steel) + compliance(rubber)), 1, 1e-14);
+  EXPECT_NEAR(
+      mixed.contact_shear_modulus() * (shear_compliance(steel) + shear_compliance(rubber)), 1,
+      1e-14);
+  const auto same = dem::Elastic::mix(steel, steel);
+  EXPECT_NEAR(same.young_modulus / steel.young_modulus, 1, 1e-13);
+  EXPECT_NEAR(same.poisson_ratio, steel.poisson_ratio, 1e-13);
+}
+
+// --- adhesion ------------------------------------------------------------------------------------
+
+TEST(DmtAdhesion, HoldsWithItsPullOffForceAndRestsWhereHertzBalancesIt) {
+  const double R = 0.5e-3, gamma = 0.05;
+  const dem::Law law{dem::Hertz{.elastic = {.young_modulus = 1e9, .poisson_ratio = 0.25}},
+                     dem::DmtAdhesion{.surface_energy = gamma}};
+  dem::Contact<3, double> contact;
+  contact.normal = {0, 0, 1};
+  contact.effective_radius = R;
+  contact.effective_mass = 1e-6;
+  const auto force = [&](double overlap) {
+    decltype(law)::Memory<3, double> memory;
+    contact.overlap = overlap;
+    return law.parts(contact, memory).force(contact.normal)[2];
+  };
+  const double pull_off = 4 * pi * gamma * R;
+  EXPECT_NEAR(force(1e-18) / -pull_off, 1, 1e-6);
+  const double E = 1e9 / (2 * (1 - 0.0625));
+  const double rests = std::pow(pull_off / (4.0 / 3 * E * std::sqrt(R)), 2.0 / 3);
+  EXPECT_NEAR(force(rests) / pull_off, 0, 1e-12);
+  EXPECT_GT(force(1.01 * rests), 0);
+}
+
+TEST(DmtAdhesion, GivesBackWhatItTook) {
+  // So strong that half of the deepest overlap is of its making.
+  const dem::Law law{dem::LinearSpringDashpot{.normal_stiffness = 1e6},
+                     dem::ConstantCohesion{.pull = 1000}};
+  for (const double phase : phases) {
+    const auto impact = collide<3, double>(law, {.time_step = pi / 1e3 / 50, .phase = phase});
+    EXPECT_NEAR(impact.restitution, 1, 0.01);
+    EXPECT_NEAR(impact.deepest * 1e3, 1 + std::sqrt(2), 0.01);
+  }
+}
+
+TEST(DmtAdhesion, CatchesASlowGrainThatLosesItsSpeed) {
+  const dem::Law sticky{dem::LinearSpringDashpot{.normal_stiffness = 1e6, .restitution = 0.5},
+                        dem::ConstantCohesion{.pull = 1000}};
+  EXPECT_EQ(sticky.adhesion.pull, 1000);
+  const auto caught = collide<3, double>(sticky, {.speed = 0.1, .time_step = 1e-5});
+  EXPECT_NEAR(caught.restitution, 0, 1e-6) << "still in touch after 1e6 steps";
+  EXPECT_GT((collide<3, double>(sticky, {.speed = 10, .time_step = 1e-5}).restitution), 0.4);
+}
+
+// --- composition ---------------------------------------------------------------------------------
+
+// A user's parts.
+struct Cubic {
+  double stiffness_over_depth = 0;  ///< [N/m²]
+
+  template <class C>
+  dem::NormalForce<C> normal_force(const C& c) const {
+    const auto S = typename C::Real(stiffness_over_depth) * c.overlap;
+    return {.spring = S * c.overlap / 2, .stiffness = S};
+  }
+};
+struct Drag {
+  double coefficient = 0;  ///< [N s/m]
+
+  template <class C>
+  dem::TangentialForce<C> tangential_force(const C& c, const dem::NormalForce<C>&) const {
+    return {.dashpot = -typename C::Real(coefficient) * c.tangential_velocity()};
+  }
+};
+
+template <class Law>
+constexpr bool runs_in_lanes =
+    dem::LawInLanes<Law, 2, float> && dem::LawInLanes<Law, 2, double> &&
+    dem::LawInLanes<Law, 3, float> && dem::LawInLanes<Law, 3, double>;
+
+using Linear = dem::Law<dem::LinearSpringDashpot, dem::LinearFriction>;
+using Full = dem::Law<dem::Hertz, dem::Mindlin, dem::RollingResistance, dem::DmtAdhesion>;
+static_assert(runs_in_lanes<dem::Law<dem::WaltonBraun>> && runs_in_lanes<Linear> &&
+              runs_in_lanes<Full> && runs_in_lanes<dem::CundallStrack> &&
+              runs_in_lanes<dem::CundallStrackIncremental> &&
+              runs_in_lanes<dem::Law<dem::WaltonBraun, dem::LinearFriction,
+                                     dem::RollingResistance, dem::ConstantCohesion>>);
+static_assert(dem::GivesCouple<Full, 3, double> && !dem::GivesCouple<Linear, 3, double>);
+static_assert(sizeof(Full::Memory<3, double>) == (4 + 5 + 2) * sizeof(double));
+
+TEST(Law, TakesItsPartsInAnyOrderAndAUsersBesideOurs) {
+  const dem::Law law{dem::ConstantCohesion{.pull = 1}, Drag{.coefficient = 2},
+                     Cubic{.stiffness_over_depth = 200}};
+  using Own = std::remove_const_t<decltype(law)>;
+  static_assert(std::is_same_v<Own, dem::Law<Cubic, Drag, dem::NoPart, dem::ConstantCohesion>>);
+  static_assert(dem::LawWithoutMemory<Own, 3, float> && !dem::LawWithMemory<Own, 3, float>);
+  static_assert(runs_in_lanes<Own>);
+  dem::Contact<2, double> contact;
+  contact.normal = {0, 1};
+  contact.overlap = 0.5;
+  contact.relative_velocity = {3, 0};
+  EXPECT_EQ(law.parts(contact).force(contact.normal), Vec<2>(-6, 24));
+  EXPECT_EQ(law.elastic_energy(contact, dem::NoMemory{}), -0.5) << "of what tells it";
+}
+
+TEST(Law, MixesPartByPart) {
+  const Full a{dem::Hertz{.elastic = {1e9, 0.3}, .restitution = 0.9},
+               dem::Mindlin{.elastic = {1e9, 0.3}, .friction_angle = 0.2},
+               dem::RollingResistance{.rolling_friction = 0.1, .twisting_friction = 0.03},
+               dem::DmtAdhesion{.surface_energy = 0.04}};
+  const Full b{dem::Hertz{.elastic = {5e7, 0.4}, .restitution = 0.5},
+               dem::Mindlin{.elastic = {5e7, 0.4}, .friction_angle = 0.5},
+               dem::RollingResistance{.rolling_friction = 0.2, .twisting_friction = 0.02},
+               dem::DmtAdhesion{.surface_energy = 0.09}};
+  const dem::Materials<Full> materials{a, b};
+  for (const auto& mixed : {materials.between(0, 1), materials.between(1, 0)}) {
+    EXPECT_NEAR(1 / mixed.normal.elastic.contact_modulus(), 0.91 / 1e9 + 0.84 / 5e7, 1e-20);
+    EXPECT_EQ(mixed.normal.restitution.value, 0.5);
+    EXPECT_EQ(mixed.tangential.friction_angle.value, 0.2);
+    EXPECT_EQ(mixed.rolling.rolling_friction, 0.1);
+    EXPECT_EQ(mixed.rolling.twisting_friction, 0.02);
+    EXPECT_DOUBLE_EQ(mixed.adhesion.surface_energy, 0.06);
+  }
+}
+
+TEST(Law, NamesThePartThatIsOutOfRange) {
+  using dem::Law, dem::Materials;
+  const auto build = [](const auto& part) { Materials{Law{part}}; };
+  EXPECT_TRUE(refuses([&] { build(dem::LinearSpringDashpot{}); },
+                      {"LinearSpringDashpot: normal_stiffness = 0"}));
+  EXPECT_TRUE(refuses([&] { build(dem::WaltonBraun{.loading_stiffness = 1, .restitution = 1.1}); },
+                      {"WaltonBraun: restitution = 1.1", "0 to 1"}));
+  EXPECT_TRUE(refuses([&] { build(dem::Hertz{.elastic = {1e9, 0.6}}); },
+                      {"Hertz: poisson_ratio = 0.6"}));
+  EXPECT_TRUE(refuses(
+      [&] {
+        Materials{Law{Cubic{}, dem::Mindlin{.elastic = {1e9, 0.3}, .friction_angle = 2}}};
+      },
+      {"Mindlin: friction_angle = 2"}));
+  EXPECT_TRUE(refuses(
+      [&] { Materials{Law{Cubic{}, dem::RollingResistance{.rolling_friction = -1}}}; },
+      {"RollingResistance: rolling_friction = -1"}));
+  EXPECT_TRUE(refuses([&] { Materials{Law{Cubic{}, dem::DmtAdhesion{.surface_energy = -1}}}; },
+                      {"DmtAdhesion: surface_energy = -1"}));
+}
+
+}  // namespace
+}  // namespace silt::test
