@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: MIT
+// The energy ledger with each law, and with walls that move.
+#include "support/ledger.hpp"
+
+#include <silt/dem/law.hpp>
+#include <silt/dem/linear_friction.hpp>
+#include <silt/dem/linear_spring_dashpot.hpp>
+#include <silt/dem/walton_braun.hpp>
+
+#include <gtest/gtest.h>
+
+namespace silt::test {
+namespace {
+
+const dem::LinearFriction friction{.tangential_stiffness = 5e5, .friction_angle = 0.4};
+
+TEST(EnergyLedgerOf, CundallStrack) {
+  const dem::CundallStrack law{.normal_stiffness = 1e6,
+                               .tangential_stiffness = 5e5,
+                               .restitution = 0.8,
+                               .friction_angle = 0.4};
+  expect_to_close_at_moving_walls(law);
+  expect_second_order(law);
+}
+
+TEST(EnergyLedgerOf, CundallStrackByIncrements) {
+  const dem::CundallStrackIncremental law{.normal_stiffness = 1e6,
+                                          .tangential_stiffness = 5e5,
+                                          .restitution = 0.8,
+                                          .friction_angle = 0.4};
+  expect_to_close_at_moving_walls(law);
+}
+
+TEST(EnergyLedgerOf, LinearSpringDashpot) {
+  const dem::Law law{
+      dem::LinearSpringDashpot{.normal_stiffness = 1e6, .restitution = 0.8}, friction};
+  expect_to_close_at_moving_walls(law);
+  expect_second_order(law);
+}
+
+TEST(EnergyLedgerOf, WaltonBraun) {
+  const dem::Law law{dem::WaltonBraun{.loading_stiffness = 1e6, .restitution = 0.8}, friction};
+  expect_to_close_at_moving_walls(law);
+  expect_second_order(law);
+}
+
+}  // namespace
+}  // namespace silt::test
