@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: MIT
+// The stress in a region: momentum that grains carry, and that contacts hand on. After Love (1927)
+// and Weber (1966); how a contact at the region's edge is shared is Goldhirsch's (2010), with a
+// weight that is the same everywhere in the region:
+//
+//   σ = 1/V ( Σ_i m_i v_i' ⊗ v_i' + Σ_c F_c ⊗ l_c s_c ),  v' = v − <v>,
+//
+// with the force F on grain i, l the way from the other side of the contact to i's centre, and s
+// the share of it that lies in the region. Compression is positive.
+#pragma once
+
+#include <silt/core/box.hpp>
+#include <silt/core/error.hpp>
+#include <silt/core/fields.hpp>
+#include <silt/core/types.hpp>
+
+#include <Eigen/Core>
+
+#include <algorithm>
+#include <cstddef>
+
+namespace silt::dem {
+
+template <int Dim>
+struct Stress {
+  using Matrix = Eigen::Matrix<double, Dim, Dim>;
+  Matrix kinetic = Matrix::Zero();  ///< [Pa]; in 2D [N/m]
+  Matrix contact = Matrix::Zero();  ///< likewise
+
+  Matrix sum() const { return kinetic + contact; }
+  /// A third of the trace, in 2D half.
+  double pressure() const { return sum().trace() / Dim; }
+};
+
+namespace detail {
+// Share of the straight way from a to b that lies in the box, along all axes.
+template <int Dim>
+double share_within(const Box<Dim, double>& box, const Vec<Dim>& a, const Vec<Dim>& b) {
+  double first = 0;
+  double last = 1;
+  for (int k = 0; k < Dim; ++k) {
+    const double way = b[k] - a[k];
+    if (way == 0) {
+      if (a[k] < box.lower[k] || a[k] >= box.upper[k]) return 0;
+      continue;
+    }
+    const double to_lower = (box.lower[k] - a[k]) / way;
+    const double to_upper = (box.upper[k] - a[k]) / way;
+    first = std::max(first, std::min(to_lower, to_upper));
+    last = std::min(last, std::max(to_lower, to_upper));
+  }
+  return std::max(0.0, last - first);
+}
+
+// f(shift) for every shift by a period that may bring something near the box into it.
+template <int Dim, class Real, class F>
+void for_each_image(const Box<Dim, Real>& box, F&& f, Vec<Dim> shift = Vec<Dim>::Zero(),
+                    int axis = 0) {
+  if (axis == Dim) return f(shift);
+  for_each_image(box, f, shift, axis + 1);
+  if (!box.periodic[static_cast<std::size_t>(axis)]) return;
+  for (const double sign : {-1.0, 1.0}) {
+    shift[axis] = sign * double(box.upper[axis] - box.lower[axis]);
+    for_each_image(box, f, shift, axis + 1);
+  }
+}
+}  // namespace detail
+
+/// Stress in a region of finite size that lies within the grains' box, from a simulation's state():
+/// positions, velocities and contacts must belong to one time. Throws if the region has no volume,
+/// or no finite one.
+template <class P, class C>
+Stress<P::dimension> stress(const P& grains, const C& contacts,
+                            const Box<P::dimension, double>& region) {
+  constexpr int dimension = P::dimension;
+  using Vector = Vec<dimension>;
+  region.check();
+  require_finite("dem::stress: lower side of the region", region.lower);
+  require_finite("dem::stress: upper side of the region", region.upper);
+  const auto x = grains[position];
+  const auto v = grains[velocity];
+  const auto for_each_within = [&](auto&& f) {
+    for (Index i = 0; i < grains.size(); ++i) {
+      const auto at = x[i].template cast<double>().array();
+      if ((at >= region.lower.array()).all() && (at < region.upper.array()).all()) {
+        f(double(grains[mass][i]), Vector(v[i].template cast<double>()));
+      }
+    }
+  };
+  double mass_within = 0;
+  Vector momentum = Vector::Zero();
+  for_each_within([&](double m, const Vector& u) {
+    mass_within += m;
+    momentum += m * u;
+  });
+  Stress<dimension> stress;
+  for_each_within([&](double m, const Vector& u) {
+    const Vector off = u - momentum / mass_within;
+    stress.kinetic += m * off * off.transpose();
+  });
+  contacts.for_each_contact(grains, [&](Index i, Index j, const auto& contact, const auto& force) {
+    double length = double(grains[radius][i]) - double(contact.overlap);
+    if (j != nowhere) length += double(grains[radius][j]);
+    const Vector l = length * contact.normal.template cast<double>();
+    double share = 0;
+    detail::for_each_image(grains.box(), [&](const Vector& shift) {
+      const Vector to = x[i].template cast<double>() + shift;
+      share += detail::share_within<dimension>(region, to - l, to);
+    });
+    stress.contact += share * force.template cast<double>() * l.transpose();
+  });
+  const double volume = region.length().prod();
+  stress.kinetic /= volume;
+  stress.contact /= volume;
+  return stress;
+}
+
+}  // namespace silt::dem
