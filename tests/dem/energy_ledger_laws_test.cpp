@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The energy ledger with each law, and with walls that move.
+// The energy ledger of each law, with walls that move, and the momenta.
 #include "support/ledger.hpp"
 
 #include <silt/dem/law.hpp>
@@ -20,6 +20,7 @@ TEST(EnergyLedgerOf, CundallStrack) {
                                .restitution = 0.8,
                                .friction_angle = 0.4};
   expect_to_close_at_moving_walls(law);
+  expect_to_keep_momenta(law);
   expect_second_order(law);
 }
 
@@ -29,18 +30,21 @@ TEST(EnergyLedgerOf, CundallStrackByIncrements) {
                                           .restitution = 0.8,
                                           .friction_angle = 0.4};
   expect_to_close_at_moving_walls(law);
+  expect_to_keep_momenta(law);
 }
 
 TEST(EnergyLedgerOf, LinearSpringDashpot) {
   const dem::Law law{
       dem::LinearSpringDashpot{.normal_stiffness = 1e6, .restitution = 0.8}, friction};
   expect_to_close_at_moving_walls(law);
+  expect_to_keep_momenta(law);
   expect_second_order(law);
 }
 
 TEST(EnergyLedgerOf, WaltonBraun) {
   const dem::Law law{dem::WaltonBraun{.loading_stiffness = 1e6, .restitution = 0.8}, friction};
   expect_to_close_at_moving_walls(law);
+  expect_to_keep_momenta(law);
   expect_second_order(law);
 }
 

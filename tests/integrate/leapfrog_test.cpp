@@ -148,9 +148,9 @@ TEST(Leapfrog, KeepsKineticEnergyInAPeriodicBoxWithoutContacts) {
     grains[spin][i] = v[i][1];
   }
   Simulation sim{grains, NeighbourList<2>{}, dem::Contacts{dem::CundallStrack{.normal_stiffness = 1}}, Leapfrog{}};
-  const double before = kinetic_energy(sim.particles());
+  const double before = energy_of_motion(sim.particles());
   sim.run({.until = 20, .time_step = 0.01});
-  EXPECT_EQ(kinetic_energy(sim.particles()), before);
+  EXPECT_EQ(energy_of_motion(sim.particles()), before);
   const auto now = sim.snapshot();
   for (const auto& x : now[position]) EXPECT_TRUE(0 <= x[0] && x[0] < 1);
 }

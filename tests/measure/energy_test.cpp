@@ -20,6 +20,24 @@ TEST(Energy, OfARollingDiscIsHalfAgainThatOfASlidingOne) {
   EXPECT_NEAR(momentum(disc)[0], 3 * disc[mass][0], 1e-12);
 }
 
+TEST(AngularMomentum, IsThatOfTheOrbitAndOfTheSpin) {
+  dem::Grains<3> balls;
+  dem::add_grain(balls, {1, 0, 0}, {.radius = 0.5, .density = 100});
+  dem::add_grain(balls, {0, 2, 0}, {.radius = 0.5, .density = 100});
+  const double m = balls[mass][0];
+  balls[velocity][0] = {0, 0, 3};
+  balls[spin][1] = {7, 0, 0};
+  const Vec<3> about_origin = angular_momentum(balls, {0, 0, 0});
+  EXPECT_NEAR((about_origin - m * Vec<3>(0.1 * 7, -3, 0)).norm(), 0, 1e-12);
+  EXPECT_NEAR((angular_momentum(balls, {1, 5, 0}) - m * Vec<3>(0.7 - 15, 0, 0)).norm(), 0, 1e-12);
+
+  dem::Grains<2> disc;
+  dem::add_grain(disc, {1, 2}, {.radius = 0.5, .density = 100});
+  disc[velocity][0] = {0, 3};
+  disc[spin][0] = 8;
+  EXPECT_NEAR(angular_momentum(disc, {0, 0}), disc[mass][0] * (3 + 1), 1e-12);
+}
+
 TEST(Energy, OfAThrownBallStays) {
   dem::Grains<3> ball;
   dem::add_grain(ball, {0, 0, 0}, {.radius = 0.5, .density = 100});

@@ -5,6 +5,7 @@
 #include "support/points.hpp"
 
 #include <silt/dem.hpp>
+#include <silt/measure/energy.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -55,34 +56,10 @@ dem::Grains<Dim, Real> crowd(Index along_each_axis, unsigned seed) {
   return grains;
 }
 
+/// With that of the spins.
 template <class P>
-Vec<P::dimension> momentum(const P& grains) {
-  Vec<P::dimension> sum = Vec<P::dimension>::Zero();
-  for (Index i = 0; i < grains.size(); ++i) {
-    sum += double(grains[mass][i]) * grains[velocity][i].template cast<double>();
-  }
-  return sum;
-}
-
-/// Orbital and spin.
-template <class P>
-typename P::Spin angular_momentum(const P& grains) {
-  typename P::Spin sum = zero_of<typename P::Spin>();
-  for (Index i = 0; i < grains.size(); ++i) {
-    const typename P::Vec p = grains[mass][i] * grains[velocity][i];
-    sum += moment(typename P::Vec(grains[position][i]), p) + grains[inertia][i] * grains[spin][i];
-  }
-  return sum;
-}
-
-template <class P>
-double kinetic_energy(const P& grains) {
-  double energy = 0;
-  for (Index i = 0; i < grains.size(); ++i) {
-    energy += double(grains[mass][i] * grains[velocity][i].squaredNorm() +
-                     grains[inertia][i] * squared_norm(grains[spin][i])) / 2;
-  }
-  return energy;
+double energy_of_motion(const P& grains) {
+  return kinetic_energy(grains) + rotational_energy(grains);
 }
 
 /// Steps of dt until a contact came and went; the largest overlap on the way, 0 if none came.

@@ -6,6 +6,7 @@
 
 #include <silt/dem/energy_ledger.hpp>
 #include <silt/dem/wall_motion.hpp>
+#include <silt/measure/energy.hpp>
 
 #include <gtest/gtest.h>
 
@@ -71,6 +72,20 @@ void expect_to_close_at_moving_walls(const Law& law) {
   for (const double loss : {lost.friction, lost.rolling_friction, lost.plastic, lost.opened}) {
     EXPECT_GE(loss, 0);
   }
+}
+
+/// Momentum, and angular momentum of orbits and spins together, stay in a crowd without walls.
+template <class Law>
+void expect_to_keep_momenta(const Law& law) {
+  const auto grains = crowd<3, double>(3, 6);
+  auto sim = shaken(grains, law, {});
+  const Vec<3> about(0.1, -0.2, 0.3);
+  const Vec<3> p = silt::momentum(grains);
+  const Vec<3> L = silt::angular_momentum(grains, about);
+  for (int k = 0; k < 500; ++k) sim.step(2e-5);
+  const double mass_of_all = double(grains.size()) * grains[mass][0];
+  EXPECT_LT((silt::momentum(sim.particles()) - p).norm(), 1e-13 * mass_of_all);
+  EXPECT_LT((silt::angular_momentum(sim.particles(), about) - L).norm(), 1e-13 * mass_of_all);
 }
 
 /// Root mean square of the integration error of impacts that begin, and begin to slide, at

@@ -203,7 +203,7 @@ TEST(BrokenTower, NeverGainsEnergy) {
       auto search = s.search();
       search.update(grains);
       springs.accelerate(grains, search, 1e-12);
-      double sum = kinetic_energy(grains) + springs.template part<1>().elastic_energy(grains);
+      double sum = energy_of_motion(grains) + springs.template part<1>().elastic_energy(grains);
       for (Index i = 0; i < grains.size(); ++i) sum += grains[mass][i] * g * grains[position][i][1];
       return sum;
     };
