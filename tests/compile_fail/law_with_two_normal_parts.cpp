@@ -1,0 +1,16 @@
+// expect: (static assertion failed|static_assert failed).*there are two of a kind
+// SPDX-License-Identifier: MIT
+#include <silt/dem/law.hpp>
+#include <silt/dem/linear_spring_dashpot.hpp>
+#include <silt/dem/walton_braun.hpp>
+
+using namespace silt;
+
+int main() {
+  const dem::LinearSpringDashpot spring{.normal_stiffness = 1};
+#ifdef SILT_VALID
+  [[maybe_unused]] const dem::Law law{spring};
+#else
+  [[maybe_unused]] const dem::Law law{spring, dem::WaltonBraun{.loading_stiffness = 1}};
+#endif
+}
