@@ -137,6 +137,18 @@ def programs_of(page, text, repository=pathlib.Path()):
     return programs
 
 
+def without_beginnings(programs):
+    """The programs that no other begins with: those are compiled and run as part of the others."""
+
+    def goes_on(longer, program):
+        return longer is not program and all(
+            getattr(longer, part)[: len(getattr(program, part))] == getattr(program, part)
+            for part in ("includes", "outside", "inside")
+        )
+
+    return [each for each in programs if not any(goes_on(other, each) for other in programs)]
+
+
 def attempt(program, scratch, compile_command):
     """Compiles and runs one program; returns what went wrong, or nothing."""
     folder = scratch / re.sub(r"\W+", "_", program.where)
@@ -145,7 +157,7 @@ def attempt(program, scratch, compile_command):
     text = program.source()
     source.write_text(text, encoding="utf-8")
     has_main = MAIN.search(text) is not None
-    mode = ["-O1", "-o", str(folder / "block")] if has_main else ["-fsyntax-only"]
+    mode = ["-Og", "-o", str(folder / "block")] if has_main else ["-fsyntax-only"]
     # The flags' file goes last, since it also names libraries.
     made = subprocess.run(
         [compile_command[1], *compile_command[2:], str(source), *mode, f"@{compile_command[0]}"],
@@ -184,7 +196,8 @@ def check(repository, scratch, compile_command):
         )
     ]
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as workers:
-        outcomes = workers.map(lambda p: attempt(p, scratch, compile_command), programs)
+        whole = without_beginnings(programs)
+        outcomes = workers.map(lambda p: attempt(p, scratch, compile_command), whole)
         faults = [fault for fault in outcomes if fault]
     for fault in faults:
         print(fault)
@@ -233,6 +246,7 @@ def self_test():
         """
     )
     whole, law, use, both, indented = programs_of("p.md", page)
+    assert without_beginnings([whole, law, use, both, indented]) == [whole, both, indented]
     assert whole.source() == '#line 2 "p.md"\nint main() { return 0; }\n'
     assert law.source() == '#line 7 "p.md"\n#include <cmath>\n#line 7 "p.md"\n\nstruct Law {};\n'
     assert use.source().splitlines()[0] == "#include <silt/silt.hpp>"
