@@ -11,11 +11,12 @@ namespace silt::test {
 namespace {
 
 // A spring that counts how often it is looked at, in Reals and in a number that is none.
-struct CountingSpring {
+template <int begin>
+struct SpringCountingFrom {
   template <int Dim, class Real>
   struct Memory {
-    Real looks = 0;
-    int number = 0;
+    Real looks = begin;
+    int number = begin;
   };
   template <class C, class M>
   auto force(const C& contact, M& memory) const {
@@ -24,6 +25,7 @@ struct CountingSpring {
     return typename C::Vec(typename C::Real(1e-6) * contact.overlap * contact.normal);
   }
 };
+using CountingSpring = SpringCountingFrom<0>;
 
 // A row of grains in touch.
 template <int Dim, class Real>
@@ -83,6 +85,62 @@ TEST(LawMemory, GoesOnFromWhatARestartReads) {
     EXPECT_EQ(looks_of(sim.interaction(), sim.particles()), std::vector{look});
     const auto state = sim.state();
     EXPECT_EQ(looks_of(state.interaction, state.particles), std::vector{look + 1});
+  }
+}
+
+// What looks made by hand, without Simulation's save() and restore(), leave behind.
+struct LooksByHand {
+  dem::Grains<2> grains = row_of<2, double>(3);
+  UniformGrid<2> search{{.radius = 1}};
+  dem::Contacts<CountingSpring> contacts{CountingSpring{}};
+
+  std::vector<int> look() {
+    search.update(grains);
+    contacts.accelerate(grains, search, 1e-6);
+    return looks_of(contacts, grains);
+  }
+};
+
+TEST(LawMemory, IsForgottenByALookThatFails) {
+  LooksByHand by_hand;
+  by_hand.look();
+  EXPECT_EQ(by_hand.look(), (std::vector{2, 2}));
+  const auto sound = by_hand.grains;
+  by_hand.grains[position][2] = by_hand.grains[position][1];
+  EXPECT_TRUE(refuses([&] { by_hand.look(); }, {"coincide"}));
+  by_hand.grains = sound;
+  EXPECT_EQ(by_hand.look(), (std::vector{1, 1}));
+  EXPECT_EQ(by_hand.look(), (std::vector{2, 2}));
+}
+
+TEST(LawMemory, OutlivesALookThatIsRefused) {
+  LooksByHand by_hand;
+  by_hand.look();
+  const auto sound = by_hand.grains;
+  by_hand.grains[radius][1] = -1;
+  by_hand.grains[position][0][0] -= 0.04;  // so far that all is found anew
+  EXPECT_TRUE(refuses([&] { by_hand.look(); }, {"radius = -1", "id 1"}));
+  by_hand.grains = sound;
+  EXPECT_EQ(by_hand.look(), (std::vector{2, 2}));
+}
+
+TEST(LawMemory, BeginsAnewWhenGrainsMeetAgain) {
+  auto grains = row_of<2, double>(2);
+  UniformGrid<2> search({.radius = 1});
+  dem::Contacts contacts{SpringCountingFrom<7>{}};
+  const double touching = grains[position][1][0];
+  const auto look_at = [&](double x) {
+    grains[position][1][0] = x;
+    search.update(grains);
+    contacts.accelerate(grains, search, 1e-6);
+    return looks_of(contacts, grains);
+  };
+  const std::vector<int> none;
+  for (const double apart : {1.0 + 1e-9, 1.5, 4.0}) {  // near, farther, out of reach
+    EXPECT_EQ(look_at(touching), std::vector{8}) << "before they are at " << apart;
+    EXPECT_EQ(look_at(touching), std::vector{9});
+    EXPECT_EQ(look_at(apart), none);
+    EXPECT_EQ(look_at(apart), none);
   }
 }
 
