@@ -11,5 +11,6 @@ shift 2
 rm -rf "$folder"
 mkdir -p "$folder/silt"
 for header in silt dem mps; do
-  "$@" "@$flags" -x c++-header -o "$folder/silt/$header.hpp.gch" - <<<"#include <silt/$header.hpp>"
+  echo "#include <silt/$header.hpp>" >"$folder/$header.hpp"
+  "$@" "@$flags" -x c++-header "$folder/$header.hpp" -o "$folder/silt/$header.hpp.gch"
 done
