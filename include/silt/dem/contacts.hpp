@@ -11,6 +11,7 @@
 #include <silt/core/types.hpp>
 #include <silt/dem/contact.hpp>
 #include <silt/dem/contact_lanes.hpp>
+#include <silt/dem/contacts_of_step.hpp>
 #include <silt/dem/grains.hpp>
 #include <silt/dem/law_pass.hpp>
 #include <silt/dem/materials.hpp>
@@ -18,7 +19,6 @@
 #include <silt/dem/single_contacts.hpp>
 #include <silt/dem/stability.hpp>
 #include <silt/dem/touches.hpp>
-#include <silt/dem/wall_load.hpp>
 #include <silt/dem/walls.hpp>
 
 #include <algorithm>
@@ -52,6 +52,10 @@ template <class Law, class... Walls>
 class Contacts {
   template <class P>
   using MemoryOf = LawMemory<Law, P::dimension, typename P::Real>;
+  template <int Dim, class Real>
+  using Found = Touches<Dim, Real, LawMemory<Law, Dim, Real>, GivesCouple<Law, Dim, Real>>;
+  template <class P>
+  using FoundOf = Found<P::dimension, typename P::Real>;
 
  public:
   /// Throws if a parameter of the law or of a wall is out of range.
@@ -140,7 +144,7 @@ class Contacts {
       }
     };
     const Real arm_share = settings_.lever_arm == LeverArm::radius ? 0 : Real(0.5);
-    const auto walls = walls_as_the_law_saw_them<P>();
+    const auto walls = walls_as_the_law_saw_them<P>(walls_, touches.seen());
     LawPass pass(grains, touches, walls, arm_share, ask);
     counts_[chunk.number] = pass(touches.near().of_chunk(chunk.number));
   }
@@ -177,138 +181,53 @@ class Contacts {
     return std::apply([](const auto&... each) { return (each.seen().count + ...); }, found_);
   }
 
+  // What the last step made, see ContactsOfStep.
+
   /// f(i, j, contact, force on i) for every contact of the last step whose grains are still there;
   /// i and j are the places of the two (owned ones, now), j is `nowhere` for a wall. The contact's
   /// velocity is that of the grains as they are given, against that of a wall at the time of the
   /// contact, N.
   template <class P, class F>
   void for_each_contact(const P& grains, F&& f) const {
-    const auto& touches = found<P>();
-    const auto walls = walls_of_last_step<P>();
-    for_each_touch(grains, touches, [&](Index, const Sides& sides, const auto* row) {
-      f(sides.i, sides.j, contact_of(grains, touches.seen(), row, sides, walls),
-        force_of<P>(row));
-    });
+    of_step(grains).for_each(f);
   }
 
   /// f(touch), with a WallTouch, for every contact of the last step with a wall whose grain is still
   /// there.
   template <class P, class F>
   void for_each_wall_contact(const P& grains, F&& f) const {
-    using Row = typename FoundOf<P>::Row;
-    const auto walls = walls_of_last_step<P>();
-    for_each_touch(grains, found<P>(), [&](Index, const Sides& sides, const auto* row) {
-      if (sides.wall == nowhere) return;
-      WallTouch<P::dimension, typename P::Real> touch;
-      touch.grain = sides.i;
-      touch.wall = walls_.number_of(sides.wall);
-      touch.point = contact_point<P, Row>(grains, row, sides);
-      const auto velocity = walls.velocity(sides.wall);
-      touch.velocity = velocity.at(touch.point);
-      touch.spin = velocity.spin;
-      touch.force = -force_of<P>(row);
-      touch.couple = -couple_of<P>(row);
-      f(touch);
-    });
+    of_step(grains).for_each_at_walls(f);
   }
 
   /// What grains did to a wall in the last step, by its number; the moment is about a point [m]. The
   /// same bits for any number of threads. Throws if there is no wall of this number.
   template <class P>
-  auto load_on(const P& grains, Index wall,
-               const typename P::Vec& about = P::Vec::Zero()) const {
-    if (wall >= walls_.size()) {
-      fail("dem::Contacts: there is no wall " + std::to_string(wall) + ", but " +
-           std::to_string(walls_.size()) + "; ask for one below that");
-    }
-    WallLoad<P::dimension, typename P::Real> load;
-    for_each_wall_contact(grains, [&](const auto& touch) {
-      if (touch.wall != wall) return;
-      load.force += touch.force;
-      load.moment += silt::moment(typename P::Vec(touch.point - about), touch.force) + touch.couple;
-    });
-    return load;
+  auto load_on(const P& grains, Index wall, const typename P::Vec& about = P::Vec::Zero()) const {
+    return of_step(grains).load_on(wall, about);
   }
 
   /// f(AnsweredContact) for every contact of the last step: the law is asked again, as it was then.
   /// `before` are the grains as that step found them, velocities and all. Not for after save().
   template <class P, class F>
   void for_each_answer(const P& before, F&& f) const {
-    const auto& touches = found<P>();
-    const auto memories = touches.memories_before();
-    const auto walls = walls_of_last_step<P>();
-    const auto walls_seen = walls_as_the_law_saw_them<P>();
-    for_each_touch(before, touches, [&](Index c, const Sides& sides, const auto* row) {
-      using Row = typename FoundOf<P>::Row;
-      const Law& law = law_of(before, sides);
-      const auto contact = contact_of(before, touches.seen(), row, sides, walls_seen);
-      RigidVelocity<P::dimension, typename P::Real> wall;
-      if (sides.wall != nowhere) wall = walls.velocity(sides.wall);
-      const auto ask = [&] {
-        if constexpr (MemoryOf<P>::words == 0) {
-          return answer_of(law, contact);
-        } else {
-          auto own = MemoryOf<P>::from(memories.of(c));
-          return answer_of(law, contact, own);
-        }
-      };
-      f(AnsweredContact<P::dimension, typename P::Real, decltype(ask())>{
-          .sides = sides,
-          .first = touches.near().first_id(c),
-          .second = touches.near().second_id(c),
-          .contact = contact,
-          .shorter = row[Row::shorter],
-          .answer = ask(),
-          .wall_velocity = wall.at(contact_point<P, Row>(before, row, sides)),
-          .wall_spin = wall.spin,
-          .elastic = elastic_parts_of<P>(law, contact, touches.seen().memory_of(c))});
-    });
+    of_step(before).for_each_answer(f);
   }
 
   /// The law tells its force by parts, and the energy in its springs.
   template <class P>
-  static constexpr bool tells_springs = TellsParts<Law, P::dimension, typename P::Real> &&
-                                        requires(const Law law,
-                                                 const Contact<P::dimension, typename P::Real> c,
-                                                 const typename MemoryOf<P>::type memory) {
-                                          law.elastic_parts(c, memory);
-                                        };
+  static constexpr bool tells_springs =
+      ContactsOfStep<P, Law, WallSet<Walls...>, FoundOf<P>>::tells_springs;
 
   /// Energy in the springs of the last step's contacts [J]; 0 for a law that does not tell.
   template <class P>
   double elastic_energy(const P& grains) const {
-    double energy = 0;
-    if constexpr (requires(const Contact<P::dimension, typename P::Real> contact,
-                           const typename MemoryOf<P>::type memory,
-                           const Law law) { law.elastic_energy(contact, memory); }) {
-      const auto& touches = found<P>();
-      const auto walls = walls_of_last_step<P>();
-      for_each_touch(grains, touches, [&](Index c, const Sides& sides, const auto* row) {
-        energy += double(law_of(grains, sides)
-                             .elastic_energy(contact_of(grains, touches.seen(), row, sides, walls),
-                                             MemoryOf<P>::from(touches.seen().memory_of(c))));
-      });
-    }
-    return energy;
+    return of_step(grains).elastic_energy();
   }
 
   /// What the law remembers of the pairs that touch, by ids: for a checkpoint.
   template <class P>
   auto memory(const P& grains) const {
-    using Memory = PairMemory<typename MemoryOf<P>::type>;
-    std::vector<typename Memory::Entry> entries;
-    const auto& touches = found<P>();
-    if (const auto* const recalled = touches.recalled()) {
-      recalled->for_each_pair([&](Id a, Id b, const auto& words) {
-        entries.push_back({a, b, MemoryOf<P>::from(words.data())});
-      });
-      return Memory(std::move(entries));
-    }
-    for_each_touch(grains, touches, [&](Index c, const Sides&, const auto*) {
-      entries.push_back({touches.near().first_id(c), touches.near().second_id(c),
-                         MemoryOf<P>::from(touches.seen().memory_of(c))});
-    });
-    return Memory(std::move(entries));
+    return of_step(grains).memory();
   }
 
   /// Replaces it: what a restart reads.
@@ -341,26 +260,11 @@ class Contacts {
 
  private:
   template <class P>
-  static ElasticParts elastic_parts_of(const Law& law,
-                                       const Contact<P::dimension, typename P::Real>& contact,
-                                       const typename P::Real* memory) {
-    if constexpr (tells_springs<P>) {
-      return law.elastic_parts(contact, MemoryOf<P>::from(memory));
-    } else {
-      return {};
-    }
-  }
-
-  template <class P>
   static constexpr bool knows_stiffness =
       requires(const Law law, const Contact<P::dimension, typename P::Real> c) {
         { law.stiffness(c) } -> std::convertible_to<Stiffness>;
       };
 
-  template <int Dim, class Real>
-  using Found = Touches<Dim, Real, LawMemory<Law, Dim, Real>, GivesCouple<Law, Dim, Real>>;
-  template <class P>
-  using FoundOf = Found<P::dimension, typename P::Real>;
   // Contacts learns dimension and precision from the grains only; one of these four is in use.
   template <class P>
   auto& found() noexcept {
@@ -372,40 +276,8 @@ class Contacts {
   }
 
   template <class P>
-  auto walls_at(const WallTimes& times) const {
-    return walls_.template at<P::dimension, typename P::Real>(times);
-  }
-  // All as of N, when the contacts of the last step, or of this one, were made.
-  template <class P>
-  auto walls_of_last_step() const {
-    const double time = found<P>().seen().time;
-    return walls_at<P>({.positions = time, .velocities = time});
-  }
-  // With velocities as of N − ½: those of the grains that the law saw.
-  template <class P>
-  auto walls_as_the_law_saw_them() const {
-    const auto& seen = found<P>().seen();
-    return walls_at<P>(
-        {.positions = seen.time, .velocities = seen.time - double(seen.time_step) / 2});
-  }
-
-  template <class P>
-  static typename P::Vec force_of(const typename P::Real* row) {
-    typename P::Vec force;
-    for (int k = 0; k < P::dimension; ++k) force[k] = row[FoundOf<P>::Row::F + k];
-    return force;
-  }
-  template <class P>
-  static typename P::Spin couple_of([[maybe_unused]] const typename P::Real* row) {
-    auto couple = zero_of<typename P::Spin>();
-    if constexpr (FoundOf<P>::couples) {
-      if constexpr (P::dimension == 2) {
-        couple = row[FoundOf<P>::Row::couple];
-      } else {
-        for (int k = 0; k < 3; ++k) couple[k] = row[FoundOf<P>::Row::couple + k];
-      }
-    }
-    return couple;
+  auto of_step(const P& grains) const {
+    return ContactsOfStep(grains, materials_, walls_, found<P>());
   }
 
   template <class P>
@@ -429,7 +301,8 @@ class Contacts {
     touches.renew_near([&](NearContacts& near, auto& found, auto& validity) {
       const typename FoundOf<P>::Step step{.time = time_, .time_step = dt};
       renew_validity(grains, search, walls_, step, reach(grains), validity);
-      find_near(grains, search, walls_of_last_step<P>(), validity.margin, near, found);
+      const auto walls = walls_of_step<P>(walls_, touches.seen());
+      find_near(grains, search, walls, validity.margin, near, found);
     });
     note_stable_time_step(grains, touches);
   }
@@ -445,7 +318,8 @@ class Contacts {
   void note_stable_time_step(const P& grains, FoundOf<P>& touches) const {
     if constexpr (knows_stiffness<P>) {
       touches.validity().stable_time_step = stable_for_all(
-          grains, touches.near(), walls_of_last_step<P>(), touches.validity().margin,
+          grains, touches.near(), walls_of_step<P>(walls_, touches.seen()),
+          touches.validity().margin,
           [&](const Sides& sides) -> const Law& { return law_of(grains, sides); });
     }
   }
@@ -455,7 +329,7 @@ class Contacts {
     if constexpr (knows_stiffness<P>) {
       if (!settings_.refuse_unstable || dt <= touches.validity().stable_time_step) return;
       const Unstable unstable =
-          find_unstable(grains, touches, walls_of_last_step<P>(), dt,
+          find_unstable(grains, touches, walls_of_step<P>(walls_, touches.seen()), dt,
                         [&](const Sides& sides) -> const Law& { return law_of(grains, sides); });
       if (unstable.grain == nowhere) return;
       fail("dem::Contacts: time_step = " + to_text(dt) + " s exceeds the stable " +
@@ -466,12 +340,7 @@ class Contacts {
 
   template <class P>
   const Law& law_of(const P& grains, const Sides& sides) const {
-    const std::uint32_t other =
-        sides.j != nowhere ? grains[material][sides.j] : walls_.material(walls_.number_of(sides.wall));
-    const std::uint32_t own = grains[material][sides.i];
-    materials_.check(std::max(own, other), "of a grain",
-                     {.particle = sides.i, .id = grains.id(sides.i)});
-    return materials_.between(own, other);
+    return law_between(grains, sides, materials_, walls_);
   }
 
   Materials<Law> materials_;

@@ -1,0 +1,220 @@
+// SPDX-License-Identifier: MIT
+// The contacts of the last step, for those who look at them: observers, measures, the ledger.
+#pragma once
+
+#include <silt/core/error.hpp>
+#include <silt/core/pair_memory.hpp>
+#include <silt/core/types.hpp>
+#include <silt/dem/contact.hpp>
+#include <silt/dem/contact_lanes.hpp>
+#include <silt/dem/grains.hpp>
+#include <silt/dem/materials.hpp>
+#include <silt/dem/single_contacts.hpp>
+#include <silt/dem/wall_load.hpp>
+#include <silt/dem/wall_motion.hpp>
+
+#include <algorithm>
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace silt::dem {
+
+/// The law between the two of a contact. Throws if a material is unknown.
+template <class P, class Law, class Walls>
+const Law& law_between(const P& grains, const Sides& sides, const Materials<Law>& materials,
+                       const Walls& walls) {
+  const std::uint32_t other =
+      sides.j != nowhere ? grains[material][sides.j] : walls.material(walls.number_of(sides.wall));
+  const std::uint32_t own = grains[material][sides.i];
+  materials.check(std::max(own, other), "of a grain",
+                  {.particle = sides.i, .id = grains.id(sides.i)});
+  return materials.between(own, other);
+}
+
+/// The walls, a WallSet, as of N, when the contacts of the step were made.
+template <class P, class Walls, class Seen>
+auto walls_of_step(const Walls& walls, const Seen& seen) {
+  return walls.template at<P::dimension, typename P::Real>(
+      {.positions = seen.time, .velocities = seen.time});
+}
+/// With velocities as of N − ½: those of the grains that the law saw.
+template <class P, class Walls, class Seen>
+auto walls_as_the_law_saw_them(const Walls& walls, const Seen& seen) {
+  return walls.template at<P::dimension, typename P::Real>(
+      {.positions = seen.time, .velocities = seen.time - double(seen.time_step) / 2});
+}
+
+/// A look at what Contacts made of grains in its last step; only those contacts are seen whose
+/// grains are still there. `grains` may be as that step found them or as it left them: velocities
+/// of contacts are of theirs. Walls is a WallSet.
+template <class P, class Law, class Walls, class T>
+class ContactsOfStep {
+  using Real = typename P::Real;
+  using Vec = typename P::Vec;
+  using Spin = silt::Spin<P::dimension, Real>;
+  using Row = typename T::Row;
+  using Memory = LawMemory<Law, P::dimension, Real>;
+  using Contact = dem::Contact<P::dimension, Real>;
+
+ public:
+  ContactsOfStep(const P& grains, const Materials<Law>& materials, const Walls& walls,
+                 const T& touches)
+      : grains_(grains), materials_(materials), walls_(walls), touches_(touches) {}
+
+  /// See Contacts::for_each_contact.
+  template <class F>
+  void for_each(F&& f) const {
+    const auto walls = walls_then();
+    for_each_touch(grains_, touches_, [&](Index, const Sides& sides, const auto* row) {
+      f(sides.i, sides.j, contact_of(grains_, touches_.seen(), row, sides, walls), force_of(row));
+    });
+  }
+
+  /// See Contacts::for_each_wall_contact.
+  template <class F>
+  void for_each_at_walls(F&& f) const {
+    const auto walls = walls_then();
+    for_each_touch(grains_, touches_, [&](Index, const Sides& sides, const auto* row) {
+      if (sides.wall == nowhere) return;
+      WallTouch<P::dimension, Real> touch;
+      touch.grain = sides.i;
+      touch.wall = walls_.number_of(sides.wall);
+      touch.point = contact_point<P, Row>(grains_, row, sides);
+      const auto velocity = walls.velocity(sides.wall);
+      touch.velocity = velocity.at(touch.point);
+      touch.spin = velocity.spin;
+      touch.force = -force_of(row);
+      touch.couple = -couple_of(row);
+      f(touch);
+    });
+  }
+
+  /// See Contacts::load_on.
+  WallLoad<P::dimension, Real> load_on(Index wall, const Vec& about) const {
+    if (wall >= walls_.size()) {
+      fail("dem::Contacts: there is no wall " + std::to_string(wall) + ", but " +
+           std::to_string(walls_.size()) + "; ask for one below that");
+    }
+    WallLoad<P::dimension, Real> load;
+    for_each_at_walls([&](const auto& touch) {
+      if (touch.wall != wall) return;
+      load.force += touch.force;
+      load.moment += moment(Vec(touch.point - about), touch.force) + touch.couple;
+    });
+    return load;
+  }
+
+  /// See Contacts::for_each_answer.
+  template <class F>
+  void for_each_answer(F&& f) const {
+    const auto memories = touches_.memories_before();
+    const auto walls = walls_then();
+    const auto walls_seen = walls_as_the_law_saw_them<P>(walls_, touches_.seen());
+    for_each_touch(grains_, touches_, [&](Index c, const Sides& sides, const auto* row) {
+      const Law& law = law_of(sides);
+      const auto contact = contact_of(grains_, touches_.seen(), row, sides, walls_seen);
+      RigidVelocity<P::dimension, Real> wall;
+      if (sides.wall != nowhere) wall = walls.velocity(sides.wall);
+      const auto ask = [&] {
+        if constexpr (Memory::words == 0) {
+          return answer_of(law, contact);
+        } else {
+          auto own = Memory::from(memories.of(c));
+          return answer_of(law, contact, own);
+        }
+      };
+      f(AnsweredContact<P::dimension, Real, decltype(ask())>{
+          .sides = sides,
+          .first = touches_.near().first_id(c),
+          .second = touches_.near().second_id(c),
+          .contact = contact,
+          .shorter = row[Row::shorter],
+          .answer = ask(),
+          .wall_velocity = wall.at(contact_point<P, Row>(grains_, row, sides)),
+          .wall_spin = wall.spin,
+          .elastic = elastic_parts(law, contact, touches_.seen().memory_of(c))});
+    });
+  }
+
+  /// The law tells its force by parts, and the energy in its springs.
+  static constexpr bool tells_springs =
+      TellsParts<Law, P::dimension, Real> &&
+      requires(const Law law, const Contact c, const typename Memory::type memory) {
+        law.elastic_parts(c, memory);
+      };
+
+  /// See Contacts::elastic_energy.
+  double elastic_energy() const {
+    double energy = 0;
+    if constexpr (requires(const Law law, const Contact contact,
+                           const typename Memory::type memory) {
+                    law.elastic_energy(contact, memory);
+                  }) {
+      const auto walls = walls_then();
+      for_each_touch(grains_, touches_, [&](Index c, const Sides& sides, const auto* row) {
+        energy += double(
+            law_of(sides).elastic_energy(contact_of(grains_, touches_.seen(), row, sides, walls),
+                                         Memory::from(touches_.seen().memory_of(c))));
+      });
+    }
+    return energy;
+  }
+
+  /// See Contacts::memory.
+  auto memory() const {
+    using Remembered = PairMemory<typename Memory::type>;
+    std::vector<typename Remembered::Entry> entries;
+    if (const auto* const recalled = touches_.recalled()) {
+      recalled->for_each_pair([&](Id a, Id b, const auto& words) {
+        entries.push_back({a, b, Memory::from(words.data())});
+      });
+      return Remembered(std::move(entries));
+    }
+    for_each_touch(grains_, touches_, [&](Index c, const Sides&, const auto*) {
+      entries.push_back({touches_.near().first_id(c), touches_.near().second_id(c),
+                         Memory::from(touches_.seen().memory_of(c))});
+    });
+    return Remembered(std::move(entries));
+  }
+
+ private:
+  const Law& law_of(const Sides& sides) const {
+    return law_between(grains_, sides, materials_, walls_);
+  }
+
+  auto walls_then() const { return walls_of_step<P>(walls_, touches_.seen()); }
+
+  static Vec force_of(const Real* row) {
+    Vec force;
+    for (int k = 0; k < P::dimension; ++k) force[k] = row[Row::F + k];
+    return force;
+  }
+  static Spin couple_of([[maybe_unused]] const Real* row) {
+    auto couple = zero_of<Spin>();
+    if constexpr (T::couples) {
+      if constexpr (P::dimension == 2) {
+        couple = row[Row::couple];
+      } else {
+        for (int k = 0; k < 3; ++k) couple[k] = row[Row::couple + k];
+      }
+    }
+    return couple;
+  }
+
+  static ElasticParts elastic_parts(const Law& law, const Contact& contact, const Real* memory) {
+    if constexpr (tells_springs) {
+      return law.elastic_parts(contact, Memory::from(memory));
+    } else {
+      return {};
+    }
+  }
+
+  const P& grains_;
+  const Materials<Law>& materials_;
+  const Walls& walls_;
+  const T& touches_;
+};
+
+}  // namespace silt::dem
