@@ -66,6 +66,30 @@ TEST(MeshWall, DoesNotMindHowTrianglesAreTurnedOrThatOneIsThereTwice) {
   EXPECT_EQ(wall.lines(), 12u);
 }
 
+// The sides of a box, each of its own number of quads, meet in the middle of edges.
+TEST(MeshWall, HasNoSeamWhereTrianglesMeetInTheMiddleOfASide) {
+  Triangles triangles;
+  for (int side = 0; side < 6; ++side) {
+    const auto all = box_of_triangles(unit, side + 1);
+    const Index each = all.size() / 6, first = each * static_cast<Index>(side);
+    triangles.insert(triangles.end(), all.begin() + std::ptrdiff_t(first),
+                     all.begin() + std::ptrdiff_t(first + each));
+  }
+  const Eigen::AngleAxisd turn(0.7, Vec<3>(1, 2, 3).normalized());
+  for (const auto& mesh : {triangles, moved(triangles, turn, {5, -3, 2})}) {
+    const MeshWall wall(mesh);
+    EXPECT_EQ(wall.facets(), 6u);
+    EXPECT_EQ(wall.lines(), 12u);
+    EXPECT_EQ(wall.corners(), 8u);
+  }
+  Triangles floor;
+  add_patch(floor, 2, [](double u, double v) { return Vec<3>(u, v, 0); });
+  add_patch(floor, 3, [](double u, double v) { return Vec<3>(1 + u, v, 0); });
+  add_patch(floor, 5, [](double u, double v) { return Vec<3>(2 * u, 1 + v, 0); });
+  const MeshWall wall(floor);
+  EXPECT_EQ(wall.parts(), 1u + 4u + 4u);
+}
+
 // From within, a box of triangles is six planes.
 TEST(MeshWall, OfABoxIsSixPlanesToWhoIsInside) {
   dem::BoxWall<3> planes{.box = unit};

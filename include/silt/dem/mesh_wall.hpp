@@ -9,6 +9,7 @@
 #include <silt/core/triangle.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/box_tree.hpp>
+#include <silt/dem/junctions.hpp>
 #include <silt/dem/mesh_features.hpp>
 #include <silt/dem/wall.hpp>
 #include <silt/dem/welded_mesh.hpp>
@@ -29,8 +30,7 @@ struct MeshSettings {
 };
 
 /// Solid from both sides. Parts are its facets, then its lines, then its corners, in the order of
-/// the triangles; each has a contact memory of its own. Triangles must meet at whole edges. Copies
-/// share the mesh.
+/// the triangles; each has a contact memory of its own. Copies share the mesh.
 template <class Real = double>
 class MeshWall {
   using Vec = silt::Vec<3, Real>;
@@ -46,7 +46,9 @@ class MeshWall {
   explicit MeshWall(const std::vector<Triangle<Real>>& triangles, const MeshSettings& settings = {})
       : material(settings.material) {
     require_between("MeshSettings: flat_angle", settings.flat_angle, {0, 0.5});
-    mesh_ = std::make_shared<const Mesh>(weld(triangles), Real(settings.flat_angle));
+    auto welded = weld(triangles);
+    split_at_junctions(welded);
+    mesh_ = std::make_shared<const Mesh>(welded, Real(settings.flat_angle));
   }
   void check() const noexcept {}
 

@@ -29,12 +29,11 @@ struct Polyline {
       fail("Polyline: points: there are " + std::to_string(points.size()) + "; give at least " +
            std::to_string(least));
     }
-    for (Index k = 0; k < points.size(); ++k) {
-      const std::string name = "Polyline: point " + std::to_string(k);
-      require_finite(name, points[k]);
-      if (has_line(k)) {
-        require_positive(name + ": distance to the next one", double((next(k) - points[k]).norm()));
-      }
+    const auto name_of = [](Index k) { return "Polyline: point " + std::to_string(k); };
+    for (Index k = 0; k < points.size(); ++k) require_finite(name_of(k), points[k]);
+    for (Index k = 0; k < lines(); ++k) {
+      require_positive(name_of(k) + ": distance to the next one",
+                       double((next(k) - points[k]).norm()));
     }
     std::vector<Vec<2, Real>> corners;
     for (Index k = 0; k < points.size(); ++k) {

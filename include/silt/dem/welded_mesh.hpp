@@ -23,6 +23,7 @@ struct WeldedMesh {
   using Corners = std::array<std::uint32_t, 3>;
   std::vector<Vec<3, Real>> vertices;  ///< [m]
   std::vector<Corners> triangles;      ///< places of the vertices, no three twice
+  Real distance = 0;                   ///< points no farther apart than this are one [m]
 };
 
 namespace detail {
@@ -80,8 +81,8 @@ WeldedMesh<Real> weld(const std::vector<Triangle<Real>>& triangles) {
       farthest = std::max(farthest, x.cwiseAbs().maxCoeff());
     }
   }
-  WeldedMesh<Real> mesh;
-  detail::Welder<Real> welder(farthest * Real(4e-7), mesh.vertices);
+  WeldedMesh<Real> mesh{.vertices = {}, .triangles = {}, .distance = farthest * Real(4e-7)};
+  detail::Welder<Real> welder(mesh.distance, mesh.vertices);
   std::set<std::array<std::uint32_t, 3>> known;
   for (Index t = 0; t < triangles.size(); ++t) {
     std::array<std::uint32_t, 3> corners;

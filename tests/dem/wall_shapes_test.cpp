@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: MIT
+// Where each wall is nearest, against what its shape says.
+#include "support/any_wall.hpp"
+#include "support/check.hpp"
+#include "support/points.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+namespace silt::test {
+namespace {
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr double inf = std::numeric_limits<double>::infinity();
+
+template <int Dim>
+auto pushes_on(const AnyWall<Dim>& wall, const Vec<Dim>& x, double radius) {
+  std::vector<dem::NearestPoint<Dim, double>> pushes;
+  for (Index part = 0; part < wall.parts(); ++part) {
+    const auto at = wall.nearest(part, x);
+    if (at.distance < radius) pushes.push_back(at);
+  }
+  return pushes;
+}
+
+// What is near is found once, and no part that touches is missed.
+template <int Dim>
+void expect_near_parts(const AnyWall<Dim>& wall, const Vec<Dim>& x, double radius) {
+  std::vector<int> near(wall.parts(), 0);
+  wall.for_each_part_near(x, radius, [&](Index part) { ++near[part]; });
+  for (Index part = 0; part < wall.parts(); ++part) {
+    EXPECT_LE(near[part], 1);
+    if (wall.nearest(part, x).distance < radius) {
+      EXPECT_EQ(near[part], 1) << x.transpose();
+    }
+  }
+}
+
+TEST(BoxWall, HoldsGrainsByItsSides) {
+  const AnyWall<3> wall(dem::BoxWall<3>{.box = {.lower = {0, 0, 0}, .upper = {1, 2, inf},
+                                                .periodic = {false, true, false}}});
+  const auto pushes = pushes_on<3>(wall, {0.1, 0.05, 0.2}, 0.3);
+  ASSERT_EQ(pushes.size(), 2u) << "none across the periodic axis";
+  EXPECT_EQ(pushes[0].normal, Vec<3>(1, 0, 0));
+  EXPECT_EQ(pushes[0].distance, 0.1);
+  EXPECT_EQ(pushes[1].normal, Vec<3>(0, 0, 1));
+  EXPECT_EQ(pushes[1].distance, 0.2);
+  EXPECT_EQ(pushes_on<3>(wall, {1.1, 1, 5}, 0.3)[0].normal, Vec<3>(-1, 0, 0)) << "solid behind";
+  EXPECT_EQ(pushes_on<3>(wall, {0.5, 1, 1e9}, 0.3).size(), 0u) << "it has no lid";
+  for (const auto& x : random_points(100, cube<3, double>(-0.2, 1.2), 1)) {
+    expect_near_parts<3>(wall, x, 0.3);
+  }
+}
+
+TEST(BoxWall, IsABlockToWhoIsOutside) {
+  const Box<2> box{.lower = {0, 0}, .upper = {2, 1}};
+  const AnyWall<2> wall(dem::BoxWall<2>{.box = box, .grains = dem::Side::outside});
+  const auto at = [&](const Vec<2>& x) { return wall.nearest(0, x); };
+  EXPECT_EQ(at({1, 1.25}).distance, 0.25);
+  EXPECT_NEAR(at({2.3, 1.4}).distance, 0.5, 1e-15);
+  EXPECT_NEAR((at({2.3, 1.4}).normal - Vec<2>(0.6, 0.8)).norm(), 0, 1e-15);
+  EXPECT_EQ(at({1.75, 0.5}).distance, -0.25) << "deep inside it pushes the shortest way out";
+  EXPECT_EQ(at({1.75, 0.5}).normal, Vec<2>(1, 0));
+  EXPECT_EQ(at({2, 0.5}).normal, Vec<2>(1, 0)) << "on its side";
+}
+
+TEST(Circle, HoldsGrainsOrStandsAmongThem) {
+  const AnyWall<2> drum(dem::Circle<>{.centre = {1, 2}, .radius = 2});
+  const AnyWall<2> disc(dem::Circle<>{.centre = {1, 2}, .radius = 2, .grains = dem::Side::outside});
+  for (const auto& x : random_points(100, cube<2, double>(-3, 5), 2)) {
+    const Vec<2> out = x - Vec<2>(1, 2);
+    EXPECT_NEAR(drum.nearest(0, x).distance, 2 - out.norm(), 1e-15);
+    EXPECT_NEAR((drum.nearest(0, x).normal + out.normalized()).norm(), 0, 1e-15);
+    EXPECT_NEAR(disc.nearest(0, x).distance, out.norm() - 2, 1e-15);
+    EXPECT_NEAR((disc.nearest(0, x).normal - out.normalized()).norm(), 0, 1e-15);
+  }
+  EXPECT_EQ(drum.nearest(0, {1, 2}).distance, 2);
+  EXPECT_EQ(drum.nearest(0, {1, 2}).normal.norm(), 1);
+}
+
+// The axis along z: a cylinder is a circle, and its section a box of (r, z).
+TEST(Cylinder, IsAFlatFigureTurned) {
+  const dem::Cylinder<> pipe{.from = {0, 0, 1}, .to = {0, 0, 3}, .radius = 0.5};
+  dem::Cylinder<> drum = pipe;
+  drum.ends = true;
+  dem::Cylinder<> column = drum;
+  column.grains = dem::Side::outside;
+  const dem::BoxWall<2> section{.box = {.lower = {-0.5, 1}, .upper = {0.5, 3}},
+                                .grains = dem::Side::outside};
+  for (const auto& x : random_points(500, Box<3>{.lower = {-1, -1, 0}, .upper = {1, 1, 4}}, 3)) {
+    const double r = std::hypot(x[0], x[1]);
+    EXPECT_NEAR(pipe.nearest(0, x).distance, 0.5 - r, 1e-15);
+    EXPECT_NEAR(drum.nearest(1, x).distance, x[2] - 1, 1e-15);
+    EXPECT_NEAR(drum.nearest(2, x).distance, 3 - x[2], 1e-15);
+    EXPECT_EQ(drum.nearest(2, x).normal, Vec<3>(0, 0, -1));
+    const auto flat = section.nearest(0, {r, x[2]});
+    const auto at = column.nearest(0, x);
+    const Vec<3> normal(flat.normal[0] * x[0] / r, flat.normal[0] * x[1] / r, flat.normal[1]);
+    EXPECT_NEAR(at.distance, flat.distance, 1e-14) << x.transpose();
+    EXPECT_NEAR((at.normal - normal).norm(), 0, 1e-13) << x.transpose();
+    expect_near_parts<3>(AnyWall<3>(drum), x, 0.3);
+  }
+  EXPECT_EQ(pipe.parts(), 1u);
+  EXPECT_EQ(drum.parts(), 3u);
+  EXPECT_EQ(column.parts(), 1u);
+}
+
+const std::vector<Vec<2>> zigzag{{0, 0}, {0.5, 0}, {1, 0}, {1, 1}, {2, 0.5}, {3, 0}, {2, 2}};
+
+TEST(Polyline, IsNearestWhereItsSegmentsAre) {
+  for (const bool closed : {false, true}) {
+    const AnyWall<2> wall(dem::Polyline<>{.points = zigzag, .closed = closed});
+    EXPECT_EQ(wall.parts(), closed ? 10u : 9u) << "two points are within straight lines";
+    for (const auto& x : random_points(2000, cube<2, double>(-0.5, 3.5), 4)) {
+      double by_hand = inf;
+      for (Index k = 0; k + (closed ? 0 : 1) < zigzag.size(); ++k) {
+        const dem::Segment<> segment{.from = zigzag[k], .to = zigzag[(k + 1) % zigzag.size()]};
+        by_hand = std::min(by_hand, segment.nearest(x).distance);
+      }
+      double nearest = inf;
+      for (const auto& push : pushes_on<2>(wall, x, inf)) {
+        nearest = std::min(nearest, push.distance);
+      }
+      ASSERT_NEAR(nearest, by_hand, 1e-15) << x.transpose();
+      expect_near_parts<2>(wall, x, 0.3);
+    }
+  }
+}
+
+TEST(Polyline, PushesOnceOverACornerAndTwiceWithin) {
+  const AnyWall<2> wall(dem::Polyline<>{.points = {{-1, 0}, {0, 0}, {0, -1}}});
+  EXPECT_EQ(pushes_on<2>(wall, {0.1, 0.1}, 0.2).size(), 1u);
+  EXPECT_EQ(pushes_on<2>(wall, {0, 0.1}, 0.2).size(), 1u) << "straight above the corner";
+  EXPECT_EQ(pushes_on<2>(wall, {0.1, 0}, 0.2).size(), 1u);
+  EXPECT_EQ(pushes_on<2>(wall, {-0.1, -0.1}, 0.2).size(), 2u);
+  EXPECT_EQ(pushes_on<2>(wall, {-0.5, 0.1}, 0.2).size(), 1u);
+  EXPECT_EQ(pushes_on<2>(wall, {-1.1, 0.1}, 0.2).size(), 1u) << "its end";
+}
+
+TEST(Walls, RefuseWhatIsNone) {
+  const auto refused = [](auto wall, const std::vector<std::string>& words) {
+    return refuses([&] { wall.check(); }, words);
+  };
+  EXPECT_TRUE(refused(dem::BoxWall<2>{.box = {.lower = {0, 1}, .upper = {1, 1}}}, {"Box: axis 1"}));
+  EXPECT_TRUE(refused(dem::BoxWall<2>{.box = {.lower = {0, 0}, .upper = {1, 1}, .periodic = {true}},
+                                      .grains = dem::Side::outside},
+                      {"BoxWall", "periodic"}));
+  EXPECT_TRUE(refused(dem::Circle<>{}, {"Circle: radius = 0"}));
+  EXPECT_TRUE(refused(dem::Circle<>{.centre = {nan, 0}, .radius = 1}, {"Circle: centre = nan"}));
+  EXPECT_TRUE(refused(dem::Cylinder<>{.to = {0, 0, 0}, .radius = 1}, {"length of the axis = 0"}));
+  EXPECT_TRUE(refused(dem::Cylinder<>{.radius = -1}, {"Cylinder: radius = -1"}));
+  EXPECT_TRUE(refused(dem::Polyline<>{.points = {{0, 0}}}, {"Polyline", "there are 1"}));
+  EXPECT_TRUE(refused(dem::Polyline<>{.points = {{0, 0}, {1, 0}}, .closed = true}, {"at least 3"}));
+  EXPECT_TRUE(refused(dem::Polyline<>{.points = {{0, 0}, {1, 0}, {1, 0}}},
+                      {"point 1", "distance to the next one = 0"}));
+  EXPECT_TRUE(refused(dem::Polyline<>{.points = {{0, 0}, {1, nan}}}, {"point 1 = nan"}));
+}
+
+}  // namespace
+}  // namespace silt::test

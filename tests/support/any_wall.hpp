@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: MIT
+// Any wall and any motion behind one type each, so that a test file instantiates one simulation for
+// all of them.
+#pragma once
+
+#include <silt/dem/walls.hpp>
+
+#include <cstdint>
+#include <functional>
+#include <limits>
+
+namespace silt::test {
+
+template <int Dim>
+struct AnyWall {
+  using V = Vec<Dim>;
+  std::uint32_t material = 0;
+  Index count = 1;
+  std::function<dem::NearestPoint<Dim, double>(Index, const V&)> of_part;
+  std::function<void(const V&, double, const std::function<void(Index)>&)> parts_near;
+
+  template <class W>
+  explicit AnyWall(W wall) {
+    wall.check();
+    material = wall.material;
+    if constexpr (dem::WallOfParts<W, Dim, double>) {
+      count = wall.parts();
+      of_part = [wall](Index part, const V& x) { return wall.nearest(part, x); };
+      parts_near = [wall](const V& x, double distance, const auto& f) {
+        wall.for_each_part_near(x, distance, f);
+      };
+    } else {
+      of_part = [wall](Index, const V& x) { return wall.nearest(x); };
+      parts_near = [wall](const V& x, double distance, const auto& f) {
+        if (wall.nearest(x).distance < distance) f(0);
+      };
+    }
+  }
+
+  void check() const {}
+  Index parts() const { return count; }
+  dem::NearestPoint<Dim, double> nearest(Index part, const V& x) const { return of_part(part, x); }
+  template <class F>
+  void for_each_part_near(const V& x, double distance, F&& f) const {
+    parts_near(x, distance, f);
+  }
+};
+
+template <int Dim>
+struct AnyMotion {
+  std::function<dem::Pose<Dim, double>(double)> pose = [](double) {
+    return dem::Pose<Dim, double>{};
+  };
+  std::function<dem::RigidVelocity<Dim, double>(double)> velocity = [](double) {
+    return dem::RigidVelocity<Dim, double>{};
+  };
+
+  AnyMotion() = default;
+  template <class M>
+    requires dem::WallMotion<M, Dim, double>
+  explicit AnyMotion(const M& motion)
+      : pose([motion](double t) { return motion.pose_at(t); }),
+        velocity([motion](double t) { return motion.velocity_at(t); }) {}
+
+  dem::Pose<Dim, double> pose_at(double t) const { return pose(t); }
+  dem::RigidVelocity<Dim, double> velocity_at(double t) const { return velocity(t); }
+};
+
+template <int Dim>
+using AnyMoving = dem::Moving<AnyWall<Dim>, AnyMotion<Dim>>;
+
+/// A wall at rest, as one that might move.
+template <int Dim, class W>
+AnyMoving<Dim> at_rest(const W& wall) {
+  return {AnyWall<Dim>(wall), AnyMotion<Dim>()};
+}
+template <int Dim, class W, class M>
+AnyMoving<Dim> moving(const W& wall, const M& motion) {
+  return {AnyWall<Dim>(wall), AnyMotion<Dim>(motion)};
+}
+
+}  // namespace silt::test
