@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // What holds grains together that touch.
 //
-// Fine powders: of the two theories of adhesive spheres, DMT (Derjaguin, Muller and Toporov 1975)
+// Fine powders: of the two theories of adhesive spheres, DMT [DerjaguinMullerToporov1975]
 // and JKR (Johnson, Kendall and Roberts 1971), Silt has the first. It is the one for grains that
 // are small and stiff, as powders are; and its pull ends where the spheres part, at δ = 0, where
 // contacts end in Silt. A neck of JKR's holds on beyond that.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Along the tangent: the no-slip spring of Mindlin (1949) with a dashpot and a slider, to go with
+// Along the tangent: the no-slip spring of [Mindlin1949] with a dashpot and a slider, to go with
 // Hertz.
 #pragma once
 
