@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The broken tower: discs stacked in a square pattern on a rough floor collapse after one more disc
-// fell on the top. With global damping none is thrown off, without it (--alpha 0) some are.
+// The broken tower: discs (2D) or spheres (3D) stacked in a square pattern on a rough floor
+// collapse after one more fell on the top. With global damping none is thrown off, without it
+// (--alpha 0) some are.
 //
 // After J.-Y. Sah, J.-W. Choi, "Analysis of Granular Flow Using DEM", Figs 9 and 10. The paper
 // gives no sizes; those here are ours, and --help says why they are what they are.
@@ -8,6 +9,7 @@
 //   broken_tower --out out/broken_tower
 //   broken_tower --out out/broken_tower/undamped --alpha 0
 //   examples/plot_broken_tower.py out/broken_tower
+//   broken_tower --dimension 3 --columns 20 --depth 20 --rows 40 --out out/tall_tower
 #include <silt/dem.hpp>
 #include <silt/io/csv.hpp>
 #include <silt/io/progress.hpp>
@@ -23,7 +25,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <numbers>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -33,13 +37,16 @@ namespace {
 using namespace silt;
 
 constexpr double g = 9.81;  // [m/s²]
+constexpr int up = 1;       // the vertical axis, in 3D, too
 
 struct Options {
+  int dimension = 2;
   int columns = 10;
+  int depth = 10;
   int rows = 30;
   double radius = 0.02;            // [m]
   double density = 2500;           // [kg/m³]
-  double normal_stiffness = 1e6;   // [N/m]
+  std::optional<double> normal_stiffness;  // [N/m]
   double friction_angle = 35;      // [degrees]
   double restitution = 0.8;        // [-]
   double alpha = 2;                // [1/s]
@@ -50,75 +57,111 @@ struct Options {
   int threads = 1;
   std::string out = "out/broken_tower";
 
-  double disc_weight() const { return density * std::numbers::pi * radius * radius * g; }
+  int grains_a_row() const { return dimension == 2 ? columns : columns * depth; }
+  Index grains() const { return static_cast<Index>(rows) * static_cast<Index>(grains_a_row()); }
+  double stiffness() const { return normal_stiffness.value_or(dimension == 2 ? 1e6 : 3e4); }
+  double grain_mass() const {
+    const double disc = density * std::numbers::pi * radius * radius;
+    return dimension == 2 ? disc : disc * radius * 4 / 3;
+  }
+  double grain_weight() const { return grain_mass() * g; }
+  double height() const { return 2 * radius * rows; }
+  // In which a disturbance goes from one grain to the next, √(m/k).
+  double time_a_layer() const { return std::sqrt(grain_mass() / stiffness()); }
 };
 
 void describe(CLI::App& app, Options& o) {
   const auto add = [&app](const std::string& name, auto& value, const std::string& text,
                           const CLI::Validator& check) {
-    app.add_option(name, value, text)->check(check)->capture_default_str();
+    return app.add_option(name, value, text)->check(check);
   };
   using support::positive, support::not_negative, support::between;
   const CLI::Validator any = support::finite();
-  add("--columns", o.columns, "discs beside one another", between({1, 10000}));
-  add("--rows", o.rows, "discs above one another; with 10 columns, 30 rows are tall enough to fail "
-      "from within and wide enough to leave a heap", between({1, 10000}));
-  add("--radius", o.radius, "of a disc [m]", positive());
-  add("--density", o.density, "of a disc [kg/m3], stone; discs are of unit thickness", positive());
-  add("--normal-stiffness", o.normal_stiffness, "of a contact [N/m]; by default the weight of the "
-      "tower presses the lowest contacts by 2 % of a diameter", positive());
-  add("--friction-angle", o.friction_angle, "between discs and with the floor [degrees]; on a "
+  app.option_defaults()->always_capture_default();
+  add("--dimension", o.dimension, "2: discs of unit thickness; 3: spheres", between({2, 3}));
+  add("--columns", o.columns, "grains beside one another", between({1, 10000}));
+  add("--depth", o.depth, "spheres behind one another, in 3D", between({1, 10000}));
+  add("--rows", o.rows, "grains above one another; with 10 columns, 30 rows are tall enough to "
+      "fail from within and wide enough to leave a heap", between({1, 10000}));
+  add("--radius", o.radius, "of a grain [m]", positive());
+  add("--density", o.density, "of a grain [kg/m3], stone", positive());
+  add("--normal-stiffness", o.normal_stiffness, "of a contact [N/m]; by default 1e6 in 2D and 3e4 "
+      "in 3D: the weight of 30 rows presses the lowest contacts by 2 % of a diameter", positive());
+  add("--friction-angle", o.friction_angle, "between grains and with the floor [degrees]; on a "
       "smoother floor the whole heap slides, and no disc is far from the others",
       between({0, 89}));
-  add("--restitution", o.restitution, "of a contact [-]; hard discs lose little at a contact, so "
+  add("--restitution", o.restitution, "of a contact [-]; hard grains lose little at a contact, so "
       "that global damping makes the difference", between({0.01, 1}));
   add("--alpha", o.alpha, "global damping [1/s]; 0: none. The default stops a rolling disc within "
       "a second, and hardly slows the fall, which takes half a second", not_negative());
-  add("--drop-height", o.drop_height, "of the falling disc above the top [m]", positive());
-  add("--offset", o.offset, "of the falling disc from the tower's axis, to the right [m]; 0: all "
+  add("--drop-height", o.drop_height, "of the falling grain above the top [m]", positive());
+  add("--offset", o.offset, "of the falling grain from the tower's axis, to the right [m]; 0: all "
       "is symmetric", any);
-  add("--until", o.until, "end of the run [s]; discs that were thrown off must have the time to "
+  add("--until", o.until, "end of the run [s]; grains that were thrown off must have the time to "
       "get away from the others", positive());
-  add("--output-every", o.output_every, "time between frames, and between energies [s]",
+  add("--output-every", o.output_every, "time between frames, and between rows of the tables [s]",
       positive());
   add("--threads", o.threads, "threads; the result is the same bits for any number",
       between({1, 1024}));
-  app.add_option("--out", o.out, "folder for energy.csv, summary.json and frames.pvd")
-      ->capture_default_str();
+  app.add_option("--out", o.out,
+                 "folder for energy.csv, spreading.csv, floor.csv, summary.json and frames.pvd");
 }
 
 void check_together(const Options& o) {
-  if (o.columns * static_cast<double>(o.rows) > 1e6) {
-    throw support::Refusal("--columns times --rows must be at most 1e6");
+  if (double(o.rows) * o.columns * (o.dimension == 2 ? 1 : o.depth) > 1e6) {
+    throw support::Refusal("--columns times --rows (times --depth) must be at most 1e6");
   }
-  const double softest = 5 * o.rows * o.disc_weight() / o.radius;
-  if (o.normal_stiffness < softest) {
-    throw support::Refusal("--normal-stiffness " + to_text(o.normal_stiffness) +
+  const double softest = 5 * o.rows * o.grain_weight() / o.radius;
+  if (o.stiffness() < softest) {
+    throw support::Refusal("--normal-stiffness " + to_text(o.stiffness()) +
                            " is too soft for the weight of the tower; give at least " +
                            to_text(softest));
   }
 }
 
+template <int Dim>
+Vec<Dim> point(double across, double height, [[maybe_unused]] double deep) {
+  if constexpr (Dim == 2) {
+    return {across, height};
+  } else {
+    return {across, height, deep};
+  }
+}
+
+// From the tower's axis.
+template <class V>
+double distance(const V& x) {
+  return V::RowsAtCompileTime == 2 ? std::abs(x[0]) : std::hypot(x[0], x[x.size() - 1]);
+}
+
 // Layer by layer from the floor up, each contact already pressed by the weight above it, so that
-// the tower begins at rest in its own equilibrium. The last disc is the one that falls.
-dem::Grains<2> make_tower(const Options& o) try {
-  const dem::Grain disc{.radius = o.radius, .density = o.density};
-  dem::Grains<2> grains;
+// the tower begins at rest in its own equilibrium. The last grain is the one that falls.
+template <int Dim>
+dem::Grains<Dim> make_tower(const Options& o) try {
+  const dem::Grain grain{.radius = o.radius, .density = o.density};
+  dem::Grains<Dim> grains;
   double height = -o.radius;
+  const int depth = Dim == 2 ? 1 : o.depth;
   for (int row = 0; row < o.rows; ++row) {
-    height += 2 * o.radius - (o.rows - row) * o.disc_weight() / o.normal_stiffness;
-    for (int column = 0; column < o.columns; ++column) {
-      dem::add_grain(grains, {(2 * column - o.columns + 1) * o.radius, height}, disc);
+    height += 2 * o.radius - (o.rows - row) * o.grain_weight() / o.stiffness();
+    for (int behind = 0; behind < depth; ++behind) {
+      for (int column = 0; column < o.columns; ++column) {
+        dem::add_grain(grains,
+                       point<Dim>((2 * column - o.columns + 1) * o.radius, height,
+                                  (2 * behind - depth + 1) * o.radius),
+                       grain);
+      }
     }
   }
-  dem::add_grain(grains, {o.offset, height + 2 * o.radius + o.drop_height}, disc);
+  dem::add_grain(grains, point<Dim>(o.offset, height + 2 * o.radius + o.drop_height, 0), grain);
   return grains;
 } catch (const Error& error) {
   throw support::Refusal(error.what());
 }
 
 // Writes energy.csv, and compares the loads inside the tower with the weight above, i m g, for as
-// long as the disc is falling.
+// long as the grain is falling.
+template <int Dim>
 class Ledger {
  public:
   explicit Ledger(const Options& options)
@@ -132,22 +175,24 @@ class Ledger {
     const auto state = simulation.state();
     const auto& grains = state.particles;
     const auto& contacts = state.interaction.template part<1>();
-    Vec<2> floor = Vec<2>::Zero();
+    Vec<Dim> floor = Vec<Dim>::Zero();
     double error = 0;
-    contacts.for_each_contact(grains, [&](Index i, Index j, const auto& contact, const Vec<2>& f) {
-      if (j == nowhere) floor += f;
-      if (std::abs(contact.normal[1]) < 0.5) return;
-      const Id upper = grains.id(j == nowhere ? i : j);
-      error = std::max(error, std::abs(std::abs(f[1]) / load_below(upper) - 1));
-    });
+    contacts.for_each_contact(
+        grains, [&](Index i, Index j, const auto& contact, const Vec<Dim>& f) {
+          if (j == nowhere) floor += f;
+          if (std::abs(contact.normal[up]) < 0.5) return;
+          const Id upper = j == nowhere ? grains.id(i) : std::max(grains.id(i), grains.id(j));
+          error = std::max(error, std::abs(std::abs(f[up]) / load_below(upper) - 1));
+        });
     if (simulation.time() < std::sqrt(2 * options_.drop_height / g)) {
-      floor_load_ = floor[1] / (options_.disc_weight() * double(grains.size() - 1));
+      floor_load_ = floor[up] / (options_.grain_weight() * double(grains.size() - 1));
       layer_error_ = std::max(layer_error_, error);
     }
-    const Vec<2> p = momentum(grains);
+    const Vec<Dim> p = momentum(grains);
     table_.row({simulation.time(), kinetic_energy(grains), rotational_energy(grains),
-                potential_energy(grains, {0, -g}), contacts.elastic_energy(grains), p[0], p[1],
-                floor[0], floor[1], double(contacts.size())});
+                potential_energy(grains, Vec<Dim>(-g * Vec<Dim>::Unit(up))),
+                contacts.elastic_energy(grains), p[0], p[up], floor[0], floor[up],
+                double(contacts.size())});
   }
 
   template <class Sim, class Run>
@@ -157,16 +202,16 @@ class Ledger {
 
   /// Added up over all steps [-].
   double contacts() const { return contacts_; }
-  /// Force on the floor over the weight of the tower, last seen before the disc lands [-].
+  /// Force on the floor over the weight of the tower, last seen before the grain lands [-].
   double floor_load() const { return floor_load_; }
-  /// Largest deviation of a contact's force from the weight above it before the disc lands [-].
+  /// Largest deviation of a contact's force from the weight above it before the grain lands [-].
   double layer_error() const { return layer_error_; }
 
  private:
-  // What the contacts under a disc of the tower carry [N].
-  double load_below(Id disc) const {
-    const double layer = double(disc / static_cast<Id>(options_.columns));
-    return (options_.rows - layer) * options_.disc_weight();
+  // What the contacts under a grain of the tower carry [N].
+  double load_below(Id grain) const {
+    const double layer = double(grain / static_cast<Id>(options_.grains_a_row()));
+    return (options_.rows - layer) * options_.grain_weight();
   }
 
   Options options_;
@@ -176,20 +221,163 @@ class Ledger {
   double layer_error_ = 0;
 };
 
-// How far the discs got from the tower's axis. The pile's radius is that of 95 % of them; a disc
+// The disturbance on its way down: the force on the floor at every step after the grain has landed,
+// in floor.csv. The front of a pulse in a chain of masses and springs passes one of them in √(m/k);
+// it has come where the force on the floor has risen by half of what it will.
+template <int Dim>
+class Wave {
+ public:
+  explicit Wave(const Options& options)
+      : options_(options), table_(options.out + "/floor.csv", {"t", "over_weight"}) {}
+
+  template <class Sim, class Run>
+  void after_step(const Sim& simulation, const Run&) {
+    // Contacts are those that the step began with.
+    const double time = simulation.time() - simulation.last_time_step();
+    if (time < 0.9 * std::sqrt(2 * options_.drop_height / g)) return;
+    if (landing_ && since(time) > 3) return;
+    double floor = 0;
+    bool lands = false;
+    const auto& grains = simulation.particles();
+    const Id falling = options_.grains();
+    simulation.interaction().template part<1>().for_each_contact(
+        grains, [&](Index i, Index j, const auto&, const Vec<Dim>& f) {
+          if (j == nowhere) floor += f[up];
+          lands |= grains.id(i) == falling || (j != nowhere && grains.id(j) == falling);
+        });
+    if (!landing_ && lands) landing_ = time;
+    if (!landing_) {
+      rest_ = floor;
+      return;
+    }
+    const double weight = options_.grain_weight() * double(options_.grains());
+    table_.row({time - *landing_, floor / weight});
+    signal_.push_back({time - *landing_, floor - rest_});
+  }
+
+  /// When the falling grain first touches the tower [s].
+  double landing() const { return landing_.value_or(nan); }
+  /// Of the disturbance at the floor, after that [s].
+  double arrival() const {
+    if (signal_.empty() || since(*landing_ + signal_.back().time) < 2) return nan;
+    const double half = highest() / 2;
+    for (std::size_t k = 1; k < signal_.size(); ++k) {
+      const auto& [t, force] = signal_[k];
+      const auto& before = signal_[k - 1];
+      if (force < half) continue;
+      return before.time + (t - before.time) * (half - before.force) / (force - before.force);
+    }
+    return nan;
+  }
+  /// Of the force on the floor until the pulse that it sent back could have returned, beyond the
+  /// tower's weight and over that of a grain [-].
+  double peak() const { return signal_.empty() ? nan : highest() / options_.grain_weight(); }
+
+ private:
+  static constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+  struct Sample {
+    double time;   // since the landing [s]
+    double force;  // beyond that at rest [N]
+  };
+
+  // In times that the pulse takes from the top to the floor.
+  double since(double time) const {
+    return (time - *landing_) / (options_.rows * options_.time_a_layer());
+  }
+  double highest() const {
+    double force = 0;
+    for (const Sample& sample : signal_) {
+      if (since(*landing_ + sample.time) < 2) force = std::max(force, sample.force);
+    }
+    return force;
+  }
+
+  Options options_;
+  CsvFile table_;
+  std::optional<double> landing_;
+  double rest_ = 0;  // force on the floor before [N]
+  std::vector<Sample> signal_;
+};
+
+// How the lowest layer and the heap spread along the floor, in spreading.csv.
+template <int Dim>
+class Spreading {
+ public:
+  explicit Spreading(const Options& options)
+      : options_(options),
+        table_(options.out + "/spreading.csv",
+               {"t", "basal_moved", "basal_front", "half_width", "height"}) {}
+
+  template <class Sim>
+  void operator()(const Sim& simulation) {
+    const auto& grains = simulation.particles();
+    const auto x = grains[position];
+    const auto basal = static_cast<Index>(options_.grains_a_row());
+    std::vector<Vec<Dim>> lowest(basal);
+    std::vector<double> distances, heights;
+    for (Index i = 0; i < grains.size(); ++i) {
+      if (grains.id(i) < basal) lowest[grains.id(i)] = x[i];
+      distances.push_back(distance(x[i]));
+      heights.push_back(x[i][up] + options_.radius);
+    }
+    if (lowest_.empty()) lowest_ = lowest;
+    double moved = 0, front = 0;
+    for (Index k = 0; k < basal; ++k) {
+      moved += (lowest[k] - lowest_[k]).norm() > options_.radius;
+      front = std::max(front, distance(lowest[k]));
+    }
+    moved_ = moved / double(basal);
+    if (simulation.time() > time_) {
+      speed_ = std::max(speed_, (front - front_) / (simulation.time() - time_));
+    }
+    time_ = simulation.time();
+    front_ = front;
+    half_width_ = holds_95_percent(distances);
+    if (time_ == 0) first_half_width_ = half_width_;
+    table_.row({time_, moved_, front, half_width_, holds_95_percent(heights)});
+  }
+
+  /// Share of the lowest layer that is a radius away from where it was [-].
+  double basal_moved() const { return moved_; }
+  /// Largest speed of the outermost grain of the lowest layer between outputs [m/s].
+  double front_speed() const { return speed_; }
+  /// Half of the heap's width, which holds 95 % of the grains, over the tower's [-].
+  double widening() const { return half_width_ / first_half_width_; }
+
+ private:
+  static double holds_95_percent(std::vector<double>& values) {
+    const auto last = (values.size() * 95 + 99) / 100 - 1;
+    const auto at = values.begin() + static_cast<std::ptrdiff_t>(last);
+    std::nth_element(values.begin(), at, values.end());
+    return *at;
+  }
+
+  Options options_;
+  CsvFile table_;
+  std::vector<Vec<Dim>> lowest_;  // where they were
+  double time_ = 0;
+  double moved_ = 0;
+  double front_ = 0;
+  double speed_ = 0;
+  double half_width_ = 0;
+  double first_half_width_ = 1;
+};
+
+// How far the grains got from the tower's axis. The pile's radius is that of 95 % of them; a grain
 // twice as far away has escaped.
 struct Spread {
   double pile_radius = 0;  // [m]
   double farthest = 0;     // [m]
   Index escaped = 0;
 
-  explicit Spread(const dem::Grains<2>& grains) {
+  template <class P>
+  explicit Spread(const P& grains) {
     std::vector<double> distances;
-    for (const auto& x : grains[position]) distances.push_back(std::abs(x[0]));
+    for (const auto& x : grains[position]) distances.push_back(distance(x));
     std::sort(distances.begin(), distances.end());
     pile_radius = distances[(distances.size() * 95 + 99) / 100 - 1];
     farthest = distances.back();
-    for (const double distance : distances) escaped += distance > 2 * pile_radius;
+    for (const double d : distances) escaped += d > 2 * pile_radius;
   }
 };
 
@@ -209,26 +397,29 @@ void check_time_step(const Options& o, Sim& tower) {
   }
 }
 
+template <int Dim>
 void collapse(const Options& o) {
-  check_together(o);
-  auto grains = make_tower(o);
+  auto grains = make_tower<Dim>(o);
   support::make_output_folder(o.out);
   use_threads(o.threads);
 
-  const dem::CundallStrack law{.normal_stiffness = o.normal_stiffness,
-                               .tangential_stiffness = o.normal_stiffness / 2,
+  const dem::CundallStrack law{.normal_stiffness = o.stiffness(),
+                               .tangential_stiffness = o.stiffness() / 2,
                                .restitution = o.restitution,
                                .friction_angle = o.friction_angle * std::numbers::pi / 180};
-  const auto floor = dem::Plane<2>{.normal = {0, 1}};
-  Simulation tower{std::move(grains), TimedSearch{UniformGrid<2>{}},
-                   Forces{Gravity<2>{{0, -g}}, TimedInteraction{dem::Contacts{law, floor}}},
+  const auto floor = dem::Plane<Dim>{.normal = Vec<Dim>::Unit(up)};
+  const Gravity<Dim> gravity{Vec<Dim>(-g * Vec<Dim>::Unit(up))};
+  Simulation tower{std::move(grains), TimedSearch{UniformGrid<Dim>{}},
+                   Forces{gravity, TimedInteraction{dem::Contacts{law, floor}}},
                    Leapfrog{GlobalDamping{.alpha = o.alpha}}};
   check_time_step(o, tower);
-  Ledger ledger(o);
+  Ledger<Dim> ledger(o);
+  Wave<Dim> wave(o);
+  Spreading<Dim> spreading(o);
   Stopwatch wall;
   {
     const auto span = wall.start();
-    tower.run({.until = o.until, .output_every = o.output_every}, ledger,
+    tower.run({.until = o.until, .output_every = o.output_every}, ledger, wave, spreading,
               VtkSeries{o.out + "/frames"}, Progress{});
   }
 
@@ -240,18 +431,31 @@ void collapse(const Options& o) {
               {"contacts_mean", ledger.contacts() / double(tower.steps())},
               {"escaped", spread.escaped},
               {"seconds_search", tower.search().seconds()},
-              {"seconds_contacts", tower.interaction().part<1>().seconds()},
+              {"seconds_contacts", tower.interaction().template part<1>().seconds()},
               {"time_step", tower.last_time_step()},
               {"pile_radius", spread.pile_radius},
               {"farthest", spread.farthest},
               {"floor_load_over_weight", ledger.floor_load()},
               {"layer_load_error", ledger.layer_error()},
+              {"grain_weight", o.grain_weight()},
+              {"time_a_layer", o.time_a_layer()},
+              {"landing_time", wave.landing()},
+              {"wave_arrival", wave.arrival()},
+              {"wave_arrival_a_layer", wave.arrival() / (o.rows * o.time_a_layer())},
+              {"wave_speed", o.height() / wave.arrival()},
+              {"floor_peak_over_grain_weight", wave.peak()},
+              {"basal_moved", spreading.basal_moved()},
+              {"front_speed", spreading.front_speed()},
+              {"front_speed_over_fall", spreading.front_speed() / std::sqrt(2 * g * o.height())},
+              {"half_width_over_first", spreading.widening()},
               {"options",
-               {{"columns", o.columns},
+               {{"dimension", o.dimension},
+                {"columns", o.columns},
+                {"depth", o.dimension == 2 ? 1 : o.depth},
                 {"rows", o.rows},
                 {"radius", o.radius},
                 {"density", o.density},
-                {"normal_stiffness", o.normal_stiffness},
+                {"normal_stiffness", o.stiffness()},
                 {"friction_angle", o.friction_angle},
                 {"restitution", o.restitution},
                 {"alpha", o.alpha},
@@ -260,7 +464,7 @@ void collapse(const Options& o) {
                 {"until", o.until},
                 {"output_every", o.output_every},
                 {"threads", o.threads}}}});
-  std::printf("broken_tower: %zu discs, %llu steps in %.1f s, %zu escaped; see %s\n",
+  std::printf("broken_tower: %zu grains, %llu steps in %.1f s, %zu escaped; see %s\n",
               tower.particles().size(), static_cast<unsigned long long>(tower.steps()),
               wall.seconds(), spread.escaped, o.out.c_str());
 }
@@ -269,7 +473,10 @@ void collapse(const Options& o) {
 
 int main(int argc, char** argv) {
   Options options;
-  CLI::App app("Collapse of a tower of discs, hit from above by one more", "broken_tower");
+  CLI::App app("Collapse of a tower of discs or spheres, hit by one more", "broken_tower");
   describe(app, options);
-  return support::run(app, argc, argv, [&options] { collapse(options); });
+  return support::run(app, argc, argv, [&options] {
+    check_together(options);
+    options.dimension == 2 ? collapse<2>(options) : collapse<3>(options);
+  });
 }
