@@ -59,6 +59,7 @@ constexpr int periodic_axes(Scene scene) {
 /// Discs move in the plane of x and z.
 struct Body {
   Vec3 x = Vec3::Zero(), v = Vec3::Zero(), w = Vec3::Zero();
+  double diameter = 1;
 };
 
 struct State {
@@ -72,20 +73,21 @@ silt::Vec<Dim> in_space_of(const Vec3& a) {
   else return a;
 }
 
+/// The bodies as grains, between periodic sides along the first axes.
 template <int Dim>
-silt::dem::Grains<Dim> grains_of(const State& state, Scene scene) {
+silt::dem::Grains<Dim> grains_of(const State& state, int periodic) {
   silt::Box<Dim> box;
-  for (int k = 0; k < periodic_axes(scene); ++k) {
+  for (int k = 0; k < periodic; ++k) {
     box.lower[k] = state.lower[k];
     box.upper[k] = state.upper[k];
     box.periodic[static_cast<std::size_t>(k)] = true;
   }
   silt::dem::Grains<Dim> grains(box);
   grains.reserve(state.bodies.size());
-  for (const auto& [x, v, w] : state.bodies) {
+  for (const auto& [x, v, w, diameter] : state.bodies) {
     const Index i = silt::dem::add_grain(
         grains, in_space_of<Dim>(x),
-        {.radius = 0.5, .density = mass_density, .shape = silt::dem::Shape::sphere});
+        {.radius = diameter / 2, .density = mass_density, .shape = silt::dem::Shape::sphere});
     grains[silt::velocity][i] = in_space_of<Dim>(v);
     if constexpr (Dim == 2) grains[silt::spin][i] = -w[1];
     else grains[silt::spin][i] = w;
@@ -101,10 +103,11 @@ std::vector<Body> bodies_of(const Grains& grains) {
     const auto v = grains[silt::velocity][i];
     const auto w = grains[silt::spin][i];
     if constexpr (Grains::dimension == 2) {
-      bodies[grains.id(i)] = {{x[0], 0, x[1]}, {v[0], 0, v[1]}, {0, -w, 0}};
+      bodies[grains.id(i)] = {.x = {x[0], 0, x[1]}, .v = {v[0], 0, v[1]}, .w = {0, -w, 0}};
     } else {
-      bodies[grains.id(i)] = {x, v, w};
+      bodies[grains.id(i)] = {.x = x, .v = v, .w = w};
     }
+    bodies[grains.id(i)].diameter = 2 * grains[silt::radius][i];
   }
   return bodies;
 }
@@ -119,7 +122,7 @@ constexpr silt::dem::ContactSettings settings_for() {
 template <int Dim = 3, class Law, class Damping = silt::NoDamping>
 auto on_floor(const State& state, Scene scene, Law law, Damping damping = {}) {
   using namespace silt;
-  return Simulation{grains_of<Dim>(state, scene), NeighbourList<Dim>{},
+  return Simulation{grains_of<Dim>(state, periodic_axes(scene)), NeighbourList<Dim>{},
                     Forces{Gravity<Dim>{in_space_of<Dim>(gravity_of(scene))},
                            dem::Contacts{law, dem::Plane<Dim>{}}.with(settings_for<Law>())},
                     Leapfrog{damping}};
@@ -127,7 +130,7 @@ auto on_floor(const State& state, Scene scene, Law law, Damping damping = {}) {
 template <class Law>
 auto in_space(const State& state, Law law) {
   using namespace silt;
-  return Simulation{grains_of<3>(state, Scene::gas), NeighbourList<3>{},
+  return Simulation{grains_of<3>(state, periodic_axes(Scene::gas)), NeighbourList<3>{},
                     dem::Contacts{law}.with(settings_for<Law>()), Leapfrog{}};
 }
 

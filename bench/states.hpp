@@ -142,7 +142,7 @@ inline void write(const State& state, const std::filesystem::path& path) {
                                                              std::fclose);
   if (!file) throw std::runtime_error("bench: cannot write " + unfinished);
   std::FILE* const out = file.get();
-  std::fprintf(out, "Spheres of diameter 1 and mass 1\n\n%zu atoms\n1 atom types\n\n",
+  std::fprintf(out, "Spheres; one of diameter 1 has the mass 1\n\n%zu atoms\n1 atom types\n\n",
                state.bodies.size());
   for (int k = 0; k < 3; ++k) {
     const char axis = "xyz"[k];
@@ -150,12 +150,13 @@ inline void write(const State& state, const std::filesystem::path& path) {
   }
   std::fprintf(out, "\nAtoms # sphere\n\n");
   Index id = 0;
-  for (const auto& [x, v, w] : state.bodies) {
-    std::fprintf(out, "%zu 1 1 %.17g %.17g %.17g %.17g\n", ++id, mass_density, x[0], x[1], x[2]);
+  for (const auto& [x, v, w, diameter] : state.bodies) {
+    std::fprintf(out, "%zu 1 %.17g %.17g %.17g %.17g %.17g\n", ++id, diameter, mass_density, x[0],
+                 x[1], x[2]);
   }
   std::fprintf(out, "\nVelocities\n\n");
   id = 0;
-  for (const auto& [x, v, w] : state.bodies) {
+  for (const auto& [x, v, w, diameter] : state.bodies) {
     std::fprintf(out, "%zu %.17g %.17g %.17g %.17g %.17g %.17g\n", ++id, v[0], v[1], v[2], w[0],
                  w[1], w[2]);
   }
@@ -173,10 +174,10 @@ inline State read(const std::filesystem::path& path) {
   file >> n >> word >> types >> word >> word;
   for (int k = 0; k < 3; ++k) file >> state.lower[k] >> state.upper[k] >> word >> word;
   file >> word >> word >> word;
-  double density = 0, diameter = 0;
+  double density = 0;
   state.bodies.resize(n);
   for (Body& body : state.bodies) {
-    file >> id >> types >> diameter >> density >> body.x[0] >> body.x[1] >> body.x[2];
+    file >> id >> types >> body.diameter >> density >> body.x[0] >> body.x[1] >> body.x[2];
   }
   file >> word;
   for (Body& body : state.bodies) {

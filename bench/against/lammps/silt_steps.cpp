@@ -43,7 +43,7 @@ void run(Simulation simulation, int warm, int steps, const char* final_file) {
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(final_file, "w"),
                                                              std::fclose);
   if (!file) throw std::runtime_error(std::string("silt_steps: cannot write ") + final_file);
-  for (const auto& [x, v, w] : bodies_of(grains)) {
+  for (const auto& [x, v, w, diameter] : bodies_of(grains)) {
     std::fprintf(file.get(), "%.15g %.15g %.15g %.15g %.15g %.15g %.15g %.15g %.15g\n", x[0], x[1],
                  x[2], v[0], v[1], v[2], w[0], w[1], w[2]);
   }
