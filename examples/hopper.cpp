@@ -1,0 +1,493 @@
+// SPDX-License-Identifier: MIT
+// A bin with a hole in its floor: grains of many sizes rain in, settle, and flow out through openings
+// of several widths D. The rate follows the law of W.A. Beverloo, H.A. Leniger, J. van de Velde,
+// "The flow of granular solids through orifices", Chemical Engineering Science 15 (1961) 260–269,
+//
+//   W = C ρ_b √g (D − k d)^n,   n = 5/2 for spheres and a round hole, 3/2 for discs and a slot
+//
+// with the bulk density ρ_b and the mean diameter d; it does not depend on how much lies above.
+//
+//   hopper --out out/hopper                        spheres in a round bin, walls from STL files
+//   hopper --dimension 2 --out out/hopper_2d       discs in a slot
+//   examples/plot_hopper.py out/hopper
+#include <silt/dem.hpp>
+#include <silt/dem/inflow.hpp>
+#include <silt/dem/mesh_wall.hpp>
+#include <silt/dem/outflow.hpp>
+#include <silt/dem/polyline.hpp>
+#include <silt/dem/settling.hpp>
+#include <silt/io/csv.hpp>
+#include <silt/io/stl.hpp>
+#include <silt/io/vtk.hpp>
+#include <silt/measure/timed.hpp>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "support/command_line.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace {
+
+using namespace silt;
+
+constexpr double g = 9.81;   // [m/s²]
+constexpr double k = 1.4;    // of Beverloo's law [-]
+constexpr int corners = 48;  // of a circle of triangles
+
+struct Options {
+  int dimension = 3;
+  std::vector<double> openings;   // D/d [-]
+  double diameter = 0.01;         // d, mean [m]
+  double spread = 0.2;            // of the radii [-]
+  double density = 2500;          // [kg/m³]
+  double width = 0;               // of the bin, over d [-]
+  double fill_height = 0;         // over d [-]
+  double half_angle = 90;         // of the hopper [degrees]
+  double stiffness = 5000;        // k_n over the weight of a grain and d [-]
+  double friction_angle = 26.6;   // [degrees]
+  double restitution = 0.5;       // [-]
+  double share = 0.45;            // that is let out [-]
+  double longest = 0;             // discharge, in √(d/g)
+  std::uint64_t seed = 1;
+  int threads = 1;
+  std::string stl;
+  std::string out = "out/hopper";
+
+  double unit_of_time() const { return std::sqrt(diameter / g); }
+  double speed() const { return std::sqrt(diameter * g); }
+  double exponent() const { return dimension - 0.5; }
+  double bin() const { return width * diameter; }
+  double bed() const { return fill_height * diameter; }
+};
+
+void describe(CLI::App& app, Options& o) {
+  const auto add = [&app](const std::string& name, auto& value, const std::string& text,
+                          const CLI::Validator& check) {
+    return app.add_option(name, value, text)->check(check)->capture_default_str();
+  };
+  using support::positive, support::not_negative, support::between;
+  add("--dimension", o.dimension, "2: discs in a slot; 3: spheres", between({2, 3}));
+  app.add_option("--openings", o.openings, "widths D of the opening over the mean diameter; by "
+                 "default 6, 7, 8, 9.5 in 3D, and 8, 10, 12.5, 16, 20 in 2D")
+      ->check(positive())
+      ->delimiter(',');
+  add("--diameter", o.diameter, "mean diameter d of the grains [m]", positive());
+  add("--spread", o.spread, "radii are uniform within 1 ± spread of the mean; without any, discs "
+      "form crystals", between({0, 0.9}));
+  add("--density", o.density, "of the grains [kg/m3]", positive());
+  add("--width", o.width, "of the bin over d; 0: 2.5 of the largest opening, so that its sides are "
+      "not felt", not_negative());
+  add("--fill-height", o.fill_height, "over d; 0: as high as the bin is wide, in 2D 1.6 times as high", not_negative());
+  add("--half-angle", o.half_angle, "between the axis and the hopper's side [degrees]; 90: a flat "
+      "floor, which Beverloo's law is for", between({10, 90}));
+  add("--stiffness", o.stiffness, "of a contact over weight and diameter of a grain; by default "
+      "the bed presses the lowest contacts by less than a hundredth of d", positive());
+  add("--friction-angle", o.friction_angle, "of grains and walls [degrees]", between({0, 80}));
+  add("--restitution", o.restitution, "of a contact", between({0.01, 1}));
+  add("--share", o.share, "of the grains that is let out through each opening", between({0.01, 0.9}));
+  add("--longest", o.longest, "discharge through one opening, in sqrt(d/g); 0: 25 in 3D, 40 in 2D",
+      not_negative());
+  add("--seed", o.seed, "of the random numbers", not_negative());
+  add("--threads", o.threads, "threads; the result is the same bits for any number",
+      between({1, 1024}));
+  app.add_option("--stl", o.stl, "3D: a hopper of one's own, upright about the z axis, its opening "
+                 "in the plane z = 0 [m]; --width is that of its bin and --openings the one it has");
+  app.add_option("--out", o.out, "folder for discharge.csv, summary.json, frames.pvd and the walls")
+      ->capture_default_str();
+}
+
+void complete(Options& o) {
+  if (o.openings.empty() && !o.stl.empty()) {
+    throw support::Refusal("--stl " + o.stl + " needs --openings with the width that it has");
+  }
+  if (!o.stl.empty() && (o.dimension == 2 || o.openings.size() > 1 || o.width == 0)) {
+    throw support::Refusal("--stl " + o.stl + " needs --dimension 3, one of --openings, --width");
+  }
+  if (o.openings.empty()) {
+    o.openings = o.dimension == 3 ? std::vector{6.0, 7.0, 8.0, 9.5}
+                                  : std::vector{8.0, 10.0, 12.5, 16.0, 20.0};
+  }
+  const double largest = *std::max_element(o.openings.begin(), o.openings.end());
+  const double smallest = *std::min_element(o.openings.begin(), o.openings.end());
+  if (smallest < 3) {
+    throw support::Refusal("--openings " + to_text(smallest) +
+                           " is below 3 diameters, where grains block it");
+  }
+  if (o.width == 0) o.width = 2.5 * largest;
+  if (o.width < largest) {
+    throw support::Refusal("--width " + to_text(o.width) + " is less than the largest opening");
+  }
+  if (o.fill_height == 0) o.fill_height = (o.dimension == 3 ? 1 : 1.6) * o.width;
+  if (o.longest == 0) o.longest = o.dimension == 3 ? 25 : 40;
+}
+
+// --- walls, for the opening D [m]; closed: with a lid over it ------------------------------------
+
+double height_of_hopper(const Options& o, double D) {
+  return o.half_angle == 90 ? 0 : (o.bin() - D) / 2 / std::tan(o.half_angle * std::numbers::pi / 180);
+}
+double top_of_bed(const Options& o, double D) { return height_of_hopper(o, D) + o.bed(); }
+double top_of_bin(const Options& o, double D) { return top_of_bed(o, D) + 12 * o.diameter; }
+
+using Triangles = std::vector<Triangle<double>>;
+
+// A surface of revolution: rings of corners, one above the other, from radius and height.
+void add_band(Triangles& mesh, const Vec<2>& low, const Vec<2>& high) {
+  const auto at = [](const Vec<2>& ring, int corner) {
+    const double angle = 2 * std::numbers::pi * (corner % corners) / corners;
+    return Vec<3>(ring[0] * std::cos(angle), ring[0] * std::sin(angle), ring[1]);
+  };
+  for (int c = 0; c < corners; ++c) {
+    const Vec<3> a = at(low, c), b = at(low, c + 1), e = at(high, c), f = at(high, c + 1);
+    if (low[0] > 0) mesh.push_back({{a, b, e}});
+    mesh.push_back({{low[0] > 0 ? b : a, f, e}});
+  }
+}
+
+Triangles bin_of_triangles(const Options& o, double D, bool closed) {
+  Triangles mesh;
+  const double corner = height_of_hopper(o, D);
+  if (closed) add_band(mesh, {0, 0}, {D / 2, 0});
+  add_band(mesh, {D / 2, 0}, {o.bin() / 2, corner});
+  add_band(mesh, {o.bin() / 2, corner}, {o.bin() / 2, top_of_bin(o, D)});
+  return mesh;
+}
+
+dem::CundallStrack law_of(const Options& o) {
+  const double R = o.diameter / 2;
+  const double weight = o.density * dem::volume_of<3>(R) * g;
+  const double disc_weight = o.density * dem::volume_of<2>(R) * g;
+  const double stiffness = o.stiffness * (o.dimension == 3 ? weight : disc_weight) / o.diameter;
+  return {.normal_stiffness = stiffness,
+          .tangential_stiffness = stiffness * 2 / 7,
+          .restitution = o.restitution,
+          .friction_angle = o.friction_angle * std::numbers::pi / 180};
+}
+
+template <int Dim>
+auto contacts_of(const Options& o, double D, bool closed) {
+  const auto coarse = [](auto contacts) { return contacts.with({.steps_per_contact = 20}); };
+  if constexpr (Dim == 2) {
+    const double half = o.bin() / 2, corner = height_of_hopper(o, D), top = top_of_bin(o, D);
+    const dem::Polyline<> left{{{-half, top}, {-half, corner}, {-D / 2, 0}}};
+    const dem::Polyline<> right{{{half, top}, {half, corner}, {D / 2, 0}}};
+    // Out of the way, where the opening is not closed.
+    const double below = closed ? 0 : -1e3 * o.diameter;
+    const dem::Polyline<> lid{{{-D / 2, below}, {D / 2, below}}};
+    return coarse(dem::Contacts{law_of(o), left, right, lid});
+  } else {
+    // The walls are those that the files tell.
+    const std::string name = closed ? "/closed.stl" : "/opening_" + to_text(D / o.diameter) + ".stl";
+    Triangles mesh;
+    if (o.stl.empty()) {
+      mesh = bin_of_triangles(o, D, closed);
+    } else {
+      mesh = read_stl(o.stl);
+      if (closed) add_band(mesh, {0, -1e-9}, {D / 2 + o.diameter, -1e-9});
+    }
+    write_stl(o.out + name, mesh);
+    return coarse(dem::Contacts{law_of(o), dem::MeshWall<>{read_stl(o.out + name)}});
+  }
+}
+
+template <int Dim>
+auto make_simulation(const Options& o, dem::Grains<Dim> grains, double D, bool closed) {
+  return Simulation{std::move(grains), NeighbourList<Dim>{},
+                    Forces{Gravity<Dim>{-g * Vec<Dim>::Unit(Dim - 1)},
+                           contacts_of<Dim>(o, D, closed)},
+                    Leapfrog{}};
+}
+
+template <int Dim>
+auto region_above(const Options& o, double D) {
+  const double low = top_of_bed(o, D), high = top_of_bin(o, D);
+  if constexpr (Dim == 2) {
+    return Box<2>{.lower = {-o.bin() / 2, low}, .upper = {o.bin() / 2, high}};
+  } else {
+    // Within the corners of the mesh.
+    const double inscribed = o.bin() / 2 * std::cos(std::numbers::pi / corners);
+    return dem::Pillar<>{.foot = {0, 0, low}, .radius = inscribed, .height = high - low};
+  }
+}
+
+template <int Dim>
+double cross_section(const Options& o) {
+  return Dim == 2 ? o.bin() : std::numbers::pi / 4 * o.bin() * o.bin();
+}
+
+// Rain, until the bin is as full as wanted, and then rest.
+template <int Dim>
+dem::Grains<Dim> fill(const Options& o, double D) {
+  const double R = o.diameter / 2;
+  const dem::Blend<dem::UniformSizes> blend{
+      .sizes = {.smallest_radius = (1 - o.spread) * R, .largest_radius = (1 + o.spread) * R},
+      .density = o.density};
+  // Of a loose bed.
+  const double solid_fraction = Dim == 2 ? 0.80 : 0.58;
+  const double radius_cubed = 1 + o.spread * o.spread * (Dim == 2 ? 1.0 / 3 : 1.0);
+  const double cone = height_of_hopper(o, D) * cross_section<Dim>(o) / Dim;
+  const double volume = o.bed() * cross_section<Dim>(o) + cone;
+  const auto number = static_cast<Index>(solid_fraction * volume /
+                                         (dem::volume_of<Dim>(R) * radius_cubed));
+  dem::Inflow rain{region_above<Dim>(o, D), blend,
+                   {.number = number,
+                    .velocity = -5 * o.speed() * Vec<Dim>::Unit(Dim - 1),
+                    .every = o.unit_of_time(),
+                    .tries = 200,
+                    .seed = o.seed}};
+  auto bin = make_simulation<Dim>(o, {}, D, true);
+  while (!rain.is_done()) {
+    bin.run({.until = bin.time() + 5 * o.unit_of_time()}, rain);
+    if (bin.time() > 1000 * o.unit_of_time()) {
+      throw support::Refusal("after 1000 sqrt(d/g) only " + std::to_string(rain.number()) + " of " +
+                             std::to_string(number) + " grains have found room; widen the bin");
+    }
+  }
+  const auto time = dem::settle(bin, {.speed = 0.01 * o.speed(),
+                                      .look_every = 2 * o.unit_of_time(),
+                                      .at_most = 200 * o.unit_of_time()});
+  std::printf("hopper: %zu grains came in %.3g s and settled in %.3g s more, %llu steps\n",
+              bin.particles().size(), bin.time() - time, time,
+              static_cast<unsigned long long>(bin.steps()));
+  return bin.particles();
+}
+
+// Solid fraction of the bed's inner half, of grains whose centres are there.
+template <int Dim>
+double solid_fraction_of(const Options& o, const dem::Grains<Dim>& grains, double D) {
+  const double low = height_of_hopper(o, D) + 0.2 * o.bed(), high = low + 0.5 * o.bed();
+  double solid = 0;
+  for (Index i = 0; i < grains.size(); ++i) {
+    const double height = grains[position][i][Dim - 1];
+    if (low <= height && height < high) solid += dem::volume_of<Dim>(grains[radius][i]);
+  }
+  return solid / ((high - low) * cross_section<Dim>(o));
+}
+
+// --- discharge ----------------------------------------------------------------------------------
+
+struct Discharge {
+  double opening = 0;          // D/d
+  std::vector<double> times;   // [s]
+  std::vector<double> masses;  // that have passed the opening [kg]
+  double rate = 0;             // [kg/s]
+  double rate_of_halves[2]{};  // of the flow, first and second [kg/s]
+  double height_of_halves[2]{};  // of what lies above meanwhile, over D [-]
+  std::uint64_t steps = 0;
+  double wall_seconds = 0;
+  double solid_fraction = 0;
+};
+
+// Slope of masses over times by least squares, of entries [first, last).
+double slope(const Discharge& d, Index first, Index last) {
+  double t = 0, m = 0;
+  const auto n = double(last - first);
+  for (Index e = first; e < last; ++e) t += d.times[e] / n, m += d.masses[e] / n;
+  double tt = 0, tm = 0;
+  for (Index e = first; e < last; ++e) {
+    tt += squared(d.times[e] - t);
+    tm += (d.times[e] - t) * (d.masses[e] - m);
+  }
+  return tt > 0 ? tm / tt : 0;
+}
+
+template <int Dim>
+Discharge let_out(const Options& o, const dem::Grains<Dim>& filled, double ratio,
+                  const std::string& frames) {
+  const double D = ratio * o.diameter;
+  Discharge discharge;
+  discharge.opening = ratio;
+  discharge.solid_fraction = solid_fraction_of<Dim>(o, filled, D);
+  double whole = 0;
+  for (const double m : filled[mass]) whole += m;
+  auto hopper = make_simulation<Dim>(o, filled, D, false);
+  Box<Dim> far_below;
+  far_below.upper[Dim - 1] = -6 * o.diameter;
+  dem::Outflow drain{far_below, {.every = o.unit_of_time()}};
+  const auto note = [&](const auto& simulation) {
+    const auto& grains = simulation.particles();
+    double above = 0;
+    for (Index i = 0; i < grains.size(); ++i) {
+      if (grains[position][i][Dim - 1] > 0) above += grains[mass][i];
+    }
+    if (!discharge.times.empty() && discharge.times.back() == simulation.time()) return;
+    discharge.times.push_back(simulation.time());
+    discharge.masses.push_back(whole - above);
+  };
+  std::optional<VtkSeries> series;
+  if (!frames.empty()) series.emplace(frames);
+  const auto picture = [&](const auto& simulation) {
+    if (series) (*series)(simulation);
+  };
+  const double slice = o.unit_of_time();
+  Stopwatch wall;
+  {
+    const auto span = wall.start();
+    hopper.run({.until = 0}, picture);
+    while (discharge.masses.empty() || (discharge.masses.back() < o.share * whole &&
+                                        hopper.time() < o.longest * o.unit_of_time())) {
+      hopper.run({.until = hopper.time() + slice, .output_every = slice / 10}, note, drain);
+      hopper.run({.until = hopper.time()}, picture);
+    }
+  }
+  discharge.steps = hopper.steps();
+  discharge.wall_seconds = wall.seconds();
+  // The flow begins within a few √(D/g).
+  const double steady = 2 * std::sqrt(D / g);
+  const auto first = static_cast<Index>(
+      std::lower_bound(discharge.times.begin(), discharge.times.end(), steady) -
+      discharge.times.begin());
+  const Index last = discharge.times.size();
+  if (last < first + 20) {
+    throw support::Refusal("the discharge through " + to_text(ratio) +
+                           " diameters is over before it is steady; fill higher");
+  }
+  const Index middle = (first + last) / 2;
+  discharge.rate = slope(discharge, first, last);
+  discharge.rate_of_halves[0] = slope(discharge, first, middle);
+  discharge.rate_of_halves[1] = slope(discharge, middle, last);
+  const auto height = [&](Index from, Index to) {
+    const double left = 1 - (discharge.masses[from] + discharge.masses[to - 1]) / 2 / whole;
+    return left * (o.bed() + height_of_hopper(o, D) / Dim) / D;
+  };
+  discharge.height_of_halves[0] = height(first, middle);
+  discharge.height_of_halves[1] = height(middle, last);
+  std::printf("hopper: D/d = %g: %.4g kg/s, %.4g and %.4g in its halves, %llu steps in %.1f s\n",
+              ratio, discharge.rate, discharge.rate_of_halves[0], discharge.rate_of_halves[1],
+              static_cast<unsigned long long>(discharge.steps), discharge.wall_seconds);
+  return discharge;
+}
+
+// --- Beverloo's law -----------------------------------------------------------------------------
+
+struct Fit {
+  double exponent = 0;   // of log W over log(D/d − k)
+  double deviation = 0;  // rms of log W from the line
+  double coefficient = 0;  // C with the law's own exponent, mean
+};
+
+Fit fit_beverloo(const Options& o, const std::vector<Discharge>& all, double k_of_fit) {
+  double x = 0, y = 0, xx = 0, xy = 0, yy = 0;
+  Fit fit;
+  const auto n = double(all.size());
+  for (const Discharge& d : all) {
+    const double unit = d.solid_fraction * o.density * std::sqrt(g) *
+                        std::pow(o.diameter, o.exponent());
+    const double a = std::log(d.opening - k_of_fit), b = std::log(d.rate / unit);
+    x += a / n, y += b / n, xx += a * a / n, xy += a * b / n, yy += b * b / n;
+    fit.coefficient += d.rate / (unit * std::pow(d.opening - k_of_fit, o.exponent())) / n;
+  }
+  const double variance = xx - x * x;
+  if (variance > 0) fit.exponent = (xy - x * y) / variance;
+  fit.deviation = std::sqrt(std::max(0.0, yy - y * y - fit.exponent * (xy - x * y)));
+  return fit;
+}
+
+// The k with which the exponent is that of the law.
+double fit_k(const Options& o, const std::vector<Discharge>& all) {
+  double low = -2, high = 0.95 * all.front().opening;
+  for (int step = 0; step < 60; ++step) {
+    const double middle = (low + high) / 2;
+    (fit_beverloo(o, all, middle).exponent > o.exponent() ? low : high) = middle;
+  }
+  return low;
+}
+
+template <int Dim>
+void run(const Options& o) {
+  Stopwatch wall;
+  std::vector<Discharge> all;
+  Index grains = 0;
+  {
+    const auto span = wall.start();
+    std::optional<dem::Grains<Dim>> filled;
+    const double pictured = o.openings.back();
+    for (const double opening : o.openings) {
+      // On a flat floor the bed is the same, whatever the opening below.
+      if (!filled || o.half_angle != 90) filled = fill<Dim>(o, opening * o.diameter);
+      grains = filled->size();
+      all.push_back(let_out<Dim>(o, *filled, opening, opening == pictured ? o.out + "/frames" : ""));
+    }
+  }
+  CsvFile table(o.out + "/discharge.csv", {"opening_over_d", "t", "mass"});
+  for (const Discharge& d : all) {
+    for (Index e = 0; e < d.times.size(); ++e) table.row({d.opening, d.times[e], d.masses[e]});
+  }
+  nlohmann::json rates = nlohmann::json::array();
+  double worst = 0;
+  std::uint64_t steps = 0;
+  for (const Discharge& d : all) {
+    const double change = d.rate_of_halves[1] / d.rate_of_halves[0] - 1;
+    worst = std::max(worst, std::abs(change));
+    steps += d.steps;
+    rates.push_back({{"opening_over_d", d.opening},
+                     {"rate", d.rate},
+                     {"rate_first_half", d.rate_of_halves[0]},
+                     {"rate_second_half", d.rate_of_halves[1]},
+                     {"height_over_D_first_half", d.height_of_halves[0]},
+                     {"height_over_D_second_half", d.height_of_halves[1]},
+                     {"solid_fraction", d.solid_fraction},
+                     {"steps", d.steps},
+                     {"wall_seconds", d.wall_seconds}});
+  }
+  const Fit fit = fit_beverloo(o, all, k);
+  support::write_summary(o.out, {{"grains", grains},
+                                 {"steps", steps},
+                                 {"wall_seconds", wall.seconds()},
+                                 {"exponent", fit.exponent},
+                                 {"exponent_of_the_law", o.exponent()},
+                                 {"k", k},
+                                 {"coefficient", fit.coefficient},
+                                 {"deviation", fit.deviation},
+                                 {"k_for_the_exponent_of_the_law",
+                                  all.size() > 1 ? fit_k(o, all) : k},
+                                 {"largest_change_with_height", worst},
+                                 {"rates", rates},
+                                 {"options",
+                                  {{"dimension", o.dimension},
+                                   {"diameter", o.diameter},
+                                   {"spread", o.spread},
+                                   {"density", o.density},
+                                   {"width", o.width},
+                                   {"fill_height", o.fill_height},
+                                   {"half_angle", o.half_angle},
+                                   {"stiffness", o.stiffness},
+                                   {"friction_angle", o.friction_angle},
+                                   {"restitution", o.restitution},
+                                   {"share", o.share},
+                                   {"longest", o.longest},
+                                   {"seed", o.seed},
+                                   {"threads", o.threads}}}});
+  std::printf("hopper: %zu grains, %llu steps in %.1f s; exponent %.3f with k = %g (law: %g), "
+              "C = %.3f; see %s\n", grains, static_cast<unsigned long long>(steps), wall.seconds(),
+              fit.exponent, k, o.exponent(), fit.coefficient, o.out.c_str());
+}
+
+void discharge(Options& o) {
+  complete(o);
+  support::make_output_folder(o.out);
+  use_threads(o.threads);
+  if (o.dimension == 2) {
+    run<2>(o);
+  } else {
+    run<3>(o);
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Options options;
+  CLI::App app("Discharge of a hopper through openings of several widths", "hopper");
+  describe(app, options);
+  return support::run(app, argc, argv, [&options] { discharge(options); });
+}

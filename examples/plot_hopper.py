@@ -1,0 +1,195 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""Draws what hopper wrote.
+
+    plot_hopper.py FOLDER
+
+Makes frames.png, discharge.png, discharge.gif and comparison.md in FOLDER.
+"""
+
+import json
+import pathlib
+import sys
+
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.animation import FuncAnimation, PillowWriter
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+from support.frames import Series
+
+LAYERS = ["#2f4858", "#e0a458", "#7a9e9f", "#b5523b"]
+STEEL = "#4d535b"
+
+
+class Run:
+    """One output folder."""
+
+    def __init__(self, folder):
+        self.summary = json.loads((folder / "summary.json").read_text())
+        self.options = self.summary["options"]
+        self.series = Series(folder / "frames.pvd")
+        self.discharge = np.genfromtxt(folder / "discharge.csv", delimiter=",", names=True)
+        self.d = self.options["diameter"]
+        self.dimension = self.options["dimension"]
+        self.opening = self.summary["rates"][-1]["opening_over_d"] * self.d
+        first = self.series[0]
+        height = first["position"][:, self.dimension - 1]
+        # Which layer of the bed at rest a grain lay in, by its id.
+        self.layer = np.empty(int(first["id"].max()) + 1, dtype=int)
+        thickness = 3 * self.d
+        self.layer[first["id"]] = (height / thickness).astype(int) % len(LAYERS)
+
+
+def draw_walls(axes, run):
+    half, gap = run.options["width"] / 2, run.opening / run.d / 2
+    angle = np.radians(run.options["half_angle"])
+    corner = 0 if run.options["half_angle"] == 90 else (half - gap) / np.tan(angle)
+    top = corner + run.options["fill_height"] + 3
+    for side in (-1, 1):
+        axes.plot([side * half, side * half, side * gap], [top, corner, 0], color=STEEL,
+                  linewidth=2, solid_capstyle="butt", solid_joinstyle="miter", zorder=3)
+    axes.set_xlim(-half - 1.5, half + 1.5)
+    axes.set_ylim(-7, top)
+    axes.set_aspect("equal")
+    axes.set_axis_off()
+
+
+def draw_grains(axes, run, frame):
+    """In 3D those of a slice through the middle, as large as it cuts them."""
+    from matplotlib.collections import EllipseCollection
+
+    x = frame["position"] / run.d
+    radius = frame["radius"] / run.d
+    shown = np.ones(len(x), dtype=bool)
+    if run.dimension == 3:
+        cut = radius**2 - x[:, 1]**2
+        shown = cut > 0
+        radius = np.sqrt(np.maximum(cut, 0))
+    colours = np.array(LAYERS)[run.layer[frame["id"][shown]]]
+    size = 2 * radius[shown]
+    axes.add_collection(EllipseCollection(
+        size, size, np.zeros(len(size)), units="xy", facecolors=colours, edgecolors="white",
+        linewidths=0.2, offsets=x[shown][:, [0, run.dimension - 1]], transOffset=axes.transData))
+
+
+def draw_frames(run, path):
+    numbers = np.linspace(0, len(run.series) - 1, 4).round().astype(int)
+    figure, panels = plt.subplots(1, 4, figsize=(12, 4), layout="constrained")
+    for axes, number in zip(panels, numbers):
+        draw_walls(axes, run)
+        draw_grains(axes, run, run.series[number])
+        axes.set_title(f"t = {run.series.times[number]:.2f} s", fontsize=11, loc="left")
+    what = "a slice through the axis" if run.dimension == 3 else "the slot"
+    figure.suptitle(f"discharge through D = {run.opening / run.d:g} d: {what}; layers of the bed at "
+                    f"rest keep their colours", fontsize=11, x=0.01, ha="left")
+    figure.savefig(path, dpi=150)
+    plt.close(figure)
+
+
+def animate(run, path):
+    figure = plt.figure(figsize=(4, 4.4), dpi=80)
+    axes = figure.add_axes((0, 0, 1, 1))
+
+    def show(number):
+        axes.clear()
+        draw_walls(axes, run)
+        draw_grains(axes, run, run.series[number])
+
+    step = max(1, len(run.series) // 60)
+    FuncAnimation(figure, show, frames=range(0, len(run.series), step)).save(
+        path, writer=PillowWriter(fps=12))
+    plt.close(figure)
+
+
+def draw_discharge(run, path):
+    s = run.summary
+    figure, axes = plt.subplots(1, 3, figsize=(13, 4.2), layout="constrained")
+    unit = np.sqrt(run.d / 9.81)
+    rates = s["rates"]
+    colours = plt.cm.viridis(np.linspace(0.1, 0.85, len(rates)))
+    for rate, colour in zip(rates, colours):
+        own = run.discharge[run.discharge["opening_over_d"] == rate["opening_over_d"]]
+        axes[0].plot(own["t"] / unit, own["mass"], color=colour,
+                     label=f"D = {rate['opening_over_d']:g} d")
+    axes[0].set_xlabel("t / √(d/g)")
+    axes[0].set_ylabel("mass let out [kg]" if run.dimension == 3 else "mass let out [kg/m]")
+    axes[0].legend(frameon=False, fontsize=9)
+    axes[0].set_title("discharge", loc="left", fontsize=11)
+
+    D = np.array([rate["opening_over_d"] for rate in rates])
+    W = np.array([rate["rate"] / rate["solid_fraction"] for rate in rates])
+    W /= run.options["density"] * np.sqrt(9.81) * run.d ** s["exponent_of_the_law"]
+    k = s["k"]
+    line = np.linspace((D - k).min() * 0.9, (D - k).max() * 1.1)
+    axes[1].loglog(line, s["coefficient"] * line ** s["exponent_of_the_law"], color="#b5523b",
+                   label=f"{s['coefficient']:.2f} (D/d − {k:g})$^{{{s['exponent_of_the_law']:g}}}$")
+    axes[1].loglog(D - k, W, "o", color="#20242a",
+                   label=f"measured; slope {s['exponent']:.2f}")
+    axes[1].set_xlabel(f"D/d − {k:g}")
+    axes[1].set_ylabel("W / (ρ$_b$ √g d$^{%g}$)" % s["exponent_of_the_law"])
+    axes[1].set_xticks(D - k, [f"{each:.3g}" for each in D - k])
+    axes[1].minorticks_off()
+    axes[1].legend(frameon=False, fontsize=9)
+    axes[1].set_title("Beverloo's law", loc="left", fontsize=11)
+
+    for rate, colour in zip(rates, colours):
+        heights = [rate["height_over_D_first_half"], rate["height_over_D_second_half"]]
+        values = np.array([rate["rate_first_half"], rate["rate_second_half"]]) / rate["rate"]
+        axes[2].plot(heights, values, "o-", color=colour)
+    axes[2].axhspan(0.95, 1.05, color="#eceef1", zorder=0)
+    axes[2].set_ylim(0.8, 1.2)
+    axes[2].set_xlabel("height of the bed / D")
+    axes[2].set_ylabel("rate / its mean")
+    axes[2].set_title("whatever lies above", loc="left", fontsize=11)
+    for each in axes:
+        each.spines[["top", "right"]].set_visible(False)
+    figure.savefig(path, dpi=150)
+    plt.close(figure)
+
+
+def compare(run, path):
+    s = run.summary
+    law = s["exponent_of_the_law"]
+    openings = [rate["opening_over_d"] for rate in s["rates"]]
+    rows = []
+    if len(openings) > 1:
+        rows.append((f"exponent of the rate over D − {s['k']:g} d, D/d = {min(openings):g} to "
+                     f"{max(openings):g}", f"{s['exponent']:.3f}", f"{law:g} ± 0.15",
+                     abs(s["exponent"] - law) <= 0.15))
+        rows.append(("k with which the exponent is that of the law",
+                     f"{s['k_for_the_exponent_of_the_law']:.2f}", "1 to 2",
+                     1 <= s["k_for_the_exponent_of_the_law"] <= 2))
+    if run.dimension == 3:
+        rows.append(("coefficient C", f"{s['coefficient']:.3f}", "0.55 to 0.65",
+                     0.55 <= s["coefficient"] <= 0.65))
+    rows.append(("change of the rate from the first to the second half of the flow",
+                 f"{100 * s['largest_change_with_height']:.1f} %", "below 10 %",
+                 s["largest_change_with_height"] < 0.1))
+    lines = ["# Hopper", "", "After Beverloo, Leniger and van de Velde (1961): "
+             "W = C ρ_b √g (D − k d)^n.", "", "| | measured | should be | |", "|---|---|---|---|"]
+    lines += [f"| {what} | {value} | {wanted} | {'yes' if good else '**no**'} |"
+              for what, value, wanted, good in rows]
+    lines += ["", f"{s['grains']} grains, {s['steps']} steps of discharge, "
+              f"{s['wall_seconds']:.0f} s in all."]
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+def main(arguments):
+    if len(arguments) != 1:
+        sys.exit(__doc__)
+    folder = pathlib.Path(arguments[0])
+    if not (folder / "summary.json").exists():
+        sys.exit(f"plot_hopper.py: {folder} has no summary.json; run hopper first")
+    run = Run(folder)
+    draw_frames(run, folder / "frames.png")
+    draw_discharge(run, folder / "discharge.png")
+    animate(run, folder / "discharge.gif")
+    compare(run, folder / "comparison.md")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
