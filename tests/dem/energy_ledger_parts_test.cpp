@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: MIT
+// The energy ledger of Hertz, Mindlin, rolling resistance and adhesion, with walls that move.
+#include "support/ledger.hpp"
+
+#include <silt/dem/adhesion.hpp>
+#include <silt/dem/hertz.hpp>
+#include <silt/dem/law.hpp>
+#include <silt/dem/linear_friction.hpp>
+#include <silt/dem/linear_spring_dashpot.hpp>
+#include <silt/dem/mindlin.hpp>
+#include <silt/dem/rolling_resistance.hpp>
+
+#include <gtest/gtest.h>
+
+namespace silt::test {
+namespace {
+
+constexpr dem::Elastic soft{.young_modulus = 5e8, .poisson_ratio = 0.3};
+const dem::Hertz hertz{.elastic = soft, .restitution = 0.8};
+const dem::Mindlin mindlin{.elastic = soft, .friction_angle = 0.4};
+const dem::LinearSpringDashpot spring{.normal_stiffness = 1e6, .restitution = 0.8};
+const dem::LinearFriction friction{.tangential_stiffness = 5e5, .friction_angle = 0.4};
+const dem::RollingResistance rolling{.rolling_friction = 0.3, .twisting_friction = 0.2};
+
+TEST(EnergyLedgerOf, HertzAndMindlin) {
+  const dem::Law law{hertz, mindlin};
+  expect_to_close_at_moving_walls(law);
+  expect_to_keep_momenta(law);
+  expect_second_order(law);
+}
+
+TEST(EnergyLedgerOf, RollingResistance) {
+  const dem::Law law{spring, friction, rolling};
+  expect_to_close_at_moving_walls(law);
+  expect_to_keep_momenta(law);
+  expect_second_order(law);
+}
+
+TEST(EnergyLedgerOf, HertzAndMindlinThatRollAndStick) {
+  const dem::Law law{hertz, mindlin, rolling, dem::DmtAdhesion{.surface_energy = 300}};
+  expect_to_close_at_moving_walls(law);
+  expect_to_keep_momenta(law);
+  expect_second_order(law);
+}
+
+}  // namespace
+}  // namespace silt::test
