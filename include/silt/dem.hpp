@@ -7,7 +7,9 @@
 #include <silt/core/simulation.hpp>
 #include <silt/dem/adhesion.hpp>
 #include <silt/dem/contacts.hpp>
+#include <silt/dem/coordination.hpp>
 #include <silt/dem/cundall_strack.hpp>
+#include <silt/dem/energy_ledger.hpp>
 #include <silt/dem/grains.hpp>
 #include <silt/dem/hertz.hpp>
 #include <silt/dem/law.hpp>
@@ -15,6 +17,7 @@
 #include <silt/dem/linear_spring_dashpot.hpp>
 #include <silt/dem/mindlin.hpp>
 #include <silt/dem/rolling_resistance.hpp>
+#include <silt/dem/stress.hpp>
 #include <silt/dem/walton_braun.hpp>
 #include <silt/integrate/leapfrog.hpp>
 #include <silt/search/brute_force.hpp>

@@ -10,7 +10,7 @@ namespace silt::dem {
 
 struct Coordination {
   double mean = 0;  ///< Z: contacts per grain, each counted at both of its grains, walls at one [-]
-  /// Z_m of Thornton (2000): the same among the contacts and grains that may bear a load, so
+  /// Z_m of [Thornton2000]: the same among the contacts and grains that may bear a load, so
   /// without grains that have one contact or none, and without the former's contacts; 0 if there
   /// are no others [-].
   double mechanical = 0;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The stress in a region: momentum that grains carry, and that contacts hand on. After Love (1927)
-// and Weber (1966); how a contact at the region's edge is shared is Goldhirsch's (2010), with a
-// weight that is the same everywhere in the region:
+// The stress in a region: momentum that grains carry, and that contacts hand on. After
+// [Weber1966]; how a contact at the region's edge is shared is [Goldhirsch2010]'s, with a weight
+// that is the same everywhere in the region:
 //
 //   σ = 1/V ( Σ_i m_i v_i' ⊗ v_i' + Σ_c F_c ⊗ l_c s_c ),  v' = v − <v>,
 //

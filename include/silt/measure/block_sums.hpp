@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Averages over time, and how well they are known: samples that follow one another closely tell
-// the same, so the standard error comes from the spread among blocks of them (Flyvbjerg and
-// Petersen 1989).
+// the same, so the standard error comes from the spread among blocks of them
+// [FlyvbjergPetersen1989].
 #pragma once
 
 #include <silt/core/error.hpp>
