@@ -167,7 +167,8 @@ TEST(DrumOfTriangles, CarriesItsLoadRound) {
     for (Index i = 0; i < before.size(); ++i) {
       of_gravity += moment(Vec<3>(before[position][i]), Vec<3>(0, 0, -before[mass][i] * g));
     }
-    const Vec<3> turning = angular_momentum(sim.particles()) - angular_momentum(before);
+    const Vec<3> turning = angular_momentum(sim.particles(), Vec<3>::Zero()) -
+                           angular_momentum(before, Vec<3>::Zero());
     ASSERT_NEAR((turning - (of_gravity - load.moment) * dt).norm(), 0, 1e-15) << k;
     const Vec<3> push = momentum(sim.particles()) - momentum(before);
     const Vec<3> weight(0, 0, -g * mass_of(before));

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <span>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -20,15 +21,20 @@ struct MeshFeatures {
   using Vec = silt::Vec<3, Real>;
   static constexpr std::uint32_t none = ~std::uint32_t(0);
 
-  /// Between two vertices, and how the triangles lie that have it.
+  /// Between two vertices.
   struct Edge {
     std::uint32_t from;
     std::uint32_t to;
-    Vec along;                     ///< unit vector, from → to
-    Real length;                   ///< [m]
-    std::vector<Vec> inwards;      ///< unit vectors from the edge into its triangles
-    std::vector<std::uint32_t> faces;  ///< these
-    std::uint32_t line = none;     ///< that it is a piece of; none: within a facet
+    Vec along;                  ///< unit vector, from → to
+    Real length;                ///< [m]
+    std::uint32_t first_side;   ///< of its sides
+    std::uint32_t last_side;    ///< behind the last one
+    std::uint32_t line = none;  ///< that it is a piece of; none: within a facet
+  };
+  /// Of an edge: a face that has it.
+  struct EdgeSide {
+    Vec inwards;  ///< unit vector from the edge into the face
+    std::uint32_t face;
   };
   struct Face {
     std::array<std::uint32_t, 3> vertices;
@@ -50,6 +56,7 @@ struct MeshFeatures {
   std::vector<Vec> vertices;  ///< [m]
   std::vector<Face> faces;
   std::vector<Edge> edges;
+  std::vector<EdgeSide> sides;  ///< edge by edge
   std::vector<std::vector<std::uint32_t>> facets;  ///< their faces
   std::vector<Line> lines;
   std::vector<std::uint32_t> corners;         ///< their vertices
@@ -66,6 +73,9 @@ struct MeshFeatures {
     find_corners();
   }
 
+  std::span<const EdgeSide> sides_of(const Edge& edge) const {
+    return std::span(sides).subspan(edge.first_side, edge.last_side - edge.first_side);
+  }
   Vec along(const Piece& piece) const {
     return piece.is_turned ? Vec(-edges[piece.edge].along) : edges[piece.edge].along;
   }
@@ -96,20 +106,22 @@ struct MeshFeatures {
     for (const auto& [from, to, f, k] : all) {
       if (edges.empty() || edges.back().from != from || edges.back().to != to) {
         const Vec difference = vertices[to] - vertices[from];
-        edges.push_back({from, to, difference.normalized(), difference.norm(), {}, {}});
+        const auto side = static_cast<std::uint32_t>(sides.size());
+        edges.push_back({from, to, difference.normalized(), difference.norm(), side, side});
       }
       Edge& edge = edges.back();
       const Vec across = vertices[faces[f].vertices[(k + 2) % 3]] - vertices[from];
       faces[f].edges[k] = static_cast<std::uint32_t>(edges.size() - 1);
       faces[f].inwards[k] = (across - across.dot(edge.along) * edge.along).normalized();
-      edge.inwards.push_back(faces[f].inwards[k]);
-      edge.faces.push_back(f);
+      sides.push_back({faces[f].inwards[k], f});
+      ++edge.last_side;
     }
   }
 
   // The facet goes on beyond the edge.
-  static bool is_flat(const Edge& edge, Real flat) {
-    return edge.faces.size() == 2 && (edge.inwards[0] + edge.inwards[1]).norm() < flat;
+  bool is_flat(const Edge& edge, Real flat) const {
+    const auto both = sides_of(edge);
+    return both.size() == 2 && (both[0].inwards + both[1].inwards).norm() < flat;
   }
 
   void find_facets(Real flat) {
@@ -121,7 +133,7 @@ struct MeshFeatures {
       for (Index k = 0; k < facet.size(); ++k) {
         for (const std::uint32_t e : faces[facet[k]].edges) {
           if (!is_flat(edges[e], flat)) continue;
-          for (const std::uint32_t other : edges[e].faces) {
+          for (const auto& [inwards, other] : sides_of(edges[e])) {
             // Small angles must not add up to a bend.
             if (faces[other].facet != none ||
                 moment(faces[other].normal, faces[first].normal).norm() > flat) {
@@ -138,7 +150,8 @@ struct MeshFeatures {
   }
 
   bool is_within_a_facet(const Edge& edge, Real flat) const {
-    return is_flat(edge, flat) && faces[edge.faces[0]].facet == faces[edge.faces[1]].facet;
+    const auto both = sides_of(edge);
+    return is_flat(edge, flat) && faces[both[0].face].facet == faces[both[1].face].facet;
   }
 
   void find_lines(Real flat) {

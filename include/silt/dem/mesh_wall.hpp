@@ -153,61 +153,69 @@ class MeshWall {
     return from + std::clamp<Real>((x - from).dot(edge.along), 0, edge.length) * edge.along;
   }
 
-  // The nearest points of a facet's faces: one straight below the centre, and those at edges, of
-  // which some are on lines.
-  struct Candidates {
-    Nearest below = nothing_near<3, Real>();
-    Real at_edge = std::numeric_limits<Real>::infinity();
-    Vec foot = Vec::Zero();
-    Real on_line = std::numeric_limits<Real>::infinity();
-  };
-
-  void consider(const Face& face, const Vec& x, Candidates& best) const {
+  // visit(face) for the faces of a facet that may be as near to x as the limit, squared [m²], which
+  // it returns for those to come.
+  template <class Visit>
+  void visit_faces(Index facet, const Vec& x, Visit&& visit) const {
     const auto& all = mesh_->features;
-    if (is_above(face, x)) {
-      const Real h = height(face, x);
-      if (std::abs(h) < best.below.distance) {
-        best.below = {h < 0 ? Vec(-face.normal) : face.normal, std::abs(h)};
-      }
-      return;
-    }
-    for (std::size_t k = 0; k < 3; ++k) {
-      const Edge& edge = all.edges[face.edges[k]];
-      const Vec foot = foot_on(edge, x);
-      const Real distance = (x - foot).norm();
-      if (edge.line != Features::none) best.on_line = std::min(best.on_line, distance);
-      for (const std::uint32_t v : {edge.from, edge.to}) {
-        if (!all.is_on_line[v]) continue;
-        best.on_line = std::min(best.on_line, (x - all.vertices[v]).norm());
-      }
-      if (!(distance < best.at_edge)) continue;
-      best.at_edge = distance;
-      best.foot = foot;
+    const auto& faces = all.facets[facet];
+    if (faces.size() <= Mesh::few) {
+      for (const std::uint32_t f : faces) visit(all.faces[f]);
+    } else {
+      mesh_->trees[facet].visit_near(
+          x, std::numeric_limits<Real>::infinity(),
+          [&](std::uint32_t number) { return visit(all.faces[faces[number]]); });
     }
   }
 
   Nearest nearest_of_facet(Index number, const Vec& x) const {
+    Nearest nearest = nothing_near<3, Real>();
+    Real limit = std::numeric_limits<Real>::infinity();
+    visit_faces(number, x, [&](const Face& face) {
+      if (is_above(face, x)) {
+        const Real h = height(face, x);
+        if (std::abs(h) < nearest.distance) {
+          nearest = {h < 0 ? Vec(-face.normal) : face.normal, std::abs(h)};
+        }
+        limit = std::min(limit, squared(h));
+      } else {
+        limit = std::min(limit, (x - mesh_->features.vertices[face.vertices[0]]).squaredNorm());
+      }
+      return beyond_round_off(limit);
+    });
+    return std::isfinite(nearest.distance) ? nearest : nearest_where_faces_meet(number, x);
+  }
+
+  // Where two faces of a facet differ a little there may be no face straight below. Else, and this
+  // is what mostly has to be told from it, the nearest point is at a line.
+  Nearest nearest_where_faces_meet(Index number, const Vec& x) const {
     const auto& all = mesh_->features;
-    const auto& facet = all.facets[number];
-    constexpr Real more = Real(1) + Real(1e-5);
-    constexpr Real round_off = 64 * std::numeric_limits<Real>::epsilon();
-    Candidates best;
-    if (facet.size() <= Mesh::few) {
-      for (const std::uint32_t f : facet) consider(all.faces[f], x, best);
-    } else {
-      mesh_->trees[number].visit_near(
-          x, std::numeric_limits<Real>::infinity(), [&](std::uint32_t k) {
-            consider(all.faces[facet[k]], x, best);
-            return squared(std::min(best.below.distance, best.at_edge) * more) +
-                   std::numeric_limits<Real>::min();
-          });
-    }
-    if (best.below.distance <= best.at_edge * more) return best.below;
-    // Where two faces of a facet differ a little there may be no face straight below.
-    if (!(best.at_edge > 0) || best.on_line <= best.at_edge * (1 + round_off)) {
-      return nothing_near<3, Real>();
-    }
-    return {(x - best.foot) / best.at_edge, best.at_edge};
+    Real at_edge = std::numeric_limits<Real>::infinity();
+    Real on_line = at_edge;
+    Vec foot = x;
+    visit_faces(number, x, [&](const Face& face) {
+      for (const std::uint32_t e : face.edges) {
+        const Edge& edge = all.edges[e];
+        const Vec own_foot = foot_on(edge, x);
+        const Real distance = (x - own_foot).squaredNorm();
+        if (edge.line != Features::none) on_line = std::min(on_line, distance);
+        for (const std::uint32_t v : {edge.from, edge.to}) {
+          if (all.is_on_line[v]) on_line = std::min(on_line, (x - all.vertices[v]).squaredNorm());
+        }
+        if (distance < at_edge) {
+          at_edge = distance;
+          foot = own_foot;
+        }
+      }
+      return beyond_round_off(at_edge);
+    });
+    if (!(at_edge > 0) || on_line <= beyond_round_off(at_edge)) return nothing_near<3, Real>();
+    return {(x - foot).normalized(), std::sqrt(at_edge)};
+  }
+
+  static Real beyond_round_off(Real squared_distance) {
+    return squared_distance * (1 + 64 * std::numeric_limits<Real>::epsilon()) +
+           std::numeric_limits<Real>::min();
   }
 
   Real beyond_begin(const Piece& piece, const Vec& x) const {
@@ -225,9 +233,9 @@ class MeshWall {
     const Edge& edge =
         all.edges[line.pieces[static_cast<Index>(behind - line.begins.begin()) - 1].edge];
     Vec outwards = Vec::Zero();
-    for (const Vec& inwards : edge.inwards) {
-      if (inside(edge, inwards, x) > 0) return nothing_near<3, Real>();
-      outwards -= inwards;
+    for (const auto& side : all.sides_of(edge)) {
+      if (inside(edge, side.inwards, x) > 0) return nothing_near<3, Real>();
+      outwards -= side.inwards;
     }
     return away_from(foot_on(edge, x), x, outwards);
   }
