@@ -127,6 +127,35 @@ TEST(LevelGrid, FindsPairsWhereFarCellsShareBins) {
   expect_right(grains, search, 0);
 }
 
+TEST(LevelGrid, PutsNeighboursBesideOneAnotherInMemory) {
+  for (const bool periodic : {false, true}) {
+    auto box = cube<2, double>(0, 4);
+    box.periodic.fill(periodic);
+    auto grains = grains_in<2, double>(box, 1500, 6, bimodal);
+    LevelGrid<2> search({.radius = 0.4});
+    const auto distance_in_memory = [&] {
+      double sum = 0;
+      for (const auto& [i, j] : pairs_by_hand(grains, 0)) sum += double(j - i);
+      return sum;
+    };
+    expect_right(grains, search, 0);
+    const double scattered = distance_in_memory();
+    search.sort(grains);
+    EXPECT_LT(distance_in_memory(), scattered / 5);
+    expect_right(grains, search, 0);
+    const std::vector<Id> ids(grains.ids().begin(), grains.ids().end());
+    search.sort(grains);
+    EXPECT_TRUE(std::equal(ids.begin(), ids.end(), grains.ids().begin())) << "they are in order";
+    // Those that came are put into their places, too.
+    for (int k = 0; k < 100; ++k) {
+      const Index i = grains.add({0.05 * k, 3});
+      grains[radius][i] = 0.02;
+    }
+    search.sort(grains);
+    expect_right(grains, search, 0);
+  }
+}
+
 TEST(LevelGrid, HasOneLevelForSizesAlikeAndTwoForLargeAmongSmall) {
   const auto levels = [](auto size_of, Index n) {
     auto grains = grains_in<3, double>(cube<3, double>(0, 2), n, 4, size_of);

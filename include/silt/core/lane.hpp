@@ -22,7 +22,7 @@
 #ifdef __clang__
 #define SILT_EACH_LANE_ALONE
 #else
-#define SILT_EACH_LANE_ALONE _Pragma("GCC ivdep") _Pragma("GCC unroll 1")
+#define SILT_EACH_LANE_ALONE _Pragma("GCC ivdep")
 #endif
 
 namespace silt {

@@ -57,6 +57,7 @@ class LevelGrid {
     require_positive("LevelGrid: radius", double(radius_));
     make_ghosts(particles, radius_);
     owned_ = particles.size();
+    revision_ = particles.revision();
     const auto x = particles.with_ghosts(position);
     const auto R = particles.with_ghosts(silt::radius);
     radii_.assign(R.begin(), R.end());
@@ -73,6 +74,21 @@ class LevelGrid {
       level.points.sort(level.x, 2 * level.largest + gap_);
       level.points.take(level.x);
     }
+  }
+
+  /// Puts the owned particles in the order of the finest level's cells, whatever their sizes, if many
+  /// are out of it, so that neighbours in space are neighbours in memory; particles that came or
+  /// went since the last update, if any are.
+  template <class P>
+  void sort(P& particles) {
+    if (particles.size() < worth_sorting) return;
+    require_positive("LevelGrid: radius", double(radius_));
+    const Real finest = levels_.empty() ? radius_ : 2 * levels_.front().largest + gap_;
+    all_levels_.sort(particles[position], finest);
+    const bool is_new = particles.revision() != revision_;
+    if (all_levels_.descents() <= (is_new ? 0 : particles.size() / 16)) return;
+    const auto items = all_levels_.item_of();
+    particles.reorder(std::vector<Index>(items.begin(), items.end()));
   }
 
   /// f(j, r_ij, r) for every j, owned or ghost, with r < R_i + R_j + gap; i is owned.
@@ -165,6 +181,9 @@ class LevelGrid {
   Index levels() const noexcept { return levels_.size(); }
 
  private:
+  // Fewer particles fit into a cache in any order.
+  static constexpr Index worth_sorting = 1024;
+
   struct Level {
     Real largest = 0;  // no radius is larger [m]
     Index first = 0;   // where its particles begin in the order of the levels
@@ -218,12 +237,14 @@ class LevelGrid {
   Real radius_ = 0;
   Real gap_ = 0;
   Index owned_ = 0;
+  std::uint64_t revision_ = 0;  // of the particles at the last update
   std::vector<Real> radii_;  // with ghosts
   std::vector<Index> owners_;
   std::vector<Index> histogram_;
   std::vector<SizeClass> highest_;  // of each level
   std::vector<Level> levels_;       // the finest first
   BinSort by_level_;
+  SortedCells<Dim, Real> all_levels_;  // for their order in memory
 };
 
 }  // namespace silt
