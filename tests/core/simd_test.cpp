@@ -12,6 +12,9 @@
 #include <random>
 #include <type_traits>
 
+// As core/simd.hpp has it: what is wider than a register is handed over in memory.
+#pragma GCC diagnostic ignored "-Wpsabi"
+
 namespace silt::test {
 namespace {
 
