@@ -83,7 +83,7 @@ TEST(BoomerAmg, NeedsHardlyMoreIterationsForMoreUnknowns) {
 
 TEST(BoomerAmg, SolvesSystemsOfOtherSizesAndInCopies) {
   ConjugateGradient<BoomerAmg> solver({.tolerance = 1e-10});
-  for (const Index n : {10, 5, 12}) {
+  for (const Index n : {10u, 5u, 12u}) {
     auto system = square_of(n);
     system.right_side = uneven(n * n);
     std::vector<double> x(n * n, 0), again(n * n, 0);
