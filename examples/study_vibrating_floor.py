@@ -28,12 +28,15 @@ SPHERES = {
 # A tenth of K_1 is enough where it is not the subject: the first two runs show it.
 SOFT = {"loading-stiffness": 2.7e7}
 CHECKS = {
+    "m1_v2_soft": {**SPHERES["m1_v2"], **SOFT},
     "m2.5_v2_soft": {**SPHERES["m2.5_v2"], **SOFT},
     "m5_v2_soft": {**SPHERES["m5_v2"], **SOFT},
+    "m1_v2_soft_wide": {**SPHERES["m1_v2"], **SOFT, "cell-width": 16, "until": 24},
     "m2.5_v2_soft_wide": {**SPHERES["m2.5_v2"], **SOFT, "cell-width": 16, "until": 20},
 }
 DISCS = {f"discs_{name}": {**options, **SOFT, "dimension": 2, "cell-width": 40}
          for name, options in SPHERES.items()}
+DISCS["discs_m1_v2"]["until"] = 204  # hardly any discs, hardly any fall with height
 RUNS = {**SPHERES, **CHECKS, **DISCS}
 
 

@@ -316,6 +316,10 @@ void vibrate(const Options& o) {
                  Leapfrog{}};
   const double sample_every = o.period() / o.samples_per_period;
   const double dt = sample_every / std::ceil(sample_every / bed.time_step());
+  if (o.until / dt > 1e10) {
+    throw support::Refusal("--until " + to_text(o.until) + " takes " + to_text(o.until / dt) +
+                           " steps with these grains; shorten it, or soften them");
+  }
 
   VtkSeries frames(o.out + "/frames");
   const auto samples_per_frame =
