@@ -77,7 +77,7 @@ void describe(CLI::App& app, Options& o) {
   using support::positive, support::not_negative, support::between;
   add("--dimension", o.dimension, "2: discs in a slot; 3: spheres", between({2, 3}));
   app.add_option("--openings", o.openings, "widths D of the opening over the mean diameter; by "
-                 "default 6, 7, 8, 9.5 in 3D, and 8, 10, 12.5, 16, 20 in 2D")
+                 "default 6, 7, 8 in 3D, and 8, 10, 12.5, 16, 20 in 2D")
       ->check(positive())
       ->delimiter(',');
   add("--diameter", o.diameter, "mean diameter d of the grains [m]", positive());
@@ -94,7 +94,7 @@ void describe(CLI::App& app, Options& o) {
   add("--friction-angle", o.friction_angle, "of grains and walls [degrees]", between({0, 80}));
   add("--restitution", o.restitution, "of a contact", between({0.01, 1}));
   add("--share", o.share, "of the grains that is let out through each opening", between({0.01, 0.9}));
-  add("--longest", o.longest, "discharge through one opening, in sqrt(d/g); 0: 25 in 3D, 40 in 2D",
+  add("--longest", o.longest, "discharge through one opening, in sqrt(d/g); 0: 20 in 3D, 40 in 2D",
       not_negative());
   add("--seed", o.seed, "of the random numbers", not_negative());
   add("--threads", o.threads, "threads; the result is the same bits for any number",
@@ -113,7 +113,7 @@ void complete(Options& o) {
     throw support::Refusal("--stl " + o.stl + " needs --dimension 3, one of --openings, --width");
   }
   if (o.openings.empty()) {
-    o.openings = o.dimension == 3 ? std::vector{6.0, 7.0, 8.0, 9.5}
+    o.openings = o.dimension == 3 ? std::vector{6.0, 7.0, 8.0}
                                   : std::vector{8.0, 10.0, 12.5, 16.0, 20.0};
   }
   const double largest = *std::max_element(o.openings.begin(), o.openings.end());
@@ -127,7 +127,7 @@ void complete(Options& o) {
     throw support::Refusal("--width " + to_text(o.width) + " is less than the largest opening");
   }
   if (o.fill_height == 0) o.fill_height = (o.dimension == 3 ? 1 : 1.6) * o.width;
-  if (o.longest == 0) o.longest = o.dimension == 3 ? 25 : 40;
+  if (o.longest == 0) o.longest = o.dimension == 3 ? 20 : 40;
 }
 
 // --- walls, for the opening D [m]; closed: with a lid over it ------------------------------------

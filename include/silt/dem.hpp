@@ -12,11 +12,15 @@
 #include <silt/dem/energy_ledger.hpp>
 #include <silt/dem/grains.hpp>
 #include <silt/dem/hertz.hpp>
+#include <silt/dem/inflow.hpp>
 #include <silt/dem/law.hpp>
 #include <silt/dem/linear_friction.hpp>
 #include <silt/dem/linear_spring_dashpot.hpp>
 #include <silt/dem/mindlin.hpp>
+#include <silt/dem/outflow.hpp>
+#include <silt/dem/packing.hpp>
 #include <silt/dem/rolling_resistance.hpp>
+#include <silt/dem/settling.hpp>
 #include <silt/dem/stress.hpp>
 #include <silt/dem/walton_braun.hpp>
 #include <silt/integrate/leapfrog.hpp>
