@@ -195,6 +195,27 @@ TEST(EnergyLedger, PutsForcesItDoesNotKnowTogether) {
   EXPECT_NEAR(ledger.works().other, 0.3 * (0.18 + a * (squared(0.19) - squared(0.01)) / 2), 1e-6);
 }
 
+TEST(EnergyLedger, OfFloatsClosesToTheirRoundOff) {
+  Simulation sim{crowd<2, float>(6, 3), BruteForce<2, float>{}, dem::Contacts{telling}, Leapfrog{}};
+  dem::EnergyLedger ledger{sim};
+  sim.step(2e-5);
+  ledger.after_step(sim);
+  for (int k = 1; k < 300; ++k) {
+    sim.step(2e-5);
+    ledger.after_step(sim);
+    ASSERT_LT(std::abs(ledger.imbalance()), 1e-6 * ledger.energies().kinetic) << k;
+  }
+  EXPECT_GT(ledger.losses().friction, 0.01 * ledger.energies().kinetic);
+}
+
+TEST(EnergyLedger, RefusesGrainsThatCameUnnoticed) {
+  auto sim = simulation(heap(), telling, {});
+  dem::EnergyLedger ledger{sim};
+  dem::add_grain(sim.particles(), {1, 1}, pebble);
+  sim.step(1e-5);
+  EXPECT_TRUE(refuses([&] { ledger.after_step(sim); }, {"EnergyLedger", "before_step", "id 64"}));
+}
+
 TEST(EnergyLedger, RefusesToMissAStep) {
   auto sim = simulation(heap(), telling, {});
   dem::EnergyLedger ledger{sim};

@@ -54,7 +54,7 @@ class EnergyLedger {
     came_since_ += kinetic_of(before_) + rotational_of(before_) - noted;
   }
 
-  /// To be called after every step. Throws if it missed one.
+  /// To be called after every step. Throws if it missed one, or grains that came before it.
   template <class Sim, class Run>
   void after_step(const Sim& simulation, const Run&) {
     after_step(simulation);
@@ -65,6 +65,7 @@ class EnergyLedger {
       fail("dem::EnergyLedger: it saw step " + std::to_string(steps_) + " and then step " +
            std::to_string(simulation.steps()) + "; call after_step() after every one");
     }
+    check_that_all_are_known(simulation.particles());
     if (steps_ > 0) enter(simulation);
     note(simulation);
   }
@@ -117,8 +118,19 @@ class EnergyLedger {
     time_step_ = simulation.last_time_step();
   }
 
+  void check_that_all_are_known(const P& after) const {
+    const Index stranger = first_where(
+        after.size(), [&](Index i) { return before_.index_of(after.id(i)) == nowhere; });
+    if (stranger == nowhere) return;
+    fail("dem::EnergyLedger: it does not know a grain that was there during the step; call "
+         "before_step() after adding grains, or stand it behind the observer that adds them",
+         {.particle = stranger, .id = after.id(stranger)});
+  }
+
   template <class Sim>
   void enter(const Sim& simulation) {
+    static_assert(requires { simulation.integrator().damping(); },
+                  "silt::dem::EnergyLedger: it reads the half steps of Leapfrog");
     const P& after = simulation.particles();
     const Works last = std::exchange(step_, {});
     outside_ += came_since_;

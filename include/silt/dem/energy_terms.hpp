@@ -14,7 +14,8 @@ namespace silt::dem {
 struct Energies {
   double kinetic = 0;     ///< Σ ½ m v²
   double rotational = 0;  ///< Σ ½ I ω²
-  double potential = 0;   ///< −Σ m g·x, zero at the origin
+  double potential = 0;   ///< −Σ m g·x, zero at the origin; jumps when grains go round a period
+                          ///< along g
   ElasticParts elastic{};  ///< in the springs of contacts
 
   double sum() const { return kinetic + rotational + potential + elastic.sum(); }
