@@ -115,7 +115,7 @@ TEST(MeshWall, OfABoxIsSixPlanesToWhoIsInside) {
   }
 }
 
-// From without, it pushes in one point: the nearest of the solid box, over sides, edges and corners.
+// From without, it pushes in one point: the nearest of the solid box, over sides, edges, corners.
 TEST(MeshWall, OfABoxPushesOnceWhoIsOutside) {
   dem::BoxWall<3> block{.box = unit, .grains = dem::Side::outside};
   block.check();
@@ -168,7 +168,8 @@ Triangles sheet(int n, double roughness) {
   for (double& height : heights) height = roughness * unit_range(random);
   Triangles all;
   add_patch(all, n, [&](double u, double v) {
-    const auto i = static_cast<Index>(std::lround(u * n)), j = static_cast<Index>(std::lround(v * n));
+    const auto i = static_cast<Index>(std::lround(u * n));
+    const auto j = static_cast<Index>(std::lround(v * n));
     return Vec<3>(u, v, heights[i * static_cast<Index>(n + 1) + j]);
   });
   return all;

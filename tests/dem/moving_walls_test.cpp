@@ -33,7 +33,8 @@ TEST(WallMotions, HaveTheVelocityOfTheirPoses) {
   };
   expect_derivative(dem::Translation<2>{.velocity = {1, -2}}, Vec<2>(0.3, 0.4));
   expect_derivative(dem::Rotation<2>{.about = {1, 2}, .spin = 3}, Vec<2>(0.3, 0.4));
-  expect_derivative(dem::Rotation<3>{.about = {1, 2, 3}, .spin = {0.5, -1, 2}}, Vec<3>(0.3, 0.4, 1));
+  expect_derivative(dem::Rotation<3>{.about = {1, 2, 3}, .spin = {0.5, -1, 2}},
+                    Vec<3>(0.3, 0.4, 1));
   expect_derivative(dem::Rotation<3>{}, Vec<3>(0.3, 0.4, 1));
   expect_derivative(dem::Vibration<3>{.amplitude = {0, 0.1, 0.2}, .frequency = 2, .phase = 0.7},
                     Vec<3>(0.3, 0.4, 1));
@@ -42,8 +43,8 @@ TEST(WallMotions, HaveTheVelocityOfTheirPoses) {
 template <int Dim>
 auto simulation(const dem::Grains<Dim>& grains, const dem::CundallStrack& own_law,
                 const AnyMoving<Dim>& wall, double g = 0) {
-  return Simulation{grains, NeighbourList<Dim>{},
-                    Forces{Gravity<Dim>{-g * Vec<Dim>::Unit(Dim - 1)}, dem::Contacts{own_law, wall}},
+  const Gravity<Dim> gravity{-g * Vec<Dim>::Unit(Dim - 1)};
+  return Simulation{grains, NeighbourList<Dim>{}, Forces{gravity, dem::Contacts{own_law, wall}},
                     Leapfrog{}};
 }
 template <class Sim>
@@ -54,8 +55,9 @@ const auto& contacts_of(const Sim& sim) {
 // An undamped spring hands back the relative velocity: v' = 2u − v.
 TEST(MovingPlane, ReflectsAboutItsOwnVelocity) {
   for (const double u : {0.5, -0.4, 2.0}) {
+    const dem::Translation<3> motion{.velocity = {0, 0, u}};
     auto sim = simulation<3>(one_grain<3>({0, 0, 0.0101}, {0.3, 0, -1}), law,
-                             moving<3>(dem::Plane<3>{}, dem::Translation<3>{.velocity = {0, 0, u}}));
+                             moving<3>(dem::Plane<3>{}, motion));
     bool touched = false;
     for (int k = 0; k < 5000 && !(touched && contacts_of(sim).size() == 0); ++k) {
       sim.step(sim.time_step() / 4);
@@ -88,8 +90,8 @@ TEST(MovingPlane, IsWhatAPlaneAtRestIsToOneWhoMovesWithIt) {
   EXPECT_GT(still.particles()[velocity][0][2], 0.5) << "it has bounced";
 }
 
-// A spring on a floor that vibrates far below its own frequency carries a grain along; what the floor
-// bears is the weight and the force that the acceleration takes.
+// A floor that vibrates far below the frequency of the contact carries a grain along; what it bears
+// is the weight and the force that the acceleration takes.
 TEST(VibratingFloor, CarriesAGrain) {
   constexpr double g = 9.81, A = 1e-4, f = 10, omega = 2 * std::numbers::pi * f;
   const dem::CundallStrack damped{.normal_stiffness = 1e6, .restitution = 0.2};

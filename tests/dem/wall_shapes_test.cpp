@@ -19,7 +19,7 @@ constexpr double inf = std::numeric_limits<double>::infinity();
 
 static_assert(dem::Wall<dem::BoxWall<2>, 2, double> && dem::Wall<dem::BoxWall<3, float>, 3, float>);
 static_assert(dem::Wall<dem::Circle<float>, 2, float> && dem::Wall<dem::Cylinder<>, 3, double>);
-static_assert(dem::Wall<dem::Polyline<float>, 2, float> && dem::Wall<dem::MeshWall<float>, 3, float>);
+static_assert(dem::Wall<dem::Polyline<>, 2, double> && dem::Wall<dem::MeshWall<float>, 3, float>);
 static_assert(!dem::Wall<dem::Circle<>, 3, double> && !dem::Wall<dem::MeshWall<>, 3, float>);
 
 template <int Dim>

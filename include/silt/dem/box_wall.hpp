@@ -11,9 +11,9 @@
 
 namespace silt::dem {
 
-/// All sides of a box: six planes (four in 2D) that hold the grains, or a block among them. What is
-/// behind a side is solid. There is no wall across a periodic axis, nor at infinity: a box without a
-/// lid has upper[2] = ∞.
+/// All sides of a box: six planes (four in 2D) that hold the grains, or a block among them. What
+/// is behind a side is solid. There is no wall across a periodic axis, nor at infinity: a box
+/// without a lid has upper[2] = ∞.
 template <int Dim, class Real = double>
 struct BoxWall {
   Box<Dim, Real> box;           ///< [m]

@@ -14,7 +14,6 @@
 #include <silt/dem/welded_mesh.hpp>
 
 #include <algorithm>
-#include <array>
 #include <cstdint>
 #include <map>
 #include <utility>
@@ -74,8 +73,10 @@ void split_at_junctions(WeldedMesh<Real>& mesh) {
       for (std::size_t k = 0; k < 3; ++k) {
         const auto found = on.find(side_of(t, k));
         if (found == on.end()) continue;
-        const auto [from, to, apex] = std::array{mesh.triangles[t][k], mesh.triangles[t][(k + 1) % 3],
-                                                 mesh.triangles[t][(k + 2) % 3]};
+        const auto corners = mesh.triangles[t];
+        const std::uint32_t from = corners[k];
+        const std::uint32_t to = corners[(k + 1) % 3];
+        const std::uint32_t apex = corners[(k + 2) % 3];
         auto& between = found->second;
         std::ranges::sort(between);
         if (from > to) std::ranges::reverse(between);

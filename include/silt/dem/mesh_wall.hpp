@@ -122,8 +122,8 @@ class MeshWall {
     return (x - mesh_->features.vertices[face.vertices[0]]).dot(face.normal);
   }
 
-  // How far x is on the side of an edge where a face lies. Faces and lines ask the same, so that one
-  // of them pushes, and one alone.
+  // How far x is on the side of an edge where a face lies. Faces and lines ask the same, so that
+  // one of them pushes, and one alone.
   Real inside(const Edge& edge, const Vec& inwards, const Vec& x) const {
     return (x - mesh_->features.vertices[edge.from]).dot(inwards);
   }

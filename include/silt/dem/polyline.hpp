@@ -74,8 +74,8 @@ struct Polyline {
     return (direction(k) - direction(before(k))).norm() < straight;
   }
 
-  // How far x is beyond a line's beginning, or before its end, along it. A line and its two ends ask
-  // the same, so that one of them pushes, and one alone.
+  // How far x is beyond a line's beginning, or before its end, along it. A line and its two ends
+  // ask the same, so that one of them pushes, and one alone.
   Real beyond_start(Index line, const Vec<2, Real>& x) const {
     return (x - points[line]).dot(direction(line));
   }

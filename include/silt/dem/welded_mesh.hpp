@@ -90,9 +90,9 @@ WeldedMesh<Real> weld(const std::vector<Triangle<Real>>& triangles) {
     auto sorted = corners;
     std::ranges::sort(sorted);
     if (sorted[0] == sorted[1] || sorted[1] == sorted[2]) {
-      fail("MeshWall: triangle " + std::to_string(t) + " at " +
-           to_text(triangles[t].corners[0]) + " m is too small beside the whole: two of its corners "
-           "are one in single precision; leave it out, or move the mesh to the origin");
+      fail("MeshWall: triangle " + std::to_string(t) + " at " + to_text(triangles[t].corners[0]) +
+           " m is too small beside the whole: two of its corners are one in single precision; leave "
+           "it out, or move the mesh to the origin");
     }
     if (known.insert(sorted).second) mesh.triangles.push_back(corners);
   }

@@ -165,7 +165,8 @@ inline bool is_text_stl(std::string_view bytes) {
 
 /// Reads a file of triangles, binary or text, in the order of the file. Normals and attributes are
 /// not read: the corners tell all. Throws silt::Error, naming file and triangle, if it cannot be
-/// read, breaks off, is not STL, or has no triangle, one without area, or a number that is not finite.
+/// read, breaks off, is not STL, or has no triangle, one without area, or a number that is not
+/// finite.
 inline std::vector<Triangle<double>> read_stl(const std::filesystem::path& path,
                                               const StlSettings& settings = {}) {
   require_positive("StlSettings: scale", settings.scale);
@@ -202,12 +203,14 @@ void write_stl(const std::filesystem::path& path, const std::vector<Triangle<Rea
     const Vec<3, Real> normal = moment(Vec<3, Real>(b - a), Vec<3, Real>(c - a)).normalized();
     if (format == StlFormat::binary) {
       for (const auto& vector : {normal, a, b, c}) {
-        for (int k = 0; k < 3; ++k) put(std::bit_cast<std::uint32_t>(static_cast<float>(vector[k])));
+        for (const Real value : vector) put(std::bit_cast<std::uint32_t>(static_cast<float>(value)));
       }
       bytes += std::string(2, '\0');
     } else {
       const auto numbers = [](const Vec<3, Real>& x) {
-        return " " + file::digits(x[0]) + " " + file::digits(x[1]) + " " + file::digits(x[2]) + "\n";
+        std::string text;
+        for (const Real value : x) text += " " + file::digits(value);
+        return text + "\n";
       };
       bytes += "facet normal" + numbers(normal) + "outer loop\n";
       for (const auto& corner : triangle.corners) bytes += "vertex" + numbers(corner);
