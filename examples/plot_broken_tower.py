@@ -83,10 +83,18 @@ def colours(run):
     return {"cmap": heat, "norm": plt.Normalize(0, np.sqrt(9.81 * top))}
 
 
+def thin(run, half, inches, most):
+    """Width of a grain's outline [points] on a panel so wide: thinner where grains are small."""
+    diameter = 72 * inches * 2 * run.options["radius"] / (2 * half)
+    return min(most, 0.07 * diameter)
+
+
 def draw_frames(run, undamped, path):
     """Eight moments of the collapse; below them the end, with and without global damping."""
     top = run.height + run.options["drop_height"]
-    times = [t for t in (0.0, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9) if t <= run.series.times[-1]]
+    fall = np.sqrt(2 * run.height / 9.81)
+    times = [0, *(run.summary["landing_time"] + fall * (0.37 + 0.2 * np.arange(7)))]
+    times = [t for t in times if t <= run.series.times[-1]]
     ends = [each for each in (run, undamped) if each]
     figure = plt.figure(figsize=(11, 5.9 + 0.85 * len(ends)))
     upper, lower = figure.subfigures(2, 1, height_ratios=[5.9, 0.85 * len(ends)])
@@ -99,7 +107,8 @@ def draw_frames(run, undamped, path):
         axes.set_axis_on()
         frame = run.frame(run.series.nearest(time))
         view(axes, run, 0.64 * top, 1.06 * top)
-        circles = draw(axes, frame, speed(frame), edge=0.3, **colours(run))
+        edge = thin(run, 0.64 * top, 2.4, 0.3)
+        circles = draw(axes, frame, speed(frame), edge=edge, **colours(run))
         axes.set_title(f"t = {time:.1f} s", fontsize=11, loc="left")
     bar = upper.colorbar(circles, cax=upper.add_axes((0.93, 0.2, 0.013, 0.6)), extend="max")
     bar.set_label("speed [m/s]")
@@ -110,8 +119,9 @@ def draw_frames(run, undamped, path):
     lower.subplots_adjust(left=0.01, right=0.99, bottom=0.03, top=0.8, hspace=0.9)
     for axes, each in zip(strips, ends):
         frame = each.frame(len(each.series) - 1)
-        view(axes, each, half, 0.075 * half)
-        draw(axes, frame, speed(frame), edge=0.15, **colours(run))
+        heap = np.percentile(frame["position"][:, 1], 99.8) + 2 * each.options["radius"]
+        view(axes, each, half, max(0.075 * half, heap))
+        draw(axes, frame, speed(frame), edge=thin(run, half, 10.8, 0.15), **colours(run))
         limit = 2 * each.summary["pile_radius"]
         axes.vlines([-limit, limit], 0, 0.075 * half, color=RED, linewidth=1,
                     linestyle=(0, (4, 2)))
@@ -144,7 +154,7 @@ def draw_figures(run, undamped, path):
     for row, top, time, pair in zip(rows, tops, times, panels):
         for frame, each, axes in zip(row, (run, undamped), pair):
             view(axes, each, half, top)
-            draw(axes, frame, speed(frame), edge=0.2, **colours(run))
+            draw(axes, frame, speed(frame), edge=thin(run, half, wide / 2, 0.2), **colours(run))
             axes.set_title(f"t = {time:.2f} s", fontsize=10, loc="left")
     for axes, each, number in zip(panels[0], (run, undamped), (9, 10)):
         axes.set_title(f"after Fig. {number}: {each.damping}", fontsize=11, loc="right")
@@ -295,7 +305,7 @@ def animate(run, path):
         axes.clear()
         frame = run.frame(number)
         view(axes, run, 0.74 * top, 1.12 * top)
-        draw(axes, frame, speed(frame), edge=0.2, **colours(run))
+        draw(axes, frame, speed(frame), edge=thin(run, 0.74 * top, 5.2, 0.2), **colours(run))
         axes.text(0.03, 0.93, f"t = {run.series.times[number]:.2f} s", fontsize=11,
                   transform=axes.transAxes)
 
