@@ -115,9 +115,12 @@ struct RollingResistance {
     return Real(2 * damping_ratio) * std::sqrt(Real(1.4) * m * k_r) * R;
   }
 
+  // Left as a call until late, it would keep g++ from working on eight contacts at once.
   template <class C, class V>
-  SliderForce<V> resist(typename C::Real mu, const C& contact, const NormalForce<C>& normal,
-                        typename C::Real k_n_before, const V& before, const V& spin) const {
+  [[gnu::always_inline]] SliderForce<V> resist(typename C::Real mu, const C& contact,
+                                               const NormalForce<C>& normal,
+                                               typename C::Real k_n_before, const V& before,
+                                               const V& spin) const {
     using Real = typename C::Real;
     const Real R = contact.effective_radius;
     const Real k = of(mu, R, normal.stiffness);
