@@ -115,12 +115,14 @@ def draw_frames(run, undamped, path):
     bar.outline.set_visible(False)
 
     half = 1.03 * max(each.summary["farthest"] for each in ends)
+    for each in ends:  # strips so long that the heap fits in
+        heights = each.series[len(each.series) - 1]["position"][:, 1]
+        half = max(half, (np.percentile(heights, 99.8) + 2 * each.options["radius"]) / 0.075)
     strips = np.atleast_1d(lower.subplots(len(ends), 1))
     lower.subplots_adjust(left=0.01, right=0.99, bottom=0.03, top=0.8, hspace=0.9)
     for axes, each in zip(strips, ends):
         frame = each.frame(len(each.series) - 1)
-        heap = np.percentile(frame["position"][:, 1], 99.8) + 2 * each.options["radius"]
-        view(axes, each, half, max(0.075 * half, heap))
+        view(axes, each, half, 0.075 * half)
         draw(axes, frame, speed(frame), edge=thin(run, half, 10.8, 0.15), **colours(run))
         limit = 2 * each.summary["pile_radius"]
         axes.vlines([-limit, limit], 0, 0.075 * half, color=RED, linewidth=1,
