@@ -352,6 +352,11 @@ Discharge let_out(const Options& o, const dem::Grains<Dim>& filled, double ratio
                            " diameters is over before it is steady; fill higher");
   }
   const Index middle = (first + last) / 2;
+  const double mean_mass = whole / double(filled.size());
+  if (discharge.masses[last - 1] - discharge.masses[middle] < 10 * mean_mass) {
+    throw support::Refusal("an arch of grains blocks the opening of " + to_text(ratio) +
+                           " diameters; widen it, or lower the friction");
+  }
   discharge.rate = slope(discharge, first, last);
   discharge.rate_of_halves[0] = slope(discharge, first, middle);
   discharge.rate_of_halves[1] = slope(discharge, middle, last);
@@ -467,9 +472,13 @@ void run(const Options& o) {
                                    {"longest", o.longest},
                                    {"seed", o.seed},
                                    {"threads", o.threads}}}});
-  std::printf("hopper: %zu grains, %llu steps in %.1f s; exponent %.3f with k = %g (law: %g), "
-              "C = %.3f; see %s\n", grains, static_cast<unsigned long long>(steps), wall.seconds(),
-              fit.exponent, k, o.exponent(), fit.coefficient, o.out.c_str());
+  std::printf("hopper: %zu grains, %llu steps in %.1f s", grains,
+              static_cast<unsigned long long>(steps), wall.seconds());
+  if (all.size() > 1) {
+    std::printf("; exponent %.3f with k = %g (law: %g), C = %.3f", fit.exponent, k, o.exponent(),
+                fit.coefficient);
+  }
+  std::printf("; see %s\n", o.out.c_str());
 }
 
 void discharge(Options& o) {
