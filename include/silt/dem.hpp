@@ -6,6 +6,7 @@
 #include <silt/core/lattice.hpp>
 #include <silt/core/simulation.hpp>
 #include <silt/dem/adhesion.hpp>
+#include <silt/dem/bonds.hpp>
 #include <silt/dem/contacts.hpp>
 #include <silt/dem/coordination.hpp>
 #include <silt/dem/cundall_strack.hpp>
