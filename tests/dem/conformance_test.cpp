@@ -101,7 +101,8 @@ struct Law {
 };
 
 // Fails this finding, says so in words, and all others hold but for these.
-void expect_finding(Fault fault, const std::string& name, const std::vector<std::string>& also = {}) {
+void expect_finding(Fault fault, const std::string& name,
+                    const std::vector<std::string>& also = {}) {
   const auto verdict = dem::conformance_of(Law{fault});
   EXPECT_FALSE(verdict.holds(name)) << name;
   EXPECT_NE(verdict.text().find(name), std::string::npos);
@@ -122,9 +123,10 @@ TEST(Conformance, OfASoundLawHolds) {
 
 TEST(Conformance, FindsADashpotOfTheWrongSign) {
   expect_finding(Fault::dashpot_pulls_while_approaching, "no energy from pressing",
-                 {"restitution is at most 1", "no energy from impacts", "a faster impact loses no less",
-                  "no energy from sliding", "no energy from sliding under changing load",
-                  "no energy from rolling", "elastic_energy is what the springs hold"});
+                 {"restitution is at most 1", "no energy from impacts",
+                  "a faster impact loses no less", "no energy from sliding",
+                  "no energy from sliding under changing load", "no energy from rolling",
+                  "elastic_energy is what the springs hold"});
 }
 
 TEST(Conformance, FindsASpringThatDoesNotTurnWithTheContact) {
@@ -181,11 +183,16 @@ TEST(Conformance, FindsThatAContactPulls) {
 
 TEST(Conformance, RefusesATrialOutOfRange) {
   const dem::CundallStrack law{.normal_stiffness = 1e6};
-  EXPECT_TRUE(refuses([&] { dem::conformance_of(law, {.radius = -1}); }, {"LawTrial: radius = -1"}));
-  EXPECT_TRUE(refuses([&] { dem::conformance_of(law, {.density = 0}); }, {"LawTrial: density = 0"}));
-  EXPECT_TRUE(refuses([&] { dem::conformance_of(law, {.overlap = 0}); }, {"LawTrial: overlap = 0"}));
-  EXPECT_TRUE(refuses([&] { dem::conformance_of(law, {.overlap = 0.1}); }, {"overlap over radius"}));
-  EXPECT_TRUE(refuses([] { dem::conformance_of(dem::CundallStrack{}); }, {"normal_stiffness = 0"}));
+  EXPECT_TRUE(refuses([&] { dem::conformance_of(law, {.radius = -1}); },
+                      {"LawTrial: radius = -1"}));
+  EXPECT_TRUE(refuses([&] { dem::conformance_of(law, {.density = 0}); },
+                      {"LawTrial: density = 0"}));
+  EXPECT_TRUE(refuses([&] { dem::conformance_of(law, {.overlap = 0}); },
+                      {"LawTrial: overlap = 0"}));
+  EXPECT_TRUE(refuses([&] { dem::conformance_of(law, {.overlap = 0.1}); },
+                      {"overlap over radius"}));
+  EXPECT_TRUE(
+      refuses([] { dem::conformance_of(dem::CundallStrack{}); }, {"normal_stiffness = 0"}));
 }
 
 }  // namespace

@@ -92,14 +92,6 @@ TEST(TwoGrains, CollideThroughAPeriodicSideAsInOpenSpace) {
   }
 }
 
-TEST(TwoGrains, ExchangeVelocitiesInAnElasticHeadOnImpact) {
-  Simulation sim{two_grains<3>(1e-4, Vec<3>(-2, 0, 0)), UniformGrid<3>{},
-                 dem::Contacts{dem::CundallStrack{.normal_stiffness = 1e6}}, Leapfrog{}};
-  through_contact(sim, sim.time_step());
-  EXPECT_NEAR(sim.particles()[velocity][0][0], -2, 1e-3);
-  EXPECT_NEAR(sim.particles()[velocity][1][0], 0, 1e-3);
-}
-
 TEST(TwoGrains, OfUnequalMassLeaveAsAnElasticImpactOfPointsDoes) {
   dem::Grains<3> grains;
   dem::add_grain(grains, {0, 0, 0}, {.radius = 0.02, .density = 2500});
@@ -129,20 +121,6 @@ TEST(TwoGrains, KeepEnergyWhileAnElasticContactLasts) {
     ASSERT_NEAR(energy_of_motion(grains) + stored, before, 2e-3 * before) << k;
   }
   EXPECT_GT(most_stored, 0.4 * before);
-}
-
-TEST(NewtonsCradle, PassesTheSpeedToTheLast) {
-  for (const int n : {3, 5}) {
-    dem::Grains<2> grains;
-    const double d = 0.02;
-    for (int k = 0; k < n; ++k) dem::add_grain(grains, {k * d * 1.001, 0}, pebble);
-    grains[velocity][0] = {0.1, 0};
-    Simulation sim{grains, UniformGrid<2>{}, dem::Contacts{dem::CundallStrack{.normal_stiffness = 1e8}}, Leapfrog{}};
-    while (sim.particles()[velocity][Index(n - 1)][0] < 0.09) sim.step();
-    sim.run({.until = sim.time() + 1e-3});
-    EXPECT_NEAR(sim.particles()[velocity][Index(n - 1)][0], 0.1, 1e-4);
-    for (int k = 0; k < n - 1; ++k) EXPECT_NEAR(sim.particles()[velocity][Index(k)][0], 0, 1e-4);
-  }
 }
 
 TEST(Grains, HaveTheMassAndInertiaOfTheirShape) {

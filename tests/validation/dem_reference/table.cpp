@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: MIT
+#include "table.hpp"
+
+#include <silt/core/error.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <sstream>
+
+namespace silt::test {
+namespace {
+
+std::vector<std::string> cells_of(const std::string& line) {
+  std::vector<std::string> cells;
+  std::stringstream stream(line);
+  for (std::string cell; std::getline(stream, cell, '|');) {
+    const auto first = cell.find_first_not_of(' ');
+    const auto last = cell.find_last_not_of(' ');
+    cells.push_back(first == std::string::npos ? "" : cell.substr(first, last - first + 1));
+  }
+  return cells;
+}
+
+// To two digits; in per cent where that is short.
+std::string share(double value) {
+  if (value == 0) return "0";
+  char text[32];
+  const bool small = value < 1e-4;
+  std::snprintf(text, sizeof text, small ? "%.1g" : "%.2g %%", small ? value : 100 * value);
+  return text;
+}
+
+std::string line_of(const ReferenceRow& row) {
+  return "| " + row.item + " | " + row.quantity + " | " + to_text(row.reference) + " | " +
+         to_text(row.measured) + " | " + share(row.error()) + " | " + share(row.allowed) + " |";
+}
+
+}  // namespace
+
+double ReferenceRow::error() const {
+  return std::abs(measured - reference) / (scale > 0 ? scale : std::abs(reference));
+}
+bool ReferenceRow::holds() const { return is_finite(measured) && error() <= allowed; }
+
+void ReferenceTable::sort() {
+  std::stable_sort(rows_.begin(), rows_.end(), [](const ReferenceRow& a, const ReferenceRow& b) {
+    return std::stoi(a.item) < std::stoi(b.item);
+  });
+}
+
+std::vector<ReferenceRow> ReferenceTable::failed() const {
+  std::vector<ReferenceRow> failed;
+  for (const auto& row : rows_) {
+    if (!row.holds()) failed.push_back(row);
+  }
+  return failed;
+}
+
+std::string ReferenceTable::text() const {
+  std::string text = "| case | quantity | reference | measured | error | allowed |\n"
+                     "|---|---|---|---|---|---|\n";
+  for (const auto& row : rows_) text += line_of(row) + "\n";
+  return text;
+}
+
+std::vector<std::string> ReferenceTable::differences_from(const std::string& page) const {
+  std::vector<std::string> differences;
+  std::vector<std::vector<std::string>> lines;
+  std::stringstream stream(page);
+  for (std::string line; std::getline(stream, line);) {
+    if (line.starts_with("| ")) lines.push_back(cells_of(line));
+  }
+  std::size_t next = 1;  // behind the names of the columns
+  for (const auto& row : rows_) {
+    const auto own = cells_of(line_of(row));
+    if (next >= lines.size()) {
+      differences.push_back(line_of(row));
+      continue;
+    }
+    const auto& told = lines[next++];
+    bool same = told.size() == own.size();
+    for (const std::size_t cell : {1, 2, 3, 6}) same = same && told[cell] == own[cell];
+    if (same) {
+      ReferenceRow there = row;
+      there.reference = row.measured;
+      there.measured = std::stod(told[4]);
+      there.scale = row.scale > 0 ? row.scale : std::abs(row.reference);
+      same = there.error() <= row.allowed / 4 + 1e-5;
+    }
+    if (!same) differences.push_back(line_of(row));
+  }
+  if (next < lines.size()) differences.push_back("(the page has more rows)");
+  return differences;
+}
+
+}  // namespace silt::test
