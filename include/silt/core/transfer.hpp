@@ -8,7 +8,7 @@
 //     archive("tried", tried_);
 //   }
 //
-// An archive, such as those of io/checkpoint.hpp, has
+// An archive, such as those of io/archive.hpp, has
 //   archive(name, value)         writes the value, or reads it: a number, an enum, a small Eigen
 //                                vector, an array or std::vector of these, a std::string
 //   archive(name, values, n)     the first n values of a std::vector; read, it has n
