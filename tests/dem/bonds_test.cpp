@@ -93,7 +93,12 @@ TYPED_TEST(BondsOf, PullAsTheirSpringDoesAndStoreItsEnergy) {
   EXPECT_EQ(squared_norm(grains[torque][0]), 0);
 }
 
-TYPED_TEST(BondsOf, GiveTheSameBitsForOneToFourThreadsAndAnyOrderInMemory) {
+template <class P>
+class BlockOf : public ::testing::Test {};
+using SomeKinds = ::testing::Types<dem::Grains<2, float>, dem::Grains<3, double>>;
+TYPED_TEST_SUITE(BlockOf, SomeKinds);
+
+TYPED_TEST(BlockOf, BondedGrainsGivesTheSameBitsForOneToFourThreadsAndAnyOrderInMemory) {
   constexpr int dim = TypeParam::dimension;
   using Real = typename TypeParam::Real;
   const auto [start, bonds] = block<dim, Real>(dim == 2 ? 33 : 11, 300);
