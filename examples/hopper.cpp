@@ -86,7 +86,8 @@ void describe(CLI::App& app, Options& o) {
   add("--density", o.density, "of the grains [kg/m3]", positive());
   add("--width", o.width, "of the bin over d; 0: 2.5 of the largest opening, so that its sides are "
       "not felt", not_negative());
-  add("--fill-height", o.fill_height, "over d; 0: as high as the bin is wide, in 2D 1.6 times as high", not_negative());
+  add("--fill-height", o.fill_height, "over d; 0: as high as the bin is wide, in 2D 1.6 times as "
+      "high", not_negative());
   add("--half-angle", o.half_angle, "between the axis and the hopper's side [degrees]; 90: a flat "
       "floor, which Beverloo's law is for", between({10, 90}));
   add("--stiffness", o.stiffness, "of a contact over weight and diameter of a grain; by default "
