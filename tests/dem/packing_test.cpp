@@ -93,6 +93,8 @@ TEST(Packing, RefusesTheImpossibleAndSaysHowFarItCame) {
                       {"solid_fraction = 1.2"}));
   EXPECT_TRUE(refuses([&] { dem::scatter(grains, discs, Box<2>{}, {.number = 1}); },
                       {"lower corner of the region = -inf"}));
+  EXPECT_TRUE(refuses([&] { dem::scatter(grains, discs, Box<2>{}, {.solid_fraction = 0.1}); },
+                      {"volume of the region = inf"}));
 }
 
 // Random sequential addition stops at 0.547 of the plane; so far all tries succeed sooner or later.

@@ -105,6 +105,7 @@ void scatter(P& grains, const Blend<Sizes>& blend, const R& region, const Scatte
   blend.check();
   region.check();
   const double volume = region.volume();
+  if (scatter.solid_fraction) require_finite("dem::scatter: volume of the region", volume);
   const auto drawn = detail::draw_grains<P::dimension>(blend, scatter, volume);
   Placement<R, P::dimension, Real> placement(grains, region, blend.sizes.largest());
   std::vector<Ball<P::dimension, Real>> placed;
