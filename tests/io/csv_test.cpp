@@ -75,6 +75,14 @@ TEST_F(Csv, CommentsBlanksAndForeignLineEndsAreSkipped) {
   EXPECT_EQ(table["Z"], (std::vector<double>{2.5, 4}));
 }
 
+TEST_F(Csv, AByteOrderMarkAndPlusSignsAreRead) {
+  write("\xEF\xBB\xBFt,x\r\n+1,+2.5e+1\r\n");
+  const CsvTable table = read_csv(path);
+  EXPECT_EQ(table["t"], (std::vector<double>{1}));
+  EXPECT_EQ(table["x"], (std::vector<double>{25}));
+  EXPECT_TRUE(refuses_to_read("t\n+-5\n", {"line 2, column t: \"+-5\""}));
+}
+
 TEST_F(Csv, ErrorsNameLineAndColumn) {
   EXPECT_TRUE(refuses_to_read("t,x\n1,2\n3,4m\n", {"line 3, column x: \"4m\""}));
   EXPECT_TRUE(refuses_to_read("t,x\n1,\n", {"line 2, column x: \"\""}));

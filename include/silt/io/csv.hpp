@@ -149,6 +149,8 @@ inline CsvTable read_csv(const std::filesystem::path& path) {
   std::vector<Index> lines;
   std::string line;
   for (Index number = 1; std::getline(stream, line); ++number) {
+    // Some programs that make tables begin them with a byte order mark.
+    if (number == 1 && line.starts_with("\xEF\xBB\xBF")) line.erase(0, 3);
     const std::string_view text = trimmed(line);
     if (text.empty() || text.front() == '#') continue;
     const std::string where = "read_csv: " + path.string() + ", line " + std::to_string(number);
@@ -172,7 +174,8 @@ inline CsvTable read_csv(const std::filesystem::path& path) {
     for (Index c = 0; c < cells.size(); ++c) {
       double value = 0;
       const char* end = cells[c].data() + cells[c].size();
-      const auto read = std::from_chars(cells[c].data(), end, value);
+      const bool is_signed = cells[c].starts_with('+') && !cells[c].starts_with("+-");
+      const auto read = std::from_chars(cells[c].data() + is_signed, end, value);
       if (read.ec != std::errc{} || read.ptr != end) {
         fail(where + ", column " + names[c] + ": \"" + std::string(cells[c]) +
              "\" is not a number; correct it");
