@@ -102,5 +102,17 @@ TEST(Inflow, RefusesWhatIsOutOfRange) {
   EXPECT_TRUE(refuses([] { dem::Outflow(dem::Pillar<>{}); }, {"Pillar: radius"}));
 }
 
+TEST(Outflow, OfTheLastGrainDoesNotEndARun) {
+  dem::Grains<2> grain;
+  dem::add_grain(grain, {0, 0}, {.radius = 0.01, .density = 2500});
+  dem::Outflow below{Box<2>{.lower = {-1, -2}, .upper = {1, -0.1}}};
+  const dem::CundallStrack law{.normal_stiffness = 1e3};
+  Simulation fall{grain, UniformGrid<2>{}, Forces{Gravity<2>{{0, -9.81}}, dem::Contacts{law}},
+                  Leapfrog{}};
+  fall.run({.until = 0.3}, below);
+  EXPECT_EQ(below.number(), 1u);
+  EXPECT_GE(fall.time(), 0.3 * (1 - 1e-12));
+}
+
 }  // namespace
 }  // namespace silt::test

@@ -119,10 +119,13 @@ class Simulation {
     transfer_part(archive, "interaction", interaction_, particles_);
   }
 
-  /// The time step the interaction would choose now [s]. Throws if it chooses none.
+  /// The time step the interaction would choose now [s]; the last one if all particles are gone.
+  /// Throws if it chooses none.
   double time_step() {
     double dt = std::numeric_limits<double>::infinity();
     if constexpr (ChoosesTimeStep<I, P>) dt = interaction_.time_step(particles_);
+    // The last particle may leave a run that goes on.
+    if (!is_finite(dt) && particles_.size() == 0 && last_time_step_ > 0) return last_time_step_;
     if (!is_finite(dt)) {
       fail("Simulation: nothing here chooses a time step; give one: run({.time_step = …}) or "
            "step(dt)");
