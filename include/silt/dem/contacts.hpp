@@ -98,8 +98,8 @@ class Contacts {
     return 2 * largest(R.size(), Real(0), [&](Index i) { return R[i]; });
   }
 
-  /// Adds contact forces and moments. Throws if two centres coincide, if a radius or mass is not
-  /// positive, if a material is unknown, or if dt is beyond stability.
+  /// Adds contact forces and moments. Throws if two centres coincide, if a radius, mass or inertia
+  /// is not positive, if a material is unknown, or if dt is beyond stability.
   template <class P, class S>
     requires HasFields<P, velocity_t, spin_t, force_t, torque_t, mass_t, inertia_t, radius_t,
                        material_t> &&
@@ -284,15 +284,17 @@ class Contacts {
   void check_grains(const P& grains) const {
     const auto R = grains[radius];
     const auto m = grains[mass];
+    const auto inertias = grains[inertia];
     const auto materials = grains[material];
     const Index odd = first_where(grains.size(), [&](Index i) {
-      return !(R[i] > 0 && m[i] > 0 && materials[i] < materials_.count());
+      return !(R[i] > 0 && m[i] > 0 && inertias[i] > 0 && materials[i] < materials_.count());
     });
     if (odd == nowhere) return;
     const Where where{.particle = odd, .id = grains.id(odd)};
     materials_.check(materials[odd], "of a grain", where);
-    fail("dem::Contacts: radius = " + to_text(double(R[odd])) + " m and mass = " +
-             to_text(double(m[odd])) + " kg of a grain must be positive; set them",
+    fail("dem::Contacts: radius = " + to_text(double(R[odd])) + " m, mass = " +
+             to_text(double(m[odd])) + " kg and inertia = " + to_text(double(inertias[odd])) +
+             " kg m² of a grain must be positive; set them",
          where);
   }
 
