@@ -127,8 +127,9 @@ class Simulation {
     // The last particle may leave a run that goes on.
     if (!is_finite(dt) && particles_.size() == 0 && last_time_step_ > 0) return last_time_step_;
     if (!is_finite(dt)) {
-      fail("Simulation: nothing here chooses a time step; give one: run({.time_step = …}) or "
-           "step(dt)");
+      fail("Simulation: nothing here chooses a time step" +
+           std::string(particles_.size() == 0 ? ", as there are no particles yet" : "") +
+           "; give one: run({.time_step = …}) or step(dt)");
     }
     return dt;
   }
