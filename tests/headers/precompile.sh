@@ -12,5 +12,7 @@ rm -rf "$folder"
 mkdir -p "$folder/silt"
 for header in silt dem mps; do
   echo "#include <silt/$header.hpp>" >"$folder/$header.hpp"
+  # For whoever includes it a second time.
+  printf '#pragma GCC system_header\n#include_next <silt/%s.hpp>\n' "$header" >"$folder/silt/$header.hpp"
   "$@" "@$flags" -x c++-header "$folder/$header.hpp" -o "$folder/silt/$header.hpp.gch"
 done
