@@ -115,7 +115,7 @@ TEST(VibratingFloor, CarriesTheWeightAndHeatsAThinBedMore) {
 }
 
 // 1.733 g d is the theory's mean temperature for m_t = 2.503, V_b = 2.
-TEST(VibratingFloorSlow, IsAsHotAsKineticTheoryHasIt) {
+TEST(VibratingFloor, IsAsHotAsKineticTheoryHasItSlow) {
   const Bed bed{.spheres = 306, .width = 8, .warm_up = 4, .until = 24};
   const Steady steady = vibrate(bed);
   EXPECT_NEAR(steady.floor_force.value, 1, 0.01);
