@@ -48,6 +48,16 @@ inline CLI::Validator between(silt::Range range) {
                 [range](double value) { return range.lower <= value && value <= range.upper; });
 }
 
+/// What make() makes of the options; what it refuses is refused as an option is.
+template <class Make>
+auto or_refuse(Make&& make) {
+  try {
+    return make();
+  } catch (const silt::Error& error) {
+    throw Refusal(error.what());
+  }
+}
+
 /// Makes the folder, and sees that files can be made in it.
 inline void make_output_folder(const std::filesystem::path& folder) {
   try {

@@ -1,0 +1,228 @@
+// SPDX-License-Identifier: MIT
+// What the examples of MPS share: the options that every flow has, pressure gauges, and the part of
+// the summary that says what a run took.
+#pragma once
+
+#include <silt/io/csv.hpp>
+#include <silt/measure/probe.hpp>
+#include <silt/measure/timed.hpp>
+#include <silt/mps.hpp>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "command_line.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace support {
+
+inline constexpr double g = 9.81;  // [m/s²]
+
+struct FlowOptions {
+  double spacing = 0.01;  // [m]
+  int dimension = 2;
+  double until = 1;                          // [s]
+  std::vector<std::string> probe_texts = {};
+  std::vector<std::vector<double>> probes = {};  // the same as numbers [m]
+  double radius = 3.1;                       // [spacings]
+  double laplacian_radius = 3.1;             // [spacings]
+  double courant = 0.2;
+  double largest_time_step = std::numeric_limits<double>::infinity();  // [s]
+  double tolerance = 1e-6;
+  double output_every = 0.02;  // [s]
+  int threads = 1;
+  std::string out = {};
+};
+
+/// Adds an option with a check, and its default to the help.
+template <class Value>
+CLI::Option* add_option(CLI::App& app, const std::string& name, Value& value,
+                        const std::string& text, const CLI::Validator& check) {
+  return app.add_option(name, value, text)->check(check)->capture_default_str();
+}
+
+/// Adds the options that every flow has; `gauge` says where the gauge is without --probe, `files`
+/// what --out gets.
+inline void describe_flow(CLI::App& app, FlowOptions& o, const std::string& gauge,
+                          const std::string& files) {
+  const auto add = [&app](const std::string& name, auto& value, const std::string& text,
+                          const CLI::Validator& check) {
+    return add_option(app, name, value, text, check);
+  };
+  add("--spacing", o.spacing, "of the particles [m]", positive());
+  add("--dimension", o.dimension, "2 or 3", between({2, 3}));
+  add("--until", o.until, "end of the run [s]", positive());
+  app.add_option("--probe", o.probe_texts, "X,Y or in 3D X,Y,Z of a pressure gauge [m], repeatable; "
+                 "without one " + gauge);
+  add("--radius", o.radius, "of number density, surface, gradient and divergence [spacings]",
+      between({1.5, 6}));
+  add("--laplacian-radius", o.laplacian_radius, "of the Laplacian [spacings]", between({1.5, 6}));
+  add("--courant", o.courant, "spacings that the fastest particle goes in a step",
+      between({1e-3, 0.5}));
+  app.add_option("--largest-time-step", o.largest_time_step, "[s]; without it, no limit of its own")
+      ->check(positive());
+  add("--tolerance", o.tolerance, "of the pressure solve: residual over right side",
+      between({1e-12, 1e-1}));
+  add("--output-every", o.output_every, "time between frames [s]", positive());
+  add("--threads", o.threads, "threads; the result is the same bits for any number",
+      between({1, 1024}));
+  app.add_option("--out", o.out, "folder for " + files)->capture_default_str();
+}
+
+/// Makes numbers of every --probe, which must lie in the tank or on its walls: within [0, upper].
+/// Without one the gauge is at `otherwise`.
+inline void read_probes(FlowOptions& o, const std::vector<double>& upper,
+                        const std::vector<double>& otherwise) {
+  for (const std::string& text : o.probe_texts) {
+    std::vector<double> point;
+    for (const std::string& part : CLI::detail::split(text, ',')) {
+      double value = 0;
+      if (!CLI::detail::lexical_cast(part, value) || !silt::is_finite(value)) {
+        throw Refusal("--probe " + text + ": " + part + " is not a finite number");
+      }
+      point.push_back(value);
+    }
+    if (point.size() != upper.size()) {
+      throw Refusal("--probe " + text + " has " + std::to_string(point.size()) +
+                    " coordinates and must have " + std::to_string(upper.size()));
+    }
+    for (std::size_t k = 0; k < point.size(); ++k) {
+      if (!(point[k] >= 0 && point[k] <= upper[k])) {
+        throw Refusal("--probe " + text + " must lie in the tank or on its walls");
+      }
+    }
+    o.probes.push_back(point);
+  }
+  if (o.probes.empty()) o.probes.push_back(otherwise);
+}
+
+/// The layers of dummies that these radii reach.
+inline int dummy_layers(const FlowOptions& o) {
+  return static_cast<int>(std::ceil(std::max(o.radius, o.laplacian_radius)));
+}
+
+/// The numbers of a flow whose water stands `depth` [m] deep at the beginning.
+template <class Scheme, int Dim>
+silt::mps::FlowSettings<Dim, Scheme> flow_settings(const FlowOptions& o, double depth) {
+  return {.spacing = o.spacing,
+          .radius = o.radius,
+          .laplacian_radius = o.laplacian_radius,
+          .courant = o.courant,
+          .speed_scale = std::sqrt(g * depth),
+          .largest_time_step = o.largest_time_step};
+}
+
+/// Observer that writes what the gauges read to pressure.csv, at every step.
+template <int Dim>
+class PressureGauges {
+ public:
+  explicit PressureGauges(const FlowOptions& o)
+      : file_(o.out + "/pressure.csv", names(o.probes.size())) {
+    for (const auto& point : o.probes) {
+      probes_.push_back({.point = Eigen::Map<const silt::Vec<Dim>>(point.data()),
+                         .spacing = o.spacing});
+    }
+  }
+
+  template <class Sim>
+  void operator()(const Sim& simulation) {
+    if (simulation.steps() == 0) read(simulation);
+  }
+  template <class Sim, class Run>
+  void after_step(const Sim& simulation, const Run&) {
+    read(simulation);
+  }
+
+  /// Of the first gauge, after the last step [Pa].
+  double first() const { return row_[1]; }
+
+ private:
+  static std::vector<std::string> names(std::size_t probes) {
+    std::vector<std::string> names{"t"};
+    for (std::size_t k = 1; k <= probes; ++k) names.push_back("p_" + std::to_string(k));
+    return names;
+  }
+
+  template <class Sim>
+  void read(const Sim& simulation) {
+    const auto& particles = simulation.particles();
+    const auto kinds = particles[silt::mps::kind];
+    const auto is = [&](silt::mps::Kind wanted) {
+      return [&kinds, wanted](silt::Index i) { return kinds[i] == wanted; };
+    };
+    row_.assign(1, simulation.time());
+    for (const silt::Probe<Dim>& probe : probes_) {
+      // A gauge on a wall reads the wall; one that no wall is near reads the fluid.
+      const auto of_wall = probe.read(particles, silt::mps::pressure, is(silt::mps::Kind::wall));
+      const auto of_fluid = probe.read(particles, silt::mps::pressure, is(silt::mps::Kind::fluid));
+      row_.push_back(of_wall ? *of_wall : of_fluid.value_or(0));
+    }
+    file_.row(row_);
+  }
+
+  silt::CsvFile file_;
+  std::vector<silt::Probe<Dim>> probes_;
+  std::vector<double> row_;
+};
+
+/// Observer that counts what the pressure solver did.
+class SolverIterations {
+ public:
+  template <class Sim, class Run>
+  void after_step(const Sim& simulation, const Run&) {
+    const int iterations = simulation.interaction().last_solve().iterations;
+    sum_ += iterations;
+    most_ = std::max(most_, iterations);
+  }
+
+  double sum() const { return sum_; }  // over all steps
+  int most() const { return most_; }
+
+ private:
+  double sum_ = 0;
+  int most_ = 0;
+};
+
+/// What a run took, for summary.json. `particles` are those at the beginning.
+template <class P, class Sim>
+nlohmann::ordered_json summary_of(const Sim& simulation, const P& particles,
+                                  const SolverIterations& iterations, double seconds) {
+  const auto steps = double(std::max<std::uint64_t>(simulation.steps(), 1));
+  return {{"steps", simulation.steps()},
+          {"wall_seconds", seconds},
+          {"fluid_particles", count(particles, silt::mps::Kind::fluid)},
+          {"wall_particles", count(particles, silt::mps::Kind::wall)},
+          {"dummy_particles", count(particles, silt::mps::Kind::dummy)},
+          {"time_simulated", simulation.time()},
+          {"solver_iterations_mean", iterations.sum() / steps},
+          {"solver_iterations_max", iterations.most()},
+          {"seconds_search", simulation.search().seconds()},
+          {"seconds_pressure", simulation.interaction().seconds_in_pressure()},
+          {"seconds_total", seconds},
+          {"particles_lost", simulation.particles_lost()}};
+}
+
+/// Adds the options that every flow has, for summary.json.
+inline void add_flow_options(nlohmann::ordered_json& options, const FlowOptions& o) {
+  options["spacing"] = o.spacing;
+  options["dimension"] = o.dimension;
+  options["until"] = o.until;
+  options["probes"] = o.probes;
+  options["radius"] = o.radius;
+  options["laplacian_radius"] = o.laplacian_radius;
+  options["courant"] = o.courant;
+  // JSON has no infinity: no limit is null.
+  options["largest_time_step"] = o.largest_time_step;
+  options["tolerance"] = o.tolerance;
+  options["output_every"] = o.output_every;
+  options["threads"] = o.threads;
+}
+
+}  // namespace support
