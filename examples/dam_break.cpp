@@ -41,7 +41,13 @@ void describe(CLI::App& app, Options& o) {
     return support::add_option(app, name, value, text, check);
   };
   using support::positive, support::between;
-  add("--case", o.scheme, "column of Table 1: 00 the original MPS, 10 PNU-MPS", between({0, 10}));
+  // An integer that begins with 0 would be read as octal.
+  const auto without_zero = [](std::string& text) {
+    if (text.size() == 2 && text.front() == '0') text.erase(0, 1);
+    return std::string();
+  };
+  add("--case", o.scheme, "column of Table 1: 00 the original MPS, 10 PNU-MPS", between({0, 10}))
+      ->transform(CLI::Validator(without_zero, ""));
   add("--column", o.column, "width,height of the water [m]", positive())
       ->delimiter(',')->expected(2);
   add("--tank", o.tank, "length,height of the walls [m]; four column widths, as in Koshizuka and Oka "

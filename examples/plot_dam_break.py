@@ -8,7 +8,6 @@ Makes frames.png, front.png, pressure.png, collapse.gif and comparison.md in FOL
 original scheme in the subfolder case_00 (--case 00) is compared with it, where it is there.
 """
 
-import json
 import pathlib
 import sys
 
@@ -18,144 +17,26 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.animation import FuncAnimation, PillowWriter
-from matplotlib.colors import LinearSegmentedColormap
 
-HERE = pathlib.Path(__file__).resolve().parent
-sys.path.insert(0, str(HERE))
-from support.frames import Series, draw
-
-REFERENCE = HERE.parent / "tests" / "reference"
-FRONT = "martin_moyce_1952_n2eq2_front_table2.csv"
-HEIGHT = "martin_moyce_1952_n2eq2_height_table6.csv"
-
-G = 9.81
-DENSITY = 1000.0
-BLUE = "#1f6fb4"
-ORANGE = "#d9822b"
-DARK = "#20242a"
-WATER = LinearSegmentedColormap.from_list(
-    "water", ["#bfe0f2", "#5aa9d6", "#1f6fb4", "#2b3f8f", "#8b2f7a", "#e0534a", "#f6b84b"])
-
-
-def table(path):
-    # NumPy would take the first comment for the column names.
-    lines = [line for line in path.read_text().splitlines() if not line.startswith("#")]
-    return np.genfromtxt(lines, delimiter=",", names=True)
-
-
-class Run:
-    """One output folder."""
-
-    def __init__(self, folder):
-        self.summary = json.loads((folder / "summary.json").read_text())
-        self.options = self.summary["options"]
-        self.series = Series(folder / "frames.pvd")
-        self.front = table(folder / "front.csv")
-        self.pressure = table(folder / "pressure.csv")
-        self.name = f"case {self.options['case']:02d}"
-        self.width, self.height = self.options["column"]
-
-    @classmethod
-    def there(cls, folder):
-        return cls(folder) if (folder / "summary.json").exists() else None
-
-    def dimensionless_front(self):
-        """T = t √(2g/a) and Z = x/a."""
-        return self.front["t"] * np.sqrt(2 * G / self.width), self.front["x_front"] / self.width
-
-    def time_shift(self, at=(1.19, 1.44)):
-        """The experiment cannot see the release: T is shifted so that Z = 1.44 falls on T = 1.19."""
-        T, Z = self.dimensionless_front()
-        if Z.max() < at[1]:
-            return None
-        after = int(np.argmax(Z >= at[1]))
-        return at[0] - np.interp(at[1], Z[after - 1:after + 1], T[after - 1:after + 1])
-
-    def front_error(self):
-        """Relative rms of Z against Martin & Moyce for T in 1.19–3.3, after the one shift."""
-        shift = self.time_shift()
-        if shift is None:
-            return None
-        experiment = table(REFERENCE / FRONT)
-        T, Z = self.dimensionless_front()
-        wanted = (experiment["T"] >= 1.19) & (experiment["T"] <= 3.3)
-        wanted &= experiment["Z"] < 0.999 * self.options["tank"][0] / self.width
-        wanted &= experiment["T"] <= T[-1] + shift
-        if wanted.sum() < 3:
-            return None
-        ours = np.interp(experiment["T"][wanted], T + shift, Z)
-        return float(np.sqrt(np.mean((ours / experiment["Z"][wanted] - 1) ** 2)))
-
-    def is_martin_moyce(self):
-        return abs(self.height / self.width - 2) < 1e-9
-
-    def roughness(self, begin=0.4, window=0.02):
-        """Rms [Pa] of the first gauge minus its moving average over 0.02 s, from 0.4 s on."""
-        t, p = self.pressure["t"], self.pressure["p_1"]
-        total = np.concatenate([[0], np.cumsum(p)])
-        low = np.searchsorted(t, t - window / 2)
-        high = np.searchsorted(t, t + window / 2, side="right")
-        rough = p - (total[high] - total[low]) / (high - low)
-        return float(np.sqrt(np.mean(rough[t >= begin] ** 2))) if (t >= begin).any() else None
-
-
-def slice_of(run, frame):
-    """Fluid and walls in the plane; of a 3D run, the middle slice."""
-    keep = frame["kind"] < 2
-    at = frame["position"]
-    if run.options["dimension"] == 3:
-        middle = run.options["depth"] / 2
-        keep &= np.abs(at[:, 1] - middle) <= 0.51 * run.options["spacing"]
-        at = at[:, [0, 2, 1]]
-    return {name: (at if name == "position" else values)[keep] for name, values in frame.items()}
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+from support import water
+from support.water import (BLUE, DARK, DENSITY, FRONT, G, HEIGHT, ORANGE, REFERENCE, DamBreak, table,
+                           tidy)
 
 
 def show(axes, run, frame, top):
-    frame = slice_of(run, frame)
-    l0 = run.options["spacing"]
-    is_wall = frame["kind"] == 1
-    walls = {"position": frame["position"][is_wall]}
-    water = {"position": frame["position"][~is_wall]}
-    draw(axes, walls, np.zeros(is_wall.sum()), radius=0.5 * l0, cmap=LinearSegmentedColormap.from_list(
-        "wall", ["#9a948a", "#9a948a"]))
-    circles = draw(axes, water, frame["pressure"][~is_wall] / 1e3, radius=0.6 * l0, cmap=WATER,
-                   norm=plt.Normalize(0, DENSITY * G * run.height / 1e3))
-    axes.set_xlim(-2 * l0, run.options["tank"][0] + 2 * l0)
-    axes.set_ylim(-2 * l0, top)
-    axes.set_xticks([])
-    axes.set_yticks([])
-    for side in axes.spines.values():
-        side.set_visible(False)
-    return circles
+    is_3d = run.options["dimension"] == 3
+    return water.draw_water(axes, frame, run.options["spacing"], run.options["tank"][0], top,
+                            DENSITY * G * run.height / 1e3,
+                            run.options["depth"] / 2 if is_3d else None)
 
 
 def draw_frames(run, path):
     end = run.series.times[-1]
     times = [t for t in (0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.8, 1.0) if t <= end + 1e-3]
     top = 1.35 * run.height
-    rows = int(np.ceil(len(times) / 3))
-    aspect = top / run.options["tank"][0]
-    figure, panels = plt.subplots(rows, 3, figsize=(11.5, 11.5 / 3.3 * aspect * rows + 0.5),
-                                  squeeze=False)
-    figure.subplots_adjust(left=0.01, right=0.91, bottom=0.01, top=0.95, wspace=0.05, hspace=0.1)
-    for axes in panels.flat:
-        axes.set_axis_off()
-    for axes, time in zip(panels.flat, times):
-        axes.set_axis_on()
-        circles = show(axes, run, run.series[run.series.nearest(time)], top)
-        axes.set_title(f"t = {time:.1f} s", fontsize=11, loc="left")
-    bar = figure.colorbar(circles, cax=figure.add_axes((0.93, 0.2, 0.012, 0.6)), extend="max")
-    bar.set_label("pressure [kPa]")
-    bar.outline.set_visible(False)
-    figure.savefig(path, dpi=130)
-    plt.close(figure)
-
-
-def tidy(axes):
-    for each in axes:
-        each.grid(color="#eceef1", linewidth=0.8)
-        each.set_axisbelow(True)
-        each.spines[["top", "right"]].set_visible(False)
+    water.draw_frames(run.series, times, lambda axes, frame: show(axes, run, frame, top),
+                      top / run.options["tank"][0], path)
 
 
 def draw_front(runs, path):
@@ -221,6 +102,7 @@ def draw_pressure(runs, path):
 def animate(run, path):
     """The whole run, at most 60 frames."""
     numbers = np.unique(np.linspace(0, len(run.series) - 1, 60).round().astype(int))
+    series = run.series
     top = 1.35 * run.height
     width = run.options["tank"][0]
     figure = plt.figure(figsize=(5.6, 5.6 * (top + 0.03) / (width + 0.04)), dpi=80)
@@ -228,8 +110,8 @@ def animate(run, path):
 
     def show_number(number):
         axes.clear()
-        show(axes, run, run.series[number], top)
-        axes.text(0.97, 0.93, f"t = {run.series.times[number]:.2f} s", fontsize=12, ha="right",
+        show(axes, run, series[number], top)
+        axes.text(0.97, 0.93, f"t = {series.times[number]:.2f} s", fontsize=12, ha="right",
                   transform=axes.transAxes)
 
     FuncAnimation(figure, show_number, frames=numbers).save(path, writer=PillowWriter(fps=15))
@@ -248,19 +130,16 @@ def compare(run, original, path):
         if original.is_martin_moyce() and original.front_error() is not None:
             rows.append((f"the same for {original.name}", f"{100 * original.front_error():.1f} %", "",
                          None))
-            until = min(1.6 / run.width, run.options["tank"][0] / run.width) * 0.95
-            T, Z = run.dimensionless_front()
-            To, Zo = original.dimensionless_front()
-            levels = np.arange(1.5, until, 0.25)
-            lead = np.mean([np.interp(z, Z, T) - np.interp(z, Zo, To) for z in levels])
+            lead = run.behind(original)
             rows.append((f"{original.name} is ahead of {run.name} by, in T", f"{lead:.3f}", "> 0",
                          lead > 0))
         rows.append((f"particles lost by {original.name}", original.summary["particles_lost"], "",
                      None))
-        if run.roughness() and original.roughness():
-            ratio = original.roughness() / run.roughness()
-            rows.append((f"high-passed rms at the first gauge from 0.4 s on: {original.name} over "
-                         f"{run.name}", f"{ratio:.1f}", "≥ 3", ratio >= 3))
+        end = min(run.end(), original.end())
+        if run.roughness(end=end) and original.roughness(end=end):
+            ratio = original.roughness(end=end) / run.roughness(end=end)
+            rows.append((f"high-passed rms at the first gauge from 0.4 s to {end:.2f} s: "
+                         f"{original.name} over {run.name}", f"{ratio:.1f}", "≥ 3", ratio >= 3))
     s = run.summary
     lines = [f"# Dam break, {run.name}", "",
              "After [HwangLeePark2010], Figs 12–14; radii "
@@ -283,8 +162,8 @@ def main(arguments):
     folder = pathlib.Path(arguments[0])
     if not (folder / "summary.json").exists():
         sys.exit(f"plot_dam_break.py: {folder} has no summary.json; run dam_break first")
-    run = Run(folder)
-    original = Run.there(folder / "case_00")
+    run = DamBreak(folder)
+    original = DamBreak.there(folder / "case_00")
     runs = [run] + ([original] if original else [])
     draw_frames(run, folder / "frames.png")
     draw_front(runs, folder / "front.png")

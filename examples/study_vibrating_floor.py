@@ -9,13 +9,14 @@ made again. Then plot_vibrating_floor.py draws and compares them all. examples/r
 vibrating_floor builds the program and calls this.
 """
 
-import json
 import pathlib
 import subprocess
 import sys
 import time
 
 HERE = pathlib.Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE))
+from support.runs import has_options
 
 # What the paper has: five runs make its six curves twice.
 SPHERES = {
@@ -40,22 +41,13 @@ DISCS["discs_m1_v2"]["until"] = 204  # hardly any discs, hardly any fall with he
 RUNS = {**SPHERES, **CHECKS, **DISCS}
 
 
-def is_done(folder, options):
-    """Whether a run with these options ended there."""
-    try:
-        done = json.loads((folder / "summary.json").read_text())["options"]
-    except (OSError, ValueError, KeyError):
-        return False
-    return all(done.get(name.replace("-", "_")) == value for name, value in options.items())
-
-
 def main(arguments):
     if len(arguments) < 2:
         sys.exit(__doc__)
     program, folder, further = arguments[0], pathlib.Path(arguments[1]), arguments[2:]
     begin = time.monotonic()
     for number, (name, options) in enumerate(RUNS.items(), 1):
-        if is_done(folder / name, options):
+        if has_options(folder / name / "summary.json", options):
             print(f"{number}/{len(RUNS)} {name}: there already", flush=True)
             continue
         print(f"{number}/{len(RUNS)} {name}, after {(time.monotonic() - begin) / 60:.0f} minutes",

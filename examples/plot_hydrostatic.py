@@ -1,0 +1,135 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""Draws what hydrostatic wrote.
+
+    plot_hydrostatic.py FOLDER
+
+Makes frames.png, pressure.png, profile.png and comparison.md in FOLDER.
+"""
+
+import pathlib
+import sys
+
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+from support import water
+from support.water import BLUE, DARK, DENSITY, G, ORANGE, Tank, tidy
+
+
+def scheme(run):
+    """The choices of scheme in words."""
+    o = run.options
+    a, b = o["collision"]
+    surface = {"both": "(13) and (17)"}.get(o["surface"], f"({o['surface']})")
+    return (f"source ({o['source']}), kernel ({o['kernel']}), a = {a:g}, b = {b:g}, surface "
+            f"{surface}, gradient ({o['gradient']})")
+
+
+def draw_frames(run, path):
+    o = run.options
+    top = 1.2 * o["depth"]
+    middle = o["thickness"] / 2 if o["dimension"] == 3 else None
+    full_scale = DENSITY * G * o["depth"] / 1e3
+
+    def show(axes, frame):
+        return water.draw_water(axes, frame, o["spacing"], o["width"], top, full_scale, middle)
+
+    series = run.series
+    times = [share * series.times[-1] for share in (0, 0.5, 1)]
+    water.draw_frames(series, times, show, top / o["width"], path)
+
+
+def draw_pressure(run, path):
+    figure, axes = plt.subplots(figsize=(10.5, 3.6), layout="constrained")
+    analytic = run.summary["analytic"]
+    for number, name in enumerate(run.pressure.dtype.names[1:]):
+        at = ", ".join(f"{x:g}" for x in run.options["probes"][number])
+        axes.plot(run.pressure["t"], run.pressure[name] / 1e3, linewidth=0.7,
+                  color=BLUE if number == 0 else None, label=f"gauge at ({at}) m")
+    axes.axhline(analytic / 1e3, color=DARK, linewidth=1.2, linestyle=(0, (4, 3)),
+                 label="ρ g h of the first")
+    if run.summary["rer"] is not None:
+        axes.set_title(f"{scheme(run)}: RER {100 * run.summary['rer']:.2f} %, standard deviation "
+                       f"{100 * run.summary['std_over_mean']:.2f} % of the mean", loc="left",
+                       fontsize=10)
+    axes.set_ylim(0.5 * analytic / 1e3, 1.5 * analytic / 1e3)
+    axes.set_xlim(0, run.end())
+    axes.set_xlabel("time [s]")
+    axes.set_ylabel("pressure [kPa]")
+    axes.legend(frameon=False, fontsize=9, loc="upper right")
+    tidy([axes])
+    figure.savefig(path, dpi=130)
+    plt.close(figure)
+
+
+def draw_profile(run, path):
+    figure, axes = plt.subplots(figsize=(5.2, 5.2), layout="constrained")
+    profile = run.profile
+    bottom = run.summary["still_depth"]
+    axes.fill_betweenx(profile["depth"], (profile["p_mean"] - profile["p_std"]) / 1e3,
+                       (profile["p_mean"] + profile["p_std"]) / 1e3, color=BLUE, alpha=0.25,
+                       linewidth=0, label="one standard deviation")
+    axes.plot(profile["p_mean"] / 1e3, profile["depth"], "o-", color=BLUE, markersize=3,
+              linewidth=1, label="fluid, mean of a layer")
+    half = run.options["spacing"] / 2
+    axes.plot([0, DENSITY * G * (bottom - half) / 1e3], [half, bottom], color=DARK, linewidth=1.2,
+              linestyle=(0, (4, 3)), label="ρ g (z − l0/2)")
+    gauge = run.options["probes"][0]
+    axes.plot(run.summary["mean"] / 1e3, bottom - gauge[-1], "s", color=ORANGE,
+              label="first gauge")
+    axes.set_ylim(1.02 * bottom, 0)
+    axes.set_xlim(0, None)
+    axes.set_xlabel("pressure [kPa]")
+    axes.set_ylabel("depth z below the still surface [m]")
+    axes.legend(frameon=False, fontsize=9)
+    tidy([axes])
+    figure.savefig(path, dpi=130)
+    plt.close(figure)
+
+
+def compare(run, path):
+    s = run.summary
+    rows = [("relative error of the mean at the first gauge, RER (14)", f"{100 * s['rer']:+.2f} %"),
+            ("its standard deviation over its mean", f"{100 * s['std_over_mean']:.2f} %"),
+            ("level at the end over that at the beginning",
+             f"{100 * (s['level'] / s['still_depth'] - 1):+.2f} %"),
+            ("particles lost", s["particles_lost"])]
+    if line := run.line():
+        slope, zero, off = line
+        rows += [("slope of the profile's straight line over ρ g", f"{slope:.4f}"),
+                 ("depth at which that line is zero, in spacings",
+                  f"{zero / run.options['spacing']:.2f}"),
+                 ("largest distance of a layer from it, over ρ g h",
+                  f"{100 * off / (DENSITY * G * s['still_depth']):.2f} %")]
+    lines = ["# Still tank", "", f"After [HwangLeePark2010], Figs 4–9; {scheme(run)}; radii "
+             f"{run.options['radius']:g} and {run.options['laplacian_radius']:g} l0; from "
+             f"{run.options['statistics_from']:g} s to {s['time_simulated']:g} s.", "",
+             "| | measured |", "|---|---|", *(f"| {what} | {value} |" for what, value in rows), "",
+             f"{s['fluid_particles']} fluid, {s['wall_particles']} wall and "
+             f"{s['dummy_particles']} dummy particles, {s['steps']} steps in "
+             f"{s['seconds_total']:.1f} s ({s['solver_iterations_mean']:.0f} iterations a step)."]
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+def main(arguments):
+    if len(arguments) != 1:
+        sys.exit(__doc__)
+    folder = pathlib.Path(arguments[0])
+    run = Tank.there(folder)
+    if run is None:
+        sys.exit(f"plot_hydrostatic.py: {folder} has no summary.json; run hydrostatic first")
+    draw_frames(run, folder / "frames.png")
+    draw_pressure(run, folder / "pressure.png")
+    if run.summary["rer"] is None:
+        print("plot_hydrostatic.py: the run was too short for a profile and a comparison")
+        return
+    draw_profile(run, folder / "profile.png")
+    compare(run, folder / "comparison.md")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

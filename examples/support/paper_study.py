@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: MIT
+"""The runs of [HwangLeePark2010]: which there are, with which options, and where they write.
+
+The flow is chaotic, and one run tells little: a run is repeated with slightly other Courant numbers,
+which changes nothing but the steps. The spread of what is measured is its error bar.
+"""
+
+import math
+import statistics
+
+from support.runs import Run
+
+COURANT = (0.2, 0.19, 0.21, 0.195, 0.205)
+CASES = tuple(range(11))
+KERNELS = ("3a", "3b", "3c")
+GRADIENTS = (18, 4)
+A = (0.0, 0.25, 0.5, 0.7, 0.8, 0.9, 1.0)
+B = (0.0, 0.2, 0.4, 0.7, 1.0)
+SPACINGS = (0.02, 0.015, 0.01, 0.005)
+
+# The radii are open in the paper; these are the ones that docs/theory_mps.md compares.
+RADII = {"radius": 3.1, "laplacian-radius": 3.1}
+
+
+class Study:
+    """Runs by what they are for; `quick` is coarser, shorter, and repeats less."""
+
+    def __init__(self, folder, programs, quick=False):
+        self.folder = folder
+        self.programs = programs
+        self.quick = quick
+        self.courant = COURANT[:2] if quick else COURANT
+
+    def tank(self, courant=0.2, **changes):
+        """Water at rest under the adopted scheme, but for the changes."""
+        options = {"source": 16, "collision": [1.0, 0.2], "kernel": "3c", "surface": "both",
+                   "gradient": 18, "spacing": 0.02 if self.quick else 0.01, "width": 0.4,
+                   "depth": 0.4, "until": 0.8 if self.quick else 2.0, **RADII, "courant": courant,
+                   "tolerance": 1e-6, "output-every": 10.0, "threads": 1, **changes}
+        if options["collision"][0] == 0:
+            options["collision"] = [0.0, 0.0]  # no collisions: b is of nothing
+        a, b = options["collision"]
+        name = (f"l{options['spacing']:g}_k{options['kernel']}_g{options['gradient']}_a{a:g}_b{b:g}"
+                f"_c{courant:g}")
+        cost = options["until"] / 2 * (0.01 / options["spacing"]) ** 3 * 3
+        return Run(self.folder / "tank" / name, self.programs["hydrostatic"], options, cost)
+
+    def dam(self, case, courant=0.2):
+        """The dam break under a case of Table 1."""
+        options = {"case": case, "column": [0.4, 0.8], "tank": [1.6, 1.6],
+                   "spacing": 0.02 if self.quick else 0.01, "until": 0.8 if self.quick else 1.6,
+                   **RADII, "courant": courant, "tolerance": 1e-6, "output-every": 0.1, "threads": 1}
+        cost = options["until"] / 1.6 * (0.01 / options["spacing"]) ** 3 * (17 if case == 0 else 11)
+        return Run(self.folder / "dam" / f"{case:02d}_c{courant:g}", self.programs["dam_break"],
+                   options, cost)
+
+    def kernels(self, kernel, gradient):
+        return [self.tank(courant, kernel=kernel, gradient=gradient)
+                for courant in self.courant[:3]]
+
+    def of_pair(self, a, b, gradient):
+        """One run for each place of the (a, b) map."""
+        return self.tank(collision=[a, b], gradient=gradient)
+
+    def spacings(self, spacing, gradient):
+        # The finest costs as much as all others together.
+        repeats = self.courant[:1] if spacing < 0.007 else self.courant[:3]
+        return [self.tank(courant, spacing=spacing, gradient=gradient) for courant in repeats]
+
+    def spacings_of_study(self):
+        return tuple(l0 for l0 in SPACINGS if l0 >= 0.01 or not self.quick)
+
+    def case(self, case):
+        return [self.dam(case, courant) for courant in self.courant]
+
+    def runs_for(self, figure):
+        """All runs of a figure of the paper."""
+        if figure == "fig5":
+            return [run for k in KERNELS for g in GRADIENTS for run in self.kernels(k, g)]
+        if figure in ("fig7", "fig8"):
+            return [self.of_pair(a, b, g) for g in GRADIENTS for a in A for b in B]
+        if figure == "fig9":
+            return [run for l0 in self.spacings_of_study() for g in GRADIENTS
+                    for run in self.spacings(l0, g)]
+        cases = (0, 10) if figure == "fig14" else CASES
+        return [self.dam(case, courant) for courant in self.courant for case in cases]
+
+
+class Estimate:
+    """Mean of repeated runs, and its standard error."""
+
+    def __init__(self, values):
+        self.values = [value for value in values if value is not None and math.isfinite(value)]
+        self.mean = statistics.fmean(self.values) if self.values else math.nan
+        n = len(self.values)
+        self.error = statistics.stdev(self.values) / math.sqrt(n) if n > 1 else math.nan
+
+    def text(self, scale=1.0, digits=2):
+        if not self.values:
+            return "–"
+        text = f"{scale * self.mean:.{digits}f}"
+        return text if math.isnan(self.error) else f"{text} ± {scale * self.error:.{digits}f}"

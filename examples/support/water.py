@@ -1,0 +1,203 @@
+# SPDX-License-Identifier: MIT
+"""Reads, measures and draws what the examples of MPS write: dam_break and hydrostatic.
+
+    run = DamBreak("out/dam_break")     run.front_error(), run.roughness(), ...
+    tank = Tank("out/hydrostatic")      tank.summary["rer"], tank.pressure, tank.line(), ...
+"""
+
+import json
+import pathlib
+
+import numpy as np
+
+from support.frames import Series, draw
+
+REFERENCE = pathlib.Path(__file__).resolve().parents[2] / "tests" / "reference"
+FRONT = "martin_moyce_1952_n2eq2_front_table2.csv"
+HEIGHT = "martin_moyce_1952_n2eq2_height_table6.csv"
+
+G = 9.81
+DENSITY = 1000.0
+BLUE = "#1f6fb4"
+ORANGE = "#d9822b"
+GREEN = "#3a8f5c"
+DARK = "#20242a"
+
+
+def table(path):
+    # NumPy would take the first comment for the column names.
+    lines = [line for line in path.read_text().splitlines() if not line.startswith("#")]
+    return np.genfromtxt(lines, delimiter=",", names=True)
+
+
+def moving_average(t, p, window=0.02):
+    """Of every sample of p within half a window [s] of each."""
+    total = np.concatenate([[0], np.cumsum(p)])
+    low = np.searchsorted(t, t - window / 2)
+    high = np.searchsorted(t, t + window / 2, side="right")
+    return (total[high] - total[low]) / (high - low)
+
+
+class Output:
+    """What every program writes into its folder; of a run that failed, what it got to."""
+
+    def __init__(self, folder):
+        self.folder = pathlib.Path(folder)
+        self.pressure = table(self.folder / "pressure.csv")
+        self.failed = not (self.folder / "summary.json").exists()
+        if not self.failed:
+            self.summary = json.loads((self.folder / "summary.json").read_text())
+            self.options = self.summary["options"]
+
+    @classmethod
+    def there(cls, folder):
+        return cls(folder) if (pathlib.Path(folder) / "summary.json").exists() else None
+
+    @property
+    def series(self):
+        return Series(self.folder / "frames.pvd")
+
+    def end(self):
+        """Of the pressure's record [s]."""
+        return float(self.pressure["t"][-1])
+
+
+class DamBreak(Output):
+    def __init__(self, folder):
+        super().__init__(folder)
+        self.front = table(self.folder / "front.csv")
+        if not self.failed:
+            self.name = f"case {self.options['case']:02d}"
+            self.width, self.height = self.options["column"]
+
+    def dimensionless_front(self):
+        """T = t √(2g/a) and Z = x/a."""
+        return self.front["t"] * np.sqrt(2 * G / self.width), self.front["x_front"] / self.width
+
+    def time_shift(self, at=(1.19, 1.44)):
+        """The experiment cannot see the release: T is shifted so that Z = 1.44 falls on T = 1.19."""
+        T, Z = self.dimensionless_front()
+        if Z.max() < at[1]:
+            return None
+        after = int(np.argmax(Z >= at[1]))
+        return at[0] - np.interp(at[1], Z[after - 1:after + 1], T[after - 1:after + 1])
+
+    def front_error(self):
+        """Relative rms of Z against Martin & Moyce for T in 1.19–3.3, after the one shift."""
+        shift = self.time_shift()
+        if shift is None:
+            return None
+        experiment = table(REFERENCE / FRONT)
+        T, Z = self.dimensionless_front()
+        wanted = (experiment["T"] >= 1.19) & (experiment["T"] <= 3.3)
+        wanted &= experiment["Z"] < 0.999 * self.options["tank"][0] / self.width
+        wanted &= experiment["T"] <= T[-1] + shift
+        if wanted.sum() < 3:
+            return None
+        ours = np.interp(experiment["T"][wanted], T + shift, Z)
+        return float(np.sqrt(np.mean((ours / experiment["Z"][wanted] - 1) ** 2)))
+
+    def behind(self, other):
+        """By how much in T, on average over Z, this run's front comes later than the other's."""
+        until = 0.95 * min(self.options["tank"][0], 1.6) / self.width
+        T, Z = self.dimensionless_front()
+        T_other, Z_other = other.dimensionless_front()
+        return float(np.mean([np.interp(z, Z, T) - np.interp(z, Z_other, T_other)
+                              for z in np.arange(1.5, until, 0.25)]))
+
+    def is_martin_moyce(self):
+        return abs(self.height / self.width - 2) < 1e-9
+
+    def roughness(self, begin=0.4, end=np.inf):
+        """Rms [Pa] of the first gauge minus its moving average over 0.02 s, over its samples from
+        `begin` to `end` [s]: one a step."""
+        t, p = self.pressure["t"], self.pressure["p_1"]
+        wanted = (t >= begin) & (t <= end)
+        if not wanted.any():
+            return None
+        return float(np.sqrt(np.mean((p - moving_average(t, p))[wanted] ** 2)))
+
+    def peak(self, begin=0.4, end=np.inf):
+        """Largest moving average of the first gauge over 0.02 s [Pa]."""
+        t = self.pressure["t"]
+        wanted = (t >= begin) & (t <= end)
+        return float(moving_average(t, self.pressure["p_1"])[wanted].max()) if wanted.any() else None
+
+    def impulse(self, begin=0.4, end=np.inf):
+        """Of the first gauge [Pa s]."""
+        t, p = self.pressure["t"], self.pressure["p_1"]
+        wanted = (t >= begin) & (t <= end)
+        return float(np.trapz(p[wanted], t[wanted]))
+
+
+class Tank(Output):
+    def __init__(self, folder):
+        super().__init__(folder)
+        if not self.failed:
+            self.profile = np.atleast_1d(table(self.folder / "profile.csv"))
+
+    def line(self):
+        """The straight line through the profile: its slope over ρ g, the depth of its zero [m], and
+        the largest distance of a layer from it [Pa]. The two layers at the surface are left out,
+        where particles have P = 0 now and then."""
+        depth, p = self.profile["depth"][2:], self.profile["p_mean"][2:]
+        if len(depth) < 3:
+            return None
+        slope, at_zero = np.polyfit(depth, p, 1)
+        off = np.abs(p - slope * depth - at_zero).max()
+        return slope / (DENSITY * G), -at_zero / slope, off
+
+
+def tidy(axes):
+    for each in axes:
+        each.grid(color="#eceef1", linewidth=0.8)
+        each.set_axisbelow(True)
+        each.spines[["top", "right"]].set_visible(False)
+
+
+def draw_water(axes, frame, spacing, length, top, full_scale, middle=None):
+    """Fluid by its pressure [kPa] and walls, in the plane; of a 3D run the slice at y = middle."""
+    from matplotlib.colors import LinearSegmentedColormap, Normalize
+
+    water_colours = LinearSegmentedColormap.from_list(
+        "water", ["#bfe0f2", "#5aa9d6", "#1f6fb4", "#2b3f8f", "#8b2f7a", "#e0534a", "#f6b84b"])
+    wall_colours = LinearSegmentedColormap.from_list("wall", ["#9a948a", "#9a948a"])
+    keep = frame["kind"] < 2
+    at = frame["position"]
+    if middle is not None:
+        keep &= np.abs(at[:, 1] - middle) <= 0.51 * spacing
+        at = at[:, [0, 2, 1]]
+    is_wall = frame["kind"][keep] == 1
+    at = at[keep]
+    draw(axes, {"position": at[is_wall]}, np.zeros(is_wall.sum()), radius=0.5 * spacing,
+         cmap=wall_colours)
+    circles = draw(axes, {"position": at[~is_wall]}, frame["pressure"][keep][~is_wall] / 1e3,
+                   radius=0.6 * spacing, cmap=water_colours, norm=Normalize(0, full_scale))
+    axes.set_xlim(-2 * spacing, length + 2 * spacing)
+    axes.set_ylim(-2 * spacing, top)
+    axes.set_xticks([])
+    axes.set_yticks([])
+    for side in axes.spines.values():
+        side.set_visible(False)
+    return circles
+
+
+def draw_frames(series, times, show, aspect, path):
+    """Panels of the frames nearest to the times, three in a row; show(axes, frame) draws one."""
+    import matplotlib.pyplot as plt
+
+    rows = int(np.ceil(len(times) / 3))
+    figure, panels = plt.subplots(rows, 3, figsize=(11.5, 11.5 / 3.3 * aspect * rows + 0.5),
+                                  squeeze=False)
+    figure.subplots_adjust(left=0.01, right=0.91, bottom=0.01, top=0.95, wspace=0.05, hspace=0.1)
+    for axes in panels.flat:
+        axes.set_axis_off()
+    for axes, time in zip(panels.flat, times):
+        axes.set_axis_on()
+        circles = show(axes, series[series.nearest(time)])
+        axes.set_title(f"t = {time:.3g} s", fontsize=11, loc="left")
+    bar = figure.colorbar(circles, cax=figure.add_axes((0.93, 0.2, 0.012, 0.6)), extend="max")
+    bar.set_label("pressure [kPa]")
+    bar.outline.set_visible(False)
+    figure.savefig(path, dpi=130)
+    plt.close(figure)
