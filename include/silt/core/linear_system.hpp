@@ -10,6 +10,7 @@
 #include <array>
 #include <concepts>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace silt {
@@ -47,7 +48,7 @@ struct LinearSystem {
   }
 
   /// Takes its mean over each closed body out of v.
-  void remove_constants(std::vector<double>& v) const {
+  void remove_constants(std::span<double> v) const {
     if (closed_bodies == 0) return;
     std::vector<double> sum(closed_bodies + 1, 0);
     std::vector<double> members(closed_bodies + 1, 0);
@@ -62,7 +63,8 @@ struct LinearSystem {
   }
 };
 
-/// Solves a LinearSystem in place, from the x it is given. Models: ConjugateGradient.
+/// Solves a LinearSystem in place, from the x it is given. Models: ConjugateGradient,
+/// EigenConjugateGradient.
 template <class L>
 concept LinearSolver = requires(L solver, const LinearSystem& system, std::vector<double>& x) {
   { solver.solve(system, x) } -> std::same_as<SolveReport>;

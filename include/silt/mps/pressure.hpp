@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: MIT
-// The pressure equation ∇²P = source as a symmetric system over the particles that carry pressure
-// and do not lie on the free surface.
+// The pressure equation ∇²P = source as a symmetric system over the particles that carry pressure,
+// which are those of fluid and walls, and do not lie on the free surface.
 //
 //   Σ_j w_ij (P_i − P_j) = −source_i λ n0 / (2d),   P_j = 0 on the free surface, no dummies in Σ
+//
+// Positive definite for a body of fluid that touches a surface. One that does not (a closed full
+// tank) has its pressure up to a constant.
 #pragma once
 
 #include <silt/core/linear_system.hpp>
@@ -13,6 +16,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <vector>
@@ -44,7 +48,7 @@ class PressureEquation {
       std::uint32_t last_column = static_cast<std::uint32_t>(row);
       for_each_weighted(neighbours, i, stencil, [&](Index j, const auto&, auto weight, auto) {
         const std::uint32_t column = row_of_[j];
-        if (column == dummy) return;
+        if (column == dummy || !links(weight, stencil)) return;
         const double w = double(static_cast<float>(weight));  // as the system keeps it
         diagonal += w;
         if (column == zero) {
@@ -61,8 +65,7 @@ class PressureEquation {
       for (int k = 0; k < P::dimension; ++k) geometry.points[row][Index(k)] = double(x[i][k]);
     });
     find_closed_bodies();
-    // Fluid that cannot leave cannot expand: in a closed body the sources add up to nothing.
-    system_.remove_constants(system_.right_side);
+    balance_closed_bodies();
   }
 
   /// Solves from the pressures the particles have, and gives them the new ones; elsewhere P = 0.
@@ -73,6 +76,7 @@ class PressureEquation {
     const auto values = particles[pressure];
     solution_.resize(unknowns_.size());
     for_each(unknowns_.size(), [&](Index row) { solution_[row] = double(values[unknowns_[row]]); });
+    system_.remove_constants(solution_);
     const SolveReport report = solver.solve(system_, solution_);
     if (report.reason == SolveReport::Reason::not_converged ||
         report.reason == SolveReport::Reason::broke_down) {
@@ -92,6 +96,14 @@ class PressureEquation {
   static constexpr std::uint32_t zero = std::numeric_limits<std::uint32_t>::max();
   static constexpr std::uint32_t dummy = zero - 1;
 
+  // A weight that single precision loses among those of a full neighbourhood is none. Else a body
+  // that all but lost touch with a surface had a pressure of its source over next to nothing, which
+  // no solver finds in double precision.
+  template <class Real, class T>
+  static bool links(Real weight, const T& stencil) {
+    return static_cast<float>(weight) > 0x1p-26f * static_cast<float>(stencil.n0);
+  }
+
   template <class P, class S, class T>
   void number_unknowns(const P& particles, const S& neighbours, const T& stencil) {
     const auto kinds = particles.with_ghosts(kind);
@@ -100,8 +112,9 @@ class PressureEquation {
     for_each(particles.size(), [&](Index i) {
       row_of_[i] = kinds[i] == Kind::dummy ? dummy : zero;
       if (kinds[i] == Kind::dummy || on_surface[i]) return;
-      const bool is_connected = any_weighted(
-          neighbours, i, stencil, [&](Index j, auto w) { return kinds[j] != Kind::dummy && w > 0; });
+      const bool is_connected = any_weighted(neighbours, i, stencil, [&](Index j, auto w) {
+        return kinds[j] != Kind::dummy && links(w, stencil);
+      });
       if (is_connected) row_of_[i] = 0;
     });
     unknowns_.clear();
@@ -155,6 +168,28 @@ class PressureEquation {
         mark(column);
         front_.push_back(static_cast<std::uint32_t>(column));
       });
+    }
+  }
+
+  // Fluid that cannot leave cannot expand: in a closed body the sources add up to nothing.
+  void balance_closed_bodies() {
+    if (system_.closed_bodies == 0) return;
+    auto& b = system_.right_side;
+    const auto& body = system_.closed_body;
+    const auto find_largest = [&] {
+      std::vector<double> largest(system_.closed_bodies + 1, 0);
+      for (Index row = 0; row < b.size(); ++row) {
+        largest[body[row]] = std::max(largest[body[row]], std::abs(b[row]));
+      }
+      return largest;
+    };
+    const auto before = find_largest();
+    system_.remove_constants(b);
+    system_.remove_constants(b);  // what rounding left of them
+    // Sources that were all alike leave nothing but rounding, which is no pressure's.
+    const auto after = find_largest();
+    for (Index row = 0; row < b.size(); ++row) {
+      if (body[row] > 0 && after[body[row]] <= 1e-14 * before[body[row]]) b[row] = 0;
     }
   }
 

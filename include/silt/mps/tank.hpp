@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// An open tank with a column of fluid at its left wall, made of particles on one lattice.
+// A tank with a column of fluid at its left wall, made of particles on one lattice.
 //
 //        |        tank         |        fluid at (i + ½) l0 from the corner (0, 0[, 0])
 //   d d w|~~~~~~               |w d d   w: walls that carry pressure, half a spacing outside
@@ -29,11 +29,12 @@ struct Tank {
   TankSize size = {};
   double spacing = 0;    ///< l0 [m]
   int dummy_layers = 4;  ///< at least the largest radius in spacings, rounded up
+  bool lid = false;      ///< a wall on top, too: full, the tank has no free surface
   Leavers leavers = Leavers::refuse;  ///< particles that jump out of the tank's surroundings
 };
 
-/// Fluid at rest in an open tank; lengths are rounded to whole spacings. The box around it reaches
-/// three tank heights up. Throws if a length is below a spacing or the column does not fit.
+/// Fluid at rest in a tank; lengths are rounded to whole spacings. The box around an open one
+/// reaches three tank heights up. Throws if a length is below a spacing or the column does not fit.
 template <int Dim, class Real = double, Field... Further>
 Fluid<Dim, Real, Further...> make_tank(const Tank<Dim>& tank) {
   constexpr int up = Dim - 1;
@@ -71,13 +72,13 @@ Fluid<Dim, Real, Further...> make_tank(const Tank<Dim>& tank) {
          " m are more than 1e9; enlarge the spacing");
   }
 
-  // Layers outside the tank: 1 is the wall, further ones are dummies. There is no lid.
+  // Layers outside the tank: 1 is the wall, further ones are dummies.
   const int layers = 1 + tank.dummy_layers;
   const auto layer = [&](const Cell& cell) {
     int outside = 0;
     for (int k = 0; k < Dim; ++k) {
       outside = std::max(outside, -cell[k]);
-      if (k != up) outside = std::max(outside, cell[k] - inside[k] + 1);
+      if (k != up || tank.lid) outside = std::max(outside, cell[k] - inside[k] + 1);
     }
     return outside;
   };
@@ -87,7 +88,7 @@ Fluid<Dim, Real, Further...> make_tank(const Tank<Dim>& tank) {
     box.lower[k] = Real(-(layers + 1) * tank.spacing);
     box.upper[k] = Real((inside[k] + layers + 1) * tank.spacing);
   }
-  box.upper[up] = Real(3 * inside[up] * tank.spacing);
+  box.upper[up] = Real((tank.lid ? inside[up] + layers + 1 : 3 * inside[up]) * tank.spacing);
   box.leavers = tank.leavers;
   silt::mps::Fluid<Dim, Real, Further...> particles(box);
 
@@ -99,7 +100,8 @@ Fluid<Dim, Real, Further...> make_tank(const Tank<Dim>& tank) {
   const auto for_each_cell = [&](auto&& f) {
     const int depth = Dim == 3 ? layers : 0;
     const int across = Dim == 3 ? inside[1] : 1;
-    for (int z = -layers; z < inside[up]; ++z) {
+    const int top = inside[up] + (tank.lid ? layers : 0);
+    for (int z = -layers; z < top; ++z) {
       for (int y = -depth; y < across + depth; ++y) {
         for (int x = -layers; x < inside[0] + layers; ++x) {
           Cell cell;

@@ -8,18 +8,15 @@
 #include <silt/core/parallel.hpp>
 #include <silt/core/types.hpp>
 #include <silt/solve/jacobi.hpp>
+#include <silt/solve/solve_settings.hpp>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <utility>
 #include <vector>
 
 namespace silt {
-
-struct SolveSettings {
-  double tolerance = 1e-6;    ///< |b − A x| ≤ tolerance |b| [-]
-  int most_iterations = 5000;
-};
 
 template <Preconditioner M = Jacobi>
 class ConjugateGradient {
@@ -31,10 +28,7 @@ class ConjugateGradient {
   }
 
   /// Throws if the settings are out of range.
-  void check() const {
-    require_positive("SolveSettings: tolerance", settings_.tolerance);
-    require_positive("SolveSettings: most_iterations", settings_.most_iterations);
-  }
+  void check() const { settings_.check(); }
 
   const SolveSettings& settings() const noexcept { return settings_; }
   const M& preconditioner() const noexcept { return preconditioner_; }
@@ -54,25 +48,30 @@ class ConjugateGradient {
     // A second round starts where rounding has parted the recurrence from the true residual.
     for (int round = 0; round < 3; ++round) {
       report.residual = find_residual(system, x) / size_of_b;
-      report.reason = SolveReport::Reason::converged;
-      if (report.residual <= settings_.tolerance) return report;
+      const bool can_begin = is_finite(report.residual);
+      report.reason = can_begin ? SolveReport::Reason::converged : SolveReport::Reason::broke_down;
+      if (!can_begin || report.residual <= settings_.tolerance) return report;
 
-      precondition(system);  // z = M⁻¹ r
+      system.remove_constants(r_);  // rounding put them there, and nothing takes them down
+      precondition(system);         // z = M⁻¹ r
       p_ = z_;
       double rho = dot(r_, z_);
       double residual = report.residual;
-      while (!(residual <= settings_.tolerance)) {  // a NaN goes in, to be named there
+      // Fourteen digits below where it began, the recurrence knows nothing of the residual.
+      const double goal = std::max(settings_.tolerance, 1e-14 * residual);
+      while (true) {
         const bool is_lost = !is_finite(residual);
         const double curvature = is_lost ? 0 : multiply(system);  // q = A p;  p·q
         if (is_lost || !(curvature > 0) || report.iterations == settings_.most_iterations) {
           report.reason = !is_lost && curvature > 0 ? SolveReport::Reason::not_converged
                                                     : SolveReport::Reason::broke_down;
           report.residual = find_residual(system, x) / size_of_b;
+          if (settings_.met_by(report.residual)) report.reason = SolveReport::Reason::converged;
           return report;
         }
         residual = std::sqrt(advance(rho / curvature, x)) / size_of_b;  // x += α p;  r −= α q
         ++report.iterations;
-        if (residual <= settings_.tolerance) break;
+        if (residual <= goal) break;
         precondition(system);
         const double next = dot(r_, z_);
         turn(next / rho);  // p = z + β p
@@ -80,9 +79,8 @@ class ConjugateGradient {
       }
     }
     report.residual = find_residual(system, x) / size_of_b;
-    // Within a hundred rounding errors of the tolerance is as good as there.
-    const bool close = report.residual <= settings_.tolerance * (1 + 1e-3) + 1e-13;
-    report.reason = close ? SolveReport::Reason::converged : SolveReport::Reason::not_converged;
+    report.reason = settings_.met_by(report.residual) ? SolveReport::Reason::converged
+                                                      : SolveReport::Reason::not_converged;
     return report;
   }
 

@@ -12,29 +12,56 @@
 #include <Eigen/OrderingMethods>
 #include <Eigen/SparseCore>
 
+#include <algorithm>
 #include <memory>
+#include <span>
+#include <utility>
 #include <vector>
 
 namespace silt {
 
+/// The matrix of a system as Eigen has matrices, all of it.
+inline Eigen::SparseMatrix<double, Eigen::RowMajor> eigen_matrix(const LinearSystem& system) {
+  const auto n = static_cast<Eigen::Index>(system.size());
+  Eigen::SparseMatrix<double, Eigen::RowMajor> A(n, n);
+  std::vector<std::pair<Eigen::Index, double>> entries;
+  for (Index i = 0; i < system.size(); ++i) {
+    const auto row = static_cast<Eigen::Index>(i);
+    entries.assign(1, {row, system.diagonal[i]});
+    system.off_diagonal.for_each_entry(i, [&](Index column, double value) {
+      entries.emplace_back(static_cast<Eigen::Index>(column), value);
+    });
+    std::sort(entries.begin(), entries.end());
+    A.startVec(row);
+    for (const auto& [column, value] : entries) A.insertBack(row, column) = value;
+  }
+  A.finalize();
+  return A;
+}
+
 class IncompleteCholesky {
  public:
   void prepare(const LinearSystem& system) {
-    const auto n = static_cast<Eigen::Index>(system.size());
-    lower_.clear();
-    for (Index i = 0; i < system.size(); ++i) {
-      const auto row = static_cast<int>(i);
-      lower_.emplace_back(row, row, system.diagonal[i]);
-      system.off_diagonal.for_each_entry(i, [&](Index column, double value) {
-        if (column < i) lower_.emplace_back(row, static_cast<int>(column), value);
-      });
+    auto A = eigen_matrix(system);
+    // Without a surface there is one constant too many for factors: one unknown of each such body
+    // is held. What they leave of the constants is taken out behind them.
+    std::vector<bool> held(system.closed_bodies + 1, false);
+    for (Index i = 0; i < system.closed_body.size(); ++i) {
+      const Index body = system.closed_body[i];
+      if (body == 0 || held[body]) continue;
+      A.coeffRef(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(i)) *= 2;
+      held[body] = true;
     }
-    Eigen::SparseMatrix<double> A(n, n);
-    A.setFromTriplets(lower_.begin(), lower_.end());
-    factors_ = std::make_shared<Factors>(A);  // Eigen's cannot be copied, a solver can
+    factors_ = std::make_shared<const Factors>(A);  // Eigen's cannot be copied, a solver can
+    diagonal_.prepare(system);
   }
 
-  void apply(const std::vector<double>& r, std::vector<double>& z) const {
+  /// By the diagonal where A, not being positive definite, has no factors.
+  void apply(std::span<const double> r, std::span<double> z) const {
+    if (factors_->info() != Eigen::Success) {
+      diagonal_.apply(r, z);
+      return;
+    }
     const auto n = static_cast<Eigen::Index>(r.size());
     Eigen::Map<Eigen::VectorXd>(z.data(), n) =
         factors_->solve(Eigen::Map<const Eigen::VectorXd>(r.data(), n));
@@ -44,8 +71,8 @@ class IncompleteCholesky {
   // Ordered as the particles are: an order that saves fill-in, of which there is none,
   // loses accuracy.
   using Factors = Eigen::IncompleteCholesky<double, Eigen::Lower, Eigen::NaturalOrdering<int>>;
-  std::vector<Eigen::Triplet<double>> lower_;
   std::shared_ptr<const Factors> factors_;
+  Jacobi diagonal_;
 };
 
 }  // namespace silt

@@ -7,6 +7,7 @@
 #include <silt/core/types.hpp>
 
 #include <concepts>
+#include <span>
 #include <vector>
 
 namespace silt {
@@ -26,7 +27,7 @@ class Jacobi {
     inverse_.resize(system.size());
     for_each(system.size(), [&](Index i) { inverse_[i] = 1 / system.diagonal[i]; });
   }
-  void apply(const std::vector<double>& r, std::vector<double>& z) const {
+  void apply(std::span<const double> r, std::span<double> z) const {
     for_each(r.size(), [&](Index i) { z[i] = inverse_[i] * r[i]; });
   }
 

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: MIT
+// Eigen's conjugate gradients with its incomplete Cholesky factors: another's code for the same
+// equations, to hold one's own against. Its iterations grow with the number of unknowns.
+#pragma once
+
+#include <silt/core/error.hpp>
+#include <silt/core/linear_system.hpp>
+#include <silt/core/types.hpp>
+#include <silt/solve/incomplete_cholesky.hpp>
+#include <silt/solve/solve_settings.hpp>
+
+#include <Eigen/Core>
+#include <Eigen/IterativeLinearSolvers>
+#include <Eigen/SparseCore>
+
+#include <span>
+#include <vector>
+
+namespace silt {
+
+class EigenConjugateGradient {
+ public:
+  EigenConjugateGradient() = default;
+  explicit EigenConjugateGradient(const SolveSettings& settings) : settings_(settings) { check(); }
+
+  /// Throws if the settings are out of range.
+  void check() const { settings_.check(); }
+  const SolveSettings& settings() const noexcept { return settings_; }
+
+  /// Improves x until the residual is within the tolerance. Never throws: read the report's reason.
+  SolveReport solve(const LinearSystem& system, std::vector<double>& x) const {
+    using Vector = Eigen::VectorXd;
+    const auto n = static_cast<Eigen::Index>(system.size());
+    const Eigen::Map<const Vector> b(system.right_side.data(), n);
+    Eigen::Map<Vector> solution(x.data(), n);
+    SolveReport report{.unknowns = system.size()};
+    const double size_of_b = b.norm();
+    if (n == 0 || size_of_b == 0) {
+      solution.setZero();
+      return report;
+    }
+    const Matrix A = eigen_matrix(system);
+    const auto residual = [&] { return (b - A * solution).norm() / size_of_b; };
+    report.residual = residual();
+    report.reason = SolveReport::Reason::converged;
+    if (report.residual <= settings_.tolerance) return report;
+
+    Solver solver;
+    solver.preconditioner().use(system);
+    solver.compute(A);
+    solver.setTolerance(settings_.tolerance);
+    // A second round starts where rounding has parted the recurrence from the true residual.
+    for (int round = 0; round < 3 && is_finite(report.residual); ++round) {
+      solver.setMaxIterations(settings_.most_iterations - report.iterations);
+      solution = solver.solveWithGuess(b, Vector(solution));
+      const bool is_there = solver.info() == Eigen::Success;
+      report.iterations += static_cast<int>(solver.iterations()) + is_there;  // it omits the last
+      report.residual = residual();
+      if (!is_there || report.residual <= settings_.tolerance) break;
+    }
+    if (!is_finite(report.residual)) {
+      report.reason = SolveReport::Reason::broke_down;
+    } else if (!settings_.met_by(report.residual)) {
+      report.reason = SolveReport::Reason::not_converged;
+    }
+    return report;
+  }
+
+ private:
+  using Matrix = Eigen::SparseMatrix<double, Eigen::RowMajor>;
+
+  // The factors as Eigen's solvers ask for them.
+  class Factors {
+   public:
+    void use(const LinearSystem& system) { system_ = &system; }
+
+    Factors& compute(const Eigen::Ref<const Matrix>&) {
+      factors_.prepare(*system_);
+      return *this;
+    }
+    Eigen::ComputationInfo info() const { return Eigen::Success; }
+    Eigen::VectorXd solve(const Eigen::VectorXd& r) const {
+      Eigen::VectorXd z(r.size());
+      const auto n = static_cast<Index>(r.size());
+      factors_.apply({r.data(), n}, {z.data(), n});
+      system_->remove_constants({z.data(), n});
+      return z;
+    }
+
+   private:
+    const LinearSystem* system_ = nullptr;
+    IncompleteCholesky factors_;
+  };
+  using Solver = Eigen::ConjugateGradient<Matrix, Eigen::Lower | Eigen::Upper, Factors>;
+
+  SolveSettings settings_;
+};
+
+}  // namespace silt
