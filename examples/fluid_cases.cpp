@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: MIT
+// Flows in the plane whose solution is known: Taylor–Green vortices, a standing wave, a drop that
+// oscillates, a square that rotates, a block that falls. What is read of each, and held against the
+// solution, stands in support/fluid_cases/, a header for each.
+//
+//   fluid_cases --case taylor_green --out out/taylor_green
+//   fluid_cases --case oscillating_drop --swing 0.4 --scheme case10 --out out/drop
+//   examples/plot_fluid_cases.py out/taylor_green
+#include <silt/io/csv.hpp>
+#include <silt/io/progress.hpp>
+#include <silt/io/vtk.hpp>
+#include <silt/measure/timed.hpp>
+#include <silt/mps.hpp>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "support/command_line.hpp"
+#include "support/flow_program.hpp"
+#include "support/fluid_cases/all.hpp"
+
+#include <cstdio>
+#include <string>
+#include <vector>
+
+namespace {
+
+using namespace silt;
+
+struct Options {
+  fluid_cases::Choice choice{.name = "taylor_green"};
+  fluid_cases::Numerics numerics;
+  std::string scheme = "case10";
+  double until = 0;  // [s]; 0: the case's own
+  int frames = 24;
+  int threads = 1;
+  std::string out = "out/fluid_cases";
+};
+
+void describe(CLI::App& app, Options& o) {
+  const auto add = [&app](const std::string& name, auto& value, const std::string& text,
+                          const CLI::Validator& check) {
+    return support::add_option(app, name, value, text, check);
+  };
+  using support::positive, support::not_negative, support::between;
+  add("--case", o.choice.name, "which flow", CLI::IsMember(fluid_cases::names()));
+  add("--scheme", o.scheme, "case09 or case10 of Table 1 of the paper",
+      CLI::IsMember({"case09", "case10"}));
+  add("--spacing", o.choice.spacing, "of the particles, of which 1/spacing lie along a side, radius "
+      "or wave length [m]", positive());
+  add("--swing", o.choice.swing, "A0/B0 of the oscillating drop", positive());
+  add("--until", o.until, "end of the run [s]; 0: as long as the comparison takes", not_negative());
+  add("--radius", o.numerics.radius, "of number density, surface, gradient and divergence [spacings]",
+      between({1.5, 6}));
+  add("--laplacian-radius", o.numerics.laplacian_radius, "of the Laplacian [spacings]",
+      between({1.5, 6}));
+  add("--courant", o.numerics.courant, "spacings that the fastest particle goes in a step",
+      between({1e-3, 0.5}));
+  add("--frames", o.frames, "number of them, behind the first", between({1, 100000}));
+  add("--threads", o.threads, "threads; the result is the same bits for any number",
+      between({1, 1024}));
+  app.add_option("--out", o.out, "folder for history.csv, summary.json and frames.pvd")
+      ->capture_default_str();
+}
+
+template <class Scheme>
+void flow_as(const Options& o) {
+  fluid_cases::FluidCase flow = support::or_refuse([&] { return fluid_cases::make(o.choice); });
+  const bool is_whole = !(o.until > 0) || o.until >= flow.until;
+  if (o.until > 0) flow.until = o.until;
+  support::make_output_folder(o.out);
+  use_threads(o.threads);
+
+  auto simulation = fluid_cases::simulation_of<Scheme>(flow, o.numerics);
+  CsvFile file(o.out + "/history.csv", flow.names);
+  fluid_cases::Notes notes(flow, [&](const std::vector<double>& row) { file.row(row); });
+  support::SolverIterations iterations;
+  Stopwatch wall;
+  {
+    const auto span = wall.start();
+    simulation.run({.until = flow.until, .output_every = flow.until / o.frames}, notes, iterations,
+                   VtkSeries{o.out + "/frames"}, Progress{});
+  }
+
+  auto summary = support::summary_of(simulation, flow.start, iterations, wall.seconds());
+  auto& findings = summary["findings"] = nlohmann::ordered_json::array();
+  // What is compared belongs to the whole run.
+  if (is_whole) {
+    for (const auto& finding : flow.findings(notes.history())) {
+      findings.push_back({{"quantity", finding.quantity},
+                          {"reference", finding.reference},
+                          {"measured", finding.measured},
+                          {"error", finding.error()},
+                          {"allowed", finding.allowed},
+                          {"holds", finding.holds()}});
+      std::printf("%-50s reference %-10.5g measured %-10.5g %s\n", finding.quantity.c_str(),
+                  finding.reference, finding.measured, finding.holds() ? "holds" : "does not hold");
+    }
+  }
+  summary["options"] = {{"case", flow.name},
+                        {"scheme", o.scheme},
+                        {"spacing", o.choice.spacing},
+                        {"swing", o.choice.swing},
+                        {"until", flow.until},
+                        {"radius", o.numerics.radius},
+                        {"laplacian_radius", o.numerics.laplacian_radius},
+                        {"courant", o.numerics.courant},
+                        {"frames", o.frames},
+                        {"threads", o.threads}};
+  support::write_summary(o.out, summary);
+  std::printf("fluid_cases: %s, %zu particles, %llu steps in %.1f s; see %s\n", flow.name.c_str(),
+              flow.start.size(), static_cast<unsigned long long>(simulation.steps()),
+              wall.seconds(), o.out.c_str());
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Options options;
+  CLI::App app("Flows whose solution is known", "fluid_cases");
+  describe(app, options);
+  return support::run(app, argc, argv, [&] {
+    options.scheme == "case09" ? flow_as<mps::Case09>(options) : flow_as<mps::Case10>(options);
+  });
+}

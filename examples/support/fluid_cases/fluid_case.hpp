@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: MIT
+// A flow with a known solution: how it begins, what is noted on the way, and what that is held
+// against. The program fluid_cases runs it, and so do the tests.
+#pragma once
+
+#include <silt/measure/timed.hpp>
+#include <silt/mps.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace fluid_cases {
+
+using namespace silt;
+
+/// What was noted of a run: one row a time, one column a quantity. The first column is the time.
+class History {
+ public:
+  explicit History(std::vector<std::string> names)
+      : names_(std::move(names)), columns_(names_.size()) {}
+
+  const std::vector<std::string>& names() const { return names_; }
+  void add(const std::vector<double>& row) {
+    for (Index c = 0; c < columns_.size(); ++c) columns_[c].push_back(row[c]);
+  }
+  const std::vector<double>& operator[](const std::string& name) const {
+    const auto found = std::find(names_.begin(), names_.end(), name);
+    if (found == names_.end()) fail("History: there is no column " + name);
+    return columns_[static_cast<Index>(found - names_.begin())];
+  }
+
+ private:
+  std::vector<std::string> names_;
+  std::vector<std::vector<double>> columns_;
+};
+
+/// One quantity of a run, and what it should be.
+struct Finding {
+  std::string quantity;  ///< with its unit
+  double reference = 0;
+  double measured = 0;
+  double allowed = 0;  ///< error, over the scale
+  double scale = 0;    ///< of the error; 0: the reference
+
+  double error() const {
+    return std::abs(measured - reference) / (scale > 0 ? scale : std::abs(reference));
+  }
+  bool holds() const { return is_finite(measured) && error() <= allowed; }
+};
+
+/// A flow in the plane whose solution is known.
+struct FluidCase {
+  std::string name;
+  mps::Fluid<2> start = {};
+  double spacing = 0;       ///< l0 [m]
+  double viscosity = 0;     ///< ν [m²/s]
+  double speed_scale = 0;   ///< [m/s]
+  Vec<2> gravity = Vec<2>::Zero();                ///< [m/s²]
+  std::function<Vec<2>(const Vec<2>&)> body_force = {};  ///< at x [m]: [m/s²]
+  bool clip_negative_pressure = true;
+  double until = 0;         ///< [s]
+  double note_every = 0;    ///< time between rows of the history [s]; 0: every step
+  std::vector<std::string> names = {};  ///< of the history's columns
+  /// A row of the history.
+  std::function<std::vector<double>(const mps::Fluid<2>&, double time)> note = {};
+  std::function<std::vector<Finding>(const History&)> findings = {};
+};
+
+inline constexpr double density = 1000;  ///< ρ of every case [kg/m³]
+
+/// Numbers of the method, the same for every case.
+struct Numerics {
+  double radius = 3.1;            ///< of number density, gradient, divergence [spacings]
+  double laplacian_radius = 3.1;  ///< [spacings]
+  double courant = 0.2;           ///< [-]
+};
+
+/// The case under a scheme, ready to run.
+template <class Scheme>
+auto simulation_of(const FluidCase& flow, const Numerics& numerics) {
+  const mps::FlowSettings<2, Scheme> settings{
+      .spacing = flow.spacing,
+      .density = density,
+      .viscosity = flow.viscosity,
+      .gravity = flow.gravity,
+      .radius = numerics.radius,
+      .laplacian_radius = numerics.laplacian_radius,
+      .courant = numerics.courant,
+      .speed_scale = flow.speed_scale,
+      .clip_negative_pressure = flow.clip_negative_pressure};
+  return Simulation{flow.start, TimedSearch{NeighbourList<2>{{.skin_fraction = 0}}},
+                    mps::Flow<Scheme>{settings}, SemiImplicit<>{}};
+}
+
+/// Observer that notes a row of the history at the beginning, and at the first step at or after every
+/// multiple of note_every. on_row gets each, to be written down.
+class Notes {
+ public:
+  using OnRow = std::function<void(const std::vector<double>&)>;
+  explicit Notes(const FluidCase& flow, OnRow on_row = [](const std::vector<double>&) {})
+      : flow_(flow), on_row_(std::move(on_row)), history_(flow.names) {}
+
+  template <class Sim>
+  void operator()(const Sim& simulation) {
+    if (simulation.steps() == 0) add(simulation);
+  }
+  template <class Sim>
+  void before_step(Sim& simulation) {
+    if (!flow_.body_force) return;
+    const double dt = simulation.time_step();
+    auto& particles = simulation.particles();
+    for (Index i = 0; i < particles.size(); ++i) {
+      particles[velocity][i] += dt * flow_.body_force(particles[position][i]);
+    }
+  }
+  template <class Sim, class Run>
+  void after_step(const Sim& simulation, const Run&) {
+    if (simulation.time() * (1 + 1e-12) >= next_) add(simulation);
+  }
+
+  const History& history() const { return history_; }
+
+ private:
+  template <class Sim>
+  void add(const Sim& simulation) {
+    const auto row = flow_.note(simulation.particles(), simulation.time());
+    history_.add(row);
+    on_row_(row);
+    while (next_ <= simulation.time() && flow_.note_every > 0) next_ += flow_.note_every;
+  }
+
+  const FluidCase& flow_;
+  OnRow on_row_;
+  History history_;
+  double next_ = 0;  // [s]
+};
+
+}  // namespace fluid_cases
