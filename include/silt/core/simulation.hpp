@@ -194,11 +194,11 @@ class Simulation {
       }
     };
     const auto outputs_at = [&](double time) {
-      return run.output_every > 0 ? std::floor(time / run.output_every * (1 + 1e-12)) : 0.0;
+      return run.output_every > 0 ? whole_times(time / run.output_every) : 0;
     };
     const double end = run.until * (1 - 1e-12);
     observe();
-    double outputs = outputs_at(time_);
+    Index outputs = outputs_at(time_);
     bool observed = true;
     while (time_ < end) {
       (before_step(observers), ...);

@@ -59,6 +59,10 @@ Vec<3, Real> cross(const Vec<3, Real>& spin, const Vec<3, Real>& arm) {
   return moment(spin, arm);
 }
 
+/// Whole part of a count that comes from times. They are sums of time steps: a rounding must not
+/// put an event off by a step.
+inline Index whole_times(double count) { return static_cast<Index>(count * (1 + 1e-12)); }
+
 /// Resizes a std::vector; where it must grow, a sixteenth more than asked for, not
 /// twofold as of itself.
 template <class Vector>

@@ -6,10 +6,6 @@
 
 namespace silt::dem {
 
-/// Whole part of a count that comes from times. They are sums of time steps: a rounding must not
-/// put an event off by a step.
-inline Index whole_times(double count) { return static_cast<Index>(count * (1 + 1e-12)); }
-
 /// How many looks there were.
 struct Looks {
   Index number = 0;
