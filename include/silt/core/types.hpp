@@ -76,6 +76,44 @@ Real squared(Real x) {
   return x * x;
 }
 
+/// Numbers of a spin: one in 2D, three in 3D.
+template <int Dim>
+inline constexpr int spin_size = Dim == 2 ? 1 : 3;
+
+/// Number k of a spin.
+template <class Turning>
+auto& component(Turning& spin, [[maybe_unused]] int k) {
+  if constexpr (requires { spin[k]; }) {
+    return spin[k];
+  } else {
+    return spin;
+  }
+}
+
+/// A number, vector or spin in double precision.
+template <class Real>
+double in_double(Real value)
+  requires std::is_floating_point_v<Real>
+{
+  return double(value);
+}
+template <class Real, int Dim>
+Vec<Dim, double> in_double(const Eigen::Matrix<Real, Dim, 1>& value) {
+  return value.template cast<double>();
+}
+
+/// Product of two spins, or of a couple and a spin.
+template <class Real>
+Real dot(Real a, Real b)
+  requires std::is_floating_point_v<Real>
+{
+  return a * b;
+}
+template <class Real>
+Real dot(const Vec<3, Real>& a, const Vec<3, Real>& b) {
+  return a.dot(b);
+}
+
 /// |w|² of a spin in either dimension.
 template <class Real>
 Real squared_norm(Real spin)

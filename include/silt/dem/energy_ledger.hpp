@@ -12,6 +12,7 @@
 // is the integration's error, of order Δt².
 #pragma once
 
+#include <silt/core/energy.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/pair_memory.hpp>
 #include <silt/core/parallel.hpp>
@@ -49,9 +50,9 @@ class EnergyLedger {
   /// Notices what changed since the last step; needed only where something did.
   template <class Sim>
   void before_step(const Sim& simulation) {
-    const double noted = kinetic_of(before_) + rotational_of(before_);
+    const double noted = energy_of_motion(before_);
     note(simulation);
-    came_since_ += kinetic_of(before_) + rotational_of(before_) - noted;
+    came_since_ += energy_of_motion(before_) - noted;
   }
 
   /// To be called after every step. Throws if it missed one, or grains that came before it.
@@ -99,15 +100,8 @@ class EnergyLedger {
   using Stored = PairMemory<ElasticParts>;
   using Entries = std::vector<Stored::Entry>;
 
-  static double kinetic_of(const P& grains) {
-    return ordered_sum(grains.size(), 0.0, [&](Index i) {
-      return double(grains[mass][i]) * Motion::wide(grains[velocity][i]).squaredNorm() / 2;
-    });
-  }
-  static double rotational_of(const P& grains) {
-    return ordered_sum(grains.size(), 0.0, [&](Index i) {
-      return double(grains[inertia][i]) * squared_norm(Motion::wide(grains[spin][i])) / 2;
-    });
+  static double energy_of_motion(const P& grains) {
+    return kinetic_energy(grains) + rotational_energy(grains);
   }
 
   template <class Sim>
@@ -136,8 +130,8 @@ class EnergyLedger {
     outside_ += came_since_;
     motion_.set(before_, after, (time_step_ + simulation.last_time_step()) / 2);
     came_since_ = -motion_.carried_away();
-    energies_ = {.kinetic = kinetic_of(before_) + motion_.kinetic_change() / 2,
-                 .rotational = rotational_of(before_) + motion_.rotational_change() / 2};
+    energies_ = {.kinetic = kinetic_energy(before_) + motion_.kinetic_change() / 2,
+                 .rotational = rotational_energy(before_) + motion_.rotational_change() / 2};
     Losses lost;
     Entries stored;
     const bool knows_all = add_works(simulation.interaction(), lost, stored);
@@ -161,7 +155,7 @@ class EnergyLedger {
       });
       knows_springs_ = knows_springs_ && I::template tells_springs<P>;
     } else if constexpr (requires(typename P::Vec g) { g = interaction.acceleration(); }) {
-      add_gravity(Motion::wide(interaction.acceleration()));
+      add_gravity(in_double(interaction.acceleration()));
     } else {
       knows_all = false;
     }
@@ -174,7 +168,7 @@ class EnergyLedger {
       if (motion_.stays(i)) {
         step_.gravity += m * g.dot(motion_.velocity_of(i)) * motion_.duration();
       }
-      energies_.potential -= m * g.dot(Motion::wide(before_[position][i]));
+      energies_.potential -= m * g.dot(in_double(before_[position][i]));
     }
   }
 
@@ -183,8 +177,8 @@ class EnergyLedger {
     double all = 0;
     for (Index k = 0; k < after.size(); ++k) {
       const Index i = before_.index_of(after.id(k));
-      all += Motion::wide(after[force][k]).dot(motion_.velocity_of(i)) +
-             Motion::product(Motion::wide(after[torque][k]), motion_.spin_of(i));
+      all += in_double(after[force][k]).dot(motion_.velocity_of(i)) +
+             dot(in_double(after[torque][k]), motion_.spin_of(i));
     }
     step_.other = all * motion_.duration() - step_.sum();
   }
@@ -198,7 +192,7 @@ class EnergyLedger {
         const auto& w = motion_.spin_of(i);
         const double power =
             double(before_[mass][i]) * v.dot(damping.drag(v)) +
-            double(before_[inertia][i]) * Motion::product(w, damping.drag(w));
+            double(before_[inertia][i]) * dot(w, damping.drag(w));
         step_.damping += power * motion_.duration();
       }
     } else {

@@ -24,15 +24,6 @@ class MeanMotion {
   using Vector = Vec<dimension, double>;
   using Turn = Spin<dimension, double>;
 
-  static Vector wide(const typename P::Vec& v) { return v.template cast<double>(); }
-  static double wide(typename P::Real w)
-    requires(dimension == 2)
-  {
-    return double(w);
-  }
-  static double product(double a, double b) { return a * b; }
-  static double product(const Vector& a, const Vector& b) { return a.dot(b); }
-
   /// Grains before a step and those that are left after it; duration is that of the kick [s].
   /// Grains that are gone left with what they came with.
   void set(const P& before, const P& after, double duration) {
@@ -42,18 +33,18 @@ class MeanMotion {
     w_.resize(before.size());
     stays_.assign(before.size(), false);
     for (Index i = 0; i < before.size(); ++i) {
-      v_[i] = wide(before[velocity][i]);
-      w_[i] = wide(before[spin][i]);
+      v_[i] = in_double(before[velocity][i]);
+      w_[i] = in_double(before[spin][i]);
     }
     for (Index k = 0; k < after.size(); ++k) {
       const Index i = before.index_of(after.id(k));
-      const Vector v = wide(after[velocity][k]) - v_[i];
-      const Turn w = wide(after[spin][k]) - w_[i];
+      const Vector v = in_double(after[velocity][k]) - v_[i];
+      const Turn w = in_double(after[spin][k]) - w_[i];
       stays_[i] = true;
       v_[i] += v / 2;
       w_[i] += w / 2;
       kinetic_change_ += double(before[mass][i]) * v.dot(v_[i]);
-      rotational_change_ += double(before[inertia][i]) * product(w, w_[i]);
+      rotational_change_ += double(before[inertia][i]) * dot(w, w_[i]);
     }
     for (Index i = 0; i < before.size(); ++i) {
       if (stays_[i]) continue;
@@ -78,7 +69,7 @@ class MeanMotion {
   void add_contact(const P& before, const Each& each, Works& works, Losses& lost) const {
     const auto [i, j, wall] = each.sides;
     if (!stays_[i] && (j == nowhere || !stays_[j])) return;
-    const Vector n = wide(each.contact.normal);
+    const Vector n = in_double(each.contact.normal);
     const auto arm = [&](Index k) { return before[radius][k] - each.shorter; };
     const auto surface = [&](Index k, double a) { return Vector(v_[k] + a * cross(w_[k], n)); };
     // Of the other side, grain or wall.
@@ -88,14 +79,14 @@ class MeanMotion {
       v_other = surface(j, double(arm(j)));
       w_other = w_[j];
     } else {
-      v_other = wide(each.wall_velocity);
-      w_other = wide(each.wall_spin);
+      v_other = in_double(each.wall_velocity);
+      w_other = in_double(each.wall_spin);
     }
     const Vector v_own = surface(i, -double(arm(i)));
-    const Load load = add_parts(each.answer, n, (v_own - v_other) * duration_,
+    const Load load = add_parts(each.answer, each.contact.normal, (v_own - v_other) * duration_,
                                 (w_[i] - w_other) * duration_, works, lost);
     const auto work = [&](const Vector& v, const Turn& w) {
-      return (load.force.dot(v) + product(load.couple, w)) * duration_;
+      return (load.force.dot(v) + dot(load.couple, w)) * duration_;
     };
     if (j == nowhere) {
       works.walls += work(v_other, w_other);
@@ -114,32 +105,29 @@ class MeanMotion {
   };
   // Of surfaces that went u [m] and turned by `turn` against one another.
   template <class Answer>
-  static Load add_parts(const Answer& answer, const Vector& n, const Vector& u, const Turn& turn,
-                        Works& works, Losses& lost) {
+  static Load add_parts(const Answer& answer, const typename P::Vec& n, const Vector& u,
+                        const Turn& turn, Works& works, Losses& lost) {
     if constexpr (std::convertible_to<Answer, typename P::Vec>) {
-      const Vector force = wide(answer);
+      const Vector force = in_double(answer);
       works.contact += force.dot(u);
       return {force, zero_of<Turn>()};
     } else {
-      const double u_n = n.dot(u);
+      const double u_n = in_double(n).dot(u);
       works.normal_spring += double(answer.normal_spring) * u_n;
       works.normal_dashpot += double(answer.normal_dashpot) * u_n;
       works.adhesion += double(answer.adhesion) * u_n;
-      works.tangential_spring += wide(answer.tangential_spring).dot(u);
-      works.tangential_dashpot += wide(answer.tangential_dashpot).dot(u);
+      works.tangential_spring += in_double(answer.tangential_spring).dot(u);
+      works.tangential_dashpot += in_double(answer.tangential_dashpot).dot(u);
       lost.friction += double(answer.friction);
       lost.plastic += double(answer.plastic);
       Turn couple = zero_of<Turn>();
       if constexpr (requires { answer.couple(); }) {
-        works.rolling_spring += product(wide(answer.rolling_spring), turn);
-        works.rolling_dashpot += product(wide(answer.rolling_dashpot), turn);
+        works.rolling_spring += dot(in_double(answer.rolling_spring), turn);
+        works.rolling_dashpot += dot(in_double(answer.rolling_dashpot), turn);
         lost.rolling_friction += double(answer.rolling_friction);
-        couple = wide(answer.couple());
+        couple = in_double(answer.couple());
       }
-      const Vector force =
-          double(answer.normal_spring + answer.normal_dashpot + answer.adhesion) * n +
-          wide(answer.tangential_spring) + wide(answer.tangential_dashpot);
-      return {force, couple};
+      return {in_double(answer.force(n)), couple};
     }
   }
 

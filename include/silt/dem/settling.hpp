@@ -2,6 +2,7 @@
 // Running until grains have come to rest.
 #pragma once
 
+#include <silt/core/energy.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/simulation.hpp>
@@ -23,13 +24,10 @@ struct Settling {
 /// √(Σ m v² / Σ m) [m/s]; 0 without grains.
 template <class P>
 double rms_speed(const P& grains) {
+  if (grains.size() == 0) return 0;
   const auto m = grains[mass];
-  const auto v = grains[velocity];
-  const Index n = grains.size();
-  if (n == 0) return 0;
-  const double energy =
-      ordered_sum(n, 0.0, [&](Index i) { return double(m[i] * v[i].squaredNorm()); });
-  return std::sqrt(energy / ordered_sum(n, 0.0, [&](Index i) { return double(m[i]); }));
+  const double all = ordered_sum(grains.size(), 0.0, [&](Index i) { return double(m[i]); });
+  return std::sqrt(2 * kinetic_energy(grains) / all);
 }
 
 /// Runs the simulation, with these observers, until the grains are at rest at a look; the first one

@@ -2,6 +2,7 @@
 // Two grains, or one and a wall, that fly into contact and out of it under a law on trial.
 #pragma once
 
+#include <silt/core/energy.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/contact.hpp>
 #include <silt/dem/grains.hpp>
@@ -112,14 +113,7 @@ class TrialFlight {
     }
   }
 
-  double energy() const {
-    double energy = 0;
-    for (Index i = 0; i < 2; ++i) {
-      energy += (grains_[mass][i] * grains_[velocity][i].squaredNorm() +
-                 grains_[inertia][i] * squared_norm(grains_[spin][i])) / 2;
-    }
-    return energy;
-  }
+  double energy() const { return kinetic_energy(grains_) + rotational_energy(grains_); }
 
   const Vec<Dim> n_ = Vec<Dim>::Unit(0);
   FlightStart start_;

@@ -3,33 +3,13 @@
 // must belong to one time. Sums are the same bits for any number of threads.
 #pragma once
 
+#include <silt/core/energy.hpp>
 #include <silt/core/fields.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/particles.hpp>
 #include <silt/core/types.hpp>
 
 namespace silt {
-
-/// Σ ½ m v² [J].
-template <class P>
-  requires HasFields<P, velocity_t, mass_t>
-double kinetic_energy(const P& particles) {
-  const auto v = particles[velocity];
-  const auto m = particles[mass];
-  return ordered_sum(particles.size(), 0.0,
-                     [&](Index i) { return double(m[i]) * double(v[i].squaredNorm()) / 2; });
-}
-
-/// Σ ½ I ω² [J].
-template <class P>
-  requires HasFields<P, spin_t, inertia_t>
-double rotational_energy(const P& particles) {
-  const auto w = particles[spin];
-  const auto inertias = particles[inertia];
-  return ordered_sum(particles.size(), 0.0, [&](Index i) {
-    return double(inertias[i]) * double(squared_norm(w[i])) / 2;
-  });
-}
 
 /// −Σ m g·x [J]: that of the acceleration g [m/s²], zero at the origin.
 template <class P>
@@ -68,11 +48,7 @@ Spin<P::dimension> angular_momentum(const P& particles, const typename P::Vec& a
   return ordered_sum(particles.size(), zero_of<Sum>(), [&](Index i) {
     const Wide arm = (x[i] - about).template cast<double>();
     const Wide p = double(m[i]) * v[i].template cast<double>();
-    if constexpr (P::dimension == 2) {
-      return Sum(moment(arm, p) + double(inertias[i]) * double(w[i]));
-    } else {
-      return Sum(moment(arm, p) + double(inertias[i]) * w[i].template cast<double>());
-    }
+    return Sum(moment(arm, p) + double(inertias[i]) * in_double(w[i]));
   });
 }
 

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: MIT
+// Energies of motion of a set of particles, in double precision whatever their own. Sums are the
+// same bits for any number of threads.
+#pragma once
+
+#include <silt/core/fields.hpp>
+#include <silt/core/parallel.hpp>
+#include <silt/core/particles.hpp>
+#include <silt/core/types.hpp>
+
+namespace silt {
+
+/// Σ ½ m v² [J].
+template <class P>
+  requires HasFields<P, velocity_t, mass_t>
+double kinetic_energy(const P& particles) {
+  const auto v = particles[velocity];
+  const auto m = particles[mass];
+  return ordered_sum(particles.size(), 0.0,
+                     [&](Index i) { return double(m[i]) * in_double(v[i]).squaredNorm() / 2; });
+}
+
+/// Σ ½ I ω² [J].
+template <class P>
+  requires HasFields<P, spin_t, inertia_t>
+double rotational_energy(const P& particles) {
+  const auto w = particles[spin];
+  const auto inertias = particles[inertia];
+  return ordered_sum(particles.size(), 0.0, [&](Index i) {
+    return double(inertias[i]) * squared_norm(in_double(w[i])) / 2;
+  });
+}
+
+}  // namespace silt
