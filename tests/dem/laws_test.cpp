@@ -4,10 +4,10 @@
 #include "support/single_contact.hpp"
 
 #include <silt/dem/adhesion.hpp>
-#include <silt/dem/contact_lanes.hpp>
 #include <silt/dem/cundall_strack.hpp>
 #include <silt/dem/hertz.hpp>
 #include <silt/dem/law.hpp>
+#include <silt/dem/law_memory.hpp>
 #include <silt/dem/linear_friction.hpp>
 #include <silt/dem/linear_spring_dashpot.hpp>
 #include <silt/dem/materials.hpp>

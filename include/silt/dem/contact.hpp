@@ -150,6 +150,30 @@ auto answer_of(const Law& law, const C& contact, Memory&... memory) {
   }
 }
 
+/// The force on i [N] in what a law answered about a contact of this normal.
+template <int Dim, class Real>
+Vec<Dim, Real> force_of(const Vec<Dim, Real>& answer, const Vec<Dim, Real>&) {
+  return answer;
+}
+template <int Dim, class Real>
+Vec<Dim, Real> force_of(const ForceParts<Dim, Real>& answer, const Vec<Dim, Real>& normal) {
+  return answer.force(normal);
+}
+
+/// The couple on i [N m], beside the moment of the force; 0 if the law gives none.
+template <int Dim, class Real>
+Spin<Dim, Real> couple_of(const Vec<Dim, Real>&) {
+  return zero_of<Spin<Dim, Real>>();
+}
+template <int Dim, class Real>
+Spin<Dim, Real> couple_of(const ForceParts<Dim, Real>&) {
+  return zero_of<Spin<Dim, Real>>();
+}
+template <int Dim, class Real>
+Spin<Dim, Real> couple_of(const LoadParts<Dim, Real>& answer) {
+  return answer.couple();
+}
+
 /// The law gives a couple beside its force.
 template <class L, int Dim, class Real>
 concept GivesCouple =

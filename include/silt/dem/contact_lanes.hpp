@@ -8,82 +8,17 @@
 #include <silt/core/simd.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/contact.hpp>
+#include <silt/dem/contact_row.hpp>
 #include <silt/dem/grain_columns.hpp>
+#include <silt/dem/law_memory.hpp>
 #include <silt/dem/wall.hpp>
 #include <silt/dem/wall_motion.hpp>
 
 #include <algorithm>
-#include <array>
-#include <concepts>
 #include <cstdint>
-#include <cstring>
 #include <type_traits>
 
 namespace silt::dem {
-
-/// What a law remembers, as a row of Reals; none for a law without memory.
-template <class Law, int Dim, class Real>
-struct LawMemory {
-  using type = NoMemory;
-  static constexpr int words = 0;
-  static type from(const Real*) { return {}; }
-  static void put(const type&, Real*) {}
-};
-template <class Law, int Dim, class Real>
-  requires LawWithMemory<Law, Dim, Real>
-struct LawMemory<Law, Dim, Real> {
-  using type = typename Law::template Memory<Dim, Real>;
-  static constexpr int words =
-      static_cast<int>((sizeof(type) + sizeof(Real) - 1) / sizeof(Real));
-  static type from(const Real* row) {
-    type memory{};
-    std::memcpy(static_cast<void*>(&memory), row, sizeof memory);
-    return memory;
-  }
-  static void put(const type& memory, Real* row) {
-    std::memcpy(row, static_cast<const void*>(&memory), sizeof memory);
-  }
-};
-
-namespace detail {
-// A scalar of odd size: among such, anything else shows in the size of the whole.
-struct OddScalar {
-  float parts[3];
-};
-// The memory's Reals, with the padding that the alignment of a vector may put behind them.
-template <class Memory, class Scalar, class OfOddScalars>
-inline constexpr bool holds_only =
-    sizeof(OfOddScalars) % sizeof(OddScalar) == 0 &&
-    (sizeof(OfOddScalars) / sizeof(OddScalar) * sizeof(Scalar) + alignof(Memory) - 1) /
-            alignof(Memory) * alignof(Memory) ==
-        sizeof(Memory);
-template <class Law, int Dim, class Real>
-concept RemembersRealsOnly =
-    !LawWithMemory<Law, Dim, Real> ||
-    (holds_only<typename Law::template Memory<Dim, Real>, Real,
-                typename Law::template Memory<Dim, OddScalar>> &&
-     sizeof(typename Law::template Memory<Dim, Lane<Real>>) ==
-         sizeof(typename Law::template Memory<Dim, Real>));
-}  // namespace detail
-
-/// The law is written for any scalar, and remembers nothing but Reals: the same code then works on
-/// eight contacts at once.
-template <class Law, int Dim, class Real>
-concept LawInLanes =
-    ContactLaw<Law, Dim, Lane<Real>> && detail::RemembersRealsOnly<Law, Dim, Real>;
-
-/// What is kept of a contact that touches, besides what the law remembers: n, δ, F on its first
-/// grain, by how much its lever arms are shorter than R, and the couple on its first grain if the
-/// law gives one.
-template <bool has_couple>
-struct ContactRow {
-  static constexpr int n = 0;
-  static constexpr int overlap = 3;
-  static constexpr int F = 4;
-  static constexpr int shorter = 7;
-  static constexpr int couple = 8;
-  static constexpr int words = has_couple ? 12 : 8;
-};
 
 template <int Dim, class RealType, int memory_words, bool has_couple>
 class ContactLanes {
@@ -252,16 +187,8 @@ class ContactLanes {
  private:
   static constexpr int N = Columns::N;
   static constexpr int packs = lanes / N;
-  static constexpr int spin_words = Columns::spin_words;
+  static constexpr int spin_words = spin_size<Dim>;
   using Pack = typename Columns::Pack;
-
-  static Real component(const silt::Spin<Dim, Real>& spin, [[maybe_unused]] int k) {
-    if constexpr (Dim == 2) {
-      return spin;
-    } else {
-      return spin[k];
-    }
-  }
 
   // u = v + a ω × n, with a to the surface along n, (5).
   [[gnu::always_inline]] static void surface_velocity(const typename Columns::Motion& grain,
@@ -300,20 +227,11 @@ class ContactLanes {
 
   template <class C, class Answer>
   void keep(int lane, const C& contact, const Answer& answer) {
-    typename C::Vec f;
-    if constexpr (std::convertible_to<Answer, typename C::Vec>) {
-      f = answer;
-    } else {
-      f = answer.force(contact.normal);
-    }
-    for (int k = 0; k < Dim; ++k) row_[Row::F + k][lane] = f[k];
+    const auto force = force_of(answer, contact.normal);
+    for (int k = 0; k < Dim; ++k) row_[Row::F + k][lane] = force[k];
     if constexpr (has_couple) {
-      const auto couple = answer.couple();
-      if constexpr (Dim == 2) {
-        row_[Row::couple][lane] = couple;
-      } else {
-        for (int k = 0; k < 3; ++k) row_[Row::couple + k][lane] = couple[k];
-      }
+      const auto couple = couple_of(answer);
+      for (int k = 0; k < spin_words; ++k) row_[Row::couple + k][lane] = component(couple, k);
     }
   }
 
@@ -326,11 +244,7 @@ class ContactLanes {
       contact.relative_velocity[k] = velocity_[k][lane];
     }
     if constexpr (has_couple) {
-      if constexpr (Dim == 2) {
-        contact.relative_spin = spin_[0][lane];
-      } else {
-        for (int k = 0; k < 3; ++k) contact.relative_spin[k] = spin_[k][lane];
-      }
+      for (int k = 0; k < spin_words; ++k) component(contact.relative_spin, k) = spin_[k][lane];
     }
     contact.overlap = row_[Row::overlap][lane];
     contact.effective_mass = mass_[lane];

@@ -10,9 +10,9 @@
 #include <silt/core/parallel.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/contact.hpp>
-#include <silt/dem/contact_lanes.hpp>
 #include <silt/dem/contacts_of_step.hpp>
 #include <silt/dem/grains.hpp>
+#include <silt/dem/law_memory.hpp>
 #include <silt/dem/law_pass.hpp>
 #include <silt/dem/materials.hpp>
 #include <silt/dem/near_search.hpp>

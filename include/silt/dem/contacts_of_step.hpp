@@ -6,8 +6,8 @@
 #include <silt/core/pair_memory.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/contact.hpp>
-#include <silt/dem/contact_lanes.hpp>
 #include <silt/dem/grains.hpp>
+#include <silt/dem/law_memory.hpp>
 #include <silt/dem/materials.hpp>
 #include <silt/dem/single_contacts.hpp>
 #include <silt/dem/wall_load.hpp>
@@ -53,7 +53,6 @@ template <class P, class Law, class Walls, class T>
 class ContactsOfStep {
   using Real = typename P::Real;
   using Vec = typename P::Vec;
-  using Spin = silt::Spin<P::dimension, Real>;
   using Row = typename T::Row;
   using Memory = LawMemory<Law, P::dimension, Real>;
   using Contact = dem::Contact<P::dimension, Real>;
@@ -68,7 +67,8 @@ class ContactsOfStep {
   void for_each(F&& f) const {
     const auto walls = walls_then();
     for_each_touch(grains_, touches_, [&](Index, const Sides& sides, const auto* row) {
-      f(sides.i, sides.j, contact_of(grains_, touches_.seen(), row, sides, walls), force_of(row));
+      f(sides.i, sides.j, contact_of(grains_, touches_.seen(), row, sides, walls),
+        Row::template force_in<P::dimension>(row));
     });
   }
 
@@ -85,8 +85,8 @@ class ContactsOfStep {
       const auto velocity = walls.velocity(sides.wall);
       touch.velocity = velocity.at(touch.point);
       touch.spin = velocity.spin;
-      touch.force = -force_of(row);
-      touch.couple = -couple_of(row);
+      touch.force = -Row::template force_in<P::dimension>(row);
+      touch.couple = -Row::template couple_in<P::dimension>(row);
       f(touch);
     });
   }
@@ -148,10 +148,7 @@ class ContactsOfStep {
   /// See Contacts::elastic_energy.
   double elastic_energy() const {
     double energy = 0;
-    if constexpr (requires(const Law law, const Contact contact,
-                           const typename Memory::type memory) {
-                    law.elastic_energy(contact, memory);
-                  }) {
+    if constexpr (TellsEnergy<Law, P::dimension, Real>) {
       const auto walls = walls_then();
       for_each_touch(grains_, touches_, [&](Index c, const Sides& sides, const auto* row) {
         energy += double(
@@ -185,23 +182,6 @@ class ContactsOfStep {
   }
 
   auto walls_then() const { return walls_of_step<P>(walls_, touches_.seen()); }
-
-  static Vec force_of(const Real* row) {
-    Vec force;
-    for (int k = 0; k < P::dimension; ++k) force[k] = row[Row::F + k];
-    return force;
-  }
-  static Spin couple_of([[maybe_unused]] const Real* row) {
-    auto couple = zero_of<Spin>();
-    if constexpr (T::couples) {
-      if constexpr (P::dimension == 2) {
-        couple = row[Row::couple];
-      } else {
-        for (int k = 0; k < 3; ++k) couple[k] = row[Row::couple + k];
-      }
-    }
-    return couple;
-  }
 
   static ElasticParts elastic_parts(const Law& law, const Contact& contact, const Real* memory) {
     if constexpr (tells_springs) {

@@ -22,7 +22,6 @@ class GrainColumns {
   using Real = RealType;
   using Vec = silt::Vec<Dim, Real>;
   using Spin = silt::Spin<Dim, Real>;
-  static constexpr int spin_words = Dim == 2 ? 1 : 3;
 
   /// As many grains as fill a register; these are their places.
   static constexpr int N = std::min(lanes, simd::lanes<Real>);
@@ -32,9 +31,9 @@ class GrainColumns {
     Pack R;       ///< [m]
   };
   struct Motion {
-    Pack v[Dim];         ///< [m/s]
-    Pack w[spin_words];  ///< [1/s]
-    Pack m;              ///< [kg]
+    Pack v[Dim];             ///< [m/s]
+    Pack w[spin_size<Dim>];  ///< [1/s]
+    Pack m;                  ///< [kg]
   };
 
   /// Reads the grains, ghosts included, as long as they stay where they are.

@@ -7,6 +7,7 @@
 #include <silt/dem/contact.hpp>
 #include <silt/dem/contact_lanes.hpp>
 #include <silt/dem/grains.hpp>
+#include <silt/dem/law_memory.hpp>
 #include <silt/dem/prescribed_contact.hpp>
 #include <silt/dem/wall.hpp>
 
@@ -70,11 +71,8 @@ EightLoads<Dim> loads_in_lanes(const Law& law, const EightContacts<Dim>& contact
       LawLoad<Dim>& load = loads[lane].emplace_back();
       if (!(contacts[lane][k].overlap > 0)) continue;
       const double* const row = rows + lane * Row::words;
-      for (int d = 0; d < Dim; ++d) load.force[d] = row[Row::F + d];
-      if constexpr (has_couple && Dim == 2) load.couple = row[Row::couple];
-      if constexpr (has_couple && Dim == 3) {
-        for (int d = 0; d < 3; ++d) load.couple[d] = row[Row::couple + d];
-      }
+      load.force = Row::template force_in<Dim>(row);
+      load.couple = Row::template couple_in<Dim>(row);
     }
   }
   return loads;

@@ -108,9 +108,7 @@ class MeanMotion {
   static Load add_parts(const Answer& answer, const typename P::Vec& n, const Vector& u,
                         const Turn& turn, Works& works, Losses& lost) {
     if constexpr (std::convertible_to<Answer, typename P::Vec>) {
-      const Vector force = in_double(answer);
-      works.contact += force.dot(u);
-      return {force, zero_of<Turn>()};
+      works.contact += in_double(answer).dot(u);
     } else {
       const double u_n = in_double(n).dot(u);
       works.normal_spring += double(answer.normal_spring) * u_n;
@@ -120,15 +118,13 @@ class MeanMotion {
       works.tangential_dashpot += in_double(answer.tangential_dashpot).dot(u);
       lost.friction += double(answer.friction);
       lost.plastic += double(answer.plastic);
-      Turn couple = zero_of<Turn>();
       if constexpr (requires { answer.couple(); }) {
         works.rolling_spring += dot(in_double(answer.rolling_spring), turn);
         works.rolling_dashpot += dot(in_double(answer.rolling_dashpot), turn);
         lost.rolling_friction += double(answer.rolling_friction);
-        couple = in_double(answer.couple());
       }
-      return {in_double(answer.force(n)), couple};
     }
+    return {in_double(force_of(answer, n)), in_double(couple_of(answer))};
   }
 
   double duration_ = 0;

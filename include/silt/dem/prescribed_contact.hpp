@@ -5,7 +5,7 @@
 
 #include <silt/core/types.hpp>
 #include <silt/dem/contact.hpp>
-#include <silt/dem/contact_lanes.hpp>
+#include <silt/dem/law_memory.hpp>
 
 #include <Eigen/Geometry>
 
@@ -75,22 +75,14 @@ Contact<Dim, Real> in_precision(const Contact<Dim, double>& contact) {
   cast.normal = contact.normal.template cast<Real>();
   cast.overlap = Real(contact.overlap);
   cast.relative_velocity = contact.relative_velocity.template cast<Real>();
-  if constexpr (Dim == 2) {
-    cast.relative_spin = Real(contact.relative_spin);
-  } else {
-    cast.relative_spin = contact.relative_spin.template cast<Real>();
+  for (int k = 0; k < spin_size<Dim>; ++k) {
+    component(cast.relative_spin, k) = Real(component(contact.relative_spin, k));
   }
   cast.effective_mass = Real(contact.effective_mass);
   cast.effective_radius = Real(contact.effective_radius);
   cast.time_step = Real(contact.time_step);
   return cast;
 }
-
-template <class Law, int Dim, class Real>
-concept TellsEnergy = requires(const Law law, const Contact<Dim, Real> contact,
-                               const typename LawMemory<Law, Dim, Real>::type memory) {
-  { law.elastic_energy(contact, memory) } -> std::convertible_to<double>;
-};
 
 /// What a law answers about one contact, and remembers.
 template <class Law, int Dim, class Real>
@@ -104,18 +96,8 @@ LawLoad<Dim> load_of(const Law& law, const Contact<Dim, Real>& contact,
       return answer_of(law, contact);
     }
   }();
-  if constexpr (TellsParts<Law, Dim, Real>) {
-    load.force = answer.force(contact.normal).template cast<double>();
-    if constexpr (GivesCouple<Law, Dim, Real>) {
-      if constexpr (Dim == 2) {
-        load.couple = double(answer.couple());
-      } else {
-        load.couple = answer.couple().template cast<double>();
-      }
-    }
-  } else {
-    load.force = answer.template cast<double>();
-  }
+  load.force = in_double(force_of(answer, contact.normal));
+  load.couple = in_double(couple_of(answer));
   if constexpr (TellsEnergy<Law, Dim, Real>) load.stored = law.elastic_energy(contact, memory);
   return load;
 }
@@ -168,12 +150,8 @@ EnergyGain energy_gain(const PrescribedContact<Dim>& instants,
     const Vec<Dim> force = (loads[k].force + loads[k - 1].force) / 2;
     const Spin<Dim> couple = (loads[k].couple + loads[k - 1].couple) / 2;
     const double along_normal = -force.dot(contact.normal) * contact.approach_speed();
-    double power = force.dot(contact.tangential_velocity());
-    if constexpr (Dim == 2) {
-      power += couple * contact.relative_spin;
-    } else {
-      power += couple.dot(contact.relative_spin);
-    }
+    const double power =
+        force.dot(contact.tangential_velocity()) + dot(couple, contact.relative_spin);
     given += (along_normal + power) * contact.time_step;
     pressed += std::abs(along_normal) * contact.time_step;
     sheared += std::abs(power) * contact.time_step;

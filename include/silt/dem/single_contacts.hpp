@@ -7,7 +7,6 @@
 #include <silt/core/particles.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/contact.hpp>
-#include <silt/dem/contact_lanes.hpp>
 #include <silt/dem/grains.hpp>
 #include <silt/dem/near_contacts.hpp>
 
@@ -140,18 +139,12 @@ template <class P, class T>
     }
   }
   turn_back(turning);
-  if constexpr (T::couples) {
-    if constexpr (P::dimension == 2) {
-      turning[2] += couples[0];
-    } else {
-      turning += couples;
-    }
-  }
   for (int k = 0; k < P::dimension; ++k) grains[force][i][k] += sum[k];
-  if constexpr (P::dimension == 2) {
-    grains[torque][i] += turning[2];
-  } else {
-    for (int k = 0; k < 3; ++k) grains[torque][i][k] += turning[k];
+  constexpr int first = 3 - spin_size<P::dimension>;  // in the plane, a moment is about z
+  for (int k = 0; k < spin_size<P::dimension>; ++k) {
+    Real M = turning[first + k];
+    if constexpr (T::couples) M += couples[k];
+    component(grains[torque][i], k) += M;
   }
 }
 

@@ -6,7 +6,6 @@
 #include <silt/core/parallel.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/contact.hpp>
-#include <silt/dem/contact_lanes.hpp>
 #include <silt/dem/materials.hpp>
 #include <silt/dem/single_contacts.hpp>
 #include <silt/dem/time_step.hpp>

@@ -8,6 +8,7 @@
 #include <silt/core/travel.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/contact_lanes.hpp>
+#include <silt/dem/contact_row.hpp>
 #include <silt/dem/near_contacts.hpp>
 
 #include <algorithm>
