@@ -116,6 +116,8 @@ class ContactLanes {
       Pack u[Dim];
       surface_velocity(i, shorter - i_[p].R, n, u);
       if constexpr (!std::is_null_pointer_v<std::remove_cvref_t<Velocity>>) {
+        // By way of arrays: of packs that are written lane by lane, g++ 12 loses some at -O3.
+        Real u_walls[Dim][N], w_walls[spin_words][N];
         for (int lane = 0; lane < N; ++lane) {
           Vec point;
           for (int k = 0; k < Dim; ++k) {
@@ -123,9 +125,11 @@ class ContactLanes {
           }
           const RigidVelocity<Dim, Real> wall = velocity(second[p * N + lane]);
           const Vec u_wall = wall.at(point);
-          for (int k = 0; k < Dim; ++k) u[k][lane] -= u_wall[k];
-          for (int k = 0; k < spin_words; ++k) i.w[k][lane] -= component(wall.spin, k);
+          for (int k = 0; k < Dim; ++k) u_walls[k][lane] = u_wall[k];
+          for (int k = 0; k < spin_words; ++k) w_walls[k][lane] = component(wall.spin, k);
         }
+        for (int k = 0; k < Dim; ++k) u[k] -= simd::load<Real, N>(u_walls[k]);
+        for (int k = 0; k < spin_words; ++k) i.w[k] -= simd::load<Real, N>(w_walls[k]);
       }
       if constexpr (has_couple) {
         for (int k = 0; k < spin_words; ++k) put_spin(p, k, i.w[k]);
