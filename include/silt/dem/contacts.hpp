@@ -5,11 +5,11 @@
 #pragma once
 
 #include <silt/core/concepts.hpp>
-#include <silt/core/error.hpp>
 #include <silt/core/pair_memory.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/contact.hpp>
+#include <silt/dem/contact_settings.hpp>
 #include <silt/dem/contacts_of_step.hpp>
 #include <silt/dem/grains.hpp>
 #include <silt/dem/law_memory.hpp>
@@ -21,9 +21,7 @@
 #include <silt/dem/touches.hpp>
 #include <silt/dem/walls.hpp>
 
-#include <algorithm>
 #include <concepts>
-#include <cstdint>
 #include <limits>
 #include <numeric>
 #include <string>
@@ -33,25 +31,13 @@
 
 namespace silt::dem {
 
-/// Where the contact force takes hold.
-enum class LeverArm {
-  contact_point,  ///< in the middle of the overlap: keeps angular momentum to round-off
-  radius,         ///< at R, as [SahChoi2004] (14) has it: off by δ/2
-};
-
-struct ContactSettings {
-  LeverArm lever_arm = LeverArm::contact_point;
-  double steps_per_contact = 50;  ///< of the default time step [-]
-  bool refuse_unstable = true;    ///< throw when Δt is beyond what the existing contacts allow
-};
-
 /// Contacts under one law (or one per pair of materials), of grains among themselves and with
 /// walls. A wall is any type that models dem::Wall. Radii may change only with
 /// particles.revision().
 template <class Law, class... Walls>
 class Contacts {
   template <class P>
-  using MemoryOf = LawMemory<Law, P::dimension, typename P::Real>;
+  using MemoryOf = typename LawMemory<Law, P::dimension, typename P::Real>::type;
   template <int Dim, class Real>
   using Found = Touches<Dim, Real, LawMemory<Law, Dim, Real>, GivesCouple<Law, Dim, Real>>;
   template <class P>
@@ -69,7 +55,7 @@ class Contacts {
 
   /// The same contacts with other settings. Throws if they are out of range.
   Contacts with(const ContactSettings& settings) const {
-    require_positive("ContactSettings: steps_per_contact", settings.steps_per_contact);
+    settings.check();
     Contacts contacts = *this;
     contacts.settings_ = settings;
     return contacts;
@@ -83,7 +69,8 @@ class Contacts {
                   "silt::dem::Contacts: these particles lack a field of dem::Grains");
     static_assert(ContactLaw<Law, P::dimension, typename P::Real>,
                   "silt::dem::Contacts: the law has neither force(contact) nor force(contact, "
-                  "memory) that gives a vector, nor parts in its place (see ContactLaw in silt/dem/contact.hpp)");
+                  "memory) that gives a vector, nor parts in its place (see ContactLaw in "
+                  "silt/dem/contact.hpp)");
     static_assert((Wall<Walls, P::dimension, typename P::Real> && ...),
                   "silt::dem::Contacts: a wall lacks nearest(x), material or check(), or is of "
                   "another dimension or precision (see silt/dem/wall.hpp), or moves by no motion "
@@ -118,7 +105,7 @@ class Contacts {
   void prepare(P& grains, const S& search, double dt) {
     auto& touches = found<P>();
     const bool stale = is_stale(grains, search, walls_, time_, touches.validity());
-    if (stale) check_grains(grains);
+    if (stale) check_grains(grains, materials_);
     touches.begin_step({.time = time_, .time_step = dt});
     grains.refresh_ghosts(velocity, spin);
     if (stale) renew_near(grains, search, touches, dt);
@@ -140,7 +127,7 @@ class Contacts {
       for (int lane = 0; lane < lanes; ++lane) {
         if ((touching >> lane & 1) == 0) continue;
         const Index c = contacts[static_cast<Index>(lane)];
-        eight.ask(law_of(grains, sides_of(grains, touches.near(), c)), dt, lane);
+        eight.ask(law_of(grains)(sides_of(grains, touches.near(), c)), dt, lane);
       }
     };
     const Real arm_share = settings_.lever_arm == LeverArm::radius ? 0 : Real(0.5);
@@ -165,7 +152,11 @@ class Contacts {
   void conclude(const P& grains, double dt) {
     auto& touches = found<P>();
     touches.end_step(std::accumulate(counts_.begin(), counts_.end(), Index(0)));
-    check_stability(grains, touches, dt);
+    if constexpr (knows_stiffness<P>) {
+      if (!settings_.refuse_unstable || dt <= touches.validity().stable_time_step) return;
+      check_stability(grains, touches, walls_of_step<P>(walls_, touches.seen()), dt,
+                      law_of(grains));
+    }
   }
 
   /// A fraction 1/steps_per_contact of the shortest contact that the lightest grains can have [s].
@@ -233,14 +224,9 @@ class Contacts {
   /// Replaces it: what a restart reads.
   template <class P, class Memory>
   void remember(const P&, const PairMemory<Memory>& memory) {
-    using Words = typename FoundOf<P>::Words;
-    static_assert(std::same_as<Memory, typename MemoryOf<P>::type>,
+    static_assert(std::same_as<Memory, MemoryOf<P>>,
                   "silt::dem::Contacts: this is not what the law remembers of grains like these");
-    std::vector<typename PairMemory<Words>::Entry> entries;
-    memory.for_each_pair([&](Id a, Id b, const Memory& own) {
-      entries.push_back({a, b, words_from<P>(own)});
-    });
-    found<P>().remember(PairMemory<Words>(std::move(entries)));
+    found<P>().remember(memory);
   }
 
   /// For a checkpoint, see core/transfer.hpp: what the law remembers.
@@ -280,24 +266,6 @@ class Contacts {
     return ContactsOfStep(grains, materials_, walls_, found<P>());
   }
 
-  template <class P>
-  void check_grains(const P& grains) const {
-    const auto R = grains[radius];
-    const auto m = grains[mass];
-    const auto inertias = grains[inertia];
-    const auto materials = grains[material];
-    const Index odd = first_where(grains.size(), [&](Index i) {
-      return !(R[i] > 0 && m[i] > 0 && inertias[i] > 0 && materials[i] < materials_.count());
-    });
-    if (odd == nowhere) return;
-    const Where where{.particle = odd, .id = grains.id(odd)};
-    materials_.check(materials[odd], "of a grain", where);
-    fail("dem::Contacts: radius = " + to_text(double(R[odd])) + " m, mass = " +
-             to_text(double(m[odd])) + " kg and inertia = " + to_text(double(inertias[odd])) +
-             " kg m² of a grain must be positive; set them",
-         where);
-  }
-
   template <class P, class S>
   void renew_near(const P& grains, const S& search, FoundOf<P>& touches, double dt) const {
     touches.renew_near([&](NearContacts& near, auto& found, auto& validity) {
@@ -305,44 +273,19 @@ class Contacts {
       renew_validity(grains, search, walls_, step, reach(grains), validity);
       const auto walls = walls_of_step<P>(walls_, touches.seen());
       find_near(grains, search, walls, validity.margin, near, found);
+      if constexpr (knows_stiffness<P>) {
+        validity.stable_time_step =
+            stable_for_all(grains, near, walls, validity.margin, law_of(grains));
+      }
     });
-    note_stable_time_step(grains, touches);
   }
 
+  // law(sides), of a contact that is near.
   template <class P>
-  static auto words_from(const typename MemoryOf<P>::type& own) {
-    typename FoundOf<P>::Words words{};
-    MemoryOf<P>::put(own, words.data());
-    return words;
-  }
-
-  template <class P>
-  void note_stable_time_step(const P& grains, FoundOf<P>& touches) const {
-    if constexpr (knows_stiffness<P>) {
-      touches.validity().stable_time_step = stable_for_all(
-          grains, touches.near(), walls_of_step<P>(walls_, touches.seen()),
-          touches.validity().margin,
-          [&](const Sides& sides) -> const Law& { return law_of(grains, sides); });
-    }
-  }
-
-  template <class P>
-  void check_stability(const P& grains, const FoundOf<P>& touches, double dt) const {
-    if constexpr (knows_stiffness<P>) {
-      if (!settings_.refuse_unstable || dt <= touches.validity().stable_time_step) return;
-      const Unstable unstable =
-          find_unstable(grains, touches, walls_of_step<P>(walls_, touches.seen()), dt,
-                        [&](const Sides& sides) -> const Law& { return law_of(grains, sides); });
-      if (unstable.grain == nowhere) return;
-      fail("dem::Contacts: time_step = " + to_text(dt) + " s exceeds the stable " +
-               to_text(unstable.stable_time_step) + " s of a grain with its contacts; lower it",
-           {.particle = unstable.grain, .id = grains.id(unstable.grain)});
-    }
-  }
-
-  template <class P>
-  const Law& law_of(const P& grains, const Sides& sides) const {
-    return law_between(grains, sides, materials_, walls_);
+  auto law_of(const P& grains) const {
+    return [&grains, this](const Sides& sides) -> const Law& {
+      return law_between(grains, sides, materials_, walls_);
+    };
   }
 
   Materials<Law> materials_;

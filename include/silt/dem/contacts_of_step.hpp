@@ -161,14 +161,9 @@ class ContactsOfStep {
 
   /// See Contacts::memory.
   auto memory() const {
-    using Remembered = PairMemory<typename Memory::type>;
+    using Remembered = typename T::Remembered;
+    if (const Remembered* const recalled = touches_.recalled()) return *recalled;
     std::vector<typename Remembered::Entry> entries;
-    if (const auto* const recalled = touches_.recalled()) {
-      recalled->for_each_pair([&](Id a, Id b, const auto& words) {
-        entries.push_back({a, b, Memory::from(words.data())});
-      });
-      return Remembered(std::move(entries));
-    }
     for_each_touch(grains_, touches_, [&](Index c, const Sides&, const auto*) {
       entries.push_back({touches_.near().first_id(c), touches_.near().second_id(c),
                          Memory::from(touches_.seen().memory_of(c))});

@@ -3,7 +3,9 @@
 #pragma once
 
 #include <silt/core/error.hpp>
+#include <silt/core/parallel.hpp>
 #include <silt/core/types.hpp>
+#include <silt/dem/grains.hpp>
 
 #include <cstdint>
 #include <initializer_list>
@@ -59,5 +61,24 @@ class Materials {
   Index count_;
   std::vector<Law> table_;
 };
+
+/// Throws if a grain's radius, mass or inertia is not positive, or if it has no material of these.
+template <class P, class Law>
+void check_grains(const P& grains, const Materials<Law>& materials) {
+  const auto R = grains[radius];
+  const auto m = grains[mass];
+  const auto inertias = grains[inertia];
+  const auto numbers = grains[material];
+  const Index odd = first_where(grains.size(), [&](Index i) {
+    return !(R[i] > 0 && m[i] > 0 && inertias[i] > 0 && numbers[i] < materials.count());
+  });
+  if (odd == nowhere) return;
+  const Where where{.particle = odd, .id = grains.id(odd)};
+  materials.check(numbers[odd], "of a grain", where);
+  fail("dem::Contacts: radius = " + to_text(double(R[odd])) + " m, mass = " +
+           to_text(double(m[odd])) + " kg and inertia = " + to_text(double(inertias[odd])) +
+           " kg m² of a grain must be positive; set them",
+       where);
+}
 
 }  // namespace silt::dem

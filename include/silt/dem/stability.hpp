@@ -2,8 +2,9 @@
 // The time step against the contacts that exist.
 #pragma once
 
-#include <silt/core/particles.hpp>
+#include <silt/core/error.hpp>
 #include <silt/core/parallel.hpp>
+#include <silt/core/particles.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/contact.hpp>
 #include <silt/dem/materials.hpp>
@@ -142,12 +143,6 @@ double shortest_contact(const P& grains, const Materials<Law>& materials) {
   return shortest;
 }
 
-/// A grain whose contacts do not stand the time step.
-struct Unstable {
-  Index grain = nowhere;       ///< `nowhere`: there is none
-  double stable_time_step = 0;  ///< that it would stand [s]
-};
-
 /// What even a grain with as many contacts as any, all as stiff as any, would stand [s]; infinite
 /// if nothing is stiff. law_of(sides) is the law of a near contact; margin [m] is how far those
 /// that do not touch yet may be apart. `walls` are a WallsThen.
@@ -193,11 +188,11 @@ double stable_for_all(const P& grains, const NearContacts& near, const Walls& wa
   return all.stable_time_step();
 }
 
-/// The first grain for which dt [s] is beyond stability among the contacts of this step. A cheap
-/// bound passes nearly always; where it does not, FrequencyBound decides.
+/// Throws if dt [s] is beyond stability for a grain among the contacts of this step. A cheap bound
+/// passes nearly always; where it does not, FrequencyBound decides.
 template <class P, class T, class Walls, class LawOf>
-Unstable find_unstable(const P& grains, const T& touches, const Walls& walls, double dt,
-                       LawOf&& law_of) {
+void check_stability(const P& grains, const T& touches, const Walls& walls, double dt,
+                     LawOf&& law_of) {
   using Row = typename T::Row;
   const auto m = grains[mass];
   const auto I = grains[inertia];
@@ -241,8 +236,10 @@ Unstable find_unstable(const P& grains, const T& touches, const Walls& walls, do
   };
   const Index broken =
       first_where(grains.size(), [&](Index i) { return is_beyond(i) && dt > stable_of(i); });
-  if (broken == nowhere) return {};
-  return {.grain = broken, .stable_time_step = stable_of(broken)};
+  if (broken == nowhere) return;
+  fail("dem::Contacts: time_step = " + to_text(dt) + " s exceeds the stable " +
+           to_text(stable_of(broken)) + " s of a grain with its contacts; lower it",
+       {.particle = broken, .id = grains.id(broken)});
 }
 
 }  // namespace silt::dem

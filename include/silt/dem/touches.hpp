@@ -12,7 +12,6 @@
 #include <silt/dem/near_contacts.hpp>
 
 #include <algorithm>
-#include <array>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -30,7 +29,7 @@ class Touches {
   using Lanes = ContactLanes<Dim, Real, Memory::words, has_couple>;
   static constexpr bool couples = has_couple;
   static constexpr Index padded_words = Lanes::padded_words;
-  using Words = std::array<Real, std::size_t{Memory::words}>;
+  using Remembered = PairMemory<typename Memory::type>;
   /// Row of the contacts that do not touch: all zeros, with the memory of a new contact. Who reads
   /// it like any other saves a branch that cannot be predicted.
   static constexpr std::uint32_t none = 0;
@@ -145,14 +144,14 @@ class Touches {
   }
 
   /// From now on, this is what is remembered.
-  void remember(PairMemory<Words> memory) {
-    recalled_ = std::move(memory);
+  void remember(const Remembered& memory) {
+    recalled_ = memory;
     was_recalled_ = false;
     validity_ = {};
   }
 
   /// That, until a look has taken it; else `nullptr`.
-  const PairMemory<Words>* recalled() const noexcept {
+  const Remembered* recalled() const noexcept {
     return recalled_ && !was_recalled_ ? &*recalled_ : nullptr;
   }
 
@@ -183,7 +182,7 @@ class Touches {
       const auto* const known = recalled_->find(near_.first_id(c), near_.second_id(c));
       if (known == nullptr) return;
       moved_rows_[c] = static_cast<std::uint32_t>(first_row + c);
-      std::copy(known->begin(), known->end(), spare_seen_.memory(moved_rows_[c]));
+      Memory::put(*known, spare_seen_.memory(moved_rows_[c]));
     });
     was_recalled_ = true;
   }
@@ -199,7 +198,7 @@ class Touches {
   Validity last_validity_;
   Validity spare_validity_;
   std::vector<std::uint32_t> moved_rows_;  // where the contacts just found were before
-  std::optional<PairMemory<Words>> recalled_;
+  std::optional<Remembered> recalled_;
   bool is_whole_ = true;  // what was seen last
   bool keeps_seen_ = false;
   bool keeps_near_ = false;
