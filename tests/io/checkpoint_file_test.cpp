@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // What a checkpoint holds of searches, and what it is not read from.
 #include "support/check.hpp"
+#include "support/file_test.hpp"
 #include "support/grains.hpp"
 
 #include <silt/dem/outflow.hpp>
@@ -9,31 +10,13 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <string>
 #include <vector>
 
 namespace silt::test {
 namespace {
 
-class CheckpointFile : public testing::Test {
- protected:
-  std::filesystem::path path =
-      std::filesystem::path(testing::TempDir()) /
-      (std::string("silt_") + testing::UnitTest::GetInstance()->current_test_info()->name() +
-       ".silt");
-
-  void TearDown() override { std::filesystem::remove(path); }
-
-  std::string bytes() const {
-    std::ifstream stream(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(stream), {}};
-  }
-  void write(const std::string& bytes) const {
-    std::ofstream(path, std::ios::binary) << bytes;
-  }
-};
+using CheckpointFile = FileTest;
 
 // So many that they are sorted in memory from time to time: the order of rows is part of the bits.
 template <class S>
@@ -111,6 +94,8 @@ TEST_F(CheckpointFile, IsRefusedUnlessItIsAsItWasWritten) {
   EXPECT_TRUE(refused("x,y\n1,2\n", {"is no checkpoint"}));
   std::filesystem::remove(path);
   EXPECT_TRUE(refuses([&] { read_checkpoint(path, sim); }, {"cannot open", path.string()}));
+  EXPECT_TRUE(refuses([&] { read_checkpoint(testing::TempDir(), sim); },
+                      {"read_checkpoint", "directory"}));
   EXPECT_EQ(state_of(sim.particles()), before);
 }
 

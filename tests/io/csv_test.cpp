@@ -2,12 +2,11 @@
 #include <silt/io/csv.hpp>
 
 #include "support/check.hpp"
+#include "support/file_test.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 #include <limits>
 #include <numbers>
 #include <string>
@@ -17,17 +16,8 @@ namespace {
 
 using namespace silt;
 
-class Csv : public testing::Test {
+class Csv : public test::FileTest {
  protected:
-  std::filesystem::path path =
-      std::filesystem::path(testing::TempDir()) /
-      (std::string("silt_csv_") +
-       testing::UnitTest::GetInstance()->current_test_info()->name() + ".csv");
-
-  void TearDown() override { std::filesystem::remove(path); }
-
-  void write(const std::string& text) { std::ofstream(path, std::ios::binary) << text; }
-
   auto refuses_to_read(const std::string& text, const std::vector<std::string>& words) {
     write(text);
     return test::refuses([this] { read_csv(path); }, words);
@@ -81,6 +71,7 @@ TEST_F(Csv, AByteOrderMarkAndPlusSignsAreRead) {
   EXPECT_EQ(table["t"], (std::vector<double>{1}));
   EXPECT_EQ(table["x"], (std::vector<double>{25}));
   EXPECT_TRUE(refuses_to_read("t\n+-5\n", {"line 2, column t: \"+-5\""}));
+  EXPECT_TRUE(refuses_to_read("t\n++5\n", {"line 2, column t: \"++5\""}));
 }
 
 TEST_F(Csv, ErrorsNameLineAndColumn) {
@@ -89,7 +80,12 @@ TEST_F(Csv, ErrorsNameLineAndColumn) {
   EXPECT_TRUE(refuses_to_read("# c\nt,x\n1\n", {"line 3: 1 values for 2"}));
   EXPECT_TRUE(refuses_to_read("t,t\n", {"line 1: the column name \"t\""}));
   EXPECT_TRUE(refuses_to_read("", {"no line of column names"}));
-  EXPECT_THROW(read_csv(path / "nowhere"), Error);
+}
+
+TEST_F(Csv, WhatIsNoFileIsRefused) {
+  EXPECT_TRUE(test::refuses([this] { read_csv(path); },
+                            {"read_csv", path.string(), "No such file or directory"}));
+  EXPECT_TRUE(test::refuses([] { read_csv(testing::TempDir()); }, {"read_csv", "directory"}));
 }
 
 TEST_F(Csv, AColumnThatIsNotThereIsRefusedWithThoseThatAre) {

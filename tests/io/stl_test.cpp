@@ -2,13 +2,11 @@
 #include <silt/io/stl.hpp>
 
 #include "support/check.hpp"
+#include "support/file_test.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cstring>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <limits>
 #include <string>
 #include <vector>
@@ -17,20 +15,8 @@ namespace {
 
 using namespace silt;
 
-class Stl : public testing::Test {
+class Stl : public test::FileTest {
  protected:
-  std::filesystem::path path =
-      std::filesystem::path(testing::TempDir()) /
-      (std::string("silt_stl_") +
-       testing::UnitTest::GetInstance()->current_test_info()->name() + ".stl");
-
-  void TearDown() override { std::filesystem::remove(path); }
-
-  void write(const std::string& bytes) { std::ofstream(path, std::ios::binary) << bytes; }
-  std::string bytes() {
-    std::ifstream stream(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(stream), {}};
-  }
   auto refuses_to_read(const std::string& text, std::vector<std::string> words) {
     write(text);
     words.push_back(path.string());
@@ -95,6 +81,7 @@ TEST_F(Stl, NamesWhatIsWrongInText) {
   const std::string end = "endloop\nendfacet\nendsolid\n";
   EXPECT_TRUE(refuses_to_read(begin + "vertex 0 one 0\n" + end,
                               {"line 6", "triangle 0", "\"one\"", "a number"}));
+  EXPECT_TRUE(refuses_to_read(begin + "vertex 0 +-1 0\n" + end, {"line 6", "\"+-1\"", "a number"}));
   EXPECT_TRUE(refuses_to_read(begin + end, {"line 6", "\"endloop\"", "vertex"}));
   EXPECT_TRUE(refuses_to_read(begin + "vertex 0 1", {"the file ends", "a number"}));
   EXPECT_TRUE(refuses_to_read(begin + "vertex 0 nan 0\n" + end, {"triangle 0", "nan", "finite"}));
@@ -116,7 +103,7 @@ TEST_F(Stl, RefusesNumbersThatAreNone) {
 TEST_F(Stl, SaysWhatItCannotOpen) {
   EXPECT_TRUE(test::refuses([] { read_stl("no/such/file.stl"); }, {"no/such/file.stl", "No such"}));
   EXPECT_TRUE(test::refuses([this] { write_stl("no/such/file.stl", two); }, {"no/such/file.stl"}));
-  EXPECT_TRUE(test::refuses([] { read_stl(testing::TempDir()); }, {"read_stl"}));
+  EXPECT_TRUE(test::refuses([] { read_stl(testing::TempDir()); }, {"read_stl", "directory"}));
 }
 
 }  // namespace

@@ -15,10 +15,7 @@
 #include <silt/io/archive.hpp>
 #include <silt/io/file.hpp>
 
-#include <cerrno>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <string>
 #include <tuple>
 #include <utility>
@@ -53,12 +50,7 @@ void write_checkpoint(const std::filesystem::path& path, const Sim& simulation,
 /// precision, list of fields or law.
 template <class Sim, class... Parts>
 void read_checkpoint(const std::filesystem::path& path, Sim& simulation, Parts&... parts) {
-  errno = 0;
-  std::ifstream stream(path, std::ios::binary);
-  if (!stream) {
-    file::refuse("read_checkpoint: cannot open", path, file::last_error(), "check the path");
-  }
-  const std::string bytes(std::istreambuf_iterator<char>(stream), {});
+  const std::string bytes = file::read("read_checkpoint", path);
   checkpoint::Reader reader(path.string(), bytes);
   std::tuple<Sim, Parts...> copies(simulation, parts...);
   std::apply([&](auto&... each) { checkpoint::transfer_all(reader, each...); }, copies);

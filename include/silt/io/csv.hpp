@@ -8,10 +8,9 @@
 #include <silt/io/file.hpp>
 
 #include <algorithm>
-#include <charconv>
+#include <cerrno>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <initializer_list>
 #include <span>
 #include <string>
@@ -139,18 +138,16 @@ inline CsvTable read_csv(const std::filesystem::path& path) {
     return cells;
   };
 
-  errno = 0;
-  std::ifstream stream(path);
-  if (!stream) {
-    file::refuse("read_csv: cannot open", path, file::last_error(), "check the path");
-  }
+  const std::string bytes = file::read("read_csv", path);
+  std::string_view rest = bytes;
+  // Some programs that make tables begin them with a byte order mark.
+  if (rest.starts_with("\xEF\xBB\xBF")) rest.remove_prefix(3);
   std::vector<std::string> names;
   std::vector<std::vector<double>> columns;
   std::vector<Index> lines;
-  std::string line;
-  for (Index number = 1; std::getline(stream, line); ++number) {
-    // Some programs that make tables begin them with a byte order mark.
-    if (number == 1 && line.starts_with("\xEF\xBB\xBF")) line.erase(0, 3);
+  for (Index number = 1; !rest.empty(); ++number) {
+    const std::string_view line = rest.substr(0, rest.find('\n'));
+    rest.remove_prefix(std::min(rest.size(), line.size() + 1));
     const std::string_view text = trimmed(line);
     if (text.empty() || text.front() == '#') continue;
     const std::string where = "read_csv: " + path.string() + ", line " + std::to_string(number);
@@ -172,15 +169,12 @@ inline CsvTable read_csv(const std::filesystem::path& path) {
     }
     lines.push_back(number);
     for (Index c = 0; c < cells.size(); ++c) {
-      double value = 0;
-      const char* end = cells[c].data() + cells[c].size();
-      const bool is_signed = cells[c].starts_with('+') && !cells[c].starts_with("+-");
-      const auto read = std::from_chars(cells[c].data() + is_signed, end, value);
-      if (read.ec != std::errc{} || read.ptr != end) {
+      const auto value = file::number(cells[c]);
+      if (!value) {
         fail(where + ", column " + names[c] + ": \"" + std::string(cells[c]) +
              "\" is not a number; correct it");
       }
-      columns[c].push_back(value);
+      columns[c].push_back(*value);
     }
   }
   if (names.empty()) {

@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: MIT
-// Files written whole or not at all: a reader, or a run that dies, never meets half a file.
+// Files written whole or not at all: a reader, or a run that dies, never meets half a file. Files
+// read whole, and the numbers in them.
 #pragma once
 
 #include <silt/core/error.hpp>
 
 #include <cerrno>
 #include <charconv>
+#include <cstddef>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <system_error>
@@ -43,6 +46,22 @@ inline void make_folder(const std::string& who, const std::filesystem::path& fol
   }
 }
 
+/// All bytes of a file. Throws silt::Error if it cannot be read. `who` begins the error's sentence.
+inline std::string read(const std::string& who, const std::filesystem::path& path) {
+  const std::string advice = "check the path";
+  errno = 0;
+  const Stream stream(std::fopen(path.string().c_str(), "rb"));
+  if (!stream) refuse(who + ": cannot open", path, last_error(), advice);
+  std::string bytes;
+  char block[1 << 14];
+  while (const std::size_t count = std::fread(block, 1, sizeof block, stream.get())) {
+    bytes.append(block, count);
+  }
+  // A folder can be opened on some systems.
+  if (std::ferror(stream.get()) != 0) refuse(who + ": cannot read", path, last_error(), advice);
+  return bytes;
+}
+
 /// The file becomes `bytes`: written beside it, then renamed over it. Throws silt::Error if that
 /// cannot be done, and leaves a file that was there as it was. `who` begins the error's sentence.
 inline void replace(const std::string& who, const std::filesystem::path& path,
@@ -72,6 +91,16 @@ std::string digits(Number value) {
   char text[64];
   const auto end = std::to_chars(text, text + sizeof text, value).ptr;
   return {text, end};
+}
+
+/// The number that a text is, with or without its sign; none if it is anything else, or more.
+inline std::optional<double> number(std::string_view text) {
+  if (text.starts_with('+') && !text.starts_with("+-")) text.remove_prefix(1);
+  double value = 0;
+  const char* const end = text.data() + text.size();
+  const auto read = std::from_chars(text.data(), end, value);
+  if (read.ec != std::errc{} || read.ptr != end) return std::nullopt;
+  return value;
 }
 
 }  // namespace silt::file

@@ -11,12 +11,8 @@
 #include <array>
 #include <bit>
 #include <cctype>
-#include <cerrno>
-#include <charconv>
 #include <cstdint>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -88,12 +84,9 @@ class StlWords {
   }
   double number() {
     const std::string word = next();
-    const char* const begin = word.data() + (word.starts_with('+') ? 1 : 0);
-    const char* const end = word.data() + word.size();
-    double value = 0;
-    const auto read = std::from_chars(begin, end, value);
-    if (word.empty() || read.ec != std::errc{} || read.ptr != end) refuse("a number", word);
-    return value;
+    const auto value = file::number(word);
+    if (!value) refuse("a number", word);
+    return *value;
   }
   [[noreturn]] void refuse(std::string_view wanted, const std::string& word) const {
     fail("read_stl: " + file_ + ", line " + std::to_string(line_) + ", triangle " +
@@ -170,12 +163,7 @@ inline bool is_text_stl(std::string_view bytes) {
 inline std::vector<Triangle<double>> read_stl(const std::filesystem::path& path,
                                               const StlSettings& settings = {}) {
   require_positive("StlSettings: scale", settings.scale);
-  errno = 0;
-  std::ifstream stream(path, std::ios::binary);
-  if (!stream || std::filesystem::is_directory(path)) {
-    file::refuse("read_stl: cannot open", path, file::last_error(), "check the path");
-  }
-  const std::string bytes{std::istreambuf_iterator<char>(stream), {}};
+  const std::string bytes = file::read("read_stl", path);
   const std::string name = path.string();
   const auto triangles = detail::is_text_stl(bytes)
                              ? detail::text_stl(name, bytes, settings.scale)
