@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "support/check.hpp"
+#include "support/file_test.hpp"
 #include "support/grains.hpp"
 
 #include <silt/dem/grain_table.hpp>
@@ -8,8 +9,6 @@
 
 #include <gtest/gtest.h>
 
-#include <filesystem>
-#include <fstream>
 #include <numbers>
 #include <string>
 
@@ -19,18 +18,11 @@ inline constexpr struct temperature_t : silt::scalar_field {
 namespace silt::test {
 namespace {
 
-class GrainTable : public testing::Test {
+class GrainTable : public FileTest {
  protected:
-  std::filesystem::path path =
-      std::filesystem::path(testing::TempDir()) /
-      (std::string("silt_grains_") +
-       testing::UnitTest::GetInstance()->current_test_info()->name() + ".csv");
-
-  void TearDown() override { std::filesystem::remove(path); }
-
   template <int Dim, Field... Further>
   auto read(const std::string& text, const dem::Grain& otherwise = {}) {
-    std::ofstream(path, std::ios::binary) << text;
+    write(text);
     return dem::grains_from<Dim, double, Further...>(read_csv(path), otherwise);
   }
 };

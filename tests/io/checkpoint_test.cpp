@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // A run that is stopped, written, read and continued has the bits of one that was not stopped.
 #include "support/check.hpp"
+#include "support/file_test.hpp"
 #include "support/grains.hpp"
 
 #include <silt/dem/inflow.hpp>
@@ -16,15 +17,7 @@
 namespace silt::test {
 namespace {
 
-class Checkpoint : public testing::Test {
- protected:
-  std::filesystem::path path =
-      std::filesystem::path(testing::TempDir()) /
-      (std::string("silt_") + testing::UnitTest::GetInstance()->current_test_info()->name() +
-       ".silt");
-
-  void TearDown() override { std::filesystem::remove(path); }
-};
+using Checkpoint = FileTest;
 
 const dem::CundallStrack law{.normal_stiffness = 1e5,
                              .tangential_stiffness = 5e4,
