@@ -43,14 +43,15 @@ class Output:
 
     def __init__(self, folder):
         self.folder = pathlib.Path(folder)
-        self.pressure = table(self.folder / "pressure.csv")
-        self.failed = not (self.folder / "summary.json").exists()
-        if not self.failed:
-            self.summary = json.loads((self.folder / "summary.json").read_text())
-            self.options = self.summary["options"]
+        done = self.folder / "summary.json"
+        self.failed = not done.exists()
+        self.summary = json.loads((self.folder / "failed.json" if self.failed else done).read_text())
+        self.options = self.summary["options"]
+        self.pressure = np.atleast_1d(table(self.folder / "pressure.csv"))
 
     @classmethod
     def there(cls, folder):
+        """The output of a run that came to its end; None if there is none."""
         return cls(folder) if (pathlib.Path(folder) / "summary.json").exists() else None
 
     @property
@@ -61,14 +62,28 @@ class Output:
         """Of the pressure's record [s]."""
         return float(self.pressure["t"][-1])
 
+    def roughness(self, begin=0.4, end=np.inf):
+        """Rms [Pa] of the first gauge minus its moving average over 0.02 s, over its samples from
+        `begin` to `end` [s]: one a step."""
+        t, p = self.pressure["t"], self.pressure["p_1"]
+        wanted = (t >= begin) & (t <= end)
+        if not wanted.any():
+            return None
+        return float(np.sqrt(np.mean((p - moving_average(t, p))[wanted] ** 2)))
+
+    def peak(self, begin=0.4, end=np.inf):
+        """Largest moving average of the first gauge over 0.02 s [Pa]."""
+        t = self.pressure["t"]
+        wanted = (t >= begin) & (t <= end)
+        return float(moving_average(t, self.pressure["p_1"])[wanted].max()) if wanted.any() else None
+
 
 class DamBreak(Output):
     def __init__(self, folder):
         super().__init__(folder)
-        self.front = table(self.folder / "front.csv")
-        if not self.failed:
-            self.name = f"case {self.options['case']:02d}"
-            self.width, self.height = self.options["column"]
+        self.front = np.atleast_1d(table(self.folder / "front.csv"))
+        self.name = f"case {self.options['case']:02d}"
+        self.width, self.height = self.options["column"]
 
     def dimensionless_front(self):
         """T = t √(2g/a) and Z = x/a."""
@@ -107,21 +122,6 @@ class DamBreak(Output):
 
     def is_martin_moyce(self):
         return abs(self.height / self.width - 2) < 1e-9
-
-    def roughness(self, begin=0.4, end=np.inf):
-        """Rms [Pa] of the first gauge minus its moving average over 0.02 s, over its samples from
-        `begin` to `end` [s]: one a step."""
-        t, p = self.pressure["t"], self.pressure["p_1"]
-        wanted = (t >= begin) & (t <= end)
-        if not wanted.any():
-            return None
-        return float(np.sqrt(np.mean((p - moving_average(t, p))[wanted] ** 2)))
-
-    def peak(self, begin=0.4, end=np.inf):
-        """Largest moving average of the first gauge over 0.02 s [Pa]."""
-        t = self.pressure["t"]
-        wanted = (t >= begin) & (t <= end)
-        return float(moving_average(t, self.pressure["p_1"])[wanted].max()) if wanted.any() else None
 
     def impulse(self, begin=0.4, end=np.inf):
         """Of the first gauge [Pa s]."""

@@ -1,0 +1,236 @@
+# SPDX-License-Identifier: MIT
+"""What the runs of support/paper_study.py came to, and whether the paper's findings hold in them.
+
+    results = Results(study)
+    results.case(10).roughness()              an Estimate, from all repetitions
+    for finding in findings(results, figures): finding.what, finding.figures, finding.verdict()
+
+Definitions. Roughness: rms of the pressure at P2 minus its moving average over 0.02 s, over the
+samples, one a step, of a span of time that is the same for all that is compared. Peak: the largest
+of that average. Error bars: standard errors over the repetitions.
+"""
+
+import functools
+import math
+
+import numpy as np
+
+from support.paper_study import (A, B, CASES, GRADIENTS, KERNELS, Estimate)
+from support.water import DamBreak, Tank
+
+# The wave that came back from the right wall falls on P2 about now; the first impact is over.
+LATER_PEAKS = 1.1  # [s]
+# Less of the record behind the impact tells nothing.
+SHORTEST = 0.6  # [s]
+
+
+class Case:
+    """The repetitions of one case of the dam break."""
+
+    def __init__(self, number, runs):
+        self.number = number
+        self.failures = [run.failure() for run in runs if run.failure() is not None]
+        self.runs = [DamBreak(run.folder) for run in runs
+                     if run.is_done() or run.failure() is not None]
+        self.done = [run for run in self.runs if not run.failed]
+
+    def end(self):
+        """Until when all repetitions go [s]."""
+        return min((run.end() for run in self.runs), default=0.0)
+
+    @functools.lru_cache(maxsize=None)
+    def roughness(self, end, begin=0.4):
+        return Estimate([run.roughness(begin, end) for run in self.runs])
+
+    @functools.lru_cache(maxsize=None)
+    def peak(self, end, begin=0.4):
+        return Estimate([run.peak(begin, end) for run in self.runs])
+
+    @functools.lru_cache(maxsize=None)
+    def impulse(self, end):
+        return Estimate([run.impulse(0.4, end) for run in self.runs])
+
+    def front_error(self):
+        return Estimate([run.front_error() for run in self.runs])
+
+    def behind(self, other):
+        return Estimate([run.behind(fast) for run, fast in zip(self.runs, other.runs)])
+
+    def lost(self):
+        return max((run.summary["particles_lost"] for run in self.done), default=0)
+
+
+class Results:
+    def __init__(self, study):
+        self.study = study
+
+    @functools.lru_cache(maxsize=None)
+    def case(self, number):
+        return Case(number, self.study.case(number))
+
+    def common_end(self, numbers=CASES):
+        """Until when all of these cases go [s]."""
+        return min(self.case(number).end() for number in numbers)
+
+    def tank(self, run):
+        """Its output, if it came to its end."""
+        return Tank(run.folder) if run.is_done() else None
+
+    def tanks(self, runs):
+        return [tank for run in runs if (tank := self.tank(run)) is not None]
+
+    def map_of(self, name, gradient):
+        """A number of the summary over the (a, b) map: rows of a, columns of b; NaN: failed."""
+        def number(a, b):
+            tank = self.tank(self.study.of_pair(a, b, gradient))
+            value = None if tank is None else tank.summary[name]
+            return math.nan if value is None else value
+        return np.array([[number(a, b) for b in B] for a in A])
+
+    def deviation_map(self, gradient):
+        """σ [Pa] over the (a, b) map."""
+        return self.map_of("std_over_mean", gradient) * self.map_of("mean", gradient)
+
+
+class Finding:
+    """One of the paper's findings: in words, our figures, and whether it holds. `sure`: whether the
+    difference is beyond two standard errors; None where there is no error bar."""
+
+    def __init__(self, what, figures, held, sure=None):
+        self.what = what
+        self.figures = figures
+        self.held = held
+        self.sure = sure
+
+    def verdict(self):
+        if self.held is None:
+            return "cannot be told"
+        text = "held" if self.held else "**not held**"
+        return text if self.sure is not False else text + ", within the error bar"
+
+
+def is_below(what, smaller, larger, scale=1.0, unit="", digits=2, factor=1.0):
+    """Whether the smaller estimate is below `factor` times the larger one."""
+    figures = f"{smaller.text(scale, digits)} against {larger.text(scale, digits)} {unit}".strip()
+    if math.isnan(smaller.mean) or math.isnan(larger.mean):
+        return Finding(what, figures, None)
+    gap = factor * larger.mean - smaller.mean
+    error = math.hypot(smaller.error, factor * larger.error)
+    return Finding(what, figures, gap > 0, None if math.isnan(error) else abs(gap) > 2 * error)
+
+
+def of_pressure(results):
+    """Figs 12 and 13."""
+    def rougher(what, calm, rough, begin=0.4, factor=1.0):
+        cases = [results.case(number) for number in (calm, rough)]
+        end = min(case.end() for case in cases)
+        if end < max(SHORTEST, begin + 0.2):
+            ends = "; ".join(case.failures[0] for case in cases if case.failures)
+            return Finding(what, f"ended at {end:.2f} s: {ends or 'not run'}", None)
+        return is_below(f"{what}: case {calm:02d} against case {rough:02d}",
+                        *(case.roughness(end, begin) for case in cases), 1e-3, "kPa",
+                        factor=factor)
+
+    def peaks(what, low, high):
+        end = results.common_end((low, high))
+        return is_below(f"{what}: case {low:02d} against case {high:02d}",
+                        results.case(low).peak(end), results.case(high).peak(end), 1e-3, "kPa")
+
+    def gain(before, after):
+        end = results.common_end((before, after))
+        return (results.case(before).roughness(end).mean / results.case(after).roughness(end).mean)
+
+    steps = [(0, 1), (1, 3), (3, 4), (4, 5), (5, 9), (9, 10)]
+    gains = {f"{before:02d} to {after:02d}": gain(before, after) for before, after in steps}
+    largest = max(gains, key=gains.get)
+    return [
+        rougher("source (16) is far calmer than (9), at most half as rough", 1, 0, factor=0.5),
+        Finding("the source is the largest single gain on the way from case 00 to case 10",
+                ", ".join(f"{name}: × {value:.2f}" for name, value in gains.items()),
+                largest == "00 to 01"),
+        rougher("kernel (3c) is calmer than (3a)", 3, 1),
+        rougher("kernel (3a) is calmer than (3b)", 1, 2),
+        rougher("a = 0.8 is calmer than 0.5", 4, 3),
+        rougher("a = 1.0 is calmer than 0.8", 5, 4),
+        peaks("a = 0.8 has a lower peak than 0.5", 4, 3),
+        peaks("a = 1.0 has a lower peak than 0.8", 5, 4),
+        rougher("b = 0.2 is calmer than 0.4", 5, 7),
+        rougher("b = 0 is calmer than 0.4", 6, 7),
+        rougher("both conditions of the surface are calmer than (13)", 9, 5),
+        rougher("both conditions of the surface are calmer than (17)", 9, 8),
+        rougher("gradient (18) is calmer than (4) at the second and third peaks "
+                f"(from {LATER_PEAKS} s)", 10, 9, LATER_PEAKS),
+    ]
+
+
+def of_front(results):
+    """Fig. 14."""
+    original, adopted = results.case(0), results.case(10)
+    behind = adopted.behind(original)
+    return [
+        Finding("the front of case 10 is slower than that of case 00",
+                f"behind by {behind.text(1, 3)} in T",
+                None if math.isnan(behind.mean) else behind.mean > 0,
+                None if math.isnan(behind.error) else abs(behind.mean) > 2 * behind.error),
+        is_below("case 10 is closer to Martin and Moyce than case 00, rms of Z for T = 1.19–3.3",
+                 adopted.front_error(), original.front_error(), 100, "%"),
+    ]
+
+
+def of_tank(results, figure):
+    """Figs 5, 7, 8 and 9."""
+    study = results.study
+    found = []
+    for gradient in GRADIENTS:
+        under = f"gradient ({gradient})"
+        if figure == "fig5":
+            tanks = {kernel: results.tanks(study.kernels(kernel, gradient)) for kernel in KERNELS}
+            scatter = {kernel: Estimate([tank.summary["std_over_mean"] for tank in of_kernel])
+                       for kernel, of_kernel in tanks.items()}
+            rough = {kernel: Estimate([tank.roughness(tank.options["statistics_from"])
+                                       for tank in of_kernel])
+                     for kernel, of_kernel in tanks.items()}
+            for other in ("3a", "3b"):
+                what = f"kernel (3c) oscillates less than ({other}), {under}"
+                found += [is_below(f"{what}: σ over the mean", scatter["3c"], scatter[other], 100,
+                                   "%"),
+                          is_below(f"{what}: roughness", rough["3c"], rough[other], 1, "Pa", 1)]
+        if figure == "fig7":
+            rer = results.map_of("rer", gradient)
+            near = {(A[i], B[j]): rer[i, j] for i in range(len(A)) for j in range(len(B))
+                    if A[i] >= 0.9 and B[j] <= 0.2}
+            figures = ", ".join(f"({a:g}, {b:g}): {100 * value:+.2f} %"
+                                for (a, b), value in near.items())
+            found.append(Finding(f"|RER| < 1 % for a near 1 and b in 0–0.2, {under}", figures,
+                                 all(abs(value) < 0.01 for value in near.values())))
+        if figure == "fig8":
+            deviation = np.nanmedian(results.deviation_map(gradient), axis=1)
+            figures = ", ".join(f"a = {a:g}: {value:.0f} Pa" for a, value in zip(A, deviation))
+            known = [(a, value) for a, value in zip(A, deviation) if a > 0 and np.isfinite(value)]
+            falls = sum(b[1] < a[1] for a, b in zip(known, known[1:]))
+            found.append(Finding(f"RSDR falls as a rises, {under}: median of σ over b; falls at "
+                                 f"{falls} of {len(known) - 1} increases from a = {known[0][0]:g}",
+                                 figures, falls == len(known) - 1))
+        if figure == "fig9":
+            rer = [Estimate([abs(tank.summary["rer"]) for tank in
+                             results.tanks(study.spacings(l0, gradient))])
+                   for l0 in study.spacings_of_study()]
+            figures = ", ".join(f"l0 = {l0:g} m: {value.text(100)} %"
+                                for l0, value in zip(study.spacings_of_study(), rer))
+            means = [value.mean for value in rer]
+            held = None if any(map(math.isnan, means)) else means == sorted(means, reverse=True)
+            found.append(Finding(f"|RER| shrinks with the spacing, {under}", figures, held))
+    return found
+
+
+def findings(results, figures):
+    """All findings that these figures show."""
+    found = []
+    for figure in figures:
+        if figure in ("fig5", "fig7", "fig8", "fig9"):
+            found += of_tank(results, figure)
+        elif figure == "fig12":
+            found += of_pressure(results)
+        elif figure == "fig14":
+            found += of_front(results)
+    return found

@@ -1,0 +1,27 @@
+# SPDX-License-Identifier: MIT
+# Sourced by examples/run and examples/paper_figures, after .ci/setup.sh: installs what examples need,
+# and builds them.
+
+# The text of an example and of our headers beside it that it includes.
+text_of() {
+  local source=$repo/examples/$1.cpp header
+  cat "$source"
+  sed -n 's/^#include "\(support\/[^"]*\)".*/\1/p' "$source" |
+    while read -r header; do cat "$repo/examples/$header"; done
+}
+
+# Installs what the includes of these examples ask for.
+install_for() {
+  local packages=("Eigen3 3.4" libeigen3-dev) name includes=""
+  for name in "$@"; do includes+=$(text_of "$name" | grep '^#include'); done
+  if [[ $includes = *"<CLI/"* ]]; then packages+=(CLI11 libcli11-dev); fi
+  if [[ $includes = *"<nlohmann/"* ]]; then packages+=(nlohmann_json nlohmann-json3-dev); fi
+  need_toolchain
+  need_cmake_packages "${packages[@]}"
+  install_missing
+}
+
+build_examples() {
+  configure examples -DCMAKE_BUILD_TYPE=Release -DSILT_NATIVE=ON -DSILT_BUILD_EXAMPLES=ON
+  build examples --target "$@"
+}
