@@ -7,7 +7,7 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 
-from support.paper_study import A, B, CASES, GRADIENTS, KERNELS
+from support.paper_study import A, B, CASES, KERNEL_SCHEMES, KERNELS, SCHEMES
 from support.water import (BLUE, DARK, DENSITY, FRONT, G, GREEN, ORANGE, REFERENCE, moving_average,
                            table, tidy)
 
@@ -25,12 +25,12 @@ def save(figure, path):
 
 def draw_kernels(results, path):
     """Fig. 5: P1 over time for the three kernels."""
-    figure, panels = plt.subplots(len(KERNELS), len(GRADIENTS), figsize=(10.5, 6.2), sharex=True,
+    figure, panels = plt.subplots(len(KERNELS), len(KERNEL_SCHEMES), figsize=(10.5, 6.2), sharex=True,
                                   sharey=True, layout="constrained", squeeze=False)
     for row, kernel in zip(panels, KERNELS):
-        for axes, gradient, colour in zip(row, GRADIENTS, COLOURS):
-            run = results.study.kernels(kernel, gradient)[0]
-            title = f"kernel ({kernel}), gradient ({gradient})"
+        for axes, scheme, colour in zip(row, KERNEL_SCHEMES, COLOURS):
+            run = results.study.kernels(kernel, scheme)[0]
+            title = f"kernel ({kernel}), else as {scheme}"
             tank = results.tank(run)
             if tank is None:
                 axes.set_title(f"{title}: failed", loc="left", fontsize=9)
@@ -49,9 +49,9 @@ def draw_kernels(results, path):
 
 
 def draw_map(results, values_of, label, limits, colours, path, text):
-    figure, panels = plt.subplots(1, len(GRADIENTS), figsize=(10.5, 4.4), layout="constrained")
-    for axes, gradient in zip(panels, GRADIENTS):
-        values = values_of(gradient)
+    figure, panels = plt.subplots(1, len(SCHEMES), figsize=(10.5, 4.4), layout="constrained")
+    for axes, scheme in zip(panels, SCHEMES):
+        values = values_of(scheme)
         image = axes.imshow(values, origin="lower", aspect="auto", cmap=colours, vmin=limits[0],
                             vmax=limits[1])
         axes.set_facecolor("#d9d9d9")
@@ -62,21 +62,21 @@ def draw_map(results, values_of, label, limits, colours, path, text):
         axes.set_yticks(range(len(A)), [f"{a:g}" for a in A])
         axes.set_xlabel("b")
         axes.set_ylabel("a")
-        axes.set_title(f"gradient ({gradient})", loc="left", fontsize=10)
+        axes.set_title(f"else as {scheme}", loc="left", fontsize=10)
     figure.colorbar(image, ax=panels, label=label, extend="both")
     save(figure, path)
 
 
 def draw_errors(results, path):
     """Fig. 7: RER over the (a, b) plane."""
-    draw_map(results, lambda gradient: 100 * results.map_of("rer", gradient), "RER [%]", (-5, 5),
+    draw_map(results, lambda scheme: 100 * results.map_of("rer", scheme), "RER [%]", (-5, 5),
              "RdBu_r", path, lambda value: f"{value:+.2f}")
 
 
 def draw_deviations(results, path):
     """Fig. 8: RSDR over the (a, b) plane."""
-    def relative(gradient):
-        deviation = results.deviation_map(gradient)
+    def relative(scheme):
+        deviation = results.deviation_map(scheme)
         return deviation / np.nanmax(deviation)
     draw_map(results, relative, "RSDR = σ/σ_max", (0, 1), "YlOrRd", path,
              lambda value: f"{value:.3f}")
@@ -85,9 +85,10 @@ def draw_deviations(results, path):
 def draw_spacings(results, path):
     """Fig. 9: P1 and RER for the spacings."""
     study = results.study
+    adopted = next(iter(SCHEMES))
     figure, (left, right) = plt.subplots(1, 2, figsize=(10.5, 4.2), layout="constrained")
     for l0 in study.spacings_of_study():
-        if tanks := results.tanks(study.spacings(l0, GRADIENTS[0])[:1]):
+        if tanks := results.tanks(study.spacings(l0, adopted)[:1]):
             pressure = tanks[0].pressure
             left.plot(pressure["t"], moving_average(pressure["t"], pressure["p_1"]) / 1e3,
                       linewidth=0.9, label=f"l0 = {l0:g} m")
@@ -95,13 +96,13 @@ def draw_spacings(results, path):
     left.set_ylim(3, 5)
     left.set_xlabel("time [s]")
     left.set_ylabel("pressure at P1, averaged over 0.02 s [kPa]")
-    left.set_title(f"gradient ({GRADIENTS[0]})", loc="left", fontsize=10)
+    left.set_title(adopted, loc="left", fontsize=10)
     left.legend(frameon=False, fontsize=9, loc="lower right")
-    for gradient, colour in zip(GRADIENTS, COLOURS):
+    for scheme, colour in zip(SCHEMES, COLOURS):
         for l0 in study.spacings_of_study():
-            for tank in results.tanks(study.spacings(l0, gradient)):
+            for tank in results.tanks(study.spacings(l0, scheme)):
                 right.plot(l0, 100 * tank.summary["rer"], "o", markersize=4, color=colour)
-        right.plot([], [], "o", color=colour, label=f"gradient ({gradient})")
+        right.plot([], [], "o", color=colour, label=f"else as {scheme}")
     right.axhline(0, color=DARK, linewidth=1)
     right.set_xlabel("spacing [m]")
     right.set_ylabel("RER [%]")

@@ -15,7 +15,7 @@ import math
 
 import numpy as np
 
-from support.paper_study import (A, B, CASES, GRADIENTS, KERNELS, Estimate)
+from support.paper_study import A, B, CASES, KERNEL_SCHEMES, KERNELS, SCHEMES, Estimate
 from support.water import DamBreak, Tank
 
 # The wave that came back from the right wall falls on P2 about now; the first impact is over.
@@ -79,17 +79,17 @@ class Results:
     def tanks(self, runs):
         return [tank for run in runs if (tank := self.tank(run)) is not None]
 
-    def map_of(self, name, gradient):
+    def map_of(self, name, scheme):
         """A number of the summary over the (a, b) map: rows of a, columns of b; NaN: failed."""
         def number(a, b):
-            tank = self.tank(self.study.of_pair(a, b, gradient))
+            tank = self.tank(self.study.of_pair(a, b, scheme))
             value = None if tank is None else tank.summary[name]
             return math.nan if value is None else value
         return np.array([[number(a, b) for b in B] for a in A])
 
-    def deviation_map(self, gradient):
+    def deviation_map(self, scheme):
         """σ [Pa] over the (a, b) map."""
-        return self.map_of("std_over_mean", gradient) * self.map_of("mean", gradient)
+        return self.map_of("std_over_mean", scheme) * self.map_of("mean", scheme)
 
 
 class Finding:
@@ -181,10 +181,10 @@ def of_tank(results, figure):
     """Figs 5, 7, 8 and 9."""
     study = results.study
     found = []
-    for gradient in GRADIENTS:
-        under = f"gradient ({gradient})"
+    for scheme in KERNEL_SCHEMES if figure == "fig5" else SCHEMES:
+        under = f"else as {scheme}"
         if figure == "fig5":
-            tanks = {kernel: results.tanks(study.kernels(kernel, gradient)) for kernel in KERNELS}
+            tanks = {kernel: results.tanks(study.kernels(kernel, scheme)) for kernel in KERNELS}
             scatter = {kernel: Estimate([tank.summary["std_over_mean"] for tank in of_kernel])
                        for kernel, of_kernel in tanks.items()}
             rough = {kernel: Estimate([tank.roughness(tank.options["statistics_from"])
@@ -196,7 +196,7 @@ def of_tank(results, figure):
                                    "%"),
                           is_below(f"{what}: roughness", rough["3c"], rough[other], 1, "Pa", 1)]
         if figure == "fig7":
-            rer = results.map_of("rer", gradient)
+            rer = results.map_of("rer", scheme)
             near = {(A[i], B[j]): rer[i, j] for i in range(len(A)) for j in range(len(B))
                     if A[i] >= 0.9 and B[j] <= 0.2}
             figures = ", ".join(f"({a:g}, {b:g}): {100 * value:+.2f} %"
@@ -204,7 +204,7 @@ def of_tank(results, figure):
             found.append(Finding(f"|RER| < 1 % for a near 1 and b in 0–0.2, {under}", figures,
                                  all(abs(value) < 0.01 for value in near.values())))
         if figure == "fig8":
-            deviation = np.nanmedian(results.deviation_map(gradient), axis=1)
+            deviation = np.nanmedian(results.deviation_map(scheme), axis=1)
             figures = ", ".join(f"a = {a:g}: {value:.0f} Pa" for a, value in zip(A, deviation))
             known = [(a, value) for a, value in zip(A, deviation) if a > 0 and np.isfinite(value)]
             falls = sum(b[1] < a[1] for a, b in zip(known, known[1:]))
@@ -213,7 +213,7 @@ def of_tank(results, figure):
                                  figures, falls == len(known) - 1))
         if figure == "fig9":
             rer = [Estimate([abs(tank.summary["rer"]) for tank in
-                             results.tanks(study.spacings(l0, gradient))])
+                             results.tanks(study.spacings(l0, scheme))])
                    for l0 in study.spacings_of_study()]
             figures = ", ".join(f"l0 = {l0:g} m: {value.text(100)} %"
                                 for l0, value in zip(study.spacings_of_study(), rer))

@@ -13,10 +13,15 @@ from support.runs import Run
 COURANT = (0.2, 0.19, 0.21, 0.195, 0.205)
 CASES = tuple(range(11))
 KERNELS = ("3a", "3b", "3c")
-GRADIENTS = (18, 4)
 A = (0.0, 0.25, 0.5, 0.7, 0.8, 0.9, 1.0)
 B = (0.0, 0.2, 0.4, 0.7, 1.0)
 SPACINGS = (0.02, 0.015, 0.01, 0.005)
+
+# The paper tries one choice after the other, in the order of Table 1, and does not say under which
+# others it let the water stand: here under those it had by then, and under those it adopts.
+KERNEL_SCHEMES = {"case 10": {},
+                  "cases 01–03": {"collision": [0.5, 0.2], "surface": "13", "gradient": 4}}
+SCHEMES = {"case 10": {}, "case 05": {"surface": "13", "gradient": 4}}
 
 # The radii are open in the paper; these are the ones that docs/theory_mps.md compares.
 RADII = {"radius": 3.1, "laplacian-radius": 3.1}
@@ -32,7 +37,7 @@ class Study:
         self.courant = COURANT[:2] if quick else COURANT
 
     def tank(self, courant=0.2, **changes):
-        """Water at rest under the adopted scheme, but for the changes."""
+        """Water at rest under case 10, but for the changes."""
         options = {"source": 16, "collision": [1.0, 0.2], "kernel": "3c", "surface": "both",
                    "gradient": 18, "spacing": 0.02 if self.quick else 0.01, "width": 0.4,
                    "depth": 0.4, "until": 0.8 if self.quick else 2.0, **RADII, "courant": courant,
@@ -40,8 +45,8 @@ class Study:
         if options["collision"][0] == 0:
             options["collision"] = [0.0, 0.0]  # no collisions: b is of nothing
         a, b = options["collision"]
-        name = (f"l{options['spacing']:g}_k{options['kernel']}_g{options['gradient']}_a{a:g}_b{b:g}"
-                f"_c{courant:g}")
+        name = (f"l{options['spacing']:g}_k{options['kernel']}_a{a:g}_b{b:g}"
+                f"_s{options['surface']}_g{options['gradient']}_c{courant:g}")
         cost = options["until"] / 2 * (0.01 / options["spacing"]) ** 3 * 3
         return Run(self.folder / "tank" / name, self.programs["hydrostatic"], options, cost)
 
@@ -54,18 +59,18 @@ class Study:
         return Run(self.folder / "dam" / f"{case:02d}_c{courant:g}", self.programs["dam_break"],
                    options, cost)
 
-    def kernels(self, kernel, gradient):
-        return [self.tank(courant, kernel=kernel, gradient=gradient)
+    def kernels(self, kernel, scheme):
+        return [self.tank(courant, kernel=kernel, **KERNEL_SCHEMES[scheme])
                 for courant in self.courant[:3]]
 
-    def of_pair(self, a, b, gradient):
+    def of_pair(self, a, b, scheme):
         """One run for each place of the (a, b) map."""
-        return self.tank(collision=[a, b], gradient=gradient)
+        return self.tank(collision=[a, b], **SCHEMES[scheme])
 
-    def spacings(self, spacing, gradient):
+    def spacings(self, spacing, scheme):
         # The finest costs as much as all others together.
         repeats = self.courant[:1] if spacing < 0.007 else self.courant[:3]
-        return [self.tank(courant, spacing=spacing, gradient=gradient) for courant in repeats]
+        return [self.tank(courant, spacing=spacing, **SCHEMES[scheme]) for courant in repeats]
 
     def spacings_of_study(self):
         return tuple(l0 for l0 in SPACINGS if l0 >= 0.01 or not self.quick)
@@ -76,12 +81,13 @@ class Study:
     def runs_for(self, figure):
         """All runs of a figure of the paper."""
         if figure == "fig5":
-            return [run for k in KERNELS for g in GRADIENTS for run in self.kernels(k, g)]
+            return [run for k in KERNELS for scheme in KERNEL_SCHEMES
+                    for run in self.kernels(k, scheme)]
         if figure in ("fig7", "fig8"):
-            return [self.of_pair(a, b, g) for g in GRADIENTS for a in A for b in B]
+            return [self.of_pair(a, b, scheme) for scheme in SCHEMES for a in A for b in B]
         if figure == "fig9":
-            return [run for l0 in self.spacings_of_study() for g in GRADIENTS
-                    for run in self.spacings(l0, g)]
+            return [run for l0 in self.spacings_of_study() for scheme in SCHEMES
+                    for run in self.spacings(l0, scheme)]
         cases = (0, 10) if figure == "fig14" else CASES
         return [self.dam(case, courant) for courant in self.courant for case in cases]
 

@@ -127,7 +127,8 @@ class DamBreak(Output):
         """Of the first gauge [Pa s]."""
         t, p = self.pressure["t"], self.pressure["p_1"]
         wanted = (t >= begin) & (t <= end)
-        return float(np.trapz(p[wanted], t[wanted]))
+        t, p = t[wanted], p[wanted]
+        return float(np.sum(0.5 * (p[1:] + p[:-1]) * np.diff(t)))
 
 
 class Tank(Output):
