@@ -28,12 +28,27 @@ Bytes by_id(P grains) {
   return state_of(grains);
 }
 
+template <class P>
+auto contacts() {
+  return dem::Contacts{law, dem::Plane<P::dimension, typename P::Real>{}};
+}
+template <class P, class C>
+auto with_gravity(const C& contacts) {
+  typename P::Vec g = P::Vec::Zero();
+  g[P::dimension - 1] = -10;
+  return Forces{Gravity{g}, contacts};
+}
+
+// Of one type for all tests with this search: each takes long to compile.
 template <class S, class P>
-P after_steps(P grains, int steps, const Vec<P::dimension, typename P::Real>& g) {
-  using Real = typename P::Real;
-  Simulation sim{std::move(grains), S{},
-                 Forces{Gravity<P::dimension, Real>{g}, dem::Contacts{law, dem::Plane<P::dimension, Real>{}}},
-                 Leapfrog{GlobalDamping{.alpha = 0.2}}};
+auto simulation(P grains) {
+  return Simulation{std::move(grains), S{}, with_gravity<P>(contacts<P>()),
+                    Leapfrog{GlobalDamping{.alpha = 0.2}}};
+}
+
+template <class S, class P>
+P after_steps(P grains, int steps) {
+  auto sim = simulation<S>(std::move(grains));
   for (int k = 0; k < steps; ++k) sim.step(2e-5);
   EXPECT_GE(sim.interaction().template part<1>().size(), 10u);
   EXPECT_TRUE(is_finite(sim.interaction().template part<1>().elastic_energy(sim.particles())));
@@ -45,13 +60,6 @@ class Determinism : public ::testing::Test {};
 using Kinds = ::testing::Types<dem::Grains<2, double>, dem::Grains<2, float>, dem::Grains<3, double>,
                                dem::Grains<3, float>>;
 TYPED_TEST_SUITE(Determinism, Kinds);
-
-template <class P>
-typename P::Vec down() {
-  typename P::Vec g = P::Vec::Zero();
-  g[P::dimension - 1] = -10;
-  return g;
-}
 
 TYPED_TEST(Determinism, GivesTheSameBitsForOneToFourThreads) {
   constexpr int dim = TypeParam::dimension;
@@ -66,7 +74,7 @@ TYPED_TEST(Determinism, GivesTheSameBitsForOneToFourThreads) {
     box.periodic[0] = periodic;
     if (periodic) start.set_box(box);
     const auto run = [&] {
-      return state_of(after_steps<UniformGrid<dim, Real>>(start, 25, down<TypeParam>()));
+      return state_of(after_steps<UniformGrid<dim, Real>>(start, 25));
     };
     const Bytes alone = with_threads(1, run);
     for (const int number : {2, 3, 4}) {
@@ -93,17 +101,16 @@ TYPED_TEST(Determinism, GivesTheSameBitsForEverySearchAndOrderInMemory) {
       }
       start.set_box(box);
     }
-    const auto g = down<TypeParam>();
-    const Bytes right = by_id(after_steps<BruteForce<dim, Real>>(start, 100, g));
-    EXPECT_EQ(by_id(after_steps<UniformGrid<dim, Real>>(start, 100, g)), right);
-    EXPECT_EQ(by_id(after_steps<NeighbourList<dim, Real>>(start, 100, g)), right);
+    const Bytes right = by_id(after_steps<BruteForce<dim, Real>>(start, 100));
+    EXPECT_EQ(by_id(after_steps<UniformGrid<dim, Real>>(start, 100)), right);
+    EXPECT_EQ(by_id(after_steps<NeighbourList<dim, Real>>(start, 100)), right);
 
     auto shuffled = start;
     std::vector<Index> order(start.size());
     std::iota(order.begin(), order.end(), Index{0});
     std::shuffle(order.begin(), order.end(), std::mt19937(1));
     shuffled.reorder(order);
-    EXPECT_EQ(by_id(after_steps<UniformGrid<dim, Real>>(shuffled, 100, g)), right);
+    EXPECT_EQ(by_id(after_steps<UniformGrid<dim, Real>>(shuffled, 100)), right);
   }
 }
 
@@ -111,8 +118,7 @@ TYPED_TEST(Determinism, KeepsContactMemoryWhenGrainsAreReorderedOnTheWay) {
   constexpr int dim = TypeParam::dimension;
   using Real = typename TypeParam::Real;
   const auto run = [&](bool reorder) {
-    Simulation sim{crowd<dim, Real>(dim == 2 ? 10 : 5, 7), UniformGrid<dim, Real>{}, dem::Contacts{law},
-                   Leapfrog{}};
+    auto sim = simulation<UniformGrid<dim, Real>>(crowd<dim, Real>(dim == 2 ? 10 : 5, 7));
     for (int k = 0; k < 60; ++k) {
       if (reorder && k % 10 == 5) sim.particles().reorder(sim.search().order());
       sim.step(2e-5);
@@ -126,14 +132,15 @@ TYPED_TEST(Determinism, GoesOnWithMemoryThatWasTakenOutAndPutBack) {
   constexpr int dim = TypeParam::dimension;
   using Real = typename TypeParam::Real;
   const auto run = [&](bool interrupt) {
-    Simulation sim{crowd<dim, Real>(dim == 2 ? 10 : 5, 7), NeighbourList<dim, Real>{},
-                   dem::Contacts{law}, Leapfrog{}};
+    auto sim = simulation<NeighbourList<dim, Real>>(crowd<dim, Real>(dim == 2 ? 10 : 5, 7));
     for (int k = 0; k < 60; ++k) {
       if (interrupt && k % 10 == 5) {
-        const auto memory = sim.interaction().memory(sim.particles());
-        EXPECT_EQ(memory.size(), sim.interaction().size());
-        sim.interaction() = dem::Contacts{law};
-        sim.interaction().remember(sim.particles(), memory);
+        const auto& known = sim.interaction().template part<1>();
+        const auto memory = known.memory(sim.particles());
+        EXPECT_EQ(memory.size(), known.size());
+        auto others = contacts<TypeParam>();
+        others.remember(sim.particles(), memory);
+        sim.interaction() = with_gravity<TypeParam>(others);
       }
       sim.step(2e-5);
     }
