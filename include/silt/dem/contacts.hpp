@@ -8,6 +8,7 @@
 #include <silt/core/pair_memory.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/types.hpp>
+#include <silt/dem/any_touches.hpp>
 #include <silt/dem/contact.hpp>
 #include <silt/dem/contact_settings.hpp>
 #include <silt/dem/contacts_of_step.hpp>
@@ -25,7 +26,6 @@
 #include <limits>
 #include <numeric>
 #include <string>
-#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -38,10 +38,10 @@ template <class Law, class... Walls>
 class Contacts {
   template <class P>
   using MemoryOf = typename LawMemory<Law, P::dimension, typename P::Real>::type;
-  template <int Dim, class Real>
-  using Found = Touches<Dim, Real, LawMemory<Law, Dim, Real>, GivesCouple<Law, Dim, Real>>;
   template <class P>
-  using FoundOf = Found<P::dimension, typename P::Real>;
+  using FoundOf = Touches<P::dimension, typename P::Real,
+                          LawMemory<Law, P::dimension, typename P::Real>,
+                          GivesCouple<Law, P::dimension, typename P::Real>>;
 
  public:
   /// Throws if a parameter of the law or of a wall is out of range.
@@ -168,9 +168,7 @@ class Contacts {
   }
 
   /// Contacts of the last step, walls included.
-  Index size() const noexcept {
-    return std::apply([](const auto&... each) { return (each.seen().count + ...); }, found_);
-  }
+  Index size() const noexcept { return found_.count(); }
 
   // What the last step made, see ContactsOfStep.
 
@@ -183,15 +181,15 @@ class Contacts {
     of_step(grains).for_each(f);
   }
 
-  /// f(touch), with a WallTouch, for every contact of the last step with a wall whose grain is still
-  /// there.
+  /// f(touch), with a WallTouch, for every contact of the last step with a wall whose grain is
+  /// still there.
   template <class P, class F>
   void for_each_wall_contact(const P& grains, F&& f) const {
     of_step(grains).for_each_at_walls(f);
   }
 
-  /// What grains did to a wall in the last step, by its number; the moment is about a point [m]. The
-  /// same bits for any number of threads. Throws if there is no wall of this number.
+  /// What grains did to a wall in the last step, by its number; the moment is about a point [m].
+  /// The same bits for any number of threads. Throws if there is no wall of this number.
   template <class P>
   auto load_on(const P& grains, Index wall, const typename P::Vec& about = P::Vec::Zero()) const {
     return of_step(grains).load_on(wall, about);
@@ -237,12 +235,8 @@ class Contacts {
     if constexpr (Archive::reads) remember(grains, own);
   }
 
-  void save() noexcept {
-    std::apply([](auto&... each) { (each.save(), ...); }, found_);
-  }
-  void restore() noexcept {
-    std::apply([](auto&... each) { (each.restore(), ...); }, found_);
-  }
+  void save() noexcept { found_.save(); }
+  void restore() noexcept { found_.restore(); }
 
  private:
   template <class P>
@@ -251,14 +245,13 @@ class Contacts {
         { law.stiffness(c) } -> std::convertible_to<Stiffness>;
       };
 
-  // Contacts learns dimension and precision from the grains only; one of these four is in use.
   template <class P>
-  auto& found() noexcept {
-    return std::get<FoundOf<P>>(found_);
+  auto& found() {
+    return found_.template of<FoundOf<P>>();
   }
   template <class P>
-  const auto& found() const noexcept {
-    return std::get<FoundOf<P>>(found_);
+  const auto& found() const {
+    return found_.template of<FoundOf<P>>();
   }
 
   template <class P>
@@ -292,7 +285,7 @@ class Contacts {
   WallSet<Walls...> walls_;
   ContactSettings settings_;
   double time_ = 0;  // as told by at()
-  std::tuple<Found<2, float>, Found<2, double>, Found<3, float>, Found<3, double>> found_;
+  AnyTouches found_;
   std::vector<Index> counts_;  // by chunk
 };
 

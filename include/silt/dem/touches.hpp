@@ -24,6 +24,7 @@ namespace silt::dem {
 template <int Dim, class RealType, class Memory, bool has_couple>
 class Touches {
  public:
+  static constexpr int dimension = Dim;
   using Real = RealType;
   using Row = ContactRow<has_couple>;
   using Lanes = ContactLanes<Dim, Real, Memory::words, has_couple>;
