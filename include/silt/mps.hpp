@@ -8,6 +8,9 @@
 #include <silt/mps/cases.hpp>
 #include <silt/mps/flow.hpp>
 #include <silt/mps/fluid.hpp>
+#include <silt/mps/higher_order_source.hpp>
+#include <silt/mps/cone_surface.hpp>
+#include <silt/mps/recommended.hpp>
 #include <silt/mps/tank.hpp>
 #include <silt/search/brute_force.hpp>
 #include <silt/search/neighbour_list.hpp>

@@ -43,14 +43,14 @@ struct UncheckedSurface {
 static_assert(!mps::FreeSurface<SurfaceOfNumbers> && !mps::FreeSurface<UncheckedSurface>);
 static_assert(!mps::FreeSurface<DensitySource>);
 
-struct CollisionWithoutDistance {
+struct CollisionWithoutReach {
   void check() const {}
-  template <class V, class R>
-  V impulse(const V& r_ij, R, const V&, bool) const {
-    return r_ij;
+  template <int Dim, class Real>
+  Vec<Dim, Real> impulse(const mps::Encounter<Dim, Real>& pair) const {
+    return pair.r_ij;
   }
 };
-static_assert(!mps::CollisionModel<CollisionWithoutDistance>);
+static_assert(!mps::CollisionModel<CollisionWithoutReach>);
 static_assert(!mps::CollisionModel<DensitySource>);
 
 // --- Table 1 -------------------------------------------------------------------------------------

@@ -5,16 +5,20 @@
 #include <silt/mps/collision.hpp>
 #include <silt/mps/free_surface.hpp>
 #include <silt/mps/kernel.hpp>
+#include <silt/mps/laplacian.hpp>
 #include <silt/mps/operators.hpp>
+#include <silt/mps/shifting.hpp>
 #include <silt/mps/source.hpp>
+#include <silt/mps/walls.hpp>
 
 #include <ratio>
 
 namespace silt::mps {
 
-/// One choice for every column of Table 1.
+/// One choice for every column of Table 1, and three more that the paper does not vary.
 template <class SourceType, class CollisionType, class KernelType, class SurfaceType,
-          class GradientType>
+          class GradientType, class WallsType = GrainyWalls, class ShiftingType = NoShifting,
+          class LaplacianType = KernelLaplacian>
 struct Scheme {
   static_assert(PressureSource<SourceType>,
                 "mps::Scheme: the first choice is no pressure source (see PressureSource in "
@@ -31,12 +35,24 @@ struct Scheme {
   static_assert(Gradient<GradientType, 2>,
                 "mps::Scheme: the fifth choice is no gradient (see Gradient in "
                 "silt/mps/operators.hpp)");
+  static_assert(WallModel<WallsType>,
+                "mps::Scheme: the sixth choice is no wall model (see WallModel in "
+                "silt/mps/walls.hpp)");
+  static_assert(Shifting<ShiftingType>,
+                "mps::Scheme: the seventh choice is no shifting (see Shifting in "
+                "silt/mps/shifting.hpp)");
+  static_assert(LaplacianWeights<LaplacianType>,
+                "mps::Scheme: the eighth choice gives no weights of a Laplacian (see "
+                "LaplacianWeights in silt/mps/laplacian.hpp)");
 
   using Source = SourceType;
   using Collision = CollisionType;
   using Kernel = KernelType;
   using Surface = SurfaceType;
   using Gradient = GradientType;
+  using Walls = WallsType;
+  using Shifting = ShiftingType;
+  using Laplacian = LaplacianType;
 };
 
 using Collision08 = Collision<std::ratio<4, 5>, std::ratio<1, 5>>;         // (0.8, 0.2)

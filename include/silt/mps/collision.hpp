@@ -11,6 +11,26 @@
 
 namespace silt::mps {
 
+/// Two particles near each other, as the first sees it. At a smooth wall r_ij and u_ij are what
+/// lies along the wall's normal.
+template <int Dim, class RealType = double>
+struct Encounter {
+  using Real = RealType;
+  using Vec = silt::Vec<Dim, Real>;
+
+  Vec r_ij = Vec::Zero();  ///< [m]
+  Real r = 0;              ///< |r_ij| [m]
+  Vec u_ij = Vec::Zero();  ///< u_j − u_i [m/s]
+  bool wall = false;       ///< j stays where it is
+  Real spacing = 0;        ///< l0 [m]
+  Real time_step = 0;      ///< Δt [s]
+
+  /// Speed at which they come closer [m/s].
+  Real approach() const { return -u_ij.dot(r_ij) / r; }
+  /// Change of the velocity of i [m/s] if the two, of equal mass, are to part by so much faster.
+  Vec parting(Real speed) const { return (-(wall ? Real(1) : Real(0.5)) * speed / r) * r_ij; }
+};
+
 /// a and b of Table 1, as ratios so that a case is a type: Collision<std::ratio<1>,
 /// std::ratio<1, 5>>.
 template <class A, class B>
@@ -24,13 +44,13 @@ struct Collision {
     require_between("Collision: restitution", restitution, {0, 1});
   }
 
-  /// Change of the velocity of i [m/s] by j, for equal masses; `wall`: j stays where it is.
-  template <class Vec, class Real>
-  Vec impulse(const Vec& r_ij, Real r, const Vec& u_ij, bool wall) const {
-    const Real approach = -u_ij.dot(r_ij) / r;  // u_ij = u_j − u_i
-    if (!(approach > 0)) return Vec::Zero();
-    const Real share = wall ? Real(1) : Real(0.5);
-    return (-(1 + Real(restitution)) * share * approach / r) * r_ij;
+  double reach() const { return distance; }
+
+  template <int Dim, class Real>
+  Vec<Dim, Real> impulse(const Encounter<Dim, Real>& pair) const {
+    const Real approach = pair.approach();
+    if (!(approach > 0)) return Vec<Dim, Real>::Zero();
+    return pair.parting((1 + Real(restitution)) * approach);
   }
 };
 
@@ -38,10 +58,13 @@ struct Collision {
 using OriginalCollision = Collision<std::ratio<1, 2>, std::ratio<1, 5>>;
 using AdoptedCollision = Collision<std::ratio<1>, std::ratio<1, 5>>;
 
+/// reach(): pairs farther apart [spacings] do not meet; impulse(encounter): change of the velocity
+/// of i [m/s].
 template <class C>
-concept CollisionModel = requires(const C c, Vec<2> v, double r, bool wall) {
-  { c.distance } -> std::convertible_to<double>;
-  { c.impulse(v, r, v, wall) } -> std::convertible_to<Vec<2>>;
+concept CollisionModel = requires(const C c, Encounter<2> in_2d, Encounter<3> in_3d) {
+  { c.reach() } -> std::convertible_to<double>;
+  { c.impulse(in_2d) } -> std::convertible_to<Vec<2>>;
+  { c.impulse(in_3d) } -> std::convertible_to<Vec<3>>;
   c.check();
 };
 

@@ -14,16 +14,20 @@
 #include <silt/mps/neighbourhood.hpp>
 #include <silt/mps/operators.hpp>
 #include <silt/mps/pressure.hpp>
+#include <silt/mps/walls.hpp>
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
 namespace silt::mps {
 
-/// Incompressible flow under one column of Table 1, in Dim dimensions, with pressure by Solver.
+/// Incompressible flow under a Scheme, such as a column of Table 1, in Dim dimensions, with pressure
+/// by Solver.
 template <class Scheme, int Dim, class RealType, LinearSolver Solver>
 class BasicFlow {
  public:
@@ -38,7 +42,8 @@ class BasicFlow {
     settings_.check();
     solver_.check();
     stencil_ = Stencil({.spacing = settings_.spacing, .radius = settings_.radius});
-    laplacian_ = Stencil({.spacing = settings_.spacing, .radius = settings_.laplacian_radius});
+    laplacian_ = LaplacianStencil(
+        {.spacing = settings_.spacing, .radius = settings_.laplacian_radius});
     gravity_ = settings_.gravity.template cast<Real>();
   }
 
@@ -71,6 +76,9 @@ class BasicFlow {
     return dt;
   }
 
+  /// The time of the positions [s], which FlowSettings::body_force is asked for.
+  void at(double time) { time_ = time; }
+
   /// u* = u + Δt (ν∇²u + F)      (8)
   /// Throws if Δt is beyond stability: a particle passing a spacing, or the viscous limit.
   template <FluidParticles P, class S>
@@ -81,9 +89,11 @@ class BasicFlow {
     const Real nu = Real(settings_.viscosity);
     particles.refresh_ghosts(velocity);
     const auto u = particles.with_ghosts(velocity);
+    if constexpr (needs_density_rate<typename Scheme::Source>()) before_.assign(u.begin(), u.end());
+    find_forces(particles);
     change_.resize(particles.size());
     for_each_of_fluid(particles, [&](Index i) {
-      Vec change = dt * gravity_;
+      Vec change = dt * force(i);
       if (nu > 0) change += (dt * nu) * laplacian(around_laplacian(), laplacian_, i, u);
       change_[i] = change;
     });
@@ -101,11 +111,11 @@ class BasicFlow {
     for_each_of_fluid(particles, [&](Index i) { x[i] += dt * u[i]; });
   }
 
-  /// Approaching pairs closer than a l0 exchange momentum; every pair sees the velocities before.
+  /// Pairs that are too close exchange momentum; every pair sees the velocities before.
   template <FluidParticles P, class S>
-  void collide(P& particles, const S& search, double) {
+  void collide(P& particles, const S& search, double time_step) {
     const auto& model = settings_.collision;
-    const Real reach = Real(model.distance * settings_.spacing);
+    const Real reach = Real(model.reach() * settings_.spacing);
     if (!(reach > 0)) return;
     find_neighbours_of_moved(particles, search);
     particles.refresh_ghosts(velocity);
@@ -117,7 +127,16 @@ class BasicFlow {
     for_each_of_fluid(particles, [&](Index i) {
       Vec change = Vec::Zero();
       around_.for_each_closer(i, reach, least, [&](Index j, const Vec& r_ij, Real r) {
-        change += model.impulse(r_ij, r, Vec(u[j] - u[i]), kinds[j] != Kind::fluid);
+        Encounter<Dim, Real> pair{.r_ij = r_ij,
+                                  .r = r,
+                                  .u_ij = u[j] - u[i],
+                                  .wall = kinds[j] != Kind::fluid,
+                                  .spacing = Real(settings_.spacing),
+                                  .time_step = Real(time_step)};
+        if (Scheme::Walls::smooth && pair.wall) {
+          if (kinds[j] == Kind::dummy || !faces(pair, normals_[particles.owner(j)])) return;
+        }
+        change += model.impulse(pair);
       });
       change_[i] = change;
     });
@@ -149,6 +168,10 @@ class BasicFlow {
     apply_change(particles);
     const auto u = particles[velocity];
     const auto x = particles[position];
+    if constexpr (Scheme::Shifting::shifts) {
+      find_shifts(particles, dt);
+      for_each_of_fluid(particles, [&](Index i) { x[i] += change_[i]; });
+    }
     for_each_of_fluid(particles, [&](Index i) {
       x[i] += dt * (moved_with_.empty() ? u[i] : Vec(u[i] - moved_with_[i]));
     });
@@ -156,6 +179,8 @@ class BasicFlow {
 
  private:
   using Stencil = mps::Stencil<Dim, Real, typename Scheme::Kernel>;
+  using LaplacianStencil =
+      mps::Stencil<Dim, Real, typename Scheme::Laplacian::template Weights<typename Scheme::Kernel, Dim>>;
 
   template <class P, class F>
   static void for_each_of_fluid(const P& particles, F&& f) {
@@ -199,7 +224,8 @@ class BasicFlow {
   void find_neighbours(const P& particles, const S& search) {
     const Timed in_neighbours(seconds_.neighbours);
     around_.find(particles, search, stencil_);
-    if (stencil_.re != laplacian_.re) around_laplacian_.find(particles, search, laplacian_);
+    if (!one_neighbourhood()) around_laplacian_.find(particles, search, laplacian_);
+    if constexpr (Scheme::Walls::smooth) normals_.find(particles, around_, stencil_);
   }
 
   template <class P, class S>
@@ -207,8 +233,36 @@ class BasicFlow {
     if (!around_.is_of(particles)) find_neighbours(particles, search);
   }
 
+  // The Laplacian's weights and radius are those of the other operators.
+  bool one_neighbourhood() const {
+    return std::is_same_v<Stencil, LaplacianStencil> && stencil_.re == laplacian_.re;
+  }
   const auto& around_laplacian() const {
-    return stencil_.re == laplacian_.re ? around_ : around_laplacian_;
+    return one_neighbourhood() ? around_ : around_laplacian_;
+  }
+
+  // F at all that carries pressure, where it is not gravity alone.
+  template <class P>
+  void find_forces(const P& particles) {
+    forces_.clear();
+    if (!settings_.body_force) return;
+    forces_.resize(particles.size());
+    const auto x = particles[position];
+    for_each(particles.size(), [&](Index i) {
+      forces_[i] = gravity_ + settings_.body_force(x[i].template cast<double>(), time_)
+                                  .template cast<Real>();
+    });
+  }
+  Vec force(Index i) const { return forces_.empty() ? gravity_ : forces_[i]; }
+
+  // Turns a pair with a wall particle into one along the wall's normal; false where it lies beside.
+  bool faces(Encounter<Dim, Real>& pair, const Vec& normal) const {
+    const Vec along = normal.dot(pair.r_ij) * normal;
+    if ((pair.r_ij - along).norm() > pair.spacing / 2 || along.isZero(0)) return false;
+    pair.r_ij = along;
+    pair.r = along.norm();
+    pair.u_ij = normal.dot(pair.u_ij) * normal;
+    return true;
   }
 
   template <class P>
@@ -217,34 +271,94 @@ class BasicFlow {
     for_each_of_fluid(particles, [&](Index i) { u[i] += change_[i]; });
   }
 
-  // n_i (5) and the free surface (13), (17).
+  // n_i (5), the free surface (13), (17), and who carries pressure.
   template <class P>
   void find_density_and_surface(P& particles) {
     const auto n = particles[number_density];
     const auto on_surface = particles[surface];
+    const auto kinds = particles.with_ghosts(kind);
+    carries_pressure_.resize(particles.size());
     for_each(particles.size(), [&](Index i) {
       n[i] = around_.density(i);
-      on_surface[i] = settings_.surface.holds({.density = double(n[i] / stencil_.n0),
-                                               .neighbours = double(around_[i].size()) /
-                                                             double(stencil_.neighbours)});
+      const Fullness fullness{.density = double(n[i] / stencil_.n0),
+                              .neighbours = double(around_[i].size()) / double(stencil_.neighbours)};
+      carries_pressure_[i] = kinds[i] != Kind::dummy;
+      if constexpr (SurfaceByFullness<typename Scheme::Surface>) {
+        on_surface[i] = settings_.surface.holds(fullness);
+      } else {
+        const SurfaceScale<Real> scale{.spacing = stencil_.spacing, .n0 = stencil_.n0};
+        on_surface[i] = kinds[i] != Kind::dummy &&
+                        settings_.surface.template holds<Dim, Real>(fullness, scale, [&](auto&& f) {
+          for_each_weighted(around_, i, stencil_, [&](Index j, const Vec& r_ij, Real w, Real) {
+            f(r_ij, w, kinds[i] != Kind::fluid || kinds[j] == Kind::fluid);
+          });
+        });
+      }
+      if (!Scheme::Walls::smooth || kinds[i] != Kind::wall) return;
+      const bool is_wet = any_weighted(around_, i, stencil_,
+                                       [&](Index j, Real) { return kinds[j] == Kind::fluid; });
+      on_surface[i] |= !is_wet;
+      carries_pressure_[i] = !on_surface[i];
     });
   }
 
   // ∇²P = source      (9), (16)
   template <class P>
   void assemble(P& particles, double time_step) {
+    using Source = typename Scheme::Source;
     const Timed in_assembly(seconds_.assembly);
     particles.refresh_ghosts(velocity);
-    const auto u = particles.with_ghosts(velocity);
+    const auto kinds = particles.with_ghosts(kind);
+    auto u = particles.with_ghosts(velocity);
     const auto n = particles[number_density];
-    equation_.assemble(particles, around_laplacian(), laplacian_, [&](Index i) {
+    const auto on_surface = particles[surface];
+    if constexpr (balances_forces<Source>()) {
+      unforced_.assign(u.begin(), u.end());
+      for_each(u.size(), [&](Index j) {
+        if (kinds[j] == Kind::fluid) unforced_[j] -= Real(time_step) * force(particles.owner(j));
+      });
+    }
+    const auto carries = [&](Index i) { return carries_pressure_[i] != 0; };
+    const auto source = [&](Index i) {
       SourceTerms terms{.density = settings_.density, .time_step = time_step};
       terms.compression = double((n[i] - stencil_.n0) / stencil_.n0);
-      if constexpr (Scheme::Source::needs_divergence) {
-        terms.divergence = double(divergence(around_, stencil_, i, u));
+      if constexpr (balances_forces<Source>()) {
+        terms.divergence = double(divergence_of(particles, i, unforced_));
+        terms.force_divergence = double(force_divergence(particles, i));
+        terms.near_surface = on_surface[i] || any_weighted(around_, i, stencil_, [&](Index j, Real) {
+          return on_surface[particles.owner(j)] != 0;
+        });
+      } else if constexpr (Source::needs_divergence) {
+        terms.divergence = double(divergence_of(particles, i, u));
+      }
+      if constexpr (needs_density_rate<Source>()) {
+        terms.density_rate = double(density_rate(around_, stencil_, i, u));
+        terms.last_density_rate = double(density_rate(around_, stencil_, i, before_));
       }
       return settings_.source.value(terms);
+    };
+    equation_.assemble(particles, around_laplacian(), laplacian_, source, carries);
+  }
+
+  template <class P, class U>
+  Real divergence_of(const P& particles, Index i, const U& u) const {
+    if constexpr (Scheme::Walls::smooth) {
+      return divergence_at_smooth_walls(particles, around_, normals_, stencil_, i, u);
+    } else {
+      return divergence(around_, stencil_, i, u);
+    }
+  }
+
+  // <∇²φ>_i of a φ whose gradient is F, as the pressure equation sums it.
+  template <class P>
+  Real force_divergence(const P& particles, Index i) const {
+    const Vec own = force(i);
+    Real sum = 0;
+    for_each_weighted(around_laplacian(), i, laplacian_, [&](Index j, const Vec& r_ij, Real w, Real) {
+      const Index owner = particles.owner(j);
+      if (carries_pressure_[owner]) sum += w / 2 * (own + force(owner)).dot(r_ij);
     });
+    return 2 * Dim / (laplacian_.lambda * laplacian_.n0) * sum;
   }
 
   template <class P>
@@ -258,15 +372,47 @@ class BasicFlow {
   void find_pressure_change(P& particles, Real dt) {
     particles.refresh_ghosts(pressure);
     const auto p = particles.with_ghosts(pressure);
-    const auto kinds = particles.with_ghosts(kind);
     const Real factor = -dt / Real(settings_.density);
     change_.resize(particles.size());
     for_each_of_fluid(particles, [&](Index i) {
       change_[i] = factor * Scheme::Gradient::at(stencil_, p[i], [&](auto&& f) {
         for_each_weighted(around_, i, stencil_, [&](Index j, const Vec& r_ij, Real w, Real w_r2) {
-          if (kinds[j] != Kind::dummy) f(p[j], r_ij, w, w_r2);
+          if (carries_pressure_[particles.owner(j)]) f(p[j], r_ij, w, w_r2);
         });
       });
+    });
+  }
+
+  // Where each fluid particle shifts to, beside the flow.
+  template <class P>
+  void find_shifts(const P& particles, Real dt) {
+    const auto on_surface = particles[surface];
+    const auto kinds = particles[kind];
+    const auto u = particles[velocity];
+    crowding_.resize(particles.size());
+    for_each_of_fluid(particles, [&](Index i) {
+      Vec sum = Vec::Zero();
+      for_each_weighted(around_, i, stencil_, [&](Index, const Vec& r_ij, Real w, Real) {
+        sum += (w / r_ij.norm()) * r_ij;
+      });
+      crowding_[i] = sum / stencil_.n0;
+    });
+    change_.resize(particles.size());
+    for_each_of_fluid(particles, [&](Index i) {
+      Crowding<Dim, Real> crowding{.towards = crowding_[i],
+                                   .on_surface = on_surface[i] != 0,
+                                   .speed = u[i].norm(),
+                                   .spacing = Real(settings_.spacing),
+                                   .time_step = dt};
+      for_each_weighted(around_, i, stencil_, [&](Index j, const Vec&, Real w, Real) {
+        const Index owner = particles.owner(j);
+        if (on_surface[owner] && kinds[owner] == Kind::fluid) {
+          crowding.inwards += w * crowding_[owner];
+        }
+      });
+      const Real size = crowding.inwards.norm();
+      if (size > 0) crowding.inwards /= size;
+      change_[i] = settings_.shifting.at(crowding);
     });
   }
 
@@ -284,13 +430,20 @@ class BasicFlow {
   Settings settings_;
   Solver solver_;
   Stencil stencil_;
-  Stencil laplacian_;
+  LaplacianStencil laplacian_;
   Neighbourhood<Dim, Real> around_;            // within the stencil
   Neighbourhood<Dim, Real> around_laplacian_;  // of the Laplacian, where its radius is another
   Vec gravity_ = Vec::Zero();
   PressureEquation equation_;
   SolveReport report_;
   FlowSeconds seconds_;
+  WallNormals<Dim, Real> normals_;
+  std::vector<std::uint8_t> carries_pressure_;  // an unknown, or P = 0 on the surface
+  std::vector<Vec> forces_;    // F at each particle, where it is not gravity alone
+  std::vector<Vec> unforced_;  // u* − Δt F, with ghosts
+  std::vector<Vec> before_;    // u before the predictor, with ghosts
+  std::vector<Vec> crowding_;  // to where each fluid particle's neighbours crowd
+  double time_ = 0;
   std::vector<Vec> change_;      // of the fluid's velocity, by the part of the step under way
   std::vector<Vec> moved_with_;  // velocity the predictor moved each particle with, if it did
 };

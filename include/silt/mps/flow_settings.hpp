@@ -6,6 +6,7 @@
 #include <silt/core/types.hpp>
 #include <silt/mps/cases.hpp>
 
+#include <functional>
 #include <limits>
 
 namespace silt::mps {
@@ -26,6 +27,10 @@ struct FlowSettings {
   typename Scheme::Source source = {};
   typename Scheme::Surface surface = {};
   typename Scheme::Collision collision = {};
+  typename Scheme::Shifting shifting = {};
+  /// Further acceleration [m/s²] at a place x [m] and a time t [s]; must be the same whatever
+  /// thread asks. None if empty.
+  std::function<Vec<Dim>(const Vec<Dim>& x, double t)> body_force = {};
 
   void check() const {
     require_positive("FlowSettings: spacing", spacing);
@@ -43,8 +48,9 @@ struct FlowSettings {
     source.check();
     surface.check();
     collision.check();
-    if (collision.distance > radius) {
-      fail("Collision: distance = " + to_text(collision.distance) +
+    shifting.check();
+    if (collision.reach() > radius) {
+      fail("Collision: distance = " + to_text(collision.reach()) +
            " spacings is beyond FlowSettings: radius = " + to_text(radius) +
            "; lower the one or enlarge the other");
     }

@@ -16,11 +16,28 @@ concept Kernel = requires(double q, float p) {
   { K::weight(p) } -> std::same_as<float>;
 };
 
+/// Gives w'(q) and w''(q) as well, which the higher-order source and Laplacian are made from.
+template <class K>
+concept SmoothKernel = Kernel<K> && requires(double q, float p) {
+  { K::slope(q) } -> std::same_as<double>;
+  { K::slope(p) } -> std::same_as<float>;
+  { K::curvature(q) } -> std::same_as<double>;
+  { K::curvature(p) } -> std::same_as<float>;
+};
+
 /// re/r − 1 (3a), Koshizuka and Oka (1996): infinite at r = 0.
 struct InverseKernel {
   template <class Real>
   static Real weight(Real q) {
     return 1 / q - 1;
+  }
+  template <class Real>
+  static Real slope(Real q) {
+    return -1 / (q * q);
+  }
+  template <class Real>
+  static Real curvature(Real q) {
+    return 2 / (q * q * q);
   }
 };
 
@@ -30,6 +47,14 @@ struct GaussianKernel {
   static Real weight(Real q) {
     return std::exp(Real(-6.3) * q * q);
   }
+  template <class Real>
+  static Real slope(Real q) {
+    return Real(-12.6) * q * weight(q);
+  }
+  template <class Real>
+  static Real curvature(Real q) {
+    return Real(12.6) * (Real(12.6) * q * q - 1) * weight(q);
+  }
 };
 
 /// (1 − r/re)³ (1 + r/re)³ (3c): what the paper adopts.
@@ -38,6 +63,34 @@ struct CubicKernel {
   static Real weight(Real q) {
     const Real s = (1 - q) * (1 + q);
     return s * s * s;
+  }
+  template <class Real>
+  static Real slope(Real q) {
+    const Real s = (1 - q) * (1 + q);
+    return -6 * q * s * s;
+  }
+  template <class Real>
+  static Real curvature(Real q) {
+    const Real s = (1 - q) * (1 + q);
+    return 6 * s * (5 * q * q - 1);
+  }
+};
+
+/// (1 − q)⁴ (1 + 4 q), q = r/re, Wendland (1995): smooth at re, and its Fourier transform is
+/// positive, so that particles do not pair.
+struct WendlandKernel {
+  template <class Real>
+  static Real weight(Real q) {
+    const Real s = (1 - q) * (1 - q);
+    return s * s * (1 + 4 * q);
+  }
+  template <class Real>
+  static Real slope(Real q) {
+    return -20 * q * (1 - q) * (1 - q) * (1 - q);
+  }
+  template <class Real>
+  static Real curvature(Real q) {
+    return 20 * (1 - q) * (1 - q) * (4 * q - 1);
   }
 };
 

@@ -42,6 +42,12 @@ struct Stencil {
   }
 
   Real weight(Real r) const { return K::weight(r * per_re); }
+  /// w'(r) [1/m].
+  Real slope(Real r) const
+    requires SmoothKernel<K>
+  {
+    return K::slope(r * per_re) * per_re;
+  }
 };
 
 /// f(j, r_ij, w, w/r²) for every neighbour of i within the stencil.
@@ -109,6 +115,17 @@ typename T::Real divergence(const S& search, const T& stencil, Index i, const U&
     sum += (u[j] - u[i]).cwiseProduct(r_ij) * w_r2;
   });
   return T::dimension / stencil.n0 * sum.sum();
+}
+
+/// (1/n0) Dn_i/Dt = 1/n0 Σ w'(r) (u_j − u_i)·r_ij/r, by the kernel's slope, Khayyer and Gotoh (2009)
+template <class S, class T, class U>
+typename T::Real density_rate(const S& search, const T& stencil, Index i, const U& u) {
+  typename T::Real sum = 0;
+  for_each_weighted(search, i, stencil, [&](Index j, const auto& r_ij, auto, auto) {
+    const auto r = r_ij.norm();
+    sum += stencil.slope(r) / r * (u[j] - u[i]).dot(r_ij);
+  });
+  return sum / stencil.n0;
 }
 
 /// <∇²φ>_i = 2d/(λ n0) Σ (φ_j − φ_i) w     (6), with the n0 that is usual instead of the printed n_i

@@ -29,7 +29,15 @@ class PressureEquation {
   /// pressure. `neighbours` is a search or a Neighbourhood; source(i) gives ∇²P [Pa/m²].
   template <FluidParticles P, class S, class T, class Source>
   void assemble(const P& particles, const S& neighbours, const T& stencil, Source&& source) {
-    number_unknowns(particles, neighbours, stencil);
+    const auto kinds = particles[kind];
+    assemble(particles, neighbours, stencil, source,
+             [&](Index i) { return kinds[i] != Kind::dummy; });
+  }
+  /// The same where carries_pressure(i) says which particles take part, instead of all but dummies.
+  template <FluidParticles P, class S, class T, class Source, class Carries>
+  void assemble(const P& particles, const S& neighbours, const T& stencil, Source&& source,
+                Carries&& carries_pressure) {
+    number_unknowns(particles, neighbours, stencil, carries_pressure);
     system_.diagonal.resize(unknowns_.size());
     system_.right_side.resize(unknowns_.size());
     auto& geometry = system_.geometry;
@@ -104,16 +112,20 @@ class PressureEquation {
     return static_cast<float>(weight) > 0x1p-26f * static_cast<float>(stencil.n0);
   }
 
-  template <class P, class S, class T>
-  void number_unknowns(const P& particles, const S& neighbours, const T& stencil) {
-    const auto kinds = particles.with_ghosts(kind);
+  template <class P, class S, class T, class Carries>
+  void number_unknowns(const P& particles, const S& neighbours, const T& stencil,
+                       const Carries& carries_pressure) {
     const auto on_surface = particles[surface];
     row_of_.resize(particles.total());
     for_each(particles.size(), [&](Index i) {
-      row_of_[i] = kinds[i] == Kind::dummy ? dummy : zero;
-      if (kinds[i] == Kind::dummy || on_surface[i]) return;
+      row_of_[i] = zero;
+      if (!carries_pressure(i)) {
+        row_of_[i] = dummy;
+        return;
+      }
+      if (on_surface[i]) return;
       const bool is_connected = any_weighted(neighbours, i, stencil, [&](Index j, auto w) {
-        return kinds[j] != Kind::dummy && links(w, stencil);
+        return carries_pressure(particles.owner(j)) && links(w, stencil);
       });
       if (is_connected) row_of_[i] = 0;
     });

@@ -5,6 +5,7 @@
 
 #include <silt/core/error.hpp>
 
+#include <algorithm>
 #include <concepts>
 
 namespace silt::mps {
@@ -14,10 +15,17 @@ struct SourceTerms {
   double density = 0;         ///< ρ [kg/m³]
   double time_step = 0;       ///< Δt [s]
   double compression = 0;     ///< (n − n0)/n0 [-]
-  double divergence = 0;      ///< ∇·u* [1/s]
+  double divergence = 0;      ///< ∇·u* [1/s]; without what body forces gave u*, if it balances them
+  double force_divergence = 0;   ///< ∇·F, as the Laplacian of a potential of F would be [1/s²]
+  double density_rate = 0;       ///< (1/n0) Dn/Dt by u* [1/s]
+  double last_density_rate = 0;  ///< (1/n0) Dn/Dt by u of the step before [1/s]
+  bool near_surface = false;     ///< on the free surface or next to a particle that is
 };
 
-/// Has value(terms) [Pa/m²] and says whether its n is that of moved particles.
+/// Has value(terms) [Pa/m²] and says whether its n is that of moved particles, and which of the
+/// dearer terms it needs. It may also say that
+///   balances_forces      its divergence is to be without, and force_divergence with body forces
+///   needs_density_rate   it uses density_rate and last_density_rate
 template <class S>
 concept PressureSource = requires(const S source, SourceTerms terms) {
   { source.value(terms) } -> std::convertible_to<double>;
@@ -25,6 +33,17 @@ concept PressureSource = requires(const S source, SourceTerms terms) {
   { S::needs_divergence } -> std::convertible_to<bool>;
   source.check();
 };
+
+template <class S>
+constexpr bool balances_forces() {
+  if constexpr (requires { S::balances_forces; }) return S::balances_forces;
+  return false;
+}
+template <class S>
+constexpr bool needs_density_rate() {
+  if constexpr (requires { S::needs_density_rate; }) return S::needs_density_rate;
+  return false;
+}
 
 /// −(ρ/Δt²) (n* − n0)/n0, n* after the predictor moved the particles (9): the original.
 struct DensitySource {
@@ -48,6 +67,25 @@ struct DivergenceSource {
   double value(const SourceTerms& s) const {
     return s.density / s.time_step * s.divergence -
            gamma * s.density / (s.time_step * s.time_step) * s.compression;
+  }
+};
+
+/// (16) in balance with body forces: (ρ/Δt) ∇·(u* − Δt F) + ρ ∇·F + γ (ρ/Δt²) (n0 − n)/n0, where
+/// ∇·F is summed as the Laplacian sums P, over the same neighbours. For fluid at rest both sides
+/// are then equal whatever the places of its particles: the hydrostatic pressure is exact. Next to
+/// a free surface, where n is low anyway, only compression counts.
+struct BalancedSource {
+  static constexpr bool needs_moved_particles = false;
+  static constexpr bool needs_divergence = true;
+  static constexpr bool balances_forces = true;
+
+  double gamma = 0.01;  ///< γ [-] in [0, 1]: how much of the density error is corrected in a step
+
+  void check() const { require_between("BalancedSource: gamma", gamma, {0, 1}); }
+  double value(const SourceTerms& s) const {
+    const double excess = s.near_surface ? std::max(0.0, s.compression) : s.compression;
+    return s.density * (s.divergence / s.time_step + s.force_divergence) -
+           gamma * s.density / (s.time_step * s.time_step) * excess;
   }
 };
 

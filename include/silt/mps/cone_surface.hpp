@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: MIT
+// A free surface found by looking: is there an empty cone on the side where neighbours are missing?
+#pragma once
+
+#include <silt/core/error.hpp>
+#include <silt/core/types.hpp>
+#include <silt/mps/free_surface.hpp>
+
+#include <Eigen/Eigenvalues>
+
+#include <cmath>
+
+namespace silt::mps {
+
+/// After Marrone et al. (2010). The least eigenvalue of d/n0 Σ r_ij r_ijᵀ w/r², 1 in the full
+/// lattice, tells what surely is spray and what surely is inside; between them a particle is on the
+/// surface if no fluid stands in the cone around −Σ w r_ij/r. No density enters.
+struct ConeSurface {
+  double half_angle = 0.25 * 3.14159265358979;  ///< of the cone [rad]
+  double length = 2.1;    ///< of the cone, in spacings
+  double spray = 0.3;     ///< eigenvalue below which all are on the surface [-]
+  double inside = 0.9;    ///< eigenvalue above which none is [-]
+
+  /// Throws if a number is out of range.
+  void check() const {
+    require_between("ConeSurface: half_angle", half_angle, {0.05, 1.5});
+    require_between("ConeSurface: length", length, {1, 10});
+    require_between("ConeSurface: spray", spray, {0, 1});
+    require_between("ConeSurface: inside", inside, {spray, 2});
+  }
+
+  /// for_each(f) calls f(r_ij, w, counts) for every neighbour: `counts` says whether one in the
+  /// cone hides the surface. spacing is l0 [m].
+  template <int Dim, class Real, class Neighbours>
+  bool holds(const Fullness&, const SurfaceScale<Real>& scale, const Neighbours& for_each) const {
+    using Vec = silt::Vec<Dim, Real>;
+    using Matrix = Eigen::Matrix<Real, Dim, Dim>;
+    Matrix moments = Matrix::Zero();
+    Vec outwards = Vec::Zero();
+    for_each([&](const Vec& r_ij, Real w, bool) {
+      moments += (w / r_ij.squaredNorm() * r_ij) * r_ij.transpose();
+      outwards -= (w / r_ij.norm()) * r_ij;
+    });
+    moments *= Dim / scale.n0;
+    Eigen::SelfAdjointEigenSolver<Matrix> solver;
+    solver.computeDirect(moments, Eigen::EigenvaluesOnly);
+    const Real fullness = solver.eigenvalues()[0];
+    if (fullness < Real(spray)) return true;
+    const Real size = outwards.norm();
+    if (fullness > Real(inside) || !(size > 0)) return false;
+    outwards /= size;
+    const Real most = Real(length) * scale.spacing;
+    const Real cosine = Real(std::cos(half_angle));
+    bool is_empty = true;
+    for_each([&](const Vec& r_ij, Real, bool counts) {
+      const Real r = r_ij.norm();
+      is_empty &= !counts || r >= most || r_ij.dot(outwards) <= cosine * r;
+    });
+    return is_empty;
+  }
+};
+
+}  // namespace silt::mps

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: MIT
+// A gradient that is exact for linear φ wherever the neighbours lie.
+#pragma once
+
+#include <silt/core/types.hpp>
+#include <silt/mps/operators.hpp>
+
+#include <Eigen/LU>
+
+namespace silt::mps {
+
+/// <∇φ>_i = C Σ (φ_j − φ_i) r_ij w/r²,  C⁻¹ = Σ r_ij r_ijᵀ w/r²: first-order consistent, as in Khayyer
+/// and Gotoh (2011). Does not conserve momentum to rounding.
+struct CorrectedGradient {
+  /// det (d/n0 C⁻¹), which is 1 in the full lattice, below which C would blow up what little there
+  /// is: d/n0 stands in for it there.
+  static constexpr double least_determinant = 0.05;
+
+  template <class T, class Real, class Neighbours>
+  static Vec<T::dimension, Real> at(const T& stencil, Real phi_i, Neighbours&& for_each) {
+    using Vec = silt::Vec<T::dimension, Real>;
+    using Matrix = Eigen::Matrix<Real, T::dimension, T::dimension>;
+    Vec sum = Vec::Zero();
+    Matrix moments = Matrix::Zero();
+    for_each([&](Real phi_j, const Vec& r_ij, Real, Real w_r2) {
+      sum += ((phi_j - phi_i) * w_r2) * r_ij;
+      moments += (w_r2 * r_ij) * r_ij.transpose();
+    });
+    const Real scale = T::dimension / stencil.n0;
+    moments *= scale;
+    sum *= scale;
+    if (!(moments.determinant() > Real(least_determinant))) return sum;
+    return moments.inverse() * sum;
+  }
+};
+
+}  // namespace silt::mps

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: MIT
+// Particles moved a little beside the flow, so that they stay evenly spread.
+#pragma once
+
+#include <silt/core/error.hpp>
+#include <silt/core/types.hpp>
+
+#include <algorithm>
+#include <concepts>
+
+namespace silt::mps {
+
+/// What a shift is made from, at one fluid particle.
+template <int Dim, class RealType = double>
+struct Crowding {
+  using Real = RealType;
+  using Vec = silt::Vec<Dim, Real>;
+
+  Vec towards = Vec::Zero();  ///< Σ w r_ij/r over n0: to where they are crowded [-]
+  Vec inwards = Vec::Zero();  ///< unit normal of a free surface near by; zero without one
+  bool on_surface = false;
+  Real speed = 0;      ///< |u_i| [m/s]
+  Real spacing = 0;    ///< l0 [m]
+  Real time_step = 0;  ///< Δt [s]
+};
+
+/// Particles go with the flow only.
+struct NoShifting {
+  static constexpr bool shifts = false;
+
+  void check() const {}
+  template <int Dim, class Real>
+  Vec<Dim, Real> at(const Crowding<Dim, Real>&) const {
+    return Vec<Dim, Real>::Zero();
+  }
+};
+
+/// δr = −A |u| Δt Σ w r_ij/r / n0, at most a tenth of a spacing, after Lind et al. (2012): fluid at
+/// rest is left alone. Particles on a free surface stay, those near it shift along it, so that
+/// nothing is pushed out. Velocities stay as they are, and so does momentum.
+struct ParticleShifting {
+  static constexpr bool shifts = true;
+
+  double strength = 2;  ///< A [-]
+
+  void check() const { require_not_negative("ParticleShifting: strength", strength); }
+
+  template <int Dim, class Real>
+  Vec<Dim, Real> at(const Crowding<Dim, Real>& crowding) const {
+    using Vec = silt::Vec<Dim, Real>;
+    if (crowding.on_surface) return Vec::Zero();
+    Vec shift = (-Real(strength) * crowding.speed * crowding.time_step) * crowding.towards;
+    shift -= crowding.inwards.dot(shift) * crowding.inwards;
+    const Real size = shift.norm();
+    const Real most = crowding.spacing / 10;
+    return size > most ? Vec((most / size) * shift) : shift;
+  }
+};
+
+template <class S>
+concept Shifting = requires(const S shifting, Crowding<2> in_2d, Crowding<3> in_3d) {
+  { S::shifts } -> std::convertible_to<bool>;
+  { shifting.at(in_2d) } -> std::convertible_to<Vec<2>>;
+  { shifting.at(in_3d) } -> std::convertible_to<Vec<3>>;
+  shifting.check();
+};
+
+}  // namespace silt::mps

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: MIT
+// What fluid feels of walls made of particles.
+#pragma once
+
+#include <silt/core/parallel.hpp>
+#include <silt/core/types.hpp>
+#include <silt/mps/fluid.hpp>
+#include <silt/mps/neighbourhood.hpp>
+#include <silt/mps/operators.hpp>
+
+#include <concepts>
+#include <cstdint>
+#include <vector>
+
+namespace silt::mps {
+
+/// Every particle of a wall as it stands, at rest: what the paper's schemes see. Fluid that slides
+/// along it feels every one, and is slowed. Wall particles on the free surface have P = 0.
+struct GrainyWalls {
+  static constexpr bool smooth = false;
+};
+
+/// Walls along which fluid slips: of its velocity against a wall particle or a dummy only the part
+/// along the wall's normal counts, in divergence and collisions. Wall particles that no fluid
+/// touches, or that lie on the free surface, take no part in the pressure.
+struct SmoothWalls {
+  static constexpr bool smooth = true;
+};
+
+template <class W>
+concept WallModel = requires {
+  { W::smooth } -> std::convertible_to<bool>;
+};
+
+/// Unit normals of walls, out of their particles' places.
+template <int Dim, class RealType>
+class WallNormals {
+ public:
+  using Real = RealType;
+  using Vec = silt::Vec<Dim, Real>;
+
+  /// A wall particle's normal points away from what is solid around it; a dummy's is the mean of
+  /// the wall particles' around it. Zero where there is no side to point to. They are found anew
+  /// when the particles were added to, removed or sorted.
+  template <FluidParticles P, class T>
+  void find(const P& particles, const Neighbourhood<Dim, Real>& around, const T& stencil) {
+    if (is_found_ && revision_ == particles.revision()) return;
+    is_found_ = true;
+    revision_ = particles.revision();
+    const auto kinds = particles.with_ghosts(kind);
+    normals_.assign(particles.size(), Vec::Zero());
+    for_each(particles.size(), [&](Index i) {
+      if (kinds[i] != Kind::wall) return;
+      Vec away = Vec::Zero();
+      for_each_weighted(around, i, stencil, [&](Index j, const Vec& r_ij, Real w, Real) {
+        if (kinds[j] != Kind::fluid) away -= (w / r_ij.norm()) * r_ij;
+      });
+      const Real size = away.norm();
+      if (size > Real(least) * stencil.n0) normals_[i] = away / size;
+    });
+    std::vector<Vec> of_dummies(particles.size(), Vec::Zero());
+    for (Index i = 0; i < particles.size(); ++i) {
+      if (kinds[i] != Kind::wall) continue;
+      for_each_weighted(around, i, stencil, [&](Index j, const Vec&, Real w, Real) {
+        if (kinds[j] == Kind::dummy) of_dummies[particles.owner(j)] += w * normals_[i];
+      });
+    }
+    for_each(particles.size(), [&](Index i) {
+      if (kinds[i] == Kind::dummy && of_dummies[i].norm() > 0) {
+        normals_[i] = of_dummies[i].normalized();
+      }
+    });
+  }
+
+  const Vec& operator[](Index i) const noexcept { return normals_[i]; }
+
+ private:
+  static constexpr double least = 1e-3;  // of n0: what is less is rounding
+
+  std::vector<Vec> normals_;  // of owned particles, zero for fluid
+  std::uint64_t revision_ = 0;
+  bool is_found_ = false;
+};
+
+/// <∇·u>_i where fluid slips along walls: what is solid has the velocity of i along the wall, and
+/// none across it. A wall particle itself has the mean velocity of the fluid around it, along it.
+template <class P, int Dim, class Real, class T, class U>
+Real divergence_at_smooth_walls(const P& particles, const Neighbourhood<Dim, Real>& around,
+                                const WallNormals<Dim, Real>& normals, const T& stencil, Index i,
+                                const U& u) {
+  using Vec = silt::Vec<Dim, Real>;
+  const auto kinds = particles.with_ghosts(kind);
+  Vec own = u[i];
+  if (kinds[i] == Kind::wall) {
+    Vec sum = Vec::Zero();
+    Real weight = 0;
+    for_each_weighted(around, i, stencil, [&](Index j, const Vec&, Real w, Real) {
+      if (kinds[j] != Kind::fluid) return;
+      sum += w * u[j];
+      weight += w;
+    });
+    if (weight > 0) sum /= weight;
+    own = sum - normals[i].dot(sum) * normals[i];
+  }
+  Real sum = 0;
+  for_each_weighted(around, i, stencil, [&](Index j, const Vec& r_ij, Real, Real w_r2) {
+    if (kinds[j] == Kind::fluid) {
+      sum += w_r2 * (u[j] - own).dot(r_ij);
+    } else {
+      const Vec& normal = normals[particles.owner(j)];
+      sum -= w_r2 * own.dot(normal) * normal.dot(r_ij);
+    }
+  });
+  return Dim / stencil.n0 * sum;
+}
+
+}  // namespace silt::mps
