@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// A column of water collapses in a tank, under each of the eleven schemes of Table 1 in S.C. Hwang,
-// B.H. Lee, J.C. Park, "Improvement of MPS method in simulating violent free-surface motion and
-// predicting impact-loads". The front is compared with Martin and Moyce (1952).
+// A column of water collapses in a tank, under the scheme that Silt recommends or one of the eleven
+// of Table 1 in S.C. Hwang, B.H. Lee, J.C. Park, "Improvement of MPS method in simulating violent
+// free-surface motion and predicting impact-loads". The front is compared with Martin and Moyce
+// (1952).
 //
 //   dam_break --out out/dam_break
 //   dam_break --case 00 --out out/dam_break/case_00
@@ -28,8 +29,10 @@ namespace {
 
 using namespace silt;
 
+constexpr int recommended = -1;
+
 struct Options : support::FlowOptions {
-  int scheme = 10;
+  int scheme = recommended;                 // or a case of Table 1
   std::vector<double> column = {0.4, 0.8};  // width, height [m]
   std::vector<double> tank = {1.6, 1.6};    // length, height [m]
   double depth = 0.2;                       // [m]
@@ -41,13 +44,17 @@ void describe(CLI::App& app, Options& o) {
     return support::add_option(app, name, value, text, check);
   };
   using support::positive, support::between;
-  // An integer that begins with 0 would be read as octal.
-  const auto without_zero = [](std::string& text) {
+  // The names become numbers; an integer that begins with 0 would be read as octal.
+  const auto number_of = [](std::string& text) {
+    if (text == "recommended") text = std::to_string(recommended);
     if (text.size() == 2 && text.front() == '0') text.erase(0, 1);
     return std::string();
   };
-  add("--case", o.scheme, "column of Table 1: 00 the original MPS, 10 PNU-MPS", between({0, 10}))
-      ->transform(CLI::Validator(without_zero, ""));
+  app.add_option("--case", o.scheme, "recommended, or a column of Table 1: 00 the original MPS, 10 "
+                 "PNU-MPS")
+      ->check(support::between({recommended, 10}))
+      ->transform(CLI::Validator(number_of, ""))
+      ->default_str("recommended");
   add("--column", o.column, "width,height of the water [m]", positive())
       ->delimiter(',')->expected(2);
   add("--tank", o.tank, "length,height of the walls [m]; four column widths, as in Koshizuka and Oka "
@@ -120,7 +127,9 @@ void collapse(const Options& o) {
 
   auto summary = support::summary_of(dam, particles, iterations, wall.seconds());
   auto& options = summary["options"];
-  options = {{"case", o.scheme}, {"column", o.column}, {"tank", o.tank}, {"depth", o.depth}};
+  options = {{"case", nullptr}, {"column", o.column}, {"tank", o.tank}, {"depth", o.depth}};
+  options["case"] = o.scheme;
+  if (o.scheme == recommended) options["case"] = "recommended";
   support::add_flow_options(options, o);
   support::write_summary(o.out, summary);
   std::printf("dam_break: %zu fluid particles, %llu steps in %.1f s, %llu lost; see %s\n",
@@ -139,6 +148,7 @@ void collapse_as(const Options& o) {
 template <int Dim>
 void collapse(const Options& o) {
   using namespace mps;
+  if (o.scheme == recommended) return collapse<Recommended, Dim>(o);
   collapse_as<Dim, Case00, Case01, Case02, Case03, Case04, Case05, Case06, Case07, Case08, Case09,
               Case10>(o);
 }

@@ -82,7 +82,8 @@ class DamBreak(Output):
     def __init__(self, folder):
         super().__init__(folder)
         self.front = np.atleast_1d(table(self.folder / "front.csv"))
-        self.name = f"case {self.options['case']:02d}"
+        case = self.options["case"]
+        self.name = case if case == "recommended" else f"case {case:02d}"
         self.width, self.height = self.options["column"]
 
     def dimensionless_front(self):

@@ -13,7 +13,7 @@
 namespace silt::mps {
 
 using Recommended =
-    Scheme<BalancedSource, KeepApart, CubicKernel, BothSurfaces<OutermostRow, CountSurface>,
+    Scheme<BalancedSource, KeepApart, WendlandKernel, BothSurfaces<OutermostRow, CountSurface>,
            CorrectedGradient, SmoothWalls>;
 
 }  // namespace silt::mps
