@@ -202,12 +202,9 @@ double level(const P& particles) {
   return 2 * sum / double(count(particles, mps::Kind::fluid));
 }
 
+// Any scheme, with any settings of its own.
 template <class Scheme, int Dim>
-void stand(const Options& o) {
-  auto settings = support::flow_settings<Scheme, Dim>(o, o.depth);
-  settings.collision.distance = o.collision[0];
-  settings.collision.restitution = o.collision[1];
-  settings.surface = {.by_density = o.surface != "17", .by_count = o.surface != "13"};
+void stand(const Options& o, const mps::FlowSettings<Dim, Scheme>& settings) {
   const auto water = support::or_refuse([&] {
     return mps::Flow<Scheme, Dim>{settings, mps::PressureSolver<Dim>{{.tolerance = o.tolerance}}};
   });
@@ -264,12 +261,21 @@ void stand(const Options& o) {
   }
 }
 
+// The paper's choices that are types are compiled, the others are numbers.
+template <int Dim, class Source, class Kernel, class Gradient>
+void stand(const Options& o) {
+  using Scheme = mps::Scheme<Source, mps::AdoptedCollision, Kernel, ChosenSurface, Gradient>;
+  auto settings = support::flow_settings<Scheme, Dim>(o, o.depth);
+  settings.collision.distance = o.collision[0];
+  settings.collision.restitution = o.collision[1];
+  settings.surface = {.by_density = o.surface != "17", .by_count = o.surface != "13"};
+  stand<Scheme, Dim>(o, settings);
+}
+
 template <int Dim, class Source, class Kernel>
 void stand(const Options& o) {
-  using namespace mps;
-  o.gradient == 4
-      ? stand<Scheme<Source, AdoptedCollision, Kernel, ChosenSurface, MinimumGradient>, Dim>(o)
-      : stand<Scheme<Source, AdoptedCollision, Kernel, ChosenSurface, ConservingGradient>, Dim>(o);
+  o.gradient == 4 ? stand<Dim, Source, Kernel, mps::MinimumGradient>(o)
+                  : stand<Dim, Source, Kernel, mps::ConservingGradient>(o);
 }
 
 template <class Source>

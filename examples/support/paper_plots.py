@@ -6,6 +6,7 @@ import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.colors import Normalize
 
 from support.paper_study import A, B, CASES, KERNEL_SCHEMES, KERNELS, SCHEMES
 from support.water import (BLUE, DARK, DENSITY, FRONT, G, GREEN, ORANGE, REFERENCE, moving_average,
@@ -48,16 +49,16 @@ def draw_kernels(results, path):
     save(figure, path)
 
 
-def draw_map(results, values_of, label, limits, colours, path, text):
+def draw_map(values_of, label, norm, colours, path, text):
     figure, panels = plt.subplots(1, len(SCHEMES), figsize=(10.5, 4.4), layout="constrained")
     for axes, scheme in zip(panels, SCHEMES):
         values = values_of(scheme)
-        image = axes.imshow(values, origin="lower", aspect="auto", cmap=colours, vmin=limits[0],
-                            vmax=limits[1])
+        image = axes.imshow(values, origin="lower", aspect="auto", cmap=colours, norm=norm)
         axes.set_facecolor("#d9d9d9")
         for (i, j), value in np.ndenumerate(values):
+            is_dark = not np.isnan(value) and sum(image.cmap(norm(value))[:3]) < 1.5
             axes.text(j, i, "failed" if np.isnan(value) else text(value), ha="center", va="center",
-                      fontsize=8, color=DARK)
+                      fontsize=8, color="white" if is_dark else DARK)
         axes.set_xticks(range(len(B)), [f"{b:g}" for b in B])
         axes.set_yticks(range(len(A)), [f"{a:g}" for a in A])
         axes.set_xlabel("b")
@@ -69,7 +70,7 @@ def draw_map(results, values_of, label, limits, colours, path, text):
 
 def draw_errors(results, path):
     """Fig. 7: RER over the (a, b) plane."""
-    draw_map(results, lambda scheme: 100 * results.map_of("rer", scheme), "RER [%]", (-5, 5),
+    draw_map(lambda scheme: 100 * results.map_of("rer", scheme), "RER [%]", Normalize(-6, 6),
              "RdBu_r", path, lambda value: f"{value:+.2f}")
 
 
@@ -78,7 +79,7 @@ def draw_deviations(results, path):
     def relative(scheme):
         deviation = results.deviation_map(scheme)
         return deviation / np.nanmax(deviation)
-    draw_map(results, relative, "RSDR = σ/σ_max", (0, 1), "YlOrRd", path,
+    draw_map(relative, "RSDR = σ/σ_max", Normalize(0, 1), "YlOrRd", path,
              lambda value: f"{value:.3f}")
 
 
@@ -107,6 +108,7 @@ def draw_spacings(results, path):
     right.set_xlabel("spacing [m]")
     right.set_ylabel("RER [%]")
     right.set_xlim(0, 0.022)
+    right.set_xticks(study.spacings_of_study())
     right.legend(frameon=False, fontsize=9)
     tidy((left, right))
     save(figure, path)

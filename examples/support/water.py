@@ -138,6 +138,10 @@ class Tank(Output):
         if not self.failed:
             self.profile = np.atleast_1d(table(self.folder / "profile.csv"))
 
+    def has_boiled(self):
+        """Whether so much of the water left that what is measured is none of a tank at rest."""
+        return self.summary["particles_lost"] > 0.01 * self.summary["fluid_particles"]
+
     def line(self):
         """The straight line through the profile: its slope over ρ g, the depth of its zero [m], and
         the largest distance of a layer from it [Pa]. The two layers at the surface are left out,

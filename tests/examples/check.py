@@ -81,7 +81,9 @@ def write_tank(folder, waves, high):
 
 
 def test_measures(folder):
-    from support.paper_results import Finding, is_below
+    import numpy as np
+
+    from support.paper_results import Finding, falls_with_a, is_below
     from support.paper_study import Estimate
     from support.water import Tank
 
@@ -99,6 +101,10 @@ def test_measures(folder):
     assert is_below("", calm, rough, factor=0.51).verdict() == "held, within the error bar"
     assert is_below("", calm, Estimate([])).verdict() == "cannot be told"
     assert Finding("", "", True).verdict() == "held"
+    a, b = np.meshgrid(np.arange(7.0), np.arange(5.0), indexing="ij")
+    assert falls_with_a(10 - a, "").verdict() == "held"
+    assert falls_with_a(10 + a, "").verdict() == "**not held**"
+    assert "within" in falls_with_a(np.where((a + b) % 2 == 0, 1.0, np.nan), "").verdict()
 
 
 def main(arguments):
