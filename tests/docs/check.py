@@ -12,7 +12,8 @@ A block is a file of its own, unless HTML comments right before it say otherwise
     <!-- silt: name NAME -->     later blocks of this page can go on from here
     <!-- silt: after NAME -->    goes on from the block of that name (and from what that one goes
                                  on from)
-    <!-- silt: file PATH -->     is the text of this file of the repository, but for its SPDX line
+    <!-- silt: file PATH -->     is the text of this file of the repository, but for its SPDX line;
+                                 that file is compiled and run by itself, as an example
     <!-- silt: skip REASON -->   neither compiled nor run
 
 Several hold at once if they stand in several comments. A block without wrap that others go on from
@@ -123,6 +124,7 @@ def programs_of(page, text, repository=pathlib.Path()):
                 continue
             if "file" in directives:
                 refuse_other_text(line, block, repository / directives["file"])
+                continue
             start = Program()
             if "after" in directives:
                 if directives["after"] not in named:
@@ -147,6 +149,21 @@ def without_beginnings(programs):
         )
 
     return [each for each in programs if not any(goes_on(other, each) for other in programs)]
+
+
+def together(programs):
+    """The same, those of one page that are statements alone made one program: each in a function of
+    its own, but compiled at once."""
+    apart, pages = [], {}
+    for each in programs:
+        if each.outside or each.includes:
+            apart.append(each)
+        else:
+            page = each.where.rpartition(":")[0]
+            first = pages.setdefault(page, Program(where=each.where))
+            body = "[] {\n" + each.inside + "}();\n"
+            pages[page] = dataclasses.replace(first, inside=first.inside + body)
+    return apart + list(pages.values())
 
 
 def attempt(program, scratch, compile_command):
@@ -196,7 +213,7 @@ def check(repository, scratch, compile_command):
         )
     ]
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as workers:
-        whole = without_beginnings(programs)
+        whole = together(without_beginnings(programs))
         outcomes = workers.map(lambda p: attempt(p, scratch, compile_command), whole)
         faults = [fault for fault in outcomes if fault]
     for fault in faults:
@@ -255,12 +272,15 @@ def self_test():
     assert both.source().index("Law law;") < both.source().index("use(law);")
     assert indented.source().endswith("\nstruct Indented {};\n") and not indented.inside
     assert indented.where == "p.md:34"
+    statements = [Program(where=f"p.md:{line}", inside="int i;\n") for line in (1, 5)]
+    law_alone, one = together([law, *statements])
+    assert law_alone == law and one.where == "p.md:1"
+    assert one.inside == "[] {\nint i;\n}();\n" * 2
     with tempfile.TemporaryDirectory() as folder:
         copied = pathlib.Path(folder)
         (copied / "copied.cpp").write_text(SPDX + "int main() {}\n", encoding="utf-8")
         copy = "<!-- silt: file copied.cpp -->\n```cpp\nint main() {%s}\n```"
-        (program,) = programs_of("p.md", copy % "", copied)
-        assert MAIN.search(program.source())
+        assert not programs_of("p.md", copy % "", copied)
         try:
             programs_of("p.md", copy % " return 1; ", copied)
             raise AssertionError("no error for a text that differs from its file's")
