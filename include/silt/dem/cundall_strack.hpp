@@ -161,8 +161,7 @@ struct CundallStrackLaw {
     law.normal_stiffness = in_series(a.normal_stiffness, b.normal_stiffness);
     law.tangential_stiffness = in_series(a.tangential_stiffness, b.tangential_stiffness);
     if (a.beta || b.beta) law.beta = std::max(a.beta.value_or(0), b.beta.value_or(0));
-    law.friction_angle =
-        std::ranges::min(a.friction_angle, b.friction_angle, {}, &FrictionAngle::value);
+    law.friction_angle = FrictionAngle::mix(a.friction_angle, b.friction_angle);
     law.cohesion = std::min(a.cohesion, b.cohesion);
     law.tension = a.tension && b.tension;
     return law;

@@ -29,6 +29,11 @@ struct Restitution {
     require_positive(name, value);
     require_between(name, value, {0, 1});
   }
+
+  /// The lower one.
+  static Restitution mix(const Restitution& a, const Restitution& b) {
+    return b.value < a.value ? b : a;
+  }
 };
 
 /// Weight [-] of a force that begins and ends with a jump, such as a dashpot's, at this overlap [m]

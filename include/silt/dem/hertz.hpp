@@ -9,7 +9,6 @@
 #include <silt/dem/elastic.hpp>
 #include <silt/dem/law_parts.hpp>
 
-#include <algorithm>
 #include <cmath>
 
 namespace silt::dem {
@@ -61,7 +60,7 @@ struct Hertz {
   /// 1/E* is the sum of both materials' (1 − ν²)/E; the lower restitution; pulls if both may.
   static Hertz mix(const Hertz& a, const Hertz& b) {
     return {.elastic = Elastic::mix(a.elastic, b.elastic),
-            .restitution = std::ranges::min(a.restitution, b.restitution, {}, &Restitution::value),
+            .restitution = Restitution::mix(a.restitution, b.restitution),
             .tension = a.tension && b.tension};
   }
 

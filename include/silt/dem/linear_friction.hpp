@@ -60,8 +60,7 @@ struct LinearFriction {
   /// Springs in series (equal ones stay as they are), the smaller friction angle and cohesion.
   static LinearFriction mix(const LinearFriction& a, const LinearFriction& b) {
     return {.tangential_stiffness = in_series(a.tangential_stiffness, b.tangential_stiffness),
-            .friction_angle =
-                std::ranges::min(a.friction_angle, b.friction_angle, {}, &FrictionAngle::value),
+            .friction_angle = FrictionAngle::mix(a.friction_angle, b.friction_angle),
             .cohesion = std::min(a.cohesion, b.cohesion)};
   }
 };

@@ -8,7 +8,6 @@
 #include <silt/dem/dashpot.hpp>
 #include <silt/dem/law_parts.hpp>
 
-#include <algorithm>
 #include <cmath>
 
 namespace silt::dem {
@@ -57,7 +56,7 @@ struct LinearSpringDashpot {
   /// Springs in series (equal ones stay as they are), the lower restitution; pulls if both may.
   static LinearSpringDashpot mix(const LinearSpringDashpot& a, const LinearSpringDashpot& b) {
     return {.normal_stiffness = in_series(a.normal_stiffness, b.normal_stiffness),
-            .restitution = std::ranges::min(a.restitution, b.restitution, {}, &Restitution::value),
+            .restitution = Restitution::mix(a.restitution, b.restitution),
             .tension = a.tension && b.tension};
   }
 

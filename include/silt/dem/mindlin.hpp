@@ -69,8 +69,7 @@ struct Mindlin {
   /// 1/G* is the sum of both materials' (2 − ν)/G; the smaller friction angle.
   static Mindlin mix(const Mindlin& a, const Mindlin& b) {
     return {.elastic = Elastic::mix(a.elastic, b.elastic),
-            .friction_angle =
-                std::ranges::min(a.friction_angle, b.friction_angle, {}, &FrictionAngle::value)};
+            .friction_angle = FrictionAngle::mix(a.friction_angle, b.friction_angle)};
   }
 
  private:

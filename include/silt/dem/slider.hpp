@@ -25,6 +25,11 @@ struct FrictionAngle {
   void check(std::string_view name) const {
     require_between(name, value, {0, std::numbers::pi / 2 - 1e-6});
   }
+
+  /// The smaller one.
+  static FrictionAngle mix(const FrictionAngle& a, const FrictionAngle& b) {
+    return b.value < a.value ? b : a;
+  }
 };
 
 /// The contact plane turns; the spring turns with it and keeps its length.

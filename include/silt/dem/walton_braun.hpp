@@ -60,7 +60,7 @@ struct WaltonBraun {
   /// Springs in series (equal ones stay as they are), the lower restitution.
   static WaltonBraun mix(const WaltonBraun& a, const WaltonBraun& b) {
     return {.loading_stiffness = in_series(a.loading_stiffness, b.loading_stiffness),
-            .restitution = std::ranges::min(a.restitution, b.restitution, {}, &Restitution::value)};
+            .restitution = Restitution::mix(a.restitution, b.restitution)};
   }
 
  private:
