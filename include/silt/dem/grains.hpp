@@ -49,6 +49,13 @@ struct Grain {
   std::uint32_t material = 0;      ///< place in dem::Materials
 };
 
+/// Volume of a sphere [m³]; in 2D, area of a disc [m²].
+template <int Dim>
+double volume_of(double radius) {
+  return Dim == 2 ? std::numbers::pi * radius * radius
+                  : std::numbers::pi * radius * radius * radius * 4 / 3;
+}
+
 /// Adds a grain at rest at x [m]; returns its place. Throws if radius or density is not positive.
 template <class P>
   requires HasFields<P, mass_t, inertia_t, radius_t, material_t>
@@ -58,8 +65,7 @@ Index add_grain(P& grains, const typename P::Vec& x, const Grain& grain) {
   require_positive("Grain: density", grain.density);
   const bool disc = P::dimension == 2 && grain.shape == Shape::natural;
   const double r = grain.radius;
-  const double volume = disc ? std::numbers::pi * r * r : std::numbers::pi * r * r * r * 4 / 3;
-  const double m = grain.density * volume;
+  const double m = grain.density * (disc ? volume_of<2>(r) : volume_of<3>(r));
   // In the precision of the grains, so that one too small or too large for it is named.
   require_positive("Grain: mass", double(Real(m)));
   require_positive("Grain: inertia", double(Real(disc ? m * r * r / 2 : m * r * r * 2 / 5)));

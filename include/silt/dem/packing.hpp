@@ -14,19 +14,11 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <numbers>
 #include <optional>
 #include <string>
 #include <vector>
 
 namespace silt::dem {
-
-/// Volume of a grain in 3D [m³], its area in 2D [m²].
-template <int Dim>
-double volume_of(double radius) {
-  return Dim == 2 ? std::numbers::pi * radius * radius
-                  : std::numbers::pi * radius * radius * radius * 4 / 3;
-}
 
 /// One free place after another for grains of a region.
 template <class Region, int Dim, class Real>
