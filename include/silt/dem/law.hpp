@@ -102,15 +102,9 @@ class Law {
   template <class C, class M>
   ElasticParts elastic_parts(const C& contact, const M& memory) const {
     if constexpr (remembers<C>) {
-      return {.normal = energy_of(normal, contact, memory.normal),
-              .tangential = energy_of(tangential, contact, memory.tangential),
-              .rolling = energy_of(rolling, contact, memory.rolling),
-              .adhesion = energy_of(adhesion, contact, memory.adhesion)};
+      return energies_of_parts(contact, memory);
     } else {
-      return {.normal = energy_of(normal, contact, memory),
-              .tangential = energy_of(tangential, contact, memory),
-              .rolling = energy_of(rolling, contact, memory),
-              .adhesion = energy_of(adhesion, contact, memory)};
+      return energies_of_parts(contact, Memory<C::dimension, typename C::Real>{});
     }
   }
   template <class C, class M>
@@ -170,6 +164,14 @@ class Law {
       answer.rolling_friction = r.friction;
     }
     return answer;
+  }
+
+  template <class C, class M>
+  ElasticParts energies_of_parts(const C& contact, const M& memory) const {
+    return {.normal = energy_of(normal, contact, memory.normal),
+            .tangential = energy_of(tangential, contact, memory.tangential),
+            .rolling = energy_of(rolling, contact, memory.rolling),
+            .adhesion = energy_of(adhesion, contact, memory.adhesion)};
   }
 
   template <class Part, class C, class M>
