@@ -9,11 +9,10 @@
 
 #include <silt/core/error.hpp>
 #include <silt/core/ghosts.hpp>
-#include <silt/core/lane.hpp>
-#include <silt/core/parallel.hpp>
 #include <silt/core/transfer.hpp>
 #include <silt/core/travel.hpp>
 #include <silt/core/types.hpp>
+#include <silt/search/last_positions.hpp>
 #include <silt/search/neighbour_rows.hpp>
 #include <silt/search/skin.hpp>
 #include <silt/search/uniform_grid.hpp>
@@ -21,13 +20,9 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
-#include <bit>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <optional>
-#include <span>
-#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -73,7 +68,7 @@ class NeighbourList {
     if (fits(particles)) {
       // While much of the skin is left nobody need be asked.
       if (now_.moved + 2 * now_.pace < list_.skin / 2) return;
-      if (farthest_move(particles) <= list_.skin / 2) return;
+      if (positions_.farthest_from(list_.reference, particles) <= list_.skin / 2) return;
       outgrow();
       list_.built = false;
     }
@@ -87,23 +82,23 @@ class NeighbourList {
     require_positive("NeighbourList: radius", double(radius()));
     ++now_.updates;
     const bool fitting = fits(particles);
-    const auto before = set_aside_positions();
-    if (knows(particles)) take_owned(particles, before);
+    if (const auto farthest = positions_.take_owned(particles)) {
+      now_.pace = *farthest;
+      now_.moved += now_.pace;
+      now_.travelled += double(now_.pace);
+    }
     // The sum of the farthest moves is never less than the farthest of the sums, and nearly free.
-    if (fitting && now_.moved > list_.skin / 2) now_.moved = farthest_move(particles);
+    if (fitting && now_.moved > list_.skin / 2) {
+      now_.moved = positions_.farthest_from(list_.reference, particles);
+    }
     if (fitting && now_.moved <= list_.skin / 2) {
       particles.refresh_ghosts(position);
-      const auto x = particles.with_ghosts(position);
-      std::copy(x.begin() + std::ptrdiff_t(particles.size()), x.end(),
-                positions_.begin() + std::ptrdiff_t(particles.size()));
+      positions_.take_ghosts(particles);
     } else {
       if (fitting) outgrow();
       build(particles);
-      const auto x = particles.with_ghosts(position);
-      positions_.assign(x.begin(), x.end());
+      positions_.take_all(particles);
     }
-    now_.revision = particles.revision();
-    now_.total = particles.total();
     for (const Pairs pairs : {Pairs::twice, Pairs::once}) build_rows(pairs);
   }
 
@@ -168,12 +163,12 @@ class NeighbourList {
   /// The list before the first rebuild of a step is kept, so that undoing the step brings it back.
   void save() noexcept {
     saved_ = now_;
-    keeps_last_ = keeps_positions_ = false;
+    positions_.save();
+    keeps_last_ = false;
   }
   void restore() noexcept {
     now_ = saved_;
-    if (keeps_positions_) positions_.swap(last_positions_);
-    keeps_positions_ = false;
+    positions_.restore();
     if (!keeps_last_) return;
     std::swap(list_, last_);
     // Ghosts went with the old list; without them it fits the particles again.
@@ -188,7 +183,8 @@ class NeighbourList {
     std::vector<Vec> reference, last;
     if (!Archive::reads && fits(particles)) {
       reference = list_.reference;
-      last.assign(positions_.begin(), positions_.begin() + std::ptrdiff_t(particles.size()));
+      const auto known = positions_.first(particles.size());
+      last.assign(known.begin(), known.end());
     }
     archive("reference", reference);
     archive("last", last);
@@ -215,7 +211,6 @@ class NeighbourList {
   Real skin() const noexcept { return list_.skin; }
 
  private:
-  using Bits = std::conditional_t<sizeof(Real) == 4, std::uint32_t, std::uint64_t>;
   // What a rebuild replaces.
   struct List {
     bool built = false;
@@ -235,8 +230,6 @@ class NeighbourList {
     Real pace = 0;      // of the farthest since the update before
     Index updates = 0;  // of the list as it is
     double travelled = 0;  // the sum of paces [m]
-    std::uint64_t revision = 0;  // of the particles at the last update
-    Index total = 0;             // of them then
   };
 
   const NeighbourRows& rows(Pairs pairs) const { return list_.rows[static_cast<Index>(pairs)]; }
@@ -256,67 +249,9 @@ class NeighbourList {
   // Whether these are the particles of the list, in their places.
   template <class P>
   bool fits(const P& particles) const {
-    return list_.built && knows(particles) && particles.revision() == list_.revision &&
+    return list_.built && positions_.are_of(particles) && particles.revision() == list_.revision &&
            particles.size() == list_.reference.size();
   }
-  // Whether the positions of the last update are theirs, place by place.
-  template <class P>
-  bool knows(const P& particles) const {
-    return particles.revision() == now_.revision && particles.total() == now_.total;
-  }
-
-  // How far the farthest has moved from where the list was built.
-  template <class P>
-  Real farthest_move(const P& particles) {
-    const auto* const x = lanes_of(particles[position].data());
-    const auto* const reference = lanes_of(list_.reference.data());
-    return farthest(particles.size(), [=](Index i) { return (x[i] - reference[i]).squaredNorm(); });
-  }
-
-  // The positions of the last update; new ones do not write over them while a step may be undone.
-  std::span<const Vec> set_aside_positions() {
-    if (keeps_positions_) return positions_;
-    positions_.swap(last_positions_);
-    positions_.resize(last_positions_.size());
-    keeps_positions_ = true;
-    return last_positions_;
-  }
-
-  // Takes the positions of the owned particles, and notes how far they moved.
-  template <class P>
-  void take_owned(const P& particles, std::span<const Vec> before) {
-    const auto* const x = lanes_of(particles[position].data());
-    const auto* const last = lanes_of(before.data());
-    auto* const taken = lanes_of(positions_.data());
-    now_.pace = farthest(particles.size(), [=](Index i) {
-      const auto moved = (x[i] - last[i]).squaredNorm();
-      taken[i] = x[i];
-      return moved;
-    });
-    now_.moved += now_.pace;
-    now_.travelled += double(now_.pace);
-  }
-
-  // √ of the largest of squared(i); infinity if one is no number, and the rebuild names it.
-  template <class Squared>
-  Real farthest(Index n, Squared&& squared) {
-    // Of numbers that are not negative the larger has the larger bits, and what is no number has
-    // the largest: unlike the larger of two Reals, that is found for many at once.
-    constexpr Bits without_sign = ~Bits(0) / 2;
-    farthest_.resize(chunk_count(n));
-    for_each_chunk(n, [&](Chunk chunk) {
-      Bits most = 0;
-      SILT_EACH_LANE_ALONE
-      for (Index i = chunk.first; i < chunk.last; ++i) {
-        most = std::max(most, std::bit_cast<Bits>(Real(squared(i))) & without_sign);
-      }
-      farthest_[chunk.number] = most;
-    });
-    if (farthest_.empty()) return 0;
-    const auto most = std::bit_cast<Real>(*std::max_element(farthest_.begin(), farthest_.end()));
-    return most >= 0 ? std::sqrt(most) : std::numeric_limits<Real>::infinity();
-  }
-
   template <class P>
   void build(P& particles) {
     // One without a skin is rebuilt at every move, so that there is nothing to bring back.
@@ -346,17 +281,15 @@ class NeighbourList {
     at_positions(particles, reference, [&] { list_.grid.update(particles); });
     list_.reference = reference;
     list_.has_ghosts = particles.total() > particles.size();
-    list_.revision = now_.revision = particles.revision();
+    list_.revision = particles.revision();
     list_.built = true;
-    now_.total = particles.total();
     for (const Pairs pairs : {Pairs::twice, Pairs::once}) {
       const auto kind = static_cast<Index>(pairs);
       if (list_.has_rows[kind]) list_.grid.build_rows(list_.rows[kind], pairs);
     }
     at_positions(particles, last, [&] {
       particles.refresh_ghosts(position);
-      const auto x = particles.with_ghosts(position);
-      positions_.assign(x.begin(), x.end());
+      positions_.take_all(particles);
     });
   }
 
@@ -381,10 +314,7 @@ class NeighbourList {
   bool keeps_last_ = false;
   mutable std::array<bool, 2> asked_{};  // for rows of each kind
   std::uint64_t rebuilds_ = 0;
-  std::vector<Vec> positions_;  // with ghosts, at the last update
-  std::vector<Vec> last_positions_;  // at the last update before the step
-  bool keeps_positions_ = true;
-  std::vector<Bits> farthest_;  // squared, by chunk
+  LastPositions<Dim, Real> positions_;  // at the last update
 };
 
 }  // namespace silt
