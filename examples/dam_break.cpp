@@ -61,7 +61,7 @@ void describe(CLI::App& app, Options& o) {
       "(1996), since the paper does not say", positive())->delimiter(',')->expected(2);
   add("--depth", o.depth, "of the tank in 3D [m]", positive());
   support::describe_flow(app, o, "P2 of the paper: on the right wall, 0.02 m above the floor",
-                         "front.csv, pressure.csv, summary.json and frames.pvd");
+                         "front.csv, pressure.csv, energy.csv, summary.json and frames.pvd");
 }
 
 template <int Dim>
@@ -117,12 +117,13 @@ void collapse(const Options& o) {
                  SemiImplicit<>{}};
   FrontGauge front(o);
   support::PressureGauges<Dim> gauges(o);
+  support::EnergyFile energy(o);
   support::SolverIterations iterations;
   Stopwatch wall;
   {
     const auto span = wall.start();
-    dam.run({.until = o.until, .output_every = o.output_every}, front, gauges, iterations,
-            VtkSeries{o.out + "/frames"}, Progress{});
+    dam.run({.until = o.until, .output_every = o.output_every}, front, gauges, energy,
+            iterations, VtkSeries{o.out + "/frames"}, Progress{});
   }
 
   auto summary = support::summary_of(dam, particles, iterations, wall.seconds());

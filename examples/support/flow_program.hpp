@@ -172,6 +172,34 @@ class PressureGauges {
   std::vector<double> row_;
 };
 
+/// Observer that writes where the energy is, and went, to energy.csv, at every step.
+class EnergyFile {
+ public:
+  explicit EnergyFile(const FlowOptions& o)
+      : file_(o.out + "/energy.csv",
+              {"t", "kinetic", "potential", "total", "by_viscosity", "by_force", "by_collision",
+               "by_pressure", "by_shifting", "by_stepping", "outside"}) {}
+
+  template <class Sim>
+  void operator()(const Sim& simulation) {
+    if (simulation.steps() > 0) return;
+    write(simulation.time(), simulation.interaction().energy_of(simulation.particles()));
+  }
+  template <class Sim, class Run>
+  void after_step(const Sim& simulation, const Run&) {
+    write(simulation.time(), simulation.interaction().energy());
+  }
+
+ private:
+  void write(double time, const silt::mps::FlowEnergy& energy) {
+    file_.row({time, energy.kinetic, energy.potential, energy.total(), energy.by_viscosity,
+               energy.by_force, energy.by_collision, energy.by_pressure, energy.by_shifting,
+               energy.by_stepping, energy.outside});
+  }
+
+  silt::CsvFile file_;
+};
+
 /// Observer that counts what the pressure solver did.
 class SolverIterations {
  public:

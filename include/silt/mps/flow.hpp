@@ -8,12 +8,14 @@
 #include <silt/core/parallel.hpp>
 #include <silt/core/types.hpp>
 #include <silt/mps/cases.hpp>
+#include <silt/mps/flow_energy.hpp>
 #include <silt/mps/flow_seconds.hpp>
 #include <silt/mps/flow_settings.hpp>
 #include <silt/mps/fluid.hpp>
 #include <silt/mps/neighbourhood.hpp>
 #include <silt/mps/operators.hpp>
 #include <silt/mps/pressure.hpp>
+#include <silt/mps/time_step.hpp>
 #include <silt/mps/walls.hpp>
 
 #include <algorithm>
@@ -45,11 +47,20 @@ class BasicFlow {
     laplacian_ = LaplacianStencil(
         {.spacing = settings_.spacing, .radius = settings_.laplacian_radius});
     gravity_ = settings_.gravity.template cast<Real>();
+    energy_ = EnergyAccount<Dim, Real>(
+        {.mass = settings_.density * std::pow(settings_.spacing, Dim), .gravity = gravity_});
   }
 
   const Settings& settings() const noexcept { return settings_; }
   /// Iterations and residual of the last pressure solve.
   const SolveReport& last_solve() const noexcept { return report_; }
+  /// Of the fluid after the last step, and where it went since the first.
+  const FlowEnergy& energy() const noexcept { return energy_.energy(); }
+  /// Of the fluid now, before a first step.
+  template <FluidParticles P>
+  FlowEnergy energy_of(const P& particles) const {
+    return energy_.of(particles);
+  }
   /// The stencil of density, gradient and divergence.
   const auto& stencil() const noexcept { return stencil_; }
   /// Where the time went so far.
@@ -62,18 +73,14 @@ class BasicFlow {
     return std::max(stencil_.re, laplacian_.re);
   }
 
-  /// Courant limit of the fastest particle, of the speed scale and of a fall from rest, and the
-  /// viscous limit [s].
+  /// What the next time step must not exceed [s].
+  template <FluidParticles P>
+  TimeStepLimits time_step_limits(const P& particles) const {
+    return time_step_.limits(particles, settings_, {.viscous = viscous(), .time = time_});
+  }
   template <FluidParticles P>
   double time_step(const P& particles) const {
-    const double way = settings_.courant * settings_.spacing;
-    const double speed = std::max(fastest(particles), settings_.speed_scale);
-    double dt = settings_.largest_time_step;
-    if (speed > 0) dt = std::min(dt, way / speed);
-    const double pull = settings_.gravity.norm();
-    if (pull > 0) dt = std::min(dt, std::sqrt(way / pull));
-    if (settings_.viscosity > 0) dt = std::min(dt, viscous_limit());
-    return dt;
+    return time_step_limits(particles).smallest();
   }
 
   /// The time of the positions [s], which FlowSettings::body_force is asked for.
@@ -83,7 +90,9 @@ class BasicFlow {
   /// Throws if Δt is beyond stability: a particle passing a spacing, or the viscous limit.
   template <FluidParticles P, class S>
   void predict(P& particles, const S& search, double time_step) {
-    check_stability(particles, time_step);
+    time_step_.begin(particles, settings_, {.viscous = viscous(), .time = time_}, time_step);
+    energy_.begin(particles);
+    by_.clear();
     find_neighbours(particles, search);
     const Real dt = Real(time_step);
     const Real nu = Real(settings_.viscosity);
@@ -97,7 +106,7 @@ class BasicFlow {
       if (nu > 0) change += (dt * nu) * laplacian(around_laplacian(), laplacian_, i, u);
       change_[i] = change;
     });
-    apply_change(particles);
+    apply_change(particles, by_.predictor);
     moved_with_.clear();
   }
 
@@ -140,7 +149,7 @@ class BasicFlow {
       });
       change_[i] = change;
     });
-    apply_change(particles);
+    apply_change(particles, by_.collision);
   }
 
   /// Number density, free surface, source, ∇²P = source, and u' = −(Δt/ρ) ∇P      (9), (16), (11)
@@ -165,16 +174,33 @@ class BasicFlow {
   template <FluidParticles P>
   void correct(P& particles, double time_step) {
     const Real dt = Real(time_step);
-    apply_change(particles);
+    apply_change(particles, by_.pressure);
     const auto u = particles[velocity];
     const auto x = particles[position];
     if constexpr (Scheme::Shifting::shifts) {
       find_shifts(particles, dt);
       for_each_of_fluid(particles, [&](Index i) { x[i] += change_[i]; });
+      by_.shift.swap(change_);
     }
     for_each_of_fluid(particles, [&](Index i) {
       x[i] += dt * (moved_with_.empty() ? u[i] : Vec(u[i] - moved_with_[i]));
     });
+    energy_.end(particles, by_, forces_, time_step);
+  }
+
+  void save() noexcept {
+    time_step_.save();
+    energy_.save();
+  }
+  void restore() noexcept {
+    time_step_.restore();
+    energy_.restore();
+  }
+  /// For a checkpoint, see core/transfer.hpp.
+  template <class Archive>
+  void transfer(Archive& archive) {
+    archive.within("time_step", [&] { time_step_.transfer(archive); });
+    archive.within("energy", [&] { energy_.transfer(archive); });
   }
 
  private:
@@ -189,36 +215,7 @@ class BasicFlow {
     });
   }
 
-  template <class P>
-  static double fastest(const P& particles) {
-    const auto u = particles[velocity];
-    return std::sqrt(largest(u.size(), 0.0, [&](Index i) { return double(u[i].squaredNorm()); }));
-  }
-
-  // The explicit viscous term is stable while Δt ν times its largest eigenvalue, twice the row's
-  // sum 2d/λ, stays below 2; half of that is taken.
-  double viscous_limit() const {
-    return double(laplacian_.lambda) / (4 * Dim * settings_.viscosity);
-  }
-
-  template <class P>
-  void check_stability(const P& particles, double dt) const {
-    if (settings_.viscosity > 0 && dt > 2 * viscous_limit()) {
-      fail("mps::Flow: time_step = " + to_text(dt) + " s exceeds the viscous limit " +
-           to_text(2 * viscous_limit()) + " s; lower it");
-    }
-    const auto u = particles[velocity];
-    const Index broken = first_where(u.size(), [&](Index i) {
-      return double(u[i].norm()) * dt > settings_.spacing;
-    });
-    if (broken != nowhere) {
-      const double speed = double(u[broken].norm());
-      fail("mps::Flow: time_step = " + to_text(dt) + " s moves a particle of " + to_text(speed) +
-               " m/s by more than the spacing; take at most " +
-               to_text(settings_.courant * settings_.spacing / speed) + " s",
-           {.particle = broken, .id = particles.id(broken)});
-    }
-  }
+  double viscous() const { return viscous_limit(laplacian_, settings_.viscosity); }
 
   template <class P, class S>
   void find_neighbours(const P& particles, const S& search) {
@@ -265,10 +262,12 @@ class BasicFlow {
     return true;
   }
 
+  // Adds the change that a part of the step made to the velocities, and keeps it for the energies.
   template <class P>
-  void apply_change(P& particles) {
+  void apply_change(P& particles, std::vector<Vec>& part) {
     const auto u = particles[velocity];
     for_each_of_fluid(particles, [&](Index i) { u[i] += change_[i]; });
+    part.swap(change_);
   }
 
   // n_i (5), the free surface (13), (17), and who carries pressure.
@@ -437,6 +436,8 @@ class BasicFlow {
   PressureEquation equation_;
   SolveReport report_;
   FlowSeconds seconds_;
+  TimeStep time_step_;
+  EnergyAccount<Dim, Real> energy_;
   WallNormals<Dim, Real> normals_;
   std::vector<std::uint8_t> carries_pressure_;  // an unknown, or P = 0 on the surface
   std::vector<Vec> forces_;    // F at each particle, where it is not gravity alone
@@ -445,6 +446,7 @@ class BasicFlow {
   std::vector<Vec> crowding_;  // to where each fluid particle's neighbours crowd
   double time_ = 0;
   std::vector<Vec> change_;      // of the fluid's velocity, by the part of the step under way
+  StepChanges<Vec> by_;          // by its parts so far
   std::vector<Vec> moved_with_;  // velocity the predictor moved each particle with, if it did
 };
 
