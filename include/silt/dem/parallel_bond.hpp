@@ -7,6 +7,8 @@
 #include <silt/core/types.hpp>
 #include <silt/dem/contact.hpp>
 
+#include <Eigen/Geometry>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -134,17 +136,13 @@ struct SmallestTurn {
 /// A vector turned by an angle, about its axis in 3D.
 template <class Real>
 Vec<2, Real> turned_by(Real angle, const Vec<2, Real>& v) {
-  const Real c = std::cos(angle);
-  const Real s = std::sin(angle);
-  return {c * v[0] - s * v[1], s * v[0] + c * v[1]};
+  return Eigen::Rotation2D<Real>(angle) * v;
 }
 template <class Real>
 Vec<3, Real> turned_by(const Vec<3, Real>& angle, const Vec<3, Real>& v) {
   const Real size = angle.norm();
   if (!(size > 0)) return v;
-  const Vec<3, Real> axis = angle / size;
-  return v * std::cos(size) + moment(axis, v) * std::sin(size) +
-         axis * (axis.dot(v) * (1 - std::cos(size)));
+  return Eigen::AngleAxis<Real>(size, angle / size) * v;
 }
 /// In the plane, a turn stays what it is.
 template <class Real>
