@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
 // Water stands in a tank, whose pressure everybody knows: the study of Figs 4 to 9 in S.C. Hwang,
 // B.H. Lee, J.C. Park, "Improvement of MPS method in simulating violent free-surface motion and
-// predicting impact-loads". Each choice of the paper's scheme is an option of its own.
+// predicting impact-loads". Each choice of the paper's scheme is an option of its own; with none of
+// them, the scheme is Silt's recommended one.
 //
 //   hydrostatic --out out/hydrostatic
+//   hydrostatic --scheme paper --out out/hydrostatic_case_10
 //   hydrostatic --kernel 3a --collision 0.5,0.2 --out out/hydrostatic_3a
 //   hydrostatic --dimension 3 --spacing 0.02 --thickness 0.2 --out out/hydrostatic_3d
 //   examples/plot_hydrostatic.py out/hydrostatic
@@ -37,6 +39,7 @@ namespace {
 using namespace silt;
 
 struct Options : support::FlowOptions {
+  std::string scheme;  // empty: by the others
   int source = 16;
   std::vector<double> collision = {1.0, 0.2};  // a [spacings], b
   std::string kernel = "3c";
@@ -54,6 +57,9 @@ void describe(CLI::App& app, Options& o) {
     return support::add_option(app, name, value, text, check);
   };
   using support::positive, support::not_negative;
+  app.add_option("--scheme", o.scheme, "recommended, or paper: made of the five choices below, by "
+                 "default those of case 10; without it paper if one of them is given")
+      ->check(CLI::IsMember({"recommended", "paper"}));
   add("--source", o.source, "of the pressure equation: (9) the original, or (16)",
       CLI::IsMember({9, 16}));
   add("--collision", o.collision, "A,B: the distance over the spacing and the restitution",
@@ -74,6 +80,18 @@ void describe(CLI::App& app, Options& o) {
 
 // The depth of the water in whole spacings, as the tank is made [m].
 double still_depth(const Options& o) { return std::round(o.depth / o.spacing) * o.spacing; }
+
+// The scheme that the options ask for, where they do not name it.
+void choose_scheme(const CLI::App& app, Options& o) {
+  for (const char* choice : {"--source", "--collision", "--kernel", "--surface", "--gradient"}) {
+    if (app.count(choice) == 0) continue;
+    if (o.scheme == "recommended") {
+      throw support::Refusal(std::string(choice) + " is a choice of --scheme paper, not recommended");
+    }
+    o.scheme = "paper";
+  }
+  if (o.scheme.empty()) o.scheme = "recommended";
+}
 
 // Walls go on above the water, which would leave the tank where a scheme boils.
 double wall_height(const Options& o) { return 1.5 * o.depth; }
@@ -241,10 +259,18 @@ void stand(const Options& o, const mps::FlowSettings<Dim, Scheme>& settings) {
   summary["level"] = level(tank.particles());
   summary.update(support::summary_of(tank, particles, iterations, wall.seconds()));
   auto& options = summary["options"];
-  options = {{"source", o.source},   {"collision", o.collision}, {"kernel", o.kernel},
-             {"surface", o.surface}, {"gradient", o.gradient},   {"width", o.width},
-             {"depth", o.depth},     {"thickness", o.thickness},
-             {"statistics_from", o.statistics_from}};
+  options["scheme"] = o.scheme;
+  if (o.scheme == "paper") {
+    options.update({{"source", o.source},
+                    {"collision", o.collision},
+                    {"kernel", o.kernel},
+                    {"surface", o.surface},
+                    {"gradient", o.gradient}});
+  }
+  options["width"] = o.width;
+  options["depth"] = o.depth;
+  options["thickness"] = o.thickness;
+  options["statistics_from"] = o.statistics_from;
   support::add_flow_options(options, o);
   support::write_summary(o.out, summary);
 
@@ -259,6 +285,11 @@ void stand(const Options& o, const mps::FlowSettings<Dim, Scheme>& settings) {
                 100 * (gauge.mean() / analytic - 1), 100 * gauge.deviation() / gauge.mean(),
                 o.out.c_str());
   }
+}
+
+template <int Dim>
+void stand_as_recommended(const Options& o) {
+  stand<mps::Recommended, Dim>(o, support::flow_settings<mps::Recommended, Dim>(o, o.depth));
 }
 
 // The paper's choices that are types are compiled, the others are numbers.
@@ -279,14 +310,21 @@ void stand(const Options& o) {
 }
 
 template <class Source>
-void stand_in_2d(const Options& o) {
+void stand_with_kernel(const Options& o) {
   if (o.kernel == "3a") return stand<2, Source, mps::InverseKernel>(o);
   if (o.kernel == "3b") return stand<2, Source, mps::GaussianKernel>(o);
   stand<2, Source, mps::CubicKernel>(o);
 }
 
+void stand_in_2d(const Options& o) {
+  if (o.scheme == "recommended") return stand_as_recommended<2>(o);
+  o.source == 9 ? stand_with_kernel<mps::DensitySource>(o)
+                : stand_with_kernel<mps::DivergenceSource>(o);
+}
+
 // Every scheme is compiled, so 3D, which the paper does not have, gets what the paper adopts.
 void stand_in_3d(const Options& o) {
+  if (o.scheme == "recommended") return stand_as_recommended<3>(o);
   if (o.source != 16 || o.kernel != "3c") {
     throw support::Refusal("--dimension 3 is there for --source 16 and --kernel 3c only; for others "
                            "change stand_in_3d() in hydrostatic.cpp");
@@ -312,12 +350,12 @@ int main(int argc, char** argv) {
   CLI::App app("Water at rest in a tank", "hydrostatic");
   describe(app, options);
   return support::run(app, argc, argv, [&] {
+    choose_scheme(app, options);
     const double middle = options.width / 2;
     if (options.dimension == 2) {
       support::read_probes(options, {options.width, wall_height(options)}, {middle, 0});
       check_probes(options);
-      options.source == 9 ? stand_in_2d<mps::DensitySource>(options)
-                          : stand_in_2d<mps::DivergenceSource>(options);
+      stand_in_2d(options);
     } else {
       support::read_probes(options, {options.width, options.thickness, wall_height(options)},
                            {middle, options.thickness / 2, 0});

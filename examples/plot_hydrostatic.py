@@ -23,6 +23,8 @@ from support.water import BLUE, DARK, DENSITY, G, ORANGE, Tank, tidy
 def scheme(run):
     """The choices of scheme in words."""
     o = run.options
+    if o["scheme"] == "recommended":
+        return "recommended scheme"
     a, b = o["collision"]
     surface = {"both": "(13) and (17)"}.get(o["surface"], f"({o['surface']})")
     return (f"source ({o['source']}), kernel ({o['kernel']}), a = {a:g}, b = {b:g}, surface "
@@ -93,8 +95,8 @@ def draw_profile(run, path):
 
 def compare(run, path):
     s = run.summary
-    rows = [("relative error of the mean at the first gauge, RER (14)", f"{100 * s['rer']:+.2f} %"),
-            ("its standard deviation over its mean", f"{100 * s['std_over_mean']:.2f} %"),
+    rows = [("relative error of the mean at the first gauge, RER (14)", f"{100 * s['rer']:+.3g} %"),
+            ("its standard deviation over its mean", f"{100 * s['std_over_mean']:.3g} %"),
             ("level at the end over that at the beginning",
              f"{100 * (s['level'] / s['still_depth'] - 1):+.2f} %"),
             ("particles lost", s["particles_lost"])]
