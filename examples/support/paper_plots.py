@@ -118,8 +118,6 @@ def draw_pressure(axes, case, colour, label, linewidth=0.5):
     if not case.runs:
         return
     run = case.runs[0]
-    if run.failed:
-        label += f", failed at {run.end():.2f} s"
     axes.plot(run.pressure["t"], run.pressure["p_1"] / 1e3, color=colour, linewidth=linewidth,
               label=label)
 

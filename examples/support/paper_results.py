@@ -20,8 +20,6 @@ from support.water import DamBreak, Tank
 
 # The wave that came back from the right wall falls on P2 about now; the first impact is over.
 LATER_PEAKS = 1.1  # [s]
-# Less of the record behind the impact tells nothing.
-SHORTEST = 0.6  # [s]
 
 
 class Case:
@@ -29,10 +27,12 @@ class Case:
 
     def __init__(self, number, runs):
         self.number = number
-        self.failures = [run.failure() for run in runs if run.failure() is not None]
-        self.runs = [DamBreak(run.folder) for run in runs
-                     if run.is_done() or run.failure() is not None]
-        self.done = [run for run in self.runs if not run.failed]
+        done = [DamBreak(run.folder) for run in runs if run.is_done()]
+        self.lost = max((run.summary["particles_lost"] for run in done), default=0)
+        self.runs = [run for run in done if not run.has_boiled()]
+        self.failures = ([run.failure() for run in runs if run.failure() is not None] +
+                         [f"lost {run.summary['particles_lost']} of its particles" for run in done
+                          if run.has_boiled()])
 
     def end(self):
         """Until when all repetitions go [s]."""
@@ -54,10 +54,10 @@ class Case:
         return Estimate([run.front_error() for run in self.runs])
 
     def behind(self, other):
-        return Estimate([run.behind(fast) for run, fast in zip(self.runs, other.runs)])
-
-    def lost(self):
-        return max((run.summary["particles_lost"] for run in self.done), default=0)
+        """By how much in T it is slower, from the repetitions of the same Courant number."""
+        others = {run.options["courant"]: run for run in other.runs}
+        return Estimate([run.behind(others[run.options["courant"]]) for run in self.runs
+                         if run.options["courant"] in others])
 
 
 class Results:
@@ -70,7 +70,8 @@ class Results:
 
     def common_end(self, numbers=CASES):
         """Until when all of these cases go [s]."""
-        return min(self.case(number).end() for number in numbers)
+        return min((self.case(number).end() for number in numbers if self.case(number).runs),
+                   default=0.0)
 
     def tank(self, run):
         """Its output, if it came to its end."""
@@ -125,9 +126,10 @@ def of_pressure(results):
     def rougher(what, calm, rough, begin=0.4, factor=1.0):
         cases = [results.case(number) for number in (calm, rough)]
         end = min(case.end() for case in cases)
-        if end < max(SHORTEST, begin + 0.2):
-            ends = "; ".join(case.failures[0] for case in cases if case.failures)
-            return Finding(what, f"ended at {end:.2f} s: {ends or 'not run'}", None)
+        if end < begin:
+            failures = [f"case {case.number:02d}: {case.failures[0]}" for case in cases
+                        if case.failures]
+            return Finding(what, "; ".join(failures) or "not run", None)
         return is_below(f"{what}: case {calm:02d} against case {rough:02d}",
                         *(case.roughness(end, begin) for case in cases), 1e-3, "kPa",
                         factor=factor)

@@ -39,13 +39,11 @@ def moving_average(t, p, window=0.02):
 
 
 class Output:
-    """What every program writes into its folder; of a run that failed, what it got to."""
+    """What every program writes into its folder."""
 
     def __init__(self, folder):
         self.folder = pathlib.Path(folder)
-        done = self.folder / "summary.json"
-        self.failed = not done.exists()
-        self.summary = json.loads((self.folder / "failed.json" if self.failed else done).read_text())
+        self.summary = json.loads((self.folder / "summary.json").read_text())
         self.options = self.summary["options"]
         self.pressure = np.atleast_1d(table(self.folder / "pressure.csv"))
 
@@ -61,6 +59,10 @@ class Output:
     def end(self):
         """Of the pressure's record [s]."""
         return float(self.pressure["t"][-1])
+
+    def has_boiled(self):
+        """Whether so much of the water left that what is left tells nothing."""
+        return self.summary["particles_lost"] > 0.01 * self.summary["fluid_particles"]
 
     def roughness(self, begin=0.4, end=np.inf):
         """Rms [Pa] of the first gauge minus its moving average over 0.02 s, over its samples from
@@ -135,12 +137,7 @@ class DamBreak(Output):
 class Tank(Output):
     def __init__(self, folder):
         super().__init__(folder)
-        if not self.failed:
-            self.profile = np.atleast_1d(table(self.folder / "profile.csv"))
-
-    def has_boiled(self):
-        """Whether so much of the water left that what is measured is none of a tank at rest."""
-        return self.summary["particles_lost"] > 0.01 * self.summary["fluid_particles"]
+        self.profile = np.atleast_1d(table(self.folder / "profile.csv"))
 
     def line(self):
         """The straight line through the profile: its slope over ρ g, the depth of its zero [m], and
