@@ -3,6 +3,7 @@
 // fails takes a look back.
 #pragma once
 
+#include <silt/core/fields.hpp>
 #include <silt/core/lane.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/types.hpp>
