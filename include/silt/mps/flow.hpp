@@ -9,6 +9,7 @@
 #include <silt/core/types.hpp>
 #include <silt/mps/cases.hpp>
 #include <silt/mps/flow_energy.hpp>
+#include <silt/mps/corrected_gradient.hpp>
 #include <silt/mps/flow_seconds.hpp>
 #include <silt/mps/flow_settings.hpp>
 #include <silt/mps/fluid.hpp>
@@ -299,6 +300,16 @@ class BasicFlow {
       on_surface[i] |= !is_wet;
       carries_pressure_[i] = !on_surface[i];
     });
+    if constexpr (balances_forces<typename Scheme::Source>() || Scheme::Shifting::shifts) {
+      at_edge_.resize(particles.size());
+      for_each(particles.size(), [&](Index i) {
+        if (kinds[i] == Kind::dummy) return;
+        at_edge_[i] = on_surface[i] || any_weighted(around_, i, stencil_, [&](Index j, Real) {
+          const Index owner = particles.owner(j);
+          return on_surface[owner] || !carries_pressure_[owner];
+        });
+      });
+    }
   }
 
   // ∇²P = source      (9), (16)
@@ -312,9 +323,12 @@ class BasicFlow {
     const auto n = particles[number_density];
     const auto on_surface = particles[surface];
     if constexpr (balances_forces<Source>()) {
-      unforced_.assign(u.begin(), u.end());
+      particles.refresh_ghosts(pressure);  // of the step before
+      with_forced_solids_.assign(u.begin(), u.end());
       for_each(u.size(), [&](Index j) {
-        if (kinds[j] == Kind::fluid) unforced_[j] -= Real(time_step) * force(particles.owner(j));
+        if (kinds[j] != Kind::fluid) {
+          with_forced_solids_[j] += Real(time_step) * force(particles.owner(j));
+        }
       });
     }
     const auto carries = [&](Index i) { return carries_pressure_[i] != 0; };
@@ -322,11 +336,9 @@ class BasicFlow {
       SourceTerms terms{.density = settings_.density, .time_step = time_step};
       terms.compression = double((n[i] - stencil_.n0) / stencil_.n0);
       if constexpr (balances_forces<Source>()) {
-        terms.divergence = double(divergence_of(particles, i, unforced_));
-        terms.force_divergence = double(force_divergence(particles, i));
-        terms.near_surface = on_surface[i] || any_weighted(around_, i, stencil_, [&](Index j, Real) {
-          return on_surface[particles.owner(j)] != 0;
-        });
+        terms.divergence = double(divergence_of(particles, i, with_forced_solids_));
+        terms.at_edge = at_edge_[i] != 0;
+        terms.one_sidedness = double(one_sidedness(particles, i));
       } else if constexpr (Source::needs_divergence) {
         terms.divergence = double(divergence_of(particles, i, u));
       }
@@ -348,16 +360,29 @@ class BasicFlow {
     }
   }
 
-  // <∇²φ>_i of a φ whose gradient is F, as the pressure equation sums it.
+  // What the Laplacian sums up of a pressure that rises linearly, by neighbours on one side only.
   template <class P>
-  Real force_divergence(const P& particles, Index i) const {
-    const Vec own = force(i);
+  Real one_sidedness(const P& particles, Index i) const {
+    const Vec rise = pressure_gradient<CorrectedGradient>(particles, i);
+    const Vec weight = Real(settings_.density) * force(i);
     Real sum = 0;
-    for_each_weighted(around_laplacian(), i, laplacian_, [&](Index j, const Vec& r_ij, Real w, Real) {
-      const Index owner = particles.owner(j);
-      if (carries_pressure_[owner]) sum += w / 2 * (own + force(owner)).dot(r_ij);
+    for_each_weighted(around_laplacian(), i, laplacian_,
+                      [&](Index j, const Vec& r_ij, Real w, Real) {
+      const bool carries = carries_pressure_[particles.owner(j)];
+      sum += w * r_ij.dot(carries ? rise : Vec(rise - weight));
     });
     return 2 * Dim / (laplacian_.lambda * laplacian_.n0) * sum;
+  }
+
+  // <∇P>_i over the neighbours with pressure.
+  template <class Gradient, class P>
+  Vec pressure_gradient(const P& particles, Index i) const {
+    const auto p = particles.with_ghosts(pressure);
+    return Gradient::at(stencil_, p[i], [&](auto&& f) {
+      for_each_weighted(around_, i, stencil_, [&](Index j, const Vec& r_ij, Real w, Real w_r2) {
+        if (carries_pressure_[particles.owner(j)]) f(p[j], r_ij, w, w_r2);
+      });
+    });
   }
 
   template <class P>
@@ -370,47 +395,26 @@ class BasicFlow {
   template <class P>
   void find_pressure_change(P& particles, Real dt) {
     particles.refresh_ghosts(pressure);
-    const auto p = particles.with_ghosts(pressure);
     const Real factor = -dt / Real(settings_.density);
     change_.resize(particles.size());
     for_each_of_fluid(particles, [&](Index i) {
-      change_[i] = factor * Scheme::Gradient::at(stencil_, p[i], [&](auto&& f) {
-        for_each_weighted(around_, i, stencil_, [&](Index j, const Vec& r_ij, Real w, Real w_r2) {
-          if (carries_pressure_[particles.owner(j)]) f(p[j], r_ij, w, w_r2);
-        });
-      });
+      change_[i] = factor * pressure_gradient<typename Scheme::Gradient>(particles, i);
     });
   }
 
-  // Where each fluid particle shifts to, beside the flow.
+  // How far each fluid particle shifts beside the flow.
   template <class P>
   void find_shifts(const P& particles, Real dt) {
-    const auto on_surface = particles[surface];
-    const auto kinds = particles[kind];
     const auto u = particles[velocity];
-    crowding_.resize(particles.size());
-    for_each_of_fluid(particles, [&](Index i) {
-      Vec sum = Vec::Zero();
-      for_each_weighted(around_, i, stencil_, [&](Index, const Vec& r_ij, Real w, Real) {
-        sum += (w / r_ij.norm()) * r_ij;
-      });
-      crowding_[i] = sum / stencil_.n0;
-    });
     change_.resize(particles.size());
     for_each_of_fluid(particles, [&](Index i) {
-      Crowding<Dim, Real> crowding{.towards = crowding_[i],
-                                   .on_surface = on_surface[i] != 0,
+      Crowding<Dim, Real> crowding{.at_edge = at_edge_[i] != 0,
                                    .speed = u[i].norm(),
                                    .spacing = Real(settings_.spacing),
                                    .time_step = dt};
-      for_each_weighted(around_, i, stencil_, [&](Index j, const Vec&, Real w, Real) {
-        const Index owner = particles.owner(j);
-        if (on_surface[owner] && kinds[owner] == Kind::fluid) {
-          crowding.inwards += w * crowding_[owner];
-        }
+      for_each_weighted(around_, i, stencil_, [&](Index, const Vec& r_ij, Real w, Real) {
+        crowding.towards += (w / r_ij.norm() / stencil_.n0) * r_ij;
       });
-      const Real size = crowding.inwards.norm();
-      if (size > 0) crowding.inwards /= size;
       change_[i] = settings_.shifting.at(crowding);
     });
   }
@@ -441,9 +445,9 @@ class BasicFlow {
   WallNormals<Dim, Real> normals_;
   std::vector<std::uint8_t> carries_pressure_;  // an unknown, or P = 0 on the surface
   std::vector<Vec> forces_;    // F at each particle, where it is not gravity alone
-  std::vector<Vec> unforced_;  // u* − Δt F, with ghosts
+  std::vector<std::uint8_t> at_edge_;           // see SourceTerms
+  std::vector<Vec> with_forced_solids_;  // u*, that of solids being Δt F, with ghosts
   std::vector<Vec> before_;    // u before the predictor, with ghosts
-  std::vector<Vec> crowding_;  // to where each fluid particle's neighbours crowd
   double time_ = 0;
   std::vector<Vec> change_;      // of the fluid's velocity, by the part of the step under way
   StepChanges<Vec> by_;          // by its parts so far

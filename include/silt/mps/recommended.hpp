@@ -7,6 +7,7 @@
 #include <silt/mps/free_surface.hpp>
 #include <silt/mps/keep_apart.hpp>
 #include <silt/mps/kernel.hpp>
+#include <silt/mps/shifting.hpp>
 #include <silt/mps/source.hpp>
 #include <silt/mps/walls.hpp>
 
@@ -14,6 +15,6 @@ namespace silt::mps {
 
 using Recommended =
     Scheme<BalancedSource, KeepApart, WendlandKernel, BothSurfaces<OutermostRow, CountSurface>,
-           CorrectedGradient, SmoothWalls>;
+           CorrectedGradient, SmoothWalls, ParticleShifting>;
 
 }  // namespace silt::mps

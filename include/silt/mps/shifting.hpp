@@ -16,12 +16,11 @@ struct Crowding {
   using Real = RealType;
   using Vec = silt::Vec<Dim, Real>;
 
-  Vec towards = Vec::Zero();  ///< Σ w r_ij/r over n0: to where they are crowded [-]
-  Vec inwards = Vec::Zero();  ///< unit normal of a free surface near by; zero without one
-  bool on_surface = false;
-  Real speed = 0;      ///< |u_i| [m/s]
-  Real spacing = 0;    ///< l0 [m]
-  Real time_step = 0;  ///< Δt [s]
+  Vec towards = Vec::Zero();  ///< Σ w r_ij/r over n0: to where its neighbours are crowded [-]
+  bool at_edge = false;       ///< next to the free surface or a wall, see SourceTerms::at_edge
+  Real speed = 0;             ///< |u_i| [m/s]
+  Real spacing = 0;           ///< l0 [m]
+  Real time_step = 0;         ///< Δt [s]
 };
 
 /// Particles go with the flow only.
@@ -36,8 +35,8 @@ struct NoShifting {
 };
 
 /// δr = −A |u| Δt Σ w r_ij/r / n0, at most a tenth of a spacing, after Lind et al. (2012): fluid at
-/// rest is left alone. Particles on a free surface stay, those near it shift along it, so that
-/// nothing is pushed out. Velocities stay as they are, and so does momentum.
+/// rest is left alone. At the edges of the fluid, where one side is empty anyway, particles stay:
+/// nothing is pushed out, and no body swells. Velocities stay as they are, and so does momentum.
 struct ParticleShifting {
   static constexpr bool shifts = true;
 
@@ -48,9 +47,8 @@ struct ParticleShifting {
   template <int Dim, class Real>
   Vec<Dim, Real> at(const Crowding<Dim, Real>& crowding) const {
     using Vec = silt::Vec<Dim, Real>;
-    if (crowding.on_surface) return Vec::Zero();
-    Vec shift = (-Real(strength) * crowding.speed * crowding.time_step) * crowding.towards;
-    shift -= crowding.inwards.dot(shift) * crowding.inwards;
+    if (crowding.at_edge) return Vec::Zero();
+    const Vec shift = (-Real(strength) * crowding.speed * crowding.time_step) * crowding.towards;
     const Real size = shift.norm();
     const Real most = crowding.spacing / 10;
     return size > most ? Vec((most / size) * shift) : shift;

@@ -12,19 +12,23 @@ namespace silt::mps {
 
 /// What a source is made from, at one particle.
 struct SourceTerms {
-  double density = 0;         ///< ρ [kg/m³]
-  double time_step = 0;       ///< Δt [s]
-  double compression = 0;     ///< (n − n0)/n0 [-]
-  double divergence = 0;      ///< ∇·u* [1/s]; without what body forces gave u*, if it balances them
-  double force_divergence = 0;   ///< ∇·F, as the Laplacian of a potential of F would be [1/s²]
+  double density = 0;      ///< ρ [kg/m³]
+  double time_step = 0;    ///< Δt [s]
+  double compression = 0;  ///< (n − n0)/n0 [-]
+  double divergence = 0;   ///< ∇·u* [1/s]
+  /// What the Laplacian sums up of a pressure without curvature where neighbours lie on one side
+  /// only [Pa/m²]; see BalancedSource.
+  double one_sidedness = 0;
   double density_rate = 0;       ///< (1/n0) Dn/Dt by u* [1/s]
-  double last_density_rate = 0;  ///< (1/n0) Dn/Dt by u of the step before [1/s]
-  bool near_surface = false;     ///< on the free surface or next to a particle that is
+  double last_density_rate = 0;  ///< (1/n0) Dn/Dt by u before the predictor [1/s]
+  /// Itself or a neighbour lies on the free surface, or a neighbour has no pressure: n is not that of
+  /// the fluid alone.
+  bool at_edge = false;
 };
 
 /// Has value(terms) [Pa/m²] and says whether its n is that of moved particles, and which of the
 /// dearer terms it needs. It may also say that
-///   balances_forces      its divergence is to be without, and force_divergence with body forces
+///   balances_forces      it uses one_sidedness; solids then have Δt F for u* in its divergence
 ///   needs_density_rate   it uses density_rate and last_density_rate
 template <class S>
 concept PressureSource = requires(const S source, SourceTerms terms) {
@@ -70,10 +74,16 @@ struct DivergenceSource {
   }
 };
 
-/// (16) in balance with body forces: (ρ/Δt) ∇·(u* − Δt F) + ρ ∇·F + γ (ρ/Δt²) (n0 − n)/n0, where
-/// ∇·F is summed as the Laplacian sums P, over the same neighbours. For fluid at rest both sides
-/// are then equal whatever the places of its particles: the hydrostatic pressure is exact. Next to
-/// a free surface, where n is low anyway, only compression counts.
+/// (16) in balance with body forces. Where neighbours are missing, the Laplacian (6) of a pressure
+/// that only rises linearly is not zero, and without a remedy fluid moves until something makes up
+/// for it. Beyond walls the pressure rises by ρ F, beyond the free surface as it did before (k):
+///
+///   (ρ/Δt) ∇·u* + 2d/(λ n0) [ Σ_all w r_ij·<∇P^k>_i − Σ_without-pressure w r_ij·ρF ]
+///     + γ (ρ/Δt²) (n0 − n)/n0
+///
+/// with solids whose u* is Δt F, as the fluid's. Fluid at rest then stays at rest, and fluid in free
+/// fall has no pressure, wherever its particles are. At edges, where n is low anyway, only
+/// compression counts.
 struct BalancedSource {
   static constexpr bool needs_moved_particles = false;
   static constexpr bool needs_divergence = true;
@@ -83,8 +93,8 @@ struct BalancedSource {
 
   void check() const { require_between("BalancedSource: gamma", gamma, {0, 1}); }
   double value(const SourceTerms& s) const {
-    const double excess = s.near_surface ? std::max(0.0, s.compression) : s.compression;
-    return s.density * (s.divergence / s.time_step + s.force_divergence) -
+    const double excess = s.at_edge ? std::max(0.0, s.compression) : s.compression;
+    return s.density / s.time_step * s.divergence + s.one_sidedness -
            gamma * s.density / (s.time_step * s.time_step) * excess;
   }
 };

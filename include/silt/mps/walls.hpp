@@ -82,8 +82,9 @@ class WallNormals {
   bool is_found_ = false;
 };
 
-/// <∇·u>_i where fluid slips along walls: what is solid has the velocity of i along the wall, and
-/// none across it. A wall particle itself has the mean velocity of the fluid around it, along it.
+/// <∇·u>_i where fluid slips along walls: a solid particle has its own velocity along its normal, and
+/// that of i along the wall. If i is of a wall itself, along it it has the mean velocity of the
+/// fluid around.
 template <class P, int Dim, class Real, class T, class U>
 Real divergence_at_smooth_walls(const P& particles, const Neighbourhood<Dim, Real>& around,
                                 const WallNormals<Dim, Real>& normals, const T& stencil, Index i,
@@ -92,23 +93,24 @@ Real divergence_at_smooth_walls(const P& particles, const Neighbourhood<Dim, Rea
   const auto kinds = particles.with_ghosts(kind);
   Vec own = u[i];
   if (kinds[i] == Kind::wall) {
-    Vec sum = Vec::Zero();
+    Vec mean = Vec::Zero();
     Real weight = 0;
     for_each_weighted(around, i, stencil, [&](Index j, const Vec&, Real w, Real) {
       if (kinds[j] != Kind::fluid) return;
-      sum += w * u[j];
+      mean += w * u[j];
       weight += w;
     });
-    if (weight > 0) sum /= weight;
-    own = sum - normals[i].dot(sum) * normals[i];
+    if (weight > 0) mean /= weight;
+    own = mean + normals[i].dot(u[i] - mean) * normals[i];
   }
   Real sum = 0;
   for_each_weighted(around, i, stencil, [&](Index j, const Vec& r_ij, Real, Real w_r2) {
+    const Vec u_ij = u[j] - own;
     if (kinds[j] == Kind::fluid) {
-      sum += w_r2 * (u[j] - own).dot(r_ij);
+      sum += w_r2 * u_ij.dot(r_ij);
     } else {
       const Vec& normal = normals[particles.owner(j)];
-      sum -= w_r2 * own.dot(normal) * normal.dot(r_ij);
+      sum += w_r2 * u_ij.dot(normal) * normal.dot(r_ij);
     }
   });
   return Dim / stencil.n0 * sum;
