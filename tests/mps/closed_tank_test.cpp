@@ -87,6 +87,19 @@ TYPED_TEST(ClosedFlows, HoldAFullTankUpByThePressureOfItsDepth) {
   EXPECT_NEAR(slope, 1, 0.03);
 }
 
+TEST(ClosedFlow, UnderTheRecommendedSchemeStandsStillUnderExactlyThePressureOfItsDepth) {
+  Simulation sim{full_tank(), UniformGrid<2>{},
+                 mps::Flow<mps::Recommended>({.spacing = l0, .speed_scale = 2}), SemiImplicit{}};
+  for (int k = 0; k < 100; ++k) sim.step();
+  for (Index i = 0; i < sim.particles().size(); ++i) {
+    EXPECT_LT(sim.particles()[velocity][i].norm(), 1e-6);
+    if (sim.particles()[mps::kind][i] == Kind::dummy) continue;
+    // Zero at the lid, half a spacing above the fluid.
+    const double depth = 0.41 - sim.particles()[position][i][1];
+    EXPECT_NEAR(sim.particles()[mps::pressure][i], 9810 * depth, 0.1);
+  }
+}
+
 TYPED_TEST(ClosedFlows, TurnInATaylorGreenVortexUnderItsPressure) {
   // u = −U cos 2πx sin 2πy, v = U sin 2πx cos 2πy in a square of edge 1 m.
   constexpr double k = 2 * std::numbers::pi;

@@ -177,6 +177,20 @@ TEST(FailedFlowStep, OfTwoParticlesOnOnePointNamesOne) {
   EXPECT_TRUE(refuses([&] { sim.step(); }, {"one point", "id 12"}));
 }
 
+TEST(FailedFlowStep, OverAPressureThatIsNotFiniteNamesTheParticleAndLeavesNoTrace) {
+  for (const double bad : {nan, inf, -inf}) {
+    auto sim = dam();
+    sim.particles()[mps::pressure][21] = bad;
+    const auto before = state_of(sim.particles());
+    EXPECT_TRUE(refuses([&] { sim.step(); },
+                        {"the pressure ", "Pa is not finite", "id 21", "step 0"}));
+    EXPECT_TRUE(state_of(sim.particles()) == before);
+    EXPECT_EQ(sim.steps(), 0u);
+    sim.particles()[mps::pressure][21] = 0;
+    sim.step();
+  }
+}
+
 TEST(Flow, ReportsASolveWithinItsTolerance) {
   for (const double tolerance : {1e-4, 1e-9}) {
     auto sim = dam({.tolerance = tolerance});

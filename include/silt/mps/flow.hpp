@@ -162,7 +162,7 @@ class BasicFlow {
     find_density_and_surface(particles);
     assemble(particles, time_step);
     solve(particles);
-    refuse_failed(report_);
+    refuse_failed(particles);
     if (settings_.clip_negative_pressure) {
       const auto p = particles[pressure];
       for_each(particles.size(), [&](Index i) { p[i] = std::max(p[i], Real(0)); });
@@ -419,14 +419,22 @@ class BasicFlow {
     });
   }
 
-  void refuse_failed(const SolveReport& report) const {
-    if (report.reason == SolveReport::Reason::converged ||
-        report.reason == SolveReport::Reason::nothing_to_solve) {
+  template <class P>
+  void refuse_failed(const P& particles) const {
+    if (report_.reason == SolveReport::Reason::converged ||
+        report_.reason == SolveReport::Reason::nothing_to_solve) {
       return;
     }
-    fail("mps::Flow: the pressure solve stopped at a residual of " + to_text(report.residual) +
-         " after " + std::to_string(report.iterations) + " iterations over " +
-         std::to_string(report.unknowns) +
+    const auto p = particles[pressure];  // those that the solve began from
+    const Index broken = first_where(p.size(), [&](Index i) { return !is_finite(p[i]); });
+    if (broken != nowhere) {
+      fail("mps::Flow: the pressure " + to_text(double(p[broken])) +
+               " Pa is not finite; give the particle one",
+           {.particle = broken, .id = particles.id(broken)});
+    }
+    fail("mps::Flow: the pressure solve stopped at a residual of " + to_text(report_.residual) +
+         " after " + std::to_string(report_.iterations) + " iterations over " +
+         std::to_string(report_.unknowns) +
          " unknowns; lower the time step, or allow more iterations or a larger tolerance");
   }
 
