@@ -321,7 +321,6 @@ class BasicFlow {
     const auto kinds = particles.with_ghosts(kind);
     auto u = particles.with_ghosts(velocity);
     const auto n = particles[number_density];
-    [[maybe_unused]] const auto on_surface = particles[surface];
     if constexpr (balances_forces<Source>()) {
       particles.refresh_ghosts(pressure);  // of the step before
       with_forced_solids_.assign(u.begin(), u.end());

@@ -1,0 +1,262 @@
+// SPDX-License-Identifier: MIT
+// What the policies beyond the paper are there for, each by itself, and together as Recommended.
+#include "support/check.hpp"
+#include "support/fluid.hpp"
+#include "support/points.hpp"
+
+#include <silt/mps.hpp>
+#include <silt/mps/corrected_gradient.hpp>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace silt::test {
+namespace {
+
+using mps::Encounter;
+using mps::Kind;
+using mps::Recommended;
+
+// --- kernels -------------------------------------------------------------------------------------
+
+template <class K>
+class SmoothKernels : public ::testing::Test {};
+using AllKernels = ::testing::Types<mps::InverseKernel, mps::GaussianKernel, mps::CubicKernel,
+                                    mps::WendlandKernel>;
+TYPED_TEST_SUITE(SmoothKernels, AllKernels);
+
+TYPED_TEST(SmoothKernels, GiveTheirSlopesAndCurvatures) {
+  const double h = 1e-4;
+  for (const double q : {0.2, 0.45, 0.7, 0.95}) {
+    const double w0 = TypeParam::weight(q - h);
+    const double w = TypeParam::weight(q);
+    const double w1 = TypeParam::weight(q + h);
+    const double size = 1 + std::abs(TypeParam::curvature(q));
+    EXPECT_NEAR(TypeParam::slope(q), (w1 - w0) / (2 * h), 1e-5 * size);
+    EXPECT_NEAR(TypeParam::curvature(q), (w1 - 2 * w + w0) / (h * h), 1e-5 * size);
+    using Weights = mps::HigherOrderLaplacian::Weights<TypeParam, 2>;
+    EXPECT_NEAR(Weights::weight(q), TypeParam::curvature(q) - TypeParam::slope(q) / q, 1e-12 * size);
+    EXPECT_GE((mps::HigherOrderLaplacian::Weights<TypeParam, 3>::weight(q)), 0);
+  }
+}
+
+// --- gradient, rates -----------------------------------------------------------------------------
+
+TEST(CorrectedGradient, IsExactForLinearFieldsAlsoAtAnEdge) {
+  const double l0 = 0.1;
+  const auto points = jittered<2, double>(12, l0, 0.2);
+  const mps::Stencil<2, double, mps::WendlandKernel> stencil({.spacing = l0, .radius = 3.1});
+  const Vec<2> slope(3, -7);
+  for (Index i = 0; i < points.size(); ++i) {
+    const Vec<2> found = mps::CorrectedGradient::at(stencil, slope.dot(points[i]), [&](auto&& f) {
+      for (Index j = 0; j < points.size(); ++j) {
+        const Vec<2> r_ij = points[j] - points[i];
+        const double r = r_ij.norm();
+        if (j == i || r >= stencil.re) continue;
+        const double w = stencil.weight(r);
+        f(slope.dot(points[j]), r_ij, w, w / (r * r));
+      }
+    });
+    EXPECT_LT((found - slope).norm(), 1e-12 * slope.norm()) << i;
+  }
+}
+
+TEST(CorrectedGradient, OfTwoParticlesIsThatWithoutCorrection) {
+  const mps::Stencil<2, double, mps::WendlandKernel> stencil({.spacing = 1, .radius = 3.1});
+  const auto one = [](auto&& f) { f(2.0, Vec<2>(1, 0), 0.5, 0.5); };
+  const Vec<2> found = mps::CorrectedGradient::at(stencil, 1.0, one);
+  EXPECT_DOUBLE_EQ(found[0], 2 / stencil.n0 * 0.5);
+}
+
+TEST(DensityRate, IsHowFastTheNumberDensityChanges) {
+  const double l0 = 0.1, dt = 1e-6;
+  const mps::Stencil<2, double, mps::CubicKernel> stencil({.spacing = l0, .radius = 3.1});
+  auto points = jittered<2, double>(10, l0, 0.2);
+  std::vector<Vec<2>> u;
+  for (const auto& x : points) u.push_back({-0.3 * x[0] + 0.2 * x[1], 0.5 * x[1] * x[0]});
+  const auto density = [&](Index i) {
+    double n = 0;
+    for (Index j = 0; j < points.size(); ++j) {
+      const double r = (points[j] - points[i]).norm();
+      if (j != i && r < stencil.re) n += stencil.weight(r);
+    }
+    return n;
+  };
+  BruteForce<2> search;
+  search.set_radius(stencil.re);
+  auto fluid = fluid_at<2, double>(points);
+  search.update(fluid);
+  for (const Index i : {Index(0), Index(44), Index(99)}) {
+    const double rate = mps::density_rate(search, stencil, i, u);
+    const double before = density(i);
+    auto moved = points;
+    for (Index j = 0; j < points.size(); ++j) moved[j] += dt * u[j];
+    std::swap(points, moved);
+    EXPECT_NEAR(rate, (density(i) - before) / dt / stencil.n0, 1e-4);
+    std::swap(points, moved);
+  }
+}
+
+TEST(ErrorCompensatingSource, IsTheHigherOrderOneWhereThereIsNoError) {
+  const mps::SourceTerms even{.density = 1000, .time_step = 1e-3, .density_rate = 2};
+  EXPECT_DOUBLE_EQ(mps::ErrorCompensatingSource{}.value(even), -2e6);
+  EXPECT_DOUBLE_EQ(mps::HigherOrderSource{}.value(even), -2e6);
+  // What is compressed, and was being compressed, gets more pressure.
+  mps::SourceTerms off = even;
+  off.compression = 0.01;
+  off.last_density_rate = 3;
+  EXPECT_DOUBLE_EQ(mps::ErrorCompensatingSource{}.value(off), -1e6 * (2 + 0.03 + 0.03));
+}
+
+// --- pairs ---------------------------------------------------------------------------------------
+
+TEST(KeepApart, LeavesPairsThatStayApartAlone) {
+  const Encounter<2> near{.r_ij = {0.95, 0}, .r = 0.95, .u_ij = {-0.1, 0}, .spacing = 1, .time_step = 0.1};
+  EXPECT_EQ(mps::KeepApart{}.impulse(near).norm(), 0);
+  EXPECT_GT(mps::AdoptedCollision{}.impulse(near).norm(), 0);
+}
+
+TEST(KeepApart, EndsTheStepAtItsDistanceUnlessThatTakesMoreThanACollision) {
+  // Coming closer at 2: 0.95 − 0.2 = 0.75 without it; to stay at 0.9 takes 1.5, a collision 2.4.
+  Encounter<2> pair{.r_ij = {0.95, 0}, .r = 0.95, .u_ij = {-2, 0}, .spacing = 1, .time_step = 0.1};
+  EXPECT_NEAR(mps::KeepApart{}.impulse(pair)[0], -0.75, 1e-12);
+  EXPECT_NEAR(mps::DynamicStabilisation{}.impulse(pair)[0], -0.75, 1e-12);
+  pair.wall = true;
+  EXPECT_NEAR(mps::KeepApart{}.impulse(pair)[0], -1.5, 1e-12);
+  // Too close already, and hardly moving: no more than it brings.
+  pair = {.r_ij = {0.5, 0}, .r = 0.5, .u_ij = {-0.1, 0}, .spacing = 1, .time_step = 0.1};
+  EXPECT_NEAR(mps::KeepApart{}.impulse(pair)[0], -0.06, 1e-12);
+  EXPECT_NEAR(mps::DynamicStabilisation{}.impulse(pair)[0], -2.05, 1e-12);
+}
+
+TEST(KeepApart, NeverGivesEnergy) {
+  const auto numbers = random_points(200, cube<2, double>(-1, 1), 5);
+  for (Index k = 0; k + 1 < numbers.size(); ++k) {
+    const Vec<2> u_i = 3 * numbers[k];
+    const Vec<2> u_j = Vec<2>(numbers[k + 1][1], numbers[k][0]);
+    Encounter<2> pair{.r_ij = numbers[k + 1], .r = numbers[k + 1].norm(), .u_ij = u_j - u_i,
+                      .spacing = 1, .time_step = 0.2};
+    const Vec<2> change = mps::KeepApart{}.impulse(pair);
+    const double before = u_i.squaredNorm() + u_j.squaredNorm();
+    const double after = (u_i + change).squaredNorm() + (u_j - change).squaredNorm();
+    EXPECT_LE(after, before * (1 + 1e-12));
+  }
+}
+
+TEST(ParticleShifting, MovesFromTheCrowdNotAtEdgesAndNotFar) {
+  const mps::ParticleShifting shifting;
+  mps::Crowding<2> crowding{.towards = {0.01, 0}, .speed = 2, .spacing = 0.1, .time_step = 0.01};
+  EXPECT_NEAR(shifting.at(crowding)[0], -2 * 2 * 0.01 * 0.01, 1e-15);
+  crowding.towards = {10, 0};
+  EXPECT_NEAR(shifting.at(crowding)[0], -0.01, 1e-15);
+  crowding.at_edge = true;
+  EXPECT_EQ(shifting.at(crowding).norm(), 0);
+}
+
+// --- surface, walls ------------------------------------------------------------------------------
+
+using WithCones =
+    mps::Scheme<mps::BalancedSource, mps::KeepApart, mps::WendlandKernel, mps::ConeSurface,
+                mps::CorrectedGradient, mps::SmoothWalls>;
+
+template <class Scheme>
+void expect_one_row_on_the_surface() {
+  Simulation sim{blob<2, double>(12, 0.02), UniformGrid<2>{},
+                 mps::Flow<Scheme>({.spacing = 0.02, .gravity = Vec<2>::Zero()}), SemiImplicit<>{}};
+  sim.step(1e-4);
+  const auto& fluid = sim.particles();
+  for (Index i = 0; i < fluid.size(); ++i) {
+    const Vec<2> x = fluid[position][i];
+    const bool outermost = x.minCoeff() < 0.02 || x.maxCoeff() > 0.22;
+    EXPECT_EQ(fluid[mps::surface][i] != 0, outermost) << x.transpose();
+  }
+}
+TEST(ConeSurface, IsTheOutermostRowOfABlock) { expect_one_row_on_the_surface<WithCones>(); }
+TEST(OutermostRow, IsTheOutermostRowOfABlock) { expect_one_row_on_the_surface<Recommended>(); }
+
+// Fluid that fills a flat channel of wall particles, periodic along x, on its way along the walls.
+mps::Fluid<2> sliding(double speed) {
+  constexpr double l0 = 0.02;
+  Box<2> box{.lower = {0, -1}, .upper = {20 * l0, 1}, .periodic = {true, false}};
+  mps::Fluid<2> fluid(box);
+  for (int y = -5; y < 13; ++y) {
+    for (int x = 0; x < 20; ++x) {
+      const bool inside = y >= 0 && y < 8;
+      const Kind kind = inside ? Kind::fluid : y == -1 || y == 8 ? Kind::wall : Kind::dummy;
+      const double at = (x + 0.5 + (inside ? 0.3 : 0)) * l0;
+      const Index i = mps::add_particle(fluid, {at, (y + 0.5) * l0}, kind);
+      if (inside) fluid[velocity][i] = {speed, 0};
+    }
+  }
+  return fluid;
+}
+
+// The largest velocity off the way after 50 steps [m/s].
+template <class Scheme>
+double stirred_while_sliding() {
+  Simulation sim{sliding(1), UniformGrid<2>{},
+                 mps::Flow<Scheme>({.spacing = 0.02, .viscosity = 0, .gravity = Vec<2>::Zero()}),
+                 SemiImplicit<>{}};
+  for (int k = 0; k < 50; ++k) sim.step(2e-3);
+  double most = 0;
+  const auto& fluid = sim.particles();
+  for (Index i = 0; i < fluid.size(); ++i) {
+    if (fluid[mps::kind][i] != Kind::fluid) continue;
+    most = std::max(most, (fluid[velocity][i] - Vec<2>(1, 0)).norm());
+  }
+  return most;
+}
+
+TEST(SmoothWalls, DoNotStirFluidThatSlidesAlongThemAsGrainyOnesDo) {
+  using Grainy = mps::Scheme<mps::BalancedSource, mps::KeepApart, mps::WendlandKernel,
+                             mps::BothConditions, mps::CorrectedGradient, mps::GrainyWalls>;
+  EXPECT_LT(stirred_while_sliding<Recommended>(), 1e-6);
+  EXPECT_GT(stirred_while_sliding<Grainy>(), 1e-4);
+}
+
+// --- all of it -----------------------------------------------------------------------------------
+
+TEST(RecommendedScheme, KeepsWaterStillAndItsPressureThatOfItsDepth) {
+  const double l0 = 0.02;
+  Simulation tank{mps::make_tank<2>({.column = {0.3, 0.3},
+                                     .size = {.length = 0.3, .height = 0.4},
+                                     .spacing = l0}),
+                  UniformGrid<2>{}, mps::Flow<Recommended>({.spacing = l0, .speed_scale = 1.7}),
+                  SemiImplicit<>{}};
+  for (int k = 0; k < 300; ++k) tank.step();
+  const auto& water = tank.particles();
+  for (Index i = 0; i < water.size(); ++i) {
+    if (water[mps::kind][i] != Kind::fluid) continue;
+    EXPECT_LT(water[velocity][i].norm(), 0.004);  // of √(g H) = 1.7
+    const double depth = 0.3 - l0 / 2 - water[position][i][1];  // below the row with P = 0
+    EXPECT_NEAR(water[mps::pressure][i], 9810 * depth, 0.001 * 9810 * 0.3);
+  }
+}
+
+TEST(RecommendedScheme, HasNoPressureInAFallingBlock) {
+  const auto start = blob<2, double>(12, 0.02);
+  mps::FlowSettings<2, Recommended> settings{.spacing = 0.02};
+  settings.clip_negative_pressure = false;
+  Simulation sim{start, UniformGrid<2>{}, mps::Flow<Recommended>(settings), SemiImplicit<>{}};
+  for (int k = 0; k < 50; ++k) sim.step(2e-3);
+  const auto& fluid = sim.particles();
+  for (Index i = 0; i < fluid.size(); ++i) {
+    EXPECT_LT(std::abs(fluid[mps::pressure][i]), 1e-6 * 9810 * 0.24);
+    EXPECT_NEAR(fluid[velocity][i][1], -9.81 * 0.1, 1e-9);
+  }
+}
+
+TEST(RecommendedScheme, FollowsABodyForceOfPlaceAndTime) {
+  mps::FlowSettings<2, Recommended> settings{.spacing = 0.02, .gravity = Vec<2>::Zero()};
+  settings.body_force = [](const Vec<2>&, double t) { return Vec<2>(t < 0.05 ? 2.0 : 0.0, 0); };
+  Simulation sim{blob<2, double>(8, 0.02), UniformGrid<2>{}, mps::Flow<Recommended>(settings),
+                 SemiImplicit<>{}};
+  for (int k = 0; k < 50; ++k) sim.step(2e-3);
+  for (const auto& u : sim.particles()[velocity]) EXPECT_NEAR(u[0], 0.1, 1e-9);
+}
+
+}  // namespace
+}  // namespace silt::test
