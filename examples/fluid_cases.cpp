@@ -91,7 +91,7 @@ void flow_as(const Options& o) {
                           {"reference", finding.reference},
                           {"measured", finding.measured},
                           {"error", finding.error()},
-                          {"allowed", finding.allowed},
+                          {"allowed", finding.allowed},  // without a limit null
                           {"holds", finding.holds()}});
       std::printf("%-50s reference %-10.5g measured %-10.5g %s\n", finding.quantity.c_str(),
                   finding.reference, finding.measured, finding.holds() ? "holds" : "does not hold");

@@ -9,7 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <optional>
+#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -39,12 +39,15 @@ class History {
   std::vector<std::vector<double>> columns_;
 };
 
+/// What is told of a finding without being a test of it.
+inline constexpr double stated = std::numeric_limits<double>::infinity();
+
 /// One quantity of a run, and what it should be.
 struct Finding {
   std::string quantity;  ///< with its unit
   double reference = 0;
   double measured = 0;
-  double allowed = 0;  ///< error, over the scale
+  double allowed = 0;  ///< error, over the scale; `stated`: any
   double scale = 0;    ///< of the error; 0: the reference
 
   double error() const {
@@ -61,7 +64,7 @@ struct FluidCase {
   double viscosity = 0;     ///< ν [m²/s]
   double speed_scale = 0;   ///< [m/s]
   Vec<2> gravity = Vec<2>::Zero();                ///< [m/s²]
-  std::function<Vec<2>(const Vec<2>&)> body_force = {};  ///< at x [m]: [m/s²]
+  std::function<Vec<2>(const Vec<2>&, double)> body_force = {};  ///< at x [m], t [s]: [m/s²]
   bool clip_negative_pressure = true;
   double until = 0;         ///< [s]
   double note_every = 0;    ///< time between rows of the history [s]; 0: every step
@@ -115,7 +118,7 @@ class Notes {
     const double dt = simulation.time_step();
     auto& particles = simulation.particles();
     for (Index i = 0; i < particles.size(); ++i) {
-      particles[velocity][i] += dt * flow_.body_force(particles[position][i]);
+      particles[velocity][i] += dt * flow_.body_force(particles[position][i], simulation.time());
     }
   }
   template <class Sim, class Run>

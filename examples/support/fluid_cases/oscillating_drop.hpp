@@ -40,7 +40,7 @@ struct OscillatingDrop {
                  dt / 6);
   }
   State at(double time) const {
-    const int steps = 1 + static_cast<int>(1000 * time * b0);
+    const int steps = 1 + static_cast<int>(1000 * time * (a0 + b0));
     State state = start();
     for (int k = 0; k < steps; ++k) state = after(state, time / steps);
     return state;
@@ -71,7 +71,7 @@ inline FluidCase oscillating_drop(int along, double a0_over_b0) {
                              return Vec<2>(exact.a0 * x[0], -exact.a0 * x[1]);
                            });
   flow.speed_scale = 1.5 * R * exact.b0;
-  flow.body_force = [=](const Vec<2>& x) { return Vec<2>(-exact.b0 * exact.b0 * x); };
+  flow.body_force = [=](const Vec<2>& x, double) { return Vec<2>(-exact.b0 * exact.b0 * x); };
   const double period = exact.period();
   // A is zero at a quarter of a period first.
   flow.until = 3.3 * period;
@@ -91,7 +91,7 @@ inline FluidCase oscillating_drop(int along, double a0_over_b0) {
     }
     const auto there = exact.at(time);
     return {time,    (xu / xx - yv / yy) / 2, 2 * std::sqrt(xx), 2 * std::sqrt(yy), there.rate,
-            there.a, there.b,                 largest_body(fluid, 1.5 * l0),
+            there.a, there.b,                 largest_body(fluid, 2 * l0),
             near > 0 ? centre / near / density : 0};
   };
   flow.findings = [=](const History& history) -> std::vector<Finding> {
@@ -106,8 +106,8 @@ inline FluidCase oscillating_drop(int along, double a0_over_b0) {
     const auto& whole = history["whole"];
     return {{"period, mean of three [1/B0]", period, mean_period(crossings, 3), 0.02},
             {"longest semi-axis [R]", longest_exact, longest, 0.02},
-            {"change of the area, at most", 0, area, 0.02, 1},
-            {"particles in the one body, at least", 1,
+            {"change of a b, at most [R²]", 0, area, 0.02, 1},
+            {"share of the fluid in one body, at least", 1,
              *std::min_element(whole.begin(), whole.end()), 1e-9}};
   };
   return flow;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // A grain that falls and bounces, and two that are pressed between a floor and a lid.
 #include "bench.hpp"
-#include "table.hpp"
+#include "items.hpp"
 
 #include <silt/io/csv.hpp>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Sliding, rolling and oblique impacts against rigid-body mechanics.
 #include "bench.hpp"
-#include "table.hpp"
+#include "items.hpp"
 
 #include <cmath>
 

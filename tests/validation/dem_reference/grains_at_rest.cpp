@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Grains that rest on one another, and that drag brings there.
 #include "bench.hpp"
-#include "table.hpp"
+#include "items.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // What contacts keep, and that no pair of grains is missed.
 #include "bench.hpp"
-#include "table.hpp"
+#include "items.hpp"
 
 #include <algorithm>
 #include <cmath>

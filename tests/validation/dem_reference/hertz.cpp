@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Normal impacts of elastic spheres: tests 1 to 3 of Chung and Ooi (2011).
-#include "table.hpp"
+#include "items.hpp"
 
 #include "support/grains.hpp"
 

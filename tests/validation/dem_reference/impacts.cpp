@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Head-on impacts on a linear spring and dashpot, and Newton's cradle.
 #include "bench.hpp"
-#include "table.hpp"
+#include "items.hpp"
 
 #include <silt/io/csv.hpp>
 

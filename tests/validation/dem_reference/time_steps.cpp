@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Where leapfrog blows up, and what Contacts refuses.
 #include "bench.hpp"
-#include "table.hpp"
+#include "items.hpp"
 
 #include <cmath>
 

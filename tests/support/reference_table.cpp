@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: MIT
-#include "table.hpp"
+#include "support/reference_table.hpp"
 
 #include <silt/core/error.hpp>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <fstream>
+#include <iterator>
 #include <sstream>
+#include <string_view>
 
 namespace silt::test {
 namespace {
@@ -25,10 +28,26 @@ std::vector<std::string> cells_of(const std::string& line) {
 // To two digits; in per cent where that is short.
 std::string share(double value) {
   if (value == 0) return "0";
+  if (!is_finite(value)) return "stated";
   char text[32];
   const bool small = value < 1e-4;
   std::snprintf(text, sizeof text, small ? "%.1g" : "%.2g %%", small ? value : 100 * value);
   return text;
+}
+
+constexpr std::string_view column_names =
+    "| case | quantity | reference | measured | error | allowed |\n";
+
+// Where the page's table stands: from its column names to behind its last line. Empty if it has none.
+struct Place {
+  std::size_t from;
+  std::size_t to;
+};
+Place table_of(const std::string& page) {
+  const auto from = page.find(column_names);
+  if (from == std::string::npos) return {page.size(), page.size()};
+  const auto end = page.find("\n\n", from);
+  return {from, end == std::string::npos ? page.size() : end + 1};
 }
 
 std::string line_of(const ReferenceRow& row) {
@@ -58,8 +77,7 @@ std::vector<ReferenceRow> ReferenceTable::failed() const {
 }
 
 std::string ReferenceTable::text() const {
-  std::string text = "| case | quantity | reference | measured | error | allowed |\n"
-                     "|---|---|---|---|---|---|\n";
+  std::string text = std::string(column_names) + "|---|---|---|---|---|---|\n";
   for (const auto& row : rows_) text += line_of(row) + "\n";
   return text;
 }
@@ -67,7 +85,8 @@ std::string ReferenceTable::text() const {
 std::vector<std::string> ReferenceTable::differences_from(const std::string& page) const {
   std::vector<std::string> differences;
   std::vector<std::vector<std::string>> lines;
-  std::stringstream stream(page);
+  const Place place = table_of(page);
+  std::stringstream stream(page.substr(place.from, place.to - place.from));
   for (std::string line; std::getline(stream, line);) {
     if (line.starts_with("| ")) lines.push_back(cells_of(line));
   }
@@ -86,12 +105,35 @@ std::vector<std::string> ReferenceTable::differences_from(const std::string& pag
       there.reference = row.measured;
       there.measured = std::stod(told[4]);
       there.scale = row.scale > 0 ? row.scale : std::abs(row.reference);
-      same = there.error() <= row.allowed / 4 + 1e-5;
+      same = there.error() <= std::min(row.allowed / 4, 0.1) + 1e-5;
     }
     if (!same) differences.push_back(line_of(row));
   }
   if (next < lines.size()) differences.push_back("(the page has more rows)");
   return differences;
+}
+
+int compare_with_page(const ReferenceTable& table, int argc, char** argv) {
+  const std::string program = argv[0];
+  if (argc < 2) fail(program + ": name the page with the table");
+  std::printf("%s", table.text().c_str());
+  std::ifstream stream(argv[1]);
+  const std::string page{std::istreambuf_iterator<char>(stream), {}};
+  if (argc > 2 && std::string(argv[2]) == "--write") {
+    const Place place = table_of(page);
+    if (place.from == page.size()) fail(program + ": the page has no table to replace");
+    std::ofstream(argv[1]) << page.substr(0, place.from) << table.text() << page.substr(place.to);
+    return 0;
+  }
+  const auto failed = table.failed();
+  for (const auto& row : failed) {
+    std::printf("does not hold: %s, %s\n", row.item.c_str(), row.quantity.c_str());
+  }
+  const auto differences = table.differences_from(page);
+  for (const auto& line : differences) {
+    std::printf("%s has it otherwise (%s PAGE --write): %s\n", argv[1], argv[0], line.c_str());
+  }
+  return failed.empty() && differences.empty() ? 0 : 1;
 }
 
 }  // namespace silt::test

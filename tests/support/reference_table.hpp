@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The table of exact results that DEM is held against.
+// A table of results beside exact ones, and the page of the documentation that has it.
 #pragma once
 
 #include <string>
@@ -13,7 +13,7 @@ struct ReferenceRow {
   std::string quantity;  ///< with its unit
   double reference = 0;
   double measured = 0;
-  double allowed = 0;    ///< error, over the scale
+  double allowed = 0;    ///< error, over the scale; infinite: any
   double scale = 0;      ///< of the error; 0: the reference
 
   double error() const;
@@ -29,21 +29,18 @@ class ReferenceTable {
   std::vector<ReferenceRow> failed() const;
   /// As Markdown, one line for each row.
   std::string text() const;
-  /// Lines that a page's table does not have: no such row, or one whose measured value is off by
-  /// more than a quarter of what is allowed.
+  /// Lines that the page's table of these columns does not have: no such row, or one whose measured
+  /// value is off by more than a quarter of what is allowed, or a tenth of the scale.
   std::vector<std::string> differences_from(const std::string& page) const;
 
  private:
   std::vector<ReferenceRow> rows_;
 };
 
-/// Each adds the rows of its items.
-void impacts(ReferenceTable& table);
-void bounces(ReferenceTable& table);
-void friction(ReferenceTable& table);
-void hertz(ReferenceTable& table);
-void grains_at_rest(ReferenceTable& table);
-void grains_in_flight(ReferenceTable& table);
-void time_steps(ReferenceTable& table);
+/// Prints the table, and compares it with that of a page, which begins with the same line of column
+/// names. Returns what main returns: 1 if a row does not hold or the page has it otherwise. With
+/// argv = {program, PAGE, "--write"} the page gets this table instead. Throws if it has none to
+/// replace.
+int compare_with_page(const ReferenceTable& table, int argc, char** argv);
 
 }  // namespace silt::test

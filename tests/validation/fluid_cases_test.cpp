@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: MIT
+// The solutions that flows are held against, and the flows themselves where they are coarse and short.
+// mps_reference has them in full.
+#include "support/fluid_cases/all.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace silt::test {
+namespace {
+
+using namespace fluid_cases;
+
+TEST(OscillatingDropSolution, HasThePeriodsAndSemiAxesOfMonaghanAndRafiee) {
+  // 2013, A0/B0 = 1 and 0.4.
+  EXPECT_NEAR(OscillatingDrop{.a0 = 1}.period(), 4.827, 1e-3);
+  EXPECT_NEAR(OscillatingDrop{.a0 = 0.4}.period(), 4.526, 1e-3);
+  double longest = 0;
+  for (double t = 0; t < 5; t += 0.01) longest = std::max(longest, OscillatingDrop{}.at(t).a);
+  EXPECT_NEAR(longest, 1.932, 1e-3);
+}
+
+TEST(OscillatingDropSolution, KeepsAreaAndEnergy) {
+  const OscillatingDrop drop;
+  // Over m/8, of the velocity (A x, −A y) and the potential B0² r²/2.
+  const auto energy = [&](const OscillatingDrop::State& s) {
+    return (s.rate * s.rate + drop.b0 * drop.b0) * (s.a * s.a + s.b * s.b);
+  };
+  const auto later = drop.at(10);
+  EXPECT_NEAR(later.a * later.b, 1, 1e-9);
+  EXPECT_NEAR(energy(later), energy(drop.start()), 1e-8);
+}
+
+TEST(OscillatingDropSolution, StretchesAsMonaghansEllipseWithoutAForce) {
+  // J.J. Monaghan (1994): A0 = 100 1/s, at 0.0076 s.
+  const auto stretched = OscillatingDrop{.a0 = 100, .b0 = 0}.at(0.0076);
+  EXPECT_NEAR(stretched.a, 1.9445, 1e-4);
+  EXPECT_NEAR(stretched.b, 0.5143, 1e-4);
+}
+
+TEST(RotatingSquareSolution, IsZeroOnTheSidesAndSatisfiesPoissonsEquation) {
+  const RotatingSquare square{.side = 2, .omega = 3};
+  EXPECT_NEAR(square.pressure_at({0, 0}) / (density * 9 * 4), -0.14734, 1e-5);
+  EXPECT_NEAR(square.pressure_at({1, 0.3}), 0, 1e-6);
+  const double h = 1e-2;
+  const Vec<2> x{0.2, -0.4};
+  double laplacian = -4 * square.pressure_at(x);
+  for (const Vec<2>& step : {Vec<2>(h, 0), Vec<2>(-h, 0), Vec<2>(0, h), Vec<2>(0, -h)}) {
+    laplacian += square.pressure_at(x + step);
+  }
+  EXPECT_NEAR(laplacian / (h * h) / (2 * density * 9), 1, 1e-2);
+}
+
+TEST(TaylorGreenSolution, DecaysAtTheRateOfViscosity) {
+  const TaylorGreen flow;
+  EXPECT_NEAR(flow.decay(), -0.7896, 1e-4);
+  EXPECT_NEAR(flow.velocity_at({0, 0.25}, 0)[0], -1, 1e-12);
+}
+
+TEST(StandingWaveSolution, HasThePeriodOfLinearTheory) {
+  EXPECT_NEAR(StandingWave{}.period(), 0.8018, 1e-4);
+  EXPECT_NEAR((StandingWave{.length = 2, .depth = 1}.period()), 1.1339, 1e-4);
+}
+
+TEST(LargestGap, FindsTheCircleThatALatticeLeavesAndAHoleInIt) {
+  auto fluid = taylor_green(10).start;
+  EXPECT_NEAR(largest_gap(fluid, 0.1), 0.1 * std::sqrt(0.5), 1e-12);
+  fluid.remove_if([](Index i) { return i == 0; });
+  EXPECT_NEAR(largest_gap(fluid, 0.1), 0.1, 1e-12);
+}
+
+TEST(LargestBody, IsTheShareOfTheGreaterOfTwoPieces) {
+  mps::Fluid<2> fluid;
+  for (const double x : {0.0, 1.0, 2.0, 5.0}) mps::add_particle(fluid, {x, 0}, mps::Kind::fluid);
+  EXPECT_EQ(largest_body(fluid, 1.5), 0.75);
+}
+
+
+TEST(FallingBlock, HasNoPressureAndKeepsItsShape) {
+  const FluidCase flow = make({.name = "falling_block", .spacing = 0.05});
+  auto simulation = simulation_of<mps::Case10>(flow, {});
+  Notes notes(flow);
+  simulation.run({.until = flow.until}, notes);
+  for (const Finding& finding : flow.findings(notes.history())) {
+    EXPECT_TRUE(finding.holds()) << finding.quantity << " is " << finding.measured;
+  }
+}
+
+}  // namespace
+}  // namespace silt::test
