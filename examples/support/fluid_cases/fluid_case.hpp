@@ -95,7 +95,8 @@ auto simulation_of(const FluidCase& flow, const Numerics& numerics) {
       .laplacian_radius = numerics.laplacian_radius,
       .courant = numerics.courant,
       .speed_scale = flow.speed_scale,
-      .clip_negative_pressure = flow.clip_negative_pressure};
+      .clip_negative_pressure = flow.clip_negative_pressure,
+      .body_force = flow.body_force};
   return Simulation{flow.start, TimedSearch{NeighbourList<2>{{.skin_fraction = 0}}},
                     mps::Flow<Scheme>{settings}, SemiImplicit<>{}};
 }
@@ -111,15 +112,6 @@ class Notes {
   template <class Sim>
   void operator()(const Sim& simulation) {
     if (simulation.steps() == 0) add(simulation);
-  }
-  template <class Sim>
-  void before_step(Sim& simulation) {
-    if (!flow_.body_force) return;
-    const double dt = simulation.time_step();
-    auto& particles = simulation.particles();
-    for (Index i = 0; i < particles.size(); ++i) {
-      particles[velocity][i] += dt * flow_.body_force(particles[position][i], simulation.time());
-    }
   }
   template <class Sim, class Run>
   void after_step(const Sim& simulation, const Run&) {
