@@ -15,6 +15,7 @@ from support.frames import Series, draw
 REFERENCE = pathlib.Path(__file__).resolve().parents[2] / "tests" / "reference"
 FRONT = "martin_moyce_1952_n2eq2_front_table2.csv"
 HEIGHT = "martin_moyce_1952_n2eq2_height_table6.csv"
+POTENTIAL_FLOW = "potential_flow_front.csv"  # by boundary elements; its head says how
 
 G = 9.81
 DENSITY = 1000.0
@@ -114,6 +115,34 @@ class DamBreak(Output):
             return None
         ours = np.interp(experiment["T"][wanted], T + shift, Z)
         return float(np.sqrt(np.mean((ours / experiment["Z"][wanted] - 1) ** 2)))
+
+    def front_speed(self):
+        """Slope dZ/dT over T = 1.5–2.9 after the one shift."""
+        T, Z = self.dimensionless_front()
+        at = np.arange(1.5, 2.9, 0.02)
+        return float(np.polyfit(at, np.interp(at - self.time_shift(), T, Z), 1)[0])
+
+    def dimensionless_height(self):
+        return self.front["height"] / self.height
+
+    def height_error(self):
+        """Relative rms of the residual height against Martin & Moyce for τ ≤ 2.5, unshifted: their
+        table of heights has an origin of time of its own, which the exact solution shows to be ours.
+        """
+        experiment = table(REFERENCE / HEIGHT)
+        tau = self.front["t"] * np.sqrt(G / self.width)
+        wanted = experiment["tau"] <= min(2.5, tau[-1])
+        ours = np.interp(experiment["tau"][wanted], tau, self.dimensionless_height())
+        return float(np.sqrt(np.mean((ours / experiment["H"][wanted] - 1) ** 2)))
+
+    def errors_of_potential_flow(self):
+        """Relative rms of edge and height against the exact inviscid solution, T = 0.5–2.75."""
+        exact = table(REFERENCE / POTENTIAL_FLOW)
+        T, Z = self.dimensionless_front()
+        wanted = (exact["T"] >= 0.5) & (exact["T"] <= min(2.75, T[-1]))
+        errors = [np.interp(exact["T"][wanted], T, ours) / exact[name][wanted] - 1
+                  for name, ours in (("Z", Z), ("H", self.dimensionless_height()))]
+        return [float(np.sqrt(np.mean(error**2))) for error in errors]
 
     def behind(self, other):
         """By how much in T, on average over Z, this run's front comes later than the other's."""
