@@ -149,7 +149,7 @@ TEST(KeepApart, NeverGivesEnergy) {
 TEST(ParticleShifting, MovesFromTheCrowdNotAtEdgesAndNotFar) {
   const mps::ParticleShifting shifting;
   mps::Crowding<2> crowding{.towards = {0.01, 0}, .speed = 2, .spacing = 0.1, .time_step = 0.01};
-  EXPECT_NEAR(shifting.at(crowding)[0], -2 * 2 * 0.01 * 0.01, 1e-15);
+  EXPECT_NEAR(shifting.at(crowding)[0], -4 * 2 * 0.01 * 0.01, 1e-15);
   crowding.towards = {10, 0};
   EXPECT_NEAR(shifting.at(crowding)[0], -0.01, 1e-15);
   crowding.at_edge = true;

@@ -11,6 +11,7 @@
 #include <functional>
 #include <limits>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -66,6 +67,7 @@ struct FluidCase {
   Vec<2> gravity = Vec<2>::Zero();                ///< [m/s²]
   std::function<Vec<2>(const Vec<2>&, double)> body_force = {};  ///< at x [m], t [s]: [m/s²]
   bool clip_negative_pressure = true;
+  bool has_surface = true;  ///< somewhere it is free
   double until = 0;         ///< [s]
   double note_every = 0;    ///< time between rows of the history [s]; 0: every step
   std::vector<std::string> names = {};  ///< of the history's columns
@@ -86,7 +88,7 @@ struct Numerics {
 /// The case under a scheme, ready to run.
 template <class Scheme>
 auto simulation_of(const FluidCase& flow, const Numerics& numerics) {
-  const mps::FlowSettings<2, Scheme> settings{
+  mps::FlowSettings<2, Scheme> settings{
       .spacing = flow.spacing,
       .density = density,
       .viscosity = flow.viscosity,
@@ -97,6 +99,9 @@ auto simulation_of(const FluidCase& flow, const Numerics& numerics) {
       .speed_scale = flow.speed_scale,
       .clip_negative_pressure = flow.clip_negative_pressure,
       .body_force = flow.body_force};
+  if constexpr (std::is_same_v<Scheme, mps::Recommended>) {
+    if (!flow.has_surface) settings = mps::without_free_surface(settings);
+  }
   return Simulation{flow.start, TimedSearch{NeighbourList<2>{{.skin_fraction = 0}}},
                     mps::Flow<Scheme>{settings}, SemiImplicit<>{}};
 }

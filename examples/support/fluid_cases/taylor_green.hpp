@@ -42,6 +42,7 @@ inline FluidCase taylor_green(int along) {
   FluidCase flow{.name = "taylor_green", .spacing = l0};
   flow.start = fluid_where(box, l0, box, everywhere,
                            [&](const Vec<2>& x) { return exact.velocity_at(x, 0); });
+  flow.has_surface = false;
   flow.viscosity = exact.speed * exact.side / exact.reynolds;
   flow.speed_scale = exact.speed;
   flow.until = exact.side / exact.speed;

@@ -179,6 +179,7 @@ class BasicFlow {
     const auto u = particles[velocity];
     const auto x = particles[position];
     if constexpr (Scheme::Shifting::shifts) {
+      particles.refresh_ghosts(velocity);
       find_shifts(particles, dt);
       for_each_of_fluid(particles, [&](Index i) { x[i] += change_[i]; });
       by_.shift.swap(change_);
@@ -404,15 +405,15 @@ class BasicFlow {
   // How far each fluid particle shifts beside the flow.
   template <class P>
   void find_shifts(const P& particles, Real dt) {
-    const auto u = particles[velocity];
+    const auto u = particles.with_ghosts(velocity);
     change_.resize(particles.size());
     for_each_of_fluid(particles, [&](Index i) {
       Crowding<Dim, Real> crowding{.at_edge = at_edge_[i] != 0,
-                                   .speed = u[i].norm(),
                                    .spacing = Real(settings_.spacing),
                                    .time_step = dt};
-      for_each_weighted(around_, i, stencil_, [&](Index, const Vec& r_ij, Real w, Real) {
-        crowding.towards += (w / r_ij.norm() / stencil_.n0) * r_ij;
+      for_each_weighted(around_, i, stencil_, [&](Index j, const Vec& r_ij, Real, Real w_r2) {
+        crowding.towards += (stencil_.spacing * w_r2 / stencil_.n0) * r_ij;
+        crowding.speed = std::max(crowding.speed, (u[j] - u[i]).norm());
       });
       change_[i] = settings_.shifting.at(crowding);
     });

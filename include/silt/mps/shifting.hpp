@@ -16,9 +16,9 @@ struct Crowding {
   using Real = RealType;
   using Vec = silt::Vec<Dim, Real>;
 
-  Vec towards = Vec::Zero();  ///< Σ w r_ij/r over n0: to where its neighbours are crowded [-]
+  Vec towards = Vec::Zero();  ///< l0/n0 Σ w r_ij/r²: to where its neighbours are crowded [-]
   bool at_edge = false;       ///< next to the free surface or a wall, see SourceTerms::at_edge
-  Real speed = 0;             ///< |u_i| [m/s]
+  Real speed = 0;             ///< largest |u_j − u_i| around [m/s]
   Real spacing = 0;           ///< l0 [m]
   Real time_step = 0;         ///< Δt [s]
 };
@@ -34,13 +34,14 @@ struct NoShifting {
   }
 };
 
-/// δr = −A |u| Δt Σ w r_ij/r / n0, at most a tenth of a spacing, after Lind et al. (2012): fluid at
-/// rest is left alone. At the edges of the fluid, where one side is empty anyway, particles stay:
-/// nothing is pushed out, and no body swells. Velocities stay as they are, and so does momentum.
+/// δr = −A max|u_ij| Δt l0/n0 Σ w r_ij/r², at most a tenth of a spacing; after Lind et al. (2012), but
+/// by relative speeds, since it is strain that draws particles into lines: fluid at rest or in
+/// uniform motion is left alone. At the edges of the fluid, where one side is empty anyway,
+/// particles stay: nothing is pushed out. Velocities stay as they are, and so does momentum.
 struct ParticleShifting {
   static constexpr bool shifts = true;
 
-  double strength = 2;  ///< A [-]
+  double strength = 4;  ///< A [-]
 
   void check() const { require_not_negative("ParticleShifting: strength", strength); }
 
