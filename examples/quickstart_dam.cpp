@@ -14,8 +14,8 @@ int main() try {
   const auto tank = mps::make_tank<2>(
       {.column = {0.4, 0.8}, .size = {.length = 1.6, .height = 1.2}, .spacing = l0});
 
-  // PNU-MPS; speed_scale is √(g H), the speed that limits the time step from the start.
-  const mps::Flow<mps::Case10> water{{.spacing = l0, .density = 1000, .speed_scale = 2.8}};
+  // speed_scale is √(g H), the speed that limits the time step from the start.
+  const mps::Flow<mps::Recommended> water{{.spacing = l0, .density = 1000, .speed_scale = 2.8}};
 
   Simulation dam{tank, NeighbourList<2>{}, water, SemiImplicit<>{}};
   dam.run({.until = 1.0, .output_every = 0.02}, VtkSeries{"dam"}, Progress{});

@@ -11,7 +11,6 @@
 #include <functional>
 #include <limits>
 #include <string>
-#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -99,9 +98,7 @@ auto simulation_of(const FluidCase& flow, const Numerics& numerics) {
       .speed_scale = flow.speed_scale,
       .clip_negative_pressure = flow.clip_negative_pressure,
       .body_force = flow.body_force};
-  if constexpr (std::is_same_v<Scheme, mps::Recommended>) {
-    if (!flow.has_surface) settings = mps::without_free_surface(settings);
-  }
+  if (!flow.has_surface) settings = mps::without_free_surface(settings);
   return Simulation{flow.start, TimedSearch{NeighbourList<2>{{.skin_fraction = 0}}},
                     mps::Flow<Scheme>{settings}, SemiImplicit<>{}};
 }

@@ -12,18 +12,25 @@
 #include <silt/mps/source.hpp>
 #include <silt/mps/walls.hpp>
 
+#include <type_traits>
+
 namespace silt::mps {
 
 using Recommended =
     Scheme<BalancedSource, KeepApart, WendlandKernel, BothSurfaces<OutermostRow, CountSurface>,
            CorrectedGradient, SmoothWalls, ParticleShifting>;
 
-/// The same where fluid fills all there is: no splash needs keeping apart, which costs energy, and
-/// strain that goes on and on needs more shifting.
-template <int Dim>
-FlowSettings<Dim, Recommended> without_free_surface(FlowSettings<Dim, Recommended> settings) {
-  settings.collision.distance = 0.8;
-  settings.shifting.strength = 10;
+/// Settings for fluid that fills all there is: there is no splash whose particles must be kept
+/// apart, which costs energy, and strain that goes on and on needs more shifting. Of schemes that
+/// neither keep apart nor shift, the settings stay as they are.
+template <int Dim, class Scheme>
+FlowSettings<Dim, Scheme> without_free_surface(FlowSettings<Dim, Scheme> settings) {
+  if constexpr (std::is_same_v<typename Scheme::Collision, KeepApart>) {
+    settings.collision.distance = 0.8;
+  }
+  if constexpr (std::is_same_v<typename Scheme::Shifting, ParticleShifting>) {
+    settings.shifting.strength = 10;
+  }
   return settings;
 }
 
