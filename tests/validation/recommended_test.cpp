@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: MIT
+// The recommended scheme at twice the spacing of what docs/theory_mps.md shows, and, slow, at that.
+#include "support/dam_break.hpp"
+#include "support/still_tank.hpp"
+
+#include <gtest/gtest.h>
+
+namespace silt::test {
+namespace {
+
+using mps::Recommended;
+
+// Rms deviations of edge and height from the exact potential flow, relative, over T from 0.5 to 2.75.
+struct Deviations {
+  double edge = 0;
+  double height = 0;
+};
+Deviations from_potential_flow(const DamBreak& record) {
+  const CsvTable exact = read_csv(SILT_TESTS_DIR "/reference/potential_flow_front.csv");
+  Deviations sums;
+  int rows = 0;
+  for (Index row = 0; row < exact.rows(); ++row) {
+    const double T = exact["T"][row];
+    if (T < 0.5 || T > 2.75) continue;
+    const double t = T / scaled_time(1);
+    sums.edge += squared(at_time(record.time, record.front, t) / exact["Z"][row] - 1);
+    sums.height += squared(at_time(record.time, record.height, t) / exact["H"][row] - 1);
+    ++rows;
+  }
+  return {std::sqrt(sums.edge / rows), std::sqrt(sums.height / rows)};
+}
+
+TEST(RecommendedDamBreak, IsThatOfAnIdealFluid) {
+  const DamBreak record = run_dam_break<Recommended>(0.02, 0.5);
+  EXPECT_FALSE(record.broke);
+  EXPECT_EQ(record.lost, 0u);
+  const Deviations off = from_potential_flow(record);
+  EXPECT_LT(off.edge, 0.03);
+  EXPECT_LT(off.height, 0.03);
+  EXPECT_LT(energy_growth(record), 0.025);
+}
+
+TEST(RecommendedDamBreak, IsCloserToAnIdealFluidAndToTheExperimentWithSmallerParticlesSlow) {
+  const DamBreak record = run_dam_break<Recommended>(0.01, 1.0);
+  EXPECT_FALSE(record.broke);
+  EXPECT_EQ(record.lost, 0u);
+  const Deviations off = from_potential_flow(record);
+  EXPECT_LT(off.edge, 0.015);
+  EXPECT_LT(off.height, 0.015);
+  EXPECT_LT(front_deviation(record), 0.025);
+  EXPECT_LT(energy_growth(record), 0.0125);
+}
+
+TEST(RecommendedStillTank, StandsStill) {
+  const mps::Tank<2> tank{
+      .column = {0.4, 0.4}, .size = {.length = 0.4, .height = 0.6}, .spacing = 0.02};
+  const auto floor = floor_pressure<Recommended>(tank, 0.3, 0.6);
+  EXPECT_NEAR(floor.mean / 3924, 1, 0.001);
+  EXPECT_LT(floor.scatter, 0.001);
+}
+
+TEST(RecommendedStillTank, StandsStillIn3D) {
+  const double l0 = 0.05;
+  const mps::Tank<3> tank{.column = {8 * l0, 8 * l0},
+                          .size = {.length = 8 * l0, .height = 12 * l0, .depth = 8 * l0},
+                          .spacing = l0};
+  const auto floor = floor_pressure<Recommended>(tank, 0.15, 0.3);
+  EXPECT_NEAR(floor.mean / (1000 * 9.81 * 8 * l0), 1, 0.005);
+  EXPECT_LT(floor.scatter, 0.01);
+}
+
+}  // namespace
+}  // namespace silt::test
