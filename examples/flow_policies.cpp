@@ -130,7 +130,13 @@ std::vector<double> found_of(const std::string& name) {
   const auto flow = fluid_cases::make({.name = name, .spacing = 0.04});
   auto simulation = fluid_cases::simulation_of<Scheme>(flow, {});
   fluid_cases::Notes notes(flow);
-  simulation.run({.until = flow.until}, notes);
+  // One that falls apart takes ever smaller steps.
+  notes(simulation);
+  while (simulation.time() < flow.until) {
+    simulation.step();
+    if (simulation.steps() > 20000) fail("flow_policies: " + name + " does not end");
+    notes.after_step(simulation, Run{});
+  }
   std::vector<double> found;
   for (const auto& finding : flow.findings(notes.history())) {
     found.push_back(finding.reference != 0 ? 100 * (finding.measured / finding.reference - 1)
@@ -184,7 +190,6 @@ void table(const Options& o) {
   row<Scheme<BalancedSource,          KeepApart,            WendlandKernel, Surface,        CorrectedGradient,  SmoothWalls,  NoShifting>>(o, "no shifting");
   row<Scheme<BalancedSource,          KeepApart,            WendlandKernel, Surface,        CorrectedGradient,  SmoothWalls,  ParticleShifting, HigherOrderLaplacian>>(o, "higher-order Laplacian");
   row<Case10>(o, "case 10, PNU-MPS");
-  row<Case00>(o, "case 00, the original");
   // clang-format on
 }
 
