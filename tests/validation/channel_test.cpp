@@ -70,8 +70,8 @@ double largest_error(double radius, double depth) {
   Simulation sim{channel<Dim>(), UniformGrid<Dim>{}, mps::Flow<mps::Case10, Dim>(settings),
                  SemiImplicit{}};
   double error = 0;
+  const double dt = sim.time_step() / 4;
   for (const double scaled : {0.05, 0.1, 0.2, 0.4}) {
-    const double dt = sim.time_step() / 4;
     while (sim.time() < scaled * L * L / nu) sim.step(dt);
     for (Index i = 0; i < sim.particles().size(); ++i) {
       if (sim.particles()[mps::kind][i] != mps::Kind::fluid) continue;

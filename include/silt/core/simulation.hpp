@@ -122,6 +122,7 @@ class Simulation {
   /// The time step the interaction would choose now [s]; the last one if all particles are gone.
   /// Throws if it chooses none.
   double time_step() {
+    tell_time(interaction_, time_);
     double dt = std::numeric_limits<double>::infinity();
     if constexpr (ChoosesTimeStep<I, P>) dt = interaction_.time_step(particles_);
     // The last particle may leave a run that goes on.

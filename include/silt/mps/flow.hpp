@@ -99,7 +99,7 @@ class BasicFlow {
     const Real nu = Real(settings_.viscosity);
     particles.refresh_ghosts(velocity);
     const auto u = particles.with_ghosts(velocity);
-    if constexpr (needs_density_rate<typename Scheme::Source>()) before_.assign(u.begin(), u.end());
+    if constexpr (needs_density_rate<typename Scheme::Source>()) before_.assign(particles[velocity].begin(), particles[velocity].end());
     find_forces(particles);
     change_.resize(particles.size());
     for_each_of_fluid(particles, [&](Index i) {
@@ -136,6 +136,7 @@ class BasicFlow {
     change_.resize(particles.size());
     for_each_of_fluid(particles, [&](Index i) {
       Vec change = Vec::Zero();
+      Vec by_walls = Vec::Zero();
       around_.for_each_closer(i, reach, least, [&](Index j, const Vec& r_ij, Real r) {
         Encounter<Dim, Real> pair{.r_ij = r_ij,
                                   .r = r,
@@ -144,11 +145,16 @@ class BasicFlow {
                                   .spacing = Real(settings_.spacing),
                                   .time_step = Real(time_step)};
         if (Scheme::Walls::smooth && pair.wall) {
-          if (kinds[j] == Kind::dummy || !faces(pair, normals_[particles.owner(j)])) return;
+          const Vec& normal = normals_[particles.owner(j)];
+          if (kinds[j] == Kind::dummy || !faces(pair, normal)) return;
+          // Several particles are one wall: along each normal the largest counts.
+          const Vec impulse = model.impulse(pair);
+          by_walls += std::max(Real(0), normal.dot(impulse - by_walls)) * normal;
+          return;
         }
         change += model.impulse(pair);
       });
-      change_[i] = change;
+      change_[i] = change + by_walls;
     });
     apply_change(particles, by_.collision);
   }
@@ -254,10 +260,13 @@ class BasicFlow {
   }
   Vec force(Index i) const { return forces_.empty() ? gravity_ : forces_[i]; }
 
-  // Turns a pair with a wall particle into one along the wall's normal; false where it lies beside.
+  // Turns a pair with a wall particle into one along the wall's normal; false where it lies beside,
+  // farther than the middle between wall particles, or behind.
   bool faces(Encounter<Dim, Real>& pair, const Vec& normal) const {
     const Vec along = normal.dot(pair.r_ij) * normal;
-    if ((pair.r_ij - along).norm() > pair.spacing / 2 || along.isZero(0)) return false;
+    const Real beside2 = (pair.r_ij - along).squaredNorm();
+    if (beside2 > Real(0.2501) * (Dim - 1) * squared(pair.spacing)) return false;
+    if (!(normal.dot(pair.r_ij) < 0)) return false;
     pair.r_ij = along;
     pair.r = along.norm();
     pair.u_ij = normal.dot(pair.u_ij) * normal;
@@ -271,6 +280,14 @@ class BasicFlow {
     for_each_of_fluid(particles, [&](Index i) { u[i] += change_[i]; });
     part.swap(change_);
   }
+
+  // Values of owned particles, asked for by ghosts as well.
+  template <class P>
+  struct OfOwners {
+    const P& particles;
+    const std::vector<Vec>& values;
+    const Vec& operator[](Index j) const { return values[particles.owner(j)]; }
+  };
 
   // n_i (5), the free surface (13), (17), and who carries pressure.
   template <class P>
@@ -344,7 +361,7 @@ class BasicFlow {
       }
       if constexpr (needs_density_rate<Source>()) {
         terms.density_rate = double(density_rate(around_, stencil_, i, u));
-        terms.last_density_rate = double(density_rate(around_, stencil_, i, before_));
+        terms.last_density_rate = double(density_rate(around_, stencil_, i, OfOwners<P>{particles, before_}));
       }
       return settings_.source.value(terms);
     };
@@ -455,7 +472,7 @@ class BasicFlow {
   std::vector<Vec> forces_;    // F at each particle, where it is not gravity alone
   std::vector<std::uint8_t> at_edge_;           // see SourceTerms
   std::vector<Vec> with_forced_solids_;  // u*, that of solids being Δt F, with ghosts
-  std::vector<Vec> before_;    // u before the predictor, with ghosts
+  std::vector<Vec> before_;    // u before the predictor
   double time_ = 0;
   std::vector<Vec> change_;      // of the fluid's velocity, by the part of the step under way
   StepChanges<Vec> by_;          // by its parts so far

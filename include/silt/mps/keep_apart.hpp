@@ -30,7 +30,7 @@ struct DynamicStabilisation {
   /// Throws if the distance is not in [0, 1].
   void check() const { require_between("DynamicStabilisation: distance", distance, {0, 1}); }
 
-  /// A step brings two particles closer by less than half a spacing.
+  /// At Courant numbers up to 0.25 a step brings no two closer by more than half a spacing.
   double reach() const { return distance + 0.5; }
 
   template <int Dim, class Real>
@@ -40,7 +40,7 @@ struct DynamicStabilisation {
 };
 
 /// Parts them by as much as it takes, and by no more than a collision with restitution b would:
-/// momentum is kept, no pair gains energy, and pairs that stay apart anyway lose none.
+/// momentum is kept, no pair by itself gains energy, and pairs that stay apart anyway lose none.
 struct KeepApart {
   double distance = 0.9;     ///< least distance after the step, in spacings [-]
   double restitution = 0.2;  ///< b [-] in [0, 1]

@@ -20,9 +20,10 @@ struct GrainyWalls {
   static constexpr bool smooth = false;
 };
 
-/// Walls along which fluid slips: of its velocity against a wall particle or a dummy only the part
-/// along the wall's normal counts, in divergence and collisions. Wall particles that no fluid
-/// touches, or that lie on the free surface, take no part in the pressure.
+/// Walls along which fluid slips, but for viscosity: of its velocity against a wall particle only the
+/// part along the wall's normal counts, in divergence (where dummies count, too) and collisions.
+/// Wall particles that no fluid touches, or that lie on the free surface, take no part in the
+/// pressure. A wall has a normal if dummies lie behind it, on one side.
 struct SmoothWalls {
   static constexpr bool smooth = true;
 };
