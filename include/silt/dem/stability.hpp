@@ -11,9 +11,8 @@
 #include <silt/dem/single_contacts.hpp>
 #include <silt/dem/time_step.hpp>
 
-#include <Eigen/Core>
-
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -58,33 +57,46 @@ inline Stiffest at_most(const Stiffness& k, double effective_mass, const Lever& 
 /// bounds ω² of the whole system from above, and is exact for a single pair.
 template <int Dim, class Real>
 class FrequencyBound {
-  static constexpr int size = Dim == 2 ? 3 : 6;
-  static constexpr int turns = size - Dim;
-  using Matrix = Eigen::Matrix<double, size, size>;
+  static constexpr Index size = Dim == 2 ? 3 : 6;
+  using Matrix = std::array<std::array<double, size>, size>;
 
  public:
   void add(const Contact<Dim, Real>& contact, const Stiffness& k, const Lever& lever) {
-    const Vec<Dim, double> n = contact.normal.template cast<double>();
+    // By coefficients: expressions of whole matrices took a tenth of a program's time to compile.
+    std::array<double, Dim> n;
+    for (int a = 0; a < Dim; ++a) n[Index(a)] = double(contact.normal[a]);
     // Velocity of the contact point from that of the grain and its scaled spin w √(I/m).
-    Eigen::Matrix<double, Dim, size> motion = Eigen::Matrix<double, Dim, size>::Zero();
-    motion.template leftCols<Dim>().setIdentity();
+    std::array<std::array<double, size>, Dim> motion{};
     const double per_turn = lever.mass / lever.inertia;
     const double scaled_arm = lever.arm * std::sqrt(per_turn);
-    if constexpr (Dim == 2) {
-      motion.col(2) = scaled_arm * Vec<2, double>(n[1], -n[0]);
-    } else {
-      motion.template rightCols<3>() << 0, -n[2], n[1], n[2], 0, -n[0], -n[1], n[0], 0;
-      motion.template rightCols<3>() *= scaled_arm;
+    for (Index a = 0; a < Dim; ++a) {
+      motion[a][a] = 1;
+      if constexpr (Dim == 2) {
+        motion[a][2] = scaled_arm * (a == 0 ? n[1] : -n[0]);
+      } else {
+        motion[a][Dim + (a + 1) % 3] = -scaled_arm * n[(a + 2) % 3];
+        motion[a][Dim + (a + 2) % 3] = scaled_arm * n[(a + 1) % 3];
+      }
     }
-    using Plane = Eigen::Matrix<double, Dim, Dim>;
-    const Plane normal = n * n.transpose();
-    const Plane spring = k.normal * normal + k.tangential * (Plane::Identity() - normal);
     const double m = double(contact.effective_mass);
-    const Matrix share = motion.transpose() * spring * motion / m;
-    springs_ += share;
-    dashpots_ += k.beta * share;
-    springs_.diagonal().template tail<turns>().array() += k.rolling * per_turn / m;
-    dashpots_.diagonal().template tail<turns>().array() += k.rolling_dashpot * per_turn / m;
+    for (Index r = 0; r < size; ++r) {
+      for (Index c = 0; c < size; ++c) {
+        double share = 0;
+        for (Index a = 0; a < Dim; ++a) {
+          for (Index b = 0; b < Dim; ++b) {
+            const double spring =
+                (a == b ? k.tangential : 0) + (k.normal - k.tangential) * n[a] * n[b];
+            share += motion[a][r] * spring * motion[b][c] / m;
+          }
+        }
+        springs_[r][c] += share;
+        dashpots_[r][c] += k.beta * share;
+      }
+    }
+    for (Index r = Dim; r < size; ++r) {
+      springs_[r][r] += k.rolling * per_turn / m;
+      dashpots_[r][r] += k.rolling_dashpot * per_turn / m;
+    }
   }
 
   Stiffest stiffest() const {
@@ -94,19 +106,33 @@ class FrequencyBound {
  private:
   // From above, too large by less than 6 %: the trace of the 32nd power.
   static double largest_eigenvalue(const Matrix& matrix) {
-    const double scale = matrix.trace();
+    const double scale = trace(matrix);
     if (!(scale > 0)) return 0;
-    Matrix power = matrix / scale;
+    Matrix power = matrix;
+    for (auto& row : power) {
+      for (double& each : row) each /= scale;
+    }
     double exponent = 1;
     for (int squarings = 0; squarings < 5; ++squarings) {
-      power = Matrix(power * power);
+      Matrix square{};
+      for (Index r = 0; r < size; ++r) {
+        for (Index k = 0; k < size; ++k) {
+          for (Index c = 0; c < size; ++c) square[r][c] += power[r][k] * power[k][c];
+        }
+      }
+      power = square;
       exponent /= 2;
     }
-    return scale * std::pow(power.trace(), exponent);
+    return scale * std::pow(trace(power), exponent);
+  }
+  static double trace(const Matrix& matrix) {
+    double sum = 0;
+    for (Index k = 0; k < size; ++k) sum += matrix[k][k];
+    return sum;
   }
 
-  Matrix springs_ = Matrix::Zero();
-  Matrix dashpots_ = Matrix::Zero();
+  Matrix springs_{};
+  Matrix dashpots_{};
 };
 
 /// Share of its radius by which a grain is pressed in shortest_contact: a spring that stiffens as

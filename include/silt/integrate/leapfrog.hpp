@@ -200,11 +200,11 @@ class Leapfrog {
     const double between_half_steps = (last_time_step_ + dt) / 2;
 
     search.update(particles);
-    advance(particles, search, interaction, dt,
-            [=, damping = damping_](const Motion<P>& motion, Index i) {
-              motion.kick(i, damping, between_half_steps);
-              motion.drift(i, dt);
-            });
+    const auto kick_and_drift = [=, damping = damping_](const Motion<P>& motion, Index i) {
+      motion.kick(i, damping, between_half_steps);
+      motion.drift(i, dt);
+    };
+    advance(particles, search, interaction, dt, UpdateRange<P>(kick_and_drift));
 
     last_time_step_ = dt;
   }
@@ -214,10 +214,11 @@ class Leapfrog {
   template <class P, class S, class I>
   void synchronise(P& particles, S& search, I& interaction) {
     search.update(particles);
-    advance(particles, search, interaction, last_time_step_,
-            [dt = last_time_step_, damping = damping_](const Motion<P>& motion, Index i) {
-              motion.kick_to_the_mean(i, damping, dt);
-            });
+    const auto kick_to_the_mean = [dt = last_time_step_, damping = damping_](
+                                      const Motion<P>& motion, Index i) {
+      motion.kick_to_the_mean(i, damping, dt);
+    };
+    advance(particles, search, interaction, last_time_step_, UpdateRange<P>(kick_to_the_mean));
   }
 
   /// For a checkpoint, see core/transfer.hpp.
@@ -233,53 +234,72 @@ class Leapfrog {
   bool all_finite() const noexcept { return all_finite_; }
 
  private:
-  // Makes the forces, and then move(motion, i) for every particle; chunk by chunk, where the
-  // interaction can.
-  template <class P, class S, class I, class Move>
-  void advance(P& particles, S& search, I& interaction, double dt, Move&& move) {
-    sound_.assign(chunk_count(particles.size()), true);
-    const auto move_all_of = [&](const Motion<P>& motion, Index first, Index last) {
-      sound_[first / chunk_size] &= all_sound_after(move, motion, first, last);
+  // update(motion, i) for each of a range of particles. Its type does not depend on the update, so
+  // that the force loop, which takes long to compile, is compiled once for all of them.
+  template <class P>
+  class UpdateRange {
+   public:
+    /// The update must outlive this.
+    template <class Update>
+    explicit UpdateRange(const Update& update) : update_(&update), run_(run<Update>) {}
+    /// Updates particles [first, last); false if something of them is not finite.
+    bool operator()(const Motion<P>& motion, Index first, Index last) const {
+      return run_(update_, motion, first, last);
+    }
+
+   private:
+    // By value: copies that no store can change.
+    template <class Update>
+    [[gnu::flatten, gnu::noinline]] static bool run(const void* from, const Motion<P>& of,
+                                                    Index first, Index last) {
+      const Update update = *static_cast<const Update*>(from);
+      const Motion<P> motion = of;
+      int broken = 0;  // an int, of which g++ 12 makes lanes
+      SILT_EACH_LANE_ALONE
+      for (Index i = first; i < last; ++i) {
+        update(motion, i);
+        broken |= !motion.is_sound(i);
+      }
+      return broken == 0;
+    }
+
+    const void* update_;
+    bool (*run_)(const void*, const Motion<P>&, Index, Index);
+  };
+
+  // Evaluates the forces and then updates every particle; chunk by chunk if the interaction allows.
+  template <class P, class S, class I>
+  void advance(P& particles, S& search, I& interaction, double dt, const UpdateRange<P>& update) {
+    finite_.assign(chunk_count(particles.size()), true);
+    const auto update_range = [&](const Motion<P>& motion, Index first, Index last) {
+      finite_[first / chunk_size] &= update(motion, first, last);
     };
     if constexpr (AddsForces<I, P>) {
       prepare(interaction, particles, search, dt);
       const Motion<P> motion(particles);
       for_each_chunk_with_forces(interaction, particles, [&](Chunk chunk) {
-        constexpr Index block = 64;  // what stays at hand between the two
+        constexpr Index block = 64;  // stays in cache between the two loops
         for (Index first = chunk.first; first < chunk.last; first += block) {
           const Index last = std::min(first + block, chunk.last);
           clear(particles, first, last);
           for (Index i = first; i < last; ++i) std::as_const(interaction).add_forces(particles, i);
-          if (!motion.is_in_place()) move_all_of(motion, first, last);
+          if (!motion.is_in_place()) update_range(motion, first, last);
         }
       });
       conclude(interaction, particles, dt);
       if (motion.is_in_place()) {
         for_each_chunk(particles.size(),
-                       [&](Chunk chunk) { move_all_of(motion, chunk.first, chunk.last); });
+                       [&](Chunk chunk) { update_range(motion, chunk.first, chunk.last); });
       }
     } else {
       clear(particles);
       interaction.accelerate(particles, search, dt);
       const Motion<P> motion(particles);
       for_each_chunk(particles.size(),
-                     [&](Chunk chunk) { move_all_of(motion, chunk.first, chunk.last); });
+                     [&](Chunk chunk) { update_range(motion, chunk.first, chunk.last); });
     }
     particles.arrive();
-    all_finite_ = std::all_of(sound_.begin(), sound_.end(), [](char sound) { return sound; });
-  }
-
-  // Moves particles [first, last). By value: copies that no store can change.
-  template <class Move, class M>
-  [[gnu::flatten, gnu::noinline]] static bool all_sound_after(const Move move, const M motion,
-                                                              Index first, Index last) {
-    int broken = 0;  // an int, of which g++ 12 makes lanes
-    SILT_EACH_LANE_ALONE
-    for (Index i = first; i < last; ++i) {
-      move(motion, i);
-      broken |= !motion.is_sound(i);
-    }
-    return broken == 0;
+    all_finite_ = std::all_of(finite_.begin(), finite_.end(), [](char finite) { return finite; });
   }
 
   // v^0 → v^{−½}, so that v^0 is the mean of its two half steps.
@@ -289,17 +309,17 @@ class Leapfrog {
     started_ = true;
     I trial = interaction;  // what contacts remember must not grow by a step that is not made
     search.update(particles);
-    advance(particles, search, trial, dt,
-            [=, damping = damping_](const Motion<P>& motion, Index i) {
-              motion.step_back(i, damping, dt);
-            });
+    const auto step_back = [=, damping = damping_](const Motion<P>& motion, Index i) {
+      motion.step_back(i, damping, dt);
+    };
+    advance(particles, search, trial, dt, UpdateRange<P>(step_back));
   }
 
   D damping_{};
   bool started_ = false;
   bool all_finite_ = false;
   double last_time_step_ = 0;
-  std::vector<char> sound_;  // by chunk
+  std::vector<char> finite_;  // by chunk
 };
 
 }  // namespace silt

@@ -18,10 +18,13 @@
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
+#include <numeric>
 #include <span>
 #include <string>
+#include <string_view>
 #include <type_traits>
 #include <utility>
+#include <vector>
 
 namespace silt {
 
@@ -41,35 +44,62 @@ constexpr const char* vtk_type() {
   }
 }
 
+namespace detail {
+
+/// Numbers to be written: `count` values of `size` bytes each, `stride` bytes apart.
+struct VtkValues {
+  const void* first;
+  Index count;
+  Index size;
+  Index stride;
+};
+
+/// The appended arrays of a VTK file. Not a template over the type of the numbers, since compiling
+/// it for every field takes longer than copying bytes costs.
+class VtkArrays {
+ public:
+  /// Appends the values, filled up with zeros to `width` bytes each, and returns the XML that
+  /// describes them.
+  std::string add(std::string_view type, std::string_view name, int components,
+                  const VtkValues& values, Index width) {
+    std::string xml = "<DataArray type=\"" + std::string(type) + "\" Name=\"" + std::string(name) +
+                      "\" NumberOfComponents=\"" + std::to_string(components) +
+                      "\" format=\"appended\" offset=\"" + std::to_string(bytes_.size()) + "\"/>\n";
+    const std::uint64_t length = values.count * width;
+    const Index begin = bytes_.size() + sizeof length;
+    bytes_.resize(begin + length);
+    char* const to = bytes_.data() + begin;
+    std::memcpy(to - sizeof length, &length, sizeof length);
+    const auto* const from = static_cast<const char*>(values.first);
+    for_each_chunk(values.count, [=](Chunk chunk) {
+      for (Index i = chunk.first; i < chunk.last; ++i) {
+        std::memcpy(to + i * width, from + i * values.stride, values.size);
+      }
+    });
+    return xml;
+  }
+  template <class Number>
+  std::string add(std::string_view name, std::span<const Number> values) {
+    return add(vtk_type<Number>(), name, 1,
+               {values.data(), values.size(), sizeof(Number), sizeof(Number)}, sizeof(Number));
+  }
+
+  const std::string& bytes() const noexcept { return bytes_; }
+
+ private:
+  std::string bytes_;
+};
+
+}  // namespace detail
+
 /// One frame as the bytes of a .vtu file: positions as points; every other column of numbers or
-/// vectors, and the ids, as point data under name_of<F>(). Vectors of the plane get a third
+/// vectors, and the ids, as point data named name_of<F>(). Vectors in 2D get a third
 /// component 0. Columns of other types are left out. The same bits for the same particles.
 template <class P>
 std::string vtk_frame(const P& particles) {
   const Index n = particles.size();
-  std::string points, point_data, arrays;
-
-  // Adds n × components numbers, value(i, k) each, and returns the XML that describes them.
-  const auto add = [&]<class Number>(Number, std::string_view name, int components, Index count,
-                                     auto&& value) {
-    std::string xml = "<DataArray type=\"" + std::string(vtk_type<Number>()) + "\" Name=\"" +
-                      std::string(name) + "\" NumberOfComponents=\"" + std::to_string(components) +
-                      "\" format=\"appended\" offset=\"" + std::to_string(arrays.size()) +
-                      "\"/>\n";
-    const auto width = static_cast<Index>(components);
-    const std::uint64_t bytes = count * width * sizeof(Number);
-    const Index begin = arrays.size() + sizeof bytes;
-    arrays.resize(begin + bytes);
-    std::memcpy(arrays.data() + begin - sizeof bytes, &bytes, sizeof bytes);
-    for_each(count, [&](Index i) {
-      for (int k = 0; k < components; ++k) {
-        const Number number = value(i, k);
-        const Index place = i * width + static_cast<Index>(k);
-        std::memcpy(arrays.data() + begin + place * sizeof number, &number, sizeof number);
-      }
-    });
-    return xml;
-  };
+  std::string points, point_data;
+  detail::VtkArrays arrays;
 
   particles.for_each_field([&]<class Values, class F>(const Values& values, F) {
     using Value = typename Values::value_type;
@@ -77,23 +107,24 @@ std::string vtk_frame(const P& particles) {
       using Number = typename Value::Scalar;
       constexpr int size = Value::SizeAtCompileTime;
       if constexpr (size > 0 && vtk_type<Number>() != nullptr) {
+        constexpr int components = size == 2 ? 3 : size;
         auto& xml = std::same_as<F, position_t> ? points : point_data;
-        xml += add(Number{}, name_of<F>(), size == 2 ? 3 : size, n, [&](Index i, int k) {
-          return k < size ? values[i][k] : Number(0);
-        });
+        xml += arrays.add(vtk_type<Number>(), name_of<F>(), components,
+                          {values.data(), n, size * sizeof(Number), sizeof(Value)},
+                          components * sizeof(Number));
       }
     } else if constexpr (vtk_type<Value>() != nullptr) {
-      point_data += add(Value{}, name_of<F>(), 1, n, [&](Index i, int) { return values[i]; });
+      point_data += arrays.add(name_of<F>(), std::span<const Value>(values));
     }
   });
-  point_data += add(Id{}, "id", 1, n, [&](Index i, int) { return particles.id(i); });
-  using Integer = std::int64_t;
-  std::string cells = add(Integer{}, "connectivity", 1, n,
-                          [](Index i, int) { return static_cast<Integer>(i); });
-  cells += add(Integer{}, "offsets", 1, n,
-               [](Index i, int) { return static_cast<Integer>(i + 1); });
-  using Byte = std::uint8_t;
-  cells += add(Byte{}, "types", 1, n, [](Index, int) { return Byte(1); });  // VTK_VERTEX
+  point_data += arrays.add("id", particles.ids());
+  std::vector<std::int64_t> numbers(n);
+  std::iota(numbers.begin(), numbers.end(), std::int64_t{0});
+  std::string cells = arrays.add("connectivity", std::span<const std::int64_t>(numbers));
+  for (std::int64_t& number : numbers) ++number;
+  cells += arrays.add("offsets", std::span<const std::int64_t>(numbers));
+  const std::vector<std::uint8_t> vertices(n, 1);  // VTK_VERTEX
+  cells += arrays.add("types", std::span<const std::uint8_t>(vertices));
 
   const std::string order =
       std::endian::native == std::endian::little ? "LittleEndian" : "BigEndian";
@@ -103,7 +134,7 @@ std::string vtk_frame(const P& particles) {
          "\" header_type=\"UInt64\">\n<UnstructuredGrid>\n<Piece NumberOfPoints=\"" + count +
          "\" NumberOfCells=\"" + count + "\">\n<Points>\n" + points + "</Points>\n<Cells>\n" +
          cells + "</Cells>\n<PointData>\n" + point_data + "</PointData>\n</Piece>\n"
-         "</UnstructuredGrid>\n<AppendedData encoding=\"raw\">\n_" + arrays +
+         "</UnstructuredGrid>\n<AppendedData encoding=\"raw\">\n_" + arrays.bytes() +
          "\n</AppendedData>\n</VTKFile>\n";
 }
 
