@@ -61,14 +61,14 @@ Vec<3, Real> cross(const Vec<3, Real>& spin, const Vec<3, Real>& arm) {
 
 /// A v. Eigen's own product of matrices is made of fused multiply-adds where the processor has them,
 /// whatever the compiler is told, and then differs in its last bits.
-template <class Real>
-Vec<2, Real> multiply(const Eigen::Matrix<Real, 2, 2>& A, const Vec<2, Real>& v) {
-  return {A(0, 0) * v[0] + A(0, 1) * v[1], A(1, 0) * v[0] + A(1, 1) * v[1]};
-}
-template <class Real>
-Vec<3, Real> multiply(const Eigen::Matrix<Real, 3, 3>& A, const Vec<3, Real>& v) {
-  const auto row = [&](int k) { return A(k, 0) * v[0] + (A(k, 1) * v[1] + A(k, 2) * v[2]); };
-  return {row(0), row(1), row(2)};
+template <int Dim, class Real>
+Vec<Dim, Real> multiply(const Eigen::Matrix<Real, Dim, Dim>& A, const Vec<Dim, Real>& v) {
+  if constexpr (Dim == 2) {
+    return {A(0, 0) * v[0] + A(0, 1) * v[1], A(1, 0) * v[0] + A(1, 1) * v[1]};
+  } else {
+    const auto row = [&](int k) { return A(k, 0) * v[0] + (A(k, 1) * v[1] + A(k, 2) * v[2]); };
+    return {row(0), row(1), row(2)};
+  }
 }
 
 /// Whole part of a count that comes from times. They are sums of time steps: a rounding must not

@@ -22,7 +22,7 @@ struct Pose {
 
   Vec<Dim, Real> x_of(const Vec<Dim, Real>& X) const { return multiply(rotation, X) + shift; }
   Vec<Dim, Real> X_of(const Vec<Dim, Real>& x) const {
-    return multiply<Real>(rotation.transpose(), x - shift);
+    return multiply<Dim, Real>(rotation.transpose(), x - shift);
   }
 };
 
