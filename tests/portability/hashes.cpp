@@ -70,7 +70,7 @@ void tower() {
                                .tangential_stiffness = 5e5,
                                .restitution = 0.5,
                                .friction_angle = 0.46};
-  const dem::Moving paddle{dem::Segment{Vec<2>{0.12, 0.05}, Vec<2>{0.3, 0.05}},
+  const dem::Moving paddle{dem::Segment<double>{{0.12, 0.05}, {0.3, 0.05}},
                            dem::Rotation<2>{.about = {0.3, 0.05}, .spin = -5}};
   run("tower", Simulation{discs, UniformGrid<2>{},
                           Forces{Gravity<2>{{0, -9.81}},
