@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Eigen's vectors and matrices, without the warnings that compilers give for Eigen's own code where
-// its folder is not a system folder and the processor has AVX.
+// the processor has AVX: unused variables if Eigen's folder is not a system folder, and, of g++ 12,
+// false alarms about the intrinsics of AVX-512.
 #pragma once
 
 #if defined(__GNUC__)
@@ -8,6 +9,8 @@
 #pragma GCC diagnostic ignored "-Wunused-variable"
 #if defined(__clang__)
 #pragma GCC diagnostic ignored "-Wc99-extensions"
+#else
+#pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
 #endif
 #endif
 #include <Eigen/Core>
