@@ -51,7 +51,7 @@ void run(const char* name, Simulation simulation, int steps) {
   hash.add(simulation.time());
   for (Id id = 0; id < particles.size(); ++id) {
     const Index i = particles.index_of(id);
-    if (i == nowhere) continue;
+    if (i == no_index) continue;
     hash.add(particles[position][i]);
     hash.add(particles[velocity][i]);
     if constexpr (decltype(particles)::template has<spin_t>) hash.add(particles[spin][i]);
