@@ -3,9 +3,8 @@
 // function that throws it. Nothing in the library prints or ends the process.
 #pragma once
 
+#include <silt/core/eigen.hpp>
 #include <silt/core/types.hpp>
-
-#include <Eigen/Core>
 
 #include <bit>
 #include <cmath>

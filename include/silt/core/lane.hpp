@@ -7,10 +7,9 @@
 // that it does not know: a Lane<double> is a double by another name.
 #pragma once
 
+#include <silt/core/eigen.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/types.hpp>
-
-#include <Eigen/Core>
 
 #include <cmath>
 #include <concepts>

@@ -14,6 +14,10 @@
 // AVX-512 can also compress straight to memory, which took 27 ns on an AMD EPYC: hence the
 // register, stored whole.
 //
+// No function here fuses a multiplication and an addition, and none sums over the lanes of a
+// register: results are the same bits for every width of registers, if the compiler fuses none
+// either (-ffp-contract=off).
+//
 // SILT_NO_INTRINSICS takes the portable path everywhere, for tests.
 #pragma once
 
@@ -91,23 +95,6 @@ Pack<T, N> abs(const Pack<T, N>& a) {
   return (Pack<T, N>)((Pack<Bits, N>)a & ~(Bits{1} << (8 * sizeof(T) - 1)));
 }
 
-/// a b + c, rounded once or twice.
-template <class T, int N = lanes<T>>
-Pack<T, N> multiply_add(const Pack<T, N>& a, const Pack<T, N>& b, const Pack<T, N>& c) {
-#if defined(SILT_AVX512)
-  if constexpr (std::is_same_v<T, float> && N == 16) {
-    return (Pack<T, N>)_mm512_fmadd_ps((__m512)a, (__m512)b, (__m512)c);
-  } else if constexpr (std::is_same_v<T, double> && N == 8) {
-    return (Pack<T, N>)_mm512_fmadd_pd((__m512d)a, (__m512d)b, (__m512d)c);
-  } else if constexpr (std::is_same_v<T, float> && N == 8) {
-    return (Pack<T, N>)_mm256_fmadd_ps((__m256)a, (__m256)b, (__m256)c);
-  } else
-#endif
-  {
-    return a * b + c;
-  }
-}
-
 /// √a.
 template <class T, int N = lanes<T>>
 Pack<T, N> square_root(const Pack<T, N>& a) {
@@ -140,10 +127,7 @@ Pack<std::uint32_t, N> count_from(Index from) {
 
 /// sum += a x in four lanes. (Of the compilers' own conversion g++ 12 makes two halves.)
 inline void add_products(const float* a, const double* x, Pack<double, 4>& sum) {
-#if defined(SILT_AVX512)
-  sum = (Pack<double, 4>)_mm256_fmadd_pd(_mm256_cvtps_pd(_mm_loadu_ps(a)), _mm256_loadu_pd(x),
-                                         (__m256d)sum);
-#elif defined(SILT_AVX2)
+#if defined(SILT_AVX512) || defined(SILT_AVX2)
   sum += (Pack<double, 4>)_mm256_cvtps_pd(_mm_loadu_ps(a)) * (Pack<double, 4>)_mm256_loadu_pd(x);
 #else
   for (int k = 0; k < 4; ++k) sum[k] += double(a[k]) * x[k];
@@ -281,7 +265,7 @@ std::uint32_t* compress_near(const std::array<const Real*, Dim>& x, Index first,
     Pack<Real, N> r2 = d0 * d0;
     for (std::size_t k = 1; k < Dim; ++k) {
       const Pack<Real, N> d = load<Real, N>(from[k] + s) - middle[k].x;
-      r2 = multiply_add<Real, N>(d, d, r2);
+      r2 += d * d;
     }
     const Pack<std::uint32_t, N> items = item(s);
     const Mask near = less<Real, N>(r2, limit) & first_lanes<N>(last - s);

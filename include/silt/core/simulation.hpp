@@ -197,13 +197,14 @@ class Simulation {
     const auto outputs_at = [&](double time) {
       return run.output_every > 0 ? completed_intervals(time / run.output_every) : 0;
     };
+    const double given_step = run.time_step.value_or(0);
     const double end = run.until * (1 - 1e-12);
     observe();
     Index outputs = outputs_at(time_);
     bool observed = true;
     while (time_ < end) {
       (before_step(observers), ...);
-      step(run.time_step ? *run.time_step : time_step());
+      step(given_step > 0 ? given_step : time_step());
       (after_step(observers), ...);
       observed = outputs_at(time_) > outputs;
       if (observed) {

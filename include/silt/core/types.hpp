@@ -2,7 +2,7 @@
 // The words every other header speaks: vectors, spins, indices, ids.
 #pragma once
 
-#include <Eigen/Core>
+#include <silt/core/eigen.hpp>
 
 #include <cstddef>
 #include <cstdint>
@@ -53,6 +53,18 @@ Vec<3, Real> cross(const Vec<3, Real>& arm, const Vec<3, Real>& force) {
 template <class Real>
 Vec<2, Real> cross(Real spin, const Vec<2, Real>& arm) {
   return {-spin * arm[1], spin * arm[0]};
+}
+
+/// A v. Eigen's own product of matrices is made of fused multiply-adds where the processor has them,
+/// whatever the compiler is told, and then differs in its last bits.
+template <int Dim, class Real>
+Vec<Dim, Real> multiply(const Eigen::Matrix<Real, Dim, Dim>& A, const Vec<Dim, Real>& v) {
+  if constexpr (Dim == 2) {
+    return {A(0, 0) * v[0] + A(0, 1) * v[1], A(1, 0) * v[0] + A(1, 1) * v[1]};
+  } else {
+    const auto row = [&](int k) { return A(k, 0) * v[0] + (A(k, 1) * v[1] + A(k, 2) * v[2]); };
+    return {row(0), row(1), row(2)};
+  }
 }
 
 /// Whole part of a count that comes from times. They are sums of time steps: a rounding must not

@@ -136,13 +136,13 @@ struct SmallestTurn {
 /// A vector turned by an angle, about its axis in 3D.
 template <class Real>
 Vec<2, Real> turned_by(Real angle, const Vec<2, Real>& v) {
-  return Eigen::Rotation2D<Real>(angle) * v;
+  return multiply(Eigen::Rotation2D<Real>(angle).toRotationMatrix(), v);
 }
 template <class Real>
 Vec<3, Real> turned_by(const Vec<3, Real>& angle, const Vec<3, Real>& v) {
   const Real size = angle.norm();
   if (!(size > 0)) return v;
-  return Eigen::AngleAxis<Real>(size, angle / size) * v;
+  return multiply(Eigen::AngleAxis<Real>(size, angle / size).toRotationMatrix(), v);
 }
 /// In the plane, a turn stays what it is.
 template <class Real>

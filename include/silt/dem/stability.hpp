@@ -62,7 +62,8 @@ class FrequencyBound {
 
  public:
   void add(const Contact<Dim, Real>& contact, const Stiffness& k, const Lever& lever) {
-    // By coefficients: expressions of whole matrices took a tenth of a program's time to compile.
+    // By coefficients: Eigen's products take long to compile, and are made of fused multiply-adds
+    // where the processor has them.
     std::array<double, Dim> n;
     for (int a = 0; a < Dim; ++a) n[Index(a)] = double(contact.normal[a]);
     // Velocity of the contact point from that of the grain and its scaled spin w √(I/m).

@@ -10,11 +10,10 @@
 #pragma once
 
 #include <silt/core/box.hpp>
+#include <silt/core/eigen.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/fields.hpp>
 #include <silt/core/types.hpp>
-
-#include <Eigen/Core>
 
 #include <algorithm>
 #include <cstddef>

@@ -20,8 +20,10 @@ struct Pose {
   Eigen::Matrix<Real, Dim, Dim> rotation = Eigen::Matrix<Real, Dim, Dim>::Identity();
   Vec<Dim, Real> shift = Vec<Dim, Real>::Zero();  ///< [m]
 
-  Vec<Dim, Real> x_of(const Vec<Dim, Real>& X) const { return rotation * X + shift; }
-  Vec<Dim, Real> X_of(const Vec<Dim, Real>& x) const { return rotation.transpose() * (x - shift); }
+  Vec<Dim, Real> x_of(const Vec<Dim, Real>& X) const { return multiply(rotation, X) + shift; }
+  Vec<Dim, Real> X_of(const Vec<Dim, Real>& x) const {
+    return multiply<Dim, Real>(rotation.transpose(), x - shift);
+  }
 };
 
 /// How a body moves: v(x) = linear + spin × (x − about).
@@ -81,7 +83,7 @@ struct Rotation {
                             .template cast<Real>();
       }
     }
-    pose.shift = about - pose.rotation * about;
+    pose.shift = about - multiply(pose.rotation, about);
     return pose;
   }
   RigidVelocity<Dim, Real> velocity_at(double) const { return {.spin = spin, .about = about}; }

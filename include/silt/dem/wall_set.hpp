@@ -76,7 +76,7 @@ class WallThen<Moving<W, M>, Dim, Real> {
         velocity_(moving.motion.velocity_at(times.velocities)) {}
   NearestPoint<Dim, Real> nearest(Index part, const Vec<Dim, Real>& x) const {
     auto at = nearest_on<W, Dim, Real>(wall_, part, pose_.X_of(x));
-    at.normal = Vec<Dim, Real>(pose_.rotation * at.normal);
+    at.normal = multiply(pose_.rotation, at.normal);
     return at;
   }
   template <class F>

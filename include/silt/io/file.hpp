@@ -16,6 +16,10 @@
 #include <string_view>
 #include <system_error>
 
+#if !defined(__cpp_lib_to_chars)
+#include <silt/io/number_by_strtod.hpp>
+#endif
+
 namespace silt::file {
 
 struct Close {
@@ -96,11 +100,15 @@ std::string digits(Number value) {
 /// The number that a text is, with or without its sign; none if it is anything else, or more.
 inline std::optional<double> number(std::string_view text) {
   if (text.starts_with('+') && !text.starts_with("+-")) text.remove_prefix(1);
+#if defined(__cpp_lib_to_chars)
   double value = 0;
   const char* const end = text.data() + text.size();
   const auto read = std::from_chars(text.data(), end, value);
   if (read.ec != std::errc{} || read.ptr != end) return std::nullopt;
   return value;
+#else
+  return detail::number_by_strtod(text);
+#endif
 }
 
 }  // namespace silt::file

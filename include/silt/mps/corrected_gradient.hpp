@@ -30,7 +30,7 @@ struct CorrectedGradient {
     moments *= scale;
     sum *= scale;
     if (!(moments.determinant() > Real(least_determinant))) return sum;
-    return moments.inverse() * sum;
+    return multiply<T::dimension, Real>(moments.inverse(), sum);
   }
 };
 

@@ -71,7 +71,7 @@ class BinSort {
         start_[bin] = static_cast<std::uint32_t>(i);
       }
     });
-    std::fill(start_.begin() + (n == 0 ? 0 : std::ptrdiff_t{bin_[n - 1]} + 1),
+    std::fill(start_.begin() + (n == 0 ? 0 : static_cast<std::ptrdiff_t>(bin_[n - 1]) + 1),
               start_.begin() + static_cast<std::ptrdiff_t>(bins) + 1, static_cast<std::uint32_t>(n));
   }
 

@@ -128,7 +128,7 @@ class SharedCandidates {
         at[k].x = relative(x[k] + s, origin[k]);
         const Lanes away = simd::abs<float, lanes>(at[k].x) - half[k];
         const Lanes beyond = away > 0 ? away : Lanes{};
-        r2 = simd::multiply_add<float, lanes>(beyond, beyond, r2);
+        r2 += beyond * beyond;
       }
       const simd::Mask close =
           simd::less<float, lanes>(r2, limit) & simd::first_lanes<lanes>(last - s);

@@ -18,6 +18,7 @@
 // the other, so that V is symmetric. The same bits for any number of threads.
 #pragma once
 
+#include <silt/core/eigen.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/linear_system.hpp>
 #include <silt/core/parallel.hpp>
@@ -26,9 +27,6 @@
 #include <silt/solve/cell_coarsening.hpp>
 #include <silt/solve/cell_interpolation.hpp>
 #include <silt/solve/cell_level.hpp>
-
-#include <Eigen/Cholesky>
-#include <Eigen/Core>
 
 #include <array>
 #include <cmath>
@@ -177,17 +175,40 @@ class CellMultigrid {
         A(row, static_cast<Eigen::Index>(other)) -= double(conductance);
       }
     }
-    const SmallMatrix<double> inverse = A.llt().solve(SmallMatrix<double>::Identity(n, n));
-    coarsest_inverse_ = inverse.template cast<float>();
+    invert(A);
+    coarsest_inverse_ = A.template cast<float>();
+  }
+
+  // Gauss–Jordan elimination of a symmetric, positive definite matrix, which needs no pivoting. The
+  // products of Eigen would be fused multiply-adds where the processor has them.
+  static void invert(SmallMatrix<double>& A) {
+    const Eigen::Index n = A.rows();
+    for (Eigen::Index k = 0; k < n; ++k) {
+      const double pivot = A(k, k);
+      A(k, k) = 1;
+      for (Eigen::Index i = 0; i < n; ++i) A(i, k) /= pivot;
+      for (Eigen::Index j = 0; j < n; ++j) {
+        if (j == k) continue;
+        const double factor = A(k, j);
+        A(k, j) = 0;
+        for (Eigen::Index i = 0; i < n; ++i) A(i, j) -= A(i, k) * factor;
+      }
+    }
+  }
+
+  void solve_coarsest(const std::vector<float>& b, std::vector<float>& x) const {
+    std::fill(x.begin(), x.end(), 0.0f);
+    for (Index j = 0; j < b.size(); ++j) {
+      const float* const column = coarsest_inverse_.col(static_cast<Eigen::Index>(j)).data();
+      for (Index i = 0; i < x.size(); ++i) x[i] += column[i] * b[j];
+    }
   }
 
   void cycle(Index l) {
     Level& level = levels_[l];
     const bool is_coarsest = l + 1 == used_;
     if (is_coarsest && is_solved_directly(level)) {
-      const auto n = static_cast<Eigen::Index>(level.size());
-      Eigen::Map<Eigen::VectorXf>(level.x.data(), n).noalias() =
-          coarsest_inverse_ * Eigen::Map<const Eigen::VectorXf>(level.b.data(), n);
+      solve_coarsest(level.b, level.x);
       return;
     }
     std::fill(level.x.begin(), level.x.end(), 0.0f);

@@ -3,13 +3,13 @@
 // equations, to hold one's own against. Its iterations grow with the number of unknowns.
 #pragma once
 
+#include <silt/core/eigen.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/linear_system.hpp>
 #include <silt/core/types.hpp>
 #include <silt/solve/incomplete_cholesky.hpp>
 #include <silt/solve/solve_settings.hpp>
 
-#include <Eigen/Core>
 #include <Eigen/IterativeLinearSolvers>
 #include <Eigen/SparseCore>
 

@@ -1,0 +1,148 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""Compiles the library as users do who have other compilers and processors.
+
+    check.py headers VARIANT INCLUDE...         every header, in one source file
+    check.py warnings VARIANT INCLUDE...        the quickstarts, which must compile without a warning
+    check.py hashes VARIANT INCLUDE...          hashes.cpp, which must print hashes.txt
+
+The first INCLUDE is the library's folder of headers, the others are Eigen's. A VARIANT is named in
+VARIANTS. Where its compiler is missing, the exit code is 77 after a sentence that says so.
+"""
+
+import pathlib
+import shutil
+import subprocess
+import sys
+import tempfile
+
+HERE = pathlib.Path(__file__).resolve().parent
+SKIPPED = 77
+
+# What a user gives, beside the include folders.
+FLAGS = ["-std=c++20", "-O3", "-ffp-contract=off", "-Wall", "-Wextra", "-Wpedantic", "-Werror"]
+# On processors with AVX10, clang 19 warns of what -march=native gives, even for an empty file.
+CLANG19 = ["clang++-19", "-Wno-invalid-feature-combination"]
+WASM = ["clang++-19", "--target=wasm32-wasi", "-stdlib=libc++"]
+LIBCXX = [*CLANG19, "-stdlib=libc++"]
+# Compiler, and the processor as it is named to -march; "" is the compiler's default, "widest" the
+# last of NEEDED that this processor is.
+VARIANTS = {
+    "gcc": (["g++"], ""),
+    "gcc_widest": (["g++"], "widest"),
+    "gcc_v3": (["g++"], "x86-64-v3"),
+    "gcc_v4": (["g++"], "x86-64-v4"),
+    "gcc_native": (["g++"], "native"),
+    "clang14_v3": (["clang++-14"], "x86-64-v3"),
+    "clang14_v4": (["clang++-14"], "x86-64-v4"),
+    "clang14_native": (["clang++-14"], "native"),
+    "clang19_v4": (CLANG19, "x86-64-v4"),
+    "clang19_native": (CLANG19, "native"),
+    "clang19_libcxx": (LIBCXX, ""),
+    "clang19_libcxx_native": (LIBCXX, "native"),
+    "wasm32": (WASM, ""),
+}
+
+# What a processor must have for programs of an -march.
+NEEDED = {
+    "x86-64-v3": {"avx2", "bmi2", "fma"},
+    "x86-64-v4": {"avx2", "bmi2", "fma", "avx512f", "avx512bw", "avx512cd", "avx512dq", "avx512vl"},
+}
+# Headers of files, which wasm32 has not, and of optional packages.
+FOR_FILES = {"archive", "checkpoint", "csv", "file", "particle_csv", "stl", "vtk"}
+OPTIONAL = {"solve/hypre.hpp"}
+
+
+def skip(sentence):
+    print(sentence)
+    sys.exit(SKIPPED)
+
+
+def run(command):
+    """Prints what the command says, and ends the test if it fails."""
+    print(" ".join(map(str, command)), flush=True)
+    if subprocess.run(command, check=False).returncode != 0:
+        sys.exit(1)
+
+
+def runs_here(processor):
+    if processor not in NEEDED:
+        return True
+    info = pathlib.Path("/proc/cpuinfo")
+    words = set(info.read_text(encoding="utf-8").split()) if info.exists() else set()
+    return NEEDED[processor] <= words
+
+
+def compiler_of(variant, includes, eigen="-I"):
+    """The command, with the include folders as users give them, Eigen's by the option `eigen`."""
+    command, processor = VARIANTS[variant]
+    if processor == "widest":
+        processor = ([""] + [name for name in NEEDED if runs_here(name)])[-1]
+    if not shutil.which(command[0]):
+        skip(f"{command[0]} is not installed")
+    command = [*command, *([f"-march={processor}"] if processor else [])]
+    command += [f"-I{includes[0]}"] + [f"{eigen}{folder}" for folder in includes[1:]]
+    accepted = subprocess.run(
+        [*command, "-std=c++20", "-fsyntax-only", "-x", "c++", "-"],
+        input="#include <vector>\n", text=True, capture_output=True, check=False)
+    if accepted.returncode != 0:
+        skip(f"{' '.join(VARIANTS[variant][0])} has no standard library here, or does not know "
+             f"-march={processor}")
+    return command, processor
+
+
+def check_headers(variant, includes, _):
+    command, _ = compiler_of(variant, includes, eigen="-isystem")
+    folder = pathlib.Path(includes[0], "silt")
+    headers = {path.relative_to(folder).as_posix() for path in folder.rglob("*.hpp")} - OPTIONAL
+    if command[: len(WASM)] == WASM:
+        headers -= {f"io/{name}.hpp" for name in FOR_FILES}
+        command += ["-fwasm-exceptions"]
+    assert len(headers) > 100, headers
+    source = "".join(f"#include <silt/{name}>\n" for name in sorted(headers))
+    command += ["-std=c++20", "-fsyntax-only", "-Wall", "-Wextra", "-Wpedantic", "-Werror"]
+    print(" ".join(command), f"on {len(headers)} headers", flush=True)
+    return subprocess.run([*command, "-x", "c++", "-"], input=source, text=True,
+                          check=False).returncode == 0
+
+
+def check_warnings(variant, includes, scratch):
+    command, _ = compiler_of(variant, includes)
+    for quickstart in sorted((HERE.parents[1] / "examples").glob("quickstart_*.cpp")):
+        run([*command, *FLAGS, "-c", quickstart, "-o", scratch / "quickstart.o"])
+    return True
+
+
+def check_hashes(variant, includes, scratch):
+    command, processor = compiler_of(variant, includes)
+    program = scratch / "hashes"
+    start = [program]
+    if command[: len(WASM)] == WASM:
+        # Debian's libc++abi has no exceptions for wasm32; hashes.cpp throws none.
+        command += ["-fignore-exceptions", "-Wl,-z,stack-size=1048576"]
+        if not shutil.which("node"):
+            skip("node is not installed, which runs WebAssembly")
+        start = ["node", "--no-warnings", "--experimental-wasi-unstable-preview1",
+                 HERE / "run_wasm.mjs", program]
+    run([*command, *FLAGS, HERE / "hashes.cpp", "-o", program])
+    if not runs_here(processor):
+        skip(f"compiled, but not run: this processor does not run programs for {processor}")
+    found = subprocess.run(start, capture_output=True, text=True, check=True).stdout
+    expected = (HERE / "hashes.txt").read_text(encoding="utf-8")
+    print(found, end="")
+    if found != expected:
+        print(f"but hashes.txt says\n{expected}", end="")
+    return found == expected
+
+
+def main(arguments):
+    checks = {"headers": check_headers, "warnings": check_warnings, "hashes": check_hashes}
+    if len(arguments) < 3 or arguments[0] not in checks or arguments[1] not in VARIANTS:
+        sys.exit(__doc__)
+    with tempfile.TemporaryDirectory() as scratch:
+        if not checks[arguments[0]](arguments[1], arguments[2:], pathlib.Path(scratch)):
+            sys.exit(1)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
