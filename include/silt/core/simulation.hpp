@@ -142,6 +142,8 @@ class Simulation {
   /// stability, if the step made something that is not finite, if a particle left a box that
   /// refuses it, or if a solve failed; the simulation is then as it was before.
   void step(double dt) {
+    detail::Team team(thread_choice_, particles_.size());
+    team.begin_step();
     try {
       require_positive("Simulation: time_step", dt);
       prepare();
@@ -166,6 +168,7 @@ class Simulation {
     time_ += dt;
     ++steps_;
     last_time_step_ = dt;
+    team.end_step();
   }
 
   /// Steps while time() < until. Observers are called with the simulation at the beginning, at the
@@ -202,6 +205,7 @@ class Simulation {
     Index outputs = outputs_at(time_);
     bool observed = true;
     while (time_ < end) {
+      const detail::Team team(thread_choice_, particles_.size());  // of the observers, too
       (before_step(observers), ...);
       step(run.time_step ? *run.time_step : time_step());
       (after_step(observers), ...);
@@ -320,6 +324,7 @@ class Simulation {
   std::uint64_t particles_lost_ = 0;
   double time_ = 0;
   double last_time_step_ = 0;
+  detail::ThreadChoice thread_choice_;
 };
 
 }  // namespace silt
