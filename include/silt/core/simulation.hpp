@@ -52,6 +52,7 @@ class Simulation {
         interaction_(std::move(interaction)),
         integrator_(std::move(integrator)),
         radius_is_ours_(!(search_.radius() > 0)) {
+    const detail::Team team(thread_choice_, particles_.size());
     prepare();
     sort();
     search_.update(particles_);
@@ -122,6 +123,7 @@ class Simulation {
   /// The time step the interaction would choose now [s]; the last one if all particles are gone.
   /// Throws if it chooses none.
   double time_step() {
+    const detail::Team team(thread_choice_, particles_.size());
     tell_time(interaction_, time_);
     double dt = std::numeric_limits<double>::infinity();
     if constexpr (ChoosesTimeStep<I, P>) dt = interaction_.time_step(particles_);
