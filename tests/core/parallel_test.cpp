@@ -183,7 +183,7 @@ TEST_F(AutomaticThreads, AreNoMoreThanAStepHasChunks) {
   });
 }
 
-TEST_F(AutomaticThreads, AreOneAfterTheLimitOfAStep) {
+TEST_F(AutomaticThreads, AreOneBeyondTheLimitOfAStep) {
   run([](int) {
     detail::ThreadChoice fast = all_threads();
     detail::Team team(fast, many);

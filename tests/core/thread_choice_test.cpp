@@ -82,9 +82,9 @@ TEST(ThreadChoice, LosesLittleWhereAllThreadsAreSlower) {
 
 TEST(ThreadChoice, TriesLessAndLessOftenWhatFails) {
   Machine machine{.one = 1e-3, .all = 1e-2};
-  machine.run_for(10);
+  machine.run_for(4);
   const int first = machine.trials;
-  machine.run_for(10);
+  machine.run_for(4);
   const int second = machine.trials - first;
   EXPECT_GE(first, 4);
   EXPECT_LT(second, first / 2.0);
@@ -104,7 +104,7 @@ TEST(ThreadChoice, GoesBackToOneThreadWhenTheMachineBecomesBusy) {
   machine.all = 5e-2;
   const double busy_from = machine.time;
   const int steps = machine.steps;
-  machine.run_for(2);
+  machine.run_for(4);
   EXPECT_FALSE(machine.uses_all());
   EXPECT_LT(machine.time - busy_from, 1.1 * (machine.steps - steps) * machine.one);
 }

@@ -3,9 +3,9 @@
 //   - for_each: every index is worked on by one thread, and writes only what belongs to it;
 //   - ordered_sum: sums over fixed chunks, added in the order of the chunks;
 //   - an exception of any index is caught, and the one of the lowest index is thrown after the loop.
-// The number of threads may therefore change from one loop to the next. It is the one that was given;
-// where none was, the steps of a simulation are timed (thread_choice.hpp), and other loops use several
-// threads if they are long.
+// The number of threads may therefore change from one loop to the next. It is the one that was
+// given; where none was, the steps of a simulation are timed (thread_choice.hpp), and other loops use
+// several threads if they are long.
 #pragma once
 
 #include <silt/core/error.hpp>
@@ -40,7 +40,7 @@ inline int threads() {
 
 namespace detail {
 
-/// Whether the number of threads was given to the calling thread; otherwise it is chosen loop by loop.
+/// Whether the number of threads was given to the calling thread.
 inline bool& threads_are_given() {
   thread_local bool given = [] {
     const char* const number = std::getenv("OMP_NUM_THREADS");
@@ -51,8 +51,8 @@ inline bool& threads_are_given() {
 
 }  // namespace detail
 
-/// Sets the number of threads of every loop that the calling thread begins from now on. Throws if it
-/// is below 1, or above 1 in a build without OpenMP.
+/// Sets the number of threads of every loop that the calling thread begins from now on. Throws if
+/// it is below 1, or above 1 in a build without OpenMP.
 inline void use_threads(int number) {
   if (number < 1) {
     fail("use_threads: number = " + std::to_string(number) + " is below 1; give at least 1");
@@ -91,8 +91,8 @@ inline int most_threads(Index tasks) {
       std::min(tasks, static_cast<Index>(std::min(threads(), omp_get_num_procs()))));
 }
 
-/// Threads of the loops of one step, and of what belongs to it, if the number was not given. In force
-/// for the calling thread as long as it lives; teams may nest.
+/// Threads of the loops of one step, and of what belongs to it, if the number was not given. In
+/// force for the calling thread as long as it lives; teams may nest.
 class Team {
  public:
   /// For n particles.
@@ -199,8 +199,8 @@ void share_out(Index count, [[maybe_unused]] int team, F&& f) {
 
 }  // namespace detail
 
-/// Threads that a loop over n indices uses at most if the calling thread begins it now, for work that
-/// is divided by threads. No result may depend on it.
+/// Threads that a loop over n indices uses at most if the calling thread begins it now, for work
+/// that is divided by threads. No result may depend on it.
 inline int threads_for(Index n) { return detail::Team::size_for_chunks(chunk_count(n)); }
 
 /// f(k) for every k of [0, count), in parallel: tasks that are each worth a thread's while. Each

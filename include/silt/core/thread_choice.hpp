@@ -13,7 +13,7 @@ namespace silt::detail {
 
 /// Chooses between one thread and all for the next step, from the wall times of those before. A
 /// simulation begins with one thread. In a trial, steps use the other number until the time that
-/// they gained or lost exceeds an allowance. Trials together lose at most about a twentieth of the
+/// they gained or lost exceeds an allowance. Trials together lose at most about a fortieth of the
 /// time; while they fail, the pauses between them double. No result depends on the choice.
 class ThreadChoice {
  public:
@@ -51,9 +51,9 @@ class ThreadChoice {
   static constexpr double steps_of_allowance = 1;
   // A trial that has neither gained nor lost its allowance ends after so many allowances.
   static constexpr double longest_trial = 20;
-  // Pause after a failed trial, in multiples of what it lost. It doubles with every further failure,
-  // but not beyond the longest [s]: the work may change, and so may the load of the machine.
-  static constexpr double pause_per_loss = 20;
+  // Pause after a failed trial, in multiples of what it lost. It doubles with every further
+  // failure, but not beyond the longest [s]: work may change, and so may the load of the machine.
+  static constexpr double pause_per_loss = 40;
   static constexpr double longest_pause = 4;
   static constexpr double first_doubling = 0.5;
 
