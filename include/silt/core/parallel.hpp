@@ -4,8 +4,8 @@
 //   - ordered_sum: sums over fixed chunks, added in the order of the chunks;
 //   - an exception of any index is caught, and the one of the lowest index is thrown after the loop.
 // The number of threads may therefore change from one loop to the next. It is the one that was
-// given; where none was, the steps of a simulation are timed (thread_choice.hpp), and other loops use
-// several threads if they are long.
+// given; where none was, the steps of a simulation are timed (thread_choice.hpp), and other loops
+// use several threads if they are long.
 #pragma once
 
 #include <silt/core/error.hpp>
