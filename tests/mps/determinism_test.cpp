@@ -22,7 +22,7 @@ enum class Threads { as_they_are, changing };
 template <class Case, int Dim>
 Bytes after_steps(const mps::Fluid<Dim>& fluid, double l0, int steps, Threads number) {
   Simulation sim{fluid, UniformGrid<Dim>{},
-                 Flow<Case, Dim>({.spacing = l0, .viscosity = 1e-4, .largest_time_step = 1e-3}),
+                 Flow<Case, Dim>({.spacing = l0, .viscosity = 1e-4, .max_time_step = 1e-3}),
                  SemiImplicit{}};
   for (int k = 0; k < steps; ++k) {
     if (number == Threads::changing) use_threads(1 + 3 * k % 4);
@@ -81,7 +81,7 @@ auto dam_in(const Units& unit) {
       .density = 1000 * unit.mass / std::pow(unit.length, 3),
       .viscosity = 1e-3 * unit.length * speed,
       .speed_scale = 1.5 * speed,
-      .largest_time_step = 1e-3 * unit.time};
+      .max_time_step = 1e-3 * unit.time};
   settings.gravity *= speed / unit.time;
   Simulation sim{small_dam<Dim>(l0), UniformGrid<Dim>{}, Flow<Case, Dim>(settings), SemiImplicit{}};
   for (int k = 0; k < (Dim == 2 ? 150 : 20); ++k) sim.step();
@@ -119,7 +119,7 @@ TEST(FlowBits, AreTheSameInUnitsThatArePowersOfFour) {
 template <class S>
 auto dam_with(S search, int steps) {
   Simulation sim{small_dam<2>(), std::move(search),
-                 Flow<Case10>({.spacing = 0.02, .largest_time_step = 1e-3}), SemiImplicit{}};
+                 Flow<Case10>({.spacing = 0.02, .max_time_step = 1e-3}), SemiImplicit{}};
   for (int k = 0; k < steps; ++k) sim.step();
   return sim.particles();
 }
