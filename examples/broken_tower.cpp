@@ -54,7 +54,7 @@ struct Options {
   double offset = 0.006;           // [m]
   double until = 4;                // [s]
   double output_every = 0.01;      // [s]
-  int threads = 1;
+  int threads = 0;
   std::string out = "out/broken_tower";
 
   int grains_a_row() const { return dimension == 2 ? columns : columns * depth; }
@@ -101,8 +101,7 @@ void describe(CLI::App& app, Options& o) {
       "get away from the others", positive());
   add("--output-every", o.output_every, "time between frames, and between rows of the tables [s]",
       positive());
-  add("--threads", o.threads, "threads; the result is the same bits for any number",
-      between({1, 1024}));
+  add("--threads", o.threads, support::threads_help, between({0, 1024}));
   app.add_option("--out", o.out,
                  "folder for energy.csv, spreading.csv, floor.csv, summary.json and frames.pvd");
 }
@@ -401,7 +400,7 @@ template <int Dim>
 void collapse(const Options& o) {
   auto grains = make_tower<Dim>(o);
   support::make_output_folder(o.out);
-  use_threads(o.threads);
+  support::use_threads_of_option(o.threads);
 
   const dem::CundallStrack law{.normal_stiffness = o.stiffness(),
                                .tangential_stiffness = o.stiffness() / 2,

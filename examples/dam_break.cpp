@@ -109,7 +109,7 @@ template <class Scheme, int Dim>
 void collapse(const Options& o) {
   const auto particles = make_tank<Dim>(o);
   support::make_output_folder(o.out);
-  use_threads(o.threads);
+  support::use_threads_of_option(o.threads);
 
   const mps::Flow<Scheme, Dim> water{support::flow_settings<Scheme, Dim>(o, o.column[1]),
                                      mps::PressureSolver<Dim>{{.tolerance = o.tolerance}}};

@@ -33,7 +33,7 @@ struct Options {
   std::string scheme = "recommended";
   double until = 0;  // [s]; 0: the case's own
   int frames = 24;
-  int threads = 1;
+  int threads = 0;
   std::string out = "out/fluid_cases";
 };
 
@@ -57,8 +57,7 @@ void describe(CLI::App& app, Options& o) {
   add("--courant", o.numerics.courant, "spacings that the fastest particle goes in a step",
       between({1e-3, 0.5}));
   add("--frames", o.frames, "number of them, behind the first", between({1, 100000}));
-  add("--threads", o.threads, "threads; the result is the same bits for any number",
-      between({1, 1024}));
+  add("--threads", o.threads, support::threads_help, between({0, 1024}));
   app.add_option("--out", o.out, "folder for history.csv, summary.json and frames.pvd")
       ->capture_default_str();
 }
@@ -69,7 +68,7 @@ void flow_as(const Options& o) {
   const bool is_whole = !(o.until > 0) || o.until >= flow.until;
   if (o.until > 0) flow.until = o.until;
   support::make_output_folder(o.out);
-  use_threads(o.threads);
+  support::use_threads_of_option(o.threads);
 
   auto simulation = fluid_cases::simulation_of<Scheme>(flow, o.numerics);
   CsvFile file(o.out + "/history.csv", flow.names);

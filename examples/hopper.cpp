@@ -58,7 +58,7 @@ struct Options {
   double share = 0.45;            // that is let out [-]
   double longest = 0;             // discharge, in √(d/g)
   std::uint64_t seed = 1;
-  int threads = 1;
+  int threads = 0;
   std::string stl;
   std::string out = "out/hopper";
 
@@ -98,8 +98,7 @@ void describe(CLI::App& app, Options& o) {
   add("--longest", o.longest, "discharge through one opening, in sqrt(d/g); 0: 20 in 3D, 40 in 2D",
       not_negative());
   add("--seed", o.seed, "of the random numbers", not_negative());
-  add("--threads", o.threads, "threads; the result is the same bits for any number",
-      between({1, 1024}));
+  add("--threads", o.threads, support::threads_help, between({0, 1024}));
   app.add_option("--stl", o.stl, "3D: a hopper of one's own, upright about the z axis, its opening "
                  "in the plane z = 0 [m]; --width is that of its bin and --openings the one it has");
   app.add_option("--out", o.out, "folder for discharge.csv, summary.json, frames.pvd and the walls")
@@ -485,7 +484,7 @@ void run(const Options& o) {
 void discharge(Options& o) {
   complete(o);
   support::make_output_folder(o.out);
-  use_threads(o.threads);
+  support::use_threads_of_option(o.threads);
   if (o.dimension == 2) {
     run<2>(o);
   } else {

@@ -228,7 +228,7 @@ void stand(const Options& o, const mps::FlowSettings<Dim, Scheme>& settings) {
   });
   const auto particles = make_tank<Dim>(o);
   support::make_output_folder(o.out);
-  use_threads(o.threads);
+  support::use_threads_of_option(o.threads);
 
   Simulation tank{particles, TimedSearch{NeighbourList<Dim>{{.skin_fraction = 0}}}, water,
                   SemiImplicit<>{}};

@@ -57,7 +57,7 @@ struct Options {
   int samples_per_period = 16;
   double frames_every = 0.5;          // [s]
   int seed = 1;
-  int threads = 1;
+  int threads = 0;
   std::string out = "out/vibrating_floor";
 
   double period() const { return 1 / frequency; }
@@ -109,8 +109,7 @@ void describe(CLI::App& app, Options& o) {
       between({1, 1000}));
   add("--frames-every", o.frames_every, "time between frames [s]", positive());
   add("--seed", o.seed, "of the velocities at the beginning", between({0, 1e9}));
-  add("--threads", o.threads, "threads; the result is the same bits for any number",
-      between({1, 1024}));
+  add("--threads", o.threads, support::threads_help, between({0, 1024}));
   app.add_option("--out", o.out, "folder for profile.csv, summary.json and frames.pvd")
       ->capture_default_str();
 }
@@ -301,7 +300,7 @@ template <int Dim>
 void vibrate(const Options& o) {
   auto grains = make_bed<Dim>(o);
   support::make_output_folder(o.out);
-  use_threads(o.threads);
+  support::use_threads_of_option(o.threads);
   const double real_holdup =
       double(grains.size()) * o.grain_volume() / (o.cross_section() * o.diameter);
 

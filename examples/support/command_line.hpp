@@ -4,6 +4,7 @@
 #pragma once
 
 #include <silt/core/error.hpp>
+#include <silt/core/parallel.hpp>
 #include <silt/io/file.hpp>
 
 #include <CLI/CLI.hpp>
@@ -56,6 +57,15 @@ auto or_refuse(Make&& make) {
   } catch (const silt::Error& error) {
     throw Refusal(error.what());
   }
+}
+
+/// Help of --threads.
+inline constexpr const char* threads_help =
+    "threads; 0: as many as make a step faster. The result is the same bits for any number";
+
+/// Uses the number of --threads, if it is not 0.
+inline void use_threads_of_option(int number) {
+  if (number > 0) silt::use_threads(number);
 }
 
 /// Makes the folder, and sees that files can be made in it.

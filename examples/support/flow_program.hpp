@@ -37,7 +37,7 @@ struct FlowOptions {
   double max_time_step = std::numeric_limits<double>::infinity();  // [s]
   double tolerance = 1e-6;
   double output_every = 0.02;  // [s]
-  int threads = 1;
+  int threads = 0;
   std::string out = {};
 };
 
@@ -71,8 +71,7 @@ inline void describe_flow(CLI::App& app, FlowOptions& o, const std::string& gaug
   add("--tolerance", o.tolerance, "of the pressure solve: residual over right side",
       between({1e-12, 1e-1}));
   add("--output-every", o.output_every, "time between frames [s]", positive());
-  add("--threads", o.threads, "threads; the result is the same bits for any number",
-      between({1, 1024}));
+  add("--threads", o.threads, support::threads_help, between({0, 1024}));
   app.add_option("--out", o.out, "folder for " + files)->capture_default_str();
 }
 

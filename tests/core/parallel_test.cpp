@@ -8,9 +8,11 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <cmath>
 #include <stdexcept>
 #include <string>
+#include <thread>
 #include <vector>
 
 namespace silt::test {
@@ -125,6 +127,98 @@ TEST(UseThreads, SetsTheNumberAndRefusesNone) {
   EXPECT_TRUE(refuses([] { use_threads(0); }, {"use_threads", "number = 0"}));
   EXPECT_TRUE(refuses([] { use_threads(-3); }, {"use_threads", "number = -3"}));
   EXPECT_EQ(threads(), before);
+}
+
+// A machine of one processor has no other choice than one thread.
+class AutomaticThreads : public ::testing::Test {
+ protected:
+  static constexpr Index many = 100 * chunk_size;
+
+  // As if no number had been given to a program with four threads at most.
+  template <class F>
+  static void run(F&& f) {
+    with_threads(4, [&] {
+      detail::threads_are_given() = false;
+      f(threads_for(many));
+    });
+  }
+  // Of which the next step is the first with all threads.
+  static detail::ThreadChoice all_threads() {
+    detail::ThreadChoice choice;
+    choice.add(0.02);
+    EXPECT_TRUE(choice.all());
+    return choice;
+  }
+};
+
+TEST_F(AutomaticThreads, AreOneForShortLoopsOutsideOfSteps) {
+  run([](int available) {
+    EXPECT_LE(available, 4);
+    EXPECT_EQ(threads_for(7 * chunk_size), 1);
+    EXPECT_EQ(threads_for(8 * chunk_size), available);
+  });
+}
+
+TEST_F(AutomaticThreads, AreThoseChosenForTheStep) {
+  run([](int available) {
+    detail::ThreadChoice slow;
+    detail::ThreadChoice fast = all_threads();
+    const detail::Team team(slow, many);
+    EXPECT_EQ(threads_for(many), 1);
+    {
+      const detail::Team inner(fast, many);
+      EXPECT_EQ(threads_for(many), available);
+      EXPECT_EQ(threads_for(2 * chunk_size), available);
+      EXPECT_EQ(threads_for(chunk_size), 1);
+    }
+    EXPECT_EQ(threads_for(many), 1) << "that of the outer step";
+  });
+}
+
+TEST_F(AutomaticThreads, AreNoMoreThanAStepHasChunks) {
+  run([](int available) {
+    detail::ThreadChoice fast = all_threads();
+    const detail::Team team(fast, 2 * chunk_size);
+    EXPECT_EQ(threads_for(many), std::min(available, 2));
+  });
+}
+
+TEST_F(AutomaticThreads, AreOneBeyondTheLimitOfAStep) {
+  run([](int) {
+    detail::ThreadChoice fast = all_threads();
+    detail::Team team(fast, many);
+    team.begin_step();
+    std::this_thread::sleep_for(std::chrono::duration<double>(1.1 * fast.limit()));
+    EXPECT_EQ(threads_for(many), 1);
+    EXPECT_EQ(ordered_sum(many, Index{0}, [](Index i) { return i; }), many * (many - 1) / 2);
+    team.end_step();
+    EXPECT_FALSE(fast.all()) << "such a step ends the trial";
+  });
+}
+
+TEST_F(AutomaticThreads, AreOneWithinAParallelLoop) {
+  run([](int) {
+    std::vector<int> numbers(4, 0);
+    for_each_task(numbers.size(), [&](Index k) {
+      detail::threads_are_given() = false;
+      detail::ThreadChoice fast = all_threads();
+      const detail::Team team(fast, many);
+      numbers[k] = threads_for(many);
+    });
+    EXPECT_EQ(numbers, std::vector<int>(4, 1));
+  });
+}
+
+TEST_F(AutomaticThreads, AreTheNumberThatIsGiven) {
+  run([](int) {
+    detail::ThreadChoice slow;
+    const detail::Team team(slow, many);
+    use_threads(3);
+    EXPECT_EQ(threads(), 3);
+#ifdef _OPENMP
+    EXPECT_EQ(threads_for(2 * chunk_size), 3);
+#endif
+  });
 }
 
 TEST_P(Threads, BuildTheSameRows) {

@@ -46,10 +46,15 @@ auto simulation(P grains) {
                     Leapfrog{GlobalDamping{.alpha = 0.2}}};
 }
 
+enum class Threads { as_they_are, changing };
+
 template <class S, class P>
-P after_steps(P grains, int steps) {
+P after_steps(P grains, int steps, Threads number = Threads::as_they_are) {
   auto sim = simulation<S>(std::move(grains));
-  for (int k = 0; k < steps; ++k) sim.step(2e-5);
+  for (int k = 0; k < steps; ++k) {
+    if (number == Threads::changing) use_threads(1 + 3 * k % 4);
+    sim.step(2e-5);
+  }
   EXPECT_GE(sim.interaction().template part<1>().size(), 10u);
   EXPECT_TRUE(is_finite(sim.interaction().template part<1>().elastic_energy(sim.particles())));
   return sim.snapshot();
@@ -80,6 +85,9 @@ TYPED_TEST(Determinism, GivesTheSameBitsForOneToFourThreads) {
     for (const int number : {2, 3, 4}) {
       EXPECT_EQ(with_threads(number, run), alone) << number << " threads";
     }
+    EXPECT_EQ(with_threads(1, [&] {
+      return state_of(after_steps<UniformGrid<dim, Real>>(start, 25, Threads::changing));
+    }), alone) << "another number in every step";
   }
 }
 

@@ -17,23 +17,29 @@ using mps::Case00;
 using mps::Case10;
 using mps::Flow;
 
+enum class Threads { as_they_are, changing };
+
 template <class Case, int Dim>
-Bytes after_steps(const mps::Fluid<Dim>& fluid, double l0, int steps) {
+Bytes after_steps(const mps::Fluid<Dim>& fluid, double l0, int steps, Threads number) {
   Simulation sim{fluid, UniformGrid<Dim>{},
                  Flow<Case, Dim>({.spacing = l0, .viscosity = 1e-4, .max_time_step = 1e-3}),
                  SemiImplicit{}};
-  for (int k = 0; k < steps; ++k) sim.step();
+  for (int k = 0; k < steps; ++k) {
+    if (number == Threads::changing) use_threads(1 + 3 * k % 4);
+    sim.step();
+  }
   return state_of(sim.particles());
 }
 
 template <class Case, int Dim>
 void expect_one_result(const mps::Fluid<Dim>& fluid, double l0, int steps) {
   ASSERT_GT(fluid.size(), 3 * chunk_size) << "too few for more threads to matter";
-  const auto by = [&](int number) {
-    return with_threads(number, [&] { return after_steps<Case>(fluid, l0, steps); });
+  const auto by = [&](int number, Threads threads = Threads::as_they_are) {
+    return with_threads(number, [&] { return after_steps<Case>(fluid, l0, steps, threads); });
   };
   const Bytes alone = by(1);
   for (const int number : {2, 3, 4}) EXPECT_TRUE(by(number) == alone) << number << " threads";
+  EXPECT_TRUE(by(1, Threads::changing) == alone) << "another number in every step";
 }
 
 // More threads than there are cores wait for one another at every loop: few steps in

@@ -57,7 +57,11 @@ template <class F>
 auto with_threads(int number, F&& f) {
   struct PutBack {
     int before = threads();
-    ~PutBack() { use_threads(before); }
+    bool given = detail::threads_are_given();
+    ~PutBack() {
+      use_threads(before);
+      detail::threads_are_given() = given;
+    }
   } put_back;
   use_threads(number);
   return f();

@@ -3,14 +3,21 @@
 //   - for_each: every index is worked on by one thread, and writes only what belongs to it;
 //   - ordered_sum: sums over fixed chunks, added in the order of the chunks;
 //   - an exception of any index is caught, and the one of the lowest index is thrown after the loop.
+// The number of threads may therefore change from one loop to the next. It is the one that was
+// given; where none was, the steps of a simulation are timed (thread_choice.hpp), and other loops
+// use several threads if they are long.
 #pragma once
 
 #include <silt/core/error.hpp>
+#include <silt/core/thread_choice.hpp>
 #include <silt/core/types.hpp>
 
 #include <algorithm>
+#include <chrono>
 #include <cstdint>
+#include <cstdlib>
 #include <exception>
+#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -21,7 +28,8 @@
 
 namespace silt {
 
-/// Threads that the loops below use.
+/// Largest number of threads of a loop that the calling thread begins. Unless it was given, by
+/// use_threads() or OMP_NUM_THREADS, loops may use fewer: one where several would be slower.
 inline int threads() {
 #ifdef _OPENMP
   return omp_get_max_threads();
@@ -30,8 +38,21 @@ inline int threads() {
 #endif
 }
 
-/// Sets the number of threads of this process. Throws if it is below 1, or above 1 in a build
-/// without OpenMP.
+namespace detail {
+
+/// Whether the number of threads was given to the calling thread.
+inline bool& threads_are_given() {
+  thread_local bool given = [] {
+    const char* const number = std::getenv("OMP_NUM_THREADS");
+    return number && *number;
+  }();
+  return given;
+}
+
+}  // namespace detail
+
+/// Sets the number of threads of every loop that the calling thread begins from now on. Throws if
+/// it is below 1, or above 1 in a build without OpenMP.
 inline void use_threads(int number) {
   if (number < 1) {
     fail("use_threads: number = " + std::to_string(number) + " is below 1; give at least 1");
@@ -44,6 +65,7 @@ inline void use_threads(int number) {
          ", but this program was built without OpenMP; build it with -fopenmp or give 1");
   }
 #endif
+  detail::threads_are_given() = true;
 }
 
 /// Indices [first, last) of one chunk.
@@ -57,22 +79,107 @@ inline constexpr Index chunk_size = 1024;
 
 inline Index chunk_count(Index n) { return (n + chunk_size - 1) / chunk_size; }
 
-/// f(k) for every k of [0, count), in parallel: tasks that are each worth a thread's while. Each
-/// thread has one contiguous run of them.
-template <class F>
-void for_each_task(Index count, F&& f) {
+namespace detail {
+
 #ifdef _OPENMP
-  if (count > 1 && threads() > 1 && !omp_in_parallel()) {
+
+/// Threads that have a task and a processor. The calling thread may have been confined to fewer
+/// processors since the program began.
+inline int most_threads(Index tasks) {
+  if (tasks < 2 || omp_in_parallel()) return 1;
+  return static_cast<int>(
+      std::min(tasks, static_cast<Index>(std::min(threads(), omp_get_num_procs()))));
+}
+
+/// Threads of the loops of one step, and of what belongs to it, if the number was not given. In
+/// force for the calling thread as long as it lives; teams may nest.
+class Team {
+ public:
+  /// For n particles.
+  Team(ThreadChoice& choice, Index n) : choice_(choice), outer_(current_) {
+    if (!threads_are_given()) {
+      const int most = most_threads(chunk_count(n));
+      is_chosen_ = most > 1;
+      size_ = choice.all() ? most : 1;
+    }
+    current_ = this;
+  }
+  Team(const Team&) = delete;
+  Team& operator=(const Team&) = delete;
+  ~Team() { current_ = outer_; }
+
+  void begin_step() {
+    if (!is_chosen_) return;
+    limit_ = choice_.limit();
+    begin_ = Clock::now();
+  }
+  void end_step() {
+    if (is_chosen_) choice_.add(elapsed());
+  }
+
+  /// Threads for this many tasks that the calling thread begins now.
+  static int size_for_tasks(Index tasks) {
+    if (tasks < 2) return 1;
+    if (threads_are_given()) return threads();
+    return current_ ? current_->size() : most_threads(tasks);
+  }
+  static int size_for_chunks(Index chunks) {
+    // Waking threads takes as long as going through some thousand indices.
+    constexpr Index least_alone = 8;
+    const bool is_short = chunks < least_alone && !current_ && !threads_are_given();
+    return is_short ? 1 : size_for_tasks(chunks);
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  double elapsed() const { return std::chrono::duration<double>(Clock::now() - begin_).count(); }
+
+  int size() {
+    if (size_ > 1 && limit_ < std::numeric_limits<double>::infinity() && elapsed() > limit_) {
+      size_ = 1;
+    }
+    return size_;
+  }
+
+  static inline thread_local Team* current_ = nullptr;
+
+  ThreadChoice& choice_;
+  Team* outer_;
+  bool is_chosen_ = false;
+  int size_ = 1;
+  double limit_ = std::numeric_limits<double>::infinity();  // of the step that began [s]
+  Clock::time_point begin_;
+};
+
+#else
+
+class Team {
+ public:
+  Team(ThreadChoice&, Index) {}
+  void begin_step() {}
+  void end_step() {}
+  static int size_for_tasks(Index) { return 1; }
+  static int size_for_chunks(Index) { return 1; }
+};
+
+#endif
+
+/// f(k) for every k of [0, count), by `team` threads at most. Each has one contiguous run of them.
+template <class F>
+void share_out(Index count, [[maybe_unused]] int team, F&& f) {
+#ifdef _OPENMP
+  if (count > 1 && team > 1 && !omp_in_parallel()) {
     // A thread stops at its first fault, and its tasks come in order; the lowest of these first
     // faults is therefore the lowest of all.
     std::exception_ptr fault;
     Index fault_task = no_index;
-#pragma omp parallel
+#pragma omp parallel num_threads(team)
     {
-      const auto team = static_cast<Index>(omp_get_num_threads());
+      const auto size = static_cast<Index>(omp_get_num_threads());
       const auto me = static_cast<Index>(omp_get_thread_num());
-      const Index last = count * (me + 1) / team;
-      Index task = count * me / team;
+      const Index last = count * (me + 1) / size;
+      Index task = count * me / size;
       try {
         for (; task < last; ++task) f(task);
       } catch (...) {
@@ -90,10 +197,23 @@ void for_each_task(Index count, F&& f) {
   for (Index task = 0; task < count; ++task) f(task);
 }
 
+}  // namespace detail
+
+/// Threads that a loop over n indices uses at most if the calling thread begins it now, for work
+/// that is divided by threads. No result may depend on it.
+inline int threads_for(Index n) { return detail::Team::size_for_chunks(chunk_count(n)); }
+
+/// f(k) for every k of [0, count), in parallel: tasks that are each worth a thread's while. Each
+/// thread has one contiguous run of them.
+template <class F>
+void for_each_task(Index count, F&& f) {
+  detail::share_out(count, detail::Team::size_for_tasks(count), f);
+}
+
 /// f(chunk) for every chunk of [0, n), in parallel. Each thread has one contiguous run of chunks.
 template <class F>
 void for_each_chunk(Index n, F&& f) {
-  for_each_task(chunk_count(n), [&f, n](Index c) {
+  detail::share_out(chunk_count(n), threads_for(n), [&f, n](Index c) {
     f(Chunk{c, c * chunk_size, std::min(n, (c + 1) * chunk_size)});
   });
 }
@@ -144,7 +264,7 @@ void for_each_chunk_in_two(Index n, Make&& make, Use&& use, Needs&& needs) {
     return Chunk{c, c * chunk_size, std::min(n, (c + 1) * chunk_size)};
   };
   const Index chunks = chunk_count(n);
-  const Index runs = std::min(chunks, static_cast<Index>(threads()));
+  const Index runs = std::min(chunks, static_cast<Index>(threads_for(n)));
   // Chunks between the two: a bed of 32 000 grains takes a tenth less time than with none.
   constexpr Index lag = 2;
   PerChunk<char> used(n, false);

@@ -52,6 +52,7 @@ class Simulation {
         interaction_(std::move(interaction)),
         integrator_(std::move(integrator)),
         radius_is_ours_(!(search_.radius() > 0)) {
+    const detail::Team team(thread_choice_, particles_.size());
     prepare();
     sort();
     search_.update(particles_);
@@ -122,6 +123,7 @@ class Simulation {
   /// The time step the interaction would choose now [s]; the last one if all particles are gone.
   /// Throws if it chooses none.
   double time_step() {
+    const detail::Team team(thread_choice_, particles_.size());
     set_time(interaction_, time_);
     double dt = std::numeric_limits<double>::infinity();
     if constexpr (ChoosesTimeStep<I, P>) dt = interaction_.time_step(particles_);
@@ -142,6 +144,8 @@ class Simulation {
   /// stability, if the step made something that is not finite, if a particle left a box that
   /// refuses it, or if a solve failed; the simulation is then as it was before.
   void step(double dt) {
+    detail::Team team(thread_choice_, particles_.size());
+    team.begin_step();
     try {
       require_positive("Simulation: time_step", dt);
       prepare();
@@ -166,6 +170,7 @@ class Simulation {
     time_ += dt;
     ++steps_;
     last_time_step_ = dt;
+    team.end_step();
   }
 
   /// Steps while time() < until. Observers are called with the simulation at the beginning, at the
@@ -203,6 +208,7 @@ class Simulation {
     Index outputs = outputs_at(time_);
     bool observed = true;
     while (time_ < end) {
+      const detail::Team team(thread_choice_, particles_.size());  // of the observers, too
       (before_step(observers), ...);
       step(given_step > 0 ? given_step : time_step());
       (after_step(observers), ...);
@@ -321,6 +327,7 @@ class Simulation {
   std::uint64_t particles_lost_ = 0;
   double time_ = 0;
   double last_time_step_ = 0;
+  detail::ThreadChoice thread_choice_;
 };
 
 }  // namespace silt

@@ -80,7 +80,7 @@ class BinSort {
   void count() {
     const Index n = size();
     const Index bins = start_.size() - 1;
-    const Index parts = std::min<Index>(static_cast<Index>(threads()), chunk_count(n));
+    const Index parts = std::min(static_cast<Index>(threads_for(n)), chunk_count(n));
     resize();
     in_order_ = false;
     next_.resize(parts * bins);
