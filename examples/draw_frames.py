@@ -7,8 +7,8 @@
     draw_frames.py SERIES.pvd PICTURE.png --field pressure
 
 Particles are circles of their true size, coloured by a field: "speed" (the default, |velocity|) or
-any array of the frames with one number per particle. Particles in 3D are seen along y. Needs
-Matplotlib (Debian: python3-matplotlib).
+any array of the frames with one number per particle. Walls of a tank are grey, their dummies left
+out. Particles in 3D are seen along y. Needs Matplotlib (Debian: python3-matplotlib).
 """
 
 import argparse
@@ -21,10 +21,13 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.animation import FuncAnimation, PillowWriter
+from matplotlib.colors import ListedColormap
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 from support.frames import Series, draw, speed
 
+WALL = 1  # of mps::Kind
+WALL_COLOUR = "#c8ccd0"
 UNITS = {"speed": "m/s", "pressure": "Pa", "radius": "m", "mass": "kg"}
 
 
@@ -38,15 +41,26 @@ def values_of(frame, field):
     return frame[field]
 
 
+def some(frame, which):
+    """The frame with some of its particles, in this order."""
+    count = len(frame["position"])
+    return {name: values[which] for name, values in frame.items() if len(values) == count}
+
+
 def seen_from_the_side(frame):
-    """The frame with the vertical axis second; 3D frames are drawn from the back to the front."""
-    x = frame["position"]
-    if not x[:, 2].any():
+    """The frame without dummies and with the vertical axis second; particles in 3D from the back
+    to the front."""
+    if "kind" in frame:
+        frame = some(frame, frame["kind"] <= WALL)
+    if not frame["position"][:, 2].any():
         return frame
-    order = np.argsort(-x[:, 1], kind="stable")
-    seen = {name: values[order] for name, values in frame.items() if len(values) == len(x)}
-    seen["position"] = seen["position"][:, [0, 2, 1]]
-    return seen
+    frame = some(frame, np.argsort(-frame["position"][:, 1], kind="stable"))
+    frame["position"] = frame["position"][:, [0, 2, 1]]
+    return frame
+
+
+def is_wall(frame):
+    return frame["kind"] == WALL if "kind" in frame else np.zeros(len(frame["position"]), bool)
 
 
 def particle_radius(frame):
@@ -70,22 +84,29 @@ def main():
         np.linspace(0, len(series) - 1, 4).round().astype(int))
     frames = [seen_from_the_side(series[number]) for number in numbers]
     radius = particle_radius(series[0])
+    walls = [some(frame, is_wall(frame)) for frame in frames]
+    frames = [some(frame, ~is_wall(frame)) for frame in frames]
     values = [values_of(frame, options.field) for frame in frames]
     norm = plt.Normalize(min(v.min() for v in values), max(v.max() for v in values))
-    x = np.concatenate([frame["position"][:, :2] for frame in frames])
+    x = np.concatenate([frame["position"][:, :2] for frame in frames + walls])
     margin = 0.05 * (x.max(axis=0) - x.min(axis=0)).max()
     low, high = x.min(axis=0) - margin, x.max(axis=0) + margin
 
     def show(axes, k):
         axes.clear()
+        if len(walls[k]["position"]):
+            draw(axes, walls[k], np.zeros(len(walls[k]["position"])), radius,
+                 cmap=ListedColormap([WALL_COLOUR]))
         circles = draw(axes, frames[k], values[k], radius, norm=norm, cmap="viridis")
         axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), xlabel="x [m]",
                  ylabel="height [m]" if k == 0 or is_film else "", title=f"t = {series.times[numbers[k]]:.3g} s")
         return circles
 
     count = 1 if is_film else len(frames)
+    width = 6.5 if is_film else 3
+    height = min(max(width * (high[1] - low[1]) / (high[0] - low[0]), 2), 8)
     figure, all_axes = plt.subplots(1, count, squeeze=False, sharey=True, layout="constrained",
-                                    figsize=(8 if is_film else 3.2 * count, 4.5))
+                                    figsize=(width * count + 1.5, height + 0.8))
     circles = [show(axes, k) for k, axes in enumerate(all_axes[0])]
     unit = UNITS.get(options.field)
     figure.colorbar(circles[0], ax=all_axes, label=options.field + (f" [{unit}]" if unit else ""))
