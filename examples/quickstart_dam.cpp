@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A column of water collapses in a tank: everything an MPS program needs. Run it in any folder,
-// then open dam.pvd in ParaView.
+// A column of water collapses in a tank. Writes dam.pvd, for ParaView, into the current folder.
 #include <silt/io/progress.hpp>
 #include <silt/io/vtk.hpp>
 #include <silt/mps.hpp>
