@@ -20,6 +20,8 @@ A block is a file of its own, unless HTML comments right before it say otherwise
 A Python block has `after NAME`, and runs in the folder in which that block's program ran, with the
 modules of examples/support. It is left out where a module that it imports is not installed.
 
+Every link of a page to a file of the repository, or to a heading in one, leads somewhere.
+
 Several hold at once if they stand in several comments. A block without wrap that others go on from
 stays outside of main(), so that it can declare types; #include lines always go to the top.
 """
@@ -154,6 +156,29 @@ def scripts_of(page, text):
     return scripts
 
 
+def headings_of(text):
+    """The names by which the headings of a page are linked to."""
+    titles = re.findall(r"^#+ +(.*)$", re.sub(r"^```.*?^```", "", text, flags=re.M | re.S), re.M)
+    kept = ("".join(c for c in title.lower() if c.isalnum() or c in " -_") for title in titles)
+    return {title.replace(" ", "-") for title in kept}
+
+
+def dead_links(page, text, repository):
+    """What is wrong with the links of a page to files of the repository and their headings."""
+    faults = []
+    outside_code = re.sub(r"^```.*?^```", "", text, flags=re.M | re.S)
+    for link in re.findall(r"\]\(([^)\s]+)\)", outside_code):
+        if re.match(r"\w+:", link):
+            continue
+        name, _, heading = link.partition("#")
+        target = (repository / page).parent / name if name else repository / page
+        if not target.exists():
+            faults.append(f"{page}: the link to {link} leads to no file")
+        elif heading and heading not in headings_of(target.read_text(encoding="utf-8")):
+            faults.append(f"{page}: the link to {link} leads to no heading")
+    return faults
+
+
 def without_beginnings(programs):
     """The programs that no other begins with: those are compiled and run as part of the others."""
 
@@ -260,6 +285,8 @@ def check(repository, scratch, compile_command):
         whole = together(without_beginnings(programs))
         outcomes = workers.map(lambda p: attempt(p, scratch, compile_command), whole)
         faults = [fault for fault in outcomes if fault]
+    for page, text in pages.items():
+        faults += dead_links(page, text, repository)
     for where, text, program in scripts:
         folder = folder_of(program, scratch)
         if fault := attempt_script(where, text, folder, repository):
@@ -340,6 +367,10 @@ def self_test():
         for text, fault in (("", False), ("import no_such_module", False), ("1/0", True)):
             assert bool(attempt_script("p.md:1", text, folder, folder)) == fault
         assert attempt_script("p.md:1", "", folder / "none", folder)
+        page = "# A *good* page, `code`\n[a](p.md) [b](#a-good-page-code) [c](https://a.b) %s"
+        for link, count in (("", 0), ("[d](none.md)", 1), ("[d](p.md#none)", 1)):
+            (folder / "p.md").write_text(page % link, encoding="utf-8")
+            assert len(dead_links("p.md", page % link, folder)) == count
         copied = folder
         (copied / "copied.cpp").write_text(SPDX + "int main() {}\n", encoding="utf-8")
         copy = "<!-- silt: file copied.cpp -->\n```cpp\nint main() {%s}\n```"
