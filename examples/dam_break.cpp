@@ -113,7 +113,7 @@ void collapse(const Options& o) {
 
   const mps::Flow<Scheme, Dim> water{support::flow_settings<Scheme, Dim>(o, o.column[1]),
                                      mps::PressureSolver<Dim>{{.tolerance = o.tolerance}}};
-  Simulation dam{particles, TimedSearch{NeighbourList<Dim>{{.skin_fraction = 0}}}, water,
+  Simulation dam{particles, TimedSearch{UniformGrid<Dim>{}}, water,
                  SemiImplicit<>{}};
   FrontGauge front(o);
   support::PressureGauges<Dim> gauges(o);

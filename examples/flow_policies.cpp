@@ -34,7 +34,7 @@ struct Options {
 
 template <class Scheme>
 auto in_tank(const Tank<2>& tank) {
-  return Simulation{make_tank<2>(tank), NeighbourList<2>{{.skin_fraction = 0}},
+  return Simulation{make_tank<2>(tank), UniformGrid<2>{},
                     Flow<Scheme>{{.spacing = l0, .speed_scale = std::sqrt(g * tank.column[1])}},
                     SemiImplicit<>{}};
 }

@@ -230,7 +230,7 @@ void stand(const Options& o, const mps::FlowSettings<Dim, Scheme>& settings) {
   support::make_output_folder(o.out);
   support::use_threads_of_option(o.threads);
 
-  Simulation tank{particles, TimedSearch{NeighbourList<Dim>{{.skin_fraction = 0}}}, water,
+  Simulation tank{particles, TimedSearch{UniformGrid<Dim>{}}, water,
                   SemiImplicit<>{}};
   support::PressureGauges<Dim> gauges(o);
   Statistics<Dim> statistics(o, gauges);

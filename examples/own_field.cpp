@@ -75,7 +75,7 @@ void warm_water() {
     tank[temperature][i] = tank[mps::kind][i] == mps::Kind::fluid ? 350 : 300;
   }
   const mps::Flow<mps::Case10> water{{.spacing = l0, .speed_scale = 2}};
-  Simulation dam{tank, NeighbourList<2>{}, water, SemiImplicit<>{}};
+  Simulation dam{tank, UniformGrid<2>{}, water, SemiImplicit<>{}};
   warm(dam, 5, VtkSeries{"warm_water"});
 }
 

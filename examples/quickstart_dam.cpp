@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A column of water collapses in a tank: everything an MPS program needs. Run it in any folder,
-// then open dam.pvd in ParaView.
+// A column of water collapses in a tank. Writes dam.pvd, for ParaView, into the current folder.
 #include <silt/io/progress.hpp>
 #include <silt/io/vtk.hpp>
 #include <silt/mps.hpp>
@@ -17,7 +16,7 @@ int main() try {
   // speed_scale is √(g H), the speed that limits the time step from the start.
   const mps::Flow<mps::Recommended> water{{.spacing = l0, .density = 1000, .speed_scale = 2.8}};
 
-  Simulation dam{tank, NeighbourList<2>{}, water, SemiImplicit<>{}};
+  Simulation dam{tank, UniformGrid<2>{}, water, SemiImplicit<>{}};
   dam.run({.until = 1.0, .output_every = 0.02}, VtkSeries{"dam"}, Progress{});
 } catch (const silt::Error& error) {
   std::fprintf(stderr, "%s\n", error.what());

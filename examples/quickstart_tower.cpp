@@ -21,7 +21,7 @@ int main() try {
                                .friction_angle = 0.46};
   const auto floor = dem::Plane<2>{.normal = {0, 1}};
 
-  Simulation tower{grains, UniformGrid<2>{},
+  Simulation tower{grains, NeighbourList<2>{},
                    Forces{Gravity<2>{{0, -9.81}}, dem::Contacts{law, floor}},
                    Leapfrog{GlobalDamping{.alpha = 0.5}}};
   tower.run({.until = 1.5, .output_every = 0.02}, VtkSeries{"tower"}, Progress{});

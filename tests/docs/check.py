@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Compiles every ```cpp block of README.md and docs/, and runs those that have a main().
+"""Compiles every ```cpp block of README.md and docs/, and runs those that have a main(). Runs every
+```python block.
 
     check.py REPOSITORY SCRATCH FLAGS-FILE COMPILER...
     check.py --self-test
@@ -15,6 +16,11 @@ A block is a file of its own, unless HTML comments right before it say otherwise
     <!-- silt: file PATH -->     is the text of this file of the repository, but for its SPDX line;
                                  that file is compiled and run by itself, as an example
     <!-- silt: skip REASON -->   neither compiled nor run
+
+A Python block has `after NAME`, and runs in the folder in which that block's program ran, with the
+modules of examples/support. It is left out where a module that it imports is not installed.
+
+Every link of a page to a file of the repository, or to a heading in one, leads somewhere.
 
 Several hold at once if they stand in several comments. A block without wrap that others go on from
 stays outside of main(), so that it can declare types; #include lines always go to the top.
@@ -80,14 +86,14 @@ class Program:
         )
 
 
-def blocks_of(text):
-    """Yields (line of the first row, directives, text) of each C++ block of a page."""
+def blocks_of(text, languages=("cpp", "c++", "cxx")):
+    """Yields (line of the first row, directives, text) of each block of a page in this language."""
     directives, language, rows, first = {}, None, [], 0
     for number, line in enumerate(text.splitlines(), 1):
         fence = FENCE.match(line)
         if language is not None:
             if fence and not fence.group(1):
-                if language in ("cpp", "c++", "cxx"):
+                if language in languages:
                     yield first, directives, textwrap.dedent("\n".join(rows))
                 directives, language = {}, None
             else:
@@ -139,6 +145,40 @@ def programs_of(page, text, repository=pathlib.Path()):
     return programs
 
 
+def scripts_of(page, text):
+    """The Python blocks of one page: (where, text, where the block is that it goes on from)."""
+    named = {d["name"]: f"{page}:{line}" for line, d, _ in blocks_of(text) if "name" in d}
+    scripts = []
+    for line, directives, block in blocks_of(text, ("python",)):
+        if set(directives) != {"after"} or directives["after"] not in named:
+            raise PageError(f"{page}: line {line}: a Python block goes on `after` a named one")
+        scripts.append((f"{page}:{line}", block, named[directives["after"]]))
+    return scripts
+
+
+def headings_of(text):
+    """The names by which the headings of a page are linked to."""
+    titles = re.findall(r"^#+ +(.*)$", re.sub(r"^```.*?^```", "", text, flags=re.M | re.S), re.M)
+    kept = ("".join(c for c in title.lower() if c.isalnum() or c in " -_") for title in titles)
+    return {title.replace(" ", "-") for title in kept}
+
+
+def dead_links(page, text, repository):
+    """What is wrong with the links of a page to files of the repository and their headings."""
+    faults = []
+    outside_code = re.sub(r"^```.*?^```", "", text, flags=re.M | re.S)
+    for link in re.findall(r"\]\(([^)\s]+)\)", outside_code):
+        if re.match(r"\w+:", link):
+            continue
+        name, _, heading = link.partition("#")
+        target = (repository / page).parent / name if name else repository / page
+        if not target.exists():
+            faults.append(f"{page}: the link to {link} leads to no file")
+        elif heading and heading not in headings_of(target.read_text(encoding="utf-8")):
+            faults.append(f"{page}: the link to {link} leads to no heading")
+    return faults
+
+
 def without_beginnings(programs):
     """The programs that no other begins with: those are compiled and run as part of the others."""
 
@@ -166,9 +206,13 @@ def together(programs):
     return apart + list(pages.values())
 
 
+def folder_of(where, scratch):
+    return scratch / re.sub(r"\W+", "_", where)
+
+
 def attempt(program, scratch, compile_command):
     """Compiles and runs one program; returns what went wrong, or nothing."""
-    folder = scratch / re.sub(r"\W+", "_", program.where)
+    folder = folder_of(program.where, scratch)
     folder.mkdir(parents=True, exist_ok=True)
     source = folder / "block.cpp"
     text = program.source()
@@ -202,23 +246,54 @@ def attempt(program, scratch, compile_command):
     return ""
 
 
-def check(repository, scratch, compile_command):
-    pages = [repository / "README.md", *sorted((repository / "docs").rglob("*.md"))]
-    programs = [
-        program
-        for page in pages
-        if page.is_file()
-        for program in programs_of(
-            page.relative_to(repository).as_posix(), page.read_text(encoding="utf-8"), repository
+def attempt_script(where, text, folder, repository):
+    """Runs a Python block with the first Python that has its modules; returns what went wrong, or
+    nothing."""
+    if not folder.is_dir():
+        return f"{where}: the block that this one goes on from is no program of its own"
+    (folder / "block.py").write_text(text, encoding="utf-8")
+    modules = {"PYTHONPATH": str(repository / "examples" / "support"), "MPLBACKEND": "Agg"}
+    for python in (sys.executable, "/usr/bin/python3"):
+        if not os.access(python, os.X_OK):
+            continue
+        ran = subprocess.run(
+            [python, "block.py"],
+            cwd=folder,
+            env={**os.environ, **modules},
+            capture_output=True,
+            text=True,
+            timeout=RUN_SECONDS,
         )
+        missing = re.search(r"ModuleNotFoundError: (.*)", ran.stderr)
+        if not missing:
+            return f"{where}: ended with {ran.returncode}\n{ran.stderr}" if ran.returncode else ""
+    print(f"{where} is left out: {missing.group(1)}")
+    return ""
+
+
+def check(repository, scratch, compile_command):
+    pages = {
+        page.relative_to(repository).as_posix(): page.read_text(encoding="utf-8")
+        for page in [repository / "README.md", *sorted((repository / "docs").rglob("*.md"))]
+        if page.is_file()
+    }
+    programs = [
+        program for page, text in pages.items() for program in programs_of(page, text, repository)
     ]
+    scripts = [script for page, text in pages.items() for script in scripts_of(page, text)]
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as workers:
         whole = together(without_beginnings(programs))
         outcomes = workers.map(lambda p: attempt(p, scratch, compile_command), whole)
         faults = [fault for fault in outcomes if fault]
+    for page, text in pages.items():
+        faults += dead_links(page, text, repository)
+    for where, text, program in scripts:
+        folder = folder_of(program, scratch)
+        if fault := attempt_script(where, text, folder, repository):
+            faults.append(fault)
     for fault in faults:
         print(fault)
-    print(f"{len(programs)} blocks, {len(faults)} with faults")
+    print(f"{len(programs) + len(scripts)} blocks, {len(faults)} with faults")
     return not faults
 
 
@@ -276,8 +351,27 @@ def self_test():
     law_alone, one = together([law, *statements])
     assert law_alone == law and one.where == "p.md:1"
     assert one.inside == "[] {\nint i;\n}();\n" * 2
+    scripts = scripts_of(
+        "p.md",
+        "<!-- silt: name run -->\n```cpp\nint main() {}\n```\n"
+        "<!-- silt: after run -->\n```python\nimport sys\n```\n",
+    )
+    assert scripts == [("p.md:7", "import sys", "p.md:3")]
+    try:
+        scripts_of("p.md", "```python\nimport sys\n```\n")
+        raise AssertionError("no error for a Python block that goes on from nothing")
+    except PageError:
+        pass
     with tempfile.TemporaryDirectory() as folder:
-        copied = pathlib.Path(folder)
+        folder = pathlib.Path(folder)
+        for text, fault in (("", False), ("import no_such_module", False), ("1/0", True)):
+            assert bool(attempt_script("p.md:1", text, folder, folder)) == fault
+        assert attempt_script("p.md:1", "", folder / "none", folder)
+        page = "# A *good* page, `code`\n[a](p.md) [b](#a-good-page-code) [c](https://a.b) %s"
+        for link, count in (("", 0), ("[d](none.md)", 1), ("[d](p.md#none)", 1)):
+            (folder / "p.md").write_text(page % link, encoding="utf-8")
+            assert len(dead_links("p.md", page % link, folder)) == count
+        copied = folder
         (copied / "copied.cpp").write_text(SPDX + "int main() {}\n", encoding="utf-8")
         copy = "<!-- silt: file copied.cpp -->\n```cpp\nint main() {%s}\n```"
         assert not programs_of("p.md", copy % "", copied)

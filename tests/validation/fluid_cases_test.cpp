@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The solutions that flows are held against, and the flows themselves, coarse. docs/verification_mps.md
-// has them in full.
+// The solutions that flows are held against, and the flows themselves, coarse. docs/verification.md has
+// them in full.
 #include "support/fluid_cases/all.hpp"
 
 #include <gtest/gtest.h>

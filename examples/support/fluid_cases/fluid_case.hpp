@@ -99,7 +99,7 @@ auto simulation_of(const FluidCase& flow, const Numerics& numerics) {
       .clip_negative_pressure = flow.clip_negative_pressure,
       .body_force = flow.body_force};
   if (!flow.has_surface) settings = mps::without_free_surface(settings);
-  return Simulation{flow.start, TimedSearch{NeighbourList<2>{{.skin_fraction = 0}}},
+  return Simulation{flow.start, TimedSearch{UniformGrid<2>{}},
                     mps::Flow<Scheme>{settings}, SemiImplicit<>{}};
 }
 

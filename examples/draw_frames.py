@@ -1,0 +1,121 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""Draws frames written by silt::VtkSeries, in place of ParaView.
+
+    draw_frames.py SERIES.pvd PICTURE.png            four frames, from the first to the last
+    draw_frames.py SERIES.pvd FILM.gif               all frames
+    draw_frames.py SERIES.pvd PICTURE.png --field pressure
+
+Particles are circles of their true size, coloured by a field: "speed" (the default, |velocity|) or
+any array of the frames with one number per particle. Walls of a tank are grey, their dummies left
+out. Particles in 3D are seen along y. Needs Matplotlib (Debian: python3-matplotlib).
+"""
+
+import argparse
+import pathlib
+import sys
+
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.animation import FuncAnimation, PillowWriter
+from matplotlib.colors import ListedColormap
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+from support.frames import Series, draw, speed
+
+WALL = 1  # of mps::Kind
+WALL_COLOUR = "#c8ccd0"
+UNITS = {"speed": "m/s", "pressure": "Pa", "radius": "m", "mass": "kg"}
+
+
+def values_of(frame, field):
+    """One number per particle."""
+    if field == "speed":
+        return speed(frame)
+    if field not in frame or frame[field].ndim != 1:
+        names = ", ".join(["speed", *(name for name in frame if frame[name].ndim == 1)])
+        sys.exit(f"draw_frames.py: no field {field} with one number per particle; there are {names}")
+    return frame[field]
+
+
+def some(frame, which):
+    """The frame with some of its particles, in this order."""
+    count = len(frame["position"])
+    return {name: values[which] for name, values in frame.items() if len(values) == count}
+
+
+def seen_from_the_side(frame):
+    """The frame without dummies and with the vertical axis second; particles in 3D from the back
+    to the front."""
+    if "kind" in frame:
+        frame = some(frame, frame["kind"] <= WALL)
+    if not frame["position"][:, 2].any():
+        return frame
+    frame = some(frame, np.argsort(-frame["position"][:, 1], kind="stable"))
+    frame["position"] = frame["position"][:, [0, 2, 1]]
+    return frame
+
+
+def is_wall(frame):
+    return frame["kind"] == WALL if "kind" in frame else np.zeros(len(frame["position"]), bool)
+
+
+def particle_radius(frame):
+    """None if the frame has radii; otherwise half the distance from one particle to the nearest."""
+    if "radius" in frame:
+        return None
+    x = frame["position"]
+    return np.linalg.norm(x[1:] - x[0], axis=1).min() / 2 if len(x) > 1 else 0.01
+
+
+def main():
+    parser = argparse.ArgumentParser(description="Draws frames written by silt::VtkSeries.")
+    parser.add_argument("series", help="the .pvd file")
+    parser.add_argument("picture", help="the .png or .gif file to write")
+    parser.add_argument("--field", default="speed", help="speed, or an array of the frames")
+    options = parser.parse_args()
+
+    series = Series(options.series)
+    is_film = options.picture.endswith(".gif")
+    numbers = np.arange(len(series)) if is_film else np.unique(
+        np.linspace(0, len(series) - 1, 4).round().astype(int))
+    frames = [seen_from_the_side(series[number]) for number in numbers]
+    radius = particle_radius(series[0])
+    walls = [some(frame, is_wall(frame)) for frame in frames]
+    frames = [some(frame, ~is_wall(frame)) for frame in frames]
+    values = [values_of(frame, options.field) for frame in frames]
+    norm = plt.Normalize(min(v.min() for v in values), max(v.max() for v in values))
+    x = np.concatenate([frame["position"][:, :2] for frame in frames + walls])
+    margin = 0.05 * (x.max(axis=0) - x.min(axis=0)).max()
+    low, high = x.min(axis=0) - margin, x.max(axis=0) + margin
+
+    def show(axes, k):
+        axes.clear()
+        if len(walls[k]["position"]):
+            draw(axes, walls[k], np.zeros(len(walls[k]["position"])), radius,
+                 cmap=ListedColormap([WALL_COLOUR]))
+        circles = draw(axes, frames[k], values[k], radius, norm=norm, cmap="viridis")
+        axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), xlabel="x [m]",
+                 ylabel="height [m]" if k == 0 or is_film else "", title=f"t = {series.times[numbers[k]]:.3g} s")
+        return circles
+
+    count = 1 if is_film else len(frames)
+    width = 6.5 if is_film else 3
+    height = min(max(width * (high[1] - low[1]) / (high[0] - low[0]), 2), 8)
+    figure, all_axes = plt.subplots(1, count, squeeze=False, sharey=True, layout="constrained",
+                                    figsize=(width * count + 1.5, height + 0.8))
+    circles = [show(axes, k) for k, axes in enumerate(all_axes[0])]
+    unit = UNITS.get(options.field)
+    figure.colorbar(circles[0], ax=all_axes, label=options.field + (f" [{unit}]" if unit else ""))
+    if is_film:
+        film = FuncAnimation(figure, lambda k: [show(all_axes[0, 0], k)], len(frames))
+        film.save(options.picture, PillowWriter(fps=15), dpi=100)
+    else:
+        figure.savefig(options.picture, dpi=150)
+
+
+if __name__ == "__main__":
+    main()
