@@ -54,7 +54,7 @@ TEST_P(Threads, FindTheLargestAndTheFirst) {
     EXPECT_EQ(largest(0, -2.0, [](Index) { return 1.0; }), -2.0);
     EXPECT_EQ(largest(10, 3.0, [](Index) { return 1.0; }), 3.0);
     EXPECT_EQ(first_where(9000, [](Index i) { return i >= 5000 || i == 4444; }), 4444u);
-    EXPECT_EQ(first_where(9000, [](Index) { return false; }), nowhere);
+    EXPECT_EQ(first_where(9000, [](Index) { return false; }), no_index);
   });
 }
 

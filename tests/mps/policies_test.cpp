@@ -35,10 +35,10 @@ static_assert(!mps::PressureSource<DensitySurface>);
 
 struct SurfaceOfNumbers {
   void check() const {}
-  double holds(const mps::Fullness&) const { return 1; }
+  double is_on_surface(const mps::LocalDensity&) const { return 1; }
 };
 struct UncheckedSurface {
-  bool holds(const mps::Fullness&) const { return true; }
+  bool is_on_surface(const mps::LocalDensity&) const { return true; }
 };
 static_assert(!mps::FreeSurface<SurfaceOfNumbers> && !mps::FreeSurface<UncheckedSurface>);
 static_assert(!mps::FreeSurface<DensitySource>);
@@ -46,7 +46,7 @@ static_assert(!mps::FreeSurface<DensitySource>);
 struct CollisionWithoutReach {
   void check() const {}
   template <int Dim, class Real>
-  Vec<Dim, Real> impulse(const mps::Encounter<Dim, Real>& pair) const {
+  Vec<Dim, Real> impulse(const mps::CollidingPair<Dim, Real>& pair) const {
     return pair.r_ij;
   }
 };

@@ -23,7 +23,7 @@ struct Hertz {
   bool tension = true;           ///< false: the dashpot never pulls, and e grows
 
   template <int, class Real>
-  using Memory = CentredDashpot::Memory<Real>;
+  using History = CentredDashpot::History<Real>;
 
   void check() const {
     elastic.check("Hertz");
@@ -31,12 +31,12 @@ struct Hertz {
   }
 
   template <class C, class M>
-  NormalForce<C> normal_force(const C& contact, M& memory) const {
+  NormalForce<C> normal_force(const C& contact, M& history) const {
     using Real = typename C::Real;
     const Real S = tangent(contact);
     const Real c = dashpot(contact, S);
     const Real spring = S * contact.overlap * 2 / 3;
-    const Real pull = CentredDashpot::force(contact, memory, S, c);
+    const Real pull = CentredDashpot::force(contact, history, S, c);
     return {.spring = spring,
             .dashpot = tension ? pull : without_pull(spring, pull),
             .stiffness = S,

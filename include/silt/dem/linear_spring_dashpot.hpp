@@ -22,7 +22,7 @@ struct LinearSpringDashpot {
                         ///< and Pöschel (2007)
 
   template <int, class Real>
-  using Memory = CentredDashpot::Memory<Real>;
+  using History = CentredDashpot::History<Real>;
 
   void check() const {
     require_positive("LinearSpringDashpot: normal_stiffness", normal_stiffness);
@@ -30,12 +30,12 @@ struct LinearSpringDashpot {
   }
 
   template <class C, class M>
-  NormalForce<C> normal_force(const C& contact, M& memory) const {
+  NormalForce<C> normal_force(const C& contact, M& history) const {
     using Real = typename C::Real;
     const Real k = Real(normal_stiffness);
     const Real beta = dashpot_over_spring(contact.effective_mass);
     const Real spring = k * contact.overlap;
-    const Real dashpot = CentredDashpot::force(contact, memory, k, beta * k);
+    const Real dashpot = CentredDashpot::force(contact, history, k, beta * k);
     return {.spring = spring,
             .dashpot = tension ? dashpot : without_pull(spring, dashpot),
             .stiffness = k,
