@@ -79,8 +79,9 @@ struct CundallStrackLaw {
   std::optional<double> beta = {};  ///< β [s]: c_n = β k_n, c_s = β k_s (24), in place of e
   FrictionAngle friction_angle = {};  ///< φ_μ [rad] in [0, π/2)
   double cohesion = 0;                ///< c of (13): tangential force that holds without load [N]
-  bool tension = true;  ///< false: the dashpot never pulls, and e grows to e_clip(ζ) of Schwager
-                        ///< and Pöschel (2007)
+  /// Limits the dashpot so that the normal force is never attractive; the restitution then rises
+  /// to e_clip(ζ) of Schwager and Pöschel (2007).
+  bool limit_damping = false;
 
   template <int Dim, class Real>
   using History = typename NormalForm::template History<Dim, Real>;
@@ -112,7 +113,7 @@ struct CundallStrackLaw {
     const Real F_n = NormalForm::spring_force(contact, history, k_n);
     const Real D_n = NormalForm::dashpot_force(contact, history, k_n, c_over_k * k_n);
     parts.normal_spring = F_n;
-    parts.normal_dashpot = tension ? D_n : without_pull(F_n, D_n);
+    parts.normal_dashpot = limit_damping ? limited_dashpot(F_n, D_n) : D_n;
 
     const Slider<Real> slider{
         .stiffness = k_s,
@@ -163,7 +164,7 @@ struct CundallStrackLaw {
     if (a.beta || b.beta) law.beta = std::max(a.beta.value_or(0), b.beta.value_or(0));
     law.friction_angle = FrictionAngle::mix(a.friction_angle, b.friction_angle);
     law.cohesion = std::min(a.cohesion, b.cohesion);
-    law.tension = a.tension && b.tension;
+    law.limit_damping = a.limit_damping || b.limit_damping;
     return law;
   }
 

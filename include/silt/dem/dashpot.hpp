@@ -80,7 +80,7 @@ struct CentredDashpot {
 
 /// The dashpot's force, where it may pull no harder than the spring pushes [N].
 template <class Real>
-Real without_pull(Real spring, Real dashpot) {
+Real limited_dashpot(Real spring, Real dashpot) {
   return spring + dashpot < 0 ? -spring : dashpot;
 }
 

@@ -20,7 +20,8 @@ namespace silt::dem {
 struct Hertz {
   Elastic elastic = {};
   Restitution restitution = {};  ///< e [-] in (0, 1]
-  bool tension = true;           ///< false: the dashpot never pulls, and e grows
+  /// Limits the dashpot so that the normal force is never attractive; the restitution then rises.
+  bool limit_damping = false;
 
   template <int, class Real>
   using History = CentredDashpot::History<Real>;
@@ -38,7 +39,7 @@ struct Hertz {
     const Real spring = S * contact.overlap * 2 / 3;
     const Real pull = CentredDashpot::force(contact, history, S, c);
     return {.spring = spring,
-            .dashpot = tension ? pull : without_pull(spring, pull),
+            .dashpot = limit_damping ? limited_dashpot(spring, pull) : pull,
             .stiffness = S,
             .beta = c / S};
   }
@@ -61,7 +62,7 @@ struct Hertz {
   static Hertz mix(const Hertz& a, const Hertz& b) {
     return {.elastic = Elastic::mix(a.elastic, b.elastic),
             .restitution = Restitution::mix(a.restitution, b.restitution),
-            .tension = a.tension && b.tension};
+            .limit_damping = a.limit_damping || b.limit_damping};
   }
 
  private:

@@ -58,7 +58,7 @@ struct Collision {
 using OriginalCollision = Collision<std::ratio<1, 2>, std::ratio<1, 5>>;
 using AdoptedCollision = Collision<std::ratio<1>, std::ratio<1, 5>>;
 
-/// reach(): pairs farther apart [spacings] do not meet; impulse(encounter): change of the velocity
+/// reach(): pairs farther apart [spacings] do not meet; impulse(pair): change of the velocity
 /// of i [m/s].
 template <class C>
 concept CollisionModel = requires(const C c, CollidingPair<2> in_2d, CollidingPair<3> in_3d) {

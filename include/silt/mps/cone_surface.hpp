@@ -44,10 +44,10 @@ struct ConeSurface {
     moments *= Dim / scale.n0;
     Eigen::SelfAdjointEigenSolver<Matrix> solver;
     solver.computeDirect(moments, Eigen::EigenvaluesOnly);
-    const Real local_density = solver.eigenvalues()[0];
-    if (local_density < Real(spray)) return true;
+    const Real smallest_eigenvalue = solver.eigenvalues()[0];
+    if (smallest_eigenvalue < Real(spray)) return true;
     const Real size = outwards.norm();
-    if (local_density > Real(inside) || !(size > 0)) return false;
+    if (smallest_eigenvalue > Real(inside) || !(size > 0)) return false;
     outwards /= size;
     const Real most = Real(length) * scale.spacing;
     const Real cosine = Real(std::cos(half_angle));
