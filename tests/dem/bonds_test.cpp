@@ -64,7 +64,7 @@ auto block(Index along, double strength = 2e3) {
                                                 .beta = 1e-6,
                                                 .tensile_strength = strength,
                                                 .shear_strength = strength}};
-  bonds.bond_all_touching(grains, UniformGrid<Dim, Real>{}, {.gap = 1e-3});
+  bonds.bond_all_touching(grains, UniformGrid<Dim, Real>{}, {.max_gap = 1e-3});
   return std::pair(std::move(grains), std::move(bonds));
 }
 
@@ -191,7 +191,7 @@ double strain_after_turning(const AngularVec<Dim>& w, double dt, int steps) {
     look(bonds, grains, dt);
   }
   const auto& bond = bonds.bonds()[0];
-  return bond.shear.norm() / R + std::sqrt(squared_norm(bond.turn));
+  return bond.shear.norm() / R + std::sqrt(squared_norm(bond.rotation));
 }
 
 TEST(BondedPair, TurnsFreelyWithoutAnyStrain) {

@@ -17,9 +17,9 @@ namespace silt::test {
 namespace {
 
 template <class Law>
-void expect_sound(const Law& law, const dem::LawTrial& trial = {}) {
+void expect_sound(const Law& law, const dem::ConformanceConditions& trial = {}) {
   const auto verdict = dem::conformance_of(law, trial);
-  EXPECT_TRUE(verdict.holds()) << verdict.text();
+  EXPECT_TRUE(verdict.passes()) << verdict.text();
   EXPECT_GE(verdict.findings.size(), 26u) << "it was tried in both dimensions";
 }
 

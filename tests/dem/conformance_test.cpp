@@ -104,7 +104,7 @@ struct Law {
 void expect_finding(Fault fault, const std::string& name,
                     const std::vector<std::string>& also = {}) {
   const auto verdict = dem::conformance_of(Law{fault});
-  EXPECT_FALSE(verdict.holds(name)) << name;
+  EXPECT_FALSE(verdict.passes(name)) << name;
   EXPECT_NE(verdict.text().find(name), std::string::npos);
   for (const auto& finding : verdict.findings) {
     const bool expected =
@@ -116,7 +116,7 @@ void expect_finding(Fault fault, const std::string& name,
 
 TEST(Conformance, OfASoundLawHolds) {
   const auto verdict = dem::conformance_of(Law{Fault::none});
-  EXPECT_TRUE(verdict.holds()) << verdict.text();
+  EXPECT_TRUE(verdict.passes()) << verdict.text();
   EXPECT_EQ(verdict.text(), "");
   EXPECT_EQ(verdict.findings.size(), 30u) << "fifteen in the plane, fifteen in space";
 }
@@ -130,12 +130,12 @@ TEST(Conformance, FindsADashpotOfTheWrongSign) {
 }
 
 TEST(Conformance, FindsASpringThatDoesNotTurnWithTheContact) {
-  expect_finding(Fault::spring_stays_in_its_old_plane, "memory turns with the contact");
+  expect_finding(Fault::spring_stays_in_its_old_plane, "history rotates with the contact");
 }
 
 TEST(Conformance, FindsAForceThatKnowsADirection) {
   expect_finding(Fault::softer_along_the_first_axis, "the same in any frame",
-                 {"memory turns with the contact", "elastic_energy is what the springs hold"});
+                 {"history rotates with the contact", "elastic_energy is what the springs hold"});
 }
 
 TEST(Conformance, FindsACoupleOfTheWrongSign) {
@@ -145,13 +145,13 @@ TEST(Conformance, FindsACoupleOfTheWrongSign) {
 
 TEST(Conformance, FindsAForceThatIsNotTheReaction) {
   expect_finding(Fault::stiffer_on_the_side_of_the_upper, "action equals reaction",
-                 {"the same in any frame", "memory turns with the contact",
+                 {"the same in any frame", "history rotates with the contact",
                   "elastic_energy is what the springs hold"});
 }
 
 TEST(Conformance, FindsAnAnswerThatIsNotFinite) {
   expect_finding(Fault::divides_by_the_speed_of_sliding, "finite answers",
-                 {"pushes back", "the same in any frame", "memory turns with the contact",
+                 {"pushes back", "the same in any frame", "history rotates with the contact",
                   "action equals reaction", "the same in float", "the same for eight at once",
                   "no energy from pressing", "no energy from sliding", "no energy from rolling",
                   "no energy from sliding under changing load",
@@ -177,18 +177,18 @@ TEST(Conformance, FindsASpringThatKeepsItsForceWhileItSoftens) {
 
 TEST(Conformance, FindsThatAContactPulls) {
   const auto verdict = dem::conformance_of(Law{Fault::pulls});
-  EXPECT_FALSE(verdict.holds("pushes back"));
-  EXPECT_FALSE(verdict.holds("no such finding"));
+  EXPECT_FALSE(verdict.passes("pushes back"));
+  EXPECT_FALSE(verdict.passes("no such finding"));
 }
 
 TEST(Conformance, RefusesATrialOutOfRange) {
   const dem::CundallStrack law{.normal_stiffness = 1e6};
   EXPECT_TRUE(refuses([&] { dem::conformance_of(law, {.radius = -1}); },
-                      {"LawTrial: radius = -1"}));
+                      {"ConformanceConditions: radius = -1"}));
   EXPECT_TRUE(refuses([&] { dem::conformance_of(law, {.density = 0}); },
-                      {"LawTrial: density = 0"}));
+                      {"ConformanceConditions: density = 0"}));
   EXPECT_TRUE(refuses([&] { dem::conformance_of(law, {.overlap = 0}); },
-                      {"LawTrial: overlap = 0"}));
+                      {"ConformanceConditions: overlap = 0"}));
   EXPECT_TRUE(refuses([&] { dem::conformance_of(law, {.overlap = 0.1}); },
                       {"overlap over radius"}));
   EXPECT_TRUE(

@@ -271,7 +271,7 @@ TEST(Law, TakesItsPartsInAnyOrderAndAUsersBesideOurs) {
   const dem::Law law{dem::ConstantCohesion{.pull = 1}, Drag{.coefficient = 2},
                      Cubic{.stiffness_over_depth = 200}};
   using Own = std::remove_const_t<decltype(law)>;
-  static_assert(std::is_same_v<Own, dem::Law<Cubic, Drag, dem::NoPart, dem::ConstantCohesion>>);
+  static_assert(std::is_same_v<Own, dem::Law<Cubic, Drag, dem::NoComponent, dem::ConstantCohesion>>);
   static_assert(dem::LawWithoutHistory<Own, 3, float> && !dem::LawWithHistory<Own, 3, float>);
   static_assert(runs_in_lanes<Own>);
   dem::Contact<2, double> contact;

@@ -107,7 +107,7 @@ TEST(VibratingFloor, CarriesAGrain) {
     const auto load = state.interaction.template part<1>().load_on(state.particles, 0, {1, 0, 0});
     const double a = -A * omega * omega * std::sin(omega * sim.time());
     EXPECT_NEAR(load.force[2], -m * (g + a), 1e-3 * m * g) << sim.time();
-    EXPECT_NEAR(load.moment[1], load.force[2], 1e-15);
+    EXPECT_NEAR(load.torque[1], load.force[2], 1e-15);
     EXPECT_NEAR(state.particles[velocity][0][2], A * omega * std::cos(omega * sim.time()),
                 1e-3 * A * omega);
   }

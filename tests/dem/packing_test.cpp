@@ -125,7 +125,7 @@ TEST(Packing, SettlesToABedThatCarriesItsWeight) {
                         dem::Contacts{law, dem::Plane<2>{}, dem::Plane<2>{.normal = {1, 0}},
                                       dem::Plane<2>{.point = {0.2, 0}, .normal = {-1, 0}}}},
                  Leapfrog{GlobalDamping{.alpha = 2}}};
-  const dem::Settling rest{.speed = 1e-4, .check_every = 0.1, .at_most = 5};
+  const dem::Settling rest{.speed = 1e-4, .check_every = 0.1, .max_time = 5};
   const double took = dem::settle(bed, rest);
   EXPECT_LT(took, 5);
   EXPECT_LT(dem::rms_speed(bed.particles()), 1e-4);
@@ -138,7 +138,7 @@ TEST(Packing, SettlesToABedThatCarriesItsWeight) {
   EXPECT_NEAR(floor / weight, 1, 0.01);
 
   EXPECT_TRUE(refuses(
-      [&] { dem::settle(bed, {.speed = 1e-30, .check_every = 0.01, .at_most = 0.02}); },
+      [&] { dem::settle(bed, {.speed = 1e-30, .check_every = 0.01, .max_time = 0.02}); },
       {"dem::settle: after 0.02 s", "speed = 1e-30"}));
 }
 

@@ -39,7 +39,7 @@ auto cluster(const std::vector<Vec<3>>& points, const dem::CundallStrack& law, b
   std::vector<Vec<3>> scaled;
   for (const auto& x : points) scaled.push_back(0.01999 * x);
   return Simulation{dem::make_grains(scaled, pebble), UniformGrid<3>{},
-                    dem::Contacts{law}.with({.refuse_unstable = refuse}), Leapfrog{}};
+                    dem::Contacts{law}.with({.check_stability = refuse}), Leapfrog{}};
 }
 
 const std::vector<Vec<3>> pair_of{{0, 0, 0}, {1, 0, 0}};
@@ -146,7 +146,7 @@ TEST(TimeStep, OfTheIncrementalFormWithADashpotBlowsUpJustAboveTheLimit) {
     std::vector<Vec<3>> at{{0, 0, 0}, {0.01, 0, 0}};
     auto grains = dem::make_grains(at, pebble);
     grains[velocity][1][0] = 1e-6;
-    Simulation sim{grains, UniformGrid<3>{}, dem::Contacts{law}.with({.refuse_unstable = false}), Leapfrog{}};
+    Simulation sim{grains, UniformGrid<3>{}, dem::Contacts{law}.with({.check_stability = false}), Leapfrog{}};
     double late = 0;
     for (int step = 0; step < 200; ++step) {
       sim.step(dt);

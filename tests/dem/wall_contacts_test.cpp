@@ -169,11 +169,11 @@ TEST(DrumOfTriangles, CarriesItsLoadRound) {
     }
     const Vec<3> turning = angular_momentum(sim.particles(), Vec<3>::Zero()) -
                            angular_momentum(before, Vec<3>::Zero());
-    ASSERT_NEAR((turning - (of_gravity - load.moment) * dt).norm(), 0, 1e-15) << k;
+    ASSERT_NEAR((turning - (of_gravity - load.torque) * dt).norm(), 0, 1e-15) << k;
     const Vec<3> push = momentum(sim.particles()) - momentum(before);
     const Vec<3> weight(0, 0, -g * mass_of(before));
     ASSERT_NEAR((push - (weight - load.force) * dt).norm(), 0, 1e-14) << k;
-    lifting_moment += load.moment[1];
+    lifting_moment += load.torque[1];
   }
   EXPECT_EQ(sim.particles().size(), grains.size());
   for (Index i = 0; i < grains.size(); ++i) {
@@ -196,7 +196,7 @@ TEST(DrumOfTriangles, GivesTheSameBitsForAnyNumberOfThreads) {
       Bytes bytes = state_of(sim.particles());
       const auto load = contacts_of(sim).load_on(sim.particles(), 0);
       append(bytes, std::span<const double>(load.force.data(), 3));
-      append(bytes, std::span<const double>(load.moment.data(), 3));
+      append(bytes, std::span<const double>(load.torque.data(), 3));
       EXPECT_GT(load.force.norm(), 0);
       return bytes;
     });

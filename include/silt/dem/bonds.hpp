@@ -8,7 +8,7 @@
 #include <silt/core/error.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/types.hpp>
-#include <silt/dem/bond_places.hpp>
+#include <silt/dem/bond_indices.hpp>
 #include <silt/dem/parallel_bond.hpp>
 
 #include <algorithm>
@@ -73,10 +73,10 @@ class Bonds {
   template <class P, class S>
     requires NeighbourSearch<S, P>
   Index bond_all_touching(P grains, S search, const Touching& touching = {}) {
-    require_not_negative("Touching: gap", touching.gap);
+    require_not_negative("Touching: max_gap", touching.max_gap);
     const auto R = grains[radius];
     const Real max_radius = largest(R.size(), Real(0), [&](Index i) { return R[i]; });
-    const Real gap = static_cast<Real>(touching.gap);
+    const Real gap = static_cast<Real>(touching.max_gap);
     if (!(max_radius > 0)) return 0;
     // Touching to round-off counts, and searches look for less than their radius.
     constexpr Real round_off = 64 * std::numeric_limits<Real>::epsilon();
@@ -318,7 +318,7 @@ class Bonds {
   BrokenBonds broken_;
   double last_time_step_ = 0;  // [s]; for which the spins of the next step have turned the grains
 
-  BondPlaces places_;
+  BondIndices places_;
   BondStability stability_;
   bool is_stability_known_ = false;
 

@@ -3,13 +3,13 @@
 // in space, in double and in float, one contact at a time and eight.
 //
 //   const auto verdict = silt::dem::conformance_of(law);
-//   if (!verdict.holds()) std::puts(verdict.text().c_str());
+//   if (!verdict.passes()) std::puts(verdict.text().c_str());
 #pragma once
 
 #include <silt/dem/contact.hpp>
-#include <silt/dem/law_finding.hpp>
+#include <silt/dem/conformance_report.hpp>
 #include <silt/dem/law_on_trial.hpp>
-#include <silt/dem/law_trial.hpp>
+#include <silt/dem/conformance_checks.hpp>
 
 #include <utility>
 
@@ -18,12 +18,12 @@ namespace silt::dem {
 /// Tries a law in the plane and in space, as far as it is written for them. Throws if a number of
 /// the trial is out of range, and what the law's check() throws.
 template <class Law>
-LawConformance conformance_of(const Law& law, const LawTrial& trial = {}) {
+ConformanceReport conformance_of(const Law& law, const ConformanceConditions& trial = {}) {
   if constexpr (requires { law.check(); }) law.check();
-  LawConformance conformance;
+  ConformanceReport conformance;
   const auto in_dimension = [&]<int Dim>() {
     if constexpr (ContactLaw<Law, Dim, double>) {
-      for (auto& finding : ConformanceTrial<Dim>(on_trial<Dim>(law), trial).findings()) {
+      for (auto& finding : ConformanceChecks<Dim>(on_trial<Dim>(law), trial).findings()) {
         conformance.findings.push_back(std::move(finding));
       }
     }

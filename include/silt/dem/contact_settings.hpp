@@ -15,7 +15,7 @@ enum class LeverArm {
 struct ContactSettings {
   LeverArm lever_arm = LeverArm::contact_point;
   double steps_per_contact = 50;  ///< of the default time step [-]
-  bool refuse_unstable = true;    ///< throw when Δt is beyond what the existing contacts allow
+  bool check_stability = true;    ///< throw when Δt is beyond what the existing contacts allow
 
   /// Throws if a setting is out of range.
   void check() const {

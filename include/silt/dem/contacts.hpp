@@ -153,7 +153,7 @@ class Contacts {
     auto& touches = found<P>();
     touches.end_step(std::accumulate(counts_.begin(), counts_.end(), Index(0)));
     if constexpr (knows_stiffness<P>) {
-      if (!settings_.refuse_unstable || dt <= touches.validity().stable_time_step) return;
+      if (!settings_.check_stability || dt <= touches.validity().stable_time_step) return;
       check_stability(grains, touches, walls_of_step<P>(walls_, touches.seen()), dt,
                       law_of(grains));
     }

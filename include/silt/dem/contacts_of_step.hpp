@@ -101,7 +101,7 @@ class ContactsOfStep {
     for_each_at_walls([&](const auto& touch) {
       if (touch.wall != wall) return;
       load.force += touch.force;
-      load.moment += cross(Vec(touch.point - about), touch.force) + touch.couple;
+      load.torque += cross(Vec(touch.point - about), touch.force) + touch.couple;
     });
     return load;
   }
@@ -148,7 +148,7 @@ class ContactsOfStep {
   /// See Contacts::elastic_energy.
   double elastic_energy() const {
     double energy = 0;
-    if constexpr (TellsEnergy<Law, P::dimension, Real>) {
+    if constexpr (GivesEnergy<Law, P::dimension, Real>) {
       const auto walls = walls_then();
       for_each_touch(grains_, touches_, [&](Index c, const Sides& sides, const auto* row) {
         energy += double(

@@ -34,7 +34,7 @@ namespace silt::dem {
 
 /// An observer of grains that Leapfrog advances. What it tells is for time(), the beginning of the
 /// last step: there the forces were made. It begins with the simulation's second step, as in the
-/// first one leapfrog sets its velocities off by half a step; beginning() are the energies then.
+/// first one leapfrog sets its velocities off by half a step; initial_energies() are the energies then.
 ///
 /// Stand it behind all other observers, so that it sees what they changed before a step.
 template <class P>
@@ -74,13 +74,13 @@ class EnergyLedger {
   /// Of what follows [s].
   double time() const noexcept { return time_; }
   const Energies& energies() const noexcept { return energies_; }
-  const Energies& beginning() const noexcept { return beginning_; }
+  const Energies& initial_energies() const noexcept { return beginning_; }
   /// Since the beginning.
-  const Works& works() const noexcept { return works_; }
+  const Work& work() const noexcept { return works_; }
   const Losses& losses() const noexcept { return losses_; }
   /// Kinetic energy, rotation included, that grains brought with them or took away, or that a hand
   /// gave them, between steps [J].
-  double outside() const noexcept { return outside_; }
+  double added_energy() const noexcept { return outside_; }
   /// Work of the springs, less what they gave from their store and what they lost, since the
   /// beginning [J]; NaN for a law that does not tell both.
   double integration_error() const noexcept {
@@ -88,13 +88,13 @@ class EnergyLedger {
   }
 
   /// In the last step, from N − ½ to N + ½.
-  const Works& works_of_step() const noexcept { return step_; }
+  const Work& work_of_step() const noexcept { return step_; }
   /// Of the kinetic energy, rotation included [J].
-  double change_of_step() const noexcept {
+  double energy_change_of_step() const noexcept {
     return motion_.kinetic_change() + motion_.rotational_change();
   }
   /// What change and works of the last step differ by [J]: round-off.
-  double imbalance() const noexcept { return change_of_step() - step_.sum(); }
+  double imbalance() const noexcept { return energy_change_of_step() - step_.sum(); }
 
  private:
   using Stored = PairHistory<ElasticEnergies>;
@@ -126,7 +126,7 @@ class EnergyLedger {
     static_assert(requires { simulation.integrator().damping(); },
                   "silt::dem::EnergyLedger: it reads the half steps of Leapfrog");
     const P& after = simulation.particles();
-    const Works last = std::exchange(step_, {});
+    const Work last = std::exchange(step_, {});
     outside_ += came_since_;
     motion_.set(before_, after, (time_step_ + simulation.last_time_step()) / 2);
     came_since_ = -motion_.carried_away();
@@ -196,13 +196,13 @@ class EnergyLedger {
         step_.damping += power * motion_.duration();
       }
     } else {
-      step_.damping = change_of_step() - step_.sum();
+      step_.damping = energy_change_of_step() - step_.sum();
     }
   }
 
   // The work of a kick is whole from half step to half step; of that from N − 1 to N, one half is
   // the kick's before.
-  void take_stock(const Works& last, const Losses& lost, Entries stored) {
+  void take_stock(const Work& last, const Losses& lost, Entries stored) {
     Stored now(std::move(stored));
     now.for_each_pair([&](Id, Id, const ElasticEnergies& each) { energies_.elastic += each; });
     if (!has_begun_) {
@@ -217,7 +217,7 @@ class EnergyLedger {
       stored_.for_each_pair([&](Id a, Id b, const ElasticEnergies& each) {
         if (!is_there(a) || !is_there(b)) return;  // removed, and the spring with it
         before += each;
-        if (now.find(a, b) == nullptr) all.opened += each.tangential + each.rolling;
+        if (now.find(a, b) == nullptr) all.separation += each.tangential + each.rolling;
       });
       losses_ += all;
       integration_error_ += (last.springs() + step_.springs()) / 2 +
@@ -238,8 +238,8 @@ class EnergyLedger {
   double time_ = 0;
   Energies energies_;
   Energies beginning_;
-  Works works_;
-  Works step_;
+  Work works_;
+  Work step_;
   Losses losses_;
   double outside_ = 0;
   double came_since_ = 0;  // from outside, since time()

@@ -22,7 +22,7 @@ struct Energies {
 };
 
 /// Done on the grains, by what did it; below 0: taken from them. All in [J].
-struct Works {
+struct Work {
   double normal_spring = 0;
   double tangential_spring = 0;
   double rolling_spring = 0;  ///< and twisting
@@ -34,34 +34,34 @@ struct Works {
   double walls = 0;    ///< by walls that move
   double gravity = 0;
   double damping = 0;  ///< of the integrator: global damping
-  double on_escape = 0;  ///< by grains that were removed in the step, on those that stayed
+  double removed_grains = 0;  ///< by grains that were removed in the step, on those that stayed
   double other = 0;    ///< by forces that the ledger does not know
 
   double springs() const { return normal_spring + tangential_spring + rolling_spring + adhesion; }
   double sum() const {
     double sum = 0;
-    for_each([&](double Works::* term) { sum += this->*term; });
+    for_each([&](double Work::* term) { sum += this->*term; });
     return sum;
   }
   /// max |term|
   double largest() const {
     double most = 0;
-    for_each([&](double Works::* term) { most = std::max(most, std::abs(this->*term)); });
+    for_each([&](double Work::* term) { most = std::max(most, std::abs(this->*term)); });
     return most;
   }
   /// Adds `share` times others.
-  void add(const Works& others, double share) {
-    for_each([&](double Works::* term) { this->*term += share * (others.*term); });
+  void add(const Work& others, double share) {
+    for_each([&](double Work::* term) { this->*term += share * (others.*term); });
   }
 
   /// f(pointer to member) for every term.
   template <class F>
   static void for_each(F&& f) {
-    for (double Works::* const term :
-         {&Works::normal_spring, &Works::tangential_spring, &Works::rolling_spring,
-          &Works::adhesion, &Works::normal_dashpot, &Works::tangential_dashpot,
-          &Works::rolling_dashpot, &Works::contact, &Works::walls, &Works::gravity,
-          &Works::damping, &Works::on_escape, &Works::other}) {
+    for (double Work::* const term :
+         {&Work::normal_spring, &Work::tangential_spring, &Work::rolling_spring,
+          &Work::adhesion, &Work::normal_dashpot, &Work::tangential_dashpot,
+          &Work::rolling_dashpot, &Work::contact, &Work::walls, &Work::gravity,
+          &Work::damping, &Work::removed_grains, &Work::other}) {
       f(term);
     }
   }
@@ -72,14 +72,14 @@ struct Losses {
   double friction = 0;          ///< by the slider along the tangent
   double rolling_friction = 0;  ///< by the sliders of rolling and twisting
   double plastic = 0;           ///< by normal springs that yield
-  double opened = 0;  ///< what tangential and rolling springs held when their contact ended
+  double separation = 0;  ///< what tangential and rolling springs held when their contact ended
 
-  double sum() const { return friction + rolling_friction + plastic + opened; }
+  double sum() const { return friction + rolling_friction + plastic + separation; }
   Losses& operator+=(const Losses& more) {
     friction += more.friction;
     rolling_friction += more.rolling_friction;
     plastic += more.plastic;
-    opened += more.opened;
+    separation += more.separation;
     return *this;
   }
 };

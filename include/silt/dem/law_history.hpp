@@ -64,7 +64,7 @@ concept LawInLanes =
 
 /// The law tells the energy [J] in its springs.
 template <class Law, int Dim, class Real>
-concept TellsEnergy = requires(const Law law, const Contact<Dim, Real> contact,
+concept GivesEnergy = requires(const Law law, const Contact<Dim, Real> contact,
                                const typename LawHistory<Law, Dim, Real>::type history) {
   { law.elastic_energy(contact, history) } -> std::convertible_to<double>;
 };

@@ -81,23 +81,23 @@ EightLoads<Dim> loads_in_lanes(const Law& law, const EightContacts<Dim>& contact
 /// A law, of which nothing shows any more but its answers.
 template <int Dim>
 struct LawOnTrial {
-  MeetLaw<Dim> in_double;
-  MeetLaw<Dim> in_float;  ///< empty for a law of double only
+  MakeContactEvaluator<Dim> in_double;
+  MakeContactEvaluator<Dim> in_float;  ///< empty for a law of double only
   /// Empty for a law that is asked contact by contact.
   std::function<EightLoads<Dim>(const EightContacts<Dim>&)> in_lanes;
-  bool tells_energy = false;
+  bool gives_energy = false;
   bool gives_couple = false;
 };
 
 template <int Dim, class Law>
 LawOnTrial<Dim> on_trial(const Law& law) {
   LawOnTrial<Dim> trial;
-  trial.in_double = meet_in_precision<double, Dim>(law);
-  if constexpr (ContactLaw<Law, Dim, float>) trial.in_float = meet_in_precision<float, Dim>(law);
+  trial.in_double = evaluator_in_precision<double, Dim>(law);
+  if constexpr (ContactLaw<Law, Dim, float>) trial.in_float = evaluator_in_precision<float, Dim>(law);
   if constexpr (LawInLanes<Law, Dim, double>) {
     trial.in_lanes = [law](const EightContacts<Dim>& eight) { return loads_in_lanes(law, eight); };
   }
-  trial.tells_energy = TellsEnergy<Law, Dim, double>;
+  trial.gives_energy = GivesEnergy<Law, Dim, double>;
   trial.gives_couple = GivesCouple<Law, Dim, double>;
   return trial;
 }

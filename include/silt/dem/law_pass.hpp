@@ -21,7 +21,7 @@ namespace silt::dem {
 
 /// Schedule at the near contacts of a chunk of grains, eight at a time, and keeps the law's answer for
 /// those that touch. ask(eight, contacts, touching) asks it: for lane l if bit l is set; the others
-/// may be asked as well. `walls` are a WallsThen.
+/// may be asked as well. `walls` are a WallsAtTime.
 ///
 /// Eight of which most touch are asked as they lie; where few do, they are collected
 /// to full eights.

@@ -66,7 +66,7 @@ class MeanMotion {
 
   /// Adds what a contact, an EvaluatedContact of these grains, did.
   template <class Each>
-  void add_contact(const P& before, const Each& each, Works& works, Losses& lost) const {
+  void add_contact(const P& before, const Each& each, Work& done, Losses& lost) const {
     const auto [i, j, wall] = each.sides;
     if (!stays_[i] && (j == no_index || !stays_[j])) return;
     const Vector n = in_double(each.contact.normal);
@@ -84,16 +84,16 @@ class MeanMotion {
     }
     const Vector v_own = surface(i, -double(arm(i)));
     const Load load = add_parts(each.answer, each.contact.normal, (v_own - v_other) * duration_,
-                                (w_[i] - w_other) * duration_, works, lost);
+                                (w_[i] - w_other) * duration_, done, lost);
     const auto work = [&](const Vector& v, const Turn& w) {
       return (load.force.dot(v) + dot(load.couple, w)) * duration_;
     };
     if (j == no_index) {
-      works.walls += work(v_other, w_other);
+      done.walls += work(v_other, w_other);
     } else if (!stays_[j]) {
-      works.on_escape += work(v_other, w_other);
+      done.removed_grains += work(v_other, w_other);
     } else if (!stays_[i]) {
-      works.on_escape -= work(v_own, w_[i]);
+      done.removed_grains -= work(v_own, w_[i]);
     }
   }
 
@@ -106,21 +106,21 @@ class MeanMotion {
   // Of surfaces that went u [m] and turned by `turn` against one another.
   template <class Answer>
   static Load add_parts(const Answer& answer, const typename P::Vec& n, const Vector& u,
-                        const Turn& turn, Works& works, Losses& lost) {
+                        const Turn& turn, Work& done, Losses& lost) {
     if constexpr (std::convertible_to<Answer, typename P::Vec>) {
-      works.contact += in_double(answer).dot(u);
+      done.contact += in_double(answer).dot(u);
     } else {
       const double u_n = in_double(n).dot(u);
-      works.normal_spring += double(answer.normal_spring) * u_n;
-      works.normal_dashpot += double(answer.normal_dashpot) * u_n;
-      works.adhesion += double(answer.adhesion) * u_n;
-      works.tangential_spring += in_double(answer.tangential_spring).dot(u);
-      works.tangential_dashpot += in_double(answer.tangential_dashpot).dot(u);
+      done.normal_spring += double(answer.normal_spring) * u_n;
+      done.normal_dashpot += double(answer.normal_dashpot) * u_n;
+      done.adhesion += double(answer.adhesion) * u_n;
+      done.tangential_spring += in_double(answer.tangential_spring).dot(u);
+      done.tangential_dashpot += in_double(answer.tangential_dashpot).dot(u);
       lost.friction += double(answer.friction);
       lost.plastic += double(answer.plastic);
       if constexpr (requires { answer.couple(); }) {
-        works.rolling_spring += dot(in_double(answer.rolling_spring), turn);
-        works.rolling_dashpot += dot(in_double(answer.rolling_dashpot), turn);
+        done.rolling_spring += dot(in_double(answer.rolling_spring), turn);
+        done.rolling_dashpot += dot(in_double(answer.rolling_dashpot), turn);
         lost.rolling_friction += double(answer.rolling_friction);
       }
     }

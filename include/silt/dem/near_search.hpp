@@ -24,7 +24,7 @@ bool is_stale(const P& grains, const S& search, const Walls& walls, double time,
               const Validity& validity) {
   if (validity.revision != grains.revision() || validity.since.size() != grains.size()) return true;
   if constexpr (Walls::move) {
-    const auto moved = walls.farthest_move({.from = validity.time, .to = time}, validity.extent);
+    const auto moved = walls.max_displacement({.from = validity.time, .to = time}, validity.extent);
     if (!(moved <= validity.margin / 2)) return true;
   }
   if constexpr (KnowsTravel<S>) {
@@ -82,7 +82,7 @@ void renew_validity(const P& grains, const S& search, const Walls& walls, const 
   if constexpr (KnowsTravel<S>) validity.travel = search.travel();
 }
 
-/// Pairs and grains at walls whose gap is below `margin` [m]; `walls` are a WallsThen.
+/// Pairs and grains at walls whose gap is below `margin` [m]; `walls` are a WallsAtTime.
 template <class P, class S, class Walls>
 void find_near(const P& grains, const S& search, const Walls& walls, typename P::Real margin,
                NearContacts& near, NearContacts::Found& found) {

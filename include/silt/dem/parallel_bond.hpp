@@ -115,7 +115,7 @@ Vec<3, Real> twist_of(const Vec<3, Real>& spin, const Vec<3, Real>& normal) {
 
 /// The smallest turn that takes one unit vector to another.
 template <int Dim, class Real>
-struct SmallestTurn {
+struct SmallestRotation {
   Vec<Dim, Real> from;
   Vec<Dim, Real> to;
 
@@ -135,18 +135,18 @@ struct SmallestTurn {
 
 /// A vector turned by an angle, about its axis in 3D.
 template <class Real>
-Vec<2, Real> turned_by(Real angle, const Vec<2, Real>& v) {
+Vec<2, Real> rotated_by(Real angle, const Vec<2, Real>& v) {
   return Eigen::Rotation2D<Real>(angle) * v;
 }
 template <class Real>
-Vec<3, Real> turned_by(const Vec<3, Real>& angle, const Vec<3, Real>& v) {
+Vec<3, Real> rotated_by(const Vec<3, Real>& angle, const Vec<3, Real>& v) {
   const Real size = angle.norm();
   if (!(size > 0)) return v;
   return Eigen::AngleAxis<Real>(size, angle / size) * v;
 }
 /// In the plane, a turn stays what it is.
 template <class Real>
-Real turned_by(Real, Real turn) {
+Real rotated_by(Real, Real turn) {
   return turn;
 }
 
@@ -171,10 +171,10 @@ template <int Dim, class Real>
 BondState state_of(const Bond<Dim, Real>& bond, const BeamSection& section, const BeamSprings& k) {
   const double elongation = double(bond.length) - double(bond.rest_length);
   const double shear = double(bond.shear.norm());
-  const auto twist = twist_of(bond.turn, bond.normal);
+  const auto twist = twist_of(bond.rotation, bond.normal);
   const double twisted = std::sqrt(double(squared_norm(twist)));
   const double bent =
-      std::sqrt(double(squared_norm(silt::AngularVec<Dim, Real>(bond.turn - twist))));
+      std::sqrt(double(squared_norm(silt::AngularVec<Dim, Real>(bond.rotation - twist))));
   const double twist_stress =
       section.twisting > 0 ? k.twisting * twisted * section.radius / section.twisting : 0;
   return {.tensile_stress = k.normal * elongation / section.area +
@@ -199,23 +199,23 @@ void carry_on(Bond<Dim, Real>& bond, const BondMotion<Dim, Real>& motion, const 
   Real stretched = 0;
   Vec slipped = Vec::Zero();
   AngularVec turned = zero_of<AngularVec>();
-  if (bond.looks > 0) {
+  if (bond.steps > 0) {
     // The section turns with its grains. Where that leaves the line, their sides slip.
     const AngularVec of_grains = motion.arm_a * motion.turn_a + (1 - motion.arm_a) * motion.turn_b;
-    const SmallestTurn<Dim, Real> rest{turned_by(of_grains, bond.normal), n};
+    const SmallestRotation<Dim, Real> rest{rotated_by(of_grains, bond.normal), n};
     stretched = length - bond.length;
     slipped = length * cross(rest.angle(), n);
     turned = motion.turn_a - motion.turn_b;
-    bond.shear = rest(turned_by(of_grains, bond.shear)) + slipped;
+    bond.shear = rest(rotated_by(of_grains, bond.shear)) + slipped;
     bond.shear -= bond.shear.dot(n) * n;
-    bond.turn = rest(turned_by(of_grains, bond.turn));
-    bond.turn += turned;
+    bond.rotation = rest(rotated_by(of_grains, bond.rotation));
+    bond.rotation += turned;
   }
   bond.normal = n;
   bond.length = length;
-  ++bond.looks;
+  ++bond.steps;
   const Real lag = motion.time_step > 0 ? Real(beta) / motion.time_step : Real(0);
-  const AngularVec turn = bond.turn + lag * turned;
+  const AngularVec turn = bond.rotation + lag * turned;
   const AngularVec twist = twist_of(turn, n);
   bond.force = Real(-k.normal) * (length - bond.rest_length + lag * stretched) * n -
                Real(k.shear) * Vec(bond.shear + lag * slipped);

@@ -98,18 +98,18 @@ LawLoad<Dim> load_of(const Law& law, const Contact<Dim, Real>& contact,
   }();
   load.force = in_double(force_of(answer, contact.normal));
   load.couple = in_double(couple_of(answer));
-  if constexpr (TellsEnergy<Law, Dim, Real>) load.stored = law.elastic_energy(contact, history);
+  if constexpr (GivesEnergy<Law, Dim, Real>) load.stored = law.elastic_energy(contact, history);
   return load;
 }
 
 /// The law's answer about one contact that goes on, and a law that meets a new one.
 template <int Dim>
-using AskLaw = std::function<LawLoad<Dim>(const Contact<Dim, double>&)>;
+using ContactEvaluator = std::function<LawLoad<Dim>(const Contact<Dim, double>&)>;
 template <int Dim>
-using MeetLaw = std::function<AskLaw<Dim>()>;
+using MakeContactEvaluator = std::function<ContactEvaluator<Dim>()>;
 
 template <class Real, int Dim, class Law>
-MeetLaw<Dim> meet_in_precision(const Law& law) {
+MakeContactEvaluator<Dim> evaluator_in_precision(const Law& law) {
   return [law] {
     return [law, history = typename LawHistory<Law, Dim, Real>::type{}](
                const Contact<Dim, double>& contact) mutable {
@@ -120,10 +120,10 @@ MeetLaw<Dim> meet_in_precision(const Law& law) {
 
 /// What a law answers all the way.
 template <int Dim>
-std::vector<LawLoad<Dim>> loads_along(const MeetLaw<Dim>& meet,
+std::vector<LawLoad<Dim>> loads_along(const MakeContactEvaluator<Dim>& meet,
                                       const PrescribedContact<Dim>& instants) {
   std::vector<LawLoad<Dim>> loads;
-  AskLaw<Dim> ask;
+  ContactEvaluator<Dim> ask;
   for (const auto& instant : instants) {
     if (instant.overlap > 0) {
       if (!ask) ask = meet();
@@ -176,7 +176,7 @@ PrescribedContact<Dim> from_the_other_side(PrescribedContact<Dim> instants) {
 
 /// A frame turned by an angle [rad] about an axis (3D), or in the plane.
 template <int Dim>
-Eigen::Matrix<double, Dim, Dim> turned_frame(double angle, const Vec<3>& axis) {
+Eigen::Matrix<double, Dim, Dim> rotated_frame(double angle, const Vec<3>& axis) {
   if constexpr (Dim == 2) {
     return Eigen::Rotation2D<double>(angle).toRotationMatrix();
   } else {

@@ -35,26 +35,26 @@ using BoundsOf = std::remove_cvref_t<decltype(std::declval<const R&>().bounds())
 /// Upright cylinder in 3D, along the last axis.
 template <class Real = double>
 struct VerticalCylinder {
-  Vec<3, Real> foot = Vec<3, Real>::Zero();  ///< centre of the lower end [m]
+  Vec<3, Real> base = Vec<3, Real>::Zero();  ///< centre of the lower end [m]
   Real radius = 0;                           ///< [m], above 0
   Real height = 0;                           ///< [m], above 0
 
   void check() const {
-    require_finite("VerticalCylinder: foot", foot);
+    require_finite("VerticalCylinder: base", base);
     require_positive("VerticalCylinder: radius", double(radius));
     require_positive("VerticalCylinder: height", double(height));
   }
   Box<3, Real> bounds() const {
     const Vec<3, Real> aside(radius, radius, 0);
-    return {.lower = foot - aside, .upper = foot + aside + Vec<3, Real>(0, 0, height)};
+    return {.lower = base - aside, .upper = base + aside + Vec<3, Real>(0, 0, height)};
   }
   double volume() const {
     return std::numbers::pi * double(radius) * double(radius) * double(height);
   }
   Real clearance(const Vec<3, Real>& x) const {
-    const Vec<3, Real> from_foot = x - foot;
-    return std::min({radius - from_foot.template head<2>().norm(), from_foot[2],
-                     height - from_foot[2]});
+    const Vec<3, Real> from_base = x - base;
+    return std::min({radius - from_base.template head<2>().norm(), from_base[2],
+                     height - from_base[2]});
   }
 };
 

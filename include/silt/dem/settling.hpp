@@ -37,10 +37,10 @@ template <class Sim, class... Observers>
 double settle(Sim& simulation, const Settling& settling, Observers&&... observers) {
   require_positive("Settling: speed", settling.speed);
   require_positive("Settling: check_every", settling.check_every);
-  require_positive("Settling: at_most", settling.at_most);
+  require_positive("Settling: max_time", settling.max_time);
   const double began = simulation.time();
   double speed = 0;
-  while (simulation.time() - began < settling.at_most) {
+  while (simulation.time() - began < settling.max_time) {
     simulation.run({.until = simulation.time() + settling.check_every,
                     .output_every = 0,
                     .time_step = settling.time_step},
@@ -48,7 +48,7 @@ double settle(Sim& simulation, const Settling& settling, Observers&&... observer
     speed = rms_speed(simulation.particles());
     if (speed < settling.speed) return simulation.time() - began;
   }
-  fail("dem::settle: after " + to_text(settling.at_most) + " s the rms speed is still " +
+  fail("dem::settle: after " + to_text(settling.max_time) + " s the rms speed is still " +
        to_text(speed) + " m/s, above speed = " + to_text(settling.speed) +
        " m/s; allow more time or a higher speed, or add damping");
 }

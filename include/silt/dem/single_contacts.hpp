@@ -86,7 +86,7 @@ typename P::Vec contact_point(const P& grains, const typename P::Real* row, cons
 }
 
 /// A contact of the last step from its row; its velocity is that of the grains as they are given
-/// and of the walls, a WallsThen.
+/// and of the walls, a WallsAtTime.
 template <class P, class Seen, class Walls>
 auto contact_of(const P& grains, const Seen& seen, const typename P::Real* row, const Sides& sides,
                 const Walls& walls) {

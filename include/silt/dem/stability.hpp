@@ -42,7 +42,7 @@ struct Lever {
 };
 
 /// No less than what one contact adds to Stiffest, for a grain by itself.
-inline Stiffest at_most(const Stiffness& k, double effective_mass, const Lever& lever) {
+inline Stiffest contribution_bound(const Stiffness& k, double effective_mass, const Lever& lever) {
   const double per_turn = lever.mass / lever.inertia;
   const double linear = std::max(k.normal, k.tangential * (1 + per_turn * squared(lever.arm)));
   return {.spring = (linear + k.rolling * per_turn) / effective_mass,
@@ -145,7 +145,7 @@ double shortest_contact(const P& grains, const Materials<Law>& materials) {
 
 /// What even a grain with as many contacts as any, all as stiff as any, would stand [s]; infinite
 /// if nothing is stiff. law_of(sides) is the law of a near contact; margin [m] is how far those
-/// that do not touch yet may be apart. `walls` are a WallsThen.
+/// that do not touch yet may be apart. `walls` are a WallsAtTime.
 template <class P, class Walls, class LawOf>
 double stable_for_all(const P& grains, const NearContacts& near, const Walls& walls,
                       typename P::Real margin, LawOf&& law_of) {
@@ -179,7 +179,7 @@ double stable_for_all(const P& grains, const NearContacts& near, const Walls& wa
       contact.overlap += std::max<typename P::Real>(0, R[sides.i] - at.distance);
     }
     const Stiffness k = law_of(sides).stiffness(contact);
-    const Stiffest one = at_most(k, double(contact.effective_mass), loosest);
+    const Stiffest one = contribution_bound(k, double(contact.effective_mass), loosest);
     all.spring = std::max(all.spring, one.spring);
     all.dashpot = std::max(all.dashpot, one.dashpot);
   });
@@ -221,7 +221,7 @@ void check_stability(const P& grains, const T& touches, const Walls& walls, doub
   const auto is_beyond = [&](Index i) {
     Stiffest sum;
     for_each_contact_of(i, [&](const auto& contact, const Stiffness& k, const Lever& lever) {
-      const Stiffest one = at_most(k, double(contact.effective_mass), lever);
+      const Stiffest one = contribution_bound(k, double(contact.effective_mass), lever);
       sum.spring += one.spring;
       sum.dashpot += one.dashpot;
     });

@@ -23,7 +23,7 @@ struct WallContact {
 template <int Dim, class Real>
 struct WallLoad {
   Vec<Dim, Real> force = Vec<Dim, Real>::Zero();        ///< [N]
-  AngularVec<Dim, Real> moment = zero_of<AngularVec<Dim, Real>>();  ///< about the point asked for [N m]
+  AngularVec<Dim, Real> torque = zero_of<AngularVec<Dim, Real>>();  ///< about the point asked for [N m]
 };
 
 }  // namespace silt::dem

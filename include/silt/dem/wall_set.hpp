@@ -50,9 +50,9 @@ void for_each_element_near(const W& wall, const Vec<Dim, Real>& x, Real distance
 
 /// A wall at rest, as it is at any time.
 template <class W, int Dim, class Real>
-class WallThen {
+class WallAtTime {
  public:
-  WallThen(const W& wall, const WallTimes&) : wall_(wall) {}
+  WallAtTime(const W& wall, const WallTimes&) : wall_(wall) {}
   NearestPoint<Dim, Real> nearest(Index part, const Vec<Dim, Real>& x) const {
     return nearest_on<W, Dim, Real>(wall_, part, x);
   }
@@ -68,9 +68,9 @@ class WallThen {
 
 /// A wall that moves, at one time.
 template <class W, class M, int Dim, class Real>
-class WallThen<Moving<W, M>, Dim, Real> {
+class WallAtTime<Moving<W, M>, Dim, Real> {
  public:
-  WallThen(const Moving<W, M>& moving, const WallTimes& times)
+  WallAtTime(const Moving<W, M>& moving, const WallTimes& times)
       : wall_(moving.wall),
         pose_(moving.motion.pose_at(times.positions)),
         velocity_(moving.motion.velocity_at(times.velocities)) {}
@@ -95,12 +95,12 @@ class WallThen<Moving<W, M>, Dim, Real> {
 
 /// The walls of a set at one time, to be asked by the places of their parts. It refers to the set.
 template <int Dim, class Real, class... Walls>
-class WallsThen {
+class WallsAtTime {
  public:
   /// One of them does.
   static constexpr bool move = (is_moving<Walls> || ...);
 
-  WallsThen(const std::tuple<Walls...>& walls, const std::array<Index, sizeof...(Walls) + 1>& first,
+  WallsAtTime(const std::tuple<Walls...>& walls, const std::array<Index, sizeof...(Walls) + 1>& first,
             const WallTimes& times)
       : walls_(std::apply([&](const Walls&... wall) { return Tuple(Then<Walls>(wall, times)...); },
                           walls)),
@@ -133,7 +133,7 @@ class WallsThen {
 
  private:
   template <class W>
-  using Then = detail::WallThen<W, Dim, Real>;
+  using Then = detail::WallAtTime<W, Dim, Real>;
   using Tuple = std::tuple<Then<Walls>...>;
 
   template <class F>
@@ -178,7 +178,7 @@ class WallSet {
   /// Where they are and how they move at given times.
   template <int Dim, class Real>
   auto at(const WallTimes& times) const {
-    return WallsThen<Dim, Real, Walls...>(walls_, first_, times);
+    return WallsAtTime<Dim, Real, Walls...>(walls_, first_, times);
   }
 
   /// Number of the wall that has the part at this place.
@@ -192,7 +192,7 @@ class WallSet {
 
   /// How far a wall goes from one time to another [m], as seen from within the box, at most.
   template <int Dim, class Real>
-  Real farthest_move(const TimeSpan& span, const Box<Dim, Real>& box) const {
+  Real max_displacement(const TimeSpan& span, const Box<Dim, Real>& box) const {
     return largest_in<Dim, Real>(box, [&](const auto& motion) {
       const Pose<Dim, Real> then = motion.pose_at(span.from);
       const Pose<Dim, Real> now = motion.pose_at(span.to);

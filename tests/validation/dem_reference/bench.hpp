@@ -18,7 +18,7 @@ struct BenchSetup {
   Vec<Dim> gravity = Vec<Dim>::Zero();  ///< [m/s²]
   double alpha = 0;                     ///< global damping [1/s]
   std::vector<dem::Plane<Dim>> walls = {};  ///< at most two
-  bool refuse_unstable = true;
+  bool check_stability = true;
 };
 
 template <int Dim>

@@ -15,7 +15,7 @@ dem::Plane<Dim> wall_of(const BenchSetup<Dim>& setup, std::size_t number) {
 template <int Dim>
 auto simulate(const dem::Grains<Dim>& grains, const BenchSetup<Dim>& setup) {
   const auto contacts = dem::Contacts{setup.law, wall_of(setup, 0), wall_of(setup, 1)}.with(
-      {.refuse_unstable = setup.refuse_unstable});
+      {.check_stability = setup.check_stability});
   return Simulation{grains, UniformGrid<Dim>{}, Forces{Gravity<Dim>{setup.gravity}, contacts},
                     Leapfrog{GlobalDamping{.alpha = setup.alpha}}};
 }

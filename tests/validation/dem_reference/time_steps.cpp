@@ -44,7 +44,7 @@ double unstable_from() {
     Bench<3> bench(grains, {.law = {.normal_stiffness = k},
                             .walls = {dem::Plane<3>{},
                                       {.point = {0, 0, 2.5 * R}, .normal = {0, 0, -1}}},
-                            .refuse_unstable = false});
+                            .check_stability = false});
     for (int step = 0; step < 2000; ++step) {
       bench.step(dt);
       if (std::abs(bench.grains()[position][0][2] - 0.5 * R) > 1e-5) return false;

@@ -5,12 +5,12 @@
 #include <silt/core/error.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/contact.hpp>
-#include <silt/dem/contact_way.hpp>
+#include <silt/dem/contact_path.hpp>
 #include <silt/dem/grains.hpp>
-#include <silt/dem/law_finding.hpp>
+#include <silt/dem/conformance_report.hpp>
 #include <silt/dem/law_on_trial.hpp>
 #include <silt/dem/prescribed_contact.hpp>
-#include <silt/dem/trial_flight.hpp>
+#include <silt/dem/test_impact.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -24,10 +24,10 @@ namespace silt::dem {
 
 /// Tries a law in one dimension.
 template <int Dim>
-class ConformanceTrial {
+class ConformanceChecks {
  public:
   /// Throws if a number of the trial is out of range.
-  ConformanceTrial(LawOnTrial<Dim> law, const LawTrial& trial)
+  ConformanceChecks(LawOnTrial<Dim> law, const ConformanceConditions& trial)
       : law_(std::move(law)), trial_(trial) {
     trial.check();
     Grains<Dim> grain;
@@ -37,7 +37,7 @@ class ConformanceTrial {
     motion_.radius = trial.radius / 2;
   }
 
-  std::vector<LawFinding> findings() {
+  std::vector<ConformanceCheck> findings() {
     find_finite();
     const double stiffness = find_stiffness();
     if (!(stiffness > 0)) return found_;
@@ -49,7 +49,7 @@ class ConformanceTrial {
   }
 
  private:
-  using Way = ContactWay;
+  using Way = ContactPath;
   using Loads = std::vector<LawLoad<Dim>>;
   using Frame = Eigen::Matrix<double, Dim, Dim>;
 
@@ -115,7 +115,7 @@ class ConformanceTrial {
     };
     const double stiffness = (push(0.99) - push(0.5)) / (0.49 * trial_.overlap);
     note("pushes back", stiffness > 0 ? 0 : 1, 0,
-         "pressed from half of LawTrial::overlap to all of it, the contact does not push more; "
+         "pressed from half of ConformanceConditions::overlap to all of it, the contact does not push more; "
          "normal points the way that i is pushed");
     return stiffness;
   }
@@ -156,9 +156,9 @@ class ConformanceTrial {
 
   void find_symmetries() {
     const auto still = [](double) { return Frame(Frame::Identity()); };
-    const auto turned = [](double) { return turned_frame<Dim>(2.1, {0.3, -0.5, 0.8}); };
+    const auto turned = [](double) { return rotated_frame<Dim>(2.1, {0.3, -0.5, 0.8}); };
     // About an axis in the contact plane: of a turn about the normal a law is not told.
-    const auto turning = [](double u) { return turned_frame<Dim>(1.3 * u, {0, 0.6, 0.8}); };
+    const auto turning = [](double u) { return rotated_frame<Dim>(1.3 * u, {0, 0.6, 0.8}); };
     const auto contacts = some_contacts();
     EightLoads<Dim> in_lanes;
     if (law_.in_lanes) in_lanes = law_.in_lanes(contacts);
@@ -181,7 +181,7 @@ class ConformanceTrial {
          "on i; let forces change sign with normal and velocity, and couples with the spin");
     note("the same in any frame", frame, 1e-9,
          "share of the load by which it does not turn with the contact; use no fixed direction");
-    note("memory turns with the contact", carried, 0.02,
+    note("history rotates with the contact", carried, 0.02,
          "share of the load by which it stays behind when both grains turn as one body; bring what "
          "is remembered into the plane of the new normal");
     note("the same in float", in_float, 2e-3,
@@ -236,7 +236,7 @@ class ConformanceTrial {
       find("no energy from rolling", rolls,
            "when rolled and twisted to and fro; the couple on i must go against relative_spin");
     }
-    if (law_.tells_energy) {
+    if (law_.gives_energy) {
       note("elastic_energy is what the springs hold", stored, 5e-3,
            "share of the work by which what a contact gave and says it stores grew; compare "
            "elastic_energy(contact, memory) with the integral of the force");
@@ -245,11 +245,11 @@ class ConformanceTrial {
 
   void find_impacts() {
     const Grain grain{.radius = trial_.radius, .density = trial_.density};
-    FlightStart start{.time_step = std::numbers::pi / frequency_ / 400,
+    ImpactStart start{.time_step = std::numbers::pi / frequency_ / 400,
                       .longest = 40 * std::numbers::pi / frequency_};
     double restitution = 0, energy = 0, loss_falls = 0;
     const auto fly = [&] {
-      const FlightReport report = TrialFlight<Dim>(grain, start)(law_.in_double());
+      const ImpactResult report = TestImpact<Dim>(grain, start)(law_.in_double());
       raise(energy, report.energy_after / report.energy_before - 1);
       return report;
     };
@@ -259,7 +259,7 @@ class ConformanceTrial {
       for (const double share : {0.1, 0.3, 1.0}) {
         start.speed = share * frequency_ * trial_.overlap;
         start.angle = start.spin = 0;
-        const FlightReport head_on = fly();
+        const ImpactResult head_on = fly();
         const double loss = head_on.energy_before - head_on.energy_after;
         raise(restitution, head_on.restitution - 1);
         raise(loss_falls, (last_loss - loss) / head_on.energy_before);
@@ -283,10 +283,10 @@ class ConformanceTrial {
   }
 
   LawOnTrial<Dim> law_;
-  LawTrial trial_;
+  ConformanceConditions trial_;
   PrescribedMotion motion_;
   double frequency_ = 0;  // of a contact of that overlap, about [1/s]
-  std::vector<LawFinding> found_;
+  std::vector<ConformanceCheck> found_;
 };
 
 }  // namespace silt::dem

@@ -22,7 +22,7 @@ inline double plateau(double u, const Plateau& p) {
 }
 
 /// Sizes of a way through contact; the contact is pressed, led about, and released.
-struct ContactWay {
+struct ContactPath {
   double depth = 0;  ///< of the overlap [m]
   double dip = 0;    ///< share of the depth by which it comes and goes while led about [-]
   double slip = 0;   ///< along the plane, to and fro [m]
@@ -34,7 +34,7 @@ struct ContactWay {
 };
 
 template <int Dim>
-ContactPose<Dim> pose_on(const ContactWay& way, double u) {
+ContactPose<Dim> pose_on(const ContactPath& way, double u) {
   constexpr double cycles = 3;
   const double angle = 2 * std::numbers::pi * cycles * (u - 0.2) / 0.6;
   const double led = plateau(u, {.from = 0.15, .to = way.aside ? 2 : 0.85, .ramp = 0.1});

@@ -13,7 +13,7 @@
 namespace silt::dem {
 
 /// How a flight begins. The first grain comes along the first axis, and slides along the second.
-struct FlightStart {
+struct ImpactStart {
   bool wall = false;     ///< onto a wall, in place of a smaller grain
   double speed = 0;      ///< against the other one [m/s]
   double angle = 0;      ///< of that velocity against the normal [rad]
@@ -22,7 +22,7 @@ struct FlightStart {
   double longest = 0;    ///< after so long they are said to stick [s]
 };
 
-struct FlightReport {
+struct ImpactResult {
   double restitution = 0;    ///< normal speed after over before; 0 if they stick [-]
   double energy_before = 0;  ///< of motion and spin, where the centre of mass rests [J]
   double energy_after = 0;   ///< likewise; 0 if they stick
@@ -30,9 +30,9 @@ struct FlightReport {
 
 /// Moves them by leapfrog, from before the contact to behind it.
 template <int Dim>
-class TrialFlight {
+class TestImpact {
  public:
-  TrialFlight(const Grain& grain, const FlightStart& start) : start_(start) {
+  TestImpact(const Grain& grain, const ImpactStart& start) : start_(start) {
     Grain smaller = grain;
     smaller.radius *= 0.7;
     const double gap = 1.5 * start.speed * std::cos(start.angle) * start.time_step;
@@ -56,8 +56,8 @@ class TrialFlight {
     }
   }
 
-  FlightReport operator()(const AskLaw<Dim>& ask) {
-    FlightReport report{.energy_before = energy()};
+  ImpactResult operator()(const ContactEvaluator<Dim>& ask) {
+    ImpactResult report{.energy_before = energy()};
     const double coming = -separating();
     bool touched = false;
     for (double time = 0; time < start_.longest; time += start_.time_step) {
@@ -116,7 +116,7 @@ class TrialFlight {
   double energy() const { return kinetic_energy(grains_) + rotational_energy(grains_); }
 
   const Vec<Dim> n_ = Vec<Dim>::Unit(0);
-  FlightStart start_;
+  ImpactStart start_;
   Grains<Dim> grains_;  // the second one stands aside where there is a wall
   Contact<Dim, double> contact_;
 };

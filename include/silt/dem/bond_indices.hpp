@@ -39,7 +39,7 @@ BeamSection section_at(const P& grains, const BondEnds& ends, const ParallelBond
 }
 
 /// Made anew when bonds or grains come, go or move in memory.
-class BondPlaces {
+class BondIndices {
  public:
   template <class P>
   bool hold_for(const P& grains) const {
@@ -94,7 +94,7 @@ struct BondStability {
   Id grain = 0;
 };
 template <class P, class B>
-BondStability stability_of(const P& grains, const std::vector<B>& bonds, const BondPlaces& places,
+BondStability stability_of(const P& grains, const std::vector<B>& bonds, const BondIndices& places,
                            const ParallelBond& law) {
   using Real = typename P::Real;
   BondStability least;
