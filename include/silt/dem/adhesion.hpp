@@ -3,8 +3,8 @@
 //
 // For fine powders there are two theories of adhesive spheres: DMT [DerjaguinMullerToporov1975] and
 // JKR (Johnson, Kendall and Roberts 1971). Silt has DMT. It applies to small, stiff grains such as
-// those of powders, and its force ends at δ = 0, where contacts in Silt end; the neck of JKR extends
-// beyond δ = 0.
+// those of powders, and its force ends at δ = 0, where contacts in Silt end; the neck of JKR
+// extends beyond δ = 0.
 //
 // Tangential cohesion is something else: LinearFriction::cohesion, c of (13).
 #pragma once

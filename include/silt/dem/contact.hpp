@@ -36,8 +36,8 @@ struct Stiffness {
   double normal = 0;      ///< k_n [N/m]
   double tangential = 0;  ///< k_s [N/m]
   double beta = 0;  ///< ratio of dashpot to spring c/k of both [s], for dashpots that use v^{N−½}
-  double rolling = 0;          ///< couple per relative rotation [N m/rad], largest of all directions
-  double rolling_dashpot = 0;  ///< couple per relative spin [N m s], largest of all directions
+  double rolling = 0;          ///< couple per relative rotation, in any direction [N m/rad]
+  double rolling_dashpot = 0;  ///< couple per relative spin, in any direction [N m s]
 };
 
 /// Energy stored in the springs of a contact [J].
@@ -132,8 +132,8 @@ concept LawWithHistory = requires(const L law, const Contact<Dim, Real> contact,
 
 /// A struct with `force(contact)` or `force(contact, history)`, or `components` instead of `force`.
 /// The function is const and has no side effects: when several contacts are evaluated at once, it
-/// may also be called for a pair that does not touch. Overlap and normal are then arbitrary, and the
-/// result is discarded. Optional members:
+/// may also be called for a pair that does not touch. Overlap and normal are then arbitrary, and
+/// the result is discarded. Optional members:
 ///   check()                  throws if a parameter is out of range
 ///   stiffness(contact)       → Stiffness; provides the default and the stable time step
 ///   elastic_energy(contact, history)     → [J], stored in the springs

@@ -147,7 +147,8 @@ struct CundallStrackLaw {
   Stiffness stiffness(const C& contact) const {
     return {.normal = normal_stiffness,
             .tangential = tangential_stiffness,
-            .beta = NormalForm::stability_factor * double(dashpot_over_spring(contact.effective_mass))};
+            .beta = NormalForm::stability_factor *
+                    double(dashpot_over_spring(contact.effective_mass))};
   }
 
   /// Between two materials: springs in series (equal stiffnesses are kept), the lower restitution,

@@ -14,8 +14,8 @@
 namespace silt::dem {
 
 /// F = 4/3 E* √R* δ^{3/2} + c v_n, with c = 2 √(5/6) ζ √(S m*), S = dF/dδ = 2 E* √(R* δ)
-/// [TsujiTanakaIshida1992]. With ζ = −ln e/√(π² + ln² e), an impact without other forces has exactly
-/// the restitution e [AntypovElliott2011]; an elastic impact lasts 2.9433 δ_max/v with
+/// [TsujiTanakaIshida1992]. With ζ = −ln e/√(π² + ln² e), an impact without other forces has
+/// exactly the restitution e [AntypovElliott2011]; an elastic impact lasts 2.9433 δ_max/v with
 /// δ_max = (15 m* v²/(16 E* √R*))^{2/5}.
 struct Hertz {
   Elastic elastic = {};
@@ -58,8 +58,8 @@ struct Hertz {
     return {.normal = S, .beta = S > 0 ? CentredDashpot::stability_factor * c / S : 0};
   }
 
-  /// 1/E* is the sum of both materials' (1 − ν²)/E; the lower restitution; the dashpot is limited if
-  /// either one is.
+  /// 1/E* is the sum of both materials' (1 − ν²)/E; the lower restitution; the dashpot is limited
+  /// if either one is.
   static Hertz mix(const Hertz& a, const Hertz& b) {
     return {.elastic = Elastic::mix(a.elastic, b.elastic),
             .restitution = Restitution::mix(a.restitution, b.restitution),

@@ -19,7 +19,8 @@ namespace silt::dem {
 
 /// A ContactLaw of one to four components. The tangential and rolling components receive the normal
 /// component's force. That force excludes adhesion: the friction limit depends on the spring alone.
-template <class Normal, class Tangential = NoComponent, class Rolling = NoComponent, class Adhesion = NoComponent>
+template <class Normal, class Tangential = NoComponent, class Rolling = NoComponent,
+          class Adhesion = NoComponent>
 class Law {
   static_assert(detail::IsNormal<Normal>::value,
                 "silt::dem::Law: no component has a normal_force(contact) or "
@@ -159,7 +160,8 @@ class Law {
     }
     if constexpr (has<Rolling>) {
       const RollingCouple<C> r = detail::with_history<Rolling, C>(
-          history.rolling, [&](auto&... own) { return rolling.rolling_couple(contact, n, own...); });
+          history.rolling,
+          [&](auto&... own) { return rolling.rolling_couple(contact, n, own...); });
       result.rolling_spring = r.spring;
       result.rolling_dashpot = r.dashpot;
       result.rolling_friction = r.friction;

@@ -12,8 +12,8 @@
 
 namespace silt::dem {
 
-/// F_s^N = F_s^{N−1} − k_s v_s Δt, limited to F_n tan φ_μ + c, (10)–(13) of [SahChoi2004]; F_n is the
-/// spring force of the normal component. The dashpot uses the β of the normal component,
+/// F_s^N = F_s^{N−1} − k_s v_s Δt, limited to F_n tan φ_μ + c, (10)–(13) of [SahChoi2004]; F_n is
+/// the spring force of the normal component. The dashpot uses the β of the normal component,
 /// c_s = β k_s (24), and is 0 while the contact slides. The spring force rotates with the contact
 /// plane and keeps its magnitude.
 struct LinearFriction {
@@ -42,7 +42,7 @@ struct LinearFriction {
         .dashpot = normal.beta * k,
         .limit = std::max(Real(0), normal.spring * Real(friction_angle.tangent) + Real(cohesion))};
     const auto result = slide(slider, rotated_into_plane(history.force, contact.normal),
-                            contact.tangential_velocity(), contact.time_step);
+                              contact.tangential_velocity(), contact.time_step);
     history.force = result.spring;
     return {.spring = result.spring, .dashpot = result.dashpot, .friction = result.lost};
   }

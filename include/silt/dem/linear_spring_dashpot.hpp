@@ -51,7 +51,8 @@ struct LinearSpringDashpot {
   template <class C>
   Stiffness stiffness(const C& contact) const {
     return {.normal = normal_stiffness,
-            .beta = CentredDashpot::stability_factor * double(dashpot_over_spring(contact.effective_mass))};
+            .beta = CentredDashpot::stability_factor *
+                    double(dashpot_over_spring(contact.effective_mass))};
   }
 
   /// Springs in series (equal stiffnesses are kept), the lower restitution; the dashpot is limited

@@ -17,9 +17,9 @@ namespace silt::dem {
 
 /// F_s changes by −k_t v_s Δt with k_t = 8 G* √(R* δ), the stiffness for the contact area of this
 /// step, and is limited to F_n tan φ_μ. When the area grows, F_s is kept; when it shrinks, F_s is
-/// reduced in proportion to k_t [ThorntonCumminsCleary2013]. Otherwise a closed path of pressing and
-/// shearing would generate energy. The energy that the spring loses by this counts as friction. The
-/// dashpot is c_t = c_n √(k_t/k_n), with Hertz that of Tsuji, and 0 while the contact slides.
+/// reduced in proportion to k_t [ThorntonCumminsCleary2013]. Otherwise a closed path of pressing
+/// and shearing would generate energy. The energy that the spring loses by this counts as friction.
+/// The dashpot is c_t = c_n √(k_t/k_n), with Hertz that of Tsuji, and 0 while the contact slides.
 /// Micro-slip at the rim before gross sliding (Mindlin and Deresiewicz 1953) is not modelled.
 struct Mindlin {
   Elastic elastic = {};
@@ -52,7 +52,9 @@ struct Mindlin {
     const auto result = slide(slider, kept.force, v, contact.time_step);
     history.force = result.spring;
     history.stiffness = k;
-    return {.spring = result.spring, .dashpot = result.dashpot, .friction = kept.lost + result.lost};
+    return {.spring = result.spring,
+            .dashpot = result.dashpot,
+            .friction = kept.lost + result.lost};
   }
 
   template <class C, class M>

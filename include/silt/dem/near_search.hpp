@@ -66,7 +66,7 @@ void renew_validity(const P& grains, const S& search, const Walls& walls, const 
   if constexpr (Walls::move) {
     if (grains.size() > 0) {
       validity.extent = extent_of(grains);
-      fastest = std::max(fastest, walls.fastest(step.time, validity.extent));
+      fastest = std::max(fastest, walls.max_speed(step.time, validity.extent));
     }
   }
   const Real wanted = std::clamp<Real>(Real(2 * lasting_steps * step.time_step) * fastest,

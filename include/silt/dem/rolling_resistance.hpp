@@ -14,10 +14,11 @@
 
 namespace silt::dem {
 
-/// M^N = M^{N−1} − k_r w Δt, limited to μ_r R* F_n, with k_r = 2.25 k_n (μ_r R*)² and w the relative
-/// spin perpendicular to the normal; the vector M rotates with the contact plane. The dashpot is
-/// 2 η √(I_r k_r), and 0 while the slider slides. [AiChenRotterOoi2011], with I_r = 7/5 m* R*²: exact
-/// for a sphere at a wall; between equal spheres η corresponds to half of that paper's.
+/// M^N = M^{N−1} − k_r w Δt, limited to μ_r R* F_n, with k_r = 2.25 k_n (μ_r R*)² and w the
+/// relative spin perpendicular to the normal; the vector M rotates with the contact plane. The
+/// dashpot is 2 η √(I_r k_r), and 0 while the slider slides. [AiChenRotterOoi2011], with
+/// I_r = 7/5 m* R*²: exact for a sphere at a wall; between equal spheres η corresponds to half of
+/// that paper's.
 ///
 /// In 3D the relative spin along the normal is resisted likewise, with μ_t instead of μ_r. A sphere
 /// stays at rest on an incline of tan θ ≤ μ_r. If k_n depends on the overlap, so does k_r, and M is

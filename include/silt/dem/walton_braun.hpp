@@ -13,12 +13,11 @@
 
 namespace silt::dem {
 
-/// Loads along F = K_1 δ, and comes back along F = K_2 (δ − δ_0) with K_2 = K_1/e²; δ_0 is what
-/// stays of the max_overlap overlap, δ_0 = (1 − e²) δ_deepest. Pressed again it goes up the second line
-/// until it meets the first. It never pulls: from δ_0 on there is no force. Once the two have
-/// parted, δ_0 is forgotten [WaltonBraun1986].
+/// Loading along F = K_1 δ, unloading along F = K_2 (δ − δ_0) with K_2 = K_1/e² and the plastic
+/// overlap δ_0 = (1 − e²) δ_max. Reloading follows the second line up to the first. The force is
+/// never attractive: it is 0 for δ < δ_0. δ_0 is reset when the contact ends [WaltonBraun1986].
 ///
-/// An impact without other forces has restitution e exactly, and pushes for
+/// An impact without other forces has exactly the restitution e; the force acts for
 /// π/2 √(m*/K_1) (1 + e).
 struct WaltonBraun {
   double loading_stiffness = 0;  ///< K_1 [N/m], above 0
@@ -41,7 +40,8 @@ struct WaltonBraun {
     const Real before = history.max_overlap;
     history.max_overlap = std::max(before, contact.overlap);
     // ∫ F dδ_0 along the loading line.
-    const Real plastic = K_1 * Real(residual_share()) * (squared(history.max_overlap) - squared(before)) / 2;
+    const Real plastic =
+        K_1 * Real(residual_share()) * (squared(history.max_overlap) - squared(before)) / 2;
     return {.spring = spring_force(contact, history), .stiffness = K_1, .plastic = plastic};
   }
 
