@@ -70,7 +70,7 @@ TEST_F(GrainTable, SaysWhereANumberIsWrong) {
   EXPECT_TRUE(refuses([&] { read<2>("x,y,radius,density,material\n0,0,1,1,0.5\n"); },
                       {"line 2", "column material: 0.5 must be a whole number"}));
   EXPECT_TRUE(refuses([&] { read<2>("x,y,raduis,density\n0,0,1,1\n"); },
-                      {"the column raduis is none of x, y, ", "radius"}));
+                      {"unknown column raduis; known are x, y, ", "radius"}));
   EXPECT_TRUE(refuses([&] { read<2>("x,y,radius,density,mass\n0,0,1,1,1\n"); },
                       {"both density and mass"}));
   EXPECT_TRUE(refuses([&] { read<3>(head); }, {"has no column z"}));

@@ -67,7 +67,7 @@ TEST(SizeDistribution, GivesEachSieveItsShareOfTheMass) {
 
 TEST(SizeDistribution, RefusesWhatIsNone) {
   EXPECT_TRUE(refuses([] { dem::UniformSizes{.min_radius = 2, .max_radius = 1}.check(); },
-                      {"UniformSizes: smallest = 2 m is above largest = 1"}));
+                      {"UniformSizes: min_radius = 2 m is above max_radius = 1"}));
   EXPECT_TRUE(refuses([] { dem::EqualSizes{}.check(); }, {"EqualSizes", "positive"}));
   EXPECT_TRUE(refuses(
       [] {

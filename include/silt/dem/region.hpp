@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Regions of space to put grains into, or to take them from. A silt::Box is one; grains may stick
-// out of its periodic sides.
+// Regions in which grains are added or removed. A silt::Box is a region; grains may protrude through
+// its periodic sides.
 #pragma once
 
 #include <silt/core/box.hpp>
@@ -16,10 +16,10 @@
 namespace silt::dem {
 
 /// A region has
-///   clearance(x)   → [m] how far x is inside; below 0: outside
-///   bounds()       → the Box around it, finite where grains are put
+///   clearance(x)   → distance of x to the boundary [m]; negative outside
+///   bounds()       → the bounding Box; must be finite for adding grains
 ///   volume()       → [m³], in 2D [m²]
-///   check()        throws if it is none
+///   check()        throws if the region is invalid
 template <class R, int Dim, class Real>
 concept Region = requires(const R region, const Vec<Dim, Real> x) {
   { region.clearance(x) } -> std::convertible_to<Real>;
@@ -28,14 +28,14 @@ concept Region = requires(const R region, const Vec<Dim, Real> x) {
   region.check();
 };
 
-/// The Box around a region, of its dimension and precision.
+/// Type of the bounding Box of a region, with its dimension and precision.
 template <class R>
 using BoundsOf = std::remove_cvref_t<decltype(std::declval<const R&>().bounds())>;
 
 /// Upright cylinder in 3D, along the last axis.
 template <class Real = double>
 struct VerticalCylinder {
-  Vec<3, Real> base = Vec<3, Real>::Zero();  ///< centre of the lower end [m]
+  Vec<3, Real> base = Vec<3, Real>::Zero();  ///< centre of the lower end face [m]
   Real radius = 0;                           ///< [m], above 0
   Real height = 0;                           ///< [m], above 0
 

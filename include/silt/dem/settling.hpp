@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Running until grains have come to rest.
+// Runs a simulation until the grains are at rest.
 #pragma once
 
 #include <silt/core/energy.hpp>
@@ -15,10 +15,10 @@
 namespace silt::dem {
 
 struct Settling {
-  double speed = 0;       ///< rms speed of the grains below which they are at rest [m/s], above 0
-  double check_every = 0;  ///< time between two looks [s], above 0
-  double at_most = 0;     ///< the longest that it may take [s], above 0
-  std::optional<double> time_step = {};  ///< as of Run [s]
+  double speed = 0;        ///< at rest below this rms speed [m/s], above 0
+  double check_every = 0;  ///< time between two checks [s], above 0
+  double max_time = 0;     ///< limit of the settling time [s], above 0
+  std::optional<double> time_step = {};  ///< see Run [s]
 };
 
 /// √(Σ m v² / Σ m) [m/s]; 0 without grains.
@@ -30,9 +30,9 @@ double rms_speed(const P& grains) {
   return std::sqrt(2 * kinetic_energy(grains) / all);
 }
 
-/// Runs the simulation, with these observers, until the grains are at rest at a look; the first one
-/// comes after check_every. Returns how long that took [s]. Throws silt::Error if they are not at
-/// rest by at_most.
+/// Runs the simulation with these observers until a check finds the grains at rest; the first check
+/// is after check_every. Returns the time it took [s]. Throws silt::Error if the grains are not at
+/// rest after max_time.
 template <class Sim, class... Observers>
 double settle(Sim& simulation, const Settling& settling, Observers&&... observers) {
   require_positive("Settling: speed", settling.speed);
@@ -50,7 +50,7 @@ double settle(Sim& simulation, const Settling& settling, Observers&&... observer
   }
   fail("dem::settle: after " + to_text(settling.max_time) + " s the rms speed is still " +
        to_text(speed) + " m/s, above speed = " + to_text(settling.speed) +
-       " m/s; allow more time or a higher speed, or add damping");
+       " m/s; raise max_time or speed, or add damping");
 }
 
 }  // namespace silt::dem

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// All walls of a simulation. Their parts are numbered through, in the order of the walls: the index
-// of a element is what contacts know it by.
+// All walls of a simulation. The elements of all walls are numbered consecutively, in the order of
+// the walls; contacts refer to an element by this index.
 #pragma once
 
 #include <silt/core/box.hpp>
