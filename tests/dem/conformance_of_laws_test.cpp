@@ -18,9 +18,9 @@ namespace {
 
 template <class Law>
 void expect_sound(const Law& law, const dem::ConformanceConditions& trial = {}) {
-  const auto verdict = dem::conformance_of(law, trial);
-  EXPECT_TRUE(verdict.passes()) << verdict.text();
-  EXPECT_GE(verdict.findings.size(), 26u) << "it was tried in both dimensions";
+  const auto report = dem::conformance_of(law, trial);
+  EXPECT_TRUE(report.passes()) << report.text();
+  EXPECT_GE(report.checks.size(), 26u) << "it was tried in both dimensions";
 }
 
 const dem::LinearFriction friction{.tangential_stiffness = 8e5, .friction_angle = 0.4};

@@ -101,84 +101,84 @@ struct Law {
 };
 
 // Fails this finding, says so in words, and all others hold but for these.
-void expect_finding(Fault fault, const std::string& name,
+void expect_failure(Fault fault, const std::string& name,
                     const std::vector<std::string>& also = {}) {
-  const auto verdict = dem::conformance_of(Law{fault});
-  EXPECT_FALSE(verdict.passes(name)) << name;
-  EXPECT_NE(verdict.text().find(name), std::string::npos);
-  for (const auto& finding : verdict.findings) {
+  const auto report = dem::conformance_of(Law{fault});
+  EXPECT_FALSE(report.passes(name)) << name;
+  EXPECT_NE(report.text().find(name), std::string::npos);
+  for (const auto& check : report.checks) {
     const bool expected =
-        finding.name == name || std::find(also.begin(), also.end(), finding.name) != also.end();
-    EXPECT_TRUE(expected || finding.holds())
-        << finding.dimension << "D " << finding.name << ": " << finding.value;
+        check.name == name || std::find(also.begin(), also.end(), check.name) != also.end();
+    EXPECT_TRUE(expected || check.passes())
+        << check.dimension << "D " << check.name << ": " << check.value;
   }
 }
 
-TEST(Conformance, OfASoundLawHolds) {
-  const auto verdict = dem::conformance_of(Law{Fault::none});
-  EXPECT_TRUE(verdict.passes()) << verdict.text();
-  EXPECT_EQ(verdict.text(), "");
-  EXPECT_EQ(verdict.findings.size(), 30u) << "fifteen in the plane, fifteen in space";
+TEST(Conformance, PassesForACorrectLaw) {
+  const auto report = dem::conformance_of(Law{Fault::none});
+  EXPECT_TRUE(report.passes()) << report.text();
+  EXPECT_EQ(report.text(), "");
+  EXPECT_EQ(report.checks.size(), 30u) << "fifteen in the plane, fifteen in space";
 }
 
 TEST(Conformance, FindsADashpotOfTheWrongSign) {
-  expect_finding(Fault::dashpot_pulls_while_approaching, "no energy from pressing",
+  expect_failure(Fault::dashpot_pulls_while_approaching, "no energy from pressing",
                  {"restitution is at most 1", "no energy from impacts",
                   "a faster impact loses no less", "no energy from sliding",
                   "no energy from sliding under changing load", "no energy from rolling",
-                  "elastic_energy is what the springs hold"});
+                  "elastic_energy is the energy of the springs"});
 }
 
 TEST(Conformance, FindsASpringThatDoesNotTurnWithTheContact) {
-  expect_finding(Fault::spring_stays_in_its_old_plane, "history rotates with the contact");
+  expect_failure(Fault::spring_stays_in_its_old_plane, "history rotates with the contact");
 }
 
 TEST(Conformance, FindsAForceThatKnowsADirection) {
-  expect_finding(Fault::softer_along_the_first_axis, "the same in any frame",
-                 {"history rotates with the contact", "elastic_energy is what the springs hold"});
+  expect_failure(Fault::softer_along_the_first_axis, "the same in any frame",
+                 {"history rotates with the contact", "elastic_energy is the energy of the springs"});
 }
 
 TEST(Conformance, FindsACoupleOfTheWrongSign) {
-  expect_finding(Fault::couple_turns_on, "no energy from rolling",
-                 {"no energy from impacts", "elastic_energy is what the springs hold"});
+  expect_failure(Fault::couple_turns_on, "no energy from rolling",
+                 {"no energy from impacts", "elastic_energy is the energy of the springs"});
 }
 
 TEST(Conformance, FindsAForceThatIsNotTheReaction) {
-  expect_finding(Fault::stiffer_on_the_side_of_the_upper, "action equals reaction",
+  expect_failure(Fault::stiffer_on_the_side_of_the_upper, "action equals reaction",
                  {"the same in any frame", "history rotates with the contact",
-                  "elastic_energy is what the springs hold"});
+                  "elastic_energy is the energy of the springs"});
 }
 
 TEST(Conformance, FindsAnAnswerThatIsNotFinite) {
-  expect_finding(Fault::divides_by_the_speed_of_sliding, "finite answers",
+  expect_failure(Fault::divides_by_the_speed_of_sliding, "finite results",
                  {"pushes back", "the same in any frame", "history rotates with the contact",
                   "action equals reaction", "the same in float", "the same for eight at once",
                   "no energy from pressing", "no energy from sliding", "no energy from rolling",
                   "no energy from sliding under changing load",
-                  "elastic_energy is what the springs hold"});
+                  "elastic_energy is the energy of the springs"});
 }
 
 TEST(Conformance, FindsAnElasticEnergyThatIsNot) {
-  expect_finding(Fault::stores_half_of_its_energy, "elastic_energy is what the springs hold");
+  expect_failure(Fault::stores_half_of_its_energy, "elastic_energy is the energy of the springs");
 }
 
 TEST(Conformance, FindsWhatFloatCannotTell) {
-  expect_finding(Fault::rounds_off, "the same in float");
+  expect_failure(Fault::rounds_off, "the same in float");
 }
 
 TEST(Conformance, FindsAnAnswerThatDiffersForEightAtOnce) {
-  expect_finding(Fault::answers_otherwise_in_lanes, "the same for eight at once");
+  expect_failure(Fault::answers_otherwise_in_lanes, "the same for eight at once");
 }
 
 TEST(Conformance, FindsASpringThatKeepsItsForceWhileItSoftens) {
-  expect_finding(Fault::softens_with_its_load, "no energy from sliding under changing load",
-                 {"no energy from sliding", "elastic_energy is what the springs hold"});
+  expect_failure(Fault::softens_with_its_load, "no energy from sliding under changing load",
+                 {"no energy from sliding", "elastic_energy is the energy of the springs"});
 }
 
 TEST(Conformance, FindsThatAContactPulls) {
-  const auto verdict = dem::conformance_of(Law{Fault::pulls});
-  EXPECT_FALSE(verdict.passes("pushes back"));
-  EXPECT_FALSE(verdict.passes("no such finding"));
+  const auto report = dem::conformance_of(Law{Fault::pulls});
+  EXPECT_FALSE(report.passes("pushes back"));
+  EXPECT_FALSE(report.passes("no such check"));
 }
 
 TEST(Conformance, RefusesATrialOutOfRange) {

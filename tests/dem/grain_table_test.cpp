@@ -68,7 +68,7 @@ TEST_F(GrainTable, SaysWhereANumberIsWrong) {
                       {path.string(), "line 4", "column radius: -2 must be above 0"}));
   EXPECT_TRUE(refuses([&] { read<2>(head + "0,5,2,none\n"); }, {"line 4", "column density"}));
   EXPECT_TRUE(refuses([&] { read<2>("x,y,radius,density,material\n0,0,1,1,0.5\n"); },
-                      {"line 2", "column material: 0.5 must be a whole number"}));
+                      {"line 2", "column material: 0.5 must be an integer"}));
   EXPECT_TRUE(refuses([&] { read<2>("x,y,raduis,density\n0,0,1,1\n"); },
                       {"unknown column raduis; known are x, y, ", "radius"}));
   EXPECT_TRUE(refuses([&] { read<2>("x,y,radius,density,mass\n0,0,1,1,1\n"); },

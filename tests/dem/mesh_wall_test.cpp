@@ -215,7 +215,7 @@ TEST(MeshWall, FindsTheNearestOfManyTriangles) {
 
 TEST(MeshWall, RefusesWhatIsNoSurface) {
   constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_TRUE(refuses([] { MeshWall(Triangles{}); }, {"MeshWall: there is no triangle"}));
+  EXPECT_TRUE(refuses([] { MeshWall(Triangles{}); }, {"MeshWall: there are no triangles"}));
   auto triangles = box_of_triangles(unit);
   triangles[3].corners[1] = triangles[3].corners[0];
   EXPECT_TRUE(refuses([&] { MeshWall{triangles}; }, {"MeshWall: triangle 3", "no area"}));

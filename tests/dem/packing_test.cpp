@@ -88,7 +88,7 @@ TEST(Packing, RefusesTheImpossibleAndSaysHowFarItCame) {
   EXPECT_TRUE(refuses([&] { dem::scatter(grains, discs, box, {.number = 100}); },
                       {"dem::scatter: placed ", " of 100 grains", "radius 0.05"}));
   EXPECT_TRUE(grains.empty());
-  EXPECT_TRUE(refuses([&] { dem::scatter(grains, discs, box, {}); }, {"either a number or"}));
+  EXPECT_TRUE(refuses([&] { dem::scatter(grains, discs, box, {}); }, {"either number or"}));
   EXPECT_TRUE(refuses([&] { dem::scatter(grains, discs, box, {.solid_fraction = 1.2}); },
                       {"solid_fraction = 1.2"}));
   EXPECT_TRUE(refuses([&] { dem::scatter(grains, discs, Box<2>{}, {.number = 1}); },

@@ -146,7 +146,7 @@ TEST(Polyline, PushesOnceOverACornerAndTwiceWithin) {
   EXPECT_EQ(pushes_on<2>(wall, {-1.1, 0.1}, 0.2).size(), 1u) << "its end";
 }
 
-TEST(Walls, RefuseWhatIsNone) {
+TEST(Walls, RejectInvalidParameters) {
   const auto refused = [](auto wall, const std::vector<std::string>& words) {
     return refuses([&] { wall.check(); }, words);
   };
@@ -158,7 +158,7 @@ TEST(Walls, RefuseWhatIsNone) {
   EXPECT_TRUE(refused(dem::Circle<>{.centre = {nan, 0}, .radius = 1}, {"Circle: centre = nan"}));
   EXPECT_TRUE(refused(dem::Cylinder<>{.to = {0, 0, 0}, .radius = 1}, {"length of the axis = 0"}));
   EXPECT_TRUE(refused(dem::Cylinder<>{.radius = -1}, {"Cylinder: radius = -1"}));
-  EXPECT_TRUE(refused(dem::Polyline<>{.points = {{0, 0}}}, {"Polyline", "there are 1"}));
+  EXPECT_TRUE(refused(dem::Polyline<>{.points = {{0, 0}}}, {"Polyline", "number of points = 1"}));
   EXPECT_TRUE(refused(dem::Polyline<>{.points = {{0, 0}, {1, 0}}, .closed = true}, {"at least 3"}));
   EXPECT_TRUE(refused(dem::Polyline<>{.points = {{0, 0}, {1, 0}, {1, 0}}},
                       {"point 1", "distance to the next one = 0"}));

@@ -20,7 +20,7 @@ template <class Ledger>
 void expect_closed(const Ledger& ledger, int step) {
   const double kinetic = ledger.energies().kinetic + ledger.energies().rotational;
   const double largest =
-      std::max(ledger.work_of_step().largest(), std::abs(ledger.energy_change_of_step()));
+      std::max(ledger.work_of_step().max_term(), std::abs(ledger.energy_change_of_step()));
   // Velocities are rounded: energies cannot be known better than to their own last digits.
   ASSERT_LE(std::abs(ledger.imbalance()), std::max(1e-10 * largest, 1e-15 * kinetic)) << step;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What is tried on a contact law. conformance.hpp is what users call.
+// The conformance checks of a contact law. The user interface is conformance.hpp.
 #pragma once
 
 #include <silt/core/error.hpp>
@@ -22,71 +22,71 @@
 
 namespace silt::dem {
 
-/// Tries a law in one dimension.
+/// Checks a law in one dimension.
 template <int Dim>
 class ConformanceChecks {
  public:
-  /// Throws if a number of the trial is out of range.
-  ConformanceChecks(LawOnTrial<Dim> law, const ConformanceConditions& trial)
-      : law_(std::move(law)), trial_(trial) {
-    trial.check();
+  /// Throws if a condition is out of range.
+  ConformanceChecks(LawOnTrial<Dim> law, const ConformanceConditions& conditions)
+      : law_(std::move(law)), conditions_(conditions) {
+    conditions.check();
     Grains<Dim> grain;
     add_grain(grain, Vec<Dim>(Vec<Dim>::Zero()),
-              {.radius = trial.radius, .density = trial.density});
+              {.radius = conditions.radius, .density = conditions.density});
     motion_.mass = grain[mass][0] / 2;
-    motion_.radius = trial.radius / 2;
+    motion_.radius = conditions.radius / 2;
   }
 
-  std::vector<ConformanceCheck> findings() {
-    find_finite();
-    const double stiffness = find_stiffness();
-    if (!(stiffness > 0)) return found_;
+  std::vector<ConformanceCheck> run() {
+    check_finite();
+    const double stiffness = check_stiffness();
+    if (!(stiffness > 0)) return checks_;
     frequency_ = std::sqrt(stiffness / motion_.mass);
-    find_symmetries();
-    find_energies();
-    find_impacts();
-    return found_;
+    check_symmetries();
+    check_energies();
+    check_impacts();
+    return checks_;
   }
 
  private:
-  using Way = ContactPath;
+  using Path = ContactPath;
   using Loads = std::vector<LawLoad<Dim>>;
   using Frame = Eigen::Matrix<double, Dim, Dim>;
 
-  void note(std::string name, double value, double allowed, std::string sentence) {
-    found_.push_back({Dim, std::move(name), value, allowed, std::move(sentence)});
+  void add_check(std::string name, double value, double limit, std::string explanation) {
+    checks_.push_back({Dim, std::move(name), value, limit, std::move(explanation)});
   }
 
-  // The larger of the two; infinity in place of what is not finite, so that it stays.
-  static void raise(double& most, double value) {
+  // Keeps the larger of the two. Values that are not finite count as infinity.
+  static void raise(double& maximum, double value) {
     if (!is_finite(value)) value = std::numeric_limits<double>::infinity();
-    most = std::max(most, value);
+    maximum = std::max(maximum, value);
   }
 
-  PrescribedContact<Dim> contact_on(const Way& way, double duration) const {
+  PrescribedContact<Dim> contact_on(const Path& path, double duration) const {
     PrescribedMotion motion = motion_;
     motion.duration = duration;
-    return prescribe<Dim>(motion, [&](double u) { return pose_on<Dim>(way, u); });
+    return prescribe<Dim>(motion, [&](double u) { return pose_on<Dim>(path, u); });
   }
 
   Loads loads(const PrescribedContact<Dim>& contact) const {
     return loads_along<Dim>(law_.in_double, contact);
   }
 
-  void find_finite() {
+  void check_finite() {
     PrescribedContact<Dim> contacts;
     for (const double overlap : {1e-30, 1e-9, 1.0}) {
       for (const double speed : {0.0, 1e-30, 1.0}) {
         for (const double slip : {0.0, 1e-30, 1.0}) {
           Contact<Dim, double> contact;
           contact.normal = Vec<Dim>::Unit(0);
-          contact.overlap = overlap * trial_.overlap;
+          contact.overlap = overlap * conditions_.overlap;
           contact.relative_velocity = -speed * Vec<Dim>::Unit(0) + slip * Vec<Dim>::Unit(1);
           contact.effective_mass = motion_.mass;
           contact.effective_radius = motion_.radius;
           contact.time_step = 1e-6;
           contacts.insert(contacts.end(), 2, contact);
-          contacts.emplace_back();  // parted
+          contacts.emplace_back();  // separated
         }
       }
     }
@@ -99,38 +99,38 @@ class ConformanceChecks {
         if (!sound) broken += 1;
       }
     }
-    note("finite answers", broken, 0,
-         "contacts that begin, rest or do not slide got so many answers that are not finite "
-         "numbers; look for a division by an overlap, a speed or a length that may be 0");
+    add_check("finite results", broken, 0,
+         "number of results that are not finite, for contacts with overlap, speed or slip near 0; "
+         "check for divisions by an overlap, a speed or a length that may be 0");
   }
 
-  // Of a slow press, from half of the overlap to nearly all of it [N/m].
-  double find_stiffness() {
-    const auto contact = contact_on({.depth = trial_.overlap}, 1000);
+  // Secant stiffness of slow loading, from half of the overlap to nearly all of it [N/m].
+  double check_stiffness() {
+    const auto contact = contact_on({.depth = conditions_.overlap}, 1000);
     const Loads answers = loads(contact);
     const auto push = [&](double share) {
       Index k = 0;
-      while (contact[k].overlap < share * trial_.overlap) ++k;
+      while (contact[k].overlap < share * conditions_.overlap) ++k;
       return answers[k].force.dot(contact[k].normal);
     };
-    const double stiffness = (push(0.99) - push(0.5)) / (0.49 * trial_.overlap);
-    note("pushes back", stiffness > 0 ? 0 : 1, 0,
-         "pressed from half of ConformanceConditions::overlap to all of it, the contact does not push more; "
-         "normal points the way that i is pushed");
+    const double stiffness = (push(0.99) - push(0.5)) / (0.49 * conditions_.overlap);
+    add_check("pushes back", stiffness > 0 ? 0 : 1, 0,
+         "the repulsive force does not rise between half of ConformanceConditions::overlap and "
+         "all of it; normal points from j to i");
     return stiffness;
   }
 
-  // Some that stick, slide and roll, fast enough for dashpots to count. They never return to where
-  // they were: a slider would stand just at its limit then, and round-off would decide.
+  // Contacts that stick, slide and roll, fast enough for dashpots to matter. They never return to an
+  // earlier state: a slider would then be exactly at its limit, and round-off would decide.
   EightContacts<Dim> some_contacts() const {
     EightContacts<Dim> contacts;
     const double slips[] = {0.05, 0.3, 1, 3};
     for (Index k = 0; k < contacts.size(); ++k) {
-      const double slip = slips[k / 2] * trial_.overlap;
-      contacts[k] = contact_on({.depth = trial_.overlap,
-                                .dip = 0.5,
+      const double slip = slips[k / 2] * conditions_.overlap;
+      contacts[k] = contact_on({.depth = conditions_.overlap,
+                                .unloading = 0.5,
                                 .slip = slip,
-                                .turn = slip / trial_.radius,
+                                .rotation = slip / conditions_.radius,
                                 .phase = 0.7 + 1.8 * double(k % 2),
                                 .pace = 1.37},
                                20 / frequency_);
@@ -138,7 +138,7 @@ class ConformanceChecks {
     return contacts;
   }
 
-  // Most by which loads differ from `sign` times `right`, seen in these frames; over the largest.
+  // Maximum difference of `loads` and `sign` times `right` in these frames, relative to the maximum.
   template <class FrameAt>
   static double difference(const Loads& loads, double sign, const Loads& right,
                            FrameAt&& frame_at) {
@@ -154,10 +154,10 @@ class ConformanceChecks {
     return std::max(force_apart / force, couple > 0 ? std::sqrt(couple_apart / couple) : 0.0);
   }
 
-  void find_symmetries() {
+  void check_symmetries() {
     const auto still = [](double) { return Frame(Frame::Identity()); };
     const auto turned = [](double) { return rotated_frame<Dim>(2.1, {0.3, -0.5, 0.8}); };
-    // About an axis in the contact plane: of a turn about the normal a law is not told.
+    // About an axis in the contact plane: rotation about the normal is not part of a law's input.
     const auto turning = [](double u) { return rotated_frame<Dim>(1.3 * u, {0, 0.6, 0.8}); };
     const auto contacts = some_contacts();
     EightLoads<Dim> in_lanes;
@@ -176,77 +176,77 @@ class ConformanceChecks {
       }
       if (law_.in_lanes) raise(lanes_apart, difference(in_lanes[c], 1, right, still));
     }
-    note("action equals reaction", reaction, 1e-12,
-         "share of the load by which that on j, asked from its side, is not the opposite of that "
-         "on i; let forces change sign with normal and velocity, and couples with the spin");
-    note("the same in any frame", frame, 1e-9,
-         "share of the load by which it does not turn with the contact; use no fixed direction");
-    note("history rotates with the contact", carried, 0.02,
-         "share of the load by which it stays behind when both grains turn as one body; bring what "
-         "is remembered into the plane of the new normal");
-    note("the same in float", in_float, 2e-3,
-         "share of the load by which float differs from double; look for small differences of "
-         "large numbers, and for constants that float does not have");
-    note("the same for eight at once", lanes_apart, 1e-9,
-         "share of the load by which eight contacts asked together differ from the same asked one "
-         "by one; let the answer depend on contact and memory only");
+    add_check("action equals reaction", reaction, 1e-12,
+         "relative deviation of the load on j, evaluated from its side, from the opposite of that "
+         "on i; forces must change sign with normal and velocity, and couples with the spin");
+    add_check("the same in any frame", frame, 1e-9,
+         "relative deviation of the load in a rotated frame; use no fixed direction");
+    add_check("history rotates with the contact", carried, 0.02,
+         "relative deviation of the load when both grains rotate as one body; rotate vectors of "
+         "the history into the plane of the new normal");
+    add_check("the same in float", in_float, 2e-3,
+         "relative deviation of the load in float from double; check for small differences of "
+         "large numbers and for constants that float cannot represent");
+    add_check("the same for eight at once", lanes_apart, 1e-9,
+         "relative deviation of the load of eight contacts evaluated at once from the same "
+         "evaluated one at a time; the result must depend on contact and history only");
   }
 
-  void find_energies() {
-    const double d = trial_.overlap;
+  void check_energies() {
+    const double d = conditions_.overlap;
     double stored = 0;
-    const auto find = [&](const std::string& name, const std::vector<Way>& ways,
-                          const std::string& sentence) {
-      double most = 0;
-      for (const Way& way : ways) {
-        // Fast, where dashpots count, and slow, where they do not hide springs.
+    const auto find = [&](const std::string& name, const std::vector<Path>& paths,
+                          const std::string& explanation) {
+      double maximum = 0;
+      for (const Path& path : paths) {
+        // Fast, where dashpots matter, and slow, where they do not mask errors of the springs.
         for (const double duration : {15 / frequency_, 1e5 / frequency_}) {
-          const auto contact = contact_on(way, duration);
+          const auto contact = contact_on(path, duration);
           const EnergyGain gain = energy_gain<Dim>(contact, loads(contact));
-          raise(most, gain.whole);
-          raise(stored, gain.at_any_time);
+          raise(maximum, gain.total);
+          raise(stored, gain.max_growth);
         }
       }
-      note(name, most, 5e-4,
-           "share of the work by which a contact gave more than it took " + sentence);
+      add_check(name, maximum, 5e-4,
+           "energy generated by a contact, relative to the work, " + explanation);
     };
     constexpr double quarter = std::numbers::pi / 2;
-    std::vector<Way> slides, slides_under_changing_load, rolls;
+    std::vector<Path> slides, slides_under_changing_load, rolls;
     for (const double slip : {0.05, 0.2, 1.0, 5.0}) {
-      slides.push_back({.depth = d, .slip = slip * d, .phase = quarter, .aside = true});
-      if (Dim == 3) slides.push_back({.depth = d, .slip = slip * d, .round = true});
-      // Halfway between in step and a quarter late, what a softening spring makes is most.
+      slides.push_back({.depth = d, .slip = slip * d, .phase = quarter, .shifted_release = true});
+      if (Dim == 3) slides.push_back({.depth = d, .slip = slip * d, .circular = true});
+      // The energy generated by a softening spring is largest at phases of 1/8 and 3/8 of a cycle.
       for (const double quarters : {0.5, 1.5}) {
         slides_under_changing_load.push_back(
-            {.depth = d, .dip = 0.5, .slip = slip * d, .phase = quarters * quarter});
+            {.depth = d, .unloading = 0.5, .slip = slip * d, .phase = quarters * quarter});
       }
-      const double turn = slip * d / trial_.radius;
-      rolls.push_back({.depth = d, .dip = 0.7, .turn = turn, .phase = 1});
-      rolls.push_back({.depth = d, .turn = turn, .phase = quarter, .aside = true});
+      const double rotation = slip * d / conditions_.radius;
+      rolls.push_back({.depth = d, .unloading = 0.7, .rotation = rotation, .phase = 1});
+      rolls.push_back({.depth = d, .rotation = rotation, .phase = quarter, .shifted_release = true});
     }
     find("no energy from pressing",
-         {{.depth = d}, {.depth = d, .dip = 0.5}, {.depth = d, .dip = 1.3}},
-         "when pressed and let go; a dashpot must push while the two approach");
+         {{.depth = d}, {.depth = d, .unloading = 0.5}, {.depth = d, .unloading = 1.3}},
+         "in loading and unloading; a dashpot must be repulsive during approach");
     find("no energy from sliding", slides,
-         "when sheared to and fro under load; the force on i must go against its slip");
+         "in cyclic shear under load; the force on i must oppose its slip");
     find("no energy from sliding under changing load", slides_under_changing_load,
-         "when sheared while the load comes and goes; a spring that softens with the load must "
-         "lose force with it");
+         "in cyclic shear under cyclic load; a spring that softens on unloading must lose force in "
+         "proportion");
     if (law_.gives_couple) {
       find("no energy from rolling", rolls,
-           "when rolled and twisted to and fro; the couple on i must go against relative_spin");
+           "in cyclic rolling and twisting; the couple on i must oppose relative_spin");
     }
     if (law_.gives_energy) {
-      note("elastic_energy is what the springs hold", stored, 5e-3,
-           "share of the work by which what a contact gave and says it stores grew; compare "
-           "elastic_energy(contact, memory) with the integral of the force");
+      add_check("elastic_energy is the energy of the springs", stored, 5e-3,
+           "largest growth of the released plus the stored energy, relative to the work; compare "
+           "elastic_energy(contact, history) with the integral of the force");
     }
   }
 
-  void find_impacts() {
-    const Grain grain{.radius = trial_.radius, .density = trial_.density};
+  void check_impacts() {
+    const Grain grain{.radius = conditions_.radius, .density = conditions_.density};
     ImpactStart start{.time_step = std::numbers::pi / frequency_ / 400,
-                      .longest = 40 * std::numbers::pi / frequency_};
+                      .max_time = 40 * std::numbers::pi / frequency_};
     double restitution = 0, energy = 0, loss_falls = 0;
     const auto fly = [&] {
       const ImpactResult report = TestImpact<Dim>(grain, start)(law_.in_double());
@@ -257,7 +257,7 @@ class ConformanceChecks {
       start.wall = wall;
       double last_loss = 0;
       for (const double share : {0.1, 0.3, 1.0}) {
-        start.speed = share * frequency_ * trial_.overlap;
+        start.speed = share * frequency_ * conditions_.overlap;
         start.angle = start.spin = 0;
         const ImpactResult head_on = fly();
         const double loss = head_on.energy_before - head_on.energy_after;
@@ -273,20 +273,21 @@ class ConformanceChecks {
         }
       }
     }
-    note("restitution is at most 1", restitution, 0.005,
-         "what restitution has above 1 in head-on impacts; a dashpot must push while the two "
+    add_check("restitution is at maximum 1", restitution, 0.005,
+         "excess of the restitution over 1 in head-on impacts; a dashpot must be repulsive during "
          "approach");
-    note("a faster impact loses no less", loss_falls, 0.005,
-         "share of its energy by which a head-on impact lost less than a slower one");
-    note("no energy from impacts", energy, 0.01,
-         "share by which motion and spin had more energy after an impact than before");
+    add_check("a faster impact loses no less", loss_falls, 0.005,
+         "amount by which a head-on impact lost less energy than a slower one, relative to its "
+         "energy");
+    add_check("no energy from impacts", energy, 0.01,
+         "relative increase of the kinetic energy, including rotation, in an impact");
   }
 
   LawOnTrial<Dim> law_;
-  ConformanceConditions trial_;
+  ConformanceConditions conditions_;
   PrescribedMotion motion_;
-  double frequency_ = 0;  // of a contact of that overlap, about [1/s]
-  std::vector<ConformanceCheck> found_;
+  double frequency_ = 0;  // approximate angular frequency of a contact [1/s]
+  std::vector<ConformanceCheck> checks_;
 };
 
 }  // namespace silt::dem

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a contact law is tried on, and what was found.
+// Conditions and results of the conformance checks of a contact law.
 #pragma once
 
 #include <silt/core/error.hpp>
@@ -11,11 +11,11 @@
 
 namespace silt::dem {
 
-/// What a law is tried on: give what it is meant for.
+/// Conditions of the checks; choose those for which the law is intended.
 struct ConformanceConditions {
   double radius = 0.01;    ///< R of the grains [m]
   double density = 2500;   ///< ρ [kg/m³]
-  double overlap = 1e-4;   ///< δ that contacts of this law reach [m]
+  double overlap = 1e-4;   ///< typical maximum overlap δ [m]
 
   /// Throws if a number is out of range.
   void check() const {
@@ -26,40 +26,40 @@ struct ConformanceConditions {
   }
 };
 
-/// One thing that a sound law holds to, as it was measured.
+/// Result of one check.
 struct ConformanceCheck {
   int dimension = 0;
-  std::string name;      ///< as in "action equals reaction"
+  std::string name;      ///< e.g. "action equals reaction"
   double value = 0;      ///< measured [-]
-  double allowed = 0;    ///< of the value [-]
-  std::string sentence;  ///< what the value is, and what to look at if it is too large
+  double limit = 0;      ///< of the value [-]
+  std::string explanation;  ///< what the value is, and what to look at if it is too large
 
-  bool holds() const { return value <= allowed; }
+  bool passes() const { return value <= limit; }
 };
 
 struct ConformanceReport {
-  std::vector<ConformanceCheck> findings;
+  std::vector<ConformanceCheck> checks;
 
-  bool holds() const {
-    return std::all_of(findings.begin(), findings.end(), [](const auto& f) { return f.holds(); });
+  bool passes() const {
+    return std::all_of(checks.begin(), checks.end(), [](const auto& check) { return check.passes(); });
   }
-  /// Whether the finding of that name holds in every dimension; false if there is none.
-  bool holds(std::string_view name) const {
+  /// Whether the check with this name passes in every dimension; false if there is no such check.
+  bool passes(std::string_view name) const {
     bool found = false;
-    for (const ConformanceCheck& finding : findings) {
-      if (finding.name != name) continue;
-      if (!finding.holds()) return false;
+    for (const ConformanceCheck& check : checks) {
+      if (check.name != name) continue;
+      if (!check.passes()) return false;
       found = true;
     }
     return found;
   }
-  /// A line for each finding that does not hold.
+  /// One line for each failed check.
   std::string text() const {
     std::string text;
-    for (const ConformanceCheck& f : findings) {
-      if (f.holds()) continue;
-      text += std::to_string(f.dimension) + "D, " + f.name + ": " + to_text(f.value) +
-              ", but at most " + to_text(f.allowed) + " is sound: " + f.sentence + "\n";
+    for (const ConformanceCheck& check : checks) {
+      if (check.passes()) continue;
+      text += std::to_string(check.dimension) + "D, " + check.name + ": " + to_text(check.value) +
+              ", limit " + to_text(check.limit) + ": " + check.explanation + "\n";
     }
     return text;
   }

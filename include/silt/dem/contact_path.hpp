@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The ways through contact that a law is tried on.
+// Prescribed paths of a contact for the checks of a law.
 #pragma once
 
 #include <silt/core/types.hpp>
@@ -10,7 +10,7 @@
 
 namespace silt::dem {
 
-/// 0 outside of (from, to), 1 in between but for smooth ramps of that length.
+/// 1 between `from` and `to`, 0 outside, with smooth ramps of length `ramp` at both ends.
 struct Plateau {
   double from;
   double to;
@@ -21,34 +21,37 @@ inline double plateau(double u, const Plateau& p) {
   return smooth((u - p.from) / p.ramp) * smooth((p.to - u) / p.ramp);
 }
 
-/// Sizes of a way through contact; the contact is pressed, led about, and released.
+/// Amplitudes of a path: a contact is loaded, unloaded partially, sheared and rotated in cycles, and
+/// unloaded.
 struct ContactPath {
-  double depth = 0;  ///< of the overlap [m]
-  double dip = 0;    ///< share of the depth by which it comes and goes while led about [-]
-  double slip = 0;   ///< along the plane, to and fro [m]
-  double turn = 0;   ///< of rolling and twisting, to and fro [rad]
-  double phase = 0;  ///< of the slip against the dip [rad]
-  double pace = 1;   ///< cycles of slip and turn to one of the dip [-]
-  bool round = false;  ///< 3D: the slip goes round in the plane, not to and fro
-  bool aside = false;  ///< it is released where it was led to, not where it began
+  double depth = 0;      ///< maximum overlap [m]
+  double unloading = 0;  ///< fraction of the depth that is unloaded in each cycle [-]
+  double slip = 0;       ///< amplitude of the cyclic slip [m]
+  double rotation = 0;   ///< amplitude of the cyclic rolling and twisting [rad]
+  double phase = 0;      ///< of the slip relative to the unloading [rad]
+  double pace = 1;       ///< cycles of slip and rotation per cycle of unloading [-]
+  bool circular = false;  ///< 3D: the slip moves on a circle instead of back and forth
+  bool shifted_release = false;  ///< the contact ends with a slip, not at its initial position
 };
 
 template <int Dim>
-ContactPose<Dim> pose_on(const ContactPath& way, double u) {
+ContactPose<Dim> pose_on(const ContactPath& path, double u) {
   constexpr double cycles = 3;
   const double angle = 2 * std::numbers::pi * cycles * (u - 0.2) / 0.6;
-  const double led = plateau(u, {.from = 0.15, .to = way.aside ? 2 : 0.85, .ramp = 0.1});
+  const double envelope =
+      plateau(u, {.from = 0.15, .to = path.shifted_release ? 2 : 0.85, .ramp = 0.1});
   ContactPose<Dim> pose;
-  pose.overlap = way.depth * plateau(u, {.from = 0, .to = 1, .ramp = 0.15}) *
-                 (1 - way.dip * led * (1 - std::cos(angle)) / 2);
-  const double led_by = way.pace * angle + way.phase;
-  const double swing = std::sin(led_by) * led;
-  pose.slip[1] = way.slip * swing;
+  pose.overlap = path.depth * plateau(u, {.from = 0, .to = 1, .ramp = 0.15}) *
+                 (1 - path.unloading * envelope * (1 - std::cos(angle)) / 2);
+  const double slip_angle = path.pace * angle + path.phase;
+  const double swing = std::sin(slip_angle) * envelope;
+  pose.slip[1] = path.slip * swing;
   if constexpr (Dim == 2) {
-    pose.turn = way.turn * swing;
+    pose.rotation = path.rotation * swing;
   } else {
-    pose.slip[2] = way.slip * (way.round ? std::cos(led_by) * led : 0.3 * swing);
-    pose.turn = way.turn * Vec<3>(0.5 * swing, swing, 0.4 * std::cos(led_by) * led);
+    pose.slip[2] = path.slip * (path.circular ? std::cos(slip_angle) * envelope : 0.3 * swing);
+    pose.rotation =
+        path.rotation * Vec<3>(0.5 * swing, swing, 0.4 * std::cos(slip_angle) * envelope);
   }
   return pose;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Two grains, or one and a wall, that fly into contact and out of it under a law on trial.
+// An impact of two grains, or of a grain on a wall, for the checks of a law.
 #pragma once
 
 #include <silt/core/energy.hpp>
@@ -12,23 +12,23 @@
 
 namespace silt::dem {
 
-/// How a flight begins. The first grain comes along the first axis, and slides along the second.
+/// Initial conditions. The first grain moves along the first axis, with a slip along the second.
 struct ImpactStart {
-  bool wall = false;     ///< onto a wall, in place of a smaller grain
-  double speed = 0;      ///< against the other one [m/s]
-  double angle = 0;      ///< of that velocity against the normal [rad]
+  bool wall = false;     ///< impact on a wall instead of a smaller grain
+  double speed = 0;      ///< relative to the other side [m/s]
+  double angle = 0;      ///< between this velocity and the normal [rad]
   double spin = 0;       ///< of the first grain, times R, over the speed [-]
   double time_step = 0;  ///< [s]
-  double longest = 0;    ///< after so long they are said to stick [s]
+  double max_time = 0;   ///< contacts that last longer count as sticking [s]
 };
 
 struct ImpactResult {
   double restitution = 0;    ///< normal speed after over before; 0 if they stick [-]
-  double energy_before = 0;  ///< of motion and spin, where the centre of mass rests [J]
-  double energy_after = 0;   ///< likewise; 0 if they stick
+  double energy_before = 0;  ///< kinetic, with rotation, in the centre-of-mass frame [J]
+  double energy_after = 0;   ///< the same after the impact; 0 if they stick [J]
 };
 
-/// Moves them by leapfrog, from before the contact to behind it.
+/// Integrates the motion with leapfrog from before the contact until after it.
 template <int Dim>
 class TestImpact {
  public:
@@ -43,7 +43,7 @@ class TestImpact {
     contact_.effective_mass = start.wall ? m[0] : m[0] * m[1] / (m[0] + m[1]);
     contact_.effective_radius =
         start.wall ? grain.radius : grain.radius * smaller.radius / (grain.radius + smaller.radius);
-    // The centre of mass rests.
+    // The centre of mass is at rest.
     const Vec<Dim> v = start.speed * (-std::cos(start.angle) * n_ +
                                       std::sin(start.angle) * Vec<Dim>::Unit(1));
     grains_[velocity][0] = contact_.effective_mass / m[0] * v;
@@ -56,17 +56,17 @@ class TestImpact {
     }
   }
 
-  ImpactResult operator()(const ContactEvaluator<Dim>& ask) {
+  ImpactResult operator()(const ContactEvaluator<Dim>& evaluate) {
     ImpactResult report{.energy_before = energy()};
-    const double coming = -separating();
+    const double approach_speed = -separating();
     bool touched = false;
-    for (double time = 0; time < start_.longest; time += start_.time_step) {
-      look();
+    for (double time = 0; time < start_.max_time; time += start_.time_step) {
+      update_contact();
       if (contact_.overlap > 0) {
         touched = true;
-        kick(ask(contact_));
+        kick(evaluate(contact_));
       } else if (touched) {
-        report.restitution = separating() / coming;
+        report.restitution = separating() / approach_speed;
         report.energy_after = energy();
         break;
       }
@@ -77,7 +77,7 @@ class TestImpact {
   }
 
  private:
-  // From the other one's centre, or from the wall, which is at 0.
+  // Vector from the other grain's centre, or from the wall, which is at 0.
   Vec<Dim> distance() const {
     if (start_.wall) return grains_[position][0].dot(n_) * n_;
     return grains_[position][0] - grains_[position][1];
@@ -89,7 +89,7 @@ class TestImpact {
   double arm(Index i) const {
     return grains_[radius][i] - contact_.overlap / (start_.wall ? 1 : 2);
   }
-  void look() {
+  void update_contact() {
     const Vec<Dim> r = distance();
     const auto R = grains_[radius];
     contact_.normal = r.normalized();
@@ -117,7 +117,7 @@ class TestImpact {
 
   const Vec<Dim> n_ = Vec<Dim>::Unit(0);
   ImpactStart start_;
-  Grains<Dim> grains_;  // the second one stands aside where there is a wall
+  Grains<Dim> grains_;  // the second one is unused in an impact on a wall
   Contact<Dim, double> contact_;
 };
 
