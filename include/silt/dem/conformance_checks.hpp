@@ -120,8 +120,8 @@ class ConformanceChecks {
     return stiffness;
   }
 
-  // Contacts that stick, slide and roll, fast enough for dashpots to matter. They never return to an
-  // earlier state: a slider would then be exactly at its limit, and round-off would decide.
+  // Contacts that stick, slide and roll, fast enough for dashpots to matter. They never return to
+  // an earlier state: a slider would then be exactly at its limit, and round-off would decide.
   EightContacts<Dim> some_contacts() const {
     EightContacts<Dim> contacts;
     const double slips[] = {0.05, 0.3, 1, 3};
@@ -138,7 +138,8 @@ class ConformanceChecks {
     return contacts;
   }
 
-  // Maximum difference of `loads` and `sign` times `right` in these frames, relative to the maximum.
+  // Maximum difference of `loads` and `sign` times `right` in these frames, relative to the
+  // maximum.
   template <class FrameAt>
   static double difference(const Loads& loads, double sign, const Loads& right,
                            FrameAt&& frame_at) {
@@ -222,7 +223,8 @@ class ConformanceChecks {
       }
       const double rotation = slip * d / conditions_.radius;
       rolls.push_back({.depth = d, .unloading = 0.7, .rotation = rotation, .phase = 1});
-      rolls.push_back({.depth = d, .rotation = rotation, .phase = quarter, .shifted_release = true});
+      rolls.push_back(
+          {.depth = d, .rotation = rotation, .phase = quarter, .shifted_release = true});
     }
     find("no energy from pressing",
          {{.depth = d}, {.depth = d, .unloading = 0.5}, {.depth = d, .unloading = 1.3}},

@@ -41,7 +41,8 @@ struct ConformanceReport {
   std::vector<ConformanceCheck> checks;
 
   bool passes() const {
-    return std::all_of(checks.begin(), checks.end(), [](const auto& check) { return check.passes(); });
+    return std::all_of(checks.begin(), checks.end(),
+                       [](const auto& check) { return check.passes(); });
   }
   /// Whether the check with this name passes in every dimension; false if there is no such check.
   bool passes(std::string_view name) const {

@@ -21,8 +21,8 @@ inline double plateau(double u, const Plateau& p) {
   return smooth((u - p.from) / p.ramp) * smooth((p.to - u) / p.ramp);
 }
 
-/// Amplitudes of a path: a contact is loaded, unloaded partially, sheared and rotated in cycles, and
-/// unloaded.
+/// Amplitudes of a path: a contact is loaded, unloaded partially, sheared and rotated in cycles,
+/// and unloaded.
 struct ContactPath {
   double depth = 0;      ///< maximum overlap [m]
   double unloading = 0;  ///< fraction of the depth that is unloaded in each cycle [-]

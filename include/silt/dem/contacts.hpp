@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The contact interaction of DEM. In each step it updates the list of near pairs if necessary
-// (near_search.hpp), evaluates the law once for each contact (law_pass.hpp), sums the forces on each
-// grain in a fixed order (single_contacts.hpp), and checks that the time step is stable
+// (near_search.hpp), evaluates the law once for each contact (law_pass.hpp), sums the forces on
+// each grain in a fixed order (single_contacts.hpp), and checks that the time step is stable
 // (stability.hpp).
 #pragma once
 
@@ -175,8 +175,8 @@ class Contacts {
 
   // Results of the last step, see ContactsOfStep.
 
-  /// f(i, j, contact, force on i) for every contact of the last step whose grains still exist; i and
-  /// j are the current indices of the two (owned particles), j is `no_index` for a wall. The
+  /// f(i, j, contact, force on i) for every contact of the last step whose grains still exist; i
+  /// and j are the current indices of the two (owned particles), j is `no_index` for a wall. The
   /// contact's velocity is computed from the velocities in `grains`, and for a wall from its
   /// velocity at the time N of the contact.
   template <class P, class F>
@@ -184,7 +184,8 @@ class Contacts {
     of_step(grains).for_each(f);
   }
 
-  /// f(WallContact) for every contact of the last step between a wall and a grain that still exists.
+  /// f(WallContact) for every contact of the last step between a wall and a grain that still
+  /// exists.
   template <class P, class F>
   void for_each_wall_contact(const P& grains, F&& f) const {
     of_step(grains).for_each_at_walls(f);
@@ -197,9 +198,9 @@ class Contacts {
     return of_step(grains).load_on(wall, about);
   }
 
-  /// f(EvaluatedContact) for every contact of the last step, with the law evaluated again on the same
-  /// input. `before` are the grains, with their velocities, at the beginning of that step. Must not
-  /// be called after save().
+  /// f(EvaluatedContact) for every contact of the last step, with the law evaluated again on the
+  /// same input. `before` are the grains, with their velocities, at the beginning of that step.
+  /// Must not be called after save().
   template <class P, class F>
   void for_each_evaluated_contact(const P& before, F&& f) const {
     of_step(before).for_each_evaluated_contact(f);

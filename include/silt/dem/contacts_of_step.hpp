@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The contacts of the last step, for those who look at them: observers, measures, the ledger.
+// Access to the contacts of the last step for observers, measurements and the energy ledger.
 #pragma once
 
 #include <silt/core/error.hpp>
@@ -21,7 +21,7 @@
 
 namespace silt::dem {
 
-/// The law between the two of a contact. Throws if a material is unknown.
+/// The law between the two sides of a contact. Throws if a material does not exist.
 template <class P, class Law, class Walls>
 const Law& law_between(const P& grains, const Sides& sides, const Materials<Law>& materials,
                        const Walls& walls) {
@@ -33,22 +33,22 @@ const Law& law_between(const P& grains, const Sides& sides, const Materials<Law>
   return materials.between(own, other);
 }
 
-/// The walls, a WallSet, as of N, when the contacts of the step were made.
+/// The walls of a WallSet at the time N of the step's contacts.
 template <class P, class Walls, class Seen>
 auto walls_of_step(const Walls& walls, const Seen& seen) {
   return walls.template at<P::dimension, typename P::Real>(
       {.positions = seen.time, .velocities = seen.time});
 }
-/// With velocities as of N − ½: those of the grains that the law saw.
+/// The same with the velocities of N − ½, as used by the law.
 template <class P, class Walls, class Seen>
 auto walls_as_the_law_saw_them(const Walls& walls, const Seen& seen) {
   return walls.template at<P::dimension, typename P::Real>(
       {.positions = seen.time, .velocities = seen.time - double(seen.time_step) / 2});
 }
 
-/// A look at what Contacts made of grains in its last step; only those contacts are seen whose
-/// grains are still there. `grains` may be as that step found them or as it left them: velocities
-/// of contacts are of theirs. Walls is a WallSet.
+/// View of the last step of Contacts, limited to contacts whose grains still exist. `grains` may be
+/// those before or after that step; the velocities of contacts are computed from theirs. Walls is a
+/// WallSet.
 template <class P, class Law, class Walls, class T>
 class ContactsOfStep {
   using Real = typename P::Real;
@@ -138,7 +138,7 @@ class ContactsOfStep {
     });
   }
 
-  /// The law tells its force by parts, and the energy in its springs.
+  /// The law returns the components of its force and the energy in its springs.
   static constexpr bool gives_spring_energy =
       GivesComponents<Law, P::dimension, Real> &&
       requires(const Law law, const Contact c, const typename History::type history) {
@@ -159,7 +159,7 @@ class ContactsOfStep {
     return energy;
   }
 
-  /// See Contacts::memory.
+  /// See Contacts::history.
   auto history() const {
     using Remembered = typename T::Remembered;
     if (const Remembered* const recalled = touches_.recalled()) return *recalled;
@@ -178,7 +178,8 @@ class ContactsOfStep {
 
   auto walls_then() const { return walls_of_step<P>(walls_, touches_.seen()); }
 
-  static ElasticEnergies elastic_energies(const Law& law, const Contact& contact, const Real* history) {
+  static ElasticEnergies elastic_energies(const Law& law, const Contact& contact,
+                                          const Real* history) {
     if constexpr (gives_spring_energy) {
       return law.elastic_energies(contact, History::from(history));
     } else {

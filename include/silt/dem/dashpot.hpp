@@ -57,8 +57,8 @@ struct CentredDashpot {
   };
 
   /// D_n [N] of a dashpot c_n parallel to a spring of (tangent) stiffness k_n: (22) of
-  /// [SahChoi2004] with v_n^N instead of v_n^{N−½}, which lags by half a step. v_n^N is extrapolated
-  /// from the last two half steps, v_n^N = v_n^{N−½} + ½ (v_n^{N−½} − v_n^{N−3/2}).
+  /// [SahChoi2004] with v_n^N instead of v_n^{N−½}, which lags by half a step. v_n^N is
+  /// extrapolated from the last two half steps, v_n^N = v_n^{N−½} + ½ (v_n^{N−½} − v_n^{N−3/2}).
   template <class C, class M>
   static typename C::Real force(const C& contact, M& history, typename C::Real k_n,
                                 typename C::Real c_n) {

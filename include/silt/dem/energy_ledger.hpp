@@ -205,7 +205,8 @@ class EnergyLedger {
     }
   }
 
-  // Work is known from half step to half step; that from N − 1 to N is half of each of the two kicks.
+  // Work is known from half step to half step; that from N − 1 to N is half of each of the two
+  // kicks.
   void update_balance(const Work& last, const Losses& lost, Entries stored) {
     Stored now(std::move(stored));
     now.for_each_pair([&](Id, Id, const ElasticEnergies& each) { energies_.elastic += each; });

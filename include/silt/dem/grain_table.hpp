@@ -63,9 +63,9 @@ void check_columns(const T& table, const std::vector<std::string>& known) {
 }  // namespace detail
 
 /// One grain per row of the table, in the same order. Values without a column are taken from
-/// `defaults`, or are 0; if there is a mass but no inertia, the inertia follows from the mass. Throws
-/// silt::Error, naming the location in the file, if a number is out of range, and if a column is
-/// unknown.
+/// `defaults`, or are 0; if there is a mass but no inertia, the inertia follows from the mass.
+/// Throws silt::Error, naming the location in the file, if a number is out of range, and if a
+/// column is unknown.
 template <int Dim, class Real = double, Field... Further, NamedColumns T>
 Grains<Dim, Real, Further...> grains_from(const T& table, const Grain& defaults = {}) {
   Grains<Dim, Real, Further...> grains;

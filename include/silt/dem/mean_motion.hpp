@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// How grains move at the time of their positions, from the half steps before and after; and what
-// one contact does on them.
+// Velocities at the time of the positions, from the half steps before and after, and the work of
+// single contacts.
 #pragma once
 
 #include <silt/core/particles.hpp>
@@ -15,8 +15,8 @@
 
 namespace silt::dem {
 
-/// v^N and θ'^N, [SahChoi2004] (27) (28), in double precision whatever the grains' own, and the
-/// work of contacts from N − ½ to N + ½.
+/// v^N and θ'^N, [SahChoi2004] (27) (28), always in double precision, and the work of contacts from
+/// N − ½ to N + ½.
 template <class P>
 class MeanMotion {
  public:
@@ -24,8 +24,8 @@ class MeanMotion {
   using Vector = Vec<dimension, double>;
   using Turn = AngularVec<dimension, double>;
 
-  /// Grains before a step and those that are left after it; duration is that of the kick [s].
-  /// Grains that are gone left with what they came with.
+  /// Grains before a step and those remaining after it; duration is that of the kick [s]. Removed
+  /// grains keep the velocities they had before the step.
   void set(const P& before, const P& after, double duration) {
     duration_ = duration;
     kinetic_change_ = rotational_change_ = carried_away_ = 0;
@@ -58,13 +58,13 @@ class MeanMotion {
   const Vector& velocity_of(Index i) const noexcept { return v_[i]; }
   const Turn& spin_of(Index i) const noexcept { return w_[i]; }
 
-  /// Of the energies of those that stay [J].
+  /// Changes of the energies of the remaining grains [J].
   double kinetic_change() const noexcept { return kinetic_change_; }
   double rotational_change() const noexcept { return rotational_change_; }
-  /// With those that are gone, rotation included [J].
+  /// Kinetic energy of the removed grains, including rotation [J].
   double carried_away() const noexcept { return carried_away_; }
 
-  /// Adds what a contact, an EvaluatedContact of these grains, did.
+  /// Adds the work and losses of a contact, an EvaluatedContact of these grains.
   template <class Each>
   void add_contact(const P& before, const Each& each, Work& done, Losses& lost) const {
     const auto [i, j, wall] = each.sides;
@@ -98,12 +98,12 @@ class MeanMotion {
   }
 
  private:
-  // On the first of the two.
+  // Load on the first grain.
   struct Load {
     Vector force;
     Turn couple;
   };
-  // Of surfaces that went u [m] and turned by `turn` against one another.
+  // For the relative displacement u [m] and rotation `turn` of the two surfaces.
   template <class Answer>
   static Load add_parts(const Answer& answer, const typename P::Vec& n, const Vector& u,
                         const Turn& turn, Work& done, Losses& lost) {

@@ -61,7 +61,8 @@ class MeshWall {
   Nearest nearest(Index element, const Vec& x) const {
     if (element < facets()) return nearest_of_facet(element, x);
     element -= facets();
-    return element < lines() ? nearest_of_line(element, x) : nearest_of_corner(element - lines(), x);
+    return element < lines() ? nearest_of_line(element, x)
+                             : nearest_of_corner(element - lines(), x);
   }
 
   template <class F>
@@ -122,8 +123,8 @@ class MeshWall {
     return (x - mesh_->features.vertices[face.vertices[0]]).dot(face.normal);
   }
 
-  // Signed distance of x from an edge, positive on the side of a face. Faces and lines test the same
-  // number, so that exactly one of them is in contact.
+  // Signed distance of x from an edge, positive on the side of a face. Faces and lines test the
+  // same number, so that exactly one of them is in contact.
   Real inside(const Edge& edge, const Vec& inwards, const Vec& x) const {
     return (x - mesh_->features.vertices[edge.from]).dot(inwards);
   }
@@ -187,8 +188,8 @@ class MeshWall {
   }
 
   // If two faces of a facet are slightly tilted, x may project onto neither. The nearest point is
-  // then on their common edge. More often, however, it is on a line of the facet's boundary, and the
-  // facet has no contact.
+  // then on their common edge. More often, however, it is on a line of the facet's boundary, and
+  // the facet has no contact.
   Nearest nearest_where_faces_meet(Index number, const Vec& x) const {
     const auto& all = mesh_->features;
     Real at_edge = std::numeric_limits<Real>::infinity();

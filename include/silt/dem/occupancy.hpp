@@ -55,7 +55,8 @@ class Occupancy {
   static Cell cell_of(const Vec& x, Real edge) {
     Cell cell;
     for (std::size_t k = 0; k < Dim; ++k) {
-      cell[k] = static_cast<std::int64_t>(std::floor(double(x[static_cast<int>(k)]) / double(edge)));
+      const double x_k = double(x[static_cast<int>(k)]);
+      cell[k] = static_cast<std::int64_t>(std::floor(x_k / double(edge)));
     }
     return cell;
   }

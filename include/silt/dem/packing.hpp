@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Random placement of non-overlapping grains in a region: random sequential addition, largest grains
-// first. The solid fraction reaches at most 0.38 for equal spheres and 0.54 for equal discs. For
-// denser packings let grains fall (inflow.hpp) and settle (settling.hpp).
+// Random placement of non-overlapping grains in a region: random sequential addition, largest
+// grains first. The solid fraction reaches at most 0.38 for equal spheres and 0.54 for equal discs.
+// For denser packings let grains fall (inflow.hpp) and settle (settling.hpp).
 #pragma once
 
 #include <silt/core/error.hpp>
@@ -88,9 +88,9 @@ std::vector<Grain> draw_grains(const Blend<Sizes>& blend, const Scatter& scatter
 }
 }  // namespace detail
 
-/// Adds grains at rest that lie entirely inside the region and touch neither each other nor existing
-/// grains. If a grain finds no free position, throws silt::Error and adds none; the message tells how
-/// many were placed.
+/// Adds grains at rest that lie entirely inside the region and touch neither each other nor
+/// existing grains. If a grain finds no free position, throws silt::Error and adds none; the
+/// message tells how many were placed.
 template <class P, class Sizes, Region<P::dimension, typename P::Real> R>
 void scatter(P& grains, const Blend<Sizes>& blend, const R& region, const Scatter& scatter) {
   using Real = typename P::Real;

@@ -23,7 +23,7 @@ namespace silt::dem {
 struct ParallelBond {
   double normal_stiffness = 0;   ///< k̄_n [N/m³], above 0
   double tangential_stiffness = 0;  ///< k̄_s [N/m³]
-  double radius_share = 1;  ///< λ̄: radius R̄ of the bond over that of the smaller grain [-], above 0
+  double radius_share = 1;  ///< λ̄: radius R̄ of the bond over the smaller grain's [-], above 0
   double beta = 0;          ///< ratio of dashpot to spring c/k, for all four springs [s]
   double tensile_strength = std::numeric_limits<double>::infinity();  ///< σ̄_c [Pa], above 0
   double shear_strength = std::numeric_limits<double>::infinity();    ///< τ̄_c [Pa], above 0
@@ -98,7 +98,7 @@ struct Bond {
   Real length = 0;                 ///< distance of the centres in the last step [m]
   Vec normal = Vec::Zero();        ///< unit vector from b to a in the last step
   Vec shear = Vec::Zero();         ///< shear displacement of a's side of the section [m]
-  AngularVec rotation = zero_of<AngularVec>();  ///< of a relative to b [rad]; along the normal: twist
+  AngularVec rotation = zero_of<AngularVec>();  ///< of a relative to b [rad]
   Vec force = Vec::Zero();                      ///< [N]
   AngularVec couple = zero_of<AngularVec>();    ///< in addition to the moment of the force [N m]
   std::uint64_t steps = 0;                      ///< number of steps since it was made
@@ -188,8 +188,8 @@ BondState state_of(const Bond<Dim, Real>& bond, const BeamSection& section, cons
 /// Updates the state of a bond after the motion of its grains, and computes its force and couple.
 ///
 /// The normal force follows from the distance, so that no error accumulates. The other deformations
-/// are summed up from finite rotations: a rigid rotation of the pair causes no strain, to round-off,
-/// however large the step. The dashpots use the velocities of the previous half step.
+/// are summed up from finite rotations: a rigid rotation of the pair causes no strain, to
+/// round-off, however large the step. The dashpots use the velocities of the previous half step.
 template <int Dim, class Real>
 void advance(Bond<Dim, Real>& bond, const BondMotion<Dim, Real>& motion, const BeamSprings& k,
               double beta) {

@@ -184,7 +184,8 @@ Eigen::Matrix<double, Dim, Dim> rotated_frame(double angle, const Vec<3>& axis) 
 }
 /// A spin in this frame.
 template <int Dim>
-AngularVec<Dim> in_frame(const Eigen::Matrix<double, Dim, Dim>& frame, const AngularVec<Dim>& spin) {
+AngularVec<Dim> in_frame(const Eigen::Matrix<double, Dim, Dim>& frame,
+                         const AngularVec<Dim>& spin) {
   if constexpr (Dim == 2) {
     return spin;
   } else {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Regions in which grains are added or removed. A silt::Box is a region; grains may protrude through
-// its periodic sides.
+// Regions in which grains are added or removed. A silt::Box is a region; grains may protrude
+// through its periodic sides.
 #pragma once
 
 #include <silt/core/box.hpp>

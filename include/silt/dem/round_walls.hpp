@@ -44,8 +44,8 @@ struct Circle {
   }
 };
 
-/// A drum or pipe around the grains, or a solid column among them, with its axis through two points.
-/// Everything behind its surface is solid. Without ends it is infinitely long.
+/// A drum or pipe around the grains, or a solid column among them, with its axis through two
+/// points. Everything behind its surface is solid. Without ends it is infinitely long.
 template <class Real = double>
 struct Cylinder {
   Vec<3, Real> from = Vec<3, Real>::Zero();   ///< first point of the axis [m]

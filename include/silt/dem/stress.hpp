@@ -66,9 +66,9 @@ void for_each_image(const Box<Dim, Real>& box, F&& f, Vec<Dim> shift = Vec<Dim>:
 }
 }  // namespace detail
 
-/// Stress in a region of finite size inside the grains' box. Positions, velocities and contacts must
-/// belong to the same time, as in a simulation's state(). Throws if the volume of the region is zero
-/// or infinite.
+/// Stress in a region of finite size inside the grains' box. Positions, velocities and contacts
+/// must belong to the same time, as in a simulation's state(). Throws if the volume of the region
+/// is zero or infinite.
 template <class P, class C>
 Stress<P::dimension> stress(const P& grains, const C& contacts,
                             const Box<P::dimension, double>& region) {

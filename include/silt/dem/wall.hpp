@@ -33,8 +33,8 @@ concept SimpleWall = requires(const W wall, const Vec<Dim, Real> x) {
   { wall.nearest(x) } -> std::same_as<NearestPoint<Dim, Real>>;
 };
 
-/// A wall of several elements (faces, edges, corners), numbered from 0, with at most one contact per
-/// grain and element:
+/// A wall of several elements (faces, edges, corners), numbered from 0, with at most one contact
+/// per grain and element:
 ///   wall.element_count()                  → number of elements
 ///   wall.nearest(element, x)              → NearestPoint, or no_nearest_point() if another element
 ///                                           is in contact there

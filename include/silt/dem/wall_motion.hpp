@@ -112,9 +112,10 @@ struct Vibration {
 
 /// A moving wall: Moving{Plane<3>{}, Vibration<3>{.amplitude = {0, 0, 1e-3}, .frequency = 50}}.
 /// pose_at(t) takes the wall from its initial position to that at time t. The velocity of its
-/// surface at a contact enters the contact's relative velocity, its spin the relative spin. A law is
-/// evaluated with grain positions x^N and velocities v^{N−½}; therefore the pose of the wall is that
-/// of t^N and its velocity that of t^N − Δt/2, and springs follow the actual relative displacement.
+/// surface at a contact enters the contact's relative velocity, its spin the relative spin. A law
+/// is evaluated with grain positions x^N and velocities v^{N−½}; therefore the pose of the wall is
+/// that of t^N and its velocity that of t^N − Δt/2, and springs follow the actual relative
+/// displacement.
 template <class W, class M>
 struct Moving {
   W wall;

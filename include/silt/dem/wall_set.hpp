@@ -221,8 +221,8 @@ class WallSet {
     std::apply([&](auto&... wall) { (f(wall), ...); }, walls_);
   }
 
-  // Maximum norm, within the box, of the vector fields field_of(motion). The fields are linear in x,
-  // so the maximum is at a corner.
+  // Maximum norm, within the box, of the vector fields field_of(motion). The fields are linear in
+  // x, so the maximum is at a corner.
   template <int Dim, class Real, class FieldOf>
   Real max_over_corners(const Box<Dim, Real>& box, FieldOf&& field_of) const {
     Real largest = 0;

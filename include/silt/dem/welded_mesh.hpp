@@ -69,8 +69,8 @@ class Welder {
 };
 }  // namespace detail
 
-/// Merges corners that single precision cannot distinguish, and drops duplicate triangles. Throws if
-/// there is no triangle, or if a triangle has no area.
+/// Merges corners that single precision cannot distinguish, and drops duplicate triangles. Throws
+/// if there is no triangle, or if a triangle has no area.
 template <class Real>
 WeldedMesh<Real> weld(const std::vector<Triangle<Real>>& triangles) {
   if (triangles.empty()) fail("MeshWall: there are no triangles; give at least one");
