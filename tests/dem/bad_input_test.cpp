@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Every parameter of DEM that cannot be: a sentence with its name and value.
+// Invalid parameters of DEM throw, and the message contains their name and value.
 #include "support/check.hpp"
 #include "support/grains.hpp"
 
@@ -36,7 +36,7 @@ void use(const dem::Grain& grain) {
   }
 }
 
-TEST(BadInput, IsNamedWithItsValue) {
+TEST(BadInput, MessageHasNameAndValue) {
   const std::vector<double> not_positive{0, -1, nan, inf};
   const std::vector<double> negative{-1, nan, inf, -inf};
   const std::vector<Wrong> all{
@@ -74,19 +74,19 @@ TEST(BadInput, IsNamedWithItsValue) {
   }
 }
 
-TEST(BadInput, WallsWithoutExtentAreRefused) {
+TEST(BadInput, WallsWithoutExtentThrow) {
   EXPECT_TRUE(refuses([] { dem::Contacts(good, dem::Plane<3>{.normal = {0, 0, 0}}); },
                       {"Plane: length of the normal = 0"}));
   EXPECT_TRUE(refuses([] { dem::Contacts(good, dem::Segment<>{.from = {1, 2}, .to = {1, 2}}); },
                       {"Segment: length = 0"}));
 }
 
-TEST(BadInput, RestitutionAndBetaTogetherAreRefused) {
+TEST(BadInput, RestitutionTogetherWithBetaThrows) {
   EXPECT_TRUE(refuses([] { use({.normal_stiffness = 1, .restitution = 0.5, .beta = 0.1}); },
                       {"restitution = 0.5", "beta = 0.1", "one of them"}));
 }
 
-TEST(BadInput, MaterialsThatAreNotThereAreRefused) {
+TEST(BadInput, UnknownMaterialsThrow) {
   using Materials = dem::Materials<dem::CundallStrack>;
   EXPECT_TRUE(refuses([] { Materials{}; }, {"Materials"}));
   EXPECT_TRUE(refuses([] { (Materials{good, dem::CundallStrack{}}); }, {"normal_stiffness = 0"}));
@@ -107,12 +107,12 @@ struct Spring {
   }
 };
 
-TEST(BadInput, TwoMaterialsOfALawThatCannotMixAreRefused) {
+TEST(BadInput, TwoMaterialsOfALawWithoutMixThrow) {
   EXPECT_TRUE(refuses([] { (dem::Materials<Spring>{Spring{}, Spring{}}); }, {"mix(a, b)"}));
   EXPECT_NO_THROW((dem::Materials<Spring>{Spring{}}));
 }
 
-TEST(OwnLaw, OfAFewLinesRunsWithoutMemoryOrStiffness) {
+TEST(UserDefinedLaw, RunsWithoutHistoryOrStiffness) {
   Simulation sim{two_grains<2>(1e-4, Vec<2>(-1, 0)), UniformGrid<2>{}, dem::Contacts{Spring{1e6}}, Leapfrog{}};
   EXPECT_TRUE(refuses([&] { sim.step(); }, {"chooses a time step"}));
   through_contact(sim, 1e-5);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The kit that tries contact laws, on laws that are wrong in one way each.
+// The conformance checks, applied to laws with one error each.
 #include <silt/dem/conformance.hpp>
 #include <silt/dem/cundall_strack.hpp>
 
@@ -15,8 +15,8 @@
 namespace silt::test {
 namespace {
 
-// A spring and a dashpot along the normal, a spring with a slider along the plane, and a spring
-// against rolling and twisting; a fault makes it wrong.
+// Normal spring and dashpot, tangential spring and slider, and a spring against rolling and
+// twisting; with an optional fault.
 enum class Fault {
   none,
   dashpot_pulls_while_approaching,
@@ -38,7 +38,7 @@ struct Law {
   template <int Dim, class Real>
   struct History {
     Vec<Dim, Real> force = Vec<Dim, Real>::Zero();
-    AngularVec<Dim, Real> turn = zero_of<AngularVec<Dim, Real>>();  // of rolling; in 2D there is no other
+    AngularVec<Dim, Real> turn = zero_of<AngularVec<Dim, Real>>();  // rolling; the only one in 2D
     Real twist = 0;
   };
 
@@ -100,7 +100,7 @@ struct Law {
   }
 };
 
-// Fails this finding, says so in words, and all others hold but for these.
+// This check fails and is in the text; all others pass, except those in `also`.
 void expect_failure(Fault fault, const std::string& name,
                     const std::vector<std::string>& also = {}) {
   const auto report = dem::conformance_of(Law{fault});
@@ -118,10 +118,10 @@ TEST(Conformance, PassesForACorrectLaw) {
   const auto report = dem::conformance_of(Law{Fault::none});
   EXPECT_TRUE(report.passes()) << report.text();
   EXPECT_EQ(report.text(), "");
-  EXPECT_EQ(report.checks.size(), 30u) << "fifteen in the plane, fifteen in space";
+  EXPECT_EQ(report.checks.size(), 30u) << "fifteen in 2D, fifteen in 3D";
 }
 
-TEST(Conformance, FindsADashpotOfTheWrongSign) {
+TEST(Conformance, DetectsADashpotOfTheWrongSign) {
   expect_failure(Fault::dashpot_pulls_while_approaching, "no energy from pressing",
                  {"restitution is at most 1", "no energy from impacts",
                   "a faster impact loses no less", "no energy from sliding",
@@ -129,27 +129,27 @@ TEST(Conformance, FindsADashpotOfTheWrongSign) {
                   "elastic_energy is the energy of the springs"});
 }
 
-TEST(Conformance, FindsASpringThatDoesNotTurnWithTheContact) {
+TEST(Conformance, DetectsASpringThatDoesNotRotateWithTheContact) {
   expect_failure(Fault::spring_stays_in_its_old_plane, "history rotates with the contact");
 }
 
-TEST(Conformance, FindsAForceThatKnowsADirection) {
+TEST(Conformance, DetectsAForceWithAFixedDirection) {
   expect_failure(Fault::softer_along_the_first_axis, "the same in any frame",
                  {"history rotates with the contact", "elastic_energy is the energy of the springs"});
 }
 
-TEST(Conformance, FindsACoupleOfTheWrongSign) {
+TEST(Conformance, DetectsACoupleOfTheWrongSign) {
   expect_failure(Fault::couple_turns_on, "no energy from rolling",
                  {"no energy from impacts", "elastic_energy is the energy of the springs"});
 }
 
-TEST(Conformance, FindsAForceThatIsNotTheReaction) {
+TEST(Conformance, DetectsAViolationOfActionAndReaction) {
   expect_failure(Fault::stiffer_on_the_side_of_the_upper, "action equals reaction",
                  {"the same in any frame", "history rotates with the contact",
                   "elastic_energy is the energy of the springs"});
 }
 
-TEST(Conformance, FindsAnAnswerThatIsNotFinite) {
+TEST(Conformance, DetectsAResultThatIsNotFinite) {
   expect_failure(Fault::divides_by_the_speed_of_sliding, "finite results",
                  {"pushes back", "the same in any frame", "history rotates with the contact",
                   "action equals reaction", "the same in float", "the same for eight at once",
@@ -158,30 +158,30 @@ TEST(Conformance, FindsAnAnswerThatIsNotFinite) {
                   "elastic_energy is the energy of the springs"});
 }
 
-TEST(Conformance, FindsAnElasticEnergyThatIsNot) {
+TEST(Conformance, DetectsAWrongElasticEnergy) {
   expect_failure(Fault::stores_half_of_its_energy, "elastic_energy is the energy of the springs");
 }
 
-TEST(Conformance, FindsWhatFloatCannotTell) {
+TEST(Conformance, DetectsLossOfPrecisionInFloat) {
   expect_failure(Fault::rounds_off, "the same in float");
 }
 
-TEST(Conformance, FindsAnAnswerThatDiffersForEightAtOnce) {
+TEST(Conformance, DetectsAResultThatDiffersForEightAtOnce) {
   expect_failure(Fault::answers_otherwise_in_lanes, "the same for eight at once");
 }
 
-TEST(Conformance, FindsASpringThatKeepsItsForceWhileItSoftens) {
+TEST(Conformance, DetectsASpringThatKeepsItsForceWhileItSoftens) {
   expect_failure(Fault::softens_with_its_load, "no energy from sliding under changing load",
                  {"no energy from sliding", "elastic_energy is the energy of the springs"});
 }
 
-TEST(Conformance, FindsThatAContactPulls) {
+TEST(Conformance, DetectsAnAttractiveContact) {
   const auto report = dem::conformance_of(Law{Fault::pulls});
   EXPECT_FALSE(report.passes("pushes back"));
   EXPECT_FALSE(report.passes("no such check"));
 }
 
-TEST(Conformance, RefusesATrialOutOfRange) {
+TEST(Conformance, ThrowsForConditionsOutOfRange) {
   const dem::CundallStrack law{.normal_stiffness = 1e6};
   EXPECT_TRUE(refuses([&] { dem::conformance_of(law, {.radius = -1}); },
                       {"ConformanceConditions: radius = -1"}));

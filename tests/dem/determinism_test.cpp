@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The same bits whatever the threads, the search, the order in memory, and the units.
+// Results are bitwise independent of the threads, the search, the order in memory and the units.
 #include "support/check.hpp"
 #include "support/grains.hpp"
 
@@ -18,7 +18,7 @@ const dem::CundallStrack law{.normal_stiffness = 1e6,
                              .friction_angle = 0.5,
                              .cohesion = 0.1};
 
-// State by id, so that the order in memory does not show.
+// State by id, independent of the order in memory.
 template <class P>
 Bytes by_id(P grains) {
   std::vector<Index> order(grains.size());
@@ -39,7 +39,7 @@ auto with_gravity(const C& contacts) {
   return Forces{Gravity{g}, contacts};
 }
 
-// Of one type for all tests with this search: each takes long to compile.
+// One type for all tests with this search, because each takes long to compile.
 template <class S, class P>
 auto simulation(P grains) {
   return Simulation{std::move(grains), S{}, with_gravity<P>(contacts<P>()),
@@ -87,8 +87,8 @@ TYPED_TEST(Determinism, GivesTheSameBitsForEverySearchAndOrderInMemory) {
   constexpr int dim = TypeParam::dimension;
   using Real = typename TypeParam::Real;
   for (const bool periodic : {false, true}) {
-    // More than a chunk of grains: pairs through a side then belong to another one than
-    // they are found at.
+    // More than a chunk of grains: pairs across a side then belong to another chunk than the one
+    // that found them.
     const Index along = periodic ? (dim == 2 ? 36 : 11) : (dim == 2 ? 12 : 5);
     auto start = crowd<dim, Real>(along, 6);
     if (periodic) {
@@ -114,7 +114,7 @@ TYPED_TEST(Determinism, GivesTheSameBitsForEverySearchAndOrderInMemory) {
   }
 }
 
-TYPED_TEST(Determinism, KeepsContactMemoryWhenGrainsAreReorderedOnTheWay) {
+TYPED_TEST(Determinism, KeepsContactHistoryWhenGrainsAreReorderedDuringARun) {
   constexpr int dim = TypeParam::dimension;
   using Real = typename TypeParam::Real;
   const auto run = [&](bool reorder) {
@@ -128,7 +128,7 @@ TYPED_TEST(Determinism, KeepsContactMemoryWhenGrainsAreReorderedOnTheWay) {
   EXPECT_EQ(run(true), run(false));
 }
 
-TYPED_TEST(Determinism, GoesOnWithMemoryThatWasTakenOutAndPutBack) {
+TYPED_TEST(Determinism, ContinuesWithAHistoryThatWasReadAndSet) {
   constexpr int dim = TypeParam::dimension;
   using Real = typename TypeParam::Real;
   const auto run = [&](bool interrupt) {
@@ -151,7 +151,7 @@ TYPED_TEST(Determinism, GoesOnWithMemoryThatWasTakenOutAndPutBack) {
 
 // --- units ---------------------------------------------------------------------------------------
 
-// Powers of four, so that square roots, too, only change exponents.
+// Powers of four, so that square roots also change only exponents.
 struct Units {
   double length;
   double mass;
@@ -206,7 +206,7 @@ void expect_no_units(double beta) {
   EXPECT_EQ(state_of(in_units<Dim, Law>({0x1p-10, 0x1p30, 0x1p8}, beta)), si);
 }
 
-TEST(Units, DoNotShowInASingleBit) {
+TEST(Units, DoNotChangeASingleBit) {
   expect_no_units<2, dem::CundallStrack>(0);
   expect_no_units<3, dem::CundallStrack>(0);
   expect_no_units<2, dem::CundallStrack>(1e-5);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The energy ledger of each law, with walls that move, and the momenta.
+// The energy ledger and the momenta for each law, with moving walls.
 #include "support/ledger.hpp"
 
 #include <silt/dem/law.hpp>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The energy ledger of Hertz, Mindlin, rolling resistance and adhesion, with walls that move.
+// The energy ledger for Hertz, Mindlin, rolling resistance and adhesion, with moving walls.
 #include "support/ledger.hpp"
 
 #include <silt/dem/adhesion.hpp>
@@ -36,7 +36,7 @@ TEST(EnergyLedgerOf, RollingResistance) {
   expect_second_order(law);
 }
 
-TEST(EnergyLedgerOf, HertzAndMindlinThatRollAndStick) {
+TEST(EnergyLedgerOf, HertzAndMindlinWithRollingResistanceAndAdhesion) {
   const dem::Law law{hertz, mindlin, rolling, dem::DmtAdhesion{.surface_energy = 300}};
   expect_to_close_at_moving_walls(law);
   expect_to_keep_momenta(law);

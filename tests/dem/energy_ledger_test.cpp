@@ -17,7 +17,7 @@ const dem::CundallStrack telling{.normal_stiffness = 1e6,
                                  .restitution = 0.9,
                                  .friction_angle = 0.4};
 
-// A law that does not tell its parts.
+// A law without components().
 struct Stubborn {
   double stiffness = 0;
   double dashpot = 0;
@@ -30,7 +30,7 @@ struct Stubborn {
 };
 
 // One type of simulation for many tests, as each takes seconds to compile: gravity, a floor and
-// global damping, some of which may be nothing.
+// global damping, any of which may be zero.
 struct Setting {
   Vec<2> gravity = Vec<2>::Zero();
   double damping = 0;
@@ -58,7 +58,7 @@ TEST(EnergyLedger, ClosesInEveryStepWithGravityAndDampingAtAFloor) {
   EXPECT_LT(works.normal_dashpot, 0);
   EXPECT_LT(works.tangential_dashpot, 0);
   EXPECT_LT(works.damping, 0);
-  EXPECT_EQ(works.walls, 0) << "the floor rests";
+  EXPECT_EQ(works.walls, 0) << "the floor is at rest";
   EXPECT_EQ(works.other, 0);
   EXPECT_EQ(works.removed_grains, 0);
   EXPECT_GT(ledger.losses().friction, 0);
@@ -74,7 +74,7 @@ TEST(EnergyLedger, ClosesAcrossPeriodicSidesAndWhenTheStepChanges) {
   EXPECT_EQ(ledger.added_energy(), 0);
 }
 
-TEST(EnergyLedger, ClosesWhenAGrainLeavesWhileItTouches) {
+TEST(EnergyLedger, ClosesWhenAGrainIsRemovedDuringAContact) {
   auto grains = two_grains<2>(-1e-4, Vec<2>(3, 0));
   Box<2> box{.lower = {-1, -1}, .upper = {0.02, 1}, .on_escape = OnEscape::remove};
   grains.set_box(box);
@@ -83,11 +83,11 @@ TEST(EnergyLedger, ClosesWhenAGrainLeavesWhileItTouches) {
   dem::EnergyLedger ledger{sim};
   expect_closing(sim, ledger, 100, 1e-6);
   EXPECT_EQ(sim.particles_lost(), 1u);
-  EXPECT_NEAR(ledger.added_energy(), -grains[mass][0] * 9 / 2, 0.2) << "it took its energy with it";
+  EXPECT_NEAR(ledger.added_energy(), -grains[mass][0] * 9 / 2, 0.2) << "its energy was removed";
   EXPECT_NE(ledger.work().removed_grains, 0);
 }
 
-TEST(EnergyLedger, NoticesWhatAHandDoes) {
+TEST(EnergyLedger, AccountsForManualChanges) {
   auto sim = simulation(heap(), telling, rough);
   dem::EnergyLedger ledger{sim};
   const auto push = [&](auto& simulation) {
@@ -104,10 +104,10 @@ TEST(EnergyLedger, NoticesWhatAHandDoes) {
     }
   }
   const double each = sim.particles()[mass][0] * 4 / 2;
-  EXPECT_NEAR(ledger.added_energy(), 18 * each, 1e-12 * each) << "two came before it began";
+  EXPECT_NEAR(ledger.added_energy(), 18 * each, 1e-12 * each) << "two were added before the balance began";
 }
 
-TEST(EnergyLedger, OfALawWithoutPartsClosesByTheLump) {
+TEST(EnergyLedger, ClosesForALawWithoutComponents) {
   auto sim = simulation(heap(), Stubborn{.stiffness = 1e6, .dashpot = 20}, rough);
   dem::EnergyLedger ledger{sim};
   expect_closing(sim, ledger, 300, 2e-5);
@@ -116,7 +116,7 @@ TEST(EnergyLedger, OfALawWithoutPartsClosesByTheLump) {
   EXPECT_TRUE(std::isnan(ledger.integration_error()));
 }
 
-TEST(EnergyLedger, TellsWhatABounceLost) {
+TEST(EnergyLedger, HasTheEnergyLostInABounce) {
   const double e = 0.6;
   const dem::CundallStrack law{.normal_stiffness = 1e6, .restitution = e};
   const double m = one_grain<2>({0, 0}, {0, 0})[mass][0];
@@ -126,15 +126,15 @@ TEST(EnergyLedger, TellsWhatABounceLost) {
     sim.step(1e-6);
     ledger.after_step(sim);
   }
-  EXPECT_EQ(sim.interaction().part<1>().size(), 0u) << "it left again";
+  EXPECT_EQ(sim.interaction().part<1>().size(), 0u) << "the contact has ended";
   EXPECT_NEAR(ledger.initial_energies().sum(), m / 2, 1e-12);
   EXPECT_NEAR(-ledger.work().normal_dashpot, m / 2 * (1 - e * e), 1e-3 * m);
   EXPECT_NEAR(ledger.work().normal_spring, 0, 1e-5 * m);
   EXPECT_NEAR(ledger.energies().sum(), m / 2 * e * e, 1e-3 * m);
 }
 
-TEST(EnergyLedger, TellsWhatSlidingLost) {
-  // A disc that slides on a floor ends at 2/3 of its speed, so with 2/3 of its energy.
+TEST(EnergyLedger, HasTheEnergyLostInSliding) {
+  // A disc sliding on a floor ends with 2/3 of its speed and therefore 2/3 of its energy.
   auto grain = one_grain<2>({0, 0}, {0.1, 0});
   const double m = grain[mass][0];
   grain[position][0][1] = 0.01 - m * 10 / 1e6;
@@ -152,7 +152,7 @@ TEST(EnergyLedger, TellsWhatSlidingLost) {
   EXPECT_NEAR(ledger.integration_error(), 0, 1e-4 * first);
 }
 
-// Of impacts that begin, and begin to slide, at different places within a step.
+// For impacts that begin, and begin to slide, at different times within a step.
 double rms_integration_error(double dt) {
   double sum = 0;
   constexpr int phases = 24;
@@ -170,7 +170,7 @@ double rms_integration_error(double dt) {
   return std::sqrt(sum / phases);
 }
 
-TEST(EnergyLedger, HasAnIntegrationErrorThatFallsWithTheSquareOfTheStep) {
+TEST(EnergyLedger, HasAnIntegrationErrorOfSecondOrder) {
   const double coarse = rms_integration_error(4e-5);
   const double fine = rms_integration_error(5e-6);
   EXPECT_NEAR(std::log(coarse / fine) / std::log(8), 2, 0.15);
@@ -185,17 +185,17 @@ struct Wind {
   }
 };
 
-TEST(EnergyLedger, PutsForcesItDoesNotKnowTogether) {
+TEST(EnergyLedger, SumsUnknownForcesInOneTerm) {
   Simulation sim{one_grain<2>({0, 0}, {1, 0}), UniformGrid<2>{},
                  Forces{Gravity<2>{{0, -1}}, Wind{}}, Leapfrog{}};
   dem::EnergyLedger ledger{sim};
   expect_closing(sim, ledger, 20, 0.01);
-  // Over 0.18 s from 0.01 s on, under 0.3 N.
+  // 0.3 N during 0.18 s, from 0.01 s on.
   const double a = 0.3 / sim.particles()[mass][0];
   EXPECT_NEAR(ledger.work().other, 0.3 * (0.18 + a * (squared(0.19) - squared(0.01)) / 2), 1e-6);
 }
 
-TEST(EnergyLedger, OfFloatsClosesToTheirRoundOff) {
+TEST(EnergyLedger, ClosesInFloatToItsRoundOff) {
   Simulation sim{crowd<2, float>(6, 3), BruteForce<2, float>{}, dem::Contacts{telling}, Leapfrog{}};
   dem::EnergyLedger ledger{sim};
   sim.step(2e-5);
@@ -208,7 +208,7 @@ TEST(EnergyLedger, OfFloatsClosesToTheirRoundOff) {
   EXPECT_GT(ledger.losses().friction, 0.01 * ledger.energies().kinetic);
 }
 
-TEST(EnergyLedger, RefusesGrainsThatCameUnnoticed) {
+TEST(EnergyLedger, ThrowsForGrainsAddedWithoutBeforeStep) {
   auto sim = simulation(heap(), telling, {});
   dem::EnergyLedger ledger{sim};
   dem::add_grain(sim.particles(), {1, 1}, pebble);
@@ -216,7 +216,7 @@ TEST(EnergyLedger, RefusesGrainsThatCameUnnoticed) {
   EXPECT_TRUE(refuses([&] { ledger.after_step(sim); }, {"EnergyLedger", "before_step", "id 64"}));
 }
 
-TEST(EnergyLedger, RefusesToMissAStep) {
+TEST(EnergyLedger, ThrowsForAMissedStep) {
   auto sim = simulation(heap(), telling, {});
   dem::EnergyLedger ledger{sim};
   sim.step(1e-5);

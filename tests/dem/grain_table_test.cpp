@@ -27,7 +27,7 @@ class GrainTable : public FileTest {
   }
 };
 
-TEST_F(GrainTable, GivesGrainsFromRadiusAndDensity) {
+TEST_F(GrainTable, MakesGrainsFromRadiusAndDensity) {
   const auto grains = read<3>("x, y, z, radius, density, velocity_z, material\n"
                               "# one falls\n"
                               "1, 2, 3, 0.5, 1000, -4, 0\n"
@@ -41,7 +41,7 @@ TEST_F(GrainTable, GivesGrainsFromRadiusAndDensity) {
   EXPECT_NEAR(grains[inertia][0], 0.4 * m * 0.25, 1e-12 * m);
 }
 
-TEST_F(GrainTable, TakesAMassAndWhatIsTheSameForAll) {
+TEST_F(GrainTable, AcceptsAMassAndDefaultsForAllGrains) {
   const auto grains =
       read<2, temperature_t>("x,y,mass,temperature\n0,0,3,290\n1,0,4,300\n", {.radius = 0.1});
   EXPECT_EQ(grains[radius][1], 0.1);
@@ -62,7 +62,7 @@ TEST_F(GrainTable, ReadsBackWhatWasWritten) {
   EXPECT_EQ(state_of(dem::grains_from<3>(read_csv(path))), state_of(grains));
 }
 
-TEST_F(GrainTable, SaysWhereANumberIsWrong) {
+TEST_F(GrainTable, MessageHasTheLocationOfAnInvalidNumber) {
   const std::string head = "x,y,radius,density\n0,0,1,1\n\n";
   EXPECT_TRUE(refuses([&] { read<2>(head + "0,5,-2,1\n"); },
                       {path.string(), "line 4", "column radius: -2 must be above 0"}));

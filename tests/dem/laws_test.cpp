@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The normal parts of laws against exact impacts, and how parts make a law.
+// Normal components against exact impacts, and the composition of laws.
 #include "support/check.hpp"
 #include "support/single_contact.hpp"
 
@@ -49,12 +49,12 @@ void expect_the_table() {
   }
 }
 
-TEST(LinearSpringDashpotPart, HasTheRestitutionAndTheDepthOfTheTable) {
+TEST(LinearSpringDashpotComponent, HasTheRestitutionAndOverlapOfTheTable) {
   expect_the_table<2, double>();
   expect_the_table<3, float>();
 }
 
-TEST(Law, OfLinearPartsIsCundallAndStracksBitByBit) {
+TEST(Law, OfLinearComponentsIsBitwiseThatOfCundallAndStrack) {
   const double k = 1e5;
   const dem::CundallStrack whole{.normal_stiffness = k,
                                  .tangential_stiffness = 0.8 * k,
@@ -83,7 +83,7 @@ TEST(Law, OfLinearPartsIsCundallAndStracksBitByBit) {
     ASSERT_EQ(whole.elastic_energy(contact, of_whole), parts.elastic_energy(contact, of_parts));
     lost += b.friction;
   }
-  EXPECT_GT(lost, 0) << "it also slid";
+  EXPECT_GT(lost, 0) << "the contact also slides";
   EXPECT_EQ(whole.stiffness(contact).beta, parts.stiffness(contact).beta);
 }
 
@@ -99,18 +99,18 @@ void expect_walton_braun() {
       const auto impact = collide<Dim, Real>(law, {.time_step = lasts / 50, .phase = phase});
       EXPECT_NEAR(impact.restitution / e, 1, 0.002) << e;
       EXPECT_NEAR(impact.deepest * std::sqrt(K_1), 1, 0.002) << e;
-      EXPECT_NEAR(impact.pushed / lasts, 1, 0.03) << e << ": to a step or so";
+      EXPECT_NEAR(impact.pushed / lasts, 1, 0.03) << e << ": to about a step";
       EXPECT_NEAR(impact.plastic, (1 - e * e) / 2, 0.002) << e << ": of ½ J";
     }
   }
 }
 
-TEST(WaltonBraun, ReturnsTheRestitutionAndLosesTheRestByYielding) {
+TEST(WaltonBraun, HasTheGivenRestitutionAndDissipatesTheRestByYielding) {
   expect_walton_braun<2, double>();
   expect_walton_braun<3, float>();
 }
 
-TEST(WaltonBraun, RestitutionIsOfSecondOrderInTheTimeStep) {
+TEST(WaltonBraun, RestitutionIsSecondOrderInTheTimeStep) {
   const dem::Law law{dem::WaltonBraun{.loading_stiffness = 1e6, .restitution = 0.6}};
   const auto worst = [&](double dt) {
     double error = 0;
@@ -121,11 +121,11 @@ TEST(WaltonBraun, RestitutionIsOfSecondOrderInTheTimeStep) {
     }
     return error;
   };
-  // Four times the steps: a sixteenth of the error. The tenth leaves room for the phases.
+  // Four times the steps: 1/16 of the error. 1/10 leaves a margin for the phases.
   EXPECT_LT(worst(2e-5), worst(8e-5) / 10);
 }
 
-TEST(WaltonBraun, UnloadsAndReloadsAlongTheSteepLineUntilItMeetsTheFirst) {
+TEST(WaltonBraun, UnloadsAndReloadsAlongTheSteeperLine) {
   const double K_1 = 100, e = 0.8, K_2 = K_1 / (e * e);
   const dem::Law law{dem::WaltonBraun{.loading_stiffness = K_1, .restitution = e}};
   decltype(law)::History<2, double> history;
@@ -140,7 +140,7 @@ TEST(WaltonBraun, UnloadsAndReloadsAlongTheSteepLineUntilItMeetsTheFirst) {
   EXPECT_DOUBLE_EQ(at(0.15), K_2 * (0.15 - delta_0));
   EXPECT_DOUBLE_EQ(law.elastic_energy(contact, history), K_2 * squared(0.15 - delta_0) / 2);
   EXPECT_DOUBLE_EQ(at(0.18), K_2 * (0.18 - delta_0));
-  EXPECT_EQ(at(0.5 * delta_0), 0) << "it never pulls";
+  EXPECT_EQ(at(0.5 * delta_0), 0) << "it is never attractive";
   EXPECT_DOUBLE_EQ(at(0.2), K_1 * 0.2);
   EXPECT_DOUBLE_EQ(at(0.3), K_1 * 0.3);
   EXPECT_DOUBLE_EQ(law.stiffness(contact).normal, K_2);
@@ -148,9 +148,9 @@ TEST(WaltonBraun, UnloadsAndReloadsAlongTheSteepLineUntilItMeetsTheFirst) {
 
 // --- Hertz ---------------------------------------------------------------------------------------
 
-// The cast iron of Chung and Ooi, Granular Matter 13 (2011) 643, test 3, on a rigid wall. What else
-// they have is in the table of exact results, validation/dem_reference.
-TEST(Hertz, RestitutionIsAsGivenAtAnySpeed) {
+// The cast iron of Chung and Ooi, Granular Matter 13 (2011) 643, test 3, on a rigid wall. Their
+// other cases are in the table of exact results, validation/dem_reference.
+TEST(Hertz, HasTheGivenRestitutionAtAnySpeed) {
   const dem::Elastic iron{.young_modulus = 1e11, .poisson_ratio = 0.25};
   const dem::Hertz rigid{.elastic = {.young_modulus = 1e30}};
   const double R = 0.0025, lasts = 12.972e-6;
@@ -190,7 +190,7 @@ TEST(Elastic, OfTwoMaterialsHasTheModuliOfTheirContact) {
 
 // --- adhesion ------------------------------------------------------------------------------------
 
-TEST(DmtAdhesion, HoldsWithItsPullOffForceAndRestsWhereHertzBalancesIt) {
+TEST(DmtAdhesion, HasThePullOffForceAndIsInEquilibriumWithHertz) {
   const double R = 0.5e-3, gamma = 0.05;
   const dem::Law law{dem::Hertz{.elastic = {.young_modulus = 1e9, .poisson_ratio = 0.25}},
                      dem::DmtAdhesion{.surface_energy = gamma}};
@@ -211,8 +211,8 @@ TEST(DmtAdhesion, HoldsWithItsPullOffForceAndRestsWhereHertzBalancesIt) {
   EXPECT_GT(force(1.01 * rests), 0);
 }
 
-TEST(DmtAdhesion, GivesBackWhatItTook) {
-  // So strong that half of the deepest overlap is of its making.
+TEST(DmtAdhesion, ConservesEnergy) {
+  // Strong enough to cause half of the maximum overlap.
   const dem::Law law{dem::LinearSpringDashpot{.normal_stiffness = 1e6},
                      dem::ConstantCohesion{.pull = 1000}};
   for (const double phase : phases) {
@@ -222,18 +222,18 @@ TEST(DmtAdhesion, GivesBackWhatItTook) {
   }
 }
 
-TEST(DmtAdhesion, CatchesASlowGrainThatLosesItsSpeed) {
+TEST(DmtAdhesion, CapturesASlowGrainWithDamping) {
   const dem::Law sticky{dem::LinearSpringDashpot{.normal_stiffness = 1e6, .restitution = 0.5},
                         dem::ConstantCohesion{.pull = 1000}};
   EXPECT_EQ(sticky.adhesion.pull, 1000);
   const auto caught = collide<3, double>(sticky, {.speed = 0.1, .time_step = 1e-5});
-  EXPECT_NEAR(caught.restitution, 0, 1e-6) << "still in touch after 1e6 steps";
+  EXPECT_NEAR(caught.restitution, 0, 1e-6) << "still in contact after 1e6 steps";
   EXPECT_GT((collide<3, double>(sticky, {.speed = 10, .time_step = 1e-5}).restitution), 0.4);
 }
 
 // --- composition ---------------------------------------------------------------------------------
 
-// A user's parts.
+// User-defined components.
 struct Cubic {
   double stiffness_over_depth = 0;  ///< [N/m²]
 
@@ -267,7 +267,7 @@ static_assert(runs_in_lanes<dem::Law<dem::WaltonBraun>> && runs_in_lanes<Linear>
 static_assert(dem::GivesCouple<Full, 3, double> && !dem::GivesCouple<Linear, 3, double>);
 static_assert(sizeof(Full::History<3, double>) == (4 + 5 + 2) * sizeof(double));
 
-TEST(Law, TakesItsPartsInAnyOrderAndAUsersBesideOurs) {
+TEST(Law, AcceptsComponentsInAnyOrderAndUserDefinedOnes) {
   const dem::Law law{dem::ConstantCohesion{.pull = 1}, Drag{.coefficient = 2},
                      Cubic{.stiffness_over_depth = 200}};
   using Own = std::remove_const_t<decltype(law)>;
@@ -279,10 +279,10 @@ TEST(Law, TakesItsPartsInAnyOrderAndAUsersBesideOurs) {
   contact.overlap = 0.5;
   contact.relative_velocity = {3, 0};
   EXPECT_EQ(law.components(contact).force(contact.normal), Vec<2>(-6, 24));
-  EXPECT_EQ(law.elastic_energy(contact, dem::NoHistory{}), -0.5) << "of what tells it";
+  EXPECT_EQ(law.elastic_energy(contact, dem::NoHistory{}), -0.5) << "of components with elastic_energy()";
 }
 
-TEST(Law, MixesPartByPart) {
+TEST(Law, MixesComponentByComponent) {
   const Full a{dem::Hertz{.elastic = {1e9, 0.3}, .restitution = 0.9},
                dem::Mindlin{.elastic = {1e9, 0.3}, .friction_angle = 0.2},
                dem::RollingResistance{.rolling_friction = 0.1, .twisting_friction = 0.03},
@@ -302,7 +302,7 @@ TEST(Law, MixesPartByPart) {
   }
 }
 
-TEST(Law, NamesThePartThatIsOutOfRange) {
+TEST(Law, ThrowsForAComponentOutOfRange) {
   using dem::Law, dem::Materials;
   const auto build = [](const auto& part) { Materials{Law{part}}; };
   EXPECT_TRUE(refuses([&] { build(dem::LinearSpringDashpot{}); },

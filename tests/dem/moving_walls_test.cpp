@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Walls that move as they are told.
+// Moving walls.
 #include "support/any_wall.hpp"
 #include "support/check.hpp"
 #include "support/grains.hpp"
@@ -22,7 +22,7 @@ Vec<Dim> velocity_by_hand(const M& motion, double t, const Vec<Dim>& X) {
   return (motion.pose_at(t + h).x_of(X) - motion.pose_at(t - h).x_of(X)) / (2 * h);
 }
 
-TEST(WallMotions, HaveTheVelocityOfTheirPoses) {
+TEST(WallMotions, HaveTheTimeDerivativeOfTheirPoses) {
   const auto expect_derivative = [](const auto& motion, const auto& X) {
     for (const double t : {0.0, 0.3, 7.1}) {
       const auto x = motion.pose_at(t).x_of(X);
@@ -52,8 +52,8 @@ const auto& contacts_of(const Sim& sim) {
   return sim.interaction().template part<1>();
 }
 
-// An undamped spring hands back the relative velocity: v' = 2u − v.
-TEST(MovingPlane, ReflectsAboutItsOwnVelocity) {
+// An undamped spring reverses the relative velocity: v' = 2u − v.
+TEST(MovingPlane, ReflectsRelativeToItsVelocity) {
   for (const double u : {0.5, -0.4, 2.0}) {
     const dem::Translation<3> motion{.velocity = {0, 0, u}};
     auto sim = simulation<3>(one_grain<3>({0, 0, 0.0101}, {0.3, 0, -1}), law,
@@ -65,11 +65,11 @@ TEST(MovingPlane, ReflectsAboutItsOwnVelocity) {
     }
     ASSERT_TRUE(touched);
     EXPECT_NEAR(sim.particles()[velocity][0][2], 2 * u + 1, 1e-4 * (1 + u)) << u;
-    EXPECT_EQ(sim.particles()[velocity][0][0], 0.3) << "it has no friction";
+    EXPECT_EQ(sim.particles()[velocity][0][0], 0.3) << "there is no friction";
   }
 }
 
-TEST(MovingPlane, IsWhatAPlaneAtRestIsToOneWhoMovesWithIt) {
+TEST(MovingPlane, ActsAsAPlaneAtRestInItsFrame) {
   const dem::CundallStrack rough{.normal_stiffness = 1e6, .tangential_stiffness = 5e5,
                                  .restitution = 0.6, .friction_angle = 0.4};
   const Vec<3> u(0.7, -0.2, 0.5);
@@ -87,11 +87,11 @@ TEST(MovingPlane, IsWhatAPlaneAtRestIsToOneWhoMovesWithIt) {
     ASSERT_NEAR((v - still.particles()[velocity][0]).norm(), 0, 1e-11) << k;
     ASSERT_NEAR((moved.particles()[spin][0] - still.particles()[spin][0]).norm(), 0, 1e-8) << k;
   }
-  EXPECT_GT(still.particles()[velocity][0][2], 0.5) << "it has bounced";
+  EXPECT_GT(still.particles()[velocity][0][2], 0.5) << "it bounced";
 }
 
-// A floor that vibrates far below the frequency of the contact carries a grain along; what it bears
-// is the weight and the force that the acceleration takes.
+// A floor that vibrates far below the frequency of the contact carries a grain along; its load is
+// the weight plus the inertial force.
 TEST(VibratingFloor, CarriesAGrain) {
   constexpr double g = 9.81, A = 1e-4, f = 10, omega = 2 * std::numbers::pi * f;
   const dem::CundallStrack damped{.normal_stiffness = 1e6, .restitution = 0.2};
@@ -113,9 +113,9 @@ TEST(VibratingFloor, CarriesAGrain) {
   }
 }
 
-// What a user may write: a wall that starts softly, along x.
+// User-defined motion: smooth start along x.
 struct Launch {
-  double speed = 0;      // [m/s], in the end
+  double speed = 0;      // final speed [m/s]
   double duration = 1e-3;  // [s]
   dem::Pose<2, double> pose_at(double t) const {
     return {.shift = {speed * (t - duration * (1 - std::exp(-t / duration))), 0}};
@@ -129,8 +129,8 @@ static_assert(!dem::Wall<dem::Moving<dem::Segment<>, Launch>, 2, float>);
 static_assert(!dem::Wall<dem::Moving<dem::Plane<3>, Launch>, 3, double>);
 static_assert(!dem::Wall<dem::Moving<Launch, Launch>, 2, double>);
 
-// A blade that sweeps through a crowd misses nobody: contacts at every step as found by hand.
-TEST(MovingWalls, MissNoContactHoweverFastTheyAre) {
+// A blade sweeps through many grains: in every step its contacts are those found by direct tests.
+TEST(MovingWalls, MissNoContactAtAnySpeed) {
   const dem::Segment<> blade{.from = {0, -0.2}, .to = {0, 0.2}};
   const dem::CundallStrack soft{.normal_stiffness = 1e2};
   for (const double speed : {0.1, 10.0, 300.0}) {
@@ -158,7 +158,7 @@ TEST(MovingWalls, MissNoContactHoweverFastTheyAre) {
   }
 }
 
-TEST(MovingWalls, RefuseWhatIsNone) {
+TEST(MovingWalls, ThrowForInvalidMotions) {
   constexpr double nan = std::numeric_limits<double>::quiet_NaN();
   const auto make = [](const auto& motion) {
     return dem::Contacts{law, dem::Moving{dem::Plane<3>{}, motion}};

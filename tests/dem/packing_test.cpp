@@ -17,7 +17,7 @@ namespace {
 const dem::Blend<dem::UniformSizes> blend{
     .sizes = {.min_radius = 0.02, .max_radius = 0.1}, .density = 2500};
 
-// The smallest gap between two grains, over all images; by all pairs.
+// Smallest gap between two grains, including periodic images, over all pairs.
 template <class P>
 double smallest_gap(const P& grains) {
   double gap = 1e9;
@@ -45,7 +45,7 @@ void expect_packing(bool periodic) {
   dem::scatter(grains, blend, box, {.solid_fraction = share, .seed = 3});
   EXPECT_GT(grains.size(), 100u);
   EXPECT_GE(smallest_gap(grains), 0);
-  EXPECT_LT(smallest_gap(grains), 0.01) << "they are close";
+  EXPECT_LT(smallest_gap(grains), 0.01) << "the packing is dense";
   const double filled = solid_volume(grains) / box.volume();
   EXPECT_GE(filled, share);
   EXPECT_LT(filled, share + 0.01);
@@ -62,14 +62,14 @@ void expect_packing(bool periodic) {
   EXPECT_EQ(state_of(again), state_of(grains));
 }
 
-TEST(Packing, FillsAShareOfTheRegionWithoutOverlap) {
+TEST(Packing, FillsAFractionOfTheRegionWithoutOverlap) {
   expect_packing<2>(false);
   expect_packing<2>(true);
   expect_packing<3>(false);
   expect_packing<3>(true);
 }
 
-TEST(Packing, LeavesAloneWhatIsThere) {
+TEST(Packing, AvoidsExistingGrains) {
   dem::Grains<3> grains;
   dem::add_grain(grains, {0, 0, 0.3}, {.radius = 0.2, .density = 1});
   const dem::VerticalCylinder<> pillar{.radius = 0.5, .height = 1};
@@ -81,7 +81,7 @@ TEST(Packing, LeavesAloneWhatIsThere) {
   }
 }
 
-TEST(Packing, RefusesTheImpossibleAndSaysHowFarItCame) {
+TEST(Packing, ThrowsIfThereIsNoRoomAndTellsHowManyWerePlaced) {
   dem::Grains<2> grains;
   const auto box = cube<2, double>(0, 1);
   const dem::Blend<dem::EqualSizes> discs{.sizes = {.value = 0.05}, .density = 1};
@@ -97,8 +97,8 @@ TEST(Packing, RefusesTheImpossibleAndSaysHowFarItCame) {
                       {"volume of the region = inf"}));
 }
 
-// Random sequential addition stops at 0.547 of the plane; so far all tries succeed sooner or later.
-TEST(Packing, ComesNearToWhereRandomAdditionEnds) {
+// Random sequential addition of discs saturates at 0.547; below, some try succeeds.
+TEST(Packing, ComesCloseToTheSaturationOfRandomAddition) {
   dem::Grains<2> grains;
   const dem::Blend<dem::EqualSizes> discs{.sizes = {.value = 0.01}, .density = 1};
   auto box = cube<2, double>(0, 1);
@@ -108,7 +108,7 @@ TEST(Packing, ComesNearToWhereRandomAdditionEnds) {
   EXPECT_NEAR(solid_volume(grains), 0.52, 1e-3);
 }
 
-TEST(Packing, SettlesToABedThatCarriesItsWeight) {
+TEST(Packing, SettlesToABedInEquilibrium) {
   const dem::Blend<dem::UniformSizes> pebbles{
       .sizes = {.min_radius = 0.008, .max_radius = 0.012}, .density = 2500};
   dem::Grains<2> grains;
