@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What bench.hpp declares; included by one source file for each dimension.
+// Definitions for bench.hpp; included by one source file for each dimension.
 #pragma once
 
 #include "bench.hpp"
@@ -70,14 +70,14 @@ void Bench<Dim>::for_each_contact(const OnContact& f) const {
 }
 template <int Dim>
 double Bench<Dim>::through_contact(double dt) {
-  double deepest = 0;
-  while (deepest == 0 || contacts() > 0) {
+  double max_overlap = 0;
+  while (max_overlap == 0 || contacts() > 0) {
     step(dt);
     for_each_contact([&](Index, Index, const auto& contact, const auto&) {
-      deepest = std::max(deepest, contact.overlap);
+      max_overlap = std::max(max_overlap, contact.overlap);
     });
   }
-  return deepest;
+  return max_overlap;
 }
 
 

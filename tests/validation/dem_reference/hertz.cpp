@@ -18,7 +18,7 @@ namespace {
 struct Impact {
   double restitution = 0;
   double force = 0;     // peak [N]
-  double deepest = 0;   // [m]
+  double max_overlap = 0;   // [m]
   double duration = 0;  // [s]
 };
 
@@ -48,9 +48,9 @@ Impact collide(const Case& c, double e) {
     sim.step(dt);
     sim.interaction().for_each_contact(
         sim.particles(), [&](Index, Index, const auto& contact, const Vec<3>& force) {
-          last_touch = sim.time() - dt;  // a step looks at where it begins
+          last_touch = sim.time() - dt;  // contacts belong to the beginning of a step
           impact.force = std::max(impact.force, force.norm());
-          impact.deepest = std::max(impact.deepest, contact.overlap);
+          impact.max_overlap = std::max(impact.max_overlap, contact.overlap);
         });
   }
   impact.duration = last_touch + dt / 2 - gap / c.v;
@@ -73,7 +73,7 @@ void hertz(ReferenceTable& table) {
            of("t_contact_us") * 1e-6};
     const Impact elastic = collide(c, 1);
     table.add({c.name, "peak force [N]", of("F_max_N"), elastic.force, 0.01});
-    table.add({c.name, "deepest overlap [µm]", of("delta_max_um"), elastic.deepest * 1e6, 0.01});
+    table.add({c.name, "maximum overlap [µm]", of("delta_max_um"), elastic.max_overlap * 1e6, 0.01});
     table.add({c.name, "duration [µs]", of("t_contact_us"), elastic.duration * 1e6, 0.01});
     if (test != 3) continue;
     for (const double e : {0.2, 0.4, 0.6, 0.8, 1.0}) {
