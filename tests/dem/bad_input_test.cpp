@@ -2,7 +2,6 @@
 // Invalid parameters of DEM throw, and the message contains their name and value.
 #include "support/check.hpp"
 #include "support/grains.hpp"
-
 #include <gtest/gtest.h>
 
 #include <functional>
@@ -40,36 +39,46 @@ TEST(BadInput, MessageHasNameAndValue) {
   const std::vector<double> not_positive{0, -1, nan, inf};
   const std::vector<double> negative{-1, nan, inf, -inf};
   const std::vector<Wrong> all{
-      {"CundallStrack: normal_stiffness", [](double x) { use({.normal_stiffness = x}); }, not_positive},
+      {"CundallStrack: normal_stiffness", [](double x) { use({.normal_stiffness = x}); },
+       not_positive},
       {"CundallStrack: tangential_stiffness",
        [](double x) { use({.normal_stiffness = 1, .tangential_stiffness = x}); }, negative},
-      {"CundallStrack: restitution", [](double x) { use({.normal_stiffness = 1, .restitution = x}); },
+      {"CundallStrack: restitution",
+       [](double x) { use({.normal_stiffness = 1, .restitution = x}); },
        {0, -0.5, 1.01, nan, inf}},
       {"CundallStrack: beta", [](double x) { use({.normal_stiffness = 1, .beta = x}); }, negative},
       {"CundallStrack: friction_angle",
        [](double x) { use({.normal_stiffness = 1, .friction_angle = x}); },
        {-0.1, std::numbers::pi / 2, 2, nan, inf}},
-      {"CundallStrack: cohesion", [](double x) { use({.normal_stiffness = 1, .cohesion = x}); }, negative},
+      {"CundallStrack: cohesion", [](double x) { use({.normal_stiffness = 1, .cohesion = x}); },
+       negative},
       {"Grain: radius", [](double x) { use(dem::Grain{.radius = x, .density = 1}); }, not_positive},
-      {"Grain: density", [](double x) { use(dem::Grain{.radius = 1, .density = x}); }, not_positive},
+      {"Grain: density", [](double x) { use(dem::Grain{.radius = 1, .density = x}); },
+       not_positive},
       {"ContactSettings: steps_per_contact",
        [](double x) { dem::Contacts{good}.with({.steps_per_contact = x}); }, not_positive},
       {"Spring: mass",
-       [](double x) { dem::sah_choi_critical_time_step({.mass = x, .stiffness = 1}); }, not_positive},
+       [](double x) { dem::sah_choi_critical_time_step({.mass = x, .stiffness = 1}); },
+       not_positive},
       {"Spring: stiffness", [](double x) { dem::contact_duration({.mass = 1, .stiffness = x}); },
        not_positive},
       {"Plane: point",
-       [](double x) { dem::Contacts(good, dem::Plane<2>{.point = {0, x}}); }, {nan, inf}},
+       [](double x) { dem::Contacts(good, dem::Plane<2>{.point = {0, x}}); },
+       {nan, inf}},
       {"Plane: normal",
-       [](double x) { dem::Contacts(good, dem::Plane<2>{.normal = {0, x}}); }, {nan, inf}},
+       [](double x) { dem::Contacts(good, dem::Plane<2>{.normal = {0, x}}); },
+       {nan, inf}},
       {"Segment: from",
-       [](double x) { dem::Contacts(good, dem::Segment<>{.from = {x, 0}, .to = {1, 1}}); }, {nan, inf}},
+       [](double x) { dem::Contacts(good, dem::Segment<>{.from = {x, 0}, .to = {1, 1}}); },
+       {nan, inf}},
       {"Segment: to",
-       [](double x) { dem::Contacts(good, dem::Segment<>{.from = {0, 0}, .to = {1, x}}); }, {nan, inf}},
+       [](double x) { dem::Contacts(good, dem::Segment<>{.from = {0, 0}, .to = {1, x}}); },
+       {nan, inf}},
   };
   for (const auto& [name, use_it, values] : all) {
     for (const double value : values) {
-      EXPECT_TRUE(refuses([&use = use_it, value] { use(value); }, {name + " = " + to_text(value)})) << name;
+      EXPECT_TRUE(refuses([&use = use_it, value] { use(value); }, {name + " = " + to_text(value)}))
+          << name;
     }
   }
 }
@@ -113,7 +122,8 @@ TEST(BadInput, TwoMaterialsOfALawWithoutMixThrow) {
 }
 
 TEST(UserDefinedLaw, RunsWithoutHistoryOrStiffness) {
-  Simulation sim{two_grains<2>(1e-4, Vec<2>(-1, 0)), UniformGrid<2>{}, dem::Contacts{Spring{1e6}}, Leapfrog{}};
+  Simulation sim{two_grains<2>(1e-4, Vec<2>(-1, 0)), UniformGrid<2>{}, dem::Contacts{Spring{1e6}},
+                 Leapfrog{}};
   EXPECT_TRUE(refuses([&] { sim.step(); }, {"chooses a time step"}));
   through_contact(sim, 1e-5);
   EXPECT_NEAR(sim.particles()[velocity][0][0], -1, 1e-3);

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: MIT
 // Bonds against beam theory, conservation of momentum, and rolling back, removing, reordering and
 // restarting.
-#include "support/check.hpp"
-#include "support/grains.hpp"
-
 #include <silt/dem/bonds.hpp>
 #include <silt/io/checkpoint.hpp>
 
+#include "support/check.hpp"
+#include "support/grains.hpp"
 #include <gtest/gtest.h>
 
 #include <cmath>

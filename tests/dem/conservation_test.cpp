@@ -2,7 +2,6 @@
 // Conservation of momentum and angular momentum in contacts, and of energy in elastic ones.
 #include "support/check.hpp"
 #include "support/grains.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -28,7 +27,8 @@ TYPED_TEST_SUITE(AllGrains, Searches);
 
 TYPED_TEST(AllGrains, ConserveMomentumAndAngularMomentumToRoundOff) {
   constexpr int dim = TypeParam::Vec::RowsAtCompileTime;
-  Simulation sim{crowd<dim, double>(dim == 2 ? 8 : 4, 3), TypeParam{}, dem::Contacts{lossy}, Leapfrog{}};
+  Simulation sim{crowd<dim, double>(dim == 2 ? 8 : 4, 3), TypeParam{}, dem::Contacts{lossy},
+                 Leapfrog{}};
   const Vec<dim> p = momentum(sim.particles());
   const auto before = angular_momentum(sim.particles(), Vec<dim>::Zero());
   const double energy = energy_of_motion(sim.particles());
@@ -96,7 +96,8 @@ TEST(TwoGrains, OfUnequalMassHaveTheVelocitiesOfAnElasticImpactOfPointMasses) {
   dem::add_grain(grains, {0, 0, 0}, {.radius = 0.02, .density = 2500});
   dem::add_grain(grains, {0.0301, 0, 0}, {.radius = 0.01, .density = 2500});
   grains[velocity][1] = {-9, 0, 0};
-  Simulation sim{grains, UniformGrid<3>{}, dem::Contacts{dem::CundallStrack{.normal_stiffness = 1e6}}, Leapfrog{}};
+  Simulation sim{grains, UniformGrid<3>{},
+                 dem::Contacts{dem::CundallStrack{.normal_stiffness = 1e6}}, Leapfrog{}};
   through_contact(sim, sim.time_step() / 4);
   EXPECT_NEAR(sim.particles()[velocity][0][0], -2, 1e-3) << "2 m1/(m0 + m1) times the speed";
   EXPECT_NEAR(sim.particles()[velocity][1][0], 7, 1e-3);
@@ -104,8 +105,8 @@ TEST(TwoGrains, OfUnequalMassHaveTheVelocitiesOfAnElasticImpactOfPointMasses) {
 
 TEST(TwoGrains, ConserveEnergyDuringAnElasticContact) {
   Simulation sim{two_grains<2>(1e-5, Vec<2>(-1, 0.3)), UniformGrid<2>{},
-                 dem::Contacts{dem::CundallStrack{.normal_stiffness = 1e6, .tangential_stiffness = 3e5,
-                                                  .friction_angle = 1.5}},
+                 dem::Contacts{dem::CundallStrack{
+                     .normal_stiffness = 1e6, .tangential_stiffness = 3e5, .friction_angle = 1.5}},
                  Leapfrog{}};
   const double before = energy_of_motion(sim.particles());
   double most_stored = 0;

@@ -2,7 +2,6 @@
 // Results are bitwise independent of the threads, the search, the order in memory and the units.
 #include "support/check.hpp"
 #include "support/grains.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -23,7 +22,8 @@ template <class P>
 Bytes by_id(P grains) {
   std::vector<Index> order(grains.size());
   std::iota(order.begin(), order.end(), Index{0});
-  std::sort(order.begin(), order.end(), [&](Index a, Index b) { return grains.id(a) < grains.id(b); });
+  std::sort(order.begin(), order.end(),
+            [&](Index a, Index b) { return grains.id(a) < grains.id(b); });
   grains.reorder(order);
   return state_of(grains);
 }
@@ -57,8 +57,8 @@ P after_steps(P grains, int steps) {
 
 template <class P>
 class Determinism : public ::testing::Test {};
-using Kinds = ::testing::Types<dem::Grains<2, double>, dem::Grains<2, float>, dem::Grains<3, double>,
-                               dem::Grains<3, float>>;
+using Kinds = ::testing::Types<dem::Grains<2, double>, dem::Grains<2, float>,
+                               dem::Grains<3, double>, dem::Grains<3, float>>;
 TYPED_TEST_SUITE(Determinism, Kinds);
 
 TYPED_TEST(Determinism, GivesTheSameBitsForOneToFourThreads) {
@@ -73,9 +73,7 @@ TYPED_TEST(Determinism, GivesTheSameBitsForOneToFourThreads) {
     box.upper[0] = Real(along) * Real(0.0205);
     box.periodic[0] = periodic;
     if (periodic) start.set_box(box);
-    const auto run = [&] {
-      return state_of(after_steps<UniformGrid<dim, Real>>(start, 25));
-    };
+    const auto run = [&] { return state_of(after_steps<UniformGrid<dim, Real>>(start, 25)); };
     const Bytes alone = with_threads(1, run);
     for (const int number : {2, 3, 4}) {
       EXPECT_EQ(with_threads(number, run), alone) << number << " threads";
@@ -182,7 +180,8 @@ dem::Grains<Dim> in_units(const Units& u, double beta) {
   }
   Vec<Dim> g = Vec<Dim>::Zero();
   g[Dim - 1] = -9.81 * u.length / (u.time * u.time);
-  Simulation sim{grains, NeighbourList<Dim>{}, Forces{Gravity<Dim>{g}, dem::Contacts{scaled, dem::Plane<Dim>{}}},
+  Simulation sim{grains, NeighbourList<Dim>{},
+                 Forces{Gravity<Dim>{g}, dem::Contacts{scaled, dem::Plane<Dim>{}}},
                  Leapfrog{GlobalDamping{.alpha = 0.3 / u.time}}};
   for (int k = 0; k < 150; ++k) sim.step();
   auto out = sim.snapshot();

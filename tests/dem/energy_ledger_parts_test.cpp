@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: MIT
 // The energy ledger for Hertz, Mindlin, rolling resistance and adhesion, with moving walls.
-#include "support/ledger.hpp"
-
 #include <silt/dem/adhesion.hpp>
 #include <silt/dem/hertz.hpp>
 #include <silt/dem/law.hpp>
@@ -10,6 +8,7 @@
 #include <silt/dem/mindlin.hpp>
 #include <silt/dem/rolling_resistance.hpp>
 
+#include "support/ledger.hpp"
 #include <gtest/gtest.h>
 
 namespace silt::test {

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT
+#include <silt/dem/energy_ledger.hpp>
+
 #include "support/check.hpp"
 #include "support/grains.hpp"
 #include "support/ledger.hpp"
-
-#include <silt/dem/energy_ledger.hpp>
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -104,7 +103,8 @@ TEST(EnergyLedger, AccountsForManualChanges) {
     }
   }
   const double each = sim.particles()[mass][0] * 4 / 2;
-  EXPECT_NEAR(ledger.added_energy(), 18 * each, 1e-12 * each) << "two were added before the balance began";
+  EXPECT_NEAR(ledger.added_energy(), 18 * each, 1e-12 * each)
+      << "two were added before the balance began";
 }
 
 TEST(EnergyLedger, ClosesForALawWithoutComponents) {
@@ -178,7 +178,9 @@ TEST(EnergyLedger, HasAnIntegrationErrorOfSecondOrder) {
 
 struct Wind {
   template <class P>
-  double reach(const P&) const { return 0; }
+  double reach(const P&) const {
+    return 0;
+  }
   template <class P, class S>
   void accelerate(P& particles, const S&, double) const {
     for (auto& f : particles[force]) f += Vec<2>(0.3, 0);

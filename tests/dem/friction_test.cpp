@@ -2,7 +2,6 @@
 // Friction forces. Sliding, rolling and oblique impacts are in validation/dem_reference.
 #include "support/check.hpp"
 #include "support/grains.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -35,7 +34,8 @@ Vec<2> after_sliding(const dem::CundallStrack& law, double overlap, double speed
 }
 
 TEST(Friction, ASlidingContactHasNoTangentialDamping) {
-  dem::CundallStrack law{.normal_stiffness = 1e4, .tangential_stiffness = 1e4, .friction_angle = 0.5};
+  dem::CundallStrack law{
+      .normal_stiffness = 1e4, .tangential_stiffness = 1e4, .friction_angle = 0.5};
   law.beta = 1e-2;
   const Vec<2> slow = after_sliding(law, 0.01, 1);
   const Vec<2> fast = after_sliding(law, 0.01, 100);
@@ -49,10 +49,10 @@ TEST(Friction, CohesionActsWithoutLoad) {
 }
 
 TEST(Friction, OfTwoMaterialsTheSmallerAngleAndCohesionCount) {
-  const dem::CundallStrack rough{.normal_stiffness = 1e4, .tangential_stiffness = 1e4,
-                                 .friction_angle = 0.8, .cohesion = 1};
-  const dem::CundallStrack sticky{.normal_stiffness = 1e4, .tangential_stiffness = 1e4,
-                                  .friction_angle = 0.2, .cohesion = 5};
+  const dem::CundallStrack rough{
+      .normal_stiffness = 1e4, .tangential_stiffness = 1e4, .friction_angle = 0.8, .cohesion = 1};
+  const dem::CundallStrack sticky{
+      .normal_stiffness = 1e4, .tangential_stiffness = 1e4, .friction_angle = 0.2, .cohesion = 5};
   const dem::Materials<dem::CundallStrack> materials{rough, sticky};
   for (const auto& [a, b] : {std::pair{0u, 1u}, std::pair{1u, 0u}}) {
     const Vec<2> force = after_sliding(materials.between(a, b), 0.01, 1);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Leapfrog gains or loses a little energy in every elastic collision, but without a drift.
 #include "support/grains.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: MIT
-#include "support/check.hpp"
-#include "support/file_test.hpp"
-#include "support/grains.hpp"
-
 #include <silt/dem/grain_table.hpp>
 #include <silt/io/csv.hpp>
 #include <silt/io/particle_csv.hpp>
 
+#include "support/check.hpp"
+#include "support/file_test.hpp"
+#include "support/grains.hpp"
 #include <gtest/gtest.h>
 
 #include <numbers>
@@ -28,10 +27,11 @@ class GrainTable : public FileTest {
 };
 
 TEST_F(GrainTable, MakesGrainsFromRadiusAndDensity) {
-  const auto grains = read<3>("x, y, z, radius, density, velocity_z, material\n"
-                              "# one falls\n"
-                              "1, 2, 3, 0.5, 1000, -4, 0\n"
-                              "4, 5, 6, 0.25, 2000, 0, 1\n");
+  const auto grains = read<3>(
+      "x, y, z, radius, density, velocity_z, material\n"
+      "# one falls\n"
+      "1, 2, 3, 0.5, 1000, -4, 0\n"
+      "4, 5, 6, 0.25, 2000, 0, 1\n");
   ASSERT_EQ(grains.size(), 2u);
   EXPECT_EQ(grains[position][1], Vec<3>(4, 5, 6));
   EXPECT_EQ(grains[velocity][0], Vec<3>(0, 0, -4));
@@ -71,8 +71,8 @@ TEST_F(GrainTable, MessageHasTheLocationOfAnInvalidNumber) {
                       {"line 2", "column material: 0.5 must be an integer"}));
   EXPECT_TRUE(refuses([&] { read<2>("x,y,raduis,density\n0,0,1,1\n"); },
                       {"unknown column raduis; known are x, y, ", "radius"}));
-  EXPECT_TRUE(refuses([&] { read<2>("x,y,radius,density,mass\n0,0,1,1,1\n"); },
-                      {"both density and mass"}));
+  EXPECT_TRUE(
+      refuses([&] { read<2>("x,y,radius,density,mass\n0,0,1,1,1\n"); }, {"both density and mass"}));
   EXPECT_TRUE(refuses([&] { read<3>(head); }, {"has no column z"}));
   EXPECT_TRUE(refuses([&] { read<2>("x,y,radius\n0,0,1\n"); }, {"Grain: density = 0"}));
 }

@@ -3,7 +3,6 @@
 // step.
 #include "support/check.hpp"
 #include "support/grains.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -52,7 +51,8 @@ std::vector<int> counts_of(const C& contacts, const P& grains) {
 
 template <class Real>
 void expect_counts() {
-  Simulation sim{row_of<3, Real>(7), UniformGrid<3, Real>{}, dem::Contacts{CountingSpring{}}, Leapfrog{}};
+  Simulation sim{row_of<3, Real>(7), UniformGrid<3, Real>{}, dem::Contacts{CountingSpring{}},
+                 Leapfrog{}};
   for (int step = 1; step <= 4; ++step) {
     sim.step(1e-6);
     EXPECT_EQ(counts_of(sim.interaction(), sim.particles()), std::vector<int>(6, step));

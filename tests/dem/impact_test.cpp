@@ -3,7 +3,6 @@
 // in validation/dem_reference.
 #include "support/check.hpp"
 #include "support/grains.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -79,7 +78,8 @@ TEST(LinearSpringDashpot, OverlapStaysBelowTheLimitWithTheDefaultTimeStep) {
                  dem::Contacts{dem::CundallStrack{.normal_stiffness = 1e6, .restitution = 0.6}},
                  Leapfrog{}};
   through_contact(sim, sim.time_step());
-  EXPECT_NEAR((sim.particles()[velocity][1][0] - sim.particles()[velocity][0][0]) / 0.1, 0.6, 0.003);
+  EXPECT_NEAR((sim.particles()[velocity][1][0] - sim.particles()[velocity][0][0]) / 0.1, 0.6,
+              0.003);
 }
 
 TEST(LinearSpringDashpot, WithLimitedDampingIsNeverAttractive) {

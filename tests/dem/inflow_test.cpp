@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: MIT
-#include "support/check.hpp"
-#include "support/points.hpp"
-
 #include <silt/dem.hpp>
 #include <silt/dem/inflow.hpp>
 #include <silt/dem/outflow.hpp>
 
+#include "support/check.hpp"
+#include "support/points.hpp"
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -16,8 +15,8 @@
 namespace silt::test {
 namespace {
 
-const dem::Blend<dem::UniformSizes> pebbles{
-    .sizes = {.min_radius = 0.008, .max_radius = 0.012}, .density = 2500};
+const dem::Blend<dem::UniformSizes> pebbles{.sizes = {.min_radius = 0.008, .max_radius = 0.012},
+                                            .density = 2500};
 const dem::CundallStrack law{.normal_stiffness = 1e5,
                              .tangential_stiffness = 5e4,
                              .restitution = 0.5,
@@ -39,8 +38,8 @@ TEST(Inflow, AddsTheGivenNumberWithoutOverlap) {
   const auto see = [&](const auto& sim) {
     for (Index i = 0; i < sim.particles().size(); ++i) {
       const auto& v = sim.particles()[velocity][i];
-      most_energy = std::max(most_energy, v.squaredNorm() / 2 +
-                                              9.81 * sim.particles()[position][i][1]);
+      most_energy =
+          std::max(most_energy, v.squaredNorm() / 2 + 9.81 * sim.particles()[position][i][1]);
     }
   };
   bin.run({.until = 0.6, .output_every = 0.005}, see, rain);
@@ -51,8 +50,7 @@ TEST(Inflow, AddsTheGivenNumberWithoutOverlap) {
 
 TEST(Inflow, AddsGrainsAtTheGivenRate) {
   auto bin = empty_bin();
-  dem::Inflow rain{above, pebbles,
-                   {.number = 50, .rate = 100, .from = 0.1, .velocity = {0, -1}}};
+  dem::Inflow rain{above, pebbles, {.number = 50, .rate = 100, .from = 0.1, .velocity = {0, -1}}};
   std::vector<Index> numbers;
   bin.run({.until = 1, .output_every = 0.1, .time_step = 1e-4}, rain,
           [&](const auto& sim) { numbers.push_back(sim.particles().size()); });
@@ -99,7 +97,8 @@ TEST(Inflow, ThrowsForValuesOutOfRange) {
                       {"Inflow: rate = 0"}));
   EXPECT_TRUE(refuses([] { dem::Inflow(above, pebbles, {.number = 1, .every = -1}); },
                       {"Inflow: every = -1"}));
-  EXPECT_TRUE(refuses([] { dem::Outflow(dem::VerticalCylinder<>{}); }, {"VerticalCylinder: radius"}));
+  EXPECT_TRUE(
+      refuses([] { dem::Outflow(dem::VerticalCylinder<>{}); }, {"VerticalCylinder: radius"}));
 }
 
 TEST(Outflow, MayRemoveTheLastGrainOfARun) {

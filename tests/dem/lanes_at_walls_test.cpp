@@ -12,8 +12,10 @@ namespace silt::test {
 namespace {
 
 constexpr double dt = 1e-5;
-const dem::CundallStrack law{.normal_stiffness = 1e5, .tangential_stiffness = 5e4,
-                             .restitution = 0.6, .friction_angle = 0.4};
+const dem::CundallStrack law{.normal_stiffness = 1e5,
+                             .tangential_stiffness = 5e4,
+                             .restitution = 0.6,
+                             .friction_angle = 0.4};
 
 // Three groups of eight, the last one incomplete. All grains are different.
 dem::Grains<3> bed() {
@@ -43,8 +45,8 @@ void expect_what_the_law_gives(const Wall& floor, const dem::RigidVelocity<3, do
     contact.normal = Vec<3>::Unit(2);
     contact.overlap = 0.01 * R;
     const Vec<3> arm = (contact.overlap - R) * contact.normal;
-    contact.relative_velocity = grains[velocity][i] + cross(grains[spin][i], arm) -
-                                motion.at(grains[position][i] + arm);
+    contact.relative_velocity =
+        grains[velocity][i] + cross(grains[spin][i], arm) - motion.at(grains[position][i] + arm);
     contact.effective_mass = grains[mass][i];
     contact.effective_radius = R;
     contact.time_step = dt;

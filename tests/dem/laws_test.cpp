@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: MIT
 // Normal components against exact impacts, and the composition of laws.
-#include "support/check.hpp"
-#include "support/single_contact.hpp"
-
 #include <silt/dem/adhesion.hpp>
 #include <silt/dem/cundall_strack.hpp>
 #include <silt/dem/hertz.hpp>
@@ -16,6 +13,8 @@
 #include <silt/dem/walton_braun.hpp>
 #include <silt/io/csv.hpp>
 
+#include "support/check.hpp"
+#include "support/single_contact.hpp"
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -36,11 +35,10 @@ void expect_the_table() {
   for (Index row = 0; row < table.rows(); ++row) {
     const double e = table["e_nominal"][row];
     for (const bool limited : {false, true}) {
-      const dem::Law law{
-          dem::LinearSpringDashpot{.normal_stiffness = k, .restitution = e, .limit_damping = limited}};
+      const dem::Law law{dem::LinearSpringDashpot{
+          .normal_stiffness = k, .restitution = e, .limit_damping = limited}};
       for (const double phase : phases) {
-        const auto impact =
-            collide<Dim, Real>(law, {.time_step = pi / omega / 50, .phase = phase});
+        const auto impact = collide<Dim, Real>(law, {.time_step = pi / omega / 50, .phase = phase});
         const double wanted = limited ? table["e_if_clipped"][row] : e;
         EXPECT_NEAR(impact.restitution / wanted, 1, 0.005) << e << " limited " << limited;
         EXPECT_NEAR(impact.deepest * omega / table["delta_max_omega0_over_v0"][row], 1, 0.01) << e;
@@ -180,9 +178,8 @@ TEST(Elastic, OfTwoMaterialsHasTheModuliOfTheirContact) {
   };
   const auto mixed = dem::Elastic::mix(steel, rubber);
   EXPECT_NEAR(mixed.contact_modulus() * (compliance(steel) + compliance(rubber)), 1, 1e-14);
-  EXPECT_NEAR(
-      mixed.contact_shear_modulus() * (shear_compliance(steel) + shear_compliance(rubber)), 1,
-      1e-14);
+  EXPECT_NEAR(mixed.contact_shear_modulus() * (shear_compliance(steel) + shear_compliance(rubber)),
+              1, 1e-14);
   const auto same = dem::Elastic::mix(steel, steel);
   EXPECT_NEAR(same.young_modulus / steel.young_modulus, 1, 1e-13);
   EXPECT_NEAR(same.poisson_ratio, steel.poisson_ratio, 1e-13);
@@ -253,17 +250,16 @@ struct Drag {
 };
 
 template <class Law>
-constexpr bool runs_in_lanes =
-    dem::LawInLanes<Law, 2, float> && dem::LawInLanes<Law, 2, double> &&
-    dem::LawInLanes<Law, 3, float> && dem::LawInLanes<Law, 3, double>;
+constexpr bool runs_in_lanes = dem::LawInLanes<Law, 2, float> && dem::LawInLanes<Law, 2, double> &&
+                               dem::LawInLanes<Law, 3, float> && dem::LawInLanes<Law, 3, double>;
 
 using Linear = dem::Law<dem::LinearSpringDashpot, dem::LinearFriction>;
 using Full = dem::Law<dem::Hertz, dem::Mindlin, dem::RollingResistance, dem::DmtAdhesion>;
 static_assert(runs_in_lanes<dem::Law<dem::WaltonBraun>> && runs_in_lanes<Linear> &&
               runs_in_lanes<Full> && runs_in_lanes<dem::CundallStrack> &&
               runs_in_lanes<dem::CundallStrackIncremental> &&
-              runs_in_lanes<dem::Law<dem::WaltonBraun, dem::LinearFriction,
-                                     dem::RollingResistance, dem::ConstantCohesion>>);
+              runs_in_lanes<dem::Law<dem::WaltonBraun, dem::LinearFriction, dem::RollingResistance,
+                                     dem::ConstantCohesion>>);
 static_assert(dem::GivesCouple<Full, 3, double> && !dem::GivesCouple<Linear, 3, double>);
 static_assert(sizeof(Full::History<3, double>) == (4 + 5 + 2) * sizeof(double));
 
@@ -271,7 +267,8 @@ TEST(Law, AcceptsComponentsInAnyOrderAndUserDefinedOnes) {
   const dem::Law law{dem::ConstantCohesion{.pull = 1}, Drag{.coefficient = 2},
                      Cubic{.stiffness_over_depth = 200}};
   using Own = std::remove_const_t<decltype(law)>;
-  static_assert(std::is_same_v<Own, dem::Law<Cubic, Drag, dem::NoComponent, dem::ConstantCohesion>>);
+  static_assert(
+      std::is_same_v<Own, dem::Law<Cubic, Drag, dem::NoComponent, dem::ConstantCohesion>>);
   static_assert(dem::LawWithoutHistory<Own, 3, float> && !dem::LawWithHistory<Own, 3, float>);
   static_assert(runs_in_lanes<Own>);
   dem::Contact<2, double> contact;
@@ -279,7 +276,8 @@ TEST(Law, AcceptsComponentsInAnyOrderAndUserDefinedOnes) {
   contact.overlap = 0.5;
   contact.relative_velocity = {3, 0};
   EXPECT_EQ(law.components(contact).force(contact.normal), Vec<2>(-6, 24));
-  EXPECT_EQ(law.elastic_energy(contact, dem::NoHistory{}), -0.5) << "of components with elastic_energy()";
+  EXPECT_EQ(law.elastic_energy(contact, dem::NoHistory{}), -0.5)
+      << "of components with elastic_energy()";
 }
 
 TEST(Law, MixesComponentByComponent) {
@@ -309,16 +307,14 @@ TEST(Law, ThrowsForAComponentOutOfRange) {
                       {"LinearSpringDashpot: normal_stiffness = 0"}));
   EXPECT_TRUE(refuses([&] { build(dem::WaltonBraun{.loading_stiffness = 1, .restitution = 1.1}); },
                       {"WaltonBraun: restitution = 1.1", "0 to 1"}));
-  EXPECT_TRUE(refuses([&] { build(dem::Hertz{.elastic = {1e9, 0.6}}); },
-                      {"Hertz: poisson_ratio = 0.6"}));
+  EXPECT_TRUE(
+      refuses([&] { build(dem::Hertz{.elastic = {1e9, 0.6}}); }, {"Hertz: poisson_ratio = 0.6"}));
   EXPECT_TRUE(refuses(
-      [&] {
-        Materials{Law{Cubic{}, dem::Mindlin{.elastic = {1e9, 0.3}, .friction_angle = 2}}};
-      },
+      [&] { Materials{Law{Cubic{}, dem::Mindlin{.elastic = {1e9, 0.3}, .friction_angle = 2}}}; },
       {"Mindlin: friction_angle = 2"}));
-  EXPECT_TRUE(refuses(
-      [&] { Materials{Law{Cubic{}, dem::RollingResistance{.rolling_friction = -1}}}; },
-      {"RollingResistance: rolling_friction = -1"}));
+  EXPECT_TRUE(
+      refuses([&] { Materials{Law{Cubic{}, dem::RollingResistance{.rolling_friction = -1}}}; },
+              {"RollingResistance: rolling_friction = -1"}));
   EXPECT_TRUE(refuses([&] { Materials{Law{Cubic{}, dem::DmtAdhesion{.surface_energy = -1}}}; },
                       {"DmtAdhesion: surface_energy = -1"}));
 }

@@ -3,11 +3,11 @@
 #include <silt/dem/box_wall.hpp>
 #include <silt/dem/mesh_wall.hpp>
 
+#include <Eigen/Geometry>
+
 #include "support/check.hpp"
 #include "support/points.hpp"
 #include "support/triangles.hpp"
-
-#include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -223,9 +223,7 @@ TEST(MeshWall, ThrowsForInvalidTriangles) {
   EXPECT_TRUE(refuses([&] { MeshWall{triangles}; }, {"MeshWall: triangle 3", "nan"}));
   const Vec<3> far(1e8, 0, 0);
   EXPECT_TRUE(refuses(
-      [&] {
-        MeshWall{moved(box_of_triangles(unit), Eigen::AngleAxisd(0, Vec<3>::UnitX()), far)};
-      },
+      [&] { MeshWall{moved(box_of_triangles(unit), Eigen::AngleAxisd(0, Vec<3>::UnitX()), far)}; },
       {"MeshWall: triangle 0", "too small", "origin"}));
   EXPECT_TRUE(refuses([] { MeshWall(box_of_triangles(unit), {.flat_angle = -1}); },
                       {"MeshSettings: flat_angle"}));

@@ -3,7 +3,6 @@
 #include "support/any_wall.hpp"
 #include "support/check.hpp"
 #include "support/grains.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -70,15 +69,17 @@ TEST(MovingPlane, ReflectsRelativeToItsVelocity) {
 }
 
 TEST(MovingPlane, ActsAsAPlaneAtRestInItsFrame) {
-  const dem::CundallStrack rough{.normal_stiffness = 1e6, .tangential_stiffness = 5e5,
-                                 .restitution = 0.6, .friction_angle = 0.4};
+  const dem::CundallStrack rough{.normal_stiffness = 1e6,
+                                 .tangential_stiffness = 5e5,
+                                 .restitution = 0.6,
+                                 .friction_angle = 0.4};
   const Vec<3> u(0.7, -0.2, 0.5);
   auto grain = one_grain<3>({0, 0, 0.0101}, {0.3, 0.5, -1});
   grain[spin][0] = {10, -20, 30};
   auto still = simulation<3>(grain, rough, at_rest<3>(dem::Plane<3>{}));
   grain[velocity][0] += u;
-  auto moved = simulation<3>(grain, rough,
-                             moving<3>(dem::Plane<3>{}, dem::Translation<3>{.velocity = u}));
+  auto moved =
+      simulation<3>(grain, rough, moving<3>(dem::Plane<3>{}, dem::Translation<3>{.velocity = u}));
   const double dt = still.time_step();
   for (int k = 0; k < 100; ++k) {
     still.step(dt);
@@ -115,7 +116,7 @@ TEST(VibratingFloor, CarriesAGrain) {
 
 // User-defined motion: smooth start along x.
 struct Launch {
-  double speed = 0;      // final speed [m/s]
+  double speed = 0;        // final speed [m/s]
   double duration = 1e-3;  // [s]
   dem::Pose<2, double> pose_at(double t) const {
     return {.shift = {speed * (t - duration * (1 - std::exp(-t / duration))), 0}};
@@ -148,9 +149,8 @@ TEST(MovingWalls, MissNoContactAtAnySpeed) {
           by_hand[before.id(i)] = touching;
           touches += touching;
         }
-        contacts_of(sim).for_each_wall_contact(sim.particles(), [&](const auto& touch) {
-          ++found[sim.particles().id(touch.grain)];
-        });
+        contacts_of(sim).for_each_wall_contact(
+            sim.particles(), [&](const auto& touch) { ++found[sim.particles().id(touch.grain)]; });
         ASSERT_EQ(found, by_hand) << "at step " << k << " of speed " << speed;
       }
       EXPECT_GT(touches, 20u);

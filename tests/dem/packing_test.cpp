@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: MIT
-#include "support/check.hpp"
-#include "support/points.hpp"
-
 #include <silt/dem.hpp>
 #include <silt/dem/packing.hpp>
 #include <silt/dem/settling.hpp>
 
+#include "support/check.hpp"
+#include "support/points.hpp"
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -14,8 +13,8 @@
 namespace silt::test {
 namespace {
 
-const dem::Blend<dem::UniformSizes> blend{
-    .sizes = {.min_radius = 0.02, .max_radius = 0.1}, .density = 2500};
+const dem::Blend<dem::UniformSizes> blend{.sizes = {.min_radius = 0.02, .max_radius = 0.1},
+                                          .density = 2500};
 
 // Smallest gap between two grains, including periodic images, over all pairs.
 template <class P>
@@ -109,8 +108,8 @@ TEST(Packing, ComesCloseToTheSaturationOfRandomAddition) {
 }
 
 TEST(Packing, SettlesToABedInEquilibrium) {
-  const dem::Blend<dem::UniformSizes> pebbles{
-      .sizes = {.min_radius = 0.008, .max_radius = 0.012}, .density = 2500};
+  const dem::Blend<dem::UniformSizes> pebbles{.sizes = {.min_radius = 0.008, .max_radius = 0.012},
+                                              .density = 2500};
   dem::Grains<2> grains;
   const Box<2> box{.lower = {0, 0}, .upper = {0.2, 0.3}};
   dem::scatter(grains, pebbles, box, {.number = 80});
@@ -131,15 +130,15 @@ TEST(Packing, SettlesToABedInEquilibrium) {
   EXPECT_LT(dem::rms_speed(bed.particles()), 1e-4);
   double floor = 0;
   const auto state = bed.state();
-  state.interaction.part<1>().for_each_contact(
-      state.particles, [&](Index, Index j, const auto&, const Vec<2>& f) {
-        if (j == no_index) floor += f[1];
-      });
+  state.interaction.part<1>().for_each_contact(state.particles,
+                                               [&](Index, Index j, const auto&, const Vec<2>& f) {
+                                                 if (j == no_index) floor += f[1];
+                                               });
   EXPECT_NEAR(floor / weight, 1, 0.01);
 
-  EXPECT_TRUE(refuses(
-      [&] { dem::settle(bed, {.speed = 1e-30, .check_every = 0.01, .max_time = 0.02}); },
-      {"dem::settle: after 0.02 s", "speed = 1e-30"}));
+  EXPECT_TRUE(
+      refuses([&] { dem::settle(bed, {.speed = 1e-30, .check_every = 0.01, .max_time = 0.02}); },
+              {"dem::settle: after 0.02 s", "speed = 1e-30"}));
 }
 
 }  // namespace

@@ -57,7 +57,8 @@ TEST(Mindlin, HasTheStiffnessOfTheContactArea) {
   EXPECT_NEAR(history.tangential.force[0] / -F, 1, 1e-12) << "a growing area keeps the force";
   contact.overlap = 1e-5;
   hertz_mindlin.components(contact, history);
-  EXPECT_NEAR(history.tangential.force[0] / -F, 0.5, 1e-12) << "a shrinking area keeps the deflection";
+  EXPECT_NEAR(history.tangential.force[0] / -F, 0.5, 1e-12)
+      << "a shrinking area keeps the deflection";
 }
 
 TEST(Mindlin, SlidesAtTheFrictionAngle) {
@@ -181,14 +182,16 @@ Balance balance_along(const Law& law, int steps) {
         parts.friction + (parts.tangential_spring + before.tangential_spring).dot(slip) / 2;
     balance.lost += parts.plastic + parts.friction;
     if constexpr (rolls) {
-      residual.rolling += parts.rolling_friction +
-                      times<Dim>((parts.rolling_spring + before.rolling_spring) / 2,
-                                 contact.relative_spin) * dt;
+      residual.rolling +=
+          parts.rolling_friction +
+          times<Dim>((parts.rolling_spring + before.rolling_spring) / 2, contact.relative_spin) *
+              dt;
       balance.lost += parts.rolling_friction;
       balance.rolling = std::max(balance.rolling, std::abs(residual.rolling + stored.rolling));
     }
     balance.normal = std::max(balance.normal, std::abs(residual.normal + stored.normal));
-    balance.tangential = std::max(balance.tangential, std::abs(residual.tangential + stored.tangential));
+    balance.tangential =
+        std::max(balance.tangential, std::abs(residual.tangential + stored.tangential));
     balance.stored = std::max(balance.stored, stored.sum());
     before = parts;
   }
@@ -218,13 +221,13 @@ TEST(Law, StoresGivesBackAndLosesWhatWasDoneToItsSprings) {
       dem::Law{dem::WaltonBraun{.loading_stiffness = 1e5, .restitution = 0.7}, friction, rolling},
       "Walton-Braun");
   expect_the_balance_closes<3>(dem::Law{dem::Hertz{.elastic = glass}, rolling,
-                                     dem::Mindlin{.elastic = glass, .friction_angle = 0.3}},
-                            "Hertz-Mindlin");
+                                        dem::Mindlin{.elastic = glass, .friction_angle = 0.3}},
+                               "Hertz-Mindlin");
   expect_the_balance_closes<2>(dem::CundallStrack{.normal_stiffness = 1e5,
-                                               .tangential_stiffness = 8e4,
-                                               .restitution = 0.7,
-                                               .friction_angle = 0.3},
-                            "Cundall-Strack");
+                                                  .tangential_stiffness = 8e4,
+                                                  .restitution = 0.7,
+                                                  .friction_angle = 0.3},
+                               "Cundall-Strack");
 }
 
 }  // namespace

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Spheres with rolling and twisting resistance, against rigid-body mechanics.
 #include "support/grains.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include "support/check.hpp"
-
 #include <silt/dem/size_distribution.hpp>
 
+#include "support/check.hpp"
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -72,16 +71,13 @@ TEST(SizeDistribution, ThrowsForInvalidParameters) {
   EXPECT_TRUE(refuses([] { dem::EqualSizes{}.check(); }, {"EqualSizes", "positive"}));
   EXPECT_TRUE(refuses(
       [] {
-        dem::LognormalSizes{
-            .median = 1, .deviation = 0.1, .min_radius = 4, .max_radius = 5}
+        dem::LognormalSizes{.median = 1, .deviation = 0.1, .min_radius = 4, .max_radius = 5}
             .check();
       },
       {"LognormalSizes: only", "4", "5"}));
   EXPECT_TRUE(refuses([] { dem::SieveSizes({}); }, {"SieveSizes: mass of all fractions"}));
   EXPECT_TRUE(refuses(
-      [] {
-        dem::SieveSizes({{.min_radius = 1, .max_radius = 2, .mass = 1}}, {.power = 1});
-      },
+      [] { dem::SieveSizes({{.min_radius = 1, .max_radius = 2, .mass = 1}}, {.power = 1}); },
       {"SieveSizes: power = 1"}));
 }
 

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: MIT
 // The stable and the default time step of every law: the limit, and the grain that determines it.
-#include "support/check.hpp"
-
 #include <silt/dem/contacts.hpp>
 #include <silt/dem/hertz.hpp>
 #include <silt/dem/law.hpp>
@@ -12,6 +10,7 @@
 #include <silt/dem/walton_braun.hpp>
 #include <silt/search/brute_force.hpp>
 
+#include "support/check.hpp"
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -67,8 +66,10 @@ Rejection rejection_of(const Law& law, dem::Grains<3> grains) {
 void expect_limit(const Rejection& rejection, double exact, const char* law) {
   EXPECT_LE(rejection.limit, exact * (1 + 2e-4)) << law;
   EXPECT_GE(rejection.limit, exact * 0.97) << law;
-  EXPECT_NE(rejection.message.find("particle 0"), std::string::npos) << law << ": " << rejection.message;
-  EXPECT_NE(rejection.message.find("stable"), std::string::npos) << law << ": " << rejection.message;
+  EXPECT_NE(rejection.message.find("particle 0"), std::string::npos)
+      << law << ": " << rejection.message;
+  EXPECT_NE(rejection.message.find("stable"), std::string::npos)
+      << law << ": " << rejection.message;
 }
 
 double mass_of_one() { return row({})[mass][0]; }
@@ -112,8 +113,8 @@ TEST(Stability, ARollingDashpotCountsSeparately) {
   const double k_r = 2.25 * k * squared(mu * R / 2);
   const double c_r = 2 * 0.3 * std::sqrt(k_r * 1.4 * m / 2) * R / 2;
   const double inertia = 0.4 * m * R * R / 2;  // reduced, of the pair
-  const double exact = dem::stable_time_step(
-      {.angular_frequency = std::sqrt(k_r / inertia), .beta = c_r / k_r});
+  const double exact =
+      dem::stable_time_step({.angular_frequency = std::sqrt(k_r / inertia), .beta = c_r / k_r});
   expect_limit(rejection_of(law, row({1e-4})), exact, "rolling with a dashpot");
 }
 
@@ -141,9 +142,8 @@ TEST(Stability, DefaultTimeStepOfHertzIsThatOfAnOverlapOfOnePercentOfTheRadius) 
   EXPECT_NEAR(dt * 50 / (std::numbers::pi * std::sqrt(m / S)), 1, 1e-12);
   // An impact at 10 m/s, with this maximum overlap, has more than fifty steps.
   const double deepest = R / 100;
-  const double v =
-      std::sqrt(16.0 / 15 * hertz.elastic.contact_modulus() * std::sqrt(R / 2) / m) *
-      std::pow(deepest, 1.25);
+  const double v = std::sqrt(16.0 / 15 * hertz.elastic.contact_modulus() * std::sqrt(R / 2) / m) *
+                   std::pow(deepest, 1.25);
   EXPECT_GT(2.9433 * deepest / v / dt, 60);
 }
 

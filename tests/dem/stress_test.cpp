@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "support/check.hpp"
-#include "support/grains.hpp"
-
 #include <silt/dem/coordination.hpp>
 #include <silt/dem/stress.hpp>
 
+#include "support/check.hpp"
+#include "support/grains.hpp"
 #include <gtest/gtest.h>
 
 #include <cmath>

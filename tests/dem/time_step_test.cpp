@@ -2,7 +2,6 @@
 // Stability: rejected time steps, and that instability begins at the limit.
 #include "support/check.hpp"
 #include "support/grains.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -14,7 +13,9 @@ namespace {
 constexpr double k = 1e6;
 const dem::CundallStrack spring{.normal_stiffness = k};
 
-double mass_of(const dem::Grain& grain) { return one_grain<3>({0, 0, 0}, {0, 0, 0}, grain)[mass][0]; }
+double mass_of(const dem::Grain& grain) {
+  return one_grain<3>({0, 0, 0}, {0, 0, 0}, grain)[mass][0];
+}
 
 // The smallest rejected time step.
 template <class Make>
@@ -59,7 +60,8 @@ struct Attached {
   double stiffness;
   template <class C>
   typename C::Vec force(const C& contact) const {
-    return typename C::Real(stiffness) * (contact.overlap - typename C::Real(0.005)) * contact.normal;
+    return
+        typename C::Real(stiffness) * (contact.overlap - typename C::Real(0.005)) * contact.normal;
   }
 };
 
@@ -99,7 +101,8 @@ TEST(TimeStep, AcceptedForATriangleIsStable) {
 }
 
 TEST(TimeStep, OfThePaperIsSafeOnAFloorButRejectedForAPair) {
-  const double dt = 0.8 * dem::sah_choi_critical_time_step({.mass = mass_of(pebble), .stiffness = k});
+  const double dt =
+      0.8 * dem::sah_choi_critical_time_step({.mass = mass_of(pebble), .stiffness = k});
   EXPECT_TRUE(refuses([&] { cluster(pair_of, spring, true).step(dt); },
                       {"time_step = " + to_text(dt), "stable", "lower it", "particle 0", "id 0"}));
   auto grains = one_grain<3>({0, 0, 0.00999}, {0, 0, 0});
@@ -138,7 +141,8 @@ TEST(TimeStep, OfTheIncrementalFormWithADashpotIsUnstableJustAboveTheLimit) {
   // Two spheres with an overlap so large that they do not separate during the test.
   const double zeta = 0.3;
   const double omega = std::sqrt(2 * k / mass_of(pebble));
-  const double limit = dem::stable_time_step({.angular_frequency = omega, .beta = 2 * zeta / omega});
+  const double limit =
+      dem::stable_time_step({.angular_frequency = omega, .beta = 2 * zeta / omega});
   EXPECT_NEAR(limit, 2 / omega * (std::sqrt(1.09) - 0.3), 1e-12);
   const auto deviation = [&](double dt) {
     dem::CundallStrackIncremental law{.normal_stiffness = k};
@@ -146,7 +150,8 @@ TEST(TimeStep, OfTheIncrementalFormWithADashpotIsUnstableJustAboveTheLimit) {
     std::vector<Vec<3>> at{{0, 0, 0}, {0.01, 0, 0}};
     auto grains = dem::make_grains(at, pebble);
     grains[velocity][1][0] = 1e-6;
-    Simulation sim{grains, UniformGrid<3>{}, dem::Contacts{law}.with({.check_stability = false}), Leapfrog{}};
+    Simulation sim{grains, UniformGrid<3>{}, dem::Contacts{law}.with({.check_stability = false}),
+                   Leapfrog{}};
     double late = 0;
     for (int step = 0; step < 200; ++step) {
       sim.step(dt);
@@ -165,7 +170,8 @@ TEST(TimeStep, DefaultIsAFractionOfTheShortestContactOfTheLightestGrains) {
   const double contact = dem::contact_duration({.mass = light / 2, .stiffness = k});
   Simulation sim{grains, UniformGrid<2>{}, dem::Contacts{spring}, Leapfrog{}};
   EXPECT_NEAR(sim.time_step(), contact / 50, 1e-12);
-  Simulation finer{grains, UniformGrid<2>{}, dem::Contacts{spring}.with({.steps_per_contact = 200}), Leapfrog{}};
+  Simulation finer{grains, UniformGrid<2>{}, dem::Contacts{spring}.with({.steps_per_contact = 200}),
+                   Leapfrog{}};
   EXPECT_NEAR(finer.time_step(), contact / 200, 1e-12);
 }
 

@@ -4,7 +4,6 @@
 #include "support/check.hpp"
 #include "support/grains.hpp"
 #include "support/triangles.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -82,8 +81,8 @@ TEST(FloorOfTriangles, ActsAsAPlaneOnASphereThatSlidesAndRolls) {
 
 TEST(BoxOfTriangles, ActsAsSixPlanesOnABouncingSphere) {
   const Box<3> box = cube<3, double>(0, 0.1);
-  const dem::CundallStrack law{.normal_stiffness = 1e6, .tangential_stiffness = 5e5,
-                               .friction_angle = 0.2};
+  const dem::CundallStrack law{
+      .normal_stiffness = 1e6, .tangential_stiffness = 5e5, .friction_angle = 0.2};
   auto grain = one_grain<3>({0.03, 0.05, 0.06}, {3, -2, 1.3});
   grain[spin][0] = {20, 50, -30};
   const AnyMoving<3> walls[] = {at_rest<3>(dem::MeshWall(box_of_triangles(box))),

@@ -3,7 +3,6 @@
 #include "support/any_wall.hpp"
 #include "support/check.hpp"
 #include "support/points.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -46,8 +45,8 @@ void expect_near_elements(const AnyWall<Dim>& wall, const Vec<Dim>& x, double ra
 }
 
 TEST(BoxWall, ContainsGrainsWithItsSides) {
-  const AnyWall<3> wall(dem::BoxWall<3>{.box = {.lower = {0, 0, 0}, .upper = {1, 2, inf},
-                                                .periodic = {false, true, false}}});
+  const AnyWall<3> wall(dem::BoxWall<3>{
+      .box = {.lower = {0, 0, 0}, .upper = {1, 2, inf}, .periodic = {false, true, false}}});
   const auto pushes = pushes_on<3>(wall, {0.1, 0.05, 0.2}, 0.3);
   ASSERT_EQ(pushes.size(), 2u) << "no wall at periodic sides";
   EXPECT_EQ(pushes[0].normal, Vec<3>(1, 0, 0));
@@ -119,7 +118,8 @@ const std::vector<Vec<2>> zigzag{{0, 0}, {0.5, 0}, {1, 0}, {1, 1}, {2, 0.5}, {3,
 TEST(Polyline, HasTheNearestPointOfItsSegments) {
   for (const bool closed : {false, true}) {
     const AnyWall<2> wall(dem::Polyline<>{.points = zigzag, .closed = closed});
-    EXPECT_EQ(wall.element_count(), closed ? 10u : 9u) << "two points are in the middle of straight lines";
+    EXPECT_EQ(wall.element_count(), closed ? 10u : 9u)
+        << "two points are in the middle of straight lines";
     for (const auto& x : random_points(2000, cube<2, double>(-0.5, 3.5), 4)) {
       double by_hand = inf;
       for (Index k = 0; k + (closed ? 0 : 1) < zigzag.size(); ++k) {

@@ -2,7 +2,6 @@
 // The broken tower. Exact results are in validation/dem_reference.
 #include "support/check.hpp"
 #include "support/grains.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -17,11 +16,11 @@ constexpr double R = 0.02;
 struct Tower {
   int wide = 5;
   int high = 10;
-  double offset = 0;     // of the trigger, in radii
+  double offset = 0;  // of the trigger, in radii
   double alpha = 0;
   double friction = 0;
   double restitution = 0.5;
-  double drop = 2;       // gap between tower and trigger, in radii
+  double drop = 2;  // gap between tower and trigger, in radii
 };
 
 constexpr double stiffness = 1e6;
@@ -143,7 +142,8 @@ TEST(BrokenTower, SpreadsNoFasterThanItsHeightAllows) {
   auto sim = make({.offset = 0.25});
   const double h = 20 * R + 3 * R;
   sim.run({.until = 0.6});
-  for (const auto& v : sim.particles()[velocity]) EXPECT_LT(std::abs(v[0]), 1.5 * std::sqrt(2 * g * h));
+  for (const auto& v : sim.particles()[velocity])
+    EXPECT_LT(std::abs(v[0]), 1.5 * std::sqrt(2 * g * h));
 }
 
 }  // namespace

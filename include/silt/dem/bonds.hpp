@@ -61,8 +61,7 @@ class Bonds {
   void bond(const P& grains, const IdPair& pair) {
     const Bond bond = bond_between(grains, pair);
     if (is_bonded(pair)) {
-      fail("dem::Bonds: the grains " + names_of(bond) +
-           " are already bonded; bond each pair once");
+      fail("dem::Bonds: the grains " + names_of(bond) + " are already bonded; bond each pair once");
     }
     bonds_.insert(std::lower_bound(bonds_.begin(), bonds_.end(), bond, comes_before), bond);
     is_stability_known_ = false;

@@ -16,16 +16,17 @@ namespace silt::dem {
 /// container without a lid has upper[2] = ∞.
 template <int Dim, class Real = double>
 struct BoxWall {
-  Box<Dim, Real> box;           ///< [m]
-  Side grains = Side::inside;   ///< which side the grains are on
-  std::uint32_t material = 0;   ///< index in dem::Materials
+  Box<Dim, Real> box;          ///< [m]
+  Side grains = Side::inside;  ///< which side the grains are on
+  std::uint32_t material = 0;  ///< index in dem::Materials
 
   /// Throws if the box has no extent, or if a block has a periodic axis.
   void check() const {
     box.check();
     if (grains == Side::outside && box.any_periodic()) {
-      fail("BoxWall: a block (grains = Side::outside) has a periodic axis; place these sides at "
-           "infinity, or make the axis non-periodic");
+      fail(
+          "BoxWall: a block (grains = Side::outside) has a periodic axis; place these sides at "
+          "infinity, or make the axis non-periodic");
     }
   }
 

@@ -6,10 +6,10 @@
 //   if (!report.passes()) std::puts(report.text().c_str());
 #pragma once
 
-#include <silt/dem/contact.hpp>
-#include <silt/dem/conformance_report.hpp>
-#include <silt/dem/law_on_trial.hpp>
 #include <silt/dem/conformance_checks.hpp>
+#include <silt/dem/conformance_report.hpp>
+#include <silt/dem/contact.hpp>
+#include <silt/dem/law_on_trial.hpp>
 
 #include <utility>
 

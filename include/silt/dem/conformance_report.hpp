@@ -13,9 +13,9 @@ namespace silt::dem {
 
 /// Conditions of the checks; choose those for which the law is intended.
 struct ConformanceConditions {
-  double radius = 0.01;    ///< R of the grains [m]
-  double density = 2500;   ///< ρ [kg/m³]
-  double overlap = 1e-4;   ///< typical maximum overlap δ [m]
+  double radius = 0.01;   ///< R of the grains [m]
+  double density = 2500;  ///< ρ [kg/m³]
+  double overlap = 1e-4;  ///< typical maximum overlap δ [m]
 
   /// Throws if a number is out of range.
   void check() const {
@@ -29,9 +29,9 @@ struct ConformanceConditions {
 /// Result of one check.
 struct ConformanceCheck {
   int dimension = 0;
-  std::string name;      ///< e.g. "action equals reaction"
-  double value = 0;      ///< measured [-]
-  double limit = 0;      ///< of the value [-]
+  std::string name;         ///< e.g. "action equals reaction"
+  double value = 0;         ///< measured [-]
+  double limit = 0;         ///< of the value [-]
   std::string explanation;  ///< what the value is, and what to look at if it is too large
 
   bool passes() const { return value <= limit; }

@@ -16,8 +16,8 @@ struct Contact {
   using Vec = silt::Vec<Dim, Real>;
   using AngularVec = silt::AngularVec<Dim, Real>;
 
-  Vec normal = Vec::Zero();  ///< unit vector from j to i; −e of [SahChoi2004] (3)
-  Real overlap = 0;  ///< δ = R_i + R_j − |x_j − x_i| [m], above 0; may tend to 0
+  Vec normal = Vec::Zero();             ///< unit vector from j to i; −e of [SahChoi2004] (3)
+  Real overlap = 0;                     ///< δ = R_i + R_j − |x_j − x_i| [m], above 0; may tend to 0
   Vec relative_velocity = Vec::Zero();  ///< of i's surface relative to j's at the contact point,
                                         ///< (5) [m/s]
   AngularVec relative_spin = zero_of<AngularVec>();  ///< ω_i − ω_j, for laws with a couple [1/s]
@@ -67,9 +67,9 @@ struct ForceComponents {
   using Real = RealType;
   using Vec = silt::Vec<Dim, Real>;
 
-  Real normal_spring = 0;   ///< along the normal, positive if repulsive [N]
-  Real normal_dashpot = 0;  ///< along the normal, positive if repulsive [N]
-  Real adhesion = 0;        ///< along the normal, negative if attractive [N]
+  Real normal_spring = 0;                ///< along the normal, positive if repulsive [N]
+  Real normal_dashpot = 0;               ///< along the normal, positive if repulsive [N]
+  Real adhesion = 0;                     ///< along the normal, negative if attractive [N]
   Vec tangential_spring = Vec::Zero();   ///< [N]
   Vec tangential_dashpot = Vec::Zero();  ///< [N]
   Real plastic = 0;   ///< energy dissipated in this step by a yielding spring [J]
@@ -122,13 +122,15 @@ concept LawWithoutHistory = requires(const L law, const Contact<Dim, Real> conta
 /// A law with history: a L::History<Dim, Real> is kept while the contact lasts; it begins as
 /// History{}.
 template <class L, int Dim, class Real>
-concept LawWithHistory = requires(const L law, const Contact<Dim, Real> contact,
-                                 typename L::template History<Dim, Real> history) {
-  { law.force(contact, history) } -> std::convertible_to<Vec<Dim, Real>>;
-} || requires(const L law, const Contact<Dim, Real> contact,
-              typename L::template History<Dim, Real> history) {
-  { law.components(contact, history) } -> detail::IsComponents<Dim, Real>;
-};
+concept LawWithHistory =
+    requires(const L law, const Contact<Dim, Real> contact,
+             typename L::template History<Dim, Real> history) {
+      { law.force(contact, history) } -> std::convertible_to<Vec<Dim, Real>>;
+    } ||
+    requires(const L law, const Contact<Dim, Real> contact,
+             typename L::template History<Dim, Real> history) {
+      { law.components(contact, history) } -> detail::IsComponents<Dim, Real>;
+    };
 
 /// A struct with `force(contact)` or `force(contact, history)`, or `components` instead of `force`.
 /// The function is const and has no side effects: when several contacts are evaluated at once, it

@@ -24,13 +24,13 @@ inline double plateau(double u, const Plateau& p) {
 /// Amplitudes of a path: a contact is loaded, unloaded partially, sheared and rotated in cycles,
 /// and unloaded.
 struct ContactPath {
-  double depth = 0;      ///< maximum overlap [m]
-  double unloading = 0;  ///< fraction of the depth that is unloaded in each cycle [-]
-  double slip = 0;       ///< amplitude of the cyclic slip [m]
-  double rotation = 0;   ///< amplitude of the cyclic rolling and twisting [rad]
-  double phase = 0;      ///< of the slip relative to the unloading [rad]
-  double pace = 1;       ///< cycles of slip and rotation per cycle of unloading [-]
-  bool circular = false;  ///< 3D: the slip moves on a circle instead of back and forth
+  double depth = 0;              ///< maximum overlap [m]
+  double unloading = 0;          ///< fraction of the depth that is unloaded in each cycle [-]
+  double slip = 0;               ///< amplitude of the cyclic slip [m]
+  double rotation = 0;           ///< amplitude of the cyclic rolling and twisting [rad]
+  double phase = 0;              ///< of the slip relative to the unloading [rad]
+  double pace = 1;               ///< cycles of slip and rotation per cycle of unloading [-]
+  bool circular = false;         ///< 3D: the slip moves on a circle instead of back and forth
   bool shifted_release = false;  ///< the contact ends with a slip, not at its initial position
 };
 

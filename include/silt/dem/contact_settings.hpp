@@ -18,9 +18,7 @@ struct ContactSettings {
   bool check_stability = true;    ///< throw if Δt exceeds the stability limit of the contacts
 
   /// Throws if a setting is out of range.
-  void check() const {
-    require_positive("ContactSettings: steps_per_contact", steps_per_contact);
-  }
+  void check() const { require_positive("ContactSettings: steps_per_contact", steps_per_contact); }
 };
 
 }  // namespace silt::dem

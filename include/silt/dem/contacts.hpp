@@ -40,9 +40,9 @@ class Contacts {
   template <class P>
   using HistoryOf = typename LawHistory<Law, P::dimension, typename P::Real>::type;
   template <class P>
-  using FoundOf = Touches<P::dimension, typename P::Real,
-                          LawHistory<Law, P::dimension, typename P::Real>,
-                          GivesCouple<Law, P::dimension, typename P::Real>>;
+  using FoundOf =
+      Touches<P::dimension, typename P::Real, LawHistory<Law, P::dimension, typename P::Real>,
+              GivesCouple<Law, P::dimension, typename P::Real>>;
 
  public:
   /// Throws if a parameter of the law or of a wall is out of range.

@@ -77,7 +77,7 @@ struct CundallStrackLaw {
   double normal_stiffness = 0;      ///< k_n [N/m], above 0
   double tangential_stiffness = 0;  ///< k_s [N/m]; 0: no tangential force
   Restitution restitution = {};  ///< e [-] in (0, 1]; sets c_n = 2 ζ √(k_n m*), c_s = c_n k_s/k_n
-  std::optional<double> beta = {};  ///< β [s]: c_n = β k_n, c_s = β k_s (24); alternative to e
+  std::optional<double> beta = {};    ///< β [s]: c_n = β k_n, c_s = β k_s (24); alternative to e
   FrictionAngle friction_angle = {};  ///< φ_μ [rad] in [0, π/2)
   double cohesion = 0;                ///< c of (13): limit of the tangential force without load [N]
   /// Limits the dashpot so that the normal force is never attractive; the restitution is then the
@@ -97,8 +97,8 @@ struct CundallStrackLaw {
     if (beta) {
       require_not_negative("CundallStrack: beta", *beta);
       if (restitution.value != 1) {
-        fail("CundallStrack: restitution = " + to_text(restitution.value) + " and beta = " +
-             to_text(*beta) + " s both define the dashpot; give only one of them");
+        fail("CundallStrack: restitution = " + to_text(restitution.value) +
+             " and beta = " + to_text(*beta) + " s both define the dashpot; give only one of them");
       }
     }
   }
@@ -145,10 +145,10 @@ struct CundallStrackLaw {
 
   template <class C>
   Stiffness stiffness(const C& contact) const {
-    return {.normal = normal_stiffness,
-            .tangential = tangential_stiffness,
-            .beta = NormalForm::stability_factor *
-                    double(dashpot_over_spring(contact.effective_mass))};
+    return {
+        .normal = normal_stiffness,
+        .tangential = tangential_stiffness,
+        .beta = NormalForm::stability_factor * double(dashpot_over_spring(contact.effective_mass))};
   }
 
   /// Between two materials: springs in series (equal stiffnesses are kept), the lower restitution,

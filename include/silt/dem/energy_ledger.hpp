@@ -119,15 +119,17 @@ class EnergyLedger {
     const Index unknown = first_where(
         after.size(), [&](Index i) { return before_.index_of(after.id(i)) == no_index; });
     if (unknown == no_index) return;
-    fail("dem::EnergyLedger: a grain was added before the step; call before_step() after adding "
-         "grains, or pass the ledger after the observer that adds them",
-         {.particle = unknown, .id = after.id(unknown)});
+    fail(
+        "dem::EnergyLedger: a grain was added before the step; call before_step() after adding "
+        "grains, or pass the ledger after the observer that adds them",
+        {.particle = unknown, .id = after.id(unknown)});
   }
 
   template <class Sim>
   void add_step(const Sim& simulation) {
-    static_assert(requires { simulation.integrator().damping(); },
-                  "silt::dem::EnergyLedger requires the integrator Leapfrog");
+    static_assert(
+        requires { simulation.integrator().damping(); },
+        "silt::dem::EnergyLedger requires the integrator Leapfrog");
     const P& after = simulation.particles();
     const Work last = std::exchange(step_, {});
     added_energy_ += added_since_;
@@ -195,9 +197,8 @@ class EnergyLedger {
         if (!motion_.stays(i)) continue;
         const auto& v = motion_.velocity_of(i);
         const auto& w = motion_.spin_of(i);
-        const double power =
-            double(before_[mass][i]) * v.dot(damping.drag(v)) +
-            double(before_[inertia][i]) * dot(w, damping.drag(w));
+        const double power = double(before_[mass][i]) * v.dot(damping.drag(v)) +
+                             double(before_[inertia][i]) * dot(w, damping.drag(w));
         step_.damping += power * motion_.duration();
       }
     } else {

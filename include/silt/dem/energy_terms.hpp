@@ -30,8 +30,8 @@ struct Work {
   double normal_dashpot = 0;
   double tangential_dashpot = 0;
   double rolling_dashpot = 0;
-  double contact = 0;         ///< all contact forces of a law without components()
-  double walls = 0;           ///< by moving walls
+  double contact = 0;  ///< all contact forces of a law without components()
+  double walls = 0;    ///< by moving walls
   double gravity = 0;
   double damping = 0;         ///< by the global damping of the integrator
   double removed_grains = 0;  ///< by grains removed in the step, on the remaining ones
@@ -58,10 +58,9 @@ struct Work {
   template <class F>
   static void for_each(F&& f) {
     for (double Work::* const term :
-         {&Work::normal_spring, &Work::tangential_spring, &Work::rolling_spring,
-          &Work::adhesion, &Work::normal_dashpot, &Work::tangential_dashpot,
-          &Work::rolling_dashpot, &Work::contact, &Work::walls, &Work::gravity,
-          &Work::damping, &Work::removed_grains, &Work::other}) {
+         {&Work::normal_spring, &Work::tangential_spring, &Work::rolling_spring, &Work::adhesion,
+          &Work::normal_dashpot, &Work::tangential_dashpot, &Work::rolling_dashpot, &Work::contact,
+          &Work::walls, &Work::gravity, &Work::damping, &Work::removed_grains, &Work::other}) {
       f(term);
     }
   }

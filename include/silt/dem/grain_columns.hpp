@@ -30,9 +30,9 @@ class GrainColumns {
     Pack R;       ///< [m]
   };
   struct Motion {
-    Pack v[Dim];             ///< [m/s]
+    Pack v[Dim];                ///< [m/s]
     Pack w[angular_size<Dim>];  ///< [1/s]
-    Pack m;                  ///< [kg]
+    Pack m;                     ///< [kg]
   };
 
   /// Refers to the grains, including ghosts; invalid once they move in memory.

@@ -42,10 +42,10 @@ enum class Shape {
 };
 
 struct Grain {
-  double radius = 0;               ///< R [m], above 0
-  double density = 0;              ///< ρ of the grain's material [kg/m³], above 0
-  Shape shape = Shape::natural;    ///< disc: I = ½ m R²; sphere: I = ⅖ m R²
-  std::uint32_t material = 0;      ///< index in dem::Materials
+  double radius = 0;             ///< R [m], above 0
+  double density = 0;            ///< ρ of the grain's material [kg/m³], above 0
+  Shape shape = Shape::natural;  ///< disc: I = ½ m R²; sphere: I = ⅖ m R²
+  std::uint32_t material = 0;    ///< index in dem::Materials
 };
 
 /// Volume of a sphere [m³]; in 2D, area of a disc [m²].

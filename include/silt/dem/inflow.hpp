@@ -6,9 +6,9 @@
 #include <silt/core/random.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/grains.hpp>
-#include <silt/dem/schedule.hpp>
 #include <silt/dem/packing.hpp>
 #include <silt/dem/region.hpp>
+#include <silt/dem/schedule.hpp>
 #include <silt/dem/size_distribution.hpp>
 
 #include <algorithm>

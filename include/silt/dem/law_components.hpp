@@ -107,31 +107,30 @@ template <class P, int Dim, class Real>
 concept TangentialComponent =
     requires(const P p, const Contact<Dim, Real> c, const NormalForce<Contact<Dim, Real>> n) {
       { p.tangential_force(c, n) } -> std::convertible_to<TangentialForce<Contact<Dim, Real>>>;
-    } || requires(const P p, const Contact<Dim, Real> c,
-                  const NormalForce<Contact<Dim, Real>> n,
+    } || requires(const P p, const Contact<Dim, Real> c, const NormalForce<Contact<Dim, Real>> n,
                   typename P::template History<Dim, Real> history) {
-      { p.tangential_force(c, n, history) } ->
-          std::convertible_to<TangentialForce<Contact<Dim, Real>>>;
+      {
+        p.tangential_force(c, n, history)
+      } -> std::convertible_to<TangentialForce<Contact<Dim, Real>>>;
     };
 
 template <class P, int Dim, class Real>
 concept RollingComponent =
     requires(const P p, const Contact<Dim, Real> c, const NormalForce<Contact<Dim, Real>> n) {
       { p.rolling_couple(c, n) } -> std::convertible_to<RollingCouple<Contact<Dim, Real>>>;
-    } || requires(const P p, const Contact<Dim, Real> c,
-                  const NormalForce<Contact<Dim, Real>> n,
+    } || requires(const P p, const Contact<Dim, Real> c, const NormalForce<Contact<Dim, Real>> n,
                   typename P::template History<Dim, Real> history) {
-      { p.rolling_couple(c, n, history) } ->
-          std::convertible_to<RollingCouple<Contact<Dim, Real>>>;
+      { p.rolling_couple(c, n, history) } -> std::convertible_to<RollingCouple<Contact<Dim, Real>>>;
     };
 
 template <class P, int Dim, class Real>
-concept AdhesionComponent = requires(const P p, const Contact<Dim, Real> c) {
-  { p.adhesion_force(c) } -> std::convertible_to<Real>;
-} || requires(const P p, const Contact<Dim, Real> c,
-              typename P::template History<Dim, Real> history) {
-  { p.adhesion_force(c, history) } -> std::convertible_to<Real>;
-};
+concept AdhesionComponent =
+    requires(const P p, const Contact<Dim, Real> c) {
+      { p.adhesion_force(c) } -> std::convertible_to<Real>;
+    } || requires(const P p, const Contact<Dim, Real> c,
+                  typename P::template History<Dim, Real> history) {
+      { p.adhesion_force(c, history) } -> std::convertible_to<Real>;
+    };
 
 namespace detail {
 

@@ -23,8 +23,7 @@ template <class Law, int Dim, class Real>
   requires LawWithHistory<Law, Dim, Real>
 struct LawHistory<Law, Dim, Real> {
   using type = typename Law::template History<Dim, Real>;
-  static constexpr int words =
-      static_cast<int>((sizeof(type) + sizeof(Real) - 1) / sizeof(Real));
+  static constexpr int words = static_cast<int>((sizeof(type) + sizeof(Real) - 1) / sizeof(Real));
   static type from(const Real* row) {
     type history{};
     std::memcpy(static_cast<void*>(&history), row, sizeof history);
@@ -48,19 +47,17 @@ inline constexpr bool holds_only =
             alignof(History) * alignof(History) ==
         sizeof(History);
 template <class Law, int Dim, class Real>
-concept HistoryIsRealsOnly =
-    !LawWithHistory<Law, Dim, Real> ||
-    (holds_only<typename Law::template History<Dim, Real>, Real,
-                typename Law::template History<Dim, OddScalar>> &&
-     sizeof(typename Law::template History<Dim, Lane<Real>>) ==
-         sizeof(typename Law::template History<Dim, Real>));
+concept HistoryIsRealsOnly = !LawWithHistory<Law, Dim, Real> ||
+                             (holds_only<typename Law::template History<Dim, Real>, Real,
+                                         typename Law::template History<Dim, OddScalar>> &&
+                              sizeof(typename Law::template History<Dim, Lane<Real>>) ==
+                                  sizeof(typename Law::template History<Dim, Real>));
 }  // namespace detail
 
 /// The law accepts any scalar type and its history consists of Reals only: the same code can then
 /// evaluate eight contacts at once.
 template <class Law, int Dim, class Real>
-concept LawInLanes =
-    ContactLaw<Law, Dim, Lane<Real>> && detail::HistoryIsRealsOnly<Law, Dim, Real>;
+concept LawInLanes = ContactLaw<Law, Dim, Lane<Real>> && detail::HistoryIsRealsOnly<Law, Dim, Real>;
 
 /// The law provides the energy [J] stored in its springs.
 template <class Law, int Dim, class Real>

@@ -35,8 +35,9 @@ class Materials {
     }
     if constexpr (!requires(const Law& a) { Law::mix(a, a); }) {
       if (count_ > 1) {
-        fail("Materials: this law has no static mix(a, b), which is needed for more than one "
-             "material; add it, or use one material");
+        fail(
+            "Materials: this law has no static mix(a, b), which is needed for more than one "
+            "material; add it, or use one material");
       }
     }
   }

@@ -49,7 +49,8 @@ class MeanMotion {
     for (Index i = 0; i < before.size(); ++i) {
       if (stays_[i]) continue;
       carried_away_ += (double(before[mass][i]) * v_[i].squaredNorm() +
-                        double(before[inertia][i]) * squared_norm(w_[i])) / 2;
+                        double(before[inertia][i]) * squared_norm(w_[i])) /
+                       2;
     }
   }
 

@@ -52,9 +52,8 @@ struct Mindlin {
     const auto result = slide(slider, kept.force, v, contact.time_step);
     history.force = result.spring;
     history.stiffness = k;
-    return {.spring = result.spring,
-            .dashpot = result.dashpot,
-            .friction = kept.lost + result.lost};
+    return {
+        .spring = result.spring, .dashpot = result.dashpot, .friction = kept.lost + result.lost};
   }
 
   template <class C, class M>

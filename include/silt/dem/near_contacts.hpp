@@ -35,8 +35,8 @@ class NearContacts {
    public:
     Part() = default;
     Part(Index contact, bool is_second)
-        : number_(static_cast<std::uint32_t>(2 * contact) +
-                  static_cast<std::uint32_t>(is_second)) {}
+        : number_(static_cast<std::uint32_t>(2 * contact) + static_cast<std::uint32_t>(is_second)) {
+    }
     Index contact() const { return number_ / 2; }
     bool is_second() const { return number_ % 2 == 1; }
     /// Sign of the force on this grain relative to that on the first grain.
@@ -254,9 +254,9 @@ class NearContacts {
 
   // Number of the chunk that a contact belongs to.
   Index chunk_of(Index contact) const {
-    const auto behind = std::upper_bound(
-        chunks_.begin(), chunks_.end(), contact,
-        [](Index c, const OfChunk& chunk) { return c < chunk.pairs.first; });
+    const auto behind =
+        std::upper_bound(chunks_.begin(), chunks_.end(), contact,
+                         [](Index c, const OfChunk& chunk) { return c < chunk.pairs.first; });
     return static_cast<Index>(behind - chunks_.begin()) - 1;
   }
 

@@ -61,8 +61,7 @@ void renew_validity(const P& grains, const S& search, const Walls& walls, const 
   // A small margin gives few near pairs, a large one few rebuilds; the search limits it.
   constexpr double lasting_steps = 20;
   const auto v = grains[velocity];
-  Real fastest =
-      std::sqrt(largest(v.size(), Real(0), [&](Index i) { return v[i].squaredNorm(); }));
+  Real fastest = std::sqrt(largest(v.size(), Real(0), [&](Index i) { return v[i].squaredNorm(); }));
   if constexpr (Walls::move) {
     if (grains.size() > 0) {
       validity.extent = extent_of(grains);
@@ -104,9 +103,8 @@ void find_near(const P& grains, const S& search, const Walls& walls, typename P:
         });
       },
       [&](Index i, auto&& add) {
-        walls.for_each_element_near(typename P::Vec(x[i]), Real(R[i] + margin), [&](Index place) {
-          add(static_cast<std::uint32_t>(place));
-        });
+        walls.for_each_element_near(typename P::Vec(x[i]), Real(R[i] + margin),
+                                    [&](Index place) { add(static_cast<std::uint32_t>(place)); });
       },
       found);
 }

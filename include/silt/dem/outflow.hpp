@@ -6,8 +6,8 @@
 #include <silt/core/parallel.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/grains.hpp>
-#include <silt/dem/schedule.hpp>
 #include <silt/dem/region.hpp>
+#include <silt/dem/schedule.hpp>
 
 #include <utility>
 

@@ -21,7 +21,7 @@ namespace silt::dem {
 /// The stiffnesses are per unit area of the cross-section: a beam with Young's modulus E and shear
 /// modulus G between centres at a distance L has k̄_n = E/L and k̄_s = G/L.
 struct ParallelBond {
-  double normal_stiffness = 0;   ///< k̄_n [N/m³], above 0
+  double normal_stiffness = 0;      ///< k̄_n [N/m³], above 0
   double tangential_stiffness = 0;  ///< k̄_s [N/m³]
   double radius_share = 1;  ///< λ̄: radius R̄ of the bond over the smaller grain's [-], above 0
   double beta = 0;          ///< ratio of dashpot to spring c/k, for all four springs [s]
@@ -47,10 +47,10 @@ struct ParallelBond {
 
 /// Cross-section of a bond: a strip of unit thickness in 2D, a disc in 3D.
 struct BeamSection {
-  double radius;         ///< R̄ [m]
-  double area;           ///< A [m²]
-  double bending;        ///< second moment I [m⁴]
-  double twisting;       ///< polar moment J [m⁴]; 0 in 2D
+  double radius;    ///< R̄ [m]
+  double area;      ///< A [m²]
+  double bending;   ///< second moment I [m⁴]
+  double twisting;  ///< polar moment J [m⁴]; 0 in 2D
 };
 
 template <int Dim>
@@ -73,7 +73,10 @@ struct BeamSprings {
 
   Stiffness stiffness(double beta) const {
     const double rolling = std::max(bending, twisting);
-    return {.normal = normal, .tangential = shear, .beta = beta, .rolling = rolling,
+    return {.normal = normal,
+            .tangential = shear,
+            .beta = beta,
+            .rolling = rolling,
             .rolling_dashpot = beta * rolling};
   }
 };
@@ -94,10 +97,10 @@ struct Bond {
 
   Id a = 0;
   Id b = 0;
-  Real rest_length = 0;            ///< distance of the centres when bonded [m]
-  Real length = 0;                 ///< distance of the centres in the last step [m]
-  Vec normal = Vec::Zero();        ///< unit vector from b to a in the last step
-  Vec shear = Vec::Zero();         ///< shear displacement of a's side of the section [m]
+  Real rest_length = 0;      ///< distance of the centres when bonded [m]
+  Real length = 0;           ///< distance of the centres in the last step [m]
+  Vec normal = Vec::Zero();  ///< unit vector from b to a in the last step
+  Vec shear = Vec::Zero();   ///< shear displacement of a's side of the section [m]
   AngularVec rotation = zero_of<AngularVec>();  ///< of a relative to b [rad]
   Vec force = Vec::Zero();                      ///< [N]
   AngularVec couple = zero_of<AngularVec>();    ///< in addition to the moment of the force [N m]
@@ -182,7 +185,8 @@ BondState state_of(const Bond<Dim, Real>& bond, const BeamSection& section, cons
                             k.bending * bent * section.radius / section.bending,
           .shear_stress = k.shear * shear / section.area + twist_stress,
           .elastic_energy = (k.normal * squared(elongation) + k.shear * squared(shear) +
-                             k.bending * squared(bent) + k.twisting * squared(twisted)) / 2};
+                             k.bending * squared(bent) + k.twisting * squared(twisted)) /
+                            2};
 }
 
 /// Updates the state of a bond after the motion of its grains, and computes its force and couple.
@@ -192,7 +196,7 @@ BondState state_of(const Bond<Dim, Real>& bond, const BeamSection& section, cons
 /// round-off, however large the step. The dashpots use the velocities of the previous half step.
 template <int Dim, class Real>
 void advance(Bond<Dim, Real>& bond, const BondMotion<Dim, Real>& motion, const BeamSprings& k,
-              double beta) {
+             double beta) {
   using Vec = silt::Vec<Dim, Real>;
   using AngularVec = silt::AngularVec<Dim, Real>;
   const Real length = motion.between.norm();

@@ -26,8 +26,8 @@ struct Polyline {
   void check() {
     const Index least = closed ? 3 : 2;
     if (points.size() < least) {
-      fail("Polyline: number of points = " + std::to_string(points.size()) +
-           "; give at least " + std::to_string(least));
+      fail("Polyline: number of points = " + std::to_string(points.size()) + "; give at least " +
+           std::to_string(least));
     }
     const auto name_of = [](Index k) { return "Polyline: point " + std::to_string(k); };
     for (Index k = 0; k < points.size(); ++k) require_finite(name_of(k), points[k]);
@@ -93,8 +93,8 @@ struct Polyline {
 
   NearestPoint<2, Real> nearest_of_point(Index k, const Vec<2, Real>& x) const {
     const Index last = before(k);
-    const bool is_beside = (has_line(k) && beyond_start(k, x) > 0) ||
-                           ((closed || k > 0) && before_end(last, x) > 0);
+    const bool is_beside =
+        (has_line(k) && beyond_start(k, x) > 0) || ((closed || k > 0) && before_end(last, x) > 0);
     const Vec<2, Real> out = x - points[k];
     const Real distance = out.norm();
     if (is_beside || !(distance > 0)) return no_nearest_point<2, Real>();

@@ -48,8 +48,7 @@ PrescribedContact<Dim> prescribe(const PrescribedMotion& motion, PoseAt&& pose_a
     Contact<Dim, double> contact;
     contact.normal = n;
     contact.overlap = now.overlap;
-    contact.relative_velocity =
-        ((before.overlap - now.overlap) * n + now.slip - before.slip) / dt;
+    contact.relative_velocity = ((before.overlap - now.overlap) * n + now.slip - before.slip) / dt;
     contact.relative_spin = (now.rotation - before.rotation) / dt;
     contact.effective_mass = motion.mass;
     contact.effective_radius = motion.radius;
@@ -197,8 +196,7 @@ AngularVec<Dim> in_frame(const Eigen::Matrix<double, Dim, Dim>& frame,
 template <int Dim, class FrameAt>
 PrescribedContact<Dim> in_frames(PrescribedContact<Dim> instants, FrameAt&& frame_at) {
   for (Index k = 0; k < instants.size(); ++k) {
-    const Eigen::Matrix<double, Dim, Dim> frame =
-        frame_at(double(k + 1) / double(instants.size()));
+    const Eigen::Matrix<double, Dim, Dim> frame = frame_at(double(k + 1) / double(instants.size()));
     auto& contact = instants[k];
     contact.normal = frame * contact.normal;
     contact.relative_velocity = frame * contact.relative_velocity;

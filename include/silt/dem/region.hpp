@@ -53,8 +53,8 @@ struct VerticalCylinder {
   }
   Real clearance(const Vec<3, Real>& x) const {
     const Vec<3, Real> from_base = x - base;
-    return std::min({radius - from_base.template head<2>().norm(), from_base[2],
-                     height - from_base[2]});
+    return std::min(
+        {radius - from_base.template head<2>().norm(), from_base[2], height - from_base[2]});
   }
 };
 

@@ -61,10 +61,9 @@ struct RollingResistance {
     } else {
       const auto& n = contact.normal;
       const Real about_n = contact.relative_spin.dot(n);
-      const auto roll =
-          resist(Real(rolling_friction), contact, normal, k_before,
-                 rotated_into_plane(history.rolling, n),
-                 typename C::Vec(contact.relative_spin - about_n * n));
+      const auto roll = resist(Real(rolling_friction), contact, normal, k_before,
+                               rotated_into_plane(history.rolling, n),
+                               typename C::Vec(contact.relative_spin - about_n * n));
       const auto twist = resist(Real(twisting_friction), contact, normal, k_before,
                                 Number(history.twisting), Number(about_n));
       history.rolling = roll.spring;
@@ -128,8 +127,7 @@ struct RollingResistance {
     const Slider<Real> slider{.stiffness = k,
                               .dashpot = dashpot(contact.effective_mass, R, k),
                               .limit = std::max(Real(0), mu * R * normal.spring)};
-    const auto kept =
-        with_stiffness(k, before, of(mu, R, k_n_before), V(spin * contact.time_step));
+    const auto kept = with_stiffness(k, before, of(mu, R, k_n_before), V(spin * contact.time_step));
     auto result = slide(slider, kept.force, spin, contact.time_step);
     result.lost += kept.lost;
     return result;

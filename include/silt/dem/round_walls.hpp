@@ -48,12 +48,12 @@ struct Circle {
 /// points. Everything behind its surface is solid. Without ends it is infinitely long.
 template <class Real = double>
 struct Cylinder {
-  Vec<3, Real> from = Vec<3, Real>::Zero();   ///< first point of the axis [m]
-  Vec<3, Real> to = Vec<3, Real>::Unit(2);    ///< second point of the axis [m]
-  Real radius = 0;                            ///< [m], above 0
-  Side grains = Side::inside;                 ///< which side the grains are on
-  bool ends = false;                          ///< has flat ends at the two points
-  std::uint32_t material = 0;                 ///< index in dem::Materials
+  Vec<3, Real> from = Vec<3, Real>::Zero();  ///< first point of the axis [m]
+  Vec<3, Real> to = Vec<3, Real>::Unit(2);   ///< second point of the axis [m]
+  Real radius = 0;                           ///< [m], above 0
+  Side grains = Side::inside;                ///< which side the grains are on
+  bool ends = false;                         ///< has flat ends at the two points
+  std::uint32_t material = 0;                ///< index in dem::Materials
 
   /// Throws if the radius is not positive, or if the two points of the axis coincide.
   void check() const {
@@ -73,8 +73,7 @@ struct Cylinder {
     const Vec<3, Real> y = x - from;
     const Real along = y.dot(axis);
     const Vec<3, Real> out = y - along * axis;
-    const auto mantle =
-        detail::nearest_round<3, Real>(out, radius, grains, axis.unitOrthogonal());
+    const auto mantle = detail::nearest_round<3, Real>(out, radius, grains, axis.unitOrthogonal());
     if (!ends || grains == Side::inside) return mantle;
     return nearest_of_column(axis, mantle, along);
   }

@@ -15,9 +15,9 @@
 namespace silt::dem {
 
 struct Settling {
-  double speed = 0;        ///< at rest below this rms speed [m/s], above 0
-  double check_every = 0;  ///< time between two checks [s], above 0
-  double max_time = 0;     ///< limit of the settling time [s], above 0
+  double speed = 0;                      ///< at rest below this rms speed [m/s], above 0
+  double check_every = 0;                ///< time between two checks [s], above 0
+  double max_time = 0;                   ///< limit of the settling time [s], above 0
   std::optional<double> time_step = {};  ///< see Run [s]
 };
 

@@ -25,10 +25,10 @@ struct EvaluatedContact {
   Sides sides;  ///< indices in the given grains
   Id first;     ///< ids of the two; the second may be wall_id()
   Id second;
-  Contact<Dim, Real> contact;    ///< input of the law
-  Real shorter;                  ///< R minus the lever arm [m]
-  Answer answer;                 ///< a force, ForceComponents or LoadComponents
-  Vec<Dim, Real> wall_velocity;  ///< at the contact point at time N; 0 between grains [m/s]
+  Contact<Dim, Real> contact;       ///< input of the law
+  Real shorter;                     ///< R minus the lever arm [m]
+  Answer answer;                    ///< a force, ForceComponents or LoadComponents
+  Vec<Dim, Real> wall_velocity;     ///< at the contact point at time N; 0 between grains [m/s]
   AngularVec<Dim, Real> wall_spin;  ///< at time N; 0 between grains [1/s]
   ElasticEnergies elastic{};        ///< zero for a law without elastic_energies()
 };

@@ -33,8 +33,8 @@ inline void check_sizes(const std::string& name, const Range& radii) {
   require_positive(name + ": min_radius", radii.lower);
   require_finite(name + ": max_radius", radii.upper);
   if (radii.lower > radii.upper) {
-    fail(name + ": min_radius = " + to_text(radii.lower) + " m is above max_radius = " +
-         to_text(radii.upper) + " m; exchange them");
+    fail(name + ": min_radius = " + to_text(radii.lower) +
+         " m is above max_radius = " + to_text(radii.upper) + " m; exchange them");
   }
 }
 }  // namespace detail
@@ -171,8 +171,8 @@ struct Blend {
     require_positive("Blend: density", density);
   }
   Grain draw(Random& random) const {
-    return {.radius = sizes.radius(random), .density = density, .shape = shape,
-            .material = material};
+    return {
+        .radius = sizes.radius(random), .density = density, .shape = shape, .material = material};
   }
 };
 

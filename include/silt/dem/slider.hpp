@@ -52,8 +52,8 @@ struct Slider {
 
 template <class Vec>
 struct SliderForce {
-  Vec spring;                  ///< [N]
-  Vec dashpot;                 ///< [N]
+  Vec spring;                 ///< [N]
+  Vec dashpot;                ///< [N]
   typename Vec::Scalar lost;  ///< energy dissipated by sliding in this step [J]
 };
 
@@ -86,8 +86,8 @@ RescaledForce<Vec> with_stiffness(Real k, const Vec& force, Real k_before,
                                   const Vec& displacement) {
   const Vec kept = k < k_before ? Vec(force * (k / k_before)) : force;
   // The force changes during the displacement: the work is that of the mean of both.
-  const Real lost = force.squaredNorm() / k_before - kept.squaredNorm() / k -
-                    displacement.dot(force - kept);
+  const Real lost =
+      force.squaredNorm() / k_before - kept.squaredNorm() / k - displacement.dot(force - kept);
   return {kept, k_before > 0 && k > 0 ? std::max(Real(0), lost / 2) : Real(0)};
 }
 

@@ -159,8 +159,8 @@ double stable_for_all(const P& grains, const NearContacts& near, const Walls& wa
   for (Index i = 0; i < grains.size(); ++i) {
     most_contacts = std::max(most_contacts, near.of(i).size());
     const double per_turn = double(m[i]) / double(I[i]);
-    const double turning = std::max(per_turn * squared(double(R[i])),
-                                    loosest.mass * squared(loosest.arm));
+    const double turning =
+        std::max(per_turn * squared(double(R[i])), loosest.mass * squared(loosest.arm));
     loosest.mass = std::max(loosest.mass, per_turn);
     loosest.arm = std::sqrt(turning / loosest.mass);
   }

@@ -44,8 +44,8 @@ class TestImpact {
     contact_.effective_radius =
         start.wall ? grain.radius : grain.radius * smaller.radius / (grain.radius + smaller.radius);
     // The centre of mass is at rest.
-    const Vec<Dim> v = start.speed * (-std::cos(start.angle) * n_ +
-                                      std::sin(start.angle) * Vec<Dim>::Unit(1));
+    const Vec<Dim> v =
+        start.speed * (-std::cos(start.angle) * n_ + std::sin(start.angle) * Vec<Dim>::Unit(1));
     grains_[velocity][0] = contact_.effective_mass / m[0] * v;
     if (!start.wall) grains_[velocity][1] = -contact_.effective_mass / m[1] * v;
     const double spin = start.spin * start.speed / grain.radius;

@@ -40,7 +40,7 @@ class Touches {
   /// are contiguous and begin at first_row plus the index of the chunk's first near contact.
   struct Seen {
     using Row = ContactRow<has_couple>;
-    std::vector<Real, Eigen::aligned_allocator<Real>> rows;      ///< see ContactRow
+    std::vector<Real, Eigen::aligned_allocator<Real>> rows;       ///< see ContactRow
     std::vector<Real, Eigen::aligned_allocator<Real>> histories;  ///< padded_words a row
     std::vector<std::uint32_t> at;  ///< row number of each near contact, or `none`
     Index count = 0;                ///< number of contacts that touch

@@ -50,10 +50,10 @@ concept CompositeWall = requires(const W wall, const Vec<Dim, Real> x, Index ele
 /// A simple or composite wall at rest, with wall.material, its index in dem::Materials, and
 /// wall.check(), which throws if the wall is invalid.
 template <class W, int Dim, class Real>
-concept WallAtRest = (SimpleWall<W, Dim, Real> || CompositeWall<W, Dim, Real>) &&
-                     requires(const W wall, W own) {
-                       { wall.material } -> std::convertible_to<std::uint32_t>;
-                       own.check();
-                     };
+concept WallAtRest =
+    (SimpleWall<W, Dim, Real> || CompositeWall<W, Dim, Real>) && requires(const W wall, W own) {
+      { wall.material } -> std::convertible_to<std::uint32_t>;
+      own.check();
+    };
 
 }  // namespace silt::dem

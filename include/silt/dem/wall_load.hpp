@@ -10,8 +10,8 @@ namespace silt::dem {
 /// grain in a step is −(force·velocity + couple·spin) Δt [J].
 template <int Dim, class Real>
 struct WallContact {
-  Index grain = no_index;  ///< current index of the grain
-  Index wall = no_index;   ///< number of the wall
+  Index grain = no_index;                                           ///< current index of the grain
+  Index wall = no_index;                                            ///< number of the wall
   Vec<Dim, Real> point = Vec<Dim, Real>::Zero();                    ///< contact point [m]
   Vec<Dim, Real> velocity = Vec<Dim, Real>::Zero();                 ///< of the wall there [m/s]
   AngularVec<Dim, Real> spin = zero_of<AngularVec<Dim, Real>>();    ///< of the wall [1/s]

@@ -15,8 +15,8 @@ namespace silt::test {
 template <int Dim>
 struct BenchSetup {
   dem::CundallStrack law;
-  Vec<Dim> gravity = Vec<Dim>::Zero();  ///< [m/s²]
-  double alpha = 0;                     ///< global damping [1/s]
+  Vec<Dim> gravity = Vec<Dim>::Zero();      ///< [m/s²]
+  double alpha = 0;                         ///< global damping [1/s]
   std::vector<dem::Plane<Dim>> walls = {};  ///< at most two
   bool check_stability = true;
 };

@@ -80,5 +80,4 @@ double Bench<Dim>::through_contact(double dt) {
   return max_overlap;
 }
 
-
 }  // namespace silt::test

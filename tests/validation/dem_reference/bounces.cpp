@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // A grain that falls and bounces, and two grains compressed between a floor and a lid.
+#include <silt/io/csv.hpp>
+
 #include "bench.hpp"
 #include "items.hpp"
-
-#include <silt/io/csv.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -59,8 +59,8 @@ void falling_sphere(ReferenceTable& table) {
   double lowest = 0;
   for (int i = 0; i <= 100000; ++i) {
     const double s = i * 4 / w0 / 100000;
-    lowest = std::min(lowest, std::exp(-zeta * w0 * s) *
-                                      (C1 * std::cos(wd * s) + C2 * std::sin(wd * s)) - C1);
+    lowest = std::min(
+        lowest, std::exp(-zeta * w0 * s) * (C1 * std::cos(wd * s) + C2 * std::sin(wd * s)) - C1);
   }
   table.add({name, "maximum overlap [m]", -lowest, R - lowest_z, 0.01});
   double time = v1 / g;
@@ -70,8 +70,8 @@ void falling_sphere(ReferenceTable& table) {
     // For a hard sphere: its contacts have no duration; here each lasts 1.5 ms.
     table.add({name, "apex " + std::to_string(n) + " above the floor's touch [m]",
                0.4 * std::pow(e, 2.0 * n), apexes[std::size_t(n) - 1].height - R, 0.01});
-    table.add({name, "apex " + std::to_string(n) + " at [s]", time,
-               apexes[std::size_t(n) - 1].time, 0.01});
+    table.add({name, "apex " + std::to_string(n) + " at [s]", time, apexes[std::size_t(n) - 1].time,
+               0.01});
     time += rise;
   }
 }
@@ -83,10 +83,10 @@ void stacked(ReferenceTable& table) {
     dem::Grains<3> grains;
     dem::add_grain(grains, {0, 0, 0.45 * d}, {.radius = d / 2, .density = 20000});
     dem::add_grain(grains, {0, 0, 1.35 * d}, {.radius = d / 2, .density = 10000});
-    Bench<3> bench(grains, {.law = {.normal_stiffness = 1000, .restitution = e},
-                            .gravity = {0, 0, -g},
-                            .walls = {dem::Plane<3>{},
-                                      {.point = {0, 0, 1.8 * d}, .normal = {0, 0, -1}}}});
+    Bench<3> bench(grains,
+                   {.law = {.normal_stiffness = 1000, .restitution = e},
+                    .gravity = {0, 0, -g},
+                    .walls = {dem::Plane<3>{}, {.point = {0, 0, 1.8 * d}, .normal = {0, 0, -1}}}});
     double farthest[2] = {0, 0};
     for (Index row = 0; row < exact.rows(); ++row) {
       if (exact["e"][row] != e) continue;

@@ -21,9 +21,9 @@ struct Floor {
 template <int Dim>
 Bench<Dim> on_floor(const Body& body, const Floor& floor, double u0) {
   const auto [mu, theta, k] = floor;
-  auto grains = one_grain<Dim>(Vec<Dim>(R * Vec<Dim>::Unit(Dim - 1)),
-                               Vec<Dim>(u0 * Vec<Dim>::Unit(0)),
-                               {.radius = R, .density = 2500, .shape = body.shape});
+  auto grains =
+      one_grain<Dim>(Vec<Dim>(R * Vec<Dim>::Unit(Dim - 1)), Vec<Dim>(u0 * Vec<Dim>::Unit(0)),
+                     {.radius = R, .density = 2500, .shape = body.shape});
   grains[position][0][Dim - 1] -= grains[mass][0] * g * std::cos(theta) / k;
   Vec<Dim> down = Vec<Dim>::Zero();
   down[0] = g * std::sin(theta);
@@ -60,8 +60,8 @@ void slides_then_rolls(const Body& body, ReferenceTable& table) {
     bench.run(t_roll / 2, dt);
     table.add({name, "speed halfway to rolling [u0]", 1 - mu * g * bench.time() / u0,
                speed(bench) / u0, 0.01, 1});
-    table.add({name, "ω R there [u0]", mu * g * bench.time() / c / u0, rim_speed(bench) / u0,
-               0.01, 1});
+    table.add(
+        {name, "ω R there [u0]", mu * g * bench.time() / c / u0, rim_speed(bench) / u0, 0.01, 1});
     while (rim_speed(bench) < speed(bench)) bench.step(dt);
     table.add({name, "rolling begins at [s]", t_roll, bench.time(), 0.01});
     // Mean over the oscillation of the tangential spring.
@@ -88,8 +88,8 @@ void goes_downhill(const Body& body, ReferenceTable& table) {
     auto bench = on_floor<Dim>(body, {.mu = mu, .theta = theta}, 0);
     bench.run(0.2);
     const bool rolls = share > 1;
-    const std::string name = "6 " + body.name + " on an incline of 0.5 rad, " +
-                             (rolls ? "rolling" : "slipping");
+    const std::string name =
+        "6 " + body.name + " on an incline of 0.5 rad, " + (rolls ? "rolling" : "slipping");
     const double a = rolls ? std::sin(theta) / (1 + c) : std::sin(theta) - mu * std::cos(theta);
     table.add({name, "acceleration [g]", a, speed(bench) / bench.time() / g, 0.01, 1});
     table.add({name, "angular acceleration times R [g]", rolls ? a : mu * std::cos(theta) / c,
@@ -129,8 +129,8 @@ void slides_through_the_impact(const Body& body, ReferenceTable& table) {
                                         .friction_angle = std::atan(mu)},
                                        vt, vn);
       const double loss = mu * (1 + e);
-      const std::string name = "7 " + body.name + " sliding through an impact, e = " +
-                               to_text(e) + ", µ = " + to_text(mu);
+      const std::string name = "7 " + body.name + " sliding through an impact, e = " + to_text(e) +
+                               ", µ = " + to_text(mu);
       table.add({name, "normal velocity after the impact [v_n]", e, out.normal / vn, 0.005, 1});
       table.add({name, "tangential velocity lost [v_n]", loss, (vt - out.tangential) / vn, 0.01});
       table.add({name, "ω R gained [v_n]", loss / c, out.rim / vn, 0.01});
@@ -144,11 +144,10 @@ template <int Dim>
 void sticks(const Body& body, ReferenceTable& table) {
   const double c = body.c;
   const double k = 1e6;
-  const Rebound out = oblique<Dim>(body,
-                                   {.normal_stiffness = k,
-                                    .tangential_stiffness = k / 4 / (1 + 1 / c),
-                                    .friction_angle = 1.5},
-                                   1e-3, 1e-2);
+  const Rebound out = oblique<Dim>(
+      body,
+      {.normal_stiffness = k, .tangential_stiffness = k / 4 / (1 + 1 / c), .friction_angle = 1.5},
+      1e-3, 1e-2);
   const std::string name = "8 " + body.name + " whose surface stops in the impact";
   table.add({name, "tangential velocity after the impact [v_t]", 1 / (1 + c), out.tangential / 1e-3,
              0.01, 1});

@@ -85,8 +85,8 @@ void drag(ReferenceTable& table) {
   const double before = free.grains()[velocity][0][0];
   free.step(dt);
   table.add({name, "velocity after over before a step of 1 ms, (32) [-]",
-             (1 - alpha * dt / 2) / (1 + alpha * dt / 2),
-             free.grains()[velocity][0][0] / before, 1e-14});
+             (1 - alpha * dt / 2) / (1 + alpha * dt / 2), free.grains()[velocity][0][0] / before,
+             1e-14});
   free.run(2, dt);
   table.add({name, "velocity of a free disc after 2 s [v0]", std::exp(-alpha * 2),
              free.at_whole_step()[velocity][0][0], 1e-6});

@@ -36,8 +36,8 @@ void two_bodies(ReferenceTable& table) {
   const AngularVec gained = angular_momentum(bench.grains(), origin) - L;
   const std::string name =
       "9 oblique impact of two " + (Dim == 2 ? disc : sphere).name + "s with spin";
-  table.add({name, "change of momentum [-]", 0,
-             (momentum(bench.grains()) - p).norm() / p.norm(), 1e-13, 1});
+  table.add({name, "change of momentum [-]", 0, (momentum(bench.grains()) - p).norm() / p.norm(),
+             1e-13, 1});
   table.add({name, "change of orbital and spin angular momentum [-]", 0,
              size_of(gained) / size_of(L), 1e-13, 1});
 }

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Head-on impacts on a linear spring and dashpot, and Newton's cradle.
+#include <silt/io/csv.hpp>
+
 #include "bench.hpp"
 #include "items.hpp"
-
-#include <silt/io/csv.hpp>
 
 #include <cmath>
 #include <numbers>
@@ -16,8 +16,8 @@ constexpr double v0 = 0.1;
 
 struct Impact {
   double restitution;
-  double max_overlap;   // overlap over v0/ω0 [-]
-  double duration;  // over 1/ω0 [-]
+  double max_overlap;  // overlap over v0/ω0 [-]
+  double duration;     // over 1/ω0 [-]
 };
 
 // Two grains, or one on a wall; the contact begins at `phase` of a step.
@@ -36,8 +36,8 @@ struct HeadOn {
     const double dt = std::numbers::pi / omega / steps;
     const double gap = v0 * dt * (1 + phase);
     const Vec<Dim> n = Vec<Dim>::Unit(0);
-    const auto grains = wall ? one_grain<Dim>((pebble.radius + gap) * n, -v0 * n)
-                             : two_grains<Dim>(gap, -v0 * n);
+    const auto grains =
+        wall ? one_grain<Dim>((pebble.radius + gap) * n, -v0 * n) : two_grains<Dim>(gap, -v0 * n);
     BenchSetup<Dim> setup{.law = law};
     if (wall) setup.walls = {{.normal = n}};
     Bench<Dim> bench(grains, setup);
@@ -85,7 +85,8 @@ void impacts(ReferenceTable& table) {
     const double e = exact["e_nominal"][row];
     const std::string name = "1 linear spring and dashpot, e = " + to_text(e);
     for (const bool limited : {false, true}) {
-      const dem::CundallStrack law{.normal_stiffness = k, .restitution = e, .limit_damping = limited};
+      const dem::CundallStrack law{
+          .normal_stiffness = k, .restitution = e, .limit_damping = limited};
       WorstCase restitution{limited ? exact["e_if_clipped"][row] : e};
       WorstCase max_overlap{exact["delta_max_omega0_over_v0"][row]};
       try_all<2>(law, exact["zeta"][row], restitution, max_overlap);

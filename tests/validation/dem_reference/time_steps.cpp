@@ -41,10 +41,10 @@ double unstable_from() {
   dem::add_grain(grains, {0, 0, 0.5 * R}, pebble);
   dem::add_grain(grains, {0, 0, 2 * R + 1e-9}, pebble);
   return turning_point([&](double dt) {
-    Bench<3> bench(grains, {.law = {.normal_stiffness = k},
-                            .walls = {dem::Plane<3>{},
-                                      {.point = {0, 0, 2.5 * R}, .normal = {0, 0, -1}}},
-                            .check_stability = false});
+    Bench<3> bench(grains,
+                   {.law = {.normal_stiffness = k},
+                    .walls = {dem::Plane<3>{}, {.point = {0, 0, 2.5 * R}, .normal = {0, 0, -1}}},
+                    .check_stability = false});
     for (int step = 0; step < 2000; ++step) {
       bench.step(dt);
       if (std::abs(bench.grains()[position][0][2] - 0.5 * R) > 1e-5) return false;
