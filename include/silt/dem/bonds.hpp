@@ -318,7 +318,7 @@ class Bonds {
   ParallelBond law_;
   std::vector<Bond> bonds_;  // sorted by ids
   BrokenBonds broken_;
-  double last_time_step_ = 0;  // [s]; the time for which the spins seen next have acted
+  double last_time_step_ = 0;  // [s]; duration of the motion at the next evaluation
 
   BondIndices indices_;
   BondStability stability_;

@@ -32,7 +32,7 @@ struct ConformanceCheck {
   std::string name;         ///< e.g. "action equals reaction"
   double value = 0;         ///< measured [-]
   double limit = 0;         ///< of the value [-]
-  std::string explanation;  ///< what the value is, and what to look at if it is too large
+  std::string explanation;  ///< meaning of the value, and hints if it is too large
 
   bool passes() const { return value <= limit; }
 };

@@ -8,7 +8,7 @@
 
 namespace silt::dem {
 
-/// Contact of grain i with grain j or a wall, seen from i.
+/// Contact of grain i with grain j or a wall; vectors are those for i.
 template <int Dim, class RealType>
 struct Contact {
   static constexpr int dimension = Dim;

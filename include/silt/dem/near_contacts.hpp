@@ -265,7 +265,7 @@ class NearContacts {
   std::vector<std::uint32_t> second_;
   std::vector<std::uint32_t> begin_;  // by owned grain
   std::vector<Part> parts_;
-  std::vector<Id> ids_;                // by place
+  std::vector<Id> ids_;                // by index
   std::vector<std::uint32_t> places_;  // by id
 };
 

@@ -37,7 +37,7 @@ struct ParallelBond {
     const auto require_strength = [](const char* name, double strength) {
       if (!(strength > 0)) {  // may be infinite
         fail(std::string(name) + " = " + to_text(strength) +
-             " must be positive; omit it for an unbreakable bond");
+             " must be positive; omit it for a bond that does not break in this mode");
       }
     };
     require_strength("ParallelBond: tensile_strength", tensile_strength);
