@@ -46,7 +46,7 @@ auto bonded(const P& grains, const dem::ParallelBond& law) {
 
 // Evaluates the forces of bonds on grains, dt after the previous evaluation.
 template <class B, class P>
-void look(B& bonds, P& grains, double dt) {
+void evaluate(B& bonds, P& grains, double dt) {
   clear(grains);
   BruteForce<P::dimension, typename P::Real> search;
   bonds.accelerate(grains, search, dt);
@@ -79,11 +79,11 @@ TYPED_TEST(BondsOf, HaveTheForceAndEnergyOfTheirSpring) {
   auto grains = chain<dim, Real>(2);
   auto bonds = bonded<dim, Real>(grains, cement);
   ASSERT_EQ(bonds.bonds().size(), 1u);
-  look(bonds, grains, 1e-7);
+  evaluate(bonds, grains, 1e-7);
   EXPECT_EQ(grains[force][0].norm(), 0);
   const double e = 1e-5;
   grains[position][1][0] += Real(e);
-  look(bonds, grains, 1e-7);
+  evaluate(bonds, grains, 1e-7);
   const double area = dim == 2 ? 2 * 0.8 * R : std::numbers::pi * 0.64 * R * R;
   const double tolerance = std::is_same_v<Real, float> ? 1e-3 : 1e-10;  // difference of two floats
   EXPECT_NEAR(grains[force][0][0] / (1e9 * area * e), 1, tolerance);
@@ -188,7 +188,7 @@ double strain_after_turning(const AngularVec<Dim>& w, double dt, int steps) {
   for (int step = 0; step <= steps; ++step) {
     grains[position][1] = at(step * dt);
     grains[spin][0] = grains[spin][1] = w;
-    look(bonds, grains, dt);
+    evaluate(bonds, grains, dt);
   }
   const auto& bond = bonds.bonds()[0];
   return bond.shear.norm() / R + std::sqrt(squared_norm(bond.rotation));
@@ -205,9 +205,9 @@ TEST(BondedPair, RotatesWithoutStrain) {
 TEST(BondedPair, ResistsTwistingAndBending) {
   auto grains = chain<3>(2);
   auto bonds = bonded<3, double>(grains, soft);
-  look(bonds, grains, 1e-3);
+  evaluate(bonds, grains, 1e-3);
   grains[spin][1] = {1, 0, 2};
-  look(bonds, grains, 1e-3);
+  evaluate(bonds, grains, 1e-3);
   const auto springs = dem::springs_of(soft, dem::section_of<3>(soft, R));
   // Up to the square of this small angle.
   EXPECT_NEAR(grains[torque][1][0], -springs.twisting * 1e-3, 1e-9 * springs.twisting);
@@ -252,13 +252,13 @@ TEST(Bond, BreaksJustAboveItsStrengthAndNotBelow) {
     law.shear_strength = 4e-5;    // a shear of 1e-5 m
     auto grains = chain<2>(2);
     auto bonds = bonded<2, double>(grains, law);
-    look(bonds, grains, 1);
+    evaluate(bonds, grains, 1);
     grains[position][1][0] += stretch;
     // A common rotation of both grains relative to the line shears the section.
     grains[spin][0] = grains[spin][1] = slide / (2 * R);
     grains[spin][0] += bend / 2;
     grains[spin][1] -= bend / 2;
-    look(bonds, grains, 1);
+    evaluate(bonds, grains, 1);
     EXPECT_EQ(bonds.bonds().size() + bonds.broken().in_tension + bonds.broken().in_shear, 1u);
     if (bonds.bonds().empty()) {
       EXPECT_EQ(grains[force][0].norm(), 0);

@@ -76,16 +76,16 @@ struct Law {
       couple = history.turn + history.twist * n;
     }
 
-    dem::LoadComponents<C::dimension, Real> parts;
-    parts.normal_spring = k * contact.overlap;
-    parts.normal_dashpot = c * contact.approach_speed();
-    parts.tangential_spring = history.force;
+    dem::LoadComponents<C::dimension, Real> result;
+    result.normal_spring = k * contact.overlap;
+    result.normal_dashpot = c * contact.approach_speed();
+    result.tangential_spring = history.force;
     if (fault == Fault::divides_by_the_speed_of_sliding) {
-      parts.tangential_dashpot = -Real(1e-6) * v_s / v_s.norm();
+      result.tangential_dashpot = -Real(1e-6) * v_s / v_s.norm();
     }
     const Real stiffness = fault == Fault::couple_turns_on ? -20 : 20;
-    parts.rolling_spring = -stiffness * couple;
-    return parts;
+    result.rolling_spring = -stiffness * couple;
+    return result;
   }
 
   template <class C, class M>

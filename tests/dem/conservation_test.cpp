@@ -109,7 +109,7 @@ TEST(TwoGrains, ConserveEnergyDuringAnElasticContact) {
                      .normal_stiffness = 1e6, .tangential_stiffness = 3e5, .friction_angle = 1.5}},
                  Leapfrog{}};
   const double before = energy_of_motion(sim.particles());
-  double most_stored = 0;
+  double max_stored = 0;
   for (int k = 0; k < 400; ++k) {
     sim.step(sim.time_step() / 5);
     // Contacts of the last step belong to its beginning; use the simulation of a snapshot instead.
@@ -117,10 +117,10 @@ TEST(TwoGrains, ConserveEnergyDuringAnElasticContact) {
     auto grains = sim.snapshot();
     at_step.step(1e-12);
     const double stored = at_step.interaction().elastic_energy(at_step.particles());
-    most_stored = std::max(most_stored, stored);
+    max_stored = std::max(max_stored, stored);
     ASSERT_NEAR(energy_of_motion(grains) + stored, before, 2e-3 * before) << k;
   }
-  EXPECT_GT(most_stored, 0.4 * before);
+  EXPECT_GT(max_stored, 0.4 * before);
 }
 
 TEST(Grains, HaveTheMassAndInertiaOfTheirShape) {

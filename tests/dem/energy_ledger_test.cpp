@@ -11,10 +11,10 @@
 namespace silt::test {
 namespace {
 
-const dem::CundallStrack telling{.normal_stiffness = 1e6,
-                                 .tangential_stiffness = 5e5,
-                                 .restitution = 0.9,
-                                 .friction_angle = 0.4};
+const dem::CundallStrack rough_spring{.normal_stiffness = 1e6,
+                                      .tangential_stiffness = 5e5,
+                                      .restitution = 0.9,
+                                      .friction_angle = 0.4};
 
 // A law without components().
 struct Stubborn {
@@ -50,7 +50,7 @@ auto heap(const Box<2>& box = {}) {
 const Setting rough{.gravity = {3, -9.81}, .damping = 2, .floor = 0};
 
 TEST(EnergyLedger, ClosesInEveryStepWithGravityAndDampingAtAFloor) {
-  auto sim = simulation(heap(), telling, rough);
+  auto sim = simulation(heap(), rough_spring, rough);
   dem::EnergyLedger ledger{sim};
   expect_closing(sim, ledger, 1000, 2e-5);
   const auto& works = ledger.work();
@@ -66,7 +66,7 @@ TEST(EnergyLedger, ClosesInEveryStepWithGravityAndDampingAtAFloor) {
 TEST(EnergyLedger, ClosesAcrossPeriodicSidesAndWhenTheStepChanges) {
   auto box = cube<2, double>(0, 8 * 0.0205);
   box.periodic.fill(true);
-  auto sim = simulation(heap(box), telling, {.gravity = {3, -9.81}});
+  auto sim = simulation(heap(box), rough_spring, {.gravity = {3, -9.81}});
   dem::EnergyLedger ledger{sim};
   expect_closing(sim, ledger, 200, 2e-5);
   expect_closing(sim, ledger, 200, 1e-5);
@@ -78,7 +78,7 @@ TEST(EnergyLedger, ClosesWhenAGrainIsRemovedDuringAContact) {
   Box<2> box{.lower = {-1, -1}, .upper = {0.02, 1}, .on_escape = OnEscape::remove};
   grains.set_box(box);
   grains[velocity][0] = {2.9, 0.1};
-  auto sim = simulation(grains, telling, {});
+  auto sim = simulation(grains, rough_spring, {});
   dem::EnergyLedger ledger{sim};
   expect_closing(sim, ledger, 100, 1e-6);
   EXPECT_EQ(sim.particles_lost(), 1u);
@@ -87,7 +87,7 @@ TEST(EnergyLedger, ClosesWhenAGrainIsRemovedDuringAContact) {
 }
 
 TEST(EnergyLedger, AccountsForManualChanges) {
-  auto sim = simulation(heap(), telling, rough);
+  auto sim = simulation(heap(), rough_spring, rough);
   dem::EnergyLedger ledger{sim};
   const auto push = [&](auto& simulation) {
     dem::add_grain(simulation.particles(), {0.5, 0.5 + 0.1 * double(simulation.steps())}, pebble);
@@ -138,7 +138,7 @@ TEST(EnergyLedger, HasTheEnergyLostInSliding) {
   auto grain = one_grain<2>({0, 0}, {0.1, 0});
   const double m = grain[mass][0];
   grain[position][0][1] = 0.01 - m * 10 / 1e6;
-  auto sim = simulation(grain, telling, {.gravity = {0, -10}, .floor = 0});
+  auto sim = simulation(grain, rough_spring, {.gravity = {0, -10}, .floor = 0});
   dem::EnergyLedger ledger{sim};
   for (int step = 0; step < 15000; ++step) {
     sim.step(2e-5);
@@ -159,7 +159,7 @@ double rms_integration_error(double dt) {
   for (int phase = 0; phase < phases; ++phase) {
     const double gap = 1e-4 + 1.5 * dt * phase / phases;
     const double along = 0.3 + 0.013 * (phase * 5 % phases);
-    auto sim = simulation(two_grains<2>(gap, Vec<2>(-1.5, along)), telling, {});
+    auto sim = simulation(two_grains<2>(gap, Vec<2>(-1.5, along)), rough_spring, {});
     dem::EnergyLedger ledger{sim};
     while (sim.time() < 0.006) {
       sim.step(dt);
@@ -198,7 +198,8 @@ TEST(EnergyLedger, SumsUnknownForcesInOneTerm) {
 }
 
 TEST(EnergyLedger, ClosesInFloatToItsRoundOff) {
-  Simulation sim{crowd<2, float>(6, 3), BruteForce<2, float>{}, dem::Contacts{telling}, Leapfrog{}};
+  Simulation sim{crowd<2, float>(6, 3), BruteForce<2, float>{}, dem::Contacts{rough_spring},
+                 Leapfrog{}};
   dem::EnergyLedger ledger{sim};
   sim.step(2e-5);
   ledger.after_step(sim);
@@ -211,7 +212,7 @@ TEST(EnergyLedger, ClosesInFloatToItsRoundOff) {
 }
 
 TEST(EnergyLedger, ThrowsForGrainsAddedWithoutBeforeStep) {
-  auto sim = simulation(heap(), telling, {});
+  auto sim = simulation(heap(), rough_spring, {});
   dem::EnergyLedger ledger{sim};
   dem::add_grain(sim.particles(), {1, 1}, pebble);
   sim.step(1e-5);
@@ -219,7 +220,7 @@ TEST(EnergyLedger, ThrowsForGrainsAddedWithoutBeforeStep) {
 }
 
 TEST(EnergyLedger, ThrowsForAMissedStep) {
-  auto sim = simulation(heap(), telling, {});
+  auto sim = simulation(heap(), rough_spring, {});
   dem::EnergyLedger ledger{sim};
   sim.step(1e-5);
   sim.step(1e-5);

@@ -158,17 +158,17 @@ TEST(Contacts, AreRebuiltForAnotherNeighbourList) {
   second.run({.until = 3, .time_step = 1e-3});
   EXPECT_NEAR(second.snapshot()[velocity][1][0], 1, 1e-3) << "they have met";
 
-  auto by_hand = particles;
+  auto moved = particles;
   dem::Contacts same{spring};
-  Index most = 0;
+  Index max_size = 0;
   for (int step = 0; step < 1500; ++step) {
     NeighbourList<2> list({.radius = 1});
-    list.update(by_hand);
-    same.accelerate(by_hand, list, 1e-3);
-    most = std::max(most, same.size());
-    by_hand[position][0][0] += 1e-3;
+    list.update(moved);
+    same.accelerate(moved, list, 1e-3);
+    max_size = std::max(max_size, same.size());
+    moved[position][0][0] += 1e-3;
   }
-  EXPECT_EQ(most, 1u);
+  EXPECT_EQ(max_size, 1u);
 }
 
 }  // namespace

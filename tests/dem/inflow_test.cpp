@@ -34,18 +34,18 @@ auto empty_bin() {
 TEST(Inflow, AddsTheGivenNumberWithoutOverlap) {
   auto bin = empty_bin();
   dem::Inflow rain{above, pebbles, {.number = 100, .velocity = {0, -1}, .every = 0.02}};
-  double most_energy = 0;
+  double max_energy = 0;
   const auto see = [&](const auto& sim) {
     for (Index i = 0; i < sim.particles().size(); ++i) {
       const auto& v = sim.particles()[velocity][i];
-      most_energy =
-          std::max(most_energy, v.squaredNorm() / 2 + 9.81 * sim.particles()[position][i][1]);
+      max_energy =
+          std::max(max_energy, v.squaredNorm() / 2 + 9.81 * sim.particles()[position][i][1]);
     }
   };
   bin.run({.until = 0.6, .output_every = 0.005}, see, rain);
   EXPECT_TRUE(rain.is_done());
   EXPECT_EQ(bin.particles().size(), 100u);
-  EXPECT_LT(most_energy, 1.1 * (0.5 + 9.81 * 0.4)) << "no grain was accelerated by an overlap";
+  EXPECT_LT(max_energy, 1.1 * (0.5 + 9.81 * 0.4)) << "no grain was accelerated by an overlap";
 }
 
 TEST(Inflow, AddsGrainsAtTheGivenRate) {

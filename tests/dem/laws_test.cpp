@@ -39,8 +39,8 @@ void expect_the_table() {
           .normal_stiffness = k, .restitution = e, .limit_damping = limited}};
       for (const double phase : phases) {
         const auto impact = collide<Dim, Real>(law, {.time_step = pi / omega / 50, .phase = phase});
-        const double wanted = limited ? table["e_if_clipped"][row] : e;
-        EXPECT_NEAR(impact.restitution / wanted, 1, 0.005) << e << " limited " << limited;
+        const double expected = limited ? table["e_if_clipped"][row] : e;
+        EXPECT_NEAR(impact.restitution / expected, 1, 0.005) << e << " limited " << limited;
         EXPECT_NEAR(impact.deepest * omega / table["delta_max_omega0_over_v0"][row], 1, 0.01) << e;
       }
     }
@@ -59,7 +59,7 @@ TEST(Law, OfLinearComponentsIsBitwiseThatOfCundallAndStrack) {
                                  .restitution = 0.6,
                                  .friction_angle = 0.3,
                                  .cohesion = 0.1};
-  const dem::Law parts{
+  const dem::Law composed{
       dem::LinearFriction{.tangential_stiffness = 0.8 * k, .friction_angle = 0.3, .cohesion = 0.1},
       dem::LinearSpringDashpot{.normal_stiffness = k, .restitution = 0.6}};
   dem::Contact<3, double> contact;
@@ -67,7 +67,7 @@ TEST(Law, OfLinearComponentsIsBitwiseThatOfCundallAndStrack) {
   contact.effective_radius = 0.01;
   contact.time_step = 1e-5;
   dem::CundallStrack::History<3, double> of_whole;
-  decltype(parts)::History<3, double> of_parts;
+  decltype(composed)::History<3, double> of_composed;
   double lost = 0;
   for (int step = 0; step < 2000; ++step) {
     const double t = step * contact.time_step;
@@ -75,14 +75,15 @@ TEST(Law, OfLinearComponentsIsBitwiseThatOfCundallAndStrack) {
     contact.overlap = 1e-4 * (1.1 + std::sin(900 * t));
     contact.relative_velocity = Vec<3>(0.1 * std::sin(300 * t), 0.2, 0.3 * std::cos(500 * t));
     const auto a = whole.components(contact, of_whole);
-    const auto b = parts.components(contact, of_parts);
+    const auto b = composed.components(contact, of_composed);
     ASSERT_EQ(a.force(contact.normal), b.force(contact.normal));
     ASSERT_EQ(a.friction, b.friction);
-    ASSERT_EQ(whole.elastic_energy(contact, of_whole), parts.elastic_energy(contact, of_parts));
+    ASSERT_EQ(whole.elastic_energy(contact, of_whole),
+              composed.elastic_energy(contact, of_composed));
     lost += b.friction;
   }
   EXPECT_GT(lost, 0) << "the contact also slides";
-  EXPECT_EQ(whole.stiffness(contact).beta, parts.stiffness(contact).beta);
+  EXPECT_EQ(whole.stiffness(contact).beta, composed.stiffness(contact).beta);
 }
 
 // --- Walton and Braun ----------------------------------------------------------------------------
@@ -302,7 +303,7 @@ TEST(Law, MixesComponentByComponent) {
 
 TEST(Law, ThrowsForAComponentOutOfRange) {
   using dem::Law, dem::Materials;
-  const auto build = [](const auto& part) { Materials{Law{part}}; };
+  const auto build = [](const auto& component) { Materials{Law{component}}; };
   EXPECT_TRUE(refuses([&] { build(dem::LinearSpringDashpot{}); },
                       {"LinearSpringDashpot: normal_stiffness = 0"}));
   EXPECT_TRUE(refuses([&] { build(dem::WaltonBraun{.loading_stiffness = 1, .restitution = 1.1}); },

@@ -190,14 +190,14 @@ TEST(MeshWall, FindsTheNearestPointOfManyTriangles) {
     air.lower[2] = -0.1;
     air.upper[2] = 0.1;
     for (const Vec<3>& x : random_points(300, air, 11)) {
-      double by_hand = std::numeric_limits<double>::infinity();
+      double expected = std::numeric_limits<double>::infinity();
       for (const auto& triangle : triangles) {
-        by_hand = std::min(by_hand, distance_by_hand(x, triangle));
+        expected = std::min(expected, exact_distance(x, triangle));
       }
       double nearest = std::numeric_limits<double>::infinity();
       for (const auto& push : pushes_on(wall, x, 1)) nearest = std::min(nearest, push.distance);
       // In a facet that is not exactly flat, the height above a face is not exactly the distance.
-      ASSERT_NEAR(nearest, by_hand, roughness == 1e-5 ? 1e-6 : 1e-15) << x.transpose();
+      ASSERT_NEAR(nearest, expected, roughness == 1e-5 ? 1e-6 : 1e-15) << x.transpose();
 
       std::vector<char> is_near(wall.element_count(), 0);
       wall.for_each_element_near(x, 0.07, [&](Index element) {

@@ -143,15 +143,15 @@ TEST(MovingWalls, MissNoContactAtAnySpeed) {
         const auto pose = wall.motion.pose_at(sim.time());
         const auto before = sim.particles();
         sim.step(1e-4);
-        std::vector<Index> by_hand(before.size(), 0), found(before.size(), 0);
+        std::vector<Index> expected(before.size(), 0), found(before.size(), 0);
         for (Index i = 0; i < before.size(); ++i) {
           const bool touching = blade.nearest(pose.X_of(before[position][i])).distance < 0.01;
-          by_hand[before.id(i)] = touching;
+          expected[before.id(i)] = touching;
           touches += touching;
         }
         contacts_of(sim).for_each_wall_contact(
             sim.particles(), [&](const auto& touch) { ++found[sim.particles().id(touch.grain)]; });
-        ASSERT_EQ(found, by_hand) << "at step " << k << " of speed " << speed;
+        ASSERT_EQ(found, expected) << "at step " << k << " of speed " << speed;
       }
       EXPECT_GT(touches, 20u);
     }

@@ -66,28 +66,28 @@ TEST(Mindlin, SlidesAtTheFrictionAngle) {
   auto contact = pressed<2>(1e-5);
   contact.relative_velocity = {-1, 0};
   for (int step = 0; step < 100; ++step) hertz_mindlin.components(contact, history);
-  const auto parts = hertz_mindlin.components(contact, history);
-  EXPECT_NEAR(parts.tangential_spring[0] / parts.normal_spring, std::tan(0.4), 1e-12);
-  EXPECT_EQ(parts.tangential_dashpot, Vec<2>(0, 0));
-  EXPECT_NEAR(parts.friction / (parts.tangential_spring[0] * 1e-6), 1, 1e-9);
+  const auto forces = hertz_mindlin.components(contact, history);
+  EXPECT_NEAR(forces.tangential_spring[0] / forces.normal_spring, std::tan(0.4), 1e-12);
+  EXPECT_EQ(forces.tangential_dashpot, Vec<2>(0, 0));
+  EXPECT_NEAR(forces.friction / (forces.tangential_spring[0] * 1e-6), 1, 1e-9);
 }
 
 // Repeatedly load, shear, unload and shear back: this would gain energy if the force were kept.
 TEST(Mindlin, ClosedPathsOfLoadAndShearGenerateNoEnergy) {
-  for (const double way : {1.0, -1.0}) {
+  for (const double direction : {1.0, -1.0}) {
     HertzMindlin::History<2, double> history;
     auto contact = pressed<2>(0);
     double work = 0, before = 0;
     const int round = 4000;
     for (int step = 0; step < 3 * round; ++step) {
       const double phase = 2 * pi * (step % round) / round;
-      contact.overlap = 1e-5 * (1.2 + way * std::sin(phase));
+      contact.overlap = 1e-5 * (1.2 + direction * std::sin(phase));
       contact.relative_velocity = {1e-1 * std::sin(phase) / round, 0};
       const double F = hertz_mindlin.components(contact, history).tangential_spring[0];
       work += (F + before) / 2 * contact.relative_velocity[0] * contact.time_step;
       before = F;
     }
-    EXPECT_LT(work, 0) << way;
+    EXPECT_LT(work, 0) << direction;
   }
 }
 
@@ -104,32 +104,33 @@ TEST(RollingResistance, ActsAsSpringAndDashpotUpToItsLimit) {
   Rough::History<2, double> history;
   auto contact = pressed<2>(1e-4);
   contact.relative_spin = 10;
-  auto parts = rough.components(contact, history);
-  EXPECT_NEAR(parts.rolling_spring / (-k * 10 * 1e-6), 1, 1e-12);
-  EXPECT_NEAR(parts.rolling_dashpot / (-10 * 2 * 0.3 * std::sqrt(k * 1.4 * 0.01) * 0.01), 1, 1e-12);
-  for (int step = 0; step < 100000; ++step) parts = rough.components(contact, history);
-  EXPECT_NEAR(parts.rolling_spring / -limit, 1, 1e-12);
-  EXPECT_EQ(parts.rolling_dashpot, 0);
-  EXPECT_NEAR(parts.rolling_friction / (limit * 10 * 1e-6), 1, 1e-9);
+  auto forces = rough.components(contact, history);
+  EXPECT_NEAR(forces.rolling_spring / (-k * 10 * 1e-6), 1, 1e-12);
+  EXPECT_NEAR(forces.rolling_dashpot / (-10 * 2 * 0.3 * std::sqrt(k * 1.4 * 0.01) * 0.01), 1,
+              1e-12);
+  for (int step = 0; step < 100000; ++step) forces = rough.components(contact, history);
+  EXPECT_NEAR(forces.rolling_spring / -limit, 1, 1e-12);
+  EXPECT_EQ(forces.rolling_dashpot, 0);
+  EXPECT_NEAR(forces.rolling_friction / (limit * 10 * 1e-6), 1, 1e-9);
 }
 
 TEST(RollingResistance, ResistsTwistingWithItsCoefficientAndRotatesWithTheContact) {
   Rough::History<3, double> history;
   auto contact = pressed<3>(1e-4);
   contact.relative_spin = {1, 0, 2};
-  auto parts = rough.components(contact, history);
-  EXPECT_NEAR(parts.rolling_spring[2] / parts.rolling_spring[0], 2 * squared(0.1 / 0.2), 1e-12);
-  const double rolls = -parts.rolling_spring[0];
-  const double twists = -parts.rolling_spring[2];
+  auto forces = rough.components(contact, history);
+  EXPECT_NEAR(forces.rolling_spring[2] / forces.rolling_spring[0], 2 * squared(0.1 / 0.2), 1e-12);
+  const double rolls = -forces.rolling_spring[0];
+  const double twists = -forces.rolling_spring[2];
   // A rigid rotation about y by a quarter turn.
   contact.relative_spin.setZero();
   for (int step = 1; step <= 100; ++step) {
     const double angle = pi / 2 * step / 100;
     contact.normal = {std::sin(angle), 0, std::cos(angle)};
-    parts = rough.components(contact, history);
+    forces = rough.components(contact, history);
   }
-  EXPECT_NEAR(parts.rolling_spring[0] / -twists, 1, 1e-9);
-  EXPECT_NEAR(parts.rolling_spring[2] / rolls, 1, 1e-9);
+  EXPECT_NEAR(forces.rolling_spring[0] / -twists, 1, 1e-9);
+  EXPECT_NEAR(forces.rolling_spring[2] / rolls, 1, 1e-9);
 }
 
 // --- energy stored, returned and lost ------------------------------------------------------------
@@ -175,25 +176,25 @@ Balance balance_along(const Law& law, int steps) {
     } else {
       contact.relative_spin = {60 * std::sin(900 * (t - dt / 2)), 10, 50 * std::cos(500 * t)};
     }
-    const auto parts = law.components(contact, history);
+    const auto forces = law.components(contact, history);
     const auto stored = law.elastic_energies(contact, history);
-    residual.normal += parts.plastic - (parts.normal_spring + before.normal_spring) / 2 * closing;
+    residual.normal += forces.plastic - (forces.normal_spring + before.normal_spring) / 2 * closing;
     residual.tangential +=
-        parts.friction + (parts.tangential_spring + before.tangential_spring).dot(slip) / 2;
-    balance.lost += parts.plastic + parts.friction;
+        forces.friction + (forces.tangential_spring + before.tangential_spring).dot(slip) / 2;
+    balance.lost += forces.plastic + forces.friction;
     if constexpr (rolls) {
       residual.rolling +=
-          parts.rolling_friction +
-          times<Dim>((parts.rolling_spring + before.rolling_spring) / 2, contact.relative_spin) *
+          forces.rolling_friction +
+          times<Dim>((forces.rolling_spring + before.rolling_spring) / 2, contact.relative_spin) *
               dt;
-      balance.lost += parts.rolling_friction;
+      balance.lost += forces.rolling_friction;
       balance.rolling = std::max(balance.rolling, std::abs(residual.rolling + stored.rolling));
     }
     balance.normal = std::max(balance.normal, std::abs(residual.normal + stored.normal));
     balance.tangential =
         std::max(balance.tangential, std::abs(residual.tangential + stored.tangential));
     balance.stored = std::max(balance.stored, stored.sum());
-    before = parts;
+    before = forces;
   }
   return balance;
 }

@@ -121,16 +121,16 @@ TEST(Polyline, HasTheNearestPointOfItsSegments) {
     EXPECT_EQ(wall.element_count(), closed ? 10u : 9u)
         << "two points are in the middle of straight lines";
     for (const auto& x : random_points(2000, cube<2, double>(-0.5, 3.5), 4)) {
-      double by_hand = inf;
+      double expected = inf;
       for (Index k = 0; k + (closed ? 0 : 1) < zigzag.size(); ++k) {
         const dem::Segment<> segment{.from = zigzag[k], .to = zigzag[(k + 1) % zigzag.size()]};
-        by_hand = std::min(by_hand, segment.nearest(x).distance);
+        expected = std::min(expected, segment.nearest(x).distance);
       }
       double nearest = inf;
       for (const auto& push : pushes_on<2>(wall, x, inf)) {
         nearest = std::min(nearest, push.distance);
       }
-      ASSERT_NEAR(nearest, by_hand, 1e-15) << x.transpose();
+      ASSERT_NEAR(nearest, expected, 1e-15) << x.transpose();
       expect_near_elements<2>(wall, x, 0.3);
     }
   }
@@ -147,22 +147,22 @@ TEST(Polyline, HasOneContactOutsideACornerAndTwoInside) {
 }
 
 TEST(Walls, RejectInvalidParameters) {
-  const auto refused = [](auto wall, const std::vector<std::string>& words) {
-    return refuses([&] { wall.check(); }, words);
+  const auto throws = [](auto wall, const std::vector<std::string>& fragments) {
+    return refuses([&] { wall.check(); }, fragments);
   };
-  EXPECT_TRUE(refused(dem::BoxWall<2>{.box = {.lower = {0, 1}, .upper = {1, 1}}}, {"Box: axis 1"}));
-  EXPECT_TRUE(refused(dem::BoxWall<2>{.box = {.lower = {0, 0}, .upper = {1, 1}, .periodic = {true}},
-                                      .grains = dem::Side::outside},
-                      {"BoxWall", "periodic"}));
-  EXPECT_TRUE(refused(dem::Circle<>{}, {"Circle: radius = 0"}));
-  EXPECT_TRUE(refused(dem::Circle<>{.centre = {nan, 0}, .radius = 1}, {"Circle: centre = nan"}));
-  EXPECT_TRUE(refused(dem::Cylinder<>{.to = {0, 0, 0}, .radius = 1}, {"length of the axis = 0"}));
-  EXPECT_TRUE(refused(dem::Cylinder<>{.radius = -1}, {"Cylinder: radius = -1"}));
-  EXPECT_TRUE(refused(dem::Polyline<>{.points = {{0, 0}}}, {"Polyline", "number of points = 1"}));
-  EXPECT_TRUE(refused(dem::Polyline<>{.points = {{0, 0}, {1, 0}}, .closed = true}, {"at least 3"}));
-  EXPECT_TRUE(refused(dem::Polyline<>{.points = {{0, 0}, {1, 0}, {1, 0}}},
-                      {"point 1", "distance to the next one = 0"}));
-  EXPECT_TRUE(refused(dem::Polyline<>{.points = {{0, 0}, {1, nan}}}, {"point 1 = nan"}));
+  EXPECT_TRUE(throws(dem::BoxWall<2>{.box = {.lower = {0, 1}, .upper = {1, 1}}}, {"Box: axis 1"}));
+  EXPECT_TRUE(throws(dem::BoxWall<2>{.box = {.lower = {0, 0}, .upper = {1, 1}, .periodic = {true}},
+                                     .grains = dem::Side::outside},
+                     {"BoxWall", "periodic"}));
+  EXPECT_TRUE(throws(dem::Circle<>{}, {"Circle: radius = 0"}));
+  EXPECT_TRUE(throws(dem::Circle<>{.centre = {nan, 0}, .radius = 1}, {"Circle: centre = nan"}));
+  EXPECT_TRUE(throws(dem::Cylinder<>{.to = {0, 0, 0}, .radius = 1}, {"length of the axis = 0"}));
+  EXPECT_TRUE(throws(dem::Cylinder<>{.radius = -1}, {"Cylinder: radius = -1"}));
+  EXPECT_TRUE(throws(dem::Polyline<>{.points = {{0, 0}}}, {"Polyline", "number of points = 1"}));
+  EXPECT_TRUE(throws(dem::Polyline<>{.points = {{0, 0}, {1, 0}}, .closed = true}, {"at least 3"}));
+  EXPECT_TRUE(throws(dem::Polyline<>{.points = {{0, 0}, {1, 0}, {1, 0}}},
+                     {"point 1", "distance to the next one = 0"}));
+  EXPECT_TRUE(throws(dem::Polyline<>{.points = {{0, 0}, {1, nan}}}, {"point 1 = nan"}));
 }
 
 }  // namespace
