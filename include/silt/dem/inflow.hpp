@@ -73,8 +73,8 @@ class Inflow {
  private:
   Index due(double since) const {
     if (!settings_.rate) return settings_.number;
-    const double elapsed = std::min(*settings_.rate * since, double(settings_.number));
-    return std::min(settings_.number, 1 + completed_intervals(elapsed));
+    const double expected = std::min(*settings_.rate * since, double(settings_.number));
+    return std::min(settings_.number, 1 + completed_intervals(expected));
   }
 
   template <class P>
