@@ -120,7 +120,7 @@ struct ChosenSurface {
     neighbours.check();
   }
   bool is_on_surface(const mps::LocalDensity& local_density) const {
-    return (!by_density || density.holds(local_density)) && (!by_count || neighbours.holds(local_density));
+    return (!by_density || density.is_on_surface(local_density)) && (!by_count || neighbours.is_on_surface(local_density));
   }
 };
 

@@ -160,7 +160,7 @@ TEST(Finite, IsToldFromTheBits) {
 }
 
 TEST(Error, SaysWhereItHappened) {
-  const Error error = Error("it broke", {.particle = 3, .id = 17}).at(120, 0.31);
+  const Error error = Error("it broke", {.particle = 3, .id = 17}).with_step(120, 0.31);
   EXPECT_STREQ(error.what(), "it broke (particle 3, id 17, step 120, t = 0.31 s)");
   EXPECT_EQ(error.where().id, Id{17});
   EXPECT_STREQ(Error("alone").what(), "alone");

@@ -77,11 +77,11 @@ template <class Sim>
 Bytes everything(const Sim& sim) {
   Bytes bytes = state_of(sim.particles());
   const auto& contacts = sim.interaction().template part<1>();
-  contacts.memory(sim.particles()).for_each_pair([&](Id a, Id b, const auto& memory) {
+  contacts.history(sim.particles()).for_each_pair([&](Id a, Id b, const auto& history) {
     append(bytes, std::span<const Id>({a, b}));
-    append(bytes, std::span<const double>(memory.tangential_force.data(),
-                                          static_cast<Index>(memory.tangential_force.size())));
-    append(bytes, std::span<const double>({memory.normal_force}));
+    append(bytes, std::span<const double>(history.tangential_force.data(),
+                                          static_cast<Index>(history.tangential_force.size())));
+    append(bytes, std::span<const double>({history.normal_force}));
   });
   contacts.for_each_contact(sim.particles(), [&](Index i, Index j, const auto& contact, const auto&) {
     append(bytes, std::span<const Id>({i, j}));
