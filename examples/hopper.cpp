@@ -215,7 +215,7 @@ auto region_above(const Options& o, double D) {
   } else {
     // Within the corners of the mesh.
     const double inscribed = o.bin() / 2 * std::cos(std::numbers::pi / corners);
-    return dem::VerticalCylinder<>{.foot = {0, 0, low}, .radius = inscribed, .height = high - low};
+    return dem::VerticalCylinder<>{.base = {0, 0, low}, .radius = inscribed, .height = high - low};
   }
 }
 
@@ -254,7 +254,7 @@ dem::Grains<Dim> fill(const Options& o, double D) {
   }
   const auto time = dem::settle(bin, {.speed = 0.01 * o.speed(),
                                       .check_every = 2 * o.unit_of_time(),
-                                      .at_most = 200 * o.unit_of_time()});
+                                      .max_time = 200 * o.unit_of_time()});
   std::printf("hopper: %zu grains came in %.3g s and settled in %.3g s more, %llu steps\n",
               bin.particles().size(), bin.time() - time, time,
               static_cast<unsigned long long>(bin.steps()));

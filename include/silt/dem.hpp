@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Granular flow: everything a DEM program includes, but for files.
+// Granular flow: all headers of a DEM program except those for reading and writing files.
 #pragma once
 
 #include <silt/core/forces.hpp>

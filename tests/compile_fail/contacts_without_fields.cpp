@@ -1,5 +1,5 @@
-// expect: (static assertion failed|static_assert failed).*these particles lack a field of
-// dem::Grains SPDX-License-Identifier: MIT
+// expect: (static assertion failed|static_assert failed).*these particles lack a field
+// SPDX-License-Identifier: MIT
 #include <silt/dem.hpp>
 
 using namespace silt;

@@ -1,5 +1,5 @@
 // expect: (static assertion failed|static_assert failed).*this integrator cannot advance these
-// particles with this SPDX-License-Identifier: MIT
+// SPDX-License-Identifier: MIT
 #include <silt/dem.hpp>
 #include <silt/integrate/semi_implicit.hpp>
 

@@ -1,4 +1,4 @@
-// expect: (static assertion failed|static_assert failed).*or moves by no motion
+// expect: (static assertion failed|static_assert failed).*or its motion is not a
 // SPDX-License-Identifier: MIT
 #include <silt/dem.hpp>
 

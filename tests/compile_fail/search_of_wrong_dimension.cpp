@@ -1,5 +1,5 @@
 // expect: (static assertion failed|static_assert failed).*is no neighbour search for these
-// particles SPDX-License-Identifier: MIT
+// SPDX-License-Identifier: MIT
 #include <silt/dem.hpp>
 
 using namespace silt;

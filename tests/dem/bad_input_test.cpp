@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Every parameter of DEM that cannot be: a sentence with its name and value.
+// Invalid parameters of DEM throw, and the message contains their name and value.
 #include "support/check.hpp"
 #include "support/grains.hpp"
-
 #include <gtest/gtest.h>
 
 #include <functional>
@@ -36,57 +35,67 @@ void use(const dem::Grain& grain) {
   }
 }
 
-TEST(BadInput, IsNamedWithItsValue) {
+TEST(BadInput, MessageHasNameAndValue) {
   const std::vector<double> not_positive{0, -1, nan, inf};
   const std::vector<double> negative{-1, nan, inf, -inf};
   const std::vector<Wrong> all{
-      {"CundallStrack: normal_stiffness", [](double x) { use({.normal_stiffness = x}); }, not_positive},
+      {"CundallStrack: normal_stiffness", [](double x) { use({.normal_stiffness = x}); },
+       not_positive},
       {"CundallStrack: tangential_stiffness",
        [](double x) { use({.normal_stiffness = 1, .tangential_stiffness = x}); }, negative},
-      {"CundallStrack: restitution", [](double x) { use({.normal_stiffness = 1, .restitution = x}); },
+      {"CundallStrack: restitution",
+       [](double x) { use({.normal_stiffness = 1, .restitution = x}); },
        {0, -0.5, 1.01, nan, inf}},
       {"CundallStrack: beta", [](double x) { use({.normal_stiffness = 1, .beta = x}); }, negative},
       {"CundallStrack: friction_angle",
        [](double x) { use({.normal_stiffness = 1, .friction_angle = x}); },
        {-0.1, std::numbers::pi / 2, 2, nan, inf}},
-      {"CundallStrack: cohesion", [](double x) { use({.normal_stiffness = 1, .cohesion = x}); }, negative},
+      {"CundallStrack: cohesion", [](double x) { use({.normal_stiffness = 1, .cohesion = x}); },
+       negative},
       {"Grain: radius", [](double x) { use(dem::Grain{.radius = x, .density = 1}); }, not_positive},
-      {"Grain: density", [](double x) { use(dem::Grain{.radius = 1, .density = x}); }, not_positive},
+      {"Grain: density", [](double x) { use(dem::Grain{.radius = 1, .density = x}); },
+       not_positive},
       {"ContactSettings: steps_per_contact",
        [](double x) { dem::Contacts{good}.with({.steps_per_contact = x}); }, not_positive},
       {"Spring: mass",
-       [](double x) { dem::sah_choi_critical_time_step({.mass = x, .stiffness = 1}); }, not_positive},
+       [](double x) { dem::sah_choi_critical_time_step({.mass = x, .stiffness = 1}); },
+       not_positive},
       {"Spring: stiffness", [](double x) { dem::contact_duration({.mass = 1, .stiffness = x}); },
        not_positive},
       {"Plane: point",
-       [](double x) { dem::Contacts(good, dem::Plane<2>{.point = {0, x}}); }, {nan, inf}},
+       [](double x) { dem::Contacts(good, dem::Plane<2>{.point = {0, x}}); },
+       {nan, inf}},
       {"Plane: normal",
-       [](double x) { dem::Contacts(good, dem::Plane<2>{.normal = {0, x}}); }, {nan, inf}},
+       [](double x) { dem::Contacts(good, dem::Plane<2>{.normal = {0, x}}); },
+       {nan, inf}},
       {"Segment: from",
-       [](double x) { dem::Contacts(good, dem::Segment<>{.from = {x, 0}, .to = {1, 1}}); }, {nan, inf}},
+       [](double x) { dem::Contacts(good, dem::Segment<>{.from = {x, 0}, .to = {1, 1}}); },
+       {nan, inf}},
       {"Segment: to",
-       [](double x) { dem::Contacts(good, dem::Segment<>{.from = {0, 0}, .to = {1, x}}); }, {nan, inf}},
+       [](double x) { dem::Contacts(good, dem::Segment<>{.from = {0, 0}, .to = {1, x}}); },
+       {nan, inf}},
   };
   for (const auto& [name, use_it, values] : all) {
     for (const double value : values) {
-      EXPECT_TRUE(refuses([&use = use_it, value] { use(value); }, {name + " = " + to_text(value)})) << name;
+      EXPECT_TRUE(refuses([&use = use_it, value] { use(value); }, {name + " = " + to_text(value)}))
+          << name;
     }
   }
 }
 
-TEST(BadInput, WallsWithoutExtentAreRefused) {
+TEST(BadInput, WallsWithoutExtentThrow) {
   EXPECT_TRUE(refuses([] { dem::Contacts(good, dem::Plane<3>{.normal = {0, 0, 0}}); },
                       {"Plane: length of the normal = 0"}));
   EXPECT_TRUE(refuses([] { dem::Contacts(good, dem::Segment<>{.from = {1, 2}, .to = {1, 2}}); },
                       {"Segment: length = 0"}));
 }
 
-TEST(BadInput, RestitutionAndBetaTogetherAreRefused) {
+TEST(BadInput, RestitutionTogetherWithBetaThrows) {
   EXPECT_TRUE(refuses([] { use({.normal_stiffness = 1, .restitution = 0.5, .beta = 0.1}); },
                       {"restitution = 0.5", "beta = 0.1", "one of them"}));
 }
 
-TEST(BadInput, MaterialsThatAreNotThereAreRefused) {
+TEST(BadInput, UnknownMaterialsThrow) {
   using Materials = dem::Materials<dem::CundallStrack>;
   EXPECT_TRUE(refuses([] { Materials{}; }, {"Materials"}));
   EXPECT_TRUE(refuses([] { (Materials{good, dem::CundallStrack{}}); }, {"normal_stiffness = 0"}));
@@ -107,13 +116,14 @@ struct Spring {
   }
 };
 
-TEST(BadInput, TwoMaterialsOfALawThatCannotMixAreRefused) {
+TEST(BadInput, TwoMaterialsOfALawWithoutMixThrow) {
   EXPECT_TRUE(refuses([] { (dem::Materials<Spring>{Spring{}, Spring{}}); }, {"mix(a, b)"}));
   EXPECT_NO_THROW((dem::Materials<Spring>{Spring{}}));
 }
 
-TEST(OwnLaw, OfAFewLinesRunsWithoutMemoryOrStiffness) {
-  Simulation sim{two_grains<2>(1e-4, Vec<2>(-1, 0)), UniformGrid<2>{}, dem::Contacts{Spring{1e6}}, Leapfrog{}};
+TEST(UserDefinedLaw, RunsWithoutHistoryOrStiffness) {
+  Simulation sim{two_grains<2>(1e-4, Vec<2>(-1, 0)), UniformGrid<2>{}, dem::Contacts{Spring{1e6}},
+                 Leapfrog{}};
   EXPECT_TRUE(refuses([&] { sim.step(); }, {"chooses a time step"}));
   through_contact(sim, 1e-5);
   EXPECT_NEAR(sim.particles()[velocity][0][0], -1, 1e-3);

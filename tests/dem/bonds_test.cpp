@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: MIT
-// Bonds: what beam theory says of a chain of grains, what no bond may change, and what undoing,
-// removing, reordering and restarting must leave alone.
-#include "support/check.hpp"
-#include "support/grains.hpp"
-
+// Bonds against beam theory, conservation of momentum, and rolling back, removing, reordering and
+// restarting.
 #include <silt/dem/bonds.hpp>
 #include <silt/io/checkpoint.hpp>
 
+#include "support/check.hpp"
+#include "support/grains.hpp"
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -23,11 +22,11 @@ constexpr double R = 0.01;
 const dem::ParallelBond cement{
     .normal_stiffness = 1e9, .tangential_stiffness = 4e8, .radius_share = 0.8};
 
-// The same so soft that one may look at it after any time.
+// The same, soft enough for any time step.
 const dem::ParallelBond soft{
     .normal_stiffness = 10, .tangential_stiffness = 4, .radius_share = 0.8};
 
-// Grains in touch along the first axis.
+// Touching grains along the first axis.
 template <int Dim, class Real = double>
 auto chain(Index n) {
   dem::Grains<Dim, Real> grains;
@@ -45,15 +44,15 @@ auto bonded(const P& grains, const dem::ParallelBond& law) {
   return bonds;
 }
 
-// Asks bonds for their forces on grains as they are, dt after the last time.
+// Evaluates the forces of bonds on grains, dt after the previous evaluation.
 template <class B, class P>
-void look(B& bonds, P& grains, double dt) {
+void evaluate(B& bonds, P& grains, double dt) {
   clear(grains);
   BruteForce<P::dimension, typename P::Real> search;
   bonds.accelerate(grains, search, dt);
 }
 
-// A square, a block, some of whose bonds run every way.
+// A square or block with bonds in all directions.
 template <int Dim, class Real>
 auto block(Index along, double strength = 2e3) {
   auto grains = crowd<Dim, Real>(along, 11);
@@ -64,7 +63,7 @@ auto block(Index along, double strength = 2e3) {
                                                 .beta = 1e-6,
                                                 .tensile_strength = strength,
                                                 .shear_strength = strength}};
-  bonds.bond_all_touching(grains, UniformGrid<Dim, Real>{}, {.gap = 1e-3});
+  bonds.bond_all_touching(grains, UniformGrid<Dim, Real>{}, {.max_gap = 1e-3});
   return std::pair(std::move(grains), std::move(bonds));
 }
 
@@ -74,19 +73,19 @@ using Kinds = ::testing::Types<dem::Grains<2, double>, dem::Grains<2, float>,
                                dem::Grains<3, double>, dem::Grains<3, float>>;
 TYPED_TEST_SUITE(BondsOf, Kinds);
 
-TYPED_TEST(BondsOf, PullAsTheirSpringDoesAndStoreItsEnergy) {
+TYPED_TEST(BondsOf, HaveTheForceAndEnergyOfTheirSpring) {
   constexpr int dim = TypeParam::dimension;
   using Real = typename TypeParam::Real;
   auto grains = chain<dim, Real>(2);
   auto bonds = bonded<dim, Real>(grains, cement);
   ASSERT_EQ(bonds.bonds().size(), 1u);
-  look(bonds, grains, 1e-7);
+  evaluate(bonds, grains, 1e-7);
   EXPECT_EQ(grains[force][0].norm(), 0);
   const double e = 1e-5;
   grains[position][1][0] += Real(e);
-  look(bonds, grains, 1e-7);
+  evaluate(bonds, grains, 1e-7);
   const double area = dim == 2 ? 2 * 0.8 * R : std::numbers::pi * 0.64 * R * R;
-  const double tolerance = std::is_same_v<Real, float> ? 1e-3 : 1e-10;  // of a difference of floats
+  const double tolerance = std::is_same_v<Real, float> ? 1e-3 : 1e-10;  // difference of two floats
   EXPECT_NEAR(grains[force][0][0] / (1e9 * area * e), 1, tolerance);
   EXPECT_EQ(grains[force][1][0], -grains[force][0][0]);
   EXPECT_NEAR(bonds.elastic_energy(grains) / (1e9 * area * e * e / 2), 1, tolerance);
@@ -98,7 +97,7 @@ class BlockOf : public ::testing::Test {};
 using SomeKinds = ::testing::Types<dem::Grains<2, float>, dem::Grains<3, double>>;
 TYPED_TEST_SUITE(BlockOf, SomeKinds);
 
-TYPED_TEST(BlockOf, BondedGrainsGivesTheSameBitsForOneToFourThreadsAndAnyOrderInMemory) {
+TYPED_TEST(BlockOf, BondedGrainsIsReproducibleForOneToFourThreadsAndAnyOrderInMemory) {
   constexpr int dim = TypeParam::dimension;
   using Real = typename TypeParam::Real;
   const auto [start, bonds] = block<dim, Real>(dim == 2 ? 33 : 11, 300);
@@ -125,7 +124,7 @@ TYPED_TEST(BlockOf, BondedGrainsGivesTheSameBitsForOneToFourThreadsAndAnyOrderIn
   EXPECT_EQ(run(turned), alone);
 }
 
-// The chain's first grain is so heavy that it stands still.
+// The first grain of the chain is so heavy that it does not move.
 template <class P>
 void hold_first(P& grains) {
   grains[mass][0] *= 1e12;
@@ -152,7 +151,7 @@ TEST(Cantilever, OfGrainsBendsAsTheChainOfItsSectionsAndNearlyAsABeam) {
   const double load = 1;  // [N]
   Simulation beam{grains, BruteForce<2>{}, Forces{bonds, PushLast{{0, -load}}},
                   Leapfrog{GlobalDamping{.alpha = 110}}};
-  // About the critical damping of the slowest swing; each bond by itself is much faster.
+  // About critical damping of the slowest mode; single bonds oscillate much faster.
   while (beam.time() < 0.3) beam.step(beam.time_step() * 10);
   const auto section = dem::section_of<2>(cement, R);
   const auto springs = dem::springs_of(cement, section);
@@ -162,9 +161,9 @@ TEST(Cantilever, OfGrainsBendsAsTheChainOfItsSectionsAndNearlyAsABeam) {
     exact += load * squared((double(k) + 0.5) * L) / springs.bending + load / springs.shear;
   }
   const double deflection = -beam.particles()[position][n][1];
-  EXPECT_NEAR(deflection / exact, 1, 1e-4) << "linear for so small a load";
+  EXPECT_NEAR(deflection / exact, 1, 1e-4) << "linear for this small load";
   // Timoshenko's beam, P ℓ³/(3 E I) + P ℓ/(G A) with E = k̄_n L and G = k̄_s L; the chain is
-  // 1/(4 n²) of the first too stiff.
+  // too stiff by 1/(4 n²) of the first term.
   const double length = double(n) * L;
   const double bending = load * length * squared(length) / (3 * springs.bending * L);
   EXPECT_NEAR(exact, bending * (1 - 1 / (4.0 * n * n)) + load * length / (springs.shear * L),
@@ -172,7 +171,8 @@ TEST(Cantilever, OfGrainsBendsAsTheChainOfItsSectionsAndNearlyAsABeam) {
   EXPECT_NEAR(deflection / (bending + load * length / (springs.shear * L)), 1, 0.005);
 }
 
-// A rigid turn of a pair by small steps, as leapfrog would have it: spins of the half step before.
+// A rigid rotation of a pair in small steps with the spins of the previous half step, as in
+// leapfrog.
 template <int Dim>
 double strain_after_turning(const AngularVec<Dim>& w, double dt, int steps) {
   auto grains = chain<Dim>(2);
@@ -188,36 +188,36 @@ double strain_after_turning(const AngularVec<Dim>& w, double dt, int steps) {
   for (int step = 0; step <= steps; ++step) {
     grains[position][1] = at(step * dt);
     grains[spin][0] = grains[spin][1] = w;
-    look(bonds, grains, dt);
+    evaluate(bonds, grains, dt);
   }
   const auto& bond = bonds.bonds()[0];
-  return bond.shear.norm() / R + std::sqrt(squared_norm(bond.turn));
+  return bond.shear.norm() / R + std::sqrt(squared_norm(bond.rotation));
 }
 
-TEST(BondedPair, TurnsFreelyWithoutAnyStrain) {
-  // Ten revolutions and more.
+TEST(BondedPair, RotatesWithoutStrain) {
+  // More than ten revolutions.
   EXPECT_LT(strain_after_turning<2>(50, 1e-3, 2000), 1e-12);
   EXPECT_LT(strain_after_turning<3>({0, 0, 50}, 1e-3, 2000), 1e-12);
   EXPECT_LT(strain_after_turning<3>({70, 0, 0}, 1e-3, 2000), 1e-12) << "about its own line";
   EXPECT_LT(strain_after_turning<3>({30, 20, 35}, 1e-3, 2000), 1e-12);
 }
 
-TEST(BondedPair, ThatIsTwistedOrBentHoldsAgainstIt) {
+TEST(BondedPair, ResistsTwistingAndBending) {
   auto grains = chain<3>(2);
   auto bonds = bonded<3, double>(grains, soft);
-  look(bonds, grains, 1e-3);
+  evaluate(bonds, grains, 1e-3);
   grains[spin][1] = {1, 0, 2};
-  look(bonds, grains, 1e-3);
+  evaluate(bonds, grains, 1e-3);
   const auto springs = dem::springs_of(soft, dem::section_of<3>(soft, R));
-  // To the square of so small a turn.
+  // Up to the square of this small angle.
   EXPECT_NEAR(grains[torque][1][0], -springs.twisting * 1e-3, 1e-9 * springs.twisting);
-  // Turning about its own centre, the second grain also shears the section R away from it.
+  // A rotation of the second grain about its centre also shears the section at the distance R.
   EXPECT_NEAR(grains[torque][1][2], -(springs.bending + springs.shear * R * R) * 2e-3,
               1e-9 * springs.bending);
   EXPECT_NEAR(grains[force][1][1], springs.shear * R * 2e-3, 1e-9 * springs.shear * R);
 }
 
-TEST(Block, OfBondedGrainsKeepsMomentumAndAngularMomentumWhileBondsBreak) {
+TEST(Block, OfBondedGrainsConservesMomentumAndAngularMomentumWhileBondsBreak) {
   const auto check = [](auto start) {
     auto& [grains, bonds] = start;
     constexpr int dim = std::remove_reference_t<decltype(grains)>::dimension;
@@ -248,17 +248,17 @@ TEST(Block, OfBondedGrainsKeepsMomentumAndAngularMomentumWhileBondsBreak) {
 TEST(Bond, BreaksJustAboveItsStrengthAndNotBelow) {
   const auto holds = [](double stretch, double slide, double bend) {
     auto law = soft;
-    law.tensile_strength = 1e-4;  // [Pa]: a stretch of 1e-5 m
-    law.shear_strength = 4e-5;    // a slip of 1e-5 m
+    law.tensile_strength = 1e-4;  // [Pa]: an elongation of 1e-5 m
+    law.shear_strength = 4e-5;    // a shear of 1e-5 m
     auto grains = chain<2>(2);
     auto bonds = bonded<2, double>(grains, law);
-    look(bonds, grains, 1);
+    evaluate(bonds, grains, 1);
     grains[position][1][0] += stretch;
-    // Both sides of the section move apart by the turn of both grains against the line.
+    // A common rotation of both grains relative to the line shears the section.
     grains[spin][0] = grains[spin][1] = slide / (2 * R);
     grains[spin][0] += bend / 2;
     grains[spin][1] -= bend / 2;
-    look(bonds, grains, 1);
+    evaluate(bonds, grains, 1);
     EXPECT_EQ(bonds.bonds().size() + bonds.broken().in_tension + bonds.broken().in_shear, 1u);
     if (bonds.bonds().empty()) {
       EXPECT_EQ(grains[force][0].norm(), 0);
@@ -268,16 +268,16 @@ TEST(Bond, BreaksJustAboveItsStrengthAndNotBelow) {
   };
   EXPECT_TRUE(holds(0.999999e-5, 0, 0));
   EXPECT_FALSE(holds(1.000001e-5, 0, 0));
-  EXPECT_TRUE(holds(-5e-5, 0, 0)) << "no pressure breaks it";
+  EXPECT_TRUE(holds(-5e-5, 0, 0)) << "compression does not break it";
   EXPECT_TRUE(holds(0, 0.999999e-5, 0));
   EXPECT_FALSE(holds(0, 1.000001e-5, 0));
-  // At the rim, a turn of φ stretches by φ R̄.
+  // At the rim, a rotation by φ gives an elongation of φ R̄.
   EXPECT_TRUE(holds(0, 0, 0.999999e-5 / (0.8 * R)));
   EXPECT_FALSE(holds(0, 0, 1.000001e-5 / (0.8 * R)));
-  EXPECT_FALSE(holds(0.5e-5, 0, 0.6e-5 / (0.8 * R))) << "the two add up";
+  EXPECT_FALSE(holds(0.5e-5, 0, 0.6e-5 / (0.8 * R))) << "both stresses add up";
 }
 
-TEST(Bonds, SwingWithoutLossAndLoseWithADashpot) {
+TEST(Bonds, OscillateWithoutLossAndAreDampedByADashpot) {
   const auto springs = dem::springs_of(cement, dem::section_of<2>(cement, R));
   const double frequency = std::sqrt(2 * springs.normal / chain<2>(1)[mass][0]);
   const auto left = [&](double beta) {
@@ -299,12 +299,12 @@ TEST(Bonds, SwingWithoutLossAndLoseWithADashpot) {
     return least;
   };
   EXPECT_GT(left(0), 0.998);
-  // ζ = β ω/2; energy falls as exp(−2 ζ ω t) over ten periods of 2π/ω.
+  // ζ = β ω/2; the energy decays as exp(−2 ζ ω t) over ten periods of 2π/ω.
   const double zeta = 0.01;
   EXPECT_NEAR(std::log(left(2 * zeta / frequency)), -40 * std::numbers::pi * zeta, 0.05);
 }
 
-TEST(Bonds, RefuseAnUnstableStepNamingTheGrainAndAreStableBelow) {
+TEST(Bonds, ThrowForAnUnstableStepWithTheGrainInTheMessageAndAreStableBelow) {
   const auto step = [](double share) {
     auto grains = chain<3>(2);
     grains[velocity][1] = {1e-3, 1e-3, 1e-3};
@@ -318,7 +318,7 @@ TEST(Bonds, RefuseAnUnstableStepNamingTheGrainAndAreStableBelow) {
   EXPECT_LT(step(0.99), 1e-2);
 }
 
-TEST(Bonds, GoWithARemovedGrainAndActThroughPeriodicSides) {
+TEST(Bonds, AreRemovedWithTheirGrainsAndActAcrossPeriodicSides) {
   auto grains = chain<2>(5);
   Box<2> box{.lower = {-R, -1}, .upper = {9 * R, 1}, .periodic = {true, false}};
   grains.set_box(box);
@@ -327,7 +327,7 @@ TEST(Bonds, GoWithARemovedGrainAndActThroughPeriodicSides) {
   EXPECT_TRUE(bonds.is_bonded({4, 0}));
   for (auto& v : grains[velocity]) v = {30, 0};
   Simulation sim{grains, UniformGrid<2>{}, bonds, Leapfrog{}};
-  for (int k = 0; k < 500; ++k) sim.step(1e-5);  // through the side
+  for (int k = 0; k < 500; ++k) sim.step(1e-5);  // across the side
   for (const auto& v : sim.particles()[velocity]) EXPECT_NEAR((v - Vec<2>(30, 0)).norm(), 0, 1e-9);
   sim.particles().remove(2);
   sim.step(1e-5);
@@ -336,14 +336,14 @@ TEST(Bonds, GoWithARemovedGrainAndActThroughPeriodicSides) {
   for (const auto& v : sim.particles()[velocity]) EXPECT_NEAR((v - Vec<2>(30, 0)).norm(), 0, 1e-9);
 }
 
-TEST(Bonds, AreAsTheyWereAfterAStepThatFailed) {
+TEST(Bonds, AreUnchangedAfterAFailedStep) {
   auto [grains, bonds] = block<2, double>(8);
   Simulation sim{grains, BruteForce<2>{}, bonds, Leapfrog{}};
   auto other = sim;
   for (int k = 0; k < 60; ++k) {
     sim.step(1e-6);
     EXPECT_THROW(other.step(1), Error);
-    // Fails behind the bonds, too.
+    // Also fails after the bonds were evaluated.
     const auto v = other.particles()[velocity][3];
     other.particles()[velocity][3][0] = std::numeric_limits<double>::quiet_NaN();
     EXPECT_THROW(other.step(1e-6), Error);
@@ -354,7 +354,7 @@ TEST(Bonds, AreAsTheyWereAfterAStepThatFailed) {
   EXPECT_LT(sim.interaction().bonds().size(), bonds.bonds().size());
 }
 
-TEST(Bonds, GoOnFromACheckpointBitByBit) {
+TEST(Bonds, ResumeFromACheckpointBitwise) {
   const auto path = std::filesystem::temp_directory_path() / "silt_bonds_test.silt";
   const auto [grains, bonds] = block<3, double>(4);
   Simulation sim{grains, BruteForce<3>{}, bonds, Leapfrog{}};
@@ -369,11 +369,11 @@ TEST(Bonds, GoOnFromACheckpointBitByBit) {
   EXPECT_EQ(again.interaction().broken().energy, sim.interaction().broken().energy);
 }
 
-TEST(Bonds, RefuseWhatIsNoBondInWords) {
+TEST(Bonds, ThrowForInvalidPairs) {
   auto grains = chain<2>(3);
   dem::Bonds<2> bonds{cement};
   bonds.bond(grains, {1, 0});
-  EXPECT_TRUE(refuses([&] { bonds.bond(grains, {0, 1}); }, {"0 and 1", "bonded already"}));
+  EXPECT_TRUE(refuses([&] { bonds.bond(grains, {0, 1}); }, {"0 and 1", "already bonded"}));
   EXPECT_TRUE(refuses([&] { bonds.bond(grains, {2, 2}); }, {"2 and 2", "not two grains"}));
   EXPECT_TRUE(refuses([&] { bonds.bond(grains, {2, 7}); }, {"2 and 7"}));
   EXPECT_TRUE(refuses([] { dem::Bonds<2>{{}}; }, {"ParallelBond: normal_stiffness", "positive"}));

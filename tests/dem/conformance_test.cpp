@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT
-// The kit that tries contact laws, on laws that are wrong in one way each.
+// The conformance checks, applied to laws with one error each.
 #include <silt/dem/conformance.hpp>
 #include <silt/dem/cundall_strack.hpp>
 
 #include "support/check.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -15,8 +14,8 @@
 namespace silt::test {
 namespace {
 
-// A spring and a dashpot along the normal, a spring with a slider along the plane, and a spring
-// against rolling and twisting; a fault makes it wrong.
+// Normal spring and dashpot, tangential spring and slider, and a spring against rolling and
+// twisting; with an optional fault.
 enum class Fault {
   none,
   dashpot_pulls_while_approaching,
@@ -38,7 +37,7 @@ struct Law {
   template <int Dim, class Real>
   struct History {
     Vec<Dim, Real> force = Vec<Dim, Real>::Zero();
-    AngularVec<Dim, Real> turn = zero_of<AngularVec<Dim, Real>>();  // of rolling; in 2D there is no other
+    AngularVec<Dim, Real> turn = zero_of<AngularVec<Dim, Real>>();  // rolling; the only one in 2D
     Real twist = 0;
   };
 
@@ -60,9 +59,8 @@ struct Law {
     if (fault != Fault::spring_stays_in_its_old_plane) {
       history.force -= history.force.dot(n) * n;
     }
-    const Real k_s = fault == Fault::softens_with_its_load
-                         ? k * std::sqrt(contact.overlap / Real(1e-4))
-                         : k / 2;
+    const Real k_s =
+        fault == Fault::softens_with_its_load ? k * std::sqrt(contact.overlap / Real(1e-4)) : k / 2;
     history.force -= k_s * contact.time_step * v_s;
     const Real most = k * contact.overlap / 2;
     const Real size = history.force.norm();
@@ -78,16 +76,16 @@ struct Law {
       couple = history.turn + history.twist * n;
     }
 
-    dem::LoadComponents<C::dimension, Real> parts;
-    parts.normal_spring = k * contact.overlap;
-    parts.normal_dashpot = c * contact.approach_speed();
-    parts.tangential_spring = history.force;
+    dem::LoadComponents<C::dimension, Real> result;
+    result.normal_spring = k * contact.overlap;
+    result.normal_dashpot = c * contact.approach_speed();
+    result.tangential_spring = history.force;
     if (fault == Fault::divides_by_the_speed_of_sliding) {
-      parts.tangential_dashpot = -Real(1e-6) * v_s / v_s.norm();
+      result.tangential_dashpot = -Real(1e-6) * v_s / v_s.norm();
     }
     const Real stiffness = fault == Fault::couple_turns_on ? -20 : 20;
-    parts.rolling_spring = -stiffness * couple;
-    return parts;
+    result.rolling_spring = -stiffness * couple;
+    return result;
   }
 
   template <class C, class M>
@@ -100,99 +98,99 @@ struct Law {
   }
 };
 
-// Fails this finding, says so in words, and all others hold but for these.
-void expect_finding(Fault fault, const std::string& name,
+// This check fails and is in the text; all others pass, except those in `also`.
+void expect_failure(Fault fault, const std::string& name,
                     const std::vector<std::string>& also = {}) {
-  const auto verdict = dem::conformance_of(Law{fault});
-  EXPECT_FALSE(verdict.holds(name)) << name;
-  EXPECT_NE(verdict.text().find(name), std::string::npos);
-  for (const auto& finding : verdict.findings) {
+  const auto report = dem::conformance_of(Law{fault});
+  EXPECT_FALSE(report.passes(name)) << name;
+  EXPECT_NE(report.text().find(name), std::string::npos);
+  for (const auto& check : report.checks) {
     const bool expected =
-        finding.name == name || std::find(also.begin(), also.end(), finding.name) != also.end();
-    EXPECT_TRUE(expected || finding.holds())
-        << finding.dimension << "D " << finding.name << ": " << finding.value;
+        check.name == name || std::find(also.begin(), also.end(), check.name) != also.end();
+    EXPECT_TRUE(expected || check.passes())
+        << check.dimension << "D " << check.name << ": " << check.value;
   }
 }
 
-TEST(Conformance, OfASoundLawHolds) {
-  const auto verdict = dem::conformance_of(Law{Fault::none});
-  EXPECT_TRUE(verdict.holds()) << verdict.text();
-  EXPECT_EQ(verdict.text(), "");
-  EXPECT_EQ(verdict.findings.size(), 30u) << "fifteen in the plane, fifteen in space";
+TEST(Conformance, PassesForACorrectLaw) {
+  const auto report = dem::conformance_of(Law{Fault::none});
+  EXPECT_TRUE(report.passes()) << report.text();
+  EXPECT_EQ(report.text(), "");
+  EXPECT_EQ(report.checks.size(), 30u) << "fifteen in 2D, fifteen in 3D";
 }
 
-TEST(Conformance, FindsADashpotOfTheWrongSign) {
-  expect_finding(Fault::dashpot_pulls_while_approaching, "no energy from pressing",
-                 {"restitution is at most 1", "no energy from impacts",
-                  "a faster impact loses no less", "no energy from sliding",
-                  "no energy from sliding under changing load", "no energy from rolling",
-                  "elastic_energy is what the springs hold"});
+TEST(Conformance, DetectsADashpotOfTheWrongSign) {
+  expect_failure(
+      Fault::dashpot_pulls_while_approaching, "no energy from pressing",
+      {"restitution is at most 1", "no energy from impacts", "a faster impact loses no less",
+       "no energy from sliding", "no energy from sliding under changing load",
+       "no energy from rolling", "elastic_energy is the energy of the springs"});
 }
 
-TEST(Conformance, FindsASpringThatDoesNotTurnWithTheContact) {
-  expect_finding(Fault::spring_stays_in_its_old_plane, "memory turns with the contact");
+TEST(Conformance, DetectsASpringThatDoesNotRotateWithTheContact) {
+  expect_failure(Fault::spring_stays_in_its_old_plane, "history rotates with the contact");
 }
 
-TEST(Conformance, FindsAForceThatKnowsADirection) {
-  expect_finding(Fault::softer_along_the_first_axis, "the same in any frame",
-                 {"memory turns with the contact", "elastic_energy is what the springs hold"});
+TEST(Conformance, DetectsAForceWithAFixedDirection) {
+  expect_failure(
+      Fault::softer_along_the_first_axis, "the same in any frame",
+      {"history rotates with the contact", "elastic_energy is the energy of the springs"});
 }
 
-TEST(Conformance, FindsACoupleOfTheWrongSign) {
-  expect_finding(Fault::couple_turns_on, "no energy from rolling",
-                 {"no energy from impacts", "elastic_energy is what the springs hold"});
+TEST(Conformance, DetectsACoupleOfTheWrongSign) {
+  expect_failure(Fault::couple_turns_on, "no energy from rolling",
+                 {"no energy from impacts", "elastic_energy is the energy of the springs"});
 }
 
-TEST(Conformance, FindsAForceThatIsNotTheReaction) {
-  expect_finding(Fault::stiffer_on_the_side_of_the_upper, "action equals reaction",
-                 {"the same in any frame", "memory turns with the contact",
-                  "elastic_energy is what the springs hold"});
+TEST(Conformance, DetectsAViolationOfActionAndReaction) {
+  expect_failure(Fault::stiffer_on_the_side_of_the_upper, "action equals reaction",
+                 {"the same in any frame", "history rotates with the contact",
+                  "elastic_energy is the energy of the springs"});
 }
 
-TEST(Conformance, FindsAnAnswerThatIsNotFinite) {
-  expect_finding(Fault::divides_by_the_speed_of_sliding, "finite answers",
-                 {"pushes back", "the same in any frame", "memory turns with the contact",
+TEST(Conformance, DetectsAResultThatIsNotFinite) {
+  expect_failure(Fault::divides_by_the_speed_of_sliding, "finite results",
+                 {"pushes back", "the same in any frame", "history rotates with the contact",
                   "action equals reaction", "the same in float", "the same for eight at once",
                   "no energy from pressing", "no energy from sliding", "no energy from rolling",
                   "no energy from sliding under changing load",
-                  "elastic_energy is what the springs hold"});
+                  "elastic_energy is the energy of the springs"});
 }
 
-TEST(Conformance, FindsAnElasticEnergyThatIsNot) {
-  expect_finding(Fault::stores_half_of_its_energy, "elastic_energy is what the springs hold");
+TEST(Conformance, DetectsAWrongElasticEnergy) {
+  expect_failure(Fault::stores_half_of_its_energy, "elastic_energy is the energy of the springs");
 }
 
-TEST(Conformance, FindsWhatFloatCannotTell) {
-  expect_finding(Fault::rounds_off, "the same in float");
+TEST(Conformance, DetectsLossOfPrecisionInFloat) {
+  expect_failure(Fault::rounds_off, "the same in float");
 }
 
-TEST(Conformance, FindsAnAnswerThatDiffersForEightAtOnce) {
-  expect_finding(Fault::answers_otherwise_in_lanes, "the same for eight at once");
+TEST(Conformance, DetectsAResultThatDiffersForEightAtOnce) {
+  expect_failure(Fault::answers_otherwise_in_lanes, "the same for eight at once");
 }
 
-TEST(Conformance, FindsASpringThatKeepsItsForceWhileItSoftens) {
-  expect_finding(Fault::softens_with_its_load, "no energy from sliding under changing load",
-                 {"no energy from sliding", "elastic_energy is what the springs hold"});
+TEST(Conformance, DetectsASpringThatKeepsItsForceWhileItSoftens) {
+  expect_failure(Fault::softens_with_its_load, "no energy from sliding under changing load",
+                 {"no energy from sliding", "elastic_energy is the energy of the springs"});
 }
 
-TEST(Conformance, FindsThatAContactPulls) {
-  const auto verdict = dem::conformance_of(Law{Fault::pulls});
-  EXPECT_FALSE(verdict.holds("pushes back"));
-  EXPECT_FALSE(verdict.holds("no such finding"));
+TEST(Conformance, DetectsAnAttractiveContact) {
+  const auto report = dem::conformance_of(Law{Fault::pulls});
+  EXPECT_FALSE(report.passes("pushes back"));
+  EXPECT_FALSE(report.passes("no such check"));
 }
 
-TEST(Conformance, RefusesATrialOutOfRange) {
+TEST(Conformance, ThrowsForConditionsOutOfRange) {
   const dem::CundallStrack law{.normal_stiffness = 1e6};
   EXPECT_TRUE(refuses([&] { dem::conformance_of(law, {.radius = -1}); },
-                      {"LawTrial: radius = -1"}));
+                      {"ConformanceConditions: radius = -1"}));
   EXPECT_TRUE(refuses([&] { dem::conformance_of(law, {.density = 0}); },
-                      {"LawTrial: density = 0"}));
+                      {"ConformanceConditions: density = 0"}));
   EXPECT_TRUE(refuses([&] { dem::conformance_of(law, {.overlap = 0}); },
-                      {"LawTrial: overlap = 0"}));
-  EXPECT_TRUE(refuses([&] { dem::conformance_of(law, {.overlap = 0.1}); },
-                      {"overlap over radius"}));
+                      {"ConformanceConditions: overlap = 0"}));
   EXPECT_TRUE(
-      refuses([] { dem::conformance_of(dem::CundallStrack{}); }, {"normal_stiffness = 0"}));
+      refuses([&] { dem::conformance_of(law, {.overlap = 0.1}); }, {"overlap over radius"}));
+  EXPECT_TRUE(refuses([] { dem::conformance_of(dem::CundallStrack{}); }, {"normal_stiffness = 0"}));
 }
 
 }  // namespace

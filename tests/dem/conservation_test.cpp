@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: MIT
-// What no contact may change, whatever the law: momentum and angular momentum; and what an elastic
-// one may not: energy.
+// Conservation of momentum and angular momentum in contacts, and of energy in elastic ones.
 #include "support/check.hpp"
 #include "support/grains.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -27,9 +25,10 @@ using Searches = ::testing::Types<UniformGrid<2>, NeighbourList<2>, BruteForce<2
                                   NeighbourList<3>, BruteForce<3>>;
 TYPED_TEST_SUITE(AllGrains, Searches);
 
-TYPED_TEST(AllGrains, KeepMomentumAndAngularMomentumToRoundOff) {
+TYPED_TEST(AllGrains, ConserveMomentumAndAngularMomentumToRoundOff) {
   constexpr int dim = TypeParam::Vec::RowsAtCompileTime;
-  Simulation sim{crowd<dim, double>(dim == 2 ? 8 : 4, 3), TypeParam{}, dem::Contacts{lossy}, Leapfrog{}};
+  Simulation sim{crowd<dim, double>(dim == 2 ? 8 : 4, 3), TypeParam{}, dem::Contacts{lossy},
+                 Leapfrog{}};
   const Vec<dim> p = momentum(sim.particles());
   const auto before = angular_momentum(sim.particles(), Vec<dim>::Zero());
   const double energy = energy_of_motion(sim.particles());
@@ -38,14 +37,14 @@ TYPED_TEST(AllGrains, KeepMomentumAndAngularMomentumToRoundOff) {
     scale += sim.particles()[mass][0] * x.norm();  // at a speed of 1 m/s
   }
   sim.run({.until = 0.02});
-  EXPECT_LT(energy_of_motion(sim.particles()), 0.8 * energy) << "they did collide";
+  EXPECT_LT(energy_of_motion(sim.particles()), 0.8 * energy) << "they collided";
   EXPECT_LT((momentum(sim.particles()) - p).norm(), 1e-12 * scale / 0.02);
-  // v at N − ½ and x at N turn about one another by v × v Δt = 0: no error of the half step either.
+  // The half step between v and x changes x × v by v × v Δt/2 = 0: it causes no error.
   const auto after = angular_momentum(sim.particles(), Vec<dim>::Zero());
   EXPECT_LT(size_of(typename dem::Grains<dim>::AngularVec(after - before)), 1e-12 * scale);
 }
 
-TEST(LeverArm, AtTheRadiusLosesTheAngularMomentumThatTheContactPointKeeps) {
+TEST(LeverArm, ToTheContactPointConservesAngularMomentumUnlikeTheRadius) {
   const auto change = [](dem::LeverArm arm) {
     Simulation sim{crowd<2, double>(8, 3), UniformGrid<2>{},
                    dem::Contacts{lossy}.with({.lever_arm = arm}), Leapfrog{}};
@@ -56,7 +55,7 @@ TEST(LeverArm, AtTheRadiusLosesTheAngularMomentumThatTheContactPointKeeps) {
   EXPECT_GT(change(dem::LeverArm::radius), 1e6 * change(dem::LeverArm::contact_point));
 }
 
-TEST(AllGrainsPeriodic, KeepMomentumThroughTheSides) {
+TEST(AllGrainsPeriodic, ConserveMomentumAcrossTheSides) {
   auto grains = crowd<2, double>(8, 4);
   auto box = cube<2, double>(0, 8 * 0.0205);
   box.periodic.fill(true);
@@ -67,13 +66,13 @@ TEST(AllGrainsPeriodic, KeepMomentumThroughTheSides) {
   EXPECT_LT((momentum(sim.particles()) - p).norm(), 1e-12);
 }
 
-TEST(TwoGrains, CollideThroughAPeriodicSideAsInOpenSpace) {
+TEST(TwoGrains, CollideAcrossAPeriodicSideAsInOpenSpace) {
   const auto leave = [](bool periodic) {
     dem::Grains<2> grains;
     auto box = cube<2, double>(0, 1);
     box.periodic[0] = periodic;
     grains.set_box(box);
-    // Around x = 0 ≡ 1, or in the middle.
+    // Across x = 0 ≡ 1, or in the middle.
     const double middle = periodic ? 1.0 : 0.5;
     dem::add_grain(grains, {middle - 0.0105, 0.5}, pebble);
     dem::add_grain(grains, {periodic ? 0.0105 : 0.5105, 0.505}, pebble);
@@ -92,35 +91,36 @@ TEST(TwoGrains, CollideThroughAPeriodicSideAsInOpenSpace) {
   }
 }
 
-TEST(TwoGrains, OfUnequalMassLeaveAsAnElasticImpactOfPointsDoes) {
+TEST(TwoGrains, OfUnequalMassHaveTheVelocitiesOfAnElasticImpactOfPointMasses) {
   dem::Grains<3> grains;
   dem::add_grain(grains, {0, 0, 0}, {.radius = 0.02, .density = 2500});
   dem::add_grain(grains, {0.0301, 0, 0}, {.radius = 0.01, .density = 2500});
   grains[velocity][1] = {-9, 0, 0};
-  Simulation sim{grains, UniformGrid<3>{}, dem::Contacts{dem::CundallStrack{.normal_stiffness = 1e6}}, Leapfrog{}};
+  Simulation sim{grains, UniformGrid<3>{},
+                 dem::Contacts{dem::CundallStrack{.normal_stiffness = 1e6}}, Leapfrog{}};
   through_contact(sim, sim.time_step() / 4);
-  EXPECT_NEAR(sim.particles()[velocity][0][0], -2, 1e-3) << "2 m1/(m0 + m1) of the speed";
+  EXPECT_NEAR(sim.particles()[velocity][0][0], -2, 1e-3) << "2 m1/(m0 + m1) times the speed";
   EXPECT_NEAR(sim.particles()[velocity][1][0], 7, 1e-3);
 }
 
-TEST(TwoGrains, KeepEnergyWhileAnElasticContactLasts) {
+TEST(TwoGrains, ConserveEnergyDuringAnElasticContact) {
   Simulation sim{two_grains<2>(1e-5, Vec<2>(-1, 0.3)), UniformGrid<2>{},
-                 dem::Contacts{dem::CundallStrack{.normal_stiffness = 1e6, .tangential_stiffness = 3e5,
-                                                  .friction_angle = 1.5}},
+                 dem::Contacts{dem::CundallStrack{
+                     .normal_stiffness = 1e6, .tangential_stiffness = 3e5, .friction_angle = 1.5}},
                  Leapfrog{}};
   const double before = energy_of_motion(sim.particles());
-  double most_stored = 0;
+  double max_stored = 0;
   for (int k = 0; k < 400; ++k) {
     sim.step(sim.time_step() / 5);
-    // Contacts of the last step belong to its beginning; ask a snapshot's simulation instead.
+    // Contacts of the last step belong to its beginning; use the simulation of a snapshot instead.
     auto at_step = sim;
     auto grains = sim.snapshot();
     at_step.step(1e-12);
     const double stored = at_step.interaction().elastic_energy(at_step.particles());
-    most_stored = std::max(most_stored, stored);
+    max_stored = std::max(max_stored, stored);
     ASSERT_NEAR(energy_of_motion(grains) + stored, before, 2e-3 * before) << k;
   }
-  EXPECT_GT(most_stored, 0.4 * before);
+  EXPECT_GT(max_stored, 0.4 * before);
 }
 
 TEST(Grains, HaveTheMassAndInertiaOfTheirShape) {
@@ -131,7 +131,7 @@ TEST(Grains, HaveTheMassAndInertiaOfTheirShape) {
   dem::add_grain(round, {0, 0, 0}, {.radius = 2, .density = 3});
   EXPECT_NEAR(flat[mass][0], 37.699111843, 1e-8) << "a disc of unit thickness";
   EXPECT_NEAR(flat[inertia][0], 75.398223686, 1e-8);
-  EXPECT_NEAR(flat[mass][1], 100.53096491, 1e-7) << "a sphere in the plane";
+  EXPECT_NEAR(flat[mass][1], 100.53096491, 1e-7) << "a sphere in 2D";
   EXPECT_NEAR(flat[inertia][1], 160.84954386, 1e-7);
   EXPECT_EQ(round[mass][0], flat[mass][1]);
   EXPECT_EQ(round[inertia][0], flat[inertia][1]);

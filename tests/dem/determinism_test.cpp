@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The same bits whatever the threads, the search, the order in memory, and the units.
+// Results are bitwise independent of the threads, the search, the order in memory and the units.
 #include "support/check.hpp"
 #include "support/grains.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -18,12 +17,13 @@ const dem::CundallStrack law{.normal_stiffness = 1e6,
                              .friction_angle = 0.5,
                              .cohesion = 0.1};
 
-// State by id, so that the order in memory does not show.
+// State by id, independent of the order in memory.
 template <class P>
 Bytes by_id(P grains) {
   std::vector<Index> order(grains.size());
   std::iota(order.begin(), order.end(), Index{0});
-  std::sort(order.begin(), order.end(), [&](Index a, Index b) { return grains.id(a) < grains.id(b); });
+  std::sort(order.begin(), order.end(),
+            [&](Index a, Index b) { return grains.id(a) < grains.id(b); });
   grains.reorder(order);
   return state_of(grains);
 }
@@ -39,7 +39,7 @@ auto with_gravity(const C& contacts) {
   return Forces{Gravity{g}, contacts};
 }
 
-// Of one type for all tests with this search: each takes long to compile.
+// One type for all tests with this search, because each takes long to compile.
 template <class S, class P>
 auto simulation(P grains) {
   return Simulation{std::move(grains), S{}, with_gravity<P>(contacts<P>()),
@@ -62,8 +62,8 @@ P after_steps(P grains, int steps, Threads number = Threads::as_they_are) {
 
 template <class P>
 class Determinism : public ::testing::Test {};
-using Kinds = ::testing::Types<dem::Grains<2, double>, dem::Grains<2, float>, dem::Grains<3, double>,
-                               dem::Grains<3, float>>;
+using Kinds = ::testing::Types<dem::Grains<2, double>, dem::Grains<2, float>,
+                               dem::Grains<3, double>, dem::Grains<3, float>>;
 TYPED_TEST_SUITE(Determinism, Kinds);
 
 TYPED_TEST(Determinism, GivesTheSameBitsForOneToFourThreads) {
@@ -78,9 +78,7 @@ TYPED_TEST(Determinism, GivesTheSameBitsForOneToFourThreads) {
     box.upper[0] = Real(along) * Real(0.0205);
     box.periodic[0] = periodic;
     if (periodic) start.set_box(box);
-    const auto run = [&] {
-      return state_of(after_steps<UniformGrid<dim, Real>>(start, 25));
-    };
+    const auto run = [&] { return state_of(after_steps<UniformGrid<dim, Real>>(start, 25)); };
     const Bytes alone = with_threads(1, run);
     for (const int number : {2, 3, 4}) {
       EXPECT_EQ(with_threads(number, run), alone) << number << " threads";
@@ -95,8 +93,8 @@ TYPED_TEST(Determinism, GivesTheSameBitsForEverySearchAndOrderInMemory) {
   constexpr int dim = TypeParam::dimension;
   using Real = typename TypeParam::Real;
   for (const bool periodic : {false, true}) {
-    // More than a chunk of grains: pairs through a side then belong to another one than
-    // they are found at.
+    // More than a chunk of grains: pairs across a side then belong to another chunk than the one
+    // that found them.
     const Index along = periodic ? (dim == 2 ? 36 : 11) : (dim == 2 ? 12 : 5);
     auto start = crowd<dim, Real>(along, 6);
     if (periodic) {
@@ -122,7 +120,7 @@ TYPED_TEST(Determinism, GivesTheSameBitsForEverySearchAndOrderInMemory) {
   }
 }
 
-TYPED_TEST(Determinism, KeepsContactMemoryWhenGrainsAreReorderedOnTheWay) {
+TYPED_TEST(Determinism, KeepsContactHistoryWhenGrainsAreReorderedDuringARun) {
   constexpr int dim = TypeParam::dimension;
   using Real = typename TypeParam::Real;
   const auto run = [&](bool reorder) {
@@ -136,7 +134,7 @@ TYPED_TEST(Determinism, KeepsContactMemoryWhenGrainsAreReorderedOnTheWay) {
   EXPECT_EQ(run(true), run(false));
 }
 
-TYPED_TEST(Determinism, GoesOnWithMemoryThatWasTakenOutAndPutBack) {
+TYPED_TEST(Determinism, ContinuesWithAHistoryThatWasReadAndSet) {
   constexpr int dim = TypeParam::dimension;
   using Real = typename TypeParam::Real;
   const auto run = [&](bool interrupt) {
@@ -159,7 +157,7 @@ TYPED_TEST(Determinism, GoesOnWithMemoryThatWasTakenOutAndPutBack) {
 
 // --- units ---------------------------------------------------------------------------------------
 
-// Powers of four, so that square roots, too, only change exponents.
+// Powers of four, so that square roots also change only exponents.
 struct Units {
   double length;
   double mass;
@@ -190,7 +188,8 @@ dem::Grains<Dim> in_units(const Units& u, double beta) {
   }
   Vec<Dim> g = Vec<Dim>::Zero();
   g[Dim - 1] = -9.81 * u.length / (u.time * u.time);
-  Simulation sim{grains, NeighbourList<Dim>{}, Forces{Gravity<Dim>{g}, dem::Contacts{scaled, dem::Plane<Dim>{}}},
+  Simulation sim{grains, NeighbourList<Dim>{},
+                 Forces{Gravity<Dim>{g}, dem::Contacts{scaled, dem::Plane<Dim>{}}},
                  Leapfrog{GlobalDamping{.alpha = 0.3 / u.time}}};
   for (int k = 0; k < 150; ++k) sim.step();
   auto out = sim.snapshot();
@@ -214,7 +213,7 @@ void expect_no_units(double beta) {
   EXPECT_EQ(state_of(in_units<Dim, Law>({0x1p-10, 0x1p30, 0x1p8}, beta)), si);
 }
 
-TEST(Units, DoNotShowInASingleBit) {
+TEST(Units, DoNotChangeASingleBit) {
   expect_no_units<2, dem::CundallStrack>(0);
   expect_no_units<3, dem::CundallStrack>(0);
   expect_no_units<2, dem::CundallStrack>(1e-5);

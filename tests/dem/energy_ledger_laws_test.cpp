@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: MIT
-// The energy ledger of each law, with walls that move, and the momenta.
-#include "support/ledger.hpp"
-
+// The energy ledger and the momenta for each law, with moving walls.
 #include <silt/dem/law.hpp>
 #include <silt/dem/linear_friction.hpp>
 #include <silt/dem/linear_spring_dashpot.hpp>
 #include <silt/dem/walton_braun.hpp>
 
+#include "support/ledger.hpp"
 #include <gtest/gtest.h>
 
 namespace silt::test {
@@ -34,8 +33,8 @@ TEST(EnergyLedgerOf, CundallStrackByIncrements) {
 }
 
 TEST(EnergyLedgerOf, LinearSpringDashpot) {
-  const dem::Law law{
-      dem::LinearSpringDashpot{.normal_stiffness = 1e6, .restitution = 0.8}, friction};
+  const dem::Law law{dem::LinearSpringDashpot{.normal_stiffness = 1e6, .restitution = 0.8},
+                     friction};
   expect_to_close_at_moving_walls(law);
   expect_to_keep_momenta(law);
   expect_second_order(law);

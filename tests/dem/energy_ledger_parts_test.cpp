@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The energy ledger of Hertz, Mindlin, rolling resistance and adhesion, with walls that move.
-#include "support/ledger.hpp"
-
+// The energy ledger for Hertz, Mindlin, rolling resistance and adhesion, with moving walls.
 #include <silt/dem/adhesion.hpp>
 #include <silt/dem/hertz.hpp>
 #include <silt/dem/law.hpp>
@@ -10,6 +8,7 @@
 #include <silt/dem/mindlin.hpp>
 #include <silt/dem/rolling_resistance.hpp>
 
+#include "support/ledger.hpp"
 #include <gtest/gtest.h>
 
 namespace silt::test {
@@ -36,7 +35,7 @@ TEST(EnergyLedgerOf, RollingResistance) {
   expect_second_order(law);
 }
 
-TEST(EnergyLedgerOf, HertzAndMindlinThatRollAndStick) {
+TEST(EnergyLedgerOf, HertzAndMindlinWithRollingResistanceAndAdhesion) {
   const dem::Law law{hertz, mindlin, rolling, dem::DmtAdhesion{.surface_energy = 300}};
   expect_to_close_at_moving_walls(law);
   expect_to_keep_momenta(law);

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT
+#include <silt/dem/energy_ledger.hpp>
+
 #include "support/check.hpp"
 #include "support/grains.hpp"
 #include "support/ledger.hpp"
-
-#include <silt/dem/energy_ledger.hpp>
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -12,12 +11,12 @@
 namespace silt::test {
 namespace {
 
-const dem::CundallStrack telling{.normal_stiffness = 1e6,
-                                 .tangential_stiffness = 5e5,
-                                 .restitution = 0.9,
-                                 .friction_angle = 0.4};
+const dem::CundallStrack rough_spring{.normal_stiffness = 1e6,
+                                      .tangential_stiffness = 5e5,
+                                      .restitution = 0.9,
+                                      .friction_angle = 0.4};
 
-// A law that does not tell its parts.
+// A law without components().
 struct Stubborn {
   double stiffness = 0;
   double dashpot = 0;
@@ -30,7 +29,7 @@ struct Stubborn {
 };
 
 // One type of simulation for many tests, as each takes seconds to compile: gravity, a floor and
-// global damping, some of which may be nothing.
+// global damping, any of which may be zero.
 struct Setting {
   Vec<2> gravity = Vec<2>::Zero();
   double damping = 0;
@@ -51,44 +50,44 @@ auto heap(const Box<2>& box = {}) {
 const Setting rough{.gravity = {3, -9.81}, .damping = 2, .floor = 0};
 
 TEST(EnergyLedger, ClosesInEveryStepWithGravityAndDampingAtAFloor) {
-  auto sim = simulation(heap(), telling, rough);
+  auto sim = simulation(heap(), rough_spring, rough);
   dem::EnergyLedger ledger{sim};
   expect_closing(sim, ledger, 1000, 2e-5);
-  const auto& works = ledger.works();
+  const auto& works = ledger.work();
   EXPECT_LT(works.normal_dashpot, 0);
   EXPECT_LT(works.tangential_dashpot, 0);
   EXPECT_LT(works.damping, 0);
-  EXPECT_EQ(works.walls, 0) << "the floor rests";
+  EXPECT_EQ(works.walls, 0) << "the floor is at rest";
   EXPECT_EQ(works.other, 0);
-  EXPECT_EQ(works.on_escape, 0);
+  EXPECT_EQ(works.removed_grains, 0);
   EXPECT_GT(ledger.losses().friction, 0);
 }
 
 TEST(EnergyLedger, ClosesAcrossPeriodicSidesAndWhenTheStepChanges) {
   auto box = cube<2, double>(0, 8 * 0.0205);
   box.periodic.fill(true);
-  auto sim = simulation(heap(box), telling, {.gravity = {3, -9.81}});
+  auto sim = simulation(heap(box), rough_spring, {.gravity = {3, -9.81}});
   dem::EnergyLedger ledger{sim};
   expect_closing(sim, ledger, 200, 2e-5);
   expect_closing(sim, ledger, 200, 1e-5);
-  EXPECT_EQ(ledger.outside(), 0);
+  EXPECT_EQ(ledger.added_energy(), 0);
 }
 
-TEST(EnergyLedger, ClosesWhenAGrainLeavesWhileItTouches) {
+TEST(EnergyLedger, ClosesWhenAGrainIsRemovedDuringAContact) {
   auto grains = two_grains<2>(-1e-4, Vec<2>(3, 0));
   Box<2> box{.lower = {-1, -1}, .upper = {0.02, 1}, .on_escape = OnEscape::remove};
   grains.set_box(box);
   grains[velocity][0] = {2.9, 0.1};
-  auto sim = simulation(grains, telling, {});
+  auto sim = simulation(grains, rough_spring, {});
   dem::EnergyLedger ledger{sim};
   expect_closing(sim, ledger, 100, 1e-6);
   EXPECT_EQ(sim.particles_lost(), 1u);
-  EXPECT_NEAR(ledger.outside(), -grains[mass][0] * 9 / 2, 0.2) << "it took its energy with it";
-  EXPECT_NE(ledger.works().on_escape, 0);
+  EXPECT_NEAR(ledger.added_energy(), -grains[mass][0] * 9 / 2, 0.2) << "its energy was removed";
+  EXPECT_NE(ledger.work().removed_grains, 0);
 }
 
-TEST(EnergyLedger, NoticesWhatAHandDoes) {
-  auto sim = simulation(heap(), telling, rough);
+TEST(EnergyLedger, AccountsForManualChanges) {
+  auto sim = simulation(heap(), rough_spring, rough);
   dem::EnergyLedger ledger{sim};
   const auto push = [&](auto& simulation) {
     dem::add_grain(simulation.particles(), {0.5, 0.5 + 0.1 * double(simulation.steps())}, pebble);
@@ -104,19 +103,20 @@ TEST(EnergyLedger, NoticesWhatAHandDoes) {
     }
   }
   const double each = sim.particles()[mass][0] * 4 / 2;
-  EXPECT_NEAR(ledger.outside(), 18 * each, 1e-12 * each) << "two came before it began";
+  EXPECT_NEAR(ledger.added_energy(), 18 * each, 1e-12 * each)
+      << "two were added before the balance began";
 }
 
-TEST(EnergyLedger, OfALawWithoutPartsClosesByTheLump) {
+TEST(EnergyLedger, ClosesForALawWithoutComponents) {
   auto sim = simulation(heap(), Stubborn{.stiffness = 1e6, .dashpot = 20}, rough);
   dem::EnergyLedger ledger{sim};
   expect_closing(sim, ledger, 300, 2e-5);
-  EXPECT_NE(ledger.works().contact, 0);
-  EXPECT_EQ(ledger.works().normal_spring, 0);
+  EXPECT_NE(ledger.work().contact, 0);
+  EXPECT_EQ(ledger.work().normal_spring, 0);
   EXPECT_TRUE(std::isnan(ledger.integration_error()));
 }
 
-TEST(EnergyLedger, TellsWhatABounceLost) {
+TEST(EnergyLedger, HasTheEnergyLostInABounce) {
   const double e = 0.6;
   const dem::CundallStrack law{.normal_stiffness = 1e6, .restitution = e};
   const double m = one_grain<2>({0, 0}, {0, 0})[mass][0];
@@ -126,40 +126,40 @@ TEST(EnergyLedger, TellsWhatABounceLost) {
     sim.step(1e-6);
     ledger.after_step(sim);
   }
-  EXPECT_EQ(sim.interaction().part<1>().size(), 0u) << "it left again";
-  EXPECT_NEAR(ledger.beginning().sum(), m / 2, 1e-12);
-  EXPECT_NEAR(-ledger.works().normal_dashpot, m / 2 * (1 - e * e), 1e-3 * m);
-  EXPECT_NEAR(ledger.works().normal_spring, 0, 1e-5 * m);
+  EXPECT_EQ(sim.interaction().part<1>().size(), 0u) << "the contact has ended";
+  EXPECT_NEAR(ledger.initial_energies().sum(), m / 2, 1e-12);
+  EXPECT_NEAR(-ledger.work().normal_dashpot, m / 2 * (1 - e * e), 1e-3 * m);
+  EXPECT_NEAR(ledger.work().normal_spring, 0, 1e-5 * m);
   EXPECT_NEAR(ledger.energies().sum(), m / 2 * e * e, 1e-3 * m);
 }
 
-TEST(EnergyLedger, TellsWhatSlidingLost) {
-  // A disc that slides on a floor ends at 2/3 of its speed, so with 2/3 of its energy.
+TEST(EnergyLedger, HasTheEnergyLostInSliding) {
+  // A disc sliding on a floor ends with 2/3 of its speed and therefore 2/3 of its energy.
   auto grain = one_grain<2>({0, 0}, {0.1, 0});
   const double m = grain[mass][0];
   grain[position][0][1] = 0.01 - m * 10 / 1e6;
-  auto sim = simulation(grain, telling, {.gravity = {0, -10}, .floor = 0});
+  auto sim = simulation(grain, rough_spring, {.gravity = {0, -10}, .floor = 0});
   dem::EnergyLedger ledger{sim};
   for (int step = 0; step < 15000; ++step) {
     sim.step(2e-5);
     ledger.after_step(sim);
   }
   const double first = m * 0.01 / 2;
-  const double lost = ledger.losses().friction - ledger.works().tangential_dashpot;
+  const double lost = ledger.losses().friction - ledger.work().tangential_dashpot;
   EXPECT_NEAR(lost, first / 3, 1e-3 * first);
-  EXPECT_LT(-ledger.works().tangential_dashpot, 0.1 * lost);
+  EXPECT_LT(-ledger.work().tangential_dashpot, 0.1 * lost);
   EXPECT_NEAR(ledger.energies().rotational / ledger.energies().kinetic, 0.5, 1e-3);
   EXPECT_NEAR(ledger.integration_error(), 0, 1e-4 * first);
 }
 
-// Of impacts that begin, and begin to slide, at different places within a step.
+// For impacts that begin, and begin to slide, at different times within a step.
 double rms_integration_error(double dt) {
   double sum = 0;
   constexpr int phases = 24;
   for (int phase = 0; phase < phases; ++phase) {
     const double gap = 1e-4 + 1.5 * dt * phase / phases;
     const double along = 0.3 + 0.013 * (phase * 5 % phases);
-    auto sim = simulation(two_grains<2>(gap, Vec<2>(-1.5, along)), telling, {});
+    auto sim = simulation(two_grains<2>(gap, Vec<2>(-1.5, along)), rough_spring, {});
     dem::EnergyLedger ledger{sim};
     while (sim.time() < 0.006) {
       sim.step(dt);
@@ -170,7 +170,7 @@ double rms_integration_error(double dt) {
   return std::sqrt(sum / phases);
 }
 
-TEST(EnergyLedger, HasAnIntegrationErrorThatFallsWithTheSquareOfTheStep) {
+TEST(EnergyLedger, HasAnIntegrationErrorOfSecondOrder) {
   const double coarse = rms_integration_error(4e-5);
   const double fine = rms_integration_error(5e-6);
   EXPECT_NEAR(std::log(coarse / fine) / std::log(8), 2, 0.15);
@@ -178,25 +178,28 @@ TEST(EnergyLedger, HasAnIntegrationErrorThatFallsWithTheSquareOfTheStep) {
 
 struct Wind {
   template <class P>
-  double reach(const P&) const { return 0; }
+  double reach(const P&) const {
+    return 0;
+  }
   template <class P, class S>
   void accelerate(P& particles, const S&, double) const {
     for (auto& f : particles[force]) f += Vec<2>(0.3, 0);
   }
 };
 
-TEST(EnergyLedger, PutsForcesItDoesNotKnowTogether) {
+TEST(EnergyLedger, SumsUnknownForcesInOneTerm) {
   Simulation sim{one_grain<2>({0, 0}, {1, 0}), UniformGrid<2>{},
                  Forces{Gravity<2>{{0, -1}}, Wind{}}, Leapfrog{}};
   dem::EnergyLedger ledger{sim};
   expect_closing(sim, ledger, 20, 0.01);
-  // Over 0.18 s from 0.01 s on, under 0.3 N.
+  // 0.3 N during 0.18 s, from 0.01 s on.
   const double a = 0.3 / sim.particles()[mass][0];
-  EXPECT_NEAR(ledger.works().other, 0.3 * (0.18 + a * (squared(0.19) - squared(0.01)) / 2), 1e-6);
+  EXPECT_NEAR(ledger.work().other, 0.3 * (0.18 + a * (squared(0.19) - squared(0.01)) / 2), 1e-6);
 }
 
-TEST(EnergyLedger, OfFloatsClosesToTheirRoundOff) {
-  Simulation sim{crowd<2, float>(6, 3), BruteForce<2, float>{}, dem::Contacts{telling}, Leapfrog{}};
+TEST(EnergyLedger, ClosesInFloatToItsRoundOff) {
+  Simulation sim{crowd<2, float>(6, 3), BruteForce<2, float>{}, dem::Contacts{rough_spring},
+                 Leapfrog{}};
   dem::EnergyLedger ledger{sim};
   sim.step(2e-5);
   ledger.after_step(sim);
@@ -208,16 +211,16 @@ TEST(EnergyLedger, OfFloatsClosesToTheirRoundOff) {
   EXPECT_GT(ledger.losses().friction, 0.01 * ledger.energies().kinetic);
 }
 
-TEST(EnergyLedger, RefusesGrainsThatCameUnnoticed) {
-  auto sim = simulation(heap(), telling, {});
+TEST(EnergyLedger, ThrowsForGrainsAddedWithoutBeforeStep) {
+  auto sim = simulation(heap(), rough_spring, {});
   dem::EnergyLedger ledger{sim};
   dem::add_grain(sim.particles(), {1, 1}, pebble);
   sim.step(1e-5);
   EXPECT_TRUE(refuses([&] { ledger.after_step(sim); }, {"EnergyLedger", "before_step", "id 64"}));
 }
 
-TEST(EnergyLedger, RefusesToMissAStep) {
-  auto sim = simulation(heap(), telling, {});
+TEST(EnergyLedger, ThrowsForAMissedStep) {
+  auto sim = simulation(heap(), rough_spring, {});
   dem::EnergyLedger ledger{sim};
   sim.step(1e-5);
   sim.step(1e-5);

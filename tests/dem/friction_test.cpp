@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Friction, force by force. Sliding, rolling and oblique impacts are in validation/dem_reference.
+// Friction forces. Sliding, rolling and oblique impacts are in validation/dem_reference.
 #include "support/check.hpp"
 #include "support/grains.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -14,7 +13,7 @@ namespace {
 constexpr double g = 9.81;
 constexpr double R = 0.01;
 
-// The force of the law alone, for a contact that slides.
+// The force of a law for a sliding contact.
 dem::Contact<2, double> sliding_contact(double overlap, double speed) {
   dem::Contact<2, double> contact;
   contact.normal = {0, 1};
@@ -34,8 +33,9 @@ Vec<2> after_sliding(const dem::CundallStrack& law, double overlap, double speed
   return force;
 }
 
-TEST(Friction, AContactThatSlidesHasNoTangentialDamping) {
-  dem::CundallStrack law{.normal_stiffness = 1e4, .tangential_stiffness = 1e4, .friction_angle = 0.5};
+TEST(Friction, ASlidingContactHasNoTangentialDamping) {
+  dem::CundallStrack law{
+      .normal_stiffness = 1e4, .tangential_stiffness = 1e4, .friction_angle = 0.5};
   law.beta = 1e-2;
   const Vec<2> slow = after_sliding(law, 0.01, 1);
   const Vec<2> fast = after_sliding(law, 0.01, 100);
@@ -43,16 +43,16 @@ TEST(Friction, AContactThatSlidesHasNoTangentialDamping) {
   EXPECT_NEAR(fast[0], slow[0], 1e-9) << "friction does not depend on the speed";
 }
 
-TEST(Friction, ACohesionHoldsWithoutLoad) {
+TEST(Friction, CohesionActsWithoutLoad) {
   const dem::CundallStrack law{.normal_stiffness = 1e4, .tangential_stiffness = 1e4, .cohesion = 3};
   EXPECT_NEAR(after_sliding(law, 1e-12, 1)[0], -3, 1e-6);
 }
 
 TEST(Friction, OfTwoMaterialsTheSmallerAngleAndCohesionCount) {
-  const dem::CundallStrack rough{.normal_stiffness = 1e4, .tangential_stiffness = 1e4,
-                                 .friction_angle = 0.8, .cohesion = 1};
-  const dem::CundallStrack sticky{.normal_stiffness = 1e4, .tangential_stiffness = 1e4,
-                                  .friction_angle = 0.2, .cohesion = 5};
+  const dem::CundallStrack rough{
+      .normal_stiffness = 1e4, .tangential_stiffness = 1e4, .friction_angle = 0.8, .cohesion = 1};
+  const dem::CundallStrack sticky{
+      .normal_stiffness = 1e4, .tangential_stiffness = 1e4, .friction_angle = 0.2, .cohesion = 5};
   const dem::Materials<dem::CundallStrack> materials{rough, sticky};
   for (const auto& [a, b] : {std::pair{0u, 1u}, std::pair{1u, 0u}}) {
     const Vec<2> force = after_sliding(materials.between(a, b), 0.01, 1);
@@ -66,13 +66,13 @@ TEST(Friction, OfTwoMaterialsTheSpringsActInSeriesAndTheLowerRestitutionCounts) 
   const dem::CundallStrack stiff{.normal_stiffness = 3e4, .restitution = 0.9};
   const dem::CundallStrack soft{.normal_stiffness = 1e4, .restitution = 0.5};
   const auto mixed = dem::CundallStrack::mix(stiff, soft);
-  // Each grain's own spring is twice its pair's: two in series.
+  // The spring of a single grain is twice that of its pair: two in series.
   EXPECT_DOUBLE_EQ(mixed.normal_stiffness, 1 / (1 / (2 * 3e4) + 1 / (2 * 1e4)));
   EXPECT_EQ(mixed.restitution.value, 0.5);
   EXPECT_DOUBLE_EQ(dem::CundallStrack::mix(stiff, stiff).normal_stiffness, 3e4);
 }
 
-TEST(Friction, HoldsAGrainThatCannotTurnAtRestOnASlopeForGood) {
+TEST(Friction, KeepsAGrainThatCannotRotateAtRestOnASlope) {
   const double theta = 0.3;
   const double k = 1e5;
   const dem::CundallStrack law{.normal_stiffness = k,
@@ -90,7 +90,7 @@ TEST(Friction, HoldsAGrainThatCannotTurnAtRestOnASlopeForGood) {
   sim.run({.until = 0.5, .time_step = 1e-5});
   const double settled = sim.particles()[position][0][0];
   const double stretch = weight * std::sin(theta) / law.tangential_stiffness;
-  EXPECT_NEAR(settled, stretch, 1e-3 * stretch) << "the tangential spring carries its weight";
+  EXPECT_NEAR(settled, stretch, 1e-3 * stretch) << "the tangential spring carries the weight";
   sim.run({.until = 1.0, .time_step = 1e-5});
   EXPECT_NEAR(sim.particles()[position][0][0], settled, 1e-6 * stretch);
 }

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Leapfrog gains and loses a little in every elastic collision, but as much of the one as of the
-// other.
+// Leapfrog gains or loses a little energy in every elastic collision, but without a drift.
 #include "support/grains.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -12,9 +10,9 @@
 namespace silt::test {
 namespace {
 
-TEST(UndampedGas, KeepsItsEnergyOverAMillionCollisions) {
+TEST(UndampedGas, ConservesEnergyOverAMillionCollisions) {
   constexpr Index n = 20;
-  constexpr double spacing = 0.024;  // 30 % are solid
+  constexpr double spacing = 0.024;  // solid fraction 30 %
   auto box = cube<3, double>(0, double(n) * spacing);
   box.periodic.fill(true);
   auto grains = dem::make_grains(lattice(box, spacing), pebble);

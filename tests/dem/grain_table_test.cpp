@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: MIT
-#include "support/check.hpp"
-#include "support/file_test.hpp"
-#include "support/grains.hpp"
-
 #include <silt/dem/grain_table.hpp>
 #include <silt/io/csv.hpp>
 #include <silt/io/particle_csv.hpp>
 
+#include "support/check.hpp"
+#include "support/file_test.hpp"
+#include "support/grains.hpp"
 #include <gtest/gtest.h>
 
 #include <numbers>
@@ -27,11 +26,12 @@ class GrainTable : public FileTest {
   }
 };
 
-TEST_F(GrainTable, GivesGrainsFromRadiusAndDensity) {
-  const auto grains = read<3>("x, y, z, radius, density, velocity_z, material\n"
-                              "# one falls\n"
-                              "1, 2, 3, 0.5, 1000, -4, 0\n"
-                              "4, 5, 6, 0.25, 2000, 0, 1\n");
+TEST_F(GrainTable, MakesGrainsFromRadiusAndDensity) {
+  const auto grains = read<3>(
+      "x, y, z, radius, density, velocity_z, material\n"
+      "# one falls\n"
+      "1, 2, 3, 0.5, 1000, -4, 0\n"
+      "4, 5, 6, 0.25, 2000, 0, 1\n");
   ASSERT_EQ(grains.size(), 2u);
   EXPECT_EQ(grains[position][1], Vec<3>(4, 5, 6));
   EXPECT_EQ(grains[velocity][0], Vec<3>(0, 0, -4));
@@ -41,7 +41,7 @@ TEST_F(GrainTable, GivesGrainsFromRadiusAndDensity) {
   EXPECT_NEAR(grains[inertia][0], 0.4 * m * 0.25, 1e-12 * m);
 }
 
-TEST_F(GrainTable, TakesAMassAndWhatIsTheSameForAll) {
+TEST_F(GrainTable, AcceptsAMassAndDefaultsForAllGrains) {
   const auto grains =
       read<2, temperature_t>("x,y,mass,temperature\n0,0,3,290\n1,0,4,300\n", {.radius = 0.1});
   EXPECT_EQ(grains[radius][1], 0.1);
@@ -62,17 +62,17 @@ TEST_F(GrainTable, ReadsBackWhatWasWritten) {
   EXPECT_EQ(state_of(dem::grains_from<3>(read_csv(path))), state_of(grains));
 }
 
-TEST_F(GrainTable, SaysWhereANumberIsWrong) {
+TEST_F(GrainTable, MessageHasTheLocationOfAnInvalidNumber) {
   const std::string head = "x,y,radius,density\n0,0,1,1\n\n";
   EXPECT_TRUE(refuses([&] { read<2>(head + "0,5,-2,1\n"); },
                       {path.string(), "line 4", "column radius: -2 must be above 0"}));
   EXPECT_TRUE(refuses([&] { read<2>(head + "0,5,2,none\n"); }, {"line 4", "column density"}));
   EXPECT_TRUE(refuses([&] { read<2>("x,y,radius,density,material\n0,0,1,1,0.5\n"); },
-                      {"line 2", "column material: 0.5 must be a whole number"}));
+                      {"line 2", "column material: 0.5 must be an integer"}));
   EXPECT_TRUE(refuses([&] { read<2>("x,y,raduis,density\n0,0,1,1\n"); },
-                      {"the column raduis is none of x, y, ", "radius"}));
-  EXPECT_TRUE(refuses([&] { read<2>("x,y,radius,density,mass\n0,0,1,1,1\n"); },
-                      {"both density and mass"}));
+                      {"unknown column raduis; known are x, y, ", "radius"}));
+  EXPECT_TRUE(
+      refuses([&] { read<2>("x,y,radius,density,mass\n0,0,1,1,1\n"); }, {"both density and mass"}));
   EXPECT_TRUE(refuses([&] { read<3>(head); }, {"has no column z"}));
   EXPECT_TRUE(refuses([&] { read<2>("x,y,radius\n0,0,1\n"); }, {"Grain: density = 0"}));
 }

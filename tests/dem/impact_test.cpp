@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
-// One impact on a linear spring and dashpot: order, and what it never does. The exact values are in
-// validation/dem_reference.
+// Impacts with a linear spring and dashpot: order of convergence and limits. The exact values are
+// in validation/dem_reference.
 #include "support/check.hpp"
 #include "support/grains.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -12,8 +11,8 @@
 namespace silt::test {
 namespace {
 
-// Restitution of a head-on impact of two discs at v0 with `steps` per contact; `phase` says where
-// within a step the contact begins.
+// Restitution of a head-on impact of two discs at v0 with `steps` per contact; `phase` is the
+// fraction of a step at which the contact begins.
 struct Case {
   double steps = 50;
   double phase = 0.5;
@@ -37,7 +36,7 @@ struct Error {
   double mean = 0;
 };
 
-// Error of restitution over the phases of the first step.
+// Error of the restitution over all phases of the first step.
 template <class Law>
 Error error_of(double e, double steps) {
   Error error;
@@ -50,15 +49,15 @@ Error error_of(double e, double steps) {
   return error;
 }
 
-TEST(LinearSpringDashpot, OverlapFormIsOfSecondOrderInTheTimeStep) {
+TEST(LinearSpringDashpot, OverlapFormIsSecondOrderInTheTimeStep) {
   using Overlap = dem::CundallStrack;
   for (const double e : {0.7, 0.5}) {
-    // Four times the steps: a sixteenth of the error. The tenth leaves room for the phases.
+    // Four times the steps: 1/16 of the error. 1/10 leaves a margin for the phases.
     EXPECT_LT(error_of<Overlap>(e, 200).worst, error_of<Overlap>(e, 50).worst / 10);
   }
 }
 
-TEST(LinearSpringDashpot, IncrementalFormTendsToTheSameRestitutionInFirstOrder) {
+TEST(LinearSpringDashpot, IncrementalFormConvergesToTheSameRestitutionInFirstOrder) {
   using Incremental = dem::CundallStrackIncremental;
   const Error coarse = error_of<Incremental>(0.7, 100);
   const Error fine = error_of<Incremental>(0.7, 400);
@@ -74,15 +73,16 @@ TEST(LinearSpringDashpot, ElasticImpactExchangesVelocitiesWhateverTheStiffness) 
   }
 }
 
-TEST(LinearSpringDashpot, OverlapStaysWithinTheGateWithTheDefaultTimeStep) {
+TEST(LinearSpringDashpot, OverlapStaysBelowTheLimitWithTheDefaultTimeStep) {
   Simulation sim{two_grains<2>(1e-5, Vec<2>(-0.1, 0)), UniformGrid<2>{},
                  dem::Contacts{dem::CundallStrack{.normal_stiffness = 1e6, .restitution = 0.6}},
                  Leapfrog{}};
   through_contact(sim, sim.time_step());
-  EXPECT_NEAR((sim.particles()[velocity][1][0] - sim.particles()[velocity][0][0]) / 0.1, 0.6, 0.003);
+  EXPECT_NEAR((sim.particles()[velocity][1][0] - sim.particles()[velocity][0][0]) / 0.1, 0.6,
+              0.003);
 }
 
-TEST(LinearSpringDashpot, WithoutTensionNeverPulls) {
+TEST(LinearSpringDashpot, WithLimitedDampingIsNeverAttractive) {
   const dem::CundallStrack law{.normal_stiffness = 1e6, .restitution = 0.3, .limit_damping = true};
   Simulation sim{two_grains<2>(1e-6, Vec<2>(-0.1, 0)), UniformGrid<2>{}, dem::Contacts{law},
                  Leapfrog{}};

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: MIT
-#include "support/check.hpp"
-#include "support/points.hpp"
-
 #include <silt/dem.hpp>
 #include <silt/dem/inflow.hpp>
 #include <silt/dem/outflow.hpp>
 
+#include "support/check.hpp"
+#include "support/points.hpp"
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -16,8 +15,8 @@
 namespace silt::test {
 namespace {
 
-const dem::Blend<dem::UniformSizes> pebbles{
-    .sizes = {.min_radius = 0.008, .max_radius = 0.012}, .density = 2500};
+const dem::Blend<dem::UniformSizes> pebbles{.sizes = {.min_radius = 0.008, .max_radius = 0.012},
+                                            .density = 2500};
 const dem::CundallStrack law{.normal_stiffness = 1e5,
                              .tangential_stiffness = 5e4,
                              .restitution = 0.5,
@@ -32,35 +31,34 @@ auto empty_bin() {
                     Leapfrog{}};
 }
 
-TEST(Inflow, FillsToANumberWithoutOverlap) {
+TEST(Inflow, AddsTheGivenNumberWithoutOverlap) {
   auto bin = empty_bin();
   dem::Inflow rain{above, pebbles, {.number = 100, .velocity = {0, -1}, .every = 0.02}};
-  double most_energy = 0;
+  double max_energy = 0;
   const auto see = [&](const auto& sim) {
     for (Index i = 0; i < sim.particles().size(); ++i) {
       const auto& v = sim.particles()[velocity][i];
-      most_energy = std::max(most_energy, v.squaredNorm() / 2 +
-                                              9.81 * sim.particles()[position][i][1]);
+      max_energy =
+          std::max(max_energy, v.squaredNorm() / 2 + 9.81 * sim.particles()[position][i][1]);
     }
   };
   bin.run({.until = 0.6, .output_every = 0.005}, see, rain);
   EXPECT_TRUE(rain.is_done());
   EXPECT_EQ(bin.particles().size(), 100u);
-  EXPECT_LT(most_energy, 1.1 * (0.5 + 9.81 * 0.4)) << "none was thrown by an overlap";
+  EXPECT_LT(max_energy, 1.1 * (0.5 + 9.81 * 0.4)) << "no grain was accelerated by an overlap";
 }
 
-TEST(Inflow, ComesAtItsRate) {
+TEST(Inflow, AddsGrainsAtTheGivenRate) {
   auto bin = empty_bin();
-  dem::Inflow rain{above, pebbles,
-                   {.number = 50, .rate = 100, .from = 0.1, .velocity = {0, -1}}};
+  dem::Inflow rain{above, pebbles, {.number = 50, .rate = 100, .from = 0.1, .velocity = {0, -1}}};
   std::vector<Index> numbers;
   bin.run({.until = 1, .output_every = 0.1, .time_step = 1e-4}, rain,
           [&](const auto& sim) { numbers.push_back(sim.particles().size()); });
-  // The step at 0.1 s lets in the first.
+  // The step at 0.1 s adds the first grain.
   EXPECT_EQ(numbers, (std::vector<Index>{0, 0, 10, 20, 30, 40, 50, 50, 50, 50, 50}));
 }
 
-TEST(Inflow, DrawsTheSameGrainsWhateverHappens) {
+TEST(Inflow, DrawsGrainsIndependentOfTheRun) {
   auto rained = empty_bin();
   dem::Inflow rain{above, pebbles, {.number = 30, .rate = 1000, .seed = 5}};
   rained.run({.until = 0.2, .time_step = 1e-4}, rain);
@@ -75,7 +73,7 @@ TEST(Inflow, DrawsTheSameGrainsWhateverHappens) {
   }
 }
 
-TEST(Outflow, CountsWhatItRemoves) {
+TEST(Outflow, CountsRemovedGrains) {
   dem::Grains<2> grains;
   for (const double x : {0.0, 0.1, 0.2}) {
     dem::add_grain(grains, {x, 0.1 + x}, {.radius = 0.01, .density = 2500});
@@ -85,7 +83,7 @@ TEST(Outflow, CountsWhatItRemoves) {
   Box<2> below;
   below.upper[1] = 0;
   dem::Outflow drain{below};
-  // They fall 0.1, 0.2 and 0.3 m, which takes 0.143, 0.202 and 0.247 s.
+  // They fall by 0.1, 0.2 and 0.3 m in 0.143, 0.202 and 0.247 s.
   std::vector<Index> left;
   fall.run({.until = 0.25, .output_every = 0.05, .time_step = 1e-3}, drain,
            [&](const auto& sim) { left.push_back(sim.particles().size()); });
@@ -94,15 +92,16 @@ TEST(Outflow, CountsWhatItRemoves) {
   EXPECT_NEAR(drain.mass(), 3 * each, 1e-12);
 }
 
-TEST(Inflow, RefusesWhatIsOutOfRange) {
+TEST(Inflow, ThrowsForValuesOutOfRange) {
   EXPECT_TRUE(refuses([] { dem::Inflow(above, pebbles, {.number = 1, .rate = 0.0}); },
                       {"Inflow: rate = 0"}));
   EXPECT_TRUE(refuses([] { dem::Inflow(above, pebbles, {.number = 1, .every = -1}); },
                       {"Inflow: every = -1"}));
-  EXPECT_TRUE(refuses([] { dem::Outflow(dem::VerticalCylinder<>{}); }, {"VerticalCylinder: radius"}));
+  EXPECT_TRUE(
+      refuses([] { dem::Outflow(dem::VerticalCylinder<>{}); }, {"VerticalCylinder: radius"}));
 }
 
-TEST(Outflow, OfTheLastGrainDoesNotEndARun) {
+TEST(Outflow, MayRemoveTheLastGrainOfARun) {
   dem::Grains<2> grain;
   dem::add_grain(grain, {0, 0}, {.radius = 0.01, .density = 2500});
   dem::Outflow below{Box<2>{.lower = {-1, -2}, .upper = {1, -0.1}}};

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Contacts with walls, eight at a time, each against the law asked by itself. tests/CMakeLists.txt
-// has this file optimised as much as can be, when g++ 12 loses lanes of registers that are filled one
-// by one.
+// Contacts with walls, evaluated eight at a time, against the same evaluated one at a time.
+// tests/CMakeLists.txt compiles this file with full optimisation, at which g++ 12 loses lanes of
+// registers that are filled one by one.
 #include <silt/dem/contacts.hpp>
 #include <silt/dem/cundall_strack.hpp>
 #include <silt/search/brute_force.hpp>
@@ -12,10 +12,12 @@ namespace silt::test {
 namespace {
 
 constexpr double dt = 1e-5;
-const dem::CundallStrack law{.normal_stiffness = 1e5, .tangential_stiffness = 5e4,
-                             .restitution = 0.6, .friction_angle = 0.4};
+const dem::CundallStrack law{.normal_stiffness = 1e5,
+                             .tangential_stiffness = 5e4,
+                             .restitution = 0.6,
+                             .friction_angle = 0.4};
 
-// Three eights, the last one not full. No two grains are alike.
+// Three groups of eight, the last one incomplete. All grains are different.
 dem::Grains<3> bed() {
   dem::Grains<3> grains;
   for (int k = 0; k < 20; ++k) {
@@ -28,7 +30,7 @@ dem::Grains<3> bed() {
   return grains;
 }
 
-// `motion` is that of the floor, the plane z = 0.
+// `motion` moves the floor, the plane z = 0.
 template <class Wall>
 void expect_what_the_law_gives(const Wall& floor, const dem::RigidVelocity<3, double>& motion) {
   auto grains = bed();
@@ -43,8 +45,8 @@ void expect_what_the_law_gives(const Wall& floor, const dem::RigidVelocity<3, do
     contact.normal = Vec<3>::Unit(2);
     contact.overlap = 0.01 * R;
     const Vec<3> arm = (contact.overlap - R) * contact.normal;
-    contact.relative_velocity = grains[velocity][i] + cross(grains[spin][i], arm) -
-                                motion.at(grains[position][i] + arm);
+    contact.relative_velocity =
+        grains[velocity][i] + cross(grains[spin][i], arm) - motion.at(grains[position][i] + arm);
     contact.effective_mass = grains[mass][i];
     contact.effective_radius = R;
     contact.time_step = dt;
@@ -55,11 +57,11 @@ void expect_what_the_law_gives(const Wall& floor, const dem::RigidVelocity<3, do
   }
 }
 
-TEST(LanesAtWalls, GiveWhatTheLawGivesOnAFloorAtRest) {
+TEST(LanesAtWalls, GiveTheForcesOfTheLawOnAFloorAtRest) {
   expect_what_the_law_gives(dem::Plane<3>{}, {});
 }
 
-TEST(LanesAtWalls, GiveWhatTheLawGivesOnATurntableThatMoves) {
+TEST(LanesAtWalls, GiveTheForcesOfTheLawOnARotatingTable) {
   const dem::Rotation<3> turning{.about = {1, 2, 0}, .spin = {0, 0, 5}};
   expect_what_the_law_gives(dem::Moving{dem::Plane<3>{}, turning}, turning.velocity_at(0));
 }

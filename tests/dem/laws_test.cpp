@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The normal parts of laws against exact impacts, and how parts make a law.
-#include "support/check.hpp"
-#include "support/single_contact.hpp"
-
+// Normal components against exact impacts, and the composition of laws.
 #include <silt/dem/adhesion.hpp>
 #include <silt/dem/cundall_strack.hpp>
 #include <silt/dem/hertz.hpp>
@@ -16,6 +13,8 @@
 #include <silt/dem/walton_braun.hpp>
 #include <silt/io/csv.hpp>
 
+#include "support/check.hpp"
+#include "support/single_contact.hpp"
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -36,32 +35,31 @@ void expect_the_table() {
   for (Index row = 0; row < table.rows(); ++row) {
     const double e = table["e_nominal"][row];
     for (const bool limited : {false, true}) {
-      const dem::Law law{
-          dem::LinearSpringDashpot{.normal_stiffness = k, .restitution = e, .limit_damping = limited}};
+      const dem::Law law{dem::LinearSpringDashpot{
+          .normal_stiffness = k, .restitution = e, .limit_damping = limited}};
       for (const double phase : phases) {
-        const auto impact =
-            collide<Dim, Real>(law, {.time_step = pi / omega / 50, .phase = phase});
-        const double wanted = limited ? table["e_if_clipped"][row] : e;
-        EXPECT_NEAR(impact.restitution / wanted, 1, 0.005) << e << " limited " << limited;
+        const auto impact = collide<Dim, Real>(law, {.time_step = pi / omega / 50, .phase = phase});
+        const double expected = limited ? table["e_if_clipped"][row] : e;
+        EXPECT_NEAR(impact.restitution / expected, 1, 0.005) << e << " limited " << limited;
         EXPECT_NEAR(impact.deepest * omega / table["delta_max_omega0_over_v0"][row], 1, 0.01) << e;
       }
     }
   }
 }
 
-TEST(LinearSpringDashpotPart, HasTheRestitutionAndTheDepthOfTheTable) {
+TEST(LinearSpringDashpotComponent, HasTheRestitutionAndOverlapOfTheTable) {
   expect_the_table<2, double>();
   expect_the_table<3, float>();
 }
 
-TEST(Law, OfLinearPartsIsCundallAndStracksBitByBit) {
+TEST(Law, OfLinearComponentsIsBitwiseThatOfCundallAndStrack) {
   const double k = 1e5;
   const dem::CundallStrack whole{.normal_stiffness = k,
                                  .tangential_stiffness = 0.8 * k,
                                  .restitution = 0.6,
                                  .friction_angle = 0.3,
                                  .cohesion = 0.1};
-  const dem::Law parts{
+  const dem::Law composed{
       dem::LinearFriction{.tangential_stiffness = 0.8 * k, .friction_angle = 0.3, .cohesion = 0.1},
       dem::LinearSpringDashpot{.normal_stiffness = k, .restitution = 0.6}};
   dem::Contact<3, double> contact;
@@ -69,7 +67,7 @@ TEST(Law, OfLinearPartsIsCundallAndStracksBitByBit) {
   contact.effective_radius = 0.01;
   contact.time_step = 1e-5;
   dem::CundallStrack::History<3, double> of_whole;
-  decltype(parts)::History<3, double> of_parts;
+  decltype(composed)::History<3, double> of_composed;
   double lost = 0;
   for (int step = 0; step < 2000; ++step) {
     const double t = step * contact.time_step;
@@ -77,14 +75,15 @@ TEST(Law, OfLinearPartsIsCundallAndStracksBitByBit) {
     contact.overlap = 1e-4 * (1.1 + std::sin(900 * t));
     contact.relative_velocity = Vec<3>(0.1 * std::sin(300 * t), 0.2, 0.3 * std::cos(500 * t));
     const auto a = whole.components(contact, of_whole);
-    const auto b = parts.components(contact, of_parts);
+    const auto b = composed.components(contact, of_composed);
     ASSERT_EQ(a.force(contact.normal), b.force(contact.normal));
     ASSERT_EQ(a.friction, b.friction);
-    ASSERT_EQ(whole.elastic_energy(contact, of_whole), parts.elastic_energy(contact, of_parts));
+    ASSERT_EQ(whole.elastic_energy(contact, of_whole),
+              composed.elastic_energy(contact, of_composed));
     lost += b.friction;
   }
-  EXPECT_GT(lost, 0) << "it also slid";
-  EXPECT_EQ(whole.stiffness(contact).beta, parts.stiffness(contact).beta);
+  EXPECT_GT(lost, 0) << "the contact also slides";
+  EXPECT_EQ(whole.stiffness(contact).beta, composed.stiffness(contact).beta);
 }
 
 // --- Walton and Braun ----------------------------------------------------------------------------
@@ -99,18 +98,18 @@ void expect_walton_braun() {
       const auto impact = collide<Dim, Real>(law, {.time_step = lasts / 50, .phase = phase});
       EXPECT_NEAR(impact.restitution / e, 1, 0.002) << e;
       EXPECT_NEAR(impact.deepest * std::sqrt(K_1), 1, 0.002) << e;
-      EXPECT_NEAR(impact.pushed / lasts, 1, 0.03) << e << ": to a step or so";
+      EXPECT_NEAR(impact.pushed / lasts, 1, 0.03) << e << ": to about a step";
       EXPECT_NEAR(impact.plastic, (1 - e * e) / 2, 0.002) << e << ": of ½ J";
     }
   }
 }
 
-TEST(WaltonBraun, ReturnsTheRestitutionAndLosesTheRestByYielding) {
+TEST(WaltonBraun, HasTheGivenRestitutionAndDissipatesTheRestByYielding) {
   expect_walton_braun<2, double>();
   expect_walton_braun<3, float>();
 }
 
-TEST(WaltonBraun, RestitutionIsOfSecondOrderInTheTimeStep) {
+TEST(WaltonBraun, RestitutionIsSecondOrderInTheTimeStep) {
   const dem::Law law{dem::WaltonBraun{.loading_stiffness = 1e6, .restitution = 0.6}};
   const auto worst = [&](double dt) {
     double error = 0;
@@ -121,11 +120,11 @@ TEST(WaltonBraun, RestitutionIsOfSecondOrderInTheTimeStep) {
     }
     return error;
   };
-  // Four times the steps: a sixteenth of the error. The tenth leaves room for the phases.
+  // Four times the steps: 1/16 of the error. 1/10 leaves a margin for the phases.
   EXPECT_LT(worst(2e-5), worst(8e-5) / 10);
 }
 
-TEST(WaltonBraun, UnloadsAndReloadsAlongTheSteepLineUntilItMeetsTheFirst) {
+TEST(WaltonBraun, UnloadsAndReloadsAlongTheSteeperLine) {
   const double K_1 = 100, e = 0.8, K_2 = K_1 / (e * e);
   const dem::Law law{dem::WaltonBraun{.loading_stiffness = K_1, .restitution = e}};
   decltype(law)::History<2, double> history;
@@ -140,7 +139,7 @@ TEST(WaltonBraun, UnloadsAndReloadsAlongTheSteepLineUntilItMeetsTheFirst) {
   EXPECT_DOUBLE_EQ(at(0.15), K_2 * (0.15 - delta_0));
   EXPECT_DOUBLE_EQ(law.elastic_energy(contact, history), K_2 * squared(0.15 - delta_0) / 2);
   EXPECT_DOUBLE_EQ(at(0.18), K_2 * (0.18 - delta_0));
-  EXPECT_EQ(at(0.5 * delta_0), 0) << "it never pulls";
+  EXPECT_EQ(at(0.5 * delta_0), 0) << "it is never attractive";
   EXPECT_DOUBLE_EQ(at(0.2), K_1 * 0.2);
   EXPECT_DOUBLE_EQ(at(0.3), K_1 * 0.3);
   EXPECT_DOUBLE_EQ(law.stiffness(contact).normal, K_2);
@@ -148,9 +147,9 @@ TEST(WaltonBraun, UnloadsAndReloadsAlongTheSteepLineUntilItMeetsTheFirst) {
 
 // --- Hertz ---------------------------------------------------------------------------------------
 
-// The cast iron of Chung and Ooi, Granular Matter 13 (2011) 643, test 3, on a rigid wall. What else
-// they have is in the table of exact results, validation/dem_reference.
-TEST(Hertz, RestitutionIsAsGivenAtAnySpeed) {
+// The cast iron of Chung and Ooi, Granular Matter 13 (2011) 643, test 3, on a rigid wall. Their
+// other cases are in the table of exact results, validation/dem_reference.
+TEST(Hertz, HasTheGivenRestitutionAtAnySpeed) {
   const dem::Elastic iron{.young_modulus = 1e11, .poisson_ratio = 0.25};
   const dem::Hertz rigid{.elastic = {.young_modulus = 1e30}};
   const double R = 0.0025, lasts = 12.972e-6;
@@ -180,9 +179,8 @@ TEST(Elastic, OfTwoMaterialsHasTheModuliOfTheirContact) {
   };
   const auto mixed = dem::Elastic::mix(steel, rubber);
   EXPECT_NEAR(mixed.contact_modulus() * (compliance(steel) + compliance(rubber)), 1, 1e-14);
-  EXPECT_NEAR(
-      mixed.contact_shear_modulus() * (shear_compliance(steel) + shear_compliance(rubber)), 1,
-      1e-14);
+  EXPECT_NEAR(mixed.contact_shear_modulus() * (shear_compliance(steel) + shear_compliance(rubber)),
+              1, 1e-14);
   const auto same = dem::Elastic::mix(steel, steel);
   EXPECT_NEAR(same.young_modulus / steel.young_modulus, 1, 1e-13);
   EXPECT_NEAR(same.poisson_ratio, steel.poisson_ratio, 1e-13);
@@ -190,7 +188,7 @@ TEST(Elastic, OfTwoMaterialsHasTheModuliOfTheirContact) {
 
 // --- adhesion ------------------------------------------------------------------------------------
 
-TEST(DmtAdhesion, HoldsWithItsPullOffForceAndRestsWhereHertzBalancesIt) {
+TEST(DmtAdhesion, HasThePullOffForceAndIsInEquilibriumWithHertz) {
   const double R = 0.5e-3, gamma = 0.05;
   const dem::Law law{dem::Hertz{.elastic = {.young_modulus = 1e9, .poisson_ratio = 0.25}},
                      dem::DmtAdhesion{.surface_energy = gamma}};
@@ -211,8 +209,8 @@ TEST(DmtAdhesion, HoldsWithItsPullOffForceAndRestsWhereHertzBalancesIt) {
   EXPECT_GT(force(1.01 * rests), 0);
 }
 
-TEST(DmtAdhesion, GivesBackWhatItTook) {
-  // So strong that half of the deepest overlap is of its making.
+TEST(DmtAdhesion, ConservesEnergy) {
+  // Strong enough to cause half of the maximum overlap.
   const dem::Law law{dem::LinearSpringDashpot{.normal_stiffness = 1e6},
                      dem::ConstantCohesion{.pull = 1000}};
   for (const double phase : phases) {
@@ -222,18 +220,18 @@ TEST(DmtAdhesion, GivesBackWhatItTook) {
   }
 }
 
-TEST(DmtAdhesion, CatchesASlowGrainThatLosesItsSpeed) {
+TEST(DmtAdhesion, CapturesASlowGrainWithDamping) {
   const dem::Law sticky{dem::LinearSpringDashpot{.normal_stiffness = 1e6, .restitution = 0.5},
                         dem::ConstantCohesion{.pull = 1000}};
   EXPECT_EQ(sticky.adhesion.pull, 1000);
   const auto caught = collide<3, double>(sticky, {.speed = 0.1, .time_step = 1e-5});
-  EXPECT_NEAR(caught.restitution, 0, 1e-6) << "still in touch after 1e6 steps";
+  EXPECT_NEAR(caught.restitution, 0, 1e-6) << "still in contact after 1e6 steps";
   EXPECT_GT((collide<3, double>(sticky, {.speed = 10, .time_step = 1e-5}).restitution), 0.4);
 }
 
 // --- composition ---------------------------------------------------------------------------------
 
-// A user's parts.
+// User-defined components.
 struct Cubic {
   double stiffness_over_depth = 0;  ///< [N/m²]
 
@@ -253,25 +251,25 @@ struct Drag {
 };
 
 template <class Law>
-constexpr bool runs_in_lanes =
-    dem::LawInLanes<Law, 2, float> && dem::LawInLanes<Law, 2, double> &&
-    dem::LawInLanes<Law, 3, float> && dem::LawInLanes<Law, 3, double>;
+constexpr bool runs_in_lanes = dem::LawInLanes<Law, 2, float> && dem::LawInLanes<Law, 2, double> &&
+                               dem::LawInLanes<Law, 3, float> && dem::LawInLanes<Law, 3, double>;
 
 using Linear = dem::Law<dem::LinearSpringDashpot, dem::LinearFriction>;
 using Full = dem::Law<dem::Hertz, dem::Mindlin, dem::RollingResistance, dem::DmtAdhesion>;
 static_assert(runs_in_lanes<dem::Law<dem::WaltonBraun>> && runs_in_lanes<Linear> &&
               runs_in_lanes<Full> && runs_in_lanes<dem::CundallStrack> &&
               runs_in_lanes<dem::CundallStrackIncremental> &&
-              runs_in_lanes<dem::Law<dem::WaltonBraun, dem::LinearFriction,
-                                     dem::RollingResistance, dem::ConstantCohesion>>);
+              runs_in_lanes<dem::Law<dem::WaltonBraun, dem::LinearFriction, dem::RollingResistance,
+                                     dem::ConstantCohesion>>);
 static_assert(dem::GivesCouple<Full, 3, double> && !dem::GivesCouple<Linear, 3, double>);
 static_assert(sizeof(Full::History<3, double>) == (4 + 5 + 2) * sizeof(double));
 
-TEST(Law, TakesItsPartsInAnyOrderAndAUsersBesideOurs) {
+TEST(Law, AcceptsComponentsInAnyOrderAndUserDefinedOnes) {
   const dem::Law law{dem::ConstantCohesion{.pull = 1}, Drag{.coefficient = 2},
                      Cubic{.stiffness_over_depth = 200}};
   using Own = std::remove_const_t<decltype(law)>;
-  static_assert(std::is_same_v<Own, dem::Law<Cubic, Drag, dem::NoPart, dem::ConstantCohesion>>);
+  static_assert(
+      std::is_same_v<Own, dem::Law<Cubic, Drag, dem::NoComponent, dem::ConstantCohesion>>);
   static_assert(dem::LawWithoutHistory<Own, 3, float> && !dem::LawWithHistory<Own, 3, float>);
   static_assert(runs_in_lanes<Own>);
   dem::Contact<2, double> contact;
@@ -279,10 +277,11 @@ TEST(Law, TakesItsPartsInAnyOrderAndAUsersBesideOurs) {
   contact.overlap = 0.5;
   contact.relative_velocity = {3, 0};
   EXPECT_EQ(law.components(contact).force(contact.normal), Vec<2>(-6, 24));
-  EXPECT_EQ(law.elastic_energy(contact, dem::NoHistory{}), -0.5) << "of what tells it";
+  EXPECT_EQ(law.elastic_energy(contact, dem::NoHistory{}), -0.5)
+      << "of components with elastic_energy()";
 }
 
-TEST(Law, MixesPartByPart) {
+TEST(Law, MixesComponentByComponent) {
   const Full a{dem::Hertz{.elastic = {1e9, 0.3}, .restitution = 0.9},
                dem::Mindlin{.elastic = {1e9, 0.3}, .friction_angle = 0.2},
                dem::RollingResistance{.rolling_friction = 0.1, .twisting_friction = 0.03},
@@ -302,23 +301,21 @@ TEST(Law, MixesPartByPart) {
   }
 }
 
-TEST(Law, NamesThePartThatIsOutOfRange) {
+TEST(Law, ThrowsForAComponentOutOfRange) {
   using dem::Law, dem::Materials;
-  const auto build = [](const auto& part) { Materials{Law{part}}; };
+  const auto build = [](const auto& component) { Materials{Law{component}}; };
   EXPECT_TRUE(refuses([&] { build(dem::LinearSpringDashpot{}); },
                       {"LinearSpringDashpot: normal_stiffness = 0"}));
   EXPECT_TRUE(refuses([&] { build(dem::WaltonBraun{.loading_stiffness = 1, .restitution = 1.1}); },
                       {"WaltonBraun: restitution = 1.1", "0 to 1"}));
-  EXPECT_TRUE(refuses([&] { build(dem::Hertz{.elastic = {1e9, 0.6}}); },
-                      {"Hertz: poisson_ratio = 0.6"}));
+  EXPECT_TRUE(
+      refuses([&] { build(dem::Hertz{.elastic = {1e9, 0.6}}); }, {"Hertz: poisson_ratio = 0.6"}));
   EXPECT_TRUE(refuses(
-      [&] {
-        Materials{Law{Cubic{}, dem::Mindlin{.elastic = {1e9, 0.3}, .friction_angle = 2}}};
-      },
+      [&] { Materials{Law{Cubic{}, dem::Mindlin{.elastic = {1e9, 0.3}, .friction_angle = 2}}}; },
       {"Mindlin: friction_angle = 2"}));
-  EXPECT_TRUE(refuses(
-      [&] { Materials{Law{Cubic{}, dem::RollingResistance{.rolling_friction = -1}}}; },
-      {"RollingResistance: rolling_friction = -1"}));
+  EXPECT_TRUE(
+      refuses([&] { Materials{Law{Cubic{}, dem::RollingResistance{.rolling_friction = -1}}}; },
+              {"RollingResistance: rolling_friction = -1"}));
   EXPECT_TRUE(refuses([&] { Materials{Law{Cubic{}, dem::DmtAdhesion{.surface_energy = -1}}}; },
                       {"DmtAdhesion: surface_energy = -1"}));
 }

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
-// Where a wall of triangles touches, against distances found by hand.
+// Contacts of a triangle mesh against distances computed directly.
 #include <silt/dem/box_wall.hpp>
 #include <silt/dem/mesh_wall.hpp>
+
+#include <Eigen/Geometry>
 
 #include "support/check.hpp"
 #include "support/points.hpp"
 #include "support/triangles.hpp"
-
-#include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -22,11 +22,11 @@ namespace {
 using dem::MeshWall;
 using Nearest = dem::NearestPoint<3, double>;
 
-// What pushes a sphere of this radius at x: all parts asked.
+// All contacts of a sphere of this radius at x, found by testing all elements.
 std::vector<Nearest> pushes_on(const MeshWall<>& wall, const Vec<3>& x, double radius) {
   std::vector<Nearest> pushes;
-  for (Index part = 0; part < wall.element_count(); ++part) {
-    const auto at = wall.nearest(part, x);
+  for (Index element = 0; element < wall.element_count(); ++element) {
+    const auto at = wall.nearest(element, x);
     if (at.distance < radius) pushes.push_back(at);
   }
   return pushes;
@@ -42,7 +42,7 @@ Triangles moved(Triangles triangles, const Eigen::AngleAxisd& turn, const Vec<3>
 const Box<3> unit = cube<3, double>(0, 1);
 const Box<3> around = cube<3, double>(-0.5, 1.5);
 
-TEST(MeshWall, SeesFlatFacetsStraightLinesAndCorners) {
+TEST(MeshWall, HasFlatFacetsStraightLinesAndCorners) {
   for (const int n : {1, 2, 5}) {
     auto triangles = box_of_triangles(unit, n);
     std::shuffle(triangles.begin(), triangles.end(), std::mt19937(1));
@@ -53,7 +53,7 @@ TEST(MeshWall, SeesFlatFacetsStraightLinesAndCorners) {
   }
 }
 
-TEST(MeshWall, DoesNotMindHowTrianglesAreTurnedOrThatOneIsThereTwice) {
+TEST(MeshWall, IsIndependentOfOrientationAndDuplicatesOfTriangles) {
   auto triangles = box_of_triangles(unit, 2);
   for (Index t = 0; t < triangles.size(); t += 3) {
     std::swap(triangles[t].corners[0], triangles[t].corners[2]);
@@ -66,8 +66,8 @@ TEST(MeshWall, DoesNotMindHowTrianglesAreTurnedOrThatOneIsThereTwice) {
   EXPECT_EQ(wall.lines(), 12u);
 }
 
-// The sides of a box, each of its own number of quads, meet in the middle of edges.
-TEST(MeshWall, HasNoSeamWhereTrianglesMeetInTheMiddleOfASide) {
+// The sides of a box have different numbers of quads and meet in the middle of edges.
+TEST(MeshWall, HasNoSeamAtTJunctions) {
   Triangles triangles;
   for (int side = 0; side < 6; ++side) {
     const auto all = box_of_triangles(unit, side + 1);
@@ -90,8 +90,8 @@ TEST(MeshWall, HasNoSeamWhereTrianglesMeetInTheMiddleOfASide) {
   EXPECT_EQ(wall.element_count(), 1u + 4u + 4u);
 }
 
-// From within, a box of triangles is six planes.
-TEST(MeshWall, OfABoxIsSixPlanesToWhoIsInside) {
+// From inside, a box of triangles acts as six planes.
+TEST(MeshWall, OfABoxActsAsSixPlanesInside) {
   dem::BoxWall<3> planes{.box = unit};
   planes.check();
   for (const int n : {1, 3}) {
@@ -115,13 +115,13 @@ TEST(MeshWall, OfABoxIsSixPlanesToWhoIsInside) {
   }
 }
 
-// From without, it pushes in one point: the nearest of the solid box, over sides, edges, corners.
-TEST(MeshWall, OfABoxPushesOnceWhoIsOutside) {
+// From outside there is one contact, at the nearest point of the box: on a side, edge or corner.
+TEST(MeshWall, OfABoxHasOneContactOutside) {
   dem::BoxWall<3> block{.box = unit, .grains = dem::Side::outside};
   block.check();
   const MeshWall wall(box_of_triangles(unit, 2));
   auto points = random_points(3000, around, 5);
-  // Straight above edges, corners, and lines between triangles.
+  // Exactly above edges, corners, and lines between triangles.
   for (const double z : {1.0, 1.25}) {
     for (const double x : {0.0, 0.5, 1.0, 1.25}) {
       for (const double y : {0.0, 0.25, 0.5, 1.0}) points.push_back({x, y, z});
@@ -140,7 +140,7 @@ TEST(MeshWall, OfABoxPushesOnceWhoIsOutside) {
   EXPECT_GT(seen, 500u);
 }
 
-TEST(MeshWall, PushesFromBothRimsOfAHole) {
+TEST(MeshWall, HasContactsAtBothRimsOfAHole) {
   // A frame around a square hole: one facet.
   Triangles frame;
   add_patch(frame, 3, [](double u, double v) { return Vec<3>(3 * u, 3 * v, 0); });
@@ -175,8 +175,8 @@ Triangles sheet(int n, double roughness) {
   return all;
 }
 
-// The nearest of all that pushes is the nearest of all triangles; and what is near is found.
-TEST(MeshWall, FindsTheNearestOfManyTriangles) {
+// The nearest contact is the nearest of all triangles; and all near elements are found.
+TEST(MeshWall, FindsTheNearestPointOfManyTriangles) {
   for (const double roughness : {0.0, 1e-5, 0.02}) {
     const auto triangles = sheet(15, roughness);
     const MeshWall wall(triangles);
@@ -184,38 +184,38 @@ TEST(MeshWall, FindsTheNearestOfManyTriangles) {
       EXPECT_EQ(wall.element_count(), 1u + 4u + 4u);
     }
     if (roughness > 1e-3) {
-      EXPECT_GT(wall.facets(), triangles.size() - 5) << "now and then two are flat";
+      EXPECT_GT(wall.facets(), triangles.size() - 5) << "a few pairs happen to be flat";
     }
     Box<3> air = cube<3, double>(-0.1, 1.1);
     air.lower[2] = -0.1;
     air.upper[2] = 0.1;
     for (const Vec<3>& x : random_points(300, air, 11)) {
-      double by_hand = std::numeric_limits<double>::infinity();
+      double expected = std::numeric_limits<double>::infinity();
       for (const auto& triangle : triangles) {
-        by_hand = std::min(by_hand, distance_by_hand(x, triangle));
+        expected = std::min(expected, exact_distance(x, triangle));
       }
       double nearest = std::numeric_limits<double>::infinity();
       for (const auto& push : pushes_on(wall, x, 1)) nearest = std::min(nearest, push.distance);
-      // Within a facet that is not quite flat, the height above a face is not quite the distance.
-      ASSERT_NEAR(nearest, by_hand, roughness == 1e-5 ? 1e-6 : 1e-15) << x.transpose();
+      // In a facet that is not exactly flat, the height above a face is not exactly the distance.
+      ASSERT_NEAR(nearest, expected, roughness == 1e-5 ? 1e-6 : 1e-15) << x.transpose();
 
       std::vector<char> is_near(wall.element_count(), 0);
-      wall.for_each_element_near(x, 0.07, [&](Index part) {
-        EXPECT_EQ(is_near[part], 0) << "once";
-        is_near[part] = 1;
+      wall.for_each_element_near(x, 0.07, [&](Index element) {
+        EXPECT_EQ(is_near[element], 0) << "once";
+        is_near[element] = 1;
       });
-      for (Index part = 0; part < wall.element_count(); ++part) {
-        if (wall.nearest(part, x).distance < 0.07) {
-          ASSERT_EQ(is_near[part], 1) << part << " at " << x.transpose();
+      for (Index element = 0; element < wall.element_count(); ++element) {
+        if (wall.nearest(element, x).distance < 0.07) {
+          ASSERT_EQ(is_near[element], 1) << element << " at " << x.transpose();
         }
       }
     }
   }
 }
 
-TEST(MeshWall, RefusesWhatIsNoSurface) {
+TEST(MeshWall, ThrowsForInvalidTriangles) {
   constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_TRUE(refuses([] { MeshWall(Triangles{}); }, {"MeshWall: there is no triangle"}));
+  EXPECT_TRUE(refuses([] { MeshWall(Triangles{}); }, {"MeshWall: there are no triangles"}));
   auto triangles = box_of_triangles(unit);
   triangles[3].corners[1] = triangles[3].corners[0];
   EXPECT_TRUE(refuses([&] { MeshWall{triangles}; }, {"MeshWall: triangle 3", "no area"}));
@@ -223,9 +223,7 @@ TEST(MeshWall, RefusesWhatIsNoSurface) {
   EXPECT_TRUE(refuses([&] { MeshWall{triangles}; }, {"MeshWall: triangle 3", "nan"}));
   const Vec<3> far(1e8, 0, 0);
   EXPECT_TRUE(refuses(
-      [&] {
-        MeshWall{moved(box_of_triangles(unit), Eigen::AngleAxisd(0, Vec<3>::UnitX()), far)};
-      },
+      [&] { MeshWall{moved(box_of_triangles(unit), Eigen::AngleAxisd(0, Vec<3>::UnitX()), far)}; },
       {"MeshWall: triangle 0", "too small", "origin"}));
   EXPECT_TRUE(refuses([] { MeshWall(box_of_triangles(unit), {.flat_angle = -1}); },
                       {"MeshSettings: flat_angle"}));

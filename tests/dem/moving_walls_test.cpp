@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Walls that move as they are told.
+// Moving walls.
 #include "support/any_wall.hpp"
 #include "support/check.hpp"
 #include "support/grains.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -22,7 +21,7 @@ Vec<Dim> velocity_by_hand(const M& motion, double t, const Vec<Dim>& X) {
   return (motion.pose_at(t + h).x_of(X) - motion.pose_at(t - h).x_of(X)) / (2 * h);
 }
 
-TEST(WallMotions, HaveTheVelocityOfTheirPoses) {
+TEST(WallMotions, HaveTheTimeDerivativeOfTheirPoses) {
   const auto expect_derivative = [](const auto& motion, const auto& X) {
     for (const double t : {0.0, 0.3, 7.1}) {
       const auto x = motion.pose_at(t).x_of(X);
@@ -52,8 +51,8 @@ const auto& contacts_of(const Sim& sim) {
   return sim.interaction().template part<1>();
 }
 
-// An undamped spring hands back the relative velocity: v' = 2u − v.
-TEST(MovingPlane, ReflectsAboutItsOwnVelocity) {
+// An undamped spring reverses the relative velocity: v' = 2u − v.
+TEST(MovingPlane, ReflectsRelativeToItsVelocity) {
   for (const double u : {0.5, -0.4, 2.0}) {
     const dem::Translation<3> motion{.velocity = {0, 0, u}};
     auto sim = simulation<3>(one_grain<3>({0, 0, 0.0101}, {0.3, 0, -1}), law,
@@ -65,20 +64,22 @@ TEST(MovingPlane, ReflectsAboutItsOwnVelocity) {
     }
     ASSERT_TRUE(touched);
     EXPECT_NEAR(sim.particles()[velocity][0][2], 2 * u + 1, 1e-4 * (1 + u)) << u;
-    EXPECT_EQ(sim.particles()[velocity][0][0], 0.3) << "it has no friction";
+    EXPECT_EQ(sim.particles()[velocity][0][0], 0.3) << "there is no friction";
   }
 }
 
-TEST(MovingPlane, IsWhatAPlaneAtRestIsToOneWhoMovesWithIt) {
-  const dem::CundallStrack rough{.normal_stiffness = 1e6, .tangential_stiffness = 5e5,
-                                 .restitution = 0.6, .friction_angle = 0.4};
+TEST(MovingPlane, ActsAsAPlaneAtRestInItsFrame) {
+  const dem::CundallStrack rough{.normal_stiffness = 1e6,
+                                 .tangential_stiffness = 5e5,
+                                 .restitution = 0.6,
+                                 .friction_angle = 0.4};
   const Vec<3> u(0.7, -0.2, 0.5);
   auto grain = one_grain<3>({0, 0, 0.0101}, {0.3, 0.5, -1});
   grain[spin][0] = {10, -20, 30};
   auto still = simulation<3>(grain, rough, at_rest<3>(dem::Plane<3>{}));
   grain[velocity][0] += u;
-  auto moved = simulation<3>(grain, rough,
-                             moving<3>(dem::Plane<3>{}, dem::Translation<3>{.velocity = u}));
+  auto moved =
+      simulation<3>(grain, rough, moving<3>(dem::Plane<3>{}, dem::Translation<3>{.velocity = u}));
   const double dt = still.time_step();
   for (int k = 0; k < 100; ++k) {
     still.step(dt);
@@ -87,11 +88,11 @@ TEST(MovingPlane, IsWhatAPlaneAtRestIsToOneWhoMovesWithIt) {
     ASSERT_NEAR((v - still.particles()[velocity][0]).norm(), 0, 1e-11) << k;
     ASSERT_NEAR((moved.particles()[spin][0] - still.particles()[spin][0]).norm(), 0, 1e-8) << k;
   }
-  EXPECT_GT(still.particles()[velocity][0][2], 0.5) << "it has bounced";
+  EXPECT_GT(still.particles()[velocity][0][2], 0.5) << "it bounced";
 }
 
-// A floor that vibrates far below the frequency of the contact carries a grain along; what it bears
-// is the weight and the force that the acceleration takes.
+// A floor that vibrates far below the frequency of the contact carries a grain along; its load is
+// the weight plus the inertial force.
 TEST(VibratingFloor, CarriesAGrain) {
   constexpr double g = 9.81, A = 1e-4, f = 10, omega = 2 * std::numbers::pi * f;
   const dem::CundallStrack damped{.normal_stiffness = 1e6, .restitution = 0.2};
@@ -107,15 +108,15 @@ TEST(VibratingFloor, CarriesAGrain) {
     const auto load = state.interaction.template part<1>().load_on(state.particles, 0, {1, 0, 0});
     const double a = -A * omega * omega * std::sin(omega * sim.time());
     EXPECT_NEAR(load.force[2], -m * (g + a), 1e-3 * m * g) << sim.time();
-    EXPECT_NEAR(load.moment[1], load.force[2], 1e-15);
+    EXPECT_NEAR(load.torque[1], load.force[2], 1e-15);
     EXPECT_NEAR(state.particles[velocity][0][2], A * omega * std::cos(omega * sim.time()),
                 1e-3 * A * omega);
   }
 }
 
-// What a user may write: a wall that starts softly, along x.
+// User-defined motion: smooth start along x.
 struct Launch {
-  double speed = 0;      // [m/s], in the end
+  double speed = 0;        // final speed [m/s]
   double duration = 1e-3;  // [s]
   dem::Pose<2, double> pose_at(double t) const {
     return {.shift = {speed * (t - duration * (1 - std::exp(-t / duration))), 0}};
@@ -129,8 +130,8 @@ static_assert(!dem::Wall<dem::Moving<dem::Segment<>, Launch>, 2, float>);
 static_assert(!dem::Wall<dem::Moving<dem::Plane<3>, Launch>, 3, double>);
 static_assert(!dem::Wall<dem::Moving<Launch, Launch>, 2, double>);
 
-// A blade that sweeps through a crowd misses nobody: contacts at every step as found by hand.
-TEST(MovingWalls, MissNoContactHoweverFastTheyAre) {
+// A blade sweeps through many grains: in every step its contacts are those found by direct tests.
+TEST(MovingWalls, MissNoContactAtAnySpeed) {
   const dem::Segment<> blade{.from = {0, -0.2}, .to = {0, 0.2}};
   const dem::CundallStrack soft{.normal_stiffness = 1e2};
   for (const double speed : {0.1, 10.0, 300.0}) {
@@ -142,23 +143,22 @@ TEST(MovingWalls, MissNoContactHoweverFastTheyAre) {
         const auto pose = wall.motion.pose_at(sim.time());
         const auto before = sim.particles();
         sim.step(1e-4);
-        std::vector<Index> by_hand(before.size(), 0), found(before.size(), 0);
+        std::vector<Index> expected(before.size(), 0), found(before.size(), 0);
         for (Index i = 0; i < before.size(); ++i) {
           const bool touching = blade.nearest(pose.X_of(before[position][i])).distance < 0.01;
-          by_hand[before.id(i)] = touching;
+          expected[before.id(i)] = touching;
           touches += touching;
         }
-        contacts_of(sim).for_each_wall_contact(sim.particles(), [&](const auto& touch) {
-          ++found[sim.particles().id(touch.grain)];
-        });
-        ASSERT_EQ(found, by_hand) << "at step " << k << " of speed " << speed;
+        contacts_of(sim).for_each_wall_contact(
+            sim.particles(), [&](const auto& touch) { ++found[sim.particles().id(touch.grain)]; });
+        ASSERT_EQ(found, expected) << "at step " << k << " of speed " << speed;
       }
       EXPECT_GT(touches, 20u);
     }
   }
 }
 
-TEST(MovingWalls, RefuseWhatIsNone) {
+TEST(MovingWalls, ThrowForInvalidMotions) {
   constexpr double nan = std::numeric_limits<double>::quiet_NaN();
   const auto make = [](const auto& motion) {
     return dem::Contacts{law, dem::Moving{dem::Plane<3>{}, motion}};

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: MIT
-#include "support/check.hpp"
-#include "support/points.hpp"
-
 #include <silt/dem.hpp>
 #include <silt/dem/packing.hpp>
 #include <silt/dem/settling.hpp>
 
+#include "support/check.hpp"
+#include "support/points.hpp"
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -14,10 +13,10 @@
 namespace silt::test {
 namespace {
 
-const dem::Blend<dem::UniformSizes> blend{
-    .sizes = {.min_radius = 0.02, .max_radius = 0.1}, .density = 2500};
+const dem::Blend<dem::UniformSizes> blend{.sizes = {.min_radius = 0.02, .max_radius = 0.1},
+                                          .density = 2500};
 
-// The smallest gap between two grains, over all images; by all pairs.
+// Smallest gap between two grains, including periodic images, over all pairs.
 template <class P>
 double smallest_gap(const P& grains) {
   double gap = 1e9;
@@ -45,7 +44,7 @@ void expect_packing(bool periodic) {
   dem::scatter(grains, blend, box, {.solid_fraction = share, .seed = 3});
   EXPECT_GT(grains.size(), 100u);
   EXPECT_GE(smallest_gap(grains), 0);
-  EXPECT_LT(smallest_gap(grains), 0.01) << "they are close";
+  EXPECT_LT(smallest_gap(grains), 0.01) << "the packing is dense";
   const double filled = solid_volume(grains) / box.volume();
   EXPECT_GE(filled, share);
   EXPECT_LT(filled, share + 0.01);
@@ -62,14 +61,14 @@ void expect_packing(bool periodic) {
   EXPECT_EQ(state_of(again), state_of(grains));
 }
 
-TEST(Packing, FillsAShareOfTheRegionWithoutOverlap) {
+TEST(Packing, FillsAFractionOfTheRegionWithoutOverlap) {
   expect_packing<2>(false);
   expect_packing<2>(true);
   expect_packing<3>(false);
   expect_packing<3>(true);
 }
 
-TEST(Packing, LeavesAloneWhatIsThere) {
+TEST(Packing, AvoidsExistingGrains) {
   dem::Grains<3> grains;
   dem::add_grain(grains, {0, 0, 0.3}, {.radius = 0.2, .density = 1});
   const dem::VerticalCylinder<> pillar{.radius = 0.5, .height = 1};
@@ -81,14 +80,14 @@ TEST(Packing, LeavesAloneWhatIsThere) {
   }
 }
 
-TEST(Packing, RefusesTheImpossibleAndSaysHowFarItCame) {
+TEST(Packing, ThrowsIfThereIsNoRoomAndTellsHowManyWerePlaced) {
   dem::Grains<2> grains;
   const auto box = cube<2, double>(0, 1);
   const dem::Blend<dem::EqualSizes> discs{.sizes = {.value = 0.05}, .density = 1};
   EXPECT_TRUE(refuses([&] { dem::scatter(grains, discs, box, {.number = 100}); },
                       {"dem::scatter: placed ", " of 100 grains", "radius 0.05"}));
   EXPECT_TRUE(grains.empty());
-  EXPECT_TRUE(refuses([&] { dem::scatter(grains, discs, box, {}); }, {"either a number or"}));
+  EXPECT_TRUE(refuses([&] { dem::scatter(grains, discs, box, {}); }, {"either number or"}));
   EXPECT_TRUE(refuses([&] { dem::scatter(grains, discs, box, {.solid_fraction = 1.2}); },
                       {"solid_fraction = 1.2"}));
   EXPECT_TRUE(refuses([&] { dem::scatter(grains, discs, Box<2>{}, {.number = 1}); },
@@ -97,8 +96,8 @@ TEST(Packing, RefusesTheImpossibleAndSaysHowFarItCame) {
                       {"volume of the region = inf"}));
 }
 
-// Random sequential addition stops at 0.547 of the plane; so far all tries succeed sooner or later.
-TEST(Packing, ComesNearToWhereRandomAdditionEnds) {
+// Random sequential addition of discs saturates at 0.547; below, some try succeeds.
+TEST(Packing, ComesCloseToTheSaturationOfRandomAddition) {
   dem::Grains<2> grains;
   const dem::Blend<dem::EqualSizes> discs{.sizes = {.value = 0.01}, .density = 1};
   auto box = cube<2, double>(0, 1);
@@ -108,9 +107,9 @@ TEST(Packing, ComesNearToWhereRandomAdditionEnds) {
   EXPECT_NEAR(solid_volume(grains), 0.52, 1e-3);
 }
 
-TEST(Packing, SettlesToABedThatCarriesItsWeight) {
-  const dem::Blend<dem::UniformSizes> pebbles{
-      .sizes = {.min_radius = 0.008, .max_radius = 0.012}, .density = 2500};
+TEST(Packing, SettlesToABedInEquilibrium) {
+  const dem::Blend<dem::UniformSizes> pebbles{.sizes = {.min_radius = 0.008, .max_radius = 0.012},
+                                              .density = 2500};
   dem::Grains<2> grains;
   const Box<2> box{.lower = {0, 0}, .upper = {0.2, 0.3}};
   dem::scatter(grains, pebbles, box, {.number = 80});
@@ -125,21 +124,21 @@ TEST(Packing, SettlesToABedThatCarriesItsWeight) {
                         dem::Contacts{law, dem::Plane<2>{}, dem::Plane<2>{.normal = {1, 0}},
                                       dem::Plane<2>{.point = {0.2, 0}, .normal = {-1, 0}}}},
                  Leapfrog{GlobalDamping{.alpha = 2}}};
-  const dem::Settling rest{.speed = 1e-4, .check_every = 0.1, .at_most = 5};
+  const dem::Settling rest{.speed = 1e-4, .check_every = 0.1, .max_time = 5};
   const double took = dem::settle(bed, rest);
   EXPECT_LT(took, 5);
   EXPECT_LT(dem::rms_speed(bed.particles()), 1e-4);
   double floor = 0;
   const auto state = bed.state();
-  state.interaction.part<1>().for_each_contact(
-      state.particles, [&](Index, Index j, const auto&, const Vec<2>& f) {
-        if (j == no_index) floor += f[1];
-      });
+  state.interaction.part<1>().for_each_contact(state.particles,
+                                               [&](Index, Index j, const auto&, const Vec<2>& f) {
+                                                 if (j == no_index) floor += f[1];
+                                               });
   EXPECT_NEAR(floor / weight, 1, 0.01);
 
-  EXPECT_TRUE(refuses(
-      [&] { dem::settle(bed, {.speed = 1e-30, .check_every = 0.01, .at_most = 0.02}); },
-      {"dem::settle: after 0.02 s", "speed = 1e-30"}));
+  EXPECT_TRUE(
+      refuses([&] { dem::settle(bed, {.speed = 1e-30, .check_every = 0.01, .max_time = 0.02}); },
+              {"dem::settle: after 0.02 s", "speed = 1e-30"}));
 }
 
 }  // namespace

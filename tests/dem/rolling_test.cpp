@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Spheres that resist rolling and twisting, against rigid-body mechanics.
+// Spheres with rolling and twisting resistance, against rigid-body mechanics.
 #include "support/grains.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -12,7 +11,7 @@ namespace {
 constexpr double g = 9.81;
 constexpr double R = 0.01;
 
-// A sphere on an incline, which rolls without resistance.
+// A sphere on an incline that would roll without resistance.
 template <int Dim>
 auto on_incline(const dem::RollingResistance& resistance, double theta) {
   const double k = 1e5;
@@ -40,7 +39,7 @@ void holds_below_its_coefficient() {
   held.run({.until = 0.6});
   EXPECT_NEAR(held.particles()[position][0][0], settled, 1e-7 * R);
 
-  // Beyond it rolls: the couple μ_r m g cos θ R takes its share of the moment.
+  // Beyond this it rolls: the couple μ_r m g cos θ R reduces the driving moment.
   const double theta = std::atan(2 * mu);
   auto rolls = on_incline<Dim>({.rolling_friction = mu}, theta);
   rolls.run({.until = 0.5});
@@ -48,16 +47,16 @@ void holds_below_its_coefficient() {
   EXPECT_NEAR(rolls.particles()[velocity][0][0] / (a * 0.5), 1, 0.01);
 }
 
-TEST(RollingResistance, HoldsASphereOnAnInclineBelowItsCoefficient2D) {
+TEST(RollingResistance, KeepsASphereAtRestBelowItsCoefficient2D) {
   holds_below_its_coefficient<2>();
 }
-TEST(RollingResistance, HoldsASphereOnAnInclineBelowItsCoefficient3D) {
+TEST(RollingResistance, KeepsASphereAtRestBelowItsCoefficient3D) {
   holds_below_its_coefficient<3>();
 }
 
-TEST(RollingResistance, StopsASphereThatTwistsOnTheSpot) {
+TEST(RollingResistance, StopsASphereThatSpinsAboutTheNormal) {
   const double mu = 0.05, w = 20;
-  // Little damping: until the slider gives way the dashpot resists, too.
+  // Little damping, because the dashpot also resists until the slider slides.
   auto sim = on_incline<3>({.twisting_friction = mu, .damping_ratio = 0.03}, 0);
   sim.particles()[spin][0] = {0, 0, w};
   // I dw/dt = −μ_t R m g with I = 2/5 m R².

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include "support/check.hpp"
-
 #include <silt/dem/size_distribution.hpp>
 
+#include "support/check.hpp"
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -22,7 +21,8 @@ std::vector<double> radii(const Sizes& sizes, Index number) {
   return radii;
 }
 
-// A share of n grains is known to ±√(1/4n); four of these are exceeded once in 16000.
+// A fraction of n grains has a standard deviation of at most √(1/4n); four of these are exceeded
+// once in 16000.
 constexpr Index n = 10000;
 constexpr double doubt = 4 * 0.5 / 100;
 
@@ -31,14 +31,14 @@ double share(const std::vector<double>& radii, const Accepts& accepts) {
   return double(std::count_if(radii.begin(), radii.end(), accepts)) / double(radii.size());
 }
 
-TEST(SizeDistribution, IsUniformBetweenTwoRadii) {
+TEST(SizeDistribution, IsUniformBetweenItsLimits) {
   const dem::UniformSizes sizes{.min_radius = 1, .max_radius = 3};
   const auto all = radii(sizes, n);
   EXPECT_EQ(share(all, [](double R) { return R >= 1; }), 1);
   EXPECT_NEAR(share(all, [](double R) { return R < 1.5; }), 0.25, doubt);
 }
 
-TEST(SizeDistribution, IsLognormalBetweenItsEnds) {
+TEST(SizeDistribution, IsLognormalBetweenItsLimits) {
   const dem::LognormalSizes sizes{
       .median = 1, .deviation = 0.5, .min_radius = 0.5, .max_radius = 2};
   const auto all = radii(sizes, n);
@@ -50,7 +50,7 @@ TEST(SizeDistribution, IsLognormalBetweenItsEnds) {
   }
 }
 
-TEST(SizeDistribution, GivesEachSieveItsShareOfTheMass) {
+TEST(SizeDistribution, HasTheMassFractionOfEachSieve) {
   for (const int power : {2, 3}) {
     const dem::SieveSizes sizes({{.min_radius = 0.5, .max_radius = 1, .mass = 20},
                                  {.min_radius = 1, .max_radius = 1.5, .mass = 50},
@@ -65,22 +65,19 @@ TEST(SizeDistribution, GivesEachSieveItsShareOfTheMass) {
   }
 }
 
-TEST(SizeDistribution, RefusesWhatIsNone) {
+TEST(SizeDistribution, ThrowsForInvalidParameters) {
   EXPECT_TRUE(refuses([] { dem::UniformSizes{.min_radius = 2, .max_radius = 1}.check(); },
-                      {"UniformSizes: smallest = 2 m is above largest = 1"}));
+                      {"UniformSizes: min_radius = 2 m is above max_radius = 1"}));
   EXPECT_TRUE(refuses([] { dem::EqualSizes{}.check(); }, {"EqualSizes", "positive"}));
   EXPECT_TRUE(refuses(
       [] {
-        dem::LognormalSizes{
-            .median = 1, .deviation = 0.1, .min_radius = 4, .max_radius = 5}
+        dem::LognormalSizes{.median = 1, .deviation = 0.1, .min_radius = 4, .max_radius = 5}
             .check();
       },
       {"LognormalSizes: only", "4", "5"}));
   EXPECT_TRUE(refuses([] { dem::SieveSizes({}); }, {"SieveSizes: mass of all fractions"}));
   EXPECT_TRUE(refuses(
-      [] {
-        dem::SieveSizes({{.min_radius = 1, .max_radius = 2, .mass = 1}}, {.power = 1});
-      },
+      [] { dem::SieveSizes({{.min_radius = 1, .max_radius = 2, .mass = 1}}, {.power = 1}); },
       {"SieveSizes: power = 1"}));
 }
 

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The stable and the default time step of every law: where refusal begins, and of whom.
-#include "support/check.hpp"
-
+// The stable and the default time step of every law: the limit, and the grain that determines it.
 #include <silt/dem/contacts.hpp>
 #include <silt/dem/hertz.hpp>
 #include <silt/dem/law.hpp>
@@ -12,6 +10,7 @@
 #include <silt/dem/walton_braun.hpp>
 #include <silt/search/brute_force.hpp>
 
+#include "support/check.hpp"
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -25,7 +24,7 @@ constexpr double R = 0.01;
 constexpr double k = 1e6;
 const dem::Elastic glass{.young_modulus = 1e9, .poisson_ratio = 0.25};
 
-// Spheres in a row, pressed together by these overlaps.
+// Spheres in a row with these overlaps.
 dem::Grains<3> row(const std::vector<double>& overlaps) {
   dem::Grains<3> grains;
   Vec<3> x = Vec<3>::Zero();
@@ -37,101 +36,103 @@ dem::Grains<3> row(const std::vector<double>& overlaps) {
   return grains;
 }
 
-// The time step at which it begins to be refused, and the words of the refusal.
-struct Refusal {
+// The smallest rejected time step, and the message.
+struct Rejection {
   double limit = 0;
-  std::string words;
+  std::string message;
 };
 template <class Law>
-Refusal refusal_of(const Law& law, dem::Grains<3> grains) {
+Rejection rejection_of(const Law& law, dem::Grains<3> grains) {
   BruteForce<3> search({.radius = 2 * R});
   search.update(grains);
-  Refusal refusal;
+  Rejection rejection;
   double high = 1;
-  refusal.limit = 1e-8;
-  while (high / refusal.limit > 1 + 1e-4) {
-    const double dt = std::sqrt(refusal.limit * high);
+  rejection.limit = 1e-8;
+  while (high / rejection.limit > 1 + 1e-4) {
+    const double dt = std::sqrt(rejection.limit * high);
     dem::Contacts contacts{law};
     try {
       contacts.accelerate(grains, search, dt);
-      refusal.limit = dt;
+      rejection.limit = dt;
     } catch (const Error& error) {
       high = dt;
-      refusal.words = error.what();
+      rejection.message = error.what();
     }
   }
-  return refusal;
+  return rejection;
 }
 
-// The bound is never too large, and too small by at most 3 %.
-void expect_limit(const Refusal& refusal, double exact, const char* law) {
-  EXPECT_LE(refusal.limit, exact * (1 + 2e-4)) << law;
-  EXPECT_GE(refusal.limit, exact * 0.97) << law;
-  EXPECT_NE(refusal.words.find("particle 0"), std::string::npos) << law << ": " << refusal.words;
-  EXPECT_NE(refusal.words.find("stable"), std::string::npos) << law << ": " << refusal.words;
+// The limit is never too large, and at most 3 % too small.
+void expect_limit(const Rejection& rejection, double exact, const char* law) {
+  EXPECT_LE(rejection.limit, exact * (1 + 2e-4)) << law;
+  EXPECT_GE(rejection.limit, exact * 0.97) << law;
+  EXPECT_NE(rejection.message.find("particle 0"), std::string::npos)
+      << law << ": " << rejection.message;
+  EXPECT_NE(rejection.message.find("stable"), std::string::npos)
+      << law << ": " << rejection.message;
 }
 
 double mass_of_one() { return row({})[mass][0]; }
 
-TEST(Stability, APairIsRefusedBeyondTwoOverTheFrequencyOfItsLaw) {
+TEST(Stability, LimitOfAPairIsTwoOverTheFrequencyOfItsLaw) {
   const double m = mass_of_one();
   const double overlap = 1e-4;
   const auto limit = [&](double stiffness) { return 2 / std::sqrt(2 * stiffness / m); };
 
   const dem::LinearSpringDashpot spring{.normal_stiffness = k};
-  expect_limit(refusal_of(dem::Law{spring}, row({overlap})), limit(k), "linear");
+  expect_limit(rejection_of(dem::Law{spring}, row({overlap})), limit(k), "linear");
 
   const dem::Law yields{dem::WaltonBraun{.loading_stiffness = k, .restitution = 0.5}};
-  expect_limit(refusal_of(yields, row({overlap})), limit(4 * k), "Walton-Braun, unloading");
+  expect_limit(rejection_of(yields, row({overlap})), limit(4 * k), "Walton-Braun, unloading");
 
-  // 1 + m R²/I = 7/2 for spheres, whose lever arm is R less half of the overlap.
+  // 1 + m R²/I = 7/2 for spheres, with the lever arm R minus half of the overlap.
   const dem::Law hertz{dem::Hertz{.elastic = glass},
                        dem::Mindlin{.elastic = glass, .friction_angle = 0.3}};
   const double a = std::sqrt(R / 2 * overlap);
   const double arm = 1 - overlap / 2 / R;
   const double shear = 8 * glass.contact_shear_modulus() * a * (1 + 2.5 * arm * arm);
   ASSERT_GT(shear, 2 * glass.contact_modulus() * a);
-  expect_limit(refusal_of(hertz, row({overlap})), limit(shear), "Hertz-Mindlin");
+  expect_limit(rejection_of(hertz, row({overlap})), limit(shear), "Hertz-Mindlin");
 
-  // The couple turns both: ω² = 2 k_r/I, with I = 2/5 m R².
+  // The couple rotates both: ω² = 2 k_r/I, with I = 2/5 m R².
   const double mu = 2;
   const double k_r = 2.25 * k * squared(mu * R / 2);
   for (const auto& resistance :
        {dem::RollingResistance{.rolling_friction = mu, .damping_ratio = 0},
         dem::RollingResistance{.twisting_friction = mu, .damping_ratio = 0}}) {
-    expect_limit(refusal_of(dem::Law{spring, resistance}, row({overlap})),
+    expect_limit(rejection_of(dem::Law{spring, resistance}, row({overlap})),
                  limit(k_r / (0.4 * R * R)), "rolling or twisting");
   }
 }
 
-TEST(Stability, ADashpotAgainstRollingCountsByItself) {
+TEST(Stability, ARollingDashpotCountsSeparately) {
   const double mu = 2;
   const dem::Law law{dem::LinearSpringDashpot{.normal_stiffness = k},
                      dem::RollingResistance{.rolling_friction = mu, .damping_ratio = 0.3}};
   const double m = mass_of_one();
   const double k_r = 2.25 * k * squared(mu * R / 2);
   const double c_r = 2 * 0.3 * std::sqrt(k_r * 1.4 * m / 2) * R / 2;
-  const double inertia = 0.4 * m * R * R / 2;  // of one against the other
-  const double exact = dem::stable_time_step(
-      {.angular_frequency = std::sqrt(k_r / inertia), .beta = c_r / k_r});
-  expect_limit(refusal_of(law, row({1e-4})), exact, "rolling with a dashpot");
+  const double inertia = 0.4 * m * R * R / 2;  // reduced, of the pair
+  const double exact =
+      dem::stable_time_step({.angular_frequency = std::sqrt(k_r / inertia), .beta = c_r / k_r});
+  expect_limit(rejection_of(law, row({1e-4})), exact, "rolling with a dashpot");
 }
 
-TEST(Stability, ALightTouchOfHertzDoesNotLowerTheLimit) {
+TEST(Stability, ASlightHertzContactDoesNotLowerTheLimit) {
   const dem::Law law{dem::Hertz{.elastic = glass, .restitution = 0.3}};
-  // c/k of the light one is thirty times that of the other, but its c is a thirtieth.
-  const double alone = refusal_of(law, row({1e-4})).limit;
-  const double beside = refusal_of(law, row({1e-4, 1e-10})).limit;
+  // c/k of the slight contact is thirty times that of the other, but its c is a thirtieth.
+  const double alone = rejection_of(law, row({1e-4})).limit;
+  const double beside = rejection_of(law, row({1e-4, 1e-10})).limit;
   EXPECT_GT(beside, 0.9 * alone);
 }
 
-TEST(Stability, NamesTheGrainThatLimits) {
-  const auto refusal =
-      refusal_of(dem::Law{dem::Hertz{.elastic = glass}}, row({1e-6, 1e-6, 1e-4}));
-  EXPECT_NE(refusal.words.find("particle 2"), std::string::npos) << refusal.words;
+TEST(Stability, MessageNamesTheLimitingGrain) {
+  const auto rejection =
+      rejection_of(dem::Law{dem::Hertz{.elastic = glass}}, row({1e-6, 1e-6, 1e-4}));
+  EXPECT_NE(rejection.message.find("particle 2"), std::string::npos) << rejection.message;
 }
 
-TEST(Stability, DefaultTimeStepOfHertzIsThatOfAnOverlapOfAHundredthOfTheRadius) {
+TEST(Stability, DefaultTimeStepOfHertzIsThatOfAnOverlapOfOnePercentOfTheRadius) {
   const dem::Hertz hertz{.elastic = {.young_modulus = 4.8e10, .poisson_ratio = 0.2}};
   const dem::Contacts contacts{dem::Law{hertz}};
   const auto grains = row({0});
@@ -139,11 +140,10 @@ TEST(Stability, DefaultTimeStepOfHertzIsThatOfAnOverlapOfAHundredthOfTheRadius) 
   const double S = 2 * hertz.elastic.contact_modulus() * std::sqrt(R / 2 * R / 100);
   const double dt = contacts.time_step(grains);
   EXPECT_NEAR(dt * 50 / (std::numbers::pi * std::sqrt(m / S)), 1, 1e-12);
-  // An impact at 10 m/s, which goes as deep, is seen in more than fifty steps.
+  // An impact at 10 m/s, with this maximum overlap, has more than fifty steps.
   const double deepest = R / 100;
-  const double v =
-      std::sqrt(16.0 / 15 * hertz.elastic.contact_modulus() * std::sqrt(R / 2) / m) *
-      std::pow(deepest, 1.25);
+  const double v = std::sqrt(16.0 / 15 * hertz.elastic.contact_modulus() * std::sqrt(R / 2) / m) *
+                   std::pow(deepest, 1.25);
   EXPECT_GT(2.9433 * deepest / v / dt, 60);
 }
 

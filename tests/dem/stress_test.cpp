@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "support/check.hpp"
-#include "support/grains.hpp"
-
 #include <silt/dem/coordination.hpp>
 #include <silt/dem/stress.hpp>
 
+#include "support/check.hpp"
+#include "support/grains.hpp"
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -16,7 +15,7 @@ constexpr double k = 1e6;
 constexpr double R = pebble.radius;
 const dem::CundallStrack spring{.normal_stiffness = k};
 
-// With their contacts as they are after a step of next to no time.
+// With contacts evaluated in a very short step.
 template <class P, class Contacts>
 auto state_of(const P& grains, const Contacts& contacts) {
   Simulation sim{grains, BruteForce<P::dimension>{}, contacts, Leapfrog{}};
@@ -25,8 +24,8 @@ auto state_of(const P& grains, const Contacts& contacts) {
 }
 const dem::Plane<2> floor_at_0;
 
-// Discs upon one another, each pressed as far as those above it weigh.
-TEST(Stress, InAColumnAtRestIsTheWeightAboveOverTheWidth) {
+// A column of discs with the overlaps of static equilibrium.
+TEST(Stress, OfAColumnAtRestIsTheWeightAbovePerWidth) {
   constexpr int n = 6;
   constexpr double g = 9.81;
   const double m = one_grain<2>({0, 0}, {0, 0})[mass][0];
@@ -53,9 +52,9 @@ TEST(Stress, InAColumnAtRestIsTheWeightAboveOverTheWidth) {
   EXPECT_NEAR(floor.contact(1, 1), n * m * g / width, 1e-6 * n * m * g / width);
 }
 
-// A simple cubic lattice, pressed together: F/s² in every direction and in every region of whole
-// cells, wherever its edges lie, also across the periodic sides.
-TEST(Stress, InAPressedLatticeIsTheForceOverTheCell) {
+// A compressed simple cubic lattice: F/s² in every direction and in every region of whole cells,
+// wherever its edges are, also across the periodic sides.
+TEST(Stress, OfACompressedLatticeIsTheForcePerCellFace) {
   constexpr double s = 1.99 * R;
   auto box = cube<3, double>(0, 4 * s);
   box.periodic.fill(true);
@@ -78,7 +77,7 @@ TEST(Stress, InAPressedLatticeIsTheForceOverTheCell) {
   EXPECT_EQ(number.rattlers, 0);
 }
 
-TEST(Stress, OfAGasThatFlowsIsThatOfItsFluctuations) {
+TEST(Stress, OfAFlowingGasIsThatOfItsFluctuations) {
   auto grains = crowd<3, double>(4, 7);
   for (auto& x : grains[position]) x *= 2;
   for (auto& v : grains[velocity]) v += Vec<3>(20, 0, 0);
@@ -93,8 +92,8 @@ TEST(Stress, OfAGasThatFlowsIsThatOfItsFluctuations) {
   EXPECT_EQ(sigma.contact.norm(), 0);
 }
 
-TEST(Stress, OfAContactThatRubsHasAShear) {
-  // Both turn the same way, so their surfaces rub: a force along y over a way along x.
+TEST(Stress, OfASlidingContactHasAShearComponent) {
+  // Both have the same spin, so their surfaces slide: a force along y at a distance along x.
   auto grains = two_grains<2>(-1e-4, Vec<2>(0, 0));
   grains[spin][0] = 1;
   grains[spin][1] = 1;
@@ -113,7 +112,7 @@ TEST(Stress, OfAContactThatRubsHasAShear) {
   EXPECT_NEAR(sigma(0, 1), 0, 1e-9 * std::abs(force[0]));
 }
 
-TEST(Stress, RefusesARegionWithoutVolume) {
+TEST(Stress, ThrowsForARegionWithoutVolume) {
   const auto state = state_of(dem::Grains<2>{}, dem::Contacts{spring, floor_at_0});
   EXPECT_TRUE(refuses([&] { dem::stress(state.particles, state.interaction, Box<2>{}); },
                       {"dem::stress", "not a finite number"}));
@@ -121,8 +120,8 @@ TEST(Stress, RefusesARegionWithoutVolume) {
       [&] { dem::stress(state.particles, state.interaction, cube<2, double>(1, 1)); }, {"Box"}));
 }
 
-TEST(Coordination, LeavesOutWhatBearsNothing) {
-  // Three in a row on a floor, the last of which touches only its neighbour, and one far away.
+TEST(Coordination, ExcludesGrainsWithoutLoad) {
+  // Three in a row on a floor, the last of which touches only its neighbour, and a distant one.
   dem::Grains<2> grains;
   dem::add_grain(grains, {0, R - 1e-5}, pebble);
   dem::add_grain(grains, {2 * R - 1e-5, R - 1e-5}, pebble);

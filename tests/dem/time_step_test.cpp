@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Stability: what is refused, and that the limit is where it blows up.
+// Stability: rejected time steps, and that instability begins at the limit.
 #include "support/check.hpp"
 #include "support/grains.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -14,9 +13,11 @@ namespace {
 constexpr double k = 1e6;
 const dem::CundallStrack spring{.normal_stiffness = k};
 
-double mass_of(const dem::Grain& grain) { return one_grain<3>({0, 0, 0}, {0, 0, 0}, grain)[mass][0]; }
+double mass_of(const dem::Grain& grain) {
+  return one_grain<3>({0, 0, 0}, {0, 0, 0}, grain)[mass][0];
+}
 
-// The time step at which a step begins to be refused.
+// The smallest rejected time step.
 template <class Make>
 double limit_of(Make make) {
   double low = 1e-7;
@@ -34,12 +35,12 @@ double limit_of(Make make) {
   return low;
 }
 
-// A chain, a triangle or a tetrahedron of spheres in slight touch.
+// A chain, triangle or tetrahedron of slightly overlapping spheres.
 auto cluster(const std::vector<Vec<3>>& points, const dem::CundallStrack& law, bool refuse) {
   std::vector<Vec<3>> scaled;
   for (const auto& x : points) scaled.push_back(0.01999 * x);
   return Simulation{dem::make_grains(scaled, pebble), UniformGrid<3>{},
-                    dem::Contacts{law}.with({.refuse_unstable = refuse}), Leapfrog{}};
+                    dem::Contacts{law}.with({.check_stability = refuse}), Leapfrog{}};
 }
 
 const std::vector<Vec<3>> pair_of{{0, 0, 0}, {1, 0, 0}};
@@ -47,19 +48,20 @@ const std::vector<Vec<3>> triangle{{0, 0, 0}, {1, 0, 0}, {0.5, std::sqrt(0.75), 
 
 TEST(TimeStep, OfAPairIsStableUpToTwoOverItsFrequency) {
   const double limit = limit_of([] { return cluster(pair_of, spring, true); });
-  // Too small by at most 6 % of ω², never too large.
+  // At most 6 % of ω² too small, never too large.
   const double exact = std::sqrt(2 * mass_of(pebble) / k);
   EXPECT_LE(limit, exact * (1 + 1e-6));
   EXPECT_GE(limit, exact * 0.97);
 }
 
-// Overlap amplitude after many steps, over the one at the beginning; the law is kept in its linear
-// range by letting it pull.
+// Overlap amplitude after many steps over the initial one; the law may be attractive, so that it
+// stays linear.
 struct Attached {
   double stiffness;
   template <class C>
   typename C::Vec force(const C& contact) const {
-    return typename C::Real(stiffness) * (contact.overlap - typename C::Real(0.005)) * contact.normal;
+    return
+        typename C::Real(stiffness) * (contact.overlap - typename C::Real(0.005)) * contact.normal;
   }
 };
 
@@ -81,35 +83,36 @@ double growth(double dt_over_limit, const std::vector<Vec<3>>& points, double li
   return most / 1e-7;
 }
 
-TEST(TimeStep, BoundedBelowTheLimitAndGrowingAboveIt) {
+TEST(TimeStep, OscillationsAreBoundedBelowTheLimitAndGrowAboveIt) {
   const double of_pair = std::sqrt(2 * mass_of(pebble) / k);
   EXPECT_LT(growth(0.98, pair_of, of_pair), 50);
   EXPECT_GT(growth(1.02, pair_of, of_pair), 1e4);
-  // Breathing of a triangle: each grain meets both others, ω² = 3 k/m.
+  // Breathing mode of a triangle with all three contacts, ω² = 3 k/m.
   const double of_triangle = 2 / std::sqrt(3 * k / mass_of(pebble));
   EXPECT_LT(growth(0.98, triangle, of_triangle), 50);
   EXPECT_GT(growth(1.02, triangle, of_triangle), 1e4);
 }
 
-TEST(TimeStep, WhatIsAcceptedForATriangleIsStable) {
+TEST(TimeStep, AcceptedForATriangleIsStable) {
   const double limit = limit_of([] { return cluster(triangle, spring, true); });
   const double exact = 2 / std::sqrt(3 * k / mass_of(pebble));
   EXPECT_LE(limit, exact * (1 + 1e-6));
   EXPECT_GE(limit, exact * 0.9);
 }
 
-TEST(TimeStep, OfThePaperIsSafeOnAFloorButRefusedForAPair) {
-  const double dt = 0.8 * dem::sah_choi_critical_time_step({.mass = mass_of(pebble), .stiffness = k});
+TEST(TimeStep, OfThePaperIsSafeOnAFloorButRejectedForAPair) {
+  const double dt =
+      0.8 * dem::sah_choi_critical_time_step({.mass = mass_of(pebble), .stiffness = k});
   EXPECT_TRUE(refuses([&] { cluster(pair_of, spring, true).step(dt); },
                       {"time_step = " + to_text(dt), "stable", "lower it", "particle 0", "id 0"}));
   auto grains = one_grain<3>({0, 0, 0.00999}, {0, 0, 0});
   Simulation on_floor{grains, UniformGrid<3>{}, dem::Contacts{spring, dem::Plane<3>{}}, Leapfrog{}};
   EXPECT_NO_THROW(on_floor.step(dt));
   auto trusted = cluster(pair_of, spring, false);
-  EXPECT_NO_THROW(trusted.step(dt)) << "the user may insist";
+  EXPECT_NO_THROW(trusted.step(dt)) << "the check can be switched off";
 }
 
-TEST(TimeStep, OnAWallIsStableUpToThePapersCriticalOne) {
+TEST(TimeStep, OnAWallIsStableUpToTheCriticalOneOfThePaper) {
   const double limit = limit_of([] {
     return Simulation{one_grain<2>({0, 0.00999}, {0, 0}), UniformGrid<2>{},
                       dem::Contacts{spring, dem::Plane<2>{}}, Leapfrog{}};
@@ -134,11 +137,12 @@ TEST(TimeStep, IsShorterWithATangentialSpringAndWithADashpot) {
   EXPECT_LT(limit(damped), 0.8 * plain);
 }
 
-TEST(TimeStep, OfTheIncrementalFormWithADashpotBlowsUpJustAboveTheLimit) {
-  // Two spheres pressed together so hard that they cannot part while it is watched.
+TEST(TimeStep, OfTheIncrementalFormWithADashpotIsUnstableJustAboveTheLimit) {
+  // Two spheres with an overlap so large that they do not separate during the test.
   const double zeta = 0.3;
   const double omega = std::sqrt(2 * k / mass_of(pebble));
-  const double limit = dem::stable_time_step({.angular_frequency = omega, .beta = 2 * zeta / omega});
+  const double limit =
+      dem::stable_time_step({.angular_frequency = omega, .beta = 2 * zeta / omega});
   EXPECT_NEAR(limit, 2 / omega * (std::sqrt(1.09) - 0.3), 1e-12);
   const auto deviation = [&](double dt) {
     dem::CundallStrackIncremental law{.normal_stiffness = k};
@@ -146,7 +150,8 @@ TEST(TimeStep, OfTheIncrementalFormWithADashpotBlowsUpJustAboveTheLimit) {
     std::vector<Vec<3>> at{{0, 0, 0}, {0.01, 0, 0}};
     auto grains = dem::make_grains(at, pebble);
     grains[velocity][1][0] = 1e-6;
-    Simulation sim{grains, UniformGrid<3>{}, dem::Contacts{law}.with({.refuse_unstable = false}), Leapfrog{}};
+    Simulation sim{grains, UniformGrid<3>{}, dem::Contacts{law}.with({.check_stability = false}),
+                   Leapfrog{}};
     double late = 0;
     for (int step = 0; step < 200; ++step) {
       sim.step(dt);
@@ -165,7 +170,8 @@ TEST(TimeStep, DefaultIsAFractionOfTheShortestContactOfTheLightestGrains) {
   const double contact = dem::contact_duration({.mass = light / 2, .stiffness = k});
   Simulation sim{grains, UniformGrid<2>{}, dem::Contacts{spring}, Leapfrog{}};
   EXPECT_NEAR(sim.time_step(), contact / 50, 1e-12);
-  Simulation finer{grains, UniformGrid<2>{}, dem::Contacts{spring}.with({.steps_per_contact = 200}), Leapfrog{}};
+  Simulation finer{grains, UniformGrid<2>{}, dem::Contacts{spring}.with({.steps_per_contact = 200}),
+                   Leapfrog{}};
   EXPECT_NEAR(finer.time_step(), contact / 200, 1e-12);
 }
 

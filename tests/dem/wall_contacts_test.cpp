@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT
-// Grains on walls of triangles, at rest and turning.
+// Grains on triangle meshes, at rest and rotating.
 #include "support/any_wall.hpp"
 #include "support/check.hpp"
 #include "support/grains.hpp"
 #include "support/triangles.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -32,7 +31,7 @@ const auto& contacts_of(const Sim& sim) {
   return sim.interaction().template part<1>();
 }
 
-// A pebble that rests on the plane z = 0 by its weight.
+// A pebble in equilibrium on the plane z = 0.
 dem::Grains<3> resting_grain(const Vec<3>& v) {
   auto grains = one_grain<3>({0.0123, 0.0217, 0.01}, v);
   grains[position][0][2] -= grains[mass][0] * g / elastic.normal_stiffness;
@@ -51,11 +50,11 @@ dem::MeshWall<> floor_of_triangles() {
   return dem::MeshWall(floor);
 }
 
-TEST(FloorOfTriangles, GivesNoKickToASphereThatSlides) {
+TEST(FloorOfTriangles, DoesNotDisturbASlidingSphere) {
   const Vec<3> v(1.7, 0.9, 0);
   auto sim = simulation(resting_grain(v), elastic, at_rest<3>(floor_of_triangles()));
   const double height = sim.particles()[position][0][2];
-  sim.run({.until = 0.4, .time_step = 1e-4});  // over some forty edges
+  sim.run({.until = 0.4, .time_step = 1e-4});  // across about forty edges
   EXPECT_GT(sim.particles()[position][0][0], 0.6);
   EXPECT_EQ(sim.particles()[velocity][0][0], v[0]);
   EXPECT_EQ(sim.particles()[velocity][0][1], v[1]);
@@ -63,8 +62,8 @@ TEST(FloorOfTriangles, GivesNoKickToASphereThatSlides) {
   EXPECT_NEAR(sim.particles()[position][0][2], height, 1e-17);
 }
 
-// Friction winds a spring that passes from triangle to triangle.
-TEST(FloorOfTriangles, IsAPlaneToASphereThatSlidesAndRolls) {
+// The tangential spring is passed on from triangle to triangle.
+TEST(FloorOfTriangles, ActsAsAPlaneOnASphereThatSlidesAndRolls) {
   const Vec<3> v(1.7, 0.9, 0);
   auto on_triangles = simulation(resting_grain(v), rough, at_rest<3>(floor_of_triangles()));
   auto on_plane = simulation(resting_grain(v), rough, at_rest<3>(dem::Plane<3>{}));
@@ -77,13 +76,13 @@ TEST(FloorOfTriangles, IsAPlaneToASphereThatSlidesAndRolls) {
   EXPECT_NEAR((a[velocity][0] - b[velocity][0]).norm(), 0, 1e-13);
   EXPECT_NEAR((a[spin][0] - b[spin][0]).norm(), 0, 1e-11);
   EXPECT_NEAR((a[position][0] - b[position][0]).norm(), 0, 1e-14);
-  EXPECT_NEAR(a[velocity][0].head<2>().norm(), v.norm() * 5 / 7, 5e-3) << "it rolls in the end";
+  EXPECT_NEAR(a[velocity][0].head<2>().norm(), v.norm() * 5 / 7, 5e-3) << "it finally rolls";
 }
 
-TEST(BoxOfTriangles, BouncesASphereAsSixPlanesDo) {
+TEST(BoxOfTriangles, ActsAsSixPlanesOnABouncingSphere) {
   const Box<3> box = cube<3, double>(0, 0.1);
-  const dem::CundallStrack law{.normal_stiffness = 1e6, .tangential_stiffness = 5e5,
-                               .friction_angle = 0.2};
+  const dem::CundallStrack law{
+      .normal_stiffness = 1e6, .tangential_stiffness = 5e5, .friction_angle = 0.2};
   auto grain = one_grain<3>({0.03, 0.05, 0.06}, {3, -2, 1.3});
   grain[spin][0] = {20, 50, -30};
   const AnyMoving<3> walls[] = {at_rest<3>(dem::MeshWall(box_of_triangles(box))),
@@ -98,15 +97,15 @@ TEST(BoxOfTriangles, BouncesASphereAsSixPlanesDo) {
     steps_at_walls += contacts_of(of_planes).size();
     ASSERT_EQ(contacts_of(of_triangles).size(), contacts_of(of_planes).size()) << k;
   }
-  EXPECT_GT(steps_at_walls, 300u) << "it did bounce";
+  EXPECT_GT(steps_at_walls, 300u) << "it bounced";
   const auto& a = of_triangles.particles();
   const auto& b = of_planes.particles();
   EXPECT_NEAR((a[velocity][0] - b[velocity][0]).norm(), 0, 1e-10);
   EXPECT_NEAR((a[position][0] - b[position][0]).norm(), 0, 1e-12);
 }
 
-// Over an edge and over a corner of a block: one contact, and no energy from it.
-TEST(BlockOfTriangles, ThrowsASphereBackOnce) {
+// At an edge and at a corner of a block: one contact that conserves energy.
+TEST(BlockOfTriangles, ReflectsASphereWithOneContact) {
   const auto block = at_rest<3>(dem::MeshWall(box_of_triangles(cube<3, double>(-0.1, 0.1), 2)));
   for (const Vec<3>& out : {Vec<3>(1, 0, 1), Vec<3>(1, 1, 1), Vec<3>(1, 0.3, 0.9)}) {
     const Vec<3> n = out.normalized();
@@ -127,7 +126,7 @@ TEST(BlockOfTriangles, ThrowsASphereBackOnce) {
   }
 }
 
-// A drum of plane strips with ends, its axis along y.
+// A drum of plane strips with ends and its axis along y.
 dem::MeshWall<> drum_of_triangles() {
   Triangles all;
   constexpr double R = 0.1, width = 0.1;
@@ -147,8 +146,8 @@ dem::MeshWall<> drum_of_triangles() {
   return dem::MeshWall(all);
 }
 
-// In every step the drum's moment and gravity's are what the grains' angular momentum grows by.
-TEST(DrumOfTriangles, CarriesItsLoadRound) {
+// In every step the torques of drum and gravity are the change of the grains' angular momentum.
+TEST(DrumOfTriangles, LiftsItsGrains) {
   dem::Grains<3> grains = crowd<3, double>(4, 5);
   for (auto& x : grains[position]) x -= Vec<3>(0.041, 0.041, 0.06);
   const dem::Rotation<3> turn{.spin = {0, 20, 0}};
@@ -157,7 +156,7 @@ TEST(DrumOfTriangles, CarriesItsLoadRound) {
   soft.tangential_stiffness = 1e4;
   auto sim = simulation(grains, soft, moving<3>(drum_of_triangles(), turn));
   const double dt = sim.time_step();
-  sim.step(dt);  // it also sets velocities off by half a step
+  sim.step(dt);  // also shifts the velocities by half a step
   double lifting_moment = 0;
   for (int k = 0; k < 3000; ++k) {
     const auto before = sim.particles();
@@ -169,11 +168,11 @@ TEST(DrumOfTriangles, CarriesItsLoadRound) {
     }
     const Vec<3> turning = angular_momentum(sim.particles(), Vec<3>::Zero()) -
                            angular_momentum(before, Vec<3>::Zero());
-    ASSERT_NEAR((turning - (of_gravity - load.moment) * dt).norm(), 0, 1e-15) << k;
+    ASSERT_NEAR((turning - (of_gravity - load.torque) * dt).norm(), 0, 1e-15) << k;
     const Vec<3> push = momentum(sim.particles()) - momentum(before);
     const Vec<3> weight(0, 0, -g * mass_of(before));
     ASSERT_NEAR((push - (weight - load.force) * dt).norm(), 0, 1e-14) << k;
-    lifting_moment += load.moment[1];
+    lifting_moment += load.torque[1];
   }
   EXPECT_EQ(sim.particles().size(), grains.size());
   for (Index i = 0; i < grains.size(); ++i) {
@@ -181,7 +180,7 @@ TEST(DrumOfTriangles, CarriesItsLoadRound) {
     EXPECT_LT(std::hypot(x[0], x[2]), 0.1) << "none is lost";
     EXPECT_LT(std::abs(x[1]), 0.05);
   }
-  EXPECT_LT(lifting_moment, 0) << "the load holds the drum back";
+  EXPECT_LT(lifting_moment, 0) << "the grains slow the drum down";
 }
 
 TEST(DrumOfTriangles, GivesTheSameBitsForAnyNumberOfThreads) {
@@ -196,7 +195,7 @@ TEST(DrumOfTriangles, GivesTheSameBitsForAnyNumberOfThreads) {
       Bytes bytes = state_of(sim.particles());
       const auto load = contacts_of(sim).load_on(sim.particles(), 0);
       append(bytes, std::span<const double>(load.force.data(), 3));
-      append(bytes, std::span<const double>(load.moment.data(), 3));
+      append(bytes, std::span<const double>(load.torque.data(), 3));
       EXPECT_GT(load.force.norm(), 0);
       return bytes;
     });

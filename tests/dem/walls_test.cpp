@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "support/check.hpp"
 #include "support/grains.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -11,11 +10,12 @@ namespace {
 
 const dem::CundallStrack law{.normal_stiffness = 1e6};
 
-TEST(Plane, PushesTheSameWhateverTheLengthOfItsNormal) {
+TEST(Plane, IsIndependentOfTheLengthOfItsNormal) {
   const auto leave = [](double length) {
     const dem::Plane<2> wall{.point = {3, 1}, .normal = length * Vec<2>(0.6, 0.8)};
     const Vec<2> x = wall.point + 0.0101 * Vec<2>(0.6, 0.8) + 5 * Vec<2>(0.8, -0.6);
-    Simulation sim{one_grain<2>(x, {0, -1}), UniformGrid<2>{}, dem::Contacts{law, wall}, Leapfrog{}};
+    Simulation sim{one_grain<2>(x, {0, -1}), UniformGrid<2>{}, dem::Contacts{law, wall},
+                   Leapfrog{}};
     through_contact(sim, sim.time_step());
     return Vec<2>(sim.particles()[velocity][0]);
   };
@@ -30,10 +30,10 @@ TEST(Plane, IsSolidBehind) {
   Simulation sim{one_grain<3>({7, 8, 0.5}, {0, 0, 0}), UniformGrid<3>{}, dem::Contacts{law, floor},
                  Leapfrog{}};
   sim.step(1e-6);
-  EXPECT_GT(sim.particles()[velocity][0][2], 0) << "even a grain deep inside is pushed out";
+  EXPECT_GT(sim.particles()[velocity][0][2], 0) << "a grain deep inside is also pushed out";
 }
 
-TEST(Segment, PushesFromBothSides) {
+TEST(Segment, IsTwoSided) {
   const dem::Segment<> wall{.from = {-1, 0}, .to = {1, 0}};
   for (const double side : {1.0, -1.0}) {
     Simulation sim{one_grain<2>({0.3, side * 0.0101}, {0.5, -side}), UniformGrid<2>{},
@@ -44,32 +44,36 @@ TEST(Segment, PushesFromBothSides) {
   }
 }
 
-TEST(Segment, HasEndsThatAreRound) {
+TEST(Segment, HasRoundEnds) {
   const dem::Segment<> wall{.from = {-1, 0}, .to = {1, 0}};
   // Head on against the end, along the segment.
-  Simulation along{one_grain<2>({1.0101, 0}, {-1, 0}), UniformGrid<2>{}, dem::Contacts{law, wall}, Leapfrog{}};
+  Simulation along{one_grain<2>({1.0101, 0}, {-1, 0}), UniformGrid<2>{}, dem::Contacts{law, wall},
+                   Leapfrog{}};
   through_contact(along, along.time_step());
   EXPECT_NEAR(along.particles()[velocity][0][0], 1, 1e-3);
-  // Past the end, a little too far to touch.
-  Simulation past{one_grain<2>({1.0101, 0.05}, {0, -1}), UniformGrid<2>{}, dem::Contacts{law, wall}, Leapfrog{}};
+  // Past the end, without contact.
+  Simulation past{one_grain<2>({1.0101, 0.05}, {0, -1}), UniformGrid<2>{}, dem::Contacts{law, wall},
+                  Leapfrog{}};
   past.run({.until = 0.1, .time_step = 1e-4});
   EXPECT_EQ(past.particles()[velocity][0][1], -1);
-  // At 45 degrees to the end: comes back the way it came.
+  // At 45 degrees to the end: reflected in the opposite direction.
   const Vec<2> out = Vec<2>(1, 1).normalized();
-  Simulation corner{one_grain<2>(Vec<2>(-1, 0) + 0.0101 * Vec<2>(-out[0], out[1]), {out[0], -out[1]}),
-                    UniformGrid<2>{}, dem::Contacts{law, wall}, Leapfrog{}};
+  Simulation corner{
+      one_grain<2>(Vec<2>(-1, 0) + 0.0101 * Vec<2>(-out[0], out[1]), {out[0], -out[1]}),
+      UniformGrid<2>{}, dem::Contacts{law, wall}, Leapfrog{}};
   through_contact(corner, corner.time_step());
   EXPECT_NEAR((corner.particles()[velocity][0] - Vec<2>(-out[0], out[1])).norm(), 0, 1e-3);
 }
 
-TEST(Segment, PushesACentreThatLiesOnItToItsLeft) {
+TEST(Segment, PushesACentreOnItToTheLeft) {
   const dem::Segment<> wall{.from = {0, 0}, .to = {0, 2}};
-  Simulation sim{one_grain<2>({0, 1}, {0, 0}), UniformGrid<2>{}, dem::Contacts{law, wall}, Leapfrog{}};
+  Simulation sim{one_grain<2>({0, 1}, {0, 0}), UniformGrid<2>{}, dem::Contacts{law, wall},
+                 Leapfrog{}};
   sim.step(1e-6);
   EXPECT_LT(sim.particles()[velocity][0][0], 0);
 }
 
-TEST(Walls, OfSeveralMaterialsActWithTheirOwn) {
+TEST(Walls, UseTheirOwnMaterials) {
   const dem::CundallStrack bouncy{.normal_stiffness = 1e6};
   const dem::CundallStrack dull{.normal_stiffness = 1e6, .restitution = 0.5};
   const dem::Plane<2> floor{.normal = {0, 1}};
@@ -77,15 +81,17 @@ TEST(Walls, OfSeveralMaterialsActWithTheirOwn) {
   auto grains = one_grain<2>({0.0101, 1}, {-1, 0});
   dem::add_grain(grains, {1, 0.0101}, pebble);
   grains[velocity][1] = {0, -1};
-  Simulation sim{grains, UniformGrid<2>{}, dem::Contacts{dem::Materials{bouncy, dull}, floor, side}, Leapfrog{}};
+  Simulation sim{grains, UniformGrid<2>{}, dem::Contacts{dem::Materials{bouncy, dull}, floor, side},
+                 Leapfrog{}};
   sim.run({.until = 0.02, .time_step = sim.time_step() / 2});
   EXPECT_NEAR(sim.particles()[velocity][0][0], 0.5, 2e-3);
   EXPECT_NEAR(sim.particles()[velocity][1][1], 1.0, 2e-3);
 }
 
-TEST(Walls, RememberTheirTangentialSpringsApart) {
-  // In a corner both walls hold a grain by friction; each has a memory of its own.
-  dem::CundallStrack rough{.normal_stiffness = 1e6, .tangential_stiffness = 5e5, .friction_angle = 1};
+TEST(Walls, HaveSeparateTangentialSprings) {
+  // In a corner both walls act on a grain by friction, each with its own history.
+  dem::CundallStrack rough{
+      .normal_stiffness = 1e6, .tangential_stiffness = 5e5, .friction_angle = 1};
   const dem::Plane<2> floor{.normal = {0, 1}};
   const dem::Plane<2> side{.normal = {1, 0}};
   auto grains = one_grain<2>({0.0099, 0.0099}, {0, 0});
@@ -98,7 +104,7 @@ TEST(Walls, RememberTheirTangentialSpringsApart) {
   ASSERT_NE(history.find(0, wall_id(1)), nullptr);
   const auto& on_floor = history.find(0, wall_id(0))->tangential_force;
   const auto& on_side = history.find(0, wall_id(1))->tangential_force;
-  EXPECT_LT(on_floor[0], 0) << "a counter-clockwise spin pulls the grain's foot forward";
+  EXPECT_LT(on_floor[0], 0) << "a counter-clockwise spin drags the floor forward";
   EXPECT_EQ(on_floor[1], 0);
   EXPECT_GT(on_side[1], 0);
   EXPECT_EQ(on_side[0], 0);

@@ -20,7 +20,7 @@ template <class Ledger>
 void expect_closed(const Ledger& ledger, int step) {
   const double kinetic = ledger.energies().kinetic + ledger.energies().rotational;
   const double largest =
-      std::max(ledger.works_of_step().largest(), std::abs(ledger.change_of_step()));
+      std::max(ledger.work_of_step().max_term(), std::abs(ledger.energy_change_of_step()));
   // Velocities are rounded: energies cannot be known better than to their own last digits.
   ASSERT_LE(std::abs(ledger.imbalance()), std::max(1e-10 * largest, 1e-15 * kinetic)) << step;
 }
@@ -35,8 +35,8 @@ void expect_closing(Sim& sim, Ledger& ledger, int steps, double dt) {
     if (::testing::Test::HasFatalFailure()) return;
   }
   const auto kinetic = [](const auto& energies) { return energies.kinetic + energies.rotational; };
-  EXPECT_NEAR(kinetic(ledger.energies()) - kinetic(ledger.beginning()),
-              ledger.works().sum() + ledger.outside(), 1e-11 * kinetic(ledger.energies()));
+  EXPECT_NEAR(kinetic(ledger.energies()) - kinetic(ledger.initial_energies()),
+              ledger.work().sum() + ledger.added_energy(), 1e-11 * kinetic(ledger.energies()));
 }
 
 /// One type of simulation for all that is asked of a law, as each takes seconds to compile: gravity,
@@ -66,10 +66,10 @@ void expect_to_close_at_moving_walls(const Law& law) {
                     {.gravity = 9.81, .damping = 1, .floor = 0, .shaking = 2e-3, .turning = 3});
   dem::EnergyLedger ledger{sim};
   expect_closing(sim, ledger, 600, 2e-5);
-  EXPECT_NE(ledger.works().walls, 0);
-  EXPECT_LT(ledger.works().damping, 0);
+  EXPECT_NE(ledger.work().walls, 0);
+  EXPECT_LT(ledger.work().damping, 0);
   const auto& lost = ledger.losses();
-  for (const double loss : {lost.friction, lost.rolling_friction, lost.plastic, lost.opened}) {
+  for (const double loss : {lost.friction, lost.rolling_friction, lost.plastic, lost.separation}) {
     EXPECT_GE(loss, 0);
   }
 }

@@ -43,7 +43,7 @@ inline Triangles box_of_triangles(const Box<3>& box, int n = 1) {
 }
 
 /// Distance of x from a triangle, by trying all: its inside, its sides, its corners.
-inline double distance_by_hand(const Vec<3>& x, const Triangle<double>& triangle) {
+inline double exact_distance(const Vec<3>& x, const Triangle<double>& triangle) {
   const auto& c = triangle.corners;
   const Vec<3> n = (c[1] - c[0]).cross(c[2] - c[0]).normalized();
   double nearest = std::min({(x - c[0]).norm(), (x - c[1]).norm(), (x - c[2]).norm()});

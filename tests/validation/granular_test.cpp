@@ -2,7 +2,6 @@
 // The broken tower. Exact results are in validation/dem_reference.
 #include "support/check.hpp"
 #include "support/grains.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -17,11 +16,11 @@ constexpr double R = 0.02;
 struct Tower {
   int wide = 5;
   int high = 10;
-  double offset = 0;     // of the trigger, in radii
+  double offset = 0;  // of the trigger, in radii
   double alpha = 0;
   double friction = 0;
   double restitution = 0.5;
-  double drop = 2;       // gap between tower and trigger, in radii
+  double drop = 2;  // gap between tower and trigger, in radii
 };
 
 constexpr double stiffness = 1e6;
@@ -56,7 +55,7 @@ double floor_force(const Sim& sim) {
 
 TEST(BrokenTower, FloorCarriesTheWholeWeightBeforeTheTriggerLands) {
   auto sim = make({.alpha = 40, .drop = 400});
-  // The trigger falls 8 m, with this damping for many seconds.
+  // The trigger falls by 8 m, which takes many seconds with this damping.
   sim.run({.until = 1.5});
   const double weight = 50 * sim.particles()[mass][0] * g;
   EXPECT_NEAR(floor_force(sim), weight, 0.01 * weight);
@@ -76,14 +75,15 @@ TEST(BrokenTower, KeepsItsMirrorSymmetryWhileRoundOffIsSmall) {
     }
     return std::max(most, std::abs(x[50][0]));
   };
-  // Round-off grows with every collision: first it stays round-off, later a small fraction of R.
+  // Round-off grows with every collision: at first it remains round-off, later a small fraction of
+  // R.
   sim.run({.until = 0.1});
   EXPECT_LT(asymmetry(), 1e-12 * R * 100);
   sim.run({.until = 0.2});
   EXPECT_LT(asymmetry(), 1e-6 * R);
 }
 
-TEST(BrokenTower, TriggersAtPlusAndMinusXMakeMirrorImages) {
+TEST(BrokenTower, TriggersAtPlusAndMinusXGiveMirrorImages) {
   auto right = make({.offset = 0.25, .friction = 0.4});
   auto left = make({.offset = -0.25, .friction = 0.4});
   right.run({.until = 0.2});
@@ -100,10 +100,10 @@ TEST(BrokenTower, TriggersAtPlusAndMinusXMakeMirrorImages) {
       moved = std::max(moved, std::abs(here[0] - (double(k) - 2) * 2 * R));
     }
   }
-  EXPECT_GT(moved, 1e-3 * R) << "the tower does break";
+  EXPECT_GT(moved, 1e-3 * R) << "the tower breaks";
 }
 
-TEST(BrokenTower, OnAFrictionlessFloorKeepsItsMomentumInX) {
+TEST(BrokenTower, OnAFrictionlessFloorConservesItsMomentumInX) {
   auto sim = make({.offset = 0.25});
   sim.run({.until = 0.6});
   double scale = 0;
@@ -119,7 +119,7 @@ TEST(BrokenTower, NeverGainsEnergy) {
     auto sim = make({.offset = 0.25, .alpha = alpha, .friction = 0.4});
     const auto energy = [](const auto& s) {
       auto grains = s.snapshot();
-      auto springs = s.interaction();  // asked anew where the grains are now
+      auto springs = s.interaction();  // evaluated again at the current positions
       auto search = s.search();
       search.update(grains);
       springs.accelerate(grains, search, 1e-12);
@@ -142,7 +142,8 @@ TEST(BrokenTower, SpreadsNoFasterThanItsHeightAllows) {
   auto sim = make({.offset = 0.25});
   const double h = 20 * R + 3 * R;
   sim.run({.until = 0.6});
-  for (const auto& v : sim.particles()[velocity]) EXPECT_LT(std::abs(v[0]), 1.5 * std::sqrt(2 * g * h));
+  for (const auto& v : sim.particles()[velocity])
+    EXPECT_LT(std::abs(v[0]), 1.5 * std::sqrt(2 * g * h));
 }
 
 }  // namespace

@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: MIT
-// What holds grains together that touch.
+// Adhesion between grains in contact.
 //
-// Fine powders: of the two theories of adhesive spheres, DMT [DerjaguinMullerToporov1975]
-// and JKR (Johnson, Kendall and Roberts 1971), Silt has the first. It is the one for grains that
-// are small and stiff, as powders are; and its pull ends where the spheres part, at δ = 0, where
-// contacts end in Silt. A neck of JKR's holds on beyond that.
+// For fine powders there are two theories of adhesive spheres: DMT [DerjaguinMullerToporov1975] and
+// JKR (Johnson, Kendall and Roberts 1971). Silt has DMT. It applies to small, stiff grains such as
+// those of powders, and its force ends at δ = 0, where contacts in Silt end; the neck of JKR
+// extends beyond δ = 0.
 //
-// Cohesion along the tangent is another thing: LinearFriction::cohesion, c of (13).
+// Tangential cohesion is something else: LinearFriction::cohesion, c of (13).
 #pragma once
 
 #include <silt/core/error.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/contact.hpp>
 #include <silt/dem/dashpot.hpp>
-#include <silt/dem/law_parts.hpp>
+#include <silt/dem/law_components.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -22,17 +22,17 @@
 namespace silt::dem {
 
 namespace detail {
-// A pull that begins and ends with a jump, where the two meet and part.
+// The attractive force is discontinuous at the beginning and end of the contact.
 template <class C>
 typename C::Real pull_while_touching(const C& contact, typename C::Real pull) {
   using Real = typename C::Real;
-  const Real way_of_a_step = std::abs(contact.approach_speed()) * contact.time_step;
-  return -pull * share_of_step(Real(contact.overlap), way_of_a_step);
+  const Real change_per_step = std::abs(contact.approach_speed()) * contact.time_step;
+  return -pull * share_of_step(Real(contact.overlap), change_per_step);
 }
 }  // namespace detail
 
-/// Pulls with 4 π γ R* as long as the two touch: what it takes to part them. With Hertz it is
-/// DMT's contact, F = 4/3 E* √R* δ^{3/2} − 4 π γ R*.
+/// An attractive force 4 π γ R* while the contact lasts, equal to the pull-off force. With Hertz it
+/// gives the DMT contact, F = 4/3 E* √R* δ^{3/2} − 4 π γ R*.
 struct DmtAdhesion {
   double surface_energy = 0;  ///< γ [J/m²] of one surface; the work of adhesion is 2 γ
 
@@ -43,7 +43,7 @@ struct DmtAdhesion {
     return detail::pull_while_touching(contact, pull_off(contact));
   }
 
-  /// Nothing where they meet, and lower by what it takes to get there again.
+  /// 0 at δ = 0; otherwise minus the work needed to separate the two.
   template <class C>
   double elastic_energy(const C& contact) const {
     return -double(pull_off(contact)) * double(contact.overlap);
@@ -62,7 +62,7 @@ struct DmtAdhesion {
   }
 };
 
-/// Pulls with the same force whatever the radii, as long as the two touch.
+/// A constant attractive force, independent of the radii, while the contact lasts.
 struct ConstantCohesion {
   double pull = 0;  ///< [N]
 
@@ -78,7 +78,7 @@ struct ConstantCohesion {
     return -pull * double(contact.overlap);
   }
 
-  /// The smaller of both.
+  /// The smaller of the two.
   static ConstantCohesion mix(const ConstantCohesion& a, const ConstantCohesion& b) {
     return {.pull = std::min(a.pull, b.pull)};
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The touches of contacts, which learn of which dimension and precision they are from the grains.
+// Type-erased Touches: their dimension and precision are known only when grains are given.
 #pragma once
 
 #include <silt/core/types.hpp>
@@ -11,8 +11,8 @@
 namespace silt::dem {
 
 namespace detail {
-// Touches of one type, or none yet. What is done with them is compiled where get<T>() is: all that
-// a program has no grains for costs it nothing.
+// Touches of one type, or none yet. Operations are instantiated together with get<T>(), so that
+// unused dimensions and precisions cost nothing.
 class TouchesOnDemand {
  public:
   TouchesOnDemand() = default;
@@ -79,7 +79,7 @@ class TouchesOnDemand {
 };
 }  // namespace detail
 
-/// One Touches for grains of each dimension and precision, made when it is first asked for.
+/// One Touches for each dimension and precision of grains, created on first use.
 class AnyTouches {
  public:
   template <class T>
@@ -91,7 +91,7 @@ class AnyTouches {
     return all_[place_of<T>].template get<T>();
   }
 
-  /// Contacts that touched in the last step.
+  /// Number of contacts in the last step.
   Index count() const noexcept {
     Index count = 0;
     for (const auto& each : all_) count += each.count();

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
-// Bonded grains: an interaction of its own, beside contacts. Its step: carry every bond on by what
-// its two grains did (parallel_bond.hpp), take out those that break, and sum per grain in a fixed
-// order.
+// Bonds between grains, an interaction independent of contacts. In each step every bond is advanced
+// by the motion of its two grains (parallel_bond.hpp), broken bonds are removed, and the forces on
+// each grain are summed in a fixed order.
 #pragma once
 
 #include <silt/core/concepts.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/types.hpp>
-#include <silt/dem/bond_places.hpp>
+#include <silt/dem/bond_indices.hpp>
 #include <silt/dem/parallel_bond.hpp>
 
 #include <algorithm>
@@ -23,26 +23,26 @@
 
 namespace silt::dem {
 
-/// Two grains by their ids, in either order.
+/// The ids of two grains, in either order.
 struct IdPair {
   Id one = 0;
   Id other = 0;
 };
 
-/// Which grains bond_all_touching() takes for touching.
+/// Which grains bond_all_touching() considers as touching.
 struct Touching {
-  double gap = 0;  ///< largest distance of two surfaces [m]
+  double max_gap = 0;  ///< largest distance between the two surfaces [m]
 };
 
-/// Bonds that broke so far.
+/// Bonds that have broken so far.
 struct BrokenBonds {
   std::uint64_t in_tension = 0;
   std::uint64_t in_shear = 0;
-  double energy = 0;  ///< that their springs held, and nobody has now [J]
+  double energy = 0;  ///< stored in their springs when they broke, and dissipated [J]
 };
 
-/// Bonds between grains, which act beside their contacts. A bonded pair that overlaps is pressed
-/// apart by both. Bonds of a removed grain go with it.
+/// Bonds between grains. They act in addition to contacts: if a bonded pair overlaps, both the bond
+/// and the contact repel. The bonds of a removed grain are removed with it.
 template <int Dim, class RealType = double>
 class Bonds {
  public:
@@ -54,31 +54,32 @@ class Bonds {
   /// Throws if a parameter of the law is out of range.
   explicit Bonds(const ParallelBond& law) : law_(law) { law_.check(); }
 
-  /// Bonds two grains, free of stress as they lie, through a periodic side if that is nearer.
-  /// Throws if one is not there, if they are one, coincide, or are bonded already.
+  /// Bonds two grains, stress-free at their present positions, across a periodic side if that is
+  /// nearer. Throws if a grain does not exist, if both ids are the same, if the grains coincide, or
+  /// if they are already bonded.
   template <class P>
   void bond(const P& grains, const IdPair& pair) {
     const Bond bond = bond_between(grains, pair);
     if (is_bonded(pair)) {
-      fail("dem::Bonds: the grains " + names_of(bond) +
-           " are bonded already; bond each pair once");
+      fail("dem::Bonds: the grains " + names_of(bond) + " are already bonded; bond each pair once");
     }
     bonds_.insert(std::lower_bound(bonds_.begin(), bonds_.end(), bond, comes_before), bond);
     is_stability_known_ = false;
-    places_.forget();
+    indices_.invalidate();
   }
 
-  /// Bonds all pairs whose surfaces are at most so far apart and that are not bonded yet, and
-  /// returns how many. `search` finds them: UniformGrid<Dim>{}, say. Throws as bond() does.
+  /// Bonds all pairs with a gap of at most max_gap that are not yet bonded, and returns their
+  /// number. `search` is the neighbour search to use, e.g. UniformGrid<Dim>{}. Throws as bond()
+  /// does.
   template <class P, class S>
     requires NeighbourSearch<S, P>
   Index bond_all_touching(P grains, S search, const Touching& touching = {}) {
-    require_not_negative("Touching: gap", touching.gap);
+    require_not_negative("Touching: max_gap", touching.max_gap);
     const auto R = grains[radius];
     const Real max_radius = largest(R.size(), Real(0), [&](Index i) { return R[i]; });
-    const Real gap = static_cast<Real>(touching.gap);
+    const Real gap = static_cast<Real>(touching.max_gap);
     if (!(max_radius > 0)) return 0;
-    // Touching to round-off counts, and searches look for less than their radius.
+    // Pairs that touch to round-off count; searches find pairs strictly within their radius.
     constexpr Real round_off = 64 * std::numeric_limits<Real>::epsilon();
     search.set_radius((2 * max_radius + gap) * (1 + 2 * round_off));
     search.update(grains);
@@ -93,7 +94,7 @@ class Bonds {
     bonds_.insert(bonds_.end(), found.begin(), found.end());
     std::sort(bonds_.begin(), bonds_.end(), comes_before);
     is_stability_known_ = false;
-    places_.forget();
+    indices_.invalidate();
     return found.size();
   }
 
@@ -103,18 +104,18 @@ class Bonds {
   }
 
   const ParallelBond& law() const noexcept { return law_; }
-  /// Those that hold, sorted by their ids, as the last step made them.
+  /// The intact bonds, sorted by ids, in their state at the last step.
   std::span<const Bond> bonds() const noexcept { return bonds_; }
   const BrokenBonds& broken() const noexcept { return broken_; }
 
-  /// Bonds know their partners.
+  /// 0: bonds need no neighbour search.
   template <class P>
   typename P::Real reach(const P&) const {
     return 0;
   }
 
-  /// Adds forces and moments. Throws if the grains of a bond coincide, or if dt is beyond what the
-  /// bonds, by themselves, stand.
+  /// Adds forces and torques. Throws if the grains of a bond coincide, or if dt exceeds the
+  /// stability limit of the bonds alone.
   template <class P, class S>
     requires HasFields<P, spin_t, force_t, torque_t, mass_t, inertia_t, radius_t> &&
              std::same_as<typename P::Vec, Vec>
@@ -122,29 +123,29 @@ class Bonds {
     accelerate_all(*this, grains, search, dt);
   }
 
-  // The same in parts, see AddsForces in core/concepts.hpp.
+  // accelerate() in stages, see AddsForces in core/concepts.hpp.
 
   template <class P, class S>
   void prepare(P& grains, const S&, double dt) {
-    keep();
-    find_places(grains);
+    keep_state();
+    update_indices(grains);
     if (!(dt <= stability_.time_step)) refuse(grains, dt);
     const Real passed = static_cast<Real>(last_time_step_);
-    for_each(bonds_.size(), [&](Index k) { carry_on_bond(grains, k, passed); });
-    take_out_broken(grains);
+    for_each(bonds_.size(), [&](Index k) { advance_bond(grains, k, passed); });
+    remove_broken(grains);
     last_time_step_ = dt;
   }
 
-  /// Σ F and Σ M of grain i, in the order of the bonds' ids.
+  /// Adds Σ F and Σ M of grain i, in the order of the bonds' ids.
   template <class P>
     requires HasFields<P, force_t, torque_t, radius_t>
   void add_forces(P& grains, Index i) const {
-    for (const Index k : places_.of(i)) {
+    for (const Index k : indices_.of(i)) {
       const Bond& bond = bonds_[k];
-      const BondEnds ends = places_.ends(k);
+      const BondEnds ends = indices_.ends(k);
       const bool is_a = ends.a == i;
       const Real share = arm_of_a(grains, ends);
-      // The beam takes hold at one point for both, so that the two moments balance the forces.
+      // The force acts on both grains at the same point: this conserves angular momentum.
       const Vec arm = (is_a ? -share : 1 - share) * bond.length * bond.normal;
       const Real sign = is_a ? Real(1) : Real(-1);
       const Vec f = sign * bond.force;
@@ -153,10 +154,10 @@ class Bonds {
     }
   }
 
-  /// A fiftieth of half the shortest period that the bonds allow [s]; infinite without bonds.
+  /// Default time step [s]: 1/50 of half the shortest period of the bonds; infinite without bonds.
   template <class P>
   double time_step(const P& grains) {
-    find_places(grains);
+    update_indices(grains);
     return stability_.time_step * std::numbers::pi / 100;
   }
 
@@ -172,7 +173,7 @@ class Bonds {
     return energy;
   }
 
-  /// Stresses of a bond, as of the last step.
+  /// Stresses of a bond in the last step.
   template <class P>
   BondState state(const P& grains, const Bond& bond) const {
     return state_at(grains, bond, ends_of(grains, bond));
@@ -190,7 +191,7 @@ class Bonds {
     archive("least_stable", stability_.grain);
     if constexpr (Archive::reads) {
       is_stability_known_ = true;
-      places_.forget();
+      indices_.invalidate();
     }
   }
 
@@ -200,7 +201,7 @@ class Bonds {
       std::swap(bonds_, kept_bonds_);
       broken_ = kept_broken_;
       last_time_step_ = kept_time_step_;
-      places_.forget();
+      indices_.invalidate();
     }
     is_kept_ = false;
   }
@@ -212,7 +213,8 @@ class Bonds {
     Bond bond{.a = a, .b = b};
     const BondEnds ends = ends_of(grains, bond);
     if (a == b || ends.a == no_index || ends.b == no_index) {
-      fail("dem::Bonds: the ids " + names_of(bond) + " are not two grains; give those of two");
+      fail("dem::Bonds: the ids " + names_of(bond) +
+           " are not those of two different grains; give two existing ids");
     }
     const Vec between =
         nearest_image(grains, Vec(grains[position][ends.a] - grains[position][ends.b]));
@@ -246,8 +248,8 @@ class Bonds {
     return state_of(bond, section, springs_of(law_, section));
   }
 
-  // What a failed step goes back to.
-  void keep() {
+  // Keeps the state that restore() returns to.
+  void keep_state() {
     if (is_kept_) return;
     kept_bonds_ = bonds_;
     kept_broken_ = broken_;
@@ -256,41 +258,41 @@ class Bonds {
   }
 
   template <class P>
-  void find_places(const P& grains) {
-    if (!places_.hold_for(grains)) places_.find(grains, bonds_);
-    // Turning hardly changes what bonds stand, and breaking does not lessen it.
-    if (!is_stability_known_) stability_ = stability_of(grains, bonds_, places_, law_);
+  void update_indices(const P& grains) {
+    if (!indices_.are_valid_for(grains)) indices_.find(grains, bonds_);
+    // Rotations hardly change the stability limit, and broken bonds do not lower it.
+    if (!is_stability_known_) stability_ = stability_of(grains, bonds_, indices_, law_);
     is_stability_known_ = true;
   }
 
   template <class P>
   [[noreturn]] void refuse(const P& grains, double dt) const {
-    fail("dem::Bonds: time_step = " + to_text(dt) + " s exceeds the stable " +
+    fail("dem::Bonds: time_step = " + to_text(dt) + " s exceeds the stable time step " +
              to_text(stability_.time_step) + " s of a grain with its bonds; lower it",
          {.particle = grains.index_of(stability_.grain), .id = stability_.grain});
   }
 
   template <class P>
-  void carry_on_bond(const P& grains, Index k, Real passed) {
-    const BondEnds ends = places_.ends(k);
+  void advance_bond(const P& grains, Index k, Real passed) {
+    const BondEnds ends = indices_.ends(k);
     const auto x = grains[position];
     const BondMotion<Dim, Real> motion{.between = nearest_image(grains, Vec(x[ends.a] - x[ends.b])),
-                                       .turn_a = grains[spin][ends.a] * passed,
-                                       .turn_b = grains[spin][ends.b] * passed,
+                                       .rotation_a = grains[spin][ends.a] * passed,
+                                       .rotation_b = grains[spin][ends.b] * passed,
                                        .arm_a = arm_of_a(grains, ends),
                                        .time_step = passed};
     if (!(motion.between.squaredNorm() > 0)) {
       fail("dem::Bonds: the bonded grains " + names_of(bonds_[k]) +
-               " coincide, or are nowhere; take a smaller time step",
+               " coincide or have an invalid position; use a smaller time step",
            {.particle = ends.a, .id = bonds_[k].a});
     }
-    carry_on(bonds_[k], motion, springs_of(law_, section_at(grains, ends, law_)), law_.beta);
+    advance(bonds_[k], motion, springs_of(law_, section_at(grains, ends, law_)), law_.beta);
   }
 
   template <class P>
-  void take_out_broken(const P& grains) {
+  void remove_broken(const P& grains) {
     const auto state_of_bond = [&](Index k) {
-      return state_at(grains, bonds_[k], places_.ends(k));
+      return state_at(grains, bonds_[k], indices_.ends(k));
     };
     const auto breaks = [&](const BondState& state) {
       return state.tensile_stress > law_.tensile_strength ||
@@ -310,15 +312,15 @@ class Bonds {
       broken_.energy += state.elastic_energy;
     }
     bonds_.resize(held);
-    places_.find(grains, bonds_);
+    indices_.find(grains, bonds_);
   }
 
   ParallelBond law_;
   std::vector<Bond> bonds_;  // sorted by ids
   BrokenBonds broken_;
-  double last_time_step_ = 0;  // [s]; for which the spins of the next step have turned the grains
+  double last_time_step_ = 0;  // [s]; duration of the motion at the next evaluation
 
-  BondPlaces places_;
+  BondIndices indices_;
   BondStability stability_;
   bool is_stability_known_ = false;
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Boxes around things in space, and boxes around these, to find what is near a point.
+// A tree of bounding boxes, for finding the items near a point.
 #pragma once
 
 #include <silt/core/types.hpp>
@@ -31,19 +31,19 @@ class BoxTree {
   };
 
   BoxTree() = default;
-  /// Of items by their numbers.
+  /// Items are known by their index in this vector.
   explicit BoxTree(const std::vector<Bounds>& items) : items_(items.size()) {
     std::iota(items_.begin(), items_.end(), std::uint32_t(0));
     nodes_.reserve(2 * items.size());
     if (!items.empty()) build(items, {0, static_cast<std::uint32_t>(items.size())});
   }
 
-  /// visit(item) for the items whose bounds are nearer to x than `limit`, squared [m²]; it returns
-  /// the limit for those to come. The nearer half is gone through first.
+  /// visit(item) for the items whose bounds are closer to x than `limit`, a squared distance [m²].
+  /// visit returns the limit for the remaining items. Nearer nodes are visited first.
   template <class Visit>
   void visit_near(const Vec& x, Real limit, Visit&& visit) const {
     if (nodes_.empty()) return;
-    std::array<std::uint32_t, 64> waiting;  // the tree halves: it is no deeper than 32
+    std::array<std::uint32_t, 64> waiting;  // nodes are halved, so the depth is at most 32
     Index count = 0;
     waiting[count++] = 0;
     while (count > 0) {
@@ -67,11 +67,11 @@ class BoxTree {
     std::uint32_t first;
     std::uint32_t last;
   };
-  // The first half of a node is the one behind it.
+  // The first child of a node is the next node.
   struct Node {
     Bounds bounds;
     Range items{0, 0};         // of a leaf
-    std::uint32_t second = 0;  // other half; 0: a leaf
+    std::uint32_t second = 0;  // second child; 0: a leaf
   };
   static constexpr std::uint32_t leaf_size = 4;
 

@@ -11,42 +11,44 @@
 
 namespace silt::dem {
 
-/// All sides of a box: six planes (four in 2D) that hold the grains, or a block among them. What
-/// is behind a side is solid. There is no wall across a periodic axis, nor at infinity: a box
-/// without a lid has upper[2] = ∞.
+/// All sides of a box: a container of six planes (four in 2D), or a solid block among the grains.
+/// Everything behind a side is solid. There is no wall at a periodic side or at infinity: a
+/// container without a lid has upper[2] = ∞.
 template <int Dim, class Real = double>
 struct BoxWall {
-  Box<Dim, Real> box;           ///< [m]
-  Side grains = Side::inside;   ///< of the box
-  std::uint32_t material = 0;   ///< place in dem::Materials
+  Box<Dim, Real> box;          ///< [m]
+  Side grains = Side::inside;  ///< which side the grains are on
+  std::uint32_t material = 0;  ///< index in dem::Materials
 
-  /// Throws if the box has no width, or if a block has a periodic axis.
+  /// Throws if the box has no extent, or if a block has a periodic axis.
   void check() const {
     box.check();
     if (grains == Side::outside && box.any_periodic()) {
-      fail("BoxWall: a block that grains are outside of has a periodic axis; let its sides be at "
-           "infinity, or give them numbers");
+      fail(
+          "BoxWall: a block (grains = Side::outside) has a periodic axis; place these sides at "
+          "infinity, or make the axis non-periodic");
     }
   }
 
-  /// From inside every side is one: 2k and 2k + 1 are the lower and the upper one of axis k.
+  /// A container has one element per side: 2k and 2k + 1 are the lower and upper side of axis k. A
+  /// block has one element.
   Index element_count() const { return grains == Side::inside ? 2 * Dim : 1; }
 
-  NearestPoint<Dim, Real> nearest(Index part, const Vec<Dim, Real>& x) const {
+  NearestPoint<Dim, Real> nearest(Index element, const Vec<Dim, Real>& x) const {
     if (grains == Side::outside) return nearest_of_block(x);
-    if (box.periodic[part / 2]) return no_nearest_point<Dim, Real>();
-    return nearest_side(part, x);
+    if (box.periodic[element / 2]) return no_nearest_point<Dim, Real>();
+    return nearest_side(element, x);
   }
 
   template <class F>
   void for_each_element_near(const Vec<Dim, Real>& x, Real distance, F&& f) const {
-    for (Index part = 0; part < element_count(); ++part) {
-      if (nearest(part, x).distance < distance) f(part);
+    for (Index element = 0; element < element_count(); ++element) {
+      if (nearest(element, x).distance < distance) f(element);
     }
   }
 
  private:
-  // Of a side as seen from inside; from outside the distance is below 0.
+  // For grains inside; outside the distance is negative.
   NearestPoint<Dim, Real> nearest_side(Index side, const Vec<Dim, Real>& x) const {
     const int k = static_cast<int>(side / 2);
     if (side % 2 == 0) return {Vec<Dim, Real>::Unit(k), x[k] - box.lower[k]};

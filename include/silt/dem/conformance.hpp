@@ -1,36 +1,36 @@
 // SPDX-License-Identifier: MIT
-// What every contact law must hold to, ours or a user's, tried on the law itself: in the plane and
-// in space, in double and in float, one contact at a time and eight.
+// Checks of properties that every contact law must have, for laws of Silt and of users: in 2D and
+// 3D, in double and float, evaluated one contact at a time and eight at once.
 //
-//   const auto verdict = silt::dem::conformance_of(law);
-//   if (!verdict.holds()) std::puts(verdict.text().c_str());
+//   const auto report = silt::dem::conformance_of(law);
+//   if (!report.passes()) std::puts(report.text().c_str());
 #pragma once
 
+#include <silt/dem/conformance_checks.hpp>
+#include <silt/dem/conformance_report.hpp>
 #include <silt/dem/contact.hpp>
-#include <silt/dem/law_finding.hpp>
 #include <silt/dem/law_on_trial.hpp>
-#include <silt/dem/law_trial.hpp>
 
 #include <utility>
 
 namespace silt::dem {
 
-/// Tries a law in the plane and in space, as far as it is written for them. Throws if a number of
-/// the trial is out of range, and what the law's check() throws.
+/// Checks a law in 2D and 3D, if it supports them. Throws if a condition is out of range or the
+/// law's own check() throws.
 template <class Law>
-LawConformance conformance_of(const Law& law, const LawTrial& trial = {}) {
+ConformanceReport conformance_of(const Law& law, const ConformanceConditions& conditions = {}) {
   if constexpr (requires { law.check(); }) law.check();
-  LawConformance conformance;
+  ConformanceReport report;
   const auto in_dimension = [&]<int Dim>() {
     if constexpr (ContactLaw<Law, Dim, double>) {
-      for (auto& finding : ConformanceTrial<Dim>(on_trial<Dim>(law), trial).findings()) {
-        conformance.findings.push_back(std::move(finding));
+      for (auto& check : ConformanceChecks<Dim>(on_trial<Dim>(law), conditions).run()) {
+        report.checks.push_back(std::move(check));
       }
     }
   };
   in_dimension.template operator()<2>();
   in_dimension.template operator()<3>();
-  return conformance;
+  return report;
 }
 
 }  // namespace silt::dem

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a contact law sees: the geometry and motion of one contact, and nothing of storage.
+// The input and output of a contact law: geometry and motion of one contact, forces and couples.
 #pragma once
 
 #include <silt/core/types.hpp>
@@ -8,7 +8,7 @@
 
 namespace silt::dem {
 
-/// Contact of grain i with grain j or a wall, seen from i.
+/// Contact of grain i with grain j or a wall; vectors are those for i.
 template <int Dim, class RealType>
 struct Contact {
   static constexpr int dimension = Dim;
@@ -16,14 +16,14 @@ struct Contact {
   using Vec = silt::Vec<Dim, Real>;
   using AngularVec = silt::AngularVec<Dim, Real>;
 
-  Vec normal = Vec::Zero();  ///< unit vector, points the way i is pushed; −e of [SahChoi2004] (3)
-  Real overlap = 0;  ///< δ = R_i + R_j − |x_j − x_i| [m], above 0; may tend to 0
-  Vec relative_velocity = Vec::Zero();  ///< of i's surface at the contact point against j's, (5)
-                                        ///< [m/s]
-  AngularVec relative_spin = zero_of<AngularVec>();  ///< ω_i − ω_j, for a law that gives a couple [1/s]
+  Vec normal = Vec::Zero();             ///< unit vector from j to i; −e of [SahChoi2004] (3)
+  Real overlap = 0;                     ///< δ = R_i + R_j − |x_j − x_i| [m], above 0; may tend to 0
+  Vec relative_velocity = Vec::Zero();  ///< of i's surface relative to j's at the contact point,
+                                        ///< (5) [m/s]
+  AngularVec relative_spin = zero_of<AngularVec>();  ///< ω_i − ω_j, for laws with a couple [1/s]
   Real effective_mass = 0;    ///< m* = m_i m_j / (m_i + m_j); at a wall m_i [kg]
   Real effective_radius = 0;  ///< R* = R_i R_j / (R_i + R_j); at a wall R_i [m]
-  Real time_step = 0;         ///< Δt since the contact was last looked at [s]
+  Real time_step = 0;         ///< Δt since the last evaluation of the contact [s]
 
   /// v_n of (6): positive while the two approach [m/s].
   Real approach_speed() const { return -relative_velocity.dot(normal); }
@@ -35,17 +35,17 @@ struct Contact {
 struct Stiffness {
   double normal = 0;      ///< k_n [N/m]
   double tangential = 0;  ///< k_s [N/m]
-  double beta = 0;  ///< dashpot over spring c/k of these two [s], of a dashpot that sees v^{N−½}
-  double rolling = 0;          ///< couple over relative turn [N m/rad], in any direction
-  double rolling_dashpot = 0;  ///< couple over relative spin [N m s], likewise
+  double beta = 0;  ///< ratio of dashpot to spring c/k of both [s], for dashpots that use v^{N−½}
+  double rolling = 0;          ///< couple per relative rotation, in any direction [N m/rad]
+  double rolling_dashpot = 0;  ///< couple per relative spin, in any direction [N m s]
 };
 
-/// Energy that the springs of a contact hold [J].
+/// Energy stored in the springs of a contact [J].
 struct ElasticEnergies {
   double normal = 0;
   double tangential = 0;
   double rolling = 0;   ///< and twisting
-  double adhesion = 0;  ///< below 0: what it takes to pull the two apart
+  double adhesion = 0;  ///< not above 0: minus the work needed to separate the two
 
   double sum() const { return normal + tangential + rolling + adhesion; }
   ElasticEnergies& operator+=(const ElasticEnergies& more) {
@@ -57,23 +57,23 @@ struct ElasticEnergies {
   }
 };
 
-/// Of two materials: a pair of equal grains has the stiffness k, so each grain's own spring has
-/// 2 k, and two of those act in series.
+/// Stiffness between two materials. k is the stiffness of a pair of equal grains, so the spring of
+/// one grain has 2 k, and those of two grains act in series.
 inline double in_series(double a, double b) { return a + b > 0 ? 2 * a * b / (a + b) : 0; }
 
-/// The force on i by the mechanisms that make it, for the energy ledger.
+/// The components of the force on i, for the energy ledger.
 template <int Dim, class RealType>
 struct ForceComponents {
   using Real = RealType;
   using Vec = silt::Vec<Dim, Real>;
 
-  Real normal_spring = 0;   ///< along the normal, pushes above 0 [N]
-  Real normal_dashpot = 0;  ///< likewise
-  Real adhesion = 0;        ///< likewise, so below 0 where it pulls
+  Real normal_spring = 0;                ///< along the normal, positive if repulsive [N]
+  Real normal_dashpot = 0;               ///< along the normal, positive if repulsive [N]
+  Real adhesion = 0;                     ///< along the normal, negative if attractive [N]
   Vec tangential_spring = Vec::Zero();   ///< [N]
   Vec tangential_dashpot = Vec::Zero();  ///< [N]
-  Real plastic = 0;   ///< lost in this step by a spring that yields [J]
-  Real friction = 0;  ///< lost in this step by the slider [J]
+  Real plastic = 0;   ///< energy dissipated in this step by a yielding spring [J]
+  Real friction = 0;  ///< energy dissipated in this step by the slider [J]
 
   Vec force(const Vec& normal) const {
     return (normal_spring + normal_dashpot + adhesion) * normal + tangential_spring +
@@ -81,15 +81,15 @@ struct ForceComponents {
   }
 };
 
-/// The same with the couple on i, beside the moment of the force; on j acts the opposite. In 3D
-/// what is along the normal resists twisting, the rest rolling.
+/// ForceComponents and the couple on i, in addition to the moment of the force; the opposite couple
+/// acts on j. In 3D its component along the normal resists twisting, the rest rolling.
 template <int Dim, class RealType>
 struct LoadComponents : ForceComponents<Dim, RealType> {
   using AngularVec = silt::AngularVec<Dim, RealType>;
 
   AngularVec rolling_spring = zero_of<AngularVec>();   ///< [N m]
   AngularVec rolling_dashpot = zero_of<AngularVec>();  ///< [N m]
-  RealType rolling_friction = 0;           ///< lost in this step by the slider [J]
+  RealType rolling_friction = 0;  ///< energy dissipated in this step by the sliders [J]
 
   AngularVec couple() const { return rolling_spring + rolling_dashpot; }
 };
@@ -99,8 +99,8 @@ template <class Answer, int Dim, class Real>
 concept IsComponents = std::derived_from<Answer, ForceComponents<Dim, Real>>;
 }  // namespace detail
 
-/// A law that tells the force by its parts: components(contact) or components(contact, history) gives
-/// ForceComponents, or LoadComponents if it also gives a couple.
+/// A law that returns its force by components: components(contact) or components(contact, history)
+/// → ForceComponents, or LoadComponents if there is also a couple.
 template <class L, int Dim, class Real>
 concept GivesComponents =
     requires(const L law, const Contact<Dim, Real> contact) {
@@ -110,7 +110,8 @@ concept GivesComponents =
       { law.components(contact, history) } -> detail::IsComponents<Dim, Real>;
     };
 
-/// A law without memory: force on i [N] from the contact alone, whole or by its parts.
+/// A law without history: the force on i [N] depends on the contact only; as one vector or by
+/// components.
 template <class L, int Dim, class Real>
 concept LawWithoutHistory = requires(const L law, const Contact<Dim, Real> contact) {
   { law.force(contact) } -> std::convertible_to<Vec<Dim, Real>>;
@@ -118,29 +119,32 @@ concept LawWithoutHistory = requires(const L law, const Contact<Dim, Real> conta
   { law.components(contact) } -> detail::IsComponents<Dim, Real>;
 };
 
-/// A law with memory: L::Memory<Dim, Real> lives as long as the contact, and starts as Memory{}.
+/// A law with history: a L::History<Dim, Real> is kept while the contact lasts; it begins as
+/// History{}.
 template <class L, int Dim, class Real>
-concept LawWithHistory = requires(const L law, const Contact<Dim, Real> contact,
-                                 typename L::template History<Dim, Real> history) {
-  { law.force(contact, history) } -> std::convertible_to<Vec<Dim, Real>>;
-} || requires(const L law, const Contact<Dim, Real> contact,
-              typename L::template History<Dim, Real> history) {
-  { law.components(contact, history) } -> detail::IsComponents<Dim, Real>;
-};
+concept LawWithHistory =
+    requires(const L law, const Contact<Dim, Real> contact,
+             typename L::template History<Dim, Real> history) {
+      { law.force(contact, history) } -> std::convertible_to<Vec<Dim, Real>>;
+    } ||
+    requires(const L law, const Contact<Dim, Real> contact,
+             typename L::template History<Dim, Real> history) {
+      { law.components(contact, history) } -> detail::IsComponents<Dim, Real>;
+    };
 
-/// A struct with one `force(contact)` or `force(contact, history)`, or with `parts` in its place,
-/// const and without side effects: it may also be asked beside others about a pair that does not
-/// touch, whose overlap and normal are then any numbers, and what it answers is dropped. It may
-/// also have
+/// A struct with `force(contact)` or `force(contact, history)`, or `components` instead of `force`.
+/// The function is const and has no side effects: when several contacts are evaluated at once, it
+/// may also be called for a pair that does not touch. Overlap and normal are then arbitrary, and
+/// the result is discarded. Optional members:
 ///   check()                  throws if a parameter is out of range
-///   stiffness(contact)       → Stiffness: then a default and a stable time step are known
-///   elastic_energy(contact, history)   [J] stored in the springs
-///   elastic_energies(contact, history)    → ElasticEnergies: the same by mechanisms
-///   mix(a, b)  (static)      the law between two materials
+///   stiffness(contact)       → Stiffness; provides the default and the stable time step
+///   elastic_energy(contact, history)     → [J], stored in the springs
+///   elastic_energies(contact, history)   → ElasticEnergies, the same by components
+///   mix(a, b)  (static)      → the law between two materials
 template <class L, int Dim, class Real>
 concept ContactLaw = LawWithoutHistory<L, Dim, Real> || LawWithHistory<L, Dim, Real>;
 
-/// What a law answers about one contact: a force, or parts of one. The memory is none or one.
+/// The result of a law for one contact: a force, or its components. There is one history or none.
 template <class Law, class C, class... History>
 auto evaluate_law(const Law& law, const C& contact, History&... history) {
   if constexpr (requires { law.components(contact, history...); }) {
@@ -150,7 +154,7 @@ auto evaluate_law(const Law& law, const C& contact, History&... history) {
   }
 }
 
-/// The force on i [N] in what a law answered about a contact of this normal.
+/// The force on i [N] from the result of a law for a contact with this normal.
 template <int Dim, class Real>
 Vec<Dim, Real> force_of(const Vec<Dim, Real>& answer, const Vec<Dim, Real>&) {
   return answer;
@@ -160,7 +164,7 @@ Vec<Dim, Real> force_of(const ForceComponents<Dim, Real>& answer, const Vec<Dim,
   return answer.force(normal);
 }
 
-/// The couple on i [N m], beside the moment of the force; 0 if the law gives none.
+/// The couple on i [N m], in addition to the moment of the force; 0 if the law has none.
 template <int Dim, class Real>
 AngularVec<Dim, Real> couple_of(const Vec<Dim, Real>&) {
   return zero_of<AngularVec<Dim, Real>>();
@@ -174,7 +178,7 @@ AngularVec<Dim, Real> couple_of(const LoadComponents<Dim, Real>& answer) {
   return answer.couple();
 }
 
-/// The law gives a couple beside its force.
+/// The law returns a couple in addition to its force.
 template <class L, int Dim, class Real>
 concept GivesCouple =
     requires(const L law, const Contact<Dim, Real> contact) {
@@ -184,7 +188,7 @@ concept GivesCouple =
       { law.components(contact, history) } -> std::derived_from<LoadComponents<Dim, Real>>;
     };
 
-/// What a law without memory remembers.
+/// History of a law without history.
 struct NoHistory {};
 
 }  // namespace silt::dem

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Eight contacts at once: their geometry and motion, the law's answer, and what is kept of each.
-// The loops over `lane` become vector instructions, the law's code included; see core/lane.hpp.
+// Evaluates eight contacts at once: geometry and motion, the law, and the rows to be stored. The
+// loops over `lane` are vectorised, including the law's code; see core/lane.hpp.
 #pragma once
 
 #include <silt/core/four.hpp>
@@ -27,10 +27,10 @@ class ContactLanes {
   using Vec = silt::Vec<Dim, Real>;
   using Columns = GrainColumns<Dim, Real>;
   using Row = ContactRow<has_couple>;
-  /// Words of memory, filled up to whole fours.
+  /// Size of a history in Reals, rounded up to a multiple of four.
   static constexpr int padded_words = (history_words + 3) / 4 * 4;
 
-  /// Lane l looks at grains first[l] and second[l]; bit l is set if the two touch.
+  /// Loads the grains first[l] and second[l] into lane l; bit l of the result is set if they touch.
   [[gnu::always_inline]] unsigned look_at(const Columns& grains, const std::uint32_t* first,
                                           const std::uint32_t* second) {
     unsigned touching = 0;
@@ -49,15 +49,15 @@ class ContactLanes {
     return touching;
   }
 
-  /// The lanes whose centres coincide, a bit each.
+  /// Bit l is set if the centres in lane l coincide.
   unsigned coincident() const {
     unsigned apart = 0;
     for (int p = 0; p < packs; ++p) apart |= simd::less<Real, N>(Pack{}, distance_[p]) << (p * N);
     return ~apart;
   }
 
-  /// The contacts of the pairs looked at. arm_share is the share of δ by which lever arms are
-  /// shorter than R.
+  /// Computes the contacts of the loaded pairs. arm_share is the fraction of δ by which lever arms
+  /// are shorter than R.
   [[gnu::always_inline]] void meet(const Columns& grains, const std::uint32_t* first,
                                    const std::uint32_t* second, Real arm_share) {
     for (int p = 0; p < packs; ++p) {
@@ -80,8 +80,8 @@ class ContactLanes {
     }
   }
 
-  /// Lane l looks at grain first[l] and wall second[l]; nearest(number, x) is the
-  /// wall's nearest point.
+  /// The same for grain first[l] and wall element second[l]; nearest(element, x) is the nearest
+  /// point.
   template <class Nearest>
   unsigned look_at_walls(const Columns& grains, const std::uint32_t* first,
                          const std::uint32_t* second, Nearest&& nearest) {
@@ -102,8 +102,8 @@ class ContactLanes {
     return touching;
   }
 
-  /// The contacts of the grains looked at. velocity(number) is that of a wall that
-  /// moves, a RigidVelocity; `nullptr` where none does.
+  /// Computes the contacts of the loaded grains with walls. velocity(element) is the RigidVelocity
+  /// of the wall; `nullptr` if no wall moves.
   template <class Velocity>
   void meet_walls(const Columns& grains, const std::uint32_t* first, const std::uint32_t* second,
                   Real arm_share, [[maybe_unused]] Velocity&& velocity) {
@@ -116,7 +116,7 @@ class ContactLanes {
       Pack u[Dim];
       surface_velocity(i, shorter - i_[p].R, n, u);
       if constexpr (!std::is_null_pointer_v<std::remove_cvref_t<Velocity>>) {
-        // By way of arrays: of packs that are written lane by lane, g++ 12 loses some at -O3.
+        // Through arrays, because g++ 12 at -O3 miscompiles packs that are written lane by lane.
         Real u_walls[Dim][N], w_walls[spin_words][N];
         for (int lane = 0; lane < N; ++lane) {
           Vec point;
@@ -138,7 +138,7 @@ class ContactLanes {
     }
   }
 
-  /// memory(lane) is what the law remembers there.
+  /// Loads the histories; history(lane) points to that of a lane.
   template <class HistoryAt>
   [[gnu::always_inline]] void recall(HistoryAt&& history) {
     for (int p = 0; p < packs; ++p) {
@@ -150,7 +150,7 @@ class ContactLanes {
     }
   }
 
-  /// Asks one law for all lanes.
+  /// Evaluates one law for all lanes.
   template <class Law>
   [[gnu::flatten, gnu::noinline]] void ask(const Law& shared, Real dt) {
     const Law law = shared;  // a copy that no store below can change
@@ -158,8 +158,8 @@ class ContactLanes {
     for (int lane = 0; lane < lanes; ++lane) ask<Lane<Real>>(law, dt, lane);
   }
 
-  /// Asks a law for one lane: where lanes have different laws, or a law is for one
-  /// scalar type only.
+  /// Evaluates a law for one lane: for lanes with different laws, and for laws that support only
+  /// one scalar type.
   template <class Scalar = Real, class Law>
   void ask(const Law& law, Real dt, int lane) {
     const auto contact = this->contact<Scalar>(lane, dt);
@@ -182,7 +182,7 @@ class ContactLanes {
     }
   }
 
-  /// The row and the memory of each lane.
+  /// Stores the row and the history of each lane.
   [[gnu::always_inline]] void give(Real* rows, Real* histories) const {
     for (int k = 0; k < Row::words; k += 4) rows_from(&row_[k], rows + k, Row::words);
     for (int k = 0; k < padded_words; k += 4) rows_from(&history_[k], histories + k, padded_words);
@@ -239,7 +239,7 @@ class ContactLanes {
     }
   }
 
-  // The contact in one lane, as a law sees it. Scalar is Real or Lane<Real>.
+  // The contact in one lane as input of a law. Scalar is Real or Lane<Real>.
   template <class Scalar>
   Contact<Dim, Scalar> contact(int lane, Real dt) const {
     Contact<Dim, Scalar> contact;
@@ -257,12 +257,12 @@ class ContactLanes {
     return contact;
   }
 
-  // Of what was looked at.
+  // From look_at().
   typename Columns::Position i_[packs];
   typename Columns::Position j_[packs];
   Pack distance_[packs];
   Pack overlap_[packs];
-  // One column per number of the contacts.
+  // One array per quantity of the contacts.
   alignas(64) Real row_[Row::words][lanes] = {};
   alignas(64) Real velocity_[Dim][lanes];
   alignas(64) Real spin_[has_couple ? spin_words : 1][lanes];

@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: MIT
-// What a step keeps of a contact that touches, as numbers in a row.
+// The data that a step stores for each contact, as an array of numbers.
 #pragma once
 
 #include <silt/core/types.hpp>
 
 namespace silt::dem {
 
-/// What is kept of a contact that touches, besides what the law remembers: n, δ, F on its first
-/// grain, by how much its lever arms are shorter than R, and the couple on its first grain if the
-/// law gives one.
+/// Data stored for a contact in addition to its history: n, δ, F on the first grain, R minus the
+/// lever arm, and the couple on the first grain if the law has one.
 template <bool has_couple>
 struct ContactRow {
   static constexpr int n = 0;
@@ -25,7 +24,7 @@ struct ContactRow {
     for (int k = 0; k < Dim; ++k) force[k] = row[F + k];
     return force;
   }
-  /// The couple of a row [N m]; 0 if none is kept.
+  /// The couple of a row [N m]; 0 if the law has none.
   template <int Dim, class Real>
   static AngularVec<Dim, Real> couple_in([[maybe_unused]] const Real* row) {
     auto all = zero_of<AngularVec<Dim, Real>>();

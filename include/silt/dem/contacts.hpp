@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// The interaction of DEM. Its step: find what is near (near_search.hpp), ask the law for each
-// contact that touches once (law_pass.hpp), sum per grain in a fixed order (single_contacts.hpp),
-// and check that the time step is stable (stability.hpp).
+// The contact interaction of DEM. In each step it updates the list of near pairs if necessary
+// (near_search.hpp), evaluates the law once for each contact (law_pass.hpp), sums the forces on
+// each grain in a fixed order (single_contacts.hpp), and checks that the time step is stable
+// (stability.hpp).
 #pragma once
 
 #include <silt/core/concepts.hpp>
@@ -31,17 +32,17 @@
 
 namespace silt::dem {
 
-/// Contacts under one law (or one per pair of materials), of grains among themselves and with
-/// walls. A wall is any type that models dem::Wall. Radii may change only with
+/// Contacts between grains, and between grains and walls, with one law or one per pair of
+/// materials. A wall is any type that models dem::Wall. Radii may change only together with
 /// particles.revision().
 template <class Law, class... Walls>
 class Contacts {
   template <class P>
   using HistoryOf = typename LawHistory<Law, P::dimension, typename P::Real>::type;
   template <class P>
-  using FoundOf = Touches<P::dimension, typename P::Real,
-                          LawHistory<Law, P::dimension, typename P::Real>,
-                          GivesCouple<Law, P::dimension, typename P::Real>>;
+  using FoundOf =
+      Touches<P::dimension, typename P::Real, LawHistory<Law, P::dimension, typename P::Real>,
+              GivesCouple<Law, P::dimension, typename P::Real>>;
 
  public:
   /// Throws if a parameter of the law or of a wall is out of range.
@@ -53,7 +54,7 @@ class Contacts {
     }
   }
 
-  /// The same contacts with other settings. Throws if they are out of range.
+  /// A copy with other settings. Throws if a setting is out of range.
   Contacts with(const ContactSettings& settings) const {
     settings.check();
     Contacts contacts = *this;
@@ -61,7 +62,7 @@ class Contacts {
     return contacts;
   }
 
-  /// Fails to compile, in words, for grains that these contacts cannot act on.
+  /// Fails to compile, with a readable message, for particles that these contacts cannot act on.
   template <class P>
   static constexpr void explain() {
     static_assert(HasFields<P, velocity_t, spin_t, force_t, torque_t, mass_t, inertia_t, radius_t,
@@ -69,15 +70,15 @@ class Contacts {
                   "silt::dem::Contacts: these particles lack a field of dem::Grains");
     static_assert(ContactLaw<Law, P::dimension, typename P::Real>,
                   "silt::dem::Contacts: the law has neither force(contact) nor force(contact, "
-                  "memory) that gives a vector, nor parts in its place (see ContactLaw in "
+                  "history) that returns a vector, nor components() instead (see ContactLaw in "
                   "silt/dem/contact.hpp)");
     static_assert((Wall<Walls, P::dimension, typename P::Real> && ...),
-                  "silt::dem::Contacts: a wall lacks nearest(x), material or check(), or is of "
-                  "another dimension or precision (see silt/dem/wall.hpp), or moves by no motion "
-                  "(see silt/dem/wall_motion.hpp)");
+                  "silt::dem::Contacts: a wall lacks nearest(x), material or check(), or has "
+                  "another dimension or precision (see silt/dem/wall.hpp), or its motion is not a "
+                  "WallMotion (see silt/dem/wall_motion.hpp)");
   }
 
-  /// Two of the largest radius [m].
+  /// Interaction range: twice the largest radius [m].
   template <class P>
   typename P::Real reach(const P& grains) const {
     using Real = typename P::Real;
@@ -85,8 +86,8 @@ class Contacts {
     return 2 * largest(R.size(), Real(0), [&](Index i) { return R[i]; });
   }
 
-  /// Adds contact forces and moments. Throws if two centres coincide, if a radius, mass or inertia
-  /// is not positive, if a material is unknown, or if dt is beyond stability.
+  /// Adds contact forces and torques. Throws if two centres coincide, if a radius, mass or inertia
+  /// is not positive, if a material does not exist, or if dt exceeds the stability limit.
   template <class P, class S>
     requires HasFields<P, velocity_t, spin_t, force_t, torque_t, mass_t, inertia_t, radius_t,
                        material_t> &&
@@ -96,10 +97,11 @@ class Contacts {
     accelerate_all(*this, grains, search, dt);
   }
 
-  /// The time of the positions [s], which Simulation tells: where moving walls are.
+  /// Sets the time of the positions [s], which determines where moving walls are. Called by
+  /// Simulation.
   void set_time(double time) { time_ = time; }
 
-  // The same in parts, see AddsForces in core/concepts.hpp.
+  // accelerate() in stages, see AddsForces in core/concepts.hpp.
 
   template <class P, class S>
   void prepare(P& grains, const S& search, double dt) {
@@ -113,7 +115,7 @@ class Contacts {
     counts_.assign(chunk_count(grains.size()), 0);
   }
 
-  /// Asks the law for the contacts found at a chunk of grains.
+  /// Evaluates the law for the contacts that belong to a chunk of grains.
   template <class P>
   void interact(const P& grains, Chunk chunk) {
     using Real = typename P::Real;
@@ -141,7 +143,7 @@ class Contacts {
     return found<P>().near().of_chunk(chunk.number).needs;
   }
 
-  /// Σ F and Σ M (14) of grain i, in the order of the partners' ids.
+  /// Adds Σ F and Σ M (14) of grain i, in the order of the partners' ids.
   template <class P>
     requires HasFields<P, force_t, torque_t, material_t>
   void add_forces(P& grains, Index i) const {
@@ -153,13 +155,14 @@ class Contacts {
     auto& touches = found<P>();
     touches.end_step(std::accumulate(counts_.begin(), counts_.end(), Index(0)));
     if constexpr (knows_stiffness<P>) {
-      if (!settings_.refuse_unstable || dt <= touches.validity().stable_time_step) return;
+      if (!settings_.check_stability || dt <= touches.validity().stable_time_step) return;
       check_stability(grains, touches, walls_of_step<P>(walls_, touches.seen()), dt,
                       law_of(grains));
     }
   }
 
-  /// A fraction 1/steps_per_contact of the shortest contact that the lightest grains can have [s].
+  /// Default time step [s]: the shortest contact duration of the lightest grains, divided by
+  /// steps_per_contact.
   template <class P>
   double time_step(const P& grains) const {
     double shortest = std::numeric_limits<double>::infinity();
@@ -167,67 +170,68 @@ class Contacts {
     return shortest / settings_.steps_per_contact;
   }
 
-  /// Contacts of the last step, walls included.
+  /// Number of contacts in the last step, including those with walls.
   Index size() const noexcept { return found_.count(); }
 
-  // What the last step made, see ContactsOfStep.
+  // Results of the last step, see ContactsOfStep.
 
-  /// f(i, j, contact, force on i) for every contact of the last step whose grains are still there;
-  /// i and j are the places of the two (owned ones, now), j is `no_index` for a wall. The contact's
-  /// velocity is that of the grains as they are given, against that of a wall at the time of the
-  /// contact, N.
+  /// f(i, j, contact, force on i) for every contact of the last step whose grains still exist; i
+  /// and j are the current indices of the two (owned particles), j is `no_index` for a wall. The
+  /// contact's velocity is computed from the velocities in `grains`, and for a wall from its
+  /// velocity at the time N of the contact.
   template <class P, class F>
   void for_each_contact(const P& grains, F&& f) const {
     of_step(grains).for_each(f);
   }
 
-  /// f(touch), with a WallContact, for every contact of the last step with a wall whose grain is
-  /// still there.
+  /// f(WallContact) for every contact of the last step between a wall and a grain that still
+  /// exists.
   template <class P, class F>
   void for_each_wall_contact(const P& grains, F&& f) const {
     of_step(grains).for_each_at_walls(f);
   }
 
-  /// What grains did to a wall in the last step, by its number; the moment is about a point [m].
-  /// The same bits for any number of threads. Throws if there is no wall of this number.
+  /// Load on a wall, given by its number, in the last step; the torque is about the point `about`
+  /// [m]. Bitwise identical for any number of threads. Throws if there is no such wall.
   template <class P>
   auto load_on(const P& grains, Index wall, const typename P::Vec& about = P::Vec::Zero()) const {
     return of_step(grains).load_on(wall, about);
   }
 
-  /// f(EvaluatedContact) for every contact of the last step: the law is asked again, as it was then.
-  /// `before` are the grains as that step found them, velocities and all. Not for after save().
+  /// f(EvaluatedContact) for every contact of the last step, with the law evaluated again on the
+  /// same input. `before` are the grains, with their velocities, at the beginning of that step.
+  /// Must not be called after save().
   template <class P, class F>
   void for_each_evaluated_contact(const P& before, F&& f) const {
     of_step(before).for_each_evaluated_contact(f);
   }
 
-  /// The law tells its force by parts, and the energy in its springs.
+  /// The law returns the components of its force and the energy in its springs.
   template <class P>
   static constexpr bool gives_spring_energy =
       ContactsOfStep<P, Law, WallSet<Walls...>, FoundOf<P>>::gives_spring_energy;
 
-  /// Energy in the springs of the last step's contacts [J]; 0 for a law that does not tell.
+  /// Energy in the springs of the last step's contacts [J]; 0 for a law without elastic_energy().
   template <class P>
   double elastic_energy(const P& grains) const {
     return of_step(grains).elastic_energy();
   }
 
-  /// What the law remembers of the pairs that touch, by ids: for a checkpoint.
+  /// The history of all contacts, by pairs of ids; for a checkpoint.
   template <class P>
   auto history(const P& grains) const {
     return of_step(grains).history();
   }
 
-  /// Replaces it: what a restart reads.
+  /// Replaces the history; for resuming from a checkpoint.
   template <class P, class History>
   void set_history(const P&, const PairHistory<History>& history) {
     static_assert(std::same_as<History, HistoryOf<P>>,
-                  "silt::dem::Contacts: this is not what the law remembers of grains like these");
+                  "silt::dem::Contacts: this is not the History of the law for these grains");
     found<P>().set_history(history);
   }
 
-  /// For a checkpoint, see core/transfer.hpp: what the law remembers.
+  /// Writes or reads the history for a checkpoint, see core/transfer.hpp.
   template <class Archive, class P>
   void transfer(Archive& archive, const P& grains) {
     auto own = history(grains);
@@ -273,7 +277,7 @@ class Contacts {
     });
   }
 
-  // law(sides), of a contact that is near.
+  // law(sides) of a near contact.
   template <class P>
   auto law_of(const P& grains) const {
     return [&grains, this](const Sides& sides) -> const Law& {
@@ -284,7 +288,7 @@ class Contacts {
   Materials<Law> materials_;
   WallSet<Walls...> walls_;
   ContactSettings settings_;
-  double time_ = 0;  // as told by at()
+  double time_ = 0;  // from set_time()
   AnyTouches found_;
   std::vector<Index> counts_;  // by chunk
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The contacts of the last step, for those who look at them: observers, measures, the ledger.
+// Access to the contacts of the last step for observers, measurements and the energy ledger.
 #pragma once
 
 #include <silt/core/error.hpp>
@@ -21,7 +21,7 @@
 
 namespace silt::dem {
 
-/// The law between the two of a contact. Throws if a material is unknown.
+/// The law between the two sides of a contact. Throws if a material does not exist.
 template <class P, class Law, class Walls>
 const Law& law_between(const P& grains, const Sides& sides, const Materials<Law>& materials,
                        const Walls& walls) {
@@ -33,22 +33,22 @@ const Law& law_between(const P& grains, const Sides& sides, const Materials<Law>
   return materials.between(own, other);
 }
 
-/// The walls, a WallSet, as of N, when the contacts of the step were made.
+/// The walls of a WallSet at the time N of the step's contacts.
 template <class P, class Walls, class Seen>
 auto walls_of_step(const Walls& walls, const Seen& seen) {
   return walls.template at<P::dimension, typename P::Real>(
       {.positions = seen.time, .velocities = seen.time});
 }
-/// With velocities as of N − ½: those of the grains that the law saw.
+/// The same with the velocities of N − ½, as used by the law.
 template <class P, class Walls, class Seen>
 auto walls_as_the_law_saw_them(const Walls& walls, const Seen& seen) {
   return walls.template at<P::dimension, typename P::Real>(
       {.positions = seen.time, .velocities = seen.time - double(seen.time_step) / 2});
 }
 
-/// A look at what Contacts made of grains in its last step; only those contacts are seen whose
-/// grains are still there. `grains` may be as that step found them or as it left them: velocities
-/// of contacts are of theirs. Walls is a WallSet.
+/// View of the last step of Contacts, limited to contacts whose grains still exist. `grains` may be
+/// those before or after that step; the velocities of contacts are computed from theirs. Walls is a
+/// WallSet.
 template <class P, class Law, class Walls, class T>
 class ContactsOfStep {
   using Real = typename P::Real;
@@ -94,14 +94,14 @@ class ContactsOfStep {
   /// See Contacts::load_on.
   WallLoad<P::dimension, Real> load_on(Index wall, const Vec& about) const {
     if (wall >= walls_.size()) {
-      fail("dem::Contacts: there is no wall " + std::to_string(wall) +
-           "; give a number below " + std::to_string(walls_.size()));
+      fail("dem::Contacts: there is no wall " + std::to_string(wall) + "; give a number below " +
+           std::to_string(walls_.size()));
     }
     WallLoad<P::dimension, Real> load;
     for_each_at_walls([&](const auto& touch) {
       if (touch.wall != wall) return;
       load.force += touch.force;
-      load.moment += cross(Vec(touch.point - about), touch.force) + touch.couple;
+      load.torque += cross(Vec(touch.point - about), touch.force) + touch.couple;
     });
     return load;
   }
@@ -138,7 +138,7 @@ class ContactsOfStep {
     });
   }
 
-  /// The law tells its force by parts, and the energy in its springs.
+  /// The law returns the components of its force and the energy in its springs.
   static constexpr bool gives_spring_energy =
       GivesComponents<Law, P::dimension, Real> &&
       requires(const Law law, const Contact c, const typename History::type history) {
@@ -148,7 +148,7 @@ class ContactsOfStep {
   /// See Contacts::elastic_energy.
   double elastic_energy() const {
     double energy = 0;
-    if constexpr (TellsEnergy<Law, P::dimension, Real>) {
+    if constexpr (GivesEnergy<Law, P::dimension, Real>) {
       const auto walls = walls_then();
       for_each_touch(grains_, touches_, [&](Index c, const Sides& sides, const auto* row) {
         energy += double(
@@ -159,7 +159,7 @@ class ContactsOfStep {
     return energy;
   }
 
-  /// See Contacts::memory.
+  /// See Contacts::history.
   auto history() const {
     using Remembered = typename T::Remembered;
     if (const Remembered* const recalled = touches_.recalled()) return *recalled;
@@ -178,7 +178,8 @@ class ContactsOfStep {
 
   auto walls_then() const { return walls_of_step<P>(walls_, touches_.seen()); }
 
-  static ElasticEnergies elastic_energies(const Law& law, const Contact& contact, const Real* history) {
+  static ElasticEnergies elastic_energies(const Law& law, const Contact& contact,
+                                          const Real* history) {
     if constexpr (gives_spring_energy) {
       return law.elastic_energies(contact, History::from(history));
     } else {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// How many contacts grains have.
+// Coordination number: contacts per grain.
 #pragma once
 
 #include <silt/core/types.hpp>
@@ -9,15 +9,14 @@
 namespace silt::dem {
 
 struct Coordination {
-  double mean = 0;  ///< Z: contacts per grain, each counted at both of its grains, walls at one [-]
-  /// Z_m of [Thornton2000]: the same among the contacts and grains that may bear a load, so
-  /// without grains that have one contact or none, and without the former's contacts; 0 if there
-  /// are no others [-].
+  double mean = 0;  ///< Z: contacts per grain; a contact counts for each of its grains [-]
+  /// Z_m of [Thornton2000]: without grains that have one contact or none, which cannot bear a load,
+  /// and without the contacts of the former; 0 if there are no other grains [-].
   double mechanical = 0;
-  double rattlers = 0;  ///< share of grains with one contact or none [-]
+  double rattlers = 0;  ///< fraction of grains with one contact or none [-]
 };
 
-/// Of the contacts of the last step among these grains; all 0 without grains.
+/// Coordination in the last step; all 0 without grains.
 template <class P, class C>
 Coordination coordination(const P& grains, const C& contacts) {
   std::vector<Index> number(grains.size());

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The law of Cundall and Strack (1979) as [SahChoi2004] (8)–(13), (22)–(24) has it: a spring and a
-// dashpot along the normal, a spring, a dashpot and a slider along the tangent.
+// The law of Cundall and Strack (1979) in the form of [SahChoi2004] (8)–(13), (22)–(24): spring and
+// dashpot in the normal direction; spring, dashpot and slider in the tangential direction.
 #pragma once
 
 #include <silt/core/error.hpp>
@@ -15,7 +15,8 @@
 
 namespace silt::dem {
 
-/// F_n = k_n δ, and D_n = c_n v_n with the velocity at N itself: second order in Δt. The default.
+/// F_n = k_n δ and D_n = c_n v_n, with v_n at the time N of the positions: second order in Δt. The
+/// default.
 struct OverlapForm {
   template <int Dim, class Real>
   struct History : CentredDashpot::History<Real> {
@@ -33,17 +34,17 @@ struct OverlapForm {
     return CentredDashpot::force(contact, history, k_n, c_n);
   }
 
-  /// What stretches the spring [m].
+  /// Deflection of the spring [m].
   template <class C, class M>
   static double compression(const C& contact, const M&, double) {
     return double(contact.overlap);
   }
 
-  static constexpr double lateness = CentredDashpot::lateness;
+  static constexpr double stability_factor = CentredDashpot::stability_factor;
 };
 
-/// F_n^N = F_n^{N−1} + k_n v_n Δt and D_n = c_n v_n^{N−½}: the paper's (8), (10), (12), (22) to the
-/// letter, first order in Δt. Tends to OverlapForm as Δt → 0.
+/// F_n^N = F_n^{N−1} + k_n v_n Δt and D_n = c_n v_n^{N−½}: exactly the paper's (8), (10), (12) and
+/// (22), first order in Δt. Converges to OverlapForm as Δt → 0.
 struct IncrementalForm {
   template <int Dim, class Real>
   struct History {
@@ -68,19 +69,19 @@ struct IncrementalForm {
     return double(history.normal_force) / k_n;
   }
 
-  static constexpr double lateness = 1;
+  static constexpr double stability_factor = 1;
 };
 
 template <class NormalForm>
 struct CundallStrackLaw {
   double normal_stiffness = 0;      ///< k_n [N/m], above 0
-  double tangential_stiffness = 0;  ///< k_s [N/m]; 0: no friction force at all
+  double tangential_stiffness = 0;  ///< k_s [N/m]; 0: no tangential force
   Restitution restitution = {};  ///< e [-] in (0, 1]; sets c_n = 2 ζ √(k_n m*), c_s = c_n k_s/k_n
-  std::optional<double> beta = {};  ///< β [s]: c_n = β k_n, c_s = β k_s (24), in place of e
+  std::optional<double> beta = {};    ///< β [s]: c_n = β k_n, c_s = β k_s (24); alternative to e
   FrictionAngle friction_angle = {};  ///< φ_μ [rad] in [0, π/2)
-  double cohesion = 0;                ///< c of (13): tangential force that holds without load [N]
-  /// Limits the dashpot so that the normal force is never attractive; the restitution then rises
-  /// to e_clip(ζ) of Schwager and Pöschel (2007).
+  double cohesion = 0;                ///< c of (13): limit of the tangential force without load [N]
+  /// Limits the dashpot so that the normal force is never attractive; the restitution is then the
+  /// larger e_clip(ζ) of Schwager and Pöschel (2007).
   bool limit_damping = false;
 
   template <int Dim, class Real>
@@ -96,8 +97,8 @@ struct CundallStrackLaw {
     if (beta) {
       require_not_negative("CundallStrack: beta", *beta);
       if (restitution.value != 1) {
-        fail("CundallStrack: restitution = " + to_text(restitution.value) + " and beta = " +
-             to_text(*beta) + " s both set the dashpot; give one of them");
+        fail("CundallStrack: restitution = " + to_text(restitution.value) +
+             " and beta = " + to_text(*beta) + " s both define the dashpot; give only one of them");
       }
     }
   }
@@ -109,24 +110,24 @@ struct CundallStrackLaw {
     const Real k_s = Real(tangential_stiffness);
     const Real c_over_k = dashpot_over_spring(contact.effective_mass);
 
-    ForceComponents<C::dimension, Real> parts;
+    ForceComponents<C::dimension, Real> result;
     const Real F_n = NormalForm::spring_force(contact, history, k_n);
     const Real D_n = NormalForm::dashpot_force(contact, history, k_n, c_over_k * k_n);
-    parts.normal_spring = F_n;
-    parts.normal_dashpot = limit_damping ? limited_dashpot(F_n, D_n) : D_n;
+    result.normal_spring = F_n;
+    result.normal_dashpot = limit_damping ? limited_dashpot(F_n, D_n) : D_n;
 
     const Slider<Real> slider{
         .stiffness = k_s,
         .dashpot = c_over_k * k_s,
         .limit = std::max(Real(0), F_n * Real(friction_angle.tangent) + Real(cohesion))};
     const auto tangential =
-        slide(slider, turned_into_plane(history.tangential_force, contact.normal),
+        slide(slider, rotated_into_plane(history.tangential_force, contact.normal),
               contact.tangential_velocity(), contact.time_step);
     history.tangential_force = tangential.spring;
-    parts.tangential_spring = tangential.spring;
-    parts.tangential_dashpot = tangential.dashpot;
-    parts.friction = tangential.lost;
-    return parts;
+    result.tangential_spring = tangential.spring;
+    result.tangential_dashpot = tangential.dashpot;
+    result.friction = tangential.lost;
+    return result;
   }
 
   template <class C, class M>
@@ -136,7 +137,7 @@ struct CundallStrackLaw {
             .tangential = energy_of_spring(history.tangential_force, tangential_stiffness)};
   }
 
-  /// Energy in the two springs [J].
+  /// Energy stored in the two springs [J].
   template <class C, class M>
   double elastic_energy(const C& contact, const M& history) const {
     return elastic_energies(contact, history).sum();
@@ -144,19 +145,20 @@ struct CundallStrackLaw {
 
   template <class C>
   Stiffness stiffness(const C& contact) const {
-    return {.normal = normal_stiffness,
-            .tangential = tangential_stiffness,
-            .beta = NormalForm::lateness * double(dashpot_over_spring(contact.effective_mass))};
+    return {
+        .normal = normal_stiffness,
+        .tangential = tangential_stiffness,
+        .beta = NormalForm::stability_factor * double(dashpot_over_spring(contact.effective_mass))};
   }
 
-  /// Between two materials: springs in series (equal ones stay as they are), the lower restitution,
-  /// and the smaller friction angle and cohesion, (13).
-  /// Throws if one gives its dashpot by e and the other by β.
+  /// Between two materials: springs in series (equal stiffnesses are kept), the lower restitution,
+  /// the smaller friction angle and cohesion (13).
+  /// Throws if one material defines its dashpot by e and the other by β.
   static CundallStrackLaw mix(const CundallStrackLaw& a, const CundallStrackLaw& b) {
     if (a.beta.has_value() != b.beta.has_value()) {
-      fail("CundallStrack: one material gives restitution = " +
+      fail("CundallStrack: one material has restitution = " +
            to_text((a.beta ? b : a).restitution.value) + ", the other beta = " +
-           to_text(*(a.beta ? a : b).beta) + " s; give both materials the same of the two");
+           to_text(*(a.beta ? a : b).beta) + " s; use the same of the two for both materials");
     }
     CundallStrackLaw law = a.restitution.value <= b.restitution.value ? a : b;
     law.normal_stiffness = in_series(a.normal_stiffness, b.normal_stiffness);
@@ -169,7 +171,7 @@ struct CundallStrackLaw {
   }
 
  private:
-  // β = c/k [s]: given, or 2 ζ √(m*/k_n).
+  // β = c/k [s]: the given value, or 2 ζ √(m*/k_n).
   template <class Real>
   Real dashpot_over_spring(Real effective_mass) const {
     // Only one of the two is set; the other is 0.

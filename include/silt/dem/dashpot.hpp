@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Restitution, and a dashpot along the normal that gives it to second order in the time step.
+// Restitution, and a normal dashpot that yields it to second order in the time step.
 #pragma once
 
 #include <silt/core/error.hpp>
@@ -12,8 +12,8 @@
 
 namespace silt::dem {
 
-/// Restitution e of a head-on impact whose contact ends at zero overlap (the dashpot may pull
-/// there), with the damping ratio that gives it: ζ = −ln e / √(π² + ln² e).
+/// Restitution e of a head-on impact whose contact ends at zero overlap (the total force may be
+/// attractive just before), and the damping ratio that yields it: ζ = −ln e / √(π² + ln² e).
 struct Restitution {
   double value = 1;
   double damping_ratio = 0;
@@ -36,49 +36,49 @@ struct Restitution {
   }
 };
 
-/// Weight [-] of a force that begins and ends with a jump, such as a dashpot's, at this overlap [m]
-/// of a contact that goes way_of_a_step [m] in a step.
+/// Weight [-] of a force that is discontinuous at the beginning and end of a contact, such as a
+/// dashpot's, at this overlap [m], which changes by `change_per_step` [m] in a step.
 ///
 /// A contact begins and ends somewhere within a step. With u steps since the beginning (or before
-/// the end), the steps u and u + 1 must together carry u + 3/2 steps' worth of the force; this is
-/// the continuous weight that does and that is 1 from u = 2 on.
+/// the end), the weights of the steps u and u + 1 must add up to u + 3/2; this is the continuous
+/// weight that satisfies this and is 1 from u = 2 on.
 template <class Real>
-Real share_of_step(Real overlap, Real way_of_a_step) {
-  const Real u = overlap / way_of_a_step;
+Real share_of_step(Real overlap, Real change_per_step) {
+  const Real u = overlap / change_per_step;
   return u < 1 ? u * 3 / 2 : std::max(Real(1), 2 - u / 2);
 }
 
-/// D_n = c v_n with the velocity at N itself: second order in Δt.
+/// D_n = c v_n with v_n at the time N of the positions: second order in Δt.
 struct CentredDashpot {
   template <class Real>
   struct History {
-    Real approach_speed = 0;  ///< v_n of the half step before the last [m/s]
-    Real was_there = 0;       ///< 1 once approach_speed is known [-]
+    Real approach_speed = 0;  ///< v_n^{N−3/2} [m/s]
+    Real has_previous = 0;    ///< 1 if approach_speed is set, else 0 [-]
   };
 
-  /// D_n [N] of a dashpot c_n beside a spring of (tangent) stiffness k_n, (22) of [SahChoi2004]
-  /// with v_n^N in place of v_n^{N−½}, which is half a step late: extrapolated from the last two
-  /// half steps, v_n^N = v_n^{N−½} + ½ (v_n^{N−½} − v_n^{N−3/2}).
+  /// D_n [N] of a dashpot c_n parallel to a spring of (tangent) stiffness k_n: (22) of
+  /// [SahChoi2004] with v_n^N instead of v_n^{N−½}, which lags by half a step. v_n^N is
+  /// extrapolated from the last two half steps, v_n^N = v_n^{N−½} + ½ (v_n^{N−½} − v_n^{N−3/2}).
   template <class C, class M>
   static typename C::Real force(const C& contact, M& history, typename C::Real k_n,
                                 typename C::Real c_n) {
     using Real = typename C::Real;
     const Real v_half = contact.approach_speed();
-    // Before it touched, it flew freely.
-    const Real v_n = v_half + history.was_there * (v_half - history.approach_speed) / 2;
+    // In the first step there is nothing to extrapolate from: before the contact v_n was constant.
+    const Real v_n = v_half + history.has_previous * (v_half - history.approach_speed) / 2;
     history.approach_speed = v_half;
-    history.was_there = 1;
-    // Extrapolated, the velocity of an oscillation is too large by the factor 1 + ⅜ (ω Δt)².
-    const Real swing = k_n * squared(contact.time_step) / contact.effective_mass;
+    history.has_previous = 1;
+    // The extrapolated velocity of an oscillation is too large by the factor 1 + ⅜ (ω Δt)².
+    const Real omega_dt_squared = k_n * squared(contact.time_step) / contact.effective_mass;
     return c_n * v_n * share_of_step(contact.overlap, std::abs(v_n) * contact.time_step) /
-           (1 + swing * 3 / 8);
+           (1 + omega_dt_squared * 3 / 8);
   }
 
-  /// Extrapolation makes a dashpot count twice in the limit of stability.
-  static constexpr double lateness = 2;
+  /// With the extrapolation a dashpot counts twice in the stability limit.
+  static constexpr double stability_factor = 2;
 };
 
-/// The dashpot's force, where it may pull no harder than the spring pushes [N].
+/// The dashpot force [N], limited so that the sum with the spring force is not attractive.
 template <class Real>
 Real limited_dashpot(Real spring, Real dashpot) {
   return spring + dashpot < 0 ? -spring : dashpot;

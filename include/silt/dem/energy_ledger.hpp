@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: MIT
-// Where the energy goes. Leapfrog's kick takes v^{N−½} to v^{N+½} under the force F^N, so that
+// Energy balance. The kick of leapfrog changes v^{N−½} to v^{N+½} by the force F^N, so that
 //
 //   ½ m (v^{N+½})² − ½ m (v^{N−½})² = m (v^{N+½} − v^{N−½})·v^N = (F^N − α m v^N)·v^N Δt
 //
-// with v^N of (27), and likewise for spins: in every step the works of all that acts sum to the
-// change of kinetic energy, to round-off. A contact's work is its force on grain i times the
-// velocity of i's surface against the other's, and its couple times the relative spin; what a wall
-// that moves does on its grains is beside that.
+// with v^N of (27), and likewise for spins: in every step the work of all forces sums to the change
+// of kinetic energy, to round-off. The work of a contact is that of its force on grain i with the
+// velocity of i's surface relative to the other's, plus that of its couple with the relative spin.
+// The work of a moving wall on its grains is a separate term.
 //
-// Springs do not give back exactly what they took: positions move between kicks. What is missing
-// is the integration's error, of order Δt².
+// Springs do not return exactly the energy they stored, because positions change between kicks. The
+// difference is the integration error, of order Δt².
 #pragma once
 
 #include <silt/core/energy.hpp>
@@ -32,11 +32,12 @@
 
 namespace silt::dem {
 
-/// An observer of grains that Leapfrog advances. What it tells is for time(), the beginning of the
-/// last step: there the forces were made. It begins with the simulation's second step, as in the
-/// first one leapfrog sets its velocities off by half a step; beginning() are the energies then.
+/// Observer of grains advanced by Leapfrog. All results are for time(), the beginning of the last
+/// step, at which the forces were evaluated. The balance begins with the second step of the
+/// simulation, since the first one shifts the velocities by half a step; initial_energies() are
+/// those at that time.
 ///
-/// Stand it behind all other observers, so that it sees what they changed before a step.
+/// Pass it after all other observers, so that it accounts for their changes before a step.
 template <class P>
 class EnergyLedger {
   using Motion = MeanMotion<P>;
@@ -44,18 +45,19 @@ class EnergyLedger {
  public:
   template <class Sim>
   explicit EnergyLedger(const Sim& simulation) {
-    note(simulation);
+    keep_state(simulation);
   }
 
-  /// Notices what changed since the last step; needed only where something did.
+  /// Accounts for changes since the last step; needed only if there were any.
   template <class Sim>
   void before_step(const Sim& simulation) {
     const double noted = energy_of_motion(before_);
-    note(simulation);
-    came_since_ += energy_of_motion(before_) - noted;
+    keep_state(simulation);
+    added_since_ += energy_of_motion(before_) - noted;
   }
 
-  /// To be called after every step. Throws if it missed one, or grains that came before it.
+  /// Must be called after every step. Throws if a step was missed, or if grains were added without
+  /// a call of before_step().
   template <class Sim, class Run>
   void after_step(const Sim& simulation, const Run&) {
     after_step(simulation);
@@ -63,38 +65,39 @@ class EnergyLedger {
   template <class Sim>
   void after_step(const Sim& simulation) {
     if (simulation.steps() != steps_ + 1) {
-      fail("dem::EnergyLedger: it saw step " + std::to_string(steps_) + " and then step " +
-           std::to_string(simulation.steps()) + "; call after_step() after every one");
+      fail("dem::EnergyLedger: step " + std::to_string(simulation.steps()) +
+           " does not follow step " + std::to_string(steps_) +
+           "; call after_step() after every step");
     }
-    check_that_all_are_known(simulation.particles());
-    if (steps_ > 0) enter(simulation);
-    note(simulation);
+    check_all_known(simulation.particles());
+    if (steps_ > 0) add_step(simulation);
+    keep_state(simulation);
   }
 
-  /// Of what follows [s].
+  /// Time of the results [s].
   double time() const noexcept { return time_; }
   const Energies& energies() const noexcept { return energies_; }
-  const Energies& beginning() const noexcept { return beginning_; }
-  /// Since the beginning.
-  const Works& works() const noexcept { return works_; }
+  const Energies& initial_energies() const noexcept { return initial_energies_; }
+  /// Totals since the beginning.
+  const Work& work() const noexcept { return work_; }
   const Losses& losses() const noexcept { return losses_; }
-  /// Kinetic energy, rotation included, that grains brought with them or took away, or that a hand
-  /// gave them, between steps [J].
-  double outside() const noexcept { return outside_; }
-  /// Work of the springs, less what they gave from their store and what they lost, since the
-  /// beginning [J]; NaN for a law that does not tell both.
+  /// Kinetic energy, including rotation, that was added between steps from outside: by adding or
+  /// removing grains or by setting their velocities [J].
+  double added_energy() const noexcept { return added_energy_; }
+  /// Work of the springs plus the change of their stored energy plus their losses, since the
+  /// beginning [J]; NaN for a law without components() or elastic_energies().
   double integration_error() const noexcept {
     return knows_springs_ ? integration_error_ : std::numeric_limits<double>::quiet_NaN();
   }
 
-  /// In the last step, from N − ½ to N + ½.
-  const Works& works_of_step() const noexcept { return step_; }
-  /// Of the kinetic energy, rotation included [J].
-  double change_of_step() const noexcept {
+  /// Work in the last step, from N − ½ to N + ½.
+  const Work& work_of_step() const noexcept { return step_; }
+  /// Change of the kinetic energy, including rotation, in the last step [J].
+  double energy_change_of_step() const noexcept {
     return motion_.kinetic_change() + motion_.rotational_change();
   }
-  /// What change and works of the last step differ by [J]: round-off.
-  double imbalance() const noexcept { return change_of_step() - step_.sum(); }
+  /// Difference of the energy change and the work in the last step [J]: round-off.
+  double imbalance() const noexcept { return energy_change_of_step() - step_.sum(); }
 
  private:
   using Stored = PairHistory<ElasticEnergies>;
@@ -105,50 +108,54 @@ class EnergyLedger {
   }
 
   template <class Sim>
-  void note(const Sim& simulation) {
+  void keep_state(const Sim& simulation) {
     before_ = simulation.particles();
     steps_ = simulation.steps();
-    noted_time_ = simulation.time();
+    before_time_ = simulation.time();
     time_step_ = simulation.last_time_step();
   }
 
-  void check_that_all_are_known(const P& after) const {
-    const Index stranger = first_where(
+  void check_all_known(const P& after) const {
+    const Index unknown = first_where(
         after.size(), [&](Index i) { return before_.index_of(after.id(i)) == no_index; });
-    if (stranger == no_index) return;
-    fail("dem::EnergyLedger: it does not know a grain that was there during the step; call "
-         "before_step() after adding grains, or stand it behind the observer that adds them",
-         {.particle = stranger, .id = after.id(stranger)});
+    if (unknown == no_index) return;
+    fail(
+        "dem::EnergyLedger: a grain was added before the step; call before_step() after adding "
+        "grains, or pass the ledger after the observer that adds them",
+        {.particle = unknown, .id = after.id(unknown)});
   }
 
   template <class Sim>
-  void enter(const Sim& simulation) {
-    static_assert(requires { simulation.integrator().damping(); },
-                  "silt::dem::EnergyLedger: it reads the half steps of Leapfrog");
+  void add_step(const Sim& simulation) {
+    static_assert(
+        requires { simulation.integrator().damping(); },
+        "silt::dem::EnergyLedger requires the integrator Leapfrog");
     const P& after = simulation.particles();
-    const Works last = std::exchange(step_, {});
-    outside_ += came_since_;
+    const Work last = std::exchange(step_, {});
+    added_energy_ += added_since_;
     motion_.set(before_, after, (time_step_ + simulation.last_time_step()) / 2);
-    came_since_ = -motion_.carried_away();
+    added_since_ = -motion_.carried_away();
     energies_ = {.kinetic = kinetic_energy(before_) + motion_.kinetic_change() / 2,
                  .rotational = rotational_energy(before_) + motion_.rotational_change() / 2};
     Losses lost;
     Entries stored;
-    const bool knows_all = add_works(simulation.interaction(), lost, stored);
+    const bool knows_all = add_work(simulation.interaction(), lost, stored);
     if (!knows_all) add_other(after);
     add_damping(simulation.integrator().damping());
-    take_stock(last, lost, std::move(stored));
-    time_ = noted_time_;
+    update_balance(last, lost, std::move(stored));
+    time_ = before_time_;
   }
 
-  // False if there is an interaction that the ledger does not know.
+  // Returns false if an interaction is unknown to the ledger.
   template <class I>
-  bool add_works(const I& interaction, Losses& lost, Entries& stored) {
+  bool add_work(const I& interaction, Losses& lost, Entries& stored) {
     bool knows_all = true;
     if constexpr (requires { interaction.for_each_part([](const auto&) {}); }) {
       interaction.for_each_part(
-          [&](const auto& part) { knows_all &= add_works(part, lost, stored); });
-    } else if constexpr (requires { interaction.for_each_evaluated_contact(before_, [](const auto&) {}); }) {
+          [&](const auto& part) { knows_all &= add_work(part, lost, stored); });
+    } else if constexpr (requires {
+                           interaction.for_each_evaluated_contact(before_, [](const auto&) {});
+                         }) {
       interaction.for_each_evaluated_contact(before_, [&](const auto& each) {
         motion_.add_contact(before_, each, step_, lost);
         stored.push_back({each.first, each.second, each.elastic});
@@ -172,7 +179,7 @@ class EnergyLedger {
     }
   }
 
-  // What forces did beyond what is known of them.
+  // The work of the forces of unknown interactions.
   void add_other(const P& after) {
     double all = 0;
     for (Index k = 0; k < after.size(); ++k) {
@@ -190,34 +197,33 @@ class EnergyLedger {
         if (!motion_.stays(i)) continue;
         const auto& v = motion_.velocity_of(i);
         const auto& w = motion_.spin_of(i);
-        const double power =
-            double(before_[mass][i]) * v.dot(damping.drag(v)) +
-            double(before_[inertia][i]) * dot(w, damping.drag(w));
+        const double power = double(before_[mass][i]) * v.dot(damping.drag(v)) +
+                             double(before_[inertia][i]) * dot(w, damping.drag(w));
         step_.damping += power * motion_.duration();
       }
     } else {
-      step_.damping = change_of_step() - step_.sum();
+      step_.damping = energy_change_of_step() - step_.sum();
     }
   }
 
-  // The work of a kick is whole from half step to half step; of that from N − 1 to N, one half is
-  // the kick's before.
-  void take_stock(const Works& last, const Losses& lost, Entries stored) {
+  // Work is known from half step to half step; that from N − 1 to N is half of each of the two
+  // kicks.
+  void update_balance(const Work& last, const Losses& lost, Entries stored) {
     Stored now(std::move(stored));
     now.for_each_pair([&](Id, Id, const ElasticEnergies& each) { energies_.elastic += each; });
     if (!has_begun_) {
-      beginning_ = energies_;
-      outside_ = 0;
+      initial_energies_ = energies_;
+      added_energy_ = 0;
       has_begun_ = true;
     } else {
-      works_.add(last, 0.5);
-      works_.add(step_, 0.5);
+      work_.add(last, 0.5);
+      work_.add(step_, 0.5);
       Losses all = lost;
       ElasticEnergies before;
       stored_.for_each_pair([&](Id a, Id b, const ElasticEnergies& each) {
-        if (!is_there(a) || !is_there(b)) return;  // removed, and the spring with it
+        if (!exists(a) || !exists(b)) return;  // the spring was removed with the grain
         before += each;
-        if (now.find(a, b) == nullptr) all.opened += each.tangential + each.rolling;
+        if (now.find(a, b) == nullptr) all.separation += each.tangential + each.rolling;
       });
       losses_ += all;
       integration_error_ += (last.springs() + step_.springs()) / 2 +
@@ -225,11 +231,11 @@ class EnergyLedger {
     }
     stored_ = std::move(now);
   }
-  bool is_there(Id id) const { return is_wall_id(id) || before_.index_of(id) != no_index; }
+  bool exists(Id id) const { return is_wall_id(id) || before_.index_of(id) != no_index; }
 
-  P before_;  // as the last step ended, or the next one begins
+  P before_;  // grains at the end of the last step or the beginning of the next
   std::uint64_t steps_ = 0;
-  double noted_time_ = 0;
+  double before_time_ = 0;
   double time_step_ = 0;
   Motion motion_;
   Stored stored_;
@@ -237,12 +243,12 @@ class EnergyLedger {
   bool knows_springs_ = true;
   double time_ = 0;
   Energies energies_;
-  Energies beginning_;
-  Works works_;
-  Works step_;
+  Energies initial_energies_;
+  Work work_;
+  Work step_;
   Losses losses_;
-  double outside_ = 0;
-  double came_since_ = 0;  // from outside, since time()
+  double added_energy_ = 0;
+  double added_since_ = 0;  // energy added since time()
   double integration_error_ = 0;
 };
 

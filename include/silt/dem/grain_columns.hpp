@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What contacts read of grains, several at a time: from the places where they lie to one register
-// per number.
+// Loads the data of several grains into SIMD registers, one register per number.
 #pragma once
 
 #include <silt/core/four.hpp>
@@ -13,7 +12,7 @@
 
 namespace silt::dem {
 
-/// Contacts are worked on eight at a time.
+/// Contacts are evaluated eight at a time.
 inline constexpr int lanes = 8;
 
 template <int Dim, class RealType>
@@ -23,7 +22,7 @@ class GrainColumns {
   using Vec = silt::Vec<Dim, Real>;
   using AngularVec = silt::AngularVec<Dim, Real>;
 
-  /// As many grains as fill a register; these are their places.
+  /// Number of grains per register.
   static constexpr int N = std::min(lanes, simd::lanes<Real>);
   using Pack = simd::Pack<Real, N>;
   struct Position {
@@ -31,12 +30,12 @@ class GrainColumns {
     Pack R;       ///< [m]
   };
   struct Motion {
-    Pack v[Dim];             ///< [m/s]
+    Pack v[Dim];                ///< [m/s]
     Pack w[angular_size<Dim>];  ///< [1/s]
-    Pack m;                  ///< [kg]
+    Pack m;                     ///< [kg]
   };
 
-  /// Reads the grains, ghosts included, as long as they stay where they are.
+  /// Refers to the grains, including ghosts; invalid once they move in memory.
   template <class P>
   explicit GrainColumns(const P& grains)
       : x_(grains.with_ghosts(position).data()),
@@ -69,8 +68,8 @@ class GrainColumns {
   }
   [[gnu::always_inline]] void load(const Vec* values, const std::uint32_t* places,
                                    Pack (&columns)[Dim]) const {
-    // Four numbers from where a vector of three begins: the fourth is of the next one, and of no
-    // use. The last vector has no next one.
+    // Load four numbers from the beginning of a vector of three; the fourth belongs to the next
+    // vector and is ignored. There is none after the last vector.
     const auto all = simd::first_lanes<N>(N);
     if (Dim == 3 && simd::differs<N>(simd::load<std::uint32_t, N>(places), last_) == all) {
       Pack four[4];

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Grains from a table, such as read_csv gives: x, y[, z], radius, density or mass, and whatever else
-// grains carry (velocity_x, …, spin, material).
+// Grains from a table, e.g. from read_csv: x, y[, z], radius, density or mass, and any other field
+// of grains (velocity_x, …, spin, material).
 #pragma once
 
 #include <silt/core/error.hpp>
@@ -16,8 +16,8 @@
 
 namespace silt::dem {
 
-/// Columns of numbers by names. refuse(row, column, why) throws an error that says where in which
-/// file the number stands.
+/// A table of named columns of numbers. refuse(row, column, reason) throws an error that names the
+/// file and the location of the number.
 template <class T>
 concept NamedColumns = requires(const T table, Index row, const std::string name) {
   { table.rows() } -> std::convertible_to<Index>;
@@ -27,7 +27,7 @@ concept NamedColumns = requires(const T table, Index row, const std::string name
 };
 
 namespace detail {
-/// Names of all numbers of the fields that a table may set.
+/// Names of all numbers that a table may set.
 template <class P>
 std::vector<std::string> settable_names(const P& grains) {
   std::vector<std::string> names;
@@ -53,24 +53,25 @@ void check_columns(const T& table, const std::vector<std::string>& known) {
     if (name == "density" || std::find(known.begin(), known.end(), name) != known.end()) continue;
     std::string all;
     for (const std::string& each : known) all += each + ", ";
-    fail("dem::grains_from: the column " + name + " is none of " + all +
-         "density; correct its name, or leave it out");
+    fail("dem::grains_from: unknown column " + name + "; known are " + all +
+         "density; correct its name, or remove it");
   }
   if (has_column(table, "density") && has_column(table, "mass")) {
-    fail("dem::grains_from: the table has both density and mass; leave one of them out");
+    fail("dem::grains_from: the table has both density and mass; remove one of them");
   }
 }
 }  // namespace detail
 
-/// The grains of a table's rows, in their order. What it has no column for is that of `otherwise`,
-/// or 0; a mass given without inertia makes the inertia that belongs to it. Throws silt::Error,
-/// naming the place in the file, if a number is out of range, and for a column that nobody knows.
+/// One grain per row of the table, in the same order. Values without a column are taken from
+/// `defaults`, or are 0; if there is a mass but no inertia, the inertia follows from the mass.
+/// Throws silt::Error, naming the location in the file, if a number is out of range, and if a
+/// column is unknown.
 template <int Dim, class Real = double, Field... Further, NamedColumns T>
-Grains<Dim, Real, Further...> grains_from(const T& table, const Grain& otherwise = {}) {
+Grains<Dim, Real, Further...> grains_from(const T& table, const Grain& defaults = {}) {
   Grains<Dim, Real, Further...> grains;
   detail::check_columns(table, detail::settable_names(grains));
-  const auto value = [&](Index row, const std::string& name, double without) {
-    if (!detail::has_column(table, name)) return without;
+  const auto value = [&](Index row, const std::string& name, double fallback) {
+    if (!detail::has_column(table, name)) return fallback;
     const double number = table[name][row];
     if (!(number > 0)) table.refuse(row, name, "must be above 0");
     return number;
@@ -81,9 +82,9 @@ Grains<Dim, Real, Further...> grains_from(const T& table, const Grain& otherwise
     Vec<Dim, Real> x;
     static constexpr const char* axes[] = {"x", "y", "z"};
     for (int k = 0; k < Dim; ++k) x[k] = Real(table[axes[k]][row]);
-    Grain grain = otherwise;
-    grain.radius = value(row, "radius", otherwise.radius);
-    grain.density = by_mass ? 1 : value(row, "density", otherwise.density);
+    Grain grain = defaults;
+    grain.radius = value(row, "radius", defaults.radius);
+    grain.density = by_mass ? 1 : value(row, "density", defaults.density);
     const Index i = add_grain(grains, x, grain);
     if (!by_mass) continue;
     const Real m = Real(value(row, "mass", 0));
@@ -100,7 +101,7 @@ Grains<Dim, Real, Further...> grains_from(const T& table, const Grain& otherwise
         for (Index row = 0; row < values.size(); ++row) {
           using Value = typename decltype(values)::value_type;
           if (!holds_number<Value>(column[row])) {
-            table.refuse(row, names[k], "must be a whole number that fits");
+            table.refuse(row, names[k], "must be an integer in the range of the field");
           }
           set_number(values[row], k, column[row]);
         }

@@ -13,12 +13,12 @@
 
 namespace silt::dem {
 
-/// Which of the materials a grain is made of: its place in dem::Materials.
+/// Material of a grain: an index in dem::Materials.
 inline constexpr struct material_t : field_of<std::uint32_t>, constant_field {
 } material{};
 
 namespace detail {
-// A sphere's spin has no sum that says how it lies; whoever wants the sum adds angle_t.
+// In 3D the time integral of the spin is not an orientation. Those who want it add angle_t.
 template <int Dim, class Real, Field... Further>
 struct GrainsOf {
   using type = Particles<Dim, Real, velocity_t, spin_t, force_t, torque_t, mass_t, inertia_t,
@@ -31,22 +31,21 @@ struct GrainsOf<2, Real, Further...> {
 };
 }  // namespace detail
 
-/// Discs (2D), which also carry their angle, or spheres (3D), with any further
-/// fields of the user's.
+/// Discs (2D), which also have an angle, or spheres (3D), with any further user-defined fields.
 template <int Dim, class Real = double, Field... Further>
 using Grains = typename detail::GrainsOf<Dim, Real, Further...>::type;
 
-/// What a grain's mass and moment of inertia are computed from.
+/// Shape for the mass and moment of inertia of a grain.
 enum class Shape {
   natural,  ///< a disc of unit thickness in 2D, a sphere in 3D
-  sphere,   ///< a sphere, also in 2D: a layer of spheres whose centres stay in the plane
+  sphere,   ///< a sphere, also in 2D: a layer of spheres whose centres stay in a plane
 };
 
 struct Grain {
-  double radius = 0;               ///< R [m], above 0
-  double density = 0;              ///< ρ of the grain itself [kg/m³], above 0
-  Shape shape = Shape::natural;    ///< disc: I = ½ m R²; sphere: I = ⅖ m R²
-  std::uint32_t material = 0;      ///< place in dem::Materials
+  double radius = 0;             ///< R [m], above 0
+  double density = 0;            ///< ρ of the grain's material [kg/m³], above 0
+  Shape shape = Shape::natural;  ///< disc: I = ½ m R²; sphere: I = ⅖ m R²
+  std::uint32_t material = 0;    ///< index in dem::Materials
 };
 
 /// Volume of a sphere [m³]; in 2D, area of a disc [m²].
@@ -56,7 +55,7 @@ double volume_of(double radius) {
                   : std::numbers::pi * radius * radius * radius * 4 / 3;
 }
 
-/// Adds a grain at rest at x [m]; returns its place. Throws if radius or density is not positive.
+/// Adds a grain at rest at x [m]; returns its index. Throws if radius or density is not positive.
 template <class P>
   requires HasFields<P, mass_t, inertia_t, radius_t, material_t>
 Index add_grain(P& grains, const typename P::Vec& x, const Grain& grain) {
@@ -66,7 +65,7 @@ Index add_grain(P& grains, const typename P::Vec& x, const Grain& grain) {
   const bool disc = P::dimension == 2 && grain.shape == Shape::natural;
   const double r = grain.radius;
   const double m = grain.density * (disc ? volume_of<2>(r) : volume_of<3>(r));
-  // In the precision of the grains, so that one too small or too large for it is named.
+  // In the precision of the grains, to reject values that underflow or overflow in it.
   require_positive("Grain: mass", double(Real(m)));
   require_positive("Grain: inertia", double(Real(disc ? m * r * r / 2 : m * r * r * 2 / 5)));
   const Index i = grains.add(x);
@@ -77,7 +76,7 @@ Index add_grain(P& grains, const typename P::Vec& x, const Grain& grain) {
   return i;
 }
 
-/// Equal grains at rest at the points [m]; with further fields: make_grains<temperature_t>(…).
+/// Equal grains at rest at these points [m]; with further fields: make_grains<temperature_t>(…).
 /// Throws as add_grain does.
 template <Field... Further, class Real, int Dim>
 Grains<Dim, Real, Further...> make_grains(const std::vector<Eigen::Matrix<Real, Dim, 1>>& points,

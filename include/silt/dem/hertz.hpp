@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Along the normal: Hertz's spring, with a dashpot whose restitution does not depend on the speed.
+// Normal component: Hertz's spring, with a dashpot that makes restitution independent of speed.
 #pragma once
 
 #include <silt/core/error.hpp>
@@ -7,20 +7,20 @@
 #include <silt/dem/contact.hpp>
 #include <silt/dem/dashpot.hpp>
 #include <silt/dem/elastic.hpp>
-#include <silt/dem/law_parts.hpp>
+#include <silt/dem/law_components.hpp>
 
 #include <cmath>
 
 namespace silt::dem {
 
 /// F = 4/3 E* √R* δ^{3/2} + c v_n, with c = 2 √(5/6) ζ √(S m*), S = dF/dδ = 2 E* √(R* δ)
-/// [TsujiTanakaIshida1992]. With ζ = −ln e/√(π² + ln² e) an impact without other forces has exactly
-/// the restitution e [AntypovElliott2011]; without loss it lasts 2.9433 δ_max/v, where
+/// [TsujiTanakaIshida1992]. With ζ = −ln e/√(π² + ln² e), an impact without other forces has
+/// exactly the restitution e [AntypovElliott2011]; an elastic impact lasts 2.9433 δ_max/v with
 /// δ_max = (15 m* v²/(16 E* √R*))^{2/5}.
 struct Hertz {
   Elastic elastic = {};
   Restitution restitution = {};  ///< e [-] in (0, 1]
-  /// Limits the dashpot so that the normal force is never attractive; the restitution then rises.
+  /// Limits the dashpot so that the normal force is never attractive, which raises the restitution.
   bool limit_damping = false;
 
   template <int, class Real>
@@ -37,9 +37,9 @@ struct Hertz {
     const Real S = tangent(contact);
     const Real c = dashpot(contact, S);
     const Real spring = S * contact.overlap * 2 / 3;
-    const Real pull = CentredDashpot::force(contact, history, S, c);
+    const Real damping = CentredDashpot::force(contact, history, S, c);
     return {.spring = spring,
-            .dashpot = limit_damping ? limited_dashpot(spring, pull) : pull,
+            .dashpot = limit_damping ? limited_dashpot(spring, damping) : damping,
             .stiffness = S,
             .beta = c / S};
   }
@@ -50,15 +50,16 @@ struct Hertz {
     return double(tangent(contact)) * squared(double(contact.overlap)) * 4 / 15;
   }
 
-  /// Grows as √δ.
+  /// Proportional to √δ.
   template <class C>
   Stiffness stiffness(const C& contact) const {
     const double S = double(tangent(contact));
     const double c = double(dashpot(contact, tangent(contact)));
-    return {.normal = S, .beta = S > 0 ? CentredDashpot::lateness * c / S : 0};
+    return {.normal = S, .beta = S > 0 ? CentredDashpot::stability_factor * c / S : 0};
   }
 
-  /// 1/E* is the sum of both materials' (1 − ν²)/E; the lower restitution; pulls if both may.
+  /// 1/E* is the sum of both materials' (1 − ν²)/E; the lower restitution; the dashpot is limited
+  /// if either one is.
   static Hertz mix(const Hertz& a, const Hertz& b) {
     return {.elastic = Elastic::mix(a.elastic, b.elastic),
             .restitution = Restitution::mix(a.restitution, b.restitution),

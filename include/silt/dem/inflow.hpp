@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
-// Grains that come during a run: rain at a rate, or as many as find room, up to a number.
+// Adds grains during a run: at a given rate or as fast as there is room, up to a given number.
 #pragma once
 
 #include <silt/core/error.hpp>
 #include <silt/core/random.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/grains.hpp>
-#include <silt/dem/schedule.hpp>
 #include <silt/dem/packing.hpp>
 #include <silt/dem/region.hpp>
+#include <silt/dem/schedule.hpp>
 #include <silt/dem/size_distribution.hpp>
 
 #include <algorithm>
@@ -18,10 +18,10 @@
 
 namespace silt::dem {
 
-/// Observer that puts new grains into a region before a step, where they touch none. The k-th grain
-/// has the random numbers of the stream (seed, k): they depend on nothing that happens in the run.
-/// One that finds no room waits, and those behind it with it, so that the sizes stay those of the
-/// blend.
+/// Observer that adds grains to a region before a step, where they touch no other grain. The k-th
+/// grain uses the random numbers of the stream (seed, k), which do not depend on the course of the
+/// run. A grain that finds no room waits and delays all following ones, so that the size
+/// distribution is kept.
 template <class R, SizeDistribution Sizes>
 class Inflow {
  public:
@@ -30,12 +30,12 @@ class Inflow {
   using Real = typename Vec::Scalar;
 
   struct Settings {
-    Index number = 0;                 ///< of grains in all
-    std::optional<double> rate = {};  ///< grains per second, the first at once; none: all that fit
-    double from = 0;                  ///< when the first comes [s]
-    Vec velocity = Vec::Zero();       ///< that grains come with [m/s]
-    double every = 0;                 ///< time between two looks for room [s]; 0: every step
-    Index tries = 100;                ///< places tried for a grain at one look
+    Index number = 0;                 ///< total number of grains
+    std::optional<double> rate = {};  ///< [1/s]; not set: as many as find room
+    double from = 0;                  ///< time of the first grain [s]
+    Vec velocity = Vec::Zero();       ///< initial velocity of the grains [m/s]
+    double every = 0;                 ///< time between two attempts [s]; 0: every step
+    Index tries = 100;                ///< positions to try for a grain in one attempt
     std::uint64_t seed = 0;
   };
 
@@ -50,38 +50,38 @@ class Inflow {
     require_not_negative("Inflow: every", settings_.every);
   }
 
-  /// Grains that have come so far.
-  Index number() const noexcept { return came_; }
-  bool is_done() const noexcept { return came_ == settings_.number; }
+  /// Grains added so far.
+  Index number() const noexcept { return added_; }
+  bool is_done() const noexcept { return added_ == settings_.number; }
 
   template <class Sim>
   void before_step(Sim& simulation) {
     const double since = simulation.time() - settings_.from;
-    if (since < 0 || came_ >= due(since)) return;
-    if (!looks_.is_due({.since = since, .every = settings_.every})) return;
-    let_in(simulation.particles(), due(since));
+    if (since < 0 || added_ >= due(since)) return;
+    if (!schedule_.is_due({.since = since, .every = settings_.every})) return;
+    add_grains(simulation.particles(), due(since));
   }
 
-  /// All that it goes on from after a restart.
+  /// State for a checkpoint, see core/transfer.hpp.
   template <class Archive>
   void transfer(Archive& archive) {
-    archive("came", came_);
+    archive("came", added_);
     archive("tried", tried_);
-    archive("looks", looks_.number);
+    archive("looks", schedule_.number);
   }
 
  private:
   Index due(double since) const {
     if (!settings_.rate) return settings_.number;
-    const double coming = std::min(*settings_.rate * since, double(settings_.number));
-    return std::min(settings_.number, 1 + completed_intervals(coming));
+    const double expected = std::min(*settings_.rate * since, double(settings_.number));
+    return std::min(settings_.number, 1 + completed_intervals(expected));
   }
 
   template <class P>
-  void let_in(P& grains, Index most) {
+  void add_grains(P& grains, Index target) {
     Placement<R, P::dimension, Real> placement(grains, region_, blend_.sizes.largest());
-    while (came_ < most) {
-      Random random{.seed = settings_.seed, .id = came_};
+    while (added_ < target) {
+      Random random{.seed = settings_.seed, .id = added_};
       const Grain grain = blend_.draw(random);
       random.counter += tried_;
       const auto drawn = random.counter;
@@ -90,7 +90,7 @@ class Inflow {
       if (!ball) return;
       const Index i = add_grain(grains, ball->centre, grain);
       grains[velocity][i] = settings_.velocity;
-      ++came_;
+      ++added_;
       tried_ = 0;
     }
   }
@@ -98,9 +98,9 @@ class Inflow {
   R region_;
   Blend<Sizes> blend_;
   Settings settings_;
-  Index came_ = 0;
-  std::uint64_t tried_ = 0;  // random numbers used up to find room for the one that waits
-  Schedule looks_;
+  Index added_ = 0;
+  std::uint64_t tried_ = 0;  // random numbers used so far for the waiting grain
+  Schedule schedule_;
 };
 
 template <class R, class Sizes>

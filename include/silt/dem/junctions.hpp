@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-// Triangles that meet in the middle of a side, as drawing programs write them:
+// T-junctions: a vertex in the middle of another triangle's side, as some CAD programs write them.
 //
 //   +-------+           +-------+
 //   |       +---        |  _.-' +---
-//   |       |           |-'     |          the left triangle is split where the right ones meet
+//   |       |           |-'     |          the left triangle is split at the vertex of the others
 //   +-------+---        +-------+---
 //
-// A surface has no edge there that its triangles share, and a sphere would feel a seam.
+// Without the split the triangles share no edge there, and the seam would act on a sphere.
 #pragma once
 
 #include <silt/core/types.hpp>
@@ -21,8 +21,8 @@
 
 namespace silt::dem {
 
-/// Splits triangles until no vertex of a border lies on the side of a triangle that does not have
-/// it.
+/// Splits triangles until no vertex of a boundary edge lies in the middle of another triangle's
+/// side.
 template <class Real>
 void split_at_junctions(WeldedMesh<Real>& mesh) {
   using Vec = silt::Vec<3, Real>;
@@ -51,7 +51,7 @@ void split_at_junctions(WeldedMesh<Real>& mesh) {
     std::ranges::sort(ends);
     ends.erase(std::unique(ends.begin(), ends.end()), ends.end());
 
-    // How far along a side of the border other vertices lie on it.
+    // Vertices on each boundary side, with their positions along it.
     std::map<Ends, std::vector<std::pair<Real, std::uint32_t>>> on;
     const Tree tree(bounds);
     const Real limit = squared(2 * mesh.distance);
@@ -60,9 +60,9 @@ void split_at_junctions(WeldedMesh<Real>& mesh) {
         const Vec& a = mesh.vertices[border[number].first];
         const Vec along = mesh.vertices[border[number].second] - a;
         const Real t = (mesh.vertices[v] - a).dot(along) / along.norm();
-        const Vec foot = a + t * along.normalized();
+        const Vec closest = a + t * along.normalized();
         if (t > mesh.distance && along.norm() - t > mesh.distance &&
-            (mesh.vertices[v] - foot).norm() <= mesh.distance) {
+            (mesh.vertices[v] - closest).norm() <= mesh.distance) {
           on[border[number]].emplace_back(t, v);
         }
         return limit;
@@ -86,7 +86,7 @@ void split_at_junctions(WeldedMesh<Real>& mesh) {
           mesh.triangles.push_back({between[n].second, next, apex});
         }
         splits = true;
-        break;  // its other sides are next
+        break;  // its other sides are treated in the next pass
       }
     }
   }

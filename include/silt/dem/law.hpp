@@ -1,35 +1,37 @@
 // SPDX-License-Identifier: MIT
-// A contact law put together from parts: what acts along the normal, and if wanted what acts along
-// the tangent, what resists rolling, and what adheres.
+// A contact law composed of components: one for the normal force and, optionally, one each for the
+// tangential force, the rolling resistance and the adhesion.
 //
 //   dem::Law{dem::LinearSpringDashpot{.normal_stiffness = 1e6, .restitution = 0.9},
 //            dem::LinearFriction{.tangential_stiffness = 8e5, .friction_angle = 0.3}}
 //
-// Each part is a policy of its own file, chosen by its type, in any order; what it must have stands
-// in law_parts.hpp. A user's own stands beside ours.
+// Components are given in any order and told apart by their functions (see law_components.hpp).
+// User-defined components can be combined with those of Silt.
 #pragma once
 
 #include <silt/core/types.hpp>
 #include <silt/dem/contact.hpp>
-#include <silt/dem/law_parts.hpp>
+#include <silt/dem/law_components.hpp>
 
 #include <type_traits>
 
 namespace silt::dem {
 
-/// A ContactLaw of one to four parts. Those along the tangent and against rolling are told the
-/// normal part's force; adhesion is not in it, so friction goes by how hard the spring presses.
-template <class Normal, class Tangential = NoPart, class Rolling = NoPart, class Adhesion = NoPart>
+/// A ContactLaw of one to four components. The tangential and rolling components receive the normal
+/// component's force. That force excludes adhesion: the friction limit depends on the spring alone.
+template <class Normal, class Tangential = NoComponent, class Rolling = NoComponent,
+          class Adhesion = NoComponent>
 class Law {
   static_assert(detail::IsNormal<Normal>::value,
-                "silt::dem::Law: no part has a normal_force(contact) or normal_force(contact, "
-                "memory) that gives a NormalForce (see silt/dem/law_parts.hpp)");
+                "silt::dem::Law: no component has a normal_force(contact) or "
+                "normal_force(contact, history) that returns a NormalForce "
+                "(see silt/dem/law_components.hpp)");
 
-  template <class Part>
-  static constexpr bool has = !std::is_same_v<Part, NoPart>;
-  template <class C, class... Parts>
+  template <class Component>
+  static constexpr bool has = !std::is_same_v<Component, NoComponent>;
+  template <class C, class... Components>
   static constexpr bool any_has_history =
-      (HasHistory<Parts, C::dimension, typename C::Real> || ...);
+      (HasHistory<Components, C::dimension, typename C::Real> || ...);
   template <class C>
   static constexpr bool has_history = any_has_history<C, Normal, Tangential, Rolling, Adhesion>;
 
@@ -39,23 +41,23 @@ class Law {
   [[no_unique_address]] Rolling rolling;
   [[no_unique_address]] Adhesion adhesion;
 
-  /// The parts, in any order.
-  template <class... Parts>
-  Law(const Parts&... parts)
-      : normal(detail::pick<Normal>(parts...)),
-        tangential(detail::pick<Tangential>(parts...)),
-        rolling(detail::pick<Rolling>(parts...)),
-        adhesion(detail::pick<Adhesion>(parts...)) {
-    static_assert(sizeof...(Parts) == 1 + has<Tangential> + has<Rolling> + has<Adhesion>,
-                  "silt::dem::Law: a part is neither normal, tangential, rolling nor adhesion, or "
-                  "there are two of a kind (see silt/dem/law_parts.hpp)");
+  /// The components, in any order.
+  template <class... Components>
+  Law(const Components&... components)
+      : normal(detail::pick<Normal>(components...)),
+        tangential(detail::pick<Tangential>(components...)),
+        rolling(detail::pick<Rolling>(components...)),
+        adhesion(detail::pick<Adhesion>(components...)) {
+    static_assert(sizeof...(Components) == 1 + has<Tangential> + has<Rolling> + has<Adhesion>,
+                  "silt::dem::Law: a component is neither normal, tangential, rolling nor "
+                  "adhesion, or there are two of a kind (see silt/dem/law_components.hpp)");
   }
 
-  /// What the parts remember, side by side.
+  /// The histories of all components.
   template <int Dim, class Real>
   struct History {
-    template <class Part, int place>
-    using Of = typename detail::PartHistory<Part, Dim, Real, place>::type;
+    template <class Component, int slot>
+    using Of = typename detail::ComponentHistory<Component, Dim, Real, slot>::type;
 
     [[no_unique_address]] Of<Tangential, 1> tangential{};
     [[no_unique_address]] Of<Rolling, 2> rolling{};
@@ -63,10 +65,10 @@ class Law {
     [[no_unique_address]] Of<Adhesion, 3> adhesion{};
   };
 
-  /// Throws if a parameter of a part is out of range.
+  /// Throws if a parameter of a component is out of range.
   void check() const {
-    const auto check_one = [](const auto& part) {
-      if constexpr (requires { part.check(); }) part.check();
+    const auto check_one = [](const auto& component) {
+      if constexpr (requires { component.check(); }) component.check();
     };
     check_one(normal);
     check_one(tangential);
@@ -74,20 +76,20 @@ class Law {
     check_one(adhesion);
   }
 
-  /// Gives ForceComponents, or LoadComponents if one of the parts resists rolling.
+  /// Returns ForceComponents, or LoadComponents if there is a rolling component.
   template <class C>
     requires(!has_history<C>)
   auto components(const C& contact) const {
     History<C::dimension, typename C::Real> nothing;
-    return answer_of_parts(contact, nothing);
+    return evaluate_components(contact, nothing);
   }
   template <class C, class M>
     requires(has_history<C>)
   auto components(const C& contact, M& history) const {
-    return answer_of_parts(contact, history);
+    return evaluate_components(contact, history);
   }
 
-  /// Of the springs of all parts; known if each tells its own.
+  /// Stiffness of all springs; available if every component provides its own.
   template <class C>
     requires detail::GivesStiffness<Normal, C> && detail::GivesStiffness<Tangential, C> &&
              detail::GivesStiffness<Rolling, C>
@@ -98,13 +100,13 @@ class Law {
     return all;
   }
 
-  /// Of parts that do not tell theirs, 0.
+  /// 0 for components without elastic_energy().
   template <class C, class M>
   ElasticEnergies elastic_energies(const C& contact, const M& history) const {
     if constexpr (has_history<C>) {
-      return energies_of_parts(contact, history);
+      return energies_of_components(contact, history);
     } else {
-      return energies_of_parts(contact, History<C::dimension, typename C::Real>{});
+      return energies_of_components(contact, History<C::dimension, typename C::Real>{});
     }
   }
   template <class C, class M>
@@ -112,16 +114,16 @@ class Law {
     return elastic_energies(contact, history).sum();
   }
 
-  /// Part by part, as each says.
+  /// Mixes each pair of components with their own mix().
   static Law mix(const Law& a, const Law& b)
     requires detail::Mixes<Normal> && detail::Mixes<Tangential> && detail::Mixes<Rolling> &&
              detail::Mixes<Adhesion>
   {
-    const auto mix_one = []<class Part>(const Part& of_a, const Part& of_b) {
-      if constexpr (has<Part>) {
-        return Part::mix(of_a, of_b);
+    const auto mix_one = []<class Component>(const Component& of_a, const Component& of_b) {
+      if constexpr (has<Component>) {
+        return Component::mix(of_a, of_b);
       } else {
-        return Part{};
+        return Component{};
       }
     };
     Law law = a;
@@ -134,51 +136,52 @@ class Law {
 
  private:
   template <class C, class M>
-  [[gnu::always_inline]] auto answer_of_parts(const C& contact, M& history) const {
+  [[gnu::always_inline]] auto evaluate_components(const C& contact, M& history) const {
     using Real = typename C::Real;
     constexpr int Dim = C::dimension;
-    std::conditional_t<has<Rolling>, LoadComponents<Dim, Real>, ForceComponents<Dim, Real>> answer;
+    std::conditional_t<has<Rolling>, LoadComponents<Dim, Real>, ForceComponents<Dim, Real>> result;
 
-    const NormalForce<C> n = detail::recalling<Normal, C>(
+    const NormalForce<C> n = detail::with_history<Normal, C>(
         history.normal, [&](auto&... own) { return normal.normal_force(contact, own...); });
-    answer.normal_spring = n.spring;
-    answer.normal_dashpot = n.dashpot;
-    answer.plastic = n.plastic;
+    result.normal_spring = n.spring;
+    result.normal_dashpot = n.dashpot;
+    result.plastic = n.plastic;
     if constexpr (has<Adhesion>) {
-      answer.adhesion = detail::recalling<Adhesion, C>(
+      result.adhesion = detail::with_history<Adhesion, C>(
           history.adhesion, [&](auto&... own) { return adhesion.adhesion_force(contact, own...); });
     }
     if constexpr (has<Tangential>) {
-      const TangentialForce<C> t = detail::recalling<Tangential, C>(
+      const TangentialForce<C> t = detail::with_history<Tangential, C>(
           history.tangential,
           [&](auto&... own) { return tangential.tangential_force(contact, n, own...); });
-      answer.tangential_spring = t.spring;
-      answer.tangential_dashpot = t.dashpot;
-      answer.friction = t.friction;
+      result.tangential_spring = t.spring;
+      result.tangential_dashpot = t.dashpot;
+      result.friction = t.friction;
     }
     if constexpr (has<Rolling>) {
-      const RollingCouple<C> r = detail::recalling<Rolling, C>(
-          history.rolling, [&](auto&... own) { return rolling.rolling_couple(contact, n, own...); });
-      answer.rolling_spring = r.spring;
-      answer.rolling_dashpot = r.dashpot;
-      answer.rolling_friction = r.friction;
+      const RollingCouple<C> r = detail::with_history<Rolling, C>(
+          history.rolling,
+          [&](auto&... own) { return rolling.rolling_couple(contact, n, own...); });
+      result.rolling_spring = r.spring;
+      result.rolling_dashpot = r.dashpot;
+      result.rolling_friction = r.friction;
     }
-    return answer;
+    return result;
   }
 
   template <class C, class M>
-  ElasticEnergies energies_of_parts(const C& contact, const M& history) const {
+  ElasticEnergies energies_of_components(const C& contact, const M& history) const {
     return {.normal = energy_of(normal, contact, history.normal),
             .tangential = energy_of(tangential, contact, history.tangential),
             .rolling = energy_of(rolling, contact, history.rolling),
             .adhesion = energy_of(adhesion, contact, history.adhesion)};
   }
 
-  template <class Part, class C, class M>
-  static double energy_of(const Part& part, const C& contact, const M& history) {
-    return detail::recalling<Part, C>(history, [&](const auto&... own) {
-      if constexpr (requires { part.elastic_energy(contact, own...); }) {
-        return double(part.elastic_energy(contact, own...));
+  template <class Component, class C, class M>
+  static double energy_of(const Component& component, const C& contact, const M& history) {
+    return detail::with_history<Component, C>(history, [&](const auto&... own) {
+      if constexpr (requires { component.elastic_energy(contact, own...); }) {
+        return double(component.elastic_energy(contact, own...));
       } else {
         return 0.0;
       }
@@ -186,11 +189,11 @@ class Law {
   }
 };
 
-template <class... Parts>
-Law(const Parts&...)
-    -> Law<typename detail::FirstOf<detail::IsNormal, Parts...>::type,
-           typename detail::FirstOf<detail::IsTangential, Parts...>::type,
-           typename detail::FirstOf<detail::IsRolling, Parts...>::type,
-           typename detail::FirstOf<detail::IsAdhesion, Parts...>::type>;
+template <class... Components>
+Law(const Components&...)
+    -> Law<typename detail::FirstOf<detail::IsNormal, Components...>::type,
+           typename detail::FirstOf<detail::IsTangential, Components...>::type,
+           typename detail::FirstOf<detail::IsRolling, Components...>::type,
+           typename detail::FirstOf<detail::IsAdhesion, Components...>::type>;
 
 }  // namespace silt::dem

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a law remembers of a contact, as numbers in a row, and what may be asked of a law that does.
+// The history of a contact as an array of numbers, and concepts that depend on it.
 #pragma once
 
 #include <silt/core/lane.hpp>
@@ -11,7 +11,7 @@
 
 namespace silt::dem {
 
-/// What a law remembers, as a row of Reals; none for a law without memory.
+/// The history of a law as an array of Reals; empty for a law without history.
 template <class Law, int Dim, class Real>
 struct LawHistory {
   using type = NoHistory;
@@ -23,8 +23,7 @@ template <class Law, int Dim, class Real>
   requires LawWithHistory<Law, Dim, Real>
 struct LawHistory<Law, Dim, Real> {
   using type = typename Law::template History<Dim, Real>;
-  static constexpr int words =
-      static_cast<int>((sizeof(type) + sizeof(Real) - 1) / sizeof(Real));
+  static constexpr int words = static_cast<int>((sizeof(type) + sizeof(Real) - 1) / sizeof(Real));
   static type from(const Real* row) {
     type history{};
     std::memcpy(static_cast<void*>(&history), row, sizeof history);
@@ -36,11 +35,11 @@ struct LawHistory<Law, Dim, Real> {
 };
 
 namespace detail {
-// A scalar of odd size: among such, anything else shows in the size of the whole.
+// A scalar of unusual size: members of any other type show in the size of the whole struct.
 struct OddScalar {
   float parts[3];
 };
-// The memory's Reals, with the padding that the alignment of a vector may put behind them.
+// The history has only Reals, apart from padding for the alignment of its vectors at the end.
 template <class History, class Scalar, class OfOddScalars>
 inline constexpr bool holds_only =
     sizeof(OfOddScalars) % sizeof(OddScalar) == 0 &&
@@ -48,23 +47,21 @@ inline constexpr bool holds_only =
             alignof(History) * alignof(History) ==
         sizeof(History);
 template <class Law, int Dim, class Real>
-concept RemembersRealsOnly =
-    !LawWithHistory<Law, Dim, Real> ||
-    (holds_only<typename Law::template History<Dim, Real>, Real,
-                typename Law::template History<Dim, OddScalar>> &&
-     sizeof(typename Law::template History<Dim, Lane<Real>>) ==
-         sizeof(typename Law::template History<Dim, Real>));
+concept HistoryIsRealsOnly = !LawWithHistory<Law, Dim, Real> ||
+                             (holds_only<typename Law::template History<Dim, Real>, Real,
+                                         typename Law::template History<Dim, OddScalar>> &&
+                              sizeof(typename Law::template History<Dim, Lane<Real>>) ==
+                                  sizeof(typename Law::template History<Dim, Real>));
 }  // namespace detail
 
-/// The law is written for any scalar, and remembers nothing but Reals: the same code then works on
-/// eight contacts at once.
+/// The law accepts any scalar type and its history consists of Reals only: the same code can then
+/// evaluate eight contacts at once.
 template <class Law, int Dim, class Real>
-concept LawInLanes =
-    ContactLaw<Law, Dim, Lane<Real>> && detail::RemembersRealsOnly<Law, Dim, Real>;
+concept LawInLanes = ContactLaw<Law, Dim, Lane<Real>> && detail::HistoryIsRealsOnly<Law, Dim, Real>;
 
-/// The law tells the energy [J] in its springs.
+/// The law provides the energy [J] stored in its springs.
 template <class Law, int Dim, class Real>
-concept TellsEnergy = requires(const Law law, const Contact<Dim, Real> contact,
+concept GivesEnergy = requires(const Law law, const Contact<Dim, Real> contact,
                                const typename LawHistory<Law, Dim, Real>::type history) {
   { law.elastic_energy(contact, history) } -> std::convertible_to<double>;
 };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A law as those see it who try it: as functions that answer, in double, in float, and for eight
-// contacts at once as dem::Contacts asks.
+// A law as input of the conformance checks: functions that evaluate it in double, in float, and for
+// eight contacts at once as dem::Contacts does.
 #pragma once
 
 #include <silt/core/types.hpp>
@@ -24,8 +24,8 @@ using EightContacts = std::array<PrescribedContact<Dim>, lanes>;
 template <int Dim>
 using EightLoads = std::array<std::vector<LawLoad<Dim>>, lanes>;
 
-/// The loads along eight contacts of one duration. Each is made by a grain of mass m* and radius R*
-/// on a wall of its own.
+/// The loads along eight contacts of the same duration. Each is that of a grain of mass m* and
+/// radius R* with its own wall.
 template <class Law, int Dim>
   requires LawInLanes<Law, Dim, double>
 EightLoads<Dim> loads_in_lanes(const Law& law, const EightContacts<Dim>& contacts) {
@@ -78,26 +78,28 @@ EightLoads<Dim> loads_in_lanes(const Law& law, const EightContacts<Dim>& contact
   return loads;
 }
 
-/// A law, of which nothing shows any more but its answers.
+/// A law with its type erased.
 template <int Dim>
 struct LawOnTrial {
-  MeetLaw<Dim> in_double;
-  MeetLaw<Dim> in_float;  ///< empty for a law of double only
-  /// Empty for a law that is asked contact by contact.
+  MakeContactEvaluator<Dim> in_double;
+  MakeContactEvaluator<Dim> in_float;  ///< empty for a law in double only
+  /// Empty for a law that is evaluated one contact at a time.
   std::function<EightLoads<Dim>(const EightContacts<Dim>&)> in_lanes;
-  bool tells_energy = false;
+  bool gives_energy = false;
   bool gives_couple = false;
 };
 
 template <int Dim, class Law>
 LawOnTrial<Dim> on_trial(const Law& law) {
   LawOnTrial<Dim> trial;
-  trial.in_double = meet_in_precision<double, Dim>(law);
-  if constexpr (ContactLaw<Law, Dim, float>) trial.in_float = meet_in_precision<float, Dim>(law);
+  trial.in_double = evaluator_in_precision<double, Dim>(law);
+  if constexpr (ContactLaw<Law, Dim, float>) {
+    trial.in_float = evaluator_in_precision<float, Dim>(law);
+  }
   if constexpr (LawInLanes<Law, Dim, double>) {
     trial.in_lanes = [law](const EightContacts<Dim>& eight) { return loads_in_lanes(law, eight); };
   }
-  trial.tells_energy = TellsEnergy<Law, Dim, double>;
+  trial.gives_energy = GivesEnergy<Law, Dim, double>;
   trial.gives_couple = GivesCouple<Law, Dim, double>;
   return trial;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The near contacts through the law, a chunk at a time.
+// Evaluates the law for the near contacts, one chunk at a time.
 #pragma once
 
 #include <silt/core/error.hpp>
@@ -19,12 +19,12 @@
 
 namespace silt::dem {
 
-/// Schedule at the near contacts of a chunk of grains, eight at a time, and keeps the law's answer for
-/// those that touch. ask(eight, contacts, touching) asks it: for lane l if bit l is set; the others
-/// may be asked as well. `walls` are a WallsThen.
+/// Goes through the near contacts of a chunk of grains, eight at a time, and stores the law's
+/// result for those that touch. ask(eight, contacts, touching) evaluates the law for lane l if bit
+/// l is set, and possibly for other lanes. `walls` is a WallsAtTime.
 ///
-/// Eight of which most touch are asked as they lie; where few do, they are collected
-/// to full eights.
+/// A group of eight in which more than half touch is evaluated directly; otherwise the contacts
+/// that touch are collected until there are eight.
 template <class P, class Found, class Walls, class Ask>
 class LawPass {
   using Real = typename P::Real;
@@ -33,8 +33,8 @@ class LawPass {
  public:
   using Eight = std::array<Index, lanes>;
 
-  /// arm_share is the share of δ by which the lever arms of two grains are shorter than R, half of
-  /// what it is at a wall.
+  /// arm_share is the fraction of δ by which the lever arms of two grains are shorter than R; at a
+  /// wall it is twice as large.
   LawPass(const P& grains, Found& touches, const Walls& walls, Real arm_share, const Ask& ask)
       : grains_(grains),
         near_(touches.near()),
@@ -129,7 +129,7 @@ class LawPass {
     collected.count = 0;
   }
 
-  // Contacts that were just looked at; their rows begin with this one.
+  // Evaluates contacts after look_at(); `row` is the first of their rows.
   template <bool of_walls>
   [[gnu::always_inline]] void meet(Lanes& eight, const std::uint32_t* first,
                                    const std::uint32_t* second, const Eight& contacts,

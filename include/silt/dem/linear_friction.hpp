@@ -1,28 +1,29 @@
 // SPDX-License-Identifier: MIT
-// Along the tangent: the spring, dashpot and slider of Cundall and Strack (1979).
+// Tangential component: the spring, dashpot and slider of Cundall and Strack (1979).
 #pragma once
 
 #include <silt/core/error.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/contact.hpp>
-#include <silt/dem/law_parts.hpp>
+#include <silt/dem/law_components.hpp>
 #include <silt/dem/slider.hpp>
 
 #include <algorithm>
 
 namespace silt::dem {
 
-/// F_s^N = F_s^{N−1} − k_s v_s Δt, no larger than F_n tan φ_μ + c, (10)–(13) of [SahChoi2004], with
-/// the normal part's spring as F_n. Its dashpot has the normal part's β: c_s = β k_s (24), 0 while
-/// it slides. The spring turns with the contact plane and keeps its length.
+/// F_s^N = F_s^{N−1} − k_s v_s Δt, limited to F_n tan φ_μ + c, (10)–(13) of [SahChoi2004]; F_n is
+/// the spring force of the normal component. The dashpot uses the β of the normal component,
+/// c_s = β k_s (24), and is 0 while the contact slides. The spring force rotates with the contact
+/// plane and keeps its magnitude.
 struct LinearFriction {
   double tangential_stiffness = 0;    ///< k_s [N/m], above 0
   FrictionAngle friction_angle = {};  ///< φ_μ [rad] in [0, π/2)
-  double cohesion = 0;                ///< c of (13): force that holds without load [N]
+  double cohesion = 0;                ///< c of (13): limit of the force without load [N]
 
   template <int Dim, class Real>
   struct History {
-    Vec<Dim, Real> force = Vec<Dim, Real>::Zero();  ///< of the spring, on i [N]
+    Vec<Dim, Real> force = Vec<Dim, Real>::Zero();  ///< spring force on i [N]
   };
 
   void check() const {
@@ -40,10 +41,10 @@ struct LinearFriction {
         .stiffness = k,
         .dashpot = normal.beta * k,
         .limit = std::max(Real(0), normal.spring * Real(friction_angle.tangent) + Real(cohesion))};
-    const auto pull = slide(slider, turned_into_plane(history.force, contact.normal),
-                            contact.tangential_velocity(), contact.time_step);
-    history.force = pull.spring;
-    return {.spring = pull.spring, .dashpot = pull.dashpot, .friction = pull.lost};
+    const auto result = slide(slider, rotated_into_plane(history.force, contact.normal),
+                              contact.tangential_velocity(), contact.time_step);
+    history.force = result.spring;
+    return {.spring = result.spring, .dashpot = result.dashpot, .friction = result.lost};
   }
 
   template <class C, class M>
@@ -57,7 +58,7 @@ struct LinearFriction {
     return normal;
   }
 
-  /// Springs in series (equal ones stay as they are), the smaller friction angle and cohesion.
+  /// Springs in series (equal stiffnesses are kept), the smaller friction angle and cohesion.
   static LinearFriction mix(const LinearFriction& a, const LinearFriction& b) {
     return {.tangential_stiffness = in_series(a.tangential_stiffness, b.tangential_stiffness),
             .friction_angle = FrictionAngle::mix(a.friction_angle, b.friction_angle),

@@ -1,25 +1,25 @@
 // SPDX-License-Identifier: MIT
-// Along the normal: a linear spring and a dashpot, given by restitution.
+// Normal component: a linear spring, and a dashpot given by the restitution.
 #pragma once
 
 #include <silt/core/error.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/contact.hpp>
 #include <silt/dem/dashpot.hpp>
-#include <silt/dem/law_parts.hpp>
+#include <silt/dem/law_components.hpp>
 
 #include <cmath>
 
 namespace silt::dem {
 
-/// F = k δ + c v_n with c = 2 ζ √(k m*). Without other forces its impact is exactly
-///   e = exp(−π ζ/√(1 − ζ²)), t_c = π/(ω √(1 − ζ²)), ω = √(k/m*),
-/// whatever the speed; in steps of a fiftieth of t_c e is within 0.5 % of the given.
+/// F = k δ + c v_n with c = 2 ζ √(k m*). Without other forces, an impact at any speed has exactly
+///   e = exp(−π ζ/√(1 − ζ²)), t_c = π/(ω √(1 − ζ²)), ω = √(k/m*).
+/// With Δt = t_c/50 the restitution is within 0.5 % of the given e.
 struct LinearSpringDashpot {
   double normal_stiffness = 0;   ///< k [N/m], above 0
   Restitution restitution = {};  ///< e [-] in (0, 1]
-  /// Limits the dashpot so that the normal force is never attractive; the restitution then rises
-  /// to e_clip(ζ) of Schwager and Pöschel (2007).
+  /// Limits the dashpot so that the normal force is never attractive; the restitution is then the
+  /// larger e_clip(ζ) of Schwager and Pöschel (2007).
   bool limit_damping = false;
 
   template <int, class Real>
@@ -51,10 +51,12 @@ struct LinearSpringDashpot {
   template <class C>
   Stiffness stiffness(const C& contact) const {
     return {.normal = normal_stiffness,
-            .beta = CentredDashpot::lateness * double(dashpot_over_spring(contact.effective_mass))};
+            .beta = CentredDashpot::stability_factor *
+                    double(dashpot_over_spring(contact.effective_mass))};
   }
 
-  /// Springs in series (equal ones stay as they are), the lower restitution; pulls if both may.
+  /// Springs in series (equal stiffnesses are kept), the lower restitution; the dashpot is limited
+  /// if either one is.
   static LinearSpringDashpot mix(const LinearSpringDashpot& a, const LinearSpringDashpot& b) {
     return {.normal_stiffness = in_series(a.normal_stiffness, b.normal_stiffness),
             .restitution = Restitution::mix(a.restitution, b.restitution),

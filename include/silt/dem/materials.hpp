@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A material is a law's set of parameters. Between two materials acts Law::mix(a, b).
+// A material is a set of parameters of a law. Law::mix(a, b) gives the law between two materials.
 #pragma once
 
 #include <silt/core/error.hpp>
@@ -19,9 +19,9 @@ namespace silt::dem {
 template <class Law>
 class Materials {
  public:
-  /// Throws if there is none, or if a law's parameters are out of range.
+  /// Throws if the list is empty or a parameter of a law is out of range.
   Materials(std::initializer_list<Law> laws) : count_(laws.size()) {
-    if (count_ == 0) fail("Materials: there is none; give at least one law");
+    if (count_ == 0) fail("Materials: the list is empty; give at least one law");
     const std::vector<Law> own(laws);
     for (const Law& a : own) {
       if constexpr (requires { a.check(); }) a.check();
@@ -35,19 +35,21 @@ class Materials {
     }
     if constexpr (!requires(const Law& a) { Law::mix(a, a); }) {
       if (count_ > 1) {
-        fail("Materials: this law does not say how two materials mix; give it a static "
-             "mix(a, b), or use one material");
+        fail(
+            "Materials: this law has no static mix(a, b), which is needed for more than one "
+            "material; add it, or use one material");
       }
     }
   }
 
   std::uint32_t count() const noexcept { return static_cast<std::uint32_t>(count_); }
 
-  /// Throws if there is no material of this number; `whose` and `where` say who has it.
+  /// Throws if there is no material with this number; `whose` and `where` name its user.
   void check(std::uint32_t number, const std::string& whose, Where where = {}) const {
     if (number >= count_) {
-      fail("dem::Contacts: material " + std::to_string(number) + " " + whose + ", but there are " +
-               std::to_string(count_) + "; give Contacts all materials",
+      fail("dem::Contacts: material " + std::to_string(number) + " " + whose +
+               " does not exist, there are " + std::to_string(count_) +
+               "; pass all materials to Contacts",
            where);
     }
   }
@@ -62,7 +64,7 @@ class Materials {
   std::vector<Law> table_;
 };
 
-/// Throws if a grain's radius, mass or inertia is not positive, or if it has no material of these.
+/// Throws if a radius, mass or inertia is not positive, or if a grain's material does not exist.
 template <class P, class Law>
 void check_grains(const P& grains, const Materials<Law>& materials) {
   const auto R = grains[radius];

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// How grains move at the time of their positions, from the half steps before and after; and what
-// one contact does on them.
+// Velocities at the time of the positions, from the half steps before and after, and the work of
+// single contacts.
 #pragma once
 
 #include <silt/core/particles.hpp>
@@ -15,8 +15,8 @@
 
 namespace silt::dem {
 
-/// v^N and θ'^N, [SahChoi2004] (27) (28), in double precision whatever the grains' own, and the
-/// work of contacts from N − ½ to N + ½.
+/// v^N and θ'^N, [SahChoi2004] (27) (28), always in double precision, and the work of contacts from
+/// N − ½ to N + ½.
 template <class P>
 class MeanMotion {
  public:
@@ -24,8 +24,8 @@ class MeanMotion {
   using Vector = Vec<dimension, double>;
   using Turn = AngularVec<dimension, double>;
 
-  /// Grains before a step and those that are left after it; duration is that of the kick [s].
-  /// Grains that are gone left with what they came with.
+  /// Grains before a step and those remaining after it; duration is that of the kick [s]. Removed
+  /// grains keep the velocities they had before the step.
   void set(const P& before, const P& after, double duration) {
     duration_ = duration;
     kinetic_change_ = rotational_change_ = carried_away_ = 0;
@@ -49,7 +49,8 @@ class MeanMotion {
     for (Index i = 0; i < before.size(); ++i) {
       if (stays_[i]) continue;
       carried_away_ += (double(before[mass][i]) * v_[i].squaredNorm() +
-                        double(before[inertia][i]) * squared_norm(w_[i])) / 2;
+                        double(before[inertia][i]) * squared_norm(w_[i])) /
+                       2;
     }
   }
 
@@ -58,15 +59,15 @@ class MeanMotion {
   const Vector& velocity_of(Index i) const noexcept { return v_[i]; }
   const Turn& spin_of(Index i) const noexcept { return w_[i]; }
 
-  /// Of the energies of those that stay [J].
+  /// Changes of the energies of the remaining grains [J].
   double kinetic_change() const noexcept { return kinetic_change_; }
   double rotational_change() const noexcept { return rotational_change_; }
-  /// With those that are gone, rotation included [J].
+  /// Kinetic energy of the removed grains, including rotation [J].
   double carried_away() const noexcept { return carried_away_; }
 
-  /// Adds what a contact, an EvaluatedContact of these grains, did.
+  /// Adds the work and losses of a contact, an EvaluatedContact of these grains.
   template <class Each>
-  void add_contact(const P& before, const Each& each, Works& works, Losses& lost) const {
+  void add_contact(const P& before, const Each& each, Work& done, Losses& lost) const {
     const auto [i, j, wall] = each.sides;
     if (!stays_[i] && (j == no_index || !stays_[j])) return;
     const Vector n = in_double(each.contact.normal);
@@ -84,43 +85,43 @@ class MeanMotion {
     }
     const Vector v_own = surface(i, -double(arm(i)));
     const Load load = add_parts(each.answer, each.contact.normal, (v_own - v_other) * duration_,
-                                (w_[i] - w_other) * duration_, works, lost);
+                                (w_[i] - w_other) * duration_, done, lost);
     const auto work = [&](const Vector& v, const Turn& w) {
       return (load.force.dot(v) + dot(load.couple, w)) * duration_;
     };
     if (j == no_index) {
-      works.walls += work(v_other, w_other);
+      done.walls += work(v_other, w_other);
     } else if (!stays_[j]) {
-      works.on_escape += work(v_other, w_other);
+      done.removed_grains += work(v_other, w_other);
     } else if (!stays_[i]) {
-      works.on_escape -= work(v_own, w_[i]);
+      done.removed_grains -= work(v_own, w_[i]);
     }
   }
 
  private:
-  // On the first of the two.
+  // Load on the first grain.
   struct Load {
     Vector force;
     Turn couple;
   };
-  // Of surfaces that went u [m] and turned by `turn` against one another.
+  // For the relative displacement u [m] and rotation `turn` of the two surfaces.
   template <class Answer>
   static Load add_parts(const Answer& answer, const typename P::Vec& n, const Vector& u,
-                        const Turn& turn, Works& works, Losses& lost) {
+                        const Turn& turn, Work& done, Losses& lost) {
     if constexpr (std::convertible_to<Answer, typename P::Vec>) {
-      works.contact += in_double(answer).dot(u);
+      done.contact += in_double(answer).dot(u);
     } else {
       const double u_n = in_double(n).dot(u);
-      works.normal_spring += double(answer.normal_spring) * u_n;
-      works.normal_dashpot += double(answer.normal_dashpot) * u_n;
-      works.adhesion += double(answer.adhesion) * u_n;
-      works.tangential_spring += in_double(answer.tangential_spring).dot(u);
-      works.tangential_dashpot += in_double(answer.tangential_dashpot).dot(u);
+      done.normal_spring += double(answer.normal_spring) * u_n;
+      done.normal_dashpot += double(answer.normal_dashpot) * u_n;
+      done.adhesion += double(answer.adhesion) * u_n;
+      done.tangential_spring += in_double(answer.tangential_spring).dot(u);
+      done.tangential_dashpot += in_double(answer.tangential_dashpot).dot(u);
       lost.friction += double(answer.friction);
       lost.plastic += double(answer.plastic);
       if constexpr (requires { answer.couple(); }) {
-        works.rolling_spring += dot(in_double(answer.rolling_spring), turn);
-        works.rolling_dashpot += dot(in_double(answer.rolling_dashpot), turn);
+        done.rolling_spring += dot(in_double(answer.rolling_spring), turn);
+        done.rolling_dashpot += dot(in_double(answer.rolling_dashpot), turn);
         lost.rolling_friction += double(answer.rolling_friction);
       }
     }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a surface of triangles looks like to a sphere: flat facets of many triangles, straight lines
+// The geometric features of a triangle mesh: flat facets of one or more triangles, straight lines
 // where facets meet or end, and corners where lines meet or end.
 #pragma once
 
@@ -27,11 +27,11 @@ struct MeshFeatures {
     std::uint32_t to;
     Vec along;                  ///< unit vector, from → to
     Real length;                ///< [m]
-    std::uint32_t first_side;   ///< of its sides
-    std::uint32_t last_side;    ///< behind the last one
-    std::uint32_t line = none;  ///< that it is a piece of; none: within a facet
+    std::uint32_t first_side;   ///< index of its first side
+    std::uint32_t last_side;    ///< one past its last side
+    std::uint32_t line = none;  ///< the line it belongs to; none: inside a facet
   };
-  /// Of an edge: a face that has it.
+  /// A face at an edge.
   struct EdgeSide {
     Vec inwards;  ///< unit vector from the edge into the face
     std::uint32_t face;
@@ -39,32 +39,32 @@ struct MeshFeatures {
   struct Face {
     std::array<std::uint32_t, 3> vertices;
     std::array<std::uint32_t, 3> edges{};  ///< from each vertex to the next
-    std::array<Vec, 3> inwards;          ///< from each of these
+    std::array<Vec, 3> inwards;            ///< unit vectors from these edges into the face
     Vec normal;
     std::uint32_t facet = none;
   };
-  /// An edge as seen from one of its ends.
+  /// An edge with a direction.
   struct Piece {
     std::uint32_t edge;
-    bool is_turned;
+    bool is_reversed;
   };
   struct Line {
     std::vector<Piece> pieces;
-    std::vector<Real> begins;  ///< how far along the line each begins [m]
+    std::vector<Real> begins;  ///< position along the line where each begins [m]
   };
 
   std::vector<Vec> vertices;  ///< [m]
   std::vector<Face> faces;
   std::vector<Edge> edges;
-  std::vector<EdgeSide> sides;  ///< edge by edge
-  std::vector<std::vector<std::uint32_t>> facets;  ///< their faces
+  std::vector<EdgeSide> sides;                     ///< in the order of the edges
+  std::vector<std::vector<std::uint32_t>> facets;  ///< the faces of each facet
   std::vector<Line> lines;
-  std::vector<std::uint32_t> corners;         ///< their vertices
-  std::vector<std::uint32_t> corner_at;       ///< by vertex, or none
-  std::vector<std::vector<Piece>> edges_at;   ///< by vertex, as seen from it
-  std::vector<char> is_on_line;               ///< by vertex
+  std::vector<std::uint32_t> corners;        ///< vertex of each corner
+  std::vector<std::uint32_t> corner_at;      ///< corner at each vertex, or none
+  std::vector<std::vector<Piece>> edges_at;  ///< edges at each vertex, directed away from it
+  std::vector<char> is_on_line;              ///< for each vertex
 
-  /// Faces whose planes differ by less than `flat` [rad] may be one facet, edges one line.
+  /// Adjacent faces at an angle below `flat` [rad] are merged into facets, and edges into lines.
   MeshFeatures(const WeldedMesh<Real>& mesh, Real flat) : vertices(mesh.vertices) {
     for (const auto& triangle : mesh.triangles) add_face(triangle);
     find_edges();
@@ -77,13 +77,13 @@ struct MeshFeatures {
     return std::span(sides).subspan(edge.first_side, edge.last_side - edge.first_side);
   }
   Vec along(const Piece& piece) const {
-    return piece.is_turned ? Vec(-edges[piece.edge].along) : edges[piece.edge].along;
+    return piece.is_reversed ? Vec(-edges[piece.edge].along) : edges[piece.edge].along;
   }
   std::uint32_t begin_of(const Piece& piece) const {
-    return piece.is_turned ? edges[piece.edge].to : edges[piece.edge].from;
+    return piece.is_reversed ? edges[piece.edge].to : edges[piece.edge].from;
   }
   std::uint32_t end_of(const Piece& piece) const {
-    return piece.is_turned ? edges[piece.edge].from : edges[piece.edge].to;
+    return piece.is_reversed ? edges[piece.edge].from : edges[piece.edge].to;
   }
 
  private:
@@ -95,7 +95,7 @@ struct MeshFeatures {
 
   void find_edges() {
     using Found = std::tuple<std::uint32_t, std::uint32_t, std::uint32_t, std::size_t>;
-    std::vector<Found> all;  // lower vertex, higher one, face, place there
+    std::vector<Found> all;  // lower vertex, higher vertex, face, index in the face
     for (std::uint32_t f = 0; f < faces.size(); ++f) {
       for (std::size_t k = 0; k < 3; ++k) {
         const auto ends = std::minmax(faces[f].vertices[k], faces[f].vertices[(k + 1) % 3]);
@@ -118,7 +118,7 @@ struct MeshFeatures {
     }
   }
 
-  // The facet goes on beyond the edge.
+  // The facet continues beyond the edge.
   bool is_flat(const Edge& edge, Real flat) const {
     const auto both = sides_of(edge);
     return both.size() == 2 && (both[0].inwards + both[1].inwards).norm() < flat;
@@ -134,7 +134,7 @@ struct MeshFeatures {
         for (const std::uint32_t e : faces[facet[k]].edges) {
           if (!is_flat(edges[e], flat)) continue;
           for (const auto& [inwards, other] : sides_of(edges[e])) {
-            // Small angles must not add up to a bend.
+            // Compare with the first face: many small angles must not add up to a curved facet.
             if (faces[other].facet != none ||
                 cross(faces[other].normal, faces[first].normal).norm() > flat) {
               continue;
@@ -158,45 +158,45 @@ struct MeshFeatures {
     edges_at.resize(vertices.size());
     is_on_line.assign(vertices.size(), false);
     std::vector<std::vector<Piece>> creases(vertices.size());
-    std::vector<char> waits(edges.size(), false);
+    std::vector<char> is_free(edges.size(), false);
     for (std::uint32_t e = 0; e < edges.size(); ++e) {
       const bool is_crease = !is_within_a_facet(edges[e], flat);
-      waits[e] = is_crease;
-      for (const bool is_turned : {false, true}) {
-        const std::uint32_t v = begin_of({e, is_turned});
-        edges_at[v].push_back({e, is_turned});
+      is_free[e] = is_crease;
+      for (const bool is_reversed : {false, true}) {
+        const std::uint32_t v = begin_of({e, is_reversed});
+        edges_at[v].push_back({e, is_reversed});
         if (is_crease) {
-          creases[v].push_back({e, is_turned});
+          creases[v].push_back({e, is_reversed});
           is_on_line[v] = true;
         }
       }
     }
-    // The line goes on from the end of a piece, with the direction in which it began.
+    // The next piece of a line, if it has the direction of the line's first piece.
     const auto next_of = [&](const Piece& piece, const Vec& direction) {
       const auto& at = creases[end_of(piece)];
       if (at.size() != 2) return Piece{none, false};
       const Piece next = at[0].edge == piece.edge ? at[1] : at[0];
-      const bool goes_on = waits[next.edge] && (along(next) - direction).norm() < flat;
+      const bool goes_on = is_free[next.edge] && (along(next) - direction).norm() < flat;
       return goes_on ? next : Piece{none, false};
     };
     for (std::uint32_t e = 0; e < edges.size(); ++e) {
-      if (!waits[e]) continue;
-      Piece first{e, true};  // as far back as it goes
-      waits[e] = false;
+      if (!is_free[e]) continue;
+      Piece first{e, true};  // follow the line backwards to its beginning
+      is_free[e] = false;
       const Vec back = along(first);
       std::vector<Piece> behind{first};
       for (Piece next = next_of(first, back); next.edge != none; next = next_of(next, back)) {
-        waits[next.edge] = false;
+        is_free[next.edge] = false;
         behind.push_back(next);
       }
       Line line;
       for (Index k = behind.size(); k-- > 0;) {
-        line.pieces.push_back({behind[k].edge, !behind[k].is_turned});
+        line.pieces.push_back({behind[k].edge, !behind[k].is_reversed});
       }
       const Piece own{e, false};
       for (Piece next = next_of(own, along(own)); next.edge != none;
            next = next_of(next, along(own))) {
-        waits[next.edge] = false;
+        is_free[next.edge] = false;
         line.pieces.push_back(next);
       }
       Real begin = 0;

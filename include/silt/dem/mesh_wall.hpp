@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-// A wall of triangles. It touches a sphere wherever it comes nearest to the centre: where the
-// distance is smaller than at all points around. On a flat facet that is one point, whatever
-// triangles the facet is made of; over a convex edge or corner it is one as well, since that is
-// pushed only from where it is nearer than all that meets there.
+// A wall of triangles. It touches a sphere at the local minima of the distance to the sphere's
+// centre. On a flat facet this is a single point, however the facet is triangulated. At a convex
+// edge or corner there is a single contact as well: an edge or corner is in contact only where it
+// is nearer than the facets and edges that meet there.
 #pragma once
 
 #include <silt/core/error.hpp>
@@ -25,12 +25,12 @@
 namespace silt::dem {
 
 struct MeshSettings {
-  std::uint32_t material = 0;  ///< place in dem::Materials
-  double flat_angle = 1e-3;    ///< triangles that differ by less are one facet [rad]
+  std::uint32_t material = 0;  ///< index in dem::Materials
+  double flat_angle = 1e-3;    ///< triangles at smaller angles form one facet [rad]
 };
 
-/// Solid from both sides. Parts are its facets, then its lines, then its corners, in the order of
-/// the triangles; each has a contact memory of its own. Copies share the mesh.
+/// Two-sided wall. Its elements are its facets, then its lines, then its corners, in the order of
+/// the triangles; each has its own contact history. Copies share the mesh.
 template <class Real = double>
 class MeshWall {
   using Vec = silt::Vec<3, Real>;
@@ -42,7 +42,7 @@ class MeshWall {
  public:
   std::uint32_t material;
 
-  /// Throws if there is no triangle, or one without area.
+  /// Throws if there is no triangle, or if a triangle has no area.
   explicit MeshWall(const std::vector<Triangle<Real>>& triangles, const MeshSettings& settings = {})
       : material(settings.material) {
     require_between("MeshSettings: flat_angle", settings.flat_angle, {0, 0.5});
@@ -58,10 +58,11 @@ class MeshWall {
 
   Index element_count() const { return facets() + lines() + corners(); }
 
-  Nearest nearest(Index part, const Vec& x) const {
-    if (part < facets()) return nearest_of_facet(part, x);
-    part -= facets();
-    return part < lines() ? nearest_of_line(part, x) : nearest_of_corner(part - lines(), x);
+  Nearest nearest(Index element, const Vec& x) const {
+    if (element < facets()) return nearest_of_facet(element, x);
+    element -= facets();
+    return element < lines() ? nearest_of_line(element, x)
+                             : nearest_of_corner(element - lines(), x);
   }
 
   template <class F>
@@ -73,7 +74,7 @@ class MeshWall {
       bool is_near = is_above(face, x) && std::abs(height(face, x)) < distance;
       for (std::size_t k = 0; k < 3; ++k) {
         const auto& edge = all.edges[face.edges[k]];
-        if ((x - foot_on(edge, x)).norm() < distance) {
+        if ((x - closest_point_on(edge, x)).norm() < distance) {
           is_near = true;
           if (edge.line != Features::none) near.push_back(facets() + edge.line);
         }
@@ -87,7 +88,7 @@ class MeshWall {
     });
     std::ranges::sort(near);
     near.erase(std::unique(near.begin(), near.end()), near.end());
-    for (const Index part : near) f(part);
+    for (const Index element : near) f(element);
   }
 
  private:
@@ -113,7 +114,7 @@ class MeshWall {
 
     Features features;
     Tree faces;
-    std::vector<Tree> trees;  // of the facets that have more than a few faces
+    std::vector<Tree> trees;  // for facets with more than a few faces
   };
   using Face = typename Features::Face;
   using Edge = typename Features::Edge;
@@ -122,8 +123,8 @@ class MeshWall {
     return (x - mesh_->features.vertices[face.vertices[0]]).dot(face.normal);
   }
 
-  // How far x is on the side of an edge where a face lies. Faces and lines ask the same, so that
-  // one of them pushes, and one alone.
+  // Signed distance of x from an edge, positive on the side of a face. Faces and lines test the
+  // same number, so that exactly one of them is in contact.
   Real inside(const Edge& edge, const Vec& inwards, const Vec& x) const {
     return (x - mesh_->features.vertices[edge.from]).dot(inwards);
   }
@@ -136,7 +137,7 @@ class MeshWall {
     }
     return true;
   }
-  // Of a face that has a point of a line, but no piece of it there.
+  // For a face with a vertex on a line, but no edge on it there.
   bool is_straight_above_corner(const Face& face, std::size_t k, const Vec& x) const {
     const auto& all = mesh_->features;
     const std::uint32_t v = face.vertices[k];
@@ -148,13 +149,13 @@ class MeshWall {
     return true;
   }
 
-  Vec foot_on(const Edge& edge, const Vec& x) const {
+  Vec closest_point_on(const Edge& edge, const Vec& x) const {
     const Vec& from = mesh_->features.vertices[edge.from];
     return from + std::clamp<Real>((x - from).dot(edge.along), 0, edge.length) * edge.along;
   }
 
-  // visit(face) for the faces of a facet that may be as near to x as the limit, squared [m²], which
-  // it returns for those to come.
+  // visit(face) for the faces of a facet that may be closer to x than the limit, a squared distance
+  // [m²]. visit returns the limit for the remaining faces.
   template <class Visit>
   void visit_faces(Index facet, const Vec& x, Visit&& visit) const {
     const auto& all = mesh_->features;
@@ -186,31 +187,32 @@ class MeshWall {
     return std::isfinite(nearest.distance) ? nearest : nearest_where_faces_meet(number, x);
   }
 
-  // Where two faces of a facet differ a little there may be no face straight below. Else, and this
-  // is what mostly has to be told from it, the nearest point is at a line.
+  // If two faces of a facet are slightly tilted, x may project onto neither. The nearest point is
+  // then on their common edge. More often, however, it is on a line of the facet's boundary, and
+  // the facet has no contact.
   Nearest nearest_where_faces_meet(Index number, const Vec& x) const {
     const auto& all = mesh_->features;
     Real at_edge = std::numeric_limits<Real>::infinity();
     Real on_line = at_edge;
-    Vec foot = x;
+    Vec closest = x;
     visit_faces(number, x, [&](const Face& face) {
       for (const std::uint32_t e : face.edges) {
         const Edge& edge = all.edges[e];
-        const Vec own_foot = foot_on(edge, x);
-        const Real distance = (x - own_foot).squaredNorm();
+        const Vec candidate = closest_point_on(edge, x);
+        const Real distance = (x - candidate).squaredNorm();
         if (edge.line != Features::none) on_line = std::min(on_line, distance);
         for (const std::uint32_t v : {edge.from, edge.to}) {
           if (all.is_on_line[v]) on_line = std::min(on_line, (x - all.vertices[v]).squaredNorm());
         }
         if (distance < at_edge) {
           at_edge = distance;
-          foot = own_foot;
+          closest = candidate;
         }
       }
       return beyond_round_off(at_edge);
     });
     if (!(at_edge > 0) || on_line <= beyond_round_off(at_edge)) return no_nearest_point<3, Real>();
-    return {(x - foot).normalized(), std::sqrt(at_edge)};
+    return {(x - closest).normalized(), std::sqrt(at_edge)};
   }
 
   static Real beyond_round_off(Real squared_distance) {
@@ -226,7 +228,7 @@ class MeshWall {
   Nearest nearest_of_line(Index number, const Vec& x) const {
     const auto& all = mesh_->features;
     const auto& line = all.lines[number];
-    const Piece last{line.pieces.back().edge, !line.pieces.back().is_turned};
+    const Piece last{line.pieces.back().edge, !line.pieces.back().is_reversed};
     const Real along = beyond_begin(line.pieces.front(), x);
     if (!(along > 0 && beyond_begin(last, x) > 0)) return no_nearest_point<3, Real>();
     const auto behind = std::upper_bound(line.begins.begin() + 1, line.begins.end(), along);
@@ -237,7 +239,7 @@ class MeshWall {
       if (inside(edge, side.inwards, x) > 0) return no_nearest_point<3, Real>();
       outwards -= side.inwards;
     }
-    return away_from(foot_on(edge, x), x, outwards);
+    return away_from(closest_point_on(edge, x), x, outwards);
   }
 
   Nearest nearest_of_corner(Index number, const Vec& x) const {
@@ -251,9 +253,9 @@ class MeshWall {
     return away_from(all.vertices[v], x, outwards);
   }
 
-  // `outwards` where x is the foot itself.
-  static Nearest away_from(const Vec& foot, const Vec& x, const Vec& outwards) {
-    const Vec out = x - foot;
+  // If x is the closest point itself, the normal is `outwards`.
+  static Nearest away_from(const Vec& closest, const Vec& x, const Vec& outwards) {
+    const Vec out = x - closest;
     const Real distance = out.norm();
     if (distance > 0) return {out / distance, distance};
     return {outwards.norm() > 0 ? Vec(outwards.normalized()) : Vec(Vec::Unit(2)), 0};

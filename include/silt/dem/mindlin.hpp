@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
-// Along the tangent: the no-slip spring of [Mindlin1949] with a dashpot and a slider, to go with
-// Hertz.
+// Tangential component for use with Hertz: the no-slip spring of [Mindlin1949] with a dashpot and a
+// slider.
 #pragma once
 
 #include <silt/core/error.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/contact.hpp>
 #include <silt/dem/elastic.hpp>
-#include <silt/dem/law_parts.hpp>
+#include <silt/dem/law_components.hpp>
 #include <silt/dem/slider.hpp>
 
 #include <algorithm>
@@ -15,20 +15,20 @@
 
 namespace silt::dem {
 
-/// F_s grows by −k_t v_s Δt with k_t = 8 G* √(R* δ), the stiffness of the contact area of this
-/// step, and is no larger than F_n tan φ_μ. While the area grows F_s stays, while it shrinks F_s
-/// shrinks with it, as in [ThorntonCumminsCleary2013]: otherwise a closed path of pressing and
-/// shearing would give energy. What the spring loses by that counts as friction. The dashpot is
-/// c_t = c_n √(k_t/k_n), which is Tsuji's with Hertz; 0 while it slides. Slip of the rim before all
-/// slides (Mindlin and Deresiewicz 1953) is not in it.
+/// F_s changes by −k_t v_s Δt with k_t = 8 G* √(R* δ), the stiffness for the contact area of this
+/// step, and is limited to F_n tan φ_μ. When the area grows, F_s is kept; when it shrinks, F_s is
+/// reduced in proportion to k_t [ThorntonCumminsCleary2013]. Otherwise a closed path of pressing
+/// and shearing would generate energy. The energy that the spring loses by this counts as friction.
+/// The dashpot is c_t = c_n √(k_t/k_n), with Hertz that of Tsuji, and 0 while the contact slides.
+/// Micro-slip at the rim before gross sliding (Mindlin and Deresiewicz 1953) is not modelled.
 struct Mindlin {
   Elastic elastic = {};
   FrictionAngle friction_angle = {};  ///< φ_μ [rad] in [0, π/2)
 
   template <int Dim, class Real>
   struct History {
-    Vec<Dim, Real> force = Vec<Dim, Real>::Zero();  ///< of the spring, on i [N]
-    Real stiffness = 0;                             ///< k_t of the step before [N/m]
+    Vec<Dim, Real> force = Vec<Dim, Real>::Zero();  ///< spring force on i [N]
+    Real stiffness = 0;                             ///< k_t of the previous step [N/m]
   };
 
   void check() const {
@@ -47,12 +47,13 @@ struct Mindlin {
         .dashpot = normal.beta * std::sqrt(normal.stiffness * k),
         .limit = std::max(Real(0), normal.spring * Real(friction_angle.tangent))};
     const Vec v = contact.tangential_velocity();
-    const auto kept = with_stiffness(k, turned_into_plane(history.force, contact.normal),
+    const auto kept = with_stiffness(k, rotated_into_plane(history.force, contact.normal),
                                      history.stiffness, Vec(v * contact.time_step));
-    const auto pull = slide(slider, kept.force, v, contact.time_step);
-    history.force = pull.spring;
+    const auto result = slide(slider, kept.force, v, contact.time_step);
+    history.force = result.spring;
     history.stiffness = k;
-    return {.spring = pull.spring, .dashpot = pull.dashpot, .friction = kept.lost + pull.lost};
+    return {
+        .spring = result.spring, .dashpot = result.dashpot, .friction = kept.lost + result.lost};
   }
 
   template <class C, class M>

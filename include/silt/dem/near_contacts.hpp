@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: MIT
-// The pairs that touch or soon may. They are found anew only when grains have moved; until then a
-// step just goes through them:
+// The list of pairs that touch or may soon touch. It is rebuilt only after grains have moved; other
+// steps just go through it:
 //
 //   contact    0   1   2 …           those of a chunk of grains: pairs, then grains at walls
 //   first    [ 3   3   5 …           the one with the lower id
 //   second   [ 9   4   9 …           the other, owned or ghost; the number of the wall
 //
-// A pair belongs to the chunk of that grain of the two which comes first in memory. The pairs of a
-// chunk, and its grains at walls, are filled up to whole eights.
+// A pair belongs to the chunk of the grain with the lower index. The pairs of a chunk, and its
+// contacts with walls, are each padded to a multiple of eight.
 //
-// Each grain has a list of its contacts, sorted by the partner's id, walls last: its sums run in
-// that order, so that neither the search nor the order in memory shows in them.
+// Each grain has a list of its contacts, sorted by the partner's id, walls last. Forces are summed
+// in this order, so that they depend neither on the search nor on the order in memory.
 #pragma once
 
 #include <silt/core/error.hpp>
@@ -30,15 +30,16 @@ namespace silt::dem {
 
 class NearContacts {
  public:
-  /// A contact as one of its grains sees it.
+  /// A contact from the side of one of its grains.
   class Part {
    public:
     Part() = default;
     Part(Index contact, bool is_second)
-        : number_(static_cast<std::uint32_t>(2 * contact) + static_cast<std::uint32_t>(is_second)) {}
+        : number_(static_cast<std::uint32_t>(2 * contact) + static_cast<std::uint32_t>(is_second)) {
+    }
     Index contact() const { return number_ / 2; }
     bool is_second() const { return number_ % 2 == 1; }
-    /// Of the force on this grain, against that on the first of the two.
+    /// Sign of the force on this grain relative to that on the first grain.
     template <class Real>
     Real sign() const {
       static constexpr Real signs[] = {1, -1};
@@ -53,23 +54,23 @@ class NearContacts {
     std::uint32_t second;
   };
 
-  /// Contacts, those that fill up included.
+  /// Number of contacts, including padding.
   Index size() const noexcept { return first_.size(); }
   bool is_of_wall(Index contact) const noexcept { return second_[contact] >= wall_bit; }
-  /// Places of the two, or the number of the wall.
+  /// Indices of the two grains, or of the wall's element.
   std::uint32_t first(Index contact) const noexcept { return first_[contact]; }
   std::uint32_t second(Index contact) const noexcept { return wall_at(second_[contact]); }
-  /// The same of an eight, with walls at places of their own.
+  /// The same for eight contacts; walls are marked by wall_bit.
   const std::uint32_t* first_places(Index contact) const noexcept { return &first_[contact]; }
   const std::uint32_t* second_places(Index contact) const noexcept { return &second_[contact]; }
   static std::uint32_t wall_at(std::uint32_t place) noexcept { return place & ~wall_bit; }
-  /// Their ids when the contacts were found.
+  /// Their ids at the rebuild.
   Id first_id(Index contact) const noexcept { return ids_[first_[contact]]; }
   Id second_id(Index contact) const noexcept {
     return is_of_wall(contact) ? wall_id(second(contact)) : ids_[second_[contact]];
   }
 
-  /// Contacts [first, last), which begin with a whole eight.
+  /// Contacts [first, last); first is a multiple of eight.
   struct Range {
     Index first;
     Index last;
@@ -78,8 +79,8 @@ class NearContacts {
   struct OfChunk {
     Range pairs;
     Range walls;
-    ChunkSpan needs;  ///< chunks to which all contacts of these grains belong
-    /// All, those that fill up included.
+    ChunkSpan needs;  ///< chunks that contain all contacts of these grains
+    /// All, including padding.
     Range all() const { return {pairs.first, full_eights(walls.last)}; }
   };
   const OfChunk& of_chunk(Index number) const noexcept { return chunks_[number]; }
@@ -99,15 +100,15 @@ class NearContacts {
     return std::span(parts_).subspan(begin_[i], begin_[i + 1] - begin_[i]);
   }
 
-  /// What is found, grain by grain, before it is lined up.
+  /// Results of the search, grain by grain, before they are put into one list.
   struct Found {
     Rows<Pair> pairs;
     Rows<std::uint32_t> walls;
-    std::vector<std::vector<Pair>> strays;  ///< pairs of another chunk, by the one they were found at
-    std::vector<Index> lined_up;            ///< pairs so far, by chunk
+    std::vector<std::vector<Pair>> strays;  ///< pairs of other chunks, by the chunk that found them
+    std::vector<Index> lined_up;            ///< pairs put into the list so far, by chunk
   };
-  /// Finds all anew: pairs_at(i, add(Pair)) and walls_at(i, add(number)) tell those found at owned
-  /// grain i. The memory of `found` is reused.
+  /// Rebuilds the list: pairs_at(i, add) and walls_at(i, add) call add for each pair and each wall
+  /// element found at owned grain i. The memory of `found` is reused.
   template <class P, class PairsAt, class WallsAt>
   void find_all(const P& grains, PairsAt&& pairs_at, WallsAt&& walls_at, Found& found) {
     const Index owned = grains.size();
@@ -126,8 +127,8 @@ class NearContacts {
     list_parts(grains);
   }
 
-  /// The contact of this pair of ids, the lower one first; `no_index` if the two are not near. Takes
-  /// a call of tabulate() before.
+  /// The contact of this pair of ids, the lower one first; `no_index` if they are not near.
+  /// Requires a previous call of tabulate().
   Index find(Id a, Id b) const noexcept {
     if (a >= places_.size() || places_[a] == none) return no_index;
     for (const Part part : of(places_[a])) {
@@ -149,8 +150,8 @@ class NearContacts {
 
   static constexpr Index full_eights(Index n) { return (n + lanes - 1) / lanes * lanes; }
 
-  // The chunk of the grain that comes first in memory: whoever goes through the chunks in their
-  // order has then met all contacts of those behind.
+  // The chunk of the grain with the lower index: after the chunks 0 … k have been evaluated, all
+  // contacts of their grains are available.
   template <class P>
   static Index home_of(const Pair& pair, const P& grains) {
     return std::min(grains.owner(pair.first), grains.owner(pair.second)) / chunk_size;
@@ -185,8 +186,8 @@ class NearContacts {
       size = chunk.all().last;
     }
     if (size >= wall_bit) {
-      fail("dem::Contacts: " + std::to_string(size) +
-           " contacts are near, more than 2^31; use fewer grains");
+      fail("dem::Contacts: there are " + std::to_string(size) +
+           " near contacts, more than 2^31; use fewer grains");
     }
     resize_sparingly(first_, size);
     resize_sparingly(second_, size);
@@ -253,9 +254,9 @@ class NearContacts {
 
   // Number of the chunk that a contact belongs to.
   Index chunk_of(Index contact) const {
-    const auto behind = std::upper_bound(
-        chunks_.begin(), chunks_.end(), contact,
-        [](Index c, const OfChunk& chunk) { return c < chunk.pairs.first; });
+    const auto behind =
+        std::upper_bound(chunks_.begin(), chunks_.end(), contact,
+                         [](Index c, const OfChunk& chunk) { return c < chunk.pairs.first; });
     return static_cast<Index>(behind - chunks_.begin()) - 1;
   }
 
@@ -264,7 +265,7 @@ class NearContacts {
   std::vector<std::uint32_t> second_;
   std::vector<std::uint32_t> begin_;  // by owned grain
   std::vector<Part> parts_;
-  std::vector<Id> ids_;                // by place
+  std::vector<Id> ids_;                // by index
   std::vector<std::uint32_t> places_;  // by id
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// When the contacts that are near are to be found anew, and how.
+// When and how the list of near contacts is rebuilt.
 #pragma once
 
 #include <silt/core/box.hpp>
@@ -17,14 +17,14 @@
 
 namespace silt::dem {
 
-/// Whether something else than the near contacts might touch at this time [s]: two grains, or a
-/// grain and a wall, come closer by at most the sum of what they moved. `walls` is a WallSet.
+/// Whether pairs other than the near ones may touch at this time [s]: two grains, or a grain and a
+/// wall, approach by at most the sum of their displacements. `walls` is a WallSet.
 template <class P, class S, class Walls, class Validity>
 bool is_stale(const P& grains, const S& search, const Walls& walls, double time,
               const Validity& validity) {
   if (validity.revision != grains.revision() || validity.since.size() != grains.size()) return true;
   if constexpr (Walls::move) {
-    const auto moved = walls.farthest_move({.from = validity.time, .to = time}, validity.extent);
+    const auto moved = walls.max_displacement({.from = validity.time, .to = time}, validity.extent);
     if (!(moved <= validity.margin / 2)) return true;
   }
   if constexpr (KnowsTravel<S>) {
@@ -32,7 +32,7 @@ bool is_stale(const P& grains, const S& search, const Walls& walls, double time,
   }
   const auto x = grains[position];
   const auto near = squared(validity.margin / 2);
-  // Not "beyond": a NaN is not near.
+  // Written as !(… <= …) so that NaN counts as stale.
   return first_where(x.size(), [&](Index i) {
            return !((x[i] - validity.since[i]).squaredNorm() <= near);
          }) != no_index;
@@ -52,21 +52,20 @@ auto extent_of(const P& grains) {
   return box;
 }
 
-/// Notes that all is found at these positions, in a step of dt; `reach` [m] is how far contacts
-/// reach.
+/// Records the positions of a rebuild in this step and chooses the margin; `reach` [m] is the
+/// interaction range of contacts.
 template <class P, class S, class Walls, class Step, class Validity>
 void renew_validity(const P& grains, const S& search, const Walls& walls, const Step& step,
                     typename P::Real reach, Validity& validity) {
   using Real = typename P::Real;
-  // Near enough to be few, far enough to last for some steps; no farther than the search sees.
+  // A small margin gives few near pairs, a large one few rebuilds; the search limits it.
   constexpr double lasting_steps = 20;
   const auto v = grains[velocity];
-  Real fastest =
-      std::sqrt(largest(v.size(), Real(0), [&](Index i) { return v[i].squaredNorm(); }));
+  Real fastest = std::sqrt(largest(v.size(), Real(0), [&](Index i) { return v[i].squaredNorm(); }));
   if constexpr (Walls::move) {
     if (grains.size() > 0) {
       validity.extent = extent_of(grains);
-      fastest = std::max(fastest, walls.fastest(step.time, validity.extent));
+      fastest = std::max(fastest, walls.max_speed(step.time, validity.extent));
     }
   }
   const Real wanted = std::clamp<Real>(Real(2 * lasting_steps * step.time_step) * fastest,
@@ -82,7 +81,8 @@ void renew_validity(const P& grains, const S& search, const Walls& walls, const 
   if constexpr (KnowsTravel<S>) validity.travel = search.travel();
 }
 
-/// Pairs and grains at walls whose gap is below `margin` [m]; `walls` are a WallsThen.
+/// Finds all pairs of grains, and of grains and walls, with a gap below `margin` [m]; `walls` is a
+/// WallsAtTime.
 template <class P, class S, class Walls>
 void find_near(const P& grains, const S& search, const Walls& walls, typename P::Real margin,
                NearContacts& near, NearContacts::Found& found) {
@@ -93,7 +93,7 @@ void find_near(const P& grains, const S& search, const Walls& walls, typename P:
       grains,
       [&](Index i, auto&& add) {
         for_each_candidate(search, i, [&](Index j) {
-          // Of the two images of a pair, that in which the lower id is no ghost.
+          // Of the two images of a pair, use the one in which the lower id is not a ghost.
           if (j >= grains.size() && grains.id(j) < grains.id(i)) return;
           const Real limit = R[i] + R[j] + margin;
           if (!((x[j] - x[i]).squaredNorm() < squared(limit))) return;
@@ -103,9 +103,8 @@ void find_near(const P& grains, const S& search, const Walls& walls, typename P:
         });
       },
       [&](Index i, auto&& add) {
-        walls.for_each_element_near(typename P::Vec(x[i]), Real(R[i] + margin), [&](Index place) {
-          add(static_cast<std::uint32_t>(place));
-        });
+        walls.for_each_element_near(typename P::Vec(x[i]), Real(R[i] + margin),
+                                    [&](Index place) { add(static_cast<std::uint32_t>(place)); });
       },
       found);
 }

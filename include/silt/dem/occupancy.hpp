@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Where there is room for another grain. Grains come one by one, so that nothing is sorted: each
-// lies in a cell of a grid for its own size, doubled from one grid to the next, and a newcomer looks
-// at the few cells around it in each of them.
+// Finds overlaps with grains that are added one by one. There is one grid per size class, and the
+// cell size doubles from class to class; each grain is stored in a cell of the grid of its class. A
+// query visits the few cells around it in every grid.
 #pragma once
 
 #include <silt/core/box.hpp>
@@ -29,7 +29,7 @@ class Occupancy {
   using Vec = silt::Vec<Dim, Real>;
   using Ball = dem::Ball<Dim, Real>;
 
-  /// Periodic sides of the box are one; the others do not matter.
+  /// Only the periodic sides of the box matter.
   explicit Occupancy(const Box<Dim, Real>& box) : box_(box) {}
 
   void add(Ball ball) {
@@ -38,7 +38,7 @@ class Occupancy {
     levels_[level][key_of(cell_of(ball.centre, edge_of(level)))].push_back(ball);
   }
 
-  /// No grain that was added comes nearer to the ball than touching.
+  /// Whether the ball overlaps none of the added grains.
   bool has_room_for(const Ball& ball) const {
     bool free = true;
     for_each_image(ball, [&](const Ball& image) { free = free && !overlaps(image); });
@@ -49,17 +49,18 @@ class Occupancy {
   using Cell = std::array<std::int64_t, Dim>;
   using Grid = std::unordered_map<std::uint64_t, std::vector<Ball>>;
 
-  // Above the diameters of the level, where 2^level ≤ R < 2^(level + 1).
+  // Larger than the diameters of the level, in which 2^level ≤ R < 2^(level + 1).
   static Real edge_of(int level) { return std::ldexp(Real(4), level); }
 
   static Cell cell_of(const Vec& x, Real edge) {
     Cell cell;
     for (std::size_t k = 0; k < Dim; ++k) {
-      cell[k] = static_cast<std::int64_t>(std::floor(double(x[static_cast<int>(k)]) / double(edge)));
+      const double x_k = double(x[static_cast<int>(k)]);
+      cell[k] = static_cast<std::int64_t>(std::floor(x_k / double(edge)));
     }
     return cell;
   }
-  // Far cells may share a key: that costs distance tests, and changes nothing.
+  // Distant cells may share a key: this costs distance tests but does not change the result.
   static std::uint64_t key_of(const Cell& cell) {
     std::uint64_t key = 0;
     for (const std::int64_t part : cell) {
@@ -68,7 +69,7 @@ class Occupancy {
     return key;
   }
 
-  // The ball, and its images that may reach into the box.
+  // The ball and its periodic images that may reach into the box.
   template <class F>
   void for_each_image(const Ball& ball, F&& f) const {
     if (levels_.empty()) return;
@@ -119,7 +120,7 @@ class Occupancy {
   }
 
   Box<Dim, Real> box_;
-  std::map<int, Grid> levels_;  // by the power of 2 of the radius
+  std::map<int, Grid> levels_;  // key: the power of 2 of the radius
 };
 
 }  // namespace silt::dem

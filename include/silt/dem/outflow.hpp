@@ -1,28 +1,28 @@
 // SPDX-License-Identifier: MIT
-// Grains that go during a run.
+// Removes grains during a run.
 #pragma once
 
 #include <silt/core/error.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/grains.hpp>
-#include <silt/dem/schedule.hpp>
 #include <silt/dem/region.hpp>
+#include <silt/dem/schedule.hpp>
 
 #include <utility>
 
 namespace silt::dem {
 
 /// Observer that removes, before a step, the grains whose centres are in a region, and counts them.
-/// A Box with one finite side is a region, too.
+/// The region may be unbounded, e.g. a Box with a single finite side.
 template <class R>
 class Outflow {
  public:
   struct Settings {
-    double every = 0;  ///< time between two looks [s]; 0: every step
+    double every = 0;  ///< time between two checks [s]; 0: every step
   };
 
-  /// Throws if the region is none, or the time negative.
+  /// Throws if the region is invalid or the time is negative.
   explicit Outflow(R region) : Outflow(std::move(region), {}) {}
   Outflow(R region, Settings settings) : region_(std::move(region)), settings_(settings) {
     region_.check();
@@ -30,11 +30,11 @@ class Outflow {
   }
 
   Index number() const noexcept { return number_; }  ///< removed so far
-  double mass() const noexcept { return mass_; }     ///< of those [kg]
+  double mass() const noexcept { return mass_; }     ///< of the removed grains [kg]
 
   template <class Sim>
   void before_step(Sim& simulation) {
-    if (!looks_.is_due({.since = simulation.time(), .every = settings_.every})) return;
+    if (!schedule_.is_due({.since = simulation.time(), .every = settings_.every})) return;
     auto& grains = simulation.particles();
     const auto is_in = [&](Index i) { return region_.clearance(grains[position][i]) >= 0; };
     if (first_where(grains.size(), is_in) == no_index) return;
@@ -44,18 +44,18 @@ class Outflow {
     number_ += grains.remove_if(is_in);
   }
 
-  /// All that it goes on from after a restart.
+  /// State for a checkpoint, see core/transfer.hpp.
   template <class Archive>
   void transfer(Archive& archive) {
     archive("number", number_);
     archive("mass", mass_);
-    archive("looks", looks_.number);
+    archive("looks", schedule_.number);
   }
 
  private:
   R region_;
   Settings settings_;
-  Schedule looks_;
+  Schedule schedule_;
   Index number_ = 0;
   double mass_ = 0;
 };

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Grains put into a region at random, none over another: random sequential addition, the large ones
-// first. Alone it fills 0.38 of space with equal spheres and 0.54 of the plane with equal discs at
-// most; to pack closer, let grains fall (inflow.hpp) and settle (settling.hpp).
+// Random placement of non-overlapping grains in a region: random sequential addition, largest
+// grains first. The solid fraction reaches at most 0.38 for equal spheres and 0.54 for equal discs.
+// For denser packings let grains fall (inflow.hpp) and settle (settling.hpp).
 #pragma once
 
 #include <silt/core/error.hpp>
@@ -20,14 +20,14 @@
 
 namespace silt::dem {
 
-/// One free place after another for grains of a region.
+/// Finds free positions for grains in a region.
 template <class Region, int Dim, class Real>
 class Placement {
  public:
   using Ball = dem::Ball<Dim, Real>;
 
-  /// Grains that are there already, and may reach into the region, keep their places. The largest
-  /// that may come has the radius `largest` [m].
+  /// Existing grains that may overlap the region are taken into account. `largest` is the radius of
+  /// the largest grain to be placed [m].
   template <class P>
   Placement(const P& grains, const Region& region, double largest)
       : region_(region), bounds_(region.bounds()), box_(grains.box()), occupancy_(grains.box()) {
@@ -41,8 +41,8 @@ class Placement {
     }
   }
 
-  /// A place in the region where a grain of this radius touches none, after at most `tries` draws;
-  /// it is then taken.
+  /// A position in the region where a grain of this radius touches no other, found in at most
+  /// `tries` draws; it then counts as occupied.
   std::optional<Ball> find(Random& random, Real radius, Index tries) {
     for (Index k = 0; k < tries; ++k) {
       const Ball ball{box_.wrap(random.point_in(bounds_)), radius};
@@ -60,19 +60,19 @@ class Placement {
   Occupancy<Dim, Real> occupancy_;
 };
 
-/// How many grains scatter() adds: a number, or until they fill a share of the region.
+/// How many grains scatter() adds: a given number, or up to a given solid fraction.
 struct Scatter {
   std::optional<Index> number = {};
-  std::optional<double> solid_fraction = {};  ///< of the region, by the grains added [-]
+  std::optional<double> solid_fraction = {};  ///< volume of the added grains over the region's [-]
   std::uint64_t seed = 0;
-  Index tries = 2000;  ///< places tried for a grain before it is given up
+  Index tries = 2000;  ///< positions to try for each grain
 };
 
 namespace detail {
 template <int Dim, class Sizes>
 std::vector<Grain> draw_grains(const Blend<Sizes>& blend, const Scatter& scatter, double volume) {
   if (scatter.number.has_value() == scatter.solid_fraction.has_value()) {
-    fail("dem::scatter: give either a number or a solid_fraction");
+    fail("dem::scatter: give either number or solid_fraction");
   }
   const double share = scatter.solid_fraction.value_or(0);
   require_between("dem::scatter: solid_fraction", share, {0, 1});
@@ -88,9 +88,9 @@ std::vector<Grain> draw_grains(const Blend<Sizes>& blend, const Scatter& scatter
 }
 }  // namespace detail
 
-/// Adds grains at rest, wholly inside of the region, that touch neither one another nor those that
-/// are there. Throws silt::Error, and adds none, if one finds no place: the sentence says how far it
-/// came.
+/// Adds grains at rest that lie entirely inside the region and touch neither each other nor
+/// existing grains. If a grain finds no free position, throws silt::Error and adds none; the
+/// message tells how many were placed.
 template <class P, class Sizes, Region<P::dimension, typename P::Real> R>
 void scatter(P& grains, const Blend<Sizes>& blend, const R& region, const Scatter& scatter) {
   using Real = typename P::Real;
@@ -103,7 +103,7 @@ void scatter(P& grains, const Blend<Sizes>& blend, const R& region, const Scatte
   std::vector<Ball<P::dimension, Real>> placed;
   double filled = 0;
   for (const Grain& grain : drawn) {
-    // Radii have been drawn from the first numbers of each stream.
+    // The first numbers of each stream were used for the radii.
     Random random{.seed = scatter.seed, .id = placed.size(), .counter = std::uint64_t{1} << 32};
     const auto ball = placement.find(random, Real(grain.radius), scatter.tries);
     if (!ball) {
@@ -111,7 +111,7 @@ void scatter(P& grains, const Blend<Sizes>& blend, const R& region, const Scatte
            std::to_string(drawn.size()) + " grains, " + to_text(filled / volume) +
            " of the region, and found no room for one of radius " + to_text(grain.radius) +
            " m in " + std::to_string(scatter.tries) +
-           " tries; ask for fewer, or let them fall in and settle");
+           " tries; place fewer grains, or let grains fall and settle");
     }
     placed.push_back(*ball);
     filled += volume_of<P::dimension>(grain.radius);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The beam between two bonded grains, [PotyondyCundall2004] section 2.2: cement that carries
-// tension, shear, bending and, in 3D, twisting, until it breaks. Pure functions of one bond.
+// The parallel bond, [PotyondyCundall2004] section 2.2: a cemented joint between two grains that
+// transmits tension, shear, bending and, in 3D, twisting until it breaks. Pure functions of one
+// bond.
 #pragma once
 
 #include <silt/core/error.hpp>
@@ -17,13 +18,13 @@
 
 namespace silt::dem {
 
-/// Stiffnesses are those of springs spread over the cross-section, per area; a beam of the modulus
-/// E and the shear modulus G between centres that are L apart has k̄_n = E/L and k̄_s = G/L.
+/// The stiffnesses are per unit area of the cross-section: a beam with Young's modulus E and shear
+/// modulus G between centres at a distance L has k̄_n = E/L and k̄_s = G/L.
 struct ParallelBond {
-  double normal_stiffness = 0;   ///< k̄_n [N/m³], above 0
+  double normal_stiffness = 0;      ///< k̄_n [N/m³], above 0
   double tangential_stiffness = 0;  ///< k̄_s [N/m³]
-  double radius_share = 1;       ///< λ̄: the beam's radius R̄ over the smaller grain's [-], above 0
-  double beta = 0;               ///< dashpot over spring c/k, of all four springs [s]
+  double radius_share = 1;  ///< λ̄: radius R̄ of the bond over the smaller grain's [-], above 0
+  double beta = 0;          ///< ratio of dashpot to spring c/k, for all four springs [s]
   double tensile_strength = std::numeric_limits<double>::infinity();  ///< σ̄_c [Pa], above 0
   double shear_strength = std::numeric_limits<double>::infinity();    ///< τ̄_c [Pa], above 0
 
@@ -34,9 +35,9 @@ struct ParallelBond {
     require_positive("ParallelBond: radius_share", radius_share);
     require_not_negative("ParallelBond: beta", beta);
     const auto require_strength = [](const char* name, double strength) {
-      if (!(strength > 0)) {  // infinity is one
+      if (!(strength > 0)) {  // may be infinite
         fail(std::string(name) + " = " + to_text(strength) +
-             " must be positive; leave it out for a bond that does not break this way");
+             " must be positive; omit it for a bond that does not break in this mode");
       }
     };
     require_strength("ParallelBond: tensile_strength", tensile_strength);
@@ -44,12 +45,12 @@ struct ParallelBond {
   }
 };
 
-/// Cross-section of a beam: a strip of unit thickness in 2D, a disc in 3D.
+/// Cross-section of a bond: a strip of unit thickness in 2D, a disc in 3D.
 struct BeamSection {
-  double radius;         ///< R̄ [m]
-  double area;           ///< A [m²]
-  double bending;        ///< second moment I [m⁴]
-  double twisting;       ///< polar moment J [m⁴]; 0 in 2D
+  double radius;    ///< R̄ [m]
+  double area;      ///< A [m²]
+  double bending;   ///< second moment I [m⁴]
+  double twisting;  ///< polar moment J [m⁴]; 0 in 2D
 };
 
 template <int Dim>
@@ -63,7 +64,7 @@ BeamSection section_of(const ParallelBond& law, double smaller_radius) {
   }
 }
 
-/// Its four springs.
+/// The four springs of a bond.
 struct BeamSprings {
   double normal;    ///< k̄_n A [N/m]
   double shear;     ///< k̄_s A [N/m]
@@ -72,7 +73,10 @@ struct BeamSprings {
 
   Stiffness stiffness(double beta) const {
     const double rolling = std::max(bending, twisting);
-    return {.normal = normal, .tangential = shear, .beta = beta, .rolling = rolling,
+    return {.normal = normal,
+            .tangential = shear,
+            .beta = beta,
+            .rolling = rolling,
             .rolling_dashpot = beta * rolling};
   }
 };
@@ -83,8 +87,8 @@ inline BeamSprings springs_of(const ParallelBond& law, const BeamSection& sectio
           .twisting = law.tangential_stiffness * section.twisting};
 }
 
-/// A bond between the grains a < b: what it remembers, and what it did in the last step, to a; on b
-/// acts the opposite force and couple.
+/// A bond between the grains a < b, with its state and its load on a in the last step; the opposite
+/// force and couple act on b.
 template <int Dim, class RealType>
 struct Bond {
   using Real = RealType;
@@ -93,17 +97,17 @@ struct Bond {
 
   Id a = 0;
   Id b = 0;
-  Real rest_length = 0;            ///< distance of the centres when bonded [m]
-  Real length = 0;                 ///< distance of the centres in the last step [m]
-  Vec normal = Vec::Zero();        ///< from b to a, of the last step
-  Vec shear = Vec::Zero();         ///< how far a's side was shifted along the section [m]
-  AngularVec turn = zero_of<AngularVec>();     ///< of a against b [rad]; along the normal it twists
-  Vec force = Vec::Zero();         ///< [N]
-  AngularVec couple = zero_of<AngularVec>();   ///< beside the moment of the force [N m]
-  std::uint64_t looks = 0;         ///< steps that it was part of
+  Real rest_length = 0;      ///< distance of the centres when bonded [m]
+  Real length = 0;           ///< distance of the centres in the last step [m]
+  Vec normal = Vec::Zero();  ///< unit vector from b to a in the last step
+  Vec shear = Vec::Zero();   ///< shear displacement of a's side of the section [m]
+  AngularVec rotation = zero_of<AngularVec>();  ///< of a relative to b [rad]
+  Vec force = Vec::Zero();                      ///< [N]
+  AngularVec couple = zero_of<AngularVec>();    ///< in addition to the moment of the force [N m]
+  std::uint64_t steps = 0;                      ///< number of steps since it was made
 };
 
-/// The share of a spin, or of a couple, that twists: along the normal. None in the plane.
+/// The twisting part of a rotation or couple: its component along the normal. 0 in 2D.
 template <class Real>
 Real twist_of(Real, const Vec<2, Real>&) {
   return 0;
@@ -113,9 +117,9 @@ Vec<3, Real> twist_of(const Vec<3, Real>& spin, const Vec<3, Real>& normal) {
   return spin.dot(normal) * normal;
 }
 
-/// The smallest turn that takes one unit vector to another.
+/// The smallest rotation that maps one unit vector to another.
 template <int Dim, class Real>
-struct SmallestTurn {
+struct SmallestRotation {
   Vec<Dim, Real> from;
   Vec<Dim, Real> to;
 
@@ -123,9 +127,9 @@ struct SmallestTurn {
     const Vec<Dim, Real> sum = from + to;
     return v - sum * (sum.dot(v) / (1 + from.dot(to))) + to * (2 * from.dot(v));
   }
-  Real operator()(Real turn) const { return turn; }
+  Real operator()(Real rotation) const { return rotation; }
 
-  /// Its angle [rad], about its axis in 3D.
+  /// Its angle [rad]; in 3D times the unit vector of the axis.
   AngularVec<Dim, Real> angle() const {
     const AngularVec<Dim, Real> sine = cross(from, to);
     const Real size = std::sqrt(squared_norm(sine));
@@ -133,34 +137,34 @@ struct SmallestTurn {
   }
 };
 
-/// A vector turned by an angle, about its axis in 3D.
+/// A vector rotated by an angle [rad]; in 3D the angle times the unit vector of the axis.
 template <class Real>
-Vec<2, Real> turned_by(Real angle, const Vec<2, Real>& v) {
+Vec<2, Real> rotated_by(Real angle, const Vec<2, Real>& v) {
   return multiply(Eigen::Rotation2D<Real>(angle).toRotationMatrix(), v);
 }
 template <class Real>
-Vec<3, Real> turned_by(const Vec<3, Real>& angle, const Vec<3, Real>& v) {
+Vec<3, Real> rotated_by(const Vec<3, Real>& angle, const Vec<3, Real>& v) {
   const Real size = angle.norm();
   if (!(size > 0)) return v;
   return multiply(Eigen::AngleAxis<Real>(size, angle / size).toRotationMatrix(), v);
 }
-/// In the plane, a turn stays what it is.
+/// In 2D a rotation does not change a rotation.
 template <class Real>
-Real turned_by(Real, Real turn) {
-  return turn;
+Real rotated_by(Real, Real rotation) {
+  return rotation;
 }
 
-/// What the two grains did since the last step.
+/// Motion of the two grains since the last step.
 template <int Dim, class Real>
 struct BondMotion {
-  Vec<Dim, Real> between;  ///< centre of a from that of b [m]
-  AngularVec<Dim, Real> turn_a;  ///< [rad]
-  AngularVec<Dim, Real> turn_b;  ///< [rad]
-  Real arm_a;              ///< of a's radius in the sum of both [-]: where between them the beam is
-  Real time_step;          ///< that this took [s]; 0 if unknown yet
+  Vec<Dim, Real> between;            ///< x_a − x_b [m]
+  AngularVec<Dim, Real> rotation_a;  ///< [rad]
+  AngularVec<Dim, Real> rotation_b;  ///< [rad]
+  Real arm_a;                        ///< R_a/(R_a + R_b) [-]: position of the section
+  Real time_step;                    ///< duration of the motion [s]; 0 if not yet known
 };
 
-/// Stresses at the rim of the section, and what the springs hold.
+/// Maximum stresses, at the rim of the section, and energy of the springs.
 struct BondState {
   double tensile_stress = 0;  ///< −F_n/A + |M_b| R̄/I, [PotyondyCundall2004] section 2.2 [Pa]
   double shear_stress = 0;    ///< |F_s|/A + |M_t| R̄/J [Pa]
@@ -171,55 +175,58 @@ template <int Dim, class Real>
 BondState state_of(const Bond<Dim, Real>& bond, const BeamSection& section, const BeamSprings& k) {
   const double elongation = double(bond.length) - double(bond.rest_length);
   const double shear = double(bond.shear.norm());
-  const auto twist = twist_of(bond.turn, bond.normal);
+  const auto twist = twist_of(bond.rotation, bond.normal);
   const double twisted = std::sqrt(double(squared_norm(twist)));
   const double bent =
-      std::sqrt(double(squared_norm(silt::AngularVec<Dim, Real>(bond.turn - twist))));
+      std::sqrt(double(squared_norm(silt::AngularVec<Dim, Real>(bond.rotation - twist))));
   const double twist_stress =
       section.twisting > 0 ? k.twisting * twisted * section.radius / section.twisting : 0;
   return {.tensile_stress = k.normal * elongation / section.area +
                             k.bending * bent * section.radius / section.bending,
           .shear_stress = k.shear * shear / section.area + twist_stress,
           .elastic_energy = (k.normal * squared(elongation) + k.shear * squared(shear) +
-                             k.bending * squared(bent) + k.twisting * squared(twisted)) / 2};
+                             k.bending * squared(bent) + k.twisting * squared(twisted)) /
+                            2};
 }
 
-/// Carries the bond's memory on by what the grains did, and makes its force and couple anew.
+/// Updates the state of a bond after the motion of its grains, and computes its force and couple.
 ///
-/// The normal spring is told by the distance, so that it keeps no error. The others are summed, of
-/// angles: a turn of both grains and of the line between them is no strain, to round-off, however
-/// large the step. The dashpots see the velocities of the half step before.
+/// The normal force follows from the distance, so that no error accumulates. The other deformations
+/// are summed up from finite rotations: a rigid rotation of the pair causes no strain, to
+/// round-off, however large the step. The dashpots use the velocities of the previous half step.
 template <int Dim, class Real>
-void carry_on(Bond<Dim, Real>& bond, const BondMotion<Dim, Real>& motion, const BeamSprings& k,
-              double beta) {
+void advance(Bond<Dim, Real>& bond, const BondMotion<Dim, Real>& motion, const BeamSprings& k,
+             double beta) {
   using Vec = silt::Vec<Dim, Real>;
   using AngularVec = silt::AngularVec<Dim, Real>;
   const Real length = motion.between.norm();
   const Vec n = motion.between / length;
   Real stretched = 0;
   Vec slipped = Vec::Zero();
-  AngularVec turned = zero_of<AngularVec>();
-  if (bond.looks > 0) {
-    // The section turns with its grains. Where that leaves the line, their sides slip.
-    const AngularVec of_grains = motion.arm_a * motion.turn_a + (1 - motion.arm_a) * motion.turn_b;
-    const SmallestTurn<Dim, Real> rest{turned_by(of_grains, bond.normal), n};
+  AngularVec rotated = zero_of<AngularVec>();
+  if (bond.steps > 0) {
+    // The section rotates with its grains; the rotation of the line between the centres relative to
+    // it is shear.
+    const AngularVec section_rotation =
+        motion.arm_a * motion.rotation_a + (1 - motion.arm_a) * motion.rotation_b;
+    const SmallestRotation<Dim, Real> remaining{rotated_by(section_rotation, bond.normal), n};
     stretched = length - bond.length;
-    slipped = length * cross(rest.angle(), n);
-    turned = motion.turn_a - motion.turn_b;
-    bond.shear = rest(turned_by(of_grains, bond.shear)) + slipped;
+    slipped = length * cross(remaining.angle(), n);
+    rotated = motion.rotation_a - motion.rotation_b;
+    bond.shear = remaining(rotated_by(section_rotation, bond.shear)) + slipped;
     bond.shear -= bond.shear.dot(n) * n;
-    bond.turn = rest(turned_by(of_grains, bond.turn));
-    bond.turn += turned;
+    bond.rotation = remaining(rotated_by(section_rotation, bond.rotation));
+    bond.rotation += rotated;
   }
   bond.normal = n;
   bond.length = length;
-  ++bond.looks;
+  ++bond.steps;
   const Real lag = motion.time_step > 0 ? Real(beta) / motion.time_step : Real(0);
-  const AngularVec turn = bond.turn + lag * turned;
-  const AngularVec twist = twist_of(turn, n);
+  const AngularVec rotation = bond.rotation + lag * rotated;
+  const AngularVec twist = twist_of(rotation, n);
   bond.force = Real(-k.normal) * (length - bond.rest_length + lag * stretched) * n -
                Real(k.shear) * Vec(bond.shear + lag * slipped);
-  bond.couple = Real(-k.bending) * AngularVec(turn - twist) - Real(k.twisting) * twist;
+  bond.couple = Real(-k.bending) * AngularVec(rotation - twist) - Real(k.twisting) * twist;
 }
 
 }  // namespace silt::dem

@@ -9,14 +9,14 @@
 
 namespace silt::dem {
 
-/// Half-space: everything behind the plane is solid. A line in 2D.
+/// Half-space: everything behind the plane is solid. In 2D the plane is a line.
 template <int Dim, class Real = double>
 struct Plane {
-  Vec<Dim, Real> point = Vec<Dim, Real>::Zero();  ///< any point of it [m]
-  Vec<Dim, Real> normal = Vec<Dim, Real>::Unit(Dim - 1);  ///< out of the solid; any length but 0
-  std::uint32_t material = 0;                             ///< place in dem::Materials
+  Vec<Dim, Real> point = Vec<Dim, Real>::Zero();          ///< any point of the plane [m]
+  Vec<Dim, Real> normal = Vec<Dim, Real>::Unit(Dim - 1);  ///< out of the solid; any non-zero length
+  std::uint32_t material = 0;                             ///< index in dem::Materials
 
-  /// Makes the normal a unit vector; throws if it has no length.
+  /// Normalises `normal`; throws if its length is 0.
   void check() {
     require_finite("Plane: point", point);
     require_finite("Plane: normal", normal);

@@ -12,21 +12,21 @@
 
 namespace silt::dem {
 
-/// Thin wall of straight pieces in 2D, one behind the other, solid from both sides. Each straight
-/// line of it pushes a grain whose centre is beside it, each corner and end one that is beside
-/// neither of its lines. Nothing is felt of a point within a straight line.
+/// Thin two-sided wall of consecutive line segments in 2D. A segment has a contact if the grain's
+/// centre projects onto it; a corner or end, if the centre projects onto neither adjacent segment.
+/// A point in the middle of a straight line has no effect.
 template <class Real = double>
 struct Polyline {
   std::vector<Vec<2, Real>> points;  ///< [m]
-  bool closed = false;               ///< the last point is joined to the first
-  std::uint32_t material = 0;        ///< place in dem::Materials
+  bool closed = false;               ///< the last point is connected to the first
+  std::uint32_t material = 0;        ///< index in dem::Materials
 
-  /// Leaves out the points within straight lines; throws if there are fewer than two, three of
-  /// a closed one, or if two in a row are one.
+  /// Removes points in the middle of straight lines. Throws if there are fewer than two points
+  /// (three if closed), or if two consecutive points coincide.
   void check() {
     const Index least = closed ? 3 : 2;
     if (points.size() < least) {
-      fail("Polyline: points: there are " + std::to_string(points.size()) + "; give at least " +
+      fail("Polyline: number of points = " + std::to_string(points.size()) + "; give at least " +
            std::to_string(least));
     }
     const auto name_of = [](Index k) { return "Polyline: point " + std::to_string(k); };
@@ -42,11 +42,11 @@ struct Polyline {
     points = corners;
   }
 
-  /// Lines, and then points.
+  /// Segments, then points.
   Index element_count() const { return lines() + points.size(); }
 
-  NearestPoint<2, Real> nearest(Index part, const Vec<2, Real>& x) const {
-    return part < lines() ? nearest_of_line(part, x) : nearest_of_point(part - lines(), x);
+  NearestPoint<2, Real> nearest(Index element, const Vec<2, Real>& x) const {
+    return element < lines() ? nearest_of_line(element, x) : nearest_of_point(element - lines(), x);
   }
 
   template <class F>
@@ -74,8 +74,8 @@ struct Polyline {
     return (direction(k) - direction(before(k))).norm() < straight;
   }
 
-  // How far x is beyond a line's beginning, or before its end, along it. A line and its two ends
-  // ask the same, so that one of them pushes, and one alone.
+  // Distance of x from the beginning and to the end of a segment, along it. The segment and its two
+  // ends test the same numbers, so that exactly one of them is in contact.
   Real beyond_start(Index line, const Vec<2, Real>& x) const {
     return (x - points[line]).dot(direction(line));
   }
@@ -93,8 +93,8 @@ struct Polyline {
 
   NearestPoint<2, Real> nearest_of_point(Index k, const Vec<2, Real>& x) const {
     const Index last = before(k);
-    const bool is_beside = (has_line(k) && beyond_start(k, x) > 0) ||
-                           ((closed || k > 0) && before_end(last, x) > 0);
+    const bool is_beside =
+        (has_line(k) && beyond_start(k, x) > 0) || ((closed || k > 0) && before_end(last, x) > 0);
     const Vec<2, Real> out = x - points[k];
     const Real distance = out.norm();
     if (is_beside || !(distance > 0)) return no_nearest_point<2, Real>();

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A contact that is led through a motion which nobody's forces change, and what a law answers on
-// the way.
+// A contact with a prescribed motion, and the forces of a law along it.
 #pragma once
 
 #include <silt/core/types.hpp>
@@ -17,19 +16,19 @@
 
 namespace silt::dem {
 
-/// How i's surface lies against j's, seen along the normal.
+/// Displacement of i's surface relative to j's.
 template <int Dim>
 struct ContactPose {
-  double overlap = 0;                       ///< δ [m]
-  Vec<Dim> slip = Vec<Dim>::Zero();         ///< along the contact plane [m]
-  AngularVec<Dim> turn = zero_of<AngularVec<Dim>>();    ///< of i against j [rad]
+  double overlap = 0;                                     ///< δ [m]
+  Vec<Dim> slip = Vec<Dim>::Zero();                       ///< in the contact plane [m]
+  AngularVec<Dim> rotation = zero_of<AngularVec<Dim>>();  ///< of i relative to j [rad]
 };
 
-/// The instants of a motion, in order; where the overlap is not above 0 there is no contact.
+/// Successive states of a contact; there is no contact where the overlap is not above 0.
 template <int Dim>
 using PrescribedContact = std::vector<Contact<Dim, double>>;
 
-/// What surrounds a motion.
+/// Parameters of a prescribed motion.
 struct PrescribedMotion {
   double mass = 0;      ///< m* [kg]
   double radius = 0;    ///< R* [m]
@@ -37,7 +36,7 @@ struct PrescribedMotion {
   int steps = 2000;
 };
 
-/// The motion pose_at(u), u in [0, 1], along a normal at rest. The normal is the first axis.
+/// The motion pose_at(u), u in [0, 1], with the first axis as the fixed normal.
 template <int Dim, class PoseAt>
 PrescribedContact<Dim> prescribe(const PrescribedMotion& motion, PoseAt&& pose_at) {
   const double dt = motion.duration / motion.steps;
@@ -49,9 +48,8 @@ PrescribedContact<Dim> prescribe(const PrescribedMotion& motion, PoseAt&& pose_a
     Contact<Dim, double> contact;
     contact.normal = n;
     contact.overlap = now.overlap;
-    contact.relative_velocity =
-        ((before.overlap - now.overlap) * n + now.slip - before.slip) / dt;
-    contact.relative_spin = (now.turn - before.turn) / dt;
+    contact.relative_velocity = ((before.overlap - now.overlap) * n + now.slip - before.slip) / dt;
+    contact.relative_spin = (now.rotation - before.rotation) / dt;
     contact.effective_mass = motion.mass;
     contact.effective_radius = motion.radius;
     contact.time_step = dt;
@@ -61,12 +59,12 @@ PrescribedContact<Dim> prescribe(const PrescribedMotion& motion, PoseAt&& pose_a
   return instants;
 }
 
-/// What acts on i at an instant, and what the law says that its springs store.
+/// Load on i in one state, and the energy in the springs according to the law.
 template <int Dim>
 struct LawLoad {
-  Vec<Dim> force = Vec<Dim>::Zero();        ///< [N]
+  Vec<Dim> force = Vec<Dim>::Zero();                    ///< [N]
   AngularVec<Dim> couple = zero_of<AngularVec<Dim>>();  ///< [N m]
-  double stored = 0;                        ///< [J]; 0 if the law does not tell
+  double stored = 0;                                    ///< [J]; 0 without elastic_energy()
 };
 
 template <class Real, int Dim>
@@ -84,32 +82,32 @@ Contact<Dim, Real> in_precision(const Contact<Dim, double>& contact) {
   return cast;
 }
 
-/// What a law answers about one contact, and remembers.
+/// Evaluates a law for one contact and updates its history.
 template <class Law, int Dim, class Real>
 LawLoad<Dim> load_of(const Law& law, const Contact<Dim, Real>& contact,
                      typename LawHistory<Law, Dim, Real>::type& history) {
   LawLoad<Dim> load;
-  const auto answer = [&] {
+  const auto result = [&] {
     if constexpr (LawWithHistory<Law, Dim, Real>) {
       return evaluate_law(law, contact, history);
     } else {
       return evaluate_law(law, contact);
     }
   }();
-  load.force = in_double(force_of(answer, contact.normal));
-  load.couple = in_double(couple_of(answer));
-  if constexpr (TellsEnergy<Law, Dim, Real>) load.stored = law.elastic_energy(contact, history);
+  load.force = in_double(force_of(result, contact.normal));
+  load.couple = in_double(couple_of(result));
+  if constexpr (GivesEnergy<Law, Dim, Real>) load.stored = law.elastic_energy(contact, history);
   return load;
 }
 
-/// The law's answer about one contact that goes on, and a law that meets a new one.
+/// Evaluates a law for successive states of one contact; and makes such a function for a new one.
 template <int Dim>
-using AskLaw = std::function<LawLoad<Dim>(const Contact<Dim, double>&)>;
+using ContactEvaluator = std::function<LawLoad<Dim>(const Contact<Dim, double>&)>;
 template <int Dim>
-using MeetLaw = std::function<AskLaw<Dim>()>;
+using MakeContactEvaluator = std::function<ContactEvaluator<Dim>()>;
 
 template <class Real, int Dim, class Law>
-MeetLaw<Dim> meet_in_precision(const Law& law) {
+MakeContactEvaluator<Dim> evaluator_in_precision(const Law& law) {
   return [law] {
     return [law, history = typename LawHistory<Law, Dim, Real>::type{}](
                const Contact<Dim, double>& contact) mutable {
@@ -118,28 +116,28 @@ MeetLaw<Dim> meet_in_precision(const Law& law) {
   };
 }
 
-/// What a law answers all the way.
+/// The loads along a prescribed motion.
 template <int Dim>
-std::vector<LawLoad<Dim>> loads_along(const MeetLaw<Dim>& meet,
+std::vector<LawLoad<Dim>> loads_along(const MakeContactEvaluator<Dim>& make,
                                       const PrescribedContact<Dim>& instants) {
   std::vector<LawLoad<Dim>> loads;
-  AskLaw<Dim> ask;
+  ContactEvaluator<Dim> evaluate;
   for (const auto& instant : instants) {
     if (instant.overlap > 0) {
-      if (!ask) ask = meet();
-      loads.push_back(ask(instant));
+      if (!evaluate) evaluate = make();
+      loads.push_back(evaluate(instant));
     } else {
       loads.emplace_back();
-      ask = nullptr;
+      evaluate = nullptr;
     }
   }
   return loads;
 }
 
-/// What a contact gave beyond what it took, over what went to and fro [-].
+/// Energy generated by a contact, relative to the work exchanged [-].
 struct EnergyGain {
-  double whole = 0;        ///< from touch to parting: above 0, it made energy
-  double at_any_time = 0;  ///< most by which what it gave and says it stores grew
+  double total = 0;       ///< from beginning to end of the contact; must not be above 0
+  double max_growth = 0;  ///< largest growth of the released plus the stored energy
 };
 template <int Dim>
 EnergyGain energy_gain(const PrescribedContact<Dim>& instants,
@@ -158,12 +156,12 @@ EnergyGain energy_gain(const PrescribedContact<Dim>& instants,
     least = std::min(least, given + loads[k].stored);
     growth = std::max(growth, given + loads[k].stored - least);
   }
-  // Where it is sheared, that counts, unless it is next to nothing.
+  // Relative to the work of shear, unless that is negligible.
   const double scale = sheared > 1e-3 * pressed ? sheared : pressed;
   return {given / scale, growth / (pressed + sheared)};
 }
 
-/// The same contact from the side of j.
+/// The same contact with i and j exchanged.
 template <int Dim>
 PrescribedContact<Dim> from_the_other_side(PrescribedContact<Dim> instants) {
   for (auto& contact : instants) {
@@ -174,18 +172,19 @@ PrescribedContact<Dim> from_the_other_side(PrescribedContact<Dim> instants) {
   return instants;
 }
 
-/// A frame turned by an angle [rad] about an axis (3D), or in the plane.
+/// A frame rotated by an angle [rad], in 3D about an axis.
 template <int Dim>
-Eigen::Matrix<double, Dim, Dim> turned_frame(double angle, const Vec<3>& axis) {
+Eigen::Matrix<double, Dim, Dim> rotated_frame(double angle, const Vec<3>& axis) {
   if constexpr (Dim == 2) {
     return Eigen::Rotation2D<double>(angle).toRotationMatrix();
   } else {
     return Eigen::AngleAxis<double>(angle, axis.normalized()).toRotationMatrix();
   }
 }
-/// A spin in that frame.
+/// A spin in this frame.
 template <int Dim>
-AngularVec<Dim> in_frame(const Eigen::Matrix<double, Dim, Dim>& frame, const AngularVec<Dim>& spin) {
+AngularVec<Dim> in_frame(const Eigen::Matrix<double, Dim, Dim>& frame,
+                         const AngularVec<Dim>& spin) {
   if constexpr (Dim == 2) {
     return spin;
   } else {
@@ -193,12 +192,11 @@ AngularVec<Dim> in_frame(const Eigen::Matrix<double, Dim, Dim>& frame, const Ang
   }
 }
 
-/// The same contact, while both bodies turn rigidly: frame_at(u) is where they are, u in (0, 1].
+/// The same contact while both bodies rotate as one: frame_at(u) is their orientation, u in (0, 1].
 template <int Dim, class FrameAt>
 PrescribedContact<Dim> in_frames(PrescribedContact<Dim> instants, FrameAt&& frame_at) {
   for (Index k = 0; k < instants.size(); ++k) {
-    const Eigen::Matrix<double, Dim, Dim> frame =
-        frame_at(double(k + 1) / double(instants.size()));
+    const Eigen::Matrix<double, Dim, Dim> frame = frame_at(double(k + 1) / double(instants.size()));
     auto& contact = instants[k];
     contact.normal = frame * contact.normal;
     contact.relative_velocity = frame * contact.relative_velocity;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Regions of space to put grains into, or to take them from. A silt::Box is one; grains may stick
-// out of its periodic sides.
+// Regions in which grains are added or removed. A silt::Box is a region; grains may protrude
+// through its periodic sides.
 #pragma once
 
 #include <silt/core/box.hpp>
@@ -16,10 +16,10 @@
 namespace silt::dem {
 
 /// A region has
-///   clearance(x)   → [m] how far x is inside; below 0: outside
-///   bounds()       → the Box around it, finite where grains are put
+///   clearance(x)   → distance of x to the boundary [m]; negative outside
+///   bounds()       → the bounding Box; must be finite for adding grains
 ///   volume()       → [m³], in 2D [m²]
-///   check()        throws if it is none
+///   check()        throws if the region is invalid
 template <class R, int Dim, class Real>
 concept Region = requires(const R region, const Vec<Dim, Real> x) {
   { region.clearance(x) } -> std::convertible_to<Real>;
@@ -28,33 +28,33 @@ concept Region = requires(const R region, const Vec<Dim, Real> x) {
   region.check();
 };
 
-/// The Box around a region, of its dimension and precision.
+/// Type of the bounding Box of a region, with its dimension and precision.
 template <class R>
 using BoundsOf = std::remove_cvref_t<decltype(std::declval<const R&>().bounds())>;
 
 /// Upright cylinder in 3D, along the last axis.
 template <class Real = double>
 struct VerticalCylinder {
-  Vec<3, Real> foot = Vec<3, Real>::Zero();  ///< centre of the lower end [m]
+  Vec<3, Real> base = Vec<3, Real>::Zero();  ///< centre of the lower end face [m]
   Real radius = 0;                           ///< [m], above 0
   Real height = 0;                           ///< [m], above 0
 
   void check() const {
-    require_finite("VerticalCylinder: foot", foot);
+    require_finite("VerticalCylinder: base", base);
     require_positive("VerticalCylinder: radius", double(radius));
     require_positive("VerticalCylinder: height", double(height));
   }
   Box<3, Real> bounds() const {
     const Vec<3, Real> aside(radius, radius, 0);
-    return {.lower = foot - aside, .upper = foot + aside + Vec<3, Real>(0, 0, height)};
+    return {.lower = base - aside, .upper = base + aside + Vec<3, Real>(0, 0, height)};
   }
   double volume() const {
     return std::numbers::pi * double(radius) * double(radius) * double(height);
   }
   Real clearance(const Vec<3, Real>& x) const {
-    const Vec<3, Real> from_foot = x - foot;
-    return std::min({radius - from_foot.template head<2>().norm(), from_foot[2],
-                     height - from_foot[2]});
+    const Vec<3, Real> from_base = x - base;
+    return std::min(
+        {radius - from_base.template head<2>().norm(), from_base[2], height - from_base[2]});
   }
 };
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-// Against rolling, and in 3D against twisting: a spring, a dashpot and a slider that act on the
+// Resistance to rolling and, in 3D, to twisting: a spring, a dashpot and a slider that act on the
 // relative spin, type C of Ai, Chen, Rotter and Ooi (2011).
 #pragma once
 
 #include <silt/core/error.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/contact.hpp>
-#include <silt/dem/law_parts.hpp>
+#include <silt/dem/law_components.hpp>
 #include <silt/dem/slider.hpp>
 
 #include <algorithm>
@@ -14,29 +14,30 @@
 
 namespace silt::dem {
 
-/// M^N = M^{N−1} − k_r w Δt, no larger than μ_r R* F_n, with k_r = 2.25 k_n (μ_r R*)² and w the
-/// relative spin across the normal; the vector M turns with the contact plane. Its dashpot is
-/// 2 η √(I_r k_r), 0 while it slides. [AiChenRotterOoi2011], with I_r = 7/5 m* R*²: exact for a
-/// sphere at a wall; between equal spheres η acts as half of that paper's.
+/// M^N = M^{N−1} − k_r w Δt, limited to μ_r R* F_n, with k_r = 2.25 k_n (μ_r R*)² and w the
+/// relative spin perpendicular to the normal; the vector M rotates with the contact plane. The
+/// dashpot is 2 η √(I_r k_r), and 0 while the slider slides. [AiChenRotterOoi2011], with
+/// I_r = 7/5 m* R*²: exact for a sphere at a wall; between equal spheres η corresponds to half of
+/// that paper's.
 ///
-/// In 3D the relative spin along the normal is resisted in the same way, with μ_t in place of μ_r.
-/// A grain stays on an incline of tan θ ≤ μ_r. Where k_n changes with the overlap k_r does, and M
-/// with it as Mindlin's force.
+/// In 3D the relative spin along the normal is resisted likewise, with μ_t instead of μ_r. A sphere
+/// stays at rest on an incline of tan θ ≤ μ_r. If k_n depends on the overlap, so does k_r, and M is
+/// rescaled as Mindlin's force is.
 struct RollingResistance {
-  double rolling_friction = 0;   ///< μ_r [-]; 0: rolls freely
-  double twisting_friction = 0;  ///< μ_t [-]; 0: twists freely; 2D has no twisting
+  double rolling_friction = 0;   ///< μ_r [-]; 0: free rolling
+  double twisting_friction = 0;  ///< μ_t [-]; 0: free twisting; unused in 2D
   double damping_ratio = 0.3;    ///< η [-]
 
   template <int Dim, class Real>
   struct History {
-    Vec<Dim, Real> rolling = Vec<Dim, Real>::Zero();  ///< of the spring across n, on i [N m]
-    Real twisting = 0;                                ///< of the spring along n, on i [N m]
-    Real stiffness = 0;                               ///< k_n of the step before [N/m]
+    Vec<Dim, Real> rolling = Vec<Dim, Real>::Zero();  ///< spring couple on i, normal to n [N m]
+    Real twisting = 0;                                ///< spring couple on i along n [N m]
+    Real stiffness = 0;                               ///< k_n of the previous step [N/m]
   };
   template <class Real>
   struct History<2, Real> {
-    Real rolling = 0;    ///< of the spring, on i [N m]
-    Real stiffness = 0;  ///< k_n of the step before [N/m]
+    Real rolling = 0;    ///< spring couple on i [N m]
+    Real stiffness = 0;  ///< k_n of the previous step [N/m]
   };
 
   void check() const {
@@ -60,10 +61,9 @@ struct RollingResistance {
     } else {
       const auto& n = contact.normal;
       const Real about_n = contact.relative_spin.dot(n);
-      const auto roll =
-          resist(Real(rolling_friction), contact, normal, k_before,
-                 turned_into_plane(history.rolling, n),
-                 typename C::Vec(contact.relative_spin - about_n * n));
+      const auto roll = resist(Real(rolling_friction), contact, normal, k_before,
+                               rotated_into_plane(history.rolling, n),
+                               typename C::Vec(contact.relative_spin - about_n * n));
       const auto twist = resist(Real(twisting_friction), contact, normal, k_before,
                                 Number(history.twisting), Number(about_n));
       history.rolling = roll.spring;
@@ -115,7 +115,7 @@ struct RollingResistance {
     return Real(2 * damping_ratio) * std::sqrt(Real(1.4) * m * k_r) * R;
   }
 
-  // Left as a call until late, it would keep g++ from working on eight contacts at once.
+  // If not inlined early, this call would keep g++ from vectorising over eight contacts.
   template <class C, class V>
   [[gnu::always_inline]] SliderForce<V> resist(typename C::Real mu, const C& contact,
                                                const NormalForce<C>& normal,
@@ -127,11 +127,10 @@ struct RollingResistance {
     const Slider<Real> slider{.stiffness = k,
                               .dashpot = dashpot(contact.effective_mass, R, k),
                               .limit = std::max(Real(0), mu * R * normal.spring)};
-    const auto kept =
-        with_stiffness(k, before, of(mu, R, k_n_before), V(spin * contact.time_step));
-    auto pull = slide(slider, kept.force, spin, contact.time_step);
-    pull.lost += kept.lost;
-    return pull;
+    const auto kept = with_stiffness(k, before, of(mu, R, k_n_before), V(spin * contact.time_step));
+    auto result = slide(slider, kept.force, spin, contact.time_step);
+    result.lost += kept.lost;
+    return result;
   }
 };
 

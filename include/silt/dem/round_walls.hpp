@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Walls that are round: drums, pipes, columns.
+// Round walls: drums, pipes, columns.
 #pragma once
 
 #include <silt/core/error.hpp>
@@ -13,8 +13,8 @@
 namespace silt::dem {
 
 namespace detail {
-/// Of a round wall of this radius [m], at a centre that is `out` from its centre or axis; `across`
-/// is the normal where all are equal.
+/// Nearest point of a round wall with this radius [m] to a grain centre at `out` relative to the
+/// wall's centre or axis; `across` is the normal to use if `out` is 0.
 template <int Dim, class Real>
 NearestPoint<Dim, Real> nearest_round(const Vec<Dim, Real>& out, Real radius, Side grains,
                                       const Vec<Dim, Real>& across) {
@@ -25,13 +25,13 @@ NearestPoint<Dim, Real> nearest_round(const Vec<Dim, Real>& out, Real radius, Si
 }
 }  // namespace detail
 
-/// A drum that holds the grains, or a disc among them; behind it all is solid.
+/// A circular container, or a solid disc among the grains. Everything behind its surface is solid.
 template <class Real = double>
 struct Circle {
   Vec<2, Real> centre = Vec<2, Real>::Zero();  ///< [m]
   Real radius = 0;                             ///< [m], above 0
-  Side grains = Side::inside;
-  std::uint32_t material = 0;  ///< place in dem::Materials
+  Side grains = Side::inside;                  ///< which side the grains are on
+  std::uint32_t material = 0;                  ///< index in dem::Materials
 
   /// Throws if the radius is not positive.
   void check() const {
@@ -44,18 +44,18 @@ struct Circle {
   }
 };
 
-/// A drum or pipe that holds the grains, or a column among them, with its axis through two points;
-/// behind it all is solid. Without ends it goes on for ever.
+/// A drum or pipe around the grains, or a solid column among them, with its axis through two
+/// points. Everything behind its surface is solid. Without ends it is infinitely long.
 template <class Real = double>
 struct Cylinder {
-  Vec<3, Real> from = Vec<3, Real>::Zero();   ///< of the axis [m]
-  Vec<3, Real> to = Vec<3, Real>::Unit(2);    ///< of the axis [m]
-  Real radius = 0;                            ///< [m], above 0
-  Side grains = Side::inside;
-  bool ends = false;           ///< flat, at the two points
-  std::uint32_t material = 0;  ///< place in dem::Materials
+  Vec<3, Real> from = Vec<3, Real>::Zero();  ///< first point of the axis [m]
+  Vec<3, Real> to = Vec<3, Real>::Unit(2);   ///< second point of the axis [m]
+  Real radius = 0;                           ///< [m], above 0
+  Side grains = Side::inside;                ///< which side the grains are on
+  bool ends = false;                         ///< has flat ends at the two points
+  std::uint32_t material = 0;                ///< index in dem::Materials
 
-  /// Throws if the radius is not positive, or the two points of the axis are one.
+  /// Throws if the radius is not positive, or if the two points of the axis coincide.
   void check() const {
     require_finite("Cylinder: from", from);
     require_finite("Cylinder: to", to);
@@ -63,31 +63,30 @@ struct Cylinder {
     require_positive("Cylinder: radius", double(radius));
   }
 
-  /// A closed drum has three: the mantle, the end at `from`, and that at `to`.
+  /// A drum with ends has three elements: the lateral surface, the end at `from` and that at `to`.
   Index element_count() const { return ends && grains == Side::inside ? 3 : 1; }
 
-  NearestPoint<3, Real> nearest(Index part, const Vec<3, Real>& x) const {
+  NearestPoint<3, Real> nearest(Index element, const Vec<3, Real>& x) const {
     const Vec<3, Real> axis = (to - from).normalized();
-    if (part == 1) return {axis, (x - from).dot(axis)};
-    if (part == 2) return {-axis, (to - x).dot(axis)};
+    if (element == 1) return {axis, (x - from).dot(axis)};
+    if (element == 2) return {-axis, (to - x).dot(axis)};
     const Vec<3, Real> y = x - from;
     const Real along = y.dot(axis);
     const Vec<3, Real> out = y - along * axis;
-    const auto mantle =
-        detail::nearest_round<3, Real>(out, radius, grains, axis.unitOrthogonal());
+    const auto mantle = detail::nearest_round<3, Real>(out, radius, grains, axis.unitOrthogonal());
     if (!ends || grains == Side::inside) return mantle;
     return nearest_of_column(axis, mantle, along);
   }
 
   template <class F>
   void for_each_element_near(const Vec<3, Real>& x, Real distance, F&& f) const {
-    for (Index part = 0; part < element_count(); ++part) {
-      if (nearest(part, x).distance < distance) f(part);
+    for (Index element = 0; element < element_count(); ++element) {
+      if (nearest(element, x).distance < distance) f(element);
     }
   }
 
  private:
-  // At a centre so far along the axis.
+  // `along` is the coordinate of the grain's centre on the axis.
   NearestPoint<3, Real> nearest_of_column(const Vec<3, Real>& axis,
                                           const NearestPoint<3, Real>& mantle, Real along) const {
     const Real length = (to - from).dot(axis);

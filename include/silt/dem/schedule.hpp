@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: MIT
-// Looking at a simulation from time to time.
+// Observers that act at regular time intervals.
 #pragma once
 
 #include <silt/core/types.hpp>
 
 namespace silt::dem {
 
-/// How many looks there were.
+/// Decides in which steps an observer acts.
 struct Schedule {
-  Index number = 0;
+  Index number = 0;  ///< times it was due so far
 
-  /// Whether one more is due.
   struct Clock {
-    double since = 0;  ///< the beginning [s]
-    double every = 0;  ///< time between two looks [s]; 0: always
+    double since = 0;  ///< time since the beginning [s]
+    double every = 0;  ///< interval [s]; 0: every step
   };
+  /// True once per interval, the first time at the beginning.
   bool is_due(const Clock& clock) {
     if (!(clock.every > 0)) return true;
     const Index due = 1 + completed_intervals(clock.since / clock.every);

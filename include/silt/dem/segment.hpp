@@ -10,14 +10,14 @@
 
 namespace silt::dem {
 
-/// Thin straight wall in 2D, solid from both sides, with ends.
+/// Thin two-sided straight wall with two ends, in 2D.
 template <class Real = double>
 struct Segment {
   Vec<2, Real> from = Vec<2, Real>::Zero();  ///< [m]
   Vec<2, Real> to = Vec<2, Real>::Zero();    ///< [m]
-  std::uint32_t material = 0;                ///< place in dem::Materials
+  std::uint32_t material = 0;                ///< index in dem::Materials
 
-  /// Throws if the two ends are one point.
+  /// Throws if the two ends coincide.
   void check() const {
     require_finite("Segment: from", from);
     require_finite("Segment: to", to);
@@ -30,7 +30,7 @@ struct Segment {
     const Vec<2, Real> out = x - (from + s * along);
     const Real distance = out.norm();
     if (distance > 0) return {out / distance, distance};
-    // The centre is on the wall: push it to the left of from → to.
+    // The centre is on the wall: the normal points to the left of from → to.
     return {Vec<2, Real>(-along[1], along[0]).normalized(), 0};
   }
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Running until grains have come to rest.
+// Runs a simulation until the grains are at rest.
 #pragma once
 
 #include <silt/core/energy.hpp>
@@ -15,10 +15,10 @@
 namespace silt::dem {
 
 struct Settling {
-  double speed = 0;       ///< rms speed of the grains below which they are at rest [m/s], above 0
-  double check_every = 0;  ///< time between two looks [s], above 0
-  double at_most = 0;     ///< the longest that it may take [s], above 0
-  std::optional<double> time_step = {};  ///< as of Run [s]
+  double speed = 0;                      ///< at rest below this rms speed [m/s], above 0
+  double check_every = 0;                ///< time between two checks [s], above 0
+  double max_time = 0;                   ///< limit of the settling time [s], above 0
+  std::optional<double> time_step = {};  ///< see Run [s]
 };
 
 /// √(Σ m v² / Σ m) [m/s]; 0 without grains.
@@ -30,17 +30,17 @@ double rms_speed(const P& grains) {
   return std::sqrt(2 * kinetic_energy(grains) / all);
 }
 
-/// Runs the simulation, with these observers, until the grains are at rest at a look; the first one
-/// comes after check_every. Returns how long that took [s]. Throws silt::Error if they are not at
-/// rest by at_most.
+/// Runs the simulation with these observers until a check finds the grains at rest; the first check
+/// is after check_every. Returns the time it took [s]. Throws silt::Error if the grains are not at
+/// rest after max_time.
 template <class Sim, class... Observers>
 double settle(Sim& simulation, const Settling& settling, Observers&&... observers) {
   require_positive("Settling: speed", settling.speed);
   require_positive("Settling: check_every", settling.check_every);
-  require_positive("Settling: at_most", settling.at_most);
+  require_positive("Settling: max_time", settling.max_time);
   const double began = simulation.time();
   double speed = 0;
-  while (simulation.time() - began < settling.at_most) {
+  while (simulation.time() - began < settling.max_time) {
     simulation.run({.until = simulation.time() + settling.check_every,
                     .output_every = 0,
                     .time_step = settling.time_step},
@@ -48,9 +48,9 @@ double settle(Sim& simulation, const Settling& settling, Observers&&... observer
     speed = rms_speed(simulation.particles());
     if (speed < settling.speed) return simulation.time() - began;
   }
-  fail("dem::settle: after " + to_text(settling.at_most) + " s the rms speed is still " +
+  fail("dem::settle: after " + to_text(settling.max_time) + " s the rms speed is still " +
        to_text(speed) + " m/s, above speed = " + to_text(settling.speed) +
-       " m/s; allow more time or a higher speed, or add damping");
+       " m/s; raise max_time or speed, or add damping");
 }
 
 }  // namespace silt::dem

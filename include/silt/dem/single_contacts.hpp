@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What a step kept of single contacts: summed for a grain, or turned back into the contact that the
-// law saw, as observers and the check of stability need it.
+// Access to single contacts of a step: their sum for a grain, and the reconstruction of a law's
+// input for observers and the stability check.
 #pragma once
 
 #include <silt/core/four.hpp>
@@ -12,35 +12,35 @@
 
 namespace silt::dem {
 
-/// Both sides of a contact: places of owned grains, or of a wall's part.
+/// Both sides of a contact: indices of owned grains, or of an element of a wall.
 struct Sides {
   Index i = no_index;
   Index j = no_index;     ///< `no_index`: a wall
-  Index wall = no_index;  ///< place of the wall's part, see WallSet; `no_index`: a grain
+  Index wall = no_index;  ///< index of the wall's element, see WallSet; `no_index`: a grain
 };
 
-/// A contact of a step with what its law answered then.
+/// A contact of a step with the result of its law.
 template <int Dim, class Real, class Answer>
 struct EvaluatedContact {
-  Sides sides;  ///< places in the grains that were given
+  Sides sides;  ///< indices in the given grains
   Id first;     ///< ids of the two; the second may be wall_id()
   Id second;
-  Contact<Dim, Real> contact;    ///< as the law saw it
-  Real shorter;                  ///< what lever arms lack to R [m]
-  Answer answer;                 ///< a force, ForceComponents or LoadComponents
-  Vec<Dim, Real> wall_velocity;  ///< at time N, where the force takes hold; 0 between grains [m/s]
-  AngularVec<Dim, Real> wall_spin;     ///< likewise [1/s]
-  ElasticEnergies elastic{};        ///< zero for a law that does not tell
+  Contact<Dim, Real> contact;       ///< input of the law
+  Real shorter;                     ///< R minus the lever arm [m]
+  Answer answer;                    ///< a force, ForceComponents or LoadComponents
+  Vec<Dim, Real> wall_velocity;     ///< at the contact point at time N; 0 between grains [m/s]
+  AngularVec<Dim, Real> wall_spin;  ///< at time N; 0 between grains [1/s]
+  ElasticEnergies elastic{};        ///< zero for a law without elastic_energies()
 };
 
-/// Those of near contact c, as they were when it was found.
+/// Sides of near contact c, with the indices at the last rebuild.
 template <class P>
 Sides sides_of(const P& grains, const NearContacts& near, Index c) {
   if (near.is_of_wall(c)) return {.i = near.first(c), .wall = near.second(c)};
   return {.i = grains.owner(near.first(c)), .j = grains.owner(near.second(c))};
 }
 
-/// f(c, sides, row) for every contact of the last step whose grains are still there; the row is a
+/// f(c, sides, row) for every contact of the last step whose grains still exist; row is a
 /// ContactRow.
 template <class P, class T, class F>
 void for_each_touch(const P& grains, const T& touches, F&& f) {
@@ -57,8 +57,7 @@ void for_each_touch(const P& grains, const T& touches, F&& f) {
   });
 }
 
-/// A contact of which only the masses and radii are filled in: they do not change
-/// from step to step.
+/// A contact with only mass and radius set, which do not change from step to step.
 template <class P>
 auto constants_of(const P& grains, const Sides& sides) {
   using Real = typename P::Real;
@@ -76,7 +75,7 @@ auto constants_of(const P& grains, const Sides& sides) {
   return contact;
 }
 
-/// Where the force of a contact takes hold, from its row [m].
+/// Contact point from the row of a contact [m].
 template <class P, class Row>
 typename P::Vec contact_point(const P& grains, const typename P::Real* row, const Sides& sides) {
   const auto arm = grains[radius][sides.i] - row[Row::shorter];
@@ -85,8 +84,8 @@ typename P::Vec contact_point(const P& grains, const typename P::Real* row, cons
   return point;
 }
 
-/// A contact of the last step from its row; its velocity is that of the grains as they are given
-/// and of the walls, a WallsThen.
+/// A contact of the last step from its row, with the velocities of the given grains and walls (a
+/// WallsAtTime).
 template <class P, class Seen, class Walls>
 auto contact_of(const P& grains, const Seen& seen, const typename P::Real* row, const Sides& sides,
                 const Walls& walls) {
@@ -98,7 +97,7 @@ auto contact_of(const P& grains, const Seen& seen, const typename P::Real* row, 
   contact.time_step = seen.time_step;
   const auto surface = [&](Index i, typename P::Real towards) {
     const auto arm = towards * (grains[radius][i] - row[Row::shorter]);
-    // In this order of operations: then it is what the law saw, to the bit.
+    // This order of operations reproduces the law's input bitwise.
     return Vec(grains[velocity][i] + arm * cross(grains[spin][i], contact.normal));
   };
   contact.relative_velocity = surface(sides.i, -1);
@@ -114,7 +113,7 @@ auto contact_of(const P& grains, const Seen& seen, const typename P::Real* row, 
   return contact;
 }
 
-/// Adds Σ F and Σ M (14) of the last look to grain i, in the order of the partners' ids.
+/// Adds Σ F and Σ M (14) of the last evaluation to grain i, in the order of the partners' ids.
 template <class P, class T>
 [[gnu::always_inline]] inline void add_rows(P& grains, const T& touches, Index i) {
   using Real = typename P::Real;
@@ -140,7 +139,7 @@ template <class P, class T>
   }
   turn_back(turning);
   for (int k = 0; k < P::dimension; ++k) grains[force][i][k] += sum[k];
-  constexpr int first = 3 - angular_size<P::dimension>;  // in the plane, a moment is about z
+  constexpr int first = 3 - angular_size<P::dimension>;  // in 2D a torque is about z
   for (int k = 0; k < angular_size<P::dimension>; ++k) {
     Real M = turning[first + k];
     if constexpr (T::couples) M += couples[k];

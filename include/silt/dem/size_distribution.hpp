@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-// Radii of grains by chance: equal, uniform, lognormal, or by a table of sieves. A distribution is
-// a struct with
+// Random grain radii: equal, uniform, lognormal, or from a sieve analysis. A distribution is a
+// struct with
 //   radius(random)   → [m], drawn from a Random
-//   largest()        → [m]; no radius is above it
-//   check()          throws if it is none
+//   largest()        → [m], upper bound of the radii
+//   check()          throws if the distribution is invalid
 #pragma once
 
 #include <silt/core/error.hpp>
@@ -30,16 +30,16 @@ concept SizeDistribution = requires(const S sizes, Random random) {
 
 namespace detail {
 inline void check_sizes(const std::string& name, const Range& radii) {
-  require_positive(name + ": smallest", radii.lower);
-  require_finite(name + ": largest", radii.upper);
+  require_positive(name + ": min_radius", radii.lower);
+  require_finite(name + ": max_radius", radii.upper);
   if (radii.lower > radii.upper) {
-    fail(name + ": smallest = " + to_text(radii.lower) + " m is above largest = " +
-         to_text(radii.upper) + " m; exchange them");
+    fail(name + ": min_radius = " + to_text(radii.lower) +
+         " m is above max_radius = " + to_text(radii.upper) + " m; exchange them");
   }
 }
 }  // namespace detail
 
-/// All alike.
+/// One radius for all grains.
 struct EqualSizes {
   double value = 0;  ///< R [m], above 0
 
@@ -48,24 +48,24 @@ struct EqualSizes {
   double largest() const { return value; }
 };
 
-/// As many of every radius between two.
+/// Radii distributed uniformly (by number) between two limits.
 struct UniformSizes {
   double min_radius = 0;  ///< [m], above 0
-  double max_radius = 0;   ///< [m]
+  double max_radius = 0;  ///< [m]
 
   void check() const { detail::check_sizes("UniformSizes", {min_radius, max_radius}); }
   double radius(Random& random) const { return random.uniform({min_radius, max_radius}); }
   double largest() const { return max_radius; }
 };
 
-/// Radii whose logarithm is normal, without those below the smallest and above the largest.
+/// Lognormal distribution of the radii, truncated at both ends.
 struct LognormalSizes {
-  double median = 0;           ///< of the radii, before the ends are cut off [m]
-  double deviation = 0;        ///< standard deviation σ of ln R [-]
+  double median = 0;      ///< of the radii before truncation [m]
+  double deviation = 0;   ///< standard deviation σ of ln R [-]
   double min_radius = 0;  ///< [m], above 0
-  double max_radius = 0;   ///< [m]
+  double max_radius = 0;  ///< [m]
 
-  /// Throws, too, if the ends leave less than a hundredth of the distribution.
+  /// Also throws if less than a hundredth of the distribution remains after truncation.
   void check() const {
     detail::check_sizes("LognormalSizes", {min_radius, max_radius});
     require_positive("LognormalSizes: median", median);
@@ -74,7 +74,7 @@ struct LognormalSizes {
     if (left < 0.01) {
       fail("LognormalSizes: only " + to_text(left) + " of all grains have radii from " +
            to_text(min_radius) + " to " + to_text(max_radius) +
-           " m; move the ends apart, or the median between them");
+           " m; widen these limits, or choose a median between them");
     }
   }
   double radius(Random& random) const {
@@ -85,27 +85,27 @@ struct LognormalSizes {
   }
   double largest() const { return max_radius; }
 
-  /// Share of the grains with a radius below R before the ends are cut off [-].
+  /// Fraction of the grains with a radius below R, before truncation [-].
   double share_below(double R) const {
     return std::erfc(-std::log(R / median) / (deviation * std::sqrt(2.0))) / 2;
   }
 };
 
-/// What a pile of sieves holds back: mass fractions between two openings each.
+/// Result of a sieve analysis: mass fractions between pairs of openings.
 class SieveSizes {
  public:
-  /// As many grains of every radius between the two as the mass fraction takes.
+  /// Grains with radii distributed uniformly (by number) between two limits.
   struct Fraction {
     double min_radius = 0;  ///< [m], above 0
-    double max_radius = 0;   ///< [m]
-    double mass = 0;             ///< share of the mass, in any unit; not below 0
+    double max_radius = 0;  ///< [m]
+    double mass = 0;        ///< mass of the fraction, in any unit; not below 0
   };
 
   struct Settings {
-    int power = 3;  ///< of the radius that a grain's mass grows with: 3 for spheres, 2 for discs
+    int power = 3;  ///< power of the radius in a grain's mass: 3 for spheres, 2 for discs
   };
 
-  /// Throws if a fraction is none, if all masses are 0, or if the power is neither 2 nor 3.
+  /// Throws if a fraction is invalid, if all masses are 0, or if the power is neither 2 nor 3.
   explicit SieveSizes(std::vector<Fraction> fractions) : SieveSizes(std::move(fractions), {}) {}
   SieveSizes(std::vector<Fraction> fractions, const Settings& settings)
       : fractions_(std::move(fractions)), power_(settings.power) {
@@ -143,7 +143,7 @@ class SieveSizes {
   }
 
  private:
-  // Mean of R^power over radii that are uniform from a to b: Σ a^k b^(power−k) / (power + 1).
+  // Mean of R^power for radii uniform from a to b: Σ a^k b^(power−k) / (power + 1).
   double mean_volume(const Fraction& fraction) const {
     double sum = 0;
     for (int k = 0; k <= power_; ++k) {
@@ -154,16 +154,16 @@ class SieveSizes {
 
   std::vector<Fraction> fractions_;
   int power_;
-  std::vector<double> up_to_;  // share of the grains in this fraction and those before
+  std::vector<double> up_to_;  // cumulative number fraction of the grains
 };
 
-/// Grains of one substance in many sizes.
+/// Grains of one material with a distribution of sizes.
 template <SizeDistribution Sizes>
 struct Blend {
   Sizes sizes;
-  double density = 0;            ///< ρ of the grains themselves [kg/m³], above 0
+  double density = 0;            ///< ρ of the grains' material [kg/m³], above 0
   Shape shape = Shape::natural;  ///< see Grain
-  std::uint32_t material = 0;    ///< place in dem::Materials
+  std::uint32_t material = 0;    ///< index in dem::Materials
 
   /// Throws if sizes or density are out of range.
   void check() const {
@@ -171,8 +171,8 @@ struct Blend {
     require_positive("Blend: density", density);
   }
   Grain draw(Random& random) const {
-    return {.radius = sizes.radius(random), .density = density, .shape = shape,
-            .material = material};
+    return {
+        .radius = sizes.radius(random), .density = density, .shape = shape, .material = material};
   }
 };
 

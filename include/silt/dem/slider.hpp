@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A spring with a slider in series and a dashpot beside it: what friction along the tangent,
-// rolling resistance and twisting have in common.
+// A spring and a slider in series, with a parallel dashpot: shared by tangential friction, rolling
+// resistance and twisting resistance.
 #pragma once
 
 #include <silt/core/error.hpp>
@@ -13,7 +13,7 @@
 
 namespace silt::dem {
 
-/// Friction angle φ [rad], with its tangent worked out once.
+/// Friction angle φ [rad] and its tangent, computed once.
 struct FrictionAngle {
   double value = 0;
   double tangent = 0;
@@ -32,59 +32,62 @@ struct FrictionAngle {
   }
 };
 
-/// The contact plane turns; the spring turns with it and keeps its length.
+/// The spring force of the previous step, rotated into the current contact plane with its magnitude
+/// unchanged.
 template <class Vec>
-Vec turned_into_plane(const Vec& spring, const Vec& n) {
+Vec rotated_into_plane(const Vec& spring, const Vec& n) {
   using Real = typename Vec::Scalar;
   const Vec in_plane = spring - spring.dot(n) * n;
   const Real length = in_plane.norm();
   return in_plane * (length > 0 ? spring.norm() / length : Real(0));
 }
 
-/// In SI units of a force; for rolling and twisting, of a moment.
+/// In units of a force; for rolling and twisting, in those of a couple.
 template <class Real>
 struct Slider {
   Real stiffness = 0;  ///< k [N/m]
-  Real dashpot = 0;    ///< c [N s/m]; while it slides, friction alone dissipates (23)
-  Real limit = 0;      ///< of the spring's force, not below 0 [N]
+  Real dashpot = 0;    ///< c [N s/m]; inactive while the slider slides (23)
+  Real limit = 0;      ///< of the spring force, not below 0 [N]
 };
 
 template <class Vec>
 struct SliderForce {
-  Vec spring;                  ///< [N]
-  Vec dashpot;                 ///< [N]
-  typename Vec::Scalar lost;  ///< in this step by sliding [J]
+  Vec spring;                 ///< [N]
+  Vec dashpot;                ///< [N]
+  typename Vec::Scalar lost;  ///< energy dissipated by sliding in this step [J]
 };
 
-/// F^N = F^{N−1} − k v Δt, (10)–(13) of [SahChoi2004], from the spring's force of the step before,
-/// already turned with the contact.
+/// F^N = F^{N−1} − k v Δt, (10)–(13) of [SahChoi2004]. `before` is the spring force of the previous
+/// step, already rotated with the contact.
 template <class Vec, class Real>
 SliderForce<Vec> slide(const Slider<Real>& slider, const Vec& before, const Vec& v,
                        Real time_step) {
-  const Vec tried = before - slider.stiffness * v * time_step;
-  const Real size = tried.norm();
+  const Vec trial = before - slider.stiffness * v * time_step;
+  const Real size = trial.norm();
   const bool slides = size > slider.limit;  // (13)
-  const Vec F = slides ? Vec(tried * (slider.limit / size)) : tried;
+  const Vec F = slides ? Vec(trial * (slider.limit / size)) : trial;
   const Real c = slides ? Real(0) : slider.dashpot;
-  // It slid by (F − tried)/k, against the mean of the forces before and after.
-  const Real lost = slides ? (tried - F).dot(before + F) / (2 * slider.stiffness) : Real(0);
+  // The slider moved by (F − trial)/k, against the mean of the forces before and after.
+  const Real lost = slides ? (trial - F).dot(before + F) / (2 * slider.stiffness) : Real(0);
   return {F, -c * v, std::max(Real(0), lost)};
 }
 
 template <class Vec>
-struct KeptForce {
+struct RescaledForce {
   Vec force;                  ///< [N]
-  typename Vec::Scalar lost;  ///< by the change [J]
+  typename Vec::Scalar lost;  ///< energy dissipated by the change of stiffness [J]
 };
 
-/// A spring's force when its stiffness has become k in a step in which it goes this way [m]. A
-/// stiffer spring has the same force, a softer one the same stretch: either way it holds no more
-/// energy than before.
+/// Force of a spring whose stiffness changes from k_before to k in a step with this displacement
+/// [m]. If the stiffness rises, the force is kept; if it falls, the deflection is kept. In neither
+/// case does the stored energy rise.
 template <class Vec, class Real>
-KeptForce<Vec> with_stiffness(Real k, const Vec& force, Real k_before, const Vec& way) {
+RescaledForce<Vec> with_stiffness(Real k, const Vec& force, Real k_before,
+                                  const Vec& displacement) {
   const Vec kept = k < k_before ? Vec(force * (k / k_before)) : force;
-  // The way was gone while the force changed, against the mean of both.
-  const Real lost = force.squaredNorm() / k_before - kept.squaredNorm() / k - way.dot(force - kept);
+  // The force changes during the displacement: the work is that of the mean of both.
+  const Real lost =
+      force.squaredNorm() / k_before - kept.squaredNorm() / k - displacement.dot(force - kept);
   return {kept, k_before > 0 && k > 0 ? std::max(Real(0), lost / 2) : Real(0)};
 }
 

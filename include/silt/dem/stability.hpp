@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The time step against the contacts that exist.
+// Stability limit of the time step for the existing contacts.
 #pragma once
 
 #include <silt/core/error.hpp>
@@ -20,12 +20,12 @@
 
 namespace silt::dem {
 
-/// What a grain stands whose springs and dashpots, over its mass, are at most these.
+/// Bounds of the springs and dashpots of a grain, and the time step that is stable with them.
 struct Stiffest {
   double spring = 0;   ///< ω² [1/s²]
-  double dashpot = 0;  ///< Σ c/m [1/s], of dashpots that see v^{N−½}
+  double dashpot = 0;  ///< Σ c/m [1/s], for dashpots that use v^{N−½}
 
-  /// [s]; infinite if nothing is stiff.
+  /// [s]; infinite without stiffness.
   double stable_time_step() const {
     if (!(spring > 0)) return std::numeric_limits<double>::infinity();
     return dem::stable_time_step(
@@ -33,28 +33,29 @@ struct Stiffest {
   }
 };
 
-/// The grain's side of a contact: its mass [kg], inertia [kg m²] and lever arm [m].
+/// Mass [kg], inertia [kg m²] and lever arm [m] of a grain at a contact.
 struct Lever {
   double mass;
   double inertia;
   double arm;
 };
 
-/// No less than what one contact adds to Stiffest, for a grain by itself.
-inline Stiffest at_most(const Stiffness& k, double effective_mass, const Lever& lever) {
+/// Upper bound of the contribution of one contact to the Stiffest of a grain.
+inline Stiffest contribution_bound(const Stiffness& k, double effective_mass, const Lever& lever) {
   const double per_turn = lever.mass / lever.inertia;
   const double linear = std::max(k.normal, k.tangential * (1 + per_turn * squared(lever.arm)));
   return {.spring = (linear + k.rolling * per_turn) / effective_mass,
           .dashpot = (k.beta * linear + k.rolling_dashpot * per_turn) / effective_mass};
 }
 
-/// Bound on the squared angular frequency [1/s²] of a grain among the contacts that it has, and in
-/// the same way on its dashpots.
+/// Upper bound of the squared angular frequency [1/s²] of a grain with all its contacts, and
+/// likewise of its dashpots.
 ///
-/// A contact's spring energy is ½ k (g_i·q_i + g_j·q_j)², with q the displacements and turns in
-/// mass-weighted coordinates. By Cauchy and Schwarz, each grain may be given the share
-/// (1/m_i + 1/m_j) m_i k (g_i·q_i)²; the largest eigenvalue of the sum of a grain's shares then
-/// bounds ω² of the whole system from above, and is exact for a single pair.
+/// The spring energy of a contact is ½ k (g_i·q_i + g_j·q_j)², with q the displacements and
+/// rotations in mass-weighted coordinates. By the Cauchy–Schwarz inequality it is bounded by a sum
+/// of shares (1/m_i + 1/m_j) m_i k (g_i·q_i)² of the two grains. The maximum, over all grains, of
+/// the largest eigenvalue of the sum of a grain's shares is an upper bound of ω² of the whole
+/// system, exact for a single pair.
 template <int Dim, class Real>
 class FrequencyBound {
   static constexpr Index size = Dim == 2 ? 3 : 6;
@@ -66,7 +67,7 @@ class FrequencyBound {
     // where the processor has them.
     std::array<double, Dim> n;
     for (int a = 0; a < Dim; ++a) n[Index(a)] = double(contact.normal[a]);
-    // Velocity of the contact point from that of the grain and its scaled spin w √(I/m).
+    // Velocity of the contact point as a function of the grain's velocity and scaled spin w √(I/m).
     std::array<std::array<double, size>, Dim> motion{};
     const double per_turn = lever.mass / lever.inertia;
     const double scaled_arm = lever.arm * std::sqrt(per_turn);
@@ -105,7 +106,7 @@ class FrequencyBound {
   }
 
  private:
-  // From above, too large by less than 6 %: the trace of the 32nd power.
+  // Upper bound, less than 6 % too large: from the trace of the 32nd power.
   static double largest_eigenvalue(const Matrix& matrix) {
     const double scale = trace(matrix);
     if (!(scale > 0)) return 0;
@@ -136,12 +137,11 @@ class FrequencyBound {
   Matrix dashpots_{};
 };
 
-/// Share of its radius by which a grain is pressed in shortest_contact: a spring that stiffens as
-/// it is pressed is as stiff as there.
+/// Overlap over radius at which shortest_contact evaluates the stiffness of non-linear springs.
 inline constexpr double usual_overlap = 0.01;
 
-/// Shortest contact that two of the lightest grains can have [s], π √(m*/k) with the stiffest
-/// spring at usual_overlap; infinite if there are none, or nothing is stiff.
+/// Shortest contact duration of two of the lightest grains [s], π √(m*/k) with the largest
+/// stiffness at usual_overlap; infinite without grains or stiffness.
 template <class P, class Law>
 double shortest_contact(const P& grains, const Materials<Law>& materials) {
   using Real = typename P::Real;
@@ -159,8 +159,8 @@ double shortest_contact(const P& grains, const Materials<Law>& materials) {
   for (std::uint32_t a = 0; a < materials.count(); ++a) {
     for (std::uint32_t b = 0; b < materials.count(); ++b) {
       const Stiffness k = materials.between(a, b).stiffness(contact);
-      // A spring along the tangent also has to turn the grain: 1 + m R²/I is 3 for discs,
-      // 3.5 for spheres.
+      // A tangential spring also has to rotate the grain: 1 + m R²/I is 3 for discs and 3.5 for
+      // spheres.
       const double stiffest = std::max({k.normal, 3.5 * k.tangential, k.rolling * per_turn});
       if (!(stiffest > 0)) continue;
       shortest =
@@ -170,9 +170,9 @@ double shortest_contact(const P& grains, const Materials<Law>& materials) {
   return shortest;
 }
 
-/// What even a grain with as many contacts as any, all as stiff as any, would stand [s]; infinite
-/// if nothing is stiff. law_of(sides) is the law of a near contact; margin [m] is how far those
-/// that do not touch yet may be apart. `walls` are a WallsThen.
+/// A time step [s] that is stable for all grains: that of a grain with the largest number of
+/// contacts, all with the largest stiffness. Infinite without stiffness. law_of(sides) is the law
+/// of a near contact, margin [m] the largest gap of near contacts, `walls` a WallsAtTime.
 template <class P, class Walls, class LawOf>
 double stable_for_all(const P& grains, const NearContacts& near, const Walls& walls,
                       typename P::Real margin, LawOf&& law_of) {
@@ -181,13 +181,13 @@ double stable_for_all(const P& grains, const NearContacts& near, const Walls& wa
   const auto m = grains[mass];
   const auto I = grains[inertia];
   Index most_contacts = 0;
-  // The grain that a couple turns most easily, and the one that a force at its surface does.
+  // The grains that rotate most easily by a couple and by a force at their surface.
   Lever loosest{.mass = 0, .inertia = 1, .arm = 0};
   for (Index i = 0; i < grains.size(); ++i) {
     most_contacts = std::max(most_contacts, near.of(i).size());
     const double per_turn = double(m[i]) / double(I[i]);
-    const double turning = std::max(per_turn * squared(double(R[i])),
-                                    loosest.mass * squared(loosest.arm));
+    const double turning =
+        std::max(per_turn * squared(double(R[i])), loosest.mass * squared(loosest.arm));
     loosest.mass = std::max(loosest.mass, per_turn);
     loosest.arm = std::sqrt(turning / loosest.mass);
   }
@@ -195,7 +195,7 @@ double stable_for_all(const P& grains, const NearContacts& near, const Walls& wa
   near.for_each_contact([&](Index c) {
     const Sides sides = sides_of(grains, near, c);
     auto contact = constants_of(grains, sides);
-    // A spring may grow stiffer as it is pressed.
+    // Springs may stiffen with the overlap.
     contact.overlap = margin;
     if (sides.j != no_index) {
       const Index a = near.first(c);
@@ -206,7 +206,7 @@ double stable_for_all(const P& grains, const NearContacts& near, const Walls& wa
       contact.overlap += std::max<typename P::Real>(0, R[sides.i] - at.distance);
     }
     const Stiffness k = law_of(sides).stiffness(contact);
-    const Stiffest one = at_most(k, double(contact.effective_mass), loosest);
+    const Stiffest one = contribution_bound(k, double(contact.effective_mass), loosest);
     all.spring = std::max(all.spring, one.spring);
     all.dashpot = std::max(all.dashpot, one.dashpot);
   });
@@ -215,8 +215,8 @@ double stable_for_all(const P& grains, const NearContacts& near, const Walls& wa
   return all.stable_time_step();
 }
 
-/// Throws if dt [s] is beyond stability for a grain among the contacts of this step. A cheap bound
-/// passes nearly always; where it does not, FrequencyBound decides.
+/// Throws if dt [s] exceeds the stability limit of a grain with the contacts of this step. A cheap
+/// bound is nearly always sufficient; otherwise FrequencyBound decides.
 template <class P, class T, class Walls, class LawOf>
 void check_stability(const P& grains, const T& touches, const Walls& walls, double dt,
                      LawOf&& law_of) {
@@ -248,7 +248,7 @@ void check_stability(const P& grains, const T& touches, const Walls& walls, doub
   const auto is_beyond = [&](Index i) {
     Stiffest sum;
     for_each_contact_of(i, [&](const auto& contact, const Stiffness& k, const Lever& lever) {
-      const Stiffest one = at_most(k, double(contact.effective_mass), lever);
+      const Stiffest one = contribution_bound(k, double(contact.effective_mass), lever);
       sum.spring += one.spring;
       sum.dashpot += one.dashpot;
     });
@@ -264,7 +264,7 @@ void check_stability(const P& grains, const T& touches, const Walls& walls, doub
   const Index broken =
       first_where(grains.size(), [&](Index i) { return is_beyond(i) && dt > stable_of(i); });
   if (broken == no_index) return;
-  fail("dem::Contacts: time_step = " + to_text(dt) + " s exceeds the stable " +
+  fail("dem::Contacts: time_step = " + to_text(dt) + " s exceeds the stable time step " +
            to_text(stable_of(broken)) + " s of a grain with its contacts; lower it",
        {.particle = broken, .id = grains.id(broken)});
 }

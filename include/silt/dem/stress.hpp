@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-// The stress in a region: momentum that grains carry, and that contacts hand on. After
-// [Weber1966]; how a contact at the region's edge is shared is [Goldhirsch2010]'s, with a weight
-// that is the same everywhere in the region:
+// Stress in a region: momentum carried by grains and transmitted by contacts. After [Weber1966];
+// contacts across the boundary of the region count in part, as in [Goldhirsch2010] with a weight
+// that is constant in the region:
 //
 //   σ = 1/V ( Σ_i m_i v_i' ⊗ v_i' + Σ_c F_c ⊗ l_c s_c ),  v' = v − <v>,
 //
-// with the force F on grain i, l the way from the other side of the contact to i's centre, and s
-// the share of it that lies in the region. Compression is positive.
+// where F is the force on grain i, l the vector from the centre of the partner (at a wall from the
+// contact) to that of i, and s the fraction of l inside the region. Compression is positive.
 #pragma once
 
 #include <silt/core/box.hpp>
@@ -24,34 +24,34 @@ template <int Dim>
 struct Stress {
   using Matrix = Eigen::Matrix<double, Dim, Dim>;
   Matrix kinetic = Matrix::Zero();  ///< [Pa]; in 2D [N/m]
-  Matrix contact = Matrix::Zero();  ///< likewise
+  Matrix contact = Matrix::Zero();  ///< [Pa]; in 2D [N/m]
 
   Matrix sum() const { return kinetic + contact; }
-  /// A third of the trace, in 2D half.
+  /// A third of the trace, in 2D half of it.
   double pressure() const { return sum().trace() / Dim; }
 };
 
 namespace detail {
-// Share of the straight way from a to b that lies in the box, along all axes.
+// Fraction of the line from a to b that lies inside the box.
 template <int Dim>
 double share_within(const Box<Dim, double>& box, const Vec<Dim>& a, const Vec<Dim>& b) {
   double first = 0;
   double last = 1;
   for (int k = 0; k < Dim; ++k) {
-    const double way = b[k] - a[k];
-    if (way == 0) {
+    const double length = b[k] - a[k];
+    if (length == 0) {
       if (a[k] < box.lower[k] || a[k] >= box.upper[k]) return 0;
       continue;
     }
-    const double to_lower = (box.lower[k] - a[k]) / way;
-    const double to_upper = (box.upper[k] - a[k]) / way;
+    const double to_lower = (box.lower[k] - a[k]) / length;
+    const double to_upper = (box.upper[k] - a[k]) / length;
     first = std::max(first, std::min(to_lower, to_upper));
     last = std::min(last, std::max(to_lower, to_upper));
   }
   return std::max(0.0, last - first);
 }
 
-// f(shift) for every shift by a period that may bring something near the box into it.
+// f(shift) for every periodic shift that may move a point near the box into it.
 template <int Dim, class Real, class F>
 void for_each_image(const Box<Dim, Real>& box, F&& f, Vec<Dim> shift = Vec<Dim>::Zero(),
                     int axis = 0) {
@@ -65,9 +65,9 @@ void for_each_image(const Box<Dim, Real>& box, F&& f, Vec<Dim> shift = Vec<Dim>:
 }
 }  // namespace detail
 
-/// Stress in a region of finite size that lies within the grains' box, from a simulation's state():
-/// positions, velocities and contacts must belong to one time. Throws if the region has no volume,
-/// or no finite one.
+/// Stress in a region of finite size inside the grains' box. Positions, velocities and contacts
+/// must belong to the same time, as in a simulation's state(). Throws if the volume of the region
+/// is zero or infinite.
 template <class P, class C>
 Stress<P::dimension> stress(const P& grains, const C& contacts,
                             const Box<P::dimension, double>& region) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Time steps of DEM: the paper's, the one that is stable for given contacts, and a default.
+// Elementary time steps of DEM: the paper's critical one, the contact duration, and the stability
+// limit of a damped oscillator.
 #pragma once
 
 #include <silt/core/error.hpp>
@@ -21,21 +22,21 @@ struct Spring {
 };
 
 /// Δt_critical = 2 √(m/k), [SahChoi2004] (34) [s]; the paper uses 0.8 of it. It is the limit of one
-/// particle on one spring to the ground. It is NOT safe between particles: a pair has √2 √(m/k),
-/// a particle with more contacts less. Contacts refuses what is unstable.
+/// particle connected to the ground by one spring. It is NOT safe between particles: the limit of a
+/// pair is √2 √(m/k), and it is lower with more contacts. Contacts throws if Δt is unstable.
 inline double sah_choi_critical_time_step(const Spring& spring) {
   spring.check();
   return 2 * std::sqrt(spring.mass / spring.stiffness);
 }
 
-/// Half a period of an undamped contact, π √(m*/k) [s]; `mass` is the effective one.
+/// Half a period of an undamped contact, π √(m*/k) [s]; `mass` is the effective mass m*.
 inline double contact_duration(const Spring& spring) {
   spring.check();
   return std::numbers::pi * std::sqrt(spring.mass / spring.stiffness);
 }
 
 /// Largest stable Δt of leapfrog [s] for the angular frequency ω [1/s] with dashpots c = β k that
-/// see the velocity of the half step before: (2/ω) (√(1 + ζ²) − ζ), ζ = β ω/2.
+/// use the velocity of the previous half step: (2/ω) (√(1 + ζ²) − ζ), ζ = β ω/2.
 struct Oscillator {
   double angular_frequency = 0;
   double beta = 0;

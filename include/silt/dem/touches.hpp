@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What contacts keep from step to step, and how a failed step is undone: nothing that the step
-// before made is written over until the next save(), so that undoing is a swap.
+// Data that contacts keep from step to step. The results of the previous step are not overwritten
+// until the next save(), so that a failed step is rolled back by a swap.
 #pragma once
 
 #include <silt/core/box.hpp>
@@ -20,7 +20,7 @@
 
 namespace silt::dem {
 
-/// Memory is the law's LawHistory.
+/// History is the law's LawHistory.
 template <int Dim, class RealType, class History, bool has_couple>
 class Touches {
  public:
@@ -31,19 +31,19 @@ class Touches {
   static constexpr bool couples = has_couple;
   static constexpr Index padded_words = Lanes::padded_words;
   using Remembered = PairHistory<typename History::type>;
-  /// Row of the contacts that do not touch: all zeros, with the memory of a new contact. Who reads
-  /// it like any other saves a branch that cannot be predicted.
+  /// Row for pairs that do not touch: all zeros, with the history of a new contact. Reading it like
+  /// any other avoids an unpredictable branch.
   static constexpr std::uint32_t none = 0;
   static constexpr std::uint32_t first_row = lanes;
 
-  /// What one step made. Only contacts that touch have a row of their own; the rows of those found
-  /// at a chunk of grains lie together, as far behind first_row as the first of these contacts.
+  /// Results of one step. Only pairs that touch have their own row; the rows of a chunk of grains
+  /// are contiguous and begin at first_row plus the index of the chunk's first near contact.
   struct Seen {
     using Row = ContactRow<has_couple>;
-    std::vector<Real, Eigen::aligned_allocator<Real>> rows;      ///< see ContactRow
+    std::vector<Real, Eigen::aligned_allocator<Real>> rows;       ///< see ContactRow
     std::vector<Real, Eigen::aligned_allocator<Real>> histories;  ///< padded_words a row
-    std::vector<std::uint32_t> at;  ///< number of the row of each near contact, or `none`
-    Index count = 0;                ///< contacts that touch
+    std::vector<std::uint32_t> at;  ///< row number of each near contact, or `none`
+    Index count = 0;                ///< number of contacts that touch
     Real time_step = 0;             ///< [s]
     double time = 0;                ///< of the positions [s]
 
@@ -69,15 +69,15 @@ class Touches {
     }
     const Real* history_of(Index contact) const noexcept { return history(at[contact]); }
   };
-  /// Since when, and how long, the near contacts are good.
+  /// Conditions under which the list of near contacts remains valid.
   struct Validity {
-    std::vector<Vec<Dim, Real>> since;  ///< positions of the owned grains [m]
-    Travel travel;                      ///< of the search then
-    Real margin = 0;                    ///< gap up to which pairs are near [m]
+    std::vector<Vec<Dim, Real>> since;  ///< positions of the owned grains at the rebuild [m]
+    Travel travel;                      ///< of the search at the rebuild
+    Real margin = 0;                    ///< largest gap of near pairs [m]
     std::uint64_t revision = std::numeric_limits<std::uint64_t>::max();
-    double time = 0;              ///< of these positions, and of the walls [s]
-    Box<Dim, Real> extent;        ///< in which the grains stay as long [m]
-    double stable_time_step = 0;  ///< that all near contacts stand [s]
+    double time = 0;              ///< of these positions and of the walls [s]
+    Box<Dim, Real> extent;        ///< contains all grains while the list is valid [m]
+    double stable_time_step = 0;  ///< stable even if all near pairs touch [s]
   };
 
   const Seen& seen() const noexcept { return seen_; }
@@ -86,7 +86,7 @@ class Touches {
   const Validity& validity() const noexcept { return validity_; }
   Validity& validity() noexcept { return validity_; }
 
-  /// What the law remembers of contacts from the last look on.
+  /// Histories of the contacts after the last evaluation.
   struct Histories {
     const std::uint32_t* at;
     const Real* histories;
@@ -98,13 +98,14 @@ class Touches {
     return {(has_moved_rows_ ? moved_rows_ : before().at).data(), before().histories.data()};
   }
 
-  /// The step from `time` on begins to see and make: in place of what the one before the last did.
+  /// Begins the evaluation of the step from `time` on; overwrites the results of the step before
+  /// the last one.
   struct Step {
     double time;       ///< [s]
     double time_step;  ///< [s]
   };
   void begin_step(const Step& step) {
-    // Of a look that an exception ended, and that nobody undid, nothing is remembered.
+    // If the last step threw and was not rolled back, drop its history.
     if (!is_whole_) seen_.at.assign(near_.size(), none);
     is_whole_ = false;
     std::swap(seen_, keeps_seen_ ? spare_seen_ : last_seen_);
@@ -115,15 +116,15 @@ class Touches {
     seen_.time = step.time;
   }
 
-  /// For what this look will see of the near contacts.
+  /// Resizes the rows for the near contacts of this step.
   void make_room() { seen_.resize(near_.size()); }
-  /// All is seen; so many touch.
+  /// Ends the evaluation; `count` contacts touch.
   void end_step(Index count) {
     seen_.count = count;
     is_whole_ = true;
   }
 
-  /// find(near, found, validity) finds the near contacts anew.
+  /// Rebuilds the list of near contacts with find(near, found, validity).
   template <class Find>
   void renew_near(Find&& find) {
     NearContacts& last = keeps_near_ ? spare_near_ : last_near_;
@@ -144,14 +145,14 @@ class Touches {
     has_moved_rows_ = true;
   }
 
-  /// From now on, this is what is remembered.
+  /// Replaces the histories of all contacts.
   void set_history(const Remembered& history) {
     recalled_ = history;
     was_recalled_ = false;
     validity_ = {};
   }
 
-  /// That, until a look has taken it; else `nullptr`.
+  /// The histories passed to set_history() until the next step uses them; otherwise `nullptr`.
   const Remembered* recalled() const noexcept {
     return recalled_ && !was_recalled_ ? &*recalled_ : nullptr;
   }
@@ -175,7 +176,7 @@ class Touches {
  private:
   const Seen& before() const noexcept { return before_is_spare_ ? spare_seen_ : last_seen_; }
 
-  // Rows of their own for what a restart remembers.
+  // Stores the histories passed to set_history() in rows.
   void recall() {
     before_is_spare_ = true;
     spare_seen_.resize(near_.size());
@@ -190,7 +191,7 @@ class Touches {
 
   Seen seen_;
   Seen last_seen_;
-  Seen spare_seen_;  // for a second look within a step
+  Seen spare_seen_;  // for a second evaluation without save()
   NearContacts near_;
   NearContacts last_near_;
   NearContacts spare_near_;
@@ -198,9 +199,9 @@ class Touches {
   Validity validity_;
   Validity last_validity_;
   Validity spare_validity_;
-  std::vector<std::uint32_t> moved_rows_;  // where the contacts just found were before
+  std::vector<std::uint32_t> moved_rows_;  // previous rows of the contacts after a rebuild
   std::optional<Remembered> recalled_;
-  bool is_whole_ = true;  // what was seen last
+  bool is_whole_ = true;  // the last evaluation was completed
   bool keeps_seen_ = false;
   bool keeps_near_ = false;
   bool before_is_spare_ = false;

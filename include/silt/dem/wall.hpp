@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What a wall is: it says where it is nearest to a point; the contact loop does the rest.
+// Concepts of walls. A wall returns its nearest point to a grain's centre; the contact detection
+// needs nothing else.
 #pragma once
 
 #include <silt/core/types.hpp>
@@ -10,47 +11,49 @@
 
 namespace silt::dem {
 
-/// Where a wall is nearest to a grain's centre.
+/// The point of a wall that is nearest to a grain's centre.
 template <int Dim, class Real>
 struct NearestPoint {
   Vec<Dim, Real> normal;  ///< unit vector from the wall to the grain
-  Real distance;          ///< of the centre from the wall [m]; below 0: behind it
+  Real distance;          ///< of the centre from the wall [m]; negative behind the surface
 };
 
-/// Of a part of a wall that pushes nothing there, since another one does.
+/// Result of an element that has no contact at a point, because another element of the wall has.
 template <int Dim, class Real>
 NearestPoint<Dim, Real> no_nearest_point() {
   return {Vec<Dim, Real>::Unit(Dim - 1), std::numeric_limits<Real>::infinity()};
 }
 
-/// Where the grains are.
+/// On which side of a wall the grains are.
 enum class Side { inside, outside };
 
-/// Touches a grain in one point at most: wall.nearest(x) → NearestPoint.
+/// A wall with at most one contact per grain: wall.nearest(x) → NearestPoint.
 template <class W, int Dim, class Real>
 concept SimpleWall = requires(const W wall, const Vec<Dim, Real> x) {
   { wall.nearest(x) } -> std::same_as<NearestPoint<Dim, Real>>;
 };
 
-/// Touches a grain in at most one point of each of its parts, which are numbered from 0:
-///   wall.element_count()                         how many there are
-///   wall.nearest(part, x)                → NearestPoint; no_nearest_point() where another part pushes
-///   wall.for_each_element_near(x, d, f)     f(part) for every part that comes closer to x than d [m],
-///                                        once; more may come
+/// A wall of several elements (faces, edges, corners), numbered from 0, with at most one contact
+/// per grain and element:
+///   wall.element_count()                  → number of elements
+///   wall.nearest(element, x)              → NearestPoint, or no_nearest_point() if another element
+///                                           is in contact there
+///   wall.for_each_element_near(x, d, f)     f(element) once for every element closer to x than d
+///                                           [m]; further elements are allowed
 template <class W, int Dim, class Real>
-concept CompositeWall = requires(const W wall, const Vec<Dim, Real> x, Index part) {
+concept CompositeWall = requires(const W wall, const Vec<Dim, Real> x, Index element) {
   { wall.element_count() } -> std::convertible_to<Index>;
-  { wall.nearest(part, x) } -> std::same_as<NearestPoint<Dim, Real>>;
+  { wall.nearest(element, x) } -> std::same_as<NearestPoint<Dim, Real>>;
   wall.for_each_element_near(x, Real(1), [](Index) {});
 };
 
-/// A simple wall or one of parts, at rest, with wall.material, its place in dem::Materials, and
-/// wall.check(), which throws if it is none.
+/// A simple or composite wall at rest, with wall.material, its index in dem::Materials, and
+/// wall.check(), which throws if the wall is invalid.
 template <class W, int Dim, class Real>
-concept WallAtRest = (SimpleWall<W, Dim, Real> || CompositeWall<W, Dim, Real>) &&
-                     requires(const W wall, W own) {
-                       { wall.material } -> std::convertible_to<std::uint32_t>;
-                       own.check();
-                     };
+concept WallAtRest =
+    (SimpleWall<W, Dim, Real> || CompositeWall<W, Dim, Real>) && requires(const W wall, W own) {
+      { wall.material } -> std::convertible_to<std::uint32_t>;
+      own.check();
+    };
 
 }  // namespace silt::dem

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Walls that move as they are told: a wall where it was made, and a motion of it as a rigid body.
+// Moving walls: a wall in its initial position and a prescribed rigid-body motion.
 #pragma once
 
 #include <silt/core/error.hpp>
@@ -14,7 +14,7 @@
 
 namespace silt::dem {
 
-/// How a body lies: what was made at X is now at x = rotation X + shift.
+/// Position of a rigid body: a point defined at X is now at x = rotation X + shift.
 template <int Dim, class Real>
 struct Pose {
   Eigen::Matrix<Real, Dim, Dim> rotation = Eigen::Matrix<Real, Dim, Dim>::Identity();
@@ -26,27 +26,27 @@ struct Pose {
   }
 };
 
-/// How a body moves: v(x) = linear + spin × (x − about).
+/// Velocity of a rigid body: v(x) = linear + spin × (x − about).
 template <int Dim, class Real>
 struct RigidVelocity {
-  Vec<Dim, Real> linear = Vec<Dim, Real>::Zero();               ///< [m/s]
-  AngularVec<Dim, Real> spin = zero_of<AngularVec<Dim, Real>>();            ///< [1/s]
-  Vec<Dim, Real> about = Vec<Dim, Real>::Zero();                ///< [m]
+  Vec<Dim, Real> linear = Vec<Dim, Real>::Zero();                 ///< [m/s]
+  AngularVec<Dim, Real> spin = zero_of<AngularVec<Dim, Real>>();  ///< [1/s]
+  Vec<Dim, Real> about = Vec<Dim, Real>::Zero();                  ///< [m]
 
   Vec<Dim, Real> at(const Vec<Dim, Real>& x) const {
     return linear + cross(spin, Vec<Dim, Real>(x - about));
   }
 };
 
-/// motion.pose_at(t) and its derivative motion.velocity_at(t), at the time t [s] and of t alone. It
-/// may also have check(), which throws if a parameter is out of range.
+/// motion.pose_at(t) and its time derivative motion.velocity_at(t), functions of the time t [s]
+/// only. Optional: check(), which throws if a parameter is out of range.
 template <class M, int Dim, class Real>
 concept WallMotion = requires(const M motion, double t) {
   { motion.pose_at(t) } -> std::same_as<Pose<Dim, Real>>;
   { motion.velocity_at(t) } -> std::same_as<RigidVelocity<Dim, Real>>;
 };
 
-/// Straight on: x = X + V t.
+/// At constant velocity: x = X + V t.
 template <int Dim, class Real = double>
 struct Translation {
   Vec<Dim, Real> velocity = Vec<Dim, Real>::Zero();  ///< V [m/s]
@@ -56,10 +56,10 @@ struct Translation {
   RigidVelocity<Dim, Real> velocity_at(double) const { return {.linear = velocity}; }
 };
 
-/// About an axis (3D) or a point (2D), at a constant rate.
+/// About an axis (3D) or a point (2D), at constant spin.
 template <int Dim, class Real = double>
 struct Rotation {
-  Vec<Dim, Real> about = Vec<Dim, Real>::Zero();      ///< the point, or any one of the axis [m]
+  Vec<Dim, Real> about = Vec<Dim, Real>::Zero();  ///< the point, or any point of the axis [m]
   AngularVec<Dim, Real> spin = zero_of<AngularVec<Dim, Real>>();  ///< ω [1/s]; in 3D along the axis
 
   void check() const {
@@ -89,7 +89,7 @@ struct Rotation {
   RigidVelocity<Dim, Real> velocity_at(double) const { return {.spin = spin, .about = about}; }
 };
 
-/// To and fro: x = X + A sin(2π f t + φ).
+/// Harmonic: x = X + A sin(2π f t + φ).
 template <int Dim, class Real = double>
 struct Vibration {
   Vec<Dim, Real> amplitude = Vec<Dim, Real>::Zero();  ///< A [m]
@@ -112,11 +112,12 @@ struct Vibration {
   double omega() const { return 2 * std::numbers::pi * frequency; }
 };
 
-/// A wall that moves: Moving{Plane<3>{}, Vibration<3>{.amplitude = {0, 0, 1e-3}, .frequency = 50}}.
-/// At time t the wall lies at pose_at(t) of where it was made. Its surface velocity, where it
-/// touches a grain, is part of the contact's relative velocity, and its spin of the relative spin.
-/// A contact law meets grains at x^N with velocities v^{N−½}; so it meets a wall with the pose of
-/// t^N and the velocity of t^N − Δt/2, and the spring of a contact grows by what the two moved.
+/// A moving wall: Moving{Plane<3>{}, Vibration<3>{.amplitude = {0, 0, 1e-3}, .frequency = 50}}.
+/// pose_at(t) takes the wall from its initial position to that at time t. The velocity of its
+/// surface at a contact enters the contact's relative velocity, its spin the relative spin. A law
+/// is evaluated with grain positions x^N and velocities v^{N−½}; therefore the pose of the wall is
+/// that of t^N and its velocity that of t^N − Δt/2, and springs follow the actual relative
+/// displacement.
 template <class W, class M>
 struct Moving {
   W wall;
@@ -143,7 +144,7 @@ inline constexpr bool moves_as_wall<Moving<W, M>, Dim, Real> =
     WallAtRest<W, Dim, Real> && WallMotion<M, Dim, Real>;
 }  // namespace detail
 
-/// A wall at rest, or one that moves.
+/// A wall at rest or a moving wall.
 template <class W, int Dim, class Real>
 concept Wall = WallAtRest<W, Dim, Real> || detail::moves_as_wall<W, Dim, Real>;
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// All walls of a simulation. Their parts are numbered through, in the order of the walls: the place
-// of a part is what contacts know it by.
+// All walls of a simulation. The elements of all walls are numbered consecutively, in the order of
+// the walls; contacts refer to an element by this index.
 #pragma once
 
 #include <silt/core/box.hpp>
@@ -16,7 +16,7 @@
 
 namespace silt::dem {
 
-/// When walls are looked at [s].
+/// Times at which the poses and velocities of walls are evaluated [s].
 struct WallTimes {
   double positions = 0;
   double velocities = 0;
@@ -30,10 +30,10 @@ struct TimeSpan {
 namespace detail {
 
 template <class W, int Dim, class Real>
-NearestPoint<Dim, Real> nearest_on(const W& wall, [[maybe_unused]] Index part,
+NearestPoint<Dim, Real> nearest_on(const W& wall, [[maybe_unused]] Index element,
                                    const Vec<Dim, Real>& x) {
   if constexpr (CompositeWall<W, Dim, Real>) {
-    return wall.nearest(part, x);
+    return wall.nearest(element, x);
   } else {
     return wall.nearest(x);
   }
@@ -48,13 +48,13 @@ void for_each_element_near(const W& wall, const Vec<Dim, Real>& x, Real distance
   }
 }
 
-/// A wall at rest, as it is at any time.
+/// A wall at rest, the same at any time.
 template <class W, int Dim, class Real>
-class WallThen {
+class WallAtTime {
  public:
-  WallThen(const W& wall, const WallTimes&) : wall_(wall) {}
-  NearestPoint<Dim, Real> nearest(Index part, const Vec<Dim, Real>& x) const {
-    return nearest_on<W, Dim, Real>(wall_, part, x);
+  WallAtTime(const W& wall, const WallTimes&) : wall_(wall) {}
+  NearestPoint<Dim, Real> nearest(Index element, const Vec<Dim, Real>& x) const {
+    return nearest_on<W, Dim, Real>(wall_, element, x);
   }
   template <class F>
   void for_each_element_near(const Vec<Dim, Real>& x, Real distance, F&& f) const {
@@ -66,16 +66,16 @@ class WallThen {
   const W& wall_;
 };
 
-/// A wall that moves, at one time.
+/// A moving wall at one time.
 template <class W, class M, int Dim, class Real>
-class WallThen<Moving<W, M>, Dim, Real> {
+class WallAtTime<Moving<W, M>, Dim, Real> {
  public:
-  WallThen(const Moving<W, M>& moving, const WallTimes& times)
+  WallAtTime(const Moving<W, M>& moving, const WallTimes& times)
       : wall_(moving.wall),
         pose_(moving.motion.pose_at(times.positions)),
         velocity_(moving.motion.velocity_at(times.velocities)) {}
-  NearestPoint<Dim, Real> nearest(Index part, const Vec<Dim, Real>& x) const {
-    auto at = nearest_on<W, Dim, Real>(wall_, part, pose_.X_of(x));
+  NearestPoint<Dim, Real> nearest(Index element, const Vec<Dim, Real>& x) const {
+    auto at = nearest_on<W, Dim, Real>(wall_, element, pose_.X_of(x));
     at.normal = multiply(pose_.rotation, at.normal);
     return at;
   }
@@ -93,56 +93,56 @@ class WallThen<Moving<W, M>, Dim, Real> {
 
 }  // namespace detail
 
-/// The walls of a set at one time, to be asked by the places of their parts. It refers to the set.
+/// The walls of a set at one time, by the indices of their elements. Holds references to the set.
 template <int Dim, class Real, class... Walls>
-class WallsThen {
+class WallsAtTime {
  public:
-  /// One of them does.
+  /// At least one wall moves.
   static constexpr bool move = (is_moving<Walls> || ...);
 
-  WallsThen(const std::tuple<Walls...>& walls, const std::array<Index, sizeof...(Walls) + 1>& first,
-            const WallTimes& times)
+  WallsAtTime(const std::tuple<Walls...>& walls,
+              const std::array<Index, sizeof...(Walls) + 1>& first, const WallTimes& times)
       : walls_(std::apply([&](const Walls&... wall) { return Tuple(Then<Walls>(wall, times)...); },
                           walls)),
         first_(first) {}
 
-  /// Of the part at this place.
-  NearestPoint<Dim, Real> nearest(Index place, const Vec<Dim, Real>& x) const {
+  /// Nearest point of an element.
+  NearestPoint<Dim, Real> nearest(Index index, const Vec<Dim, Real>& x) const {
     NearestPoint<Dim, Real> nearest{};
-    with(place, [&](const auto& wall, Index part) { nearest = wall.nearest(part, x); });
+    with(index, [&](const auto& wall, Index element) { nearest = wall.nearest(element, x); });
     return nearest;
   }
 
-  /// Of the wall of the part at this place.
-  RigidVelocity<Dim, Real> velocity(Index place) const {
+  /// Velocity of the wall to which an element belongs.
+  RigidVelocity<Dim, Real> velocity(Index index) const {
     RigidVelocity<Dim, Real> velocity;
-    with(place, [&](const auto& wall, Index) { velocity = wall.velocity(); });
+    with(index, [&](const auto& wall, Index) { velocity = wall.velocity(); });
     return velocity;
   }
 
-  /// f(place) for each part that is nearer to x than this [m], and maybe for others.
+  /// f(index) for each element closer to x than `distance` [m], and possibly for further ones.
   template <class F>
   void for_each_element_near(const Vec<Dim, Real>& x, Real distance, F&& f) const {
     Index w = 0;
-    const auto ask = [&](const auto& wall) {
+    const auto visit = [&](const auto& wall) {
       const Index first = first_[w++];
-      wall.for_each_element_near(x, distance, [&](Index part) { f(first + part); });
+      wall.for_each_element_near(x, distance, [&](Index element) { f(first + element); });
     };
-    std::apply([&](const auto&... wall) { (ask(wall), ...); }, walls_);
+    std::apply([&](const auto&... wall) { (visit(wall), ...); }, walls_);
   }
 
  private:
   template <class W>
-  using Then = detail::WallThen<W, Dim, Real>;
+  using Then = detail::WallAtTime<W, Dim, Real>;
   using Tuple = std::tuple<Then<Walls>...>;
 
   template <class F>
-  void with(Index place, F&& f) const {
+  void with(Index index, F&& f) const {
     Index w = 0;
     const auto is_it = [&](const auto& wall) {
       const Index first = first_[w++];
-      if (place >= first_[w]) return false;
-      f(wall, place - first);
+      if (index >= first_[w]) return false;
+      f(wall, index - first);
       return true;
     };
     std::apply([&](const auto&... wall) { static_cast<void>((is_it(wall) || ...)); }, walls_);
@@ -152,57 +152,57 @@ class WallsThen {
   const std::array<Index, sizeof...(Walls) + 1>& first_;
 };
 
-/// Walls by their numbers, in the order given.
+/// Walls, numbered in the order given.
 template <class... Walls>
 class WallSet {
  public:
-  /// One of them does.
+  /// At least one wall moves.
   static constexpr bool move = (is_moving<Walls> || ...);
 
-  /// Throws if a wall is out of range.
+  /// Throws if a wall is invalid.
   explicit WallSet(Walls... walls) : walls_(std::move(walls)...) {
     Index w = 0;
     for_each([&](auto& wall) {
       wall.check();
       auto& body = body_of(wall);
       materials_[w] = body.material;
-      Index parts = 1;
-      if constexpr (requires { body.element_count(); }) parts = body.element_count();
-      first_[w + 1] = first_[w] + parts;
+      Index elements = 1;
+      if constexpr (requires { body.element_count(); }) elements = body.element_count();
+      first_[w + 1] = first_[w] + elements;
       ++w;
     });
   }
 
   static constexpr Index size() { return sizeof...(Walls); }
 
-  /// Where they are and how they move at given times.
+  /// Their poses and velocities at the given times.
   template <int Dim, class Real>
   auto at(const WallTimes& times) const {
-    return WallsThen<Dim, Real, Walls...>(walls_, first_, times);
+    return WallsAtTime<Dim, Real, Walls...>(walls_, first_, times);
   }
 
-  /// Number of the wall that has the part at this place.
-  Index number_of(Index place) const noexcept {
+  /// Number of the wall to which an element belongs.
+  Index number_of(Index index) const noexcept {
     Index w = 0;
-    while (w + 1 < size() && place >= first_[w + 1]) ++w;
+    while (w + 1 < size() && index >= first_[w + 1]) ++w;
     return w;
   }
-  /// Of the wall with this number: its place in dem::Materials.
+  /// Material of a wall: an index in dem::Materials.
   std::uint32_t material(Index number) const noexcept { return materials_[number]; }
 
-  /// How far a wall goes from one time to another [m], as seen from within the box, at most.
+  /// Upper bound of the displacement of any wall between two times [m], within the box.
   template <int Dim, class Real>
-  Real farthest_move(const TimeSpan& span, const Box<Dim, Real>& box) const {
-    return largest_in<Dim, Real>(box, [&](const auto& motion) {
+  Real max_displacement(const TimeSpan& span, const Box<Dim, Real>& box) const {
+    return max_over_corners<Dim, Real>(box, [&](const auto& motion) {
       const Pose<Dim, Real> then = motion.pose_at(span.from);
       const Pose<Dim, Real> now = motion.pose_at(span.to);
       return [=](const Vec<Dim, Real>& x) { return Vec<Dim, Real>(x - then.x_of(now.X_of(x))); };
     });
   }
-  /// How fast a wall moves [m/s] within the box, at most.
+  /// Upper bound of the speed of any wall within the box [m/s].
   template <int Dim, class Real>
-  Real fastest(double time, const Box<Dim, Real>& box) const {
-    return largest_in<Dim, Real>(box, [&](const auto& motion) {
+  Real max_speed(double time, const Box<Dim, Real>& box) const {
+    return max_over_corners<Dim, Real>(box, [&](const auto& motion) {
       return [v = motion.velocity_at(time)](const Vec<Dim, Real>& x) { return v.at(x); };
     });
   }
@@ -221,12 +221,12 @@ class WallSet {
     std::apply([&](auto&... wall) { (f(wall), ...); }, walls_);
   }
 
-  // The longest of the vectors that field_of(motion) gives within the box. What is linear in x is
-  // longest in a corner.
+  // Maximum norm, within the box, of the vector fields field_of(motion). The fields are linear in
+  // x, so the maximum is at a corner.
   template <int Dim, class Real, class FieldOf>
-  Real largest_in(const Box<Dim, Real>& box, FieldOf&& field_of) const {
+  Real max_over_corners(const Box<Dim, Real>& box, FieldOf&& field_of) const {
     Real largest = 0;
-    const auto ask = [&]<class W>(const W& wall) {
+    const auto visit = [&]<class W>(const W& wall) {
       if constexpr (is_moving<W>) {
         const auto field = field_of(wall.motion);
         for (unsigned corner = 0; corner < 1u << Dim; ++corner) {
@@ -237,7 +237,7 @@ class WallSet {
         }
       }
     };
-    std::apply([&](const auto&... wall) { (ask(wall), ...); }, walls_);
+    std::apply([&](const auto&... wall) { (visit(wall), ...); }, walls_);
     return largest;
   }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The walls to choose from, and their motions.
+// All wall types and wall motions.
 #pragma once
 
 #include <silt/dem/box_wall.hpp>

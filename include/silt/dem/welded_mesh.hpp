@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Loose triangles, as files have them, put together to a surface.
+// Connects separate triangles, as read from a file, to a surface with shared vertices.
 #pragma once
 
 #include <silt/core/error.hpp>
@@ -17,24 +17,24 @@
 
 namespace silt::dem {
 
-/// Triangles that share their corners.
+/// Triangles with shared vertices.
 template <class Real>
 struct WeldedMesh {
   using Corners = std::array<std::uint32_t, 3>;
   std::vector<Vec<3, Real>> vertices;  ///< [m]
-  std::vector<Corners> triangles;      ///< places of the vertices, no three twice
-  Real distance = 0;                   ///< points no farther apart than this are one [m]
+  std::vector<Corners> triangles;      ///< indices of the vertices; no duplicates
+  Real distance = 0;                   ///< points within this distance were merged [m]
 };
 
 namespace detail {
-/// Numbers points; those closer than a distance are one.
+/// Numbers points; points within a distance get the same number.
 template <class Real>
 class Welder {
  public:
   Welder(Real distance, std::vector<Vec<3, Real>>& points) : distance_(distance), points_(points) {}
 
   std::uint32_t number_of(const Vec<3, Real>& x) {
-    // Of the eight cells that a point's surroundings may touch, most are one.
+    // The neighbourhood of the point overlaps up to eight cells, but usually only one.
     std::set<Cell> asked;
     for (unsigned corner = 0; corner < 8; ++corner) {
       Vec<3, Real> at = x;
@@ -69,11 +69,11 @@ class Welder {
 };
 }  // namespace detail
 
-/// Corners nearer to one another than single precision tells apart are one, and a triangle that is
-/// there twice is there once. Throws if there is no triangle, or one without area.
+/// Merges corners that single precision cannot distinguish, and drops duplicate triangles. Throws
+/// if there is no triangle, or if a triangle has no area.
 template <class Real>
 WeldedMesh<Real> weld(const std::vector<Triangle<Real>>& triangles) {
-  if (triangles.empty()) fail("MeshWall: there is no triangle; give at least one");
+  if (triangles.empty()) fail("MeshWall: there are no triangles; give at least one");
   Real farthest = 0;
   for (Index t = 0; t < triangles.size(); ++t) {
     require_area("MeshWall: triangle " + std::to_string(t), triangles[t]);
@@ -91,8 +91,8 @@ WeldedMesh<Real> weld(const std::vector<Triangle<Real>>& triangles) {
     std::ranges::sort(sorted);
     if (sorted[0] == sorted[1] || sorted[1] == sorted[2]) {
       fail("MeshWall: triangle " + std::to_string(t) + " at " + to_text(triangles[t].corners[0]) +
-           " m is too small beside the whole: two of its corners are one in single precision; leave "
-           "it out, or move the mesh to the origin");
+           " m is too small compared with the mesh: two of its corners coincide in single "
+           "precision; remove it, or move the mesh to the origin");
     }
     if (known.insert(sorted).second) mesh.triangles.push_back(corners);
   }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A simulation of a few grains under Cundall and Strack's law with up to two planes: compiled once
-// for all cases of the table.
+// A simulation of a few grains with the law of Cundall and Strack and up to two planes, compiled
+// once for all cases of the table.
 #pragma once
 
 #include "support/grains.hpp"
@@ -15,10 +15,10 @@ namespace silt::test {
 template <int Dim>
 struct BenchSetup {
   dem::CundallStrack law;
-  Vec<Dim> gravity = Vec<Dim>::Zero();  ///< [m/s²]
-  double alpha = 0;                     ///< global damping [1/s]
+  Vec<Dim> gravity = Vec<Dim>::Zero();      ///< [m/s²]
+  double alpha = 0;                         ///< global damping [1/s]
   std::vector<dem::Plane<Dim>> walls = {};  ///< at most two
-  bool refuse_unstable = true;
+  bool check_stability = true;
 };
 
 template <int Dim>
@@ -41,7 +41,7 @@ class Bench {
   void run(double until, double dt);  ///< [s]
   Index contacts() const;
   void for_each_contact(const OnContact& f) const;
-  /// Steps until a contact came and went; the largest overlap on the way [m].
+  /// Steps until a contact has begun and ended; returns its maximum overlap [m].
   double through_contact(double dt);
 
  private:
@@ -49,7 +49,7 @@ class Bench {
   std::unique_ptr<Simulated> simulated_;
 };
 
-/// What differs is the moment of inertia, I = c m R².
+/// Bodies differ in the moment of inertia, I = c m R².
 struct Body {
   std::string name;
   dem::Shape shape;
@@ -59,7 +59,7 @@ inline const Body disc{"disc", dem::Shape::natural, 0.5};
 inline const Body sphere{"sphere", dem::Shape::natural, 0.4};
 inline const Body sphere_in_the_plane{"sphere in the plane", dem::Shape::sphere, 0.4};
 
-/// Spin of a grain that rolls in +x on a floor whose normal is the last axis: positive forward.
+/// Spin of a grain on a floor whose normal is the last axis; positive if it rolls in +x.
 inline double forward_spin(double spin) { return -spin; }
 inline double forward_spin(const Vec<3>& spin) { return spin[1]; }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What bench.hpp declares; included by one source file for each dimension.
+// Definitions for bench.hpp; included by one source file for each dimension.
 #pragma once
 
 #include "bench.hpp"
@@ -15,7 +15,7 @@ dem::Plane<Dim> wall_of(const BenchSetup<Dim>& setup, std::size_t number) {
 template <int Dim>
 auto simulate(const dem::Grains<Dim>& grains, const BenchSetup<Dim>& setup) {
   const auto contacts = dem::Contacts{setup.law, wall_of(setup, 0), wall_of(setup, 1)}.with(
-      {.refuse_unstable = setup.refuse_unstable});
+      {.check_stability = setup.check_stability});
   return Simulation{grains, UniformGrid<Dim>{}, Forces{Gravity<Dim>{setup.gravity}, contacts},
                     Leapfrog{GlobalDamping{.alpha = setup.alpha}}};
 }
@@ -70,15 +70,14 @@ void Bench<Dim>::for_each_contact(const OnContact& f) const {
 }
 template <int Dim>
 double Bench<Dim>::through_contact(double dt) {
-  double deepest = 0;
-  while (deepest == 0 || contacts() > 0) {
+  double max_overlap = 0;
+  while (max_overlap == 0 || contacts() > 0) {
     step(dt);
     for_each_contact([&](Index, Index, const auto& contact, const auto&) {
-      deepest = std::max(deepest, contact.overlap);
+      max_overlap = std::max(max_overlap, contact.overlap);
     });
   }
-  return deepest;
+  return max_overlap;
 }
-
 
 }  // namespace silt::test

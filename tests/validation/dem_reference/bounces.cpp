@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-// A grain that falls and bounces, and two that are pressed between a floor and a lid.
+// A grain that falls and bounces, and two grains compressed between a floor and a lid.
+#include <silt/io/csv.hpp>
+
 #include "bench.hpp"
 #include "items.hpp"
-
-#include <silt/io/csv.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -32,24 +32,24 @@ void falling_sphere(ReferenceTable& table) {
     double time;
   };
   std::vector<Apex> apexes;
-  double touches_at = 0, speed = 0, deepest = 1, v_before = 0, z_before = 0.5;
+  double contact_begin = 0, speed = 0, lowest_z = 1, v_before = 0, z_before = 0.5;
   while (apexes.size() < 3) {
     bench.step(dt);
     const double v = bench.grains()[velocity][0][2];
     const double z = bench.grains()[position][0][2];
-    if (touches_at == 0 && z < R) {
-      touches_at = bench.time() - dt * (R - z) / (z_before - z);
-      // That before is of one and a half steps ago.
-      speed = -v_before + g * (touches_at - bench.time() + 1.5 * dt);
+    if (contact_begin == 0 && z < R) {
+      contact_begin = bench.time() - dt * (R - z) / (z_before - z);
+      // v_before is the velocity one and a half steps ago.
+      speed = -v_before + g * (contact_begin - bench.time() + 1.5 * dt);
     }
-    if (apexes.empty()) deepest = std::min(deepest, z);
+    if (apexes.empty()) lowest_z = std::min(lowest_z, z);
     if (v_before > 0 && v <= 0) apexes.push_back({std::max(z, z_before), bench.time() - dt});
     v_before = v;
     z_before = z;
   }
   const std::string name = "3 sphere dropped by 0.4 m, e = 0.8";
-  table.add({name, "touches at [s]", std::sqrt(2 * 0.4 / g), touches_at, 1e-4});
-  table.add({name, "speed there [m/s]", v1, speed, 1e-4});
+  table.add({name, "contact begins at [s]", std::sqrt(2 * 0.4 / g), contact_begin, 1e-4});
+  table.add({name, "speed at contact [m/s]", v1, speed, 1e-4});
   // y − R = exp(−ζ ω0 s) (C1 cos ωd s + C2 sin ωd s) − g/ω0², y(0) = R, y'(0) = −v1.
   const double w0 = std::sqrt(k / m);
   const double zeta = dem::Restitution(e).damping_ratio;
@@ -59,19 +59,19 @@ void falling_sphere(ReferenceTable& table) {
   double lowest = 0;
   for (int i = 0; i <= 100000; ++i) {
     const double s = i * 4 / w0 / 100000;
-    lowest = std::min(lowest, std::exp(-zeta * w0 * s) *
-                                      (C1 * std::cos(wd * s) + C2 * std::sin(wd * s)) - C1);
+    lowest = std::min(
+        lowest, std::exp(-zeta * w0 * s) * (C1 * std::cos(wd * s) + C2 * std::sin(wd * s)) - C1);
   }
-  table.add({name, "deepest overlap [m]", -lowest, R - deepest, 0.01});
+  table.add({name, "maximum overlap [m]", -lowest, R - lowest_z, 0.01});
   double time = v1 / g;
   for (int n = 1; n <= 3; ++n) {
     const double rise = std::pow(e, n) * v1 / g;
     time += rise;
-    // Of a hard sphere: the contacts, of 1.5 ms each, take no time there.
+    // For a hard sphere: its contacts have no duration; here each lasts 1.5 ms.
     table.add({name, "apex " + std::to_string(n) + " above the floor's touch [m]",
                0.4 * std::pow(e, 2.0 * n), apexes[std::size_t(n) - 1].height - R, 0.01});
-    table.add({name, "apex " + std::to_string(n) + " at [s]", time,
-               apexes[std::size_t(n) - 1].time, 0.01});
+    table.add({name, "apex " + std::to_string(n) + " at [s]", time, apexes[std::size_t(n) - 1].time,
+               0.01});
     time += rise;
   }
 }
@@ -83,10 +83,10 @@ void stacked(ReferenceTable& table) {
     dem::Grains<3> grains;
     dem::add_grain(grains, {0, 0, 0.45 * d}, {.radius = d / 2, .density = 20000});
     dem::add_grain(grains, {0, 0, 1.35 * d}, {.radius = d / 2, .density = 10000});
-    Bench<3> bench(grains, {.law = {.normal_stiffness = 1000, .restitution = e},
-                            .gravity = {0, 0, -g},
-                            .walls = {dem::Plane<3>{},
-                                      {.point = {0, 0, 1.8 * d}, .normal = {0, 0, -1}}}});
+    Bench<3> bench(grains,
+                   {.law = {.normal_stiffness = 1000, .restitution = e},
+                    .gravity = {0, 0, -g},
+                    .walls = {dem::Plane<3>{}, {.point = {0, 0, 1.8 * d}, .normal = {0, 0, -1}}}});
     double farthest[2] = {0, 0};
     for (Index row = 0; row < exact.rows(); ++row) {
       if (exact["e"][row] != e) continue;
@@ -99,7 +99,7 @@ void stacked(ReferenceTable& table) {
     }
     for (const int i : {0, 1}) {
       table.add({"4 two spheres pressed between walls, e = " + to_text(e),
-                 "farthest of y" + std::to_string(i + 1) + " from the exact motion [d]", 0,
+                 "maximum deviation of y" + std::to_string(i + 1) + " from the exact motion [d]", 0,
                  farthest[i], 3e-4, 1});
     }
   }

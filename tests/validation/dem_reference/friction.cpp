@@ -13,17 +13,17 @@ constexpr double R = 0.01;
 
 struct Floor {
   double mu;
-  double theta;  // inclination, turned into the direction of gravity
+  double theta;  // inclination, realised by the direction of gravity
   double stiffness = 1e5;
 };
 
-// A grain on the floor, already sunk in to where the floor carries it.
+// A grain in equilibrium on the floor.
 template <int Dim>
 Bench<Dim> on_floor(const Body& body, const Floor& floor, double u0) {
   const auto [mu, theta, k] = floor;
-  auto grains = one_grain<Dim>(Vec<Dim>(R * Vec<Dim>::Unit(Dim - 1)),
-                               Vec<Dim>(u0 * Vec<Dim>::Unit(0)),
-                               {.radius = R, .density = 2500, .shape = body.shape});
+  auto grains =
+      one_grain<Dim>(Vec<Dim>(R * Vec<Dim>::Unit(Dim - 1)), Vec<Dim>(u0 * Vec<Dim>::Unit(0)),
+                     {.radius = R, .density = 2500, .shape = body.shape});
   grains[position][0][Dim - 1] -= grains[mass][0] * g * std::cos(theta) / k;
   Vec<Dim> down = Vec<Dim>::Zero();
   down[0] = g * std::sin(theta);
@@ -52,19 +52,19 @@ void slides_then_rolls(const Body& body, ReferenceTable& table) {
   for (const double mu : {0.2, 0.6, 1.0}) {
     const double u0 = 0.1;
     const std::string name = "5 sliding " + body.name + ", µ = " + to_text(mu);
-    // Until the slider gives way the dashpot pulls, too, which costs a speed of about β µ g: a
-    // stiff floor makes that small.
+    // Until the slider slides the dashpot also acts and reduces the speed by about β µ g, which is
+    // small for a stiff floor.
     auto bench = on_floor<Dim>(body, {.mu = mu, .theta = 0, .stiffness = 1e8}, u0);
     const double dt = bench.time_step();
     const double t_roll = u0 / (mu * g * (1 + 1 / c));
     bench.run(t_roll / 2, dt);
     table.add({name, "speed halfway to rolling [u0]", 1 - mu * g * bench.time() / u0,
                speed(bench) / u0, 0.01, 1});
-    table.add({name, "ω R there [u0]", mu * g * bench.time() / c / u0, rim_speed(bench) / u0,
-               0.01, 1});
+    table.add(
+        {name, "ω R there [u0]", mu * g * bench.time() / c / u0, rim_speed(bench) / u0, 0.01, 1});
     while (rim_speed(bench) < speed(bench)) bench.step(dt);
-    table.add({name, "rolls from [s]", t_roll, bench.time(), 0.01});
-    // The tangential spring rings around it: a mean.
+    table.add({name, "rolling begins at [s]", t_roll, bench.time(), 0.01});
+    // Mean over the oscillation of the tangential spring.
     bench.run(2 * t_roll, dt);
     double u = 0, w = 0;
     const int samples = 4000;
@@ -82,14 +82,14 @@ template <int Dim>
 void goes_downhill(const Body& body, ReferenceTable& table) {
   const double theta = 0.5;
   const double c = body.c;
-  const double least_mu = std::tan(theta) / (1 + 1 / c);  // that lets it roll
+  const double min_mu = std::tan(theta) / (1 + 1 / c);  // for rolling
   for (const double share : {0.5, 1.5}) {
-    const double mu = share * least_mu;
+    const double mu = share * min_mu;
     auto bench = on_floor<Dim>(body, {.mu = mu, .theta = theta}, 0);
     bench.run(0.2);
     const bool rolls = share > 1;
-    const std::string name = "6 " + body.name + " on an incline of 0.5 rad, " +
-                             (rolls ? "rolling" : "slipping");
+    const std::string name =
+        "6 " + body.name + " on an incline of 0.5 rad, " + (rolls ? "rolling" : "slipping");
     const double a = rolls ? std::sin(theta) / (1 + c) : std::sin(theta) - mu * std::cos(theta);
     table.add({name, "acceleration [g]", a, speed(bench) / bench.time() / g, 0.01, 1});
     table.add({name, "angular acceleration times R [g]", rolls ? a : mu * std::cos(theta) / c,
@@ -121,7 +121,7 @@ void slides_through_the_impact(const Body& body, ReferenceTable& table) {
   for (const double e : {1.0, 0.7}) {
     for (const double mu : {0.1, 0.3}) {
       const double vn = 1e-3;
-      const double vt = 2 * (1 + 1 / c) * mu * (1 + e) * vn;  // twice what sliding needs
+      const double vt = 2 * (1 + 1 / c) * mu * (1 + e) * vn;  // twice the minimum for sliding
       const Rebound out = oblique<Dim>(body,
                                        {.normal_stiffness = 1e6,
                                         .tangential_stiffness = 8e5,
@@ -129,28 +129,27 @@ void slides_through_the_impact(const Body& body, ReferenceTable& table) {
                                         .friction_angle = std::atan(mu)},
                                        vt, vn);
       const double loss = mu * (1 + e);
-      const std::string name = "7 " + body.name + " sliding through an impact, e = " +
-                               to_text(e) + ", µ = " + to_text(mu);
-      table.add({name, "normal velocity behind it [v_n]", e, out.normal / vn, 0.005, 1});
+      const std::string name = "7 " + body.name + " sliding through an impact, e = " + to_text(e) +
+                               ", µ = " + to_text(mu);
+      table.add({name, "normal velocity after the impact [v_n]", e, out.normal / vn, 0.005, 1});
       table.add({name, "tangential velocity lost [v_n]", loss, (vt - out.tangential) / vn, 0.01});
       table.add({name, "ω R gained [v_n]", loss / c, out.rim / vn, 0.01});
     }
   }
 }
 
-// The surface swings on the tangential spring with ω² = k_s (1 + 1/c)/m. With this k_s the contact
-// lasts a quarter of that period: the surface is then at rest, as if it had stuck.
+// The surface oscillates on the tangential spring with ω² = k_s (1 + 1/c)/m. With this k_s the
+// contact lasts a quarter of this period: at its end the surface is at rest, as if it had stuck.
 template <int Dim>
 void sticks(const Body& body, ReferenceTable& table) {
   const double c = body.c;
   const double k = 1e6;
-  const Rebound out = oblique<Dim>(body,
-                                   {.normal_stiffness = k,
-                                    .tangential_stiffness = k / 4 / (1 + 1 / c),
-                                    .friction_angle = 1.5},
-                                   1e-3, 1e-2);
+  const Rebound out = oblique<Dim>(
+      body,
+      {.normal_stiffness = k, .tangential_stiffness = k / 4 / (1 + 1 / c), .friction_angle = 1.5},
+      1e-3, 1e-2);
   const std::string name = "8 " + body.name + " whose surface stops in the impact";
-  table.add({name, "tangential velocity behind it [v_t]", 1 / (1 + c), out.tangential / 1e-3,
+  table.add({name, "tangential velocity after the impact [v_t]", 1 / (1 + c), out.tangential / 1e-3,
              0.01, 1});
   table.add({name, "ω R behind it [v_t]", 1 / (1 + c), out.rim / 1e-3, 0.01, 1});
 }

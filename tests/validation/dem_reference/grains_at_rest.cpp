@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Grains that rest on one another, and that drag brings there.
+// Grains in static equilibrium, and global damping.
 #include "bench.hpp"
 #include "items.hpp"
 
@@ -36,12 +36,12 @@ void column(ReferenceTable& table) {
   });
   const std::string name = "11 column of 10 discs";
   table.add({name, "contacts", n, double(contacts), 0});
-  table.add({name, "overlap i, worst of all [i m g/k]", 1, worst, 0.002});
+  table.add({name, "overlap i, worst case [i m g/k]", 1, worst, 0.002});
   table.add({name, "force on the floor [m g]", n, floor / weight, 0.002});
 }
 
-// One on two, without friction. Each of the lower is held by a plane that stands for floor and side
-// together: it is turned as 1.5 m g upwards and ½ m g tan 30° inwards are.
+// One disc on two, without friction. Each lower disc is held by one plane in place of floor and
+// side wall: its normal is in the direction of the force 1.5 m g upwards and ½ m g tan 30° inwards.
 void pyramid(ReferenceTable& table) {
   const double R = pebble.radius;
   dem::Grains<2> grains;
@@ -70,10 +70,10 @@ void pyramid(ReferenceTable& table) {
     if (j != no_index && std::max(i, j) == 2) upper = std::max(upper, force.norm());
   });
   const std::string name = "12 one disc on two that are held";
-  table.add({name, "upper contacts [m g]", 1 / (2 * std::cos(std::numbers::pi / 6)),
+  table.add({name, "force in the force in the upper contacts [m g]", 1 / (2 * std::cos(std::numbers::pi / 6)),
              upper / weight, 0.005});
-  table.add({name, "below a lower disc, upwards [m g]", up, floor / weight, 0.005});
-  table.add({name, "and inwards [m g]", in, side / weight, 0.005});
+  table.add({name, "vertical force below a lower disc [m g]", up, floor / weight, 0.005});
+  table.add({name, "horizontal force on a lower disc [m g]", in, side / weight, 0.005});
 }
 
 void drag(ReferenceTable& table) {
@@ -85,8 +85,8 @@ void drag(ReferenceTable& table) {
   const double before = free.grains()[velocity][0][0];
   free.step(dt);
   table.add({name, "velocity after over before a step of 1 ms, (32) [-]",
-             (1 - alpha * dt / 2) / (1 + alpha * dt / 2),
-             free.grains()[velocity][0][0] / before, 1e-14});
+             (1 - alpha * dt / 2) / (1 + alpha * dt / 2), free.grains()[velocity][0][0] / before,
+             1e-14});
   free.run(2, dt);
   table.add({name, "velocity of a free disc after 2 s [v0]", std::exp(-alpha * 2),
              free.at_whole_step()[velocity][0][0], 1e-6});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What contacts keep, and that no pair of grains is missed.
+// Conservation in contacts, and completeness of the neighbour search.
 #include "bench.hpp"
 #include "items.hpp"
 
@@ -35,9 +35,9 @@ void two_bodies(ReferenceTable& table) {
   using AngularVec = typename dem::Grains<Dim>::AngularVec;
   const AngularVec gained = angular_momentum(bench.grains(), origin) - L;
   const std::string name =
-      "9 oblique impact of two " + (Dim == 2 ? disc : sphere).name + "s that spin";
-  table.add({name, "change of momentum [-]", 0,
-             (momentum(bench.grains()) - p).norm() / p.norm(), 1e-13, 1});
+      "9 oblique impact of two " + (Dim == 2 ? disc : sphere).name + "s with spin";
+  table.add({name, "change of momentum [-]", 0, (momentum(bench.grains()) - p).norm() / p.norm(),
+             1e-13, 1});
   table.add({name, "change of orbital and spin angular momentum [-]", 0,
              size_of(gained) / size_of(L), 1e-13, 1});
 }
@@ -48,7 +48,7 @@ double missed(bool periodic) {
   auto box = cube<Dim, double>(-0.5, 0.5);
   box.periodic.fill(periodic);
   auto points = random_points(300, box, 7);
-  // Some exactly on faces of cells.
+  // Some are exactly on faces of cells.
   for (Index i = 0; i < points.size(); i += 3) {
     points[i][0] = std::min(0.4, std::floor(points[i][0] / r) * r);
   }
@@ -77,7 +77,7 @@ void no_contacts(ReferenceTable& table) {
   const double before = kinetic_energy(grains);
   Bench<2> bench(grains, {.law = {.normal_stiffness = 1e6}});
   bench.run(5, 1e-3);
-  table.add({"15 periodic box without contacts", "kinetic energy after 5 s [of that before]", 1,
+  table.add({"15 periodic box without contacts", "kinetic energy after 5 s [initial]", 1,
              kinetic_energy(bench.grains()) / before, 1e-15});
 }
 
@@ -89,11 +89,11 @@ void grains_in_flight(ReferenceTable& table) {
   for (const bool periodic : {false, true}) {
     const std::string name = std::string("13 points at random, also on cell faces and below 0") +
                              (periodic ? ", periodic sides" : "");
-    table.add({name, "pairs of UniformGrid in 2D that are not those of a search by hand", 0,
+    table.add({name, "pairs of UniformGrid in 2D that differ from a brute-force search", 0,
                missed<2, UniformGrid<2>>(periodic), 0, 1});
-    table.add({name, "pairs of UniformGrid in 3D that are not", 0,
+    table.add({name, "pairs of UniformGrid in 3D that differ", 0,
                missed<3, UniformGrid<3>>(periodic), 0, 1});
-    table.add({name, "pairs of NeighbourList in 3D that are not", 0,
+    table.add({name, "pairs of NeighbourList in 3D that differ", 0,
                missed<3, NeighbourList<3>>(periodic), 0, 1});
   }
   no_contacts(table);

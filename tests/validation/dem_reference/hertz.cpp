@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: MIT
 // Normal impacts of elastic spheres: tests 1 to 3 of Chung and Ooi (2011).
-#include "items.hpp"
-
-#include "support/grains.hpp"
-
 #include <silt/dem/hertz.hpp>
 #include <silt/dem/law.hpp>
 #include <silt/io/csv.hpp>
+
+#include "items.hpp"
+#include "support/grains.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -17,9 +16,9 @@ namespace {
 
 struct Impact {
   double restitution = 0;
-  double force = 0;     // peak [N]
-  double deepest = 0;   // [m]
-  double duration = 0;  // [s]
+  double force = 0;        // peak [N]
+  double max_overlap = 0;  // [m]
+  double duration = 0;     // [s]
 };
 
 struct Case {
@@ -29,17 +28,16 @@ struct Case {
 };
 
 Impact collide(const Case& c, double e) {
-  const dem::Law ball{dem::Hertz{
-      .elastic = {.young_modulus = c.E, .poisson_ratio = c.nu}, .restitution = e}};
+  const dem::Law ball{
+      dem::Hertz{.elastic = {.young_modulus = c.E, .poisson_ratio = c.nu}, .restitution = e}};
   const dem::Law rigid{dem::Hertz{.elastic = {.young_modulus = 1e30, .poisson_ratio = 0}}};
   const dem::Grain sphere{.radius = c.R, .density = c.density};
   const double dt = c.lasts / 200;
   const double gap = 1.4 * c.v * dt;
   const Vec<3> v(-c.v, 0, 0);
-  const auto grains = c.wall ? one_grain<3>({c.R + gap, 0, 0}, v, sphere)
-                             : two_grains<3>(gap, v, sphere);
-  const dem::Plane<3> plane{
-      .point = {c.wall ? 0 : -1e3, 0, 0}, .normal = {1, 0, 0}, .material = 1};
+  const auto grains =
+      c.wall ? one_grain<3>({c.R + gap, 0, 0}, v, sphere) : two_grains<3>(gap, v, sphere);
+  const dem::Plane<3> plane{.point = {c.wall ? 0 : -1e3, 0, 0}, .normal = {1, 0, 0}, .material = 1};
   Simulation sim{grains, UniformGrid<3>{}, dem::Contacts{dem::Materials{ball, rigid}, plane},
                  Leapfrog{}};
   Impact impact;
@@ -48,9 +46,9 @@ Impact collide(const Case& c, double e) {
     sim.step(dt);
     sim.interaction().for_each_contact(
         sim.particles(), [&](Index, Index, const auto& contact, const Vec<3>& force) {
-          last_touch = sim.time() - dt;  // a step looks at where it begins
+          last_touch = sim.time() - dt;  // contacts belong to the beginning of a step
           impact.force = std::max(impact.force, force.norm());
-          impact.deepest = std::max(impact.deepest, contact.overlap);
+          impact.max_overlap = std::max(impact.max_overlap, contact.overlap);
         });
   }
   impact.duration = last_touch + dt / 2 - gap / c.v;
@@ -69,11 +67,17 @@ void hertz(ReferenceTable& table) {
     const auto of = [&](const char* column) { return exact[column][row]; };
     const int test = int(of("test"));
     Case c{"14 Chung and Ooi's test " + std::to_string(test) + ", " + materials[row],
-           of("wall") != 0, of("E_Pa"), of("nu"), of("R_m"), of("rho_kg_m3"), of("v_rel_m_s"),
+           of("wall") != 0,
+           of("E_Pa"),
+           of("nu"),
+           of("R_m"),
+           of("rho_kg_m3"),
+           of("v_rel_m_s"),
            of("t_contact_us") * 1e-6};
     const Impact elastic = collide(c, 1);
     table.add({c.name, "peak force [N]", of("F_max_N"), elastic.force, 0.01});
-    table.add({c.name, "deepest overlap [µm]", of("delta_max_um"), elastic.deepest * 1e6, 0.01});
+    table.add(
+        {c.name, "maximum overlap [µm]", of("delta_max_um"), elastic.max_overlap * 1e6, 0.01});
     table.add({c.name, "duration [µs]", of("t_contact_us"), elastic.duration * 1e6, 0.01});
     if (test != 3) continue;
     for (const double e : {0.2, 0.4, 0.6, 0.8, 1.0}) {

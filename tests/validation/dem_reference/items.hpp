@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-// The exact results that DEM is held against, by what they are about.
+// The exact results for the verification of DEM, by subject.
 #pragma once
 
 #include "support/reference_table.hpp"
 
 namespace silt::test {
 
-/// Each adds the rows of its items.
+/// Each function adds the rows of its items.
 void impacts(ReferenceTable& table);
 void bounces(ReferenceTable& table);
 void friction(ReferenceTable& table);

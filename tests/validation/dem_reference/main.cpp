@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Prints the table of exact results, reference and measured, and compares it with the page that has
-// it.
+// Prints the table of exact results, reference and measured, and compares it with that of a page.
 //
-//   dem_reference PAGE             1 if a row does not hold, or the page's table is not this one
-//   dem_reference PAGE --write     puts this table into the page
+//   dem_reference PAGE             returns 1 if a row fails or the page has a different table
+//   dem_reference PAGE --write     writes the table to the page
 #include "items.hpp"
 
 #include <cstdio>

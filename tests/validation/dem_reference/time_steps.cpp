@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Where leapfrog blows up, and what Contacts refuses.
+// Stability limit of leapfrog, and time steps rejected by Contacts.
 #include "bench.hpp"
 #include "items.hpp"
 
@@ -10,7 +10,7 @@ namespace {
 
 constexpr double k = 1e6;
 
-// The time step at which f(dt) turns from true to false, by bisection [s].
+// The time step at which holds(dt) changes from true to false, by bisection [s].
 template <class F>
 double turning_point(F&& holds) {
   double low = 1e-7, high = 1;
@@ -33,18 +33,18 @@ double refused_from(const dem::Grains<3>& grains, const std::vector<dem::Plane<3
   });
 }
 
-// Two spheres pressed so hard between a floor and a lid that they cannot part while it is watched:
-// ω² = 3 k/m.
+// Two spheres compressed between a floor and a lid, so strongly that no contact ends during the
+// test: ω² = 3 k/m.
 double unstable_from() {
   const double R = pebble.radius;
   dem::Grains<3> grains;
   dem::add_grain(grains, {0, 0, 0.5 * R}, pebble);
   dem::add_grain(grains, {0, 0, 2 * R + 1e-9}, pebble);
   return turning_point([&](double dt) {
-    Bench<3> bench(grains, {.law = {.normal_stiffness = k},
-                            .walls = {dem::Plane<3>{},
-                                      {.point = {0, 0, 2.5 * R}, .normal = {0, 0, -1}}},
-                            .refuse_unstable = false});
+    Bench<3> bench(grains,
+                   {.law = {.normal_stiffness = k},
+                    .walls = {dem::Plane<3>{}, {.point = {0, 0, 2.5 * R}, .normal = {0, 0, -1}}},
+                    .check_stability = false});
     for (int step = 0; step < 2000; ++step) {
       bench.step(dt);
       if (std::abs(bench.grains()[position][0][2] - 0.5 * R) > 1e-5) return false;
@@ -59,12 +59,12 @@ void time_steps(ReferenceTable& table) {
   const double unit = std::sqrt(one_grain<3>({0, 0, 0}, {0, 0, 0})[mass][0] / k);
   const auto on_floor = one_grain<3>({0, 0, 0.99 * pebble.radius}, {0, 0, 0});
   const std::string name = "2 stable time step";
-  table.add({name, "two spheres between walls blow up from [√(m/k)]", 2 / std::sqrt(3.0),
+  table.add({name, "two spheres between walls are unstable from [√(m/k)]", 2 / std::sqrt(3.0),
              unstable_from() / unit, 0.005});
-  // What is refused is exact for one contact, but for the bound's 3 %.
-  table.add({name, "a pair is refused from [√(m/k)]", std::sqrt(2.0),
+  // The limit is exact for one contact, apart from the 3 % of the bound.
+  table.add({name, "a pair is rejected from [√(m/k)]", std::sqrt(2.0),
              refused_from(two_grains<3>(-1e-5, Vec<3>(0, 0, 0)), {}) / unit, 0.03});
-  table.add({name, "a sphere on a floor is refused from [√(m/k)]", 2,
+  table.add({name, "a sphere on a floor is rejected from [√(m/k)]", 2,
              refused_from(on_floor, {dem::Plane<3>{}}) / unit, 0.03});
   table.add({name, "2 √(m/k), (34) [√(m/k)]", 2,
              dem::sah_choi_critical_time_step({.mass = unit * unit * k, .stiffness = k}) / unit,

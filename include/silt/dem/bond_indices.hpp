@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Where the grains of bonds are in memory, which bonds a grain has, and what time step these stand.
+// The indices of the grains of each bond, the bonds of each grain, and their stable time step.
 #pragma once
 
 #include <silt/core/types.hpp>
@@ -15,7 +15,7 @@
 
 namespace silt::dem {
 
-/// Places of a bond's two grains; `no_index` for one that was removed.
+/// Indices of a bond's two grains; `no_index` for a removed grain.
 struct BondEnds {
   Index a;
   Index b;
@@ -25,7 +25,7 @@ BondEnds ends_of(const P& grains, const B& bond) {
   return {grains.index_of(bond.a), grains.index_of(bond.b)};
 }
 
-/// Share of a's radius in the sum of both: how far from a, along the line, the beam takes hold.
+/// R_a/(R_a + R_b) [-]: the position between the centres at which the bond's force acts.
 template <class P>
 typename P::Real arm_of_a(const P& grains, const BondEnds& ends) {
   const auto R = grains[radius][ends.a];
@@ -38,16 +38,16 @@ BeamSection section_at(const P& grains, const BondEnds& ends, const ParallelBond
   return section_of<P::dimension>(law, double(std::min(R[ends.a], R[ends.b])));
 }
 
-/// Made anew when bonds or grains come, go or move in memory.
-class BondPlaces {
+/// Updated when bonds or grains are added, removed or reordered.
+class BondIndices {
  public:
   template <class P>
-  bool hold_for(const P& grains) const {
-    return holds_ && grains.revision() == revision_;
+  bool are_valid_for(const P& grains) const {
+    return is_valid_ && grains.revision() == revision_;
   }
-  void forget() noexcept { holds_ = false; }
+  void invalidate() noexcept { is_valid_ = false; }
 
-  /// Takes bonds of removed grains out of the list, and finds the others' grains.
+  /// Removes the bonds of removed grains from the list and finds the grains of the others.
   template <class P, class B>
   void find(const P& grains, std::vector<B>& bonds) {
     std::erase_if(bonds, [&](const B& bond) {
@@ -70,11 +70,11 @@ class BondPlaces {
       numbers_[next_[ends_[k].b]++] = k;
     }
     revision_ = grains.revision();
-    holds_ = true;
+    is_valid_ = true;
   }
 
   const BondEnds& ends(Index bond) const noexcept { return ends_[bond]; }
-  /// Numbers of the bonds of grain i, rising.
+  /// Indices of the bonds of grain i, in ascending order.
   std::span<const Index> of(Index i) const noexcept {
     return std::span(numbers_).subspan(first_[i], first_[i + 1] - first_[i]);
   }
@@ -85,23 +85,23 @@ class BondPlaces {
   std::vector<Index> numbers_;
   std::vector<Index> next_;
   std::uint64_t revision_ = 0;
-  bool holds_ = false;
+  bool is_valid_ = false;
 };
 
-/// What the bonds of a grain stand by themselves, of the grain that stands least.
+/// Stability limit of the bonds alone, and the grain that has it.
 struct BondStability {
   double time_step = std::numeric_limits<double>::infinity();  ///< [s]
   Id grain = 0;
 };
 template <class P, class B>
-BondStability stability_of(const P& grains, const std::vector<B>& bonds, const BondPlaces& places,
+BondStability stability_of(const P& grains, const std::vector<B>& bonds, const BondIndices& indices,
                            const ParallelBond& law) {
   using Real = typename P::Real;
   BondStability least;
   for (Index i = 0; i < grains.size(); ++i) {
     FrequencyBound<P::dimension, Real> bound;
-    for (const Index k : places.of(i)) {
-      const BondEnds ends = places.ends(k);
+    for (const Index k : indices.of(i)) {
+      const BondEnds ends = indices.ends(k);
       const Real m_a = grains[mass][ends.a];
       const Real m_b = grains[mass][ends.b];
       Contact<P::dimension, Real> contact;

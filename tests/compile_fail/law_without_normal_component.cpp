@@ -1,4 +1,4 @@
-// expect: (static assertion failed|static_assert failed).*no part has a normal_force
+// expect: (static assertion failed|static_assert failed).*no component has a normal_force
 // SPDX-License-Identifier: MIT
 #include <silt/dem/law.hpp>
 #include <silt/dem/linear_friction.hpp>

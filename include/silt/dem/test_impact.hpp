@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Two grains, or one and a wall, that fly into contact and out of it under a law on trial.
+// An impact of two grains, or of a grain on a wall, for the checks of a law.
 #pragma once
 
 #include <silt/core/energy.hpp>
@@ -12,27 +12,27 @@
 
 namespace silt::dem {
 
-/// How a flight begins. The first grain comes along the first axis, and slides along the second.
-struct FlightStart {
-  bool wall = false;     ///< onto a wall, in place of a smaller grain
-  double speed = 0;      ///< against the other one [m/s]
-  double angle = 0;      ///< of that velocity against the normal [rad]
+/// Initial conditions. The first grain moves along the first axis, with a slip along the second.
+struct ImpactStart {
+  bool wall = false;     ///< impact on a wall instead of a smaller grain
+  double speed = 0;      ///< relative to the other side [m/s]
+  double angle = 0;      ///< between this velocity and the normal [rad]
   double spin = 0;       ///< of the first grain, times R, over the speed [-]
   double time_step = 0;  ///< [s]
-  double longest = 0;    ///< after so long they are said to stick [s]
+  double max_time = 0;   ///< contacts that last longer count as sticking [s]
 };
 
-struct FlightReport {
+struct ImpactResult {
   double restitution = 0;    ///< normal speed after over before; 0 if they stick [-]
-  double energy_before = 0;  ///< of motion and spin, where the centre of mass rests [J]
-  double energy_after = 0;   ///< likewise; 0 if they stick
+  double energy_before = 0;  ///< kinetic, with rotation, in the centre-of-mass frame [J]
+  double energy_after = 0;   ///< the same after the impact; 0 if they stick [J]
 };
 
-/// Moves them by leapfrog, from before the contact to behind it.
+/// Integrates the motion with leapfrog from before the contact until after it.
 template <int Dim>
-class TrialFlight {
+class TestImpact {
  public:
-  TrialFlight(const Grain& grain, const FlightStart& start) : start_(start) {
+  TestImpact(const Grain& grain, const ImpactStart& start) : start_(start) {
     Grain smaller = grain;
     smaller.radius *= 0.7;
     const double gap = 1.5 * start.speed * std::cos(start.angle) * start.time_step;
@@ -43,9 +43,9 @@ class TrialFlight {
     contact_.effective_mass = start.wall ? m[0] : m[0] * m[1] / (m[0] + m[1]);
     contact_.effective_radius =
         start.wall ? grain.radius : grain.radius * smaller.radius / (grain.radius + smaller.radius);
-    // The centre of mass rests.
-    const Vec<Dim> v = start.speed * (-std::cos(start.angle) * n_ +
-                                      std::sin(start.angle) * Vec<Dim>::Unit(1));
+    // The centre of mass is at rest.
+    const Vec<Dim> v =
+        start.speed * (-std::cos(start.angle) * n_ + std::sin(start.angle) * Vec<Dim>::Unit(1));
     grains_[velocity][0] = contact_.effective_mass / m[0] * v;
     if (!start.wall) grains_[velocity][1] = -contact_.effective_mass / m[1] * v;
     const double spin = start.spin * start.speed / grain.radius;
@@ -56,17 +56,17 @@ class TrialFlight {
     }
   }
 
-  FlightReport operator()(const AskLaw<Dim>& ask) {
-    FlightReport report{.energy_before = energy()};
-    const double coming = -separating();
+  ImpactResult operator()(const ContactEvaluator<Dim>& evaluate) {
+    ImpactResult report{.energy_before = energy()};
+    const double approach_speed = -separating();
     bool touched = false;
-    for (double time = 0; time < start_.longest; time += start_.time_step) {
-      look();
+    for (double time = 0; time < start_.max_time; time += start_.time_step) {
+      update_contact();
       if (contact_.overlap > 0) {
         touched = true;
-        kick(ask(contact_));
+        kick(evaluate(contact_));
       } else if (touched) {
-        report.restitution = separating() / coming;
+        report.restitution = separating() / approach_speed;
         report.energy_after = energy();
         break;
       }
@@ -77,7 +77,7 @@ class TrialFlight {
   }
 
  private:
-  // From the other one's centre, or from the wall, which is at 0.
+  // Vector from the other grain's centre, or from the wall, which is at 0.
   Vec<Dim> distance() const {
     if (start_.wall) return grains_[position][0].dot(n_) * n_;
     return grains_[position][0] - grains_[position][1];
@@ -89,7 +89,7 @@ class TrialFlight {
   double arm(Index i) const {
     return grains_[radius][i] - contact_.overlap / (start_.wall ? 1 : 2);
   }
-  void look() {
+  void update_contact() {
     const Vec<Dim> r = distance();
     const auto R = grains_[radius];
     contact_.normal = r.normalized();
@@ -116,8 +116,8 @@ class TrialFlight {
   double energy() const { return kinetic_energy(grains_) + rotational_energy(grains_); }
 
   const Vec<Dim> n_ = Vec<Dim>::Unit(0);
-  FlightStart start_;
-  Grains<Dim> grains_;  // the second one stands aside where there is a wall
+  ImpactStart start_;
+  Grains<Dim> grains_;  // the second one is unused in an impact on a wall
   Contact<Dim, double> contact_;
 };
 
