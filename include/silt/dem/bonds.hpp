@@ -188,10 +188,8 @@ class Bonds {
     archive("broken_energy", broken_.energy);
     archive("stable_time_step", stability_.time_step);
     archive("least_stable", stability_.grain);
-    if constexpr (Archive::reads) {
-      is_stability_known_ = true;
-      places_.forget();
-    }
+    archive("is_stability_known", is_stability_known_);
+    if constexpr (Archive::reads) places_.forget();
   }
 
   void save() noexcept { is_kept_ = false; }

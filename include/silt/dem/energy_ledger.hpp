@@ -87,6 +87,28 @@ class EnergyLedger {
     return knows_springs_ ? integration_error_ : std::numeric_limits<double>::quiet_NaN();
   }
 
+  /// For a checkpoint, see core/transfer.hpp: after a restart it goes on as if it had seen all steps.
+  template <class Archive>
+  void transfer(Archive& archive) {
+    archive.within("before", [&] { before_.transfer(archive); });
+    archive("steps", steps_);
+    archive("noted_time", noted_time_);
+    archive("time_step", time_step_);
+    archive.within("motion", [&] { motion_.transfer(archive); });
+    archive.within("stored", [&] { stored_.transfer(archive); });
+    archive("has_begun", has_begun_);
+    archive("knows_springs", knows_springs_);
+    archive("time", time_);
+    archive("energies", energies_);
+    archive("beginning", beginning_);
+    archive("works", works_);
+    archive("works_of_step", step_);
+    archive("losses", losses_);
+    archive("outside", outside_);
+    archive("came_since", came_since_);
+    archive("integration_error", integration_error_);
+  }
+
   /// In the last step, from N − ½ to N + ½.
   const Works& works_of_step() const noexcept { return step_; }
   /// Of the kinetic energy, rotation included [J].

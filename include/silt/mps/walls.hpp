@@ -88,7 +88,7 @@ class WallNormals {
   bool are_of(const P& particles) const {
     const auto x = particles[position];
     const auto kinds = particles[kind];
-    return particles.revision() == revision_ && x.size() == positions_.size() &&
+    return particles.owned_revision() == revision_ && x.size() == positions_.size() &&
            first_where(x.size(), [&](Index i) {
              return kinds[i] != Kind::fluid && x[i] != positions_[i];
            }) == nowhere;
@@ -97,7 +97,7 @@ class WallNormals {
   void note(const P& particles) {
     const auto x = particles[position];
     positions_.assign(x.begin(), x.end());
-    revision_ = particles.revision();
+    revision_ = particles.owned_revision();
   }
 
   std::vector<Vec> normals_;  // of owned particles, zero for fluid
