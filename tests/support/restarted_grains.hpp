@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Grains with all that has state: contacts under a law, bonds that break, a wall that moves, periodic
-// sides, an inflow, an outflow and an energy ledger.
+// Grains with all that has state: contacts under a law, bonds that break, a wall that moves,
+// periodic sides, an inflow, an outflow and an energy ledger.
 #pragma once
 
 #include "support/points.hpp"

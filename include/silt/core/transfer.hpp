@@ -52,9 +52,9 @@ void at_positions(P& particles, const std::vector<typename P::Vec>& x, F&& f) {
   std::copy(now.begin(), now.end(), particles[position].begin());
 }
 
-/// Transfers the positions [m] at which a search was last updated, and updates it there. position_at(i)
-/// is that of particle i; where is_known is false, those are of other particles, and the search is
-/// updated at the positions now. The particles stay where they are. Returns is_known.
+/// Transfers the positions [m] at which a search was last updated, and updates it there.
+/// position_at(i) is that of particle i; where is_known is false, those are of other particles, and
+/// the search is updated at the positions now. The particles stay where they are. Returns is_known.
 template <class Archive, class P, class PositionAt, class Update>
 bool transfer_update(Archive& archive, P& particles, bool is_known, PositionAt&& position_at,
                      Update&& update) {
