@@ -56,7 +56,9 @@ void step(Run& run, bool fails_first = false) {
           }
         };
         (before(observer), ...);
-        if (fails_first) EXPECT_THROW(run.simulation.step(1e3), Error);
+        if (fails_first) {
+          EXPECT_THROW(run.simulation.step(1e3), Error);
+        }
         run.simulation.step();
         [[maybe_unused]] const auto after = [&](auto& each) {
           if constexpr (requires { each.after_step(run.simulation); }) {
