@@ -37,7 +37,7 @@ class RestartedGrains {
                           Forces{Gravity<Dim>{pull}, dem::Contacts{law, floor}, bonds},
                           Leapfrog{GlobalDamping{.alpha = 0.5}}};
     const dem::Blend<dem::UniformSizes> pebbles{
-        .sizes = {.smallest_radius = 0.006, .largest_radius = 0.012}, .density = 2500};
+        .sizes = {.min_radius = 0.006, .max_radius = 0.012}, .density = 2500};
     dem::EnergyLedger ledger{simulation};
     dem::Inflow<Box<Dim>, dem::UniformSizes> rain{
         part(height(), height() + 0.1), pebbles,

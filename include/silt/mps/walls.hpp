@@ -91,7 +91,7 @@ class WallNormals {
     return particles.owned_revision() == revision_ && x.size() == positions_.size() &&
            first_where(x.size(), [&](Index i) {
              return kinds[i] != Kind::fluid && x[i] != positions_[i];
-           }) == nowhere;
+           }) == no_index;
   }
   template <class P>
   void note(const P& particles) {
