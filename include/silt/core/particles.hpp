@@ -79,6 +79,9 @@ class Particles {
 
   /// Grows whenever particles or ghosts come, go or move in memory.
   std::uint64_t revision() const noexcept { return revision_; }
+  /// Grows whenever owned particles come, go or move in memory, or the box changes. A failed step
+  /// leaves it as it was, whatever ghosts it made.
+  std::uint64_t owned_revision() const noexcept { return owned_revision_; }
 
   const Box<Dim, Real>& box() const noexcept { return box_; }
   /// Throws if the box has no volume, or a periodic side that is not finite.
@@ -86,7 +89,7 @@ class Particles {
     box.check();
     clear_ghosts();
     box_ = box;
-    ++revision_;
+    note_change();
   }
 
   void reserve(Index n) {
@@ -107,7 +110,7 @@ class Particles {
     column<position_t>()[i] = x;
     ids_.push_back(id);
     places_.push_back(i);
-    ++revision_;
+    note_change();
     return i;
   }
 
@@ -128,7 +131,7 @@ class Particles {
     if (kept == before) return 0;
     columns_.for_each([kept](auto& column, auto) { column.resize(kept); });
     ids_.resize(kept);
-    ++revision_;
+    note_change();
     return before - kept;
   }
 
@@ -155,7 +158,7 @@ class Particles {
     for (Index i = 0; i < order.size(); ++i) ids[i] = ids_[order[i]];
     ids_.swap(ids);
     for (Index i = 0; i < ids_.size(); ++i) places_[ids_[i]] = i;
-    ++revision_;
+    note_change();
   }
 
   // Ghosts; core/ghosts.hpp says when.
@@ -240,6 +243,11 @@ class Particles {
                           "(temperature_t of temperature) to their list");
   }
 
+  void note_change() noexcept {
+    ++revision_;
+    ++owned_revision_;
+  }
+
   template <class F>
   auto& column() noexcept {
     return columns_.template of<F>();
@@ -276,7 +284,7 @@ class Particles {
       fail("Particles: what was read has columns of different lengths, or an id twice; it was not "
            "written by transfer()");
     }
-    ++revision_;
+    note_change();
   }
 
   void check_permutation(std::span<const Index> order) const {
@@ -304,6 +312,7 @@ class Particles {
   std::vector<Vec> shifts_;    // by ghost
   Box<Dim, Real> box_;
   std::uint64_t revision_ = 0;
+  std::uint64_t owned_revision_ = 0;
 };
 
 /// P has every one of the fields.

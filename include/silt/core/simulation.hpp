@@ -20,6 +20,7 @@
 #include <string_view>
 #include <type_traits>
 #include <utility>
+#include <vector>
 
 namespace silt {
 
@@ -114,7 +115,10 @@ class Simulation {
     if constexpr (Transferable<S, Archive, P>) {
       transfer_part(archive, "search", search_, particles_);
     } else if constexpr (Archive::reads) {
-      search_.update(particles_);
+      // It must not move particles: an update brings them back into a periodic box.
+      const std::vector<typename P::Vec> now(particles_[position].begin(),
+                                             particles_[position].end());
+      at_positions(particles_, now, [&] { search_.update(particles_); });
     }
     transfer_part(archive, "integrator", integrator_, particles_);
     transfer_part(archive, "interaction", interaction_, particles_);

@@ -18,6 +18,7 @@
 #pragma once
 
 #include <silt/core/fields.hpp>
+#include <silt/core/types.hpp>
 
 #include <algorithm>
 #include <string_view>
@@ -49,6 +50,25 @@ void at_positions(P& particles, const std::vector<typename P::Vec>& x, F&& f) {
   std::copy(x.begin(), x.end(), particles[position].begin());
   f();
   std::copy(now.begin(), now.end(), particles[position].begin());
+}
+
+/// Transfers the positions [m] at which a search was last updated, and updates it there.
+/// position_at(i) is that of particle i; where is_known is false, those are of other particles, and
+/// the search is updated at the positions now. The particles stay where they are. Returns is_known.
+template <class Archive, class P, class PositionAt, class Update>
+bool transfer_update(Archive& archive, P& particles, bool is_known, PositionAt&& position_at,
+                     Update&& update) {
+  std::vector<typename P::Vec> x;
+  if (!Archive::reads && is_known) {
+    for (Index i = 0; i < particles.size(); ++i) x.push_back(position_at(i));
+  }
+  archive("is_known", is_known);
+  archive("positions", x);
+  if constexpr (Archive::reads) {
+    if (!is_known) x.assign(particles[position].begin(), particles[position].end());
+    at_positions(particles, x, update);
+  }
+  return is_known;
 }
 
 }  // namespace silt

@@ -189,10 +189,8 @@ class Bonds {
     archive("broken_energy", broken_.energy);
     archive("stable_time_step", stability_.time_step);
     archive("least_stable", stability_.grain);
-    if constexpr (Archive::reads) {
-      is_stability_known_ = true;
-      indices_.invalidate();
-    }
+    archive("is_stability_known", is_stability_known_);
+    if constexpr (Archive::reads) indices_.invalidate();
   }
 
   void save() noexcept { is_kept_ = false; }

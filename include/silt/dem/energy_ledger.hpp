@@ -90,6 +90,28 @@ class EnergyLedger {
     return knows_springs_ ? integration_error_ : std::numeric_limits<double>::quiet_NaN();
   }
 
+  /// For a checkpoint, see core/transfer.hpp.
+  template <class Archive>
+  void transfer(Archive& archive) {
+    archive.within("before", [&] { before_.transfer(archive); });
+    archive("steps", steps_);
+    archive("before_time", before_time_);
+    archive("time_step", time_step_);
+    archive.within("motion", [&] { motion_.transfer(archive); });
+    archive.within("stored", [&] { stored_.transfer(archive); });
+    archive("has_begun", has_begun_);
+    archive("knows_springs", knows_springs_);
+    archive("time", time_);
+    archive("energies", energies_);
+    archive("initial_energies", initial_energies_);
+    archive("work", work_);
+    archive("work_of_step", step_);
+    archive("losses", losses_);
+    archive("added_energy", added_energy_);
+    archive("added_since", added_since_);
+    archive("integration_error", integration_error_);
+  }
+
   /// Work in the last step, from N − ½ to N + ½.
   const Work& work_of_step() const noexcept { return step_; }
   /// Change of the kinetic energy, including rotation, in the last step [J].

@@ -54,6 +54,13 @@ class MeanMotion {
     }
   }
 
+  /// For a checkpoint, see core/transfer.hpp: what is asked for between steps.
+  template <class Archive>
+  void transfer(Archive& archive) {
+    archive("kinetic_change", kinetic_change_);
+    archive("rotational_change", rotational_change_);
+  }
+
   double duration() const noexcept { return duration_; }
   bool stays(Index i) const noexcept { return stays_[i]; }
   const Vector& velocity_of(Index i) const noexcept { return v_[i]; }

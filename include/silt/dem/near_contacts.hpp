@@ -95,6 +95,17 @@ class NearContacts {
     }
   }
 
+  /// f(contact) for each, grain by grain as they lie in memory, and at each in the order of the
+  /// partners' ids: an order that the search has no part in.
+  template <class F>
+  void for_each_contact_by_grain(F&& f) const {
+    for (Index i = 0; i + 1 < begin_.size(); ++i) {
+      for (const Part part : of(i)) {
+        if (!part.is_second()) f(part.contact());
+      }
+    }
+  }
+
   /// Contacts of owned grain i.
   std::span<const Part> of(Index i) const noexcept {
     return std::span(parts_).subspan(begin_[i], begin_[i + 1] - begin_[i]);

@@ -41,12 +41,13 @@ Sides sides_of(const P& grains, const NearContacts& near, Index c) {
 }
 
 /// f(c, sides, row) for every contact of the last step whose grains still exist; row is a
-/// ContactRow.
+/// ContactRow. Contacts are visited in the order of the grains in memory, those of a grain in the
+/// order of the partners' ids, so that sums do not depend on when the near contacts were found.
 template <class P, class T, class F>
 void for_each_touch(const P& grains, const T& touches, F&& f) {
   const auto& near = touches.near();
   if (touches.seen().at.size() != near.size()) return;
-  near.for_each_contact([&](Index c) {
+  near.for_each_contact_by_grain([&](Index c) {
     if (!touches.seen().touches(c)) return;
     const auto* const row = touches.seen().row_of(c);
     const bool at_wall = near.is_of_wall(c);

@@ -8,6 +8,7 @@
 #include <silt/core/types.hpp>
 
 #include <cmath>
+#include <cstddef>
 #include <limits>
 #include <span>
 #include <string>
@@ -38,6 +39,29 @@ class BlockSums {
     for (Index k = 0; k < sample.size(); ++k) current_[k] += sample[k];
     ++samples_;
     if (++in_current_ == block_length_) close_block();
+  }
+
+  /// For a checkpoint, see core/transfer.hpp. Throws if what is read has other numbers in a sample.
+  template <class Archive>
+  void transfer(Archive& archive) {
+    const Index numbers = current_.size();
+    std::vector<double> blocks;
+    for (const auto& block : blocks_) blocks.insert(blocks.end(), block.begin(), block.end());
+    archive("blocks", blocks);
+    archive("current", current_);
+    archive("in_current", in_current_);
+    archive("block_length", block_length_);
+    archive("samples", samples_);
+    if constexpr (Archive::reads) {
+      if (current_.size() != numbers || blocks.size() % numbers != 0) {
+        fail("BlockSums: what was read has samples of " + std::to_string(current_.size()) +
+             " numbers, not " + std::to_string(numbers) + "; build it as it was when it was written");
+      }
+      blocks_.clear();
+      for (auto at = blocks.begin(); at != blocks.end(); at += std::ptrdiff_t(numbers)) {
+        blocks_.emplace_back(at, at + std::ptrdiff_t(numbers));
+      }
+    }
   }
 
   Index samples() const noexcept { return samples_; }

@@ -8,8 +8,10 @@
 #include <silt/mps/neighbourhood.hpp>
 #include <silt/mps/operators.hpp>
 
+#include <algorithm>
 #include <concepts>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 namespace silt::mps {
@@ -41,21 +43,25 @@ class WallNormals {
   using Vec = silt::Vec<Dim, Real>;
 
   /// A wall particle's normal points away from what is solid around it; a dummy's is the mean of
-  /// the wall particles' around it. Zero where there is no side to point to. They are found anew
-  /// when the particles were added to, removed or sorted.
+  /// the wall particles' around it. Zero where there is no side to point to. They depend on the
+  /// particles alone, not on when they were found: sums run in the order of the ids, and are made
+  /// anew when particles came, went or were sorted, and when solid ones moved.
   template <FluidParticles P, class T>
   void find(const P& particles, const Neighbourhood<Dim, Real>& around, const T& stencil) {
-    if (is_found_ && revision_ == particles.revision()) return;
-    is_found_ = true;
-    revision_ = particles.revision();
+    if (are_of(particles)) return;
+    note(particles);
     const auto kinds = particles.with_ghosts(kind);
     normals_.assign(particles.size(), Vec::Zero());
     for_each(particles.size(), [&](Index i) {
       if (kinds[i] != Kind::wall) return;
-      Vec away = Vec::Zero();
+      static thread_local std::vector<std::pair<Id, Vec>> solids;  // its memory stays
+      solids.clear();
       for_each_weighted(around, i, stencil, [&](Index j, const Vec& r_ij, Real w, Real) {
-        if (kinds[j] != Kind::fluid) away -= (w / r_ij.norm()) * r_ij;
+        if (kinds[j] != Kind::fluid) solids.emplace_back(particles.id(j), (w / r_ij.norm()) * r_ij);
       });
+      std::ranges::sort(solids, {}, &std::pair<Id, Vec>::first);
+      Vec away = Vec::Zero();
+      for (const auto& [id, towards] : solids) away -= towards;
       const Real size = away.norm();
       if (size > Real(least) * stencil.n0) normals_[i] = away / size;
     });
@@ -78,9 +84,25 @@ class WallNormals {
  private:
   static constexpr double least = 1e-3;  // of n0: what is less is rounding
 
+  template <class P>
+  bool are_of(const P& particles) const {
+    const auto x = particles[position];
+    const auto kinds = particles[kind];
+    return particles.owned_revision() == revision_ && x.size() == positions_.size() &&
+           first_where(x.size(), [&](Index i) {
+             return kinds[i] != Kind::fluid && x[i] != positions_[i];
+           }) == no_index;
+  }
+  template <class P>
+  void note(const P& particles) {
+    const auto x = particles[position];
+    positions_.assign(x.begin(), x.end());
+    revision_ = particles.owned_revision();
+  }
+
   std::vector<Vec> normals_;  // of owned particles, zero for fluid
+  std::vector<Vec> positions_;  // from which they were found; those of fluid do not matter
   std::uint64_t revision_ = 0;
-  bool is_found_ = false;
 };
 
 /// <∇·u>_i where fluid slips along walls: a solid particle has its own velocity along its normal, and

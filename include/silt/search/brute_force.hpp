@@ -4,9 +4,11 @@
 
 #include <silt/core/error.hpp>
 #include <silt/core/ghosts.hpp>
+#include <silt/core/transfer.hpp>
 #include <silt/core/types.hpp>
 
 #include <cmath>
+#include <cstdint>
 #include <vector>
 
 namespace silt {
@@ -42,8 +44,17 @@ class BruteForce {
     const auto x = particles.with_ghosts(position);
     positions_.assign(x.begin(), x.end());
     owned_ = particles.size();
+    revision_ = particles.owned_revision();
     owners_.resize(positions_.size());
     for (Index i = 0; i < owners_.size(); ++i) owners_[i] = particles.owner(i);
+  }
+
+  /// For a checkpoint, see core/transfer.hpp: the last update.
+  template <class Archive, class P>
+  void transfer(Archive& archive, P& particles) {
+    transfer_update(
+        archive, particles, particles.owned_revision() == revision_,
+        [&](Index i) { return positions_[i]; }, [&] { update(particles); });
   }
 
   /// f(j, r_ij, r) for every j, owned or ghost, with r < radius(); i is owned, r_ij = x_j − x_i.
@@ -76,6 +87,7 @@ class BruteForce {
  private:
   Real radius_ = 0;
   Index owned_ = 0;
+  std::uint64_t revision_ = 0;  // of the particles at the last update
   std::vector<Vec> positions_;
   std::vector<Index> owners_;
 };

@@ -34,7 +34,7 @@ class LastPositions {
   /// Whether the positions are of these particles, place by place.
   template <class P>
   bool are_of(const P& particles) const {
-    return particles.revision() == look_.revision && particles.total() == look_.total;
+    return particles.owned_revision() == look_.revision && particles.size() == look_.owned;
   }
 
   /// How far [m] the farthest has moved from these positions, of the owned particles; infinity if
@@ -66,6 +66,7 @@ class LastPositions {
   void take_ghosts(const P& particles) {
     const auto x = particles.with_ghosts(position);
     const auto owned = static_cast<std::ptrdiff_t>(particles.size());
+    positions_.resize(x.size());
     std::copy(x.begin() + owned, x.end(), positions_.begin() + owned);
     note(particles);
   }
@@ -90,13 +91,13 @@ class LastPositions {
  private:
   using Bits = std::conditional_t<sizeof(Real) == 4, std::uint32_t, std::uint64_t>;
   struct Look {
-    std::uint64_t revision = 0;  // of the particles
-    Index total = 0;             // of them
+    std::uint64_t revision = 0;  // of the owned particles
+    Index owned = 0;             // of them
   };
 
   template <class P>
   void note(const P& particles) {
-    look_ = {.revision = particles.revision(), .total = particles.total()};
+    look_ = {.revision = particles.owned_revision(), .owned = particles.size()};
   }
 
   // Those of the last look; new ones do not write over them while a step may be undone.

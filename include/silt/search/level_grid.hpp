@@ -8,6 +8,7 @@
 #include <silt/core/ghosts.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/particles.hpp>
+#include <silt/core/transfer.hpp>
 #include <silt/core/types.hpp>
 #include <silt/search/bin_sort.hpp>
 #include <silt/search/neighbour_rows.hpp>
@@ -17,6 +18,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace silt {
@@ -57,14 +59,18 @@ class LevelGrid {
     require_positive("LevelGrid: radius", double(radius_));
     make_ghosts(particles, radius_);
     owned_ = particles.size();
-    revision_ = particles.revision();
+    revision_ = particles.owned_revision();
     const auto x = particles.with_ghosts(position);
     const auto R = particles.with_ghosts(silt::radius);
     radii_.assign(R.begin(), R.end());
     owners_.resize(x.size() - owned_);
     for (Index g = 0; g < owners_.size(); ++g) owners_[g] = particles.owner(owned_ + g);
-    find_gap();
-    choose();
+    gap_ = gap_of(particles[silt::radius]);
+    highest_ = highest_of(particles[silt::radius], gap_);
+    levels_.resize(std::max<Index>(highest_.size(), 1));
+    for (Index l = 0; l < highest_.size(); ++l) {
+      levels_[l].largest = largest_of_level(highest_[l], gap_);
+    }
     by_level_.sort(x.size(), levels_.size(), [&](Index i) { return level_of_size(radii_[i]); });
     for (Index l = 0; l < levels_.size(); ++l) {
       Level& level = levels_[l];
@@ -83,12 +89,22 @@ class LevelGrid {
   void sort(P& particles) {
     if (particles.size() < worth_sorting) return;
     require_positive("LevelGrid: radius", double(radius_));
-    const Real finest = levels_.empty() ? radius_ : 2 * levels_.front().largest + gap_;
-    all_levels_.sort(particles[position], finest);
-    const bool is_new = particles.revision() != revision_;
+    const Real gap = gap_of(particles[silt::radius]);
+    const SizeClass finest = highest_of(particles[silt::radius], gap).front();
+    all_levels_.sort(particles[position], 2 * largest_of_level(finest, gap) + gap);
+    const bool is_new = particles.owned_revision() != revision_;
     if (all_levels_.descents() <= (is_new ? 0 : particles.size() / 16)) return;
     const auto items = all_levels_.item_of();
     particles.reorder(std::vector<Index>(items.begin(), items.end()));
+  }
+
+  /// For a checkpoint, see core/transfer.hpp: the last update.
+  template <class Archive, class P>
+  void transfer(Archive& archive, P& particles) {
+    const bool is_known = transfer_update(
+        archive, particles, particles.owned_revision() == revision_,
+        [&](Index i) { return position_of(i); }, [&] { update(particles); });
+    if (!is_known) revision_ = 0;  // particles came or went since
   }
 
   /// f(j, r_ij, r) for every j, owned or ghost, with r < R_i + R_j + gap; i is owned.
@@ -191,26 +207,28 @@ class LevelGrid {
     SortedCells<Dim, Real> points;
   };
 
-  void find_gap() {
-    const Real most = largest(owned_, Real(0), [&](Index i) { return radii_[i]; });
-    gap_ = radius_ - 2 * most;
-    if (gap_ < 0) {
+  // How far beyond touching pairs are found.
+  Real gap_of(std::span<const Real> radii) const {
+    const Real most = silt::largest(radii.size(), Real(0), [&](Index i) { return radii[i]; });
+    const Real gap = radius_ - 2 * most;
+    if (gap < 0) {
       fail("LevelGrid: radius = " + to_text(double(radius_)) +
            " m is less than two of the largest particle, " + to_text(2 * double(most)) +
            " m; enlarge it, or leave it to the simulation");
     }
+    return gap;
   }
 
-  void choose() {
+  // The highest size class of each level.
+  std::vector<SizeClass> highest_of(std::span<const Real> radii, Real gap) {
     histogram_.assign(size_classes, 0);
-    for (Index i = 0; i < owned_; ++i) ++histogram_[size_class_of(double(radii_[i]))];
-    highest_ = choose_levels(histogram_, double(gap_), Dim);
-    levels_.resize(std::max<Index>(highest_.size(), 1));
-    for (Index l = 0; l < highest_.size(); ++l) {
-      // Rounded to single precision it may become less.
-      const auto bound = static_cast<Real>(largest_of(highest_[l]));
-      levels_[l].largest = std::min(bound, (radius_ - gap_) / 2);
-    }
+    for (const Real size : radii) ++histogram_[size_class_of(double(size))];
+    return choose_levels(histogram_, double(gap), Dim);
+  }
+
+  // No radius of the level is larger; rounded to single precision it may become less.
+  Real largest_of_level(SizeClass highest, Real gap) const {
+    return std::min(static_cast<Real>(largest_of(highest)), (radius_ - gap) / 2);
   }
 
   Index level_of_size(Real size) const {

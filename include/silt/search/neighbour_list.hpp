@@ -54,7 +54,6 @@ class NeighbourList {
   /// Throws if the radius is not positive.
   void set_radius(Real radius) {
     require_positive("NeighbourList: radius", double(radius));
-    if (radius != radius_) list_.built = false;
     radius_ = radius;
   }
   /// How much farther than radius() the candidates reached at the last update: the skin, without
@@ -65,6 +64,7 @@ class NeighbourList {
   template <class P>
   void sort(P& particles) {
     require_positive("NeighbourList: radius", double(radius()));
+    bring_back_ghosts(particles);
     if (fits(particles)) {
       // While much of the skin is left nobody need be asked.
       if (now_.moved + 2 * now_.pace < list_.skin / 2) return;
@@ -80,6 +80,7 @@ class NeighbourList {
   template <class P>
   void update(P& particles) {
     require_positive("NeighbourList: radius", double(radius()));
+    bring_back_ghosts(particles);
     ++now_.updates;
     const bool fitting = fits(particles);
     if (const auto farthest = positions_.take_owned(particles)) {
@@ -163,16 +164,15 @@ class NeighbourList {
   /// The list before the first rebuild of a step is kept, so that undoing the step brings it back.
   void save() noexcept {
     saved_ = now_;
+    saved_asked_ = asked_;
     positions_.save();
     keeps_last_ = false;
   }
   void restore() noexcept {
     now_ = saved_;
+    asked_ = saved_asked_;
     positions_.restore();
-    if (!keeps_last_) return;
-    std::swap(list_, last_);
-    // Ghosts went with the old list; without them it fits the particles again.
-    if (list_.has_ghosts || last_.has_ghosts) list_.built = false;
+    if (keeps_last_) std::swap(list_, last_);
     keeps_last_ = false;
   }
 
@@ -180,33 +180,41 @@ class NeighbourList {
   /// is rebuilt, and positions are wrapped, in the same steps as ever.
   template <class Archive, class P>
   void transfer(Archive& archive, P& particles) {
+    bool is_of_these = list_.radius > 0 && is_of(particles);
+    bool has_last = positions_.are_of(particles);
     std::vector<Vec> reference, last;
-    if (!Archive::reads && fits(particles)) {
-      reference = list_.reference;
+    if (!Archive::reads && is_of_these) reference = list_.reference;
+    if (!Archive::reads && has_last) {
       const auto known = positions_.first(particles.size());
       last.assign(known.begin(), known.end());
     }
+    archive("built", list_.built);
+    archive("is_of_these", is_of_these);
     archive("reference", reference);
+    archive("has_last", has_last);
     archive("last", last);
+    archive("radius", list_.radius);
     archive("skin", list_.skin);
-    archive("has_rows", list_.has_rows);
+    archive("has_rows", now_.has_rows);
     archive("asked", asked_);
-    archive("rebuilds", rebuilds_);
     archive.within("tuning", [&] { now_.tuning.transfer(archive); });
     archive("moved", now_.moved);
     archive("pace", now_.pace);
     archive("updates", now_.updates);
+    archive("rebuilds", now_.rebuilds);
     if constexpr (Archive::reads) {
       journey_ = Journey();
-      list_.built = false;
-      if (!reference.empty() && reference.size() == particles.size()) {
-        build_again(particles, reference, last);
+      if (is_of_these) {
+        build_again(particles, reference);
+      } else {
+        list_.built = false;
       }
+      if (has_last) take_again(particles, last);
     }
   }
 
   /// Times the list was built.
-  std::uint64_t rebuilds() const noexcept { return rebuilds_; }
+  std::uint64_t rebuilds() const noexcept { return now_.rebuilds; }
   /// Skin of the list as it was built last [m].
   Real skin() const noexcept { return list_.skin; }
 
@@ -214,13 +222,13 @@ class NeighbourList {
   // What a rebuild replaces.
   struct List {
     bool built = false;
-    bool has_ghosts = false;
+    Real radius = 0;
     Real skin = 0;
-    std::uint64_t revision = 0;
+    std::uint64_t revision = 0;  // of the particles it was built from
+    std::uint64_t owned_revision = 0;
     Inner grid;
     std::vector<Vec> reference;  // positions it was built from
     std::array<NeighbourRows, 2> rows;
-    std::array<bool, 2> has_rows{};
   };
 
   // What every update changes.
@@ -229,64 +237,87 @@ class NeighbourList {
     Real moved = 0;     // at most, from where the list was built
     Real pace = 0;      // of the farthest since the update before
     Index updates = 0;  // of the list as it is
+    std::array<bool, 2> has_rows{};  // it, of each kind
     double travelled = 0;  // the sum of paces [m]
+    std::uint64_t rebuilds = 0;
   };
 
   const NeighbourRows& rows(Pairs pairs) const { return list_.rows[static_cast<Index>(pairs)]; }
   bool has_rows(Pairs pairs) const {
     const auto kind = static_cast<Index>(pairs);
     // Several threads may ask.
-    if (!list_.has_rows[kind]) std::atomic_ref(asked_[kind]).store(true, std::memory_order_relaxed);
-    return list_.has_rows[kind];
+    if (!now_.has_rows[kind]) std::atomic_ref(asked_[kind]).store(true, std::memory_order_relaxed);
+    return now_.has_rows[kind];
   }
   void build_rows(Pairs pairs) {
     const auto kind = static_cast<Index>(pairs);
-    if (!asked_[kind] || list_.has_rows[kind]) return;
+    if (!asked_[kind] || now_.has_rows[kind]) return;
     list_.grid.build_rows(list_.rows[kind], pairs);
-    list_.has_rows[kind] = true;
+    now_.has_rows[kind] = true;
   }
 
-  // Whether these are the particles of the list, in their places.
+  // Whether the list can be used for these particles.
   template <class P>
   bool fits(const P& particles) const {
-    return list_.built && positions_.are_of(particles) && particles.revision() == list_.revision &&
-           particles.size() == list_.reference.size();
+    return list_.built && list_.radius == radius_ && positions_.are_of(particles) &&
+           is_of(particles);
+  }
+  // Whether it is, or was, a list of these particles in their places.
+  template <class P>
+  bool is_of(const P& particles) const {
+    return list_.owned_revision == particles.owned_revision() &&
+           list_.reference.size() == particles.size();
   }
   template <class P>
   void build(P& particles) {
-    // One without a skin is rebuilt at every move, so that there is nothing to bring back.
-    if (!keeps_last_ && list_.skin > 0) {
+    if (!keeps_last_) {
       std::swap(list_, last_);
       keeps_last_ = true;
     }
     list_.built = false;
-    list_.has_rows = {};
+    now_.has_rows = {};
+    list_.radius = radius();
     list_.skin = radius() * Real(now_.tuning.fraction());
-    list_.grid.set_radius(radius() + list_.skin);
+    list_.grid.set_radius(list_.radius + list_.skin);
     list_.grid.update(particles);
     const auto x = particles[position];
     list_.reference.assign(x.begin(), x.end());
-    list_.has_ghosts = particles.total() > particles.size();
-    list_.revision = particles.revision();
+    note_revisions(particles);
     list_.built = true;
     now_.moved = 0;
     now_.updates = 0;
-    ++rebuilds_;
+    ++now_.rebuilds;
+  }
+  template <class P>
+  void note_revisions(const P& particles) {
+    list_.revision = particles.revision();
+    list_.owned_revision = particles.owned_revision();
   }
 
-  // The list as it was, of these positions, and last updated at those.
+  // Ghosts that are not the list's are those of a step that was undone, or of another search.
   template <class P>
-  void build_again(P& particles, const std::vector<Vec>& reference, const std::vector<Vec>& last) {
-    list_.grid.set_radius(radius() + list_.skin);
+  void bring_back_ghosts(P& particles) {
+    if (!fits(particles) || list_.revision == particles.revision()) return;
+    const auto known = positions_.first(particles.size());
+    const std::vector<Vec> last(known.begin(), known.end());
+    build_again(particles, std::vector<Vec>(list_.reference));
+    take_again(particles, last);
+  }
+  // The list as it was, of these positions.
+  template <class P>
+  void build_again(P& particles, const std::vector<Vec>& reference) {
+    list_.grid.set_radius(list_.radius + list_.skin);
     at_positions(particles, reference, [&] { list_.grid.update(particles); });
     list_.reference = reference;
-    list_.has_ghosts = particles.total() > particles.size();
-    list_.revision = particles.revision();
-    list_.built = true;
+    note_revisions(particles);
     for (const Pairs pairs : {Pairs::twice, Pairs::once}) {
       const auto kind = static_cast<Index>(pairs);
-      if (list_.has_rows[kind]) list_.grid.build_rows(list_.rows[kind], pairs);
+      if (now_.has_rows[kind]) list_.grid.build_rows(list_.rows[kind], pairs);
     }
+  }
+  // Last updated at these.
+  template <class P>
+  void take_again(P& particles, const std::vector<Vec>& last) {
     at_positions(particles, last, [&] {
       particles.refresh_ghosts(position);
       positions_.take_all(particles);
@@ -296,7 +327,7 @@ class NeighbourList {
   // Somebody has moved too far: what that teaches about the skin.
   void outgrow() {
     for (const Pairs pairs : {Pairs::once, Pairs::twice}) {
-      if (!list_.has_rows[static_cast<Index>(pairs)]) continue;
+      if (!now_.has_rows[static_cast<Index>(pairs)]) continue;
       const auto particles = double(std::max<Index>(list_.reference.size(), 1));
       now_.tuning.learn({.dimension = Dim,
                          .entries = double(rows(pairs).entries()) / particles,
@@ -313,7 +344,7 @@ class NeighbourList {
   List last_;
   bool keeps_last_ = false;
   mutable std::array<bool, 2> asked_{};  // for rows of each kind
-  std::uint64_t rebuilds_ = 0;
+  std::array<bool, 2> saved_asked_{};
   LastPositions<Dim, Real> positions_;  // at the last update
 };
 

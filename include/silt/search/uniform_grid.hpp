@@ -57,9 +57,9 @@ class UniformGrid {
   void sort(P& particles) {
     if (particles.size() < worth_sorting) return;
     // What the last update saw is new enough.
-    const bool is_new = particles.revision() != revision_;
+    const bool is_new = particles.owned_revision() != revision_;
     const Index many = is_new ? 0 : particles.size() / 16;
-    if (!is_new && points_.descents() <= many) return;
+    if (!is_new && descents_ <= many) return;
     require_positive("UniformGrid: radius", double(radius_));
     points_.sort(particles[position], radius_);
     owned_ = particles.size();
@@ -74,31 +74,30 @@ class UniformGrid {
     make_ghosts(particles, radius_);
     const auto x = particles.with_ghosts(position);
     owned_ = particles.size();
-    revision_ = particles.revision();
+    revision_ = particles.owned_revision();
     points_.sort(x, radius_);
     points_.take(x);
+    descents_ = points_.descents();
     ghost_owners_.resize(x.size() - owned_);
     for (Index g = 0; g < ghost_owners_.size(); ++g) {
       ghost_owners_[g] = particles.owner(owned_ + g);
     }
   }
 
-  /// For a checkpoint, see core/transfer.hpp: the last update, by which sort() judges.
+  /// A step that is repeated sorts as it did the first time.
+  void save() noexcept { saved_descents_ = descents_; }
+  void restore() noexcept { descents_ = saved_descents_; }
+
+  /// For a checkpoint, see core/transfer.hpp: the last update, and what sort() decides by.
   template <class Archive, class P>
   void transfer(Archive& archive, P& particles) {
-    std::vector<Vec> x;
-    if (!Archive::reads && particles.revision() == revision_) {
-      for (Index i = 0; i < owned_; ++i) x.push_back(points_.at(slot_of(i)));
-    }
-    archive("positions", x);
-    if constexpr (Archive::reads) {
-      if (x.size() == particles.size()) {
-        at_positions(particles, x, [&] { update(particles); });
-      } else {
-        update(particles);
-        revision_ = 0;  // they came or went since
-      }
-    }
+    auto descents = descents_;
+    const bool is_known = transfer_update(
+        archive, particles, particles.owned_revision() == revision_,
+        [&](Index i) { return points_.at(slot_of(i)); }, [&] { update(particles); });
+    archive("descents", descents);
+    descents_ = descents;
+    if (!is_known) revision_ = 0;  // particles came or went since
   }
 
   /// f(j, r_ij, r) for every j, owned or ghost, with r < radius(); i is owned, r_ij = x_j − x_i.
@@ -294,6 +293,8 @@ class UniformGrid {
   Real radius_ = 0;
   Index owned_ = 0;
   std::uint64_t revision_ = 0;  // of the particles at the last update
+  Index descents_ = 0;          // of their cells then, ghosts included
+  Index saved_descents_ = 0;
   SortedCells<Dim, Real> points_;
   std::vector<Index> ghost_owners_;
 };

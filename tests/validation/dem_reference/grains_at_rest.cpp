@@ -70,7 +70,7 @@ void pyramid(ReferenceTable& table) {
     if (j != no_index && std::max(i, j) == 2) upper = std::max(upper, force.norm());
   });
   const std::string name = "12 one disc on two that are held";
-  table.add({name, "force in the force in the upper contacts [m g]", 1 / (2 * std::cos(std::numbers::pi / 6)),
+  table.add({name, "force in the upper contacts [m g]", 1 / (2 * std::cos(std::numbers::pi / 6)),
              upper / weight, 0.005});
   table.add({name, "vertical force below a lower disc [m g]", up, floor / weight, 0.005});
   table.add({name, "horizontal force on a lower disc [m g]", in, side / weight, 0.005});

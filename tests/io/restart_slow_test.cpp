@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: MIT
+// Runs that are stopped at 200 random steps, with every search, in the plane and in space, under
+// several laws and schemes.
+#include "support/file_test.hpp"
+#include "support/restarted_grains.hpp"
+
+#include <silt/mps.hpp>
+
+#include <gtest/gtest.h>
+
+#include <utility>
+#include <vector>
+
+namespace silt::test {
+namespace {
+
+using RestartOfGrains = FileTest;
+using RestartOfWater = FileTest;
+
+const Restarts restarts{.steps = 400, .number = 200};
+
+const dem::CundallStrack linear{.normal_stiffness = 1e5,
+                                .tangential_stiffness = 5e4,
+                                .restitution = 0.6,
+                                .friction_angle = 0.5};
+const dem::Elastic glass{.young_modulus = 1e7, .poisson_ratio = 0.3};
+const dem::Law rolling{dem::Hertz{.elastic = glass, .restitution = 0.6},
+                       dem::Mindlin{.elastic = glass, .friction_angle = 0.5},
+                       dem::RollingResistance{.rolling_friction = 0.1}};
+
+template <int Dim, class Law, class S>
+void expect_of_grains(const std::filesystem::path& path, const std::vector<Index>& along,
+                      const Law& law, S search) {
+  const RestartedGrains<Dim> bed(along);
+  expect_the_same_bits_after_restarts(
+      path, restarts, [&] { return bed.make(law, search); },
+      [&](const auto& run) { return bed.measured(run); });
+}
+
+TEST_F(RestartOfGrains, KeepsTheBitsWithANeighbourListSlow) {
+  for (const double skin : {0.0, 0.05, 0.4}) {
+    expect_of_grains<2>(path, {40, 28}, linear, NeighbourList<2>{{.skin_fraction = skin}});
+  }
+  expect_of_grains<2>(path, {24, 20}, linear, NeighbourList<2>{});
+}
+TEST_F(RestartOfGrains, KeepsTheBitsWithAUniformGridSlow) {
+  expect_of_grains<2>(path, {40, 28}, linear, UniformGrid<2>{});
+}
+TEST_F(RestartOfGrains, KeepsTheBitsWithALevelGridSlow) {
+  expect_of_grains<2>(path, {40, 28}, linear, LevelGrid<2>{});
+}
+TEST_F(RestartOfGrains, KeepsTheBitsWithBruteForceSlow) {
+  expect_of_grains<2>(path, {18, 16}, linear, BruteForce<2>{});
+}
+TEST_F(RestartOfGrains, KeepsTheBitsInSpaceWithALawThatRollsSlow) {
+  expect_of_grains<3>(path, {12, 10, 10}, rolling, NeighbourList<3, double, LevelGrid<3>>{});
+}
+
+template <class Scheme, class S>
+void expect_of_water(const std::filesystem::path& path, S search) {
+  const double l0 = 0.03;
+  const auto tank = mps::make_tank<2>(
+      {.column = {0.4, 0.8}, .size = {.length = 1.2, .height = 1}, .spacing = l0});
+  const mps::Flow<Scheme> water{{.spacing = l0, .speed_scale = 2.8}};
+  expect_the_same_bits_after_restarts(
+      path, restarts, [&] { return RunWith{Simulation{tank, search, water, SemiImplicit<>{}}}; },
+      [](const auto& run) {
+        const mps::FlowEnergy& energy = run.simulation.interaction().energy();
+        return std::vector{energy.kinetic, energy.by_pressure, energy.by_collision, energy.outside};
+      });
+}
+
+TEST_F(RestartOfWater, KeepsTheBitsOfTheRecommendedSchemeSlow) {
+  expect_of_water<mps::Recommended>(path, NeighbourList<2>{});
+  expect_of_water<mps::Recommended>(path, NeighbourList<2>{{.skin_fraction = 0.02}});
+}
+TEST_F(RestartOfWater, KeepsTheBitsOfTheRecommendedSchemeWithAUniformGridSlow) {
+  expect_of_water<mps::Recommended>(path, UniformGrid<2>{});
+}
+TEST_F(RestartOfWater, KeepsTheBitsOfTheOriginalSchemeSlow) {
+  expect_of_water<mps::Case00>(path, NeighbourList<2>{});
+}
+TEST_F(RestartOfWater, KeepsTheBitsOfTheLastCaseOfThePaperSlow) {
+  expect_of_water<mps::Case10>(path, BruteForce<2>{});
+}
+
+}  // namespace
+}  // namespace silt::test

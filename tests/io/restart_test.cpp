@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: MIT
+// A run that is stopped at random steps, and goes on with another number of threads, has the bits
+// of one that was not stopped. restart_slow_test.cpp has the other searches and methods.
+#include "support/file_test.hpp"
+#include "support/restart.hpp"
+
+#include <silt/mps.hpp>
+
+#include <gtest/gtest.h>
+
+#include <optional>
+#include <vector>
+
+namespace silt::test {
+namespace {
+
+using Restart = FileTest;
+
+TEST_F(Restart, KeepsTheBitsOfWaterWithANeighbourList) {
+  const double l0 = 0.04;
+  const auto tank = mps::make_tank<2>(
+      {.column = {0.4, 0.8}, .size = {.length = 1.2, .height = 1}, .spacing = l0});
+  const mps::Flow<mps::Recommended> water{{.spacing = l0, .speed_scale = 2.8}};
+  for (const std::optional<double> skin : {std::optional<double>(), std::optional(0.05)}) {
+    const auto make = [&] {
+      return RunWith{
+          Simulation{tank, NeighbourList<2>{{.skin_fraction = skin}}, water, SemiImplicit<>{}}};
+    };
+    const auto measured = [](const auto& run) {
+      const mps::FlowEnergy& energy = run.simulation.interaction().energy();
+      return std::vector{energy.kinetic, energy.by_pressure, energy.by_collision, energy.outside};
+    };
+    expect_the_same_bits_after_restarts(path, {.steps = 80, .number = 20}, make, measured);
+  }
+}
+
+}  // namespace
+}  // namespace silt::test
