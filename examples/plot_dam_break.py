@@ -47,8 +47,7 @@ def draw_front(runs):
         T, Z = run.dimensionless_front()
         axes[1].plot(T / np.sqrt(2), run.dimensionless_height(), color=colour, linewidth=1.8)
         # The edge ends where it meets the wall.
-        before = np.maximum.accumulate(Z) < 0.998 * run.options["tank"][0] / run.width
-        T, Z = T[before], Z[before]
+        T, Z = T[run.before_the_wall()], Z[run.before_the_wall()]
         axes[0].plot(T, Z, color=colour, linewidth=1.2, linestyle=DASHED,
                      label=f"{run.name}, as computed")
         if shift := run.time_shift():
@@ -88,7 +87,7 @@ def draw_pressure(runs):
                       "(t ≥ 0.4 s)")
         axes.set_title(title)
         axes.set_ylabel("pressure [kPa]")
-        axes.set_ylim(0)
+        axes.set_ylim(min(0, run.pressure["p_1"].min() / 1e3))
         axes.legend(loc="upper left")
     panels[-1].set_xlabel("time [s]")
     panels[-1].set_xlim(0, runs[0].pressure["t"][-1])

@@ -45,7 +45,7 @@ CASES = {
 
 
 def name_of(run):
-    return f"{CASES[run['case']][0]}, {SCHEMES[run['scheme']]}, spacing {run['spacing']:g} m"
+    return f"{CASES[run['case']][0]} ({SCHEMES[run['scheme']]}, spacing {run['spacing']:g} m)"
 
 
 def draw_history(run):
@@ -63,7 +63,7 @@ def draw_history(run):
             labelled.add(name)
         each.set_xlabel("time [s]")
         each.set_ylabel(label)
-        style.legend_on_top(each, 3)
+        style.legend_on_top(each, 2)
     figure.suptitle(name_of(run), x=0.01, ha="left")
     return figure
 
@@ -75,7 +75,7 @@ def draw_frames(run):
     figure, panels = plt.subplots(2, 2, figsize=(style.WIDE, 7.6), squeeze=False)
     by_speed = CASES[run["case"]][2] == "speed"
     values = [speed(frame) if by_speed else frame["pressure"] for frame in frames]
-    # Before the first step there is no pressure yet. Single particles would stretch the scale.
+    # Single particles would stretch the scale.
     low, high = np.percentile(np.concatenate(values[1:] or values), [0.5, 99.5])
     for axes, frame, colours, number in zip(panels.flat, frames, values, numbers):
         lower, upper = frame["position"].min(axis=0), frame["position"].max(axis=0)
@@ -85,8 +85,11 @@ def draw_frames(run):
         circles = draw(axes, frame, colours, radius=max(run["spacing"] / 2, 0.007 * half),
                        cmap=style.SPEED if by_speed else style.PRESSURE,
                        norm=plt.Normalize(low, max(high, low + 1e-12)))
-        axes.set(xlim=x, ylim=y, aspect="equal", title=f"t = {series.times[number]:.2f} s",
-                 xlabel="x [m]", ylabel="y [m]")
+        title = f"t = {series.times[number]:.2f} s"
+        if number == 0 and not by_speed:
+            circles.set(array=None, facecolor=style.GREY)
+            title += ", pressure not yet computed"
+        axes.set(xlim=x, ylim=y, aspect="equal", title=title, xlabel="x [m]", ylabel="y [m]")
         axes.grid(False)
     for axes in panels.flat[len(frames):]:
         axes.remove()

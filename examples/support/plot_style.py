@@ -38,6 +38,8 @@ import numpy as np
 from matplotlib.colors import LinearSegmentedColormap, ListedColormap
 from PIL import Image
 
+LARGEST_FILE = 150_000  # [bytes]
+
 WIDE = 8.2  # [inches]
 NARROW = 6.4
 
@@ -81,9 +83,14 @@ def make(path, draw, *arguments):
     figure.savefig(memory, format="png")
     plt.close(figure)
     image = Image.open(memory).convert("RGB")
-    # 256 colours are enough for one map and a few curves, in a third of the bytes.
-    image.quantize(256, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE).save(
-        path, optimize=True)
+    # As many colours as fit: one map and a few curves need no more than 256, in a third of the bytes.
+    for colours in (256, 128, 64, 32):
+        file = io.BytesIO()
+        image.quantize(colours, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE).save(
+            file, format="png", optimize=True)
+        if file.tell() < LARGEST_FILE:
+            break
+    pathlib.Path(path).write_bytes(file.getvalue())
 
 
 def film(path, figure, frames, show, rate):

@@ -98,6 +98,11 @@ class DamBreak(Output):
         """T = t √(2g/a) and Z = x/a."""
         return self.front["t"] * np.sqrt(2 * G / self.width), self.front["x_front"] / self.width
 
+    def before_the_wall(self):
+        """Which rows of the front come before it meets the wall opposite."""
+        wall = self.options["tank"][0] / self.width
+        return np.maximum.accumulate(self.dimensionless_front()[1]) < 0.998 * wall
+
     def time_shift(self, at=(1.19, 1.44)):
         """The experiment cannot see the release: T is shifted so that Z = 1.44 falls on T = 1.19."""
         T, Z = self.dimensionless_front()
@@ -258,6 +263,8 @@ class Tanks:
             _, circles = self.show(axes, number)
             axes.set_title(f"t = {time:.2f} s")
         figure.suptitle(title, x=0.01, ha="left")
+        figure.legend(*panels[0, 0].get_legend_handles_labels(), loc="upper right",
+                      borderaxespad=0.2)
         self.bar(figure, panels, circles, shrink=0.8, aspect=30)
         return figure
 
@@ -269,7 +276,7 @@ class Tanks:
     def film(self, path, title, rate):
         from support import plot_style as style
 
-        figure, axes = style.plt.subplots(figsize=(8, min(8, 0.9 + 6.4 * self.aspect(self.y))))
+        figure, axes = style.plt.subplots(figsize=(8, min(9.5, 0.9 + 6.4 * self.aspect(self.y))))
         self.box(axes, self.y)
         axes.legend(loc="upper left")
         _, circles = artists = self.show(axes, 0)
