@@ -66,7 +66,8 @@ def colours(run):
 
 
 def outline(run, width, inches, most):
-    """Width of a grain's outline [points] on a panel of this width [m]: thinner for small grains."""
+    """Width of a grain's outline [points], thinner for small grains. width, inches: of the panel, the
+    former in metres."""
     return min(most, 0.07 * 72 * inches * 2 * run.options["radius"] / width)
 
 
@@ -148,7 +149,8 @@ def draw_figures(run, undamped):
     panel = style.WIDE / 2 - 0.6
     tall = [panel * top / (2 * half) + 0.5 for top, half in zip(tops, halves)]
     figure = plt.figure(figsize=(style.WIDE, sum(tall) + 1.6))
-    for half_page, each, number, k in zip(figure.subfigures(1, 2), (run, undamped), (9, 10), (0, 1)):
+    halves_of_page = figure.subfigures(1, 2)
+    for k, (half_page, each, number) in enumerate(zip(halves_of_page, (run, undamped), (9, 10))):
         panels = half_page.subplots(len(times), 1, height_ratios=tall, squeeze=False)[:, 0]
         for axes, row, top, half, time in zip(panels, rows, tops, halves, times):
             axes.set(xlim=(-half, half), ylim=(0, top), aspect="equal", title=f"t = {time:.2f} s")
@@ -167,7 +169,8 @@ def draw_figures(run, undamped):
 
 def describe(run):
     o = run.options
-    return f"k = {o['normal_stiffness'] / 1e3:g} kN/m, ρ = {o['density']:g} kg/m³, {o['rows']} layers"
+    return (f"k = {o['normal_stiffness'] / 1e3:g} kN/m, ρ = {o['density']:g} kg/m³, "
+            f"{o['rows']} layers")
 
 
 def draw_wave(runs):
@@ -252,8 +255,8 @@ def draw_energy(run, undamped):
     for each, colour in ((run, ORANGE), (undamped, BLUE)):
         if each:
             moving = each.energy["kinetic"] + each.energy["rotational"]
-            axes[0, 1].semilogy(each.energy["t"], np.where(moving > 0, moving, np.nan), color=colour,
-                                linewidth=1.2, label=each.damping)
+            axes[0, 1].semilogy(each.energy["t"], np.where(moving > 0, moving, np.nan),
+                                color=colour, linewidth=1.2, label=each.damping)
     axes[0, 1].set_ylabel("kinetic and rotational energy [J]")
     axes[0, 1].legend()
     axes[0, 1].set_title("energy of motion")

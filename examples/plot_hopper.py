@@ -84,7 +84,8 @@ def draw_frames(run):
         draw_bin(axes, run)
         draw_grains(axes, run, run.series[number])
         axes.set_title(f"t = {run.series.times[number]:.2f} s")
-    figure.suptitle(f"{run.name};\ncolours: layers of the bed at rest, 3 d thick", x=0.01, ha="left")
+    figure.suptitle(f"{run.name};\ncolours: layers of the bed at rest, 3 d thick", x=0.01,
+                    ha="left")
     return figure
 
 
@@ -143,8 +144,7 @@ def draw_discharge(run):
     axes[1].set_xticks(D - k, [f"{each:.3g}" for each in D - k])
     axes[1].set_yticks(W, [f"{each:.3g}" for each in W])
     axes[1].minorticks_off()
-    axes[1].set_title("rate W and Beverloo's law", pad=38)
-    style.legend_on_top(axes[1], 1)
+    style.legend_on_top(axes[1], 1, "rate W and Beverloo's law")
 
     for rate, colour in zip(rates, colours):
         heights = [rate["height_over_D_first_half"], rate["height_over_D_second_half"]]

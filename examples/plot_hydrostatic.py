@@ -51,8 +51,8 @@ def draw_pressure(run):
         highest = max(highest, still)
     title = scheme(run)
     if run.summary["rer"] is not None:
-        title += (f": mean {100 * run.summary['rer']:+.2f} % off (RER), standard deviation "
-                  f"{100 * run.summary['std_over_mean']:.2f} % of the mean")
+        title += (f"\nfirst gauge: mean {100 * run.summary['rer']:+.2f} % off (RER), standard "
+                  f"deviation {100 * run.summary['std_over_mean']:.2f} % of the mean")
     axes.set_title(title)
     # The first instants, in which the water settles, may peak far above.
     settled = run.pressure[run.pressure["t"] > 0.05 * run.end()]

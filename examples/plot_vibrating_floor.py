@@ -106,8 +106,8 @@ class Run:
 
 
 def curve(axes, run, name, colour, label):
-    """A profile against height, with two standard errors, as far up as it is known. Returns how high
-    that is [d]."""
+    """A profile against height, with two standard errors, as far up as it is known. Returns how
+    high that is [d]."""
     values, errors = run.profile[name], run.errors[name]
     known = run.profile["solid_fraction"] > 2e-4
     if name != "solid_fraction":
@@ -134,7 +134,7 @@ def finish(axes, name, top):
         axes.set_xlabel("fluctuation energy T / (g d) [-]")
         axes.set_xscale("log")
     axes.set_ylabel("height y / d [-]")
-    axes.set_ylim(0, 1.03 * top)
+    axes.set_ylim(0, 1.03 * top or None)
 
 
 def draw_figures(rows, title, theories):
@@ -151,8 +151,7 @@ def draw_figures(rows, title, theories):
                 each.plot([], [], color=GREY, linewidth=1.1, linestyle=DASHED,
                           label="kinetic theory")
             finish(each, name, top)
-            each.set_title(caption, pad=38)
-            style.legend_on_top(each, 2)
+            style.legend_on_top(each, 2, caption)
     figure.suptitle(title, x=0.01, ha="left")
     return figure
 

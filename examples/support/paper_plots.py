@@ -43,7 +43,7 @@ def draw_kernels(results):
         axes.set_title(f"All else {name}\n\n{axes.get_title('left')}")
     for axes in panels[-1]:
         axes.set_xlabel("time [s]")
-    panels[1, 0].set_ylabel("pressure at gauge P1 [kPa]; dashed: ρ g h")
+    figure.supylabel("pressure at gauge P1 [kPa]; dashed: ρ g h", fontsize=10)
     return figure
 
 
@@ -53,7 +53,7 @@ def draw_map(values_of, label, norm, colours, text):
     for axes, scheme in zip(panels, SCHEMES):
         values = values_of(scheme)
         image = axes.imshow(values, origin="lower", aspect="auto", cmap=colours, norm=norm)
-        axes.set_facecolor("#d9d9d9")
+        axes.set_facecolor("#c4c4c4")
         for (i, j), value in np.ndenumerate(values):
             is_dark = not np.isnan(value) and sum(image.cmap(norm(value))[:3]) < 1.5
             axes.text(j, i, "failed" if np.isnan(value) else text(value), ha="center", va="center",
@@ -100,8 +100,7 @@ def draw_spacings(results):
                  label="ρ g h")
     left.set_xlabel("time [s]")
     left.set_ylabel("pressure at gauge P1, averaged over 0.02 s [kPa]")
-    left.set_title("All else " + SCHEME_NAMES[adopted], pad=42)
-    style.legend_on_top(left, 2)
+    style.legend_on_top(left, 2, "all else " + SCHEME_NAMES[adopted])
     for scheme, colour in zip(SCHEMES, CURVES):
         for l0 in study.spacings_of_study():
             for tank in results.tanks(study.spacings(l0, scheme)):
@@ -126,7 +125,7 @@ def draw_pressure(axes, case, colour, label, linewidth=0.5):
 
 def draw_groups(results):
     """Fig. 12: P2 over time, group by group."""
-    figure, panels = plt.subplots(3, 2, figsize=(style.WIDE, 10.5), sharex=True)
+    figure, panels = plt.subplots(3, 2, figsize=(style.WIDE, 9.5), sharex=True)
     end = results.common_end()
     for axes, (what, cases) in zip(panels.flat, GROUPS):
         # The roughest below the others.
@@ -136,15 +135,14 @@ def draw_groups(results):
             rough = case.roughness(end).text(1e-3)
             draw_pressure(axes, case, CURVES[list(cases).index(number)],
                           f"{cases[number]}, {name_of(number)}: {rough} kPa")
-        axes.set_title(what, pad=18 + 16 * len(cases))
-        style.legend_on_top(axes, 1)
+        style.legend_on_top(axes, 1, what)
         axes.set_xlim(0.3, end)
         axes.set_ylim(0)
     for axes in panels[-1]:
         axes.set_xlabel("time [s]")
     for axes in panels[:, 0]:
         axes.set_ylabel("pressure at gauge P2 [kPa]")
-    figure.suptitle(f"What changes between two cases; behind each its roughness, 0.4–{end:.1f} s",
+    figure.suptitle(f"What changes between the cases, and the roughness of each, 0.4–{end:.1f} s",
                     x=0.01, ha="left")
     return figure
 
@@ -165,6 +163,11 @@ def draw_original_and_adopted(results):
         right.plot(np.full(len(values), number), values, "o", markersize=3.5,
                    color=ORANGE if number == 0 else BLUE)
     right.set_yscale("log")
+    right.minorticks_off()
+    ticks = np.array([0.5, 1, 2, 5, 10, 20, 50, 100])
+    low, high = right.get_ylim()
+    ticks = ticks[(ticks >= low) & (ticks <= high)]
+    right.set_yticks(ticks, [f"{tick:g}" for tick in ticks])
     right.set_xticks(CASES, [f"{number:02d}" for number in CASES])
     right.set_xlabel("case")
     right.set_ylabel("roughness at gauge P2 [kPa]")

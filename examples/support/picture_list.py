@@ -139,8 +139,9 @@ def code_of(path):
         if token.type == tokenize.COMMENT:
             row, column = token.start
             lines[row - 1] = lines[row - 1][:column]
+    documented = (ast.Module, ast.ClassDef, ast.FunctionDef)
     for node in ast.walk(tree):
-        if isinstance(node, (ast.Module, ast.ClassDef, ast.FunctionDef)) and ast.get_docstring(node):
+        if isinstance(node, documented) and ast.get_docstring(node):
             for row in range(node.body[0].lineno, node.body[0].end_lineno + 1):
                 lines[row - 1] = ""
         if isinstance(node, ast.ImportFrom) and node.module == "support":
@@ -178,14 +179,17 @@ def program_text(program, examples=EXAMPLES):
 
 
 def changed_options(source, recorded, examples=EXAMPLES):
-    """Sentences on numbers that the program has other defaults for than the runs had; what the
-    command gives, and what is no plain number in the source, is left to a run of the program."""
+    """Sentences on numbers that the program has other defaults for than the runs had. What the
+    command gives, and what is no plain number in the source or is not written as it is, is left to
+    a run of the program."""
     text = program_text(source.program, examples)
     sentences = []
     for subfolder, options in recorded.items():
         given = {name.replace("-", "_") for name in source.runs.get(subfolder, {})}
         for name, value in options.items():
             if name in given or isinstance(value, bool) or not isinstance(value, (int, float)):
+                continue
+            if not re.search(rf'"{name}"(,|\] =)\s*o\.(\w+\.)?{name}[;}}]', text):
                 continue
             defaults = re.findall(rf"\b(?:double|int|Index|unsigned) {name} = ([-+.\de]+);", text)
             if defaults and float(defaults[0]) != 0 and not math.isclose(float(defaults[0]), value):

@@ -5,9 +5,9 @@
     style.make(folder / "front.png", draw_front, runs)
     style.film(folder / "collapse.gif", figure, numbers, show)
 
-Without Matplotlib the import says so and ends the program with exit code NOTHING_DRAWN. Font sizes are
-for a figure as wide as WIDE, shown as wide as a page's text, or one as wide as NARROW, shown half
-as wide.
+Without Matplotlib the import says so and ends the program with exit code NOTHING_DRAWN. Font sizes
+are for a figure as wide as WIDE, shown as wide as a page's text, or one as wide as NARROW, shown
+half as wide.
 """
 
 import importlib.util
@@ -23,8 +23,8 @@ def need(*modules):
     """Ends the program unless Python has these modules. Debian's packages are named after them."""
     for name in modules:
         if importlib.util.find_spec(name) is None:
-            print(f"{pathlib.Path(sys.argv[0]).name}: no picture was drawn, since Python has no module "
-                  f"{name}; install python3-{name} (Debian) or run pip install {name}",
+            print(f"{pathlib.Path(sys.argv[0]).name}: no picture was drawn, since Python has no "
+                  f"module {name}; install python3-{name} (Debian) or run pip install {name}",
                   file=sys.stderr)
             sys.exit(NOTHING_DRAWN)
 
@@ -38,7 +38,7 @@ import numpy as np
 from matplotlib.colors import LinearSegmentedColormap, ListedColormap
 from PIL import Image
 
-LARGEST_FILE = 150_000  # [bytes]
+LARGEST_FILE = 120_000  # [bytes]
 
 WIDE = 8.2  # [inches]
 NARROW = 6.4
@@ -57,8 +57,8 @@ FLOOR = "#e7e3dc"
 WALL = "#8f897f"
 DASHED = (0, (4, 2.5))
 
-# Both grow darker all the way, so that they read without colours, too. In steps, since a picture is
-# written with 256 colours.
+# Both grow darker all the way, so that they read without colours, too. In steps, since a picture
+# may be written with 256 colours.
 PRESSURE = ListedColormap(matplotlib.colormaps["YlGnBu"](np.linspace(0.28, 1, 20)), "pressure")
 SPEED = LinearSegmentedColormap.from_list(
     "speed", ["#ddd6c8", "#f3cf6b", "#ee8434", "#c8313c", "#6a1247"], 20)
@@ -82,12 +82,13 @@ def make(path, draw, *arguments):
     memory = io.BytesIO()
     figure.savefig(memory, format="png")
     plt.close(figure)
+    # Exact if that is small enough, else in as many colours as are.
     image = Image.open(memory).convert("RGB")
-    # As many colours as fit: one map and a few curves need no more than 256, in a third of the bytes.
-    for colours in (256, 128, 64, 32):
+    for colours in (None, 256, 128, 64, 32):
         file = io.BytesIO()
-        image.quantize(colours, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE).save(
-            file, format="png", optimize=True)
+        few = image if colours is None else image.quantize(
+            colours, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
+        few.save(file, format="png", optimize=True)
         if file.tell() < LARGEST_FILE:
             break
     pathlib.Path(path).write_bytes(file.getvalue())
@@ -119,7 +120,8 @@ def film(path, figure, frames, show, rate):
     palette = Image.fromarray(np.concatenate([np.asarray(image) for image in some])).quantize(
         256, Image.Quantize.MAXCOVERAGE)
     images = [image.quantize(palette=palette, dither=Image.Dither.NONE) for image in images]
-    images[0].save(path, save_all=True, append_images=images[1:], duration=round(1000 / rate), loop=0)
+    images[0].save(path, save_all=True, append_images=images[1:], loop=0,
+                   duration=round(1000 / rate))
 
 
 def bar_of(figure, shown, axes, label, values, **style):
@@ -140,10 +142,11 @@ def legend_above(figure, axes, columns):
     figure.legend(handles, labels, loc="upper left", ncols=columns, borderaxespad=0.3)
 
 
-def legend_on_top(axes, columns=4):
-    """A legend between the title and the data, which it can hide no part of."""
+def legend_on_top(axes, columns=4, title=None):
+    """A legend above the data, of which it can hide nothing, and a title above that."""
     axes.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=columns, borderaxespad=0.2,
-                borderpad=0, columnspacing=1.2, handlelength=1.6)
+                borderpad=0, columnspacing=1.2, handlelength=1.6, title=title, title_fontsize=10,
+                alignment="left")
 
 
 def box(axes, x, y, labels=("x [m]", "y [m]")):

@@ -207,6 +207,8 @@ def draw_water(axes, frame, spacing, full_scale, middle=None):
     circles = draw(axes, {"position": at[~is_wall]}, frame["pressure"][keep][~is_wall] / 1e3,
                    radius=0.6 * spacing, cmap=style.PRESSURE,
                    norm=style.plt.Normalize(0, full_scale))
+    if not frame["pressure"].any():  # not yet computed
+        circles.set(array=None, facecolor=style.GREY)
     return walls, circles
 
 
@@ -261,10 +263,9 @@ class Tanks:
         for number, (axes, time) in enumerate(zip(panels.flat, self.times)):
             self.box(axes, rows[number // 3])
             _, circles = self.show(axes, number)
-            axes.set_title(f"t = {time:.2f} s")
-        figure.suptitle(title, x=0.01, ha="left")
-        figure.legend(*panels[0, 0].get_legend_handles_labels(), loc="upper right",
-                      borderaxespad=0.2)
+            axes.set_title(f"t = {time:.2f} s" + ("" if time > 0 else " (start)"))
+        figure.suptitle(f"{title}{'; ' if len(title) < 40 else chr(10)}circle: pressure gauge",
+                        x=0.01, ha="left")
         self.bar(figure, panels, circles, shrink=0.8, aspect=30)
         return figure
 

@@ -115,8 +115,9 @@ def self_test(repository):
 
         tower = ["broken_tower"]
         assert after("examples/broken_tower.cpp", "int rows = 30;", "int rows = 31;") == tower
-        assert after("examples/plot_broken_tower.py", "class Run:", "COLOUR = 1\nclass Run:") == tower
-        assert not after("examples/plot_broken_tower.py", "class Run:", "# A comment.\nclass Run:")
+        script = "examples/plot_broken_tower.py"
+        assert after(script, "class Run:", "COLOUR = 1\nclass Run:") == tower
+        assert not after(script, "class Run:", "# A comment.\nclass Run:")
         assert "dam_break" in after("examples/support/plot_style.py", "NARROW = 6.4",
                                         "NARROW = 6.5")
         (copy / "docs" / "images" / "hopper.png").write_bytes(b"another")
