@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Draws the figures of [HwangLeePark2010] from the runs of support/paper_study.py."""
 
-from matplotlib.colors import Normalize
-
 from support import plot_style as style
 from support.paper_study import A, B, CASES, KERNEL_SCHEMES, KERNELS, SCHEMES
 from support.plot_style import BLUE, CURVES, DARK, DASHED, ORANGE, np, plt
@@ -73,7 +71,7 @@ def draw_errors(results):
     """Fig. 7: RER over the (a, b) plane."""
     maps = {scheme: 100 * results.map_of("rer", scheme) for scheme in SCHEMES}
     most = np.ceil(max(np.nanmax(np.abs(values)) for values in maps.values()))
-    return draw_map(maps.get, "relative error RER of the mean pressure [%]", Normalize(-most, most),
+    return draw_map(maps.get, "relative error RER of the mean pressure [%]", plt.Normalize(-most, most),
                     "PuOr", lambda value: f"{value:+.2f}")
 
 
@@ -82,7 +80,7 @@ def draw_deviations(results):
     def relative(scheme):
         deviation = results.deviation_map(scheme)
         return deviation / np.nanmax(deviation)
-    return draw_map(relative, "standard deviation RSDR = σ/σ$_{max}$ [-]", Normalize(0, 1),
+    return draw_map(relative, "standard deviation RSDR = σ/σ$_{max}$ [-]", plt.Normalize(0, 1),
                     "cividis_r", lambda value: f"{value:.3f}")
 
 

@@ -8,7 +8,7 @@
 docs/images/made_from.json has an entry for each source: the commands, the digests of the pictures
 and of the drawing code, the options of the runs, and the figures that a reader sees in the pictures
 or could measure in them. A study that was drawn before there was a record has null for a drawing.
-examples/pictures writes it, tests/examples/pictures.py reads it.
+examples/pictures writes it, tests/examples/check_pictures.py reads it.
 """
 
 import ast

@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: MIT
 """Tests that the pictures in docs/images are those of the present code.
 
-    pictures.py REPOSITORY                      what can be told from the files
-    pictures.py REPOSITORY --rerun PROGRAMS     runs the programs in this folder again, and compares
-                                                what they give with what was written down
+    check_pictures.py REPOSITORY                      what can be told from the files
+    check_pictures.py REPOSITORY --rerun PROGRAMS     runs the programs in this folder again, and
+                                                      compares what they give with the record
 
 The remedy is always the same: examples/pictures draws them anew.
 """
@@ -62,7 +62,9 @@ def faults_of_source(source, entry, images, examples):
     if entry["drawing"] not in (None, pictures.drawing_of(source.drawn_by, examples)):
         yield f"{source.drawn_by}, or what it takes from support/, has changed since it drew"
     if "options" in entry:
-        yield from pictures.changed_options(source, entry["options"], examples)
+        # Two runs may say the same.
+        yield from dict.fromkeys(
+            pictures.changed_options(source, entry["options"], examples))
 
 
 def differences(recorded, found, where=""):
