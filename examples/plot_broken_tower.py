@@ -77,10 +77,11 @@ def collapse_of(run):
     fall = np.sqrt(2 * run.height / 9.81)
     # Rounded to a tenth of a second, as the titles say it.
     times = [0, *(run.summary["landing_time"] + fall * np.array([0.37, 0.6, 0.85, 1.1, 1.35]))]
-    numbers = [run.series.nearest(round(t, 1)) for t in times if t <= run.series.times[-1]]
+    numbers = sorted({run.series.nearest(round(t, 1)) for t in times})
     frames = [run.frame(number) for number in numbers]
     left, right = extent(frames, 0, 2 * run.options["radius"])
-    return numbers, frames, max(-left, right, 0.4 * top), 1.06 * top
+    highest = extent(frames, 1, 2 * run.options["radius"])[1]
+    return numbers, frames, max(-left, right, 0.4 * top), max(1.06 * top, highest)
 
 
 def draw_collapse(figure, run):
@@ -95,7 +96,8 @@ def draw_collapse(figure, run):
         circles = draw(axes, frame, speed(frame), edge=outline(run, 2 * half, 1.7, 0.3),
                        **colours(run))
         axes.set_title(f"t = {run.series.times[number]:.1f} s")
-    style.bar_of(figure, circles, panels, "speed [m/s]", map(speed, frames), shrink=0.8, aspect=30)
+    style.bar_of(figure, circles, panels.flat[:len(frames)], "speed [m/s]", map(speed, frames),
+                 shrink=0.8, aspect=30)
     figure.suptitle(run.damping, x=0.01, ha="left")
 
 
@@ -105,6 +107,7 @@ def draw_ends(figure, ends):
     frames = [each.frame(len(each.series) - 1) for each in ends]
     _, top = extent(frames, 1, ends[0].options["radius"])
     top = max(1.1 * top, 0.085 * half)
+    half = max(half, 6.5 * top)  # the strips are as long as the page is wide
     strips = figure.subplots(len(ends), 1, squeeze=False)[:, 0]
     for axes, each, frame in zip(strips, ends, frames):
         style.box(axes, (-half, half), (0, top), ("x [m]", ""))

@@ -94,8 +94,9 @@ def draw_frames(run):
     for axes in panels.flat[len(frames):]:
         axes.remove()
     figure.suptitle(name_of(run), x=0.01, ha="left")
-    style.bar_of(figure, circles, panels, "speed [m/s]" if by_speed else "pressure [Pa]",
-                 values[1:] or values, shrink=0.7, aspect=35)
+    style.bar_of(figure, circles, panels.flat[:len(frames)],
+                 "speed [m/s]" if by_speed else "pressure [Pa]", values[1:] or values, shrink=0.7,
+                 aspect=35)
     return figure
 
 

@@ -266,7 +266,7 @@ class Tanks:
             axes.set_title(f"t = {time:.2f} s" + ("" if time > 0 else " (start)"))
         figure.suptitle(f"{title}{'; ' if len(title) < 40 else chr(10)}circle: pressure gauge",
                         x=0.01, ha="left")
-        self.bar(figure, panels, circles, shrink=0.8, aspect=30)
+        self.bar(figure, panels.flat[:len(self.times)], circles, shrink=0.8, aspect=30)
         return figure
 
     def bar(self, figure, axes, circles, **more):
