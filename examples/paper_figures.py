@@ -16,7 +16,7 @@ import sys
 
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE))
-from support import paper_plots
+from support import paper_plots, plot_style as style
 from support.paper_results import Results, findings
 from support.paper_study import CASES, Study
 from support.runs import run_all
@@ -95,7 +95,7 @@ def main(arguments):
     run_all(runs, options.jobs)
     results = Results(study)
     for figure in options.only:
-        paper_plots.DRAW[figure](results, options.out / f"{figure}.png")
+        style.make(options.out / f"{figure}.png", paper_plots.DRAW[figure], results)
     text = comparison(results, options.only, list({run.folder: run for run in runs}.values()))
     (options.out / "comparison.md").write_text(text, encoding="utf-8")
     print(text)

@@ -14,19 +14,10 @@ import json
 import pathlib
 import sys
 
-import matplotlib
-
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt
-import numpy as np
-from matplotlib.animation import FuncAnimation, PillowWriter
-from matplotlib.colors import LinearSegmentedColormap
-
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
-from support.frames import Series, draw, speed
-
-GREY = "#8a9099"
-RED = "#b3261e"
+from support import plot_style as style
+from support.frames import Series, draw, extent, speed
+from support.plot_style import BLUE, DARK, DASHED, GREY, ORANGE, np, plt
 
 
 class Run:
@@ -60,259 +51,258 @@ class Run:
     @property
     def damping(self):
         alpha = self.options["alpha"]
-        return f"global damping α = {alpha:g} 1/s" if alpha else "no global damping"
+        return f"global damping α = {alpha:g} s⁻¹" if alpha else "no global damping"
 
 
-def view(axes, run, half_width, height):
-    """Floor, limits, no clutter."""
-    axes.set_xlim(-half_width, half_width)
-    axes.set_ylim(-0.05 * height, height)
-    axes.axhspan(-height, 0, color="#e7e3dc", zorder=0)
+def ground(axes, bottom):
+    """The floor, drawn down to the lower limit of the axes [m]."""
+    axes.axhspan(bottom, 0, color=style.FLOOR, zorder=0)
     axes.axhline(0, color="#5b5348", linewidth=0.8)
-    axes.set_xticks([])
-    axes.set_yticks([])
-    for side in axes.spines.values():
-        side.set_visible(False)
 
 
 def colours(run):
-    """Sand at rest, hot when fast; up to the speed of a free fall from half the height."""
-    top = run.height
-    heat = LinearSegmentedColormap.from_list(
-        "heat", ["#ddd6c8", "#f3cf6b", "#ee8434", "#c8313c", "#6a1247"])
-    return {"cmap": heat, "norm": plt.Normalize(0, np.sqrt(9.81 * top))}
+    """Up to the speed of a free fall from half the height."""
+    return {"cmap": style.SPEED, "norm": plt.Normalize(0, np.sqrt(9.81 * run.height))}
 
 
-def thin(run, half, inches, most):
-    """Width of a grain's outline [points] on a panel so wide: thinner where grains are small."""
-    diameter = 72 * inches * 2 * run.options["radius"] / (2 * half)
-    return min(most, 0.07 * diameter)
+def outline(run, width, inches, most):
+    """Width of a grain's outline [points], thinner for small grains. width, inches: of the panel, the
+    former in metres."""
+    return min(most, 0.07 * 72 * inches * 2 * run.options["radius"] / width)
 
 
-def draw_frames(run, undamped, path):
-    """Eight moments of the collapse; below them the end, with and without global damping."""
+def collapse_of(run):
+    """Six moments of the collapse: the frames' numbers, the frames, half their width and height."""
     top = run.height + run.options["drop_height"]
     fall = np.sqrt(2 * run.height / 9.81)
-    times = [0, *(run.summary["landing_time"] + fall * (0.37 + 0.2 * np.arange(7)))]
-    times = [t for t in times if t <= run.series.times[-1]]
-    ends = [each for each in (run, undamped) if each]
-    figure = plt.figure(figsize=(11, 5.9 + 0.85 * len(ends)))
-    upper, lower = figure.subfigures(2, 1, height_ratios=[5.9, 0.85 * len(ends)])
+    # Rounded to a tenth of a second, as the titles say it.
+    times = [0, *(run.summary["landing_time"] + fall * np.array([0.37, 0.6, 0.85, 1.1, 1.35]))]
+    numbers = sorted({run.series.nearest(round(t, 1)) for t in times})
+    frames = [run.frame(number) for number in numbers]
+    left, right = extent(frames, 0, 2 * run.options["radius"])
+    highest = extent(frames, 1, 2 * run.options["radius"])[1]
+    return numbers, frames, max(-left, right, 0.4 * top), max(1.06 * top, highest)
 
-    panels = upper.subplots(2, 4)
-    upper.subplots_adjust(left=0.01, right=0.915, bottom=0.02, top=0.95, wspace=0.04, hspace=0.14)
-    for axes in panels.flat:
-        axes.set_axis_off()
-    for axes, time in zip(panels.flat, times):
-        axes.set_axis_on()
-        frame = run.frame(run.series.nearest(time))
-        view(axes, run, 0.64 * top, 1.06 * top)
-        edge = thin(run, 0.64 * top, 2.4, 0.3)
-        circles = draw(axes, frame, speed(frame), edge=edge, **colours(run))
-        axes.set_title(f"t = {time:.1f} s", fontsize=11, loc="left")
-    bar = upper.colorbar(circles, cax=upper.add_axes((0.93, 0.2, 0.013, 0.6)), extend="max")
-    bar.set_label("speed [m/s]")
-    bar.outline.set_visible(False)
 
-    half = 1.03 * max(each.summary["farthest"] for each in ends)
-    for each in ends:  # strips so long that the heap fits in
-        heights = each.series[len(each.series) - 1]["position"][:, 1]
-        half = max(half, (np.percentile(heights, 99.8) + 2 * each.options["radius"]) / 0.075)
-    strips = np.atleast_1d(lower.subplots(len(ends), 1))
-    lower.subplots_adjust(left=0.01, right=0.99, bottom=0.03, top=0.8, hspace=0.9)
-    for axes, each in zip(strips, ends):
-        frame = each.frame(len(each.series) - 1)
-        view(axes, each, half, 0.075 * half)
-        draw(axes, frame, speed(frame), edge=thin(run, half, 10.8, 0.15), **colours(run))
+def draw_collapse(figure, run):
+    numbers, frames, half, top = collapse_of(run)
+    bottom = -0.05 * top
+    panels = figure.subplots(2, 3, sharex=True, sharey=True)
+    for axes in panels.flat[len(frames):]:
+        axes.remove()
+    for axes, frame, number in zip(panels.flat, frames, numbers):
+        style.box(axes, (-half, half), (bottom, top), ("x [m]", "height [m]"))
+        ground(axes, bottom)
+        circles = draw(axes, frame, speed(frame), edge=outline(run, 2 * half, 1.7, 0.3),
+                       **colours(run))
+        axes.set_title(f"t = {run.series.times[number]:.1f} s")
+    style.bar_of(figure, circles, panels.flat[:len(frames)], "speed [m/s]", map(speed, frames),
+                 shrink=0.8, aspect=30)
+    figure.suptitle(run.damping, x=0.01, ha="left")
+
+
+def draw_ends(figure, ends):
+    """The heaps at the end, and what has escaped from them."""
+    half = 1.05 * max(each.summary["farthest"] for each in ends)
+    frames = [each.frame(len(each.series) - 1) for each in ends]
+    _, top = extent(frames, 1, ends[0].options["radius"])
+    top = max(1.1 * top, 0.085 * half)
+    half = max(half, 6.5 * top)  # the strips are as long as the page is wide
+    strips = figure.subplots(len(ends), 1, squeeze=False)[:, 0]
+    for axes, each, frame in zip(strips, ends, frames):
+        style.box(axes, (-half, half), (0, top), ("x [m]", ""))
+        axes.set_yticks([])
+        axes.spines["left"].set_visible(False)
+        draw(axes, frame, speed(frame), edge=outline(each, 2 * half, style.NARROW, 0.15),
+             **colours(each))
         limit = 2 * each.summary["pile_radius"]
-        axes.vlines([-limit, limit], 0, 0.075 * half, color=RED, linewidth=1,
-                    linestyle=(0, (4, 2)))
+        axes.vlines([-limit, limit], 0, top, color=BLUE, linewidth=1.2, linestyle=DASHED)
         x = frame["position"]
         gone = x[np.hypot(x[:, 0], x[:, 2]) > limit]
-        axes.plot(gone[:, 0], gone[:, 1] + 0.025 * half, "v", color=RED, markersize=5)
-        axes.set_title(f"t = {each.series.times[-1]:.1f} s, {each.damping}: "
-                       f"{each.summary['escaped']} of {each.summary['particles']} grains have "
-                       f"escaped beyond twice the radius that holds 95 % (dashed)",
-                       fontsize=10, loc="left")
-    figure.savefig(path, dpi=150)
-    plt.close(figure)
+        axes.plot(gone[:, 0], gone[:, 1] + 0.35 * top, "v", color=BLUE, markersize=5)
+        axes.set_title(f"{each.damping}, t = {each.series.times[-1]:.1f} s: "
+                       f"{each.summary['escaped']} of {each.summary['particles']} grains escaped")
+    figure.supxlabel("▾ escaped: farther from the axis than twice the radius (dashed)\n"
+                     "that holds 95 % of the grains", fontsize=9, color=style.BLUE)
 
 
-def draw_figures(run, undamped, path):
+def draw_frames(run, undamped):
+    """Six moments of the collapse; below them the end, with and without global damping."""
+    ends = [each for each in (run, undamped) if each]
+    _, frames, half, top = collapse_of(run)
+    rows = int(np.ceil(len(frames) / 3))
+    heights = [0.9 + rows * (0.35 + 1.6 * top / (2 * half)), 0.6 + 0.75 * len(ends)]
+    figure = plt.figure(figsize=(style.NARROW, sum(heights)))
+    upper, lower = figure.subfigures(2, 1, height_ratios=heights)
+    draw_collapse(upper, run)
+    draw_ends(lower, ends)
+    return figure
+
+
+def draw_figures(run, undamped):
     """The same moments of both runs beside one another, as the paper's Figs 9 and 10."""
     fall = np.sqrt(2 * run.height / 9.81)
     begin = run.summary["landing_time"]
     last = min(run.series.times[-1], undamped.series.times[-1])
     times = [t for t in begin + fall * np.array([0.4, 0.8, 1.2, 1.8, 2.8]) if t < last] + [last]
-    half = max(0.7 * run.height,
-               1.1 * max(each.spreading["half_width"].max() for each in (run, undamped)))
     rows = [[each.frame(each.series.nearest(t)) for each in (run, undamped)] for t in times]
-    tops = [1.08 * max(np.percentile(frame["position"][:, 1], 99.8) for frame in row)
-            + 2 * run.options["radius"] for row in rows]
-    wide = 11
-    tall = [wide / 2 * 1.05 * top / (2 * half) + 0.3 for top in tops]
-    figure, panels = plt.subplots(len(times), 2, figsize=(wide, sum(tall) + 0.3),
-                                  height_ratios=tall, layout="constrained")
-    for row, top, time, pair in zip(rows, tops, times, panels):
-        for frame, each, axes in zip(row, (run, undamped), pair):
-            view(axes, each, half, top)
-            draw(axes, frame, speed(frame), edge=thin(run, half, wide / 2, 0.2), **colours(run))
-            axes.set_title(f"t = {time:.2f} s", fontsize=10, loc="left")
-    for axes, each, number in zip(panels[0], (run, undamped), (9, 10)):
-        axes.set_title(f"after Fig. {number}: {each.damping}", fontsize=11, loc="right")
-    figure.savefig(path, dpi=150)
-    plt.close(figure)
-
-
-def tidy(axes):
-    axes.grid(color="#eceef1", linewidth=0.8)
-    axes.set_axisbelow(True)
-    axes.spines[["top", "right"]].set_visible(False)
+    margin = 2 * run.options["radius"]
+    tops = [extent(row, 1, margin)[1] for row in rows]
+    halves = [max(*np.abs(extent(row, 0, margin)), 1.3 * top) for row, top in zip(rows, tops)]
+    panel = style.WIDE / 2 - 0.6
+    tall = [panel * top / (2 * half) + 0.5 for top, half in zip(tops, halves)]
+    figure = plt.figure(figsize=(style.WIDE, sum(tall) + 1.6))
+    halves_of_page = figure.subfigures(1, 2)
+    for k, (half_page, each, number) in enumerate(zip(halves_of_page, (run, undamped), (9, 10))):
+        panels = half_page.subplots(len(times), 1, height_ratios=tall, squeeze=False)[:, 0]
+        for axes, row, top, half, time in zip(panels, rows, tops, halves, times):
+            axes.set(xlim=(-half, half), ylim=(0, top), aspect="equal", title=f"t = {time:.2f} s")
+            axes.set_yticks([float(f"{0.8 * top:.1g}")])
+            axes.grid(False)
+            circles = draw(axes, row[k], speed(row[k]), edge=outline(run, 2 * half, panel, 0.2),
+                           **colours(run))
+        panels[-1].set_xlabel("x [m]")
+        half_page.supylabel("height [m]", fontsize=10)
+        half_page.suptitle(f"After Fig. {number} of Sah and Choi (2004):\n{each.damping}", x=0.1,
+                           ha="left")
+        style.bar_of(half_page, circles, panels, "speed [m/s]", map(speed, sum(rows, [])),
+                     location="bottom", shrink=0.8, aspect=40)
+    return figure
 
 
 def describe(run):
     o = run.options
-    return f"k = {o['normal_stiffness']:g} N/m, ρ = {o['density']:g} kg/m³, {o['rows']} layers"
+    return (f"k = {o['normal_stiffness'] / 1e3:g} kN/m, ρ = {o['density']:g} kg/m³, "
+            f"{o['rows']} layers")
 
 
-def draw_wave(runs, path):
+def draw_wave(runs):
     """The force on the floor after the landing, and when the disturbance arrives there."""
     runs = [each for each in runs if each.summary["wave_arrival"]]
     if not runs:
-        return
-    figure, axes = plt.subplots(1, 3, figsize=(13, 4.2), layout="constrained")
-    marks = ["#20242a", "#d9822b", "#2b6cb0", "#3a9d5d", "#8e5bb5", "#b3261e"]
+        return None
+    figure, axes = plt.subplots(1, 3, figsize=(style.WIDE, 3.9))
     longest = 0
-    for each, colour in zip(runs, marks):
+    for each, colour in zip(runs, [DARK, *style.CURVES]):
         s, o = each.summary, each.options
-        t = each.floor["t"]
+        layers = o["rows"] * s["time_a_layer"]
+        # Later the tower is no longer a tower.
+        t = each.floor["t"][each.floor["t"] <= 2 * layers]
         weight = s["grain_weight"] * (s["particles"] - 1)
-        force = (each.floor["over_weight"] - 1) * weight / s["grain_weight"]
+        force = (each.floor["over_weight"][:len(t)] - 1) * weight / s["grain_weight"]
         axes[0].plot(1e3 * t, force, color=colour, linewidth=1, label=describe(each))
         axes[0].plot(1e3 * s["wave_arrival"], s["floor_peak_over_grain_weight"] / 2, "o",
                      color=colour)
-        axes[1].plot(t / (o["rows"] * s["time_a_layer"]),
-                     force / s["floor_peak_over_grain_weight"], color=colour, linewidth=1)
-        layers = o["rows"] * s["time_a_layer"]
+        axes[1].plot(t / layers, force / s["floor_peak_over_grain_weight"], color=colour,
+                     linewidth=1)
         longest = max(longest, layers)
-        axes[2].plot(1e3 * layers, 1e3 * s["wave_arrival"], "o", color=colour, markersize=8)
-    peak = max(each.summary["floor_peak_over_grain_weight"] for each in runs)
-    axes[0].set_ylim(-0.35 * peak, 1.1 * peak)
-    axes[0].set_xlabel("time since the landing [ms]")
-    axes[0].set_ylabel("rise of the force on the floor / weight of a grain [-]")
-    axes[0].legend(frameon=False, fontsize=8, loc="upper right")
-    axes[0].set_title("the disturbance arrives (half its peak: dots)", loc="left", fontsize=11)
+        axes[2].plot(1e3 * layers, 1e3 * s["wave_arrival"], "o", color=colour, markersize=7)
+    axes[0].set_xlabel("time t since the landing [ms]")
+    axes[0].set_ylabel("rise of the force on the floor\n/ weight of a grain [-]")
+    axes[0].set_title("arrival (dots: half the peak)")
     axes[1].axvline(1, color=GREY, linewidth=0.8)
     axes[1].set_xlim(0, 2)
-    axes[1].set_ylim(-0.35, 1.1)
-    axes[1].set_xlabel("time / (layers · √(m/k)) [-]")
-    axes[1].set_ylabel("rise / peak [-]")
-    axes[1].set_title("in times of a chain of masses and springs", loc="left", fontsize=11)
+    axes[1].set_xlabel("t / (layers · √(m/k)) [-]")
+    axes[1].set_ylabel("rise / its peak [-]")
+    axes[1].set_title("scaled by a chain of springs")
     axes[2].plot([0, 1.1e3 * longest], [0, 1.1e3 * longest], color=GREY, linewidth=1,
                  label="layers · √(m/k)")
     axes[2].set_xlabel("layers · √(m/k) [ms]")
     axes[2].set_ylabel("arrival [ms]")
-    axes[2].legend(frameon=False, fontsize=9)
-    axes[2].set_title("arrival at the floor", loc="left", fontsize=11)
-    for each in axes:
-        tidy(each)
-    figure.savefig(path, dpi=150)
-    plt.close(figure)
+    axes[2].legend(loc="upper left")
+    axes[2].set_title("arrival at the floor")
+    style.legend_above(figure, axes[0], 2)
+    return figure
 
 
-def draw_spreading(run, undamped, path):
+def draw_spreading(run, undamped):
     """How the lowest layer and the heap spread along the floor."""
-    figure, axes = plt.subplots(1, 3, figsize=(13, 4), layout="constrained")
-    for each, colour in ((run, "#d9822b"), (undamped, "#2b6cb0")):
+    figure, axes = plt.subplots(1, 3, figsize=(style.WIDE, 3.6))
+    for each, colour in ((run, ORANGE), (undamped, BLUE)):
         if not each:
             continue
         rows = each.spreading
         for panel, name in zip(axes, ("basal_front", "half_width", "basal_moved")):
-            panel.plot(rows["t"], rows[name], color=colour, linewidth=1.5, label=each.damping)
+            panel.plot(rows["t"], rows[name], color=colour, label=each.damping)
     begin = run.summary["landing_time"]
     start = run.spreading["basal_front"][0]
-    speed_of_fall = np.sqrt(2 * 9.81 * run.height)
-    t = np.linspace(begin, run.spreading["t"][-1])
-    top = 1.05 * axes[0].get_ylim()[1]
-    axes[0].plot(t, start + speed_of_fall * (t - begin), color=GREY, linewidth=1,
-                 linestyle=(0, (4, 2)), label="√(2 g h₀)")
-    axes[0].set_ylim(0, top)
-    axes[0].set_ylabel("outermost grain of the lowest layer [m]")
-    axes[1].set_ylabel("half width of the heap, 95 % of the grains [m]")
-    axes[1].set_ylim(0)
-    axes[2].set_ylabel("share of the lowest layer that moved by R [-]")
+    fall_speed = np.sqrt(2 * 9.81 * run.height)
+    highest = 1.05 * axes[0].get_ylim()[1]
+    t = np.array([begin, min(begin + (highest - start) / fall_speed, run.spreading["t"][-1])])
+    axes[0].plot(t, start + fall_speed * (t - begin), color=GREY, linewidth=1.2, linestyle=DASHED,
+                 label="speed of free fall from the top, √(2 g h₀)")
+    axes[0].set_ylabel("outermost grain of the\nlowest layer [m]")
+    axes[1].set_ylabel("half width of the heap,\n95 % of the grains [m]")
+    axes[2].set_ylabel("share of the lowest layer that\nhas moved by a radius [-]")
     for panel in axes:
         panel.set_xlabel("time [s]")
-        panel.legend(frameon=False, fontsize=9)
-        tidy(panel)
-    figure.savefig(path, dpi=150)
-    plt.close(figure)
+        panel.set_ylim(0)
+    style.legend_above(figure, axes[0], 3)
+    return figure
 
 
-def draw_energy(run, undamped, path):
-    figure, axes = plt.subplots(2, 2, figsize=(10.5, 6.6), layout="constrained", sharex="col")
+def draw_energy(run, undamped):
+    figure, axes = plt.subplots(2, 2, figsize=(style.WIDE, 5.6), sharex=True)
     energy = run.energy
     t = energy["t"]
     weight = run.summary["particles"] * run.summary["grain_weight"]
 
-    parts = {"potential": "#2b6cb0", "kinetic": "#d9822b", "rotational": "#3a9d5d",
-             "elastic": "#8e5bb5"}
-    total = sum(energy[part] for part in parts)
-    axes[0, 0].plot(t, total / 1e3, color="#20242a", linewidth=1.6, label="sum")
-    for part, colour in parts.items():
-        axes[0, 0].plot(t, energy[part] / 1e3, color=colour, linewidth=1.3, label=part)
+    kinds = ("potential", "kinetic", "rotational", "elastic")
+    axes[0, 0].plot(t, sum(energy[kind] for kind in kinds) / 1e3, color=DARK, label="sum")
+    for kind in kinds:
+        axes[0, 0].plot(t, energy[kind] / 1e3, label=kind)
     axes[0, 0].set_ylabel("energy [kJ]")
-    axes[0, 0].legend(frameon=False, fontsize=9)
-    axes[0, 0].set_title("where the energy is", loc="left", fontsize=11)
+    axes[0, 0].legend()
+    axes[0, 0].set_title(f"energy, {run.damping}")
 
-    for each, colour in ((run, "#d9822b"), (undamped, "#2b6cb0")):
+    for each, colour in ((run, ORANGE), (undamped, BLUE)):
         if each:
             moving = each.energy["kinetic"] + each.energy["rotational"]
-            axes[0, 1].semilogy(each.energy["t"], np.maximum(moving, 1e-3), color=colour,
-                                label=f"α = {each.options['alpha']:g} 1/s")
-    axes[0, 1].set_ylim(1e-2)
-    axes[0, 1].set_ylabel("kinetic + rotational [J]")
-    axes[0, 1].legend(frameon=False, fontsize=9)
-    axes[0, 1].set_title("energy of motion", loc="left", fontsize=11)
+            axes[0, 1].semilogy(each.energy["t"], np.where(moving > 0, moving, np.nan),
+                                color=colour, linewidth=1.2, label=each.damping)
+    axes[0, 1].set_ylabel("kinetic and rotational energy [J]")
+    axes[0, 1].legend()
+    axes[0, 1].set_title("energy of motion")
 
-    axes[1, 0].plot(t, energy["momentum_x"], color="#d9822b", label="along the floor")
-    axes[1, 0].plot(t, energy["momentum_y"], color="#2b6cb0", label="upwards")
+    axes[1, 0].plot(t, energy["momentum_x"], color=ORANGE, label="along the floor")
+    axes[1, 0].plot(t, energy["momentum_y"], color=BLUE, label="upwards")
     axes[1, 0].set_ylabel("momentum [kg m/s]")
-    axes[1, 0].legend(frameon=False, fontsize=9)
-    axes[1, 0].set_title("momentum", loc="left", fontsize=11)
+    axes[1, 0].legend()
+    axes[1, 0].set_title(f"momentum, {run.damping}")
 
     axes[1, 1].axhline(1, color=GREY, linewidth=0.8)
-    axes[1, 1].plot(t, energy["floor_y"] / weight, color="#20242a", linewidth=0.9)
+    axes[1, 1].plot(t, energy["floor_y"] / weight, color=DARK, linewidth=0.9)
     axes[1, 1].set_ylabel("force on the floor / weight [-]")
-    axes[1, 1].set_title("load on the floor", loc="left", fontsize=11)
+    axes[1, 1].set_title(f"load on the floor, {run.damping}")
 
-    for each in axes.flat:
-        tidy(each)
-        each.set_xlim(0, t[-1])
     for each in axes[1]:
+        each.set_xlim(0, t[-1])
         each.set_xlabel("time [s]")
-    figure.savefig(path, dpi=150)
-    plt.close(figure)
+    return figure
 
 
 def animate(run, path):
     """Up to 1.5 s of the run at half its speed."""
-    top = run.height + run.options["drop_height"]
     end = min(1.5, run.series.times[-1])
     numbers = [run.series.nearest(t) for t in np.arange(0, end, 0.025)]
-    figure = plt.figure(figsize=(5.2, 4.1), dpi=80)
-    axes = figure.add_axes((0, 0, 1, 1))
+    frames = {number: run.frame(number) for number in numbers}
+    margin = 2 * run.options["radius"]
+    half = max(np.abs(extent(frames.values(), 0, margin)))
+    top = extent(frames.values(), 1, margin)[1]
+    bottom = -0.04 * top
+    figure, axes = plt.subplots(figsize=(8, 1.2 + 6.4 * (top - bottom) / (2 * half)))
+    style.box(axes, (-half, half), (bottom, top), ("x [m]", "height [m]"))
+    ground(axes, bottom)
 
     def show(number):
-        axes.clear()
-        frame = run.frame(number)
-        view(axes, run, 0.74 * top, 1.12 * top)
-        draw(axes, frame, speed(frame), edge=thin(run, 0.74 * top, 5.2, 0.2), **colours(run))
-        axes.text(0.03, 0.93, f"t = {run.series.times[number]:.2f} s", fontsize=11,
-                  transform=axes.transAxes)
+        frame = frames[number]
+        axes.set_title(f"t = {run.series.times[number]:.2f} s, {run.damping}")
+        return [draw(axes, frame, speed(frame), edge=outline(run, 2 * half, 6.4, 0.3),
+                     **colours(run))]
 
-    FuncAnimation(figure, show, frames=numbers).save(path, writer=PillowWriter(fps=20))
-    plt.close(figure)
+    bar = plt.cm.ScalarMappable(**colours(run))
+    style.bar_of(figure, bar, axes, "speed [m/s]", map(speed, frames.values()), shrink=0.8)
+    style.film(path, figure, numbers, show, rate=20)
 
 
 def asymmetry(run, until):
@@ -407,12 +397,13 @@ def main(arguments):
     run = Run(folder)
     others = {name: Run.there(folder / name) for name in ("undamped", "symmetric", "frictionless")}
     others["waves"] = [Run(each.parent) for each in sorted(folder.glob("wave_*/summary.json"))]
-    draw_frames(run, others["undamped"], folder / "frames.png")
-    if others["undamped"]:
-        draw_figures(run, others["undamped"], folder / "figures_9_10.png")
-    draw_energy(run, others["undamped"], folder / "energy.png")
-    draw_wave([run, *others["waves"]], folder / "wave.png")
-    draw_spreading(run, others["undamped"], folder / "spreading.png")
+    undamped = others["undamped"]
+    style.make(folder / "frames.png", draw_frames, run, undamped)
+    if undamped:
+        style.make(folder / "figures_9_10.png", draw_figures, run, undamped)
+    style.make(folder / "energy.png", draw_energy, run, undamped)
+    style.make(folder / "wave.png", draw_wave, [run, *others["waves"]])
+    style.make(folder / "spreading.png", draw_spreading, run, undamped)
     animate(run, folder / "collapse.gif")
     compare(run, others, folder / "comparison.md")
 

@@ -11,124 +11,99 @@ schemes in the subfolders case_10 (--case 10) and case_00 are compared with it, 
 import pathlib
 import sys
 
-import matplotlib
-
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt
-import numpy as np
-from matplotlib.animation import FuncAnimation, PillowWriter
-
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
-from support import water
-from support.water import (BLUE, DARK, DENSITY, FRONT, G, HEIGHT, ORANGE, POTENTIAL_FLOW, REFERENCE,
-                           DamBreak, table, tidy)
+from support import plot_style as style
+from support.plot_style import BLUE, DARK, DASHED, GREEN, ORANGE, np, plt
+from support.water import (DENSITY, FRONT, G, HEIGHT, POTENTIAL_FLOW, REFERENCE, DamBreak, Tanks,
+                           table)
 
-COLOURS = (BLUE, "#8a8f98", ORANGE)
+COLOURS = (BLUE, GREEN, ORANGE)
+EXPERIMENT = "Martin & Moyce (1952), experiment"
 
 
-def show(axes, run, frame, top):
+def tanks(run, times):
     is_3d = run.options["dimension"] == 3
-    return water.draw_water(axes, frame, run.options["spacing"], run.options["tank"][0], top,
-                            DENSITY * G * run.height / 1e3,
-                            run.options["depth"] / 2 if is_3d else None)
+    return Tanks(run, times, run.options["tank"][0], DENSITY * G * run.height / 1e3,
+                 run.options["depth"] / 2 if is_3d else None)
 
 
-def draw_frames(run, path):
-    end = run.series.times[-1]
-    times = [t for t in (0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.8, 1.0) if t <= end + 1e-3]
-    top = 1.35 * run.height
-    water.draw_frames(run.series, times, lambda axes, frame: show(axes, run, frame, top),
-                      top / run.options["tank"][0], path)
+def draw_frames(run):
+    times = [t for t in (0.1, 0.2, 0.3, 0.4, 0.5, 0.6) if t <= run.series.times[-1] + 1e-3]
+    return tanks(run, times or [run.series.times[-1]]).figure(run.name)
 
 
-def draw_front(runs, path):
-    figure, axes = plt.subplots(1, 2, figsize=(11, 4.6), layout="constrained")
+def draw_front(runs):
+    figure, axes = plt.subplots(1, 2, figsize=(style.WIDE, 4.6))
     if runs[0].is_martin_moyce():
-        experiment = table(REFERENCE / FRONT)
+        experiment, height = table(REFERENCE / FRONT), table(REFERENCE / HEIGHT)
         axes[0].plot(experiment["T"], experiment["Z"], "o", color=DARK, markersize=5,
-                     label="Martin & Moyce 1952, n² = 2")
-        height = table(REFERENCE / HEIGHT)
-        axes[1].plot(height["tau"], height["H"], "o", color=DARK, markersize=5,
-                     label="Martin & Moyce 1952, n² = 2")
+                     label=EXPERIMENT)
+        axes[1].plot(height["tau"], height["H"], "o", color=DARK, markersize=5)
         exact = table(REFERENCE / POTENTIAL_FLOW)
-        axes[0].plot(exact["T"], exact["Z"], color=DARK, linewidth=0.9, label="potential flow")
-        axes[1].plot(exact["T"] / np.sqrt(2), exact["H"], color=DARK, linewidth=0.9,
-                     label="potential flow")
+        axes[0].plot(exact["T"], exact["Z"], color=DARK, linewidth=1,
+                     label="potential flow, exact")
+        axes[1].plot(exact["T"] / np.sqrt(2), exact["H"], color=DARK, linewidth=1)
     for run, colour in zip(runs, COLOURS):
         T, Z = run.dimensionless_front()
-        shift = run.time_shift() or 0
-        axes[0].plot(T + shift, Z, color=colour, linewidth=1.8,
-                     label=f"{run.name}, shifted by {shift:.2f}")
-        axes[0].plot(T, Z, color=colour, linewidth=0.9, linestyle=(0, (2, 2)),
-                     label=f"{run.name} as computed")
-        axes[1].plot(T / np.sqrt(2), run.dimensionless_height(), color=colour, linewidth=1.8,
-                     label=f"{run.name} as computed")
-    axes[0].set_xlim(0, 4.2)
-    axes[0].set_ylim(0.9, 4.4)
-    axes[0].set_xlabel("T = t √(2g/a)")
-    axes[0].set_ylabel("Z = x/a")
-    axes[0].set_title("leading edge", loc="left", fontsize=11)
-    axes[1].set_xlim(0, 4.5)
-    axes[1].set_ylim(0, 1.1)
-    axes[1].set_xlabel("τ = t √(g/a)")
-    axes[1].set_ylabel("H = height / 2a")
-    axes[1].set_title("height at the back wall", loc="left", fontsize=11)
-    for each in axes:
-        each.legend(frameon=False, fontsize=9)
-    tidy(axes)
-    figure.savefig(path, dpi=130)
-    plt.close(figure)
+        axes[1].plot(T / np.sqrt(2), run.dimensionless_height(), color=colour, linewidth=1.8)
+        # The edge ends where it meets the wall.
+        T, Z = T[run.before_the_wall()], Z[run.before_the_wall()]
+        axes[0].plot(T, Z, color=colour, linewidth=1.2, linestyle=DASHED,
+                     label=f"{run.name}, as computed")
+        if shift := run.time_shift():
+            axes[0].plot(T + shift, Z, color=colour, linewidth=1.8,
+                         label=f"{run.name}, time shifted by {shift:.2f}")
+    axes[0].set_xlim(0)
+    axes[0].set_xlabel("T = t √(2g/a) [-]")
+    axes[0].set_ylabel("Z = x/a [-]")
+    axes[0].set_title("leading edge x; a: width of the column")
+    axes[1].set_xlim(0)
+    axes[1].set_ylim(0)
+    axes[1].set_xlabel("τ = t √(g/a) [-]")
+    axes[1].set_ylabel("H = height / height at first [-]")
+    axes[1].set_title("height at the back wall, as computed")
+    style.legend_above(figure, axes[0], 2)
+    return figure
 
 
-def draw_pressure(runs, path):
-    figure, panels = plt.subplots(len(runs), 1, figsize=(10.5, 0.6 + 2.9 * len(runs)), sharex=True,
-                                  layout="constrained", squeeze=False)
+def draw_pressure(runs):
+    figure, panels = plt.subplots(len(runs), 1, figsize=(style.WIDE, 0.6 + 2.6 * len(runs)),
+                                  sharex=True, squeeze=False)
     panels = panels[:, 0]
-    top = max(np.percentile(run.pressure["p_1"], 99.7) / 1e3 for run in runs)
     for axes, run, colour in zip(panels, runs, COLOURS):
-        gauges = run.pressure.dtype.names[1:]
-        for number, name in enumerate(gauges):
-            at = ", ".join(f"{x:g}" for x in run.options["probes"][number])
-            axes.plot(run.pressure["t"], run.pressure[name] / 1e3, linewidth=0.8,
-                      color=colour if number == 0 else None, label=f"gauge at ({at}) m")
-        title = run.name + {0: ", the original MPS", 10: ", PNU-MPS"}.get(run.options["case"], "")
+        still = run.width * run.height / run.options["tank"][0]  # depth of all water at rest
+        for number, name in enumerate(run.pressure.dtype.names[1:]):
+            place = run.options["probes"][number]
+            at = ", ".join(f"{x:g}" for x in place)
+            curve, = axes.plot(run.pressure["t"], run.pressure[name] / 1e3, linewidth=0.7,
+                               color=colour if number == 0 else None, label=f"gauge at ({at}) m")
+            if still > place[-1]:
+                axes.axhline(DENSITY * G * (still - place[-1]) / 1e3, linestyle=DASHED,
+                             color=DARK if number == 0 else curve.get_color(), zorder=3,
+                             label="the same under water at rest, ρ g h")
+        title = run.name
         if (rough := run.roughness()) is not None:
-            title += f": high-passed rms {rough / 1e3:.2f} kPa from 0.4 s on"
-        axes.set_title(title, loc="left", fontsize=11)
+            title += (f": rms deviation from the 0.02 s moving average {rough / 1e3:.2f} kPa "
+                      "(t ≥ 0.4 s)")
+        axes.set_title(title)
         axes.set_ylabel("pressure [kPa]")
-        axes.legend(frameon=False, fontsize=9, loc="upper left")
-        axes.set_ylim(0, 1.05 * max(top, 1))
+        axes.set_ylim(min(0, run.pressure["p_1"].min() / 1e3))
+        axes.legend(loc="upper left")
     panels[-1].set_xlabel("time [s]")
     panels[-1].set_xlim(0, runs[0].pressure["t"][-1])
-    tidy(panels)
-    figure.savefig(path, dpi=130)
-    plt.close(figure)
+    return figure
 
 
 def animate(run, path):
     """The whole run, at most 60 frames."""
-    numbers = np.unique(np.linspace(0, len(run.series) - 1, 60).round().astype(int))
-    series = run.series
-    top = 1.35 * run.height
-    width = run.options["tank"][0]
-    figure = plt.figure(figsize=(5.6, 5.6 * (top + 0.03) / (width + 0.04)), dpi=80)
-    axes = figure.add_axes((0, 0, 1, 1))
-
-    def show_number(number):
-        axes.clear()
-        show(axes, run, series[number], top)
-        axes.text(0.97, 0.93, f"t = {series.times[number]:.2f} s", fontsize=12, ha="right",
-                  transform=axes.transAxes)
-
-    FuncAnimation(figure, show_number, frames=numbers).save(path, writer=PillowWriter(fps=15))
-    plt.close(figure)
+    tanks(run, np.linspace(0, run.series.times[-1], 60)).film(path, run.name, rate=15)
 
 
 def of_front(run):
     """Rows that hold a run's leading edge and height against experiment and exact solution."""
     if not run.is_martin_moyce() or run.front_error() is None:
         return
-    is_best = run.name == "recommended"
+    is_best = run.options["case"] == "recommended"
     yield (f"{run.name}: leading edge, rms deviation from Martin & Moyce (1952), T = 1.19–3.3, time "
            f"shifted by {run.time_shift():.2f}", f"{100 * run.front_error():.1f} %",
            "≤ 2 %" if is_best else "≤ 6 %", run.front_error() <= (0.02 if is_best else 0.06))
@@ -185,9 +160,9 @@ def main(arguments):
     run = DamBreak(folder)
     others = [other for name in ("case_10", "case_00") if (other := DamBreak.there(folder / name))]
     runs = [run, *others]
-    draw_frames(run, folder / "frames.png")
-    draw_front(runs, folder / "front.png")
-    draw_pressure(runs, folder / "pressure.png")
+    style.make(folder / "frames.png", draw_frames, run)
+    style.make(folder / "front.png", draw_front, runs)
+    style.make(folder / "pressure.png", draw_pressure, runs)
     animate(run, folder / "collapse.gif")
     compare(run, others, folder / "comparison.md")
 

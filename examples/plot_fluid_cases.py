@@ -11,96 +11,93 @@ import json
 import pathlib
 import sys
 
-import matplotlib
-
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt
-import numpy as np
-
-HERE = pathlib.Path(__file__).resolve().parent
-sys.path.insert(0, str(HERE))
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+from support import plot_style as style
 from support.frames import Series, draw, speed
+from support.plot_style import DARK, DASHED, np, plt
 
-DENSITY = 1000.0
-BLUE = "#1f6fb4"
-ORANGE = "#d9822b"
-DARK = "#20242a"
+SCHEMES = {"recommended": "Silt, recommended scheme", "case10": "Case 10 (PNU-MPS)"}
 
 # Per case: the title; panels of the history, each a label and its curves, (column, what it is), of
 # which the exact ones are dashed; what colours the frames.
 CASES = {
     "taylor_green": ("Taylor–Green vortices, Re = 100", [
-        ("rms velocity / that at first", [("speed", "computed"), ("speed_exact", "exact")]),
-        ("largest empty circle [l0]", [("gap", "computed")]),
+        ("rms velocity / initial value [-]", [("speed", "computed"), ("speed_exact", "exact")]),
+        ("radius of the largest\nempty circle / spacing [-]", [("gap", "computed")]),
     ], "speed"),
-    "standing_wave": ("standing wave", [
+    "standing_wave": ("Standing wave", [
         ("elevation of the crest [m]", [("elevation", "computed"), ("elevation_exact", "exact")]),
     ], "pressure"),
-    "oscillating_drop": ("oscillating drop", [
+    "oscillating_drop": ("Oscillating drop", [
         ("semi-axes [m]", [("a", "along x"), ("b", "along y"), ("a_exact", "exact"),
                            ("b_exact", "exact")]),
-        ("A [1/s]", [("rate", "computed"), ("rate_exact", "exact")]),
+        ("strain rate A [s⁻¹]", [("rate", "computed"), ("rate_exact", "exact")]),
     ], "pressure"),
-    "rotating_square": ("rotating square", [
-        ("over that at first", [("angular_momentum", "angular momentum"),
-                                ("energy", "kinetic energy"), ("whole", "largest body")]),
-        ("pressure at the centre [ρ ω² L²]", [("pressure_centre", "computed")]),
+    "rotating_square": ("Rotating square", [
+        ("ratio to the initial value [-]", [("angular_momentum", "angular momentum"),
+                                ("energy", "kinetic energy"), ("whole", "fluid in one body")]),
+        ("pressure at the centre / ρ ω² L² [-]", [("pressure_centre", "computed")]),
     ], "pressure"),
-    "falling_block": ("falling block", [
+    "falling_block": ("Falling block", [
         ("fall [m]", [("fall", "computed"), ("fall_exact", "exact")]),
     ], "pressure"),
 }
 
 
-def draw_history(run, path):
-    title, panels, _ = CASES[run["case"]]
+def name_of(run):
+    return f"{CASES[run['case']][0]} ({SCHEMES[run['scheme']]}, spacing {run['spacing']:g} m)"
+
+
+def draw_history(run):
+    _, panels, _ = CASES[run["case"]]
     history = np.genfromtxt(run["folder"] / "history.csv", delimiter=",", names=True)
-    figure, axes = plt.subplots(1, len(panels), figsize=(5.6 * len(panels), 3.6),
-                                layout="constrained", squeeze=False)
+    figure, axes = plt.subplots(1, len(panels), figsize=(style.WIDE, 3.6), squeeze=False)
     for each, (label, curves) in zip(axes[0], panels):
-        colours = iter((BLUE, ORANGE, "#4b9b5f"))
+        colours = iter(style.CURVES)
         labelled = set()
         for column, name in curves:
             exact = column.endswith("_exact")
             each.plot(history["t"], history[column], label=None if name in labelled else name,
-                      color=DARK if exact else next(colours), linewidth=1.0 if exact else 1.8,
-                      linestyle=(0, (4, 2)) if exact else "-", zorder=3 if exact else 2)
+                      color=DARK if exact else next(colours), linewidth=1.0 if exact else 1.6,
+                      linestyle=DASHED if exact else "-", zorder=3 if exact else 2)
             labelled.add(name)
         each.set_xlabel("time [s]")
         each.set_ylabel(label)
-        each.legend(frameon=False, fontsize=9)
-        each.grid(color="#eceef1", linewidth=0.8)
-        each.spines[["top", "right"]].set_visible(False)
-    figure.suptitle(f"{title}, {run['scheme']}, l0 = {run['spacing']:g} m", x=0.01, ha="left",
-                    fontsize=11)
-    figure.savefig(path, dpi=110)
-    plt.close(figure)
+        style.legend_on_top(each, 2)
+    figure.suptitle(name_of(run), x=0.01, ha="left")
+    return figure
 
 
-def draw_frames(run, path):
+def draw_frames(run):
     series = Series(run["folder"] / "frames.pvd")
     numbers = np.unique(np.linspace(0, len(series) - 1, 4).round().astype(int))
     frames = [series[number] for number in numbers]
-    figure, axes = plt.subplots(1, len(frames), figsize=(3.4 * len(frames), 3.8),
-                                layout="constrained", squeeze=False)
+    figure, panels = plt.subplots(2, 2, figsize=(style.WIDE, 7.6), squeeze=False)
     by_speed = CASES[run["case"]][2] == "speed"
-    values = [speed(frame) if by_speed else frame["pressure"] / 1e3 for frame in frames]
-    # Behind the first step: before it there is no pressure yet.
-    low, high = np.percentile(np.concatenate(values[1:] or values), [1, 99])
-    for each, frame, colours, number in zip(axes[0], frames, values, numbers):
-        circles = draw(each, frame, colours, radius=run["spacing"] / 2, cmap="viridis",
-                       norm=plt.Normalize(low, max(high, low + 1e-12)))
+    values = [speed(frame) if by_speed else frame["pressure"] for frame in frames]
+    # Single particles would stretch the scale.
+    low, high = np.percentile(np.concatenate(values[1:] or values), [0.5, 99.5])
+    for axes, frame, colours, number in zip(panels.flat, frames, values, numbers):
         lower, upper = frame["position"].min(axis=0), frame["position"].max(axis=0)
         half = 0.53 * (upper - lower).max()
-        middle = (lower + upper) / 2
-        each.set_xlim(middle[0] - half, middle[0] + half)
-        each.set_ylim(middle[1] - half, middle[1] + half)
-        each.set_title(f"t = {series.times[number]:.2f} s", loc="left", fontsize=10)
-        each.tick_params(labelsize=8)
-    figure.colorbar(circles, ax=axes[0].tolist(), shrink=0.8,
-                    label="speed [m/s]" if by_speed else "pressure [kPa]")
-    figure.savefig(path, dpi=75)
-    plt.close(figure)
+        x, y = ((middle - half, middle + half) for middle in ((lower + upper) / 2)[:2])
+        # Of a size that can still be seen where the fluid has spread far.
+        circles = draw(axes, frame, colours, radius=max(run["spacing"] / 2, 0.007 * half),
+                       cmap=style.SPEED if by_speed else style.PRESSURE,
+                       norm=plt.Normalize(low, max(high, low + 1e-12)))
+        title = f"t = {series.times[number]:.2f} s"
+        if number == 0 and not by_speed:
+            circles.set(array=None, facecolor=style.GREY)
+            title += ", pressure not yet computed"
+        axes.set(xlim=x, ylim=y, aspect="equal", title=title, xlabel="x [m]", ylabel="y [m]")
+        axes.grid(False)
+    for axes in panels.flat[len(frames):]:
+        axes.remove()
+    figure.suptitle(name_of(run), x=0.01, ha="left")
+    style.bar_of(figure, circles, panels.flat[:len(frames)],
+                 "speed [m/s]" if by_speed else "pressure [Pa]", values[1:] or values, shrink=0.7,
+                 aspect=35)
+    return figure
 
 
 def compare(run, path):
@@ -123,8 +120,8 @@ def main(arguments):
         sys.exit(f"plot_fluid_cases.py: {folder} has no summary.json; run fluid_cases first")
     summary = json.loads((folder / "summary.json").read_text())
     run = summary["options"] | {"folder": folder, "findings": summary["findings"]}
-    draw_history(run, folder / "history.png")
-    draw_frames(run, folder / "frames.png")
+    style.make(folder / "history.png", draw_history, run)
+    style.make(folder / "frames.png", draw_frames, run)
     compare(run, folder / "comparison.md")
 
 

@@ -11,17 +11,12 @@ import json
 import pathlib
 import sys
 
-import matplotlib
-
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt
-import numpy as np
-from matplotlib.animation import FuncAnimation, PillowWriter
-
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+from support import plot_style as style
 from support.frames import Series
+from support.plot_style import DARK, ORANGE, np, plt
 
-LAYERS = ["#2f4858", "#e0a458", "#7a9e9f", "#b5523b"]
+LAYERS = ["#123b5d", "#e0a458", "#7fb2b8", "#b5523b"]
 STEEL = "#4d535b"
 
 
@@ -44,26 +39,31 @@ class Run:
         self.layer[first["id"]] = (height / thickness).astype(int) % len(LAYERS)
 
 
-def draw_walls(axes, run):
-    half, gap = run.options["width"] / 2, run.opening / run.d / 2
+    @property
+    def name(self):
+        what = "slice through the axis" if self.dimension == 3 else "discs in a slot"
+        return (f"Discharge through an opening of {self.opening / self.d:g} d, "
+                f"d = {1e3 * self.d:g} mm ({what})")
+
+
+def draw_bin(axes, run):
+    """The walls, with axes in metres."""
+    half, gap = run.options["width"] * run.d / 2, run.opening / 2
     angle = np.radians(run.options["half_angle"])
     corner = 0 if run.options["half_angle"] == 90 else (half - gap) / np.tan(angle)
-    top = corner + run.options["fill_height"] + 3
+    top = corner + (run.options["fill_height"] + 3) * run.d
     for side in (-1, 1):
         axes.plot([side * half, side * half, side * gap], [top, corner, 0], color=STEEL,
                   linewidth=2, solid_capstyle="butt", solid_joinstyle="miter", zorder=3)
-    axes.set_xlim(-half - 1.5, half + 1.5)
-    axes.set_ylim(-7, top)
-    axes.set_aspect("equal")
-    axes.set_axis_off()
+    # What has left is followed for some diameters, and cut off there by the drain, too.
+    style.box(axes, (-half - run.d, half + run.d), (-8 * run.d, top), ("x [m]", "height [m]"))
 
 
 def draw_grains(axes, run, frame):
     """In 3D those of a slice through the middle, as large as it cuts them."""
     from matplotlib.collections import EllipseCollection
 
-    x = frame["position"] / run.d
-    radius = frame["radius"] / run.d
+    x, radius = frame["position"], frame["radius"]
     shown = np.ones(len(x), dtype=bool)
     if run.dimension == 3:
         cut = radius**2 - x[:, 1]**2
@@ -71,38 +71,35 @@ def draw_grains(axes, run, frame):
         radius = np.sqrt(np.maximum(cut, 0))
     colours = np.array(LAYERS)[run.layer[frame["id"][shown]]]
     size = 2 * radius[shown]
-    axes.add_collection(EllipseCollection(
+    return axes.add_collection(EllipseCollection(
         size, size, np.zeros(len(size)), units="xy", facecolors=colours, edgecolors="white",
-        linewidths=0.2, offsets=x[shown][:, [0, run.dimension - 1]], transOffset=axes.transData))
+        linewidths=0.2, offsets=x[shown][:, [0, run.dimension - 1]],
+        offset_transform=axes.transData))
 
 
-def draw_frames(run, path):
+def draw_frames(run):
     numbers = np.linspace(0, len(run.series) - 1, 4).round().astype(int)
-    figure, panels = plt.subplots(1, 4, figsize=(12, 4), layout="constrained")
+    figure, panels = plt.subplots(1, 4, figsize=(style.WIDE, 4.4), sharex=True, sharey=True)
     for axes, number in zip(panels, numbers):
-        draw_walls(axes, run)
+        draw_bin(axes, run)
         draw_grains(axes, run, run.series[number])
-        axes.set_title(f"t = {run.series.times[number]:.2f} s", fontsize=11, loc="left")
-    what = "a slice through the axis" if run.dimension == 3 else "the slot"
-    figure.suptitle(f"discharge through D = {run.opening / run.d:g} d: {what}; layers of the bed at "
-                    f"rest keep their colours", fontsize=11, x=0.01, ha="left")
-    figure.savefig(path, dpi=150)
-    plt.close(figure)
+        axes.set_title(f"t = {run.series.times[number]:.2f} s")
+    figure.suptitle(f"{run.name};\ncolours: layers of the bed at rest, 3 d thick", x=0.01,
+                    ha="left")
+    return figure
 
 
 def animate(run, path):
-    figure = plt.figure(figsize=(4, 4.4), dpi=80)
-    axes = figure.add_axes((0, 0, 1, 1))
+    figure, axes = plt.subplots(figsize=(8, 8))
+    draw_bin(axes, run)
+    figure.suptitle(run.name, x=0.01, ha="left")
 
     def show(number):
-        axes.clear()
-        draw_walls(axes, run)
-        draw_grains(axes, run, run.series[number])
+        axes.set_title(f"t = {run.series.times[number]:.2f} s")
+        return [draw_grains(axes, run, run.series[number])]
 
     step = max(1, len(run.series) // 60)
-    FuncAnimation(figure, show, frames=range(0, len(run.series), step)).save(
-        path, writer=PillowWriter(fps=12))
-    plt.close(figure)
+    style.film(path, figure, range(0, len(run.series), step), show, rate=12)
 
 
 def reduced_rates(run):
@@ -119,50 +116,48 @@ def coefficient(run, k):
     return np.mean(W / (D - k) ** run.summary["exponent_of_the_law"])
 
 
-def draw_discharge(run, path):
+def draw_discharge(run):
     s = run.summary
-    figure, axes = plt.subplots(1, 3, figsize=(13, 4.2), layout="constrained")
+    figure, axes = plt.subplots(1, 3, figsize=(style.WIDE, 3.9))
     unit = np.sqrt(run.d / 9.81)
     rates = s["rates"]
-    colours = plt.cm.viridis(np.linspace(0.1, 0.85, len(rates)))
+    colours = plt.cm.viridis(np.linspace(0.05, 0.85, len(rates)))
     for rate, colour in zip(rates, colours):
         own = run.discharge[run.discharge["opening_over_d"] == rate["opening_over_d"]]
         axes[0].plot(own["t"] / unit, own["mass"], color=colour,
-                     label=f"D = {rate['opening_over_d']:g} d")
-    axes[0].set_xlabel("t / √(d/g)")
+                     label=f"opening D = {rate['opening_over_d']:g} d")
+    axes[0].set_xlabel("t / √(d/g) [-]")
     axes[0].set_ylabel("mass let out [kg]" if run.dimension == 3 else "mass let out [kg/m]")
-    axes[0].legend(frameon=False, fontsize=9)
-    axes[0].set_title("discharge", loc="left", fontsize=11)
+    axes[0].set_title("discharge")
 
     D, W = reduced_rates(run)
     k, own_k = s["k"], s["k_for_the_exponent_of_the_law"]
-    line = np.linspace((D - k).min() * 0.9, (D - k).max() * 1.1)
     law = s["exponent_of_the_law"]
-    axes[1].loglog(line, coefficient(run, own_k) * (line + k - own_k) ** law, color="#b5523b",
-                   label=f"{coefficient(run, own_k):.2f} (D/d − {own_k:.2f})$^{{{law:g}}}$")
-    axes[1].loglog(D - k, W, "o", color="#20242a",
-                   label=f"measured; slope {s['exponent']:.2f}")
-    axes[1].set_xlabel(f"D/d − {k:g}")
-    axes[1].set_ylabel("W / (ρ$_b$ √g d$^{%g}$)" % s["exponent_of_the_law"])
+    if len(rates) > 1:
+        line = np.linspace((D - k).min() * 0.9, (D - k).max() * 1.1)
+        axes[1].loglog(line, coefficient(run, own_k) * (line + k - own_k) ** law, color=ORANGE,
+                       label=f"{coefficient(run, own_k):.2f} (D/d − {own_k:.2f})$^{{{law:g}}}$")
+    slope = f", slope {s['exponent']:.2f}" if len(rates) > 1 else ""
+    axes[1].loglog(D - k, W, "o", color=DARK, label="measured" + slope)
+    axes[1].set_xlabel(f"D/d − {k:g} [-]")
+    axes[1].set_ylabel("W / (ρ$_b$ √g d$^{%g}$) [-]" % law)
     axes[1].set_xticks(D - k, [f"{each:.3g}" for each in D - k])
     axes[1].set_yticks(W, [f"{each:.3g}" for each in W])
     axes[1].minorticks_off()
-    axes[1].legend(frameon=False, fontsize=9)
-    axes[1].set_title("Beverloo's law", loc="left", fontsize=11)
+    style.legend_on_top(axes[1], 1, "rate W and Beverloo's law")
 
     for rate, colour in zip(rates, colours):
         heights = [rate["height_over_D_first_half"], rate["height_over_D_second_half"]]
         values = np.array([rate["rate_first_half"], rate["rate_second_half"]]) / rate["rate"]
         axes[2].plot(heights, values, "o-", color=colour)
     axes[2].axhspan(0.95, 1.05, color="#eceef1", zorder=0)
-    axes[2].set_ylim(0.8, 1.2)
-    axes[2].set_xlabel("height of the bed / D")
-    axes[2].set_ylabel("rate / its mean")
-    axes[2].set_title("whatever lies above", loc="left", fontsize=11)
-    for each in axes:
-        each.spines[["top", "right"]].set_visible(False)
-    figure.savefig(path, dpi=150)
-    plt.close(figure)
+    lowest, highest = axes[2].get_ylim()
+    axes[2].set_ylim(min(lowest, 0.85), max(highest, 1.15))
+    axes[2].set_xlabel("height of the bed / D [-]")
+    axes[2].set_ylabel("rate / its mean [-]")
+    axes[2].set_title("rate under a falling bed")
+    style.legend_above(figure, axes[0], 3)
+    return figure
 
 
 def compare(run, path):
@@ -204,8 +199,8 @@ def main(arguments):
     if not (folder / "summary.json").exists():
         sys.exit(f"plot_hopper.py: {folder} has no summary.json; run hopper first")
     run = Run(folder)
-    draw_frames(run, folder / "frames.png")
-    draw_discharge(run, folder / "discharge.png")
+    style.make(folder / "frames.png", draw_frames, run)
+    style.make(folder / "discharge.png", draw_discharge, run)
     animate(run, folder / "discharge.gif")
     compare(run, folder / "comparison.md")
 

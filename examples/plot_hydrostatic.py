@@ -10,87 +10,83 @@ Makes frames.png, pressure.png, profile.png and comparison.md in FOLDER.
 import pathlib
 import sys
 
-import matplotlib
-
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt
-
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
-from support import water
-from support.water import BLUE, DARK, DENSITY, G, ORANGE, Tank, tidy
+from support import plot_style as style
+from support.plot_style import BLUE, DARK, DASHED, ORANGE, plt
+from support.water import DENSITY, G, NAMES, Tank, Tanks
 
 
 def scheme(run):
     """The choices of scheme in words."""
     o = run.options
     if o["scheme"] == "recommended":
-        return "recommended scheme"
+        return NAMES["recommended"]
     a, b = o["collision"]
     surface = {"both": "(13) and (17)"}.get(o["surface"], f"({o['surface']})")
     return (f"source ({o['source']}), kernel ({o['kernel']}), a = {a:g}, b = {b:g}, surface "
             f"{surface}, gradient ({o['gradient']})")
 
 
-def draw_frames(run, path):
+def draw_frames(run):
     o = run.options
-    top = 1.2 * o["depth"]
-    middle = o["thickness"] / 2 if o["dimension"] == 3 else None
-    full_scale = DENSITY * G * o["depth"] / 1e3
-
-    def show(axes, frame):
-        return water.draw_water(axes, frame, o["spacing"], o["width"], top, full_scale, middle)
-
-    series = run.series
-    times = [share * series.times[-1] for share in (0, 0.5, 1)]
-    water.draw_frames(series, times, show, top / o["width"], path)
+    end = run.series.times[-1]
+    tanks = Tanks(run, [0, end / 2, end], o["width"], DENSITY * G * o["depth"] / 1e3,
+                  o["thickness"] / 2 if o["dimension"] == 3 else None)
+    return tanks.figure(scheme(run))
 
 
-def draw_pressure(run, path):
-    figure, axes = plt.subplots(figsize=(10.5, 3.6), layout="constrained")
-    analytic = run.summary["analytic"]
+def draw_pressure(run):
+    """The gauges, each with the pressure of the still water above it."""
+    figure, axes = plt.subplots(figsize=(style.WIDE, 3.8))
+    highest = 0
     for number, name in enumerate(run.pressure.dtype.names[1:]):
-        at = ", ".join(f"{x:g}" for x in run.options["probes"][number])
-        axes.plot(run.pressure["t"], run.pressure[name] / 1e3, linewidth=0.7,
-                  color=BLUE if number == 0 else None, label=f"gauge at ({at}) m")
-    axes.axhline(analytic / 1e3, color=DARK, linewidth=1.2, linestyle=(0, (4, 3)),
-                 label="ρ g h of the first")
+        place = run.options["probes"][number]
+        at = ", ".join(f"{x:g}" for x in place)
+        curve, = axes.plot(run.pressure["t"], run.pressure[name] / 1e3, linewidth=0.7,
+                           label=f"gauge at ({at}) m")
+        still = DENSITY * G * (run.summary["still_depth"] - place[-1]) / 1e3
+        axes.axhline(still, color=DARK if number == 0 else curve.get_color(), linewidth=1.2,
+                     linestyle=DASHED, zorder=3,
+                     label="ρ g h under the still surface" if number == 0 else None)
+        highest = max(highest, still)
+    title = scheme(run)
     if run.summary["rer"] is not None:
-        axes.set_title(f"{scheme(run)}: RER {100 * run.summary['rer']:.2f} %, standard deviation "
-                       f"{100 * run.summary['std_over_mean']:.2f} % of the mean", loc="left",
-                       fontsize=10)
-    axes.set_ylim(0.5 * analytic / 1e3, 1.5 * analytic / 1e3)
+        title += (f"\nfirst gauge: mean {100 * run.summary['rer']:+.2f} % off (RER), standard "
+                  f"deviation {100 * run.summary['std_over_mean']:.2f} % of the mean")
+    axes.set_title(title)
+    # The first instants, in which the water settles, may peak far above.
+    settled = run.pressure[run.pressure["t"] > 0.05 * run.end()]
+    top = max([highest, *(settled[name].max() / 1e3 for name in settled.dtype.names[1:])])
+    axes.set_ylim(0, 1.15 * top)
     axes.set_xlim(0, run.end())
     axes.set_xlabel("time [s]")
     axes.set_ylabel("pressure [kPa]")
-    axes.legend(frameon=False, fontsize=9, loc="upper right")
-    tidy([axes])
-    figure.savefig(path, dpi=130)
-    plt.close(figure)
+    style.legend_above(figure, axes, 4)
+    return figure
 
 
-def draw_profile(run, path):
-    figure, axes = plt.subplots(figsize=(5.2, 5.2), layout="constrained")
+def draw_profile(run):
+    figure, axes = plt.subplots(figsize=(style.NARROW, 5.2))
     profile = run.profile
     bottom = run.summary["still_depth"]
     axes.fill_betweenx(profile["depth"], (profile["p_mean"] - profile["p_std"]) / 1e3,
                        (profile["p_mean"] + profile["p_std"]) / 1e3, color=BLUE, alpha=0.25,
-                       linewidth=0, label="one standard deviation")
+                       linewidth=0, label="± one standard deviation")
     axes.plot(profile["p_mean"] / 1e3, profile["depth"], "o-", color=BLUE, markersize=3,
               linewidth=1, label="fluid, mean of a layer")
     half = run.options["spacing"] / 2
     axes.plot([0, DENSITY * G * (bottom - half) / 1e3], [half, bottom], color=DARK, linewidth=1.2,
-              linestyle=(0, (4, 3)), label="ρ g (z − l0/2)")
+              linestyle=DASHED, label="ρ g (z − l0/2), exact")
     gauge = run.options["probes"][0]
     axes.plot(run.summary["mean"] / 1e3, bottom - gauge[-1], "s", color=ORANGE,
-              label="first gauge")
+              label="first gauge, mean")
     axes.set_ylim(1.02 * bottom, 0)
     axes.set_xlim(0, None)
     axes.set_xlabel("pressure [kPa]")
     axes.set_ylabel("depth z below the still surface [m]")
-    axes.legend(frameon=False, fontsize=9)
-    tidy([axes])
-    figure.savefig(path, dpi=130)
-    plt.close(figure)
+    axes.legend()
+    axes.set_title(scheme(run))
+    return figure
 
 
 def compare(run, path):
@@ -124,12 +120,12 @@ def main(arguments):
     run = Tank.there(folder)
     if run is None:
         sys.exit(f"plot_hydrostatic.py: {folder} has no summary.json; run hydrostatic first")
-    draw_frames(run, folder / "frames.png")
-    draw_pressure(run, folder / "pressure.png")
+    style.make(folder / "frames.png", draw_frames, run)
+    style.make(folder / "pressure.png", draw_pressure, run)
     if run.summary["rer"] is None:
         print("plot_hydrostatic.py: the run was too short for a profile and a comparison")
         return
-    draw_profile(run, folder / "profile.png")
+    style.make(folder / "profile.png", draw_profile, run)
     compare(run, folder / "comparison.md")
 
 

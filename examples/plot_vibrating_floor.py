@@ -13,17 +13,12 @@ import json
 import pathlib
 import sys
 
-import matplotlib
-
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt
-import numpy as np
-
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
-from support.kinetic_theory import SteadyBed, contact_value
+from support import plot_style as style
+from support.plot_style import DASHED, GREY, np, plt
 
-COLOURS = ["#2b6cb0", "#d9822b", "#3a9d5d"]
-GREY = "#8a9099"
+style.need("scipy")
+from support.kinetic_theory import SteadyBed, contact_value
 
 FIGURES = {
     "mean_temperature_over_gd": "T / g d",
@@ -111,7 +106,8 @@ class Run:
 
 
 def curve(axes, run, name, colour, label):
-    """A profile against height, with two standard errors, as far up as it is known."""
+    """A profile against height, with two standard errors, as far up as it is known. Returns how
+    high that is [d]."""
     values, errors = run.profile[name], run.errors[name]
     known = run.profile["solid_fraction"] > 2e-4
     if name != "solid_fraction":
@@ -119,14 +115,15 @@ def curve(axes, run, name, colour, label):
     values, errors, y = values[known], errors[known], run.y[known]
     axes.fill_betweenx(y, values - 2 * errors, values + 2 * errors, color=colour, alpha=0.25,
                        linewidth=0)
-    axes.plot(values, y, color=colour, linewidth=1.5, label=label)
+    axes.plot(values, y, color=colour, label=label)
+    return y.max(initial=0)
 
 
 def theory_curve(axes, theory, name, colour):
     values = {"solid_fraction": theory.solid_fraction, "temperature_over_gd": theory.temperature}
     known = theory.solid_fraction > 2e-4
-    axes.plot(values[name][known], theory.y[known], color=colour, linewidth=1.1,
-              linestyle=(0, (5, 3)))
+    axes.plot(values[name][known], theory.y[known], color=colour, linewidth=1.1, linestyle=DASHED)
+    return theory.y[known].max(initial=0)
 
 
 def finish(axes, name, top):
@@ -134,33 +131,29 @@ def finish(axes, name, top):
         axes.set_xlabel("solid fraction ν [-]")
         axes.set_xlim(0)
     else:
-        axes.set_xlabel("fluctuation energy T / g d [-]")
+        axes.set_xlabel("fluctuation energy T / (g d) [-]")
         axes.set_xscale("log")
-    axes.set_ylabel("height y / d")
-    axes.set_ylim(0, top)
-    axes.grid(color="#eceef1", linewidth=0.8)
-    axes.set_axisbelow(True)
-    axes.spines[["top", "right"]].set_visible(False)
+    axes.set_ylabel("height y / d [-]")
+    axes.set_ylim(0, 1.03 * top or None)
 
 
-def draw_figures(rows, path, title, theories):
-    """rows: (captions of the two panels, height, [(run, label)])."""
-    figure, panels = plt.subplots(2, 2, figsize=(10.5, 8.6), layout="constrained")
-    for axes, (captions, top, runs) in zip(panels, rows):
+def draw_figures(rows, title, theories):
+    """rows: (captions of the two panels, [(run, label)])."""
+    figure, panels = plt.subplots(2, 2, figsize=(style.WIDE, 8.2))
+    for axes, (captions, runs) in zip(panels, rows):
         for each, name, caption in zip(axes, ("temperature_over_gd", "solid_fraction"), captions):
-            for (run, label), colour in zip(runs, COLOURS):
-                curve(each, run, name, colour, label)
+            top = 0
+            for (run, label), colour in zip(runs, style.CURVES):
+                top = max(top, curve(each, run, name, colour, label))
                 if run in theories:
-                    theory_curve(each, theories[run], name, colour)
+                    top = max(top, theory_curve(each, theories[run], name, colour))
             if theories:
-                each.plot([], [], color=GREY, linewidth=1.1, linestyle=(0, (5, 3)),
+                each.plot([], [], color=GREY, linewidth=1.1, linestyle=DASHED,
                           label="kinetic theory")
             finish(each, name, top)
-            each.set_title(caption, loc="left", fontsize=11)
-            each.legend(frameon=False, fontsize=9)
-    figure.suptitle(title, fontsize=11, x=0.01, ha="left")
-    figure.savefig(path, dpi=110)
-    plt.close(figure)
+            style.legend_on_top(each, 2, caption)
+    figure.suptitle(title, x=0.01, ha="left")
+    return figure
 
 
 class Check:
@@ -308,20 +301,21 @@ class Study:
 
 
 def rows_of(by_holdup, by_velocity, names):
-    return [([f"{names[0]}: energy, V_b = 2", f"{names[1]}: solid fraction, V_b = 2"], 20,
-             [(run, f"m_t = {run.mass_holdup:g}") for run in by_holdup]),
-            ([f"{names[2]}: energy, m_t = 5", f"{names[3]}: solid fraction, m_t = 5"], 20,
-             [(run, f"V_b = {run.boundary_velocity:g}") for run in by_velocity])]
+    speed, layers = "floor velocity V$_b$", "mass hold-up m$_t$"
+    return [([f"{names[0]}: energy, {speed} = 2", f"{names[1]}: solid fraction, {speed} = 2"],
+             [(run, f"{layers} = {run.mass_holdup:g}") for run in by_holdup]),
+            ([f"{names[2]}: energy, {layers} = 5", f"{names[3]}: solid fraction, {layers} = 5"],
+             [(run, f"{speed} = {run.boundary_velocity:g}") for run in by_velocity])]
 
 
 def compare_study(study, folder):
     by_holdup, by_velocity = study.series(3)
     runs = list(dict.fromkeys(by_holdup + by_velocity))
     theories = {run: run.theory() for run in runs}
-    draw_figures(rows_of(by_holdup, by_velocity, ("Fig. 5", "Fig. 6", "Fig. 7", "Fig. 8")),
-                 folder / "figures.png",
-                 "Spheres on a vibrating floor, after [SahChoi2004] Figs 5–8; bands: two standard "
-                 "errors", theories)
+    style.make(folder / "figures.png", draw_figures,
+               rows_of(by_holdup, by_velocity, ("Fig. 5", "Fig. 6", "Fig. 7", "Fig. 8")),
+               "Spheres of diameter d on a vibrating floor, after Figs 5–8 of Sah and Choi (2004); "
+               "bands: ± two standard errors", theories)
     check = Check()
     for run in runs:
         check_one(check, run)
@@ -353,8 +347,9 @@ def compare_study(study, folder):
     flat = list(dict.fromkeys(sum(study.series(2), [])))
     if flat:
         names = ("As Fig. 5", "As Fig. 6", "As Fig. 7", "As Fig. 8")
-        draw_figures(rows_of(*study.series(2), names), folder / "figures_2d.png",
-                     "Discs on a vibrating floor: trends as in Figs 5–8, not the same numbers", {})
+        style.make(folder / "figures_2d.png", draw_figures, rows_of(*study.series(2), names),
+                   "Discs on a vibrating floor: trends as in Figs 5–8 of Sah and Choi (2004), not "
+                   "the same numbers", {})
         trends = Check()
         check_orders(trends, *study.series(2))
         lines += ["", "Discs, 2D, for the trends:", ""] + figure_table(flat, {})
@@ -366,20 +361,23 @@ def compare_study(study, folder):
     (folder / "comparison.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
+def draw_profile(run, theory):
+    figure, panels = plt.subplots(1, 2, figsize=(style.WIDE, 4.4))
+    for axes, name in zip(panels, ("temperature_over_gd", "solid_fraction")):
+        top = curve(axes, run, name, style.BLUE, "measured, ± two standard errors")
+        if theory:
+            top = max(top, theory_curve(axes, theory, name, style.BLUE))
+            axes.plot([], [], color=style.BLUE, linestyle=DASHED, label="kinetic theory")
+        finish(axes, name, top)
+        style.legend_on_top(axes, 2)
+    figure.suptitle(f"Mass hold-up m$_t$ = {run.mass_holdup:g}, floor velocity V$_b$ = "
+                    f"{run.boundary_velocity:g}", x=0.01, ha="left")
+    return figure
+
+
 def compare_one(run, folder):
     theories = {run: run.theory()} if run.dimension == 3 else {}
-    figure, panels = plt.subplots(1, 2, figsize=(10, 4.6), layout="constrained")
-    top = 1.6 * run.figure("centre_of_mass_over_d").value + 4
-    for axes, name in zip(panels, ("temperature_over_gd", "solid_fraction")):
-        curve(axes, run, name, COLOURS[0], "measured, ± 2 standard errors")
-        if run in theories:
-            theory_curve(axes, theories[run], name, COLOURS[0])
-            axes.plot([], [], color=COLOURS[0], linestyle=(0, (5, 3)), label="kinetic theory")
-        finish(axes, name, top)
-        axes.legend(frameon=False, fontsize=9)
-    figure.suptitle(run.name, fontsize=11, x=0.01, ha="left")
-    figure.savefig(folder / "profile.png", dpi=110)
-    plt.close(figure)
+    style.make(folder / "profile.png", draw_profile, run, theories.get(run))
     check = Check()
     check_one(check, run)
     lines = ["# Vibrating floor", ""] + figure_table([run], theories) + [""] + check.text()

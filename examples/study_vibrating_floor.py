@@ -57,7 +57,9 @@ def main(arguments):
         run = subprocess.run([program, "--out", str(folder / name), *numbers, *further])
         if run.returncode != 0:
             sys.exit(f"study_vibrating_floor.py: {name} failed")
-    subprocess.run([sys.executable, str(HERE / "plot_vibrating_floor.py"), str(folder)], check=True)
+    drawn = subprocess.run([sys.executable, str(HERE / "plot_vibrating_floor.py"), str(folder)])
+    if drawn.returncode != 0:
+        sys.exit(drawn.returncode)  # it has said why
     print((folder / "comparison.md").read_text())
 
 

@@ -71,17 +71,22 @@ def draw(axes, frame, colours, radius=None, edge=0.0, **style):
     """Particles as circles of their true size, coloured by the given values.
 
     radius: of all particles [m]; without one, the frame's own. edge: width of outlines [points].
-    Further style (cmap, norm, ...) goes to Matplotlib's PatchCollection-like EllipseCollection.
-    Returns the collection, for a colour bar.
+    Further style (cmap, norm, ...) goes to Matplotlib's EllipseCollection. Returns the collection,
+    for a colour bar.
     """
     from matplotlib.collections import EllipseCollection
 
     x = frame["position"][:, :2]
     d = 2 * (frame["radius"] if radius is None else np.full(len(x), radius))
     circles = EllipseCollection(
-        d, d, np.zeros(len(d)), units="xy", offsets=x, transOffset=axes.transData,
-        linewidths=edge, edgecolors="#20242a", **style)
+        d, d, np.zeros(len(d)), units="xy", offsets=x, offset_transform=axes.transData,
+        linewidths=edge, edgecolors="#20242a" if edge else "none", **style)
     circles.set_array(np.asarray(colours, dtype=float))
     axes.add_collection(circles)
-    axes.set_aspect("equal")
     return circles
+
+
+def extent(frames, axis, radius=0.0):
+    """Lowest and highest coordinate of any particle of the frames [m]."""
+    x = [frame["position"][:, axis] for frame in frames if len(frame["position"])]
+    return min(each.min() for each in x) - radius, max(each.max() for each in x) + radius

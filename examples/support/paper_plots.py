@@ -1,117 +1,116 @@
 # SPDX-License-Identifier: MIT
 """Draws the figures of [HwangLeePark2010] from the runs of support/paper_study.py."""
 
-import matplotlib
-
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt
-import numpy as np
-from matplotlib.colors import Normalize
-
+from support import plot_style as style
 from support.paper_study import A, B, CASES, KERNEL_SCHEMES, KERNELS, SCHEMES
-from support.water import (BLUE, DARK, DENSITY, FRONT, G, GREEN, ORANGE, REFERENCE, moving_average,
-                           table, tidy)
+from support.plot_style import BLUE, CURVES, DARK, DASHED, ORANGE, np, plt
+from support.water import DENSITY, FRONT, G, REFERENCE, moving_average, name_of, table
 
-COLOURS = (BLUE, ORANGE, GREEN)
+# Under what the water of a study stands, as a reader knows it.
+SCHEME_NAMES = {"case 10": "as in Case 10 (PNU-MPS)",
+                "case 05": "as in Case 05 (surface (13), gradient (4))",
+                "cases 01–03": "as in Cases 01–03 (a = 0.5, surface (13), gradient (4))"}
+
 # The cases side by side in Fig. 12, and what changes between them.
-GROUPS = (("source (9) and (16)", (0, 1)), ("kernel (3a), (3b), (3c)", (1, 2, 3)),
-          ("a = 0.5, 0.8, 1.0", (3, 4, 5)), ("b = 0.2, 0, 0.4", (5, 6, 7)),
-          ("surface (13), (17), both", (5, 8, 9)), ("gradient (4) and (18)", (9, 10)))
+GROUPS = (("source term", {0: "(9)", 1: "(16)"}),
+          ("kernel", {1: "(3a)", 2: "(3b)", 3: "(3c)"}),
+          ("distance a of collisions", {3: "0.5", 4: "0.8", 5: "1.0"}),
+          ("restitution b of collisions", {5: "0.2", 6: "0", 7: "0.4"}),
+          ("surface condition", {5: "(13)", 8: "(17)", 9: "both"}),
+          ("pressure gradient", {9: "(4)", 10: "(18)"}))
 
 
-def save(figure, path):
-    figure.savefig(path, dpi=110)
-    plt.close(figure)
-
-
-def draw_kernels(results, path):
+def draw_kernels(results):
     """Fig. 5: P1 over time for the three kernels."""
-    figure, panels = plt.subplots(len(KERNELS), len(KERNEL_SCHEMES), figsize=(10.5, 6.2), sharex=True,
-                                  sharey=True, layout="constrained", squeeze=False)
+    figure, panels = plt.subplots(len(KERNELS), len(KERNEL_SCHEMES), figsize=(style.WIDE, 7),
+                                  sharex=True, sharey=True, squeeze=False)
     for row, kernel in zip(panels, KERNELS):
-        for axes, scheme, colour in zip(row, KERNEL_SCHEMES, COLOURS):
+        for axes, scheme, colour in zip(row, KERNEL_SCHEMES, CURVES):
             run = results.study.kernels(kernel, scheme)[0]
-            title = f"kernel ({kernel}), else as {scheme}"
             tank = results.tank(run)
             if tank is None:
-                axes.set_title(f"{title}: failed", loc="left", fontsize=9)
+                axes.set_title(f"kernel ({kernel}): failed")
                 continue
-            axes.axhline(tank.summary["analytic"] / 1e3, color=DARK, linewidth=1,
-                         linestyle=(0, (4, 3)))
             axes.plot(tank.pressure["t"], tank.pressure["p_1"] / 1e3, linewidth=0.6, color=colour)
-            axes.set_title(f"{title}: RER {100 * tank.summary['rer']:+.2f} %, σ "
-                           f"{100 * tank.summary['std_over_mean']:.2f} %", loc="left", fontsize=9)
-            axes.set_ylim(2.5, 5.5)
+            axes.axhline(tank.summary["analytic"] / 1e3, color=DARK, linewidth=1,
+                         linestyle=DASHED, zorder=3)
+            axes.set_title(f"kernel ({kernel}): RER {100 * tank.summary['rer']:+.2f} %, σ/mean "
+                           f"{100 * tank.summary['std_over_mean']:.2f} %")
+    for axes, scheme in zip(panels[0], KERNEL_SCHEMES):
+        name = SCHEME_NAMES[scheme].replace(" (", "\n(", 1)
+        axes.set_title(f"All else {name}\n\n{axes.get_title('left')}")
     for axes in panels[-1]:
         axes.set_xlabel("time [s]")
-    panels[1, 0].set_ylabel("pressure at P1 [kPa]")
-    tidy(panels.flat)
-    save(figure, path)
+    figure.supylabel("pressure at gauge P1 [kPa]; dashed: ρ g h", fontsize=10)
+    return figure
 
 
-def draw_map(values_of, label, norm, colours, path, text):
-    figure, panels = plt.subplots(1, len(SCHEMES), figsize=(10.5, 4.4), layout="constrained")
+def draw_map(values_of, label, norm, colours, text):
+    figure, panels = plt.subplots(1, len(SCHEMES), figsize=(style.WIDE, 4.4))
+    shown = []
     for axes, scheme in zip(panels, SCHEMES):
         values = values_of(scheme)
         image = axes.imshow(values, origin="lower", aspect="auto", cmap=colours, norm=norm)
-        axes.set_facecolor("#d9d9d9")
+        axes.set_facecolor("#c4c4c4")
         for (i, j), value in np.ndenumerate(values):
             is_dark = not np.isnan(value) and sum(image.cmap(norm(value))[:3]) < 1.5
             axes.text(j, i, "failed" if np.isnan(value) else text(value), ha="center", va="center",
                       fontsize=8, color="white" if is_dark else DARK)
         axes.set_xticks(range(len(B)), [f"{b:g}" for b in B])
         axes.set_yticks(range(len(A)), [f"{a:g}" for a in A])
-        axes.set_xlabel("b")
-        axes.set_ylabel("a")
-        axes.set_title(f"else as {scheme}", loc="left", fontsize=10)
-    figure.colorbar(image, ax=panels, label=label, extend="both")
-    save(figure, path)
+        axes.set_xlabel("restitution b [-]")
+        axes.set_ylabel("distance a [spacings]")
+        axes.set_title("All else " + SCHEME_NAMES[scheme].replace(" (", "\n(", 1))
+        axes.grid(False)
+        shown.append(values[np.isfinite(values)])
+    style.bar_of(figure, image, panels, label, shown)
+    return figure
 
 
-def draw_errors(results, path):
+def draw_errors(results):
     """Fig. 7: RER over the (a, b) plane."""
-    draw_map(lambda scheme: 100 * results.map_of("rer", scheme), "RER [%]", Normalize(-6, 6),
-             "RdBu_r", path, lambda value: f"{value:+.2f}")
+    maps = {scheme: 100 * results.map_of("rer", scheme) for scheme in SCHEMES}
+    most = np.ceil(max(np.nanmax(np.abs(values)) for values in maps.values()))
+    return draw_map(maps.get, "relative error RER of the mean pressure [%]", plt.Normalize(-most, most),
+                    "PuOr", lambda value: f"{value:+.2f}")
 
 
-def draw_deviations(results, path):
+def draw_deviations(results):
     """Fig. 8: RSDR over the (a, b) plane."""
     def relative(scheme):
         deviation = results.deviation_map(scheme)
         return deviation / np.nanmax(deviation)
-    draw_map(relative, "RSDR = σ/σ_max", Normalize(0, 1), "YlOrRd", path,
-             lambda value: f"{value:.3f}")
+    return draw_map(relative, "standard deviation RSDR = σ/σ$_{max}$ [-]", plt.Normalize(0, 1),
+                    "cividis_r", lambda value: f"{value:.3f}")
 
 
-def draw_spacings(results, path):
+def draw_spacings(results):
     """Fig. 9: P1 and RER for the spacings."""
     study = results.study
     adopted = next(iter(SCHEMES))
-    figure, (left, right) = plt.subplots(1, 2, figsize=(10.5, 4.2), layout="constrained")
+    figure, (left, right) = plt.subplots(1, 2, figsize=(style.WIDE, 4.2))
     for l0 in study.spacings_of_study():
         if tanks := results.tanks(study.spacings(l0, adopted)[:1]):
             pressure = tanks[0].pressure
             left.plot(pressure["t"], moving_average(pressure["t"], pressure["p_1"]) / 1e3,
                       linewidth=0.9, label=f"l0 = {l0:g} m")
-    left.axhline(DENSITY * G * 0.4 / 1e3, color=DARK, linewidth=1, linestyle=(0, (4, 3)))
-    left.set_ylim(3, 5)
+    left.axhline(DENSITY * G * 0.4 / 1e3, color=DARK, linewidth=1, linestyle=DASHED,
+                 label="ρ g h")
     left.set_xlabel("time [s]")
-    left.set_ylabel("pressure at P1, averaged over 0.02 s [kPa]")
-    left.set_title(adopted, loc="left", fontsize=10)
-    left.legend(frameon=False, fontsize=9, loc="lower right")
-    for scheme, colour in zip(SCHEMES, COLOURS):
+    left.set_ylabel("pressure at gauge P1, averaged over 0.02 s [kPa]")
+    style.legend_on_top(left, 2, "all else " + SCHEME_NAMES[adopted])
+    for scheme, colour in zip(SCHEMES, CURVES):
         for l0 in study.spacings_of_study():
             for tank in results.tanks(study.spacings(l0, scheme)):
                 right.plot(l0, 100 * tank.summary["rer"], "o", markersize=4, color=colour)
-        right.plot([], [], "o", color=colour, label=f"else as {scheme}")
+        right.plot([], [], "o", color=colour, label="all else " + SCHEME_NAMES[scheme])
     right.axhline(0, color=DARK, linewidth=1)
     right.set_xlabel("spacing [m]")
-    right.set_ylabel("RER [%]")
+    right.set_ylabel("relative error RER of the mean [%]")
     right.set_xlim(0, 0.022)
     right.set_xticks(study.spacings_of_study())
-    right.legend(frameon=False, fontsize=9)
-    tidy((left, right))
-    save(figure, path)
+    style.legend_on_top(right, 1)
+    return figure
 
 
 def draw_pressure(axes, case, colour, label, linewidth=0.5):
@@ -122,10 +121,9 @@ def draw_pressure(axes, case, colour, label, linewidth=0.5):
               label=label)
 
 
-def draw_groups(results, path):
+def draw_groups(results):
     """Fig. 12: P2 over time, group by group."""
-    figure, panels = plt.subplots(3, 2, figsize=(11.5, 9), sharex=True, sharey=True,
-                                  layout="constrained")
+    figure, panels = plt.subplots(3, 2, figsize=(style.WIDE, 9.5), sharex=True)
     end = results.common_end()
     for axes, (what, cases) in zip(panels.flat, GROUPS):
         # The roughest below the others.
@@ -133,67 +131,69 @@ def draw_groups(results, path):
         for number in order:
             case = results.case(number)
             rough = case.roughness(end).text(1e-3)
-            draw_pressure(axes, case, COLOURS[cases.index(number)],
-                          f"case {number:02d}: {rough} kPa")
-        axes.set_title(what, loc="left", fontsize=10)
-        axes.legend(frameon=False, fontsize=8, title=f"roughness, 0.4–{end:.1f} s",
-                    title_fontsize=8)
-    axes.set_xlim(0.3, end)
-    axes.set_ylim(0, 45)
+            draw_pressure(axes, case, CURVES[list(cases).index(number)],
+                          f"{cases[number]}, {name_of(number)}: {rough} kPa")
+        style.legend_on_top(axes, 1, what)
+        axes.set_xlim(0.3, end)
+        axes.set_ylim(0)
     for axes in panels[-1]:
         axes.set_xlabel("time [s]")
     for axes in panels[:, 0]:
-        axes.set_ylabel("pressure at P2 [kPa]")
-    tidy(panels.flat)
-    save(figure, path)
+        axes.set_ylabel("pressure at gauge P2 [kPa]")
+    figure.suptitle(f"What changes between the cases, and the roughness of each, 0.4–{end:.1f} s",
+                    x=0.01, ha="left")
+    return figure
 
 
-def draw_original_and_adopted(results, path):
+def draw_original_and_adopted(results):
     """Fig. 13: P2 of case 00 and case 10; beside it the roughness of all cases."""
-    figure, (left, right) = plt.subplots(1, 2, figsize=(11.5, 4.2), width_ratios=(2, 1),
-                                         layout="constrained")
+    figure, (left, right) = plt.subplots(1, 2, figsize=(style.WIDE, 4.2), width_ratios=(2, 1))
     end = results.common_end()
-    draw_pressure(left, results.case(0), ORANGE, "case 00, the original MPS")
-    draw_pressure(left, results.case(10), BLUE, "case 10, PNU-MPS", 0.7)
+    draw_pressure(left, results.case(0), ORANGE, name_of(0))
+    draw_pressure(left, results.case(10), BLUE, name_of(10), 0.7)
     left.set_xlim(0.3, end)
-    left.set_ylim(0, 60)
+    left.set_ylim(0)
     left.set_xlabel("time [s]")
-    left.set_ylabel("pressure at P2 [kPa]")
-    left.legend(frameon=False, fontsize=9)
+    left.set_ylabel("pressure at gauge P2 [kPa]")
+    style.legend_on_top(left)
     for number in CASES:
         values = np.array(results.case(number).roughness(end).values) / 1e3
         right.plot(np.full(len(values), number), values, "o", markersize=3.5,
                    color=ORANGE if number == 0 else BLUE)
     right.set_yscale("log")
+    right.minorticks_off()
+    ticks = np.array([0.5, 1, 2, 5, 10, 20, 50, 100])
+    low, high = right.get_ylim()
+    ticks = ticks[(ticks >= low) & (ticks <= high)]
+    right.set_yticks(ticks, [f"{tick:g}" for tick in ticks])
     right.set_xticks(CASES, [f"{number:02d}" for number in CASES])
     right.set_xlabel("case")
-    right.set_ylabel("roughness at P2 [kPa]")
-    right.set_title(f"every run, 0.4–{end:.1f} s", loc="left", fontsize=10)
-    tidy((left, right))
-    save(figure, path)
+    right.set_ylabel("roughness at gauge P2 [kPa]")
+    right.set_title(f"every run, 0.4–{end:.1f} s")
+    return figure
 
 
-def draw_fronts(results, path):
+def draw_fronts(results):
     """Fig. 14: the leading edge of case 00 and case 10 against the experiment."""
-    figure, axes = plt.subplots(figsize=(6.4, 4.6), layout="constrained")
-    for number, colour, name in ((0, ORANGE, "case 00"), (10, BLUE, "case 10, PNU-MPS")):
+    figure, axes = plt.subplots(figsize=(style.NARROW, 4.6))
+    for number, colour in ((0, ORANGE), (10, BLUE)):
         case = results.case(number)
         for k, run in enumerate(case.runs):
             T, Z = run.dimensionless_front()
             shift = run.time_shift() or 0
-            label = f"{name}: rms {case.front_error().text(100, 1)} %, shifted by {shift:.2f}"
-            axes.plot(T + shift, Z, color=colour, linewidth=1, alpha=0.8,
+            label = (f"{name_of(number)}: rms {case.front_error().text(100, 1)} %, time shifted by "
+                     f"{shift:.2f}")
+            before = run.before_the_wall()
+            axes.plot(T[before] + shift, Z[before], color=colour, linewidth=1, alpha=0.8,
                       label=label if k == 0 else None)
     experiment = table(REFERENCE / FRONT)
     axes.plot(experiment["T"], experiment["Z"], "o", color=DARK, markersize=4.5,
-              label="Martin & Moyce 1952, n² = 2")
-    axes.set_xlim(0, 3.6)
-    axes.set_ylim(0.9, 4.1)
-    axes.set_xlabel("T = t √(2g/a)")
-    axes.set_ylabel("Z = x/a")
-    axes.legend(frameon=False, fontsize=9)
-    tidy([axes])
-    save(figure, path)
+              label="Martin & Moyce (1952), experiment")
+    axes.set_xlim(0)
+    axes.set_xlabel("T = t √(2g/a) [-]")
+    axes.set_ylabel("leading edge Z = x/a [-]")
+    style.legend_on_top(axes, 1)
+    return figure
 
 
 DRAW = {"fig5": draw_kernels, "fig7": draw_errors, "fig8": draw_deviations, "fig9": draw_spacings,

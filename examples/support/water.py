@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""Reads, measures and draws what the examples of MPS write: dam_break and hydrostatic.
+"""Reads, measures and draws what the examples of MPS write: dam_break and hydrostatic. NumPy alone
+reads and measures.
 
     run = DamBreak("out/dam_break")     run.front_error(), run.roughness(), ...
     tank = Tank("out/hydrostatic")      tank.summary["rer"], tank.pressure, tank.line(), ...
@@ -10,7 +11,7 @@ import pathlib
 
 import numpy as np
 
-from support.frames import Series, draw
+from support.frames import Series, draw, extent
 
 REFERENCE = pathlib.Path(__file__).resolve().parents[2] / "tests" / "reference"
 FRONT = "martin_moyce_1952_n2eq2_front_table2.csv"
@@ -19,10 +20,9 @@ POTENTIAL_FLOW = "potential_flow_front.csv"  # by boundary elements; its head sa
 
 G = 9.81
 DENSITY = 1000.0
-BLUE = "#1f6fb4"
-ORANGE = "#d9822b"
-GREEN = "#3a8f5c"
-DARK = "#20242a"
+# The schemes that are compared, as a reader knows them.
+NAMES = {"recommended": "Silt, recommended scheme", 0: "Case 00 (original MPS)",
+         10: "Case 10 (PNU-MPS)"}
 
 
 def table(path):
@@ -37,6 +37,11 @@ def moving_average(t, p, window=0.02):
     low = np.searchsorted(t, t - window / 2)
     high = np.searchsorted(t, t + window / 2, side="right")
     return (total[high] - total[low]) / (high - low)
+
+
+def name_of(case):
+    """Of a scheme of dam_break."""
+    return NAMES.get(case, case if isinstance(case, str) else f"Case {case:02d}")
 
 
 class Output:
@@ -86,12 +91,17 @@ class DamBreak(Output):
         super().__init__(folder)
         self.front = np.atleast_1d(table(self.folder / "front.csv"))
         case = self.options["case"]
-        self.name = case if case == "recommended" else f"case {case:02d}"
+        self.name = name_of(case)
         self.width, self.height = self.options["column"]
 
     def dimensionless_front(self):
         """T = t √(2g/a) and Z = x/a."""
         return self.front["t"] * np.sqrt(2 * G / self.width), self.front["x_front"] / self.width
+
+    def before_the_wall(self):
+        """Which rows of the front come before it meets the wall opposite."""
+        wall = self.options["tank"][0] / self.width
+        return np.maximum.accumulate(self.dimensionless_front()[1]) < 0.998 * wall
 
     def time_shift(self, at=(1.19, 1.44)):
         """The experiment cannot see the release: T is shifted so that Z = 1.44 falls on T = 1.19."""
@@ -180,20 +190,11 @@ class Tank(Output):
         return slope / (DENSITY * G), -at_zero / slope, off
 
 
-def tidy(axes):
-    for each in axes:
-        each.grid(color="#eceef1", linewidth=0.8)
-        each.set_axisbelow(True)
-        each.spines[["top", "right"]].set_visible(False)
+def draw_water(axes, frame, spacing, full_scale, middle=None):
+    """Fluid by its pressure [kPa] and walls, in the plane; of a 3D run the slice at y = middle.
+    Returns the fluid's circles."""
+    from support import plot_style as style
 
-
-def draw_water(axes, frame, spacing, length, top, full_scale, middle=None):
-    """Fluid by its pressure [kPa] and walls, in the plane; of a 3D run the slice at y = middle."""
-    from matplotlib.colors import LinearSegmentedColormap, Normalize
-
-    water_colours = LinearSegmentedColormap.from_list(
-        "water", ["#bfe0f2", "#5aa9d6", "#1f6fb4", "#2b3f8f", "#8b2f7a", "#e0534a", "#f6b84b"])
-    wall_colours = LinearSegmentedColormap.from_list("wall", ["#9a948a", "#9a948a"])
     keep = frame["kind"] < 2
     at = frame["position"]
     if middle is not None:
@@ -201,35 +202,91 @@ def draw_water(axes, frame, spacing, length, top, full_scale, middle=None):
         at = at[:, [0, 2, 1]]
     is_wall = frame["kind"][keep] == 1
     at = at[keep]
-    draw(axes, {"position": at[is_wall]}, np.zeros(is_wall.sum()), radius=0.5 * spacing,
-         cmap=wall_colours)
+    walls = draw(axes, {"position": at[is_wall]}, np.zeros(is_wall.sum()), radius=0.5 * spacing)
+    walls.set(array=None, facecolor=style.WALL)
     circles = draw(axes, {"position": at[~is_wall]}, frame["pressure"][keep][~is_wall] / 1e3,
-                   radius=0.6 * spacing, cmap=water_colours, norm=Normalize(0, full_scale))
-    axes.set_xlim(-2 * spacing, length + 2 * spacing)
-    axes.set_ylim(-2 * spacing, top)
-    axes.set_xticks([])
-    axes.set_yticks([])
-    for side in axes.spines.values():
-        side.set_visible(False)
-    return circles
+                   radius=0.6 * spacing, cmap=style.PRESSURE,
+                   norm=style.plt.Normalize(0, full_scale))
+    if not frame["pressure"].any():  # not yet computed
+        circles.set(array=None, facecolor=style.GREY)
+    return walls, circles
 
 
-def draw_frames(series, times, show, aspect, path):
-    """Panels of the frames nearest to the times, three in a row; show(axes, frame) draws one."""
-    import matplotlib.pyplot as plt
+class Tanks:
+    """Draws the tank of a run at some of its times, in the plane; of a 3D run its middle.
 
-    rows = int(np.ceil(len(times) / 3))
-    figure, panels = plt.subplots(rows, 3, figsize=(11.5, 11.5 / 3.3 * aspect * rows + 0.5),
-                                  squeeze=False)
-    figure.subplots_adjust(left=0.01, right=0.91, bottom=0.01, top=0.95, wspace=0.05, hspace=0.1)
-    for axes in panels.flat:
-        axes.set_axis_off()
-    for axes, time in zip(panels.flat, times):
-        axes.set_axis_on()
-        circles = show(axes, series[series.nearest(time)])
-        axes.set_title(f"t = {time:.3g} s", fontsize=11, loc="left")
-    bar = figure.colorbar(circles, cax=figure.add_axes((0.93, 0.2, 0.012, 0.6)), extend="max")
-    bar.set_label("pressure [kPa]")
-    bar.outline.set_visible(False)
-    figure.savefig(path, dpi=130)
-    plt.close(figure)
+    width: of the tank [m]; full_scale: of the pressure [kPa]; middle: [m], of a 3D run.
+    """
+
+    def __init__(self, run, times, width, full_scale, middle=None):
+        self.run, self.full_scale, self.middle = run, full_scale, middle
+        self.spacing = run.options["spacing"]
+        self.numbers = sorted({run.series.nearest(time) for time in times})
+        self.frames = [run.series[number] for number in self.numbers]
+        self.times = run.series.times[self.numbers]
+        self.x = (-2 * self.spacing, width + 2 * self.spacing)
+        self.y = self.heights(self.frames)
+        self.pressures = [frame["pressure"][frame["kind"] == 0] / 1e3 for frame in self.frames]
+
+    def heights(self, frames):
+        """As high as the highest spray of these frames, which may fly above the walls."""
+        fluid = [{"position": frame["position"][frame["kind"] == 0]} for frame in frames]
+        up = 1 if self.middle is None else 2
+        return -2 * self.spacing, extent(fluid, up, 3 * self.spacing)[1]
+
+    def aspect(self, y):
+        return (y[1] - y[0]) / (self.x[1] - self.x[0])
+
+    def box(self, axes, y):
+        from support import plot_style as style
+
+        style.box(axes, self.x, y, ("x [m]", "height [m]"))
+        for number, place in enumerate(self.run.options["probes"]):
+            axes.plot(place[0], place[-1], "o", color=style.ORANGE, markersize=4.5,
+                      markerfacecolor="none", clip_on=False, zorder=4,
+                      label="pressure gauge" if number == 0 else None)
+
+    def show(self, axes, number):
+        return draw_water(axes, self.frames[number], self.spacing, self.full_scale, self.middle)
+
+    def figure(self, title):
+        """Panels of all times, three in a row."""
+        from support import plot_style as style
+
+        rows = [self.heights(self.frames[k:k + 3]) for k in range(0, len(self.times), 3)]
+        tall = [0.3 + 1.6 * self.aspect(y) for y in rows]
+        figure, panels = style.plt.subplots(
+            len(rows), 3, figsize=(style.NARROW, 0.9 + sum(tall)), height_ratios=tall,
+            sharex=True, squeeze=False)
+        for axes in panels.flat[len(self.times):]:
+            axes.remove()
+        for number, (axes, time) in enumerate(zip(panels.flat, self.times)):
+            self.box(axes, rows[number // 3])
+            _, circles = self.show(axes, number)
+            axes.set_title(f"t = {time:.2f} s" + ("" if time > 0 else " (start)"))
+        figure.suptitle(f"{title}{'; ' if len(title) < 40 else chr(10)}circle: pressure gauge",
+                        x=0.01, ha="left")
+        self.bar(figure, panels.flat[:len(self.times)], circles, shrink=0.8, aspect=30)
+        return figure
+
+    def bar(self, figure, axes, circles, **more):
+        from support import plot_style as style
+
+        style.bar_of(figure, circles, axes, "pressure [kPa]", self.pressures, **more)
+
+    def film(self, path, title, rate):
+        from support import plot_style as style
+
+        figure, axes = style.plt.subplots(figsize=(8, min(9.5, 0.9 + 6.4 * self.aspect(self.y))))
+        self.box(axes, self.y)
+        axes.legend(loc="upper left")
+        _, circles = artists = self.show(axes, 0)
+        self.bar(figure, axes, circles, shrink=0.8, aspect=30)
+        for artist in artists:
+            artist.remove()
+
+        def show(number):
+            axes.set_title(f"{title}, t = {self.times[number]:.2f} s")
+            return self.show(axes, number)
+
+        style.film(path, figure, range(len(self.times)), show, rate)

@@ -1,0 +1,103 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""Runs the examples for the pictures of README and docs, draws them, and writes down what they are
+made from. examples/pictures builds the programs and calls this.
+
+    pictures.py --programs FOLDER [--all] [--redraw] [--threads N] [NAME…]
+"""
+
+import argparse
+import json
+import os
+import pathlib
+import shutil
+import subprocess
+import sys
+
+HERE = pathlib.Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE))
+from support.picture_list import IMAGES, RECORD, SOURCES, STUDIES, Study, digest_of, drawing_of
+
+
+def options_of(arguments):
+    parser = argparse.ArgumentParser(
+        prog="pictures", description="Draws the pictures of README and docs anew.")
+    parser.add_argument("names", nargs="*", metavar="NAME", help="these pictures only, e.g. "
+                        "broken_tower.png")
+    parser.add_argument("--all", action="store_true", help="those of the two long studies, too")
+    parser.add_argument("--redraw", action="store_true",
+                        help="from the runs in out/pictures, which are made anew otherwise")
+    parser.add_argument("--threads", type=int, default=os.cpu_count() or 1,
+                        help="of a program (%(default)s)")
+    parser.add_argument("--out", type=pathlib.Path, default=pathlib.Path("out/pictures"),
+                        help="folder of the runs (%(default)s)")
+    parser.add_argument("--programs", type=pathlib.Path, default=None, help=argparse.SUPPRESS)
+    parser.add_argument("--print-programs", action="store_true", help=argparse.SUPPRESS)
+    options = parser.parse_args(arguments)
+    known = {name: source for source in SOURCES + STUDIES for name in source.pictures.values()}
+    if unknown := [name for name in options.names if name not in known]:
+        parser.error(f"{', '.join(unknown)}: no such picture; there are {', '.join(known)}")
+    asked = [known[name] for name in options.names]
+    options.sources = [source for source in SOURCES + STUDIES if
+                       (source in asked if asked else source in SOURCES or options.all)]
+    return options
+
+
+def call(*command):
+    print("$", *command, flush=True)
+    if (code := subprocess.run([str(part) for part in command]).returncode) != 0:
+        sys.exit(f"pictures: {pathlib.Path(command[0]).name} ended with {code}")
+
+
+def make(source, options):
+    """Runs and draws into a folder."""
+    folder = options.out / source.name
+    if isinstance(source, Study):
+        # They keep the runs that have the same options, and go on where they were stopped.
+        script, *arguments = source.argv(options.programs, folder, options.threads)
+        call(sys.executable, HERE / script, *arguments)
+        return folder
+    if not options.redraw:
+        shutil.rmtree(folder, ignore_errors=True)
+        for subfolder in source.runs:
+            (folder / subfolder).mkdir(parents=True, exist_ok=True)
+            program, *given = source.command_of(subfolder)
+            call(options.programs / program, *given, "--threads", options.threads,
+                 "--out", folder / subfolder)
+    call(sys.executable, HERE / source.drawn_by, folder)
+    return folder
+
+
+def entry_of(source, folder):
+    entry = {"commands": source.command_lines(),
+             "pictures": {name: digest_of((IMAGES / name).read_bytes())
+                          for name in source.pictures.values()},
+             "drawing": drawing_of(source.drawn_by)}
+    if not isinstance(source, Study):
+        entry |= {"options": source.options_of(folder), "shown": source.shown(folder)}
+    return entry
+
+
+def main(arguments):
+    options = options_of(arguments)
+    if options.print_programs:
+        programs = {getattr(source, "program", source.name) for source in options.sources}
+        if "paper" in programs:
+            programs = programs - {"paper"} | {"dam_break", "hydrostatic"}
+        print(*sorted(programs))
+        return
+    record = json.loads(RECORD.read_text(encoding="utf-8")) if RECORD.exists() else {}
+    for source in options.sources:
+        folder = make(source, options)
+        for made, name in source.pictures.items():
+            shutil.copyfile(folder / made, IMAGES / name)
+            print(f"Made docs/images/{name}, {(IMAGES / name).stat().st_size / 1e3:.0f} kB",
+                  flush=True)
+        record[source.name] = entry_of(source, folder)
+        # After each, since the next may be stopped.
+        RECORD.write_text(json.dumps(dict(sorted(record.items())), indent=2, ensure_ascii=False)
+                          + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

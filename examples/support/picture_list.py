@@ -1,0 +1,198 @@
+# SPDX-License-Identifier: MIT
+"""Which runs the pictures in docs/images are made from, and what tells their age.
+
+    for source in SOURCES: source.pictures, source.runs(...), source.shown(folder)
+    drawing_of("broken_tower")                 digest of the Python code that draws
+    changed_options(source, recorded)          options whose defaults are others by now
+
+docs/images/made_from.json has an entry for each source: the commands, the digests of the pictures
+and of the drawing code, the options of the runs, and the figures that a reader sees in the pictures
+or could measure in them. A study that was drawn before there was a record has null for a drawing.
+examples/pictures writes it, tests/examples/check_pictures.py reads it.
+"""
+
+import ast
+import hashlib
+import io
+import json
+import math
+import pathlib
+import re
+import tokenize
+
+EXAMPLES = pathlib.Path(__file__).resolve().parents[1]
+IMAGES = EXAMPLES.parent / "docs" / "images"
+RECORD = IMAGES / "made_from.json"
+NOT_COMPARED = ("threads", "out")  # of the options: they change nothing in a picture
+
+
+def summary_of(folder):
+    return json.loads((folder / "summary.json").read_text(encoding="utf-8"))
+
+
+def dam_break_shown(folder):
+    from support.water import DamBreak
+
+    run = DamBreak(folder)
+    edge, height = run.errors_of_potential_flow()
+    return {"particles_lost": run.summary["particles_lost"], "time_shift": run.time_shift(),
+            "front_error": run.front_error(), "height_error": run.height_error(),
+            "front_error_of_potential_flow": edge, "height_error_of_potential_flow": height}
+
+
+def tower_shown(folder):
+    shown = {}
+    for name, run in (("damped", folder), ("undamped", folder / "undamped")):
+        summary = summary_of(run)
+        shown |= {f"{name}_{key}": summary[key]
+                  for key in ("particles", "escaped", "pile_radius", "farthest")}
+    return shown
+
+
+def hopper_shown(folder):
+    return {f"rate_{rate['opening_over_d']:g}_d": rate["rate"]
+            for rate in summary_of(folder)["rates"]}
+
+
+def flow_shown(folder):
+    # In how many bodies the fluid ends is chance.
+    return {finding["quantity"]: finding["measured"] for finding in summary_of(folder)["findings"]
+            if "one body" not in finding["quantity"]}
+
+
+class Source:
+    """A program's runs, by the subfolder each writes into, that its plot script draws together.
+
+    pictures: names in docs/images by the names that the script gives. shown(folder): the figures.
+    """
+
+    def __init__(self, name, program, runs, pictures, shown):
+        self.name, self.program, self.runs, self.pictures = name, program, runs, pictures
+        self.shown = shown
+        self.drawn_by = f"plot_{program}.py"
+
+    def command_of(self, subfolder):
+        options = [f"--{name}={value}" for name, value in self.runs[subfolder].items()]
+        return [self.program, *options]
+
+    def options_of(self, folder):
+        """Of the runs in a folder, without those that change nothing in a picture."""
+        return {subfolder: {name: value for name, value in
+                            summary_of(folder / subfolder)["options"].items()
+                            if name not in NOT_COMPARED} for subfolder in self.runs}
+
+    def command_lines(self):
+        folder = f"out/pictures/{self.name}"
+        return [" ".join(["examples/run", *self.command_of(subfolder), "--out",
+                          folder + ("/" + subfolder if subfolder else "")])
+                for subfolder in self.runs] + [f"examples/{self.drawn_by} {folder}"]
+
+
+class Study:
+    """Long runs, made and drawn by a script of their own. argv: that script's arguments."""
+
+    def __init__(self, name, command, drawn_by, argv, pictures):
+        self.name, self.command, self.drawn_by, self.argv = name, command, drawn_by, argv
+        self.pictures = pictures
+
+    def command_lines(self):
+        return [self.command]
+
+
+SOURCES = [
+    Source("dam_break", "dam_break", {"": {}},
+           {"frames.png": "dam_break.png", "front.png": "dam_break_front.png"}, dam_break_shown),
+    Source("broken_tower", "broken_tower", {"": {}, "undamped": {"alpha": 0}},
+           {"frames.png": "broken_tower.png"}, tower_shown),
+    Source("hopper", "hopper", {"": {"dimension": 2, "openings": 20}}, {"frames.png": "hopper.png"},
+           hopper_shown),
+    Source("oscillating_drop", "fluid_cases", {"": {"case": "oscillating_drop", "spacing": 0.05}},
+           {"history.png": "oscillating_drop.png"}, flow_shown),
+    Source("rotating_square", "fluid_cases", {"": {"case": "rotating_square", "spacing": 0.02}},
+           {"frames.png": "rotating_square.png"}, flow_shown),
+]
+STUDIES = [
+    Study("vibrating_floor", "examples/run --study vibrating_floor", "plot_vibrating_floor.py",
+          lambda programs, folder, threads: [
+              "study_vibrating_floor.py", programs / "vibrating_floor", folder,
+              "--threads", threads],
+          {"figures.png": "vibrating_floor.png"}),
+    Study("paper", "examples/paper_figures", "paper_figures.py",
+          lambda programs, folder, threads: [
+              "paper_figures.py", "--out", folder, "--jobs", threads, "--programs", programs],
+          {f"fig{k}.png": f"paper_fig{k}.png" for k in (5, 7, 8, 9, 12, 13, 14)}),
+]
+
+
+def digest_of(data):
+    return hashlib.sha256(data).hexdigest()[:16]
+
+
+def code_of(path):
+    """A Python file without comments, docstrings and empty lines, and the modules of support/ that
+    it imports."""
+    text = path.read_text(encoding="utf-8")
+    lines = text.splitlines()
+    tree = ast.parse(text)
+    modules = set()
+    for token in tokenize.generate_tokens(io.StringIO(text).readline):
+        if token.type == tokenize.COMMENT:
+            row, column = token.start
+            lines[row - 1] = lines[row - 1][:column]
+    documented = (ast.Module, ast.ClassDef, ast.FunctionDef)
+    for node in ast.walk(tree):
+        if isinstance(node, documented) and ast.get_docstring(node):
+            for row in range(node.body[0].lineno, node.body[0].end_lineno + 1):
+                lines[row - 1] = ""
+        if isinstance(node, ast.ImportFrom) and node.module == "support":
+            modules |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom) and (node.module or "").startswith("support."):
+            modules.add(node.module.split(".")[1])
+    return "\n".join(line.rstrip() for line in lines if line.strip()), modules
+
+
+def drawing_of(script, examples=EXAMPLES):
+    """Digest of a script and of all modules of support/ that it takes, whatever their comments."""
+    codes, waiting = {}, [examples / script]
+    while waiting:
+        path = waiting.pop()
+        if path in codes:
+            continue
+        codes[path], modules = code_of(path)
+        waiting += [examples / "support" / f"{name}.py" for name in modules]
+    return digest_of("\0".join(codes[path] for path in sorted(codes)).encode())
+
+
+def program_text(program, examples=EXAMPLES):
+    """An example's source and the headers of support/ that it includes."""
+    text, waiting, done = "", [f"{program}.cpp"], set()
+    while waiting:
+        name = waiting.pop()
+        if name in done or not (examples / name).exists():
+            continue
+        done.add(name)
+        part = (examples / name).read_text(encoding="utf-8")
+        text += part
+        for included in re.findall(r'^#include "([^"]+)"', part, re.MULTILINE):
+            waiting += [included, str(pathlib.PurePosixPath(name).parent / included)]
+    return text
+
+
+def changed_options(source, recorded, examples=EXAMPLES):
+    """Sentences on numbers that the program has other defaults for than the runs had. What the
+    command gives, and what is no plain number in the source or is not written as it is, is left to
+    a run of the program."""
+    text = program_text(source.program, examples)
+    sentences = []
+    for subfolder, options in recorded.items():
+        given = {name.replace("-", "_") for name in source.runs.get(subfolder, {})}
+        for name, value in options.items():
+            if name in given or isinstance(value, bool) or not isinstance(value, (int, float)):
+                continue
+            if not re.search(rf'"{name}"(,|\] =)\s*o\.(\w+\.)?{name}[;}}]', text):
+                continue
+            defaults = re.findall(rf"\b(?:double|int|Index|unsigned) {name} = ([-+.\de]+);", text)
+            if defaults and float(defaults[0]) != 0 and not math.isclose(float(defaults[0]), value):
+                sentences.append(f"its run had {name} = {value:g}, but {source.program} has "
+                                 f"{defaults[0]} by now")
+    return sentences

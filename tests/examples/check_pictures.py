@@ -1,0 +1,148 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""Tests that the pictures in docs/images are those of the present code.
+
+    check_pictures.py REPOSITORY                      what can be told from the files
+    check_pictures.py REPOSITORY --rerun PROGRAMS     runs the programs in this folder again, and
+                                                      compares what they give with the record
+
+The remedy is always the same: examples/pictures draws them anew.
+"""
+
+import json
+import math
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+
+
+def faults_of(repository):
+    """Sentences on pictures that are missing, too large, unused or out of date."""
+    from support import picture_list as pictures
+
+    examples, images = repository / "examples", repository / "docs" / "images"
+    record = json.loads((images / "made_from.json").read_text(encoding="utf-8"))
+    pages = [repository / "README.md", *(repository / "docs").rglob("*.md")]
+    shown = {name for page in pages for name in
+             re.findall(r"images/([\w.-]+\.png)", page.read_text(encoding="utf-8"))}
+    there = {path.name for path in images.glob("*.png")}
+    made = {name for source in pictures.SOURCES + pictures.STUDIES
+            for name in source.pictures.values()}
+    for name in sorted(shown | there | made):
+        if name not in there:
+            yield f"{name}: a page shows it, but there is no such file"
+        elif name not in shown:
+            yield f"{name}: no page shows it"
+        elif name not in made:
+            yield f"{name}: examples/pictures does not make it"
+        elif (images / name).stat().st_size > 150_000:
+            yield f"{name}: it has more than 150 kB"
+    for source in pictures.SOURCES + pictures.STUDIES:
+        command = f"examples/pictures {next(iter(source.pictures.values()))}"
+        for fault in faults_of_source(source, record.get(source.name), images, examples):
+            yield f"{source.name}: {fault}; run {command}"
+
+
+def faults_of_source(source, entry, images, examples):
+    from support import picture_list as pictures
+
+    if entry is None:
+        yield "made_from.json has no entry"
+        return
+    for name in source.pictures.values():
+        path = images / name
+        if path.exists() and pictures.digest_of(path.read_bytes()) != entry["pictures"].get(name):
+            yield f"{name} is not the file that was drawn"
+    if entry["commands"] != source.command_lines():
+        yield "its pictures were drawn from other commands"
+    # None: drawn before this was written down.
+    if entry["drawing"] not in (None, pictures.drawing_of(source.drawn_by, examples)):
+        yield f"{source.drawn_by}, or what it takes from support/, has changed since it drew"
+    if "options" in entry:
+        # Two runs may say the same.
+        yield from dict.fromkeys(
+            pictures.changed_options(source, entry["options"], examples))
+
+
+def differences(recorded, found, where=""):
+    """Whole numbers must be the same, others within a hundredth."""
+    if isinstance(recorded, dict) and isinstance(found, dict):
+        for key in recorded.keys() | found.keys():
+            yield from differences(recorded.get(key), found.get(key), f"{where}{key}: ")
+    elif isinstance(recorded, float) and isinstance(found, (int, float)):
+        if not math.isclose(recorded, found, rel_tol=0.01, abs_tol=1e-9):
+            yield f"{where}{recorded:g} then, {found:g} now"
+    elif recorded != found:
+        yield f"{where}{recorded} then, {found} now"
+
+
+def rerun(repository, programs):
+    from support import picture_list as pictures
+
+    record = json.loads(pictures.RECORD.read_text(encoding="utf-8"))
+    for source in pictures.SOURCES:
+        with tempfile.TemporaryDirectory() as name:
+            folder = pathlib.Path(name)
+            for subfolder in source.runs:
+                (folder / subfolder).mkdir(exist_ok=True)
+                program, *options = source.command_of(subfolder)
+                subprocess.run([programs / program, *options, "--threads", "2", "--out",
+                                folder / subfolder], check=True, stdout=subprocess.DEVNULL)
+            now = {"options": source.options_of(folder), "shown": source.shown(folder)}
+        then = {key: record[source.name][key] for key in now}
+        for difference in differences(then, now):
+            yield f"{source.name}: {difference}; run examples/pictures"
+
+
+def self_test(repository):
+    """What must be noticed is, and what need not be is not."""
+    with tempfile.TemporaryDirectory() as name:
+        copy = pathlib.Path(name)
+        for part in ("examples", "docs"):
+            shutil.copytree(repository / part, copy / part)
+        shutil.copyfile(repository / "README.md", copy / "README.md")
+        assert not list(faults_of(copy))
+
+        def after(path, old, new):
+            """The faults when this text is replaced."""
+            text = (copy / path).read_text(encoding="utf-8")
+            assert old in text, f"{path} has no {old}"
+            (copy / path).write_text(text.replace(old, new, 1), encoding="utf-8")
+            faults = [fault.split(":")[0] for fault in faults_of(copy)]
+            (copy / path).write_text(text, encoding="utf-8")
+            return faults
+
+        tower = ["broken_tower"]
+        assert after("examples/broken_tower.cpp", "int rows = 30;", "int rows = 31;") == tower
+        script = "examples/plot_broken_tower.py"
+        assert after(script, "class Run:", "COLOUR = 1\nclass Run:") == tower
+        assert not after(script, "class Run:", "# A comment.\nclass Run:")
+        assert "dam_break" in after("examples/support/plot_style.py", "NARROW = 6.4",
+                                        "NARROW = 6.5")
+        (copy / "docs" / "images" / "hopper.png").write_bytes(b"another")
+        assert [fault.split(":")[0] for fault in faults_of(copy)] == ["hopper"]
+    assert not list(differences({"a": 1, "b": 1.0}, {"a": 1, "b": 1.005}))
+    assert len(list(differences({"a": 5, "b": 1.0}, {"a": 9, "b": 1.02}))) == 2
+
+
+def main(arguments):
+    if len(arguments) not in (1, 3) or arguments[1:2] not in ([], ["--rerun"]):
+        sys.exit(__doc__)
+    repository = pathlib.Path(arguments[0]).resolve()
+    sys.path.insert(0, str(repository / "examples"))
+    if len(arguments) == 3:
+        faults = list(rerun(repository, pathlib.Path(arguments[2])))
+    else:
+        faults = list(faults_of(repository))
+    if faults:
+        sys.exit("\n".join(faults))
+    if len(arguments) == 1:
+        self_test(repository)
+    print("The pictures are those of the present code.")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
