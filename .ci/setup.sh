@@ -100,8 +100,7 @@ configure() {
   local folder=$1
   shift
   mkdir -p "$repo/build"
-  cmake -S "$repo" -B "$repo/build/$folder" -DSILT_BUILD_TESTS=OFF -DSILT_BUILD_EXAMPLES=OFF \
-    -DSILT_BUILD_BENCH=OFF "$@" >"$repo/build/$folder.log" 2>&1 ||
+  cmake -S "$repo" -B "$repo/build/$folder" "$@" >"$repo/build/$folder.log" 2>&1 ||
     { cat "$repo/build/$folder.log" >&2; return 1; }
 }
 
