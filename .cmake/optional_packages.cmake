@@ -18,7 +18,12 @@ function(silt_find_optional result package target source)
     list(APPEND find COMPONENTS ${arg_COMPONENTS})
   endif()
 
-  # Success is remembered; failure is not, as the package may be installed or mended later.
+  # Success is kept in the cache. Failure holds for this configuration alone, as the package may be
+  # installed or mended before the next.
+  get_property(failed GLOBAL PROPERTY SILT_${package}_FAILED)
+  if(failed)
+    return()
+  endif()
   if(NOT SILT_${package}_WORKS)
     list(JOIN find " " find_text)
     list(JOIN arg_INCLUDES "\" \"" includes)
@@ -31,6 +36,7 @@ target_link_libraries(trial PRIVATE ${target} \"${libraries}\")")
     if(NOT works)
       message(STATUS "${package} was not found or does not work; \
 see ${PROJECT_BINARY_DIR}/optional/${package}/log.txt")
+      set_property(GLOBAL PROPERTY SILT_${package}_FAILED TRUE)
       return()
     endif()
     set(SILT_${package}_WORKS TRUE CACHE INTERNAL "A program with ${package} was built")
