@@ -28,7 +28,8 @@ jobs=$(count_jobs)
 # that TEXT goes on, and for how long. With "last" the lines themselves are not passed on; the latest
 # one is shown beside TEXT. On a terminal, that is one line rewritten each second.
 report() {
-  local text=$1 only_last=${2:-} pause=8 line="" part code last="" said=$SECONDS began=$SECONDS
+  local text=$1 only_last=${2:-} pause=6 line="" part code last="" said=$SECONDS began=$SECONDS
+  local wait
   if [[ -t 2 ]]; then pause=1; fi
   report_line() {
     local shown=${line:-$last} format='%s: %d s  %.50s\n'
@@ -40,14 +41,15 @@ report() {
   if [[ -t 2 ]]; then report_line; else echo "$text …" >&2; fi
   while true; do
     code=0
-    IFS= read -r -t $pause part || code=$?
+    wait=$((said + pause - SECONDS))
+    IFS= read -r -t $((wait > 0 ? wait : 1)) part || code=$?
     line+=$part
     if ((code > 128)); then  # silence
       report_line
       continue
     fi
     if [[ -n $only_last ]]; then
-      last=$line
+      if [[ -n $line ]]; then last=$line; fi
       if ((SECONDS - said >= pause)); then report_line; fi
     elif [[ -n $line ]] || ((code == 0)); then
       if [[ -t 2 ]]; then printf '\r\e[K' >&2; fi

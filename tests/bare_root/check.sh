@@ -39,7 +39,7 @@ give_up() {
 # The Debian mirror that this machine uses.
 mirror() {
   local files=(/etc/apt/sources.list /etc/apt/sources.list.d/*.list /etc/apt/sources.list.d/*.sources)
-  cat "${files[@]}" 2>/dev/null |
+  { cat "${files[@]}" 2>/dev/null || true; } |
     sed -nE 's/^(URIs:|deb +(\[[^]]*\] *)?) *((https?|file):[^ ]*\/debian)\/?( .*)?$/\3/p' | head -n 1
 }
 
@@ -73,7 +73,7 @@ inside() {
   unshare --mount --pid --fork --kill-child setsid --wait bash -c '
     mount -t proc proc "$1/proc"
     mkdir -p "$1/dev/shm" && mount -t tmpfs tmpfs "$1/dev/shm"
-    exec env -i TERM=dumb chroot "$1" su - "$2" -c "$3"' _ "$1" "$2" "$3" </dev/null
+    exec env -i TERM=dumb PATH=/usr/sbin:/usr/bin:/sbin:/bin chroot "$1" su - "$2" -c "$3"' _ "$1" "$2" "$3" </dev/null
 }
 
 # --- README --------------------------------------------------------------------------------------
