@@ -59,7 +59,8 @@ if [[ ! -e $base.done ]]; then
   debootstrap --variant=minbase --include=git,ca-certificates "$release" "$base" "$mirror" \
     >"$scratch/debootstrap.txt" 2>&1 ||
     { tail -n 5 "$scratch/debootstrap.txt"; skip "debootstrap failed"; }
-  # As the machine is reached, so is this one.
+  rm -rf "$base"/var/lib/apt/lists/* "$base"/var/cache/apt/archives/*.deb
+  # It reaches the network as this machine does.
   cp -L /etc/resolv.conf /etc/hosts "$base/etc/"
   apt-config dump | grep -i '^Acquire::[a-z]*::Proxy' >"$base/etc/apt/apt.conf.d/90proxy" || true
   chroot "$base" useradd --create-home --shell /bin/bash user
