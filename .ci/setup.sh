@@ -98,7 +98,7 @@ need_python() { python_with "$1" >/dev/null || missing+=("$2"); }
 
 # want CHECK PACKAGE WHAT: a package that one can do without; CHECK is a command.
 want() {
-  if eval "$1" >/dev/null 2>&1; then return; fi
+  if [[ " ${wished[*]} " = *" $2 "* ]] || eval "$1" >/dev/null 2>&1; then return; fi
   wished+=("$2")
   wished_by+=("$1")
   wished_for+=("$3")
@@ -202,7 +202,7 @@ install_missing() {
   local left=()
   for i in "${!wished[@]}"; do
     if ! eval "${wished_by[i]}" >/dev/null 2>&1; then
-      echo "silt: without the package ${wished[i]}, ${wished_for[i]} is left out." >&2
+      echo "silt: left out without the package ${wished[i]}: ${wished_for[i]}" >&2
       left+=("${wished[i]}")
     fi
   done
