@@ -94,7 +94,7 @@ function(silt_find_hypre result)
       return()
     endif()
     silt_find_optional(found MPI MPI::MPI_CXX
-      "#include <HYPRE.h>\n#include <mpi.h>\nint main() { MPI_Finalize(); HYPRE_Finalize(); }"
+      "#include <HYPRE_utilities.h>\n#include <mpi.h>\nint main() { return HYPRE_GetError() + MPI_Finalize(); }"
       COMPONENTS CXX INCLUDES ${SILT_HYPRE_INCLUDE} LIBRARIES ${SILT_HYPRE_LIBRARY})
     if(NOT found)
       return()
