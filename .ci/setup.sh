@@ -223,9 +223,9 @@ dpkg_has() {
 }
 
 print_install_command() {
-  local command="apt-get update && apt-get install -y $*"
+  local command="apt-get update && apt-get install -y --no-install-recommends $*"
   if command -v sudo >/dev/null; then
-    command="sudo apt-get update && sudo apt-get install -y $*"
+    command="sudo apt-get update && sudo apt-get install -y --no-install-recommends $*"
   elif [[ $(id -u) -ne 0 ]]; then
     command="su -c '$command'"
   fi

@@ -149,7 +149,7 @@ follow_readme() {
       give_up "examples/run ran without packages"
     local command
     command=$(grep -A1 'To install them, type$' "$scratch/$user.refused.txt" | tail -n 1)
-    [[ $command = *apt-get\ install* ]] ||
+    [[ $command = *"apt-get install"* ]] ||
       { cat "$scratch/$user.refused.txt"; give_up "no command to install packages was printed"; }
     echo "The administrator types:$command"
     inside "$root" root "$command" >"$scratch/$user.administrator.txt" 2>&1 ||
