@@ -169,9 +169,8 @@ follow_readme() {
     lines=$((lines + typed))
     {
       if [[ $user = root ]]; then echo 'sudo() { "$@"; }'; fi  # root leaves it out
-      echo "set -e; cd '$(cat "$root/tmp/folder")'; set -v"
+      echo "trap 'pwd >/tmp/folder' EXIT; set -e; cd '$(cat "$root/tmp/folder")'; set -v"
       cat "$block"
-      echo 'pwd >/tmp/folder'
     } >"$root/tmp/block"
     code=0
     inside "$root" "$login" "bash -o pipefail /tmp/block" 2>&1 | watch "$scratch/silence" 2>&1 |
@@ -193,7 +192,10 @@ $(cat "$block")"
       fi
     fi
   done
-  if grep -v '^\[ *[0-9]* s\] #' "$log" | grep -iw warning; then give_up "as $user, there were warnings"; fi
+  # The commands themselves are in the log, too.
+  if sed 's/^\[ *[0-9]* s\] //' "$log" | grep -vxF "$(cat "$blocks"/*.sh)" | grep -iw warning; then
+    give_up "as $user, there were warnings"
+  fi
   [[ -n $picture ]] || give_up "as $user, no picture was made"
   echo "As $user, README took $(((EPOCHSECONDS - began + 30) / 60)) minutes and $lines lines; the" \
     "longest silence was $((longest / 1000)) s" | tee -a "$scratch/found"
