@@ -28,14 +28,12 @@ jobs=$(count_jobs)
 # that TEXT goes on, and for how long. With "last" the lines themselves are not passed on; the latest
 # one is shown beside TEXT. On a terminal, that is one line rewritten each second.
 report() {
-  local text=$1 only_last=${2:-} pause=6 line="" part code last="" said=$SECONDS began=$SECONDS
-  local wait
+  local text=$1 only_last=${2:-} pause=6 line="" part code wait last="" said=$SECONDS began=$SECONDS
   if [[ -t 2 ]]; then pause=1; fi
   report_line() {
-    local shown=${line:-$last} format='%s: %d s  %.50s\n'
-    if [[ -t 2 ]]; then format='\r%s: %d s  %.50s\e[K'; fi
-    # shellcheck disable=SC2059
-    printf "$format" "$text" $((SECONDS - began)) "${shown##*$'\r'}" >&2
+    local shown=${line:-$last}
+    shown="$text: $((SECONDS - began)) s  ${shown##*$'\r'}"
+    if [[ -t 2 ]]; then printf '\r%s\e[K' "${shown:0:79}" >&2; else echo "${shown:0:120}" >&2; fi
     said=$SECONDS
   }
   if [[ -t 2 ]]; then report_line; else echo "$text …" >&2; fi
