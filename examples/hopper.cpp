@@ -216,7 +216,7 @@ auto region_above(const Options& o, double D) {
   } else {
     // Within the corners of the mesh.
     const double inscribed = o.bin() / 2 * std::cos(std::numbers::pi / corners);
-    return dem::Pillar<>{.foot = {0, 0, low}, .radius = inscribed, .height = high - low};
+    return dem::VerticalCylinder<>{.foot = {0, 0, low}, .radius = inscribed, .height = high - low};
   }
 }
 
@@ -230,7 +230,7 @@ template <int Dim>
 dem::Grains<Dim> fill(const Options& o, double D) {
   const double R = o.diameter / 2;
   const dem::Blend<dem::UniformSizes> blend{
-      .sizes = {.smallest_radius = (1 - o.spread) * R, .largest_radius = (1 + o.spread) * R},
+      .sizes = {.min_radius = (1 - o.spread) * R, .max_radius = (1 + o.spread) * R},
       .density = o.density};
   // Of a loose bed.
   const double solid_fraction = Dim == 2 ? 0.80 : 0.58;
@@ -254,7 +254,7 @@ dem::Grains<Dim> fill(const Options& o, double D) {
     }
   }
   const auto time = dem::settle(bin, {.speed = 0.01 * o.speed(),
-                                      .look_every = 2 * o.unit_of_time(),
+                                      .check_every = 2 * o.unit_of_time(),
                                       .at_most = 200 * o.unit_of_time()});
   std::printf("hopper: %zu grains came in %.3g s and settled in %.3g s more, %llu steps\n",
               bin.particles().size(), bin.time() - time, time,
