@@ -1,14 +1,83 @@
+# shellcheck shell=bash
 # SPDX-License-Identifier: MIT
-# Sourced by tests/run, examples/run and bench/run: finds the repository, installs what is missing
-# from the system's packages, configures and builds.
+# Sourced by tests/run, examples/run and bench/run, which have set -euo pipefail: finds the repository,
+# installs what is missing from the system's packages, configures and builds. Nothing here asks a
+# question, and nothing is silent for more than ten seconds.
 
 # Threads that wait by spinning keep others off the cores: beside one more busy process, a program on
 # all cores takes up to a hundred times as long. Sleeping costs little.
 export OMP_WAIT_POLICY=${OMP_WAIT_POLICY:-passive}
 
 repo=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
-jobs=$(nproc 2>/dev/null || echo 2)
-missing=()  # Debian's names of the packages we lack
+cores=$(nproc 2>/dev/null || echo 2)
+
+# Compilers at a time: one for each core, but no more than the memory holds, at 1.5 GB each.
+count_jobs() {
+  local available=""
+  if [[ -r /proc/meminfo ]]; then
+    available=$(sed -n 's/^MemAvailable: *\([0-9]*\) kB/\1/p' /proc/meminfo)
+  fi
+  local fit=$((${available:-$((cores * 1500000))} / 1500000))
+  echo $((fit < 1 ? 1 : fit < cores ? fit : cores))
+}
+jobs=$(count_jobs)
+
+# --- saying what is going on ---------------------------------------------------------------------
+
+# COMMAND 2>&1 | report TEXT [last]: passes the command's lines on, and says in every longer silence
+# that TEXT goes on, and for how long. With "last" the lines themselves are not passed on; the latest
+# one is shown beside TEXT. On a terminal, that is one line rewritten each second.
+report() {
+  local text=$1 only_last=${2:-} pause=6 line="" part code wait last="" said=$SECONDS began=$SECONDS
+  if [[ -t 2 ]]; then pause=1; fi
+  report_line() {
+    local shown=${line:-$last}
+    shown="$text: $((SECONDS - began)) s  ${shown##*$'\r'}"
+    if [[ -t 2 ]]; then printf '\r%s\e[K' "${shown:0:79}" >&2; else echo "${shown:0:120}" >&2; fi
+    said=$SECONDS
+  }
+  if [[ -t 2 ]]; then report_line; else echo "$text …" >&2; fi
+  while true; do
+    code=0
+    wait=$((said + pause - SECONDS))
+    IFS= read -r -t $((wait > 0 ? wait : 1)) part || code=$?
+    line+=$part
+    if ((code > 128)); then  # silence
+      report_line
+      continue
+    fi
+    if [[ -n $only_last ]]; then
+      if [[ -n $line ]]; then last=$line; fi
+      if ((SECONDS - said >= pause)); then report_line; fi
+    elif [[ -n $line ]] || ((code == 0)); then
+      if [[ -t 2 ]]; then printf '\r\e[K' >&2; fi
+      printf '%s\n' "$line"
+      said=$SECONDS
+    fi
+    line=""
+    if ((code != 0)); then break; fi
+  done
+  if [[ -t 2 ]]; then printf '\r\e[K' >&2; fi
+  if [[ -n $only_last ]]; then echo "$text: took $((SECONDS - began)) s" >&2; fi
+}
+
+# quietly TEXT FILE COMMAND...: runs it with its output in FILE.
+quietly() {
+  local text=$1 file=$2
+  shift 2
+  mkdir -p "$(dirname "$file")"
+  "$@" 2>&1 </dev/null | tee "$file" | report "$text" last
+}
+
+# logged TEXT FILE COMMAND...: the same, and if it fails, its output goes to stderr.
+logged() { quietly "$@" || { cat "$2" >&2; return 1; }; }
+
+# --- packages ------------------------------------------------------------------------------------
+
+missing=()    # Debian's names of the packages that are needed and missing
+wished=()     # and of those that one can do without,
+wished_by=()  # the checks that found them missing,
+wished_for=() # and what is left out without them
 
 # need COMMAND PACKAGE: a program on the path.
 need() { command -v "$1" >/dev/null || missing+=("$2"); }
@@ -25,29 +94,48 @@ python_with() {
 # need_python MODULE PACKAGE
 need_python() { python_with "$1" >/dev/null || missing+=("$2"); }
 
-# need_cmake_package "NAME [VERSION]" PACKAGE ...: asks CMake itself, for all of them at once. What
-# configures nothing (a toolchain still to be installed) lacks them all.
+# want CHECK PACKAGE WHAT: a package that one can do without; CHECK is a command.
+want() {
+  if [[ " ${wished[*]} " = *" $2 "* ]] || eval "$1" >/dev/null 2>&1; then return; fi
+  wished+=("$2")
+  wished_by+=("$1")
+  wished_for+=("$3")
+}
+
+# has_header NAME: for want.
+has_header() { echo "#include <$1>" | "${CXX:-c++}" -E -x c++ - >/dev/null 2>&1; }
+
+# need_cmake_packages "NAME [VERSION]" PACKAGE ...: asks CMake itself, for all of them at once and,
+# should one of them be broken, one by one. What configures nothing (a toolchain still to be
+# installed) lacks them all.
 need_cmake_packages() {
-  local scratch name
+  local scratch i
   scratch=$(mktemp -d)
-  {
-    echo 'cmake_minimum_required(VERSION 3.24)'
-    echo 'project(probe LANGUAGES CXX)'
-    local i
-    for ((i = 1; i < $#; i += 2)); do
-      name=${!i}
-      echo "find_package($name QUIET NO_MODULE)"
-      echo "if(${name%% *}_FOUND)"
-      echo "  file(TOUCH \${CMAKE_BINARY_DIR}/found.${name%% *})"
-      echo 'endif()'
-    done
-  } >"$scratch/CMakeLists.txt"
-  cmake -S "$scratch" -B "$scratch/build" >/dev/null 2>&1 || true
+  if ! find_cmake_packages "$scratch" "$@"; then
+    for ((i = 1; i < $#; i += 2)); do find_cmake_packages "$scratch" "${!i}" "" || true; done
+  fi
   while (($#)); do
-    [[ -e $scratch/build/found.${1%% *} ]] || missing+=("$2")
+    [[ -e $scratch/found.${1%% *} ]] || missing+=("$2")
     shift 2
   done
   rm -rf "$scratch"
+}
+find_cmake_packages() {
+  local scratch=$1
+  shift
+  rm -rf "$scratch/build"
+  {
+    echo 'cmake_minimum_required(VERSION 3.24)'
+    echo 'project(probe LANGUAGES CXX)'
+    while (($#)); do
+      echo "find_package($1 QUIET NO_MODULE)"
+      echo "if(${1%% *}_FOUND)"
+      echo "  file(TOUCH \${CMAKE_SOURCE_DIR}/found.${1%% *})"
+      echo 'endif()'
+      shift 2
+    done
+  } >"$scratch/CMakeLists.txt"
+  cmake -S "$scratch" -B "$scratch/build" >/dev/null 2>&1
 }
 
 # What every build needs.
@@ -59,55 +147,107 @@ need_toolchain() {
   fi
 }
 
-# Installs packages by apt-get; what it said is in $install_log. Fails where it cannot.
-install_log=
-install_packages() {
-  local as_root=()
-  if [[ $(id -u) -ne 0 ]]; then as_root=(sudo); fi
-  install_log="there is no apt-get here, or no way to be root"
-  command -v apt-get >/dev/null && command -v "${as_root[0]:-apt-get}" >/dev/null || return 1
-  echo "Installing $*"
-  local install=("${as_root[@]}" env DEBIAN_FRONTEND=noninteractive
-    apt-get install -y --no-install-recommends "$@")
-  install_log=$("${install[@]}" 2>&1 </dev/null) && return
-  # A fresh machine has no list of packages, an old one a stale list.
-  install_log+=$("${as_root[@]}" apt-get update 2>&1 </dev/null) || true
-  install_log+=$("${install[@]}" 2>&1 </dev/null)
+# Sets as_root to what makes a command the administrator's without a question; fails if nothing does.
+as_root=()
+become_root() {
+  as_root=()
+  if [[ $(id -u) -eq 0 ]]; then return; fi
+  as_root=(sudo -n)
+  command -v sudo >/dev/null && sudo -n true 2>/dev/null
 }
 
-# Installs what the need… calls above found missing, or says what that is and gives up.
+# install_packages PACKAGE...: by apt-get, which waits while another program installs packages. A
+# fresh machine has no list of packages, an old one a stale list: then the list is updated.
+install_packages() {
+  command -v apt-get >/dev/null || return 1
+  local log=$repo/build/install.log
+  local install=("${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y
+    --no-install-recommends -o DPkg::Lock::Timeout=600 "$@")
+  if "${install[@]}" --dry-run >/dev/null 2>&1 </dev/null &&
+    quietly "Installing packages" "$log" "${install[@]}"; then
+    return
+  fi
+  logged "Updating the list of packages" "$repo/build/update.log" \
+    wait_for_lock "${as_root[@]}" apt-get update &&
+    logged "Installing packages" "$log" "${install[@]}"
+}
+# apt-get update does not wait for the lock of its list by itself.
+wait_for_lock() {
+  local output tries
+  for ((tries = 0; tries < 120; ++tries)); do
+    if output=$(LC_ALL=C "$@" 2>&1); then echo "$output"; return; fi
+    echo "$output"
+    [[ $output = *"Could not get lock"* ]] || return 1
+    sleep 5
+  done
+  return 1
+}
+
+# Installs what the calls of need… and want above found missing. Where that cannot be done, prints the
+# command that does it, and gives up if a package is needed.
 install_missing() {
-  ((${#missing[@]})) || return 0
-  if ! install_packages "${missing[@]}"; then
-    echo "$install_log" >&2
-    echo "silt: please install ${missing[*]} (Debian's names), which cannot be done from here." >&2
+  local packages i
+  mapfile -t packages < <(printf '%s\n' "${missing[@]}" "${wished[@]}" | sort -u | sed '/^$/d')
+  ((${#packages[@]})) || return 0
+
+  if become_root; then
+    echo "Missing packages: ${packages[*]}" >&2
+    if ! install_packages "${packages[@]}" && ((${#missing[@]} && ${#wished[@]})); then
+      install_packages "${missing[@]}" || true
+    fi
+  fi
+  hash -r
+  local left=()
+  for i in "${!wished[@]}"; do
+    if ! eval "${wished_by[i]}" >/dev/null 2>&1; then
+      echo "silt: left out without the package ${wished[i]}: ${wished_for[i]}" >&2
+      left+=("${wished[i]}")
+    fi
+  done
+  if ((${#missing[@]})) && ! dpkg_has "${missing[@]}"; then left+=("${missing[@]}"); fi
+  if ((${#left[@]})); then print_install_command "${left[@]}"; fi
+  if ((${#missing[@]})) && ! dpkg_has "${missing[@]}"; then
+    echo "silt: then start this again." >&2
     exit 1
   fi
-  missing=()
+  missing=() wished=() wished_by=() wished_for=()
 }
 
-# want CHECK PACKAGE WHAT: installs a package that one can do without, or says what will be missing.
-want() {
-  if eval "$1" >/dev/null 2>&1 || install_packages "$2"; then return; fi
-  echo "silt: $2 (Debian's name) cannot be installed from here: $3 is left out."
+# dpkg_has PACKAGE...: whether all are installed.
+dpkg_has() {
+  local installed
+  installed=$(dpkg-query -W -f '${db:Status-Status}\n' "$@" 2>/dev/null | grep -cx installed) || true
+  [[ $installed = "$#" ]]
 }
 
-# has_header NAME: for want.
-has_header() { echo "#include <$1>" | "${CXX:-c++}" -E -x c++ - >/dev/null 2>&1; }
+print_install_command() {
+  local command="apt-get update && apt-get install -y --no-install-recommends $*"
+  if command -v sudo >/dev/null; then
+    command="sudo apt-get update && sudo apt-get install -y --no-install-recommends $*"
+  elif [[ $(id -u) -ne 0 ]]; then
+    command="su -c '$command'"
+  fi
+  echo "silt: these packages cannot be installed from here. To install them, type" >&2
+  echo "  $command" >&2
+}
+
+# --- building ------------------------------------------------------------------------------------
 
 # configure FOLDER [CMake options]: configures build/FOLDER with just the programs asked for.
 configure() {
   local folder=$1
   shift
-  mkdir -p "$repo/build"
-  cmake -S "$repo" -B "$repo/build/$folder" -DSILT_BUILD_TESTS=OFF -DSILT_BUILD_EXAMPLES=OFF \
-    -DSILT_BUILD_BENCH=OFF "$@" >"$repo/build/$folder.log" 2>&1 ||
-    { cat "$repo/build/$folder.log" >&2; return 1; }
+  logged "Configuring build/$folder" "$repo/build/$folder.log" \
+    cmake -S "$repo" -B "$repo/build/$folder" "$@"
 }
 
-# build FOLDER [CMake build options]
+# build FOLDER TEXT [CMake build options]: TEXT says what is compiled. Warnings are shown, each once.
 build() {
-  local folder=$1
-  shift
-  cmake --build "$repo/build/$folder" -j "$jobs" "$@"
+  local folder=$1 text=$2 log=$repo/build/$1.build.log
+  shift 2
+  logged "Compiling $text" "$log" cmake --build "$repo/build/$folder" -j "$jobs" "$@"
+  if grep -q 'warning:' "$log"; then
+    grep 'warning:' "$log" | sort -u >&2
+    echo "All that the compiler said is in $log" >&2
+  fi
 }

@@ -1,3 +1,4 @@
+# shellcheck shell=bash
 # SPDX-License-Identifier: MIT
 # Sourced by examples/run and examples/paper_figures, after .ci/setup.sh: installs what examples need,
 # and builds them.
@@ -10,7 +11,7 @@ text_of() {
     while read -r header; do cat "$repo/examples/$header"; done
 }
 
-# Installs what the includes of these examples ask for.
+# Installs what the includes of these examples ask for, and what was asked for before.
 install_for() {
   local packages=("Eigen3 3.4" libeigen3-dev) name includes=""
   for name in "$@"; do includes+=$(text_of "$name" | grep '^#include'); done
@@ -21,7 +22,9 @@ install_for() {
   install_missing
 }
 
+# build_examples NAME...: all of them side by side.
 build_examples() {
-  configure examples -DCMAKE_BUILD_TYPE=Release -DSILT_NATIVE=ON -DSILT_BUILD_EXAMPLES=ON
-  build examples --target "$@"
+  configure examples -DCMAKE_BUILD_TYPE=Release -DSILT_NATIVE=ON -DSILT_BUILD_EXAMPLES=ON \
+    "-DSILT_EXAMPLES=$(IFS=';' && echo "$*")"
+  build examples "$*"
 }

@@ -1,11 +1,18 @@
 // SPDX-License-Identifier: MIT
-#if __has_include(<silt/silt.hpp>)
+// Prints whether the library was compiled with OpenMP.
+#include <silt/core/parallel.hpp>
 #include <silt/silt.hpp>
-#else
-#include <silt/core/types.hpp>
-#endif
+
+#include <cstdio>
 
 int main() {
+  std::puts(
+#ifdef _OPENMP
+      "OpenMP"
+#else
+      "one thread"
+#endif
+  );
   const silt::Vec<2, double> x{3, 4};
-  return x.norm() == 5 ? 0 : 1;
+  return x.norm() == 5 && silt::threads() >= 1 ? 0 : 1;
 }

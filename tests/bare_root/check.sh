@@ -1,0 +1,209 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
+#
+#   check.sh SOURCE SCRATCH [root] [user]
+#
+# Follows README.md to the letter in a Debian system that has nothing but git, as root and as an
+# ordinary user (or only one of them): clones SOURCE, as committed, and runs every ```sh block in
+# order. A block is left out if the line above it is
+#   <!-- silt: skip-shell REASON -->
+# and a block of any language is written into a file of the current folder if that line is
+#   <!-- silt: save-as FILE -->
+# Expected are exit code 0, no warning, no question (there is no input), no silence of more than ten
+# seconds except in a compiler or CMake called by README itself, and a picture. Prints the minutes
+# to the first picture and the lines typed until then. The output is kept in SCRATCH/root.txt and
+# SCRATCH/user.txt.
+#
+# Needs root, debootstrap and a Debian mirror in /etc/apt; without them exits with 77, "skipped".
+set -euo pipefail
+
+release=bookworm
+longest_silence=10  # [s]
+
+source=$(cd "$1" && pwd)
+mkdir -p "$2"
+scratch=$(cd "$2" && pwd)
+shift 2
+names=("$@")
+if ((${#names[@]} == 0)); then names=(root user); fi
+
+skip() {
+  echo "Skipped: $*"
+  exit 77
+}
+give_up() {
+  echo "FAILED: $*"
+  exit 1
+}
+
+# The Debian mirror that this machine uses.
+mirror() {
+  local files=(/etc/apt/sources.list /etc/apt/sources.list.d/*.list /etc/apt/sources.list.d/*.sources)
+  { cat "${files[@]}" 2>/dev/null || true; } |
+    sed -nE 's/^(URIs:|deb +(\[[^]]*\] *)?) *((https?|file):[^ ]*\/debian)\/?( .*)?$/\3/p' | head -n 1
+}
+
+[[ $(id -u) -eq 0 ]] || skip "a root file system can be made by root only"
+command -v debootstrap >/dev/null || skip "debootstrap is not installed"
+command -v unshare >/dev/null || skip "unshare is not installed"
+git -C "$source" rev-parse HEAD >/dev/null || skip "$source is not a git repository"
+mirror=$(mirror)
+[[ -n $mirror ]] || skip "no Debian mirror was found in /etc/apt"
+
+# --- the bare system -----------------------------------------------------------------------------
+
+# Made once; every user gets a copy.
+base=$scratch/base
+if [[ ! -e $base.done ]]; then
+  rm -rf "$base"
+  debootstrap --variant=minbase --include=git,ca-certificates "$release" "$base" "$mirror" \
+    >"$scratch/debootstrap.txt" 2>&1 ||
+    { tail -n 5 "$scratch/debootstrap.txt"; skip "debootstrap failed"; }
+  rm -rf "$base"/var/lib/apt/lists/* "$base"/var/cache/apt/archives/*.deb
+  # It reaches the network as this machine does.
+  cp -L /etc/resolv.conf /etc/hosts "$base/etc/"
+  apt-config dump | grep -i '^Acquire::[a-z]*::Proxy' >"$base/etc/apt/apt.conf.d/90proxy" || true
+  chroot "$base" useradd --create-home --shell /bin/bash user
+  touch "$base.done"
+fi
+
+# inside ROOT USER SCRIPT: runs it as USER, with no terminal and no input, in processes and mounts of
+# its own, which end with it.
+inside() {
+  # shellcheck disable=SC2016
+  unshare --mount --pid --fork --kill-child setsid --wait bash -c '
+    mount -t proc proc "$1/proc"
+    mkdir -p "$1/dev/shm" && mount -t tmpfs tmpfs "$1/dev/shm"
+    exec env -i TERM=dumb PATH=/usr/sbin:/usr/bin:/sbin:/bin chroot "$1" su - "$2" -c "$3"' _ "$1" "$2" "$3" </dev/null
+}
+
+# --- README --------------------------------------------------------------------------------------
+
+# Writes the blocks of README to FOLDER/NN.sh, or FOLDER/NN.save with the name of the file first.
+read_blocks() {
+  awk -v folder="$2" '
+    !inside && /^<!-- silt: skip-shell / { mark = "skip"; next }
+    !inside && /^<!-- silt: save-as [^ ]+ -->/ { mark = $4; next }
+    /^```/ {
+      if (inside) { inside = 0; file = ""; mark = ""; next }
+      inside = 1
+      if (mark == "skip") next
+      if (mark != "") {
+        file = sprintf("%s/%02d.save", folder, ++count)
+        print mark >file
+      } else if (/^```sh[ \t]*$/) {
+        file = sprintf("%s/%02d.sh", folder, ++count)
+      }
+      next
+    }
+    inside && file != "" { print >file; next }
+    !inside && !/^[ \t]*$/ { mark = "" }' "$1"
+}
+
+# Shows each line with the time, and writes the longest silence and what was said before it to FILE.
+watch() {
+  local file=$1 line now last=$EPOCHREALTIME began=$EPOCHREALTIME before="the beginning" more=yes
+  while [[ $more = yes ]]; do
+    IFS= read -r line || more=no
+    now=$EPOCHREALTIME
+    echo "$(((${now/./} - ${last/./}) / 1000)) ms after: $before"
+    if [[ -n $line || $more = yes ]]; then
+      printf '[%4d s] %s\n' $(((${now/./} - ${began/./}) / 1000000)) "$line" >&2
+    fi
+    last=$now before=$line
+  done | sort -rn | head -n 1 >"$file"
+}
+
+# The first picture that USER has made in ROOT, as seconds since 1970, a space and its path.
+first_picture() {
+  find "$1/root" "$1/home" -name '*.png' -not -path '*/docs/*' -printf '%T@ %p\n' 2>/dev/null |
+    sort -n | head -n 1
+}
+
+follow_readme() {
+  local user=$1 login=$1 root=$scratch/$1 log=$scratch/$1.txt home
+  echo "== As $user"
+  rm -rf "$root"
+  cp -a "$base" "$root"
+  home=$(chroot "$root" su - "$login" -c pwd)
+
+  # The repository, at the address that README gives.
+  git clone --quiet --bare "$source" "$root/srv/silt.git"
+  local url
+  url=$(sed -nE 's/^ *git clone ([^ ]+).*/\1/p' "$source/README.md" | head -n 1)
+  inside "$root" root "git config --system safe.directory '*'"
+  if [[ -n $url ]]; then
+    inside "$root" root "git config --system url.file:///srv/silt.git.insteadOf '$url'"
+  fi
+  inside "$root" "$login" "git clone --quiet file:///srv/silt.git checkout"
+  echo "$home$([[ -n $url ]] || echo /checkout)" >"$root/tmp/folder"
+  chmod 666 "$root/tmp/folder"
+
+  local blocks=$scratch/$user.blocks
+  rm -rf "$blocks"
+  mkdir -p "$blocks"
+  read_blocks "$source/README.md" "$blocks"
+  # The administrator may be asked once, by a command that is printed; later the user is given sudo.
+  if [[ $user != root ]]; then
+    inside "$root" "$login" "cd checkout && examples/run" >"$scratch/$user.refused.txt" 2>&1 &&
+      give_up "examples/run ran without packages"
+    local command
+    command=$(grep -A1 'To install them, type$' "$scratch/$user.refused.txt" | tail -n 1)
+    [[ $command = *"apt-get install"* ]] ||
+      { cat "$scratch/$user.refused.txt"; give_up "no command to install packages was printed"; }
+    echo "The administrator types:$command"
+    inside "$root" root "$command" >"$scratch/$user.administrator.txt" 2>&1 ||
+      { tail "$scratch/$user.administrator.txt"; give_up "that command failed"; }
+    inside "$root" root "apt-get install -y sudo && echo 'user ALL=(ALL) NOPASSWD: ALL' \
+      >/etc/sudoers.d/user" >>"$scratch/$user.administrator.txt" 2>&1
+  fi
+
+  local block lines=0 typed began=$EPOCHSECONDS code picture="" longest=0 silence
+  : >"$log"
+  for block in "$blocks"/*; do
+    if [[ $block = *.save ]]; then
+      tail -n +2 "$block" >"$root$(cat "$root/tmp/folder")/$(head -n 1 "$block")"
+      continue
+    fi
+    typed=$(grep -cvE '^ *(#|$)' "$block") || true
+    lines=$((lines + typed))
+    {
+      if [[ $user = root ]]; then echo 'sudo() { "$@"; }'; fi  # root leaves it out
+      echo "trap 'pwd >/tmp/folder' EXIT; set -e; cd '$(cat "$root/tmp/folder")'; set -v"
+      cat "$block"
+    } >"$root/tmp/block"
+    code=0
+    inside "$root" "$login" "bash -o pipefail /tmp/block" 2>&1 | watch "$scratch/silence" 2>&1 |
+      tee -a "$log" || code=$?
+    ((code == 0)) || give_up "as $user, exit code $code of
+$(cat "$block")"
+    silence=$(<"$scratch/silence")
+    echo "Longest silence of this block: $silence"
+    if ! grep -qE '^ *(sudo )?([a-z+-]*(g|clang)\+\+|c\+\+|cmake|apt-get)' "$block" &&
+      ((${silence%% *} > longest_silence * 1000)); then
+      give_up "as $user, a silence of $silence"
+    fi
+    if ((${silence%% *} > longest)); then longest=${silence%% *}; fi
+    if [[ -z $picture ]]; then
+      picture=$(first_picture "$root")
+      if [[ -n $picture ]]; then
+        echo "As $user, the first picture, ${picture##*/}, came after" \
+          "$(((${picture%%.*} - began + 30) / 60)) minutes and $lines lines typed" | tee -a "$scratch/found"
+      fi
+    fi
+  done
+  # The commands themselves are in the log, too.
+  if sed 's/^\[ *[0-9]* s\] //' "$log" | grep -vxF "$(cat "$blocks"/*.sh)" | grep -iw warning; then
+    give_up "as $user, there were warnings"
+  fi
+  [[ -n $picture ]] || give_up "as $user, no picture was made"
+  echo "As $user, README took $(((EPOCHSECONDS - began + 30) / 60)) minutes and $lines lines; the" \
+    "longest silence was $((longest / 1000)) s" | tee -a "$scratch/found"
+  rm -rf "$root"
+}
+
+rm -f "$scratch/found"
+trap 'for name in "${names[@]}"; do rm -rf "${scratch:?}/$name"; done' EXIT
+for name in "${names[@]}"; do follow_readme "$name"; done
+echo "== Found"
+cat "$scratch/found"
