@@ -31,8 +31,8 @@ double rms_speed(const P& grains) {
 }
 
 /// Runs the simulation, with these observers, until the grains are at rest at a look; the first one
-/// comes after look_every. Returns how long that took [s]. Throws silt::Error if they are not at
-/// rest by at_most.
+/// comes after look_every. Returns how long that took [s]; ends early if an observer ends the run.
+/// Throws silt::Error if they are not at rest by at_most.
 template <class Sim, class... Observers>
 double settle(Sim& simulation, const Settling& settling, Observers&&... observers) {
   require_positive("Settling: speed", settling.speed);
@@ -41,10 +41,11 @@ double settle(Sim& simulation, const Settling& settling, Observers&&... observer
   const double began = simulation.time();
   double speed = 0;
   while (simulation.time() - began < settling.at_most) {
-    simulation.run({.until = simulation.time() + settling.look_every,
-                    .output_every = 0,
-                    .time_step = settling.time_step},
-                   observers...);
+    const bool went_on = simulation.run({.until = simulation.time() + settling.look_every,
+                                         .output_every = 0,
+                                         .time_step = settling.time_step},
+                                        observers...);
+    if (!went_on) return simulation.time() - began;
     speed = rms_speed(simulation.particles());
     if (speed < settling.speed) return simulation.time() - began;
   }
