@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "command_line.hpp"
+#include "resume.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -39,6 +40,7 @@ struct FlowOptions {
   double output_every = 0.02;  // [s]
   int threads = 1;
   std::string out = {};
+  Resume resume = {};
 };
 
 /// Adds an option with a check, and its default to the help.
@@ -74,6 +76,7 @@ inline void describe_flow(CLI::App& app, FlowOptions& o, const std::string& gaug
   add("--threads", o.threads, "threads; the result is the same bits for any number",
       between({1, 1024}));
   app.add_option("--out", o.out, "folder for " + files)->capture_default_str();
+  describe_resume(app, o.resume);
 }
 
 /// Makes numbers of every --probe, which must lie in the tank or on its walls: within [0, upper].
@@ -140,6 +143,11 @@ class PressureGauges {
     read(simulation);
   }
 
+  template <class Archive>
+  void transfer(Archive& archive) {
+    file_.transfer(archive);
+  }
+
   /// Of the first gauge, after the last step [Pa].
   double first() const { return row_[1]; }
 
@@ -189,6 +197,10 @@ class EnergyFile {
   void after_step(const Sim& simulation, const Run&) {
     write(simulation.time(), simulation.interaction().energy());
   }
+  template <class Archive>
+  void transfer(Archive& archive) {
+    file_.transfer(archive);
+  }
 
  private:
   void write(double time, const silt::mps::FlowEnergy& energy) {
@@ -208,6 +220,11 @@ class SolverIterations {
     const int iterations = simulation.interaction().last_solve().iterations;
     sum_ += iterations;
     most_ = std::max(most_, iterations);
+  }
+  template <class Archive>
+  void transfer(Archive& archive) {
+    archive("sum", sum_);
+    archive("most", most_);
   }
 
   double sum() const { return sum_; }  // over all steps

@@ -40,6 +40,19 @@ class BlockSums {
     if (++in_current_ == block_length_) close_block();
   }
 
+  /// For a checkpoint.
+  template <class Archive>
+  void transfer(Archive& archive) {
+    Index blocks = blocks_.size();
+    archive("blocks", blocks);
+    blocks_.resize(blocks);
+    for (auto& block : blocks_) archive("block", block);
+    archive("current", current_);
+    archive("in_current", in_current_);
+    archive("block_length", block_length_);
+    archive("samples", samples_);
+  }
+
   Index samples() const noexcept { return samples_; }
   /// Whole blocks.
   Index blocks() const noexcept { return blocks_.size(); }

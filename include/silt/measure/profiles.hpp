@@ -94,6 +94,12 @@ class Profiles {
     sums_.add(sample_);
   }
 
+  /// For a checkpoint: the averages so far.
+  template <class Archive>
+  void transfer(Archive& archive) {
+    sums_.transfer(archive);
+  }
+
   Index samples() const noexcept { return sums_.samples(); }
   const Slices& slices() const noexcept { return slices_; }
 
