@@ -128,8 +128,8 @@ void collapse(const Options& o) {
   {
     const auto span = wall.start();
     support::run_or_resume(o.resume, o.out, dam,
-                           {.until = o.until, .output_every = o.output_every}, front, gauges, energy,
-                           iterations, VtkSeries{o.out + "/frames"}, Progress{});
+                           {.until = o.until, .output_every = o.output_every}, front, gauges,
+                           energy, iterations, VtkSeries{o.out + "/frames"}, Progress{});
   }
 
   auto summary = support::summary_of(dam, particles, iterations, wall.seconds());

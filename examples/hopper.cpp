@@ -229,7 +229,7 @@ double cross_section(const Options& o) {
   return Dim == 2 ? o.bin() : std::numbers::pi / 4 * o.bin() * o.bin();
 }
 
-// --- stages: each opening has two, filling and discharge, with a checkpoint file of their own -----
+// --- stages: each opening has two, filling and discharge, with a checkpoint file of their own ----
 
 std::string checkpoint_of(const Options& o, int stage) {
   return o.out + "/checkpoint_" + std::to_string(stage) + ".silt";
@@ -417,8 +417,8 @@ Discharge let_out(const Options& o, double ratio, int stage, Results<Dim>& befor
   Film film;
   if (!frames.empty()) film.series.emplace(frames);
   Slices slices;
-  support::ResumableRun run(o.resume, checkpoint_of(o, stage), hopper, drain, discharge, film, slices,
-                            before);
+  support::ResumableRun run(o.resume, checkpoint_of(o, stage), hopper, drain, discharge, film,
+                            slices, before);
   const dem::Grains<Dim>& filled = *before.filled;
   discharge.opening = ratio;
   discharge.solid_fraction = solid_fraction_of<Dim>(o, filled, D);

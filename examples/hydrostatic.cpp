@@ -202,6 +202,7 @@ class Statistics {
   // depth: of the fluid in the layer, on average over particles and time, below the still surface.
   void write_profile(const std::string& path) const {
     CsvFile file(path, {"depth", "p_mean", "p_std"});
+    file.begin();  // there may be no row
     for (const Layer& layer : layers_) {
       if (layer.pressure.empty()) continue;
       file.row({layer.depth.mean(), layer.pressure.mean(), layer.pressure.deviation()});

@@ -390,7 +390,8 @@ void vibrate(const Options& o) {
   Stopwatch wall;
   const auto run_until = [&](double until, auto&... observers) {
     const auto span = wall.start();
-    run.run({.until = until, .output_every = sample_every, .time_step = dt}, observers..., progress);
+    run.run({.until = until, .output_every = sample_every, .time_step = dt}, observers...,
+            progress);
   };
   if (!averages.profiles) {
     run_until(o.warm_up, averages.highest);

@@ -53,8 +53,8 @@ inline void describe_resume(CLI::App& app, Resume& resume) {
                  "folder of a run that was stopped, to go on with it; of the other options only "
                  "--until, --threads and --checkpoint-every may be given, too");
   app.add_option("--checkpoint-every", resume.checkpoint_every,
-                 "wall-clock time between checkpoints, from which --resume goes on [s]; 0: only when "
-                 "Ctrl-C or SIGTERM ends the run")
+                 "wall-clock time between checkpoints, from which --resume goes on [s]; 0: only "
+                 "when Ctrl-C or SIGTERM ends the run")
       ->check(not_negative())
       ->capture_default_str();
 }
@@ -133,8 +133,8 @@ void for_each_checkpoint(const std::filesystem::path& folder, Change&& change) {
 
 }  // namespace detail
 
-/// As run() of command_line.hpp, for a program with describe_resume() and --out. A run that a signal
-/// ended says how to go on with it, and returns 128 + the number of the signal.
+/// As run() of command_line.hpp, for a program with describe_resume() and --out. A run that a
+/// signal ended says how to go on with it, and returns 128 + the number of the signal.
 template <class Body>
 int run(CLI::App& app, int argc, char** argv, Resume& resume, Body&& body) {
   resume.program = argv[0];
@@ -216,7 +216,7 @@ class ResumableRun {
   silt::StopOnSignal stop_;
 };
 
-/// Runs the simulation, or goes on with its run: for programs with one. The parts of the run are the
+/// Runs the simulation, or goes on with its run, for programs with a single run. Its parts are the
 /// observers that have a transfer().
 template <class Sim, class... Observers>
 void run_or_resume(const Resume& resume, const std::filesystem::path& folder, Sim& simulation,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The folder of a run that was stopped, or broke, and was resumed is that of a run that went through:
-// file by file, byte by byte.
+// The folder of a run that was stopped, or broke, and was resumed is that of a run that went
+// through: file by file, byte by byte.
 #include "support/check.hpp"
 #include "support/grains.hpp"
 
@@ -185,7 +185,7 @@ TEST(ResumedRun, AddsToTheFilmAlsoIfTheCheckpointHasNoSeries) {
   const silt::Run run{.until = 4e-3, .output_every = 1e-3, .time_step = 2e-4};
   auto whole = falling_grains();
   whole.run(run, film("whole"));
-  for (const std::uint64_t k : {7, 10, 20}) {
+  for (const std::uint64_t k : {7u, 10u, 20u}) {
     std::filesystem::remove_all(folder.path / "part");
     auto first = falling_grains();
     first.run(run, film("part"), StopAfter{k});
@@ -195,6 +195,20 @@ TEST(ResumedRun, AddsToTheFilmAlsoIfTheCheckpointHasNoSeries) {
     second.run(run, film("part"));
     EXPECT_EQ(files_in(folder.path / "part"), files_in(folder.path / "whole")) << k;
   }
+}
+
+TEST(ResumedRun, BeginsAFilmThatTheCheckpointKnowsHasNotBegun) {
+  const Folder folder;
+  auto earlier = falling_grains();
+  earlier.run({.until = 4e-3, .output_every = 1e-3, .time_step = 2e-4},
+              VtkSeries{folder.path / "film"});
+  auto simulation = falling_grains();
+  simulation.run({.until = 2e-3, .time_step = 2e-4});
+  VtkSeries film{folder.path / "film"};
+  write_checkpoint(folder.path / "run.silt", simulation, film);
+  read_checkpoint(folder.path / "run.silt", simulation, film);
+  simulation.run({.until = 3e-3, .time_step = 2e-4}, film);
+  EXPECT_EQ(film.frames(), 2u);
 }
 
 TEST(ResumedRun, OfAStateAfterARunBeginsAsARunDoes) {
@@ -264,7 +278,8 @@ TEST(Checkpoints, AreWrittenNowAndThenAndReadWithAllParts) {
   checkpoints.read(later);
   EXPECT_EQ(later.steps(), 10u);
   EXPECT_EQ(film.frames(), 2u) << "the one at the end comes after the checkpoint";
-  EXPECT_TRUE(refuses([&] { Checkpoints(path, {.every = -1}, film); }, {"Checkpoints: every = -1"}));
+  EXPECT_TRUE(
+      refuses([&] { Checkpoints(path, {.every = -1}, film); }, {"Checkpoints: every = -1"}));
 }
 
 }  // namespace

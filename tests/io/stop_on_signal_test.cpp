@@ -23,7 +23,8 @@ struct Raise {
 };
 
 auto flying() {
-  return Simulation{one_grain<2>({0, 1}, {0, 0}), UniformGrid<2>{}, Gravity<2>{{0, -1}}, Leapfrog{}};
+  return Simulation{one_grain<2>({0, 1}, {0, 0}), UniformGrid<2>{}, Gravity<2>{{0, -1}},
+                    Leapfrog{}};
 }
 
 TEST(StopOnSignal, EndsTheRunAfterTheStep) {

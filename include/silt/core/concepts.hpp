@@ -245,8 +245,8 @@ template <class O, class Sim>
 concept ObservesSteps =
     requires(O o, const Sim& simulation, const Run& run) { o.after_step(simulation, run); };
 
-/// o.between_steps(simulation), called after every step, once every observer has been called for it:
-/// a checkpoint that is written here is complete.
+/// o.between_steps(simulation), called after every step, once every observer has been called for
+/// it: a checkpoint that is written here is complete.
 template <class O, class Sim>
 concept ActsBetweenSteps = requires(O o, const Sim& simulation) { o.between_steps(simulation); };
 /// Can end a run: o.stop_requested() is called before every step, and ends the run if it is true.

@@ -183,13 +183,13 @@ class Simulation {
   ///                                         multiple of output_every, and at the end
   ///   observer.before_step(simulation)      before every step, with the simulation to change
   ///   observer.after_step(simulation, run)  after every step
-  ///   observer.between_steps(simulation)    after every step, once all other calls are made: what a
-  ///                                         checkpoint holds then is complete
+  ///   observer.between_steps(simulation)    after every step, once all other calls are made: a
+  ///                                         checkpoint written then is complete
   ///   observer.stop_requested()             before every step: if true, the run ends there
-  /// where they have these; see core/concepts.hpp. A run that an observer ended has no output at its
-  /// end, and the next run() goes on with it: it has none at its beginning. So does the first run()
-  /// after a checkpoint that was written during a run. Throws silt::Error if a number of `run` is
-  /// out of range, and what step() throws.
+  /// where they have these; see core/concepts.hpp. A run that an observer ended has no output at
+  /// its end, and the next run() goes on with it: it has none at its beginning. So does the first
+  /// run() after a checkpoint that was written during a run. Throws silt::Error if a number of
+  /// `run` is out of range, and what step() throws.
   template <class... Observers>
     requires(Observer<Observers, Simulation> && ...)
   bool run(const Run& run, Observers&&... observers) {

@@ -22,14 +22,15 @@
 namespace silt {
 
 /// Observer that writes a checkpoint of the simulation and of further parts of the run, such as a
-/// VtkSeries or an inflow, to one file, between two steps, so that it holds all that was written up to
-/// there. The interval is one of wall-clock time: it limits how much work is lost, and has no effect
-/// on the results.
+/// VtkSeries or an inflow, to one file, between two steps, so that it holds all that was written up
+/// to there. The interval is one of wall-clock time: it limits how much work is lost, and has no
+/// effect on the results.
 template <class... Parts>
 class Checkpoints {
  public:
   struct Settings {
-    /// Wall-clock time between two of them [s]; 0: after every step. Without one, only write() writes.
+    /// Wall-clock time between two of them [s]; 0: after every step. Without one, only write()
+    /// writes.
     double every = std::numeric_limits<double>::infinity();
   };
 

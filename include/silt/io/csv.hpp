@@ -25,13 +25,13 @@ namespace silt {
 
 /// A table that grows by rows. Every row is on disc when row() returns, so that a long run can be
 /// watched and a broken one evaluated. Numbers are written with the fewest digits that read back as
-/// the same number. As a part of a checkpoint it goes on behind the rows that it had then: rows that
-/// were written later are removed.
+/// the same number. As a part of a checkpoint it goes on behind the rows that it had then: rows
+/// that were written later are removed.
 class CsvFile {
  public:
-  /// The names of the columns; the folder must exist. A table that is there already is replaced when
-  /// the first row is written, so that it can be read from a checkpoint before. Throws silt::Error if
-  /// there is no column or the file cannot be written.
+  /// The names of the columns; the folder must exist. A table that is there already is replaced
+  /// when the first row is written, so that it can be read from a checkpoint before. Throws
+  /// silt::Error if there is no column or the file cannot be written.
   CsvFile(std::filesystem::path path, const std::vector<std::string>& columns)
       : path_(std::move(path)), columns_(columns.size()) {
     if (columns.empty()) {

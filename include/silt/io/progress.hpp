@@ -17,8 +17,8 @@
 namespace silt {
 
 /// Observer that shows step, time, time step, percentage and the time left. A terminal sees it five
-/// times a second. A file or pipe gets a line after 3 s of wall-clock time, then each time that twice
-/// as much has passed, but at least every 5 minutes; and always a last line.
+/// times a second. A file or pipe gets a line after 3 s of wall-clock time, then each time that
+/// twice as much has passed, but at least every 5 minutes; and always a last line.
 class Progress {
  public:
   /// Wall-clock time since any beginning [s].

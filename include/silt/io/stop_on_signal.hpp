@@ -12,11 +12,11 @@
 
 namespace silt {
 
-/// Observer that ends the run after the step in which the process gets SIGINT (Ctrl-C) or SIGTERM (as
-/// batch systems send it before they kill a job). A second signal has its usual effect and kills the
-/// process at once. Signals that the process ignores, as under nohup, stay ignored. Only while one
-/// exists are signals caught; the library installs no handler otherwise. Where there are no signals,
-/// it ends nothing.
+/// Observer that ends the run after the step in which the process gets SIGINT (Ctrl-C) or SIGTERM
+/// (as batch systems send it before they kill a job). A second signal has its usual effect and
+/// kills the process at once. Signals that the process ignores, as under nohup, stay ignored. Only
+/// while one exists are signals caught; the library installs no handler otherwise. Where there are
+/// no signals, it ends nothing.
 class StopOnSignal {
  public:
   /// Installs the handlers. Throws silt::Error if another StopOnSignal exists.

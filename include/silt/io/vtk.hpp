@@ -110,12 +110,12 @@ std::string vtk_frame(const P& particles) {
 }
 
 /// Observer that writes a frame at every output, and after it the list of all frames with their
-/// times [s]. Fields are those of Simulation::snapshot(): all at one time. A second frame of the same
-/// time, as of two runs that follow one another, replaces the first.
+/// times [s]. Fields are those of Simulation::snapshot(): all at one time. A second frame of the
+/// same time, as of two runs that follow one another, replaces the first.
 ///
-/// A resumed run adds to the frames of the run before, whose later frames it replaces: those that the
-/// checkpoint was written after, if the series is one of its parts; else those that the list has of
-/// earlier times.
+/// A resumed run goes on behind the frames that were written before the checkpoint, and replaces later
+/// ones. If the series is not among the parts of the checkpoint, it goes on behind the frames of
+/// earlier times that the list in the folder has.
 class VtkSeries {
  public:
   /// Frames go into the folder `path`, which is made, their list into `path`.pvd. Files of the same
@@ -135,7 +135,7 @@ class VtkSeries {
   void operator()(const Sim& simulation) {
     const double time = double(simulation.time());
     if constexpr (requires { simulation.was_read(); }) {
-      if (times_.empty() && simulation.was_read()) times_ = listed_before(time);
+      if (times_.empty() && simulation.was_read() && !was_read_) times_ = listed_before(time);
     }
     if (times_.empty() || times_.back() != time) times_.push_back(time);
     file::replace("VtkSeries", folder_ / frame_name(times_.size() - 1),
@@ -158,6 +158,7 @@ class VtkSeries {
   template <class Archive>
   void transfer(Archive& archive) {
     archive("times", times_);
+    if constexpr (Archive::reads) was_read_ = true;
   }
 
  private:
@@ -192,6 +193,7 @@ class VtkSeries {
 
   std::filesystem::path folder_;
   std::vector<double> times_;  // of the frames [s]
+  bool was_read_ = false;      // from a checkpoint
 };
 
 }  // namespace silt
