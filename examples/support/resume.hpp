@@ -63,6 +63,19 @@ namespace detail {
 
 inline constexpr const char* may_change[] = {"--until", "--threads", "--checkpoint-every"};
 
+// Removes an option and its value, as "--name value" and as "--name=value".
+inline void remove_option(std::vector<std::string>& arguments, const std::string& name) {
+  for (auto at = arguments.begin(); at != arguments.end();) {
+    if (*at == name && at + 1 != arguments.end()) {
+      at = arguments.erase(at, at + 2);
+    } else if (at->starts_with(name + "=")) {
+      at = arguments.erase(at);
+    } else {
+      ++at;
+    }
+  }
+}
+
 // Parses the arguments of the run to resume, with what may change from the command line.
 inline void parse_resumed(CLI::App& app, Resume& resume) {
   const std::filesystem::path folder = resume.folder;
@@ -90,35 +103,18 @@ inline void parse_resumed(CLI::App& app, Resume& resume) {
     throw Refusal(std::string(error.what()) + ", and that the folder is one of --out");
   }
   for (const char* name : may_change) {
-    CLI::Option* const option = app.get_option_no_throw(name);
-    if (option == nullptr) continue;
-    option->take_last();
-    if (option->count() == 0) continue;
+    const CLI::Option* const option = app.get_option_no_throw(name);
+    if (option == nullptr || option->count() == 0) continue;
+    remove_option(resume.arguments, name);
     resume.arguments.push_back(name + ("=" + option->results().back()));
   }
   auto arguments = resume.arguments;
   for (const char* name : {"--out", "--resume"}) {
-    app.get_option(name)->take_last();
     arguments.push_back(name + ("=" + folder.string()));
   }
   app.clear();
   std::reverse(arguments.begin(), arguments.end());  // as CLI11 takes them
   app.parse(std::move(arguments));
-}
-
-// Without --out: the folder may be moved.
-inline std::vector<std::string> arguments_of(int argc, char** argv) {
-  std::vector<std::string> arguments(argv + 1, argv + argc);
-  for (auto at = arguments.begin(); at != arguments.end();) {
-    if (*at == "--out" && at + 1 != arguments.end()) {
-      at = arguments.erase(at, at + 2);
-    } else if (at->starts_with("--out=")) {
-      at = arguments.erase(at);
-    } else {
-      ++at;
-    }
-  }
-  return arguments;
 }
 
 template <class Change>
@@ -139,7 +135,8 @@ template <class Body>
 int run(CLI::App& app, int argc, char** argv, Resume& resume, Body&& body) {
   resume.program = argv[0];
   resume.name = app.get_name();
-  resume.arguments = detail::arguments_of(argc, argv);
+  resume.arguments.assign(argv + 1, argv + argc);
+  detail::remove_option(resume.arguments, "--out");  // the folder may be moved
   try {
     return run(app, argc, argv, [&] {
       if (resume.is_asked_for()) detail::parse_resumed(app, resume);

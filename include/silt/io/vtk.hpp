@@ -113,9 +113,9 @@ std::string vtk_frame(const P& particles) {
 /// times [s]. Fields are those of Simulation::snapshot(): all at one time. A second frame of the
 /// same time, as of two runs that follow one another, replaces the first.
 ///
-/// A resumed run goes on behind the frames that were written before the checkpoint, and replaces later
-/// ones. If the series is not among the parts of the checkpoint, it goes on behind the frames of
-/// earlier times that the list in the folder has.
+/// A resumed run goes on behind the frames that were written before the checkpoint, and replaces
+/// later ones. If the series is not among the parts of the checkpoint, it goes on behind those of
+/// earlier times in the list of the folder.
 class VtkSeries {
  public:
   /// Frames go into the folder `path`, which is made, their list into `path`.pvd. Files of the same
