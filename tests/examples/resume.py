@@ -71,7 +71,7 @@ def main(arguments):
     shutil.rmtree(scratch, ignore_errors=True)
     whole, part = scratch / "whole", scratch / "part"
     seconds = run_through(program, arguments, whole)
-    stops, kills = run_in_parts(program, arguments, part, max(0.2, seconds / STOPS))
+    stops, kills = run_in_parts(program, arguments, part, max(0.1, seconds / STOPS))
     print(f"{len(files_in(whole))} files of {program}, stopped {stops} times and killed {kills} times")
     for name in (different := differences(whole, part)):
         print(f"{name} is not that of a run that went through")

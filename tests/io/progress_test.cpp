@@ -72,7 +72,7 @@ TEST(Progress, WritesALastLineOfAShortOrBrokenRun) {
   EXPECT_EQ(log_of(8, 1, 0), "");
 }
 
-TEST(Progress, OfAResumedRunCountsFromWhereItWasResumed) {
+TEST(Progress, OfAResumedRunEstimatesFromWhereItWasResumed) {
   std::FILE* file = std::tmpfile();
   double wall = 7;
   Progress progress{file, [&wall] { return wall; }};
@@ -84,7 +84,7 @@ TEST(Progress, OfAResumedRunCountsFromWhereItWasResumed) {
   char text[100] = {};
   std::rewind(file);
   EXPECT_GT(std::fread(text, 1, sizeof text - 1, file), 0u);
-  EXPECT_EQ(std::string(text), "step 3  t = 0.75 s  dt = 2.50e-01 s   50.0 %  left 4 s\n");
+  EXPECT_EQ(std::string(text), "step 3  t = 0.75 s  dt = 2.50e-01 s   75.0 %  left 4 s\n");
   std::fclose(file);
 }
 

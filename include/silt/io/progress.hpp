@@ -34,25 +34,25 @@ class Progress {
 
   template <class Sim>
   void operator()(const Sim& simulation) {
-    if (!begun_) begin(simulation.time());
+    if (!begun_) begin(simulation.time(), simulation.time());
   }
 
   template <class Sim, class Run>
   void after_step(const Sim& simulation, const Run& run) {
-    // A resumed run has no output at its beginning.
-    if (!begun_) begin(simulation.time() - simulation.last_time_step());
+    // A resumed run has no output at its beginning; it counts from time 0.
+    if (!begun_) begin(0, simulation.time() - simulation.last_time_step());
     last_ = {.step = static_cast<std::uint64_t>(simulation.steps()),
              .time = simulation.time(),
              .time_step = simulation.last_time_step(),
-             .share = std::clamp(
-                 (simulation.time() - time_begin_) / (run.until - time_begin_), 1e-12, 1.0)};
+             .share = std::clamp((simulation.time() - run_begin_) / (run.until - run_begin_), 0.0,
+                                 1.0)};
     is_ended_ = false;
     const double elapsed = clock_() - wall_begin_;
     if (simulation.time() >= run.until * (1 - 1e-12)) {
       last_.share = 1;
       show_last();
     } else if (elapsed >= wall_next_) {
-      show("left", elapsed * (1 - last_.share) / last_.share);
+      show("left", elapsed * (run.until - simulation.time()) / (simulation.time() - time_begin_));
       wall_next_ = elapsed + (is_terminal_ ? 0.2 : std::clamp(elapsed, 3.0, 300.0));
     }
   }
@@ -78,8 +78,9 @@ class Progress {
 #endif
   }
 
-  void begin(double time) {
+  void begin(double run_begin, double time) {
     begun_ = true;
+    run_begin_ = run_begin;
     wall_begin_ = clock_();
     wall_next_ = is_terminal_ ? 0 : 3;
     time_begin_ = time;
@@ -107,7 +108,8 @@ class Progress {
   bool is_ended_ = true;  // the last line is of the last step
   double wall_begin_ = 0;
   double wall_next_ = 0;  // when the next line is due, after the beginning
-  double time_begin_ = 0;
+  double run_begin_ = 0;   // [s]
+  double time_begin_ = 0;  // of what was seen of it [s]
   State last_;
 };
 
