@@ -53,7 +53,7 @@ void step(benchmark::State& state) {
   const auto& contacts = contacts_of(simulation.interaction());
   Index pairs = 0;
   contacts.for_each_contact(simulation.particles(), [&](Index, Index j, const auto&, const auto&) {
-    pairs += static_cast<Index>(j != silt::nowhere);
+    pairs += static_cast<Index>(j != silt::no_index);
   });
   state.SetItemsProcessed(state.iterations() * n);
   state.SetComplexityN(n);

@@ -23,24 +23,24 @@ struct HookeHistory {
   double xmu = 0;      ///< µ [-]
 
   template <int Dim, class Real>
-  struct Memory {
+  struct History {
     silt::Vec<Dim, Real> shear = silt::Vec<Dim, Real>::Zero();  ///< s [m]
   };
 
   template <class Contact, class M>
-  typename Contact::Vec force(const Contact& c, M& memory) const {
+  typename Contact::Vec force(const Contact& c, M& history) const {
     using Real = typename Contact::Real;
     using Vec = typename Contact::Vec;
     const Real F_n = Real(kn) * c.overlap + c.effective_mass * Real(gamma_n) * c.approach_speed();
     const Vec v_t = c.tangential_velocity();
-    const Vec moved = memory.shear + v_t * c.time_step;
+    const Vec moved = history.shear + v_t * c.time_step;
     const Vec s = moved - moved.dot(c.normal) * c.normal;
     const Vec D_t = c.effective_mass * Real(gamma_t) * v_t;
     const Vec F_t = -(Real(kt) * s + D_t);
     const Real size = F_t.norm();
     const Real limit = Real(xmu) * std::abs(F_n);
     const Real kept = size > limit ? limit / size : Real(1);
-    memory.shear = kept * s - (1 - kept) / Real(kt) * D_t;
+    history.shear = kept * s - (1 - kept) / Real(kt) * D_t;
     return F_n * c.normal + kept * F_t;
   }
 };

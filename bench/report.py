@@ -222,7 +222,7 @@ def of_memory(results, kind):
     return max(held, default=None)
 
 
-def most_iterations(results, tanks):
+def max_iterations(results, tanks):
     counts = [each.counters["iterations"]
               for tank in tanks
               for each in results.families.get(f"pressure_solve/multigrid/{tank}", {}).get(1, {}).values()
@@ -249,7 +249,7 @@ def targets(results):
             (["baffles_2d", "baffles_3d", "closed_2d", "closed_3d"],
              "thin walls or closed tanks", 30, 20)):
         yield (f"solver iterations, 3·10³–10⁶ unknowns, {what}", LESS, at_least, aim,
-               most_iterations(results, tanks))
+               max_iterations(results, tanks))
     dams = (("D1", "2d", 3200), ("D2", "2d", 51200), ("D3", "3d", 102400))
     for (name, family, size), at_least, aim in zip(dams, (1.5, 22, 65), (1, 15, 45)):
         measured = results.at(f"mps_step/{family}", size)

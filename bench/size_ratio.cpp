@@ -21,17 +21,17 @@ namespace {
 using namespace silt;
 
 constexpr Index number = 20000;
-constexpr double largest_radius = 1;
+constexpr double max_radius = 1;
 constexpr double solid_fraction = 0.28;
 
 dem::SieveSizes sizes_of(double ratio) {
   constexpr int parts = 10;
   std::vector<dem::SieveSizes::Fraction> fractions;
-  const double smallest = largest_radius / ratio;
-  const double width = (largest_radius - smallest) / parts;
+  const double smallest = max_radius / ratio;
+  const double width = (max_radius - smallest) / parts;
   for (int k = 0; k < parts; ++k) {
-    fractions.push_back({.smallest_radius = smallest + k * width,
-                         .largest_radius = smallest + (k + 1) * width,
+    fractions.push_back({.min_radius = smallest + k * width,
+                         .max_radius = smallest + (k + 1) * width,
                          .mass = 1});
   }
   return dem::SieveSizes(fractions);

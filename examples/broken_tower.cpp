@@ -182,9 +182,9 @@ class Ledger {
     double error = 0;
     contacts.for_each_contact(
         grains, [&](Index i, Index j, const auto& contact, const Vec<Dim>& f) {
-          if (j == nowhere) floor += f;
+          if (j == no_index) floor += f;
           if (std::abs(contact.normal[up]) < 0.5) return;
-          const Id upper = j == nowhere ? grains.id(i) : std::max(grains.id(i), grains.id(j));
+          const Id upper = j == no_index ? grains.id(i) : std::max(grains.id(i), grains.id(j));
           error = std::max(error, std::abs(std::abs(f[up]) / load_below(upper) - 1));
         });
     if (simulation.time() < std::sqrt(2 * options_.drop_height / g)) {
@@ -256,8 +256,8 @@ class Wave {
     const Id falling = options_.grains();
     simulation.interaction().template part<1>().for_each_contact(
         grains, [&](Index i, Index j, const auto&, const Vec<Dim>& f) {
-          if (j == nowhere) floor += f[up];
-          lands |= grains.id(i) == falling || (j != nowhere && grains.id(j) == falling);
+          if (j == no_index) floor += f[up];
+          lands |= grains.id(i) == falling || (j != no_index && grains.id(j) == falling);
         });
     if (!has_landed() && lands) landing_ = time;
     if (!has_landed()) {

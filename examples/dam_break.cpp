@@ -73,7 +73,7 @@ auto make_tank(const Options& o) {
          .size = {.length = o.tank[0], .height = o.tank[1], .depth = o.depth},
          .spacing = o.spacing,
          .dummy_layers = support::dummy_layers(o),
-         .leavers = Leavers::remove});
+         .on_escape = OnEscape::remove});
   });
 }
 

@@ -46,7 +46,7 @@ void still_tank() {
   auto tank = in_tank<Scheme>({.column = {depth, depth},
                                .size = {.length = depth, .height = 0.6},
                                .spacing = l0,
-                               .leavers = Leavers::remove});
+                               .on_escape = OnEscape::remove});
   const Probe<2> gauge{.point = {depth / 2, 0}, .spacing = l0};
   double seconds = 0, sum = 0, squares = 0;
   while (tank.time() < 2) {
@@ -80,7 +80,7 @@ void dam_break() {
   auto dam = in_tank<Scheme>({.column = {width, 2 * width},
                               .size = {.length = 4 * width, .height = 4 * width},
                               .spacing = l0,
-                              .leavers = Leavers::remove});
+                              .on_escape = OnEscape::remove});
   const Probe<2> gauge{.point = {4 * width, 0.02}, .spacing = l0};
   std::vector<double> t, p, edge;
   double least = 1e300, rise = 0;

@@ -220,7 +220,7 @@ auto region_above(const Options& o, double D) {
   } else {
     // Within the corners of the mesh.
     const double inscribed = o.bin() / 2 * std::cos(std::numbers::pi / corners);
-    return dem::Pillar<>{.foot = {0, 0, low}, .radius = inscribed, .height = high - low};
+    return dem::VerticalCylinder<>{.foot = {0, 0, low}, .radius = inscribed, .height = high - low};
   }
 }
 
@@ -323,7 +323,7 @@ template <int Dim>
 dem::Grains<Dim> fill(const Options& o, double D, int stage, Results<Dim>& before) {
   const double R = o.diameter / 2;
   const dem::Blend<dem::UniformSizes> blend{
-      .sizes = {.smallest_radius = (1 - o.spread) * R, .largest_radius = (1 + o.spread) * R},
+      .sizes = {.min_radius = (1 - o.spread) * R, .max_radius = (1 + o.spread) * R},
       .density = o.density};
   // Of a loose bed.
   const double solid_fraction = Dim == 2 ? 0.80 : 0.58;

@@ -105,7 +105,7 @@ auto make_tank(const Options& o) {
          .size = {.length = o.width, .height = wall_height(o), .depth = o.thickness},
          .spacing = o.spacing,
          .dummy_layers = support::dummy_layers(o),
-         .leavers = Leavers::remove});
+         .on_escape = OnEscape::remove});
   });
 }
 
@@ -120,8 +120,8 @@ struct ChosenSurface {
     density.check();
     neighbours.check();
   }
-  bool holds(const mps::Fullness& fullness) const {
-    return (!by_density || density.holds(fullness)) && (!by_count || neighbours.holds(fullness));
+  bool is_on_surface(const mps::LocalDensity& local_density) const {
+    return (!by_density || density.is_on_surface(local_density)) && (!by_count || neighbours.is_on_surface(local_density));
   }
 };
 

@@ -35,7 +35,7 @@ struct FlowOptions {
   double radius = 3.1;                       // [spacings]
   double laplacian_radius = 3.1;             // [spacings]
   double courant = 0.2;
-  double largest_time_step = std::numeric_limits<double>::infinity();  // [s]
+  double max_time_step = std::numeric_limits<double>::infinity();  // [s]
   double tolerance = 1e-6;
   double output_every = 0.02;  // [s]
   int threads = 1;
@@ -68,7 +68,7 @@ inline void describe_flow(CLI::App& app, FlowOptions& o, const std::string& gaug
   add("--laplacian-radius", o.laplacian_radius, "of the Laplacian [spacings]", between({1.5, 6}));
   add("--courant", o.courant, "spacings that the fastest particle goes in a step",
       between({1e-3, 0.5}));
-  app.add_option("--largest-time-step", o.largest_time_step, "[s]; without it, no limit of its own")
+  app.add_option("--max-time-step", o.max_time_step, "[s]; without it, no limit of its own")
       ->check(positive());
   add("--tolerance", o.tolerance, "of the pressure solve: residual over right side",
       between({1e-12, 1e-1}));
@@ -119,7 +119,7 @@ silt::mps::FlowSettings<Dim, Scheme> flow_settings(const FlowOptions& o, double 
           .laplacian_radius = o.laplacian_radius,
           .courant = o.courant,
           .speed_scale = std::sqrt(g * depth),
-          .largest_time_step = o.largest_time_step};
+          .max_time_step = o.max_time_step};
 }
 
 /// Observer that writes what the gauges read to pressure.csv, at every step.
@@ -264,7 +264,7 @@ inline void add_flow_options(nlohmann::ordered_json& options, const FlowOptions&
   options["laplacian_radius"] = o.laplacian_radius;
   options["courant"] = o.courant;
   // JSON has no infinity: no limit is null.
-  options["largest_time_step"] = o.largest_time_step;
+  options["max_time_step"] = o.max_time_step;
   options["tolerance"] = o.tolerance;
   options["output_every"] = o.output_every;
   options["threads"] = o.threads;

@@ -63,13 +63,13 @@ TYPED_TEST(Boxes, HoldWhatIsWithinTheirClosedSides) {
   using Real = TypeParam;
   auto box = cube<2, Real>(0, 1);
   box.periodic[1] = true;
-  EXPECT_TRUE(box.holds({0, 0}));
-  EXPECT_TRUE(box.holds({1, 0}));
-  EXPECT_TRUE(box.holds({1, 99}));
-  EXPECT_FALSE(box.holds({std::nextafter(Real(1), Real(2)), 0}));
-  EXPECT_FALSE(box.holds({Real(-1e-30), 0}));
-  EXPECT_FALSE(box.holds({Real(nan), 0}));
-  EXPECT_TRUE((Box<2, Real>{}).holds({Real(1e30), Real(-1e30)})) << "without sides it is all of space";
+  EXPECT_TRUE(box.contains({0, 0}));
+  EXPECT_TRUE(box.contains({1, 0}));
+  EXPECT_TRUE(box.contains({1, 99}));
+  EXPECT_FALSE(box.contains({std::nextafter(Real(1), Real(2)), 0}));
+  EXPECT_FALSE(box.contains({Real(-1e-30), 0}));
+  EXPECT_FALSE(box.contains({Real(nan), 0}));
+  EXPECT_TRUE((Box<2, Real>{}).contains({Real(1e30), Real(-1e30)})) << "without sides it is all of space";
 }
 
 TEST(Box, RefusesSidesThatEncloseNothing) {
@@ -97,7 +97,7 @@ TYPED_TEST(Boxes, AreFilledByALatticeWithTheRightNumberOfPoints) {
       box.upper = {Real(-0.37 + n * spacing), Real(2 * spacing)};
       const auto points = lattice(box, Real(spacing));
       ASSERT_EQ(points.size(), 2u * static_cast<Index>(n)) << spacing;
-      for (const auto& x : points) ASSERT_TRUE(box.holds(x));
+      for (const auto& x : points) ASSERT_TRUE(box.contains(x));
       EXPECT_NEAR(double((points[1] - points[0])[n == 1 ? 1 : 0]), spacing, 1e-6);
     }
   }

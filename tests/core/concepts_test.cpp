@@ -133,12 +133,12 @@ struct LawArchetype {
 };
 struct LawWithMemoryArchetype {
   template <int Dim, class Real>
-  struct Memory {};
-  Vec<2> force(const dem::Contact<2, double>&, Memory<2, double>&) const;
+  struct History {};
+  Vec<2> force(const dem::Contact<2, double>&, History<2, double>&) const;
 };
-static_assert(dem::LawWithoutMemory<LawArchetype, 2, double> && !dem::LawWithMemory<LawArchetype, 2, double>);
-static_assert(dem::LawWithMemory<LawWithMemoryArchetype, 2, double> &&
-              !dem::LawWithoutMemory<LawWithMemoryArchetype, 2, double>);
+static_assert(dem::LawWithoutHistory<LawArchetype, 2, double> && !dem::LawWithHistory<LawArchetype, 2, double>);
+static_assert(dem::LawWithHistory<LawWithMemoryArchetype, 2, double> &&
+              !dem::LawWithoutHistory<LawWithMemoryArchetype, 2, double>);
 static_assert(dem::ContactLaw<dem::CundallStrack, 2, double> && dem::ContactLaw<dem::CundallStrack, 3, float> &&
               dem::ContactLaw<dem::CundallStrackIncremental, 3, double>);
 static_assert(!dem::ContactLaw<LawArchetype, 3, double> && !dem::ContactLaw<Nothing, 2, double>);

@@ -54,7 +54,7 @@ TEST_P(Threads, FindTheLargestAndTheFirst) {
     EXPECT_EQ(largest(0, -2.0, [](Index) { return 1.0; }), -2.0);
     EXPECT_EQ(largest(10, 3.0, [](Index) { return 1.0; }), 3.0);
     EXPECT_EQ(first_where(9000, [](Index i) { return i >= 5000 || i == 4444; }), 4444u);
-    EXPECT_EQ(first_where(9000, [](Index) { return false; }), nowhere);
+    EXPECT_EQ(first_where(9000, [](Index) { return false; }), no_index);
   });
 }
 
@@ -160,7 +160,7 @@ TEST(Finite, IsToldFromTheBits) {
 }
 
 TEST(Error, SaysWhereItHappened) {
-  const Error error = Error("it broke", {.particle = 3, .id = 17}).at(120, 0.31);
+  const Error error = Error("it broke", {.particle = 3, .id = 17}).with_step(120, 0.31);
   EXPECT_STREQ(error.what(), "it broke (particle 3, id 17, step 120, t = 0.31 s)");
   EXPECT_EQ(error.where().id, Id{17});
   EXPECT_STREQ(Error("alone").what(), "alone");

@@ -81,7 +81,7 @@ TYPED_TEST(AllParticles, KeepTheirRowsWhileOthersComeGoAndChangePlaces) {
     const Id gone = particles.id(random() % particles.size());
     particles.remove(gone);
     alive.erase(gone);
-    EXPECT_EQ(particles.index_of(gone), nowhere);
+    EXPECT_EQ(particles.index_of(gone), no_index);
     const Index removed = particles.remove_if([&](Index i) { return particles.id(i) % 7 == 3; });
     EXPECT_EQ(removed, std::erase_if(alive, [](const auto& row) { return row.first % 7 == 3; }));
     expect_as_modelled();

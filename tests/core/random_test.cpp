@@ -73,7 +73,7 @@ TEST(Random, FillsABoxEvenly) {
   constexpr int n = 10000;
   for (int k = 0; k < n; ++k) {
     const Vec<3> x = random.point_in(box);
-    ASSERT_TRUE(box.holds(x));
+    ASSERT_TRUE(box.contains(x));
     mean += x / n;
   }
   EXPECT_LT((mean - Vec<3>(0, 0.5, 3)).norm(), 0.02);

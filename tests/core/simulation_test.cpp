@@ -79,11 +79,11 @@ template <class Sim>
 Bytes everything(const Sim& sim) {
   Bytes bytes = state_of(sim.particles());
   const auto& contacts = sim.interaction().template part<1>();
-  contacts.memory(sim.particles()).for_each_pair([&](Id a, Id b, const auto& memory) {
+  contacts.history(sim.particles()).for_each_pair([&](Id a, Id b, const auto& history) {
     append(bytes, std::span<const Id>({a, b}));
-    append(bytes, std::span<const double>(memory.tangential_force.data(),
-                                          static_cast<Index>(memory.tangential_force.size())));
-    append(bytes, std::span<const double>({memory.normal_force}));
+    append(bytes, std::span<const double>(history.tangential_force.data(),
+                                          static_cast<Index>(history.tangential_force.size())));
+    append(bytes, std::span<const double>({history.normal_force}));
   });
   contacts.for_each_contact(sim.particles(), [&](Index i, Index j, const auto& contact, const auto&) {
     append(bytes, std::span<const Id>({i, j}));
@@ -136,7 +136,7 @@ TYPED_TEST(Transactions, AForceThatIsNotFiniteLeavesNoTrace) {
 }
 
 TYPED_TEST(Transactions, AGrainThatLeavesTheBoxLeavesNoTrace) {
-  expect_no_trace<TypeParam>({"left the box", "id 11", "x = (", "Leavers::remove"},
+  expect_no_trace<TypeParam>({"left the box", "id 11", "x = (", "OnEscape::remove"},
                              [](auto& sim, Saboteur& saboteur) {
                                *saboteur.fault = {.id = 11, .push = 1e12};
                                sim.step(dt);
@@ -216,7 +216,7 @@ TEST(Simulation, RemovesAndCountsLeaversWhereTheBoxSaysSo) {
   auto grains = one_grain<2>({0.5, 0.5}, {1, 0});
   dem::add_grain(grains, {0.5, 0.2}, pebble);
   auto box = cube<2, double>(0, 1);
-  box.leavers = Leavers::remove;
+  box.on_escape = OnEscape::remove;
   grains.set_box(box);
   Simulation sim{grains, UniformGrid<2>{}, on_a_floor(0), Leapfrog{}};
   sim.run({.until = 0.4, .time_step = 1e-3});
@@ -234,7 +234,7 @@ TEST(Simulation, ForgetsTheContactsOfAGrainThatLeft) {
   dem::add_grain(grains, {0.0399, 0.01}, pebble);
   auto box = cube<2, double>(-1, 1);
   box.upper[0] = 0.03995;
-  box.leavers = Leavers::remove;
+  box.on_escape = OnEscape::remove;
   grains.set_box(box);
   Simulation sim{grains, UniformGrid<2>{}, dem::Contacts{dem::CundallStrack{.normal_stiffness = 1e5}},
                  Leapfrog{}};
@@ -392,7 +392,7 @@ class Rising {
  public:
   std::shared_ptr<std::vector<double>> asked = std::make_shared<std::vector<double>>();
 
-  void at(double time) { time_ = time; }
+  void set_time(double time) { time_ = time; }
   template <class P>
   typename P::Real reach(const P&) const {
     return 0;

@@ -174,7 +174,7 @@ TEST(Cantilever, OfGrainsBendsAsTheChainOfItsSectionsAndNearlyAsABeam) {
 
 // A rigid turn of a pair by small steps, as leapfrog would have it: spins of the half step before.
 template <int Dim>
-double strain_after_turning(const Spin<Dim>& w, double dt, int steps) {
+double strain_after_turning(const AngularVec<Dim>& w, double dt, int steps) {
   auto grains = chain<Dim>(2);
   auto bonds = bonded<Dim, double>(grains, soft);
   const double size = std::sqrt(squared_norm(w));
@@ -231,7 +231,7 @@ TEST(Block, OfBondedGrainsKeepsMomentumAndAngularMomentumWhileBondsBreak) {
       scale += grains[mass][i] * grains[velocity][i].norm() * 0.1;
     }
     for (int k = 0; k < 500; ++k) sim.step(1e-6);
-    using Turn = typename dem::Grains<dim>::Spin;
+    using Turn = typename dem::Grains<dim>::AngularVec;
     EXPECT_LT((momentum(sim.particles()) - p).norm(), 1e-12 * scale / 0.1);
     EXPECT_LT(std::sqrt(squared_norm(Turn(angular_momentum(sim.particles(), origin) - before))),
               1e-12 * scale);

@@ -33,7 +33,7 @@ TEST(ConformanceOfLaws, CundallStrackHolds) {
                                   .cohesion = 0.1});
   expect_sound(dem::CundallStrack{.normal_stiffness = 1e4, .tangential_stiffness = 1e4,
                                   .friction_angle = 1.4});
-  expect_sound(dem::CundallStrack{.normal_stiffness = 1e8, .restitution = 0.05, .tension = false},
+  expect_sound(dem::CundallStrack{.normal_stiffness = 1e8, .restitution = 0.05, .limit_damping = true},
                {.radius = 1, .overlap = 1e-5});
 }
 

@@ -36,14 +36,14 @@ struct Law {
   Fault fault = Fault::none;
 
   template <int Dim, class Real>
-  struct Memory {
+  struct History {
     Vec<Dim, Real> force = Vec<Dim, Real>::Zero();
-    Spin<Dim, Real> turn = zero_of<Spin<Dim, Real>>();  // of rolling; in 2D there is no other
+    AngularVec<Dim, Real> turn = zero_of<AngularVec<Dim, Real>>();  // of rolling; in 2D there is no other
     Real twist = 0;
   };
 
   template <class C, class M>
-  auto parts(const C& contact, M& memory) const {
+  auto components(const C& contact, M& history) const {
     using Real = typename C::Real;
     constexpr bool in_lanes = !std::is_floating_point_v<Real>;
     const auto n = contact.normal;
@@ -58,30 +58,30 @@ struct Law {
     if (fault == Fault::pulls) k = -k;
 
     if (fault != Fault::spring_stays_in_its_old_plane) {
-      memory.force -= memory.force.dot(n) * n;
+      history.force -= history.force.dot(n) * n;
     }
     const Real k_s = fault == Fault::softens_with_its_load
                          ? k * std::sqrt(contact.overlap / Real(1e-4))
                          : k / 2;
-    memory.force -= k_s * contact.time_step * v_s;
+    history.force -= k_s * contact.time_step * v_s;
     const Real most = k * contact.overlap / 2;
-    const Real size = memory.force.norm();
-    if (size > most) memory.force *= most / size;
-    auto couple = memory.turn;
+    const Real size = history.force.norm();
+    if (size > most) history.force *= most / size;
+    auto couple = history.turn;
     if constexpr (C::dimension == 2) {
-      couple = memory.turn += contact.relative_spin * contact.time_step;
+      couple = history.turn += contact.relative_spin * contact.time_step;
     } else {
       const Real twisting = contact.relative_spin.dot(n);
-      memory.twist += twisting * contact.time_step;
-      memory.turn -= memory.turn.dot(n) * n;
-      memory.turn += (contact.relative_spin - twisting * n) * contact.time_step;
-      couple = memory.turn + memory.twist * n;
+      history.twist += twisting * contact.time_step;
+      history.turn -= history.turn.dot(n) * n;
+      history.turn += (contact.relative_spin - twisting * n) * contact.time_step;
+      couple = history.turn + history.twist * n;
     }
 
-    dem::LoadParts<C::dimension, Real> parts;
+    dem::LoadComponents<C::dimension, Real> parts;
     parts.normal_spring = k * contact.overlap;
     parts.normal_dashpot = c * contact.approach_speed();
-    parts.tangential_spring = memory.force;
+    parts.tangential_spring = history.force;
     if (fault == Fault::divides_by_the_speed_of_sliding) {
       parts.tangential_dashpot = -Real(1e-6) * v_s / v_s.norm();
     }
@@ -91,11 +91,11 @@ struct Law {
   }
 
   template <class C, class M>
-  double elastic_energy(const C& contact, const M& memory) const {
+  double elastic_energy(const C& contact, const M& history) const {
     const double k = 1e6;
     const double stored = k * squared(double(contact.overlap)) / 2 +
-                          double(memory.force.squaredNorm()) / k +
-                          10 * double(squared_norm(memory.turn) + squared(memory.twist));
+                          double(history.force.squaredNorm()) / k +
+                          10 * double(squared_norm(history.turn) + squared(history.twist));
     return fault == Fault::stores_half_of_its_energy ? stored / 2 : stored;
   }
 };

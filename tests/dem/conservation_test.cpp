@@ -42,7 +42,7 @@ TYPED_TEST(AllGrains, KeepMomentumAndAngularMomentumToRoundOff) {
   EXPECT_LT((momentum(sim.particles()) - p).norm(), 1e-12 * scale / 0.02);
   // v at N − ½ and x at N turn about one another by v × v Δt = 0: no error of the half step either.
   const auto after = angular_momentum(sim.particles(), Vec<dim>::Zero());
-  EXPECT_LT(size_of(typename dem::Grains<dim>::Spin(after - before)), 1e-12 * scale);
+  EXPECT_LT(size_of(typename dem::Grains<dim>::AngularVec(after - before)), 1e-12 * scale);
 }
 
 TEST(LeverArm, AtTheRadiusLosesTheAngularMomentumThatTheContactPointKeeps) {

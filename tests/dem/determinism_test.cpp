@@ -136,10 +136,10 @@ TYPED_TEST(Determinism, GoesOnWithMemoryThatWasTakenOutAndPutBack) {
     for (int k = 0; k < 60; ++k) {
       if (interrupt && k % 10 == 5) {
         const auto& known = sim.interaction().template part<1>();
-        const auto memory = known.memory(sim.particles());
-        EXPECT_EQ(memory.size(), known.size());
+        const auto history = known.history(sim.particles());
+        EXPECT_EQ(history.size(), known.size());
         auto others = contacts<TypeParam>();
-        others.remember(sim.particles(), memory);
+        others.set_history(sim.particles(), history);
         sim.interaction() = with_gravity<TypeParam>(others);
       }
       sim.step(2e-5);

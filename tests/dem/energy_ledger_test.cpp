@@ -60,7 +60,7 @@ TEST(EnergyLedger, ClosesInEveryStepWithGravityAndDampingAtAFloor) {
   EXPECT_LT(works.damping, 0);
   EXPECT_EQ(works.walls, 0) << "the floor rests";
   EXPECT_EQ(works.other, 0);
-  EXPECT_EQ(works.leavers, 0);
+  EXPECT_EQ(works.on_escape, 0);
   EXPECT_GT(ledger.losses().friction, 0);
 }
 
@@ -76,7 +76,7 @@ TEST(EnergyLedger, ClosesAcrossPeriodicSidesAndWhenTheStepChanges) {
 
 TEST(EnergyLedger, ClosesWhenAGrainLeavesWhileItTouches) {
   auto grains = two_grains<2>(-1e-4, Vec<2>(3, 0));
-  Box<2> box{.lower = {-1, -1}, .upper = {0.02, 1}, .leavers = Leavers::remove};
+  Box<2> box{.lower = {-1, -1}, .upper = {0.02, 1}, .on_escape = OnEscape::remove};
   grains.set_box(box);
   grains[velocity][0] = {2.9, 0.1};
   auto sim = simulation(grains, telling, {});
@@ -84,7 +84,7 @@ TEST(EnergyLedger, ClosesWhenAGrainLeavesWhileItTouches) {
   expect_closing(sim, ledger, 100, 1e-6);
   EXPECT_EQ(sim.particles_lost(), 1u);
   EXPECT_NEAR(ledger.outside(), -grains[mass][0] * 9 / 2, 0.2) << "it took its energy with it";
-  EXPECT_NE(ledger.works().leavers, 0);
+  EXPECT_NE(ledger.works().on_escape, 0);
 }
 
 TEST(EnergyLedger, NoticesWhatAHandDoes) {

@@ -27,10 +27,10 @@ dem::Contact<2, double> sliding_contact(double overlap, double speed) {
 }
 
 Vec<2> after_sliding(const dem::CundallStrack& law, double overlap, double speed) {
-  dem::CundallStrack::Memory<2, double> memory;
+  dem::CundallStrack::History<2, double> history;
   Vec<2> force = Vec<2>::Zero();
   const auto contact = sliding_contact(overlap, speed);
-  for (int k = 0; k < 1000; ++k) force = law.parts(contact, memory).force(contact.normal);
+  for (int k = 0; k < 1000; ++k) force = law.components(contact, history).force(contact.normal);
   return force;
 }
 

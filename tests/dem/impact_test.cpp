@@ -83,7 +83,7 @@ TEST(LinearSpringDashpot, OverlapStaysWithinTheGateWithTheDefaultTimeStep) {
 }
 
 TEST(LinearSpringDashpot, WithoutTensionNeverPulls) {
-  const dem::CundallStrack law{.normal_stiffness = 1e6, .restitution = 0.3, .tension = false};
+  const dem::CundallStrack law{.normal_stiffness = 1e6, .restitution = 0.3, .limit_damping = true};
   Simulation sim{two_grains<2>(1e-6, Vec<2>(-0.1, 0)), UniformGrid<2>{}, dem::Contacts{law},
                  Leapfrog{}};
   double least = 1;

@@ -17,7 +17,7 @@ namespace silt::test {
 namespace {
 
 const dem::Blend<dem::UniformSizes> pebbles{
-    .sizes = {.smallest_radius = 0.008, .largest_radius = 0.012}, .density = 2500};
+    .sizes = {.min_radius = 0.008, .max_radius = 0.012}, .density = 2500};
 const dem::CundallStrack law{.normal_stiffness = 1e5,
                              .tangential_stiffness = 5e4,
                              .restitution = 0.5,
@@ -99,7 +99,7 @@ TEST(Inflow, RefusesWhatIsOutOfRange) {
                       {"Inflow: rate = 0"}));
   EXPECT_TRUE(refuses([] { dem::Inflow(above, pebbles, {.number = 1, .every = -1}); },
                       {"Inflow: every = -1"}));
-  EXPECT_TRUE(refuses([] { dem::Outflow(dem::Pillar<>{}); }, {"Pillar: radius"}));
+  EXPECT_TRUE(refuses([] { dem::Outflow(dem::VerticalCylinder<>{}); }, {"VerticalCylinder: radius"}));
 }
 
 TEST(Outflow, OfTheLastGrainDoesNotEndARun) {

@@ -48,8 +48,8 @@ void expect_what_the_law_gives(const Wall& floor, const dem::RigidVelocity<3, do
     contact.effective_mass = grains[mass][i];
     contact.effective_radius = R;
     contact.time_step = dt;
-    decltype(law)::Memory<3, double> memory;
-    const Vec<3> force = law.parts(contact, memory).force(contact.normal);
+    decltype(law)::History<3, double> history;
+    const Vec<3> force = law.components(contact, history).force(contact.normal);
     EXPECT_LT((grains[silt::force][i] - force).norm(), 1e-12 * force.norm()) << i;
     EXPECT_LT((grains[torque][i] - arm.cross(force)).norm(), 1e-12 * R * force.norm()) << i;
   }

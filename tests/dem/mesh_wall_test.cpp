@@ -25,7 +25,7 @@ using Nearest = dem::NearestPoint<3, double>;
 // What pushes a sphere of this radius at x: all parts asked.
 std::vector<Nearest> pushes_on(const MeshWall<>& wall, const Vec<3>& x, double radius) {
   std::vector<Nearest> pushes;
-  for (Index part = 0; part < wall.parts(); ++part) {
+  for (Index part = 0; part < wall.element_count(); ++part) {
     const auto at = wall.nearest(part, x);
     if (at.distance < radius) pushes.push_back(at);
   }
@@ -87,7 +87,7 @@ TEST(MeshWall, HasNoSeamWhereTrianglesMeetInTheMiddleOfASide) {
   add_patch(floor, 3, [](double u, double v) { return Vec<3>(1 + u, v, 0); });
   add_patch(floor, 5, [](double u, double v) { return Vec<3>(2 * u, 1 + v, 0); });
   const MeshWall wall(floor);
-  EXPECT_EQ(wall.parts(), 1u + 4u + 4u);
+  EXPECT_EQ(wall.element_count(), 1u + 4u + 4u);
 }
 
 // From within, a box of triangles is six planes.
@@ -100,7 +100,7 @@ TEST(MeshWall, OfABoxIsSixPlanesToWhoIsInside) {
       for (const double radius : {0.2, 0.45}) {
         auto pushes = pushes_on(wall, x, radius);
         Index of_planes = 0;
-        for (Index side = 0; side < planes.parts(); ++side) {
+        for (Index side = 0; side < planes.element_count(); ++side) {
           const auto at = planes.nearest(side, x);
           if (!(at.distance < radius)) continue;
           ++of_planes;
@@ -181,7 +181,7 @@ TEST(MeshWall, FindsTheNearestOfManyTriangles) {
     const auto triangles = sheet(15, roughness);
     const MeshWall wall(triangles);
     if (roughness == 0) {
-      EXPECT_EQ(wall.parts(), 1u + 4u + 4u);
+      EXPECT_EQ(wall.element_count(), 1u + 4u + 4u);
     }
     if (roughness > 1e-3) {
       EXPECT_GT(wall.facets(), triangles.size() - 5) << "now and then two are flat";
@@ -199,12 +199,12 @@ TEST(MeshWall, FindsTheNearestOfManyTriangles) {
       // Within a facet that is not quite flat, the height above a face is not quite the distance.
       ASSERT_NEAR(nearest, by_hand, roughness == 1e-5 ? 1e-6 : 1e-15) << x.transpose();
 
-      std::vector<char> is_near(wall.parts(), 0);
-      wall.for_each_part_near(x, 0.07, [&](Index part) {
+      std::vector<char> is_near(wall.element_count(), 0);
+      wall.for_each_element_near(x, 0.07, [&](Index part) {
         EXPECT_EQ(is_near[part], 0) << "once";
         is_near[part] = 1;
       });
-      for (Index part = 0; part < wall.parts(); ++part) {
+      for (Index part = 0; part < wall.element_count(); ++part) {
         if (wall.nearest(part, x).distance < 0.07) {
           ASSERT_EQ(is_near[part], 1) << part << " at " << x.transpose();
         }

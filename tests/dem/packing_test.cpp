@@ -15,7 +15,7 @@ namespace silt::test {
 namespace {
 
 const dem::Blend<dem::UniformSizes> blend{
-    .sizes = {.smallest_radius = 0.02, .largest_radius = 0.1}, .density = 2500};
+    .sizes = {.min_radius = 0.02, .max_radius = 0.1}, .density = 2500};
 
 // The smallest gap between two grains, over all images; by all pairs.
 template <class P>
@@ -72,7 +72,7 @@ TEST(Packing, FillsAShareOfTheRegionWithoutOverlap) {
 TEST(Packing, LeavesAloneWhatIsThere) {
   dem::Grains<3> grains;
   dem::add_grain(grains, {0, 0, 0.3}, {.radius = 0.2, .density = 1});
-  const dem::Pillar<> pillar{.radius = 0.5, .height = 1};
+  const dem::VerticalCylinder<> pillar{.radius = 0.5, .height = 1};
   dem::scatter(grains, blend, pillar, {.number = 100});
   EXPECT_EQ(grains.size(), 101u);
   EXPECT_GE(smallest_gap(grains), 0);
@@ -110,7 +110,7 @@ TEST(Packing, ComesNearToWhereRandomAdditionEnds) {
 
 TEST(Packing, SettlesToABedThatCarriesItsWeight) {
   const dem::Blend<dem::UniformSizes> pebbles{
-      .sizes = {.smallest_radius = 0.008, .largest_radius = 0.012}, .density = 2500};
+      .sizes = {.min_radius = 0.008, .max_radius = 0.012}, .density = 2500};
   dem::Grains<2> grains;
   const Box<2> box{.lower = {0, 0}, .upper = {0.2, 0.3}};
   dem::scatter(grains, pebbles, box, {.number = 80});
@@ -125,7 +125,7 @@ TEST(Packing, SettlesToABedThatCarriesItsWeight) {
                         dem::Contacts{law, dem::Plane<2>{}, dem::Plane<2>{.normal = {1, 0}},
                                       dem::Plane<2>{.point = {0.2, 0}, .normal = {-1, 0}}}},
                  Leapfrog{GlobalDamping{.alpha = 2}}};
-  const dem::Settling rest{.speed = 1e-4, .look_every = 0.1, .at_most = 5};
+  const dem::Settling rest{.speed = 1e-4, .check_every = 0.1, .at_most = 5};
   const double took = dem::settle(bed, rest);
   EXPECT_LT(took, 5);
   EXPECT_LT(dem::rms_speed(bed.particles()), 1e-4);
@@ -133,12 +133,12 @@ TEST(Packing, SettlesToABedThatCarriesItsWeight) {
   const auto state = bed.state();
   state.interaction.part<1>().for_each_contact(
       state.particles, [&](Index, Index j, const auto&, const Vec<2>& f) {
-        if (j == nowhere) floor += f[1];
+        if (j == no_index) floor += f[1];
       });
   EXPECT_NEAR(floor / weight, 1, 0.01);
 
   EXPECT_TRUE(refuses(
-      [&] { dem::settle(bed, {.speed = 1e-30, .look_every = 0.01, .at_most = 0.02}); },
+      [&] { dem::settle(bed, {.speed = 1e-30, .check_every = 0.01, .at_most = 0.02}); },
       {"dem::settle: after 0.02 s", "speed = 1e-30"}));
 }
 

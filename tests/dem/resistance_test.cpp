@@ -44,28 +44,28 @@ double mindlin_stiffness(double overlap) {
 }
 
 TEST(Mindlin, StretchesWithTheStiffnessOfTheContactArea) {
-  HertzMindlin::Memory<3, double> memory;
+  HertzMindlin::History<3, double> history;
   auto contact = pressed<3>(1e-5);
   contact.relative_velocity = {1e-3, 0, 0};
-  for (int step = 0; step < 10; ++step) hertz_mindlin.parts(contact, memory);
+  for (int step = 0; step < 10; ++step) hertz_mindlin.components(contact, history);
   const double F = mindlin_stiffness(1e-5) * 1e-8;
-  EXPECT_NEAR(memory.tangential.force[0] / -F, 1, 1e-12);
+  EXPECT_NEAR(history.tangential.force[0] / -F, 1, 1e-12);
 
   contact.relative_velocity.setZero();
   contact.overlap = 4e-5;
-  hertz_mindlin.parts(contact, memory);
-  EXPECT_NEAR(memory.tangential.force[0] / -F, 1, 1e-12) << "a growing area keeps the force";
+  hertz_mindlin.components(contact, history);
+  EXPECT_NEAR(history.tangential.force[0] / -F, 1, 1e-12) << "a growing area keeps the force";
   contact.overlap = 1e-5;
-  hertz_mindlin.parts(contact, memory);
-  EXPECT_NEAR(memory.tangential.force[0] / -F, 0.5, 1e-12) << "a shrinking one the stretch";
+  hertz_mindlin.components(contact, history);
+  EXPECT_NEAR(history.tangential.force[0] / -F, 0.5, 1e-12) << "a shrinking one the stretch";
 }
 
 TEST(Mindlin, SlidesAtTheFrictionAngle) {
-  HertzMindlin::Memory<2, double> memory;
+  HertzMindlin::History<2, double> history;
   auto contact = pressed<2>(1e-5);
   contact.relative_velocity = {-1, 0};
-  for (int step = 0; step < 100; ++step) hertz_mindlin.parts(contact, memory);
-  const auto parts = hertz_mindlin.parts(contact, memory);
+  for (int step = 0; step < 100; ++step) hertz_mindlin.components(contact, history);
+  const auto parts = hertz_mindlin.components(contact, history);
   EXPECT_NEAR(parts.tangential_spring[0] / parts.normal_spring, std::tan(0.4), 1e-12);
   EXPECT_EQ(parts.tangential_dashpot, Vec<2>(0, 0));
   EXPECT_NEAR(parts.friction / (parts.tangential_spring[0] * 1e-6), 1, 1e-9);
@@ -74,7 +74,7 @@ TEST(Mindlin, SlidesAtTheFrictionAngle) {
 // Press, shear, lift, shear back, again and again: with the force kept instead, this gains energy.
 TEST(Mindlin, ClosedPathsOfPressingAndShearingGiveNoEnergy) {
   for (const double way : {1.0, -1.0}) {
-    HertzMindlin::Memory<2, double> memory;
+    HertzMindlin::History<2, double> history;
     auto contact = pressed<2>(0);
     double work = 0, before = 0;
     const int round = 4000;
@@ -82,7 +82,7 @@ TEST(Mindlin, ClosedPathsOfPressingAndShearingGiveNoEnergy) {
       const double phase = 2 * pi * (step % round) / round;
       contact.overlap = 1e-5 * (1.2 + way * std::sin(phase));
       contact.relative_velocity = {1e-1 * std::sin(phase) / round, 0};
-      const double F = hertz_mindlin.parts(contact, memory).tangential_spring[0];
+      const double F = hertz_mindlin.components(contact, history).tangential_spring[0];
       work += (F + before) / 2 * contact.relative_velocity[0] * contact.time_step;
       before = F;
     }
@@ -99,23 +99,23 @@ using Rough = std::remove_const_t<decltype(rough)>;
 TEST(RollingResistance, IsASpringAndADashpotUpToItsLimit) {
   const double k = 2.25 * 1e5 * squared(0.2 * 0.01);
   const double limit = 0.2 * 0.01 * 1e5 * 1e-4;
-  Rough::Memory<2, double> memory;
+  Rough::History<2, double> history;
   auto contact = pressed<2>(1e-4);
   contact.relative_spin = 10;
-  auto parts = rough.parts(contact, memory);
+  auto parts = rough.components(contact, history);
   EXPECT_NEAR(parts.rolling_spring / (-k * 10 * 1e-6), 1, 1e-12);
   EXPECT_NEAR(parts.rolling_dashpot / (-10 * 2 * 0.3 * std::sqrt(k * 1.4 * 0.01) * 0.01), 1, 1e-12);
-  for (int step = 0; step < 100000; ++step) parts = rough.parts(contact, memory);
+  for (int step = 0; step < 100000; ++step) parts = rough.components(contact, history);
   EXPECT_NEAR(parts.rolling_spring / -limit, 1, 1e-12);
   EXPECT_EQ(parts.rolling_dashpot, 0);
   EXPECT_NEAR(parts.rolling_friction / (limit * 10 * 1e-6), 1, 1e-9);
 }
 
 TEST(RollingResistance, ResistsTwistingWithItsOwnCoefficientAndTurnsWithTheContact) {
-  Rough::Memory<3, double> memory;
+  Rough::History<3, double> history;
   auto contact = pressed<3>(1e-4);
   contact.relative_spin = {1, 0, 2};
-  auto parts = rough.parts(contact, memory);
+  auto parts = rough.components(contact, history);
   EXPECT_NEAR(parts.rolling_spring[2] / parts.rolling_spring[0], 2 * squared(0.1 / 0.2), 1e-12);
   const double rolls = -parts.rolling_spring[0];
   const double twists = -parts.rolling_spring[2];
@@ -124,7 +124,7 @@ TEST(RollingResistance, ResistsTwistingWithItsOwnCoefficientAndTurnsWithTheConta
   for (int step = 1; step <= 100; ++step) {
     const double angle = pi / 2 * step / 100;
     contact.normal = {std::sin(angle), 0, std::cos(angle)};
-    parts = rough.parts(contact, memory);
+    parts = rough.components(contact, history);
   }
   EXPECT_NEAR(parts.rolling_spring[0] / -twists, 1, 1e-9);
   EXPECT_NEAR(parts.rolling_spring[2] / rolls, 1, 1e-9);
@@ -139,7 +139,7 @@ struct Book {
 };
 
 template <int Dim>
-double times(const Spin<Dim>& couple, const Spin<Dim>& spin) {
+double times(const AngularVec<Dim>& couple, const AngularVec<Dim>& spin) {
   if constexpr (Dim == 2) {
     return couple * spin;
   } else {
@@ -159,8 +159,8 @@ Book lead(const Law& law, int steps) {
   };
   auto contact = pressed<Dim>(0);
   const double dt = contact.time_step = duration / steps;
-  typename Law::template Memory<Dim, double> memory{};
-  decltype(law.parts(contact, memory)) before;
+  typename Law::template History<Dim, double> history{};
+  decltype(law.components(contact, history)) before;
   Book book, open;
   for (int step = 1; step < steps; ++step) {
     const double t = step * dt;
@@ -173,8 +173,8 @@ Book lead(const Law& law, int steps) {
     } else {
       contact.relative_spin = {60 * std::sin(900 * (t - dt / 2)), 10, 50 * std::cos(500 * t)};
     }
-    const auto parts = law.parts(contact, memory);
-    const auto stored = law.elastic_parts(contact, memory);
+    const auto parts = law.components(contact, history);
+    const auto stored = law.elastic_energies(contact, history);
     open.normal += parts.plastic - (parts.normal_spring + before.normal_spring) / 2 * closing;
     open.tangential +=
         parts.friction + (parts.tangential_spring + before.tangential_spring).dot(way) / 2;

@@ -32,7 +32,7 @@ double share(const std::vector<double>& radii, const Accepts& accepts) {
 }
 
 TEST(SizeDistribution, IsUniformBetweenTwoRadii) {
-  const dem::UniformSizes sizes{.smallest_radius = 1, .largest_radius = 3};
+  const dem::UniformSizes sizes{.min_radius = 1, .max_radius = 3};
   const auto all = radii(sizes, n);
   EXPECT_EQ(share(all, [](double R) { return R >= 1; }), 1);
   EXPECT_NEAR(share(all, [](double R) { return R < 1.5; }), 0.25, doubt);
@@ -40,7 +40,7 @@ TEST(SizeDistribution, IsUniformBetweenTwoRadii) {
 
 TEST(SizeDistribution, IsLognormalBetweenItsEnds) {
   const dem::LognormalSizes sizes{
-      .median = 1, .deviation = 0.5, .smallest_radius = 0.5, .largest_radius = 2};
+      .median = 1, .deviation = 0.5, .min_radius = 0.5, .max_radius = 2};
   const auto all = radii(sizes, n);
   EXPECT_EQ(share(all, [](double R) { return 0.5 <= R && R <= 2; }), 1);
   const double inside = sizes.share_below(2) - sizes.share_below(0.5);
@@ -52,9 +52,9 @@ TEST(SizeDistribution, IsLognormalBetweenItsEnds) {
 
 TEST(SizeDistribution, GivesEachSieveItsShareOfTheMass) {
   for (const int power : {2, 3}) {
-    const dem::SieveSizes sizes({{.smallest_radius = 0.5, .largest_radius = 1, .mass = 20},
-                                 {.smallest_radius = 1, .largest_radius = 1.5, .mass = 50},
-                                 {.smallest_radius = 1.5, .largest_radius = 2, .mass = 30}},
+    const dem::SieveSizes sizes({{.min_radius = 0.5, .max_radius = 1, .mass = 20},
+                                 {.min_radius = 1, .max_radius = 1.5, .mass = 50},
+                                 {.min_radius = 1.5, .max_radius = 2, .mass = 30}},
                                 {.power = power});
     double mass[3] = {0, 0, 0};
     for (const double R : radii(sizes, n)) mass[R < 1 ? 0 : R < 1.5 ? 1 : 2] += std::pow(R, power);
@@ -66,20 +66,20 @@ TEST(SizeDistribution, GivesEachSieveItsShareOfTheMass) {
 }
 
 TEST(SizeDistribution, RefusesWhatIsNone) {
-  EXPECT_TRUE(refuses([] { dem::UniformSizes{.smallest_radius = 2, .largest_radius = 1}.check(); },
+  EXPECT_TRUE(refuses([] { dem::UniformSizes{.min_radius = 2, .max_radius = 1}.check(); },
                       {"UniformSizes: smallest = 2 m is above largest = 1"}));
   EXPECT_TRUE(refuses([] { dem::EqualSizes{}.check(); }, {"EqualSizes", "positive"}));
   EXPECT_TRUE(refuses(
       [] {
         dem::LognormalSizes{
-            .median = 1, .deviation = 0.1, .smallest_radius = 4, .largest_radius = 5}
+            .median = 1, .deviation = 0.1, .min_radius = 4, .max_radius = 5}
             .check();
       },
       {"LognormalSizes: only", "4", "5"}));
   EXPECT_TRUE(refuses([] { dem::SieveSizes({}); }, {"SieveSizes: mass of all fractions"}));
   EXPECT_TRUE(refuses(
       [] {
-        dem::SieveSizes({{.smallest_radius = 1, .largest_radius = 2, .mass = 1}}, {.power = 1});
+        dem::SieveSizes({{.min_radius = 1, .max_radius = 2, .mass = 1}}, {.power = 1});
       },
       {"SieveSizes: power = 1"}));
 }

@@ -165,7 +165,7 @@ TEST(DrumOfTriangles, CarriesItsLoadRound) {
     const auto load = contacts_of(sim).load_on(before, 0);
     Vec<3> of_gravity = Vec<3>::Zero();
     for (Index i = 0; i < before.size(); ++i) {
-      of_gravity += moment(Vec<3>(before[position][i]), Vec<3>(0, 0, -before[mass][i] * g));
+      of_gravity += cross(Vec<3>(before[position][i]), Vec<3>(0, 0, -before[mass][i] * g));
     }
     const Vec<3> turning = angular_momentum(sim.particles(), Vec<3>::Zero()) -
                            angular_momentum(before, Vec<3>::Zero());

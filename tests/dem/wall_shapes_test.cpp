@@ -25,7 +25,7 @@ static_assert(!dem::Wall<dem::Circle<>, 3, double> && !dem::Wall<dem::MeshWall<>
 template <int Dim>
 auto pushes_on(const AnyWall<Dim>& wall, const Vec<Dim>& x, double radius) {
   std::vector<dem::NearestPoint<Dim, double>> pushes;
-  for (Index part = 0; part < wall.parts(); ++part) {
+  for (Index part = 0; part < wall.element_count(); ++part) {
     const auto at = wall.nearest(part, x);
     if (at.distance < radius) pushes.push_back(at);
   }
@@ -35,9 +35,9 @@ auto pushes_on(const AnyWall<Dim>& wall, const Vec<Dim>& x, double radius) {
 // What is near is found once, and no part that touches is missed.
 template <int Dim>
 void expect_near_parts(const AnyWall<Dim>& wall, const Vec<Dim>& x, double radius) {
-  std::vector<int> near(wall.parts(), 0);
-  wall.for_each_part_near(x, radius, [&](Index part) { ++near[part]; });
-  for (Index part = 0; part < wall.parts(); ++part) {
+  std::vector<int> near(wall.element_count(), 0);
+  wall.for_each_element_near(x, radius, [&](Index part) { ++near[part]; });
+  for (Index part = 0; part < wall.element_count(); ++part) {
     EXPECT_LE(near[part], 1);
     if (wall.nearest(part, x).distance < radius) {
       EXPECT_EQ(near[part], 1) << x.transpose();
@@ -109,9 +109,9 @@ TEST(Cylinder, IsAFlatFigureTurned) {
     EXPECT_NEAR((at.normal - normal).norm(), 0, 1e-13) << x.transpose();
     expect_near_parts<3>(AnyWall<3>(drum), x, 0.3);
   }
-  EXPECT_EQ(pipe.parts(), 1u);
-  EXPECT_EQ(drum.parts(), 3u);
-  EXPECT_EQ(column.parts(), 1u);
+  EXPECT_EQ(pipe.element_count(), 1u);
+  EXPECT_EQ(drum.element_count(), 3u);
+  EXPECT_EQ(column.element_count(), 1u);
 }
 
 const std::vector<Vec<2>> zigzag{{0, 0}, {0.5, 0}, {1, 0}, {1, 1}, {2, 0.5}, {3, 0}, {2, 2}};
@@ -119,7 +119,7 @@ const std::vector<Vec<2>> zigzag{{0, 0}, {0.5, 0}, {1, 0}, {1, 1}, {2, 0.5}, {3,
 TEST(Polyline, IsNearestWhereItsSegmentsAre) {
   for (const bool closed : {false, true}) {
     const AnyWall<2> wall(dem::Polyline<>{.points = zigzag, .closed = closed});
-    EXPECT_EQ(wall.parts(), closed ? 10u : 9u) << "two points are within straight lines";
+    EXPECT_EQ(wall.element_count(), closed ? 10u : 9u) << "two points are within straight lines";
     for (const auto& x : random_points(2000, cube<2, double>(-0.5, 3.5), 4)) {
       double by_hand = inf;
       for (Index k = 0; k + (closed ? 0 : 1) < zigzag.size(); ++k) {

@@ -93,11 +93,11 @@ TEST(Walls, RememberTheirTangentialSpringsApart) {
   Simulation sim{grains, UniformGrid<2>{}, dem::Contacts{rough, floor, side}, Leapfrog{}};
   sim.step(1e-6);
   ASSERT_EQ(sim.interaction().size(), 2u);
-  const auto& memory = sim.interaction().memory(sim.particles());
-  ASSERT_NE(memory.find(0, wall_id(0)), nullptr);
-  ASSERT_NE(memory.find(0, wall_id(1)), nullptr);
-  const auto& on_floor = memory.find(0, wall_id(0))->tangential_force;
-  const auto& on_side = memory.find(0, wall_id(1))->tangential_force;
+  const auto& history = sim.interaction().history(sim.particles());
+  ASSERT_NE(history.find(0, wall_id(0)), nullptr);
+  ASSERT_NE(history.find(0, wall_id(1)), nullptr);
+  const auto& on_floor = history.find(0, wall_id(0))->tangential_force;
+  const auto& on_side = history.find(0, wall_id(1))->tangential_force;
   EXPECT_LT(on_floor[0], 0) << "a counter-clockwise spin pulls the grain's foot forward";
   EXPECT_EQ(on_floor[1], 0);
   EXPECT_GT(on_side[1], 0);

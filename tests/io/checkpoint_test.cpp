@@ -24,7 +24,7 @@ const dem::CundallStrack law{.normal_stiffness = 1e5,
                              .restitution = 0.6,
                              .friction_angle = 0.5};
 const dem::Blend<dem::UniformSizes> pebbles{
-    .sizes = {.smallest_radius = 0.006, .largest_radius = 0.012}, .density = 2500};
+    .sizes = {.min_radius = 0.006, .max_radius = 0.012}, .density = 2500};
 
 // Grains that slide down a trembling slope, through periodic sides; rain falls on them, and a hole
 // takes some away.

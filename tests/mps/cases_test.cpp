@@ -33,7 +33,7 @@ template <int Dim>
 void expect_full_below_the_surface() {
   const double l0 = 0.02;
   Simulation sim{small_dam<Dim>(l0), UniformGrid<Dim>{},
-                 mps::Flow<mps::Case10, Dim>({.spacing = l0, .largest_time_step = 1e-3}),
+                 mps::Flow<mps::Case10, Dim>({.spacing = l0, .max_time_step = 1e-3}),
                  SemiImplicit{}};
   const auto start = sim.particles();
   sim.step();
@@ -108,7 +108,7 @@ TYPED_TEST_SUITE(Cases, AllSettings);
 template <class Case, int Dim, class Order>
 void expect_a_column_to_collapse(Order order) {
   Simulation sim{small_dam<Dim>(), UniformGrid<Dim>{},
-                 mps::Flow<Case, Dim>({.spacing = 0.02, .largest_time_step = 1e-3}), order};
+                 mps::Flow<Case, Dim>({.spacing = 0.02, .max_time_step = 1e-3}), order};
   const auto start = sim.particles();
   for (int k = 0; k < 8; ++k) sim.step();
   const auto& particles = sim.particles();
@@ -158,8 +158,8 @@ TEST(Cases, TakeTheOrderOfTheirSourceUnlessToldOtherwise) {
     for (int k = 0; k < 5; ++k) sim.step();
     return state_of(sim.particles());
   };
-  const mps::Flow<mps::Case00> original({.spacing = 0.02, .largest_time_step = 1e-3});
-  const mps::Flow<mps::Case01> improved({.spacing = 0.02, .largest_time_step = 1e-3});
+  const mps::Flow<mps::Case00> original({.spacing = 0.02, .max_time_step = 1e-3});
+  const mps::Flow<mps::Case01> improved({.spacing = 0.02, .max_time_step = 1e-3});
   EXPECT_TRUE(after(original, SemiImplicit{}) == after(original, SemiImplicit<MovesParticles>{}));
   EXPECT_TRUE(after(improved, SemiImplicit{}) == after(improved, SemiImplicit<KeepsParticles>{}));
   EXPECT_FALSE(after(improved, SemiImplicit{}) == after(improved, SemiImplicit<MovesParticles>{}));

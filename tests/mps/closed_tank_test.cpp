@@ -30,7 +30,7 @@ TEST(TankWithALid, IsClosedAllAround) {
   EXPECT_EQ(mps::count(tank, Kind::fluid), 15u * 20u);
   EXPECT_EQ(mps::count(tank, Kind::wall), 17u * 22u - 15u * 20u);
   EXPECT_EQ(mps::count(tank, Kind::dummy), 25u * 30u - 17u * 22u);
-  for (const auto& x : tank[position]) EXPECT_TRUE(tank.box().holds(x));
+  for (const auto& x : tank[position]) EXPECT_TRUE(tank.box().contains(x));
   const auto room = mps::make_tank<3>({.column = {0.1, 0.06},
                                        .size = {.length = 0.1, .height = 0.06, .depth = 0.08},
                                        .spacing = l0,
@@ -48,7 +48,7 @@ TYPED_TEST_SUITE(ClosedFlows, Solvers);
 
 template <class Solver>
 auto flow_of(mps::Fluid<2> fluid, mps::FlowSettings<2, Case10> settings) {
-  settings.largest_time_step = 1e-3;
+  settings.max_time_step = 1e-3;
   return Simulation{std::move(fluid), UniformGrid<2>{},
                     mps::Flow<Case10, 2, double, Solver>(settings), SemiImplicit{}};
 }

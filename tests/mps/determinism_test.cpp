@@ -20,7 +20,7 @@ using mps::Flow;
 template <class Case, int Dim>
 Bytes after_steps(const mps::Fluid<Dim>& fluid, double l0, int steps) {
   Simulation sim{fluid, UniformGrid<Dim>{},
-                 Flow<Case, Dim>({.spacing = l0, .viscosity = 1e-4, .largest_time_step = 1e-3}),
+                 Flow<Case, Dim>({.spacing = l0, .viscosity = 1e-4, .max_time_step = 1e-3}),
                  SemiImplicit{}};
   for (int k = 0; k < steps; ++k) sim.step();
   return state_of(sim.particles());
@@ -75,7 +75,7 @@ auto dam_in(const Units& unit) {
       .density = 1000 * unit.mass / std::pow(unit.length, 3),
       .viscosity = 1e-3 * unit.length * speed,
       .speed_scale = 1.5 * speed,
-      .largest_time_step = 1e-3 * unit.time};
+      .max_time_step = 1e-3 * unit.time};
   settings.gravity *= speed / unit.time;
   Simulation sim{small_dam<Dim>(l0), UniformGrid<Dim>{}, Flow<Case, Dim>(settings), SemiImplicit{}};
   for (int k = 0; k < (Dim == 2 ? 150 : 20); ++k) sim.step();
@@ -113,7 +113,7 @@ TEST(FlowBits, AreTheSameInUnitsThatArePowersOfFour) {
 template <class S>
 auto dam_with(S search, int steps) {
   Simulation sim{small_dam<2>(), std::move(search),
-                 Flow<Case10>({.spacing = 0.02, .largest_time_step = 1e-3}), SemiImplicit{}};
+                 Flow<Case10>({.spacing = 0.02, .max_time_step = 1e-3}), SemiImplicit{}};
   for (int k = 0; k < steps; ++k) sim.step();
   return sim.particles();
 }

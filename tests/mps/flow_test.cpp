@@ -41,7 +41,7 @@ auto simulation(P particles, const Settings& settings, const SolveSettings& solv
 }
 
 auto dam(const SolveSettings& solve = {}) {
-  return simulation(small_dam<2>(), {.spacing = 0.02, .largest_time_step = 1e-3}, solve);
+  return simulation(small_dam<2>(), {.spacing = 0.02, .max_time_step = 1e-3}, solve);
 }
 
 // --- time step -----------------------------------------------------------------------------------
@@ -67,7 +67,7 @@ TEST(FlowTimeStep, OfFluidAtRestIsThatOfTheExpectedSpeed) {
 }
 
 TEST(FlowTimeStep, IsNotAboveTheLargest) {
-  auto sim = simulation(blob<2, double>(6, 0.02), {.spacing = 0.02, .largest_time_step = 1e-4});
+  auto sim = simulation(blob<2, double>(6, 0.02), {.spacing = 0.02, .max_time_step = 1e-4});
   EXPECT_EQ(sim.time_step(), 1e-4);
 }
 
@@ -144,7 +144,7 @@ TEST(FailedFlowStep, OfAPressureSolveSaysHowFarItCameAndLeavesNoTrace) {
       [](auto& sim) {
         sim.interaction() =
             SolvedFlow(sim.interaction().settings(),
-                       ConjugateGradient<>({.tolerance = 1e-12, .most_iterations = 2}));
+                       ConjugateGradient<>({.tolerance = 1e-12, .max_iterations = 2}));
         sim.step();
       },
       [&](auto& sim) { sim.interaction() = good; },
@@ -152,7 +152,7 @@ TEST(FailedFlowStep, OfAPressureSolveSaysHowFarItCameAndLeavesNoTrace) {
 }
 
 TEST(FailedFlowStep, ReportsTheSolveThatFailed) {
-  auto sim = dam({.tolerance = 1e-12, .most_iterations = 2});
+  auto sim = dam({.tolerance = 1e-12, .max_iterations = 2});
   EXPECT_THROW(sim.step(), Error);
   EXPECT_EQ(sim.interaction().last_solve().reason, SolveReport::Reason::not_converged);
   EXPECT_EQ(sim.interaction().last_solve().iterations, 2);
@@ -173,7 +173,7 @@ TEST(FailedFlowStep, OfATimeStepThatIsNoTimeLeavesNoTrace) {
 TEST(FailedFlowStep, OfTwoParticlesOnOnePointNamesOne) {
   auto fluid = blob<2, double>(5, 0.02);
   fluid[position][13] = fluid[position][12];
-  auto sim = simulation(fluid, {.spacing = 0.02, .largest_time_step = 1e-3});
+  auto sim = simulation(fluid, {.spacing = 0.02, .max_time_step = 1e-3});
   EXPECT_TRUE(refuses([&] { sim.step(); }, {"one point", "id 12"}));
 }
 
@@ -224,7 +224,7 @@ TEST(Flow, LetsABlockOfFluidFallWithoutPressure) {
 TEST(Flow, GivesACompressedBlobAPressureThatDrivesItApart) {
   // A lattice with 2 % less spacing than the fluid's.
   auto sim = simulation(blob<2, double>(16, 0.0196),
-                        {.spacing = 0.02, .gravity = Vec<2>::Zero(), .largest_time_step = 1e-3});
+                        {.spacing = 0.02, .gravity = Vec<2>::Zero(), .max_time_step = 1e-3});
   const auto size = [](const auto& particles) {
     double sum = 0;
     const Vec<2> centre = Vec<2>::Constant(8 * 0.0196);
@@ -258,7 +258,7 @@ TYPED_TEST(Blobs, KeepTheirMomentumUnderCase10) {
                    Flow<Case10, dim, Real>({.spacing = 0.02,
                                             .viscosity = 1e-3,
                                             .gravity = Vec<dim>::Zero(),
-                                            .largest_time_step = 1e-3}),
+                                            .max_time_step = 1e-3}),
                    SemiImplicit{}};
     for (int k = 0; k < 20; ++k) sim.step();
     EXPECT_GT(sim.interaction().last_solve().unknowns, 10u);
@@ -274,7 +274,7 @@ TEST(Flow, InAClosedFullTankIsSolvedThoughOnlyPressureDifferencesMatter) {
   auto fluid = full_box<2, double>(12, 0.02, 0.05);
   give_random_velocities(fluid, 0.1, 3);
   Simulation sim{std::move(fluid), UniformGrid<2>{},
-                 Flow<Closed>({.spacing = 0.02, .gravity = Vec<2>::Zero(), .largest_time_step = 1e-3}),
+                 Flow<Closed>({.spacing = 0.02, .gravity = Vec<2>::Zero(), .max_time_step = 1e-3}),
                  SemiImplicit{}};
   for (int k = 0; k < 10; ++k) {
     sim.step();
@@ -321,8 +321,8 @@ TEST(FlowSettings, AreRefusedByNameAndValue) {
   EXPECT_TRUE(refused([](auto& s) { s.laplacian_radius = nan; }, "laplacian_radius = nan "));
   EXPECT_TRUE(refused([](auto& s) { s.courant = 0; }, "courant = 0 "));
   EXPECT_TRUE(refused([](auto& s) { s.speed_scale = -2; }, "speed_scale = -2 "));
-  EXPECT_TRUE(refused([](auto& s) { s.largest_time_step = 0; }, "largest_time_step = 0 "));
-  EXPECT_TRUE(refused([](auto& s) { s.largest_time_step = nan; }, "largest_time_step = nan "));
+  EXPECT_TRUE(refused([](auto& s) { s.max_time_step = 0; }, "max_time_step = 0 "));
+  EXPECT_TRUE(refused([](auto& s) { s.max_time_step = nan; }, "max_time_step = nan "));
 }
 
 TEST(FlowSettings, AreRefusedForTheNumbersOfTheirPoliciesToo) {

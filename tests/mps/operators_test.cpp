@@ -25,7 +25,7 @@ static_assert(mps::Gradient<ConservingGradient, 3> && mps::Gradient<ConservingGr
 static_assert(!mps::Gradient<CubicKernel, 2> && !mps::Gradient<int, 3>);
 struct ScalarGradient {
   template <class T, class Real, class Neighbours>
-  static const char* at(const T&, Real, Neighbours&&) {
+  static const char* evaluate(const T&, Real, Neighbours&&) {
     return "";
   }
 };
@@ -59,7 +59,7 @@ struct Setting {
 
   template <class G, class T, class Search, class Phi>
   static Vec gradient(const Search& search, const T& stencil, Index i, const Phi& phi) {
-    return G::at(stencil, phi[i], [&](auto&& f) {
+    return G::evaluate(stencil, phi[i], [&](auto&& f) {
       mps::for_each_weighted(search, i, stencil,
                              [&](Index j, const Vec& r_ij, Real w, Real w_r2) { f(phi[j], r_ij, w, w_r2); });
     });
@@ -262,7 +262,7 @@ std::array<double, 3> errors_on_a_sine(int along) {
   for (Index i = 0; i < particles.size(); ++i) {
     const Vec<Dim>& x = particles[position][i];
     const Vec<Dim> slope = k * (k * x).array().cos();
-    const Vec<Dim> gradient = ConservingGradient::at(stencil, phi[i], [&](auto&& f) {
+    const Vec<Dim> gradient = ConservingGradient::evaluate(stencil, phi[i], [&](auto&& f) {
       mps::for_each_weighted(search, i, stencil, [&](Index j, const Vec<Dim>& r_ij, double w,
                                                      double w_r2) { f(phi[j], r_ij, w, w_r2); });
     });

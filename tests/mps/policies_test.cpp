@@ -35,10 +35,10 @@ static_assert(!mps::PressureSource<DensitySurface>);
 
 struct SurfaceOfNumbers {
   void check() const {}
-  double holds(const mps::Fullness&) const { return 1; }
+  double is_on_surface(const mps::LocalDensity&) const { return 1; }
 };
 struct UncheckedSurface {
-  bool holds(const mps::Fullness&) const { return true; }
+  bool is_on_surface(const mps::LocalDensity&) const { return true; }
 };
 static_assert(!mps::FreeSurface<SurfaceOfNumbers> && !mps::FreeSurface<UncheckedSurface>);
 static_assert(!mps::FreeSurface<DensitySource>);
@@ -46,7 +46,7 @@ static_assert(!mps::FreeSurface<DensitySource>);
 struct CollisionWithoutReach {
   void check() const {}
   template <int Dim, class Real>
-  Vec<Dim, Real> impulse(const mps::Encounter<Dim, Real>& pair) const {
+  Vec<Dim, Real> impulse(const mps::CollidingPair<Dim, Real>& pair) const {
     return pair.r_ij;
   }
 };
@@ -121,18 +121,18 @@ TEST(DivergenceSource, TakesTheShareGammaOfTheOriginals) {
 // --- surfaces ------------------------------------------------------------------------------------
 
 TEST(Surfaces, HoldBelowTheirThresholdOnly) {
-  EXPECT_TRUE(DensitySurface{}.holds({.density = 0.96, .neighbours = 2}));
-  EXPECT_FALSE(DensitySurface{}.holds({.density = 0.97, .neighbours = 0}));
-  EXPECT_TRUE(CountSurface{}.holds({.density = 2, .neighbours = 0.84}));
-  EXPECT_FALSE(CountSurface{}.holds({.density = 0, .neighbours = 0.85}));
+  EXPECT_TRUE(DensitySurface{}.is_on_surface({.density = 0.96, .neighbours = 2}));
+  EXPECT_FALSE(DensitySurface{}.is_on_surface({.density = 0.97, .neighbours = 0}));
+  EXPECT_TRUE(CountSurface{}.is_on_surface({.density = 2, .neighbours = 0.84}));
+  EXPECT_FALSE(CountSurface{}.is_on_surface({.density = 0, .neighbours = 0.85}));
 }
 
 TEST(BothSurfaces, HoldOnlyWhereEachDoes) {
   const Both both;
-  EXPECT_TRUE(both.holds({.density = 0.9, .neighbours = 0.8}));
-  EXPECT_FALSE(both.holds({.density = 0.9, .neighbours = 0.9}));
-  EXPECT_FALSE(both.holds({.density = 1.0, .neighbours = 0.8}));
-  EXPECT_FALSE(both.holds({.density = 1.0, .neighbours = 0.9}));
+  EXPECT_TRUE(both.is_on_surface({.density = 0.9, .neighbours = 0.8}));
+  EXPECT_FALSE(both.is_on_surface({.density = 0.9, .neighbours = 0.9}));
+  EXPECT_FALSE(both.is_on_surface({.density = 1.0, .neighbours = 0.8}));
+  EXPECT_FALSE(both.is_on_surface({.density = 1.0, .neighbours = 0.9}));
 }
 
 // --- collisions ----------------------------------------------------------------------------------

@@ -241,7 +241,7 @@ TEST(PressureEquation, ThatIsNotSolvedLeavesThePressuresAsTheyWere) {
   for (auto& p : problem.particles[mps::pressure]) p = 77;
   problem.assemble([](Index i) { return std::sin(double(i)); });
   const auto before = state_of(problem.particles);
-  const SolveReport report = problem.solve({.tolerance = 1e-12, .most_iterations = 2});
+  const SolveReport report = problem.solve({.tolerance = 1e-12, .max_iterations = 2});
   EXPECT_EQ(report.reason, Reason::not_converged);
   EXPECT_TRUE(state_of(problem.particles) == before);
 }

@@ -16,7 +16,7 @@
 namespace silt::test {
 namespace {
 
-using mps::Encounter;
+using mps::CollidingPair;
 using mps::Kind;
 using mps::Recommended;
 
@@ -51,7 +51,7 @@ TEST(CorrectedGradient, IsExactForLinearFieldsAlsoAtAnEdge) {
   const mps::Stencil<2, double, mps::WendlandKernel> stencil({.spacing = l0, .radius = 3.1});
   const Vec<2> slope(3, -7);
   for (Index i = 0; i < points.size(); ++i) {
-    const Vec<2> found = mps::CorrectedGradient::at(stencil, slope.dot(points[i]), [&](auto&& f) {
+    const Vec<2> found = mps::CorrectedGradient::evaluate(stencil, slope.dot(points[i]), [&](auto&& f) {
       for (Index j = 0; j < points.size(); ++j) {
         const Vec<2> r_ij = points[j] - points[i];
         const double r = r_ij.norm();
@@ -67,7 +67,7 @@ TEST(CorrectedGradient, IsExactForLinearFieldsAlsoAtAnEdge) {
 TEST(CorrectedGradient, OfTwoParticlesIsThatWithoutCorrection) {
   const mps::Stencil<2, double, mps::WendlandKernel> stencil({.spacing = 1, .radius = 3.1});
   const auto one = [](auto&& f) { f(2.0, Vec<2>(1, 0), 0.5, 0.5); };
-  const Vec<2> found = mps::CorrectedGradient::at(stencil, 1.0, one);
+  const Vec<2> found = mps::CorrectedGradient::evaluate(stencil, 1.0, one);
   EXPECT_DOUBLE_EQ(found[0], 2 / stencil.n0 * 0.5);
 }
 
@@ -114,14 +114,14 @@ TEST(ErrorCompensatingSource, IsTheHigherOrderOneWhereThereIsNoError) {
 // --- pairs ---------------------------------------------------------------------------------------
 
 TEST(KeepApart, LeavesPairsThatStayApartAlone) {
-  const Encounter<2> near{.r_ij = {0.95, 0}, .r = 0.95, .u_ij = {-0.1, 0}, .spacing = 1, .time_step = 0.1};
+  const CollidingPair<2> near{.r_ij = {0.95, 0}, .r = 0.95, .u_ij = {-0.1, 0}, .spacing = 1, .time_step = 0.1};
   EXPECT_EQ(mps::KeepApart{}.impulse(near).norm(), 0);
   EXPECT_GT(mps::AdoptedCollision{}.impulse(near).norm(), 0);
 }
 
 TEST(KeepApart, EndsTheStepAtItsDistanceUnlessThatTakesMoreThanACollision) {
   // Coming closer at 2: 0.95 − 0.2 = 0.75 without it; to stay at 0.9 takes 1.5, a collision 2.4.
-  Encounter<2> pair{.r_ij = {0.95, 0}, .r = 0.95, .u_ij = {-2, 0}, .spacing = 1, .time_step = 0.1};
+  CollidingPair<2> pair{.r_ij = {0.95, 0}, .r = 0.95, .u_ij = {-2, 0}, .spacing = 1, .time_step = 0.1};
   EXPECT_NEAR(mps::KeepApart{}.impulse(pair)[0], -0.75, 1e-12);
   EXPECT_NEAR(mps::DynamicStabilisation{}.impulse(pair)[0], -0.75, 1e-12);
   pair.wall = true;
@@ -137,7 +137,7 @@ TEST(KeepApart, NeverGivesEnergy) {
   for (Index k = 0; k + 1 < numbers.size(); ++k) {
     const Vec<2> u_i = 3 * numbers[k];
     const Vec<2> u_j = Vec<2>(numbers[k + 1][1], numbers[k][0]);
-    Encounter<2> pair{.r_ij = numbers[k + 1], .r = numbers[k + 1].norm(), .u_ij = u_j - u_i,
+    CollidingPair<2> pair{.r_ij = numbers[k + 1], .r = numbers[k + 1].norm(), .u_ij = u_j - u_i,
                       .spacing = 1, .time_step = 0.2};
     const Vec<2> change = mps::KeepApart{}.impulse(pair);
     const double before = u_i.squaredNorm() + u_j.squaredNorm();
@@ -148,12 +148,12 @@ TEST(KeepApart, NeverGivesEnergy) {
 
 TEST(ParticleShifting, MovesFromTheCrowdNotAtEdgesAndNotFar) {
   const mps::ParticleShifting shifting;
-  mps::Crowding<2> crowding{.towards = {0.01, 0}, .speed = 2, .spacing = 0.1, .time_step = 0.01};
-  EXPECT_NEAR(shifting.at(crowding)[0], -4 * 2 * 0.01 * 0.01, 1e-15);
-  crowding.towards = {10, 0};
-  EXPECT_NEAR(shifting.at(crowding)[0], -0.01, 1e-15);
-  crowding.at_edge = true;
-  EXPECT_EQ(shifting.at(crowding).norm(), 0);
+  mps::ShiftInput<2> shift_input{.towards = {0.01, 0}, .speed = 2, .spacing = 0.1, .time_step = 0.01};
+  EXPECT_NEAR(shifting.displacement(shift_input)[0], -4 * 2 * 0.01 * 0.01, 1e-15);
+  shift_input.towards = {10, 0};
+  EXPECT_NEAR(shifting.displacement(shift_input)[0], -0.01, 1e-15);
+  shift_input.at_edge = true;
+  EXPECT_EQ(shifting.displacement(shift_input).norm(), 0);
 }
 
 // --- surface, walls ------------------------------------------------------------------------------

@@ -35,7 +35,7 @@ auto slowed(const Settings& settings = {.spacing = 0.02}) {
 
 TEST(TimeStepLimits, AreThoseOfTheDocumentation) {
   auto sim = simulation(blob<2, double>(6, 0.02),
-                        {.spacing = 0.02, .viscosity = 0.5, .largest_time_step = 0.7});
+                        {.spacing = 0.02, .viscosity = 0.5, .max_time_step = 0.7});
   sim.particles()[velocity][3] = {3, 4};
   const mps::TimeStepLimits limits = sim.interaction().time_step_limits(sim.particles());
   const mps::Stencil<2, double, mps::CubicKernel> stencil({.spacing = 0.02, .radius = 3.1});
@@ -72,14 +72,14 @@ TEST(TimeStepGrowth, IsAtMostAFifthFromStepToStep) {
 }
 
 TEST(TimeStepGrowth, IsAsLargeAsIsSaid) {
-  EXPECT_DOUBLE_EQ(slowed({.spacing = 0.02, .largest_growth = 3}).time_step(),
+  EXPECT_DOUBLE_EQ(slowed({.spacing = 0.02, .max_growth = 3}).time_step(),
                    3 * 0.2 * 0.02 / 20);
-  const double free = slowed({.spacing = 0.02, .largest_growth = inf}).time_step();
+  const double free = slowed({.spacing = 0.02, .max_growth = inf}).time_step();
   EXPECT_DOUBLE_EQ(free, std::sqrt(0.2 * 0.02 / 9.81));
-  EXPECT_TRUE(refuses([] { slowed({.spacing = 0.02, .largest_growth = 0.9}); },
-                      {"FlowSettings: largest_growth = 0.9 ", "at least 1"}));
-  EXPECT_TRUE(refuses([] { slowed({.spacing = 0.02, .largest_growth = nan}); },
-                      {"FlowSettings: largest_growth = nan "}));
+  EXPECT_TRUE(refuses([] { slowed({.spacing = 0.02, .max_growth = 0.9}); },
+                      {"FlowSettings: max_growth = 0.9 ", "at least 1"}));
+  EXPECT_TRUE(refuses([] { slowed({.spacing = 0.02, .max_growth = nan}); },
+                      {"FlowSettings: max_growth = nan "}));
 }
 
 TEST(TimeStepGrowth, DoesNotBindTheUsersOwnStepsButBeginsFromThem) {

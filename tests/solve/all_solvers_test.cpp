@@ -53,7 +53,7 @@ Problem problem_of(mps::Fluid<2> water, int steps) {
   const Recording recording;
   Simulation sim{std::move(water), UniformGrid<2>{},
                  mps::Flow<mps::Case10, 2, double, Recording>(
-                     {.spacing = 0.02, .largest_time_step = 1e-3}, recording),
+                     {.spacing = 0.02, .max_time_step = 1e-3}, recording),
                  SemiImplicit{}};
   for (int k = 0; k < steps; ++k) sim.step();
   return recording.last();
@@ -266,7 +266,7 @@ TYPED_TEST(AllSolvers, DoNotClaimToHaveSolvedWhatIsNotPositiveDefinite) {
   LinearSystem system = dam_break().system;
   for (Index i = 0; i < system.size(); i += 3) system.diagonal[i] *= -1;
   std::vector<double> x(system.size(), 0);
-  const SolveReport report = TypeParam({.most_iterations = 300}).solve(system, x);
+  const SolveReport report = TypeParam({.max_iterations = 300}).solve(system, x);
   EXPECT_NE(report.reason, Reason::nothing_to_solve);
   EXPECT_TRUE(report.reason != Reason::converged || residual(system, x) <= 1.001e-6);
 }
@@ -275,7 +275,7 @@ TYPED_TEST(AllSolvers, EndWhenAskedForMoreThanRoundingAllows) {
   for (const Problem* problem : {&dam_break(), &closed_tank()}) {
     std::vector<double> x = problem->guess;
     const SolveReport report =
-        TypeParam({.tolerance = 1e-300, .most_iterations = 2000}).solve(problem->system, x);
+        TypeParam({.tolerance = 1e-300, .max_iterations = 2000}).solve(problem->system, x);
     EXPECT_LE(report.iterations, 2000);
     EXPECT_LE(report.residual, 1e-11);
     EXPECT_NE(report.reason, Reason::broke_down);
@@ -285,7 +285,7 @@ TYPED_TEST(AllSolvers, EndWhenAskedForMoreThanRoundingAllows) {
 TYPED_TEST(AllSolvers, SayHowFarTheyCameInTheIterationsTheyHad) {
   std::vector<double> x(dam_break().system.size(), 0);
   const SolveReport report =
-      TypeParam({.tolerance = 1e-12, .most_iterations = 3}).solve(dam_break().system, x);
+      TypeParam({.tolerance = 1e-12, .max_iterations = 3}).solve(dam_break().system, x);
   EXPECT_EQ(report.reason, Reason::not_converged);
   EXPECT_EQ(report.iterations, 3);
   EXPECT_NEAR(report.residual, residual(dam_break().system, x), 1e-12);
@@ -293,7 +293,7 @@ TYPED_TEST(AllSolvers, SayHowFarTheyCameInTheIterationsTheyHad) {
 
 TYPED_TEST(AllSolvers, AreRefusedSettingsOutOfRange) {
   EXPECT_TRUE(refuses([] { TypeParam({.tolerance = 0}); }, {"SolveSettings: tolerance = 0 "}));
-  EXPECT_TRUE(refuses([] { TypeParam({.most_iterations = 0}); }, {"most_iterations = 0 "}));
+  EXPECT_TRUE(refuses([] { TypeParam({.max_iterations = 0}); }, {"max_iterations = 0 "}));
 }
 
 TEST(EigenConjugateGradient, NeedsAsManyIterationsAsOursWithTheSameFactors) {

@@ -216,7 +216,7 @@ TEST(ConjugateGradient, SaysThatItHasNotConverged) {
   system.right_side = uneven(1000);
   std::vector<double> x(1000, 0);
   const SolveReport report =
-      ConjugateGradient<>({.tolerance = 1e-10, .most_iterations = 5}).solve(system, x);
+      ConjugateGradient<>({.tolerance = 1e-10, .max_iterations = 5}).solve(system, x);
   EXPECT_EQ(report.reason, Reason::not_converged);
   EXPECT_EQ(report.iterations, 5);
   EXPECT_GT(report.residual, 1e-10);
@@ -242,7 +242,7 @@ TEST(ConjugateGradient, AskedForMoreThanRoundingAllowsEndsAllTheSame) {
   system.right_side = uneven(2000);
   std::vector<double> x(2000, 0);
   const SolveReport report =
-      ConjugateGradient<>({.tolerance = 1e-300, .most_iterations = 20000}).solve(system, x);
+      ConjugateGradient<>({.tolerance = 1e-300, .max_iterations = 20000}).solve(system, x);
   EXPECT_LE(report.iterations, 20000);
   EXPECT_LT(report.residual, 1e-9);
 }
@@ -252,7 +252,7 @@ TEST(SolveSettings, AreRefusedOutOfRange) {
   EXPECT_TRUE(refuses([] { ConjugateGradient<>({.tolerance = -1e-6}); }, {"tolerance = -1e-06"}));
   EXPECT_TRUE(refuses([] { ConjugateGradient<>({.tolerance = nan}); }, {"tolerance = nan"}));
   EXPECT_TRUE(
-      refuses([] { ConjugateGradient<>({.most_iterations = 0}); }, {"most_iterations = 0 "}));
+      refuses([] { ConjugateGradient<>({.max_iterations = 0}); }, {"max_iterations = 0 "}));
 }
 
 }  // namespace

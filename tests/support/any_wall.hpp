@@ -23,11 +23,11 @@ struct AnyWall {
   explicit AnyWall(W wall) {
     wall.check();
     material = wall.material;
-    if constexpr (dem::WallOfParts<W, Dim, double>) {
-      count = wall.parts();
+    if constexpr (dem::CompositeWall<W, Dim, double>) {
+      count = wall.element_count();
       of_part = [wall](Index part, const V& x) { return wall.nearest(part, x); };
       parts_near = [wall](const V& x, double distance, const auto& f) {
-        wall.for_each_part_near(x, distance, f);
+        wall.for_each_element_near(x, distance, f);
       };
     } else {
       of_part = [wall](Index, const V& x) { return wall.nearest(x); };
@@ -38,10 +38,10 @@ struct AnyWall {
   }
 
   void check() const {}
-  Index parts() const { return count; }
+  Index element_count() const { return count; }
   dem::NearestPoint<Dim, double> nearest(Index part, const V& x) const { return of_part(part, x); }
   template <class F>
-  void for_each_part_near(const V& x, double distance, F&& f) const {
+  void for_each_element_near(const V& x, double distance, F&& f) const {
     parts_near(x, distance, f);
   }
 };

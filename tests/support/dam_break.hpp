@@ -96,9 +96,9 @@ auto dam_break_simulation(double l0) {
   auto water = mps::make_tank<2>({.column = {column_width, column_height},
                                   .size = {.length = tank_length, .height = 1.6},
                                   .spacing = l0,
-                                  .leavers = Leavers::remove});
+                                  .on_escape = OnEscape::remove});
   return Simulation{std::move(water), UniformGrid<2>{},
-                    mps::Flow<Scheme>({.spacing = l0, .largest_time_step = 1e-3}), SemiImplicit{}};
+                    mps::Flow<Scheme>({.spacing = l0, .max_time_step = 1e-3}), SemiImplicit{}};
 }
 
 /// Runs to the time, or until a step is refused: the original method may not get there.

@@ -89,7 +89,7 @@ double speed_sum(const P& fluid) {
 /// No particle lies on the surface: a tank that is closed and full.
 struct NoSurface {
   void check() const {}
-  bool holds(const mps::Fullness&) const { return false; }
+  bool is_on_surface(const mps::LocalDensity&) const { return false; }
 };
 
 /// A small 2D dam break: 10 by 15 spacings of fluid in a tank of 25.

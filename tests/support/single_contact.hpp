@@ -37,12 +37,12 @@ Impact collide(const Law& law, const HeadOn& bodies) {
   const double dt = bodies.time_step;
   double v = bodies.speed;
   double overlap = v * dt * bodies.phase;
-  typename Law::template Memory<Dim, Real> memory{};
+  typename Law::template History<Dim, Real> history{};
   Impact impact;
   for (int step = 0; step < 1000000 && overlap > 0; ++step) {
     contact.overlap = Real(overlap);
     contact.relative_velocity = Real(-v) * contact.normal;
-    const auto parts = law.parts(contact, memory);
+    const auto parts = law.components(contact, history);
     const double F = double(parts.force(contact.normal)[0]);
     v -= F / bodies.mass * dt;
     impact.deepest = std::max(impact.deepest, overlap);

@@ -21,7 +21,7 @@ struct FloorPressure {
 template <class Scheme, int Dim>
 FloorPressure floor_pressure(const mps::Tank<Dim>& tank, double from, double until) {
   Simulation sim{mps::make_tank(tank), UniformGrid<Dim>{},
-                 mps::Flow<Scheme, Dim>({.spacing = tank.spacing, .largest_time_step = 1e-3}),
+                 mps::Flow<Scheme, Dim>({.spacing = tank.spacing, .max_time_step = 1e-3}),
                  SemiImplicit{}};
   Vec<Dim> middle = Vec<Dim>::Zero();
   middle[0] = tank.size.length / 2;

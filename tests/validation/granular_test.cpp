@@ -49,7 +49,7 @@ double floor_force(const Sim& sim) {
   double sum = 0;
   sim.interaction().template part<1>().for_each_contact(
       sim.particles(), [&](Index, Index j, const auto&, const Vec<2>& f) {
-        if (j == nowhere) sum += f[1];
+        if (j == no_index) sum += f[1];
       });
   return sum;
 }

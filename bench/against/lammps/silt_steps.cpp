@@ -34,7 +34,7 @@ void run(Simulation simulation, int warm, int steps, const char* final_file) {
   const auto [grains, interaction] = simulation.state();
   Index pairs = 0, at_wall = 0;
   contacts_of(interaction).for_each_contact(grains, [&](Index, Index j, const auto&, const auto&) {
-    ++(j == silt::nowhere ? at_wall : pairs);
+    ++(j == silt::no_index ? at_wall : pairs);
   });
   const auto n = double(grains.size());
   std::printf("{\"seconds\": %.6g, \"contacts\": %.6g, \"at_wall\": %.6g, \"rebuilds\": %d}\n",

@@ -38,7 +38,7 @@ inline FluidCase rotating_square(int along) {
   const auto everywhere = [](const Vec<2>&) { return true; };
   const auto spin = [](const mps::Fluid<2>& fluid) {
     return mean_over(fluid,
-                     [&](Index i) { return moment(fluid[position][i], fluid[velocity][i]); });
+                     [&](Index i) { return cross(fluid[position][i], fluid[velocity][i]); });
   };
   FluidCase flow{.name = "rotating_square", .spacing = l0};
   flow.start = fluid_where({.lower = {-half, -half}, .upper = {half, half}}, l0, {}, everywhere,

@@ -15,7 +15,7 @@
 namespace silt {
 
 /// What the simulation does with a particle found outside a box at the end of a step.
-enum class Leavers {
+enum class OnEscape {
   refuse,  ///< the step throws, and is undone
   remove,  ///< the particle is removed and counted: `Simulation::particles_lost()`
 };
@@ -26,7 +26,7 @@ struct Box {
   Vec<Dim, Real> lower = Vec<Dim, Real>::Constant(-std::numeric_limits<Real>::infinity());  ///< [m]
   Vec<Dim, Real> upper = Vec<Dim, Real>::Constant(std::numeric_limits<Real>::infinity());   ///< [m]
   std::array<bool, Dim> periodic{};    ///< the two sides across axis k are one
-  Leavers leavers = Leavers::refuse;
+  OnEscape on_escape = OnEscape::refuse;
 
   bool any_periodic() const {
     for (const bool side : periodic) {
@@ -38,7 +38,7 @@ struct Box {
   Vec<Dim, Real> length() const { return upper - lower; }
 
   /// Inside every side that is not periodic.
-  bool holds(const Vec<Dim, Real>& x) const {
+  bool contains(const Vec<Dim, Real>& x) const {
     bool inside = true;
     for (int k = 0; k < Dim; ++k) {
       if (!periodic[static_cast<std::size_t>(k)]) inside &= lower[k] <= x[k] && x[k] <= upper[k];
@@ -82,7 +82,7 @@ struct Box {
     archive("lower", lower);
     archive("upper", upper);
     archive("periodic", periodic);
-    archive("leavers", leavers);
+    archive("on_escape", on_escape);
   }
 
   /// Throws unless lower < upper along every axis, with finite sides where periodic.

@@ -163,15 +163,15 @@ void accelerate_all(I& interaction, P& particles, S& search, double dt) {
   conclude(interaction, particles, dt);
 }
 
-/// Depends on time: at(t) tells it the time of the positions [s] before it is asked for anything
+/// Depends on time: set_time(t) tells it the time of the positions [s] before it is asked for anything
 /// that a step takes. It keeps no clock of its own: Simulation::time() is the one. Models:
 /// dem::Contacts, Forces.
 template <class I>
-concept DependsOnTime = requires(I i, double time) { i.at(time); };
+concept DependsOnTime = requires(I i, double time) { i.set_time(time); };
 
 template <class I>
-void tell_time(I& interaction, double time) {
-  if constexpr (DependsOnTime<I>) interaction.at(time);
+void set_time(I& interaction, double time) {
+  if constexpr (DependsOnTime<I>) interaction.set_time(time);
 }
 
 /// An incompressible flow, advanced by predictor and pressure. It may also have advect(p, dt),

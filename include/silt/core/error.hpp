@@ -37,7 +37,7 @@ class Error : public std::runtime_error {
   const Where& where() const noexcept { return where_; }
 
   /// The same error with step and time filled in; the simulation adds them on the way out.
-  Error at(std::uint64_t step, double time) const {
+  Error with_step(std::uint64_t step, double time) const {
     Where where = where_;
     where.step = step;
     where.time = time;

@@ -28,7 +28,7 @@ struct vector_field : any_field {
 /// One Spin<Dim, Real> per particle: a number in 2D, a vector in 3D.
 struct spin_field : any_field {
   template <int Dim, class Real>
-  using value = Spin<Dim, Real>;
+  using value = AngularVec<Dim, Real>;
 };
 
 /// One T per particle, whatever the dimension and precision.

@@ -88,8 +88,8 @@ class Forces {
   }
 
   /// Tells the time [s] to the parts that depend on it.
-  void at(double time) {
-    for_each_part([=](auto& part) { tell_time(part, time); });
+  void set_time(double time) {
+    for_each_part([time](auto& part) { silt::set_time(part, time); });
   }
 
   template <class P, class S>

@@ -22,7 +22,7 @@ void make_ghosts(P& particles, typename P::Real depth) {
   particles.clear_ghosts();
   const auto x_owned = particles[position];
   const Index broken = first_where(x_owned.size(), [&](Index i) { return !is_finite(x_owned[i]); });
-  if (broken != nowhere) {
+  if (broken != no_index) {
     fail("search: a position is not finite; look at what moved the particle",
          {.particle = broken, .id = particles.id(broken)});
   }
@@ -30,7 +30,7 @@ void make_ghosts(P& particles, typename P::Real depth) {
   if (!box.any_periodic()) return;
 
   const auto leaves = [&](Index i) { return x_owned[i] != box.wrap(x_owned[i]); };
-  if (first_where(x_owned.size(), leaves) != nowhere) particles.keep(position);
+  if (first_where(x_owned.size(), leaves) != no_index) particles.keep(position);
   for (auto& x : x_owned) x = box.wrap(x);
   for (int k = 0; k < P::dimension; ++k) {
     if (!box.periodic[static_cast<std::size_t>(k)]) continue;

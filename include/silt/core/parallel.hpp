@@ -66,7 +66,7 @@ void for_each_task(Index count, F&& f) {
     // A thread stops at its first fault, and its tasks come in order; the lowest of these first
     // faults is therefore the lowest of all.
     std::exception_ptr fault;
-    Index fault_task = nowhere;
+    Index fault_task = no_index;
 #pragma omp parallel
     {
       const auto team = static_cast<Index>(omp_get_num_threads());
@@ -198,10 +198,10 @@ Value largest(Index n, Value least, F&& f) {
   return most;
 }
 
-/// Lowest i for which f(i) holds, `nowhere` if there is none.
+/// Lowest i for which f(i) holds, `no_index` if there is none.
 template <class F>
 Index first_where(Index n, F&& f) {
-  PerChunk<Index> found(n, nowhere);
+  PerChunk<Index> found(n, no_index);
   for_each_chunk(n, [&](Chunk chunk) {
     for (Index i = chunk.first; i < chunk.last; ++i) {
       if (f(i)) {
@@ -211,9 +211,9 @@ Index first_where(Index n, F&& f) {
     }
   });
   for (const Index i : found) {
-    if (i != nowhere) return i;
+    if (i != no_index) return i;
   }
-  return nowhere;
+  return no_index;
 }
 
 }  // namespace silt

@@ -38,7 +38,7 @@ class Particles {
   static constexpr int dimension = Dim;
   using Real = RealType;
   using Vec = silt::Vec<Dim, Real>;
-  using Spin = silt::Spin<Dim, Real>;
+  using AngularVec = silt::AngularVec<Dim, Real>;
 
   template <class F>
   static constexpr bool has = std::same_as<F, position_t> || (std::same_as<F, Fields> || ...);
@@ -72,8 +72,8 @@ class Particles {
 
   Id id(Index i) const noexcept { return ids_[i]; }
   std::span<const Id> ids() const noexcept { return {ids_.data(), size()}; }
-  /// Place of the particle with this id, `nowhere` if it was removed or never lived.
-  Index index_of(Id id) const noexcept { return id < places_.size() ? places_[id] : nowhere; }
+  /// Place of the particle with this id, `no_index` if it was removed or never lived.
+  Index index_of(Id id) const noexcept { return id < places_.size() ? places_[id] : no_index; }
   /// The owned particle that i is, or is a ghost of.
   Index owner(Index i) const noexcept { return i < size() ? i : owners_[i - size()]; }
 
@@ -119,7 +119,7 @@ class Particles {
     const Index before = size();
     for (Index i = 0; i < before; ++i) {
       if (gone(i)) {
-        places_[ids_[i]] = nowhere;
+        places_[ids_[i]] = no_index;
         continue;
       }
       if (kept != i) move_row(i, kept);
@@ -135,7 +135,7 @@ class Particles {
   /// Removes one particle by id. Throws if there is none.
   void remove(Id id) {
     const Index place = index_of(id);
-    if (place == nowhere) {
+    if (place == no_index) {
       fail("Particles::remove: no particle has the id " + std::to_string(id) +
            "; it was removed before, or never added");
     }
@@ -265,11 +265,11 @@ class Particles {
 
   // Finds the places of ids that were read.
   void arrange(Index next_id) {
-    places_.assign(next_id, nowhere);
+    places_.assign(next_id, no_index);
     bool good = true;
     columns_.for_each([&](auto& column, auto) { good = good && column.size() == ids_.size(); });
     for (Index i = 0; good && i < ids_.size(); ++i) {
-      good = ids_[i] < next_id && places_[ids_[i]] == nowhere;
+      good = ids_[i] < next_id && places_[ids_[i]] == no_index;
       if (good) places_[ids_[i]] = i;
     }
     if (!good) {

@@ -65,7 +65,7 @@ class Simulation {
   double last_time_step() const noexcept { return last_time_step_; }  ///< [s]
   /// Whether its state was read from a checkpoint.
   bool was_read() const noexcept { return was_read_; }
-  /// Particles removed because they left the box; see Leavers.
+  /// Particles removed because they left the box; see OnEscape.
   std::uint64_t particles_lost() const noexcept { return particles_lost_; }
 
   P& particles() noexcept { return particles_; }
@@ -85,7 +85,7 @@ class Simulation {
   State state() const {
     if constexpr (requires(T t, P p, S s, I i) { t.synchronise(p, s, i); }) {
       Simulation copy = *this;
-      tell_time(copy.interaction_, time_);
+      set_time(copy.interaction_, time_);
       copy.integrator_.synchronise(copy.particles_, copy.search_, copy.interaction_);
       return {std::move(copy.particles_), std::move(copy.interaction_)};
     } else {
@@ -131,7 +131,7 @@ class Simulation {
   /// The time step the interaction would choose now [s]; the last one if all particles are gone.
   /// Throws if it chooses none.
   double time_step() {
-    tell_time(interaction_, time_);
+    set_time(interaction_, time_);
     double dt = std::numeric_limits<double>::infinity();
     if constexpr (ChoosesTimeStep<I, P>) dt = interaction_.time_step(particles_);
     // The last particle may leave a run that goes on.
@@ -157,21 +157,21 @@ class Simulation {
       sort();
       save();
     } catch (const Error& error) {
-      throw error.at(steps_, time_);
+      throw error.with_step(steps_, time_);
     }
     try {
-      tell_time(interaction_, time_);
+      set_time(interaction_, time_);
       integrator_.step(particles_, search_, interaction_, dt);
       check_finite();
-      check_leavers();
+      check_escaped();
     } catch (const Error& error) {
       restore();
-      throw error.at(steps_, time_);
+      throw error.with_step(steps_, time_);
     } catch (...) {
       restore();
       throw;
     }
-    remove_leavers();
+    remove_escaped();
     time_ += dt;
     ++steps_;
     last_time_step_ = dt;
@@ -227,7 +227,7 @@ class Simulation {
       }
     };
     const auto outputs_at = [&](double time) {
-      return run.output_every > 0 ? whole_times(time / run.output_every) : 0;
+      return run.output_every > 0 ? completed_intervals(time / run.output_every) : 0;
     };
     const auto output_is_due = [&] { return outputs_at(time_) > outputs_at(output_time_); };
     // Without a time step of its own: 0.
@@ -335,7 +335,7 @@ class Simulation {
       if constexpr (role_of<F>() == Role::state && requires(Value v) { is_finite(v); }) {
         const Index broken =
             first_where(values.size(), [&](Index i) { return !is_finite(values[i]); });
-        if (broken != nowhere) fail_at(broken, name_of<F>(), to_text(values[broken]));
+        if (broken != no_index) fail_at(broken, name_of<F>(), to_text(values[broken]));
       }
     });
   }
@@ -356,22 +356,22 @@ class Simulation {
          {.particle = broken, .id = particles_.id(broken)});
   }
 
-  void check_leavers() const {
+  void check_escaped() const {
     const auto& box = particles_.box();
-    if (box.leavers != Leavers::refuse) return;
+    if (box.on_escape != OnEscape::refuse) return;
     const auto x = particles_[position];
-    const Index gone = first_where(x.size(), [&](Index i) { return !box.holds(x[i]); });
-    if (gone == nowhere) return;
+    const Index gone = first_where(x.size(), [&](Index i) { return !box.contains(x[i]); });
+    if (gone == no_index) return;
     fail("Simulation: a particle left the box at x = " + to_text(x[gone]) +
-             " m; widen the box, stop the leak, or set Box::leavers to Leavers::remove",
+             " m; widen the box, stop the leak, or set Box::on_escape to OnEscape::remove",
          {.particle = gone, .id = particles_.id(gone)});
   }
 
-  void remove_leavers() {
+  void remove_escaped() {
     const auto& box = particles_.box();
-    if (box.leavers != Leavers::remove) return;
-    const auto outside = [&](Index i) { return !box.holds(particles_[position][i]); };
-    if (first_where(particles_.size(), outside) == nowhere) return;
+    if (box.on_escape != OnEscape::remove) return;
+    const auto outside = [&](Index i) { return !box.contains(particles_[position][i]); };
+    if (first_where(particles_.size(), outside) == no_index) return;
     particles_lost_ += particles_.remove_if(outside);
     search_.update(particles_);  // its indices are those of before
   }

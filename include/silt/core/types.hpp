@@ -15,10 +15,10 @@ namespace silt {
 template <int Dim, class Real = double>
 using Vec = Eigen::Matrix<Real, Dim, 1>;
 
-/// Angular velocity, angle, moment: one number in the plane (counter-clockwise positive), a vector
+/// Angular velocity, angle or torque: one number in the plane (counter-clockwise positive), a vector
 /// in space.
 template <int Dim, class Real = double>
-using Spin = std::conditional_t<Dim == 2, Real, Vec<3, Real>>;
+using AngularVec = std::conditional_t<Dim == 2, Real, Vec<3, Real>>;
 
 /// Place of a particle in memory. It changes when particles are removed or reordered.
 using Index = std::size_t;
@@ -26,7 +26,7 @@ using Index = std::size_t;
 /// Name of a particle for life.
 using Id = std::uint64_t;
 
-inline constexpr Index nowhere = std::numeric_limits<Index>::max();
+inline constexpr Index no_index = std::numeric_limits<Index>::max();
 
 /// Zero of any type that a particle or a pair may hold; Eigen's own start with anything.
 template <class Value>
@@ -38,30 +38,26 @@ Value zero_of() {
   }
 }
 
-/// Moment a × b of a force b at the arm a.
+/// Cross product a × b: in the plane the number that is its component out of the plane.
 template <class Real>
-Real moment(const Vec<2, Real>& arm, const Vec<2, Real>& force) {
+Real cross(const Vec<2, Real>& arm, const Vec<2, Real>& force) {
   return arm[0] * force[1] - arm[1] * force[0];
 }
 template <class Real>
-Vec<3, Real> moment(const Vec<3, Real>& arm, const Vec<3, Real>& force) {
+Vec<3, Real> cross(const Vec<3, Real>& arm, const Vec<3, Real>& force) {
   return {arm[1] * force[2] - arm[2] * force[1], arm[2] * force[0] - arm[0] * force[2],
           arm[0] * force[1] - arm[1] * force[0]};
 }
 
-/// Velocity w × a of a point at the arm a on a body that turns with w.
+/// Velocity ω × a of the point at the arm a of a body with the angular velocity ω.
 template <class Real>
 Vec<2, Real> cross(Real spin, const Vec<2, Real>& arm) {
   return {-spin * arm[1], spin * arm[0]};
 }
-template <class Real>
-Vec<3, Real> cross(const Vec<3, Real>& spin, const Vec<3, Real>& arm) {
-  return moment(spin, arm);
-}
 
 /// Whole part of a count that comes from times. They are sums of time steps: a rounding must not
 /// put an event off by a step.
-inline Index whole_times(double count) { return static_cast<Index>(count * (1 + 1e-12)); }
+inline Index completed_intervals(double count) { return static_cast<Index>(count * (1 + 1e-12)); }
 
 /// Resizes a std::vector; where it must grow, a sixteenth more than asked for, not
 /// twofold as of itself.
@@ -78,7 +74,7 @@ Real squared(Real x) {
 
 /// Numbers of a spin: one in 2D, three in 3D.
 template <int Dim>
-inline constexpr int spin_size = Dim == 2 ? 1 : 3;
+inline constexpr int angular_size = Dim == 2 ? 1 : 3;
 
 /// Number k of a spin.
 template <class Turning>

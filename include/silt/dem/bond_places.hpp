@@ -15,7 +15,7 @@
 
 namespace silt::dem {
 
-/// Places of a bond's two grains; `nowhere` for one that was removed.
+/// Places of a bond's two grains; `no_index` for one that was removed.
 struct BondEnds {
   Index a;
   Index b;
@@ -52,7 +52,7 @@ class BondPlaces {
   void find(const P& grains, std::vector<B>& bonds) {
     std::erase_if(bonds, [&](const B& bond) {
       const BondEnds ends = ends_of(grains, bond);
-      return ends.a == nowhere || ends.b == nowhere;
+      return ends.a == no_index || ends.b == no_index;
     });
     ends_.clear();
     first_.assign(grains.size() + 1, 0);

@@ -49,7 +49,7 @@ class Bonds {
   using Real = RealType;
   using Bond = dem::Bond<Dim, Real>;
   using Vec = silt::Vec<Dim, Real>;
-  using Spin = silt::Spin<Dim, Real>;
+  using AngularVec = silt::AngularVec<Dim, Real>;
 
   /// Throws if a parameter of the law is out of range.
   explicit Bonds(const ParallelBond& law) : law_(law) { law_.check(); }
@@ -75,12 +75,12 @@ class Bonds {
   Index bond_all_touching(P grains, S search, const Touching& touching = {}) {
     require_not_negative("Touching: gap", touching.gap);
     const auto R = grains[radius];
-    const Real largest_radius = largest(R.size(), Real(0), [&](Index i) { return R[i]; });
+    const Real max_radius = largest(R.size(), Real(0), [&](Index i) { return R[i]; });
     const Real gap = static_cast<Real>(touching.gap);
-    if (!(largest_radius > 0)) return 0;
+    if (!(max_radius > 0)) return 0;
     // Touching to round-off counts, and searches look for less than their radius.
     constexpr Real round_off = 64 * std::numeric_limits<Real>::epsilon();
-    search.set_radius((2 * largest_radius + gap) * (1 + 2 * round_off));
+    search.set_radius((2 * max_radius + gap) * (1 + 2 * round_off));
     search.update(grains);
     std::vector<Bond> found;
     search.for_each_pair([&](Index i, Index j, const auto&, Real distance) {
@@ -149,7 +149,7 @@ class Bonds {
       const Real sign = is_a ? Real(1) : Real(-1);
       const Vec f = sign * bond.force;
       grains[force][i] += f;
-      grains[torque][i] += moment(arm, f) + sign * bond.couple;
+      grains[torque][i] += cross(arm, f) + sign * bond.couple;
     }
   }
 
@@ -166,7 +166,7 @@ class Bonds {
     double energy = 0;
     for (const Bond& bond : bonds_) {
       const BondEnds ends = ends_of(grains, bond);
-      if (ends.a == nowhere || ends.b == nowhere) continue;  // removed since
+      if (ends.a == no_index || ends.b == no_index) continue;  // removed since
       energy += state_at(grains, bond, ends).elastic_energy;
     }
     return energy;
@@ -211,7 +211,7 @@ class Bonds {
     const auto [a, b] = std::minmax(pair.one, pair.other);
     Bond bond{.a = a, .b = b};
     const BondEnds ends = ends_of(grains, bond);
-    if (a == b || ends.a == nowhere || ends.b == nowhere) {
+    if (a == b || ends.a == no_index || ends.b == no_index) {
       fail("dem::Bonds: the ids " + names_of(bond) + " are not two grains; give those of two");
     }
     const Vec between =
@@ -298,7 +298,7 @@ class Bonds {
     };
     const Index first =
         first_where(bonds_.size(), [&](Index k) { return breaks(state_of_bond(k)); });
-    if (first == nowhere) return;
+    if (first == no_index) return;
     Index held = first;
     for (Index k = first; k < bonds_.size(); ++k) {
       const BondState state = state_of_bond(k);

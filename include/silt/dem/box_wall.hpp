@@ -30,17 +30,17 @@ struct BoxWall {
   }
 
   /// From inside every side is one: 2k and 2k + 1 are the lower and the upper one of axis k.
-  Index parts() const { return grains == Side::inside ? 2 * Dim : 1; }
+  Index element_count() const { return grains == Side::inside ? 2 * Dim : 1; }
 
   NearestPoint<Dim, Real> nearest(Index part, const Vec<Dim, Real>& x) const {
     if (grains == Side::outside) return nearest_of_block(x);
-    if (box.periodic[part / 2]) return nothing_near<Dim, Real>();
+    if (box.periodic[part / 2]) return no_nearest_point<Dim, Real>();
     return nearest_side(part, x);
   }
 
   template <class F>
-  void for_each_part_near(const Vec<Dim, Real>& x, Real distance, F&& f) const {
-    for (Index part = 0; part < parts(); ++part) {
+  void for_each_element_near(const Vec<Dim, Real>& x, Real distance, F&& f) const {
+    for (Index part = 0; part < element_count(); ++part) {
       if (nearest(part, x).distance < distance) f(part);
     }
   }

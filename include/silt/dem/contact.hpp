@@ -14,13 +14,13 @@ struct Contact {
   static constexpr int dimension = Dim;
   using Real = RealType;
   using Vec = silt::Vec<Dim, Real>;
-  using Spin = silt::Spin<Dim, Real>;
+  using AngularVec = silt::AngularVec<Dim, Real>;
 
   Vec normal = Vec::Zero();  ///< unit vector, points the way i is pushed; −e of [SahChoi2004] (3)
   Real overlap = 0;  ///< δ = R_i + R_j − |x_j − x_i| [m], above 0; may tend to 0
   Vec relative_velocity = Vec::Zero();  ///< of i's surface at the contact point against j's, (5)
                                         ///< [m/s]
-  Spin relative_spin = zero_of<Spin>();  ///< ω_i − ω_j, for a law that gives a couple [1/s]
+  AngularVec relative_spin = zero_of<AngularVec>();  ///< ω_i − ω_j, for a law that gives a couple [1/s]
   Real effective_mass = 0;    ///< m* = m_i m_j / (m_i + m_j); at a wall m_i [kg]
   Real effective_radius = 0;  ///< R* = R_i R_j / (R_i + R_j); at a wall R_i [m]
   Real time_step = 0;         ///< Δt since the contact was last looked at [s]
@@ -41,14 +41,14 @@ struct Stiffness {
 };
 
 /// Energy that the springs of a contact hold [J].
-struct ElasticParts {
+struct ElasticEnergies {
   double normal = 0;
   double tangential = 0;
   double rolling = 0;   ///< and twisting
   double adhesion = 0;  ///< below 0: what it takes to pull the two apart
 
   double sum() const { return normal + tangential + rolling + adhesion; }
-  ElasticParts& operator+=(const ElasticParts& more) {
+  ElasticEnergies& operator+=(const ElasticEnergies& more) {
     normal += more.normal;
     tangential += more.tangential;
     rolling += more.rolling;
@@ -63,7 +63,7 @@ inline double in_series(double a, double b) { return a + b > 0 ? 2 * a * b / (a 
 
 /// The force on i by the mechanisms that make it, for the energy ledger.
 template <int Dim, class RealType>
-struct ForceParts {
+struct ForceComponents {
   using Real = RealType;
   using Vec = silt::Vec<Dim, Real>;
 
@@ -84,69 +84,69 @@ struct ForceParts {
 /// The same with the couple on i, beside the moment of the force; on j acts the opposite. In 3D
 /// what is along the normal resists twisting, the rest rolling.
 template <int Dim, class RealType>
-struct LoadParts : ForceParts<Dim, RealType> {
-  using Spin = silt::Spin<Dim, RealType>;
+struct LoadComponents : ForceComponents<Dim, RealType> {
+  using AngularVec = silt::AngularVec<Dim, RealType>;
 
-  Spin rolling_spring = zero_of<Spin>();   ///< [N m]
-  Spin rolling_dashpot = zero_of<Spin>();  ///< [N m]
+  AngularVec rolling_spring = zero_of<AngularVec>();   ///< [N m]
+  AngularVec rolling_dashpot = zero_of<AngularVec>();  ///< [N m]
   RealType rolling_friction = 0;           ///< lost in this step by the slider [J]
 
-  Spin couple() const { return rolling_spring + rolling_dashpot; }
+  AngularVec couple() const { return rolling_spring + rolling_dashpot; }
 };
 
 namespace detail {
 template <class Answer, int Dim, class Real>
-concept IsParts = std::derived_from<Answer, ForceParts<Dim, Real>>;
+concept IsComponents = std::derived_from<Answer, ForceComponents<Dim, Real>>;
 }  // namespace detail
 
-/// A law that tells the force by its parts: parts(contact) or parts(contact, memory) gives
-/// ForceParts, or LoadParts if it also gives a couple.
+/// A law that tells the force by its parts: components(contact) or components(contact, history) gives
+/// ForceComponents, or LoadComponents if it also gives a couple.
 template <class L, int Dim, class Real>
-concept TellsParts =
+concept GivesComponents =
     requires(const L law, const Contact<Dim, Real> contact) {
-      { law.parts(contact) } -> detail::IsParts<Dim, Real>;
+      { law.components(contact) } -> detail::IsComponents<Dim, Real>;
     } || requires(const L law, const Contact<Dim, Real> contact,
-                  typename L::template Memory<Dim, Real> memory) {
-      { law.parts(contact, memory) } -> detail::IsParts<Dim, Real>;
+                  typename L::template History<Dim, Real> history) {
+      { law.components(contact, history) } -> detail::IsComponents<Dim, Real>;
     };
 
 /// A law without memory: force on i [N] from the contact alone, whole or by its parts.
 template <class L, int Dim, class Real>
-concept LawWithoutMemory = requires(const L law, const Contact<Dim, Real> contact) {
+concept LawWithoutHistory = requires(const L law, const Contact<Dim, Real> contact) {
   { law.force(contact) } -> std::convertible_to<Vec<Dim, Real>>;
 } || requires(const L law, const Contact<Dim, Real> contact) {
-  { law.parts(contact) } -> detail::IsParts<Dim, Real>;
+  { law.components(contact) } -> detail::IsComponents<Dim, Real>;
 };
 
 /// A law with memory: L::Memory<Dim, Real> lives as long as the contact, and starts as Memory{}.
 template <class L, int Dim, class Real>
-concept LawWithMemory = requires(const L law, const Contact<Dim, Real> contact,
-                                 typename L::template Memory<Dim, Real> memory) {
-  { law.force(contact, memory) } -> std::convertible_to<Vec<Dim, Real>>;
+concept LawWithHistory = requires(const L law, const Contact<Dim, Real> contact,
+                                 typename L::template History<Dim, Real> history) {
+  { law.force(contact, history) } -> std::convertible_to<Vec<Dim, Real>>;
 } || requires(const L law, const Contact<Dim, Real> contact,
-              typename L::template Memory<Dim, Real> memory) {
-  { law.parts(contact, memory) } -> detail::IsParts<Dim, Real>;
+              typename L::template History<Dim, Real> history) {
+  { law.components(contact, history) } -> detail::IsComponents<Dim, Real>;
 };
 
-/// A struct with one `force(contact)` or `force(contact, memory)`, or with `parts` in its place,
+/// A struct with one `force(contact)` or `force(contact, history)`, or with `parts` in its place,
 /// const and without side effects: it may also be asked beside others about a pair that does not
 /// touch, whose overlap and normal are then any numbers, and what it answers is dropped. It may
 /// also have
 ///   check()                  throws if a parameter is out of range
 ///   stiffness(contact)       → Stiffness: then a default and a stable time step are known
-///   elastic_energy(contact, memory)   [J] stored in the springs
-///   elastic_parts(contact, memory)    → ElasticParts: the same by mechanisms
+///   elastic_energy(contact, history)   [J] stored in the springs
+///   elastic_energies(contact, history)    → ElasticEnergies: the same by mechanisms
 ///   mix(a, b)  (static)      the law between two materials
 template <class L, int Dim, class Real>
-concept ContactLaw = LawWithoutMemory<L, Dim, Real> || LawWithMemory<L, Dim, Real>;
+concept ContactLaw = LawWithoutHistory<L, Dim, Real> || LawWithHistory<L, Dim, Real>;
 
 /// What a law answers about one contact: a force, or parts of one. The memory is none or one.
-template <class Law, class C, class... Memory>
-auto answer_of(const Law& law, const C& contact, Memory&... memory) {
-  if constexpr (requires { law.parts(contact, memory...); }) {
-    return law.parts(contact, memory...);
+template <class Law, class C, class... History>
+auto evaluate_law(const Law& law, const C& contact, History&... history) {
+  if constexpr (requires { law.components(contact, history...); }) {
+    return law.components(contact, history...);
   } else {
-    return typename C::Vec(law.force(contact, memory...));
+    return typename C::Vec(law.force(contact, history...));
   }
 }
 
@@ -156,21 +156,21 @@ Vec<Dim, Real> force_of(const Vec<Dim, Real>& answer, const Vec<Dim, Real>&) {
   return answer;
 }
 template <int Dim, class Real>
-Vec<Dim, Real> force_of(const ForceParts<Dim, Real>& answer, const Vec<Dim, Real>& normal) {
+Vec<Dim, Real> force_of(const ForceComponents<Dim, Real>& answer, const Vec<Dim, Real>& normal) {
   return answer.force(normal);
 }
 
 /// The couple on i [N m], beside the moment of the force; 0 if the law gives none.
 template <int Dim, class Real>
-Spin<Dim, Real> couple_of(const Vec<Dim, Real>&) {
-  return zero_of<Spin<Dim, Real>>();
+AngularVec<Dim, Real> couple_of(const Vec<Dim, Real>&) {
+  return zero_of<AngularVec<Dim, Real>>();
 }
 template <int Dim, class Real>
-Spin<Dim, Real> couple_of(const ForceParts<Dim, Real>&) {
-  return zero_of<Spin<Dim, Real>>();
+AngularVec<Dim, Real> couple_of(const ForceComponents<Dim, Real>&) {
+  return zero_of<AngularVec<Dim, Real>>();
 }
 template <int Dim, class Real>
-Spin<Dim, Real> couple_of(const LoadParts<Dim, Real>& answer) {
+AngularVec<Dim, Real> couple_of(const LoadComponents<Dim, Real>& answer) {
   return answer.couple();
 }
 
@@ -178,13 +178,13 @@ Spin<Dim, Real> couple_of(const LoadParts<Dim, Real>& answer) {
 template <class L, int Dim, class Real>
 concept GivesCouple =
     requires(const L law, const Contact<Dim, Real> contact) {
-      { law.parts(contact) } -> std::derived_from<LoadParts<Dim, Real>>;
+      { law.components(contact) } -> std::derived_from<LoadComponents<Dim, Real>>;
     } || requires(const L law, const Contact<Dim, Real> contact,
-                  typename L::template Memory<Dim, Real> memory) {
-      { law.parts(contact, memory) } -> std::derived_from<LoadParts<Dim, Real>>;
+                  typename L::template History<Dim, Real> history) {
+      { law.components(contact, history) } -> std::derived_from<LoadComponents<Dim, Real>>;
     };
 
 /// What a law without memory remembers.
-struct NoMemory {};
+struct NoHistory {};
 
 }  // namespace silt::dem

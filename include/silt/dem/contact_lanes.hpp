@@ -10,7 +10,7 @@
 #include <silt/dem/contact.hpp>
 #include <silt/dem/contact_row.hpp>
 #include <silt/dem/grain_columns.hpp>
-#include <silt/dem/law_memory.hpp>
+#include <silt/dem/law_history.hpp>
 #include <silt/dem/wall.hpp>
 #include <silt/dem/wall_motion.hpp>
 
@@ -20,7 +20,7 @@
 
 namespace silt::dem {
 
-template <int Dim, class RealType, int memory_words, bool has_couple>
+template <int Dim, class RealType, int history_words, bool has_couple>
 class ContactLanes {
  public:
   using Real = RealType;
@@ -28,7 +28,7 @@ class ContactLanes {
   using Columns = GrainColumns<Dim, Real>;
   using Row = ContactRow<has_couple>;
   /// Words of memory, filled up to whole fours.
-  static constexpr int padded_words = (memory_words + 3) / 4 * 4;
+  static constexpr int padded_words = (history_words + 3) / 4 * 4;
 
   /// Lane l looks at grains first[l] and second[l]; bit l is set if the two touch.
   [[gnu::always_inline]] unsigned look_at(const Columns& grains, const std::uint32_t* first,
@@ -139,13 +139,13 @@ class ContactLanes {
   }
 
   /// memory(lane) is what the law remembers there.
-  template <class MemoryAt>
-  [[gnu::always_inline]] void recall(MemoryAt&& memory) {
+  template <class HistoryAt>
+  [[gnu::always_inline]] void recall(HistoryAt&& history) {
     for (int p = 0; p < packs; ++p) {
-      for (int k = 0; k < memory_words; k += 4) {
+      for (int k = 0; k < history_words; k += 4) {
         Pack four[4];
-        columns_from<Real, N>([&](int lane) { return memory(p * N + lane) + k; }, four);
-        for (int m = 0; m < 4; ++m) simd::store<Real, N>(memory_[k + m] + p * N, four[m]);
+        columns_from<Real, N>([&](int lane) { return history(p * N + lane) + k; }, four);
+        for (int m = 0; m < 4; ++m) simd::store<Real, N>(history_[k + m] + p * N, four[m]);
       }
     }
   }
@@ -163,35 +163,35 @@ class ContactLanes {
   template <class Scalar = Real, class Law>
   void ask(const Law& law, Real dt, int lane) {
     const auto contact = this->contact<Scalar>(lane, dt);
-    if constexpr (memory_words == 0) {
-      keep(lane, contact, answer_of(law, contact));
+    if constexpr (history_words == 0) {
+      keep(lane, contact, evaluate_law(law, contact));
     } else if constexpr (std::is_same_v<Scalar, Real>) {
-      using Memory = LawMemory<Law, Dim, Real>;
-      Real words[memory_words];
-      for (int k = 0; k < memory_words; ++k) words[k] = memory_[k][lane];
-      auto own = Memory::from(words);
-      keep(lane, contact, answer_of(law, contact, own));
-      Memory::put(own, words);
-      for (int k = 0; k < memory_words; ++k) memory_[k][lane] = words[k];
+      using History = LawHistory<Law, Dim, Real>;
+      Real words[history_words];
+      for (int k = 0; k < history_words; ++k) words[k] = history_[k][lane];
+      auto own = History::from(words);
+      keep(lane, contact, evaluate_law(law, contact, own));
+      History::put(own, words);
+      for (int k = 0; k < history_words; ++k) history_[k][lane] = words[k];
     } else {
-      typename LawMemory<Law, Dim, Scalar>::type own;
+      typename LawHistory<Law, Dim, Scalar>::type own;
       auto* const word = reinterpret_cast<Scalar*>(&own);
-      for (int k = 0; k < memory_words; ++k) word[k] = memory_[k][lane];
-      keep(lane, contact, answer_of(law, contact, own));
-      for (int k = 0; k < memory_words; ++k) memory_[k][lane] = word[k];
+      for (int k = 0; k < history_words; ++k) word[k] = history_[k][lane];
+      keep(lane, contact, evaluate_law(law, contact, own));
+      for (int k = 0; k < history_words; ++k) history_[k][lane] = word[k];
     }
   }
 
   /// The row and the memory of each lane.
-  [[gnu::always_inline]] void give(Real* rows, Real* memories) const {
+  [[gnu::always_inline]] void give(Real* rows, Real* histories) const {
     for (int k = 0; k < Row::words; k += 4) rows_from(&row_[k], rows + k, Row::words);
-    for (int k = 0; k < padded_words; k += 4) rows_from(&memory_[k], memories + k, padded_words);
+    for (int k = 0; k < padded_words; k += 4) rows_from(&history_[k], histories + k, padded_words);
   }
 
  private:
   static constexpr int N = Columns::N;
   static constexpr int packs = lanes / N;
-  static constexpr int spin_words = spin_size<Dim>;
+  static constexpr int spin_words = angular_size<Dim>;
   using Pack = typename Columns::Pack;
 
   // u = v + a ω × n, with a to the surface along n, (5).
@@ -268,7 +268,7 @@ class ContactLanes {
   alignas(64) Real spin_[has_couple ? spin_words : 1][lanes];
   alignas(64) Real mass_[lanes];
   alignas(64) Real radius_[lanes];
-  alignas(64) Real memory_[std::max(padded_words, 1)][lanes] = {};
+  alignas(64) Real history_[std::max(padded_words, 1)][lanes] = {};
 };
 
 }  // namespace silt::dem

@@ -27,10 +27,10 @@ struct ContactRow {
   }
   /// The couple of a row [N m]; 0 if none is kept.
   template <int Dim, class Real>
-  static Spin<Dim, Real> couple_in([[maybe_unused]] const Real* row) {
-    auto all = zero_of<Spin<Dim, Real>>();
+  static AngularVec<Dim, Real> couple_in([[maybe_unused]] const Real* row) {
+    auto all = zero_of<AngularVec<Dim, Real>>();
     if constexpr (has_couple) {
-      for (int k = 0; k < spin_size<Dim>; ++k) component(all, k) = row[couple + k];
+      for (int k = 0; k < angular_size<Dim>; ++k) component(all, k) = row[couple + k];
     }
     return all;
   }

@@ -5,7 +5,7 @@
 #pragma once
 
 #include <silt/core/concepts.hpp>
-#include <silt/core/pair_memory.hpp>
+#include <silt/core/pair_history.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/any_touches.hpp>
@@ -13,7 +13,7 @@
 #include <silt/dem/contact_settings.hpp>
 #include <silt/dem/contacts_of_step.hpp>
 #include <silt/dem/grains.hpp>
-#include <silt/dem/law_memory.hpp>
+#include <silt/dem/law_history.hpp>
 #include <silt/dem/law_pass.hpp>
 #include <silt/dem/materials.hpp>
 #include <silt/dem/near_search.hpp>
@@ -37,10 +37,10 @@ namespace silt::dem {
 template <class Law, class... Walls>
 class Contacts {
   template <class P>
-  using MemoryOf = typename LawMemory<Law, P::dimension, typename P::Real>::type;
+  using HistoryOf = typename LawHistory<Law, P::dimension, typename P::Real>::type;
   template <class P>
   using FoundOf = Touches<P::dimension, typename P::Real,
-                          LawMemory<Law, P::dimension, typename P::Real>,
+                          LawHistory<Law, P::dimension, typename P::Real>,
                           GivesCouple<Law, P::dimension, typename P::Real>>;
 
  public:
@@ -97,7 +97,7 @@ class Contacts {
   }
 
   /// The time of the positions [s], which Simulation tells: where moving walls are.
-  void at(double time) { time_ = time; }
+  void set_time(double time) { time_ = time; }
 
   // The same in parts, see AddsForces in core/concepts.hpp.
 
@@ -173,7 +173,7 @@ class Contacts {
   // What the last step made, see ContactsOfStep.
 
   /// f(i, j, contact, force on i) for every contact of the last step whose grains are still there;
-  /// i and j are the places of the two (owned ones, now), j is `nowhere` for a wall. The contact's
+  /// i and j are the places of the two (owned ones, now), j is `no_index` for a wall. The contact's
   /// velocity is that of the grains as they are given, against that of a wall at the time of the
   /// contact, N.
   template <class P, class F>
@@ -181,7 +181,7 @@ class Contacts {
     of_step(grains).for_each(f);
   }
 
-  /// f(touch), with a WallTouch, for every contact of the last step with a wall whose grain is
+  /// f(touch), with a WallContact, for every contact of the last step with a wall whose grain is
   /// still there.
   template <class P, class F>
   void for_each_wall_contact(const P& grains, F&& f) const {
@@ -195,17 +195,17 @@ class Contacts {
     return of_step(grains).load_on(wall, about);
   }
 
-  /// f(AnsweredContact) for every contact of the last step: the law is asked again, as it was then.
+  /// f(EvaluatedContact) for every contact of the last step: the law is asked again, as it was then.
   /// `before` are the grains as that step found them, velocities and all. Not for after save().
   template <class P, class F>
-  void for_each_answer(const P& before, F&& f) const {
-    of_step(before).for_each_answer(f);
+  void for_each_evaluated_contact(const P& before, F&& f) const {
+    of_step(before).for_each_evaluated_contact(f);
   }
 
   /// The law tells its force by parts, and the energy in its springs.
   template <class P>
-  static constexpr bool tells_springs =
-      ContactsOfStep<P, Law, WallSet<Walls...>, FoundOf<P>>::tells_springs;
+  static constexpr bool gives_spring_energy =
+      ContactsOfStep<P, Law, WallSet<Walls...>, FoundOf<P>>::gives_spring_energy;
 
   /// Energy in the springs of the last step's contacts [J]; 0 for a law that does not tell.
   template <class P>
@@ -215,24 +215,24 @@ class Contacts {
 
   /// What the law remembers of the pairs that touch, by ids: for a checkpoint.
   template <class P>
-  auto memory(const P& grains) const {
-    return of_step(grains).memory();
+  auto history(const P& grains) const {
+    return of_step(grains).history();
   }
 
   /// Replaces it: what a restart reads.
-  template <class P, class Memory>
-  void remember(const P&, const PairMemory<Memory>& memory) {
-    static_assert(std::same_as<Memory, MemoryOf<P>>,
+  template <class P, class History>
+  void set_history(const P&, const PairHistory<History>& history) {
+    static_assert(std::same_as<History, HistoryOf<P>>,
                   "silt::dem::Contacts: this is not what the law remembers of grains like these");
-    found<P>().remember(memory);
+    found<P>().set_history(history);
   }
 
   /// For a checkpoint, see core/transfer.hpp: what the law remembers.
   template <class Archive, class P>
   void transfer(Archive& archive, const P& grains) {
-    auto own = memory(grains);
+    auto own = history(grains);
     archive.within("memory", [&] { own.transfer(archive); });
-    if constexpr (Archive::reads) remember(grains, own);
+    if constexpr (Archive::reads) set_history(grains, own);
   }
 
   void save() noexcept { found_.save(); }

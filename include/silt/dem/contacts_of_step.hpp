@@ -3,11 +3,11 @@
 #pragma once
 
 #include <silt/core/error.hpp>
-#include <silt/core/pair_memory.hpp>
+#include <silt/core/pair_history.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/contact.hpp>
 #include <silt/dem/grains.hpp>
-#include <silt/dem/law_memory.hpp>
+#include <silt/dem/law_history.hpp>
 #include <silt/dem/materials.hpp>
 #include <silt/dem/single_contacts.hpp>
 #include <silt/dem/wall_load.hpp>
@@ -26,7 +26,7 @@ template <class P, class Law, class Walls>
 const Law& law_between(const P& grains, const Sides& sides, const Materials<Law>& materials,
                        const Walls& walls) {
   const std::uint32_t other =
-      sides.j != nowhere ? grains[material][sides.j] : walls.material(walls.number_of(sides.wall));
+      sides.j != no_index ? grains[material][sides.j] : walls.material(walls.number_of(sides.wall));
   const std::uint32_t own = grains[material][sides.i];
   materials.check(std::max(own, other), "of a grain",
                   {.particle = sides.i, .id = grains.id(sides.i)});
@@ -54,7 +54,7 @@ class ContactsOfStep {
   using Real = typename P::Real;
   using Vec = typename P::Vec;
   using Row = typename T::Row;
-  using Memory = LawMemory<Law, P::dimension, Real>;
+  using History = LawHistory<Law, P::dimension, Real>;
   using Contact = dem::Contact<P::dimension, Real>;
 
  public:
@@ -77,8 +77,8 @@ class ContactsOfStep {
   void for_each_at_walls(F&& f) const {
     const auto walls = walls_then();
     for_each_touch(grains_, touches_, [&](Index, const Sides& sides, const auto* row) {
-      if (sides.wall == nowhere) return;
-      WallTouch<P::dimension, Real> touch;
+      if (sides.wall == no_index) return;
+      WallContact<P::dimension, Real> touch;
       touch.grain = sides.i;
       touch.wall = walls_.number_of(sides.wall);
       touch.point = contact_point<P, Row>(grains_, row, sides);
@@ -101,31 +101,31 @@ class ContactsOfStep {
     for_each_at_walls([&](const auto& touch) {
       if (touch.wall != wall) return;
       load.force += touch.force;
-      load.moment += moment(Vec(touch.point - about), touch.force) + touch.couple;
+      load.moment += cross(Vec(touch.point - about), touch.force) + touch.couple;
     });
     return load;
   }
 
-  /// See Contacts::for_each_answer.
+  /// See Contacts::for_each_evaluated_contact.
   template <class F>
-  void for_each_answer(F&& f) const {
-    const auto memories = touches_.memories_before();
+  void for_each_evaluated_contact(F&& f) const {
+    const auto histories = touches_.histories_before();
     const auto walls = walls_then();
     const auto walls_seen = walls_as_the_law_saw_them<P>(walls_, touches_.seen());
     for_each_touch(grains_, touches_, [&](Index c, const Sides& sides, const auto* row) {
       const Law& law = law_of(sides);
       const auto contact = contact_of(grains_, touches_.seen(), row, sides, walls_seen);
       RigidVelocity<P::dimension, Real> wall;
-      if (sides.wall != nowhere) wall = walls.velocity(sides.wall);
+      if (sides.wall != no_index) wall = walls.velocity(sides.wall);
       const auto ask = [&] {
-        if constexpr (Memory::words == 0) {
-          return answer_of(law, contact);
+        if constexpr (History::words == 0) {
+          return evaluate_law(law, contact);
         } else {
-          auto own = Memory::from(memories.of(c));
-          return answer_of(law, contact, own);
+          auto own = History::from(histories.of(c));
+          return evaluate_law(law, contact, own);
         }
       };
-      f(AnsweredContact<P::dimension, Real, decltype(ask())>{
+      f(EvaluatedContact<P::dimension, Real, decltype(ask())>{
           .sides = sides,
           .first = touches_.near().first_id(c),
           .second = touches_.near().second_id(c),
@@ -134,15 +134,15 @@ class ContactsOfStep {
           .answer = ask(),
           .wall_velocity = wall.at(contact_point<P, Row>(grains_, row, sides)),
           .wall_spin = wall.spin,
-          .elastic = elastic_parts(law, contact, touches_.seen().memory_of(c))});
+          .elastic = elastic_energies(law, contact, touches_.seen().history_of(c))});
     });
   }
 
   /// The law tells its force by parts, and the energy in its springs.
-  static constexpr bool tells_springs =
-      TellsParts<Law, P::dimension, Real> &&
-      requires(const Law law, const Contact c, const typename Memory::type memory) {
-        law.elastic_parts(c, memory);
+  static constexpr bool gives_spring_energy =
+      GivesComponents<Law, P::dimension, Real> &&
+      requires(const Law law, const Contact c, const typename History::type history) {
+        law.elastic_energies(c, history);
       };
 
   /// See Contacts::elastic_energy.
@@ -153,20 +153,20 @@ class ContactsOfStep {
       for_each_touch(grains_, touches_, [&](Index c, const Sides& sides, const auto* row) {
         energy += double(
             law_of(sides).elastic_energy(contact_of(grains_, touches_.seen(), row, sides, walls),
-                                         Memory::from(touches_.seen().memory_of(c))));
+                                         History::from(touches_.seen().history_of(c))));
       });
     }
     return energy;
   }
 
   /// See Contacts::memory.
-  auto memory() const {
+  auto history() const {
     using Remembered = typename T::Remembered;
     if (const Remembered* const recalled = touches_.recalled()) return *recalled;
     std::vector<typename Remembered::Entry> entries;
     for_each_touch(grains_, touches_, [&](Index c, const Sides&, const auto*) {
       entries.push_back({touches_.near().first_id(c), touches_.near().second_id(c),
-                         Memory::from(touches_.seen().memory_of(c))});
+                         History::from(touches_.seen().history_of(c))});
     });
     return Remembered(std::move(entries));
   }
@@ -178,9 +178,9 @@ class ContactsOfStep {
 
   auto walls_then() const { return walls_of_step<P>(walls_, touches_.seen()); }
 
-  static ElasticParts elastic_parts(const Law& law, const Contact& contact, const Real* memory) {
-    if constexpr (tells_springs) {
-      return law.elastic_parts(contact, Memory::from(memory));
+  static ElasticEnergies elastic_energies(const Law& law, const Contact& contact, const Real* history) {
+    if constexpr (gives_spring_energy) {
+      return law.elastic_energies(contact, History::from(history));
     } else {
       return {};
     }

@@ -23,7 +23,7 @@ Coordination coordination(const P& grains, const C& contacts) {
   std::vector<Index> number(grains.size());
   contacts.for_each_contact(grains, [&](Index i, Index j, const auto&, const auto&) {
     ++number[i];
-    if (j != nowhere) ++number[j];
+    if (j != no_index) ++number[j];
   });
   double sum = 0;
   double with_one = 0;

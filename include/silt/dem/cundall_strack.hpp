@@ -18,7 +18,7 @@ namespace silt::dem {
 /// F_n = k_n δ, and D_n = c_n v_n with the velocity at N itself: second order in Δt. The default.
 struct OverlapForm {
   template <int Dim, class Real>
-  struct Memory : CentredDashpot::Memory<Real> {
+  struct History : CentredDashpot::History<Real> {
     Vec<Dim, Real> tangential_force = Vec<Dim, Real>::Zero();  ///< spring part, on i [N]
   };
 
@@ -28,9 +28,9 @@ struct OverlapForm {
   }
 
   template <class C, class M>
-  static typename C::Real dashpot_force(const C& contact, M& memory, typename C::Real k_n,
+  static typename C::Real dashpot_force(const C& contact, M& history, typename C::Real k_n,
                                         typename C::Real c_n) {
-    return CentredDashpot::force(contact, memory, k_n, c_n);
+    return CentredDashpot::force(contact, history, k_n, c_n);
   }
 
   /// What stretches the spring [m].
@@ -46,15 +46,15 @@ struct OverlapForm {
 /// letter, first order in Δt. Tends to OverlapForm as Δt → 0.
 struct IncrementalForm {
   template <int Dim, class Real>
-  struct Memory {
+  struct History {
     Vec<Dim, Real> tangential_force = Vec<Dim, Real>::Zero();  ///< spring part, on i [N]
     Real normal_force = 0;                                     ///< spring part [N]
   };
 
   template <class C, class M>
-  static typename C::Real spring_force(const C& contact, M& memory, typename C::Real k_n) {
-    memory.normal_force += k_n * contact.approach_speed() * contact.time_step;
-    return memory.normal_force;
+  static typename C::Real spring_force(const C& contact, M& history, typename C::Real k_n) {
+    history.normal_force += k_n * contact.approach_speed() * contact.time_step;
+    return history.normal_force;
   }
 
   template <class C, class M>
@@ -64,8 +64,8 @@ struct IncrementalForm {
   }
 
   template <class C, class M>
-  static double compression(const C&, const M& memory, double k_n) {
-    return double(memory.normal_force) / k_n;
+  static double compression(const C&, const M& history, double k_n) {
+    return double(history.normal_force) / k_n;
   }
 
   static constexpr double lateness = 1;
@@ -79,11 +79,12 @@ struct CundallStrackLaw {
   std::optional<double> beta = {};  ///< β [s]: c_n = β k_n, c_s = β k_s (24), in place of e
   FrictionAngle friction_angle = {};  ///< φ_μ [rad] in [0, π/2)
   double cohesion = 0;                ///< c of (13): tangential force that holds without load [N]
-  bool tension = true;  ///< false: the dashpot never pulls, and e grows to e_clip(ζ) of Schwager
-                        ///< and Pöschel (2007)
+  /// Limits the dashpot so that the normal force is never attractive; the restitution then rises
+  /// to e_clip(ζ) of Schwager and Pöschel (2007).
+  bool limit_damping = false;
 
   template <int Dim, class Real>
-  using Memory = typename NormalForm::template Memory<Dim, Real>;
+  using History = typename NormalForm::template History<Dim, Real>;
 
   /// Throws if a parameter is out of range.
   void check() const {
@@ -102,26 +103,26 @@ struct CundallStrackLaw {
   }
 
   template <class C, class M>
-  auto parts(const C& contact, M& memory) const {
+  auto components(const C& contact, M& history) const {
     using Real = typename C::Real;
     const Real k_n = Real(normal_stiffness);
     const Real k_s = Real(tangential_stiffness);
     const Real c_over_k = dashpot_over_spring(contact.effective_mass);
 
-    ForceParts<C::dimension, Real> parts;
-    const Real F_n = NormalForm::spring_force(contact, memory, k_n);
-    const Real D_n = NormalForm::dashpot_force(contact, memory, k_n, c_over_k * k_n);
+    ForceComponents<C::dimension, Real> parts;
+    const Real F_n = NormalForm::spring_force(contact, history, k_n);
+    const Real D_n = NormalForm::dashpot_force(contact, history, k_n, c_over_k * k_n);
     parts.normal_spring = F_n;
-    parts.normal_dashpot = tension ? D_n : without_pull(F_n, D_n);
+    parts.normal_dashpot = limit_damping ? limited_dashpot(F_n, D_n) : D_n;
 
     const Slider<Real> slider{
         .stiffness = k_s,
         .dashpot = c_over_k * k_s,
         .limit = std::max(Real(0), F_n * Real(friction_angle.tangent) + Real(cohesion))};
     const auto tangential =
-        slide(slider, turned_into_plane(memory.tangential_force, contact.normal),
+        slide(slider, turned_into_plane(history.tangential_force, contact.normal),
               contact.tangential_velocity(), contact.time_step);
-    memory.tangential_force = tangential.spring;
+    history.tangential_force = tangential.spring;
     parts.tangential_spring = tangential.spring;
     parts.tangential_dashpot = tangential.dashpot;
     parts.friction = tangential.lost;
@@ -129,16 +130,16 @@ struct CundallStrackLaw {
   }
 
   template <class C, class M>
-  ElasticParts elastic_parts(const C& contact, const M& memory) const {
+  ElasticEnergies elastic_energies(const C& contact, const M& history) const {
     return {.normal = normal_stiffness *
-                      squared(NormalForm::compression(contact, memory, normal_stiffness)) / 2,
-            .tangential = energy_of_spring(memory.tangential_force, tangential_stiffness)};
+                      squared(NormalForm::compression(contact, history, normal_stiffness)) / 2,
+            .tangential = energy_of_spring(history.tangential_force, tangential_stiffness)};
   }
 
   /// Energy in the two springs [J].
   template <class C, class M>
-  double elastic_energy(const C& contact, const M& memory) const {
-    return elastic_parts(contact, memory).sum();
+  double elastic_energy(const C& contact, const M& history) const {
+    return elastic_energies(contact, history).sum();
   }
 
   template <class C>
@@ -163,7 +164,7 @@ struct CundallStrackLaw {
     if (a.beta || b.beta) law.beta = std::max(a.beta.value_or(0), b.beta.value_or(0));
     law.friction_angle = FrictionAngle::mix(a.friction_angle, b.friction_angle);
     law.cohesion = std::min(a.cohesion, b.cohesion);
-    law.tension = a.tension && b.tension;
+    law.limit_damping = a.limit_damping || b.limit_damping;
     return law;
   }
 

@@ -51,7 +51,7 @@ Real share_of_step(Real overlap, Real way_of_a_step) {
 /// D_n = c v_n with the velocity at N itself: second order in Δt.
 struct CentredDashpot {
   template <class Real>
-  struct Memory {
+  struct History {
     Real approach_speed = 0;  ///< v_n of the half step before the last [m/s]
     Real was_there = 0;       ///< 1 once approach_speed is known [-]
   };
@@ -60,14 +60,14 @@ struct CentredDashpot {
   /// with v_n^N in place of v_n^{N−½}, which is half a step late: extrapolated from the last two
   /// half steps, v_n^N = v_n^{N−½} + ½ (v_n^{N−½} − v_n^{N−3/2}).
   template <class C, class M>
-  static typename C::Real force(const C& contact, M& memory, typename C::Real k_n,
+  static typename C::Real force(const C& contact, M& history, typename C::Real k_n,
                                 typename C::Real c_n) {
     using Real = typename C::Real;
     const Real v_half = contact.approach_speed();
     // Before it touched, it flew freely.
-    const Real v_n = v_half + memory.was_there * (v_half - memory.approach_speed) / 2;
-    memory.approach_speed = v_half;
-    memory.was_there = 1;
+    const Real v_n = v_half + history.was_there * (v_half - history.approach_speed) / 2;
+    history.approach_speed = v_half;
+    history.was_there = 1;
     // Extrapolated, the velocity of an oscillation is too large by the factor 1 + ⅜ (ω Δt)².
     const Real swing = k_n * squared(contact.time_step) / contact.effective_mass;
     return c_n * v_n * share_of_step(contact.overlap, std::abs(v_n) * contact.time_step) /
@@ -80,7 +80,7 @@ struct CentredDashpot {
 
 /// The dashpot's force, where it may pull no harder than the spring pushes [N].
 template <class Real>
-Real without_pull(Real spring, Real dashpot) {
+Real limited_dashpot(Real spring, Real dashpot) {
   return spring + dashpot < 0 ? -spring : dashpot;
 }
 

@@ -14,7 +14,7 @@
 
 #include <silt/core/energy.hpp>
 #include <silt/core/error.hpp>
-#include <silt/core/pair_memory.hpp>
+#include <silt/core/pair_history.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/particles.hpp>
 #include <silt/core/types.hpp>
@@ -97,7 +97,7 @@ class EnergyLedger {
   double imbalance() const noexcept { return change_of_step() - step_.sum(); }
 
  private:
-  using Stored = PairMemory<ElasticParts>;
+  using Stored = PairHistory<ElasticEnergies>;
   using Entries = std::vector<Stored::Entry>;
 
   static double energy_of_motion(const P& grains) {
@@ -114,8 +114,8 @@ class EnergyLedger {
 
   void check_that_all_are_known(const P& after) const {
     const Index stranger = first_where(
-        after.size(), [&](Index i) { return before_.index_of(after.id(i)) == nowhere; });
-    if (stranger == nowhere) return;
+        after.size(), [&](Index i) { return before_.index_of(after.id(i)) == no_index; });
+    if (stranger == no_index) return;
     fail("dem::EnergyLedger: it does not know a grain that was there during the step; call "
          "before_step() after adding grains, or stand it behind the observer that adds them",
          {.particle = stranger, .id = after.id(stranger)});
@@ -148,12 +148,12 @@ class EnergyLedger {
     if constexpr (requires { interaction.for_each_part([](const auto&) {}); }) {
       interaction.for_each_part(
           [&](const auto& part) { knows_all &= add_works(part, lost, stored); });
-    } else if constexpr (requires { interaction.for_each_answer(before_, [](const auto&) {}); }) {
-      interaction.for_each_answer(before_, [&](const auto& each) {
+    } else if constexpr (requires { interaction.for_each_evaluated_contact(before_, [](const auto&) {}); }) {
+      interaction.for_each_evaluated_contact(before_, [&](const auto& each) {
         motion_.add_contact(before_, each, step_, lost);
         stored.push_back({each.first, each.second, each.elastic});
       });
-      knows_springs_ = knows_springs_ && I::template tells_springs<P>;
+      knows_springs_ = knows_springs_ && I::template gives_spring_energy<P>;
     } else if constexpr (requires(typename P::Vec g) { g = interaction.acceleration(); }) {
       add_gravity(in_double(interaction.acceleration()));
     } else {
@@ -204,7 +204,7 @@ class EnergyLedger {
   // the kick's before.
   void take_stock(const Works& last, const Losses& lost, Entries stored) {
     Stored now(std::move(stored));
-    now.for_each_pair([&](Id, Id, const ElasticParts& each) { energies_.elastic += each; });
+    now.for_each_pair([&](Id, Id, const ElasticEnergies& each) { energies_.elastic += each; });
     if (!has_begun_) {
       beginning_ = energies_;
       outside_ = 0;
@@ -213,8 +213,8 @@ class EnergyLedger {
       works_.add(last, 0.5);
       works_.add(step_, 0.5);
       Losses all = lost;
-      ElasticParts before;
-      stored_.for_each_pair([&](Id a, Id b, const ElasticParts& each) {
+      ElasticEnergies before;
+      stored_.for_each_pair([&](Id a, Id b, const ElasticEnergies& each) {
         if (!is_there(a) || !is_there(b)) return;  // removed, and the spring with it
         before += each;
         if (now.find(a, b) == nullptr) all.opened += each.tangential + each.rolling;
@@ -225,7 +225,7 @@ class EnergyLedger {
     }
     stored_ = std::move(now);
   }
-  bool is_there(Id id) const { return is_wall_id(id) || before_.index_of(id) != nowhere; }
+  bool is_there(Id id) const { return is_wall_id(id) || before_.index_of(id) != no_index; }
 
   P before_;  // as the last step ended, or the next one begins
   std::uint64_t steps_ = 0;

@@ -16,7 +16,7 @@ struct Energies {
   double rotational = 0;  ///< Σ ½ I ω²
   double potential = 0;   ///< −Σ m g·x, zero at the origin; jumps when grains go round a period
                           ///< along g
-  ElasticParts elastic{};  ///< in the springs of contacts
+  ElasticEnergies elastic{};  ///< in the springs of contacts
 
   double sum() const { return kinetic + rotational + potential + elastic.sum(); }
 };
@@ -34,7 +34,7 @@ struct Works {
   double walls = 0;    ///< by walls that move
   double gravity = 0;
   double damping = 0;  ///< of the integrator: global damping
-  double leavers = 0;  ///< by grains that were removed in the step, on those that stayed
+  double on_escape = 0;  ///< by grains that were removed in the step, on those that stayed
   double other = 0;    ///< by forces that the ledger does not know
 
   double springs() const { return normal_spring + tangential_spring + rolling_spring + adhesion; }
@@ -61,7 +61,7 @@ struct Works {
          {&Works::normal_spring, &Works::tangential_spring, &Works::rolling_spring,
           &Works::adhesion, &Works::normal_dashpot, &Works::tangential_dashpot,
           &Works::rolling_dashpot, &Works::contact, &Works::walls, &Works::gravity,
-          &Works::damping, &Works::leavers, &Works::other}) {
+          &Works::damping, &Works::on_escape, &Works::other}) {
       f(term);
     }
   }

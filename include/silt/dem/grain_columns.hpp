@@ -21,7 +21,7 @@ class GrainColumns {
  public:
   using Real = RealType;
   using Vec = silt::Vec<Dim, Real>;
-  using Spin = silt::Spin<Dim, Real>;
+  using AngularVec = silt::AngularVec<Dim, Real>;
 
   /// As many grains as fill a register; these are their places.
   static constexpr int N = std::min(lanes, simd::lanes<Real>);
@@ -32,7 +32,7 @@ class GrainColumns {
   };
   struct Motion {
     Pack v[Dim];             ///< [m/s]
-    Pack w[spin_size<Dim>];  ///< [1/s]
+    Pack w[angular_size<Dim>];  ///< [1/s]
     Pack m;                  ///< [kg]
   };
 
@@ -87,7 +87,7 @@ class GrainColumns {
 
   const Vec* x_;
   const Vec* v_;
-  const Spin* w_;
+  const AngularVec* w_;
   const Real* R_;
   const Real* m_;
   std::uint32_t last_;

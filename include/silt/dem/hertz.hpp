@@ -20,10 +20,11 @@ namespace silt::dem {
 struct Hertz {
   Elastic elastic = {};
   Restitution restitution = {};  ///< e [-] in (0, 1]
-  bool tension = true;           ///< false: the dashpot never pulls, and e grows
+  /// Limits the dashpot so that the normal force is never attractive; the restitution then rises.
+  bool limit_damping = false;
 
   template <int, class Real>
-  using Memory = CentredDashpot::Memory<Real>;
+  using History = CentredDashpot::History<Real>;
 
   void check() const {
     elastic.check("Hertz");
@@ -31,14 +32,14 @@ struct Hertz {
   }
 
   template <class C, class M>
-  NormalForce<C> normal_force(const C& contact, M& memory) const {
+  NormalForce<C> normal_force(const C& contact, M& history) const {
     using Real = typename C::Real;
     const Real S = tangent(contact);
     const Real c = dashpot(contact, S);
     const Real spring = S * contact.overlap * 2 / 3;
-    const Real pull = CentredDashpot::force(contact, memory, S, c);
+    const Real pull = CentredDashpot::force(contact, history, S, c);
     return {.spring = spring,
-            .dashpot = tension ? pull : without_pull(spring, pull),
+            .dashpot = limit_damping ? limited_dashpot(spring, pull) : pull,
             .stiffness = S,
             .beta = c / S};
   }
@@ -61,7 +62,7 @@ struct Hertz {
   static Hertz mix(const Hertz& a, const Hertz& b) {
     return {.elastic = Elastic::mix(a.elastic, b.elastic),
             .restitution = Restitution::mix(a.restitution, b.restitution),
-            .tension = a.tension && b.tension};
+            .limit_damping = a.limit_damping || b.limit_damping};
   }
 
  private:

@@ -6,7 +6,7 @@
 #include <silt/core/random.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/grains.hpp>
-#include <silt/dem/looks.hpp>
+#include <silt/dem/schedule.hpp>
 #include <silt/dem/packing.hpp>
 #include <silt/dem/region.hpp>
 #include <silt/dem/size_distribution.hpp>
@@ -74,7 +74,7 @@ class Inflow {
   Index due(double since) const {
     if (!settings_.rate) return settings_.number;
     const double coming = std::min(*settings_.rate * since, double(settings_.number));
-    return std::min(settings_.number, 1 + whole_times(coming));
+    return std::min(settings_.number, 1 + completed_intervals(coming));
   }
 
   template <class P>
@@ -100,7 +100,7 @@ class Inflow {
   Settings settings_;
   Index came_ = 0;
   std::uint64_t tried_ = 0;  // random numbers used up to find room for the one that waits
-  Looks looks_;
+  Schedule looks_;
 };
 
 template <class R, class Sizes>

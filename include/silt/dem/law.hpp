@@ -28,10 +28,10 @@ class Law {
   template <class Part>
   static constexpr bool has = !std::is_same_v<Part, NoPart>;
   template <class C, class... Parts>
-  static constexpr bool any_remembers =
-      (Remembers<Parts, C::dimension, typename C::Real> || ...);
+  static constexpr bool any_has_history =
+      (HasHistory<Parts, C::dimension, typename C::Real> || ...);
   template <class C>
-  static constexpr bool remembers = any_remembers<C, Normal, Tangential, Rolling, Adhesion>;
+  static constexpr bool has_history = any_has_history<C, Normal, Tangential, Rolling, Adhesion>;
 
  public:
   Normal normal;
@@ -53,9 +53,9 @@ class Law {
 
   /// What the parts remember, side by side.
   template <int Dim, class Real>
-  struct Memory {
+  struct History {
     template <class Part, int place>
-    using Of = typename detail::PartMemory<Part, Dim, Real, place>::type;
+    using Of = typename detail::PartHistory<Part, Dim, Real, place>::type;
 
     [[no_unique_address]] Of<Tangential, 1> tangential{};
     [[no_unique_address]] Of<Rolling, 2> rolling{};
@@ -74,23 +74,23 @@ class Law {
     check_one(adhesion);
   }
 
-  /// Gives ForceParts, or LoadParts if one of the parts resists rolling.
+  /// Gives ForceComponents, or LoadComponents if one of the parts resists rolling.
   template <class C>
-    requires(!remembers<C>)
-  auto parts(const C& contact) const {
-    Memory<C::dimension, typename C::Real> nothing;
+    requires(!has_history<C>)
+  auto components(const C& contact) const {
+    History<C::dimension, typename C::Real> nothing;
     return answer_of_parts(contact, nothing);
   }
   template <class C, class M>
-    requires(remembers<C>)
-  auto parts(const C& contact, M& memory) const {
-    return answer_of_parts(contact, memory);
+    requires(has_history<C>)
+  auto components(const C& contact, M& history) const {
+    return answer_of_parts(contact, history);
   }
 
   /// Of the springs of all parts; known if each tells its own.
   template <class C>
-    requires detail::TellsStiffness<Normal, C> && detail::TellsStiffness<Tangential, C> &&
-             detail::TellsStiffness<Rolling, C>
+    requires detail::GivesStiffness<Normal, C> && detail::GivesStiffness<Tangential, C> &&
+             detail::GivesStiffness<Rolling, C>
   Stiffness stiffness(const C& contact) const {
     Stiffness all = normal.stiffness(contact);
     if constexpr (has<Tangential>) all = tangential.stiffness(contact, all);
@@ -100,16 +100,16 @@ class Law {
 
   /// Of parts that do not tell theirs, 0.
   template <class C, class M>
-  ElasticParts elastic_parts(const C& contact, const M& memory) const {
-    if constexpr (remembers<C>) {
-      return energies_of_parts(contact, memory);
+  ElasticEnergies elastic_energies(const C& contact, const M& history) const {
+    if constexpr (has_history<C>) {
+      return energies_of_parts(contact, history);
     } else {
-      return energies_of_parts(contact, Memory<C::dimension, typename C::Real>{});
+      return energies_of_parts(contact, History<C::dimension, typename C::Real>{});
     }
   }
   template <class C, class M>
-  double elastic_energy(const C& contact, const M& memory) const {
-    return elastic_parts(contact, memory).sum();
+  double elastic_energy(const C& contact, const M& history) const {
+    return elastic_energies(contact, history).sum();
   }
 
   /// Part by part, as each says.
@@ -134,23 +134,23 @@ class Law {
 
  private:
   template <class C, class M>
-  [[gnu::always_inline]] auto answer_of_parts(const C& contact, M& memory) const {
+  [[gnu::always_inline]] auto answer_of_parts(const C& contact, M& history) const {
     using Real = typename C::Real;
     constexpr int Dim = C::dimension;
-    std::conditional_t<has<Rolling>, LoadParts<Dim, Real>, ForceParts<Dim, Real>> answer;
+    std::conditional_t<has<Rolling>, LoadComponents<Dim, Real>, ForceComponents<Dim, Real>> answer;
 
     const NormalForce<C> n = detail::recalling<Normal, C>(
-        memory.normal, [&](auto&... own) { return normal.normal_force(contact, own...); });
+        history.normal, [&](auto&... own) { return normal.normal_force(contact, own...); });
     answer.normal_spring = n.spring;
     answer.normal_dashpot = n.dashpot;
     answer.plastic = n.plastic;
     if constexpr (has<Adhesion>) {
       answer.adhesion = detail::recalling<Adhesion, C>(
-          memory.adhesion, [&](auto&... own) { return adhesion.adhesion_force(contact, own...); });
+          history.adhesion, [&](auto&... own) { return adhesion.adhesion_force(contact, own...); });
     }
     if constexpr (has<Tangential>) {
       const TangentialForce<C> t = detail::recalling<Tangential, C>(
-          memory.tangential,
+          history.tangential,
           [&](auto&... own) { return tangential.tangential_force(contact, n, own...); });
       answer.tangential_spring = t.spring;
       answer.tangential_dashpot = t.dashpot;
@@ -158,7 +158,7 @@ class Law {
     }
     if constexpr (has<Rolling>) {
       const RollingCouple<C> r = detail::recalling<Rolling, C>(
-          memory.rolling, [&](auto&... own) { return rolling.rolling_couple(contact, n, own...); });
+          history.rolling, [&](auto&... own) { return rolling.rolling_couple(contact, n, own...); });
       answer.rolling_spring = r.spring;
       answer.rolling_dashpot = r.dashpot;
       answer.rolling_friction = r.friction;
@@ -167,16 +167,16 @@ class Law {
   }
 
   template <class C, class M>
-  ElasticParts energies_of_parts(const C& contact, const M& memory) const {
-    return {.normal = energy_of(normal, contact, memory.normal),
-            .tangential = energy_of(tangential, contact, memory.tangential),
-            .rolling = energy_of(rolling, contact, memory.rolling),
-            .adhesion = energy_of(adhesion, contact, memory.adhesion)};
+  ElasticEnergies energies_of_parts(const C& contact, const M& history) const {
+    return {.normal = energy_of(normal, contact, history.normal),
+            .tangential = energy_of(tangential, contact, history.tangential),
+            .rolling = energy_of(rolling, contact, history.rolling),
+            .adhesion = energy_of(adhesion, contact, history.adhesion)};
   }
 
   template <class Part, class C, class M>
-  static double energy_of(const Part& part, const C& contact, const M& memory) {
-    return detail::recalling<Part, C>(memory, [&](const auto&... own) {
+  static double energy_of(const Part& part, const C& contact, const M& history) {
+    return detail::recalling<Part, C>(history, [&](const auto&... own) {
       if constexpr (requires { part.elastic_energy(contact, own...); }) {
         return double(part.elastic_energy(contact, own...));
       } else {

@@ -7,7 +7,7 @@
 #include <silt/dem/contact.hpp>
 #include <silt/dem/contact_lanes.hpp>
 #include <silt/dem/grains.hpp>
-#include <silt/dem/law_memory.hpp>
+#include <silt/dem/law_history.hpp>
 #include <silt/dem/prescribed_contact.hpp>
 #include <silt/dem/wall.hpp>
 
@@ -29,7 +29,7 @@ using EightLoads = std::array<std::vector<LawLoad<Dim>>, lanes>;
 template <class Law, int Dim>
   requires LawInLanes<Law, Dim, double>
 EightLoads<Dim> loads_in_lanes(const Law& law, const EightContacts<Dim>& contacts) {
-  using Kept = LawMemory<Law, Dim, double>;
+  using Kept = LawHistory<Law, Dim, double>;
   constexpr bool has_couple = GivesCouple<Law, Dim, double>;
   using Eight = ContactLanes<Dim, double, Kept::words, has_couple>;
   using Row = typename Eight::Row;
@@ -44,15 +44,15 @@ EightLoads<Dim> loads_in_lanes(const Law& law, const EightContacts<Dim>& contact
   }
   const typename Eight::Columns columns(grains);
   alignas(64) double rows[lanes * Row::words] = {};
-  alignas(64) double memories[lanes * std::max(Eight::padded_words, 1)] = {};
-  const auto memory_of = [&](int lane) { return memories + lane * Eight::padded_words; };
+  alignas(64) double histories[lanes * std::max(Eight::padded_words, 1)] = {};
+  const auto history_of = [&](int lane) { return histories + lane * Eight::padded_words; };
 
   Eight eight;
   EightLoads<Dim> loads;
   for (Index k = 0; k < contacts[0].size(); ++k) {
     for (Index lane = 0; lane < lanes; ++lane) {
       const auto& contact = contacts[lane][k];
-      if (k == 0 || !(contact.overlap > 0)) Kept::put({}, memory_of(int(lane)));
+      if (k == 0 || !(contact.overlap > 0)) Kept::put({}, history_of(int(lane)));
       // u = v − (R − δ) ω × n
       const Vec<Dim> arm = (contact.overlap - contact.effective_radius) * contact.normal;
       grains[velocity][lane] = contact.relative_velocity - cross(contact.relative_spin, arm);
@@ -64,9 +64,9 @@ EightLoads<Dim> loads_in_lanes(const Law& law, const EightContacts<Dim>& contact
     };
     eight.look_at_walls(columns, places.data(), places.data(), nearest);
     eight.meet_walls(columns, places.data(), places.data(), 1, nullptr);
-    eight.recall(memory_of);
+    eight.recall(history_of);
     eight.ask(law, contacts[0][k].time_step);
-    eight.give(rows, memories);
+    eight.give(rows, histories);
     for (Index lane = 0; lane < lanes; ++lane) {
       LawLoad<Dim>& load = loads[lane].emplace_back();
       if (!(contacts[lane][k].overlap > 0)) continue;

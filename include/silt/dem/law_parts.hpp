@@ -54,10 +54,10 @@ struct TangentialForce {
 template <class C>
 struct RollingCouple {
   using Real = typename C::Real;
-  using Spin = typename C::Spin;
+  using AngularVec = typename C::AngularVec;
 
-  Spin spring = zero_of<Spin>();   ///< [N m]
-  Spin dashpot = zero_of<Spin>();  ///< [N m]
+  AngularVec spring = zero_of<AngularVec>();   ///< [N m]
+  AngularVec dashpot = zero_of<AngularVec>();  ///< [N m]
   Real friction = 0;               ///< lost in this step by the slider [J]
 };
 
@@ -66,27 +66,27 @@ struct NoPart {};
 
 /// The part remembers something of each contact.
 template <class P, int Dim, class Real>
-concept Remembers = requires { typename P::template Memory<Dim, Real>; };
+concept HasHistory = requires { typename P::template History<Dim, Real>; };
 
 namespace detail {
 
 // What a part remembers. Those that remember nothing share no type, so that they take no space
 // beside one another in a struct.
 template <class P, int Dim, class Real, int place>
-struct PartMemory {
+struct PartHistory {
   struct type {};
 };
 template <class P, int Dim, class Real, int place>
-  requires Remembers<P, Dim, Real>
-struct PartMemory<P, Dim, Real, place> {
-  using type = typename P::template Memory<Dim, Real>;
+  requires HasHistory<P, Dim, Real>
+struct PartHistory<P, Dim, Real, place> {
+  using type = typename P::template History<Dim, Real>;
 };
 
 // f(memory) for a part that remembers something, f() for one that does not.
 template <class P, class C, class M, class F>
-auto recalling(M& memory, F&& f) {
-  if constexpr (Remembers<P, C::dimension, typename C::Real>) {
-    return f(memory);
+auto recalling(M& history, F&& f) {
+  if constexpr (HasHistory<P, C::dimension, typename C::Real>) {
+    return f(history);
   } else {
     return f();
   }
@@ -99,8 +99,8 @@ concept NormalPart =
     requires(const P part, const Contact<Dim, Real> c) {
       { part.normal_force(c) } -> std::convertible_to<NormalForce<Contact<Dim, Real>>>;
     } || requires(const P part, const Contact<Dim, Real> c,
-                  typename P::template Memory<Dim, Real> memory) {
-      { part.normal_force(c, memory) } -> std::convertible_to<NormalForce<Contact<Dim, Real>>>;
+                  typename P::template History<Dim, Real> history) {
+      { part.normal_force(c, history) } -> std::convertible_to<NormalForce<Contact<Dim, Real>>>;
     };
 
 template <class P, int Dim, class Real>
@@ -109,8 +109,8 @@ concept TangentialPart =
       { part.tangential_force(c, n) } -> std::convertible_to<TangentialForce<Contact<Dim, Real>>>;
     } || requires(const P part, const Contact<Dim, Real> c,
                   const NormalForce<Contact<Dim, Real>> n,
-                  typename P::template Memory<Dim, Real> memory) {
-      { part.tangential_force(c, n, memory) } ->
+                  typename P::template History<Dim, Real> history) {
+      { part.tangential_force(c, n, history) } ->
           std::convertible_to<TangentialForce<Contact<Dim, Real>>>;
     };
 
@@ -120,8 +120,8 @@ concept RollingPart =
       { part.rolling_couple(c, n) } -> std::convertible_to<RollingCouple<Contact<Dim, Real>>>;
     } || requires(const P part, const Contact<Dim, Real> c,
                   const NormalForce<Contact<Dim, Real>> n,
-                  typename P::template Memory<Dim, Real> memory) {
-      { part.rolling_couple(c, n, memory) } ->
+                  typename P::template History<Dim, Real> history) {
+      { part.rolling_couple(c, n, history) } ->
           std::convertible_to<RollingCouple<Contact<Dim, Real>>>;
     };
 
@@ -129,8 +129,8 @@ template <class P, int Dim, class Real>
 concept AdhesionPart = requires(const P part, const Contact<Dim, Real> c) {
   { part.adhesion_force(c) } -> std::convertible_to<Real>;
 } || requires(const P part, const Contact<Dim, Real> c,
-              typename P::template Memory<Dim, Real> memory) {
-  { part.adhesion_force(c, memory) } -> std::convertible_to<Real>;
+              typename P::template History<Dim, Real> history) {
+  { part.adhesion_force(c, history) } -> std::convertible_to<Real>;
 };
 
 namespace detail {
@@ -175,7 +175,7 @@ Wanted pick(const First& first, const Rest&... rest) {
 }
 
 template <class P, class C>
-concept TellsStiffness = std::is_same_v<P, NoPart> || requires(const P part, const C contact) {
+concept GivesStiffness = std::is_same_v<P, NoPart> || requires(const P part, const C contact) {
   { part.stiffness(contact) } -> std::convertible_to<Stiffness>;
 } || requires(const P part, const C contact, const Stiffness normal) {
   { part.stiffness(contact, normal) } -> std::convertible_to<Stiffness>;

@@ -19,7 +19,7 @@
 
 namespace silt::dem {
 
-/// Looks at the near contacts of a chunk of grains, eight at a time, and keeps the law's answer for
+/// Schedule at the near contacts of a chunk of grains, eight at a time, and keeps the law's answer for
 /// those that touch. ask(eight, contacts, touching) asks it: for lane l if bit l is set; the others
 /// may be asked as well. `walls` are a WallsThen.
 ///
@@ -40,7 +40,7 @@ class LawPass {
         near_(touches.near()),
         walls_(walls),
         seen_(touches.seen()),
-        before_(touches.memories_before()),
+        before_(touches.histories_before()),
         columns_(grains),
         arm_share_(arm_share),
         ask_(ask) {}
@@ -149,7 +149,7 @@ class LawPass {
     }
     eight.recall([&](int lane) { return before_.of(contacts[static_cast<Index>(lane)]); });
     ask_(eight, contacts, touching);
-    eight.give(seen_.row(row), seen_.memory(row));
+    eight.give(seen_.row(row), seen_.history(row));
   }
 
   [[noreturn, gnu::cold, gnu::noinline]] void refuse(Index c) const {
@@ -162,7 +162,7 @@ class LawPass {
   const NearContacts& near_;
   const Walls& walls_;
   typename Found::Seen& seen_;
-  typename Found::Memories before_;
+  typename Found::Histories before_;
   typename Lanes::Columns columns_;
   Real arm_share_;
   const Ask& ask_;

@@ -145,11 +145,11 @@ class ConformanceTrial {
     double force = 0, couple = 0, force_apart = 0, couple_apart = 0;
     for (Index k = 0; k < loads.size(); ++k) {
       const Frame frame = frame_at(double(k + 1) / double(loads.size()));
-      const Spin<Dim> seen = in_frame<Dim>(frame, right[k].couple);
+      const AngularVec<Dim> seen = in_frame<Dim>(frame, right[k].couple);
       raise(force, right[k].force.norm());
       raise(couple, squared_norm(right[k].couple));
       raise(force_apart, (loads[k].force - sign * (frame * right[k].force)).norm());
-      raise(couple_apart, squared_norm(Spin<Dim>(loads[k].couple - sign * seen)));
+      raise(couple_apart, squared_norm(AngularVec<Dim>(loads[k].couple - sign * seen)));
     }
     return std::max(force_apart / force, couple > 0 ? std::sqrt(couple_apart / couple) : 0.0);
   }

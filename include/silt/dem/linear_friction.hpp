@@ -21,7 +21,7 @@ struct LinearFriction {
   double cohesion = 0;                ///< c of (13): force that holds without load [N]
 
   template <int Dim, class Real>
-  struct Memory {
+  struct History {
     Vec<Dim, Real> force = Vec<Dim, Real>::Zero();  ///< of the spring, on i [N]
   };
 
@@ -33,22 +33,22 @@ struct LinearFriction {
 
   template <class C, class M>
   TangentialForce<C> tangential_force(const C& contact, const NormalForce<C>& normal,
-                                      M& memory) const {
+                                      M& history) const {
     using Real = typename C::Real;
     const Real k = Real(tangential_stiffness);
     const Slider<Real> slider{
         .stiffness = k,
         .dashpot = normal.beta * k,
         .limit = std::max(Real(0), normal.spring * Real(friction_angle.tangent) + Real(cohesion))};
-    const auto pull = slide(slider, turned_into_plane(memory.force, contact.normal),
+    const auto pull = slide(slider, turned_into_plane(history.force, contact.normal),
                             contact.tangential_velocity(), contact.time_step);
-    memory.force = pull.spring;
+    history.force = pull.spring;
     return {.spring = pull.spring, .dashpot = pull.dashpot, .friction = pull.lost};
   }
 
   template <class C, class M>
-  double elastic_energy(const C&, const M& memory) const {
-    return energy_of_spring(memory.force, tangential_stiffness);
+  double elastic_energy(const C&, const M& history) const {
+    return energy_of_spring(history.force, tangential_stiffness);
   }
 
   template <class C>

@@ -18,11 +18,12 @@ namespace silt::dem {
 struct LinearSpringDashpot {
   double normal_stiffness = 0;   ///< k [N/m], above 0
   Restitution restitution = {};  ///< e [-] in (0, 1]
-  bool tension = true;  ///< false: the dashpot never pulls, and e grows to e_clip(ζ) of Schwager
-                        ///< and Pöschel (2007)
+  /// Limits the dashpot so that the normal force is never attractive; the restitution then rises
+  /// to e_clip(ζ) of Schwager and Pöschel (2007).
+  bool limit_damping = false;
 
   template <int, class Real>
-  using Memory = CentredDashpot::Memory<Real>;
+  using History = CentredDashpot::History<Real>;
 
   void check() const {
     require_positive("LinearSpringDashpot: normal_stiffness", normal_stiffness);
@@ -30,14 +31,14 @@ struct LinearSpringDashpot {
   }
 
   template <class C, class M>
-  NormalForce<C> normal_force(const C& contact, M& memory) const {
+  NormalForce<C> normal_force(const C& contact, M& history) const {
     using Real = typename C::Real;
     const Real k = Real(normal_stiffness);
     const Real beta = dashpot_over_spring(contact.effective_mass);
     const Real spring = k * contact.overlap;
-    const Real dashpot = CentredDashpot::force(contact, memory, k, beta * k);
+    const Real dashpot = CentredDashpot::force(contact, history, k, beta * k);
     return {.spring = spring,
-            .dashpot = tension ? dashpot : without_pull(spring, dashpot),
+            .dashpot = limit_damping ? limited_dashpot(spring, dashpot) : dashpot,
             .stiffness = k,
             .beta = beta};
   }
@@ -57,7 +58,7 @@ struct LinearSpringDashpot {
   static LinearSpringDashpot mix(const LinearSpringDashpot& a, const LinearSpringDashpot& b) {
     return {.normal_stiffness = in_series(a.normal_stiffness, b.normal_stiffness),
             .restitution = Restitution::mix(a.restitution, b.restitution),
-            .tension = a.tension && b.tension};
+            .limit_damping = a.limit_damping || b.limit_damping};
   }
 
  private:

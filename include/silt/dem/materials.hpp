@@ -72,7 +72,7 @@ void check_grains(const P& grains, const Materials<Law>& materials) {
   const Index odd = first_where(grains.size(), [&](Index i) {
     return !(R[i] > 0 && m[i] > 0 && inertias[i] > 0 && numbers[i] < materials.count());
   });
-  if (odd == nowhere) return;
+  if (odd == no_index) return;
   const Where where{.particle = odd, .id = grains.id(odd)};
   materials.check(numbers[odd], "of a grain", where);
   fail("dem::Contacts: radius = " + to_text(double(R[odd])) + " m, mass = " +

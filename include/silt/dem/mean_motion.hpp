@@ -22,7 +22,7 @@ class MeanMotion {
  public:
   static constexpr int dimension = P::dimension;
   using Vector = Vec<dimension, double>;
-  using Turn = Spin<dimension, double>;
+  using Turn = AngularVec<dimension, double>;
 
   /// Grains before a step and those that are left after it; duration is that of the kick [s].
   /// Grains that are gone left with what they came with.
@@ -64,18 +64,18 @@ class MeanMotion {
   /// With those that are gone, rotation included [J].
   double carried_away() const noexcept { return carried_away_; }
 
-  /// Adds what a contact, an AnsweredContact of these grains, did.
+  /// Adds what a contact, an EvaluatedContact of these grains, did.
   template <class Each>
   void add_contact(const P& before, const Each& each, Works& works, Losses& lost) const {
     const auto [i, j, wall] = each.sides;
-    if (!stays_[i] && (j == nowhere || !stays_[j])) return;
+    if (!stays_[i] && (j == no_index || !stays_[j])) return;
     const Vector n = in_double(each.contact.normal);
     const auto arm = [&](Index k) { return before[radius][k] - each.shorter; };
     const auto surface = [&](Index k, double a) { return Vector(v_[k] + a * cross(w_[k], n)); };
     // Of the other side, grain or wall.
     Vector v_other;
     Turn w_other;
-    if (j != nowhere) {
+    if (j != no_index) {
       v_other = surface(j, double(arm(j)));
       w_other = w_[j];
     } else {
@@ -88,12 +88,12 @@ class MeanMotion {
     const auto work = [&](const Vector& v, const Turn& w) {
       return (load.force.dot(v) + dot(load.couple, w)) * duration_;
     };
-    if (j == nowhere) {
+    if (j == no_index) {
       works.walls += work(v_other, w_other);
     } else if (!stays_[j]) {
-      works.leavers += work(v_other, w_other);
+      works.on_escape += work(v_other, w_other);
     } else if (!stays_[i]) {
-      works.leavers -= work(v_own, w_[i]);
+      works.on_escape -= work(v_own, w_[i]);
     }
   }
 

@@ -89,7 +89,7 @@ struct MeshFeatures {
  private:
   void add_face(const std::array<std::uint32_t, 3>& triangle) {
     const Vec& a = vertices[triangle[0]];
-    const Vec n = moment(Vec(vertices[triangle[1]] - a), Vec(vertices[triangle[2]] - a));
+    const Vec n = cross(Vec(vertices[triangle[1]] - a), Vec(vertices[triangle[2]] - a));
     faces.push_back({.vertices = triangle, .inwards = {}, .normal = n.normalized()});
   }
 
@@ -136,7 +136,7 @@ struct MeshFeatures {
           for (const auto& [inwards, other] : sides_of(edges[e])) {
             // Small angles must not add up to a bend.
             if (faces[other].facet != none ||
-                moment(faces[other].normal, faces[first].normal).norm() > flat) {
+                cross(faces[other].normal, faces[first].normal).norm() > flat) {
               continue;
             }
             faces[other].facet = number;

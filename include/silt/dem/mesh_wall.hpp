@@ -56,7 +56,7 @@ class MeshWall {
   Index lines() const { return mesh_->features.lines.size(); }
   Index corners() const { return mesh_->features.corners.size(); }
 
-  Index parts() const { return facets() + lines() + corners(); }
+  Index element_count() const { return facets() + lines() + corners(); }
 
   Nearest nearest(Index part, const Vec& x) const {
     if (part < facets()) return nearest_of_facet(part, x);
@@ -65,7 +65,7 @@ class MeshWall {
   }
 
   template <class F>
-  void for_each_part_near(const Vec& x, Real distance, F&& f) const {
+  void for_each_element_near(const Vec& x, Real distance, F&& f) const {
     const auto& all = mesh_->features;
     std::vector<Index> near;
     mesh_->faces.visit_near(x, squared(distance), [&](std::uint32_t number) {
@@ -169,7 +169,7 @@ class MeshWall {
   }
 
   Nearest nearest_of_facet(Index number, const Vec& x) const {
-    Nearest nearest = nothing_near<3, Real>();
+    Nearest nearest = no_nearest_point<3, Real>();
     Real limit = std::numeric_limits<Real>::infinity();
     visit_faces(number, x, [&](const Face& face) {
       if (is_above(face, x)) {
@@ -209,7 +209,7 @@ class MeshWall {
       }
       return beyond_round_off(at_edge);
     });
-    if (!(at_edge > 0) || on_line <= beyond_round_off(at_edge)) return nothing_near<3, Real>();
+    if (!(at_edge > 0) || on_line <= beyond_round_off(at_edge)) return no_nearest_point<3, Real>();
     return {(x - foot).normalized(), std::sqrt(at_edge)};
   }
 
@@ -228,13 +228,13 @@ class MeshWall {
     const auto& line = all.lines[number];
     const Piece last{line.pieces.back().edge, !line.pieces.back().is_turned};
     const Real along = beyond_begin(line.pieces.front(), x);
-    if (!(along > 0 && beyond_begin(last, x) > 0)) return nothing_near<3, Real>();
+    if (!(along > 0 && beyond_begin(last, x) > 0)) return no_nearest_point<3, Real>();
     const auto behind = std::upper_bound(line.begins.begin() + 1, line.begins.end(), along);
     const Edge& edge =
         all.edges[line.pieces[static_cast<Index>(behind - line.begins.begin()) - 1].edge];
     Vec outwards = Vec::Zero();
     for (const auto& side : all.sides_of(edge)) {
-      if (inside(edge, side.inwards, x) > 0) return nothing_near<3, Real>();
+      if (inside(edge, side.inwards, x) > 0) return no_nearest_point<3, Real>();
       outwards -= side.inwards;
     }
     return away_from(foot_on(edge, x), x, outwards);
@@ -245,7 +245,7 @@ class MeshWall {
     const std::uint32_t v = all.corners[number];
     Vec outwards = Vec::Zero();
     for (const Piece& piece : all.edges_at[v]) {
-      if (beyond_begin(piece, x) > 0) return nothing_near<3, Real>();
+      if (beyond_begin(piece, x) > 0) return no_nearest_point<3, Real>();
       outwards -= all.along(piece);
     }
     return away_from(all.vertices[v], x, outwards);

@@ -26,7 +26,7 @@ struct Mindlin {
   FrictionAngle friction_angle = {};  ///< φ_μ [rad] in [0, π/2)
 
   template <int Dim, class Real>
-  struct Memory {
+  struct History {
     Vec<Dim, Real> force = Vec<Dim, Real>::Zero();  ///< of the spring, on i [N]
     Real stiffness = 0;                             ///< k_t of the step before [N/m]
   };
@@ -38,7 +38,7 @@ struct Mindlin {
 
   template <class C, class M>
   TangentialForce<C> tangential_force(const C& contact, const NormalForce<C>& normal,
-                                      M& memory) const {
+                                      M& history) const {
     using Real = typename C::Real;
     using Vec = typename C::Vec;
     const Real k = stiffness_of_area(contact);
@@ -47,17 +47,17 @@ struct Mindlin {
         .dashpot = normal.beta * std::sqrt(normal.stiffness * k),
         .limit = std::max(Real(0), normal.spring * Real(friction_angle.tangent))};
     const Vec v = contact.tangential_velocity();
-    const auto kept = with_stiffness(k, turned_into_plane(memory.force, contact.normal),
-                                     memory.stiffness, Vec(v * contact.time_step));
+    const auto kept = with_stiffness(k, turned_into_plane(history.force, contact.normal),
+                                     history.stiffness, Vec(v * contact.time_step));
     const auto pull = slide(slider, kept.force, v, contact.time_step);
-    memory.force = pull.spring;
-    memory.stiffness = k;
+    history.force = pull.spring;
+    history.stiffness = k;
     return {.spring = pull.spring, .dashpot = pull.dashpot, .friction = kept.lost + pull.lost};
   }
 
   template <class C, class M>
-  double elastic_energy(const C&, const M& memory) const {
-    return energy_of_spring(memory.force, double(memory.stiffness));
+  double elastic_energy(const C&, const M& history) const {
+    return energy_of_spring(history.force, double(history.stiffness));
   }
 
   template <class C>

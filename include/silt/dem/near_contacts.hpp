@@ -14,7 +14,7 @@
 #pragma once
 
 #include <silt/core/error.hpp>
-#include <silt/core/pair_memory.hpp>
+#include <silt/core/pair_history.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/rows.hpp>
 #include <silt/core/types.hpp>
@@ -126,14 +126,14 @@ class NearContacts {
     list_parts(grains);
   }
 
-  /// The contact of this pair of ids, the lower one first; `nowhere` if the two are not near. Takes
+  /// The contact of this pair of ids, the lower one first; `no_index` if the two are not near. Takes
   /// a call of tabulate() before.
   Index find(Id a, Id b) const noexcept {
-    if (a >= places_.size() || places_[a] == none) return nowhere;
+    if (a >= places_.size() || places_[a] == none) return no_index;
     for (const Part part : of(places_[a])) {
       if (!part.is_second() && second_id(part.contact()) == b) return part.contact();
     }
-    return nowhere;
+    return no_index;
   }
   void tabulate() {
     const Index owned = begin_.empty() ? 0 : begin_.size() - 1;

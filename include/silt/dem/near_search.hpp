@@ -35,7 +35,7 @@ bool is_stale(const P& grains, const S& search, const Walls& walls, double time,
   // Not "beyond": a NaN is not near.
   return first_where(x.size(), [&](Index i) {
            return !((x[i] - validity.since[i]).squaredNorm() <= near);
-         }) != nowhere;
+         }) != no_index;
 }
 
 /// The box around all grains.
@@ -103,7 +103,7 @@ void find_near(const P& grains, const S& search, const Walls& walls, typename P:
         });
       },
       [&](Index i, auto&& add) {
-        walls.for_each_part_near(typename P::Vec(x[i]), Real(R[i] + margin), [&](Index place) {
+        walls.for_each_element_near(typename P::Vec(x[i]), Real(R[i] + margin), [&](Index place) {
           add(static_cast<std::uint32_t>(place));
         });
       },

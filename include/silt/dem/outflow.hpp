@@ -6,7 +6,7 @@
 #include <silt/core/parallel.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/grains.hpp>
-#include <silt/dem/looks.hpp>
+#include <silt/dem/schedule.hpp>
 #include <silt/dem/region.hpp>
 
 #include <utility>
@@ -37,7 +37,7 @@ class Outflow {
     if (!looks_.is_due({.since = simulation.time(), .every = settings_.every})) return;
     auto& grains = simulation.particles();
     const auto is_in = [&](Index i) { return region_.clearance(grains[position][i]) >= 0; };
-    if (first_where(grains.size(), is_in) == nowhere) return;
+    if (first_where(grains.size(), is_in) == no_index) return;
     for (Index i = 0; i < grains.size(); ++i) {
       if (is_in(i)) mass_ += double(grains[silt::mass][i]);
     }
@@ -55,7 +55,7 @@ class Outflow {
  private:
   R region_;
   Settings settings_;
-  Looks looks_;
+  Schedule looks_;
   Index number_ = 0;
   double mass_ = 0;
 };

@@ -89,7 +89,7 @@ template <int Dim, class RealType>
 struct Bond {
   using Real = RealType;
   using Vec = silt::Vec<Dim, Real>;
-  using Spin = silt::Spin<Dim, Real>;
+  using AngularVec = silt::AngularVec<Dim, Real>;
 
   Id a = 0;
   Id b = 0;
@@ -97,9 +97,9 @@ struct Bond {
   Real length = 0;                 ///< distance of the centres in the last step [m]
   Vec normal = Vec::Zero();        ///< from b to a, of the last step
   Vec shear = Vec::Zero();         ///< how far a's side was shifted along the section [m]
-  Spin turn = zero_of<Spin>();     ///< of a against b [rad]; along the normal it twists
+  AngularVec turn = zero_of<AngularVec>();     ///< of a against b [rad]; along the normal it twists
   Vec force = Vec::Zero();         ///< [N]
-  Spin couple = zero_of<Spin>();   ///< beside the moment of the force [N m]
+  AngularVec couple = zero_of<AngularVec>();   ///< beside the moment of the force [N m]
   std::uint64_t looks = 0;         ///< steps that it was part of
 };
 
@@ -126,10 +126,10 @@ struct SmallestTurn {
   Real operator()(Real turn) const { return turn; }
 
   /// Its angle [rad], about its axis in 3D.
-  Spin<Dim, Real> angle() const {
-    const Spin<Dim, Real> sine = moment(from, to);
+  AngularVec<Dim, Real> angle() const {
+    const AngularVec<Dim, Real> sine = cross(from, to);
     const Real size = std::sqrt(squared_norm(sine));
-    return size > 0 ? Spin<Dim, Real>(sine * (std::atan2(size, from.dot(to)) / size)) : sine;
+    return size > 0 ? AngularVec<Dim, Real>(sine * (std::atan2(size, from.dot(to)) / size)) : sine;
   }
 };
 
@@ -154,8 +154,8 @@ Real turned_by(Real, Real turn) {
 template <int Dim, class Real>
 struct BondMotion {
   Vec<Dim, Real> between;  ///< centre of a from that of b [m]
-  Spin<Dim, Real> turn_a;  ///< [rad]
-  Spin<Dim, Real> turn_b;  ///< [rad]
+  AngularVec<Dim, Real> turn_a;  ///< [rad]
+  AngularVec<Dim, Real> turn_b;  ///< [rad]
   Real arm_a;              ///< of a's radius in the sum of both [-]: where between them the beam is
   Real time_step;          ///< that this took [s]; 0 if unknown yet
 };
@@ -174,7 +174,7 @@ BondState state_of(const Bond<Dim, Real>& bond, const BeamSection& section, cons
   const auto twist = twist_of(bond.turn, bond.normal);
   const double twisted = std::sqrt(double(squared_norm(twist)));
   const double bent =
-      std::sqrt(double(squared_norm(silt::Spin<Dim, Real>(bond.turn - twist))));
+      std::sqrt(double(squared_norm(silt::AngularVec<Dim, Real>(bond.turn - twist))));
   const double twist_stress =
       section.twisting > 0 ? k.twisting * twisted * section.radius / section.twisting : 0;
   return {.tensile_stress = k.normal * elongation / section.area +
@@ -193,15 +193,15 @@ template <int Dim, class Real>
 void carry_on(Bond<Dim, Real>& bond, const BondMotion<Dim, Real>& motion, const BeamSprings& k,
               double beta) {
   using Vec = silt::Vec<Dim, Real>;
-  using Spin = silt::Spin<Dim, Real>;
+  using AngularVec = silt::AngularVec<Dim, Real>;
   const Real length = motion.between.norm();
   const Vec n = motion.between / length;
   Real stretched = 0;
   Vec slipped = Vec::Zero();
-  Spin turned = zero_of<Spin>();
+  AngularVec turned = zero_of<AngularVec>();
   if (bond.looks > 0) {
     // The section turns with its grains. Where that leaves the line, their sides slip.
-    const Spin of_grains = motion.arm_a * motion.turn_a + (1 - motion.arm_a) * motion.turn_b;
+    const AngularVec of_grains = motion.arm_a * motion.turn_a + (1 - motion.arm_a) * motion.turn_b;
     const SmallestTurn<Dim, Real> rest{turned_by(of_grains, bond.normal), n};
     stretched = length - bond.length;
     slipped = length * cross(rest.angle(), n);
@@ -215,11 +215,11 @@ void carry_on(Bond<Dim, Real>& bond, const BondMotion<Dim, Real>& motion, const 
   bond.length = length;
   ++bond.looks;
   const Real lag = motion.time_step > 0 ? Real(beta) / motion.time_step : Real(0);
-  const Spin turn = bond.turn + lag * turned;
-  const Spin twist = twist_of(turn, n);
+  const AngularVec turn = bond.turn + lag * turned;
+  const AngularVec twist = twist_of(turn, n);
   bond.force = Real(-k.normal) * (length - bond.rest_length + lag * stretched) * n -
                Real(k.shear) * Vec(bond.shear + lag * slipped);
-  bond.couple = Real(-k.bending) * Spin(turn - twist) - Real(k.twisting) * twist;
+  bond.couple = Real(-k.bending) * AngularVec(turn - twist) - Real(k.twisting) * twist;
 }
 
 }  // namespace silt::dem

@@ -43,14 +43,14 @@ struct Polyline {
   }
 
   /// Lines, and then points.
-  Index parts() const { return lines() + points.size(); }
+  Index element_count() const { return lines() + points.size(); }
 
   NearestPoint<2, Real> nearest(Index part, const Vec<2, Real>& x) const {
     return part < lines() ? nearest_of_line(part, x) : nearest_of_point(part - lines(), x);
   }
 
   template <class F>
-  void for_each_part_near(const Vec<2, Real>& x, Real distance, F&& f) const {
+  void for_each_element_near(const Vec<2, Real>& x, Real distance, F&& f) const {
     for (Index k = 0; k < lines(); ++k) {
       const Vec<2, Real> along = next(k) - points[k];
       const Real s = std::clamp<Real>((x - points[k]).dot(along) / along.squaredNorm(), 0, 1);
@@ -84,7 +84,7 @@ struct Polyline {
   }
 
   NearestPoint<2, Real> nearest_of_line(Index line, const Vec<2, Real>& x) const {
-    if (!(beyond_start(line, x) > 0 && before_end(line, x) > 0)) return nothing_near<2, Real>();
+    if (!(beyond_start(line, x) > 0 && before_end(line, x) > 0)) return no_nearest_point<2, Real>();
     const Vec<2, Real> along = direction(line);
     const Vec<2, Real> left(-along[1], along[0]);
     const Real height = (x - points[line]).dot(left);
@@ -97,7 +97,7 @@ struct Polyline {
                            ((closed || k > 0) && before_end(last, x) > 0);
     const Vec<2, Real> out = x - points[k];
     const Real distance = out.norm();
-    if (is_beside || !(distance > 0)) return nothing_near<2, Real>();
+    if (is_beside || !(distance > 0)) return no_nearest_point<2, Real>();
     return {out / distance, distance};
   }
 };

@@ -5,7 +5,7 @@
 
 #include <silt/core/types.hpp>
 #include <silt/dem/contact.hpp>
-#include <silt/dem/law_memory.hpp>
+#include <silt/dem/law_history.hpp>
 
 #include <Eigen/Geometry>
 
@@ -22,7 +22,7 @@ template <int Dim>
 struct ContactPose {
   double overlap = 0;                       ///< δ [m]
   Vec<Dim> slip = Vec<Dim>::Zero();         ///< along the contact plane [m]
-  Spin<Dim> turn = zero_of<Spin<Dim>>();    ///< of i against j [rad]
+  AngularVec<Dim> turn = zero_of<AngularVec<Dim>>();    ///< of i against j [rad]
 };
 
 /// The instants of a motion, in order; where the overlap is not above 0 there is no contact.
@@ -65,7 +65,7 @@ PrescribedContact<Dim> prescribe(const PrescribedMotion& motion, PoseAt&& pose_a
 template <int Dim>
 struct LawLoad {
   Vec<Dim> force = Vec<Dim>::Zero();        ///< [N]
-  Spin<Dim> couple = zero_of<Spin<Dim>>();  ///< [N m]
+  AngularVec<Dim> couple = zero_of<AngularVec<Dim>>();  ///< [N m]
   double stored = 0;                        ///< [J]; 0 if the law does not tell
 };
 
@@ -75,7 +75,7 @@ Contact<Dim, Real> in_precision(const Contact<Dim, double>& contact) {
   cast.normal = contact.normal.template cast<Real>();
   cast.overlap = Real(contact.overlap);
   cast.relative_velocity = contact.relative_velocity.template cast<Real>();
-  for (int k = 0; k < spin_size<Dim>; ++k) {
+  for (int k = 0; k < angular_size<Dim>; ++k) {
     component(cast.relative_spin, k) = Real(component(contact.relative_spin, k));
   }
   cast.effective_mass = Real(contact.effective_mass);
@@ -87,18 +87,18 @@ Contact<Dim, Real> in_precision(const Contact<Dim, double>& contact) {
 /// What a law answers about one contact, and remembers.
 template <class Law, int Dim, class Real>
 LawLoad<Dim> load_of(const Law& law, const Contact<Dim, Real>& contact,
-                     typename LawMemory<Law, Dim, Real>::type& memory) {
+                     typename LawHistory<Law, Dim, Real>::type& history) {
   LawLoad<Dim> load;
   const auto answer = [&] {
-    if constexpr (LawWithMemory<Law, Dim, Real>) {
-      return answer_of(law, contact, memory);
+    if constexpr (LawWithHistory<Law, Dim, Real>) {
+      return evaluate_law(law, contact, history);
     } else {
-      return answer_of(law, contact);
+      return evaluate_law(law, contact);
     }
   }();
   load.force = in_double(force_of(answer, contact.normal));
   load.couple = in_double(couple_of(answer));
-  if constexpr (TellsEnergy<Law, Dim, Real>) load.stored = law.elastic_energy(contact, memory);
+  if constexpr (TellsEnergy<Law, Dim, Real>) load.stored = law.elastic_energy(contact, history);
   return load;
 }
 
@@ -111,9 +111,9 @@ using MeetLaw = std::function<AskLaw<Dim>()>;
 template <class Real, int Dim, class Law>
 MeetLaw<Dim> meet_in_precision(const Law& law) {
   return [law] {
-    return [law, memory = typename LawMemory<Law, Dim, Real>::type{}](
+    return [law, history = typename LawHistory<Law, Dim, Real>::type{}](
                const Contact<Dim, double>& contact) mutable {
-      return load_of(law, in_precision<Real>(contact), memory);
+      return load_of(law, in_precision<Real>(contact), history);
     };
   };
 }
@@ -148,7 +148,7 @@ EnergyGain energy_gain(const PrescribedContact<Dim>& instants,
   for (Index k = 1; k < loads.size(); ++k) {
     const auto& contact = instants[k];
     const Vec<Dim> force = (loads[k].force + loads[k - 1].force) / 2;
-    const Spin<Dim> couple = (loads[k].couple + loads[k - 1].couple) / 2;
+    const AngularVec<Dim> couple = (loads[k].couple + loads[k - 1].couple) / 2;
     const double along_normal = -force.dot(contact.normal) * contact.approach_speed();
     const double power =
         force.dot(contact.tangential_velocity()) + dot(couple, contact.relative_spin);
@@ -185,7 +185,7 @@ Eigen::Matrix<double, Dim, Dim> turned_frame(double angle, const Vec<3>& axis) {
 }
 /// A spin in that frame.
 template <int Dim>
-Spin<Dim> in_frame(const Eigen::Matrix<double, Dim, Dim>& frame, const Spin<Dim>& spin) {
+AngularVec<Dim> in_frame(const Eigen::Matrix<double, Dim, Dim>& frame, const AngularVec<Dim>& spin) {
   if constexpr (Dim == 2) {
     return spin;
   } else {

@@ -34,15 +34,15 @@ using BoundsOf = std::remove_cvref_t<decltype(std::declval<const R&>().bounds())
 
 /// Upright cylinder in 3D, along the last axis.
 template <class Real = double>
-struct Pillar {
+struct VerticalCylinder {
   Vec<3, Real> foot = Vec<3, Real>::Zero();  ///< centre of the lower end [m]
   Real radius = 0;                           ///< [m], above 0
   Real height = 0;                           ///< [m], above 0
 
   void check() const {
-    require_finite("Pillar: foot", foot);
-    require_positive("Pillar: radius", double(radius));
-    require_positive("Pillar: height", double(height));
+    require_finite("VerticalCylinder: foot", foot);
+    require_positive("VerticalCylinder: radius", double(radius));
+    require_positive("VerticalCylinder: height", double(height));
   }
   Box<3, Real> bounds() const {
     const Vec<3, Real> aside(radius, radius, 0);

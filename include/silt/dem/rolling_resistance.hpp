@@ -28,13 +28,13 @@ struct RollingResistance {
   double damping_ratio = 0.3;    ///< η [-]
 
   template <int Dim, class Real>
-  struct Memory {
+  struct History {
     Vec<Dim, Real> rolling = Vec<Dim, Real>::Zero();  ///< of the spring across n, on i [N m]
     Real twisting = 0;                                ///< of the spring along n, on i [N m]
     Real stiffness = 0;                               ///< k_n of the step before [N/m]
   };
   template <class Real>
-  struct Memory<2, Real> {
+  struct History<2, Real> {
     Real rolling = 0;    ///< of the spring, on i [N m]
     Real stiffness = 0;  ///< k_n of the step before [N/m]
   };
@@ -47,27 +47,27 @@ struct RollingResistance {
 
   template <class C, class M>
   RollingCouple<C> rolling_couple(const C& contact, const NormalForce<C>& normal,
-                                  M& memory) const {
+                                  M& history) const {
     using Real = typename C::Real;
     using Number = Vec<1, Real>;
-    const Real k_before = memory.stiffness;
-    memory.stiffness = normal.stiffness;
+    const Real k_before = history.stiffness;
+    history.stiffness = normal.stiffness;
     if constexpr (C::dimension == 2) {
       const auto roll = resist(Real(rolling_friction), contact, normal, k_before,
-                               Number(memory.rolling), Number(contact.relative_spin));
-      memory.rolling = roll.spring[0];
+                               Number(history.rolling), Number(contact.relative_spin));
+      history.rolling = roll.spring[0];
       return {.spring = roll.spring[0], .dashpot = roll.dashpot[0], .friction = roll.lost};
     } else {
       const auto& n = contact.normal;
       const Real about_n = contact.relative_spin.dot(n);
       const auto roll =
           resist(Real(rolling_friction), contact, normal, k_before,
-                 turned_into_plane(memory.rolling, n),
+                 turned_into_plane(history.rolling, n),
                  typename C::Vec(contact.relative_spin - about_n * n));
       const auto twist = resist(Real(twisting_friction), contact, normal, k_before,
-                                Number(memory.twisting), Number(about_n));
-      memory.rolling = roll.spring;
-      memory.twisting = twist.spring[0];
+                                Number(history.twisting), Number(about_n));
+      history.rolling = roll.spring;
+      history.twisting = twist.spring[0];
       return {.spring = roll.spring + twist.spring[0] * n,
               .dashpot = roll.dashpot + twist.dashpot[0] * n,
               .friction = roll.lost + twist.lost};
@@ -75,14 +75,14 @@ struct RollingResistance {
   }
 
   template <class C, class M>
-  double elastic_energy(const C& contact, const M& memory) const {
+  double elastic_energy(const C& contact, const M& history) const {
     const double R = double(contact.effective_radius);
-    const double k_n = double(memory.stiffness);
+    const double k_n = double(history.stiffness);
     if constexpr (C::dimension == 2) {
-      return energy_of_spring(Vec<1>(double(memory.rolling)), of(rolling_friction, R, k_n));
+      return energy_of_spring(Vec<1>(double(history.rolling)), of(rolling_friction, R, k_n));
     } else {
-      return energy_of_spring(memory.rolling, of(rolling_friction, R, k_n)) +
-             energy_of_spring(Vec<1>(double(memory.twisting)), of(twisting_friction, R, k_n));
+      return energy_of_spring(history.rolling, of(rolling_friction, R, k_n)) +
+             energy_of_spring(Vec<1>(double(history.twisting)), of(twisting_friction, R, k_n));
     }
   }
 

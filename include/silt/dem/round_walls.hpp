@@ -64,7 +64,7 @@ struct Cylinder {
   }
 
   /// A closed drum has three: the mantle, the end at `from`, and that at `to`.
-  Index parts() const { return ends && grains == Side::inside ? 3 : 1; }
+  Index element_count() const { return ends && grains == Side::inside ? 3 : 1; }
 
   NearestPoint<3, Real> nearest(Index part, const Vec<3, Real>& x) const {
     const Vec<3, Real> axis = (to - from).normalized();
@@ -80,8 +80,8 @@ struct Cylinder {
   }
 
   template <class F>
-  void for_each_part_near(const Vec<3, Real>& x, Real distance, F&& f) const {
-    for (Index part = 0; part < parts(); ++part) {
+  void for_each_element_near(const Vec<3, Real>& x, Real distance, F&& f) const {
+    for (Index part = 0; part < element_count(); ++part) {
       if (nearest(part, x).distance < distance) f(part);
     }
   }

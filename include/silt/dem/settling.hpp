@@ -16,7 +16,7 @@ namespace silt::dem {
 
 struct Settling {
   double speed = 0;       ///< rms speed of the grains below which they are at rest [m/s], above 0
-  double look_every = 0;  ///< time between two looks [s], above 0
+  double check_every = 0;  ///< time between two looks [s], above 0
   double at_most = 0;     ///< the longest that it may take [s], above 0
   std::optional<double> time_step = {};  ///< as of Run [s]
 };
@@ -31,17 +31,17 @@ double rms_speed(const P& grains) {
 }
 
 /// Runs the simulation, with these observers, until the grains are at rest at a look; the first one
-/// comes after look_every. Returns how long that took [s]; ends early if an observer ends the run.
+/// comes after check_every. Returns how long that took [s]; ends early if an observer ends the run.
 /// Throws silt::Error if they are not at rest by at_most.
 template <class Sim, class... Observers>
 double settle(Sim& simulation, const Settling& settling, Observers&&... observers) {
   require_positive("Settling: speed", settling.speed);
-  require_positive("Settling: look_every", settling.look_every);
+  require_positive("Settling: check_every", settling.check_every);
   require_positive("Settling: at_most", settling.at_most);
   const double began = simulation.time();
   double speed = 0;
   while (simulation.time() - began < settling.at_most) {
-    const bool went_on = simulation.run({.until = simulation.time() + settling.look_every,
+    const bool went_on = simulation.run({.until = simulation.time() + settling.check_every,
                                          .output_every = 0,
                                          .time_step = settling.time_step},
                                         observers...);

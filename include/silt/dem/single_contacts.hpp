@@ -14,23 +14,23 @@ namespace silt::dem {
 
 /// Both sides of a contact: places of owned grains, or of a wall's part.
 struct Sides {
-  Index i = nowhere;
-  Index j = nowhere;     ///< `nowhere`: a wall
-  Index wall = nowhere;  ///< place of the wall's part, see WallSet; `nowhere`: a grain
+  Index i = no_index;
+  Index j = no_index;     ///< `no_index`: a wall
+  Index wall = no_index;  ///< place of the wall's part, see WallSet; `no_index`: a grain
 };
 
 /// A contact of a step with what its law answered then.
 template <int Dim, class Real, class Answer>
-struct AnsweredContact {
+struct EvaluatedContact {
   Sides sides;  ///< places in the grains that were given
   Id first;     ///< ids of the two; the second may be wall_id()
   Id second;
   Contact<Dim, Real> contact;    ///< as the law saw it
   Real shorter;                  ///< what lever arms lack to R [m]
-  Answer answer;                 ///< a force, ForceParts or LoadParts
+  Answer answer;                 ///< a force, ForceComponents or LoadComponents
   Vec<Dim, Real> wall_velocity;  ///< at time N, where the force takes hold; 0 between grains [m/s]
-  Spin<Dim, Real> wall_spin;     ///< likewise [1/s]
-  ElasticParts elastic{};        ///< zero for a law that does not tell
+  AngularVec<Dim, Real> wall_spin;     ///< likewise [1/s]
+  ElasticEnergies elastic{};        ///< zero for a law that does not tell
 };
 
 /// Those of near contact c, as they were when it was found.
@@ -51,9 +51,9 @@ void for_each_touch(const P& grains, const T& touches, F&& f) {
     const auto* const row = touches.seen().row_of(c);
     const bool at_wall = near.is_of_wall(c);
     const Sides sides{.i = grains.index_of(near.first_id(c)),
-                      .j = at_wall ? nowhere : grains.index_of(near.second_id(c)),
-                      .wall = at_wall ? near.second(c) : nowhere};
-    if (sides.i != nowhere && (at_wall || sides.j != nowhere)) f(c, sides, row);
+                      .j = at_wall ? no_index : grains.index_of(near.second_id(c)),
+                      .wall = at_wall ? near.second(c) : no_index};
+    if (sides.i != no_index && (at_wall || sides.j != no_index)) f(c, sides, row);
   });
 }
 
@@ -67,7 +67,7 @@ auto constants_of(const P& grains, const Sides& sides) {
   const Real R = grains[radius][sides.i];
   contact.effective_mass = m;
   contact.effective_radius = R;
-  if (sides.j != nowhere) {
+  if (sides.j != no_index) {
     const Real m_j = grains[mass][sides.j];
     const Real R_j = grains[radius][sides.j];
     contact.effective_mass = m * m_j / (m + m_j);
@@ -103,7 +103,7 @@ auto contact_of(const P& grains, const Seen& seen, const typename P::Real* row, 
   };
   contact.relative_velocity = surface(sides.i, -1);
   contact.relative_spin = grains[spin][sides.i];
-  if (sides.j != nowhere) {
+  if (sides.j != no_index) {
     contact.relative_velocity -= surface(sides.j, 1);
     contact.relative_spin -= grains[spin][sides.j];
   } else if constexpr (Walls::move) {
@@ -140,8 +140,8 @@ template <class P, class T>
   }
   turn_back(turning);
   for (int k = 0; k < P::dimension; ++k) grains[force][i][k] += sum[k];
-  constexpr int first = 3 - spin_size<P::dimension>;  // in the plane, a moment is about z
-  for (int k = 0; k < spin_size<P::dimension>; ++k) {
+  constexpr int first = 3 - angular_size<P::dimension>;  // in the plane, a moment is about z
+  for (int k = 0; k < angular_size<P::dimension>; ++k) {
     Real M = turning[first + k];
     if constexpr (T::couples) M += couples[k];
     component(grains[torque][i], k) += M;

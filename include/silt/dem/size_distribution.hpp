@@ -50,40 +50,40 @@ struct EqualSizes {
 
 /// As many of every radius between two.
 struct UniformSizes {
-  double smallest_radius = 0;  ///< [m], above 0
-  double largest_radius = 0;   ///< [m]
+  double min_radius = 0;  ///< [m], above 0
+  double max_radius = 0;   ///< [m]
 
-  void check() const { detail::check_sizes("UniformSizes", {smallest_radius, largest_radius}); }
-  double radius(Random& random) const { return random.uniform({smallest_radius, largest_radius}); }
-  double largest() const { return largest_radius; }
+  void check() const { detail::check_sizes("UniformSizes", {min_radius, max_radius}); }
+  double radius(Random& random) const { return random.uniform({min_radius, max_radius}); }
+  double largest() const { return max_radius; }
 };
 
 /// Radii whose logarithm is normal, without those below the smallest and above the largest.
 struct LognormalSizes {
   double median = 0;           ///< of the radii, before the ends are cut off [m]
   double deviation = 0;        ///< standard deviation σ of ln R [-]
-  double smallest_radius = 0;  ///< [m], above 0
-  double largest_radius = 0;   ///< [m]
+  double min_radius = 0;  ///< [m], above 0
+  double max_radius = 0;   ///< [m]
 
   /// Throws, too, if the ends leave less than a hundredth of the distribution.
   void check() const {
-    detail::check_sizes("LognormalSizes", {smallest_radius, largest_radius});
+    detail::check_sizes("LognormalSizes", {min_radius, max_radius});
     require_positive("LognormalSizes: median", median);
     require_positive("LognormalSizes: deviation", deviation);
-    const double left = share_below(largest_radius) - share_below(smallest_radius);
+    const double left = share_below(max_radius) - share_below(min_radius);
     if (left < 0.01) {
       fail("LognormalSizes: only " + to_text(left) + " of all grains have radii from " +
-           to_text(smallest_radius) + " to " + to_text(largest_radius) +
+           to_text(min_radius) + " to " + to_text(max_radius) +
            " m; move the ends apart, or the median between them");
     }
   }
   double radius(Random& random) const {
     while (true) {
       const double R = median * std::exp(deviation * random.normal());
-      if (smallest_radius <= R && R <= largest_radius) return R;
+      if (min_radius <= R && R <= max_radius) return R;
     }
   }
-  double largest() const { return largest_radius; }
+  double largest() const { return max_radius; }
 
   /// Share of the grains with a radius below R before the ends are cut off [-].
   double share_below(double R) const {
@@ -96,8 +96,8 @@ class SieveSizes {
  public:
   /// As many grains of every radius between the two as the mass fraction takes.
   struct Fraction {
-    double smallest_radius = 0;  ///< [m], above 0
-    double largest_radius = 0;   ///< [m]
+    double min_radius = 0;  ///< [m], above 0
+    double max_radius = 0;   ///< [m]
     double mass = 0;             ///< share of the mass, in any unit; not below 0
   };
 
@@ -122,7 +122,7 @@ class SieveSizes {
   void check() const {
     double mass = 0;
     for (const Fraction& each : fractions_) {
-      detail::check_sizes("SieveSizes", {each.smallest_radius, each.largest_radius});
+      detail::check_sizes("SieveSizes", {each.min_radius, each.max_radius});
       require_not_negative("SieveSizes: mass", each.mass);
       mass += each.mass;
     }
@@ -132,12 +132,12 @@ class SieveSizes {
     const double place = random.uniform();
     Index k = 0;
     while (k + 1 < up_to_.size() && place >= up_to_[k]) ++k;
-    return random.uniform({fractions_[k].smallest_radius, fractions_[k].largest_radius});
+    return random.uniform({fractions_[k].min_radius, fractions_[k].max_radius});
   }
   double largest() const {
     double most = 0;
     for (const Fraction& each : fractions_) {
-      if (each.mass > 0) most = std::max(most, each.largest_radius);
+      if (each.mass > 0) most = std::max(most, each.max_radius);
     }
     return most;
   }
@@ -147,7 +147,7 @@ class SieveSizes {
   double mean_volume(const Fraction& fraction) const {
     double sum = 0;
     for (int k = 0; k <= power_; ++k) {
-      sum += std::pow(fraction.smallest_radius, k) * std::pow(fraction.largest_radius, power_ - k);
+      sum += std::pow(fraction.min_radius, k) * std::pow(fraction.max_radius, power_ - k);
     }
     return sum / (power_ + 1);
   }

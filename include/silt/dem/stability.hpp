@@ -170,7 +170,7 @@ double stable_for_all(const P& grains, const NearContacts& near, const Walls& wa
     auto contact = constants_of(grains, sides);
     // A spring may grow stiffer as it is pressed.
     contact.overlap = margin;
-    if (sides.j != nowhere) {
+    if (sides.j != no_index) {
       const Index a = near.first(c);
       const Index b = near.second(c);
       contact.overlap += std::max<typename P::Real>(0, R[a] + R[b] - (x[b] - x[a]).norm());
@@ -236,7 +236,7 @@ void check_stability(const P& grains, const T& touches, const Walls& walls, doub
   };
   const Index broken =
       first_where(grains.size(), [&](Index i) { return is_beyond(i) && dt > stable_of(i); });
-  if (broken == nowhere) return;
+  if (broken == no_index) return;
   fail("dem::Contacts: time_step = " + to_text(dt) + " s exceeds the stable " +
            to_text(stable_of(broken)) + " s of a grain with its contacts; lower it",
        {.particle = broken, .id = grains.id(broken)});

@@ -100,7 +100,7 @@ Stress<P::dimension> stress(const P& grains, const C& contacts,
   });
   contacts.for_each_contact(grains, [&](Index i, Index j, const auto& contact, const auto& force) {
     double length = double(grains[radius][i]) - double(contact.overlap);
-    if (j != nowhere) length += double(grains[radius][j]);
+    if (j != no_index) length += double(grains[radius][j]);
     const Vector l = length * contact.normal.template cast<double>();
     double share = 0;
     detail::for_each_image(grains.box(), [&](const Vector& shift) {

@@ -4,7 +4,7 @@
 #pragma once
 
 #include <silt/core/box.hpp>
-#include <silt/core/pair_memory.hpp>
+#include <silt/core/pair_history.hpp>
 #include <silt/core/travel.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/contact_lanes.hpp>
@@ -20,17 +20,17 @@
 
 namespace silt::dem {
 
-/// Memory is the law's LawMemory.
-template <int Dim, class RealType, class Memory, bool has_couple>
+/// Memory is the law's LawHistory.
+template <int Dim, class RealType, class History, bool has_couple>
 class Touches {
  public:
   static constexpr int dimension = Dim;
   using Real = RealType;
   using Row = ContactRow<has_couple>;
-  using Lanes = ContactLanes<Dim, Real, Memory::words, has_couple>;
+  using Lanes = ContactLanes<Dim, Real, History::words, has_couple>;
   static constexpr bool couples = has_couple;
   static constexpr Index padded_words = Lanes::padded_words;
-  using Remembered = PairMemory<typename Memory::type>;
+  using Remembered = PairHistory<typename History::type>;
   /// Row of the contacts that do not touch: all zeros, with the memory of a new contact. Who reads
   /// it like any other saves a branch that cannot be predicted.
   static constexpr std::uint32_t none = 0;
@@ -41,7 +41,7 @@ class Touches {
   struct Seen {
     using Row = ContactRow<has_couple>;
     std::vector<Real, Eigen::aligned_allocator<Real>> rows;      ///< see ContactRow
-    std::vector<Real, Eigen::aligned_allocator<Real>> memories;  ///< padded_words a row
+    std::vector<Real, Eigen::aligned_allocator<Real>> histories;  ///< padded_words a row
     std::vector<std::uint32_t> at;  ///< number of the row of each near contact, or `none`
     Index count = 0;                ///< contacts that touch
     Real time_step = 0;             ///< [s]
@@ -50,24 +50,24 @@ class Touches {
     Seen() {
       resize(0);
       std::fill_n(rows.begin(), first_row * Row::words, Real(0));
-      std::fill(memories.begin(), memories.end(), Real(0));
-      if constexpr (Memory::words > 0) Memory::put({}, memories.data());
+      std::fill(histories.begin(), histories.end(), Real(0));
+      if constexpr (History::words > 0) History::put({}, histories.data());
     }
     void resize(Index contacts) {
       resize_sparingly(rows, (contacts + first_row) * Row::words);
-      resize_sparingly(memories, (contacts + first_row) * padded_words);
+      resize_sparingly(histories, (contacts + first_row) * padded_words);
       resize_sparingly(at, contacts);
     }
     Real* row(Index number) noexcept { return rows.data() + number * Row::words; }
-    Real* memory(Index number) noexcept { return memories.data() + number * padded_words; }
-    const Real* memory(Index number) const noexcept {
-      return memories.data() + number * padded_words;
+    Real* history(Index number) noexcept { return histories.data() + number * padded_words; }
+    const Real* history(Index number) const noexcept {
+      return histories.data() + number * padded_words;
     }
     bool touches(Index contact) const noexcept { return at[contact] != none; }
     const Real* row_of(Index contact) const noexcept {
       return rows.data() + Index{at[contact]} * Row::words;
     }
-    const Real* memory_of(Index contact) const noexcept { return memory(at[contact]); }
+    const Real* history_of(Index contact) const noexcept { return history(at[contact]); }
   };
   /// Since when, and how long, the near contacts are good.
   struct Validity {
@@ -87,15 +87,15 @@ class Touches {
   Validity& validity() noexcept { return validity_; }
 
   /// What the law remembers of contacts from the last look on.
-  struct Memories {
+  struct Histories {
     const std::uint32_t* at;
-    const Real* memories;
+    const Real* histories;
     const Real* of(Index contact) const noexcept {
-      return memories + Index{at[contact]} * padded_words;
+      return histories + Index{at[contact]} * padded_words;
     }
   };
-  Memories memories_before() const noexcept {
-    return {(has_moved_rows_ ? moved_rows_ : before().at).data(), before().memories.data()};
+  Histories histories_before() const noexcept {
+    return {(has_moved_rows_ ? moved_rows_ : before().at).data(), before().histories.data()};
   }
 
   /// The step from `time` on begins to see and make: in place of what the one before the last did.
@@ -138,15 +138,15 @@ class Touches {
       last.tabulate();
       near_.for_each_contact([&](Index c) {
         const Index known = last.find(near_.first_id(c), near_.second_id(c));
-        if (known != nowhere) moved_rows_[c] = before().at[known];
+        if (known != no_index) moved_rows_[c] = before().at[known];
       });
     }
     has_moved_rows_ = true;
   }
 
   /// From now on, this is what is remembered.
-  void remember(const Remembered& memory) {
-    recalled_ = memory;
+  void set_history(const Remembered& history) {
+    recalled_ = history;
     was_recalled_ = false;
     validity_ = {};
   }
@@ -183,7 +183,7 @@ class Touches {
       const auto* const known = recalled_->find(near_.first_id(c), near_.second_id(c));
       if (known == nullptr) return;
       moved_rows_[c] = static_cast<std::uint32_t>(first_row + c);
-      Memory::put(*known, spare_seen_.memory(moved_rows_[c]));
+      History::put(*known, spare_seen_.history(moved_rows_[c]));
     });
     was_recalled_ = true;
   }

@@ -107,7 +107,7 @@ class TrialFlight {
     for (Index i = 0; i < (start_.wall ? 1u : 2u); ++i) {
       const Vec<Dim> force = sides[i] * load.force;
       const Vec<Dim> at = -sides[i] * arm(i) * contact_.normal;
-      const Spin<Dim> turning = moment(at, force) + sides[i] * load.couple;
+      const AngularVec<Dim> turning = cross(at, force) + sides[i] * load.couple;
       grains_[velocity][i] += force / grains_[mass][i] * start_.time_step;
       grains_[spin][i] += turning / grains_[inertia][i] * start_.time_step;
     }

@@ -19,7 +19,7 @@ struct NearestPoint {
 
 /// Of a part of a wall that pushes nothing there, since another one does.
 template <int Dim, class Real>
-NearestPoint<Dim, Real> nothing_near() {
+NearestPoint<Dim, Real> no_nearest_point() {
   return {Vec<Dim, Real>::Unit(Dim - 1), std::numeric_limits<Real>::infinity()};
 }
 
@@ -33,21 +33,21 @@ concept SimpleWall = requires(const W wall, const Vec<Dim, Real> x) {
 };
 
 /// Touches a grain in at most one point of each of its parts, which are numbered from 0:
-///   wall.parts()                         how many there are
-///   wall.nearest(part, x)                → NearestPoint; nothing_near() where another part pushes
-///   wall.for_each_part_near(x, d, f)     f(part) for every part that comes closer to x than d [m],
+///   wall.element_count()                         how many there are
+///   wall.nearest(part, x)                → NearestPoint; no_nearest_point() where another part pushes
+///   wall.for_each_element_near(x, d, f)     f(part) for every part that comes closer to x than d [m],
 ///                                        once; more may come
 template <class W, int Dim, class Real>
-concept WallOfParts = requires(const W wall, const Vec<Dim, Real> x, Index part) {
-  { wall.parts() } -> std::convertible_to<Index>;
+concept CompositeWall = requires(const W wall, const Vec<Dim, Real> x, Index part) {
+  { wall.element_count() } -> std::convertible_to<Index>;
   { wall.nearest(part, x) } -> std::same_as<NearestPoint<Dim, Real>>;
-  wall.for_each_part_near(x, Real(1), [](Index) {});
+  wall.for_each_element_near(x, Real(1), [](Index) {});
 };
 
 /// A simple wall or one of parts, at rest, with wall.material, its place in dem::Materials, and
 /// wall.check(), which throws if it is none.
 template <class W, int Dim, class Real>
-concept WallAtRest = (SimpleWall<W, Dim, Real> || WallOfParts<W, Dim, Real>) &&
+concept WallAtRest = (SimpleWall<W, Dim, Real> || CompositeWall<W, Dim, Real>) &&
                      requires(const W wall, W own) {
                        { wall.material } -> std::convertible_to<std::uint32_t>;
                        own.check();

@@ -28,7 +28,7 @@ struct Pose {
 template <int Dim, class Real>
 struct RigidVelocity {
   Vec<Dim, Real> linear = Vec<Dim, Real>::Zero();               ///< [m/s]
-  Spin<Dim, Real> spin = zero_of<Spin<Dim, Real>>();            ///< [1/s]
+  AngularVec<Dim, Real> spin = zero_of<AngularVec<Dim, Real>>();            ///< [1/s]
   Vec<Dim, Real> about = Vec<Dim, Real>::Zero();                ///< [m]
 
   Vec<Dim, Real> at(const Vec<Dim, Real>& x) const {
@@ -58,7 +58,7 @@ struct Translation {
 template <int Dim, class Real = double>
 struct Rotation {
   Vec<Dim, Real> about = Vec<Dim, Real>::Zero();      ///< the point, or any one of the axis [m]
-  Spin<Dim, Real> spin = zero_of<Spin<Dim, Real>>();  ///< ω [1/s]; in 3D along the axis
+  AngularVec<Dim, Real> spin = zero_of<AngularVec<Dim, Real>>();  ///< ω [1/s]; in 3D along the axis
 
   void check() const {
     require_finite("Rotation: about", about);

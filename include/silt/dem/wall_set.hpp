@@ -32,7 +32,7 @@ namespace detail {
 template <class W, int Dim, class Real>
 NearestPoint<Dim, Real> nearest_on(const W& wall, [[maybe_unused]] Index part,
                                    const Vec<Dim, Real>& x) {
-  if constexpr (WallOfParts<W, Dim, Real>) {
+  if constexpr (CompositeWall<W, Dim, Real>) {
     return wall.nearest(part, x);
   } else {
     return wall.nearest(x);
@@ -40,9 +40,9 @@ NearestPoint<Dim, Real> nearest_on(const W& wall, [[maybe_unused]] Index part,
 }
 
 template <class W, int Dim, class Real, class F>
-void for_each_part_near(const W& wall, const Vec<Dim, Real>& x, Real distance, F&& f) {
-  if constexpr (WallOfParts<W, Dim, Real>) {
-    wall.for_each_part_near(x, distance, f);
+void for_each_element_near(const W& wall, const Vec<Dim, Real>& x, Real distance, F&& f) {
+  if constexpr (CompositeWall<W, Dim, Real>) {
+    wall.for_each_element_near(x, distance, f);
   } else {
     if (wall.nearest(x).distance < distance) f(Index(0));
   }
@@ -57,8 +57,8 @@ class WallThen {
     return nearest_on<W, Dim, Real>(wall_, part, x);
   }
   template <class F>
-  void for_each_part_near(const Vec<Dim, Real>& x, Real distance, F&& f) const {
-    detail::for_each_part_near<W, Dim, Real>(wall_, x, distance, f);
+  void for_each_element_near(const Vec<Dim, Real>& x, Real distance, F&& f) const {
+    detail::for_each_element_near<W, Dim, Real>(wall_, x, distance, f);
   }
   RigidVelocity<Dim, Real> velocity() const { return {}; }
 
@@ -80,8 +80,8 @@ class WallThen<Moving<W, M>, Dim, Real> {
     return at;
   }
   template <class F>
-  void for_each_part_near(const Vec<Dim, Real>& x, Real distance, F&& f) const {
-    detail::for_each_part_near<W, Dim, Real>(wall_, pose_.X_of(x), distance, f);
+  void for_each_element_near(const Vec<Dim, Real>& x, Real distance, F&& f) const {
+    detail::for_each_element_near<W, Dim, Real>(wall_, pose_.X_of(x), distance, f);
   }
   const RigidVelocity<Dim, Real>& velocity() const { return velocity_; }
 
@@ -122,11 +122,11 @@ class WallsThen {
 
   /// f(place) for each part that is nearer to x than this [m], and maybe for others.
   template <class F>
-  void for_each_part_near(const Vec<Dim, Real>& x, Real distance, F&& f) const {
+  void for_each_element_near(const Vec<Dim, Real>& x, Real distance, F&& f) const {
     Index w = 0;
     const auto ask = [&](const auto& wall) {
       const Index first = first_[w++];
-      wall.for_each_part_near(x, distance, [&](Index part) { f(first + part); });
+      wall.for_each_element_near(x, distance, [&](Index part) { f(first + part); });
     };
     std::apply([&](const auto&... wall) { (ask(wall), ...); }, walls_);
   }
@@ -167,7 +167,7 @@ class WallSet {
       auto& body = body_of(wall);
       materials_[w] = body.material;
       Index parts = 1;
-      if constexpr (requires { body.parts(); }) parts = body.parts();
+      if constexpr (requires { body.element_count(); }) parts = body.element_count();
       first_[w + 1] = first_[w] + parts;
       ++w;
     });

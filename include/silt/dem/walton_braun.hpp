@@ -25,7 +25,7 @@ struct WaltonBraun {
   Restitution restitution = {};  ///< e [-] in (0, 1]
 
   template <int, class Real>
-  struct Memory {
+  struct History {
     Real deepest = 0;  ///< overlap that the contact has had [m]
   };
 
@@ -35,20 +35,20 @@ struct WaltonBraun {
   }
 
   template <class C, class M>
-  NormalForce<C> normal_force(const C& contact, M& memory) const {
+  NormalForce<C> normal_force(const C& contact, M& history) const {
     using Real = typename C::Real;
     const Real K_1 = Real(loading_stiffness);
-    const Real before = memory.deepest;
-    memory.deepest = std::max(before, contact.overlap);
+    const Real before = history.deepest;
+    history.deepest = std::max(before, contact.overlap);
     // ∫ F dδ_0 along the first line.
-    const Real plastic = K_1 * Real(stays()) * (squared(memory.deepest) - squared(before)) / 2;
-    return {.spring = spring_force(contact, memory), .stiffness = K_1, .plastic = plastic};
+    const Real plastic = K_1 * Real(stays()) * (squared(history.deepest) - squared(before)) / 2;
+    return {.spring = spring_force(contact, history), .stiffness = K_1, .plastic = plastic};
   }
 
   /// What it would give back.
   template <class C, class M>
-  double elastic_energy(const C& contact, const M& memory) const {
-    return squared(double(spring_force(contact, memory))) / (2 * unloading_stiffness());
+  double elastic_energy(const C& contact, const M& history) const {
+    return squared(double(spring_force(contact, history))) / (2 * unloading_stiffness());
   }
 
   /// K_2: the stiffer of the two counts.
@@ -69,9 +69,9 @@ struct WaltonBraun {
   double stays() const { return 1 - squared(restitution.value); }
 
   template <class C, class M>
-  typename C::Real spring_force(const C& contact, const M& memory) const {
+  typename C::Real spring_force(const C& contact, const M& history) const {
     using Real = typename C::Real;
-    const Real delta_0 = Real(stays()) * memory.deepest;
+    const Real delta_0 = Real(stays()) * history.deepest;
     return std::max(Real(0), Real(unloading_stiffness()) * (contact.overlap - delta_0));
   }
 };

@@ -27,7 +27,7 @@ class Motion {
   using Real = typename P::Real;
   using Scalar = Lane<Real>;
   using Vec = silt::Vec<P::dimension, Scalar>;
-  using Spin = silt::Spin<P::dimension, Scalar>;
+  using AngularVec = silt::AngularVec<P::dimension, Scalar>;
 
  public:
   explicit Motion(P& particles)
@@ -98,7 +98,7 @@ class Motion {
   template <class Set>
   void set_velocities(Index i, Set&& set) const {
     v_.after[i] = set(Vec(v_.before[i]), Vec(f_[i] * (1 / m_[i])));
-    if constexpr (turns) w_.after[i] = set(Spin(w_.before[i]), Spin(t_[i] * (1 / inertias_[i])));
+    if constexpr (turns) w_.after[i] = set(AngularVec(w_.before[i]), AngularVec(t_[i] * (1 / inertias_[i])));
   }
 
   void stay(Index i) const {
@@ -106,7 +106,7 @@ class Motion {
     if constexpr (has_angle) angle_.after[i] = angle_.before[i];
   }
 
-  static Real sum_of(const Spin& turning) {
+  static Real sum_of(const AngularVec& turning) {
     if constexpr (P::dimension == 2) {
       return turning;
     } else {
@@ -129,9 +129,9 @@ class Motion {
   Column<Vec> v_;
   const Vec* f_;
   const Scalar* m_;
-  Column<Spin> w_{};
-  Column<Spin> angle_{};
-  const Spin* t_ = nullptr;
+  Column<AngularVec> w_{};
+  Column<AngularVec> angle_{};
+  const AngularVec* t_ = nullptr;
   const Scalar* inertias_ = nullptr;
 };
 

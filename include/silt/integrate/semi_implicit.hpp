@@ -20,7 +20,7 @@ struct KeepsParticles {
 };
 
 /// The order that the flow's pressure source is made for.
-struct AsTheSourceAsks {
+struct OrderRequiredBySource {
   template <class Flow>
   static constexpr bool moves = [] {
     if constexpr (requires { Flow::needs_moved_particles; }) return Flow::needs_moved_particles;
@@ -29,14 +29,14 @@ struct AsTheSourceAsks {
 };
 
 /// Advances an incompressible flow.
-template <class Predictor = AsTheSourceAsks>
+template <class Predictor = OrderRequiredBySource>
 class SemiImplicit {
  public:
   template <class P, class S, class F>
     requires PressureInteraction<F, P, S> && HasFields<P, velocity_t>
   void step(P& particles, S& search, F& flow, double dt) {
     constexpr bool moves = Predictor::template moves<F>;
-    static_assert(moves || !AsTheSourceAsks::template moves<F>,
+    static_assert(moves || !OrderRequiredBySource::template moves<F>,
                   "silt::SemiImplicit: this flow's pressure source needs the number density of "
                   "moved particles; use SemiImplicit<MovesParticles>");
     search.update(particles);

@@ -188,7 +188,7 @@ void write_stl(const std::filesystem::path& path, const std::vector<Triangle<Rea
   if (format == StlFormat::binary) put(static_cast<std::uint32_t>(triangles.size()));
   for (const Triangle<Real>& triangle : triangles) {
     const auto& [a, b, c] = triangle.corners;
-    const Vec<3, Real> normal = moment(Vec<3, Real>(b - a), Vec<3, Real>(c - a)).normalized();
+    const Vec<3, Real> normal = cross(Vec<3, Real>(b - a), Vec<3, Real>(c - a)).normalized();
     if (format == StlFormat::binary) {
       for (const auto& vector : {normal, a, b, c}) {
         for (const Real value : vector) put(std::bit_cast<std::uint32_t>(static_cast<float>(value)));

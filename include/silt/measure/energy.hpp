@@ -37,8 +37,8 @@ Vec<P::dimension> momentum(const P& particles) {
 /// round-off, also from half step to half step; across periodic sides it is not kept.
 template <class P>
   requires HasFields<P, velocity_t, mass_t, spin_t, inertia_t>
-Spin<P::dimension> angular_momentum(const P& particles, const typename P::Vec& about) {
-  using Sum = Spin<P::dimension>;
+AngularVec<P::dimension> angular_momentum(const P& particles, const typename P::Vec& about) {
+  using Sum = AngularVec<P::dimension>;
   using Wide = Vec<P::dimension>;
   const auto x = particles[position];
   const auto v = particles[velocity];
@@ -48,7 +48,7 @@ Spin<P::dimension> angular_momentum(const P& particles, const typename P::Vec& a
   return ordered_sum(particles.size(), zero_of<Sum>(), [&](Index i) {
     const Wide arm = (x[i] - about).template cast<double>();
     const Wide p = double(m[i]) * v[i].template cast<double>();
-    return Sum(moment(arm, p) + double(inertias[i]) * in_double(w[i]));
+    return Sum(cross(arm, p) + double(inertias[i]) * in_double(w[i]));
   });
 }
 

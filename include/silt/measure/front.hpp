@@ -15,7 +15,7 @@ struct FrontRule {
   double spacing = 0;              ///< l0 [m]: particles reach half of it beyond their centres
   double band = 2;                 ///< within this many spacings of the floor, or of the back wall
   double neighbour_radius = 2.1;   ///< over the spacing; at most the search's radius
-  int least_neighbours = 3;        ///< fluid particles that the edge has within that radius
+  int min_neighbours = 3;        ///< fluid particles that the edge has within that radius
 };
 
 struct Front {
@@ -38,7 +38,7 @@ Front find_front(const P& particles, const S& search, const FrontRule& rule, IsF
     search.for_each_neighbour(i, [&](Index j, const auto&, auto r) {
       neighbours += double(r) < near && is_fluid(particles.owner(j));
     });
-    return neighbours < rule.least_neighbours;
+    return neighbours < rule.min_neighbours;
   };
   Front front;
   for (Index i = 0; i < particles.size(); ++i) {

@@ -14,7 +14,7 @@ namespace silt::mps {
 /// Two particles near each other, as the first sees it. At a smooth wall r_ij and u_ij are what
 /// lies along the wall's normal.
 template <int Dim, class RealType = double>
-struct Encounter {
+struct CollidingPair {
   using Real = RealType;
   using Vec = silt::Vec<Dim, Real>;
 
@@ -47,7 +47,7 @@ struct Collision {
   double reach() const { return distance; }
 
   template <int Dim, class Real>
-  Vec<Dim, Real> impulse(const Encounter<Dim, Real>& pair) const {
+  Vec<Dim, Real> impulse(const CollidingPair<Dim, Real>& pair) const {
     const Real approach = pair.approach();
     if (!(approach > 0)) return Vec<Dim, Real>::Zero();
     return pair.parting((1 + Real(restitution)) * approach);
@@ -58,10 +58,10 @@ struct Collision {
 using OriginalCollision = Collision<std::ratio<1, 2>, std::ratio<1, 5>>;
 using AdoptedCollision = Collision<std::ratio<1>, std::ratio<1, 5>>;
 
-/// reach(): pairs farther apart [spacings] do not meet; impulse(encounter): change of the velocity
+/// reach(): pairs farther apart [spacings] do not meet; impulse(pair): change of the velocity
 /// of i [m/s].
 template <class C>
-concept CollisionModel = requires(const C c, Encounter<2> in_2d, Encounter<3> in_3d) {
+concept CollisionModel = requires(const C c, CollidingPair<2> in_2d, CollidingPair<3> in_3d) {
   { c.reach() } -> std::convertible_to<double>;
   { c.impulse(in_2d) } -> std::convertible_to<Vec<2>>;
   { c.impulse(in_3d) } -> std::convertible_to<Vec<3>>;

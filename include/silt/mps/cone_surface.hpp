@@ -32,7 +32,7 @@ struct ConeSurface {
   /// for_each(f) calls f(r_ij, w, counts) for every neighbour: `counts` says whether one in the
   /// cone hides the surface. spacing is l0 [m].
   template <int Dim, class Real, class Neighbours>
-  bool holds(const Fullness&, const SurfaceScale<Real>& scale, const Neighbours& for_each) const {
+  bool is_on_surface(const LocalDensity&, const SurfaceScale<Real>& scale, const Neighbours& for_each) const {
     using Vec = silt::Vec<Dim, Real>;
     using Matrix = Eigen::Matrix<Real, Dim, Dim>;
     Matrix moments = Matrix::Zero();
@@ -44,10 +44,10 @@ struct ConeSurface {
     moments *= Dim / scale.n0;
     Eigen::SelfAdjointEigenSolver<Matrix> solver;
     solver.computeDirect(moments, Eigen::EigenvaluesOnly);
-    const Real fullness = solver.eigenvalues()[0];
-    if (fullness < Real(spray)) return true;
+    const Real smallest_eigenvalue = solver.eigenvalues()[0];
+    if (smallest_eigenvalue < Real(spray)) return true;
     const Real size = outwards.norm();
-    if (fullness > Real(inside) || !(size > 0)) return false;
+    if (smallest_eigenvalue > Real(inside) || !(size > 0)) return false;
     outwards /= size;
     const Real most = Real(length) * scale.spacing;
     const Real cosine = Real(std::cos(half_angle));

@@ -17,7 +17,7 @@ struct CorrectedGradient {
   static constexpr double least_determinant = 0.05;
 
   template <class T, class Real, class Neighbours>
-  static Vec<T::dimension, Real> at(const T& stencil, Real phi_i, Neighbours&& for_each) {
+  static Vec<T::dimension, Real> evaluate(const T& stencil, Real phi_i, Neighbours&& for_each) {
     using Vec = silt::Vec<T::dimension, Real>;
     using Matrix = Eigen::Matrix<Real, T::dimension, T::dimension>;
     Vec sum = Vec::Zero();

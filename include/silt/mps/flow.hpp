@@ -85,7 +85,7 @@ class BasicFlow {
   }
 
   /// The time of the positions [s], which FlowSettings::body_force is asked for.
-  void at(double time) { time_ = time; }
+  void set_time(double time) { time_ = time; }
 
   /// u* = u + Δt (ν∇²u + F)      (8)
   /// Throws if Δt is beyond stability: a particle passing a spacing, or the viscous limit.
@@ -138,7 +138,7 @@ class BasicFlow {
       Vec change = Vec::Zero();
       Vec by_walls = Vec::Zero();
       around_.for_each_closer(i, reach, least, [&](Index j, const Vec& r_ij, Real r) {
-        Encounter<Dim, Real> pair{.r_ij = r_ij,
+        CollidingPair<Dim, Real> pair{.r_ij = r_ij,
                                   .r = r,
                                   .u_ij = u[j] - u[i],
                                   .wall = kinds[j] != Kind::fluid,
@@ -262,7 +262,7 @@ class BasicFlow {
 
   // Turns a pair with a wall particle into one along the wall's normal; false where it lies beside,
   // farther than the middle between wall particles, or behind.
-  bool faces(Encounter<Dim, Real>& pair, const Vec& normal) const {
+  bool faces(CollidingPair<Dim, Real>& pair, const Vec& normal) const {
     const Vec along = normal.dot(pair.r_ij) * normal;
     const Real beside2 = (pair.r_ij - along).squaredNorm();
     if (beside2 > Real(0.2501) * (Dim - 1) * squared(pair.spacing)) return false;
@@ -298,15 +298,15 @@ class BasicFlow {
     carries_pressure_.resize(particles.size());
     for_each(particles.size(), [&](Index i) {
       n[i] = around_.density(i);
-      const Fullness fullness{.density = double(n[i] / stencil_.n0),
+      const LocalDensity local_density{.density = double(n[i] / stencil_.n0),
                               .neighbours = double(around_[i].size()) / double(stencil_.neighbours)};
       carries_pressure_[i] = kinds[i] != Kind::dummy;
-      if constexpr (SurfaceByFullness<typename Scheme::Surface>) {
-        on_surface[i] = settings_.surface.holds(fullness);
+      if constexpr (SurfaceByDensity<typename Scheme::Surface>) {
+        on_surface[i] = settings_.surface.is_on_surface(local_density);
       } else {
         const SurfaceScale<Real> scale{.spacing = stencil_.spacing, .n0 = stencil_.n0};
         on_surface[i] = kinds[i] != Kind::dummy &&
-                        settings_.surface.template holds<Dim, Real>(fullness, scale, [&](auto&& f) {
+                        settings_.surface.template is_on_surface<Dim, Real>(local_density, scale, [&](auto&& f) {
           for_each_weighted(around_, i, stencil_, [&](Index j, const Vec& r_ij, Real w, Real) {
             f(r_ij, w, kinds[i] != Kind::fluid || kinds[j] == Kind::fluid);
           });
@@ -355,7 +355,7 @@ class BasicFlow {
       if constexpr (balances_forces<Source>()) {
         terms.divergence = double(divergence_of(particles, i, with_forced_solids_));
         terms.at_edge = at_edge_[i] != 0;
-        terms.one_sidedness = double(one_sidedness(particles, i));
+        terms.asymmetry = double(asymmetry(particles, i));
       } else if constexpr (Source::needs_divergence) {
         terms.divergence = double(divergence_of(particles, i, u));
       }
@@ -379,7 +379,7 @@ class BasicFlow {
 
   // What the Laplacian sums up of a pressure that rises linearly, by neighbours on one side only.
   template <class P>
-  Real one_sidedness(const P& particles, Index i) const {
+  Real asymmetry(const P& particles, Index i) const {
     const Vec rise = pressure_gradient<CorrectedGradient>(particles, i);
     const Vec weight = Real(settings_.density) * force(i);
     Real sum = 0;
@@ -395,7 +395,7 @@ class BasicFlow {
   template <class Gradient, class P>
   Vec pressure_gradient(const P& particles, Index i) const {
     const auto p = particles.with_ghosts(pressure);
-    return Gradient::at(stencil_, p[i], [&](auto&& f) {
+    return Gradient::evaluate(stencil_, p[i], [&](auto&& f) {
       for_each_weighted(around_, i, stencil_, [&](Index j, const Vec& r_ij, Real w, Real w_r2) {
         if (carries_pressure_[particles.owner(j)]) f(p[j], r_ij, w, w_r2);
       });
@@ -425,14 +425,14 @@ class BasicFlow {
     const auto u = particles.with_ghosts(velocity);
     change_.resize(particles.size());
     for_each_of_fluid(particles, [&](Index i) {
-      Crowding<Dim, Real> crowding{.at_edge = at_edge_[i] != 0,
+      ShiftInput<Dim, Real> shift_input{.at_edge = at_edge_[i] != 0,
                                    .spacing = Real(settings_.spacing),
                                    .time_step = dt};
       for_each_weighted(around_, i, stencil_, [&](Index j, const Vec& r_ij, Real, Real w_r2) {
-        crowding.towards += (stencil_.spacing * w_r2 / stencil_.n0) * r_ij;
-        crowding.speed = std::max(crowding.speed, (u[j] - u[i]).norm());
+        shift_input.towards += (stencil_.spacing * w_r2 / stencil_.n0) * r_ij;
+        shift_input.speed = std::max(shift_input.speed, (u[j] - u[i]).norm());
       });
-      change_[i] = settings_.shifting.at(crowding);
+      change_[i] = settings_.shifting.displacement(shift_input);
     });
   }
 
@@ -444,7 +444,7 @@ class BasicFlow {
     }
     const auto p = particles[pressure];  // those that the solve began from
     const Index broken = first_where(p.size(), [&](Index i) { return !is_finite(p[i]); });
-    if (broken != nowhere) {
+    if (broken != no_index) {
       fail("mps::Flow: the pressure " + to_text(double(p[broken])) +
                " Pa is not finite; give the particle one",
            {.particle = broken, .id = particles.id(broken)});

@@ -22,8 +22,8 @@ struct FlowSettings {
   double laplacian_radius = 3.1;  ///< re/l0 of the Laplacian [-]
   double courant = 0.2;           ///< Δt ≤ courant l0 / largest speed [-]
   double speed_scale = 0;  ///< expected speed, e.g. √(g H) [m/s]: Δt ≤ courant l0 / speed_scale
-  double largest_growth = 1.2;  ///< Δt ≤ largest_growth times that of the step before [-], from 1 on
-  double largest_time_step = std::numeric_limits<double>::infinity();  ///< [s]
+  double max_growth = 1.2;  ///< Δt ≤ max_growth times that of the step before [-], from 1 on
+  double max_time_step = std::numeric_limits<double>::infinity();  ///< [s]
   bool clip_negative_pressure = true;  ///< P ← max(P, 0): MPS fluid does not pull
   typename Scheme::Source source = {};
   typename Scheme::Surface surface = {};
@@ -42,12 +42,12 @@ struct FlowSettings {
     require_between("FlowSettings: laplacian_radius", laplacian_radius, {1.0 + 1e-9, 10});
     require_positive("FlowSettings: courant", courant);
     require_not_negative("FlowSettings: speed_scale", speed_scale);
-    if (!(largest_growth >= 1)) {
-      fail("FlowSettings: largest_growth = " + to_text(largest_growth) +
+    if (!(max_growth >= 1)) {
+      fail("FlowSettings: max_growth = " + to_text(max_growth) +
            " would let the time step shrink only; give a value of at least 1");
     }
-    if (!(largest_time_step > 0)) {
-      fail("FlowSettings: largest_time_step = " + to_text(largest_time_step) +
+    if (!(max_time_step > 0)) {
+      fail("FlowSettings: max_time_step = " + to_text(max_time_step) +
            " s must be positive; give a value above 0");
     }
     source.check();

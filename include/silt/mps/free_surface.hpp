@@ -11,7 +11,7 @@
 namespace silt::mps {
 
 /// Surroundings of a particle against those in the full lattice.
-struct Fullness {
+struct LocalDensity {
   double density = 0;     ///< n_i / n0 [-]
   double neighbours = 0;  ///< N_i / N0 [-]
 };
@@ -25,20 +25,20 @@ struct SurfaceScale {
 
 /// Says from its surroundings whether a particle lies on the free surface.
 template <class S>
-concept SurfaceByFullness = requires(const S surface, Fullness fullness) {
-  { surface.holds(fullness) } -> std::same_as<bool>;
+concept SurfaceByDensity = requires(const S surface, LocalDensity local_density) {
+  { surface.is_on_surface(local_density) } -> std::same_as<bool>;
 };
 /// The same, out of where its neighbours stand: for_each(f) calls f(r_ij, w, counts), where `counts`
 /// is false for what must not hide the surface from fluid: walls.
 template <class S>
-concept SurfaceByPlaces = requires(const S surface, Fullness fullness, SurfaceScale<double> scale) {
+concept SurfaceByPositions = requires(const S surface, LocalDensity local_density, SurfaceScale<double> scale) {
   {
-    surface.template holds<2, double>(fullness, scale, [](auto&& f) { f(Vec<2>(), 0.0, true); })
+    surface.template is_on_surface<2, double>(local_density, scale, [](auto&& f) { f(Vec<2>(), 0.0, true); })
   } -> std::same_as<bool>;
 };
 template <class S>
 concept FreeSurface =
-    (SurfaceByFullness<S> || SurfaceByPlaces<S>)&&requires(const S surface) { surface.check(); };
+    (SurfaceByDensity<S> || SurfaceByPositions<S>)&&requires(const S surface) { surface.check(); };
 
 /// n_i < β n0 (13).
 template <class Beta>
@@ -46,7 +46,7 @@ struct DensityBelow {
   double beta = double(Beta::num) / double(Beta::den);  ///< β [-] in (0, 1]
 
   void check() const { require_between("DensitySurface: beta", beta, {0, 1}); }
-  bool holds(const Fullness& fullness) const { return fullness.density < beta; }
+  bool is_on_surface(const LocalDensity& local_density) const { return local_density.density < beta; }
 };
 
 /// β is open in the paper; 0.97 is usual. At re = 3.1 l0 that includes the second row of particles
@@ -60,11 +60,11 @@ struct CountSurface {
   double beta = 0.85;  ///< β' [-] in (0, 1]; open in the paper, 0.85 is usual
 
   void check() const { require_between("CountSurface: beta", beta, {0, 1}); }
-  bool holds(const Fullness& fullness) const { return fullness.neighbours < beta; }
+  bool is_on_surface(const LocalDensity& local_density) const { return local_density.neighbours < beta; }
 };
 
 /// Both conditions together: what the paper adopts.
-template <SurfaceByFullness A, SurfaceByFullness B>
+template <SurfaceByDensity A, SurfaceByDensity B>
 struct BothSurfaces {
   A first{};
   B second{};
@@ -73,8 +73,8 @@ struct BothSurfaces {
     first.check();
     second.check();
   }
-  bool holds(const Fullness& fullness) const {
-    return first.holds(fullness) && second.holds(fullness);
+  bool is_on_surface(const LocalDensity& local_density) const {
+    return first.is_on_surface(local_density) && second.is_on_surface(local_density);
   }
 };
 

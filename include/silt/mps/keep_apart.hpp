@@ -15,7 +15,7 @@ namespace silt::mps {
 /// How much faster [m/s] a pair must part to end the step no closer than `least` [m]: the part of
 /// r_ij + Δt u_ij along r_ij has to grow until that length is reached.
 template <int Dim, class Real>
-Real speed_to_part(const Encounter<Dim, Real>& pair, Real least) {
+Real speed_to_part(const CollidingPair<Dim, Real>& pair, Real least) {
   const Vec<Dim, Real> after = pair.r_ij + pair.time_step * pair.u_ij;
   const Real along = after.dot(pair.r_ij) / pair.r;
   const Real across2 = std::max(Real(0), after.squaredNorm() - squared(along));
@@ -34,7 +34,7 @@ struct DynamicStabilisation {
   double reach() const { return distance + 0.5; }
 
   template <int Dim, class Real>
-  Vec<Dim, Real> impulse(const Encounter<Dim, Real>& pair) const {
+  Vec<Dim, Real> impulse(const CollidingPair<Dim, Real>& pair) const {
     return pair.parting(speed_to_part(pair, Real(distance) * pair.spacing));
   }
 };
@@ -54,7 +54,7 @@ struct KeepApart {
   double reach() const { return distance + 0.5; }
 
   template <int Dim, class Real>
-  Vec<Dim, Real> impulse(const Encounter<Dim, Real>& pair) const {
+  Vec<Dim, Real> impulse(const CollidingPair<Dim, Real>& pair) const {
     const Real most = (1 + Real(restitution)) * std::max(Real(0), pair.approach());
     return pair.parting(std::min(most, speed_to_part(pair, Real(distance) * pair.spacing)));
   }

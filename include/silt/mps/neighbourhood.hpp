@@ -63,7 +63,7 @@ class Neighbourhood {
   bool is_of(const P& particles) const {
     const auto x = particles.with_ghosts(position);
     return particles.revision() == revision_ && x.size() == positions_.size() &&
-           first_where(x.size(), [&](Index i) { return x[i] != positions_[i]; }) == nowhere;
+           first_where(x.size(), [&](Index i) { return x[i] != positions_[i]; }) == no_index;
   }
 
   /// f(j, r_ij, r) for the neighbours of i closer than `reach` [m]; all of these weigh more than

@@ -73,7 +73,7 @@ bool any_weighted(const S& search, Index i, const T& stencil, F&& f) {
 struct MinimumGradient {
   /// for_each(f) calls f(φ_j, r_ij, w, w/r²).
   template <class T, class Real, class Neighbours>
-  static Vec<T::dimension, Real> at(const T& stencil, Real phi_i, Neighbours&& for_each) {
+  static Vec<T::dimension, Real> evaluate(const T& stencil, Real phi_i, Neighbours&& for_each) {
     using Vec = silt::Vec<T::dimension, Real>;
     Real lowest = phi_i;
     for_each([&](Real phi_j, const Vec&, Real, Real) { lowest = std::min(lowest, phi_j); });
@@ -88,7 +88,7 @@ struct MinimumGradient {
 /// <∇φ>_i = d/n0 Σ (φ_j + φ_i) r_ij w/r²      conserves momentum, Toyota et al. (2005)         (18)
 struct ConservingGradient {
   template <class T, class Real, class Neighbours>
-  static Vec<T::dimension, Real> at(const T& stencil, Real phi_i, Neighbours&& for_each) {
+  static Vec<T::dimension, Real> evaluate(const T& stencil, Real phi_i, Neighbours&& for_each) {
     using Vec = silt::Vec<T::dimension, Real>;
     Vec sum = Vec::Zero();
     for_each([&](Real phi_j, const Vec& r_ij, Real, Real w_r2) {
@@ -102,7 +102,7 @@ struct ConservingGradient {
 template <class G, int Dim, class Real = double>
 concept Gradient = requires(const Stencil<Dim, Real, CubicKernel> stencil, Real phi) {
   {
-    G::at(stencil, phi, [](auto&& f) { f(Real(), Vec<Dim, Real>(), Real(), Real()); })
+    G::evaluate(stencil, phi, [](auto&& f) { f(Real(), Vec<Dim, Real>(), Real(), Real()); })
   } -> std::convertible_to<Vec<Dim, Real>>;
 };
 

@@ -12,7 +12,7 @@ namespace silt::mps {
 
 /// What a shift is made from, at one fluid particle.
 template <int Dim, class RealType = double>
-struct Crowding {
+struct ShiftInput {
   using Real = RealType;
   using Vec = silt::Vec<Dim, Real>;
 
@@ -29,7 +29,7 @@ struct NoShifting {
 
   void check() const {}
   template <int Dim, class Real>
-  Vec<Dim, Real> at(const Crowding<Dim, Real>&) const {
+  Vec<Dim, Real> displacement(const ShiftInput<Dim, Real>&) const {
     return Vec<Dim, Real>::Zero();
   }
 };
@@ -46,21 +46,21 @@ struct ParticleShifting {
   void check() const { require_not_negative("ParticleShifting: strength", strength); }
 
   template <int Dim, class Real>
-  Vec<Dim, Real> at(const Crowding<Dim, Real>& crowding) const {
+  Vec<Dim, Real> displacement(const ShiftInput<Dim, Real>& shift_input) const {
     using Vec = silt::Vec<Dim, Real>;
-    if (crowding.at_edge) return Vec::Zero();
-    const Vec shift = (-Real(strength) * crowding.speed * crowding.time_step) * crowding.towards;
+    if (shift_input.at_edge) return Vec::Zero();
+    const Vec shift = (-Real(strength) * shift_input.speed * shift_input.time_step) * shift_input.towards;
     const Real size = shift.norm();
-    const Real most = crowding.spacing / 10;
+    const Real most = shift_input.spacing / 10;
     return size > most ? Vec((most / size) * shift) : shift;
   }
 };
 
 template <class S>
-concept Shifting = requires(const S shifting, Crowding<2> in_2d, Crowding<3> in_3d) {
+concept Shifting = requires(const S shifting, ShiftInput<2> in_2d, ShiftInput<3> in_3d) {
   { S::shifts } -> std::convertible_to<bool>;
-  { shifting.at(in_2d) } -> std::convertible_to<Vec<2>>;
-  { shifting.at(in_3d) } -> std::convertible_to<Vec<3>>;
+  { shifting.displacement(in_2d) } -> std::convertible_to<Vec<2>>;
+  { shifting.displacement(in_3d) } -> std::convertible_to<Vec<3>>;
   shifting.check();
 };
 

@@ -18,7 +18,7 @@ struct SourceTerms {
   double divergence = 0;   ///< ∇·u* [1/s]
   /// What the Laplacian sums up of a pressure without curvature where neighbours lie on one side
   /// only [Pa/m²]; see BalancedSource.
-  double one_sidedness = 0;
+  double asymmetry = 0;
   double density_rate = 0;       ///< (1/n0) Dn/Dt by u* [1/s]
   double last_density_rate = 0;  ///< (1/n0) Dn/Dt by u before the predictor [1/s]
   /// Itself or a neighbour lies on the free surface, or a neighbour has no pressure: n is not that of
@@ -28,7 +28,7 @@ struct SourceTerms {
 
 /// Has value(terms) [Pa/m²] and says whether its n is that of moved particles, and which of the
 /// dearer terms it needs. It may also say that
-///   balances_forces      it uses one_sidedness; solids then have Δt F for u* in its divergence
+///   balances_forces      it uses asymmetry; solids then have Δt F for u* in its divergence
 ///   needs_density_rate   it uses density_rate and last_density_rate
 template <class S>
 concept PressureSource = requires(const S source, SourceTerms terms) {
@@ -94,7 +94,7 @@ struct BalancedSource {
   void check() const { require_between("BalancedSource: gamma", gamma, {0, 1}); }
   double value(const SourceTerms& s) const {
     const double excess = s.at_edge ? std::max(0.0, s.compression) : s.compression;
-    return s.density / s.time_step * s.divergence + s.one_sidedness -
+    return s.density / s.time_step * s.divergence + s.asymmetry -
            gamma * s.density / (s.time_step * s.time_step) * excess;
   }
 };

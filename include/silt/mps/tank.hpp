@@ -30,7 +30,7 @@ struct Tank {
   double spacing = 0;    ///< l0 [m]
   int dummy_layers = 4;  ///< at least the largest radius in spacings, rounded up
   bool lid = false;      ///< a wall on top, too: full, the tank has no free surface
-  Leavers leavers = Leavers::refuse;  ///< particles that jump out of the tank's surroundings
+  OnEscape on_escape = OnEscape::refuse;  ///< particles that jump out of the tank's surroundings
 };
 
 /// Fluid at rest in a tank; lengths are rounded to whole spacings. The box around an open one
@@ -89,7 +89,7 @@ Fluid<Dim, Real, Further...> make_tank(const Tank<Dim>& tank) {
     box.upper[k] = Real((inside[k] + layers + 1) * tank.spacing);
   }
   box.upper[up] = Real((tank.lid ? inside[up] + layers + 1 : 3 * inside[up]) * tank.spacing);
-  box.leavers = tank.leavers;
+  box.on_escape = tank.on_escape;
   silt::mps::Fluid<Dim, Real, Further...> particles(box);
 
   const auto add_if = [&](const Cell& cell, bool is_wanted, Kind of_kind) {

@@ -5,7 +5,7 @@
 //   fall        Δt ≤ √(C l0 / |F|)          from rest no speed says how fast it gets; F with the
 //                                           body force, where it is largest
 //   viscosity   Δt ≤ λ/(4 d ν)              half of what is stable, see viscous_limit()
-//   growth      Δt ≤ largest_growth Δt of the step before
+//   growth      Δt ≤ max_growth Δt of the step before
 #pragma once
 
 #include <silt/core/error.hpp>
@@ -50,7 +50,7 @@ class TimeStep {
 
   template <FluidParticles P, class Settings>
   TimeStepLimits limits(const P& particles, const Settings& settings, const Given& given) const {
-    TimeStepLimits limits{.viscous = given.viscous, .largest = settings.largest_time_step};
+    TimeStepLimits limits{.viscous = given.viscous, .largest = settings.max_time_step};
     const auto u = particles[velocity];
     const double fastest = std::sqrt(
         largest(u.size(), 0.0, [&](Index i) { return double(u[i].squaredNorm()); }));
@@ -59,7 +59,7 @@ class TimeStep {
     const double pull = largest_force(particles, settings, given.time);
     if (speed > 0) limits.courant = way / speed;
     if (pull > 0) limits.fall = std::sqrt(way / pull);
-    if (last_ > 0) limits.growth = settings.largest_growth * last_;
+    if (last_ > 0) limits.growth = settings.max_growth * last_;
     return limits;
   }
 
@@ -76,7 +76,7 @@ class TimeStep {
     const Index broken = first_where(u.size(), [&](Index i) {
       return !(double(u[i].norm()) * dt <= settings.spacing);  // so that a NaN is one
     });
-    if (broken != nowhere) refuse(particles, settings, broken, dt);
+    if (broken != no_index) refuse(particles, settings, broken, dt);
     const double pull = largest_force(particles, settings, given.time);
     if (dt * dt * pull > settings.spacing) {
       fail("mps::Flow: time_step = " + to_text(dt) + " s lets a particle fall by more than the "

@@ -228,7 +228,7 @@ class LevelGrid {
   }
   // Slot of i in its level.
   Index slot_if(bool is_own, Index i) const {
-    if (!is_own) return nowhere;
+    if (!is_own) return no_index;
     const Level& level = level_of(i);
     return level.points.slot_of(by_level_.slot_of()[i] - level.first);
   }

@@ -62,7 +62,7 @@ class ConjugateGradient {
       while (true) {
         const bool is_lost = !is_finite(residual);
         const double curvature = is_lost ? 0 : multiply(system);  // q = A p;  p·q
-        if (is_lost || !(curvature > 0) || report.iterations == settings_.most_iterations) {
+        if (is_lost || !(curvature > 0) || report.iterations == settings_.max_iterations) {
           report.reason = !is_lost && curvature > 0 ? SolveReport::Reason::not_converged
                                                     : SolveReport::Reason::broke_down;
           report.residual = find_residual(system, x) / size_of_b;

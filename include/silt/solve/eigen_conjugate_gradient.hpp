@@ -51,7 +51,7 @@ class EigenConjugateGradient {
     solver.setTolerance(settings_.tolerance);
     // A second round starts where rounding has parted the recurrence from the true residual.
     for (int round = 0; round < 3 && is_finite(report.residual); ++round) {
-      solver.setMaxIterations(settings_.most_iterations - report.iterations);
+      solver.setMaxIterations(settings_.max_iterations - report.iterations);
       solution = solver.solveWithGuess(b, Vector(solution));
       const bool is_there = solver.info() == Eigen::Success;
       report.iterations += static_cast<int>(solver.iterations()) + is_there;  // it omits the last

@@ -8,12 +8,12 @@ namespace silt {
 
 struct SolveSettings {
   double tolerance = 1e-6;    ///< |b − A x| ≤ tolerance |b| [-]
-  int most_iterations = 5000;
+  int max_iterations = 5000;
 
   /// Throws if a number is out of range.
   void check() const {
     require_positive("SolveSettings: tolerance", tolerance);
-    require_positive("SolveSettings: most_iterations", most_iterations);
+    require_positive("SolveSettings: max_iterations", max_iterations);
   }
 
   /// Whether x is good enough by its residual |b − A x| / |b|, recomputed: within a hundred rounding

@@ -25,7 +25,7 @@ template <int Dim>
 class Bench {
  public:
   using Grains = dem::Grains<Dim>;
-  /// f(i, j, contact, force on i); j is `nowhere` at a wall.
+  /// f(i, j, contact, force on i); j is `no_index` at a wall.
   using OnContact =
       std::function<void(Index, Index, const dem::Contact<Dim, double>&, const Vec<Dim>&)>;
 

@@ -28,10 +28,10 @@ void column(ReferenceTable& table) {
   double floor = 0, worst = 0;
   Index contacts = 0;
   bench.for_each_contact([&](Index i, Index j, const auto& contact, const Vec<2>& force) {
-    const double carried = j == nowhere ? n : n - 1.0 - double(std::min(i, j));
+    const double carried = j == no_index ? n : n - 1.0 - double(std::min(i, j));
     const double overlap = contact.overlap * k / weight / carried;
     if (std::abs(overlap - 1) >= std::abs(worst - 1) || contacts == 0) worst = overlap;
-    if (j == nowhere) floor = force[1];
+    if (j == no_index) floor = force[1];
     ++contacts;
   });
   const std::string name = "11 column of 10 discs";
@@ -63,11 +63,11 @@ void pyramid(ReferenceTable& table) {
   bench.run(0.6);
   double upper = 0, floor = 0, side = 0;
   bench.for_each_contact([&](Index i, Index j, const auto&, const Vec<2>& force) {
-    if (j == nowhere && i == 0) {
+    if (j == no_index && i == 0) {
       floor = force[1];
       side = force[0];
     }
-    if (j != nowhere && std::max(i, j) == 2) upper = std::max(upper, force.norm());
+    if (j != no_index && std::max(i, j) == 2) upper = std::max(upper, force.norm());
   });
   const std::string name = "12 one disc on two that are held";
   table.add({name, "upper contacts [m g]", 1 / (2 * std::cos(std::numbers::pi / 6)),

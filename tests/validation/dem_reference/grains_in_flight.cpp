@@ -32,8 +32,8 @@ void two_bodies(ReferenceTable& table) {
                                     .restitution = 0.6,
                                     .friction_angle = 0.5}});
   bench.through_contact(bench.time_step());
-  using Spin = typename dem::Grains<Dim>::Spin;
-  const Spin gained = angular_momentum(bench.grains(), origin) - L;
+  using AngularVec = typename dem::Grains<Dim>::AngularVec;
+  const AngularVec gained = angular_momentum(bench.grains(), origin) - L;
   const std::string name =
       "9 oblique impact of two " + (Dim == 2 ? disc : sphere).name + "s that spin";
   table.add({name, "change of momentum [-]", 0,

@@ -84,13 +84,13 @@ void impacts(ReferenceTable& table) {
   for (Index row = 0; row < exact.rows(); ++row) {
     const double e = exact["e_nominal"][row];
     const std::string name = "1 linear spring and dashpot, e = " + to_text(e);
-    for (const bool tension : {true, false}) {
-      const dem::CundallStrack law{.normal_stiffness = k, .restitution = e, .tension = tension};
-      Farthest restitution{tension ? e : exact["e_if_clipped"][row]};
+    for (const bool limited : {false, true}) {
+      const dem::CundallStrack law{.normal_stiffness = k, .restitution = e, .limit_damping = limited};
+      Farthest restitution{limited ? exact["e_if_clipped"][row] : e};
       Farthest deepest{exact["delta_max_omega0_over_v0"][row]};
       try_all<2>(law, exact["zeta"][row], restitution, deepest);
       try_all<3>(law, exact["zeta"][row], restitution, deepest);
-      const std::string kind = tension ? "" : ", dashpot without pull";
+      const std::string kind = limited ? ", dashpot without pull" : "";
       table.add({name + kind, "e [-], worst of 40 impacts", restitution.reference,
                  restitution.value, 0.005});
       table.add({name + kind, "δ_max ω0/v0 [-], worst of 40 impacts", deepest.reference,

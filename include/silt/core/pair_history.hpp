@@ -18,7 +18,7 @@ constexpr Id wall_id(Index wall) { return ~static_cast<Id>(wall); }
 constexpr bool is_wall_id(Id id) { return id >> 63 != 0; }
 
 template <class Value>
-class PairMemory {
+class PairHistory {
  public:
   /// A pair and its value; owner < partner.
   struct Entry {
@@ -27,15 +27,15 @@ class PairMemory {
     Value value;
   };
 
-  PairMemory() = default;
+  PairHistory() = default;
   /// Throws unless owner < partner in every entry and every pair stands there once.
-  explicit PairMemory(std::vector<Entry> entries) : entries_(std::move(entries)) {
+  explicit PairHistory(std::vector<Entry> entries) : entries_(std::move(entries)) {
     std::sort(entries_.begin(), entries_.end(),
               [](const Entry& a, const Entry& b) { return ids(a) < ids(b); });
     for (Index e = 0; e < entries_.size(); ++e) {
       const bool twice = e > 0 && ids(entries_[e - 1]) == ids(entries_[e]);
       if (entries_[e].owner >= entries_[e].partner || twice) {
-        fail("PairMemory: the pair " + std::to_string(entries_[e].owner) + ", " +
+        fail("PairHistory: the pair " + std::to_string(entries_[e].owner) + ", " +
              std::to_string(entries_[e].partner) +
              (twice ? " is there twice" : " does not begin with the lower id") +
              "; give each pair once, as for_each_pair does");
@@ -60,14 +60,14 @@ class PairMemory {
     archive("values", values);
     if constexpr (Archive::reads) {
       if (owners.size() != partners.size() || owners.size() != values.size()) {
-        fail("PairMemory: what was read has columns of different lengths; it was not written by "
+        fail("PairHistory: what was read has columns of different lengths; it was not written by "
              "transfer()");
       }
       std::vector<Entry> entries;
       for (Index e = 0; e < owners.size(); ++e) {
         entries.push_back({owners[e], partners[e], values[e]});
       }
-      *this = PairMemory(std::move(entries));
+      *this = PairHistory(std::move(entries));
     }
   }
 

@@ -14,14 +14,14 @@ namespace {
 template <int begin>
 struct SpringCountingFrom {
   template <int Dim, class Real>
-  struct Memory {
+  struct History {
     Real looks = begin;
     int number = begin;
   };
   template <class C, class M>
-  auto force(const C& contact, M& memory) const {
-    memory.looks += 1;
-    memory.number += 1;
+  auto force(const C& contact, M& history) const {
+    history.looks += 1;
+    history.number += 1;
     return typename C::Vec(typename C::Real(1e-6) * contact.overlap * contact.normal);
   }
 };
@@ -42,9 +42,9 @@ dem::Grains<Dim, Real> row_of(int number) {
 template <class C, class P>
 std::vector<int> looks_of(const C& contacts, const P& grains) {
   std::vector<int> looks;
-  contacts.memory(grains).for_each_pair([&](Id, Id, const auto& memory) {
-    EXPECT_EQ(memory.looks, memory.number);
-    looks.push_back(memory.number);
+  contacts.history(grains).for_each_pair([&](Id, Id, const auto& history) {
+    EXPECT_EQ(history.looks, history.number);
+    looks.push_back(history.number);
   });
   return looks;
 }
@@ -58,17 +58,17 @@ void expect_counts() {
   }
 }
 
-TEST(LawMemory, HoldsNumbersThatAreNoReals) {
+TEST(LawHistory, HoldsNumbersThatAreNoReals) {
   expect_counts<double>();
   expect_counts<float>();
 }
 
-TEST(LawMemory, GoesOnFromWhatARestartReads) {
+TEST(LawHistory, GoesOnFromWhatARestartReads) {
   const auto grains = row_of<2, double>(2);
   UniformGrid<2> search({.radius = 1});
   dem::Contacts contacts{CountingSpring{}};
-  PairMemory<CountingSpring::Memory<2, double>> memory({{0, 1, {.looks = 100, .number = 100}}});
-  contacts.remember(grains, memory);
+  PairHistory<CountingSpring::History<2, double>> history({{0, 1, {.looks = 100, .number = 100}}});
+  contacts.set_history(grains, history);
   EXPECT_EQ(looks_of(contacts, grains), std::vector{100});
   auto moved = grains;
   for (int look = 101; look < 105; ++look) {
@@ -78,7 +78,7 @@ TEST(LawMemory, GoesOnFromWhatARestartReads) {
     EXPECT_EQ(looks_of(contacts, moved), std::vector{look});
   }
   Simulation sim{grains, UniformGrid<2>{}, dem::Contacts{CountingSpring{}}, Leapfrog{}};
-  sim.interaction().remember(sim.particles(), memory);
+  sim.interaction().set_history(sim.particles(), history);
   EXPECT_THROW(sim.step(-1), Error);
   for (int look = 101; look < 104; ++look) {
     sim.step(1e-6);
@@ -101,7 +101,7 @@ struct LooksByHand {
   }
 };
 
-TEST(LawMemory, IsForgottenByALookThatFails) {
+TEST(LawHistory, IsForgottenByALookThatFails) {
   LooksByHand by_hand;
   by_hand.look();
   EXPECT_EQ(by_hand.look(), (std::vector{2, 2}));
@@ -113,7 +113,7 @@ TEST(LawMemory, IsForgottenByALookThatFails) {
   EXPECT_EQ(by_hand.look(), (std::vector{2, 2}));
 }
 
-TEST(LawMemory, OutlivesALookThatIsRefused) {
+TEST(LawHistory, OutlivesALookThatIsRefused) {
   LooksByHand by_hand;
   by_hand.look();
   const auto sound = by_hand.grains;
@@ -124,7 +124,7 @@ TEST(LawMemory, OutlivesALookThatIsRefused) {
   EXPECT_EQ(by_hand.look(), (std::vector{2, 2}));
 }
 
-TEST(LawMemory, BeginsAnewWhenGrainsMeetAgain) {
+TEST(LawHistory, BeginsAnewWhenGrainsMeetAgain) {
   auto grains = row_of<2, double>(2);
   UniformGrid<2> search({.radius = 1});
   dem::Contacts contacts{SpringCountingFrom<7>{}};

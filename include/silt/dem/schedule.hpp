@@ -7,7 +7,7 @@
 namespace silt::dem {
 
 /// How many looks there were.
-struct Looks {
+struct Schedule {
   Index number = 0;
 
   /// Whether one more is due.
@@ -17,7 +17,7 @@ struct Looks {
   };
   bool is_due(const Clock& clock) {
     if (!(clock.every > 0)) return true;
-    const Index due = 1 + whole_times(clock.since / clock.every);
+    const Index due = 1 + completed_intervals(clock.since / clock.every);
     if (due <= number) return false;
     number = due;
     return true;

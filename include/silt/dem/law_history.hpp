@@ -13,25 +13,25 @@ namespace silt::dem {
 
 /// What a law remembers, as a row of Reals; none for a law without memory.
 template <class Law, int Dim, class Real>
-struct LawMemory {
-  using type = NoMemory;
+struct LawHistory {
+  using type = NoHistory;
   static constexpr int words = 0;
   static type from(const Real*) { return {}; }
   static void put(const type&, Real*) {}
 };
 template <class Law, int Dim, class Real>
-  requires LawWithMemory<Law, Dim, Real>
-struct LawMemory<Law, Dim, Real> {
-  using type = typename Law::template Memory<Dim, Real>;
+  requires LawWithHistory<Law, Dim, Real>
+struct LawHistory<Law, Dim, Real> {
+  using type = typename Law::template History<Dim, Real>;
   static constexpr int words =
       static_cast<int>((sizeof(type) + sizeof(Real) - 1) / sizeof(Real));
   static type from(const Real* row) {
-    type memory{};
-    std::memcpy(static_cast<void*>(&memory), row, sizeof memory);
-    return memory;
+    type history{};
+    std::memcpy(static_cast<void*>(&history), row, sizeof history);
+    return history;
   }
-  static void put(const type& memory, Real* row) {
-    std::memcpy(row, static_cast<const void*>(&memory), sizeof memory);
+  static void put(const type& history, Real* row) {
+    std::memcpy(row, static_cast<const void*>(&history), sizeof history);
   }
 };
 
@@ -41,19 +41,19 @@ struct OddScalar {
   float parts[3];
 };
 // The memory's Reals, with the padding that the alignment of a vector may put behind them.
-template <class Memory, class Scalar, class OfOddScalars>
+template <class History, class Scalar, class OfOddScalars>
 inline constexpr bool holds_only =
     sizeof(OfOddScalars) % sizeof(OddScalar) == 0 &&
-    (sizeof(OfOddScalars) / sizeof(OddScalar) * sizeof(Scalar) + alignof(Memory) - 1) /
-            alignof(Memory) * alignof(Memory) ==
-        sizeof(Memory);
+    (sizeof(OfOddScalars) / sizeof(OddScalar) * sizeof(Scalar) + alignof(History) - 1) /
+            alignof(History) * alignof(History) ==
+        sizeof(History);
 template <class Law, int Dim, class Real>
 concept RemembersRealsOnly =
-    !LawWithMemory<Law, Dim, Real> ||
-    (holds_only<typename Law::template Memory<Dim, Real>, Real,
-                typename Law::template Memory<Dim, OddScalar>> &&
-     sizeof(typename Law::template Memory<Dim, Lane<Real>>) ==
-         sizeof(typename Law::template Memory<Dim, Real>));
+    !LawWithHistory<Law, Dim, Real> ||
+    (holds_only<typename Law::template History<Dim, Real>, Real,
+                typename Law::template History<Dim, OddScalar>> &&
+     sizeof(typename Law::template History<Dim, Lane<Real>>) ==
+         sizeof(typename Law::template History<Dim, Real>));
 }  // namespace detail
 
 /// The law is written for any scalar, and remembers nothing but Reals: the same code then works on
@@ -65,8 +65,8 @@ concept LawInLanes =
 /// The law tells the energy [J] in its springs.
 template <class Law, int Dim, class Real>
 concept TellsEnergy = requires(const Law law, const Contact<Dim, Real> contact,
-                               const typename LawMemory<Law, Dim, Real>::type memory) {
-  { law.elastic_energy(contact, memory) } -> std::convertible_to<double>;
+                               const typename LawHistory<Law, Dim, Real>::type history) {
+  { law.elastic_energy(contact, history) } -> std::convertible_to<double>;
 };
 
 }  // namespace silt::dem
