@@ -21,6 +21,7 @@
 #include <nlohmann/json.hpp>
 
 #include "support/command_line.hpp"
+#include "support/resume.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -56,6 +57,7 @@ struct Options {
   double output_every = 0.01;      // [s]
   int threads = 0;
   std::string out = "out/broken_tower";
+  support::Resume resume = {};
 
   int grains_a_row() const { return dimension == 2 ? columns : columns * depth; }
   Index grains() const { return static_cast<Index>(rows) * static_cast<Index>(grains_a_row()); }
@@ -104,6 +106,7 @@ void describe(CLI::App& app, Options& o) {
   add("--threads", o.threads, support::threads_help, between({0, 1024}));
   app.add_option("--out", o.out,
                  "folder for energy.csv, spreading.csv, floor.csv, summary.json and frames.pvd");
+  support::describe_resume(app, o.resume);
 }
 
 void check_together(const Options& o) {
@@ -198,6 +201,13 @@ class Ledger {
   void after_step(const Sim& simulation, const Run&) {
     contacts_ += double(simulation.interaction().template part<1>().size());
   }
+  template <class Archive>
+  void transfer(Archive& archive) {
+    table_.transfer(archive);
+    archive("contacts", contacts_);
+    archive("floor_load", floor_load_);
+    archive("layer_error", layer_error_);
+  }
 
   /// Added up over all steps [-].
   double contacts() const { return contacts_; }
@@ -229,12 +239,16 @@ class Wave {
   explicit Wave(const Options& options)
       : options_(options), table_(options.out + "/floor.csv", {"t", "over_weight"}) {}
 
+  template <class Sim>
+  void operator()(const Sim& simulation) {
+    if (simulation.steps() == 0) table_.begin();  // the first row comes late, or never
+  }
   template <class Sim, class Run>
   void after_step(const Sim& simulation, const Run&) {
     // Contacts are those that the step began with.
     const double time = simulation.time() - simulation.last_time_step();
     if (time < 0.9 * std::sqrt(2 * options_.drop_height / g)) return;
-    if (landing_ && since(time) > 3) return;
+    if (has_landed() && since(time) > 3) return;
     double floor = 0;
     bool lands = false;
     const auto& grains = simulation.particles();
@@ -244,21 +258,28 @@ class Wave {
           if (j == no_index) floor += f[up];
           lands |= grains.id(i) == falling || (j != no_index && grains.id(j) == falling);
         });
-    if (!landing_ && lands) landing_ = time;
-    if (!landing_) {
+    if (!has_landed() && lands) landing_ = time;
+    if (!has_landed()) {
       rest_ = floor;
       return;
     }
     const double weight = options_.grain_weight() * double(options_.grains());
-    table_.row({time - *landing_, floor / weight});
-    signal_.push_back({time - *landing_, floor - rest_});
+    table_.row({time - landing_, floor / weight});
+    signal_.push_back({time - landing_, floor - rest_});
+  }
+  template <class Archive>
+  void transfer(Archive& archive) {
+    table_.transfer(archive);
+    archive("landing", landing_);
+    archive("rest", rest_);
+    archive("signal", signal_);
   }
 
   /// When the falling grain first touches the tower [s].
-  double landing() const { return landing_.value_or(nan); }
+  double landing() const { return landing_; }
   /// Of the disturbance at the floor, after that [s].
   double arrival() const {
-    if (signal_.empty() || since(*landing_ + signal_.back().time) < 2) return nan;
+    if (signal_.empty() || since(landing_ + signal_.back().time) < 2) return nan;
     const double half = highest() / 2;
     for (std::size_t k = 1; k < signal_.size(); ++k) {
       const auto& [t, force] = signal_[k];
@@ -279,21 +300,23 @@ class Wave {
     double force;  // beyond that at rest [N]
   };
 
+  bool has_landed() const { return is_finite(landing_); }
+
   // In times that the pulse takes from the top to the floor.
   double since(double time) const {
-    return (time - *landing_) / (options_.rows * options_.time_a_layer());
+    return (time - landing_) / (options_.rows * options_.time_a_layer());
   }
   double highest() const {
     double force = 0;
     for (const Sample& sample : signal_) {
-      if (since(*landing_ + sample.time) < 2) force = std::max(force, sample.force);
+      if (since(landing_ + sample.time) < 2) force = std::max(force, sample.force);
     }
     return force;
   }
 
   Options options_;
   CsvFile table_;
-  std::optional<double> landing_;
+  double landing_ = nan;  // [s]
   double rest_ = 0;  // force on the floor before [N]
   std::vector<Sample> signal_;
 };
@@ -334,6 +357,17 @@ class Spreading {
     half_width_ = holds_95_percent(distances);
     if (time_ == 0) first_half_width_ = half_width_;
     table_.row({time_, moved_, front, half_width_, holds_95_percent(heights)});
+  }
+  template <class Archive>
+  void transfer(Archive& archive) {
+    table_.transfer(archive);
+    archive("lowest", lowest_);
+    archive("time", time_);
+    archive("moved", moved_);
+    archive("front", front_);
+    archive("speed", speed_);
+    archive("half_width", half_width_);
+    archive("first_half_width", first_half_width_);
   }
 
   /// Share of the lowest layer that is a radius away from where it was [-].
@@ -399,7 +433,7 @@ void check_time_step(const Options& o, Sim& tower) {
 template <int Dim>
 void collapse(const Options& o) {
   auto grains = make_tower<Dim>(o);
-  support::make_output_folder(o.out);
+  support::open_output_folder(o.resume, o.out);
   support::use_threads_of_option(o.threads);
 
   const dem::CundallStrack law{.normal_stiffness = o.stiffness(),
@@ -418,12 +452,13 @@ void collapse(const Options& o) {
   Stopwatch wall;
   {
     const auto span = wall.start();
-    tower.run({.until = o.until, .output_every = o.output_every}, ledger, wave, spreading,
-              VtkSeries{o.out + "/frames"}, Progress{});
+    support::run_or_resume(o.resume, o.out, tower,
+                           {.until = o.until, .output_every = o.output_every}, ledger, wave,
+                           spreading, VtkSeries{o.out + "/frames"}, Progress{});
   }
 
   const Spread spread(tower.particles());
-  support::write_summary(
+  support::complete(
       o.out, {{"steps", tower.steps()},
               {"wall_seconds", wall.seconds()},
               {"particles", tower.particles().size()},
@@ -474,7 +509,7 @@ int main(int argc, char** argv) {
   Options options;
   CLI::App app("Collapse of a tower of discs or spheres, hit by one more", "broken_tower");
   describe(app, options);
-  return support::run(app, argc, argv, [&options] {
+  return support::run(app, argc, argv, options.resume, [&options] {
     check_together(options);
     options.dimension == 2 ? collapse<2>(options) : collapse<3>(options);
   });

@@ -19,6 +19,7 @@
 
 #include "support/command_line.hpp"
 #include "support/flow_program.hpp"
+#include "support/resume.hpp"
 
 #include <cstdio>
 #include <string>
@@ -90,6 +91,10 @@ class FrontGauge {
   void after_step(const Sim& simulation, const Run&) {
     write(simulation);
   }
+  template <class Archive>
+  void transfer(Archive& archive) {
+    file_.transfer(archive);
+  }
 
  private:
   template <class Sim>
@@ -108,7 +113,7 @@ class FrontGauge {
 template <class Scheme, int Dim>
 void collapse(const Options& o) {
   const auto particles = make_tank<Dim>(o);
-  support::make_output_folder(o.out);
+  support::open_output_folder(o.resume, o.out);
   support::use_threads_of_option(o.threads);
 
   const mps::Flow<Scheme, Dim> water{support::flow_settings<Scheme, Dim>(o, o.column[1]),
@@ -122,8 +127,9 @@ void collapse(const Options& o) {
   Stopwatch wall;
   {
     const auto span = wall.start();
-    dam.run({.until = o.until, .output_every = o.output_every}, front, gauges, energy,
-            iterations, VtkSeries{o.out + "/frames"}, Progress{});
+    support::run_or_resume(o.resume, o.out, dam,
+                           {.until = o.until, .output_every = o.output_every}, front, gauges,
+                           energy, iterations, VtkSeries{o.out + "/frames"}, Progress{});
   }
 
   auto summary = support::summary_of(dam, particles, iterations, wall.seconds());
@@ -132,7 +138,7 @@ void collapse(const Options& o) {
   options["case"] = o.scheme;
   if (o.scheme == recommended) options["case"] = "recommended";
   support::add_flow_options(options, o);
-  support::write_summary(o.out, summary);
+  support::complete(o.out, summary);
   std::printf("dam_break: %zu fluid particles, %llu steps in %.1f s, %llu lost; see %s\n",
               count(particles, mps::Kind::fluid), static_cast<unsigned long long>(dam.steps()),
               wall.seconds(), static_cast<unsigned long long>(dam.particles_lost()),
@@ -161,7 +167,7 @@ int main(int argc, char** argv) {
   options.out = "out/dam_break";
   CLI::App app("Collapse of a column of water in a tank", "dam_break");
   describe(app, options);
-  return support::run(app, argc, argv, [&] {
+  return support::run(app, argc, argv, options.resume, [&] {
     const auto& [length, height] = std::pair(options.tank[0], options.tank[1]);
     if (options.dimension == 2) {
       support::read_probes(options, {length, height}, {length, 0.02});

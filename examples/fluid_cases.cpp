@@ -18,6 +18,7 @@
 #include "support/command_line.hpp"
 #include "support/flow_program.hpp"
 #include "support/fluid_cases/all.hpp"
+#include "support/resume.hpp"
 
 #include <cstdio>
 #include <string>
@@ -35,6 +36,7 @@ struct Options {
   int frames = 24;
   int threads = 0;
   std::string out = "out/fluid_cases";
+  support::Resume resume = {};
 };
 
 void describe(CLI::App& app, Options& o) {
@@ -60,6 +62,7 @@ void describe(CLI::App& app, Options& o) {
   add("--threads", o.threads, support::threads_help, between({0, 1024}));
   app.add_option("--out", o.out, "folder for history.csv, summary.json and frames.pvd")
       ->capture_default_str();
+  support::describe_resume(app, o.resume);
 }
 
 template <class Scheme>
@@ -67,7 +70,7 @@ void flow_as(const Options& o) {
   fluid_cases::FluidCase flow = support::or_refuse([&] { return fluid_cases::make(o.choice); });
   const bool is_whole = !(o.until > 0) || o.until >= flow.until;
   if (o.until > 0) flow.until = o.until;
-  support::make_output_folder(o.out);
+  support::open_output_folder(o.resume, o.out);
   support::use_threads_of_option(o.threads);
 
   auto simulation = fluid_cases::simulation_of<Scheme>(flow, o.numerics);
@@ -77,8 +80,11 @@ void flow_as(const Options& o) {
   Stopwatch wall;
   {
     const auto span = wall.start();
-    simulation.run({.until = flow.until, .output_every = flow.until / o.frames}, notes, iterations,
-                   VtkSeries{o.out + "/frames"}, Progress{});
+    VtkSeries frames{o.out + "/frames"};
+    support::ResumableRun run(o.resume, o.out + "/checkpoint.silt", simulation, file, notes,
+                              iterations, frames);
+    run.run({.until = flow.until, .output_every = flow.until / o.frames}, notes, iterations, frames,
+            Progress{});
   }
 
   auto summary = support::summary_of(simulation, flow.start, iterations, wall.seconds());
@@ -106,7 +112,7 @@ void flow_as(const Options& o) {
                         {"courant", o.numerics.courant},
                         {"frames", o.frames},
                         {"threads", o.threads}};
-  support::write_summary(o.out, summary);
+  support::complete(o.out, summary);
   std::printf("fluid_cases: %s, %zu particles, %llu steps in %.1f s; see %s\n", flow.name.c_str(),
               flow.start.size(), static_cast<unsigned long long>(simulation.steps()),
               wall.seconds(), o.out.c_str());
@@ -118,7 +124,7 @@ int main(int argc, char** argv) {
   Options options;
   CLI::App app("Flows whose solution is known", "fluid_cases");
   describe(app, options);
-  return support::run(app, argc, argv, [&] {
+  return support::run(app, argc, argv, options.resume, [&] {
     options.scheme == "case10" ? flow_as<mps::Case10>(options) : flow_as<mps::Recommended>(options);
   });
 }

@@ -25,10 +25,12 @@
 #include <nlohmann/json.hpp>
 
 #include "support/command_line.hpp"
+#include "support/resume.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <numbers>
 #include <optional>
 #include <string>
@@ -61,6 +63,7 @@ struct Options {
   int threads = 0;
   std::string stl;
   std::string out = "out/hopper";
+  support::Resume resume = {};
 
   double unit_of_time() const { return std::sqrt(diameter / g); }
   double speed() const { return std::sqrt(diameter * g); }
@@ -103,6 +106,7 @@ void describe(CLI::App& app, Options& o) {
                  "in the plane z = 0 [m]; --width is that of its bin and --openings the one it has");
   app.add_option("--out", o.out, "folder for discharge.csv, summary.json, frames.pvd and the walls")
       ->capture_default_str();
+  support::describe_resume(app, o.resume);
 }
 
 void complete(Options& o) {
@@ -224,9 +228,98 @@ double cross_section(const Options& o) {
   return Dim == 2 ? o.bin() : std::numbers::pi / 4 * o.bin() * o.bin();
 }
 
+// --- stages: each opening has two, filling and discharge, with a checkpoint file of their own ----
+
+std::string checkpoint_of(const Options& o, int stage) {
+  return o.out + "/checkpoint_" + std::to_string(stage) + ".silt";
+}
+// The one that a resumed run goes on with.
+int first_stage(const Options& o) {
+  int stage = o.resume.is_asked_for() ? 2 * static_cast<int>(o.openings.size()) - 1 : 0;
+  while (stage > 0 && !std::filesystem::exists(checkpoint_of(o, stage))) --stage;
+  return stage;
+}
+
+// A stage consists of runs of some length, one after the other. A resumed one goes on with that in
+// which it was stopped.
+struct Slices {
+  double until = 0;  // end of the last one [s]
+  bool is_open = false;
+
+  template <class Run, class Sim, class... Observers>
+  void run_for(double duration, double output_every, Run& run, const Sim& simulation,
+               Observers&... observers) {
+    if (!is_open) until = simulation.time() + duration;
+    is_open = true;
+    run.run({.until = until, .output_every = output_every}, observers...);
+    is_open = false;
+  }
+  template <class Archive>
+  void transfer(Archive& archive) {
+    archive("until", until);
+    archive("is_open", is_open);
+  }
+};
+
+struct Discharge {
+  double opening = 0;          // D/d
+  std::vector<double> times;   // [s]
+  std::vector<double> masses;  // that have passed the opening [kg]
+  double rate = 0;             // [kg/s]
+  double rate_of_halves[2]{};  // of the flow, first and second [kg/s]
+  double height_of_halves[2]{};  // of what lies above meanwhile, over D [-]
+  std::uint64_t steps = 0;
+  double wall_seconds = 0;
+  double solid_fraction = 0;
+
+  template <class Archive>
+  void transfer(Archive& archive) {
+    archive("opening", opening);
+    archive("times", times);
+    archive("masses", masses);
+    archive("rate", rate);
+    for (double& each : rate_of_halves) archive("rate_of_half", each);
+    for (double& each : height_of_halves) archive("height_of_half", each);
+    archive("steps", steps);
+    archive("wall_seconds", wall_seconds);
+    archive("solid_fraction", solid_fraction);
+  }
+};
+
+// Of the stages before.
+template <int Dim>
+struct Results {
+  std::optional<dem::Grains<Dim>> filled;
+  std::vector<Discharge> discharges;
+
+  template <class Archive>
+  void transfer(Archive& archive) {
+    bool has_filled = filled.has_value();
+    archive("has_filled", has_filled);
+    if (has_filled && !filled) filled.emplace();
+    if (has_filled) filled->transfer(archive);
+    auto number = discharges.size();
+    archive("discharges", number);
+    discharges.resize(number);
+    for (Discharge& each : discharges) each.transfer(archive);
+  }
+};
+
+// Until the grains are at rest.
+struct Settling {
+  bool has_begun = false;
+  double from = 0;  // [s]
+
+  template <class Archive>
+  void transfer(Archive& archive) {
+    archive("has_begun", has_begun);
+    archive("from", from);
+  }
+};
+
 // Rain, until the bin is as full as wanted, and then rest.
 template <int Dim>
-dem::Grains<Dim> fill(const Options& o, double D) {
+dem::Grains<Dim> fill(const Options& o, double D, int stage, Results<Dim>& before) {
   const double R = o.diameter / 2;
   const dem::Blend<dem::UniformSizes> blend{
       .sizes = {.min_radius = (1 - o.spread) * R, .max_radius = (1 + o.spread) * R},
@@ -245,16 +338,25 @@ dem::Grains<Dim> fill(const Options& o, double D) {
                     .tries = 200,
                     .seed = o.seed}};
   auto bin = make_simulation<Dim>(o, {}, D, true);
-  while (!rain.is_done()) {
-    bin.run({.until = bin.time() + 5 * o.unit_of_time()}, rain);
+  Slices slices;
+  Settling settling;
+  support::ResumableRun run(o.resume, checkpoint_of(o, stage), bin, rain, slices, settling, before);
+  while (!settling.has_begun && (slices.is_open || !rain.is_done())) {
+    slices.run_for(5 * o.unit_of_time(), 0, run, bin, rain);
     if (bin.time() > 1000 * o.unit_of_time()) {
       throw support::Refusal("after 1000 sqrt(d/g) only " + std::to_string(rain.number()) + " of " +
                              std::to_string(number) + " grains have found room; widen the bin");
     }
   }
-  const auto time = dem::settle(bin, {.speed = 0.01 * o.speed(),
-                                      .check_every = 2 * o.unit_of_time(),
-                                      .max_time = 200 * o.unit_of_time()});
+  if (!settling.has_begun) settling = {.has_begun = true, .from = bin.time()};
+  while (true) {
+    slices.run_for(2 * o.unit_of_time(), 0, run, bin);
+    if (dem::rms_speed(bin.particles()) < 0.01 * o.speed()) break;
+    if (bin.time() - settling.from >= 200 * o.unit_of_time()) {
+      fail("hopper: after 200 sqrt(d/g) the grains have not come to rest; lower --restitution");
+    }
+  }
+  const double time = bin.time() - settling.from;
   std::printf("hopper: %zu grains came in %.3g s and settled in %.3g s more, %llu steps\n",
               bin.particles().size(), bin.time() - time, time,
               static_cast<unsigned long long>(bin.steps()));
@@ -275,18 +377,6 @@ double solid_fraction_of(const Options& o, const dem::Grains<Dim>& grains, doubl
 
 // --- discharge ----------------------------------------------------------------------------------
 
-struct Discharge {
-  double opening = 0;          // D/d
-  std::vector<double> times;   // [s]
-  std::vector<double> masses;  // that have passed the opening [kg]
-  double rate = 0;             // [kg/s]
-  double rate_of_halves[2]{};  // of the flow, first and second [kg/s]
-  double height_of_halves[2]{};  // of what lies above meanwhile, over D [-]
-  std::uint64_t steps = 0;
-  double wall_seconds = 0;
-  double solid_fraction = 0;
-};
-
 // Slope of masses over times by least squares, of entries [first, last).
 double slope(const Discharge& d, Index first, Index last) {
   double t = 0, m = 0;
@@ -300,19 +390,39 @@ double slope(const Discharge& d, Index first, Index last) {
   return tt > 0 ? tm / tt : 0;
 }
 
+// Frames, if there are to be any.
+struct Film {
+  std::optional<VtkSeries> series;
+
+  template <class Sim>
+  void operator()(const Sim& simulation) {
+    if (series) (*series)(simulation);
+  }
+  template <class Archive>
+  void transfer(Archive& archive) {
+    if (series) series->transfer(archive);
+  }
+};
+
 template <int Dim>
-Discharge let_out(const Options& o, const dem::Grains<Dim>& filled, double ratio,
+Discharge let_out(const Options& o, double ratio, int stage, Results<Dim>& before,
                   const std::string& frames) {
   const double D = ratio * o.diameter;
   Discharge discharge;
+  auto hopper = make_simulation<Dim>(o, before.filled.value_or(dem::Grains<Dim>{}), D, false);
+  Box<Dim> far_below;
+  far_below.upper[Dim - 1] = -6 * o.diameter;
+  dem::Outflow drain{far_below, {.every = o.unit_of_time()}};
+  Film film;
+  if (!frames.empty()) film.series.emplace(frames);
+  Slices slices;
+  support::ResumableRun run(o.resume, checkpoint_of(o, stage), hopper, drain, discharge, film,
+                            slices, before);
+  const dem::Grains<Dim>& filled = *before.filled;
   discharge.opening = ratio;
   discharge.solid_fraction = solid_fraction_of<Dim>(o, filled, D);
   double whole = 0;
   for (const double m : filled[mass]) whole += m;
-  auto hopper = make_simulation<Dim>(o, filled, D, false);
-  Box<Dim> far_below;
-  far_below.upper[Dim - 1] = -6 * o.diameter;
-  dem::Outflow drain{far_below, {.every = o.unit_of_time()}};
   const auto note = [&](const auto& simulation) {
     const auto& grains = simulation.particles();
     double above = 0;
@@ -323,20 +433,16 @@ Discharge let_out(const Options& o, const dem::Grains<Dim>& filled, double ratio
     discharge.times.push_back(simulation.time());
     discharge.masses.push_back(whole - above);
   };
-  std::optional<VtkSeries> series;
-  if (!frames.empty()) series.emplace(frames);
-  const auto picture = [&](const auto& simulation) {
-    if (series) (*series)(simulation);
-  };
   const double slice = o.unit_of_time();
   Stopwatch wall;
   {
     const auto span = wall.start();
-    hopper.run({.until = 0}, picture);
-    while (discharge.masses.empty() || (discharge.masses.back() < o.share * whole &&
-                                        hopper.time() < o.longest * o.unit_of_time())) {
-      hopper.run({.until = hopper.time() + slice, .output_every = slice / 10}, note, drain);
-      hopper.run({.until = hopper.time()}, picture);
+    if (!hopper.was_read()) hopper.run({.until = 0}, film);
+    while (slices.is_open || discharge.masses.empty() ||
+           (discharge.masses.back() < o.share * whole &&
+            hopper.time() < o.longest * o.unit_of_time())) {
+      slices.run_for(slice, slice / 10, run, hopper, note, drain);
+      hopper.run({.until = hopper.time()}, film);
     }
   }
   discharge.steps = hopper.steps();
@@ -410,19 +516,27 @@ double fit_k(const Options& o, const std::vector<Discharge>& all) {
 template <int Dim>
 void run(const Options& o) {
   Stopwatch wall;
-  std::vector<Discharge> all;
-  Index grains = 0;
+  Results<Dim> results;
   {
     const auto span = wall.start();
-    std::optional<dem::Grains<Dim>> filled;
-    const double pictured = o.openings.back();
-    for (const double opening : o.openings) {
+    const int first = first_stage(o);
+    for (Index number = 0; number < o.openings.size(); ++number) {
+      const double opening = o.openings[number];
+      const bool is_pictured = opening == o.openings.back();
       // On a flat floor the bed is the same, whatever the opening below.
-      if (!filled || o.half_angle != 90) filled = fill<Dim>(o, opening * o.diameter);
-      grains = filled->size();
-      all.push_back(let_out<Dim>(o, *filled, opening, opening == pictured ? o.out + "/frames" : ""));
+      const int filling = 2 * static_cast<int>(number), discharge = filling + 1;
+      if (filling >= first && (!results.filled || o.half_angle != 90)) {
+        results.filled = fill<Dim>(o, opening * o.diameter, filling, results);
+      }
+      if (discharge >= first) {
+        auto found = let_out<Dim>(o, opening, discharge, results,
+                                  is_pictured ? o.out + "/frames" : "");
+        results.discharges.push_back(std::move(found));
+      }
     }
   }
+  const std::vector<Discharge>& all = results.discharges;
+  const Index grains = results.filled->size();
   CsvFile table(o.out + "/discharge.csv", {"opening_over_d", "t", "mass"});
   for (const Discharge& d : all) {
     for (Index e = 0; e < d.times.size(); ++e) table.row({d.opening, d.times[e], d.masses[e]});
@@ -445,7 +559,7 @@ void run(const Options& o) {
                      {"wall_seconds", d.wall_seconds}});
   }
   const Fit fit = fit_beverloo(o, all, k);
-  support::write_summary(o.out, {{"grains", grains},
+  support::complete(o.out, {{"grains", grains},
                                  {"steps", steps},
                                  {"wall_seconds", wall.seconds()},
                                  {"exponent", fit.exponent},
@@ -483,7 +597,7 @@ void run(const Options& o) {
 
 void discharge(Options& o) {
   complete(o);
-  support::make_output_folder(o.out);
+  support::open_output_folder(o.resume, o.out);
   support::use_threads_of_option(o.threads);
   if (o.dimension == 2) {
     run<2>(o);
@@ -498,5 +612,5 @@ int main(int argc, char** argv) {
   Options options;
   CLI::App app("Discharge of a hopper through openings of several widths", "hopper");
   describe(app, options);
-  return support::run(app, argc, argv, [&options] { discharge(options); });
+  return support::run(app, argc, argv, options.resume, [&options] { discharge(options); });
 }

@@ -27,6 +27,7 @@
 
 #include "support/command_line.hpp"
 #include "support/flow_program.hpp"
+#include "support/resume.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -140,6 +141,12 @@ class Average {
   bool empty() const { return !(seconds_ > 0); }
   double mean() const { return mean_; }
   double deviation() const { return std::sqrt(squares_ / seconds_); }
+  template <class Archive>
+  void transfer(Archive& archive) {
+    archive("seconds", seconds_);
+    archive("mean", mean_);
+    archive("squares", squares_);
+  }
 
  private:
   double seconds_ = 0;
@@ -152,22 +159,22 @@ template <int Dim>
 class Statistics {
  public:
   Statistics(const Options& o, const support::PressureGauges<Dim>& gauges)
-      : options_(o),
-        gauges_(gauges),
+      : options_(&o),
+        gauges_(&gauges),
         layers_(static_cast<Index>(std::lround(o.depth / o.spacing))) {}
 
   template <class Sim, class Run>
   void after_step(const Sim& simulation, const Run&) {
-    if (simulation.time() < options_.statistics_from) return;
+    if (simulation.time() < options_->statistics_from) return;
     const double dt = simulation.last_time_step();
-    gauge_.add({gauges_.first(), dt});
+    gauge_.add({gauges_->first(), dt});
 
     const auto& particles = simulation.particles();
     std::vector<Sums> sums(layers_.size());
     for (Index i = 0; i < particles.size(); ++i) {
       if (particles[mps::kind][i] != mps::Kind::fluid) continue;
-      const double depth = still_depth(options_) - particles[position][i][Dim - 1];
-      const double layer = std::floor(depth / options_.spacing);
+      const double depth = still_depth(*options_) - particles[position][i][Dim - 1];
+      const double layer = std::floor(depth / options_->spacing);
       if (!(layer >= 0 && layer < double(layers_.size()))) continue;
       Sums& sum = sums[static_cast<Index>(layer)];
       sum.pressure += particles[mps::pressure][i];
@@ -181,11 +188,21 @@ class Statistics {
     }
   }
 
+  template <class Archive>
+  void transfer(Archive& archive) {
+    gauge_.transfer(archive);
+    for (Layer& layer : layers_) {
+      layer.pressure.transfer(archive);
+      layer.depth.transfer(archive);
+    }
+  }
+
   const Average& gauge() const { return gauge_; }
 
   // depth: of the fluid in the layer, on average over particles and time, below the still surface.
   void write_profile(const std::string& path) const {
     CsvFile file(path, {"depth", "p_mean", "p_std"});
+    file.begin();  // there may be no row
     for (const Layer& layer : layers_) {
       if (layer.pressure.empty()) continue;
       file.row({layer.depth.mean(), layer.pressure.mean(), layer.pressure.deviation()});
@@ -203,8 +220,8 @@ class Statistics {
     Average depth;
   };
 
-  const Options& options_;
-  const support::PressureGauges<Dim>& gauges_;
+  const Options* options_;
+  const support::PressureGauges<Dim>* gauges_;
   Average gauge_;
   std::vector<Layer> layers_;
 };
@@ -227,7 +244,7 @@ void stand(const Options& o, const mps::FlowSettings<Dim, Scheme>& settings) {
     return mps::Flow<Scheme, Dim>{settings, mps::PressureSolver<Dim>{{.tolerance = o.tolerance}}};
   });
   const auto particles = make_tank<Dim>(o);
-  support::make_output_folder(o.out);
+  support::open_output_folder(o.resume, o.out);
   support::use_threads_of_option(o.threads);
 
   Simulation tank{particles, TimedSearch{UniformGrid<Dim>{}}, water,
@@ -238,8 +255,9 @@ void stand(const Options& o, const mps::FlowSettings<Dim, Scheme>& settings) {
   Stopwatch wall;
   {
     const auto span = wall.start();
-    tank.run({.until = o.until, .output_every = o.output_every}, gauges, statistics, iterations,
-             VtkSeries{o.out + "/frames"}, Progress{});
+    support::run_or_resume(o.resume, o.out, tank,
+                           {.until = o.until, .output_every = o.output_every}, gauges, statistics,
+                           iterations, VtkSeries{o.out + "/frames"}, Progress{});
   }
   statistics.write_profile(o.out + "/profile.csv");
 
@@ -272,7 +290,7 @@ void stand(const Options& o, const mps::FlowSettings<Dim, Scheme>& settings) {
   options["thickness"] = o.thickness;
   options["statistics_from"] = o.statistics_from;
   support::add_flow_options(options, o);
-  support::write_summary(o.out, summary);
+  support::complete(o.out, summary);
 
   std::printf("hydrostatic: %zu fluid particles, %llu steps in %.1f s, %llu lost; ",
               count(particles, mps::Kind::fluid), static_cast<unsigned long long>(tank.steps()),
@@ -349,7 +367,7 @@ int main(int argc, char** argv) {
   options.out = "out/hydrostatic";
   CLI::App app("Water at rest in a tank", "hydrostatic");
   describe(app, options);
-  return support::run(app, argc, argv, [&] {
+  return support::run(app, argc, argv, options.resume, [&] {
     choose_scheme(app, options);
     const double middle = options.width / 2;
     if (options.dimension == 2) {

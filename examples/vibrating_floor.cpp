@@ -22,12 +22,14 @@
 #include <nlohmann/json.hpp>
 
 #include "support/command_line.hpp"
+#include "support/resume.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
 #include <numbers>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -59,6 +61,7 @@ struct Options {
   int seed = 1;
   int threads = 0;
   std::string out = "out/vibrating_floor";
+  support::Resume resume = {};
 
   double period() const { return 1 / frequency; }
   /// A of y = A sin(2π f t) [m]: the floor's rms velocity A ω/√2 is V_b √(g d).
@@ -112,6 +115,7 @@ void describe(CLI::App& app, Options& o) {
   add("--threads", o.threads, support::threads_help, between({0, 1024}));
   app.add_option("--out", o.out, "folder for profile.csv, summary.json and frames.pvd")
       ->capture_default_str();
+  support::describe_resume(app, o.resume);
 }
 
 void check_together(const Options& o) {
@@ -189,6 +193,12 @@ class BedSums {
     sums_.add(sample);
     impulse_ = time_ = 0;
   }
+  template <class Archive>
+  void transfer(Archive& archive) {
+    sums_.transfer(archive);
+    archive("impulse", impulse_);
+    archive("time", time_);
+  }
 
   /// <v'²>/Dim of all grains [m²/s²], v' = v − <v>.
   Estimate temperature() const {
@@ -254,6 +264,57 @@ struct Highest {
   }
 };
 
+// The averages, which begin when the bed is warm: how high it reached by then decides on their
+// slices.
+template <int Dim>
+struct Averages {
+  Options options;
+  Highest<Dim> highest = {};
+  BedSums<Dim> sums = {};
+  std::optional<Profiles<Dim>> profiles = {};
+
+  Index slices_below() const {
+    return static_cast<Index>(std::ceil(options.amplitude() / options.diameter / options.slice));
+  }
+  void begin() {
+    const auto above = static_cast<Index>(
+        std::ceil((2 * highest.height / options.diameter + 10) / options.slice));
+    const double slice = options.slice * options.diameter;
+    profiles.emplace(Slices{.lower = -double(slices_below()) * slice,
+                            .upper = double(above) * slice,
+                            .count = slices_below() + above,
+                            .cross_section = options.cross_section()});
+  }
+
+  template <class Archive>
+  void transfer(Archive& archive) {
+    archive("highest", highest.height);
+    bool have_begun = profiles.has_value();
+    archive("have_begun", have_begun);
+    if (!have_begun) return;
+    if constexpr (Archive::reads) begin();
+    sums.transfer(archive);
+    profiles->transfer(archive);
+  }
+};
+
+// Draws every so many samples: an observer.
+struct Film {
+  VtkSeries frames;
+  Index samples_per_frame;
+  Index sample = 0;
+
+  template <class Sim>
+  void operator()(const Sim& simulation) {
+    if (sample++ % samples_per_frame == 0) frames(simulation);
+  }
+  template <class Archive>
+  void transfer(Archive& archive) {
+    frames.transfer(archive);
+    archive("sample", sample);
+  }
+};
+
 template <int Dim>
 void write_profile(const Options& o, const std::vector<ProfileRow<Dim>>& rows) {
   const std::vector<std::string> columns{"y_over_d", "solid_fraction", "temperature_over_gd",
@@ -299,7 +360,7 @@ nlohmann::ordered_json options_of(const Options& o) {
 template <int Dim>
 void vibrate(const Options& o) {
   auto grains = make_bed<Dim>(o);
-  support::make_output_folder(o.out);
+  support::open_output_folder(o.resume, o.out);
   support::use_threads_of_option(o.threads);
   const double real_holdup =
       double(grains.size()) * o.grain_volume() / (o.cross_section() * o.diameter);
@@ -320,32 +381,24 @@ void vibrate(const Options& o) {
                            " steps with these grains; shorten it, or soften them");
   }
 
-  VtkSeries frames(o.out + "/frames");
-  const auto samples_per_frame =
-      std::max<Index>(1, static_cast<Index>(std::lround(o.frames_every / sample_every)));
-  auto draw = [&, sample = Index(0)](const auto& simulation) mutable {
-    if (sample++ % samples_per_frame == 0) frames(simulation);
-  };
+  Film film{VtkSeries{o.out + "/frames"},
+            std::max<Index>(1, static_cast<Index>(std::lround(o.frames_every / sample_every)))};
+  Averages<Dim> averages{o};
+  support::ResumableRun run(o.resume, o.out + "/checkpoint.silt", bed, averages, film);
   Progress progress;
   Stopwatch wall;
   const auto run_until = [&](double until, auto&... observers) {
     const auto span = wall.start();
-    bed.run({.until = until, .output_every = sample_every, .time_step = dt}, observers...,
+    run.run({.until = until, .output_every = sample_every, .time_step = dt}, observers...,
             progress);
   };
-
-  Highest<Dim> highest;
-  run_until(o.warm_up, highest);
-  const auto slices_above = static_cast<Index>(
-      std::ceil((2 * highest.height / o.diameter + 10) / o.slice));
-  const auto slices_below = static_cast<Index>(std::ceil(o.amplitude() / o.diameter / o.slice));
-  const double slice = o.slice * o.diameter;
-  Profiles<Dim> profiles({.lower = -double(slices_below) * slice,
-                          .upper = double(slices_above) * slice,
-                          .count = slices_below + slices_above,
-                          .cross_section = o.cross_section()});
-  BedSums<Dim> sums;
-  run_until(o.until, sums, profiles, draw);
+  if (!averages.profiles) {
+    run_until(o.warm_up, averages.highest);
+    averages.begin();
+  }
+  auto& sums = averages.sums;
+  auto& profiles = *averages.profiles;
+  run_until(o.until, sums, profiles, film);
 
   const auto rows = profiles.rows();
   write_profile(o, rows);
@@ -355,7 +408,7 @@ void vibrate(const Options& o) {
   const Estimate densest = profiles.of_solid_fractions(
       [&](auto fractions) { return Peak(fractions, per_diameter).solid_fraction; });
   const Estimate densest_at = profiles.of_solid_fractions([&](auto fractions) {
-    return (Peak(fractions, per_diameter).slice + 0.5 - double(slices_below)) * o.slice;
+    return (Peak(fractions, per_diameter).slice + 0.5 - double(averages.slices_below())) * o.slice;
   });
 
   const double gd = g * o.diameter;
@@ -380,7 +433,7 @@ void vibrate(const Options& o) {
   summary["steps"] = bed.steps();
   summary["wall_seconds"] = wall.seconds();
   summary["options"] = options_of(o);
-  support::write_summary(o.out, summary);
+  support::complete(o.out, summary);
   std::printf("vibrating_floor: %zu grains, %llu steps in %.1f s, T = %.4f g d; see %s\n",
               bed.particles().size(), static_cast<unsigned long long>(bed.steps()),
               wall.seconds(), sums.temperature().value / gd, o.out.c_str());
@@ -392,7 +445,7 @@ int main(int argc, char** argv) {
   Options options;
   CLI::App app("A bed of smooth grains on a floor that vibrates fast", "vibrating_floor");
   describe(app, options);
-  return support::run(app, argc, argv, [&options] {
+  return support::run(app, argc, argv, options.resume, [&options] {
     check_together(options);
     options.dimension == 2 ? vibrate<2>(options) : vibrate<3>(options);
   });

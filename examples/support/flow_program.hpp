@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "command_line.hpp"
+#include "resume.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -39,6 +40,7 @@ struct FlowOptions {
   double output_every = 0.02;  // [s]
   int threads = 0;
   std::string out = {};
+  Resume resume = {};
 };
 
 /// Adds an option with a check, and its default to the help.
@@ -73,6 +75,7 @@ inline void describe_flow(CLI::App& app, FlowOptions& o, const std::string& gaug
   add("--output-every", o.output_every, "time between frames [s]", positive());
   add("--threads", o.threads, support::threads_help, between({0, 1024}));
   app.add_option("--out", o.out, "folder for " + files)->capture_default_str();
+  describe_resume(app, o.resume);
 }
 
 /// Makes numbers of every --probe, which must lie in the tank or on its walls: within [0, upper].
@@ -139,6 +142,11 @@ class PressureGauges {
     read(simulation);
   }
 
+  template <class Archive>
+  void transfer(Archive& archive) {
+    file_.transfer(archive);
+  }
+
   /// Of the first gauge, after the last step [Pa].
   double first() const { return row_[1]; }
 
@@ -188,6 +196,10 @@ class EnergyFile {
   void after_step(const Sim& simulation, const Run&) {
     write(simulation.time(), simulation.interaction().energy());
   }
+  template <class Archive>
+  void transfer(Archive& archive) {
+    file_.transfer(archive);
+  }
 
  private:
   void write(double time, const silt::mps::FlowEnergy& energy) {
@@ -207,6 +219,11 @@ class SolverIterations {
     const int iterations = simulation.interaction().last_solve().iterations;
     sum_ += iterations;
     most_ = std::max(most_, iterations);
+  }
+  template <class Archive>
+  void transfer(Archive& archive) {
+    archive("sum", sum_);
+    archive("most", most_);
   }
 
   double sum() const { return sum_; }  // over all steps

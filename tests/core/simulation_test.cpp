@@ -5,12 +5,14 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstring>
 #include <limits>
 #include <memory>
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 namespace silt::test {
 namespace {
@@ -275,6 +277,96 @@ TEST(Simulation, CallsObserversOnceAtAnOutputThatIsTheEnd) {
   sim.run({.until = 3, .output_every = 0.1, .time_step = 0.1}, [&](const auto&) { ++calls; });
   EXPECT_EQ(sim.steps(), 30u);
   EXPECT_EQ(calls, 31);
+}
+
+auto falling_grain() {
+  return Simulation{one_grain<2>({0, 1}, {0, 0}), UniformGrid<2>{}, Gravity<2>{{0, -9.81}},
+                    Leapfrog{}};
+}
+
+TEST(Simulation, EndsExactlyWhereItIsAskedTo) {
+  for (const double until : {1.0, 0.7, 0.1 + 0.2, 1.0 / 3, 1e-3}) {
+    for (const double time_step : {0.1, 0.07, 0.03, 1.0 / 3, 5.0}) {
+      auto sim = falling_grain();
+      double shortest = inf, longest = 0, before = 0;
+      std::vector<double> outputs;
+      const auto note = [&](const auto& s) {
+        if (s.steps() == 0) return;
+        shortest = std::min(shortest, s.last_time_step());
+        longest = std::max(longest, s.last_time_step());
+        EXPECT_GT(s.time(), before);
+        before = s.time();
+      };
+      EXPECT_TRUE(sim.run({.until = until,
+                           .output_every = 1e-9,
+                           .time_step = time_step,
+                           .end_exactly = true}, note));
+      EXPECT_EQ(sim.time(), until) << time_step;
+      EXPECT_LE(longest, time_step * (1 + 1e-9));
+      EXPECT_GE(shortest, std::min(time_step, until) / 2 * (1 - 1e-9)) << until << " " << time_step;
+      // Its place is that of the fall, whose steps may differ.
+      EXPECT_NEAR(sim.particles()[position][0][1], 1 - 9.81 * until * until / 2,
+                  9.81 * until * longest);
+      const auto steps = sim.steps();
+      sim.run({.until = until, .time_step = time_step, .end_exactly = true});
+      EXPECT_EQ(sim.steps(), steps) << "there is nothing left to do";
+    }
+  }
+}
+
+TEST(Simulation, TakesARestOfRoundingForTheEnd) {
+  auto sim = falling_grain();
+  sim.run({.until = 1, .time_step = 0.1});
+  EXPECT_EQ(sim.steps(), 10u);
+  EXPECT_LT(sim.time(), 1) << "by rounding";
+  sim.run({.until = 1, .time_step = 0.1, .end_exactly = true});
+  EXPECT_EQ(sim.steps(), 10u);
+  EXPECT_EQ(sim.time(), 1);
+
+  auto exact = falling_grain();
+  exact.run({.until = 1, .time_step = 0.1, .end_exactly = true});
+  EXPECT_EQ(exact.steps(), 10u) << "no step is left for the rounding";
+  EXPECT_EQ(exact.time(), 1);
+}
+
+struct StopsAfter {
+  int steps;
+  std::string& calls;
+  void operator()(const auto&) const { calls += 'o'; }
+  void after_step(const auto&, const Run&) {
+    calls += 'a';
+    --steps;
+  }
+  void between_steps(const auto&) const { calls += 'b'; }
+  bool stop_requested() const { return steps <= 0; }
+};
+
+TEST(Simulation, EndsARunWhereAnObserverAsksForIt) {
+  const silt::Run run{.until = 1, .output_every = 0.25, .time_step = 0.125};
+  auto sim = falling_grain();
+  std::string calls;
+  EXPECT_FALSE(sim.run(run, StopsAfter{3, calls}));
+  EXPECT_EQ(sim.steps(), 3u);
+  EXPECT_EQ(calls, "oabaobab") << "no output where it was stopped";
+  calls.clear();
+  EXPECT_TRUE(sim.run(run, StopsAfter{100, calls}));
+  EXPECT_EQ(calls, "aobabaobabaob") << "the run goes on";
+  calls.clear();
+  EXPECT_TRUE(sim.run({.until = 1}, StopsAfter{0, calls}));
+  EXPECT_EQ(calls, "o") << "the next one begins";
+}
+
+TEST(Simulation, BeginsANewRunAfterOneThatThrew) {
+  Saboteur saboteur;
+  Simulation sim{one_grain<2>({0, 1}, {0, 0}), UniformGrid<2>{}, Forces{saboteur}, Leapfrog{}};
+  int calls = 0;
+  const auto count = [&](const auto&) { ++calls; };
+  saboteur.fault->emplace().push = nan;
+  EXPECT_THROW(sim.run({.until = 1, .time_step = 0.5}, count), Error);
+  EXPECT_EQ(calls, 1);
+  saboteur.fault->reset();
+  EXPECT_TRUE(sim.run({.until = 1, .time_step = 0.5}, count));
+  EXPECT_EQ(calls, 3);
 }
 
 struct CountsSteps {

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <fcntl.h>
@@ -27,18 +28,63 @@ void run_to_the_end(Progress& progress) {
   progress(simulation);
   while (simulation.now < 1) {
     simulation.now += 0.25;
-    progress.after_step(simulation, Run{.until = 1});
+    progress.after_step(simulation, silt::Run{.until = 1});
   }
 }
 
-TEST(Progress, IsSilentWhereThereIsNoTerminal) {
+// What a run of so many steps, each of so many wall-clock seconds, writes to a file.
+std::string log_of(int steps, double seconds_a_step, int stop_after) {
   std::FILE* file = std::tmpfile();
-  ASSERT_NE(file, nullptr);
+  double wall = 0;
   {
-    Progress progress{file};
-    run_to_the_end(progress);
+    Progress progress{file, [&wall] { return wall; }};
+    Advancing simulation;
+    progress(simulation);
+    for (int k = 0; k < stop_after; ++k) {
+      simulation.now += 0.25;
+      wall += seconds_a_step;
+      progress.after_step(simulation, Run{.until = 0.25 * steps});
+    }
   }
-  EXPECT_EQ(std::ftell(file), 0);
+  std::string text(static_cast<std::size_t>(std::ftell(file)), ' ');
+  std::rewind(file);
+  EXPECT_EQ(std::fread(text.data(), 1, text.size(), file), text.size());
+  std::fclose(file);
+  return text;
+}
+auto lines_in(const std::string& text) { return std::count(text.begin(), text.end(), '\n'); }
+
+TEST(Progress, WritesLinesAtGrowingIntervalsIntoAFile) {
+  const std::string log = log_of(100, 1, 100);
+  // After 3, 6, 12, 24, 48 and 96 s, and the last.
+  EXPECT_EQ(lines_in(log), 7) << log;
+  EXPECT_TRUE(log.starts_with("step 3  t = 0.75 s  dt = 2.50e-01 s    3.0 %  left 97 s\n")) << log;
+  EXPECT_TRUE(log.ends_with("\nstep 100  t = 25 s  dt = 2.50e-01 s  100.0 %  took 100 s\n")) << log;
+  EXPECT_EQ(log.find('\r'), std::string::npos);
+  EXPECT_EQ(log.find('\x1b'), std::string::npos);
+  // Ten hours: after 3, 6, 12, 24, 48, 96, 192, 384 s, then every 5 minutes.
+  EXPECT_EQ(lines_in(log_of(36000, 1, 36000)), 8 + (36000 - 384) / 300 + 1);
+}
+
+TEST(Progress, WritesALastLineOfAShortOrBrokenRun) {
+  EXPECT_EQ(log_of(4, 0.1, 4), "step 4  t = 1 s  dt = 2.50e-01 s  100.0 %  took 0 s\n");
+  EXPECT_EQ(log_of(8, 1, 2), "step 2  t = 0.5 s  dt = 2.50e-01 s   25.0 %  took 2 s\n");
+  EXPECT_EQ(log_of(8, 1, 0), "");
+}
+
+TEST(Progress, OfAResumedRunEstimatesFromWhereItWasResumed) {
+  std::FILE* file = std::tmpfile();
+  double wall = 7;
+  Progress progress{file, [&wall] { return wall; }};
+  Advancing simulation{.now = 0.75};  // the first step after 0.5
+  progress.after_step(simulation, silt::Run{.until = 1});
+  wall += 4;
+  progress.after_step(simulation, silt::Run{.until = 1});
+  EXPECT_GT(std::ftell(file), 0);
+  char text[100] = {};
+  std::rewind(file);
+  EXPECT_GT(std::fread(text, 1, sizeof text - 1, file), 0u);
+  EXPECT_EQ(std::string(text), "step 3  t = 0.75 s  dt = 2.50e-01 s   75.0 %  left 4 s\n");
   std::fclose(file);
 }
 

@@ -6,7 +6,7 @@
     check.py --self-test
 
 The program takes --threads and --out. Of summary.json, what depends on the clock (names with
-"seconds"), on --threads and on --out is left out.
+"seconds"), on --threads and on --out is left out; of arguments.json, --threads.
 """
 
 import json
@@ -33,6 +33,12 @@ def without_clock(value):
 def contents(path):
     if path.name == "summary.json":
         return without_clock(json.loads(path.read_text(encoding="utf-8")))
+    if path.name == "arguments.json":
+        arguments = json.loads(path.read_text(encoding="utf-8"))["arguments"]
+        if "--threads" in arguments:
+            at = arguments.index("--threads")
+            del arguments[at:at + 2]
+        return arguments
     return path.read_bytes()
 
 
@@ -79,6 +85,8 @@ def self_test():
             clock = {"wall_seconds": threads}
             summary = {"runs": [clock], "options": {"threads": threads, "out": str(folder)}}
             (folder / "summary.json").write_text(json.dumps(summary), encoding="utf-8")
+            given = {"arguments": ["--threads", str(threads), "--until", "1"]}
+            (folder / "arguments.json").write_text(json.dumps(given), encoding="utf-8")
         (b / "more.csv").write_text("", encoding="utf-8")
         assert differences(a, b) == ["more.csv", "other.csv"]
 

@@ -28,6 +28,10 @@ class History {
   void add(const std::vector<double>& row) {
     for (Index c = 0; c < columns_.size(); ++c) columns_[c].push_back(row[c]);
   }
+  template <class Archive>
+  void transfer(Archive& archive) {
+    for (Index c = 0; c < columns_.size(); ++c) archive(names_[c], columns_[c]);
+  }
   const std::vector<double>& operator[](const std::string& name) const {
     const auto found = std::find(names_.begin(), names_.end(), name);
     if (found == names_.end()) fail("History: there is no column " + name);
@@ -109,7 +113,7 @@ class Notes {
  public:
   using OnRow = std::function<void(const std::vector<double>&)>;
   explicit Notes(const FluidCase& flow, OnRow on_row = [](const std::vector<double>&) {})
-      : flow_(flow), on_row_(std::move(on_row)), history_(flow.names) {}
+      : flow_(&flow), on_row_(std::move(on_row)), history_(flow.names) {}
 
   template <class Sim>
   void operator()(const Sim& simulation) {
@@ -120,18 +124,24 @@ class Notes {
     if (simulation.time() * (1 + 1e-12) >= next_) add(simulation);
   }
 
+  template <class Archive>
+  void transfer(Archive& archive) {
+    history_.transfer(archive);
+    archive("next", next_);
+  }
+
   const History& history() const { return history_; }
 
  private:
   template <class Sim>
   void add(const Sim& simulation) {
-    const auto row = flow_.note(simulation.particles(), simulation.time());
+    const auto row = flow_->note(simulation.particles(), simulation.time());
     history_.add(row);
     on_row_(row);
-    while (next_ <= simulation.time() && flow_.note_every > 0) next_ += flow_.note_every;
+    while (next_ <= simulation.time() && flow_->note_every > 0) next_ += flow_->note_every;
   }
 
-  const FluidCase& flow_;
+  const FluidCase* flow_;
   OnRow on_row_;
   History history_;
   double next_ = 0;  // [s]

@@ -245,9 +245,19 @@ template <class O, class Sim>
 concept ObservesSteps =
     requires(O o, const Sim& simulation, const Run& run) { o.after_step(simulation, run); };
 
-/// Does at least one of the three.
+/// o.between_steps(simulation), called after every step, once every observer has been called for
+/// it: a checkpoint that is written here is complete.
 template <class O, class Sim>
-concept Observer =
-    ObservesOutputs<O, Sim> || ActsBeforeSteps<O, Sim> || ObservesSteps<O, Sim>;
+concept ActsBetweenSteps = requires(O o, const Sim& simulation) { o.between_steps(simulation); };
+/// Can end a run: o.stop_requested() is called before every step, and ends the run if it is true.
+template <class O>
+concept EndsRuns = requires(O o) {
+  { o.stop_requested() } -> std::convertible_to<bool>;
+};
+
+/// Does at least one of the five.
+template <class O, class Sim>
+concept Observer = ObservesOutputs<O, Sim> || ActsBeforeSteps<O, Sim> || ObservesSteps<O, Sim> ||
+                   ActsBetweenSteps<O, Sim> || EndsRuns<O>;
 
 }  // namespace silt

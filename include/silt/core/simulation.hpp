@@ -29,6 +29,9 @@ struct Run {
   double until = 0;                     ///< run while time < until [s]
   double output_every = 0;              ///< [s]; 0: at the beginning and at the end only
   std::optional<double> time_step = {};  ///< [s]; without one, the interaction chooses
+  /// End at time() == until, by shortening the last step, or the last two by as much each; false:
+  /// end after the first step that reaches `until`, up to one step later.
+  bool end_exactly = false;
 };
 
 template <class P, class S, class I, class T>
@@ -62,6 +65,8 @@ class Simulation {
   double time() const noexcept { return time_; }           ///< [s]
   std::uint64_t steps() const noexcept { return steps_; }  ///< done so far
   double last_time_step() const noexcept { return last_time_step_; }  ///< [s]
+  /// Whether its state was read from a checkpoint.
+  bool was_read() const noexcept { return was_read_; }
   /// Particles removed because they left the box; see OnEscape.
   std::uint64_t particles_lost() const noexcept { return particles_lost_; }
 
@@ -110,6 +115,10 @@ class Simulation {
     archive("steps", steps_);
     archive("last_time_step", last_time_step_);
     archive("particles_lost", particles_lost_);
+    archive("run_is_open", run_is_open_);
+    archive("output_time", output_time_);
+    archive("output_step", output_step_);
+    if constexpr (Archive::reads) was_read_ = true;
     archive.within("particles", [&] { particles_.transfer(archive); });
     if constexpr (Archive::reads) prepare();
     if constexpr (Transferable<S, Archive, P>) {
@@ -177,13 +186,22 @@ class Simulation {
     team.end_step();
   }
 
-  /// Steps while time() < until. Observers are called with the simulation at the beginning, at the
-  /// first step at or after every multiple of output_every, and at the end; those that have
-  /// `after_step(simulation, run)` also after every step, and those that have
-  /// `before_step(simulation)` before every step, with the simulation to change.
+  /// Steps while time() < until, and returns whether it came so far: true, unless an observer ended
+  /// the run. If time() is at or beyond `until` already, there is no step. Observers are called
+  ///   observer(simulation)                  at the beginning, at the first step at or after every
+  ///                                         multiple of output_every, and at the end
+  ///   observer.before_step(simulation)      before every step, with the simulation to change
+  ///   observer.after_step(simulation, run)  after every step
+  ///   observer.between_steps(simulation)    after every step, once all other calls are made: a
+  ///                                         checkpoint written then is complete
+  ///   observer.stop_requested()             before every step: if true, the run ends there
+  /// where they have these; see core/concepts.hpp. A run that an observer ended has no output at
+  /// its end, and the next run() goes on with it: it has none at its beginning. So does the first
+  /// run() after a checkpoint that was written during a run. Throws silt::Error if a number of
+  /// `run` is out of range, and what step() throws.
   template <class... Observers>
     requires(Observer<Observers, Simulation> && ...)
-  void run(const Run& run, Observers&&... observers) {
+  bool run(const Run& run, Observers&&... observers) {
     require_finite("Run: until", run.until);
     require_not_negative("Run: output_every", run.output_every);
     if (run.time_step) require_positive("Run: time_step", *run.time_step);
@@ -193,6 +211,8 @@ class Simulation {
           observer(std::as_const(*this));
         }
       };
+      output_time_ = time_;
+      output_step_ = steps_;
       (show(observers), ...);
     };
     [[maybe_unused]] const auto before_step = [&](auto& observer) {
@@ -203,29 +223,74 @@ class Simulation {
         observer.after_step(std::as_const(*this), run);
       }
     };
+    [[maybe_unused]] const auto between_steps = [&](auto& observer) {
+      if constexpr (ActsBetweenSteps<decltype(observer), Simulation>) {
+        observer.between_steps(std::as_const(*this));
+      }
+    };
+    [[maybe_unused]] const auto stops = [&](auto& observer) -> bool {
+      if constexpr (EndsRuns<decltype(observer)>) {
+        return observer.stop_requested();
+      } else {
+        return false;
+      }
+    };
     const auto outputs_at = [&](double time) {
       return run.output_every > 0 ? completed_intervals(time / run.output_every) : 0;
     };
-    const double given_step = run.time_step.value_or(0);
-    const double end = run.until * (1 - 1e-12);
-    observe();
-    Index outputs = outputs_at(time_);
-    bool observed = true;
-    while (time_ < end) {
-      const detail::Team team(thread_choice_, particles_.size());  // of the observers, too
-      (before_step(observers), ...);
-      step(given_step > 0 ? given_step : time_step());
-      (after_step(observers), ...);
-      observed = outputs_at(time_) > outputs;
-      if (observed) {
-        observe();
-        outputs = outputs_at(time_);
+    const auto output_is_due = [&] { return outputs_at(time_) > outputs_at(output_time_); };
+    // Without a time step of its own: 0.
+    const double given_time_step = run.time_step.value_or(0.0);
+    const double almost_until = run.until * (1 - 1e-12);
+
+    if (!run_is_open_ || output_is_due()) observe();
+    OpenRun open(run_is_open_);
+    while (time_ < almost_until) {
+      if ((stops(observers) || ...)) {
+        open.stays_open = true;
+        return false;
       }
+      const detail::Team team(thread_choice_, particles_.size());  // for the observers, too
+      (before_step(observers), ...);
+      const double dt = given_time_step > 0 ? given_time_step : time_step();
+      if (run.end_exactly) {
+        step_towards(run.until, dt);
+      } else {
+        step(dt);
+      }
+      (after_step(observers), ...);
+      if (output_is_due()) observe();
+      (between_steps(observers), ...);
     }
-    if (!observed) observe();
+    // As the sum of the steps was, but for rounding.
+    if (run.end_exactly && time_ < run.until) time_ = run.until;
+    if (output_step_ != steps_) observe();
+    return true;
   }
 
  private:
+  // Marks a run as open, until run() is left, also by an exception.
+  struct OpenRun {
+    explicit OpenRun(bool& is_open) : is_open_(is_open) { is_open_ = true; }
+    OpenRun(const OpenRun&) = delete;
+    OpenRun& operator=(const OpenRun&) = delete;
+    ~OpenRun() { is_open_ = stays_open; }
+
+    bool stays_open = false;
+
+   private:
+    bool& is_open_;
+  };
+
+  // A step of dt, or shorter so that time() becomes `until` to the bit. No step is shorter than
+  // half of dt: what would be left after a whole one is shared by two.
+  void step_towards(double until, double dt) {
+    const double left = until - time_;
+    const bool is_last = left <= dt * (1 + 1e-9);
+    step(is_last ? left : left < 2 * dt ? left / 2 : dt);
+    if (is_last) time_ = until;
+  }
+
   // Before the state is saved, so that a failed step has nothing to undo.
   void sort() {
     if constexpr (SortsParticles<S, P>) search_.sort(particles_);
@@ -332,6 +397,10 @@ class Simulation {
   double time_ = 0;
   double last_time_step_ = 0;
   detail::ThreadChoice thread_choice_;
+  bool was_read_ = false;
+  bool run_is_open_ = false;  // within run(), or after one that an observer ended
+  double output_time_ = 0;    // of the last output of a run [s]
+  std::uint64_t output_step_ = 0;
 };
 
 }  // namespace silt

@@ -31,8 +31,8 @@ double rms_speed(const P& grains) {
 }
 
 /// Runs the simulation with these observers until a check finds the grains at rest; the first check
-/// is after check_every. Returns the time it took [s]. Throws silt::Error if the grains are not at
-/// rest after max_time.
+/// is after check_every. Returns the time it took [s]; returns early if an observer ends the run.
+/// Throws silt::Error if the grains are not at rest after max_time.
 template <class Sim, class... Observers>
 double settle(Sim& simulation, const Settling& settling, Observers&&... observers) {
   require_positive("Settling: speed", settling.speed);
@@ -41,10 +41,11 @@ double settle(Sim& simulation, const Settling& settling, Observers&&... observer
   const double began = simulation.time();
   double speed = 0;
   while (simulation.time() - began < settling.max_time) {
-    simulation.run({.until = simulation.time() + settling.check_every,
-                    .output_every = 0,
-                    .time_step = settling.time_step},
-                   observers...);
+    const bool completed = simulation.run({.until = simulation.time() + settling.check_every,
+                                           .output_every = 0,
+                                           .time_step = settling.time_step},
+                                          observers...);
+    if (!completed) return simulation.time() - began;
     speed = rms_speed(simulation.particles());
     if (speed < settling.speed) return simulation.time() - began;
   }

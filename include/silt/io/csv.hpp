@@ -9,12 +9,15 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cstdint>
 #include <cstdio>
 #include <filesystem>
 #include <initializer_list>
+#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -22,25 +25,34 @@ namespace silt {
 
 /// A table that grows by rows. Every row is on disc when row() returns, so that a long run can be
 /// watched and a broken one evaluated. Numbers are written with the fewest digits that read back as
-/// the same number.
+/// the same number. As a part of a checkpoint it goes on behind the rows that it had then: rows
+/// that were written later are removed.
 class CsvFile {
  public:
-  /// Begins the file anew with the names of its columns; the folder must exist. Throws silt::Error
-  /// if there is no column or the file cannot be written.
-  CsvFile(std::filesystem::path path, std::vector<std::string> columns)
+  /// The names of the columns; the folder must exist. A table that is there already is replaced
+  /// when the first row is written, so that it can be read from a checkpoint before. Throws
+  /// silt::Error if there is no column or the file cannot be written.
+  CsvFile(std::filesystem::path path, const std::vector<std::string>& columns)
       : path_(std::move(path)), columns_(columns.size()) {
     if (columns.empty()) {
       fail("CsvFile: " + path_.string() + " has no columns; name at least one");
     }
-    errno = 0;
-    stream_.reset(std::fopen(path_.string().c_str(), "wb"));
-    if (!stream_) refuse();
-    std::string line;
     for (const std::string& name : columns) {
-      if (!line.empty()) line += ',';
-      line += name;
+      if (!head_.empty()) head_ += ',';
+      head_ += name;
     }
-    write(line + "\n");
+    head_ += '\n';
+    open("ab");
+    stream_.reset();
+    std::error_code unknown;
+    if (std::filesystem::file_size(path_, unknown) == 0) begin();
+  }
+
+  /// Replaces the file by the names of the columns now.
+  void begin() {
+    open("wb");
+    size_ = 0;
+    write(head_);
   }
 
   /// Adds a row. Throws silt::Error if it has not one value per column, or cannot be written.
@@ -56,26 +68,67 @@ class CsvFile {
       if (!line.empty()) line += ',';
       line += file::digits(value);
     }
+    if (!stream_) size_ > 0 ? resume() : begin();
     write(line + "\n");
   }
 
+  /// For a checkpoint: how many bytes the file has. Reading throws silt::Error if it has fewer.
+  template <class Archive>
+  void transfer(Archive& archive) {
+    archive.same("columns", head_);
+    archive("size", size_);
+    if constexpr (Archive::reads) {
+      if (size_ > 0) require_bytes();
+      stream_.reset();
+    }
+  }
+
  private:
+  void open(const char* mode) {
+    errno = 0;
+    stream_ = file::Stream(std::fopen(path_.string().c_str(), mode));
+    if (!stream_) refuse(file::last_error());
+  }
+
+  void require_bytes() const {
+    std::error_code reason;
+    const auto there = std::filesystem::file_size(path_, reason);
+    if (reason) refuse(reason);
+    if (there < size_) {
+      fail("CsvFile: " + path_.string() + " has " + std::to_string(there) +
+           " bytes, but the checkpoint was written when it had " + std::to_string(size_) +
+           "; put back the file of that run, or begin the run anew");
+    }
+  }
+
+  void resume() {
+    require_bytes();
+    std::error_code reason;
+    std::filesystem::resize_file(path_, size_, reason);
+    if (reason) refuse(reason);
+    open("ab");
+  }
+
   void write(const std::string& line) {
     errno = 0;
     if (std::fwrite(line.data(), 1, line.size(), stream_.get()) != line.size() ||
         std::fflush(stream_.get()) != 0) {
-      refuse();
+      refuse(file::last_error());
     }
+    size_ += line.size();
   }
 
-  [[noreturn]] void refuse() const {
-    file::refuse("CsvFile: cannot write", path_, file::last_error(),
+  [[noreturn]] void refuse(const std::error_code& reason) const {
+    file::refuse("CsvFile: cannot write", path_, reason,
                  "check that the folder exists, is writable and has space left");
   }
 
   std::filesystem::path path_;
+  std::string head_;
   Index columns_;
-  file::Stream stream_;
+  std::uint64_t size_ = 0;  // in bytes, of what this table has written
+  // Shared, so that reading a checkpoint can try on a copy.
+  std::shared_ptr<std::FILE> stream_;
 };
 
 /// A table that was read, by the names of its columns.

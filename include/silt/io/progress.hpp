@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: MIT
-// One line that says how far a run is, rewritten in place. Only a terminal sees it: logs and pipes
-// stay clean.
+// One line that says how far a run is: rewritten in place on a terminal, repeated now and then in a
+// file or pipe, such as the log of a batch job.
 #pragma once
 
 #include <algorithm>
 #include <chrono>
+#include <cstdint>
 #include <cstdio>
+#include <functional>
+#include <utility>
 
 #if __has_include(<unistd.h>)
 #include <unistd.h>
@@ -13,48 +16,59 @@
 
 namespace silt {
 
-/// Observer that shows step, time, time step, percentage and the time left, five times a second.
+/// Observer that shows step, time, time step, percentage and the time left. A terminal sees it five
+/// times a second. A file or pipe gets a line after 3 s of wall-clock time, then each time that
+/// twice as much has passed, but at least every 5 minutes; and always a last line.
 class Progress {
  public:
-  /// Writes to the given stream, which must outlive it, if that is a terminal.
-  explicit Progress(std::FILE* stream = stderr) : stream_(stream), shown_(is_terminal(stream)) {}
+  /// Wall-clock time since any beginning [s].
+  using Clock = std::function<double()>;
+
+  /// Writes to the given stream, which must outlive it.
+  explicit Progress(std::FILE* stream = stderr, Clock clock = &Progress::seconds)
+      : stream_(stream), is_terminal_(is_terminal(stream)), clock_(std::move(clock)) {}
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
-  /// Ends a line left open by a run that threw.
-  ~Progress() { end_line(); }
+  /// Shows how far a run came that threw or was stopped.
+  ~Progress() { show_last(); }
 
   template <class Sim>
   void operator()(const Sim& simulation) {
-    if (begun_) return;
-    begun_ = true;
-    wall_begin_ = Clock::now();
-    time_begin_ = simulation.time();
+    if (!begun_) begin(simulation.time(), simulation.time());
   }
 
   template <class Sim, class Run>
   void after_step(const Sim& simulation, const Run& run) {
-    if (!shown_) return;
-    constexpr std::chrono::milliseconds between{200};
-    const bool done = simulation.time() >= run.until * (1 - 1e-12);
-    const auto now = Clock::now();
-    if (!done && now - wall_shown_ < between) return;
-    wall_shown_ = now;
-
-    const double wall = std::chrono::duration<double>(now - wall_begin_).count();
-    const double share = done ? 1
-                              : std::clamp((simulation.time() - time_begin_) /
-                                               (run.until - time_begin_), 1e-12, 1.0);
-    std::fprintf(stream_, "\rstep %llu  t = %.4g s  dt = %.2e s  %5.1f %%  %s %.0f s \x1b[K",
-                 static_cast<unsigned long long>(simulation.steps()), simulation.time(),
-                 simulation.last_time_step(), 100 * share, done ? "took" : "left",
-                 done ? wall : wall * (1 - share) / share);
-    std::fflush(stream_);
-    open_ = true;
-    if (done) end_line();
+    // A resumed run has no output at its beginning; it counts from time 0.
+    if (!begun_) begin(0, simulation.time() - simulation.last_time_step());
+    last_ = {.step = static_cast<std::uint64_t>(simulation.steps()),
+             .time = simulation.time(),
+             .time_step = simulation.last_time_step(),
+             .share = std::clamp((simulation.time() - run_begin_) / (run.until - run_begin_), 0.0,
+                                 1.0)};
+    is_ended_ = false;
+    const double elapsed = clock_() - wall_begin_;
+    if (simulation.time() >= run.until * (1 - 1e-12)) {
+      last_.share = 1;
+      show_last();
+    } else if (elapsed >= wall_next_) {
+      show("left", elapsed * (run.until - simulation.time()) / (simulation.time() - time_begin_));
+      wall_next_ = elapsed + (is_terminal_ ? 0.2 : std::clamp(elapsed, 3.0, 300.0));
+    }
   }
 
  private:
-  using Clock = std::chrono::steady_clock;
+  struct State {
+    std::uint64_t step = 0;
+    double time = 0;       // [s]
+    double time_step = 0;  // [s]
+    double share = 0;      // of the run that is done
+  };
+
+  static double seconds() {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch())
+        .count();
+  }
 
   static bool is_terminal(std::FILE* stream) {
 #if __has_include(<unistd.h>)
@@ -64,18 +78,39 @@ class Progress {
 #endif
   }
 
-  void end_line() {
-    if (open_) std::fputs("\n", stream_);
-    open_ = false;
+  void begin(double run_begin, double time) {
+    begun_ = true;
+    run_begin_ = run_begin;
+    wall_begin_ = clock_();
+    wall_next_ = is_terminal_ ? 0 : 3;
+    time_begin_ = time;
+  }
+
+  void show(const char* what, double wall) {
+    std::fprintf(stream_, "%sstep %llu  t = %.4g s  dt = %.2e s  %5.1f %%  %s %.0f s%s",
+                 is_terminal_ ? "\r" : "", static_cast<unsigned long long>(last_.step), last_.time,
+                 last_.time_step, 100 * last_.share, what, wall, is_terminal_ ? " \x1b[K" : "\n");
+    std::fflush(stream_);
+  }
+
+  void show_last() {
+    if (is_ended_) return;
+    is_ended_ = true;
+    show("took", clock_() - wall_begin_);
+    if (is_terminal_) std::fputs("\n", stream_);
+    std::fflush(stream_);
   }
 
   std::FILE* stream_;
-  bool shown_;
+  bool is_terminal_;
+  Clock clock_;
   bool begun_ = false;
-  bool open_ = false;
-  Clock::time_point wall_begin_{};
-  Clock::time_point wall_shown_{};
-  double time_begin_ = 0;
+  bool is_ended_ = true;  // the last line is of the last step
+  double wall_begin_ = 0;
+  double wall_next_ = 0;  // when the next line is due, after the beginning
+  double run_begin_ = 0;   // [s]
+  double time_begin_ = 0;  // of what was seen of it [s]
+  State last_;
 };
 
 }  // namespace silt

@@ -139,11 +139,17 @@ std::string vtk_frame(const P& particles) {
 }
 
 /// Observer that writes a frame at every output, and after it the list of all frames with their
-/// times [s]. Fields are those of Simulation::snapshot(): all at one time.
+/// times [s]. Fields are those of Simulation::snapshot(): all at one time. A second frame of the
+/// same time, as of two runs that follow one another, replaces the first.
+///
+/// A resumed run goes on behind the frames that were written before the checkpoint, and replaces
+/// later ones. If the series is not among the parts of the checkpoint, it goes on behind those of
+/// earlier times in the list of the folder.
 class VtkSeries {
  public:
   /// Frames go into the folder `path`, which is made, their list into `path`.pvd. Files of the same
-  /// names are replaced. Throws silt::Error if the folder cannot be made.
+  /// names are replaced when the first frame is written. Throws silt::Error if the folder cannot be
+  /// made.
   explicit VtkSeries(std::filesystem::path path) : folder_(std::move(path)) {
     if (!folder_.has_filename()) folder_ = folder_.parent_path();  // "tower/" is "tower"
     file::make_folder("VtkSeries", folder_);
@@ -156,29 +162,67 @@ class VtkSeries {
       simulation.time();
     }
   void operator()(const Sim& simulation) {
-    std::string number = std::to_string(frames_);
-    number.insert(0, number.size() < 6 ? 6 - number.size() : 0, '0');
-    const std::string name = folder_.filename().string();
-    const std::string frame = name + "_" + number + ".vtu";
-    file::replace("VtkSeries", folder_ / frame, vtk_frame(simulation.snapshot()));
-    ++frames_;
+    const double time = double(simulation.time());
+    if constexpr (requires { simulation.was_read(); }) {
+      if (times_.empty() && simulation.was_read() && !was_read_) times_ = listed_before(time);
+    }
+    if (times_.empty() || times_.back() != time) times_.push_back(time);
+    file::replace("VtkSeries", folder_ / frame_name(times_.size() - 1),
+                  vtk_frame(simulation.snapshot()));
 
-    list_ += "<DataSet timestep=\"" + file::digits(double(simulation.time())) + "\" file=\"" +
-             name + "/" + frame + "\"/>\n";
-    std::filesystem::path list = folder_;
-    list += ".pvd";
-    file::replace("VtkSeries", list,
+    std::string list;
+    for (Index k = 0; k < times_.size(); ++k) {
+      list += "<DataSet " + std::string(time_begins) + file::digits(times_[k]) + "\" file=\"" +
+              folder_.filename().string() + "/" + frame_name(k) + "\"/>\n";
+    }
+    file::replace("VtkSeries", list_path(),
                   "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\">\n"
-                  "<Collection>\n" + list_ + "</Collection>\n</VTKFile>\n");
+                  "<Collection>\n" + list + "</Collection>\n</VTKFile>\n");
   }
 
   /// Frames written so far.
-  Index frames() const noexcept { return frames_; }
+  Index frames() const noexcept { return times_.size(); }
+
+  /// For a checkpoint: the times of the frames.
+  template <class Archive>
+  void transfer(Archive& archive) {
+    archive("times", times_);
+    if constexpr (Archive::reads) was_read_ = true;
+  }
 
  private:
+  static constexpr std::string_view time_begins = "timestep=\"";
+
+  std::filesystem::path list_path() const {
+    std::filesystem::path path = folder_;
+    path += ".pvd";
+    return path;
+  }
+  std::string frame_name(Index k) const {
+    std::string number = std::to_string(k);
+    number.insert(0, number.size() < 6 ? 6 - number.size() : 0, '0');
+    return folder_.filename().string() + "_" + number + ".vtu";
+  }
+
+  // The times of the frames that an earlier run listed, up to a time.
+  std::vector<double> listed_before(double time) const {
+    std::vector<double> times;
+    if (!std::filesystem::exists(list_path())) return times;
+    const std::string list = file::read("VtkSeries", list_path());
+    for (auto at = list.find(time_begins); at != std::string::npos;
+         at = list.find(time_begins, at)) {
+      at += time_begins.size();
+      const auto listed =
+          file::number(std::string_view(list).substr(at, list.find('"', at) - at));
+      if (!listed || !(*listed < time)) break;
+      times.push_back(*listed);
+    }
+    return times;
+  }
+
   std::filesystem::path folder_;
-  Index frames_ = 0;
-  std::string list_;
+  std::vector<double> times_;  // of the frames [s]
+  bool was_read_ = false;      // from a checkpoint
 };
 
 }  // namespace silt

@@ -1,0 +1,88 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""Stops an example again and again, and resumes it: its folder is that of a run that went through.
+
+    resume.py SCRATCH PROGRAM ARGUMENTS...
+
+The program takes --out, --resume and --checkpoint-every. It is stopped by SIGINT, as Ctrl-C sends it,
+and killed by SIGKILL, in turns. Of summary.json, what depends on the clock is left out.
+"""
+
+import pathlib
+import shutil
+import signal
+import subprocess
+import sys
+import time
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "same_bits"))
+from check import differences, files_in
+
+STOPS = 6
+
+
+def run_through(program, arguments, folder):
+    """Returns the seconds that it took."""
+    begin = time.monotonic()
+    subprocess.run([program, *arguments, "--out", str(folder)], check=True,
+                   stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    return time.monotonic() - begin
+
+
+def run_for(command, seconds, how):
+    """Runs a program, sends it a signal after a while, and returns its exit code and last words."""
+    process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+    try:
+        said = process.communicate(timeout=seconds)[1]
+    except subprocess.TimeoutExpired:
+        process.send_signal(how)
+        said = process.communicate()[1]
+    return process.returncode, (said.strip().splitlines() or [""])[-1]
+
+
+def run_in_parts(program, arguments, folder, seconds):
+    """Returns how often it was stopped and killed."""
+    new = [program, *arguments, "--out", str(folder)]
+    resumed = [program, "--resume", str(folder)]
+    command, stops, kills = new, 0, 0
+    while True:
+        how = signal.SIGKILL if stops > kills else signal.SIGINT
+        patience = seconds if stops + kills < STOPS else None
+        code, said = run_for(command, patience, how)
+        if code == 0:
+            return stops, kills
+        if code == 128 + signal.SIGINT:
+            assert said.endswith(f"{program} --resume {folder}"), said
+            assert not (folder / "summary.json").exists(), "a run that was stopped is not complete"
+            stops += 1
+        elif code in (-signal.SIGKILL, -signal.SIGINT):  # by Ctrl-C before the run began
+            kills += 1
+        else:
+            sys.exit(f"{' '.join(command)} ended with {code}: {said}")
+        if list(folder.glob("checkpoint*.silt")):
+            command = resumed
+
+
+def main(arguments):
+    if len(arguments) < 2:
+        sys.exit(__doc__)
+    scratch, program = pathlib.Path(arguments[0]), arguments[1]
+    arguments = [*arguments[2:], "--checkpoint-every", "0.01"]
+    shutil.rmtree(scratch, ignore_errors=True)
+    whole, part = scratch / "whole", scratch / "part"
+    seconds = run_through(program, arguments, whole)
+    stops, kills = run_in_parts(program, arguments, part, max(0.1, seconds / STOPS))
+    print(f"{len(files_in(whole))} files of {program}, stopped {stops} times and killed {kills} times")
+    for name in (different := differences(whole, part)):
+        print(f"{name} is not that of a run that went through")
+    if stops == 0:
+        sys.exit("the run was over before it could be stopped; make it longer")
+    ended = subprocess.run([program, "--resume", str(part)], capture_output=True, text=True)
+    assert ended.returncode == 2 and "is complete" in ended.stderr, "nothing is left to resume"
+    other = subprocess.run([program, "--resume", str(part), *arguments], capture_output=True, text=True)
+    assert other.returncode == 2 and "cannot be given with --resume" in other.stderr, other.stderr
+    sys.exit(1 if different else 0)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

@@ -1,0 +1,286 @@
+// SPDX-License-Identifier: MIT
+// The folder of a run that was stopped, or broke, and was resumed is that of a run that went
+// through: file by file, byte by byte.
+#include "support/check.hpp"
+#include "support/grains.hpp"
+
+#include <silt/dem/inflow.hpp>
+#include <silt/io/checkpoints.hpp>
+#include <silt/io/csv.hpp>
+#include <silt/io/vtk.hpp>
+#include <silt/mps.hpp>
+
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace silt::test {
+namespace {
+
+// Removed when the test ends.
+struct Folder {
+  std::filesystem::path path;
+  Folder() {
+    const auto* test = testing::UnitTest::GetInstance()->current_test_info();
+    path = std::filesystem::path(testing::TempDir()) /
+           (std::string("silt_") + test->test_suite_name() + "_" + test->name());
+    std::filesystem::remove_all(path);
+    std::filesystem::create_directories(path);
+  }
+  ~Folder() { std::filesystem::remove_all(path); }
+};
+
+std::map<std::string, std::string> files_in(const std::filesystem::path& folder) {
+  std::map<std::string, std::string> files;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
+    if (!entry.is_regular_file()) continue;
+    std::ifstream stream(entry.path(), std::ios::binary);
+    files[std::filesystem::relative(entry.path(), folder).string()] = {
+        std::istreambuf_iterator<char>(stream), {}};
+  }
+  return files;
+}
+
+struct StopAfter {
+  std::uint64_t steps;
+  std::uint64_t done = 0;
+  template <class Sim>
+  void after_step(const Sim& simulation, const Run&) {
+    done = simulation.steps();
+  }
+  bool stop_requested() const { return done >= steps; }
+};
+struct BreakAfter {
+  std::uint64_t steps;
+  template <class Sim>
+  void after_step(const Sim& simulation, const Run&) const {
+    if (simulation.steps() >= steps) throw std::runtime_error("the power is gone");
+  }
+};
+struct CheckpointAfter {
+  std::uint64_t steps;
+  std::filesystem::path path;
+  const VtkSeries& series;
+  const CsvFile& table;
+  template <class Sim>
+  void between_steps(const Sim& simulation) const {
+    if (simulation.steps() == steps) write_checkpoint(path, simulation, series, table);
+  }
+};
+
+// A row at every output and after every step.
+struct Rows {
+  CsvFile& table;
+  template <class Sim>
+  void operator()(const Sim& simulation) const {
+    table.row({simulation.time(), -1});
+  }
+  template <class Sim>
+  void after_step(const Sim& simulation, const Run&) const {
+    table.row({simulation.time(), double(simulation.steps())});
+  }
+};
+
+const std::vector<std::string> columns{"t", "step"};
+
+template <class Make>
+void expect_the_same_folder(const Run& run, Make&& make) {
+  const Folder folder;
+  const auto whole_path = folder.path / "whole", part_path = folder.path / "part";
+  const auto checkpoint = folder.path / "run.silt";
+  std::uint64_t steps = 0;
+  {
+    std::filesystem::create_directory(whole_path);
+    auto simulation = make();
+    VtkSeries series{whole_path / "frames"};
+    CsvFile table{whole_path / "rows.csv", columns};
+    EXPECT_TRUE(simulation.run(run, series, Rows{table}));
+    steps = simulation.steps();
+  }
+  const auto whole = files_in(whole_path);
+  ASSERT_GT(whole.size(), 4u);
+  ASSERT_GE(steps, 12u);
+  const auto begin_anew = [&] {
+    std::filesystem::remove_all(part_path);
+    std::filesystem::create_directory(part_path);
+  };
+  const auto resume = [&] {
+    auto simulation = make();
+    VtkSeries series{part_path / "frames"};
+    CsvFile table{part_path / "rows.csv", columns};
+    read_checkpoint(checkpoint, simulation, series, table);
+    EXPECT_TRUE(simulation.was_read());
+    EXPECT_TRUE(simulation.run(run, series, Rows{table}));
+  };
+  for (std::uint64_t k = 0; k <= steps; k += steps > 40 ? 3 : 1) {
+    begin_anew();
+    {
+      auto simulation = make();
+      VtkSeries series{part_path / "frames"};
+      CsvFile table{part_path / "rows.csv", columns};
+      EXPECT_EQ(simulation.run(run, series, Rows{table}, StopAfter{k}), k == steps);
+      EXPECT_EQ(simulation.steps(), k);
+      write_checkpoint(checkpoint, simulation, series, table);
+    }
+    if (k == steps) continue;
+    resume();
+    EXPECT_EQ(files_in(part_path), whole) << "stopped after step " << k << " of " << steps;
+  }
+  // Broken off some steps after the checkpoint: what was written since is written again.
+  for (std::uint64_t k = 1; k + 5 < steps; k += steps / 10) {
+    begin_anew();
+    {
+      auto simulation = make();
+      VtkSeries series{part_path / "frames"};
+      CsvFile table{part_path / "rows.csv", columns};
+      EXPECT_THROW(simulation.run(run, CheckpointAfter{k, checkpoint, series, table}, series,
+                                  Rows{table}, BreakAfter{k + 5}),
+                   std::runtime_error);
+    }
+    resume();
+    EXPECT_EQ(files_in(part_path), whole) << "checkpoint after step " << k << " of " << steps;
+  }
+}
+
+auto falling_grains() {
+  return Simulation{crowd<2, double>(5, 1), NeighbourList<2>{},
+                    Forces{Gravity<2>{{0, -9.81}},
+                           dem::Contacts{dem::CundallStrack{.normal_stiffness = 1e5,
+                                                            .tangential_stiffness = 5e4,
+                                                            .restitution = 0.6,
+                                                            .friction_angle = 0.5},
+                                         dem::Plane<2>{}}},
+                    Leapfrog{}};
+}
+
+TEST(ResumedRun, OfGrainsHasTheFilesOfOneThatWentThrough) {
+  // Steps of 2e-4, outputs at every fifth, and one at the end.
+  expect_the_same_folder({.until = 5.1e-3, .output_every = 1e-3, .time_step = 2e-4},
+                         falling_grains);
+}
+TEST(ResumedRun, OfGrainsThatEndsExactlyHasTheFilesOfOneThatWentThrough) {
+  expect_the_same_folder({.until = 5e-3, .output_every = 7e-4, .end_exactly = true},
+                         falling_grains);
+}
+TEST(ResumedRun, OfWaterHasTheFilesOfOneThatWentThrough) {
+  const auto tank = mps::make_tank<2>(
+      {.column = {0.08, 0.12}, .size = {.length = 0.16, .height = 0.2}, .spacing = 0.01});
+  expect_the_same_folder({.until = 0.05, .output_every = 0.01}, [&tank] {
+    return Simulation{tank, NeighbourList<2>{{.skin_fraction = 0}},
+                      mps::Flow<mps::Recommended>{{.spacing = 0.01, .speed_scale = 1}},
+                      SemiImplicit<>{}};
+  });
+}
+
+TEST(ResumedRun, AddsToTheFilmAlsoIfTheCheckpointHasNoSeries) {
+  const Folder folder;
+  const auto film = [&](const std::string& name) { return VtkSeries{folder.path / name / "film"}; };
+  const silt::Run run{.until = 4e-3, .output_every = 1e-3, .time_step = 2e-4};
+  auto whole = falling_grains();
+  whole.run(run, film("whole"));
+  for (const std::uint64_t k : {7u, 10u, 20u}) {
+    std::filesystem::remove_all(folder.path / "part");
+    auto first = falling_grains();
+    first.run(run, film("part"), StopAfter{k});
+    write_checkpoint(folder.path / "run.silt", first);
+    auto second = falling_grains();
+    read_checkpoint(folder.path / "run.silt", second);
+    second.run(run, film("part"));
+    EXPECT_EQ(files_in(folder.path / "part"), files_in(folder.path / "whole")) << k;
+  }
+}
+
+TEST(ResumedRun, BeginsAFilmThatTheCheckpointKnowsHasNotBegun) {
+  const Folder folder;
+  auto earlier = falling_grains();
+  earlier.run({.until = 4e-3, .output_every = 1e-3, .time_step = 2e-4},
+              VtkSeries{folder.path / "film"});
+  auto simulation = falling_grains();
+  simulation.run({.until = 2e-3, .time_step = 2e-4});
+  VtkSeries film{folder.path / "film"};
+  write_checkpoint(folder.path / "run.silt", simulation, film);
+  read_checkpoint(folder.path / "run.silt", simulation, film);
+  simulation.run({.until = 3e-3, .time_step = 2e-4}, film);
+  EXPECT_EQ(film.frames(), 2u);
+}
+
+TEST(ResumedRun, OfAStateAfterARunBeginsAsARunDoes) {
+  const Folder folder;
+  auto simulation = falling_grains();
+  simulation.run({.until = 1e-3, .time_step = 2e-4});
+  write_checkpoint(folder.path / "state.silt", simulation);
+  auto variant = falling_grains();
+  read_checkpoint(folder.path / "state.silt", variant);
+  VtkSeries film{folder.path / "variant"};
+  variant.run({.until = 2e-3, .time_step = 2e-4}, film);
+  EXPECT_EQ(film.frames(), 2u);
+}
+
+TEST(ResumedRun, OfATableThatWasCutIsRefused) {
+  const Folder folder;
+  auto simulation = falling_grains();
+  CsvFile table{folder.path / "rows.csv", columns};
+  table.row({1, 2});
+  write_checkpoint(folder.path / "run.silt", simulation, table);
+  std::filesystem::resize_file(folder.path / "rows.csv", 3);
+  EXPECT_TRUE(refuses([&] { read_checkpoint(folder.path / "run.silt", simulation, table); },
+                      {"rows.csv", "has 3 bytes"}));
+  CsvFile other{folder.path / "other.csv", {"t"}};
+  EXPECT_TRUE(refuses([&] { read_checkpoint(folder.path / "run.silt", simulation, other); },
+                      {"columns = t,step"}));
+}
+
+TEST(CsvFile, KeepsATableUntilTheFirstRow) {
+  const Folder folder;
+  const auto path = folder.path / "rows.csv";
+  CsvFile{path, columns}.row({1, 2});
+  CsvFile again{path, columns};
+  EXPECT_EQ(read_csv(path).rows(), 1u);
+  again.row({3, 4});
+  EXPECT_EQ(read_csv(path)["t"], (std::vector<double>{3}));
+  CsvFile third{path, columns};
+  third.begin();
+  EXPECT_EQ(read_csv(path).rows(), 0u);
+}
+
+TEST(VtkSeries, HasOneFrameOfATime) {
+  const Folder folder;
+  auto simulation = falling_grains();
+  VtkSeries film{folder.path / "film"};
+  simulation.run({.until = 1e-3, .time_step = 2e-4}, film);
+  simulation.run({.until = 2e-3, .time_step = 2e-4}, film);
+  EXPECT_EQ(film.frames(), 3u);
+}
+
+TEST(Checkpoints, AreWrittenNowAndThenAndReadWithAllParts) {
+  const Folder folder;
+  const auto path = folder.path / "run.silt";
+  {
+    auto simulation = falling_grains();
+    VtkSeries film{folder.path / "film"};
+    Checkpoints never{path, {}, film};
+    simulation.run({.until = 1e-3, .time_step = 2e-4}, film, never);
+    EXPECT_FALSE(never.exist());
+    Checkpoints always{path, {.every = 0}, film};
+    simulation.run({.until = 2e-3, .time_step = 2e-4}, film, always);
+    EXPECT_TRUE(always.exist());
+  }
+  auto later = falling_grains();
+  VtkSeries film{folder.path / "film"};
+  Checkpoints checkpoints{path, {}, film};
+  checkpoints.read(later);
+  EXPECT_EQ(later.steps(), 10u);
+  EXPECT_EQ(film.frames(), 2u) << "the one at the end comes after the checkpoint";
+  EXPECT_TRUE(
+      refuses([&] { Checkpoints(path, {.every = -1}, film); }, {"Checkpoints: every = -1"}));
+}
+
+}  // namespace
+}  // namespace silt::test
