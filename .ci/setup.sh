@@ -4,10 +4,6 @@
 # installs what is missing from the system's packages, configures and builds. Nothing here asks a
 # question, and nothing is silent for more than ten seconds.
 
-# Threads that wait by spinning keep others off the cores: beside one more busy process, a program on
-# all cores takes up to a hundred times as long. Sleeping costs little.
-export OMP_WAIT_POLICY=${OMP_WAIT_POLICY:-passive}
-
 repo=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 cores=$(nproc 2>/dev/null || echo 2)
 
