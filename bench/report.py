@@ -352,14 +352,13 @@ def lines_of(results):
         yield from memory_table(results)
 
 
-def put_into(page, text):
-    """Replaces what stands between the comments, with the headings one level lower."""
-    begin, end = "<!-- bench/report.py: from here -->\n", "<!-- bench/report.py: to here -->\n"
+def put_into_page(text, page, program):
+    """Replaces the text between the two comments of a program in a page."""
+    begin, end = f"<!-- {program}: from here -->\n", f"<!-- {program}: to here -->\n"
     before, _, rest = page.read_text(encoding="utf-8").partition(begin)
     _, found, after = rest.partition(end)
     if not found:
-        sys.exit(f"report.py: {page} lacks the comments {begin.strip()} and {end.strip()}")
-    text = text.partition("\n")[2].lstrip().replace("\n## ", "\n### ")
+        sys.exit(f"{program}: {page} lacks the comments {begin.strip()} and {end.strip()}")
     page.write_text(before + begin + "\n" + text.rstrip() + "\n\n" + end + after, encoding="utf-8")
 
 
@@ -374,7 +373,8 @@ def main(arguments):
     (folder / "report.md").write_text(text, encoding="utf-8")
     print(text, end="")
     if len(arguments) == 2:
-        put_into(pathlib.Path(arguments[1]), text)
+        body = text.partition("\n")[2].lstrip().replace("\n## ", "\n### ")  # one level lower
+        put_into_page(body, pathlib.Path(arguments[1]), "bench/report.py")
 
 
 if __name__ == "__main__":
