@@ -374,7 +374,7 @@ TEST(Bonds, ThrowForInvalidPairs) {
   dem::Bonds<2> bonds{cement};
   bonds.bond(grains, {1, 0});
   EXPECT_TRUE(refuses([&] { bonds.bond(grains, {0, 1}); }, {"0 and 1", "already bonded"}));
-  EXPECT_TRUE(refuses([&] { bonds.bond(grains, {2, 2}); }, {"2 and 2", "not two grains"}));
+  EXPECT_TRUE(refuses([&] { bonds.bond(grains, {2, 2}); }, {"2 and 2", "two different grains"}));
   EXPECT_TRUE(refuses([&] { bonds.bond(grains, {2, 7}); }, {"2 and 7"}));
   EXPECT_TRUE(refuses([] { dem::Bonds<2>{{}}; }, {"ParallelBond: normal_stiffness", "positive"}));
   EXPECT_TRUE(refuses([] { dem::Bonds<2>{{.normal_stiffness = 1, .shear_strength = -1}}; },

@@ -49,7 +49,7 @@ NEEDED = {
     "x86-64-v4": {"avx2", "bmi2", "fma", "avx512f", "avx512bw", "avx512cd", "avx512dq", "avx512vl"},
 }
 # Headers of files, which wasm32 has not, and of optional packages.
-FOR_FILES = {"archive", "checkpoint", "csv", "file", "particle_csv", "stl", "vtk"}
+FOR_FILES = {"archive", "checkpoint", "checkpoints", "csv", "file", "particle_csv", "stl", "vtk"}
 OPTIONAL = {"solve/hypre.hpp"}
 
 
