@@ -29,6 +29,7 @@ give_up() {
 install_and_move() {
   cmake --install "$build" --prefix "$scratch/first"
   mv "$scratch/first" "$scratch/prefix"
+  diff -r "$source/include" "$scratch/prefix/include"
 }
 
 # configure_consumer [CMake options]: prints what CMake says and keeps it in said.txt.

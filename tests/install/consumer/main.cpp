@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Prints whether the library was compiled with OpenMP.
 #include <silt/core/parallel.hpp>
-#include <silt/silt.hpp>
+#include <silt/core/types.hpp>
 
 #include <cstdio>
 
