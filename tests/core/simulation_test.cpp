@@ -125,7 +125,7 @@ TYPED_TEST_SUITE(Transactions, Settings);
 
 TYPED_TEST(Transactions, AForceThatIsNotFiniteLeavesNoTrace) {
   for (const double wrong : {nan, inf}) {
-    expect_no_trace<TypeParam>({"force of (" + to_text(wrong), "not finite", "id 11", "particle 10"},
+    expect_no_trace<TypeParam>({"force = (" + to_text(wrong), "not finite", "id 11", "particle 10"},
                                [wrong](auto& sim, Saboteur& saboteur) {
                                  *saboteur.fault = {.id = 11, .push = wrong};
                                  sim.step(dt);
@@ -362,8 +362,8 @@ TEST(Simulation, RefusesARunThatIsNone) {
   EXPECT_TRUE(refuses([&] { sim.run({.until = inf}); }, {"Run: until = inf"}));
   EXPECT_TRUE(refuses([&] { sim.run({.until = 1, .output_every = -1}); }, {"Run: output_every = -1"}));
   EXPECT_TRUE(refuses([&] { sim.run({.until = 1, .time_step = 0.0}); }, {"Run: time_step = 0"}));
-  EXPECT_TRUE(refuses([&] { sim.run({.until = 1}); }, {"chooses a time step"}));
-  EXPECT_TRUE(refuses([&] { sim.step(); }, {"chooses a time step"}));
+  EXPECT_TRUE(refuses([&] { sim.run({.until = 1}); }, {"chooses no time step"}));
+  EXPECT_TRUE(refuses([&] { sim.step(); }, {"chooses no time step"}));
   EXPECT_EQ(sim.steps(), 0u);
 }
 

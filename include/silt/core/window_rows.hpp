@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
-// Rows of a sparse matrix whose entries lie in clusters, as those of particles sorted in space do:
-// windows of four consecutive columns, with zeros between the entries.
+// Sparse matrix whose entries are clustered within a row, as for particles sorted in space: a row
+// is stored as windows of four consecutive columns, with zeros between the entries.
 //
 //   entries   5:a  6:b  8:c  40:d
 //   windows   at 5 [a b 0 c]   at 40 [d 0 0 0]
 //
-// A product reads x in runs, without an index for every entry. Entries are kept in single
-// precision, which halves what it has to read; it is formed in double. What is read decides what it
-// takes: of fluid in space, with 31 entries in a row, windows of four are a third smaller than
-// windows of eight, and the product as much faster.
+// A product reads contiguous runs of x and needs no index for each entry. Entries are stored in
+// single precision, which halves the memory read; the product is computed in double. Its time is
+// proportional to the memory read: for fluid in 3D, with 31 entries in a row, windows of four take
+// a third less memory and time than windows of eight.
 #pragma once
 
 #include <silt/core/parallel.hpp>
@@ -25,12 +25,12 @@ namespace silt {
 
 class WindowRows {
  public:
-  /// Columns of a window.
+  /// Number of columns of a window.
   static constexpr Index lanes = 4;
 
-  /// A square matrix of n rows: row i becomes the sum of what f(i, add) adds by add(column, value).
-  /// Any order of columns will do, an ascending one gives the fewest windows. Memory of earlier
-  /// builds is reused.
+  /// Builds a square matrix of n rows: f(i, add) calls add(column, value) for the entries of row i,
+  /// and values of the same column are summed. Columns may be in any order; ascending order gives
+  /// the fewest windows. Memory of earlier builds is reused.
   template <class F>
   void build(Index n, F&& f) {
     size_ = n;
@@ -43,9 +43,9 @@ class WindowRows {
       for (Index i = chunk.first; i < chunk.last; ++i) {
         part.first.push_back(static_cast<std::uint32_t>(windows));
         Index at = 0;             // first column of the window that is being filled
-        float* values = nullptr;  // its own
+        float* values = nullptr;  // its values
         f(i, [&](Index column, double value) {
-          if (!values || column - at >= lanes) {  // also where it lies before
+          if (!values || column - at >= lanes) {  // also if column < at
             at = std::min(column, last_window);
             values = part.open_window(windows++, at);
           }
@@ -56,10 +56,10 @@ class WindowRows {
     });
   }
 
-  /// Rows.
+  /// Number of rows.
   Index size() const noexcept { return size_; }
 
-  /// f(i, Σ_j a_ij x_j) for the rows of one chunk of them; x has size() numbers.
+  /// f(i, Σ_j a_ij x_j) for the rows of one chunk; x has size() elements.
   template <class F>
   void multiply(Chunk chunk, std::span<const double> x, F&& f) const {
     const Part& part = parts_[chunk.number];
@@ -74,7 +74,7 @@ class WindowRows {
     for (Index i = chunk.first; i < chunk.last; ++i) {
       const Index begin = first[i - chunk.first];
       const Index end = first[i - chunk.first + 1];
-      // Rows are read once, in order: the processor sees that later than we do.
+      // Rows are read once, in order; the hardware prefetcher detects this too late.
       for (Index line = 0; line < 4; ++line) {
         __builtin_prefetch(values + begin * lanes + 1024 + 16 * line);
       }
@@ -87,7 +87,7 @@ class WindowRows {
     }
   }
 
-  /// f(column, value) for every entry of a row that is not zero.
+  /// f(column, value) for every nonzero entry of a row.
   template <class F>
   void for_each_entry(Index row, F&& f) const {
     const Part& part = parts_[row / chunk_size];
@@ -97,7 +97,7 @@ class WindowRows {
     }
   }
 
-  /// Whether a row has an entry, not zero, in a marked column; asks from the last ones on.
+  /// Whether a row has a nonzero entry in a marked column; searches from the last column on.
   bool has_entry_in(Index row, std::span<const std::uint8_t> marked) const {
     const Part& part = parts_[row / chunk_size];
     const Index k = row % chunk_size;
@@ -120,7 +120,7 @@ class WindowRows {
     std::vector<std::uint32_t> columns;  // of each window
     std::vector<float> values;
 
-    // Zeros for the values of this window, the last so far.
+    // Appends a window and returns its values, set to zero.
     float* open_window(Index window, Index column) {
       if (window == columns.size()) {
         columns.reserve(window + window / 8 + lanes * lanes);  // resize() alone would double it
@@ -133,7 +133,7 @@ class WindowRows {
       std::fill_n(zeros, lanes, 0.0f);
       return zeros;
     }
-    // Of the entry at this place among the values.
+    // Column of the value at this index.
     Index column(Index at) const { return columns[at / lanes] + at % lanes; }
   };
 
