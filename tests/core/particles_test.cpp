@@ -182,7 +182,7 @@ TYPED_TEST(AllParticles, ReturnToWhatWasBeforeAnAdvance) {
   for (int twice = 0; twice < 2; ++twice) {
     const auto [old, now] = particles.advance(position);
     for (Index i = 0; i < now.size(); ++i) now[i] = old[i] + Vec::Ones();
-    particles.arrive();
+    particles.finish_advance();
   }
   EXPECT_EQ(particles[position][2], Vec(Vec::Constant(Real(4))));
   EXPECT_EQ(particles.with_ghosts(position)[5], Vec(Vec::Constant(Real(11))));
@@ -199,7 +199,7 @@ TYPED_TEST(AllParticles, AreWhereTheyWereUntilTheyArrive) {
   for (auto& x : next) x = Vec::Ones();
   EXPECT_EQ(state_of(particles), before);
   particles.restore();
-  particles.arrive();
+  particles.finish_advance();
   EXPECT_EQ(state_of(particles), before);
 }
 

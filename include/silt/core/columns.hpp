@@ -55,7 +55,7 @@ class Columns {
     std::span<Value> after;
   };
   /// The values of field F of the owned particles, and the memory for the next ones, all of which
-  /// must be written. They become the values of F with arrive(). If F was kept before, both are the
+  /// must be written. They become the values of F with finish_advance(). If F was kept before, both are the
   /// same memory.
   template <Field F>
   auto advance(Index owned) {
@@ -68,7 +68,7 @@ class Columns {
     return Advance<Value>{{now.data(), owned}, {next.values.data(), owned}};
   }
   /// Makes the next values of all fields passed to advance() their values.
-  void arrive(Index owned) { (arrive<Fields>(owned), ...); }
+  void finish_advance(Index owned) { (finish_advance<Fields>(owned), ...); }
 
   void restore(Index owned) noexcept {
     (restore<Fields>(owned), ...);
@@ -102,7 +102,7 @@ class Columns {
 
   // The ghosts keep their values.
   template <class F>
-  void arrive(Index owned) {
+  void finish_advance(Index owned) {
     auto& now = of<F>();
     auto& other = saved<F>();
     if (!other.is_next) return;

@@ -54,12 +54,12 @@ class Particles {
 
   template <Field F>
   auto operator[](F) noexcept {
-    check_carried<F>();
+    check_field<F>();
     return std::span(column<F>().data(), size());
   }
   template <Field F>
   auto operator[](F) const noexcept {
-    check_carried<F>();
+    check_field<F>();
     return std::span(column<F>().data(), size());
   }
 
@@ -67,14 +67,14 @@ class Particles {
   /// refer to either.
   template <Field F>
   auto with_ghosts(F) const noexcept {
-    check_carried<F>();
+    check_field<F>();
     return std::span(column<F>().data(), total());
   }
 
   Id id(Index i) const noexcept { return ids_[i]; }
   std::span<const Id> ids() const noexcept { return {ids_.data(), size()}; }
   /// Index of the particle with this id; `no_index` if it was removed or never added.
-  Index index_of(Id id) const noexcept { return id < places_.size() ? places_[id] : no_index; }
+  Index index_of(Id id) const noexcept { return id < index_of_id_.size() ? index_of_id_[id] : no_index; }
   /// Index of the owned particle of which i is a ghost; i itself if i is owned.
   Index owner(Index i) const noexcept { return i < size() ? i : owners_[i - size()]; }
 
@@ -104,27 +104,27 @@ class Particles {
     require_finite("Particles::add: position", x);
     clear_ghosts();
     const Index i = size();
-    const Id id = places_.size();
+    const Id id = index_of_id_.size();
     columns_.for_each([](auto& column, auto field) {
       column.push_back(zero_of<value_of<decltype(field), Dim, Real>>());
     });
     column<position_t>()[i] = x;
     ids_.push_back(id);
-    places_.push_back(i);
+    index_of_id_.push_back(i);
     note_change();
     return i;
   }
 
-  /// Removes every owned particle i for which gone(i) is true; the others keep their order. Returns
+  /// Removes every owned particle i for which removed(i) is true; the others keep their order. Returns
   /// the number of particles removed.
-  template <std::predicate<Index> Gone>
-  Index remove_if(Gone&& gone) {
+  template <std::predicate<Index> Removed>
+  Index remove_if(Removed&& removed) {
     clear_ghosts();
     Index kept = 0;
     const Index before = size();
     for (Index i = 0; i < before; ++i) {
-      if (gone(i)) {
-        places_[ids_[i]] = no_index;
+      if (removed(i)) {
+        index_of_id_[ids_[i]] = no_index;
         continue;
       }
       if (kept != i) move_row(i, kept);
@@ -139,12 +139,12 @@ class Particles {
 
   /// Removes one particle by id. Throws if there is none.
   void remove(Id id) {
-    const Index place = index_of(id);
-    if (place == no_index) {
+    const Index index = index_of(id);
+    if (index == no_index) {
       fail("Particles::remove: no particle has the id " + std::to_string(id) +
            "; it was removed or never added");
     }
-    remove_if([place](Index i) { return i == place; });
+    remove_if([index](Index i) { return i == index; });
   }
 
   /// Moves row order[i] to row i. Throws unless `order` is a permutation of 0 … size()-1.
@@ -159,7 +159,7 @@ class Particles {
     std::vector<Id> ids(order.size());
     for (Index i = 0; i < order.size(); ++i) ids[i] = ids_[order[i]];
     ids_.swap(ids);
-    for (Index i = 0; i < ids_.size(); ++i) places_[ids_[i]] = i;
+    for (Index i = 0; i < ids_.size(); ++i) index_of_id_[ids_[i]] = i;
     note_change();
   }
 
@@ -178,22 +178,22 @@ class Particles {
   /// Adds a ghost of row `source` (owned or ghost), displaced by `shift` [m].
   void add_ghost(Index source, const Vec& shift) {
     ++revision_;
-    const Index first_owner = owner(source);
-    const Vec whole = source < size() ? shift : Vec(shifts_[source - size()] + shift);
+    const Index owner_index = owner(source);
+    const Vec total_shift = source < size() ? shift : Vec(shifts_[source - size()] + shift);
     columns_.for_each([source](auto& column, auto) {
       const auto copy = column[source];
       column.push_back(copy);
     });
     column<position_t>().back() += shift;
-    ids_.push_back(ids_[first_owner]);
-    owners_.push_back(first_owner);
-    shifts_.push_back(whole);
+    ids_.push_back(ids_[owner_index]);
+    owners_.push_back(owner_index);
+    shifts_.push_back(total_shift);
   }
 
   /// Copies these fields of the owners to their ghosts; positions are shifted.
   template <Field... F>
   void refresh_ghosts(F...) {
-    (check_carried<F>(), ...);
+    (check_field<F>(), ...);
     for_each(owners_.size(), [&](Index g) { (refresh_ghost<F>(g), ...); });
   }
 
@@ -212,13 +212,13 @@ class Particles {
     archive.same("fields", (std::string(name_of<position_t>()) + ... +
                             (" " + std::string(name_of<Fields>()))));
     Index owned = size();
-    Index next_id = places_.size();
+    Index next_id = index_of_id_.size();
     archive("next_id", next_id);
     if constexpr (Archive::reads) clear_ghosts();
     archive("id", ids_, owned);
     archive.within("box", [&] { box_.transfer(archive); });
     columns_.for_each([&]<class F>(auto& column, F) { archive(name_of<F>(), column, owned); });
-    if constexpr (Archive::reads) arrange(next_id);
+    if constexpr (Archive::reads) rebuild_index_of_id(next_id);
   }
 
   // For rolling back a failed step, see Columns: save() before the step, restore() if it throws.
@@ -234,13 +234,13 @@ class Particles {
   }
   template <class Value>
   using Advance = typename Columns<Dim, Real, position_t, Fields...>::template Advance<Value>;
-  void arrive() { columns_.arrive(size()); }
+  void finish_advance() { columns_.finish_advance(size()); }
   void restore() noexcept { columns_.restore(size()); }
 
  private:
   // An assertion, for its error message. To test for a field, use HasFields.
   template <class F>
-  static constexpr void check_carried() {
+  static constexpr void check_field() {
     static_assert(has<F>, "silt::Particles: these particles do not have this field; add its type "
                           "(temperature_t for temperature) to their template arguments");
   }
@@ -270,17 +270,17 @@ class Particles {
   void move_row(Index from, Index to) {
     columns_.for_each([from, to](auto& column, auto) { column[to] = column[from]; });
     ids_[to] = ids_[from];
-    places_[ids_[to]] = to;
+    index_of_id_[ids_[to]] = to;
   }
 
   // Recomputes the index of each id after reading.
-  void arrange(Index next_id) {
-    places_.assign(next_id, no_index);
+  void rebuild_index_of_id(Index next_id) {
+    index_of_id_.assign(next_id, no_index);
     bool good = true;
     columns_.for_each([&](auto& column, auto) { good = good && column.size() == ids_.size(); });
     for (Index i = 0; good && i < ids_.size(); ++i) {
-      good = ids_[i] < next_id && places_[ids_[i]] == no_index;
-      if (good) places_[ids_[i]] = i;
+      good = ids_[i] < next_id && index_of_id_[ids_[i]] == no_index;
+      if (good) index_of_id_[ids_[i]] = i;
     }
     if (!good) {
       fail("Particles: the data read have columns of different lengths or a repeated id; they were "
@@ -310,7 +310,7 @@ class Particles {
   // Position is always the first column.
   Columns<Dim, Real, position_t, Fields...> columns_;
   std::vector<Id> ids_;
-  std::vector<Index> places_;  // by id
+  std::vector<Index> index_of_id_;  // by id
   std::vector<Index> owners_;  // by ghost
   std::vector<Vec> shifts_;    // by ghost
   Box<Dim, Real> box_;

@@ -299,7 +299,7 @@ class Leapfrog {
       for_each_chunk(particles.size(),
                      [&](Chunk chunk) { update_range(motion, chunk.first, chunk.last); });
     }
-    particles.arrive();
+    particles.finish_advance();
     all_finite_ = std::all_of(finite_.begin(), finite_.end(), [](char finite) { return finite; });
   }
 

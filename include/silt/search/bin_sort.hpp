@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
-// Counting sort of particles by bin, in parallel. Particles of one bin stay in the order of their
-// indices, so that the result is the same for any number of threads:
+// Parallel counting sort of particles by bin. It is stable: particles of one bin keep the order of
+// their indices, so that the result is the same for any number of threads.
 //
 //   bin      [ 2 0 2 1 0 ]       by particle
 //   start    [ 0 2 3 5 ]         first slot of each bin, and the number of particles
 //   item_of  [ 1 4 3 0 2 ]       by slot
 //   slot_of  [ 3 0 4 2 1 ]       by particle
 //
-// Particles that lie in order already, as they do after Particles::reorder, need no counting.
+// Particles that are in order already, as after Particles::reorder, are not counted.
 #pragma once
 
 #include <silt/core/parallel.hpp>
@@ -25,7 +25,7 @@ namespace silt {
 
 class BinSort {
  public:
-  /// Sorts 0 … n-1 by bin_of(i), which is below `bins`. n and bins are less than 2³².
+  /// Sorts 0 … n-1 by bin_of(i) < bins; n and bins are less than 2³².
   template <class F>
   void sort(Index n, Index bins, F&& bin_of) {
     bin_.resize(n);
@@ -42,14 +42,14 @@ class BinSort {
     descents_ = std::accumulate(descents_of_.begin(), descents_of_.end(), Index{0});
     for (Index i = chunk_size; i < n; i += chunk_size) descents_ += bin_[i] < bin_[i - 1];
     if (descents_ == 0) {
-      take_as_it_is();
+      set_identity();
     } else {
-      count();
+      count_and_sort();
     }
   }
 
   Index size() const noexcept { return bin_.size(); }
-  /// How often a particle lies in a lower bin than the one before it: 0 if they lie in order.
+  /// Number of particles in a lower bin than the previous particle; 0 if all are in order.
   Index descents() const noexcept { return descents_; }
 
   std::span<const std::uint32_t> start() const noexcept { return start_; }
@@ -57,7 +57,7 @@ class BinSort {
   std::span<const std::uint32_t> slot_of() const noexcept { return slot_of_; }
 
  private:
-  void take_as_it_is() {
+  void set_identity() {
     const Index n = size();
     const Index bins = start_.size() - 1;
     if (!in_order_ || slot_of_.size() != n) {
@@ -75,9 +75,9 @@ class BinSort {
               start_.begin() + static_cast<std::ptrdiff_t>(bins) + 1, static_cast<std::uint32_t>(n));
   }
 
-  // Each part counts its own particles; the bins' starts are summed over bins, and within a bin
-  // over parts, whose particles so follow one another in the order of their indices.
-  void count() {
+  // Each part (a range of particles) counts its own particles. The starts are the cumulative sums
+  // over bins and, within a bin, over parts, so that particles keep the order of their indices.
+  void count_and_sort() {
     const Index n = size();
     const Index bins = start_.size() - 1;
     const Index parts = std::min(static_cast<Index>(threads_for(n)), chunk_count(n));
@@ -125,7 +125,7 @@ class BinSort {
     });
   }
 
-  // item_of_ may be read a register beyond its end.
+  // SIMD code may read item_of_ up to one register beyond its end.
   void resize() {
     slot_of_.resize(size());
     item_of_.resize(size() + simd::lanes<std::uint32_t>);
