@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Who models what, and who does not: one named archetype that has just what a concept asks for, the
-// library's own models, and what lacks one thing.
+// Models of each concept: an archetype with exactly the required members, types of the library, and
+// types that lack one requirement.
 #include <silt/dem.hpp>
 #include <silt/integrate/semi_implicit.hpp>
 
@@ -94,7 +94,7 @@ static_assert(!Integrator<SemiImplicit<>, Grains, UniformGrid<2>, Contacts>);
 static_assert(!Integrator<Leapfrog<>, ParticleArchetype, SearchArchetype, FlowArchetype>);
 static_assert(!Integrator<Nothing, Grains, UniformGrid<2>, Contacts>);
 
-// --- what parts may also do
+// --- optional members of components
 // -----------------------------------------------------------------------
 
 struct ChooserArchetype {
@@ -131,14 +131,14 @@ static_assert(Observer<ObserverArchetype, Grains> && !Observer<Nothing, Grains>)
 struct LawArchetype {
   Vec<2> force(const dem::Contact<2, double>&) const;
 };
-struct LawWithMemoryArchetype {
+struct LawWithHistoryArchetype {
   template <int Dim, class Real>
   struct History {};
   Vec<2> force(const dem::Contact<2, double>&, History<2, double>&) const;
 };
 static_assert(dem::LawWithoutHistory<LawArchetype, 2, double> && !dem::LawWithHistory<LawArchetype, 2, double>);
-static_assert(dem::LawWithHistory<LawWithMemoryArchetype, 2, double> &&
-              !dem::LawWithoutHistory<LawWithMemoryArchetype, 2, double>);
+static_assert(dem::LawWithHistory<LawWithHistoryArchetype, 2, double> &&
+              !dem::LawWithoutHistory<LawWithHistoryArchetype, 2, double>);
 static_assert(dem::ContactLaw<dem::CundallStrack, 2, double> && dem::ContactLaw<dem::CundallStrack, 3, float> &&
               dem::ContactLaw<dem::CundallStrackIncremental, 3, double>);
 static_assert(!dem::ContactLaw<LawArchetype, 3, double> && !dem::ContactLaw<Nothing, 2, double>);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Any wall and any motion behind one type each, so that a test file instantiates one simulation for
-// all of them.
+// Type erasure for walls and for motions, so that a test file instantiates one simulation for all
+// of them.
 #pragma once
 
 #include <silt/dem/walls.hpp>
@@ -69,7 +69,7 @@ struct AnyMotion {
 template <int Dim>
 using AnyMoving = dem::Moving<AnyWall<Dim>, AnyMotion<Dim>>;
 
-/// A wall at rest, as one that might move.
+/// A wall at rest, with the type of a moving one.
 template <int Dim, class W>
 AnyMoving<Dim> at_rest(const W& wall) {
   return {AnyWall<Dim>(wall), AnyMotion<Dim>()};

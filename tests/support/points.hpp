@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Random points, and the pairs of points found by hand: all images, no ghosts, no cells.
+// Random points, and their pairs by brute force, with all periodic images, without ghosts or cells.
 #pragma once
 
 #include <silt/core/box.hpp>
@@ -42,7 +42,7 @@ Particles<Dim, Real> particles_at(const std::vector<Vec<Dim, Real>>& points,
   return particles;
 }
 
-/// Owner i, owner j, and r_ij by component: one meeting of two particles.
+/// A pair: owner i, owner j, and the components of r_ij.
 template <int Dim, class Real>
 using Meeting = std::tuple<Index, Index, std::vector<Real>>;
 
@@ -51,7 +51,7 @@ Meeting<Dim, Real> meeting(Index i, Index j, const Vec<Dim, Real>& r_ij) {
   return {i, j, std::vector<Real>(r_ij.data(), r_ij.data() + Dim)};
 }
 
-/// Every (i, j, r_ij) with r < radius, of all periodic images that touch a neighbouring box.
+/// Every (i, j, r_ij) with r < radius, including images in the adjacent periodic boxes.
 template <class P>
 auto meetings_by_hand(const P& particles, typename P::Real radius) {
   constexpr int Dim = P::dimension;
@@ -84,7 +84,7 @@ auto meetings_by_hand(const P& particles, typename P::Real radius) {
   return found;
 }
 
-/// The same by a search, from for_each_neighbour.
+/// The same from for_each_neighbour of a search.
 template <class P, class S>
 auto meetings(const P& particles, const S& search) {
   using Real = typename P::Real;
@@ -98,7 +98,7 @@ auto meetings(const P& particles, const S& search) {
   return found;
 }
 
-/// The same from for_each_pair, which gives every pair once.
+/// The same from for_each_pair, which reports every pair once.
 template <class P, class S>
 auto pairs(const P& particles, const S& search) {
   using Real = typename P::Real;
@@ -110,7 +110,7 @@ auto pairs(const P& particles, const S& search) {
   return found;
 }
 
-/// Those seen from the lower index.
+/// Only the pairs with i < j.
 template <class Meetings>
 Meetings once_each(const Meetings& meetings) {
   Meetings once;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Grains with all that has state: contacts under a law, bonds that break, a wall that moves,
+// Grains with every component that has state: contacts, breakable bonds, a moving wall,
 // periodic sides, an inflow, an outflow and an energy ledger.
 #pragma once
 
@@ -16,7 +16,7 @@ namespace silt::test {
 template <int Dim>
 class RestartedGrains {
  public:
-  /// Of two sizes; every axis but the last is periodic.
+  /// Grains of two sizes, `along[k]` of them along axis k; every axis except the last is periodic.
   explicit RestartedGrains(std::vector<Index> along) : along_(std::move(along)) {}
 
   /// A run at its beginning.
@@ -45,7 +45,7 @@ class RestartedGrains {
     return RunWith{std::move(simulation), dem::Outflow<Box<Dim>>{hole()}, rain, ledger};
   }
 
-  /// What observers tell of the last step, and since the beginning.
+  /// Results of the last step, and totals since the beginning.
   template <class Run>
   static std::vector<double> measured(const Run& run) {
     const auto& grains = run.simulation.particles();
@@ -95,7 +95,7 @@ class RestartedGrains {
       const Index i = dem::add_grain(
           grains, x, {.radius = is_large ? 0.0102 : 0.007, .density = 2500});
       for (int k = 0; k < Dim; ++k) grains[velocity][i][k] = 0.5 * any();
-      grains[velocity][i][0] += 8;  // through many cells, and through the periodic sides
+      grains[velocity][i][0] += 8;  // through many cells, and across the periodic sides
     }
     return grains;
   }
