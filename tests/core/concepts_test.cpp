@@ -27,7 +27,8 @@ static_assert(ParticleSet<ParticleArchetype>);
 static_assert(ParticleSet<Grains> && ParticleSet<Particles<3, float>>);
 static_assert(!ParticleSet<Nothing> && !ParticleSet<std::vector<Vec<2>>>);
 
-static_assert(HasFields<Grains, mass_t, radius_t, dem::material_t> && HasFields<Points, position_t>);
+static_assert(HasFields<Grains, mass_t, radius_t, dem::material_t> &&
+              HasFields<Points, position_t>);
 static_assert(!HasFields<Points, velocity_t> && !HasFields<Nothing, position_t>);
 
 static_assert(Field<position_t> && !Field<Nothing> && !Field<double>);
@@ -45,10 +46,11 @@ struct SearchArchetype {
   void for_each_pair(F&&) const;
 };
 static_assert(NeighbourSearch<SearchArchetype, ParticleArchetype>);
-static_assert(NeighbourSearch<UniformGrid<2>, Grains> && NeighbourSearch<NeighbourList<2>, Grains> &&
-              NeighbourSearch<BruteForce<2>, Points>);
+static_assert(NeighbourSearch<UniformGrid<2>, Grains> &&
+              NeighbourSearch<NeighbourList<2>, Grains> && NeighbourSearch<BruteForce<2>, Points>);
 static_assert(!NeighbourSearch<Nothing, Grains> && !NeighbourSearch<UniformGrid<2>, Nothing>);
-static_assert(!NeighbourSearch<UniformGrid<3>, Grains> && !NeighbourSearch<NeighbourList<3>, Grains> &&
+static_assert(!NeighbourSearch<UniformGrid<3>, Grains> &&
+              !NeighbourSearch<NeighbourList<3>, Grains> &&
               !NeighbourSearch<BruteForce<2, float>, Grains>);
 
 // --- Reaching, Interaction
@@ -68,7 +70,8 @@ static_assert(!Interaction<Nothing, Grains, UniformGrid<2>> && !Reaching<Nothing
 static_assert(!Interaction<Gravity<2>, Points, UniformGrid<2>>);  // no mass, no force
 static_assert(!Interaction<Gravity<3>, Grains, UniformGrid<2>>);
 static_assert(!Interaction<Gravity<2>, dem::Grains<2, float>, UniformGrid<2, float>>);
-static_assert(!Interaction<dem::Contacts<dem::CundallStrack, dem::Plane<3>>, Grains, UniformGrid<2>>);
+static_assert(
+    !Interaction<dem::Contacts<dem::CundallStrack, dem::Plane<3>>, Grains, UniformGrid<2>>);
 static_assert(!Interaction<dem::Contacts<Nothing>, Grains, UniformGrid<2>>);
 
 // --- PressureInteraction, Integrator
@@ -88,7 +91,8 @@ static_assert(!Interaction<FlowArchetype, ParticleArchetype, SearchArchetype>);
 struct IntegratorArchetype {
   void step(ParticleArchetype&, SearchArchetype&, InteractionArchetype&, double);
 };
-static_assert(Integrator<IntegratorArchetype, ParticleArchetype, SearchArchetype, InteractionArchetype>);
+static_assert(
+    Integrator<IntegratorArchetype, ParticleArchetype, SearchArchetype, InteractionArchetype>);
 static_assert(Integrator<Leapfrog<>, Grains, UniformGrid<2>, Contacts>);
 static_assert(!Integrator<SemiImplicit<>, Grains, UniformGrid<2>, Contacts>);
 static_assert(!Integrator<Leapfrog<>, ParticleArchetype, SearchArchetype, FlowArchetype>);
@@ -136,10 +140,12 @@ struct LawWithHistoryArchetype {
   struct History {};
   Vec<2> force(const dem::Contact<2, double>&, History<2, double>&) const;
 };
-static_assert(dem::LawWithoutHistory<LawArchetype, 2, double> && !dem::LawWithHistory<LawArchetype, 2, double>);
+static_assert(dem::LawWithoutHistory<LawArchetype, 2, double> &&
+              !dem::LawWithHistory<LawArchetype, 2, double>);
 static_assert(dem::LawWithHistory<LawWithHistoryArchetype, 2, double> &&
               !dem::LawWithoutHistory<LawWithHistoryArchetype, 2, double>);
-static_assert(dem::ContactLaw<dem::CundallStrack, 2, double> && dem::ContactLaw<dem::CundallStrack, 3, float> &&
+static_assert(dem::ContactLaw<dem::CundallStrack, 2, double> &&
+              dem::ContactLaw<dem::CundallStrack, 3, float> &&
               dem::ContactLaw<dem::CundallStrackIncremental, 3, double>);
 static_assert(!dem::ContactLaw<LawArchetype, 3, double> && !dem::ContactLaw<Nothing, 2, double>);
 

@@ -22,7 +22,8 @@ class Threads : public ::testing::TestWithParam<int> {};
 INSTANTIATE_TEST_SUITE_P(OneToFour, Threads, ::testing::Values(1, 2, 3, 4));
 
 // Sizes around the chunk size, and several chunks per thread.
-const std::vector<Index> sizes{0, 1, chunk_size - 1, chunk_size, chunk_size + 1, 10 * chunk_size + 7};
+const std::vector<Index> sizes{
+    0, 1, chunk_size - 1, chunk_size, chunk_size + 1, 10 * chunk_size + 7};
 
 TEST_P(Threads, ProcessEveryIndexOnce) {
   with_threads(GetParam(), [] {
@@ -115,7 +116,8 @@ TEST_P(Threads, MayNestLoops) {
     for_each(sums.size(), [&](Index i) {
       sums[i] = ordered_sum(2100, 0.0, [i](Index k) { return double(i + k); });
     });
-    for (Index i = 0; i < sums.size(); ++i) ASSERT_EQ(sums[i], 2100.0 * double(i) + 2100 * 2099 / 2);
+    for (Index i = 0; i < sums.size(); ++i)
+      ASSERT_EQ(sums[i], 2100.0 * double(i) + 2100 * 2099 / 2);
   });
 }
 

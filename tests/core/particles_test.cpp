@@ -252,8 +252,8 @@ TEST(Fields, AreVisitedOnceEachWithPositionFirst) {
   std::vector<std::string> names;
   Warm<2, double> particles;
   particles.for_each_field([&]<class F>(auto, F) { names.emplace_back(name_of<F>()); });
-  EXPECT_EQ(names, (std::vector<std::string>{"position", "velocity", "spin", "temperature", "colour",
-                                             "heat"}));
+  EXPECT_EQ(names, (std::vector<std::string>{"position", "velocity", "spin", "temperature",
+                                             "colour", "heat"}));
 }
 
 }  // namespace

@@ -65,10 +65,11 @@ struct Setting {
       box.upper[0] = 0.5;
     }
     grains.set_box(box);
-    return Simulation{std::move(grains), Search{},
-                      Forces{saboteur, dem::Contacts{law, dem::Plane<dim>{.point = -Vec<dim>::Unit(0),
-                                                                          .normal = Vec<dim>::Unit(0)}}},
-                      Leapfrog{GlobalDamping{.alpha = 0.1}}};
+    return Simulation{
+        std::move(grains), Search{},
+        Forces{saboteur, dem::Contacts{law, dem::Plane<dim>{.point = -Vec<dim>::Unit(0),
+                                                            .normal = Vec<dim>::Unit(0)}}},
+        Leapfrog{GlobalDamping{.alpha = 0.1}}};
   }
 };
 
@@ -83,10 +84,11 @@ Bytes everything(const Sim& sim) {
                                           static_cast<Index>(history.tangential_force.size())));
     append(bytes, std::span<const double>({history.normal_force}));
   });
-  contacts.for_each_contact(sim.particles(), [&](Index i, Index j, const auto& contact, const auto&) {
-    append(bytes, std::span<const Id>({i, j}));
-    append(bytes, std::span<const double>({contact.overlap}));
-  });
+  contacts.for_each_contact(sim.particles(),
+                            [&](Index i, Index j, const auto& contact, const auto&) {
+                              append(bytes, std::span<const Id>({i, j}));
+                              append(bytes, std::span<const double>({contact.overlap}));
+                            });
   append(bytes, std::span<const double>({sim.time(), sim.last_time_step(),
                                          contacts.elastic_energy(sim.particles())}));
   append(bytes, std::span<const Id>({sim.steps(), sim.particles_lost(), contacts.size()}));
@@ -151,7 +153,8 @@ TYPED_TEST(Transactions, ATimeStepBeyondStabilityLeavesNoTrace) {
   }
   const Bytes before = everything(sim);
   for (const double wrong : {1.0, 1e-2}) {
-    EXPECT_TRUE(refuses([&] { sim.step(wrong); }, {"time_step = " + to_text(wrong), "stable", "id ", "step 10"}));
+    EXPECT_TRUE(refuses([&] { sim.step(wrong); },
+                        {"time_step = " + to_text(wrong), "stable", "id ", "step 10"}));
   }
   for (const double wrong : {0.0, -1.0, nan, inf}) {
     EXPECT_TRUE(refuses([&] { sim.step(wrong); }, {"time_step = " + to_text(wrong), "step 10"}));
@@ -205,7 +208,8 @@ TEST(Simulation, ReportsCoincidentGrainsAndIsRolledBack) {
   sim.step(dt);
   sim.particles()[position][2] = sim.particles()[position][1];
   const Bytes before = state_of(sim.particles());
-  EXPECT_TRUE(refuses([&] { sim.step(dt); }, {"grains 1 and 2 coincide", "id 1", "step 1", "t = 2e-05 s"}));
+  EXPECT_TRUE(
+      refuses([&] { sim.step(dt); }, {"grains 1 and 2 coincide", "id 1", "step 1", "t = 2e-05 s"}));
   EXPECT_EQ(state_of(sim.particles()), before);
   EXPECT_EQ(sim.steps(), 1u);
 }
@@ -234,8 +238,8 @@ TEST(Simulation, DropsTheContactsOfARemovedGrain) {
   box.upper[0] = 0.03995;
   box.on_escape = OnEscape::remove;
   grains.set_box(box);
-  Simulation sim{grains, UniformGrid<2>{}, dem::Contacts{dem::CundallStrack{.normal_stiffness = 1e5}},
-                 Leapfrog{}};
+  Simulation sim{grains, UniformGrid<2>{},
+                 dem::Contacts{dem::CundallStrack{.normal_stiffness = 1e5}}, Leapfrog{}};
   const auto energy = [&] { return sim.interaction().elastic_energy(sim.particles()); };
   sim.step(1e-5);
   const double pair_energy = 1e5 * 1e-4 * 1e-4 / 2;
@@ -243,17 +247,19 @@ TEST(Simulation, DropsTheContactsOfARemovedGrain) {
   EXPECT_NEAR(energy(), pair_energy, 1e-3 * pair_energy);
   while (sim.particles_lost() == 0) sim.step(1e-5);
   Index seen = 0;
-  sim.interaction().for_each_contact(sim.particles(), [&](Index i, Index j, const auto&, const auto&) {
-    ++seen;
-    EXPECT_LT(i, sim.particles().size());
-    EXPECT_LT(j, sim.particles().size());
-  });
+  sim.interaction().for_each_contact(sim.particles(),
+                                     [&](Index i, Index j, const auto&, const auto&) {
+                                       ++seen;
+                                       EXPECT_LT(i, sim.particles().size());
+                                       EXPECT_LT(j, sim.particles().size());
+                                     });
   EXPECT_LE(seen, 1u);
   EXPECT_TRUE(is_finite(energy()));
 }
 
 TEST(Simulation, CallsObserversAtTheStartAtOutputsAndAtTheEnd) {
-  Simulation sim{one_grain<2>({0, 1}, {0, 0}), UniformGrid<2>{}, Gravity<2>{{0, -9.81}}, Leapfrog{}};
+  Simulation sim{one_grain<2>({0, 1}, {0, 0}), UniformGrid<2>{}, Gravity<2>{{0, -9.81}},
+                 Leapfrog{}};
   std::vector<double> times;
   const auto note = [&](const auto& s) { times.push_back(s.time()); };
   sim.run({.until = 1.05, .output_every = 0.25, .time_step = 0.0625}, note);
@@ -269,7 +275,8 @@ TEST(Simulation, CallsObserversAtTheStartAtOutputsAndAtTheEnd) {
 }
 
 TEST(Simulation, CallsObserversOnceAtAnOutputThatIsTheEnd) {
-  Simulation sim{one_grain<2>({0, 1}, {0, 0}), UniformGrid<2>{}, Gravity<2>{{0, -9.81}}, Leapfrog{}};
+  Simulation sim{one_grain<2>({0, 1}, {0, 0}), UniformGrid<2>{}, Gravity<2>{{0, -9.81}},
+                 Leapfrog{}};
   int calls = 0;
   // Steps of 0.1 and their sums are rounded; the number of outputs is exact.
   sim.run({.until = 3, .output_every = 0.1, .time_step = 0.1}, [&](const auto&) { ++calls; });
@@ -289,7 +296,8 @@ struct CountsSteps {
 };
 
 TEST(Simulation, CallsAfterStepAfterEveryStep) {
-  Simulation sim{one_grain<2>({0, 1}, {0, 0}), UniformGrid<2>{}, Gravity<2>{{0, -9.81}}, Leapfrog{}};
+  Simulation sim{one_grain<2>({0, 1}, {0, 0}), UniformGrid<2>{}, Gravity<2>{{0, -9.81}},
+                 Leapfrog{}};
   const CountsSteps counter;
   sim.run({.until = 0.5, .time_step = 0.125}, counter);
   EXPECT_EQ(*counter.steps, 4);
@@ -357,10 +365,12 @@ TEST(Simulation, LetsAnObserverChangeItBeforeEveryStep) {
 }
 
 TEST(Simulation, RejectsInvalidRuns) {
-  Simulation sim{one_grain<2>({0, 1}, {0, 0}), UniformGrid<2>{}, Gravity<2>{{0, -9.81}}, Leapfrog{}};
+  Simulation sim{one_grain<2>({0, 1}, {0, 0}), UniformGrid<2>{}, Gravity<2>{{0, -9.81}},
+                 Leapfrog{}};
   EXPECT_TRUE(refuses([&] { sim.run({.until = nan}); }, {"Run: until = nan"}));
   EXPECT_TRUE(refuses([&] { sim.run({.until = inf}); }, {"Run: until = inf"}));
-  EXPECT_TRUE(refuses([&] { sim.run({.until = 1, .output_every = -1}); }, {"Run: output_every = -1"}));
+  EXPECT_TRUE(
+      refuses([&] { sim.run({.until = 1, .output_every = -1}); }, {"Run: output_every = -1"}));
   EXPECT_TRUE(refuses([&] { sim.run({.until = 1, .time_step = 0.0}); }, {"Run: time_step = 0"}));
   EXPECT_TRUE(refuses([&] { sim.run({.until = 1}); }, {"chooses no time step"}));
   EXPECT_TRUE(refuses([&] { sim.step(); }, {"chooses no time step"}));

@@ -61,7 +61,8 @@ TEST(WindowRows, KeepTheirEntriesForAnyOrderOfInsertion) {
       EXPECT_EQ(rows.size(), n);
       Entries found;
       for (Index row = 0; row < n; ++row) {
-        rows.for_each_entry(row, [&](Index column, double value) { found[{row, column}] += value; });
+        rows.for_each_entry(row,
+                            [&](Index column, double value) { found[{row, column}] += value; });
       }
       std::erase_if(entries, [](const auto& each) { return each.second == 0; });
       EXPECT_EQ(found, entries) << n;

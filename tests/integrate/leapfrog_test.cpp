@@ -101,7 +101,7 @@ struct ChainLinkByLink : Chain {
   }
 };
 
-TEST(Leapfrog, AddsForcesOfTheBeginningOfAStepParticleByParticle) {
+TEST(Leapfrog, UsesPositionsOfTheBeginningOfAStepIfForcesAreAddedByParticle) {
   const auto positions = [](auto chain) {
     dem::Grains<2> grains;
     for (const auto& x : random_points(200, cube<2, double>(0, 9), 4)) {
@@ -128,7 +128,8 @@ TEST(Leapfrog, IsOfSecondOrderWithAChangingTimeStep) {
 }
 
 TEST(Leapfrog, IsExactForFreeFall) {
-  Simulation sim{one_grain<3>({0, 0, 5}, {1, 0, 2}), UniformGrid<3>{}, Gravity<3>{{0, 0, -9.81}}, Leapfrog{}};
+  Simulation sim{one_grain<3>({0, 0, 5}, {1, 0, 2}), UniformGrid<3>{}, Gravity<3>{{0, 0, -9.81}},
+                 Leapfrog{}};
   sim.run({.until = 1, .time_step = 1.0 / 64});
   const auto now = sim.snapshot();
   EXPECT_NEAR(now[position][0][0], 1, 1e-12);
@@ -147,7 +148,8 @@ TEST(Leapfrog, ConservesKineticEnergyInAPeriodicBoxWithoutContacts) {
     grains[velocity][i] = {v[i][0], 0};
     grains[spin][i] = v[i][1];
   }
-  Simulation sim{grains, NeighbourList<2>{}, dem::Contacts{dem::CundallStrack{.normal_stiffness = 1}}, Leapfrog{}};
+  Simulation sim{grains, NeighbourList<2>{},
+                 dem::Contacts{dem::CundallStrack{.normal_stiffness = 1}}, Leapfrog{}};
   const double before = energy_of_motion(sim.particles());
   sim.run({.until = 20, .time_step = 0.01});
   EXPECT_EQ(energy_of_motion(sim.particles()), before);
@@ -215,8 +217,9 @@ TEST(GlobalDamping, LimitsFreeFallToGravityOverAlpha) {
 
 TEST(GlobalDamping, RejectsInvalidRates) {
   EXPECT_TRUE(refuses([] { Leapfrog{GlobalDamping{.alpha = -1}}; }, {"GlobalDamping: alpha = -1"}));
-  EXPECT_TRUE(refuses([] { Leapfrog{GlobalDamping{.alpha = std::numeric_limits<double>::quiet_NaN()}}; },
-                      {"GlobalDamping: alpha = nan"}));
+  EXPECT_TRUE(
+      refuses([] { Leapfrog{GlobalDamping{.alpha = std::numeric_limits<double>::quiet_NaN()}}; },
+              {"GlobalDamping: alpha = nan"}));
 }
 
 }  // namespace

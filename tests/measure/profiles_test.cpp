@@ -129,7 +129,7 @@ TEST(Profiles, SeparateFluctuationsFromTheMeanFlow) {
   EXPECT_NEAR(row.temperature.value, (3 + 2) / 3.0, 1e-13);
 }
 
-TEST(Profiles, AreAnObserver) {
+TEST(Profiles, AreAnObserverOfRuns) {
   auto grain = one_grain<2>({0, 0.5}, {0.25, 0});
   Simulation sim{grain, UniformGrid<2>{}, Forces{}, Leapfrog{}};
   Profiles<2> profiles({.lower = 0, .upper = 1, .count = 1, .cross_section = 1});

@@ -27,7 +27,8 @@ struct Space {
   /// Bound of the rounding error of a sum over a neighbourhood.
   static constexpr Real rounding = 200 * std::numeric_limits<Real>::epsilon();
 };
-using Spaces = ::testing::Types<Space<2, double>, Space<2, float>, Space<3, double>, Space<3, float>>;
+using Spaces =
+    ::testing::Types<Space<2, double>, Space<2, float>, Space<3, double>, Space<3, float>>;
 
 template <int Dim, class Real>
 mps::Fluid<Dim, Real> fluid_at(const std::vector<Vec<Dim, Real>>& points,
@@ -95,9 +96,10 @@ struct NoSurface {
 /// A small 2D dam break: 10 by 15 spacings of fluid in a tank of 25.
 template <int Dim, class Real = double>
 mps::Fluid<Dim, Real> small_dam(double l0 = 0.02, double depth = 5) {
-  return mps::make_tank<Dim, Real>({.column = {10 * l0, (Dim == 2 ? 15 : 8) * l0},
-                                    .size = {.length = 25 * l0, .height = 20 * l0, .depth = depth * l0},
-                                    .spacing = l0});
+  return mps::make_tank<Dim, Real>(
+      {.column = {10 * l0, (Dim == 2 ? 15 : 8) * l0},
+       .size = {.length = 25 * l0, .height = 20 * l0, .depth = depth * l0},
+       .spacing = l0});
 }
 
 }  // namespace silt::test

@@ -160,7 +160,8 @@ void expect_the_same_bits_after_restarts(const std::filesystem::path& folder,
       for (Index step = stop + 1; step <= last && is_same; ++step) {
         restart::step(used, fails_first && step == stop + 1);
         is_same = hash(used, measured(used)) == hashes[step];
-        EXPECT_TRUE(is_same) << "differs " << step - stop << " steps later; read into a simulation that "
+        EXPECT_TRUE(is_same) << "differs " << step - stop
+                             << " steps later; read into a simulation that "
                              << (is_new ? "was new" : "had run");
       }
     });

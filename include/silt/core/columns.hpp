@@ -55,8 +55,8 @@ class Columns {
     std::span<Value> after;
   };
   /// The values of field F of the owned particles, and the memory for the next ones, all of which
-  /// must be written. They become the values of F with finish_advance(). If F was kept before, both are the
-  /// same memory.
+  /// must be written. They become the values of F with finish_advance(). If F was kept before, both
+  /// are the same memory.
   template <Field F>
   auto advance(Index owned) {
     using Value = value_of<F, Dim, Real>;

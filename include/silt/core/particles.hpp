@@ -74,7 +74,9 @@ class Particles {
   Id id(Index i) const noexcept { return ids_[i]; }
   std::span<const Id> ids() const noexcept { return {ids_.data(), size()}; }
   /// Index of the particle with this id; `no_index` if it was removed or never added.
-  Index index_of(Id id) const noexcept { return id < index_of_id_.size() ? index_of_id_[id] : no_index; }
+  Index index_of(Id id) const noexcept {
+    return id < index_of_id_.size() ? index_of_id_[id] : no_index;
+  }
   /// Index of the owned particle of which i is a ghost; i itself if i is owned.
   Index owner(Index i) const noexcept { return i < size() ? i : owners_[i - size()]; }
 
@@ -115,8 +117,8 @@ class Particles {
     return i;
   }
 
-  /// Removes every owned particle i for which removed(i) is true; the others keep their order. Returns
-  /// the number of particles removed.
+  /// Removes every owned particle i for which removed(i) is true; the others keep their order.
+  /// Returns the number of particles removed.
   template <std::predicate<Index> Removed>
   Index remove_if(Removed&& removed) {
     clear_ghosts();

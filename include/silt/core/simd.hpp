@@ -120,7 +120,8 @@ Pack<T, N> square_root(const Pack<T, N>& a) {
 template <int N>
 Pack<std::uint32_t, N> count_from(Index from) {
   std::uint32_t count[N];
-  for (int k = 0; k < N; ++k) count[k] = static_cast<std::uint32_t>(from) + static_cast<std::uint32_t>(k);
+  for (int k = 0; k < N; ++k)
+    count[k] = static_cast<std::uint32_t>(from) + static_cast<std::uint32_t>(k);
   return load<std::uint32_t, N>(count);
 }
 
@@ -210,10 +211,12 @@ Index compress(T* to, const Pack<T, N>& values, Mask mask) {
   static_assert(sizeof(T) == 4);
 #if defined(SILT_AVX512)
   if constexpr (N == 16) {
-    const __m512i chosen = _mm512_maskz_compress_epi32(static_cast<__mmask16>(mask), (__m512i)values);
+    const __m512i chosen =
+        _mm512_maskz_compress_epi32(static_cast<__mmask16>(mask), (__m512i)values);
     _mm512_storeu_si512(to, chosen);
   } else if constexpr (N == 8) {
-    const __m256i chosen = _mm256_maskz_compress_epi32(static_cast<__mmask8>(mask), (__m256i)values);
+    const __m256i chosen =
+        _mm256_maskz_compress_epi32(static_cast<__mmask8>(mask), (__m256i)values);
     _mm256_storeu_si256(reinterpret_cast<__m256i*>(to), chosen);
   } else
 #elif defined(SILT_AVX2)

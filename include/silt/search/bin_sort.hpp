@@ -72,7 +72,8 @@ class BinSort {
       }
     });
     std::fill(start_.begin() + (n == 0 ? 0 : static_cast<std::ptrdiff_t>(bin_[n - 1]) + 1),
-              start_.begin() + static_cast<std::ptrdiff_t>(bins) + 1, static_cast<std::uint32_t>(n));
+              start_.begin() + static_cast<std::ptrdiff_t>(bins) + 1,
+              static_cast<std::uint32_t>(n));
   }
 
   // Each part (a range of particles) counts its own particles. The starts are the cumulative sums

@@ -38,8 +38,8 @@ class Cells {
   };
   /// Sets up the cells for so many points in this extent, with edge `reach` [m].
   void set_up(const Extent& extent, Index points, Real reach) {
-    // Rounding must not put the particles of a pair two cells apart: cell_along() has an error of 2⁻²²
-    // of an edge, and a distance in single precision one of 2⁻²¹.
+    // Rounding must not put the particles of a pair two cells apart: cell_along() has an error of
+    // 2⁻²² of an edge, and a distance in single precision one of 2⁻²¹.
     const double edge = double(reach) * (1 + 0x1p-18);
     inverse_edge_ = 1 / edge;
     // Far from the origin the lattice is anchored near the particles, at multiples of a large
@@ -96,10 +96,11 @@ class Cells {
     return bin;
   }
 
-  /// Maximum length, at most `max_length`, of a block of cells of a row that begins at x such that the
-  /// ranges around it do not overlap on the ring.
+  /// Maximum length, at most `max_length`, of a block of cells of a row that begins at x such that
+  /// the ranges around it do not overlap on the ring.
   Index max_block(const Vec& x, std::int64_t max_length) const {
-    return static_cast<Index>(std::min({max_length, stride_[1] - cell_along(x, 0), stride_[1] - 2}));
+    return static_cast<Index>(
+        std::min({max_length, stride_[1] - cell_along(x, 0), stride_[1] - 2}));
   }
 
   /// f(first, last) for every range [first, last) of bins in and around a block of `length` cells

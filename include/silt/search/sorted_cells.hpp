@@ -79,7 +79,9 @@ class SortedCells {
   template <class F>
   void for_each_around(const Vec& x, Real distance, Index own, F&& f) const {
     Near near(columns(), x, distance, own);
-    const auto collect = [&](Index first, Index last) { near.collect(start()[first], start()[last], f); };
+    const auto collect = [&](Index first, Index last) {
+      near.collect(start()[first], start()[last], f);
+    };
     if (distance <= reach_) {
       cells_.for_each_range_around(cells_.bin_of(x), 1, collect);
     } else {
