@@ -53,20 +53,20 @@ static_assert(!NeighbourSearch<UniformGrid<3>, Grains> &&
               !NeighbourSearch<NeighbourList<3>, Grains> &&
               !NeighbourSearch<BruteForce<2, float>, Grains>);
 
-// --- Reaching, Interaction
+// --- HasReach, Interaction
 // ------------------------------------------------------------------------
 
 struct InteractionArchetype {
   double reach(const ParticleArchetype&) const;
   void accelerate(ParticleArchetype&, SearchArchetype&, double);
 };
-static_assert(Reaching<InteractionArchetype, ParticleArchetype>);
+static_assert(HasReach<InteractionArchetype, ParticleArchetype>);
 static_assert(Interaction<InteractionArchetype, ParticleArchetype, SearchArchetype>);
 using Contacts = dem::Contacts<dem::CundallStrack, dem::Plane<2>>;
 static_assert(Interaction<Contacts, Grains, UniformGrid<2>>);
 static_assert(Interaction<Gravity<2>, Grains, BruteForce<2>>);
 static_assert(Interaction<Forces<Gravity<2>, Contacts>, Grains, NeighbourList<2>>);
-static_assert(!Interaction<Nothing, Grains, UniformGrid<2>> && !Reaching<Nothing, Grains>);
+static_assert(!Interaction<Nothing, Grains, UniformGrid<2>> && !HasReach<Nothing, Grains>);
 static_assert(!Interaction<Gravity<2>, Points, UniformGrid<2>>);  // no mass, no force
 static_assert(!Interaction<Gravity<3>, Grains, UniformGrid<2>>);
 static_assert(!Interaction<Gravity<2>, dem::Grains<2, float>, UniformGrid<2, float>>);

@@ -131,8 +131,8 @@ inline double at_time(const std::vector<double>& time, const std::vector<double>
     return std::numeric_limits<double>::quiet_NaN();
   }
   const auto k = static_cast<Index>(after - time.begin());
-  const double part = (t - time[k - 1]) / (time[k] - time[k - 1]);
-  return value[k - 1] + part * (value[k] - value[k - 1]);
+  const double fraction = (t - time[k - 1]) / (time[k] - time[k - 1]);
+  return value[k - 1] + fraction * (value[k] - value[k - 1]);
 }
 
 /// Relative rms deviation of the front from the table of Martin and Moyce, for T from 1.19 to 3.3.
@@ -143,8 +143,8 @@ inline double front_deviation(const DamBreak& record) {
   Index k = 0;
   while (k < record.front.size() && record.front[k] < Z0) ++k;
   if (k == 0 || k == record.front.size()) return std::numeric_limits<double>::quiet_NaN();
-  const double part = (Z0 - record.front[k - 1]) / (record.front[k] - record.front[k - 1]);
-  const double t0 = record.time[k - 1] + part * (record.time[k] - record.time[k - 1]);
+  const double fraction = (Z0 - record.front[k - 1]) / (record.front[k] - record.front[k - 1]);
+  const double t0 = record.time[k - 1] + fraction * (record.time[k] - record.time[k - 1]);
   double sum = 0;
   int number = 0;
   const CsvTable measured =

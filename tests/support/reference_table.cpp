@@ -61,7 +61,7 @@ std::string line_of(const ReferenceRow& row) {
 double ReferenceRow::error() const {
   return std::abs(measured - reference) / (scale > 0 ? scale : std::abs(reference));
 }
-bool ReferenceRow::holds() const { return is_finite(measured) && error() <= allowed; }
+bool ReferenceRow::is_within_tolerance() const { return is_finite(measured) && error() <= allowed; }
 
 void ReferenceTable::sort() {
   std::stable_sort(rows_.begin(), rows_.end(), [](const ReferenceRow& a, const ReferenceRow& b) {
@@ -72,7 +72,7 @@ void ReferenceTable::sort() {
 std::vector<ReferenceRow> ReferenceTable::failed() const {
   std::vector<ReferenceRow> failed;
   for (const auto& row : rows_) {
-    if (!row.holds()) failed.push_back(row);
+    if (!row.is_within_tolerance()) failed.push_back(row);
   }
   return failed;
 }

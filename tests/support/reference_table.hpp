@@ -18,7 +18,7 @@ struct ReferenceRow {
   double scale = 0;      ///< scale of the error; 0: the reference
 
   double error() const;
-  bool holds() const;
+  bool is_within_tolerance() const;
 };
 
 class ReferenceTable {

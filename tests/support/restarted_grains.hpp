@@ -40,7 +40,8 @@ class RestartedGrains {
         .sizes = {.min_radius = 0.006, .max_radius = 0.012}, .density = 2500};
     dem::EnergyLedger ledger{simulation};
     dem::Inflow<Box<Dim>, dem::UniformSizes> rain{
-        part(height(), height() + 0.1), pebbles,
+        slab(height(), height() + 0.1),
+        pebbles,
         {.number = 300, .rate = 3000, .velocity = -2 * up(), .every = 0.002}};
     return RunWith{std::move(simulation), dem::Outflow<Box<Dim>>{hole()}, rain, ledger};
   }
@@ -65,7 +66,7 @@ class RestartedGrains {
   static Vec<Dim> up() { return Vec<Dim>::Unit(Dim - 1); }
   double height() const { return double(along_.back()) * spacing; }
 
-  Box<Dim> part(double lower, double upper) const {
+  Box<Dim> slab(double lower, double upper) const {
     Box<Dim> box;
     for (int k = 0; k + 1 < Dim; ++k) {
       box.lower[k] = 0;
@@ -76,20 +77,20 @@ class RestartedGrains {
     return box;
   }
   Box<Dim> hole() const {
-    auto hole = part(0, 0.03);
+    auto hole = slab(0, 0.03);
     hole.upper[0] = 0.05;
     return hole;
   }
 
   dem::Grains<Dim> grains() const {
-    auto box = part(-1, 2);
+    auto box = slab(-1, 2);
     box.periodic.fill(true);
     box.periodic[Dim - 1] = false;
     dem::Grains<Dim> grains(box);
     Random random{.seed = 7};
     const auto any = [&random] { return random.uniform({-1, 1}); };
     Index number = 0;
-    for (Vec<Dim> x : lattice(part(0, height()), spacing)) {
+    for (Vec<Dim> x : lattice(slab(0, height()), spacing)) {
       const bool is_large = number++ % 3 != 0;
       for (int k = 0; k < Dim; ++k) x[k] += 2e-4 * any();
       const Index i = dem::add_grain(

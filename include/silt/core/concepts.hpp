@@ -90,17 +90,15 @@ Real margin_of(const S& search) {
 
 /// i.reach(p) is the interaction range [m]; 0 if no neighbours are needed.
 template <class I, class P>
-concept Reaching = requires(const I i, const P& p) {
+concept HasReach = requires(const I i, const P& p) {
   { i.reach(p) } -> std::convertible_to<typename P::Real>;
 };
 
 /// Adds forces [N] and torques [N m] to the particles; changes no field that the integrator
 /// advances. Models: dem::Contacts, Gravity, Forces.
 template <class I, class P, class S>
-concept Interaction =
-    NeighbourSearch<S, P> && Reaching<I, P> && requires(I i, P& p, S& s, double dt) {
-      i.accelerate(p, s, dt);
-    };
+concept Interaction = NeighbourSearch<S, P> && HasReach<I, P> &&
+                      requires(I i, P& p, S& s, double dt) { i.accelerate(p, s, dt); };
 
 /// add_forces(p, i) adds to the owned particle i alone what accelerate() adds to all, so that
 /// forces and motion can be computed in one pass over the particles. If this needs quantities that
@@ -182,7 +180,7 @@ void set_time(I& interaction, double time) {
 /// needs_moved_particles. Model: mps::Flow.
 template <class I, class P, class S>
 concept PressureInteraction =
-    NeighbourSearch<S, P> && Reaching<I, P> && requires(I i, P& p, S& s, double dt) {
+    NeighbourSearch<S, P> && HasReach<I, P> && requires(I i, P& p, S& s, double dt) {
       i.predict(p, s, dt);
       i.collide(p, s, dt);
       { i.project(p, s, dt) } -> std::same_as<SolveReport>;
@@ -199,10 +197,8 @@ concept AdvancesField = bool(T::template advances<F>);
 ///   all_finite()    true if it has verified that all results of the last step are finite
 /// Models: Leapfrog, SemiImplicit.
 template <class T, class P, class S, class I>
-concept Integrator =
-    NeighbourSearch<S, P> && Reaching<I, P> && requires(T t, P& p, S& s, I& i, double dt) {
-      t.step(p, s, i, dt);
-    };
+concept Integrator = NeighbourSearch<S, P> && HasReach<I, P> &&
+                     requires(T t, P& p, S& s, I& i, double dt) { t.step(p, s, i, dt); };
 
 /// Calls I::explain<P>(), if it exists: static_asserts with readable messages about missing fields
 /// or members. Returns true, so that the call can be the condition of a static_assert.

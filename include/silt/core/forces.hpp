@@ -80,7 +80,7 @@ class Forces {
   }
 
   template <class P>
-    requires(Reaching<Parts, P> && ...)
+    requires(HasReach<Parts, P> && ...)
   typename P::Real reach(const P& particles) const {
     typename P::Real maximum = 0;
     for_each_part([&](const auto& part) { maximum = std::max(maximum, part.reach(particles)); });

@@ -39,10 +39,10 @@ class Simulation {
                 "particles (same dimension and precision? see NeighbourSearch in "
                 "silt/core/concepts.hpp)");
   static_assert(explain<I, P>());
-  static_assert(Reaching<I, P>,
+  static_assert(HasReach<I, P>,
                 "silt::Simulation: the third argument is not an interaction for these particles "
                 "(does it have reach(particles), and do they have the fields it needs?)");
-  static_assert(!NeighbourSearch<S, P> || !Reaching<I, P> || Integrator<T, P, S, I>,
+  static_assert(!NeighbourSearch<S, P> || !HasReach<I, P> || Integrator<T, P, S, I>,
                 "silt::Simulation: this integrator cannot advance these particles with this "
                 "interaction (Leapfrog takes forces on grains, SemiImplicit a flow)");
 

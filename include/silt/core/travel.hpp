@@ -43,7 +43,7 @@ struct Travel {
 
 /// The search has travel(), which is valid while particles.revision() is unchanged.
 template <class S>
-concept KnowsTravel = requires(const S s) {
+concept HasTravel = requires(const S s) {
   { s.travel() } -> std::same_as<Travel>;
 };
 

@@ -87,8 +87,8 @@ template <int Dim>
 inline constexpr int angular_size = Dim == 2 ? 1 : 3;
 
 /// Component k of an AngularVec.
-template <class Turning>
-auto& component(Turning& spin, [[maybe_unused]] int k) {
+template <class Angular>
+auto& component(Angular& spin, [[maybe_unused]] int k) {
   if constexpr (requires { spin[k]; }) {
     return spin[k];
   } else {

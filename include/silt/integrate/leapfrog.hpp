@@ -35,7 +35,7 @@ class Motion {
         v_(of(particles.advance(velocity))),
         f_(lanes_of(particles[force].data())),
         m_(lanes_of(particles[mass].data())) {
-    if constexpr (turns) {
+    if constexpr (rotates) {
       w_ = of(particles.advance(spin));
       t_ = lanes_of(particles[torque].data());
       inertias_ = lanes_of(particles[inertia].data());
@@ -56,11 +56,11 @@ class Motion {
 
   /// v^N = ½ (v^{N−½} + v^{N+½}) (27), (28); positions are unchanged.
   template <class D>
-  void kick_to_the_mean(Index i, const D& damping, double dt) const {
+  void kick_to_mean(Index i, const D& damping, double dt) const {
     set_velocities(i, [&]<class Value>(const Value& v, const Value& a) -> Value {
       return (damping.kicked(v, a, Scalar(dt)) + v) / Scalar(2);
     });
-    stay(i);
+    copy_positions(i);
   }
 
   /// v^N → v^{N−½}; positions are unchanged.
@@ -73,7 +73,7 @@ class Motion {
         return v - a * Scalar(dt / 2);
       }
     });
-    stay(i);
+    copy_positions(i);
   }
 
   /// x^{N+1} = x^N + v^{N+½} Δt,  θ^{N+1} = θ^N + θ'^{N+½} Δt        (19)
@@ -83,36 +83,36 @@ class Motion {
   }
 
   /// False if a field of particle i is not finite; may also be false if values are extremely large.
-  bool is_sound(Index i) const {
+  bool is_result_finite(Index i) const {
     Real sum = x_.after[i].sum() + v_.after[i].sum();
-    if constexpr (turns) sum += sum_of(w_.after[i]);
+    if constexpr (rotates) sum += sum_of(w_.after[i]);
     if constexpr (has_angle) sum += sum_of(angle_.after[i]);
     return sum - sum == 0;  // unlike is_finite(), vectorised
   }
 
  private:
-  static constexpr bool turns = HasFields<P, spin_t, torque_t, inertia_t>;
-  static constexpr bool has_angle = turns && HasFields<P, angle_t>;
+  static constexpr bool rotates = HasFields<P, spin_t, torque_t, inertia_t>;
+  static constexpr bool has_angle = rotates && HasFields<P, angle_t>;
 
   // set(velocity before, acceleration) returns the velocity after.
   template <class Set>
   void set_velocities(Index i, Set&& set) const {
     v_.after[i] = set(Vec(v_.before[i]), Vec(f_[i] * (1 / m_[i])));
-    if constexpr (turns) {
+    if constexpr (rotates) {
       w_.after[i] = set(AngularVec(w_.before[i]), AngularVec(t_[i] * (1 / inertias_[i])));
     }
   }
 
-  void stay(Index i) const {
+  void copy_positions(Index i) const {
     x_.after[i] = x_.before[i];
     if constexpr (has_angle) angle_.after[i] = angle_.before[i];
   }
 
-  static Real sum_of(const AngularVec& turning) {
+  static Real sum_of(const AngularVec& angular) {
     if constexpr (P::dimension == 2) {
-      return turning;
+      return angular;
     } else {
-      return turning.sum();
+      return angular.sum();
     }
   }
 
@@ -215,11 +215,11 @@ class Leapfrog {
   template <class P, class S, class I>
   void synchronise(P& particles, S& search, I& interaction) {
     search.update(particles);
-    const auto kick_to_the_mean = [dt = last_time_step_, damping = damping_](
-                                      const Motion<P>& motion, Index i) {
-      motion.kick_to_the_mean(i, damping, dt);
+    const auto kick_to_mean = [dt = last_time_step_, damping = damping_](const Motion<P>& motion,
+                                                                         Index i) {
+      motion.kick_to_mean(i, damping, dt);
     };
-    advance(particles, search, interaction, last_time_step_, UpdateRange<P>(kick_to_the_mean));
+    advance(particles, search, interaction, last_time_step_, UpdateRange<P>(kick_to_mean));
   }
 
   /// Writes or reads the state of the integrator for a checkpoint, see core/transfer.hpp.
@@ -259,7 +259,7 @@ class Leapfrog {
       SILT_EACH_LANE_ALONE
       for (Index i = first; i < last; ++i) {
         update(motion, i);
-        broken |= !motion.is_sound(i);
+        broken |= !motion.is_result_finite(i);
       }
       return broken == 0;
     }

@@ -76,29 +76,29 @@ class BinSort {
               static_cast<std::uint32_t>(n));
   }
 
-  // Each part (a range of particles) counts its own particles. The starts are the cumulative sums
-  // over bins and, within a bin, over parts, so that particles keep the order of their indices.
+  // Each range of particles counts its own particles. The starts are the cumulative sums over
+  // bins and, within a bin, over ranges, so that particles keep the order of their indices.
   void count_and_sort() {
     const Index n = size();
     const Index bins = start_.size() - 1;
-    const Index parts = std::min(static_cast<Index>(threads_for(n)), chunk_count(n));
+    const Index ranges = std::min(static_cast<Index>(threads_for(n)), chunk_count(n));
     resize();
     in_order_ = false;
-    next_.resize(parts * bins);
-    const auto for_each_of_part = [&](Index part, auto&& f) {
-      for (Index i = n * part / parts; i < n * (part + 1) / parts; ++i) f(i);
+    next_.resize(ranges * bins);
+    const auto for_each_in_range = [&](Index range, auto&& f) {
+      for (Index i = n * range / ranges; i < n * (range + 1) / ranges; ++i) f(i);
     };
-    for_each_task(parts, [&](Index part) {
-      std::uint32_t* const counts = next_.data() + part * bins;
+    for_each_task(ranges, [&](Index range) {
+      std::uint32_t* const counts = next_.data() + range * bins;
       std::fill(counts, counts + bins, 0u);
-      for_each_of_part(part, [&](Index i) { ++counts[bin_[i]]; });
+      for_each_in_range(range, [&](Index i) { ++counts[bin_[i]]; });
     });
 
     before_chunk_.resize(chunk_count(bins));
     for_each_chunk(bins, [&](Chunk chunk) {
       std::uint32_t sum = 0;
-      for (Index part = 0; part < parts; ++part) {
-        const std::uint32_t* const counts = next_.data() + part * bins;
+      for (Index range = 0; range < ranges; ++range) {
+        const std::uint32_t* const counts = next_.data() + range * bins;
         for (Index bin = chunk.first; bin < chunk.last; ++bin) sum += counts[bin];
       }
       before_chunk_[chunk.number] = sum;
@@ -108,17 +108,17 @@ class BinSort {
       std::uint32_t slot = before_chunk_[chunk.number];
       for (Index bin = chunk.first; bin < chunk.last; ++bin) {
         start_[bin] = slot;
-        for (Index part = 0; part < parts; ++part) {
-          std::uint32_t& next = next_[part * bins + bin];
+        for (Index range = 0; range < ranges; ++range) {
+          std::uint32_t& next = next_[range * bins + bin];
           slot += std::exchange(next, slot);
         }
       }
     });
     start_[bins] = static_cast<std::uint32_t>(n);
 
-    for_each_task(parts, [&](Index part) {
-      std::uint32_t* const next = next_.data() + part * bins;
-      for_each_of_part(part, [&](Index i) {
+    for_each_task(ranges, [&](Index range) {
+      std::uint32_t* const next = next_.data() + range * bins;
+      for_each_in_range(range, [&](Index i) {
         const std::uint32_t slot = next[bin_[i]]++;
         slot_of_[i] = slot;
         item_of_[slot] = static_cast<std::uint32_t>(i);
@@ -136,7 +136,7 @@ class BinSort {
   std::vector<std::uint32_t> start_;
   std::vector<std::uint32_t> item_of_;
   std::vector<std::uint32_t> slot_of_;
-  std::vector<std::uint32_t> next_;  // by part and bin
+  std::vector<std::uint32_t> next_;  // by range and bin
   std::vector<std::uint32_t> before_chunk_;
   std::vector<Index> descents_of_;  // by chunk
   Index descents_ = 0;
