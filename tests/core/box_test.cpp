@@ -38,9 +38,9 @@ TYPED_TEST(Boxes, WrapIntoTheHalfOpenIntervalInAllCases) {
   for (const Real upper : {Real(1), Real(0.3), Real(1e-3), Real(12345.678)}) {
     auto box = cube<3, Real>(Real(-0.1), upper);
     box.periodic.fill(true);
-    for (const Real x : {Real(-0.1), std::nextafter(Real(-0.1), -most), upper,
-                         std::nextafter(upper, most), std::nextafter(upper, -most), Real(-1e-30),
-                         Real(1e17), Real(-1e17), Real(3e33), most / 4, -most / 4}) {
+    for (const Real x : {Real(-0.1), std::nextafter(Real(-0.1), -maximum), upper,
+                         std::nextafter(upper, maximum), std::nextafter(upper, -maximum), Real(-1e-30),
+                         Real(1e17), Real(-1e17), Real(3e33), maximum / 4, -maximum / 4}) {
       const auto wrapped = box.wrap({x, x, x});
       for (int k = 0; k < 3; ++k) {
         EXPECT_GE(wrapped[k], box.lower[k]) << double(x);

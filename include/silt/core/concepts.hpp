@@ -47,7 +47,7 @@ template <class S, class P>
 concept FitsVectorsOf =
     !requires { typename S::Vec; } || std::same_as<typename S::Vec, typename P::Vec>;
 
-/// Finds all pairs closer than radius(). Models: UniformGrid, NeighbourList, LevelGrid, BruteForce.
+/// Finds all pairs closer than radius(). Models: UniformGrid, NeighbourList, BruteForce.
 template <class S, class P>
 concept NeighbourSearch =
     ParticleSet<P> && FitsVectorsOf<S, P> &&

@@ -30,7 +30,7 @@
 namespace silt {
 
 /// Maximum number of threads of a loop started by the calling thread. Unless the number was given,
-/// by use_threads() or OMP_NUM_THREADS, loops use one thread where several would be slower.
+/// by use_threads() or OMP_NUM_THREADS, loops may use fewer: one where several would be slower.
 inline int threads() {
 #ifdef _OPENMP
   return omp_get_max_threads();

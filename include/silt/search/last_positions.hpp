@@ -47,8 +47,8 @@ class LastPositions {
   }
 
   /// Begins an update: copies the positions of the owned particles and returns their maximum
-  /// displacement [m] since the previous update. Does nothing and returns nothing if that was with
-  /// other particles.
+  /// displacement [m] since the previous update. Copies nothing and returns nothing if that was
+  /// with other particles.
   template <class P>
   std::optional<Real> update_owned(const P& particles) {
     const std::span<const Vec> before = keep_previous();

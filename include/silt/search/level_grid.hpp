@@ -48,7 +48,7 @@ class LevelGrid {
     require_positive("LevelGrid: radius", double(radius));
     radius_ = radius;
   }
-  /// See NeighbourSearch: the candidates are complete up to R_i + R_j + gap only [m].
+  /// Margin of the candidates beyond R_i + R_j + gap [m], see margin_of() in core/concepts.hpp.
   Real margin() const noexcept { return 0; }
 
   /// Sorts the particles into levels and cells, and makes the ghosts of periodic sides. Throws as

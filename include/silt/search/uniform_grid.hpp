@@ -48,12 +48,12 @@ class UniformGrid {
     require_positive("UniformGrid: radius", double(radius));
     radius_ = radius;
   }
-  /// See NeighbourSearch: the candidates are complete up to radius() only [m].
+  /// Margin of the candidates beyond radius() [m], see margin_of() in core/concepts.hpp.
   Real margin() const noexcept { return 0; }
 
   /// Sorts the owned particles by cell if many are out of order, so that neighbours in space are
   /// close in memory. If particles were added or removed since the last update, sorts if any is out
-  /// of order: rows of a lattice would not count as many.
+  /// of order, because a lattice added row by row has few descents.
   template <class P>
   void sort(P& particles) {
     if (particles.size() < worth_sorting) return;
