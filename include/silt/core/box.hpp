@@ -24,7 +24,7 @@ template <int Dim, class Real = double>
 struct Box {
   Vec<Dim, Real> lower = Vec<Dim, Real>::Constant(-std::numeric_limits<Real>::infinity());  ///< [m]
   Vec<Dim, Real> upper = Vec<Dim, Real>::Constant(std::numeric_limits<Real>::infinity());   ///< [m]
-  std::array<bool, Dim> periodic{};    ///< by axis
+  std::array<bool, Dim> periodic{};  ///< whether axis k is periodic
   OnEscape on_escape = OnEscape::refuse;
 
   bool any_periodic() const {
