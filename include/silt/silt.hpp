@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Both methods.
+// Includes all of Silt: DEM and MPS.
 #pragma once
 
 #include <silt/dem.hpp>

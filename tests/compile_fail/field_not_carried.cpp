@@ -1,4 +1,4 @@
-// expect: (static assertion failed|static_assert failed).*these particles do not carry this field
+// expect: (static assertion failed|static_assert failed).*these particles do not have this field
 // SPDX-License-Identifier: MIT
 #include <silt/dem.hpp>
 

@@ -1,4 +1,4 @@
-// expect: the third value is no interaction for these particles
+// expect: the third argument is not an interaction for these particles
 // SPDX-License-Identifier: MIT
 #include <silt/dem.hpp>
 #include <silt/mps.hpp>

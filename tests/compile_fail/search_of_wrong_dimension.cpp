@@ -1,4 +1,4 @@
-// expect: (static assertion failed|static_assert failed).*is no neighbour search for these
+// expect: (static assertion failed|static_assert failed).*is not a neighbour search for these
 // SPDX-License-Identifier: MIT
 #include <silt/dem.hpp>
 

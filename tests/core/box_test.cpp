@@ -21,26 +21,26 @@ class Boxes : public ::testing::Test {};
 using Reals = ::testing::Types<double, float>;
 TYPED_TEST_SUITE(Boxes, Reals);
 
-TYPED_TEST(Boxes, WrapFromAnyNumberOfPeriodsAway) {
+TYPED_TEST(Boxes, WrapFromAnyNumberOfPeriods) {
   using Real = TypeParam;
   auto box = cube<2, Real>(-1, 3);
   box.periodic[0] = true;
   for (const int periods : {-1000000, -7, -1, 0, 1, 2, 1000000}) {
     const auto x = box.wrap({Real(0.5) + Real(4) * Real(periods), 77});
     EXPECT_NEAR(double(x[0]), 0.5, 1e-1 * (sizeof(Real) == 4) + 1e-9) << periods;
-    EXPECT_EQ(x[1], Real(77)) << "the other axis has no period";
+    EXPECT_EQ(x[1], Real(77)) << "the other axis is not periodic";
   }
 }
 
-TYPED_TEST(Boxes, WrapIntoTheHalfOpenIntervalWithoutExceptions) {
+TYPED_TEST(Boxes, WrapIntoTheHalfOpenIntervalInAllCases) {
   using Real = TypeParam;
-  const Real most = std::numeric_limits<Real>::max();
+  const Real maximum = std::numeric_limits<Real>::max();
   for (const Real upper : {Real(1), Real(0.3), Real(1e-3), Real(12345.678)}) {
     auto box = cube<3, Real>(Real(-0.1), upper);
     box.periodic.fill(true);
-    for (const Real x : {Real(-0.1), std::nextafter(Real(-0.1), -most), upper,
-                         std::nextafter(upper, most), std::nextafter(upper, -most), Real(-1e-30),
-                         Real(1e17), Real(-1e17), Real(3e33), most / 4, -most / 4}) {
+    for (const Real x : {Real(-0.1), std::nextafter(Real(-0.1), -maximum), upper,
+                         std::nextafter(upper, maximum), std::nextafter(upper, -maximum), Real(-1e-30),
+                         Real(1e17), Real(-1e17), Real(3e33), maximum / 4, -maximum / 4}) {
       const auto wrapped = box.wrap({x, x, x});
       for (int k = 0; k < 3; ++k) {
         EXPECT_GE(wrapped[k], box.lower[k]) << double(x);
@@ -51,7 +51,7 @@ TYPED_TEST(Boxes, WrapIntoTheHalfOpenIntervalWithoutExceptions) {
   }
 }
 
-TYPED_TEST(Boxes, DoNotHideWhatIsNotFinite) {
+TYPED_TEST(Boxes, DoNotWrapNonFiniteCoordinates) {
   using Real = TypeParam;
   auto box = cube<2, Real>(0, 1);
   box.periodic.fill(true);
@@ -59,7 +59,7 @@ TYPED_TEST(Boxes, DoNotHideWhatIsNotFinite) {
   EXPECT_FALSE(is_finite(box.wrap({0, Real(-inf)})[1]));
 }
 
-TYPED_TEST(Boxes, HoldWhatIsWithinTheirClosedSides) {
+TYPED_TEST(Boxes, ContainPointsWithinTheirClosedBounds) {
   using Real = TypeParam;
   auto box = cube<2, Real>(0, 1);
   box.periodic[1] = true;
@@ -69,10 +69,10 @@ TYPED_TEST(Boxes, HoldWhatIsWithinTheirClosedSides) {
   EXPECT_FALSE(box.contains({std::nextafter(Real(1), Real(2)), 0}));
   EXPECT_FALSE(box.contains({Real(-1e-30), 0}));
   EXPECT_FALSE(box.contains({Real(nan), 0}));
-  EXPECT_TRUE((Box<2, Real>{}).contains({Real(1e30), Real(-1e30)})) << "without sides it is all of space";
+  EXPECT_TRUE((Box<2, Real>{}).contains({Real(1e30), Real(-1e30)})) << "unbounded by default";
 }
 
-TEST(Box, RefusesSidesThatEncloseNothing) {
+TEST(Box, RejectsBoundsWithoutVolume) {
   EXPECT_TRUE(refuses([] { cube<2, double>(1, 1).check(); }, {"axis 0", "lower = 1", "upper = 1"}));
   auto box = cube<3, double>(0, 1);
   box.upper[2] = -2;
@@ -108,7 +108,7 @@ TEST(Lattice, LeavesOutCellsThatDoNotFit) {
   EXPECT_TRUE(lattice<2>({{0, 0}, {1, 0.2}}, 0.25).empty());
 }
 
-TEST(Lattice, RefusesWhatCannotBeFilled) {
+TEST(Lattice, RejectsInvalidSpacingsAndBoxes) {
   EXPECT_TRUE(refuses([] { lattice<2>({{0, 0}, {1, 1}}, 0.0); }, {"spacing = 0"}));
   EXPECT_TRUE(refuses([] { lattice<2>({{0, 0}, {1, 1}}, -1.0); }, {"spacing = -1"}));
   EXPECT_TRUE(refuses([] { lattice<2>({{0, 0}, {1, 1}}, nan); }, {"spacing = nan"}));

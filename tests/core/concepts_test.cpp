@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Who models what, and who does not: one named archetype that has just what a concept asks for, the
-// library's own models, and what lacks one thing.
+// Models of each concept: an archetype with exactly the required members, types of the library, and
+// types that lack one requirement.
 #include <silt/dem.hpp>
 #include <silt/integrate/semi_implicit.hpp>
 
@@ -27,7 +27,8 @@ static_assert(ParticleSet<ParticleArchetype>);
 static_assert(ParticleSet<Grains> && ParticleSet<Particles<3, float>>);
 static_assert(!ParticleSet<Nothing> && !ParticleSet<std::vector<Vec<2>>>);
 
-static_assert(HasFields<Grains, mass_t, radius_t, dem::material_t> && HasFields<Points, position_t>);
+static_assert(HasFields<Grains, mass_t, radius_t, dem::material_t> &&
+              HasFields<Points, position_t>);
 static_assert(!HasFields<Points, velocity_t> && !HasFields<Nothing, position_t>);
 
 static_assert(Field<position_t> && !Field<Nothing> && !Field<double>);
@@ -45,30 +46,32 @@ struct SearchArchetype {
   void for_each_pair(F&&) const;
 };
 static_assert(NeighbourSearch<SearchArchetype, ParticleArchetype>);
-static_assert(NeighbourSearch<UniformGrid<2>, Grains> && NeighbourSearch<NeighbourList<2>, Grains> &&
-              NeighbourSearch<BruteForce<2>, Points>);
+static_assert(NeighbourSearch<UniformGrid<2>, Grains> &&
+              NeighbourSearch<NeighbourList<2>, Grains> && NeighbourSearch<BruteForce<2>, Points>);
 static_assert(!NeighbourSearch<Nothing, Grains> && !NeighbourSearch<UniformGrid<2>, Nothing>);
-static_assert(!NeighbourSearch<UniformGrid<3>, Grains> && !NeighbourSearch<NeighbourList<3>, Grains> &&
+static_assert(!NeighbourSearch<UniformGrid<3>, Grains> &&
+              !NeighbourSearch<NeighbourList<3>, Grains> &&
               !NeighbourSearch<BruteForce<2, float>, Grains>);
 
-// --- Reaching, Interaction
+// --- HasReach, Interaction
 // ------------------------------------------------------------------------
 
 struct InteractionArchetype {
   double reach(const ParticleArchetype&) const;
   void accelerate(ParticleArchetype&, SearchArchetype&, double);
 };
-static_assert(Reaching<InteractionArchetype, ParticleArchetype>);
+static_assert(HasReach<InteractionArchetype, ParticleArchetype>);
 static_assert(Interaction<InteractionArchetype, ParticleArchetype, SearchArchetype>);
 using Contacts = dem::Contacts<dem::CundallStrack, dem::Plane<2>>;
 static_assert(Interaction<Contacts, Grains, UniformGrid<2>>);
 static_assert(Interaction<Gravity<2>, Grains, BruteForce<2>>);
 static_assert(Interaction<Forces<Gravity<2>, Contacts>, Grains, NeighbourList<2>>);
-static_assert(!Interaction<Nothing, Grains, UniformGrid<2>> && !Reaching<Nothing, Grains>);
+static_assert(!Interaction<Nothing, Grains, UniformGrid<2>> && !HasReach<Nothing, Grains>);
 static_assert(!Interaction<Gravity<2>, Points, UniformGrid<2>>);  // no mass, no force
 static_assert(!Interaction<Gravity<3>, Grains, UniformGrid<2>>);
 static_assert(!Interaction<Gravity<2>, dem::Grains<2, float>, UniformGrid<2, float>>);
-static_assert(!Interaction<dem::Contacts<dem::CundallStrack, dem::Plane<3>>, Grains, UniformGrid<2>>);
+static_assert(
+    !Interaction<dem::Contacts<dem::CundallStrack, dem::Plane<3>>, Grains, UniformGrid<2>>);
 static_assert(!Interaction<dem::Contacts<Nothing>, Grains, UniformGrid<2>>);
 
 // --- PressureInteraction, Integrator
@@ -88,13 +91,14 @@ static_assert(!Interaction<FlowArchetype, ParticleArchetype, SearchArchetype>);
 struct IntegratorArchetype {
   void step(ParticleArchetype&, SearchArchetype&, InteractionArchetype&, double);
 };
-static_assert(Integrator<IntegratorArchetype, ParticleArchetype, SearchArchetype, InteractionArchetype>);
+static_assert(
+    Integrator<IntegratorArchetype, ParticleArchetype, SearchArchetype, InteractionArchetype>);
 static_assert(Integrator<Leapfrog<>, Grains, UniformGrid<2>, Contacts>);
 static_assert(!Integrator<SemiImplicit<>, Grains, UniformGrid<2>, Contacts>);
 static_assert(!Integrator<Leapfrog<>, ParticleArchetype, SearchArchetype, FlowArchetype>);
 static_assert(!Integrator<Nothing, Grains, UniformGrid<2>, Contacts>);
 
-// --- what parts may also do
+// --- optional members of components
 // -----------------------------------------------------------------------
 
 struct ChooserArchetype {
@@ -131,15 +135,17 @@ static_assert(Observer<ObserverArchetype, Grains> && !Observer<Nothing, Grains>)
 struct LawArchetype {
   Vec<2> force(const dem::Contact<2, double>&) const;
 };
-struct LawWithMemoryArchetype {
+struct LawWithHistoryArchetype {
   template <int Dim, class Real>
   struct History {};
   Vec<2> force(const dem::Contact<2, double>&, History<2, double>&) const;
 };
-static_assert(dem::LawWithoutHistory<LawArchetype, 2, double> && !dem::LawWithHistory<LawArchetype, 2, double>);
-static_assert(dem::LawWithHistory<LawWithMemoryArchetype, 2, double> &&
-              !dem::LawWithoutHistory<LawWithMemoryArchetype, 2, double>);
-static_assert(dem::ContactLaw<dem::CundallStrack, 2, double> && dem::ContactLaw<dem::CundallStrack, 3, float> &&
+static_assert(dem::LawWithoutHistory<LawArchetype, 2, double> &&
+              !dem::LawWithHistory<LawArchetype, 2, double>);
+static_assert(dem::LawWithHistory<LawWithHistoryArchetype, 2, double> &&
+              !dem::LawWithoutHistory<LawWithHistoryArchetype, 2, double>);
+static_assert(dem::ContactLaw<dem::CundallStrack, 2, double> &&
+              dem::ContactLaw<dem::CundallStrack, 3, float> &&
               dem::ContactLaw<dem::CundallStrackIncremental, 3, double>);
 static_assert(!dem::ContactLaw<LawArchetype, 3, double> && !dem::ContactLaw<Nothing, 2, double>);
 

@@ -28,7 +28,7 @@ TEST(PairHistory, FindsAPairInEitherOrder) {
   EXPECT_EQ(History{}.find(0, 1), nullptr);
 }
 
-TEST(PairHistory, GoesThroughItsPairsInTheOrderOfIds) {
+TEST(PairHistory, IteratesInTheOrderOfIds) {
   std::vector<std::pair<Id, Id>> pairs;
   std::vector<double> values;
   filled().for_each_pair([&](Id a, Id b, double value) {
@@ -41,7 +41,7 @@ TEST(PairHistory, GoesThroughItsPairsInTheOrderOfIds) {
   EXPECT_EQ(filled().size(), 5u);
 }
 
-TEST(PairHistory, RefusesEntriesThatCannotBePairs) {
+TEST(PairHistory, RejectsInvalidPairs) {
   EXPECT_TRUE(refuses([] { History({{5, 2, 0.0}}); }, {"PairHistory", "5, 2", "lower id"}));
   EXPECT_TRUE(refuses([] { History({{2, 2, 0.0}}); }, {"PairHistory", "2, 2", "lower id"}));
   EXPECT_TRUE(refuses([] { History({{1, 2, 0.0}, {0, 1, 0.0}, {1, 2, 1.0}}); },

@@ -21,10 +21,11 @@ namespace {
 class Threads : public ::testing::TestWithParam<int> {};
 INSTANTIATE_TEST_SUITE_P(OneToFour, Threads, ::testing::Values(1, 2, 3, 4));
 
-// Sizes around the chunk, and several chunks per thread.
-const std::vector<Index> sizes{0, 1, chunk_size - 1, chunk_size, chunk_size + 1, 10 * chunk_size + 7};
+// Sizes around the chunk size, and several chunks per thread.
+const std::vector<Index> sizes{
+    0, 1, chunk_size - 1, chunk_size, chunk_size + 1, 10 * chunk_size + 7};
 
-TEST_P(Threads, WorkOnEveryIndexOnce) {
+TEST_P(Threads, ProcessEveryIndexOnce) {
   with_threads(GetParam(), [] {
     for (const Index n : sizes) {
       std::vector<int> visits(n, 0);
@@ -34,10 +35,10 @@ TEST_P(Threads, WorkOnEveryIndexOnce) {
   });
 }
 
-// Values of very different size, so that another order of addition gives another last bit.
+// Values of very different magnitude, so that the last bits depend on the order of addition.
 double term(Index i) { return std::sin(double(i) * 12.9898) * std::pow(10.0, double(i % 17) - 8); }
 
-TEST_P(Threads, AddToTheSameBits) {
+TEST_P(Threads, SumToTheSameBits) {
   for (const Index n : sizes) {
     const double alone = with_threads(1, [n] { return ordered_sum(n, 0.0, term); });
     const double together = with_threads(GetParam(), [n] { return ordered_sum(n, 0.0, term); });
@@ -45,12 +46,12 @@ TEST_P(Threads, AddToTheSameBits) {
   }
 }
 
-TEST(OrderedSum, IsTheSumAndZeroOfNothing) {
+TEST(OrderedSum, IsTheSumAndTheInitialValueIfEmpty) {
   EXPECT_EQ(ordered_sum(5000, Index{0}, [](Index i) { return i; }), Index{5000 * 4999 / 2});
   EXPECT_EQ(ordered_sum(0, 3.5, term), 3.5);
 }
 
-TEST_P(Threads, FindTheLargestAndTheFirst) {
+TEST_P(Threads, FindTheMaximumAndTheFirst) {
   with_threads(GetParam(), [] {
     EXPECT_EQ(largest(9000, 0.0, [](Index i) { return double(i == 4321 ? 7 : i % 5); }), 7.0);
     EXPECT_EQ(largest(0, -2.0, [](Index) { return 1.0; }), -2.0);
@@ -60,7 +61,7 @@ TEST_P(Threads, FindTheLargestAndTheFirst) {
   });
 }
 
-TEST_P(Threads, ThrowWhatTheLowestFaultyIndexThrew) {
+TEST_P(Threads, RethrowTheExceptionOfTheLowestIndex) {
   with_threads(GetParam(), [] {
     for (const Index lowest : {Index{0}, Index{1500}, Index{5000}, 10 * chunk_size}) {
       for (int repeat = 0; repeat < 20; ++repeat) {
@@ -77,8 +78,8 @@ TEST_P(Threads, ThrowWhatTheLowestFaultyIndexThrew) {
   });
 }
 
-TEST_P(Threads, MakeWhatAChunkNeedsBeforeItIsUsed) {
-  // Needs of all kinds: its own, those beside it, all, and ones far behind.
+TEST_P(Threads, MakeTheChunksThatAChunkNeedsBeforeItIsUsed) {
+  // Chunks needed: its own, adjacent ones, all, and distant ones.
   const auto needs = [](Chunk chunk, Index chunks) -> ChunkSpan {
     switch (chunk.number % 4) {
       case 0: return {chunk.number, chunk.number};
@@ -115,11 +116,12 @@ TEST_P(Threads, MayNestLoops) {
     for_each(sums.size(), [&](Index i) {
       sums[i] = ordered_sum(2100, 0.0, [i](Index k) { return double(i + k); });
     });
-    for (Index i = 0; i < sums.size(); ++i) ASSERT_EQ(sums[i], 2100.0 * double(i) + 2100 * 2099 / 2);
+    for (Index i = 0; i < sums.size(); ++i)
+      ASSERT_EQ(sums[i], 2100.0 * double(i) + 2100 * 2099 / 2);
   });
 }
 
-TEST(UseThreads, SetsTheNumberAndRefusesNone) {
+TEST(UseThreads, SetsTheNumberAndRejectsZero) {
 #ifdef _OPENMP
   with_threads(4, [] { EXPECT_EQ(threads(), 4); });
 #endif
@@ -129,12 +131,12 @@ TEST(UseThreads, SetsTheNumberAndRefusesNone) {
   EXPECT_EQ(threads(), before);
 }
 
-// A machine of one processor has no other choice than one thread.
+// `available` is the number of threads of the machine, at most 4.
 class AutomaticThreads : public ::testing::Test {
  protected:
   static constexpr Index many = 100 * chunk_size;
 
-  // As if no number had been given to a program with four threads at most.
+  // Calls f as in a program with at most four threads whose number was not given.
   template <class F>
   static void run(F&& f) {
     with_threads(4, [&] {
@@ -142,7 +144,7 @@ class AutomaticThreads : public ::testing::Test {
       f(threads_for(many));
     });
   }
-  // Of which the next step is the first with all threads.
+  // A choice whose next step is the first with all threads.
   static detail::ThreadChoice all_threads() {
     detail::ThreadChoice choice;
     choice.add(0.02);
@@ -171,7 +173,7 @@ TEST_F(AutomaticThreads, AreThoseChosenForTheStep) {
       EXPECT_EQ(threads_for(2 * chunk_size), available);
       EXPECT_EQ(threads_for(chunk_size), 1);
     }
-    EXPECT_EQ(threads_for(many), 1) << "that of the outer step";
+    EXPECT_EQ(threads_for(many), 1) << "the number of the outer step";
   });
 }
 
@@ -192,7 +194,7 @@ TEST_F(AutomaticThreads, AreOneBeyondTheLimitOfAStep) {
     EXPECT_EQ(threads_for(many), 1);
     EXPECT_EQ(ordered_sum(many, Index{0}, [](Index i) { return i; }), many * (many - 1) / 2);
     team.end_step();
-    EXPECT_FALSE(fast.all()) << "such a step ends the trial";
+    EXPECT_FALSE(fast.all()) << "exceeding the limit ends the trial";
   });
 }
 
@@ -209,7 +211,7 @@ TEST_F(AutomaticThreads, AreOneWithinAParallelLoop) {
   });
 }
 
-TEST_F(AutomaticThreads, AreTheNumberThatIsGiven) {
+TEST_F(AutomaticThreads, AreTheGivenNumber) {
   run([](int) {
     detail::ThreadChoice slow;
     const detail::Team team(slow, many);
@@ -243,7 +245,7 @@ TEST_P(Threads, BuildTheSameRows) {
 
 TEST(Rows, AreNoneBeforeTheFirstBuild) { EXPECT_EQ(Rows<int>{}.size(), 0u); }
 
-TEST(Finite, IsToldFromTheBits) {
+TEST(Finite, IsTestedOnTheBits) {
   EXPECT_TRUE(is_finite(0.0));
   EXPECT_TRUE(is_finite(-1.7e308));
   EXPECT_TRUE(is_finite(5e-324));
@@ -253,14 +255,14 @@ TEST(Finite, IsToldFromTheBits) {
   EXPECT_FALSE(is_finite(Vec<3, float>(0, 0, std::nanf(""))));
 }
 
-TEST(Error, SaysWhereItHappened) {
+TEST(Error, ReportsWhereItOccurred) {
   const Error error = Error("it broke", {.particle = 3, .id = 17}).with_step(120, 0.31);
   EXPECT_STREQ(error.what(), "it broke (particle 3, id 17, step 120, t = 0.31 s)");
   EXPECT_EQ(error.where().id, Id{17});
   EXPECT_STREQ(Error("alone").what(), "alone");
 }
 
-TEST(Error, NamesTheNumberThatIsWrong) {
+TEST(Error, ReportsTheInvalidNumber) {
   EXPECT_TRUE(refuses([] { require_between("x", 3, {0, 2}); }, {"x = 3", "0 to 2"}));
   EXPECT_TRUE(refuses([] { require_not_negative("x", -3); }, {"x = -3"}));
   EXPECT_TRUE(refuses([] { require_positive("x", 0); }, {"x = 0"}));

@@ -30,7 +30,7 @@ class AllParticles : public ::testing::Test {};
 using Kinds = ::testing::Types<Warm<2, double>, Warm<2, float>, Warm<3, double>, Warm<3, float>>;
 TYPED_TEST_SUITE(AllParticles, Kinds);
 
-TYPED_TEST(AllParticles, AreBornWithAPositionAndZeros) {
+TYPED_TEST(AllParticles, AreAddedWithAPositionAndZeros) {
   TypeParam particles;
   EXPECT_TRUE(particles.empty());
   using Vec = typename TypeParam::Vec;
@@ -44,8 +44,8 @@ TYPED_TEST(AllParticles, AreBornWithAPositionAndZeros) {
   EXPECT_EQ(particles[colour][0], (std::array<unsigned char, 3>{}));
 }
 
-// Rows are followed by a model: a plain map from id to what the particle should carry.
-TYPED_TEST(AllParticles, KeepTheirRowsWhileOthersComeGoAndChangePlaces) {
+// Compared with a model: a map from id to the expected values of the particle.
+TYPED_TEST(AllParticles, KeepTheirRowsWhileOthersAreAddedRemovedAndReordered) {
   using Real = typename TypeParam::Real;
   using Vec = typename TypeParam::Vec;
   TypeParam particles;
@@ -90,7 +90,7 @@ TYPED_TEST(AllParticles, KeepTheirRowsWhileOthersComeGoAndChangePlaces) {
   }
 }
 
-TYPED_TEST(AllParticles, FollowTheOrderTheyAreGiven) {
+TYPED_TEST(AllParticles, AreReorderedAsGiven) {
   using Vec = typename TypeParam::Vec;
   using Real = typename TypeParam::Real;
   TypeParam particles;
@@ -103,15 +103,15 @@ TYPED_TEST(AllParticles, FollowTheOrderTheyAreGiven) {
   EXPECT_EQ(particles.index_of(1), 2u);
 }
 
-TYPED_TEST(AllParticles, HaveGhostsThatCopyTheirOwnersDisplaced) {
+TYPED_TEST(AllParticles, HaveGhostsThatAreShiftedCopies) {
   using Real = typename TypeParam::Real;
   using Vec = typename TypeParam::Vec;
   constexpr int dim = TypeParam::dimension;
   auto box = cube<dim, Real>(0, 1);
   box.periodic.fill(true);
   TypeParam particles(box);
-  particles.add(Vec::Constant(Real(0.5)));     // the middle: no ghost
-  particles.add(Vec::Constant(Real(0.0625)));  // a corner: one ghost for every other corner
+  particles.add(Vec::Constant(Real(0.5)));     // centre: no ghost
+  particles.add(Vec::Constant(Real(0.0625)));  // corner: one ghost for every other corner
   particles[temperature][1] = 20;
   make_ghosts(particles, Real(0.125));
   EXPECT_EQ(particles.size(), 2u);
@@ -129,7 +129,7 @@ TYPED_TEST(AllParticles, HaveGhostsThatCopyTheirOwnersDisplaced) {
     EXPECT_GE(shifted, 1);
   }
 
-  // A ghost is as fresh as the last refresh of a field.
+  // Ghosts have the values of the last refresh.
   particles[temperature][1] = 30;
   EXPECT_EQ(particles.with_ghosts(temperature)[2], Real(20));
   particles.refresh_ghosts(temperature);
@@ -140,7 +140,7 @@ TYPED_TEST(AllParticles, HaveGhostsThatCopyTheirOwnersDisplaced) {
   EXPECT_EQ(particles.with_ghosts(position)[particles.total() - 1],
             Vec(before + Vec::Constant(Real(0.03125))));
 
-  // Adding, removing and reordering drop them.
+  // Adding, removing and reordering remove the ghosts.
   particles.add(Vec::Zero());
   EXPECT_EQ(particles.total(), 3u);
   EXPECT_EQ(particles[temperature][1], Real(30));
@@ -154,7 +154,7 @@ P five_in_a_row() {
   return particles;
 }
 
-TYPED_TEST(AllParticles, ReturnToWhatWasSaved) {
+TYPED_TEST(AllParticles, AreRestoredToTheSavedState) {
   using Real = typename TypeParam::Real;
   using Vec = typename TypeParam::Vec;
   auto particles = five_in_a_row<TypeParam>();
@@ -172,7 +172,7 @@ TYPED_TEST(AllParticles, ReturnToWhatWasSaved) {
   EXPECT_EQ(state_of(particles), before);
 }
 
-TYPED_TEST(AllParticles, ReturnToWhatWasBeforeAnAdvance) {
+TYPED_TEST(AllParticles, AreRestoredAfterAnAdvance) {
   using Real = typename TypeParam::Real;
   using Vec = typename TypeParam::Vec;
   auto particles = five_in_a_row<TypeParam>();
@@ -182,7 +182,7 @@ TYPED_TEST(AllParticles, ReturnToWhatWasBeforeAnAdvance) {
   for (int twice = 0; twice < 2; ++twice) {
     const auto [old, now] = particles.advance(position);
     for (Index i = 0; i < now.size(); ++i) now[i] = old[i] + Vec::Ones();
-    particles.arrive();
+    particles.finish_advance();
   }
   EXPECT_EQ(particles[position][2], Vec(Vec::Constant(Real(4))));
   EXPECT_EQ(particles.with_ghosts(position)[5], Vec(Vec::Constant(Real(11))));
@@ -190,7 +190,7 @@ TYPED_TEST(AllParticles, ReturnToWhatWasBeforeAnAdvance) {
   EXPECT_EQ(state_of(particles), before);
 }
 
-TYPED_TEST(AllParticles, AreWhereTheyWereUntilTheyArrive) {
+TYPED_TEST(AllParticles, AreUnchangedUntilAnAdvanceIsFinished) {
   using Vec = typename TypeParam::Vec;
   auto particles = five_in_a_row<TypeParam>();
   const Bytes before = state_of(particles);
@@ -199,11 +199,11 @@ TYPED_TEST(AllParticles, AreWhereTheyWereUntilTheyArrive) {
   for (auto& x : next) x = Vec::Ones();
   EXPECT_EQ(state_of(particles), before);
   particles.restore();
-  particles.arrive();
+  particles.finish_advance();
   EXPECT_EQ(state_of(particles), before);
 }
 
-TYPED_TEST(AllParticles, RefuseAPositionThatIsNotFinite) {
+TYPED_TEST(AllParticles, RejectAPositionThatIsNotFinite) {
   using Real = typename TypeParam::Real;
   using Vec = typename TypeParam::Vec;
   TypeParam particles;
@@ -215,7 +215,7 @@ TYPED_TEST(AllParticles, RefuseAPositionThatIsNotFinite) {
   EXPECT_TRUE(particles.empty());
 }
 
-TYPED_TEST(AllParticles, RefuseToRemoveTheUnknown) {
+TYPED_TEST(AllParticles, RejectRemovingAnUnknownId) {
   using Vec = typename TypeParam::Vec;
   TypeParam particles;
   particles.add(Vec::Zero());
@@ -224,7 +224,7 @@ TYPED_TEST(AllParticles, RefuseToRemoveTheUnknown) {
   EXPECT_TRUE(refuses([&] { particles.remove(0); }, {"Particles::remove", "id 0"}));
 }
 
-TYPED_TEST(AllParticles, RefuseAnOrderThatIsNoPermutation) {
+TYPED_TEST(AllParticles, RejectAnOrderThatIsNotAPermutation) {
   using Vec = typename TypeParam::Vec;
   TypeParam particles;
   for (int k = 0; k < 3; ++k) particles.add(Vec::Zero());
@@ -236,12 +236,12 @@ TYPED_TEST(AllParticles, RefuseAnOrderThatIsNoPermutation) {
   }
 }
 
-TEST(Fields, AreCalledWhatTheUserWrote) {
+TEST(Fields, HaveTheNameInTheSource) {
   EXPECT_EQ(name_of<position_t>(), "position");
   EXPECT_EQ(name_of<temperature_t>(), "temperature");
 }
 
-TEST(Fields, SayWhatAStepMayDoToThem) {
+TEST(Fields, HaveARoleInAStep) {
   EXPECT_EQ(role_of<position_t>(), Role::state);
   EXPECT_EQ(role_of<temperature_t>(), Role::state);
   EXPECT_EQ(role_of<colour_t>(), Role::constant);
@@ -252,8 +252,8 @@ TEST(Fields, AreVisitedOnceEachWithPositionFirst) {
   std::vector<std::string> names;
   Warm<2, double> particles;
   particles.for_each_field([&]<class F>(auto, F) { names.emplace_back(name_of<F>()); });
-  EXPECT_EQ(names, (std::vector<std::string>{"position", "velocity", "spin", "temperature", "colour",
-                                             "heat"}));
+  EXPECT_EQ(names, (std::vector<std::string>{"position", "velocity", "spin", "temperature",
+                                             "colour", "heat"}));
 }
 
 }  // namespace

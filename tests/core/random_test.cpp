@@ -10,7 +10,7 @@
 namespace silt {
 namespace {
 
-// The known answers that the authors of Philox publish with it.
+// Test vectors published by the authors of Philox.
 TEST(Random, IsPhilox) {
   using Block = std::array<std::uint32_t, 4>;
   EXPECT_EQ(philox({0, 0, 0, 0}, {0, 0}), (Block{0x6627e8d5, 0xe169c58d, 0xbc57ac4c, 0x9b00dbd8}));
@@ -21,7 +21,7 @@ TEST(Random, IsPhilox) {
             (Block{0xd16cfe09, 0x94fdcceb, 0x5001e420, 0x24126ea1}));
 }
 
-TEST(Random, GoesOnFromItsThreeNumbers) {
+TEST(Random, ContinuesFromItsThreeNumbers) {
   Random whole{.seed = 7, .id = 3};
   std::vector<double> numbers;
   for (int k = 0; k < 10; ++k) numbers.push_back(whole.uniform());
@@ -35,8 +35,8 @@ TEST(Random, GoesOnFromItsThreeNumbers) {
   EXPECT_NE(of_another_run.uniform(), numbers[0]);
 }
 
-// Mean, variance and the largest distance of the distribution function from the true one
-// (Kolmogorov and Smirnov: beyond 1.63/√n once in a hundred).
+// Variance, and maximum distance of the distribution function from the exact one (Kolmogorov and
+// Smirnov: above 1.63/√n with a probability of 1 %).
 template <class Draw, class Share>
 void expect_distribution(const Draw& draw, double variance, const Share& share_below) {
   constexpr Index n = 20000;
@@ -66,7 +66,7 @@ TEST(Random, IsNormalOverIds) {
                       [](double x) { return std::erfc(-x / std::sqrt(2.0)) / 2; });
 }
 
-TEST(Random, FillsABoxEvenly) {
+TEST(Random, FillsABoxUniformly) {
   const Box<3> box{.lower = {-1, 0, 2}, .upper = {1, 1, 4}};
   Random random{.seed = 2};
   Vec<3> mean = Vec<3>::Zero();

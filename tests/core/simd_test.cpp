@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A register's worth of numbers against one after another, for every width, whatever the processor:
-// what differs between processors is which of them have instructions of their own.
+// Compares packs with scalar code, for every width on every processor; processors differ in the
+// widths for which they have instructions.
 #include <silt/core/simd.hpp>
 
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@
 #include <random>
 #include <type_traits>
 
-// As core/simd.hpp has it: what is wider than a register is handed over in memory.
+// As in core/simd.hpp: packs wider than a register are passed in memory.
 #pragma GCC diagnostic ignored "-Wpsabi"
 
 namespace silt::test {
@@ -30,7 +30,7 @@ class Registers : public ::testing::Test {
   using Number = typename Of::Number;
   using Values = std::array<Number, Of::number>;
 
-  // Numbers that are often equal, and sometimes none.
+  // Numbers that are often equal, and sometimes NaN or infinite.
   Values next() {
     Values values;
     for (Number& value : values) {
@@ -61,7 +61,7 @@ using RealLanes = ::testing::Types<Lanes<float, 4>, Lanes<float, 8>, Lanes<float
                                    Lanes<double, 2>, Lanes<double, 4>, Lanes<double, 8>>;
 TYPED_TEST_SUITE(RealRegisters, RealLanes);
 
-TYPED_TEST(RealRegisters, CompareAsNumbersDoOneByOne) {
+TYPED_TEST(RealRegisters, CompareAsScalarsDo) {
   constexpr int N = TypeParam::number;
   using T = typename TypeParam::Number;
   for (int trial = 0; trial < 500; ++trial) {
@@ -72,7 +72,7 @@ TYPED_TEST(RealRegisters, CompareAsNumbersDoOneByOne) {
   }
 }
 
-TYPED_TEST(RealRegisters, HaveTheRootsOfTheirNumbers) {
+TYPED_TEST(RealRegisters, HaveTheSquareRootsOfScalars) {
   constexpr int N = TypeParam::number;
   using T = typename TypeParam::Number;
   for (int trial = 0; trial < 500; ++trial) {
@@ -94,7 +94,7 @@ using IndexLanes = ::testing::Types<Lanes<std::uint32_t, 4>, Lanes<std::uint32_t
                                     Lanes<std::uint32_t, 16>>;
 TYPED_TEST_SUITE(IndexRegisters, IndexLanes);
 
-TYPED_TEST(IndexRegisters, TellWhichNumbersAreOthers) {
+TYPED_TEST(IndexRegisters, FindTheNumbersThatDiffer) {
   constexpr int N = TypeParam::number;
   for (int trial = 0; trial < 500; ++trial) {
     const auto values = this->next();
@@ -104,7 +104,7 @@ TYPED_TEST(IndexRegisters, TellWhichNumbersAreOthers) {
   }
 }
 
-TYPED_TEST(IndexRegisters, WriteTheChosenNumbersInOrder) {
+TYPED_TEST(IndexRegisters, WriteTheSelectedNumbersInOrder) {
   constexpr int N = TypeParam::number;
   std::array<std::uint32_t, N> values;
   for (std::uint32_t& value : values) value = this->bits();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A step is a transaction, and run() calls its observers when it says.
+// A failed step is rolled back completely, and run() calls its observers at the documented times.
 #include "support/check.hpp"
 #include "support/grains.hpp"
 
@@ -20,7 +20,7 @@ namespace {
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr double inf = std::numeric_limits<double>::infinity();
 
-// What a user's own interaction may do at the step it is told to.
+// A fault of a user-defined interaction.
 struct Fault {
   Id id = 0;
   double push = 0;  // [N]
@@ -37,7 +37,7 @@ class Saboteur {
   template <class P, class S>
   void accelerate(P& particles, const S&, double) {
     if (!*fault) return;
-    if ((*fault)->throws) throw std::runtime_error("the user's own");
+    if ((*fault)->throws) throw std::runtime_error("user-defined");
     const Index i = particles.index_of((*fault)->id);
     particles[force][i][0] += typename P::Real((*fault)->push);
   }
@@ -53,8 +53,8 @@ struct Setting {
   using Search = S;
   static constexpr int dim = S::Vec::RowsAtCompileTime;
 
-  // A crowd that collides within and, where the box is periodic, through its sides. Row 5 was added
-  // and removed, so that ids are not places.
+  // Grains that collide, also across periodic sides. Particle 5 was removed, so that ids differ
+  // from indices.
   static auto make(Saboteur saboteur) {
     auto grains = crowd<dim, double>(dim == 2 ? 7 : 4, 1);
     grains.remove(5);
@@ -67,14 +67,15 @@ struct Setting {
       box.upper[0] = 0.5;
     }
     grains.set_box(box);
-    return Simulation{std::move(grains), Search{},
-                      Forces{saboteur, dem::Contacts{law, dem::Plane<dim>{.point = -Vec<dim>::Unit(0),
-                                                                          .normal = Vec<dim>::Unit(0)}}},
-                      Leapfrog{GlobalDamping{.alpha = 0.1}}};
+    return Simulation{
+        std::move(grains), Search{},
+        Forces{saboteur, dem::Contacts{law, dem::Plane<dim>{.point = -Vec<dim>::Unit(0),
+                                                            .normal = Vec<dim>::Unit(0)}}},
+        Leapfrog{GlobalDamping{.alpha = 0.1}}};
   }
 };
 
-// All that a step may change: columns, ids, what contacts remember, clock, and what observers read.
+// Everything that a step may change: columns, ids, contact histories, time, and results.
 template <class Sim>
 Bytes everything(const Sim& sim) {
   Bytes bytes = state_of(sim.particles());
@@ -85,10 +86,11 @@ Bytes everything(const Sim& sim) {
                                           static_cast<Index>(history.tangential_force.size())));
     append(bytes, std::span<const double>({history.normal_force}));
   });
-  contacts.for_each_contact(sim.particles(), [&](Index i, Index j, const auto& contact, const auto&) {
-    append(bytes, std::span<const Id>({i, j}));
-    append(bytes, std::span<const double>({contact.overlap}));
-  });
+  contacts.for_each_contact(sim.particles(),
+                            [&](Index i, Index j, const auto& contact, const auto&) {
+                              append(bytes, std::span<const Id>({i, j}));
+                              append(bytes, std::span<const double>({contact.overlap}));
+                            });
   append(bytes, std::span<const double>({sim.time(), sim.last_time_step(),
                                          contacts.elastic_energy(sim.particles())}));
   append(bytes, std::span<const Id>({sim.steps(), sim.particles_lost(), contacts.size()}));
@@ -97,7 +99,7 @@ Bytes everything(const Sim& sim) {
 
 constexpr double dt = 2e-5;
 
-// Provokes a failure now, and after 1, 2, 3 … steps, and goes on as if it had not been.
+// Provokes a failure after 0, 1, 2, … steps and checks that the run continues as without it.
 template <class Setting, class Provoke>
 void expect_no_trace(const std::vector<std::string>& words, Provoke&& provoke) {
   Saboteur saboteur;
@@ -106,17 +108,17 @@ void expect_no_trace(const std::vector<std::string>& words, Provoke&& provoke) {
   auto undisturbed = Setting::make(honest);
   for (int k = 0; k < 25; ++k) {
     const Bytes before = everything(sim);
-    auto say = words;
-    say.push_back("step " + std::to_string(k));
-    say.push_back("t = " + to_text(sim.time()) + " s");
-    ASSERT_TRUE(refuses([&] { provoke(sim, saboteur); }, say)) << "step " << k;
+    auto fragments = words;
+    fragments.push_back("step " + std::to_string(k));
+    fragments.push_back("t = " + to_text(sim.time()) + " s");
+    ASSERT_TRUE(refuses([&] { provoke(sim, saboteur); }, fragments)) << "step " << k;
     saboteur.fault->reset();
     ASSERT_EQ(everything(sim), before) << "step " << k;
     sim.step(dt);
     undisturbed.step(dt);
     ASSERT_EQ(everything(sim), everything(undisturbed)) << "step " << k;
   }
-  EXPECT_GT(sim.interaction().template part<1>().size(), 10u) << "grains did touch";
+  EXPECT_GT(sim.interaction().template part<1>().size(), 10u) << "grains were in contact";
 }
 
 template <class T>
@@ -127,7 +129,7 @@ TYPED_TEST_SUITE(Transactions, Settings);
 
 TYPED_TEST(Transactions, AForceThatIsNotFiniteLeavesNoTrace) {
   for (const double wrong : {nan, inf}) {
-    expect_no_trace<TypeParam>({"force of (" + to_text(wrong), "not finite", "id 11", "particle 10"},
+    expect_no_trace<TypeParam>({"force = (" + to_text(wrong), "not finite", "id 11", "particle 10"},
                                [wrong](auto& sim, Saboteur& saboteur) {
                                  *saboteur.fault = {.id = 11, .push = wrong};
                                  sim.step(dt);
@@ -153,7 +155,8 @@ TYPED_TEST(Transactions, ATimeStepBeyondStabilityLeavesNoTrace) {
   }
   const Bytes before = everything(sim);
   for (const double wrong : {1.0, 1e-2}) {
-    EXPECT_TRUE(refuses([&] { sim.step(wrong); }, {"time_step = " + to_text(wrong), "stable", "id ", "step 10"}));
+    EXPECT_TRUE(refuses([&] { sim.step(wrong); },
+                        {"time_step = " + to_text(wrong), "stable", "id ", "step 10"}));
   }
   for (const double wrong : {0.0, -1.0, nan, inf}) {
     EXPECT_TRUE(refuses([&] { sim.step(wrong); }, {"time_step = " + to_text(wrong), "step 10"}));
@@ -166,7 +169,7 @@ TYPED_TEST(Transactions, ATimeStepBeyondStabilityLeavesNoTrace) {
   EXPECT_EQ(everything(sim), everything(undisturbed));
 }
 
-TYPED_TEST(Transactions, AnExceptionOfTheUsersPassesAndLeavesNoTrace) {
+TYPED_TEST(Transactions, AUserDefinedExceptionPassesAndLeavesNoTrace) {
   Saboteur saboteur;
   auto sim = TypeParam::make(saboteur);
   auto undisturbed = TypeParam::make({});
@@ -194,25 +197,26 @@ TYPED_TEST(Transactions, ASnapshotLeavesNoTrace) {
   }
 }
 
-// Contacts with a floor at this height: of one type for all tests, which saves compiling others.
+// Contacts with a floor at this height; one type for all tests, which saves compile time.
 auto on_a_floor(double height) {
   return dem::Contacts{law, dem::Plane<2>{.point = {0, height}}};
 }
 constexpr double far_below = -10;
 
-TEST(Simulation, NamesTwoGrainsInOnePlaceAndStaysAsItWas) {
+TEST(Simulation, ReportsCoincidentGrainsAndIsRolledBack) {
   auto grains = two_grains<2>(0.1, Vec<2>(0, 0));
   dem::add_grain(grains, {0.5, 0.5}, pebble);
   Simulation sim{grains, UniformGrid<2>{}, on_a_floor(far_below), Leapfrog{}};
   sim.step(dt);
   sim.particles()[position][2] = sim.particles()[position][1];
   const Bytes before = state_of(sim.particles());
-  EXPECT_TRUE(refuses([&] { sim.step(dt); }, {"grains 1 and 2 coincide", "id 1", "step 1", "t = 2e-05 s"}));
+  EXPECT_TRUE(
+      refuses([&] { sim.step(dt); }, {"grains 1 and 2 coincide", "id 1", "step 1", "t = 2e-05 s"}));
   EXPECT_EQ(state_of(sim.particles()), before);
   EXPECT_EQ(sim.steps(), 1u);
 }
 
-TEST(Simulation, RemovesAndCountsLeaversWhereTheBoxSaysSo) {
+TEST(Simulation, RemovesAndCountsEscapedParticlesIfTheBoxSaysSo) {
   auto grains = one_grain<2>({0.5, 0.5}, {1, 0});
   dem::add_grain(grains, {0.5, 0.2}, pebble);
   auto box = cube<2, double>(0, 1);
@@ -228,16 +232,16 @@ TEST(Simulation, RemovesAndCountsLeaversWhereTheBoxSaysSo) {
   EXPECT_EQ(sim.particles_lost(), 1u);
 }
 
-TEST(Simulation, ForgetsTheContactsOfAGrainThatLeft) {
-  // The last of a row of touching grains is pushed out; what is read afterwards is of those left.
+TEST(Simulation, DropsTheContactsOfARemovedGrain) {
+  // The last of a row of touching grains is pushed out of the box; only the others have contacts.
   auto grains = two_grains<2>(-1e-4, Vec<2>(0, 0));
   dem::add_grain(grains, {0.0399, 0.01}, pebble);
   auto box = cube<2, double>(-1, 1);
   box.upper[0] = 0.03995;
   box.on_escape = OnEscape::remove;
   grains.set_box(box);
-  Simulation sim{grains, UniformGrid<2>{}, dem::Contacts{dem::CundallStrack{.normal_stiffness = 1e5}},
-                 Leapfrog{}};
+  Simulation sim{grains, UniformGrid<2>{},
+                 dem::Contacts{dem::CundallStrack{.normal_stiffness = 1e5}}, Leapfrog{}};
   const auto energy = [&] { return sim.interaction().elastic_energy(sim.particles()); };
   sim.step(1e-5);
   const double pair_energy = 1e5 * 1e-4 * 1e-4 / 2;
@@ -245,17 +249,19 @@ TEST(Simulation, ForgetsTheContactsOfAGrainThatLeft) {
   EXPECT_NEAR(energy(), pair_energy, 1e-3 * pair_energy);
   while (sim.particles_lost() == 0) sim.step(1e-5);
   Index seen = 0;
-  sim.interaction().for_each_contact(sim.particles(), [&](Index i, Index j, const auto&, const auto&) {
-    ++seen;
-    EXPECT_LT(i, sim.particles().size());
-    EXPECT_LT(j, sim.particles().size());
-  });
+  sim.interaction().for_each_contact(sim.particles(),
+                                     [&](Index i, Index j, const auto&, const auto&) {
+                                       ++seen;
+                                       EXPECT_LT(i, sim.particles().size());
+                                       EXPECT_LT(j, sim.particles().size());
+                                     });
   EXPECT_LE(seen, 1u);
   EXPECT_TRUE(is_finite(energy()));
 }
 
 TEST(Simulation, CallsObserversAtTheStartAtOutputsAndAtTheEnd) {
-  Simulation sim{one_grain<2>({0, 1}, {0, 0}), UniformGrid<2>{}, Gravity<2>{{0, -9.81}}, Leapfrog{}};
+  Simulation sim{one_grain<2>({0, 1}, {0, 0}), UniformGrid<2>{}, Gravity<2>{{0, -9.81}},
+                 Leapfrog{}};
   std::vector<double> times;
   const auto note = [&](const auto& s) { times.push_back(s.time()); };
   sim.run({.until = 1.05, .output_every = 0.25, .time_step = 0.0625}, note);
@@ -267,13 +273,14 @@ TEST(Simulation, CallsObserversAtTheStartAtOutputsAndAtTheEnd) {
 
   times.clear();
   sim.run({.until = 1, .time_step = 0.0625}, note);
-  EXPECT_EQ(times, (std::vector<double>{2})) << "nothing is left to do";
+  EXPECT_EQ(times, (std::vector<double>{2})) << "the end has been reached";
 }
 
 TEST(Simulation, CallsObserversOnceAtAnOutputThatIsTheEnd) {
-  Simulation sim{one_grain<2>({0, 1}, {0, 0}), UniformGrid<2>{}, Gravity<2>{{0, -9.81}}, Leapfrog{}};
+  Simulation sim{one_grain<2>({0, 1}, {0, 0}), UniformGrid<2>{}, Gravity<2>{{0, -9.81}},
+                 Leapfrog{}};
   int calls = 0;
-  // Steps of 0.1 and their sums are not exact; the count of outputs is.
+  // Steps of 0.1 and their sums are rounded; the number of outputs is exact.
   sim.run({.until = 3, .output_every = 0.1, .time_step = 0.1}, [&](const auto&) { ++calls; });
   EXPECT_EQ(sim.steps(), 30u);
   EXPECT_EQ(calls, 31);
@@ -381,16 +388,17 @@ struct CountsSteps {
 };
 
 TEST(Simulation, CallsAfterStepAfterEveryStep) {
-  Simulation sim{one_grain<2>({0, 1}, {0, 0}), UniformGrid<2>{}, Gravity<2>{{0, -9.81}}, Leapfrog{}};
+  Simulation sim{one_grain<2>({0, 1}, {0, 0}), UniformGrid<2>{}, Gravity<2>{{0, -9.81}},
+                 Leapfrog{}};
   const CountsSteps counter;
   sim.run({.until = 0.5, .time_step = 0.125}, counter);
   EXPECT_EQ(*counter.steps, 4);
 }
 
-// A push along x that grows with time; it notes when forces were asked for.
+// A force along x that grows with time; records the times at which it was evaluated.
 class Rising {
  public:
-  std::shared_ptr<std::vector<double>> asked = std::make_shared<std::vector<double>>();
+  std::shared_ptr<std::vector<double>> times = std::make_shared<std::vector<double>>();
 
   void set_time(double time) { time_ = time; }
   template <class P>
@@ -399,7 +407,7 @@ class Rising {
   }
   template <class P, class S>
   void accelerate(P& particles, const S&, double) const {
-    asked->push_back(time_);
+    times->push_back(time_);
     for (Index i = 0; i < particles.size(); ++i) {
       particles[force][i][0] += particles[mass][i] * time_;
     }
@@ -410,22 +418,22 @@ class Rising {
 };
 static_assert(DependsOnTime<Rising> && !DependsOnTime<Gravity<2>>);
 
-TEST(Simulation, TellsAnInteractionTheTimeOfThePositions) {
+TEST(Simulation, SetsTheTimeOfAnInteractionToThatOfThePositions) {
   const Rising rising;
   Saboteur saboteur;
   Simulation sim{one_grain<2>({0, 1}, {0, 0}), UniformGrid<2>{}, Forces{rising, saboteur},
                  Leapfrog{}};
   for (int k = 0; k < 3; ++k) sim.step(0.125);
-  // The first step also looks at time 0 to find v^{−½}.
-  EXPECT_EQ(*rising.asked, (std::vector<double>{0, 0, 0.125, 0.25}));
+  // The first step also evaluates the forces at time 0, for v^{−½}.
+  EXPECT_EQ(*rising.times, (std::vector<double>{0, 0, 0.125, 0.25}));
   EXPECT_EQ(sim.snapshot()[velocity][0][0], 0.375 * 0.375 / 2);
-  EXPECT_EQ(rising.asked->back(), 0.375);
+  EXPECT_EQ(rising.times->back(), 0.375);
 
   saboteur.fault->emplace().push = nan;
   EXPECT_THROW(sim.step(0.125), Error);
   saboteur.fault->reset();
   sim.step(0.125);
-  EXPECT_EQ(rising.asked->back(), 0.375) << "a failed step takes no time";
+  EXPECT_EQ(rising.times->back(), 0.375) << "a failed step does not advance the time";
 }
 
 struct DropsOne {
@@ -448,18 +456,20 @@ TEST(Simulation, LetsAnObserverChangeItBeforeEveryStep) {
   EXPECT_LT(sim.particles()[position][0][1], sim.particles()[position][3][1]);
 }
 
-TEST(Simulation, RefusesARunThatIsNone) {
-  Simulation sim{one_grain<2>({0, 1}, {0, 0}), UniformGrid<2>{}, Gravity<2>{{0, -9.81}}, Leapfrog{}};
+TEST(Simulation, RejectsInvalidRuns) {
+  Simulation sim{one_grain<2>({0, 1}, {0, 0}), UniformGrid<2>{}, Gravity<2>{{0, -9.81}},
+                 Leapfrog{}};
   EXPECT_TRUE(refuses([&] { sim.run({.until = nan}); }, {"Run: until = nan"}));
   EXPECT_TRUE(refuses([&] { sim.run({.until = inf}); }, {"Run: until = inf"}));
-  EXPECT_TRUE(refuses([&] { sim.run({.until = 1, .output_every = -1}); }, {"Run: output_every = -1"}));
+  EXPECT_TRUE(
+      refuses([&] { sim.run({.until = 1, .output_every = -1}); }, {"Run: output_every = -1"}));
   EXPECT_TRUE(refuses([&] { sim.run({.until = 1, .time_step = 0.0}); }, {"Run: time_step = 0"}));
-  EXPECT_TRUE(refuses([&] { sim.run({.until = 1}); }, {"chooses a time step"}));
-  EXPECT_TRUE(refuses([&] { sim.step(); }, {"chooses a time step"}));
+  EXPECT_TRUE(refuses([&] { sim.run({.until = 1}); }, {"chooses no time step"}));
+  EXPECT_TRUE(refuses([&] { sim.step(); }, {"chooses no time step"}));
   EXPECT_EQ(sim.steps(), 0u);
 }
 
-TEST(Simulation, RefusesASearchThatSeesLessThanTheInteractionReaches) {
+TEST(Simulation, RejectsASearchRadiusBelowTheInteractionRange) {
   EXPECT_TRUE(refuses(
       [] {
         Simulation{two_grains<2>(0, Vec<2>(0, 0)), UniformGrid<2>({.radius = 0.015}),
@@ -468,7 +478,7 @@ TEST(Simulation, RefusesASearchThatSeesLessThanTheInteractionReaches) {
       {"search radius 0.015", "0.02"}));
 }
 
-TEST(Simulation, EnlargesTheSearchWhenALargerGrainArrives) {
+TEST(Simulation, IncreasesTheSearchRadiusWhenALargerGrainIsAdded) {
   Simulation sim{two_grains<2>(0.1, Vec<2>(0, 0)), UniformGrid<2>{}, on_a_floor(far_below),
                  Leapfrog{}};
   sim.step(dt);
@@ -479,7 +489,7 @@ TEST(Simulation, EnlargesTheSearchWhenALargerGrainArrives) {
   EXPECT_EQ(sim.interaction().size(), 1u) << "it touches the grain at the origin";
 }
 
-TEST(Gravity, RefusesWhatIsNoAcceleration) {
+TEST(Gravity, RejectsAnAccelerationThatIsNotFinite) {
   EXPECT_TRUE(refuses([] { Gravity<2>({0, nan}); }, {"Gravity: acceleration", "nan"}));
   EXPECT_TRUE(refuses([] { Gravity<3>({0, 0, inf}); }, {"Gravity: acceleration", "inf"}));
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The choice is given the times of steps that a made-up machine takes; no clock is read.
+// The step times are those of a simulated machine; no clock is read.
 #include <silt/core/thread_choice.hpp>
 
 #include <gtest/gtest.h>
@@ -13,7 +13,7 @@ namespace {
 
 using detail::ThreadChoice;
 
-/// Steps on a machine where a step takes `one` and `all` seconds with one thread and with all.
+/// A simulated machine on which a step takes `one` seconds with one thread and `all` with all.
 struct Machine {
   double one = 1e-3;
   double all = 1e-3;
@@ -31,7 +31,7 @@ struct Machine {
     if (choice.is_trial() && !was_trial) ++trials;
     was_trial = choice.is_trial();
     double taken = choice.all() ? all : one;
-    // As the loops do: beyond the limit, the rest of the step is done by one thread.
+    // As in the loops: beyond the limit, the rest of the step runs with one thread.
     if (taken > choice.limit()) taken = choice.limit() + one;
     time += taken;
     choice.add(taken);
@@ -52,7 +52,7 @@ TEST(ThreadChoice, BeginsWithOneThread) {
   EXPECT_EQ(choice.limit(), std::numeric_limits<double>::infinity());
 }
 
-TEST(ThreadChoice, UsesAllThreadsWhereTheyAreFaster) {
+TEST(ThreadChoice, UsesAllThreadsIfTheyAreFaster) {
   for (const double one : {2e-4, 1e-3, 1e-2, 1.0}) {
     Machine machine{.one = one, .all = one / 1.7};
     while (machine.trials == 0) machine.step();
@@ -69,7 +69,7 @@ TEST(ThreadChoice, NeverTriesAllThreadsInVeryShortSteps) {
   EXPECT_EQ(machine.steps_with_all, 0);
 }
 
-TEST(ThreadChoice, LosesLittleWhereAllThreadsAreSlower) {
+TEST(ThreadChoice, LosesLittleIfAllThreadsAreSlower) {
   for (const double slower : {1.05, 1.5, 10.0, 1000.0}) {
     for (const double one : {2e-4, 1e-3, 1e-2, 1.0}) {
       Machine machine{.one = one, .all = slower * one};
@@ -80,7 +80,7 @@ TEST(ThreadChoice, LosesLittleWhereAllThreadsAreSlower) {
   }
 }
 
-TEST(ThreadChoice, TriesLessAndLessOftenWhatFails) {
+TEST(ThreadChoice, RepeatsFailedTrialsLessAndLessOften) {
   Machine machine{.one = 1e-3, .all = 1e-2};
   machine.run_for(4);
   const int first = machine.trials;
@@ -90,15 +90,15 @@ TEST(ThreadChoice, TriesLessAndLessOftenWhatFails) {
   EXPECT_LT(second, first / 2.0);
 }
 
-TEST(ThreadChoice, EndsATrialAtTheFirstStepThatIsMuchTooLong) {
+TEST(ThreadChoice, EndsATrialAtTheFirstMuchSlowerStep) {
   Machine machine{.one = 1e-3, .all = 1.0};
   while (machine.trials == 0) machine.step();
   EXPECT_EQ(machine.steps_with_all, 1);
   EXPECT_FALSE(machine.choice.all());
-  EXPECT_LT(machine.time, 0.03) << "the rest of the step was done by one thread";
+  EXPECT_LT(machine.time, 0.03) << "the rest of the step ran with one thread";
 }
 
-TEST(ThreadChoice, GoesBackToOneThreadWhenTheMachineBecomesBusy) {
+TEST(ThreadChoice, ReturnsToOneThreadWhenTheMachineBecomesBusy) {
   Machine machine{.one = 1e-3, .all = 6e-4};
   machine.run_for(5);
   machine.all = 5e-2;
@@ -109,7 +109,7 @@ TEST(ThreadChoice, GoesBackToOneThreadWhenTheMachineBecomesBusy) {
   EXPECT_LT(machine.time - busy_from, 1.1 * (machine.steps - steps) * machine.one);
 }
 
-TEST(ThreadChoice, UsesAllThreadsAgainWhenTheMachineIsFreeAgain) {
+TEST(ThreadChoice, UsesAllThreadsAgainWhenTheMachineIsIdleAgain) {
   Machine machine{.one = 1e-3, .all = 5e-2};
   machine.run_for(5);
   EXPECT_FALSE(machine.choice.all());
@@ -120,12 +120,12 @@ TEST(ThreadChoice, UsesAllThreadsAgainWhenTheMachineIsFreeAgain) {
   EXPECT_GT(machine.steps_with_all - before, 0.5 * (machine.steps - steps));
 }
 
-TEST(ThreadChoice, FollowsTheWorkOfAStep) {
-  // The work grows a hundredfold, and with it the use of several threads.
+TEST(ThreadChoice, AdaptsToTheWorkOfAStep) {
+  // The work grows by a factor of 100, and several threads become faster.
   Machine machine;
   for (int k = 0; k <= 200; ++k) {
     machine.one = 3e-4 * std::pow(100, k / 200.0);
-    machine.all = machine.one / 1.9 + 3e-4;  // which threads take to meet
+    machine.all = machine.one / 1.9 + 3e-4;  // synchronisation
     machine.run_for(0.1);
   }
   EXPECT_TRUE(machine.uses_all());
@@ -139,7 +139,7 @@ TEST(ThreadChoice, FollowsTheWorkOfAStep) {
   EXPECT_FALSE(machine.uses_all());
 }
 
-TEST(ThreadChoice, IsNotMisledByTheStepsThatSearchAnew) {
+TEST(ThreadChoice, IsNotMisledByStepsWithARebuild) {
   // Every twentieth step takes four times as long.
   for (const double slower : {1.3, 1 / 1.5}) {
     ThreadChoice choice;

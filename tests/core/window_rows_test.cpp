@@ -17,7 +17,7 @@ namespace {
 
 using Entries = std::map<std::pair<Index, Index>, double>;
 
-// A few entries a row, in clusters, of numbers that single precision holds.
+// A few entries per row, in clusters, with values that are exact in single precision.
 Entries clustered(Index n) {
   std::mt19937 random(8);
   Entries entries;
@@ -53,7 +53,7 @@ std::vector<double> product(const WindowRows& rows, const std::vector<double>& x
   return all;
 }
 
-TEST(WindowRows, KeepTheEntriesTheyWereGivenInAnyOrder) {
+TEST(WindowRows, KeepTheirEntriesForAnyOrderOfInsertion) {
   for (const Index n : {1u, 5u, 8u, 9u, 100u, 3000u}) {
     Entries entries = clustered(n);
     for (const bool backwards : {false, true}) {
@@ -61,7 +61,8 @@ TEST(WindowRows, KeepTheEntriesTheyWereGivenInAnyOrder) {
       EXPECT_EQ(rows.size(), n);
       Entries found;
       for (Index row = 0; row < n; ++row) {
-        rows.for_each_entry(row, [&](Index column, double value) { found[{row, column}] += value; });
+        rows.for_each_entry(row,
+                            [&](Index column, double value) { found[{row, column}] += value; });
       }
       std::erase_if(entries, [](const auto& each) { return each.second == 0; });
       EXPECT_EQ(found, entries) << n;
@@ -69,19 +70,19 @@ TEST(WindowRows, KeepTheEntriesTheyWereGivenInAnyOrder) {
   }
 }
 
-TEST(WindowRows, MultiplyAsTheirEntriesDo) {
+TEST(WindowRows, GiveTheProductOfTheirEntries) {
   for (const Index n : {1u, 3u, 4u, 7u, 100u, 3000u}) {
     const Entries entries = clustered(n);
     const WindowRows rows = rows_of(n, entries);
     std::vector<double> x(n);
-    for (Index i = 0; i < n; ++i) x[i] = double(i % 17) - 3;  // whole numbers: no rounding
+    for (Index i = 0; i < n; ++i) x[i] = double(i % 17) - 3;  // integers: no rounding
     std::vector<double> expected(n, 0);
     for (const auto& [place, value] : entries) expected[place.first] += value * x[place.second];
     EXPECT_EQ(product(rows, x), expected) << n;
   }
 }
 
-TEST(WindowRows, AddUpWhatIsAddedTwice) {
+TEST(WindowRows, SumRepeatedEntries) {
   WindowRows rows;
   rows.build(20, [](Index i, auto&& add) {
     add(i, 1.5);
@@ -94,7 +95,7 @@ TEST(WindowRows, AddUpWhatIsAddedTwice) {
   EXPECT_EQ(product(rows, std::vector<double>(20, 2)), std::vector<double>(20, 7));
 }
 
-TEST(WindowRows, KnowWhetherARowHasAnEntryInAMarkedColumn) {
+TEST(WindowRows, FindEntriesInMarkedColumns) {
   for (const Index n : {5u, 60u}) {
     const Entries entries = clustered(n);
     const WindowRows rows = rows_of(n, entries);
@@ -109,7 +110,7 @@ TEST(WindowRows, KnowWhetherARowHasAnEntryInAMarkedColumn) {
   }
 }
 
-TEST(WindowRows, BuiltAgainForgetWhatTheyWere) {
+TEST(WindowRows, KeepNothingOfAnEarlierBuild) {
   WindowRows rows = rows_of(3000, clustered(3000));
   rows.build(10, [](Index, auto&&) {});
   EXPECT_EQ(rows.size(), 10u);

@@ -41,7 +41,7 @@ void expect_the_table() {
         const auto impact = collide<Dim, Real>(law, {.time_step = pi / omega / 50, .phase = phase});
         const double expected = limited ? table["e_if_clipped"][row] : e;
         EXPECT_NEAR(impact.restitution / expected, 1, 0.005) << e << " limited " << limited;
-        EXPECT_NEAR(impact.deepest * omega / table["delta_max_omega0_over_v0"][row], 1, 0.01) << e;
+        EXPECT_NEAR(impact.max_overlap * omega / table["delta_max_omega0_over_v0"][row], 1, 0.01) << e;
       }
     }
   }
@@ -97,8 +97,8 @@ void expect_walton_braun() {
     for (const double phase : phases) {
       const auto impact = collide<Dim, Real>(law, {.time_step = lasts / 50, .phase = phase});
       EXPECT_NEAR(impact.restitution / e, 1, 0.002) << e;
-      EXPECT_NEAR(impact.deepest * std::sqrt(K_1), 1, 0.002) << e;
-      EXPECT_NEAR(impact.pushed / lasts, 1, 0.03) << e << ": to about a step";
+      EXPECT_NEAR(impact.max_overlap * std::sqrt(K_1), 1, 0.002) << e;
+      EXPECT_NEAR(impact.duration / lasts, 1, 0.03) << e << ": to about a step";
       EXPECT_NEAR(impact.plastic, (1 - e * e) / 2, 0.002) << e << ": of ½ J";
     }
   }
@@ -216,7 +216,7 @@ TEST(DmtAdhesion, ConservesEnergy) {
   for (const double phase : phases) {
     const auto impact = collide<3, double>(law, {.time_step = pi / 1e3 / 50, .phase = phase});
     EXPECT_NEAR(impact.restitution, 1, 0.01);
-    EXPECT_NEAR(impact.deepest * 1e3, 1 + std::sqrt(2), 0.01);
+    EXPECT_NEAR(impact.max_overlap * 1e3, 1 + std::sqrt(2), 0.01);
   }
 }
 

@@ -20,7 +20,7 @@ const dem::Blend<dem::UniformSizes> blend{.sizes = {.min_radius = 0.02, .max_rad
 template <class P>
 double smallest_gap(const P& grains) {
   double gap = 1e9;
-  for (const auto& [i, j, r] : meetings_by_hand(grains, typename P::Real(0.25))) {
+  for (const auto& [i, j, r] : brute_force_pairs(grains, typename P::Real(0.25))) {
     double square = 0;
     for (const auto part : r) square += double(part) * double(part);
     gap = std::min(gap, std::sqrt(square) - double(grains[radius][i] + grains[radius][j]));

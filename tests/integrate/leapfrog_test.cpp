@@ -12,7 +12,7 @@
 namespace silt::test {
 namespace {
 
-// A user's own interaction: every particle on a spring to the origin.
+// A user-defined interaction: every particle on a spring to the origin.
 struct SpringToOrigin {
   double omega = 1;
 
@@ -62,7 +62,7 @@ TEST(Leapfrog, IsOfSecondOrderInPositionAndInTheVelocityOfASnapshot) {
   EXPECT_NEAR(std::log2(fine.velocity / finest.velocity), 2, 0.05);
 }
 
-TEST(Leapfrog, KeepsTheEnergyOfAnOscillatorOverManyPeriods) {
+TEST(Leapfrog, ConservesTheEnergyOfAnOscillatorOverManyPeriods) {
   Simulation sim{one_grain<2>({1, 0}, {0, 0}), UniformGrid<2>{}, SpringToOrigin{}, Leapfrog{}};
   double least = 1;
   double most = 0;
@@ -75,7 +75,7 @@ TEST(Leapfrog, KeepsTheEnergyOfAnOscillatorOverManyPeriods) {
   EXPECT_LT(most - least, 1e-3);
 }
 
-// A closed chain of springs: each particle feels where those beside it are.
+// A closed chain of springs: the force on a particle depends on the positions of its neighbours.
 struct Chain {
   template <class P>
   double reach(const P&) const {
@@ -101,7 +101,7 @@ struct ChainLinkByLink : Chain {
   }
 };
 
-TEST(Leapfrog, SeesWhereAStepBeganWhenForcesAreAddedParticleByParticle) {
+TEST(Leapfrog, UsesPositionsOfTheBeginningOfAStepIfForcesAreAddedByParticle) {
   const auto positions = [](auto chain) {
     dem::Grains<2> grains;
     for (const auto& x : random_points(200, cube<2, double>(0, 9), 4)) {
@@ -127,8 +127,9 @@ TEST(Leapfrog, IsOfSecondOrderWithAChangingTimeStep) {
   EXPECT_GT(std::log2(deviation(0.02) / deviation(0.01)), 1.7);
 }
 
-TEST(Leapfrog, FallsAsGalileoSays) {
-  Simulation sim{one_grain<3>({0, 0, 5}, {1, 0, 2}), UniformGrid<3>{}, Gravity<3>{{0, 0, -9.81}}, Leapfrog{}};
+TEST(Leapfrog, IsExactForFreeFall) {
+  Simulation sim{one_grain<3>({0, 0, 5}, {1, 0, 2}), UniformGrid<3>{}, Gravity<3>{{0, 0, -9.81}},
+                 Leapfrog{}};
   sim.run({.until = 1, .time_step = 1.0 / 64});
   const auto now = sim.snapshot();
   EXPECT_NEAR(now[position][0][0], 1, 1e-12);
@@ -136,18 +137,19 @@ TEST(Leapfrog, FallsAsGalileoSays) {
   EXPECT_NEAR(now[velocity][0][2], 2 - 9.81, 1e-12);
 }
 
-TEST(Leapfrog, KeepsKineticEnergyInAPeriodicBoxWithoutContacts) {
+TEST(Leapfrog, ConservesKineticEnergyInAPeriodicBoxWithoutContacts) {
   auto box = cube<2, double>(0, 1);
   box.periodic.fill(true);
   dem::Grains<2> grains(box);
   const auto v = random_points(30, cube<2, double>(-3, 3), 2);
   for (Index i = 0; i < v.size(); ++i) {
-    // Each on a line of its own: nobody meets.
+    // Each on a line of its own: no contacts.
     dem::add_grain(grains, {0.5, (double(i) + 0.5) / 30}, {.radius = 0.01, .density = 1});
     grains[velocity][i] = {v[i][0], 0};
     grains[spin][i] = v[i][1];
   }
-  Simulation sim{grains, NeighbourList<2>{}, dem::Contacts{dem::CundallStrack{.normal_stiffness = 1}}, Leapfrog{}};
+  Simulation sim{grains, NeighbourList<2>{},
+                 dem::Contacts{dem::CundallStrack{.normal_stiffness = 1}}, Leapfrog{}};
   const double before = energy_of_motion(sim.particles());
   sim.run({.until = 20, .time_step = 0.01});
   EXPECT_EQ(energy_of_motion(sim.particles()), before);
@@ -155,7 +157,7 @@ TEST(Leapfrog, KeepsKineticEnergyInAPeriodicBoxWithoutContacts) {
   for (const auto& x : now[position]) EXPECT_TRUE(0 <= x[0] && x[0] < 1);
 }
 
-TEST(Leapfrog, TurnsGrainsByTheirSpin) {
+TEST(Leapfrog, RotatesGrainsByTheirSpin) {
   auto flat = one_grain<2>({0, 0}, {0, 0});
   flat[spin][0] = 3;
   Simulation disc{flat, UniformGrid<2>{}, Gravity<2>{{0, 0}}, Leapfrog{}};
@@ -171,7 +173,7 @@ TEST(Leapfrog, TurnsGrainsByTheirSpin) {
 
 // --- global damping ------------------------------------------------------------------------------
 
-TEST(GlobalDamping, LosesTheFractionOfEquation32AtEveryStep) {
+TEST(GlobalDamping, DecreasesVelocitiesByTheFactorOfEquation32) {
   // α Δt/2 = 1/4: each step leaves (1 − 1/4)/(1 + 1/4) = 3/5 of velocity and spin.
   auto grains = one_grain<2>({0, 0}, {8, 0});
   grains[spin][0] = 40;
@@ -187,7 +189,7 @@ TEST(GlobalDamping, LosesTheFractionOfEquation32AtEveryStep) {
   }
 }
 
-TEST(GlobalDamping, StartsFromTheVelocityItIsGiven) {
+TEST(GlobalDamping, StartsFromTheGivenVelocity) {
   Simulation sim{one_grain<2>({0, 0}, {8, 0}), UniformGrid<2>{}, Gravity<2>{{0, 0}},
                  Leapfrog{GlobalDamping{.alpha = 2}}};
   sim.step(0.25);
@@ -195,7 +197,7 @@ TEST(GlobalDamping, StartsFromTheVelocityItIsGiven) {
   EXPECT_NEAR(sim.particles()[velocity][0][0], 6, 1e-14);
 }
 
-TEST(GlobalDamping, LetsAFreeParticleDecayExponentially) {
+TEST(GlobalDamping, DecreasesFreeVelocitiesExponentially) {
   const auto left = [](double dt) {
     Simulation sim{one_grain<3>({0, 0, 0}, {0, 2, 0}), UniformGrid<3>{}, Gravity<3>{{0, 0, 0}},
                    Leapfrog{GlobalDamping{.alpha = 0.7}}};
@@ -206,17 +208,18 @@ TEST(GlobalDamping, LetsAFreeParticleDecayExponentially) {
   EXPECT_NEAR(std::log2(left(1.0 / 16) / left(1.0 / 32)), 2, 0.05);
 }
 
-TEST(GlobalDamping, LetsAParticleFallWithAtMostGravityOverAlpha) {
+TEST(GlobalDamping, LimitsFreeFallToGravityOverAlpha) {
   Simulation sim{one_grain<2>({0, 0}, {0, 0}), UniformGrid<2>{}, Gravity<2>{{0, -9.81}},
                  Leapfrog{GlobalDamping{.alpha = 0.5}}};
   sim.run({.until = 80, .time_step = 0.05});
   EXPECT_NEAR(sim.particles()[velocity][0][1], -9.81 / 0.5, 1e-9);
 }
 
-TEST(GlobalDamping, RefusesARateThatIsNone) {
+TEST(GlobalDamping, RejectsInvalidRates) {
   EXPECT_TRUE(refuses([] { Leapfrog{GlobalDamping{.alpha = -1}}; }, {"GlobalDamping: alpha = -1"}));
-  EXPECT_TRUE(refuses([] { Leapfrog{GlobalDamping{.alpha = std::numeric_limits<double>::quiet_NaN()}}; },
-                      {"GlobalDamping: alpha = nan"}));
+  EXPECT_TRUE(
+      refuses([] { Leapfrog{GlobalDamping{.alpha = std::numeric_limits<double>::quiet_NaN()}}; },
+              {"GlobalDamping: alpha = nan"}));
 }
 
 }  // namespace

@@ -11,7 +11,7 @@ namespace {
 
 using namespace silt;
 
-TEST(Energy, OfARollingDiscIsHalfAgainThatOfASlidingOne) {
+TEST(Energy, OfARollingDiscIsOneAndAHalfTimesThatOfASlidingOne) {
   dem::Grains<2> disc;
   dem::add_grain(disc, {0, 0.5}, {.radius = 0.5, .density = 100});
   disc[velocity][0] = {3, 0};
@@ -20,7 +20,7 @@ TEST(Energy, OfARollingDiscIsHalfAgainThatOfASlidingOne) {
   EXPECT_NEAR(momentum(disc)[0], 3 * disc[mass][0], 1e-12);
 }
 
-TEST(AngularMomentum, IsThatOfTheOrbitAndOfTheSpin) {
+TEST(AngularMomentum, IsTheSumOfOrbitAndSpin) {
   dem::Grains<3> balls;
   dem::add_grain(balls, {1, 0, 0}, {.radius = 0.5, .density = 100});
   dem::add_grain(balls, {0, 2, 0}, {.radius = 0.5, .density = 100});
@@ -38,7 +38,7 @@ TEST(AngularMomentum, IsThatOfTheOrbitAndOfTheSpin) {
   EXPECT_NEAR(angular_momentum(disc, {0, 0}), disc[mass][0] * (3 + 1), 1e-12);
 }
 
-TEST(Energy, OfAThrownBallStays) {
+TEST(Energy, OfAThrownBallIsConserved) {
   dem::Grains<3> ball;
   dem::add_grain(ball, {0, 0, 0}, {.radius = 0.5, .density = 100});
   ball[velocity][0] = {1, 2, 3};
@@ -53,7 +53,7 @@ TEST(Energy, OfAThrownBallStays) {
   EXPECT_NEAR(energy() / before, 1, 1e-4);
 }
 
-TEST(Timed, SearchAndInteractionDoWhatTheyDidAndCountTheirSeconds) {
+TEST(Timed, SearchAndInteractionAreUnchangedAndMeasureTheirTime) {
   const auto heap = [] {
     return dem::make_grains(lattice<2>({{0, 0}, {0.3, 0.3}}, 0.0199),
                             {.radius = 0.01, .density = 1});

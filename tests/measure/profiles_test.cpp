@@ -18,7 +18,7 @@ namespace {
 
 constexpr double pi = std::numbers::pi;
 
-TEST(BlockSums, KnowTheErrorOfIndependentNumbers) {
+TEST(BlockSums, EstimateTheErrorOfIndependentSamples) {
   std::mt19937_64 random(1);
   std::normal_distribution<double> normal(3, 2);
   BlockSums sums(2);
@@ -37,7 +37,7 @@ TEST(BlockSums, KnowTheErrorOfIndependentNumbers) {
   EXPECT_EQ(sums.mean(1).standard_error, 0);
 }
 
-TEST(BlockSums, KnowThatSamplesWhichFollowOneAnotherTellTheSame) {
+TEST(BlockSums, EstimateTheErrorOfCorrelatedSamples) {
   std::mt19937_64 random(2);
   std::normal_distribution<double> normal(0, 1);
   BlockSums sums(1);
@@ -45,10 +45,10 @@ TEST(BlockSums, KnowThatSamplesWhichFollowOneAnotherTellTheSame) {
     const double x = normal(random);
     for (int again = 0; again < 64; ++again) sums.add(std::vector<double>{x});
   }
-  EXPECT_NEAR(sums.mean(0).standard_error, 0.1, 0.05) << "as of 100 samples, not of 6400";
+  EXPECT_NEAR(sums.mean(0).standard_error, 0.1, 0.05) << "the error of 100 samples, not of 6400";
 }
 
-TEST(BlockSums, DoNotKnowTheErrorOfOneSample) {
+TEST(BlockSums, HaveNoErrorForOneSample) {
   BlockSums sums(1);
   sums.add(std::vector<double>{5});
   EXPECT_EQ(sums.mean(0).value, 5);
@@ -56,7 +56,7 @@ TEST(BlockSums, DoNotKnowTheErrorOfOneSample) {
   EXPECT_TRUE(refuses([&] { sums.add(std::vector<double>{1, 2}); }, {"BlockSums", "2", "1"}));
 }
 
-TEST(SliceOfAGrain, IsTheExactVolume) {
+TEST(SliceOfAGrain, HasTheExactVolume) {
   EXPECT_NEAR(sphere_volume_below(2, 2), 4 * pi / 3 * 8, 1e-13);
   EXPECT_NEAR(sphere_volume_below(2, 0), 2 * pi / 3 * 8, 1e-13);
   EXPECT_NEAR(sphere_volume_below(2, -1), pi * (3 * 2 - 1) / 3, 1e-13) << "a cap of height 1";
@@ -83,7 +83,7 @@ TEST(Profiles, OfASimpleCubicLatticeAreExact) {
   }
 }
 
-TEST(Profiles, TellWhatComesOfAllSolidFractionsTogether) {
+TEST(Profiles, EvaluateFunctionsOfAllSolidFractions) {
   Profiles<2> profiles({.lower = 0, .upper = 1, .count = 4, .cross_section = 1});
   for (const double height : {0.2, 0.3, 0.2, 0.3}) {
     profiles.add(one_grain<2>({0, height}, {0, 0}, {.radius = 0.1, .density = 1}));
@@ -92,10 +92,10 @@ TEST(Profiles, TellWhatComesOfAllSolidFractionsTogether) {
     return std::accumulate(fractions.begin(), fractions.end(), 0.0) / 4;
   });
   EXPECT_NEAR(sum.value, pi * 0.01, 1e-15);
-  EXPECT_NEAR(sum.standard_error, 0, 1e-15) << "wherever the grain was, it was there as a whole";
+  EXPECT_NEAR(sum.standard_error, 0, 1e-15) << "the sum is the volume of the grain in each sample";
 }
 
-TEST(Profiles, GoRoundAPeriodicHeight) {
+TEST(Profiles, IncludeImagesAcrossAPeriodicHeight) {
   Box<2> box{.lower = {0, 0}, .upper = {1, 1}, .periodic = {true, true}};
   dem::Grains<2> grain(box);
   dem::add_grain(grain, {0.5, 0.01}, {.radius = 0.1, .density = 1});
@@ -106,12 +106,12 @@ TEST(Profiles, GoRoundAPeriodicHeight) {
   for (const auto& row : rows) sum += row.solid_fraction.value / 5;
   EXPECT_NEAR(sum, pi * 0.01, 1e-15);
   EXPECT_NEAR(rows[4].solid_fraction.value * 0.2, disc_area_below(0.1, -0.01), 1e-15);
-  EXPECT_TRUE(std::isnan(rows[2].temperature.value)) << "nothing was there";
+  EXPECT_TRUE(std::isnan(rows[2].temperature.value)) << "the slice was empty";
 }
 
-TEST(Profiles, TellFluctuationFromFlow) {
+TEST(Profiles, SeparateFluctuationsFromTheMeanFlow) {
   Profiles<3> profiles({.lower = 0, .upper = 1, .count = 1, .cross_section = 2});
-  // Twice the mass, half the velocity: a mean flow of (1, 0, 0) and fluctuations about it.
+  // A mean flow of (1, 0, 0) by mass, and fluctuations about it.
   dem::Grains<3> grains;
   dem::add_grain(grains, {0, 0, 0.3}, {.radius = 0.1, .density = 200});
   dem::add_grain(grains, {1, 0, 0.7}, {.radius = 0.1, .density = 100});
@@ -129,7 +129,7 @@ TEST(Profiles, TellFluctuationFromFlow) {
   EXPECT_NEAR(row.temperature.value, (3 + 2) / 3.0, 1e-13);
 }
 
-TEST(Profiles, AreAnObserverThatRunsMeet) {
+TEST(Profiles, AreAnObserverOfRuns) {
   auto grain = one_grain<2>({0, 0.5}, {0.25, 0});
   Simulation sim{grain, UniformGrid<2>{}, Forces{}, Leapfrog{}};
   Profiles<2> profiles({.lower = 0, .upper = 1, .count = 1, .cross_section = 1});
@@ -139,7 +139,7 @@ TEST(Profiles, AreAnObserverThatRunsMeet) {
   EXPECT_EQ(profiles.rows()[0].solid_fraction.standard_error, 0);
 }
 
-TEST(Profiles, RefuseSlicesWithoutVolume) {
+TEST(Profiles, RejectSlicesWithoutVolume) {
   EXPECT_TRUE(refuses([] { Profiles<2>({.lower = 1, .upper = 1, .count = 1, .cross_section = 1}); },
                       {"Slices: upper - lower"}));
   EXPECT_TRUE(refuses([] { Profiles<2>({.lower = 0, .upper = 1, .count = 0, .cross_section = 1}); },

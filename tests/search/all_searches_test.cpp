@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Every search in every dimension and precision finds the pairs that a double loop by hand finds.
+// Every search, in every dimension and precision, finds the same pairs as a double loop.
 #include "support/check.hpp"
 #include "support/points.hpp"
 
@@ -26,27 +26,29 @@ class AllSearches : public ::testing::Test {
 
   static S search(double radius) { return S({.radius = Number(radius)}); }
 
-  // The search's answer is the one by hand, from both loops.
+  // for_each_neighbour and for_each_pair of the search give the brute-force result.
   template <class P>
   static void expect_right(P& particles, S& found) {
     found.update(particles);
-    const auto right = meetings_by_hand(particles, found.radius());
-    EXPECT_EQ(meetings(particles, found), right);
-    EXPECT_EQ(pairs(particles, found), once_each(right));
+    const auto expected = brute_force_pairs(particles, found.radius());
+    EXPECT_EQ(neighbour_pairs(particles, found), expected);
+    EXPECT_EQ(pairs(particles, found), once_each(expected));
     for (Index i = 0; i < particles.size(); ++i) {
       found.for_each_neighbour(i, [&](Index j, const Point& r_ij, Number r) {
         EXPECT_LT(j, particles.total());
-        EXPECT_NEAR(double(r), double(r_ij.norm()), 4 * double(std::numeric_limits<Number>::epsilon()) * double(r));
+        EXPECT_NEAR(double(r), double(r_ij.norm()),
+                    4 * double(std::numeric_limits<Number>::epsilon()) * double(r));
       });
     }
   }
-  static void expect_right(const Points& points, double radius, const Box<dimension, Number>& box = {}) {
+  static void expect_right(const Points& points, double radius,
+                           const Box<dimension, Number>& box = {}) {
     auto particles = particles_at(points, box);
     auto found = search(radius);
     expect_right(particles, found);
   }
 
-  static Index meetings_of(const Points& points, double radius, const Box<dimension, Number>& box) {
+  static Index pair_count(const Points& points, double radius, const Box<dimension, Number>& box) {
     auto particles = particles_at(points, box);
     auto found = search(radius);
     found.update(particles);
@@ -80,7 +82,7 @@ TYPED_TEST(AllSearches, FindPairsFarFromTheOrigin) {
 TYPED_TEST(AllSearches, FindPairsOnCellFaces) {
   using Real = typename TestFixture::Number;
   constexpr int dim = TestFixture::dimension;
-  // A lattice whose spacing is the radius, or a fraction of it: points lie on the faces.
+  // A lattice whose spacing is the radius, or a fraction of it: points are on cell faces.
   for (const double spacing : {0.1, 0.25, 1.0}) {
     typename TestFixture::Points points;
     for (int a = -3; a <= 3; ++a) {
@@ -98,7 +100,7 @@ TYPED_TEST(AllSearches, FindPairsOnCellFaces) {
   }
 }
 
-TYPED_TEST(AllSearches, FindPairsWhoseCoordinatesAreNeighboursInFloatingPoint) {
+TYPED_TEST(AllSearches, FindPairsWithAdjacentFloatingPointCoordinates) {
   using Real = typename TestFixture::Number;
   constexpr int dim = TestFixture::dimension;
   const Real far = std::numeric_limits<Real>::max();
@@ -117,10 +119,10 @@ TYPED_TEST(AllSearches, FindPairsWhoseCoordinatesAreNeighboursInFloatingPoint) {
   }
 }
 
-TYPED_TEST(AllSearches, FindEveryPairWhateverTheExtentInRadii) {
+TYPED_TEST(AllSearches, FindEveryPairForAnyExtent) {
   using Real = typename TestFixture::Number;
   constexpr int dim = TestFixture::dimension;
-  // The upper corner of the particles falls on, or a rounding beside, the end of the last cell.
+  // The upper corner of the particles is at the end of the last cell, up to a rounding error.
   for (int thirds = 1; thirds < 400; ++thirds) {
     const Real extent = Real(thirds) / 3 * Real(0.1);
     typename TestFixture::Points points;
@@ -132,7 +134,8 @@ TYPED_TEST(AllSearches, FindEveryPairWhateverTheExtentInRadii) {
     auto particles = particles_at(points);
     auto found = TestFixture::search(0.1);
     found.update(particles);
-    ASSERT_EQ(meetings(particles, found), meetings_by_hand(particles, found.radius())) << thirds;
+    ASSERT_EQ(neighbour_pairs(particles, found), brute_force_pairs(particles, found.radius()))
+        << thirds;
   }
 }
 
@@ -141,19 +144,19 @@ TYPED_TEST(AllSearches, FindCoincidentPoints) {
   this->expect_right({V::Zero(), V::Zero(), V::Zero(), V::Ones()}, 0.5);
 }
 
-TYPED_TEST(AllSearches, FindNothingAmongNoneAndOne) {
+TYPED_TEST(AllSearches, FindNothingAmongZeroAndOneParticle) {
   using V = typename TestFixture::Point;
   this->expect_right({}, 1);
   this->expect_right({V::Ones()}, 1);
 }
 
-TYPED_TEST(AllSearches, TakeAPairAtTheRadiusItselfAsApart) {
+TYPED_TEST(AllSearches, ExcludePairsAtExactlyTheRadius) {
   using V = typename TestFixture::Point;
   using Real = typename TestFixture::Number;
   const auto unit = [](Real x) { return V(x * V::Unit(0)); };
   const Box<TestFixture::dimension, Real> space;
-  EXPECT_EQ(this->meetings_of({unit(0), unit(1)}, 1, space), 0u);
-  EXPECT_EQ(this->meetings_of({unit(0), unit(std::nextafter(Real(1), Real(0)))}, 1, space), 1u);
+  EXPECT_EQ(this->pair_count({unit(0), unit(1)}, 1, space), 0u);
+  EXPECT_EQ(this->pair_count({unit(0), unit(std::nextafter(Real(1), Real(0)))}, 1, space), 1u);
 }
 
 TYPED_TEST(AllSearches, FindPairsAcrossEveryCombinationOfPeriodicSides) {
@@ -168,7 +171,7 @@ TYPED_TEST(AllSearches, FindPairsAcrossEveryCombinationOfPeriodicSides) {
   }
 }
 
-TYPED_TEST(AllSearches, SeeAPairThroughASideAnEdgeAndACorner) {
+TYPED_TEST(AllSearches, FindAPairAcrossASideAnEdgeAndACorner) {
   using Real = typename TestFixture::Number;
   using V = typename TestFixture::Point;
   constexpr int dim = TestFixture::dimension;
@@ -181,16 +184,17 @@ TYPED_TEST(AllSearches, SeeAPairThroughASideAnEdgeAndACorner) {
     auto particles = particles_at<dim, Real>({low, high}, box);
     auto found = TestFixture::search(0.25);
     found.update(particles);
-    const auto met = pairs(particles, found);
-    ASSERT_EQ(met.size(), 1u) << sides << " sides";
-    // From low to high it is one eighth backwards through each of the sides.
+    const auto reported = pairs(particles, found);
+    ASSERT_EQ(reported.size(), 1u) << sides << " sides";
+    // r_ij is −1/8 across each of the sides.
     for (int k = 0; k < dim; ++k) {
-      EXPECT_EQ(std::get<2>(met[0])[static_cast<std::size_t>(k)], k < sides ? Real(-0.125) : Real(0));
+      EXPECT_EQ(std::get<2>(reported[0])[static_cast<std::size_t>(k)],
+                k < sides ? Real(-0.125) : Real(0));
     }
   }
 }
 
-TYPED_TEST(AllSearches, SeeThePairAcrossASideWithCoordinatesAtItsVeryEdge) {
+TYPED_TEST(AllSearches, FindPairsAcrossASideForCoordinatesOnTheSide) {
   using Real = typename TestFixture::Number;
   using V = typename TestFixture::Point;
   constexpr int dim = TestFixture::dimension;
@@ -200,9 +204,9 @@ TYPED_TEST(AllSearches, SeeThePairAcrossASideWithCoordinatesAtItsVeryEdge) {
   const V inner = V::Constant(Real(-0.9));
   for (const Real edge : {std::nextafter(-one, Real(-2)), -one, std::nextafter(-one, Real(0)),
                           std::nextafter(one, Real(0)), one, std::nextafter(one, Real(2))}) {
-    EXPECT_EQ(this->meetings_of({V::Constant(edge), inner}, 0.25, box), 1u) << double(edge);
-    // Half a box away nobody meets.
-    EXPECT_EQ(this->meetings_of({V::Constant(edge), V::Zero()}, 0.25, box), 0u) << double(edge);
+    EXPECT_EQ(this->pair_count({V::Constant(edge), inner}, 0.25, box), 1u) << double(edge);
+    // No pair at half the length of the box.
+    EXPECT_EQ(this->pair_count({V::Constant(edge), V::Zero()}, 0.25, box), 0u) << double(edge);
   }
 }
 
@@ -243,7 +247,7 @@ TYPED_TEST(AllSearches, FindTheSameAfterAnotherRadiusAndAnotherBox) {
   this->expect_right(particles, found);
 }
 
-TYPED_TEST(AllSearches, KeepPairsWhileParticlesMove) {
+TYPED_TEST(AllSearches, FindEveryPairWhileParticlesMove) {
   using Real = typename TestFixture::Number;
   constexpr int dim = TestFixture::dimension;
   for (const bool periodic : {false, true}) {
@@ -255,19 +259,17 @@ TYPED_TEST(AllSearches, KeepPairsWhileParticlesMove) {
       const auto moves = random_points(80, cube<dim, Real>(Real(-0.02), Real(0.02)), 100 + step);
       for (Index i = 0; i < particles.size(); ++i) particles[position][i] += moves[i];
       found.update(particles);
-      // Rounding of x + period decides which image is nearest by a bit; count, do not compare bits.
-      ASSERT_EQ(meetings(particles, found).size(),
-                [&] {
-                  auto wrapped = particles;
-                  for (auto& x : wrapped[position]) x = box.wrap(x);
-                  return meetings_by_hand(wrapped, found.radius()).size();
-                }())
-          << step;
+      // Rounding of x + period affects pairs at the radius; compare numbers, not bits.
+      ASSERT_EQ(neighbour_pairs(particles, found).size(), [&] {
+        auto wrapped = particles;
+        for (auto& x : wrapped[position]) x = box.wrap(x);
+        return brute_force_pairs(wrapped, found.radius()).size();
+      }()) << step;
     }
   }
 }
 
-TYPED_TEST(AllSearches, RefuseAPeriodicSideShorterThanTwoRadii) {
+TYPED_TEST(AllSearches, RejectAPeriodicSideShorterThanTwoRadii) {
   using Real = typename TestFixture::Number;
   constexpr int dim = TestFixture::dimension;
   auto box = cube<dim, Real>(0, 1);
@@ -277,7 +279,7 @@ TYPED_TEST(AllSearches, RefuseAPeriodicSideShorterThanTwoRadii) {
   EXPECT_TRUE(refuses([&] { found.update(particles); }, {"periodic side 1 m", "axis 1", "radius"}));
 }
 
-TYPED_TEST(AllSearches, RefuseARadiusThatIsNoLength) {
+TYPED_TEST(AllSearches, RejectInvalidRadii) {
   using Real = typename TestFixture::Number;
   const Real nan = std::numeric_limits<Real>::quiet_NaN();
   const Real inf = std::numeric_limits<Real>::infinity();
@@ -294,11 +296,12 @@ TYPED_TEST(AllSearches, RefuseARadiusThatIsNoLength) {
   EXPECT_TRUE(refuses([&] { unset.update(particles); }, {"radius = 0"}));
 }
 
-TYPED_TEST(AllSearches, NameTheParticleWhosePositionIsNotFinite) {
+TYPED_TEST(AllSearches, ReportTheParticleWhosePositionIsNotFinite) {
   using Real = typename TestFixture::Number;
   constexpr int dim = TestFixture::dimension;
   for (const bool periodic : {false, true}) {
-    for (const Real wrong : {std::numeric_limits<Real>::quiet_NaN(), std::numeric_limits<Real>::infinity()}) {
+    for (const Real wrong :
+         {std::numeric_limits<Real>::quiet_NaN(), std::numeric_limits<Real>::infinity()}) {
       auto box = cube<dim, Real>(0, 2);
       box.periodic.fill(periodic);
       auto particles = particles_at(random_points(9, box, 1), box);

@@ -30,26 +30,26 @@ Grains<Dim, Real> grains_in(const Box<Dim, Real>& box, Index n, unsigned seed, S
   return grains;
 }
 
-// A few large among many small.
+// A few large particles among many small ones.
 double bimodal(std::mt19937_64& random) { return random() % 20 == 0 ? 0.2 : 0.02; }
-// From 0.02 to 0.2, the smaller the more.
+// From 0.02 to 0.2, with more small ones.
 double spread(std::mt19937_64& random) {
   return 0.02 * std::pow(10.0, std::pow(std::uniform_real_distribution<double>(0, 1)(random), 3.0));
 }
-double alike(std::mt19937_64& random) {
+double similar(std::mt19937_64& random) {
   return std::uniform_real_distribution<double>(0.055, 0.06)(random);
 }
 
 using Pair = std::pair<Index, Index>;
 
-// Pairs of owners, by hand over all images, whose surfaces are closer than the gap.
+// Pairs of owners whose surfaces are closer than the gap, by brute force over all images.
 template <class P>
-std::vector<Pair> pairs_by_hand(const P& grains, double gap) {
-  double most = 0;
-  for (const auto R : grains[radius]) most = std::max(most, double(R));
+std::vector<Pair> brute_force_contacts(const P& grains, double gap) {
+  double max_radius = 0;
+  for (const auto R : grains[radius]) max_radius = std::max(max_radius, double(R));
   std::vector<Pair> found;
   for (const auto& [i, j, r_ij] :
-       meetings_by_hand(grains, typename P::Real(2 * most + gap))) {
+       brute_force_pairs(grains, typename P::Real(2 * max_radius + gap))) {
     double r2 = 0;
     for (const auto r : r_ij) r2 += double(r) * double(r);
     const double reach = double(grains[radius][i]) + double(grains[radius][j]) + gap;
@@ -62,12 +62,13 @@ std::vector<Pair> pairs_by_hand(const P& grains, double gap) {
 template <class P, class S>
 void expect_right(P& grains, S& search, double gap) {
   search.update(grains);
-  const auto right = pairs_by_hand(grains, gap);
+  const auto expected = brute_force_contacts(grains, gap);
   std::vector<Pair> pairs;
-  search.for_each_pair(
-      [&](Index i, Index j, const auto&, auto) { pairs.emplace_back(std::minmax(i, grains.owner(j))); });
+  search.for_each_pair([&](Index i, Index j, const auto&, auto) {
+    pairs.emplace_back(std::minmax(i, grains.owner(j)));
+  });
   std::sort(pairs.begin(), pairs.end());
-  EXPECT_EQ(pairs, right);
+  EXPECT_EQ(pairs, expected);
 
   const auto x = grains.with_ghosts(position);
   const auto R = grains.with_ghosts(radius);
@@ -76,7 +77,7 @@ void expect_right(P& grains, S& search, double gap) {
   std::vector<Pair> neighbours;
   for (Index i = 0; i < grains.size(); ++i) {
     search.for_each_candidate(i, [&](Index j) {
-      if (j >= grains.size() && grains.owner(j) < i) return;  // met from the other side, too
+      if (j >= grains.size() && grains.owner(j) < i) return;  // also reported at the other side
       if (near(i, j)) candidates.emplace_back(std::minmax(i, grains.owner(j)));
     });
     search.for_each_neighbour(i, [&](Index j, const auto&, auto) {
@@ -85,8 +86,8 @@ void expect_right(P& grains, S& search, double gap) {
   }
   std::sort(candidates.begin(), candidates.end());
   std::sort(neighbours.begin(), neighbours.end());
-  EXPECT_EQ(candidates, right);
-  EXPECT_EQ(neighbours, right);
+  EXPECT_EQ(candidates, expected);
+  EXPECT_EQ(neighbours, expected);
 }
 
 template <int Dim, class Real>
@@ -94,24 +95,24 @@ void expect_right_in_space_and_in_periods() {
   for (const bool periodic : {false, true}) {
     auto box = cube<Dim, Real>(0, Dim == 2 ? 4 : 2);
     box.periodic.fill(periodic);
-    for (const auto size_of : {bimodal, spread, alike}) {
+    for (const auto size_of : {bimodal, spread, similar}) {
       for (const double gap : {0.0, 0.01, 0.1}) {
         auto grains = grains_in<Dim, Real>(box, 1200, 3, size_of);
         const auto R = grains[radius];
-        const Real most = *std::max_element(R.begin(), R.end());
-        LevelGrid<Dim, Real> search({.radius = 2 * most + Real(gap)});
-        expect_right(grains, search, double(search.radius() - 2 * most));
+        const Real max_radius = *std::max_element(R.begin(), R.end());
+        LevelGrid<Dim, Real> search({.radius = 2 * max_radius + Real(gap)});
+        expect_right(grains, search, double(search.radius() - 2 * max_radius));
       }
     }
   }
 }
 
-TEST(LevelGrid, FindsEveryPairNearTouchingWhateverTheSizes) {
+TEST(LevelGrid, FindsEveryNearlyTouchingPairForAnySizes) {
   expect_right_in_space_and_in_periods<2, double>();
   expect_right_in_space_and_in_periods<3, double>();
 }
 
-TEST(LevelGrid, FindsNothingAmongNoneAndOne) {
+TEST(LevelGrid, FindsNothingAmongZeroAndOneParticle) {
   Grains<3> grains;
   LevelGrid<3> search({.radius = 1});
   expect_right(grains, search, 1);
@@ -120,14 +121,14 @@ TEST(LevelGrid, FindsNothingAmongNoneAndOne) {
   expect_right(grains, search, 0);
 }
 
-TEST(LevelGrid, FindsPairsWhereFarCellsShareBins) {
+TEST(LevelGrid, FindsPairsIfDistantCellsShareBins) {
   auto grains = grains_in<2, double>(cube<2, double>(0, 3), 400, 5, bimodal);
   for (Index i = 0; i < 100; ++i) grains[position][i] += Vec<2>(1e7 * double(i % 3), -1e8);
   LevelGrid<2> search({.radius = 0.4});
   expect_right(grains, search, 0);
 }
 
-TEST(LevelGrid, PutsNeighboursBesideOneAnotherInMemory) {
+TEST(LevelGrid, SortsNeighboursCloseInMemory) {
   for (const bool periodic : {false, true}) {
     auto box = cube<2, double>(0, 4);
     box.periodic.fill(periodic);
@@ -135,7 +136,7 @@ TEST(LevelGrid, PutsNeighboursBesideOneAnotherInMemory) {
     LevelGrid<2> search({.radius = 0.4});
     const auto distance_in_memory = [&] {
       double sum = 0;
-      for (const auto& [i, j] : pairs_by_hand(grains, 0)) sum += double(j - i);
+      for (const auto& [i, j] : brute_force_contacts(grains, 0)) sum += double(j - i);
       return sum;
     };
     expect_right(grains, search, 0);
@@ -146,7 +147,7 @@ TEST(LevelGrid, PutsNeighboursBesideOneAnotherInMemory) {
     const std::vector<Id> ids(grains.ids().begin(), grains.ids().end());
     search.sort(grains);
     EXPECT_TRUE(std::equal(ids.begin(), ids.end(), grains.ids().begin())) << "they are in order";
-    // Those that came are put into their places, too.
+    // Added particles are sorted, too.
     for (int k = 0; k < 100; ++k) {
       const Index i = grains.add({0.05 * k, 3});
       grains[radius][i] = 0.02;
@@ -156,7 +157,7 @@ TEST(LevelGrid, PutsNeighboursBesideOneAnotherInMemory) {
   }
 }
 
-TEST(LevelGrid, HasOneLevelForSizesAlikeAndTwoForLargeAmongSmall) {
+TEST(LevelGrid, HasOneLevelForSimilarSizesAndTwoForLargeAmongSmall) {
   const auto levels = [](auto size_of, Index n) {
     auto grains = grains_in<3, double>(cube<3, double>(0, 2), n, 4, size_of);
     const auto R = grains[radius];
@@ -164,30 +165,31 @@ TEST(LevelGrid, HasOneLevelForSizesAlikeAndTwoForLargeAmongSmall) {
     search.update(grains);
     return search.levels();
   };
-  EXPECT_EQ(levels(alike, 3000), 1u);
+  EXPECT_EQ(levels(similar, 3000), 1u);
   EXPECT_EQ(levels(bimodal, 3000), 2u);
 }
 
-TEST(LevelGrid, ServesAListWithSkin) {
+TEST(LevelGrid, WorksInANeighbourList) {
   auto box = cube<2, double>(0, 3);
   box.periodic[0] = true;
   auto grains = grains_in<2, double>(box, 500, 6, bimodal);
   NeighbourList<2, double, LevelGrid<2>> found({.radius = 0.4, .skin_fraction = 0.1});
   for (unsigned step = 0; step < 40; ++step) {
     found.update(grains);
-    std::vector<Pair> met;
+    std::vector<Pair> reported;
     const auto x = grains.with_ghosts(position);
     const auto R = grains.with_ghosts(radius);
     for (Index i = 0; i < grains.size(); ++i) {
       found.for_each_candidate(i, [&](Index j) {
         if (j >= grains.size() && grains.owner(j) < i) return;
-        if ((x[j] - x[i]).norm() < R[i] + R[j]) met.emplace_back(std::minmax(i, grains.owner(j)));
+        if ((x[j] - x[i]).norm() < R[i] + R[j])
+          reported.emplace_back(std::minmax(i, grains.owner(j)));
       });
     }
-    std::sort(met.begin(), met.end());
+    std::sort(reported.begin(), reported.end());
     auto wrapped = grains;
     for (auto& at : wrapped[position]) at = box.wrap(at);
-    EXPECT_EQ(met, pairs_by_hand(wrapped, 0)) << step;
+    EXPECT_EQ(reported, brute_force_contacts(wrapped, 0)) << step;
     const auto moves = random_points(500, cube<2, double>(-0.004, 0.004), 10 + step);
     for (Index i = 0; i < grains.size(); ++i) grains[position][i] += moves[i];
   }
@@ -196,24 +198,24 @@ TEST(LevelGrid, ServesAListWithSkin) {
 }
 
 TEST(LevelGrid, IsTheSameForAnyNumberOfThreads) {
-  const auto met_with = [](int number) {
+  const auto reported_with = [](int number) {
     return with_threads(number, [] {
       auto grains = grains_in<3, double>(cube<3, double>(0, 4), 9000, 7, bimodal);
       LevelGrid<3> search({.radius = 0.4});
       search.update(grains);
-      std::vector<Pair> met;
+      std::vector<Pair> reported;
       for (Index i = 0; i < grains.size(); ++i) {
-        search.for_each_candidate(i, [&](Index j) { met.emplace_back(i, j); });
+        search.for_each_candidate(i, [&](Index j) { reported.emplace_back(i, j); });
       }
-      return met;
+      return reported;
     });
   };
-  const auto one = met_with(1);
-  EXPECT_TRUE(met_with(2) == one);
-  EXPECT_TRUE(met_with(4) == one);
+  const auto one = reported_with(1);
+  EXPECT_TRUE(reported_with(2) == one);
+  EXPECT_TRUE(reported_with(4) == one);
 }
 
-TEST(LevelGrid, RefusesARadiusBelowTwoOfTheLargest) {
+TEST(LevelGrid, RejectsARadiusBelowTheLargestDiameter) {
   auto grains = grains_in<2, double>(cube<2, double>(0, 1), 10, 8, [](auto&) { return 0.1; });
   LevelGrid<2> search({.radius = 0.19});
   EXPECT_TRUE(refuses([&] { search.update(grains); }, {"radius = 0.19", "0.2 m"}));

@@ -15,18 +15,18 @@
 namespace silt::test {
 namespace {
 
-// A line of three with room between, and a list that sees 1 m with 20 % skin.
+// Three particles in a line, and a list with a radius of 1 m and a skin of 20 %.
 Particles<2, double> three() { return particles_at<2, double>({{0, 0}, {0.9, 0}, {2.15, 0}}); }
 NeighbourList<2> list() { return NeighbourList<2>({.radius = 1, .skin_fraction = 0.2}); }
 
-TEST(NeighbourList, IsBuiltOnceWhileNobodyMoves) {
+TEST(NeighbourList, IsBuiltOnceWhileParticlesAreAtRest) {
   auto particles = three();
   auto found = list();
   for (int k = 0; k < 10; ++k) found.update(particles);
   EXPECT_EQ(found.rebuilds(), 1u);
 }
 
-TEST(NeighbourList, IsReusedUntilSomebodyMovedHalfTheSkin) {
+TEST(NeighbourList, IsReusedUntilAParticleHasMovedByHalfTheSkin) {
   auto particles = three();
   auto found = list();
   found.update(particles);
@@ -38,7 +38,7 @@ TEST(NeighbourList, IsReusedUntilSomebodyMovedHalfTheSkin) {
   EXPECT_EQ(found.rebuilds(), 2u);
 }
 
-TEST(NeighbourList, SeesWhatCameWithinTheRadiusWithoutARebuild) {
+TEST(NeighbourList, FindsNewPairsWithinTheRadiusWithoutARebuild) {
   auto particles = particles_at<2, double>({{0, 0}, {1.15, 0}});
   auto found = list();
   found.update(particles);
@@ -50,7 +50,7 @@ TEST(NeighbourList, SeesWhatCameWithinTheRadiusWithoutARebuild) {
   EXPECT_EQ(pairs(particles, found).size(), 1u);
 }
 
-TEST(NeighbourList, IsRebuiltWhenParticlesComeGoOrChangePlaces) {
+TEST(NeighbourList, IsRebuiltWhenParticlesAreAddedRemovedOrReordered) {
   auto particles = three();
   auto found = list();
   found.update(particles);
@@ -72,7 +72,7 @@ TEST(NeighbourList, IsRebuiltWhenParticlesComeGoOrChangePlaces) {
   EXPECT_EQ(found.rebuilds(), 5u);
 }
 
-TEST(NeighbourList, WithoutSkinIsRebuiltAtEveryMove) {
+TEST(NeighbourList, WithoutSkinIsRebuiltAtEveryDisplacement) {
   auto particles = three();
   NeighbourList<2> found({.radius = 1, .skin_fraction = 0});
   found.update(particles);
@@ -81,31 +81,32 @@ TEST(NeighbourList, WithoutSkinIsRebuiltAtEveryMove) {
   EXPECT_EQ(found.rebuilds(), 2u);
 }
 
-TEST(NeighbourList, ServesOneSetOfParticlesAfterAnother) {
+TEST(NeighbourList, WorksForDifferentSetsOfParticlesInTurn) {
   auto near = particles_at<2, double>({{0, 0}, {0.5, 0}, {10, 0}});
   auto apart = particles_at<2, double>({{0, 0}, {5, 0}, {5.5, 0}});
   auto found = list();
   found.update(near);
   found.update(apart);
-  EXPECT_EQ(meetings(apart, found), meetings_by_hand(apart, 1.0));
+  EXPECT_EQ(neighbour_pairs(apart, found), brute_force_pairs(apart, 1.0));
 }
 
-// Every pair closer than radius() + margin() is among the candidates, once (from both sides of a
-// period, once each).
+// Every pair closer than radius() + margin() is among the candidates once (once at each side across
+// a periodic side).
 template <class P, class S>
 void expect_all_candidates(const P& particles, const S& found) {
   const auto x = particles.with_ghosts(position);
   const double reach = found.radius() + found.margin();
-  std::vector<std::pair<Index, Index>> met;
+  std::vector<std::pair<Index, Index>> reported;
   for (Index i = 0; i < particles.size(); ++i) {
     found.for_each_candidate(i, [&](Index j) {
       if (j >= particles.size() && particles.owner(j) < i) return;
-      if ((x[j] - x[i]).norm() < reach - 1e-9) met.emplace_back(std::minmax(i, particles.owner(j)));
+      if ((x[j] - x[i]).norm() < reach - 1e-9)
+        reported.emplace_back(std::minmax(i, particles.owner(j)));
     });
   }
-  std::sort(met.begin(), met.end());
-  EXPECT_EQ(std::adjacent_find(met.begin(), met.end()), met.end());
-  EXPECT_EQ(met.size(), meetings_by_hand(particles, reach - 1e-9).size() / 2);
+  std::sort(reported.begin(), reported.end());
+  EXPECT_EQ(std::adjacent_find(reported.begin(), reported.end()), reported.end());
+  EXPECT_EQ(reported.size(), brute_force_pairs(particles, reach - 1e-9).size() / 2);
 }
 
 template <class P>
@@ -114,25 +115,25 @@ void shake(P& particles, double by, unsigned seed) {
   for (Index i = 0; i < particles.size(); ++i) particles[position][i] += moves[i];
 }
 
-TEST(NeighbourList, NamesEveryPairWithinItsMarginOnceWhileParticlesMove) {
+TEST(NeighbourList, ReportsEveryPairWithinItsMarginOnceWhileParticlesMove) {
   for (const bool periodic : {false, true}) {
     auto box = cube<3, double>(0, 2);
     box.periodic.fill(periodic);
     auto particles = particles_at(random_points(400, box, 1), box);
     NeighbourList<3> found({.radius = 0.3, .skin_fraction = 0.3});
-    double least = found.radius();
+    double min_margin = found.radius();
     for (unsigned step = 0; step < 60; ++step) {
       found.update(particles);
       expect_all_candidates(particles, found);
-      least = std::min(least, found.margin());
+      min_margin = std::min(min_margin, found.margin());
       shake(particles, 0.004, 10 + step);
     }
     EXPECT_GT(found.rebuilds(), 1u);
-    EXPECT_LT(least, 0.05);
+    EXPECT_LT(min_margin, 0.05);
   }
 }
 
-TEST(NeighbourList, UsesUpItsMarginByTwiceTheFarthestMove) {
+TEST(NeighbourList, ReducesItsMarginByTwiceTheMaximumDisplacement) {
   auto particles = three();
   auto found = list();
   found.update(particles);
@@ -143,22 +144,22 @@ TEST(NeighbourList, UsesUpItsMarginByTwiceTheFarthestMove) {
   EXPECT_NEAR(found.margin(), 0.14, 1e-15);
 }
 
-TEST(NeighbourList, AnswersTheFirstQuestionAndTheLaterOnesAlike) {
+TEST(NeighbourList, GivesTheSamePairsBeforeAndAfterItsRowsAreBuilt) {
   const auto box = cube<2, double>(0, 2);
   auto particles = particles_at(random_points(150, box, 2), box);
   NeighbourList<2> found({.radius = 0.3, .skin_fraction = 0.2});
   found.update(particles);
-  const auto first = meetings(particles, found);
+  const auto first = neighbour_pairs(particles, found);
   const auto first_pairs = pairs(particles, found);
   found.update(particles);
   EXPECT_EQ(found.rebuilds(), 1u);
-  EXPECT_EQ(meetings(particles, found), first);
+  EXPECT_EQ(neighbour_pairs(particles, found), first);
   EXPECT_EQ(pairs(particles, found), first_pairs);
-  EXPECT_EQ(first, meetings_by_hand(particles, 0.3));
+  EXPECT_EQ(first, brute_force_pairs(particles, 0.3));
   EXPECT_EQ(first_pairs, once_each(first));
 }
 
-TEST(NeighbourList, SortsParticlesWhenItMustBeRebuiltAnyway) {
+TEST(NeighbourList, SortsParticlesOnlyBeforeARebuild) {
   const auto box = cube<2, double>(0, 10);
   auto particles = particles_at(random_points(3000, box, 3), box);
   NeighbourList<2> found({.radius = 0.3, .skin_fraction = 0.2});
@@ -172,7 +173,7 @@ TEST(NeighbourList, SortsParticlesWhenItMustBeRebuiltAnyway) {
   }
   EXPECT_EQ(found.rebuilds(), 1u);
   EXPECT_EQ(particles.revision(), revision);
-  // Sheared until the rows of cells have changed places.
+  // Sheared until the rows of cells have been reordered.
   for (int step = 0; step < 300; ++step) {
     for (auto& x : particles[position]) x[0] += 0.005 * x[1];
     found.sort(particles);
@@ -180,11 +181,11 @@ TEST(NeighbourList, SortsParticlesWhenItMustBeRebuiltAnyway) {
   }
   EXPECT_GT(found.rebuilds(), 3u);
   EXPECT_NE(particles.revision(), revision);
-  EXPECT_EQ(pairs(particles, found).size(), meetings_by_hand(particles, 0.3).size() / 2);
+  EXPECT_EQ(pairs(particles, found).size(), brute_force_pairs(particles, 0.3).size() / 2);
 }
 
-// Steps of the same size in fixed directions; how often the list is rebuilt, and how
-// thick it became.
+// Displacements of constant size in constant directions; returns the number of rebuilds and the
+// final skin.
 struct Rebuilds {
   std::uint64_t number;
   double skin;
@@ -193,18 +194,18 @@ template <class S>
 Rebuilds fly(S found, double by, int steps) {
   const auto box = cube<3, double>(0, 2);
   auto particles = particles_at(random_points(400, box, 4), box);
-  const auto ways = random_points(400, cube<3, double>(-by, by), 5);
+  const auto moves = random_points(400, cube<3, double>(-by, by), 5);
   for (int step = 0; step < steps; ++step) {
     found.update(particles);
     for (Index i = 0; i < particles.size(); ++i) {
       found.for_each_candidate(i, [](Index) {});
-      particles[position][i] += step % 400 < 200 ? ways[i] : -ways[i];
+      particles[position][i] += step % 400 < 200 ? moves[i] : -moves[i];
     }
   }
   return {found.rebuilds(), found.skin()};
 }
 
-TEST(NeighbourList, MakesItsSkinThickerTheFasterParticlesAre) {
+TEST(NeighbourList, IncreasesItsSkinWithTheSpeedOfTheParticles) {
   const auto slow = fly(NeighbourList<3>({.radius = 0.3}), 3e-4, 1000);
   const auto fast = fly(NeighbourList<3>({.radius = 0.3}), 3e-3, 1000);
   EXPECT_GT(fast.skin, 1.2 * slow.skin);
@@ -214,16 +215,17 @@ TEST(NeighbourList, MakesItsSkinThickerTheFasterParticlesAre) {
   EXPECT_EQ(again.number, fast.number);
 }
 
-TEST(NeighbourList, KeepsASkinThatIsGiven) {
-  EXPECT_DOUBLE_EQ(fly(NeighbourList<3>({.radius = 0.3, .skin_fraction = 0.1}), 3e-3, 200).skin, 0.03);
+TEST(NeighbourList, KeepsAGivenSkin) {
+  EXPECT_DOUBLE_EQ(fly(NeighbourList<3>({.radius = 0.3, .skin_fraction = 0.1}), 3e-3, 200).skin,
+                   0.03);
 }
 
-TEST(NeighbourList, IsWhatItWasWhenAStepIsUndone) {
+TEST(NeighbourList, IsRestoredWhenAStepIsRolledBack) {
   const auto box = cube<3, double>(0, 2);
   const auto run = [&](bool fails) {
     auto particles = particles_at(random_points(400, box, 6), box);
     NeighbourList<3> found({.radius = 0.3});
-    std::vector<std::tuple<Index, Index, double>> met;
+    std::vector<std::tuple<Index, Index, double>> reported;
     for (unsigned step = 0; step < 60; ++step) {
       if (fails && step % 7 == 3) {
         found.save();
@@ -236,11 +238,11 @@ TEST(NeighbourList, IsWhatItWasWhenAStepIsUndone) {
       found.save();
       found.update(particles);
       for (Index i = 0; i < particles.size(); ++i) {
-        found.for_each_candidate(i, [&](Index j) { met.emplace_back(i, j, found.margin()); });
+        found.for_each_candidate(i, [&](Index j) { reported.emplace_back(i, j, found.margin()); });
       }
       shake(particles, 0.004, 10 + step);
     }
-    return met;
+    return reported;
   };
   EXPECT_TRUE(run(true) == run(false));
 }
@@ -251,17 +253,18 @@ TEST(NeighbourList, IsTheSameForAnyNumberOfThreads) {
       const auto box = cube<3, double>(0, 2);
       auto particles = particles_at(random_points(5000, box, 7), box);
       NeighbourList<3> found({.radius = 0.15});
-      std::vector<Id> met;
+      std::vector<Id> reported;
       for (unsigned step = 0; step < 30; ++step) {
         found.sort(particles);
         found.update(particles);
         for (Index i = 0; i < particles.size(); ++i) {
-          found.for_each_candidate(i, [&](Index j) { met.push_back(particles.id(j)); });
-          found.for_each_neighbour(i, [&](Index j, const Vec<3>&, double) { met.push_back(j); });
+          found.for_each_candidate(i, [&](Index j) { reported.push_back(particles.id(j)); });
+          found.for_each_neighbour(i,
+                                   [&](Index j, const Vec<3>&, double) { reported.push_back(j); });
         }
         shake(particles, 0.003, 10 + step);
       }
-      return met;
+      return reported;
     });
   };
   const auto one = run(1);
@@ -269,12 +272,12 @@ TEST(NeighbourList, IsTheSameForAnyNumberOfThreads) {
   EXPECT_TRUE(run(4) == one);
 }
 
-TEST(NeighbourList, RefusesASkinThatIsNoFraction) {
+TEST(NeighbourList, RejectsInvalidSkins) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_TRUE(refuses([] { NeighbourList<2>({.radius = 1, .skin_fraction = -0.1}); },
                       {"skin_fraction = -0.1"}));
-  EXPECT_TRUE(
-      refuses([&] { NeighbourList<2>({.radius = 1, .skin_fraction = nan}); }, {"skin_fraction = nan"}));
+  EXPECT_TRUE(refuses([&] { NeighbourList<2>({.radius = 1, .skin_fraction = nan}); },
+                      {"skin_fraction = nan"}));
 }
 
 }  // namespace

@@ -13,16 +13,16 @@
 namespace silt::test {
 namespace {
 
-// What the header promises of the number of bins.
-constexpr Index most_bins(Index particles) { return 16 * particles + 64; }
+// Maximum number of bins, see search/cells.hpp.
+constexpr Index max_bins(Index particles) { return 16 * particles + 64; }
 
 template <int Dim, class Real>
 void expect_right_and_small(const std::vector<Vec<Dim, Real>>& points, Real radius) {
   auto particles = particles_at(points);
   UniformGrid<Dim, Real> grid({.radius = radius});
   grid.update(particles);
-  EXPECT_LE(grid.bins(), most_bins(points.size()));
-  EXPECT_EQ(meetings(particles, grid), meetings_by_hand(particles, radius));
+  EXPECT_LE(grid.bins(), max_bins(points.size()));
+  EXPECT_EQ(neighbour_pairs(particles, grid), brute_force_pairs(particles, radius));
 }
 
 template <int Dim>
@@ -37,40 +37,42 @@ std::vector<Vec<Dim>> clusters(const std::vector<Vec<Dim>>& centres, Index each)
   return points;
 }
 
-TEST(UniformGrid, TwoParticlesABillionRadiiApartCostAHandfulOfBins) {
+TEST(UniformGrid, TwoParticlesABillionRadiiApartNeedFewBins) {
   expect_right_and_small<2, double>({{0, 0}, {1e9, 1e9}}, 1.0);
   expect_right_and_small<3, double>({{-1e9, 0, 0}, {1e9, 1e9, -1e9}}, 1.0);
   expect_right_and_small<2, float>({{0, 0}, {1e9f, 1e9f}}, 1.0f);
   expect_right_and_small<3, float>({{0, 0, 0}, {1e9f, 1e9f, 1e9f}}, 1.0f);
 }
 
-TEST(UniformGrid, ClustersFarApartAreSearchedWithBinsOfTheOrderOfTheParticles) {
+TEST(UniformGrid, TheNumberOfBinsForDistantClustersIsProportionalToThatOfParticles) {
   expect_right_and_small<2, double>(clusters<2>({{0, 0}, {1e6, 3e5}, {-7e7, 1e8}}, 60), 0.4);
   expect_right_and_small<3, double>(
       clusters<3>({{0, 0, 0}, {1e6, 3e5, -2e4}, {-7e6, 1e6, 1e7}}, 60), 0.6);
 }
 
 TEST(UniformGrid, FindsPairsOnLongLinesInAnyDirection) {
-  for (const Vec<2>& along : {Vec<2>(1, 0), Vec<2>(0, 1), Vec<2>(1, 1), Vec<2>(1, -1), Vec<2>(3, 1)}) {
+  for (const Vec<2>& along :
+       {Vec<2>(1, 0), Vec<2>(0, 1), Vec<2>(1, 1), Vec<2>(1, -1), Vec<2>(3, 1)}) {
     std::vector<Vec<2>> points;
     for (int k = 0; k < 500; ++k) points.push_back(0.6 * k * along);
     expect_right_and_small<2, double>(points, 1.0);
   }
-  for (const Vec<3>& along : {Vec<3>(1, 0, 0), Vec<3>(0, 0, 1), Vec<3>(1, 1, 1), Vec<3>(1, -1, 2)}) {
+  for (const Vec<3>& along :
+       {Vec<3>(1, 0, 0), Vec<3>(0, 0, 1), Vec<3>(1, 1, 1), Vec<3>(1, -1, 2)}) {
     std::vector<Vec<3>> points;
     for (int k = 0; k < 500; ++k) points.push_back(0.4 * k * along);
     expect_right_and_small<3, double>(points, 1.0);
   }
 }
 
-// A grid that put the line into a few bins would still find the pairs, but in quadratic time.
+// With the line in a few bins, the pairs would still be found, but in quadratic time.
 template <int Dim>
 Index longest_candidate_list(const std::vector<Vec<Dim>>& points) {
   auto particles = particles_at<Dim, double>(points);
   UniformGrid<Dim> grid({.radius = 1.0});
   grid.update(particles);
-  // Particles of one bin are consecutive in the grid's order; those of one line that share a bin
-  // are far apart in space.
+  // Particles of one bin are consecutive in the order of the grid; those of one line in the same
+  // bin are far apart in space.
   const auto order = grid.order();
   Index longest = 1;
   Index run = 1;
@@ -89,12 +91,12 @@ TEST(UniformGrid, ADiagonalLineSpreadsOverManyBins) {
     flat.push_back(Vec<2>::Constant(0.75 * k));
     deep.push_back(Vec<3>::Constant(0.75 * k));
   }
-  // Runs of strangers in memory stay short, a small fraction of the line.
+  // Few distant particles share a bin.
   EXPECT_LT(longest_candidate_list<2>(flat), 100u);
   EXPECT_LT(longest_candidate_list<3>(deep), 100u);
 }
 
-TEST(UniformGrid, OrderNamesEveryOwnedParticleOnceEvenWithGhosts) {
+TEST(UniformGrid, OrderContainsEveryOwnedParticleOnceEvenWithGhosts) {
   auto box = cube<2, double>(0, 4);
   box.periodic.fill(true);
   auto particles = particles_at(random_points(200, box, 3), box);
@@ -123,12 +125,13 @@ TEST(UniformGrid, ReorderingByItsOrderBringsNeighboursCloserInMemory) {
   EXPECT_LT(distance_in_memory(), before / 5);
 }
 
-TEST(UniformGrid, GrainsOfVeryDifferentSizesMeetAsTheLargestReach) {
-  // The search sees all pairs within the radius; what touches is a subset, whatever the sizes.
+TEST(UniformGrid, FindsContactsOfVeryDifferentSizes) {
+  // The search finds all pairs within the radius; contacts are a subset for any sizes.
   const auto points = random_points(300, cube<3, double>(0, 3), 11);
   auto particles = particles_at(points);
   std::vector<double> size;
-  for (Index i = 0; i < points.size(); ++i) size.push_back(i % 10 == 0 ? 0.5 : 0.01 * double(1 + i % 7));
+  for (Index i = 0; i < points.size(); ++i)
+    size.push_back(i % 10 == 0 ? 0.5 : 0.01 * double(1 + i % 7));
   const auto touching = [&](auto search) {
     search.update(particles);
     std::vector<std::pair<Index, Index>> found;
@@ -138,18 +141,18 @@ TEST(UniformGrid, GrainsOfVeryDifferentSizesMeetAsTheLargestReach) {
     std::sort(found.begin(), found.end());
     return found;
   };
-  std::vector<std::pair<Index, Index>> by_hand;
+  std::vector<std::pair<Index, Index>> expected;
   for (Index i = 0; i < points.size(); ++i) {
     for (Index j = i + 1; j < points.size(); ++j) {
-      if ((points[j] - points[i]).norm() < size[i] + size[j]) by_hand.emplace_back(i, j);
+      if ((points[j] - points[i]).norm() < size[i] + size[j]) expected.emplace_back(i, j);
     }
   }
-  EXPECT_GT(by_hand.size(), 100u);
-  EXPECT_EQ(touching(UniformGrid<3>({.radius = 1.0})), by_hand);
+  EXPECT_GT(expected.size(), 100u);
+  EXPECT_EQ(touching(UniformGrid<3>({.radius = 1.0})), expected);
 }
 
 TEST(UniformGrid, PutsTheLastParticleIntoTheLastCellInSinglePrecision) {
-  // Extents over the cell edge that are whole numbers in float, but a little less in double.
+  // Extents whose ratio to the cell edge is an integer in float, but slightly less in double.
   for (const float extent : {14.1009541f, 17.7015018f, 8.00030899f, 18.9017124f, 7.20025063f}) {
     for (int axis = 0; axis < 3; ++axis) {
       std::vector<Vec<3, float>> points;
@@ -163,13 +166,13 @@ TEST(UniformGrid, PutsTheLastParticleIntoTheLastCellInSinglePrecision) {
   }
 }
 
-TEST(UniformGrid, FindsPairsWhoseExtentIsNoNumber) {
+TEST(UniformGrid, FindsPairsWhoseExtentOverflows) {
   expect_right_and_small<2, double>({{-1.7e308, 0}, {1.7e308, 0}, {1.7e308, 0.5}}, 1.0);
   expect_right_and_small<3, float>({{-3e38f, 0, 0}, {3e38f, 0, 0}, {3e38f, 0, 0.5f}}, 1.0f);
 }
 
-// The rows of a list, against the pairs by hand: none is missing, and none is far
-// beyond the radius.
+// Compares the rows with brute force: no pair is missing, and none is farther than the radius by
+// more than rounding.
 template <int Dim, class Real>
 void expect_right_rows(const Particles<Dim, Real>& start, Real radius) {
   auto particles = start;
@@ -185,11 +188,12 @@ void expect_right_rows(const Particles<Dim, Real>& start, Real radius) {
     EXPECT_LE(r, radius * Real(1.0001));
     return (x[j] - x[i]).squaredNorm() < radius * radius;
   };
-  std::vector<Meeting<Dim, Real>> twice;
-  std::vector<Meeting<Dim, Real>> once;
+  std::vector<NeighbourPair<Dim, Real>> twice;
+  std::vector<NeighbourPair<Dim, Real>> once;
   for (Index i = 0; i < particles.size(); ++i) {
     for (const Index j : full[grid.slot_of(i)]) {
-      if (near(i, j)) twice.push_back(meeting<Dim, Real>(i, particles.owner(j), x[j] - x[i]));
+      if (near(i, j))
+        twice.push_back(neighbour_pair<Dim, Real>(i, particles.owner(j), x[j] - x[i]));
     }
     std::vector<Index> row;
     for (const Index j : half[grid.slot_of(i)]) {
@@ -197,10 +201,10 @@ void expect_right_rows(const Particles<Dim, Real>& start, Real radius) {
       if (!near(i, j)) continue;
       const Index owner = particles.owner(j);
       if (j >= particles.size() && owner < i) continue;
-      once.push_back(i < owner ? meeting<Dim, Real>(i, owner, x[j] - x[i])
-                               : meeting<Dim, Real>(owner, i, x[i] - x[j]));
+      once.push_back(i < owner ? neighbour_pair<Dim, Real>(i, owner, x[j] - x[i])
+                               : neighbour_pair<Dim, Real>(owner, i, x[i] - x[j]));
     }
-    // A candidate that is beyond the radius by a rounding may be in one and not in the other.
+    // Only one of the two may contain a candidate that is farther than the radius by rounding.
     std::vector<Index> candidates;
     grid.for_each_candidate(i, [&](Index j) { candidates.push_back(j); });
     std::erase_if(row, [&](Index j) { return !near(i, j); });
@@ -209,13 +213,13 @@ void expect_right_rows(const Particles<Dim, Real>& start, Real radius) {
   }
   std::sort(twice.begin(), twice.end());
   std::sort(once.begin(), once.end());
-  // Seen from its image, a pair of owned and ghost lies the other way round by a rounding.
-  const auto right = meetings_by_hand(particles, radius);
-  EXPECT_EQ(twice, right);
+  // The vectors of a pair and of its image differ by rounding.
+  const auto expected = brute_force_pairs(particles, radius);
+  EXPECT_EQ(twice, expected);
   if (particles.total() == particles.size()) {
-    EXPECT_EQ(once, once_each(right));
+    EXPECT_EQ(once, once_each(expected));
   } else {
-    EXPECT_EQ(once.size(), once_each(right).size());
+    EXPECT_EQ(once.size(), once_each(expected).size());
   }
 }
 
@@ -230,11 +234,12 @@ void expect_right_rows_everywhere() {
       }
     }
   }
-  // All in one cell, many on one point, a line, and two that nothing but 32 bits could hold apart.
+  // A line, many particles at one point, all in one cell, and two that are very far away.
   std::vector<Vec<Dim, Real>> line;
   for (int k = 0; k < 300; ++k) line.push_back(Real(0.3) * Real(k) * Vec<Dim, Real>::Unit(k % Dim));
   expect_right_rows(particles_at(line), Real(1));
-  expect_right_rows(particles_at(std::vector(200, Vec<Dim, Real>(Vec<Dim, Real>::Ones()))), Real(1));
+  expect_right_rows(particles_at(std::vector(200, Vec<Dim, Real>(Vec<Dim, Real>::Ones()))),
+                    Real(1));
   expect_right_rows(particles_at(random_points(300, cube<Dim, Real>(0, 1), 3)), Real(9));
   auto apart = random_points(300, cube<Dim, Real>(0, 3), 4);
   apart.push_back(Vec<Dim, Real>::Constant(Real(1e9)));
@@ -249,24 +254,24 @@ TEST(UniformGrid, BuildsRowsOfAllPairsAndOfEachPairOnce) {
   expect_right_rows_everywhere<3, float>();
 }
 
-TEST(UniformGrid, MeetsEachPairAcrossAPeriodOnceFromEitherSide) {
+TEST(UniformGrid, ReportsEachPairAcrossAPeriodicSideOnce) {
   auto box = cube<2, double>(0, 2);
   box.periodic.fill(true);
   auto particles = particles_at(random_points(200, box, 5), box);
   UniformGrid<2> grid({.radius = 0.3});
   grid.update(particles);
-  std::vector<std::pair<Index, Index>> met;
+  std::vector<std::pair<Index, Index>> found;
   for (Index i = 0; i < particles.size(); ++i) {
     grid.for_each_candidate(i, [&](Index j) {
       if (grid.is_second_image(i, j)) return;
       if ((particles.with_ghosts(position)[j] - particles[position][i]).norm() < 0.3 - 1e-9) {
-        met.emplace_back(std::minmax(i, particles.owner(j)));
+        found.emplace_back(std::minmax(i, particles.owner(j)));
       }
     });
   }
-  std::sort(met.begin(), met.end());
-  EXPECT_EQ(std::adjacent_find(met.begin(), met.end()), met.end());
-  EXPECT_EQ(met.size(), meetings_by_hand(particles, 0.3 - 1e-9).size() / 2);
+  std::sort(found.begin(), found.end());
+  EXPECT_EQ(std::adjacent_find(found.begin(), found.end()), found.end());
+  EXPECT_EQ(found.size(), brute_force_pairs(particles, 0.3 - 1e-9).size() / 2);
 }
 
 TEST(UniformGrid, IsTheSameForAnyNumberOfThreads) {
@@ -295,7 +300,7 @@ TEST(UniformGrid, IsTheSameForAnyNumberOfThreads) {
   }
 }
 
-TEST(UniformGrid, SortsParticlesIntoCellOrderWhenTheyAreManyAndOutOfIt) {
+TEST(UniformGrid, SortsManyParticlesThatAreNotInCellOrder) {
   auto particles = particles_at(random_points(3000, cube<2, double>(0, 10), 4));
   UniformGrid<2> grid({.radius = 0.3});
   grid.sort(particles);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Counts what a whole program asks of the heap: operator new and Eigen come through malloc, too. It
-// stands in front of the C library's, or is told by the sanitizer that stands there already. One
-// source file of a program may include this.
+// Counts all heap allocations of a program; operator new and Eigen also use malloc. Replaces the
+// malloc of the C library or, with a sanitizer, installs a hook. To be included by one source file
+// of a program only.
 #pragma once
 
 #include <atomic>
@@ -11,7 +11,7 @@
 
 namespace silt::test {
 
-/// Calls of malloc and its kin so far.
+/// Number of calls of malloc, calloc, realloc and aligned_alloc so far.
 inline std::atomic<std::uint64_t> allocations{0};
 
 }  // namespace silt::test

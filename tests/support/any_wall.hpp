@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Any wall and any motion behind one type each, so that a test file instantiates one simulation for
-// all of them.
+// Type erasure for walls and for motions, so that a test file instantiates one simulation for all
+// of them.
 #pragma once
 
 #include <silt/dem/walls.hpp>
@@ -16,8 +16,8 @@ struct AnyWall {
   using V = Vec<Dim>;
   std::uint32_t material = 0;
   Index count = 1;
-  std::function<dem::NearestPoint<Dim, double>(Index, const V&)> of_part;
-  std::function<void(const V&, double, const std::function<void(Index)>&)> parts_near;
+  std::function<dem::NearestPoint<Dim, double>(Index, const V&)> nearest_to_element;
+  std::function<void(const V&, double, const std::function<void(Index)>&)> elements_near;
 
   template <class W>
   explicit AnyWall(W wall) {
@@ -25,13 +25,13 @@ struct AnyWall {
     material = wall.material;
     if constexpr (dem::CompositeWall<W, Dim, double>) {
       count = wall.element_count();
-      of_part = [wall](Index part, const V& x) { return wall.nearest(part, x); };
-      parts_near = [wall](const V& x, double distance, const auto& f) {
+      nearest_to_element = [wall](Index element, const V& x) { return wall.nearest(element, x); };
+      elements_near = [wall](const V& x, double distance, const auto& f) {
         wall.for_each_element_near(x, distance, f);
       };
     } else {
-      of_part = [wall](Index, const V& x) { return wall.nearest(x); };
-      parts_near = [wall](const V& x, double distance, const auto& f) {
+      nearest_to_element = [wall](Index, const V& x) { return wall.nearest(x); };
+      elements_near = [wall](const V& x, double distance, const auto& f) {
         if (wall.nearest(x).distance < distance) f(0);
       };
     }
@@ -39,10 +39,12 @@ struct AnyWall {
 
   void check() const {}
   Index element_count() const { return count; }
-  dem::NearestPoint<Dim, double> nearest(Index part, const V& x) const { return of_part(part, x); }
+  dem::NearestPoint<Dim, double> nearest(Index element, const V& x) const {
+    return nearest_to_element(element, x);
+  }
   template <class F>
   void for_each_element_near(const V& x, double distance, F&& f) const {
-    parts_near(x, distance, f);
+    elements_near(x, distance, f);
   }
 };
 
@@ -69,7 +71,7 @@ struct AnyMotion {
 template <int Dim>
 using AnyMoving = dem::Moving<AnyWall<Dim>, AnyMotion<Dim>>;
 
-/// A wall at rest, as one that might move.
+/// A wall at rest, with the type of a moving one.
 template <int Dim, class W>
 AnyMoving<Dim> at_rest(const W& wall) {
   return {AnyWall<Dim>(wall), AnyMotion<Dim>()};

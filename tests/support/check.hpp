@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Checks that several tests make: an error that names what is wrong, and equality bit by bit.
+// Checks used by several tests: error messages, and bitwise equality.
 #pragma once
 
 #include <silt/core/error.hpp>
@@ -16,16 +16,17 @@
 
 namespace silt::test {
 
-/// f() throws silt::Error, and its sentence has every one of the words.
+/// f() throws silt::Error, and its message contains all of the fragments.
 template <class F>
-::testing::AssertionResult refuses(F&& f, const std::vector<std::string>& words) {
+::testing::AssertionResult refuses(F&& f, const std::vector<std::string>& fragments) {
   try {
     f();
   } catch (const Error& error) {
-    const std::string sentence = error.what();
-    for (const std::string& word : words) {
-      if (sentence.find(word) == std::string::npos) {
-        return ::testing::AssertionFailure() << "\"" << sentence << "\" does not say " << word;
+    const std::string message = error.what();
+    for (const std::string& fragment : fragments) {
+      if (message.find(fragment) == std::string::npos) {
+        return ::testing::AssertionFailure()
+               << "\"" << message << "\" does not contain \"" << fragment << "\"";
       }
     }
     return ::testing::AssertionSuccess();
@@ -41,7 +42,7 @@ void append(Bytes& bytes, std::span<const T> values) {
   bytes.insert(bytes.end(), more.begin(), more.end());
 }
 
-/// Ids and all columns but those that every step makes anew.
+/// Ids and all columns except those that every step recomputes.
 template <class P>
 Bytes state_of(const P& particles) {
   Bytes bytes;
@@ -52,7 +53,7 @@ Bytes state_of(const P& particles) {
   return bytes;
 }
 
-/// Runs f() with this number of threads and puts the number back.
+/// Calls f() with this number of threads and restores the previous number.
 template <class F>
 auto with_threads(int number, F&& f) {
   struct PutBack {

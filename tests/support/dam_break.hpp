@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The dam break of [HwangLeePark2010] section 4, in 2D: a column of water 0.4 m wide and 0.8 m high
-// at the left of a tank 1.6 m long, and what is read from it.
+// at the left of a tank 1.6 m long, and the quantities measured in it.
 #pragma once
 
 #include <silt/io/csv.hpp>
@@ -19,23 +19,23 @@ inline constexpr double column_width = 0.4;      // a [m]
 inline constexpr double column_height = 0.8;     // [m]
 inline constexpr double tank_length = 1.6;       // [m]
 
-/// T = t √(2g/a), as Martin and Moyce (1952) count time.
+/// T = t √(2g/a), the dimensionless time of Martin and Moyce (1952).
 inline double scaled_time(double seconds) { return seconds * std::sqrt(2 * g / column_width); }
 
 /// One row per step.
 struct DamBreak {
   std::vector<double> time;      // [s]
-  std::vector<double> front;     // leading edge over the column's width, Z [-]
-  std::vector<double> height;    // of the column at the left wall, over its first height, H [-]
+  std::vector<double> front;     // leading edge over the width of the column, Z [-]
+  std::vector<double> height;    // of the column at the left wall, over its initial height, H [-]
   std::vector<double> pressure;  // P2: right wall, 0.02 m above the floor [Pa]
   std::vector<double> energy;    // kinetic and potential, per density [m⁴/s²]
   double first_energy = 0;
   std::uint64_t lost = 0;
-  bool broke = false;  // it stopped because a step was refused
+  bool broke = false;  // the run ended because a step threw
 };
 
-/// Largest x of the fluid within three spacings of the floor, half a spacing on. Drops that fly
-/// ahead do not count: two others must be within two spacings.
+/// Largest x of the fluid within three spacings of the floor, plus half a spacing. Isolated drops
+/// are excluded: two other particles must be within two spacings.
 template <class P>
 double leading_edge(const P& particles, double l0) {
   const auto x = particles[position];
@@ -46,14 +46,14 @@ double leading_edge(const P& particles, double l0) {
   }
   std::sort(low.begin(), low.end(), [&](Index i, Index j) { return x[i][0] > x[j][0]; });
   for (const Index i : low) {
-    int beside = -1;  // i itself
-    for (const Index j : low) beside += (x[j] - x[i]).norm() < 2 * l0;
-    if (beside >= 2) return x[i][0] + l0 / 2;
+    int neighbours = -1;  // without i itself
+    for (const Index j : low) neighbours += (x[j] - x[i]).norm() < 2 * l0;
+    if (neighbours >= 2) return x[i][0] + l0 / 2;
   }
   return 0;
 }
 
-/// Largest y of the fluid within three spacings of the left wall, half a spacing on.
+/// Largest y of the fluid within three spacings of the left wall, plus half a spacing.
 template <class P>
 double height_at_left(const P& particles, double l0) {
   double height = 0;
@@ -75,7 +75,7 @@ double fluid_energy(const P& particles, double l0) {
   return sum * l0 * l0;
 }
 
-/// Mean pressure of the two wall particles of the right wall beside y = 0.02 m.
+/// Mean pressure of the two particles of the right wall nearest to y = 0.02 m.
 template <class P>
 double pressure_at_p2(const P& particles, double l0) {
   double sum = 0;
@@ -101,7 +101,7 @@ auto dam_break_simulation(double l0) {
                     mps::Flow<Scheme>({.spacing = l0, .max_time_step = 1e-3}), SemiImplicit{}};
 }
 
-/// Runs to the time, or until a step is refused: the original method may not get there.
+/// Runs until a time [s], or until a step throws, which may happen with the original method.
 template <class Scheme>
 DamBreak run_dam_break(double l0, double until) {
   auto sim = dam_break_simulation<Scheme>(l0);
@@ -124,27 +124,27 @@ DamBreak run_dam_break(double l0, double until) {
   return record;
 }
 
-/// Value at a time between the rows.
+/// Value at a time between the rows, by linear interpolation.
 inline double at_time(const std::vector<double>& time, const std::vector<double>& value, double t) {
   const auto after = std::lower_bound(time.begin(), time.end(), t);
   if (after == time.begin() || after == time.end()) {
     return std::numeric_limits<double>::quiet_NaN();
   }
   const auto k = static_cast<Index>(after - time.begin());
-  const double part = (t - time[k - 1]) / (time[k] - time[k - 1]);
-  return value[k - 1] + part * (value[k] - value[k - 1]);
+  const double fraction = (t - time[k - 1]) / (time[k] - time[k - 1]);
+  return value[k - 1] + fraction * (value[k] - value[k - 1]);
 }
 
-/// Rms of the front against the table of Martin and Moyce, relative, over T from 1.19 to 3.3.
-/// Nobody saw the instant of release, so one time shift is allowed: both pass Z = 1.44 at T = 1.19.
+/// Relative rms deviation of the front from the table of Martin and Moyce, for T from 1.19 to 3.3.
+/// The instant of release was not measured, so times are shifted such that Z = 1.44 at T = 1.19.
 inline double front_deviation(const DamBreak& record) {
   const double T0 = 1.19;
   const double Z0 = 1.44;
   Index k = 0;
   while (k < record.front.size() && record.front[k] < Z0) ++k;
   if (k == 0 || k == record.front.size()) return std::numeric_limits<double>::quiet_NaN();
-  const double part = (Z0 - record.front[k - 1]) / (record.front[k] - record.front[k - 1]);
-  const double t0 = record.time[k - 1] + part * (record.time[k] - record.time[k - 1]);
+  const double fraction = (Z0 - record.front[k - 1]) / (record.front[k] - record.front[k - 1]);
+  const double t0 = record.time[k - 1] + fraction * (record.time[k] - record.time[k - 1]);
   double sum = 0;
   int number = 0;
   const CsvTable measured =
@@ -181,7 +181,7 @@ inline double roughness(const DamBreak& record, double from, double to) {
   return std::sqrt(sum / weight);
 }
 
-/// The largest amount by which the energy ever rose above an earlier value, over the first energy.
+/// Maximum rise of the energy above an earlier value, over the initial energy.
 inline double energy_growth(const DamBreak& record) {
   double lowest = record.first_energy;
   double growth = 0;

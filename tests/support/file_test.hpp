@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Tests that have a file of their own.
+// Fixture for tests that use a file.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@
 
 namespace silt::test {
 
-/// Fixture of tests that write a file at `path` and read it back. It is gone when the test ends.
+/// Fixture for tests that write a file at `path` and read it. The file is removed after the test.
 class FileTest : public testing::Test {
  protected:
   void TearDown() override { std::filesystem::remove(path); }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Fluid in the few arrangements that many tests start from.
+// Initial arrangements of fluid used by many tests.
 #pragma once
 
 #include "support/points.hpp"
@@ -24,10 +24,11 @@ struct Space {
   using Real = RealType;
   using Vec = silt::Vec<Dim, Real>;
   using Fluid = mps::Fluid<Dim, Real>;
-  /// Rounding errors of a sum over a neighbourhood.
+  /// Bound of the rounding error of a sum over a neighbourhood.
   static constexpr Real rounding = 200 * std::numeric_limits<Real>::epsilon();
 };
-using Spaces = ::testing::Types<Space<2, double>, Space<2, float>, Space<3, double>, Space<3, float>>;
+using Spaces =
+    ::testing::Types<Space<2, double>, Space<2, float>, Space<3, double>, Space<3, float>>;
 
 template <int Dim, class Real>
 mps::Fluid<Dim, Real> fluid_at(const std::vector<Vec<Dim, Real>>& points,
@@ -37,7 +38,7 @@ mps::Fluid<Dim, Real> fluid_at(const std::vector<Vec<Dim, Real>>& points,
   return fluid;
 }
 
-/// A lattice of spacing l0, moved at random by up to `jitter` spacings along each axis.
+/// A lattice of spacing l0 with random displacements of up to `jitter` spacings along each axis.
 template <int Dim, class Real>
 std::vector<Vec<Dim, Real>> jittered(int along, Real l0, Real jitter, unsigned seed = 1) {
   auto points = lattice<Dim, Real>(cube<Dim, Real>(0, Real(along) * l0), l0);
@@ -61,16 +62,16 @@ mps::Fluid<Dim, Real> blob(int along, Real l0, Real jitter = 0, unsigned seed = 
 }
 
 template <class P>
-void give_random_velocities(P& fluid, typename P::Real most, unsigned seed) {
+void give_random_velocities(P& fluid, typename P::Real max_speed, unsigned seed) {
   constexpr int dim = P::dimension;
   using Real = typename P::Real;
-  const auto u = random_points(fluid.size(), cube<dim, Real>(-most, most), seed);
+  const auto u = random_points(fluid.size(), cube<dim, Real>(-max_speed, max_speed), seed);
   for (Index i = 0; i < fluid.size(); ++i) {
     if (fluid[mps::kind][i] == mps::Kind::fluid) fluid[velocity][i] = u[i];
   }
 }
 
-/// Σ u over all particles, which have one mass.
+/// Σ u over all particles, which have equal masses.
 template <class P>
 Vec<P::dimension> velocity_sum(const P& fluid) {
   Vec<P::dimension> sum = Vec<P::dimension>::Zero();
@@ -86,7 +87,7 @@ double speed_sum(const P& fluid) {
   return sum;
 }
 
-/// No particle lies on the surface: a tank that is closed and full.
+/// Surface detection for a closed, full tank: no particle is on the surface.
 struct NoSurface {
   void check() const {}
   bool is_on_surface(const mps::LocalDensity&) const { return false; }
@@ -95,9 +96,10 @@ struct NoSurface {
 /// A small 2D dam break: 10 by 15 spacings of fluid in a tank of 25.
 template <int Dim, class Real = double>
 mps::Fluid<Dim, Real> small_dam(double l0 = 0.02, double depth = 5) {
-  return mps::make_tank<Dim, Real>({.column = {10 * l0, (Dim == 2 ? 15 : 8) * l0},
-                                    .size = {.length = 25 * l0, .height = 20 * l0, .depth = depth * l0},
-                                    .spacing = l0});
+  return mps::make_tank<Dim, Real>(
+      {.column = {10 * l0, (Dim == 2 ? 15 : 8) * l0},
+       .size = {.length = 25 * l0, .height = 20 * l0, .depth = depth * l0},
+       .spacing = l0});
 }
 
 }  // namespace silt::test

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Grains in the few arrangements that many tests start from, and what they are measured by.
+// Initial arrangements of grains used by many tests, and quantities measured in them.
 #pragma once
 
 #include "support/points.hpp"
@@ -24,7 +24,8 @@ dem::Grains<Dim> one_grain(const Vec<Dim>& x, const Vec<Dim>& v, const dem::Grai
   return grains;
 }
 
-/// Two equal pebbles along the first axis, `gap` apart, the first at rest, the second coming.
+/// Two equal pebbles along the first axis, `gap` apart; the first is at rest, the second has
+/// velocity v.
 template <int Dim>
 dem::Grains<Dim> two_grains(double gap, const Vec<Dim>& v, const dem::Grain& grain = pebble) {
   dem::Grains<Dim> grains;
@@ -34,8 +35,7 @@ dem::Grains<Dim> two_grains(double gap, const Vec<Dim>& v, const dem::Grain& gra
   return grains;
 }
 
-/// Random grains that may touch but not deeply: a jittered lattice with random
-/// velocities and spins.
+/// A randomly disturbed lattice of grains with small overlaps, random velocities and spins.
 template <int Dim, class Real>
 dem::Grains<Dim, Real> crowd(Index along_each_axis, unsigned seed) {
   const Real spacing = Real(0.0205);
@@ -56,23 +56,23 @@ dem::Grains<Dim, Real> crowd(Index along_each_axis, unsigned seed) {
   return grains;
 }
 
-/// With that of the spins.
+/// Translational and rotational kinetic energy [J].
 template <class P>
 double energy_of_motion(const P& grains) {
   return kinetic_energy(grains) + rotational_energy(grains);
 }
 
-/// Steps of dt until a contact came and went; the largest overlap on the way, 0 if none came.
+/// Steps of dt until a contact has begun and ended; returns its maximum overlap, 0 if none began.
 template <class Sim>
-double through_contact(Sim& sim, double dt, int most_steps = 100000) {
-  double deepest = 0;
-  for (int k = 0; k < most_steps; ++k) {
+double through_contact(Sim& sim, double dt, int max_steps = 100000) {
+  double max_overlap = 0;
+  for (int k = 0; k < max_steps; ++k) {
     sim.step(dt);
     sim.interaction().for_each_contact(
         sim.particles(), [&](Index, Index, const auto& contact, const auto&) {
-          deepest = std::max(deepest, double(contact.overlap));
+          max_overlap = std::max(max_overlap, double(contact.overlap));
         });
-    if (deepest > 0 && sim.interaction().size() == 0) return deepest;
+    if (max_overlap > 0 && sim.interaction().size() == 0) return max_overlap;
   }
   return 0;
 }

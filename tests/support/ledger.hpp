@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What every energy ledger must do, whatever the law.
+// Checks of the energy ledger for any contact law.
 #pragma once
 
 #include "support/grains.hpp"
@@ -15,17 +15,18 @@
 
 namespace silt::test {
 
-/// The works of the last step sum to the change of kinetic energy, to 1e-10 of the largest of them.
+/// The sum of all work in the last step equals the change of kinetic energy, to 1e-10 of the
+/// largest term.
 template <class Ledger>
 void expect_closed(const Ledger& ledger, int step) {
   const double kinetic = ledger.energies().kinetic + ledger.energies().rotational;
   const double largest =
       std::max(ledger.work_of_step().max_term(), std::abs(ledger.energy_change_of_step()));
-  // Velocities are rounded: energies cannot be known better than to their own last digits.
+  // Rounding of the velocities limits the accuracy of the energies.
   ASSERT_LE(std::abs(ledger.imbalance()), std::max(1e-10 * largest, 1e-15 * kinetic)) << step;
 }
 
-/// Takes steps of dt; the ledger closes in each, and over all of them.
+/// Takes steps of dt; the ledger closes in each step and in total.
 template <class Sim, class Ledger>
 void expect_closing(Sim& sim, Ledger& ledger, int steps, double dt) {
   for (int k = 0; k < steps; ++k) {
@@ -39,8 +40,8 @@ void expect_closing(Sim& sim, Ledger& ledger, int steps, double dt) {
               ledger.work().sum() + ledger.added_energy(), 1e-11 * kinetic(ledger.energies()));
 }
 
-/// One type of simulation for all that is asked of a law, as each takes seconds to compile: gravity,
-/// global damping, a floor that shakes and a wall that turns.
+/// Parameters of one simulation for all checks of a law, because each type takes seconds to
+/// compile: gravity, global damping, a vibrating floor and a rotating wall.
 struct Shaken {
   double gravity = 0;
   double damping = 0;
@@ -59,7 +60,7 @@ auto shaken(const dem::Grains<3>& grains, const Law& law, const Shaken& how) {
                     Leapfrog{GlobalDamping{.alpha = how.damping}}};
 }
 
-/// The ledger closes to 1e-10 for a crowd in a field of gravity, damped, between walls that move.
+/// The ledger closes to 1e-10 for grains with gravity, damping and moving walls.
 template <class Law>
 void expect_to_close_at_moving_walls(const Law& law) {
   auto sim = shaken(crowd<3, double>(3, 5), law,
@@ -74,7 +75,7 @@ void expect_to_close_at_moving_walls(const Law& law) {
   }
 }
 
-/// Momentum, and angular momentum of orbits and spins together, stay in a crowd without walls.
+/// Momentum and total angular momentum are conserved for grains without walls.
 template <class Law>
 void expect_to_keep_momenta(const Law& law) {
   const auto grains = crowd<3, double>(3, 6);
@@ -88,8 +89,8 @@ void expect_to_keep_momenta(const Law& law) {
   EXPECT_LT((silt::angular_momentum(sim.particles(), about) - L).norm(), 1e-13 * mass_of_all);
 }
 
-/// Root mean square of the integration error of impacts that begin, and begin to slide, at
-/// different places within a step.
+/// Root mean square of the integration error of impacts in which contact and sliding begin at
+/// different times within a step.
 template <class Law>
 double integration_error(const Law& law, double dt) {
   constexpr int impacts = 24;
@@ -110,7 +111,7 @@ double integration_error(const Law& law, double dt) {
   return std::sqrt(sum / impacts);
 }
 
-/// It falls with the square of the time step.
+/// The integration error is proportional to the square of the time step.
 template <class Law>
 void expect_second_order(const Law& law) {
   const double coarse = integration_error(law, 2e-5);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Random points, and the pairs of points found by hand: all images, no ghosts, no cells.
+// Random points, and their pairs by brute force, with all periodic images, without ghosts or cells.
 #pragma once
 
 #include <silt/core/box.hpp>
@@ -42,18 +42,18 @@ Particles<Dim, Real> particles_at(const std::vector<Vec<Dim, Real>>& points,
   return particles;
 }
 
-/// Owner i, owner j, and r_ij by component: one meeting of two particles.
+/// A pair: owner i, owner j, and the components of r_ij.
 template <int Dim, class Real>
-using Meeting = std::tuple<Index, Index, std::vector<Real>>;
+using NeighbourPair = std::tuple<Index, Index, std::vector<Real>>;
 
 template <int Dim, class Real>
-Meeting<Dim, Real> meeting(Index i, Index j, const Vec<Dim, Real>& r_ij) {
+NeighbourPair<Dim, Real> neighbour_pair(Index i, Index j, const Vec<Dim, Real>& r_ij) {
   return {i, j, std::vector<Real>(r_ij.data(), r_ij.data() + Dim)};
 }
 
-/// Every (i, j, r_ij) with r < radius, of all periodic images that touch a neighbouring box.
+/// Every (i, j, r_ij) with r < radius, including images in the adjacent periodic boxes.
 template <class P>
-auto meetings_by_hand(const P& particles, typename P::Real radius) {
+auto brute_force_pairs(const P& particles, typename P::Real radius) {
   constexpr int Dim = P::dimension;
   using Real = typename P::Real;
   const auto x = particles[position];
@@ -61,7 +61,7 @@ auto meetings_by_hand(const P& particles, typename P::Real radius) {
   std::vector<Vec<Dim, Real>> shifts{Vec<Dim, Real>::Zero()};
   for (int k = 0; k < Dim; ++k) {
     if (!box.periodic[static_cast<std::size_t>(k)]) continue;
-    for (Index s = 0, known = shifts.size(); s < known; ++s) {
+    for (Index s = 0, previous = shifts.size(); s < previous; ++s) {
       for (const Real sign : {Real(-1), Real(1)}) {
         auto shift = shifts[s];
         shift[k] = sign * (box.upper[k] - box.lower[k]);
@@ -69,13 +69,13 @@ auto meetings_by_hand(const P& particles, typename P::Real radius) {
       }
     }
   }
-  std::vector<Meeting<Dim, Real>> found;
+  std::vector<NeighbourPair<Dim, Real>> found;
   for (Index i = 0; i < x.size(); ++i) {
     for (Index j = 0; j < x.size(); ++j) {
       for (const auto& shift : shifts) {
         const Vec<Dim, Real> r_ij = Vec<Dim, Real>(x[j] + shift) - x[i];
         if (i != j && r_ij.squaredNorm() < radius * radius) {
-          found.push_back(meeting<Dim, Real>(i, j, r_ij));
+          found.push_back(neighbour_pair<Dim, Real>(i, j, r_ij));
         }
       }
     }
@@ -84,38 +84,38 @@ auto meetings_by_hand(const P& particles, typename P::Real radius) {
   return found;
 }
 
-/// The same by a search, from for_each_neighbour.
+/// The same from for_each_neighbour of a search.
 template <class P, class S>
-auto meetings(const P& particles, const S& search) {
+auto neighbour_pairs(const P& particles, const S& search) {
   using Real = typename P::Real;
-  std::vector<Meeting<P::dimension, Real>> found;
+  std::vector<NeighbourPair<P::dimension, Real>> found;
   for (Index i = 0; i < particles.size(); ++i) {
     search.for_each_neighbour(i, [&](Index j, const typename P::Vec& r_ij, Real) {
-      found.push_back(meeting<P::dimension, Real>(i, particles.owner(j), r_ij));
+      found.push_back(neighbour_pair<P::dimension, Real>(i, particles.owner(j), r_ij));
     });
   }
   std::sort(found.begin(), found.end());
   return found;
 }
 
-/// The same from for_each_pair, which gives every pair once.
+/// The same from for_each_pair, which reports every pair once.
 template <class P, class S>
 auto pairs(const P& particles, const S& search) {
   using Real = typename P::Real;
-  std::vector<Meeting<P::dimension, Real>> found;
+  std::vector<NeighbourPair<P::dimension, Real>> found;
   search.for_each_pair([&](Index i, Index j, const typename P::Vec& r_ij, Real) {
-    found.push_back(meeting<P::dimension, Real>(i, particles.owner(j), r_ij));
+    found.push_back(neighbour_pair<P::dimension, Real>(i, particles.owner(j), r_ij));
   });
   std::sort(found.begin(), found.end());
   return found;
 }
 
-/// Those seen from the lower index.
-template <class Meetings>
-Meetings once_each(const Meetings& meetings) {
-  Meetings once;
-  for (const auto& m : meetings) {
-    if (std::get<0>(m) < std::get<1>(m)) once.push_back(m);
+/// Only the pairs with i < j.
+template <class List>
+List once_each(const List& pairs) {
+  List once;
+  for (const auto& pair : pairs) {
+    if (std::get<0>(pair) < std::get<1>(pair)) once.push_back(pair);
   }
   return once;
 }

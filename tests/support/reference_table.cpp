@@ -25,7 +25,7 @@ std::vector<std::string> cells_of(const std::string& line) {
   return cells;
 }
 
-// To two digits; in per cent where that is short.
+// Two significant digits, as a percentage unless very small.
 std::string share(double value) {
   if (value == 0) return "0";
   if (!is_finite(value)) return "stated";
@@ -38,12 +38,13 @@ std::string share(double value) {
 constexpr std::string_view column_names =
     "| case | quantity | reference | measured | error | allowed |\n";
 
-// Where the page's table stands: from its column names to behind its last line. Empty if it has none.
-struct Place {
+// Range of the table in the page, from the column names to the end of the last line; empty if there
+// is none.
+struct TextRange {
   std::size_t from;
   std::size_t to;
 };
-Place table_of(const std::string& page) {
+TextRange table_of(const std::string& page) {
   const auto from = page.find(column_names);
   if (from == std::string::npos) return {page.size(), page.size()};
   const auto end = page.find("\n\n", from);
@@ -60,7 +61,7 @@ std::string line_of(const ReferenceRow& row) {
 double ReferenceRow::error() const {
   return std::abs(measured - reference) / (scale > 0 ? scale : std::abs(reference));
 }
-bool ReferenceRow::holds() const { return is_finite(measured) && error() <= allowed; }
+bool ReferenceRow::is_within_tolerance() const { return is_finite(measured) && error() <= allowed; }
 
 void ReferenceTable::sort() {
   std::stable_sort(rows_.begin(), rows_.end(), [](const ReferenceRow& a, const ReferenceRow& b) {
@@ -71,7 +72,7 @@ void ReferenceTable::sort() {
 std::vector<ReferenceRow> ReferenceTable::failed() const {
   std::vector<ReferenceRow> failed;
   for (const auto& row : rows_) {
-    if (!row.holds()) failed.push_back(row);
+    if (!row.is_within_tolerance()) failed.push_back(row);
   }
   return failed;
 }
@@ -85,27 +86,27 @@ std::string ReferenceTable::text() const {
 std::vector<std::string> ReferenceTable::differences_from(const std::string& page) const {
   std::vector<std::string> differences;
   std::vector<std::vector<std::string>> lines;
-  const Place place = table_of(page);
-  std::stringstream stream(page.substr(place.from, place.to - place.from));
+  const TextRange range = table_of(page);
+  std::stringstream stream(page.substr(range.from, range.to - range.from));
   for (std::string line; std::getline(stream, line);) {
     if (line.starts_with("| ")) lines.push_back(cells_of(line));
   }
-  std::size_t next = 1;  // behind the names of the columns
+  std::size_t next = 1;  // after the column names
   for (const auto& row : rows_) {
     const auto own = cells_of(line_of(row));
     if (next >= lines.size()) {
       differences.push_back(line_of(row));
       continue;
     }
-    const auto& told = lines[next++];
-    bool same = told.size() == own.size();
-    for (const std::size_t cell : {1, 2, 3, 6}) same = same && told[cell] == own[cell];
+    const auto& line = lines[next++];
+    bool same = line.size() == own.size();
+    for (const std::size_t cell : {1, 2, 3, 6}) same = same && line[cell] == own[cell];
     if (same) {
-      ReferenceRow there = row;
-      there.reference = row.measured;
-      there.measured = std::stod(told[4]);
-      there.scale = row.scale > 0 ? row.scale : std::abs(row.reference);
-      same = there.error() <= std::min(row.allowed / 4, 0.1) + 1e-5;
+      ReferenceRow on_page = row;
+      on_page.reference = row.measured;
+      on_page.measured = std::stod(line[4]);
+      on_page.scale = row.scale > 0 ? row.scale : std::abs(row.reference);
+      same = on_page.error() <= std::min(row.allowed / 4, 0.1) + 1e-5;
     }
     if (!same) differences.push_back(line_of(row));
   }
@@ -115,23 +116,23 @@ std::vector<std::string> ReferenceTable::differences_from(const std::string& pag
 
 int compare_with_page(const ReferenceTable& table, int argc, char** argv) {
   const std::string program = argv[0];
-  if (argc < 2) fail(program + ": name the page with the table");
+  if (argc < 2) fail(program + ": give the page with the table as an argument");
   std::printf("%s", table.text().c_str());
   std::ifstream stream(argv[1]);
   const std::string page{std::istreambuf_iterator<char>(stream), {}};
   if (argc > 2 && std::string(argv[2]) == "--write") {
-    const Place place = table_of(page);
-    if (place.from == page.size()) fail(program + ": the page has no table to replace");
-    std::ofstream(argv[1]) << page.substr(0, place.from) << table.text() << page.substr(place.to);
+    const TextRange range = table_of(page);
+    if (range.from == page.size()) fail(program + ": the page has no table to replace");
+    std::ofstream(argv[1]) << page.substr(0, range.from) << table.text() << page.substr(range.to);
     return 0;
   }
   const auto failed = table.failed();
   for (const auto& row : failed) {
-    std::printf("does not hold: %s, %s\n", row.item.c_str(), row.quantity.c_str());
+    std::printf("error too large: %s, %s\n", row.item.c_str(), row.quantity.c_str());
   }
   const auto differences = table.differences_from(page);
   for (const auto& line : differences) {
-    std::printf("%s has it otherwise (%s PAGE --write): %s\n", argv[1], argv[0], line.c_str());
+    std::printf("%s differs (update with %s PAGE --write): %s\n", argv[1], argv[0], line.c_str());
   }
   return failed.empty() && differences.empty() ? 0 : 1;
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A run that is stopped at any step, written, read and continued has the bits of one that was not.
+// Checks that a run that is resumed from a checkpoint at any step has the same bits as an
+// uninterrupted one.
 #pragma once
 
 #include "support/check.hpp"
@@ -24,7 +25,7 @@
 
 namespace silt::test {
 
-/// A simulation with the observers that have state of their own.
+/// A simulation with its observers that have state.
 template <class Sim, class... Observers>
 struct RunWith {
   explicit RunWith(Sim sim, Observers... with)
@@ -34,18 +35,18 @@ struct RunWith {
   std::tuple<Observers...> observers;
 };
 
-/// The steps of a run at which it is stopped.
+/// Where a run is stopped and resumed.
 struct Restarts {
   Index steps = 100;        ///< of the run
   Index number = 20;        ///< of restarts, at random steps
-  Index further = 20;       ///< steps after most of them
-  Index to_the_end = 2;     ///< restarts that go on to the end
+  Index further = 20;       ///< steps after most restarts
+  Index to_the_end = 2;     ///< restarts that are continued to the end
   std::uint64_t seed = 13;  ///< of the random steps
 };
 
 namespace restart {
 
-/// With a step that fails before it, or without.
+/// One step, optionally after a step that fails.
 template <class Run>
 void step(Run& run, bool fails_first = false) {
   std::apply(
@@ -70,7 +71,7 @@ void step(Run& run, bool fails_first = false) {
       run.observers);
 }
 
-/// Of every field, and of these numbers.
+/// Hash of all fields and of `numbers`.
 template <class Run>
 std::uint64_t hash(const Run& run, std::vector<double> numbers = {}) {
   Bytes bytes;
@@ -94,7 +95,7 @@ void read(const std::filesystem::path& path, Run& run) {
              run.observers);
 }
 
-/// Random steps in rising order, each once.
+/// Different random steps, ascending.
 inline std::vector<Index> random_steps(const Restarts& restarts) {
   std::vector<Index> steps(restarts.steps);
   std::iota(steps.begin(), steps.end(), Index(0));
@@ -110,9 +111,9 @@ inline std::vector<Index> random_steps(const Restarts& restarts) {
 
 }  // namespace restart
 
-/// make() gives a run at its beginning; measured(run) further numbers that must not differ. A
-/// checkpoint is written by one number of threads and read by another, in turns into a simulation
-/// that was just made and into one that has run already; some first try a step that fails.
+/// make() returns a run at its beginning, measured(run) further numbers that must be the same.
+/// Checkpoints are written and read with different numbers of threads, alternately into a new
+/// simulation and into one that has run already; some runs then attempt a step that fails.
 template <class Make, class Measured>
 void expect_the_same_bits_after_restarts(const std::filesystem::path& folder,
                                          const Restarts& restarts, const Make& make,
@@ -150,17 +151,18 @@ void expect_the_same_bits_after_restarts(const std::filesystem::path& folder,
     with_threads(2 - static_cast<int>(stop % 2), [&] {
       restart::read(file(stop), used);
       EXPECT_EQ(hash(used), stopped[number]);
-      // Neither a step that fails and is repeated, nor a snapshot, changes what comes.
+      // Neither a failed step nor a snapshot changes the following steps.
       const bool fails_first = number % 3 == 0;
       if (number % 3 == 1) {
         EXPECT_EQ(used.simulation.snapshot().size(), used.simulation.particles().size());
       }
-      // What the last step measured is made anew by the next.
+      // Results of the last step are not in the checkpoint; compare from the next step on.
       for (Index step = stop + 1; step <= last && is_same; ++step) {
         restart::step(used, fails_first && step == stop + 1);
         is_same = hash(used, measured(used)) == hashes[step];
-        EXPECT_TRUE(is_same) << "differs " << step - stop << " steps later; read into one that "
-                             << (is_new ? "was just made" : "had run");
+        EXPECT_TRUE(is_same) << "differs " << step - stop
+                             << " steps later; read into a simulation that "
+                             << (is_new ? "was new" : "had run");
       }
     });
     ++number;

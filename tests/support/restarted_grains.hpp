@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Grains with all that has state: contacts under a law, bonds that break, a wall that moves,
+// Grains with every component that has state: contacts, breakable bonds, a moving wall,
 // periodic sides, an inflow, an outflow and an energy ledger.
 #pragma once
 
@@ -16,7 +16,7 @@ namespace silt::test {
 template <int Dim>
 class RestartedGrains {
  public:
-  /// Of two sizes; every axis but the last is periodic.
+  /// Grains of two sizes, `along[k]` of them along axis k; every axis except the last is periodic.
   explicit RestartedGrains(std::vector<Index> along) : along_(std::move(along)) {}
 
   /// A run at its beginning.
@@ -40,12 +40,13 @@ class RestartedGrains {
         .sizes = {.min_radius = 0.006, .max_radius = 0.012}, .density = 2500};
     dem::EnergyLedger ledger{simulation};
     dem::Inflow<Box<Dim>, dem::UniformSizes> rain{
-        part(height(), height() + 0.1), pebbles,
+        slab(height(), height() + 0.1),
+        pebbles,
         {.number = 300, .rate = 3000, .velocity = -2 * up(), .every = 0.002}};
     return RunWith{std::move(simulation), dem::Outflow<Box<Dim>>{hole()}, rain, ledger};
   }
 
-  /// What observers tell of the last step, and since the beginning.
+  /// Results of the last step, and totals since the beginning.
   template <class Run>
   static std::vector<double> measured(const Run& run) {
     const auto& grains = run.simulation.particles();
@@ -65,7 +66,7 @@ class RestartedGrains {
   static Vec<Dim> up() { return Vec<Dim>::Unit(Dim - 1); }
   double height() const { return double(along_.back()) * spacing; }
 
-  Box<Dim> part(double lower, double upper) const {
+  Box<Dim> slab(double lower, double upper) const {
     Box<Dim> box;
     for (int k = 0; k + 1 < Dim; ++k) {
       box.lower[k] = 0;
@@ -76,26 +77,26 @@ class RestartedGrains {
     return box;
   }
   Box<Dim> hole() const {
-    auto hole = part(0, 0.03);
+    auto hole = slab(0, 0.03);
     hole.upper[0] = 0.05;
     return hole;
   }
 
   dem::Grains<Dim> grains() const {
-    auto box = part(-1, 2);
+    auto box = slab(-1, 2);
     box.periodic.fill(true);
     box.periodic[Dim - 1] = false;
     dem::Grains<Dim> grains(box);
     Random random{.seed = 7};
     const auto any = [&random] { return random.uniform({-1, 1}); };
     Index number = 0;
-    for (Vec<Dim> x : lattice(part(0, height()), spacing)) {
+    for (Vec<Dim> x : lattice(slab(0, height()), spacing)) {
       const bool is_large = number++ % 3 != 0;
       for (int k = 0; k < Dim; ++k) x[k] += 2e-4 * any();
       const Index i = dem::add_grain(
           grains, x, {.radius = is_large ? 0.0102 : 0.007, .density = 2500});
       for (int k = 0; k < Dim; ++k) grains[velocity][i][k] = 0.5 * any();
-      grains[velocity][i][0] += 8;  // through many cells, and through the periodic sides
+      grains[velocity][i][0] += 8;  // through many cells, and across the periodic sides
     }
     return grains;
   }

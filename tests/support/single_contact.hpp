@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// One contact by itself, without grains, search or simulation: a law and two bodies that it pushes
-// apart.
+// A single contact without grains, search or simulation: a law and two bodies.
 #pragma once
 
 #include <silt/dem/contact.hpp>
@@ -9,24 +8,24 @@
 
 namespace silt::test {
 
-/// Two bodies that meet head on.
+/// Two bodies in a head-on impact.
 struct HeadOn {
   double mass = 1;      ///< m* [kg]
   double radius = 0.1;  ///< R* [m]
-  double speed = 1;     ///< at which they approach [m/s]
+  double speed = 1;     ///< approach speed [m/s]
   double time_step = 0;  ///< [s]
-  double phase = 0.5;   ///< where within a step they touch [-]
+  double phase = 0.5;   ///< fraction of a step between first contact and the next step [-]
 };
 
 struct Impact {
   double restitution = 0;
-  double deepest = 0;    ///< [m]
-  double strongest = 0;  ///< force [N]
-  double pushed = 0;     ///< time during which the force was not 0 [s]
-  double plastic = 0;    ///< loss that the law tells [J]
+  double max_overlap = 0;  ///< [m]
+  double max_force = 0;    ///< [N]
+  double duration = 0;     ///< time during which the force was not 0 [s]
+  double plastic = 0;    ///< plastic loss reported by the law [J]
 };
 
-/// Leapfrog through one impact; the bodies fly freely before and after.
+/// Integrates one impact with leapfrog; no force acts before and after.
 template <int Dim, class Real, class Law>
 Impact collide(const Law& law, const HeadOn& bodies) {
   dem::Contact<Dim, Real> contact;
@@ -42,13 +41,13 @@ Impact collide(const Law& law, const HeadOn& bodies) {
   for (int step = 0; step < 1000000 && overlap > 0; ++step) {
     contact.overlap = Real(overlap);
     contact.relative_velocity = Real(-v) * contact.normal;
-    const auto parts = law.components(contact, history);
-    const double F = double(parts.force(contact.normal)[0]);
+    const auto components = law.components(contact, history);
+    const double F = double(components.force(contact.normal)[0]);
     v -= F / bodies.mass * dt;
-    impact.deepest = std::max(impact.deepest, overlap);
-    impact.strongest = std::max(impact.strongest, F);
-    if (F != 0) impact.pushed += dt;
-    impact.plastic += double(parts.plastic);
+    impact.max_overlap = std::max(impact.max_overlap, overlap);
+    impact.max_force = std::max(impact.max_force, F);
+    if (F != 0) impact.duration += dt;
+    impact.plastic += double(components.plastic);
     overlap += v * dt;
   }
   impact.restitution = -v / bodies.speed;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The still tank of [HwangLeePark2010] section 3: water at rest under gravity, whose pressure is
-// known.
+// The hydrostatic tank of [HwangLeePark2010] section 3: water at rest under gravity, with known
+// pressure.
 #pragma once
 
 #include <silt/mps.hpp>
@@ -10,14 +10,14 @@
 
 namespace silt::test {
 
-/// Pressure of the floor while the tank stands.
+/// Pressure on the floor of the tank.
 struct FloorPressure {
   double mean = 0;     // over time [Pa]
-  double scatter = 0;  // standard deviation over time, over the mean [-]
+  double scatter = 0;  // standard deviation over time, divided by the mean [-]
 };
 
-/// A tank `depth` deep is left to itself, and the wall particles of the floor whose horizontal
-/// distance from the middle is below 0.75 spacings are read from time `from` on.
+/// Simulates the tank and averages the pressure of the wall particles of the floor whose distance
+/// from its centre is below 0.75 spacings, from time `from` to `until`.
 template <class Scheme, int Dim>
 FloorPressure floor_pressure(const mps::Tank<Dim>& tank, double from, double until) {
   Simulation sim{mps::make_tank(tank), UniformGrid<Dim>{},

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Surfaces of triangles that tests put grains on.
+// Triangulated surfaces for tests.
 #pragma once
 
 #include <silt/core/box.hpp>
@@ -42,7 +42,7 @@ inline Triangles box_of_triangles(const Box<3>& box, int n = 1) {
   return all;
 }
 
-/// Distance of x from a triangle, by trying all: its inside, its sides, its corners.
+/// Distance of x from a triangle: the minimum over its interior, its sides and its corners.
 inline double exact_distance(const Vec<3>& x, const Triangle<double>& triangle) {
   const auto& c = triangle.corners;
   const Vec<3> n = (c[1] - c[0]).cross(c[2] - c[0]).normalized();

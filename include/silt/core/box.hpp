@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The box particles live in: which sides are periodic, and what happens to a particle that leaves
-// through one that is not.
+// The simulation box: its bounds, its periodic sides, and what happens to particles that leave it.
 #pragma once
 
 #include <silt/core/error.hpp>
@@ -16,16 +15,16 @@ namespace silt {
 
 /// What the simulation does with a particle found outside a box at the end of a step.
 enum class OnEscape {
-  refuse,  ///< the step throws, and is undone
-  remove,  ///< the particle is removed and counted: `Simulation::particles_lost()`
+  refuse,  ///< the step throws and is rolled back
+  remove,  ///< the particle is removed and counted, see Simulation::particles_lost()
 };
 
-/// Axis-parallel box. Without numbers it is all of space.
+/// Axis-aligned box; unbounded by default.
 template <int Dim, class Real = double>
 struct Box {
   Vec<Dim, Real> lower = Vec<Dim, Real>::Constant(-std::numeric_limits<Real>::infinity());  ///< [m]
   Vec<Dim, Real> upper = Vec<Dim, Real>::Constant(std::numeric_limits<Real>::infinity());   ///< [m]
-  std::array<bool, Dim> periodic{};    ///< the two sides across axis k are one
+  std::array<bool, Dim> periodic{};  ///< whether axis k is periodic
   OnEscape on_escape = OnEscape::refuse;
 
   bool any_periodic() const {
@@ -37,7 +36,7 @@ struct Box {
 
   Vec<Dim, Real> length() const { return upper - lower; }
 
-  /// Inside every side that is not periodic.
+  /// Whether x is within the bounds along every axis that is not periodic, both bounds included.
   bool contains(const Vec<Dim, Real>& x) const {
     bool inside = true;
     for (int k = 0; k < Dim; ++k) {
@@ -46,37 +45,37 @@ struct Box {
     return inside;
   }
 
-  /// How far x is inside of every side that is not periodic [m]; below 0: outside.
+  /// Distance from x to the nearest side that is not periodic [m]; negative outside.
   Real clearance(const Vec<Dim, Real>& x) const {
-    Real least = std::numeric_limits<Real>::infinity();
+    Real minimum = std::numeric_limits<Real>::infinity();
     for (int k = 0; k < Dim; ++k) {
       if (periodic[static_cast<std::size_t>(k)]) continue;
-      least = std::min({least, x[k] - lower[k], upper[k] - x[k]});
+      minimum = std::min({minimum, x[k] - lower[k], upper[k] - x[k]});
     }
-    return least;
+    return minimum;
   }
 
-  /// [m³], in 2D [m²].
+  /// Volume [m³], in 2D area [m²].
   double volume() const { return double(length().prod()); }
-  /// Itself: among regions of other shapes, the box around it.
+  /// The box itself; regions of other shapes return their bounding box.
   const Box& bounds() const { return *this; }
 
-  /// The image of x in [lower, upper) along the periodic axes, in closed form. What is not finite
-  /// stays as it is.
+  /// The periodic image of x in [lower, upper) along the periodic axes, from any distance.
+  /// Coordinates that are not finite are returned unchanged.
   Vec<Dim, Real> wrap(Vec<Dim, Real> x) const {
     for (int k = 0; k < Dim; ++k) {
       if (!periodic[static_cast<std::size_t>(k)]) continue;
       const Real side = upper[k] - lower[k];
       if ((x[k] >= lower[k] && x[k] < upper[k]) || !is_finite(x[k])) continue;
       x[k] -= side * std::floor((x[k] - lower[k]) / side);
-      // Rounding may leave it on the upper side; from very far, where a period is less than the
-      // spacing of numbers, anywhere.
+      // Rounding may give the upper bound, or, if x is so far away that the period is less than the
+      // spacing of floating-point numbers, any value.
       if (!(x[k] >= lower[k] && x[k] < upper[k])) x[k] = lower[k];
     }
     return x;
   }
 
-  /// For a checkpoint, see core/transfer.hpp.
+  /// Writes or reads the box for a checkpoint, see core/transfer.hpp.
   template <class Archive>
   void transfer(Archive& archive) {
     archive("lower", lower);
@@ -85,7 +84,7 @@ struct Box {
     archive("on_escape", on_escape);
   }
 
-  /// Throws unless lower < upper along every axis, with finite sides where periodic.
+  /// Throws unless lower < upper along every axis, both finite along periodic axes.
   void check() const {
     for (int k = 0; k < Dim; ++k) {
       const std::string axis = "Box: axis " + std::to_string(k);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The columns of a container, one for each field, and how a step that fails is undone in them.
+// The columns of a particle container, one for each field, and rolling them back after a failed
+// step.
 #pragma once
 
 #include <silt/core/fields.hpp>
@@ -15,10 +16,10 @@
 
 namespace silt {
 
-/// One vector of values for each of the fields, all equally long: first those of owned particles,
-/// then those of ghosts. A step is a transaction: save() before it, restore() if it throws. What is
-/// neither kept nor advanced in between is not brought back: constants need not be, and what a step
-/// derives is as far as it came.
+/// One vector of values for each field, all of the same length: first the owned particles, then the
+/// ghosts. A failed step is rolled back with save() before it and restore() after. restore()
+/// recovers the fields passed to keep() or advance() in between; all others keep their present
+/// values.
 template <int Dim, class Real, Field... Fields>
 class Columns {
  public:
@@ -38,7 +39,7 @@ class Columns {
 
   void save() noexcept { ((saved<Fields>().kept = saved<Fields>().is_next = false), ...); }
 
-  /// Keeps field F as it is for restore(), before it is changed in place.
+  /// Saves field F for restore(); to be called before F is changed in place.
   template <Field F>
   void keep() {
     auto& before = saved<F>();
@@ -53,21 +54,21 @@ class Columns {
     std::span<const Value> before;
     std::span<Value> after;
   };
-  /// Values of field F of the owned particles, and the place for the next ones, all of which must
-  /// be written; they take the former's place with arrive(). The two are one and the same where F
-  /// was kept before.
+  /// The values of field F of the owned particles, and the memory for the next ones, all of which
+  /// must be written. They become the values of F with finish_advance(). If F was kept before, both
+  /// are the same memory.
   template <Field F>
   auto advance(Index owned) {
     using Value = value_of<F, Dim, Real>;
     auto& now = of<F>();
     auto& next = saved<F>();
     if (next.kept) return Advance<Value>{{now.data(), owned}, {now.data(), owned}};
-    resize_sparingly(next.values, now.size());
+    resize_tightly(next.values, now.size());
     next.is_next = true;
     return Advance<Value>{{now.data(), owned}, {next.values.data(), owned}};
   }
-  /// All fields that advance have their next values.
-  void arrive(Index owned) { (arrive<Fields>(owned), ...); }
+  /// Makes the next values of all fields passed to advance() their values.
+  void finish_advance(Index owned) { (finish_advance<Fields>(owned), ...); }
 
   void restore(Index owned) noexcept {
     (restore<Fields>(owned), ...);
@@ -83,8 +84,8 @@ class Columns {
   };
   template <class F>
   struct Saved : Column<F> {
-    bool kept = true;      // there is nothing more to save
-    bool is_next = false;  // it holds what comes, rather than what was
+    bool kept = true;      // nothing more to save
+    bool is_next = false;  // holds the next values, not the saved ones
   };
 
   template <class F>
@@ -94,14 +95,14 @@ class Columns {
 
   template <class F>
   void restore(Index owned) noexcept {
-    // Ghosts may have come or gone since; they are made anew by the next search.
+    // Owned particles only: the ghosts may differ, and the next search makes them again.
     const auto& before = saved<F>();
     if (before.kept) std::copy_n(before.values.begin(), owned, of<F>().begin());
   }
 
-  // Ghosts stay as they are.
+  // The ghosts keep their values.
   template <class F>
-  void arrive(Index owned) {
+  void finish_advance(Index owned) {
     auto& now = of<F>();
     auto& other = saved<F>();
     if (!other.is_next) return;

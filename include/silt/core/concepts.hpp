@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-// What a simulation is made of, as concepts. Conventions that hold everywhere:
+// The concepts that the components of a simulation model. Conventions throughout the library:
 //
 //   r_ij = x_j − x_i                      points from i to j
-//   normal n of a contact                 points the way i is pushed, so n = −r_ij / r
-//   forces and moments are ADDED by an interaction; the integrator clears them
-//   a spin is counter-clockwise positive; SI units throughout
-//   an index below size() is an owned particle, one above it a ghost: fields of ghosts are as fresh
-//   as the last refresh_ghosts(field)
+//   normal n of a contact                 direction of a repulsive force on i: n = −r_ij / r
+//   an interaction ADDS forces and torques; the integrator sets them to zero before
+//   a spin is positive counter-clockwise; SI units
+//   an index below size() is an owned particle, any other a ghost; fields of ghosts have the values
+//   of the last refresh_ghosts(field)
 #pragma once
 
 #include <silt/core/error.hpp>
@@ -20,7 +20,7 @@
 
 namespace silt {
 
-/// A container of particles with the columns of Particles.
+/// A particle container with the interface of Particles.
 template <class P>
 concept ParticleSet = requires(P p, const P q) {
   typename P::Real;
@@ -30,7 +30,7 @@ concept ParticleSet = requires(P p, const P q) {
   p[position];
 };
 
-/// Functions of the shape that searches call: any generic lambda will do.
+/// Functions with the signatures that searches call; any generic lambda can be passed.
 namespace archetype {
 struct OnNeighbour {
   template <class V, class R>
@@ -42,7 +42,7 @@ struct OnPair {
 };
 }  // namespace archetype
 
-/// Made for vectors of P's dimension and precision, or for any (then it has no S::Vec).
+/// S has the dimension and precision of P, or works with any (then it has no S::Vec).
 template <class S, class P>
 concept FitsVectorsOf =
     !requires { typename S::Vec; } || std::same_as<typename S::Vec, typename P::Vec>;
@@ -59,13 +59,14 @@ concept NeighbourSearch =
       found.for_each_pair(archetype::OnPair{});
     };
 
-/// May put the owned particles into an order in memory that makes it faster; ids stay.
+/// Can reorder the owned particles in memory, for speed; ids do not change.
 template <class S, class P>
 concept SortsParticles = requires(S s, P& p) { s.sort(p); };
 
-/// f(j) for every j that may be closer to owned particle i than radius() + margin_of(search): of a
-/// pair of owned particles at one of the two, of a pair across a periodic side at both, each with
-/// the ghost of the other. More may come.
+/// f(j) for every candidate j of the owned particle i, that is, every j that may be closer to i
+/// than radius() + margin_of(search). A pair of owned particles is reported at one of the two; a
+/// pair across a periodic side at both, each with the ghost of the other. Pairs farther apart may
+/// be reported as well.
 template <class S, class F>
 void for_each_candidate(const S& search, Index i, F&& f) {
   if constexpr (requires { search.for_each_candidate(i, f); }) {
@@ -77,7 +78,7 @@ void for_each_candidate(const S& search, Index i, F&& f) {
   }
 }
 
-/// How far beyond radius() the candidates are complete now [m].
+/// The candidates include all pairs closer than radius() plus this distance [m].
 template <class Real, class S>
 Real margin_of(const S& search) {
   if constexpr (requires { search.margin(); }) {
@@ -87,27 +88,26 @@ Real margin_of(const S& search) {
   }
 }
 
-/// Knows how far it reaches [m]; 0 if it needs no neighbours.
+/// i.reach(p) is the interaction range [m]; 0 if no neighbours are needed.
 template <class I, class P>
-concept Reaching = requires(const I i, const P& p) {
+concept HasReach = requires(const I i, const P& p) {
   { i.reach(p) } -> std::convertible_to<typename P::Real>;
 };
 
-/// Adds forces [N] and moments [N m] to the particles, and changes no other field of theirs that
-/// the integrator advances. Models: dem::Contacts, Gravity, Forces.
+/// Adds forces [N] and torques [N m] to the particles; changes no field that the integrator
+/// advances. Models: dem::Contacts, Gravity, Forces.
 template <class I, class P, class S>
-concept Interaction =
-    NeighbourSearch<S, P> && Reaching<I, P> && requires(I i, P& p, S& s, double dt) {
-      i.accelerate(p, s, dt);
-    };
+concept Interaction = NeighbourSearch<S, P> && HasReach<I, P> &&
+                      requires(I i, P& p, S& s, double dt) { i.accelerate(p, s, dt); };
 
-/// An interaction may also have add_forces(p, i), which adds to owned particle i alone what
-/// accelerate() adds to all: a step can so go through the particles once. If more than particle i
-/// has a part in that, it may also have
-///   prepare(p, s, dt)      called once, before all
-///   interact(p, chunk)     called for every chunk of particles: makes what several particles share
-///   needs<P>(chunk)        the chunks whose interact() takes part in the forces of this one's particles
-///   conclude(p, dt)        called once, behind all
+/// add_forces(p, i) adds to the owned particle i alone what accelerate() adds to all, so that
+/// forces and motion can be computed in one pass over the particles. If this needs quantities that
+/// several particles share, the interaction may also have
+///   prepare(p, s, dt)      called once, before the pass
+///   interact(p, chunk)     called for every chunk of particles; computes the shared quantities
+///   needs<P>(chunk)        the range of chunks whose interact() must have been called before
+///                          add_forces() of the particles of this chunk
+///   conclude(p, dt)        called once, after the pass
 /// Models: dem::Contacts, Gravity, Forces.
 template <class I, class P>
 concept AddsForces = requires(const I i, P& p, Index k) { i.add_forces(p, k); };
@@ -122,8 +122,8 @@ template <class I, class P>
 void interact(I& interaction, P& particles, Chunk chunk) {
   if constexpr (requires { interaction.interact(particles, chunk); }) {
     static_assert(requires { { interaction.template needs<P>(chunk) } -> std::same_as<ChunkSpan>; },
-                  "silt: an interaction with interact(particles, chunk) also has needs<P>(chunk), "
-                  "which gives a ChunkSpan");
+                  "silt: an interaction with interact(particles, chunk) must also have "
+                  "needs<P>(chunk), which returns a ChunkSpan");
     interaction.interact(particles, chunk);
   }
 }
@@ -142,8 +142,9 @@ void conclude(I& interaction, P& particles, double dt) {
   }
 }
 
-/// use_forces(chunk) for all particles, once what they need has interacted: it may call
-/// add_forces() for those of the chunk, and change them. Between prepare() and conclude().
+/// Calls use_forces(chunk) for every chunk, after interact() of all chunks that it needs.
+/// use_forces may call add_forces() for the particles of its chunk and may change them. To be
+/// called between prepare() and conclude().
 template <class I, class P, class UseForces>
   requires AddsForces<I, P>
 void for_each_chunk_with_forces(I& interaction, P& particles, UseForces&& use_forces) {
@@ -163,9 +164,9 @@ void accelerate_all(I& interaction, P& particles, S& search, double dt) {
   conclude(interaction, particles, dt);
 }
 
-/// Depends on time: set_time(t) tells it the time of the positions [s] before it is asked for anything
-/// that a step takes. It keeps no clock of its own: Simulation::time() is the one. Models:
-/// dem::Contacts, Forces.
+/// Depends on time: set_time(t) sets the time of the positions [s] and is called before any other
+/// function in a step. An interaction does not advance the time itself; see Simulation::time().
+/// Models: dem::Contacts, Forces.
 template <class I>
 concept DependsOnTime = requires(I i, double time) { i.set_time(time); };
 
@@ -174,35 +175,33 @@ void set_time(I& interaction, double time) {
   if constexpr (DependsOnTime<I>) interaction.set_time(time);
 }
 
-/// An incompressible flow, advanced by predictor and pressure. It may also have advect(p, dt),
-/// which moves the particles with the predictor's velocities, and needs_moved_particles. Model:
-/// mps::Flow.
+/// An incompressible flow, advanced by a predictor and a pressure correction. It may also have
+/// advect(p, dt), which moves the particles with the velocities of the predictor, and the constant
+/// needs_moved_particles. Model: mps::Flow.
 template <class I, class P, class S>
 concept PressureInteraction =
-    NeighbourSearch<S, P> && Reaching<I, P> && requires(I i, P& p, S& s, double dt) {
+    NeighbourSearch<S, P> && HasReach<I, P> && requires(I i, P& p, S& s, double dt) {
       i.predict(p, s, dt);
       i.collide(p, s, dt);
       { i.project(p, s, dt) } -> std::same_as<SolveReport>;
       i.correct(p, dt);
     };
 
-/// Field F is written by T only through Particles::advance or after Particles::keep, so that nobody
-/// else need save it.
+/// T writes field F only through Particles::advance or after Particles::keep, so that the
+/// simulation need not save it.
 template <class T, class F>
 concept AdvancesField = bool(T::template advances<F>);
 
 /// Advances particles by one step. It may also have
 ///   advances<F>     true for the fields that it saves itself, see AdvancesField
-///   all_finite()    true if it knows that all it made in the last step is finite
+///   all_finite()    true if it has verified that all results of the last step are finite
 /// Models: Leapfrog, SemiImplicit.
 template <class T, class P, class S, class I>
-concept Integrator =
-    NeighbourSearch<S, P> && Reaching<I, P> && requires(T t, P& p, S& s, I& i, double dt) {
-      t.step(p, s, i, dt);
-    };
+concept Integrator = NeighbourSearch<S, P> && HasReach<I, P> &&
+                     requires(T t, P& p, S& s, I& i, double dt) { t.step(p, s, i, dt); };
 
-/// Lets a part of a simulation say in its own words what it misses: I::explain<P>(), all
-/// static_asserts. True, so that it can stand in one.
+/// Calls I::explain<P>(), if it exists: static_asserts with readable messages about missing fields
+/// or members. Returns true, so that the call can be the condition of a static_assert.
 template <class I, class P>
 constexpr bool explain() {
   if constexpr (requires { I::template explain<P>(); }) I::template explain<P>();
@@ -215,17 +214,18 @@ concept ChoosesTimeStep = requires(I i, const P& p) {
   { i.time_step(p) } -> std::convertible_to<double>;
 };
 
-/// Has state of its own that a failed step must undo.
+/// Has state that must be rolled back if a step fails.
 template <class T>
 concept Transactional = requires(T t) {
   t.save();
   { t.restore() } noexcept;
 };
 
-/// Velocity after dt, from the velocity before and the acceleration. It may also have
-///   check(), check(dt)            throw if a parameter, or a step, is out of range
-///   half_step_before(v, a, dt)    v^{N−½} from v^N, where that is not v − ½ a Δt
-///   drag(v)                       its part of the acceleration at v^N, for an energy ledger
+/// kicked(v, a, dt) is the velocity after dt, from the velocity before and the acceleration. It may
+/// also have
+///   check(), check(dt)            throw if a parameter, or the time step, is out of range
+///   half_step_before(v, a, dt)    v^{N−½} from v^N, if it is not v − ½ a Δt
+///   drag(v)                       acceleration by the damping at v^N, for an energy ledger
 /// Models: NoDamping, GlobalDamping.
 template <class D, class Real = double>
 concept Damping = requires(const D d, Real v, Real a, Real dt) {

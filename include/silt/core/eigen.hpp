@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Eigen's vectors and matrices, without the warnings that compilers give for Eigen's own code where
-// the processor has AVX: unused variables if Eigen's folder is not a system folder, and, of g++ 12,
-// false alarms about the intrinsics of AVX-512.
+// Includes Eigen's vectors and matrices without compiler warnings about Eigen itself on processors
+// with AVX: unused variables, if Eigen is not in a system directory, and false positives of g++ 12
+// for the intrinsics of AVX-512.
 #pragma once
 
 #if defined(__GNUC__)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Energies of motion of a set of particles, in double precision whatever their own. Sums are the
-// same bits for any number of threads.
+// Kinetic energies of particles, summed in double precision. Bitwise identical for any number of
+// threads.
 #pragma once
 
 #include <silt/core/fields.hpp>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// How Silt refuses: one exception type that names the thing, the value and what to do, and the one
-// function that throws it. Nothing in the library prints or ends the process.
+// Error reporting: the exception type, whose message names the quantity, its value and a remedy,
+// the function that throws it, and checks of parameters. The library never prints or ends the
+// process.
 #pragma once
 
 #include <silt/core/eigen.hpp>
@@ -18,46 +19,47 @@
 
 namespace silt {
 
-/// Where an error happened, as far as it is known.
+/// Where an error occurred; members that are not known are empty.
 struct Where {
-  std::optional<Index> particle{};      ///< place in memory
-  std::optional<Id> id{};               ///< its name for life
-  std::optional<std::uint64_t> step{};  ///< steps done before the one that failed
+  std::optional<Index> particle{};      ///< index in memory
+  std::optional<Id> id{};               ///< its permanent id
+  std::optional<std::uint64_t> step{};  ///< steps completed before the one that failed
   std::optional<double> time{};         ///< [s] at the beginning of the step that failed
 };
 
-/// What Silt throws. `what()` is one sentence: the thing, its value, what to do, and where.
+/// The exception that Silt throws. what() is a message with the quantity, its value, a remedy and
+/// the location.
 class Error : public std::runtime_error {
  public:
-  explicit Error(std::string sentence, Where where = {})
-      : std::runtime_error(compose(sentence, where)), sentence_(std::move(sentence)),
+  explicit Error(std::string message, Where where = {})
+      : std::runtime_error(compose(message, where)), message_(std::move(message)),
         where_(where) {}
 
   const Where& where() const noexcept { return where_; }
 
-  /// The same error with step and time filled in; the simulation adds them on the way out.
+  /// The same error with step and time added; called by Simulation.
   Error with_step(std::uint64_t step, double time) const {
     Where where = where_;
     where.step = step;
     where.time = time;
-    return Error(sentence_, where);
+    return Error(message_, where);
   }
 
  private:
-  static std::string compose(const std::string& sentence, const Where& where);
+  static std::string compose(const std::string& message, const Where& where);
 
-  std::string sentence_;
+  std::string message_;
   Where where_;
 };
 
-/// A number as a reader writes it: short, and enough digits to recognise it.
+/// A number for messages, with six significant digits.
 inline std::string to_text(double value) {
   char text[32];
   std::snprintf(text, sizeof text, "%.6g", value);
   return text;
 }
 
-/// A vector: "(1, 2)".
+/// A vector as "(1, 2)".
 template <class Real, int Dim>
 std::string to_text(const Eigen::Matrix<Real, Dim, 1>& value) {
   std::string text = "(" + to_text(double(value[0]));
@@ -65,8 +67,8 @@ std::string to_text(const Eigen::Matrix<Real, Dim, 1>& value) {
   return text + ")";
 }
 
-inline std::string Error::compose(const std::string& sentence, const Where& where) {
-  std::string text = sentence;
+inline std::string Error::compose(const std::string& message, const Where& where) {
+  std::string text = message;
   auto add = [&, first = true](const std::string& part) mutable {
     text += first ? " (" : ", ";
     text += part;
@@ -81,12 +83,12 @@ inline std::string Error::compose(const std::string& sentence, const Where& wher
   return text;
 }
 
-/// The one place that throws.
-[[noreturn]] inline void fail(std::string sentence, Where where = {}) {
-  throw Error(std::move(sentence), where);
+/// Throws an Error.
+[[noreturn]] inline void fail(std::string message, Where where = {}) {
+  throw Error(std::move(message), where);
 }
 
-/// Finite by its bits, so that -ffast-math cannot argue it away.
+/// Neither infinite nor NaN. Tests the bits, because -ffast-math removes floating-point tests.
 inline bool is_finite(double value) {
   constexpr std::uint64_t exponent = 0x7ff0000000000000u;
   return (std::bit_cast<std::uint64_t>(value) & exponent) != exponent;
@@ -102,7 +104,9 @@ bool is_finite(const Eigen::Matrix<Real, Dim, 1>& v) {
   return finite;
 }
 
-/// Checks of parameters. `name` is what the user wrote: "Leapfrog: time_step".
+// Checks of parameters. `name` is that of the parameter, such as "Leapfrog: time_step".
+
+/// Throws unless the value is finite.
 inline void require_finite(std::string_view name, double value) {
   if (!is_finite(value)) {
     fail(std::string(name) + " = " + to_text(value) + " is not a finite number; give one");
@@ -112,12 +116,14 @@ template <class Real, int Dim>
 void require_finite(std::string_view name, const Eigen::Matrix<Real, Dim, 1>& value) {
   for (int k = 0; k < Dim; ++k) require_finite(name, double(value[k]));
 }
+/// Throws unless value > 0 and finite.
 inline void require_positive(std::string_view name, double value) {
   require_finite(name, value);
   if (!(value > 0)) {
     fail(std::string(name) + " = " + to_text(value) + " must be positive; give a value above 0");
   }
 }
+/// Throws unless value ≥ 0 and finite.
 inline void require_not_negative(std::string_view name, double value) {
   require_finite(name, value);
   if (value < 0) {
@@ -129,7 +135,7 @@ struct Range {
   double lower;
   double upper;
 };
-/// lower ≤ value ≤ upper.
+/// Throws unless lower ≤ value ≤ upper.
 inline void require_between(std::string_view name, double value, Range range) {
   require_finite(name, value);
   if (value < range.lower || value > range.upper) {
@@ -138,7 +144,7 @@ inline void require_between(std::string_view name, double value, Range range) {
   }
 }
 
-/// What an iterative solve did; readable after every step that solves.
+/// Result of an iterative solve.
 struct SolveReport {
   enum class Reason { nothing_to_solve, converged, not_converged, broke_down };
 

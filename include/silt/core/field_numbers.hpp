@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Fields as single numbers with names, as tables have them: x, y, z; velocity_x, velocity_y; radius.
+// Fields as named numbers, the columns of a table: x, y, z; velocity_x, velocity_y; radius.
 #pragma once
 
 #include <silt/core/fields.hpp>
@@ -13,7 +13,7 @@
 
 namespace silt {
 
-/// One value of the field is a number, an enumerator or a vector of up to three.
+/// Whether a value of the field is a number, an enumerator or a vector of at most three numbers.
 template <Field F, int Dim, class Real>
 inline constexpr bool has_numbers = [] {
   using Value = value_of<F, Dim, Real>;
@@ -24,7 +24,7 @@ inline constexpr bool has_numbers = [] {
   }
 }();
 
-/// The names of the numbers of a value.
+/// Names of the numbers of a value.
 template <Field F, int Dim, class Real>
   requires has_numbers<F, Dim, Real>
 std::vector<std::string> number_names() {
@@ -63,7 +63,7 @@ void set_number(Value& value, Index k, double number) {
   }
 }
 
-/// Whether such a value can hold that number.
+/// Whether the type can represent the number.
 template <class Value>
 bool holds_number(double number) {
   if constexpr (std::integral<Value>) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Fields: what a particle carries. A field is a tag type; its kind says what one particle holds.
-// A user's own field is one line:
+// Fields: named quantities per particle. A field is a tag type; its base class defines the type of
+// its value for one particle. A user-defined field takes one line:
 //   inline constexpr struct temperature_t : silt::scalar_field {} temperature{};
 #pragma once
 
@@ -25,13 +25,13 @@ struct vector_field : any_field {
   using value = Vec<Dim, Real>;
 };
 
-/// One Spin<Dim, Real> per particle: a number in 2D, a vector in 3D.
+/// One AngularVec<Dim, Real> per particle: a number in 2D, a vector in 3D.
 struct spin_field : any_field {
   template <int Dim, class Real>
   using value = AngularVec<Dim, Real>;
 };
 
-/// One T per particle, whatever the dimension and precision.
+/// One T per particle, for any dimension and precision.
 template <class T>
 struct field_of : any_field {
   template <int Dim, class Real>
@@ -44,7 +44,7 @@ concept Field = std::derived_from<F, any_field>;
 template <Field F, int Dim, class Real>
 using value_of = typename F::template value<Dim, Real>;
 
-/// The field's name as the user wrote it, for files and errors: temperature_t is "temperature".
+/// Name of the field in files and error messages: "temperature" for temperature_t.
 template <Field F>
 constexpr std::string_view name_of() {
   std::string_view name = __PRETTY_FUNCTION__;
@@ -55,9 +55,9 @@ constexpr std::string_view name_of() {
   return name;
 }
 
-/// What a step may do to a field, so that a failed step can be undone without copying everything:
-/// a `constant` is never changed by a step, a `derived` is made anew by every step, and after a
-/// failed one is as far as that came.
+/// How a step changes a field, so that only `state` fields are saved for rolling back a failed
+/// step. A `constant` field is never changed by a step; a `derived` field is recomputed in every
+/// step, and its values after a failed step are unspecified.
 enum class Role { state, constant, derived };
 
 template <Field F>
@@ -83,11 +83,11 @@ inline constexpr struct velocity_t : vector_field {
 inline constexpr struct spin_t : spin_field {
 } spin{};  ///< angular velocity [rad/s]
 inline constexpr struct angle_t : spin_field {
-} angle{};  ///< turned so far: the spin summed over time [rad]
+} angle{};  ///< rotation: integral of the spin over time [rad]
 inline constexpr struct force_t : vector_field, derived_field {
 } force{};  ///< sum of the forces of this step [N]
 inline constexpr struct torque_t : spin_field, derived_field {
-} torque{};  ///< sum of the moments of this step [N m]
+} torque{};  ///< sum of the torques of this step [N m]
 inline constexpr struct mass_t : scalar_field, constant_field {
 } mass{};  ///< m [kg]
 inline constexpr struct radius_t : scalar_field, constant_field {

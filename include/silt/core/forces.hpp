@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Several interactions as one, and gravity.
+// Gravity, and the sum of several interactions.
 #pragma once
 
 #include <silt/core/concepts.hpp>
@@ -51,19 +51,19 @@ Gravity(const Eigen::Matrix<Real, 2, 1>&) -> Gravity<2, Real>;
 template <class Real>
 Gravity(const Eigen::Matrix<Real, 3, 1>&) -> Gravity<3, Real>;
 
-/// The sum of its parts, in their order.
+/// The sum of several interactions (its parts), evaluated in the given order.
 template <class... Parts>
 class Forces {
  public:
   explicit Forces(Parts... parts) : parts_(std::move(parts)...) {}
 
-  /// Lets each part say in words what it misses.
+  /// Calls explain() of each part, see core/concepts.hpp.
   template <class P>
   static constexpr void explain() {
     (static_cast<void>(silt::explain<Parts, P>()), ...);
   }
 
-  /// The part of this type, to read what it measured.
+  /// The part of this type, or with this number, to read its results.
   template <class Part>
   const Part& part() const {
     return std::get<Part>(parts_);
@@ -73,21 +73,21 @@ class Forces {
     return std::get<K>(parts_);
   }
 
-  /// f(part) for each.
+  /// f(part) for each part, in order.
   template <class F>
   void for_each_part(F&& f) const {
     std::apply([&](const auto&... part) { (f(part), ...); }, parts_);
   }
 
   template <class P>
-    requires(Reaching<Parts, P> && ...)
+    requires(HasReach<Parts, P> && ...)
   typename P::Real reach(const P& particles) const {
-    typename P::Real most = 0;
-    for_each_part([&](const auto& part) { most = std::max(most, part.reach(particles)); });
-    return most;
+    typename P::Real maximum = 0;
+    for_each_part([&](const auto& part) { maximum = std::max(maximum, part.reach(particles)); });
+    return maximum;
   }
 
-  /// Tells the time [s] to the parts that depend on it.
+  /// Sets the time [s] of the parts that depend on it.
   void set_time(double time) {
     for_each_part([time](auto& part) { silt::set_time(part, time); });
   }
@@ -125,19 +125,19 @@ class Forces {
     for_each_part([&](const auto& part) { part.add_forces(particles, i); });
   }
 
-  /// The smallest of the parts that choose one; infinite if none does.
+  /// The smallest time step [s] of the parts that choose one; infinity if none does.
   template <class P>
   double time_step(const P& particles) {
-    double smallest = std::numeric_limits<double>::infinity();
+    double minimum = std::numeric_limits<double>::infinity();
     for_each_part([&](auto& part) {
       if constexpr (ChoosesTimeStep<decltype(part), P>) {
-        smallest = std::min(smallest, double(part.time_step(particles)));
+        minimum = std::min(minimum, double(part.time_step(particles)));
       }
     });
-    return smallest;
+    return minimum;
   }
 
-  /// For a checkpoint, see core/transfer.hpp.
+  /// Writes or reads the state of the parts for a checkpoint, see core/transfer.hpp.
   template <class Archive, class P>
   void transfer(Archive& archive, P& particles) {
     Index number = 0;

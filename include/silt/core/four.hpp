@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Four numbers at once, in the vector types that g++ and clang share, so for every processor.
+// Packs of four numbers, in the vector types of g++ and clang, for every processor.
 #pragma once
 
 #include <silt/core/simd.hpp>
@@ -12,15 +12,14 @@ namespace silt {
 template <class Real>
 using Four = simd::Pack<Real, 4>;
 
-// Fours are given by reference: how a function returns one depends on the processor's flags.
+// Packs are passed by reference, because how they are returned depends on the processor flags.
 
 template <class Real, class F>
 void load_four(const Real* from, F& four) {
   std::memcpy(&four, from, sizeof four);
 }
 
-/// b × a of the first three with its numbers one place on, as (z, x, y); of the fourth,
-/// nothing is said.
+/// b × a of the first three numbers, rotated by one lane, as (z, x, y); the fourth is unspecified.
 template <class F>
 void cross_turned(const F& a, const F& b, F& c) {
   c = __builtin_shufflevector(a, a, 1, 2, 0, 3) * b - a * __builtin_shufflevector(b, b, 1, 2, 0, 3);
@@ -30,7 +29,7 @@ void turn_back(F& c) {
   c = __builtin_shufflevector(c, c, 1, 2, 0, 3);
 }
 
-/// Four rows become four columns, of which lane l comes from row l.
+/// Transposes four rows into four columns: lane l of a column comes from row l.
 template <class Real>
 void transpose(Four<Real>& a, Four<Real>& b, Four<Real>& c, Four<Real>& d) {
   const Four<Real> ab_even = __builtin_shufflevector(a, b, 0, 4, 2, 6);
@@ -53,9 +52,9 @@ template <class Real, class From>
 }
 }  // namespace detail
 
-/// Four numbers of each of N rows become columns: to[k] has number k of row from(lane) in each
-/// lane. It is how a loop over contacts reads what lies together per grain: eight loads and eight
-/// shuffles take a third of the time of sixteen gathered loads.
+/// Transposes four numbers of each of N rows into columns: each lane of to[k] is number k of row
+/// from(lane). Used to read data that are contiguous per grain in a loop over contacts: eight loads
+/// and eight shuffles take a third of the time of sixteen gather loads.
 template <class Real, int N, class From>
 [[gnu::always_inline]] inline void columns_from(From&& from, simd::Pack<Real, N> (&to)[4]) {
   if constexpr (N == 4) {
@@ -68,7 +67,7 @@ template <class Real, int N, class From>
       to[k] = __builtin_shufflevector(lower[k], upper[k], 0, 1, 2, 3, 4, 5, 6, 7);
     }
   } else {
-    // By way of arrays: of packs that are filled lane by lane, g++ 12 loses some at -O3.
+    // Through arrays, because g++ 12 miscompiles packs that are filled lane by lane at -O3.
     Real rows[N][4], columns[4][N];
     for (int lane = 0; lane < N; ++lane) std::memcpy(rows[lane], from(lane), sizeof rows[lane]);
     for (int k = 0; k < 4; ++k) {
@@ -78,7 +77,7 @@ template <class Real, int N, class From>
   }
 }
 
-/// Four columns become four numbers of each of so many rows, which lie `stride` Reals apart.
+/// Transposes four columns into four numbers of each of `lanes` rows, `stride` Reals apart.
 template <class Real, int lanes>
 [[gnu::always_inline]] inline void rows_from(const Real (*from)[lanes], Real* to, int stride) {
   for (int first = 0; first < lanes; first += 4) {

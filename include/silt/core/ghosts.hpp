@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Periodic sides as ghosts: copies behind the owned particles, so that nothing above core/ knows
-// about periods. A search makes them when it is built; a step refreshes the fields it changes.
+// Periodic boundaries by ghosts: copies stored after the owned particles, so that only core/
+// handles periodicity. A search makes the ghosts in its update; a step refreshes the fields that it
+// changes.
 #pragma once
 
 #include <silt/core/box.hpp>
@@ -12,9 +13,9 @@
 
 namespace silt {
 
-/// Brings owned particles back into the periodic box and makes the ghosts that lie within `depth`
-/// [m] of it. Throws if a position is not finite, or if a periodic side is shorter than 2 depth: a
-/// pair could then meet twice.
+/// Wraps owned particles into the periodic box and makes the ghosts within `depth` [m] of it.
+/// Throws if a position is not finite, or if a periodic side is shorter than 2 depth, because a
+/// pair could then be found twice.
 template <class P>
 void make_ghosts(P& particles, typename P::Real depth) {
   using Real = typename P::Real;
@@ -23,7 +24,7 @@ void make_ghosts(P& particles, typename P::Real depth) {
   const auto x_owned = particles[position];
   const Index broken = first_where(x_owned.size(), [&](Index i) { return !is_finite(x_owned[i]); });
   if (broken != no_index) {
-    fail("search: a position is not finite; look at what moved the particle",
+    fail("search: a position is not finite; check the velocity of the particle",
          {.particle = broken, .id = particles.id(broken)});
   }
   const auto& box = particles.box();
@@ -38,7 +39,7 @@ void make_ghosts(P& particles, typename P::Real depth) {
     if (side < 2 * depth) {
       fail("Box: the periodic side " + to_text(double(side)) + " m along axis " +
            std::to_string(k) + " is shorter than twice the search radius " +
-           to_text(double(depth)) + " m; widen the box");
+           to_text(double(depth)) + " m; enlarge the box");
     }
     Vec shift = Vec::Zero();
     shift[k] = side;

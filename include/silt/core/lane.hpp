@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-// One lane of a loop that the compiler turns into vector instructions.
+// Scalar type for loops that the compiler vectorises.
 //
-// A law is written for one contact. Run over eight contacts that lie beside one another, a compiler
-// makes of it the code for eight at once, `if`s included, unless it meets vector instructions that
-// were written by hand. Eigen writes such for a vector of three doubles, but for no scalar type
-// that it does not know: a Lane<double> is a double by another name.
+// A law is written for one contact. A compiler vectorises a loop over eight contacts in contiguous
+// memory, including branches, unless it contains explicit vector instructions. Eigen uses these for
+// a vector of three doubles, but not for scalar types that it does not know, such as Lane<double>,
+// which otherwise behaves as double.
 #pragma once
 
 #include <silt/core/eigen.hpp>
@@ -16,8 +16,8 @@
 #include <limits>
 #include <type_traits>
 
-// Stands before such a loop: g++ must be told that no lane reads what another
-// writes; clang sees it.
+// Placed before such a loop. Tells g++ that no iteration reads what another writes; clang detects
+// it.
 #ifdef __clang__
 #define SILT_EACH_LANE_ALONE
 #else
@@ -76,7 +76,7 @@ class Lane {
   Real value_;
 };
 
-/// The same numbers in memory, to be read and written in such a loop.
+/// The same numbers in memory as Lanes, for use in such a loop.
 template <std::floating_point Real>
 auto* lanes_of(Real* values) {
   return reinterpret_cast<Lane<Real>*>(values);

@@ -13,10 +13,10 @@
 
 namespace silt {
 
-/// Centres of the cells of edge `spacing` [m] that fill the box from its lower corner, x fastest.
-/// Along each axis as many as fit; a last cell that sticks out by less than a millionth, or than
-/// rounding explains, is in. Throws if the spacing is not positive, the box not finite, or the
-/// points more than 1e9.
+/// Centres of the cells of edge `spacing` [m] that fill the box from its lower corner; x varies
+/// fastest. A last cell that exceeds the box by less than a millionth of its edge, or by a rounding
+/// error, is included. Throws if the spacing is not positive, if the box is not finite, or if there
+/// are more than 1e9 points.
 template <int Dim, class Real = double>
 std::vector<Vec<Dim, Real>> lattice(const Box<Dim, Real>& box, Real spacing) {
   require_positive("lattice: spacing", double(spacing));
@@ -32,8 +32,8 @@ std::vector<Vec<Dim, Real>> lattice(const Box<Dim, Real>& box, Real spacing) {
         std::floor(length / double(spacing) * (1 + rounding) + 1e-6);
     points_in_all *= cells;
     if (!(cells <= 1e9) || !(points_in_all <= 1e9)) {
-      fail("lattice: spacing = " + to_text(double(spacing)) + " m makes more than 1e9 points; "
-           "enlarge the spacing");
+      fail("lattice: spacing = " + to_text(double(spacing)) + " m gives more than 1e9 points; "
+                                                              "increase the spacing");
     }
     count[static_cast<std::size_t>(k)] = static_cast<Index>(cells);
   }

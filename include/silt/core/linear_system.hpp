@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A symmetric linear system as an interaction makes it and a solver takes it.
+// A symmetric linear system, assembled by an interaction and solved by a LinearSolver.
 #pragma once
 
 #include <silt/core/error.hpp>
@@ -16,20 +16,21 @@
 namespace silt {
 
 /// A x = b with A symmetric and positive definite, or semi-definite with b in its range. Unknowns
-/// and their sums are double: a pressure to six digits is beyond float. What A has beside its
-/// diagonal is rounded to float, once.
+/// and sums are double, because float is not sufficient for a pressure to six digits. The
+/// off-diagonal entries of A are stored as float.
 struct LinearSystem {
   std::vector<double> diagonal;
   WindowRows off_diagonal;
   std::vector<double> right_side;
 
-  /// Bodies of unknowns that A fixes up to a constant only: number of the body of each row, 0 for
-  /// rows of none, and nothing where there are no such bodies. A solver keeps these constants out
-  /// of what it adds to x.
+  /// Closed bodies, that is, sets of unknowns that A determines only up to a constant: number of
+  /// the body of each row, 0 for rows of none; empty if there are no such bodies. A solver removes
+  /// these constants from what it adds to x.
   std::vector<std::uint32_t> closed_body;
   Index closed_bodies = 0;
 
-  /// Where the unknowns lie, for preconditioners that use space. Without points they do not.
+  /// Positions of the unknowns, for preconditioners that use them; without points they are not
+  /// used.
   struct Geometry {
     double spacing = 0;        ///< of the particles [m]
     double full_diagonal = 0;  ///< of an unknown with all its neighbours
@@ -47,7 +48,7 @@ struct LinearSystem {
     off_diagonal.multiply(chunk, x, [&](Index i, double sum) { f(i, diagonal[i] * x[i] + sum); });
   }
 
-  /// Takes its mean over each closed body out of v.
+  /// Subtracts from v its mean over each closed body.
   void remove_constants(std::span<double> v) const {
     if (closed_bodies == 0) return;
     std::vector<double> sum(closed_bodies + 1, 0);
@@ -63,7 +64,7 @@ struct LinearSystem {
   }
 };
 
-/// Solves a LinearSystem in place, from the x it is given. Models: ConjugateGradient,
+/// Solves a LinearSystem in place, with x as the initial guess. Models: ConjugateGradient,
 /// EigenConjugateGradient.
 template <class L>
 concept LinearSolver = requires(L solver, const LinearSystem& system, std::vector<double>& x) {

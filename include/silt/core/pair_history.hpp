@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// State that belongs to pairs of ids (a tangential spring, say), as a table sorted by ids: what a
-// checkpoint writes, and what survives re-search, reordering and removal.
+// State of pairs of particles (such as a tangential spring) as a table sorted by ids, for
+// checkpoints. Ids remain valid when particles are reordered or removed.
 #pragma once
 
 #include <silt/core/error.hpp>
@@ -13,7 +13,7 @@
 
 namespace silt {
 
-/// Partner id of wall w: above every particle's id.
+/// Partner id of wall w; larger than the id of any particle.
 constexpr Id wall_id(Index wall) { return ~static_cast<Id>(wall); }
 constexpr bool is_wall_id(Id id) { return id >> 63 != 0; }
 
@@ -28,7 +28,7 @@ class PairHistory {
   };
 
   PairHistory() = default;
-  /// Throws unless owner < partner in every entry and every pair stands there once.
+  /// Throws unless owner < partner in every entry and every pair occurs once.
   explicit PairHistory(std::vector<Entry> entries) : entries_(std::move(entries)) {
     std::sort(entries_.begin(), entries_.end(),
               [](const Entry& a, const Entry& b) { return ids(a) < ids(b); });
@@ -37,15 +37,15 @@ class PairHistory {
       if (entries_[e].owner >= entries_[e].partner || twice) {
         fail("PairHistory: the pair " + std::to_string(entries_[e].owner) + ", " +
              std::to_string(entries_[e].partner) +
-             (twice ? " is there twice" : " does not begin with the lower id") +
-             "; give each pair once, as for_each_pair does");
+             (twice ? " occurs twice" : " does not begin with the lower id") +
+             "; give each pair once, lower id first");
       }
     }
   }
 
   Index size() const noexcept { return entries_.size(); }
 
-  /// For a checkpoint, see core/transfer.hpp.
+  /// Writes or reads the table for a checkpoint, see core/transfer.hpp.
   template <class Archive>
   void transfer(Archive& archive) {
     std::vector<Id> owners, partners;
@@ -60,8 +60,8 @@ class PairHistory {
     archive("values", values);
     if constexpr (Archive::reads) {
       if (owners.size() != partners.size() || owners.size() != values.size()) {
-        fail("PairHistory: what was read has columns of different lengths; it was not written by "
-             "transfer()");
+        fail("PairHistory: the data read have columns of different lengths; they were not written "
+             "by transfer()");
       }
       std::vector<Entry> entries;
       for (Index e = 0; e < owners.size(); ++e) {
@@ -71,7 +71,7 @@ class PairHistory {
     }
   }
 
-  /// Value of the pair, in either order; nullptr if there is none.
+  /// Value of the pair, in either order; nullptr if the pair is not in the table.
   const Value* find(Id a, Id b) const noexcept {
     const std::pair pair = std::minmax(a, b);
     const std::pair<Id, Id> sought{pair.first, pair.second};

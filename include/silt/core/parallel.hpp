@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
-// The one place with OpenMP. What stands here gives the same bits for any number of threads:
-//   - for_each: every index is worked on by one thread, and writes only what belongs to it;
+// Parallel loops; the only file that uses OpenMP. Results are bitwise identical for any number of
+// threads:
+//   - for_each: every index is processed by one thread, which writes only data of that index;
 //   - ordered_sum: sums over fixed chunks, added in the order of the chunks;
-//   - an exception of any index is caught, and the one of the lowest index is thrown after the loop.
-// The number of threads may therefore change from one loop to the next. It is the one that was
-// given; where none was, the steps of a simulation are timed (thread_choice.hpp), and other loops
-// use several threads if they are long.
+//   - if several indices throw, the exception of the lowest index is rethrown after the loop.
+// The number of threads may therefore change from one loop to the next. It can be given by
+// use_threads() or OMP_NUM_THREADS. Otherwise the steps of a simulation are timed
+// (thread_choice.hpp), and other loops use several threads if they are long enough.
 #pragma once
 
 #include <silt/core/error.hpp>
@@ -28,8 +29,8 @@
 
 namespace silt {
 
-/// Largest number of threads of a loop that the calling thread begins. Unless it was given, by
-/// use_threads() or OMP_NUM_THREADS, loops may use fewer: one where several would be slower.
+/// Maximum number of threads of a loop started by the calling thread. Unless the number was given,
+/// by use_threads() or OMP_NUM_THREADS, loops may use fewer: one where several would be slower.
 inline int threads() {
 #ifdef _OPENMP
   return omp_get_max_threads();
@@ -40,7 +41,7 @@ inline int threads() {
 
 namespace detail {
 
-/// Whether the number of threads was given to the calling thread.
+/// Whether the number of threads of the calling thread's loops was given.
 inline bool& threads_are_given() {
   thread_local bool given = [] {
     const char* const number = std::getenv("OMP_NUM_THREADS");
@@ -51,8 +52,8 @@ inline bool& threads_are_given() {
 
 }  // namespace detail
 
-/// Sets the number of threads of every loop that the calling thread begins from now on. Throws if
-/// it is below 1, or above 1 in a build without OpenMP.
+/// Sets the number of threads of all loops that the calling thread starts from now on. Throws if it
+/// is below 1, or above 1 in a build without OpenMP.
 inline void use_threads(int number) {
   if (number < 1) {
     fail("use_threads: number = " + std::to_string(number) + " is below 1; give at least 1");
@@ -68,7 +69,7 @@ inline void use_threads(int number) {
   detail::threads_are_given() = true;
 }
 
-/// Indices [first, last) of one chunk.
+/// One chunk: its number and its indices [first, last).
 struct Chunk {
   Index number;
   Index first;
@@ -83,24 +84,24 @@ namespace detail {
 
 #ifdef _OPENMP
 
-/// Threads that have a task and a processor. The calling thread may have been confined to fewer
-/// processors since the program began.
-inline int most_threads(Index tasks) {
+/// Maximum number of threads for so many tasks: not more than there are processors, which may be
+/// fewer now than when the program began (processor affinity).
+inline int max_threads(Index tasks) {
   if (tasks < 2 || omp_in_parallel()) return 1;
   return static_cast<int>(
       std::min(tasks, static_cast<Index>(std::min(threads(), omp_get_num_procs()))));
 }
 
-/// Threads of the loops of one step, and of what belongs to it, if the number was not given. In
-/// force for the calling thread as long as it lives; teams may nest.
+/// Sets the number of threads for all loops of a step and of its observers, unless the number was
+/// given. Applies to the calling thread during the lifetime of the object; teams may be nested.
 class Team {
  public:
   /// For n particles.
   Team(ThreadChoice& choice, Index n) : choice_(choice), outer_(current_) {
     if (!threads_are_given()) {
-      const int most = most_threads(chunk_count(n));
-      is_chosen_ = most > 1;
-      size_ = choice.all() ? most : 1;
+      const int max_size = max_threads(chunk_count(n));
+      is_chosen_ = max_size > 1;
+      size_ = choice.all() ? max_size : 1;
     }
     current_ = this;
   }
@@ -117,16 +118,16 @@ class Team {
     if (is_chosen_) choice_.add(elapsed());
   }
 
-  /// Threads for this many tasks that the calling thread begins now.
+  /// Number of threads for so many tasks, started by the calling thread now.
   static int size_for_tasks(Index tasks) {
     if (tasks < 2) return 1;
     if (threads_are_given()) return threads();
-    return current_ ? current_->size() : most_threads(tasks);
+    return current_ ? current_->size() : max_threads(tasks);
   }
   static int size_for_chunks(Index chunks) {
-    // Waking threads takes as long as going through some thousand indices.
-    constexpr Index least_alone = 8;
-    const bool is_short = chunks < least_alone && !current_ && !threads_are_given();
+    // Waking threads takes as long as processing several thousand indices.
+    constexpr Index min_parallel_chunks = 8;
+    const bool is_short = chunks < min_parallel_chunks && !current_ && !threads_are_given();
     return is_short ? 1 : size_for_tasks(chunks);
   }
 
@@ -148,7 +149,7 @@ class Team {
   Team* outer_;
   bool is_chosen_ = false;
   int size_ = 1;
-  double limit_ = std::numeric_limits<double>::infinity();  // of the step that began [s]
+  double limit_ = std::numeric_limits<double>::infinity();  // of the current step [s]
   Clock::time_point begin_;
 };
 
@@ -165,13 +166,14 @@ class Team {
 
 #endif
 
-/// f(k) for every k of [0, count), by `team` threads at most. Each has one contiguous run of them.
+/// f(k) for every k in [0, count), with at most `team` threads. Each processes one contiguous
+/// range.
 template <class F>
-void share_out(Index count, [[maybe_unused]] int team, F&& f) {
+void run_tasks(Index count, [[maybe_unused]] int team, F&& f) {
 #ifdef _OPENMP
   if (count > 1 && team > 1 && !omp_in_parallel()) {
-    // A thread stops at its first fault, and its tasks come in order; the lowest of these first
-    // faults is therefore the lowest of all.
+    // Each thread processes its tasks in order and stops at its first exception; the lowest of
+    // these is therefore the lowest of all.
     std::exception_ptr fault;
     Index fault_task = no_index;
 #pragma omp parallel num_threads(team)
@@ -199,26 +201,27 @@ void share_out(Index count, [[maybe_unused]] int team, F&& f) {
 
 }  // namespace detail
 
-/// Threads that a loop over n indices uses at most if the calling thread begins it now, for work
-/// that is divided by threads. No result may depend on it.
+/// Maximum number of threads of a loop over n indices that the calling thread starts now, for work
+/// that is divided among threads. Results must not depend on it.
 inline int threads_for(Index n) { return detail::Team::size_for_chunks(chunk_count(n)); }
 
-/// f(k) for every k of [0, count), in parallel: tasks that are each worth a thread's while. Each
-/// thread has one contiguous run of them.
+/// f(k) for every k in [0, count), in parallel, for few long tasks. Each thread processes one
+/// contiguous range.
 template <class F>
 void for_each_task(Index count, F&& f) {
-  detail::share_out(count, detail::Team::size_for_tasks(count), f);
+  detail::run_tasks(count, detail::Team::size_for_tasks(count), f);
 }
 
-/// f(chunk) for every chunk of [0, n), in parallel. Each thread has one contiguous run of chunks.
+/// f(chunk) for every chunk of [0, n), in parallel. Each thread processes one contiguous range of
+/// chunks.
 template <class F>
 void for_each_chunk(Index n, F&& f) {
-  detail::share_out(chunk_count(n), threads_for(n), [&f, n](Index c) {
+  detail::run_tasks(chunk_count(n), threads_for(n), [&f, n](Index c) {
     f(Chunk{c, c * chunk_size, std::min(n, (c + 1) * chunk_size)});
   });
 }
 
-/// f(i) for every i of [0, n), in parallel.
+/// f(i) for every i in [0, n), in parallel.
 template <class F>
 void for_each(Index n, F&& f) {
   for_each_chunk(n, [&f](Chunk chunk) {
@@ -226,7 +229,7 @@ void for_each(Index n, F&& f) {
   });
 }
 
-/// What each chunk of [0, n) comes to, in memory that the thread keeps for the next time.
+/// One value for each chunk of [0, n). The thread keeps the memory for the next such object.
 template <class Value>
 class PerChunk {
  public:
@@ -242,7 +245,7 @@ class PerChunk {
   auto end() const noexcept { return values_.end(); }
 
  private:
-  // Within an f that sums itself, the inner one finds this empty.
+  // Empty for an object constructed during the lifetime of another one.
   static std::vector<Value>& spare() noexcept {
     thread_local std::vector<Value> memory;
     return memory;
@@ -250,14 +253,15 @@ class PerChunk {
   std::vector<Value> values_;
 };
 
-/// Chunks of one loop, from the first to the last.
+/// A range of chunks of one loop; `last` is included.
 struct ChunkSpan {
   Index first;
   Index last;
 };
 
-/// make(chunk) and then use(chunk) for every chunk of [0, n), in parallel; use(chunk) comes after
-/// make() of all chunks of needs(chunk), and not long after, while what was made is at hand.
+/// make(chunk) and then use(chunk) for every chunk of [0, n), in parallel. use(chunk) is called
+/// after make() of all chunks in needs(chunk), and soon after, while the results are still in
+/// cache.
 template <class Make, class Use, class Needs>
 void for_each_chunk_in_two(Index n, Make&& make, Use&& use, Needs&& needs) {
   const auto chunk_at = [n](Index c) {
@@ -265,7 +269,8 @@ void for_each_chunk_in_two(Index n, Make&& make, Use&& use, Needs&& needs) {
   };
   const Index chunks = chunk_count(n);
   const Index runs = std::min(chunks, static_cast<Index>(threads_for(n)));
-  // Chunks between the two: a bed of 32 000 grains takes a tenth less time than with none.
+  // Number of chunks by which use() lags behind make(). With 2, a step of a bed of 32 000 grains
+  // takes 10 % less time than with 0.
   constexpr Index lag = 2;
   PerChunk<char> used(n, false);
   for_each_task(runs, [&](Index run) {
@@ -276,7 +281,7 @@ void for_each_chunk_in_two(Index n, Make&& make, Use&& use, Needs&& needs) {
       make(chunk_at(c));
       const Index reached = c + 1 == end ? c : c - std::min(c, lag);
       for (; next < end && needs(chunk_at(next)).last <= reached; ++next) {
-        if (needs(chunk_at(next)).first < begin) continue;  // it needs what others make
+        if (needs(chunk_at(next)).first < begin) continue;  // needs chunks of another thread
         use(chunk_at(next));
         used[next] = true;
       }
@@ -290,7 +295,7 @@ void for_each_chunk_in_two(Index n, Make&& make, Use&& use, Needs&& needs) {
   for_each_task(count, [&](Index k) { use(chunk_at(left[k])); });
 }
 
-/// Σ f(i), the same bits for any number of threads.
+/// Σ f(i), bitwise identical for any number of threads.
 template <class Value, class F>
 Value ordered_sum(Index n, const Value& zero, F&& f) {
   PerChunk<Value> partial(n, zero);
@@ -304,21 +309,21 @@ Value ordered_sum(Index n, const Value& zero, F&& f) {
   return sum;
 }
 
-/// max over f(i), at least `least`.
+/// Maximum of `initial` and all f(i).
 template <class Value, class F>
-Value largest(Index n, Value least, F&& f) {
-  PerChunk<Value> partial(n, least);
+Value largest(Index n, Value initial, F&& f) {
+  PerChunk<Value> partial(n, initial);
   for_each_chunk(n, [&](Chunk chunk) {
-    Value most = least;
-    for (Index i = chunk.first; i < chunk.last; ++i) most = std::max<Value>(most, f(i));
-    partial[chunk.number] = most;
+    Value maximum = initial;
+    for (Index i = chunk.first; i < chunk.last; ++i) maximum = std::max<Value>(maximum, f(i));
+    partial[chunk.number] = maximum;
   });
-  Value most = least;
-  for (const Value& part : partial) most = std::max<Value>(most, part);
-  return most;
+  Value maximum = initial;
+  for (const Value& part : partial) maximum = std::max<Value>(maximum, part);
+  return maximum;
 }
 
-/// Lowest i for which f(i) holds, `no_index` if there is none.
+/// Lowest i for which f(i) is true; `no_index` if there is none.
 template <class F>
 Index first_where(Index n, F&& f) {
   PerChunk<Index> found(n, no_index);

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-// The one container: particles with one contiguous column per field, stable ids, and ghosts.
+// The particle container: one contiguous column per field, permanent ids, and ghosts.
 //
 //            owned: 0 … size()-1              ghosts: size() … total()-1
 //   position [ x0 x1 x2 …                   | copies of owned particles, shifted by a period ]
 //   velocity [ u0 u1 u2 …                   | copies                                         ]
 //   id       [ 17  3  4 …                   | the owner's id                                 ]
 //
-// Users hold ids across steps, never indices: the order in memory is the library's business.
+// Identify particles across steps by id, not by index: a search may reorder them in memory.
 #pragma once
 
 #include <silt/core/box.hpp>
@@ -26,7 +26,7 @@
 
 namespace silt {
 
-/// Particles in Dim dimensions with a position and the given further fields.
+/// Particles in Dim dimensions with a position and the given fields.
 ///   p[position][i]   Vec<Dim, Real>& of owned particle i [m]
 ///   p[field]         span over the size() owned particles
 template <int Dim, class RealType, Field... Fields>
@@ -46,45 +46,48 @@ class Particles {
   Particles() = default;
   explicit Particles(Box<Dim, Real> box) : box_(std::move(box)) { box_.check(); }
 
-  /// Owned particles.
+  /// Number of owned particles.
   Index size() const noexcept { return ids_.size() - owners_.size(); }
   bool empty() const noexcept { return size() == 0; }
-  /// Owned particles and ghosts.
+  /// Number of owned particles and ghosts.
   Index total() const noexcept { return ids_.size(); }
 
   template <Field F>
   auto operator[](F) noexcept {
-    check_carried<F>();
+    check_field<F>();
     return std::span(column<F>().data(), size());
   }
   template <Field F>
   auto operator[](F) const noexcept {
-    check_carried<F>();
+    check_field<F>();
     return std::span(column<F>().data(), size());
   }
 
-  /// Owned particles and, behind them, ghosts: what an index from a search reads.
+  /// The values of the owned particles, followed by those of the ghosts; an index from a search may
+  /// refer to either.
   template <Field F>
   auto with_ghosts(F) const noexcept {
-    check_carried<F>();
+    check_field<F>();
     return std::span(column<F>().data(), total());
   }
 
   Id id(Index i) const noexcept { return ids_[i]; }
   std::span<const Id> ids() const noexcept { return {ids_.data(), size()}; }
-  /// Place of the particle with this id, `no_index` if it was removed or never lived.
-  Index index_of(Id id) const noexcept { return id < places_.size() ? places_[id] : no_index; }
-  /// The owned particle that i is, or is a ghost of.
+  /// Index of the particle with this id; `no_index` if it was removed or never added.
+  Index index_of(Id id) const noexcept {
+    return id < index_of_id_.size() ? index_of_id_[id] : no_index;
+  }
+  /// Index of the owned particle of which i is a ghost; i itself if i is owned.
   Index owner(Index i) const noexcept { return i < size() ? i : owners_[i - size()]; }
 
-  /// Grows whenever particles or ghosts come, go or move in memory.
+  /// Increases whenever particles or ghosts are added, removed or reordered.
   std::uint64_t revision() const noexcept { return revision_; }
-  /// Grows whenever owned particles come, go or move in memory, or the box changes. A failed step
-  /// leaves it as it was, whatever ghosts it made.
+  /// Increases whenever owned particles are added, removed or reordered, or the box changes. Unlike
+  /// revision(), it is the same after a failed step as before.
   std::uint64_t owned_revision() const noexcept { return owned_revision_; }
 
   const Box<Dim, Real>& box() const noexcept { return box_; }
-  /// Throws if the box has no volume, or a periodic side that is not finite.
+  /// Throws if the box has no volume, or if a periodic side is not finite.
   void set_box(const Box<Dim, Real>& box) {
     box.check();
     clear_ghosts();
@@ -97,32 +100,33 @@ class Particles {
     ids_.reserve(n);
   }
 
-  /// Adds a particle at x [m], all other fields zero, and returns its place. Drops the ghosts.
+  /// Adds a particle at x [m], all other fields zero, and returns its index. Removes all ghosts.
   /// Throws if x is not finite.
   Index add(const Vec& x) {
     require_finite("Particles::add: position", x);
     clear_ghosts();
     const Index i = size();
-    const Id id = places_.size();
+    const Id id = index_of_id_.size();
     columns_.for_each([](auto& column, auto field) {
       column.push_back(zero_of<value_of<decltype(field), Dim, Real>>());
     });
     column<position_t>()[i] = x;
     ids_.push_back(id);
-    places_.push_back(i);
+    index_of_id_.push_back(i);
     note_change();
     return i;
   }
 
-  /// Removes every owned particle i with gone(i), keeps the others in order. Returns how many went.
-  template <std::predicate<Index> Gone>
-  Index remove_if(Gone&& gone) {
+  /// Removes every owned particle i for which removed(i) is true; the others keep their order.
+  /// Returns the number of particles removed.
+  template <std::predicate<Index> Removed>
+  Index remove_if(Removed&& removed) {
     clear_ghosts();
     Index kept = 0;
     const Index before = size();
     for (Index i = 0; i < before; ++i) {
-      if (gone(i)) {
-        places_[ids_[i]] = no_index;
+      if (removed(i)) {
+        index_of_id_[ids_[i]] = no_index;
         continue;
       }
       if (kept != i) move_row(i, kept);
@@ -137,15 +141,15 @@ class Particles {
 
   /// Removes one particle by id. Throws if there is none.
   void remove(Id id) {
-    const Index place = index_of(id);
-    if (place == no_index) {
+    const Index index = index_of(id);
+    if (index == no_index) {
       fail("Particles::remove: no particle has the id " + std::to_string(id) +
-           "; it was removed before, or never added");
+           "; it was removed or never added");
     }
-    remove_if([place](Index i) { return i == place; });
+    remove_if([index](Index i) { return i == index; });
   }
 
-  /// Row i becomes what row order[i] was. Throws unless order is a permutation of 0 … size()-1.
+  /// Moves row order[i] to row i. Throws unless `order` is a permutation of 0 … size()-1.
   void reorder(std::span<const Index> order) {
     clear_ghosts();
     check_permutation(order);
@@ -157,11 +161,11 @@ class Particles {
     std::vector<Id> ids(order.size());
     for (Index i = 0; i < order.size(); ++i) ids[i] = ids_[order[i]];
     ids_.swap(ids);
-    for (Index i = 0; i < ids_.size(); ++i) places_[ids_[i]] = i;
+    for (Index i = 0; i < ids_.size(); ++i) index_of_id_[ids_[i]] = i;
     note_change();
   }
 
-  // Ghosts; core/ghosts.hpp says when.
+  // Ghosts, see core/ghosts.hpp.
 
   void clear_ghosts() {
     if (owners_.empty()) return;
@@ -176,22 +180,22 @@ class Particles {
   /// Adds a ghost of row `source` (owned or ghost), displaced by `shift` [m].
   void add_ghost(Index source, const Vec& shift) {
     ++revision_;
-    const Index first_owner = owner(source);
-    const Vec whole = source < size() ? shift : Vec(shifts_[source - size()] + shift);
+    const Index owner_index = owner(source);
+    const Vec total_shift = source < size() ? shift : Vec(shifts_[source - size()] + shift);
     columns_.for_each([source](auto& column, auto) {
       const auto copy = column[source];
       column.push_back(copy);
     });
     column<position_t>().back() += shift;
-    ids_.push_back(ids_[first_owner]);
-    owners_.push_back(first_owner);
-    shifts_.push_back(whole);
+    ids_.push_back(ids_[owner_index]);
+    owners_.push_back(owner_index);
+    shifts_.push_back(total_shift);
   }
 
   /// Copies these fields of the owners to their ghosts; positions are shifted.
   template <Field... F>
   void refresh_ghosts(F...) {
-    (check_carried<F>(), ...);
+    (check_field<F>(), ...);
     for_each(owners_.size(), [&](Index g) { (refresh_ghost<F>(g), ...); });
   }
 
@@ -202,7 +206,7 @@ class Particles {
     (f(std::span(column<Fields>().data(), size()), Fields{}), ...);
   }
 
-  /// For a checkpoint, see core/transfer.hpp: everything but the ghosts.
+  /// Writes or reads everything but the ghosts for a checkpoint, see core/transfer.hpp.
   template <class Archive>
   void transfer(Archive& archive) {
     archive.same("dimension", std::to_string(Dim));
@@ -210,16 +214,16 @@ class Particles {
     archive.same("fields", (std::string(name_of<position_t>()) + ... +
                             (" " + std::string(name_of<Fields>()))));
     Index owned = size();
-    Index next_id = places_.size();
+    Index next_id = index_of_id_.size();
     archive("next_id", next_id);
     if constexpr (Archive::reads) clear_ghosts();
     archive("id", ids_, owned);
     archive.within("box", [&] { box_.transfer(archive); });
     columns_.for_each([&]<class F>(auto& column, F) { archive(name_of<F>(), column, owned); });
-    if constexpr (Archive::reads) arrange(next_id);
+    if constexpr (Archive::reads) rebuild_index_of_id(next_id);
   }
 
-  // A step is a transaction, see Columns: save() before it, restore() if it throws.
+  // For rolling back a failed step, see Columns: save() before the step, restore() if it throws.
 
   void save() noexcept { columns_.save(); }
   template <Field F>
@@ -232,15 +236,15 @@ class Particles {
   }
   template <class Value>
   using Advance = typename Columns<Dim, Real, position_t, Fields...>::template Advance<Value>;
-  void arrive() { columns_.arrive(size()); }
+  void finish_advance() { columns_.finish_advance(size()); }
   void restore() noexcept { columns_.restore(size()); }
 
  private:
-  // A sentence rather than a constraint; ask HasFields whether particles carry a field.
+  // An assertion, for its error message. To test for a field, use HasFields.
   template <class F>
-  static constexpr void check_carried() {
-    static_assert(has<F>, "silt::Particles: these particles do not carry this field; add its type "
-                          "(temperature_t of temperature) to their list");
+  static constexpr void check_field() {
+    static_assert(has<F>, "silt::Particles: these particles do not have this field; add its type "
+                          "(temperature_t for temperature) to their template arguments");
   }
 
   void note_change() noexcept {
@@ -268,21 +272,21 @@ class Particles {
   void move_row(Index from, Index to) {
     columns_.for_each([from, to](auto& column, auto) { column[to] = column[from]; });
     ids_[to] = ids_[from];
-    places_[ids_[to]] = to;
+    index_of_id_[ids_[to]] = to;
   }
 
-  // Finds the places of ids that were read.
-  void arrange(Index next_id) {
-    places_.assign(next_id, no_index);
+  // Recomputes the index of each id after reading.
+  void rebuild_index_of_id(Index next_id) {
+    index_of_id_.assign(next_id, no_index);
     bool good = true;
     columns_.for_each([&](auto& column, auto) { good = good && column.size() == ids_.size(); });
     for (Index i = 0; good && i < ids_.size(); ++i) {
-      good = ids_[i] < next_id && places_[ids_[i]] == no_index;
-      if (good) places_[ids_[i]] = i;
+      good = ids_[i] < next_id && index_of_id_[ids_[i]] == no_index;
+      if (good) index_of_id_[ids_[i]] = i;
     }
     if (!good) {
-      fail("Particles: what was read has columns of different lengths, or an id twice; it was not "
-           "written by transfer()");
+      fail("Particles: the data read have columns of different lengths or a repeated id; they were "
+           "not written by transfer()");
     }
     note_change();
   }
@@ -297,17 +301,18 @@ class Particles {
     if (!good) {
       fail("Particles::reorder: the order of " + std::to_string(order.size()) +
            " indices is not a permutation of the " + std::to_string(size()) +
-           " particles; name each index once");
+           " particles; give each index once");
     }
   }
 
   static_assert(!(std::same_as<Fields, position_t> || ...),
-                "silt::Particles: position is always there; leave it out of the list");
+                "silt::Particles: position is always included; remove it from the template "
+                "arguments");
 
-  // Position comes first, whether the list names it or not.
+  // Position is always the first column.
   Columns<Dim, Real, position_t, Fields...> columns_;
   std::vector<Id> ids_;
-  std::vector<Index> places_;  // by id
+  std::vector<Index> index_of_id_;  // by id
   std::vector<Index> owners_;  // by ghost
   std::vector<Vec> shifts_;    // by ghost
   Box<Dim, Real> box_;
@@ -315,7 +320,7 @@ class Particles {
   std::uint64_t owned_revision_ = 0;
 };
 
-/// P has every one of the fields.
+/// P has all of these fields.
 template <class P, class... Fs>
 concept HasFields = (P::template has<Fs> && ...);
 

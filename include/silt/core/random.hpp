@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-// Random numbers without hidden state: each is a pure function of (seed, id, counter), so that
-// neither the order in which particles come, nor threads, nor a restart changes any of them.
+// Random numbers without hidden state: each is a function of (seed, id, counter) only, so that it
+// depends neither on the order of the particles, nor on the number of threads, nor on a restart.
 //
 // Philox 4×32-10 of J.K. Salmon, M.A. Moraes, R.O. Dror, D.E. Shaw, "Parallel random numbers: as
-// easy as 1, 2, 3", SC'11 (2011): ten rounds of multiplications that scramble a counter.
+// easy as 1, 2, 3", SC'11 (2011).
 #pragma once
 
 #include <silt/core/box.hpp>
@@ -17,7 +17,7 @@
 
 namespace silt {
 
-/// The block of four words that belongs to a counter of four words and a key of two.
+/// Four random words from a counter of four words and a key of two.
 constexpr std::array<std::uint32_t, 4> philox(std::array<std::uint32_t, 4> counter,
                                               std::array<std::uint32_t, 2> key) {
   constexpr int rounds = 10;
@@ -33,31 +33,30 @@ constexpr std::array<std::uint32_t, 4> philox(std::array<std::uint32_t, 4> count
   return counter;
 }
 
-/// A stream of random numbers, one stream to each (seed, id). These three numbers are all there is
-/// to it: Random{.seed = 1, .id = 17, .counter = 5} goes on where one that has drawn five numbers
-/// is.
+/// A stream of random numbers for each (seed, id). The three members are its whole state:
+/// Random{.seed = 1, .id = 17, .counter = 5} continues a stream from which five numbers were drawn.
 struct Random {
-  std::uint64_t seed = 0;     ///< of the whole run
-  Id id = 0;                  ///< whose numbers they are
+  std::uint64_t seed = 0;     ///< common to a run
+  Id id = 0;                  ///< of the particle or other object
   std::uint64_t counter = 0;  ///< numbers drawn so far
 
-  /// Evenly in [0, 1): the same bits on every machine.
+  /// Uniform in [0, 1); the same bits on every machine.
   double uniform() { return unit(draw()[0]); }
 
-  /// Evenly in [lower, upper).
+  /// Uniform in [lower, upper).
   double uniform(const Range& range) {
     return range.lower + uniform() * (range.upper - range.lower);
   }
 
-  /// Normal, of mean 0 and variance 1 (Box and Muller 1958); the same bits wherever log and cos
-  /// are.
+  /// Normal with mean 0 and variance 1 (Box and Muller 1958); the same bits on machines with the
+  /// same log and cos.
   double normal() {
     const auto words = draw();
     const double u = 1 - unit(words[0]);  // in (0, 1]
     return std::sqrt(-2 * std::log(u)) * std::cos(2 * std::numbers::pi * unit(words[1]));
   }
 
-  /// Evenly in a box with finite sides [m].
+  /// Uniform in a bounded box [m].
   template <int Dim, class Real>
   Vec<Dim, Real> point_in(const Box<Dim, Real>& box) {
     Vec<Dim, Real> x;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Rows of unequal length in one piece of memory (compressed sparse rows): neighbours of a particle,
-// contacts of a grain, entries of a matrix row. Built in parallel, the same for any thread count.
+// Rows of different lengths in contiguous memory (compressed sparse rows): neighbours of a
+// particle, contacts of a grain, entries of a matrix row. Built in parallel, with the same result
+// for any number of threads.
 //
 //   first  [0     3  4        ]
 //   items  [a b c|d |e f g h  ]
@@ -18,7 +19,8 @@ namespace silt {
 template <class T>
 class Rows {
  public:
-  /// Row i becomes what f(i, add) adds by add(item). Memory of earlier builds is reused.
+  /// Fills row i with the items that f(i, add) passes to add(item). Memory of earlier builds is
+  /// reused.
   template <class F>
   void build(Index n, F&& f) {
     first_.assign(n + 1, 0);
@@ -43,7 +45,7 @@ class Rows {
     });
   }
 
-  /// Rows.
+  /// Number of rows.
   Index size() const noexcept { return first_.empty() ? 0 : first_.size() - 1; }
 
   std::span<T> operator[](Index row) noexcept {
@@ -53,7 +55,7 @@ class Rows {
     return std::span(items_).subspan(first_[row], first_[row + 1] - first_[row]);
   }
 
-  /// Place of each row's first item, and the number of all items behind the last.
+  /// Index of the first item of each row, followed by the total number of items.
   std::span<const Index> first() const noexcept { return first_; }
   std::span<T> items() noexcept { return items_; }
   std::span<const T> items() const noexcept { return items_; }

@@ -1,24 +1,23 @@
 // SPDX-License-Identifier: MIT
-// The one place with intrinsics: a few numbers worked on at once.
+// SIMD operations; the only file with intrinsics.
 //
-// Arithmetic is the compilers' own: a Pack is a vector type of GCC and Clang, which become SSE,
-// AVX, AVX-512 or NEON by themselves. What they do not have is the step that a search lives on, to
-// write out only the lanes that passed a test:
+// A Pack is a vector type of GCC and Clang, which compile its arithmetic to SSE, AVX, AVX-512 or
+// NEON. These types lack the operation on which the speed of a neighbour search depends, writing
+// only the lanes that passed a test:
 //
 //   values  [ a b c d e f g h ]      mask 1 0 0 1 1 0 1 0      to  [ a d e g . . . . ]
 //
-// Hence compress(): one instruction of AVX-512, a shuffle from a table in AVX2, and a loop without
-// branches elsewhere. std::experimental::simd has no compress, and Highway or xsimd would make a
-// library that needs only Eigen need one more, for this one function. Measured on lists of 118
-// neighbours in 3D, tests by registers of 16 take 2.9 ns each, of which 1.7 is the arithmetic;
-// AVX-512 can also compress straight to memory, which took 27 ns on an AMD EPYC: hence the
-// register, stored whole.
+// compress() does this: one instruction of AVX-512, a shuffle from a table in AVX2, and a
+// branchless loop elsewhere. std::experimental::simd has no compress, and Highway or xsimd would be
+// a further dependency for this one function. Measured on lists of 118 neighbours in 3D, a test in
+// registers of 16 lanes takes 2.9 ns, of which 1.7 ns is arithmetic. AVX-512 can also compress
+// directly to memory, but this took 27 ns on an AMD EPYC; therefore the whole register is stored.
 //
 // No function here fuses a multiplication and an addition, and none sums over the lanes of a
-// register: results are the same bits for every width of registers, if the compiler fuses none
-// either (-ffp-contract=off).
+// register: results are bitwise identical for every register width, provided that the compiler does
+// not fuse either (-ffp-contract=off).
 //
-// SILT_NO_INTRINSICS takes the portable path everywhere, for tests.
+// SILT_NO_INTRINSICS selects the portable code on every processor, for tests.
 #pragma once
 
 #include <silt/core/types.hpp>
@@ -42,7 +41,7 @@
 #endif
 #endif
 
-// Packs wider than a register are handed over in memory, and by functions that are inlined anyway.
+// GCC warns that packs wider than a register are passed in memory; these functions are inlined.
 #if defined(__GNUC__)
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wpsabi"
@@ -50,7 +49,7 @@
 
 namespace silt::simd {
 
-/// Bytes of a register.
+/// Size of a register in bytes.
 #if defined(SILT_AVX512)
 inline constexpr int width = 64;
 #elif defined(SILT_AVX2)
@@ -59,7 +58,7 @@ inline constexpr int width = 32;
 inline constexpr int width = 16;
 #endif
 
-/// Numbers of type T in a register.
+/// Number of lanes of type T in a register.
 template <class T>
 inline constexpr int lanes = width / static_cast<int>(sizeof(T));
 
@@ -67,7 +66,7 @@ template <class T, int N>
 struct PackOf {
   typedef T type __attribute__((vector_size(N * sizeof(T))));
 };
-/// N numbers of type T, with the operators of one.
+/// N numbers of type T, with elementwise operators.
 template <class T, int N = lanes<T>>
 using Pack = typename PackOf<T, N>::type;
 
@@ -95,7 +94,7 @@ Pack<T, N> abs(const Pack<T, N>& a) {
   return (Pack<T, N>)((Pack<Bits, N>)a & ~(Bits{1} << (8 * sizeof(T) - 1)));
 }
 
-/// √a.
+/// √a in each lane.
 template <class T, int N = lanes<T>>
 Pack<T, N> square_root(const Pack<T, N>& a) {
 #if defined(SILT_AVX512) || defined(SILT_AVX2)
@@ -121,11 +120,12 @@ Pack<T, N> square_root(const Pack<T, N>& a) {
 template <int N>
 Pack<std::uint32_t, N> count_from(Index from) {
   std::uint32_t count[N];
-  for (int k = 0; k < N; ++k) count[k] = static_cast<std::uint32_t>(from) + static_cast<std::uint32_t>(k);
+  for (int k = 0; k < N; ++k)
+    count[k] = static_cast<std::uint32_t>(from) + static_cast<std::uint32_t>(k);
   return load<std::uint32_t, N>(count);
 }
 
-/// sum += a x in four lanes. (Of the compilers' own conversion g++ 12 makes two halves.)
+/// sum += a x in four lanes. (g++ 12 splits the built-in conversion into two halves.)
 inline void add_products(const float* a, const double* x, Pack<double, 4>& sum) {
 #if defined(SILT_AVX512) || defined(SILT_AVX2)
   sum += (Pack<double, 4>)_mm256_cvtps_pd(_mm_loadu_ps(a)) * (Pack<double, 4>)_mm256_loadu_pd(x);
@@ -134,13 +134,13 @@ inline void add_products(const float* a, const double* x, Pack<double, 4>& sum) 
 #endif
 }
 
-/// The lanes below `count`.
+/// Mask of the first `count` lanes.
 template <int N>
 Mask first_lanes(Index count) {
   return static_cast<Mask>((std::uint64_t{1} << std::min<Index>(count, N)) - 1);
 }
 
-/// The lanes in which a < b.
+/// Mask of the lanes in which a < b.
 template <class T, int N = lanes<T>>
 Mask less(const Pack<T, N>& a, const Pack<T, N>& b) {
 #if defined(SILT_AVX512)
@@ -167,7 +167,7 @@ Mask less(const Pack<T, N>& a, const Pack<T, N>& b) {
   }
 }
 
-/// The lanes of a that are not b.
+/// Mask of the lanes in which a ≠ b.
 template <int N>
 Mask differs(const Pack<std::uint32_t, N>& a, std::uint32_t b) {
 #if defined(SILT_AVX512)
@@ -191,7 +191,7 @@ Mask differs(const Pack<std::uint32_t, N>& a, std::uint32_t b) {
 }
 
 #if defined(SILT_AVX2)
-/// By mask: which lane goes where, a byte each.
+/// For each mask, the source lane of each destination lane, one byte each.
 inline constexpr std::array<std::uint64_t, 256> compressing_shuffles = [] {
   std::array<std::uint64_t, 256> table{};
   for (unsigned mask = 0; mask < 256; ++mask) {
@@ -204,17 +204,19 @@ inline constexpr std::array<std::uint64_t, 256> compressing_shuffles = [] {
 }();
 #endif
 
-/// Writes the lanes in the mask to `to`, in order, and returns how many those are. What lies behind
-/// them, up to N in all, is overwritten.
+/// Writes the lanes of the mask to `to`, in order, and returns their number. The remaining elements
+/// of `to`, up to N in total, are overwritten.
 template <class T, int N = lanes<T>>
 Index compress(T* to, const Pack<T, N>& values, Mask mask) {
   static_assert(sizeof(T) == 4);
 #if defined(SILT_AVX512)
   if constexpr (N == 16) {
-    const __m512i chosen = _mm512_maskz_compress_epi32(static_cast<__mmask16>(mask), (__m512i)values);
+    const __m512i chosen =
+        _mm512_maskz_compress_epi32(static_cast<__mmask16>(mask), (__m512i)values);
     _mm512_storeu_si512(to, chosen);
   } else if constexpr (N == 8) {
-    const __m256i chosen = _mm256_maskz_compress_epi32(static_cast<__mmask8>(mask), (__m256i)values);
+    const __m256i chosen =
+        _mm256_maskz_compress_epi32(static_cast<__mmask8>(mask), (__m256i)values);
     _mm256_storeu_si256(reinterpret_cast<__m256i*>(to), chosen);
   } else
 #elif defined(SILT_AVX2)
@@ -246,14 +248,15 @@ Index compress(T* to, const Pack<T, N>& values, Mask mask) {
 template <int Dim, class Real>
 using Columns = std::array<const Real*, Dim>;
 
-/// Writes item(s), which gives those of a register's points at once, to `to` for every s of
-/// [first, last) whose point lies within √reach of the centre, but for the item `own`. They stay in
-/// order; returns where they end. Reads the columns, and overwrites `to`, up to a register beyond.
+/// Writes the items of all points s in [first, last) that lie within √reach of the centre to `to`,
+/// in order, except the item `own`, and returns the end of what was written. item(s) returns the
+/// items of N points from s on. Reads the columns and overwrites `to` up to one register beyond the
+/// end.
 template <int N, std::size_t Dim, class Real, class Item>
 std::uint32_t* compress_near(const std::array<const Real*, Dim>& x, Index first, Index last,
                              const std::array<Real, Dim>& centre, Real reach, Item&& item,
                              std::uint32_t own, std::uint32_t* to) {
-  // Copies, because stores to `to` might change what is behind a reference.
+  // Copies, because the compiler must assume that stores to `to` change what references refer to.
   const std::array<const Real*, Dim> from = x;
   struct {
     Pack<Real, N> x;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A simulation is four values: particles P, a neighbour search S, an interaction I, an integrator
-// T.
+// A simulation combines four objects: particles P, a neighbour search S, an interaction I and an
+// integrator T.
 #pragma once
 
 #include <silt/core/concepts.hpp>
@@ -36,26 +36,27 @@ struct Run {
 
 template <class P, class S, class I, class T>
 class Simulation {
-  static_assert(ParticleSet<P>, "silt::Simulation: the first value is the particles");
+  static_assert(ParticleSet<P>, "silt::Simulation: the first argument must be particles");
   static_assert(NeighbourSearch<S, P>,
-                "silt::Simulation: the second value is no neighbour search for these particles "
-                "(same dimension and precision? see NeighbourSearch in silt/core/concepts.hpp)");
+                "silt::Simulation: the second argument is not a neighbour search for these "
+                "particles (same dimension and precision? see NeighbourSearch in "
+                "silt/core/concepts.hpp)");
   static_assert(explain<I, P>());
-  static_assert(Reaching<I, P>,
-                "silt::Simulation: the third value is no interaction for these particles (has it "
-                "reach(particles), and have they the fields it needs?)");
-  static_assert(!NeighbourSearch<S, P> || !Reaching<I, P> || Integrator<T, P, S, I>,
+  static_assert(HasReach<I, P>,
+                "silt::Simulation: the third argument is not an interaction for these particles "
+                "(does it have reach(particles), and do they have the fields it needs?)");
+  static_assert(!NeighbourSearch<S, P> || !HasReach<I, P> || Integrator<T, P, S, I>,
                 "silt::Simulation: this integrator cannot advance these particles with this "
                 "interaction (Leapfrog takes forces on grains, SemiImplicit a flow)");
 
  public:
-  /// Throws if the search is set to less than the interaction reaches.
+  /// Throws if the search radius was given and is smaller than the interaction range.
   Simulation(P particles, S search, I interaction, T integrator)
       : particles_(std::move(particles)),
         search_(std::move(search)),
         interaction_(std::move(interaction)),
         integrator_(std::move(integrator)),
-        radius_is_ours_(!(search_.radius() > 0)) {
+        chooses_radius_(!(search_.radius() > 0)) {
     const detail::Team team(thread_choice_, particles_.size());
     prepare();
     sort();
@@ -63,7 +64,7 @@ class Simulation {
   }
 
   double time() const noexcept { return time_; }           ///< [s]
-  std::uint64_t steps() const noexcept { return steps_; }  ///< done so far
+  std::uint64_t steps() const noexcept { return steps_; }  ///< completed
   double last_time_step() const noexcept { return last_time_step_; }  ///< [s]
   /// Whether its state was read from a checkpoint.
   bool was_read() const noexcept { return was_read_; }
@@ -72,17 +73,17 @@ class Simulation {
 
   P& particles() noexcept { return particles_; }
   const P& particles() const noexcept { return particles_; }
-  /// As it was updated last: within the last step, or by the constructor.
+  /// In the state of its last update, in the last step or in the constructor.
   const S& search() const noexcept { return search_; }
   I& interaction() noexcept { return interaction_; }
   const I& interaction() const noexcept { return interaction_; }
   const T& integrator() const noexcept { return integrator_; }
 
-  /// Particles and interaction with everything at time(). Integrators whose velocities live between
-  /// two steps bring them to it; the simulation itself is left as it is.
+  /// Copies of the particles and the interaction with all quantities at time(); an integrator that
+  /// stores velocities at half steps advances them to time(). The simulation is not changed.
   struct State {
     P particles;
-    I interaction;  ///< what it measured, such as the contacts, belongs to the particles beside it
+    I interaction;  ///< its results, such as the contacts, refer to `particles`
   };
   State state() const {
     if constexpr (requires(T t, P p, S s, I i) { t.synchronise(p, s, i); }) {
@@ -104,13 +105,13 @@ class Simulation {
     }
   }
 
-  /// For a checkpoint, see core/transfer.hpp: all that a run goes on from. What a program gives when
-  /// it builds a simulation (laws, walls, settings) is not among it.
+  /// Writes or reads the state of the run for a checkpoint, see core/transfer.hpp. What the program
+  /// passes to constructors (laws, walls, settings) is not included.
   template <class Archive>
   void transfer(Archive& archive) {
     static_assert(!Transactional<I> || Transferable<I, Archive, P> || Transferable<I, Archive>,
-                  "silt::Simulation: a step changes the state of this interaction (it has save() "
-                  "and restore()), so a checkpoint needs its transfer(archive, particles)");
+                  "silt::Simulation: this interaction has state (it has save() and restore()), so "
+                  "a checkpoint needs its transfer(archive, particles)");
     archive("time", time_);
     archive("steps", steps_);
     archive("last_time_step", last_time_step_);
@@ -124,7 +125,7 @@ class Simulation {
     if constexpr (Transferable<S, Archive, P>) {
       transfer_part(archive, "search", search_, particles_);
     } else if constexpr (Archive::reads) {
-      // It must not move particles: an update brings them back into a periodic box.
+      // The particles must not move, but an update wraps positions into a periodic box.
       const std::vector<typename P::Vec> now(particles_[position].begin(),
                                              particles_[position].end());
       at_positions(particles_, now, [&] { search_.update(particles_); });
@@ -133,29 +134,29 @@ class Simulation {
     transfer_part(archive, "interaction", interaction_, particles_);
   }
 
-  /// The time step the interaction would choose now [s]; the last one if all particles are gone.
-  /// Throws if it chooses none.
+  /// The time step that the interaction chooses for the present state [s]; the last one if all
+  /// particles have been removed. Throws if the interaction chooses none.
   double time_step() {
     const detail::Team team(thread_choice_, particles_.size());
     set_time(interaction_, time_);
     double dt = std::numeric_limits<double>::infinity();
     if constexpr (ChoosesTimeStep<I, P>) dt = interaction_.time_step(particles_);
-    // The last particle may leave a run that goes on.
+    // The last particle may leave during a run.
     if (!is_finite(dt) && particles_.size() == 0 && last_time_step_ > 0) return last_time_step_;
     if (!is_finite(dt)) {
-      fail("Simulation: nothing here chooses a time step" +
-           std::string(particles_.size() == 0 ? ", as there are no particles yet" : "") +
-           "; give one: run({.time_step = …}) or step(dt)");
+      fail("Simulation: the interaction chooses no time step" +
+           std::string(particles_.size() == 0 ? ", as there are no particles" : "") +
+           "; pass one: run({.time_step = …}) or step(dt)");
     }
     return dt;
   }
 
-  /// One step with the time step the interaction chooses.
+  /// One step with the time step that the interaction chooses.
   void step() { step(time_step()); }
 
-  /// One step of dt [s]: a transaction. Throws silt::Error if dt is not positive or beyond
-  /// stability, if the step made something that is not finite, if a particle left a box that
-  /// refuses it, or if a solve failed; the simulation is then as it was before.
+  /// One step of dt [s]. Throws silt::Error if dt is not positive or exceeds the stability limit,
+  /// if a field is not finite after the step, if a particle left a box with OnEscape::refuse, or if
+  /// a solve failed. The step is then rolled back: the simulation is as before the call.
   void step(double dt) {
     detail::Team team(thread_choice_, particles_.size());
     team.begin_step();
@@ -291,33 +292,34 @@ class Simulation {
     if (is_last) time_ = until;
   }
 
-  // Before the state is saved, so that a failed step has nothing to undo.
+  // Called before the state is saved: rolling back a step does not undo the reordering.
   void sort() {
     if constexpr (SortsParticles<S, P>) search_.sort(particles_);
   }
 
-  // The search must see as far as the interaction reaches.
+  // The search radius must be at least the interaction range.
   void prepare() {
     const auto reach = interaction_.reach(particles_);
-    require_not_negative("Simulation: the interaction's reach", double(reach));
-    if (radius_is_ours_) {
-      search_.set_radius(reach > 0 ? reach : radius_for_nothing());
+    require_not_negative("Simulation: interaction range", double(reach));
+    if (chooses_radius_) {
+      search_.set_radius(reach > 0 ? reach : radius_without_range());
     } else if (search_.radius() < reach) {
       fail("Simulation: the search radius " + to_text(double(search_.radius())) +
-           " m is less than the interaction reaches, " + to_text(double(reach)) +
-           " m; enlarge it, or leave it to the simulation");
+           " m is smaller than the interaction range, " + to_text(double(reach)) +
+           " m; increase it, or do not set it");
     }
   }
 
-  // Any that fits into a periodic box, with a skin: nobody looks for neighbours, or nobody is there.
-  typename P::Real radius_for_nothing() const {
-    typename P::Real most = 1;
+  // Search radius if the interaction range is 0: arbitrary, but with its skin it must fit into a
+  // periodic box.
+  typename P::Real radius_without_range() const {
+    typename P::Real result = 1;
     const auto& box = particles_.box();
     for (int k = 0; k < P::dimension; ++k) {
       const bool is_periodic = box.periodic[static_cast<std::size_t>(k)];
-      if (is_periodic) most = std::min(most, (box.upper[k] - box.lower[k]) / 4);
+      if (is_periodic) result = std::min(result, (box.upper[k] - box.lower[k]) / 4);
     }
-    return most;
+    return result;
   }
 
   void save() {
@@ -350,7 +352,8 @@ class Simulation {
     });
   }
 
-  // Names a sum of this step that is not finite, if there is one, rather than what came of it.
+  // Reports a derived field (such as the force) that is not finite, if there is one, because it is
+  // the cause.
   [[noreturn]] void fail_at(Index broken, std::string_view name, std::string value) const {
     particles_.for_each_field([&]<class F>(auto values, F) {
       using Value = typename decltype(values)::value_type;
@@ -361,8 +364,8 @@ class Simulation {
         }
       }
     });
-    fail("Simulation: the step made a " + std::string(name) + " of " + value +
-             ", which is not finite; take a smaller time step, or look at the forces",
+    fail("Simulation: after the step, " + std::string(name) + " = " + value +
+         " is not finite; reduce the time step or check the forces",
          {.particle = broken, .id = particles_.id(broken)});
   }
 
@@ -370,11 +373,11 @@ class Simulation {
     const auto& box = particles_.box();
     if (box.on_escape != OnEscape::refuse) return;
     const auto x = particles_[position];
-    const Index gone = first_where(x.size(), [&](Index i) { return !box.contains(x[i]); });
-    if (gone == no_index) return;
-    fail("Simulation: a particle left the box at x = " + to_text(x[gone]) +
-             " m; widen the box, stop the leak, or set Box::on_escape to OnEscape::remove",
-         {.particle = gone, .id = particles_.id(gone)});
+    const Index escaped = first_where(x.size(), [&](Index i) { return !box.contains(x[i]); });
+    if (escaped == no_index) return;
+    fail("Simulation: a particle left the box at x = " + to_text(x[escaped]) +
+             " m; enlarge the box, close the gap, or set Box::on_escape to OnEscape::remove",
+         {.particle = escaped, .id = particles_.id(escaped)});
   }
 
   void remove_escaped() {
@@ -383,7 +386,7 @@ class Simulation {
     const auto outside = [&](Index i) { return !box.contains(particles_[position][i]); };
     if (first_where(particles_.size(), outside) == no_index) return;
     particles_lost_ += particles_.remove_if(outside);
-    search_.update(particles_);  // its indices are those of before
+    search_.update(particles_);  // its indices are out of date
   }
 
   P particles_;
@@ -391,7 +394,7 @@ class Simulation {
   I interaction_;
   T integrator_;
   std::optional<T> saved_integrator_;
-  bool radius_is_ours_;
+  bool chooses_radius_;
   std::uint64_t steps_ = 0;
   std::uint64_t particles_lost_ = 0;
   double time_ = 0;

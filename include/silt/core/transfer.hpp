@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: MIT
-// How a part of a simulation shows its state to a checkpoint: one function that serves writing and
-// reading, and names what the part goes on from.
+// Interface between a component of a simulation and a checkpoint: one function, used for both
+// writing and reading, that lists the state of the component.
 //
 //   template <class Archive>
 //   void transfer(Archive& archive) {
-//     archive("came", came_);
-//     archive("tried", tried_);
+//     archive("number", number_);
+//     archive("attempts", attempts_);
 //   }
 //
 // An archive, such as those of io/archive.hpp, has
 //   archive(name, value)         writes the value, or reads it: a number, an enum, a small Eigen
 //                                vector, an array or std::vector of these, a std::string
-//   archive(name, values, n)     the first n values of a std::vector; read, it has n
-//   archive.same(name, text)     throws in reading if the text is not the same as it was
-//   archive.within(name, f)      f() with its names below this one
-//   Archive::reads               whether it reads
+//   archive(name, values, n)     writes the first n values of a std::vector, or reads n values
+//   archive.same(name, text)     writes the text, or throws if the text read is different
+//   archive.within(name, f)      calls f(); the names in it are in the group `name`
+//   Archive::reads               whether the archive reads
 #pragma once
 
 #include <silt/core/fields.hpp>
@@ -26,14 +26,14 @@
 
 namespace silt {
 
-/// part.transfer(archive, context...); the context is the particles, of which a part's state is.
+/// T has transfer(archive), or transfer(archive, particles) if its state refers to particles.
 template <class T, class Archive, class... Context>
 concept Transferable = requires(T& part, Archive& archive, Context&... context) {
   part.transfer(archive, context...);
 };
 
-/// Transfers a part with the particles, if it asks for them, or without; does nothing for one that
-/// has no state.
+/// Calls part.transfer(archive, particles) or part.transfer(archive); does nothing for a part
+/// without either.
 template <class Archive, class T, class P>
 void transfer_part(Archive& archive, std::string_view name, T& part, P& particles) {
   if constexpr (Transferable<T, Archive, P>) {
@@ -43,7 +43,7 @@ void transfer_part(Archive& archive, std::string_view name, T& part, P& particle
   }
 }
 
-/// f() while the particles are at other positions [m], from which something was made once.
+/// Calls f() with the particles temporarily at the positions x [m].
 template <class P, class F>
 void at_positions(P& particles, const std::vector<typename P::Vec>& x, F&& f) {
   const std::vector<typename P::Vec> now(particles[position].begin(), particles[position].end());
@@ -52,9 +52,10 @@ void at_positions(P& particles, const std::vector<typename P::Vec>& x, F&& f) {
   std::copy(now.begin(), now.end(), particles[position].begin());
 }
 
-/// Transfers the positions [m] at which a search was last updated, and updates it there.
-/// position_at(i) is that of particle i; where is_known is false, those are of other particles, and
-/// the search is updated at the positions now. The particles stay where they are. Returns is_known.
+/// Transfers the positions [m] of the last update of a search; in reading, updates the search at
+/// them. position_at(i) is the position of particle i at the last update. If is_known is false, the
+/// last update was with other particles, and the search is updated at the present positions. The
+/// particles are not moved. Returns is_known.
 template <class Archive, class P, class PositionAt, class Update>
 bool transfer_update(Archive& archive, P& particles, bool is_known, PositionAt&& position_at,
                      Update&& update) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// How far particles have gone since somebody looked, without looking at each.
+// An upper bound for the displacement of all particles since an earlier time, without a loop over
+// the particles.
 #pragma once
 
 #include <atomic>
@@ -8,7 +9,7 @@
 
 namespace silt {
 
-/// A number that no other object of the process has; a copy gets one of its own.
+/// A number that is unique in the process; a copy gets a new one.
 class Journey {
  public:
   Journey() : number_(++last()) {}
@@ -27,20 +28,22 @@ class Journey {
   std::uint64_t number_;
 };
 
-/// Of one journey: while `distance` [m] has grown by less than d, no particle has moved by d.
+/// Distance travelled within one journey: while `distance` [m] has increased by less than d, no
+/// particle has moved by d.
 struct Travel {
   std::uint64_t journey = 0;
   double distance = 0;
 
-  /// At most so far since `then`; nothing is known of another journey.
+  /// Whether no particle has moved farther than d [m] since `then`; false if `then` belongs to
+  /// another journey.
   bool is_within(double d, const Travel& then) const noexcept {
     return journey == then.journey && distance - then.distance <= d;
   }
 };
 
-/// Knows how far particles have gone: search.travel(), as long as particles.revision() stays.
+/// The search has travel(), which is valid while particles.revision() is unchanged.
 template <class S>
-concept KnowsTravel = requires(const S s) {
+concept HasTravel = requires(const S s) {
   { s.travel() } -> std::same_as<Travel>;
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A triangle in space: what surfaces are made of, and STL files hold.
+// A triangle in 3D, the element of surfaces and of STL files.
 #pragma once
 
 #include <silt/core/error.hpp>
@@ -16,8 +16,8 @@ struct Triangle {
   std::array<Vec<3, Real>, 3> corners;  ///< [m]
 };
 
-/// Throws if a corner is not finite, or if the triangle has no area: if it is less than a millionth
-/// as high as it is long. `name` says which one it is.
+/// Throws if a corner is not finite, or if the triangle has no area, that is, if its height is less
+/// than a millionth of its longest side. `name` identifies it in the message.
 template <class Real>
 void require_area(const std::string& name, const Triangle<Real>& triangle) {
   const auto& [a, b, c] = triangle.corners;
@@ -29,7 +29,7 @@ void require_area(const std::string& name, const Triangle<Real>& triangle) {
   const double longest = std::max({u.squaredNorm(), v.squaredNorm(), (u - v).squaredNorm()});
   if (!(cross(u, v).norm() > 1e-6 * longest)) {
     fail(name + " with the corners " + to_text(a) + ", " + to_text(b) + " and " + to_text(c) +
-         " m has no area; leave it out, or repair the mesh");
+         " m has no area; remove it, or repair the mesh");
   }
 }
 

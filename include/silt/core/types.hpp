@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The words every other header speaks: vectors, spins, indices, ids.
+// Basic types: vectors, angular vectors, indices, ids.
 #pragma once
 
 #include <silt/core/eigen.hpp>
@@ -11,24 +11,23 @@
 
 namespace silt {
 
-/// A vector of space: Dim components of Real.
+/// A spatial vector: Dim components of type Real.
 template <int Dim, class Real = double>
 using Vec = Eigen::Matrix<Real, Dim, 1>;
 
-/// Angular velocity, angle or torque: one number in the plane (counter-clockwise positive), a vector
-/// in space.
+/// Angular velocity, angle or torque: a number in 2D (counter-clockwise positive), a vector in 3D.
 template <int Dim, class Real = double>
 using AngularVec = std::conditional_t<Dim == 2, Real, Vec<3, Real>>;
 
-/// Place of a particle in memory. It changes when particles are removed or reordered.
+/// Index of a particle in memory. It changes when particles are removed or reordered.
 using Index = std::size_t;
 
-/// Name of a particle for life.
+/// Permanent identifier of a particle.
 using Id = std::uint64_t;
 
 inline constexpr Index no_index = std::numeric_limits<Index>::max();
 
-/// Zero of any type that a particle or a pair may hold; Eigen's own start with anything.
+/// Zero of any type of a field or a history; Eigen does not initialise its types.
 template <class Value>
 Value zero_of() {
   if constexpr (requires { Value::Zero(); }) {
@@ -38,7 +37,7 @@ Value zero_of() {
   }
 }
 
-/// Cross product a × b: in the plane the number that is its component out of the plane.
+/// Cross product a × b; in 2D its out-of-plane component.
 template <class Real>
 Real cross(const Vec<2, Real>& arm, const Vec<2, Real>& force) {
   return arm[0] * force[1] - arm[1] * force[0];
@@ -49,14 +48,14 @@ Vec<3, Real> cross(const Vec<3, Real>& arm, const Vec<3, Real>& force) {
           arm[0] * force[1] - arm[1] * force[0]};
 }
 
-/// Velocity ω × a of the point at the arm a of a body with the angular velocity ω.
+/// Velocity ω × a of a point of a rotating body, at the vector a from its centre.
 template <class Real>
 Vec<2, Real> cross(Real spin, const Vec<2, Real>& arm) {
   return {-spin * arm[1], spin * arm[0]};
 }
 
-/// A v. Eigen's own product of matrices is made of fused multiply-adds where the processor has them,
-/// whatever the compiler is told, and then differs in its last bits.
+/// Product A v. Eigen's product uses fused multiply-adds on processors that have them, regardless
+/// of compiler options, and its last bits would therefore depend on the processor.
 template <int Dim, class Real>
 Vec<Dim, Real> multiply(const Eigen::Matrix<Real, Dim, Dim>& A, const Vec<Dim, Real>& v) {
   if constexpr (Dim == 2) {
@@ -67,14 +66,13 @@ Vec<Dim, Real> multiply(const Eigen::Matrix<Real, Dim, Dim>& A, const Vec<Dim, R
   }
 }
 
-/// Whole part of a count that comes from times. They are sums of time steps: a rounding must not
-/// put an event off by a step.
+/// Integer part of a quotient of times. Times are sums of time steps; the tolerance prevents a
+/// rounding error from delaying an event by one step.
 inline Index completed_intervals(double count) { return static_cast<Index>(count * (1 + 1e-12)); }
 
-/// Resizes a std::vector; where it must grow, a sixteenth more than asked for, not
-/// twofold as of itself.
+/// Resizes a std::vector. If it must grow, it reserves n/16 more elements, instead of doubling.
 template <class Vector>
-void resize_sparingly(Vector& values, Index n) {
+void resize_tightly(Vector& values, Index n) {
   if (n > values.capacity()) values.reserve(n + n / 16);
   values.resize(n);
 }
@@ -84,13 +82,13 @@ Real squared(Real x) {
   return x * x;
 }
 
-/// Numbers of a spin: one in 2D, three in 3D.
+/// Number of components of an AngularVec: 1 in 2D, 3 in 3D.
 template <int Dim>
 inline constexpr int angular_size = Dim == 2 ? 1 : 3;
 
-/// Number k of a spin.
-template <class Turning>
-auto& component(Turning& spin, [[maybe_unused]] int k) {
+/// Component k of an AngularVec.
+template <class Angular>
+auto& component(Angular& spin, [[maybe_unused]] int k) {
   if constexpr (requires { spin[k]; }) {
     return spin[k];
   } else {
@@ -98,7 +96,7 @@ auto& component(Turning& spin, [[maybe_unused]] int k) {
   }
 }
 
-/// A number, vector or spin in double precision.
+/// A number or vector in double precision.
 template <class Real>
 double in_double(Real value)
   requires std::is_floating_point_v<Real>
@@ -110,7 +108,7 @@ Vec<Dim, double> in_double(const Eigen::Matrix<Real, Dim, 1>& value) {
   return value.template cast<double>();
 }
 
-/// Product of two spins, or of a couple and a spin.
+/// Scalar product of two angular vectors.
 template <class Real>
 Real dot(Real a, Real b)
   requires std::is_floating_point_v<Real>
@@ -122,7 +120,7 @@ Real dot(const Vec<3, Real>& a, const Vec<3, Real>& b) {
   return a.dot(b);
 }
 
-/// |w|² of a spin in either dimension.
+/// |ω|² in 2D or 3D.
 template <class Real>
 Real squared_norm(Real spin)
   requires std::is_floating_point_v<Real>

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
-// Rows of a sparse matrix whose entries lie in clusters, as those of particles sorted in space do:
-// windows of four consecutive columns, with zeros between the entries.
+// Sparse matrix whose entries are clustered within a row, as for particles sorted in space: a row
+// is stored as windows of four consecutive columns, with zeros between the entries.
 //
 //   entries   5:a  6:b  8:c  40:d
 //   windows   at 5 [a b 0 c]   at 40 [d 0 0 0]
 //
-// A product reads x in runs, without an index for every entry. Entries are kept in single
-// precision, which halves what it has to read; it is formed in double. What is read decides what it
-// takes: of fluid in space, with 31 entries in a row, windows of four are a third smaller than
-// windows of eight, and the product as much faster.
+// A product reads contiguous runs of x and needs no index for each entry. Entries are stored in
+// single precision, which halves the memory read; the product is computed in double. Its time is
+// proportional to the memory read: for fluid in 3D, with 31 entries in a row, windows of four take
+// a third less memory and time than windows of eight.
 #pragma once
 
 #include <silt/core/parallel.hpp>
@@ -25,89 +25,90 @@ namespace silt {
 
 class WindowRows {
  public:
-  /// Columns of a window.
-  static constexpr Index lanes = 4;
+  /// Number of columns of a window.
+  static constexpr Index window_size = 4;
 
-  /// A square matrix of n rows: row i becomes the sum of what f(i, add) adds by add(column, value).
-  /// Any order of columns will do, an ascending one gives the fewest windows. Memory of earlier
-  /// builds is reused.
+  /// Builds a square matrix of n rows: f(i, add) calls add(column, value) for the entries of row i,
+  /// and values of the same column are summed. Columns may be in any order; ascending order gives
+  /// the fewest windows. Memory of earlier builds is reused.
   template <class F>
   void build(Index n, F&& f) {
     size_ = n;
-    parts_.resize(chunk_count(n));
-    const Index last_window = n > lanes ? n - lanes : 0;  // none reaches beyond the last column
+    chunks_.resize(chunk_count(n));
+    const Index last_window =
+        n > window_size ? n - window_size : 0;  // none reaches beyond the last column
     for_each_chunk(n, [&](Chunk chunk) {
-      Part& part = parts_[chunk.number];
-      part.first.clear();
+      ChunkRows& rows = chunks_[chunk.number];
+      rows.first.clear();
       Index windows = 0;
       for (Index i = chunk.first; i < chunk.last; ++i) {
-        part.first.push_back(static_cast<std::uint32_t>(windows));
+        rows.first.push_back(static_cast<std::uint32_t>(windows));
         Index at = 0;             // first column of the window that is being filled
-        float* values = nullptr;  // its own
+        float* values = nullptr;  // its values
         f(i, [&](Index column, double value) {
-          if (!values || column - at >= lanes) {  // also where it lies before
+          if (!values || column - at >= window_size) {  // also if column < at
             at = std::min(column, last_window);
-            values = part.open_window(windows++, at);
+            values = rows.open_window(windows++, at);
           }
           values[column - at] += static_cast<float>(value);
         });
       }
-      part.first.push_back(static_cast<std::uint32_t>(windows));
+      rows.first.push_back(static_cast<std::uint32_t>(windows));
     });
   }
 
-  /// Rows.
+  /// Number of rows.
   Index size() const noexcept { return size_; }
 
-  /// f(i, Σ_j a_ij x_j) for the rows of one chunk of them; x has size() numbers.
+  /// f(i, Σ_j a_ij x_j) for the rows of one chunk; x has size() elements.
   template <class F>
   void multiply(Chunk chunk, std::span<const double> x, F&& f) const {
-    const Part& part = parts_[chunk.number];
-    if (x.size() < lanes) {
+    const ChunkRows& rows = chunks_[chunk.number];
+    if (x.size() < window_size) {
       for (Index i = chunk.first; i < chunk.last; ++i) f(i, narrow_product(i, x));
       return;
     }
-    const std::uint32_t* const first = part.first.data();
-    const std::uint32_t* const columns = part.columns.data();
-    const float* const values = part.values.data();
+    const std::uint32_t* const first = rows.first.data();
+    const std::uint32_t* const columns = rows.columns.data();
+    const float* const values = rows.values.data();
     const double* const factors = x.data();
     for (Index i = chunk.first; i < chunk.last; ++i) {
       const Index begin = first[i - chunk.first];
       const Index end = first[i - chunk.first + 1];
-      // Rows are read once, in order: the processor sees that later than we do.
+      // Rows are read once, in order; the hardware prefetcher detects this too late.
       for (Index line = 0; line < 4; ++line) {
-        __builtin_prefetch(values + begin * lanes + 1024 + 16 * line);
+        __builtin_prefetch(values + begin * window_size + 1024 + 16 * line);
       }
       __builtin_prefetch(columns + begin + 256);
       simd::Pack<double, 4> sum{};
       for (Index window = begin; window < end; ++window) {
-        simd::add_products(values + window * lanes, factors + columns[window], sum);
+        simd::add_products(values + window * window_size, factors + columns[window], sum);
       }
       f(i, (sum[0] + sum[2]) + (sum[1] + sum[3]));
     }
   }
 
-  /// f(column, value) for every entry of a row that is not zero.
+  /// f(column, value) for every nonzero entry of a row.
   template <class F>
   void for_each_entry(Index row, F&& f) const {
-    const Part& part = parts_[row / chunk_size];
+    const ChunkRows& rows = chunks_[row / chunk_size];
     const Index k = row % chunk_size;
-    for (Index at = part.first[k] * lanes; at < part.first[k + 1] * lanes; ++at) {
-      if (part.values[at] != 0) f(part.column(at), double(part.values[at]));
+    for (Index at = rows.first[k] * window_size; at < rows.first[k + 1] * window_size; ++at) {
+      if (rows.values[at] != 0) f(rows.column(at), double(rows.values[at]));
     }
   }
 
-  /// Whether a row has an entry, not zero, in a marked column; asks from the last ones on.
+  /// Whether a row has a nonzero entry in a marked column; searches from the last column on.
   bool has_entry_in(Index row, std::span<const std::uint8_t> marked) const {
-    const Part& part = parts_[row / chunk_size];
+    const ChunkRows& rows = chunks_[row / chunk_size];
     const Index k = row % chunk_size;
-    for (Index window = part.first[k + 1]; window-- > part.first[k];) {
-      const Index column = part.columns[window];
-      std::array<std::uint8_t, lanes> marks{};
+    for (Index window = rows.first[k + 1]; window-- > rows.first[k];) {
+      const Index column = rows.columns[window];
+      std::array<std::uint8_t, window_size> marks{};
       std::copy_n(marked.begin() + static_cast<std::ptrdiff_t>(column),
-                  std::min(lanes, marked.size() - column), marks.begin());
-      for (Index lane = 0; lane < lanes; ++lane) {
-        if (marks[lane] && part.values[window * lanes + lane] != 0) return true;
+                  std::min(window_size, marked.size() - column), marks.begin());
+      for (Index offset = 0; offset < window_size; ++offset) {
+        if (marks[offset] && rows.values[window * window_size + offset] != 0) return true;
       }
     }
     return false;
@@ -115,26 +116,27 @@ class WindowRows {
 
  private:
   // Windows of the rows of one chunk.
-  struct Part {
+  struct ChunkRows {
     std::vector<std::uint32_t> first;    // window of each row
     std::vector<std::uint32_t> columns;  // of each window
     std::vector<float> values;
 
-    // Zeros for the values of this window, the last so far.
+    // Appends a window and returns its values, set to zero.
     float* open_window(Index window, Index column) {
       if (window == columns.size()) {
-        columns.reserve(window + window / 8 + lanes * lanes);  // resize() alone would double it
+        columns.reserve(window + window / 8 +
+                        window_size * window_size);  // resize() alone would double it
         columns.resize(columns.capacity());
-        values.reserve(columns.size() * lanes);
-        values.resize(columns.size() * lanes);
+        values.reserve(columns.size() * window_size);
+        values.resize(columns.size() * window_size);
       }
       columns[window] = static_cast<std::uint32_t>(column);
-      float* const zeros = &values[window * lanes];
-      std::fill_n(zeros, lanes, 0.0f);
+      float* const zeros = &values[window * window_size];
+      std::fill_n(zeros, window_size, 0.0f);
       return zeros;
     }
-    // Of the entry at this place among the values.
-    Index column(Index at) const { return columns[at / lanes] + at % lanes; }
+    // Column of the value at this index.
+    Index column(Index at) const { return columns[at / window_size] + at % window_size; }
   };
 
   double narrow_product(Index row, std::span<const double> x) const {
@@ -144,7 +146,7 @@ class WindowRows {
   }
 
   Index size_ = 0;
-  std::vector<Part> parts_;
+  std::vector<ChunkRows> chunks_;
 };
 
 }  // namespace silt

@@ -132,7 +132,7 @@ class NearContacts {
       });
     });
     found.walls.build(owned, walls_at);
-    resize_sparingly(ids_, grains.total());
+    resize_tightly(ids_, grains.total());
     for_each(ids_.size(), [&](Index i) { ids_[i] = grains.id(i); });
     line_up(grains, found);
     list_parts(grains);
@@ -200,8 +200,8 @@ class NearContacts {
       fail("dem::Contacts: there are " + std::to_string(size) +
            " near contacts, more than 2^31; use fewer grains");
     }
-    resize_sparingly(first_, size);
-    resize_sparingly(second_, size);
+    resize_tightly(first_, size);
+    resize_tightly(second_, size);
     const auto put = [&](Index contact, const Pair& pair) {
       first_[contact] = pair.first;
       second_[contact] = pair.second;
@@ -236,7 +236,7 @@ class NearContacts {
     };
     for_each_part([&](Index i, Index, bool) { ++begin_[i + 1]; });
     for (Index i = 0; i < owned; ++i) begin_[i + 1] += begin_[i];
-    resize_sparingly(parts_, begin_[owned]);
+    resize_tightly(parts_, begin_[owned]);
     for_each_part([&](Index i, Index c, bool is_second) { parts_[begin_[i]++] = {c, is_second}; });
     for (Index i = owned; i > 0; --i) begin_[i] = begin_[i - 1];
     begin_[0] = 0;

@@ -27,7 +27,7 @@ bool is_stale(const P& grains, const S& search, const Walls& walls, double time,
     const auto moved = walls.max_displacement({.from = validity.time, .to = time}, validity.extent);
     if (!(moved <= validity.margin / 2)) return true;
   }
-  if constexpr (KnowsTravel<S>) {
+  if constexpr (HasTravel<S>) {
     if (search.travel().is_within(double(validity.margin / 2), validity.travel)) return false;
   }
   const auto x = grains[position];
@@ -78,7 +78,7 @@ void renew_validity(const P& grains, const S& search, const Walls& walls, const 
   validity.extent.upper.array() += validity.margin / 2;
   const auto x = grains[position];
   validity.since.assign(x.begin(), x.end());
-  if constexpr (KnowsTravel<S>) validity.travel = search.travel();
+  if constexpr (HasTravel<S>) validity.travel = search.travel();
 }
 
 /// Finds all pairs of grains, and of grains and walls, with a gap below `margin` [m]; `walls` is a

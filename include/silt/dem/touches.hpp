@@ -54,9 +54,9 @@ class Touches {
       if constexpr (History::words > 0) History::put({}, histories.data());
     }
     void resize(Index contacts) {
-      resize_sparingly(rows, (contacts + first_row) * Row::words);
-      resize_sparingly(histories, (contacts + first_row) * padded_words);
-      resize_sparingly(at, contacts);
+      resize_tightly(rows, (contacts + first_row) * Row::words);
+      resize_tightly(histories, (contacts + first_row) * padded_words);
+      resize_tightly(at, contacts);
     }
     Real* row(Index number) noexcept { return rows.data() + number * Row::words; }
     Real* history(Index number) noexcept { return histories.data() + number * padded_words; }

@@ -20,8 +20,8 @@ namespace silt {
 template <class F, class... Fs>
 inline constexpr bool one_of = (std::same_as<F, Fs> || ...);
 
-/// The motion of particles, one at a time, from the fields before to those after a step. Written
-/// over lanes, a loop that calls it becomes vector instructions; see core/lane.hpp.
+/// Updates the motion of single particles, from the fields before a step to those after it. It uses
+/// the type Lane, so that compilers vectorise loops over its functions; see core/lane.hpp.
 template <class P>
 class Motion {
   using Real = typename P::Real;
@@ -35,7 +35,7 @@ class Motion {
         v_(of(particles.advance(velocity))),
         f_(lanes_of(particles[force].data())),
         m_(lanes_of(particles[mass].data())) {
-    if constexpr (turns) {
+    if constexpr (rotates) {
       w_ = of(particles.advance(spin));
       t_ = lanes_of(particles[torque].data());
       inertias_ = lanes_of(particles[inertia].data());
@@ -43,10 +43,10 @@ class Motion {
     if constexpr (has_angle) angle_ = of(particles.advance(angle));
   }
 
-  /// Whether what was before is written over.
+  /// Whether the fields are overwritten, that is, before and after are the same memory.
   bool is_in_place() const { return x_.before == x_.after; }
 
-  /// v^{N−½} → v^{N+½} (32) and, where particles turn, θ'^{N−½} → θ'^{N+½} (33).
+  /// v^{N−½} → v^{N+½} (32) and, if the particles rotate, θ'^{N−½} → θ'^{N+½} (33).
   template <class D>
   void kick(Index i, const D& damping, double dt) const {
     set_velocities(i, [&]<class Value>(const Value& v, const Value& a) -> Value {
@@ -54,16 +54,16 @@ class Motion {
     });
   }
 
-  /// v^N = ½ (v^{N−½} + v^{N+½}) (27), (28); positions stay.
+  /// v^N = ½ (v^{N−½} + v^{N+½}) (27), (28); positions are unchanged.
   template <class D>
-  void kick_to_the_mean(Index i, const D& damping, double dt) const {
+  void kick_to_mean(Index i, const D& damping, double dt) const {
     set_velocities(i, [&]<class Value>(const Value& v, const Value& a) -> Value {
       return (damping.kicked(v, a, Scalar(dt)) + v) / Scalar(2);
     });
-    stay(i);
+    copy_positions(i);
   }
 
-  /// v^N → v^{N−½}; positions stay.
+  /// v^N → v^{N−½}; positions are unchanged.
   template <class D>
   void step_back(Index i, const D& damping, double dt) const {
     set_velocities(i, [&]<class Value>(const Value& v, const Value& a) -> Value {
@@ -73,7 +73,7 @@ class Motion {
         return v - a * Scalar(dt / 2);
       }
     });
-    stay(i);
+    copy_positions(i);
   }
 
   /// x^{N+1} = x^N + v^{N+½} Δt,  θ^{N+1} = θ^N + θ'^{N+½} Δt        (19)
@@ -82,35 +82,37 @@ class Motion {
     if constexpr (has_angle) angle_.after[i] = angle_.before[i] + w_.after[i] * Scalar(dt);
   }
 
-  /// False if something of particle i is not finite; rarely also if it is merely huge.
-  bool is_sound(Index i) const {
+  /// False if a field of particle i is not finite; may also be false if values are extremely large.
+  bool is_result_finite(Index i) const {
     Real sum = x_.after[i].sum() + v_.after[i].sum();
-    if constexpr (turns) sum += sum_of(w_.after[i]);
+    if constexpr (rotates) sum += sum_of(w_.after[i]);
     if constexpr (has_angle) sum += sum_of(angle_.after[i]);
-    return sum - sum == 0;  // no call, as is_finite() makes one
+    return sum - sum == 0;  // unlike is_finite(), vectorised
   }
 
  private:
-  static constexpr bool turns = HasFields<P, spin_t, torque_t, inertia_t>;
-  static constexpr bool has_angle = turns && HasFields<P, angle_t>;
+  static constexpr bool rotates = HasFields<P, spin_t, torque_t, inertia_t>;
+  static constexpr bool has_angle = rotates && HasFields<P, angle_t>;
 
-  // set(velocity before, acceleration) gives the one after.
+  // set(velocity before, acceleration) returns the velocity after.
   template <class Set>
   void set_velocities(Index i, Set&& set) const {
     v_.after[i] = set(Vec(v_.before[i]), Vec(f_[i] * (1 / m_[i])));
-    if constexpr (turns) w_.after[i] = set(AngularVec(w_.before[i]), AngularVec(t_[i] * (1 / inertias_[i])));
+    if constexpr (rotates) {
+      w_.after[i] = set(AngularVec(w_.before[i]), AngularVec(t_[i] * (1 / inertias_[i])));
+    }
   }
 
-  void stay(Index i) const {
+  void copy_positions(Index i) const {
     x_.after[i] = x_.before[i];
     if constexpr (has_angle) angle_.after[i] = angle_.before[i];
   }
 
-  static Real sum_of(const AngularVec& turning) {
+  static Real sum_of(const AngularVec& angular) {
     if constexpr (P::dimension == 2) {
-      return turning;
+      return angular;
     } else {
-      return turning.sum();
+      return angular.sum();
     }
   }
 
@@ -135,9 +137,9 @@ class Motion {
   const Scalar* inertias_ = nullptr;
 };
 
-// The same for all particles, for an integrator of one's own.
+// The same for all particles, for user-defined integrators.
 
-/// Motion that changes the particles in place, so that each of its verbs may be called alone.
+/// A Motion that changes the particles in place, so that its functions may be called separately.
 template <class P>
 Motion<P> motion_in_place(P& particles) {
   particles.for_each_field([&]<class F>(auto, F field) {
@@ -146,7 +148,7 @@ Motion<P> motion_in_place(P& particles) {
   return Motion<P>(particles);
 }
 
-/// Forces and moments of particles [first, last) to zero.
+/// Sets the forces and torques of particles [first, last) to zero.
 template <class P>
 void clear(P& particles, Index first, Index last) {
   const auto set_zero = [=](auto values) {
@@ -157,13 +159,13 @@ void clear(P& particles, Index first, Index last) {
   if constexpr (HasFields<P, torque_t>) set_zero(particles[torque]);
 }
 
-/// Forces and moments to zero.
+/// Sets all forces and torques to zero.
 template <class P>
 void clear(P& particles) {
   for_each_chunk(particles.size(), [&](Chunk c) { clear(particles, c.first, c.last); });
 }
 
-/// v^{N−½} → v^{N+½} (32) and, where particles turn, θ'^{N−½} → θ'^{N+½} (33).
+/// v^{N−½} → v^{N+½} (32) and, if the particles rotate, θ'^{N−½} → θ'^{N+½} (33).
 template <class P, class D>
 void kick(P& particles, const D& damping, double time_step) {
   auto motion = motion_in_place(particles);
@@ -177,14 +179,13 @@ void drift(P& particles, double time_step) {
   for_each(particles.size(), [&](Index i) { motion.drift(i, time_step); });
 }
 
-/// Advances particles under forces. The velocities given at the start are those at time 0;
-/// from the first step on, `velocity` and `spin` hold v^{N−½}, and Simulation::snapshot()
-/// gives v^N (27) (28).
+/// Advances particles under forces. The initial velocities are those at time 0; from the first step
+/// on, `velocity` and `spin` hold v^{N−½}, and Simulation::snapshot() returns v^N (27), (28).
 template <Damping<double> D = NoDamping>
 class Leapfrog {
  public:
   Leapfrog() = default;
-  /// Throws if the damping's numbers are out of range.
+  /// Throws if a parameter of the damping is out of range.
   explicit Leapfrog(D damping) : damping_(damping) {
     if constexpr (requires { damping.check(); }) damping.check();
   }
@@ -196,7 +197,7 @@ class Leapfrog {
   void step(P& particles, S& search, I& interaction, double dt) {
     if constexpr (requires { damping_.check(dt); }) damping_.check(dt);
     if (!started_) start(particles, search, interaction, dt);
-    // A changed time step moves the half step; with a constant one this is dt.
+    // The time between the half steps; dt if the time step is constant.
     const double between_half_steps = (last_time_step_ + dt) / 2;
 
     search.update(particles);
@@ -209,19 +210,19 @@ class Leapfrog {
     last_time_step_ = dt;
   }
 
-  /// Brings velocities and spins from N − ½ to N: v^N = ½ (v^{N−½} + v^{N+½}) (27), (28). Before
-  /// the first step they are there already, and only the forces are made.
+  /// Advances velocities and spins from N − ½ to N: v^N = ½ (v^{N−½} + v^{N+½}) (27), (28). Before
+  /// the first step they are at N already, and only the forces are evaluated.
   template <class P, class S, class I>
   void synchronise(P& particles, S& search, I& interaction) {
     search.update(particles);
-    const auto kick_to_the_mean = [dt = last_time_step_, damping = damping_](
-                                      const Motion<P>& motion, Index i) {
-      motion.kick_to_the_mean(i, damping, dt);
+    const auto kick_to_mean = [dt = last_time_step_, damping = damping_](const Motion<P>& motion,
+                                                                         Index i) {
+      motion.kick_to_mean(i, damping, dt);
     };
-    advance(particles, search, interaction, last_time_step_, UpdateRange<P>(kick_to_the_mean));
+    advance(particles, search, interaction, last_time_step_, UpdateRange<P>(kick_to_mean));
   }
 
-  /// For a checkpoint, see core/transfer.hpp.
+  /// Writes or reads the state of the integrator for a checkpoint, see core/transfer.hpp.
   template <class Archive>
   void transfer(Archive& archive) {
     archive("started", started_);
@@ -234,31 +235,31 @@ class Leapfrog {
   bool all_finite() const noexcept { return all_finite_; }
 
  private:
-  // update(motion, i) for each of a range of particles. Its type does not depend on the update, so
-  // that the force loop, which takes long to compile, is compiled once for all of them.
+  // Calls update(motion, i) for a range of particles. Its type does not depend on the type of
+  // `update`, so that the force loop, which takes long to compile, is compiled only once.
   template <class P>
   class UpdateRange {
    public:
-    /// The update must outlive this.
+    /// The update must outlive this object.
     template <class Update>
     explicit UpdateRange(const Update& update) : update_(&update), run_(run<Update>) {}
-    /// Updates particles [first, last); false if something of them is not finite.
+    /// Updates particles [first, last); returns false if a result is not finite.
     bool operator()(const Motion<P>& motion, Index first, Index last) const {
       return run_(update_, motion, first, last);
     }
 
    private:
-    // By value: copies that no store can change.
+    // Copies, so that the compiler knows that no store changes them.
     template <class Update>
     [[gnu::flatten, gnu::noinline]] static bool run(const void* from, const Motion<P>& of,
                                                     Index first, Index last) {
       const Update update = *static_cast<const Update*>(from);
       const Motion<P> motion = of;
-      int broken = 0;  // an int, of which g++ 12 makes lanes
+      int broken = 0;  // an int, because g++ 12 does not vectorise with a bool
       SILT_EACH_LANE_ALONE
       for (Index i = first; i < last; ++i) {
         update(motion, i);
-        broken |= !motion.is_sound(i);
+        broken |= !motion.is_result_finite(i);
       }
       return broken == 0;
     }
@@ -298,7 +299,7 @@ class Leapfrog {
       for_each_chunk(particles.size(),
                      [&](Chunk chunk) { update_range(motion, chunk.first, chunk.last); });
     }
-    particles.arrive();
+    particles.finish_advance();
     all_finite_ = std::all_of(finite_.begin(), finite_.end(), [](char finite) { return finite; });
   }
 
@@ -307,7 +308,7 @@ class Leapfrog {
   void start(P& particles, S& search, I& interaction, double dt) {
     last_time_step_ = dt;
     started_ = true;
-    I trial = interaction;  // what contacts remember must not grow by a step that is not made
+    I trial = interaction;  // a copy: the contact histories must not advance
     search.update(particles);
     const auto step_back = [=, damping = damping_](const Motion<P>& motion, Index i) {
       motion.step_back(i, damping, dt);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The semi-implicit step of MPS, [HwangLeePark2010] (8)–(12), (16) and Fig. 10, in its two orders.
+// The semi-implicit time step of MPS, [HwangLeePark2010] (8)–(12), (16) and Fig. 10, in its two
+// variants.
 #pragma once
 
 #include <silt/core/concepts.hpp>
@@ -7,19 +8,19 @@
 
 namespace silt {
 
-/// Original order: the predictor moves particles to r*, and a second search finds n*.
+/// Original variant: the predictor moves the particles to r*, and a second search gives n*.
 struct MovesParticles {
   template <class Flow>
   static constexpr bool moves = true;
 };
 
-/// Improved order: the predictor changes velocities only; one search a step.
+/// Improved variant: the predictor changes velocities only; one search per step.
 struct KeepsParticles {
   template <class Flow>
   static constexpr bool moves = false;
 };
 
-/// The order that the flow's pressure source is made for.
+/// The variant that the source term of the flow requires.
 struct OrderRequiredBySource {
   template <class Flow>
   static constexpr bool moves = [] {
@@ -28,7 +29,7 @@ struct OrderRequiredBySource {
   }();
 };
 
-/// Advances an incompressible flow.
+/// Advances an incompressible flow. Predictor is one of the three policies above.
 template <class Predictor = OrderRequiredBySource>
 class SemiImplicit {
  public:

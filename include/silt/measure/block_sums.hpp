@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Averages over time, and how well they are known: samples that follow one another closely tell
-// the same, so the standard error comes from the spread among blocks of them
-// [FlyvbjergPetersen1989].
+// Averages over time with standard errors. Successive samples are correlated, so the standard error
+// is computed from the variance of block averages [FlyvbjergPetersen1989].
 #pragma once
 
 #include <silt/core/error.hpp>
@@ -21,19 +20,20 @@ struct Estimate {
   double standard_error = std::numeric_limits<double>::infinity();  ///< infinite: not known yet
 };
 
-/// Sums of samples, each a row of so many numbers. The samples lie in 16 to 32 blocks of equal
-/// length: when there are 32, each two become one, and blocks are twice as long from then on.
+/// Sums of samples, each of which consists of a fixed number of values. The samples are collected
+/// in 16 to 32 blocks of equal length: when there are 32, adjacent blocks are merged, which doubles
+/// the length of a block.
 class BlockSums {
  public:
-  /// Throws if a sample has no numbers.
+  /// Throws if the number of values is 0.
   explicit BlockSums(Index numbers) : current_(numbers, 0.0) {
-    if (numbers == 0) fail("BlockSums: a sample of 0 numbers has no average; give at least 1");
+    if (numbers == 0) fail("BlockSums: number of values = 0; give at least 1");
   }
 
-  /// Throws if the sample has another number of numbers.
+  /// Throws if the sample has another number of values.
   void add(std::span<const double> sample) {
     if (sample.size() != current_.size()) {
-      fail("BlockSums: a sample has " + std::to_string(sample.size()) + " numbers, not " +
+      fail("BlockSums: a sample has " + std::to_string(sample.size()) + " values, not " +
            std::to_string(current_.size()) + "; give all of them");
     }
     for (Index k = 0; k < sample.size(); ++k) current_[k] += sample[k];
@@ -41,7 +41,8 @@ class BlockSums {
     if (++in_current_ == block_length_) close_block();
   }
 
-  /// For a checkpoint, see core/transfer.hpp. Throws if what is read has other numbers in a sample.
+  /// Writes or reads the sums for a checkpoint, see core/transfer.hpp. Throws if the number of
+  /// values of a sample is different.
   template <class Archive>
   void transfer(Archive& archive) {
     const Index numbers = current_.size();
@@ -54,8 +55,8 @@ class BlockSums {
     archive("samples", samples_);
     if constexpr (Archive::reads) {
       if (current_.size() != numbers || blocks.size() % numbers != 0) {
-        fail("BlockSums: what was read has samples of " + std::to_string(current_.size()) +
-             " numbers, not " + std::to_string(numbers) + "; build it as it was when it was written");
+        fail("BlockSums: the data read have samples of " + std::to_string(current_.size()) +
+             " values, not " + std::to_string(numbers) + "; use the same number as when writing");
       }
       blocks_.clear();
       for (auto at = blocks.begin(); at != blocks.end(); at += std::ptrdiff_t(numbers)) {
@@ -65,11 +66,11 @@ class BlockSums {
   }
 
   Index samples() const noexcept { return samples_; }
-  /// Whole blocks.
+  /// Number of complete blocks.
   Index blocks() const noexcept { return blocks_.size(); }
 
-  /// f(means) of all samples; means is a span of the numbers' averages. Its standard error is that
-  /// of f over the blocks; those where f is not finite are left out.
+  /// f(means), where means is a span of the averages over all samples. The standard error is that
+  /// of f over the blocks, without blocks in which f is not finite.
   template <class F>
   Estimate estimate(F&& f) const {
     std::vector<double> means = current_;
@@ -93,13 +94,13 @@ class BlockSums {
     return estimate;
   }
 
-  /// Average of one of the numbers.
+  /// Average of one of the values.
   Estimate mean(Index number) const {
     return estimate([=](std::span<const double> means) { return means[number]; });
   }
 
  private:
-  static constexpr Index most_blocks = 32;
+  static constexpr Index max_blocks = 32;
 
   static void add_to(std::vector<double>& sums, const std::vector<double>& more) {
     for (Index k = 0; k < sums.size(); ++k) sums[k] += more[k];
@@ -113,12 +114,12 @@ class BlockSums {
     blocks_.push_back(current_);
     current_.assign(current_.size(), 0.0);
     in_current_ = 0;
-    if (blocks_.size() < most_blocks) return;
-    for (Index k = 0; k < most_blocks / 2; ++k) {
+    if (blocks_.size() < max_blocks) return;
+    for (Index k = 0; k < max_blocks / 2; ++k) {
       blocks_[k] = blocks_[2 * k];
       add_to(blocks_[k], blocks_[2 * k + 1]);
     }
-    blocks_.resize(most_blocks / 2);
+    blocks_.resize(max_blocks / 2);
     block_length_ *= 2;
   }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Energies and momenta of a set of particles. Give them a snapshot(): positions and velocities
-// must belong to one time. Sums are the same bits for any number of threads.
+// Energies and momenta of particles. Call these functions with a snapshot(), because positions and
+// velocities must belong to the same time. Bitwise identical for any number of threads.
 #pragma once
 
 #include <silt/core/energy.hpp>
@@ -11,7 +11,7 @@
 
 namespace silt {
 
-/// −Σ m g·x [J]: that of the acceleration g [m/s²], zero at the origin.
+/// −Σ m g·x [J] for the acceleration g [m/s²]; zero at the origin.
 template <class P>
   requires HasFields<P, mass_t>
 double potential_energy(const P& particles, const typename P::Vec& g) {
@@ -33,8 +33,8 @@ Vec<P::dimension> momentum(const P& particles) {
   });
 }
 
-/// Σ (x − about) × m v + I ω, orbital and spin, about a point [m] [kg m²/s]. Contacts keep it to
-/// round-off, also from half step to half step; across periodic sides it is not kept.
+/// Σ (x − about) × m v + I ω, orbital and spin, about a point [m] [kg m²/s]. Contacts conserve it
+/// to round-off, also with velocities at half steps, except across periodic sides.
 template <class P>
   requires HasFields<P, velocity_t, mass_t, spin_t, inertia_t>
 AngularVec<P::dimension> angular_momentum(const P& particles, const typename P::Vec& about) {

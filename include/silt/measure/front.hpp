@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The leading edge and the residual height of a collapsing column, as the experiments define them.
+// Leading edge and residual height of a collapsing column, as defined in the experiments.
 #pragma once
 
 #include <silt/core/concepts.hpp>
@@ -10,12 +10,12 @@
 
 namespace silt {
 
-/// How the edge of the fluid is told from spray.
+/// Parameters that distinguish the edge of the fluid from spray.
 struct FrontRule {
-  double spacing = 0;              ///< l0 [m]: particles reach half of it beyond their centres
-  double band = 2;                 ///< within this many spacings of the floor, or of the back wall
-  double neighbour_radius = 2.1;   ///< over the spacing; at most the search's radius
-  int min_neighbours = 3;        ///< fluid particles that the edge has within that radius
+  double spacing = 0;              ///< l0 [m]: particles extend by half of it
+  double band = 2;                 ///< height above the floor, or distance to the wall, over l0
+  double neighbour_radius = 2.1;   ///< over l0; at most the search radius
+  int min_neighbours = 3;        ///< fluid neighbours of the edge within that radius
 };
 
 struct Front {
@@ -23,8 +23,8 @@ struct Front {
   double height = 0;  ///< of the fluid at the back wall [m]
 };
 
-/// Edge of the fluid in a tank whose floor and back wall lie at 0, as the search last saw
-/// it; the last axis points up. is_fluid(i) says which particles count. Throws if the
+/// Edge of the fluid in a tank whose floor and back wall are at 0, with the neighbours of the last
+/// update of the search; the last axis points up. is_fluid(i) selects the particles. Throws if the
 /// spacing is not positive.
 template <ParticleSet P, NeighbourSearch<P> S, std::predicate<Index> IsFluid>
 Front find_front(const P& particles, const S& search, const FrontRule& rule, IsFluid&& is_fluid) {

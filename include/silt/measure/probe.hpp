@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A gauge at a point of a wall or of the fluid.
+// A gauge at a point in the fluid or on a wall.
 #pragma once
 
 #include <silt/core/concepts.hpp>
@@ -13,15 +13,16 @@
 
 namespace silt {
 
-/// Reads a scalar field at a point: linearly between the particles of one lattice spacing around.
+/// Interpolates a scalar field linearly at a point, from the particles within one lattice spacing.
 template <int Dim>
 struct Probe {
   Vec<Dim> point = Vec<Dim>::Zero();  ///< [m]
-  double spacing = 0;                 ///< l0 [m]: how far it looks along each axis
+  double spacing = 0;                 ///< l0 [m]: range along each axis
 
-  /// Σ φ_j s_j / Σ s_j with the tent s = Π_k (1 − |x_k − point_k|/l0) over the particles for which
-  /// belongs(j); nothing where there are none. At a flat wall half a spacing behind the point this
-  /// is the linear interpolation along the wall. Throws if the spacing is not positive.
+  /// Σ φ_j s_j / Σ s_j with the hat function s = Π_k (1 − |x_k − point_k|/l0), over the particles
+  /// for which belongs(j) is true; empty if there are none. At a flat wall half a spacing behind
+  /// the point, this is the linear interpolation along the wall. Throws if the spacing is not
+  /// positive.
   template <ParticleSet P, Field F, std::predicate<Index> Belongs>
   std::optional<double> read(const P& particles, F field, Belongs&& belongs) const {
     static_assert(P::dimension == Dim, "silt::Probe: the particles have another dimension");

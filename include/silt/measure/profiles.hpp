@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Profiles over height, averaged over time: how much of each slice is solid, how fast it flows, and
-// how much its grains fluctuate about that.
+// Profiles over height, averaged over time: solid fraction, mean velocity and velocity fluctuations
+// (granular temperature) of horizontal slices.
 #pragma once
 
 #include <silt/core/error.hpp>
@@ -30,12 +30,12 @@ inline double disc_area_below(double R, double height) {
   return h * std::sqrt(R * R - h * h) + R * R * (std::asin(h / R) + std::numbers::pi / 2);
 }
 
-/// Slices of equal thickness, between two heights along the last axis.
+/// Slices of equal thickness between two heights, along the last axis.
 struct Slices {
   double lower = 0;          ///< [m]
-  double upper = 0;          ///< above lower [m]
+  double upper = 0;          ///< greater than lower [m]
   Index count = 0;           ///< at least 1
-  double cross_section = 0;  ///< of the bed, seen from above: [m²]; its width [m] in 2D
+  double cross_section = 0;  ///< horizontal area of the bed [m²]; in 2D its width [m]
 
   void check() const {
     require_finite("Slices: lower", lower);
@@ -50,20 +50,20 @@ struct Slices {
 template <int Dim>
 struct ProfileRow {
   double height = 0;        ///< of the middle of the slice [m]
-  Estimate solid_fraction;  ///< share of the slice's volume (2D: area) within grains [-]
+  Estimate solid_fraction;  ///< fraction of the volume (2D: area) inside grains [-]
   std::array<Estimate, Dim> velocity;  ///< mean flow <v_k> [m/s]
-  /// <v_k'²>, v' = v − <v> with the mean flow over all of the time [m²/s²].
+  /// <v_k'²>, where v' = v − <v> and <v> is the mean flow over all samples [m²/s²].
   std::array<Estimate, Dim> component;
   Estimate temperature;  ///< <v'²>/Dim [m²/s²]
 };
 
-/// An observer: it takes a sample whenever it is called. Grains count in a slice by the exact
-/// volume that they have in it; averages are by mass. In 2D grains are discs. Where a slice never
-/// held anything, velocities and temperatures are NaN.
+/// An observer that takes a sample whenever it is called. A grain is weighted in a slice with the
+/// exact volume that it has there; averages are weighted by mass. In 2D grains are discs. In slices
+/// that were always empty, velocities and temperatures are NaN.
 template <int Dim>
 class Profiles {
  public:
-  /// Throws if a slice has no volume.
+  /// Throws if a member of `slices` is out of range.
   explicit Profiles(const Slices& slices)
       : slices_((slices.check(), slices)),
         sample_(slices.count * numbers),
@@ -75,7 +75,7 @@ class Profiles {
     add(simulation.snapshot());
   }
 
-  /// Positions and velocities must belong to one time.
+  /// Adds a sample. Positions and velocities must belong to the same time.
   template <class P>
     requires HasFields<P, velocity_t, mass_t, radius_t>
   void add(const P& grains) {
@@ -94,7 +94,7 @@ class Profiles {
     sums_.add(sample_);
   }
 
-  /// For a checkpoint, see core/transfer.hpp: the samples so far.
+  /// Writes or reads the samples for a checkpoint, see core/transfer.hpp.
   template <class Archive>
   void transfer(Archive& archive) {
     sums_.transfer(archive);
@@ -103,7 +103,8 @@ class Profiles {
   Index samples() const noexcept { return sums_.samples(); }
   const Slices& slices() const noexcept { return slices_; }
 
-  /// f(solid fractions of all slices, from below), with its standard error by blocks.
+  /// f(fractions) with its standard error; fractions is a span of the mean solid fractions of all
+  /// slices, from the lowest up.
   template <class F>
   Estimate of_solid_fractions(F&& f) const {
     std::vector<double> fractions(slices_.count);
@@ -113,7 +114,7 @@ class Profiles {
     });
   }
 
-  /// One row for each slice, from below. Throws if there was no sample.
+  /// One row for each slice, from the lowest up. Throws if there are no samples.
   std::vector<ProfileRow<Dim>> rows() const {
     if (samples() == 0) fail("Profiles: there are 0 samples; call it with a simulation first");
     std::vector<ProfileRow<Dim>> rows(slices_.count);
@@ -140,7 +141,7 @@ class Profiles {
  private:
   using Means = std::span<const double>;
   static constexpr Index up = Dim - 1;
-  // Of each slice: solid fraction, mass, momentum, twice the kinetic energy by axis.
+  // Values per slice: solid fraction, mass, momentum, twice the kinetic energy by axis.
   static constexpr Index volume = 0;
   static constexpr Index weight = 1;
   static constexpr Index flow = 2;

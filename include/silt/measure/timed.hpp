@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Where the time goes: a search or an interaction that adds up the seconds spent in it, and is
-// otherwise what it was.
+// Wrappers that measure the wall-clock time spent in a search or an interaction.
 #pragma once
 
 #include <chrono>
@@ -8,7 +7,8 @@
 
 namespace silt {
 
-/// Wall-clock seconds, added up over the spans between start() and the span's end.
+/// Sum of the wall-clock time of all spans; a span lasts from start() until the returned object is
+/// destroyed.
 class Stopwatch {
  public:
   class Span {
@@ -31,7 +31,7 @@ class Stopwatch {
   double seconds_ = 0;
 };
 
-/// A neighbour search that measures its update(): TimedSearch{UniformGrid<2>{}}.
+/// A neighbour search that measures the time of update(): TimedSearch{UniformGrid<2>{}}.
 template <class S>
 class TimedSearch : public S {
  public:
@@ -43,14 +43,14 @@ class TimedSearch : public S {
     S::update(particles);
   }
 
-  /// Spent in update() so far [s].
+  /// Time spent in update() so far [s].
   double seconds() const noexcept { return watch_.seconds(); }
 
  private:
   Stopwatch watch_;
 };
 
-/// An interaction that measures its accelerate(): TimedInteraction{dem::Contacts{law}}.
+/// An interaction that measures the time of accelerate(): TimedInteraction{dem::Contacts{law}}.
 template <class I>
 class TimedInteraction : public I {
  public:
@@ -63,10 +63,10 @@ class TimedInteraction : public I {
     I::accelerate(particles, search, dt);
   }
 
-  // Only the whole can be timed, not what is added to one particle.
+  // Deleted, so that accelerate() is called instead: calls for single particles cannot be timed.
   void add_forces() = delete;
 
-  /// Spent in accelerate() so far [s].
+  /// Time spent in accelerate() so far [s].
   double seconds() const noexcept { return watch_.seconds(); }
 
  private:

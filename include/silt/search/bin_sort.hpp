@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
-// Counting sort of particles by bin, in parallel. Particles of one bin stay in the order of their
-// indices, so that the result is the same for any number of threads:
+// Parallel counting sort of particles by bin. It is stable: particles of one bin keep the order of
+// their indices, so that the result is the same for any number of threads.
 //
 //   bin      [ 2 0 2 1 0 ]       by particle
 //   start    [ 0 2 3 5 ]         first slot of each bin, and the number of particles
 //   item_of  [ 1 4 3 0 2 ]       by slot
 //   slot_of  [ 3 0 4 2 1 ]       by particle
 //
-// Particles that lie in order already, as they do after Particles::reorder, need no counting.
+// Particles that are in order already, as after Particles::reorder, are not counted.
 #pragma once
 
 #include <silt/core/parallel.hpp>
@@ -25,7 +25,7 @@ namespace silt {
 
 class BinSort {
  public:
-  /// Sorts 0 … n-1 by bin_of(i), which is below `bins`. n and bins are less than 2³².
+  /// Sorts 0 … n-1 by bin_of(i) < bins; n and bins are less than 2³².
   template <class F>
   void sort(Index n, Index bins, F&& bin_of) {
     bin_.resize(n);
@@ -42,14 +42,14 @@ class BinSort {
     descents_ = std::accumulate(descents_of_.begin(), descents_of_.end(), Index{0});
     for (Index i = chunk_size; i < n; i += chunk_size) descents_ += bin_[i] < bin_[i - 1];
     if (descents_ == 0) {
-      take_as_it_is();
+      set_identity();
     } else {
-      count();
+      count_and_sort();
     }
   }
 
   Index size() const noexcept { return bin_.size(); }
-  /// How often a particle lies in a lower bin than the one before it: 0 if they lie in order.
+  /// Number of particles in a lower bin than the previous particle; 0 if all are in order.
   Index descents() const noexcept { return descents_; }
 
   std::span<const std::uint32_t> start() const noexcept { return start_; }
@@ -57,7 +57,7 @@ class BinSort {
   std::span<const std::uint32_t> slot_of() const noexcept { return slot_of_; }
 
  private:
-  void take_as_it_is() {
+  void set_identity() {
     const Index n = size();
     const Index bins = start_.size() - 1;
     if (!in_order_ || slot_of_.size() != n) {
@@ -72,32 +72,33 @@ class BinSort {
       }
     });
     std::fill(start_.begin() + (n == 0 ? 0 : static_cast<std::ptrdiff_t>(bin_[n - 1]) + 1),
-              start_.begin() + static_cast<std::ptrdiff_t>(bins) + 1, static_cast<std::uint32_t>(n));
+              start_.begin() + static_cast<std::ptrdiff_t>(bins) + 1,
+              static_cast<std::uint32_t>(n));
   }
 
-  // Each part counts its own particles; the bins' starts are summed over bins, and within a bin
-  // over parts, whose particles so follow one another in the order of their indices.
-  void count() {
+  // Each range of particles counts its own particles. The starts are the cumulative sums over
+  // bins and, within a bin, over ranges, so that particles keep the order of their indices.
+  void count_and_sort() {
     const Index n = size();
     const Index bins = start_.size() - 1;
-    const Index parts = std::min(static_cast<Index>(threads_for(n)), chunk_count(n));
+    const Index ranges = std::min(static_cast<Index>(threads_for(n)), chunk_count(n));
     resize();
     in_order_ = false;
-    next_.resize(parts * bins);
-    const auto for_each_of_part = [&](Index part, auto&& f) {
-      for (Index i = n * part / parts; i < n * (part + 1) / parts; ++i) f(i);
+    next_.resize(ranges * bins);
+    const auto for_each_in_range = [&](Index range, auto&& f) {
+      for (Index i = n * range / ranges; i < n * (range + 1) / ranges; ++i) f(i);
     };
-    for_each_task(parts, [&](Index part) {
-      std::uint32_t* const counts = next_.data() + part * bins;
+    for_each_task(ranges, [&](Index range) {
+      std::uint32_t* const counts = next_.data() + range * bins;
       std::fill(counts, counts + bins, 0u);
-      for_each_of_part(part, [&](Index i) { ++counts[bin_[i]]; });
+      for_each_in_range(range, [&](Index i) { ++counts[bin_[i]]; });
     });
 
     before_chunk_.resize(chunk_count(bins));
     for_each_chunk(bins, [&](Chunk chunk) {
       std::uint32_t sum = 0;
-      for (Index part = 0; part < parts; ++part) {
-        const std::uint32_t* const counts = next_.data() + part * bins;
+      for (Index range = 0; range < ranges; ++range) {
+        const std::uint32_t* const counts = next_.data() + range * bins;
         for (Index bin = chunk.first; bin < chunk.last; ++bin) sum += counts[bin];
       }
       before_chunk_[chunk.number] = sum;
@@ -107,17 +108,17 @@ class BinSort {
       std::uint32_t slot = before_chunk_[chunk.number];
       for (Index bin = chunk.first; bin < chunk.last; ++bin) {
         start_[bin] = slot;
-        for (Index part = 0; part < parts; ++part) {
-          std::uint32_t& next = next_[part * bins + bin];
+        for (Index range = 0; range < ranges; ++range) {
+          std::uint32_t& next = next_[range * bins + bin];
           slot += std::exchange(next, slot);
         }
       }
     });
     start_[bins] = static_cast<std::uint32_t>(n);
 
-    for_each_task(parts, [&](Index part) {
-      std::uint32_t* const next = next_.data() + part * bins;
-      for_each_of_part(part, [&](Index i) {
+    for_each_task(ranges, [&](Index range) {
+      std::uint32_t* const next = next_.data() + range * bins;
+      for_each_in_range(range, [&](Index i) {
         const std::uint32_t slot = next[bin_[i]]++;
         slot_of_[i] = slot;
         item_of_[slot] = static_cast<std::uint32_t>(i);
@@ -125,7 +126,7 @@ class BinSort {
     });
   }
 
-  // item_of_ may be read a register beyond its end.
+  // SIMD code may read item_of_ up to one register beyond its end.
   void resize() {
     slot_of_.resize(size());
     item_of_.resize(size() + simd::lanes<std::uint32_t>);
@@ -135,7 +136,7 @@ class BinSort {
   std::vector<std::uint32_t> start_;
   std::vector<std::uint32_t> item_of_;
   std::vector<std::uint32_t> slot_of_;
-  std::vector<std::uint32_t> next_;  // by part and bin
+  std::vector<std::uint32_t> next_;  // by range and bin
   std::vector<std::uint32_t> before_chunk_;
   std::vector<Index> descents_of_;  // by chunk
   Index descents_ = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Every particle against every other, O(N²): the oracle of the tests and the peer of the benchmark.
+// Tests every particle against every other, O(N²): the reference for tests and benchmarks.
 #pragma once
 
 #include <silt/core/error.hpp>
@@ -20,7 +20,7 @@ class BruteForce {
   using Vec = silt::Vec<Dim, Real>;
 
   struct Settings {
-    Real radius = 0;  ///< pairs closer than this are found [m]; 0: as far as the interaction reaches
+    Real radius = 0;  ///< pairs closer than this are found [m]; 0: the interaction range
   };
 
   BruteForce() = default;
@@ -36,7 +36,7 @@ class BruteForce {
     radius_ = radius;
   }
 
-  /// Takes the positions, and makes the ghosts of periodic sides.
+  /// Copies the positions, and makes the ghosts of periodic sides.
   template <class P>
   void update(P& particles) {
     require_positive("BruteForce: radius", double(radius_));
@@ -49,7 +49,7 @@ class BruteForce {
     for (Index i = 0; i < owners_.size(); ++i) owners_[i] = particles.owner(i);
   }
 
-  /// For a checkpoint, see core/transfer.hpp: the last update.
+  /// Writes or reads the positions of the last update for a checkpoint, see core/transfer.hpp.
   template <class Archive, class P>
   void transfer(Archive& archive, P& particles) {
     transfer_update(

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Where particles were when a search last looked, and how far they have moved since. A step that
-// fails takes a look back.
+// Positions of the particles at the last update of a search, and displacements since. Failed steps
+// can be rolled back.
 #pragma once
 
 #include <silt/core/fields.hpp>
@@ -27,114 +27,115 @@ class LastPositions {
   using Real = RealType;
   using Vec = silt::Vec<Dim, Real>;
 
-  /// Of an owned particle, or a ghost [m].
+  /// Position of an owned particle or a ghost [m].
   const Vec& operator[](Index i) const { return positions_[i]; }
   std::span<const Vec> first(Index n) const { return {positions_.data(), n}; }
 
-  /// Whether the positions are of these particles, place by place.
+  /// Whether the positions are those of these particles, in the same order.
   template <class P>
-  bool are_of(const P& particles) const {
-    return particles.owned_revision() == look_.revision && particles.size() == look_.owned;
+  bool belong_to(const P& particles) const {
+    return particles.owned_revision() == update_.revision && particles.size() == update_.owned;
   }
 
-  /// How far [m] the farthest has moved from these positions, of the owned particles; infinity if
-  /// a position is no number.
+  /// Maximum displacement [m] of the owned particles from these positions; infinity if a position
+  /// is NaN.
   template <class P>
-  Real farthest_from(const std::vector<Vec>& reference, const P& particles) {
+  Real max_displacement_from(const std::vector<Vec>& reference, const P& particles) {
     const auto* const x = lanes_of(particles[position].data());
     const auto* const from = lanes_of(reference.data());
-    return farthest(particles.size(), [=](Index i) { return (x[i] - from[i]).squaredNorm(); });
+    return max_root(particles.size(), [=](Index i) { return (x[i] - from[i]).squaredNorm(); });
   }
 
-  /// Begins a look: takes the owned particles, and tells how far [m] the farthest has moved since
-  /// the one before. Does neither if that was of others.
+  /// Begins an update: copies the positions of the owned particles and returns their maximum
+  /// displacement [m] since the previous update. Copies nothing and returns nothing if that was
+  /// with other particles.
   template <class P>
-  std::optional<Real> take_owned(const P& particles) {
-    const std::span<const Vec> before = set_aside();
-    if (!are_of(particles)) return std::nullopt;
+  std::optional<Real> update_owned(const P& particles) {
+    const std::span<const Vec> before = keep_previous();
+    if (!belong_to(particles)) return std::nullopt;
     const auto* const x = lanes_of(particles[position].data());
     const auto* const last = lanes_of(before.data());
-    auto* const taken = lanes_of(positions_.data());
-    return farthest(particles.size(), [=](Index i) {
-      const auto moved = (x[i] - last[i]).squaredNorm();
-      taken[i] = x[i];
-      return moved;
+    auto* const current = lanes_of(positions_.data());
+    return max_root(particles.size(), [=](Index i) {
+      const auto squared_move = (x[i] - last[i]).squaredNorm();
+      current[i] = x[i];
+      return squared_move;
     });
   }
-  /// Ends it: of the same particles, with their ghosts.
+  /// Ends an update with the same particles: copies the positions of their ghosts.
   template <class P>
-  void take_ghosts(const P& particles) {
+  void update_ghosts(const P& particles) {
     const auto x = particles.with_ghosts(position);
     const auto owned = static_cast<std::ptrdiff_t>(particles.size());
     positions_.resize(x.size());
     std::copy(x.begin() + owned, x.end(), positions_.begin() + owned);
-    note(particles);
+    set_owner(particles);
   }
-  /// Or of others.
+  /// Ends an update with other particles: copies all positions.
   template <class P>
-  void take_all(const P& particles) {
+  void update_all(const P& particles) {
     const auto x = particles.with_ghosts(position);
     positions_.assign(x.begin(), x.end());
-    note(particles);
+    set_owner(particles);
   }
 
   void save() noexcept {
-    saved_ = look_;
-    keeps_last_ = false;
+    saved_ = update_;
+    has_previous_ = false;
   }
   void restore() noexcept {
-    look_ = saved_;
-    if (keeps_last_) positions_.swap(last_);
-    keeps_last_ = false;
+    update_ = saved_;
+    if (has_previous_) positions_.swap(previous_);
+    has_previous_ = false;
   }
 
  private:
   using Bits = std::conditional_t<sizeof(Real) == 4, std::uint32_t, std::uint64_t>;
-  struct Look {
+  struct Update {
     std::uint64_t revision = 0;  // of the owned particles
-    Index owned = 0;             // of them
+    Index owned = 0;             // number of owned particles
   };
 
   template <class P>
-  void note(const P& particles) {
-    look_ = {.revision = particles.owned_revision(), .owned = particles.size()};
+  void set_owner(const P& particles) {
+    update_ = {.revision = particles.owned_revision(), .owned = particles.size()};
   }
 
-  // Those of the last look; new ones do not write over them while a step may be undone.
-  std::span<const Vec> set_aside() {
-    if (keeps_last_) return positions_;
-    positions_.swap(last_);
-    positions_.resize(last_.size());
-    keeps_last_ = true;
-    return last_;
+  // Keeps and returns the positions of the last update before the step, for rolling back.
+  std::span<const Vec> keep_previous() {
+    if (has_previous_) return positions_;
+    positions_.swap(previous_);
+    positions_.resize(previous_.size());
+    has_previous_ = true;
+    return previous_;
   }
 
-  // √ of the largest of squared(i); infinity if one is no number.
+  // √ of the maximum of squared(i); infinity if one is NaN.
   template <class Squared>
-  Real farthest(Index n, Squared&& squared) {
-    // Of numbers that are not negative the larger has the larger bits, and what is no number has
-    // the largest: unlike the larger of two Reals, that is found for many at once.
+  Real max_root(Index n, Squared&& squared) {
+    // Bits of non-negative numbers compare as the numbers do, and those of NaN are the largest.
+    // Unlike the maximum of Reals, the maximum of bits is vectorised.
     constexpr Bits without_sign = ~Bits(0) / 2;
-    farthest_.resize(chunk_count(n));
+    maxima_.resize(chunk_count(n));
     for_each_chunk(n, [&](Chunk chunk) {
-      Bits most = 0;
+      Bits maximum = 0;
       SILT_EACH_LANE_ALONE
       for (Index i = chunk.first; i < chunk.last; ++i) {
-        most = std::max(most, std::bit_cast<Bits>(Real(squared(i))) & without_sign);
+        maximum = std::max(maximum, std::bit_cast<Bits>(Real(squared(i))) & without_sign);
       }
-      farthest_[chunk.number] = most;
+      maxima_[chunk.number] = maximum;
     });
-    if (farthest_.empty()) return 0;
-    const auto most = std::bit_cast<Real>(*std::max_element(farthest_.begin(), farthest_.end()));
-    return most >= 0 ? std::sqrt(most) : std::numeric_limits<Real>::infinity();
+    if (maxima_.empty()) return 0;
+    const auto maximum = std::bit_cast<Real>(*std::max_element(maxima_.begin(), maxima_.end()));
+    return maximum >= 0 ? std::sqrt(maximum) : std::numeric_limits<Real>::infinity();
   }
 
   std::vector<Vec> positions_;  // with ghosts
-  std::vector<Vec> last_;       // of the look before the step
-  bool keeps_last_ = true;
-  Look look_;
-  Look saved_;
-  std::vector<Bits> farthest_;  // squared, by chunk
+  std::vector<Vec> previous_;       // of the last update before the step
+  bool has_previous_ = true;
+  Update update_;
+  Update saved_;
+  std::vector<Bits> maxima_;  // squared, by chunk
 };
 
 }  // namespace silt

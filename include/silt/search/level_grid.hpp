@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The search for particles of very different sizes: those near touching, through one grid for each
-// level of sizes (size_classes.hpp). With sizes alike there is one level, and it is UniformGrid.
+// Neighbour search for particles of very different sizes: finds pairs that touch or nearly touch,
+// with one grid for each level of sizes (size_classes.hpp). If the sizes are similar, there is one
+// level, and the search is that of UniformGrid.
 #pragma once
 
 #include <silt/core/error.hpp>
@@ -31,7 +32,7 @@ class LevelGrid {
   using Vec = silt::Vec<Dim, Real>;
 
   struct Settings {
-    /// How far the two largest particles see one another [m]; 0: as far as the interaction reaches
+    /// Search radius of a pair of largest particles [m]; 0: the interaction range.
     Real radius = 0;
   };
 
@@ -47,12 +48,12 @@ class LevelGrid {
     require_positive("LevelGrid: radius", double(radius));
     radius_ = radius;
   }
-  /// Candidates reach no farther than R_i + R_j + gap.
+  /// Margin of the candidates beyond R_i + R_j + gap [m], see margin_of() in core/concepts.hpp.
   Real margin() const noexcept { return 0; }
 
   /// Sorts the particles into levels and cells, and makes the ghosts of periodic sides. Throws as
-  /// make_ghosts does, if there are 2³² particles or more, and if radius() is less than two of the
-  /// largest particle.
+  /// make_ghosts does, if there are 2³² particles or more, and if radius() is smaller than the
+  /// largest diameter.
   template <class P>
     requires HasFields<P, radius_t>
   void update(P& particles) {
@@ -78,13 +79,13 @@ class LevelGrid {
       level.x.resize(by_level_.start()[l + 1] - level.first);
       for_each(level.x.size(), [&](Index k) { level.x[k] = x[item(level, k)]; });
       level.points.sort(level.x, 2 * level.largest + gap_);
-      level.points.take(level.x);
+      level.points.copy(level.x);
     }
   }
 
-  /// Puts the owned particles in the order of the finest level's cells, whatever their sizes, if many
-  /// are out of it, so that neighbours in space are neighbours in memory; particles that came or
-  /// went since the last update, if any are.
+  /// Sorts the owned particles of all sizes by the cells of the finest level if many are out of
+  /// order, so that neighbours in space are close in memory. If particles were added or removed
+  /// since the last update, sorts if any is out of order.
   template <class P>
   void sort(P& particles) {
     if (particles.size() < worth_sorting) return;
@@ -98,13 +99,13 @@ class LevelGrid {
     particles.reorder(std::vector<Index>(items.begin(), items.end()));
   }
 
-  /// For a checkpoint, see core/transfer.hpp: the last update.
+  /// Writes or reads the positions of the last update for a checkpoint, see core/transfer.hpp.
   template <class Archive, class P>
   void transfer(Archive& archive, P& particles) {
     const bool is_known = transfer_update(
         archive, particles, particles.owned_revision() == revision_,
         [&](Index i) { return position_of(i); }, [&] { update(particles); });
-    if (!is_known) revision_ = 0;  // particles came or went since
+    if (!is_known) revision_ = 0;  // particles were added or removed since
   }
 
   /// f(j, r_ij, r) for every j, owned or ghost, with r < R_i + R_j + gap; i is owned.
@@ -113,8 +114,8 @@ class LevelGrid {
     const Level& own = level_of(i);
     const Vec x_i = position_of(i);
     for (const Level& level : levels_) {
-      level.points.for_each_around(x_i, radii_[i] + level.largest + gap_, slot_if(&level == &own, i),
-                                   [&](Index slot) {
+      const Real distance = radii_[i] + level.largest + gap_;
+      level.points.for_each_around(x_i, distance, slot_if(&level == &own, i), [&](Index slot) {
         const Index j = item_at(level, slot);
         const Vec r_ij = level.points.at(slot) - x_i;
         const Real r2 = r_ij.squaredNorm();
@@ -123,36 +124,39 @@ class LevelGrid {
     }
   }
 
-  /// f(j) for some j of owned i: every pair of owned particles closer than R_i + R_j + gap is met
-  /// from one of the two, every owned one and ghost from the owned one. Others may come as well.
+  /// f(j) for the candidates j of the owned particle i. A pair of owned particles closer than R_i +
+  /// R_j + gap is reported at one of the two, a pair of an owned particle and a ghost at the owned
+  /// one. Pairs farther apart may be reported as well.
   template <class F>
   void for_each_candidate(Index i, F&& f) const {
     const Level& own = level_of(i);
     const Index slot_i = slot_if(true, i);
     const Vec x_i = own.points.at(slot_i);
-    const auto meet_those_of = [&](const Level& level, const auto& is_met) {
-      level.points.for_each_around(x_i, radii_[i] + level.largest + gap_, slot_if(&level == &own, i),
-                                   [&](Index slot) {
+    const auto report_level = [&](const Level& level, const auto& is_reported_at) {
+      const Real distance = radii_[i] + level.largest + gap_;
+      level.points.for_each_around(x_i, distance, slot_if(&level == &own, i), [&](Index slot) {
         const Index j = item_at(level, slot);
-        if (is_met(slot, j)) f(j);
+        if (is_reported_at(slot, j)) f(j);
       });
     };
     if (owners_.empty() && !own.points.cells().shared()) {
-      own.points.for_each_onwards(slot_i, radii_[i] + own.largest + gap_,
+      own.points.for_each_forward(slot_i, radii_[i] + own.largest + gap_,
                                   [&](Index slot) { f(item_at(own, slot)); });
     } else {
-      meet_those_of(own, [&](Index slot, Index j) { return j >= owned_ || slot_i < slot; });
+      report_level(own, [&](Index slot, Index j) { return j >= owned_ || slot_i < slot; });
     }
     for (const Level& level : levels_) {
-      if (&level > &own) meet_those_of(level, [](Index, Index) { return true; });
-      // A ghost looks up to nobody.
+      if (&level > &own) report_level(level, [](Index, Index) { return true; });
+      // A pair of different levels is reported at the finer one or, if that is a ghost, at the
+      // coarser.
       if (&level < &own && !owners_.empty()) {
-        meet_those_of(level, [this](Index, Index j) { return j >= owned_; });
+        report_level(level, [this](Index, Index j) { return j >= owned_; });
       }
     }
   }
 
-  /// Whether j is a ghost, and i with it the image of a pair that counts from its other particle.
+  /// Whether j is a ghost and the pair i, j an image of a pair that for_each_pair reports at the
+  /// other particle.
   bool is_second_image(Index i, Index j) const noexcept {
     return j >= owned_ && owners_[j - owned_] <= i;
   }
@@ -172,7 +176,7 @@ class LevelGrid {
     }
   }
 
-  /// Makes row i the neighbours of i, or its candidates.
+  /// Fills row i with the neighbours of i, or with its candidates.
   void build_rows(NeighbourRows& rows, Pairs pairs) const {
     rows.build(owned_, [&](Chunk chunk, NeighbourRows::Writer& row) {
       for (Index i = chunk.first; i < chunk.last; ++i) {
@@ -193,28 +197,28 @@ class LevelGrid {
   /// The row of particle i.
   Index slot_of(Index i) const noexcept { return i; }
 
-  /// Levels of the last update.
+  /// Number of levels in the last update.
   Index levels() const noexcept { return levels_.size(); }
 
  private:
-  // Fewer particles fit into a cache in any order.
+  // Fewer particles fit into the cache in any order.
   static constexpr Index worth_sorting = 1024;
 
   struct Level {
-    Real largest = 0;  // no radius is larger [m]
-    Index first = 0;   // where its particles begin in the order of the levels
+    Real largest = 0;  // upper bound of the radii [m]
+    Index first = 0;   // of its particles in the order of the levels
     std::vector<Vec> x;
     SortedCells<Dim, Real> points;
   };
 
-  // How far beyond touching pairs are found.
+  // Pairs are found up to this distance between their surfaces.
   Real gap_of(std::span<const Real> radii) const {
-    const Real most = silt::largest(radii.size(), Real(0), [&](Index i) { return radii[i]; });
-    const Real gap = radius_ - 2 * most;
+    const Real max_radius = silt::largest(radii.size(), Real(0), [&](Index i) { return radii[i]; });
+    const Real gap = radius_ - 2 * max_radius;
     if (gap < 0) {
       fail("LevelGrid: radius = " + to_text(double(radius_)) +
-           " m is less than two of the largest particle, " + to_text(2 * double(most)) +
-           " m; enlarge it, or leave it to the simulation");
+           " m is smaller than the largest diameter, " + to_text(2 * double(max_radius)) +
+           " m; increase it, or do not set it");
     }
     return gap;
   }
@@ -226,7 +230,7 @@ class LevelGrid {
     return choose_levels(histogram_, double(gap), Dim);
   }
 
-  // No radius of the level is larger; rounded to single precision it may become less.
+  // Upper bound of the radii of the level; rounding to single precision may make it smaller.
   Real largest_of_level(SizeClass highest, Real gap) const {
     return std::min(static_cast<Real>(largest_of(highest)), (radius_ - gap) / 2);
   }
@@ -238,8 +242,8 @@ class LevelGrid {
   }
   const Level& level_of(Index i) const { return levels_[level_of_size(radii_[i])]; }
 
-  Index item(const Level& level, Index place) const {
-    return by_level_.item_of()[level.first + place];
+  Index item(const Level& level, Index index) const {
+    return by_level_.item_of()[level.first + index];
   }
   Index item_at(const Level& level, Index slot) const {
     return item(level, level.points.item_of()[slot]);
@@ -262,7 +266,7 @@ class LevelGrid {
   std::vector<SizeClass> highest_;  // of each level
   std::vector<Level> levels_;       // the finest first
   BinSort by_level_;
-  SortedCells<Dim, Real> all_levels_;  // for their order in memory
+  SortedCells<Dim, Real> all_levels_;  // for the order in memory
 };
 
 }  // namespace silt

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
-// A list of neighbours within radius + skin, reused until some particle has moved half the skin:
-// until then no pair can have come closer than the radius unseen.
+// Neighbour list (Verlet list): neighbours within radius + skin, reused until a particle has moved
+// by half the skin. Until then no pair can have come closer than the radius without being in the
+// list.
 //
-// Its rows hold every pair once, for for_each_candidate, or twice, for for_each_neighbour. Only
-// those are built that were asked for: the first question is answered by the grid below the list,
-// and from the next update on there are rows for it.
+// There are two kinds of rows: with every pair once, for for_each_candidate, and with every pair
+// twice, for for_each_neighbour. A kind is built only if it is used: the first call uses the grid
+// below the list, and the next update builds the rows.
 #pragma once
 
 #include <silt/core/error.hpp>
@@ -35,9 +36,9 @@ class NeighbourList {
   using Vec = silt::Vec<Dim, Real>;
 
   struct Settings {
-    Real radius = 0;  ///< as of UniformGrid [m]
-    /// Skin over radius [-]: thicker, and the list is rebuilt less often, but its rows are longer.
-    /// Without one it tunes itself.
+    Real radius = 0;  ///< pairs closer than this are found [m]; 0: the interaction range
+    /// Skin over radius [-]. A thicker skin means fewer rebuilds, but longer rows. If it is not
+    /// given, it is tuned during the run.
     std::optional<Real> skin_fraction = {};
   };
 
@@ -47,7 +48,7 @@ class NeighbourList {
     require_not_negative("NeighbourList: radius", double(settings.radius));
     if (!settings.skin_fraction) return;
     require_not_negative("NeighbourList: skin_fraction", double(*settings.skin_fraction));
-    now_.tuning = Skin(double(*settings.skin_fraction));
+    state_.tuning = Skin(double(*settings.skin_fraction));
   }
 
   Real radius() const noexcept { return radius_; }
@@ -56,86 +57,88 @@ class NeighbourList {
     require_positive("NeighbourList: radius", double(radius));
     radius_ = radius;
   }
-  /// How much farther than radius() the candidates reached at the last update: the skin, without
-  /// what two particles have used up of it [m].
-  Real margin() const noexcept { return std::max(Real(0), list_.skin - 2 * now_.moved); }
+  /// The candidates include all pairs closer than radius() plus this distance at the last update
+  /// [m]: the skin minus twice the maximum displacement.
+  Real margin() const noexcept { return std::max(Real(0), list_.skin - 2 * state_.displacement); }
 
-  /// Puts the owned particles in cell order if the list will have to be rebuilt.
+  /// Sorts the owned particles by cell if the list must be rebuilt.
   template <class P>
   void sort(P& particles) {
     require_positive("NeighbourList: radius", double(radius()));
-    bring_back_ghosts(particles);
-    if (fits(particles)) {
-      // While much of the skin is left nobody need be asked.
-      if (now_.moved + 2 * now_.pace < list_.skin / 2) return;
-      if (positions_.farthest_from(list_.reference, particles) <= list_.skin / 2) return;
-      outgrow();
+    restore_ghosts(particles);
+    if (is_valid_for(particles)) {
+      // Much of the skin is left: skip the loop over the particles.
+      if (state_.displacement + 2 * state_.last_displacement < list_.skin / 2) return;
+      if (positions_.max_displacement_from(list_.reference, particles) <= list_.skin / 2) return;
+      tune_skin();
       list_.built = false;
     }
-    list_.grid.set_radius(radius() * (1 + Real(now_.tuning.fraction())));
+    list_.grid.set_radius(radius() * (1 + Real(state_.tuning.fraction())));
     if constexpr (requires { list_.grid.sort(particles); }) list_.grid.sort(particles);
   }
 
-  /// Takes the positions; rebuilds the list if particles came, went, were reordered or moved far.
+  /// Reads the positions; rebuilds the list if particles were added, removed or reordered, or if
+  /// one has moved by more than half the skin.
   template <class P>
   void update(P& particles) {
     require_positive("NeighbourList: radius", double(radius()));
-    bring_back_ghosts(particles);
-    ++now_.updates;
-    const bool fitting = fits(particles);
-    if (const auto farthest = positions_.take_owned(particles)) {
-      now_.pace = *farthest;
-      now_.moved += now_.pace;
-      now_.travelled += double(now_.pace);
+    restore_ghosts(particles);
+    ++state_.updates;
+    const bool is_valid = is_valid_for(particles);
+    if (const auto displacement = positions_.update_owned(particles)) {
+      state_.last_displacement = *displacement;
+      state_.displacement += state_.last_displacement;
+      state_.travelled += double(state_.last_displacement);
     }
-    // The sum of the farthest moves is never less than the farthest of the sums, and nearly free.
-    if (fitting && now_.moved > list_.skin / 2) {
-      now_.moved = positions_.farthest_from(list_.reference, particles);
+    // The sum of the maximum displacements of all updates is an upper bound for the maximum
+    // displacement, and cheaper.
+    if (is_valid && state_.displacement > list_.skin / 2) {
+      state_.displacement = positions_.max_displacement_from(list_.reference, particles);
     }
-    if (fitting && now_.moved <= list_.skin / 2) {
+    if (is_valid && state_.displacement <= list_.skin / 2) {
       particles.refresh_ghosts(position);
-      positions_.take_ghosts(particles);
+      positions_.update_ghosts(particles);
     } else {
-      if (fitting) outgrow();
+      if (is_valid) tune_skin();
       build(particles);
-      positions_.take_all(particles);
+      positions_.update_all(particles);
     }
     for (const Pairs pairs : {Pairs::twice, Pairs::once}) build_rows(pairs);
   }
 
-  /// Grows at every update by what the farthest particle moved since the one before.
-  Travel travel() const noexcept { return {journey_.number(), now_.travelled}; }
+  /// Increases in every update by the maximum displacement since the previous one.
+  Travel travel() const noexcept { return {journey_.number(), state_.travelled}; }
 
   /// f(j, r_ij, r) for every j, owned or ghost, with r < radius(); i is owned, r_ij = x_j − x_i.
   template <class F>
   void for_each_neighbour(Index i, F&& f) const {
     const Real reach = radius() * radius();
     const Vec x_i = positions_[i];
-    const auto meet = [&](Index j) {
+    const auto report = [&](Index j) {
       const Vec r_ij = positions_[j] - x_i;
       const Real r2 = r_ij.squaredNorm();
       if (r2 < reach) f(j, r_ij, std::sqrt(r2));
     };
     if (!has_rows(Pairs::twice)) {
-      list_.grid.for_each_neighbour(i, [&](Index j, const Vec&, Real) { meet(j); });
+      list_.grid.for_each_neighbour(i, [&](Index j, const Vec&, Real) { report(j); });
       return;
     }
-    // Who has come within the radius cannot be predicted: noted without a branch, then met.
+    // Branches on the distance would be mispredicted: collect first, without a branch.
     const auto row = rows(Pairs::twice)[list_.grid.slot_of(i)];
-    std::array<std::uint32_t, 64> noted;
-    for (Index from = 0; from < row.size(); from += noted.size()) {
+    std::array<std::uint32_t, 64> near;
+    for (Index from = 0; from < row.size(); from += near.size()) {
       Index count = 0;
-      for (const std::uint32_t j : row.subspan(from, std::min(noted.size(), row.size() - from))) {
-        noted[count] = j;
+      for (const std::uint32_t j : row.subspan(from, std::min(near.size(), row.size() - from))) {
+        near[count] = j;
         count += (positions_[j] - x_i).squaredNorm() < reach;
       }
-      for (Index k = 0; k < count; ++k) meet(noted[k]);
+      for (Index k = 0; k < count; ++k) report(near[k]);
     }
   }
 
-  /// f(j) for some j of owned i: every pair of owned particles that was closer than radius() +
-  /// margin() at the last update is met from one of the two, every owned one and ghost from the
-  /// owned one. Others may come as well.
+  /// f(j) for the candidates j of the owned particle i. A pair of owned particles that was closer
+  /// than radius() + margin() at the last update is reported at one of the two, a pair of an owned
+  /// particle and a ghost at the owned one. Pairs farther apart may be reported as well.
   template <class F>
   void for_each_candidate(Index i, F&& f) const {
     if (!has_rows(Pairs::once)) {
@@ -161,32 +164,33 @@ class NeighbourList {
     }
   }
 
-  /// The list before the first rebuild of a step is kept, so that undoing the step brings it back.
+  /// Keeps the list as it was before the first rebuild in a step, for rolling back the step.
   void save() noexcept {
-    saved_ = now_;
-    saved_asked_ = asked_;
+    saved_ = state_;
+    saved_requested_ = requested_;
     positions_.save();
-    keeps_last_ = false;
+    keeps_previous_ = false;
   }
   void restore() noexcept {
-    now_ = saved_;
-    asked_ = saved_asked_;
+    state_ = saved_;
+    requested_ = saved_requested_;
     positions_.restore();
-    if (keeps_last_) std::swap(list_, last_);
-    keeps_last_ = false;
+    if (keeps_previous_) std::swap(list_, previous_);
+    keeps_previous_ = false;
   }
 
-  /// For a checkpoint, see core/transfer.hpp: what the list was built from, and its age, so that it
-  /// is rebuilt, and positions are wrapped, in the same steps as ever.
+  /// Writes or reads, for a checkpoint (core/transfer.hpp), the positions from which the list was
+  /// built and its age, so that it is rebuilt, and positions are wrapped, in the same steps as
+  /// without a restart.
   template <class Archive, class P>
   void transfer(Archive& archive, P& particles) {
-    bool is_of_these = list_.radius > 0 && is_of(particles);
-    bool has_last = positions_.are_of(particles);
+    bool is_of_these = list_.radius > 0 && is_built_from(particles);
+    bool has_last = positions_.belong_to(particles);
     std::vector<Vec> reference, last;
     if (!Archive::reads && is_of_these) reference = list_.reference;
     if (!Archive::reads && has_last) {
-      const auto known = positions_.first(particles.size());
-      last.assign(known.begin(), known.end());
+      const auto first = positions_.first(particles.size());
+      last.assign(first.begin(), first.end());
     }
     archive("built", list_.built);
     archive("is_of_these", is_of_these);
@@ -195,156 +199,159 @@ class NeighbourList {
     archive("last", last);
     archive("radius", list_.radius);
     archive("skin", list_.skin);
-    archive("has_rows", now_.has_rows);
-    archive("asked", asked_);
-    archive.within("tuning", [&] { now_.tuning.transfer(archive); });
-    archive("moved", now_.moved);
-    archive("pace", now_.pace);
-    archive("updates", now_.updates);
-    archive("rebuilds", now_.rebuilds);
+    archive("has_rows", state_.has_rows);
+    archive("asked", requested_);
+    archive.within("tuning", [&] { state_.tuning.transfer(archive); });
+    archive("moved", state_.displacement);
+    archive("pace", state_.last_displacement);
+    archive("updates", state_.updates);
+    archive("rebuilds", state_.rebuilds);
     if constexpr (Archive::reads) {
       journey_ = Journey();
       if (is_of_these) {
-        build_again(particles, reference);
+        repeat_build(particles, reference);
       } else {
         list_.built = false;
       }
-      if (has_last) take_again(particles, last);
+      if (has_last) repeat_update(particles, last);
     }
   }
 
-  /// Times the list was built.
-  std::uint64_t rebuilds() const noexcept { return now_.rebuilds; }
-  /// Skin of the list as it was built last [m].
+  /// Number of times the list was built.
+  std::uint64_t rebuilds() const noexcept { return state_.rebuilds; }
+  /// Skin of the present list [m].
   Real skin() const noexcept { return list_.skin; }
 
  private:
-  // What a rebuild replaces.
+  // Replaced by a rebuild.
   struct List {
     bool built = false;
     Real radius = 0;
     Real skin = 0;
-    std::uint64_t revision = 0;  // of the particles it was built from
+    std::uint64_t revision = 0;  // of the particles when it was built
     std::uint64_t owned_revision = 0;
     Inner grid;
-    std::vector<Vec> reference;  // positions it was built from
+    std::vector<Vec> reference;  // positions when it was built
     std::array<NeighbourRows, 2> rows;
   };
 
-  // What every update changes.
+  // Changed by every update.
   struct State {
     Skin tuning;
-    Real moved = 0;     // at most, from where the list was built
-    Real pace = 0;      // of the farthest since the update before
-    Index updates = 0;  // of the list as it is
-    std::array<bool, 2> has_rows{};  // it, of each kind
-    double travelled = 0;  // the sum of paces [m]
+    Real displacement = 0;     // upper bound of the displacement since the list was built
+    Real last_displacement = 0;      // maximum displacement since the previous update
+    Index updates = 0;  // since the list was built
+    std::array<bool, 2> has_rows{};  // rows of each kind
+    double travelled = 0;  // sum of all maximum displacements [m]
     std::uint64_t rebuilds = 0;
   };
 
   const NeighbourRows& rows(Pairs pairs) const { return list_.rows[static_cast<Index>(pairs)]; }
   bool has_rows(Pairs pairs) const {
     const auto kind = static_cast<Index>(pairs);
-    // Several threads may ask.
-    if (!now_.has_rows[kind]) std::atomic_ref(asked_[kind]).store(true, std::memory_order_relaxed);
-    return now_.has_rows[kind];
+    // May be called by several threads.
+    if (!state_.has_rows[kind]) {
+      std::atomic_ref(requested_[kind]).store(true, std::memory_order_relaxed);
+    }
+    return state_.has_rows[kind];
   }
   void build_rows(Pairs pairs) {
     const auto kind = static_cast<Index>(pairs);
-    if (!asked_[kind] || now_.has_rows[kind]) return;
+    if (!requested_[kind] || state_.has_rows[kind]) return;
     list_.grid.build_rows(list_.rows[kind], pairs);
-    now_.has_rows[kind] = true;
+    state_.has_rows[kind] = true;
   }
 
   // Whether the list can be used for these particles.
   template <class P>
-  bool fits(const P& particles) const {
-    return list_.built && list_.radius == radius_ && positions_.are_of(particles) &&
-           is_of(particles);
+  bool is_valid_for(const P& particles) const {
+    return list_.built && list_.radius == radius_ && positions_.belong_to(particles) &&
+           is_built_from(particles);
   }
-  // Whether it is, or was, a list of these particles in their places.
+  // Whether the list was built from these particles in this order.
   template <class P>
-  bool is_of(const P& particles) const {
+  bool is_built_from(const P& particles) const {
     return list_.owned_revision == particles.owned_revision() &&
            list_.reference.size() == particles.size();
   }
   template <class P>
   void build(P& particles) {
-    if (!keeps_last_) {
-      std::swap(list_, last_);
-      keeps_last_ = true;
+    if (!keeps_previous_) {
+      std::swap(list_, previous_);
+      keeps_previous_ = true;
     }
     list_.built = false;
-    now_.has_rows = {};
+    state_.has_rows = {};
     list_.radius = radius();
-    list_.skin = radius() * Real(now_.tuning.fraction());
+    list_.skin = radius() * Real(state_.tuning.fraction());
     list_.grid.set_radius(list_.radius + list_.skin);
     list_.grid.update(particles);
     const auto x = particles[position];
     list_.reference.assign(x.begin(), x.end());
-    note_revisions(particles);
+    set_revisions(particles);
     list_.built = true;
-    now_.moved = 0;
-    now_.updates = 0;
-    ++now_.rebuilds;
+    state_.displacement = 0;
+    state_.updates = 0;
+    ++state_.rebuilds;
   }
   template <class P>
-  void note_revisions(const P& particles) {
+  void set_revisions(const P& particles) {
     list_.revision = particles.revision();
     list_.owned_revision = particles.owned_revision();
   }
 
-  // Ghosts that are not the list's are those of a step that was undone, or of another search.
+  // The ghosts are not those of the list after a step was rolled back or another search was
+  // updated.
   template <class P>
-  void bring_back_ghosts(P& particles) {
-    if (!fits(particles) || list_.revision == particles.revision()) return;
-    const auto known = positions_.first(particles.size());
-    const std::vector<Vec> last(known.begin(), known.end());
-    build_again(particles, std::vector<Vec>(list_.reference));
-    take_again(particles, last);
+  void restore_ghosts(P& particles) {
+    if (!is_valid_for(particles) || list_.revision == particles.revision()) return;
+    const auto first = positions_.first(particles.size());
+    const std::vector<Vec> last(first.begin(), first.end());
+    repeat_build(particles, std::vector<Vec>(list_.reference));
+    repeat_update(particles, last);
   }
-  // The list as it was, of these positions.
+  // Builds the list again from the positions at which it was built.
   template <class P>
-  void build_again(P& particles, const std::vector<Vec>& reference) {
+  void repeat_build(P& particles, const std::vector<Vec>& reference) {
     list_.grid.set_radius(list_.radius + list_.skin);
     at_positions(particles, reference, [&] { list_.grid.update(particles); });
     list_.reference = reference;
-    note_revisions(particles);
+    set_revisions(particles);
     for (const Pairs pairs : {Pairs::twice, Pairs::once}) {
       const auto kind = static_cast<Index>(pairs);
-      if (now_.has_rows[kind]) list_.grid.build_rows(list_.rows[kind], pairs);
+      if (state_.has_rows[kind]) list_.grid.build_rows(list_.rows[kind], pairs);
     }
   }
-  // Last updated at these.
+  // Repeats the last update at the positions of that time.
   template <class P>
-  void take_again(P& particles, const std::vector<Vec>& last) {
+  void repeat_update(P& particles, const std::vector<Vec>& last) {
     at_positions(particles, last, [&] {
       particles.refresh_ghosts(position);
-      positions_.take_all(particles);
+      positions_.update_all(particles);
     });
   }
 
-  // Somebody has moved too far: what that teaches about the skin.
-  void outgrow() {
+  // A particle has moved by more than half the skin: adjust the skin.
+  void tune_skin() {
     for (const Pairs pairs : {Pairs::once, Pairs::twice}) {
-      if (!now_.has_rows[static_cast<Index>(pairs)]) continue;
+      if (!state_.has_rows[static_cast<Index>(pairs)]) continue;
       const auto particles = double(std::max<Index>(list_.reference.size(), 1));
-      now_.tuning.learn({.dimension = Dim,
-                         .entries = double(rows(pairs).entries()) / particles,
-                         .updates = std::max<Index>(now_.updates, 1)});
+      state_.tuning.update({.dimension = Dim,
+                            .entries = double(rows(pairs).entries()) / particles,
+                            .updates = std::max<Index>(state_.updates, 1)});
       return;
     }
   }
 
   Journey journey_;
   Real radius_ = 0;
-  State now_;
+  State state_;
   State saved_;
   List list_;
-  List last_;
-  bool keeps_last_ = false;
-  mutable std::array<bool, 2> asked_{};  // for rows of each kind
-  std::array<bool, 2> saved_asked_{};
+  List previous_;
+  bool keeps_previous_ = false;
+  mutable std::array<bool, 2> requested_{};  // rows of each kind
+  std::array<bool, 2> saved_requested_{};
   LastPositions<Dim, Real> positions_;  // at the last update
 };
 

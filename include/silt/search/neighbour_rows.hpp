@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Rows of neighbours: unequal length, 32 bits an entry, written by several threads at once.
+// Rows of neighbours of different lengths, with 32-bit entries, written in parallel.
 //
-// Rows of one chunk stand in one piece of memory, each chunk in its own: where it begins need not
-// be known before the chunks in front of it are done, and nothing is copied behind. With 118
+// The rows of each chunk are in contiguous memory of their own, so that a chunk can be written
+// before the lengths of the previous ones are known, and nothing is copied afterwards. With 118
 // neighbours in a row, copying would take longer than finding them.
 #pragma once
 
@@ -18,23 +18,24 @@
 
 namespace silt {
 
-/// What rows of neighbours hold: every pair at both of its particles, or at one of them.
+/// Whether rows contain every pair twice, at both particles, or once.
 enum class Pairs { twice, once };
 
 class NeighbourRows {
  public:
-  /// Adds the rows of one chunk, one after the other.
+  /// Writes the rows of one chunk, one after the other.
   class Writer {
    public:
-    /// Where to write on: behind the last row, or at `to` within the next. There is room for `most`
-    /// entries. Throws if a chunk of rows has 2³² entries.
-    std::uint32_t* room(Index most) { return room(most, entries_.data() + used_); }
-    std::uint32_t* room(Index most, std::uint32_t* to) {
+    /// Returns the address for at least `size` further entries of the next row: its beginning, or
+    /// the one that corresponds to `to` if entries up to `to` have been written. Throws if the rows
+    /// of a chunk have 2³² entries.
+    std::uint32_t* room(Index size) { return room(size, entries_.data() + used_); }
+    std::uint32_t* room(Index size, std::uint32_t* to) {
       const auto used = static_cast<Index>(to - entries_.data());
-      if (used + most > entries_.size()) grow(used + most);
+      if (used + size > entries_.size()) grow(used + size);
       return entries_.data() + used;
     }
-    /// The row ends here.
+    /// Ends the row.
     void end_row(const std::uint32_t* end) {
       used_ = static_cast<Index>(end - entries_.data());
       *++end_ = static_cast<std::uint32_t>(used_);
@@ -46,13 +47,13 @@ class NeighbourRows {
         : entries_(entries), end_(begin) {
       *begin = 0;
     }
-    void grow(Index least) {
-      constexpr Index most = std::numeric_limits<std::uint32_t>::max();
-      if (least > most) {
-        fail("search: a particle has millions of neighbours; lower the search radius");
+    void grow(Index min_size) {
+      constexpr Index max_size = std::numeric_limits<std::uint32_t>::max();
+      if (min_size > max_size) {
+        fail("search: a particle has millions of neighbours; reduce the search radius");
       }
-      // Never shrunk, so that a warm build neither allocates nor clears.
-      entries_.resize(std::min(most, least + least / 4));
+      // Never shrunk, so that later builds neither allocate nor initialise memory.
+      entries_.resize(std::min(max_size, min_size + min_size / 4));
     }
 
     std::vector<std::uint32_t>& entries_;
@@ -60,7 +61,7 @@ class NeighbourRows {
     Index used_ = 0;
   };
 
-  /// f(chunk, writer) ends every row of every chunk of 0 … rows-1, in their order.
+  /// Calls f(chunk, writer) for every chunk of 0 … rows-1; f writes its rows in order.
   template <class F>
   void build(Index rows, F&& f) {
     const Index chunks = chunk_count(rows);
@@ -81,7 +82,7 @@ class NeighbourRows {
     return {entries_[chunk].data() + end[0], entries_[chunk].data() + end[1]};
   }
 
-  /// Entries of all rows.
+  /// Number of entries of all rows.
   Index entries() const noexcept {
     Index sum = 0;
     for (Index row = 0; row < rows_; row += chunk_size) {
@@ -96,8 +97,8 @@ class NeighbourRows {
   std::vector<std::vector<std::uint32_t>> entries_;  // by chunk
 };
 
-/// What NeighbourRows::Writer is for rows that are kept, for rows that are read once: hands each
-/// one that is not empty, as f(chunk, items[row], row).
+/// The interface of NeighbourRows::Writer for rows that are read only once: calls
+/// f(chunk, items[row], row) for each row that is not empty.
 template <class F>
 class RowReader {
  public:
@@ -105,13 +106,13 @@ class RowReader {
             std::vector<std::uint32_t>& memory)
       : f_(f), chunk_(chunk.number), items_(items), row_(chunk.first), memory_(memory) {}
 
-  std::uint32_t* room(Index most) {
+  std::uint32_t* room(Index size) {
     begin_ = 0;
-    return room(most, memory_.data());
+    return room(size, memory_.data());
   }
-  std::uint32_t* room(Index most, std::uint32_t* to) {
+  std::uint32_t* room(Index size, std::uint32_t* to) {
     const auto used = static_cast<Index>(to - memory_.data());
-    if (used + most > memory_.size()) memory_.resize(2 * (used + most));
+    if (used + size > memory_.size()) memory_.resize(2 * (used + size));
     return memory_.data() + used;
   }
   void end_row(const std::uint32_t* to) {

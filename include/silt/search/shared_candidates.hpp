@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: MIT
-// Candidates that the particles of one block (a few cells in a row) share: found once, tested by
-// each of them. In a dense block, those that none of them can reach, because they are beyond the
-// radius from the block's bounding box, are dropped on the way:
+// Candidates shared by the particles of one block (a few cells in a row): collected once and tested
+// by each particle. In a dense block, candidates beyond the radius from the bounding box of the
+// block, which no particle of the block can reach, are dropped:
 //
 //     . ┌─────────┐ .      x  dropped
 //   x   │ o ┌───┐ │        o  kept
 //       │   │i i│ │ o      i  of the block
 //     x └───┴───┴─┘   x
 //
-// Candidates are kept relative to the block and in single precision, so that a register tests twice
-// as many: this close, rounding moves a particle by less than the tolerance by which the reach is
-// widened. What passes is a neighbour, or a neighbour but for rounding.
+// Positions are stored relative to the block and in single precision, so that a register tests
+// twice as many. At such distances the rounding error of a position is smaller than the tolerance
+// added to the radius. What passes the test is a neighbour, or farther than the radius by a
+// rounding error.
 #pragma once
 
 #include <silt/core/simd.hpp>
@@ -28,7 +29,7 @@ class SharedCandidates {
  public:
   using Columns = simd::Columns<Dim, Real>;
 
-  /// Begins the block of the slots [first, last) of the columns x, whose particles are `items`.
+  /// Begins a block with the slots [first, last) of the columns x, whose particles are `items`.
   void begin(const Columns& x, const std::uint32_t* items, Index first, Index last, Real reach) {
     x_ = x;
     items_ = items;
@@ -49,8 +50,8 @@ class SharedCandidates {
     }
   }
 
-  /// Adds the slots [first, last), or those of them that may be near. A range that overlaps with
-  /// the block contains it.
+  /// Adds the slots [first, last) as candidates, or those that may be near. A range that overlaps
+  /// with the block must contain it.
   void add(Index first, Index last) {
     reserve(count_ + (last - first) + 2 * simd::lanes<float>);
     if (!is_dense_) {
@@ -67,9 +68,9 @@ class SharedCandidates {
 
   Index size() const noexcept { return count_; }
 
-  /// Writes the candidates that lie near slot `slot` of the block, or those behind it only, to
-  /// `to`, and returns where they end. There must be room for all, and a register beyond.
-  std::uint32_t* near(Index slot, bool onwards, std::uint32_t* to) const {
+  /// Writes the candidates near slot `slot` of the block, or only those after it (`forward`), to
+  /// `to`, and returns their end. There must be room for all candidates and one more register.
+  std::uint32_t* near(Index slot, bool forward, std::uint32_t* to) const {
     constexpr int N = simd::lanes<float>;
     const Index own = own_ + (slot - first_);
     simd::Columns<Dim, float> x;
@@ -81,14 +82,14 @@ class SharedCandidates {
     const auto item = [items = near_items_.data()](Index s) {
       return simd::load<std::uint32_t, N>(items + s);
     };
-    return simd::compress_near<N>(x, onwards ? own + 1 : 0, count_, centre, reach_, item,
+    return simd::compress_near<N>(x, forward ? own + 1 : 0, count_, centre, reach_, item,
                                   items_[slot], to);
   }
 
  private:
   static constexpr int lanes = simd::lanes<Real>;
   using Lanes = simd::Pack<float, lanes>;
-  // From so many particles on, a bounding box is worth its price.
+  // Number of particles from which testing the bounding box saves time.
   static constexpr Index dense = 12;
 
   Lanes relative(const Real* x, Real origin) const {
@@ -122,18 +123,18 @@ class SharedCandidates {
     for (Index s = first; s < last; s += lanes) {
       struct {
         Lanes x;
-      } at[Dim];
+      } offset[Dim];
       Lanes r2{};
       for (std::size_t k = 0; k < Dim; ++k) {
-        at[k].x = relative(x[k] + s, origin[k]);
-        const Lanes away = simd::abs<float, lanes>(at[k].x) - half[k];
-        const Lanes beyond = away > 0 ? away : Lanes{};
-        r2 += beyond * beyond;
+        offset[k].x = relative(x[k] + s, origin[k]);
+        const Lanes outside = simd::abs<float, lanes>(offset[k].x) - half[k];
+        const Lanes distance = outside > 0 ? outside : Lanes{};
+        r2 += distance * distance;
       }
       const simd::Mask close =
           simd::less<float, lanes>(r2, limit) & simd::first_lanes<lanes>(last - s);
       for (std::size_t k = 0; k < Dim; ++k) {
-        simd::compress<float, lanes>(to[k] + count, at[k].x, close);
+        simd::compress<float, lanes>(to[k] + count, offset[k].x, close);
       }
       count += simd::compress<std::uint32_t, lanes>(
           near_items_.data() + count, simd::load<std::uint32_t, lanes>(items_ + s), close);
@@ -141,10 +142,10 @@ class SharedCandidates {
     count_ = count;
   }
 
-  void reserve(Index most) {
-    if (most <= near_items_.size()) return;
-    for (auto& x : near_x_) x.resize(2 * most);
-    near_items_.resize(2 * most);
+  void reserve(Index size) {
+    if (size <= near_items_.size()) return;
+    for (auto& x : near_x_) x.resize(2 * size);
+    near_items_.resize(2 * size);
   }
 
   Columns x_{};
@@ -152,10 +153,10 @@ class SharedCandidates {
   Index first_ = 0;
   Index last_ = 0;
   bool is_dense_ = false;
-  std::array<Real, Dim> origin_{};   // middle of the block
-  std::array<float, Dim> half_{};    // its size, halved
+  std::array<Real, Dim> origin_{};   // centre of the block
+  std::array<float, Dim> half_{};    // half its size
   float reach_ = 0;                  // squared
-  Index own_ = 0;                    // place of the block's first among the candidates
+  Index own_ = 0;                    // index of the first slot of the block among the candidates
   Index count_ = 0;
   std::array<std::vector<float>, Dim> near_x_;
   std::vector<std::uint32_t> near_items_;

@@ -1,18 +1,17 @@
 // SPDX-License-Identifier: MIT
-// How to part particles of many sizes into levels, each with cells of its own size. One grid for
-// all has cells for the largest, into which a crowd of the small ones falls; with levels, a
-// particle looks among its own level, and up to the coarser ones, whose cells are as large as they
-// need be.
+// Divides particles of many sizes into levels, each with its own cell size. A single grid has cells
+// for the largest particles, each of which contains many small ones. With levels, a particle
+// searches its own level and the coarser ones, whose cells are no larger than necessary.
 //
-// What a choice costs is counted in distance tests, from the histogram of the sizes. A level of N
-// particles with cells of edge E has (3E)^Dim N / V of them around any point, V being the
-// particles' own volume:
+// The cost of a division is the number of distance tests, from the histogram of the sizes. A level
+// of N particles with cells of edge E has (3E)^Dim N / V particles around any point, where V is the
+// volume of all particles:
 //
-//   N (½ (3E)^Dim N/V + c)      among themselves, each pair once
-//   n ((3E)^Dim N/V + c)        looked up to by the n particles of finer levels
+//   N (½ (3E)^Dim N/V + c)      within the level, each pair once
+//   n ((3E)^Dim N/V + c)        by the n particles of finer levels
 //
-// where c is what it takes to find the cells. Levels are runs of the histogram, so that the best
-// choice of all comes from dynamic programming.
+// where c is the cost of finding the cells. Levels are contiguous ranges of the histogram, so that
+// the optimum is found by dynamic programming.
 #pragma once
 
 #include <silt/core/types.hpp>
@@ -26,42 +25,42 @@
 
 namespace silt {
 
-/// A class of sizes: two to each power of 2.
+/// Number of a size class; there are two for each power of 2.
 using SizeClass = std::uint32_t;
 inline constexpr SizeClass size_classes = 4096;
 
-/// The class of a radius; of what is not positive, the lowest.
+/// Class of a radius; the lowest if it is not positive.
 inline SizeClass size_class_of(double size) {
   if (!(size > 0)) return 0;
   return static_cast<SizeClass>(std::bit_cast<std::uint64_t>(size) >> 51);
 }
-/// No radius of the class is larger.
+/// Upper bound of the radii of a class.
 inline double largest_of(SizeClass size) {
   return std::bit_cast<double>((std::uint64_t{size} + 1) << 51);
 }
 
-/// The highest size class of each level, the finest first: the best choice for this many particles
-/// of each class, seen as far as `gap` [m] beyond touching. No level is empty.
+/// The highest size class of each level, finest level first: the optimum for so many particles of
+/// each class, if pairs up to a gap of `gap` [m] are found. No level is empty.
 inline std::vector<SizeClass> choose_levels(const std::vector<Index>& histogram, double gap,
                                             int dimension) {
-  // In tests: finding the cells and beginning anew in each of their rows.
-  constexpr double to_find_the_cells = 30;
+  // Cost of finding the cells and of starting a loop in each row, in distance tests.
+  constexpr double cell_cost = 30;
   std::vector<SizeClass> sizes;
-  std::vector<double> up_to{0};  // particles of the sizes before
+  std::vector<double> cumulative{0};  // cumulative number of particles
   double volume = 0;
   for (SizeClass size = 0; size < histogram.size(); ++size) {
     if (histogram[size] == 0) continue;
     sizes.push_back(size);
     const auto count = double(histogram[size]);
-    up_to.push_back(up_to.back() + count);
+    cumulative.push_back(cumulative.back() + count);
     volume += count * std::pow(2 * largest_of(size), dimension);
   }
   const auto cost_of_level = [&](std::size_t from, std::size_t to) {
-    const double own = up_to[to] - up_to[from];
-    const double finer = up_to[from];
+    const double own = cumulative[to] - cumulative[from];
+    const double finer = cumulative[from];
     const double edge = 2 * largest_of(sizes[to - 1]) + gap;
-    const double met = std::pow(3 * edge, dimension) * own / volume;
-    return own * (met / 2 + to_find_the_cells) + finer * (met + to_find_the_cells);
+    const double tests = std::pow(3 * edge, dimension) * own / volume;
+    return own * (tests / 2 + cell_cost) + finer * (tests + cell_cost);
   };
   std::vector<double> cost(sizes.size() + 1, std::numeric_limits<double>::infinity());
   std::vector<std::size_t> begin(sizes.size() + 1, 0);

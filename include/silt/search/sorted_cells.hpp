@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-// Points sorted into cells, so that whoever is near stands in a few ranges of memory. See cells.hpp
-// for the cells, bin_sort.hpp for the sort.
+// Points sorted into cells, so that all points near a given one are in a few ranges of memory. See
+// cells.hpp for the cells, bin_sort.hpp for the sort.
 //
 //   slots      0    1    2    3  …       points in cell order
-//   x          x3   x0   x7   x1 …       one column per coordinate: a register loads many at once
-//   item       3    0    7    1  …       their places before
+//   x          x3   x0   x7   x1 …       one column per coordinate, for SIMD
+//   item       3    0    7    1  …       their indices before sorting
 #pragma once
 
 #include <silt/core/error.hpp>
@@ -33,19 +33,19 @@ class SortedCells {
   void sort(std::span<const Vec> x, Real reach) {
     if (x.size() >= std::numeric_limits<std::uint32_t>::max()) {
       fail("search: " + std::to_string(x.size()) +
-           " particles and ghosts are more than 32 bits can number; divide them");
+           " particles and ghosts exceed the limit of 2^32 - 2; reduce their number");
     }
     reach_ = reach;
-    cells_.lay(extent_of(x), x.size(), reach);
+    cells_.set_up(extent_of(x), x.size(), reach);
     if (cells_.shared()) {
       order_.sort(x.size(), cells_.bins(), [&](Index i) { return cells_.bin_of(x[i]); });
     } else {
-      order_.sort(x.size(), cells_.bins(), [&](Index i) { return cells_.bin_of_its_own(x[i]); });
+      order_.sort(x.size(), cells_.bins(), [&](Index i) { return cells_.bin_in_extent(x[i]); });
     }
   }
 
-  /// Puts the points that were sorted into their slots.
-  void take(std::span<const Vec> x) {
+  /// Copies the points into their slots; x is the argument of the last sort().
+  void copy(std::span<const Vec> x) {
     for (auto& column : x_) column.resize(x.size() + simd::lanes<Real>);
     for_each(x.size(), [&](Index slot) {
       const Vec& point = x[item_of()[slot]];
@@ -54,7 +54,7 @@ class SortedCells {
   }
 
   Index size() const noexcept { return order_.size(); }
-  /// How often a point lies in a lower bin than the one before it.
+  /// Number of points in a lower bin than the previous point.
   Index descents() const noexcept { return order_.descents(); }
   const Cells<Dim, Real>& cells() const noexcept { return cells_; }
   /// First slot of each bin, and the number of points.
@@ -67,37 +67,39 @@ class SortedCells {
     for (std::size_t k = 0; k < Dim; ++k) x[static_cast<int>(k)] = x_[k][slot];
     return x;
   }
-  /// They may be read a register beyond their end.
+  /// Coordinates by slot; they may be read up to one register beyond their end.
   simd::Columns<Dim, Real> columns() const {
     simd::Columns<Dim, Real> columns;
     for (std::size_t k = 0; k < Dim; ++k) columns[k] = x_[k].data();
     return columns;
   }
 
-  /// f(slot) for every slot but `own` closer to x than `distance`; slots that are farther by a
-  /// rounding may come as well.
+  /// f(slot) for every slot except `own` closer to x than `distance`; slots farther by a rounding
+  /// error may be included.
   template <class F>
   void for_each_around(const Vec& x, Real distance, Index own, F&& f) const {
     Near near(columns(), x, distance, own);
-    const auto note = [&](Index first, Index last) { near.note(start()[first], start()[last], f); };
+    const auto collect = [&](Index first, Index last) {
+      near.collect(start()[first], start()[last], f);
+    };
     if (distance <= reach_) {
-      cells_.for_each_range_around(cells_.bin_of(x), 1, note);
+      cells_.for_each_range_around(cells_.bin_of(x), 1, collect);
     } else {
-      cells_.for_each_range_within(x, distance, note);
+      cells_.for_each_range_within(x, distance, collect);
     }
-    near.hand_over(f);
+    near.flush(f);
   }
 
-  /// The same for the slots behind `own`, around its point; not beyond a cell, and where no bins
-  /// are shared.
+  /// The same for the slots after `own`, around its point, if `distance` does not exceed the edge
+  /// of a cell and no bins are shared.
   template <class F>
-  void for_each_onwards(Index own, Real distance, F&& f) const {
+  void for_each_forward(Index own, Real distance, F&& f) const {
     const Vec x = at(own);
     Near near(columns(), x, distance, own);
-    cells_.for_each_range_onwards(cells_.bin_of_its_own(x), 1, [&](Index first, Index last) {
-      near.note(std::max<Index>(start()[first], own + 1), start()[last], f);
+    cells_.for_each_range_forward(cells_.bin_in_extent(x), 1, [&](Index first, Index last) {
+      near.collect(std::max<Index>(start()[first], own + 1), start()[last], f);
     });
-    near.hand_over(f);
+    near.flush(f);
   }
 
  private:
@@ -121,10 +123,10 @@ class SortedCells {
     return {lower, upper, x[x.size() / 2]};
   }
 
-  // Whether a distance is below the radius cannot be predicted, so that a branch would cost more
-  // than the distance: what is near is noted without one, and handed over together.
+  // A branch on the distance would be mispredicted and take longer than computing it. Slots are
+  // therefore collected without a branch and passed on in batches.
   struct Near {
-    static constexpr Index most = 256;
+    static constexpr Index capacity = 256;
     static constexpr Index piece = 128;
 
     Near(const simd::Columns<Dim, Real>& columns, const Vec& middle, Real distance, Index own_slot)
@@ -134,20 +136,20 @@ class SortedCells {
     }
 
     template <class F>
-    void note(Index first, Index last, F&& f) {
+    void collect(Index first, Index last, F&& f) {
       constexpr int N = simd::lanes<Real>;
       const auto slots = [](Index s) { return simd::count_from<N>(s); };
       for (; first < last; first += piece) {
-        if (count > most - piece) hand_over(f);
+        if (count > capacity - piece) flush(f);
         const Index end = std::min(last, first + piece);
-        const auto* const noted_to =
-            simd::compress_near<N>(x, first, end, centre, reach, slots, own, noted.data() + count);
-        count = static_cast<Index>(noted_to - noted.data());
+        const auto* const end_of_near = simd::compress_near<N>(
+            x, first, end, centre, reach, slots, own, slots_near.data() + count);
+        count = static_cast<Index>(end_of_near - slots_near.data());
       }
     }
     template <class F>
-    void hand_over(F&& f) {
-      for (Index k = 0; k < count; ++k) f(Index{noted[k]});
+    void flush(F&& f) {
+      for (Index k = 0; k < count; ++k) f(Index{slots_near[k]});
       count = 0;
     }
 
@@ -155,7 +157,7 @@ class SortedCells {
     std::uint32_t own;
     std::array<Real, Dim> centre;
     Real reach;
-    std::array<std::uint32_t, most + simd::lanes<Real>> noted;
+    std::array<std::uint32_t, capacity + simd::lanes<Real>> slots_near;
     Index count = 0;
   };
 

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
-// The contact search of [SahChoi2004]: particles sorted into square cells with the search radius as
-// edge. Whoever is near stands in the same cell or in one beside it, and those are a few ranges of
-// memory (cells.hpp), whose distances are tested a register at a time (core/simd.hpp).
+// The contact search of [SahChoi2004]: particles are sorted into square cells with the search
+// radius as edge. All neighbours of a particle are in its cell or an adjacent one. These cells are
+// a few contiguous ranges of memory (cells.hpp), in which distances are tested with SIMD
+// (core/simd.hpp).
 //
-// Lists for all particles come in bulk, by blocks that share what they find
+// Neighbour rows of all particles are built in blocks of particles that share their candidates
 // (shared_candidates.hpp).
 #pragma once
 
@@ -32,7 +33,7 @@ class UniformGrid {
   using Vec = silt::Vec<Dim, Real>;
 
   struct Settings {
-    Real radius = 0;  ///< pairs closer than this are found [m]; 0: as far as the interaction reaches
+    Real radius = 0;  ///< pairs closer than this are found [m]; 0: the interaction range
   };
 
   UniformGrid() = default;
@@ -47,16 +48,16 @@ class UniformGrid {
     require_positive("UniformGrid: radius", double(radius));
     radius_ = radius;
   }
-  /// Candidates reach no farther than radius() [m].
+  /// Margin of the candidates beyond radius() [m], see margin_of() in core/concepts.hpp.
   Real margin() const noexcept { return 0; }
 
-  /// Puts the owned particles in cell order if many of them are out of it, so that neighbours in
-  /// space are neighbours in memory; particles that came or went since the last update, if any are:
-  /// rows of a lattice ascend too often to count as many.
+  /// Sorts the owned particles by cell if many are out of order, so that neighbours in space are
+  /// close in memory. If particles were added or removed since the last update, sorts if any is out
+  /// of order, because a lattice added row by row has few descents.
   template <class P>
   void sort(P& particles) {
     if (particles.size() < worth_sorting) return;
-    // What the last update saw is new enough.
+    // The count of the last update is recent enough.
     const bool is_new = particles.owned_revision() != revision_;
     const Index many = is_new ? 0 : particles.size() / 16;
     if (!is_new && descents_ <= many) return;
@@ -76,7 +77,7 @@ class UniformGrid {
     owned_ = particles.size();
     revision_ = particles.owned_revision();
     points_.sort(x, radius_);
-    points_.take(x);
+    points_.copy(x);
     descents_ = points_.descents();
     ghost_owners_.resize(x.size() - owned_);
     for (Index g = 0; g < ghost_owners_.size(); ++g) {
@@ -84,11 +85,12 @@ class UniformGrid {
     }
   }
 
-  /// A step that is repeated sorts as it did the first time.
+  /// Restores what sort() decides by, so that a repeated step sorts as the first time.
   void save() noexcept { saved_descents_ = descents_; }
   void restore() noexcept { descents_ = saved_descents_; }
 
-  /// For a checkpoint, see core/transfer.hpp: the last update, and what sort() decides by.
+  /// Writes or reads, for a checkpoint (core/transfer.hpp), the positions of the last update and
+  /// what sort() decides by.
   template <class Archive, class P>
   void transfer(Archive& archive, P& particles) {
     auto descents = descents_;
@@ -97,7 +99,7 @@ class UniformGrid {
         [&](Index i) { return points_.at(slot_of(i)); }, [&] { update(particles); });
     archive("descents", descents);
     descents_ = descents;
-    if (!is_known) revision_ = 0;  // particles came or went since
+    if (!is_known) revision_ = 0;  // particles were added or removed since
   }
 
   /// f(j, r_ij, r) for every j, owned or ghost, with r < radius(); i is owned, r_ij = x_j − x_i.
@@ -113,20 +115,21 @@ class UniformGrid {
     });
   }
 
-  /// f(j) for some j of owned i: every pair of owned particles closer than radius() is met from one
-  /// of the two, every owned one and ghost from the owned one. Others may come as well.
+  /// f(j) for the candidates j of the owned particle i. A pair of owned particles closer than
+  /// radius() is reported at one of the two, a pair of an owned particle and a ghost at the owned
+  /// one. Pairs farther apart may be reported as well.
   template <class F>
   void for_each_candidate(Index i, F&& f) const {
-    for_each_slot_met(slot_of(i), [&](Index slot) { f(Index{points_.item_of()[slot]}); });
+    for_each_candidate_slot(slot_of(i), [&](Index slot) { f(Index{points_.item_of()[slot]}); });
   }
 
-  /// Whether j is a ghost, and i with it the image of a pair that counts from its other particle.
+  /// Whether j is a ghost and the pair i, j an image of a pair that for_each_pair reports at the
+  /// other particle.
   bool is_second_image(Index i, Index j) const noexcept {
     return j >= owned_ && ghost_owners_[j - owned_] <= i;
   }
 
-  /// f(i, j, r_ij, r) for every pair once; i is owned, j owned or ghost. Pairs come in the order of
-  /// the cells.
+  /// f(i, j, r_ij, r) for every pair once, in the order of the cells; i is owned, j owned or ghost.
   template <class F>
   void for_each_pair(F&& f) const {
     const Real reach = radius_ * radius_;
@@ -134,7 +137,7 @@ class UniformGrid {
       const Index a = points_.item_of()[own];
       if (a >= owned_) continue;
       const Vec x_a = points_.at(own);
-      for_each_slot_met(own, [&](Index slot) {
+      for_each_candidate_slot(own, [&](Index slot) {
         const Index b = points_.item_of()[slot];
         if (is_second_image(a, b)) return;
         const Vec r_ab = points_.at(slot) - x_a;
@@ -149,18 +152,18 @@ class UniformGrid {
     }
   }
 
-  /// Makes row slot_of(i) the neighbours of i, in the order of for_each_neighbour, or its
-  /// candidates, in that of for_each_candidate. Pairs that are farther apart than the radius by a
-  /// rounding may come as well. Rows of ghosts are empty.
+  /// Fills row slot_of(i) with the neighbours of i, in the order of for_each_neighbour, or with its
+  /// candidates, in the order of for_each_candidate. Pairs farther apart than the radius by a
+  /// rounding error may be included. Rows of ghosts are empty.
   void build_rows(NeighbourRows& rows, Pairs pairs) const {
     rows.build(points_.size(), [&](Chunk chunk, NeighbourRows::Writer& row) {
       add_rows(chunk, pairs, [](Index) { return true; }, row);
     });
   }
 
-  /// f(chunk, i, js) for every owned i that is wanted(i) and has neighbours, js being the indices
-  /// of its neighbours as build_rows finds them: for rows that are read once. Several chunks at a
-  /// time, each by one thread and in the order of the cells.
+  /// f(chunk, i, js) for every owned i for which wanted(i) is true and that has neighbours; js are
+  /// the indices of its neighbours, as in build_rows. For rows that are read only once. Chunks are
+  /// processed in parallel, each by one thread in the order of the cells.
   template <class Wanted, class F>
   void for_each_row(Wanted&& wanted, F&& f) const {
     for_each_chunk(points_.size(), [&](Chunk chunk) {
@@ -170,14 +173,13 @@ class UniformGrid {
     });
   }
 
-  /// Place of particle i in the order of the cells.
+  /// Slot of particle i, that is, its index in the order of the cells.
   Index slot_of(Index i) const noexcept { return points_.slot_of(i); }
 
-  /// Bins of the grid: at most a small multiple of the number of particles.
+  /// Number of bins of the grid; at most a small multiple of the number of particles.
   Index bins() const noexcept { return points_.start().empty() ? 0 : points_.cells().bins(); }
 
-  /// Owned particles in cell order: what Particles::reorder takes so that neighbours in space
-  /// become neighbours in memory.
+  /// Owned particles in cell order, for Particles::reorder.
   std::vector<Index> order() const {
     std::vector<Index> order;
     order.reserve(owned_);
@@ -188,16 +190,16 @@ class UniformGrid {
   }
 
  private:
-  // Fewer particles fit into a cache in any order.
+  // Fewer particles fit into the cache in any order.
   static constexpr Index worth_sorting = 1024;
-  // Particles that are enough to share candidates, and cells that are still close together.
+  // Number of particles that justifies sharing candidates, and maximum number of cells in a block.
   static constexpr Index shared_by = 16;
   static constexpr std::int64_t longest_block = 12;
 
   bool has_ghosts() const noexcept { return !ghost_owners_.empty(); }
 
-  // Of two owned particles the one in the lower slot meets the other; ghosts meet nobody.
-  bool is_met(Index own, Index j) const { return j >= owned_ || own < slot_of(j); }
+  // A pair of owned particles is reported at the one in the lower slot, others at the owned one.
+  bool is_reported_at(Index own, Index j) const { return j >= owned_ || own < slot_of(j); }
 
   template <class F>
   void for_each_slot_around(Index own, F&& f) const {
@@ -205,20 +207,20 @@ class UniformGrid {
   }
 
   template <class F>
-  void for_each_slot_met(Index own, F&& f) const {
+  void for_each_candidate_slot(Index own, F&& f) const {
     if (has_ghosts() || points_.cells().shared()) {
       for_each_slot_around(own, [&](Index slot) {
-        if (is_met(own, points_.item_of()[slot])) f(slot);
+        if (is_reported_at(own, points_.item_of()[slot])) f(slot);
       });
     } else {
-      points_.for_each_onwards(own, radius_, f);
+      points_.for_each_forward(own, radius_, f);
     }
   }
 
-  // Rows of the particles that are wanted, and empty ones for the others and for ghosts.
+  // Writes the rows of the wanted particles, and empty ones for all others and for ghosts.
   template <class Wanted, class Row>
   void add_rows(Chunk chunk, Pairs pairs, const Wanted& wanted, Row& row) const {
-    // Its memory stays warm; what it holds is made anew for every block.
+    // Static for its memory only; the contents are replaced for every block.
     static thread_local SharedCandidates<Dim, Real> candidates;
     const auto has_row = [&](Index slot) {
       const Index i = points_.item_of()[slot];
@@ -234,15 +236,15 @@ class UniformGrid {
     }
   }
 
-  // Rows of the block that begins with this slot; returns the slot behind it.
+  // Writes the rows of the block that begins at this slot; returns the end of the block.
   template <class HasRow, class Row>
   Index add_rows_of_block(Index first, Index limit, Pairs pairs, const HasRow& has_row,
                           SharedCandidates<Dim, Real>& candidates, Row& row) const {
     const auto items = points_.item_of();
     const auto start = points_.start();
-    // A few cells in a row, until there are enough particles to share what is found.
-    const Index bin = points_.cells().bin_of_its_own(points_.at(first));
-    const Index longest = points_.cells().block_from(points_.at(first), longest_block);
+    // As many cells in a row as are needed to have enough particles for sharing.
+    const Index bin = points_.cells().bin_in_extent(points_.at(first));
+    const Index longest = points_.cells().max_block(points_.at(first), longest_block);
     Index length = 1;
     while (length < longest && start[bin + length] < first + shared_by) ++length;
     const Index last = std::min<Index>(start[bin + length], limit);
@@ -251,9 +253,9 @@ class UniformGrid {
 
     candidates.begin(points_.columns(), items.data(), first, last, radius_);
     const auto add = [&](Index from, Index to) { candidates.add(start[from], start[to]); };
-    const bool onwards = pairs == Pairs::once && !has_ghosts();
-    if (rows > 0 && onwards) {
-      points_.cells().for_each_range_onwards(bin, length, add);
+    const bool forward = pairs == Pairs::once && !has_ghosts();
+    if (rows > 0 && forward) {
+      points_.cells().for_each_range_forward(bin, length, add);
     } else if (rows > 0) {
       points_.cells().for_each_range_around(bin, length, add);
     }
@@ -261,19 +263,20 @@ class UniformGrid {
     for (Index slot = first; slot < last; ++slot) {
       if (has_row(slot)) {
         std::uint32_t* const begin = to;
-        to = candidates.near(slot, onwards, begin);
-        if (pairs == Pairs::once && !onwards) to = keep_met(slot, begin, to);
+        to = candidates.near(slot, forward, begin);
+        if (pairs == Pairs::once && !forward) to = remove_others(slot, begin, to);
       }
       row.end_row(to);
     }
     return last;
   }
 
-  std::uint32_t* keep_met(Index own, std::uint32_t* begin, std::uint32_t* end) const {
-    return std::remove_if(begin, end, [&](std::uint32_t j) { return !is_met(own, j); });
+  std::uint32_t* remove_others(Index own, std::uint32_t* begin, std::uint32_t* end) const {
+    return std::remove_if(begin, end, [&](std::uint32_t j) { return !is_reported_at(own, j); });
   }
 
-  // One row, without sharing: where far cells share bins, a block is not small.
+  // Writes one row without sharing. If distant cells share bins, the particles of a block may be
+  // far apart.
   template <class Row>
   void add_row(Index slot, Pairs pairs, bool has_row, Row& row) const {
     const Index i = points_.item_of()[slot];
@@ -293,7 +296,7 @@ class UniformGrid {
   Real radius_ = 0;
   Index owned_ = 0;
   std::uint64_t revision_ = 0;  // of the particles at the last update
-  Index descents_ = 0;          // of their cells then, ghosts included
+  Index descents_ = 0;          // of their cells at the last update, ghosts included
   Index saved_descents_ = 0;
   SortedCells<Dim, Real> points_;
   std::vector<Index> ghost_owners_;

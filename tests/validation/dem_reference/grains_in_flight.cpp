@@ -56,9 +56,9 @@ double missed(bool periodic) {
   Search search;
   search.set_radius(r);
   search.update(particles);
-  const auto right = once_each(meetings_by_hand(particles, r));
-  const auto found = once_each(meetings(particles, search));
-  std::vector<Meeting<Dim, double>> differ;
+  const auto right = once_each(brute_force_pairs(particles, r));
+  const auto found = once_each(neighbour_pairs(particles, search));
+  std::vector<NeighbourPair<Dim, double>> differ;
   std::set_symmetric_difference(right.begin(), right.end(), found.begin(), found.end(),
                                 std::back_inserter(differ));
   return right.size() < 100 ? 1e9 : double(differ.size());
