@@ -25,6 +25,8 @@ jobs=$(count_jobs)
 # one is shown beside TEXT. On a terminal, that is one line rewritten each second.
 report() {
   local text=$1 only_last=${2:-} pause=6 line="" part code wait last="" said=$SECONDS began=$SECONDS
+  # Ctrl-C ends the command; what it prints before it ends is still passed on.
+  trap '' INT TERM
   if [[ -t 2 ]]; then pause=1; fi
   report_line() {
     local shown=${line:-$last}
@@ -217,6 +219,10 @@ dpkg_has() {
 }
 
 print_install_command() {
+  if ! command -v apt-get >/dev/null; then
+    echo "silt: install these packages, named here as in Debian: $*" >&2
+    return
+  fi
   local command="apt-get update && apt-get install -y --no-install-recommends $*"
   if command -v sudo >/dev/null; then
     command="sudo apt-get update && sudo apt-get install -y --no-install-recommends $*"

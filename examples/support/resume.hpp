@@ -117,14 +117,21 @@ inline void parse_resumed(CLI::App& app, Resume& resume) {
   app.parse(std::move(arguments));
 }
 
-template <class Change>
-void for_each_checkpoint(const std::filesystem::path& folder, Change&& change) {
+inline std::vector<std::filesystem::path> checkpoints_in(const std::filesystem::path& folder,
+                                                         const std::string& ending = ".silt") {
   std::vector<std::filesystem::path> paths;
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
     const std::string name = entry.path().filename().string();
-    if (name.starts_with("checkpoint") && name.ends_with(".silt")) paths.push_back(entry.path());
+    if (name.starts_with("checkpoint") && name.ends_with(ending)) paths.push_back(entry.path());
   }
-  for (const auto& path : paths) change(path);
+  return paths;
+}
+
+// Also those of which a run that was killed had written a part.
+inline void remove_checkpoints(const std::filesystem::path& folder) {
+  for (const char* const ending : {".silt", ".silt.part"}) {
+    for (const auto& path : checkpoints_in(folder, ending)) std::filesystem::remove(path);
+  }
 }
 
 }  // namespace detail
@@ -154,9 +161,7 @@ int run(CLI::App& app, int argc, char** argv, Resume& resume, Body&& body) {
 /// nothing to go on from.
 inline void open_output_folder(const Resume& resume, const std::filesystem::path& folder) {
   if (resume.is_asked_for()) {
-    int checkpoints = 0;
-    detail::for_each_checkpoint(folder, [&](const auto&) { ++checkpoints; });
-    if (checkpoints == 0) {
+    if (detail::checkpoints_in(folder).empty()) {
       const bool is_complete = std::filesystem::exists(folder / "summary.json");
       throw Refusal("--resume: the run in " + folder.string() +
                     (is_complete ? " is complete" : " has no checkpoint yet; begin it anew"));
@@ -164,7 +169,7 @@ inline void open_output_folder(const Resume& resume, const std::filesystem::path
     make_output_folder(folder);
   } else {
     make_output_folder(folder);
-    detail::for_each_checkpoint(folder, [](const auto& path) { std::filesystem::remove(path); });
+    detail::remove_checkpoints(folder);
   }
   const nlohmann::ordered_json arguments{{"program", resume.name},
                                          {"arguments", resume.arguments}};
@@ -174,7 +179,7 @@ inline void open_output_folder(const Resume& resume, const std::filesystem::path
 /// Writes the summary, with which the run is complete: its checkpoints are removed.
 inline void complete(const std::filesystem::path& folder, const nlohmann::ordered_json& summary) {
   write_summary(folder, summary);
-  detail::for_each_checkpoint(folder, [](const auto& path) { std::filesystem::remove(path); });
+  detail::remove_checkpoints(folder);
 }
 
 /// A simulation and the parts of its run, which a checkpoint holds.

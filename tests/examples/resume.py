@@ -61,6 +61,8 @@ def run_in_parts(program, arguments, folder, seconds):
             sys.exit(f"{' '.join(command)} ended with {code}: {said}")
         if list(folder.glob("checkpoint*.silt")):
             command = resumed
+            # As if it had been killed while it wrote that of an earlier stage.
+            (folder / "checkpoint_of_a_stage.silt.part").touch()
 
 
 def main(arguments):

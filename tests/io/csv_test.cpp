@@ -6,7 +6,13 @@
 
 #include <gtest/gtest.h>
 
+#if __has_include(<sys/resource.h>)
+#include <csignal>
+#include <sys/resource.h>
+#endif
+
 #include <cmath>
+#include <filesystem>
 #include <limits>
 #include <numbers>
 #include <string>
@@ -50,6 +56,25 @@ TEST_F(Csv, ARowOfTheWrongLengthIsRefused) {
   EXPECT_THROW(file.row({1, 2, 3}), Error);
   EXPECT_EQ(read_csv(path).rows(), 0u);
 }
+
+#if __has_include(<sys/resource.h>)
+TEST_F(Csv, ARowThatCouldNotBeWrittenLeavesNothing) {
+  CsvFile file{path, {"t", "x"}};
+  file.row({1, 2});
+  rlimit before{};
+  ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &before), 0);
+  rlimit full = before;
+  full.rlim_cur = std::filesystem::file_size(path) + 3;
+  const auto handler = std::signal(SIGXFSZ, SIG_IGN);
+  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &full), 0);
+  const auto refused = test::refuses([&] { file.row({3.25, 4.25}); }, {"CsvFile: cannot write"});
+  setrlimit(RLIMIT_FSIZE, &before);
+  std::signal(SIGXFSZ, handler);
+  EXPECT_TRUE(refused);
+  file.row({5, 6});
+  EXPECT_EQ(bytes(), "t,x\n1,2\n5,6\n");
+}
+#endif
 
 TEST_F(Csv, AFileThatCannotBeWrittenIsRefusedWithTheReason) {
   const auto below = path / "below" / "a.csv";

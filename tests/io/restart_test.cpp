@@ -34,5 +34,33 @@ TEST_F(Restart, KeepsTheBitsOfWaterWithANeighbourList) {
   }
 }
 
+TEST_F(Restart, KeepsTheBitsOfWaterBesideAWallThatChangedItsKind) {
+  const double l0 = 0.04;
+  const auto tank = mps::make_tank<2>(
+      {.column = {0.4, 0.4}, .size = {.length = 0.8, .height = 0.6}, .spacing = l0});
+  const auto make = [&] {
+    return Simulation{tank, UniformGrid<2>{},
+                      mps::Flow<mps::Recommended>{{.spacing = l0, .speed_scale = 2}},
+                      SemiImplicit<>{}};
+  };
+  auto dam = make();
+  for (int k = 0; k < 10; ++k) dam.step();
+  auto& particles = dam.particles();
+  for (Index i = 0; i < particles.size(); ++i) {
+    const bool is_of_floor = particles[position][i][1] < 0;
+    if (is_of_floor && particles[mps::kind][i] == mps::Kind::dummy) {
+      particles[mps::kind][i] = mps::Kind::wall;
+    }
+  }
+  write_checkpoint(path, dam);
+  auto resumed = make();
+  read_checkpoint(path, resumed);
+  for (int k = 0; k < 10; ++k) {
+    dam.step();
+    resumed.step();
+  }
+  EXPECT_EQ(restart::hash(RunWith{dam}), restart::hash(RunWith{resumed}));
+}
+
 }  // namespace
 }  // namespace silt::test

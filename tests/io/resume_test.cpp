@@ -179,6 +179,41 @@ TEST(ResumedRun, OfWaterHasTheFilesOfOneThatWentThrough) {
   });
 }
 
+TEST(ResumedRun, OfTheSecondOfTwoRunsHasTheFilesOfOneThatWentThrough) {
+  const Folder folder;
+  // Whether it went through. Outputs at every fifth step, and at the end of each run.
+  const auto program = [](auto& simulation, VtkSeries& film, CsvFile& table, std::uint64_t steps) {
+    StopAfter stop{steps};
+    for (const double until : {1.5e-3, 3.1e-3}) {
+      if (!simulation.run({.until = until, .output_every = 1e-3, .time_step = 2e-4}, film,
+                          Rows{table}, stop)) {
+        return false;
+      }
+    }
+    return true;
+  };
+  const auto all = [&](const std::string& name, auto&& use) {
+    std::filesystem::create_directory(folder.path / name);
+    auto simulation = falling_grains();
+    VtkSeries film{folder.path / name / "film"};
+    CsvFile table{folder.path / name / "rows.csv", columns};
+    use(simulation, film, table);
+  };
+  all("whole", [&](auto&... part) { EXPECT_TRUE(program(part..., 1000)); });
+  for (const std::uint64_t k : {3u, 9u, 12u, 15u}) {
+    std::filesystem::remove_all(folder.path / "part");
+    all("part", [&](auto&... part) {
+      EXPECT_FALSE(program(part..., k));
+      write_checkpoint(folder.path / "run.silt", part...);
+    });
+    all("part", [&](auto&... part) {
+      read_checkpoint(folder.path / "run.silt", part...);
+      EXPECT_TRUE(program(part..., 1000));
+    });
+    EXPECT_EQ(files_in(folder.path / "part"), files_in(folder.path / "whole")) << k;
+  }
+}
+
 TEST(ResumedRun, AddsToTheFilmAlsoIfTheCheckpointHasNoSeries) {
   const Folder folder;
   const auto film = [&](const std::string& name) { return VtkSeries{folder.path / name / "film"}; };

@@ -51,6 +51,8 @@ TEST(StopOnSignal, PutsBackWhatWasThere) {
     std::raise(SIGINT);
     EXPECT_TRUE(stop.stop_requested());
     EXPECT_EQ(heard, 0);
+    std::raise(SIGTERM);  // ignored also after the first signal
+    EXPECT_EQ(stop.signal_number(), SIGINT);
   }
   std::raise(SIGINT);
   EXPECT_EQ(heard, SIGINT);

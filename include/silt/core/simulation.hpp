@@ -198,7 +198,8 @@ class Simulation {
   ///   observer.stop_requested()             before every step: if true, the run ends there
   /// where they have these; see core/concepts.hpp. A run that an observer ended has no output at
   /// its end, and the next run() goes on with it: it has none at its beginning. So does the first
-  /// run() after a checkpoint that was written during a run. Throws silt::Error if a number of
+  /// run() after a checkpoint that was written during a run; if the last step began at or after
+  /// `until`, that was a later run, and this one does nothing. Throws silt::Error if a number of
   /// `run` is out of range, and what step() throws.
   template <class... Observers>
     requires(Observer<Observers, Simulation> && ...)
@@ -244,6 +245,8 @@ class Simulation {
     const double given_time_step = run.time_step.value_or(0.0);
     const double almost_until = run.until * (1 - 1e-12);
 
+    // A checkpoint of a later run of the same program: this one was complete before.
+    if (run_is_open_ && time_ - last_time_step_ >= almost_until) return true;
     if (!run_is_open_ || output_is_due()) observe();
     OpenRun open(run_is_open_);
     while (time_ < almost_until) {
@@ -288,7 +291,8 @@ class Simulation {
   void step_towards(double until, double dt) {
     const double left = until - time_;
     const bool is_last = left <= dt * (1 + 1e-9);
-    step(is_last ? left : left < 2 * dt ? left / 2 : dt);
+    // Never longer than dt, which may be the longest that is stable.
+    step(is_last ? std::min(left, dt) : left < 2 * dt ? left / 2 : dt);
     if (is_last) time_ = until;
   }
 

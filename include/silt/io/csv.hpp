@@ -113,7 +113,9 @@ class CsvFile {
     errno = 0;
     if (std::fwrite(line.data(), 1, line.size(), stream_.get()) != line.size() ||
         std::fflush(stream_.get()) != 0) {
-      refuse(file::last_error());
+      const std::error_code reason = file::last_error();
+      stream_.reset();  // the next row removes what was written of this one
+      refuse(reason);
     }
     size_ += line.size();
   }

@@ -8,6 +8,7 @@
 
 #if !defined(__wasi__)
 #include <csignal>
+#include <initializer_list>
 #endif
 
 namespace silt {
@@ -26,10 +27,7 @@ class StopOnSignal {
     }
     received_ = 0;
 #if !defined(__wasi__)
-    for (auto& each : handled_) {
-      each.before = std::signal(each.number, &StopOnSignal::receive);
-      if (each.before == SIG_IGN) std::signal(each.number, SIG_IGN);
-    }
+    for (auto& each : handled_) each.before = handle(each.number, &StopOnSignal::receive);
 #endif
   }
   StopOnSignal(const StopOnSignal&) = delete;
@@ -50,15 +48,22 @@ class StopOnSignal {
 
  private:
 #if !defined(__wasi__)
+  using Handler = void (*)(int);
+
+  // Sets the handler, unless the signal is ignored, and returns the one before.
+  static Handler handle(int number, Handler handler) {
+    const Handler before = std::signal(number, handler);
+    if (before == SIG_IGN) std::signal(number, SIG_IGN);
+    return before;
+  }
   static void receive(int number) {
     received_ = number;
-    std::signal(SIGINT, SIG_DFL);
-    std::signal(SIGTERM, SIG_DFL);
+    for (const int each : {SIGINT, SIGTERM}) handle(each, SIG_DFL);
   }
 
   struct Handled {
     int number;
-    void (*before)(int) = SIG_DFL;
+    Handler before = SIG_DFL;
   };
   Handled handled_[2] = {{.number = SIGINT}, {.number = SIGTERM}};
 #endif

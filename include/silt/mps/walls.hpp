@@ -45,11 +45,10 @@ class WallNormals {
   /// A wall particle's normal points away from what is solid around it; a dummy's is the mean of
   /// the wall particles' around it. Zero where there is no side to point to. They depend on the
   /// particles alone, not on when they were found: sums run in the order of the ids, and are made
-  /// anew when particles came, went or were sorted, and when solid ones moved.
+  /// anew when particles came, went, were sorted or changed their kind, and when solid ones moved.
   template <FluidParticles P, class T>
   void find(const P& particles, const Neighbourhood<Dim, Real>& around, const T& stencil) {
     if (are_of(particles)) return;
-    note(particles);
     const auto kinds = particles.with_ghosts(kind);
     normals_.assign(particles.size(), Vec::Zero());
     for_each(particles.size(), [&](Index i) {
@@ -77,6 +76,7 @@ class WallNormals {
         normals_[i] = of_dummies[i].normalized();
       }
     });
+    note(particles);
   }
 
   const Vec& operator[](Index i) const noexcept { return normals_[i]; }
@@ -90,18 +90,21 @@ class WallNormals {
     const auto kinds = particles[kind];
     return particles.owned_revision() == revision_ && x.size() == positions_.size() &&
            first_where(x.size(), [&](Index i) {
-             return kinds[i] != Kind::fluid && x[i] != positions_[i];
+             return kinds[i] != kinds_[i] || (kinds[i] != Kind::fluid && x[i] != positions_[i]);
            }) == no_index;
   }
   template <class P>
   void note(const P& particles) {
     const auto x = particles[position];
+    const auto kinds = particles[kind];
     positions_.assign(x.begin(), x.end());
+    kinds_.assign(kinds.begin(), kinds.end());
     revision_ = particles.owned_revision();
   }
 
   std::vector<Vec> normals_;  // of owned particles, zero for fluid
   std::vector<Vec> positions_;  // from which they were found; those of fluid do not matter
+  std::vector<Kind> kinds_;     // then
   std::uint64_t revision_ = 0;
 };
 
