@@ -55,10 +55,10 @@ void expect_to_close(double rounding) {
     const FlowEnergy& energy = sim.interaction().energy();
     EXPECT_NEAR(energy.kinetic, kinetic_of(sim.particles(), mass), rounding * first);
     EXPECT_NEAR(energy.imbalance(), 0, rounding * first);
-    EXPECT_NEAR(energy.outside, 0, rounding * first);
+    EXPECT_NEAR(energy.added, 0, rounding * first);
   }
   const FlowEnergy& energy = sim.interaction().energy();
-  EXPECT_NEAR(energy.first, first, rounding * first);
+  EXPECT_NEAR(energy.initial, first, rounding * first);
   EXPECT_GT(energy.kinetic, 0.02 * first) << "it fell";
   EXPECT_LT(energy.by_viscosity, -1e-6 * first);
   EXPECT_LT(energy.by_collision, -1e-4 * first);
@@ -84,7 +84,7 @@ TEST(FlowEnergy, OfAFallIsExactlyThatOfItsSteps) {
   const double mass = 64 * 1000 * 0.02 * 0.02;
   const double fallen = 9.81 * sim.time();  // speed [m/s]
   EXPECT_NEAR(energy.kinetic, mass * fallen * fallen / 2, 1e-10);
-  EXPECT_NEAR(energy.by_stepping, -mass * 9.81 * fallen * dt / 2, 1e-10);
+  EXPECT_NEAR(energy.by_integration, -mass * 9.81 * fallen * dt / 2, 1e-10);
   for (const double none : {energy.by_viscosity, energy.by_collision, energy.by_pressure}) {
     EXPECT_NEAR(none, 0, 1e-12);
   }
@@ -101,7 +101,7 @@ TEST(FlowEnergy, OfAFallUnderABodyForceIsTheForcesWork) {
   EXPECT_NEAR(energy.kinetic, mass * std::pow(5 * sim.time(), 2) / 2, 1e-10);
   EXPECT_NEAR(energy.by_force, energy.kinetic, 1e-10);
   EXPECT_EQ(energy.potential, 0);
-  EXPECT_EQ(energy.by_stepping, 0);
+  EXPECT_EQ(energy.by_integration, 0);
 }
 
 TEST(FlowEnergy, ThatACollisionTakesIsThatOfItsRestitution) {
@@ -114,7 +114,7 @@ TEST(FlowEnergy, ThatACollisionTakesIsThatOfItsRestitution) {
   auto sim = simulation(std::move(pair), settings);
   sim.step(1e-3);
   const double mass = 1000 * 0.02 * 0.02;
-  EXPECT_NEAR(sim.interaction().energy().first, mass, 1e-15);
+  EXPECT_NEAR(sim.interaction().energy().initial, mass, 1e-15);
   EXPECT_NEAR(sim.interaction().energy().by_collision, -mass * (1 - 0.3 * 0.3), 1e-12);
   EXPECT_EQ(sim.interaction().energy().by_pressure, 0);
 }
@@ -136,8 +136,8 @@ TEST(FlowEnergy, ThatViscosityTakesIsThatOfAShearWave) {
   for (int step = 0; step < 100; ++step) sim.step(5e-4);
   const FlowEnergy& energy = sim.interaction().energy();
   const double lost = 1 - std::exp(-2 * nu * k * k * sim.time());
-  EXPECT_NEAR(-energy.by_viscosity / energy.first, lost, 0.03 * lost);
-  EXPECT_NEAR(energy.by_viscosity, energy.kinetic - energy.first, 1e-3 * energy.first);
+  EXPECT_NEAR(-energy.by_viscosity / energy.initial, lost, 0.03 * lost);
+  EXPECT_NEAR(energy.by_viscosity, energy.kinetic - energy.initial, 1e-3 * energy.initial);
 }
 
 TEST(FlowEnergy, IsTheSameBitsForAnyNumberOfThreads) {
@@ -150,8 +150,8 @@ TEST(FlowEnergy, IsTheSameBitsForAnyNumberOfThreads) {
           {.spacing = 0.02, .speed_scale = 2.8});
       for (int k = 0; k < 6; ++k) sim.step();
       const FlowEnergy& e = sim.interaction().energy();
-      return std::vector{e.kinetic,      e.potential,   e.first,       e.by_viscosity,
-                         e.by_collision, e.by_pressure, e.by_stepping, e.outside};
+      return std::vector{e.kinetic,      e.potential,   e.initial,       e.by_viscosity,
+                         e.by_collision, e.by_pressure, e.by_integration, e.added};
     });
   };
   const auto alone = by(1);
@@ -172,7 +172,7 @@ TEST(FlowEnergy, OfAFailedStepIsThatOfBefore) {
   sim.step();
   other.step();
   EXPECT_EQ(sim.interaction().energy().total(), other.interaction().energy().total());
-  EXPECT_EQ(sim.interaction().energy().outside, other.interaction().energy().outside);
+  EXPECT_EQ(sim.interaction().energy().added, other.interaction().energy().added);
   EXPECT_EQ(sim.interaction().energy().by_collision, other.interaction().energy().by_collision);
 }
 
@@ -188,9 +188,9 @@ TEST(FlowEnergy, GoesOnFromACheckpoint) {
   const FlowEnergy& a = whole.interaction().energy();
   const FlowEnergy& b = part.interaction().energy();
   EXPECT_EQ(b.total(), a.total());
-  EXPECT_EQ(b.first, a.first);
+  EXPECT_EQ(b.initial, a.initial);
   EXPECT_EQ(b.by_pressure, a.by_pressure);
-  EXPECT_EQ(b.by_stepping, a.by_stepping);
+  EXPECT_EQ(b.by_integration, a.by_integration);
   EXPECT_EQ(b.imbalance(), a.imbalance());
 }
 
@@ -202,12 +202,12 @@ TEST(FlowEnergy, OfWhatAHandDoesBetweenStepsComesFromOutside) {
   sim.particles()[velocity][7] = {0, 3};
   const double given = mass * (9 - u.squaredNorm()) / 2;
   sim.step(1e-4);
-  EXPECT_NEAR(sim.interaction().energy().outside, given, 1e-10);
+  EXPECT_NEAR(sim.interaction().energy().added, given, 1e-10);
   const FlowEnergy before = sim.interaction().energy_of(sim.particles());
   sim.particles().remove_if([](Index i) { return i < 10; });
   const FlowEnergy after = sim.interaction().energy_of(sim.particles());
   sim.step(1e-4);
-  EXPECT_NEAR(sim.interaction().energy().outside - given, after.total() - before.total(), 1e-10);
+  EXPECT_NEAR(sim.interaction().energy().added - given, after.total() - before.total(), 1e-10);
   EXPECT_NEAR(sim.interaction().energy().imbalance(), 0, 1e-10);
 }
 

@@ -162,7 +162,7 @@ TEST(FailedFlowStep, ReportsTheSolveThatFailed) {
 TEST(FailedFlowStep, OfATimeStepThatIsTooLongLeavesNoTrace) {
   expect_undone(
       [](auto& sim) { sim.step(1.0); }, [](auto&) {},
-      {"mps::Flow: time_step = 1 s", "spacing", "take at most ", "particle ", "id "});
+      {"mps::Flow: time_step = 1 s", "spacing", "use at most ", "particle ", "id "});
 }
 
 TEST(FailedFlowStep, OfATimeStepThatIsNoTimeLeavesNoTrace) {

@@ -128,16 +128,16 @@ TEST(Neighbourhood, KnowsWhetherParticlesMovedSinceItWasFound) {
   mps::Neighbourhood<2, double> around;
   search.update(fluid);
   around.find(fluid, search, stencil);
-  EXPECT_TRUE(around.is_of(fluid));
+  EXPECT_TRUE(around.is_current(fluid));
   fluid[velocity][3] = {1, 2};
-  EXPECT_TRUE(around.is_of(fluid));
+  EXPECT_TRUE(around.is_current(fluid));
   fluid[position][3][0] += 1e-15;
-  EXPECT_FALSE(around.is_of(fluid));
+  EXPECT_FALSE(around.is_current(fluid));
   search.update(fluid);
   around.find(fluid, search, stencil);
-  EXPECT_TRUE(around.is_of(fluid));
+  EXPECT_TRUE(around.is_current(fluid));
   mps::add_particle(fluid, {5, 5}, Kind::fluid);
-  EXPECT_FALSE(around.is_of(fluid));
+  EXPECT_FALSE(around.is_current(fluid));
 }
 
 TEST(Neighbourhood, RefusesTwoParticlesOnOnePoint) {
@@ -147,7 +147,7 @@ TEST(Neighbourhood, RefusesTwoParticlesOnOnePoint) {
   search.update(fluid);
   mps::Neighbourhood<2, double> around;
   EXPECT_TRUE(refuses([&] { around.find(fluid, search, stencil); },
-                      {"two particles lie on one point", "particle 1"}));
+                      {"two particles have the same position", "particle 1"}));
 }
 
 }  // namespace

@@ -46,7 +46,7 @@ static_assert(!mps::FreeSurface<DensitySource>);
 struct CollisionWithoutReach {
   void check() const {}
   template <int Dim, class Real>
-  Vec<Dim, Real> impulse(const mps::CollidingPair<Dim, Real>& pair) const {
+  Vec<Dim, Real> velocity_change(const mps::CollidingPair<Dim, Real>& pair) const {
     return pair.r_ij;
   }
 };

@@ -115,21 +115,21 @@ TEST(ErrorCompensatingSource, IsTheHigherOrderOneWhereThereIsNoError) {
 
 TEST(KeepApart, LeavesPairsThatStayApartAlone) {
   const CollidingPair<2> near{.r_ij = {0.95, 0}, .r = 0.95, .u_ij = {-0.1, 0}, .spacing = 1, .time_step = 0.1};
-  EXPECT_EQ(mps::KeepApart{}.impulse(near).norm(), 0);
-  EXPECT_GT(mps::AdoptedCollision{}.impulse(near).norm(), 0);
+  EXPECT_EQ(mps::KeepApart{}.velocity_change(near).norm(), 0);
+  EXPECT_GT(mps::AdoptedCollision{}.velocity_change(near).norm(), 0);
 }
 
 TEST(KeepApart, EndsTheStepAtItsDistanceUnlessThatTakesMoreThanACollision) {
   // Coming closer at 2: 0.95 − 0.2 = 0.75 without it; to stay at 0.9 takes 1.5, a collision 2.4.
   CollidingPair<2> pair{.r_ij = {0.95, 0}, .r = 0.95, .u_ij = {-2, 0}, .spacing = 1, .time_step = 0.1};
-  EXPECT_NEAR(mps::KeepApart{}.impulse(pair)[0], -0.75, 1e-12);
-  EXPECT_NEAR(mps::DynamicStabilisation{}.impulse(pair)[0], -0.75, 1e-12);
+  EXPECT_NEAR(mps::KeepApart{}.velocity_change(pair)[0], -0.75, 1e-12);
+  EXPECT_NEAR(mps::DynamicStabilisation{}.velocity_change(pair)[0], -0.75, 1e-12);
   pair.wall = true;
-  EXPECT_NEAR(mps::KeepApart{}.impulse(pair)[0], -1.5, 1e-12);
+  EXPECT_NEAR(mps::KeepApart{}.velocity_change(pair)[0], -1.5, 1e-12);
   // Too close already, and hardly moving: no more than it brings.
   pair = {.r_ij = {0.5, 0}, .r = 0.5, .u_ij = {-0.1, 0}, .spacing = 1, .time_step = 0.1};
-  EXPECT_NEAR(mps::KeepApart{}.impulse(pair)[0], -0.06, 1e-12);
-  EXPECT_NEAR(mps::DynamicStabilisation{}.impulse(pair)[0], -2.05, 1e-12);
+  EXPECT_NEAR(mps::KeepApart{}.velocity_change(pair)[0], -0.06, 1e-12);
+  EXPECT_NEAR(mps::DynamicStabilisation{}.velocity_change(pair)[0], -2.05, 1e-12);
 }
 
 TEST(KeepApart, NeverGivesEnergy) {
@@ -139,7 +139,7 @@ TEST(KeepApart, NeverGivesEnergy) {
     const Vec<2> u_j = Vec<2>(numbers[k + 1][1], numbers[k][0]);
     CollidingPair<2> pair{.r_ij = numbers[k + 1], .r = numbers[k + 1].norm(), .u_ij = u_j - u_i,
                       .spacing = 1, .time_step = 0.2};
-    const Vec<2> change = mps::KeepApart{}.impulse(pair);
+    const Vec<2> change = mps::KeepApart{}.velocity_change(pair);
     const double before = u_i.squaredNorm() + u_j.squaredNorm();
     const double after = (u_i + change).squaredNorm() + (u_j - change).squaredNorm();
     EXPECT_LE(after, before * (1 + 1e-12));
@@ -148,12 +148,12 @@ TEST(KeepApart, NeverGivesEnergy) {
 
 TEST(ParticleShifting, MovesFromTheCrowdNotAtEdgesAndNotFar) {
   const mps::ParticleShifting shifting;
-  mps::ShiftInput<2> shift_input{.towards = {0.01, 0}, .speed = 2, .spacing = 0.1, .time_step = 0.01};
-  EXPECT_NEAR(shifting.displacement(shift_input)[0], -4 * 2 * 0.01 * 0.01, 1e-15);
-  shift_input.towards = {10, 0};
-  EXPECT_NEAR(shifting.displacement(shift_input)[0], -0.01, 1e-15);
-  shift_input.at_edge = true;
-  EXPECT_EQ(shifting.displacement(shift_input).norm(), 0);
+  mps::ShiftInput<2> input{.concentration_gradient = {0.01, 0}, .max_relative_speed = 2, .spacing = 0.1, .time_step = 0.01};
+  EXPECT_NEAR(shifting.displacement(input)[0], -4 * 2 * 0.01 * 0.01, 1e-15);
+  input.concentration_gradient = {10, 0};
+  EXPECT_NEAR(shifting.displacement(input)[0], -0.01, 1e-15);
+  input.near_boundary = true;
+  EXPECT_EQ(shifting.displacement(input).norm(), 0);
 }
 
 // --- surface, walls ------------------------------------------------------------------------------

@@ -40,10 +40,10 @@ TEST(TimeStepLimits, AreThoseOfTheDocumentation) {
   const mps::TimeStepLimits limits = sim.interaction().time_step_limits(sim.particles());
   const mps::Stencil<2, double, mps::CubicKernel> stencil({.spacing = 0.02, .radius = 3.1});
   EXPECT_DOUBLE_EQ(limits.courant, 0.2 * 0.02 / 5);
-  EXPECT_DOUBLE_EQ(limits.fall, std::sqrt(0.2 * 0.02 / 9.81));
+  EXPECT_DOUBLE_EQ(limits.force, std::sqrt(0.2 * 0.02 / 9.81));
   EXPECT_DOUBLE_EQ(limits.viscous, stencil.lambda / (4 * 2 * 0.5));
   EXPECT_EQ(limits.growth, inf) << "there was no step before";
-  EXPECT_EQ(limits.largest, 0.7);
+  EXPECT_EQ(limits.max_time_step, 0.7);
   EXPECT_EQ(sim.time_step(), limits.viscous);
   EXPECT_EQ(sim.time_step(), limits.smallest());
 }
@@ -127,12 +127,12 @@ TEST(TimeStepOfTheUsersOwn, IsRefusedBeyondEachLimitOfStabilityAndLeavesNoTrace)
     return result;
   };
   EXPECT_TRUE(refused({.spacing = 0.02}, 0.011, {0, 2},
-                      {"time_step = 0.011 s moves a particle of 2 m/s", "take at most 0.002 s",
+                      {"time_step = 0.011 s moves a particle of 2 m/s", "use at most 0.002 s",
                        "id 9"}));
   EXPECT_TRUE(refused({.spacing = 0.02, .viscosity = 1}, 1e-3, {0, 0},
                       {"time_step = 0.001 s exceeds the viscous limit "}));
   EXPECT_TRUE(refused({.spacing = 0.02}, 0.05, {0, 0},
-                      {"time_step = 0.05 s lets a particle fall", "take at most 0.020"}));
+                      {"time_step = 0.05 s moves a particle from rest", "use at most 0.020"}));
   EXPECT_TRUE(refused({.spacing = 0.02}, 1e-3, {nan, 0},
                       {"the velocity (nan, 0) m/s is not finite", "id 9", "step 0"}));
   EXPECT_TRUE(refused({.spacing = 0.02}, 1e-3, {0, -inf}, {"the velocity (0, -inf) m/s is not"}));
