@@ -148,11 +148,11 @@ TEST(CellMultigrid, WithoutKnowingWhereTheUnknownsLieIsTheDiagonal) {
 }
 
 TEST(CellMultigrid, RefusesSettingsOutOfRange) {
-  EXPECT_TRUE(refuses([] { CellMultigrid<2>({.cell = 0.5}); }, {"CellMultigrid: cell = 0.5"}));
-  EXPECT_TRUE(refuses([] { CellMultigrid<2>({.weak = -1}); }, {"CellMultigrid: weak = -1"}));
+  EXPECT_TRUE(refuses([] { CellMultigrid<2>({.cell_size = 0.5}); }, {"CellMultigrid: cell_size = 0.5"}));
+  EXPECT_TRUE(refuses([] { CellMultigrid<2>({.min_diagonal = -1}); }, {"CellMultigrid: min_diagonal = -1"}));
   EXPECT_TRUE(refuses([] { CellMultigrid<2>({.sweeps = 0}); }, {"CellMultigrid: sweeps = 0"}));
-  EXPECT_TRUE(refuses([] { CellMultigrid<3>({.solved_directly = 0}); },
-                      {"CellMultigrid: solved_directly = 0"}));
+  EXPECT_TRUE(refuses([] { CellMultigrid<3>({.max_coarsest_cells = 0}); },
+                      {"CellMultigrid: max_coarsest_cells = 0"}));
 }
 
 }  // namespace

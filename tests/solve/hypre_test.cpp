@@ -95,7 +95,7 @@ TEST(BoomerAmg, SolvesSystemsOfOtherSizesAndInCopies) {
 }
 
 TEST(BoomerAmg, RefusesAShareThatIsNone) {
-  EXPECT_TRUE(refuses([] { BoomerAmg({.strong = 1.5}); }, {"BoomerAmg: strong = 1.5"}));
+  EXPECT_TRUE(refuses([] { BoomerAmg({.strong_threshold = 1.5}); }, {"BoomerAmg: strong_threshold = 1.5"}));
 }
 
 }  // namespace

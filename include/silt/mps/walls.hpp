@@ -17,16 +17,17 @@
 namespace silt::mps {
 
 /// Walls of individual fixed particles, as in the schemes of the paper. They are rough: fluid that
-/// slides along them is slowed down by each particle. Wall particles on the free surface have P =
-/// 0.
+/// slides along them is slowed down by each particle. Wall particles on the free surface have
+/// P = 0.
 struct GrainyWalls {
   static constexpr bool smooth = false;
 };
 
 /// Walls along which fluid slips, except for viscosity: only the component along the wall's normal
-/// of the velocity relative to a wall particle enters the divergence (as for dummies) and
-/// collisions. Wall particles without fluid neighbours, or on the free surface, are excluded from
-/// the pressure solve. A wall particle has a normal if there are dummies behind it, on one side.
+/// of the velocity relative to a wall or dummy particle enters the divergence, and, for wall
+/// particles, collisions. Wall particles without fluid neighbours, or on the free surface, are
+/// excluded from the pressure solve. A wall particle has a normal if there are dummies behind it,
+/// on one side.
 struct SmoothWalls {
   static constexpr bool smooth = true;
 };
