@@ -215,9 +215,9 @@ class BasicFlow {
 
  private:
   using Stencil = mps::Stencil<Dim, Real, typename Scheme::Kernel>;
-  using LaplacianWeights =
+  using LaplacianKernel =
       typename Scheme::Laplacian::template Weights<typename Scheme::Kernel, Dim>;
-  using LaplacianStencil = mps::Stencil<Dim, Real, LaplacianWeights>;
+  using LaplacianStencil = mps::Stencil<Dim, Real, LaplacianKernel>;
 
   template <class P, class F>
   static void for_each_of_fluid(const P& particles, F&& f) {

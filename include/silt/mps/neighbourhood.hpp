@@ -57,7 +57,7 @@ class Neighbourhood {
     });
   }
 
-  /// Whether the particles are unchanged, with the same positions, since the last update.
+  /// Whether no particle was added, removed, sorted or moved since the last update.
   template <FluidParticles P>
   bool is_current(const P& particles) const {
     const auto x = particles.with_ghosts(position);
