@@ -55,10 +55,10 @@ struct Scheme {
   using Laplacian = LaplacianType;
 };
 
-using Collision08 = Collision<std::ratio<4, 5>, std::ratio<1, 5>>;         // (0.8, 0.2)
-using CollisionPlastic = Collision<std::ratio<1>, std::ratio<0>>;          // (1.0, 0.0)
-using CollisionBouncy = Collision<std::ratio<1>, std::ratio<2, 5>>;        // (1.0, 0.4)
-using BothConditions = BothSurfaces<DensitySurface, CountSurface>;         // (13) and (17)
+using ShorterCollision = Collision<std::ratio<4, 5>, std::ratio<1, 5>>;  // (0.8, 0.2)
+using PlasticCollision = Collision<std::ratio<1>, std::ratio<0>>;        // (1.0, 0.0)
+using HigherRestitution = Collision<std::ratio<1>, std::ratio<2, 5>>;    // (1.0, 0.4)
+using BothConditions = BothSurfaces<DensitySurface, CountSurface>;       // (13) and (17)
 
 // clang-format off
 //                    source            (a, b)             kernel          surface         gradient
@@ -66,10 +66,10 @@ using Case00 = Scheme<DensitySource,    OriginalCollision, InverseKernel,  Densi
 using Case01 = Scheme<DivergenceSource, OriginalCollision, InverseKernel,  DensitySurface, MinimumGradient>;
 using Case02 = Scheme<DivergenceSource, OriginalCollision, GaussianKernel, DensitySurface, MinimumGradient>;
 using Case03 = Scheme<DivergenceSource, OriginalCollision, CubicKernel,    DensitySurface, MinimumGradient>;
-using Case04 = Scheme<DivergenceSource, Collision08,       CubicKernel,    DensitySurface, MinimumGradient>;
+using Case04 = Scheme<DivergenceSource, ShorterCollision,  CubicKernel,    DensitySurface, MinimumGradient>;
 using Case05 = Scheme<DivergenceSource, AdoptedCollision,  CubicKernel,    DensitySurface, MinimumGradient>;
-using Case06 = Scheme<DivergenceSource, CollisionPlastic,  CubicKernel,    DensitySurface, MinimumGradient>;
-using Case07 = Scheme<DivergenceSource, CollisionBouncy,   CubicKernel,    DensitySurface, MinimumGradient>;
+using Case06 = Scheme<DivergenceSource, PlasticCollision,  CubicKernel,    DensitySurface, MinimumGradient>;
+using Case07 = Scheme<DivergenceSource, HigherRestitution, CubicKernel,    DensitySurface, MinimumGradient>;
 using Case08 = Scheme<DivergenceSource, AdoptedCollision,  CubicKernel,    CountSurface,   MinimumGradient>;
 using Case09 = Scheme<DivergenceSource, AdoptedCollision,  CubicKernel,    BothConditions, MinimumGradient>;
 using Case10 = Scheme<DivergenceSource, AdoptedCollision,  CubicKernel,    BothConditions, ConservingGradient>;

@@ -21,7 +21,7 @@ struct CollidingPair {
   Vec r_ij = Vec::Zero();  ///< [m]
   Real r = 0;              ///< |r_ij| [m]
   Vec u_ij = Vec::Zero();  ///< u_j − u_i [m/s]
-  bool wall = false;       ///< j is a wall particle, and not moved by collisions
+  bool wall = false;       ///< j is a wall or dummy particle, not moved by collisions
   Real spacing = 0;        ///< l0 [m]
   Real time_step = 0;      ///< Δt [s]
 

@@ -30,7 +30,7 @@ struct FlowSettings {
   typename Scheme::Collision collision = {};
   typename Scheme::Shifting shifting = {};
   /// Acceleration in addition to gravity [m/s²] at x [m] and time t [s]; called from several
-  /// threads. None if empty.
+  /// threads, on which the result must not depend. None if empty.
   std::function<Vec<Dim>(const Vec<Dim>& x, double t)> body_force = {};
 
   /// Throws if a setting is out of range.

@@ -31,8 +31,7 @@ class CellInterpolation {
   using Point = std::array<double, Dim>;  // in edge lengths of a cell
   static constexpr Index corners = Index(1) << Dim;
 
-  /// For n points with positions point(i). If takes_part(i) is false, the value of P at point i is
-  /// 0.
+  /// For n points with positions point(i); P is zero at points where takes_part(i) is false.
   template <class Where, class TakesPart>
   void build(Index n, const Cells& cells, Where&& point, TakesPart&& takes_part) {
     sort_into_patches(n, point, takes_part);

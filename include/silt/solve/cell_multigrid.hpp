@@ -43,7 +43,7 @@ class CellMultigrid {
     /// Rows with a smaller diagonal, relative to that of a full neighbourhood, stay out of V [-].
     double min_diagonal = 0.2;
     int sweeps = 2;                 ///< before and after each correction
-    Index max_coarsest_cells = 16;  ///< no coarsening below this number of cells, at most 64
+    Index max_coarsest_cells = 16;  ///< coarsening stops at this number of cells, at most 64
   };
 
   CellMultigrid() = default;
@@ -86,7 +86,7 @@ class CellMultigrid {
  private:
   using Level = CellLevel<Dim>;
   using Point = std::array<double, Dim>;
-  // Maximum size of a direct solve, whose matrix is not on the heap.
+  // Maximum number of cells of a direct solve, so that its matrix needs no heap memory.
   static constexpr int max_direct = 64;
   // Minimum mass of a cell over the sum of its conductances, on the finest level.
   static constexpr float min_mass = 1e-6f;
@@ -236,7 +236,7 @@ class CellMultigrid {
   BackgroundCells<Dim> finest_cells_;
   CellInterpolation<Dim> to_particles_;
   std::vector<float> stiffness_;  // by finest cell
-  std::vector<Level> levels_;     // only the first used_ ones are valid; others keep their memory
+  std::vector<Level> levels_;     // only the first used_ are valid; the others keep their memory
   std::vector<CellCoarsening<Dim>> coarsenings_;  // from each level to the next
   Index used_ = 0;                // number of levels
   SmallMatrix<float> coarsest_inverse_;
