@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 // Coarsening of the multigrid on background cells: from one level to the next, with twice the edge.
 //
-//     +---+---+---+---+        The # are a wall. Fine cells with the same coarse position become one
+//     +---+---+---+---+        The # are a wall. Fine cells with one coarse position become one
 //     | a | a # b | b |        coarse cell if they are connected. If a wall separates them, they
-//     +---+---+---+---+        become several coarse cells at one position, so that no level connects
-//     | a | a # b | b |        the two sides of a wall.
+//     +---+---+---+---+        become several coarse cells at one position: no level connects the
+//     | a | a # b | b |        two sides of a wall.
 //     +---+---+---+---+
 //
 // Masses are summed; the conductance of a coarse link is half the sum of those of its fine links.
