@@ -140,7 +140,7 @@ void add_multigrid() {
 #ifdef SILT_BENCH_HYPRE
 // What suits it best here, found by trying: in these stencils no neighbour stands out.
 struct Hypre : BoomerAmg {
-  Hypre() : BoomerAmg({.strong = 0.1}) {}
+  Hypre() : BoomerAmg({.strong_threshold = 0.1}) {}
 };
 #endif
 

@@ -120,8 +120,8 @@ void dam_break() {
   const FlowEnergy& energy = dam.interaction().energy();
   std::printf(" %.1f | %.2f | %.1f | %.2f | %llu |",
               100 * std::sqrt(errors / double(std::size(exact_edge))),
-              std::sqrt(rough / samples) / 1000, 100 * energy.total() / energy.first,
-              100 * rise / energy.first, static_cast<unsigned long long>(dam.particles_lost()));
+              std::sqrt(rough / samples) / 1000, 100 * energy.total() / energy.initial,
+              100 * rise / energy.initial, static_cast<unsigned long long>(dam.particles_lost()));
 }
 
 // What was found of a case of known solution, over what should be [%].

@@ -185,7 +185,7 @@ class EnergyFile {
   explicit EnergyFile(const FlowOptions& o)
       : file_(o.out + "/energy.csv",
               {"t", "kinetic", "potential", "total", "by_viscosity", "by_force", "by_collision",
-               "by_pressure", "by_shifting", "by_stepping", "outside"}) {}
+               "by_pressure", "by_shifting", "by_integration", "added"}) {}
 
   template <class Sim>
   void operator()(const Sim& simulation) {
@@ -205,7 +205,7 @@ class EnergyFile {
   void write(double time, const silt::mps::FlowEnergy& energy) {
     file_.row({time, energy.kinetic, energy.potential, energy.total(), energy.by_viscosity,
                energy.by_force, energy.by_collision, energy.by_pressure, energy.by_shifting,
-               energy.by_stepping, energy.outside});
+               energy.by_integration, energy.added});
   }
 
   silt::CsvFile file_;

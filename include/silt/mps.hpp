@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Free-surface flow: everything an MPS program includes, but for files.
+// Free-surface flow: everything an MPS program needs except file input and output.
 #pragma once
 
 #include <silt/core/lattice.hpp>
@@ -20,11 +20,11 @@
 
 namespace silt::mps {
 
-/// Silt's own: iterations do not grow with the number of particles.
+/// The default solver: the number of iterations does not grow with the number of particles.
 template <int Dim>
 using PressureSolver = ConjugateGradient<CellMultigrid<Dim>>;
 
-/// The flow of a scheme, with its pressure by Silt's own solver: mps::Flow<mps::Case10> in 2D.
+/// The flow of a scheme, with the default pressure solver: mps::Flow<mps::Case10> in 2D.
 template <class Scheme, int Dim = 2, class Real = double,
           LinearSolver Solver = PressureSolver<Dim>>
 using Flow = BasicFlow<Scheme, Dim, Real, Solver>;

@@ -66,7 +66,7 @@ void expect_of_water(const std::filesystem::path& path, S search) {
       path, restarts, [&] { return RunWith{Simulation{tank, search, water, SemiImplicit<>{}}}; },
       [](const auto& run) {
         const mps::FlowEnergy& energy = run.simulation.interaction().energy();
-        return std::vector{energy.kinetic, energy.by_pressure, energy.by_collision, energy.outside};
+        return std::vector{energy.kinetic, energy.by_pressure, energy.by_collision, energy.added};
       });
 }
 

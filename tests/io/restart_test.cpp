@@ -28,7 +28,7 @@ TEST_F(Restart, KeepsTheBitsOfWaterWithANeighbourList) {
     };
     const auto measured = [](const auto& run) {
       const mps::FlowEnergy& energy = run.simulation.interaction().energy();
-      return std::vector{energy.kinetic, energy.by_pressure, energy.by_collision, energy.outside};
+      return std::vector{energy.kinetic, energy.by_pressure, energy.by_collision, energy.added};
     };
     expect_the_same_bits_after_restarts(path, {.steps = 80, .number = 20}, make, measured);
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// All eleven cases of Table 1 run in 2D and 3D, and the tank they start from.
+// make_tank, and runs of all eleven cases of Table 1 in 2D and 3D.
 #include "support/check.hpp"
 #include "support/fluid.hpp"
 
@@ -42,9 +42,10 @@ void expect_full_below_the_surface() {
   Index full = 0;
   for (Index i = 0; i < start.size(); ++i) {
     const auto& x = start[position][i];
-    if (start[mps::kind][i] == Kind::dummy || x[0] > 6.6 * l0 || x[Dim - 1] > top - 3 * l0) continue;
-    // Whatever lies three spacings inside the fluid has the neighbours of the full
-    // lattice, walls too.
+    if (start[mps::kind][i] == Kind::dummy) continue;
+    if (x[0] > 6.6 * l0 || x[Dim - 1] > top - 3 * l0) continue;
+    // At a depth of three spacings or more, particles have all neighbours of the full lattice,
+    // including those in the walls.
     EXPECT_NEAR(sim.particles()[mps::number_density][i], n0, 1e-9 * n0);
     EXPECT_FALSE(sim.particles()[mps::surface][i]);
     ++full;
@@ -52,7 +53,7 @@ void expect_full_below_the_surface() {
   EXPECT_GT(full, 20u);
 }
 
-TEST(Tank, GivesEveryParticleOffTheSurfaceAllItsNeighbours) {
+TEST(Tank, HasAFullNeighbourhoodForEveryParticleOffTheSurface) {
   expect_full_below_the_surface<2>();
   expect_full_below_the_surface<3>();
 }
@@ -63,26 +64,27 @@ TEST(Tank, RoundsLengthsToWholeSpacings) {
   EXPECT_EQ(mps::count(tank, Kind::fluid), 100u);
 }
 
-TEST(Tank, IsRefusedByNameAndValue) {
-  const auto refused = [](const std::function<void(mps::Tank<3>&)>& spoil, const std::string& words) {
+TEST(Tank, RejectsInvalidInputByNameAndValue) {
+  const auto rejected = [](const std::function<void(mps::Tank<3>&)>& modify,
+                           const std::string& message) {
     mps::Tank<3> tank{.column = {0.1, 0.1},
                       .size = {.length = 0.2, .height = 0.2, .depth = 0.1},
                       .spacing = 0.01};
-    spoil(tank);
-    return refuses([&] { mps::make_tank(tank); }, {"Tank: ", words});
+    modify(tank);
+    return refuses([&] { mps::make_tank(tank); }, {"Tank: ", message});
   };
-  EXPECT_TRUE(refused([](auto& t) { t.spacing = 0; }, "spacing = 0 "));
-  EXPECT_TRUE(refused([](auto& t) { t.spacing = nan; }, "spacing = nan "));
-  EXPECT_TRUE(refused([](auto& t) { t.spacing = 1e-9; }, "length = 0.2 m is 2e+08 spacings"));
-  EXPECT_TRUE(refused([](auto& t) { t.dummy_layers = -1; }, "dummy_layers = -1 "));
-  EXPECT_TRUE(refused([](auto& t) { t.size.length = 0.001; }, "length = 0.001 m"));
-  EXPECT_TRUE(refused([](auto& t) { t.size.height = -1; }, "height = -1 m"));
-  EXPECT_TRUE(refused([](auto& t) { t.size.depth = 0; }, "depth = 0 m"));
-  EXPECT_TRUE(refused([](auto& t) { t.size.depth = inf; }, "depth = inf "));
-  EXPECT_TRUE(refused([](auto& t) { t.column[0] = nan; }, "column width = nan "));
-  EXPECT_TRUE(refused([](auto& t) { t.column[1] = 0; }, "column height = 0 m"));
-  EXPECT_TRUE(refused([](auto& t) { t.column[0] = 0.3; }, "30 spacings along axis 0"));
-  EXPECT_TRUE(refused([](auto& t) { t.column[1] = 0.3; }, "30 spacings along axis 2"));
+  EXPECT_TRUE(rejected([](auto& t) { t.spacing = 0; }, "spacing = 0 "));
+  EXPECT_TRUE(rejected([](auto& t) { t.spacing = nan; }, "spacing = nan "));
+  EXPECT_TRUE(rejected([](auto& t) { t.spacing = 1e-9; }, "length = 0.2 m is 2e+08 spacings"));
+  EXPECT_TRUE(rejected([](auto& t) { t.dummy_layers = -1; }, "dummy_layers = -1 "));
+  EXPECT_TRUE(rejected([](auto& t) { t.size.length = 0.001; }, "length = 0.001 m"));
+  EXPECT_TRUE(rejected([](auto& t) { t.size.height = -1; }, "height = -1 m"));
+  EXPECT_TRUE(rejected([](auto& t) { t.size.depth = 0; }, "depth = 0 m"));
+  EXPECT_TRUE(rejected([](auto& t) { t.size.depth = inf; }, "depth = inf "));
+  EXPECT_TRUE(rejected([](auto& t) { t.column[0] = nan; }, "column width = nan "));
+  EXPECT_TRUE(rejected([](auto& t) { t.column[1] = 0; }, "column height = 0 m"));
+  EXPECT_TRUE(rejected([](auto& t) { t.column[0] = 0.3; }, "30 spacings along axis 0"));
+  EXPECT_TRUE(rejected([](auto& t) { t.column[1] = 0.3; }, "30 spacings along axis 2"));
 }
 
 // --- the cases -----------------------------------------------------------------------------------
@@ -104,7 +106,7 @@ auto joined(std::tuple<T...>, std::tuple<U...>) -> ::testing::Types<T..., U...>;
 using AllSettings = decltype(joined(settings<2>(All{}), settings<3>(All{})));
 TYPED_TEST_SUITE(Cases, AllSettings);
 
-// A column begins to collapse: it presses on floor and wall, and nothing but fluid moves.
+// A column begins to collapse: it exerts pressure on floor and wall, and only fluid moves.
 template <class Case, int Dim, class Order>
 void expect_a_column_to_collapse(Order order) {
   Simulation sim{small_dam<Dim>(), UniformGrid<Dim>{},
@@ -113,46 +115,46 @@ void expect_a_column_to_collapse(Order order) {
   for (int k = 0; k < 8; ++k) sim.step();
   const auto& particles = sim.particles();
   const double weight = 1000 * 9.81 * (Dim == 2 ? 15 : 8) * 0.02;
-  double highest = 0;
-  double outwards = 0;
-  double down = 0;
+  double max_pressure = 0;
+  double sum_of_u_x = 0;
+  double sum_of_u_up = 0;
   for (Index i = 0; i < particles.size(); ++i) {
     if (particles[mps::kind][i] == Kind::fluid) {
-      outwards += particles[velocity][i][0];
-      down += particles[velocity][i][Dim - 1];
+      sum_of_u_x += particles[velocity][i][0];
+      sum_of_u_up += particles[velocity][i][Dim - 1];
       continue;
     }
     EXPECT_EQ(particles[position][i], start[position][i]);
     EXPECT_EQ(particles[velocity][i], Vec<Dim>::Zero());
     if (particles[mps::kind][i] == Kind::wall) {
-      highest = std::max(highest, particles[mps::pressure][i]);
+      max_pressure = std::max(max_pressure, particles[mps::pressure][i]);
     } else {
       EXPECT_EQ(particles[mps::pressure][i], 0);
     }
   }
-  EXPECT_GT(outwards, 0);
-  EXPECT_LT(down, 0);
-  EXPECT_GT(highest, 0.2 * weight);
-  EXPECT_LT(highest, 20 * weight);
+  EXPECT_GT(sum_of_u_x, 0);
+  EXPECT_LT(sum_of_u_up, 0);
+  EXPECT_GT(max_pressure, 0.2 * weight);
+  EXPECT_LT(max_pressure, 20 * weight);
 }
 
-TYPED_TEST(Cases, LetAColumnCollapseInTheOrderTheirSourceAsksFor) {
+TYPED_TEST(Cases, SimulateACollapsingColumnInTheOrderOfTheirSource) {
   expect_a_column_to_collapse<typename TypeParam::Case, TypeParam::dimension>(SemiImplicit{});
 }
 
-TYPED_TEST(Cases, LetAColumnCollapseWithMovedParticles) {
+TYPED_TEST(Cases, SimulateACollapsingColumnWithMovedParticles) {
   expect_a_column_to_collapse<typename TypeParam::Case, TypeParam::dimension>(
       SemiImplicit<MovesParticles>{});
 }
 
-TYPED_TEST(Cases, WithoutTheOriginalsSourceLetAColumnCollapseWithKeptParticles) {
+TYPED_TEST(Cases, WithoutTheOriginalSourceSimulateACollapsingColumnWithKeptParticles) {
   if constexpr (!TypeParam::Case::Source::needs_moved_particles) {
     expect_a_column_to_collapse<typename TypeParam::Case, TypeParam::dimension>(
         SemiImplicit<KeepsParticles>{});
   }
 }
 
-TEST(Cases, TakeTheOrderOfTheirSourceUnlessToldOtherwise) {
+TEST(Cases, UseTheOrderOfTheirSourceByDefault) {
   const auto after = [](auto flow, auto order) {
     Simulation sim{small_dam<2>(), UniformGrid<2>{}, flow, order};
     for (int k = 0; k < 5; ++k) sim.step();

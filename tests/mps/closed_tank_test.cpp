@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Flows whose pressure is known up to a constant only: a tank that is full and has a lid, and a
-// periodic box.
+// Flows whose pressure is defined up to a constant: a full tank with a lid, and a periodic box.
 #include "support/check.hpp"
 #include "support/fluid.hpp"
 
@@ -53,10 +52,10 @@ auto flow_of(mps::Fluid<2> fluid, mps::FlowSettings<2, Case10> settings) {
                     mps::Flow<Case10, 2, double, Solver>(settings), SemiImplicit{}};
 }
 
-// Least squares: the fluid's pressure as off + slope shape(x).
+// Least-squares fit of the pressure of the fluid: constant + slope shape(x).
 struct Fit {
   double slope;
-  double rest;  // what the fit leaves, over the standard deviation [-]
+  double residual;  // standard deviation of the residual over that of the pressure [-]
 };
 template <class P, class F>
 Fit fit_pressure(const P& particles, F&& shape) {
@@ -73,12 +72,12 @@ Fit fit_pressure(const P& particles, F&& shape) {
   return {slope, std::sqrt(1 - explained)};
 }
 
-TYPED_TEST(ClosedFlows, HoldAFullTankUpByThePressureOfItsDepth) {
+TYPED_TEST(ClosedFlows, HaveTheHydrostaticPressureInAFullTank) {
   auto sim = flow_of<TypeParam>(full_tank(), {.spacing = l0});
   double slope = 0;
   for (int k = 0; k < 100; ++k) {
     sim.step();
-    EXPECT_EQ(sim.interaction().last_solve().unknowns, 17u * 22u) << "no surface, but all else";
+    EXPECT_EQ(sim.interaction().last_solve().unknowns, 17u * 22u) << "all but dummies";
     const auto p = sim.particles()[mps::pressure];
     EXPECT_EQ(*std::min_element(p.begin(), p.end()), 0);
     const auto hydrostatic = [](const Vec<2>& x) { return -9810 * x[1]; };
@@ -87,7 +86,7 @@ TYPED_TEST(ClosedFlows, HoldAFullTankUpByThePressureOfItsDepth) {
   EXPECT_NEAR(slope, 1, 0.03);
 }
 
-TEST(ClosedFlow, UnderTheRecommendedSchemeStandsStillUnderExactlyThePressureOfItsDepth) {
+TEST(ClosedFlow, WithTheRecommendedSchemeIsAtRestWithTheExactHydrostaticPressure) {
   Simulation sim{full_tank(), UniformGrid<2>{},
                  mps::Flow<mps::Recommended>({.spacing = l0, .speed_scale = 2}), SemiImplicit{}};
   for (int k = 0; k < 100; ++k) sim.step();
@@ -100,7 +99,7 @@ TEST(ClosedFlow, UnderTheRecommendedSchemeStandsStillUnderExactlyThePressureOfIt
   }
 }
 
-TYPED_TEST(ClosedFlows, TurnInATaylorGreenVortexUnderItsPressure) {
+TYPED_TEST(ClosedFlows, HaveThePressureOfATaylorGreenVortex) {
   // u = −U cos 2πx sin 2πy, v = U sin 2πx cos 2πy in a square of edge 1 m.
   constexpr double k = 2 * std::numbers::pi;
   const auto run = [&](int along) {
@@ -110,7 +109,7 @@ TYPED_TEST(ClosedFlows, TurnInATaylorGreenVortexUnderItsPressure) {
       fluid[velocity][i] = {-std::cos(k * x[0]) * std::sin(k * x[1]),
                             std::sin(k * x[0]) * std::cos(k * x[1])};
     }
-    // Collisions would stop what shears a lattice, and γ push back against what it became.
+    // No collisions and γ = 0, which would both act against the shearing of the lattice.
     auto sim = flow_of<TypeParam>(std::move(fluid), {.spacing = 1.0 / along,
                                                      .viscosity = 0.01,
                                                      .gravity = Vec<2>::Zero(),
@@ -126,8 +125,8 @@ TYPED_TEST(ClosedFlows, TurnInATaylorGreenVortexUnderItsPressure) {
   };
   const Fit coarse = run(20);
   const Fit fine = run(40);
-  // What a projection leaves of the divergence, the next step's source takes up: too much by a fifth.
-  EXPECT_LT(fine.rest, 0.05);
+  // The source includes the divergence that the previous projection left: up to a fifth too much.
+  EXPECT_LT(fine.residual, 0.05);
   EXPECT_GT(fine.slope, 1);
   EXPECT_LT(fine.slope, 1.25);
   EXPECT_LT(fine.slope, coarse.slope - 0.05);

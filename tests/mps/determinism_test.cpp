@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The same bits: for any number of threads, for any units that are powers of four of one another,
-// and for any search that lists neighbours in one order.
+// Bitwise identical results: for any number of threads, for units that differ by powers of four,
+// and for searches with the same order of neighbours.
 #include "support/check.hpp"
 #include "support/fluid.hpp"
 
@@ -17,7 +17,7 @@ using mps::Case00;
 using mps::Case10;
 using mps::Flow;
 
-enum class Threads { as_they_are, changing };
+enum class Threads { constant, changing };
 
 template <class Case, int Dim>
 Bytes after_steps(const mps::Fluid<Dim>& fluid, double l0, int steps, Threads number) {
@@ -33,16 +33,16 @@ Bytes after_steps(const mps::Fluid<Dim>& fluid, double l0, int steps, Threads nu
 
 template <class Case, int Dim>
 void expect_one_result(const mps::Fluid<Dim>& fluid, double l0, int steps) {
-  ASSERT_GT(fluid.size(), 3 * chunk_size) << "too few for more threads to matter";
-  const auto by = [&](int number, Threads threads = Threads::as_they_are) {
+  ASSERT_GT(fluid.size(), 3 * chunk_size) << "too few chunks for several threads";
+  const auto by = [&](int number, Threads threads = Threads::constant) {
     return with_threads(number, [&] { return after_steps<Case>(fluid, l0, steps, threads); });
   };
-  const Bytes alone = by(1);
-  for (const int number : {2, 3, 4}) EXPECT_TRUE(by(number) == alone) << number << " threads";
-  EXPECT_TRUE(by(1, Threads::changing) == alone) << "another number in every step";
+  const Bytes serial = by(1);
+  for (const int number : {2, 3, 4}) EXPECT_TRUE(by(number) == serial) << number << " threads";
+  EXPECT_TRUE(by(1, Threads::changing) == serial) << "another number in every step";
 }
 
-// More threads than there are cores wait for one another at every loop: few steps in
+// With more threads than cores, threads wait for one another in every loop: therefore few steps in
 // the quick tests.
 mps::Fluid<2> wide_dam(double l0) {
   return mps::make_tank<2>(
@@ -106,7 +106,8 @@ void expect_the_same_bits_in_other_units() {
       same &= b[velocity][i] == speed * a[velocity][i];
       same &= b[mps::pressure][i] == stress * a[mps::pressure][i];
     }
-    EXPECT_TRUE(same) << "length " << unit.length << ", mass " << unit.mass << ", time " << unit.time;
+    EXPECT_TRUE(same) << "length " << unit.length << ", mass " << unit.mass << ", time "
+                      << unit.time;
   }
 }
 
@@ -124,24 +125,24 @@ auto dam_with(S search, int steps) {
   return sim.particles();
 }
 
-TEST(FlowBits, AreThoseOfTheGridForAListWithoutSkin) {
+TEST(FlowBits, OfAListWithoutSkinAreThoseOfTheGrid) {
   const auto by_grid = dam_with(UniformGrid<2>{}, 100);
   const auto by_list = dam_with(NeighbourList<2>({.skin_fraction = 0}), 100);
   EXPECT_TRUE(state_of(by_list) == state_of(by_grid));
 }
 
-TEST(FlowBits, OfOtherSearchesDifferByRoundingOnly) {
-  // Neighbours come in another order, so sums are rounded differently.
+TEST(FlowBits, OfOtherSearchesDifferByRoundOffOnly) {
+  // Sums run over the neighbours in another order.
   const auto by_grid = dam_with(UniformGrid<2>{}, 3);
   const auto by_list = dam_with(NeighbourList<2>{}, 3);
-  const auto by_hand = dam_with(BruteForce<2>{}, 3);
-  double highest = 0;
-  for (const double p : by_grid[mps::pressure]) highest = std::max(highest, p);
+  const auto by_brute_force = dam_with(BruteForce<2>{}, 3);
+  double max_pressure = 0;
+  for (const double p : by_grid[mps::pressure]) max_pressure = std::max(max_pressure, p);
   for (Index i = 0; i < by_grid.size(); ++i) {
     EXPECT_LE((by_list[position][i] - by_grid[position][i]).norm(), 1e-13);
-    EXPECT_LE((by_hand[position][i] - by_grid[position][i]).norm(), 1e-13);
-    EXPECT_NEAR(by_list[mps::pressure][i], by_grid[mps::pressure][i], 1e-9 * highest);
-    EXPECT_NEAR(by_hand[mps::pressure][i], by_grid[mps::pressure][i], 1e-9 * highest);
+    EXPECT_LE((by_brute_force[position][i] - by_grid[position][i]).norm(), 1e-13);
+    EXPECT_NEAR(by_list[mps::pressure][i], by_grid[mps::pressure][i], 1e-9 * max_pressure);
+    EXPECT_NEAR(by_brute_force[mps::pressure][i], by_grid[mps::pressure][i], 1e-9 * max_pressure);
   }
 }
 

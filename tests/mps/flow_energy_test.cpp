@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Where the energy of a flow goes: sums that close, and works that are known.
+// The energy balance of a flow: it closes, and has the exact terms of simple flows.
 #include "support/check.hpp"
 #include "support/fluid.hpp"
 
@@ -20,7 +20,7 @@ using mps::Case10;
 using mps::Flow;
 using mps::FlowEnergy;
 
-// Choices beyond the paper that also move particles beside the flow.
+// A scheme with particle shifting.
 using Shifted = mps::Scheme<mps::DivergenceSource, mps::AdoptedCollision, mps::CubicKernel,
                             mps::BothConditions, mps::ConservingGradient, mps::GrainyWalls,
                             mps::ParticleShifting>;
@@ -31,7 +31,7 @@ auto simulation(mps::Fluid<Dim, Real> particles, mps::FlowSettings<Dim, Scheme> 
                     Flow<Scheme, Dim, Real>(settings), SemiImplicit{}};
 }
 
-// Sums by another way than the flow's [J].
+// Computed independently of the flow [J].
 template <class P>
 double kinetic_of(const P& particles, double mass) {
   double sum = 0;
@@ -43,7 +43,7 @@ double kinetic_of(const P& particles, double mass) {
 }
 
 template <class Scheme, int Dim, class Real>
-void expect_to_close(double rounding) {
+void expect_closed_balance(double rounding) {
   const double l0 = 0.02;
   auto sim = simulation<Scheme, Dim, Real>(
       small_dam<Dim, Real>(l0),
@@ -55,11 +55,11 @@ void expect_to_close(double rounding) {
     const FlowEnergy& energy = sim.interaction().energy();
     EXPECT_NEAR(energy.kinetic, kinetic_of(sim.particles(), mass), rounding * first);
     EXPECT_NEAR(energy.imbalance(), 0, rounding * first);
-    EXPECT_NEAR(energy.outside, 0, rounding * first);
+    EXPECT_NEAR(energy.added, 0, rounding * first);
   }
   const FlowEnergy& energy = sim.interaction().energy();
-  EXPECT_NEAR(energy.first, first, rounding * first);
-  EXPECT_GT(energy.kinetic, 0.02 * first) << "it fell";
+  EXPECT_NEAR(energy.initial, first, rounding * first);
+  EXPECT_GT(energy.kinetic, 0.02 * first) << "the column collapses";
   EXPECT_LT(energy.by_viscosity, -1e-6 * first);
   EXPECT_LT(energy.by_collision, -1e-4 * first);
   EXPECT_NE(energy.by_pressure, 0);
@@ -67,45 +67,45 @@ void expect_to_close(double rounding) {
   EXPECT_LT(energy.total(), first);
 }
 
-TEST(FlowEnergy, OfADamBreakIsAllToldToRoundOff) {
-  expect_to_close<Case10, 2, double>(1e-13);
-  expect_to_close<mps::Recommended, 3, double>(1e-13);
-  expect_to_close<Shifted, 2, double>(1e-13);
-  expect_to_close<Case00, 2, double>(1e-13);
-  expect_to_close<Case10, 2, float>(1e-5);
+TEST(FlowEnergy, OfADamBreakIsBalancedToRoundOff) {
+  expect_closed_balance<Case10, 2, double>(1e-13);
+  expect_closed_balance<mps::Recommended, 3, double>(1e-13);
+  expect_closed_balance<Shifted, 2, double>(1e-13);
+  expect_closed_balance<Case00, 2, double>(1e-13);
+  expect_closed_balance<Case10, 2, float>(1e-5);
 }
 
-TEST(FlowEnergy, OfAFallIsExactlyThatOfItsSteps) {
-  // Semi-implicit Euler falls g t Δt/2 further than t² g/2 says.
+TEST(FlowEnergy, OfFreeFallIsThatOfTheTimeIntegration) {
+  // With semi-implicit Euler the distance exceeds t² g/2 by g t Δt/2.
   const double dt = 1e-3;
   auto sim = simulation(blob<2, double>(8, 0.02), {.spacing = 0.02, .viscosity = 0});
   for (int k = 0; k < 50; ++k) sim.step(dt);
   const FlowEnergy& energy = sim.interaction().energy();
   const double mass = 64 * 1000 * 0.02 * 0.02;
-  const double fallen = 9.81 * sim.time();  // speed [m/s]
-  EXPECT_NEAR(energy.kinetic, mass * fallen * fallen / 2, 1e-10);
-  EXPECT_NEAR(energy.by_stepping, -mass * 9.81 * fallen * dt / 2, 1e-10);
+  const double speed = 9.81 * sim.time();  // [m/s]
+  EXPECT_NEAR(energy.kinetic, mass * speed * speed / 2, 1e-10);
+  EXPECT_NEAR(energy.by_integration, -mass * 9.81 * speed * dt / 2, 1e-10);
   for (const double none : {energy.by_viscosity, energy.by_collision, energy.by_pressure}) {
     EXPECT_NEAR(none, 0, 1e-12);
   }
 }
 
-TEST(FlowEnergy, OfAFallUnderABodyForceIsTheForcesWork) {
+TEST(FlowEnergy, OfAccelerationByABodyForceIsTheWorkOfTheForce) {
   mps::FlowSettings<2, Case10> settings{.spacing = 0.02, .viscosity = 0, .gravity = Vec<2>::Zero()};
   settings.body_force = [](const Vec<2>&, double) { return Vec<2>(3, -4); };
   auto sim = simulation(blob<2, double>(8, 0.02), settings);
-  EXPECT_DOUBLE_EQ(sim.time_step(), std::sqrt(0.2 * 0.02 / 5)) << "it limits as gravity does";
+  EXPECT_DOUBLE_EQ(sim.time_step(), std::sqrt(0.2 * 0.02 / 5)) << "the limit is that of gravity";
   for (int k = 0; k < 50; ++k) sim.step(1e-3);
   const FlowEnergy& energy = sim.interaction().energy();
   const double mass = 64 * 1000 * 0.02 * 0.02;
   EXPECT_NEAR(energy.kinetic, mass * std::pow(5 * sim.time(), 2) / 2, 1e-10);
   EXPECT_NEAR(energy.by_force, energy.kinetic, 1e-10);
   EXPECT_EQ(energy.potential, 0);
-  EXPECT_EQ(energy.by_stepping, 0);
+  EXPECT_EQ(energy.by_integration, 0);
 }
 
-TEST(FlowEnergy, ThatACollisionTakesIsThatOfItsRestitution) {
-  // Head on at 1 m/s each: of ½ (m/2) v², v = 2 m/s, a part 1 − b² is lost.
+TEST(FlowEnergy, DissipatedByACollisionFollowsFromItsRestitution) {
+  // Head-on at 1 m/s each: the fraction 1 − b² of ½ (m/2) v², v = 2 m/s, is dissipated.
   auto pair = fluid_at<2, double>({{0, 0}, {0.019, 0}});
   pair[velocity][0] = {1, 0};
   pair[velocity][1] = {-1, 0};
@@ -114,19 +114,19 @@ TEST(FlowEnergy, ThatACollisionTakesIsThatOfItsRestitution) {
   auto sim = simulation(std::move(pair), settings);
   sim.step(1e-3);
   const double mass = 1000 * 0.02 * 0.02;
-  EXPECT_NEAR(sim.interaction().energy().first, mass, 1e-15);
+  EXPECT_NEAR(sim.interaction().energy().initial, mass, 1e-15);
   EXPECT_NEAR(sim.interaction().energy().by_collision, -mass * (1 - 0.3 * 0.3), 1e-12);
   EXPECT_EQ(sim.interaction().energy().by_pressure, 0);
 }
 
-TEST(FlowEnergy, ThatViscosityTakesIsThatOfAShearWave) {
-  // u = U sin ky in a periodic box: K falls as exp(−2 ν k² t), and nothing else acts.
+TEST(FlowEnergy, DissipatedByViscosityIsThatOfAShearWave) {
+  // u = U sin ky in a periodic box: K decays as exp(−2 ν k² t), and there is no other effect.
   constexpr int along = 20;
   constexpr double k = 2 * std::numbers::pi;
   const double nu = 0.1;
   auto fluid = full_box<2, double>(along, 1.0 / along);
   for (Index i = 0; i < fluid.size(); ++i) {
-    // So slow that none moves.
+    // Displacements are negligible.
     fluid[velocity][i] = {1e-3 * std::sin(k * fluid[position][i][1]), 0};
   }
   mps::FlowSettings<2, Case10> settings{
@@ -136,11 +136,11 @@ TEST(FlowEnergy, ThatViscosityTakesIsThatOfAShearWave) {
   for (int step = 0; step < 100; ++step) sim.step(5e-4);
   const FlowEnergy& energy = sim.interaction().energy();
   const double lost = 1 - std::exp(-2 * nu * k * k * sim.time());
-  EXPECT_NEAR(-energy.by_viscosity / energy.first, lost, 0.03 * lost);
-  EXPECT_NEAR(energy.by_viscosity, energy.kinetic - energy.first, 1e-3 * energy.first);
+  EXPECT_NEAR(-energy.by_viscosity / energy.initial, lost, 0.03 * lost);
+  EXPECT_NEAR(energy.by_viscosity, energy.kinetic - energy.initial, 1e-3 * energy.initial);
 }
 
-TEST(FlowEnergy, IsTheSameBitsForAnyNumberOfThreads) {
+TEST(FlowEnergy, IsBitwiseIdenticalForAnyNumberOfThreads) {
   const auto by = [](int number) {
     return with_threads(number, [] {
       auto sim = simulation<Case10>(
@@ -150,64 +150,64 @@ TEST(FlowEnergy, IsTheSameBitsForAnyNumberOfThreads) {
           {.spacing = 0.02, .speed_scale = 2.8});
       for (int k = 0; k < 6; ++k) sim.step();
       const FlowEnergy& e = sim.interaction().energy();
-      return std::vector{e.kinetic,      e.potential,   e.first,       e.by_viscosity,
-                         e.by_collision, e.by_pressure, e.by_stepping, e.outside};
+      return std::vector{e.kinetic,      e.potential,   e.initial,       e.by_viscosity,
+                         e.by_collision, e.by_pressure, e.by_integration, e.added};
     });
   };
-  const auto alone = by(1);
-  for (const int number : {2, 3, 4}) EXPECT_EQ(by(number), alone) << number;
+  const auto serial = by(1);
+  for (const int number : {2, 3, 4}) EXPECT_EQ(by(number), serial) << number;
 }
 
 auto dam() { return simulation<Case10>(small_dam<2>(), {.spacing = 0.02, .speed_scale = 2}); }
 
-TEST(FlowEnergy, OfAFailedStepIsThatOfBefore) {
+TEST(FlowEnergy, IsUnchangedByAFailedStep) {
   auto sim = dam();
   auto other = dam();
   for (int k = 0; k < 5; ++k) sim.step(), other.step();
   EXPECT_TRUE(refuses([&] { sim.step(1.0); }, {"time_step"}));
-  const auto place = sim.particles()[position][4];
+  const auto original = sim.particles()[position][4];
   sim.particles()[position][4] = sim.particles()[position][5];
   EXPECT_THROW(sim.step(), Error);
-  sim.particles()[position][4] = place;
+  sim.particles()[position][4] = original;
   sim.step();
   other.step();
   EXPECT_EQ(sim.interaction().energy().total(), other.interaction().energy().total());
-  EXPECT_EQ(sim.interaction().energy().outside, other.interaction().energy().outside);
+  EXPECT_EQ(sim.interaction().energy().added, other.interaction().energy().added);
   EXPECT_EQ(sim.interaction().energy().by_collision, other.interaction().energy().by_collision);
 }
 
-TEST(FlowEnergy, GoesOnFromACheckpoint) {
+TEST(FlowEnergy, ResumesFromACheckpoint) {
   const auto path = std::filesystem::path(testing::TempDir()) / "silt_energy.silt";
-  auto whole = dam();
-  for (int k = 0; k < 20; ++k) whole.step();
-  write_checkpoint(path, whole);
-  auto part = dam();
-  read_checkpoint(path, part);
+  auto uninterrupted = dam();
+  for (int k = 0; k < 20; ++k) uninterrupted.step();
+  write_checkpoint(path, uninterrupted);
+  auto resumed = dam();
+  read_checkpoint(path, resumed);
   std::filesystem::remove(path);
-  for (int k = 0; k < 5; ++k) whole.step(), part.step();
-  const FlowEnergy& a = whole.interaction().energy();
-  const FlowEnergy& b = part.interaction().energy();
+  for (int k = 0; k < 5; ++k) uninterrupted.step(), resumed.step();
+  const FlowEnergy& a = uninterrupted.interaction().energy();
+  const FlowEnergy& b = resumed.interaction().energy();
   EXPECT_EQ(b.total(), a.total());
-  EXPECT_EQ(b.first, a.first);
+  EXPECT_EQ(b.initial, a.initial);
   EXPECT_EQ(b.by_pressure, a.by_pressure);
-  EXPECT_EQ(b.by_stepping, a.by_stepping);
+  EXPECT_EQ(b.by_integration, a.by_integration);
   EXPECT_EQ(b.imbalance(), a.imbalance());
 }
 
-TEST(FlowEnergy, OfWhatAHandDoesBetweenStepsComesFromOutside) {
+TEST(FlowEnergy, AddedBetweenStepsIsThatOfTheChangesByTheUser) {
   auto sim = dam();
   sim.step();
   const double mass = 1000 * 0.02 * 0.02;
   const Vec<2> u = sim.particles()[velocity][7];
   sim.particles()[velocity][7] = {0, 3};
-  const double given = mass * (9 - u.squaredNorm()) / 2;
+  const double added = mass * (9 - u.squaredNorm()) / 2;
   sim.step(1e-4);
-  EXPECT_NEAR(sim.interaction().energy().outside, given, 1e-10);
+  EXPECT_NEAR(sim.interaction().energy().added, added, 1e-10);
   const FlowEnergy before = sim.interaction().energy_of(sim.particles());
   sim.particles().remove_if([](Index i) { return i < 10; });
   const FlowEnergy after = sim.interaction().energy_of(sim.particles());
   sim.step(1e-4);
-  EXPECT_NEAR(sim.interaction().energy().outside - given, after.total() - before.total(), 1e-10);
+  EXPECT_NEAR(sim.interaction().energy().added - added, after.total() - before.total(), 1e-10);
   EXPECT_NEAR(sim.interaction().energy().imbalance(), 0, 1e-10);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The step of a flow: its limits, its failures, and what it conserves.
+// The step of a flow: limits, failures, conservation and rejected input.
 #include "support/check.hpp"
 #include "support/fluid.hpp"
 
@@ -23,13 +23,15 @@ using mps::Kind;
 using Settings = mps::FlowSettings<2, Case10>;
 
 static_assert(PressureInteraction<Flow<Case10>, mps::Fluid<2>, UniformGrid<2>>);
-static_assert(PressureInteraction<Flow<Case10, 3, float>, mps::Fluid<3, float>, BruteForce<3, float>>);
+static_assert(
+    PressureInteraction<Flow<Case10, 3, float>, mps::Fluid<3, float>, BruteForce<3, float>>);
 static_assert(!PressureInteraction<Flow<Case10>, Particles<2, double, velocity_t>, UniformGrid<2>>);
 static_assert(!PressureInteraction<Gravity<2>, mps::Fluid<2>, UniformGrid<2>>);
 static_assert(Integrator<SemiImplicit<>, mps::Fluid<2>, UniformGrid<2>, Flow<Case10>>);
 static_assert(!Integrator<SemiImplicit<>, mps::Fluid<2>, UniformGrid<2>, Gravity<2>>);
 static_assert(ChoosesTimeStep<Flow<Case10>, mps::Fluid<2>>);
-static_assert(mps::FluidParticles<mps::Fluid<3, float>> && !mps::FluidParticles<Particles<2, double>>);
+static_assert(mps::FluidParticles<mps::Fluid<3, float>>);
+static_assert(!mps::FluidParticles<Particles<2, double>>);
 
 // Case 10 with settings of its solver.
 using SolvedFlow = Flow<Case10, 2, double, ConjugateGradient<>>;
@@ -46,32 +48,31 @@ auto dam(const SolveSettings& solve = {}) {
 
 // --- time step -----------------------------------------------------------------------------------
 
-TEST(FlowTimeStep, LetsTheFastestParticlePassTheCourantNumberOfASpacing) {
+TEST(FlowTimeStep, HasTheCourantNumberForTheMaximumSpeed) {
   auto sim = simulation(blob<2, double>(6, 0.02), {.spacing = 0.02, .courant = 0.3});
   sim.particles()[velocity][7] = {3, -4};
   EXPECT_NEAR(sim.time_step() * 5, 0.3 * 0.02, 1e-15);
-  // The faster it gets, the smaller the step.
   for (int k = 0; k < 20; ++k) {
     const double dt = sim.time_step();
-    double fastest = 0;
-    for (const auto& u : sim.particles()[velocity]) fastest = std::max(fastest, u.norm());
-    EXPECT_LE(dt * fastest, 0.3 * 0.02 * (1 + 1e-12));
+    double max_speed = 0;
+    for (const auto& u : sim.particles()[velocity]) max_speed = std::max(max_speed, u.norm());
+    EXPECT_LE(dt * max_speed, 0.3 * 0.02 * (1 + 1e-12));
     sim.step();
     EXPECT_EQ(sim.last_time_step(), dt);
   }
 }
 
-TEST(FlowTimeStep, OfFluidAtRestIsThatOfTheExpectedSpeed) {
+TEST(FlowTimeStep, OfFluidAtRestFollowsFromTheExpectedSpeed) {
   auto sim = simulation(blob<2, double>(6, 0.02), {.spacing = 0.02, .speed_scale = 2});
   EXPECT_DOUBLE_EQ(sim.time_step(), 0.2 * 0.02 / 2);
 }
 
-TEST(FlowTimeStep, IsNotAboveTheLargest) {
+TEST(FlowTimeStep, DoesNotExceedMaxTimeStep) {
   auto sim = simulation(blob<2, double>(6, 0.02), {.spacing = 0.02, .max_time_step = 1e-4});
   EXPECT_EQ(sim.time_step(), 1e-4);
 }
 
-TEST(FlowTimeStep, HalvesWhenViscosityDoublesOrSpacingShrinks) {
+TEST(FlowTimeStep, IsProportionalToSpacingSquaredOverViscosity) {
   const auto chosen = [](double spacing, double viscosity) {
     return simulation(blob<2, double>(6, spacing), {.spacing = spacing, .viscosity = viscosity})
         .time_step();
@@ -80,15 +81,15 @@ TEST(FlowTimeStep, HalvesWhenViscosityDoublesOrSpacingShrinks) {
   EXPECT_NEAR(chosen(0.01, 1) / chosen(0.02, 1), 0.25, 1e-12);
 }
 
-TEST(FlowTimeStep, OfFluidWithoutSpeedWeightOrViscosityMustBeGiven) {
+TEST(FlowTimeStep, IsRequiredForFluidWithoutSpeedGravityAndViscosity) {
   auto sim = simulation(blob<2, double>(6, 0.02),
                         {.spacing = 0.02, .viscosity = 0, .gravity = Vec<2>::Zero()});
   EXPECT_TRUE(refuses([&] { sim.step(); }, {"chooses no time step"}));
 }
 
-TEST(FlowTimeStep, WithinTheViscousLimitNeverFeedsAVelocity) {
-  // In a full periodic lattice, at the largest step that is accepted, the roughest
-  // velocities decay.
+TEST(FlowTimeStep, WithinTheViscousLimitAmplifiesNoVelocity) {
+  // On a full periodic lattice, with the maximum accepted step, velocities of the shortest
+  // wavelengths decay.
   auto particles = full_box<2, double>(10, 0.02);
   const Settings settings{.spacing = 0.02, .viscosity = 1, .gravity = Vec<2>::Zero()};
   Flow<Case10> flow(settings);
@@ -102,7 +103,7 @@ TEST(FlowTimeStep, WithinTheViscousLimitNeverFeedsAVelocity) {
     for (const auto& u : particles[velocity]) sum += u.squaredNorm();
     return sum;
   };
-  const double limit = 2 * flow.time_step(particles);  // half the limit is chosen
+  const double limit = 2 * flow.time_step(particles);  // the default is half the limit
   for (int k = 0; k < 50; ++k) {
     const double before = energy();
     flow.predict(particles, search, limit * 0.999);
@@ -114,10 +115,11 @@ TEST(FlowTimeStep, WithinTheViscousLimitNeverFeedsAVelocity) {
 
 // --- failed steps --------------------------------------------------------------------------------
 
-// A step of `broken` fails with the words and leaves no trace: repaired, it goes on as if nothing
-// had been.
+// fail_a_step throws an error with the given message, and the step is rolled back: after repair,
+// the run continues as if the step had not been attempted.
 template <class Break, class Repair>
-void expect_undone(Break&& fail_a_step, Repair&& repair, const std::vector<std::string>& words) {
+void expect_rollback(Break&& fail_a_step, Repair&& repair,
+                     const std::vector<std::string>& message) {
   auto undisturbed = dam();
   auto sim = dam();
   for (int k = 0; k < 10; ++k) {
@@ -125,7 +127,7 @@ void expect_undone(Break&& fail_a_step, Repair&& repair, const std::vector<std::
     sim.step();
   }
   const auto before = state_of(sim.particles());
-  EXPECT_TRUE(refuses([&] { fail_a_step(sim); }, words));
+  EXPECT_TRUE(refuses([&] { fail_a_step(sim); }, message));
   EXPECT_TRUE(state_of(sim.particles()) == before);
   EXPECT_EQ(sim.steps(), 10u);
   EXPECT_EQ(sim.time(), undisturbed.time());
@@ -138,9 +140,9 @@ void expect_undone(Break&& fail_a_step, Repair&& repair, const std::vector<std::
   EXPECT_EQ(sim.time(), undisturbed.time());
 }
 
-TEST(FailedFlowStep, OfAPressureSolveSaysHowFarItCameAndLeavesNoTrace) {
+TEST(FailedFlowStep, DueToThePressureSolveReportsTheResidualAndIsRolledBack) {
   const SolvedFlow good = dam().interaction();
-  expect_undone(
+  expect_rollback(
       [](auto& sim) {
         sim.interaction() =
             SolvedFlow(sim.interaction().settings(),
@@ -148,7 +150,7 @@ TEST(FailedFlowStep, OfAPressureSolveSaysHowFarItCameAndLeavesNoTrace) {
         sim.step();
       },
       [&](auto& sim) { sim.interaction() = good; },
-      {"pressure solve", "residual of ", "after 2 iterations", "unknowns", "step 10", "t = "});
+      {"pressure solve", "residual ", "after 2 iterations", "unknowns", "step 10", "t = "});
 }
 
 TEST(FailedFlowStep, ReportsTheSolveThatFailed) {
@@ -159,25 +161,25 @@ TEST(FailedFlowStep, ReportsTheSolveThatFailed) {
   EXPECT_GT(sim.interaction().last_solve().residual, 1e-12);
 }
 
-TEST(FailedFlowStep, OfATimeStepThatIsTooLongLeavesNoTrace) {
-  expect_undone(
+TEST(FailedFlowStep, DueToATooLargeTimeStepIsRolledBack) {
+  expect_rollback(
       [](auto& sim) { sim.step(1.0); }, [](auto&) {},
-      {"mps::Flow: time_step = 1 s", "spacing", "take at most ", "particle ", "id "});
+      {"mps::Flow: time_step = 1 s", "spacing", "use at most ", "particle ", "id "});
 }
 
-TEST(FailedFlowStep, OfATimeStepThatIsNoTimeLeavesNoTrace) {
-  expect_undone([](auto& sim) { sim.step(0); }, [](auto&) {}, {"time_step = 0 "});
-  expect_undone([](auto& sim) { sim.step(nan); }, [](auto&) {}, {"time_step = nan"});
+TEST(FailedFlowStep, DueToAnInvalidTimeStepIsRolledBack) {
+  expect_rollback([](auto& sim) { sim.step(0); }, [](auto&) {}, {"time_step = 0 "});
+  expect_rollback([](auto& sim) { sim.step(nan); }, [](auto&) {}, {"time_step = nan"});
 }
 
-TEST(FailedFlowStep, OfTwoParticlesOnOnePointNamesOne) {
+TEST(FailedFlowStep, DueToCoincidentParticlesNamesOneOfThem) {
   auto fluid = blob<2, double>(5, 0.02);
   fluid[position][13] = fluid[position][12];
   auto sim = simulation(fluid, {.spacing = 0.02, .max_time_step = 1e-3});
-  EXPECT_TRUE(refuses([&] { sim.step(); }, {"one point", "id 12"}));
+  EXPECT_TRUE(refuses([&] { sim.step(); }, {"same position", "id 12"}));
 }
 
-TEST(FailedFlowStep, OverAPressureThatIsNotFiniteNamesTheParticleAndLeavesNoTrace) {
+TEST(FailedFlowStep, DueToANonFinitePressureNamesTheParticleAndIsRolledBack) {
   for (const double bad : {nan, inf, -inf}) {
     auto sim = dam();
     sim.particles()[mps::pressure][21] = bad;
@@ -191,7 +193,7 @@ TEST(FailedFlowStep, OverAPressureThatIsNotFiniteNamesTheParticleAndLeavesNoTrac
   }
 }
 
-TEST(Flow, ReportsASolveWithinItsTolerance) {
+TEST(Flow, SolvesWithinTheTolerance) {
   for (const double tolerance : {1e-4, 1e-9}) {
     auto sim = dam({.tolerance = tolerance});
     for (int k = 0; k < 5; ++k) {
@@ -206,7 +208,7 @@ TEST(Flow, ReportsASolveWithinItsTolerance) {
 
 // --- physics of small bodies ---------------------------------------------------------------------
 
-TEST(Flow, LetsABlockOfFluidFallWithoutPressure) {
+TEST(Flow, HasNoPressureInAFallingBlock) {
   const double dt = 1e-3;
   auto sim = simulation(blob<2, double>(12, 0.02), {.spacing = 0.02, .viscosity = 1e-3});
   const auto start = sim.particles();
@@ -217,12 +219,12 @@ TEST(Flow, LetsABlockOfFluidFallWithoutPressure) {
     EXPECT_NEAR(fallen[0], 0, 1e-9);
     EXPECT_NEAR(fallen[1], -9.81 * t * t / 2, 9.81 * t * dt);  // first order in Δt
     EXPECT_NEAR(sim.particles()[velocity][i][1], -9.81 * t, 1e-8);
-    EXPECT_NEAR(sim.particles()[mps::pressure][i], 0, 1e-3) << "of 2354 Pa at its foot, at rest";
+    EXPECT_NEAR(sim.particles()[mps::pressure][i], 0, 1e-3) << "at rest: 2354 Pa at the bottom";
   }
 }
 
-TEST(Flow, GivesACompressedBlobAPressureThatDrivesItApart) {
-  // A lattice with 2 % less spacing than the fluid's.
+TEST(Flow, ExpandsACompressedBlobByItsPressure) {
+  // The lattice is compressed by 2 %.
   auto sim = simulation(blob<2, double>(16, 0.0196),
                         {.spacing = 0.02, .gravity = Vec<2>::Zero(), .max_time_step = 1e-3});
   const auto size = [](const auto& particles) {
@@ -233,12 +235,12 @@ TEST(Flow, GivesACompressedBlobAPressureThatDrivesItApart) {
   };
   const double before = size(sim.particles());
   sim.step();
-  double highest = 0;
+  double max_pressure = 0;
   for (const double p : sim.particles()[mps::pressure]) {
     EXPECT_GE(p, 0);
-    highest = std::max(highest, p);
+    max_pressure = std::max(max_pressure, p);
   }
-  EXPECT_GT(highest, 0);
+  EXPECT_GT(max_pressure, 0);
   EXPECT_GT(size(sim.particles()), before);
 }
 
@@ -246,7 +248,7 @@ template <class S>
 class Blobs : public ::testing::Test {};
 TYPED_TEST_SUITE(Blobs, Spaces);
 
-TYPED_TEST(Blobs, KeepTheirMomentumUnderCase10) {
+TYPED_TEST(Blobs, ConserveMomentumInCase10) {
   using Real = typename TypeParam::Real;
   constexpr int dim = TypeParam::dimension;
   for (const bool periodic : {false, true}) {
@@ -268,9 +270,9 @@ TYPED_TEST(Blobs, KeepTheirMomentumUnderCase10) {
   }
 }
 
-TEST(Flow, InAClosedFullTankIsSolvedThoughOnlyPressureDifferencesMatter) {
-  using Closed = mps::Scheme<mps::DivergenceSource, mps::AdoptedCollision, mps::CubicKernel, NoSurface,
-                             mps::ConservingGradient>;
+TEST(Flow, WithoutFreeSurfaceHasASolutionWithMinimumPressureZero) {
+  using Closed = mps::Scheme<mps::DivergenceSource, mps::AdoptedCollision, mps::CubicKernel,
+                             NoSurface, mps::ConservingGradient>;
   auto fluid = full_box<2, double>(12, 0.02, 0.05);
   give_random_velocities(fluid, 0.1, 3);
   Simulation sim{std::move(fluid), UniformGrid<2>{},
@@ -286,13 +288,13 @@ TEST(Flow, InAClosedFullTankIsSolvedThoughOnlyPressureDifferencesMatter) {
   }
 }
 
-TEST(Flow, WithoutFluidStepsAllTheSame) {
+TEST(Flow, WithoutParticlesCanBeStepped) {
   auto sim = simulation(mps::Fluid<2>{}, {.spacing = 0.02});
   sim.step(1e-3);
   EXPECT_EQ(sim.interaction().last_solve().reason, SolveReport::Reason::nothing_to_solve);
 }
 
-TEST(Flow, KeepsALoneParticleOutOfThePressureEquation) {
+TEST(Flow, ExcludesAnIsolatedParticleFromThePressureEquation) {
   auto sim = simulation(fluid_at<2, double>({{0, 0}}), {.spacing = 0.02});
   for (int k = 0; k < 10; ++k) sim.step(1e-3);
   EXPECT_NEAR(sim.particles()[velocity][0][1], -9.81e-2, 1e-12);
@@ -301,40 +303,42 @@ TEST(Flow, KeepsALoneParticleOutOfThePressureEquation) {
 
 // --- bad input -----------------------------------------------------------------------------------
 
-TEST(FlowSettings, AreRefusedByNameAndValue) {
-  const auto refused = [](const std::function<void(Settings&)>& spoil, const std::string& words) {
+TEST(FlowSettings, AreRejectedByNameAndValue) {
+  const auto rejected = [](const std::function<void(Settings&)>& modify,
+                           const std::string& message) {
     Settings settings{.spacing = 0.01};
-    spoil(settings);
-    return refuses([&] { Flow<Case10> flow(settings); }, {"FlowSettings: " + words});
+    modify(settings);
+    return refuses([&] { Flow<Case10> flow(settings); }, {"FlowSettings: " + message});
   };
   EXPECT_TRUE(refuses([] { Flow<Case10> flow({}); }, {"FlowSettings: spacing = 0 "}));
-  EXPECT_TRUE(refused([](auto& s) { s.spacing = -1; }, "spacing = -1 "));
-  EXPECT_TRUE(refused([](auto& s) { s.spacing = nan; }, "spacing = nan "));
-  EXPECT_TRUE(refused([](auto& s) { s.density = 0; }, "density = 0 "));
-  EXPECT_TRUE(refused([](auto& s) { s.density = inf; }, "density = inf "));
-  EXPECT_TRUE(refused([](auto& s) { s.viscosity = -1e-6; }, "viscosity = -1e-06 "));
-  EXPECT_TRUE(refused([](auto& s) { s.viscosity = nan; }, "viscosity = nan "));
-  EXPECT_TRUE(refused([](auto& s) { s.gravity[1] = nan; }, "gravity = nan "));
-  EXPECT_TRUE(refused([](auto& s) { s.radius = 1; }, "radius = 1 "));
-  EXPECT_TRUE(refused([](auto& s) { s.radius = 31; }, "radius = 31 "));
-  EXPECT_TRUE(refused([](auto& s) { s.laplacian_radius = 0.5; }, "laplacian_radius = 0.5 "));
-  EXPECT_TRUE(refused([](auto& s) { s.laplacian_radius = nan; }, "laplacian_radius = nan "));
-  EXPECT_TRUE(refused([](auto& s) { s.courant = 0; }, "courant = 0 "));
-  EXPECT_TRUE(refused([](auto& s) { s.speed_scale = -2; }, "speed_scale = -2 "));
-  EXPECT_TRUE(refused([](auto& s) { s.max_time_step = 0; }, "max_time_step = 0 "));
-  EXPECT_TRUE(refused([](auto& s) { s.max_time_step = nan; }, "max_time_step = nan "));
+  EXPECT_TRUE(rejected([](auto& s) { s.spacing = -1; }, "spacing = -1 "));
+  EXPECT_TRUE(rejected([](auto& s) { s.spacing = nan; }, "spacing = nan "));
+  EXPECT_TRUE(rejected([](auto& s) { s.density = 0; }, "density = 0 "));
+  EXPECT_TRUE(rejected([](auto& s) { s.density = inf; }, "density = inf "));
+  EXPECT_TRUE(rejected([](auto& s) { s.viscosity = -1e-6; }, "viscosity = -1e-06 "));
+  EXPECT_TRUE(rejected([](auto& s) { s.viscosity = nan; }, "viscosity = nan "));
+  EXPECT_TRUE(rejected([](auto& s) { s.gravity[1] = nan; }, "gravity = nan "));
+  EXPECT_TRUE(rejected([](auto& s) { s.radius = 1; }, "radius = 1 "));
+  EXPECT_TRUE(rejected([](auto& s) { s.radius = 31; }, "radius = 31 "));
+  EXPECT_TRUE(rejected([](auto& s) { s.laplacian_radius = 0.5; }, "laplacian_radius = 0.5 "));
+  EXPECT_TRUE(rejected([](auto& s) { s.laplacian_radius = nan; }, "laplacian_radius = nan "));
+  EXPECT_TRUE(rejected([](auto& s) { s.courant = 0; }, "courant = 0 "));
+  EXPECT_TRUE(rejected([](auto& s) { s.speed_scale = -2; }, "speed_scale = -2 "));
+  EXPECT_TRUE(rejected([](auto& s) { s.max_time_step = 0; }, "max_time_step = 0 "));
+  EXPECT_TRUE(rejected([](auto& s) { s.max_time_step = nan; }, "max_time_step = nan "));
 }
 
-TEST(FlowSettings, AreRefusedForTheNumbersOfTheirPoliciesToo) {
-  const auto refused = [](const std::function<void(Settings&)>& spoil, const std::string& words) {
+TEST(FlowSettings, AreRejectedForInvalidParametersOfPolicies) {
+  const auto rejected = [](const std::function<void(Settings&)>& modify,
+                           const std::string& message) {
     Settings settings{.spacing = 0.01};
-    spoil(settings);
-    return refuses([&] { Flow<Case10> flow(settings); }, {words});
+    modify(settings);
+    return refuses([&] { Flow<Case10> flow(settings); }, {message});
   };
-  EXPECT_TRUE(refused([](auto& s) { s.source.gamma = -1; }, "DivergenceSource: gamma = -1 "));
-  EXPECT_TRUE(refused([](auto& s) { s.surface.first.beta = 2; }, "DensitySurface: beta = 2 "));
-  EXPECT_TRUE(refused([](auto& s) { s.surface.second.beta = 2; }, "CountSurface: beta = 2 "));
-  EXPECT_TRUE(refused([](auto& s) { s.collision.restitution = 2; }, "restitution = 2 "));
+  EXPECT_TRUE(rejected([](auto& s) { s.source.gamma = -1; }, "DivergenceSource: gamma = -1 "));
+  EXPECT_TRUE(rejected([](auto& s) { s.surface.first.beta = 2; }, "DensitySurface: beta = 2 "));
+  EXPECT_TRUE(rejected([](auto& s) { s.surface.second.beta = 2; }, "CountSurface: beta = 2 "));
+  EXPECT_TRUE(rejected([](auto& s) { s.collision.restitution = 2; }, "restitution = 2 "));
 }
 
 }  // namespace

@@ -30,7 +30,7 @@ struct NotStatic {
 static_assert(Kernel<InverseKernel> && Kernel<GaussianKernel> && Kernel<CubicKernel>);
 static_assert(!Kernel<OnlyForDoubles> && !Kernel<NotStatic> && !Kernel<double>);
 
-// To the digits of the table: n0, λ/l0², N0 on the square lattice.
+// n0, λ/l0² and N0 on the square lattice, to the digits given.
 struct Row {
   double radius, n0, lambda;
   int neighbours;
@@ -100,7 +100,7 @@ TEST(LatticeValues, AreSumsOverShellsOfEqualDistance) {
   }
 }
 
-TEST(LatticeValues, OfTheCubicLatticeCountItsKnownShells) {
+TEST(LatticeValues, CountTheKnownShellsOfTheCubicLattice) {
   EXPECT_EQ((lattice_values<3, CubicKernel>(1.1).neighbours), 6);
   EXPECT_EQ((lattice_values<3, CubicKernel>(1.5).neighbours), 18);
   EXPECT_EQ((lattice_values<3, CubicKernel>(1.8).neighbours), 26);
@@ -108,17 +108,17 @@ TEST(LatticeValues, OfTheCubicLatticeCountItsKnownShells) {
   EXPECT_EQ((lattice_values<3, CubicKernel>(3.1).neighbours), 122);
 }
 
-TEST(LatticeValues, LeaveOutWhatLiesExactlyAtTheRadius) {
+TEST(LatticeValues, ExcludePointsExactlyAtTheRadius) {
   EXPECT_EQ((lattice_values<2, CubicKernel>(2.0).neighbours), 8);
   EXPECT_EQ((lattice_values<2, CubicKernel>(std::nextafter(2.0, 3.0)).neighbours), 12);
 }
 
-TEST(LatticeValues, WithOnlyTheNearestNeighboursHaveTheirDistanceAsLambda) {
+TEST(LatticeValues, OfTheNearestNeighboursAloneHaveTheirSquaredDistanceAsLambda) {
   EXPECT_DOUBLE_EQ((lattice_values<2, InverseKernel>(1.2).lambda), 1);
   EXPECT_DOUBLE_EQ((lattice_values<3, GaussianKernel>(1.2).lambda), 1);
 }
 
-TEST(LatticeValues, RefuseARadiusThatReachesNobody) {
+TEST(LatticeValues, RejectARadiusWithoutNeighbours) {
   EXPECT_TRUE(refuses([] { lattice_values<2, CubicKernel>(1.0); }, {"radius = 1 "}));
   EXPECT_TRUE(refuses([] { lattice_values<3, CubicKernel>(-2); }, {"radius = -2 "}));
   EXPECT_TRUE(refuses([] { lattice_values<2, CubicKernel>(nan); }, {"radius = nan"}));
@@ -130,7 +130,7 @@ class Kernels : public ::testing::Test {};
 using AllKernels = ::testing::Types<InverseKernel, GaussianKernel, CubicKernel>;
 TYPED_TEST_SUITE(Kernels, AllKernels);
 
-TYPED_TEST(Kernels, FallWithDistanceAndStayPositive) {
+TYPED_TEST(Kernels, ArePositiveAndDecreaseWithDistance) {
   double before = inf;
   for (double q = 0.01; q < 1; q += 0.01) {
     const double w = TypeParam::weight(q);
@@ -140,24 +140,24 @@ TYPED_TEST(Kernels, FallWithDistanceAndStayPositive) {
   }
 }
 
-TYPED_TEST(Kernels, AreTheSameInFloatToItsRounding) {
+TYPED_TEST(Kernels, AgreeInFloatAndDoubleToRoundOff) {
   for (float q = 0.1f; q < 0.9f; q += 0.05f) {
     const double exact = TypeParam::weight(double(q));
     EXPECT_NEAR(TypeParam::weight(q), exact, 1e-5 * exact);
   }
 }
 
-TEST(InverseKernel, KeepsParticlesApartByAnInfiniteWeight) {
+TEST(InverseKernel, DivergesAtZeroDistance) {
   EXPECT_GT(InverseKernel::weight(1e-300), 1e299);
   EXPECT_EQ(InverseKernel::weight(1.0), 0);
 }
 
-TEST(GaussianKernel, JumpsByTwoThousandthsAtTheRadius) {
+TEST(GaussianKernel, IsDiscontinuousByTwoThousandthsAtTheRadius) {
   EXPECT_NEAR(GaussianKernel::weight(1.0), 0.0018, 1e-4);
   EXPECT_EQ(GaussianKernel::weight(0.0), 1);
 }
 
-TEST(CubicKernel, EndsWithoutAKink) {
+TEST(CubicKernel, IsTwiceDifferentiableAtTheRadius) {
   EXPECT_EQ(CubicKernel::weight(0.0), 1);
   EXPECT_EQ(CubicKernel::weight(1.0), 0);
   // Two derivatives vanish at the radius: halving the distance to it divides the weight by eight.

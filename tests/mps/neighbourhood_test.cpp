@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A flow's own list: the neighbours that the search finds, with the weights of the stencil.
+// The neighbour list of a flow: the neighbours found by the search, with the weights of the
+// stencil.
 #include "support/check.hpp"
 #include "support/fluid.hpp"
 
@@ -18,7 +19,7 @@ template <class S>
 class Neighbourhoods : public ::testing::Test {};
 TYPED_TEST_SUITE(Neighbourhoods, Spaces);
 
-// A periodic box, shaken, in which every fifth particle is a wall and every seventh a dummy.
+// A disordered periodic box in which every fifth particle is a wall and every seventh a dummy.
 template <class T>
 auto mixed_box() {
   using Real = typename T::Real;
@@ -34,11 +35,11 @@ template <class T>
 using StencilOf = mps::Stencil<T::dimension, typename T::Real, mps::CubicKernel>;
 
 template <class T, class Search>
-void expect_what_the_search_finds(Search search) {
+void expect_neighbours_of_search(Search search) {
   using Real = typename T::Real;
   auto fluid = mixed_box<T>();
   const StencilOf<T> stencil({.spacing = Real(0.1), .radius = 3.1});
-  search.set_radius(Real(1.1) * stencil.re);  // the stencil is narrower
+  search.set_radius(Real(1.1) * stencil.re);  // larger than the stencil
   search.update(fluid);
   mps::Neighbourhood<T::dimension, Real> around;
   around.find(fluid, search, stencil);
@@ -66,14 +67,14 @@ void expect_what_the_search_finds(Search search) {
   }
 }
 
-TYPED_TEST(Neighbourhoods, AreThoseOfTheSearchWithinTheStencil) {
+TYPED_TEST(Neighbourhoods, ContainTheNeighboursOfTheSearchWithinTheStencil) {
   constexpr int dim = TypeParam::dimension;
   using Real = typename TypeParam::Real;
-  expect_what_the_search_finds<TypeParam>(UniformGrid<dim, Real>{});
-  expect_what_the_search_finds<TypeParam>(BruteForce<dim, Real>{});
+  expect_neighbours_of_search<TypeParam>(UniformGrid<dim, Real>{});
+  expect_neighbours_of_search<TypeParam>(BruteForce<dim, Real>{});
 }
 
-TYPED_TEST(Neighbourhoods, GiveBothOfAPairTheSameWeightToTheBit) {
+TYPED_TEST(Neighbourhoods, HaveBitwiseEqualWeightsForBothParticlesOfAPair) {
   using Real = typename TypeParam::Real;
   constexpr int dim = TypeParam::dimension;
   auto fluid = blob<dim, Real>(dim == 2 ? 30 : 10, Real(0.1), Real(0.2));
@@ -93,7 +94,7 @@ TYPED_TEST(Neighbourhoods, GiveBothOfAPairTheSameWeightToTheBit) {
   }
 }
 
-TYPED_TEST(Neighbourhoods, HandOverThoseThatAreCloser) {
+TYPED_TEST(Neighbourhoods, IterateOverCloserNeighbours) {
   using Real = typename TypeParam::Real;
   constexpr int dim = TypeParam::dimension;
   auto fluid = mixed_box<TypeParam>();
@@ -103,7 +104,7 @@ TYPED_TEST(Neighbourhoods, HandOverThoseThatAreCloser) {
   mps::Neighbourhood<dim, Real> around;
   around.find(fluid, search, stencil);
   const Real reach = Real(0.12);
-  const auto least = static_cast<float>(stencil.weight(reach)) - 1e-4f;
+  const auto min_weight = static_cast<float>(stencil.weight(reach)) - 1e-4f;
   for (Index i = 0; i < fluid.size(); ++i) {
     std::set<Index> expected;
     const auto row = around[i];
@@ -113,7 +114,7 @@ TYPED_TEST(Neighbourhoods, HandOverThoseThatAreCloser) {
       if (r < reach) expected.insert(j);
     }
     std::set<Index> found;
-    around.for_each_closer(i, reach, least, [&](Index j, const auto&, Real r) {
+    around.for_each_closer(i, reach, min_weight, [&](Index j, const auto&, Real r) {
       EXPECT_LT(r, reach * (1 + TypeParam::rounding));
       found.insert(j);
     });
@@ -121,33 +122,33 @@ TYPED_TEST(Neighbourhoods, HandOverThoseThatAreCloser) {
   }
 }
 
-TEST(Neighbourhood, KnowsWhetherParticlesMovedSinceItWasFound) {
+TEST(Neighbourhood, IsCurrentUntilParticlesMoveOrAreAdded) {
   auto fluid = blob<2, double>(10, 0.1);
   const mps::Stencil<2, double, mps::CubicKernel> stencil({.spacing = 0.1, .radius = 3.1});
   UniformGrid<2> search({.radius = stencil.re});
   mps::Neighbourhood<2, double> around;
   search.update(fluid);
   around.find(fluid, search, stencil);
-  EXPECT_TRUE(around.is_of(fluid));
+  EXPECT_TRUE(around.is_current(fluid));
   fluid[velocity][3] = {1, 2};
-  EXPECT_TRUE(around.is_of(fluid));
+  EXPECT_TRUE(around.is_current(fluid));
   fluid[position][3][0] += 1e-15;
-  EXPECT_FALSE(around.is_of(fluid));
+  EXPECT_FALSE(around.is_current(fluid));
   search.update(fluid);
   around.find(fluid, search, stencil);
-  EXPECT_TRUE(around.is_of(fluid));
+  EXPECT_TRUE(around.is_current(fluid));
   mps::add_particle(fluid, {5, 5}, Kind::fluid);
-  EXPECT_FALSE(around.is_of(fluid));
+  EXPECT_FALSE(around.is_current(fluid));
 }
 
-TEST(Neighbourhood, RefusesTwoParticlesOnOnePoint) {
+TEST(Neighbourhood, RejectsCoincidentParticles) {
   auto fluid = fluid_at<2, double>({{0, 0}, {0.1, 0}, {0.1, 0}});
   const mps::Stencil<2, double, mps::CubicKernel> stencil({.spacing = 0.1, .radius = 3.1});
   UniformGrid<2> search({.radius = stencil.re});
   search.update(fluid);
   mps::Neighbourhood<2, double> around;
   EXPECT_TRUE(refuses([&] { around.find(fluid, search, stencil); },
-                      {"two particles lie on one point", "particle 1"}));
+                      {"two particles have the same position", "particle 1"}));
 }
 
 }  // namespace

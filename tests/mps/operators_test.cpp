@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What the operators guarantee: on a full lattice they are exact for the lowest polynomials; on any
-// arrangement gradient (18) conserves momentum and (4) does not push on uniform pressure.
+// Properties of the operators: on a full lattice they are exact for low-order polynomials; for any
+// arrangement, gradient (18) conserves momentum, and (4) is zero for uniform pressure.
 #include "support/check.hpp"
 #include "support/fluid.hpp"
 
@@ -31,7 +31,7 @@ struct ScalarGradient {
 };
 static_assert(!mps::Gradient<ScalarGradient, 2>);
 
-// What the tests below do in one dimension and precision.
+// Helpers for one dimension and precision.
 template <class S>
 struct Setting {
   static constexpr int dim = S::dimension;
@@ -48,7 +48,7 @@ struct Setting {
     return Stencil<K>({.spacing = spacing, .radius = radius});
   }
 
-  // Values at the particles and their images, of a function of space.
+  // Values of a function of space at owned and ghost particles.
   template <class P, class F>
   static auto values(const P& particles, F&& f) {
     using Value = std::remove_cvref_t<decltype(f(Vec()))>;
@@ -60,8 +60,9 @@ struct Setting {
   template <class G, class T, class Search, class Phi>
   static Vec gradient(const Search& search, const T& stencil, Index i, const Phi& phi) {
     return G::evaluate(stencil, phi[i], [&](auto&& f) {
-      mps::for_each_weighted(search, i, stencil,
-                             [&](Index j, const Vec& r_ij, Real w, Real w_r2) { f(phi[j], r_ij, w, w_r2); });
+      mps::for_each_weighted(search, i, stencil, [&](Index j, const Vec& r_ij, Real w, Real w_r2) {
+        f(phi[j], r_ij, w, w_r2);
+      });
     });
   }
 
@@ -89,7 +90,7 @@ template <class S>
 class Operators : public ::testing::Test {};
 TYPED_TEST_SUITE(Operators, Spaces);
 
-TYPED_TEST(Operators, BothGradientsOfALinearFieldAreExactOnAFullLattice) {
+TYPED_TEST(Operators, BothGradientsAreExactForALinearFieldOnAFullLattice) {
   using On = Setting<TypeParam>;
   using Real = typename TypeParam::Real;
   On::on_full_lattices([&](const auto& particles, const auto& search, const auto& stencil) {
@@ -104,13 +105,14 @@ TYPED_TEST(Operators, BothGradientsOfALinearFieldAreExactOnAFullLattice) {
   });
 }
 
-TYPED_TEST(Operators, DivergenceOfALinearVelocityIsExactOnAFullLattice) {
+TYPED_TEST(Operators, DivergenceIsExactForALinearVelocityOnAFullLattice) {
   using On = Setting<TypeParam>;
   using Vec = typename TypeParam::Vec;
   constexpr int dim = TypeParam::dimension;
-  Eigen::Matrix<typename TypeParam::Real, dim, dim> m;
+  using Real = typename TypeParam::Real;
+  Eigen::Matrix<Real, dim, dim> m;
   for (int r = 0; r < dim; ++r) {
-    for (int c = 0; c < dim; ++c) m(r, c) = typename TypeParam::Real(r + 1) / typename TypeParam::Real(c + 2);
+    for (int c = 0; c < dim; ++c) m(r, c) = Real(r + 1) / Real(c + 2);
   }
   On::on_full_lattices([&](const auto& particles, const auto& search, const auto& stencil) {
     const auto u = On::values(particles, [&](const auto& x) { return Vec(m * x); });
@@ -120,9 +122,9 @@ TYPED_TEST(Operators, DivergenceOfALinearVelocityIsExactOnAFullLattice) {
   });
 }
 
-TYPED_TEST(Operators, ARigidRotationHasNoDivergence) {
+TYPED_TEST(Operators, DivergenceOfARigidRotationIsZero) {
   using On = Setting<TypeParam>;
-  // On any arrangement: u_j − u_i stands at right angles to r_ij.
+  // For any arrangement: u_j − u_i is perpendicular to r_ij.
   using Real = typename TypeParam::Real;
   using Vec = typename TypeParam::Vec;
   constexpr int dim = TypeParam::dimension;
@@ -130,10 +132,10 @@ TYPED_TEST(Operators, ARigidRotationHasNoDivergence) {
   UniformGrid<dim, Real> search({.radius = Real(3.1) * On::l0});
   search.update(particles);
   const auto u = On::values(particles, [&](const auto& x) {
-    Vec turned = Vec::Zero();
-    turned[0] = -x[1];
-    turned[1] = x[0];
-    return turned;
+    Vec rotation = Vec::Zero();
+    rotation[0] = -x[1];
+    rotation[1] = x[0];
+    return rotation;
   });
   const auto stencil = On::template stencil<CubicKernel>(3.1);
   for (Index i = 0; i < particles.size(); ++i) {
@@ -141,7 +143,7 @@ TYPED_TEST(Operators, ARigidRotationHasNoDivergence) {
   }
 }
 
-TYPED_TEST(Operators, LaplacianOfAQuadraticFieldIsExactOnAFullLattice) {
+TYPED_TEST(Operators, LaplacianIsExactForAQuadraticFieldOnAFullLattice) {
   using On = Setting<TypeParam>;
   using Real = typename TypeParam::Real;
   constexpr int dim = TypeParam::dimension;
@@ -154,7 +156,7 @@ TYPED_TEST(Operators, LaplacianOfAQuadraticFieldIsExactOnAFullLattice) {
     const auto phi = On::values(
         particles, [&](const auto& x) { return Real(x.dot(m * x)) + a.dot(x) - Real(0.2); });
     for (Index i = 0; i < particles.size(); i += 7) {
-      // Rounding of φ over l0².
+      // Round-off of φ over l0².
       EXPECT_NEAR(mps::laplacian(search, stencil, i, phi), 2 * m.trace(),
                   TypeParam::rounding / squared(On::l0));
     }
@@ -183,7 +185,7 @@ TYPED_TEST(Operators, LaplacianOfAVectorIsThatOfItsComponents) {
   }
 }
 
-TYPED_TEST(Operators, GradientConservesMomentumOnlyInItsConservingForm) {
+TYPED_TEST(Operators, OnlyTheConservingGradientConservesMomentum) {
   using On = Setting<TypeParam>;
   using Real = typename TypeParam::Real;
   using Vec = typename TypeParam::Vec;
@@ -193,7 +195,9 @@ TYPED_TEST(Operators, GradientConservesMomentumOnlyInItsConservingForm) {
   search.update(particles);
   const auto stencil = On::template stencil<CubicKernel>(3.1);
   std::vector<Real> phi;
-  for (const auto& x : random_points(particles.size(), cube<dim, Real>(0, 1), 3)) phi.push_back(x[0]);
+  for (const auto& x : random_points(particles.size(), cube<dim, Real>(0, 1), 3)) {
+    phi.push_back(x[0]);
+  }
   Vec by4 = Vec::Zero();
   Vec by18 = Vec::Zero();
   Real size = 0;
@@ -207,7 +211,7 @@ TYPED_TEST(Operators, GradientConservesMomentumOnlyInItsConservingForm) {
   EXPECT_GT(by4.norm(), Real(1e-3) * size);
 }
 
-TYPED_TEST(Operators, OfUniformPressureOnlyTheConservingGradientPushesOutwards) {
+TYPED_TEST(Operators, OnlyTheConservingGradientIsNotZeroForUniformPressure) {
   using On = Setting<TypeParam>;
   using Real = typename TypeParam::Real;
   constexpr int dim = TypeParam::dimension;
@@ -220,14 +224,14 @@ TYPED_TEST(Operators, OfUniformPressureOnlyTheConservingGradientPushesOutwards) 
   for (Index i = 0; i < particles.size(); ++i) {
     EXPECT_EQ((On::template gradient<MinimumGradient>(search, stencil, i, phi).norm()), 0);
   }
-  // A corner particle is driven away from the others: −∇P points outwards.
+  // The force −∇P on a corner particle points outwards.
   const auto corner = On::template gradient<ConservingGradient>(search, stencil, 0, phi);
   EXPECT_LT(-corner.dot(centre - particles[position][0]), 0);
 }
 
-TYPED_TEST(Operators, MinimumGradientNeverPullsParticlesTogether) {
+TYPED_TEST(Operators, MinimumGradientIsNeverAttractive) {
   using On = Setting<TypeParam>;
-  // Every term is a push from j on i, since no φ_j is below φ̂: −∇φ·r_ij ≤ 0 for a lone neighbour.
+  // Every term is repulsive because φ_j ≥ φ̂: −∇φ·r_ij ≤ 0 for a single neighbour.
   using Real = typename TypeParam::Real;
   using Vec = typename TypeParam::Vec;
   auto two = fluid_at<TypeParam::dimension, Real>({Vec(Vec::Zero()), Vec(On::l0 * Vec::Unit(0))});
@@ -240,7 +244,8 @@ TYPED_TEST(Operators, MinimumGradientNeverPullsParticlesTogether) {
   }
 }
 
-// Largest error over the particles of a periodic box of side 1, for one sine along each axis.
+// Maximum errors of gradient, divergence and Laplacian in a periodic box of side 1, for a sine
+// along each axis.
 template <int Dim>
 std::array<double, 3> errors_on_a_sine(int along) {
   const double k = 2 * std::numbers::pi;
@@ -283,7 +288,7 @@ void expect_second_order(int coarse) {
   }
 }
 
-TEST(OperatorsOnSmoothFields, ConvergeWithTheSquareOfTheSpacing) {
+TEST(OperatorsOnSmoothFields, ConvergeToSecondOrderInTheSpacing) {
   expect_second_order<2>(20);
   expect_second_order<3>(16);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Sources, surfaces and collisions alone, and the table of cases made from them.
+// Sources, free surfaces and collisions individually, and the policies of the cases of Table 1.
 #include "support/check.hpp"
 #include "support/fluid.hpp"
 
@@ -22,31 +22,32 @@ using mps::DivergenceSource;
 
 static_assert(mps::PressureSource<DensitySource> && mps::PressureSource<DivergenceSource>);
 static_assert(mps::FreeSurface<DensitySurface> && mps::FreeSurface<CountSurface>);
-static_assert(mps::FreeSurface<BothSurfaces<CountSurface, NoSurface>> && mps::FreeSurface<NoSurface>);
+static_assert(mps::FreeSurface<BothSurfaces<CountSurface, NoSurface>>);
+static_assert(mps::FreeSurface<NoSurface>);
 static_assert(mps::CollisionModel<AdoptedCollision>);
 
-struct SourceThatDoesNotSayWhen {
+struct SourceWithoutOrder {
   [[maybe_unused]] static constexpr bool needs_divergence = false;
   void check() const {}
   double value(const mps::SourceTerms&) const { return 0; }
 };
-static_assert(!mps::PressureSource<SourceThatDoesNotSayWhen>);
+static_assert(!mps::PressureSource<SourceWithoutOrder>);
 static_assert(!mps::PressureSource<DensitySurface>);
 
-struct SurfaceOfNumbers {
+struct SurfaceThatReturnsDouble {
   void check() const {}
   double is_on_surface(const mps::LocalDensity&) const { return 1; }
 };
 struct UncheckedSurface {
   bool is_on_surface(const mps::LocalDensity&) const { return true; }
 };
-static_assert(!mps::FreeSurface<SurfaceOfNumbers> && !mps::FreeSurface<UncheckedSurface>);
+static_assert(!mps::FreeSurface<SurfaceThatReturnsDouble> && !mps::FreeSurface<UncheckedSurface>);
 static_assert(!mps::FreeSurface<DensitySource>);
 
 struct CollisionWithoutReach {
   void check() const {}
   template <int Dim, class Real>
-  Vec<Dim, Real> impulse(const mps::CollidingPair<Dim, Real>& pair) const {
+  Vec<Dim, Real> velocity_change(const mps::CollidingPair<Dim, Real>& pair) const {
     return pair.r_ij;
   }
 };
@@ -56,7 +57,7 @@ static_assert(!mps::CollisionModel<DensitySource>);
 // --- Table 1 -------------------------------------------------------------------------------------
 
 template <class Case, class Source, class Kernel, class Surface, class Gradient>
-constexpr bool is_made_of = std::same_as<typename Case::Source, Source> &&
+constexpr bool has_policies = std::same_as<typename Case::Source, Source> &&
                             std::same_as<typename Case::Kernel, Kernel> &&
                             std::same_as<typename Case::Surface, Surface> &&
                             std::same_as<typename Case::Gradient, Gradient>;
@@ -74,17 +75,17 @@ using Cubic = mps::CubicKernel;
 using By4 = mps::MinimumGradient;
 using By18 = mps::ConservingGradient;
 
-static_assert(is_made_of<mps::Case00, DensitySource, Inverse, DensitySurface, By4>);
-static_assert(is_made_of<mps::Case01, DivergenceSource, Inverse, DensitySurface, By4>);
-static_assert(is_made_of<mps::Case02, DivergenceSource, Gaussian, DensitySurface, By4>);
-static_assert(is_made_of<mps::Case03, DivergenceSource, Cubic, DensitySurface, By4>);
-static_assert(is_made_of<mps::Case04, DivergenceSource, Cubic, DensitySurface, By4>);
-static_assert(is_made_of<mps::Case05, DivergenceSource, Cubic, DensitySurface, By4>);
-static_assert(is_made_of<mps::Case06, DivergenceSource, Cubic, DensitySurface, By4>);
-static_assert(is_made_of<mps::Case07, DivergenceSource, Cubic, DensitySurface, By4>);
-static_assert(is_made_of<mps::Case08, DivergenceSource, Cubic, CountSurface, By4>);
-static_assert(is_made_of<mps::Case09, DivergenceSource, Cubic, Both, By4>);
-static_assert(is_made_of<mps::Case10, DivergenceSource, Cubic, Both, By18>);
+static_assert(has_policies<mps::Case00, DensitySource, Inverse, DensitySurface, By4>);
+static_assert(has_policies<mps::Case01, DivergenceSource, Inverse, DensitySurface, By4>);
+static_assert(has_policies<mps::Case02, DivergenceSource, Gaussian, DensitySurface, By4>);
+static_assert(has_policies<mps::Case03, DivergenceSource, Cubic, DensitySurface, By4>);
+static_assert(has_policies<mps::Case04, DivergenceSource, Cubic, DensitySurface, By4>);
+static_assert(has_policies<mps::Case05, DivergenceSource, Cubic, DensitySurface, By4>);
+static_assert(has_policies<mps::Case06, DivergenceSource, Cubic, DensitySurface, By4>);
+static_assert(has_policies<mps::Case07, DivergenceSource, Cubic, DensitySurface, By4>);
+static_assert(has_policies<mps::Case08, DivergenceSource, Cubic, CountSurface, By4>);
+static_assert(has_policies<mps::Case09, DivergenceSource, Cubic, Both, By4>);
+static_assert(has_policies<mps::Case10, DivergenceSource, Cubic, Both, By18>);
 
 static_assert(collides_with<mps::Case00>(0.5, 0.2) && collides_with<mps::Case01>(0.5, 0.2));
 static_assert(collides_with<mps::Case02>(0.5, 0.2) && collides_with<mps::Case03>(0.5, 0.2));
@@ -96,21 +97,21 @@ static_assert(collides_with<mps::Case10>(1.0, 0.2));
 // --- sources -------------------------------------------------------------------------------------
 
 TEST(DensitySource, GivesCompressedFluidANegativeSource) {
-  // And with it, since the Laplacian of a maximum is negative, a higher pressure.
+  // The Laplacian of a maximum is negative: a higher pressure.
   EXPECT_LT(DensitySource{}.value({.density = 1000, .time_step = 1e-3, .compression = 0.01}), 0);
   EXPECT_GT(DensitySource{}.value({.density = 1000, .time_step = 1e-3, .compression = -0.01}), 0);
   EXPECT_DOUBLE_EQ(DensitySource{}.value({.density = 1000, .time_step = 1e-3, .compression = 0.01}),
                    -1e7);
 }
 
-TEST(DivergenceSource, GivesFluidThatConvergesANegativeSource) {
+TEST(DivergenceSource, GivesConvergingFluidANegativeSource) {
   const DivergenceSource source;
   EXPECT_LT(source.value({.density = 1000, .time_step = 1e-3, .divergence = -1}), 0);
   EXPECT_GT(source.value({.density = 1000, .time_step = 1e-3, .divergence = 1}), 0);
   EXPECT_EQ(source.value({.density = 1000, .time_step = 1e-3}), 0);
 }
 
-TEST(DivergenceSource, TakesTheShareGammaOfTheOriginals) {
+TEST(DivergenceSource, CorrectsTheFractionGammaOfTheDensityError) {
   const mps::SourceTerms compressed{.density = 998, .time_step = 2e-3, .compression = 0.03};
   EXPECT_DOUBLE_EQ(DivergenceSource{}.value(compressed), 0.01 * DensitySource{}.value(compressed));
   EXPECT_DOUBLE_EQ(DivergenceSource{.gamma = 1}.value(compressed),
@@ -120,14 +121,14 @@ TEST(DivergenceSource, TakesTheShareGammaOfTheOriginals) {
 
 // --- surfaces ------------------------------------------------------------------------------------
 
-TEST(Surfaces, HoldBelowTheirThresholdOnly) {
+TEST(Surfaces, AreBelowTheirThresholdOnly) {
   EXPECT_TRUE(DensitySurface{}.is_on_surface({.density = 0.96, .neighbours = 2}));
   EXPECT_FALSE(DensitySurface{}.is_on_surface({.density = 0.97, .neighbours = 0}));
   EXPECT_TRUE(CountSurface{}.is_on_surface({.density = 2, .neighbours = 0.84}));
   EXPECT_FALSE(CountSurface{}.is_on_surface({.density = 0, .neighbours = 0.85}));
 }
 
-TEST(BothSurfaces, HoldOnlyWhereEachDoes) {
+TEST(BothSurfaces, NeedBothConditions) {
   const Both both;
   EXPECT_TRUE(both.is_on_surface({.density = 0.9, .neighbours = 0.8}));
   EXPECT_FALSE(both.is_on_surface({.density = 0.9, .neighbours = 0.9}));
@@ -141,7 +142,7 @@ template <class S>
 class Collisions : public ::testing::Test {};
 TYPED_TEST_SUITE(Collisions, Spaces);
 
-// The velocities after collide() of Case10's collision, a = 1, with the given restitution.
+// Applies the collision stage of case 10 with the given parameters.
 template <class P>
 void collide(P& fluid, double restitution, double distance = 1, double l0 = 0.1) {
   mps::Flow<mps::Case10, P::dimension, typename P::Real> flow(
@@ -152,7 +153,7 @@ void collide(P& fluid, double restitution, double distance = 1, double l0 = 0.1)
   flow.collide(fluid, search, 1e-3);
 }
 
-// Two particles 0.08 apart along a slanted line, with given velocities.
+// Two particles at a distance of 0.08 along an oblique line, with the given velocities.
 template <class S>
 typename S::Fluid pair(const typename S::Vec& u0, const typename S::Vec& u1) {
   using Real = typename S::Real;
@@ -166,7 +167,7 @@ typename S::Fluid pair(const typename S::Vec& u0, const typename S::Vec& u1) {
   return fluid;
 }
 
-TYPED_TEST(Collisions, LetApproachingPairsPartWithTheRestitution) {
+TYPED_TEST(Collisions, SeparateApproachingPairsWithTheRestitution) {
   using Vec = typename TypeParam::Vec;
   using Real = typename TypeParam::Real;
   for (const double b : {0.0, 0.2, 1.0}) {
@@ -179,12 +180,12 @@ TYPED_TEST(Collisions, LetApproachingPairsPartWithTheRestitution) {
     const Vec after = fluid[velocity][1] - fluid[velocity][0];
     EXPECT_NEAR(after.dot(n), -Real(b) * before.dot(n), TypeParam::rounding);
     EXPECT_LE(((after - n * n.dot(after)) - (before - n * n.dot(before))).norm(),
-              TypeParam::rounding) << "what is at right angles stays";
+              TypeParam::rounding) << "the perpendicular component is unchanged";
     EXPECT_LE((fluid[velocity][1] + fluid[velocity][0] - sum_before).norm(), TypeParam::rounding);
   }
 }
 
-TYPED_TEST(Collisions, LeaveRecedingAndDistantPairsUntouched) {
+TYPED_TEST(Collisions, DoNotChangeRecedingAndDistantPairs) {
   using Vec = typename TypeParam::Vec;
   auto receding = pair<TypeParam>(Vec(Vec::Constant(-1)), Vec(Vec::Unit(1)));
   const auto before = state_of(receding);
@@ -193,13 +194,13 @@ TYPED_TEST(Collisions, LeaveRecedingAndDistantPairsUntouched) {
 
   auto distant = pair<TypeParam>(Vec(Vec::Unit(0)), Vec(Vec::Zero()));
   const auto before_distant = state_of(distant);
-  collide(distant, 0.2, 0.79);  // they are 0.8 spacings apart
+  collide(distant, 0.2, 0.79);  // the distance is 0.8 spacings
   EXPECT_TRUE(state_of(distant) == before_distant);
   collide(distant, 0.2, 0.81);
   EXPECT_FALSE(state_of(distant) == before_distant);
 }
 
-TYPED_TEST(Collisions, AreOffWithoutDistance) {
+TYPED_TEST(Collisions, AreDisabledByZeroDistance) {
   using Vec = typename TypeParam::Vec;
   auto fluid = pair<TypeParam>(Vec(100 * Vec::Unit(0)), Vec(-100 * Vec::Unit(0)));
   const auto before = state_of(fluid);
@@ -207,7 +208,7 @@ TYPED_TEST(Collisions, AreOffWithoutDistance) {
   EXPECT_TRUE(state_of(fluid) == before);
 }
 
-TYPED_TEST(Collisions, WithAWallThrowBackAsFromAnInfiniteMass) {
+TYPED_TEST(Collisions, WithAWallAreThoseWithAnInfiniteMass) {
   using Vec = typename TypeParam::Vec;
   using Real = typename TypeParam::Real;
   for (const auto of_kind : {mps::Kind::wall, mps::Kind::dummy}) {
@@ -221,29 +222,29 @@ TYPED_TEST(Collisions, WithAWallThrowBackAsFromAnInfiniteMass) {
   }
 }
 
-TYPED_TEST(Collisions, ConserveTheMomentumOfACrowd) {
+TYPED_TEST(Collisions, ConserveMomentum) {
   using Real = typename TypeParam::Real;
-  auto crowd = blob<TypeParam::dimension, Real>(6, Real(0.1), Real(0.3));
-  give_random_velocities(crowd, Real(2), 7);
-  const auto before = velocity_sum(crowd);
-  const auto state = state_of(crowd);
-  collide(crowd, 0.2);
-  EXPECT_FALSE(state_of(crowd) == state);
-  EXPECT_LE((velocity_sum(crowd) - before).norm(), double(TypeParam::rounding) * speed_sum(crowd));
+  auto fluid = blob<TypeParam::dimension, Real>(6, Real(0.1), Real(0.3));
+  give_random_velocities(fluid, Real(2), 7);
+  const auto before = velocity_sum(fluid);
+  const auto state = state_of(fluid);
+  collide(fluid, 0.2);
+  EXPECT_FALSE(state_of(fluid) == state);
+  EXPECT_LE((velocity_sum(fluid) - before).norm(), double(TypeParam::rounding) * speed_sum(fluid));
 }
 
-TYPED_TEST(Collisions, ConserveMomentumThroughPeriodicSides) {
+TYPED_TEST(Collisions, ConserveMomentumAcrossPeriodicBoundaries) {
   using Real = typename TypeParam::Real;
-  auto crowd = full_box<TypeParam::dimension, Real>(7, Real(0.1), Real(0.3));
-  give_random_velocities(crowd, Real(2), 8);
-  const auto before = velocity_sum(crowd);
-  collide(crowd, 0.2);
-  EXPECT_LE((velocity_sum(crowd) - before).norm(), double(TypeParam::rounding) * speed_sum(crowd));
+  auto fluid = full_box<TypeParam::dimension, Real>(7, Real(0.1), Real(0.3));
+  give_random_velocities(fluid, Real(2), 8);
+  const auto before = velocity_sum(fluid);
+  collide(fluid, 0.2);
+  EXPECT_LE((velocity_sum(fluid) - before).norm(), double(TypeParam::rounding) * speed_sum(fluid));
 }
 
 // --- bad input -----------------------------------------------------------------------------------
 
-TEST(Policies, RefuseNumbersOutOfRange) {
+TEST(Policies, RejectParametersOutOfRange) {
   EXPECT_TRUE(refuses([] { DensitySurface{.beta = 1.2}.check(); }, {"DensitySurface: beta = 1.2"}));
   EXPECT_TRUE(refuses([] { DensitySurface{.beta = nan}.check(); }, {"DensitySurface: beta = nan"}));
   EXPECT_TRUE(refuses([] { CountSurface{.beta = -0.1}.check(); }, {"CountSurface: beta = -0.1"}));

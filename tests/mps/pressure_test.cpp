@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The pressure equation as a linear system, and what its solution means.
+// The pressure equation: properties of the linear system and of its solution.
 #include "support/check.hpp"
 #include "support/fluid.hpp"
 
@@ -18,7 +18,7 @@ using mps::Kind;
 using mps::PressureEquation;
 using Reason = SolveReport::Reason;
 
-// Particles at one pressure equation, with the search and the stencil it needs.
+// Particles and their pressure equation, with its search and stencil.
 template <int Dim, class Real = double>
 struct Problem {
   static constexpr Real l0 = Real(0.1);
@@ -28,7 +28,7 @@ struct Problem {
     search.update(particles);
   }
 
-  // Those within one and a half spacings of the cube's faces lie on the surface.
+  // Marks particles within one and a half spacings of the faces of the cube as free surface.
   void open(int along) {
     for (Index i = 0; i < particles.size(); ++i) {
       const auto& x = particles[position][i];
@@ -89,16 +89,16 @@ TYPED_TEST(Equations, OfOpenFluidAreSymmetricAndPositiveDefinite) {
   problem.assemble_uniform(-1);
   const auto a = problem.matrix();
   ASSERT_GT(a.rows(), 20);
-  EXPECT_TRUE(a == a.transpose()) << "to the bit";
+  EXPECT_TRUE(a == a.transpose()) << "bitwise";
   EXPECT_EQ(a.llt().info(), Eigen::Success);
-  // No positive entry beside the diagonal, and no row sum below zero: a maximum principle holds.
+  // No positive off-diagonal entry and no negative row sum: a maximum principle holds.
   for (Eigen::Index r = 0; r < a.rows(); ++r) {
     EXPECT_LE(a.row(r).sum() - a(r, r), 0);
     EXPECT_GE(a.row(r).sum(), -1e-12 * a(r, r));
   }
 }
 
-TYPED_TEST(Equations, OfAPeriodicBoxAreSymmetricToRounding) {
+TYPED_TEST(Equations, OfAPeriodicBoxAreSymmetricToRoundOff) {
   using Real = typename TypeParam::Real;
   Problem<TypeParam::dimension, Real> problem(
       full_box<TypeParam::dimension, Real>(7, Real(0.1), Real(0.25)));
@@ -108,7 +108,7 @@ TYPED_TEST(Equations, OfAPeriodicBoxAreSymmetricToRounding) {
   EXPECT_LE((a - a.transpose()).norm(), double(TypeParam::rounding) * a.norm());
 }
 
-TYPED_TEST(Equations, GiveCompressedFluidAPressureAboveZeroEverywhere) {
+TYPED_TEST(Equations, GiveCompressedFluidAPositivePressureEverywhere) {
   using Real = typename TypeParam::Real;
   constexpr int along = TypeParam::dimension == 2 ? 12 : 7;
   for (const double sign : {1.0, -1.0}) {
@@ -147,19 +147,19 @@ void expect_that_the_laplacian_is_the_source() {
   EXPECT_EQ(unknowns, report.unknowns);
 }
 
-TEST(PressureEquation, MakesTheLaplacianOfPressureTheSource) {
+TEST(PressureEquation, HasASolutionWhoseLaplacianIsTheSource) {
   expect_that_the_laplacian_is_the_source<2>();
   expect_that_the_laplacian_is_the_source<3>();
 }
 
-TEST(PressureEquation, OfAClosedFullBoxIsSolvedUpToTheConstantThatMakesTheLowestPressureZero) {
+TEST(PressureEquation, OfAClosedFullBoxHasASolutionWithMinimumPressureZero) {
   Problem<2> problem(full_box<2, double>(10, 0.1, 0.2));
   const auto source = [](Index i) { return 1e5 * std::sin(double(i)) - 3e4; };
   problem.assemble(source);
   ASSERT_EQ(problem.solve().reason, Reason::converged);
   const auto p = problem.particles[mps::pressure];
   EXPECT_EQ(*std::min_element(p.begin(), p.end()), 0);
-  // Fluid that cannot leave cannot expand on the whole: the mean of the source is taken out.
+  // A closed body cannot expand: the mean of the source is subtracted.
   double mean = 0;
   for (Index i = 0; i < p.size(); ++i) mean += source(i) / double(p.size());
   for (Index i = 0; i < p.size(); ++i) {
@@ -167,7 +167,7 @@ TEST(PressureEquation, OfAClosedFullBoxIsSolvedUpToTheConstantThatMakesTheLowest
   }
 }
 
-TEST(PressureEquation, SettlesEachClosedBodyByItself) {
+TEST(PressureEquation, ChoosesTheConstantOfEachClosedBodySeparately) {
   auto points = jittered<2, double>(6, 0.1, 0.2);
   const Index one_body = points.size();
   for (Index i = 0; i < one_body; ++i) points.push_back(points[i] + Vec<2>(5, 0));
@@ -179,7 +179,7 @@ TEST(PressureEquation, SettlesEachClosedBodyByItself) {
   EXPECT_EQ(*std::min_element(p.begin() + std::ptrdiff_t(one_body), p.end()), 0);
 }
 
-TEST(PressureEquation, LeavesIsolatedParticlesOut) {
+TEST(PressureEquation, ExcludesIsolatedParticles) {
   auto points = jittered<2, double>(6, 0.1, 0.1);
   points.push_back({3, 3});
   Problem<2> problem(fluid_at(points));
@@ -192,7 +192,7 @@ TEST(PressureEquation, LeavesIsolatedParticlesOut) {
   for (const double p : problem.particles[mps::pressure]) EXPECT_TRUE(is_finite(p));
 }
 
-TEST(PressureEquation, IsOverFluidAndWallsButNotOverDummies) {
+TEST(PressureEquation, HasUnknownsForFluidAndWallsButNotForDummies) {
   auto tank = small_dam<2>();
   Problem<2> problem(std::move(tank));
   problem.assemble_uniform(-1);
@@ -224,7 +224,7 @@ TEST(PressureEquation, WithoutSourceHasNoPressure) {
   for (const double p : problem.particles[mps::pressure]) EXPECT_EQ(p, 0);
 }
 
-TEST(PressureEquation, StartsFromThePressuresThereAre) {
+TEST(PressureEquation, UsesThePresentPressuresAsInitialGuess) {
   Problem<2> problem(blob<2, double>(16, 0.1, 0.1));
   problem.open(16);
   problem.assemble_uniform(-1e4);
@@ -235,7 +235,7 @@ TEST(PressureEquation, StartsFromThePressuresThereAre) {
   EXPECT_TRUE(state_of(problem.particles) == before);
 }
 
-TEST(PressureEquation, ThatIsNotSolvedLeavesThePressuresAsTheyWere) {
+TEST(PressureEquation, LeavesThePressuresUnchangedIfTheSolveFails) {
   Problem<2> problem(blob<2, double>(16, 0.1, 0.1));
   problem.open(16);
   for (auto& p : problem.particles[mps::pressure]) p = 77;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the policies beyond the paper are there for, each by itself, and together as Recommended.
+// The policies beyond the paper, individually and combined in Recommended.
 #include "support/check.hpp"
 #include "support/fluid.hpp"
 #include "support/points.hpp"
@@ -28,7 +28,7 @@ using AllKernels = ::testing::Types<mps::InverseKernel, mps::GaussianKernel, mps
                                     mps::WendlandKernel>;
 TYPED_TEST_SUITE(SmoothKernels, AllKernels);
 
-TYPED_TEST(SmoothKernels, GiveTheirSlopesAndCurvatures) {
+TYPED_TEST(SmoothKernels, HaveTheirDerivativesAsSlopeAndCurvature) {
   const double h = 1e-4;
   for (const double q : {0.2, 0.45, 0.7, 0.95}) {
     const double w0 = TypeParam::weight(q - h);
@@ -38,20 +38,21 @@ TYPED_TEST(SmoothKernels, GiveTheirSlopesAndCurvatures) {
     EXPECT_NEAR(TypeParam::slope(q), (w1 - w0) / (2 * h), 1e-5 * size);
     EXPECT_NEAR(TypeParam::curvature(q), (w1 - 2 * w + w0) / (h * h), 1e-5 * size);
     using Weights = mps::HigherOrderLaplacian::Weights<TypeParam, 2>;
-    EXPECT_NEAR(Weights::weight(q), TypeParam::curvature(q) - TypeParam::slope(q) / q, 1e-12 * size);
+    EXPECT_NEAR(Weights::weight(q), TypeParam::curvature(q) - TypeParam::slope(q) / q,
+                1e-12 * size);
     EXPECT_GE((mps::HigherOrderLaplacian::Weights<TypeParam, 3>::weight(q)), 0);
   }
 }
 
 // --- gradient, rates -----------------------------------------------------------------------------
 
-TEST(CorrectedGradient, IsExactForLinearFieldsAlsoAtAnEdge) {
+TEST(CorrectedGradient, IsExactForLinearFieldsIncludingBoundaries) {
   const double l0 = 0.1;
   const auto points = jittered<2, double>(12, l0, 0.2);
   const mps::Stencil<2, double, mps::WendlandKernel> stencil({.spacing = l0, .radius = 3.1});
   const Vec<2> slope(3, -7);
   for (Index i = 0; i < points.size(); ++i) {
-    const Vec<2> found = mps::CorrectedGradient::evaluate(stencil, slope.dot(points[i]), [&](auto&& f) {
+    const auto for_each = [&](auto&& f) {
       for (Index j = 0; j < points.size(); ++j) {
         const Vec<2> r_ij = points[j] - points[i];
         const double r = r_ij.norm();
@@ -59,19 +60,21 @@ TEST(CorrectedGradient, IsExactForLinearFieldsAlsoAtAnEdge) {
         const double w = stencil.weight(r);
         f(slope.dot(points[j]), r_ij, w, w / (r * r));
       }
-    });
+    };
+    const Vec<2> found =
+        mps::CorrectedGradient::evaluate(stencil, slope.dot(points[i]), for_each);
     EXPECT_LT((found - slope).norm(), 1e-12 * slope.norm()) << i;
   }
 }
 
-TEST(CorrectedGradient, OfTwoParticlesIsThatWithoutCorrection) {
+TEST(CorrectedGradient, OfTwoParticlesIsNotCorrected) {
   const mps::Stencil<2, double, mps::WendlandKernel> stencil({.spacing = 1, .radius = 3.1});
   const auto one = [](auto&& f) { f(2.0, Vec<2>(1, 0), 0.5, 0.5); };
   const Vec<2> found = mps::CorrectedGradient::evaluate(stencil, 1.0, one);
   EXPECT_DOUBLE_EQ(found[0], 2 / stencil.n0 * 0.5);
 }
 
-TEST(DensityRate, IsHowFastTheNumberDensityChanges) {
+TEST(DensityRate, IsTheTimeDerivativeOfTheNumberDensity) {
   const double l0 = 0.1, dt = 1e-6;
   const mps::Stencil<2, double, mps::CubicKernel> stencil({.spacing = l0, .radius = 3.1});
   auto points = jittered<2, double>(10, l0, 0.2);
@@ -100,11 +103,11 @@ TEST(DensityRate, IsHowFastTheNumberDensityChanges) {
   }
 }
 
-TEST(ErrorCompensatingSource, IsTheHigherOrderOneWhereThereIsNoError) {
+TEST(ErrorCompensatingSource, IsTheHigherOrderSourceIfThereIsNoError) {
   const mps::SourceTerms even{.density = 1000, .time_step = 1e-3, .density_rate = 2};
   EXPECT_DOUBLE_EQ(mps::ErrorCompensatingSource{}.value(even), -2e6);
   EXPECT_DOUBLE_EQ(mps::HigherOrderSource{}.value(even), -2e6);
-  // What is compressed, and was being compressed, gets more pressure.
+  // More pressure for fluid that is compressed and was being compressed.
   mps::SourceTerms off = even;
   off.compression = 0.01;
   off.last_density_rate = 3;
@@ -113,47 +116,56 @@ TEST(ErrorCompensatingSource, IsTheHigherOrderOneWhereThereIsNoError) {
 
 // --- pairs ---------------------------------------------------------------------------------------
 
-TEST(KeepApart, LeavesPairsThatStayApartAlone) {
-  const CollidingPair<2> near{.r_ij = {0.95, 0}, .r = 0.95, .u_ij = {-0.1, 0}, .spacing = 1, .time_step = 0.1};
-  EXPECT_EQ(mps::KeepApart{}.impulse(near).norm(), 0);
-  EXPECT_GT(mps::AdoptedCollision{}.impulse(near).norm(), 0);
+TEST(KeepApart, DoesNotChangePairsThatStayFarEnoughApart) {
+  const CollidingPair<2> near{
+      .r_ij = {0.95, 0}, .r = 0.95, .u_ij = {-0.1, 0}, .spacing = 1, .time_step = 0.1};
+  EXPECT_EQ(mps::KeepApart{}.velocity_change(near).norm(), 0);
+  EXPECT_GT(mps::AdoptedCollision{}.velocity_change(near).norm(), 0);
 }
 
-TEST(KeepApart, EndsTheStepAtItsDistanceUnlessThatTakesMoreThanACollision) {
-  // Coming closer at 2: 0.95 − 0.2 = 0.75 without it; to stay at 0.9 takes 1.5, a collision 2.4.
-  CollidingPair<2> pair{.r_ij = {0.95, 0}, .r = 0.95, .u_ij = {-2, 0}, .spacing = 1, .time_step = 0.1};
-  EXPECT_NEAR(mps::KeepApart{}.impulse(pair)[0], -0.75, 1e-12);
-  EXPECT_NEAR(mps::DynamicStabilisation{}.impulse(pair)[0], -0.75, 1e-12);
+TEST(KeepApart, KeepsItsDistanceUnlessThatNeedsMoreThanACollision) {
+  // Approach at speed 2: 0.95 − 0.2 = 0.75 without KeepApart; a distance of 0.9 needs a change of
+  // 1.5, a collision changes the speed by 2.4.
+  CollidingPair<2> pair{
+      .r_ij = {0.95, 0}, .r = 0.95, .u_ij = {-2, 0}, .spacing = 1, .time_step = 0.1};
+  EXPECT_NEAR(mps::KeepApart{}.velocity_change(pair)[0], -0.75, 1e-12);
+  EXPECT_NEAR(mps::DynamicStabilisation{}.velocity_change(pair)[0], -0.75, 1e-12);
   pair.wall = true;
-  EXPECT_NEAR(mps::KeepApart{}.impulse(pair)[0], -1.5, 1e-12);
-  // Too close already, and hardly moving: no more than it brings.
+  EXPECT_NEAR(mps::KeepApart{}.velocity_change(pair)[0], -1.5, 1e-12);
+  // Already too close and slow: limited by the collision.
   pair = {.r_ij = {0.5, 0}, .r = 0.5, .u_ij = {-0.1, 0}, .spacing = 1, .time_step = 0.1};
-  EXPECT_NEAR(mps::KeepApart{}.impulse(pair)[0], -0.06, 1e-12);
-  EXPECT_NEAR(mps::DynamicStabilisation{}.impulse(pair)[0], -2.05, 1e-12);
+  EXPECT_NEAR(mps::KeepApart{}.velocity_change(pair)[0], -0.06, 1e-12);
+  EXPECT_NEAR(mps::DynamicStabilisation{}.velocity_change(pair)[0], -2.05, 1e-12);
 }
 
-TEST(KeepApart, NeverGivesEnergy) {
+TEST(KeepApart, NeverIncreasesTheEnergy) {
   const auto numbers = random_points(200, cube<2, double>(-1, 1), 5);
   for (Index k = 0; k + 1 < numbers.size(); ++k) {
     const Vec<2> u_i = 3 * numbers[k];
     const Vec<2> u_j = Vec<2>(numbers[k + 1][1], numbers[k][0]);
-    CollidingPair<2> pair{.r_ij = numbers[k + 1], .r = numbers[k + 1].norm(), .u_ij = u_j - u_i,
-                      .spacing = 1, .time_step = 0.2};
-    const Vec<2> change = mps::KeepApart{}.impulse(pair);
+    CollidingPair<2> pair{.r_ij = numbers[k + 1],
+                          .r = numbers[k + 1].norm(),
+                          .u_ij = u_j - u_i,
+                          .spacing = 1,
+                          .time_step = 0.2};
+    const Vec<2> change = mps::KeepApart{}.velocity_change(pair);
     const double before = u_i.squaredNorm() + u_j.squaredNorm();
     const double after = (u_i + change).squaredNorm() + (u_j - change).squaredNorm();
     EXPECT_LE(after, before * (1 + 1e-12));
   }
 }
 
-TEST(ParticleShifting, MovesFromTheCrowdNotAtEdgesAndNotFar) {
+TEST(ParticleShifting, IsAgainstTheConcentrationGradientLimitedAndZeroNearBoundaries) {
   const mps::ParticleShifting shifting;
-  mps::ShiftInput<2> shift_input{.towards = {0.01, 0}, .speed = 2, .spacing = 0.1, .time_step = 0.01};
-  EXPECT_NEAR(shifting.displacement(shift_input)[0], -4 * 2 * 0.01 * 0.01, 1e-15);
-  shift_input.towards = {10, 0};
-  EXPECT_NEAR(shifting.displacement(shift_input)[0], -0.01, 1e-15);
-  shift_input.at_edge = true;
-  EXPECT_EQ(shifting.displacement(shift_input).norm(), 0);
+  mps::ShiftInput<2> input{.concentration_gradient = {0.01, 0},
+                           .max_relative_speed = 2,
+                           .spacing = 0.1,
+                           .time_step = 0.01};
+  EXPECT_NEAR(shifting.displacement(input)[0], -4 * 2 * 0.01 * 0.01, 1e-15);
+  input.concentration_gradient = {10, 0};
+  EXPECT_NEAR(shifting.displacement(input)[0], -0.01, 1e-15);
+  input.near_boundary = true;
+  EXPECT_EQ(shifting.displacement(input).norm(), 0);
 }
 
 // --- surface, walls ------------------------------------------------------------------------------
@@ -163,7 +175,7 @@ using WithCones =
                 mps::CorrectedGradient, mps::SmoothWalls>;
 
 template <class Scheme>
-void expect_one_row_on_the_surface() {
+void expect_outermost_row_on_surface() {
   Simulation sim{blob<2, double>(12, 0.02), UniformGrid<2>{},
                  mps::Flow<Scheme>({.spacing = 0.02, .gravity = Vec<2>::Zero()}), SemiImplicit<>{}};
   sim.step(1e-4);
@@ -174,11 +186,15 @@ void expect_one_row_on_the_surface() {
     EXPECT_EQ(fluid[mps::surface][i] != 0, outermost) << x.transpose();
   }
 }
-TEST(ConeSurface, IsTheOutermostRowOfABlock) { expect_one_row_on_the_surface<WithCones>(); }
-TEST(OutermostRow, IsTheOutermostRowOfABlock) { expect_one_row_on_the_surface<Recommended>(); }
+TEST(ConeSurface, ConsistsOfTheOutermostRowOfABlock) {
+  expect_outermost_row_on_surface<WithCones>();
+}
+TEST(OutermostRow, ConsistsOfTheOutermostRowOfABlock) {
+  expect_outermost_row_on_surface<Recommended>();
+}
 
-// Fluid that fills a flat channel of wall particles, periodic along x, on its way along the walls.
-mps::Fluid<2> sliding(double speed) {
+// Fluid with a uniform velocity along a channel of wall particles, periodic along x.
+mps::Fluid<2> sliding_fluid(double speed) {
   constexpr double l0 = 0.02;
   Box<2> box{.lower = {0, -1}, .upper = {20 * l0, 1}, .periodic = {true, false}};
   mps::Fluid<2> fluid(box);
@@ -186,40 +202,41 @@ mps::Fluid<2> sliding(double speed) {
     for (int x = 0; x < 20; ++x) {
       const bool inside = y >= 0 && y < 8;
       const Kind kind = inside ? Kind::fluid : y == -1 || y == 8 ? Kind::wall : Kind::dummy;
-      const double at = (x + 0.5 + (inside ? 0.3 : 0)) * l0;
-      const Index i = mps::add_particle(fluid, {at, (y + 0.5) * l0}, kind);
+      const double along = (x + 0.5 + (inside ? 0.3 : 0)) * l0;
+      const Index i = mps::add_particle(fluid, {along, (y + 0.5) * l0}, kind);
       if (inside) fluid[velocity][i] = {speed, 0};
     }
   }
   return fluid;
 }
 
-// The largest velocity off the way after 50 steps [m/s].
+// Maximum deviation from the uniform velocity after 50 steps [m/s].
 template <class Scheme>
-double stirred_while_sliding() {
-  Simulation sim{sliding(1), UniformGrid<2>{},
+double disturbance_of_sliding_fluid() {
+  Simulation sim{sliding_fluid(1), UniformGrid<2>{},
                  mps::Flow<Scheme>({.spacing = 0.02, .viscosity = 0, .gravity = Vec<2>::Zero()}),
                  SemiImplicit<>{}};
   for (int k = 0; k < 50; ++k) sim.step(2e-3);
-  double most = 0;
+  double max_deviation = 0;
   const auto& fluid = sim.particles();
   for (Index i = 0; i < fluid.size(); ++i) {
     if (fluid[mps::kind][i] != Kind::fluid) continue;
-    most = std::max(most, (fluid[velocity][i] - Vec<2>(1, 0)).norm());
+    max_deviation = std::max(max_deviation, (fluid[velocity][i] - Vec<2>(1, 0)).norm());
   }
-  return most;
+  return max_deviation;
 }
 
-TEST(SmoothWalls, DoNotStirFluidThatSlidesAlongThemAsGrainyOnesDo) {
+TEST(SmoothWalls, DoNotDisturbSlidingFluidUnlikeGrainyWalls) {
   using Grainy = mps::Scheme<mps::BalancedSource, mps::KeepApart, mps::WendlandKernel,
                              mps::BothConditions, mps::CorrectedGradient, mps::GrainyWalls>;
-  EXPECT_LT(stirred_while_sliding<Recommended>(), 1e-6);
-  EXPECT_GT(stirred_while_sliding<Grainy>(), 1e-4);
+  EXPECT_LT(disturbance_of_sliding_fluid<Recommended>(), 1e-6);
+  EXPECT_GT(disturbance_of_sliding_fluid<Grainy>(), 1e-4);
 }
 
-// --- all of it -----------------------------------------------------------------------------------
+// --- the whole scheme
+// -----------------------------------------------------------------------------------
 
-TEST(RecommendedScheme, KeepsWaterStillAndItsPressureThatOfItsDepth) {
+TEST(RecommendedScheme, KeepsWaterAtRestWithTheHydrostaticPressure) {
   const double l0 = 0.02;
   Simulation tank{mps::make_tank<2>({.column = {0.3, 0.3},
                                      .size = {.length = 0.3, .height = 0.4},
@@ -249,7 +266,7 @@ TEST(RecommendedScheme, HasNoPressureInAFallingBlock) {
   }
 }
 
-TEST(RecommendedScheme, FollowsABodyForceOfPlaceAndTime) {
+TEST(RecommendedScheme, FollowsATimeDependentBodyForce) {
   mps::FlowSettings<2, Recommended> settings{.spacing = 0.02, .gravity = Vec<2>::Zero()};
   settings.body_force = [](const Vec<2>&, double t) { return Vec<2>(t < 0.05 ? 2.0 : 0.0, 0); };
   Simulation sim{blob<2, double>(8, 0.02), UniformGrid<2>{}, mps::Flow<Recommended>(settings),

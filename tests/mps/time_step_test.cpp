@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The limits of a flow's time step, each by itself, and what is refused. More in flow_test.cpp.
+// The limits of the time step of a flow, individually, and rejected steps. More in flow_test.cpp.
 #include "support/check.hpp"
 #include "support/fluid.hpp"
 
@@ -24,7 +24,7 @@ auto simulation(P particles, const Settings& settings, const SolveSettings& solv
                     SolvedFlow(settings, ConjugateGradient<>(solve)), SemiImplicit{}};
 }
 
-// A blob that is fast first and then all but stands: its step may grow.
+// A blob that is first fast and then nearly at rest: its step may grow.
 auto slowed(const Settings& settings = {.spacing = 0.02}) {
   auto sim = simulation(blob<2, double>(6, 0.02), settings);
   for (auto& u : sim.particles()[velocity]) u = {20, 0};
@@ -40,21 +40,21 @@ TEST(TimeStepLimits, AreThoseOfTheDocumentation) {
   const mps::TimeStepLimits limits = sim.interaction().time_step_limits(sim.particles());
   const mps::Stencil<2, double, mps::CubicKernel> stencil({.spacing = 0.02, .radius = 3.1});
   EXPECT_DOUBLE_EQ(limits.courant, 0.2 * 0.02 / 5);
-  EXPECT_DOUBLE_EQ(limits.fall, std::sqrt(0.2 * 0.02 / 9.81));
+  EXPECT_DOUBLE_EQ(limits.force, std::sqrt(0.2 * 0.02 / 9.81));
   EXPECT_DOUBLE_EQ(limits.viscous, stencil.lambda / (4 * 2 * 0.5));
-  EXPECT_EQ(limits.growth, inf) << "there was no step before";
-  EXPECT_EQ(limits.largest, 0.7);
+  EXPECT_EQ(limits.growth, inf) << "no previous step";
+  EXPECT_EQ(limits.max_time_step, 0.7);
   EXPECT_EQ(sim.time_step(), limits.viscous);
   EXPECT_EQ(sim.time_step(), limits.smallest());
 }
 
-TEST(TimeStepLimits, AreNoneWhereNothingLimits) {
+TEST(TimeStepLimits, AreInfiniteWithoutSpeedGravityAndViscosity) {
   auto sim = simulation(blob<2, double>(6, 0.02),
                         {.spacing = 0.02, .viscosity = 0, .gravity = Vec<2>::Zero()});
   EXPECT_EQ(sim.interaction().time_step_limits(sim.particles()).smallest(), inf);
 }
 
-TEST(TimeStepGrowth, IsAtMostAFifthFromStepToStep) {
+TEST(TimeStepGrowth, IsAtMostAFifthPerStep) {
   auto sim = slowed();
   double last = sim.last_time_step();
   EXPECT_DOUBLE_EQ(last, 0.2 * 0.02 / 20);
@@ -68,10 +68,10 @@ TEST(TimeStepGrowth, IsAtMostAFifthFromStepToStep) {
     last = sim.last_time_step();
   }
   EXPECT_GT(limited, 15);
-  EXPECT_LT(limited, 40) << "and not for ever";
+  EXPECT_LT(limited, 40) << "until another limit applies";
 }
 
-TEST(TimeStepGrowth, IsAsLargeAsIsSaid) {
+TEST(TimeStepGrowth, IsThatOfTheSettings) {
   EXPECT_DOUBLE_EQ(slowed({.spacing = 0.02, .max_growth = 3}).time_step(),
                    3 * 0.2 * 0.02 / 20);
   const double free = slowed({.spacing = 0.02, .max_growth = inf}).time_step();
@@ -82,60 +82,60 @@ TEST(TimeStepGrowth, IsAsLargeAsIsSaid) {
                       {"FlowSettings: max_growth = nan "}));
 }
 
-TEST(TimeStepGrowth, DoesNotBindTheUsersOwnStepsButBeginsFromThem) {
+TEST(TimeStepGrowth, IsNotEnforcedForUserDefinedStepsButStartsFromThem) {
   auto sim = slowed();
   sim.step(8e-3);
   EXPECT_DOUBLE_EQ(sim.interaction().time_step_limits(sim.particles()).growth, 1.2 * 8e-3);
 }
 
-TEST(TimeStepGrowth, IsThatOfTheStepBeforeAlsoAfterOneThatFailed) {
+TEST(TimeStepGrowth, StartsFromThePreviousStepAfterAFailedStep) {
   auto sim = slowed();
   const double chosen = sim.time_step();
   sim.particles()[position][5] = sim.particles()[position][4];
-  EXPECT_TRUE(refuses([&] { sim.step(1e-3); }, {"one point"}));
+  EXPECT_TRUE(refuses([&] { sim.step(1e-3); }, {"same position"}));
   EXPECT_EQ(sim.time_step(), chosen);
 }
 
-TEST(TimeStepGrowth, SurvivesACheckpoint) {
+TEST(TimeStepGrowth, ResumesFromACheckpoint) {
   const auto path = std::filesystem::path(testing::TempDir()) / "silt_growth.silt";
-  auto whole = slowed();
-  whole.step();
-  write_checkpoint(path, whole);
-  auto part = simulation(blob<2, double>(6, 0.02), {.spacing = 0.02});
-  EXPECT_NE(part.time_step(), whole.time_step());
-  read_checkpoint(path, part);
+  auto uninterrupted = slowed();
+  uninterrupted.step();
+  write_checkpoint(path, uninterrupted);
+  auto resumed = simulation(blob<2, double>(6, 0.02), {.spacing = 0.02});
+  EXPECT_NE(resumed.time_step(), uninterrupted.time_step());
+  read_checkpoint(path, resumed);
   std::filesystem::remove(path);
   for (int k = 0; k < 3; ++k) {
-    EXPECT_EQ(part.time_step(), whole.time_step());
-    EXPECT_EQ(part.time_step(), 1.2 * part.last_time_step());
-    part.step();
-    whole.step();
+    EXPECT_EQ(resumed.time_step(), uninterrupted.time_step());
+    EXPECT_EQ(resumed.time_step(), 1.2 * resumed.last_time_step());
+    resumed.step();
+    uninterrupted.step();
   }
-  EXPECT_TRUE(state_of(part.particles()) == state_of(whole.particles()));
+  EXPECT_TRUE(state_of(resumed.particles()) == state_of(uninterrupted.particles()));
 }
 
-TEST(TimeStepOfTheUsersOwn, IsRefusedBeyondEachLimitOfStabilityAndLeavesNoTrace) {
-  const auto refused = [](const Settings& settings, double dt, const Vec<2>& u,
-                          const std::vector<std::string>& words) {
+TEST(UserDefinedTimeStep, IsRejectedBeyondEachStabilityLimitAndRolledBack) {
+  const auto rejected = [](const Settings& settings, double dt, const Vec<2>& u,
+                          const std::vector<std::string>& message) {
     auto sim = simulation(blob<2, double>(6, 0.02), settings);
     sim.particles()[velocity][9] = u;
     const auto before = state_of(sim.particles());
-    const auto result = refuses([&] { sim.step(dt); }, words);
+    const auto result = refuses([&] { sim.step(dt); }, message);
     EXPECT_TRUE(state_of(sim.particles()) == before);
     EXPECT_EQ(sim.steps(), 0u);
     EXPECT_EQ(sim.time(), 0);
     return result;
   };
-  EXPECT_TRUE(refused({.spacing = 0.02}, 0.011, {0, 2},
-                      {"time_step = 0.011 s moves a particle of 2 m/s", "take at most 0.002 s",
+  EXPECT_TRUE(rejected({.spacing = 0.02}, 0.011, {0, 2},
+                      {"time_step = 0.011 s moves a particle of 2 m/s", "use at most 0.002 s",
                        "id 9"}));
-  EXPECT_TRUE(refused({.spacing = 0.02, .viscosity = 1}, 1e-3, {0, 0},
+  EXPECT_TRUE(rejected({.spacing = 0.02, .viscosity = 1}, 1e-3, {0, 0},
                       {"time_step = 0.001 s exceeds the viscous limit "}));
-  EXPECT_TRUE(refused({.spacing = 0.02}, 0.05, {0, 0},
-                      {"time_step = 0.05 s lets a particle fall", "take at most 0.020"}));
-  EXPECT_TRUE(refused({.spacing = 0.02}, 1e-3, {nan, 0},
+  EXPECT_TRUE(rejected({.spacing = 0.02}, 0.05, {0, 0},
+                      {"time_step = 0.05 s moves a particle from rest", "use at most 0.020"}));
+  EXPECT_TRUE(rejected({.spacing = 0.02}, 1e-3, {nan, 0},
                       {"the velocity (nan, 0) m/s is not finite", "id 9", "step 0"}));
-  EXPECT_TRUE(refused({.spacing = 0.02}, 1e-3, {0, -inf}, {"the velocity (0, -inf) m/s is not"}));
+  EXPECT_TRUE(rejected({.spacing = 0.02}, 1e-3, {0, -inf}, {"the velocity (0, -inf) m/s is not"}));
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What was allocated in the first steps serves all later ones.
+// After the first steps, a step allocates no memory.
 #include "support/allocations.hpp"
 
 #include <silt/mps.hpp>
@@ -13,7 +13,7 @@
 namespace silt::test {
 namespace {
 
-// Of ten steps of a still tank behind twenty others.
+// Allocations of ten steps of a still tank after twenty steps.
 template <int Dim, class Search>
 std::uint64_t allocations_of_tank(Search search, double spacing) {
   auto tank = mps::make_tank<Dim>({.column = {0.2, 0.2},
@@ -35,8 +35,8 @@ TEST(WarmStep, OfWaterAllocatesNothing) {
   EXPECT_EQ(allocations_of_tank<3>(NeighbourList<3>{}, 0.02), 0U);
 }
 
-// Else the test above would hold whatever the library does.
-TEST(WarmStep, IsCountedWhereItAllocates) {
+// Verifies that allocations are counted, without which the test above would always pass.
+TEST(WarmStep, WouldBeCountedIfItAllocated) {
   const std::uint64_t before = allocations;
   const std::vector<double> one(100);
   EXPECT_EQ(allocations - before, 1U) << one[0];

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Every solver of the pressure equation beside every other: on the systems of a dam break and of a
-// closed full tank, on systems whose solution is known, and on those that break solvers.
+// Comparison of all solvers of the pressure equation: for the systems of a dam break and of a
+// closed full tank, systems with a known solution, and systems that are difficult or invalid.
 #include "support/check.hpp"
 #include "support/fluid.hpp"
 
@@ -27,14 +27,14 @@ using Reason = SolveReport::Reason;
 static_assert(LinearSolver<EigenConjugateGradient>);
 static_assert(std::is_copy_assignable_v<EigenConjugateGradient>);
 
-// A system, and the x that its solve began from.
+// A system and the initial guess of its solve.
 struct Problem {
   LinearSystem system;
   std::vector<double> guess;
 };
 
-// Solves by Silt's own, and keeps what it was given last.
-class Recording {
+// The default solver, which stores the last problem.
+class RecordingSolver {
  public:
   void check() const {}
   SolveReport solve(const LinearSystem& system, std::vector<double>& x) {
@@ -48,11 +48,11 @@ class Recording {
   ConjugateGradient<CellMultigrid<2>> solver_;
 };
 
-// What the last of some steps of case 10 has to solve.
+// The pressure equation of the last of several steps of case 10.
 Problem problem_of(mps::Fluid<2> water, int steps) {
-  const Recording recording;
+  const RecordingSolver recording;
   Simulation sim{std::move(water), UniformGrid<2>{},
-                 mps::Flow<mps::Case10, 2, double, Recording>(
+                 mps::Flow<mps::Case10, 2, double, RecordingSolver>(
                      {.spacing = 0.02, .max_time_step = 1e-3}, recording),
                  SemiImplicit{}};
   for (int k = 0; k < steps; ++k) sim.step();
@@ -74,8 +74,9 @@ const Problem& closed_tank() {
   return problem;
 }
 
-// The equation of particles as they lie, without a surface where none is marked.
-LinearSystem equation_of(mps::Fluid<2>& fluid, const std::vector<double>& source, double l0 = 0.02) {
+// The pressure equation of the particles; the free surface is that of their field.
+LinearSystem equation_of(mps::Fluid<2>& fluid, const std::vector<double>& source,
+                         double l0 = 0.02) {
   const mps::Stencil<2, double, mps::CubicKernel> stencil({.spacing = l0, .radius = 3.1});
   UniformGrid<2> search({.radius = stencil.re});
   search.update(fluid);
@@ -84,10 +85,10 @@ LinearSystem equation_of(mps::Fluid<2>& fluid, const std::vector<double>& source
   return equation.system();
 }
 
-double largest_of(const std::vector<double>& x) {
-  double largest = 0;
-  for (const double each : x) largest = std::max(largest, std::abs(each));
-  return largest;
+double max_abs(const std::vector<double>& x) {
+  double max = 0;
+  for (const double each : x) max = std::max(max, std::abs(each));
+  return max;
 }
 
 double residual(const LinearSystem& system, const std::vector<double>& x) {
@@ -109,13 +110,13 @@ using Solvers = ::testing::Types<ConjugateGradient<CellMultigrid<2>>, EigenConju
                                  ConjugateGradient<Jacobi>, ConjugateGradient<IncompleteCholesky>>;
 TYPED_TEST_SUITE(AllSolvers, Solvers);
 
-// Solved by S, from where the flow began, and by Eigen to as far as rounding allows.
+// Compares the solution by S with that by Eigen to a tolerance near round-off.
 template <class S>
-void expect_the_reference(const Problem& problem) {
+void expect_reference_solution(const Problem& problem) {
   std::vector<double> exact = problem.guess;
   ASSERT_EQ(EigenConjugateGradient({.tolerance = 1e-13}).solve(problem.system, exact).reason,
             Reason::converged);
-  // What is left of the residual shows in the pressures up to 50 times as large.
+  // The relative error of the pressures is up to 50 times the relative residual.
   for (const double tolerance : {1e-6, 1e-11}) {
     std::vector<double> x = problem.guess;
     const SolveReport report = S({.tolerance = tolerance}).solve(problem.system, x);
@@ -124,25 +125,25 @@ void expect_the_reference(const Problem& problem) {
     EXPECT_GT(report.iterations, 2);
     EXPECT_LE(report.residual, tolerance * 1.001);
     EXPECT_NEAR(report.residual, residual(problem.system, x), 1e-13);
-    double off = 0;
-    for (Index i = 0; i < x.size(); ++i) off = std::max(off, std::abs(x[i] - exact[i]));
-    EXPECT_LE(off, 50 * tolerance * largest_of(exact));
+    double max_error = 0;
+    for (Index i = 0; i < x.size(); ++i) max_error = std::max(max_error, std::abs(x[i] - exact[i]));
+    EXPECT_LE(max_error, 50 * tolerance * max_abs(exact));
   }
 }
 
 TYPED_TEST(AllSolvers, AgreeOnADamBreak) {
   ASSERT_EQ(dam_break().system.closed_bodies, 0u);
   ASSERT_GT(dam_break().system.size(), 100u);
-  expect_the_reference<TypeParam>(dam_break());
+  expect_reference_solution<TypeParam>(dam_break());
 }
 
-TYPED_TEST(AllSolvers, AgreeOnAClosedFullTankConstantsIncluded) {
+TYPED_TEST(AllSolvers, AgreeOnAClosedFullTankIncludingTheConstant) {
   ASSERT_EQ(closed_tank().system.closed_bodies, 1u);
-  expect_the_reference<TypeParam>(closed_tank());
+  expect_reference_solution<TypeParam>(closed_tank());
 }
 
 TYPED_TEST(AllSolvers, FindTheHydrostaticPressureOfAClosedFullTank) {
-  // The right side of a pressure that is linear over the depth, in a box closed all around.
+  // The right side for a linear pressure in a body without free surface.
   auto fluid = blob<2, double>(15, 0.02, 0.1);
   LinearSystem system = equation_of(fluid, std::vector<double>(fluid.size(), 0));
   ASSERT_EQ(system.closed_bodies, 1u);
@@ -159,7 +160,7 @@ TYPED_TEST(AllSolvers, FindTheHydrostaticPressureOfAClosedFullTank) {
 }
 
 TYPED_TEST(AllSolvers, FindThePressureOfATaylorGreenVortex) {
-  // −(ρ U²/4) (cos 4πx + cos 4πy) in a periodic square of edge 1 m, whose Laplacian is the source.
+  // −(ρ U²/4) (cos 4πx + cos 4πy) in a periodic square of edge 1 m; its Laplacian is the source.
   constexpr int along = 30;
   constexpr double l0 = 1.0 / along;
   constexpr double k = 4 * std::numbers::pi;
@@ -174,13 +175,13 @@ TYPED_TEST(AllSolvers, FindThePressureOfATaylorGreenVortex) {
   ASSERT_EQ(system.closed_bodies, 1u);
   std::vector<double> x(system.size(), 3);
   EXPECT_EQ(TypeParam({.tolerance = 1e-12}).solve(system, x).reason, Reason::converged);
-  // On a lattice a wave is an eigenvector of the Laplacian, with an eigenvalue of its own.
+  // On a lattice the wave is an eigenvector of the discrete Laplacian, with another eigenvalue.
   const double eigenvalue = (x[0] - x[7]) / (pressure(0) - pressure(7));
   EXPECT_NEAR(eigenvalue, 1, 0.04);  // 1 + O((k l0)²)
   for (Index i = 0; i < x.size(); ++i) EXPECT_NEAR(x[i] - 3, eigenvalue * pressure(i), 1e-6);
 }
 
-TYPED_TEST(AllSolvers, AgreeThatThereIsNothingToSolve) {
+TYPED_TEST(AllSolvers, ReportNothingToSolve) {
   std::vector<double> x;
   EXPECT_EQ(TypeParam().solve(LinearSystem{}, x).reason, Reason::nothing_to_solve);
   LinearSystem system = dam_break().system;
@@ -192,7 +193,7 @@ TYPED_TEST(AllSolvers, AgreeThatThereIsNothingToSolve) {
   EXPECT_EQ(x, std::vector<double>(system.size(), 0.0));
 }
 
-TYPED_TEST(AllSolvers, BeginFromWhatTheyAreGiven) {
+TYPED_TEST(AllSolvers, StartFromTheInitialGuess) {
   std::vector<double> x = dam_break().guess;
   TypeParam({.tolerance = 1e-8}).solve(dam_break().system, x);
   const auto solved = x;
@@ -200,12 +201,13 @@ TYPED_TEST(AllSolvers, BeginFromWhatTheyAreGiven) {
   EXPECT_EQ(x, solved);
 }
 
-TYPED_TEST(AllSolvers, SolveBodiesOfOneTwoAndThreeParticlesAndThoseAroundThem) {
-  // The first is no unknown: nobody is near. The third lies at the pair's very edge.
+TYPED_TEST(AllSolvers, SolveBodiesOfOneTwoAndThreeParticles) {
+  // The first particle is isolated and not an unknown. The last is almost at the radius of its
+  // pair.
   const double re = 3.1 * 0.02;
   auto points = jittered<2, double>(6, 0.02, 0.1);
-  for (const Vec<2>& x : {Vec<2>(9, 9), Vec<2>(3, 0), Vec<2>(3.03, 0), Vec<2>(5, 0), Vec<2>(5.03, 0),
-                          Vec<2>(5.03, re * (1 - 1e-15))}) {
+  for (const Vec<2>& x : {Vec<2>(9, 9), Vec<2>(3, 0), Vec<2>(3.03, 0), Vec<2>(5, 0),
+                          Vec<2>(5.03, 0), Vec<2>(5.03, re * (1 - 1e-15))}) {
     points.push_back(x);
   }
   auto fluid = fluid_at(points);
@@ -220,7 +222,7 @@ TYPED_TEST(AllSolvers, SolveBodiesOfOneTwoAndThreeParticlesAndThoseAroundThem) {
   EXPECT_LE(residual(system, x), 1.01e-10);
 }
 
-TYPED_TEST(AllSolvers, SolveABodyHoweverWeaklyItIsLinkedToTheSurface) {
+TYPED_TEST(AllSolvers, SolveABodyWithAWeakConnectionToTheSurface) {
   for (const double gap : {1e-1, 1e-2, 4e-3, 3e-3, 2.5e-3, 2e-3, 1e-3, 1e-5, 1e-7, 1e-15}) {
     auto points = lattice<2, double>(cube<2, double>(0, 0.16), 0.02);
     points.push_back(points.back() + Vec<2>(3.1 * 0.02 * (1 - gap), 0));
@@ -235,18 +237,18 @@ TYPED_TEST(AllSolvers, SolveABodyHoweverWeaklyItIsLinkedToTheSurface) {
   }
 }
 
-TYPED_TEST(AllSolvers, SurviveAGuessThatIsFarOff) {
-  for (const double far : {1e6, 1e12}) {
+TYPED_TEST(AllSolvers, ConvergeFromAPoorInitialGuess) {
+  for (const double size : {1e6, 1e12}) {
     for (const Problem* problem : {&dam_break(), &closed_tank()}) {
       std::vector<double> x(problem->guess.size());
-      for (Index i = 0; i < x.size(); ++i) x[i] = far * std::sin(double(i));
+      for (Index i = 0; i < x.size(); ++i) x[i] = size * std::sin(double(i));
       problem->system.remove_constants(x);  // as the pressure equation does
-      EXPECT_EQ(TypeParam().solve(problem->system, x).reason, Reason::converged) << far;
+      EXPECT_EQ(TypeParam().solve(problem->system, x).reason, Reason::converged) << size;
     }
   }
 }
 
-TYPED_TEST(AllSolvers, SayThatTheyBrokeDownOverWhatIsNotFinite) {
+TYPED_TEST(AllSolvers, ReportABreakdownForNonFiniteInput) {
   for (const double bad : {nan, inf}) {
     std::vector<double> x = dam_break().guess;
     x[5] = bad;
@@ -262,7 +264,7 @@ TYPED_TEST(AllSolvers, SayThatTheyBrokeDownOverWhatIsNotFinite) {
   }
 }
 
-TYPED_TEST(AllSolvers, DoNotClaimToHaveSolvedWhatIsNotPositiveDefinite) {
+TYPED_TEST(AllSolvers, DoNotReportConvergenceWronglyIfNotPositiveDefinite) {
   LinearSystem system = dam_break().system;
   for (Index i = 0; i < system.size(); i += 3) system.diagonal[i] *= -1;
   std::vector<double> x(system.size(), 0);
@@ -271,7 +273,7 @@ TYPED_TEST(AllSolvers, DoNotClaimToHaveSolvedWhatIsNotPositiveDefinite) {
   EXPECT_TRUE(report.reason != Reason::converged || residual(system, x) <= 1.001e-6);
 }
 
-TYPED_TEST(AllSolvers, EndWhenAskedForMoreThanRoundingAllows) {
+TYPED_TEST(AllSolvers, StopIfTheToleranceIsBelowRoundOff) {
   for (const Problem* problem : {&dam_break(), &closed_tank()}) {
     std::vector<double> x = problem->guess;
     const SolveReport report =
@@ -282,7 +284,7 @@ TYPED_TEST(AllSolvers, EndWhenAskedForMoreThanRoundingAllows) {
   }
 }
 
-TYPED_TEST(AllSolvers, SayHowFarTheyCameInTheIterationsTheyHad) {
+TYPED_TEST(AllSolvers, ReportTheResidualAtTheMaximumNumberOfIterations) {
   std::vector<double> x(dam_break().system.size(), 0);
   const SolveReport report =
       TypeParam({.tolerance = 1e-12, .max_iterations = 3}).solve(dam_break().system, x);
@@ -291,12 +293,12 @@ TYPED_TEST(AllSolvers, SayHowFarTheyCameInTheIterationsTheyHad) {
   EXPECT_NEAR(report.residual, residual(dam_break().system, x), 1e-12);
 }
 
-TYPED_TEST(AllSolvers, AreRefusedSettingsOutOfRange) {
+TYPED_TEST(AllSolvers, RejectSettingsOutOfRange) {
   EXPECT_TRUE(refuses([] { TypeParam({.tolerance = 0}); }, {"SolveSettings: tolerance = 0 "}));
   EXPECT_TRUE(refuses([] { TypeParam({.max_iterations = 0}); }, {"max_iterations = 0 "}));
 }
 
-TEST(EigenConjugateGradient, NeedsAsManyIterationsAsOursWithTheSameFactors) {
+TEST(EigenConjugateGradient, NeedsAsManyIterationsAsConjugateGradientWithTheSameFactors) {
   for (const Problem* problem : {&dam_break(), &closed_tank()}) {
     const auto iterations = [&](auto solver) {
       std::vector<double> x = problem->guess;

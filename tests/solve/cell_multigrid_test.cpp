@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Multigrid on background cells as a preconditioner: symmetric, positive definite, and worth it.
+// Multigrid on background cells as a preconditioner: symmetric, positive definite and effective.
 #include "support/check.hpp"
 #include "support/fluid.hpp"
 
@@ -17,13 +17,13 @@ namespace {
 static_assert(Preconditioner<CellMultigrid<2>> && Preconditioner<CellMultigrid<3>>);
 static_assert(LinearSolver<ConjugateGradient<CellMultigrid<3>>>);
 
-// The pressure equation of a cube of fluid, open on top or closed all around.
+// The pressure equation of a cube of fluid, with or without a free surface on top.
 template <int Dim>
 LinearSystem pressure_equation(int along, bool open, int walls = 0) {
   const double l0 = 0.01;
   auto fluid = blob<Dim, double>(along, l0, 0.2);
   for (Index i = 0; i < fluid.size(); ++i) {
-    // Each as thin as keeps both sides apart, and three quarters high.
+    // Walls of the minimum thickness that separates their sides, of three quarters of the height.
     const int column = int(fluid[position][i][0] / l0);
     const bool high = fluid[position][i][Dim - 1] > 0.75 * along * l0;
     for (int wall = 1; wall <= walls; ++wall) {
@@ -38,7 +38,8 @@ LinearSystem pressure_equation(int along, bool open, int walls = 0) {
   UniformGrid<Dim> search({.radius = stencil.re});
   search.update(fluid);
   mps::PressureEquation equation;
-  equation.assemble(fluid, search, stencil, [](Index i) { return -1e4 - 2e3 * std::sin(double(i)); });
+  equation.assemble(fluid, search, stencil,
+                    [](Index i) { return -1e4 - 2e3 * std::sin(double(i)); });
   return equation.system();
 }
 
@@ -70,7 +71,7 @@ void expect_symmetric_and_positive(int along, bool open, int walls = 0) {
     EXPECT_GT(dot(r[a], z[a]), 0);
     for (Index b = 0; b < a; ++b) {
       const double size = std::sqrt(dot(r[a], z[a]) * dot(r[b], z[b]));
-      EXPECT_NEAR(dot(r[a], z[b]), dot(r[b], z[a]), 1e-5 * size);  // floats inside
+      EXPECT_NEAR(dot(r[a], z[b]), dot(r[b], z[a]), 1e-5 * size);  // single precision inside
     }
   }
 }
@@ -89,7 +90,7 @@ SolveReport solved_by(const LinearSystem& system, std::vector<double>& x) {
   return ConjugateGradient<M>({.tolerance = 1e-8}).solve(system, x);
 }
 
-TEST(CellMultigrid, FindsTheSolutionThatJacobiFinds) {
+TEST(CellMultigrid, GivesTheSameSolutionAsJacobi) {
   const LinearSystem system = pressure_equation<2>(30, true);
   std::vector<double> by_multigrid;
   std::vector<double> by_jacobi;
@@ -102,7 +103,7 @@ TEST(CellMultigrid, FindsTheSolutionThatJacobiFinds) {
   }
 }
 
-TEST(CellMultigrid, NeedsAboutAsManyIterationsHoweverManyParticlesThereAre) {
+TEST(CellMultigrid, NeedsAboutAsManyIterationsForMoreParticles) {
   std::vector<double> x;
   const auto iterations = [&](int along) {
     return solved_by<CellMultigrid<2>>(pressure_equation<2>(along, true), x).iterations;
@@ -113,7 +114,7 @@ TEST(CellMultigrid, NeedsAboutAsManyIterationsHoweverManyParticlesThereAre) {
   EXPECT_LT(2 * many, solved_by<Jacobi>(pressure_equation<2>(100, true), x).iterations);
 }
 
-TEST(CellMultigrid, KeepsApartWhatThinWallsKeepApart) {
+TEST(CellMultigrid, SeparatesTheSidesOfThinWalls) {
   std::vector<double> x;
   const auto iterations = [&](int walls) {
     return solved_by<CellMultigrid<2>>(pressure_equation<2>(110, true, walls), x).iterations;
@@ -122,7 +123,7 @@ TEST(CellMultigrid, KeepsApartWhatThinWallsKeepApart) {
   for (const int walls : {1, 3, 8}) EXPECT_LT(iterations(walls), 1.7 * without) << walls;
 }
 
-TEST(CellMultigrid, GivesTheSameBitsForAnyNumberOfThreads) {
+TEST(CellMultigrid, IsBitwiseIdenticalForAnyNumberOfThreads) {
   const LinearSystem system = pressure_equation<2>(80, true);
   const auto by = [&](int number) {
     return with_threads(number, [&] {
@@ -131,11 +132,11 @@ TEST(CellMultigrid, GivesTheSameBitsForAnyNumberOfThreads) {
       return x;
     });
   };
-  const auto alone = by(1);
-  for (const int number : {2, 3, 4}) EXPECT_TRUE(by(number) == alone) << number;
+  const auto serial = by(1);
+  for (const int number : {2, 3, 4}) EXPECT_TRUE(by(number) == serial) << number;
 }
 
-TEST(CellMultigrid, WithoutKnowingWhereTheUnknownsLieIsTheDiagonal) {
+TEST(CellMultigrid, WithoutPositionsOfTheUnknownsIsTheDiagonal) {
   LinearSystem system;
   system.diagonal = {2, 4, 8};
   system.off_diagonal.build(3, [](Index, auto&&) {});
@@ -147,12 +148,14 @@ TEST(CellMultigrid, WithoutKnowingWhereTheUnknownsLieIsTheDiagonal) {
   EXPECT_EQ(z, (std::vector<double>{0.5, 0.25, 0.125}));
 }
 
-TEST(CellMultigrid, RefusesSettingsOutOfRange) {
-  EXPECT_TRUE(refuses([] { CellMultigrid<2>({.cell = 0.5}); }, {"CellMultigrid: cell = 0.5"}));
-  EXPECT_TRUE(refuses([] { CellMultigrid<2>({.weak = -1}); }, {"CellMultigrid: weak = -1"}));
+TEST(CellMultigrid, RejectsSettingsOutOfRange) {
+  EXPECT_TRUE(refuses([] { CellMultigrid<2>({.cell_size = 0.5}); },
+                      {"CellMultigrid: cell_size = 0.5"}));
+  EXPECT_TRUE(refuses([] { CellMultigrid<2>({.min_diagonal = -1}); },
+                      {"CellMultigrid: min_diagonal = -1"}));
   EXPECT_TRUE(refuses([] { CellMultigrid<2>({.sweeps = 0}); }, {"CellMultigrid: sweeps = 0"}));
-  EXPECT_TRUE(refuses([] { CellMultigrid<3>({.solved_directly = 0}); },
-                      {"CellMultigrid: solved_directly = 0"}));
+  EXPECT_TRUE(refuses([] { CellMultigrid<3>({.max_coarsest_cells = 0}); },
+                      {"CellMultigrid: max_coarsest_cells = 0"}));
 }
 
 }  // namespace

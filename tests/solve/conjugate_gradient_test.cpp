@@ -19,7 +19,7 @@ namespace {
 using Reason = SolveReport::Reason;
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
-/// M = 1: leaves the residual as it is.
+/// M = 1.
 struct NoPreconditioner {
   void prepare(const LinearSystem&) {}
   void apply(const std::vector<double>& r, std::vector<double>& z) const { z = r; }
@@ -42,10 +42,11 @@ struct SilentSolver {
 struct UncheckedSolver {
   SolveReport solve(const LinearSystem&, std::vector<double>&) { return {}; }
 };
-static_assert(!LinearSolver<SilentSolver> && !LinearSolver<UncheckedSolver> && !LinearSolver<Jacobi>);
+static_assert(!LinearSolver<SilentSolver> && !LinearSolver<UncheckedSolver>);
+static_assert(!LinearSolver<Jacobi>);
 
-// −u'' on n inner points of a line with u = 0 at both ends: diagonal 2, beside it −1.
-LinearSystem string_of(Index n) {
+// −u'' at n inner points of a line with u = 0 at both ends: diagonal 2, off-diagonal −1.
+LinearSystem line_of(Index n) {
   LinearSystem system;
   system.diagonal.assign(n, 2);
   system.off_diagonal.build(n, [n](Index i, auto&& add) {
@@ -56,7 +57,7 @@ LinearSystem string_of(Index n) {
   return system;
 }
 
-// A x, written by columns.
+// A x, computed column by column.
 std::vector<double> times(const LinearSystem& system, const std::vector<double>& x) {
   std::vector<double> y(system.size(), 0);
   for (Index i = 0; i < system.size(); ++i) {
@@ -67,7 +68,7 @@ std::vector<double> times(const LinearSystem& system, const std::vector<double>&
   return y;
 }
 
-double size_of(const std::vector<double>& x) {
+double norm(const std::vector<double>& x) {
   double sum = 0;
   for (const double each : x) sum += each * each;
   return std::sqrt(sum);
@@ -76,7 +77,7 @@ double size_of(const std::vector<double>& x) {
 double residual(const LinearSystem& system, const std::vector<double>& x) {
   auto r = times(system, x);
   for (Index i = 0; i < r.size(); ++i) r[i] = system.right_side[i] - r[i];
-  return size_of(r) / size_of(system.right_side);
+  return norm(r) / norm(system.right_side);
 }
 
 std::vector<double> uneven(Index n) {
@@ -90,10 +91,9 @@ class ConjugateGradients : public ::testing::Test {};
 using Preconditioners = ::testing::Types<Jacobi, NoPreconditioner>;
 TYPED_TEST_SUITE(ConjugateGradients, Preconditioners);
 
-TYPED_TEST(ConjugateGradients, FindTheSolutionTheSystemWasMadeFrom) {
+TYPED_TEST(ConjugateGradients, FindTheKnownSolution) {
   const auto exact = uneven(50);
-  auto system = string_of(50);
-  // Make the diagonal uneven, too.
+  auto system = line_of(50);
   for (Index i = 0; i < 50; ++i) system.diagonal[i] += double(i);
   system.right_side = times(system, exact);
   ConjugateGradient<TypeParam> solver({.tolerance = 1e-13});
@@ -104,14 +104,14 @@ TYPED_TEST(ConjugateGradients, FindTheSolutionTheSystemWasMadeFrom) {
   for (Index i = 0; i < 50; ++i) EXPECT_NEAR(x[i], exact[i], 1e-11);
 }
 
-TYPED_TEST(ConjugateGradients, EndWithinAsManyIterationsAsThereAreEigenvalues) {
-  // Exact arithmetic needs at most n; the string of 40 has 40 eigenvalues.
-  auto system = string_of(40);
+TYPED_TEST(ConjugateGradients, NeedAtMostAsManyIterationsAsEigenvalues) {
+  // In exact arithmetic at most 40, the number of eigenvalues.
+  auto system = line_of(40);
   system.right_side = uneven(40);
   ConjugateGradient<TypeParam> solver({.tolerance = 1e-9});
   std::vector<double> x(40, 0);
   EXPECT_LE(solver.solve(system, x).iterations, 42);
-  // An eigenvector as the right side takes one.
+  // An eigenvector as right side needs one iteration.
   for (Index i = 0; i < 40; ++i) {
     system.right_side[i] = std::sin(double(i + 1) * std::numbers::pi / 41);
   }
@@ -120,7 +120,7 @@ TYPED_TEST(ConjugateGradients, EndWithinAsManyIterationsAsThereAreEigenvalues) {
 }
 
 TYPED_TEST(ConjugateGradients, MeetTheToleranceTheyReport) {
-  auto system = string_of(400);
+  auto system = line_of(400);
   system.right_side = uneven(400);
   for (const double tolerance : {1e-2, 1e-6, 1e-10}) {
     ConjugateGradient<TypeParam> solver({.tolerance = tolerance});
@@ -132,8 +132,8 @@ TYPED_TEST(ConjugateGradients, MeetTheToleranceTheyReport) {
   }
 }
 
-TYPED_TEST(ConjugateGradients, StartFromWhatTheyAreGiven) {
-  auto system = string_of(300);
+TYPED_TEST(ConjugateGradients, StartFromTheInitialGuess) {
+  auto system = line_of(300);
   system.right_side = uneven(300);
   ConjugateGradient<TypeParam> solver({.tolerance = 1e-8});
   std::vector<double> x(300, 0);
@@ -145,8 +145,8 @@ TYPED_TEST(ConjugateGradients, StartFromWhatTheyAreGiven) {
   EXPECT_EQ(x, solved);
 }
 
-TYPED_TEST(ConjugateGradients, GiveTheSameBitsForAnyNumberOfThreads) {
-  auto system = string_of(5000);
+TYPED_TEST(ConjugateGradients, AreBitwiseIdenticalForAnyNumberOfThreads) {
+  auto system = line_of(5000);
   for (Index i = 0; i < 5000; ++i) system.diagonal[i] += 0.01 + double(i % 11);
   system.right_side = uneven(5000);
   const auto solved_by = [&](int number) {
@@ -156,12 +156,12 @@ TYPED_TEST(ConjugateGradients, GiveTheSameBitsForAnyNumberOfThreads) {
       return x;
     });
   };
-  const auto alone = solved_by(1);
-  for (const int number : {2, 3, 4}) EXPECT_EQ(solved_by(number), alone) << number;
+  const auto serial = solved_by(1);
+  for (const int number : {2, 3, 4}) EXPECT_EQ(solved_by(number), serial) << number;
 }
 
 TYPED_TEST(ConjugateGradients, SolveASingularSystemWhoseRightSideIsInItsRange) {
-  // A ring: the constant is in the kernel.
+  // A ring, whose null space is the constant vector.
   LinearSystem ring;
   const Index n = 60;
   ring.diagonal.assign(n, 2);
@@ -178,41 +178,41 @@ TYPED_TEST(ConjugateGradients, SolveASingularSystemWhoseRightSideIsInItsRange) {
 }
 
 TEST(ConjugateGradient, NeedsFewerIterationsWithIncompleteCholeskyFactors) {
-  // A plate of 30 by 30: entries one beside the diagonal, and thirty.
+  // The five-point Laplacian on 30 × 30 points.
   constexpr Index along = 30;
-  LinearSystem plate;
-  plate.diagonal.assign(along * along, 4);
-  plate.off_diagonal.build(along * along, [](Index i, auto&& add) {
+  LinearSystem system;
+  system.diagonal.assign(along * along, 4);
+  system.off_diagonal.build(along * along, [](Index i, auto&& add) {
     if (i >= along) add(i - along, -1.0);
     if (i % along > 0) add(i - 1, -1.0);
     if (i % along + 1 < along) add(i + 1, -1.0);
     if (i + along < along * along) add(i + along, -1.0);
   });
-  plate.right_side = uneven(along * along);
+  system.right_side = uneven(along * along);
   std::vector<double> x(along * along, 0);
-  const int by_factors = ConjugateGradient<IncompleteCholesky>().solve(plate, x).iterations;
-  EXPECT_LE(residual(plate, x), 1e-6);
+  const int by_factors = ConjugateGradient<IncompleteCholesky>().solve(system, x).iterations;
+  EXPECT_LE(residual(system, x), 1e-6);
   x.assign(along * along, 0);
-  EXPECT_LT(2 * by_factors, ConjugateGradient<Jacobi>().solve(plate, x).iterations);
+  EXPECT_LT(2 * by_factors, ConjugateGradient<Jacobi>().solve(system, x).iterations);
 }
 
-TEST(ConjugateGradient, OfNoUnknownsHasNothingToSolve) {
+TEST(ConjugateGradient, ReportsNothingToSolveWithoutUnknowns) {
   std::vector<double> x;
-  const SolveReport report = ConjugateGradient<>().solve(string_of(0), x);
+  const SolveReport report = ConjugateGradient<>().solve(line_of(0), x);
   EXPECT_EQ(report.reason, Reason::nothing_to_solve);
   EXPECT_EQ(report.unknowns, 0u);
 }
 
-TEST(ConjugateGradient, OfAZeroRightSideIsZero) {
+TEST(ConjugateGradient, ReturnsZeroForAZeroRightSide) {
   std::vector<double> x(10, 3.0);
-  const SolveReport report = ConjugateGradient<>().solve(string_of(10), x);
+  const SolveReport report = ConjugateGradient<>().solve(line_of(10), x);
   EXPECT_EQ(report.reason, Reason::nothing_to_solve);
   EXPECT_EQ(report.iterations, 0);
   EXPECT_EQ(x, std::vector<double>(10, 0.0));
 }
 
-TEST(ConjugateGradient, SaysThatItHasNotConverged) {
-  auto system = string_of(1000);
+TEST(ConjugateGradient, ReportsThatItHasNotConverged) {
+  auto system = line_of(1000);
   system.right_side = uneven(1000);
   std::vector<double> x(1000, 0);
   const SolveReport report =
@@ -223,22 +223,22 @@ TEST(ConjugateGradient, SaysThatItHasNotConverged) {
   EXPECT_NEAR(report.residual, residual(system, x), 1e-12);
 }
 
-TEST(ConjugateGradient, SaysThatItBrokeDown) {
+TEST(ConjugateGradient, ReportsABreakdown) {
   std::vector<double> x(10, 0);
-  auto indefinite = string_of(10);
+  auto indefinite = line_of(10);
   indefinite.right_side = uneven(10);
   for (double& each : indefinite.diagonal) each = -1;
   EXPECT_EQ(ConjugateGradient<>().solve(indefinite, x).reason, Reason::broke_down);
 
-  auto not_a_number = string_of(10);
+  auto not_a_number = line_of(10);
   not_a_number.right_side = uneven(10);
   not_a_number.right_side[3] = nan;
   x.assign(10, 0);
   EXPECT_EQ(ConjugateGradient<>().solve(not_a_number, x).reason, Reason::broke_down);
 }
 
-TEST(ConjugateGradient, AskedForMoreThanRoundingAllowsEndsAllTheSame) {
-  auto system = string_of(2000);
+TEST(ConjugateGradient, StopsIfTheToleranceIsBelowRoundOff) {
+  auto system = line_of(2000);
   system.right_side = uneven(2000);
   std::vector<double> x(2000, 0);
   const SolveReport report =
@@ -247,7 +247,7 @@ TEST(ConjugateGradient, AskedForMoreThanRoundingAllowsEndsAllTheSame) {
   EXPECT_LT(report.residual, 1e-9);
 }
 
-TEST(SolveSettings, AreRefusedOutOfRange) {
+TEST(SolveSettings, AreRejectedOutOfRange) {
   EXPECT_TRUE(refuses([] { ConjugateGradient<>({.tolerance = 0}); }, {"tolerance = 0 "}));
   EXPECT_TRUE(refuses([] { ConjugateGradient<>({.tolerance = -1e-6}); }, {"tolerance = -1e-06"}));
   EXPECT_TRUE(refuses([] { ConjugateGradient<>({.tolerance = nan}); }, {"tolerance = nan"}));

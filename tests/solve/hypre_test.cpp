@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// hypre's multigrid behind the same interface as Silt's own preconditioners.
+// The multigrid of hypre with the interface of a Silt preconditioner.
 #include "support/check.hpp"
 
 #include <silt/solve/conjugate_gradient.hpp>
@@ -11,7 +11,7 @@
 #include <cmath>
 #include <vector>
 
-// MPI leaves memory behind, which is none of our business.
+// MPI does not free all its memory.
 extern "C" const char* __asan_default_options() { return "detect_leaks=0"; }
 
 namespace silt::test {
@@ -20,7 +20,7 @@ namespace {
 static_assert(Preconditioner<BoomerAmg>);
 static_assert(LinearSolver<ConjugateGradient<BoomerAmg>>);
 
-// MPI may begin once, before the first solve.
+// MPI must be initialised once, before the first solve.
 class Mpi : public ::testing::Environment {
  public:
   void SetUp() override { MPI_Init(nullptr, nullptr); }
@@ -28,7 +28,7 @@ class Mpi : public ::testing::Environment {
 };
 const auto* const mpi = ::testing::AddGlobalTestEnvironment(new Mpi);
 
-// −∇²u on n × n inner points of a square with u = 0 around it.
+// −∇²u at n × n inner points of a square with u = 0 on the boundary.
 LinearSystem square_of(Index n) {
   LinearSystem system;
   system.diagonal.assign(n * n, 4);
@@ -56,7 +56,7 @@ void put_right_side(LinearSystem& system, const std::vector<double>& x) {
   }
 }
 
-TEST(BoomerAmg, FindsTheSolutionTheSystemWasMadeFrom) {
+TEST(BoomerAmg, FindsTheKnownSolution) {
   auto system = square_of(30);
   const auto exact = uneven(900);
   put_right_side(system, exact);
@@ -69,7 +69,7 @@ TEST(BoomerAmg, FindsTheSolutionTheSystemWasMadeFrom) {
   for (Index i = 0; i < 900; ++i) EXPECT_NEAR(x[i], exact[i], 1e-9);
 }
 
-TEST(BoomerAmg, NeedsHardlyMoreIterationsForMoreUnknowns) {
+TEST(BoomerAmg, NeedsAboutAsManyIterationsForMoreUnknowns) {
   const auto iterations = [](Index n) {
     auto system = square_of(n);
     system.right_side = uneven(n * n);
@@ -81,7 +81,7 @@ TEST(BoomerAmg, NeedsHardlyMoreIterationsForMoreUnknowns) {
   EXPECT_LE(iterations(80), 12);
 }
 
-TEST(BoomerAmg, SolvesSystemsOfOtherSizesAndInCopies) {
+TEST(BoomerAmg, SolvesSystemsOfDifferentSizesAndCanBeCopied) {
   ConjugateGradient<BoomerAmg> solver({.tolerance = 1e-10});
   for (const Index n : {10u, 5u, 12u}) {
     auto system = square_of(n);
@@ -94,8 +94,9 @@ TEST(BoomerAmg, SolvesSystemsOfOtherSizesAndInCopies) {
   }
 }
 
-TEST(BoomerAmg, RefusesAShareThatIsNone) {
-  EXPECT_TRUE(refuses([] { BoomerAmg({.strong = 1.5}); }, {"BoomerAmg: strong = 1.5"}));
+TEST(BoomerAmg, RejectsSettingsOutOfRange) {
+  EXPECT_TRUE(refuses([] { BoomerAmg({.strong_threshold = 1.5}); },
+                      {"BoomerAmg: strong_threshold = 1.5"}));
 }
 
 }  // namespace

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-// Fluid between two walls, periodic along them, set in motion by a body force (Poiseuille) from
-// rest.
+// Fluid between two walls, periodic along them, accelerated from rest by a body force (Poiseuille
+// flow).
 //
-// With a Laplacian that reaches the next row only, the wall is the row of wall particles. A
-// wider one also sees rows behind it, all at rest: the walls then lie deeper. How deep, is the
-// mean row at which a random walk with the stencil's row weights first lands on a wall; profiles
-// are linear there.
+// If the Laplacian includes the next row only, the effective wall is the row of wall particles. A
+// larger radius also includes the rows behind it, all at rest, and the effective wall is deeper: at
+// the mean row at which a random walk with the row weights of the stencil first reaches a wall;
+// there, profiles are linear.
 #include "support/check.hpp"
 #include "support/fluid.hpp"
 
@@ -21,7 +21,7 @@ namespace {
 constexpr int rows = 20;
 constexpr double l0 = 0.01;
 constexpr double nu = 1e-4;
-constexpr double force = 1e-6;  // [m/s²], so small that nothing moves far from the lattice
+constexpr double force = 1e-6;  // [m/s²]; displacements from the lattice are negligible
 
 // Velocity between walls at 0 and L, as the series of Morris et al. (1997).
 double poiseuille(double y, double t, double L) {
@@ -34,7 +34,7 @@ double poiseuille(double y, double t, double L) {
   return u;
 }
 
-// A channel along x with the fluid in 0 < y < rows l0; in 3D periodic along z, too.
+// A channel along x with the fluid in 0 < y < rows l0; in 3D also periodic along z.
 template <int Dim>
 mps::Fluid<Dim> channel() {
   constexpr int along = 8;
@@ -56,10 +56,10 @@ mps::Fluid<Dim> channel() {
   return fluid;
 }
 
-// Largest error of the profile at times t ν/L² from 0.05 to 0.4, over the steady maximum, when the
-// walls lie `depth` outside the first and last row of fluid.
+// Maximum error of the profile at times t ν/L² from 0.05 to 0.4, relative to the steady maximum,
+// for effective walls at the distance `depth` from the first and last row of fluid.
 template <int Dim>
-double largest_error(double radius, double depth) {
+double max_error(double radius, double depth) {
   const double L = (rows - 1) * l0 + 2 * depth;
   mps::FlowSettings<Dim, mps::Case10> settings{.spacing = l0,
                                                .viscosity = nu,
@@ -83,12 +83,13 @@ double largest_error(double radius, double depth) {
   return error / (force * L * L / (8 * nu));
 }
 
-TEST(Channel, FillsWithThePoiseuilleProfileBetweenItsWallParticles) {
-  EXPECT_LT(largest_error<2>(1.5, l0), 0.01);
+TEST(Channel, DevelopsThePoiseuilleProfileBetweenItsWallParticles) {
+  EXPECT_LT(max_error<2>(1.5, l0), 0.01);
 }
 
-// Where a random walk that starts in the first row of fluid, steps by the rows of the 2D stencil,
-// and never reaches the far wall lands at last, as a distance from that row.
+// Depth of the effective wall: mean end point of a random walk that starts in the first row of
+// fluid, steps with the row weights of the 2D stencil, and does not reach the opposite wall; as a
+// distance from that row.
 double depth_of_walls(double radius) {
   const int reach = static_cast<int>(std::ceil(radius)) - 1;
   const auto index = [&](int row) { return static_cast<Index>(row + reach); };
@@ -102,7 +103,7 @@ double depth_of_walls(double radius) {
       sum += mps::CubicKernel::weight(r / radius);
     }
   }
-  // The harmonic function that is zero beyond the wall and linear far off: its intercept.
+  // Intercept of the harmonic function that is zero beyond the wall and linear far from it.
   const int far = 400;
   std::vector<double> h(far);
   for (int y = 0; y < far; ++y) h[static_cast<Index>(y)] = y + 1;
@@ -119,12 +120,12 @@ double depth_of_walls(double radius) {
   return (h[120] / slope - 120) * l0;
 }
 
-TEST(Channel, HasItsWallsAsDeepAsTheStencilSees) {
+TEST(Channel, HasEffectiveWallsAtTheDepthGivenByTheStencil) {
   EXPECT_NEAR(depth_of_walls(1.5), l0, 0.02 * l0);
   const double depth = depth_of_walls(3.1);
   EXPECT_GT(depth, l0);
   EXPECT_LT(depth, 2 * l0);
-  EXPECT_LT(largest_error<2>(3.1, depth), 0.03);
+  EXPECT_LT(max_error<2>(3.1, depth), 0.03);
 }
 
 }  // namespace

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The dam break of [HwangLeePark2010] at a spacing of 0.01 m: case 10 against the original and
-// against the front and the height of Martin and Moyce (1952). Our choices for what the paper
-// leaves open (radii, tank length, Δt) are the defaults of FlowSettings and those in
+// The dam break of [HwangLeePark2010] at a spacing of 0.01 m: case 10 compared with the original
+// MPS and with the front and height of Martin and Moyce (1952). Parameters that the paper does not
+// give (radii, tank length, Δt) are the defaults of FlowSettings and those in
 // support/dam_break.hpp.
 #include "support/dam_break.hpp"
 
@@ -24,20 +24,21 @@ class DamBreakOfThePaper : public ::testing::Test {
   static inline DamBreak original_;
 };
 
-TEST_F(DamBreakOfThePaper, RunsAlongTheFloorAsMartinAndMoyceMeasured) {
+TEST_F(DamBreakOfThePaper, HasTheFrontOfMartinAndMoyce) {
   EXPECT_LT(front_deviation(improved_), 0.06);
   EXPECT_LT(front_deviation(original_), 0.06);
 }
 
-TEST_F(DamBreakOfThePaper, IsAheadInTheOriginalMethod) {
+TEST_F(DamBreakOfThePaper, HasAFasterFrontInTheOriginalMethod) {
   for (const double T : {1.5, 2.0, 2.5, 3.0}) {
     const double t = T / scaled_time(1);
-    EXPECT_GT(at_time(original_.time, original_.front, t), at_time(improved_.time, improved_.front, t))
+    EXPECT_GT(at_time(original_.time, original_.front, t),
+              at_time(improved_.time, improved_.front, t))
         << T;
   }
 }
 
-TEST_F(DamBreakOfThePaper, SinksAtTheWallAsMartinAndMoyceMeasured) {
+TEST_F(DamBreakOfThePaper, HasTheHeightOfMartinAndMoyce) {
   const CsvTable measured =
       read_csv(SILT_TESTS_DIR "/reference/martin_moyce_1952_n2eq2_height_table6.csv");
   // τ = t √(g/a), without the n of T. The instant of release is uncertain by up to 0.2 in τ.
@@ -54,12 +55,12 @@ TEST_F(DamBreakOfThePaper, LosesNoParticleInTheImprovedMethod) {
   EXPECT_EQ(improved_.lost, 0u);
 }
 
-TEST_F(DamBreakOfThePaper, IsThreeTimesCalmerAtTheWallInTheImprovedMethod) {
+TEST_F(DamBreakOfThePaper, HasAThirdOfTheRoughnessInTheImprovedMethod) {
   ASSERT_FALSE(original_.broke);
   EXPECT_LT(3 * roughness(improved_, 0.4, 1.0), roughness(original_, 0.4, 1.0));
 }
 
-TEST_F(DamBreakOfThePaper, NeverGainsEnergyInTheImprovedMethod) {
+TEST_F(DamBreakOfThePaper, DoesNotGainEnergyInTheImprovedMethod) {
   EXPECT_LT(energy_growth(improved_), 0.01);
 }
 

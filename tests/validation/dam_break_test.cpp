@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The dam break at twice the spacing of the slow test: the same front to what that spacing gives.
+// The dam break at twice the spacing of the slow test.
 #include "support/dam_break.hpp"
 
 #include <gtest/gtest.h>
@@ -7,7 +7,7 @@
 namespace silt::test {
 namespace {
 
-TEST(DamBreak, RunsAlongTheFloorAsMartinAndMoyceMeasured) {
+TEST(DamBreak, HasTheFrontOfMartinAndMoyce) {
   const double l0 = 0.02;
   const DamBreak improved = run_dam_break<mps::Case10>(l0, 0.55);
   EXPECT_FALSE(improved.broke);
@@ -20,9 +20,9 @@ TEST(DamBreak, RunsAlongTheFloorAsMartinAndMoyceMeasured) {
   for (const double T : {1.5, 2.0, 2.5, 3.0}) {
     const double t = T / scaled_time(1);
     EXPECT_GT(at_time(original.time, original.front, t), at_time(improved.time, improved.front, t))
-        << "the original is ahead at T = " << T;
+        << "front of the original at T = " << T;
   }
-  // Nothing outruns Ritter's front on a dry bed: dZ/dT < 2.
+  // Upper bound: Ritter's front on a dry bed, dZ/dT < 2.
   for (const DamBreak* record : {&improved, &original}) {
     for (double T = 1.0; T < 3.0; T += 0.5) {
       const double z0 = at_time(record->time, record->front, T / scaled_time(1));

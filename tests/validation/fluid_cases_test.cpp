@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The solutions that flows are held against, and the flows themselves, coarse. docs/verification.md has
-// them in full.
+// Exact solutions, and the corresponding flows at a low resolution. docs/verification.md has them
+// at full resolution.
 #include "support/fluid_cases/all.hpp"
 
 #include <gtest/gtest.h>
@@ -19,14 +19,14 @@ TEST(OscillatingDropSolution, HasThePeriodsAndSemiAxesOfMonaghanAndRafiee) {
   // 2013, A0/B0 = 1 and 0.4.
   EXPECT_NEAR(OscillatingDrop{.a0 = 1}.period(), 4.827, 1e-3);
   EXPECT_NEAR(OscillatingDrop{.a0 = 0.4}.period(), 4.526, 1e-3);
-  double longest = 0;
-  for (double t = 0; t < 5; t += 0.01) longest = std::max(longest, OscillatingDrop{}.at(t).a);
-  EXPECT_NEAR(longest, 1.932, 1e-3);
+  double max_axis = 0;
+  for (double t = 0; t < 5; t += 0.01) max_axis = std::max(max_axis, OscillatingDrop{}.at(t).a);
+  EXPECT_NEAR(max_axis, 1.932, 1e-3);
 }
 
-TEST(OscillatingDropSolution, KeepsAreaAndEnergy) {
+TEST(OscillatingDropSolution, ConservesAreaAndEnergy) {
   const OscillatingDrop drop;
-  // Over m/8, of the velocity (A x, −A y) and the potential B0² r²/2.
+  // Energy over m/8, of the velocity (A x, −A y) and the potential B0² r²/2.
   const auto energy = [&](const OscillatingDrop::State& s) {
     return (s.rate * s.rate + drop.b0 * drop.b0) * (s.a * s.a + s.b * s.b);
   };
@@ -35,7 +35,7 @@ TEST(OscillatingDropSolution, KeepsAreaAndEnergy) {
   EXPECT_NEAR(energy(later), energy(drop.start()), 1e-8);
 }
 
-TEST(OscillatingDropSolution, StretchesAsMonaghansEllipseWithoutAForce) {
+TEST(OscillatingDropSolution, IsMonaghansEllipseWithoutForce) {
   // J.J. Monaghan (1994): A0 = 100 1/s, at 0.0076 s.
   const auto stretched = OscillatingDrop{.a0 = 100, .b0 = 0}.at(0.0076);
   EXPECT_NEAR(stretched.a, 1.9445, 1e-4);
@@ -66,21 +66,20 @@ TEST(StandingWaveSolution, HasThePeriodOfLinearTheory) {
   EXPECT_NEAR((StandingWave{.length = 2, .depth = 1}.period()), 1.1339, 1e-4);
 }
 
-TEST(LargestGap, FindsTheCircleThatALatticeLeavesAndAHoleInIt) {
+TEST(LargestGap, IsTheLargestEmptyCircleOfALatticeWithoutAndWithAHole) {
   auto fluid = taylor_green(10).start;
   EXPECT_NEAR(largest_gap(fluid, 0.1), 0.1 * std::sqrt(0.5), 1e-12);
   fluid.remove_if([](Index i) { return i == 0; });
   EXPECT_NEAR(largest_gap(fluid, 0.1), 0.1, 1e-12);
 }
 
-TEST(LargestBody, IsTheShareOfTheGreaterOfTwoPieces) {
+TEST(LargestBody, IsTheFractionOfParticlesInTheLargerOfTwoBodies) {
   mps::Fluid<2> fluid;
   for (const double x : {0.0, 1.0, 2.0, 5.0}) mps::add_particle(fluid, {x, 0}, mps::Kind::fluid);
   EXPECT_EQ(largest_body(fluid, 1.5), 0.75);
 }
 
-
-// Everything that is found of a case.
+// All findings of a case.
 template <class Scheme>
 std::vector<Finding> run(const Choice& choice) {
   const FluidCase flow = make(choice);
@@ -90,7 +89,7 @@ std::vector<Finding> run(const Choice& choice) {
   return flow.findings(notes.history());
 }
 
-// Of them, the one whose name begins so.
+// The finding whose name begins with `begin`.
 Finding named(const std::vector<Finding>& findings, const std::string& begin) {
   for (const Finding& finding : findings) {
     if (finding.quantity.starts_with(begin)) return finding;
@@ -98,13 +97,13 @@ Finding named(const std::vector<Finding>& findings, const std::string& begin) {
   fail("there is no finding " + begin);
 }
 
-TEST(FallingBlock, HasNoPressureAndKeepsItsShapeUnderPnuMps) {
+TEST(FallingBlock, HasNoPressureAndKeepsItsShapeInPnuMps) {
   for (const Finding& finding : run<mps::Case10>({.name = "falling_block", .spacing = 0.05})) {
     EXPECT_TRUE(finding.holds()) << finding.quantity << " is " << finding.measured;
   }
 }
 
-TEST(RotatingSquare, KeepsItsAngularMomentumForATurn) {
+TEST(RotatingSquare, ConservesItsAngularMomentumForOneTurn) {
   const auto findings = run<mps::Recommended>({.name = "rotating_square", .spacing = 0.05});
   const Finding spin = named(findings, "angular momentum");
   EXPECT_LT(spin.error(), 0.02) << spin.measured;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The recommended scheme at twice the spacing of what docs/theory_mps.md shows, and, slow, at that.
+// The recommended scheme at twice the spacing of docs/theory_mps.md, and, in slow tests, at that
+// spacing.
 #include "support/dam_break.hpp"
 #include "support/still_tank.hpp"
 
@@ -10,7 +11,7 @@ namespace {
 
 using mps::Recommended;
 
-// Rms deviations of edge and height from the exact potential flow, relative, over T from 0.5 to 2.75.
+// Relative rms deviations of edge and height from the exact potential flow for T from 0.5 to 2.75.
 struct Deviations {
   double edge = 0;
   double height = 0;
@@ -30,28 +31,28 @@ Deviations from_potential_flow(const DamBreak& record) {
   return {std::sqrt(sums.edge / rows), std::sqrt(sums.height / rows)};
 }
 
-TEST(RecommendedDamBreak, IsThatOfAnIdealFluid) {
+TEST(RecommendedDamBreak, AgreesWithPotentialFlow) {
   const DamBreak record = run_dam_break<Recommended>(0.02, 0.5);
   EXPECT_FALSE(record.broke);
   EXPECT_EQ(record.lost, 0u);
-  const Deviations off = from_potential_flow(record);
-  EXPECT_LT(off.edge, 0.03);
-  EXPECT_LT(off.height, 0.03);
+  const Deviations deviations = from_potential_flow(record);
+  EXPECT_LT(deviations.edge, 0.03);
+  EXPECT_LT(deviations.height, 0.03);
   EXPECT_LT(energy_growth(record), 0.025);
 }
 
-TEST(RecommendedDamBreak, IsCloserToAnIdealFluidAndToTheExperimentWithSmallerParticlesSlow) {
+TEST(RecommendedDamBreak, AgreesWithPotentialFlowAndExperimentAtHighResolutionSlow) {
   const DamBreak record = run_dam_break<Recommended>(0.01, 1.0);
   EXPECT_FALSE(record.broke);
   EXPECT_EQ(record.lost, 0u);
-  const Deviations off = from_potential_flow(record);
-  EXPECT_LT(off.edge, 0.015);
-  EXPECT_LT(off.height, 0.015);
+  const Deviations deviations = from_potential_flow(record);
+  EXPECT_LT(deviations.edge, 0.015);
+  EXPECT_LT(deviations.height, 0.015);
   EXPECT_LT(front_deviation(record), 0.025);
   EXPECT_LT(energy_growth(record), 0.0125);
 }
 
-TEST(RecommendedStillTank, StandsStill) {
+TEST(RecommendedStillTank, HasTheHydrostaticPressure) {
   const mps::Tank<2> tank{
       .column = {0.4, 0.4}, .size = {.length = 0.4, .height = 0.6}, .spacing = 0.02};
   const auto floor = floor_pressure<Recommended>(tank, 0.3, 0.6);
@@ -59,7 +60,7 @@ TEST(RecommendedStillTank, StandsStill) {
   EXPECT_LT(floor.scatter, 0.001);
 }
 
-TEST(RecommendedStillTank, StandsStillIn3D) {
+TEST(RecommendedStillTank, HasTheHydrostaticPressureIn3D) {
   const double l0 = 0.05;
   const mps::Tank<3> tank{.column = {8 * l0, 8 * l0},
                           .size = {.length = 8 * l0, .height = 12 * l0, .depth = 8 * l0},

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The still tank of [HwangLeePark2010] at its spacing of 0.01 m and over its span of time.
+// The still tank of [HwangLeePark2010], with its spacing of 0.01 m and its time interval.
 #include "support/still_tank.hpp"
 
 #include <gtest/gtest.h>
@@ -7,7 +7,7 @@
 namespace silt::test {
 namespace {
 
-TEST(StillTankOfThePaper, PressesOnItsFloorWithTheWeightOfTheWater) {
+TEST(StillTankOfThePaper, HasTheHydrostaticPressureOnItsFloor) {
   const mps::Tank<2> tank{
       .column = {0.4, 0.4}, .size = {.length = 0.4, .height = 0.4}, .spacing = 0.01};
   const auto floor = floor_pressure<mps::Case10>(tank, 0.5, 2.0);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Water at rest presses on the floor with ρ g h. The wall particles of the floor and the particles
-// of the surface, where P = 0, are as far apart as the water is deep.
+// The pressure of water at rest on the floor is ρ g h. The distance of the wall particles of the
+// floor from the particles of the free surface, where P = 0, is the depth of the water.
 #include "support/still_tank.hpp"
 
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@ namespace {
 
 using mps::Case10;
 
-TEST(StillTank, PressesOnItsFloorWithTheWeightOfTheWater) {
+TEST(StillTank, HasTheHydrostaticPressureOnItsFloor) {
   const mps::Tank<2> tank{
       .column = {0.4, 0.4}, .size = {.length = 0.4, .height = 0.4}, .spacing = 0.02};
   const auto floor = floor_pressure<Case10>(tank, 0.3, 0.6);
@@ -18,8 +18,8 @@ TEST(StillTank, PressesOnItsFloorWithTheWeightOfTheWater) {
   EXPECT_LT(floor.scatter, 0.03);
 }
 
-TEST(StillTank, PressesOnItsFloorIn3DToASpacingOfWater) {
-  // Only eight spacings deep: the surface is no sharper than one of them.
+TEST(StillTank, HasTheHydrostaticPressureOnItsFloorIn3DToOneSpacing) {
+  // The depth is only eight spacings, and the position of the surface is uncertain by one.
   const double l0 = 0.05;
   const mps::Tank<3> tank{.column = {8 * l0, 8 * l0},
                           .size = {.length = 8 * l0, .height = 10 * l0, .depth = 8 * l0},

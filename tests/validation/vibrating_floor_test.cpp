@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Smooth spheres on a floor that vibrates, as in examples/vibrating_floor.cpp, but few and soft:
-// what holds exactly, and what is ordered. The slow test meets the kinetic theory of
+// Smooth spheres on a vibrating floor, as in examples/vibrating_floor.cpp, but fewer and softer:
+// exact results and trends. The slow test compares with the kinetic theory of
 // examples/support/kinetic_theory.py.
 #include <silt/dem.hpp>
 #include <silt/measure/block_sums.hpp>
@@ -33,10 +33,11 @@ struct Bed {
 
 struct Steady {
   Estimate floor_force;          // over the weight
-  Estimate densest;              // largest solid fraction
+  Estimate max_solid_fraction;
   double holdup = 0;             // integral of the solid fraction over height, in diameters
-  double temperature = 0;        // mean by mass, over g d
-  std::vector<double> vertical = {};  // of the two lowest diameters, over g d
+  double temperature = 0;        // mass average, over g d
+  // Components of the temperature in the lowest two diameters, over g d.
+  std::vector<double> vertical = {};
   std::vector<double> horizontal = {};
 };
 
@@ -54,7 +55,7 @@ Steady vibrate(const Bed& bed) {
   const auto points = lattice(filled, d);
   for (Index i = 0; i < Index(bed.spheres); ++i) {
     dem::add_grain(grains, points[i], {.radius = d / 2, .density = 1200});
-    // Any directions will do, as long as they differ.
+    // Arbitrary, but different directions.
     const double turn = 2.4 * double(i);
     grains[velocity][i] = {std::cos(turn), std::sin(turn), std::cos(3.7 * turn)};
   }
@@ -86,7 +87,7 @@ Steady vibrate(const Bed& bed) {
   }
 
   Steady steady{.floor_force = loads.mean(0),
-                .densest = profiles.of_solid_fractions(
+                .max_solid_fraction = profiles.of_solid_fractions(
                     [](auto fractions) { return *std::ranges::max_element(fractions); })};
   for (const auto& row : profiles.rows()) {
     if (!(row.solid_fraction.value > 0)) continue;
@@ -100,7 +101,7 @@ Steady vibrate(const Bed& bed) {
   return steady;
 }
 
-TEST(VibratingFloor, CarriesTheWeightAndHeatsAThinBedMore) {
+TEST(VibratingFloor, SupportsTheWeightAndHeatsAThinBedMore) {
   const Steady thin = vibrate({.spheres = 16, .width = 4, .warm_up = 1.5, .until = 7});
   const Steady thick = vibrate({.spheres = 48, .width = 4, .warm_up = 1, .until = 6});
   for (const auto* bed : {&thin, &thick}) {
@@ -111,11 +112,12 @@ TEST(VibratingFloor, CarriesTheWeightAndHeatsAThinBedMore) {
   EXPECT_NEAR(thin.holdup, 16 * pi / 6 / 16, 1e-9);
   EXPECT_NEAR(thick.holdup, 48 * pi / 6 / 16, 1e-9);
   EXPECT_GT(thin.temperature, 1.5 * thick.temperature);
-  EXPECT_LT(thin.densest.value + 3 * thin.densest.standard_error, thick.densest.value);
+  EXPECT_LT(thin.max_solid_fraction.value + 3 * thin.max_solid_fraction.standard_error,
+            thick.max_solid_fraction.value);
 }
 
-// 1.733 g d is the theory's mean temperature for m_t = 2.503, V_b = 2.
-TEST(VibratingFloor, IsAsHotAsKineticTheoryHasItSlow) {
+// Kinetic theory: mean temperature 1.733 g d for m_t = 2.503, V_b = 2.
+TEST(VibratingFloor, HasTheTemperatureOfKineticTheorySlow) {
   const Bed bed{.spheres = 306, .width = 8, .warm_up = 4, .until = 24};
   const Steady steady = vibrate(bed);
   EXPECT_NEAR(steady.floor_force.value, 1, 0.01);

@@ -11,8 +11,8 @@
 
 namespace silt::mps {
 
-/// Two particles near each other, as the first sees it. At a smooth wall r_ij and u_ij are what
-/// lies along the wall's normal.
+/// A pair of close particles, as input of a collision model; vectors are those for particle i. At a
+/// smooth wall, r_ij and u_ij are projected onto the wall's normal.
 template <int Dim, class RealType = double>
 struct CollidingPair {
   using Real = RealType;
@@ -21,21 +21,24 @@ struct CollidingPair {
   Vec r_ij = Vec::Zero();  ///< [m]
   Real r = 0;              ///< |r_ij| [m]
   Vec u_ij = Vec::Zero();  ///< u_j − u_i [m/s]
-  bool wall = false;       ///< j stays where it is
+  bool wall = false;       ///< j is a wall or dummy particle, not moved by collisions
   Real spacing = 0;        ///< l0 [m]
   Real time_step = 0;      ///< Δt [s]
 
-  /// Speed at which they come closer [m/s].
-  Real approach() const { return -u_ij.dot(r_ij) / r; }
-  /// Change of the velocity of i [m/s] if the two, of equal mass, are to part by so much faster.
-  Vec parting(Real speed) const { return (-(wall ? Real(1) : Real(0.5)) * speed / r) * r_ij; }
+  /// Positive while the two approach [m/s].
+  Real approach_speed() const { return -u_ij.dot(r_ij) / r; }
+  /// Change of the velocity of i [m/s] that increases the separation speed of the pair by `speed`
+  /// [m/s]; the two have equal masses.
+  Vec velocity_change(Real speed) const {
+    return (-(wall ? Real(1) : Real(0.5)) * speed / r) * r_ij;
+  }
 };
 
-/// a and b of Table 1, as ratios so that a case is a type: Collision<std::ratio<1>,
-/// std::ratio<1, 5>>.
+/// Collisions with a and b of Table 1. They are ratios because a case is a type:
+/// Collision<std::ratio<1>, std::ratio<1, 5>>.
 template <class A, class B>
 struct Collision {
-  double distance = double(A::num) / double(A::den);     ///< a, in spacings [-]; 0: no collisions
+  double distance = double(A::num) / double(A::den);     ///< a, in l0 [-]; 0: no collisions
   double restitution = double(B::num) / double(B::den);  ///< b [-] in [0, 1]
 
   /// Throws if a is negative or b outside [0, 1].
@@ -44,27 +47,28 @@ struct Collision {
     require_between("Collision: restitution", restitution, {0, 1});
   }
 
+  /// Interaction range in units of l0 [-].
   double reach() const { return distance; }
 
   template <int Dim, class Real>
-  Vec<Dim, Real> impulse(const CollidingPair<Dim, Real>& pair) const {
-    const Real approach = pair.approach();
-    if (!(approach > 0)) return Vec<Dim, Real>::Zero();
-    return pair.parting((1 + Real(restitution)) * approach);
+  Vec<Dim, Real> velocity_change(const CollidingPair<Dim, Real>& pair) const {
+    const Real speed = pair.approach_speed();
+    if (!(speed > 0)) return Vec<Dim, Real>::Zero();
+    return pair.velocity_change((1 + Real(restitution)) * speed);
   }
 };
 
-/// The original's (0.5, 0.2) and the adopted (1.0, 0.2).
+/// (a, b) = (0.5, 0.2) of the original MPS, and (1.0, 0.2), which the paper adopts.
 using OriginalCollision = Collision<std::ratio<1, 2>, std::ratio<1, 5>>;
 using AdoptedCollision = Collision<std::ratio<1>, std::ratio<1, 5>>;
 
-/// reach(): pairs farther apart [spacings] do not meet; impulse(pair): change of the velocity
-/// of i [m/s].
+/// reach() is the interaction range in units of l0; velocity_change(pair) returns the change of the
+/// velocity of i [m/s].
 template <class C>
 concept CollisionModel = requires(const C c, CollidingPair<2> in_2d, CollidingPair<3> in_3d) {
   { c.reach() } -> std::convertible_to<double>;
-  { c.impulse(in_2d) } -> std::convertible_to<Vec<2>>;
-  { c.impulse(in_3d) } -> std::convertible_to<Vec<3>>;
+  { c.velocity_change(in_2d) } -> std::convertible_to<Vec<2>>;
+  { c.velocity_change(in_3d) } -> std::convertible_to<Vec<3>>;
   c.check();
 };
 

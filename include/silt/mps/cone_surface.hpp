@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A free surface found by looking: is there an empty cone on the side where neighbours are missing?
+// Geometric detection of the free surface: an empty cone on the side where neighbours are missing.
 #pragma once
 
 #include <silt/core/error.hpp>
@@ -12,14 +12,15 @@
 
 namespace silt::mps {
 
-/// After Marrone et al. (2010). The least eigenvalue of d/n0 Σ r_ij r_ijᵀ w/r², 1 in the full
-/// lattice, tells what surely is spray and what surely is inside; between them a particle is on the
-/// surface if no fluid stands in the cone around −Σ w r_ij/r. No density enters.
+/// After Marrone et al. (2010). The smallest eigenvalue of d/n0 Σ r_ij r_ijᵀ w/r², which is 1 in
+/// the full lattice, identifies spray (small) and interior particles (large). In between, a
+/// particle is on the surface if the cone around −Σ w r_ij/r contains no fluid. The number density
+/// is not used.
 struct ConeSurface {
   double half_angle = 0.25 * 3.14159265358979;  ///< of the cone [rad]
-  double length = 2.1;    ///< of the cone, in spacings
-  double spray = 0.3;     ///< eigenvalue below which all are on the surface [-]
-  double inside = 0.9;    ///< eigenvalue above which none is [-]
+  double length = 2.1;    ///< of the cone, in units of l0 [-]
+  double spray = 0.3;     ///< eigenvalue below which a particle is on the surface [-]
+  double inside = 0.9;    ///< eigenvalue above which it is not [-]
 
   /// Throws if a number is out of range.
   void check() const {
@@ -29,10 +30,11 @@ struct ConeSurface {
     require_between("ConeSurface: inside", inside, {spray, 2});
   }
 
-  /// for_each(f) calls f(r_ij, w, counts) for every neighbour: `counts` says whether one in the
-  /// cone hides the surface. spacing is l0 [m].
+  /// for_each(f) calls f(r_ij, w, covers) for every neighbour; the cone is empty if it contains no
+  /// neighbour with `covers`.
   template <int Dim, class Real, class Neighbours>
-  bool is_on_surface(const LocalDensity&, const SurfaceScale<Real>& scale, const Neighbours& for_each) const {
+  bool is_on_surface(const LocalDensity&, const SurfaceScale<Real>& scale,
+                     const Neighbours& for_each) const {
     using Vec = silt::Vec<Dim, Real>;
     using Matrix = Eigen::Matrix<Real, Dim, Dim>;
     Matrix moments = Matrix::Zero();
@@ -49,12 +51,12 @@ struct ConeSurface {
     const Real size = outwards.norm();
     if (smallest_eigenvalue > Real(inside) || !(size > 0)) return false;
     outwards /= size;
-    const Real most = Real(length) * scale.spacing;
+    const Real max_distance = Real(length) * scale.spacing;
     const Real cosine = Real(std::cos(half_angle));
     bool is_empty = true;
-    for_each([&](const Vec& r_ij, Real, bool counts) {
+    for_each([&](const Vec& r_ij, Real, bool covers) {
       const Real r = r_ij.norm();
-      is_empty &= !counts || r >= most || r_ij.dot(outwards) <= cosine * r;
+      is_empty &= !covers || r >= max_distance || r_ij.dot(outwards) <= cosine * r;
     });
     return is_empty;
   }

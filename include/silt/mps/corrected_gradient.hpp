@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A gradient that is exact for linear φ wherever the neighbours lie.
+// A gradient that is exact for linear φ and any arrangement of neighbours.
 #pragma once
 
 #include <silt/core/types.hpp>
@@ -9,12 +9,12 @@
 
 namespace silt::mps {
 
-/// <∇φ>_i = C Σ (φ_j − φ_i) r_ij w/r²,  C⁻¹ = Σ r_ij r_ijᵀ w/r²: first-order consistent, as in Khayyer
-/// and Gotoh (2011). Does not conserve momentum to rounding.
+/// <∇φ>_i = C Σ (φ_j − φ_i) r_ij w/r²,  C⁻¹ = Σ r_ij r_ijᵀ w/r²: first-order consistent, as in
+/// Khayyer and Gotoh (2011). Does not conserve momentum to round-off.
 struct CorrectedGradient {
-  /// det (d/n0 C⁻¹), which is 1 in the full lattice, below which C would blow up what little there
-  /// is: d/n0 stands in for it there.
-  static constexpr double least_determinant = 0.05;
+  /// Below this value of det (d/n0 C⁻¹), which is 1 in the full lattice, C is nearly singular and
+  /// is replaced by d/n0.
+  static constexpr double min_determinant = 0.05;
 
   template <class T, class Real, class Neighbours>
   static Vec<T::dimension, Real> evaluate(const T& stencil, Real phi_i, Neighbours&& for_each) {
@@ -29,7 +29,7 @@ struct CorrectedGradient {
     const Real scale = T::dimension / stencil.n0;
     moments *= scale;
     sum *= scale;
-    if (!(moments.determinant() > Real(least_determinant))) return sum;
+    if (!(moments.determinant() > Real(min_determinant))) return sum;
     return multiply<T::dimension, Real>(moments.inverse(), sum);
   }
 };

@@ -1,26 +1,26 @@
 // SPDX-License-Identifier: MIT
-// Where the time of a flow goes.
+// Wall-clock timing of a flow.
 #pragma once
 
 #include <chrono>
 
 namespace silt::mps {
 
-/// Wall time [s] of parts of a flow's steps so far.
+/// Accumulated wall-clock time of a flow's steps, by stage [s].
 struct FlowSeconds {
-  double neighbours = 0;  ///< finding who is near whom
-  double assembly = 0;    ///< of the pressure equation, source and divergence with it
+  double neighbours = 0;  ///< updating the neighbour lists
+  double assembly = 0;    ///< of the pressure equation, including source and divergence
   double solve = 0;
-  double pressure = 0;  ///< all of the projection: assembly, solve, and the pressure's gradient
+  double pressure = 0;  ///< the whole projection: assembly, solve and pressure gradient
 };
 
-/// Adds its life to a sum of seconds.
-class Timed {
+/// Adds the time from its construction to its destruction to `seconds`.
+class ScopedTimer {
  public:
-  explicit Timed(double& seconds) : seconds_(seconds) {}
-  Timed(const Timed&) = delete;
-  Timed& operator=(const Timed&) = delete;
-  ~Timed() { seconds_ += std::chrono::duration<double>(Clock::now() - begin_).count(); }
+  explicit ScopedTimer(double& seconds) : seconds_(seconds) {}
+  ScopedTimer(const ScopedTimer&) = delete;
+  ScopedTimer& operator=(const ScopedTimer&) = delete;
+  ~ScopedTimer() { seconds_ += std::chrono::duration<double>(Clock::now() - begin_).count(); }
 
  private:
   using Clock = std::chrono::steady_clock;

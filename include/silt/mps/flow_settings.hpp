@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The numbers of a flow.
+// Settings of a flow.
 #pragma once
 
 #include <silt/core/error.hpp>
@@ -11,28 +11,29 @@
 
 namespace silt::mps {
 
-/// Numbers of a flow; those of the policies are in the members of their type.
+/// Settings of a flow; the parameters of a policy are in the member of its type.
 template <int Dim, class Scheme>
 struct FlowSettings {
   double spacing = 0;        ///< particle spacing l0 [m], above 0
   double density = 1000;     ///< ρ [kg/m³]
   double viscosity = 1e-6;   ///< kinematic ν [m²/s]
   Vec<Dim> gravity = -9.81 * Vec<Dim>::Unit(Dim - 1);  ///< F [m/s²]
-  double radius = 3.1;            ///< re/l0 of density, surface, gradient, divergence [-]
+  double radius = 3.1;            ///< re/l0 of n, free surface, gradient and divergence [-]
   double laplacian_radius = 3.1;  ///< re/l0 of the Laplacian [-]
-  double courant = 0.2;           ///< Δt ≤ courant l0 / largest speed [-]
+  double courant = 0.2;           ///< Δt ≤ courant l0 / maximum speed [-]
   double speed_scale = 0;  ///< expected speed, e.g. √(g H) [m/s]: Δt ≤ courant l0 / speed_scale
-  double max_growth = 1.2;  ///< Δt ≤ max_growth times that of the step before [-], from 1 on
+  double max_growth = 1.2;  ///< Δt ≤ max_growth × previous Δt [-], at least 1
   double max_time_step = std::numeric_limits<double>::infinity();  ///< [s]
-  bool clip_negative_pressure = true;  ///< P ← max(P, 0): MPS fluid does not pull
+  bool clip_negative_pressure = true;  ///< P ← max(P, 0): no tensile stress in the fluid
   typename Scheme::Source source = {};
   typename Scheme::Surface surface = {};
   typename Scheme::Collision collision = {};
   typename Scheme::Shifting shifting = {};
-  /// Further acceleration [m/s²] at a place x [m] and a time t [s]; must be the same whatever
-  /// thread asks. None if empty.
+  /// Acceleration in addition to gravity [m/s²] at x [m] and time t [s]; called from several
+  /// threads, on which the result must not depend. None if empty.
   std::function<Vec<Dim>(const Vec<Dim>& x, double t)> body_force = {};
 
+  /// Throws if a setting is out of range.
   void check() const {
     require_positive("FlowSettings: spacing", spacing);
     require_positive("FlowSettings: density", density);
@@ -44,7 +45,7 @@ struct FlowSettings {
     require_not_negative("FlowSettings: speed_scale", speed_scale);
     if (!(max_growth >= 1)) {
       fail("FlowSettings: max_growth = " + to_text(max_growth) +
-           " would let the time step shrink only; give a value of at least 1");
+           " would only let the time step shrink; give a value of at least 1");
     }
     if (!(max_time_step > 0)) {
       fail("FlowSettings: max_time_step = " + to_text(max_time_step) +
@@ -56,8 +57,8 @@ struct FlowSettings {
     shifting.check();
     if (collision.reach() > radius) {
       fail("Collision: distance = " + to_text(collision.reach()) +
-           " spacings is beyond FlowSettings: radius = " + to_text(radius) +
-           "; lower the one or enlarge the other");
+           " spacings exceeds FlowSettings: radius = " + to_text(radius) +
+           "; decrease the distance or increase the radius");
     }
   }
 };

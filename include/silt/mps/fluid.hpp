@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The particles of MPS: fluid, walls that carry pressure, and dummies behind the walls.
+// The particles of MPS: fluid, walls with a pressure, and dummies behind the walls.
 #pragma once
 
 #include <silt/core/fields.hpp>
@@ -12,8 +12,8 @@ namespace silt::mps {
 
 enum class Kind : std::uint8_t {
   fluid,  ///< moves
-  wall,   ///< at rest, carries pressure: an unknown of the pressure equation
-  dummy,  ///< at rest behind a wall, fills number density, divergence and viscosity only
+  wall,   ///< fixed; its pressure is an unknown of the pressure equation
+  dummy,  ///< fixed, behind a wall; enters number density, divergence and viscosity only
 };
 
 inline constexpr struct pressure_t : scalar_field {
@@ -23,9 +23,9 @@ inline constexpr struct kind_t : field_of<Kind>, constant_field {
 inline constexpr struct number_density_t : scalar_field, derived_field {
 } number_density{};  ///< n_i of the last step, (5) [-]
 inline constexpr struct surface_t : field_of<std::uint8_t>, derived_field {
-} surface{};  ///< 1 where the last step set P = 0, (13) (17)
+} surface{};  ///< 1 on the free surface in the last step, where P = 0, (13) (17)
 
-/// Fluid and wall particles, with any further fields of the user's.
+/// Fluid, wall and dummy particles, optionally with further fields.
 template <int Dim, class Real = double, Field... Further>
 using Fluid =
     Particles<Dim, Real, velocity_t, pressure_t, kind_t, number_density_t, surface_t, Further...>;
@@ -34,7 +34,7 @@ using Fluid =
 template <class P>
 concept FluidParticles = HasFields<P, velocity_t, pressure_t, kind_t, number_density_t, surface_t>;
 
-/// Adds a particle at rest at x [m]; returns its place.
+/// Adds a particle at rest at x [m]; returns its index.
 template <FluidParticles P>
 Index add_particle(P& particles, const typename P::Vec& x, Kind of_kind) {
   const Index i = particles.add(x);
@@ -42,7 +42,7 @@ Index add_particle(P& particles, const typename P::Vec& x, Kind of_kind) {
   return i;
 }
 
-/// Particles of one kind.
+/// Number of particles of one kind.
 template <FluidParticles P>
 Index count(const P& particles, Kind of_kind) {
   Index number = 0;

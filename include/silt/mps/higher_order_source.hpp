@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The sources of Khayyer and Gotoh: the rate of the number density by the kernel's own slope (2009),
-// and what compensates its errors without a constant to tune (2011).
+// The sources of Khayyer and Gotoh: the rate of change of the number density from the slope of the
+// kernel (2009), and terms that compensate its errors without a free parameter (2011).
 #pragma once
 
 #include <silt/core/error.hpp>
@@ -24,7 +24,7 @@ struct HigherOrderSource {
   }
 };
 
-/// The same with, in place of γ's, two terms as large as the errors themselves, c = (n − n0)/n0:
+/// The same, with two terms proportional to the errors instead of the term with γ; c = (n − n0)/n0:
 ///   −(ρ/Δt) [ (1/n0) Dn*/Dt + |c| (1/n0) Dn/Dt + |Δt (1/n0) Dn/Dt| c/Δt ]      (HS with ECS)
 struct ErrorCompensatingSource {
   static constexpr bool needs_moved_particles = false;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Pairs that would end the step too close are kept apart: the dynamic stabilisation of Tsuruta,
-// Khayyer and Gotoh (2013), and the same bounded by a collision.
+// Collision models that keep a minimum distance at the end of the step: the dynamic stabilisation
+// of Tsuruta, Khayyer and Gotoh (2013), and a variant limited to the impulse of a collision.
 #pragma once
 
 #include <silt/core/error.hpp>
@@ -12,40 +12,43 @@
 
 namespace silt::mps {
 
-/// How much faster [m/s] a pair must part to end the step no closer than `least` [m]: the part of
-/// r_ij + Δt u_ij along r_ij has to grow until that length is reached.
+/// The increase in separation speed [m/s] that keeps a pair at least min_distance [m] apart at the
+/// end of the step: the component of r_ij + Δt u_ij along r_ij grows until its length reaches
+/// min_distance.
 template <int Dim, class Real>
-Real speed_to_part(const CollidingPair<Dim, Real>& pair, Real least) {
+Real required_speed(const CollidingPair<Dim, Real>& pair, Real min_distance) {
   const Vec<Dim, Real> after = pair.r_ij + pair.time_step * pair.u_ij;
   const Real along = after.dot(pair.r_ij) / pair.r;
   const Real across2 = std::max(Real(0), after.squaredNorm() - squared(along));
-  if (across2 >= squared(least)) return 0;
-  return std::max(Real(0), std::sqrt(squared(least) - across2) - along) / pair.time_step;
+  if (across2 >= squared(min_distance)) return 0;
+  return std::max(Real(0), std::sqrt(squared(min_distance) - across2) - along) / pair.time_step;
 }
 
-/// Parts them by as much as it takes: momentum is kept, energy may grow.
+/// Separates the pair by exactly the required speed: conserves momentum, may increase the energy.
 struct DynamicStabilisation {
-  double distance = 0.9;  ///< least distance after the step, in spacings [-]
+  double distance = 0.9;  ///< minimum distance after the step, in units of l0 [-]
 
   /// Throws if the distance is not in [0, 1].
   void check() const { require_between("DynamicStabilisation: distance", distance, {0, 1}); }
 
-  /// At Courant numbers up to 0.25 a step brings no two closer by more than half a spacing.
+  /// Interaction range in units of l0 [-]: at Courant numbers up to 0.25, a pair approaches by at
+  /// most half a spacing in a step.
   double reach() const { return distance + 0.5; }
 
   template <int Dim, class Real>
-  Vec<Dim, Real> impulse(const CollidingPair<Dim, Real>& pair) const {
-    return pair.parting(speed_to_part(pair, Real(distance) * pair.spacing));
+  Vec<Dim, Real> velocity_change(const CollidingPair<Dim, Real>& pair) const {
+    return pair.velocity_change(required_speed(pair, Real(distance) * pair.spacing));
   }
 };
 
-/// Parts them by as much as it takes, and by no more than a collision with restitution b would:
-/// momentum is kept, no pair by itself gains energy, and pairs that stay apart anyway lose none.
+/// Separates the pair by the required speed, but not by more than a collision with restitution b
+/// would: conserves momentum; an isolated pair never gains energy, and a pair that stays far enough
+/// apart loses none.
 struct KeepApart {
-  double distance = 0.9;     ///< least distance after the step, in spacings [-]
+  double distance = 0.9;     ///< minimum distance after the step, in units of l0 [-]
   double restitution = 0.2;  ///< b [-] in [0, 1]
 
-  /// Throws if the distance is not in [0, 1], or b is not.
+  /// Throws if the distance or b is not in [0, 1].
   void check() const {
     require_between("KeepApart: distance", distance, {0, 1});
     require_between("KeepApart: restitution", restitution, {0, 1});
@@ -54,9 +57,10 @@ struct KeepApart {
   double reach() const { return distance + 0.5; }
 
   template <int Dim, class Real>
-  Vec<Dim, Real> impulse(const CollidingPair<Dim, Real>& pair) const {
-    const Real most = (1 + Real(restitution)) * std::max(Real(0), pair.approach());
-    return pair.parting(std::min(most, speed_to_part(pair, Real(distance) * pair.spacing)));
+  Vec<Dim, Real> velocity_change(const CollidingPair<Dim, Real>& pair) const {
+    const Real max_speed = (1 + Real(restitution)) * std::max(Real(0), pair.approach_speed());
+    return pair.velocity_change(
+        std::min(max_speed, required_speed(pair, Real(distance) * pair.spacing)));
   }
 };
 

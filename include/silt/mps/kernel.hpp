@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Weight functions w(r), r < re, [HwangLeePark2010] (3). Beyond re the search finds nobody.
+// Weight functions w(r), r < re, [HwangLeePark2010] (3); particles beyond re are not neighbours.
 #pragma once
 
 #include <silt/core/types.hpp>
@@ -9,14 +9,14 @@
 
 namespace silt::mps {
 
-/// Weight of a neighbour at q = r/re in (0, 1) [-]; does not rise with q.
+/// Weight of a neighbour at q = r/re in (0, 1) [-]; must not increase with q.
 template <class K>
 concept Kernel = requires(double q, float p) {
   { K::weight(q) } -> std::same_as<double>;
   { K::weight(p) } -> std::same_as<float>;
 };
 
-/// Gives w'(q) and w''(q) as well, which the higher-order source and Laplacian are made from.
+/// A kernel with w'(q) and w''(q), for the higher-order source and Laplacian.
 template <class K>
 concept SmoothKernel = Kernel<K> && requires(double q, float p) {
   { K::slope(q) } -> std::same_as<double>;
@@ -41,7 +41,7 @@ struct InverseKernel {
   }
 };
 
-/// exp(−6.3 r²/re²) (3b): jumps by 0.0018 at re.
+/// exp(−6.3 r²/re²) (3b): discontinuous at re, by 0.0018.
 struct GaussianKernel {
   template <class Real>
   static Real weight(Real q) {
@@ -57,7 +57,7 @@ struct GaussianKernel {
   }
 };
 
-/// (1 − r/re)³ (1 + r/re)³ (3c): what the paper adopts.
+/// (1 − r/re)³ (1 + r/re)³ (3c), adopted in the paper.
 struct CubicKernel {
   template <class Real>
   static Real weight(Real q) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The weights that the Laplacian (6) sums with. They are normalised by their own second moment over
-// the full lattice, and must not be negative: the pressure equation would lose its definiteness.
+// Weights of the Laplacian (6). They are normalised by their own second moment over the full
+// lattice, and must not be negative, or the pressure equation would not be definite.
 #pragma once
 
 #include <silt/mps/kernel.hpp>
@@ -9,14 +9,14 @@
 
 namespace silt::mps {
 
-/// The kernel's own weights      (6)
+/// The weights of the kernel      (6)
 struct KernelLaplacian {
   template <class K, int Dim>
   using Weights = K;
 };
 
-/// w'' + (d − 3) w'/q, the divergence of the gradient of Khayyer and Gotoh (2010, 2012); nothing
-/// where that is negative, as some kernels have it in 3D for close neighbours.
+/// w'' + (d − 3) w'/q, the divergence of the gradient, of Khayyer and Gotoh (2010, 2012); zero
+/// where this is negative, as for some kernels at small q in 3D.
 struct HigherOrderLaplacian {
   template <SmoothKernel K, int Dim>
   struct Weights {
@@ -27,7 +27,7 @@ struct HigherOrderLaplacian {
   };
 };
 
-/// Turns a kernel into the weights of a Laplacian.
+/// L::Weights<K, Dim> are the weights of the Laplacian for kernel K.
 template <class L>
 concept LaplacianWeights = Kernel<typename L::template Weights<CubicKernel, 2>> &&
                            Kernel<typename L::template Weights<CubicKernel, 3>>;

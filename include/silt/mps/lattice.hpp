@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Reference values of a kernel on the full square (cubic) lattice: what the operators divide by.
+// Reference values of a kernel on the full square (cubic) lattice, which normalise the operators.
 #pragma once
 
 #include <silt/core/error.hpp>
@@ -16,13 +16,13 @@ struct LatticeValues {
   int neighbours = 0;     ///< N0, the number of neighbours, (17) [-]
 };
 
-/// Sums over all lattice points with 0 < r < re; `radius` is re/l0. Throws unless it is above 1.
+/// Sums over all lattice points with 0 < r < re; `radius` is re/l0. Throws if it is not above 1.
 template <int Dim, Kernel K>
 LatticeValues lattice_values(double radius) {
   require_finite("lattice_values: radius", radius);
   if (!(radius > 1)) {
     fail("lattice_values: radius = " + to_text(radius) +
-         " spacings reaches no neighbour; give more than 1");
+         " spacings contains no neighbour; give more than 1");
   }
   LatticeValues values;
   double second_moment = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Who is near whom, and with what weight: found once a step, and walked by every operator of it.
+// Neighbours and their weights: updated once per step, and used by all operators of the step.
 #pragma once
 
 #include <silt/core/error.hpp>
@@ -19,18 +19,17 @@
 
 namespace silt::mps {
 
-/// The neighbours of fluid and wall particles within one stencil. Weights, and their quotients w/r²
-/// that gradient and divergence need, are kept in single precision (their sums are not): half the
-/// memory to walk through.
+/// The neighbours of fluid and wall particles within one stencil. Weights w, and w/r² for gradient
+/// and divergence, are stored in single precision, which halves the memory traffic; sums are not.
 template <int Dim, class RealType>
 class Neighbourhood {
  public:
   using Real = RealType;
   using Vec = silt::Vec<Dim, Real>;
 
-  /// The neighbours of one particle, in three columns.
+  /// The neighbours of one particle, in three arrays.
   struct Row {
-    const std::uint32_t* index;  // owned or ghost
+    const std::uint32_t* index;  // of an owned or ghost particle
     const float* weight;
     const float* weight_over_square;  // w/r² [1/m²]
     Index length;
@@ -38,65 +37,65 @@ class Neighbourhood {
     Index size() const noexcept { return length; }
   };
 
-  /// Asks the search for everyone's neighbours. Throws if two particles lie on one point.
+  /// Updates all neighbours from the search. Throws if two particles coincide.
   template <FluidParticles P, class S, class T>
   void find(const P& particles, const S& search, const T& stencil) {
     const auto x = particles.with_ghosts(position);
     positions_.assign(x.begin(), x.end());
     revision_ = particles.revision();
-    places_.assign(particles.size(), Place{});
+    rows_.assign(particles.size(), RowRange{});
     density_.assign(particles.size(), 0);
-    columns_.resize(chunk_count(x.size()));
-    for (Columns& columns : columns_) columns.used = 0;
+    chunks_.resize(chunk_count(x.size()));
+    for (ChunkRows& rows : chunks_) rows.used = 0;
     const auto has_row = [kinds = particles[kind]](Index i) { return kinds[i] != Kind::dummy; };
     using Indices = std::span<const std::uint32_t>;
     for_each_row(particles, search, has_row, [&](Index chunk, Index i, Indices js) {
       if (!add_row(chunk, i, js, stencil)) {
-        fail("mps::Flow: two particles lie on one point; place them apart",
+        fail("mps::Flow: two particles have the same position; move them apart",
              {.particle = i, .id = particles.id(i)});
       }
     });
   }
 
-  /// Whether the particles still lie where they were found.
+  /// Whether no particle was added, removed, sorted or moved since the last update.
   template <FluidParticles P>
-  bool is_of(const P& particles) const {
+  bool is_current(const P& particles) const {
     const auto x = particles.with_ghosts(position);
     return particles.revision() == revision_ && x.size() == positions_.size() &&
            first_where(x.size(), [&](Index i) { return x[i] != positions_[i]; }) == no_index;
   }
 
-  /// f(j, r_ij, r) for the neighbours of i closer than `reach` [m]; all of these weigh more than
-  /// `least`, which spares the positions of most others.
+  /// f(j, r_ij, r) for the neighbours of i closer than `reach` [m]. All of them must have a weight
+  /// above min_weight; the positions of others need not be read.
   template <class F>
-  void for_each_closer(Index i, Real reach, float least, F&& f) const {
+  void for_each_closer(Index i, Real reach, float min_weight, F&& f) const {
     constexpr Index step = simd::lanes<float>;
-    constexpr Index piece = 4 * step;
-    std::array<std::uint32_t, piece> noted;
+    constexpr Index block = 4 * step;
+    std::array<std::uint32_t, block> candidates;
     const Row row = (*this)[i];
     const Vec x_i = positions_[i];
-    const auto limit = simd::broadcast<float>(least);
-    for (Index from = 0; from < row.size(); from += piece) {
+    const auto limit = simd::broadcast<float>(min_weight);
+    for (Index from = 0; from < row.size(); from += block) {
       Index count = 0;
-      const Index end = std::min(row.size(), from + piece);
+      const Index end = std::min(row.size(), from + block);
       for (Index k = from; k < end; k += step) {
         const simd::Mask heavy = simd::less<float>(limit, simd::load(row.weight + k));
-        count += simd::compress<std::uint32_t>(&noted[count], simd::load(row.index + k),
+        count += simd::compress<std::uint32_t>(&candidates[count], simd::load(row.index + k),
                                                heavy & simd::first_lanes<step>(end - k));
       }
       for (Index k = 0; k < count; ++k) {
-        const Vec r_ij = positions_[noted[k]] - x_i;
+        const Vec r_ij = positions_[candidates[k]] - x_i;
         const Real r2 = r_ij.squaredNorm();
-        if (r2 < reach * reach) f(Index(noted[k]), r_ij, std::sqrt(r2));
+        if (r2 < reach * reach) f(Index(candidates[k]), r_ij, std::sqrt(r2));
       }
     }
   }
 
   Row operator[](Index i) const noexcept {
-    const Place& at = places_[i];
-    const Columns& columns = columns_[at.chunk];
-    return {columns.index.data() + at.first, columns.weight.data() + at.first,
-            columns.weight_over_square.data() + at.first, at.length};
+    const RowRange& row = rows_[i];
+    const ChunkRows& rows = chunks_[row.chunk];
+    return {rows.index.data() + row.first, rows.weight.data() + row.first,
+            rows.weight_over_square.data() + row.first, row.length};
   }
   Vec position_of(Index i) const noexcept { return positions_[i]; }
 
@@ -104,34 +103,34 @@ class Neighbourhood {
   Real density(Index i) const noexcept { return density_[i]; }
 
  private:
-  // Where the neighbours of a particle stand.
-  struct Place {
+  // Location of the neighbours of a particle in chunks_.
+  struct RowRange {
     std::uint32_t chunk = 0;
     std::uint32_t first = 0;
     std::uint32_t length = 0;
   };
 
-  // Weights are taken in registers of at most so many lanes.
-  static constexpr Index lanes = 8;
+  // Rows are padded to the maximum number of lanes of a pack.
+  static constexpr Index max_lanes = 8;
 
-  // Neighbours of the particles of one chunk, and room for more.
-  struct Columns {
+  // Neighbours of the particles of one chunk, with spare capacity.
+  struct ChunkRows {
     std::vector<std::uint32_t> index;
     std::vector<float> weight;
     std::vector<float> weight_over_square;
     Index used = 0;
-    std::vector<Real> square;  // r² of the row that is being added
-    std::vector<Real> exact;   // its weights, unrounded
+    std::vector<Real> square;  // r² of the row being added
+    std::vector<Real> exact;   // its weights before rounding to single precision
 
-    // For a row of so many, and the lanes beyond.
-    void reserve(Index row) {
-      if (row + lanes > square.size()) {
-        square.resize(2 * row + lanes);
-        exact.resize(2 * row + lanes);
+    // Makes room for a row of this length and its padding.
+    void reserve(Index length) {
+      if (length + max_lanes > square.size()) {
+        square.resize(2 * length + max_lanes);
+        exact.resize(2 * length + max_lanes);
       }
-      const Index least = used + row + lanes;
-      if (least <= index.size()) return;
-      index.reserve(least * 9 / 8);  // resize() alone would double it
+      const Index min_size = used + length + max_lanes;
+      if (min_size <= index.size()) return;
+      index.reserve(min_size * 9 / 8);  // resize() alone would double the capacity
       index.resize(index.capacity());
       weight.reserve(index.size());
       weight.resize(index.size());
@@ -140,15 +139,15 @@ class Neighbourhood {
     }
   };
 
-  // f(chunk, i, js) for the particles that have a row; js may hold some that are too far. What is
-  // of one chunk comes from one thread.
+  // f(chunk, i, js) for the particles that have a row; js may include particles beyond the radius.
+  // All rows of a chunk are processed by one thread.
   template <class P, class S, class HasRow, class F>
   static void for_each_row(const P& particles, const S& search, const HasRow& has_row, F&& f) {
     if constexpr (requires { search.for_each_row(has_row, f); }) {
       search.for_each_row(has_row, f);
     } else {
       for_each_chunk(particles.size(), [&](Chunk chunk) {
-        static thread_local std::vector<std::uint32_t> js;  // its memory stays
+        static thread_local std::vector<std::uint32_t> js;  // keeps its capacity
         for (Index i = chunk.first; i < chunk.last; ++i) {
           if (!has_row(i)) continue;
           js.clear();
@@ -160,10 +159,10 @@ class Neighbourhood {
     }
   }
 
-  // False if one of them lies where i does.
+  // False if a neighbour has the same position as i.
   template <class T>
   bool add_row(Index chunk, Index i, std::span<const std::uint32_t> js, T stencil) {
-    Columns& to = columns_[chunk];
+    ChunkRows& to = chunks_[chunk];
     to.reserve(js.size());
     std::uint32_t* const index = to.index.data() + to.used;
     float* const weight = to.weight.data() + to.used;
@@ -174,16 +173,16 @@ class Neighbourhood {
     const Vec x_i = positions_[i];
     const Real re2 = stencil.re * stencil.re;
     Index length = 0;
-    bool apart = true;
+    bool distinct = true;
     for (const std::uint32_t j : js) {
       const Real r2 = (positions_[j] - x_i).squaredNorm();
       index[length] = j;
       square[length] = r2;
       length += r2 < re2;
-      apart &= r2 > 0;
+      distinct &= r2 > 0;
     }
 
-    const Index padded = (length + lanes - 1) / lanes * lanes;
+    const Index padded = (length + max_lanes - 1) / max_lanes * max_lanes;
     std::fill(square + length, square + padded, re2);
     for (Index k = 0; k < padded; ++k) {
       const Real w = stencil.weight(std::sqrt(square[k]));
@@ -192,26 +191,26 @@ class Neighbourhood {
       weight_over_square[k] = static_cast<float>(w / square[k]);
     }
     std::fill(exact + length, exact + padded, Real(0));
-    std::array<Real, lanes> sum{};
-    for (Index k = 0; k < padded; k += lanes) {
-      for (Index lane = 0; lane < lanes; ++lane) sum[lane] += exact[k + lane];
+    std::array<Real, max_lanes> sum{};
+    for (Index k = 0; k < padded; k += max_lanes) {
+      for (Index lane = 0; lane < max_lanes; ++lane) sum[lane] += exact[k + lane];
     }
     density_[i] = std::accumulate(sum.begin(), sum.end(), Real(0));
-    places_[i] = {static_cast<std::uint32_t>(chunk), static_cast<std::uint32_t>(to.used),
-                  static_cast<std::uint32_t>(length)};
+    rows_[i] = {static_cast<std::uint32_t>(chunk), static_cast<std::uint32_t>(to.used),
+                static_cast<std::uint32_t>(length)};
     to.used += length;
-    return apart;
+    return distinct;
   }
 
-  std::vector<Place> places_;
-  std::vector<Columns> columns_;  // by chunk
+  std::vector<RowRange> rows_;     // by particle
+  std::vector<ChunkRows> chunks_;  // by chunk
   std::vector<Real> density_;
   std::vector<Vec> positions_;  // with ghosts
   std::uint64_t revision_ = 0;
 };
 
-/// f(j, r_ij, w, w/r²) for every neighbour of i, as a search gives them to a stencil. Inlined, so
-/// that what f sums up stays in registers: the way through memory takes longer than all else.
+/// f(j, r_ij, w, w/r²) for every neighbour of i, as for a search. Inlined, so that the sums of f
+/// stay in registers; storing them in memory would dominate the run time.
 template <int Dim, class Real, class T, class F>
 [[gnu::always_inline]] inline void for_each_weighted(
     const Neighbourhood<Dim, Real>& neighbourhood, Index i, const T&, F&& f) {
@@ -223,6 +222,7 @@ template <int Dim, class Real, class T, class F>
   }
 }
 
+/// Whether f(j, w) is true for any neighbour of i.
 template <int Dim, class Real, class T, class F>
 bool any_weighted(const Neighbourhood<Dim, Real>& neighbourhood, Index i, const T&, F&& f) {
   const auto row = neighbourhood[i];

@@ -12,14 +12,14 @@
 
 namespace silt::mps {
 
-/// A kernel with its radius, and its sums over the full lattice.
+/// A kernel with its effective radius, and its sums over the full lattice.
 template <int Dim, class RealType, Kernel K>
 struct Stencil {
   using Real = RealType;
   static constexpr int dimension = Dim;
 
   Real spacing = 0;    ///< l0 [m]
-  Real re = 0;         ///< radius [m]
+  Real re = 0;         ///< effective radius [m]
   Real per_re = 0;     ///< 1/re [1/m]
   Real n0 = 0;         ///< (5) [-]
   Real lambda = 0;     ///< (7) [m²]
@@ -60,32 +60,33 @@ void for_each_weighted(const S& search, Index i, const T& stencil, F&& f) {
   });
 }
 
-/// Whether f(j, w) holds of some neighbour of i within the stencil.
+/// Whether f(j, w) is true for any neighbour of i within the stencil.
 template <class S, class T, class F>
 bool any_weighted(const S& search, Index i, const T& stencil, F&& f) {
   bool any = false;
-  for_each_weighted(search, i, stencil, [&](Index j, const auto&, auto w, auto) { any |= f(j, w); });
+  for_each_weighted(search, i, stencil,
+                    [&](Index j, const auto&, auto w, auto) { any |= f(j, w); });
   return any;
 }
 
-/// <∇φ>_i = d/n0 Σ (φ_j − φ̂_i) r_ij w/r²,  φ̂_i the smallest of the neighbourhood, i included    (4)
-/// Always repels, does not conserve momentum.
+/// <∇φ>_i = d/n0 Σ (φ_j − φ̂_i) r_ij w/r²,  φ̂_i the minimum over i and its neighbours          (4)
+/// As a pressure gradient always repulsive; does not conserve momentum.
 struct MinimumGradient {
   /// for_each(f) calls f(φ_j, r_ij, w, w/r²).
   template <class T, class Real, class Neighbours>
   static Vec<T::dimension, Real> evaluate(const T& stencil, Real phi_i, Neighbours&& for_each) {
     using Vec = silt::Vec<T::dimension, Real>;
-    Real lowest = phi_i;
-    for_each([&](Real phi_j, const Vec&, Real, Real) { lowest = std::min(lowest, phi_j); });
+    Real min_phi = phi_i;
+    for_each([&](Real phi_j, const Vec&, Real, Real) { min_phi = std::min(min_phi, phi_j); });
     Vec sum = Vec::Zero();
     for_each([&](Real phi_j, const Vec& r_ij, Real, Real w_r2) {
-      sum += ((phi_j - lowest) * w_r2) * r_ij;
+      sum += ((phi_j - min_phi) * w_r2) * r_ij;
     });
     return (T::dimension / stencil.n0) * sum;
   }
 };
 
-/// <∇φ>_i = d/n0 Σ (φ_j + φ_i) r_ij w/r²      conserves momentum, Toyota et al. (2005)         (18)
+/// <∇φ>_i = d/n0 Σ (φ_j + φ_i) r_ij w/r²      conserves momentum, Toyota et al. (2005)        (18)
 struct ConservingGradient {
   template <class T, class Real, class Neighbours>
   static Vec<T::dimension, Real> evaluate(const T& stencil, Real phi_i, Neighbours&& for_each) {
@@ -98,7 +99,7 @@ struct ConservingGradient {
   }
 };
 
-/// Gradient of a scalar at one particle.
+/// evaluate(stencil, φ_i, for_each) returns the gradient of a scalar at one particle.
 template <class G, int Dim, class Real = double>
 concept Gradient = requires(const Stencil<Dim, Real, CubicKernel> stencil, Real phi) {
   {
@@ -109,7 +110,7 @@ concept Gradient = requires(const Stencil<Dim, Real, CubicKernel> stencil, Real 
 /// <∇·u>_i = d/n0 Σ (u_j − u_i)·r_ij w/r²
 template <class S, class T, class U>
 typename T::Real divergence(const S& search, const T& stencil, Index i, const U& u) {
-  // Summed up along each axis, and over the axes once.
+  // One sum per axis; the sum over the axes is left to the end.
   Vec<T::dimension, typename T::Real> sum = Vec<T::dimension, typename T::Real>::Zero();
   for_each_weighted(search, i, stencil, [&](Index j, const auto& r_ij, auto, auto w_r2) {
     sum += (u[j] - u[i]).cwiseProduct(r_ij) * w_r2;
@@ -117,7 +118,7 @@ typename T::Real divergence(const S& search, const T& stencil, Index i, const U&
   return T::dimension / stencil.n0 * sum.sum();
 }
 
-/// (1/n0) Dn_i/Dt = 1/n0 Σ w'(r) (u_j − u_i)·r_ij/r, by the kernel's slope, Khayyer and Gotoh (2009)
+/// (1/n0) Dn_i/Dt = 1/n0 Σ w'(r) (u_j − u_i)·r_ij/r, Khayyer and Gotoh (2009) [1/s]
 template <class S, class T, class U>
 typename T::Real density_rate(const S& search, const T& stencil, Index i, const U& u) {
   typename T::Real sum = 0;
@@ -128,7 +129,7 @@ typename T::Real density_rate(const S& search, const T& stencil, Index i, const 
   return sum / stencil.n0;
 }
 
-/// <∇²φ>_i = 2d/(λ n0) Σ (φ_j − φ_i) w     (6), with the n0 that is usual instead of the printed n_i
+/// <∇²φ>_i = 2d/(λ n0) Σ (φ_j − φ_i) w     (6), with the usual n0 instead of the printed n_i
 template <class S, class T, class U>
 auto laplacian(const S& search, const T& stencil, Index i, const U& phi) {
   using Value = std::remove_cvref_t<decltype(phi[i])>;

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-// The pressure equation ∇²P = source as a symmetric system over the particles that carry pressure,
-// which are those of fluid and walls, and do not lie on the free surface.
+// The pressure equation ∇²P = source as a symmetric system. The unknowns are the pressures of the
+// fluid and wall particles that do not lie on the free surface.
 //
 //   Σ_j w_ij (P_i − P_j) = −source_i λ n0 / (2d),   P_j = 0 on the free surface, no dummies in Σ
 //
-// Positive definite for a body of fluid that touches a surface. One that does not (a closed full
-// tank) has its pressure up to a constant.
+// Positive definite for a body of fluid with a free surface. Without one (a closed full tank), the
+// pressure is defined up to a constant.
 #pragma once
 
 #include <silt/core/linear_system.hpp>
@@ -25,19 +25,20 @@ namespace silt::mps {
 
 class PressureEquation {
  public:
-  /// Numbers the unknowns: fluid and wall particles off the surface that have a neighbour with
-  /// pressure. `neighbours` is a search or a Neighbourhood; source(i) gives ∇²P [Pa/m²].
+  /// Numbers the unknowns, which are the fluid and wall particles off the free surface that have a
+  /// neighbour with pressure, and assembles the system. `neighbours` is a search or a
+  /// Neighbourhood; source(i) returns ∇²P [Pa/m²].
   template <FluidParticles P, class S, class T, class Source>
   void assemble(const P& particles, const S& neighbours, const T& stencil, Source&& source) {
     const auto kinds = particles[kind];
     assemble(particles, neighbours, stencil, source,
              [&](Index i) { return kinds[i] != Kind::dummy; });
   }
-  /// The same where carries_pressure(i) says which particles take part, instead of all but dummies.
-  template <FluidParticles P, class S, class T, class Source, class Carries>
+  /// The same, with the particles for which has_pressure(i) is true instead of all but dummies.
+  template <FluidParticles P, class S, class T, class Source, class HasPressure>
   void assemble(const P& particles, const S& neighbours, const T& stencil, Source&& source,
-                Carries&& carries_pressure) {
-    number_unknowns(particles, neighbours, stencil, carries_pressure);
+                HasPressure&& has_pressure) {
+    number_unknowns(particles, neighbours, stencil, has_pressure);
     system_.diagonal.resize(unknowns_.size());
     system_.right_side.resize(unknowns_.size());
     auto& geometry = system_.geometry;
@@ -56,8 +57,8 @@ class PressureEquation {
       std::uint32_t last_column = static_cast<std::uint32_t>(row);
       for_each_weighted(neighbours, i, stencil, [&](Index j, const auto&, auto weight, auto) {
         const std::uint32_t column = row_of_[j];
-        if (column == dummy || !links(weight, stencil)) return;
-        const double w = double(static_cast<float>(weight));  // as the system keeps it
+        if (column == excluded || !is_significant(weight, stencil)) return;
+        const double w = double(static_cast<float>(weight));  // as stored in the system
         diagonal += w;
         if (column == zero) {
           to_surface += w;
@@ -76,8 +77,8 @@ class PressureEquation {
     balance_closed_bodies();
   }
 
-  /// Solves from the pressures the particles have, and gives them the new ones; elsewhere P = 0.
-  /// They are left as they were unless the solve converged.
+  /// Solves for the pressures, with the present ones as initial guess; particles that are not
+  /// unknowns get P = 0. Pressures are changed only if the solve converged.
   template <FluidParticles P, class L>
   SolveReport solve(P& particles, L& solver) {
     using Real = typename P::Real;
@@ -90,7 +91,7 @@ class PressureEquation {
         report.reason == SolveReport::Reason::broke_down) {
       return report;
     }
-    settle_closed_bodies();
+    set_reference_pressures();
     for_each(values.size(), [&](Index i) {
       values[i] = row_of_[i] < unknowns_.size() ? Real(solution_[row_of_[i]]) : Real(0);
     });
@@ -100,32 +101,31 @@ class PressureEquation {
   const LinearSystem& system() const noexcept { return system_; }
 
  private:
-  // What stands in row_of_ for particles without a row: those with P = 0, and dummies.
+  // Values of row_of_ for particles without a row: those with P = 0, and those without pressure.
   static constexpr std::uint32_t zero = std::numeric_limits<std::uint32_t>::max();
-  static constexpr std::uint32_t dummy = zero - 1;
+  static constexpr std::uint32_t excluded = zero - 1;
 
-  // A weight that single precision loses among those of a full neighbourhood is none. Else a body
-  // that all but lost touch with a surface had a pressure of its source over next to nothing, which
-  // no solver finds in double precision.
+  // Weights below single-precision round-off of a full neighbourhood are ignored. A body connected
+  // with a surface by such weights only would have a nearly singular system.
   template <class Real, class T>
-  static bool links(Real weight, const T& stencil) {
+  static bool is_significant(Real weight, const T& stencil) {
     return static_cast<float>(weight) > 0x1p-26f * static_cast<float>(stencil.n0);
   }
 
-  template <class P, class S, class T, class Carries>
+  template <class P, class S, class T, class HasPressure>
   void number_unknowns(const P& particles, const S& neighbours, const T& stencil,
-                       const Carries& carries_pressure) {
+                       const HasPressure& has_pressure) {
     const auto on_surface = particles[surface];
     row_of_.resize(particles.total());
     for_each(particles.size(), [&](Index i) {
       row_of_[i] = zero;
-      if (!carries_pressure(i)) {
-        row_of_[i] = dummy;
+      if (!has_pressure(i)) {
+        row_of_[i] = excluded;
         return;
       }
       if (on_surface[i]) return;
       const bool is_connected = any_weighted(neighbours, i, stencil, [&](Index j, auto w) {
-        return carries_pressure(particles.owner(j)) && links(w, stencil);
+        return has_pressure(particles.owner(j)) && is_significant(w, stencil);
       });
       if (is_connected) row_of_[i] = 0;
     });
@@ -140,20 +140,20 @@ class PressureEquation {
     }
   }
 
-  // A body of fluid with no free surface (a closed full tank) fixes its pressure up to a constant
-  // only. Such bodies are found by walking from the surface: what is not reached is closed.
+  // A body of fluid without a free surface (a closed full tank) has a pressure up to a constant.
+  // Such bodies are the rows that cannot be reached from the free surface.
   void find_closed_bodies() {
     const Index n = unknowns_.size();
     const auto& entries = system_.off_diagonal;
     is_open_.assign(n, 0);
-    // Surfaces mostly lie on top, so that one pass downwards reaches nearly all, from the last that
-    // each row is connected with.
+    // Free surfaces are mostly at the top, with the last rows: one pass downwards, which follows
+    // the last connection of each row, reaches nearly all rows.
     for (Index row = n; row-- > 0;) {
       is_open_[row] = system_.geometry.to_surface[row] > 0 || is_open_[last_column_[row]];
     }
     for (Index row = 0; row < n; ++row) {
       if (is_open_[row] || !entries.has_entry_in(row, is_open_)) continue;
-      flood(row, [&](Index at) { return !is_open_[at]; }, [&](Index at) { is_open_[at] = true; });
+      flood(row, [&](Index r) { return !is_open_[r]; }, [&](Index r) { is_open_[r] = true; });
     }
     auto& body = system_.closed_body;
     system_.closed_bodies = 0;
@@ -163,19 +163,19 @@ class PressureEquation {
       if (body.empty()) body.assign(n, 0);
       if (body[row] > 0) continue;
       const auto number = static_cast<std::uint32_t>(++system_.closed_bodies);
-      flood(row, [&](Index at) { return body[at] == 0; }, [&](Index at) { body[at] = number; });
+      flood(row, [&](Index r) { return body[r] == 0; }, [&](Index r) { body[r] = number; });
     }
   }
 
-  // Marks the row and all that can be reached from it over rows that are new.
+  // Marks the row and all rows that can be reached from it over rows for which is_new is true.
   template <class IsNew, class Mark>
   void flood(Index row, IsNew&& is_new, Mark&& mark) {
     mark(row);
     front_.assign(1, static_cast<std::uint32_t>(row));
     while (!front_.empty()) {
-      const Index at = front_.back();
+      const Index next = front_.back();
       front_.pop_back();
-      system_.off_diagonal.for_each_entry(at, [&](Index column, double) {
+      system_.off_diagonal.for_each_entry(next, [&](Index column, double) {
         if (!is_new(column)) return;
         mark(column);
         front_.push_back(static_cast<std::uint32_t>(column));
@@ -183,47 +183,47 @@ class PressureEquation {
     }
   }
 
-  // Fluid that cannot leave cannot expand: in a closed body the sources add up to nothing.
+  // A closed body cannot expand: its sources are shifted so that they sum to zero.
   void balance_closed_bodies() {
     if (system_.closed_bodies == 0) return;
     auto& b = system_.right_side;
     const auto& body = system_.closed_body;
-    const auto find_largest = [&] {
+    const auto max_of_bodies = [&] {
       std::vector<double> largest(system_.closed_bodies + 1, 0);
       for (Index row = 0; row < b.size(); ++row) {
         largest[body[row]] = std::max(largest[body[row]], std::abs(b[row]));
       }
       return largest;
     };
-    const auto before = find_largest();
+    const auto original = max_of_bodies();
     system_.remove_constants(b);
-    system_.remove_constants(b);  // what rounding left of them
-    // Sources that were all alike leave nothing but rounding, which is no pressure's.
-    const auto after = find_largest();
+    system_.remove_constants(b);  // removes the round-off of the first call
+    // If all sources were equal, only round-off is left.
+    const auto balanced = max_of_bodies();
     for (Index row = 0; row < b.size(); ++row) {
-      if (body[row] > 0 && after[body[row]] <= 1e-14 * before[body[row]]) b[row] = 0;
+      if (body[row] > 0 && balanced[body[row]] <= 1e-14 * original[body[row]]) b[row] = 0;
     }
   }
 
-  // Of all pressures that differ by a constant, a closed body takes those whose lowest is zero.
-  void settle_closed_bodies() {
+  // The constant of a closed body is chosen such that its minimum pressure is zero.
+  void set_reference_pressures() {
     const auto& body = system_.closed_body;
     if (system_.closed_bodies == 0) return;
-    std::vector<double> lowest(system_.closed_bodies + 1, std::numeric_limits<double>::infinity());
+    std::vector<double> minimum(system_.closed_bodies + 1, std::numeric_limits<double>::infinity());
     for (Index row = 0; row < body.size(); ++row) {
-      lowest[body[row]] = std::min(lowest[body[row]], solution_[row]);
+      minimum[body[row]] = std::min(minimum[body[row]], solution_[row]);
     }
     for (Index row = 0; row < body.size(); ++row) {
-      if (body[row] > 0) solution_[row] -= lowest[body[row]];
+      if (body[row] > 0) solution_[row] -= minimum[body[row]];
     }
   }
 
   LinearSystem system_;
   std::vector<std::uint32_t> unknowns_;     // particle of each row
-  std::vector<std::uint32_t> row_of_;       // row of each particle, ghosts as their owners
-  std::vector<std::uint32_t> last_column_;  // with an entry in each row, or the row itself
-  std::vector<std::uint8_t> is_open_;       // rows that a surface reaches
-  std::vector<std::uint32_t> front_;
+  std::vector<std::uint32_t> row_of_;       // row of each particle; ghosts have that of their owner
+  std::vector<std::uint32_t> last_column_;  // last column with an entry, or the row itself
+  std::vector<std::uint8_t> is_open_;       // rows connected with a free surface
+  std::vector<std::uint32_t> front_;        // of flood()
   std::vector<double> solution_;
 };
 

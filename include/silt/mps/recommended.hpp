@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The best set of choices found: docs/theory_mps.md says what each is worth, and against what.
+// The recommended scheme; docs/theory_mps.md compares it with other policies.
 #pragma once
 
 #include <silt/mps/cases.hpp>
@@ -20,9 +20,9 @@ using Recommended =
     Scheme<BalancedSource, KeepApart, WendlandKernel, BothSurfaces<OutermostRow, CountSurface>,
            CorrectedGradient, SmoothWalls, ParticleShifting>;
 
-/// Settings for fluid that fills all there is: there is no splash whose particles must be kept
-/// apart, which costs energy, and strain that goes on and on needs more shifting. Of schemes that
-/// neither keep apart nor shift, the settings stay as they are.
+/// Settings for flows without a free surface: without splashes a smaller minimum distance suffices,
+/// which dissipates less energy, and persistent strain needs more shifting. Schemes with neither
+/// KeepApart nor ParticleShifting are returned unchanged.
 template <int Dim, class Scheme>
 FlowSettings<Dim, Scheme> without_free_surface(FlowSettings<Dim, Scheme> settings) {
   if constexpr (std::is_same_v<typename Scheme::Collision, KeepApart>) {

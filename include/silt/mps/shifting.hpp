@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Particles moved a little beside the flow, so that they stay evenly spread.
+// Particle shifting: small displacements in addition to the flow keep the particles evenly spread.
 #pragma once
 
 #include <silt/core/error.hpp>
@@ -10,20 +10,21 @@
 
 namespace silt::mps {
 
-/// What a shift is made from, at one fluid particle.
+/// Input of a shifting, for one fluid particle i.
 template <int Dim, class RealType = double>
 struct ShiftInput {
   using Real = RealType;
   using Vec = silt::Vec<Dim, Real>;
 
-  Vec towards = Vec::Zero();  ///< l0/n0 Σ w r_ij/r²: to where its neighbours are crowded [-]
-  bool at_edge = false;       ///< next to the free surface or a wall, see SourceTerms::at_edge
-  Real speed = 0;             ///< largest |u_j − u_i| around [m/s]
-  Real spacing = 0;           ///< l0 [m]
-  Real time_step = 0;         ///< Δt [s]
+  /// l0/n0 Σ w r_ij/r² [-], in the direction of increasing particle concentration.
+  Vec concentration_gradient = Vec::Zero();
+  bool near_boundary = false;   ///< of the fluid, see SourceTerms::near_boundary
+  Real max_relative_speed = 0;  ///< max |u_j − u_i| over the neighbours [m/s]
+  Real spacing = 0;             ///< l0 [m]
+  Real time_step = 0;           ///< Δt [s]
 };
 
-/// Particles go with the flow only.
+/// Particles move with the flow only.
 struct NoShifting {
   static constexpr bool shifts = false;
 
@@ -34,10 +35,10 @@ struct NoShifting {
   }
 };
 
-/// δr = −A max|u_ij| Δt l0/n0 Σ w r_ij/r², at most a tenth of a spacing; after Lind et al. (2012), but
-/// by relative speeds, since it is strain that draws particles into lines: fluid at rest or in
-/// uniform motion is left alone. At the edges of the fluid, where one side is empty anyway,
-/// particles stay: nothing is pushed out. Velocities stay as they are, and so does momentum.
+/// δr = −A max|u_ij| Δt l0/n0 Σ w r_ij/r², at most a tenth of a spacing; after Lind et al. (2012),
+/// but with relative speeds, because strain is what aligns particles: fluid at rest or in uniform
+/// motion is not shifted. Particles near a boundary of the fluid, where one side is empty, are not
+/// shifted either, so that none is pushed out. Velocities and momentum are unchanged.
 struct ParticleShifting {
   static constexpr bool shifts = true;
 
@@ -46,16 +47,18 @@ struct ParticleShifting {
   void check() const { require_not_negative("ParticleShifting: strength", strength); }
 
   template <int Dim, class Real>
-  Vec<Dim, Real> displacement(const ShiftInput<Dim, Real>& shift_input) const {
+  Vec<Dim, Real> displacement(const ShiftInput<Dim, Real>& input) const {
     using Vec = silt::Vec<Dim, Real>;
-    if (shift_input.at_edge) return Vec::Zero();
-    const Vec shift = (-Real(strength) * shift_input.speed * shift_input.time_step) * shift_input.towards;
+    if (input.near_boundary) return Vec::Zero();
+    const Vec shift = (-Real(strength) * input.max_relative_speed * input.time_step) *
+                      input.concentration_gradient;
     const Real size = shift.norm();
-    const Real most = shift_input.spacing / 10;
-    return size > most ? Vec((most / size) * shift) : shift;
+    const Real max_size = input.spacing / 10;
+    return size > max_size ? Vec((max_size / size) * shift) : shift;
   }
 };
 
+/// displacement(input) returns the shift of one fluid particle [m].
 template <class S>
 concept Shifting = requires(const S shifting, ShiftInput<2> in_2d, ShiftInput<3> in_3d) {
   { S::shifts } -> std::convertible_to<bool>;

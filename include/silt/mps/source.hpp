@@ -10,26 +10,26 @@
 
 namespace silt::mps {
 
-/// What a source is made from, at one particle.
+/// Input of a source, for one particle.
 struct SourceTerms {
   double density = 0;      ///< ρ [kg/m³]
   double time_step = 0;    ///< Δt [s]
   double compression = 0;  ///< (n − n0)/n0 [-]
   double divergence = 0;   ///< ∇·u* [1/s]
-  /// What the Laplacian sums up of a pressure without curvature where neighbours lie on one side
-  /// only [Pa/m²]; see BalancedSource.
+  /// Error of the Laplacian of a linear pressure where neighbours are missing on one side [Pa/m²];
+  /// see BalancedSource.
   double asymmetry = 0;
-  double density_rate = 0;       ///< (1/n0) Dn/Dt by u* [1/s]
-  double last_density_rate = 0;  ///< (1/n0) Dn/Dt by u before the predictor [1/s]
-  /// Itself or a neighbour lies on the free surface, or a neighbour has no pressure: n is not that of
-  /// the fluid alone.
-  bool at_edge = false;
+  double density_rate = 0;       ///< (1/n0) Dn/Dt from u* [1/s]
+  double last_density_rate = 0;  ///< the same from u before the predictor [1/s]
+  /// The particle or a neighbour lies on the free surface, or a neighbour has no pressure; n is
+  /// then not comparable with n0.
+  bool near_boundary = false;
 };
 
-/// Has value(terms) [Pa/m²] and says whether its n is that of moved particles, and which of the
-/// dearer terms it needs. It may also say that
-///   balances_forces      it uses asymmetry; solids then have Δt F for u* in its divergence
-///   needs_density_rate   it uses density_rate and last_density_rate
+/// value(terms) returns ∇²P [Pa/m²]; needs_moved_particles selects n*, of the particles moved with
+/// u*; needs_divergence requests the divergence. Optional, true if
+///   balances_forces      asymmetry is used; in the divergence, walls and dummies have u* = Δt F
+///   needs_density_rate   density_rate and last_density_rate are used
 template <class S>
 concept PressureSource = requires(const S source, SourceTerms terms) {
   { source.value(terms) } -> std::convertible_to<double>;
@@ -49,7 +49,7 @@ constexpr bool needs_density_rate() {
   return false;
 }
 
-/// −(ρ/Δt²) (n* − n0)/n0, n* after the predictor moved the particles (9): the original.
+/// −(ρ/Δt²) (n* − n0)/n0, n* of the particles moved with u* (9): the original MPS.
 struct DensitySource {
   static constexpr bool needs_moved_particles = true;
   static constexpr bool needs_divergence = false;
@@ -65,7 +65,7 @@ struct DivergenceSource {
   static constexpr bool needs_moved_particles = false;
   static constexpr bool needs_divergence = true;
 
-  double gamma = 0.01;  ///< γ [-] in [0, 1]: how much of the density error is corrected in a step
+  double gamma = 0.01;  ///< γ [-] in [0, 1]: fraction of the density error corrected per step
 
   void check() const { require_between("DivergenceSource: gamma", gamma, {0, 1}); }
   double value(const SourceTerms& s) const {
@@ -74,26 +74,26 @@ struct DivergenceSource {
   }
 };
 
-/// (16) in balance with body forces. Where neighbours are missing, the Laplacian (6) of a pressure
-/// that only rises linearly is not zero, and without a remedy fluid moves until something makes up
-/// for it. Beyond walls the pressure rises by ρ F, beyond the free surface as it did before (k):
+/// (16) in balance with body forces. Where neighbours are missing, the Laplacian (6) of a linear
+/// pressure is not zero, and fluid at rest starts to move. The source therefore includes this
+/// error, with the pressure gradient ρ F beyond walls and that of the previous step (k) elsewhere:
 ///
 ///   (ρ/Δt) ∇·u* + 2d/(λ n0) [ Σ_all w r_ij·<∇P^k>_i − Σ_without-pressure w r_ij·ρF ]
 ///     + γ (ρ/Δt²) (n0 − n)/n0
 ///
-/// with solids whose u* is Δt F, as the fluid's. Fluid at rest then stays at rest, and fluid in free
-/// fall has no pressure, wherever its particles are. At edges, where n is low anyway, only
-/// compression counts.
+/// where walls and dummies have u* = Δt F, as fluid at rest has. Fluid at rest then stays at rest,
+/// and fluid in free fall has no pressure, for any arrangement of particles. Near boundaries, where
+/// n is low, only compression enters the last term.
 struct BalancedSource {
   static constexpr bool needs_moved_particles = false;
   static constexpr bool needs_divergence = true;
   static constexpr bool balances_forces = true;
 
-  double gamma = 0.01;  ///< γ [-] in [0, 1]: how much of the density error is corrected in a step
+  double gamma = 0.01;  ///< γ [-] in [0, 1]: fraction of the density error corrected per step
 
   void check() const { require_between("BalancedSource: gamma", gamma, {0, 1}); }
   double value(const SourceTerms& s) const {
-    const double excess = s.at_edge ? std::max(0.0, s.compression) : s.compression;
+    const double excess = s.near_boundary ? std::max(0.0, s.compression) : s.compression;
     return s.density / s.time_step * s.divergence + s.asymmetry -
            gamma * s.density / (s.time_step * s.time_step) * excess;
   }

@@ -2,7 +2,7 @@
 // A tank with a column of fluid at its left wall, made of particles on one lattice.
 //
 //        |        tank         |        fluid at (i + ½) l0 from the corner (0, 0[, 0])
-//   d d w|~~~~~~               |w d d   w: walls that carry pressure, half a spacing outside
+//   d d w|~~~~~~               |w d d   w: wall particles, half a spacing outside
 //   d d w|~~~~~~~~             |w d d   d: dummies behind them
 //   d d w+---------------------+w d d
 //   d d w w w w w w w w w w w w w d d
@@ -28,19 +28,19 @@ struct Tank {
   Vec<2> column = Vec<2>::Zero();  ///< width and height of the fluid [m]; in 3D it fills the depth
   TankSize size = {};
   double spacing = 0;    ///< l0 [m]
-  int dummy_layers = 4;  ///< at least the largest radius in spacings, rounded up
-  bool lid = false;      ///< a wall on top, too: full, the tank has no free surface
-  OnEscape on_escape = OnEscape::refuse;  ///< particles that jump out of the tank's surroundings
+  int dummy_layers = 4;  ///< at least the largest re/l0, rounded up
+  bool lid = false;      ///< a wall on top; a full tank then has no free surface
+  OnEscape on_escape = OnEscape::refuse;  ///< treatment of particles that leave the box
 };
 
-/// Fluid at rest in a tank; lengths are rounded to whole spacings. The box around an open one
-/// reaches three tank heights up. Throws if a length is below a spacing or the column does not fit.
+/// Fluid at rest in a tank; lengths are rounded to whole spacings. The box of an open tank is three
+/// tank heights high. Throws if a length is below a spacing or the column does not fit.
 template <int Dim, class Real = double, Field... Further>
 Fluid<Dim, Real, Further...> make_tank(const Tank<Dim>& tank) {
   constexpr int up = Dim - 1;
   require_positive("Tank: spacing", tank.spacing);
   require_between("Tank: dummy_layers", tank.dummy_layers, {0, 100});
-  const auto cells = [&](const char* name, double length) {
+  const auto cell_count = [&](const char* name, double length) {
     require_finite(name, length);
     const double number = std::round(length / tank.spacing);
     if (!(number >= 1) || !(number < 1e6)) {
@@ -52,11 +52,11 @@ Fluid<Dim, Real, Further...> make_tank(const Tank<Dim>& tank) {
   using Cell = Eigen::Matrix<int, Dim, 1>;
   Cell inside;
   Cell fluid;
-  inside[0] = cells("Tank: length", tank.size.length);
-  inside[up] = cells("Tank: height", tank.size.height);
-  fluid[0] = cells("Tank: column width", tank.column[0]);
-  fluid[up] = cells("Tank: column height", tank.column[1]);
-  if constexpr (Dim == 3) fluid[1] = inside[1] = cells("Tank: depth", tank.size.depth);
+  inside[0] = cell_count("Tank: length", tank.size.length);
+  inside[up] = cell_count("Tank: height", tank.size.height);
+  fluid[0] = cell_count("Tank: column width", tank.column[0]);
+  fluid[up] = cell_count("Tank: column height", tank.column[1]);
+  if constexpr (Dim == 3) fluid[1] = inside[1] = cell_count("Tank: depth", tank.size.depth);
   for (int k = 0; k < Dim; ++k) {
     if (fluid[k] > inside[k]) {
       fail("Tank: the column of " + std::to_string(fluid[k]) + " spacings along axis " +
@@ -69,10 +69,10 @@ Fluid<Dim, Real, Further...> make_tank(const Tank<Dim>& tank) {
   for (int k = 0; k < Dim; ++k) all_cells *= inside[k] + 2.0 * (1 + tank.dummy_layers);
   if (all_cells > 1e9) {
     fail("Tank: " + to_text(all_cells) + " cells of the spacing " + to_text(tank.spacing) +
-         " m are more than 1e9; enlarge the spacing");
+         " m are more than 1e9; increase the spacing");
   }
 
-  // Layers outside the tank: 1 is the wall, further ones are dummies.
+  // 0 inside the tank, 1 in the wall, above 1 in the dummies behind it.
   const int layers = 1 + tank.dummy_layers;
   const auto layer = [&](const Cell& cell) {
     int outside = 0;
@@ -92,8 +92,8 @@ Fluid<Dim, Real, Further...> make_tank(const Tank<Dim>& tank) {
   box.on_escape = tank.on_escape;
   silt::mps::Fluid<Dim, Real, Further...> particles(box);
 
-  const auto add_if = [&](const Cell& cell, bool is_wanted, Kind of_kind) {
-    if (!is_wanted) return;
+  const auto add_if = [&](const Cell& cell, bool condition, Kind of_kind) {
+    if (!condition) return;
     add_particle(particles, (cell.template cast<Real>().array() + Real(0.5)) * Real(tank.spacing),
                  of_kind);
   };

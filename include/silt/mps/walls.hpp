@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What fluid feels of walls made of particles.
+// Models of the interaction of fluid with walls made of particles.
 #pragma once
 
 #include <silt/core/parallel.hpp>
@@ -16,53 +16,57 @@
 
 namespace silt::mps {
 
-/// Every particle of a wall as it stands, at rest: what the paper's schemes see. Fluid that slides
-/// along it feels every one, and is slowed. Wall particles on the free surface have P = 0.
+/// Walls of individual fixed particles, as in the schemes of the paper. They are rough: fluid that
+/// slides along them is slowed down by each particle. Wall particles on the free surface have
+/// P = 0.
 struct GrainyWalls {
   static constexpr bool smooth = false;
 };
 
-/// Walls along which fluid slips, but for viscosity: of its velocity against a wall particle only the
-/// part along the wall's normal counts, in divergence (where dummies count, too) and collisions.
-/// Wall particles that no fluid touches, or that lie on the free surface, take no part in the
-/// pressure. A wall has a normal if dummies lie behind it, on one side.
+/// Walls along which fluid slips, except for viscosity: only the component along the wall's normal
+/// of the velocity relative to a wall or dummy particle enters the divergence, and, for wall
+/// particles, collisions. Wall particles without fluid neighbours, or on the free surface, are
+/// excluded from the pressure solve. A wall particle has a normal if there are dummies behind it,
+/// on one side.
 struct SmoothWalls {
   static constexpr bool smooth = true;
 };
 
+/// `smooth` selects GrainyWalls or SmoothWalls.
 template <class W>
 concept WallModel = requires {
   { W::smooth } -> std::convertible_to<bool>;
 };
 
-/// Unit normals of walls, out of their particles' places.
+/// Unit normals of walls, computed from the positions of their particles.
 template <int Dim, class RealType>
 class WallNormals {
  public:
   using Real = RealType;
   using Vec = silt::Vec<Dim, Real>;
 
-  /// A wall particle's normal points away from what is solid around it; a dummy's is the mean of
-  /// the wall particles' around it. Zero where there is no side to point to. They depend on the
-  /// particles alone, not on when they were found: sums run in the order of the ids, and are made
-  /// anew when particles came, went, were sorted or changed their kind, and when solid ones moved.
+  /// The normal of a wall particle points away from the wall and dummy particles around it; that of
+  /// a dummy is the mean of those of the neighbouring wall particles. Zero where no direction is
+  /// defined. Sums run in the order of the ids, so that the result does not depend on the time of
+  /// the last update; updated if particles were added, removed or sorted or changed their kind, or
+  /// if walls or dummies moved.
   template <FluidParticles P, class T>
   void find(const P& particles, const Neighbourhood<Dim, Real>& around, const T& stencil) {
-    if (are_of(particles)) return;
+    if (are_current(particles)) return;
     const auto kinds = particles.with_ghosts(kind);
     normals_.assign(particles.size(), Vec::Zero());
     for_each(particles.size(), [&](Index i) {
       if (kinds[i] != Kind::wall) return;
-      static thread_local std::vector<std::pair<Id, Vec>> solids;  // its memory stays
+      static thread_local std::vector<std::pair<Id, Vec>> solids;  // keeps its capacity
       solids.clear();
       for_each_weighted(around, i, stencil, [&](Index j, const Vec& r_ij, Real w, Real) {
         if (kinds[j] != Kind::fluid) solids.emplace_back(particles.id(j), (w / r_ij.norm()) * r_ij);
       });
       std::ranges::sort(solids, {}, &std::pair<Id, Vec>::first);
       Vec away = Vec::Zero();
-      for (const auto& [id, towards] : solids) away -= towards;
+      for (const auto& [id, contribution] : solids) away -= contribution;
       const Real size = away.norm();
-      if (size > Real(least) * stencil.n0) normals_[i] = away / size;
+      if (size > Real(min_size) * stencil.n0) normals_[i] = away / size;
     });
     std::vector<Vec> of_dummies(particles.size(), Vec::Zero());
     for (Index i = 0; i < particles.size(); ++i) {
@@ -76,16 +80,16 @@ class WallNormals {
         normals_[i] = of_dummies[i].normalized();
       }
     });
-    note(particles);
+    store_state(particles);
   }
 
   const Vec& operator[](Index i) const noexcept { return normals_[i]; }
 
  private:
-  static constexpr double least = 1e-3;  // of n0: what is less is rounding
+  static constexpr double min_size = 1e-3;  // in n0; anything below is round-off
 
   template <class P>
-  bool are_of(const P& particles) const {
+  bool are_current(const P& particles) const {
     const auto x = particles[position];
     const auto kinds = particles[kind];
     return particles.owned_revision() == revision_ && x.size() == positions_.size() &&
@@ -94,7 +98,7 @@ class WallNormals {
            }) == no_index;
   }
   template <class P>
-  void note(const P& particles) {
+  void store_state(const P& particles) {
     const auto x = particles[position];
     const auto kinds = particles[kind];
     positions_.assign(x.begin(), x.end());
@@ -103,14 +107,14 @@ class WallNormals {
   }
 
   std::vector<Vec> normals_;  // of owned particles, zero for fluid
-  std::vector<Vec> positions_;  // from which they were found; those of fluid do not matter
-  std::vector<Kind> kinds_;     // then
+  std::vector<Vec> positions_;  // at the last update; those of fluid are not used
+  std::vector<Kind> kinds_;     // at the last update
   std::uint64_t revision_ = 0;
 };
 
-/// <∇·u>_i where fluid slips along walls: a solid particle has its own velocity along its normal, and
-/// that of i along the wall. If i is of a wall itself, along it it has the mean velocity of the
-/// fluid around.
+/// <∇·u>_i with slip along walls: a wall or dummy particle j enters with its own velocity component
+/// along its normal, and with that of i tangentially. If i is a wall particle, its tangential
+/// velocity is the mean of the fluid around it.
 template <class P, int Dim, class Real, class T, class U>
 Real divergence_at_smooth_walls(const P& particles, const Neighbourhood<Dim, Real>& around,
                                 const WallNormals<Dim, Real>& normals, const T& stencil, Index i,

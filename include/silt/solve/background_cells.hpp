@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The occupied cells of a square (cubic) grid of any extent, numbered, and found again by their
-// place.
+// The occupied cells of a square (cubic) grid of any extent, numbered consecutively, and lookup of
+// the number of a cell.
 #pragma once
 
 #include <silt/core/parallel.hpp>
@@ -16,28 +16,28 @@
 
 namespace silt {
 
-/// f(c) for c of [0, n): in parallel where there is enough of it for the little that a cell takes.
+/// f(c) for c in [0, n), in parallel if there are enough cells for it to pay off.
 template <class F>
 void for_each_cell(Index n, F&& f) {
-  constexpr Index few = 4096;
-  constexpr Index run = 256;
-  if (n < few) {
+  constexpr Index min_parallel = 4096;
+  constexpr Index task_size = 256;
+  if (n < min_parallel) {
     for (Index c = 0; c < n; ++c) f(c);
   } else {
-    for_each_task((n + run - 1) / run, [&](Index task) {
-      for (Index c = task * run; c < std::min(n, (task + 1) * run); ++c) f(c);
+    for_each_task((n + task_size - 1) / task_size, [&](Index task) {
+      for (Index c = task * task_size; c < std::min(n, (task + 1) * task_size); ++c) f(c);
     });
   }
 }
 
-/// Cell c along each axis covers [c, c + 1) edges.
+/// Integer coordinates of a cell: c covers [c, c + 1) edge lengths along each axis.
 template <int Dim>
 using GridCell = std::array<std::int64_t, Dim>;
 
-/// In which order cells get their numbers; within a colour, x runs fastest.
+/// Numbering order of the cells; within a colour, x varies fastest.
 enum class CellOrder {
-  plain,       ///< all of one colour
-  chessboard,  ///< red ones before black ones; no two of a colour share a face
+  plain,       ///< one colour
+  chessboard,  ///< red cells before black cells; cells of one colour share no face
 };
 
 template <int Dim>
@@ -45,16 +45,17 @@ class BackgroundCells {
  public:
   using Cell = GridCell<Dim>;
 
-  /// What find() gives for a cell that is not there.
+  /// Result of find() for a cell that is not occupied.
   static constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
 
-  /// Numbers the distinct ones of the given cells. Memory of earlier numberings is reused.
+  /// Numbers the distinct cells of `given`. Reuses the memory of earlier calls.
   void number(std::span<const Cell> given, CellOrder order) {
     order_ = order;
-    find_box(given);
+    find_bounding_box(given);
     double box = given.empty() ? 0 : 1;
     for (const std::int64_t along : extent_) box *= double(along);
-    // Where the box is not much larger than its content, a table answers at once.
+    // If the bounding box is not much larger than the number of cells, a table over the box is
+    // used.
     has_table_ = box <= 2 * double(given.size()) + 4096;
     cells_.clear();
     if (has_table_) {
@@ -64,29 +65,29 @@ class BackgroundCells {
       std::sort(cells_.begin(), cells_.end(), comes_before);
       cells_.erase(std::unique(cells_.begin(), cells_.end()), cells_.end());
     }
-    put_reds_first();
+    sort_by_colour();
     for (Index c = 0; has_table_ && c < cells_.size(); ++c) {
-      table_[place(cells_[c])] = static_cast<std::uint32_t>(c);
+      table_[table_index(cells_[c])] = static_cast<std::uint32_t>(c);
     }
   }
 
-  /// Number of the cell.
+  /// Number of a cell.
   std::uint32_t find(const Cell& cell) const {
     if (has_table_) {
       for (std::size_t k = 0; k < Dim; ++k) {
         if (cell[k] < lower_[k] || cell[k] - lower_[k] >= extent_[k]) return none;
       }
-      return table_[place(cell)];
+      return table_[table_index(cell)];
     }
     const auto first_black = cells_.begin() + static_cast<std::ptrdiff_t>(reds_);
     const auto begin = is_red(cell) ? cells_.begin() : first_black;
     const auto end = is_red(cell) ? first_black : cells_.end();
-    const auto at = std::lower_bound(begin, end, cell, comes_before);
-    if (at == end || *at != cell) return none;
-    return static_cast<std::uint32_t>(at - cells_.begin());
+    const auto found = std::lower_bound(begin, end, cell, comes_before);
+    if (found == end || *found != cell) return none;
+    return static_cast<std::uint32_t>(found - cells_.begin());
   }
 
-  /// The cells by number.
+  /// The cells in the order of their numbers.
   std::span<const Cell> cells() const noexcept { return cells_; }
   Index size() const noexcept { return cells_.size(); }
   /// Cells 0 … reds()-1 are red.
@@ -102,7 +103,7 @@ class BackgroundCells {
     return std::lexicographical_compare(a.rbegin(), a.rend(), b.rbegin(), b.rend());
   }
 
-  void find_box(std::span<const Cell> given) {
+  void find_bounding_box(std::span<const Cell> given) {
     lower_.fill(std::numeric_limits<std::int64_t>::max());
     Cell upper;
     upper.fill(std::numeric_limits<std::int64_t>::min());
@@ -116,20 +117,20 @@ class BackgroundCells {
     for (std::size_t k = 0; k < Dim && !given.empty(); ++k) extent_[k] = upper[k] - lower_[k] + 1;
   }
 
-  void collect_by_table(std::span<const Cell> given, Index places) {
-    table_.assign(places, none);
-    for (const Cell& cell : given) table_[place(cell)] = 0;
+  void collect_by_table(std::span<const Cell> given, Index size) {
+    table_.assign(size, none);
+    for (const Cell& cell : given) table_[table_index(cell)] = 0;
     Cell cell = lower_;
-    for (Index at = 0; at < places; ++at) {
-      if (table_[at] != none) cells_.push_back(cell);
-      for (std::size_t k = 0; k < Dim; ++k) {  // the next, as in counting
+    for (Index index = 0; index < size; ++index) {
+      if (table_[index] != none) cells_.push_back(cell);
+      for (std::size_t k = 0; k < Dim; ++k) {  // the next cell, x fastest
         if (++cell[k] - lower_[k] < extent_[k] || k + 1 == Dim) break;
         cell[k] = lower_[k];
       }
     }
   }
 
-  void put_reds_first() {
+  void sort_by_colour() {
     by_colour_.clear();
     for (const bool red : {true, false}) {
       for (const Cell& cell : cells_) {
@@ -140,16 +141,16 @@ class BackgroundCells {
     cells_.swap(by_colour_);
   }
 
-  Index place(const Cell& cell) const {
-    std::int64_t at = 0;
-    for (std::size_t k = Dim; k-- > 0;) at = at * extent_[k] + (cell[k] - lower_[k]);
-    return static_cast<Index>(at);
+  Index table_index(const Cell& cell) const {
+    std::int64_t index = 0;
+    for (std::size_t k = Dim; k-- > 0;) index = index * extent_[k] + (cell[k] - lower_[k]);
+    return static_cast<Index>(index);
   }
 
   CellOrder order_ = CellOrder::plain;
   std::vector<Cell> cells_;
   std::vector<Cell> by_colour_;
-  std::vector<std::uint32_t> table_;  // number by place in the box
+  std::vector<std::uint32_t> table_;  // numbers of the cells of the bounding box
   Cell lower_{};
   std::array<std::int64_t, Dim> extent_{};
   Index reds_ = 0;

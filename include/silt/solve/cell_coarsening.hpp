@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: MIT
-// From one level of the multigrid on background cells to the next, with edges twice as long.
+// Coarsening of the multigrid on background cells: from one level to the next, with twice the edge.
 //
-//     +---+---+---+---+        A wall runs through the middle. The four cells of a place on the next
-//     | a | a # b | b |        level that are connected become one cell there; those that a wall
-//     +---+---+---+---+        keeps apart become two at one place, so that no level mixes what lies
-//     | a | a # b | b |        on its two sides.
+//     +---+---+---+---+        The # are a wall. Fine cells with one coarse position become one
+//     | a | a # b | b |        coarse cell if they are connected. If a wall separates them, they
+//     +---+---+---+---+        become several coarse cells at one position: no level connects the
+//     | a | a # b | b |        two sides of a wall.
 //     +---+---+---+---+
 //
-// Masses are summed; a link has half the sum of the conductances it is made of. Values come back by
-// linear interpolation between the centres that can be reached over links: 9/16, 3/16, 3/16, 1/16.
+// Masses are summed; the conductance of a coarse link is half the sum of those of its fine links.
+// Prolongation is linear interpolation between the coarse centres that can be reached over links,
+// with weights 9/16, 3/16, 3/16, 1/16 (in 2D).
 #pragma once
 
 #include <silt/core/types.hpp>
@@ -29,20 +30,20 @@ class CellCoarsening {
  public:
   using Level = CellLevel<Dim>;
 
-  /// Makes `coarse` the next level above `fine`, but for its diagonal; false where it would hardly
-  /// be smaller.
-  bool lay(const Level& fine, Level& coarse) {
+  /// Builds the next coarser level of `fine`, except its diagonal; false if it would not have at
+  /// most three quarters of the cells.
+  bool build(const Level& fine, Level& coarse) {
     const Index n = fine.size();
-    places_.resize(n);
+    positions_.resize(n);
     for_each_cell(n, [&](Index c) {
-      for (std::size_t k = 0; k < Dim; ++k) places_[c][k] = fine.cells[c][k] >> 1;
+      for (std::size_t k = 0; k < Dim; ++k) positions_[c][k] = fine.cells[c][k] >> 1;
     });
-    numbering_.number(places_, CellOrder::chessboard);
+    numbering_.number(positions_, CellOrder::chessboard);
     join_connected(fine);
     number_cells(coarse);
     if (coarse.size() * 4 > n * 3) return false;
     sum_children(fine, coarse);
-    find_shares(fine, coarse);
+    find_weights(fine, coarse);
     return true;
   }
 
@@ -50,8 +51,8 @@ class CellCoarsening {
   void restrict_to(std::span<float> b, std::span<const float> r) const {
     for_each_cell(b.size(), [&](Index parent) {
       float sum = 0;
-      for (Index k = first_below_[parent]; k < first_below_[parent + 1]; ++k) {
-        sum += below_[k].share * r[below_[k].cell];
+      for (Index k = first_in_column_[parent]; k < first_in_column_[parent + 1]; ++k) {
+        sum += columns_[k].value * r[columns_[k].cell];
       }
       b[parent] = sum;
     });
@@ -60,21 +61,21 @@ class CellCoarsening {
   /// x += P coarse
   void add_interpolated(std::span<const float> coarse, std::span<float> x) const {
     for_each_cell(x.size(), [&](Index c) {
-      for (const Share& above : above_[c]) x[c] += above.share * coarse[above.cell];
+      for (const Weight& weight : rows_[c]) x[c] += weight.value * coarse[weight.cell];
     });
   }
 
  private:
   using Link = typename Level::Link;
   static constexpr Index corners = Index(1) << Dim;
-  static constexpr std::uint32_t nothing = BackgroundCells<Dim>::none;
+  static constexpr std::uint32_t none = BackgroundCells<Dim>::none;
 
-  struct Share {
+  struct Weight {
     std::uint32_t cell = 0;
-    float share = 0;
+    float value = 0;
   };
 
-  // joined_[c] is the lowest of the cells that c is connected with at its place.
+  // joined_[c] is the lowest number of the cells connected with c at the same coarse position.
   void join_connected(const Level& fine) {
     joined_.resize(fine.size());
     std::iota(joined_.begin(), joined_.end(), 0u);
@@ -82,7 +83,7 @@ class CellCoarsening {
       changed = false;
       for (Index c = 0; c < fine.size(); ++c) {
         for (const Link& link : fine.links[c]) {
-          if (joined_[link.cell] >= joined_[c] || places_[link.cell] != places_[c]) continue;
+          if (joined_[link.cell] >= joined_[c] || positions_[link.cell] != positions_[c]) continue;
           joined_[c] = joined_[link.cell];
           changed = true;
         }
@@ -92,18 +93,19 @@ class CellCoarsening {
 
   void number_cells(Level& coarse) {
     const Index n = joined_.size();
-    first_at_.assign(numbering_.size() + 1, 0);
+    first_at_position_.assign(numbering_.size() + 1, 0);
     for (Index c = 0; c < n; ++c) {
-      if (joined_[c] == c) ++first_at_[numbering_.find(places_[c]) + 1];
+      if (joined_[c] == c) ++first_at_position_[numbering_.find(positions_[c]) + 1];
     }
-    std::partial_sum(first_at_.begin(), first_at_.end(), first_at_.begin());
-    coarse.reset(first_at_.back());
-    coarse.reds = first_at_[numbering_.reds()];
+    std::partial_sum(first_at_position_.begin(), first_at_position_.end(),
+                     first_at_position_.begin());
+    coarse.reset(first_at_position_.back());
+    coarse.reds = first_at_position_[numbering_.reds()];
     parent_.resize(n);
     for (Index c = 0; c < n; ++c) {
       if (joined_[c] == c) {
-        parent_[c] = first_at_[numbering_.find(places_[c])]++;
-        coarse.cells[parent_[c]] = places_[c];
+        parent_[c] = first_at_position_[numbering_.find(positions_[c])]++;
+        coarse.cells[parent_[c]] = positions_[c];
       } else {
         parent_[c] = parent_[joined_[c]];
       }
@@ -131,11 +133,11 @@ class CellCoarsening {
         for (const Link& link : fine.links[c]) {
           const std::uint32_t other = parent_[link.cell];
           if (other == parent) continue;
-          const auto known = std::ranges::find(links, other, &Link::cell);
-          if (known == links.end()) {
+          const auto found = std::ranges::find(links, other, &Link::cell);
+          if (found == links.end()) {
             links.push_back({other, link.conductance / 2});
           } else {
-            known->conductance += link.conductance / 2;
+            found->conductance += link.conductance / 2;
           }
         }
       }
@@ -143,78 +145,83 @@ class CellCoarsening {
     });
   }
 
-  void find_shares(const Level& fine, const Level& coarse) {
-    above_.resize(fine.size());
+  void find_weights(const Level& fine, const Level& coarse) {
+    rows_.resize(fine.size());
     for_each_cell(fine.size(), [&](Index c) {
       float sum = 0;
       for (Index corner = 0; corner < corners; ++corner) {
-        Share& above = above_[c][corner];
-        above = {parent_[c], 1};
-        for (std::size_t k = 0; k < Dim; ++k) above.share *= (corner >> k) & 1 ? 0.25f : 0.75f;
-        if (!walk(coarse, fine.cells[c], corner, above.cell)) above = {};
-        sum += above.share;
+        Weight& weight = rows_[c][corner];
+        weight = {parent_[c], 1};
+        for (std::size_t k = 0; k < Dim; ++k) weight.value *= (corner >> k) & 1 ? 0.25f : 0.75f;
+        if (!follow_links(coarse, fine.cells[c], corner, weight.cell)) weight = {};
+        sum += weight.value;
       }
-      for (Share& above : above_[c]) above.share /= sum;
+      for (Weight& weight : rows_[c]) weight.value /= sum;
     });
-    first_below_.assign(coarse.size() + 2, 0);
-    for_each_share([&](Index, const Share& above) { ++first_below_[above.cell + 2]; });
-    std::partial_sum(first_below_.begin(), first_below_.end(), first_below_.begin());
-    below_.resize(first_below_.back());
-    for_each_share([&](Index c, const Share& above) {
-      below_[first_below_[above.cell + 1]++] = {static_cast<std::uint32_t>(c), above.share};
+    first_in_column_.assign(coarse.size() + 2, 0);
+    for_each_weight([&](Index, const Weight& weight) { ++first_in_column_[weight.cell + 2]; });
+    std::partial_sum(first_in_column_.begin(), first_in_column_.end(), first_in_column_.begin());
+    columns_.resize(first_in_column_.back());
+    for_each_weight([&](Index c, const Weight& weight) {
+      columns_[first_in_column_[weight.cell + 1]++] = {static_cast<std::uint32_t>(c), weight.value};
     });
   }
 
   template <class F>
-  void for_each_share(F&& f) const {
-    for (Index c = 0; c < above_.size(); ++c) {
-      for (const Share& above : above_[c]) {
-        if (above.share > 0) f(c, above);
+  void for_each_weight(F&& f) const {
+    for (Index c = 0; c < rows_.size(); ++c) {
+      for (const Weight& weight : rows_[c]) {
+        if (weight.value > 0) f(c, weight);
       }
     }
   }
 
-  // From the parent of a fine cell to the corner that lies towards its side, over one link after
-  // the other, in one order of the axes or the other; false if no way leads there.
-  static bool walk(const Level& coarse, const GridCell<Dim>& fine, Index corner, std::uint32_t& cell) {
+  // Replaces the parent of a fine cell by the coarse cell at the given corner of the interpolation,
+  // following links along one axis after the other, in both orders of the axes; false if there is
+  // no path.
+  static bool follow_links(const Level& coarse, const GridCell<Dim>& fine, Index corner,
+                           std::uint32_t& cell) {
     for (const bool backwards : {false, true}) {
-      std::uint32_t at = cell;
-      for (std::size_t step = 0; step < Dim && at != nothing; ++step) {
+      std::uint32_t reached = cell;
+      for (std::size_t step = 0; step < Dim && reached != none; ++step) {
         const std::size_t k = backwards ? Dim - 1 - step : step;
-        if ((corner >> k) & 1) at = beside(coarse, at, k, (fine[k] & 1) != 0 ? 1 : -1);
+        if ((corner >> k) & 1) {
+          reached = neighbour(coarse, reached, k, (fine[k] & 1) != 0 ? 1 : -1);
+        }
       }
-      if (at != nothing) {
-        cell = at;
+      if (reached != none) {
+        cell = reached;
         return true;
       }
     }
     return false;
   }
 
-  // The cell across a face; where a wall ends and there are two, the one that conducts better.
-  static std::uint32_t beside(const Level& coarse, Index cell, std::size_t axis, std::int64_t way) {
-    std::uint32_t best = nothing;
-    float most = 0;
+  // The cell across a face; of two, at the end of a wall, the one with the larger conductance.
+  static std::uint32_t neighbour(const Level& coarse, Index cell, std::size_t axis,
+                                 std::int64_t direction) {
+    std::uint32_t best = none;
+    float max_conductance = 0;
     for (const Link& link : coarse.links[cell]) {
-      if (coarse.cells[link.cell][axis] != coarse.cells[cell][axis] + way) continue;
-      if (link.conductance > most) {
+      if (coarse.cells[link.cell][axis] != coarse.cells[cell][axis] + direction) continue;
+      if (link.conductance > max_conductance) {
         best = link.cell;
-        most = link.conductance;
+        max_conductance = link.conductance;
       }
     }
     return best;
   }
 
-  std::vector<GridCell<Dim>> places_;       // on the coarse level, by fine cell
-  BackgroundCells<Dim> numbering_;          // of these places
+  std::vector<GridCell<Dim>> positions_;    // coarse position, by fine cell
+  BackgroundCells<Dim> numbering_;          // of the coarse positions
   std::vector<std::uint32_t> joined_;       // by fine cell
-  std::vector<std::uint32_t> first_at_;     // by place
+  std::vector<std::uint32_t> first_at_position_;     // first coarse cell, by position
   std::vector<std::uint32_t> parent_;       // by fine cell
   std::vector<std::uint32_t> first_child_;  // by coarse cell
   std::vector<std::uint32_t> child_;
-  std::vector<std::array<Share, corners>> above_;  // by fine cell
-  std::vector<std::uint32_t> first_below_;         // by coarse cell: Pᵀ
-  std::vector<Share> below_;
+  std::vector<std::array<Weight, corners>> rows_;  // of P, by fine cell
+  std::vector<std::uint32_t> first_in_column_;     // by coarse cell
+  std::vector<Weight> columns_;                    // of P, the rows of Pᵀ
 };
 
 }  // namespace silt

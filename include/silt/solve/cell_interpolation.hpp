@@ -2,12 +2,12 @@
 // Linear interpolation P from the centres of background cells to points, and its transpose.
 //
 //     +---+---+---+     c  centres of cells
-//     | c | c | c |     The points within one square of four (in space, one cube of eight) centres
-//     +--[+---+]--+     form a patch: they see the same centres. Both directions go patch by patch,
-//     | c | c | c |     and so read and write every centre and every point once.
+//     | c | c | c |     Points within one square of four (in 3D, one cube of eight) centres form a
+//     +--[+---+]--+     patch: they are interpolated from the same centres. Both operators work
+//     | c | c | c |     patch by patch, and thus read and write each centre and each point once.
 //     +--[+---+]--+
 //
-// A centre whose cell is missing is left out, and the shares of the others grow in proportion.
+// Centres of unoccupied cells are omitted, and the weights of the others scaled to sum to 1.
 #pragma once
 
 #include <silt/core/parallel.hpp>
@@ -28,22 +28,22 @@ class CellInterpolation {
  public:
   using Cells = BackgroundCells<Dim>;
   using Cell = GridCell<Dim>;
-  using Point = std::array<double, Dim>;  // in edges of a cell
+  using Point = std::array<double, Dim>;  // in edge lengths of a cell
   static constexpr Index corners = Index(1) << Dim;
 
-  /// For n points; point(i) is where, takes_part(i) whether P reaches it: elsewhere it gives zero.
+  /// For n points with positions point(i); P is zero at points where takes_part(i) is false.
   template <class Where, class TakesPart>
   void build(Index n, const Cells& cells, Where&& point, TakesPart&& takes_part) {
     sort_into_patches(n, point, takes_part);
     find_corners(cells);
-    share_.resize(n * corners);
+    weight_.resize(n * corners);
     for_each(patches_.size(), [&](Index patch) {
       for (Index k = first_[patch]; k < first_[patch + 1]; ++k) {
-        share_out(point(member_[k]), patch, &share_[k * corners]);
+        find_weights(point(member_[k]), patch, &weight_[k * corners]);
       }
     });
-    std::fill(share_.begin() + static_cast<std::ptrdiff_t>(first_[patches_.size()] * corners),
-              share_.end(), 0.0f);
+    std::fill(weight_.begin() + static_cast<std::ptrdiff_t>(first_[patches_.size()] * corners),
+              weight_.end(), 0.0f);
   }
 
   /// b = Pᵀ r, with r(i) at the points.
@@ -53,7 +53,7 @@ class CellInterpolation {
       std::array<float, corners> sum{};
       for (Index k = first_[patch]; k < first_[patch + 1]; ++k) {
         const float value = static_cast<float>(r(member_[k]));
-        for (Index c = 0; c < corners; ++c) sum[c] += share_[k * corners + c] * value;
+        for (Index c = 0; c < corners; ++c) sum[c] += weight_[k * corners + c] * value;
       }
       sum_[patch] = sum;
     });
@@ -68,11 +68,11 @@ class CellInterpolation {
   template <class F>
   void interpolate(std::span<const float> x, F&& f) const {
     for_each_cell(patches_.size() + 1, [&](Index patch) {
-      std::array<float, corners> at{};
-      for (Index c = 0; c < corners; ++c) at[c] = x[cells_of_[patch][c]];
+      std::array<float, corners> value{};
+      for (Index c = 0; c < corners; ++c) value[c] = x[cells_of_[patch][c]];
       for (Index k = first_[patch]; k < first_[patch + 1]; ++k) {
         float sum = 0;
-        for (Index c = 0; c < corners; ++c) sum += share_[k * corners + c] * at[c];
+        for (Index c = 0; c < corners; ++c) sum += weight_[k * corners + c] * value[c];
         f(member_[k], sum);
       }
     });
@@ -81,7 +81,7 @@ class CellInterpolation {
  private:
   using Corners = std::array<std::uint32_t, corners>;
 
-  // The cell whose centre is the patch's lowest corner.
+  // The cell whose centre is the lowest corner of the patch.
   static Cell low_corner(const Point& x) {
     Cell low;
     for (std::size_t k = 0; k < Dim; ++k) low[k] = std::int64_t(std::floor(x[k] - 0.5));
@@ -93,7 +93,7 @@ class CellInterpolation {
     return low;
   }
 
-  // Counting sort; points that take no part come last, in a patch without centres.
+  // Counting sort; points that take no part are last, in a patch without centres.
   template <class Where, class TakesPart>
   void sort_into_patches(Index n, Where&& point, TakesPart&& takes_part) {
     low_corners_.clear();
@@ -114,14 +114,14 @@ class CellInterpolation {
     for (Index i = 0; i < n; ++i) member_[first_[patch_of_[i] + 1]++] = std::uint32_t(i);
   }
 
-  // Cells at the corners of each patch, and patches around each cell. What is missing stands as
-  // `nothing`: cell 0 with a share of zero, and a patch behind the last whose sum is zero.
+  // Cells at the corners of each patch, and patches around each cell. A missing cell is replaced by
+  // cell 0 with zero weight, a missing patch by one after the last patch, whose sum is zero.
   void find_corners(const Cells& cells) {
-    const auto nothing = static_cast<std::uint32_t>(patches_.size());
+    const auto no_patch = static_cast<std::uint32_t>(patches_.size());
     cells_of_.assign(patches_.size() + 1, Corners{});
     present_.assign(patches_.size() + 1, {});
     patches_of_.resize(cells.size());
-    for (Corners& around : patches_of_) around.fill(nothing);
+    for (Corners& around : patches_of_) around.fill(no_patch);
     sum_.assign(patches_.size() + 1, {});
     for (Index patch = 0; patch < patches_.size(); ++patch) {
       for (Index c = 0; c < corners; ++c) {
@@ -134,27 +134,27 @@ class CellInterpolation {
     }
   }
 
-  void share_out(const Point& x, Index patch, float* shares) const {
+  void find_weights(const Point& x, Index patch, float* weights) const {
     const Cell low = patches_.cells()[patch];
-    std::array<double, corners> share;
+    std::array<double, corners> weight;
     double sum = 0;
     for (Index c = 0; c < corners; ++c) {
-      share[c] = present_[patch][c] ? 1 : 0;
+      weight[c] = present_[patch][c] ? 1 : 0;
       for (std::size_t k = 0; k < Dim; ++k) {
-        const double beyond = x[k] - 0.5 - double(low[k]);
-        share[c] *= (c >> k) & 1 ? beyond : 1 - beyond;
+        const double fraction = x[k] - 0.5 - double(low[k]);
+        weight[c] *= (c >> k) & 1 ? fraction : 1 - fraction;
       }
-      sum += share[c];
+      sum += weight[c];
     }
-    for (Index c = 0; c < corners; ++c) shares[c] = sum > 0 ? float(share[c] / sum) : 0.0f;
+    for (Index c = 0; c < corners; ++c) weights[c] = sum > 0 ? float(weight[c] / sum) : 0.0f;
   }
 
-  BackgroundCells<Dim> patches_;  // each by its low corner
+  BackgroundCells<Dim> patches_;  // identified by their low corners
   std::vector<Cell> low_corners_;
   std::vector<std::uint32_t> patch_of_;                // by point
-  std::vector<std::uint32_t> first_;                   // place of each patch's first point
-  std::vector<std::uint32_t> member_;                  // point by place
-  std::vector<float> share_;                           // by place and corner
+  std::vector<std::uint32_t> first_;                   // first entry of each patch in member_
+  std::vector<std::uint32_t> member_;                  // points, sorted by patch
+  std::vector<float> weight_;                          // by entry of member_ and corner
   std::vector<Corners> cells_of_;                      // by patch
   std::vector<std::array<bool, corners>> present_;     // by patch
   std::vector<Corners> patches_of_;                    // by cell

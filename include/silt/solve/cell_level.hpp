@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-// One level of the multigrid on background cells: an equation with mostly 5 (7) points,
+// One level of the multigrid on background cells: a stencil of mostly 5 (in 3D 7) points,
 //
 //     Σ_l k_l (x_c − x_l) + m_c x_c = b_c
 //
-// with the conductances k to the cells l beside c, and the mass m, which ties c to
-// the free surface.
+// with the conductances k to the neighbouring cells l, and the mass m, the coupling of c to the
+// free surface.
 #pragma once
 
 #include <silt/core/rows.hpp>
@@ -25,7 +25,7 @@ struct CellLevel {
   };
   enum Colour { red, black };
 
-  std::vector<GridCell<Dim>> cells;  // red ones first; where walls part a place, it has several
+  std::vector<GridCell<Dim>> cells;  // red ones first; several at a position divided by walls
   Index reds = 0;
   Rows<Link> links;  // to cells of the other colour
   std::vector<float> mass;
@@ -35,24 +35,25 @@ struct CellLevel {
 
   Index size() const noexcept { return cells.size(); }
 
-  /// n cells, without places, links and masses.
+  /// n cells, without positions, links and masses.
   void reset(Index n) {
     cells.resize(n);
     for (auto* values : {&mass, &diagonal, &inverse, &x, &b, &r}) values->assign(n, 0);
   }
 
-  /// Cells that touch no surface get a little mass: an all-closed body would be singular.
-  void finish(float least_mass) {
+  /// Computes the diagonal. Every cell gets at least a small mass, because the equation of a closed
+  /// body would be singular.
+  void finish(float min_mass) {
     for_each_cell(size(), [&](Index c) {
       float sum = 0;
       for (const Link& link : links[c]) sum += link.conductance;
-      mass[c] = std::max(mass[c], least_mass * sum);
+      mass[c] = std::max(mass[c], min_mass * sum);
       diagonal[c] = sum + mass[c];
       inverse[c] = diagonal[c] > 0 ? 1 / diagonal[c] : 0;
     });
   }
 
-  /// Gauss–Seidel over one colour: none of its cells is beside another.
+  /// Gauss–Seidel over one colour, whose cells are not neighbours of one another.
   void relax(Colour colour) {
     const Index from = colour == red ? 0 : reds;
     const Index to = colour == red ? reds : size();

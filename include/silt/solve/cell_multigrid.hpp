@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Additive multigrid on background cells as preconditioner for the pressure equation of particles.
+// Additive multigrid on background cells, a preconditioner for the pressure equation of particles.
 //
-// The wide stencil of MPS leaves only smooth errors after one division by the diagonal, and smooth
-// errors are seen as well on cells of two spacings. So
+// Because the stencil of MPS is wide, only smooth errors remain after one division by the diagonal,
+// and smooth errors are resolved on cells of two spacings. Therefore
 //
 //     z = D⁻¹ r + P V(Pᵀ r)
 //
@@ -12,10 +12,10 @@
 //     particles   · ·· · · ·· ·        Σ_j w_ij (p_i − p_j)
 //     level 0     | □ | □ | □ | □ |    5 (7) points; conductances from the second moments of w
 //     level 1     |   □   |   □   |    edges doubled, see cell_coarsening.hpp
-//     …           until few cells are left, which are solved directly
+//     …           until few cells are left, for which a direct solver is used
 //
-// Single precision inside; sweeps are red–black, before the correction in one order and after it in
-// the other, so that V is symmetric. The same bits for any number of threads.
+// V is computed in single precision. Sweeps are red–black before the coarse correction and
+// black–red after it, so that V is symmetric. Bitwise identical for any number of threads.
 #pragma once
 
 #include <silt/core/eigen.hpp>
@@ -39,30 +39,31 @@ template <int Dim>
 class CellMultigrid {
  public:
   struct Settings {
-    double cell = 2;               ///< edge of the finest cells over the particle spacing [-]
-    double weak = 0.2;             ///< rows below this share of a full diagonal stay out [-]
-    int sweeps = 2;                ///< before and after each correction
-    Index solved_directly = 16;    ///< cells of the coarsest level, at most 64
+    double cell_size = 2;           ///< edge of the finest cells, in particle spacings [-]
+    /// Rows with a smaller diagonal, relative to that of a full neighbourhood, stay out of V [-].
+    double min_diagonal = 0.2;
+    int sweeps = 2;                 ///< before and after each correction
+    Index max_coarsest_cells = 16;  ///< coarsening stops at this number of cells, at most 64
   };
 
   CellMultigrid() = default;
   /// Throws if the settings are out of range.
   explicit CellMultigrid(const Settings& settings) : settings_(settings) {
-    require_between("CellMultigrid: cell", settings.cell, {1, 16});
-    require_between("CellMultigrid: weak", settings.weak, {0, 1});
+    require_between("CellMultigrid: cell_size", settings.cell_size, {1, 16});
+    require_between("CellMultigrid: min_diagonal", settings.min_diagonal, {0, 1});
     require_between("CellMultigrid: sweeps", settings.sweeps, {1, 16});
-    require_between("CellMultigrid: solved_directly", double(settings.solved_directly),
-                    {1, double(most_directly)});
+    require_between("CellMultigrid: max_coarsest_cells", double(settings.max_coarsest_cells),
+                    {1, double(max_direct)});
   }
 
-  /// Without the system's geometry, the diagonal alone.
+  /// If the system has no geometry, only the diagonal is used.
   void prepare(const LinearSystem& system) {
     inverse_.resize(system.size());
     for_each(system.size(), [&](Index i) { inverse_[i] = 1 / system.diagonal[i]; });
     used_ = 0;
     if (system.geometry.points.empty()) return;
-    lay_finest_cells(system);
-    while (coarsest().size() > settings_.solved_directly && coarsen()) {
+    build_finest_level(system);
+    while (coarsest().size() > settings_.max_coarsest_cells && coarsen()) {
     }
     invert_coarsest();
   }
@@ -85,21 +86,21 @@ class CellMultigrid {
  private:
   using Level = CellLevel<Dim>;
   using Point = std::array<double, Dim>;
-  // Of few cells, so that it needs no memory of the heap.
-  static constexpr int most_directly = 64;
-  // Of a cell, over its conductances on the finest level.
-  static constexpr float least_mass = 1e-6f;
+  // Maximum number of cells of a direct solve, so that its matrix needs no heap memory.
+  static constexpr int max_direct = 64;
+  // Minimum mass of a cell over the sum of its conductances, on the finest level.
+  static constexpr float min_mass = 1e-6f;
   template <class Real>
   using SmallMatrix = Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor,
-                                    most_directly, most_directly>;
+                                    max_direct, max_direct>;
 
   Level& coarsest() { return levels_[used_ - 1]; }
 
-  void lay_finest_cells(const LinearSystem& system) {
+  void build_finest_level(const LinearSystem& system) {
     const auto& geometry = system.geometry;
-    const double edge = settings_.cell * geometry.spacing;
+    const double edge = settings_.cell_size * geometry.spacing;
     const auto takes_part = [&](Index i) {
-      return system.diagonal[i] >= settings_.weak * geometry.full_diagonal;
+      return system.diagonal[i] >= settings_.min_diagonal * geometry.full_diagonal;
     };
     const auto point = [&](Index i) {
       Point x;
@@ -119,20 +120,20 @@ class CellMultigrid {
     level.cells.assign(finest_cells_.cells().begin(), finest_cells_.cells().end());
     level.reds = finest_cells_.reds();
 
-    // The particles' masses m_i = Σ w_ij to the free surface, and stiffnesses ½ Σ_j w_ij Δx² /
-    // edge², are shared among the cells as the residual is; a link has the mean of its cells'.
-    // Where a stencil is cut, its second moment is taken to be cut as its sum is.
+    // The masses m_i = Σ w_ij to the free surface and the stiffnesses ½ Σ_j w_ij Δx²/edge² of the
+    // particles are distributed to the cells by Pᵀ; a link has the mean stiffness of its cells. The
+    // second moment of an incomplete stencil is scaled with its sum of weights.
     to_particles_.restrict_to(level.mass, [&](Index i) { return geometry.to_surface[i]; });
-    const double scale = geometry.second_moment / (2 * squared(settings_.cell));
+    const double scale = geometry.second_moment / (2 * squared(settings_.cell_size));
     stiffness_.resize(level.size());
     to_particles_.restrict_to(stiffness_, [&](Index i) {
       return scale * (system.diagonal[i] - double(geometry.to_surface[i]));
     });
     level.links.build(level.size(), [&](Index c, auto&& add) {
       for (std::size_t k = 0; k < Dim; ++k) {
-        for (const std::int64_t way : {-1, 1}) {
+        for (const std::int64_t direction : {-1, 1}) {
           GridCell<Dim> next = level.cells[c];
-          next[k] += way;
+          next[k] += direction;
           const std::uint32_t other = finest_cells_.find(next);
           if (other == BackgroundCells<Dim>::none) continue;
           const float conductance = (stiffness_[c] + stiffness_[other]) / 2;
@@ -140,7 +141,7 @@ class CellMultigrid {
         }
       }
     });
-    level.finish(least_mass);
+    level.finish(min_mass);
   }
 
   static GridCell<Dim> cell_at(const Point& x) {
@@ -149,23 +150,23 @@ class CellMultigrid {
     return cell;
   }
 
-  // The next level; false where it would hardly be smaller.
+  // Adds a coarser level; false if it would not be sufficiently smaller.
   bool coarsen() {
     if (used_ == levels_.size()) levels_.emplace_back();
     if (coarsenings_.size() < used_) coarsenings_.emplace_back();
     Level& coarse = levels_[used_];
-    if (!coarsenings_[used_ - 1].lay(levels_[used_ - 1], coarse)) return false;
-    coarse.finish(least_mass * std::pow(4.0f, float(used_)));
+    if (!coarsenings_[used_ - 1].build(levels_[used_ - 1], coarse)) return false;
+    coarse.finish(min_mass * std::pow(4.0f, float(used_)));
     ++used_;
     return true;
   }
 
-  // Where coarsening ends early, a few more are as well.
-  static bool is_solved_directly(const Level& level) { return level.size() <= most_directly; }
+  // Also applied if coarsening ended with more than max_coarsest_cells.
+  static bool has_direct_solve(const Level& level) { return level.size() <= max_direct; }
 
   void invert_coarsest() {
     const Level& level = coarsest();
-    if (!is_solved_directly(level)) return;
+    if (!has_direct_solve(level)) return;
     const auto n = static_cast<Eigen::Index>(level.size());
     SmallMatrix<double> A = SmallMatrix<double>::Zero(n, n);
     for (Index c = 0; c < level.size(); ++c) {
@@ -179,8 +180,8 @@ class CellMultigrid {
     coarsest_inverse_ = A.template cast<float>();
   }
 
-  // Gauss–Jordan elimination of a symmetric, positive definite matrix, which needs no pivoting. The
-  // products of Eigen would be fused multiply-adds where the processor has them.
+  // Gauss–Jordan elimination of a symmetric positive definite matrix, which needs no pivoting. Not
+  // by Eigen, whose products are fused multiply-adds on some processors.
   static void invert(SmallMatrix<double>& A) {
     const Eigen::Index n = A.rows();
     for (Eigen::Index k = 0; k < n; ++k) {
@@ -207,7 +208,7 @@ class CellMultigrid {
   void cycle(Index l) {
     Level& level = levels_[l];
     const bool is_coarsest = l + 1 == used_;
-    if (is_coarsest && is_solved_directly(level)) {
+    if (is_coarsest && has_direct_solve(level)) {
       solve_coarsest(level.b, level.x);
       return;
     }
@@ -235,9 +236,9 @@ class CellMultigrid {
   BackgroundCells<Dim> finest_cells_;
   CellInterpolation<Dim> to_particles_;
   std::vector<float> stiffness_;  // by finest cell
-  std::vector<Level> levels_;  // those of earlier systems keep their memory
-  std::vector<CellCoarsening<Dim>> coarsenings_;  // from each to the next
-  Index used_ = 0;             // levels
+  std::vector<Level> levels_;     // only the first used_ are valid; the others keep their memory
+  std::vector<CellCoarsening<Dim>> coarsenings_;  // from each level to the next
+  Index used_ = 0;                // number of levels
   SmallMatrix<float> coarsest_inverse_;
 };
 

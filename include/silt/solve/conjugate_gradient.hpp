@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Preconditioned conjugate gradients (Hestenes and Stiefel 1952), the same bits for any number of
-// threads.
+// Preconditioned conjugate gradients (Hestenes and Stiefel 1952), bitwise identical for any number
+// of threads.
 #pragma once
 
 #include <silt/core/error.hpp>
@@ -33,7 +33,8 @@ class ConjugateGradient {
   const SolveSettings& settings() const noexcept { return settings_; }
   const M& preconditioner() const noexcept { return preconditioner_; }
 
-  /// Improves x until the residual is within the tolerance. Never throws: read the report's reason.
+  /// Iterates from x until the residual is within the tolerance. Does not throw; failure is
+  /// reported in SolveReport::reason.
   SolveReport solve(const LinearSystem& system, std::vector<double>& x) {
     const Index n = system.size();
     SolveReport report{.unknowns = n};
@@ -45,28 +46,28 @@ class ConjugateGradient {
     for (auto* v : {&r_, &z_, &p_, &q_}) v->resize(n);
     preconditioner_.prepare(system);
 
-    // A second round starts where rounding has parted the recurrence from the true residual.
+    // Restarted if, because of round-off, the recursive residual differs from the true one.
     for (int round = 0; round < 3; ++round) {
       report.residual = find_residual(system, x) / size_of_b;
-      const bool can_begin = is_finite(report.residual);
-      report.reason = can_begin ? SolveReport::Reason::converged : SolveReport::Reason::broke_down;
-      if (!can_begin || report.residual <= settings_.tolerance) return report;
+      const bool can_start = is_finite(report.residual);
+      report.reason = can_start ? SolveReport::Reason::converged : SolveReport::Reason::broke_down;
+      if (!can_start || report.residual <= settings_.tolerance) return report;
 
-      system.remove_constants(r_);  // rounding put them there, and nothing takes them down
+      system.remove_constants(r_);  // due to round-off; iterations would not reduce them
       precondition(system);         // z = M⁻¹ r
       p_ = z_;
       double rho = dot(r_, z_);
       double residual = report.residual;
-      // Fourteen digits below where it began, the recurrence knows nothing of the residual.
+      // After a reduction by 1e-14, the recursive residual is only round-off.
       const double goal = std::max(settings_.tolerance, 1e-14 * residual);
       while (true) {
-        const bool is_lost = !is_finite(residual);
-        const double curvature = is_lost ? 0 : multiply(system);  // q = A p;  p·q
-        if (is_lost || !(curvature > 0) || report.iterations == settings_.max_iterations) {
-          report.reason = !is_lost && curvature > 0 ? SolveReport::Reason::not_converged
+        const bool diverged = !is_finite(residual);
+        const double curvature = diverged ? 0 : multiply(system);  // q = A p;  p·q
+        if (diverged || !(curvature > 0) || report.iterations == settings_.max_iterations) {
+          report.reason = !diverged && curvature > 0 ? SolveReport::Reason::not_converged
                                                     : SolveReport::Reason::broke_down;
           report.residual = find_residual(system, x) / size_of_b;
-          if (settings_.met_by(report.residual)) report.reason = SolveReport::Reason::converged;
+          if (settings_.is_met_by(report.residual)) report.reason = SolveReport::Reason::converged;
           return report;
         }
         residual = std::sqrt(advance(rho / curvature, x)) / size_of_b;  // x += α p;  r −= α q
@@ -74,12 +75,12 @@ class ConjugateGradient {
         if (residual <= goal) break;
         precondition(system);
         const double next = dot(r_, z_);
-        turn(next / rho);  // p = z + β p
+        update_direction(next / rho);  // p = z + β p
         rho = next;
       }
     }
     report.residual = find_residual(system, x) / size_of_b;
-    report.reason = settings_.met_by(report.residual) ? SolveReport::Reason::converged
+    report.reason = settings_.is_met_by(report.residual) ? SolveReport::Reason::converged
                                                       : SolveReport::Reason::not_converged;
     return report;
   }
@@ -115,7 +116,7 @@ class ConjugateGradient {
     system.remove_constants(z_);
   }
 
-  void turn(double beta) {
+  void update_direction(double beta) {
     for_each_chunk(p_.size(), [&](Chunk chunk) {
       double* const p = p_.data();
       const double* const z = z_.data();
@@ -134,7 +135,7 @@ class ConjugateGradient {
     for (Index i = chunk.first; i < chunk.last; ++i) to[i] += scale * from[i];
   }
 
-  // In eight sums side by side, so that one addition need not wait for the last.
+  // Eight independent partial sums, so that additions do not wait for one another.
   static double dot(Chunk chunk, const std::vector<double>& a, const std::vector<double>& b) {
     std::array<double, 8> sum{};
     Index i = chunk.first;
@@ -145,7 +146,7 @@ class ConjugateGradient {
     return ((sum[0] + sum[4]) + (sum[2] + sum[6])) + ((sum[1] + sum[5]) + (sum[3] + sum[7]));
   }
 
-  // Σ f(chunk), the chunks in order.
+  // Σ f(chunk), in the order of the chunks.
   template <class F>
   double sum_over_chunks(Index n, F&& f) {
     partial_.resize(chunk_count(n));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Eigen's conjugate gradients with its incomplete Cholesky factors: another's code for the same
-// equations, to hold one's own against. Its iterations grow with the number of unknowns.
+// Eigen's conjugate gradients with its incomplete Cholesky factorisation: an independent reference
+// for ConjugateGradient. The number of iterations grows with the number of unknowns.
 #pragma once
 
 #include <silt/core/eigen.hpp>
@@ -27,7 +27,8 @@ class EigenConjugateGradient {
   void check() const { settings_.check(); }
   const SolveSettings& settings() const noexcept { return settings_; }
 
-  /// Improves x until the residual is within the tolerance. Never throws: read the report's reason.
+  /// Iterates from x until the residual is within the tolerance. Does not throw; failure is
+  /// reported in SolveReport::reason.
   SolveReport solve(const LinearSystem& system, std::vector<double>& x) const {
     using Vector = Eigen::VectorXd;
     const auto n = static_cast<Eigen::Index>(system.size());
@@ -49,18 +50,19 @@ class EigenConjugateGradient {
     solver.preconditioner().use(system);
     solver.compute(A);
     solver.setTolerance(settings_.tolerance);
-    // A second round starts where rounding has parted the recurrence from the true residual.
+    // Restarted if, because of round-off, the recursive residual differs from the true one.
     for (int round = 0; round < 3 && is_finite(report.residual); ++round) {
       solver.setMaxIterations(settings_.max_iterations - report.iterations);
       solution = solver.solveWithGuess(b, Vector(solution));
-      const bool is_there = solver.info() == Eigen::Success;
-      report.iterations += static_cast<int>(solver.iterations()) + is_there;  // it omits the last
+      const bool has_converged = solver.info() == Eigen::Success;
+      // Eigen does not count the last iteration.
+      report.iterations += static_cast<int>(solver.iterations()) + has_converged;
       report.residual = residual();
-      if (!is_there || report.residual <= settings_.tolerance) break;
+      if (!has_converged || report.residual <= settings_.tolerance) break;
     }
     if (!is_finite(report.residual)) {
       report.reason = SolveReport::Reason::broke_down;
-    } else if (!settings_.met_by(report.residual)) {
+    } else if (!settings_.is_met_by(report.residual)) {
       report.reason = SolveReport::Reason::not_converged;
     }
     return report;
@@ -69,7 +71,7 @@ class EigenConjugateGradient {
  private:
   using Matrix = Eigen::SparseMatrix<double, Eigen::RowMajor>;
 
-  // The factors as Eigen's solvers ask for them.
+  // IncompleteCholesky with the interface of an Eigen preconditioner.
   class Factors {
    public:
     void use(const LinearSystem& system) { system_ = &system; }

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Algebraic multigrid of the library hypre (BoomerAMG) as preconditioner, to measure one's own
-// against. Silt's other headers never include this one: a program that does needs hypre and MPI,
-// and calls MPI_Init before its first solve. One process, with the threads hypre was built for.
+// Algebraic multigrid of the hypre library (BoomerAMG) as preconditioner, for comparison with
+// CellMultigrid. No other header of Silt includes this one; a program that does needs hypre and
+// MPI, and must call MPI_Init before the first solve. One process, with the threads of the hypre
+// build.
 #pragma once
 
 #include <silt/core/error.hpp>
@@ -21,15 +22,15 @@ namespace silt {
 class BoomerAmg {
  public:
   struct Settings {
-    double strong = 0.25;  ///< entries above this share of a row's largest couple strongly [-]
+    double strong_threshold = 0.25;  ///< of strong couplings, over the largest entry of a row [-]
   };
 
   BoomerAmg() = default;
   /// Throws if the setting is out of range.
   explicit BoomerAmg(const Settings& settings) : settings_(settings) {
-    require_between("BoomerAmg: strong", settings.strong, {0, 1});
+    require_between("BoomerAmg: strong_threshold", settings.strong_threshold, {0, 1});
   }
-  // A copy prepares for itself.
+  // Copies only the settings; the copy needs its own prepare().
   BoomerAmg(const BoomerAmg& other) : settings_(other.settings_) {}
   BoomerAmg& operator=(const BoomerAmg& other) {
     release();
@@ -54,8 +55,8 @@ class BoomerAmg {
       HYPRE_IJVectorInitialize(*vector);
     }
     HYPRE_BoomerAMGCreate(&multigrid_);
-    HYPRE_BoomerAMGSetStrongThreshold(multigrid_, settings_.strong);
-    HYPRE_BoomerAMGSetRelaxType(multigrid_, 6);  // Gauss–Seidel forwards and backwards: symmetric
+    HYPRE_BoomerAMGSetStrongThreshold(multigrid_, settings_.strong_threshold);
+    HYPRE_BoomerAMGSetRelaxType(multigrid_, 6);  // symmetric Gauss–Seidel
     HYPRE_BoomerAMGSetTol(multigrid_, 0);
     HYPRE_BoomerAMGSetMaxIter(multigrid_, 1);
     HYPRE_BoomerAMGSetup(multigrid_, parcsr(matrix_), parcsr(r_), parcsr(z_));

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Eigen's incomplete Cholesky factors as preconditioner: A ≈ L Lᵀ with no more entries than A has
-// (Lin and Moré 1999). Fewer iterations than the diagonal alone takes, and like those they grow
-// with the number of unknowns.
+// Eigen's incomplete Cholesky factorisation as preconditioner: A ≈ L Lᵀ with no more entries than A
+// (Lin and Moré 1999). Fewer iterations than with the diagonal; they also grow with the number of
+// unknowns.
 #pragma once
 
 #include <silt/core/linear_system.hpp>
@@ -20,7 +20,7 @@
 
 namespace silt {
 
-/// The matrix of a system as Eigen has matrices, all of it.
+/// The full matrix of a system as an Eigen sparse matrix.
 inline Eigen::SparseMatrix<double, Eigen::RowMajor> eigen_matrix(const LinearSystem& system) {
   const auto n = static_cast<Eigen::Index>(system.size());
   Eigen::SparseMatrix<double, Eigen::RowMajor> A(n, n);
@@ -43,20 +43,20 @@ class IncompleteCholesky {
  public:
   void prepare(const LinearSystem& system) {
     auto A = eigen_matrix(system);
-    // Without a surface there is one constant too many for factors: one unknown of each such body
-    // is held. What they leave of the constants is taken out behind them.
-    std::vector<bool> held(system.closed_bodies + 1, false);
+    // The matrix of a closed body is singular: for the factorisation, the diagonal of one of its
+    // unknowns is doubled. The caller removes the constants from the result.
+    std::vector<bool> pinned(system.closed_bodies + 1, false);
     for (Index i = 0; i < system.closed_body.size(); ++i) {
       const Index body = system.closed_body[i];
-      if (body == 0 || held[body]) continue;
+      if (body == 0 || pinned[body]) continue;
       A.coeffRef(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(i)) *= 2;
-      held[body] = true;
+      pinned[body] = true;
     }
-    factors_ = std::make_shared<const Factors>(A);  // Eigen's cannot be copied, a solver can
+    factors_ = std::make_shared<const Factors>(A);  // copyable, unlike Eigen's factorisation
     diagonal_.prepare(system);
   }
 
-  /// By the diagonal where A, not being positive definite, has no factors.
+  /// Uses the diagonal if the factorisation failed because A is not positive definite.
   void apply(std::span<const double> r, std::span<double> z) const {
     if (factors_->info() != Eigen::Success) {
       diagonal_.apply(r, z);
@@ -68,8 +68,8 @@ class IncompleteCholesky {
   }
 
  private:
-  // Ordered as the particles are: an order that saves fill-in, of which there is none,
-  // loses accuracy.
+  // In the order of the particles: there is no fill-in to be reduced by another order, which would
+  // only lose accuracy.
   using Factors = Eigen::IncompleteCholesky<double, Eigen::Lower, Eigen::NaturalOrdering<int>>;
   std::shared_ptr<const Factors> factors_;
   Jacobi diagonal_;

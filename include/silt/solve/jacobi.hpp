@@ -12,7 +12,7 @@
 
 namespace silt {
 
-/// z ≈ A⁻¹ r. Model: Jacobi.
+/// prepare(system) is called once per solve, apply(r, z) computes z ≈ A⁻¹ r. Model: Jacobi.
 template <class M>
 concept Preconditioner = requires(M m, const LinearSystem& system, const std::vector<double>& r,
                                   std::vector<double>& z) {

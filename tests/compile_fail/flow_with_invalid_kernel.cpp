@@ -1,4 +1,4 @@
-// expect: the third choice is no kernel \(has it a static weight\(q\) in float and in double
+// expect: the third argument is not a kernel: it needs a static weight\(q\) for float and double
 // SPDX-License-Identifier: MIT
 #include <silt/mps.hpp>
 

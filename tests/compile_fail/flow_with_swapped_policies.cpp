@@ -1,4 +1,4 @@
-// expect: the fifth choice is no gradient
+// expect: the fifth argument is not a gradient
 // SPDX-License-Identifier: MIT
 #include <silt/mps.hpp>
 
