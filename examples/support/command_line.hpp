@@ -72,7 +72,7 @@ inline void use_threads_of_option(int number) {
 inline void make_output_folder(const std::filesystem::path& folder) {
   try {
     const std::filesystem::path trial = folder / ".trial";
-    silt::file::make_folder("--out", folder);
+    silt::file::create_folder("--out", folder);
     silt::file::replace("--out", trial, "");
     std::filesystem::remove(trial);
     // One of an earlier run would pass for this one's, should this one fail.
