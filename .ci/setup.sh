@@ -143,8 +143,8 @@ need_toolchain() {
   fi
 }
 
-# Sets as_root to the prefix that runs a command as root without a password prompt; fails if there is
-# none.
+# Sets as_root to the prefix that runs a command as root without a password prompt; fails if there
+# is none.
 as_root=()
 become_root() {
   as_root=()
@@ -238,7 +238,7 @@ configure() {
     cmake -S "$repo" -B "$repo/build/$folder" "$@"
 }
 
-# build FOLDER TEXT [CMake build options]: compiles TEXT in build/FOLDER. Each warning is shown once.
+# build FOLDER TEXT [CMake build options]: compiles TEXT in build/FOLDER; shows each warning once.
 build() {
   local folder=$1 text=$2 log=$repo/build/$1.build.log
   shift 2

@@ -84,7 +84,7 @@ ${lines}
   set(${result} TRUE PARENT_SCOPE)
 endfunction()
 
-# silt_find_hypre(RESULT): the target silt_hypre for hypre, which Debian installs without CMake files.
+# silt_find_hypre(RESULT): creates the target silt_hypre; Debian's hypre has no CMake files.
 function(silt_find_hypre result)
   if(NOT TARGET silt_hypre)
     find_path(SILT_HYPRE_INCLUDE HYPRE.h PATH_SUFFIXES hypre)

@@ -16,8 +16,9 @@ macro(silt_usage target)
     if(OpenMP_CXX_FOUND)
       list(APPEND silt_libraries $<BUILD_INTERFACE:OpenMP::OpenMP_CXX>)
     else()
-      silt_message_once(STATUS NO_OPENMP "OpenMP was not found for ${CMAKE_CXX_COMPILER}, so programs \
-run on one thread (clang on Debian needs the package libomp-dev; -DSILT_OPENMP=OFF hides this line)")
+      silt_message_once(STATUS NO_OPENMP "OpenMP was not found for ${CMAKE_CXX_COMPILER}, so \
+programs run on one thread (clang on Debian needs the package libomp-dev; -DSILT_OPENMP=OFF hides \
+this message)")
     endif()
   endif()
   if(SILT_SAME_BITS)
@@ -37,11 +38,12 @@ function(silt_warn_without_build_type)
   if(multi_config OR CMAKE_BUILD_TYPE OR CMAKE_CXX_FLAGS MATCHES "-O([1-9sgz]|fast)")
     return()
   endif()
-  silt_message_once(WARNING NO_BUILD_TYPE "No build type is set, so the compiler does not optimise, and \
-programs that use Silt run up to 100 times slower. Type\n  cmake -DCMAKE_BUILD_TYPE=Release ${CMAKE_BINARY_DIR}")
+  silt_message_once(WARNING NO_BUILD_TYPE "No build type is set, so the compiler does not optimise, \
+and programs that use Silt run up to 100 times slower. \
+Type\n  cmake -DCMAKE_BUILD_TYPE=Release ${CMAKE_BINARY_DIR}")
 endfunction()
 
-# silt_message_once(KIND KEY TEXT): prints TEXT once, even if a project calls find_package(silt) twice.
+# silt_message_once(KIND KEY TEXT): prints TEXT only once, even if find_package(silt) is called twice.
 function(silt_message_once kind key text)
   get_property(printed GLOBAL PROPERTY SILT_PRINTED_${key})
   if(NOT printed)

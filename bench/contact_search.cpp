@@ -10,7 +10,7 @@
 //   kept    a step between two rebuilds of a list with skin: check it, and traverse it
 //   pairs   all pairs within the radius, each once
 //
-//   sizes   spheres of one diameter, and the same volume of spheres ten times as large, with a single
+//   sizes   spheres of one diameter, and the same volume of spheres ten times as large, with one
 //           grid, and with a grid for each size; half: list each pair once
 //
 // Particles are in cell order, as in a simulation. The number of threads is OMP_NUM_THREADS;

@@ -12,8 +12,8 @@ namespace bench {
 /// Linear springs and dashpots in normal and tangential direction, and a slider, see
 /// `pair_style gran/hooke/history kn kt gamma_n gamma_t xmu dampflag` in LAMMPS's manual:
 ///   F_n = k_n δ − m* γ_n v_n,  F_t = −(k_t s + m* γ_t v_t),  |F_t| ≤ µ |F_n|
-/// s is the tangential displacement since the beginning of the contact; while it slips, s is reduced
-/// to the value that gives the limited F_t. Needs LeverArm::radius.
+/// s is the tangential displacement since the beginning of the contact; while it slips, s is
+/// reduced to the value that gives the limited F_t. Needs LeverArm::radius.
 struct HookeHistory {
   double kn = 0;       ///< k_n [N/m]
   double kt = 0;       ///< k_t [N/m], above 0

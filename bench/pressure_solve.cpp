@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-// Pressure solves alone: pressure_solve/<solver>/<tank>/<unknowns>, from zero to a residual of 1e-6,
-// on all OpenMP threads. setup_ms and solve_ms are parts of the time (for eigen, solve_ms is the
-// total); the assembly is not included.
+// Pressure solves alone: pressure_solve/<solver>/<tank>/<unknowns>, from zero to a residual of
+// 1e-6, on all OpenMP threads. setup_ms and solve_ms are parts of the time (for eigen, solve_ms is
+// the total); the assembly is not included.
 //
-// The tanks are squares (cubes) full of fluid particles displaced from a lattice, with approximately
-// the given number of unknowns:
+// The tanks are squares (cubes) full of fluid particles displaced from a lattice, with about the
+// given number of unknowns:
 //   2d, 3d           open at the top
 //   baffles_2d, …_3d open at the top, with three vertical walls, three quarters of the height, just
 //                    thick enough to separate the fluid on both sides

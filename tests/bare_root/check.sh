@@ -79,7 +79,7 @@ inside() {
 
 # --- README --------------------------------------------------------------------------------------
 
-# Writes the blocks of README to FOLDER/NN.sh, or to FOLDER/NN.save with the file name as first line.
+# Writes the blocks of README to FOLDER/NN.sh, or FOLDER/NN.save with the file name as first line.
 read_blocks() {
   awk -v folder="$2" '
     !inside && /^<!-- silt: skip-shell / { mark = "skip"; next }
@@ -100,8 +100,8 @@ read_blocks() {
     !inside && !/^[ \t]*$/ { mark = "" }' "$1"
 }
 
-# watch FILE: prefixes each line with the time; writes the longest silence, and the line before it, to
-# FILE.
+# watch FILE: prefixes each line with the time; writes the longest silence, and the line before it,
+# to FILE.
 watch() {
   local file=$1 line now last=$EPOCHREALTIME began=$EPOCHREALTIME before="the beginning" more=yes
   while [[ $more = yes ]]; do

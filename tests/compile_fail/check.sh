@@ -4,8 +4,8 @@
 #   check.sh FLAGS-FILE SOURCE COMPILER...
 #
 # Passes if SOURCE does not compile and the compiler's output matches the regular expression
-# (grep -E) in its first line, "// expect: REGEX". With SILT_VALID defined the same file must compile,
-# which excludes unrelated errors, such as a misspelt include.
+# (grep -E) in its first line, "// expect: REGEX". With SILT_VALID defined the same file must
+# compile, which excludes unrelated errors, such as a misspelt include.
 set -uo pipefail
 export LC_ALL=C
 
@@ -28,7 +28,7 @@ if output=$("${compile[@]}" 2>&1); then
   exit 1
 fi
 if ! grep -Eq -- "$expected" <<<"$output"; then
-  printf '%s\n' "$output" "$source: does not compile, but the output above does not match: $expected"
+  printf '%s\n' "$output" "$source: does not compile, but the above does not match: $expected"
   exit 1
 fi
 grep -E -m 1 -- "$expected" <<<"$output"

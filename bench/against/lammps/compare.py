@@ -6,8 +6,8 @@
 
 PROGRAM is silt_steps; lammps.json and the last states of both codes are written to FOLDER. A CASE
 is scene/grains, e.g. bed/32000. Both codes start from the same file and do some warm-up steps, then
-the timed steps. LAMMPS uses gran/hooke/history, with as many processes as Silt has threads. Variants
-of Silt:
+the timed steps. LAMMPS uses gran/hooke/history, with as many processes as Silt has threads.
+Variants of Silt:
     hooke_history     the same law
     cundall_strack    Silt's own law
     portable          the same law, compiled for any processor of this architecture, like Debian's
@@ -126,7 +126,8 @@ def compare(program, folder, scene, grains, cores, repeat, variants):
     for variant in variants:
         result[variant] = of_all(ours[variant])
         ratios = [them["seconds"] / us["seconds"] for them, us in zip(theirs, ours[variant])]
-        medians = [result[each]["million_steps_per_second"]["median"] for each in (variant, "lammps")]
+        medians = [result[each]["million_steps_per_second"]["median"]
+                   for each in (variant, "lammps")]
         result[variant]["times_lammps"] = {**spread(ratios), "median": medians[0] / medians[1]}
     return result
 
@@ -142,7 +143,8 @@ def lines_of(result, variants):
            f"contacts per grain, {result['lammps']['rebuilds']:.0f} rebuilds")
     for variant in variants:
         ratio = result[variant]["times_lammps"]
-        yield (f"  {variant}: {speed(result[variant])}, {result[variant]['contacts']:.3f} contacts, "
+        yield (f"  {variant}: {speed(result[variant])}, "
+               f"{result[variant]['contacts']:.3f} contacts, "
                f"{result[variant]['rebuilds']:.0f} rebuilds: {ratio['median']:.2f} times LAMMPS "
                f"({ratio['least']:.2f}–{ratio['most']:.2f})")
     if physics_of:

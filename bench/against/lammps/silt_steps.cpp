@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Silt's part of the comparison with LAMMPS; called by compare.py.
 //   silt_steps make SCENE N                          creates the file of the state, prints its name
-//   silt_steps run SCENE N LAW WARM STEPS FINAL      WARM steps, then STEPS timed ones; prints their
-//                                                    time and results, and writes FINAL
+//   silt_steps run SCENE N LAW WARM STEPS FINAL      WARM steps, then STEPS timed ones; prints time
+//                                                    and results, and writes FINAL
 #include "../../states.hpp"
 
 #include <chrono>

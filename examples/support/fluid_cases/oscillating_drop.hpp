@@ -22,8 +22,8 @@ struct OscillatingDrop {
   };
   State start() const { return {a0, radius, radius}; }
 
-  /// State after dt [s] of dA/dt = (A² + B0²) (b² − a²)/(a² + b²), da/dt = A a, db/dt = −A b, by the
-  /// Runge–Kutta method of fourth order.
+  /// State after dt [s] of dA/dt = (A² + B0²) (b² − a²)/(a² + b²), da/dt = A a, db/dt = −A b, by
+  /// the Runge–Kutta method of fourth order.
   State after(const State& s, double dt) const {
     const auto change = [this](const State& now) {
       const double aa = now.a * now.a, bb = now.b * now.b;
