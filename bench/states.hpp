@@ -163,7 +163,7 @@ inline void write(const State& state, const std::filesystem::path& path) {
   std::filesystem::rename(unfinished, path);
 }
 
-/// Reads what write() wrote.
+/// Reads a file of write().
 inline State read(const std::filesystem::path& path) {
   std::ifstream file(path);
   State state;
