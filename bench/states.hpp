@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Initial states of the scenes. Each is computed once and kept in a file that LAMMPS also reads: a
-// tile of 4000 (1250) grains, repeated along the periodic axes, with random velocities added, and in
+// tile of 4000 (1250) grains, repeated along the periodic axes, with random velocities added and in
 // random order, so that each code has to sort the grains in memory by itself.
 #pragma once
 

@@ -29,8 +29,8 @@ State pair() {
   return state;
 }
 
-// 10 × 5 × 10 spheres without contacts, so that the first steps of the two codes are equal. The gaps
-// are small, because round-off errors grow too fast for comparisons if spheres fly.
+// 10 × 5 × 10 spheres without contacts, so that the first steps of the two codes are equal. The
+// gaps are small, because round-off errors grow too fast for comparisons if spheres fly.
 State block() {
   constexpr double spacing = 1.001;
   constexpr double jitter = 5e-4;
