@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <silt/core/simulation.hpp>
+#include <silt/io/file.hpp>
 #include <silt/io/progress.hpp>
 
 #include <gtest/gtest.h>
@@ -73,7 +74,8 @@ TEST(Progress, WritesAFinalLineForAShortOrStoppedRun) {
 }
 
 TEST(Progress, EstimatesTheRemainingTimeOfAResumedRun) {
-  std::FILE* file = std::tmpfile();
+  const silt::file::Stream stream(std::tmpfile());  // must outlive progress
+  std::FILE* const file = stream.get();
   double wall = 7;
   Progress progress{file, [&wall] { return wall; }};
   Advancing simulation{.now = 0.75};  // the first step after 0.5
@@ -85,7 +87,6 @@ TEST(Progress, EstimatesTheRemainingTimeOfAResumedRun) {
   std::rewind(file);
   EXPECT_GT(std::fread(text, 1, sizeof text - 1, file), 0u);
   EXPECT_EQ(std::string(text), "step 3  t = 0.75 s  dt = 2.50e-01 s   75.0 %  left 4 s\n");
-  std::fclose(file);
 }
 
 TEST(Progress, UpdatesOneLineOnATerminal) {
