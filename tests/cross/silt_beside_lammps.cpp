@@ -120,7 +120,7 @@ int main(int argc, char** argv) try {
          .path = argv[8]});
     return 0;
   }
-  std::fprintf(stderr, "usage: see the head of silt_beside_lammps.cpp\n");
+  std::fprintf(stderr, "usage: see the beginning of silt_beside_lammps.cpp\n");
   return 2;
 } catch (const std::exception& error) {
   std::fprintf(stderr, "silt_beside_lammps: %s\n", error.what());

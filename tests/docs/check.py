@@ -381,7 +381,7 @@ def self_test():
             pass
     for wrong in (
         "<!-- silt: file nowhere.cpp -->\n```cpp\n```",
-        "<!-- silt: after nobody -->\n```cpp\n```",
+        "<!-- silt: after nothing -->\n```cpp\n```",
         "<!-- silt: skip -->\n```cpp\n```",
         "<!-- silt: warp -->\n```cpp\n```",
         "```cpp\nint main() {}",

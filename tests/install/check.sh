@@ -121,7 +121,7 @@ case $method in
     configure_consumer -DCMAKE_BUILD_TYPE=Debug -DMETHOD=package "-Dsilt_DIR=$build"
     ;;
   subdirectory | fetch_content)
-    consume "-DMETHOD=$way" "-DSILT_SOURCE=$source"
+    consume "-DMETHOD=$method" "-DSILT_SOURCE=$source"
     # As a subproject, the library must not build, install or test anything.
     if find "$scratch/build" -name '*.o' | grep -v /consumer.dir/ | grep -v /CMakeFiles/3; then
       give_up "the library built something"
