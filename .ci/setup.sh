@@ -1,13 +1,13 @@
 # shellcheck shell=bash
 # SPDX-License-Identifier: MIT
-# Sourced by tests/run, examples/run and bench/run, which have set -euo pipefail: finds the repository,
-# installs what is missing from the system's packages, configures and builds. Nothing here asks a
-# question, and nothing is silent for more than ten seconds.
+# Sourced by tests/run, examples/run and bench/run, which set -euo pipefail: finds the repository,
+# installs missing system packages, configures and builds. Nothing here prompts for input, and
+# nothing is silent for more than ten seconds.
 
 repo=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 cores=$(nproc 2>/dev/null || echo 2)
 
-# Compilers at a time: one for each core, but no more than the memory holds, at 1.5 GB each.
+# Number of simultaneous compilations: one per core, limited by the memory, at 1.5 GB each.
 count_jobs() {
   local available=""
   if [[ -r /proc/meminfo ]]; then
@@ -18,19 +18,19 @@ count_jobs() {
 }
 jobs=$(count_jobs)
 
-# --- saying what is going on ---------------------------------------------------------------------
+# --- progress ------------------------------------------------------------------------------------
 
-# COMMAND 2>&1 | report TEXT [last]: passes the command's lines on, and says in every longer silence
-# that TEXT goes on, and for how long. With "last" the lines themselves are not passed on; the latest
-# one is shown beside TEXT. On a terminal, that is one line rewritten each second.
+# COMMAND 2>&1 | report TEXT [last]: forwards the output of the command and, whenever it is silent
+# for some time, prints TEXT and the elapsed time. With "last" the output is not forwarded; its last
+# line is shown after TEXT. On a terminal, this is one line, updated every second.
 report() {
-  local text=$1 only_last=${2:-} pause=6 line="" part code wait last="" said=$SECONDS began=$SECONDS
+  local text=$1 only_last=${2:-} pause=6 line="" part code wait last="" said=$SECONDS begin=$SECONDS
   # Ctrl-C ends the command; what it prints before it ends is still passed on.
   trap '' INT TERM
   if [[ -t 2 ]]; then pause=1; fi
   report_line() {
     local shown=${line:-$last}
-    shown="$text: $((SECONDS - began)) s  ${shown##*$'\r'}"
+    shown="$text: $((SECONDS - begin)) s  ${shown##*$'\r'}"
     if [[ -t 2 ]]; then printf '\r%s\e[K' "${shown:0:79}" >&2; else echo "${shown:0:120}" >&2; fi
     said=$SECONDS
   }
@@ -56,10 +56,10 @@ report() {
     if ((code != 0)); then break; fi
   done
   if [[ -t 2 ]]; then printf '\r\e[K' >&2; fi
-  if [[ -n $only_last ]]; then echo "$text: took $((SECONDS - began)) s" >&2; fi
+  if [[ -n $only_last ]]; then echo "$text: took $((SECONDS - begin)) s" >&2; fi
 }
 
-# quietly TEXT FILE COMMAND...: runs it with its output in FILE.
+# quietly TEXT FILE COMMAND...: runs the command with its output in FILE.
 quietly() {
   local text=$1 file=$2
   shift 2
@@ -67,20 +67,20 @@ quietly() {
   "$@" 2>&1 </dev/null | tee "$file" | report "$text" last
 }
 
-# logged TEXT FILE COMMAND...: the same, and if it fails, its output goes to stderr.
+# logged TEXT FILE COMMAND...: like quietly, but prints the output to stderr if the command fails.
 logged() { quietly "$@" || { cat "$2" >&2; return 1; }; }
 
 # --- packages ------------------------------------------------------------------------------------
 
-missing=()    # Debian's names of the packages that are needed and missing
-wished=()     # and of those that one can do without,
-wished_by=()  # the checks that found them missing,
-wished_for=() # and what is left out without them
+missing=()           # required packages that are missing (Debian's names)
+optional=()          # optional packages that are missing,
+optional_checks=()   # the commands that check for them,
+optional_features=() # and what is skipped without them
 
-# need COMMAND PACKAGE: a program on the path.
+# need COMMAND PACKAGE: requires a program on the path.
 need() { command -v "$1" >/dev/null || missing+=("$2"); }
 
-# A Python that can import the given modules, if any can.
+# Prints a Python interpreter that can import the given modules, if there is one.
 python_with() {
   local python
   for python in python3 /usr/bin/python3; do
@@ -92,20 +92,20 @@ python_with() {
 # need_python MODULE PACKAGE
 need_python() { python_with "$1" >/dev/null || missing+=("$2"); }
 
-# want CHECK PACKAGE WHAT: a package that one can do without; CHECK is a command.
+# want CHECK PACKAGE FEATURE: an optional package; CHECK is a command that succeeds if it is
+# installed, FEATURE is skipped without it.
 want() {
-  if [[ " ${wished[*]} " = *" $2 "* ]] || eval "$1" >/dev/null 2>&1; then return; fi
-  wished+=("$2")
-  wished_by+=("$1")
-  wished_for+=("$3")
+  if [[ " ${optional[*]} " = *" $2 "* ]] || eval "$1" >/dev/null 2>&1; then return; fi
+  optional+=("$2")
+  optional_checks+=("$1")
+  optional_features+=("$3")
 }
 
-# has_header NAME: for want.
+# has_header NAME: a check for want.
 has_header() { echo "#include <$1>" | "${CXX:-c++}" -E -x c++ - >/dev/null 2>&1; }
 
-# need_cmake_packages "NAME [VERSION]" PACKAGE ...: asks CMake itself, for all of them at once and,
-# should one of them be broken, one by one. What configures nothing (a toolchain still to be
-# installed) lacks them all.
+# need_cmake_packages "NAME [VERSION]" PACKAGE ...: checks with CMake, all packages at once and, if
+# that fails because one is broken, one by one. Without a toolchain, all count as missing.
 need_cmake_packages() {
   local scratch i
   scratch=$(mktemp -d)
@@ -136,7 +136,7 @@ find_cmake_packages() {
   cmake -S "$scratch" -B "$scratch/build" >/dev/null 2>&1
 }
 
-# What every build needs.
+# Requires the tools that every build needs.
 need_toolchain() {
   need "${CXX:-c++}" g++
   need cmake cmake
@@ -145,7 +145,8 @@ need_toolchain() {
   fi
 }
 
-# Sets as_root to what makes a command the administrator's without a question; fails if nothing does.
+# Sets as_root to the prefix that runs a command as root without a password prompt; fails if there
+# is none.
 as_root=()
 become_root() {
   as_root=()
@@ -154,8 +155,8 @@ become_root() {
   command -v sudo >/dev/null && sudo -n true 2>/dev/null
 }
 
-# install_packages PACKAGE...: by apt-get, which waits while another program installs packages. A
-# fresh machine has no list of packages, an old one a stale list: then the list is updated.
+# install_packages PACKAGE...: installs with apt-get, which waits while another program installs
+# packages. If the list of packages is missing or stale, it is updated.
 install_packages() {
   command -v apt-get >/dev/null || return 1
   local log=$repo/build/install.log
@@ -169,7 +170,7 @@ install_packages() {
     wait_for_lock "${as_root[@]}" apt-get update &&
     logged "Installing packages" "$log" "${install[@]}"
 }
-# apt-get update does not wait for the lock of its list by itself.
+# apt-get update does not wait for its lock by itself.
 wait_for_lock() {
   local output tries
   for ((tries = 0; tries < 120; ++tries)); do
@@ -181,37 +182,37 @@ wait_for_lock() {
   return 1
 }
 
-# Installs what the calls of need… and want above found missing. Where that cannot be done, prints the
-# command that does it, and gives up if a package is needed.
+# Installs the packages that the calls of need… and want above found missing. If that is not
+# possible, prints the command to do so, and exits if a required package is missing.
 install_missing() {
   local packages i
-  mapfile -t packages < <(printf '%s\n' "${missing[@]}" "${wished[@]}" | sort -u | sed '/^$/d')
+  mapfile -t packages < <(printf '%s\n' "${missing[@]}" "${optional[@]}" | sort -u | sed '/^$/d')
   ((${#packages[@]})) || return 0
 
   if become_root; then
     echo "Missing packages: ${packages[*]}" >&2
-    if ! install_packages "${packages[@]}" && ((${#missing[@]} && ${#wished[@]})); then
+    if ! install_packages "${packages[@]}" && ((${#missing[@]} && ${#optional[@]})); then
       install_packages "${missing[@]}" || true
     fi
   fi
   hash -r
   local left=()
-  for i in "${!wished[@]}"; do
-    if ! eval "${wished_by[i]}" >/dev/null 2>&1; then
-      echo "silt: left out without the package ${wished[i]}: ${wished_for[i]}" >&2
-      left+=("${wished[i]}")
+  for i in "${!optional[@]}"; do
+    if ! eval "${optional_checks[i]}" >/dev/null 2>&1; then
+      echo "silt: skipped without the package ${optional[i]}: ${optional_features[i]}" >&2
+      left+=("${optional[i]}")
     fi
   done
   if ((${#missing[@]})) && ! dpkg_has "${missing[@]}"; then left+=("${missing[@]}"); fi
   if ((${#left[@]})); then print_install_command "${left[@]}"; fi
   if ((${#missing[@]})) && ! dpkg_has "${missing[@]}"; then
-    echo "silt: then start this again." >&2
+    echo "silt: then run this script again." >&2
     exit 1
   fi
-  missing=() wished=() wished_by=() wished_for=()
+  missing=() optional=() optional_checks=() optional_features=()
 }
 
-# dpkg_has PACKAGE...: whether all are installed.
+# dpkg_has PACKAGE...: succeeds if all are installed.
 dpkg_has() {
   local installed
   installed=$(dpkg-query -W -f '${db:Status-Status}\n' "$@" 2>/dev/null | grep -cx installed) || true
@@ -229,13 +230,13 @@ print_install_command() {
   elif [[ $(id -u) -ne 0 ]]; then
     command="su -c '$command'"
   fi
-  echo "silt: these packages cannot be installed from here. To install them, type" >&2
+  echo "silt: packages cannot be installed by this script. To install them, type" >&2
   echo "  $command" >&2
 }
 
 # --- building ------------------------------------------------------------------------------------
 
-# configure FOLDER [CMake options]: configures build/FOLDER with just the programs asked for.
+# configure FOLDER [CMake options]: configures build/FOLDER.
 configure() {
   local folder=$1
   shift
@@ -243,13 +244,13 @@ configure() {
     cmake -S "$repo" -B "$repo/build/$folder" "$@"
 }
 
-# build FOLDER TEXT [CMake build options]: TEXT says what is compiled. Warnings are shown, each once.
+# build FOLDER TEXT [CMake build options]: compiles TEXT in build/FOLDER; shows each warning once.
 build() {
   local folder=$1 text=$2 log=$repo/build/$1.build.log
   shift 2
   logged "Compiling $text" "$log" cmake --build "$repo/build/$folder" -j "$jobs" "$@"
   if grep -q 'warning:' "$log"; then
     grep 'warning:' "$log" | sort -u >&2
-    echo "All that the compiler said is in $log" >&2
+    echo "The whole output of the compiler is in $log" >&2
   fi
 }

@@ -1,15 +1,15 @@
 # SPDX-License-Identifier: MIT
-# Optional packages may be missing, incomplete or broken: what needs them is left out, and
-# configuring goes on. Included by CMakeLists.txt for the tests, examples and benchmarks.
+# Optional packages may be missing, incomplete or broken: targets that need them are skipped, and
+# the configuration continues. Included by CMakeLists.txt for the tests, examples and benchmarks.
 
 # silt_find_optional(RESULT PACKAGE TARGET SOURCE [COMPONENTS …] [INCLUDES …] [LIBRARIES …])
 #
 #   silt_find_optional(found CLI11 CLI11::CLI11 "#include <CLI/CLI.hpp>\nint main() {}")
 #
-# find_package, and RESULT is TRUE, if the program SOURCE is built with the package's TARGET and with
-# the further INCLUDES and LIBRARIES. find_package alone would not do: a package whose own files are
-# broken ends the whole configuration, and one may be found that lacks its headers. So it is tried
-# first by another CMake in a project of its own.
+# Sets RESULT to TRUE and calls find_package if the program SOURCE can be built with the package's
+# TARGET and the additional INCLUDES and LIBRARIES. find_package alone is not sufficient: a package
+# with broken CMake files would abort the configuration, and a package may be found although its
+# headers are missing. Therefore a separate project is configured and built first.
 function(silt_find_optional result package target source)
   cmake_parse_arguments(PARSE_ARGV 4 arg "" "" "COMPONENTS;INCLUDES;LIBRARIES")
   set(${result} FALSE PARENT_SCOPE)
@@ -18,8 +18,8 @@ function(silt_find_optional result package target source)
     list(APPEND find COMPONENTS ${arg_COMPONENTS})
   endif()
 
-  # Success is kept in the cache. Failure holds for this configuration alone, as the package may be
-  # installed or mended before the next.
+  # Success is cached. Failure is kept for this configuration only, because the package may be
+  # installed or repaired before the next one.
   get_property(failed GLOBAL PROPERTY SILT_${package}_FAILED)
   if(failed)
     return()
@@ -50,8 +50,8 @@ see ${PROJECT_BINARY_DIR}/optional/${package}/log.txt")
   endif()
 endfunction()
 
-# silt_try_project(RESULT FOLDER SOURCE LINES): whether a project of these LINES, with SOURCE as
-# trial.cpp, is built by this compiler with the flags and the search paths given here.
+# silt_try_project(RESULT FOLDER SOURCE LINES): whether a project with these LINES, and SOURCE as
+# trial.cpp, can be built with the compiler, flags and search paths of this project.
 function(silt_try_project result folder source lines)
   file(REMOVE_RECURSE ${folder})
   set(settings "")
@@ -74,8 +74,8 @@ ${lines}
   set(log "")
   foreach(arguments IN ITEMS "-C;settings.cmake;-G;${CMAKE_GENERATOR};-S;.;-B;build" "--build;build")
     execute_process(COMMAND ${CMAKE_COMMAND} ${arguments} WORKING_DIRECTORY ${folder}
-      OUTPUT_VARIABLE said ERROR_VARIABLE said RESULT_VARIABLE code)
-    string(APPEND log "${said}")
+      OUTPUT_VARIABLE output ERROR_VARIABLE output RESULT_VARIABLE code)
+    string(APPEND log "${output}")
     file(WRITE ${folder}/log.txt "${log}")
     if(NOT code EQUAL 0)
       return()
@@ -84,7 +84,7 @@ ${lines}
   set(${result} TRUE PARENT_SCOPE)
 endfunction()
 
-# silt_find_hypre(RESULT): hypre, which Debian installs without CMake files, as the target silt_hypre.
+# silt_find_hypre(RESULT): creates the target silt_hypre; Debian's hypre has no CMake files.
 function(silt_find_hypre result)
   if(NOT TARGET silt_hypre)
     find_path(SILT_HYPRE_INCLUDE HYPRE.h PATH_SUFFIXES hypre)

@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: MIT
 // Contact search: contact_search/<search>/<dimension>/<precision>/<radius>/<what>/<particles>.
 //
-//   dense   particles as dense as in a packing, and the radius 1.05 of their diameter: DEM
-//   mps     a jittered lattice, and the radius 3.1 of its spacing, about 118 neighbours in space: MPS
+//   dense   density of a packing, radius of 1.05 diameters, as in DEM
+//   mps     a jittered lattice, radius of 3.1 spacings, about 118 neighbours in 3D, as in MPS
 //
-//   full    take the positions, sort them into cells, and list for every particle who is near
-//   half    the same with each pair once, as contacts need it
-//   random  as half, from particles in random order, which are put in order first
-//   kept    a step between two rebuilds of a list with skin: see that it holds, and walk it
+//   full    sort the particles into cells, and list the neighbours of every particle
+//   half    the same with each pair once, as for contacts
+//   random  like half, for particles in random order, which are sorted first
+//   kept    a step between two rebuilds of a list with skin: check it, and traverse it
 //   pairs   all pairs within the radius, each once
 //
-//   sizes   spheres of one diameter and as much volume of ones ten times as large, sought through one
-//           grid, and through one for each size; half: take the positions, and list each pair once
+//   sizes   spheres of one diameter, and the same volume of spheres ten times as large, with one
+//           grid, and with a grid for each size; half: list each pair once
 //
-// Particles lie in cell order, as a simulation keeps them. Threads are those of OMP_NUM_THREADS;
-// the peers, brute_force and nanoflann (build the tree, ask it for every particle), have one.
+// Particles are in cell order, as in a simulation. The number of threads is OMP_NUM_THREADS;
+// brute_force and nanoflann (build the tree, query it for every particle) have one.
 #include <silt/core/parallel.hpp>
 #include <silt/search/brute_force.hpp>
 #include <silt/search/level_grid.hpp>
@@ -71,7 +71,7 @@ void grid_lists(benchmark::State& state, Density density, Pairs pairs) {
     grid.build_rows(rows, pairs);
     benchmark::ClobberMemory();
   };
-  step();  // gets the memory
+  step();  // allocates memory
   for (auto _ : state) step();
   report(state, double(rows.entries()) * (pairs == Pairs::once ? 2 : 1));
 }
@@ -120,7 +120,7 @@ void keep_list(benchmark::State& state, Density density) {
   report(state, 2 * pairs);
 }
 
-// Of radius ½ and 5, without regard to who overlaps with whom.
+// Radii ½ and 5; overlaps are ignored.
 template <class Search>
 void lists_of_two_sizes(benchmark::State& state) {
   const auto n = static_cast<Index>(state.range(0));
@@ -143,7 +143,7 @@ void lists_of_two_sizes(benchmark::State& state) {
     search.build_rows(rows, Pairs::once);
     benchmark::ClobberMemory();
   };
-  step();  // gets the memory
+  step();  // allocates memory
   for (auto _ : state) step();
   report(state, 2 * double(rows.entries()));
 }
@@ -204,10 +204,10 @@ void nanoflann_lists(benchmark::State& state, Density density) {
 #endif
 
 template <class F>
-void add(const std::string& name, std::int64_t largest, benchmark::BigO complexity, F&& run) {
+void add(const std::string& name, std::int64_t max_size, benchmark::BigO complexity, F&& run) {
   auto* const family = benchmark::RegisterBenchmark(("contact_search/" + name).c_str(), run);
   for (const std::int64_t n : {1000, 10000, 100000, 1000000, 4000000}) {
-    if (n <= largest) family->Arg(n);
+    if (n <= max_size) family->Arg(n);
   }
   family->Complexity(complexity)->Unit(benchmark::kMillisecond)->UseRealTime();
 }

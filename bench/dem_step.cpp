@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Whole steps of DEM: dem_step/<scene>/<grains>, the scenes being those of scenes.hpp, under Silt's
-// own law, on all threads that OpenMP gives. The bed has a larger size than the others, for the
-// exponent.
+// Whole DEM steps: dem_step/<scene>/<grains>, with the scenes of scenes.hpp and Silt's own law, on
+// all OpenMP threads. The bed has a larger size than the others, for the scaling exponent.
 #include "program.hpp"
 #include "states.hpp"
 
@@ -16,7 +15,7 @@ namespace {
 
 using namespace bench;
 
-// What a flow does changes as it goes: the same steps for everyone.
+// A flow changes with time, so the number of steps is fixed.
 std::int64_t steps_of(std::int64_t grains) {
   return grains <= 4000 ? 2000 : grains <= 32000 ? 300 : grains <= 256000 ? 40 : 10;
 }
@@ -38,7 +37,7 @@ auto warm_simulation(Index n) {
 
 template <Scene scene>
 void step(benchmark::State& state) {
-  // Google Benchmark comes here once for every repetition; all start from one state.
+  // Called by Google Benchmark for every repetition; all start from the same state.
   static std::map<std::int64_t, decltype(warm_simulation<scene>(0))> warm;
   const std::int64_t n = state.range(0);
   if (!warm.contains(n)) {
@@ -46,7 +45,7 @@ void step(benchmark::State& state) {
     warm.emplace(n, warm_simulation<scene>(static_cast<Index>(n)));
   }
   auto simulation = warm.at(n);
-  simulation.step(time_step);  // the copy's memory is new
+  simulation.step(time_step);  // allocates memory, because this is a copy
   const auto rebuilds = simulation.search().rebuilds();
   for (auto _ : state) simulation.step(time_step);
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A contact law of one's own: the one that LAMMPS calls gran/hooke/history, so that both codes can
-// be given the same work.
+// A user-defined contact law: LAMMPS's gran/hooke/history, so that both codes do the same work.
 #pragma once
 
 #include <silt/core/types.hpp>
@@ -10,15 +9,15 @@
 
 namespace bench {
 
-/// Linear springs and dashpots along the normal and the tangent, and a slider, as LAMMPS's manual
-/// has them under `pair_style gran/hooke/history kn kt gamma_n gamma_t xmu dampflag`:
+/// Linear springs and dashpots in normal and tangential direction, and a slider, see
+/// `pair_style gran/hooke/history kn kt gamma_n gamma_t xmu dampflag` in LAMMPS's manual:
 ///   F_n = k_n δ − m* γ_n v_n,  F_t = −(k_t s + m* γ_t v_t),  |F_t| ≤ µ |F_n|
-/// s is the tangential motion summed over the contact's life; when it slips, s is cut back to what
-/// F_t leaves of it. Needs LeverArm::radius.
+/// s is the tangential displacement since the beginning of the contact; while it slips, s is
+/// reduced to the value that gives the limited F_t. Needs LeverArm::radius.
 struct HookeHistory {
   double kn = 0;       ///< k_n [N/m]
   double kt = 0;       ///< k_t [N/m], above 0
-  double gamma_n = 0;  ///< γ_n [1/s]: times m* it is a dashpot
+  double gamma_n = 0;  ///< γ_n [1/s]; m* γ_n is the dashpot coefficient
   double gamma_t = 0;  ///< γ_t [1/s]; 0 is LAMMPS's dampflag 0
   double xmu = 0;      ///< µ [-]
 

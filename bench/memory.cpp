@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-// What a simulation holds, and whether a warm step asks for memory: memory/<what>/<particles>.
+// Memory of a simulation, and allocations in later steps: memory/<what>/<particles>.
 //   bytes         on the heap after some steps, per particle
-//   peak          the most that the process has held since, per particle: pages of it
-//   allocations   of 100 (dem) or 10 (mps) further steps
+//   peak          maximum resident memory of the process meanwhile, per particle
+//   allocations   in another 100 (dem) or 10 (mps) steps
 #include "../tests/support/allocations.hpp"
 #include "program.hpp"
 #include "states.hpp"
@@ -27,7 +27,7 @@ double bytes_on_heap() {
   return double(info.uordblks) + double(info.hblkhd);
 }
 
-// Pages in use, now ("VmRSS") or at most since the last reset ("VmHWM") [bytes].
+// Resident memory now ("VmRSS") or its maximum since the last reset ("VmHWM") [bytes].
 double pages(const std::string& which) {
   std::ifstream status("/proc/self/status");
   std::string word;
@@ -38,7 +38,7 @@ double pages(const std::string& which) {
 }
 void reset_peak() { std::ofstream("/proc/self/clear_refs") << 5; }
 
-// Makes a simulation by `make`, steps it by `step`.
+// Creates a simulation with make() and advances it with step().
 template <class Make, class Step>
 void measure(benchmark::State& state, Make&& make, Step&& step, int warm, int further) {
   for (auto _ : state) {

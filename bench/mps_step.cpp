@@ -1,16 +1,15 @@
 // SPDX-License-Identifier: MIT
-// Whole steps of MPS: mps_step/<dimension>/<fluid particles> advances a dam break under case 10
-// with the pressure solved to 1e-6, on all threads that OpenMP gives. A column of water 0.4 m wide
-// and 0.8 m high stands in a tank 1.6 m long and 1.2 m high, with one layer of wall and four of
-// dummies.
+// Whole MPS steps: mps_step/<dimension>/<fluid particles> advances a dam break with case 10 and the
+// pressure solved to 1e-6, on all OpenMP threads. The column of water is 0.4 m wide and 0.8 m high,
+// the tank 1.6 m long and 1.2 m high, with one layer of wall particles and four of dummy particles.
 //
 //   2d/3200    spacing 10 mm      2d/51200   2.5 mm      radii of 3.1 spacings
-//   3d/102400  spacing 10 mm: the tank of 2d/3200, 32 spacings deep, with walls and dummies at the
-//              front and the back, too (380 500 particles in all); radii of 2.1 spacings, as is usual
-//              in 3D
+//   3d/102400  spacing 10 mm: the tank of 2d/3200, 32 spacings deep, with wall and dummy particles
+//              also at the front and the back (380 500 particles in all); radii of 2.1 spacings, as
+//              usual in 3D
 //
-// The time of a step is in four parts: search_ms (cells, and who is near whom), assembly_ms (of the
-// pressure equation, with the divergence), solve_ms (with its setup), and operators_ms, all else.
+// The time of a step has four parts: search_ms (cells and neighbour lists), assembly_ms (of the
+// pressure equation, with the divergence), solve_ms (with its setup), and operators_ms, the rest.
 #include <silt/measure/timed.hpp>
 #include <silt/mps.hpp>
 
@@ -27,7 +26,7 @@ namespace {
 using namespace silt;
 
 constexpr double width = 0.4;    // of the column [m]
-constexpr int first_steps = 40;  // from rest to a flow, with a pressure to start from
+constexpr int first_steps = 40;  // from rest to a flow, with an initial guess of the pressure
 
 template <int Dim>
 auto begin_dam_break(std::int64_t fluid) {
@@ -82,7 +81,7 @@ void step(benchmark::State& state) {
 template <int Dim>
 void add(std::int64_t fluid, std::int64_t steps) {
   const std::string name = "mps_step/" + std::to_string(Dim) + "d";
-  // The flow changes as it goes: the same steps for everyone.
+  // The flow changes with time, so the number of steps is fixed.
   benchmark::RegisterBenchmark(name.c_str(), step<Dim>)
       ->Arg(fluid)->Iterations(steps)->Unit(benchmark::kMillisecond)->UseRealTime();
 }

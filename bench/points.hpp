@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The particles that all benchmarks of one dimension share: as dense whatever their number, and the
-// same points for the same number.
+// Particles for the search benchmarks: the density does not depend on their number, and the same
+// number gives the same points.
 #pragma once
 
 #include <silt/core/lattice.hpp>
@@ -14,21 +14,20 @@
 
 namespace bench {
 
-/// A square (cubic) lattice whose points are moved at random along each axis, and who is near whom.
+/// A square (cubic) lattice with random displacements along each axis, and a search radius.
 enum class Density {
-  dense,  ///< grains of one diameter in a packing, nearly in contact: about 4 (6) neighbours
-  mps,    ///< fluid particles within the wider radius of MPS: about 29 (118) neighbours
+  dense,  ///< equal grains in a packing, nearly in contact: about 4 (6) neighbours
+  mps,    ///< fluid particles and the larger radius of MPS: about 29 (118) neighbours
 };
 
-/// Between points of the lattice; the diameter of a grain is 1.
+/// Spacing of the lattice; the diameter of a grain is 1.
 constexpr double spacing(Density density) { return density == Density::dense ? 0.97 : 1; }
-/// By how much a point is moved at most.
+/// Maximum displacement of a point.
 constexpr double jitter(Density density) { return density == Density::dense ? 0.04 : 0.2; }
 /// Search radius.
 constexpr double reach(Density density) { return density == Density::dense ? 1.05 : 3.1; }
 
-/// n of these particles. Their order in memory is random, as after a long run that never sorted its
-/// particles.
+/// n of these particles, in random order in memory, as after a long run without sorting.
 template <int Dim, class Real>
 silt::Particles<Dim, Real> particles(silt::Index n, Density density) {
   using Vec = silt::Vec<Dim, Real>;

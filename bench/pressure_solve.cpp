@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
-// Pressure solves by themselves: pressure_solve/<solver>/<tank>/<unknowns>, from zero to a residual
-// of 1e-6, on all threads that OpenMP gives. setup_ms and solve_ms are parts of the time (of eigen
-// all is solve_ms); the assembly is none of it.
+// Pressure solves alone: pressure_solve/<solver>/<tank>/<unknowns>, from zero to a residual of
+// 1e-6, on all OpenMP threads. setup_ms and solve_ms are parts of the time (for eigen, solve_ms is
+// the total); the assembly is not included.
 //
-// The tanks are full of fluid that was shaken off its lattice, and have about as many unknowns as
-// they say, in a square (cube):
-//   2d, 3d           open on top
-//   baffles_2d, …_3d open on top, with three walls across it, three quarters high and as thin as
-//                    keeps what is left and right of them apart
-//   closed_2d, …_3d  with a lid, and no surface at all: pressure up to a constant
+// The tanks are squares (cubes) full of fluid particles displaced from a lattice, with about the
+// given number of unknowns:
+//   2d, 3d           open at the top
+//   baffles_2d, …_3d open at the top, with three vertical walls, three quarters of the height, just
+//                    thick enough to separate the fluid on both sides
+//   closed_2d, …_3d  with a lid, without a free surface: pressure up to a constant
 // The radius is that of mps_step.cpp: 3.1 spacings in 2D, 2.1 in 3D.
 #include <silt/mps.hpp>
 #include <silt/solve/eigen_conjugate_gradient.hpp>
@@ -71,9 +71,9 @@ double now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-// A preconditioner that notes how long it was prepared [s].
+// A preconditioner that measures its setup time [s].
 template <class M>
-struct Noting : M {
+struct Timed : M {
   double setup = 0;
   void prepare(const LinearSystem& system) {
     const double begin = now();
@@ -88,10 +88,10 @@ void solve(benchmark::State& state, Shape shape) {
   Solver solver({.tolerance = 1e-6});
   const auto setup_so_far = [&solver] {
     if constexpr (requires { solver.preconditioner().setup; }) return solver.preconditioner().setup;
-    return 0.0;  // not told: it is among the solve
+    return 0.0;  // unknown: included in the solve
   };
   std::vector<double> x(system.size(), 0);
-  SolveReport report = solver.solve(system, x);  // memory is new in the first
+  SolveReport report = solver.solve(system, x);  // the first solve allocates memory
   const double cold = setup_so_far();
   const double begin = now();
   for (auto _ : state) {
@@ -111,22 +111,22 @@ void solve(benchmark::State& state, Shape shape) {
 }
 
 template <class Solver, int Dim>
-void add(const std::string& solver, const std::string& tank, Shape shape, std::int64_t most) {
+void add(const std::string& solver, const std::string& tank, Shape shape, std::int64_t max_size) {
   const std::string name = "pressure_solve/" + solver + "/" + tank + std::to_string(Dim) + "d";
   auto* benchmark = benchmark::RegisterBenchmark(name.c_str(), solve<Solver, Dim>, shape);
   for (const std::int64_t n : {1000, 3000, 10000, 30000, 100000, 300000, 1000000}) {
-    if (n <= most) benchmark->Arg(n);
+    if (n <= max_size) benchmark->Arg(n);
   }
   benchmark->Unit(benchmark::kMillisecond)->UseRealTime();
 }
 
 template <class M>
-using With = ConjugateGradient<Noting<M>>;
+using With = ConjugateGradient<Timed<M>>;
 
 template <class Solver>
-void add_open(const std::string& solver, std::int64_t most) {
-  add<Solver, 2>(solver, "", Shape::open, most);
-  add<Solver, 3>(solver, "", Shape::open, most);
+void add_open(const std::string& solver, std::int64_t max_size) {
+  add<Solver, 2>(solver, "", Shape::open, max_size);
+  add<Solver, 3>(solver, "", Shape::open, max_size);
 }
 
 template <int Dim>
@@ -138,7 +138,7 @@ void add_multigrid() {
 }
 
 #ifdef SILT_BENCH_HYPRE
-// What suits it best here, found by trying: in these stencils no neighbour stands out.
+// The best threshold found by trial: in these stencils, all neighbours have similar weights.
 struct Hypre : BoomerAmg {
   Hypre() : BoomerAmg({.strong_threshold = 0.1}) {}
 };

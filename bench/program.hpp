@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The main function of a benchmark. It notes what Google Benchmark does not: compiler and flags.
+// The main function of a benchmark. It also records the compiler and its flags.
 #pragma once
 
 #include <benchmark/benchmark.h>

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Turns what the benchmarks measured into tables, beside the targets.
+"""Writes the results of the benchmarks as tables, with the targets.
 
     report.py FOLDER         reads FOLDER/*.json, writes FOLDER/report.md and prints it
-    report.py FOLDER PAGE    also puts it between the two comments in PAGE that ask for it
+    report.py FOLDER PAGE    also inserts it in PAGE, between its two comments for that purpose
 
-A benchmark's file is NAME.THREADS.json; lammps.json comes from against/lammps/compare.py.
+The file of a benchmark is NAME.THREADS.json; lammps.json is written by against/lammps/compare.py.
 """
 
 import dataclasses
@@ -27,7 +27,7 @@ FIGURES_OF_THE_RUN = {
 
 @dataclasses.dataclass
 class Measured:
-    """One size of one family on a number of threads."""
+    """Results for one size of one family with a number of threads."""
 
     seconds: float
     particles: int
@@ -39,18 +39,18 @@ class Measured:
 
 
 class Results:
-    """families[name][threads][size] → Measured; the medians where runs were repeated."""
+    """families[name][threads][size] → Measured; medians of repeated runs."""
 
     def __init__(self, folder):
         self.families, self.context, self.lammps = {}, {}, None
         for file in sorted(folder.glob("*.json")):
             text = file.read_text(encoding="utf-8")
             if not text.strip():
-                continue  # its benchmark had nothing that the filter wanted
+                continue  # the filter selected no benchmark
             try:
                 content = json.loads(text)
             except json.JSONDecodeError as error:
-                sys.exit(f"report.py: {file} is broken off ({error}); run its benchmark again")
+                sys.exit(f"report.py: {file} is incomplete ({error}); run its benchmark again")
             if file.name == "lammps.json":
                 self.lammps = content
                 continue
@@ -63,11 +63,11 @@ class Results:
         if result.get("error_occurred") or result.get("aggregate_name", "median") != "median":
             return
         if result.get("run_type") == "iteration" and result.get("repetitions", 1) > 1:
-            return  # its median comes later
+            return  # its median follows
         name = re.fullmatch(r"(.*?)/(\d+)((/\w+:\d+)*)(/real_time)?", result["run_name"])
         if not name:
             return
-        # One thread's own time, whatever else the machine does; of several, the wall's.
+        # CPU time of one thread, which excludes other load; wall-clock time of several threads.
         clock = "cpu_time" if threads == 1 else "real_time"
         seconds = result[clock] * SECONDS[result["time_unit"]]
         size = int(name[2])
@@ -89,11 +89,11 @@ class Results:
         measured = self.at(family, size, threads)
         return measured and 1e3 * measured.seconds
 
-    def exponent(self, family, least=3000):
-        """k of time = c N^k, fitted over the sizes from `least` on."""
+    def exponent(self, family, min_size=3000):
+        """k of time = c N^k, fitted to sizes of at least `min_size`."""
         points = [(math.log(each.particles), math.log(each.seconds))
                   for each in self.families.get(family, {}).get(1, {}).values()
-                  if each.particles >= least]
+                  if each.particles >= min_size]
         if len(points) < 2:
             return None
         n, t = (statistics.mean(values) for values in zip(*points))
@@ -126,7 +126,7 @@ def of_program(results, program):
 
 
 def by_size(results, program, sizes):
-    """Nanoseconds per particle, a column each size."""
+    """Nanoseconds per particle, one column per size."""
     rows = []
     for family in of_program(results, program):
         largest = max(results.families[family].get(1, {0: 0}))
@@ -140,7 +140,7 @@ def by_size(results, program, sizes):
 
 
 def by_row(results, program):
-    """A row each size, with all counters."""
+    """One row per size, with all counters."""
     rows, counters = [], []
     for family in of_program(results, program):
         for of_threads in results.families[family].values():
@@ -215,7 +215,7 @@ def lammps_ratio(results, scene, grains, cores):
 
 
 def of_memory(results, kind):
-    """The most of any simulation of this kind."""
+    """Maximum bytes per particle of the simulations of this kind."""
     held = [max(each.counters["bytes"], each.counters["peak"])
             for family in of_program(results, "memory") if family.startswith(f"memory/{kind}")
             for each in results.families[family].get(1, {}).values()]
@@ -230,11 +230,11 @@ def max_iterations(results, tanks):
     return max(counts, default=None)
 
 
-MORE, LESS = True, False  # is better
+MORE, LESS = True, False  # which is better
 
 
 def targets(results):
-    """(what, is more better, at least, aim, measured)."""
+    """(quantity, whether more is better, minimum target, aim, measured)."""
     yield from search_targets(results)
     for scene in ("bed", "gas", "chute"):
         for grains in (32000, 256000):
@@ -282,12 +282,12 @@ def search_targets(results):
 
 
 def two_thread_targets(results):
-    """The least of each program, above 3·10⁴ particles."""
+    """Minimum and median of each program, for more than 3·10⁴ particles."""
     for program in ("contact_search", "dem_step", "mps_step", "pressure_solve"):
         gains = {}
         for family in of_program(results, program):
             if any(word in family for word in ("brute_force", "nanoflann", "hypre", "/ic/")):
-                continue  # have one thread
+                continue  # single-threaded
             for size, each in results.families[family].get(1, {}).items():
                 if each.particles > 30000 and results.speed_up(family, size):
                     gains[f"{family}/{size}"] = results.speed_up(family, size)

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-// Flows of equal spheres that the benchmarks of DEM share:
+// Flows of equal spheres for the DEM benchmarks:
 //   bed     settled on a floor under gravity, between periodic sides
 //   chute   the same, flowing down 26 degrees
-//   gas     a solid fraction of 0.3 in motion, periodic along all axes
+//   gas     in motion, with a solid fraction of 0.3, periodic along all axes
 //   discs   a bed in two dimensions
 //
-// Diameter, mass and gravity are 1, as in the chute of LAMMPS's own benchmarks, and so are
-// stiffness, damping, friction and time step.
+// Diameter, mass and gravity are 1. These, stiffness, damping, friction and time step are those of
+// the chute in LAMMPS's own benchmarks.
 #pragma once
 
 #include "hooke_history.hpp"
@@ -25,7 +25,7 @@ namespace bench {
 using silt::Index;
 using Vec3 = silt::Vec<3>;
 
-inline constexpr double time_step = 1e-4;  // a contact takes 50 of them
+inline constexpr double time_step = 1e-4;  // 50 steps per contact
 inline constexpr double mass_density = 6 / std::numbers::pi;
 inline constexpr HookeHistory hooke_history{
     .kn = 2e5, .kt = 2e5 * 2 / 7, .gamma_n = 50, .gamma_t = 25, .xmu = 0.5};
@@ -51,12 +51,12 @@ inline Vec3 gravity_of(Scene scene) {
   return {std::sin(slope), 0, -std::cos(slope)};
 }
 
-/// Axes that are periodic: the first ones.
+/// Number of periodic axes, which are the first ones.
 constexpr int periodic_axes(Scene scene) {
   return scene == Scene::gas ? 3 : scene == Scene::discs ? 1 : 2;
 }
 
-/// Discs move in the plane of x and z.
+/// Discs move in the x–z plane.
 struct Body {
   Vec3 x = Vec3::Zero(), v = Vec3::Zero(), w = Vec3::Zero();
   double diameter = 1;
@@ -68,7 +68,7 @@ struct State {
 };
 
 template <int Dim>
-silt::Vec<Dim> in_space_of(const Vec3& a) {
+silt::Vec<Dim> components_of(const Vec3& a) {
   if constexpr (Dim == 2) return {a[0], a[2]};
   else return a;
 }
@@ -86,9 +86,9 @@ silt::dem::Grains<Dim> grains_of(const State& state, int periodic) {
   grains.reserve(state.bodies.size());
   for (const auto& [x, v, w, diameter] : state.bodies) {
     const Index i = silt::dem::add_grain(
-        grains, in_space_of<Dim>(x),
+        grains, components_of<Dim>(x),
         {.radius = diameter / 2, .density = mass_density, .shape = silt::dem::Shape::sphere});
-    grains[silt::velocity][i] = in_space_of<Dim>(v);
+    grains[silt::velocity][i] = components_of<Dim>(v);
     if constexpr (Dim == 2) grains[silt::spin][i] = -w[1];
     else grains[silt::spin][i] = w;
   }
@@ -123,7 +123,7 @@ template <int Dim = 3, class Law, class Damping = silt::NoDamping>
 auto on_floor(const State& state, Scene scene, Law law, Damping damping = {}) {
   using namespace silt;
   return Simulation{grains_of<Dim>(state, periodic_axes(scene)), NeighbourList<Dim>{},
-                    Forces{Gravity<Dim>{in_space_of<Dim>(gravity_of(scene))},
+                    Forces{Gravity<Dim>{components_of<Dim>(gravity_of(scene))},
                            dem::Contacts{law, dem::Plane<Dim>{}}.with(settings_for<Law>())},
                     Leapfrog{damping}};
 }
@@ -134,7 +134,7 @@ auto in_space(const State& state, Law law) {
                     dem::Contacts{law}.with(settings_for<Law>()), Leapfrog{}};
 }
 
-/// The contacts among the interactions of either kind.
+/// The contact interaction of either kind of simulation.
 template <class Interaction>
 const auto& contacts_of(const Interaction& interaction) {
   if constexpr (requires { interaction.template part<1>(); }) {

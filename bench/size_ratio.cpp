@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
-// Steps of DEM with grains of many sizes: size_ratio/<search>/<ratio>, the ratio being that of the
-// largest radius to the smallest, with the same mass in each tenth of that range. What a contact
-// takes should hardly depend on it.
+// DEM steps with polydisperse grains: size_ratio/<search>/<ratio>, with the ratio of the largest to
+// the smallest radius, and the same mass in each tenth of that range. The time per contact should
+// hardly depend on the ratio.
 //
-// Grains are scattered in a periodic cube, and then grow until each touches a few; they quiver.
+// Grains are scattered in a periodic cube, then enlarged until each has a few contacts, with small
+// random velocities.
 #include "program.hpp"
 
 #include <silt/dem.hpp>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The states that the scenes start from. Each is made once, and kept in a file that LAMMPS reads,
-// too: a tile of 4000 (1250) grains, repeated along the periodic axes, every grain then pushed at
-// random, all in random order, so that each code has to find an order in memory by itself.
+// Initial states of the scenes. Each is computed once and kept in a file that LAMMPS also reads: a
+// tile of 4000 (1250) grains, repeated along the periodic axes, with random velocities added and in
+// random order, so that each code has to sort the grains in memory by itself.
 #pragma once
 
 #include "scenes.hpp"
@@ -47,10 +47,10 @@ class Random {
   std::mt19937_64 engine_;
 };
 
-/// Steps until the mean kinetic energy of a grain is below `energy`, at most `most` steps.
+/// Steps until the mean kinetic energy of a grain is below `energy`, at most `max_steps` times.
 template <class Simulation>
-void settle(Simulation& bed, double dt, double energy, int most) {
-  for (int step = 0; step < most; ++step) {
+void settle(Simulation& bed, double dt, double energy, int max_steps) {
+  for (int step = 0; step < max_steps; ++step) {
     bed.step(dt);
     if (step % 500 != 0) continue;
     double sum = 0;
@@ -59,7 +59,7 @@ void settle(Simulation& bed, double dt, double energy, int most) {
   }
 }
 
-// Grains fall, in disorder, onto 14 × 14 (25).
+// Disordered grains fall onto a floor of 14 × 14 (25).
 template <int Dim>
 State settled_tile(Scene scene) {
   Random random(2011);
@@ -81,7 +81,7 @@ State settled_tile(Scene scene) {
   return state;
 }
 
-// The settled tile, set in motion, flows until its contacts have become those of the flow.
+// The settled tile is set in motion, and runs until the flow is developed.
 inline State flowing_tile(State state) {
   Random random(26);
   for (Body& body : state.bodies) body.v = 0.5 * random.normal() + Vec3(1 + body.x[2] / 2, 0, 0);
@@ -91,7 +91,7 @@ inline State flowing_tile(State state) {
   return state;
 }
 
-// 4000 grains thrown into a cube one after the other, each where it touches no other.
+// 4000 grains placed at random in a cube, without contacts.
 inline State gas_tile() {
   Random random(30);
   constexpr Index n = tile_size(Scene::gas);
@@ -111,8 +111,8 @@ inline State gas_tile() {
   return state;
 }
 
-/// 2^k = `times` copies of the tile, along the periodic axes in turn; every grain pushed by a
-/// random velocity of the given size, and all in random order.
+/// 2^k = `times` copies of the tile, along the periodic axes in turn, in random order. A random
+/// velocity with standard deviation `push` is added to every grain.
 inline State repeated(State state, Index times, int axes, double push) {
   for (int axis = 0; times > 1; axis = (axis + 1) % axes, times /= 2) {
     const double length = state.upper[axis] - state.lower[axis];
@@ -134,7 +134,7 @@ inline State repeated(State state, Index times, int axes, double push) {
 
 // --- files ---------------------------------------------------------------------------------------
 
-/// Writes what LAMMPS's read_data reads with atom_style sphere.
+/// Writes a file for LAMMPS's read_data with atom_style sphere.
 inline void write(const State& state, const std::filesystem::path& path) {
   std::filesystem::create_directories(path.parent_path());
   const auto unfinished = path.string() + ".part";
@@ -163,7 +163,7 @@ inline void write(const State& state, const std::filesystem::path& path) {
   std::filesystem::rename(unfinished, path);
 }
 
-/// Reads what write() wrote.
+/// Reads a file of write().
 inline State read(const std::filesystem::path& path) {
   std::ifstream file(path);
   State state;
@@ -208,8 +208,8 @@ inline State make_state(Scene scene, Index n) {
   return repeated(state_of(scene, 0), n / tile_size(scene), periodic_axes(scene), push);
 }
 
-/// The state with 2^k tiles of grains, n in all, from its file, which is made if it is not there;
-/// 0: the tile.
+/// The state with n grains in 2^k tiles, or for n = 0 the tile, from its file, which is created if
+/// it does not exist.
 inline State state_of(Scene scene, Index n) {
   const auto path = file_of(scene, n);
   if (!std::filesystem::exists(path)) write(make_state(scene, n), path);

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
-// A beam of bonded grains, held at one end, bends under a weight hung from its other end: the
-// deflection is Timoshenko's. Then the weight is made heavier until a bond breaks, at the root and
-// at the load that the strength says.
+// A cantilever beam of bonded grains with a load at its free end. The deflection is compared with
+// Timoshenko's theory. Then the load is increased until a bond breaks, which should be the one at
+// the root, at the load given by the strength.
 #include <silt/dem.hpp>
 
 #include <cmath>
 #include <cstdio>
 
-struct Weight {  // hangs from one grain
+struct Weight {  // acts on one grain
   silt::Id grain = 0;
   double load = 0;  ///< [N]
 
@@ -30,20 +30,21 @@ const silt::dem::ParallelBond cement{.normal_stiffness = 1e9,
                                      .tangential_stiffness = 4e8,
                                      .tensile_strength = 1e5};
 
-// The beam under a load, after it has come to rest or broken.
+// The beam under a load, at rest or broken.
 auto beam_under(double load) {
   using namespace silt;
   dem::Grains<2> grains;
   for (Index i = 0; i <= sections; ++i) {
     dem::add_grain(grains, {2 * R * double(i), 0}, {.radius = R, .density = 2500});
   }
-  grains[mass][0] *= 1e12;  // so heavy that it stands still
+  grains[mass][0] *= 1e12;  // so heavy that it is fixed
   grains[inertia][0] *= 1e12;
   dem::Bonds<2> bonds{cement};
   bonds.bond_all_touching(grains, UniformGrid<2>{});
   Simulation beam{grains, UniformGrid<2>{}, Forces{bonds, Weight{sections, load}},
                   Leapfrog{GlobalDamping{.alpha = 100}}};
-  const double dt = 5 * beam.time_step();  // nothing swings as fast as one bond alone could
+  // All modes of the beam are slower than the single bond that determines time_step().
+  const double dt = 5 * beam.time_step();
   while (beam.time() < 0.3 && beam.interaction().part<0>().bonds().size() == sections) {
     beam.step(dt);
   }
@@ -59,20 +60,20 @@ int main() try {
   const double beam_theory = load * length * length * length / (3 * E * section.bending) +
                              load * length / (G * section.area);
   const auto& grains = beam.particles();
-  std::printf("under %g N the tip sinks by %.3f mm; a Timoshenko beam's by %.3f mm\n", load,
+  std::printf("under %g N the tip deflects by %.3f mm; a Timoshenko beam by %.3f mm\n", load,
               -1e3 * grains[position][grains.index_of(sections)][1], 1e3 * beam_theory);
 
   // M R̄/I at the first section, half a grain's diameter from the wall.
-  const double strongest =
+  const double strength =
       cement.tensile_strength * section.bending / section.radius / (length - R);
-  double broke_at = 0;
-  for (double heavier = 0.9 * strongest; broke_at == 0; heavier += 0.02 * strongest) {
-    const auto heavy = beam_under(heavier);
-    const auto& bonds = heavy.interaction().part<0>();
+  double breaking_load = 0;
+  for (double trial = 0.9 * strength; breaking_load == 0; trial += 0.02 * strength) {
+    const auto loaded = beam_under(trial);
+    const auto& bonds = loaded.interaction().part<0>();
     if (bonds.bonds().size() == sections) continue;
-    broke_at = heavier;
-    std::printf("under %.0f N it breaks %s; the strength of its first section is %.0f N\n", heavier,
-                bonds.is_bonded({0, 1}) ? "on its way" : "at the root", strongest);
+    breaking_load = trial;
+    std::printf("under %.0f N it breaks %s; the strength of its first section is %.0f N\n", trial,
+                bonds.is_bonded({0, 1}) ? "away from the root" : "at the root", strength);
   }
 } catch (const silt::Error& error) {
   std::fprintf(stderr, "%s\n", error.what());

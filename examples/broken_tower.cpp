@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-// The broken tower: discs (2D) or spheres (3D) stacked in a square pattern on a rough floor
-// collapse after one more fell on the top. With global damping none is thrown off, without it
-// (--alpha 0) some are.
+// The broken tower: discs (2D) or spheres (3D), stacked in a square lattice on a rough floor,
+// collapse after another grain falls on the top. With global damping no grain is thrown off;
+// without it (--alpha 0) some are.
 //
 // After J.-Y. Sah, J.-W. Choi, "Analysis of Granular Flow Using DEM", Figs 9 and 10. The paper
-// gives no sizes; those here are ours, and --help says why they are what they are.
+// gives no parameters; --help gives the reasons for those used here.
 //
 //   broken_tower --out out/broken_tower
 //   broken_tower --out out/broken_tower/undamped --alpha 0
@@ -38,7 +38,7 @@ namespace {
 using namespace silt;
 
 constexpr double g = 9.81;  // [m/s²]
-constexpr int up = 1;       // the vertical axis, in 3D, too
+constexpr int up = 1;       // the vertical axis, also in 3D
 
 struct Options {
   int dimension = 2;
@@ -59,8 +59,8 @@ struct Options {
   std::string out = "out/broken_tower";
   support::Resume resume = {};
 
-  int grains_a_row() const { return dimension == 2 ? columns : columns * depth; }
-  Index grains() const { return static_cast<Index>(rows) * static_cast<Index>(grains_a_row()); }
+  int grains_per_row() const { return dimension == 2 ? columns : columns * depth; }
+  Index grains() const { return static_cast<Index>(rows) * static_cast<Index>(grains_per_row()); }
   double stiffness() const { return normal_stiffness.value_or(dimension == 2 ? 1e6 : 3e4); }
   double grain_mass() const {
     const double disc = density * std::numbers::pi * radius * radius;
@@ -68,8 +68,8 @@ struct Options {
   }
   double grain_weight() const { return grain_mass() * g; }
   double height() const { return 2 * radius * rows; }
-  // In which a disturbance goes from one grain to the next, √(m/k).
-  double time_a_layer() const { return std::sqrt(grain_mass() / stiffness()); }
+  // Time in which a disturbance travels from one grain to the next, √(m/k).
+  double time_per_layer() const { return std::sqrt(grain_mass() / stiffness()); }
 };
 
 void describe(CLI::App& app, Options& o) {
@@ -81,27 +81,29 @@ void describe(CLI::App& app, Options& o) {
   const CLI::Validator any = support::finite();
   app.option_defaults()->always_capture_default();
   add("--dimension", o.dimension, "2: discs of unit thickness; 3: spheres", between({2, 3}));
-  add("--columns", o.columns, "grains beside one another", between({1, 10000}));
-  add("--depth", o.depth, "spheres behind one another, in 3D", between({1, 10000}));
-  add("--rows", o.rows, "grains above one another; with 10 columns, 30 rows are tall enough to "
-      "fail from within and wide enough to leave a heap", between({1, 10000}));
-  add("--radius", o.radius, "of a grain [m]", positive());
-  add("--density", o.density, "of a grain [kg/m3], stone", positive());
-  add("--normal-stiffness", o.normal_stiffness, "of a contact [N/m]; by default 1e6 in 2D and 3e4 "
-      "in 3D: the weight of 30 rows presses the lowest contacts by 2 % of a diameter", positive());
-  add("--friction-angle", o.friction_angle, "between grains and with the floor [degrees]; on a "
-      "smoother floor the whole heap slides, and no disc is far from the others",
+  add("--columns", o.columns, "width of the tower [grains]", between({1, 10000}));
+  add("--depth", o.depth, "depth of the tower in 3D [grains]", between({1, 10000}));
+  add("--rows", o.rows, "height of the tower [grains]; with 10 columns, 30 rows are tall enough to "
+      "fail internally and wide enough to leave a heap", between({1, 10000}));
+  add("--radius", o.radius, "radius of a grain [m]", positive());
+  add("--density", o.density, "density of a grain [kg/m3]; the default is that of stone",
+      positive());
+  add("--normal-stiffness", o.normal_stiffness, "stiffness of a contact [N/m]; default 1e6 in 2D "
+      "and 3e4 in 3D, where 30 rows compress the lowest contacts by 2 % of a diameter", positive());
+  add("--friction-angle", o.friction_angle, "friction angle between grains and with the floor "
+      "[degrees]; on a smoother floor the whole heap slides, and no disc separates from it",
       between({0, 89}));
-  add("--restitution", o.restitution, "of a contact [-]; hard grains lose little at a contact, so "
-      "that global damping makes the difference", between({0.01, 1}));
-  add("--alpha", o.alpha, "global damping [1/s]; 0: none. The default stops a rolling disc within "
-      "a second, and hardly slows the fall, which takes half a second", not_negative());
-  add("--drop-height", o.drop_height, "of the falling grain above the top [m]", positive());
-  add("--offset", o.offset, "of the falling grain from the tower's axis, to the right [m]; 0: all "
-      "is symmetric", any);
-  add("--until", o.until, "end of the run [s]; grains that were thrown off must have the time to "
-      "get away from the others", positive());
-  add("--output-every", o.output_every, "time between frames, and between rows of the tables [s]",
+  add("--restitution", o.restitution, "coefficient of restitution [-]; the default loses little "
+      "energy per contact, so that the effect of global damping is visible", between({0.01, 1}));
+  add("--alpha", o.alpha, "global damping [1/s], 0: none; the default stops a rolling disc within "
+      "a second, but hardly slows the fall, which takes half a second", not_negative());
+  add("--drop-height", o.drop_height, "initial height of the falling grain above the top [m]",
+      positive());
+  add("--offset", o.offset, "distance of the falling grain from the tower's axis, to the right "
+      "[m]; 0: symmetric", any);
+  add("--until", o.until, "end of the run [s]; long enough for grains that are thrown off to "
+      "separate from the heap", positive());
+  add("--output-every", o.output_every, "time between frames and between rows of the tables [s]",
       positive());
   add("--threads", o.threads, support::threads_help, between({0, 1024}));
   app.add_option("--out", o.out,
@@ -109,15 +111,15 @@ void describe(CLI::App& app, Options& o) {
   support::describe_resume(app, o.resume);
 }
 
-void check_together(const Options& o) {
+void check_combination(const Options& o) {
   if (double(o.rows) * o.columns * (o.dimension == 2 ? 1 : o.depth) > 1e6) {
-    throw support::Refusal("--columns times --rows (times --depth) must be at most 1e6");
+    throw support::OptionError("--columns times --rows (times --depth in 3D) must not exceed 1e6");
   }
-  const double softest = 5 * o.rows * o.grain_weight() / o.radius;
-  if (o.stiffness() < softest) {
-    throw support::Refusal("--normal-stiffness " + to_text(o.stiffness()) +
-                           " is too soft for the weight of the tower; give at least " +
-                           to_text(softest));
+  const double min_stiffness = 5 * o.rows * o.grain_weight() / o.radius;
+  if (o.stiffness() < min_stiffness) {
+    throw support::OptionError("--normal-stiffness " + to_text(o.stiffness()) +
+                               " is too low for the weight of the tower; use at least " +
+                               to_text(min_stiffness));
   }
 }
 
@@ -130,14 +132,14 @@ Vec<Dim> point(double across, double height, [[maybe_unused]] double deep) {
   }
 }
 
-// From the tower's axis.
+// Horizontal distance from the tower's axis.
 template <class V>
 double distance(const V& x) {
   return V::RowsAtCompileTime == 2 ? std::abs(x[0]) : std::hypot(x[0], x[x.size() - 1]);
 }
 
-// Layer by layer from the floor up, each contact already pressed by the weight above it, so that
-// the tower begins at rest in its own equilibrium. The last grain is the one that falls.
+// Built layer by layer from the floor up, each contact compressed by the weight above it, so that
+// the tower is initially in equilibrium. The last grain is the falling one.
 template <int Dim>
 dem::Grains<Dim> make_tower(const Options& o) try {
   const dem::Grain grain{.radius = o.radius, .density = o.density};
@@ -158,11 +160,11 @@ dem::Grains<Dim> make_tower(const Options& o) try {
   dem::add_grain(grains, point<Dim>(o.offset, height + 2 * o.radius + o.drop_height, 0), grain);
   return grains;
 } catch (const Error& error) {
-  throw support::Refusal(error.what());
+  throw support::OptionError(error.what());
 }
 
-// Writes energy.csv, and compares the loads inside the tower with the weight above, i m g, for as
-// long as the grain is falling.
+// Writes energy.csv and, until the grain lands, compares the loads inside the tower with the weight
+// above, i m g.
 template <int Dim>
 class Ledger {
  public:
@@ -209,17 +211,17 @@ class Ledger {
     archive("layer_error", layer_error_);
   }
 
-  /// Added up over all steps [-].
+  /// Sum over all steps [-].
   double contacts() const { return contacts_; }
-  /// Force on the floor over the weight of the tower, last seen before the grain lands [-].
+  /// Force on the floor over the weight of the tower, just before the grain lands [-].
   double floor_load() const { return floor_load_; }
   /// Largest deviation of a contact's force from the weight above it before the grain lands [-].
   double layer_error() const { return layer_error_; }
 
  private:
-  // What the contacts under a grain of the tower carry [N].
+  // Load on the contacts below a grain of the tower [N].
   double load_below(Id grain) const {
-    const double layer = double(grain / static_cast<Id>(options_.grains_a_row()));
+    const double layer = double(grain / static_cast<Id>(options_.grains_per_row()));
     return (options_.rows - layer) * options_.grain_weight();
   }
 
@@ -230,9 +232,9 @@ class Ledger {
   double layer_error_ = 0;
 };
 
-// The disturbance on its way down: the force on the floor at every step after the grain has landed,
-// in floor.csv. The front of a pulse in a chain of masses and springs passes one of them in √(m/k);
-// it has come where the force on the floor has risen by half of what it will.
+// The disturbance that travels down: the force on the floor at every step after the grain has
+// landed, in floor.csv. The front of a pulse in a chain of masses and springs travels one mass per
+// √(m/k); it arrives when the force on the floor has risen by half of its maximum.
 template <int Dim>
 class Wave {
  public:
@@ -241,11 +243,11 @@ class Wave {
 
   template <class Sim>
   void operator()(const Sim& simulation) {
-    if (simulation.steps() == 0) table_.begin();  // the first row comes late, or never
+    if (simulation.steps() == 0) table_.begin();  // there may be no row for a long time
   }
   template <class Sim, class Run>
   void after_step(const Sim& simulation, const Run&) {
-    // Contacts are those that the step began with.
+    // The contacts are those at the beginning of the step.
     const double time = simulation.time() - simulation.last_time_step();
     if (time < 0.9 * std::sqrt(2 * options_.drop_height / g)) return;
     if (has_landed() && since(time) > 3) return;
@@ -275,38 +277,39 @@ class Wave {
     archive("signal", signal_);
   }
 
-  /// When the falling grain first touches the tower [s].
+  /// Time of the first contact of the falling grain with the tower [s].
   double landing() const { return landing_; }
-  /// Of the disturbance at the floor, after that [s].
+  /// Arrival of the disturbance at the floor, after the landing [s].
   double arrival() const {
     if (signal_.empty() || since(landing_ + signal_.back().time) < 2) return nan;
-    const double half = highest() / 2;
+    const double half = max_force() / 2;
     for (std::size_t k = 1; k < signal_.size(); ++k) {
       const auto& [t, force] = signal_[k];
-      const auto& before = signal_[k - 1];
+      const auto& previous = signal_[k - 1];
       if (force < half) continue;
-      return before.time + (t - before.time) * (half - before.force) / (force - before.force);
+      return previous.time +
+             (t - previous.time) * (half - previous.force) / (force - previous.force);
     }
     return nan;
   }
-  /// Of the force on the floor until the pulse that it sent back could have returned, beyond the
-  /// tower's weight and over that of a grain [-].
-  double peak() const { return signal_.empty() ? nan : highest() / options_.grain_weight(); }
+  /// Maximum force on the floor before the reflected pulse can return, minus the tower's weight,
+  /// over the weight of a grain [-].
+  double peak() const { return signal_.empty() ? nan : max_force() / options_.grain_weight(); }
 
  private:
   static constexpr double nan = std::numeric_limits<double>::quiet_NaN();
   struct Sample {
     double time;   // since the landing [s]
-    double force;  // beyond that at rest [N]
+    double force;  // minus the force at rest [N]
   };
 
   bool has_landed() const { return is_finite(landing_); }
 
-  // In times that the pulse takes from the top to the floor.
+  // Time since the landing, in units of the travel time of the pulse from the top to the floor.
   double since(double time) const {
-    return (time - landing_) / (options_.rows * options_.time_a_layer());
+    return (time - landing_) / (options_.rows * options_.time_per_layer());
   }
-  double highest() const {
+  double max_force() const {
     double force = 0;
     for (const Sample& sample : signal_) {
       if (since(landing_ + sample.time) < 2) force = std::max(force, sample.force);
@@ -317,11 +320,11 @@ class Wave {
   Options options_;
   CsvFile table_;
   double landing_ = nan;  // [s]
-  double rest_ = 0;  // force on the floor before [N]
+  double rest_ = 0;       // force on the floor before the landing [N]
   std::vector<Sample> signal_;
 };
 
-// How the lowest layer and the heap spread along the floor, in spreading.csv.
+// Spreading of the lowest layer and of the heap along the floor, in spreading.csv.
 template <int Dim>
 class Spreading {
  public:
@@ -334,7 +337,7 @@ class Spreading {
   void operator()(const Sim& simulation) {
     const auto& grains = simulation.particles();
     const auto x = grains[position];
-    const auto basal = static_cast<Index>(options_.grains_a_row());
+    const auto basal = static_cast<Index>(options_.grains_per_row());
     std::vector<Vec<Dim>> lowest(basal);
     std::vector<double> distances, heights;
     for (Index i = 0; i < grains.size(); ++i) {
@@ -354,9 +357,9 @@ class Spreading {
     }
     time_ = simulation.time();
     front_ = front;
-    half_width_ = holds_95_percent(distances);
+    half_width_ = percentile_95(distances);
     if (time_ == 0) first_half_width_ = half_width_;
-    table_.row({time_, moved_, front, half_width_, holds_95_percent(heights)});
+    table_.row({time_, moved_, front, half_width_, percentile_95(heights)});
   }
   template <class Archive>
   void transfer(Archive& archive) {
@@ -370,24 +373,24 @@ class Spreading {
     archive("first_half_width", first_half_width_);
   }
 
-  /// Share of the lowest layer that is a radius away from where it was [-].
+  /// Fraction of the lowest layer that has moved by more than a radius [-].
   double basal_moved() const { return moved_; }
   /// Largest speed of the outermost grain of the lowest layer between outputs [m/s].
   double front_speed() const { return speed_; }
-  /// Half of the heap's width, which holds 95 % of the grains, over the tower's [-].
+  /// Half width of the heap, containing 95 % of the grains, over that of the tower [-].
   double widening() const { return half_width_ / first_half_width_; }
 
  private:
-  static double holds_95_percent(std::vector<double>& values) {
+  static double percentile_95(std::vector<double>& values) {
     const auto last = (values.size() * 95 + 99) / 100 - 1;
-    const auto at = values.begin() + static_cast<std::ptrdiff_t>(last);
-    std::nth_element(values.begin(), at, values.end());
-    return *at;
+    const auto found = values.begin() + static_cast<std::ptrdiff_t>(last);
+    std::nth_element(values.begin(), found, values.end());
+    return *found;
   }
 
   Options options_;
   CsvFile table_;
-  std::vector<Vec<Dim>> lowest_;  // where they were
+  std::vector<Vec<Dim>> lowest_;  // initial positions
   double time_ = 0;
   double moved_ = 0;
   double front_ = 0;
@@ -396,8 +399,8 @@ class Spreading {
   double first_half_width_ = 1;
 };
 
-// How far the grains got from the tower's axis. The pile's radius is that of 95 % of them; a grain
-// twice as far away has escaped.
+// Distances of the grains from the tower's axis. The radius of the pile contains 95 % of them; a
+// grain at more than twice that distance has escaped.
 struct Spread {
   double pile_radius = 0;  // [m]
   double farthest = 0;     // [m]
@@ -414,7 +417,7 @@ struct Spread {
   }
 };
 
-// Numbers that only together give no usable time step are refused like any other option.
+// Combinations of options without a usable time step are rejected like any invalid option.
 template <class Sim>
 void check_time_step(const Options& o, Sim& tower) {
   double steps = 0;
@@ -422,11 +425,11 @@ void check_time_step(const Options& o, Sim& tower) {
     steps = o.until / tower.time_step();
     GlobalDamping{.alpha = o.alpha}.check(tower.time_step());
   } catch (const Error& error) {
-    throw support::Refusal(error.what());
+    throw support::OptionError(error.what());
   }
   if (steps > 1e10) {
-    throw support::Refusal("--until " + to_text(o.until) + " takes " + to_text(steps) +
-                           " steps with these grains; shorten it, or soften them");
+    throw support::OptionError("--until " + to_text(o.until) + " takes " + to_text(steps) +
+                               " steps with these grains; reduce it, or --normal-stiffness");
   }
 }
 
@@ -472,10 +475,10 @@ void collapse(const Options& o) {
               {"floor_load_over_weight", ledger.floor_load()},
               {"layer_load_error", ledger.layer_error()},
               {"grain_weight", o.grain_weight()},
-              {"time_a_layer", o.time_a_layer()},
+              {"time_a_layer", o.time_per_layer()},
               {"landing_time", wave.landing()},
               {"wave_arrival", wave.arrival()},
-              {"wave_arrival_a_layer", wave.arrival() / (o.rows * o.time_a_layer())},
+              {"wave_arrival_a_layer", wave.arrival() / (o.rows * o.time_per_layer())},
               {"wave_speed", o.height() / wave.arrival()},
               {"floor_peak_over_grain_weight", wave.peak()},
               {"basal_moved", spreading.basal_moved()},
@@ -498,7 +501,7 @@ void collapse(const Options& o) {
                 {"until", o.until},
                 {"output_every", o.output_every},
                 {"threads", o.threads}}}});
-  std::printf("broken_tower: %zu grains, %llu steps in %.1f s, %zu escaped; see %s\n",
+  std::printf("broken_tower: %zu grains, %llu steps in %.1f s, %zu escaped; results in %s\n",
               tower.particles().size(), static_cast<unsigned long long>(tower.steps()),
               wall.seconds(), spread.escaped, o.out.c_str());
 }
@@ -507,10 +510,10 @@ void collapse(const Options& o) {
 
 int main(int argc, char** argv) {
   Options options;
-  CLI::App app("Collapse of a tower of discs or spheres, hit by one more", "broken_tower");
+  CLI::App app("Collapse of a tower of discs or spheres hit by a falling grain", "broken_tower");
   describe(app, options);
   return support::run(app, argc, argv, options.resume, [&options] {
-    check_together(options);
+    check_combination(options);
     options.dimension == 2 ? collapse<2>(options) : collapse<3>(options);
   });
 }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-// A column of water collapses in a tank, under the scheme that Silt recommends or one of the eleven
-// of Table 1 in S.C. Hwang, B.H. Lee, J.C. Park, "Improvement of MPS method in simulating violent
-// free-surface motion and predicting impact-loads". The front is compared with Martin and Moyce
-// (1952).
+// A column of water collapses in a tank, computed with Silt's recommended scheme or one of the
+// eleven of Table 1 in S.C. Hwang, B.H. Lee, J.C. Park, "Improvement of MPS method in simulating
+// violent free-surface motion and predicting impact-loads". The front is compared with Martin and
+// Moyce (1952).
 //
 //   dam_break --out out/dam_break
 //   dam_break --case 00 --out out/dam_break/case_00
@@ -45,7 +45,7 @@ void describe(CLI::App& app, Options& o) {
     return support::add_option(app, name, value, text, check);
   };
   using support::positive, support::between;
-  // The names become numbers; an integer that begins with 0 would be read as octal.
+  // Names are converted to numbers; an integer that begins with 0 would be read as octal.
   const auto number_of = [](std::string& text) {
     if (text == "recommended") text = std::to_string(recommended);
     if (text.size() == 2 && text.front() == '0') text.erase(0, 1);
@@ -56,18 +56,19 @@ void describe(CLI::App& app, Options& o) {
       ->check(support::between({recommended, 10}))
       ->transform(CLI::Validator(number_of, ""))
       ->default_str("recommended");
-  add("--column", o.column, "width,height of the water [m]", positive())
+  add("--column", o.column, "width,height of the column of water [m]", positive())
       ->delimiter(',')->expected(2);
-  add("--tank", o.tank, "length,height of the walls [m]; four column widths, as in Koshizuka and Oka "
-      "(1996), since the paper does not say", positive())->delimiter(',')->expected(2);
-  add("--depth", o.depth, "of the tank in 3D [m]", positive());
+  add("--tank", o.tank, "length,height of the tank [m]; by default four column widths long, as in "
+      "Koshizuka and Oka (1996), since the paper does not give it", positive())
+      ->delimiter(',')->expected(2);
+  add("--depth", o.depth, "depth of the tank in 3D [m]", positive());
   support::describe_flow(app, o, "P2 of the paper: on the right wall, 0.02 m above the floor",
                          "front.csv, pressure.csv, energy.csv, summary.json and frames.pvd");
 }
 
 template <int Dim>
 auto make_tank(const Options& o) {
-  return support::or_refuse([&] {
+  return support::or_reject([&] {
     return mps::make_tank<Dim>(
         {.column = {o.column[0], o.column[1]},
          .size = {.length = o.tank[0], .height = o.tank[1], .depth = o.depth},
@@ -77,7 +78,7 @@ auto make_tank(const Options& o) {
   });
 }
 
-// Writes front.csv at every step.
+// Observer that writes a row to front.csv at every step.
 class FrontGauge {
  public:
   explicit FrontGauge(const Options& o)
@@ -139,7 +140,7 @@ void collapse(const Options& o) {
   if (o.scheme == recommended) options["case"] = "recommended";
   support::add_flow_options(options, o);
   support::complete(o.out, summary);
-  std::printf("dam_break: %zu fluid particles, %llu steps in %.1f s, %llu lost; see %s\n",
+  std::printf("dam_break: %zu fluid particles, %llu steps in %.1f s, %llu lost; results in %s\n",
               count(particles, mps::Kind::fluid), static_cast<unsigned long long>(dam.steps()),
               wall.seconds(), static_cast<unsigned long long>(dam.particles_lost()),
               o.out.c_str());

@@ -1,14 +1,15 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Draws frames written by silt::VtkSeries, in place of ParaView.
+"""Draws frames written by silt::VtkSeries, as a substitute for ParaView.
 
     draw_frames.py SERIES.pvd PICTURE.png            four frames, from the first to the last
     draw_frames.py SERIES.pvd FILM.gif               all frames
     draw_frames.py SERIES.pvd PICTURE.png --field pressure
 
 Particles are circles of their true size, coloured by a field: "speed" (the default, |velocity|) or
-any array of the frames with one number per particle. Walls of a tank are grey, their dummies left
-out. Particles in 3D are seen along y. Needs Matplotlib (Debian: python3-matplotlib).
+any array of the frames with one number per particle. Wall particles of a tank are grey, dummy
+particles are omitted. Particles in 3D are viewed along y. Needs Matplotlib (Debian:
+python3-matplotlib).
 """
 
 import argparse
@@ -48,8 +49,8 @@ def some(frame, which):
 
 
 def seen_from_the_side(frame):
-    """The frame without dummies and with the vertical axis second; particles in 3D from the back
-    to the front."""
+    """The frame without dummy particles and with the vertical axis second; particles in 3D are
+    ordered from back to front."""
     if "kind" in frame:
         frame = some(frame, frame["kind"] <= WALL)
     if not frame["position"][:, 2].any():

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What each choice of mps::Recommended is worth: the scheme with one choice exchanged at a time, in
+// The effect of each choice of mps::Recommended: the scheme with one policy replaced at a time, in
 // a still tank, a dam break, the Taylor–Green vortex and the rotating square. Prints one table.
 //
 //   flow_policies
@@ -64,7 +64,8 @@ void still_tank() {
               100 * std::sqrt(std::max(0.0, squares / seconds - mean * mean)));
 }
 
-// Of the potential flow's leading edge, x_front/a over t √(2g/a): tests/reference has the whole.
+// Leading edge of the potential flow, x_front/a over t √(2g/a); the whole curve is in
+// tests/reference.
 struct Edge {
   double T, Z;
 };
@@ -72,8 +73,8 @@ constexpr Edge exact_edge[] = {{0.6, 1.241}, {0.8, 1.388}, {1.0, 1.559}, {1.2, 1
                                {1.4, 1.959}, {1.6, 2.186}, {1.8, 2.427}, {2.0, 2.682},
                                {2.2, 2.950}, {2.4, 3.231}, {2.6, 3.522}};
 
-// Rms error of the edge [%]; roughness of P2 from 0.4 s on, against its mean over 0.02 s [kPa];
-// energy after 1 s, and its largest rise, over that at first [%]; particles lost.
+// Rms error of the edge [%]; roughness of P2 from 0.4 s on, relative to its mean over 0.02 s [kPa];
+// energy after 1 s and its maximum rise, over the initial energy [%]; particles lost.
 template <class Scheme>
 void dam_break() {
   constexpr double width = 0.4;
@@ -83,7 +84,7 @@ void dam_break() {
                               .on_escape = OnEscape::remove});
   const Probe<2> gauge{.point = {4 * width, 0.02}, .spacing = l0};
   std::vector<double> t, p, edge;
-  double least = 1e300, rise = 0;
+  double lowest = 1e300, rise = 0;
   while (dam.time() < 1) {
     dam.step();
     const auto& water = dam.particles();
@@ -94,16 +95,16 @@ void dam_break() {
     p.push_back(gauge.read(water, pressure, is(Kind::wall)).value_or(0));
     edge.push_back(find_front(water, dam.search(), {.spacing = l0}, is(Kind::fluid)).x / width);
     const double energy = dam.interaction().energy().total();
-    least = std::min(least, energy);
-    rise = std::max(rise, energy - least);
+    lowest = std::min(lowest, energy);
+    rise = std::max(rise, energy - lowest);
   }
   double errors = 0;
   for (const Edge& exact : exact_edge) {
     const double time = exact.T / std::sqrt(2 * g / width);
     const auto after = static_cast<std::size_t>(
         std::lower_bound(t.begin() + 1, t.end() - 1, time) - t.begin());
-    const double share = (time - t[after - 1]) / (t[after] - t[after - 1]);
-    const double Z = edge[after - 1] + share * (edge[after] - edge[after - 1]);
+    const double weight = (time - t[after - 1]) / (t[after] - t[after - 1]);
+    const double Z = edge[after - 1] + weight * (edge[after] - edge[after - 1]);
     errors += squared(Z / exact.Z - 1);
   }
   double rough = 0;
@@ -124,30 +125,30 @@ void dam_break() {
               100 * rise / energy.initial, static_cast<unsigned long long>(dam.particles_lost()));
 }
 
-// What was found of a case of known solution, over what should be [%].
+// Errors of the results of a case with a known solution [%].
 template <class Scheme>
-std::vector<double> found_of(const std::string& name) {
+std::vector<double> errors_of(const std::string& name) {
   const auto flow = fluid_cases::make({.name = name, .spacing = 0.04});
   auto simulation = fluid_cases::simulation_of<Scheme>(flow, {});
   fluid_cases::Notes notes(flow);
-  // One that falls apart takes ever smaller steps.
+  // An unstable flow takes smaller and smaller steps.
   notes(simulation);
   while (simulation.time() < flow.until) {
     simulation.step();
     if (simulation.steps() > 20000) fail("flow_policies: " + name + " does not end");
     notes.after_step(simulation, Run{});
   }
-  std::vector<double> found;
+  std::vector<double> errors;
   for (const auto& finding : flow.findings(notes.history())) {
-    found.push_back(finding.reference != 0 ? 100 * (finding.measured / finding.reference - 1)
-                                           : 100 * finding.measured);
+    errors.push_back(finding.reference != 0 ? 100 * (finding.measured / finding.reference - 1)
+                                            : 100 * finding.measured);
   }
-  return found;
+  return errors;
 }
 
-// What fails says so in its columns, and the table goes on.
+// Prints "fails" in the columns of a test that throws, and continues the table.
 template <class F>
-void or_dashes(int columns, F&& f) {
+void or_fails(int columns, F&& f) {
   try {
     f();
   } catch (const Error&) {
@@ -160,10 +161,10 @@ template <class Scheme>
 void row(const Options& o, const std::string& name) {
   if (!o.only.empty() && std::find(o.only.begin(), o.only.end(), name) == o.only.end()) return;
   std::printf("| %s | ", name.c_str());
-  or_dashes(2, [] { still_tank<Scheme>(); });
-  or_dashes(5, [] { dam_break<Scheme>(); });
-  or_dashes(1, [] { std::printf(" %+.0f |", found_of<Scheme>("taylor_green")[0]); });
-  or_dashes(1, [] { std::printf(" %+.1f |", found_of<Scheme>("rotating_square")[1]); });
+  or_fails(2, [] { still_tank<Scheme>(); });
+  or_fails(5, [] { dam_break<Scheme>(); });
+  or_fails(1, [] { std::printf(" %+.0f |", errors_of<Scheme>("taylor_green")[0]); });
+  or_fails(1, [] { std::printf(" %+.1f |", errors_of<Scheme>("rotating_square")[1]); });
   std::printf("\n");
 }
 
@@ -197,7 +198,7 @@ void table(const Options& o) {
 
 int main(int argc, char** argv) {
   Options options;
-  CLI::App app("What each choice of the recommended scheme is worth", "flow_policies");
-  app.add_option("--only", options.only, "this row only, repeatable");
+  CLI::App app("Effect of each choice of the recommended scheme", "flow_policies");
+  app.add_option("--only", options.only, "print this row only; may be repeated");
   return support::run(app, argc, argv, [&] { table(options); });
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Flows in the plane whose solution is known: Taylor–Green vortices, a standing wave, a drop that
-// oscillates, a square that rotates, a block that falls. What is read of each, and held against the
-// solution, stands in support/fluid_cases/, a header for each.
+// Flows in 2D with a known solution: Taylor–Green vortices, a standing wave, an oscillating drop, a
+// rotating square, a falling block. Each is defined in a header in support/fluid_cases/, with the
+// quantities that are compared with the solution.
 //
 //   fluid_cases --case taylor_green --out out/taylor_green
 //   fluid_cases --case oscillating_drop --swing 0.4 --scheme case10 --out out/drop
@@ -32,7 +32,7 @@ struct Options {
   fluid_cases::Choice choice{.name = "taylor_green"};
   fluid_cases::Numerics numerics;
   std::string scheme = "recommended";
-  double until = 0;  // [s]; 0: the case's own
+  double until = 0;  // [s]; 0: that of the case
   int frames = 24;
   int threads = 0;
   std::string out = "out/fluid_cases";
@@ -48,17 +48,18 @@ void describe(CLI::App& app, Options& o) {
   add("--case", o.choice.name, "which flow", CLI::IsMember(fluid_cases::names()));
   add("--scheme", o.scheme, "recommended, or case10, PNU-MPS of the paper",
       CLI::IsMember({"recommended", "case10"}));
-  add("--spacing", o.choice.spacing, "of the particles, of which 1/spacing lie along a side, radius "
-      "or wave length [m]", positive());
-  add("--swing", o.choice.swing, "A0/B0 of the oscillating drop", positive());
-  add("--until", o.until, "end of the run [s]; 0: as long as the comparison takes", not_negative());
-  add("--radius", o.numerics.radius, "of number density, surface, gradient and divergence [spacings]",
+  add("--spacing", o.choice.spacing, "particle spacing [m]: 1/spacing particles along the side, "
+      "radius or wavelength of 1 m", positive());
+  add("--swing", o.choice.swing, "amplitude A0/B0 of the oscillating drop", positive());
+  add("--until", o.until, "end of the run [s]; 0: that of the comparison", not_negative());
+  add("--radius", o.numerics.radius,
+      "effective radius of number density, surface, gradient and divergence [spacings]",
       between({1.5, 6}));
-  add("--laplacian-radius", o.numerics.laplacian_radius, "of the Laplacian [spacings]",
-      between({1.5, 6}));
-  add("--courant", o.numerics.courant, "spacings that the fastest particle goes in a step",
-      between({1e-3, 0.5}));
-  add("--frames", o.frames, "number of them, behind the first", between({1, 100000}));
+  add("--laplacian-radius", o.numerics.laplacian_radius,
+      "effective radius of the Laplacian [spacings]", between({1.5, 6}));
+  add("--courant", o.numerics.courant, "Courant number: displacement of the fastest particle per "
+      "step [spacings]", between({1e-3, 0.5}));
+  add("--frames", o.frames, "number of frames after the initial one", between({1, 100000}));
   add("--threads", o.threads, support::threads_help, between({0, 1024}));
   app.add_option("--out", o.out, "folder for history.csv, summary.json and frames.pvd")
       ->capture_default_str();
@@ -67,7 +68,7 @@ void describe(CLI::App& app, Options& o) {
 
 template <class Scheme>
 void flow_as(const Options& o) {
-  fluid_cases::FluidCase flow = support::or_refuse([&] { return fluid_cases::make(o.choice); });
+  fluid_cases::FluidCase flow = support::or_reject([&] { return fluid_cases::make(o.choice); });
   const bool is_whole = !(o.until > 0) || o.until >= flow.until;
   if (o.until > 0) flow.until = o.until;
   support::open_output_folder(o.resume, o.out);
@@ -89,14 +90,14 @@ void flow_as(const Options& o) {
 
   auto summary = support::summary_of(simulation, flow.start, iterations, wall.seconds());
   auto& findings = summary["findings"] = nlohmann::ordered_json::array();
-  // What is compared belongs to the whole run.
+  // The comparison is defined for a complete run only.
   if (is_whole) {
     for (const auto& finding : flow.findings(notes.history())) {
       findings.push_back({{"quantity", finding.quantity},
                           {"reference", finding.reference},
                           {"measured", finding.measured},
                           {"error", finding.error()},
-                          {"allowed", finding.allowed},  // without a limit null
+                          {"allowed", finding.allowed},  // null if there is no limit
                           {"holds", finding.holds()}});
       std::printf("%-50s reference %-10.5g measured %-10.5g %s\n", finding.quantity.c_str(),
                   finding.reference, finding.measured, finding.holds() ? "holds" : "does not hold");
@@ -113,8 +114,9 @@ void flow_as(const Options& o) {
                         {"frames", o.frames},
                         {"threads", o.threads}};
   support::complete(o.out, summary);
-  std::printf("fluid_cases: %s, %zu particles, %llu steps in %.1f s; see %s\n", flow.name.c_str(),
-              flow.start.size(), static_cast<unsigned long long>(simulation.steps()),
+  std::printf("fluid_cases: %s, %zu particles, %llu steps in %.1f s; results in %s\n",
+              flow.name.c_str(), flow.start.size(),
+              static_cast<unsigned long long>(simulation.steps()),
               wall.seconds(), o.out.c_str());
 }
 
@@ -122,7 +124,7 @@ void flow_as(const Options& o) {
 
 int main(int argc, char** argv) {
   Options options;
-  CLI::App app("Flows whose solution is known", "fluid_cases");
+  CLI::App app("Flows with a known solution", "fluid_cases");
   describe(app, options);
   return support::run(app, argc, argv, options.resume, [&] {
     options.scheme == "case10" ? flow_as<mps::Case10>(options) : flow_as<mps::Recommended>(options);

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: MIT
-// A bin with a hole in its floor: grains of many sizes rain in, settle, and flow out through openings
-// of several widths D. The rate follows the law of W.A. Beverloo, H.A. Leniger, J. van de Velde,
-// "The flow of granular solids through orifices", Chemical Engineering Science 15 (1961) 260–269,
+// Discharge of a hopper: polydisperse grains are filled into a bin, settle, and flow out through
+// openings of several widths D. The mass flow rate follows the law of W.A. Beverloo, H.A. Leniger,
+// J. van de Velde, "The flow of granular solids through orifices", Chemical Engineering Science 15
+// (1961) 260–269,
 //
 //   W = C ρ_b √g (D − k d)^n,   n = 5/2 for spheres and a round hole, 3/2 for discs and a slot
 //
-// with the bulk density ρ_b and the mean diameter d; it does not depend on how much lies above.
+// with the bulk density ρ_b and the mean diameter d; it does not depend on the fill height.
 //
 //   hopper --out out/hopper                        spheres in a round bin, walls from STL files
-//   hopper --dimension 2 --out out/hopper_2d       discs in a slot
+//   hopper --dimension 2 --out out/hopper_2d       discs and a slot
 //   examples/plot_hopper.py out/hopper
 #include <silt/dem.hpp>
 #include <silt/dem/inflow.hpp>
@@ -42,8 +43,8 @@ namespace {
 using namespace silt;
 
 constexpr double g = 9.81;   // [m/s²]
-constexpr double k = 1.4;    // of Beverloo's law [-]
-constexpr int corners = 48;  // of a circle of triangles
+constexpr double k = 1.4;    // in Beverloo's law [-]
+constexpr int corners = 48;  // of the polygon that approximates a circle
 
 struct Options {
   int dimension = 3;
@@ -57,8 +58,8 @@ struct Options {
   double stiffness = 5000;        // k_n over the weight of a grain and d [-]
   double friction_angle = 26.6;   // [degrees]
   double restitution = 0.5;       // [-]
-  double share = 0.45;            // that is let out [-]
-  double longest = 0;             // discharge, in √(d/g)
+  double share = 0.45;            // of the grains that is discharged [-]
+  double longest = 0;             // maximum duration of a discharge, over √(d/g) [-]
   std::uint64_t seed = 1;
   int threads = 0;
   std::string stl;
@@ -78,32 +79,35 @@ void describe(CLI::App& app, Options& o) {
     return app.add_option(name, value, text)->check(check)->capture_default_str();
   };
   using support::positive, support::not_negative, support::between;
-  add("--dimension", o.dimension, "2: discs in a slot; 3: spheres", between({2, 3}));
-  app.add_option("--openings", o.openings, "widths D of the opening over the mean diameter; by "
-                 "default 6, 7, 8 in 3D, and 8, 10, 12.5, 16, 20 in 2D")
+  add("--dimension", o.dimension, "2: discs and a slot; 3: spheres and a round hole",
+      between({2, 3}));
+  app.add_option("--openings", o.openings, "widths D of the opening over the mean diameter d; "
+                 "default 6,7,8 in 3D and 8,10,12.5,16,20 in 2D")
       ->check(positive())
       ->delimiter(',');
   add("--diameter", o.diameter, "mean diameter d of the grains [m]", positive());
-  add("--spread", o.spread, "radii are uniform within 1 ± spread of the mean; without any, discs "
-      "form crystals", between({0, 0.9}));
-  add("--density", o.density, "of the grains [kg/m3]", positive());
-  add("--width", o.width, "of the bin over d; 0: 2.5 of the largest opening, so that its sides are "
-      "not felt", not_negative());
-  add("--fill-height", o.fill_height, "over d; 0: as high as the bin is wide, in 2D 1.6 times as "
-      "high", not_negative());
-  add("--half-angle", o.half_angle, "between the axis and the hopper's side [degrees]; 90: a flat "
-      "floor, which Beverloo's law is for", between({10, 90}));
-  add("--stiffness", o.stiffness, "of a contact over weight and diameter of a grain; by default "
-      "the bed presses the lowest contacts by less than a hundredth of d", positive());
-  add("--friction-angle", o.friction_angle, "of grains and walls [degrees]", between({0, 80}));
-  add("--restitution", o.restitution, "of a contact", between({0.01, 1}));
-  add("--share", o.share, "of the grains that is let out through each opening", between({0.01, 0.9}));
-  add("--longest", o.longest, "discharge through one opening, in sqrt(d/g); 0: 20 in 3D, 40 in 2D",
-      not_negative());
-  add("--seed", o.seed, "of the random numbers", not_negative());
+  add("--spread", o.spread, "radii are uniformly distributed within 1 ± spread of the mean; equal "
+      "discs would crystallise", between({0, 0.9}));
+  add("--density", o.density, "density of the grains [kg/m3]", positive());
+  add("--width", o.width, "width of the bin over d; 0: 2.5 times the largest opening, so that the "
+      "side walls have no effect", not_negative());
+  add("--fill-height", o.fill_height, "fill height over d; 0: the width of the bin, in 2D 1.6 "
+      "times the width", not_negative());
+  add("--half-angle", o.half_angle, "angle between the axis and the side of the hopper [degrees]; "
+      "90: a flat floor, as in Beverloo's law", between({10, 90}));
+  add("--stiffness", o.stiffness, "stiffness of a contact over weight/diameter of a grain; by "
+      "default the overlap at the bottom is less than a hundredth of d", positive());
+  add("--friction-angle", o.friction_angle, "friction angle of grains and walls [degrees]",
+      between({0, 80}));
+  add("--restitution", o.restitution, "coefficient of restitution", between({0.01, 1}));
+  add("--share", o.share, "fraction of the grains that is discharged through each opening",
+      between({0.01, 0.9}));
+  add("--longest", o.longest, "maximum duration of the discharge through one opening, over "
+      "sqrt(d/g); 0: 20 in 3D, 40 in 2D", not_negative());
+  add("--seed", o.seed, "seed of the random numbers", not_negative());
   add("--threads", o.threads, support::threads_help, between({0, 1024}));
-  app.add_option("--stl", o.stl, "3D: a hopper of one's own, upright about the z axis, its opening "
-                 "in the plane z = 0 [m]; --width is that of its bin and --openings the one it has");
+  app.add_option("--stl", o.stl, "3D: STL file [m] of a user-defined hopper about the z axis, with "
+                 "its opening in the plane z = 0; --width and --openings must be its dimensions");
   app.add_option("--out", o.out, "folder for discharge.csv, summary.json, frames.pvd and the walls")
       ->capture_default_str();
   support::describe_resume(app, o.resume);
@@ -111,10 +115,12 @@ void describe(CLI::App& app, Options& o) {
 
 void complete(Options& o) {
   if (o.openings.empty() && !o.stl.empty()) {
-    throw support::Refusal("--stl " + o.stl + " needs --openings with the width that it has");
+    throw support::OptionError("--stl " + o.stl +
+                               " needs --openings with the width of its opening");
   }
   if (!o.stl.empty() && (o.dimension == 2 || o.openings.size() > 1 || o.width == 0)) {
-    throw support::Refusal("--stl " + o.stl + " needs --dimension 3, one of --openings, --width");
+    throw support::OptionError("--stl " + o.stl +
+                               " needs --dimension 3, --width and a single value of --openings");
   }
   if (o.openings.empty()) {
     o.openings = o.dimension == 3 ? std::vector{6.0, 7.0, 8.0}
@@ -123,18 +129,18 @@ void complete(Options& o) {
   const double largest = *std::max_element(o.openings.begin(), o.openings.end());
   const double smallest = *std::min_element(o.openings.begin(), o.openings.end());
   if (smallest < 3) {
-    throw support::Refusal("--openings " + to_text(smallest) +
-                           " is below 3 diameters, where grains block it");
+    throw support::OptionError("--openings " + to_text(smallest) +
+                               " is below 3 diameters, where grains block it");
   }
   if (o.width == 0) o.width = 2.5 * largest;
   if (o.width < largest) {
-    throw support::Refusal("--width " + to_text(o.width) + " is less than the largest opening");
+    throw support::OptionError("--width " + to_text(o.width) + " is less than the largest opening");
   }
   if (o.fill_height == 0) o.fill_height = (o.dimension == 3 ? 1 : 1.6) * o.width;
   if (o.longest == 0) o.longest = o.dimension == 3 ? 20 : 40;
 }
 
-// --- walls, for the opening D [m]; closed: with a lid over it ------------------------------------
+// --- walls, for the opening D [m]; closed: with a lid on the opening -----------------------------
 
 double height_of_hopper(const Options& o, double D) {
   return o.half_angle == 90 ? 0 : (o.bin() - D) / 2 / std::tan(o.half_angle * std::numbers::pi / 180);
@@ -144,14 +150,15 @@ double top_of_bin(const Options& o, double D) { return top_of_bed(o, D) + 12 * o
 
 using Triangles = std::vector<Triangle<double>>;
 
-// A surface of revolution: rings of corners, one above the other, from radius and height.
+// A band of a surface of revolution between two rings, each given by radius and height.
 void add_band(Triangles& mesh, const Vec<2>& low, const Vec<2>& high) {
-  const auto at = [](const Vec<2>& ring, int corner) {
+  const auto point = [](const Vec<2>& ring, int corner) {
     const double angle = 2 * std::numbers::pi * (corner % corners) / corners;
     return Vec<3>(ring[0] * std::cos(angle), ring[0] * std::sin(angle), ring[1]);
   };
   for (int c = 0; c < corners; ++c) {
-    const Vec<3> a = at(low, c), b = at(low, c + 1), e = at(high, c), f = at(high, c + 1);
+    const Vec<3> a = point(low, c), b = point(low, c + 1);
+    const Vec<3> e = point(high, c), f = point(high, c + 1);
     if (low[0] > 0) mesh.push_back({{a, b, e}});
     mesh.push_back({{low[0] > 0 ? b : a, f, e}});
   }
@@ -184,12 +191,12 @@ auto contacts_of(const Options& o, double D, bool closed) {
     const double half = o.bin() / 2, corner = height_of_hopper(o, D), top = top_of_bin(o, D);
     const dem::Polyline<> left{{{-half, top}, {-half, corner}, {-D / 2, 0}}};
     const dem::Polyline<> right{{{half, top}, {half, corner}, {D / 2, 0}}};
-    // Out of the way, where the opening is not closed.
+    // If the opening is not closed, the lid is far away.
     const double below = closed ? 0 : -1e3 * o.diameter;
     const dem::Polyline<> lid{{{-D / 2, below}, {D / 2, below}}};
     return coarse(dem::Contacts{law_of(o), left, right, lid});
   } else {
-    // The walls are those that the files tell.
+    // The walls are read back from the STL files that are written.
     const std::string name = closed ? "/closed.stl" : "/opening_" + to_text(D / o.diameter) + ".stl";
     Triangles mesh;
     if (o.stl.empty()) {
@@ -217,7 +224,7 @@ auto region_above(const Options& o, double D) {
   if constexpr (Dim == 2) {
     return Box<2>{.lower = {-o.bin() / 2, low}, .upper = {o.bin() / 2, high}};
   } else {
-    // Within the corners of the mesh.
+    // The circle inscribed in the polygon of the mesh.
     const double inscribed = o.bin() / 2 * std::cos(std::numbers::pi / corners);
     return dem::VerticalCylinder<>{.base = {0, 0, low}, .radius = inscribed, .height = high - low};
   }
@@ -228,22 +235,22 @@ double cross_section(const Options& o) {
   return Dim == 2 ? o.bin() : std::numbers::pi / 4 * o.bin() * o.bin();
 }
 
-// --- stages: each opening has two, filling and discharge, with a checkpoint file of their own ----
+// --- stages: filling and discharge for each opening, each with its own checkpoint file -----------
 
 std::string checkpoint_of(const Options& o, int stage) {
   return o.out + "/checkpoint_" + std::to_string(stage) + ".silt";
 }
-// The one that a resumed run goes on with.
+// The stage at which the run resumes.
 int first_stage(const Options& o) {
-  int stage = o.resume.is_asked_for() ? 2 * static_cast<int>(o.openings.size()) - 1 : 0;
+  int stage = o.resume.is_requested() ? 2 * static_cast<int>(o.openings.size()) - 1 : 0;
   while (stage > 0 && !std::filesystem::exists(checkpoint_of(o, stage))) --stage;
   return stage;
 }
 
-// A stage consists of runs of some length, one after the other. A resumed one goes on with that in
-// which it was stopped.
+// A stage consists of consecutive short runs. A resumed stage continues the run in which it was
+// stopped.
 struct Slices {
-  double until = 0;  // end of the last one [s]
+  double until = 0;  // end of the last run [s]
   bool is_open = false;
 
   template <class Run, class Sim, class... Observers>
@@ -266,8 +273,8 @@ struct Discharge {
   std::vector<double> times;   // [s]
   std::vector<double> masses;  // that have passed the opening [kg]
   double rate = 0;             // [kg/s]
-  double rate_of_halves[2]{};  // of the flow, first and second [kg/s]
-  double height_of_halves[2]{};  // of what lies above meanwhile, over D [-]
+  double rate_of_halves[2]{};  // in the first and second half of the discharge [kg/s]
+  double height_of_halves[2]{};  // fill height meanwhile, over D [-]
   std::uint64_t steps = 0;
   double wall_seconds = 0;
   double solid_fraction = 0;
@@ -286,7 +293,7 @@ struct Discharge {
   }
 };
 
-// Of the stages before.
+// Results of the previous stages.
 template <int Dim>
 struct Results {
   std::optional<dem::Grains<Dim>> filled;
@@ -305,7 +312,7 @@ struct Results {
   }
 };
 
-// Until the grains are at rest.
+// State of the settling, which lasts until the grains are at rest.
 struct Settling {
   bool has_begun = false;
   double from = 0;  // [s]
@@ -317,14 +324,14 @@ struct Settling {
   }
 };
 
-// Rain, until the bin is as full as wanted, and then rest.
+// Fills the bin by an inflow and lets the grains settle.
 template <int Dim>
-dem::Grains<Dim> fill(const Options& o, double D, int stage, Results<Dim>& before) {
+dem::Grains<Dim> fill(const Options& o, double D, int stage, Results<Dim>& previous) {
   const double R = o.diameter / 2;
   const dem::Blend<dem::UniformSizes> blend{
       .sizes = {.min_radius = (1 - o.spread) * R, .max_radius = (1 + o.spread) * R},
       .density = o.density};
-  // Of a loose bed.
+  // Solid fraction of a loose bed.
   const double solid_fraction = Dim == 2 ? 0.80 : 0.58;
   const double radius_cubed = 1 + o.spread * o.spread * (Dim == 2 ? 1.0 / 3 : 1.0);
   const double cone = height_of_hopper(o, D) * cross_section<Dim>(o) / Dim;
@@ -340,12 +347,14 @@ dem::Grains<Dim> fill(const Options& o, double D, int stage, Results<Dim>& befor
   auto bin = make_simulation<Dim>(o, {}, D, true);
   Slices slices;
   Settling settling;
-  support::ResumableRun run(o.resume, checkpoint_of(o, stage), bin, rain, slices, settling, before);
+  support::ResumableRun run(o.resume, checkpoint_of(o, stage), bin, rain, slices, settling,
+                            previous);
   while (!settling.has_begun && (slices.is_open || !rain.is_done())) {
     slices.run_for(5 * o.unit_of_time(), 0, run, bin, rain);
     if (bin.time() > 1000 * o.unit_of_time()) {
-      throw support::Refusal("after 1000 sqrt(d/g) only " + std::to_string(rain.number()) + " of " +
-                             std::to_string(number) + " grains have found room; widen the bin");
+      throw support::OptionError("only " + std::to_string(rain.number()) + " of " +
+                                 std::to_string(number) +
+                                 " grains could be filled in within 1000 sqrt(d/g); widen the bin");
     }
   }
   if (!settling.has_begun) settling = {.has_begun = true, .from = bin.time()};
@@ -353,17 +362,18 @@ dem::Grains<Dim> fill(const Options& o, double D, int stage, Results<Dim>& befor
     slices.run_for(2 * o.unit_of_time(), 0, run, bin);
     if (dem::rms_speed(bin.particles()) < 0.01 * o.speed()) break;
     if (bin.time() - settling.from >= 200 * o.unit_of_time()) {
-      fail("hopper: after 200 sqrt(d/g) the grains have not come to rest; lower --restitution");
+      fail("hopper: the grains are not at rest after 200 sqrt(d/g); lower --restitution");
     }
   }
   const double time = bin.time() - settling.from;
-  std::printf("hopper: %zu grains came in %.3g s and settled in %.3g s more, %llu steps\n",
+  std::printf("hopper: %zu grains filled in within %.3g s, settled within another %.3g s, "
+              "%llu steps\n",
               bin.particles().size(), bin.time() - time, time,
               static_cast<unsigned long long>(bin.steps()));
   return bin.particles();
 }
 
-// Solid fraction of the bed's inner half, of grains whose centres are there.
+// Solid fraction in the central half of the bed, from the grains whose centres lie in it.
 template <int Dim>
 double solid_fraction_of(const Options& o, const dem::Grains<Dim>& grains, double D) {
   const double low = height_of_hopper(o, D) + 0.2 * o.bed(), high = low + 0.5 * o.bed();
@@ -377,7 +387,7 @@ double solid_fraction_of(const Options& o, const dem::Grains<Dim>& grains, doubl
 
 // --- discharge ----------------------------------------------------------------------------------
 
-// Slope of masses over times by least squares, of entries [first, last).
+// Least-squares slope of mass over time, of entries [first, last).
 double slope(const Discharge& d, Index first, Index last) {
   double t = 0, m = 0;
   const auto n = double(last - first);
@@ -390,8 +400,8 @@ double slope(const Discharge& d, Index first, Index last) {
   return tt > 0 ? tm / tt : 0;
 }
 
-// Frames, if there are to be any.
-struct Film {
+// Optional frames.
+struct Frames {
   std::optional<VtkSeries> series;
 
   template <class Sim>
@@ -405,20 +415,20 @@ struct Film {
 };
 
 template <int Dim>
-Discharge let_out(const Options& o, double ratio, int stage, Results<Dim>& before,
-                  const std::string& frames) {
+Discharge discharge_through(const Options& o, double ratio, int stage, Results<Dim>& previous,
+                            const std::string& frames_folder) {
   const double D = ratio * o.diameter;
   Discharge discharge;
-  auto hopper = make_simulation<Dim>(o, before.filled.value_or(dem::Grains<Dim>{}), D, false);
+  auto hopper = make_simulation<Dim>(o, previous.filled.value_or(dem::Grains<Dim>{}), D, false);
   Box<Dim> far_below;
   far_below.upper[Dim - 1] = -6 * o.diameter;
   dem::Outflow drain{far_below, {.every = o.unit_of_time()}};
-  Film film;
-  if (!frames.empty()) film.series.emplace(frames);
+  Frames frames;
+  if (!frames_folder.empty()) frames.series.emplace(frames_folder);
   Slices slices;
-  support::ResumableRun run(o.resume, checkpoint_of(o, stage), hopper, drain, discharge, film,
-                            slices, before);
-  const dem::Grains<Dim>& filled = *before.filled;
+  support::ResumableRun run(o.resume, checkpoint_of(o, stage), hopper, drain, discharge, frames,
+                            slices, previous);
+  const dem::Grains<Dim>& filled = *previous.filled;
   discharge.opening = ratio;
   discharge.solid_fraction = solid_fraction_of<Dim>(o, filled, D);
   double whole = 0;
@@ -437,31 +447,31 @@ Discharge let_out(const Options& o, double ratio, int stage, Results<Dim>& befor
   Stopwatch wall;
   {
     const auto span = wall.start();
-    if (!hopper.was_read()) hopper.run({.until = 0}, film);
+    if (!hopper.was_read()) hopper.run({.until = 0}, frames);
     while (slices.is_open || discharge.masses.empty() ||
            (discharge.masses.back() < o.share * whole &&
             hopper.time() < o.longest * o.unit_of_time())) {
       slices.run_for(slice, slice / 10, run, hopper, note, drain);
-      hopper.run({.until = hopper.time()}, film);
+      hopper.run({.until = hopper.time()}, frames);
     }
   }
   discharge.steps = hopper.steps();
   discharge.wall_seconds = wall.seconds();
-  // The flow begins within a few √(D/g).
+  // The flow is steady after a few √(D/g).
   const double steady = 2 * std::sqrt(D / g);
   const auto first = static_cast<Index>(
       std::lower_bound(discharge.times.begin(), discharge.times.end(), steady) -
       discharge.times.begin());
   const Index last = discharge.times.size();
   if (last < first + 20) {
-    throw support::Refusal("the discharge through " + to_text(ratio) +
-                           " diameters is over before it is steady; fill higher");
+    throw support::OptionError("the discharge through an opening of " + to_text(ratio) +
+                               " diameters ends before it is steady; increase --fill-height");
   }
   const Index middle = (first + last) / 2;
   const double mean_mass = whole / double(filled.size());
   if (discharge.masses[last - 1] - discharge.masses[middle] < 10 * mean_mass) {
-    throw support::Refusal("an arch of grains blocks the opening of " + to_text(ratio) +
-                           " diameters; widen it, or lower the friction");
+    throw support::OptionError("an arch of grains blocks the opening of " + to_text(ratio) +
+                               " diameters; widen it, or lower --friction-angle");
   }
   discharge.rate = slope(discharge, first, last);
   discharge.rate_of_halves[0] = slope(discharge, first, middle);
@@ -472,7 +482,8 @@ Discharge let_out(const Options& o, double ratio, int stage, Results<Dim>& befor
   };
   discharge.height_of_halves[0] = height(first, middle);
   discharge.height_of_halves[1] = height(middle, last);
-  std::printf("hopper: D/d = %g: %.4g kg/s, %.4g and %.4g in its halves, %llu steps in %.1f s\n",
+  std::printf("hopper: D/d = %g: %.4g kg/s, %.4g in the first half, %.4g in the second, "
+              "%llu steps in %.1f s\n",
               ratio, discharge.rate, discharge.rate_of_halves[0], discharge.rate_of_halves[1],
               static_cast<unsigned long long>(discharge.steps), discharge.wall_seconds);
   return discharge;
@@ -481,9 +492,9 @@ Discharge let_out(const Options& o, double ratio, int stage, Results<Dim>& befor
 // --- Beverloo's law -----------------------------------------------------------------------------
 
 struct Fit {
-  double exponent = 0;   // of log W over log(D/d − k)
-  double deviation = 0;  // rms of log W from the line
-  double coefficient = 0;  // C with the law's own exponent, mean
+  double exponent = 0;     // slope of log W over log(D/d − k)
+  double deviation = 0;    // rms deviation of log W from the fit
+  double coefficient = 0;  // mean C with the exponent of the law
 };
 
 Fit fit_beverloo(const Options& o, const std::vector<Discharge>& all, double k_of_fit) {
@@ -503,7 +514,7 @@ Fit fit_beverloo(const Options& o, const std::vector<Discharge>& all, double k_o
   return fit;
 }
 
-// The k with which the exponent is that of the law.
+// The k for which the fitted exponent is that of the law.
 double fit_k(const Options& o, const std::vector<Discharge>& all) {
   double low = -2, high = 0.95 * all.front().opening;
   for (int step = 0; step < 60; ++step) {
@@ -523,15 +534,15 @@ void run(const Options& o) {
     for (Index number = 0; number < o.openings.size(); ++number) {
       const double opening = o.openings[number];
       const bool is_pictured = opening == o.openings.back();
-      // On a flat floor the bed is the same, whatever the opening below.
+      // On a flat floor, the bed does not depend on the opening.
       const int filling = 2 * static_cast<int>(number), discharge = filling + 1;
       if (filling >= first && (!results.filled || o.half_angle != 90)) {
         results.filled = fill<Dim>(o, opening * o.diameter, filling, results);
       }
       if (discharge >= first) {
-        auto found = let_out<Dim>(o, opening, discharge, results,
-                                  is_pictured ? o.out + "/frames" : "");
-        results.discharges.push_back(std::move(found));
+        auto result = discharge_through<Dim>(o, opening, discharge, results,
+                                             is_pictured ? o.out + "/frames" : "");
+        results.discharges.push_back(std::move(result));
       }
     }
   }
@@ -592,7 +603,7 @@ void run(const Options& o) {
     std::printf("; exponent %.3f with k = %g (law: %g), C = %.3f", fit.exponent, k, o.exponent(),
                 fit.coefficient);
   }
-  std::printf("; see %s\n", o.out.c_str());
+  std::printf("; results in %s\n", o.out.c_str());
 }
 
 void discharge(Options& o) {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Water stands in a tank, whose pressure everybody knows: the study of Figs 4 to 9 in S.C. Hwang,
-// B.H. Lee, J.C. Park, "Improvement of MPS method in simulating violent free-surface motion and
-// predicting impact-loads". Each choice of the paper's scheme is an option of its own; with none of
-// them, the scheme is Silt's recommended one.
+// Hydrostatic pressure in a tank of water: the study of Figs 4 to 9 in S.C. Hwang, B.H. Lee,
+// J.C. Park, "Improvement of MPS method in simulating violent free-surface motion and predicting
+// impact-loads". There is an option for each choice of the paper's scheme; without any of them,
+// Silt's recommended scheme is used.
 //
 //   hydrostatic --out out/hydrostatic
 //   hydrostatic --scheme paper --out out/hydrostatic_case_10
@@ -10,13 +10,12 @@
 //   hydrostatic --dimension 3 --spacing 0.02 --thickness 0.2 --out out/hydrostatic_3d
 //   examples/plot_hydrostatic.py out/hydrostatic
 //
-// What is read where. Depths are measured downwards from the still surface, --depth above the floor
-// (rounded to whole spacings, as all lengths of the tank are).
-// A gauge on a wall takes the pressure of the wall particles around it, which lie half a spacing
-// behind the wall, for that of its own place: P1, on the floor, is at the depth of the water, and
-// must read ρ g h. (P = 0 lies in the particles of the surface, half a spacing below the still
-// surface: they are as far from the floor's wall particles as the water is deep.) Fluid at a depth z
-// has ρ g (z − l0/2), therefore.
+// Depths are measured downwards from the still surface, which is --depth above the floor (rounded
+// to a multiple of the spacing, like all lengths of the tank). A gauge on a wall reads the pressure
+// of the nearby wall particles, which lie half a spacing behind the wall. P = 0 holds at the
+// surface particles, half a spacing below the still surface; their distance from the wall particles
+// of the floor is the depth h. So the exact reading of P1, on the floor, is ρ g h, and the exact
+// pressure of fluid at a depth z is ρ g (z − l0/2).
 #include <silt/io/csv.hpp>
 #include <silt/io/progress.hpp>
 #include <silt/io/vtk.hpp>
@@ -40,7 +39,7 @@ namespace {
 using namespace silt;
 
 struct Options : support::FlowOptions {
-  std::string scheme;  // empty: by the others
+  std::string scheme;  // empty: chosen by the other options
   int source = 16;
   std::vector<double> collision = {1.0, 0.2};  // a [spacings], b
   std::string kernel = "3c";
@@ -58,48 +57,50 @@ void describe(CLI::App& app, Options& o) {
     return support::add_option(app, name, value, text, check);
   };
   using support::positive, support::not_negative;
-  app.add_option("--scheme", o.scheme, "recommended, or paper: made of the five choices below, by "
-                 "default those of case 10; without it paper if one of them is given")
+  app.add_option("--scheme", o.scheme, "recommended, or paper: given by the five options below, by "
+                 "default those of case 10; default recommended, or paper if one of them is given")
       ->check(CLI::IsMember({"recommended", "paper"}));
-  add("--source", o.source, "of the pressure equation: (9) the original, or (16)",
+  add("--source", o.source, "source term of the pressure equation: 9, the original, or 16",
       CLI::IsMember({9, 16}));
-  add("--collision", o.collision, "A,B: the distance over the spacing and the restitution",
-      not_negative())->delimiter(',')->expected(2);
-  add("--kernel", o.kernel, "(3a), (3b) or (3c)", CLI::IsMember({"3a", "3b", "3c"}));
-  add("--surface", o.surface, "pressure is zero where (13), where (17), or where both hold",
+  add("--collision", o.collision, "A,B of the collision model: distance over spacing, and "
+      "coefficient of restitution", not_negative())->delimiter(',')->expected(2);
+  add("--kernel", o.kernel, "kernel of equation (3a), (3b) or (3c)",
+      CLI::IsMember({"3a", "3b", "3c"}));
+  add("--surface", o.surface, "condition of the free surface: (13), (17) or both",
       CLI::IsMember({"13", "17", "both"}));
-  add("--gradient", o.gradient, "(4) from the lowest pressure around, or (18)",
-      CLI::IsMember({4, 18}));
-  add("--width", o.width, "of the tank [m]", positive());
-  add("--depth", o.depth, "of the water [m]", positive());
-  add("--thickness", o.thickness, "of the tank in 3D, along y [m]", positive());
-  add("--statistics-from", o.statistics_from, "when means and deviations begin [s]",
-      not_negative());
+  add("--gradient", o.gradient, "pressure gradient: 4, from the lowest neighbouring pressure, or "
+      "18", CLI::IsMember({4, 18}));
+  add("--width", o.width, "width of the tank [m]", positive());
+  add("--depth", o.depth, "depth of the water [m]", positive());
+  add("--thickness", o.thickness, "thickness of the tank in 3D, along y [m]", positive());
+  add("--statistics-from", o.statistics_from, "beginning of the time over which means and standard "
+      "deviations are taken [s]", not_negative());
   support::describe_flow(app, o, "P1 of the paper: the middle of the floor",
                          "pressure.csv, profile.csv, summary.json and frames.pvd");
 }
 
-// The depth of the water in whole spacings, as the tank is made [m].
+// The depth of the water, rounded to a multiple of the spacing like the tank [m].
 double still_depth(const Options& o) { return std::round(o.depth / o.spacing) * o.spacing; }
 
-// The scheme that the options ask for, where they do not name it.
+// Chooses the scheme from the other options if --scheme is not given.
 void choose_scheme(const CLI::App& app, Options& o) {
   for (const char* choice : {"--source", "--collision", "--kernel", "--surface", "--gradient"}) {
     if (app.count(choice) == 0) continue;
     if (o.scheme == "recommended") {
-      throw support::Refusal(std::string(choice) + " is a choice of --scheme paper, not recommended");
+      throw support::OptionError(std::string(choice) +
+                                 " needs --scheme paper, but --scheme is recommended");
     }
     o.scheme = "paper";
   }
   if (o.scheme.empty()) o.scheme = "recommended";
 }
 
-// Walls go on above the water, which would leave the tank where a scheme boils.
+// Walls extend above the water, because unstable schemes splash.
 double wall_height(const Options& o) { return 1.5 * o.depth; }
 
 template <int Dim>
 auto make_tank(const Options& o) {
-  return support::or_refuse([&] {
+  return support::or_reject([&] {
     return mps::make_tank<Dim>(
         {.column = {o.width, o.depth},
          .size = {.length = o.width, .height = wall_height(o), .depth = o.thickness},
@@ -109,7 +110,7 @@ auto make_tank(const Options& o) {
   });
 }
 
-// (13), (17) or both, as the options have it: a free surface of one's own is any such struct.
+// User-defined free-surface policy: condition (13), (17) or both, chosen at run time.
 struct ChosenSurface {
   bool by_density = true;
   bool by_count = true;
@@ -121,11 +122,12 @@ struct ChosenSurface {
     neighbours.check();
   }
   bool is_on_surface(const mps::LocalDensity& local_density) const {
-    return (!by_density || density.is_on_surface(local_density)) && (!by_count || neighbours.is_on_surface(local_density));
+    return (!by_density || density.is_on_surface(local_density)) &&
+           (!by_count || neighbours.is_on_surface(local_density));
   }
 };
 
-// Mean and standard deviation of samples that each hold for some time.
+// Time-weighted mean and standard deviation.
 class Average {
  public:
   struct Sample {
@@ -134,9 +136,9 @@ class Average {
   };
   void add(const Sample& sample) {
     seconds_ += sample.seconds;
-    const double off = sample.value - mean_;
-    mean_ += off * sample.seconds / seconds_;
-    squares_ += off * (sample.value - mean_) * sample.seconds;
+    const double deviation = sample.value - mean_;
+    mean_ += deviation * sample.seconds / seconds_;
+    squares_ += deviation * (sample.value - mean_) * sample.seconds;
   }
   bool empty() const { return !(seconds_ > 0); }
   double mean() const { return mean_; }
@@ -154,7 +156,7 @@ class Average {
   double squares_ = 0;
 };
 
-// Observer that averages the first gauge, and the fluid in layers of one spacing, over time.
+// Observer that averages the first gauge, and the fluid in layers one spacing thick, over time.
 template <int Dim>
 class Statistics {
  public:
@@ -199,7 +201,7 @@ class Statistics {
 
   const Average& gauge() const { return gauge_; }
 
-  // depth: of the fluid in the layer, on average over particles and time, below the still surface.
+  // depth: mean over the particles of the layer and time, below the still surface.
   void write_profile(const std::string& path) const {
     CsvFile file(path, {"depth", "p_mean", "p_std"});
     file.begin();  // there may be no row
@@ -226,7 +228,7 @@ class Statistics {
   std::vector<Layer> layers_;
 };
 
-// Twice the mean height of the fluid: where its surface is [m].
+// Height of the surface, as twice the mean height of the fluid [m].
 template <class P>
 double level(const P& particles) {
   double sum = 0;
@@ -237,10 +239,9 @@ double level(const P& particles) {
   return 2 * sum / double(count(particles, mps::Kind::fluid));
 }
 
-// Any scheme, with any settings of its own.
 template <class Scheme, int Dim>
-void stand(const Options& o, const mps::FlowSettings<Dim, Scheme>& settings) {
-  const auto water = support::or_refuse([&] {
+void simulate(const Options& o, const mps::FlowSettings<Dim, Scheme>& settings) {
+  const auto water = support::or_reject([&] {
     return mps::Flow<Scheme, Dim>{settings, mps::PressureSolver<Dim>{{.tolerance = o.tolerance}}};
   });
   const auto particles = make_tank<Dim>(o);
@@ -262,7 +263,8 @@ void stand(const Options& o, const mps::FlowSettings<Dim, Scheme>& settings) {
   statistics.write_profile(o.out + "/profile.csv");
 
   nlohmann::ordered_json summary;
-  const double analytic = settings.density * support::g * (still_depth(o) - o.probes.front().back());
+  const double gauge_depth = still_depth(o) - o.probes.front().back();
+  const double analytic = settings.density * support::g * gauge_depth;
   const Average& gauge = statistics.gauge();
   summary["rer"] = nullptr;  // (14)
   summary["std_over_mean"] = nullptr;
@@ -296,66 +298,67 @@ void stand(const Options& o, const mps::FlowSettings<Dim, Scheme>& settings) {
               count(particles, mps::Kind::fluid), static_cast<unsigned long long>(tank.steps()),
               wall.seconds(), static_cast<unsigned long long>(tank.particles_lost()));
   if (gauge.empty()) {
-    std::printf("too short for statistics, which begin at %g s; see %s\n", o.statistics_from,
+    std::printf("too short for statistics, which begin at %g s; results in %s\n", o.statistics_from,
                 o.out.c_str());
   } else {
-    std::printf("RER %.2f %%, standard deviation %.2f %% of the mean; see %s\n",
+    std::printf("RER %.2f %%, standard deviation %.2f %% of the mean; results in %s\n",
                 100 * (gauge.mean() / analytic - 1), 100 * gauge.deviation() / gauge.mean(),
                 o.out.c_str());
   }
 }
 
 template <int Dim>
-void stand_as_recommended(const Options& o) {
-  stand<mps::Recommended, Dim>(o, support::flow_settings<mps::Recommended, Dim>(o, o.depth));
+void simulate_recommended(const Options& o) {
+  simulate<mps::Recommended, Dim>(o, support::flow_settings<mps::Recommended, Dim>(o, o.depth));
 }
 
-// The paper's choices that are types are compiled, the others are numbers.
+// Choices that are types select a template instance; the others are settings.
 template <int Dim, class Source, class Kernel, class Gradient>
-void stand(const Options& o) {
+void simulate(const Options& o) {
   using Scheme = mps::Scheme<Source, mps::AdoptedCollision, Kernel, ChosenSurface, Gradient>;
   auto settings = support::flow_settings<Scheme, Dim>(o, o.depth);
   settings.collision.distance = o.collision[0];
   settings.collision.restitution = o.collision[1];
   settings.surface = {.by_density = o.surface != "17", .by_count = o.surface != "13"};
-  stand<Scheme, Dim>(o, settings);
+  simulate<Scheme, Dim>(o, settings);
 }
 
 template <int Dim, class Source, class Kernel>
-void stand(const Options& o) {
-  o.gradient == 4 ? stand<Dim, Source, Kernel, mps::MinimumGradient>(o)
-                  : stand<Dim, Source, Kernel, mps::ConservingGradient>(o);
+void simulate(const Options& o) {
+  o.gradient == 4 ? simulate<Dim, Source, Kernel, mps::MinimumGradient>(o)
+                  : simulate<Dim, Source, Kernel, mps::ConservingGradient>(o);
 }
 
 template <class Source>
-void stand_with_kernel(const Options& o) {
-  if (o.kernel == "3a") return stand<2, Source, mps::InverseKernel>(o);
-  if (o.kernel == "3b") return stand<2, Source, mps::GaussianKernel>(o);
-  stand<2, Source, mps::CubicKernel>(o);
+void simulate_with_kernel(const Options& o) {
+  if (o.kernel == "3a") return simulate<2, Source, mps::InverseKernel>(o);
+  if (o.kernel == "3b") return simulate<2, Source, mps::GaussianKernel>(o);
+  simulate<2, Source, mps::CubicKernel>(o);
 }
 
-void stand_in_2d(const Options& o) {
-  if (o.scheme == "recommended") return stand_as_recommended<2>(o);
-  o.source == 9 ? stand_with_kernel<mps::DensitySource>(o)
-                : stand_with_kernel<mps::DivergenceSource>(o);
+void simulate_2d(const Options& o) {
+  if (o.scheme == "recommended") return simulate_recommended<2>(o);
+  o.source == 9 ? simulate_with_kernel<mps::DensitySource>(o)
+                : simulate_with_kernel<mps::DivergenceSource>(o);
 }
 
-// Every scheme is compiled, so 3D, which the paper does not have, gets what the paper adopts.
-void stand_in_3d(const Options& o) {
-  if (o.scheme == "recommended") return stand_as_recommended<3>(o);
+// Every scheme costs compile time, so 3D, which the paper does not treat, has only the scheme that
+// the paper adopts.
+void simulate_3d(const Options& o) {
+  if (o.scheme == "recommended") return simulate_recommended<3>(o);
   if (o.source != 16 || o.kernel != "3c") {
-    throw support::Refusal("--dimension 3 is there for --source 16 and --kernel 3c only; for others "
-                           "change stand_in_3d() in hydrostatic.cpp");
+    throw support::OptionError("--dimension 3 supports only --source 16 and --kernel 3c; for "
+                               "others change simulate_3d() in hydrostatic.cpp");
   }
-  stand<3, mps::DivergenceSource, mps::CubicKernel>(o);
+  simulate<3, mps::DivergenceSource, mps::CubicKernel>(o);
 }
 
 void check_probes(const Options& o) {
   for (const auto& probe : o.probes) {
     if (probe.back() < still_depth(o)) continue;
-    throw support::Refusal("--probe at a height of " + to_text(probe.back()) +
-                           " m must lie below the still surface, at " + to_text(still_depth(o)) +
-                           " m");
+    throw support::OptionError("--probe at a height of " + to_text(probe.back()) +
+                               " m must lie below the still surface, at " +
+                               to_text(still_depth(o)) + " m");
   }
 }
 
@@ -373,12 +376,12 @@ int main(int argc, char** argv) {
     if (options.dimension == 2) {
       support::read_probes(options, {options.width, wall_height(options)}, {middle, 0});
       check_probes(options);
-      stand_in_2d(options);
+      simulate_2d(options);
     } else {
       support::read_probes(options, {options.width, options.thickness, wall_height(options)},
                            {middle, options.thickness / 2, 0});
       check_probes(options);
-      stand_in_3d(options);
+      simulate_3d(options);
     }
   });
 }

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-// A contact law of one's own: Hertz's normal force with the loss of Hunt and Crossley (1975), and a
-// viscous friction that Coulomb limits. It is a plain struct; the library neither knows it nor is
-// told about it, and the same struct serves discs and spheres, in double and in float.
+// A user-defined contact law: Hertz's normal force with the dissipation of Hunt and Crossley
+// (1975), and viscous friction with a Coulomb limit. It is a plain struct, which needs no
+// registration and works for discs and spheres, in double and in float.
 //
-// A ball is thrown along a floor, bounces, and leaves it rolling: then 5/7 of its speed are left.
+// A ball is thrown along a floor and bounces. It leaves the floor rolling, with 5/7 of its speed.
 #include <silt/dem.hpp>
 
 #include <algorithm>
@@ -12,9 +12,9 @@
 
 struct Hertz {
   double modulus = 0;   ///< E* of the pair [Pa]
-  double loss = 0;      ///< of Hunt and Crossley, about 3/2 (1 − e)/v at impact speed v [s/m]
-  double drag = 0;      ///< of the surfaces against each other, below sliding [N s/m]
-  double friction = 0;  ///< µ of Coulomb [-]
+  double loss = 0;      ///< Hunt and Crossley: about 3/2 (1 − e)/v at impact speed v [s/m]
+  double drag = 0;      ///< viscous friction coefficient, below sliding [N s/m]
+  double friction = 0;  ///< Coulomb friction coefficient µ [-]
 
   template <class Contact>
   typename Contact::Vec force(const Contact& c) const {
@@ -24,8 +24,8 @@ struct Hertz {
     const Real spring = Real(4 * modulus / 3) * contact_radius * c.overlap;
     const Real F_n = std::max(Real(0), spring * (1 + Real(loss) * c.approach_speed()));
     const Vec drag_force = -Real(drag) * c.tangential_velocity();
-    const Real share = std::min(Real(1), Real(friction) * F_n / (drag_force.norm() + Real(1e-30)));
-    return F_n * c.normal + share * drag_force;
+    const Real limit = std::min(Real(1), Real(friction) * F_n / (drag_force.norm() + Real(1e-30)));
+    return F_n * c.normal + limit * drag_force;
   }
 };
 
@@ -47,12 +47,12 @@ void bounce() {
                         Forces{Gravity<Dim, Real>{Vec(Real(-9.81) * up)},
                                dem::Contacts{law, dem::Plane<Dim, Real>{}}},
                         Leapfrog{}};
-  // This law does not tell its stiffness, so the time step is ours to choose.
+  // This law has no stiffness(), so no time step can be computed; it is set here.
   simulation.run({.until = 0.25, .time_step = 1e-5});
   const auto after = simulation.snapshot();
   const Real v = after[velocity][0].dot(up);
   const Real height = after[position][0].dot(up) - R + v * v / Real(2 * 9.81);
-  std::printf("%dD: thrown at 1 m/s from %.2f m, bounces to %.3f m, goes on at %.3f m/s\n", Dim,
+  std::printf("%dD: thrown at 1 m/s from %.2f m, bounces to %.3f m, continues at %.3f m/s\n", Dim,
               double(drop), double(height), double(after[velocity][0][0]));
 }
 

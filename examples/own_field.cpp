@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// A field of one's own: a temperature that flows from each particle to its neighbours, carried by
-// grains and by water. The field is one line, its physics a plain loop between two steps, and
-// neither knows what the particles are. Run it in any folder, then open warm_grains.pvd and
+// A user-defined field: a temperature that is conducted between neighbouring particles, of grains
+// and of water. The field is defined in one line, and conduction is a plain loop between two steps;
+// neither depends on the kind of particles. Run it in any folder, then open warm_grains.pvd and
 // warm_water.pvd in ParaView.
 #include <silt/io/vtk.hpp>
 #include <silt/silt.hpp>
@@ -14,25 +14,25 @@
 inline constexpr struct temperature_t : silt::scalar_field {
 } temperature{};  ///< T [K]
 
-/// dT_i/dt = rate Σ_j (T_j − T_i) over the neighbours j that the search finds; rate [1/s].
-/// What one gains the other loses, so that the sum stays. Stable while rate Δt times their
-/// number is below 1.
+/// dT_i/dt = rate Σ_j (T_j − T_i) over the neighbours j within the search radius; rate [1/s].
+/// Exchanges are equal and opposite, so that the sum of T is conserved. Stable if rate Δt times the
+/// number of neighbours is below 1.
 template <class Simulation>
 void conduct(Simulation& simulation, double rate) {
   auto& particles = simulation.particles();
-  const double share = rate * simulation.last_time_step();
+  const double factor = rate * simulation.last_time_step();
   const auto T = particles[temperature];
   std::vector<double> gained(T.size(), 0.0);
   simulation.search().for_each_pair([&](silt::Index i, silt::Index j, const auto&, auto) {
-    j = particles.owner(j);  // beyond a periodic side stands the image of a particle
-    const double flow = share * (T[j] - T[i]);
+    j = particles.owner(j);  // j may be a ghost, beyond a periodic side
+    const double flow = factor * (T[j] - T[i]);
     gained[i] += flow;
     gained[j] -= flow;
   });
   for (silt::Index i = 0; i < T.size(); ++i) T[i] += gained[i];
 }
 
-/// Steps and conducts for 0.8 s, with a frame every 20 ms.
+/// Runs for 0.8 s with conduction after every step, and a frame every 20 ms.
 template <class Simulation>
 void warm(Simulation& simulation, double rate, silt::VtkSeries frames) {
   while (simulation.time() < 0.8) {

@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Runs the study of [HwangLeePark2010], draws its figures, and says which of its findings hold.
+"""Repeats the study of [HwangLeePark2010], draws its figures, and reports which findings hold.
 
     paper_figures.py [--only fig5,fig7,…] [--out FOLDER] [--quick] [--jobs N] --programs FOLDER
 
-examples/paper_figures builds the programs and calls this. Each run goes into a subfolder of FOLDER;
-those that are there already with the same options are not made again. FOLDER gets a picture for each
-figure, and comparison.md.
+examples/paper_figures builds the programs and calls this script. Each run has a subfolder of
+FOLDER; existing runs with the same options are not repeated. Writes a picture for each figure, and
+comparison.md, to FOLDER.
 """
 
 import argparse

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Runs the examples for the pictures of README and docs, draws them, and writes down what they are
-made from. examples/pictures builds the programs and calls this.
+"""Runs the examples for the pictures of README and docs, draws them, and records the runs.
+examples/pictures builds the programs and calls this script.
 
     pictures.py --programs FOLDER [--all] [--redraw] [--threads N] [NAME…]
 """
@@ -21,14 +21,14 @@ from support.picture_list import IMAGES, RECORD, SOURCES, STUDIES, Study, digest
 
 def options_of(arguments):
     parser = argparse.ArgumentParser(
-        prog="pictures", description="Draws the pictures of README and docs anew.")
-    parser.add_argument("names", nargs="*", metavar="NAME", help="these pictures only, e.g. "
+        prog="pictures", description="Redraws the pictures of README and docs.")
+    parser.add_argument("names", nargs="*", metavar="NAME", help="only these pictures, e.g. "
                         "broken_tower.png")
-    parser.add_argument("--all", action="store_true", help="those of the two long studies, too")
+    parser.add_argument("--all", action="store_true", help="also those of the two long studies")
     parser.add_argument("--redraw", action="store_true",
-                        help="from the runs in out/pictures, which are made anew otherwise")
+                        help="draw existing runs in out/pictures instead of repeating them")
     parser.add_argument("--threads", type=int, default=os.cpu_count() or 1,
-                        help="of a program (%(default)s)")
+                        help="number of threads of a program (%(default)s)")
     parser.add_argument("--out", type=pathlib.Path, default=pathlib.Path("out/pictures"),
                         help="folder of the runs (%(default)s)")
     parser.add_argument("--programs", type=pathlib.Path, default=None, help=argparse.SUPPRESS)
@@ -36,10 +36,10 @@ def options_of(arguments):
     options = parser.parse_args(arguments)
     known = {name: source for source in SOURCES + STUDIES for name in source.pictures.values()}
     if unknown := [name for name in options.names if name not in known]:
-        parser.error(f"{', '.join(unknown)}: no such picture; there are {', '.join(known)}")
-    asked = [known[name] for name in options.names]
+        parser.error(f"{', '.join(unknown)}: no such picture; the pictures are {', '.join(known)}")
+    requested = [known[name] for name in options.names]
     options.sources = [source for source in SOURCES + STUDIES if
-                       (source in asked if asked else source in SOURCES or options.all)]
+                       (source in requested if requested else source in SOURCES or options.all)]
     return options
 
 
@@ -50,10 +50,10 @@ def call(*command):
 
 
 def make(source, options):
-    """Runs and draws into a folder."""
+    """Runs and draws a source; returns its folder."""
     folder = options.out / source.name
     if isinstance(source, Study):
-        # They keep the runs that have the same options, and go on where they were stopped.
+        # A study keeps runs with the same options, and resumes if it was stopped.
         script, *arguments = source.argv(options.programs, folder, options.threads)
         call(sys.executable, HERE / script, *arguments)
         return folder
@@ -91,10 +91,10 @@ def main(arguments):
         folder = make(source, options)
         for made, name in source.pictures.items():
             shutil.copyfile(folder / made, IMAGES / name)
-            print(f"Made docs/images/{name}, {(IMAGES / name).stat().st_size / 1e3:.0f} kB",
+            print(f"Written: docs/images/{name}, {(IMAGES / name).stat().st_size / 1e3:.0f} kB",
                   flush=True)
         record[source.name] = entry_of(source, folder)
-        # After each, since the next may be stopped.
+        # Written after each source, because the next may be stopped.
         RECORD.write_text(json.dumps(dict(sorted(record.items())), indent=2, ensure_ascii=False)
                           + "\n", encoding="utf-8")
 

@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Draws what broken_tower wrote.
+"""Draws the output of broken_tower.
 
     plot_broken_tower.py FOLDER
 
-Makes frames.png, figures_9_10.png, energy.png, wave.png, spreading.png, collapse.gif and
-comparison.md in FOLDER. Runs in the subfolders undamped (--alpha 0), symmetric (--offset 0),
-frictionless (--friction-angle 0) and wave_* (of other stiffness, density or height) are compared
-with it, where they are there.
+Writes frames.png, figures_9_10.png, energy.png, wave.png, spreading.png, collapse.gif and
+comparison.md to FOLDER. The comparison includes runs in the subfolders undamped (--alpha 0),
+symmetric (--offset 0), frictionless (--friction-angle 0) and wave_* (other stiffness, density or
+height), if they exist.
 """
 
 import json
@@ -37,7 +37,7 @@ class Run:
         return cls(folder) if (folder / "summary.json").exists() else None
 
     def frame(self, number):
-        """Of spheres the ones behind come first, so that those in front are drawn over them."""
+        """Orders spheres from back to front, so that those in front are drawn last."""
         frame = self.series[number]
         if self.options["dimension"] == 2:
             return frame
@@ -61,21 +61,21 @@ def ground(axes, bottom):
 
 
 def colours(run):
-    """Up to the speed of a free fall from half the height."""
+    """Colour scale up to the speed of a free fall from half the height."""
     return {"cmap": style.SPEED, "norm": plt.Normalize(0, np.sqrt(9.81 * run.height))}
 
 
 def outline(run, width, inches, most):
-    """Width of a grain's outline [points], thinner for small grains. width, inches: of the panel, the
-    former in metres."""
+    """Width of a grain's outline [points], thinner for small grains. width, inches: width of the
+    panel in metres and in inches."""
     return min(most, 0.07 * 72 * inches * 2 * run.options["radius"] / width)
 
 
 def collapse_of(run):
-    """Six moments of the collapse: the frames' numbers, the frames, half their width and height."""
+    """Six times of the collapse: numbers of the frames, the frames, their half width and height."""
     top = run.height + run.options["drop_height"]
     fall = np.sqrt(2 * run.height / 9.81)
-    # Rounded to a tenth of a second, as the titles say it.
+    # Rounded to a tenth of a second, as in the titles.
     times = [0, *(run.summary["landing_time"] + fall * np.array([0.37, 0.6, 0.85, 1.1, 1.35]))]
     numbers = sorted({run.series.nearest(round(t, 1)) for t in times})
     frames = [run.frame(number) for number in numbers]
@@ -102,7 +102,7 @@ def draw_collapse(figure, run):
 
 
 def draw_ends(figure, ends):
-    """The heaps at the end, and what has escaped from them."""
+    """The final heaps and the grains that have escaped from them."""
     half = 1.05 * max(each.summary["farthest"] for each in ends)
     frames = [each.frame(len(each.series) - 1) for each in ends]
     _, top = extent(frames, 1, ends[0].options["radius"])
@@ -127,7 +127,7 @@ def draw_ends(figure, ends):
 
 
 def draw_frames(run, undamped):
-    """Six moments of the collapse; below them the end, with and without global damping."""
+    """Six times of the collapse; below them the final states with and without global damping."""
     ends = [each for each in (run, undamped) if each]
     _, frames, half, top = collapse_of(run)
     rows = int(np.ceil(len(frames) / 3))
@@ -140,7 +140,7 @@ def draw_frames(run, undamped):
 
 
 def draw_figures(run, undamped):
-    """The same moments of both runs beside one another, as the paper's Figs 9 and 10."""
+    """Both runs at the same times, side by side, as Figs 9 and 10 of the paper."""
     fall = np.sqrt(2 * run.height / 9.81)
     begin = run.summary["landing_time"]
     last = min(run.series.times[-1], undamped.series.times[-1])
@@ -177,7 +177,7 @@ def describe(run):
 
 
 def draw_wave(runs):
-    """The force on the floor after the landing, and when the disturbance arrives there."""
+    """The force on the floor after the landing, and the arrival of the disturbance."""
     runs = [each for each in runs if each.summary["wave_arrival"]]
     if not runs:
         return None
@@ -186,7 +186,7 @@ def draw_wave(runs):
     for each, colour in zip(runs, [DARK, *style.CURVES]):
         s, o = each.summary, each.options
         layers = o["rows"] * s["time_a_layer"]
-        # Later the tower is no longer a tower.
+        # Later the tower has collapsed.
         t = each.floor["t"][each.floor["t"] <= 2 * layers]
         weight = s["grain_weight"] * (s["particles"] - 1)
         force = (each.floor["over_weight"][:len(t)] - 1) * weight / s["grain_weight"]
@@ -216,7 +216,7 @@ def draw_wave(runs):
 
 
 def draw_spreading(run, undamped):
-    """How the lowest layer and the heap spread along the floor."""
+    """Spreading of the lowest layer and of the heap along the floor."""
     figure, axes = plt.subplots(1, 3, figsize=(style.WIDE, 3.6))
     for each, colour in ((run, ORANGE), (undamped, BLUE)):
         if not each:
@@ -306,7 +306,7 @@ def animate(run, path):
 
 
 def asymmetry(run, until):
-    """Largest distance of a disc from the mirror image of its partner up to a time [m]."""
+    """Maximum distance of a disc from the mirror image of its partner up to a time [m]."""
     columns, rows = run.options["columns"], run.options["rows"]
     ids = np.arange(columns * rows).reshape(rows, columns)
     mirror = np.append(ids[:, ::-1].ravel(), columns * rows)
@@ -320,13 +320,13 @@ def asymmetry(run, until):
 
 
 def farther_than(run, heap):
-    """Grains that ended farther from the axis than twice the radius of another run's heap."""
+    """Number of grains finally beyond twice the radius of another run's heap."""
     x = run.series[len(run.series) - 1]["position"]
     return int(np.sum(np.hypot(x[:, 0], x[:, 2]) > 2 * heap.summary["pile_radius"]))
 
 
 def compare(run, others, path):
-    """Checks against what must hold, as a table."""
+    """Table of checks."""
     s = run.summary
     rows = [
         ("floor load / weight before the disc lands", f"{s['floor_load_over_weight']:.4f}",
@@ -339,7 +339,7 @@ def compare(run, others, path):
     undamped = others["undamped"]
     if undamped:
         until = undamped.options["until"]
-        # Spheres roll on for ever, so that without damping the whole heap goes far.
+        # Spheres do not stop rolling, so that without damping the whole heap spreads far.
         if run.options["dimension"] == 2:
             escaped = undamped.summary["escaped"]
             rows.append((f"escaped at t = {until:g} s, α = 0", escaped, "> 0", escaped > 0))

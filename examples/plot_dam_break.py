@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Draws what dam_break wrote.
+"""Draws the output of dam_break.
 
     plot_dam_break.py FOLDER
 
-Makes frames.png, front.png, pressure.png, collapse.gif and comparison.md in FOLDER. Runs of the paper's
-schemes in the subfolders case_10 (--case 10) and case_00 are compared with it, where they are there.
+Writes frames.png, front.png, pressure.png, collapse.gif and comparison.md to FOLDER. The comparison
+includes runs with the paper's schemes in the subfolders case_10 (--case 10) and case_00, if they
+exist.
 """
 
 import pathlib
@@ -46,7 +47,7 @@ def draw_front(runs):
     for run, colour in zip(runs, COLOURS):
         T, Z = run.dimensionless_front()
         axes[1].plot(T / np.sqrt(2), run.dimensionless_height(), color=colour, linewidth=1.8)
-        # The edge ends where it meets the wall.
+        # The edge ends at the wall.
         T, Z = T[run.before_the_wall()], Z[run.before_the_wall()]
         axes[0].plot(T, Z, color=colour, linewidth=1.2, linestyle=DASHED,
                      label=f"{run.name}, as computed")
@@ -71,7 +72,7 @@ def draw_pressure(runs):
                                   sharex=True, squeeze=False)
     panels = panels[:, 0]
     for axes, run, colour in zip(panels, runs, COLOURS):
-        still = run.width * run.height / run.options["tank"][0]  # depth of all water at rest
+        still = run.width * run.height / run.options["tank"][0]  # depth of the whole water at rest
         for number, name in enumerate(run.pressure.dtype.names[1:]):
             place = run.options["probes"][number]
             at = ", ".join(f"{x:g}" for x in place)
@@ -100,7 +101,7 @@ def animate(run, path):
 
 
 def of_front(run):
-    """Rows that hold a run's leading edge and height against experiment and exact solution."""
+    """Rows that compare a run's leading edge and height with experiment and exact solution."""
     if not run.is_martin_moyce() or run.front_error() is None:
         return
     is_best = run.options["case"] == "recommended"

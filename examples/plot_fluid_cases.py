@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Draws what fluid_cases wrote.
+"""Draws the output of fluid_cases.
 
     plot_fluid_cases.py FOLDER
 
-Makes frames.png and history.png in FOLDER, and comparison.md, the findings as a table.
+Writes frames.png, history.png and comparison.md, the findings as a table, to FOLDER.
 """
 
 import json
@@ -18,8 +18,8 @@ from support.plot_style import DARK, DASHED, np, plt
 
 SCHEMES = {"recommended": "Silt, recommended scheme", "case10": "Case 10 (PNU-MPS)"}
 
-# Per case: the title; panels of the history, each a label and its curves, (column, what it is), of
-# which the exact ones are dashed; what colours the frames.
+# Per case: the title; panels of the history, each with a label and curves (column, caption), of
+# which the exact ones are dashed; the quantity that colours the frames.
 CASES = {
     "taylor_green": ("Taylor–Green vortices, Re = 100", [
         ("rms velocity / initial value [-]", [("speed", "computed"), ("speed_exact", "exact")]),
@@ -75,13 +75,13 @@ def draw_frames(run):
     figure, panels = plt.subplots(2, 2, figsize=(style.WIDE, 7.6), squeeze=False)
     by_speed = CASES[run["case"]][2] == "speed"
     values = [speed(frame) if by_speed else frame["pressure"] for frame in frames]
-    # Single particles would stretch the scale.
+    # Single particles must not extend the scale.
     low, high = np.percentile(np.concatenate(values[1:] or values), [0.5, 99.5])
     for axes, frame, colours, number in zip(panels.flat, frames, values, numbers):
         lower, upper = frame["position"].min(axis=0), frame["position"].max(axis=0)
         half = 0.53 * (upper - lower).max()
         x, y = ((middle - half, middle + half) for middle in ((lower + upper) / 2)[:2])
-        # Of a size that can still be seen where the fluid has spread far.
+        # Large enough to be visible if the fluid has spread far.
         circles = draw(axes, frame, colours, radius=max(run["spacing"] / 2, 0.007 * half),
                        cmap=style.SPEED if by_speed else style.PRESSURE,
                        norm=plt.Normalize(low, max(high, low + 1e-12)))

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Draws what hopper wrote.
+"""Draws the output of hopper.
 
     plot_hopper.py FOLDER
 
-Makes frames.png, discharge.png, discharge.gif and comparison.md in FOLDER.
+Writes frames.png, discharge.png, discharge.gif and comparison.md to FOLDER.
 """
 
 import json
@@ -33,7 +33,7 @@ class Run:
         self.opening = self.summary["rates"][-1]["opening_over_d"] * self.d
         first = self.series[0]
         height = first["position"][:, self.dimension - 1]
-        # Which layer of the bed at rest a grain lay in, by its id.
+        # Layer of each grain in the bed at rest, by its id.
         self.layer = np.empty(int(first["id"].max()) + 1, dtype=int)
         thickness = 3 * self.d
         self.layer[first["id"]] = (height / thickness).astype(int) % len(LAYERS)
@@ -55,12 +55,12 @@ def draw_bin(axes, run):
     for side in (-1, 1):
         axes.plot([side * half, side * half, side * gap], [top, corner, 0], color=STEEL,
                   linewidth=2, solid_capstyle="butt", solid_joinstyle="miter", zorder=3)
-    # What has left is followed for some diameters, and cut off there by the drain, too.
+    # Discharged grains are shown down to some diameters below, where the drain removes them.
     style.box(axes, (-half - run.d, half + run.d), (-8 * run.d, top), ("x [m]", "height [m]"))
 
 
 def draw_grains(axes, run, frame):
-    """In 3D those of a slice through the middle, as large as it cuts them."""
+    """In 3D the cross-sections of the grains with the central plane."""
     from matplotlib.collections import EllipseCollection
 
     x, radius = frame["position"], frame["radius"]
@@ -111,7 +111,7 @@ def reduced_rates(run):
 
 
 def coefficient(run, k):
-    """C of the law with this k."""
+    """C of the law for this k."""
     D, W = reduced_rates(run)
     return np.mean(W / (D - k) ** run.summary["exponent_of_the_law"])
 

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Draws what hydrostatic wrote.
+"""Draws the output of hydrostatic.
 
     plot_hydrostatic.py FOLDER
 
-Makes frames.png, pressure.png, profile.png and comparison.md in FOLDER.
+Writes frames.png, pressure.png, profile.png and comparison.md to FOLDER.
 """
 
 import pathlib
@@ -17,7 +17,7 @@ from support.water import DENSITY, G, NAMES, Tank, Tanks
 
 
 def scheme(run):
-    """The choices of scheme in words."""
+    """Description of the scheme."""
     o = run.options
     if o["scheme"] == "recommended":
         return NAMES["recommended"]
@@ -36,7 +36,7 @@ def draw_frames(run):
 
 
 def draw_pressure(run):
-    """The gauges, each with the pressure of the still water above it."""
+    """The gauges, each with its hydrostatic pressure."""
     figure, axes = plt.subplots(figsize=(style.WIDE, 3.8))
     highest = 0
     for number, name in enumerate(run.pressure.dtype.names[1:]):
@@ -54,7 +54,7 @@ def draw_pressure(run):
         title += (f"\nfirst gauge: mean {100 * run.summary['rer']:+.2f} % off (RER), standard "
                   f"deviation {100 * run.summary['std_over_mean']:.2f} % of the mean")
     axes.set_title(title)
-    # The first instants, in which the water settles, may peak far above.
+    # During the initial settling, the pressure may be much higher.
     settled = run.pressure[run.pressure["t"] > 0.05 * run.end()]
     top = max([highest, *(settled[name].max() / 1e3 for name in settled.dtype.names[1:])])
     axes.set_ylim(0, 1.15 * top)

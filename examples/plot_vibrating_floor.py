@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Draws what vibrating_floor wrote, beside the kinetic theory of the same bed.
+"""Draws the output of vibrating_floor and the kinetic theory of the same bed.
 
     plot_vibrating_floor.py FOLDER
 
-If FOLDER holds one run, makes profile.png and comparison.md in it. If it holds the runs of a study
-in subfolders, makes figures.png (Figs 5 to 8 of [SahChoi2004]), figures_2d.png, and comparison.md
-with every relation that must hold; see study_vibrating_floor.py.
+If FOLDER contains one run, writes profile.png and comparison.md to it. If it contains the runs of a
+study in subfolders, writes figures.png (Figs 5 to 8 of [SahChoi2004]), figures_2d.png, and
+comparison.md with all relations that must hold; see study_vibrating_floor.py.
 """
 
 import json
@@ -49,7 +49,7 @@ class Measured:
                                                      other.error / other.value))
 
     def __str__(self):
-        # As many digits as two of the error need.
+        # As many digits as are needed for two digits of the error.
         digits = 3
         if np.isfinite(self.error) and self.error > 0:
             digits = int(np.clip(1 - np.floor(np.log10(self.error)), 0, 6))
@@ -77,21 +77,21 @@ class Run:
         return Measured(self.summary[name], self.summary["standard_errors"][name])
 
     def band(self, name, lower, upper):
-        """A column's mean between two heights [d]. Slices of one grain fluctuate together, so the
-        error is that of one of them."""
+        """Mean of a column between two heights [d]. Slices within one grain are correlated, so the
+        error is that of one slice."""
         inside = (self.y > lower) & (self.y < upper) & np.isfinite(self.profile[name])
         weight = self.profile["solid_fraction"][inside]
         return Measured(np.average(self.profile[name][inside], weights=weight),
                         np.average(self.errors[name][inside], weights=weight))
 
     def weight_above(self, height):
-        """What lies above a height, over rho_p g d; the pressure there must carry it."""
+        """Weight above a height, over rho_p g d; it must equal the pressure there."""
         slice_height = self.y[1] - self.y[0]
         above = np.cumsum((self.profile["solid_fraction"] * slice_height)[::-1])[::-1]
         return float(np.interp(height, self.y - slice_height / 2, above))
 
     def pressure(self, temperature, lower, upper):
-        """That of the equation of state between two heights [d], over rho_p g d, with the
+        """Pressure of the equation of state between two heights [d], over rho_p g d, with the
         temperature of this column."""
         nu = self.band("solid_fraction", lower, upper).value
         T = self.band(temperature, lower, upper).value
@@ -106,8 +106,8 @@ class Run:
 
 
 def curve(axes, run, name, colour, label):
-    """A profile against height, with two standard errors, as far up as it is known. Returns how
-    high that is [d]."""
+    """A profile over height, with two standard errors, up to the height where it is known, which is
+    returned [d]."""
     values, errors = run.profile[name], run.errors[name]
     known = run.profile["solid_fraction"] > 2e-4
     if name != "solid_fraction":
@@ -157,7 +157,7 @@ def draw_figures(rows, title, theories):
 
 
 class Check:
-    """Lines of a table: what, measured, what it must be, whether it holds."""
+    """Lines of a table: quantity, measured, expected, whether it holds."""
 
     def __init__(self):
         self.lines = []
@@ -180,7 +180,7 @@ class Check:
                  fall.value > 2 * fall.error)
 
     def unchanged(self, what, measured, reference, limit):
-        """Their ratio is 1 within the limit; undecided where it is beyond, but by less than two
+        """Their ratio is 1 within the limit; undecided if it exceeds the limit by less than two
         standard errors."""
         ratio = measured.over(reference)
         off = abs(ratio.value - 1)
@@ -192,7 +192,7 @@ class Check:
 
 
 def figure_table(runs, theories):
-    """All figures of the runs, and below each what kinetic theory has."""
+    """All figures of the runs, each with the result of kinetic theory below."""
     lines = ["| run | grains | " + " | ".join(FIGURES.values()) + " |",
              "|---|---|" + "---|" * len(FIGURES)]
     for run in runs:
@@ -216,7 +216,7 @@ def check_one(check, run):
 
 
 def check_cooling(check, run):
-    """The energy falls over four bands between floor and centre of mass."""
+    """The energy decreases over four bands between floor and centre of mass."""
     edges = np.linspace(0.5, run.figure("centre_of_mass_over_d").value, 5)
     bands = [run.band("temperature_over_gd", low, high) for low, high in zip(edges, edges[1:])]
     fall = bands[0] - bands[-1]
@@ -229,8 +229,8 @@ def check_cooling(check, run):
 
 
 def check_pressure(check, run):
-    """The equation of state carries the weight; where energy is not shared evenly among the axes,
-    with that of the vertical motion."""
+    """The pressure of the equation of state equals the weight above; if the energy differs among
+    the axes, with that of the vertical motion."""
     heights = np.arange(2.5, run.figure("solid_fraction_peak_over_d").value, 1)
     for column, name, wanted in (("temperature_vertical", "vertical", True),
                                  ("temperature_over_gd", "mean", False)):
@@ -245,7 +245,7 @@ def check_pressure(check, run):
 
 
 def check_orders(check, by_holdup, by_velocity):
-    """The relations between the runs that the paper's figures show."""
+    """The relations between the runs shown by the paper's figures."""
     T, peak, at = (lambda run: run.figure("mean_temperature_over_gd"),
                    lambda run: run.figure("solid_fraction_max"),
                    lambda run: run.figure("solid_fraction_peak_over_d"))
@@ -253,7 +253,7 @@ def check_orders(check, by_holdup, by_velocity):
         pair = f"V_b = 2, m_t {less.mass_holdup:g} → {more.mass_holdup:g}"
         check.falls(f"{pair}: mean energy", T(less), T(more))
         check.rises(f"{pair}: largest solid fraction", peak(less), peak(more))
-        # The thinnest bed is nearly as dense at the floor as anywhere, so its peak lies anywhere.
+        # The density of the thinnest bed is nearly uniform, so the position of its peak is random.
         if less is not by_holdup[0]:
             check.rises(f"{pair}: height of the largest solid fraction", at(less), at(more))
     for less, more in zip(by_velocity, by_velocity[1:]):
@@ -265,7 +265,7 @@ def check_orders(check, by_holdup, by_velocity):
         check.falls(f"{run.name}: energy at 0.5 d to 1.5 d, from vertical to horizontal,",
                     run.band("temperature_vertical", 0.5, 1.5),
                     run.band("temperature_horizontal", 0.5, 1.5))
-    # No centre is below d/2, so that spheres can fill a slice from a height of d on.
+    # No centre is below d/2, so spheres fill slices completely only above a height of d.
     thin = by_holdup[0]
     near = thin.band("solid_fraction", 1, 2).over(peak(thin))
     check.add(f"{thin.name}: solid fraction at d to 2 d over its maximum", near, "≥ 0.8",
@@ -276,13 +276,13 @@ def check_orders(check, by_holdup, by_velocity):
 
 
 class Study:
-    """The runs below a folder, told apart by their options."""
+    """The runs below a folder, identified by their options."""
 
     def __init__(self, folder):
         self.runs = [Run(path.parent) for path in sorted(folder.glob("*/summary.json"))]
 
     def find(self, **options):
-        """The run with these options and otherwise the paper's; None if it is not there."""
+        """The run with these options, and those of the paper otherwise; None if there is none."""
         wanted = {"dimension": 3, "mass_holdup": 2.5, "boundary_velocity": 2, "frequency": 50,
                   "restitution": 0.9, **options}
         wanted.setdefault("cell_width", 8 if wanted["dimension"] == 3 else 40)
@@ -293,7 +293,7 @@ class Study:
         return None
 
     def series(self, dimension):
-        """By mass hold-up, and by boundary velocity; those that are there."""
+        """The existing runs by mass hold-up and by boundary velocity."""
         by_holdup = [self.find(dimension=dimension, mass_holdup=m) for m in (1, 2.5, 5)]
         by_velocity = [self.find(dimension=dimension, mass_holdup=5, boundary_velocity=v)
                        for v in (0.25, 2, 5)]

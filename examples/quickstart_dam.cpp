@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A column of water collapses in a tank. Writes dam.pvd, for ParaView, into the current folder.
+// A column of water collapses in a tank. Writes dam.pvd, for ParaView, to the current folder.
 #include <silt/io/progress.hpp>
 #include <silt/io/vtk.hpp>
 #include <silt/mps.hpp>
@@ -13,7 +13,7 @@ int main() try {
   const auto tank = mps::make_tank<2>(
       {.column = {0.4, 0.8}, .size = {.length = 1.6, .height = 1.2}, .spacing = l0});
 
-  // speed_scale is √(g H), the speed that limits the time step from the start.
+  // speed_scale is √(g H), the expected speed, which limits the time step from the beginning.
   const mps::Flow<mps::Recommended> water{{.spacing = l0, .density = 1000, .speed_scale = 2.8}};
 
   Simulation dam{tank, UniformGrid<2>{}, water, SemiImplicit<>{}};

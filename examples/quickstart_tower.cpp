@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A tower of grains that stands on nothing but good luck, and does not stand for long: everything a
-// DEM program needs. Run it in any folder, then open tower.pvd in ParaView.
+// An unstable tower of grains collapses: a complete DEM program. Run it in any folder, then open
+// tower.pvd in ParaView.
 #include <silt/dem.hpp>
 #include <silt/io/progress.hpp>
 #include <silt/io/vtk.hpp>

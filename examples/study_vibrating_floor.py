@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Runs vibrating_floor for Figs 5 to 8 of [SahChoi2004], and for the checks beside them.
+"""Runs vibrating_floor for Figs 5 to 8 of [SahChoi2004] and for additional checks.
 
     study_vibrating_floor.py PROGRAM FOLDER [further options of the program]
 
-Each run goes into a subfolder of FOLDER; those that are there already with the same options are not
-made again. Then plot_vibrating_floor.py draws and compares them all. examples/run --study
-vibrating_floor builds the program and calls this.
+Each run has a subfolder of FOLDER; existing runs with the same options are not repeated. Then
+plot_vibrating_floor.py draws and compares all runs. examples/run --study vibrating_floor builds the
+program and calls this script.
 """
 
 import pathlib
@@ -18,7 +18,7 @@ HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE))
 from support.runs import has_options
 
-# What the paper has: five runs make its six curves twice.
+# The runs of the paper: five runs give its six curves, twice.
 SPHERES = {
     "m1_v2": {"mass-holdup": 1, "boundary-velocity": 2, "until": 44},
     "m2.5_v2": {"mass-holdup": 2.5, "boundary-velocity": 2, "until": 34},
@@ -26,7 +26,7 @@ SPHERES = {
     "m5_v0.25": {"mass-holdup": 5, "boundary-velocity": 0.25, "until": 16},
     "m5_v5": {"mass-holdup": 5, "boundary-velocity": 5, "until": 24},
 }
-# A tenth of K_1 is enough where it is not the subject: the first two runs show it.
+# A tenth of K_1 is sufficient, as the first two runs show.
 SOFT = {"loading-stiffness": 2.7e7}
 CHECKS = {
     "m1_v2_soft": {**SPHERES["m1_v2"], **SOFT},
@@ -37,7 +37,7 @@ CHECKS = {
 }
 DISCS = {f"discs_{name}": {**options, **SOFT, "dimension": 2, "cell-width": 40}
          for name, options in SPHERES.items()}
-DISCS["discs_m1_v2"]["until"] = 204  # hardly any discs, hardly any fall with height
+DISCS["discs_m1_v2"]["until"] = 204  # few discs: the temperature hardly decreases with height
 RUNS = {**SPHERES, **CHECKS, **DISCS}
 
 
@@ -59,7 +59,7 @@ def main(arguments):
             sys.exit(f"study_vibrating_floor.py: {name} failed")
     drawn = subprocess.run([sys.executable, str(HERE / "plot_vibrating_floor.py"), str(folder)])
     if drawn.returncode != 0:
-        sys.exit(drawn.returncode)  # it has said why
+        sys.exit(drawn.returncode)  # it has printed the reason
     print((folder / "comparison.md").read_text())
 
 

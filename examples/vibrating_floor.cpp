@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: MIT
-// The vibrating floor: smooth spheres in a cell with periodic sides and no lid, kept in motion by a
-// floor that vibrates fast. Their collisions lose energy, so that the bed is hot at the floor and
-// dense some way above it: profiles of fluctuation energy and solid fraction over height.
+// The vibrating floor: smooth spheres in a cell with periodic sides and no lid, agitated by a floor
+// that vibrates fast. Collisions dissipate energy, so that the granular temperature is highest at
+// the floor and the density some way above it. Computes profiles of fluctuation energy and solid
+// fraction over height.
 //
 // After J.-Y. Sah, J.-W. Choi, "Analysis of Granular Flow Using DEM", Table 1 and Figs 4–8, which
 // follow Y. Lan, A.D. Rosato, Physics of Fluids 7, 1818 (1995).
 //
 //   vibrating_floor --mass-holdup 2.5 --boundary-velocity 2 --out out/vibrating_floor/single
 //   examples/plot_vibrating_floor.py out/vibrating_floor/single
-//   examples/run --study vibrating_floor         all five runs of the paper, and the checks
+//   examples/run --study vibrating_floor         all five runs of the paper, with checks
 #include <silt/core/random.hpp>
 #include <silt/dem.hpp>
 #include <silt/io/csv.hpp>
@@ -68,9 +69,9 @@ struct Options {
   double amplitude() const {
     return boundary_velocity * std::sqrt(2 * g * diameter) / (2 * pi * frequency);
   }
-  /// Of the bed, seen from above: L² [m²], in 2D L [m].
+  /// Horizontal cross-section of the cell: L² [m²], in 2D L [m].
   double cross_section() const { return std::pow(cell_width * diameter, dimension - 1); }
-  /// Of a grain: a sphere's volume [m³], in 2D a disc's area [m²].
+  /// Volume of a sphere [m³], in 2D area of a disc [m²].
   double grain_volume() const {
     return dimension == 2 ? pi * squared(diameter) / 4 : pi * diameter * squared(diameter) / 6;
   }
@@ -87,51 +88,52 @@ void describe(CLI::App& app, Options& o) {
     app.add_option(name, value, text)->check(check)->capture_default_str();
   };
   using support::positive, support::not_negative, support::between;
-  add("--dimension", o.dimension, "2: discs, for the trends; 3: spheres", between({2, 3}));
+  add("--dimension", o.dimension, "2: discs, for qualitative trends; 3: spheres", between({2, 3}));
   add("--mass-holdup", o.mass_holdup, "m_t [-], volume of the grains over that of a layer one "
-      "diameter high; the paper has 1, 2.5 and 5", positive());
-  add("--boundary-velocity", o.boundary_velocity, "V_b [-], rms velocity of the floor over the "
-      "root of g d; the paper has 0.25, 2 and 5. 90 g at 50 Hz is 2", positive());
-  add("--frequency", o.frequency, "of the floor [Hz]; it is fast beside the grains' flights, and "
-      "only V_b matters", positive());
-  add("--cell-width", o.cell_width, "of the square cell in diameters [-]; wide enough that twice "
-      "as much changes nothing", between({3, 1000}));
-  add("--diameter", o.diameter, "of a grain [m]", positive());
-  add("--density", o.density, "of a grain [kg/m3]", positive());
-  add("--loading-stiffness", o.loading_stiffness, "K_1 [N/m]; unloading has K_1/e2", positive());
-  add("--restitution", o.restitution, "e of two grains, and of a grain and the floor [-]",
-      between({0.05, 1}));
-  add("--steps-per-contact", o.steps_per_contact, "time steps in the shortest contact, at least "
-      "[-]", between({10, 1000}));
-  add("--warm-up", o.warm_up, "time before averages begin [s]; a grain flies for about half a "
-      "second", not_negative());
+      "diameter high; 1, 2.5 and 5 in the paper", positive());
+  add("--boundary-velocity", o.boundary_velocity, "V_b [-], rms velocity of the floor over "
+      "sqrt(g d); 0.25, 2 and 5 in the paper (2 is 90 g at 50 Hz)", positive());
+  add("--frequency", o.frequency, "frequency of the floor [Hz]; its period is short compared with "
+      "the flights of the grains, so that only V_b matters", positive());
+  add("--cell-width", o.cell_width, "width of the square cell in diameters [-]; doubling the "
+      "default changes nothing", between({3, 1000}));
+  add("--diameter", o.diameter, "diameter of a grain [m]", positive());
+  add("--density", o.density, "density of a grain [kg/m3]", positive());
+  add("--loading-stiffness", o.loading_stiffness, "K_1 [N/m]; the unloading stiffness is K_1/e2",
+      positive());
+  add("--restitution", o.restitution, "coefficient of restitution e between grains, and between "
+      "grains and floor [-]", between({0.05, 1}));
+  add("--steps-per-contact", o.steps_per_contact, "minimum number of time steps in the shortest "
+      "contact [-]", between({10, 1000}));
+  add("--warm-up", o.warm_up, "time before averaging begins [s]; a flight of a grain lasts about "
+      "half a second", not_negative());
   add("--until", o.until, "end of the run [s]", positive());
   add("--slice", o.slice, "height of a slice of the profiles in diameters [-]",
       between({0.01, 2}));
-  add("--samples-per-period", o.samples_per_period, "of the floor's vibration, for the averages",
-      between({1, 1000}));
+  add("--samples-per-period", o.samples_per_period, "samples for the averages per period of the "
+      "floor", between({1, 1000}));
   add("--frames-every", o.frames_every, "time between frames [s]", positive());
-  add("--seed", o.seed, "of the velocities at the beginning", between({0, 1e9}));
+  add("--seed", o.seed, "seed of the initial velocities", between({0, 1e9}));
   add("--threads", o.threads, support::threads_help, between({0, 1024}));
   app.add_option("--out", o.out, "folder for profile.csv, summary.json and frames.pvd")
       ->capture_default_str();
   support::describe_resume(app, o.resume);
 }
 
-void check_together(const Options& o) {
+void check_combination(const Options& o) {
   if (o.until < o.warm_up + 20 * o.period()) {
-    throw support::Refusal("--until " + to_text(o.until) + " leaves less than 20 periods of the "
-                           "floor after the warm-up; give at least " +
-                           to_text(o.warm_up + 20 * o.period()));
+    throw support::OptionError("--until " + to_text(o.until) +
+                               " leaves less than 20 periods of the floor after the warm-up; use "
+                               "at least " + to_text(o.warm_up + 20 * o.period()));
   }
   if (o.grains() < 2 || o.grains() > 1000000) {
-    throw support::Refusal("--mass-holdup " + to_text(o.mass_holdup) + " makes " +
-                           std::to_string(o.grains()) +
-                           " grains of this cell; choose the two so that there are 2 to 1e6");
+    throw support::OptionError("--mass-holdup " + to_text(o.mass_holdup) + " gives " +
+                               std::to_string(o.grains()) +
+                               " grains; change it or --cell-width so that there are 2 to 1e6");
   }
 }
 
-// Layers on a square pattern above the floor, with random velocities of no sum.
+// Layers in a square lattice above the floor, with random velocities of zero mean.
 template <int Dim>
 dem::Grains<Dim> make_bed(const Options& o) {
   constexpr int up = Dim - 1;
@@ -165,7 +167,7 @@ dem::Grains<Dim> make_bed(const Options& o) {
   return grains;
 }
 
-// Sums of the bed as a whole, sample by sample: an observer.
+// Observer that averages quantities of the whole bed.
 template <int Dim>
 class BedSums {
  public:
@@ -230,11 +232,11 @@ class BedSums {
   double time_ = 0;     // since the last sample [s]
 };
 
-// Where the bed is densest: the peak of the solid fraction as the mean over one diameter, so that
-// neither noise nor layers of grains count, between slices by a parabola.
+// Maximum of the solid fraction, smoothed over one diameter to remove noise and layering, and
+// interpolated between slices by a parabola.
 struct Peak {
   double solid_fraction = 0;  // [-]
-  double slice = 0;           // [-], counted from the middle of the lowest
+  double slice = 0;           // position, in slices from the middle of the lowest [-]
 
   Peak(std::span<const double> fractions, Index slices_per_diameter) {
     std::vector<double> smooth;
@@ -248,14 +250,14 @@ struct Peak {
     solid_fraction = *top;
     slice = double(top - smooth.begin()) + (double(slices_per_diameter) - 1) / 2;
     if (top == smooth.begin() || top + 1 == smooth.end()) return;
-    const double bend = top[-1] - 2 * top[0] + top[1];
-    if (bend < 0) slice += (top[-1] - top[1]) / (2 * bend);
+    const double curvature = top[-1] - 2 * top[0] + top[1];
+    if (curvature < 0) slice += (top[-1] - top[1]) / (2 * curvature);
   }
 };
 
-// Tells how high the bed reaches: an observer.
+// Observer that records the maximum height of a grain.
 template <int Dim>
-struct Highest {
+struct MaxHeight {
   double height = 0;  // [m]
 
   template <class Sim>
@@ -264,12 +266,12 @@ struct Highest {
   }
 };
 
-// The averages, which begin when the bed is warm: how high it reached by then decides on their
-// slices.
+// The averages, which begin after the warm-up. The height reached by the bed until then determines
+// the slices.
 template <int Dim>
 struct Averages {
   Options options;
-  Highest<Dim> highest = {};
+  MaxHeight<Dim> max_height = {};
   BedSums<Dim> sums = {};
   std::optional<Profiles<Dim>> profiles = {};
 
@@ -278,7 +280,7 @@ struct Averages {
   }
   void begin() {
     const auto above = static_cast<Index>(
-        std::ceil((2 * highest.height / options.diameter + 10) / options.slice));
+        std::ceil((2 * max_height.height / options.diameter + 10) / options.slice));
     const double slice = options.slice * options.diameter;
     profiles.emplace(Slices{.lower = -double(slices_below()) * slice,
                             .upper = double(above) * slice,
@@ -288,7 +290,7 @@ struct Averages {
 
   template <class Archive>
   void transfer(Archive& archive) {
-    archive("highest", highest.height);
+    archive("highest", max_height.height);
     bool have_begun = profiles.has_value();
     archive("have_begun", have_begun);
     if (!have_begun) return;
@@ -298,19 +300,19 @@ struct Averages {
   }
 };
 
-// Draws every so many samples: an observer.
-struct Film {
-  VtkSeries frames;
+// Observer that writes a frame every so many samples.
+struct Frames {
+  VtkSeries series;
   Index samples_per_frame;
   Index sample = 0;
 
   template <class Sim>
   void operator()(const Sim& simulation) {
-    if (sample++ % samples_per_frame == 0) frames(simulation);
+    if (sample++ % samples_per_frame == 0) series(simulation);
   }
   template <class Archive>
   void transfer(Archive& archive) {
-    frames.transfer(archive);
+    series.transfer(archive);
     archive("sample", sample);
   }
 };
@@ -324,7 +326,7 @@ void write_profile(const Options& o, const std::vector<ProfileRow<Dim>>& rows) {
   const double gd = g * o.diameter;
   for (const auto& row : rows) {
     if (!(row.solid_fraction.value > 0)) continue;
-    // The horizontal axes are alike, and tell the same twice.
+    // The horizontal axes are equivalent: their mean is more precise.
     const Estimate& horizontal = row.component[0];
     const Estimate& other = row.component[Dim - 2];
     const double y = row.height / o.diameter;
@@ -362,7 +364,7 @@ void vibrate(const Options& o) {
   auto grains = make_bed<Dim>(o);
   support::open_output_folder(o.resume, o.out);
   support::use_threads_of_option(o.threads);
-  const double real_holdup =
+  const double actual_holdup =
       double(grains.size()) * o.grain_volume() / (o.cross_section() * o.diameter);
 
   const dem::Law law{dem::WaltonBraun{.loading_stiffness = o.loading_stiffness,
@@ -377,14 +379,14 @@ void vibrate(const Options& o) {
   const double sample_every = o.period() / o.samples_per_period;
   const double dt = sample_every / std::ceil(sample_every / bed.time_step());
   if (o.until / dt > 1e10) {
-    throw support::Refusal("--until " + to_text(o.until) + " takes " + to_text(o.until / dt) +
-                           " steps with these grains; shorten it, or soften them");
+    throw support::OptionError("--until " + to_text(o.until) + " takes " + to_text(o.until / dt) +
+                               " steps with these grains; reduce it, or --loading-stiffness");
   }
 
-  Film film{VtkSeries{o.out + "/frames"},
-            std::max<Index>(1, static_cast<Index>(std::lround(o.frames_every / sample_every)))};
+  Frames frames{VtkSeries{o.out + "/frames"},
+                std::max<Index>(1, static_cast<Index>(std::lround(o.frames_every / sample_every)))};
   Averages<Dim> averages{o};
-  support::ResumableRun run(o.resume, o.out + "/checkpoint.silt", bed, averages, film);
+  support::ResumableRun run(o.resume, o.out + "/checkpoint.silt", bed, averages, frames);
   Progress progress;
   Stopwatch wall;
   const auto run_until = [&](double until, auto&... observers) {
@@ -393,12 +395,12 @@ void vibrate(const Options& o) {
             progress);
   };
   if (!averages.profiles) {
-    run_until(o.warm_up, averages.highest);
+    run_until(o.warm_up, averages.max_height);
     averages.begin();
   }
   auto& sums = averages.sums;
   auto& profiles = *averages.profiles;
-  run_until(o.until, sums, profiles, film);
+  run_until(o.until, sums, profiles, frames);
 
   const auto rows = profiles.rows();
   write_profile(o, rows);
@@ -414,18 +416,18 @@ void vibrate(const Options& o) {
   const double gd = g * o.diameter;
   nlohmann::ordered_json summary;
   nlohmann::ordered_json errors;
-  const auto tell = [&](const std::string& name, const Estimate& estimate, double unit) {
+  const auto add = [&](const std::string& name, const Estimate& estimate, double unit) {
     summary[name] = estimate.value / unit;
     errors[name] = estimate.standard_error / unit;
   };
-  tell("mean_temperature_over_gd", sums.temperature(), gd);
-  tell("centre_of_mass_over_d", sums.centre_of_mass(), o.diameter);
-  tell("solid_fraction_max", densest, 1);
-  tell("solid_fraction_peak_over_d", densest_at, 1);
-  tell("floor_force_over_weight", sums.floor_force_over_weight(), 1);
+  add("mean_temperature_over_gd", sums.temperature(), gd);
+  add("centre_of_mass_over_d", sums.centre_of_mass(), o.diameter);
+  add("solid_fraction_max", densest, 1);
+  add("solid_fraction_peak_over_d", densest_at, 1);
+  add("floor_force_over_weight", sums.floor_force_over_weight(), 1);
   summary["standard_errors"] = errors;
   summary["grains"] = bed.particles().size();
-  summary["mass_holdup"] = real_holdup;
+  summary["mass_holdup"] = actual_holdup;
   summary["mass_holdup_of_profile"] = profile_holdup;
   summary["samples"] = sums.samples();
   summary["amplitude_over_d"] = o.amplitude() / o.diameter;
@@ -434,7 +436,7 @@ void vibrate(const Options& o) {
   summary["wall_seconds"] = wall.seconds();
   summary["options"] = options_of(o);
   support::complete(o.out, summary);
-  std::printf("vibrating_floor: %zu grains, %llu steps in %.1f s, T = %.4f g d; see %s\n",
+  std::printf("vibrating_floor: %zu grains, %llu steps in %.1f s, T = %.4f g d; results in %s\n",
               bed.particles().size(), static_cast<unsigned long long>(bed.steps()),
               wall.seconds(), sums.temperature().value / gd, o.out.c_str());
 }
@@ -443,10 +445,10 @@ void vibrate(const Options& o) {
 
 int main(int argc, char** argv) {
   Options options;
-  CLI::App app("A bed of smooth grains on a floor that vibrates fast", "vibrating_floor");
+  CLI::App app("A bed of smooth grains on a vibrating floor", "vibrating_floor");
   describe(app, options);
   return support::run(app, argc, argv, options.resume, [&options] {
-    check_together(options);
+    check_combination(options);
     options.dimension == 2 ? vibrate<2>(options) : vibrate<3>(options);
   });
 }

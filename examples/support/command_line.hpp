@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What the larger examples share: options that are checked, an output folder, a summary, and exit
-// codes: 0 done, 1 the run failed, 2 an option was refused. A failure is one sentence on stderr.
+// Shared by the larger examples: checked options, the output folder, the summary, and exit codes: 0
+// success, 1 the run failed, 2 an option is invalid. Errors are reported on stderr.
 #pragma once
 
 #include <silt/core/error.hpp>
@@ -18,12 +18,12 @@
 
 namespace support {
 
-/// An option whose value cannot be used.
-struct Refusal : std::runtime_error {
+/// An invalid option, or an invalid combination of options.
+struct OptionError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Checks an option's number; `what` completes "must be …". CLI11's own checks let NaN pass.
+/// Checks a numeric option; `what` completes "must be …". CLI11's own checks accept NaN.
 template <class Accepts>
 CLI::Validator number(const std::string& what, Accepts accepts) {
   return CLI::Validator(
@@ -49,36 +49,37 @@ inline CLI::Validator between(silt::Range range) {
                 [range](double value) { return range.lower <= value && value <= range.upper; });
 }
 
-/// What make() makes of the options; what it refuses is refused as an option is.
+/// The result of make(), which uses the options; if it throws silt::Error, throws OptionError.
 template <class Make>
-auto or_refuse(Make&& make) {
+auto or_reject(Make&& make) {
   try {
     return make();
   } catch (const silt::Error& error) {
-    throw Refusal(error.what());
+    throw OptionError(error.what());
   }
 }
 
 /// Help of --threads.
 inline constexpr const char* threads_help =
-    "threads; 0: as many as make a step faster. The result is the same bits for any number";
+    "number of threads; 0: as many as make a step faster. Results are bitwise identical for any "
+    "number";
 
-/// Uses the number of --threads, if it is not 0.
+/// Sets the number of threads, unless it is 0.
 inline void use_threads_of_option(int number) {
   if (number > 0) silt::use_threads(number);
 }
 
-/// Makes the folder, and sees that files can be made in it.
-inline void make_output_folder(const std::filesystem::path& folder) {
+/// Creates the folder, and checks that it is writable.
+inline void create_output_folder(const std::filesystem::path& folder) {
   try {
     const std::filesystem::path trial = folder / ".trial";
-    silt::file::make_folder("--out", folder);
+    silt::file::create_folder("--out", folder);
     silt::file::replace("--out", trial, "");
     std::filesystem::remove(trial);
-    // One of an earlier run would pass for this one's, should this one fail.
+    // If this run fails, the summary of an earlier run must not be taken for its result.
     std::filesystem::remove(folder / "summary.json");
   } catch (const std::exception& error) {
-    throw Refusal(error.what());
+    throw OptionError(error.what());
   }
 }
 
@@ -88,26 +89,26 @@ inline void write_summary(const std::filesystem::path& folder,
   silt::file::replace("summary", folder / "summary.json", summary.dump(2) + "\n");
 }
 
-/// Reads the options, calls body(), and returns what main returns.
+/// Reads the options, calls body(), and returns the exit code.
 template <class Body>
 int run(CLI::App& app, int argc, char** argv, Body&& body) {
-  const auto say = [&](const std::exception& error) {
+  const auto report = [&](const std::exception& error) {
     std::fprintf(stderr, "%s: %s\n", app.get_name().c_str(), error.what());
   };
   try {
     app.parse(argc, argv);
     body();
     return 0;
-  } catch (const CLI::Success& asked_for_help) {
-    return app.exit(asked_for_help);
+  } catch (const CLI::Success& help) {
+    return app.exit(help);
   } catch (const CLI::ParseError& error) {
-    say(error);
+    report(error);
     return 2;
-  } catch (const Refusal& error) {
-    say(error);
+  } catch (const OptionError& error) {
+    report(error);
     return 2;
   } catch (const std::exception& error) {
-    say(error);
+    report(error);
     return 1;
   }
 }

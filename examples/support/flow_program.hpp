@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the examples of MPS share: the options that every flow has, pressure gauges, and the part of
-// the summary that says what a run took.
+// Shared by the MPS examples: common options, pressure gauges, and the common part of the summary.
 #pragma once
 
 #include <silt/io/csv.hpp>
@@ -43,74 +42,76 @@ struct FlowOptions {
   Resume resume = {};
 };
 
-/// Adds an option with a check, and its default to the help.
+/// Adds an option with a check; the help shows its default.
 template <class Value>
 CLI::Option* add_option(CLI::App& app, const std::string& name, Value& value,
                         const std::string& text, const CLI::Validator& check) {
   return app.add_option(name, value, text)->check(check)->capture_default_str();
 }
 
-/// Adds the options that every flow has; `gauge` says where the gauge is without --probe, `files`
-/// what --out gets.
+/// Adds the common options. `gauge` describes the default of --probe, `files` the content of --out.
 inline void describe_flow(CLI::App& app, FlowOptions& o, const std::string& gauge,
                           const std::string& files) {
   const auto add = [&app](const std::string& name, auto& value, const std::string& text,
                           const CLI::Validator& check) {
     return add_option(app, name, value, text, check);
   };
-  add("--spacing", o.spacing, "of the particles [m]", positive());
+  add("--spacing", o.spacing, "particle spacing [m]", positive());
   add("--dimension", o.dimension, "2 or 3", between({2, 3}));
   add("--until", o.until, "end of the run [s]", positive());
-  app.add_option("--probe", o.probe_texts, "X,Y or in 3D X,Y,Z of a pressure gauge [m], repeatable; "
-                 "without one " + gauge);
-  add("--radius", o.radius, "of number density, surface, gradient and divergence [spacings]",
+  app.add_option("--probe", o.probe_texts, "X,Y or in 3D X,Y,Z of a pressure gauge [m]; may be "
+                 "repeated; default " + gauge);
+  add("--radius", o.radius,
+      "effective radius of number density, surface, gradient and divergence [spacings]",
       between({1.5, 6}));
-  add("--laplacian-radius", o.laplacian_radius, "of the Laplacian [spacings]", between({1.5, 6}));
-  add("--courant", o.courant, "spacings that the fastest particle goes in a step",
-      between({1e-3, 0.5}));
-  app.add_option("--max-time-step", o.max_time_step, "[s]; without it, no limit of its own")
+  add("--laplacian-radius", o.laplacian_radius, "effective radius of the Laplacian [spacings]",
+      between({1.5, 6}));
+  add("--courant", o.courant, "Courant number: displacement of the fastest particle per step "
+      "[spacings]", between({1e-3, 0.5}));
+  app.add_option("--max-time-step", o.max_time_step, "upper limit of the time step [s]; default "
+                 "none")
       ->check(positive());
-  add("--tolerance", o.tolerance, "of the pressure solve: residual over right side",
-      between({1e-12, 1e-1}));
+  add("--tolerance", o.tolerance, "of the pressure solver: norm of the residual over that of the "
+      "right-hand side", between({1e-12, 1e-1}));
   add("--output-every", o.output_every, "time between frames [s]", positive());
   add("--threads", o.threads, support::threads_help, between({0, 1024}));
   app.add_option("--out", o.out, "folder for " + files)->capture_default_str();
   describe_resume(app, o.resume);
 }
 
-/// Makes numbers of every --probe, which must lie in the tank or on its walls: within [0, upper].
-/// Without one the gauge is at `otherwise`.
+/// Converts every --probe to numbers. Gauges must lie in the tank or on its walls: within
+/// [0, upper]. The default is one gauge at `default_point`.
 inline void read_probes(FlowOptions& o, const std::vector<double>& upper,
-                        const std::vector<double>& otherwise) {
+                        const std::vector<double>& default_point) {
   for (const std::string& text : o.probe_texts) {
     std::vector<double> point;
     for (const std::string& part : CLI::detail::split(text, ',')) {
       double value = 0;
       if (!CLI::detail::lexical_cast(part, value) || !silt::is_finite(value)) {
-        throw Refusal("--probe " + text + ": " + part + " is not a finite number");
+        throw OptionError("--probe " + text + ": " + part + " is not a finite number");
       }
       point.push_back(value);
     }
     if (point.size() != upper.size()) {
-      throw Refusal("--probe " + text + " has " + std::to_string(point.size()) +
-                    " coordinates and must have " + std::to_string(upper.size()));
+      throw OptionError("--probe " + text + " has " + std::to_string(point.size()) +
+                        " coordinates, but needs " + std::to_string(upper.size()));
     }
     for (std::size_t k = 0; k < point.size(); ++k) {
       if (!(point[k] >= 0 && point[k] <= upper[k])) {
-        throw Refusal("--probe " + text + " must lie in the tank or on its walls");
+        throw OptionError("--probe " + text + " must lie in the tank or on its walls");
       }
     }
     o.probes.push_back(point);
   }
-  if (o.probes.empty()) o.probes.push_back(otherwise);
+  if (o.probes.empty()) o.probes.push_back(default_point);
 }
 
-/// The layers of dummies that these radii reach.
+/// Number of layers of dummy particles within the effective radii.
 inline int dummy_layers(const FlowOptions& o) {
   return static_cast<int>(std::ceil(std::max(o.radius, o.laplacian_radius)));
 }
 
-/// The numbers of a flow whose water stands `depth` [m] deep at the beginning.
+/// Settings of a flow with the initial depth `depth` [m].
 template <class Scheme, int Dim>
 silt::mps::FlowSettings<Dim, Scheme> flow_settings(const FlowOptions& o, double depth) {
   return {.spacing = o.spacing,
@@ -121,7 +122,7 @@ silt::mps::FlowSettings<Dim, Scheme> flow_settings(const FlowOptions& o, double 
           .max_time_step = o.max_time_step};
 }
 
-/// Observer that writes what the gauges read to pressure.csv, at every step.
+/// Observer that writes the readings of the gauges to pressure.csv, at every step.
 template <int Dim>
 class PressureGauges {
  public:
@@ -147,7 +148,7 @@ class PressureGauges {
     file_.transfer(archive);
   }
 
-  /// Of the first gauge, after the last step [Pa].
+  /// Reading of the first gauge after the last step [Pa].
   double first() const { return row_[1]; }
 
  private:
@@ -166,7 +167,7 @@ class PressureGauges {
     };
     row_.assign(1, simulation.time());
     for (const silt::Probe<Dim>& probe : probes_) {
-      // A gauge on a wall reads the wall; one that no wall is near reads the fluid.
+      // A gauge on a wall reads the wall particles; one away from walls reads the fluid.
       const auto of_wall = probe.read(particles, silt::mps::pressure, is(silt::mps::Kind::wall));
       const auto of_fluid = probe.read(particles, silt::mps::pressure, is(silt::mps::Kind::fluid));
       row_.push_back(of_wall ? *of_wall : of_fluid.value_or(0));
@@ -179,7 +180,7 @@ class PressureGauges {
   std::vector<double> row_;
 };
 
-/// Observer that writes where the energy is, and went, to energy.csv, at every step.
+/// Observer that writes the energies and their changes to energy.csv, at every step.
 class EnergyFile {
  public:
   explicit EnergyFile(const FlowOptions& o)
@@ -211,30 +212,30 @@ class EnergyFile {
   silt::CsvFile file_;
 };
 
-/// Observer that counts what the pressure solver did.
+/// Observer that counts the iterations of the pressure solver.
 class SolverIterations {
  public:
   template <class Sim, class Run>
   void after_step(const Sim& simulation, const Run&) {
     const int iterations = simulation.interaction().last_solve().iterations;
     sum_ += iterations;
-    most_ = std::max(most_, iterations);
+    max_ = std::max(max_, iterations);
   }
   template <class Archive>
   void transfer(Archive& archive) {
     archive("sum", sum_);
-    archive("most", most_);
+    archive("most", max_);
   }
 
   double sum() const { return sum_; }  // over all steps
-  int most() const { return most_; }
+  int max() const { return max_; }
 
  private:
   double sum_ = 0;
-  int most_ = 0;
+  int max_ = 0;
 };
 
-/// What a run took, for summary.json. `particles` are those at the beginning.
+/// Size and cost of a run, for summary.json. `particles` are the initial ones.
 template <class P, class Sim>
 nlohmann::ordered_json summary_of(const Sim& simulation, const P& particles,
                                   const SolverIterations& iterations, double seconds) {
@@ -246,14 +247,14 @@ nlohmann::ordered_json summary_of(const Sim& simulation, const P& particles,
           {"dummy_particles", count(particles, silt::mps::Kind::dummy)},
           {"time_simulated", simulation.time()},
           {"solver_iterations_mean", iterations.sum() / steps},
-          {"solver_iterations_max", iterations.most()},
+          {"solver_iterations_max", iterations.max()},
           {"seconds_search", simulation.search().seconds()},
           {"seconds_pressure", simulation.interaction().seconds_in_pressure()},
           {"seconds_total", seconds},
           {"particles_lost", simulation.particles_lost()}};
 }
 
-/// Adds the options that every flow has, for summary.json.
+/// Adds the common options, for summary.json.
 inline void add_flow_options(nlohmann::ordered_json& options, const FlowOptions& o) {
   options["spacing"] = o.spacing;
   options["dimension"] = o.dimension;
@@ -262,7 +263,7 @@ inline void add_flow_options(nlohmann::ordered_json& options, const FlowOptions&
   options["radius"] = o.radius;
   options["laplacian_radius"] = o.laplacian_radius;
   options["courant"] = o.courant;
-  // JSON has no infinity: no limit is null.
+  // JSON has no infinity: null if there is no limit.
   options["max_time_step"] = o.max_time_step;
   options["tolerance"] = o.tolerance;
   options["output_every"] = o.output_every;

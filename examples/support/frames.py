@@ -6,7 +6,7 @@
     frame = series[3]                dict of arrays by field: frame["position"], frame["id"], ...
     draw(axes, frame, speed(frame))  particles as circles of their true size
 
-NumPy alone reads; Matplotlib is needed to draw.
+Reading needs NumPy only; drawing also needs Matplotlib.
 """
 
 import pathlib
@@ -25,7 +25,7 @@ TYPES = {
 def read_frame(path):
     """All arrays of one .vtu file, by name: (n,) for scalars, (n, 3) for vectors."""
     data = pathlib.Path(path).read_bytes()
-    # Raw bytes stand in the middle of the XML, so only what is before them is parsed.
+    # The XML contains raw bytes, so only the part before them is parsed.
     begin = data.index(b"<AppendedData")
     start = data.index(b"_", begin) + 1
     root = xml.fromstring(data[:begin] + b"</VTKFile>")
@@ -43,7 +43,7 @@ def read_frame(path):
 
 
 class Series:
-    """The frames that a .pvd file lists, read when they are asked for."""
+    """The frames listed in a .pvd file, read on demand."""
 
     def __init__(self, path):
         path = pathlib.Path(path)
@@ -70,9 +70,9 @@ def speed(frame):
 def draw(axes, frame, colours, radius=None, edge=0.0, **style):
     """Particles as circles of their true size, coloured by the given values.
 
-    radius: of all particles [m]; without one, the frame's own. edge: width of outlines [points].
-    Further style (cmap, norm, ...) goes to Matplotlib's EllipseCollection. Returns the collection,
-    for a colour bar.
+    radius: of all particles [m]; default: that of the frame. edge: width of outlines [points].
+    Other style arguments (cmap, norm, ...) are passed to Matplotlib's EllipseCollection. Returns
+    the collection, for a colour bar.
     """
     from matplotlib.collections import EllipseCollection
 

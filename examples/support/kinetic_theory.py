@@ -3,7 +3,7 @@
 
     bed = SteadyBed(mass_holdup=2.5, boundary_velocity=2)
     bed.y, bed.solid_fraction, bed.temperature     profiles, from the floor up
-    bed.mean_temperature                           by mass
+    bed.mean_temperature                           mass-weighted
 
 Lengths in diameters d, temperatures T = <v'^2>/3 in g d, pressure in rho_p g d. With the solid
 fraction nu, the contact value g0 of Carnahan and Starling, and G = nu g0:
@@ -13,15 +13,15 @@ fraction nu, the contact value g0 of Carnahan and Starling, and G = nu g0:
     loss               dq/dy = -(12/sqrt(pi)) (1 - e^2) nu G T^{3/2}
     conduction         q = -(4/sqrt(pi)) M nu G sqrt(T) dT/dy,  M = 1 + (9 pi/32) (1 + 5/(12 G))^2
 
-the constitutive laws being those of nearly elastic spheres (Jenkins and Richman 1985). At the floor
-P = m_t. A Maxwellian gas that meets a flat wall whose velocity is Gaussian with mean square V_b^2,
-so that their difference has S = T + V_b^2, takes up (the collision integrals give it)
+with the constitutive laws of nearly elastic spheres (Jenkins and Richman 1985). At the floor
+P = m_t. From the collision integrals, the heat flux from a flat wall with Gaussian velocity of mean
+square V_b^2 into a Maxwellian gas, with S = T + V_b^2 the mean square of the relative velocity, is
 
     q = P sqrt(8 S/pi) ((1 + e_b)/2 - T/S).
 
-At the top q -> 0 as P -> 0. P falls from floor to top, so it takes the place of y; integrated from
-the top down, where whatever was wrong at the beginning dies out, all that is to be found is the
-temperature at the top.
+At the top q -> 0 as P -> 0. P decreases from floor to top and replaces y as independent variable.
+The equations are integrated from the top down, because errors of the initial values then decay; the
+only unknown is the temperature at the top.
 """
 
 import numpy as np
@@ -48,10 +48,10 @@ class SteadyBed:
         falling = self._integrate(self._temperature_at_the_top())
         P = np.linspace(falling.t[0], mass_holdup, 4000)[::-1]
         T, _, depth = falling.sol(P)
-        self.y = 0.5 + depth[0] - depth  # centres begin half a diameter above the floor
+        self.y = 0.5 + depth[0] - depth  # the lowest centres are half a diameter above the floor
         self.temperature = T
         self.solid_fraction = np.array([self._solid_fraction(p, t) for p, t in zip(P, T)])
-        # By mass: dP = -nu dy.
+        # Mass-weighted: dP = -nu dy.
         self.mean_temperature = float(-np.trapz(T, P) / mass_holdup)
         self.centre_of_mass = float(-np.trapz(self.y, P) / mass_holdup)
         peak = int(np.argmax(self.solid_fraction))
@@ -74,7 +74,7 @@ class SteadyBed:
                 1 / nu]
 
     def _integrate(self, T_top):
-        # So near the top nu = P/T, and the loss 12/sqrt(pi) (1 - e^2) P sqrt(T) adds up to q.
+        # Near the top nu = P/T, and q is the integral of the loss 12/sqrt(pi) (1 - e^2) P sqrt(T).
         P = 1e-6 * self.mass_holdup
         q = 6 / ROOT_PI * (1 - self.e ** 2) * np.sqrt(T_top) * P ** 2
         result = solve_ivp(self._slopes, (P, self.mass_holdup), [T_top, q, 0], method="LSODA",
@@ -89,7 +89,7 @@ class SteadyBed:
         return q - self.mass_holdup * np.sqrt(8 * S / np.pi) * ((1 + self.e_b) / 2 - T / S)
 
     def _temperature_at_the_top(self):
-        # The hotter the top, the more heat must have come through the floor.
+        # The heat flux at the floor increases with the temperature at the top.
         high = np.log(10 * self.mean_square)
         while self._too_much_heat(high) < 0:
             high += 1

@@ -6,12 +6,12 @@ from support.paper_study import A, B, CASES, KERNEL_SCHEMES, KERNELS, SCHEMES
 from support.plot_style import BLUE, CURVES, DARK, DASHED, ORANGE, np, plt
 from support.water import DENSITY, FRONT, G, REFERENCE, moving_average, name_of, table
 
-# Under what the water of a study stands, as a reader knows it.
+# Captions of the schemes of the hydrostatic study.
 SCHEME_NAMES = {"case 10": "as in Case 10 (PNU-MPS)",
                 "case 05": "as in Case 05 (surface (13), gradient (4))",
                 "cases 01–03": "as in Cases 01–03 (a = 0.5, surface (13), gradient (4))"}
 
-# The cases side by side in Fig. 12, and what changes between them.
+# The cases shown together in Fig. 12, and the changes between them.
 GROUPS = (("source term", {0: "(9)", 1: "(16)"}),
           ("kernel", {1: "(3a)", 2: "(3b)", 3: "(3c)"}),
           ("distance a of collisions", {3: "0.5", 4: "0.8", 5: "1.0"}),
@@ -126,7 +126,7 @@ def draw_groups(results):
     figure, panels = plt.subplots(3, 2, figsize=(style.WIDE, 9.5), sharex=True)
     end = results.common_end()
     for axes, (what, cases) in zip(panels.flat, GROUPS):
-        # The roughest below the others.
+        # The roughest curve is drawn first.
         order = sorted(cases, key=lambda number: -results.case(number).roughness(end).mean)
         for number in order:
             case = results.case(number)
@@ -146,7 +146,7 @@ def draw_groups(results):
 
 
 def draw_original_and_adopted(results):
-    """Fig. 13: P2 of case 00 and case 10; beside it the roughness of all cases."""
+    """Fig. 13: P2 of case 00 and case 10, and the roughness of all cases."""
     figure, (left, right) = plt.subplots(1, 2, figsize=(style.WIDE, 4.2), width_ratios=(2, 1))
     end = results.common_end()
     draw_pressure(left, results.case(0), ORANGE, name_of(0))
@@ -174,7 +174,7 @@ def draw_original_and_adopted(results):
 
 
 def draw_fronts(results):
-    """Fig. 14: the leading edge of case 00 and case 10 against the experiment."""
+    """Fig. 14: the leading edge of case 00 and case 10, compared with the experiment."""
     figure, axes = plt.subplots(figsize=(style.NARROW, 4.6))
     for number, colour in ((0, ORANGE), (10, BLUE)):
         case = results.case(number)

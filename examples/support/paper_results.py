@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: MIT
-"""What the runs of support/paper_study.py came to, and whether the paper's findings hold in them.
+"""Results of the runs of support/paper_study.py, and whether they confirm the paper's findings.
 
     results = Results(study)
     results.case(10).roughness()              an Estimate, from all repetitions
     for finding in findings(results, figures): finding.what, finding.figures, finding.verdict()
 
 Definitions. Roughness: rms of the pressure at P2 minus its moving average over 0.02 s, over the
-samples, one a step, of a span of time that is the same for all that is compared. Peak: the largest
+samples (one per step) of an interval of time that is the same for all compared runs. Peak: maximum
 of that average. Error bars: standard errors over the repetitions.
 """
 
@@ -18,7 +18,7 @@ import numpy as np
 from support.paper_study import A, B, CASES, KERNEL_SCHEMES, KERNELS, SCHEMES, Estimate
 from support.water import DamBreak, Tank
 
-# The wave that came back from the right wall falls on P2 about now; the first impact is over.
+# About now the wave reflected by the right wall reaches P2; the first impact is over.
 LATER_PEAKS = 1.1  # [s]
 
 
@@ -35,7 +35,7 @@ class Case:
                           if run.has_boiled()])
 
     def end(self):
-        """Until when all repetitions go [s]."""
+        """End of the shortest repetition [s]."""
         return min((run.end() for run in self.runs), default=0.0)
 
     @functools.lru_cache(maxsize=None)
@@ -54,7 +54,7 @@ class Case:
         return Estimate([run.front_error() for run in self.runs])
 
     def behind(self, other):
-        """By how much in T it is slower, from the repetitions of the same Courant number."""
+        """Its delay in T, from the repetitions with the same Courant number."""
         others = {run.options["courant"]: run for run in other.runs}
         return Estimate([run.behind(others[run.options["courant"]]) for run in self.runs
                          if run.options["courant"] in others])
@@ -69,12 +69,12 @@ class Results:
         return Case(number, self.study.case(number))
 
     def common_end(self, numbers=CASES):
-        """Until when all of these cases go [s]."""
+        """End of the shortest of these cases [s]."""
         return min((self.case(number).end() for number in numbers if self.case(number).runs),
                    default=0.0)
 
     def tank(self, run):
-        """Its output, if it came to its end."""
+        """The output of the run, if it is complete."""
         return Tank(run.folder) if run.is_done() else None
 
     def tanks(self, runs):
@@ -95,8 +95,8 @@ class Results:
 
 
 class Finding:
-    """One of the paper's findings: in words, our figures, and whether it holds. `sure`: whether the
-    difference is beyond two standard errors; None where there is no error bar."""
+    """One of the paper's findings: description, our numbers, and whether it holds. `sure`: whether
+    the difference exceeds two standard errors; None if there is no error bar."""
 
     def __init__(self, what, figures, held, sure=None):
         self.what = what
@@ -181,16 +181,16 @@ def of_front(results):
 
 
 def ranks(values):
-    """Place of each in order from 0; equal ones share the mean of theirs."""
+    """Rank of each value, from 0; equal values get their mean rank."""
     return np.array([np.sum(values < value) + (np.sum(values == value) - 1) / 2
                      for value in values])
 
 
 def falls_with_a(deviation, under):
-    """Whether σ falls as a rises, by the correlation of their ranks over the map: one run tells σ to
-    some 20 % only, so that neighbours cannot be compared. Sure beyond two of its standard errors for
-    what has no correlation, 1/√(n − 1)."""
-    # What failed is rougher than any number; without collisions b is of nothing.
+    """Whether σ decreases with a, by their rank correlation over the map: σ of one run has an error
+    of some 20 %, so that neighbouring points cannot be compared. Sure if the correlation exceeds
+    two standard errors of uncorrelated data, 1/√(n − 1)."""
+    # Failed runs count as the roughest; without collisions, b has no effect.
     sigma = np.where(np.isnan(deviation), np.inf, deviation)
     places = [(A[i], sigma[i, j]) for i in range(len(A)) for j in range(len(B))
               if A[i] > 0 or j == 0]
@@ -249,7 +249,7 @@ def of_tank(results, figure):
 
 
 def findings(results, figures):
-    """All findings that these figures show."""
+    """All findings shown by these figures."""
     found = []
     for figure in figures:
         if figure in ("fig5", "fig7", "fig8", "fig9"):

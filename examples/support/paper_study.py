@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: MIT
-"""The runs of [HwangLeePark2010]: which there are, with which options, and where they write.
+"""The runs of [HwangLeePark2010], with their options and folders.
 
-The flow is chaotic, and one run tells little: a run is repeated with slightly other Courant numbers,
-which changes nothing but the steps. The spread of what is measured is its error bar.
+The flow is chaotic, and a single run is not representative: runs are repeated with slightly
+different Courant numbers, which change the time steps only. The spread of the results is the error
+bar.
 """
 
 import math
@@ -17,18 +18,18 @@ A = (0.0, 0.25, 0.5, 0.7, 0.8, 0.9, 1.0)
 B = (0.0, 0.2, 0.4, 0.7, 1.0)
 SPACINGS = (0.02, 0.015, 0.01, 0.005)
 
-# The paper tries one choice after the other, in the order of Table 1, and does not say under which
-# others it let the water stand: here under those it had by then, and under those it adopts.
+# The paper tests one choice after the other, in the order of Table 1, and does not give the other
+# choices of its hydrostatic runs: here they are those chosen so far, and those finally adopted.
 KERNEL_SCHEMES = {"case 10": {},
                   "cases 01–03": {"collision": [0.5, 0.2], "surface": "13", "gradient": 4}}
 SCHEMES = {"case 10": {}, "case 05": {"surface": "13", "gradient": 4}}
 
-# The radii are open in the paper; these are the ones that docs/theory_mps.md compares.
+# The paper does not give the radii; these are compared in docs/theory_mps.md.
 RADII = {"radius": 3.1, "laplacian-radius": 3.1}
 
 
 class Study:
-    """Runs by what they are for; `quick` is coarser, shorter, and repeats less."""
+    """Runs by purpose; `quick`: coarser, shorter and fewer repetitions."""
 
     def __init__(self, folder, programs, quick=False):
         self.folder = folder
@@ -37,13 +38,13 @@ class Study:
         self.courant = COURANT[:2] if quick else COURANT
 
     def tank(self, courant=0.2, **changes):
-        """Water at rest under case 10, but for the changes."""
+        """Water at rest with case 10, except for the changes."""
         options = {"source": 16, "collision": [1.0, 0.2], "kernel": "3c", "surface": "both",
                    "gradient": 18, "spacing": 0.02 if self.quick else 0.01, "width": 0.4,
                    "depth": 0.4, "until": 0.8 if self.quick else 2.0, **RADII, "courant": courant,
                    "tolerance": 1e-6, "output-every": 10.0, "threads": 1, **changes}
         if options["collision"][0] == 0:
-            options["collision"] = [0.0, 0.0]  # no collisions: b is of nothing
+            options["collision"] = [0.0, 0.0]  # no collisions: b has no effect
         a, b = options["collision"]
         name = (f"l{options['spacing']:g}_k{options['kernel']}_a{a:g}_b{b:g}"
                 f"_s{options['surface']}_g{options['gradient']}_c{courant:g}")
@@ -51,7 +52,7 @@ class Study:
         return Run(self.folder / "tank" / name, self.programs["hydrostatic"], options, cost)
 
     def dam(self, case, courant=0.2):
-        """The dam break under a case of Table 1."""
+        """The dam break with a case of Table 1."""
         options = {"case": case, "column": [0.4, 0.8], "tank": [1.6, 1.6],
                    "spacing": 0.02 if self.quick else 0.01, "until": 0.8 if self.quick else 1.6,
                    **RADII, "courant": courant, "tolerance": 1e-6, "output-every": 0.1, "threads": 1}
@@ -64,11 +65,11 @@ class Study:
                 for courant in self.courant[:3]]
 
     def of_pair(self, a, b, scheme):
-        """One run for each place of the (a, b) map."""
+        """One run for each point of the (a, b) map."""
         return self.tank(collision=[a, b], **SCHEMES[scheme])
 
     def spacings(self, spacing, scheme):
-        # The finest costs as much as all others together.
+        # The finest run costs as much as all others together.
         repeats = self.courant[:1] if spacing < 0.007 else self.courant[:3]
         return [self.tank(courant, spacing=spacing, **SCHEMES[scheme]) for courant in repeats]
 

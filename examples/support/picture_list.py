@@ -1,14 +1,14 @@
 # SPDX-License-Identifier: MIT
-"""Which runs the pictures in docs/images are made from, and what tells their age.
+"""The runs from which the pictures in docs/images are drawn, and whether they are up to date.
 
     for source in SOURCES: source.pictures, source.runs(...), source.shown(folder)
     drawing_of("broken_tower")                 digest of the Python code that draws
-    changed_options(source, recorded)          options whose defaults are others by now
+    changed_options(source, recorded)          options whose defaults have changed
 
 docs/images/made_from.json has an entry for each source: the commands, the digests of the pictures
-and of the drawing code, the options of the runs, and the figures that a reader sees in the pictures
-or could measure in them. A study that was drawn before there was a record has null for a drawing.
-examples/pictures writes it, tests/examples/check_pictures.py reads it.
+and of the drawing code, the options of the runs, and the results that are visible in the pictures.
+"drawing" is null for a study that was drawn before the record existed. examples/pictures writes it,
+tests/examples/check_pictures.py reads it.
 """
 
 import ast
@@ -55,15 +55,15 @@ def hopper_shown(folder):
 
 
 def flow_shown(folder):
-    # In how many bodies the fluid ends is chance.
+    # The final number of bodies of fluid is random.
     return {finding["quantity"]: finding["measured"] for finding in summary_of(folder)["findings"]
             if "one body" not in finding["quantity"]}
 
 
 class Source:
-    """A program's runs, by the subfolder each writes into, that its plot script draws together.
+    """The runs of a program, by subfolder, that its plot script draws together.
 
-    pictures: names in docs/images by the names that the script gives. shown(folder): the figures.
+    pictures: names in docs/images by the names used by the script. shown(folder): visible results.
     """
 
     def __init__(self, name, program, runs, pictures, shown):
@@ -76,7 +76,7 @@ class Source:
         return [self.program, *options]
 
     def options_of(self, folder):
-        """Of the runs in a folder, without those that change nothing in a picture."""
+        """Options of the runs in a folder, without those that do not affect a picture."""
         return {subfolder: {name: value for name, value in
                             summary_of(folder / subfolder)["options"].items()
                             if name not in NOT_COMPARED} for subfolder in self.runs}
@@ -89,7 +89,7 @@ class Source:
 
 
 class Study:
-    """Long runs, made and drawn by a script of their own. argv: that script's arguments."""
+    """Long runs, done and drawn by a separate script. argv: arguments of that script."""
 
     def __init__(self, name, command, drawn_by, argv, pictures):
         self.name, self.command, self.drawn_by, self.argv = name, command, drawn_by, argv
@@ -129,8 +129,8 @@ def digest_of(data):
 
 
 def code_of(path):
-    """A Python file without comments, docstrings and empty lines, and the modules of support/ that
-    it imports."""
+    """The text of a Python file without comments, docstrings and empty lines, and the modules of
+    support/ that it imports."""
     text = path.read_text(encoding="utf-8")
     lines = text.splitlines()
     tree = ast.parse(text)
@@ -152,7 +152,7 @@ def code_of(path):
 
 
 def drawing_of(script, examples=EXAMPLES):
-    """Digest of a script and of all modules of support/ that it takes, whatever their comments."""
+    """Digest of a script and of all modules of support/ that it imports, without comments."""
     codes, waiting = {}, [examples / script]
     while waiting:
         path = waiting.pop()
@@ -179,11 +179,11 @@ def program_text(program, examples=EXAMPLES):
 
 
 def changed_options(source, recorded, examples=EXAMPLES):
-    """Sentences on numbers that the program has other defaults for than the runs had. What the
-    command gives, and what is no plain number in the source or is not written as it is, is left to
-    a run of the program."""
+    """Messages about numeric options whose present defaults differ from those of the runs. Options
+    that are given in the command, or that are not plain numbers in the source, are checked only by
+    running the program."""
     text = program_text(source.program, examples)
-    sentences = []
+    messages = []
     for subfolder, options in recorded.items():
         given = {name.replace("-", "_") for name in source.runs.get(subfolder, {})}
         for name, value in options.items():
@@ -193,6 +193,6 @@ def changed_options(source, recorded, examples=EXAMPLES):
                 continue
             defaults = re.findall(rf"\b(?:double|int|Index|unsigned) {name} = ([-+.\de]+);", text)
             if defaults and float(defaults[0]) != 0 and not math.isclose(float(defaults[0]), value):
-                sentences.append(f"its run had {name} = {value:g}, but {source.program} has "
-                                 f"{defaults[0]} by now")
-    return sentences
+                messages.append(f"its run had {name} = {value:g}, but {source.program} now has "
+                                f"{defaults[0]}")
+    return messages

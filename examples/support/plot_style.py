@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: MIT
-"""The style of all pictures, and how they are written.
+"""The style of all pictures, and functions that write them.
 
     from support import plot_style as style        # before matplotlib.pyplot
     style.make(folder / "front.png", draw_front, runs)
     style.film(folder / "collapse.gif", figure, numbers, show)
 
-Without Matplotlib the import says so and ends the program with exit code NOTHING_DRAWN. Font sizes
-are for a figure as wide as WIDE, shown as wide as a page's text, or one as wide as NARROW, shown
-half as wide.
+Without Matplotlib, the import prints a message and ends the program with exit code NOTHING_DRAWN.
+Font sizes are for figures of width WIDE, shown at the full text width of a page, and of width
+NARROW, shown at half of it.
 """
 
 import importlib.util
@@ -20,7 +20,7 @@ NOTHING_DRAWN = 3
 
 
 def need(*modules):
-    """Ends the program unless Python has these modules. Debian's packages are named after them."""
+    """Ends the program if one of these modules, also Debian's package names, is missing."""
     for name in modules:
         if importlib.util.find_spec(name) is None:
             print(f"{pathlib.Path(sys.argv[0]).name}: no picture was drawn, since Python has no "
@@ -43,7 +43,7 @@ LARGEST_FILE = 120_000  # [bytes]
 WIDE = 8.2  # [inches]
 NARROW = 6.4
 
-# Of Okabe and Ito: told apart with any colour vision.
+# Okabe and Ito's colours, distinguishable with any colour vision.
 BLUE = "#0072b2"
 ORANGE = "#d55e00"
 GREEN = "#009e73"
@@ -57,8 +57,8 @@ FLOOR = "#e7e3dc"
 WALL = "#8f897f"
 DASHED = (0, (4, 2.5))
 
-# Both grow darker all the way, so that they read without colours, too. In steps, since a picture
-# may be written with 256 colours.
+# Both darken monotonically, so that they are also readable in grey. In discrete steps, because a
+# picture may be written with 256 colours.
 PRESSURE = ListedColormap(matplotlib.colormaps["YlGnBu"](np.linspace(0.28, 1, 20)), "pressure")
 SPEED = LinearSegmentedColormap.from_list(
     "speed", ["#ddd6c8", "#f3cf6b", "#ee8434", "#c8313c", "#6a1247"], 20)
@@ -74,7 +74,7 @@ matplotlib.rcParams.update({
 
 
 def make(path, draw, *arguments):
-    """Says what is being drawn, and writes the figure that draw(*arguments) returns, if any."""
+    """Prints what is drawn, and writes the figure returned by draw(*arguments), if any."""
     print(f"Drawing {path}", flush=True)
     figure = draw(*arguments)
     if figure is None:
@@ -82,7 +82,7 @@ def make(path, draw, *arguments):
     memory = io.BytesIO()
     figure.savefig(memory, format="png")
     plt.close(figure)
-    # Exact if that is small enough, else in as many colours as are.
+    # All colours if the file is small enough, otherwise as many as possible.
     image = Image.open(memory).convert("RGB")
     for colours in (None, 256, 128, 64, 32):
         file = io.BytesIO()
@@ -95,7 +95,7 @@ def make(path, draw, *arguments):
 
 
 def film(path, figure, frames, show, rate):
-    """An animated GIF of `rate` frames a second; show(frame) draws one and returns its artists,
+    """An animated GIF with `rate` frames per second; show(frame) draws one and returns its artists,
     which are removed before the next."""
     frames = list(frames)
     print(f"Drawing {path}, {len(frames)} frames", flush=True)
@@ -105,7 +105,7 @@ def film(path, figure, frames, show, rate):
     for number, frame in enumerate(frames):
         artists = show(frame)
         figure.canvas.draw()
-        # Laid out once: what stays must not move.
+        # The layout is computed once, so that nothing moves between frames.
         figure.set_layout_engine("none")
         images.append(Image.fromarray(np.asarray(figure.canvas.buffer_rgba())).convert("RGB"))
         for artist in artists:
@@ -115,7 +115,7 @@ def film(path, figure, frames, show, rate):
             left = (said - begin) / (number + 1) * (len(frames) - number - 1)
             print(f"  {number + 1} of {len(frames)} frames, {left:.0f} s left", flush=True)
     plt.close(figure)
-    # One palette for all frames, or colours would flicker.
+    # One palette for all frames, so that colours do not flicker.
     some = images[::max(1, len(images) // 4)]
     palette = Image.fromarray(np.concatenate([np.asarray(image) for image in some])).quantize(
         256, Image.Quantize.MAXCOVERAGE)
@@ -125,7 +125,7 @@ def film(path, figure, frames, show, rate):
 
 
 def bar_of(figure, shown, axes, label, values, **style):
-    """A colour bar, with an arrow at each end beyond which some of the values shown lie."""
+    """A colour bar, with an arrow at each end that some of the values exceed."""
     values = np.concatenate([np.ravel(each) for each in values])
     below, above = np.min(values) < shown.norm.vmin, np.max(values) > shown.norm.vmax
     extend = {(0, 0): "neither", (1, 0): "min", (0, 1): "max", (1, 1): "both"}[below, above]
@@ -135,7 +135,7 @@ def bar_of(figure, shown, axes, label, values, **style):
 
 
 def legend_above(figure, axes, columns):
-    """One legend for a whole figure, above all its axes: that of the given axes."""
+    """The legend of the given axes, for the whole figure, above all its axes."""
     handles, labels = axes.get_legend_handles_labels()
     height = (0.1 + 0.2 * np.ceil(len(labels) / columns)) / figure.get_figheight()
     figure.get_layout_engine().set(rect=(0, 0, 1, 1 - height))
@@ -143,14 +143,14 @@ def legend_above(figure, axes, columns):
 
 
 def legend_on_top(axes, columns=4, title=None):
-    """A legend above the data, of which it can hide nothing, and a title above that."""
+    """A legend above the axes, so that it hides no data, and a title above it."""
     axes.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=columns, borderaxespad=0.2,
                 borderpad=0, columnspacing=1.2, handlelength=1.6, title=title, title_fontsize=10,
                 alignment="left")
 
 
 def box(axes, x, y, labels=("x [m]", "y [m]")):
-    """Axes of equal scale in metres over these limits, labelled only where they are outermost."""
+    """Axes of equal scale in metres over these limits; only outer axes are labelled."""
     axes.set(xlim=x, ylim=y, aspect="equal")
     axes.grid(False)
     place = axes.get_subplotspec()

@@ -1,9 +1,9 @@
 # shellcheck shell=bash
 # SPDX-License-Identifier: MIT
-# Sourced by examples/run and examples/paper_figures, after .ci/setup.sh: installs what examples need,
-# and builds them.
+# Sourced by examples/run and examples/paper_figures, after .ci/setup.sh: installs the packages that
+# examples need, and builds them.
 
-# The text of an example and of our headers beside it that it includes.
+# The text of an example and of the support headers that it includes.
 text_of() {
   local source=$repo/examples/$1.cpp header
   cat "$source"
@@ -11,7 +11,7 @@ text_of() {
     while read -r header; do cat "$repo/examples/$header"; done
 }
 
-# Installs what the includes of these examples ask for, and what was asked for before.
+# Installs the packages that the includes of these examples need, and those requested before.
 install_for() {
   local packages=("Eigen3 3.4" libeigen3-dev) name includes=""
   for name in "$@"; do includes+=$(text_of "$name" | grep '^#include'); done
@@ -22,7 +22,7 @@ install_for() {
   install_missing
 }
 
-# build_examples NAME...: all of them side by side.
+# build_examples NAME...: builds them in parallel.
 build_examples() {
   configure examples -DCMAKE_BUILD_TYPE=Release -DSILT_NATIVE=ON -DSILT_BUILD_EXAMPLES=ON \
     "-DSILT_EXAMPLES=$(IFS=';' && echo "$*")"

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-// How a run of the larger examples is stopped and resumed. Its folder holds, until the run is
-// complete,
+// Stopping and resuming a run of the larger examples. Until the run is complete, its output folder
+// contains
 //
-//   arguments.json     the program, and the arguments of the run
-//   checkpoint.silt    written every so often, and when Ctrl-C or SIGTERM ends the run
+//   arguments.json     the program and the arguments of the run
+//   checkpoint.silt    written at regular intervals, and when Ctrl-C or SIGTERM ends the run
 //
-// and `program --resume FOLDER` goes on with it.
+// and `program --resume FOLDER` resumes it.
 #pragma once
 
 #include <silt/core/simulation.hpp>
@@ -31,16 +31,16 @@
 namespace support {
 
 struct Resume {
-  std::string folder = {};        // of the run to go on with; empty: a new run
+  std::string folder = {};        // of the run to resume; empty: a new run
   double checkpoint_every = 600;  // wall-clock time [s]; 0: only when the run is stopped
-  std::string program = {};      // as it was called
-  std::string name = {};         // of the program
+  std::string program = {};       // command that called the program
+  std::string name = {};          // of the program
   std::vector<std::string> arguments = {};  // of the run, without --out
 
-  bool is_asked_for() const { return !folder.empty(); }
+  bool is_requested() const { return !folder.empty(); }
 };
 
-/// What a run that was stopped throws.
+/// Thrown when a signal stops a run.
 struct Stopped {
   std::filesystem::path folder;
   int signal_number;
@@ -50,11 +50,11 @@ struct Stopped {
 /// Adds --resume and --checkpoint-every.
 inline void describe_resume(CLI::App& app, Resume& resume) {
   app.add_option("--resume", resume.folder,
-                 "folder of a run that was stopped, to go on with it; of the other options only "
-                 "--until, --threads and --checkpoint-every may be given, too");
+                 "output folder of a stopped run, to resume it; of the other options, only "
+                 "--until, --threads and --checkpoint-every may also be given");
   app.add_option("--checkpoint-every", resume.checkpoint_every,
-                 "wall-clock time between checkpoints, from which --resume goes on [s]; 0: only "
-                 "when Ctrl-C or SIGTERM ends the run")
+                 "wall-clock time between checkpoints for --resume [s]; 0: only when Ctrl-C or "
+                 "SIGTERM ends the run")
       ->check(not_negative())
       ->capture_default_str();
 }
@@ -65,18 +65,18 @@ inline constexpr const char* may_change[] = {"--until", "--threads", "--checkpoi
 
 // Removes an option and its value, as "--name value" and as "--name=value".
 inline void remove_option(std::vector<std::string>& arguments, const std::string& name) {
-  for (auto at = arguments.begin(); at != arguments.end();) {
-    if (*at == name && at + 1 != arguments.end()) {
-      at = arguments.erase(at, at + 2);
-    } else if (at->starts_with(name + "=")) {
-      at = arguments.erase(at);
+  for (auto argument = arguments.begin(); argument != arguments.end();) {
+    if (*argument == name && argument + 1 != arguments.end()) {
+      argument = arguments.erase(argument, argument + 2);
+    } else if (argument->starts_with(name + "=")) {
+      argument = arguments.erase(argument);
     } else {
-      ++at;
+      ++argument;
     }
   }
 }
 
-// Parses the arguments of the run to resume, with what may change from the command line.
+// Parses the stored arguments of the run to resume, with changes from the command line.
 inline void parse_resumed(CLI::App& app, Resume& resume) {
   const std::filesystem::path folder = resume.folder;
   for (const CLI::Option* option : app.get_options()) {
@@ -85,22 +85,23 @@ inline void parse_resumed(CLI::App& app, Resume& resume) {
                             std::find(std::begin(may_change), std::end(may_change), name) !=
                                 std::end(may_change);
     if (option->count() > 0 && !is_allowed) {
-      throw Refusal(name + " cannot be given with --resume, which takes it from the run in " +
-                    folder.string());
+      throw OptionError(name + " cannot be given with --resume, which takes it from the run in " +
+                        folder.string());
     }
   }
   try {
     const auto stored =
         nlohmann::json::parse(silt::file::read("--resume", folder / "arguments.json"));
     if (stored.at("program") != app.get_name()) {
-      throw Refusal("--resume " + folder.string() + " is a run of " +
-                    stored.at("program").get<std::string>());
+      throw OptionError("--resume " + folder.string() + " is a run of " +
+                        stored.at("program").get<std::string>());
     }
     resume.arguments = stored.at("arguments").get<std::vector<std::string>>();
   } catch (const nlohmann::json::exception& error) {
-    throw Refusal("--resume: " + (folder / "arguments.json").string() + ": " + error.what());
+    throw OptionError("--resume: " + (folder / "arguments.json").string() + ": " + error.what());
   } catch (const silt::Error& error) {
-    throw Refusal(std::string(error.what()) + ", and that the folder is one of --out");
+    throw OptionError(std::string(error.what()) +
+                      ", and that the folder is the --out folder of a run");
   }
   for (const char* name : may_change) {
     const CLI::Option* const option = app.get_option_no_throw(name);
@@ -113,7 +114,7 @@ inline void parse_resumed(CLI::App& app, Resume& resume) {
     arguments.push_back(name + ("=" + folder.string()));
   }
   app.clear();
-  std::reverse(arguments.begin(), arguments.end());  // as CLI11 takes them
+  std::reverse(arguments.begin(), arguments.end());  // the order that CLI11 expects
   app.parse(std::move(arguments));
 }
 
@@ -136,8 +137,8 @@ inline void remove_checkpoints(const std::filesystem::path& folder) {
 
 }  // namespace detail
 
-/// As run() of command_line.hpp, for a program with describe_resume() and --out. A run that a
-/// signal ended says how to go on with it, and returns 128 + the number of the signal.
+/// Like run() in command_line.hpp, for a program with describe_resume() and --out. If a signal ends
+/// the run, prints the command that resumes it, and returns 128 + the number of the signal.
 template <class Body>
 int run(CLI::App& app, int argc, char** argv, Resume& resume, Body&& body) {
   resume.program = argv[0];
@@ -146,29 +147,29 @@ int run(CLI::App& app, int argc, char** argv, Resume& resume, Body&& body) {
   detail::remove_option(resume.arguments, "--out");  // the folder may be moved
   try {
     return run(app, argc, argv, [&] {
-      if (resume.is_asked_for()) detail::parse_resumed(app, resume);
+      if (resume.is_requested()) detail::parse_resumed(app, resume);
       body();
     });
   } catch (const Stopped& stopped) {
-    std::fprintf(stderr, "%s: stopped at t = %.4g s; go on with: %s --resume %s\n",
+    std::fprintf(stderr, "%s: stopped at t = %.4g s; resume with: %s --resume %s\n",
                  app.get_name().c_str(), stopped.time, resume.program.c_str(),
                  stopped.folder.string().c_str());
     return 128 + stopped.signal_number;
   }
 }
 
-/// Makes the folder, and keeps the arguments of the run in it. Refuses to resume where there is
-/// nothing to go on from.
+/// Creates the folder and writes the arguments of the run to it. Throws OptionError if there is no
+/// checkpoint to resume from.
 inline void open_output_folder(const Resume& resume, const std::filesystem::path& folder) {
-  if (resume.is_asked_for()) {
+  if (resume.is_requested()) {
     if (detail::checkpoints_in(folder).empty()) {
       const bool is_complete = std::filesystem::exists(folder / "summary.json");
-      throw Refusal("--resume: the run in " + folder.string() +
-                    (is_complete ? " is complete" : " has no checkpoint yet; begin it anew"));
+      throw OptionError("--resume: the run in " + folder.string() +
+                        (is_complete ? " is complete" : " has no checkpoint; start it again"));
     }
-    make_output_folder(folder);
+    create_output_folder(folder);
   } else {
-    make_output_folder(folder);
+    create_output_folder(folder);
     detail::remove_checkpoints(folder);
   }
   const nlohmann::ordered_json arguments{{"program", resume.name},
@@ -176,17 +177,17 @@ inline void open_output_folder(const Resume& resume, const std::filesystem::path
   silt::file::replace("--out", folder / "arguments.json", arguments.dump(2) + "\n");
 }
 
-/// Writes the summary, with which the run is complete: its checkpoints are removed.
+/// Writes the summary of a complete run and removes its checkpoints.
 inline void complete(const std::filesystem::path& folder, const nlohmann::ordered_json& summary) {
   write_summary(folder, summary);
   detail::remove_checkpoints(folder);
 }
 
-/// A simulation and the parts of its run, which a checkpoint holds.
+/// A simulation and the other parts of its run that are saved in a checkpoint.
 template <class Sim, class... Parts>
 class ResumableRun {
  public:
-  /// Reads the checkpoint if the run is to be resumed and `file` is there.
+  /// Reads the checkpoint if the run is to be resumed and `file` exists.
   ResumableRun(const Resume& resume, const std::filesystem::path& file, Sim& simulation,
                Parts&... parts)
       : folder_(file.parent_path()),
@@ -196,14 +197,14 @@ class ResumableRun {
                                    ? resume.checkpoint_every
                                    : std::numeric_limits<double>::infinity()},
                      parts...) {
-    if (!resume.is_asked_for() || !checkpoints_.exist()) return;
-    or_refuse([&] {
+    if (!resume.is_requested() || !checkpoints_.exist()) return;
+    or_reject([&] {
       checkpoints_.read(simulation);
       return true;
     });
   }
 
-  /// As Simulation::run(), but throws Stopped if a signal ended the run.
+  /// Like Simulation::run(), but throws Stopped if a signal ended the run.
   template <class... Observers>
   void run(const silt::Run& run, Observers&&... observers) {
     if (simulation_.run(run, observers..., stop_, checkpoints_)) return;
@@ -218,8 +219,8 @@ class ResumableRun {
   silt::StopOnSignal stop_;
 };
 
-/// Runs the simulation, or goes on with its run, for programs with a single run. Its parts are the
-/// observers that have a transfer().
+/// Runs the simulation, or resumes its run, for programs with a single run. Its parts are the
+/// observers with a transfer().
 template <class Sim, class... Observers>
 void run_or_resume(const Resume& resume, const std::filesystem::path& folder, Sim& simulation,
                    const silt::Run& run, Observers&&... observers) {

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: MIT
-"""Runs programs of this folder, some at a time, and does not run again what is there already.
+"""Runs programs of this folder, several at a time, and skips runs that exist already.
 
     runs = [Run("out/a", "build/dam_break", {"case": 10, "until": 1.0}), ...]
     run_all(runs, jobs=2)
     runs[0].is_done(), runs[0].failure()
 
-A run is done if its folder has a summary.json with these options. One that failed with a sentence
-has a failed.json with them. One that was killed has neither, and is started anew.
+A run is done if its folder has a summary.json with these options. A run that failed with an error
+message has a failed.json with them. A run that was killed has neither, and is repeated.
 """
 
 import concurrent.futures
@@ -19,12 +19,12 @@ import time
 
 
 def text_of(value):
-    """An option's value as the programs take it: lists separated by commas."""
+    """Command-line text of an option's value: lists are separated by commas."""
     return ",".join(f"{each:g}" for each in value) if isinstance(value, list) else str(value)
 
 
 def has_options(path, options):
-    """Whether the file is of a run with these options, whatever else it was given."""
+    """Whether the file is from a run with these options, and any others."""
     try:
         there = json.loads(path.read_text(encoding="utf-8"))["options"]
     except (OSError, ValueError, KeyError):
@@ -33,7 +33,7 @@ def has_options(path, options):
 
 
 class Run:
-    """A program, its options without dashes, and where it writes; `cost` is any measure of time."""
+    """A program, its options without dashes, and its folder; `cost`: relative run time."""
 
     def __init__(self, folder, program, options, cost=1.0):
         self.folder = pathlib.Path(folder)
@@ -45,7 +45,7 @@ class Run:
         return has_options(self.folder / "summary.json", self.options)
 
     def failure(self):
-        """The sentence with which the run failed, if it did."""
+        """The error message of the run, if it failed."""
         path = self.folder / "failed.json"
         if not has_options(path, self.options):
             return None
@@ -56,8 +56,8 @@ class Run:
         return [str(self.program), f"--out={self.folder}", *options, *further]
 
     def run(self):
-        """Runs it to its end. Throws if it was refused or killed, which no repetition would mend or
-        which is no finding."""
+        """Runs the program. Raises if its options were rejected or it was killed: neither is a
+        result of the run."""
         self.folder.mkdir(parents=True, exist_ok=True)
         for name in ("summary.json", "failed.json"):
             (self.folder / name).unlink(missing_ok=True)
@@ -74,7 +74,7 @@ class Run:
 
 
 class Progress:
-    """A line for every run that ended, with the time left by what the others cost."""
+    """Prints a line for every finished run, with the remaining time estimated from the costs."""
 
     def __init__(self, runs):
         self.cost_left = sum(run.cost for run in runs)
@@ -97,8 +97,8 @@ class Progress:
 
 
 def run_all(runs, jobs):
-    """Runs what is neither done nor failed, `jobs` at a time; in the order given."""
-    # Two studies may ask for one run.
+    """Does the runs that are neither done nor failed, `jobs` at a time, in the given order."""
+    # Two studies may share a run.
     by_folder = {run.folder: run for run in runs}
     wanted = [run for run in by_folder.values() if not run.is_done() and run.failure() is None]
     print(f"{len(by_folder)} runs, {len(by_folder) - len(wanted)} of them there already", flush=True)

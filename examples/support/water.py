@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""Reads, measures and draws what the examples of MPS write: dam_break and hydrostatic. NumPy alone
-reads and measures.
+"""Reads, evaluates and draws the output of the MPS examples dam_break and hydrostatic. Reading and
+evaluation need NumPy only.
 
     run = DamBreak("out/dam_break")     run.front_error(), run.roughness(), ...
     tank = Tank("out/hydrostatic")      tank.summary["rer"], tank.pressure, tank.line(), ...
@@ -16,23 +16,23 @@ from support.frames import Series, draw, extent
 REFERENCE = pathlib.Path(__file__).resolve().parents[2] / "tests" / "reference"
 FRONT = "martin_moyce_1952_n2eq2_front_table2.csv"
 HEIGHT = "martin_moyce_1952_n2eq2_height_table6.csv"
-POTENTIAL_FLOW = "potential_flow_front.csv"  # by boundary elements; its head says how
+POTENTIAL_FLOW = "potential_flow_front.csv"  # by boundary elements, see the beginning of the file
 
 G = 9.81
 DENSITY = 1000.0
-# The schemes that are compared, as a reader knows them.
+# Captions of the compared schemes.
 NAMES = {"recommended": "Silt, recommended scheme", 0: "Case 00 (original MPS)",
          10: "Case 10 (PNU-MPS)"}
 
 
 def table(path):
-    # NumPy would take the first comment for the column names.
+    # NumPy would read the column names from the first comment.
     lines = [line for line in path.read_text().splitlines() if not line.startswith("#")]
     return np.genfromtxt(lines, delimiter=",", names=True)
 
 
 def moving_average(t, p, window=0.02):
-    """Of every sample of p within half a window [s] of each."""
+    """Moving average: for each sample, the mean of p within half a window [s]."""
     total = np.concatenate([[0], np.cumsum(p)])
     low = np.searchsorted(t, t - window / 2)
     high = np.searchsorted(t, t + window / 2, side="right")
@@ -45,7 +45,7 @@ def name_of(case):
 
 
 class Output:
-    """What every program writes into its folder."""
+    """The files that every program writes to its folder."""
 
     def __init__(self, folder):
         self.folder = pathlib.Path(folder)
@@ -55,7 +55,7 @@ class Output:
 
     @classmethod
     def there(cls, folder):
-        """The output of a run that came to its end; None if there is none."""
+        """The output of a complete run; None if there is none."""
         return cls(folder) if (pathlib.Path(folder) / "summary.json").exists() else None
 
     @property
@@ -63,16 +63,16 @@ class Output:
         return Series(self.folder / "frames.pvd")
 
     def end(self):
-        """Of the pressure's record [s]."""
+        """Of the pressure signal [s]."""
         return float(self.pressure["t"][-1])
 
     def has_boiled(self):
-        """Whether so much of the water left that what is left tells nothing."""
+        """Whether too much water was lost for meaningful results."""
         return self.summary["particles_lost"] > 0.01 * self.summary["fluid_particles"]
 
     def roughness(self, begin=0.4, end=np.inf):
-        """Rms [Pa] of the first gauge minus its moving average over 0.02 s, over its samples from
-        `begin` to `end` [s]: one a step."""
+        """Rms [Pa] of the first gauge minus its moving average over 0.02 s, over its samples (one
+        per step) from `begin` to `end` [s]."""
         t, p = self.pressure["t"], self.pressure["p_1"]
         wanted = (t >= begin) & (t <= end)
         if not wanted.any():
@@ -80,7 +80,7 @@ class Output:
         return float(np.sqrt(np.mean((p - moving_average(t, p))[wanted] ** 2)))
 
     def peak(self, begin=0.4, end=np.inf):
-        """Largest moving average of the first gauge over 0.02 s [Pa]."""
+        """Maximum of the moving average of the first gauge over 0.02 s [Pa]."""
         t = self.pressure["t"]
         wanted = (t >= begin) & (t <= end)
         return float(moving_average(t, self.pressure["p_1"])[wanted].max()) if wanted.any() else None
@@ -99,12 +99,13 @@ class DamBreak(Output):
         return self.front["t"] * np.sqrt(2 * G / self.width), self.front["x_front"] / self.width
 
     def before_the_wall(self):
-        """Which rows of the front come before it meets the wall opposite."""
+        """The rows of the front before it reaches the opposite wall."""
         wall = self.options["tank"][0] / self.width
         return np.maximum.accumulate(self.dimensionless_front()[1]) < 0.998 * wall
 
     def time_shift(self, at=(1.19, 1.44)):
-        """The experiment cannot see the release: T is shifted so that Z = 1.44 falls on T = 1.19."""
+        """The time of release is unknown in the experiment: shift of T that gives Z = 1.44 at
+        T = 1.19."""
         T, Z = self.dimensionless_front()
         if Z.max() < at[1]:
             return None
@@ -112,7 +113,7 @@ class DamBreak(Output):
         return at[0] - np.interp(at[1], Z[after - 1:after + 1], T[after - 1:after + 1])
 
     def front_error(self):
-        """Relative rms of Z against Martin & Moyce for T in 1.19–3.3, after the one shift."""
+        """Relative rms deviation of Z from Martin & Moyce for T in 1.19–3.3, after the shift."""
         shift = self.time_shift()
         if shift is None:
             return None
@@ -127,7 +128,7 @@ class DamBreak(Output):
         return float(np.sqrt(np.mean((ours / experiment["Z"][wanted] - 1) ** 2)))
 
     def front_speed(self):
-        """Slope dZ/dT over T = 1.5–2.9 after the one shift."""
+        """Slope dZ/dT over T = 1.5–2.9, after the shift."""
         T, Z = self.dimensionless_front()
         at = np.arange(1.5, 2.9, 0.02)
         return float(np.polyfit(at, np.interp(at - self.time_shift(), T, Z), 1)[0])
@@ -136,9 +137,9 @@ class DamBreak(Output):
         return self.front["height"] / self.height
 
     def height_error(self):
-        """Relative rms of the residual height against Martin & Moyce for τ ≤ 2.5, unshifted: their
-        table of heights has an origin of time of its own, which the exact solution shows to be ours.
-        """
+        """Relative rms deviation of the residual height from Martin & Moyce for τ ≤ 2.5, unshifted:
+        their table of heights has a separate origin of time, which according to the exact solution
+        is the same as here."""
         experiment = table(REFERENCE / HEIGHT)
         tau = self.front["t"] * np.sqrt(G / self.width)
         wanted = experiment["tau"] <= min(2.5, tau[-1])
@@ -146,7 +147,8 @@ class DamBreak(Output):
         return float(np.sqrt(np.mean((ours / experiment["H"][wanted] - 1) ** 2)))
 
     def errors_of_potential_flow(self):
-        """Relative rms of edge and height against the exact inviscid solution, T = 0.5–2.75."""
+        """Relative rms deviation of edge and height from the exact inviscid solution,
+        T = 0.5–2.75."""
         exact = table(REFERENCE / POTENTIAL_FLOW)
         T, Z = self.dimensionless_front()
         wanted = (exact["T"] >= 0.5) & (exact["T"] <= min(2.75, T[-1]))
@@ -155,7 +157,7 @@ class DamBreak(Output):
         return [float(np.sqrt(np.mean(error**2))) for error in errors]
 
     def behind(self, other):
-        """By how much in T, on average over Z, this run's front comes later than the other's."""
+        """Mean delay in T, over Z, of this run's front relative to the other's."""
         until = 0.95 * min(self.options["tank"][0], 1.6) / self.width
         T, Z = self.dimensionless_front()
         T_other, Z_other = other.dimensionless_front()
@@ -180,8 +182,8 @@ class Tank(Output):
 
     def line(self):
         """The straight line through the profile: its slope over ρ g, the depth of its zero [m], and
-        the largest distance of a layer from it [Pa]. The two layers at the surface are left out,
-        where particles have P = 0 now and then."""
+        the maximum deviation of a layer from it [Pa]. The two layers at the surface are excluded,
+        because P = 0 for some of their particles."""
         depth, p = self.profile["depth"][2:], self.profile["p_mean"][2:]
         if len(depth) < 3:
             return None
@@ -191,8 +193,8 @@ class Tank(Output):
 
 
 def draw_water(axes, frame, spacing, full_scale, middle=None):
-    """Fluid by its pressure [kPa] and walls, in the plane; of a 3D run the slice at y = middle.
-    Returns the fluid's circles."""
+    """Fluid, coloured by pressure [kPa], and walls, in 2D; of a 3D run the slice at y = middle.
+    Returns the circles of the fluid."""
     from support import plot_style as style
 
     keep = frame["kind"] < 2
@@ -213,7 +215,7 @@ def draw_water(axes, frame, spacing, full_scale, middle=None):
 
 
 class Tanks:
-    """Draws the tank of a run at some of its times, in the plane; of a 3D run its middle.
+    """Draws the tank of a run at some times, in 2D; of a 3D run its central slice.
 
     width: of the tank [m]; full_scale: of the pressure [kPa]; middle: [m], of a 3D run.
     """
@@ -229,7 +231,7 @@ class Tanks:
         self.pressures = [frame["pressure"][frame["kind"] == 0] / 1e3 for frame in self.frames]
 
     def heights(self, frames):
-        """As high as the highest spray of these frames, which may fly above the walls."""
+        """Height of the highest spray in these frames, which may be above the walls."""
         fluid = [{"position": frame["position"][frame["kind"] == 0]} for frame in frames]
         up = 1 if self.middle is None else 2
         return -2 * self.spacing, extent(fluid, up, 3 * self.spacing)[1]
@@ -250,7 +252,7 @@ class Tanks:
         return draw_water(axes, self.frames[number], self.spacing, self.full_scale, self.middle)
 
     def figure(self, title):
-        """Panels of all times, three in a row."""
+        """Panels of all times, three per row."""
         from support import plot_style as style
 
         rows = [self.heights(self.frames[k:k + 3]) for k in range(0, len(self.times), 3)]

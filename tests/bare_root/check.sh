@@ -3,18 +3,18 @@
 #
 #   check.sh SOURCE SCRATCH [root] [user]
 #
-# Follows README.md to the letter in a Debian system that has nothing but git, as root and as an
-# ordinary user (or only one of them): clones SOURCE, as committed, and runs every ```sh block in
-# order. A block is left out if the line above it is
+# Executes README.md literally in a minimal Debian system with git only, as root and as an ordinary
+# user (or one of them): clones SOURCE as committed, and runs every ```sh block in order. A block is
+# skipped if the line above it is
 #   <!-- silt: skip-shell REASON -->
-# and a block of any language is written into a file of the current folder if that line is
+# and a block of any language is written to a file in the current folder if that line is
 #   <!-- silt: save-as FILE -->
-# Expected are exit code 0, no warning, no question (there is no input), no silence of more than ten
-# seconds except in a compiler or CMake called by README itself, and a picture. Prints the minutes
-# to the first picture and the lines typed until then. The output is kept in SCRATCH/root.txt and
-# SCRATCH/user.txt.
+# Passes if all exit codes are 0, there are no warnings, no prompts (there is no input), no silence
+# of more than ten seconds except in a compiler or CMake called by README itself, and a picture is
+# drawn. Prints the minutes and the number of typed lines before the first picture. The output is
+# kept in SCRATCH/root.txt and SCRATCH/user.txt.
 #
-# Needs root, debootstrap and a Debian mirror in /etc/apt; without them exits with 77, "skipped".
+# Needs root, debootstrap and a Debian mirror in /etc/apt; otherwise exits with 77, "skipped".
 set -euo pipefail
 
 release=bookworm
@@ -43,16 +43,16 @@ mirror() {
     sed -nE 's/^(URIs:|deb +(\[[^]]*\] *)?) *((https?|file):[^ ]*\/debian)\/?( .*)?$/\3/p' | head -n 1
 }
 
-[[ $(id -u) -eq 0 ]] || skip "a root file system can be made by root only"
+[[ $(id -u) -eq 0 ]] || skip "only root can create a root file system"
 command -v debootstrap >/dev/null || skip "debootstrap is not installed"
 command -v unshare >/dev/null || skip "unshare is not installed"
 git -C "$source" rev-parse HEAD >/dev/null || skip "$source is not a git repository"
 mirror=$(mirror)
 [[ -n $mirror ]] || skip "no Debian mirror was found in /etc/apt"
 
-# --- the bare system -----------------------------------------------------------------------------
+# --- the minimal system --------------------------------------------------------------------------
 
-# Made once; every user gets a copy.
+# Created once; every user gets a copy.
 base=$scratch/base
 if [[ ! -e $base.done ]]; then
   rm -rf "$base"
@@ -60,15 +60,15 @@ if [[ ! -e $base.done ]]; then
     >"$scratch/debootstrap.txt" 2>&1 ||
     { tail -n 5 "$scratch/debootstrap.txt"; skip "debootstrap failed"; }
   rm -rf "$base"/var/lib/apt/lists/* "$base"/var/cache/apt/archives/*.deb
-  # It reaches the network as this machine does.
+  # Same network configuration as this machine.
   cp -L /etc/resolv.conf /etc/hosts "$base/etc/"
   apt-config dump | grep -i '^Acquire::[a-z]*::Proxy' >"$base/etc/apt/apt.conf.d/90proxy" || true
   chroot "$base" useradd --create-home --shell /bin/bash user
   touch "$base.done"
 fi
 
-# inside ROOT USER SCRIPT: runs it as USER, with no terminal and no input, in processes and mounts of
-# its own, which end with it.
+# inside ROOT USER SCRIPT: runs it as USER, without terminal and input, in its own process and mount
+# namespaces, which end with it.
 inside() {
   # shellcheck disable=SC2016
   unshare --mount --pid --fork --kill-child setsid --wait bash -c '
@@ -79,7 +79,7 @@ inside() {
 
 # --- README --------------------------------------------------------------------------------------
 
-# Writes the blocks of README to FOLDER/NN.sh, or FOLDER/NN.save with the name of the file first.
+# Writes the blocks of README to FOLDER/NN.sh, or FOLDER/NN.save with the file name as first line.
 read_blocks() {
   awk -v folder="$2" '
     !inside && /^<!-- silt: skip-shell / { mark = "skip"; next }
@@ -100,7 +100,8 @@ read_blocks() {
     !inside && !/^[ \t]*$/ { mark = "" }' "$1"
 }
 
-# Shows each line with the time, and writes the longest silence and what was said before it to FILE.
+# watch FILE: prefixes each line with the time; writes the longest silence, and the line before it,
+# to FILE.
 watch() {
   local file=$1 line now last=$EPOCHREALTIME began=$EPOCHREALTIME before="the beginning" more=yes
   while [[ $more = yes ]]; do
@@ -114,7 +115,7 @@ watch() {
   done | sort -rn | head -n 1 >"$file"
 }
 
-# The first picture that USER has made in ROOT, as seconds since 1970, a space and its path.
+# The first picture drawn in ROOT: seconds since 1970, a space and its path.
 first_picture() {
   find "$1/root" "$1/home" -name '*.png' -not -path '*/docs/*' -printf '%T@ %p\n' 2>/dev/null |
     sort -n | head -n 1
@@ -127,7 +128,7 @@ follow_readme() {
   cp -a "$base" "$root"
   home=$(chroot "$root" su - "$login" -c pwd)
 
-  # The repository, at the address that README gives.
+  # The repository, at the address given in README.
   git clone --quiet --bare "$source" "$root/srv/silt.git"
   local url
   url=$(sed -nE 's/^ *git clone ([^ ]+).*/\1/p' "$source/README.md" | head -n 1)
@@ -143,7 +144,7 @@ follow_readme() {
   rm -rf "$blocks"
   mkdir -p "$blocks"
   read_blocks "$source/README.md" "$blocks"
-  # The administrator may be asked once, by a command that is printed; later the user is given sudo.
+  # Without sudo, a command for the administrator must be printed; afterwards the user gets sudo.
   if [[ $user != root ]]; then
     inside "$root" "$login" "cd checkout && examples/run" >"$scratch/$user.refused.txt" 2>&1 &&
       give_up "examples/run ran without packages"
@@ -168,7 +169,7 @@ follow_readme() {
     typed=$(grep -cvE '^ *(#|$)' "$block") || true
     lines=$((lines + typed))
     {
-      if [[ $user = root ]]; then echo 'sudo() { "$@"; }'; fi  # root leaves it out
+      if [[ $user = root ]]; then echo 'sudo() { "$@"; }'; fi  # root has no sudo
       echo "trap 'pwd >/tmp/folder' EXIT; set -e; cd '$(cat "$root/tmp/folder")'; set -v"
       cat "$block"
     } >"$root/tmp/block"
@@ -192,11 +193,11 @@ $(cat "$block")"
       fi
     fi
   done
-  # The commands themselves are in the log, too.
+  # The log also contains the commands themselves.
   if sed 's/^\[ *[0-9]* s\] //' "$log" | grep -vxF "$(cat "$blocks"/*.sh)" | grep -iw warning; then
     give_up "as $user, there were warnings"
   fi
-  [[ -n $picture ]] || give_up "as $user, no picture was made"
+  [[ -n $picture ]] || give_up "as $user, no picture was drawn"
   echo "As $user, README took $(((EPOCHSECONDS - began + 30) / 60)) minutes and $lines lines; the" \
     "longest silence was $((longest / 1000)) s" | tee -a "$scratch/found"
   rm -rf "$root"
@@ -205,5 +206,5 @@ $(cat "$block")"
 rm -f "$scratch/found"
 trap 'for name in "${names[@]}"; do rm -rf "${scratch:?}/$name"; done' EXIT
 for name in "${names[@]}"; do follow_readme "$name"; done
-echo "== Found"
+echo "== Results"
 cat "$scratch/found"

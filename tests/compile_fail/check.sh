@@ -3,9 +3,9 @@
 #
 #   check.sh FLAGS-FILE SOURCE COMPILER...
 #
-# Passes if SOURCE does not compile and the compiler's words match the regular expression (grep -E)
-# of its first line, "// expect: REGEX". With SILT_VALID defined the same file must compile, so that
-# it cannot fail for a reason of its own, such as a misspelt include.
+# Passes if SOURCE does not compile and the compiler's output matches the regular expression
+# (grep -E) in its first line, "// expect: REGEX". With SILT_VALID defined the same file must
+# compile, which excludes unrelated errors, such as a misspelt include.
 set -uo pipefail
 export LC_ALL=C
 
@@ -23,12 +23,12 @@ if ! "${compile[@]}" -DSILT_VALID; then
   echo "$source: does not compile with SILT_VALID defined"
   exit 1
 fi
-if words=$("${compile[@]}" 2>&1); then
+if output=$("${compile[@]}" 2>&1); then
   echo "$source: compiles, but must not"
   exit 1
 fi
-if ! grep -Eq -- "$expected" <<<"$words"; then
-  printf '%s\n' "$words" "$source: does not compile, but the words above do not match: $expected"
+if ! grep -Eq -- "$expected" <<<"$output"; then
+  printf '%s\n' "$output" "$source: does not compile, but the above does not match: $expected"
   exit 1
 fi
-grep -E -m 1 -- "$expected" <<<"$words"
+grep -E -m 1 -- "$expected" <<<"$output"

@@ -1,16 +1,16 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Cross-check: the same spheres by LAMMPS (gran/hooke/history) and by Silt under the same law.
+"""Cross-check: the same spheres with LAMMPS (gran/hooke/history) and with Silt and the same law.
 
     lammps.py PROGRAM FOLDER
 
-PROGRAM is silt_beside_lammps; FOLDER takes the states that both start from, and what each makes of
-them. Prints a table and exits with 1 if a difference is larger than allowed, with 77 if there is no
-LAMMPS.
+PROGRAM is silt_beside_lammps; the common initial states and the results are written to FOLDER.
+Prints a table and exits with 1 if a difference is larger than allowed, with 77 if LAMMPS is not
+installed.
 
-Two spheres collide obliquely: positions, velocities and spins agree to 1 % of the largest.
-500 spheres collapse on a floor: the curves of the kinetic energy agree to what LAMMPS itself
-changes by halving its time step.
+Two spheres collide obliquely: positions, velocities and spins agree to 1 % of their maximum.
+500 spheres collapse on a floor: the curves of the kinetic energy differ by no more than LAMMPS's
+own change when its time step is halved.
 """
 
 import math
@@ -75,14 +75,14 @@ def pair_rows(program, folder, state):
     assert len(theirs) == len(ours)
     for what, columns in (("position", slice(1, 4)), ("velocity", slice(4, 7)),
                           ("spin", slice(7, 10))):
-        def most(frames):
+        def largest(frames):
             return max(norm(row[columns]) for frame in frames for row in frame)
 
         apart = max(norm(a - b for a, b in zip(their[columns], our[columns]))
                     for their_frame, our_frame in zip(theirs, ours)
                     for their, our in zip(their_frame, our_frame))
-        scale = most(theirs)
-        yield f"pair, {what}: largest, and most apart", scale, most(ours), apart / scale, 0.01
+        scale = largest(theirs)
+        yield f"pair, {what}: maximum, and difference", scale, largest(ours), apart / scale, 0.01
     for sphere in (0, 1):
         spins = [frames[-1][sphere][7:10] for frames in (theirs, ours)]
         change = [norm(a - b for a, b in zip(spin, theirs[0][sphere][7:10])) for spin in spins]
@@ -91,7 +91,7 @@ def pair_rows(program, folder, state):
 
 
 def kinetic_energy(frame):
-    """Of spheres; one of diameter 1 has the mass 1."""
+    """Of spheres with the mass 1 at the diameter 1."""
     energy = 0
     for row in frame:
         mass, radius = row[0]**3, row[0] / 2
@@ -108,12 +108,12 @@ def collapse_rows(program, folder, state):
     finer, _ = both(program, folder, "collapse", state, **{**COLLAPSE, "dt": COLLAPSE["dt"] / 2})
     runs = [lammps(), silt(), finer()]
     assert len({len(frames) for frames in runs}) == 1
-    # Round-off grows a thousandfold in a unit of time; until then the two go through the same.
+    # Round-off errors grow a thousandfold per unit of time; until t = 4 they are negligible.
     calm = round(4 / COLLAPSE["every"]) + 1
     far = [max(norm(a - b for a, b in zip(their[1:4], our[1:4]))
                for their_frame, our_frame in zip(runs[0][:calm], frames)
                for their, our in zip(their_frame, our_frame)) for frames in runs]
-    yield "collapse, grains farthest apart until t = 4", *far[:2], far[1], far[2]
+    yield "collapse, maximum distance of a grain until t = 4", *far[:2], far[1], far[2]
 
     for what, measure in (("kinetic energy", kinetic_energy), ("mean height", mean_height)):
         theirs, ours, half = ([measure(frame) for frame in frames] for frames in runs)
@@ -133,7 +133,7 @@ def main():
     if len(sys.argv) != 3:
         sys.exit(__doc__)
     if not shutil.which("lmp"):
-        print("LAMMPS (Debian's package lammps) is not here: Silt is not checked against it.")
+        print("LAMMPS (Debian's package lammps) is not installed: Silt is not checked against it.")
         sys.exit(SKIPPED)
     program, folder = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2]).resolve()
     folder.mkdir(parents=True, exist_ok=True)
@@ -146,7 +146,7 @@ def main():
             holds = difference <= allowed
             good = good and holds
             print(f"{quantity:60} {theirs:12.8g} {ours:12.8g} {difference:10.1e} {allowed:10.1e}"
-                  f"{'' if holds else '  TOO MUCH'}", flush=True)
+                  f"{'' if holds else '  TOO LARGE'}", flush=True)
     sys.exit(0 if good else 1)
 
 

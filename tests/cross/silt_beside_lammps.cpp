@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-// Silt's half of the cross-check with LAMMPS; lammps.py calls it.
-//   silt_beside_lammps make SCENE FILE                    writes the state that both start from
+// Silt's part of the cross-check with LAMMPS; called by lammps.py.
+//   silt_beside_lammps make SCENE FILE                    writes the common initial state
 //   silt_beside_lammps run SCENE FILE LAW TIME_STEP STEPS EVERY FRAMES
-//                                                         runs it; a frame every so many steps
+//                                                         runs it; a frame every EVERY steps
 // LAW is "kn kt gamma_n gamma_t xmu".
-// Scenes: pair, two unequal spheres that meet obliquely, spinning; collapse, a block of 500 equal
-// spheres that gives way on a floor. Units as in bench/scenes.hpp.
+// Scenes: pair, an oblique impact of two unequal spheres with spin; collapse, a block of 500 equal
+// spheres that collapses on a floor. Units as in bench/scenes.hpp.
 #include "../../bench/states.hpp"
 
 #include <silt/dem.hpp>
@@ -29,8 +29,8 @@ State pair() {
   return state;
 }
 
-// 10 × 5 × 10, none of which touch: what the two codes do in their first step then is the same. But
-// nearly: in what flies about, round-off grows too fast for comparisons.
+// 10 × 5 × 10 spheres without contacts, so that the first steps of the two codes are equal. The
+// gaps are small, because round-off errors grow too fast for comparisons if spheres fly.
 State block() {
   constexpr double spacing = 1.001;
   constexpr double jitter = 5e-4;
@@ -43,7 +43,7 @@ State block() {
   return state;
 }
 
-// As LAMMPS's own dumps are, so that one reader serves both.
+// In the format of LAMMPS's dumps, so that both are read by the same function.
 template <class Simulation>
 void write_frame(std::FILE* out, const Simulation& simulation) {
   const auto bodies = bodies_of(simulation.snapshot());
@@ -120,7 +120,7 @@ int main(int argc, char** argv) try {
          .path = argv[8]});
     return 0;
   }
-  std::fprintf(stderr, "usage: see the head of silt_beside_lammps.cpp\n");
+  std::fprintf(stderr, "usage: see the beginning of silt_beside_lammps.cpp\n");
   return 2;
 } catch (const std::exception& error) {
   std::fprintf(stderr, "silt_beside_lammps: %s\n", error.what());

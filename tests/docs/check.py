@@ -6,24 +6,23 @@
     check.py REPOSITORY SCRATCH FLAGS-FILE COMPILER...
     check.py --self-test
 
-A block is a file of its own, unless HTML comments right before it say otherwise:
+A block is a separate file, unless HTML comments directly before it say otherwise:
 
-    <!-- silt: wrap -->          statements: they are put into a main() behind
+    <!-- silt: wrap -->          statements: they are put into a main() after
                                  #include <silt/silt.hpp> and using namespace silt;
-    <!-- silt: name NAME -->     later blocks of this page can go on from here
-    <!-- silt: after NAME -->    goes on from the block of that name (and from what that one goes
-                                 on from)
-    <!-- silt: file PATH -->     is the text of this file of the repository, but for its SPDX line;
-                                 that file is compiled and run by itself, as an example
+    <!-- silt: name NAME -->     later blocks of this page can continue this block
+    <!-- silt: after NAME -->    continues the block of that name (and those it continues)
+    <!-- silt: file PATH -->     must be the text of this file of the repository, except for its
+                                 SPDX line; the file itself is compiled and run as an example
     <!-- silt: skip REASON -->   neither compiled nor run
 
-A Python block has `after NAME`, and runs in the folder in which that block's program ran, with the
-modules of examples/support. It is left out where a module that it imports is not installed.
+There may be several comments before a block. A block without wrap that others continue stays
+outside of main(), so that it can declare types; #include lines always go to the top.
 
-Every link of a page to a file of the repository, or to a heading in one, leads somewhere.
+A Python block has `after NAME`, and runs in the folder of that block's program, with the modules of
+examples/support. It is skipped if a module that it imports is not installed.
 
-Several hold at once if they stand in several comments. A block without wrap that others go on from
-stays outside of main(), so that it can declare types; #include lines always go to the top.
+All links of the pages to files of the repository, or to headings in them, must be valid.
 """
 
 import concurrent.futures
@@ -49,7 +48,7 @@ class PageError(Exception):
 
 @dataclasses.dataclass
 class Program:
-    """What blocks add up to: lines at the top, at namespace scope and inside main()."""
+    """The program formed by blocks: lines at the top, at namespace scope and inside main()."""
 
     where: str = ""
     includes: tuple = ()
@@ -57,7 +56,7 @@ class Program:
     inside: str = ""
 
     def then(self, page, line, text, wrap):
-        """This program with one more block, whose lines keep their number in the page."""
+        """This program extended by a block, whose lines keep their numbers in the page."""
         includes, rest = [], []
         for offset, row in enumerate(text.splitlines()):
             is_include = re.match(r"\s*#\s*include\b", row)
@@ -108,12 +107,12 @@ def blocks_of(text, languages=("cpp", "c++", "cxx")):
         raise PageError(f"line {first - 1}: this block has no end")
 
 
-def refuse_other_text(line, block, path):
+def require_same_text(line, block, path):
     """Raises unless a block is the text of a file."""
     if not path.is_file():
         raise PageError(f"line {line}: there is no file {path}")
     if block.strip() != path.read_text(encoding="utf-8").removeprefix(SPDX).strip():
-        raise PageError(f"line {line}: this block is not the text of {path}; copy it again")
+        raise PageError(f"line {line}: this block differs from {path}; copy it again")
 
 
 def programs_of(page, text, repository=pathlib.Path()):
@@ -129,7 +128,7 @@ def programs_of(page, text, repository=pathlib.Path()):
                     raise PageError(f"line {line}: skip needs a reason")
                 continue
             if "file" in directives:
-                refuse_other_text(line, block, repository / directives["file"])
+                require_same_text(line, block, repository / directives["file"])
                 continue
             start = Program()
             if "after" in directives:
@@ -146,25 +145,25 @@ def programs_of(page, text, repository=pathlib.Path()):
 
 
 def scripts_of(page, text):
-    """The Python blocks of one page: (where, text, where the block is that it goes on from)."""
+    """The Python blocks of one page: (location, text, location of the block that it continues)."""
     named = {d["name"]: f"{page}:{line}" for line, d, _ in blocks_of(text) if "name" in d}
     scripts = []
     for line, directives, block in blocks_of(text, ("python",)):
         if set(directives) != {"after"} or directives["after"] not in named:
-            raise PageError(f"{page}: line {line}: a Python block goes on `after` a named one")
+            raise PageError(f"{page}: line {line}: a Python block needs `after` and a block's name")
         scripts.append((f"{page}:{line}", block, named[directives["after"]]))
     return scripts
 
 
 def headings_of(text):
-    """The names by which the headings of a page are linked to."""
+    """The anchors of the headings of a page."""
     titles = re.findall(r"^#+ +(.*)$", re.sub(r"^```.*?^```", "", text, flags=re.M | re.S), re.M)
     kept = ("".join(c for c in title.lower() if c.isalnum() or c in " -_") for title in titles)
     return {title.replace(" ", "-") for title in kept}
 
 
 def dead_links(page, text, repository):
-    """What is wrong with the links of a page to files of the repository and their headings."""
+    """Faults of the links of a page to files of the repository and their headings."""
     faults = []
     outside_code = re.sub(r"^```.*?^```", "", text, flags=re.M | re.S)
     for link in re.findall(r"\]\(([^)\s]+)\)", outside_code):
@@ -173,27 +172,27 @@ def dead_links(page, text, repository):
         name, _, heading = link.partition("#")
         target = (repository / page).parent / name if name else repository / page
         if not target.exists():
-            faults.append(f"{page}: the link to {link} leads to no file")
+            faults.append(f"{page}: the link to {link} is broken: there is no such file")
         elif heading and heading not in headings_of(target.read_text(encoding="utf-8")):
-            faults.append(f"{page}: the link to {link} leads to no heading")
+            faults.append(f"{page}: the link to {link} is broken: there is no such heading")
     return faults
 
 
-def without_beginnings(programs):
-    """The programs that no other begins with: those are compiled and run as part of the others."""
+def longest_programs(programs):
+    """The programs that are not the beginning of another one, and thus a part of it."""
 
-    def goes_on(longer, program):
+    def continues(longer, program):
         return longer is not program and all(
             getattr(longer, part)[: len(getattr(program, part))] == getattr(program, part)
             for part in ("includes", "outside", "inside")
         )
 
-    return [each for each in programs if not any(goes_on(other, each) for other in programs)]
+    return [each for each in programs if not any(continues(other, each) for other in programs)]
 
 
-def together(programs):
-    """The same, those of one page that are statements alone made one program: each in a function of
-    its own, but compiled at once."""
+def merged(programs):
+    """The programs, with those of one page that consist of statements only merged into one: each in
+    a function of its own, compiled together."""
     apart, pages = [], {}
     for each in programs:
         if each.outside or each.includes:
@@ -210,8 +209,8 @@ def folder_of(where, scratch):
     return scratch / re.sub(r"\W+", "_", where)
 
 
-def attempt(program, scratch, compile_command):
-    """Compiles and runs one program; returns what went wrong, or nothing."""
+def run_program(program, scratch, compile_command):
+    """Compiles and runs one program; returns the fault, or an empty string."""
     folder = folder_of(program.where, scratch)
     folder.mkdir(parents=True, exist_ok=True)
     source = folder / "block.cpp"
@@ -219,7 +218,7 @@ def attempt(program, scratch, compile_command):
     source.write_text(text, encoding="utf-8")
     has_main = MAIN.search(text) is not None
     mode = ["-Og", "-o", str(folder / "block")] if has_main else ["-fsyntax-only"]
-    # The flags' file goes last, since it also names libraries.
+    # The file of flags comes last, because it also names libraries.
     made = subprocess.run(
         [compile_command[1], *compile_command[2:], str(source), *mode, f"@{compile_command[0]}"],
         capture_output=True,
@@ -246,11 +245,11 @@ def attempt(program, scratch, compile_command):
     return ""
 
 
-def attempt_script(where, text, folder, repository):
-    """Runs a Python block with the first Python that has its modules; returns what went wrong, or
-    nothing."""
+def run_script(where, text, folder, repository):
+    """Runs a Python block with the first interpreter that has its modules; returns the fault, or an
+    empty string."""
     if not folder.is_dir():
-        return f"{where}: the block that this one goes on from is no program of its own"
+        return f"{where}: the block that this one continues is not a separate program"
     (folder / "block.py").write_text(text, encoding="utf-8")
     modules = {"PYTHONPATH": str(repository / "examples" / "support"), "MPLBACKEND": "Agg"}
     for python in (sys.executable, "/usr/bin/python3"):
@@ -267,7 +266,7 @@ def attempt_script(where, text, folder, repository):
         missing = re.search(r"ModuleNotFoundError: (.*)", ran.stderr)
         if not missing:
             return f"{where}: ended with {ran.returncode}\n{ran.stderr}" if ran.returncode else ""
-    print(f"{where} is left out: {missing.group(1)}")
+    print(f"{where} is skipped: {missing.group(1)}")
     return ""
 
 
@@ -282,14 +281,14 @@ def check(repository, scratch, compile_command):
     ]
     scripts = [script for page, text in pages.items() for script in scripts_of(page, text)]
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as workers:
-        whole = together(without_beginnings(programs))
-        outcomes = workers.map(lambda p: attempt(p, scratch, compile_command), whole)
+        whole = merged(longest_programs(programs))
+        outcomes = workers.map(lambda p: run_program(p, scratch, compile_command), whole)
         faults = [fault for fault in outcomes if fault]
     for page, text in pages.items():
         faults += dead_links(page, text, repository)
     for where, text, program in scripts:
         folder = folder_of(program, scratch)
-        if fault := attempt_script(where, text, folder, repository):
+        if fault := run_script(where, text, folder, repository):
             faults.append(fault)
     for fault in faults:
         print(fault)
@@ -330,7 +329,7 @@ def self_test():
         cmake
         ```
         <!-- silt: wrap -->
-        Words between: the comment above says nothing of this block.
+        Text in between: the comment above does not apply to this block.
         1. In a list:
            ```cpp
            struct Indented {};
@@ -338,7 +337,7 @@ def self_test():
         """
     )
     whole, law, use, both, indented = programs_of("p.md", page)
-    assert without_beginnings([whole, law, use, both, indented]) == [whole, both, indented]
+    assert longest_programs([whole, law, use, both, indented]) == [whole, both, indented]
     assert whole.source() == '#line 2 "p.md"\nint main() { return 0; }\n'
     assert law.source() == '#line 7 "p.md"\n#include <cmath>\n#line 7 "p.md"\n\nstruct Law {};\n'
     assert use.source().splitlines()[0] == "#include <silt/silt.hpp>"
@@ -348,7 +347,7 @@ def self_test():
     assert indented.source().endswith("\nstruct Indented {};\n") and not indented.inside
     assert indented.where == "p.md:34"
     statements = [Program(where=f"p.md:{line}", inside="int i;\n") for line in (1, 5)]
-    law_alone, one = together([law, *statements])
+    law_alone, one = merged([law, *statements])
     assert law_alone == law and one.where == "p.md:1"
     assert one.inside == "[] {\nint i;\n}();\n" * 2
     scripts = scripts_of(
@@ -359,14 +358,14 @@ def self_test():
     assert scripts == [("p.md:7", "import sys", "p.md:3")]
     try:
         scripts_of("p.md", "```python\nimport sys\n```\n")
-        raise AssertionError("no error for a Python block that goes on from nothing")
+        raise AssertionError("no error for a Python block without a name")
     except PageError:
         pass
     with tempfile.TemporaryDirectory() as folder:
         folder = pathlib.Path(folder)
         for text, fault in (("", False), ("import no_such_module", False), ("1/0", True)):
-            assert bool(attempt_script("p.md:1", text, folder, folder)) == fault
-        assert attempt_script("p.md:1", "", folder / "none", folder)
+            assert bool(run_script("p.md:1", text, folder, folder)) == fault
+        assert run_script("p.md:1", "", folder / "none", folder)
         page = "# A *good* page, `code`\n[a](p.md) [b](#a-good-page-code) [c](https://a.b) %s"
         for link, count in (("", 0), ("[d](none.md)", 1), ("[d](p.md#none)", 1)):
             (folder / "p.md").write_text(page % link, encoding="utf-8")
@@ -377,12 +376,12 @@ def self_test():
         assert not programs_of("p.md", copy % "", copied)
         try:
             programs_of("p.md", copy % " return 1; ", copied)
-            raise AssertionError("no error for a text that differs from its file's")
+            raise AssertionError("no error for a text that differs from its file")
         except PageError:
             pass
     for wrong in (
         "<!-- silt: file nowhere.cpp -->\n```cpp\n```",
-        "<!-- silt: after nobody -->\n```cpp\n```",
+        "<!-- silt: after nothing -->\n```cpp\n```",
         "<!-- silt: skip -->\n```cpp\n```",
         "<!-- silt: warp -->\n```cpp\n```",
         "```cpp\nint main() {}",

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Tests the Python beside the examples: which runs are made anew, and what is measured in them.
+"""Tests the Python modules of the examples: which runs are repeated, and how they are evaluated.
 
     check.py EXAMPLES_FOLDER
 
-Measuring needs NumPy; without it that part is left out.
+The tests of the evaluation need NumPy; without it they are skipped.
 """
 
 import importlib.util
@@ -14,7 +14,7 @@ import pathlib
 import sys
 import tempfile
 
-# Ends as its --how says, and writes down what it was asked.
+# Ends as given by --how, and records its calls.
 PROGRAM = """#!{python}
 import json, pathlib, sys
 options = dict(argument[2:].split("=", 1) for argument in sys.argv[1:])
@@ -40,10 +40,10 @@ def test_runs(folder):
     assert runs[0].is_done() and runs[0].failure() is None
     assert not runs[1].is_done() and runs[1].failure() == "program: the solve stopped"
     for run in runs:
-        assert (run.folder / "calls").read_text() == "x", "a run is not made twice"
+        assert (run.folder / "calls").read_text() == "x", "a run is not repeated"
     other = Run(folder / "done", program, {"how": "otherwise"})
     assert not other.is_done(), "other options make another run"
-    # One that was killed left neither file.
+    # A killed run has neither file.
     (folder / "done" / "summary.json").unlink()
     run_all(runs, jobs=1)
     assert (folder / "done" / "calls").read_text() == "xx"
@@ -90,7 +90,7 @@ def test_measures(folder):
     write_tank(folder / "slow", waves=1, high=0)
     write_tank(folder / "fast", waves=1, high=30)
     assert Tank(folder / "slow").roughness(0.5) < 0.3, "a slow wave is not rough"
-    assert abs(Tank(folder / "fast").roughness(0.5) - 30) < 2, "what is faster than 0.02 s is"
+    assert abs(Tank(folder / "fast").roughness(0.5) - 30) < 2, "oscillations faster than 0.02 s are"
     assert 4098 < Tank(folder / "fast").peak(0.5) < 4103
     slope, zero, off = Tank(folder / "slow").line()
     assert math.isclose(slope, 1) and math.isclose(zero, 0.005) and off < 1e-6

@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Tests that the pictures in docs/images are those of the present code.
+"""Tests that the pictures in docs/images correspond to the present code.
 
-    check_pictures.py REPOSITORY                      what can be told from the files
+    check_pictures.py REPOSITORY                      checks the files only
     check_pictures.py REPOSITORY --rerun PROGRAMS     runs the programs in this folder again, and
-                                                      compares what they give with the record
+                                                      compares their results with the record
 
-The remedy is always the same: examples/pictures draws them anew.
+Faults are mended by examples/pictures, which redraws the pictures.
 """
 
 import json
@@ -20,7 +20,7 @@ import tempfile
 
 
 def faults_of(repository):
-    """Sentences on pictures that are missing, too large, unused or out of date."""
+    """Messages about pictures that are missing, too large, unused or out of date."""
     from support import picture_list as pictures
 
     examples, images = repository / "examples", repository / "docs" / "images"
@@ -33,13 +33,13 @@ def faults_of(repository):
             for name in source.pictures.values()}
     for name in sorted(shown | there | made):
         if name not in there:
-            yield f"{name}: a page shows it, but there is no such file"
+            yield f"{name}: shown on a page, but there is no such file"
         elif name not in shown:
-            yield f"{name}: no page shows it"
+            yield f"{name}: shown on no page"
         elif name not in made:
             yield f"{name}: examples/pictures does not make it"
         elif (images / name).stat().st_size > 150_000:
-            yield f"{name}: it has more than 150 kB"
+            yield f"{name}: larger than 150 kB"
     for source in pictures.SOURCES + pictures.STUDIES:
         command = f"examples/pictures {next(iter(source.pictures.values()))}"
         for fault in faults_of_source(source, record.get(source.name), images, examples):
@@ -55,20 +55,20 @@ def faults_of_source(source, entry, images, examples):
     for name in source.pictures.values():
         path = images / name
         if path.exists() and pictures.digest_of(path.read_bytes()) != entry["pictures"].get(name):
-            yield f"{name} is not the file that was drawn"
+            yield f"{name} is not the file recorded in made_from.json"
     if entry["commands"] != source.command_lines():
-        yield "its pictures were drawn from other commands"
-    # None: drawn before this was written down.
+        yield "its pictures were drawn with other commands"
+    # None: drawn before the record existed.
     if entry["drawing"] not in (None, pictures.drawing_of(source.drawn_by, examples)):
-        yield f"{source.drawn_by}, or what it takes from support/, has changed since it drew"
+        yield f"{source.drawn_by}, or a module of support/ that it imports, has changed since"
     if "options" in entry:
-        # Two runs may say the same.
+        # Two runs may give the same message.
         yield from dict.fromkeys(
             pictures.changed_options(source, entry["options"], examples))
 
 
 def differences(recorded, found, where=""):
-    """Whole numbers must be the same, others within a hundredth."""
+    """Integers must be equal, other numbers within one per cent."""
     if isinstance(recorded, dict) and isinstance(found, dict):
         for key in recorded.keys() | found.keys():
             yield from differences(recorded.get(key), found.get(key), f"{where}{key}: ")
@@ -98,7 +98,7 @@ def rerun(repository, programs):
 
 
 def self_test(repository):
-    """What must be noticed is, and what need not be is not."""
+    """Checks that relevant changes are detected, and that others are not."""
     with tempfile.TemporaryDirectory() as name:
         copy = pathlib.Path(name)
         for part in ("examples", "docs"):
@@ -107,7 +107,7 @@ def self_test(repository):
         assert not list(faults_of(copy))
 
         def after(path, old, new):
-            """The faults when this text is replaced."""
+            """The faults after replacing this text."""
             text = (copy / path).read_text(encoding="utf-8")
             assert old in text, f"{path} has no {old}"
             (copy / path).write_text(text.replace(old, new, 1), encoding="utf-8")
@@ -141,7 +141,7 @@ def main(arguments):
         sys.exit("\n".join(faults))
     if len(arguments) == 1:
         self_test(repository)
-    print("The pictures are those of the present code.")
+    print("The pictures correspond to the present code.")
 
 
 if __name__ == "__main__":

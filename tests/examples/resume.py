@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Stops an example again and again, and resumes it: its folder is that of a run that went through.
+"""Stops and resumes an example repeatedly, and compares its files with those of an uninterrupted
+run.
 
     resume.py SCRATCH PROGRAM ARGUMENTS...
 
-The program takes --out, --resume and --checkpoint-every. It is stopped by SIGINT, as Ctrl-C sends it,
-and killed by SIGKILL, in turns. Of summary.json, what depends on the clock is left out.
+The program must have --out, --resume and --checkpoint-every. It is stopped by SIGINT, like by
+Ctrl-C, and killed by SIGKILL, in turns. In summary.json, wall-clock times are ignored.
 """
 
 import pathlib
@@ -21,8 +22,8 @@ from check import differences, files_in
 STOPS = 6
 
 
-def run_through(program, arguments, folder):
-    """Returns the seconds that it took."""
+def run_uninterrupted(program, arguments, folder):
+    """Returns the duration [s]."""
     begin = time.monotonic()
     subprocess.run([program, *arguments, "--out", str(folder)], check=True,
                    stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
@@ -30,7 +31,8 @@ def run_through(program, arguments, folder):
 
 
 def run_for(command, seconds, how):
-    """Runs a program, sends it a signal after a while, and returns its exit code and last words."""
+    """Runs a program, sends it a signal after some seconds, and returns its exit code and the last
+    line of its stderr."""
     process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
     try:
         said = process.communicate(timeout=seconds)[1]
@@ -41,7 +43,7 @@ def run_for(command, seconds, how):
 
 
 def run_in_parts(program, arguments, folder, seconds):
-    """Returns how often it was stopped and killed."""
+    """Returns how many times it was stopped and killed."""
     new = [program, *arguments, "--out", str(folder)]
     resumed = [program, "--resume", str(folder)]
     command, stops, kills = new, 0, 0
@@ -53,9 +55,9 @@ def run_in_parts(program, arguments, folder, seconds):
             return stops, kills
         if code == 128 + signal.SIGINT:
             assert said.endswith(f"{program} --resume {folder}"), said
-            assert not (folder / "summary.json").exists(), "a run that was stopped is not complete"
+            assert not (folder / "summary.json").exists(), "a stopped run must not have a summary"
             stops += 1
-        elif code in (-signal.SIGKILL, -signal.SIGINT):  # by Ctrl-C before the run began
+        elif code in (-signal.SIGKILL, -signal.SIGINT):  # SIGINT before the handler was installed
             kills += 1
         else:
             sys.exit(f"{' '.join(command)} ended with {code}: {said}")
@@ -72,15 +74,15 @@ def main(arguments):
     arguments = [*arguments[2:], "--checkpoint-every", "0.01"]
     shutil.rmtree(scratch, ignore_errors=True)
     whole, part = scratch / "whole", scratch / "part"
-    seconds = run_through(program, arguments, whole)
+    seconds = run_uninterrupted(program, arguments, whole)
     stops, kills = run_in_parts(program, arguments, part, max(0.1, seconds / STOPS))
     print(f"{len(files_in(whole))} files of {program}, stopped {stops} times and killed {kills} times")
     for name in (different := differences(whole, part)):
-        print(f"{name} is not that of a run that went through")
+        print(f"{name} differs from that of an uninterrupted run")
     if stops == 0:
-        sys.exit("the run was over before it could be stopped; make it longer")
+        sys.exit("the run ended before it could be stopped; make it longer")
     ended = subprocess.run([program, "--resume", str(part)], capture_output=True, text=True)
-    assert ended.returncode == 2 and "is complete" in ended.stderr, "nothing is left to resume"
+    assert ended.returncode == 2 and "is complete" in ended.stderr, "resuming a complete run must be rejected"
     other = subprocess.run([program, "--resume", str(part), *arguments], capture_output=True, text=True)
     assert other.returncode == 2 and "cannot be given with --resume" in other.stderr, other.stderr
     sys.exit(1 if different else 0)

@@ -3,7 +3,7 @@
 #
 #   precompile.sh FLAGS-FILE FOLDER COMPILER...
 #
-# Precompiles the umbrella headers into FOLDER, for the tests that compile short programs.
+# Precompiles the umbrella headers in FOLDER, for the tests that compile short programs.
 set -euo pipefail
 
 flags=$1 folder=$2
@@ -12,7 +12,7 @@ rm -rf "$folder"
 mkdir -p "$folder/silt"
 for header in silt dem mps; do
   echo "#include <silt/$header.hpp>" >"$folder/$header.hpp"
-  # For whoever includes it a second time.
+  # Used if the header is included a second time.
   printf '#pragma GCC system_header\n#include_next <silt/%s.hpp>\n' "$header" >"$folder/silt/$header.hpp"
   "$@" "@$flags" -x c++-header "$folder/$header.hpp" -o "$folder/silt/$header.hpp.gch"
 done

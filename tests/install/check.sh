@@ -1,19 +1,19 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
 #
-#   check.sh WAY SOURCE BUILD SCRATCH COMPILER OPENMP [OTHER_COMPILER]
+#   check.sh METHOD SOURCE BUILD SCRATCH COMPILER OPENMP [OTHER_COMPILER]
 #
-# Builds and runs consumer/ against the library as its users get it.
-#   WAY       prefix | build_tree | subdirectory | fetch_content | pkg_config, or
-#             choices: what the user chooses when configuring, build type, OpenMP and -ffp-contract=off,
-#             reaches the user's program and nothing else does
-#   SOURCE    the library's source tree;  BUILD  its configured build tree
-#   SCRATCH   a folder of this test's own
+# Builds and runs consumer/ against the library, by one of the methods available to users.
+#   METHOD    prefix | build_tree | subdirectory | fetch_content | pkg_config, or
+#             choices: checks that the user's choices of build type, OpenMP and -ffp-contract=off,
+#             and no others, are applied to the user's program
+#   SOURCE    source tree of the library;  BUILD  its configured build tree
+#   SCRATCH   a folder for this test
 #   OPENMP    ON if COMPILER has OpenMP
-#   OTHER_COMPILER  for choices: uses what the build tree's compiler installed
+#   OTHER_COMPILER  for choices: another compiler that uses the installed library
 set -euo pipefail
 
-way=$1 source=$2 build=$3 scratch=$4 compiler=$5 openmp=$6 other_compiler=${7:-$5}
+method=$1 source=$2 build=$3 scratch=$4 compiler=$5 openmp=$6 other_compiler=${7:-$5}
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 rm -rf "$scratch"
 mkdir -p "$scratch"
@@ -25,28 +25,28 @@ give_up() {
   exit 1
 }
 
-# Installs, and moves what was installed: it has to work wherever it lies.
+# Installs the library and moves the installed tree, which must be relocatable.
 install_and_move() {
   cmake --install "$build" --prefix "$scratch/first"
   mv "$scratch/first" "$scratch/prefix"
   diff -r "$source/include" "$scratch/prefix/include"
 }
 
-# configure_consumer [CMake options]: prints what CMake says and keeps it in said.txt.
+# configure_consumer [CMake options]: prints CMake's output and keeps it in printed.txt.
 configure_consumer() {
   rm -rf "$scratch/build"
   cmake -S "$here/consumer" -B "$scratch/build" -DCMAKE_CXX_COMPILER="$compiler" "$@" 2>&1 |
-    tee "$scratch/said.txt"
+    tee "$scratch/printed.txt"
 }
 
-# said NUMBER TEXT: the last configuration said so, that many times.
-said() {
+# expect_printed NUMBER TEXT: checks that the last configuration printed TEXT that many times.
+expect_printed() {
   local times
-  times=$(grep -c -- "$2" "$scratch/said.txt") || true
+  times=$(grep -c -- "$2" "$scratch/printed.txt") || true
   ((times == $1)) || give_up "expected $1 times '$2', found $times"
 }
 
-# compiled_with NUMBER FLAG: whether consumer is compiled with it.
+# compiled_with NUMBER FLAG: checks that so many of consumer's compile commands have FLAG.
 compiled_with() {
   local times
   times=$(grep -c -e " $2" "$scratch/build/compile_commands.json") || true
@@ -61,80 +61,81 @@ run_consumer() {
 
 consume() {
   configure_consumer -DCMAKE_BUILD_TYPE=Debug "$@"
-  said 0 "CMake Warning"
+  expect_printed 0 "CMake Warning"
   compiled_with 1 -ffp-contract=off
   cmake --build "$scratch/build"
   run_consumer "$scratch/build/consumer" "$expected"
 }
 
-# The options of each way of using the library by CMake, one a line.
-ways_by_cmake=("-DWAY=package -DCMAKE_PREFIX_PATH=$scratch/prefix" "-DWAY=package -Dsilt_DIR=$build"
-  "-DWAY=subdirectory -DSILT_SOURCE=$source" "-DWAY=fetch_content -DSILT_SOURCE=$source")
+# CMake options of each method of using the library with CMake.
+cmake_methods=("-DMETHOD=package -DCMAKE_PREFIX_PATH=$scratch/prefix"
+  "-DMETHOD=package -Dsilt_DIR=$build"
+  "-DMETHOD=subdirectory -DSILT_SOURCE=$source" "-DMETHOD=fetch_content -DSILT_SOURCE=$source")
 
 check_choices() {
   install_and_move
   if grep -rniE 'openmp|fopenmp' "$scratch"/prefix/share/{pkgconfig,cmake/silt/siltTargets*}; then
-    give_up "what is installed has OpenMP of the compiler that installed it"
+    give_up "the installed files contain OpenMP options of the compiler that installed them"
   fi
 
   local options line
-  for line in "${ways_by_cmake[@]}"; do
+  for line in "${cmake_methods[@]}"; do
     IFS=' ' read -ra options <<<"$line"
     echo "== $line"
     configure_consumer "${options[@]}"
-    said 1 "No build type is set"
-    said 1 "cmake -DCMAKE_BUILD_TYPE=Release"
+    expect_printed 1 "No build type is set"
+    expect_printed 1 "cmake -DCMAKE_BUILD_TYPE=Release"
     compiled_with 0 -O
     grep -q '^CMAKE_BUILD_TYPE:STRING=$' "$scratch/build/CMakeCache.txt" ||
       give_up "the build type was set"
     configure_consumer "${options[@]}" -DCMAKE_CXX_FLAGS=-O2
-    said 0 "CMake Warning"
+    expect_printed 0 "CMake Warning"
 
     configure_consumer "${options[@]}" -DCMAKE_BUILD_TYPE=Release -DSILT_SAME_BITS=OFF
-    said 0 "CMake Warning"
+    expect_printed 0 "CMake Warning"
     compiled_with 0 -ffp-contract
     compiled_with 0 -march
 
     configure_consumer "${options[@]}" -DCMAKE_BUILD_TYPE=Release -DSILT_OPENMP=OFF
-    said 0 OpenMP
+    expect_printed 0 OpenMP
     compiled_with 0 -fopenmp
 
     configure_consumer "${options[@]}" -DCMAKE_BUILD_TYPE=Debug \
       -DCMAKE_CXX_COMPILER="$other_compiler" -DCMAKE_DISABLE_FIND_PACKAGE_OpenMP=ON
-    said 1 "OpenMP was not found"
-    said 0 "CMake Warning"
+    expect_printed 1 "OpenMP was not found"
+    expect_printed 0 "CMake Warning"
     compiled_with 0 -fopenmp
     compiled_with 1 -ffp-contract=off
   done
-  # The last of them is built.
+  # Only the last one is built.
   cmake --build "$scratch/build"
   run_consumer "$scratch/build/consumer" "one thread"
 }
 
-case $way in
+case $method in
   prefix)
     install_and_move
-    consume -DWAY=package "-DCMAKE_PREFIX_PATH=$scratch/prefix"
+    consume -DMETHOD=package "-DCMAKE_PREFIX_PATH=$scratch/prefix"
     ;;
   build_tree)
-    consume -DWAY=package "-DCMAKE_PREFIX_PATH=$build"
-    configure_consumer -DCMAKE_BUILD_TYPE=Debug -DWAY=package "-Dsilt_DIR=$build"
+    consume -DMETHOD=package "-DCMAKE_PREFIX_PATH=$build"
+    configure_consumer -DCMAKE_BUILD_TYPE=Debug -DMETHOD=package "-Dsilt_DIR=$build"
     ;;
   subdirectory | fetch_content)
-    consume "-DWAY=$way" "-DSILT_SOURCE=$source"
-    # A guest builds nothing, installs nothing and tests nothing of its own.
+    consume "-DMETHOD=$method" "-DSILT_SOURCE=$source"
+    # As a subproject, the library must not build, install or test anything.
     if find "$scratch/build" -name '*.o' | grep -v /consumer.dir/ | grep -v /CMakeFiles/3; then
-      give_up "the library built something of its own"
+      give_up "the library built something"
     fi
     cmake --install "$scratch/build" --prefix "$scratch/prefix"
-    [[ ! -e $scratch/prefix ]] || give_up "the library installed itself as a guest"
+    [[ ! -e $scratch/prefix ]] || give_up "the library installed itself as a subproject"
     ;;
   pkg_config)
     install_and_move
     export PKG_CONFIG_PATH=$scratch/prefix/share/pkgconfig
     read -ra flags <<<"$(pkg-config --cflags --libs silt)"
     [[ " ${flags[*]} " = *" -ffp-contract=off "* ]] || give_up "no -ffp-contract=off: ${flags[*]}"
-    [[ ${flags[*]} != *openmp* ]] || give_up "OpenMP's flag is the user's: ${flags[*]}"
+    [[ ${flags[*]} != *openmp* ]] || give_up "unexpected OpenMP flag: ${flags[*]}"
     "$compiler" -std=c++20 "$here/consumer/main.cpp" -o "$scratch/consumer" "${flags[@]}"
     run_consumer "$scratch/consumer" "one thread"
     if [[ $openmp = ON ]]; then
@@ -146,7 +147,7 @@ case $way in
     ;;
   choices) check_choices ;;
   *)
-    echo "unknown way $way"
+    echo "unknown method $method"
     exit 2
     ;;
 esac

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a checkpoint holds of searches, and what it is not read from.
+// State of searches in a checkpoint, and rejected checkpoint files.
 #include "support/check.hpp"
 #include "support/file_test.hpp"
 #include "support/grains.hpp"
@@ -18,9 +18,9 @@ namespace {
 
 using CheckpointFile = FileTest;
 
-// So many that they are sorted in memory from time to time: the order of rows is part of the bits.
+// Enough particles that they are sorted in memory now and then: the order of rows affects the bits.
 template <class S>
-void expect_the_same_order(const std::filesystem::path& path) {
+void expect_same_order(const std::filesystem::path& path) {
   auto gas = crowd<2, double>(33, 3);
   auto box = cube<2, double>(-0.1, 1);
   box.periodic = {true, true};
@@ -43,11 +43,11 @@ void expect_the_same_order(const std::filesystem::path& path) {
   }
 }
 
-TEST_F(CheckpointFile, HoldsTheOrderInMemoryOfAGrid) {
-  expect_the_same_order<UniformGrid<2>>(path);
+TEST_F(CheckpointFile, KeepsTheOrderInMemoryWithAGrid) {
+  expect_same_order<UniformGrid<2>>(path);
 }
-TEST_F(CheckpointFile, HoldsTheOrderInMemoryOfAList) {
-  expect_the_same_order<NeighbourList<2>>(path);
+TEST_F(CheckpointFile, KeepsTheOrderInMemoryWithAList) {
+  expect_same_order<NeighbourList<2>>(path);
 }
 
 const dem::CundallStrack law{.normal_stiffness = 1e5, .tangential_stiffness = 5e4};
@@ -57,7 +57,7 @@ auto two() {
                     Leapfrog{}};
 }
 
-// Two flying grains: all that an error about something else takes.
+// Two grains without contacts, for errors unrelated to contacts.
 template <int Dim, class Real>
 auto flight() {
   const Vec<Dim, Real> g = -Vec<Dim, Real>::Unit(0);
@@ -72,26 +72,26 @@ struct Spring {
   }
 };
 
-TEST_F(CheckpointFile, IsRefusedUnlessItIsAsItWasWritten) {
+TEST_F(CheckpointFile, IsRejectedIfItIsDamaged) {
   auto sim = two();
   sim.run({.until = 1e-3});
   write_checkpoint(path, sim);
   const std::string good = bytes();
   const Bytes before = state_of(sim.particles());
-  const auto refused = [&](const std::string& text, const std::vector<std::string>& words) {
+  const auto rejected = [&](const std::string& text, const std::vector<std::string>& fragments) {
     write(text);
-    return refuses([&] { read_checkpoint(path, sim); }, words);
+    return refuses([&] { read_checkpoint(path, sim); }, fragments);
   };
   for (const Index length : {Index{30}, good.size() / 2, good.size() - 1}) {
-    EXPECT_TRUE(refused(good.substr(0, length), {path.string(), "cut short or damaged"}));
+    EXPECT_TRUE(rejected(good.substr(0, length), {path.string(), "truncated or damaged"}));
   }
-  for (const Index at : {Index{40}, good.size() / 2, good.size() - 3}) {
+  for (const Index byte : {Index{40}, good.size() / 2, good.size() - 3}) {
     std::string bad = good;
-    bad[at] = static_cast<char>(bad[at] ^ 4);
-    EXPECT_TRUE(refused(bad, {"cut short or damaged"}));
+    bad[byte] = static_cast<char>(bad[byte] ^ 4);
+    EXPECT_TRUE(rejected(bad, {"truncated or damaged"}));
   }
-  EXPECT_TRUE(refused("", {"is no checkpoint"}));
-  EXPECT_TRUE(refused("x,y\n1,2\n", {"is no checkpoint"}));
+  EXPECT_TRUE(rejected("", {"is not a checkpoint"}));
+  EXPECT_TRUE(rejected("x,y\n1,2\n", {"is not a checkpoint"}));
   std::filesystem::remove(path);
   EXPECT_TRUE(refuses([&] { read_checkpoint(path, sim); }, {"cannot open", path.string()}));
   EXPECT_TRUE(refuses([&] { read_checkpoint(testing::TempDir(), sim); },
@@ -99,7 +99,7 @@ TEST_F(CheckpointFile, IsRefusedUnlessItIsAsItWasWritten) {
   EXPECT_EQ(state_of(sim.particles()), before);
 }
 
-TEST_F(CheckpointFile, IsOfOneDimensionPrecisionSearchAndLaw) {
+TEST_F(CheckpointFile, IsRejectedByAnotherDimensionPrecisionSearchOrLaw) {
   auto plane = flight<2, double>();
   write_checkpoint(path, plane);
   auto space = flight<3, double>();
@@ -110,7 +110,7 @@ TEST_F(CheckpointFile, IsOfOneDimensionPrecisionSearchAndLaw) {
                       {"precision = double, but here it is float"}));
   Simulation listed{crowd<2, double>(1, 1), NeighbourList<2>{}, Gravity<2>{{0, -1}}, Leapfrog{}};
   EXPECT_TRUE(refuses([&] { read_checkpoint(path, listed); },
-                      {"has simulation/search/", "where simulation/search/"}));
+                      {"has simulation/search/", " where simulation/search/", "is expected"}));
   dem::Outflow drain{cube<2, double>(0, 1)};
   EXPECT_TRUE(refuses([&] { read_checkpoint(path, plane, drain); }, {"has no part 0/number"}));
   write_checkpoint(path, plane, drain);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A run that is stopped, written, read and continued has the bits of one that was not stopped.
+// A run resumed from a checkpoint is bitwise identical to an uninterrupted run.
 #include "support/check.hpp"
 #include "support/file_test.hpp"
 #include "support/grains.hpp"
@@ -26,8 +26,8 @@ const dem::CundallStrack law{.normal_stiffness = 1e5,
 const dem::Blend<dem::UniformSizes> pebbles{
     .sizes = {.min_radius = 0.006, .max_radius = 0.012}, .density = 2500};
 
-// Grains that slide down a trembling slope, through periodic sides; rain falls on them, and a hole
-// takes some away.
+// Grains slide down a vibrating slope with periodic sides; an inflow adds grains, and an outflow
+// removes some.
 template <int Dim>
 struct Slope {
   static constexpr double wide = Dim == 2 ? 0.6 : 0.12;
@@ -77,7 +77,7 @@ struct Slope {
 };
 
 template <int Dim, class S>
-void expect_the_same(const std::filesystem::path& path) {
+void expect_same_bits(const std::filesystem::path& path) {
   const auto run = [](auto& sim, auto& slope, double until) {
     sim.run({.until = until}, slope.drain, slope.rain);
   };
@@ -91,30 +91,30 @@ void expect_the_same(const std::filesystem::path& path) {
     return bytes;
   };
   auto whole = Slope<Dim>::make(S{});
-  Slope<Dim> around_whole;
-  run(whole, around_whole, 0.1637);
-  EXPECT_FALSE(around_whole.rain.is_done());
-  EXPECT_GT(around_whole.drain.number(), 0u);
+  Slope<Dim> flow_of_whole;
+  run(whole, flow_of_whole, 0.1637);
+  EXPECT_FALSE(flow_of_whole.rain.is_done());
+  EXPECT_GT(flow_of_whole.drain.number(), 0u);
   EXPECT_GT(whole.interaction().template part<1>().size(), Dim == 2 ? 50u : 8u);
-  write_checkpoint(path, whole, around_whole.rain, around_whole.drain);
-  const auto here = bits(whole, around_whole);
-  run(whole, around_whole, 0.23);
+  write_checkpoint(path, whole, flow_of_whole.rain, flow_of_whole.drain);
+  const auto here = bits(whole, flow_of_whole);
+  run(whole, flow_of_whole, 0.23);
 
   for (const int number : Dim == 2 ? std::vector{1, 4} : std::vector{3}) {
     with_threads(number, [&] {
       auto part = Slope<Dim>::make(S{});
-      Slope<Dim> around_part;
-      read_checkpoint(path, part, around_part.rain, around_part.drain);
-      EXPECT_EQ(bits(part, around_part), here);
-      run(part, around_part, 0.23);
+      Slope<Dim> flow_of_part;
+      read_checkpoint(path, part, flow_of_part.rain, flow_of_part.drain);
+      EXPECT_EQ(bits(part, flow_of_part), here);
+      run(part, flow_of_part, 0.23);
       EXPECT_EQ(part.steps(), whole.steps());
-      EXPECT_EQ(bits(part, around_part), bits(whole, around_whole)) << number << " threads";
+      EXPECT_EQ(bits(part, flow_of_part), bits(whole, flow_of_whole)) << number << " threads";
       return 0;
     });
   }
 }
 
-TEST_F(Checkpoint, GoesOnBitByBitInThePlane) { expect_the_same<2, NeighbourList<2>>(path); }
-TEST_F(Checkpoint, GoesOnBitByBitInSpace) { expect_the_same<3, NeighbourList<3>>(path); }
+TEST_F(Checkpoint, ResumesBitwiseIdenticalIn2D) { expect_same_bits<2, NeighbourList<2>>(path); }
+TEST_F(Checkpoint, ResumesBitwiseIdenticalIn3D) { expect_same_bits<3, NeighbourList<3>>(path); }
 }  // namespace
 }  // namespace silt::test

@@ -24,13 +24,13 @@ using namespace silt;
 
 class Csv : public test::FileTest {
  protected:
-  auto refuses_to_read(const std::string& text, const std::vector<std::string>& words) {
+  auto refuses_to_read(const std::string& text, const std::vector<std::string>& fragments) {
     write(text);
-    return test::refuses([this] { read_csv(path); }, words);
+    return test::refuses([this] { read_csv(path); }, fragments);
   }
 };
 
-TEST_F(Csv, NumbersReadBackAsTheyWere) {
+TEST_F(Csv, NumbersAreReadBackExactly) {
   const std::vector<double> values{0.1, -1.0 / 3, std::numbers::pi * 1e-300, 5e-324, 0,
                                    std::numeric_limits<double>::max()};
   {
@@ -43,14 +43,14 @@ TEST_F(Csv, NumbersReadBackAsTheyWere) {
   EXPECT_EQ(table["x_front"][0], -0.1);
 }
 
-TEST_F(Csv, EveryRowIsOnDiscAtOnce) {
+TEST_F(Csv, EveryRowIsWrittenToDiscImmediately) {
   CsvFile file{path, {"t"}};
   EXPECT_EQ(read_csv(path).rows(), 0u);
   file.row({0.5});
   EXPECT_EQ(read_csv(path)["t"], (std::vector<double>{0.5}));
 }
 
-TEST_F(Csv, ARowOfTheWrongLengthIsRefused) {
+TEST_F(Csv, ARowOfTheWrongLengthIsRejected) {
   CsvFile file{path, {"t", "x"}};
   EXPECT_THROW(file.row({1}), Error);
   EXPECT_THROW(file.row({1, 2, 3}), Error);
@@ -76,14 +76,14 @@ TEST_F(Csv, ARowThatCouldNotBeWrittenLeavesNothing) {
 }
 #endif
 
-TEST_F(Csv, AFileThatCannotBeWrittenIsRefusedWithTheReason) {
+TEST_F(Csv, AFileThatCannotBeWrittenIsReportedWithTheReason) {
   const auto below = path / "below" / "a.csv";
   EXPECT_TRUE(test::refuses([&] { CsvFile(below, {"t"}); },
                             {"CsvFile", below.string(), "No such file or directory"}));
   EXPECT_THROW(CsvFile(path, {}), Error);
 }
 
-TEST_F(Csv, CommentsBlanksAndForeignLineEndsAreSkipped) {
+TEST_F(Csv, CommentsBlanksAndCarriageReturnsAreSkipped) {
   write("# Martin and Moyce\r\n\r\n T , Z\r\n1, 2.5\r\n  # more\r\n-3e2,\t4\r\n");
   const CsvTable table = read_csv(path);
   EXPECT_EQ(table["T"], (std::vector<double>{1, -300}));
@@ -107,13 +107,13 @@ TEST_F(Csv, ErrorsNameLineAndColumn) {
   EXPECT_TRUE(refuses_to_read("", {"no line of column names"}));
 }
 
-TEST_F(Csv, WhatIsNoFileIsRefused) {
+TEST_F(Csv, AMissingFileOrAFolderIsRejected) {
   EXPECT_TRUE(test::refuses([this] { read_csv(path); },
                             {"read_csv", path.string(), "No such file or directory"}));
   EXPECT_TRUE(test::refuses([] { read_csv(testing::TempDir()); }, {"read_csv", "directory"}));
 }
 
-TEST_F(Csv, AColumnThatIsNotThereIsRefusedWithThoseThatAre) {
+TEST_F(Csv, AMissingColumnIsReportedWithTheExistingOnes) {
   write("t,x\n");
   EXPECT_TRUE(test::refuses([this] { read_csv(path)["y"]; }, {"no column y; it has t, x"}));
 }

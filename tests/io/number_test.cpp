@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Numbers in text, as std::from_chars reads them and as silt reads them where that is missing.
+// Conversion of text to numbers by std::from_chars, and by its replacement where it is missing.
 #include <silt/io/file.hpp>
 #include <silt/io/number_by_strtod.hpp>
 
@@ -19,7 +19,7 @@ std::optional<std::uint64_t> bits(std::optional<double> value) {
   return std::bit_cast<std::uint64_t>(*value);
 }
 
-TEST(Number, IsReadBackToTheLastBit) {
+TEST(Number, IsReadBackExactly) {
   std::mt19937_64 random(1);
   for (int trial = 0; trial < 10000; ++trial) {
     const auto value = std::bit_cast<double>(random());

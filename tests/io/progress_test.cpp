@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <silt/core/simulation.hpp>
+#include <silt/io/file.hpp>
 #include <silt/io/progress.hpp>
 
 #include <gtest/gtest.h>
@@ -32,8 +33,8 @@ void run_to_the_end(Progress& progress) {
   }
 }
 
-// What a run of so many steps, each of so many wall-clock seconds, writes to a file.
-std::string log_of(int steps, double seconds_a_step, int stop_after) {
+// Output to a file of a run of so many steps, each taking so many seconds of wall-clock time.
+std::string log_of(int steps, double seconds_per_step, int stop_after) {
   std::FILE* file = std::tmpfile();
   double wall = 0;
   {
@@ -42,7 +43,7 @@ std::string log_of(int steps, double seconds_a_step, int stop_after) {
     progress(simulation);
     for (int k = 0; k < stop_after; ++k) {
       simulation.now += 0.25;
-      wall += seconds_a_step;
+      wall += seconds_per_step;
       progress.after_step(simulation, Run{.until = 0.25 * steps});
     }
   }
@@ -54,9 +55,9 @@ std::string log_of(int steps, double seconds_a_step, int stop_after) {
 }
 auto lines_in(const std::string& text) { return std::count(text.begin(), text.end(), '\n'); }
 
-TEST(Progress, WritesLinesAtGrowingIntervalsIntoAFile) {
+TEST(Progress, WritesLinesAtGrowingIntervalsToAFile) {
   const std::string log = log_of(100, 1, 100);
-  // After 3, 6, 12, 24, 48 and 96 s, and the last.
+  // After 3, 6, 12, 24, 48 and 96 s, and at the end.
   EXPECT_EQ(lines_in(log), 7) << log;
   EXPECT_TRUE(log.starts_with("step 3  t = 0.75 s  dt = 2.50e-01 s    3.0 %  left 97 s\n")) << log;
   EXPECT_TRUE(log.ends_with("\nstep 100  t = 25 s  dt = 2.50e-01 s  100.0 %  took 100 s\n")) << log;
@@ -66,14 +67,15 @@ TEST(Progress, WritesLinesAtGrowingIntervalsIntoAFile) {
   EXPECT_EQ(lines_in(log_of(36000, 1, 36000)), 8 + (36000 - 384) / 300 + 1);
 }
 
-TEST(Progress, WritesALastLineOfAShortOrBrokenRun) {
+TEST(Progress, WritesAFinalLineForAShortOrStoppedRun) {
   EXPECT_EQ(log_of(4, 0.1, 4), "step 4  t = 1 s  dt = 2.50e-01 s  100.0 %  took 0 s\n");
   EXPECT_EQ(log_of(8, 1, 2), "step 2  t = 0.5 s  dt = 2.50e-01 s   25.0 %  took 2 s\n");
   EXPECT_EQ(log_of(8, 1, 0), "");
 }
 
-TEST(Progress, OfAResumedRunEstimatesFromWhereItWasResumed) {
-  std::FILE* file = std::tmpfile();
+TEST(Progress, EstimatesTheRemainingTimeOfAResumedRun) {
+  const silt::file::Stream stream(std::tmpfile());  // must outlive progress
+  std::FILE* const file = stream.get();
   double wall = 7;
   Progress progress{file, [&wall] { return wall; }};
   Advancing simulation{.now = 0.75};  // the first step after 0.5
@@ -85,10 +87,9 @@ TEST(Progress, OfAResumedRunEstimatesFromWhereItWasResumed) {
   std::rewind(file);
   EXPECT_GT(std::fread(text, 1, sizeof text - 1, file), 0u);
   EXPECT_EQ(std::string(text), "step 3  t = 0.75 s  dt = 2.50e-01 s   75.0 %  left 4 s\n");
-  std::fclose(file);
 }
 
-TEST(Progress, RewritesOneLineOnATerminalAndEndsIt) {
+TEST(Progress, UpdatesOneLineOnATerminal) {
   const int controller = posix_openpt(O_RDWR | O_NOCTTY);
   if (controller < 0 || grantpt(controller) != 0 || unlockpt(controller) != 0) {
     std::printf("[   note   ] this machine has no pseudo-terminals\n");
@@ -100,7 +101,7 @@ TEST(Progress, RewritesOneLineOnATerminalAndEndsIt) {
     Progress progress{terminal};
     run_to_the_end(progress);
   }
-  // A terminal hands over what it has so far, which need not be all.
+  // A read from a terminal may return only part of the output.
   std::string shown;
   while (shown.find('\n') == std::string::npos) {
     pollfd waiting{.fd = controller, .events = POLLIN, .revents = 0};

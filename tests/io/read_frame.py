@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: MIT
-"""Reads a frame with VTK's own reader or with meshio, and prints what it found, for vtk_test.cpp.
+"""Reads a frame with VTK's own reader or with meshio and prints its contents, for vtk_test.cpp.
 
     read_frame.py vtk|meshio FILE
 
-One line per array: name, number of components, and the sums over the particles. Exits with 77 when
-the module is not there.
+One line per array: name, number of components, and the sums over the particles. Exits with 77 if
+the module is not installed.
 """
 
 import sys

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Runs that are stopped at 200 random steps, with every search, in the plane and in space, under
-// several laws and schemes.
+// Runs stopped at 200 random steps, with every search, in 2D and 3D, with several laws and schemes.
 #include "support/file_test.hpp"
 #include "support/restarted_grains.hpp"
 
@@ -29,8 +28,8 @@ const dem::Law rolling{dem::Hertz{.elastic = glass, .restitution = 0.6},
                        dem::RollingResistance{.rolling_friction = 0.1}};
 
 template <int Dim, class Law, class S>
-void expect_of_grains(const std::filesystem::path& path, const std::vector<Index>& along,
-                      const Law& law, S search) {
+void expect_same_grains(const std::filesystem::path& path, const std::vector<Index>& along,
+                        const Law& law, S search) {
   const RestartedGrains<Dim> bed(along);
   expect_the_same_bits_after_restarts(
       path, restarts, [&] { return bed.make(law, search); },
@@ -39,25 +38,25 @@ void expect_of_grains(const std::filesystem::path& path, const std::vector<Index
 
 TEST_F(RestartOfGrains, KeepsTheBitsWithANeighbourListSlow) {
   for (const double skin : {0.0, 0.05, 0.4}) {
-    expect_of_grains<2>(path, {40, 28}, linear, NeighbourList<2>{{.skin_fraction = skin}});
+    expect_same_grains<2>(path, {40, 28}, linear, NeighbourList<2>{{.skin_fraction = skin}});
   }
-  expect_of_grains<2>(path, {24, 20}, linear, NeighbourList<2>{});
+  expect_same_grains<2>(path, {24, 20}, linear, NeighbourList<2>{});
 }
 TEST_F(RestartOfGrains, KeepsTheBitsWithAUniformGridSlow) {
-  expect_of_grains<2>(path, {40, 28}, linear, UniformGrid<2>{});
+  expect_same_grains<2>(path, {40, 28}, linear, UniformGrid<2>{});
 }
 TEST_F(RestartOfGrains, KeepsTheBitsWithALevelGridSlow) {
-  expect_of_grains<2>(path, {40, 28}, linear, LevelGrid<2>{});
+  expect_same_grains<2>(path, {40, 28}, linear, LevelGrid<2>{});
 }
 TEST_F(RestartOfGrains, KeepsTheBitsWithBruteForceSlow) {
-  expect_of_grains<2>(path, {18, 16}, linear, BruteForce<2>{});
+  expect_same_grains<2>(path, {18, 16}, linear, BruteForce<2>{});
 }
-TEST_F(RestartOfGrains, KeepsTheBitsInSpaceWithALawThatRollsSlow) {
-  expect_of_grains<3>(path, {12, 10, 10}, rolling, NeighbourList<3, double, LevelGrid<3>>{});
+TEST_F(RestartOfGrains, KeepsTheBitsIn3DWithRollingResistanceSlow) {
+  expect_same_grains<3>(path, {12, 10, 10}, rolling, NeighbourList<3, double, LevelGrid<3>>{});
 }
 
 template <class Scheme, class S>
-void expect_of_water(const std::filesystem::path& path, S search) {
+void expect_same_water(const std::filesystem::path& path, S search) {
   const double l0 = 0.03;
   const auto tank = mps::make_tank<2>(
       {.column = {0.4, 0.8}, .size = {.length = 1.2, .height = 1}, .spacing = l0});
@@ -71,17 +70,17 @@ void expect_of_water(const std::filesystem::path& path, S search) {
 }
 
 TEST_F(RestartOfWater, KeepsTheBitsOfTheRecommendedSchemeSlow) {
-  expect_of_water<mps::Recommended>(path, NeighbourList<2>{});
-  expect_of_water<mps::Recommended>(path, NeighbourList<2>{{.skin_fraction = 0.02}});
+  expect_same_water<mps::Recommended>(path, NeighbourList<2>{});
+  expect_same_water<mps::Recommended>(path, NeighbourList<2>{{.skin_fraction = 0.02}});
 }
 TEST_F(RestartOfWater, KeepsTheBitsOfTheRecommendedSchemeWithAUniformGridSlow) {
-  expect_of_water<mps::Recommended>(path, UniformGrid<2>{});
+  expect_same_water<mps::Recommended>(path, UniformGrid<2>{});
 }
 TEST_F(RestartOfWater, KeepsTheBitsOfTheOriginalSchemeSlow) {
-  expect_of_water<mps::Case00>(path, NeighbourList<2>{});
+  expect_same_water<mps::Case00>(path, NeighbourList<2>{});
 }
 TEST_F(RestartOfWater, KeepsTheBitsOfTheLastCaseOfThePaperSlow) {
-  expect_of_water<mps::Case10>(path, BruteForce<2>{});
+  expect_same_water<mps::Case10>(path, BruteForce<2>{});
 }
 
 }  // namespace

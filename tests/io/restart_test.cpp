@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A run that is stopped at random steps, and goes on with another number of threads, has the bits
-// of one that was not stopped. restart_slow_test.cpp has the other searches and methods.
+// A run stopped at random steps and resumed with another number of threads is bitwise identical to
+// an uninterrupted run. restart_slow_test.cpp covers the other searches and methods.
 #include "support/file_test.hpp"
 #include "support/restart.hpp"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The folder of a run that was stopped, or broke, and was resumed is that of a run that went
-// through: file by file, byte by byte.
+// A run that was stopped or failed, and was resumed, writes the same files as an uninterrupted run,
+// byte by byte.
 #include "support/check.hpp"
 #include "support/grains.hpp"
 
@@ -24,7 +24,7 @@
 namespace silt::test {
 namespace {
 
-// Removed when the test ends.
+// A temporary folder.
 struct Folder {
   std::filesystem::path path;
   Folder() {
@@ -57,11 +57,11 @@ struct StopAfter {
   }
   bool stop_requested() const { return done >= steps; }
 };
-struct BreakAfter {
+struct FailAfter {
   std::uint64_t steps;
   template <class Sim>
   void after_step(const Sim& simulation, const Run&) const {
-    if (simulation.steps() >= steps) throw std::runtime_error("the power is gone");
+    if (simulation.steps() >= steps) throw std::runtime_error("stopped by the test");
   }
 };
 struct CheckpointAfter {
@@ -75,7 +75,7 @@ struct CheckpointAfter {
   }
 };
 
-// A row at every output and after every step.
+// Writes a row at every output and after every step.
 struct Rows {
   CsvFile& table;
   template <class Sim>
@@ -91,7 +91,7 @@ struct Rows {
 const std::vector<std::string> columns{"t", "step"};
 
 template <class Make>
-void expect_the_same_folder(const Run& run, Make&& make) {
+void expect_same_files(const Run& run, Make&& make) {
   const Folder folder;
   const auto whole_path = folder.path / "whole", part_path = folder.path / "part";
   const auto checkpoint = folder.path / "run.silt";
@@ -107,7 +107,7 @@ void expect_the_same_folder(const Run& run, Make&& make) {
   const auto whole = files_in(whole_path);
   ASSERT_GT(whole.size(), 4u);
   ASSERT_GE(steps, 12u);
-  const auto begin_anew = [&] {
+  const auto clear = [&] {
     std::filesystem::remove_all(part_path);
     std::filesystem::create_directory(part_path);
   };
@@ -120,7 +120,7 @@ void expect_the_same_folder(const Run& run, Make&& make) {
     EXPECT_TRUE(simulation.run(run, series, Rows{table}));
   };
   for (std::uint64_t k = 0; k <= steps; k += steps > 40 ? 3 : 1) {
-    begin_anew();
+    clear();
     {
       auto simulation = make();
       VtkSeries series{part_path / "frames"};
@@ -133,15 +133,15 @@ void expect_the_same_folder(const Run& run, Make&& make) {
     resume();
     EXPECT_EQ(files_in(part_path), whole) << "stopped after step " << k << " of " << steps;
   }
-  // Broken off some steps after the checkpoint: what was written since is written again.
+  // Failed some steps after the checkpoint: later output is written again.
   for (std::uint64_t k = 1; k + 5 < steps; k += steps / 10) {
-    begin_anew();
+    clear();
     {
       auto simulation = make();
       VtkSeries series{part_path / "frames"};
       CsvFile table{part_path / "rows.csv", columns};
       EXPECT_THROW(simulation.run(run, CheckpointAfter{k, checkpoint, series, table}, series,
-                                  Rows{table}, BreakAfter{k + 5}),
+                                  Rows{table}, FailAfter{k + 5}),
                    std::runtime_error);
     }
     resume();
@@ -160,32 +160,32 @@ auto falling_grains() {
                     Leapfrog{}};
 }
 
-TEST(ResumedRun, OfGrainsHasTheFilesOfOneThatWentThrough) {
-  // Steps of 2e-4, outputs at every fifth, and one at the end.
-  expect_the_same_folder({.until = 5.1e-3, .output_every = 1e-3, .time_step = 2e-4},
+TEST(ResumedRun, OfGrainsWritesTheFilesOfAnUninterruptedRun) {
+  // Steps of 2e-4 s, an output at every fifth, and one at the end.
+  expect_same_files({.until = 5.1e-3, .output_every = 1e-3, .time_step = 2e-4},
                          falling_grains);
 }
-TEST(ResumedRun, OfGrainsThatEndsExactlyHasTheFilesOfOneThatWentThrough) {
-  expect_the_same_folder({.until = 5e-3, .output_every = 7e-4, .end_exactly = true},
+TEST(ResumedRun, OfGrainsThatEndsExactlyWritesTheFilesOfAnUninterruptedRun) {
+  expect_same_files({.until = 5e-3, .output_every = 7e-4, .end_exactly = true},
                          falling_grains);
 }
-TEST(ResumedRun, OfWaterHasTheFilesOfOneThatWentThrough) {
+TEST(ResumedRun, OfWaterWritesTheFilesOfAnUninterruptedRun) {
   const auto tank = mps::make_tank<2>(
       {.column = {0.08, 0.12}, .size = {.length = 0.16, .height = 0.2}, .spacing = 0.01});
-  expect_the_same_folder({.until = 0.05, .output_every = 0.01}, [&tank] {
+  expect_same_files({.until = 0.05, .output_every = 0.01}, [&tank] {
     return Simulation{tank, NeighbourList<2>{{.skin_fraction = 0}},
                       mps::Flow<mps::Recommended>{{.spacing = 0.01, .speed_scale = 1}},
                       SemiImplicit<>{}};
   });
 }
 
-TEST(ResumedRun, OfTheSecondOfTwoRunsHasTheFilesOfOneThatWentThrough) {
+TEST(ResumedRun, OfTheSecondOfTwoRunsWritesTheFilesOfAnUninterruptedRun) {
   const Folder folder;
-  // Whether it went through. Outputs at every fifth step, and at the end of each run.
-  const auto program = [](auto& simulation, VtkSeries& film, CsvFile& table, std::uint64_t steps) {
+  // Returns whether both runs were completed. Outputs at every fifth step, and at the end of each run.
+  const auto program = [](auto& simulation, VtkSeries& frames, CsvFile& table, std::uint64_t steps) {
     StopAfter stop{steps};
     for (const double until : {1.5e-3, 3.1e-3}) {
-      if (!simulation.run({.until = until, .output_every = 1e-3, .time_step = 2e-4}, film,
+      if (!simulation.run({.until = until, .output_every = 1e-3, .time_step = 2e-4}, frames,
                           Rows{table}, stop)) {
         return false;
       }
@@ -195,9 +195,9 @@ TEST(ResumedRun, OfTheSecondOfTwoRunsHasTheFilesOfOneThatWentThrough) {
   const auto all = [&](const std::string& name, auto&& use) {
     std::filesystem::create_directory(folder.path / name);
     auto simulation = falling_grains();
-    VtkSeries film{folder.path / name / "film"};
+    VtkSeries frames{folder.path / name / "frames"};
     CsvFile table{folder.path / name / "rows.csv", columns};
-    use(simulation, film, table);
+    use(simulation, frames, table);
   };
   all("whole", [&](auto&... part) { EXPECT_TRUE(program(part..., 1000)); });
   for (const std::uint64_t k : {3u, 9u, 12u, 15u}) {
@@ -214,51 +214,53 @@ TEST(ResumedRun, OfTheSecondOfTwoRunsHasTheFilesOfOneThatWentThrough) {
   }
 }
 
-TEST(ResumedRun, AddsToTheFilmAlsoIfTheCheckpointHasNoSeries) {
+TEST(ResumedRun, AppendsFramesEvenIfTheCheckpointHasNoSeries) {
   const Folder folder;
-  const auto film = [&](const std::string& name) { return VtkSeries{folder.path / name / "film"}; };
+  const auto frames = [&](const std::string& name) {
+    return VtkSeries{folder.path / name / "frames"};
+  };
   const silt::Run run{.until = 4e-3, .output_every = 1e-3, .time_step = 2e-4};
   auto whole = falling_grains();
-  whole.run(run, film("whole"));
+  whole.run(run, frames("whole"));
   for (const std::uint64_t k : {7u, 10u, 20u}) {
     std::filesystem::remove_all(folder.path / "part");
     auto first = falling_grains();
-    first.run(run, film("part"), StopAfter{k});
+    first.run(run, frames("part"), StopAfter{k});
     write_checkpoint(folder.path / "run.silt", first);
     auto second = falling_grains();
     read_checkpoint(folder.path / "run.silt", second);
-    second.run(run, film("part"));
+    second.run(run, frames("part"));
     EXPECT_EQ(files_in(folder.path / "part"), files_in(folder.path / "whole")) << k;
   }
 }
 
-TEST(ResumedRun, BeginsAFilmThatTheCheckpointKnowsHasNotBegun) {
+TEST(ResumedRun, ReplacesOldFramesIfTheCheckpointHasNone) {
   const Folder folder;
   auto earlier = falling_grains();
   earlier.run({.until = 4e-3, .output_every = 1e-3, .time_step = 2e-4},
-              VtkSeries{folder.path / "film"});
+              VtkSeries{folder.path / "frames"});
   auto simulation = falling_grains();
   simulation.run({.until = 2e-3, .time_step = 2e-4});
-  VtkSeries film{folder.path / "film"};
-  write_checkpoint(folder.path / "run.silt", simulation, film);
-  read_checkpoint(folder.path / "run.silt", simulation, film);
-  simulation.run({.until = 3e-3, .time_step = 2e-4}, film);
-  EXPECT_EQ(film.frames(), 2u);
+  VtkSeries frames{folder.path / "frames"};
+  write_checkpoint(folder.path / "run.silt", simulation, frames);
+  read_checkpoint(folder.path / "run.silt", simulation, frames);
+  simulation.run({.until = 3e-3, .time_step = 2e-4}, frames);
+  EXPECT_EQ(frames.frames(), 2u);
 }
 
-TEST(ResumedRun, OfAStateAfterARunBeginsAsARunDoes) {
+TEST(ResumedRun, WritesAFirstFrameIfTheCheckpointWasWrittenAfterARun) {
   const Folder folder;
   auto simulation = falling_grains();
   simulation.run({.until = 1e-3, .time_step = 2e-4});
   write_checkpoint(folder.path / "state.silt", simulation);
   auto variant = falling_grains();
   read_checkpoint(folder.path / "state.silt", variant);
-  VtkSeries film{folder.path / "variant"};
-  variant.run({.until = 2e-3, .time_step = 2e-4}, film);
-  EXPECT_EQ(film.frames(), 2u);
+  VtkSeries frames{folder.path / "variant"};
+  variant.run({.until = 2e-3, .time_step = 2e-4}, frames);
+  EXPECT_EQ(frames.frames(), 2u);
 }
 
-TEST(ResumedRun, OfATableThatWasCutIsRefused) {
+TEST(ResumedRun, RejectsATruncatedTable) {
   const Folder folder;
   auto simulation = falling_grains();
   CsvFile table{folder.path / "rows.csv", columns};
@@ -272,7 +274,7 @@ TEST(ResumedRun, OfATableThatWasCutIsRefused) {
                       {"columns = t,step"}));
 }
 
-TEST(CsvFile, KeepsATableUntilTheFirstRow) {
+TEST(CsvFile, KeepsAnExistingTableUntilTheFirstRow) {
   const Folder folder;
   const auto path = folder.path / "rows.csv";
   CsvFile{path, columns}.row({1, 2});
@@ -285,36 +287,36 @@ TEST(CsvFile, KeepsATableUntilTheFirstRow) {
   EXPECT_EQ(read_csv(path).rows(), 0u);
 }
 
-TEST(VtkSeries, HasOneFrameOfATime) {
+TEST(VtkSeries, HasOneFramePerTime) {
   const Folder folder;
   auto simulation = falling_grains();
-  VtkSeries film{folder.path / "film"};
-  simulation.run({.until = 1e-3, .time_step = 2e-4}, film);
-  simulation.run({.until = 2e-3, .time_step = 2e-4}, film);
-  EXPECT_EQ(film.frames(), 3u);
+  VtkSeries frames{folder.path / "frames"};
+  simulation.run({.until = 1e-3, .time_step = 2e-4}, frames);
+  simulation.run({.until = 2e-3, .time_step = 2e-4}, frames);
+  EXPECT_EQ(frames.frames(), 3u);
 }
 
-TEST(Checkpoints, AreWrittenNowAndThenAndReadWithAllParts) {
+TEST(Checkpoints, AreWrittenAtIntervalsAndRestoreAllParts) {
   const Folder folder;
   const auto path = folder.path / "run.silt";
   {
     auto simulation = falling_grains();
-    VtkSeries film{folder.path / "film"};
-    Checkpoints never{path, {}, film};
-    simulation.run({.until = 1e-3, .time_step = 2e-4}, film, never);
+    VtkSeries frames{folder.path / "frames"};
+    Checkpoints never{path, {}, frames};
+    simulation.run({.until = 1e-3, .time_step = 2e-4}, frames, never);
     EXPECT_FALSE(never.exist());
-    Checkpoints always{path, {.every = 0}, film};
-    simulation.run({.until = 2e-3, .time_step = 2e-4}, film, always);
+    Checkpoints always{path, {.every = 0}, frames};
+    simulation.run({.until = 2e-3, .time_step = 2e-4}, frames, always);
     EXPECT_TRUE(always.exist());
   }
   auto later = falling_grains();
-  VtkSeries film{folder.path / "film"};
-  Checkpoints checkpoints{path, {}, film};
+  VtkSeries frames{folder.path / "frames"};
+  Checkpoints checkpoints{path, {}, frames};
   checkpoints.read(later);
   EXPECT_EQ(later.steps(), 10u);
-  EXPECT_EQ(film.frames(), 2u) << "the one at the end comes after the checkpoint";
+  EXPECT_EQ(frames.frames(), 2u) << "the frame at the end is written after the checkpoint";
   EXPECT_TRUE(
-      refuses([&] { Checkpoints(path, {.every = -1}, film); }, {"Checkpoints: every = -1"}));
+      refuses([&] { Checkpoints(path, {.every = -1}, frames); }, {"Checkpoints: every = -1"}));
 }
 
 }  // namespace

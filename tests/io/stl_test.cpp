@@ -17,13 +17,13 @@ using namespace silt;
 
 class Stl : public test::FileTest {
  protected:
-  auto refuses_to_read(const std::string& text, std::vector<std::string> words) {
+  auto refuses_to_read(const std::string& text, std::vector<std::string> fragments) {
     write(text);
-    words.push_back(path.string());
-    return test::refuses([this] { read_stl(path); }, words);
+    fragments.push_back(path.string());
+    return test::refuses([this] { read_stl(path); }, fragments);
   }
 
-  // Numbers that single precision holds.
+  // Numbers that are exact in single precision.
   const std::vector<Triangle<double>> two{
       {{Vec<3>(0, 0, 0), Vec<3>(1, 0, 0), Vec<3>(0, 0.5, 0)}},
       {{Vec<3>(1, 0, 0), Vec<3>(1, 0.5, -0.25), Vec<3>(0, 0.5, 0)}}};
@@ -52,7 +52,7 @@ TEST_F(Stl, ReadsBinaryFilesThatBeginLikeText) {
   expect_same(read_stl(path), two);
 }
 
-TEST_F(Stl, ReadsTextAsProgramsWriteIt) {
+TEST_F(Stl, ReadsVariantsOfTheTextFormat) {
   write("\n  SOLID the name, of a facet\r\n"
         "  Facet Normal nan -nan(ind) 0\r\n    Outer Loop\r\n"
         "      Vertex +0 0.0 0e0\r\n Vertex 1.000000E+00 0 0\r\n vertex 0 5e-1 0\r\n"
@@ -62,21 +62,21 @@ TEST_F(Stl, ReadsTextAsProgramsWriteIt) {
   expect_same(read_stl(path), two);
 }
 
-TEST_F(Stl, RefusesFilesThatBreakOff) {
+TEST_F(Stl, RejectsTruncatedFiles) {
   for (const StlFormat format : {StlFormat::binary, StlFormat::text}) {
     write_stl(path, two, format);
     const std::string whole = bytes();
-    const Index least = format == StlFormat::binary ? 0 : 6;
-    for (Index size = least; size + 14 < whole.size(); size += 7) {
+    const Index min_size = format == StlFormat::binary ? 0 : 6;
+    for (Index size = min_size; size + 14 < whole.size(); size += 7) {
       EXPECT_TRUE(refuses_to_read(whole.substr(0, size), {"read_stl"})) << size;
     }
   }
   write_stl(path, two);
-  EXPECT_TRUE(refuses_to_read(bytes().substr(0, 150), {"triangle 1 of 2", "get it anew"}));
+  EXPECT_TRUE(refuses_to_read(bytes().substr(0, 150), {"triangle 1 of 2", "export it again"}));
   EXPECT_TRUE(refuses_to_read("", {"0 bytes"}));
 }
 
-TEST_F(Stl, NamesWhatIsWrongInText) {
+TEST_F(Stl, ReportsTheLocationOfAnErrorInText) {
   const std::string begin = "solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\n";
   const std::string end = "endloop\nendfacet\nendsolid\n";
   EXPECT_TRUE(refuses_to_read(begin + "vertex 0 one 0\n" + end,
@@ -89,7 +89,7 @@ TEST_F(Stl, NamesWhatIsWrongInText) {
   EXPECT_TRUE(refuses_to_read("solid nothing\nendsolid\n", {"no triangle"}));
 }
 
-TEST_F(Stl, RefusesNumbersThatAreNone) {
+TEST_F(Stl, RejectsInvalidTriangles) {
   auto broken = two;
   broken[1].corners[2][0] = std::numeric_limits<double>::quiet_NaN();
   write_stl(path, broken);
@@ -100,7 +100,7 @@ TEST_F(Stl, RefusesNumbersThatAreNone) {
   EXPECT_TRUE(test::refuses([this] { read_stl(path); }, {"triangle 0", "no area"}));
 }
 
-TEST_F(Stl, SaysWhatItCannotOpen) {
+TEST_F(Stl, ReportsTheFileThatCannotBeOpened) {
   EXPECT_TRUE(test::refuses([] { read_stl("no/such/file.stl"); }, {"no/such/file.stl", "No such"}));
   EXPECT_TRUE(test::refuses([this] { write_stl("no/such/file.stl", two); }, {"no/such/file.stl"}));
   EXPECT_TRUE(test::refuses([] { read_stl(testing::TempDir()); }, {"read_stl", "directory"}));

@@ -11,8 +11,8 @@
 namespace silt::test {
 namespace {
 
-int heard = 0;
-void hear(int number) { heard = number; }
+int received = 0;
+void receive(int number) { received = number; }
 
 struct Raise {
   int number;
@@ -35,39 +35,39 @@ TEST(StopOnSignal, EndsTheRunAfterTheStep) {
     EXPECT_FALSE(simulation.run({.until = 1, .time_step = 0.125}, Raise{number}, stop,
                                 [&](const auto&) { ++outputs; }));
     EXPECT_EQ(simulation.steps(), 3u);
-    EXPECT_EQ(outputs, 1) << "none where it ended";
+    EXPECT_EQ(outputs, 1) << "no output where it was stopped";
     EXPECT_EQ(stop.signal_number(), number);
   }
 }
 
-TEST(StopOnSignal, PutsBackWhatWasThere) {
-  std::signal(SIGINT, &hear);
+TEST(StopOnSignal, RestoresThePreviousHandlers) {
+  std::signal(SIGINT, &receive);
   std::signal(SIGTERM, SIG_IGN);
   {
     StopOnSignal stop;
     EXPECT_FALSE(stop.stop_requested());
     std::raise(SIGTERM);
-    EXPECT_FALSE(stop.stop_requested()) << "ignored signals stay ignored";
+    EXPECT_FALSE(stop.stop_requested()) << "ignored signals remain ignored";
     std::raise(SIGINT);
     EXPECT_TRUE(stop.stop_requested());
-    EXPECT_EQ(heard, 0);
+    EXPECT_EQ(received, 0);
     std::raise(SIGTERM);  // ignored also after the first signal
     EXPECT_EQ(stop.signal_number(), SIGINT);
   }
   std::raise(SIGINT);
-  EXPECT_EQ(heard, SIGINT);
+  EXPECT_EQ(received, SIGINT);
   EXPECT_EQ(std::signal(SIGTERM, SIG_DFL), SIG_IGN);
   std::signal(SIGINT, SIG_DFL);
   StopOnSignal next;
-  EXPECT_FALSE(next.stop_requested()) << "an earlier signal is not this one's";
+  EXPECT_FALSE(next.stop_requested()) << "an earlier signal has no effect";
 }
 
-TEST(StopOnSignal, IsOneAtATime) {
+TEST(StopOnSignal, ExistsOnlyOnce) {
   StopOnSignal stop;
-  EXPECT_TRUE(refuses([] { StopOnSignal(); }, {"StopOnSignal", "another one"}));
+  EXPECT_TRUE(refuses([] { StopOnSignal(); }, {"StopOnSignal", "another StopOnSignal"}));
 }
 
-TEST(StopOnSignalDeathTest, ASecondSignalKills) {
+TEST(StopOnSignalDeathTest, ASecondSignalKillsTheProcess) {
   const auto twice = [] {
     StopOnSignal stop;
     std::raise(SIGINT);

@@ -68,7 +68,7 @@ auto falling() {
   return Simulation{particles<2, double>(), UniformGrid<2>{}, Gravity<2>{{0, -8}}, Leapfrog{}};
 }
 
-// What read_frame.py printed; nothing if the tool is not installed.
+// The output of read_frame.py; empty if the tool is not installed.
 std::string read_with(const std::string& tool, const std::filesystem::path& frame) {
   const auto output = frame.parent_path() / "read.txt";
   const std::string script = SILT_TESTS_DIR "/io/read_frame.py";
@@ -81,12 +81,12 @@ std::string read_with(const std::string& tool, const std::filesystem::path& fram
         WIFEXITED(status) && (WEXITSTATUS(status) == 77 || WEXITSTATUS(status) == 127);
     if (!missing) return tool + " failed to read " + frame.string();
   }
-  std::printf("[   note   ] %s is not installed: its reader was not tried\n", tool.c_str());
+  std::printf("[   note   ] %s is not installed: its reader is not tested\n", tool.c_str());
   return {};
 }
 
 template <int Dim, class Real>
-void frames_are_read_by(const std::string& tool) {
+void expect_readable_by(const std::string& tool) {
   Folder folder;
   const auto frame = folder.path / "frame.vtu";
   std::ofstream(frame, std::ios::binary) << vtk_frame(particles<Dim, Real>());
@@ -99,12 +99,12 @@ void frames_are_read_by(const std::string& tool) {
                        (plane ? "velocity 3 0 9 0\n" : "velocity 3 0 0 9\n"));
 }
 
-TEST(VtkFrame, InThePlaneIsReadByVtk) { frames_are_read_by<2, double>("vtk"); }
-TEST(VtkFrame, InSpaceIsReadByVtk) { frames_are_read_by<3, float>("vtk"); }
-TEST(VtkFrame, InThePlaneIsReadByMeshio) { frames_are_read_by<2, float>("meshio"); }
-TEST(VtkFrame, InSpaceIsReadByMeshio) { frames_are_read_by<3, double>("meshio"); }
+TEST(VtkFrame, In2DIsReadByVtk) { expect_readable_by<2, double>("vtk"); }
+TEST(VtkFrame, In3DIsReadByVtk) { expect_readable_by<3, float>("vtk"); }
+TEST(VtkFrame, In2DIsReadByMeshio) { expect_readable_by<2, float>("meshio"); }
+TEST(VtkFrame, In3DIsReadByMeshio) { expect_readable_by<3, double>("meshio"); }
 
-TEST(VtkFrame, NamesEveryColumnOfNumbersAndNoOther) {
+TEST(VtkFrame, HasEveryNumericFieldAndNoOther) {
   const std::string frame = vtk_frame(particles<2, float>());
   for (const char* column :
        {"type=\"Float32\" Name=\"velocity\" NumberOfComponents=\"3\"",
@@ -116,16 +116,16 @@ TEST(VtkFrame, NamesEveryColumnOfNumbersAndNoOther) {
   EXPECT_EQ(frame.find("label"), std::string::npos);
 }
 
-TEST(VtkFrame, OfNoParticlesIsAFrame) {
+TEST(VtkFrame, MayBeEmpty) {
   const std::string frame = vtk_frame(Particles<3, double, velocity_t>{});
   EXPECT_NE(frame.find("NumberOfPoints=\"0\""), std::string::npos);
 }
 
-TEST(VtkFrame, IsTheSameBitsForTheSameParticles) {
+TEST(VtkFrame, IsBitwiseIdenticalForTheSameParticles) {
   EXPECT_EQ(vtk_frame(particles<3, double>()), vtk_frame(particles<3, double>()));
 }
 
-TEST(VtkSeries, ListsEveryFrameWithItsTimeTheFirstStateIncluded) {
+TEST(VtkSeries, ListsEveryFrameWithItsTimeIncludingTheInitialState) {
   Folder folder;
   auto simulation = falling();
   VtkSeries series{folder.path / "deep" / "fall"};
@@ -140,7 +140,7 @@ TEST(VtkSeries, ListsEveryFrameWithItsTimeTheFirstStateIncluded) {
   EXPECT_EQ(text_of(folder.path / "deep/fall/fall_000002.vtu"), vtk_frame(simulation.snapshot()));
 }
 
-TEST(VtkSeries, LeavesNoHalfFilesBehind) {
+TEST(VtkSeries, LeavesNoPartialFiles) {
   Folder folder;
   auto simulation = falling();
   simulation.run({.until = 0.25, .time_step = 0.125}, VtkSeries{folder.path / "fall"});
@@ -149,7 +149,7 @@ TEST(VtkSeries, LeavesNoHalfFilesBehind) {
   }
 }
 
-TEST(VtkSeries, SaysWhyAFolderCannotBeMade) {
+TEST(VtkSeries, ReportsWhyAFolderCannotBeCreated) {
   Folder folder;
   std::ofstream(folder.path / "file") << "in the way";
   const auto below = folder.path / "file" / "frames";
@@ -157,7 +157,7 @@ TEST(VtkSeries, SaysWhyAFolderCannotBeMade) {
                             {"VtkSeries", below.string(), "Not a directory"}));
 }
 
-TEST(VtkSeries, SaysWhyAFileCannotBeWritten) {
+TEST(VtkSeries, ReportsWhyAFileCannotBeWritten) {
   Folder folder;
   auto simulation = falling();
   VtkSeries series{folder.path / "frames"};

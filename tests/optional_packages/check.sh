@@ -3,8 +3,8 @@
 #
 #   check.sh SOURCE SCRATCH COMPILER
 #
-# Configures tests, examples and benchmarks while every optional package is missing, broken or
-# incomplete: what needs them is left out, and the rest is there.
+# Configures tests, examples and benchmarks with every optional package missing, broken or
+# incomplete: the targets that need them are skipped, all others exist.
 set -euo pipefail
 
 source=$1 scratch=$2 compiler=$3
@@ -18,7 +18,7 @@ give_up() {
   exit 1
 }
 
-# Open MPI's compiler as some packages leave it: without the headers that it names.
+# Open MPI's compiler wrapper without its headers, as some packages install it.
 for name in mpicxx mpic++ mpiCC mpic++.openmpi mpicxx.openmpi; do
   cat >"$scratch/bin/$name" <<END
 #!/bin/sh
@@ -38,7 +38,8 @@ touch "$scratch/hypre/HYPRE.h"
 echo 'inline int HYPRE_GetError() { return 0; }' >"$scratch/hypre/HYPRE_utilities.h"
 ar rc "$scratch/hypre/libHYPRE.a"
 
-# configure_with NAME [CMake options]: exits with 0, and has the programs that need the library alone.
+# configure_with NAME [CMake options]: checks that configuring succeeds, and that the programs that
+# need only the library exist.
 configure_with() {
   local build=$scratch/build_$1 package
   echo "== $1"
@@ -51,16 +52,16 @@ configure_with() {
     grep -q "^-- $package was not found or does not work" "$build.txt" ||
       { cat "$build.txt"; give_up "$package was not reported"; }
   done
-  grep -q '^-- The benchmarks are left out' "$build.txt" || give_up "the benchmarks were not reported"
-  grep -q '^-- Example dam_break is left out' "$build.txt" || give_up "an example was not reported"
+  grep -q '^-- The benchmarks are skipped' "$build.txt" || give_up "the benchmarks were not reported"
+  grep -q '^-- Example dam_break is skipped' "$build.txt" || give_up "an example was not reported"
   cmake --build "$build" --target help >"$build.targets.txt"
-  grep -q quickstart_tower "$build.targets.txt" || give_up "quickstart_tower is left out"
+  grep -q quickstart_tower "$build.targets.txt" || give_up "quickstart_tower is skipped"
   if grep -E 'dam_break$|bench_|test_core|test_solve_hypre' "$build.targets.txt"; then
-    give_up "a program is there without what it needs"
+    give_up "there is a program whose packages are missing"
   fi
 }
 
-# Packages with these lines as their own file for CMake, in a folder that is searched first.
+# Creates packages with these lines as their CMake file, in a folder that is searched first.
 make_packages() {
   local i
   for i in "${!packages[@]}"; do
@@ -81,7 +82,7 @@ make_packages incomplete 'add_library(TARGET INTERFACE IMPORTED)
 target_link_libraries(TARGET INTERFACE silt_has_no_such_library)'
 configure_with incomplete "-DCMAKE_PREFIX_PATH=$scratch/incomplete"
 
-# With GoogleTest, hypre is tried, and MPI is incomplete, unless its headers are found elsewhere.
+# With GoogleTest, hypre is checked, and MPI is incomplete unless its headers are found elsewhere.
 echo "== MPI without headers"
 build=$scratch/build_mpi
 cmake -S "$source" -B "$build" -DCMAKE_CXX_COMPILER="$compiler" -DSILT_BUILD_TESTS=ON \
@@ -89,4 +90,4 @@ cmake -S "$source" -B "$build" -DCMAKE_CXX_COMPILER="$compiler" -DSILT_BUILD_TES
   >"$build.txt" 2>&1 || { cat "$build.txt"; give_up "the configuration failed"; }
 grep -q '^SILT_MPI_WORKS:INTERNAL=TRUE' "$build/CMakeCache.txt" ||
   grep -q '^-- MPI was not found or does not work' "$build.txt" ||
-  { cat "$build.txt"; give_up "MPI was neither built with nor reported"; }
+  { cat "$build.txt"; give_up "MPI was neither used nor reported"; }

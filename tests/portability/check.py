@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Compiles the library as users do who have other compilers and processors.
+"""Compiles the library with other compilers and for other processors.
 
-    check.py headers VARIANT INCLUDE...         every header, in one source file
-    check.py warnings VARIANT INCLUDE...        the quickstarts, which must compile without a warning
+    check.py headers VARIANT INCLUDE...         all headers, in one source file
+    check.py warnings VARIANT INCLUDE...        the quickstarts, which must compile without warnings
     check.py hashes VARIANT INCLUDE...          hashes.cpp, which must print hashes.txt
 
-The first INCLUDE is the library's folder of headers, the others are Eigen's. A VARIANT is named in
-VARIANTS. Where its compiler is missing, the exit code is 77 after a sentence that says so.
+The first INCLUDE is the include folder of the library, the others are those of Eigen. For VARIANT
+see VARIANTS. If its compiler is missing, prints a message and exits with 77.
 """
 
 import pathlib
@@ -19,14 +19,14 @@ import tempfile
 HERE = pathlib.Path(__file__).resolve().parent
 SKIPPED = 77
 
-# What a user gives, beside the include folders.
+# Typical compiler flags of a user, in addition to the include folders.
 FLAGS = ["-std=c++20", "-O3", "-ffp-contract=off", "-Wall", "-Wextra", "-Wpedantic", "-Werror"]
-# On processors with AVX10, clang 19 warns of what -march=native gives, even for an empty file.
+# On processors with AVX10, clang 19 warns about -march=native, even for an empty file.
 CLANG19 = ["clang++-19", "-Wno-invalid-feature-combination"]
 WASM = ["clang++-19", "--target=wasm32-wasi", "-stdlib=libc++"]
 LIBCXX = [*CLANG19, "-stdlib=libc++"]
-# Compiler, and the processor as it is named to -march; "" is the compiler's default, "widest" the
-# last of NEEDED that this processor is.
+# Compiler and -march; "" is the compiler's default, "widest" the last one in NEEDED that this
+# processor supports.
 VARIANTS = {
     "gcc": (["g++"], ""),
     "gcc_widest": (["g++"], "widest"),
@@ -43,23 +43,23 @@ VARIANTS = {
     "wasm32": (WASM, ""),
 }
 
-# What a processor must have for programs of an -march.
+# Processor features required to run programs compiled with -march.
 NEEDED = {
     "x86-64-v3": {"avx2", "bmi2", "fma"},
     "x86-64-v4": {"avx2", "bmi2", "fma", "avx512f", "avx512bw", "avx512cd", "avx512dq", "avx512vl"},
 }
-# Headers of files, which wasm32 has not, and of optional packages.
+# Headers that need files, which wasm32 does not have, and headers of optional packages.
 FOR_FILES = {"archive", "checkpoint", "checkpoints", "csv", "file", "particle_csv", "stl", "vtk"}
 OPTIONAL = {"solve/hypre.hpp"}
 
 
-def skip(sentence):
-    print(sentence)
+def skip(message):
+    print(message)
     sys.exit(SKIPPED)
 
 
 def run(command):
-    """Prints what the command says, and ends the test if it fails."""
+    """Runs a command, and ends the test if it fails."""
     print(" ".join(map(str, command)), flush=True)
     if subprocess.run(command, check=False).returncode != 0:
         sys.exit(1)
@@ -69,12 +69,12 @@ def runs_here(processor):
     if processor not in NEEDED:
         return True
     info = pathlib.Path("/proc/cpuinfo")
-    words = set(info.read_text(encoding="utf-8").split()) if info.exists() else set()
-    return NEEDED[processor] <= words
+    features = set(info.read_text(encoding="utf-8").split()) if info.exists() else set()
+    return NEEDED[processor] <= features
 
 
 def compiler_of(variant, includes, eigen="-I"):
-    """The command, with the include folders as users give them, Eigen's by the option `eigen`."""
+    """The command with the include folders; `eigen` is the option for those of Eigen."""
     command, processor = VARIANTS[variant]
     if processor == "widest":
         processor = ([""] + [name for name in NEEDED if runs_here(name)])[-1]
@@ -86,7 +86,7 @@ def compiler_of(variant, includes, eigen="-I"):
         [*command, "-std=c++20", "-fsyntax-only", "-x", "c++", "-"],
         input="#include <vector>\n", text=True, capture_output=True, check=False)
     if accepted.returncode != 0:
-        skip(f"{' '.join(VARIANTS[variant][0])} has no standard library here, or does not know "
+        skip(f"{' '.join(VARIANTS[variant][0])} has no standard library on this machine, or does not support "
              f"-march={processor}")
     return command, processor
 
@@ -121,17 +121,17 @@ def check_hashes(variant, includes, scratch):
         # Debian's libc++abi has no exceptions for wasm32; hashes.cpp throws none.
         command += ["-fignore-exceptions", "-Wl,-z,stack-size=1048576"]
         if not shutil.which("node"):
-            skip("node is not installed, which runs WebAssembly")
+            skip("node, which runs WebAssembly, is not installed")
         start = ["node", "--no-warnings", "--experimental-wasi-unstable-preview1",
                  HERE / "run_wasm.mjs", program]
     run([*command, *FLAGS, HERE / "hashes.cpp", "-o", program])
     if not runs_here(processor):
-        skip(f"compiled, but not run: this processor does not run programs for {processor}")
+        skip(f"compiled, but not run: this processor does not support {processor}")
     found = subprocess.run(start, capture_output=True, text=True, check=True).stdout
     expected = (HERE / "hashes.txt").read_text(encoding="utf-8")
     print(found, end="")
     if found != expected:
-        print(f"but hashes.txt says\n{expected}", end="")
+        print(f"but hashes.txt has\n{expected}", end="")
     return found == expected
 
 

@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Runs an example with 1, 2, 3 and 4 threads and compares the files that it makes, bit by bit.
+"""Runs an example with 1, 2, 3 and 4 threads and checks that its files are bitwise identical.
 
     check.py SCRATCH PROGRAM ARGUMENTS...
     check.py --self-test
 
-The program takes --threads and --out. Of summary.json, what depends on the clock (names with
-"seconds"), on --threads and on --out is left out; of arguments.json, --threads.
+The program must have --threads and --out. In summary.json, wall-clock times (names with "seconds")
+and the options threads and out are ignored; in arguments.json, --threads.
 """
 
 import json
@@ -18,7 +18,7 @@ import tempfile
 
 
 def without_clock(value):
-    """The same, but for times of the clock and the two options that differ."""
+    """The value without wall-clock times and without the two options that differ."""
     if isinstance(value, list):
         return [without_clock(inner) for inner in value]
     if isinstance(value, dict):
@@ -36,8 +36,8 @@ def contents(path):
     if path.name == "arguments.json":
         arguments = json.loads(path.read_text(encoding="utf-8"))["arguments"]
         if "--threads" in arguments:
-            at = arguments.index("--threads")
-            del arguments[at:at + 2]
+            index = arguments.index("--threads")
+            del arguments[index:index + 2]
         return arguments
     return path.read_bytes()
 
@@ -47,7 +47,7 @@ def files_in(folder):
 
 
 def differences(right, other):
-    """The files that only one folder has, or that differ."""
+    """The files that exist in one folder only, or that differ."""
     ours, theirs = files_in(right), files_in(other)
     return sorted(
         name.as_posix()
@@ -69,7 +69,7 @@ def check(scratch, program, arguments):
     sound = True
     for folder in folders[1:]:
         for name in differences(folders[0], folder):
-            print(f"{name} with {folder.name} threads is not that of one thread")
+            print(f"{name} with {folder.name} threads differs from that with one thread")
             sound = False
     print(f"{len(files_in(folders[0]))} files of {program} compared")
     return sound and bool(files_in(folders[0]))

@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Checks what every header of the library must keep to, over its lines alone.
+"""Checks rules for the text of all headers of the library.
 
     check.py FOLDER       the include/ folder; prints each fault as file:line and exits with 1
-    check.py --self-test  plants one fault of each kind and sees that each is found
+    check.py --self-test  checks that one example of every kind of fault is found
 
-Star, not chain: a folder under include/silt/ includes core/ and itself; only the headers directly
-in include/silt/ join folders.
+Star rule: a folder under include/silt/ includes core/ and itself only; only the headers directly
+in include/silt/ combine folders.
 """
 
 import pathlib
@@ -21,7 +21,7 @@ THREADS = "core/parallel.hpp"
 
 
 def faults_of(root, header):
-    """Yields (line number, sentence) of one header below root/silt."""
+    """Yields (line number, message) for each fault of a header below root/silt."""
     name = header.relative_to(root / "silt")
     folder = name.parts[0] if len(name.parts) > 1 else None
     lines = header.read_text(encoding="utf-8").splitlines()
@@ -33,33 +33,33 @@ def faults_of(root, header):
 
     for number, line in enumerate(lines, 1):
         if OPENMP.search(line) and name.as_posix() != THREADS:
-            yield number, f"OpenMP stands in {THREADS} alone"
+            yield number, f"only {THREADS} may use OpenMP"
         include = INCLUDE.match(line)
         if not include:
             continue
         bracket, path = include.groups()
         if path == "omp.h" and name.as_posix() != THREADS:
-            yield number, f"OpenMP stands in {THREADS} alone"
+            yield number, f"only {THREADS} may use OpenMP"
         if FORBIDDEN.match(path):
-            yield number, f"<{path}> has no place in a header"
+            yield number, f"<{path}> must not be included in a header"
 
         if path.startswith("silt/"):
             if not (root / path).is_file():
                 yield number, f"there is no {path}"
             elif folder and not path.startswith(("silt/core/", f"silt/{folder}/")):
                 allowed = "core/" if folder == "core" else f"core/ and {folder}/"
-                yield number, f"{folder}/ may include {allowed} of ours alone, not {path}"
+                yield number, f"{folder}/ may include only {allowed} of the library, not {path}"
         elif bracket == '"' or (header.parent / path).is_file():
-            yield number, f"include our headers by their full path, silt/..., not {path}"
+            yield number, f"include headers of the library by their full path, silt/..., not {path}"
 
 
 def check(root):
     root = pathlib.Path(root)
     headers = sorted((root / "silt").rglob("*.hpp"))
     return [
-        f"{header}:{number}: {sentence}"
+        f"{header}:{number}: {message}"
         for header in headers
-        for number, sentence in faults_of(root, header)
+        for number, message in faults_of(root, header)
     ]
 
 
@@ -73,12 +73,12 @@ def self_test():
         "dem.hpp": "#include <silt/core/types.hpp>\n#include <silt/search/grid.hpp>\n",
     }
     planted = {
-        "a folder beside it": ("search/x.hpp", sound + "#include <silt/dem/law.hpp>\n", 3),
+        "another folder": ("search/x.hpp", sound + "#include <silt/dem/law.hpp>\n", 3),
         "a folder from core": ("core/x.hpp", sound + "#include <silt/search/grid.hpp>\n", 3),
         "an umbrella": ("search/x.hpp", sound + "#include <silt/dem.hpp>\n", 3),
         "a short path": ("search/x.hpp", sound + '#include "cells.hpp"\n', 3),
         "a short path in brackets": ("search/x.hpp", sound + "#include <cells.hpp>\n", 3),
-        "a header that is not there": ("search/x.hpp", sound + "#include <silt/core/y.hpp>\n", 3),
+        "a missing header": ("search/x.hpp", sound + "#include <silt/core/y.hpp>\n", 3),
         "a forbidden header": ("core/x.hpp", sound + "#  include <iostream>\n", 3),
         "all of Eigen": ("core/x.hpp", sound + "#include <Eigen/Dense>\n", 3),
         "Eigen's inside": ("core/x.hpp", sound + "#include <Eigen/src/Core/util/Macros.h>\n", 3),

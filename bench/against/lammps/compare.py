@@ -1,17 +1,17 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Runs the same spheres by LAMMPS and by Silt, alternately, and compares speed and physics.
+"""Runs the same spheres with LAMMPS and with Silt, alternately, and compares speed and physics.
 
-    compare.py PROGRAM FOLDER [--cases CASE,…] [--cores 1,2] [--repeat 5] [--ways WAY,…]
+    compare.py PROGRAM FOLDER [--cases CASE,…] [--cores 1,2] [--repeat 5] [--variants VARIANT,…]
 
-PROGRAM is silt_steps, FOLDER takes lammps.json and what both wrote last. A CASE is
-scene/grains, e.g. bed/32000. Both start from one file, make some steps that do not count, then
-those that are timed. LAMMPS does so under gran/hooke/history, on as many processes as Silt has
-threads; Silt goes several ways:
-    hooke_history     under the same law
-    cundall_strack    under its own
-    portable          under the same law, compiled like Debian's LAMMPS for any processor of this
-                      kind (PROGRAM_portable)
+PROGRAM is silt_steps; lammps.json and the last states of both codes are written to FOLDER. A CASE
+is scene/grains, e.g. bed/32000. Both codes start from the same file and do some warm-up steps, then
+the timed steps. LAMMPS uses gran/hooke/history, with as many processes as Silt has threads.
+Variants of Silt:
+    hooke_history     the same law
+    cundall_strack    Silt's own law
+    portable          the same law, compiled for any processor of this architecture, like Debian's
+                      LAMMPS (PROGRAM_portable)
 """
 
 import argparse
@@ -26,11 +26,11 @@ import sys
 
 HERE = pathlib.Path(__file__).resolve().parent
 SLOPE = math.radians(26)
-# From 0.02 to 0.2 it makes a difference of a tenth to LAMMPS; with 0.1 no bed is searched again.
+# Between 0.02 and 0.2, LAMMPS's speed varies by a tenth; with 0.1, no list of a bed is rebuilt.
 SKIN = 0.1
 STEPS = {4000: (1000, 4000), 32000: (1000, 1000), 256000: (300, 100), 1024000: (100, 50)}
 CASES = "bed/32000,gas/32000,chute/32000,bed/256000"
-WAYS = "hooke_history,cundall_strack,portable"
+VARIANTS = "hooke_history,cundall_strack,portable"
 
 
 def run(command, threads=1):
@@ -41,10 +41,10 @@ def run(command, threads=1):
     return done.stdout
 
 
-def number_after(text, words, place=-1):
-    """The number behind the words, in the last (or place-th) line that begins with them."""
-    lines = [line for line in text.splitlines() if line.startswith(words)]
-    return float(lines[place].removeprefix(words).split()[0])
+def number_after(text, prefix):
+    """The number after the prefix, in the last line that begins with it."""
+    lines = [line for line in text.splitlines() if line.startswith(prefix)]
+    return float(lines[-1].removeprefix(prefix).split()[0])
 
 
 def lammps(scene, state, steps, cores, final):
@@ -63,16 +63,16 @@ def lammps(scene, state, steps, cores, final):
             "rebuilds": number_after(text, "Neighbor list builds =")}
 
 
-def silt(program, scene, grains, way, steps, cores, final):
-    law = "hooke_history" if way == "portable" else way
-    if way == "portable":
+def silt(program, scene, grains, variant, steps, cores, final):
+    law = "hooke_history" if variant == "portable" else variant
+    if variant == "portable":
         program = program.with_name(program.name + "_portable")
     text = run([program, "run", scene, str(grains), law, str(steps[0]), str(steps[1]), final], cores)
     return json.loads(text)
 
 
 def bodies_of(path):
-    """(box, rows x y z vx vy vz wx wy wz) of a dump of LAMMPS, or of what silt_steps wrote."""
+    """(box, rows x y z vx vy vz wx wy wz) of a dump of LAMMPS or a file of silt_steps."""
     lines = path.read_text(encoding="utf-8").splitlines()
     box = None
     if lines[0].startswith("ITEM"):
@@ -89,7 +89,7 @@ def physics(rows):
 
 
 def farthest(box, ours, theirs):
-    """The largest distance between the two positions of one grain, nearest images."""
+    """Maximum distance between the two positions of a grain (nearest images)."""
     far = 0
     for a, b in zip(ours, theirs):
         r = [x - y for x, y in zip(a[:3], b[:3])]
@@ -101,17 +101,17 @@ def spread(values):
     return {"median": statistics.median(values), "least": min(values), "most": max(values)}
 
 
-def compare(program, folder, scene, grains, cores, repeat, ways):
+def compare(program, folder, scene, grains, cores, repeat, variants):
     state = pathlib.Path(run([program, "make", scene, str(grains)]).strip())
     steps = STEPS[grains]
     theirs_at, ours_at = folder / f"lammps_{scene}.txt", folder / f"silt_{scene}.txt"
-    theirs, ours = [], {way: [] for way in ways}
+    theirs, ours = [], {variant: [] for variant in variants}
     result = {"scene": scene, "grains": grains, "cores": cores, "steps": steps}
     for _ in range(repeat):
         theirs.append(lammps(scene, state, steps, cores, theirs_at))
-        for way in ways:
-            ours[way].append(silt(program, scene, grains, way, steps, cores, ours_at))
-            if way == "hooke_history" and "physics" not in result:
+        for variant in variants:
+            ours[variant].append(silt(program, scene, grains, variant, steps, cores, ours_at))
+            if variant == "hooke_history" and "physics" not in result:
                 box, their_rows = bodies_of(theirs_at)
                 _, our_rows = bodies_of(ours_at)
                 result["physics"] = {"lammps": physics(their_rows), "silt": physics(our_rows),
@@ -123,15 +123,16 @@ def compare(program, folder, scene, grains, cores, repeat, ways):
                 "rebuilds": runs[-1]["rebuilds"]}
 
     result["lammps"] = of_all(theirs)
-    for way in ways:
-        result[way] = of_all(ours[way])
-        ratios = [them["seconds"] / us["seconds"] for them, us in zip(theirs, ours[way])]
-        medians = [result[each]["million_steps_per_second"]["median"] for each in (way, "lammps")]
-        result[way]["times_lammps"] = {**spread(ratios), "median": medians[0] / medians[1]}
+    for variant in variants:
+        result[variant] = of_all(ours[variant])
+        ratios = [them["seconds"] / us["seconds"] for them, us in zip(theirs, ours[variant])]
+        medians = [result[each]["million_steps_per_second"]["median"]
+                   for each in (variant, "lammps")]
+        result[variant]["times_lammps"] = {**spread(ratios), "median": medians[0] / medians[1]}
     return result
 
 
-def lines_of(result, ways):
+def lines_of(result, variants):
     def speed(of):
         s = of["million_steps_per_second"]
         return f"{s['median']:.1f} ({s['least']:.1f}–{s['most']:.1f})"
@@ -140,10 +141,11 @@ def lines_of(result, ways):
     yield (f"{result['scene']} of {result['grains']}, {result['cores']} core(s): LAMMPS "
            f"{speed(result['lammps'])} million grain-steps/s, {result['lammps']['contacts']:.3f} "
            f"contacts per grain, {result['lammps']['rebuilds']:.0f} rebuilds")
-    for way in ways:
-        ratio = result[way]["times_lammps"]
-        yield (f"  {way}: {speed(result[way])}, {result[way]['contacts']:.3f} contacts, "
-               f"{result[way]['rebuilds']:.0f} rebuilds: {ratio['median']:.2f} times LAMMPS "
+    for variant in variants:
+        ratio = result[variant]["times_lammps"]
+        yield (f"  {variant}: {speed(result[variant])}, "
+               f"{result[variant]['contacts']:.3f} contacts, "
+               f"{result[variant]['rebuilds']:.0f} rebuilds: {ratio['median']:.2f} times LAMMPS "
                f"({ratio['least']:.2f}–{ratio['most']:.2f})")
     if physics_of:
         yield "  after the same steps, LAMMPS and Silt: " + ", ".join(
@@ -160,21 +162,21 @@ def main():
     parser.add_argument("--cases", default=CASES)
     parser.add_argument("--cores", default="1,2")
     parser.add_argument("--repeat", type=int, default=5)
-    parser.add_argument("--ways", default=WAYS)
+    parser.add_argument("--variants", default=VARIANTS)
     arguments = parser.parse_args()
     if not shutil.which("lmp"):
-        print("LAMMPS (Debian's package lammps) is not here: Silt is not compared with it.")
+        print("LAMMPS (Debian's package lammps) is not installed: Silt is not compared with it.")
         return
     arguments.folder.mkdir(parents=True, exist_ok=True)
-    ways = arguments.ways.split(",")
+    variants = arguments.variants.split(",")
     version = run(["lmp", "-help"]).strip().splitlines()[0].split(" - ", 1)[1]
     results = []
     for case in arguments.cases.split(","):
         scene, grains = case.split("/")
         for cores in map(int, arguments.cores.split(",")):
             results.append(compare(arguments.program.resolve(), arguments.folder, scene,
-                                   int(grains), cores, arguments.repeat, ways))
-            print("\n".join(lines_of(results[-1], ways)), flush=True)
+                                   int(grains), cores, arguments.repeat, variants))
+            print("\n".join(lines_of(results[-1], variants)), flush=True)
     (arguments.folder / "lammps.json").write_text(
         json.dumps({"lammps": version, "results": results}, indent=1), encoding="utf-8")
 

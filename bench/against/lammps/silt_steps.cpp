@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Silt's half of the comparison with LAMMPS; compare.py calls it.
-//   silt_steps make SCENE N                          makes the state's file and prints its name
-//   silt_steps run SCENE N LAW WARM STEPS FINAL      WARM steps, then STEPS timed ones; prints what
-//                                                    they took and led to, and writes FINAL
+// Silt's part of the comparison with LAMMPS; called by compare.py.
+//   silt_steps make SCENE N                          creates the file of the state, prints its name
+//   silt_steps run SCENE N LAW WARM STEPS FINAL      WARM steps, then STEPS timed ones; prints time
+//                                                    and results, and writes FINAL
 #include "../../states.hpp"
 
 #include <chrono>
@@ -81,7 +81,7 @@ int main(int argc, char** argv) try {
     }
     return 0;
   }
-  std::fprintf(stderr, "usage: see the head of silt_steps.cpp\n");
+  std::fprintf(stderr, "usage: see the beginning of silt_steps.cpp\n");
   return 2;
 } catch (const std::exception& error) {
   std::fprintf(stderr, "%s\n", error.what());

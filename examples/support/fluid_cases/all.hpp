@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The cases by name. Lengths are metres, and the length that gives each its scale is one of them:
-// 1/spacing particles lie along it.
+// The cases by name. The characteristic length of each is 1 m, with 1/spacing particles along it.
 #pragma once
 
 #include "falling_block.hpp"
@@ -24,18 +23,18 @@ inline const std::vector<std::string>& names() {
 
 struct Choice {
   std::string name;      ///< one of names()
-  double spacing = 0.02; ///< l0 [m], a whole part of 1 m, at most 0.1
+  double spacing = 0.02; ///< l0 [m], at most 0.1; 1 m must be a multiple of it
   double swing = 1;      ///< A0/B0 of the drop [-]
 };
 
-/// Throws if there is no such case, or no such spacing.
+/// Throws if there is no such case, or the spacing is invalid.
 inline FluidCase make(const Choice& choice) {
   require_positive("fluid_cases: spacing", choice.spacing);
   require_positive("fluid_cases: swing", choice.swing);
   const double number = std::round(1 / choice.spacing);
   if (!(std::abs(number * choice.spacing - 1) < 1e-6) || number < 10 || number > 10000) {
     fail("fluid_cases: spacing = " + to_text(choice.spacing) +
-         " m must go 10 to 10000 times into 1 m; give 0.02, or 0.01");
+         " m must be 1 m divided by an integer from 10 to 10000; use 0.02 or 0.01");
   }
   const int along = static_cast<int>(number);
   if (choice.name == "taylor_green") return taylor_green(along);

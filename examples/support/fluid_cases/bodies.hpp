@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Bodies of fluid that the cases begin with, cut from one lattice, and how whole they are later.
+// Initial bodies of fluid, cut from a lattice, and measures of their later fragmentation.
 #pragma once
 
 #include <silt/mps.hpp>
@@ -13,8 +13,8 @@ namespace fluid_cases {
 
 using namespace silt;
 
-/// Fluid where belongs(x) holds, on the lattice of the box, moving with velocity_at(x) [m/s]; in a
-/// space of the given sides.
+/// Fluid at the lattice points x of `box` with belongs(x), with velocity velocity_at(x) [m/s], in
+/// the box `space`.
 template <class Belongs, class VelocityAt>
 mps::Fluid<2> fluid_where(const Box<2>& box, double spacing, const Box<2>& space, Belongs&& belongs,
                           VelocityAt&& velocity_at) {
@@ -27,8 +27,8 @@ mps::Fluid<2> fluid_where(const Box<2>& box, double spacing, const Box<2>& space
   return fluid;
 }
 
-/// Radius of the largest circle in a periodic box without a particle in it [m], to a quarter of a
-/// spacing, and at most two spacings. On a square lattice it is 0.71 l0.
+/// Radius of the largest empty circle in a periodic box [m], with a resolution of a quarter of a
+/// spacing, limited to two spacings. On a square lattice it is 0.71 l0.
 inline double largest_gap(const mps::Fluid<2>& fluid, double spacing) {
   const auto& box = fluid.box();
   const auto points = [&](int axis) {
@@ -38,22 +38,22 @@ inline double largest_gap(const mps::Fluid<2>& fluid, double spacing) {
   const Vec<2> step{box.length()[0] / double(nx), box.length()[1] / double(ny)};
   constexpr long reach = 8;
   std::vector<double> nearest(static_cast<Index>(nx * ny), 4 * spacing * spacing);
-  for (const auto& at : fluid[position]) {
-    const Vec<2> x = (box.wrap(at) - box.lower).cwiseQuotient(step);
+  for (const auto& centre : fluid[position]) {
+    const Vec<2> x = (box.wrap(centre) - box.lower).cwiseQuotient(step);
     const long x0 = std::lround(x[0]), y0 = std::lround(x[1]);
     for (long b = y0 - reach; b <= y0 + reach; ++b) {
       for (long a = x0 - reach; a <= x0 + reach; ++a) {
         const Vec<2> off = (x - Vec<2>(double(a), double(b))).cwiseProduct(step);
-        double& least = nearest[static_cast<Index>((b + ny) % ny * nx + (a + nx) % nx)];
-        least = std::min(least, off.squaredNorm());
+        double& smallest = nearest[static_cast<Index>((b + ny) % ny * nx + (a + nx) % nx)];
+        smallest = std::min(smallest, off.squaredNorm());
       }
     }
   }
   return std::sqrt(*std::max_element(nearest.begin(), nearest.end()));
 }
 
-/// Share of the particles that hang together in the largest body, links being shorter than `reach`
-/// [m].
+/// Fraction of the particles in the largest connected body; particles closer than `reach` [m] are
+/// connected.
 inline double largest_body(const mps::Fluid<2>& fluid, double reach) {
   mps::Fluid<2> copy = fluid;
   UniformGrid<2> grid;

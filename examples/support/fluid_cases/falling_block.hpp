@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A block of fluid that falls freely: nothing presses on it, and it keeps its shape.
+// A block of fluid in free fall: its pressure stays zero, and it keeps its shape.
 #pragma once
 
 #include "bodies.hpp"
@@ -7,7 +7,7 @@
 
 namespace fluid_cases {
 
-/// `along` particles a side of 1 m, for half a second.
+/// `along` particles per side of 1 m, for half a second.
 inline FluidCase falling_block(int along) {
   constexpr double side = 1, g = 9.81;
   const double l0 = side / along;
@@ -39,7 +39,7 @@ inline FluidCase falling_block(int along) {
              1e-6, 1},
             {"speed after half a second [m/s]", g * history["t"].back(), history["speed"].back(),
              1e-9},
-            // Steps of first order in time.
+            // The scheme is of first order in time.
             {"fall after half a second [m]", history["fall_exact"].back(), history["fall"].back(),
              0.02},
             {"largest move off the lattice [l0]", 0, history["off_lattice"].back(), 1e-6, 1}};

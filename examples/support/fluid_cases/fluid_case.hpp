@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A flow with a known solution: how it begins, what is noted on the way, and what that is held
-// against. The program fluid_cases runs it, and so do the tests.
+// A flow with a known solution: initial state, recorded quantities, and comparison with the
+// solution. Used by the program fluid_cases and by the tests.
 #pragma once
 
 #include <silt/measure/timed.hpp>
@@ -18,7 +18,8 @@ namespace fluid_cases {
 
 using namespace silt;
 
-/// What was noted of a run: one row a time, one column a quantity. The first column is the time.
+/// Quantities recorded during a run: one row per time, one column per quantity. The first column is
+/// the time.
 class History {
  public:
   explicit History(std::vector<std::string> names)
@@ -34,7 +35,7 @@ class History {
   }
   const std::vector<double>& operator[](const std::string& name) const {
     const auto found = std::find(names_.begin(), names_.end(), name);
-    if (found == names_.end()) fail("History: there is no column " + name);
+    if (found == names_.end()) fail("History: no column " + name);
     return columns_[static_cast<Index>(found - names_.begin())];
   }
 
@@ -43,15 +44,15 @@ class History {
   std::vector<std::vector<double>> columns_;
 };
 
-/// What is told of a finding without being a test of it.
+/// For findings that are reported, but not checked.
 inline constexpr double stated = std::numeric_limits<double>::infinity();
 
-/// One quantity of a run, and what it should be.
+/// One result of a run and its reference value.
 struct Finding {
   std::string quantity;  ///< with its unit
   double reference = 0;
   double measured = 0;
-  double allowed = 0;  ///< error, over the scale; `stated`: any
+  double allowed = 0;  ///< maximum error over the scale; `stated`: any
   double scale = 0;    ///< of the error; 0: the reference
 
   double error() const {
@@ -60,7 +61,7 @@ struct Finding {
   bool holds() const { return is_finite(measured) && error() <= allowed; }
 };
 
-/// A flow in the plane whose solution is known.
+/// A flow in 2D with a known solution.
 struct FluidCase {
   std::string name;
   mps::Fluid<2> start = {};
@@ -70,7 +71,7 @@ struct FluidCase {
   Vec<2> gravity = Vec<2>::Zero();                ///< [m/s²]
   std::function<Vec<2>(const Vec<2>&, double)> body_force = {};  ///< at x [m], t [s]: [m/s²]
   bool clip_negative_pressure = true;
-  bool has_surface = true;  ///< somewhere it is free
+  bool has_surface = true;  ///< whether there is a free surface
   double until = 0;         ///< [s]
   double note_every = 0;    ///< time between rows of the history [s]; 0: every step
   std::vector<std::string> names = {};  ///< of the history's columns
@@ -79,16 +80,16 @@ struct FluidCase {
   std::function<std::vector<Finding>(const History&)> findings = {};
 };
 
-inline constexpr double density = 1000;  ///< ρ of every case [kg/m³]
+inline constexpr double density = 1000;  ///< ρ in every case [kg/m³]
 
-/// Numbers of the method, the same for every case.
+/// Numerical parameters, which do not depend on the case.
 struct Numerics {
-  double radius = 3.1;            ///< of number density, gradient, divergence [spacings]
-  double laplacian_radius = 3.1;  ///< [spacings]
+  double radius = 3.1;  ///< effective radius of number density, gradient, divergence [spacings]
+  double laplacian_radius = 3.1;  ///< effective radius of the Laplacian [spacings]
   double courant = 0.2;           ///< [-]
 };
 
-/// The case under a scheme, ready to run.
+/// The simulation of a case with a scheme.
 template <class Scheme>
 auto simulation_of(const FluidCase& flow, const Numerics& numerics) {
   mps::FlowSettings<2, Scheme> settings{
@@ -107,8 +108,8 @@ auto simulation_of(const FluidCase& flow, const Numerics& numerics) {
                     mps::Flow<Scheme>{settings}, SemiImplicit<>{}};
 }
 
-/// Observer that notes a row of the history at the beginning, and at the first step at or after every
-/// multiple of note_every. on_row gets each, to be written down.
+/// Observer that records a row of the history at the beginning and at the first step that reaches
+/// each multiple of note_every, and calls on_row(row).
 class Notes {
  public:
   using OnRow = std::function<void(const std::vector<double>&)>;

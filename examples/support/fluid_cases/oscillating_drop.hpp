@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A drop of inviscid fluid that swings in a central force −B0² r (Monaghan and Rafiee, Int. J.
-// Numer. Meth. Fluids 71, 2013). Its velocity stays (A x, −A y), and it an ellipse.
+// A drop of inviscid fluid that oscillates in a central force field −B0² r (Monaghan and Rafiee,
+// Int. J. Numer. Meth. Fluids 71, 2013). Its velocity is always (A x, −A y), its shape an ellipse.
 #pragma once
 
 #include "bodies.hpp"
@@ -9,10 +9,10 @@
 
 namespace fluid_cases {
 
-/// A disc of radius R at first.
+/// Initially a disc of radius R.
 struct OscillatingDrop {
   double radius = 1;  ///< R [m]
-  double a0 = 1;      ///< A at first [1/s]
+  double a0 = 1;      ///< initial A [1/s]
   double b0 = 1;      ///< B0 [1/s]
 
   struct State {
@@ -22,13 +22,13 @@ struct OscillatingDrop {
   };
   State start() const { return {a0, radius, radius}; }
 
-  /// dA/dt = (A² + B0²) (b² − a²)/(a² + b²), da/dt = A a, db/dt = −A b: the change in dt [s], by
-  /// Runge and Kutta's method of fourth order.
+  /// State after dt [s] of dA/dt = (A² + B0²) (b² − a²)/(a² + b²), da/dt = A a, db/dt = −A b, by
+  /// the Runge–Kutta method of fourth order.
   State after(const State& s, double dt) const {
-    const auto change = [this](const State& at) {
-      const double aa = at.a * at.a, bb = at.b * at.b;
-      return State{(at.rate * at.rate + b0 * b0) * (bb - aa) / (aa + bb), at.rate * at.a,
-                   -at.rate * at.b};
+    const auto change = [this](const State& now) {
+      const double aa = now.a * now.a, bb = now.b * now.b;
+      return State{(now.rate * now.rate + b0 * b0) * (bb - aa) / (aa + bb), now.rate * now.a,
+                   -now.rate * now.b};
     };
     const auto moved = [&s](const State& by, double time) {
       return State{s.rate + time * by.rate, s.a + time * by.a, s.b + time * by.b};
@@ -46,7 +46,7 @@ struct OscillatingDrop {
     return state;
   }
 
-  /// Twice the time that A takes from one zero to the next [s].
+  /// Twice the time between two zeros of A [s].
   double period() const {
     const double dt = 1e-3 / b0;
     std::vector<double> times, rates;
@@ -59,7 +59,7 @@ struct OscillatingDrop {
   }
 };
 
-/// `along` particles in a radius, for three periods; A0/B0 says how far it swings.
+/// `along` particles per radius, for three periods; A0/B0 determines the amplitude.
 inline FluidCase oscillating_drop(int along, double a0_over_b0) {
   const OscillatingDrop exact{.a0 = a0_over_b0};
   const double R = exact.radius;
@@ -73,7 +73,7 @@ inline FluidCase oscillating_drop(int along, double a0_over_b0) {
   flow.speed_scale = 1.5 * R * exact.b0;
   flow.body_force = [=](const Vec<2>& x, double) { return Vec<2>(-exact.b0 * exact.b0 * x); };
   const double period = exact.period();
-  // A is zero at a quarter of a period first.
+  // The first zero of A is at a quarter of a period.
   flow.until = 3.3 * period;
   flow.note_every = period / 100;
   flow.names = {"t", "rate", "a", "b", "rate_exact", "a_exact", "b_exact", "whole", "pressure_centre"};
@@ -89,9 +89,9 @@ inline FluidCase oscillating_drop(int along, double a0_over_b0) {
     for (Index i = 0; i < fluid.size(); ++i) {
       if (x[i].norm() < 2 * l0) centre += fluid[mps::pressure][i], ++near;
     }
-    const auto there = exact.at(time);
-    return {time,    (xu / xx - yv / yy) / 2, 2 * std::sqrt(xx), 2 * std::sqrt(yy), there.rate,
-            there.a, there.b,                 largest_body(fluid, 2 * l0),
+    const auto known = exact.at(time);
+    return {time,    (xu / xx - yv / yy) / 2, 2 * std::sqrt(xx), 2 * std::sqrt(yy), known.rate,
+            known.a, known.b,                 largest_body(fluid, 2 * l0),
             near > 0 ? centre / near / density : 0};
   };
   flow.findings = [=](const History& history) -> std::vector<Finding> {

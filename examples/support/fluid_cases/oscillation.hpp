@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Period and amplitude of what swings around zero.
+// Period and slope of sampled signals.
 #pragma once
 
 #include <algorithm>
@@ -9,8 +9,7 @@
 
 namespace fluid_cases {
 
-/// Times at which y passes zero, by linear interpolation. A value that is zero at the beginning
-/// counts.
+/// Times of the zero crossings of y, by linear interpolation. An initial zero counts.
 inline std::vector<double> zero_crossings(const std::vector<double>& t,
                                           const std::vector<double>& y) {
   std::vector<double> times;
@@ -23,13 +22,13 @@ inline std::vector<double> zero_crossings(const std::vector<double>& t,
   return times;
 }
 
-/// Mean period over the first `count` whole ones; nan if there are fewer.
+/// Mean of the first `count` whole periods; nan if there are fewer.
 inline double mean_period(const std::vector<double>& times, std::size_t count) {
   if (times.size() <= 2 * count) return std::nan("");
   return (times[2 * count] - times[0]) / double(count);
 }
 
-/// Slope of the straight line through (t, y) by least squares.
+/// Least-squares slope of y over t.
 inline double slope(const std::vector<double>& t, const std::vector<double>& y) {
   const double n = double(t.size());
   double st = 0, sy = 0, stt = 0, sty = 0;

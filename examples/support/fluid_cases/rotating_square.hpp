@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A square of fluid that turns in empty space: its pressure is negative everywhere inside (Colagrossi
-// 2005; Le Touzé et al., Int. J. Numer. Meth. Fluids 73, 2013).
+// A square of fluid that rotates in empty space: its pressure is negative everywhere inside
+// (Colagrossi 2005; Le Touzé et al., Int. J. Numer. Meth. Fluids 73, 2013).
 #pragma once
 
 #include "bodies.hpp"
@@ -10,12 +10,12 @@
 
 namespace fluid_cases {
 
-/// u = ω y, v = −ω x at first, in a square of side L around the origin.
+/// Initially u = ω y, v = −ω x in a square of side L around the origin.
 struct RotatingSquare {
   double side = 1;  ///< L [m]
   double omega = 1; ///< ω [1/s]
 
-  /// Pressure at the beginning [Pa]: ∇²P = 2 ρ ω², P = 0 on the sides, as a double Fourier series.
+  /// Initial pressure [Pa]: ∇²P = 2 ρ ω², P = 0 on the sides, as a double Fourier series.
   double pressure_at(const Vec<2>& x) const {
     using std::numbers::pi;
     const double k = pi / side;
@@ -30,7 +30,7 @@ struct RotatingSquare {
   }
 };
 
-/// `along` particles a side, for one turn of a rigid body.
+/// `along` particles per side, for one revolution of a rigid body.
 inline FluidCase rotating_square(int along) {
   const RotatingSquare exact;
   const double l0 = exact.side / along;
@@ -56,18 +56,18 @@ inline FluidCase rotating_square(int along) {
   };
   const double energy0 = energy(flow.start);
   flow.note = [=](const mps::Fluid<2>& fluid, double time) -> std::vector<double> {
-    double centre = 0, most = 0;
+    double centre = 0, farthest = 0;
     int near = 0;
     for (Index i = 0; i < fluid.size(); ++i) {
       const double r = fluid[position][i].norm();
-      most = std::max(most, r);
+      farthest = std::max(farthest, r);
       if (r < 2 * l0) centre += fluid[mps::pressure][i], ++near;
     }
     return {time, spin(fluid) / spin0, energy(fluid) / energy0, largest_body(fluid, 2 * l0),
-            near > 0 ? centre / near / density : 0, most};
+            near > 0 ? centre / near / density : 0, farthest};
   };
   flow.findings = [=](const History& history) -> std::vector<Finding> {
-    // The pressure follows the motion by a step: it is read when a hundredth of a turn is over.
+    // The pressure lags behind the motion by a step, so the first hundredth of a turn is excluded.
     double centre = 0, whole_at_two = 0;
     int rows = 0;
     for (Index k = 0; k < history["t"].size(); ++k) {

@@ -23,7 +23,7 @@ struct StandingWave {
     return std::sqrt(gravity * wave_number() * std::tanh(wave_number() * depth));
   }
   double period() const { return 2 * std::numbers::pi / frequency(); }
-  /// Where the surface, still flat, passes its mean height: x from a crest to come, y above the floor.
+  /// Velocity when the surface is flat; x from a later crest, y above the floor.
   Vec<2> velocity_at(const Vec<2>& x) const {
     const double k = wave_number();
     const double scale = amplitude * gravity * k / frequency() / std::cosh(k * depth);
@@ -33,7 +33,7 @@ struct StandingWave {
   double elevation(double time) const { return amplitude * std::sin(frequency() * time); }
 };
 
-/// `along` particles in the wave length, for ten periods.
+/// `along` particles per wavelength, for ten periods.
 inline FluidCase standing_wave(int along) {
   const StandingWave exact;
   const double l0 = exact.length / along;
@@ -73,18 +73,18 @@ inline FluidCase standing_wave(int along) {
   flow.findings = [=](const History& history) -> std::vector<Finding> {
     const auto& t = history["t"];
     const auto& eta = history["elevation"];
-    const auto most_within = [&](double from) {
-      double most = 0;
+    const auto max_within = [&](double from) {
+      double highest = 0;
       for (Index k = 0; k < t.size(); ++k) {
         const double periods = t[k] / exact.period();
-        if (periods >= from && periods < from + 1) most = std::max(most, std::abs(eta[k]));
+        if (periods >= from && periods < from + 1) highest = std::max(highest, std::abs(eta[k]));
       }
-      return most / exact.amplitude;
+      return highest / exact.amplitude;
     };
     return {{"period, mean of ten [s]", exact.period(), mean_period(zero_crossings(t, eta), 10),
              0.02},
-            {"amplitude in the first period [a]", 1, most_within(0), 0.1},
-            {"amplitude in the tenth period [a]", 1, most_within(9), stated}};
+            {"amplitude in the first period [a]", 1, max_within(0), 0.1},
+            {"amplitude in the tenth period [a]", 1, max_within(9), stated}};
   };
   return flow;
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Taylor–Green vortices in a periodic square: a flow with an exact solution of the Navier–Stokes
-// equations, that decays by viscosity alone (G.I. Taylor, A.E. Green, Proc. R. Soc. A 158, 1937).
+// Taylor–Green vortices in a periodic square: an exact solution of the Navier–Stokes equations that
+// decays by viscosity only (G.I. Taylor, A.E. Green, Proc. R. Soc. A 158, 1937).
 #pragma once
 
 #include "bodies.hpp"
@@ -11,13 +11,13 @@
 
 namespace fluid_cases {
 
-/// In a square of side L, with the largest speed U at first.
+/// In a square of side L, with the initial maximum speed U.
 struct TaylorGreen {
   double side = 1;       ///< L [m]
   double speed = 1;      ///< U [m/s]
   double reynolds = 100; ///< Re = U L/ν [-]
 
-  /// b [1/s] of the velocity's exp(b t).
+  /// Rate b [1/s] of the velocity's decay exp(b t).
   double decay() const {
     using std::numbers::pi;
     return -8 * pi * pi * speed / (reynolds * side);
@@ -30,7 +30,7 @@ struct TaylorGreen {
   }
 };
 
-/// `along` particles a side, until t U/L = 1.
+/// `along` particles per side, until t U/L = 1.
 inline FluidCase taylor_green(int along) {
   const TaylorGreen exact;
   const double l0 = exact.side / along;

@@ -16,14 +16,14 @@
 
 namespace silt::dem {
 
-/// A table of named columns of numbers. refuse(row, column, reason) throws an error that names the
+/// A table of named columns of numbers. reject(row, column, reason) throws an error that names the
 /// file and the location of the number.
 template <class T>
 concept NamedColumns = requires(const T table, Index row, const std::string name) {
   { table.rows() } -> std::convertible_to<Index>;
   { table.names() } -> std::convertible_to<std::vector<std::string>>;
   { table[name][row] } -> std::convertible_to<double>;
-  table.refuse(row, name, name);
+  table.reject(row, name, name);
 };
 
 namespace detail {
@@ -73,7 +73,7 @@ Grains<Dim, Real, Further...> grains_from(const T& table, const Grain& defaults 
   const auto value = [&](Index row, const std::string& name, double fallback) {
     if (!detail::has_column(table, name)) return fallback;
     const double number = table[name][row];
-    if (!(number > 0)) table.refuse(row, name, "must be above 0");
+    if (!(number > 0)) table.reject(row, name, "must be above 0");
     return number;
   };
   const bool by_mass = detail::has_column(table, "mass");
@@ -101,7 +101,7 @@ Grains<Dim, Real, Further...> grains_from(const T& table, const Grain& defaults 
         for (Index row = 0; row < values.size(); ++row) {
           using Value = typename decltype(values)::value_type;
           if (!holds_number<Value>(column[row])) {
-            table.refuse(row, names[k], "must be an integer in the range of the field");
+            table.reject(row, names[k], "must be an integer in the range of the field");
           }
           set_number(values[row], k, column[row]);
         }

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-// The archives of a checkpoint (core/transfer.hpp): numbers by names, one entry after the other.
+// The archives of a checkpoint (core/transfer.hpp): a sequence of named entries.
 //
 //   magic, byte order    "silt checkpoint 1\n" and 0x01020304
-//   entries              name, what its numbers are, how many, the numbers themselves
-//   checksum             of all before it
+//   entries              name, type of a value, number of values, the values
+//   checksum             of all preceding bytes
 //
-// It is as simple as can be: it is read by the version that wrote it, on machines with the same
-// order of bytes.
+// The format is simple because a file is only read by the version of Silt that wrote it, on
+// machines with the same byte order.
 #pragma once
 
 #include <silt/core/error.hpp>
@@ -29,18 +29,18 @@ namespace checkpoint {
 inline constexpr std::string_view magic = "silt checkpoint 1\n";
 inline constexpr std::uint32_t byte_order = 0x01020304;
 
-/// What one value consists of.
+/// Type of one value.
 struct Item {
-  char kind;              ///< f, i, u: numbers; x: bytes that nobody looks into
-  std::uint32_t width;    ///< bytes of a number
-  std::uint32_t numbers;  ///< in a value
+  char kind;              ///< f, i, u: floating-point, signed, unsigned numbers; x: opaque bytes
+  std::uint32_t width;    ///< bytes per number
+  std::uint32_t numbers;  ///< numbers per value
 
   bool operator==(const Item&) const = default;
 
   std::string text() const {
     const std::string names = kind == 'f'   ? "floating-point numbers"
                               : kind == 'x' ? "blocks"
-                                            : "whole numbers";
+                                            : "integers";
     return std::to_string(numbers) + " " + names + " of " + std::to_string(width) + " bytes";
   }
 };
@@ -65,7 +65,7 @@ constexpr Item item_of() {
   }
 }
 
-/// Fowler, Noll and Vo's hash FNV-1a, of words of eight bytes and then of what is left.
+/// FNV-1a hash (Fowler, Noll, Vo) of words of eight bytes, then of the remaining bytes.
 inline std::uint64_t checksum(std::string_view bytes) {
   std::uint64_t hash = 0xcbf29ce484222325u;
   const auto mix = [&hash](std::uint64_t word) { hash = (hash ^ word) * 0x100000001b3u; };
@@ -79,20 +79,20 @@ inline std::uint64_t checksum(std::string_view bytes) {
   return hash;
 }
 
-/// Names of entries, below one another: "particles/velocity".
+/// Nested names of entries: "particles/velocity".
 class Path {
  public:
   template <class F>
   void within(std::string_view name, F&& f) {
-    const auto length = above_.size();
-    above_ += std::string(name) + "/";
+    const auto length = parent_.size();
+    parent_ += std::string(name) + "/";
     f();
-    above_.resize(length);
+    parent_.resize(length);
   }
-  std::string of(std::string_view name) const { return above_ + std::string(name); }
+  std::string of(std::string_view name) const { return parent_ + std::string(name); }
 
  private:
-  std::string above_;
+  std::string parent_;
 };
 
 class Writer {
@@ -155,10 +155,11 @@ class Reader {
  public:
   static constexpr bool reads = true;
 
-  /// Throws if the bytes are no checkpoint, or not as they were written.
+  /// Throws if the bytes are not a checkpoint, or are damaged.
   Reader(std::string name, std::string_view bytes) : file_(std::move(name)), rest_(bytes) {
     if (!bytes.starts_with(magic)) {
-      refuse("is no checkpoint of this version of Silt", "give a file that write_checkpoint made");
+      reject("is not a checkpoint of this version of Silt",
+             "pass a file written by write_checkpoint");
     }
     std::uint64_t sum = 0;
     if (bytes.size() >= magic.size() + sizeof byte_order + sizeof sum) {
@@ -166,13 +167,13 @@ class Reader {
       rest_.remove_suffix(sizeof sum);
     }
     if (rest_.size() == bytes.size() || sum != checksum(rest_)) {
-      refuse("is cut short or damaged: its checksum is wrong", "use an earlier one");
+      reject("is truncated or damaged: its checksum is wrong", "use an earlier checkpoint");
     }
     rest_.remove_prefix(magic.size());
     std::uint32_t order;
-    take(&order, sizeof order);
+    read(&order, sizeof order);
     if (order != byte_order) {
-      refuse("was written on a machine with another order of bytes", "read it on one like that");
+      reject("was written on a machine with another byte order", "read it on such a machine");
     }
   }
 
@@ -180,15 +181,16 @@ class Reader {
   void operator()(std::string_view name, T& value) {
     const std::uint64_t count = expect(name, item_of<T>());
     if (count != 1) {
-      refuse("has " + std::to_string(count) + " values of " + path_.of(name) + " where one belongs",
+      reject("has " + std::to_string(count) + " values of " + path_.of(name) +
+                 " where one is expected",
              same_simulation);
     }
-    take(static_cast<void*>(&value), sizeof value);
+    read(static_cast<void*>(&value), sizeof value);
   }
   template <class T, class A>
   void operator()(std::string_view name, std::vector<T, A>& values) {
     values.resize(expect(name, item_of<T>()));
-    take(static_cast<void*>(values.data()), values.size() * sizeof(T));
+    read(static_cast<void*>(values.data()), values.size() * sizeof(T));
   }
   template <class T, class A>
   void operator()(std::string_view name, std::vector<T, A>& values, Index) {
@@ -196,13 +198,13 @@ class Reader {
   }
   void operator()(std::string_view name, std::string& text) {
     text.resize(expect(name, item_of<char>()));
-    take(text.data(), text.size());
+    read(text.data(), text.size());
   }
   void same(std::string_view name, const std::string& text) {
     std::string written;
     (*this)(name, written);
     if (written != text) {
-      refuse("was written with " + path_.of(name) + " = " + written + ", but here it is " + text,
+      reject("was written with " + path_.of(name) + " = " + written + ", but here it is " + text,
              same_simulation);
     }
   }
@@ -211,50 +213,51 @@ class Reader {
     path_.within(name, f);
   }
 
-  /// Throws if something is left.
+  /// Throws if entries remain.
   void finish() const {
     if (!rest_.empty()) {
-      refuse("has more parts than were asked for", "read as many as were written");
+      reject("has more parts than are read here", "read all parts that were written");
     }
   }
 
  private:
   static constexpr const char* same_simulation =
-      "build the simulation, and name the parts, as they were when it was written";
+      "set up the simulation and pass the same parts as when it was written";
 
-  [[noreturn]] void refuse(const std::string& what, const std::string& advice) const {
+  [[noreturn]] void reject(const std::string& what, const std::string& advice) const {
     fail("read_checkpoint: " + file_ + " " + what + "; " + advice);
   }
 
-  void take(void* to, Index size) {
-    if (size > rest_.size()) refuse("ends too early", same_simulation);
+  void read(void* to, Index size) {
+    if (size > rest_.size()) reject("ends too early", same_simulation);
     if (size > 0) std::memcpy(to, rest_.data(), size);
     rest_.remove_prefix(size);
   }
 
-  // Begins the next entry, which must be this one; returns how many values follow.
+  // Begins the next entry, which must be this one; returns the number of its values.
   std::uint64_t expect(std::string_view name, const Item& item) {
     const std::string full = path_.of(name);
-    if (rest_.empty()) refuse("has no " + full, same_simulation);
+    if (rest_.empty()) reject("has no " + full, same_simulation);
     std::uint32_t length = 0;
-    take(&length, sizeof length);
-    if (length > rest_.size()) refuse("ends too early", same_simulation);
+    read(&length, sizeof length);
+    if (length > rest_.size()) reject("ends too early", same_simulation);
     std::string written(length, '\0');
-    take(written.data(), length);
+    read(written.data(), length);
     if (written != full) {
-      refuse("has " + written + " where " + full + " is expected", same_simulation);
+      reject("has " + written + " where " + full + " is expected", same_simulation);
     }
-    Item its{};
-    take(&its.kind, 1);
-    take(&its.width, sizeof its.width);
-    take(&its.numbers, sizeof its.numbers);
-    if (!(its == item)) {
-      refuse("has " + full + " of " + its.text() + " each, but here it is of " + item.text(),
+    Item written_item{};
+    read(&written_item.kind, 1);
+    read(&written_item.width, sizeof written_item.width);
+    read(&written_item.numbers, sizeof written_item.numbers);
+    if (!(written_item == item)) {
+      reject("has " + full + " of " + written_item.text() + " each, but here it is of " +
+                 item.text(),
              same_simulation);
     }
     std::uint64_t count = 0;
-    take(&count, sizeof count);
-    if (count > rest_.size()) refuse("ends too early", same_simulation);
+    read(&count, sizeof count);
+    if (count > rest_.size()) reject("ends too early", same_simulation);
     return count;
   }
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
-// A run that was stopped goes on, bit by bit, as if it had not been.
+// Resumes a stopped run, bitwise identical to an uninterrupted one.
 //
 //   write_checkpoint("run.silt", simulation, rain);
 //   …
-//   Simulation simulation{…};  dem::Inflow rain{…};      the same program builds them again
+//   Simulation simulation{…};  dem::Inflow rain{…};      set up again by the same program
 //   read_checkpoint("run.silt", simulation, rain);
 //   simulation.run({.until = …}, rain);
 //
-// The file is that of io/archive.hpp, in the order in which the parts name their state.
+// The file format is defined in io/archive.hpp; entries are in the order of the transfer() calls.
 #pragma once
 
 #include <silt/core/transfer.hpp>
@@ -33,8 +33,8 @@ void transfer_all(Archive& archive, Sim& simulation, Parts&... parts) {
 
 }  // namespace checkpoint
 
-/// Writes all that the simulation, and further parts such as an inflow, go on from. The file is
-/// there whole or not at all. Throws silt::Error if it cannot be written.
+/// Writes the whole state of the simulation and of further parts of the run, such as an inflow, to
+/// resume from. The file is written atomically. Throws silt::Error if it cannot be written.
 template <class Sim, class... Parts>
 void write_checkpoint(const std::filesystem::path& path, const Sim& simulation,
                       const Parts&... parts) {
@@ -44,10 +44,10 @@ void write_checkpoint(const std::filesystem::path& path, const Sim& simulation,
   file::replace("write_checkpoint", path, std::move(writer).finish());
 }
 
-/// Brings a simulation, and further parts, to where those were that were written. They are built as
-/// those were, with the same parameters: the file holds state alone. Throws silt::Error, and leaves
-/// all as it was, if the file cannot be read, is damaged, or belongs to another dimension,
-/// precision, list of fields or law.
+/// Restores the state of a simulation and of further parts from a checkpoint. They must have been
+/// set up with the same parameters as those that were written: the file contains state only. Throws
+/// silt::Error, and changes nothing, if the file cannot be read, is damaged, or was written with
+/// another dimension, precision, list of fields or law.
 template <class Sim, class... Parts>
 void read_checkpoint(const std::filesystem::path& path, Sim& simulation, Parts&... parts) {
   const std::string bytes = file::read("read_checkpoint", path);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Checkpoints of a run, written now and then.
+// Checkpoints of a run at regular intervals.
 //
 //   VtkSeries frames{"tower"};
 //   Checkpoints checkpoints{"tower.silt", {.every = 600}, frames};
@@ -22,34 +22,33 @@
 namespace silt {
 
 /// Observer that writes a checkpoint of the simulation and of further parts of the run, such as a
-/// VtkSeries or an inflow, to one file, between two steps, so that it holds all that was written up
-/// to there. The interval is one of wall-clock time: it limits how much work is lost, and has no
-/// effect on the results.
+/// VtkSeries or an inflow, to one file. It writes between two steps, so that the checkpoint covers
+/// all output up to that time. The interval is in wall-clock time: it limits how much work can be
+/// lost and has no effect on the results.
 template <class... Parts>
 class Checkpoints {
  public:
   struct Settings {
-    /// Wall-clock time between two of them [s]; 0: after every step. Without one, only write()
-    /// writes.
+    /// Wall-clock time between two checkpoints [s]; 0: after every step; infinite: only by write().
     double every = std::numeric_limits<double>::infinity();
   };
 
-  /// The parts must outlive it. Throws silt::Error if the interval is negative.
+  /// The parts must outlive this object. Throws silt::Error if the interval is negative.
   Checkpoints(std::filesystem::path path, const Settings& settings, Parts&... parts)
       : path_(std::move(path)), every_(settings.every), parts_(parts...) {
     if (!(every_ >= 0)) require_not_negative("Checkpoints: every", every_);
   }
 
-  /// Whether the file is there.
+  /// Whether the file exists.
   bool exist() const { return std::filesystem::exists(path_); }
 
-  /// As write_checkpoint().
+  /// Writes a checkpoint now, see write_checkpoint().
   template <class Sim>
   void write(const Sim& simulation) {
     std::apply([&](auto&... parts) { write_checkpoint(path_, simulation, parts...); }, parts_);
     written_ = Clock::now();
   }
-  /// As read_checkpoint(): all parts go on from there.
+  /// Restores the simulation and all parts, see read_checkpoint().
   template <class Sim>
   void read(Sim& simulation) {
     std::apply([&](auto&... parts) { read_checkpoint(path_, simulation, parts...); }, parts_);

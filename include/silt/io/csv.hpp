@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Tables as text: one line of names, then one line of numbers per row, separated by commas. Lines
-// that begin with # are comments.
+// Tables of numbers as CSV files: a line of column names, then one line per row. Lines that begin
+// with # are comments.
 #pragma once
 
 #include <silt/core/error.hpp>
@@ -23,15 +23,15 @@
 
 namespace silt {
 
-/// A table that grows by rows. Every row is on disc when row() returns, so that a long run can be
-/// watched and a broken one evaluated. Numbers are written with the fewest digits that read back as
-/// the same number. As a part of a checkpoint it goes on behind the rows that it had then: rows
-/// that were written later are removed.
+/// A table that is written row by row. Every row is on disc when row() returns, so that a run can
+/// be watched, and evaluated if it fails. Numbers are written with the fewest digits that read back
+/// as the same number. As a part of a checkpoint, the table resumes after the rows that it had when
+/// the checkpoint was written; later rows are removed.
 class CsvFile {
  public:
-  /// The names of the columns; the folder must exist. A table that is there already is replaced
-  /// when the first row is written, so that it can be read from a checkpoint before. Throws
-  /// silt::Error if there is no column or the file cannot be written.
+  /// The folder must exist. An existing file is kept until the first row is written, so that a
+  /// checkpoint can be read before; it is then replaced. Throws silt::Error if there are no columns
+  /// or the file cannot be written.
   CsvFile(std::filesystem::path path, const std::vector<std::string>& columns)
       : path_(std::move(path)), columns_(columns.size()) {
     if (columns.empty()) {
@@ -48,20 +48,20 @@ class CsvFile {
     if (std::filesystem::file_size(path_, unknown) == 0) begin();
   }
 
-  /// Replaces the file by the names of the columns now.
+  /// Replaces the file now, with a table without rows.
   void begin() {
     open("wb");
     size_ = 0;
     write(head_);
   }
 
-  /// Adds a row. Throws silt::Error if it has not one value per column, or cannot be written.
+  /// Adds a row. Throws silt::Error if it does not have one value per column, or cannot be written.
   void row(std::initializer_list<double> values) { row(std::span(values.begin(), values.size())); }
   void row(std::span<const double> values) {
     if (values.size() != columns_) {
       fail("CsvFile: a row of " + std::to_string(values.size()) + " values for the " +
            std::to_string(columns_) + " columns of " + path_.string() +
-           "; give one value per column");
+           "; pass one value per column");
     }
     std::string line;
     for (const double value : values) {
@@ -72,7 +72,7 @@ class CsvFile {
     write(line + "\n");
   }
 
-  /// For a checkpoint: how many bytes the file has. Reading throws silt::Error if it has fewer.
+  /// For a checkpoint: the size of the file. Reading throws silt::Error if the file is now smaller.
   template <class Archive>
   void transfer(Archive& archive) {
     archive.same("columns", head_);
@@ -87,17 +87,18 @@ class CsvFile {
   void open(const char* mode) {
     errno = 0;
     stream_ = file::Stream(std::fopen(path_.string().c_str(), mode));
-    if (!stream_) refuse(file::last_error());
+    if (!stream_) fail_to_write(file::last_error());
   }
 
   void require_bytes() const {
     std::error_code reason;
-    const auto there = std::filesystem::file_size(path_, reason);
-    if (reason) refuse(reason);
-    if (there < size_) {
-      fail("CsvFile: " + path_.string() + " has " + std::to_string(there) +
-           " bytes, but the checkpoint was written when it had " + std::to_string(size_) +
-           "; put back the file of that run, or begin the run anew");
+    const auto present = std::filesystem::file_size(path_, reason);
+    if (reason) fail_to_write(reason);
+    if (present < size_) {
+      fail("CsvFile: " + path_.string() + " has " + std::to_string(present) +
+           " bytes, but had " + std::to_string(size_) +
+           " when the checkpoint was written; restore that file, or restart the run from its "
+           "beginning");
     }
   }
 
@@ -105,7 +106,7 @@ class CsvFile {
     require_bytes();
     std::error_code reason;
     std::filesystem::resize_file(path_, size_, reason);
-    if (reason) refuse(reason);
+    if (reason) fail_to_write(reason);
     open("ab");
   }
 
@@ -114,26 +115,26 @@ class CsvFile {
     if (std::fwrite(line.data(), 1, line.size(), stream_.get()) != line.size() ||
         std::fflush(stream_.get()) != 0) {
       const std::error_code reason = file::last_error();
-      stream_.reset();  // the next row removes what was written of this one
-      refuse(reason);
+      stream_.reset();  // the next row truncates the file to the last complete row
+      fail_to_write(reason);
     }
     size_ += line.size();
   }
 
-  [[noreturn]] void refuse(const std::error_code& reason) const {
-    file::refuse("CsvFile: cannot write", path_, reason,
-                 "check that the folder exists, is writable and has space left");
+  [[noreturn]] void fail_to_write(const std::error_code& reason) const {
+    file::fail_with("CsvFile: cannot write", path_, reason,
+                    "check that the folder exists, is writable and has space left");
   }
 
   std::filesystem::path path_;
   std::string head_;
   Index columns_;
-  std::uint64_t size_ = 0;  // in bytes, of what this table has written
-  // Shared, so that reading a checkpoint can try on a copy.
+  std::uint64_t size_ = 0;  // bytes written by this table
+  // Shared, because read_checkpoint() reads into a copy.
   std::shared_ptr<std::FILE> stream_;
 };
 
-/// A table that was read, by the names of its columns.
+/// A table read from a file, with access by column name.
 class CsvTable {
  public:
   CsvTable(std::string name, std::vector<std::string> names,
@@ -146,7 +147,7 @@ class CsvTable {
   const std::vector<std::string>& names() const noexcept { return names_; }
   Index rows() const noexcept { return columns_.empty() ? 0 : columns_.front().size(); }
 
-  /// The column of that name. Throws silt::Error, naming those there are, if there is none.
+  /// The column of that name. Throws silt::Error, listing the columns, if there is none.
   const std::vector<double>& operator[](std::string_view column) const {
     const auto found = std::find(names_.begin(), names_.end(), column);
     if (found == names_.end()) {
@@ -157,25 +158,25 @@ class CsvTable {
     return columns_[static_cast<Index>(found - names_.begin())];
   }
 
-  /// Throws silt::Error about the number of a row and column: where it stands, what it is, and why
-  /// it will not do ("must be …").
-  [[noreturn]] void refuse(Index row, std::string_view column, const std::string& why) const {
+  /// Throws silt::Error for an invalid number: file, line and column, the number, and the reason
+  /// ("must be …").
+  [[noreturn]] void reject(Index row, std::string_view column, const std::string& reason) const {
     const std::string line =
         row < lines_.size() ? ", line " + std::to_string(lines_[row]) : std::string();
     fail(name_ + line + ", column " + std::string(column) + ": " +
-         file::digits((*this)[column][row]) + " " + why + "; correct it");
+         file::digits((*this)[column][row]) + " " + reason + "; correct it");
   }
 
  private:
   std::string name_;
   std::vector<std::string> names_;
   std::vector<std::vector<double>> columns_;
-  std::vector<Index> lines_;  // of the file, by row
+  std::vector<Index> lines_;  // line in the file of each row
 };
 
-/// Reads a table of numbers. Blank lines and lines that begin with # are skipped, blanks around a
-/// number too. Throws silt::Error, naming line and column, for what is not a number, for a row that
-/// is too short or too long, for two columns of one name, and if the file cannot be read.
+/// Reads a table of numbers. Blank lines, lines that begin with #, and blanks around a number are
+/// skipped. Throws silt::Error, naming line and column, if a value is not a number, a row is too
+/// short or too long, two columns have the same name, or the file cannot be read.
 inline CsvTable read_csv(const std::filesystem::path& path) {
   const auto trimmed = [](std::string_view text) {
     constexpr std::string_view blanks = " \t\r";
@@ -195,7 +196,7 @@ inline CsvTable read_csv(const std::filesystem::path& path) {
 
   const std::string bytes = file::read("read_csv", path);
   std::string_view rest = bytes;
-  // Some programs that make tables begin them with a byte order mark.
+  // Some programs write a byte order mark at the beginning.
   if (rest.starts_with("\xEF\xBB\xBF")) rest.remove_prefix(3);
   std::vector<std::string> names;
   std::vector<std::vector<double>> columns;
@@ -211,7 +212,7 @@ inline CsvTable read_csv(const std::filesystem::path& path) {
       for (const std::string_view name : cells) {
         if (name.empty() || std::find(names.begin(), names.end(), name) != names.end()) {
           fail(where + ": the column name \"" + std::string(name) +
-               "\" is empty or there twice; give each column its own");
+               "\" is empty or used twice; give every column a unique name");
         }
         names.emplace_back(name);
       }
@@ -220,7 +221,7 @@ inline CsvTable read_csv(const std::filesystem::path& path) {
     }
     if (cells.size() != names.size()) {
       fail(where + ": " + std::to_string(cells.size()) + " values for " +
-           std::to_string(names.size()) + " columns; give one value per column");
+           std::to_string(names.size()) + " columns; write one value per column");
     }
     lines.push_back(number);
     for (Index c = 0; c < cells.size(); ++c) {
@@ -233,7 +234,8 @@ inline CsvTable read_csv(const std::filesystem::path& path) {
     }
   }
   if (names.empty()) {
-    fail("read_csv: " + path.string() + " has no line of column names; check that it is a table");
+    fail("read_csv: " + path.string() +
+         " has no line of column names; check that it is a CSV file");
   }
   return {path.string(), std::move(names), std::move(columns), std::move(lines)};
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Files written whole or not at all: a reader, or a run that dies, never meets half a file. Files
-// read whole, and the numbers in them.
+// Files written atomically, so that an incomplete file is never visible; reading whole files, and
+// conversion between numbers and text.
 #pragma once
 
 #include <silt/core/error.hpp>
@@ -27,57 +27,60 @@ struct Close {
 };
 using Stream = std::unique_ptr<std::FILE, Close>;
 
-/// Throws silt::Error for what the system refused to do with a file: `what` says who wanted what,
-/// `advice` what the user can do.
-[[noreturn]] inline void refuse(const std::string& what, const std::filesystem::path& path,
-                                const std::error_code& reason, const std::string& advice) {
+/// Throws silt::Error for a failed system call on a file: `what` names the function and the action
+/// that failed, `advice` says what the user can do.
+[[noreturn]] inline void fail_with(const std::string& what, const std::filesystem::path& path,
+                                   const std::error_code& reason, const std::string& advice) {
   fail(what + " " + path.string() + ": " + reason.message() + "; " + advice);
 }
 
 inline std::error_code last_error() { return {errno, std::generic_category()}; }
 
-/// Makes the folder and those above it. Throws silt::Error if that cannot be done. `who` begins the
-/// error's sentence.
-inline void make_folder(const std::string& who, const std::filesystem::path& folder) {
+/// Creates a folder and its parents. Throws silt::Error, with a message that begins with `caller`,
+/// if that fails.
+inline void create_folder(const std::string& caller, const std::filesystem::path& folder) {
   std::error_code reason;
   std::filesystem::create_directories(folder, reason);
   if (!reason && !std::filesystem::is_directory(folder)) {
     reason = std::make_error_code(std::errc::not_a_directory);
   }
   if (reason) {
-    refuse(who + ": cannot make the folder", folder, reason,
-           "choose a folder that can be made and written to");
+    fail_with(caller + ": cannot create the folder", folder, reason, "choose a writable folder");
   }
 }
 
-/// All bytes of a file. Throws silt::Error if it cannot be read. `who` begins the error's sentence.
-inline std::string read(const std::string& who, const std::filesystem::path& path) {
+/// All bytes of a file. Throws silt::Error, with a message that begins with `caller`, if it cannot
+/// be read.
+inline std::string read(const std::string& caller, const std::filesystem::path& path) {
   const std::string advice = "check the path";
   errno = 0;
   const Stream stream(std::fopen(path.string().c_str(), "rb"));
-  if (!stream) refuse(who + ": cannot open", path, last_error(), advice);
+  if (!stream) fail_with(caller + ": cannot open", path, last_error(), advice);
   std::string bytes;
   char block[1 << 14];
   while (const std::size_t count = std::fread(block, 1, sizeof block, stream.get())) {
     bytes.append(block, count);
   }
-  // A folder can be opened on some systems.
-  if (std::ferror(stream.get()) != 0) refuse(who + ": cannot read", path, last_error(), advice);
+  // On some systems, fopen succeeds for a folder.
+  if (std::ferror(stream.get()) != 0) {
+    fail_with(caller + ": cannot read", path, last_error(), advice);
+  }
   return bytes;
 }
 
-/// The file becomes `bytes`: written beside it, then renamed over it. Throws silt::Error if that
-/// cannot be done, and leaves a file that was there as it was. `who` begins the error's sentence.
-inline void replace(const std::string& who, const std::filesystem::path& path,
+/// Replaces the contents of a file atomically: writes a file next to it, then renames that. Throws
+/// silt::Error, with a message that begins with `caller`, if that fails; an existing file is then
+/// unchanged.
+inline void replace(const std::string& caller, const std::filesystem::path& path,
                     std::string_view bytes) {
   const std::string advice = "check that the folder exists, is writable and has space left";
   std::filesystem::path part = path;
   part += ".part";
   Stream stream(std::fopen(part.string().c_str(), "wb"));
-  if (!stream) refuse(who + ": cannot open", part, last_error(), advice);
+  if (!stream) fail_with(caller + ": cannot open", part, last_error(), advice);
   errno = 0;
   const bool written = std::fwrite(bytes.data(), 1, bytes.size(), stream.get()) == bytes.size();
-  // A full disc may show only here.
+  // A full disc may be reported only by fclose.
   const bool closed = std::fclose(stream.release()) == 0;
   std::error_code reason = last_error();
   if (written && closed) {
@@ -86,7 +89,7 @@ inline void replace(const std::string& who, const std::filesystem::path& path,
   }
   std::error_code ignored;
   std::filesystem::remove(part, ignored);
-  refuse(who + ": cannot write", path, reason, advice);
+  fail_with(caller + ": cannot write", path, reason, advice);
 }
 
 /// The shortest digits that read back as the same number.
@@ -97,7 +100,7 @@ std::string digits(Number value) {
   return {text, end};
 }
 
-/// The number that a text is, with or without its sign; none if it is anything else, or more.
+/// Converts a text to a number; a leading + is allowed. None if the whole text is not a number.
 inline std::optional<double> number(std::string_view text) {
   if (text.starts_with('+') && !text.starts_with("+-")) text.remove_prefix(1);
 #if defined(__cpp_lib_to_chars)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// std::from_chars of double for standard libraries without it: libc++ has it from version 20 on.
+// std::from_chars of double for standard libraries without it, such as libc++ before version 20.
 #pragma once
 
 #include <algorithm>
@@ -10,7 +10,7 @@
 #include <string>
 #include <string_view>
 
-// Of POSIX, not of the C library: strtod_l and newlocale.
+// POSIX, not standard C: strtod_l and newlocale.
 #include <locale.h>
 #include <stdlib.h>
 #if __has_include(<xlocale.h>)
@@ -19,12 +19,13 @@
 
 namespace silt::file::detail {
 
-// A decimal number as std::from_chars takes it: strtod takes more, such as spaces and 0x10.
+// Whether a text is a decimal number that std::from_chars accepts; strtod accepts more, such as
+// spaces and 0x10.
 struct Decimal {
-  bool is_one = false;
-  bool is_zero = true;  // all its digits are
+  bool is_valid = false;
+  bool is_zero = true;  // all digits are 0
 };
-inline Decimal decimal_in(std::string_view text) {
+inline Decimal parse_decimal(std::string_view text) {
   const auto skip_digits = [&](bool& is_zero) {
     const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
     const auto end = std::find_if_not(text.begin(), text.end(), is_digit);
@@ -47,12 +48,12 @@ inline Decimal decimal_in(std::string_view text) {
     bool ignored = true;
     if (skip_digits(ignored) == 0) return decimal;
   }
-  decimal.is_one = text.empty();
+  decimal.is_valid = text.empty();
   return decimal;
 }
 
-/// The number that a text is, as std::from_chars of double reads it; none if it is anything else,
-/// more, or out of range.
+/// Converts a text to a number, as std::from_chars of double does. None if the whole text is not a
+/// number, or the number is out of range.
 inline std::optional<double> number_by_strtod(std::string_view text) {
   std::string_view word = text;
   const double sign = word.starts_with('-') ? -1 : 1;
@@ -62,8 +63,8 @@ inline std::optional<double> number_by_strtod(std::string_view text) {
   if (lower == "inf" || lower == "infinity") return sign * std::numeric_limits<double>::infinity();
   if (lower == "nan") return std::copysign(std::numeric_limits<double>::quiet_NaN(), sign);
 
-  const Decimal decimal = decimal_in(text);
-  if (!decimal.is_one) return std::nullopt;
+  const Decimal decimal = parse_decimal(text);
+  if (!decimal.is_valid) return std::nullopt;
   static const locale_t without_locale = newlocale(LC_ALL_MASK, "C", locale_t{});
   const double value = strtod_l(std::string(text).c_str(), nullptr, without_locale);
   const bool is_out_of_range = std::isinf(value) || (value == 0 && !decimal.is_zero);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Particles as a table of text, one row each; dem::grains_from(read_csv(path)) reads grains back.
+// Particles as a CSV file, one row per particle; dem::grains_from(read_csv(path)) reads grains.
 #pragma once
 
 #include <silt/core/field_numbers.hpp>
@@ -14,10 +14,9 @@
 
 namespace silt {
 
-/// Writes all numbers of the particles but those that every step makes anew (forces), with the
-/// fewest digits that read back as the same number: x, y[, z], velocity_x, …, radius. Rows stand in
-/// the order of the ids. The file is there whole or not at all. Throws silt::Error if it cannot be
-/// written.
+/// Writes all numeric fields except those that every step computes (forces), with the fewest digits
+/// that read back as the same number: x, y[, z], velocity_x, …, radius. Rows are in the order of
+/// the ids. The file is written atomically. Throws silt::Error if it cannot be written.
 template <class P>
 void write_csv(const std::filesystem::path& path, const P& particles) {
   std::vector<Id> ids(particles.ids().begin(), particles.ids().end());

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// One line that says how far a run is: rewritten in place on a terminal, repeated now and then in a
-// file or pipe, such as the log of a batch job.
+// A progress line: updated in place on a terminal, repeated at growing intervals in a file or pipe,
+// such as the log of a batch job.
 #pragma once
 
 #include <algorithm>
@@ -16,12 +16,12 @@
 
 namespace silt {
 
-/// Observer that shows step, time, time step, percentage and the time left. A terminal sees it five
-/// times a second. A file or pipe gets a line after 3 s of wall-clock time, then each time that
-/// twice as much has passed, but at least every 5 minutes; and always a last line.
+/// Observer that shows step, time, time step, percentage and estimated remaining time. A terminal
+/// is updated five times per second. To a file or pipe, a line is written after 3 s of wall-clock
+/// time, then whenever the elapsed time has doubled, but at least every 5 minutes; and at the end.
 class Progress {
  public:
-  /// Wall-clock time since any beginning [s].
+  /// Wall-clock time since an arbitrary origin [s].
   using Clock = std::function<double()>;
 
   /// Writes to the given stream, which must outlive it.
@@ -29,7 +29,7 @@ class Progress {
       : stream_(stream), is_terminal_(is_terminal(stream)), clock_(std::move(clock)) {}
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
-  /// Shows how far a run came that threw or was stopped.
+  /// Shows the progress of a run that threw or was stopped.
   ~Progress() { show_last(); }
 
   template <class Sim>
@@ -39,17 +39,17 @@ class Progress {
 
   template <class Sim, class Run>
   void after_step(const Sim& simulation, const Run& run) {
-    // A resumed run has no output at its beginning; it counts from time 0.
+    // A resumed run has no output at its beginning; its percentage counts from time 0.
     if (!begun_) begin(0, simulation.time() - simulation.last_time_step());
     last_ = {.step = static_cast<std::uint64_t>(simulation.steps()),
              .time = simulation.time(),
              .time_step = simulation.last_time_step(),
-             .share = std::clamp((simulation.time() - run_begin_) / (run.until - run_begin_), 0.0,
-                                 1.0)};
+             .fraction = std::clamp((simulation.time() - run_begin_) / (run.until - run_begin_),
+                                    0.0, 1.0)};
     is_ended_ = false;
     const double elapsed = clock_() - wall_begin_;
     if (simulation.time() >= run.until * (1 - 1e-12)) {
-      last_.share = 1;
+      last_.fraction = 1;
       show_last();
     } else if (elapsed >= wall_next_) {
       show("left", elapsed * (run.until - simulation.time()) / (simulation.time() - time_begin_));
@@ -62,7 +62,7 @@ class Progress {
     std::uint64_t step = 0;
     double time = 0;       // [s]
     double time_step = 0;  // [s]
-    double share = 0;      // of the run that is done
+    double fraction = 0;   // of the run that is done
   };
 
   static double seconds() {
@@ -89,7 +89,8 @@ class Progress {
   void show(const char* what, double wall) {
     std::fprintf(stream_, "%sstep %llu  t = %.4g s  dt = %.2e s  %5.1f %%  %s %.0f s%s",
                  is_terminal_ ? "\r" : "", static_cast<unsigned long long>(last_.step), last_.time,
-                 last_.time_step, 100 * last_.share, what, wall, is_terminal_ ? " \x1b[K" : "\n");
+                 last_.time_step, 100 * last_.fraction, what, wall,
+                 is_terminal_ ? " \x1b[K" : "\n");
     std::fflush(stream_);
   }
 
@@ -105,11 +106,11 @@ class Progress {
   bool is_terminal_;
   Clock clock_;
   bool begun_ = false;
-  bool is_ended_ = true;  // the last line is of the last step
+  bool is_ended_ = true;  // the last step has been shown
   double wall_begin_ = 0;
-  double wall_next_ = 0;  // when the next line is due, after the beginning
+  double wall_next_ = 0;   // wall-clock time of the next line, since wall_begin_
   double run_begin_ = 0;   // [s]
-  double time_begin_ = 0;  // of what was seen of it [s]
+  double time_begin_ = 0;  // time at the first call [s]
   State last_;
 };
 

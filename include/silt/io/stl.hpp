@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Surfaces of triangles as STL files, which programs that draw parts write: binary or as text.
+// Triangulated surfaces as STL files, binary or text, as exported by CAD programs.
 #pragma once
 
 #include <silt/core/error.hpp>
@@ -22,45 +22,45 @@ namespace silt {
 enum class StlFormat { binary, text };
 
 struct StlSettings {
-  double scale = 1;  ///< of a length in the file [m]; STL does not say: 1e-3 for millimetres
+  double scale = 1;  ///< length unit of the file [m], e.g. 1e-3 for mm; STL does not define one
 };
 
 namespace detail {
 
-inline constexpr Index stl_header = 84;    // 80 letters, and how many triangles
-inline constexpr Index stl_triangle = 50;  // 12 floats, and two bytes of no meaning
+inline constexpr Index stl_header = 84;    // 80 characters and the number of triangles
+inline constexpr Index stl_triangle = 50;  // 12 floats and two unused bytes
 
-inline std::uint32_t stl_word(std::string_view bytes, Index at) {
+inline std::uint32_t stl_word(std::string_view bytes, Index offset) {
   std::uint32_t word = 0;
-  for (Index k = 4; k-- > 0;) word = word << 8 | static_cast<unsigned char>(bytes[at + k]);
+  for (Index k = 4; k-- > 0;) word = word << 8 | static_cast<unsigned char>(bytes[offset + k]);
   return word;
 }
 
 inline std::vector<Triangle<double>> binary_stl(const std::string& file, std::string_view bytes,
                                                 double scale) {
   if (bytes.size() < stl_header) {
-    fail("read_stl: " + file + " is no STL file: it has " + std::to_string(bytes.size()) +
+    fail("read_stl: " + file + " is not an STL file: it has " + std::to_string(bytes.size()) +
          " bytes and does not begin with \"solid\"; check the path");
   }
   const Index count = stl_word(bytes, stl_header - 4);
   const Index whole = (bytes.size() - stl_header) / stl_triangle;
   if (whole < count) {
-    fail("read_stl: " + file + " breaks off in triangle " + std::to_string(whole) + " of " +
-         std::to_string(count) + ", or is no STL file; get it anew");
+    fail("read_stl: " + file + " is truncated in triangle " + std::to_string(whole) + " of " +
+         std::to_string(count) + ", or is not an STL file; export it again");
   }
   std::vector<Triangle<double>> triangles(count);
   for (Index t = 0; t < count; ++t) {
-    Index at = stl_header + t * stl_triangle + 12;  // behind the normal, which the corners tell
+    Index offset = stl_header + t * stl_triangle + 12;  // after the normal
     for (auto& corner : triangles[t].corners) {
-      for (int k = 0; k < 3; ++k, at += 4) {
-        corner[k] = scale * double(std::bit_cast<float>(stl_word(bytes, at)));
+      for (int k = 0; k < 3; ++k, offset += 4) {
+        corner[k] = scale * double(std::bit_cast<float>(stl_word(bytes, offset)));
       }
     }
   }
   return triangles;
 }
 
-// Words of a text, one after the other, letters small.
+// Splits a text into words in lower case.
 class StlWords {
  public:
   StlWords(const std::string& file, std::string_view text) : file_(file), text_(text) {}
@@ -80,22 +80,22 @@ class StlWords {
   }
   void expect(std::string_view wanted) {
     const std::string word = next();
-    if (word != wanted) refuse(wanted, word);
+    if (word != wanted) reject(wanted, word);
   }
   double number() {
     const std::string word = next();
     const auto value = file::number(word);
-    if (!value) refuse("a number", word);
+    if (!value) reject("a number", word);
     return *value;
   }
-  [[noreturn]] void refuse(std::string_view wanted, const std::string& word) const {
+  [[noreturn]] void reject(std::string_view wanted, const std::string& word) const {
     fail("read_stl: " + file_ + ", line " + std::to_string(line_) + ", triangle " +
          std::to_string(triangles) + ": " +
-         (word.empty() ? std::string("the file ends") : "\"" + word + "\" stands") +
-         " where there should be " + std::string(wanted) + "; correct it, or get it anew");
+         (word.empty() ? std::string("the file ends") : "\"" + word + "\" is found") + " where " +
+         std::string(wanted) + " is expected; correct it, or export it again");
   }
 
-  Index triangles = 0;  ///< so far
+  Index triangles = 0;  ///< read so far
 
  private:
   static bool is_blank(char c) { return std::isspace(static_cast<unsigned char>(c)) != 0; }
@@ -115,11 +115,11 @@ inline std::vector<Triangle<double>> text_stl(const std::string& file, std::stri
   StlWords words(file, text);
   std::string word = words.next();
   while (!word.empty()) {
-    if (word != "solid") words.refuse("solid", word);
+    if (word != "solid") words.reject("solid", word);
     words.skip_line();  // its name
     for (word = words.next(); word == "facet"; word = words.next()) {
       words.expect("normal");
-      for (int k = 0; k < 3; ++k) words.next();  // the corners tell it
+      for (int k = 0; k < 3; ++k) words.next();  // it follows from the corners
       words.expect("outer");
       words.expect("loop");
       Triangle<double> triangle;
@@ -132,14 +132,14 @@ inline std::vector<Triangle<double>> text_stl(const std::string& file, std::stri
       triangles.push_back(triangle);
       words.triangles = triangles.size();
     }
-    if (word != "endsolid") words.refuse("facet or endsolid", word);
+    if (word != "endsolid") words.reject("facet or endsolid", word);
     words.skip_line();
     word = words.next();
   }
   return triangles;
 }
 
-// Binary files may begin with "solid", too. Their size tells them.
+// Binary files may also begin with "solid"; they are recognised by their size.
 inline bool is_text_stl(std::string_view bytes) {
   if (bytes.size() >= stl_header &&
       bytes.size() == stl_header + stl_triangle * stl_word(bytes, stl_header - 4)) {
@@ -156,10 +156,10 @@ inline bool is_text_stl(std::string_view bytes) {
 
 }  // namespace detail
 
-/// Reads a file of triangles, binary or text, in the order of the file. Normals and attributes are
-/// not read: the corners tell all. Throws silt::Error, naming file and triangle, if it cannot be
-/// read, breaks off, is not STL, or has no triangle, one without area, or a number that is not
-/// finite.
+/// Reads the triangles of a binary or text file, in the order of the file. Normals and attributes
+/// are ignored: normals follow from the corners. Throws silt::Error, naming file and triangle, if
+/// the file cannot be read, is truncated, is not STL, has no triangles, or contains a triangle
+/// without area or a number that is not finite.
 inline std::vector<Triangle<double>> read_stl(const std::filesystem::path& path,
                                               const StlSettings& settings = {}) {
   require_positive("StlSettings: scale", settings.scale);
@@ -168,14 +168,14 @@ inline std::vector<Triangle<double>> read_stl(const std::filesystem::path& path,
   const auto triangles = detail::is_text_stl(bytes)
                              ? detail::text_stl(name, bytes, settings.scale)
                              : detail::binary_stl(name, bytes, settings.scale);
-  if (triangles.empty()) fail("read_stl: " + name + " has no triangle; check how it was made");
+  if (triangles.empty()) fail("read_stl: " + name + " has no triangles; check how it was exported");
   for (Index t = 0; t < triangles.size(); ++t) {
     require_area("read_stl: " + name + ": triangle " + std::to_string(t), triangles[t]);
   }
   return triangles;
 }
 
-/// Writes triangles [m]; binary files hold them in single precision. Throws silt::Error if the file
+/// Writes triangles [m]; binary files are in single precision. Throws silt::Error if the file
 /// cannot be written.
 template <class Real>
 void write_stl(const std::filesystem::path& path, const std::vector<Triangle<Real>>& triangles,

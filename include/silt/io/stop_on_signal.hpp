@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Ctrl-C that ends a run after the step, with everything written and closed.
+// Ends a run on Ctrl-C after the current step, with all output written.
 #pragma once
 
 #include <silt/core/error.hpp>
@@ -13,37 +13,38 @@
 
 namespace silt {
 
-/// Observer that ends the run after the step in which the process gets SIGINT (Ctrl-C) or SIGTERM
-/// (as batch systems send it before they kill a job). A second signal has its usual effect and
-/// kills the process at once. Signals that the process ignores, as under nohup, stay ignored. Only
-/// while one exists are signals caught; the library installs no handler otherwise. Where there are
-/// no signals, it ends nothing.
+/// Observer that ends the run after the step in which the process receives SIGINT (Ctrl-C) or
+/// SIGTERM (sent by batch systems before they kill a job). A second signal has its default effect
+/// and kills the process immediately. Signals that the process ignores, as under nohup, remain
+/// ignored. Signals are caught only while an object of this class exists; the library installs no
+/// handler otherwise. On platforms without signals it has no effect.
 class StopOnSignal {
  public:
   /// Installs the handlers. Throws silt::Error if another StopOnSignal exists.
   StopOnSignal() {
     if (exists_.exchange(true)) {
-      fail("StopOnSignal: another one exists already; pass that one to every run");
+      fail("StopOnSignal: another StopOnSignal exists; use that one for every run");
     }
     received_ = 0;
 #if !defined(__wasi__)
-    for (auto& each : handled_) each.before = handle(each.number, &StopOnSignal::receive);
+    for (auto& each : handled_) each.previous = handle(each.number, &StopOnSignal::receive);
 #endif
   }
   StopOnSignal(const StopOnSignal&) = delete;
   StopOnSignal& operator=(const StopOnSignal&) = delete;
-  /// Puts back the handlers that were there before.
+  /// Restores the previous handlers.
   ~StopOnSignal() {
 #if !defined(__wasi__)
     for (const auto& each : handled_) {
-      std::signal(each.number, each.before == SIG_ERR ? SIG_DFL : each.before);
+      std::signal(each.number, each.previous == SIG_ERR ? SIG_DFL : each.previous);
     }
 #endif
     exists_ = false;
   }
 
   bool stop_requested() const noexcept { return received_ != 0; }
-  /// The number of the signal; 0 if there was none. Programs that it ended exit with 128 + number.
+  /// The number of the received signal, 0 if none. By convention, a program ended by a signal exits
+  /// with 128 + this number.
   int signal_number() const noexcept { return received_; }
 
  private:
@@ -63,7 +64,7 @@ class StopOnSignal {
 
   struct Handled {
     int number;
-    Handler before = SIG_DFL;
+    Handler previous = SIG_DFL;
   };
   Handled handled_[2] = {{.number = SIGINT}, {.number = SIGTERM}};
 #endif

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-// Frames for ParaView and everything else that reads VTK's XML formats.
+// Frames for ParaView and other programs that read VTK's XML formats.
 //
-//   VtkSeries{"out/tower"}   out/tower.pvd                the frames and their times: open this one
-//                            out/tower/tower_000000.vtu   one frame: points with every column
+//   VtkSeries{"out/tower"}   out/tower.pvd                list of frames and times: open this file
+//                            out/tower/tower_000000.vtu   one frame: particles with their fields
 //
-// A frame is an unstructured grid of single vertices. Its arrays are stored as they are in memory,
-// one after the other behind the XML ("appended raw"), each after its number of bytes.
+// A frame is an unstructured grid of vertices. Its arrays are stored in binary after the XML
+// ("appended raw"), each preceded by its size in bytes.
 #pragma once
 
 #include <silt/core/fields.hpp>
@@ -28,7 +28,7 @@
 
 namespace silt {
 
-/// VTK's name of a number's type; none for what VTK cannot store.
+/// VTK's name of a number type; nullptr if VTK cannot store it.
 template <class Number>
 constexpr const char* vtk_type() {
   if constexpr (std::is_enum_v<Number>) {
@@ -46,7 +46,7 @@ constexpr const char* vtk_type() {
 
 namespace detail {
 
-/// Numbers to be written: `count` values of `size` bytes each, `stride` bytes apart.
+/// Values to be written: `count` values of `size` bytes each, `stride` bytes apart.
 struct VtkValues {
   const void* first;
   Index count;
@@ -54,11 +54,11 @@ struct VtkValues {
   Index stride;
 };
 
-/// The appended arrays of a VTK file. Not a template over the type of the numbers, since compiling
-/// it for every field takes longer than copying bytes costs.
+/// The appended arrays of a VTK file. Not a template over the number type, because instantiating it
+/// for every field would cost more compile time than copying bytes costs run time.
 class VtkArrays {
  public:
-  /// Appends the values, filled up with zeros to `width` bytes each, and returns the XML that
+  /// Appends the values, each padded with zeros to `width` bytes, and returns the XML element that
   /// describes them.
   std::string add(std::string_view type, std::string_view name, int components,
                   const VtkValues& values, Index width) {
@@ -92,9 +92,9 @@ class VtkArrays {
 
 }  // namespace detail
 
-/// One frame as the bytes of a .vtu file: positions as points; every other column of numbers or
-/// vectors, and the ids, as point data named name_of<F>(). Vectors in 2D get a third
-/// component 0. Columns of other types are left out. The same bits for the same particles.
+/// One frame, as the bytes of a .vtu file: positions as points; every other numeric or vector field
+/// F, and the ids, as point data named name_of<F>(). Vectors in 2D get a third component 0. Fields
+/// of other types are omitted. The bytes depend on the particles only.
 template <class P>
 std::string vtk_frame(const P& particles) {
   const Index n = particles.size();
@@ -138,21 +138,21 @@ std::string vtk_frame(const P& particles) {
          "\n</AppendedData>\n</VTKFile>\n";
 }
 
-/// Observer that writes a frame at every output, and after it the list of all frames with their
-/// times [s]. Fields are those of Simulation::snapshot(): all at one time. A second frame of the
-/// same time, as of two runs that follow one another, replaces the first.
+/// Observer that writes a frame at every output, followed by the list of all frames with their
+/// times [s]. The fields are those of Simulation::snapshot(), all at the same time. A second frame
+/// at the same time, e.g. at the beginning of a second run, replaces the first.
 ///
-/// A resumed run goes on behind the frames that were written before the checkpoint, and replaces
-/// later ones. If the series is not among the parts of the checkpoint, it goes on behind those of
-/// earlier times in the list of the folder.
+/// A resumed run continues after the frames written before the checkpoint and replaces later ones.
+/// If the series is not a part of the checkpoint, it continues after the frames in the existing
+/// list with earlier times.
 class VtkSeries {
  public:
-  /// Frames go into the folder `path`, which is made, their list into `path`.pvd. Files of the same
-  /// names are replaced when the first frame is written. Throws silt::Error if the folder cannot be
-  /// made.
+  /// Frames are written to the folder `path`, which is created, and their list to `path`.pvd.
+  /// Existing files of the same names are replaced from the first frame on. Throws silt::Error if
+  /// the folder cannot be created.
   explicit VtkSeries(std::filesystem::path path) : folder_(std::move(path)) {
     if (!folder_.has_filename()) folder_ = folder_.parent_path();  // "tower/" is "tower"
-    file::make_folder("VtkSeries", folder_);
+    file::create_folder("VtkSeries", folder_);
   }
 
   /// Throws silt::Error if a file cannot be written.
@@ -180,7 +180,7 @@ class VtkSeries {
                   "<Collection>\n" + list + "</Collection>\n</VTKFile>\n");
   }
 
-  /// Frames written so far.
+  /// Number of frames written so far.
   Index frames() const noexcept { return times_.size(); }
 
   /// For a checkpoint: the times of the frames.
@@ -204,16 +204,16 @@ class VtkSeries {
     return folder_.filename().string() + "_" + number + ".vtu";
   }
 
-  // The times of the frames that an earlier run listed, up to a time.
+  // The times of the listed frames of an earlier run before `time`.
   std::vector<double> listed_before(double time) const {
     std::vector<double> times;
     if (!std::filesystem::exists(list_path())) return times;
     const std::string list = file::read("VtkSeries", list_path());
-    for (auto at = list.find(time_begins); at != std::string::npos;
-         at = list.find(time_begins, at)) {
-      at += time_begins.size();
+    for (auto from = list.find(time_begins); from != std::string::npos;
+         from = list.find(time_begins, from)) {
+      from += time_begins.size();
       const auto listed =
-          file::number(std::string_view(list).substr(at, list.find('"', at) - at));
+          file::number(std::string_view(list).substr(from, list.find('"', from) - from));
       if (!listed || !(*listed < time)) break;
       times.push_back(*listed);
     }
