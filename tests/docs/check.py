@@ -3,8 +3,10 @@
 """Compiles every ```cpp block of README.md and docs/, and runs those that have a main(). Runs every
 ```python block.
 
-    check.py REPOSITORY SCRATCH FLAGS-FILE COMPILER...
+    check.py [--compile-only] REPOSITORY SCRATCH FLAGS-FILE COMPILER...
     check.py --self-test
+
+With --compile-only, nothing is run.
 
 A block is a separate file, unless HTML comments directly before it say otherwise:
 
@@ -209,15 +211,15 @@ def folder_of(where, scratch):
     return scratch / re.sub(r"\W+", "_", where)
 
 
-def run_program(program, scratch, compile_command):
+def run_program(program, scratch, compile_command, compile_only):
     """Compiles and runs one program; returns the fault, or an empty string."""
     folder = folder_of(program.where, scratch)
     folder.mkdir(parents=True, exist_ok=True)
     source = folder / "block.cpp"
     text = program.source()
     source.write_text(text, encoding="utf-8")
-    has_main = MAIN.search(text) is not None
-    mode = ["-Og", "-o", str(folder / "block")] if has_main else ["-fsyntax-only"]
+    is_run = MAIN.search(text) is not None and not compile_only
+    mode = ["-Og", "-o", str(folder / "block")] if is_run else ["-fsyntax-only"]
     # The file of flags comes last, because it also names libraries.
     made = subprocess.run(
         [compile_command[1], *compile_command[2:], str(source), *mode, f"@{compile_command[0]}"],
@@ -226,7 +228,7 @@ def run_program(program, scratch, compile_command):
     )
     if made.returncode != 0:
         return f"{program.where}: does not compile\n{made.stderr}"
-    if not has_main:
+    if not is_run:
         return ""
     try:
         ran = subprocess.run(
@@ -270,7 +272,7 @@ def run_script(where, text, folder, repository):
     return ""
 
 
-def check(repository, scratch, compile_command):
+def check(repository, scratch, compile_command, compile_only):
     pages = {
         page.relative_to(repository).as_posix(): page.read_text(encoding="utf-8")
         for page in [repository / "README.md", *sorted((repository / "docs").rglob("*.md"))]
@@ -282,11 +284,11 @@ def check(repository, scratch, compile_command):
     scripts = [script for page, text in pages.items() for script in scripts_of(page, text)]
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as workers:
         whole = merged(longest_programs(programs))
-        outcomes = workers.map(lambda p: run_program(p, scratch, compile_command), whole)
+        outcomes = workers.map(lambda p: run_program(p, scratch, compile_command, compile_only), whole)
         faults = [fault for fault in outcomes if fault]
     for page, text in pages.items():
         faults += dead_links(page, text, repository)
-    for where, text, program in scripts:
+    for where, text, program in [] if compile_only else scripts:
         folder = folder_of(program, scratch)
         if fault := run_script(where, text, folder, repository):
             faults.append(fault)
@@ -397,10 +399,13 @@ def main(arguments):
     if arguments == ["--self-test"]:
         self_test()
         return
+    compile_only = arguments[:1] == ["--compile-only"]
+    arguments = arguments[compile_only:]
     if len(arguments) < 4:
         sys.exit(__doc__)
+    repository, scratch = map(pathlib.Path, arguments[:2])
     try:
-        sound = check(pathlib.Path(arguments[0]), pathlib.Path(arguments[1]), arguments[2:])
+        sound = check(repository, scratch, arguments[2:], compile_only)
     except PageError as error:
         sys.exit(str(error))
     sys.exit(0 if sound else 1)
