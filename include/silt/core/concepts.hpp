@@ -234,10 +234,10 @@ concept Damping = requires(const D d, Real v, Real a, Real dt) {
 
 struct Run;
 
-/// Called with the simulation at every output. A lambda is one.
+/// o(simulation), called at every output. Lambdas are observers.
 template <class O, class Sim>
 concept ObservesOutputs = std::invocable<O&, const Sim&>;
-/// o.before_step(simulation), called before every step, may change it: inflow, removal.
+/// o.before_step(simulation), called before every step; may change the simulation: inflow, removal.
 template <class O, class Sim>
 concept ActsBeforeSteps = requires(O o, Sim& simulation) { o.before_step(simulation); };
 /// o.after_step(simulation, run), called after every step.
@@ -245,19 +245,49 @@ template <class O, class Sim>
 concept ObservesSteps =
     requires(O o, const Sim& simulation, const Run& run) { o.after_step(simulation, run); };
 
-/// o.between_steps(simulation), called after every step, once every observer has been called for
-/// it: a checkpoint that is written here is complete.
+/// o.between_steps(simulation), called after every step and all other calls for it, so that a
+/// checkpoint written here is complete.
 template <class O, class Sim>
 concept ActsBetweenSteps = requires(O o, const Sim& simulation) { o.between_steps(simulation); };
-/// Can end a run: o.stop_requested() is called before every step, and ends the run if it is true.
+/// o.stop_requested(), called before every step; true ends the run.
 template <class O>
 concept EndsRuns = requires(O o) {
   { o.stop_requested() } -> std::convertible_to<bool>;
 };
 
-/// Does at least one of the five.
+/// Has at least one of these five.
 template <class O, class Sim>
 concept Observer = ObservesOutputs<O, Sim> || ActsBeforeSteps<O, Sim> || ObservesSteps<O, Sim> ||
                    ActsBetweenSteps<O, Sim> || EndsRuns<O>;
+
+namespace detail {
+
+// Each calls one function of an observer, if the observer has it.
+template <class O, class Sim>
+void call_at_output(O& observer, const Sim& simulation) {
+  if constexpr (ObservesOutputs<O, Sim>) observer(simulation);
+}
+template <class O, class Sim>
+void call_before_step(O& observer, Sim& simulation) {
+  if constexpr (ActsBeforeSteps<O, Sim>) observer.before_step(simulation);
+}
+template <class O, class Sim>
+void call_after_step(O& observer, const Sim& simulation, const Run& run) {
+  if constexpr (ObservesSteps<O, Sim>) observer.after_step(simulation, run);
+}
+template <class O, class Sim>
+void call_between_steps(O& observer, const Sim& simulation) {
+  if constexpr (ActsBetweenSteps<O, Sim>) observer.between_steps(simulation);
+}
+template <class O>
+bool requests_stop(O& observer) {
+  if constexpr (EndsRuns<O>) {
+    return observer.stop_requested();
+  } else {
+    return false;
+  }
+}
+
+}  // namespace detail
 
 }  // namespace silt

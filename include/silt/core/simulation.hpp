@@ -24,13 +24,13 @@
 
 namespace silt {
 
-/// How long Simulation::run goes, and how often it calls its observers.
+/// End of a run, interval of outputs and time step.
 struct Run {
-  double until = 0;                     ///< run while time < until [s]
-  double output_every = 0;              ///< [s]; 0: at the beginning and at the end only
-  std::optional<double> time_step = {};  ///< [s]; without one, the interaction chooses
-  /// End at time() == until, by shortening the last step, or the last two by as much each; false:
-  /// end after the first step that reaches `until`, up to one step later.
+  double until = 0;                      ///< run while time < until [s]
+  double output_every = 0;               ///< [s]; 0: only at the beginning and at the end
+  std::optional<double> time_step = {};  ///< [s]; if not given, the interaction chooses it
+  /// true: ends at exactly time() == until, by shortening the last one or two steps; false: ends
+  /// after the first step that reaches `until`, up to one step later.
   bool end_exactly = false;
 };
 
@@ -187,93 +187,67 @@ class Simulation {
     team.end_step();
   }
 
-  /// Steps while time() < until, and returns whether it came so far: true, unless an observer ended
-  /// the run. If time() is at or beyond `until` already, there is no step. Observers are called
+  /// Advances until time() ≥ until. Returns true, or false if an observer ended the run before. If
+  /// time() is at or beyond `until` already, no step is made. Observers are called
   ///   observer(simulation)                  at the beginning, at the first step at or after every
   ///                                         multiple of output_every, and at the end
-  ///   observer.before_step(simulation)      before every step, with the simulation to change
+  ///   observer.before_step(simulation)      before every step; may change the simulation
   ///   observer.after_step(simulation, run)  after every step
-  ///   observer.between_steps(simulation)    after every step, once all other calls are made: a
-  ///                                         checkpoint written then is complete
-  ///   observer.stop_requested()             before every step: if true, the run ends there
-  /// where they have these; see core/concepts.hpp. A run that an observer ended has no output at
-  /// its end, and the next run() goes on with it: it has none at its beginning. So does the first
-  /// run() after a checkpoint that was written during a run; if the last step began at or after
-  /// `until`, that was a later run, and this one does nothing. Throws silt::Error if a number of
-  /// `run` is out of range, and what step() throws.
+  ///   observer.between_steps(simulation)    after every step and all other calls for it, so that a
+  ///                                         checkpoint written here is complete
+  ///   observer.stop_requested()             before every step; true ends the run
+  /// if they have these functions; see core/concepts.hpp. A run that an observer ended makes no
+  /// output at its end; the next run() continues it and makes none at its beginning. The same holds
+  /// for the first run() after reading a checkpoint that was written during a run. If the last step
+  /// before that began at or after `until`, this call was complete then, and does nothing. Throws
+  /// silt::Error if a member of `run` is out of range, and what step() throws.
   template <class... Observers>
     requires(Observer<Observers, Simulation> && ...)
   bool run(const Run& run, Observers&&... observers) {
     require_finite("Run: until", run.until);
     require_not_negative("Run: output_every", run.output_every);
     if (run.time_step) require_positive("Run: time_step", *run.time_step);
-    const auto observe = [&] {
-      [[maybe_unused]] const auto show = [&](auto& observer) {
-        if constexpr (ObservesOutputs<decltype(observer), Simulation>) {
-          observer(std::as_const(*this));
-        }
-      };
+    const auto make_output = [&] {
       output_time_ = time_;
       output_step_ = steps_;
-      (show(observers), ...);
-    };
-    [[maybe_unused]] const auto before_step = [&](auto& observer) {
-      if constexpr (ActsBeforeSteps<decltype(observer), Simulation>) observer.before_step(*this);
-    };
-    [[maybe_unused]] const auto after_step = [&](auto& observer) {
-      if constexpr (ObservesSteps<decltype(observer), Simulation>) {
-        observer.after_step(std::as_const(*this), run);
-      }
-    };
-    [[maybe_unused]] const auto between_steps = [&](auto& observer) {
-      if constexpr (ActsBetweenSteps<decltype(observer), Simulation>) {
-        observer.between_steps(std::as_const(*this));
-      }
-    };
-    [[maybe_unused]] const auto stops = [&](auto& observer) -> bool {
-      if constexpr (EndsRuns<decltype(observer)>) {
-        return observer.stop_requested();
-      } else {
-        return false;
-      }
+      (detail::call_at_output(observers, *this), ...);
     };
     const auto outputs_at = [&](double time) {
       return run.output_every > 0 ? completed_intervals(time / run.output_every) : 0;
     };
     const auto output_is_due = [&] { return outputs_at(time_) > outputs_at(output_time_); };
-    // Without a time step of its own: 0.
-    const double given_time_step = run.time_step.value_or(0.0);
+    const double given_time_step = run.time_step.value_or(0.0);  // 0: not given
     const double almost_until = run.until * (1 - 1e-12);
 
-    // A checkpoint of a later run of the same program: this one was complete before.
+    // The checkpoint that was read is of a later run of the same program.
     if (run_is_open_ && time_ - last_time_step_ >= almost_until) return true;
-    if (!run_is_open_ || output_is_due()) observe();
+    if (!run_is_open_ || output_is_due()) make_output();
     OpenRun open(run_is_open_);
     while (time_ < almost_until) {
-      if ((stops(observers) || ...)) {
+      if ((detail::requests_stop(observers) || ...)) {
         open.stays_open = true;
         return false;
       }
-      const detail::Team team(thread_choice_, particles_.size());  // for the observers, too
-      (before_step(observers), ...);
+      const detail::Team team(thread_choice_, particles_.size());  // also for the observers
+      (detail::call_before_step(observers, *this), ...);
       const double dt = given_time_step > 0 ? given_time_step : time_step();
       if (run.end_exactly) {
         step_towards(run.until, dt);
       } else {
         step(dt);
       }
-      (after_step(observers), ...);
-      if (output_is_due()) observe();
-      (between_steps(observers), ...);
+      (detail::call_after_step(observers, *this, run), ...);
+      if (output_is_due()) make_output();
+      (detail::call_between_steps(observers, *this), ...);
     }
-    // As the sum of the steps was, but for rounding.
+    // The loop may end within round-off before `until`.
     if (run.end_exactly && time_ < run.until) time_ = run.until;
-    if (output_step_ != steps_) observe();
+    if (output_step_ != steps_) make_output();
     return true;
   }
 
  private:
-  // Marks a run as open, until run() is left, also by an exception.
+  // Marks a run as open until run() is left, also by an exception.
   struct OpenRun {
     explicit OpenRun(bool& is_open) : is_open_(is_open) { is_open_ = true; }
     OpenRun(const OpenRun&) = delete;
@@ -286,8 +260,8 @@ class Simulation {
     bool& is_open_;
   };
 
-  // A step of dt, or shorter so that time() becomes `until` to the bit. No step is shorter than
-  // half of dt: what would be left after a whole one is shared by two.
+  // A step of dt, or a shorter one so that time() becomes exactly `until`. No step is shorter than
+  // dt/2: the last two steps are made equal instead.
   void step_towards(double until, double dt) {
     const double left = until - time_;
     const bool is_last = left <= dt * (1 + 1e-9);
