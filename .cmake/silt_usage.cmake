@@ -43,10 +43,11 @@ and programs that use Silt run up to 100 times slower. \
 Type\n  cmake -DCMAKE_BUILD_TYPE=Release ${CMAKE_BINARY_DIR}")
 endfunction()
 
-# silt_message_once(KIND KEY TEXT): prints TEXT only once, even if find_package(silt) is called twice.
+# silt_message_once(KIND KEY TEXT): prints TEXT only once, even if find_package(silt) is called twice,
+# and not for find_package(silt QUIET).
 function(silt_message_once kind key text)
   get_property(printed GLOBAL PROPERTY SILT_PRINTED_${key})
-  if(NOT printed)
+  if(NOT printed AND NOT silt_FIND_QUIETLY)
     set_property(GLOBAL PROPERTY SILT_PRINTED_${key} TRUE)
     message(${kind} "Silt: ${text}")
   endif()

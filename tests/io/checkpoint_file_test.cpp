@@ -6,6 +6,7 @@
 
 #include <silt/dem/outflow.hpp>
 #include <silt/io/checkpoint.hpp>
+#include <silt/io/checkpoints.hpp>
 
 #include <gtest/gtest.h>
 
@@ -97,6 +98,12 @@ TEST_F(CheckpointFile, IsRejectedIfItIsDamaged) {
   EXPECT_TRUE(refuses([&] { read_checkpoint(testing::TempDir(), sim); },
                       {"read_checkpoint", "directory"}));
   EXPECT_EQ(state_of(sim.particles()), before);
+}
+
+TEST_F(CheckpointFile, IsNotTakenForMissingIfItCannotBeAccessed) {
+  EXPECT_FALSE(Checkpoints(path, {}).exist());
+  const Checkpoints unusable(std::string(5000, 'a'), {});
+  EXPECT_TRUE(refuses([&] { unusable.exist(); }, {"Checkpoints: cannot access"}));
 }
 
 TEST_F(CheckpointFile, IsRejectedByAnotherDimensionPrecisionSearchOrLaw) {

@@ -12,6 +12,7 @@
 
 #include <silt/core/error.hpp>
 #include <silt/io/checkpoint.hpp>
+#include <silt/io/file.hpp>
 
 #include <chrono>
 #include <filesystem>
@@ -39,8 +40,8 @@ class Checkpoints {
     if (!(every_ >= 0)) require_not_negative("Checkpoints: every", every_);
   }
 
-  /// Whether the file exists.
-  bool exist() const { return std::filesystem::exists(path_); }
+  /// Whether the file exists. Throws silt::Error if that cannot be determined.
+  bool exist() const { return file::exists("Checkpoints", path_); }
 
   /// Writes a checkpoint now, see write_checkpoint().
   template <class Sim>

@@ -36,12 +36,22 @@ using Stream = std::unique_ptr<std::FILE, Close>;
 
 inline std::error_code last_error() { return {errno, std::generic_category()}; }
 
+/// Whether a file exists. Throws silt::Error, with a message that begins with `caller`, if that
+/// cannot be determined, such as for lack of permission.
+inline bool exists(const std::string& caller, const std::filesystem::path& path) {
+  std::error_code reason;
+  const bool answer = std::filesystem::exists(path, reason);
+  if (reason) fail_with(caller + ": cannot access", path, reason, "check the path");
+  return answer;
+}
+
 /// Creates a folder and its parents. Throws silt::Error, with a message that begins with `caller`,
 /// if that fails.
 inline void create_folder(const std::string& caller, const std::filesystem::path& folder) {
   std::error_code reason;
   std::filesystem::create_directories(folder, reason);
-  if (!reason && !std::filesystem::is_directory(folder)) {
+  std::error_code ignored;
+  if (!reason && !std::filesystem::is_directory(folder, ignored)) {
     reason = std::make_error_code(std::errc::not_a_directory);
   }
   if (reason) {

@@ -207,7 +207,7 @@ class VtkSeries {
   // The times of the listed frames of an earlier run before `time`.
   std::vector<double> listed_before(double time) const {
     std::vector<double> times;
-    if (!std::filesystem::exists(list_path())) return times;
+    if (!file::exists("VtkSeries", list_path())) return times;
     const std::string list = file::read("VtkSeries", list_path());
     for (auto from = list.find(time_begins); from != std::string::npos;
          from = list.find(time_begins, from)) {

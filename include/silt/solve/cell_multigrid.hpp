@@ -28,6 +28,7 @@
 #include <silt/solve/cell_interpolation.hpp>
 #include <silt/solve/cell_level.hpp>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
