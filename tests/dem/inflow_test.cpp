@@ -105,7 +105,6 @@ TEST(Outflow, MayRemoveTheLastGrainOfARun) {
   dem::Grains<2> grain;
   dem::add_grain(grain, {0, 0}, {.radius = 0.01, .density = 2500});
   dem::Outflow below{Box<2>{.lower = {-1, -2}, .upper = {1, -0.1}}};
-  const dem::CundallStrack law{.normal_stiffness = 1e3};
   Simulation fall{grain, UniformGrid<2>{}, Forces{Gravity<2>{{0, -9.81}}, dem::Contacts{law}},
                   Leapfrog{}};
   fall.run({.until = 0.3}, below);
