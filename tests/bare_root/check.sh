@@ -112,13 +112,13 @@ watch() {
       printf '[%4d s] %s\n' $(((${now/./} - ${began/./}) / 1000000)) "$line" >&2
     fi
     last=$now before=$line
-  done | sort -rn | head -n 1 >"$file"
+  done | sort -rn | sed -n 1p >"$file"
 }
 
 # The first picture drawn in ROOT: seconds since 1970, a space and its path.
 first_picture() {
   find "$1/root" "$1/home" -name '*.png' -not -path '*/docs/*' -printf '%T@ %p\n' 2>/dev/null |
-    sort -n | head -n 1
+    sort -n | sed -n 1p
 }
 
 follow_readme() {
