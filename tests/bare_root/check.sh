@@ -137,8 +137,8 @@ follow_readme() {
     inside "$root" root "git config --system url.file:///srv/silt.git.insteadOf '$url'"
   fi
   inside "$root" "$login" "git clone --quiet file:///srv/silt.git checkout"
-  echo "$home$([[ -n $url ]] || echo /checkout)" >"$root/tmp/folder"
-  chmod 666 "$root/tmp/folder"
+  echo "$home$([[ -n $url ]] || echo /checkout)" >"$root/srv/folder"
+  chmod 666 "$root/srv/folder"
 
   local blocks=$scratch/$user.blocks
   rm -rf "$blocks"
@@ -163,18 +163,18 @@ follow_readme() {
   : >"$log"
   for block in "$blocks"/*; do
     if [[ $block = *.save ]]; then
-      tail -n +2 "$block" >"$root$(cat "$root/tmp/folder")/$(head -n 1 "$block")"
+      tail -n +2 "$block" >"$root$(cat "$root/srv/folder")/$(head -n 1 "$block")"
       continue
     fi
     typed=$(grep -cvE '^ *(#|$)' "$block") || true
     lines=$((lines + typed))
     {
       if [[ $user = root ]]; then echo 'sudo() { "$@"; }'; fi  # root has no sudo
-      echo "trap 'pwd >/tmp/folder' EXIT; set -e; cd '$(cat "$root/tmp/folder")'; set -v"
+      echo "trap 'pwd >/srv/folder' EXIT; set -e; cd '$(cat "$root/srv/folder")'; set -v"
       cat "$block"
-    } >"$root/tmp/block"
+    } >"$root/srv/block"
     code=0
-    inside "$root" "$login" "bash -o pipefail /tmp/block" 2>&1 | watch "$scratch/silence" 2>&1 |
+    inside "$root" "$login" "bash -o pipefail /srv/block" 2>&1 | watch "$scratch/silence" 2>&1 |
       tee -a "$log" || code=$?
     ((code == 0)) || give_up "as $user, exit code $code of
 $(cat "$block")"

@@ -2,6 +2,7 @@
 // A run that was stopped or failed, and was resumed, writes the same files as an uninterrupted run,
 // byte by byte.
 #include "support/check.hpp"
+#include "support/file_test.hpp"
 #include "support/grains.hpp"
 
 #include <silt/dem/inflow.hpp>
@@ -23,19 +24,6 @@
 
 namespace silt::test {
 namespace {
-
-// A temporary folder.
-struct Folder {
-  std::filesystem::path path;
-  Folder() {
-    const auto* test = testing::UnitTest::GetInstance()->current_test_info();
-    path = std::filesystem::path(testing::TempDir()) /
-           (std::string("silt_") + test->test_suite_name() + "_" + test->name());
-    std::filesystem::remove_all(path);
-    std::filesystem::create_directories(path);
-  }
-  ~Folder() { std::filesystem::remove_all(path); }
-};
 
 std::map<std::string, std::string> files_in(const std::filesystem::path& folder) {
   std::map<std::string, std::string> files;

@@ -6,6 +6,7 @@
 #include <silt/search/uniform_grid.hpp>
 
 #include "support/check.hpp"
+#include "support/file_test.hpp"
 
 #include <gtest/gtest.h>
 
@@ -21,6 +22,7 @@
 namespace {
 
 using namespace silt;
+using test::Folder;
 
 inline constexpr struct temperature_t : scalar_field {
 } temperature{};
@@ -28,18 +30,6 @@ inline constexpr struct colour_t : field_of<std::uint8_t> {
 } colour{};
 inline constexpr struct label_t : field_of<std::string> {
 } label{};
-
-struct Folder {
-  std::filesystem::path path;
-  Folder() {
-    const auto* test = testing::UnitTest::GetInstance()->current_test_info();
-    path = std::filesystem::path(testing::TempDir()) /
-           (std::string("silt_") + test->test_suite_name() + "_" + test->name());
-    std::filesystem::remove_all(path);
-    std::filesystem::create_directories(path);
-  }
-  ~Folder() { std::filesystem::remove_all(path); }
-};
 
 std::string text_of(const std::filesystem::path& path) {
   std::ifstream stream(path, std::ios::binary);
