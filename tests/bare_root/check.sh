@@ -194,7 +194,8 @@ $(cat "$block")"
     fi
   done
   # The log also contains the commands themselves.
-  if sed 's/^\[ *[0-9]* s\] //' "$log" | grep -vxF "$(cat "$blocks"/*.sh)" | grep -iw warning; then
+  if sed 's/^\[ *[0-9]* s\] //' "$log" | grep -vxF "$(cat "$blocks"/*.sh)" |
+    grep -v '^invoke-rc.d: ' | grep -iw warning; then  # Debian's packages miss an init system here
     give_up "as $user, there were warnings"
   fi
   [[ -n $picture ]] || give_up "as $user, no picture was drawn"
