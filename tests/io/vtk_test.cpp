@@ -145,6 +145,8 @@ TEST(VtkSeries, ReportsWhyAFolderCannotBeCreated) {
   const auto below = folder.path / "file" / "frames";
   EXPECT_TRUE(test::refuses([&] { VtkSeries series{below}; },
                             {"VtkSeries", below.string(), "Not a directory"}));
+  EXPECT_TRUE(test::refuses([&] { VtkSeries series{folder.path / "file"}; },
+                            {"VtkSeries", "a file with this name exists"}));
 }
 
 TEST(VtkSeries, ReportsWhyAFileCannotBeWritten) {

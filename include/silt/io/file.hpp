@@ -51,12 +51,12 @@ inline void create_folder(const std::string& caller, const std::filesystem::path
   std::error_code reason;
   std::filesystem::create_directories(folder, reason);
   std::error_code ignored;
-  if (!reason && !std::filesystem::is_directory(folder, ignored)) {
-    reason = std::make_error_code(std::errc::not_a_directory);
+  if (std::filesystem::is_directory(folder, ignored)) return;
+  if (std::filesystem::exists(folder, ignored)) {  // often the program itself
+    fail(caller + ": cannot create the folder " + folder.string() +
+         ": a file with this name exists; rename it, or choose another folder");
   }
-  if (reason) {
-    fail_with(caller + ": cannot create the folder", folder, reason, "choose a writable folder");
-  }
+  fail_with(caller + ": cannot create the folder", folder, reason, "choose a writable folder");
 }
 
 /// All bytes of a file. Throws silt::Error, with a message that begins with `caller`, if it cannot
