@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The concepts that the components of a simulation model. Conventions throughout the library:
+// The concepts modelled by the components of a simulation. Conventions throughout the library:
 //
 //   r_ij = x_j − x_i                      points from i to j
 //   normal n of a contact                 direction of a repulsive force on i: n = −r_ij / r

@@ -36,7 +36,7 @@ class ThreadChoice {
     if (trial_) {
       add_to_trial(seconds);
     } else {
-      add_to_usual(seconds);
+      add_outside_trial(seconds);
     }
   }
 
@@ -82,7 +82,7 @@ class ThreadChoice {
 
   Mean& mean_of(bool all) noexcept { return all ? several_ : one_; }
 
-  void add_to_usual(double seconds) noexcept {
+  void add_outside_trial(double seconds) noexcept {
     elapsed_ += seconds;
     time_ += seconds;
     ++steps_;

@@ -48,7 +48,7 @@ class Materials {
   void check(std::uint32_t number, const std::string& whose, Where where = {}) const {
     if (number >= count_) {
       fail("dem::Contacts: material " + std::to_string(number) + " " + whose +
-               " does not exist, there are " + std::to_string(count_) +
+               " does not exist: there are only " + std::to_string(count_) +
                "; pass all materials to Contacts",
            where);
     }

@@ -109,8 +109,8 @@ void scatter(P& grains, const Blend<Sizes>& blend, const R& region, const Scatte
     if (!ball) {
       fail("dem::scatter: placed " + std::to_string(placed.size()) + " of " +
            std::to_string(drawn.size()) + " grains, " + to_text(filled / volume) +
-           " of the region, and found no room for one of radius " + to_text(grain.radius) +
-           " m in " + std::to_string(scatter.tries) +
+           " of the region, and found no free position for a grain of radius " +
+           to_text(grain.radius) + " m in " + std::to_string(scatter.tries) +
            " tries; place fewer grains, or let grains fall and settle");
     }
     placed.push_back(*ball);

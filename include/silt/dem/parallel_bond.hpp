@@ -148,7 +148,7 @@ Vec<3, Real> rotated_by(const Vec<3, Real>& angle, const Vec<3, Real>& v) {
   if (!(size > 0)) return v;
   return multiply(Eigen::AngleAxis<Real>(size, angle / size).toRotationMatrix(), v);
 }
-/// In 2D a rotation does not change a rotation.
+/// In 2D rotations commute: nothing to do.
 template <class Real>
 Real rotated_by(Real, Real rotation) {
   return rotation;
