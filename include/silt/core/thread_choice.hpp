@@ -91,7 +91,7 @@ class ThreadChoice {
     if (time_ < window) return;
     mean_of(all_).add(time_ / double(steps_));
     begin_window();
-    // By its last trial, the other number would have saved more time than a trial costs.
+    // By its last trial, the other number would have saved more time than a trial loses.
     const bool is_behind = excess_ > std::max(loss_, min_allowance);
     if (elapsed_ < (is_behind ? pause_per_loss * loss_ : pause_)) return;
     if (!all_ && one_.step < min_step) return;

@@ -117,13 +117,14 @@ class ConformanceChecks {
     const double stiffness = (push(0.99) - push(0.5)) / (0.49 * conditions_.overlap);
     add_check(
         "repulsive", stiffness > 0 ? 0 : 1, 0,
-        "the repulsive force does not rise between half of ConformanceConditions::overlap and "
+        "the repulsive force does not increase between half of ConformanceConditions::overlap and "
         "all of it; normal points from j to i");
     return stiffness;
   }
 
   // Contacts that stick, slide and roll, fast enough for dashpots to matter. They never return to
-  // an earlier state: a slider would then be exactly at its limit, and round-off would decide.
+  // an earlier state: a slider would then be exactly at its limit, and its state would depend on
+  // round-off.
   EightContacts<Dim> some_contacts() const {
     EightContacts<Dim> contacts;
     const double slips[] = {0.05, 0.3, 1, 3};

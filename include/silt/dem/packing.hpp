@@ -89,8 +89,8 @@ std::vector<Grain> draw_grains(const Blend<Sizes>& blend, const Scatter& scatter
 }  // namespace detail
 
 /// Adds grains at rest that lie entirely inside the region and touch neither each other nor
-/// existing grains. If a grain finds no free position, throws silt::Error and adds none; the
-/// message tells how many were placed.
+/// existing grains. If there is no free position for a grain, throws silt::Error and adds none;
+/// the message contains the number of grains placed until then.
 template <class P, class Sizes, Region<P::dimension, typename P::Real> R>
 void scatter(P& grains, const Blend<Sizes>& blend, const R& region, const Scatter& scatter) {
   using Real = typename P::Real;

@@ -159,7 +159,7 @@ double shortest_contact(const P& grains, const Materials<Law>& materials) {
   for (std::uint32_t a = 0; a < materials.count(); ++a) {
     for (std::uint32_t b = 0; b < materials.count(); ++b) {
       const Stiffness k = materials.between(a, b).stiffness(contact);
-      // A tangential spring also has to rotate the grain: 1 + m R²/I is 3 for discs and 3.5 for
+      // A tangential spring also rotates the grain: 1 + m R²/I is 3 for discs and 3.5 for
       // spheres.
       const double stiffest = std::max({k.normal, 3.5 * k.tangential, k.rolling * per_turn});
       if (!(stiffest > 0)) continue;
