@@ -8,7 +8,7 @@
 
 Figures are processor times, medians of three: they depend less than wall times on what else the
 machine is doing. `parsed` is the time without optimisation and code generation (-fsyntax-only).
-With clang++, -ftime-trace beside the flags below says which templates it goes into.
+To see which templates take the time, add -ftime-trace (clang++) to FLAGS.
 """
 
 import pathlib

@@ -172,17 +172,17 @@ def lammps_table(content):
         return f"{of['median']:.{digits}f} ({of['least']:.{digits}f}–{of['most']:.{digits}f})"
 
     for result in content["results"]:
-        for way in ("hooke_history", "cundall_strack", "portable"):
-            if way not in result:
+        for variant in ("hooke_history", "cundall_strack", "portable"):
+            if variant not in result:
                 continue
-            ours, theirs = result[way], result["lammps"]
-            rows.append([f"{result['scene']}/{result['grains']}", str(result["cores"]), way,
+            ours, theirs = result[variant], result["lammps"]
+            rows.append([f"{result['scene']}/{result['grains']}", str(result["cores"]), variant,
                          spread(theirs["million_steps_per_second"], 1),
                          spread(ours["million_steps_per_second"], 1),
                          f"**{spread(ours['times_lammps'], 2)}**",
                          f"{theirs['contacts']:.3f} / {ours['contacts']:.3f}",
                          f"{theirs['rebuilds']:.0f} / {ours['rebuilds']:.0f}"])
-    yield from table(["", "cores", "Silt's way", "LAMMPS", "Silt", "times LAMMPS",
+    yield from table(["", "cores", "variant of Silt", "LAMMPS", "Silt", "times LAMMPS",
                       "contacts per grain", "rebuilds"], rows)
     rows = []
     for result in content["results"]:
@@ -197,7 +197,8 @@ def lammps_table(content):
                      "" if result["scene"] == "gas" else f"{heights[1] - heights[0]:+.1e}",
                      f"{of['farthest']:.1e}"])
     yield from table(["", "cores", "steps", "kinetic energy of a grain, LAMMPS", "Silt's, relative",
-                      "mean height, difference", "farthest apart is one grain"], rows)
+                      "mean height, difference",
+                      "maximum distance between corresponding grains"], rows)
 
 
 # --- targets -------------------------------------------------------------------------------------
@@ -292,10 +293,10 @@ def two_thread_targets(results):
                 if each.particles > 30000 and results.speed_up(family, size):
                     gains[f"{family}/{size}"] = results.speed_up(family, size)
         if gains:
-            least = min(gains, key=gains.get)
-            yield (f"two threads, least of {program} ({least.removeprefix(program + '/')})", MORE,
-                   1.7, 1.9, gains[least])
-            yield (f"two threads, median of {program}", MORE, 1.7, 1.9,
+            lowest = min(gains, key=gains.get)
+            yield (f"minimum speed-up with two threads, {program} "
+                   f"({lowest.removeprefix(program + '/')})", MORE, 1.7, 1.9, gains[lowest])
+            yield (f"median speed-up with two threads, {program}", MORE, 1.7, 1.9,
                    statistics.median(gains.values()))
 
 
@@ -329,8 +330,8 @@ def lines_of(results):
                 f"- compiler: {context.get('compiler', 'unknown')}",
                 f"- flags: `{context.get('flags', 'unknown')}`",
                 f"- date: {context.get('date', 'unknown')}", "",
-                "One thread unless said otherwise; \"two threads\" is how many times as fast they "
-                "are.", "", "## Targets", ""]
+                "One thread unless stated otherwise; \"two threads\" is the speed-up with "
+                "two threads.", "", "## Targets", ""]
     yield from target_table(results)
     if of_program(results, "contact_search"):
         yield from ["## Contact search", ""]
@@ -341,7 +342,7 @@ def lines_of(results):
     if results.lammps:
         yield from ["## DEM against LAMMPS", "",
                     f"LAMMPS {results.lammps['lammps']}; million grain-steps per second, median "
-                    "(least–most) of runs made in turn.", ""]
+                    "(minimum–maximum) of alternating runs.", ""]
         yield from lammps_table(results.lammps)
     for program, title in (("mps_step", "Whole steps of MPS"), ("pressure_solve", "Pressure solve")):
         if of_program(results, program):

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Repeats the study of [HwangLeePark2010], draws its figures, and reports which findings hold.
+"""Repeats the study of [HwangLeePark2010], draws its figures, and reports which findings are
+reproduced.
 
     paper_figures.py [--only fig5,fig7,…] [--out FOLDER] [--quick] [--jobs N] --programs FOLDER
 
@@ -35,15 +36,15 @@ def figures_of(text):
 def options_of(arguments):
     parser = argparse.ArgumentParser(
         prog="paper_figures",
-        description="Runs the study of Hwang, Lee and Park (2010), draws its figures, and says which "
-                    "of its findings hold.")
+        description="Runs the study of Hwang, Lee and Park (2010), draws its figures, and reports "
+                    "which of its findings are reproduced.")
     parser.add_argument("--only", type=figures_of, default=list(FIGURES), metavar="FIGURE,…",
                         help=f"some of {', '.join(FIGURES)}")
     parser.add_argument("--out", type=pathlib.Path, default=pathlib.Path("out/paper"),
                         help="folder (%(default)s)")
-    parser.add_argument("--quick", action="store_true", help="coarser and shorter, to try it")
+    parser.add_argument("--quick", action="store_true", help="coarser and shorter runs, as a trial")
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1,
-                        help="runs at a time, each of one thread (%(default)s)")
+                        help="number of simultaneous runs, of one thread each (%(default)s)")
     parser.add_argument("--check", action="store_true", help=argparse.SUPPRESS)
     parser.add_argument("--programs", type=pathlib.Path, default=None, help=argparse.SUPPRESS)
     options = parser.parse_args(arguments)
@@ -70,11 +71,11 @@ def table_of_cases(results):
 
 
 def comparison(results, figures, runs):
-    lines = ["# The paper's findings, in our runs", "",
+    lines = ["# The paper's findings, in runs of Silt", "",
              "After [HwangLeePark2010]. ± one standard error over runs that differ in their Courant "
-             "number alone. Roughness: rms of the pressure minus its moving average over 0.02 s; "
-             "peak: the largest of that average. A run that lost more than 1 % of its particles "
-             "counts as failed.", "", "| finding | ours | |", "|---|---|---|"]
+             "number only. Roughness: rms of the pressure minus its moving average over 0.02 s; "
+             "peak: the maximum of that average. A run that lost more than 1 % of its particles "
+             "counts as failed.", "", "| finding | Silt | |", "|---|---|---|"]
     lines += [f"| {found.what} | {found.figures} | {found.verdict()} |"
               for found in findings(results, figures)]
     if "fig12" in figures or "fig13" in figures:
@@ -99,7 +100,7 @@ def main(arguments):
     text = comparison(results, options.only, list({run.folder: run for run in runs}.values()))
     (options.out / "comparison.md").write_text(text, encoding="utf-8")
     print(text)
-    print("Files made:", *(options.out / f"{figure}.png" for figure in options.only),
+    print("Files written:", *(options.out / f"{figure}.png" for figure in options.only),
           options.out / "comparison.md", sep="\n  ")
 
 

@@ -224,7 +224,7 @@ class SolverIterations {
   template <class Archive>
   void transfer(Archive& archive) {
     archive("sum", sum_);
-    archive("most", max_);
+    archive("max", max_);
   }
 
   double sum() const { return sum_; }  // over all steps

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Results of the runs of support/paper_study.py, and whether they confirm the paper's findings.
+"""Results of the runs of support/paper_study.py, and whether they reproduce the paper's findings.
 
     results = Results(study)
     results.case(10).roughness()              an Estimate, from all repetitions
@@ -53,8 +53,8 @@ class Case:
     def front_error(self):
         return Estimate([run.front_error() for run in self.runs])
 
-    def behind(self, other):
-        """Its delay in T, from the repetitions with the same Courant number."""
+    def delay(self, other):
+        """Its delay in T behind another case, from the repetitions with the same Courant number."""
         others = {run.options["courant"]: run for run in other.runs}
         return Estimate([run.behind(others[run.options["courant"]]) for run in self.runs
                          if run.options["courant"] in others])
@@ -95,20 +95,21 @@ class Results:
 
 
 class Finding:
-    """One of the paper's findings: description, our numbers, and whether it holds. `sure`: whether
-    the difference exceeds two standard errors; None if there is no error bar."""
+    """One of the paper's findings: description, figures of Silt, and whether they reproduce it.
+    `sure`: whether the difference exceeds two standard errors; None if there is no error bar."""
 
-    def __init__(self, what, figures, held, sure=None):
+    def __init__(self, what, figures, reproduced, sure=None):
         self.what = what
         self.figures = figures
-        self.held = held
+        self.reproduced = reproduced
         self.sure = sure
 
     def verdict(self):
-        if self.held is None:
-            return "cannot be told"
-        text = "held" if self.held else "**not held**"
-        return text if self.sure is not False else text + ", within the error bar"
+        if self.reproduced is None:
+            return "undetermined"
+        if self.sure is False:
+            return ("" if self.reproduced else "not ") + "reproduced, within the error bar"
+        return "reproduced" if self.reproduced else "**not reproduced**"
 
 
 def is_below(what, smaller, larger, scale=1.0, unit="", digits=2, factor=1.0):
@@ -123,14 +124,14 @@ def is_below(what, smaller, larger, scale=1.0, unit="", digits=2, factor=1.0):
 
 def of_pressure(results):
     """Figs 12 and 13."""
-    def rougher(what, calm, rough, begin=0.4, factor=1.0):
-        cases = [results.case(number) for number in (calm, rough)]
+    def smoother(what, smooth, rough, begin=0.4, factor=1.0):
+        cases = [results.case(number) for number in (smooth, rough)]
         end = min(case.end() for case in cases)
         if end < begin:
             failures = [f"case {case.number:02d}: {case.failures[0]}" for case in cases
                         if case.failures]
             return Finding(what, "; ".join(failures) or "not run", None)
-        return is_below(f"{what}: case {calm:02d} against case {rough:02d}",
+        return is_below(f"{what}: case {smooth:02d} against case {rough:02d}",
                         *(case.roughness(end, begin) for case in cases), 1e-3, "kPa",
                         factor=factor)
 
@@ -139,29 +140,30 @@ def of_pressure(results):
         return is_below(f"{what}: case {low:02d} against case {high:02d}",
                         results.case(low).peak(end), results.case(high).peak(end), 1e-3, "kPa")
 
-    def gain(before, after):
+    def improvement(before, after):
         end = results.common_end((before, after))
         return (results.case(before).roughness(end).mean / results.case(after).roughness(end).mean)
 
     steps = [(0, 1), (1, 3), (3, 4), (4, 5), (5, 9), (9, 10)]
-    gains = {f"{before:02d} to {after:02d}": gain(before, after) for before, after in steps}
-    largest = max(gains, key=gains.get)
+    improvements = {f"{before:02d} to {after:02d}": improvement(before, after)
+                    for before, after in steps}
+    largest = max(improvements, key=improvements.get)
     return [
-        rougher("source (16) is far calmer than (9), at most half as rough", 1, 0, factor=0.5),
-        Finding("the source is the largest single gain on the way from case 00 to case 10",
-                ", ".join(f"{name}: × {value:.2f}" for name, value in gains.items()),
+        smoother("source (16) gives at most half the roughness of (9)", 1, 0, factor=0.5),
+        Finding("the source is the largest single improvement from case 00 to case 10",
+                ", ".join(f"{name}: × {value:.2f}" for name, value in improvements.items()),
                 largest == "00 to 01"),
-        rougher("kernel (3c) is calmer than (3a)", 3, 1),
-        rougher("kernel (3a) is calmer than (3b)", 1, 2),
-        rougher("a = 0.8 is calmer than 0.5", 4, 3),
-        rougher("a = 1.0 is calmer than 0.8", 5, 4),
+        smoother("kernel (3c) gives a smoother pressure than (3a)", 3, 1),
+        smoother("kernel (3a) gives a smoother pressure than (3b)", 1, 2),
+        smoother("a = 0.8 gives a smoother pressure than 0.5", 4, 3),
+        smoother("a = 1.0 gives a smoother pressure than 0.8", 5, 4),
         peaks("a = 0.8 has a lower peak than 0.5", 4, 3),
         peaks("a = 1.0 has a lower peak than 0.8", 5, 4),
-        rougher("b = 0.2 is calmer than 0.4", 5, 7),
-        rougher("b = 0 is calmer than 0.4", 6, 7),
-        rougher("both conditions of the surface are calmer than (13)", 9, 5),
-        rougher("both conditions of the surface are calmer than (17)", 9, 8),
-        rougher("gradient (18) is calmer than (4) at the second and third peaks "
+        smoother("b = 0.2 gives a smoother pressure than 0.4", 5, 7),
+        smoother("b = 0 gives a smoother pressure than 0.4", 6, 7),
+        smoother("both conditions of the surface give a smoother pressure than (13)", 9, 5),
+        smoother("both conditions of the surface give a smoother pressure than (17)", 9, 8),
+        smoother("gradient (18) gives a smoother pressure than (4) at the second and third peaks "
                 f"(from {LATER_PEAKS} s)", 10, 9, LATER_PEAKS),
     ]
 
@@ -169,12 +171,12 @@ def of_pressure(results):
 def of_front(results):
     """Fig. 14."""
     original, adopted = results.case(0), results.case(10)
-    behind = adopted.behind(original)
+    delay = adopted.delay(original)
     return [
         Finding("the front of case 10 is slower than that of case 00",
-                f"behind by {behind.text(1, 3)} in T",
-                None if math.isnan(behind.mean) else behind.mean > 0,
-                None if math.isnan(behind.error) else abs(behind.mean) > 2 * behind.error),
+                f"delayed by {delay.text(1, 3)} in T",
+                None if math.isnan(delay.mean) else delay.mean > 0,
+                None if math.isnan(delay.error) else abs(delay.mean) > 2 * delay.error),
         is_below("case 10 is closer to Martin and Moyce than case 00, rms of Z for T = 1.19–3.3",
                  adopted.front_error(), original.front_error(), 100, "%"),
     ]
@@ -186,7 +188,7 @@ def ranks(values):
                      for value in values])
 
 
-def falls_with_a(deviation, under):
+def decreases_with_a(deviation, under):
     """Whether σ decreases with a, by their rank correlation over the map: σ of one run has an error
     of some 20 %, so that neighbouring points cannot be compared. Sure if the correlation exceeds
     two standard errors of uncorrelated data, 1/√(n − 1)."""
@@ -198,7 +200,7 @@ def falls_with_a(deviation, under):
     r = float(np.corrcoef(ranks(a), ranks(of_a))[0, 1])
     medians = ", ".join(f"a = {a:g}: {value:.0f} Pa"
                         for a, value in zip(A, np.median(sigma, axis=1)))
-    return Finding(f"RSDR falls as a rises, {under}",
+    return Finding(f"RSDR decreases with a, {under}",
                    f"correlation of ranks {r:+.2f} ± {1 / math.sqrt(len(places) - 1):.2f}; medians "
                    f"over b: {medians}", r < 0, abs(r) > 2 / math.sqrt(len(places) - 1))
 
@@ -227,11 +229,11 @@ def of_tank(results, figure):
                     if A[i] >= 0.9 and B[j] <= 0.2}
             figures = ", ".join(f"({a:g}, {b:g}): {100 * value:+.2f} %"
                                 for (a, b), value in near.items())
-            held = all(abs(value) < 0.01 for value in near.values())
+            reproduced = all(abs(value) < 0.01 for value in near.values())
             found.append(Finding(f"RER within 1 % for a near 1 and b in 0–0.2, {under}", figures,
-                                 held if np.isfinite(list(near.values())).all() else None))
+                                 reproduced if np.isfinite(list(near.values())).all() else None))
         if figure == "fig8":
-            found.append(falls_with_a(results.deviation_map(scheme), under))
+            found.append(decreases_with_a(results.deviation_map(scheme), under))
         if figure == "fig9":
             tanks = [results.tanks(study.spacings(l0, scheme)) for l0 in study.spacings_of_study()]
             rer = [Estimate([abs(tank.summary["rer"]) for tank in of_spacing])
@@ -242,9 +244,10 @@ def of_tank(results, figure):
                 for l0, value in zip(study.spacings_of_study(), rer)
             ) + "; slope of the profile over ρ g: " + ", ".join(each.text(1, 3) for each in slope)
             means = [value.mean for value in rer]
-            held = None if any(map(math.isnan, means)) else means == sorted(means, reverse=True)
-            found.append(Finding(f"RER, without its sign, shrinks with the spacing, {under}",
-                                 figures, held))
+            is_known = not any(map(math.isnan, means))
+            reproduced = means == sorted(means, reverse=True) if is_known else None
+            found.append(Finding(rf"\|RER\| decreases with the spacing, {under}",
+                                 figures, reproduced))
     return found
 
 

@@ -61,7 +61,7 @@ using RealLanes = ::testing::Types<Lanes<float, 4>, Lanes<float, 8>, Lanes<float
                                    Lanes<double, 2>, Lanes<double, 4>, Lanes<double, 8>>;
 TYPED_TEST_SUITE(RealRegisters, RealLanes);
 
-TYPED_TEST(RealRegisters, CompareAsScalarsDo) {
+TYPED_TEST(RealRegisters, CompareLikeScalars) {
   constexpr int N = TypeParam::number;
   using T = typename TypeParam::Number;
   for (int trial = 0; trial < 500; ++trial) {

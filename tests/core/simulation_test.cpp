@@ -127,7 +127,7 @@ using Settings = ::testing::Types<Setting<UniformGrid<2>, true>, Setting<Neighbo
                                   Setting<NeighbourList<3>, false>, Setting<BruteForce<2>, false>>;
 TYPED_TEST_SUITE(Transactions, Settings);
 
-TYPED_TEST(Transactions, AForceThatIsNotFiniteLeavesNoTrace) {
+TYPED_TEST(Transactions, AForceThatIsNotFiniteLeavesTheSimulationUnchanged) {
   for (const double wrong : {nan, inf}) {
     expect_no_trace<TypeParam>({"force = (" + to_text(wrong), "not finite", "id 11", "particle 10"},
                                [wrong](auto& sim, Saboteur& saboteur) {
@@ -137,7 +137,7 @@ TYPED_TEST(Transactions, AForceThatIsNotFiniteLeavesNoTrace) {
   }
 }
 
-TYPED_TEST(Transactions, AGrainThatLeavesTheBoxLeavesNoTrace) {
+TYPED_TEST(Transactions, AGrainThatLeavesTheBoxLeavesTheSimulationUnchanged) {
   expect_no_trace<TypeParam>({"left the box", "id 11", "x = (", "OnEscape::remove"},
                              [](auto& sim, Saboteur& saboteur) {
                                *saboteur.fault = {.id = 11, .push = 1e12};
@@ -145,7 +145,7 @@ TYPED_TEST(Transactions, AGrainThatLeavesTheBoxLeavesNoTrace) {
                              });
 }
 
-TYPED_TEST(Transactions, ATimeStepBeyondStabilityLeavesNoTrace) {
+TYPED_TEST(Transactions, ATimeStepBeyondStabilityLeavesTheSimulationUnchanged) {
   Saboteur saboteur;
   auto sim = TypeParam::make(saboteur);
   auto undisturbed = TypeParam::make({});
@@ -169,7 +169,7 @@ TYPED_TEST(Transactions, ATimeStepBeyondStabilityLeavesNoTrace) {
   EXPECT_EQ(everything(sim), everything(undisturbed));
 }
 
-TYPED_TEST(Transactions, AUserDefinedExceptionPassesAndLeavesNoTrace) {
+TYPED_TEST(Transactions, AUserDefinedExceptionPassesAndLeavesTheSimulationUnchanged) {
   Saboteur saboteur;
   auto sim = TypeParam::make(saboteur);
   auto undisturbed = TypeParam::make({});
@@ -185,7 +185,7 @@ TYPED_TEST(Transactions, AUserDefinedExceptionPassesAndLeavesNoTrace) {
   EXPECT_EQ(everything(sim), everything(undisturbed));
 }
 
-TYPED_TEST(Transactions, ASnapshotLeavesNoTrace) {
+TYPED_TEST(Transactions, ASnapshotLeavesTheSimulationUnchanged) {
   auto sim = TypeParam::make({});
   auto undisturbed = TypeParam::make({});
   for (int k = 0; k < 20; ++k) {
@@ -216,7 +216,7 @@ TEST(Simulation, ReportsCoincidentGrainsAndIsRolledBack) {
   EXPECT_EQ(sim.steps(), 1u);
 }
 
-TEST(Simulation, RemovesAndCountsEscapedParticlesIfTheBoxSaysSo) {
+TEST(Simulation, RemovesAndCountsEscapedParticlesIfTheBoxIsSetToRemove) {
   auto grains = one_grain<2>({0.5, 0.5}, {1, 0});
   dem::add_grain(grains, {0.5, 0.2}, pebble);
   auto box = cube<2, double>(0, 1);
@@ -291,7 +291,7 @@ auto falling_grain() {
                     Leapfrog{}};
 }
 
-TEST(Simulation, EndsExactlyWhereItIsAskedTo) {
+TEST(Simulation, EndsExactlyAtUntilIfRequested) {
   for (const double until : {1.0, 0.7, 0.1 + 0.2, 1.0 / 3, 1e-3}) {
     for (const double time_step : {0.1, 0.07, 0.03, 1.0 / 3, 5.0}) {
       auto sim = falling_grain();
@@ -321,7 +321,7 @@ TEST(Simulation, EndsExactlyWhereItIsAskedTo) {
   }
 }
 
-TEST(Simulation, TakesARestOfRoundingForTheEnd) {
+TEST(Simulation, EndsWithinRoundOffOfUntil) {
   auto sim = falling_grain();
   sim.run({.until = 1, .time_step = 0.1});
   EXPECT_EQ(sim.steps(), 10u);
@@ -348,7 +348,7 @@ struct StopsAfter {
   bool stop_requested() const { return steps <= 0; }
 };
 
-TEST(Simulation, EndsARunWhereAnObserverAsksForIt) {
+TEST(Simulation, EndsARunIfAnObserverRequestsIt) {
   const silt::Run run{.until = 1, .output_every = 0.25, .time_step = 0.125};
   auto sim = falling_grain();
   std::string calls;
@@ -445,7 +445,7 @@ struct DropsOne {
   }
 };
 
-TEST(Simulation, LetsAnObserverChangeItBeforeEveryStep) {
+TEST(Simulation, CanBeChangedByAnObserverBeforeEveryStep) {
   Simulation sim{dem::Grains<2>{}, UniformGrid<2>{}, Gravity<2>{{0, -9.81}}, Leapfrog{}};
   DropsOne drops;
   std::vector<Index> seen;

@@ -139,7 +139,7 @@ TEST(ThreadChoice, AdaptsToTheWorkOfAStep) {
   EXPECT_FALSE(machine.uses_all());
 }
 
-TEST(ThreadChoice, IsNotMisledByStepsWithARebuild) {
+TEST(ThreadChoice, ChoosesTheFasterNumberIfSomeStepsTakeLonger) {
   // Every twentieth step takes four times as long.
   for (const double slower : {1.3, 1 / 1.5}) {
     ThreadChoice choice;

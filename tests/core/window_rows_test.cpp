@@ -110,7 +110,7 @@ TEST(WindowRows, FindEntriesInMarkedColumns) {
   }
 }
 
-TEST(WindowRows, KeepNothingOfAnEarlierBuild) {
+TEST(WindowRows, ContainNothingOfAnEarlierBuild) {
   WindowRows rows = rows_of(3000, clustered(3000));
   rows.build(10, [](Index, auto&&) {});
   EXPECT_EQ(rows.size(), 10u);

@@ -48,7 +48,7 @@ TEST(Friction, CohesionActsWithoutLoad) {
   EXPECT_NEAR(after_sliding(law, 1e-12, 1)[0], -3, 1e-6);
 }
 
-TEST(Friction, OfTwoMaterialsTheSmallerAngleAndCohesionCount) {
+TEST(Friction, OfTwoMaterialsHasTheSmallerAngleAndCohesion) {
   const dem::CundallStrack rough{
       .normal_stiffness = 1e4, .tangential_stiffness = 1e4, .friction_angle = 0.8, .cohesion = 1};
   const dem::CundallStrack sticky{
@@ -62,7 +62,7 @@ TEST(Friction, OfTwoMaterialsTheSmallerAngleAndCohesionCount) {
   EXPECT_NEAR(after_sliding(materials.between(1, 1), 0.01, 1)[0], -(100 * std::tan(0.2) + 5), 1e-9);
 }
 
-TEST(Friction, OfTwoMaterialsTheSpringsActInSeriesAndTheLowerRestitutionCounts) {
+TEST(Friction, OfTwoMaterialsHasSpringsInSeriesAndTheLowerRestitution) {
   const dem::CundallStrack stiff{.normal_stiffness = 3e4, .restitution = 0.9};
   const dem::CundallStrack soft{.normal_stiffness = 1e4, .restitution = 0.5};
   const auto mixed = dem::CundallStrack::mix(stiff, soft);

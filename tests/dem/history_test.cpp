@@ -125,7 +125,7 @@ TEST(LawHistory, IsKeptAfterRejectedInput) {
   EXPECT_EQ(manual.step(), (std::vector{2, 2}));
 }
 
-TEST(LawHistory, BeginsAnewWithANewContact) {
+TEST(LawHistory, IsInitialInANewContact) {
   auto grains = row_of<2, double>(2);
   UniformGrid<2> search({.radius = 1});
   dem::Contacts contacts{SpringCountingFrom<7>{}};

@@ -67,7 +67,7 @@ TEST(LinearSpringDashpot, IncrementalFormConvergesToTheSameRestitutionInFirstOrd
   EXPECT_LT(finest.worst, 0.002);
 }
 
-TEST(LinearSpringDashpot, ElasticImpactExchangesVelocitiesWhateverTheStiffness) {
+TEST(LinearSpringDashpot, ElasticImpactExchangesVelocitiesForAnyStiffness) {
   for (const double stiffness : {1e2, 1e5, 1e9}) {
     EXPECT_NEAR(Case{}(dem::CundallStrack{.normal_stiffness = stiffness}), 1, 1e-4);
   }

@@ -80,7 +80,7 @@ TEST(Packing, AvoidsExistingGrains) {
   }
 }
 
-TEST(Packing, ThrowsIfThereIsNoRoomAndTellsHowManyWerePlaced) {
+TEST(Packing, ThrowsIfThereIsNoSpaceAndReportsTheNumberPlaced) {
   dem::Grains<2> grains;
   const auto box = cube<2, double>(0, 1);
   const dem::Blend<dem::EqualSizes> discs{.sizes = {.value = 0.05}, .density = 1};

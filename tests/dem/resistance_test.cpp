@@ -214,7 +214,7 @@ void expect_the_balance_closes(const Law& law, const char* name) {
   closes(coarse.rolling, fine.rolling, "rolling");
 }
 
-TEST(Law, StoresGivesBackAndLosesWhatWasDoneToItsSprings) {
+TEST(Law, BalancesTheEnergyOfItsSprings) {
   const dem::LinearSpringDashpot spring{.normal_stiffness = 1e5, .restitution = 0.7};
   const dem::LinearFriction friction{.tangential_stiffness = 8e4, .friction_angle = 0.3};
   expect_the_balance_closes<2>(dem::Law{spring, friction, rolling}, "linear");

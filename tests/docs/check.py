@@ -24,7 +24,9 @@ outside of main(), so that it can declare types; #include lines always go to the
 A Python block has `after NAME`, and runs in the folder of that block's program, with the modules of
 examples/support. It is skipped if a module that it imports is not installed.
 
-All links of the pages to files of the repository, or to headings in them, must be valid.
+All links of the pages to files of the repository, or to headings in them, must be valid. In
+changelog.md every bullet must be a complete sentence, and no two may begin with the same words: a
+merge of two branches that rewrote it otherwise leaves both versions.
 """
 
 import concurrent.futures
@@ -180,6 +182,22 @@ def dead_links(page, text, repository):
     return faults
 
 
+def changelog_faults(page, text):
+    """Faults of the bullets of the changelog."""
+    faults, lines_by_beginning = [], {}
+    for match in re.finditer(r"^- (.*(?:\n  .*)*)", text, re.M):
+        line = text.count("\n", 0, match.start()) + 1
+        words = match[1].split()
+        beginning = " ".join(words[:5])
+        if not words[-1].endswith("."):
+            faults.append(f"{page}:{line}: the bullet '{beginning} …' does not end in a full stop")
+        first = lines_by_beginning.setdefault(beginning, line)
+        if first != line:
+            faults.append(f"{page}:{line}: the bullet '{beginning} …' begins like that of line "
+                          f"{first}; merge the two")
+    return faults
+
+
 def longest_programs(programs):
     """The programs that are not the beginning of another one, and thus a part of it."""
 
@@ -288,6 +306,8 @@ def check(repository, scratch, compile_command, compile_only):
         faults = [fault for fault in outcomes if fault]
     for page, text in pages.items():
         faults += dead_links(page, text, repository)
+        if page == "docs/changelog.md":
+            faults += changelog_faults(page, text)
     for where, text, program in [] if compile_only else scripts:
         folder = folder_of(program, scratch)
         if fault := run_script(where, text, folder, repository):
@@ -372,6 +392,9 @@ def self_test():
         for link, count in (("", 0), ("[d](none.md)", 1), ("[d](p.md#none)", 1)):
             (folder / "p.md").write_text(page % link, encoding="utf-8")
             assert len(dead_links("p.md", page % link, folder)) == count
+        assert not changelog_faults("c.md", "# C\n- One bullet\n  of two lines.\n- Another.\n")
+        broken = "- The first five words are equal; rand\n- Other.\n- The first five words are old.\n"
+        assert [fault.split(":")[1] for fault in changelog_faults("c.md", broken)] == ["1", "3"]
         copied = folder
         (copied / "copied.cpp").write_text(SPDX + "int main() {}\n", encoding="utf-8")
         copy = "<!-- silt: file copied.cpp -->\n```cpp\nint main() {%s}\n```"

@@ -83,7 +83,7 @@ def write_tank(folder, waves, high):
 def test_measures(folder):
     import numpy as np
 
-    from support.paper_results import Finding, falls_with_a, is_below
+    from support.paper_results import Finding, decreases_with_a, is_below
     from support.paper_study import Estimate
     from support.water import Tank
 
@@ -95,16 +95,16 @@ def test_measures(folder):
     slope, zero, off = Tank(folder / "slow").line()
     assert math.isclose(slope, 1) and math.isclose(zero, 0.005) and off < 1e-6
 
-    calm, rough = Estimate([1.0, 1.1, 0.9]), Estimate([2.0, 2.1, 1.9])
-    assert is_below("", calm, rough).verdict() == "held"
-    assert is_below("", rough, calm).verdict() == "**not held**"
-    assert is_below("", calm, rough, factor=0.51).verdict() == "held, within the error bar"
-    assert is_below("", calm, Estimate([])).verdict() == "cannot be told"
-    assert Finding("", "", True).verdict() == "held"
+    smooth, rough = Estimate([1.0, 1.1, 0.9]), Estimate([2.0, 2.1, 1.9])
+    assert is_below("", smooth, rough).verdict() == "reproduced"
+    assert is_below("", rough, smooth).verdict() == "**not reproduced**"
+    assert is_below("", smooth, rough, factor=0.51).verdict() == "reproduced, within the error bar"
+    assert is_below("", smooth, Estimate([])).verdict() == "undetermined"
+    assert Finding("", "", True).verdict() == "reproduced"
     a, b = np.meshgrid(np.arange(7.0), np.arange(5.0), indexing="ij")
-    assert falls_with_a(10 - a, "").verdict() == "held"
-    assert falls_with_a(10 + a, "").verdict() == "**not held**"
-    assert "within" in falls_with_a(np.where((a + b) % 2 == 0, 1.0, np.nan), "").verdict()
+    assert decreases_with_a(10 - a, "").verdict() == "reproduced"
+    assert decreases_with_a(10 + a, "").verdict() == "**not reproduced**"
+    assert "within" in decreases_with_a(np.where((a + b) % 2 == 0, 1.0, np.nan), "").verdict()
 
 
 def main(arguments):

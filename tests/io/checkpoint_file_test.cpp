@@ -100,7 +100,7 @@ TEST_F(CheckpointFile, IsRejectedIfItIsDamaged) {
   EXPECT_EQ(state_of(sim.particles()), before);
 }
 
-TEST_F(CheckpointFile, IsNotTakenForMissingIfItCannotBeAccessed) {
+TEST_F(CheckpointFile, ReportsAFileThatCannotBeAccessed) {
   EXPECT_FALSE(Checkpoints(path, {}).exist());
   const Checkpoints unusable(std::string(5000, 'a'), {});
   EXPECT_TRUE(refuses([&] { unusable.exist(); }, {"Checkpoints: cannot access"}));
@@ -128,7 +128,7 @@ TEST_F(CheckpointFile, IsRejectedByAnotherDimensionPrecisionSearchOrLaw) {
   write_checkpoint(path, with_friction);
   Simulation without{two().particles(), UniformGrid<2>{}, dem::Contacts{Spring{}}, Leapfrog{}};
   EXPECT_TRUE(refuses([&] { read_checkpoint(path, without); },
-                      {"memory/values of 1 blocks of 32 bytes each, but here it is of 1 blocks"}));
+                      {"history/values of 1 blocks of 32 bytes each, but here it is of 1 blocks"}));
 }
 
 }  // namespace

@@ -58,7 +58,7 @@ TEST_F(Csv, ARowOfTheWrongLengthIsRejected) {
 }
 
 #if __has_include(<sys/resource.h>)
-TEST_F(Csv, ARowThatCouldNotBeWrittenLeavesNothing) {
+TEST_F(Csv, ARowThatCannotBeWrittenLeavesTheFileUnchanged) {
   CsvFile file{path, {"t", "x"}};
   file.row({1, 2});
   rlimit before{};

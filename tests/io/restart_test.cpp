@@ -34,7 +34,7 @@ TEST_F(Restart, KeepsTheBitsOfWaterWithANeighbourList) {
   }
 }
 
-TEST_F(Restart, KeepsTheBitsOfWaterBesideAWallThatChangedItsKind) {
+TEST_F(Restart, KeepsTheBitsOfWaterNextToAWallThatChangedItsKind) {
   const double l0 = 0.04;
   const auto tank = mps::make_tank<2>(
       {.column = {0.4, 0.4}, .size = {.length = 0.8, .height = 0.6}, .spacing = l0});

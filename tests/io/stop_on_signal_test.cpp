@@ -62,7 +62,7 @@ TEST(StopOnSignal, RestoresThePreviousHandlers) {
   EXPECT_FALSE(next.stop_requested()) << "an earlier signal has no effect";
 }
 
-TEST(StopOnSignal, ExistsOnlyOnce) {
+TEST(StopOnSignal, RejectsASecondObject) {
   StopOnSignal stop;
   EXPECT_TRUE(refuses([] { StopOnSignal(); }, {"StopOnSignal", "another StopOnSignal"}));
 }

@@ -123,7 +123,7 @@ TEST(KeepApart, DoesNotChangePairsThatStayFarEnoughApart) {
   EXPECT_GT(mps::AdoptedCollision{}.velocity_change(near).norm(), 0);
 }
 
-TEST(KeepApart, KeepsItsDistanceUnlessThatNeedsMoreThanACollision) {
+TEST(KeepApart, KeepsPairsApartByAtMostTheImpulseOfACollision) {
   // Approach at speed 2: 0.95 − 0.2 = 0.75 without KeepApart; a distance of 0.9 needs a change of
   // 1.5, a collision changes the speed by 2.4.
   CollidingPair<2> pair{

@@ -36,7 +36,7 @@ TEST(WarmStep, OfWaterAllocatesNothing) {
 }
 
 // Verifies that allocations are counted, without which the test above would always pass.
-TEST(WarmStep, WouldBeCountedIfItAllocated) {
+TEST(Allocations, AreCounted) {
   const std::uint64_t before = allocations;
   const std::vector<double> one(100);
   EXPECT_EQ(allocations - before, 1U) << one[0];

@@ -151,7 +151,8 @@ def lines_of(result, variants):
         yield "  after the same steps, LAMMPS and Silt: " + ", ".join(
             f"{what} {physics_of['lammps'][key]:.8g} and {physics_of['silt'][key]:.8g}"
             for what, key in (("kinetic energy of a grain", "kinetic"), ("mean height", "height"))
-        ) + f"; farthest apart {physics_of['farthest']:.1e} diameters"
+        ) + ("; maximum distance between corresponding grains "
+             f"{physics_of['farthest']:.1e} diameters")
 
 
 def main():

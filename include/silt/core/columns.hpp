@@ -95,7 +95,7 @@ class Columns {
 
   template <class F>
   void restore(Index owned) noexcept {
-    // Owned particles only: the ghosts may differ, and the next search makes them again.
+    // Owned particles only: the ghosts may differ, and the next search recreates them.
     const auto& before = saved<F>();
     if (before.kept) std::copy_n(before.values.begin(), owned, of<F>().begin());
   }

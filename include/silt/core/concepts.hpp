@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The concepts that the components of a simulation model. Conventions throughout the library:
+// The concepts modelled by the components of a simulation. Conventions throughout the library:
 //
 //   r_ij = x_j − x_i                      points from i to j
 //   normal n of a contact                 direction of a repulsive force on i: n = −r_ij / r
@@ -225,7 +225,7 @@ concept Transactional = requires(T t) {
 /// also have
 ///   check(), check(dt)            throw if a parameter, or the time step, is out of range
 ///   half_step_before(v, a, dt)    v^{N−½} from v^N, if it is not v − ½ a Δt
-///   drag(v)                       acceleration by the damping at v^N, for an energy ledger
+///   drag(v)                       acceleration due to damping at v^N, for an energy ledger
 /// Models: NoDamping, GlobalDamping.
 template <class D, class Real = double>
 concept Damping = requires(const D d, Real v, Real a, Real dt) {

@@ -19,9 +19,9 @@
 // Placed before such a loop. Tells g++ that no iteration reads what another writes; clang detects
 // it.
 #ifdef __clang__
-#define SILT_EACH_LANE_ALONE
+#define SILT_INDEPENDENT_ITERATIONS
 #else
-#define SILT_EACH_LANE_ALONE _Pragma("GCC ivdep")
+#define SILT_INDEPENDENT_ITERATIONS _Pragma("GCC ivdep")
 #endif
 
 namespace silt {
@@ -99,7 +99,7 @@ auto* lanes_of(const Eigen::Matrix<Real, Dim, 1>* values) {
 template <class Number>
 struct Eigen::NumTraits<silt::Lane<Number>> : Eigen::NumTraits<Number> {
   using Real = silt::Lane<Number>;
-  using NonInteger = Real;
-  using Literal = Real;
+  using NonInteger = Real;  // type of quotients; Eigen has Number otherwise
+  using Literal = Real;     // type of constants in formulas, likewise
   using Nested = Real;
 };

@@ -198,8 +198,8 @@ class Simulation {
   ///   observer.stop_requested()             before every step; true ends the run
   /// if they have these functions; see core/concepts.hpp. A run that an observer ended makes no
   /// output at its end; the next run() continues it and makes none at its beginning. The same holds
-  /// for the first run() after reading a checkpoint that was written during a run. If the last step
-  /// before that began at or after `until`, this call was complete then, and does nothing. Throws
+  /// for the first run() after reading a checkpoint that was written during a run. If that
+  /// checkpoint was written during a later run of the program, this call returns at once. Throws
   /// silt::Error if a member of `run` is out of range, and what step() throws.
   template <class... Observers>
     requires(Observer<Observers, Simulation> && ...)

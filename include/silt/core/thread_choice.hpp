@@ -36,7 +36,7 @@ class ThreadChoice {
     if (trial_) {
       add_to_trial(seconds);
     } else {
-      add_to_usual(seconds);
+      add_outside_trial(seconds);
     }
   }
 
@@ -82,7 +82,7 @@ class ThreadChoice {
 
   Mean& mean_of(bool all) noexcept { return all ? several_ : one_; }
 
-  void add_to_usual(double seconds) noexcept {
+  void add_outside_trial(double seconds) noexcept {
     elapsed_ += seconds;
     time_ += seconds;
     ++steps_;
@@ -91,7 +91,7 @@ class ThreadChoice {
     if (time_ < window) return;
     mean_of(all_).add(time_ / double(steps_));
     begin_window();
-    // By its last trial, the other number would have saved more time than a trial costs.
+    // By its last trial, the other number would have saved more time than a trial loses.
     const bool is_behind = excess_ > std::max(loss_, min_allowance);
     if (elapsed_ < (is_behind ? pause_per_loss * loss_ : pause_)) return;
     if (!all_ && one_.step < min_step) return;

@@ -10,11 +10,11 @@
 namespace silt {
 
 /// A number that is unique in the process; a copy gets a new one.
-class Journey {
+class Epoch {
  public:
-  Journey() : number_(++last()) {}
-  Journey(const Journey&) : Journey() {}
-  Journey& operator=(const Journey&) {
+  Epoch() : number_(++last()) {}
+  Epoch(const Epoch&) : Epoch() {}
+  Epoch& operator=(const Epoch&) {
     number_ = ++last();
     return *this;
   }
@@ -28,16 +28,16 @@ class Journey {
   std::uint64_t number_;
 };
 
-/// Distance travelled within one journey: while `distance` [m] has increased by less than d, no
-/// particle has moved by d.
+/// Sum of the maximum displacements of all steps since the last reset, which began the epoch: while
+/// `distance` [m] has increased by less than d, no particle has moved by d.
 struct Travel {
-  std::uint64_t journey = 0;
+  std::uint64_t epoch = 0;
   double distance = 0;
 
   /// Whether no particle has moved farther than d [m] since `then`; false if `then` belongs to
-  /// another journey.
+  /// another epoch.
   bool is_within(double d, const Travel& then) const noexcept {
-    return journey == then.journey && distance - then.distance <= d;
+    return epoch == then.epoch && distance - then.distance <= d;
   }
 };
 

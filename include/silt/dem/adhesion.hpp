@@ -6,7 +6,7 @@
 // those of powders, and its force ends at δ = 0, where contacts in Silt end; the neck of JKR
 // extends beyond δ = 0.
 //
-// Tangential cohesion is something else: LinearFriction::cohesion, c of (13).
+// Tangential cohesion is a different quantity: LinearFriction::cohesion, c of (13).
 #pragma once
 
 #include <silt/core/error.hpp>

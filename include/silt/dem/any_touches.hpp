@@ -12,7 +12,7 @@ namespace silt::dem {
 
 namespace detail {
 // Touches of one type, or none yet. Operations are instantiated together with get<T>(), so that
-// unused dimensions and precisions cost nothing.
+// unused dimensions and precisions are not compiled.
 class TouchesOnDemand {
  public:
   TouchesOnDemand() = default;

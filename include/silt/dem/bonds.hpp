@@ -246,7 +246,7 @@ class Bonds {
     return state_of(bond, section, springs_of(law_, section));
   }
 
-  // Keeps the state that restore() returns to.
+  // Stores the state for restore().
   void keep_state() {
     if (is_kept_) return;
     kept_bonds_ = bonds_;

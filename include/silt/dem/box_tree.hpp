@@ -43,11 +43,11 @@ class BoxTree {
   template <class Visit>
   void visit_near(const Vec& x, Real limit, Visit&& visit) const {
     if (nodes_.empty()) return;
-    std::array<std::uint32_t, 64> waiting;  // nodes are halved, so the depth is at most 32
+    std::array<std::uint32_t, 64> stack;  // nodes are halved, so the depth is at most 32
     Index count = 0;
-    waiting[count++] = 0;
+    stack[count++] = 0;
     while (count > 0) {
-      const std::uint32_t number = waiting[--count];
+      const std::uint32_t number = stack[--count];
       const Node& node = nodes_[number];
       if (!(node.bounds.squared_distance(x) < limit)) continue;
       for (std::uint32_t k = node.items.first; k < node.items.last; ++k) limit = visit(items_[k]);
@@ -57,8 +57,8 @@ class BoxTree {
       if (nodes_[far].bounds.squared_distance(x) < nodes_[near].bounds.squared_distance(x)) {
         std::swap(near, far);
       }
-      waiting[count++] = far;
-      waiting[count++] = near;
+      stack[count++] = far;
+      stack[count++] = near;
     }
   }
 

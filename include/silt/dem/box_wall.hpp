@@ -12,7 +12,7 @@
 namespace silt::dem {
 
 /// All sides of a box: a container of six planes (four in 2D), or a solid block among the grains.
-/// Everything behind a side is solid. There is no wall at a periodic side or at infinity: a
+/// The space behind a side is solid. There is no wall at a periodic side or at infinity: a
 /// container without a lid has upper[2] = ∞.
 template <int Dim, class Real = double>
 struct BoxWall {

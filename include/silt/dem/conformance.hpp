@@ -9,7 +9,7 @@
 #include <silt/dem/conformance_checks.hpp>
 #include <silt/dem/conformance_report.hpp>
 #include <silt/dem/contact.hpp>
-#include <silt/dem/law_on_trial.hpp>
+#include <silt/dem/erased_law.hpp>
 
 #include <utility>
 
@@ -23,7 +23,7 @@ ConformanceReport conformance_of(const Law& law, const ConformanceConditions& co
   ConformanceReport report;
   const auto in_dimension = [&]<int Dim>() {
     if constexpr (ContactLaw<Law, Dim, double>) {
-      for (auto& check : ConformanceChecks<Dim>(on_trial<Dim>(law), conditions).run()) {
+      for (auto& check : ConformanceChecks<Dim>(erased<Dim>(law), conditions).run()) {
         report.checks.push_back(std::move(check));
       }
     }

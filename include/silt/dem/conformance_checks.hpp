@@ -8,7 +8,7 @@
 #include <silt/dem/contact.hpp>
 #include <silt/dem/contact_path.hpp>
 #include <silt/dem/grains.hpp>
-#include <silt/dem/law_on_trial.hpp>
+#include <silt/dem/erased_law.hpp>
 #include <silt/dem/prescribed_contact.hpp>
 #include <silt/dem/test_impact.hpp>
 
@@ -27,7 +27,7 @@ template <int Dim>
 class ConformanceChecks {
  public:
   /// Throws if a condition is out of range.
-  ConformanceChecks(LawOnTrial<Dim> law, const ConformanceConditions& conditions)
+  ConformanceChecks(ErasedLaw<Dim> law, const ConformanceConditions& conditions)
       : law_(std::move(law)), conditions_(conditions) {
     conditions.check();
     Grains<Dim> grain;
@@ -116,14 +116,15 @@ class ConformanceChecks {
     };
     const double stiffness = (push(0.99) - push(0.5)) / (0.49 * conditions_.overlap);
     add_check(
-        "pushes back", stiffness > 0 ? 0 : 1, 0,
-        "the repulsive force does not rise between half of ConformanceConditions::overlap and "
+        "repulsive", stiffness > 0 ? 0 : 1, 0,
+        "the repulsive force does not increase between half of ConformanceConditions::overlap and "
         "all of it; normal points from j to i");
     return stiffness;
   }
 
   // Contacts that stick, slide and roll, fast enough for dashpots to matter. They never return to
-  // an earlier state: a slider would then be exactly at its limit, and round-off would decide.
+  // an earlier state: a slider would then be exactly at its limit, and its state would depend on
+  // round-off.
   EightContacts<Dim> some_contacts() const {
     EightContacts<Dim> contacts;
     const double slips[] = {0.05, 0.3, 1, 3};
@@ -190,7 +191,7 @@ class ConformanceChecks {
     add_check("the same in float", in_float, 2e-3,
               "relative deviation of the load in float from double; check for small differences of "
               "large numbers and for constants that float cannot represent");
-    add_check("the same for eight at once", lanes_apart, 1e-9,
+    add_check("independent of vectorisation", lanes_apart, 1e-9,
               "relative deviation of the load of eight contacts evaluated at once from the same "
               "evaluated one at a time; the result must depend on contact and history only");
   }
@@ -228,16 +229,16 @@ class ConformanceChecks {
       rolls.push_back(
           {.depth = d, .rotation = rotation, .phase = quarter, .shifted_release = true});
     }
-    find("no energy from pressing",
+    find("no energy gain in normal loading",
          {{.depth = d}, {.depth = d, .unloading = 0.5}, {.depth = d, .unloading = 1.3}},
          "in loading and unloading; a dashpot must be repulsive during approach");
-    find("no energy from sliding", slides,
+    find("no energy gain in sliding", slides,
          "in cyclic shear under load; the force on i must oppose its slip");
-    find("no energy from sliding under changing load", slides_under_changing_load,
+    find("no energy gain in sliding under changing load", slides_under_changing_load,
          "in cyclic shear under cyclic load; a spring that softens on unloading must lose force in "
          "proportion");
     if (law_.gives_couple) {
-      find("no energy from rolling", rolls,
+      find("no energy gain in rolling", rolls,
            "in cyclic rolling and twisting; the couple on i must oppose relative_spin");
     }
     if (law_.gives_energy) {
@@ -283,14 +284,14 @@ class ConformanceChecks {
         "excess of the restitution over 1 in head-on impacts; a dashpot must be repulsive during "
         "approach");
     add_check(
-        "a faster impact loses no less", loss_falls, 0.005,
+        "energy loss does not decrease with speed", loss_falls, 0.005,
         "amount by which a head-on impact lost less energy than a slower one, relative to its "
         "energy");
-    add_check("no energy from impacts", energy, 0.01,
+    add_check("no energy gain in impacts", energy, 0.01,
               "relative increase of the kinetic energy, including rotation, in an impact");
   }
 
-  LawOnTrial<Dim> law_;
+  ErasedLaw<Dim> law_;
   ConformanceConditions conditions_;
   PrescribedMotion motion_;
   double frequency_ = 0;  // approximate angular frequency of a contact [1/s]

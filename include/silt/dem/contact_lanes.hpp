@@ -154,7 +154,7 @@ class ContactLanes {
   template <class Law>
   [[gnu::flatten, gnu::noinline]] void ask(const Law& shared, Real dt) {
     const Law law = shared;  // a copy that no store below can change
-    SILT_EACH_LANE_ALONE
+    SILT_INDEPENDENT_ITERATIONS
     for (int lane = 0; lane < lanes; ++lane) ask<Lane<Real>>(law, dt, lane);
   }
 

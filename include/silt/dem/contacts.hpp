@@ -235,7 +235,7 @@ class Contacts {
   template <class Archive, class P>
   void transfer(Archive& archive, const P& grains) {
     auto own = history(grains);
-    archive.within("memory", [&] { own.transfer(archive); });
+    archive.within("history", [&] { own.transfer(archive); });
     if constexpr (Archive::reads) set_history(grains, own);
   }
 

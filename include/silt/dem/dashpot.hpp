@@ -64,7 +64,7 @@ struct CentredDashpot {
                                 typename C::Real c_n) {
     using Real = typename C::Real;
     const Real v_half = contact.approach_speed();
-    // In the first step there is nothing to extrapolate from: before the contact v_n was constant.
+    // In the first step there is no previous value: v_n was constant before the contact.
     const Real v_n = v_half + history.has_previous * (v_half - history.approach_speed) / 2;
     history.approach_speed = v_half;
     history.has_previous = 1;

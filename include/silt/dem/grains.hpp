@@ -18,7 +18,7 @@ inline constexpr struct material_t : field_of<std::uint32_t>, constant_field {
 } material{};
 
 namespace detail {
-// In 3D the time integral of the spin is not an orientation. Those who want it add angle_t.
+// In 3D the time integral of the spin is not an orientation. If it is needed, add angle_t.
 template <int Dim, class Real, Field... Further>
 struct GrainsOf {
   using type = Particles<Dim, Real, velocity_t, spin_t, force_t, torque_t, mass_t, inertia_t,

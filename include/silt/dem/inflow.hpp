@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Adds grains during a run: at a given rate or as fast as there is room, up to a given number.
+// Adds grains during a run: at a given rate or as fast as there is space, up to a given number.
 #pragma once
 
 #include <silt/core/error.hpp>
@@ -20,8 +20,8 @@ namespace silt::dem {
 
 /// Observer that adds grains to a region before a step, where they touch no other grain. The k-th
 /// grain uses the random numbers of the stream (seed, k), which do not depend on the course of the
-/// run. A grain that finds no room waits and delays all following ones, so that the size
-/// distribution is kept.
+/// run. If there is no free position for a grain, it and all following grains are added later, so
+/// that the size distribution is kept.
 template <class R, SizeDistribution Sizes>
 class Inflow {
  public:
@@ -31,7 +31,7 @@ class Inflow {
 
   struct Settings {
     Index number = 0;                 ///< total number of grains
-    std::optional<double> rate = {};  ///< [1/s]; not set: as many as find room
+    std::optional<double> rate = {};  ///< [1/s]; not set: as many as there is space for
     double from = 0;                  ///< time of the first grain [s]
     Vec velocity = Vec::Zero();       ///< initial velocity of the grains [m/s]
     double every = 0;                 ///< time between two attempts [s]; 0: every step
@@ -65,9 +65,9 @@ class Inflow {
   /// State for a checkpoint, see core/transfer.hpp.
   template <class Archive>
   void transfer(Archive& archive) {
-    archive("came", added_);
+    archive("added", added_);
     archive("tried", tried_);
-    archive("looks", schedule_.number);
+    archive("checks", schedule_.number);
   }
 
  private:
@@ -99,7 +99,7 @@ class Inflow {
   Blend<Sizes> blend_;
   Settings settings_;
   Index added_ = 0;
-  std::uint64_t tried_ = 0;  // random numbers used so far for the waiting grain
+  std::uint64_t tried_ = 0;  // random numbers used so far for the next grain
   Schedule schedule_;
 };
 

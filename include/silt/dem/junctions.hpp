@@ -6,7 +6,7 @@
 //   |       |           |-'     |          the left triangle is split at the vertex of the others
 //   +-------+---        +-------+---
 //
-// Without the split the triangles share no edge there, and the seam would act on a sphere.
+// Without the split the triangles share no edge there, and a sphere would be disturbed at the seam.
 #pragma once
 
 #include <silt/core/types.hpp>

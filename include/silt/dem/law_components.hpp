@@ -134,7 +134,7 @@ concept AdhesionComponent =
 
 namespace detail {
 
-// The kind of a component, whatever dimension and precision it supports.
+// The kind of a component, for any dimension and precision that it supports.
 template <class P>
 struct IsNormal
     : std::bool_constant<NormalComponent<P, 3, double> || NormalComponent<P, 2, double> ||

@@ -44,11 +44,11 @@ class Materials {
 
   std::uint32_t count() const noexcept { return static_cast<std::uint32_t>(count_); }
 
-  /// Throws if there is no material with this number; `whose` and `where` name its user.
+  /// Throws if there is no material with this number; `whose` and `where` describe its owner.
   void check(std::uint32_t number, const std::string& whose, Where where = {}) const {
     if (number >= count_) {
       fail("dem::Contacts: material " + std::to_string(number) + " " + whose +
-               " does not exist, there are " + std::to_string(count_) +
+               " does not exist: there are only " + std::to_string(count_) +
                "; pass all materials to Contacts",
            where);
     }

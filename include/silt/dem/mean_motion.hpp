@@ -54,7 +54,7 @@ class MeanMotion {
     }
   }
 
-  /// For a checkpoint, see core/transfer.hpp: what is asked for between steps.
+  /// For a checkpoint, see core/transfer.hpp: the quantities that are used between steps.
   template <class Archive>
   void transfer(Archive& archive) {
     archive("kinetic_change", kinetic_change_);

@@ -17,8 +17,8 @@ namespace silt::dem {
 
 /// F_s changes by −k_t v_s Δt with k_t = 8 G* √(R* δ), the stiffness for the contact area of this
 /// step, and is limited to F_n tan φ_μ. When the area grows, F_s is kept; when it shrinks, F_s is
-/// reduced in proportion to k_t [ThorntonCumminsCleary2013]. Otherwise a closed path of pressing
-/// and shearing would generate energy. The energy that the spring loses by this counts as friction.
+/// reduced in proportion to k_t [ThorntonCumminsCleary2013]. Otherwise a closed path of loading
+/// and shearing would generate energy. The energy lost by this reduction is part of the friction.
 /// The dashpot is c_t = c_n √(k_t/k_n), with Hertz that of Tsuji, and 0 while the contact slides.
 /// Micro-slip at the rim before gross sliding (Mindlin and Deresiewicz 1953) is not modelled.
 struct Mindlin {

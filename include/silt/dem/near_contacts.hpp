@@ -96,7 +96,7 @@ class NearContacts {
   }
 
   /// f(contact) for each, grain by grain as they lie in memory, and at each in the order of the
-  /// partners' ids: an order that the search has no part in.
+  /// partners' ids, which is independent of the search.
   template <class F>
   void for_each_contact_by_grain(F&& f) const {
     for (Index i = 0; i + 1 < begin_.size(); ++i) {

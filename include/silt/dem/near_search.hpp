@@ -32,7 +32,7 @@ bool is_stale(const P& grains, const S& search, const Walls& walls, double time,
   }
   const auto x = grains[position];
   const auto near = squared(validity.margin / 2);
-  // Written as !(… <= …) so that NaN counts as stale.
+  // Written as !(… <= …) so that the list is rebuilt if a position is NaN.
   return first_where(x.size(), [&](Index i) {
            return !((x[i] - validity.since[i]).squaredNorm() <= near);
          }) != no_index;

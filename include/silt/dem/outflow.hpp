@@ -49,7 +49,7 @@ class Outflow {
   void transfer(Archive& archive) {
     archive("number", number_);
     archive("mass", mass_);
-    archive("looks", schedule_.number);
+    archive("checks", schedule_.number);
   }
 
  private:

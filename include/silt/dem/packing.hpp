@@ -89,8 +89,8 @@ std::vector<Grain> draw_grains(const Blend<Sizes>& blend, const Scatter& scatter
 }  // namespace detail
 
 /// Adds grains at rest that lie entirely inside the region and touch neither each other nor
-/// existing grains. If a grain finds no free position, throws silt::Error and adds none; the
-/// message tells how many were placed.
+/// existing grains. If there is no free position for a grain, throws silt::Error and adds none;
+/// the message contains the number of grains placed until then.
 template <class P, class Sizes, Region<P::dimension, typename P::Real> R>
 void scatter(P& grains, const Blend<Sizes>& blend, const R& region, const Scatter& scatter) {
   using Real = typename P::Real;
@@ -109,8 +109,8 @@ void scatter(P& grains, const Blend<Sizes>& blend, const R& region, const Scatte
     if (!ball) {
       fail("dem::scatter: placed " + std::to_string(placed.size()) + " of " +
            std::to_string(drawn.size()) + " grains, " + to_text(filled / volume) +
-           " of the region, and found no room for one of radius " + to_text(grain.radius) +
-           " m in " + std::to_string(scatter.tries) +
+           " of the region, and found no free position for a grain of radius " +
+           to_text(grain.radius) + " m in " + std::to_string(scatter.tries) +
            " tries; place fewer grains, or let grains fall and settle");
     }
     placed.push_back(*ball);

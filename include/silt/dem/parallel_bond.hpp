@@ -148,7 +148,7 @@ Vec<3, Real> rotated_by(const Vec<3, Real>& angle, const Vec<3, Real>& v) {
   if (!(size > 0)) return v;
   return multiply(Eigen::AngleAxis<Real>(size, angle / size).toRotationMatrix(), v);
 }
-/// In 2D a rotation does not change a rotation.
+/// In 2D rotations commute: nothing to do.
 template <class Real>
 Real rotated_by(Real, Real rotation) {
   return rotation;
@@ -192,7 +192,7 @@ BondState state_of(const Bond<Dim, Real>& bond, const BeamSection& section, cons
 /// Updates the state of a bond after the motion of its grains, and computes its force and couple.
 ///
 /// The normal force follows from the distance, so that no error accumulates. The other deformations
-/// are summed up from finite rotations: a rigid rotation of the pair causes no strain, to
+/// are sums over finite rotations: a rigid rotation of the pair causes no strain, to
 /// round-off, however large the step. The dashpots use the velocities of the previous half step.
 template <int Dim, class Real>
 void advance(Bond<Dim, Real>& bond, const BondMotion<Dim, Real>& motion, const BeamSprings& k,

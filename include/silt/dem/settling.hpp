@@ -51,7 +51,7 @@ double settle(Sim& simulation, const Settling& settling, Observers&&... observer
   }
   fail("dem::settle: after " + to_text(settling.max_time) + " s the rms speed is still " +
        to_text(speed) + " m/s, above speed = " + to_text(settling.speed) +
-       " m/s; raise max_time or speed, or add damping");
+       " m/s; increase max_time or speed, or add damping");
 }
 
 }  // namespace silt::dem

@@ -34,7 +34,7 @@ inline void check_sizes(const std::string& name, const Range& radii) {
   require_finite(name + ": max_radius", radii.upper);
   if (radii.lower > radii.upper) {
     fail(name + ": min_radius = " + to_text(radii.lower) +
-         " m is above max_radius = " + to_text(radii.upper) + " m; exchange them");
+         " m is above max_radius = " + to_text(radii.upper) + " m; swap them");
   }
 }
 }  // namespace detail

@@ -159,7 +159,7 @@ double shortest_contact(const P& grains, const Materials<Law>& materials) {
   for (std::uint32_t a = 0; a < materials.count(); ++a) {
     for (std::uint32_t b = 0; b < materials.count(); ++b) {
       const Stiffness k = materials.between(a, b).stiffness(contact);
-      // A tangential spring also has to rotate the grain: 1 + m R²/I is 3 for discs and 3.5 for
+      // A tangential spring also rotates the grain: 1 + m R²/I is 3 for discs and 3.5 for
       // spheres.
       const double stiffest = std::max({k.normal, 3.5 * k.tangential, k.rolling * per_turn});
       if (!(stiffest > 0)) continue;
@@ -180,11 +180,11 @@ double stable_for_all(const P& grains, const NearContacts& near, const Walls& wa
   const auto R = grains.with_ghosts(radius);
   const auto m = grains[mass];
   const auto I = grains[inertia];
-  Index most_contacts = 0;
+  Index max_contacts = 0;
   // The grains that rotate most easily by a couple and by a force at their surface.
   Lever loosest{.mass = 0, .inertia = 1, .arm = 0};
   for (Index i = 0; i < grains.size(); ++i) {
-    most_contacts = std::max(most_contacts, near.of(i).size());
+    max_contacts = std::max(max_contacts, near.of(i).size());
     const double per_turn = double(m[i]) / double(I[i]);
     const double turning =
         std::max(per_turn * squared(double(R[i])), loosest.mass * squared(loosest.arm));
@@ -210,8 +210,8 @@ double stable_for_all(const P& grains, const NearContacts& near, const Walls& wa
     all.spring = std::max(all.spring, one.spring);
     all.dashpot = std::max(all.dashpot, one.dashpot);
   });
-  all.spring *= double(most_contacts);
-  all.dashpot *= double(most_contacts);
+  all.spring *= double(max_contacts);
+  all.dashpot *= double(max_contacts);
   return all.stable_time_step();
 }
 

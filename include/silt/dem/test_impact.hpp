@@ -19,7 +19,7 @@ struct ImpactStart {
   double angle = 0;      ///< between this velocity and the normal [rad]
   double spin = 0;       ///< of the first grain, times R, over the speed [-]
   double time_step = 0;  ///< [s]
-  double max_time = 0;   ///< contacts that last longer count as sticking [s]
+  double max_time = 0;   ///< contacts that last longer are regarded as sticking [s]
 };
 
 struct ImpactResult {

@@ -48,7 +48,7 @@ struct GlobalDamping {
     return v * (1 + Real(alpha) * dt / 2) - (dt / 2) * acceleration;
   }
 
-  /// Acceleration by the damping, −α v^N [m/s²].
+  /// Acceleration due to damping, −α v^N [m/s²].
   template <class Value>
   Value drag(const Value& v) const {
     return -alpha * v;

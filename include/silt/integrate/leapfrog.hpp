@@ -185,7 +185,7 @@ template <Damping<double> D = NoDamping>
 class Leapfrog {
  public:
   Leapfrog() = default;
-  /// Throws if a parameter of the damping is out of range.
+  /// Throws if a parameter of the damping model is out of range.
   explicit Leapfrog(D damping) : damping_(damping) {
     if constexpr (requires { damping.check(); }) damping.check();
   }
@@ -256,7 +256,7 @@ class Leapfrog {
       const Update update = *static_cast<const Update*>(from);
       const Motion<P> motion = of;
       int broken = 0;  // an int, because g++ 12 does not vectorise with a bool
-      SILT_EACH_LANE_ALONE
+      SILT_INDEPENDENT_ITERATIONS
       for (Index i = first; i < last; ++i) {
         update(motion, i);
         broken |= !motion.is_result_finite(i);

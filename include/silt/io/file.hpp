@@ -28,7 +28,7 @@ struct Close {
 using Stream = std::unique_ptr<std::FILE, Close>;
 
 /// Throws silt::Error for a failed system call on a file: `what` names the function and the action
-/// that failed, `advice` says what the user can do.
+/// that failed, `advice` is what the user can do.
 [[noreturn]] inline void fail_with(const std::string& what, const std::filesystem::path& path,
                                    const std::error_code& reason, const std::string& advice) {
   fail(what + " " + path.string() + ": " + reason.message() + "; " + advice);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A gauge at a point in the fluid or on a wall.
+// A probe at a point in the fluid or on a wall.
 #pragma once
 
 #include <silt/core/concepts.hpp>

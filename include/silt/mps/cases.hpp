@@ -39,7 +39,7 @@ struct Scheme {
                 "mps::Scheme: the sixth argument is not a wall model (see WallModel in "
                 "silt/mps/walls.hpp)");
   static_assert(Shifting<ShiftingType>,
-                "mps::Scheme: the seventh argument is not a shifting (see Shifting in "
+                "mps::Scheme: the seventh argument is not a shifting model (see Shifting in "
                 "silt/mps/shifting.hpp)");
   static_assert(LaplacianWeights<LaplacianType>,
                 "mps::Scheme: the eighth argument does not provide Laplacian weights (see "

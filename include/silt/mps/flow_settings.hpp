@@ -45,7 +45,7 @@ struct FlowSettings {
     require_not_negative("FlowSettings: speed_scale", speed_scale);
     if (!(max_growth >= 1)) {
       fail("FlowSettings: max_growth = " + to_text(max_growth) +
-           " would only let the time step shrink; give a value of at least 1");
+           " would only allow the time step to decrease; give a value of at least 1");
     }
     if (!(max_time_step > 0)) {
       fail("FlowSettings: max_time_step = " + to_text(max_time_step) +

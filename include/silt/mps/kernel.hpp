@@ -77,7 +77,7 @@ struct CubicKernel {
 };
 
 /// (1 − q)⁴ (1 + 4 q), q = r/re, Wendland (1995): smooth at re, and its Fourier transform is
-/// positive, so that particles do not pair.
+/// positive, which prevents the pairing of particles.
 struct WendlandKernel {
   template <class Real>
   static Real weight(Real q) {

@@ -122,7 +122,7 @@ class Neighbourhood {
     std::vector<Real> square;  // r² of the row being added
     std::vector<Real> exact;   // its weights before rounding to single precision
 
-    // Makes room for a row of this length and its padding.
+    // Reserves memory for a row of this length and its padding.
     void reserve(Index length) {
       if (length + max_lanes > square.size()) {
         square.resize(2 * length + max_lanes);

@@ -10,7 +10,7 @@
 
 namespace silt::mps {
 
-/// Input of a shifting, for one fluid particle i.
+/// Input of a shifting model, for one fluid particle i.
 template <int Dim, class RealType = double>
 struct ShiftInput {
   using Real = RealType;

@@ -10,7 +10,7 @@
 //     row y-1   . . [   |e e|f  ] . .
 //
 // No cell needs special treatment at a boundary: the last cell of a row is followed by the first
-// cell of the next, whose particles cost a distance test but never give a pair. For the same reason
+// cell of the next, whose particles need a distance test but never form a pair. For the same reason
 // the number of bins is O(N) for any extent. If the bounding box of the particles has more cells,
 // distant cells share a bin; the number of bins is then prime, so that a line of particles in any
 // direction uses all bins.
@@ -38,8 +38,8 @@ class Cells {
   };
   /// Sets up the cells for so many points in this extent, with edge `reach` [m].
   void set_up(const Extent& extent, Index points, Real reach) {
-    // Rounding must not put the particles of a pair two cells apart: cell_along() has an error of
-    // 2⁻²² of an edge, and a distance in single precision one of 2⁻²¹.
+    // After rounding, the particles of a pair must not be two cells apart: cell_along() has an
+    // error of 2⁻²² of an edge, and a distance in single precision one of 2⁻²¹.
     const double edge = double(reach) * (1 + 0x1p-18);
     inverse_edge_ = 1 / edge;
     // Far from the origin the lattice is anchored near the particles, at multiples of a large

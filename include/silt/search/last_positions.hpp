@@ -119,7 +119,7 @@ class LastPositions {
     maxima_.resize(chunk_count(n));
     for_each_chunk(n, [&](Chunk chunk) {
       Bits maximum = 0;
-      SILT_EACH_LANE_ALONE
+      SILT_INDEPENDENT_ITERATIONS
       for (Index i = chunk.first; i < chunk.last; ++i) {
         maximum = std::max(maximum, std::bit_cast<Bits>(Real(squared(i))) & without_sign);
       }

@@ -107,7 +107,7 @@ class NeighbourList {
   }
 
   /// Increases in every update by the maximum displacement since the previous one.
-  Travel travel() const noexcept { return {journey_.number(), state_.travelled}; }
+  Travel travel() const noexcept { return {epoch_.number(), state_.travelled}; }
 
   /// f(j, r_ij, r) for every j, owned or ghost, with r < radius(); i is owned, r_ij = x_j − x_i.
   template <class F>
@@ -200,14 +200,14 @@ class NeighbourList {
     archive("radius", list_.radius);
     archive("skin", list_.skin);
     archive("has_rows", state_.has_rows);
-    archive("asked", requested_);
+    archive("requested", requested_);
     archive.within("tuning", [&] { state_.tuning.transfer(archive); });
-    archive("moved", state_.displacement);
-    archive("pace", state_.last_displacement);
+    archive("displacement", state_.displacement);
+    archive("last_displacement", state_.last_displacement);
     archive("updates", state_.updates);
     archive("rebuilds", state_.rebuilds);
     if constexpr (Archive::reads) {
-      journey_ = Journey();
+      epoch_ = Epoch();
       if (is_of_these) {
         repeat_build(particles, reference);
       } else {
@@ -343,7 +343,7 @@ class NeighbourList {
     }
   }
 
-  Journey journey_;
+  Epoch epoch_;
   Real radius_ = 0;
   State state_;
   State saved_;

@@ -10,8 +10,8 @@
 //
 // Positions are stored relative to the block and in single precision, so that a register tests
 // twice as many. At such distances the rounding error of a position is smaller than the tolerance
-// added to the radius. What passes the test is a neighbour, or farther than the radius by a
-// rounding error.
+// added to the radius. A candidate that passes the test is a neighbour, or is farther than the
+// radius by a rounding error.
 #pragma once
 
 #include <silt/core/simd.hpp>
@@ -69,7 +69,7 @@ class SharedCandidates {
   Index size() const noexcept { return count_; }
 
   /// Writes the candidates near slot `slot` of the block, or only those after it (`forward`), to
-  /// `to`, and returns their end. There must be room for all candidates and one more register.
+  /// `to`, and returns their end. There must be space for all candidates and one more register.
   std::uint32_t* near(Index slot, bool forward, std::uint32_t* to) const {
     constexpr int N = simd::lanes<float>;
     const Index own = own_ + (slot - first_);

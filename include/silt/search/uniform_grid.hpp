@@ -85,12 +85,12 @@ class UniformGrid {
     }
   }
 
-  /// Restores what sort() decides by, so that a repeated step sorts as the first time.
+  /// Restores the data on which sort() depends, so that a repeated step sorts as the first time.
   void save() noexcept { saved_descents_ = descents_; }
   void restore() noexcept { descents_ = saved_descents_; }
 
   /// Writes or reads, for a checkpoint (core/transfer.hpp), the positions of the last update and
-  /// what sort() decides by.
+  /// the data on which sort() depends.
   template <class Archive, class P>
   void transfer(Archive& archive, P& particles) {
     auto descents = descents_;

@@ -93,7 +93,7 @@ class CellInterpolation {
     return low;
   }
 
-  // Counting sort; points that take no part are last, in a patch without centres.
+  // Counting sort; excluded points are last, in a patch without centres.
   template <class Where, class TakesPart>
   void sort_into_patches(Index n, Where&& point, TakesPart&& takes_part) {
     low_corners_.clear();

@@ -41,7 +41,8 @@ class CellMultigrid {
  public:
   struct Settings {
     double cell_size = 2;           ///< edge of the finest cells, in particle spacings [-]
-    /// Rows with a smaller diagonal, relative to that of a full neighbourhood, stay out of V [-].
+    /// Rows with a smaller diagonal, relative to that of a full neighbourhood, are not part of
+    /// V [-].
     double min_diagonal = 0.2;
     int sweeps = 2;                 ///< before and after each correction
     Index max_coarsest_cells = 16;  ///< coarsening stops at this number of cells, at most 64

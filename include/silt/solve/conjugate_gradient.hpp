@@ -135,7 +135,7 @@ class ConjugateGradient {
     for (Index i = chunk.first; i < chunk.last; ++i) to[i] += scale * from[i];
   }
 
-  // Eight independent partial sums, so that additions do not wait for one another.
+  // Eight independent partial sums, so that additions can overlap in time.
   static double dot(Chunk chunk, const std::vector<double>& a, const std::vector<double>& b) {
     std::array<double, 8> sum{};
     Index i = chunk.first;

@@ -80,7 +80,7 @@ EightLoads<Dim> loads_in_lanes(const Law& law, const EightContacts<Dim>& contact
 
 /// A law with its type erased.
 template <int Dim>
-struct LawOnTrial {
+struct ErasedLaw {
   MakeContactEvaluator<Dim> in_double;
   MakeContactEvaluator<Dim> in_float;  ///< empty for a law in double only
   /// Empty for a law that is evaluated one contact at a time.
@@ -90,18 +90,18 @@ struct LawOnTrial {
 };
 
 template <int Dim, class Law>
-LawOnTrial<Dim> on_trial(const Law& law) {
-  LawOnTrial<Dim> trial;
-  trial.in_double = evaluator_in_precision<double, Dim>(law);
+ErasedLaw<Dim> erased(const Law& law) {
+  ErasedLaw<Dim> result;
+  result.in_double = evaluator_in_precision<double, Dim>(law);
   if constexpr (ContactLaw<Law, Dim, float>) {
-    trial.in_float = evaluator_in_precision<float, Dim>(law);
+    result.in_float = evaluator_in_precision<float, Dim>(law);
   }
   if constexpr (LawInLanes<Law, Dim, double>) {
-    trial.in_lanes = [law](const EightContacts<Dim>& eight) { return loads_in_lanes(law, eight); };
+    result.in_lanes = [law](const EightContacts<Dim>& eight) { return loads_in_lanes(law, eight); };
   }
-  trial.gives_energy = GivesEnergy<Law, Dim, double>;
-  trial.gives_couple = GivesCouple<Law, Dim, double>;
-  return trial;
+  result.gives_energy = GivesEnergy<Law, Dim, double>;
+  result.gives_couple = GivesCouple<Law, Dim, double>;
+  return result;
 }
 
 }  // namespace silt::dem
