@@ -113,7 +113,7 @@ void flow_as(const Options& o) {
                         {"courant", o.numerics.courant},
                         {"frames", o.frames},
                         {"threads", o.threads}};
-  support::complete(o.out, summary);
+  support::complete(o.resume, o.out, summary);
   std::printf("fluid_cases: %s, %zu particles, %llu steps in %.1f s; results in %s\n",
               flow.name.c_str(), flow.start.size(),
               static_cast<unsigned long long>(simulation.steps()),

@@ -292,7 +292,7 @@ void simulate(const Options& o, const mps::FlowSettings<Dim, Scheme>& settings) 
   options["thickness"] = o.thickness;
   options["statistics_from"] = o.statistics_from;
   support::add_flow_options(options, o);
-  support::complete(o.out, summary);
+  support::complete(o.resume, o.out, summary);
 
   std::printf("hydrostatic: %zu fluid particles, %llu steps in %.1f s, %llu lost; ",
               count(particles, mps::Kind::fluid), static_cast<unsigned long long>(tank.steps()),

@@ -435,7 +435,7 @@ void vibrate(const Options& o) {
   summary["steps"] = bed.steps();
   summary["wall_seconds"] = wall.seconds();
   summary["options"] = options_of(o);
-  support::complete(o.out, summary);
+  support::complete(o.resume, o.out, summary);
   std::printf("vibrating_floor: %zu grains, %llu steps in %.1f s, T = %.4f g d; results in %s\n",
               bed.particles().size(), static_cast<unsigned long long>(bed.steps()),
               wall.seconds(), sums.temperature().value / gd, o.out.c_str());

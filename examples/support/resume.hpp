@@ -21,6 +21,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <limits>
 #include <string>
@@ -141,7 +142,8 @@ inline void remove_checkpoints(const std::filesystem::path& folder) {
 /// the run, prints the command that resumes it, and returns 128 + the number of the signal.
 template <class Body>
 int run(CLI::App& app, int argc, char** argv, Resume& resume, Body&& body) {
-  resume.program = argv[0];
+  const char* const called_as = std::getenv("SILT_EXAMPLE_COMMAND");  // set by examples/run
+  resume.program = called_as != nullptr ? called_as : argv[0];
   resume.name = app.get_name();
   resume.arguments.assign(argv + 1, argv + argc);
   detail::remove_option(resume.arguments, "--out");  // the folder may be moved
@@ -178,7 +180,9 @@ inline void open_output_folder(const Resume& resume, const std::filesystem::path
 }
 
 /// Writes the summary of a complete run and removes its checkpoints.
-inline void complete(const std::filesystem::path& folder, const nlohmann::ordered_json& summary) {
+inline void complete(const Resume& resume, const std::filesystem::path& folder,
+                     nlohmann::ordered_json summary) {
+  if (resume.is_requested()) summary["seconds_are_since_resume"] = true;
   write_summary(folder, summary);
   detail::remove_checkpoints(folder);
 }

@@ -10,6 +10,7 @@ The first INCLUDE is the include folder of the library, the others are those of 
 see VARIANTS. If its compiler is missing, prints a message and exits with 77.
 """
 
+import os
 import pathlib
 import shutil
 import subprocess
@@ -91,6 +92,18 @@ def compiler_of(variant, includes, eigen="-I"):
     return command, processor
 
 
+def openmp_of(command, scratch):
+    """The flag for OpenMP, which README's command has, if the compiler has its library."""
+    made = subprocess.run(
+        [*command, "-fopenmp", "-x", "c++", "-", "-o", scratch / "openmp"],
+        input="#include <omp.h>\nint main() { return omp_get_max_threads() < 1; }\n",
+        text=True, capture_output=True, check=False)
+    if made.returncode != 0:
+        print(f"{command[0]} has no OpenMP on this machine")
+        return []
+    return ["-fopenmp"]
+
+
 def check_headers(variant, includes, _):
     command, _ = compiler_of(variant, includes, eigen="-isystem")
     folder = pathlib.Path(includes[0], "silt")
@@ -108,6 +121,7 @@ def check_headers(variant, includes, _):
 
 def check_warnings(variant, includes, scratch):
     command, _ = compiler_of(variant, includes)
+    command += openmp_of(command, scratch)
     for quickstart in sorted((HERE.parents[1] / "examples").glob("quickstart_*.cpp")):
         run([*command, *FLAGS, "-c", quickstart, "-o", scratch / "quickstart.o"])
     return True
@@ -124,15 +138,21 @@ def check_hashes(variant, includes, scratch):
             skip("node, which runs WebAssembly, is not installed")
         start = ["node", "--no-warnings", "--experimental-wasi-unstable-preview1",
                  HERE / "run_wasm.mjs", program]
+    else:
+        command += openmp_of(command, scratch)
     run([*command, *FLAGS, HERE / "hashes.cpp", "-o", program])
     if not runs_here(processor):
         skip(f"compiled, but not run: this processor does not support {processor}")
-    found = subprocess.run(start, capture_output=True, text=True, check=True).stdout
     expected = (HERE / "hashes.txt").read_text(encoding="utf-8")
-    print(found, end="")
-    if found != expected:
+    same = True
+    for threads in ("1", "2") if "-fopenmp" in command else ("1",):
+        found = subprocess.run(start, capture_output=True, text=True, check=True,
+                               env={**os.environ, "OMP_NUM_THREADS": threads}).stdout
+        print(f"{threads} threads:\n{found}", end="")
+        same = same and found == expected
+    if not same:
         print(f"but hashes.txt has\n{expected}", end="")
-    return found == expected
+    return same
 
 
 def main(arguments):

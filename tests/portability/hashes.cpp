@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Small runs of both methods: prints, for each, a hash of every bit of the positions and velocities
 // at its end, which may depend on neither the processor nor the compiler. It needs no files, so that
-// it runs as WebAssembly, too.
+// it runs as WebAssembly, too. The spheres and the water have more than one chunk of particles, so
+// that several threads share them.
 #include <silt/dem.hpp>
 #include <silt/mps.hpp>
 
@@ -72,7 +73,7 @@ void tower() {
                                .friction_angle = 0.46};
   const dem::Moving paddle{dem::Segment<double>{{0.12, 0.05}, {0.3, 0.05}},
                            dem::Rotation<2>{.about = {0.3, 0.05}, .spin = -5}};
-  run("tower", Simulation{discs, UniformGrid<2>{},
+  run("tower", Simulation{discs, NeighbourList<2>{},
                           Forces{Gravity<2>{{0, -9.81}},
                                  dem::Contacts{law, dem::Plane<2>{.normal = {0, 1}}, paddle}},
                           Leapfrog{GlobalDamping{.alpha = 0.5}}}, 600);
@@ -84,23 +85,23 @@ void slope() {
   const dem::Law law{dem::Hertz{.elastic = glass, .restitution = 0.6},
                      dem::Mindlin{.elastic = glass, .friction_angle = 0.3}};
   dem::Grains<3> spheres;
-  for (const auto& x : lattice<3>({{0, 0, 0}, {0.12, 0.12, 0.16}}, 0.02)) {
+  for (const auto& x : lattice<3>({{0, 0, 0}, {0.24, 0.24, 0.16}}, 0.02)) {
     const double share = double(spheres.size() % 7) / 6;
     const Index i = dem::add_grain(spheres, x, {.radius = 0.008 + 0.002 * share, .density = 2500});
     spheres[velocity][i] = {0.3 * share, 0.1, -0.5 * share};
   }
-  run("slope", Simulation{spheres, NeighbourList<3>{},
+  run("slope", Simulation{spheres, UniformGrid<3>{},
                           Forces{Gravity<3>{{4, 1, -9}},
                                  dem::Contacts{law, dem::Plane<3>{.normal = {0, 0, 1}}}},
                           Leapfrog{}}, 400);
 }
 
 void dam() {
-  constexpr double l0 = 0.02;  // [m]
+  constexpr double l0 = 0.012;  // [m]
   const auto tank = mps::make_tank<2>(
       {.column = {0.3, 0.6}, .size = {.length = 0.9, .height = 0.9}, .spacing = l0});
   const mps::Flow<mps::Recommended> water{{.spacing = l0, .density = 1000, .speed_scale = 2.4}};
-  run("dam", Simulation{tank, NeighbourList<2>{}, water, SemiImplicit<>{}}, 200);
+  run("dam", Simulation{tank, UniformGrid<2>{}, water, SemiImplicit<>{}}, 200);
 }
 
 }  // namespace
