@@ -16,6 +16,10 @@ import argparse
 import pathlib
 import sys
 
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+from support.modules import need
+
+need("numpy", "matplotlib")
 import matplotlib
 
 matplotlib.use("Agg")
@@ -24,7 +28,6 @@ import numpy as np
 from matplotlib.animation import FuncAnimation, PillowWriter
 from matplotlib.colors import ListedColormap
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 from support.frames import Series, draw, speed
 
 WALL = 1  # of mps::Kind

@@ -11,6 +11,7 @@ import importlib.util
 import json
 import math
 import pathlib
+import subprocess
 import sys
 import tempfile
 
@@ -66,6 +67,15 @@ def test_plan(folder):
     assert Estimate([1.0, None, 3.0]).text() == "2.00 ± 1.00"
 
 
+def test_modules(folder):
+    program = folder / "draws"
+    program.write_text(f"import sys\nsys.path.insert(0, {sys.path[0]!r})\n"
+                       "from support.modules import need\nneed('json', 'no_such_module')\n")
+    end = subprocess.run([sys.executable, program], capture_output=True, text=True)
+    assert end.returncode == 3, "the exit code of a script that draws nothing"
+    assert f"needs no_such_module, which {sys.executable} lacks" in end.stderr, end.stderr
+
+
 def write_tank(folder, waves, high):
     import numpy as np
 
@@ -111,7 +121,7 @@ def main(arguments):
     if len(arguments) != 1:
         sys.exit(__doc__)
     sys.path.insert(0, arguments[0])
-    tests = [test_runs, test_plan]
+    tests = [test_runs, test_plan, test_modules]
     if importlib.util.find_spec("numpy"):
         tests.append(test_measures)
     for test in tests:
