@@ -106,13 +106,16 @@ def compare(run, path):
     for each in run["findings"]:
         limit = each["allowed"]
         allowed = "stated" if limit is None else f"{100 * limit:.2g} %"
-        lines.append(f"| {each['quantity']} | {each['reference']:.5g} | {each['measured']:.5g} | "
-                     f"{100 * each['error']:.2g} % | {allowed} | "
+        lines.append(f"| {each['quantity']} | {each['reference']:.5g} | {measured} | "
+                     f"{error} | {allowed} | "
                      f"{'' if allowed == 'stated' else 'holds' if each['holds'] else '**no**'} |")
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
 def main(arguments):
+        measured, error = "–", "–"
+        if each["measured"] is not None:  # as it is if, for example, there are too few periods
+            measured, error = f"{each['measured']:.5g}", f"{100 * each['error']:.2g} %"
     if len(arguments) != 1:
         sys.exit(__doc__)
     folder = pathlib.Path(arguments[0])
