@@ -86,10 +86,9 @@ def draw_pressure(runs):
         if (rough := run.roughness()) is not None:
             title += (f": rms deviation from the 0.02 s moving average {rough / 1e3:.2f} kPa "
                       "(t ≥ 0.4 s)")
-        axes.set_title(title)
         axes.set_ylabel("pressure [kPa]")
         axes.set_ylim(min(0, run.pressure["p_1"].min() / 1e3))
-        axes.legend(loc="upper left")
+        style.legend_on_top(axes, title=title)
     panels[-1].set_xlabel("time [s]")
     panels[-1].set_xlim(0, runs[0].pressure["t"][-1])
     return figure

@@ -72,10 +72,10 @@ class Output:
 
     def roughness(self, begin=0.4, end=np.inf):
         """Rms [Pa] of the first gauge minus its moving average over 0.02 s, over its samples (one
-        per step) from `begin` to `end` [s]."""
+        per step) from `begin` to `end` [s]; None if they span less than that average."""
         t, p = self.pressure["t"], self.pressure["p_1"]
         wanted = (t >= begin) & (t <= end)
-        if not wanted.any():
+        if not wanted.any() or np.ptp(t[wanted]) < 0.02:
             return None
         return float(np.sqrt(np.mean((p - moving_average(t, p))[wanted] ** 2)))
 

@@ -101,6 +101,7 @@ def test_measures(folder):
     write_tank(folder / "fast", waves=1, high=30)
     assert Tank(folder / "slow").roughness(0.5) < 0.3, "a slow wave is not rough"
     assert abs(Tank(folder / "fast").roughness(0.5) - 30) < 2, "oscillations faster than 0.02 s are"
+    assert Tank(folder / "fast").roughness(1.99) is None, "too short for the moving average"
     assert 4098 < Tank(folder / "fast").peak(0.5) < 4103
     slope, zero, off = Tank(folder / "slow").line()
     assert math.isclose(slope, 1) and math.isclose(zero, 0.005) and off < 1e-6
