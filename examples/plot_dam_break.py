@@ -25,8 +25,7 @@ EXPERIMENT = "Martin & Moyce (1952), experiment"
 
 def tanks(run, times):
     is_3d = run.options["dimension"] == 3
-    return Tanks(run, times, run.options["tank"][0], DENSITY * G * run.height / 1e3,
-                 run.options["depth"] / 2 if is_3d else None)
+    return Tanks(run, times, run.options["tank"][0], run.options["depth"] / 2 if is_3d else None)
 
 
 def draw_frames(run):

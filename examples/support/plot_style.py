@@ -111,6 +111,17 @@ def film(path, figure, frames, show, rate):
                    duration=round(1000 / rate))
 
 
+def range_of(values, *included):
+    """Limits of a colour scale that cover all values and those included. If single values would
+    more than double it, it covers 99.9 % of the values, and bar_of states the share beyond it."""
+    values = np.concatenate([np.ravel(each) for each in values])
+    low, high = np.min([*values, *included]), np.max([*values, *included])
+    usual = [*np.quantile(values, [0.0005, 0.9995]), *included]
+    if high - low > 2 * (max(usual) - min(usual)) > 0:
+        low, high = min(usual), max(usual)
+    return low, max(high, low + 1e-12)
+
+
 def bar_of(figure, shown, axes, label, values, **style):
     """A colour bar; if some of the values are beyond it, with an arrow at that end, and their share
     in the label."""
