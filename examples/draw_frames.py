@@ -16,6 +16,10 @@ import argparse
 import pathlib
 import sys
 
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+from support.modules import need
+
+need("numpy", "matplotlib")
 import matplotlib
 
 matplotlib.use("Agg")
@@ -24,11 +28,11 @@ import numpy as np
 from matplotlib.animation import FuncAnimation, PillowWriter
 from matplotlib.colors import ListedColormap
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 from support.frames import Series, draw, speed
 
 WALL = 1  # of mps::Kind
 WALL_COLOUR = "#c8ccd0"
+UNKNOWN_COLOUR = "#8a9099"
 UNITS = {"speed": "m/s", "pressure": "Pa", "radius": "m", "mass": "kg"}
 
 
@@ -88,7 +92,10 @@ def main():
     walls = [some(frame, is_wall(frame)) for frame in frames]
     frames = [some(frame, ~is_wall(frame)) for frame in frames]
     values = [values_of(frame, options.field) for frame in frames]
-    norm = plt.Normalize(min(v.min() for v in values), max(v.max() for v in values))
+    # No pressure is computed before the first step.
+    waits = options.field == "pressure" and numbers[0] == 0 and not values[0].any()
+    coloured = values[1:] if waits and len(values) > 1 else values
+    norm = plt.Normalize(min(v.min() for v in coloured), max(v.max() for v in coloured))
     x = np.concatenate([frame["position"][:, :2] for frame in frames + walls])
     margin = 0.05 * (x.max(axis=0) - x.min(axis=0)).max()
     low, high = x.min(axis=0) - margin, x.max(axis=0) + margin
@@ -99,8 +106,12 @@ def main():
             draw(axes, walls[k], np.zeros(len(walls[k]["position"])), radius,
                  cmap=ListedColormap([WALL_COLOUR]))
         circles = draw(axes, frames[k], values[k], radius, norm=norm, cmap="viridis")
+        title = f"t = {series.times[numbers[k]]:.3g} s"
+        if k == 0 and waits:
+            circles.set(array=None, facecolor=UNKNOWN_COLOUR)
+            title += ", not yet computed"
         axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), xlabel="x [m]",
-                 ylabel="height [m]" if k == 0 or is_film else "", title=f"t = {series.times[numbers[k]]:.3g} s")
+                 ylabel="height [m]" if k == 0 or is_film else "", title=title)
         return circles
 
     count = 1 if is_film else len(frames)
@@ -110,7 +121,7 @@ def main():
                                     figsize=(width * count + 1.5, height + 0.8))
     circles = [show(axes, k) for k, axes in enumerate(all_axes[0])]
     unit = UNITS.get(options.field)
-    figure.colorbar(circles[0], ax=all_axes, label=options.field + (f" [{unit}]" if unit else ""))
+    figure.colorbar(circles[-1], ax=all_axes, label=options.field + (f" [{unit}]" if unit else ""))
     if is_film:
         film = FuncAnimation(figure, lambda k: [show(all_axes[0, 0], k)], len(frames))
         film.save(options.picture, PillowWriter(fps=15), dpi=100)

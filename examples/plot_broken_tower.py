@@ -53,6 +53,10 @@ class Run:
         alpha = self.options["alpha"]
         return f"global damping α = {alpha:g} s⁻¹" if alpha else "no global damping"
 
+    @property
+    def grains(self):
+        return "discs" if self.options["dimension"] == 2 else "spheres"
+
 
 def ground(axes, bottom):
     """The floor, drawn down to the lower limit of the axes [m]."""
@@ -98,32 +102,43 @@ def draw_collapse(figure, run):
         axes.set_title(f"t = {run.series.times[number]:.1f} s")
     style.bar_of(figure, circles, panels.flat[:len(frames)], "speed [m/s]", map(speed, frames),
                  shrink=0.8, aspect=30)
-    figure.suptitle(run.damping, x=0.01, ha="left")
+    figure.suptitle(f"Collapse of a tower of {run.grains} with {run.damping}", x=0.01, ha="left")
 
 
 def draw_ends(figure, ends):
     """The final heaps and the grains that have escaped from them."""
-    half = 1.05 * max(each.summary["farthest"] for each in ends)
+    half = 1.05 * max(max(each.summary["farthest"], 2 * each.summary["pile_radius"])
+                      for each in ends)
     frames = [each.frame(len(each.series) - 1) for each in ends]
-    _, top = extent(frames, 1, ends[0].options["radius"])
-    top = max(1.1 * top, 0.085 * half)
-    half = max(half, 6.5 * top)  # the strips are as long as the page is wide
-    strips = figure.subplots(len(ends), 1, squeeze=False)[:, 0]
+    top = 1.2 * extent(frames, 1, ends[0].options["radius"])[1]
+    # A wide and low heap would be a line in true proportions.
+    stretch = max(1, round(0.085 * 2 * half / top))
+    strips = figure.subplots(len(ends), 1, squeeze=False, sharex=True)[:, 0]
     for axes, each, frame in zip(strips, ends, frames):
-        style.box(axes, (-half, half), (0, top), ("x [m]", ""))
-        axes.set_yticks([])
-        axes.spines["left"].set_visible(False)
-        draw(axes, frame, speed(frame), edge=outline(each, 2 * half, style.NARROW, 0.15),
-             **colours(each))
-        limit = 2 * each.summary["pile_radius"]
-        axes.vlines([-limit, limit], 0, top, color=BLUE, linewidth=1.2, linestyle=DASHED)
+        axes.set(xlim=(-half, half), ylim=(0, top), aspect=stretch)
+        axes.set_yticks([0, float(f"{0.7 * top:.1g}")])
+        axes.grid(False)
         x = frame["position"]
-        gone = x[np.hypot(x[:, 0], x[:, 2]) > limit]
-        axes.plot(gone[:, 0], gone[:, 1] + 0.35 * top, "v", color=BLUE, markersize=5)
+        limit = 2 * each.summary["pile_radius"]
+        gone = np.hypot(x[:, 0], x[:, 2]) > limit
+        draw(axes, {name: values[~gone] for name, values in frame.items()}, speed(frame)[~gone],
+             edge=0.2, **colours(each))
+        axes.vlines([-limit, limit], 0, top, color=GREY, linewidth=1.2, linestyle=DASHED)
+        axes.vlines(x[gone, 0], 0, 0.4 * top, color=BLUE, linewidth=1)
+        for side, place, align in ((-1, 0.01, "left"), (1, 0.99, "right")):
+            if number := np.sum(gone & (side * x[:, 0] > 0)):
+                axes.text(place, 0.55, f"{number} escaped", color=BLUE, fontsize=9,
+                          ha=align, transform=axes.transAxes)
         axes.set_title(f"{each.damping}, t = {each.series.times[-1]:.1f} s: "
-                       f"{each.summary['escaped']} of {each.summary['particles']} grains escaped")
-    figure.supxlabel("▾ escaped: farther from the axis than twice the radius (dashed)\n"
-                     "that holds 95 % of the grains", fontsize=9, color=style.BLUE)
+                       f"{each.summary['escaped']} of {each.summary['particles']} {each.grains} "
+                       "have escaped")
+    strips[-1].set_xlabel("x [m]")
+    figure.supylabel("height [m]", fontsize=10, y=0.62)
+    notes = ["blue: those that have escaped beyond it"
+             ] if any(each.summary["escaped"] for each in ends) else []
+    notes += [f"heights stretched {stretch} times"] if stretch > 1 else []
+    figure.supxlabel(f"dashed: twice the radius that contains 95 % of the {ends[0].grains}\n"
+                     + "; ".join(notes), fontsize=9)
 
 
 def draw_frames(run, undamped):
@@ -131,7 +146,7 @@ def draw_frames(run, undamped):
     ends = [each for each in (run, undamped) if each]
     _, frames, half, top = collapse_of(run)
     rows = int(np.ceil(len(frames) / 3))
-    heights = [0.9 + rows * (0.35 + 1.6 * top / (2 * half)), 0.6 + 0.75 * len(ends)]
+    heights = [0.9 + rows * (0.35 + 1.6 * top / (2 * half)), 0.6 + 0.9 * len(ends)]
     figure = plt.figure(figsize=(style.NARROW, sum(heights)))
     upper, lower = figure.subfigures(2, 1, height_ratios=heights)
     draw_collapse(upper, run)

@@ -18,14 +18,14 @@ from support.plot_style import BLUE, DARK, DASHED, GREEN, ORANGE, np, plt
 from support.water import (DENSITY, FRONT, G, HEIGHT, POTENTIAL_FLOW, REFERENCE, DamBreak, Tanks,
                            table)
 
+DASH_DOTTED = (0, (6, 2, 1, 2))
 COLOURS = (BLUE, GREEN, ORANGE)
 EXPERIMENT = "Martin & Moyce (1952), experiment"
 
 
 def tanks(run, times):
     is_3d = run.options["dimension"] == 3
-    return Tanks(run, times, run.options["tank"][0], DENSITY * G * run.height / 1e3,
-                 run.options["depth"] / 2 if is_3d else None)
+    return Tanks(run, times, run.options["tank"][0], run.options["depth"] / 2 if is_3d else None)
 
 
 def draw_frames(run):
@@ -41,19 +41,18 @@ def draw_front(runs):
                      label=EXPERIMENT)
         axes[1].plot(height["tau"], height["H"], "o", color=DARK, markersize=5)
         exact = table(REFERENCE / POTENTIAL_FLOW)
-        axes[0].plot(exact["T"], exact["Z"], color=DARK, linewidth=1,
-                     label="potential flow, exact")
-        axes[1].plot(exact["T"] / np.sqrt(2), exact["H"], color=DARK, linewidth=1)
+        of_exact = {"color": DARK, "linewidth": 1, "linestyle": DASHED, "zorder": 3}
+        axes[0].plot(exact["T"], exact["Z"], label="potential flow, exact", **of_exact)
+        axes[1].plot(exact["T"] / np.sqrt(2), exact["H"], **of_exact)
     for run, colour in zip(runs, COLOURS):
         T, Z = run.dimensionless_front()
         axes[1].plot(T / np.sqrt(2), run.dimensionless_height(), color=colour, linewidth=1.8)
         # The edge ends at the wall.
         T, Z = T[run.before_the_wall()], Z[run.before_the_wall()]
-        axes[0].plot(T, Z, color=colour, linewidth=1.2, linestyle=DASHED,
-                     label=f"{run.name}, as computed")
+        axes[0].plot(T, Z, color=colour, linewidth=1.8, label=f"{run.name}, as computed")
         if shift := run.time_shift():
-            axes[0].plot(T + shift, Z, color=colour, linewidth=1.8,
-                         label=f"{run.name}, time shifted by {shift:.2f}")
+            axes[0].plot(T + shift, Z, color=colour, linewidth=1.4, linestyle=DASH_DOTTED,
+                         label=f"{run.name}, shifted by {shift:.2f} in T")
     axes[0].set_xlim(0)
     axes[0].set_xlabel("T = t √(2g/a) [-]")
     axes[0].set_ylabel("Z = x/a [-]")
@@ -61,7 +60,7 @@ def draw_front(runs):
     axes[1].set_xlim(0)
     axes[1].set_ylim(0)
     axes[1].set_xlabel("τ = t √(g/a) [-]")
-    axes[1].set_ylabel("H = height / height at first [-]")
+    axes[1].set_ylabel("H = height / initial height [-]")
     axes[1].set_title("height at the back wall, as computed")
     style.legend_above(figure, axes[0], 2)
     return figure
@@ -86,10 +85,9 @@ def draw_pressure(runs):
         if (rough := run.roughness()) is not None:
             title += (f": rms deviation from the 0.02 s moving average {rough / 1e3:.2f} kPa "
                       "(t ≥ 0.4 s)")
-        axes.set_title(title)
         axes.set_ylabel("pressure [kPa]")
         axes.set_ylim(min(0, run.pressure["p_1"].min() / 1e3))
-        axes.legend(loc="upper left")
+        style.legend_on_top(axes, title=title)
     panels[-1].set_xlabel("time [s]")
     panels[-1].set_xlim(0, runs[0].pressure["t"][-1])
     return figure
@@ -105,10 +103,10 @@ def of_front(run):
     if not run.is_martin_moyce() or run.front_error() is None:
         return
     is_best = run.options["case"] == "recommended"
-    yield (f"{run.name}: leading edge, rms deviation from Martin & Moyce (1952), T = 1.19–3.3, time "
-           f"shifted by {run.time_shift():.2f}", f"{100 * run.front_error():.1f} %",
+    yield (f"{run.name}: leading edge, rms deviation from Martin & Moyce (1952), T = 1.19–3.3, "
+           f"shifted by {run.time_shift():.2f} in T", f"{100 * run.front_error():.1f} %",
            "≤ 2 %" if is_best else "≤ 6 %", run.front_error() <= (0.02 if is_best else 0.06))
-    yield (f"{run.name}: the edge's speed dZ/dT over T = 1.5–2.9 of that time, measured 1.28",
+    yield (f"{run.name}: the edge's speed dZ/dT over T = 1.5–2.9 after that shift, measured 1.28",
            f"{run.front_speed():.3f}", "1.28 ± 3 %" if is_best else "",
            abs(run.front_speed() / 1.28 - 1) <= 0.03 if is_best else None)
     yield (f"{run.name}: height at the back wall, rms deviation from Martin & Moyce, τ ≤ 2.5, as "

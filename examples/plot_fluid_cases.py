@@ -75,25 +75,34 @@ def draw_frames(run):
     figure, panels = plt.subplots(2, 2, figsize=(style.WIDE, 7.6), squeeze=False)
     by_speed = CASES[run["case"]][2] == "speed"
     values = [speed(frame) if by_speed else frame["pressure"] for frame in frames]
-    # Single particles must not extend the scale.
-    low, high = np.percentile(np.concatenate(values[1:] or values), [0.5, 99.5])
-    for axes, frame, colours, number in zip(panels.flat, frames, values, numbers):
+    # The pressure of the first frame is not yet computed.
+    coloured = values if by_speed else values[1:] or values
+    limits = style.range_of(coloured, *([0] if by_speed else []))
+    widths = [1.06 * np.ptp(frame["position"], axis=0).max() for frame in frames]
+    notes = []
+    if scales_differ := max(widths) > 2 * min(widths):
+        notes.append("the scales of the panels differ")
+    else:
+        widths = [max(widths)] * len(widths)
+    for axes, frame, colours, number, width in zip(panels.flat, frames, values, numbers, widths):
         lower, upper = frame["position"].min(axis=0), frame["position"].max(axis=0)
-        half = 0.53 * (upper - lower).max()
+        half = width / 2
         x, y = ((middle - half, middle + half) for middle in ((lower + upper) / 2)[:2])
         # Large enough to be visible if the fluid has spread far.
         circles = draw(axes, frame, colours, radius=max(run["spacing"] / 2, 0.007 * half),
                        cmap=style.SPEED if by_speed else style.PRESSURE,
-                       norm=plt.Normalize(low, max(high, low + 1e-12)))
+                       norm=plt.Normalize(*limits))
         title = f"t = {series.times[number]:.2f} s"
+        if scales_differ:
+            title += f", panel {width:#.2g} m wide"
         if number == 0 and not by_speed:
             circles.set(array=None, facecolor=style.GREY)
-            title += ", pressure not yet computed"
+            notes.append("grey: pressure not yet computed")
         axes.set(xlim=x, ylim=y, aspect="equal", title=title, xlabel="x [m]", ylabel="y [m]")
         axes.grid(False)
     for axes in panels.flat[len(frames):]:
         axes.remove()
-    figure.suptitle(name_of(run), x=0.01, ha="left")
+    figure.suptitle(name_of(run) + ("\n" + "; ".join(notes) if notes else ""), x=0.01, ha="left")
     style.bar_of(figure, circles, panels.flat[:len(frames)],
                  "speed [m/s]" if by_speed else "pressure [Pa]", values[1:] or values, shrink=0.7,
                  aspect=35)
@@ -104,10 +113,13 @@ def compare(run, path):
     lines = [f"# {CASES[run['case']][0]}, {run['scheme']}, l0 = {run['spacing']:g} m", "",
              "| quantity | reference | measured | error | allowed | |", "|---|---|---|---|---|---|"]
     for each in run["findings"]:
+        measured, error = "–", "–"
+        if each["measured"] is not None:  # as it is if, for example, there are too few periods
+            measured, error = f"{each['measured']:.5g}", f"{100 * each['error']:.2g} %"
         limit = each["allowed"]
         allowed = "stated" if limit is None else f"{100 * limit:.2g} %"
-        lines.append(f"| {each['quantity']} | {each['reference']:.5g} | {each['measured']:.5g} | "
-                     f"{100 * each['error']:.2g} % | {allowed} | "
+        lines.append(f"| {each['quantity']} | {each['reference']:.5g} | {measured} | "
+                     f"{error} | {allowed} | "
                      f"{'' if allowed == 'stated' else 'holds' if each['holds'] else '**no**'} |")
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")
 

@@ -14,10 +14,12 @@ import sys
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 from support import plot_style as style
 from support.frames import Series
-from support.plot_style import DARK, ORANGE, np, plt
+from support.plot_style import DARK, DASHED, ORANGE, np, plt
 
 LAYERS = ["#123b5d", "#e0a458", "#7fb2b8", "#b5523b"]
 STEEL = "#4d535b"
+REMOVED_BELOW = 6  # diameters below the opening, as in hopper.cpp
+REMOVED = "dashed: grains are removed below this height"
 
 
 class Run:
@@ -38,7 +40,6 @@ class Run:
         thickness = 3 * self.d
         self.layer[first["id"]] = (height / thickness).astype(int) % len(LAYERS)
 
-
     @property
     def name(self):
         what = "slice through the axis" if self.dimension == 3 else "discs in a slot"
@@ -55,7 +56,7 @@ def draw_bin(axes, run):
     for side in (-1, 1):
         axes.plot([side * half, side * half, side * gap], [top, corner, 0], color=STEEL,
                   linewidth=2, solid_capstyle="butt", solid_joinstyle="miter", zorder=3)
-    # Discharged grains are shown down to some diameters below, where the drain removes them.
+    axes.axhline(-REMOVED_BELOW * run.d, color=DARK, linewidth=0.8, linestyle=DASHED)
     style.box(axes, (-half - run.d, half + run.d), (-8 * run.d, top), ("x [m]", "height [m]"))
 
 
@@ -84,15 +85,15 @@ def draw_frames(run):
         draw_bin(axes, run)
         draw_grains(axes, run, run.series[number])
         axes.set_title(f"t = {run.series.times[number]:.2f} s")
-    figure.suptitle(f"{run.name};\ncolours: layers of the bed at rest, 3 d thick", x=0.01,
-                    ha="left")
+    figure.suptitle(f"{run.name};\ncolours: layers of the bed at rest, 3 d thick; {REMOVED}",
+                    x=0.01, ha="left")
     return figure
 
 
 def animate(run, path):
     figure, axes = plt.subplots(figsize=(8, 8))
     draw_bin(axes, run)
-    figure.suptitle(run.name, x=0.01, ha="left")
+    figure.suptitle(f"{run.name};\n{REMOVED}", x=0.01, ha="left")
 
     def show(number):
         axes.set_title(f"t = {run.series.times[number]:.2f} s")

@@ -30,7 +30,7 @@ def scheme(run):
 def draw_frames(run):
     o = run.options
     end = run.series.times[-1]
-    tanks = Tanks(run, [0, end / 2, end], o["width"], DENSITY * G * o["depth"] / 1e3,
+    tanks = Tanks(run, [0, end / 2, end], o["width"],
                   o["thickness"] / 2 if o["dimension"] == 3 else None)
     return tanks.figure(scheme(run))
 

@@ -181,8 +181,8 @@ def draw_fronts(results):
         for k, run in enumerate(case.runs):
             T, Z = run.dimensionless_front()
             shift = run.time_shift() or 0
-            label = (f"{name_of(number)}: rms {case.front_error().text(100, 1)} %, time shifted by "
-                     f"{shift:.2f}")
+            label = (f"{name_of(number)}: rms {case.front_error().text(100, 1)} %, shifted by "
+                     f"{shift:.2f} in T")
             before = run.before_the_wall()
             axes.plot(T[before] + shift, Z[before], color=colour, linewidth=1, alpha=0.8,
                       label=label if k == 0 else None)

@@ -7,8 +7,7 @@
 
 docs/images/made_from.json has an entry for each source: the commands, the digests of the pictures
 and of the drawing code, the options of the runs, and the results that are visible in the pictures.
-"drawing" is null for a study that was drawn before the record existed. examples/pictures writes it,
-tests/examples/check_pictures.py reads it.
+examples/pictures writes it, tests/examples/check_pictures.py reads it.
 """
 
 import ast

@@ -5,29 +5,16 @@
     style.make(folder / "front.png", draw_front, runs)
     style.film(folder / "collapse.gif", figure, numbers, show)
 
-Without Matplotlib, the import prints a message and ends the program with exit code NOTHING_DRAWN.
+Without Matplotlib, the import prints a message and ends the program with exit code 3.
 Font sizes are for figures of width WIDE, shown at the full text width of a page, and of width
 NARROW, shown at half of it.
 """
 
-import importlib.util
 import io
 import pathlib
-import sys
 import time
 
-NOTHING_DRAWN = 3
-
-
-def need(*modules):
-    """Ends the program if one of these modules, also Debian's package names, is missing."""
-    for name in modules:
-        if importlib.util.find_spec(name) is None:
-            print(f"{pathlib.Path(sys.argv[0]).name}: no picture was drawn, since Python has no "
-                  f"module {name}; install python3-{name} (Debian) or run pip install {name}",
-                  file=sys.stderr)
-            sys.exit(NOTHING_DRAWN)
-
+from support.modules import need
 
 need("numpy", "matplotlib")
 import matplotlib
@@ -124,11 +111,27 @@ def film(path, figure, frames, show, rate):
                    duration=round(1000 / rate))
 
 
-def bar_of(figure, shown, axes, label, values, **style):
-    """A colour bar, with an arrow at each end that some of the values exceed."""
+def range_of(values, *included):
+    """Limits of a colour scale that cover all values and those included. If single values would
+    more than double it, it covers 99.9 % of the values, and bar_of states the share beyond it."""
     values = np.concatenate([np.ravel(each) for each in values])
-    below, above = np.min(values) < shown.norm.vmin, np.max(values) > shown.norm.vmax
-    extend = {(0, 0): "neither", (1, 0): "min", (0, 1): "max", (1, 1): "both"}[below, above]
+    low, high = np.min([*values, *included]), np.max([*values, *included])
+    usual = [*np.quantile(values, [0.0005, 0.9995]), *included]
+    if high - low > 2 * (max(usual) - min(usual)) > 0:
+        low, high = min(usual), max(usual)
+    return low, max(high, low + 1e-12)
+
+
+def bar_of(figure, shown, axes, label, values, **style):
+    """A colour bar; if some of the values are beyond it, with an arrow at that end, and their share
+    in the label."""
+    values = np.concatenate([np.ravel(each) for each in values])
+    shares = {"min": np.mean(values < shown.norm.vmin), "max": np.mean(values > shown.norm.vmax)}
+    ends = [end for end, share in shares.items() if share > 0]
+    for end, side in (("min", "below"), ("max", "above")):
+        if end in ends:
+            label += f"; {max(100 * shares[end], 0.001):.1g} % of the values are {side}"
+    extend = "both" if len(ends) == 2 else ends[0] if ends else "neither"
     bar = figure.colorbar(shown, ax=axes, label=label, extend=extend, **style)
     bar.outline.set_visible(False)
     return bar

@@ -72,10 +72,10 @@ class Output:
 
     def roughness(self, begin=0.4, end=np.inf):
         """Rms [Pa] of the first gauge minus its moving average over 0.02 s, over its samples (one
-        per step) from `begin` to `end` [s]."""
+        per step) from `begin` to `end` [s]; None if they span less than that average."""
         t, p = self.pressure["t"], self.pressure["p_1"]
         wanted = (t >= begin) & (t <= end)
-        if not wanted.any():
+        if not wanted.any() or np.ptp(t[wanted]) < 0.02:
             return None
         return float(np.sqrt(np.mean((p - moving_average(t, p))[wanted] ** 2)))
 
@@ -192,9 +192,9 @@ class Tank(Output):
         return slope / (DENSITY * G), -at_zero / slope, off
 
 
-def draw_water(axes, frame, spacing, full_scale, middle=None):
-    """Fluid, coloured by pressure [kPa], and walls, in 2D; of a 3D run the slice at y = middle.
-    Returns the circles of the fluid."""
+def draw_water(axes, frame, spacing, limits, middle=None):
+    """Fluid, coloured by pressure between these limits [kPa], and walls, in 2D; of a 3D run the
+    slice at y = middle. Returns the circles of the walls and of the fluid."""
     from support import plot_style as style
 
     keep = frame["kind"] < 2
@@ -208,7 +208,7 @@ def draw_water(axes, frame, spacing, full_scale, middle=None):
     walls.set(array=None, facecolor=style.WALL)
     circles = draw(axes, {"position": at[~is_wall]}, frame["pressure"][keep][~is_wall] / 1e3,
                    radius=0.6 * spacing, cmap=style.PRESSURE,
-                   norm=style.plt.Normalize(0, full_scale))
+                   norm=style.plt.Normalize(*limits))
     if not frame["pressure"].any():  # not yet computed
         circles.set(array=None, facecolor=style.GREY)
     return walls, circles
@@ -217,11 +217,13 @@ def draw_water(axes, frame, spacing, full_scale, middle=None):
 class Tanks:
     """Draws the tank of a run at some times, in 2D; of a 3D run its central slice.
 
-    width: of the tank [m]; full_scale: of the pressure [kPa]; middle: [m], of a 3D run.
+    width: of the tank [m]; middle: [m], of a 3D run.
     """
 
-    def __init__(self, run, times, width, full_scale, middle=None):
-        self.run, self.full_scale, self.middle = run, full_scale, middle
+    def __init__(self, run, times, width, middle=None):
+        from support import plot_style as style
+
+        self.run, self.middle = run, middle
         self.spacing = run.options["spacing"]
         self.numbers = sorted({run.series.nearest(time) for time in times})
         self.frames = [run.series[number] for number in self.numbers]
@@ -229,6 +231,7 @@ class Tanks:
         self.x = (-2 * self.spacing, width + 2 * self.spacing)
         self.y = self.heights(self.frames)
         self.pressures = [frame["pressure"][frame["kind"] == 0] / 1e3 for frame in self.frames]
+        self.limits = style.range_of(self.pressures, 0)
 
     def heights(self, frames):
         """Height of the highest spray in these frames, which may be above the walls."""
@@ -245,11 +248,10 @@ class Tanks:
         style.box(axes, self.x, y, ("x [m]", "height [m]"))
         for number, place in enumerate(self.run.options["probes"]):
             axes.plot(place[0], place[-1], "o", color=style.ORANGE, markersize=4.5,
-                      markerfacecolor="none", clip_on=False, zorder=4,
-                      label="pressure gauge" if number == 0 else None)
+                      markerfacecolor="none", clip_on=False, zorder=4)
 
     def show(self, axes, number):
-        return draw_water(axes, self.frames[number], self.spacing, self.full_scale, self.middle)
+        return draw_water(axes, self.frames[number], self.spacing, self.limits, self.middle)
 
     def figure(self, title):
         """Panels of all times, three per row."""
@@ -266,8 +268,11 @@ class Tanks:
             self.box(axes, rows[number // 3])
             _, circles = self.show(axes, number)
             axes.set_title(f"t = {time:.2f} s" + ("" if time > 0 else " (start)"))
-        figure.suptitle(f"{title}{'; ' if len(title) < 40 else chr(10)}circle: pressure gauge",
-                        x=0.01, ha="left")
+        key = "circle: pressure gauge"
+        if not all(frame["pressure"].any() for frame in self.frames):
+            key += "; grey: pressure not yet computed"
+        figure.suptitle(f"{title}{'; ' if len(title + key) < 65 else chr(10)}{key}", x=0.01,
+                        ha="left")
         self.bar(figure, panels.flat[:len(self.times)], circles, shrink=0.8, aspect=30)
         return figure
 
@@ -281,7 +286,7 @@ class Tanks:
 
         figure, axes = style.plt.subplots(figsize=(8, min(9.5, 0.9 + 6.4 * self.aspect(self.y))))
         self.box(axes, self.y)
-        axes.legend(loc="upper left")
+        figure.suptitle("circle: pressure gauge", x=0.01, ha="left")
         _, circles = artists = self.show(axes, 0)
         self.bar(figure, axes, circles, shrink=0.8, aspect=30)
         for artist in artists:

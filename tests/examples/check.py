@@ -11,6 +11,7 @@ import importlib.util
 import json
 import math
 import pathlib
+import subprocess
 import sys
 import tempfile
 
@@ -66,6 +67,15 @@ def test_plan(folder):
     assert Estimate([1.0, None, 3.0]).text() == "2.00 ± 1.00"
 
 
+def test_modules(folder):
+    program = folder / "draws"
+    program.write_text(f"import sys\nsys.path.insert(0, {sys.path[0]!r})\n"
+                       "from support.modules import need\nneed('json', 'no_such_module')\n")
+    end = subprocess.run([sys.executable, program], capture_output=True, text=True)
+    assert end.returncode == 3, "the exit code of a script that draws nothing"
+    assert f"needs no_such_module, which {sys.executable} lacks" in end.stderr, end.stderr
+
+
 def write_tank(folder, waves, high):
     import numpy as np
 
@@ -91,6 +101,7 @@ def test_measures(folder):
     write_tank(folder / "fast", waves=1, high=30)
     assert Tank(folder / "slow").roughness(0.5) < 0.3, "a slow wave is not rough"
     assert abs(Tank(folder / "fast").roughness(0.5) - 30) < 2, "oscillations faster than 0.02 s are"
+    assert Tank(folder / "fast").roughness(1.99) is None, "too short for the moving average"
     assert 4098 < Tank(folder / "fast").peak(0.5) < 4103
     slope, zero, off = Tank(folder / "slow").line()
     assert math.isclose(slope, 1) and math.isclose(zero, 0.005) and off < 1e-6
@@ -111,7 +122,7 @@ def main(arguments):
     if len(arguments) != 1:
         sys.exit(__doc__)
     sys.path.insert(0, arguments[0])
-    tests = [test_runs, test_plan]
+    tests = [test_runs, test_plan, test_modules]
     if importlib.util.find_spec("numpy"):
         tests.append(test_measures)
     for test in tests:

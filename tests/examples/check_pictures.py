@@ -58,8 +58,7 @@ def faults_of_source(source, entry, images, examples):
             yield f"{name} is not the file recorded in made_from.json"
     if entry["commands"] != source.command_lines():
         yield "its pictures were drawn with other commands"
-    # None: drawn before the record existed.
-    if entry["drawing"] not in (None, pictures.drawing_of(source.drawn_by, examples)):
+    if entry["drawing"] != pictures.drawing_of(source.drawn_by, examples):
         yield f"{source.drawn_by}, or a module of support/ that it imports, has changed since"
     if "options" in entry:
         # Two runs may give the same message.

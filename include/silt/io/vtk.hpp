@@ -148,8 +148,9 @@ std::string vtk_frame(const P& particles) {
 class VtkSeries {
  public:
   /// Frames are written to the folder `path`, which is created, and their list to `path`.pvd.
-  /// Existing files of the same names are replaced from the first frame on. Throws silt::Error if
-  /// the folder cannot be created.
+  /// Existing files of the same names are replaced from the first frame on. Further frames of an
+  /// earlier, longer run remain in the folder: read those in the list, or delete the folder before
+  /// a run. Throws silt::Error if the folder cannot be created.
   explicit VtkSeries(std::filesystem::path path) : folder_(std::move(path)) {
     if (!folder_.has_filename()) folder_ = folder_.parent_path();  // "tower/" is "tower"
     file::create_folder("VtkSeries", folder_);
