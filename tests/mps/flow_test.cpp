@@ -318,11 +318,12 @@ TEST(FlowSettings, AreRejectedByNameAndValue) {
   EXPECT_TRUE(rejected([](auto& s) { s.viscosity = -1e-6; }, "viscosity = -1e-06 "));
   EXPECT_TRUE(rejected([](auto& s) { s.viscosity = nan; }, "viscosity = nan "));
   EXPECT_TRUE(rejected([](auto& s) { s.gravity[1] = nan; }, "gravity = nan "));
-  EXPECT_TRUE(rejected([](auto& s) { s.radius = 1; }, "radius = 1 "));
+  EXPECT_TRUE(rejected([](auto& s) { s.radius = 1; }, "radius = 1 must be above 1 and at most 10"));
   EXPECT_TRUE(rejected([](auto& s) { s.radius = 31; }, "radius = 31 "));
   EXPECT_TRUE(rejected([](auto& s) { s.laplacian_radius = 0.5; }, "laplacian_radius = 0.5 "));
   EXPECT_TRUE(rejected([](auto& s) { s.laplacian_radius = nan; }, "laplacian_radius = nan "));
-  EXPECT_TRUE(rejected([](auto& s) { s.courant = 0; }, "courant = 0 "));
+  EXPECT_TRUE(rejected([](auto& s) { s.courant = 0; }, "courant = 0 must be above 0 and at most"));
+  EXPECT_TRUE(rejected([](auto& s) { s.courant = 3; }, "courant = 3 must be above 0 and at most"));
   EXPECT_TRUE(rejected([](auto& s) { s.speed_scale = -2; }, "speed_scale = -2 "));
   EXPECT_TRUE(rejected([](auto& s) { s.max_time_step = 0; }, "max_time_step = 0 "));
   EXPECT_TRUE(rejected([](auto& s) { s.max_time_step = nan; }, "max_time_step = nan "));

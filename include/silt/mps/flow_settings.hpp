@@ -39,9 +39,11 @@ struct FlowSettings {
     require_positive("FlowSettings: density", density);
     require_not_negative("FlowSettings: viscosity", viscosity);
     require_finite("FlowSettings: gravity", gravity);
-    require_between("FlowSettings: radius", radius, {1.0 + 1e-9, 10});
-    require_between("FlowSettings: laplacian_radius", laplacian_radius, {1.0 + 1e-9, 10});
-    require_positive("FlowSettings: courant", courant);
+    // At a radius of 1, the kernel is zero at the nearest neighbours.
+    require_above("FlowSettings: radius", radius, {1 + 1e-9, 10});
+    require_above("FlowSettings: laplacian_radius", laplacian_radius, {1 + 1e-9, 10});
+    // TimeStep::begin() rejects steps in which a particle moves by more than a spacing.
+    require_above("FlowSettings: courant", courant, {0, 1});
     require_not_negative("FlowSettings: speed_scale", speed_scale);
     if (!(max_growth >= 1)) {
       fail("FlowSettings: max_growth = " + to_text(max_growth) +
