@@ -88,8 +88,8 @@ Index add_grain(P& grains, const typename P::Vec& x, const Grain& grain) {
   return i;
 }
 
-/// Equal grains at rest at these points [m] in an unbounded box (set_box() gives them another); with
-/// further fields: make_grains<temperature_t>(…). Throws as add_grain does.
+/// Equal grains at rest at these points [m], in an unbounded box (set_box() gives them another);
+/// with further fields: make_grains<temperature_t>(…). Throws as add_grain does.
 template <Field... Further, class Real, int Dim>
 Grains<Dim, Real, Further...> make_grains(const std::vector<Eigen::Matrix<Real, Dim, 1>>& points,
                                           const Grain& grain) {
