@@ -502,7 +502,8 @@ void collapse(const Options& o) {
          {"until", o.until},
          {"output_every", o.output_every},
          {"threads", o.threads}}}});
-  std::printf("broken_tower: %zu grains, %llu steps in %.1f s, %zu escaped; results in %s\n",
+  std::printf("broken_tower: %zu grains, "
+              "%llu steps in %.1f s of wall-clock time, %zu escaped; results in %s\n",
               tower.particles().size(), static_cast<unsigned long long>(tower.steps()),
               wall.seconds(), spread.escaped, o.out.c_str());
 }

@@ -114,7 +114,8 @@ void flow_as(const Options& o) {
                         {"frames", o.frames},
                         {"threads", o.threads}};
   support::complete(o.resume, o.out, summary);
-  std::printf("fluid_cases: %s, %zu particles, %llu steps in %.1f s; results in %s\n",
+  std::printf("fluid_cases: %s, %zu particles, "
+              "%llu steps in %.1f s of wall-clock time; results in %s\n",
               flow.name.c_str(), flow.start.size(),
               static_cast<unsigned long long>(simulation.steps()),
               wall.seconds(), o.out.c_str());

@@ -483,7 +483,7 @@ Discharge discharge_through(const Options& o, double ratio, int stage, Results<D
   discharge.height_of_halves[0] = height(first, middle);
   discharge.height_of_halves[1] = height(middle, last);
   std::printf("hopper: D/d = %g: %.4g kg/s, %.4g in the first half, %.4g in the second, "
-              "%llu steps in %.1f s\n",
+              "%llu steps in %.1f s of wall-clock time\n",
               ratio, discharge.rate, discharge.rate_of_halves[0], discharge.rate_of_halves[1],
               static_cast<unsigned long long>(discharge.steps), discharge.wall_seconds);
   return discharge;
@@ -599,7 +599,7 @@ void run(const Options& o) {
          {"longest", o.longest},
          {"seed", o.seed},
          {"threads", o.threads}}}});
-  std::printf("hopper: %zu grains, %llu steps in %.1f s", grains,
+  std::printf("hopper: %zu grains, %llu steps in %.1f s of wall-clock time", grains,
               static_cast<unsigned long long>(steps), wall.seconds());
   if (all.size() > 1) {
     std::printf("; exponent %.3f with k = %g (law: %g), C = %.3f", fit.exponent, k, o.exponent(),

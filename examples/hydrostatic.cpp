@@ -294,7 +294,8 @@ void simulate(const Options& o, const mps::FlowSettings<Dim, Scheme>& settings) 
   support::add_flow_options(options, o);
   support::complete(o.resume, o.out, summary);
 
-  std::printf("hydrostatic: %zu fluid particles, %llu steps in %.1f s, %llu lost; ",
+  std::printf("hydrostatic: %zu fluid particles, "
+              "%llu steps in %.1f s of wall-clock time, %llu lost; ",
               count(particles, mps::Kind::fluid), static_cast<unsigned long long>(tank.steps()),
               wall.seconds(), static_cast<unsigned long long>(tank.particles_lost()));
   if (gauge.empty()) {

@@ -109,7 +109,8 @@ def compare(run, path):
              "| | measured |", "|---|---|", *(f"| {what} | {value} |" for what, value in rows), "",
              f"{s['fluid_particles']} fluid, {s['wall_particles']} wall and "
              f"{s['dummy_particles']} dummy particles, {s['steps']} steps in "
-             f"{s['seconds_total']:.1f} s ({s['solver_iterations_mean']:.0f} iterations a step)."]
+             f"{s['seconds_total']:.1f} s of wall-clock time "
+             f"({s['solver_iterations_mean']:.0f} iterations a step)."]
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 

@@ -436,7 +436,8 @@ void vibrate(const Options& o) {
   summary["wall_seconds"] = wall.seconds();
   summary["options"] = options_of(o);
   support::complete(o.resume, o.out, summary);
-  std::printf("vibrating_floor: %zu grains, %llu steps in %.1f s, T = %.4f g d; results in %s\n",
+  std::printf("vibrating_floor: %zu grains, "
+              "%llu steps in %.1f s of wall-clock time, T = %.4f g d; results in %s\n",
               bed.particles().size(), static_cast<unsigned long long>(bed.steps()),
               wall.seconds(), sums.temperature().value / gd, o.out.c_str());
 }

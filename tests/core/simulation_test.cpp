@@ -12,6 +12,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace silt::test {
@@ -134,6 +135,21 @@ TYPED_TEST(Transactions, AForceThatIsNotFiniteLeavesTheSimulationUnchanged) {
                                  *saboteur.fault = {.id = 11, .push = wrong};
                                  sim.step(dt);
                                });
+  }
+}
+
+// The error names the grain at fault and its velocity, not the resulting force on it or on others.
+TYPED_TEST(Transactions, AStateThatWasNotFiniteBeforeTheStepIsNamed) {
+  for (const double wrong : {nan, inf}) {
+    auto sim = TypeParam::make({});
+    for (int k = 0; k < 3; ++k) sim.step(dt);
+    double& speed = sim.particles()[velocity][sim.particles().index_of(11)][1];
+    const double before = std::exchange(speed, wrong);
+    EXPECT_TRUE(refuses([&] { sim.step(dt); },
+                        {"before the step, velocity = (", to_text(wrong),
+                         "set it to a finite value", "id 11", "step 3"}));
+    sim.particles()[velocity][sim.particles().index_of(11)][1] = before;
+    sim.step(dt);
   }
 }
 

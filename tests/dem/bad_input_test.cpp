@@ -116,6 +116,19 @@ struct Spring {
   }
 };
 
+// Without a warning for a narrowing conversion.
+TEST(BadInput, AMaterialIsAnIndexOf32Bits) {
+  for (Index k = 0; k < 3; ++k) {
+    dem::Grains<2> grains;
+    dem::add_grain(grains, {0, 0}, {.radius = 1, .density = 1, .material = k % 2});
+    EXPECT_EQ(grains[dem::material][0], k % 2);
+  }
+  dem::Grain grain{.radius = 1, .density = 1, .material = (Index(1) << 32) - 1};
+  use(grain);
+  ++grain.material;
+  EXPECT_TRUE(refuses([&] { use(grain); }, {"Grain: material = 4294967296", "dem::Materials"}));
+}
+
 TEST(BadInput, TwoMaterialsOfALawWithoutMixThrow) {
   EXPECT_TRUE(refuses([] { (dem::Materials<Spring>{Spring{}, Spring{}}); }, {"mix(a, b)"}));
   EXPECT_NO_THROW((dem::Materials<Spring>{Spring{}}));

@@ -121,7 +121,13 @@ TEST_F(CheckpointFile, IsRejectedByAnotherDimensionPrecisionSearchOrLaw) {
   dem::Outflow drain{cube<2, double>(0, 1)};
   EXPECT_TRUE(refuses([&] { read_checkpoint(path, plane, drain); }, {"has no part 0/number"}));
   write_checkpoint(path, plane, drain);
-  EXPECT_TRUE(refuses([&] { read_checkpoint(path, plane); }, {"more parts than"}));
+  EXPECT_TRUE(refuses([&] { read_checkpoint(path, plane); },
+                      {"further entries, beginning with part 0/number", "pass the same parts"}));
+  write_checkpoint(path, two());
+  Simulation weightless{two().particles(), UniformGrid<2>{}, Gravity<2>{{0, 0}}, Leapfrog{}};
+  EXPECT_TRUE(refuses([&] { read_checkpoint(path, weightless); },
+                      {"has further entries, beginning with simulation/interaction/",
+                       "set up the same simulation"}));
 
   auto with_friction = two();
   with_friction.run({.until = 1e-3});

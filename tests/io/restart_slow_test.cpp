@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Runs stopped at 200 random steps, with every search, in 2D and 3D, with several laws and schemes.
+// Runs stopped at 200 random steps, with every search, in 2D and 3D, with several laws and schemes,
+// in open and in periodic boxes.
 #include "support/file_test.hpp"
 #include "support/restarted_grains.hpp"
 
@@ -7,6 +8,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <numbers>
 #include <utility>
 #include <vector>
 
@@ -55,18 +58,42 @@ TEST_F(RestartOfGrains, KeepsTheBitsIn3DWithRollingResistanceSlow) {
   expect_same_grains<3>(path, {12, 10, 10}, rolling, NeighbourList<3, double, LevelGrid<3>>{});
 }
 
+template <class Flow, class S>
+void expect_same_flow(const std::filesystem::path& path, const mps::Fluid<2>& start,
+                      const Flow& flow, S search) {
+  expect_the_same_bits_after_restarts(
+      path, restarts, [&] { return RunWith{Simulation{start, search, flow, SemiImplicit<>{}}}; },
+      [](const auto& run) {
+        const mps::FlowEnergy& energy = run.simulation.interaction().energy();
+        return std::vector{energy.kinetic, energy.by_pressure, energy.by_collision, energy.added};
+      });
+}
+
 template <class Scheme, class S>
 void expect_same_water(const std::filesystem::path& path, S search) {
   const double l0 = 0.03;
   const auto tank = mps::make_tank<2>(
       {.column = {0.4, 0.8}, .size = {.length = 1.2, .height = 1}, .spacing = l0});
   const mps::Flow<Scheme> water{{.spacing = l0, .speed_scale = 2.8}};
-  expect_the_same_bits_after_restarts(
-      path, restarts, [&] { return RunWith{Simulation{tank, search, water, SemiImplicit<>{}}}; },
-      [](const auto& run) {
-        const mps::FlowEnergy& energy = run.simulation.interaction().energy();
-        return std::vector{energy.kinetic, energy.by_pressure, energy.by_collision, energy.added};
-      });
+  expect_same_flow(path, tank, water, search);
+}
+
+// Vortices that carry the fluid across the sides of a periodic box, without a free surface.
+template <class S>
+void expect_same_vortices(const std::filesystem::path& path, S search) {
+  constexpr double l0 = 0.05;
+  const Box<2> cell{.lower = {0, 0}, .upper = {1, 1}, .periodic = {true, true}};
+  mps::Fluid<2> fluid{cell};
+  for (const auto& x : lattice<2>(cell, l0)) {
+    const Vec<2> k = 2 * std::numbers::pi * x;
+    const Index i = mps::add_particle(fluid, x, mps::Kind::fluid);
+    fluid[velocity][i] = {0.5 + std::sin(k[0]) * std::cos(k[1]),
+                          -std::cos(k[0]) * std::sin(k[1])};
+  }
+  using Settings = mps::FlowSettings<2, mps::Recommended>;
+  const mps::Flow<mps::Recommended> flow{mps::without_free_surface(
+      Settings{.spacing = l0, .viscosity = 1e-2, .gravity = {0, 0}, .speed_scale = 1})};
+  expect_same_flow(path, fluid, flow, search);
 }
 
 TEST_F(RestartOfWater, KeepsTheBitsOfTheRecommendedSchemeSlow) {
@@ -75,6 +102,14 @@ TEST_F(RestartOfWater, KeepsTheBitsOfTheRecommendedSchemeSlow) {
 }
 TEST_F(RestartOfWater, KeepsTheBitsOfTheRecommendedSchemeWithAUniformGridSlow) {
   expect_same_water<mps::Recommended>(path, UniformGrid<2>{});
+}
+TEST_F(RestartOfWater, KeepsTheBitsOfTheRecommendedSchemeWithBruteForceSlow) {
+  expect_same_water<mps::Recommended>(path, BruteForce<2>{});
+}
+TEST_F(RestartOfWater, KeepsTheBitsInAPeriodicBoxSlow) {
+  expect_same_vortices(path, NeighbourList<2>{});
+  expect_same_vortices(path, UniformGrid<2>{});
+  expect_same_vortices(path, BruteForce<2>{});
 }
 TEST_F(RestartOfWater, KeepsTheBitsOfTheOriginalSchemeSlow) {
   expect_same_water<mps::Case00>(path, NeighbourList<2>{});

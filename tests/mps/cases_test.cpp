@@ -83,8 +83,10 @@ TEST(Tank, RejectsInvalidInputByNameAndValue) {
   EXPECT_TRUE(rejected([](auto& t) { t.size.depth = inf; }, "depth = inf "));
   EXPECT_TRUE(rejected([](auto& t) { t.column[0] = nan; }, "column width = nan "));
   EXPECT_TRUE(rejected([](auto& t) { t.column[1] = 0; }, "column height = 0 m"));
-  EXPECT_TRUE(rejected([](auto& t) { t.column[0] = 0.3; }, "30 spacings along axis 0"));
-  EXPECT_TRUE(rejected([](auto& t) { t.column[1] = 0.3; }, "30 spacings along axis 2"));
+  EXPECT_TRUE(rejected([](auto& t) { t.column[0] = 0.3; },
+                       "along axis 0 (length), the column has 30 spacings, but the tank has 20"));
+  EXPECT_TRUE(rejected([](auto& t) { t.column[1] = 0.3; },
+                       "along axis 2 (height), the column has 30 spacings, but the tank has 20"));
 }
 
 // --- the cases -----------------------------------------------------------------------------------

@@ -303,6 +303,76 @@ TEST(Flow, ExcludesAnIsolatedParticleFromThePressureEquation) {
 
 // --- bad input -----------------------------------------------------------------------------------
 
+template <class Fluid>
+auto first_step_of(const Fluid& fluid, double spacing) {
+  return [=] {
+    Simulation sim{fluid, UniformGrid<Fluid::dimension, typename Fluid::Real>{},
+                   Flow<Case10, Fluid::dimension, typename Fluid::Real>(
+                       {.spacing = spacing, .speed_scale = 2}),
+                   SemiImplicit{}};
+    sim.step();
+  };
+}
+
+TYPED_TEST(Blobs, OfAnotherSpacingThanTheFlowAreRejected) {
+  using Real = typename TypeParam::Real;
+  constexpr int dim = TypeParam::dimension;
+  const auto tank = small_dam<dim, Real>(0.02);
+  const std::string message = "FlowSettings: spacing = ";
+  EXPECT_TRUE(refuses(first_step_of(tank, 0.04), {"0.02 m apart", message + "0.04 m", "step 0"}));
+  EXPECT_TRUE(refuses(first_step_of(tank, 0.01), {"0.02 m apart", message + "0.01 m"}));
+  EXPECT_NO_THROW(first_step_of(tank, 0.02)());
+}
+
+TYPED_TEST(Blobs, ThatAreRandomOrHaveTheirDensityAreNotTakenForAnotherSpacing) {
+  using Real = typename TypeParam::Real;
+  constexpr int dim = TypeParam::dimension;
+  const auto box = cube<dim, Real>(0, Real(0.2));
+  const Index number = dim == 2 ? 100 : 1000;
+  EXPECT_NO_THROW(first_step_of(fluid_at(random_points(number, box, 5)), 0.02)());
+  EXPECT_NO_THROW(first_step_of(blob<dim, Real>(8, Real(0.018)), 0.02)());
+  EXPECT_NO_THROW(first_step_of(blob<dim, Real>(8, Real(0.022)), 0.02)());
+  EXPECT_NO_THROW(first_step_of(fluid_at(random_points(number / 4, box, 5)), 0.02)());
+  // A row of particles.
+  auto thin = box;
+  thin.upper[1] = Real(0.02);
+  EXPECT_NO_THROW(first_step_of(fluid_at(lattice<dim, Real>(thin, Real(0.02))), 0.02)());
+}
+
+TYPED_TEST(Blobs, ThatDoNotFitIntoAPeriodicBoxAreRejected) {
+  using Real = typename TypeParam::Real;
+  constexpr int dim = TypeParam::dimension;
+  auto box = cube<dim, Real>(0, Real(0.16));
+  box.upper[1] = Real(0.17);
+  box.periodic[1] = true;
+  const auto filled = fluid_at(lattice<dim, Real>(box, Real(0.02)), box);
+  EXPECT_TRUE(refuses(first_step_of(filled, 0.02), {"periodic side 0.17 m along axis 1",
+                                                    "8.5 spacings", "integer number", "step 0"}));
+  box.upper[1] = Real(0.16);
+  EXPECT_NO_THROW(first_step_of(fluid_at(lattice<dim, Real>(box, Real(0.02)), box), 0.02)());
+  // Random points, and a body that does not reach around the box, fit into any.
+  box.upper[1] = Real(0.17);
+  auto wide = cube<dim, Real>(-1, 1);
+  wide.periodic[1] = true;
+  wide.lower[1] = 0;
+  wide.upper[1] = Real(0.17);
+  const Index number = dim == 2 ? 68 : 544;
+  EXPECT_NO_THROW(first_step_of(fluid_at(random_points(number, box, 5), wide), 0.02)());
+  wide.upper[1] = Real(0.33);
+  const auto body = lattice<dim, Real>(cube<dim, Real>(0, Real(0.16)), Real(0.02));
+  EXPECT_NO_THROW(first_step_of(fluid_at(body, wide), 0.02)());
+}
+
+TYPED_TEST(Blobs, AreNotCheckedAfterTheFirstStep) {
+  using Real = typename TypeParam::Real;
+  constexpr int dim = TypeParam::dimension;
+  Simulation sim{blob<dim, Real>(6, Real(0.02)), UniformGrid<dim, Real>{},
+                 Flow<Case10, dim, Real>({.spacing = 0.02, .speed_scale = 2}), SemiImplicit{}};
+  sim.step();
+  for (auto& x : sim.particles()[position]) x *= 2;
+  EXPECT_NO_THROW(sim.step());
+}
+
 TEST(FlowSettings, AreRejectedByNameAndValue) {
   const auto rejected = [](const std::function<void(Settings&)>& modify,
                            const std::string& message) {
@@ -318,11 +388,12 @@ TEST(FlowSettings, AreRejectedByNameAndValue) {
   EXPECT_TRUE(rejected([](auto& s) { s.viscosity = -1e-6; }, "viscosity = -1e-06 "));
   EXPECT_TRUE(rejected([](auto& s) { s.viscosity = nan; }, "viscosity = nan "));
   EXPECT_TRUE(rejected([](auto& s) { s.gravity[1] = nan; }, "gravity = nan "));
-  EXPECT_TRUE(rejected([](auto& s) { s.radius = 1; }, "radius = 1 "));
+  EXPECT_TRUE(rejected([](auto& s) { s.radius = 1; }, "radius = 1 must be above 1 and at most 10"));
   EXPECT_TRUE(rejected([](auto& s) { s.radius = 31; }, "radius = 31 "));
   EXPECT_TRUE(rejected([](auto& s) { s.laplacian_radius = 0.5; }, "laplacian_radius = 0.5 "));
   EXPECT_TRUE(rejected([](auto& s) { s.laplacian_radius = nan; }, "laplacian_radius = nan "));
-  EXPECT_TRUE(rejected([](auto& s) { s.courant = 0; }, "courant = 0 "));
+  EXPECT_TRUE(rejected([](auto& s) { s.courant = 0; }, "courant = 0 must be above 0 and at most"));
+  EXPECT_TRUE(rejected([](auto& s) { s.courant = 3; }, "courant = 3 must be above 0 and at most"));
   EXPECT_TRUE(rejected([](auto& s) { s.speed_scale = -2; }, "speed_scale = -2 "));
   EXPECT_TRUE(rejected([](auto& s) { s.max_time_step = 0; }, "max_time_step = 0 "));
   EXPECT_TRUE(rejected([](auto& s) { s.max_time_step = nan; }, "max_time_step = nan "));

@@ -272,6 +272,21 @@ TEST(NeighbourList, IsTheSameForAnyNumberOfThreads) {
   EXPECT_TRUE(run(4) == one);
 }
 
+TEST(NeighbourList, RejectsAPeriodicSideShorterThanTwiceRadiusPlusSkin) {
+  auto box = cube<2, double>(0, 1);
+  box.periodic[0] = true;
+  auto particles = particles_at(random_points(5, box, 1), box);
+  NeighbourList<2> with_skin{{.radius = 0.45, .skin_fraction = 0.2}};
+  EXPECT_TRUE(refuses([&] { with_skin.update(particles); },
+                      {"periodic side 1 m along axis 0", "radius plus skin, 2 (0.45 m + 0.09 m)",
+                       "smaller skin"}));
+  NeighbourList<2> without_skin{{.radius = 0.45, .skin_fraction = 0}};
+  without_skin.update(particles);
+  without_skin.set_radius(0.55);
+  EXPECT_TRUE(refuses([&] { without_skin.update(particles); },
+                      {"twice the search radius 0.55 m; enlarge the box"}));
+}
+
 TEST(NeighbourList, RejectsInvalidSkins) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_TRUE(refuses([] { NeighbourList<2>({.radius = 1, .skin_fraction = -0.1}); },

@@ -103,7 +103,8 @@ void collapse_with(const Options& o) {
   if (o.scheme == recommended) options["case"] = "recommended";
   support::add_flow_options(options, o);
   support::complete(o.resume, o.out, summary);
-  std::printf("dam_break: %zu fluid particles, %llu steps in %.1f s, %llu lost; results in %s\n",
+  std::printf("dam_break: %zu fluid particles, "
+              "%llu steps in %.1f s of wall-clock time, %llu lost; results in %s\n",
               count(particles, mps::Kind::fluid), static_cast<unsigned long long>(dam.steps()),
               wall.seconds(), static_cast<unsigned long long>(dam.particles_lost()),
               o.out.c_str());

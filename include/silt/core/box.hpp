@@ -19,14 +19,21 @@ enum class OnEscape {
   remove,  ///< the particle is removed and counted, see Simulation::particles_lost()
 };
 
-/// Axis-aligned box; unbounded by default.
+/// Axis-aligned box; unbounded by default. Its members are checked when it is given to particles:
+/// Particles(box) and set_box(box) throw as check() does. Other functions do not throw.
 template <int Dim, class Real = double>
 struct Box {
-  Vec<Dim, Real> lower = Vec<Dim, Real>::Constant(-std::numeric_limits<Real>::infinity());  ///< [m]
-  Vec<Dim, Real> upper = Vec<Dim, Real>::Constant(std::numeric_limits<Real>::infinity());   ///< [m]
-  std::array<bool, Dim> periodic{};  ///< whether axis k is periodic
-  OnEscape on_escape = OnEscape::refuse;
+  /// Corner with the smallest coordinates [m]; finite along periodic axes.
+  Vec<Dim, Real> lower = Vec<Dim, Real>::Constant(-std::numeric_limits<Real>::infinity());
+  /// Opposite corner [m], above `lower` along every axis; finite along periodic axes.
+  Vec<Dim, Real> upper = Vec<Dim, Real>::Constant(std::numeric_limits<Real>::infinity());
+  /// Whether axis k (0: x, 1: y, 2: z) is periodic. A search throws in its update if a periodic
+  /// side is shorter than twice the search radius plus skin. A flow needs an integer number of
+  /// spacings.
+  std::array<bool, Dim> periodic{};
+  OnEscape on_escape = OnEscape::refuse;  ///< for particles beyond a side that is not periodic
 
+  /// Whether an axis is periodic.
   bool any_periodic() const {
     for (const bool side : periodic) {
       if (side) return true;
@@ -34,9 +41,10 @@ struct Box {
     return false;
   }
 
+  /// Length along each axis [m]; infinite along an unbounded one.
   Vec<Dim, Real> length() const { return upper - lower; }
 
-  /// Whether x is within the bounds along every axis that is not periodic, both bounds included.
+  /// Whether x [m] is within the bounds, both included, along every axis that is not periodic.
   bool contains(const Vec<Dim, Real>& x) const {
     bool inside = true;
     for (int k = 0; k < Dim; ++k) {
@@ -45,7 +53,8 @@ struct Box {
     return inside;
   }
 
-  /// Distance from x to the nearest side that is not periodic [m]; negative outside.
+  /// Distance from x [m] to the nearest side that is not periodic [m]; negative outside, infinite
+  /// without such a side.
   Real clearance(const Vec<Dim, Real>& x) const {
     Real minimum = std::numeric_limits<Real>::infinity();
     for (int k = 0; k < Dim; ++k) {
@@ -55,12 +64,12 @@ struct Box {
     return minimum;
   }
 
-  /// Volume [m³], in 2D area [m²].
+  /// Volume [m³], in 2D area [m²]; infinite if the box is unbounded.
   double volume() const { return double(length().prod()); }
   /// The box itself; regions of other shapes return their bounding box.
   const Box& bounds() const { return *this; }
 
-  /// The periodic image of x in [lower, upper) along the periodic axes, from any distance.
+  /// The periodic image of x [m] in [lower, upper) along the periodic axes, from any distance.
   /// Coordinates that are not finite are returned unchanged.
   Vec<Dim, Real> wrap(Vec<Dim, Real> x) const {
     for (int k = 0; k < Dim; ++k) {

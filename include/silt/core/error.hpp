@@ -144,6 +144,15 @@ inline void require_between(std::string_view name, double value, Range range) {
   }
 }
 
+/// Throws unless lower < value ≤ upper.
+inline void require_above(std::string_view name, double value, Range range) {
+  require_finite(name, value);
+  if (value <= range.lower || value > range.upper) {
+    fail(std::string(name) + " = " + to_text(value) + " must be above " + to_text(range.lower) +
+         " and at most " + to_text(range.upper) + "; give a value in that range");
+  }
+}
+
 /// Result of an iterative solve.
 struct SolveReport {
   enum class Reason { nothing_to_solve, converged, not_converged, broke_down };

@@ -13,12 +13,35 @@
 
 namespace silt {
 
+/// Particles nearer to a periodic side than the sum of both have a ghost.
+template <class Real>
+struct GhostDepth {
+  Real radius = 0;  ///< search radius [m]
+  Real skin = 0;    ///< [m]; 0 without a neighbour list
+};
+
+/// Throws if a periodic side is shorter than twice radius plus skin, because a pair could then be
+/// found twice.
+template <int Dim, class Real>
+void check_periodic_sides(const Box<Dim, Real>& box, const GhostDepth<Real>& depth) {
+  for (int k = 0; k < Dim; ++k) {
+    if (!box.periodic[static_cast<std::size_t>(k)]) continue;
+    const Real side = box.upper[k] - box.lower[k];
+    if (!(side < 2 * (depth.radius + depth.skin))) continue;
+    const std::string reach = to_text(double(depth.radius)) + " m";
+    const std::string margin = to_text(double(depth.skin)) + " m";
+    fail("Box: the periodic side " + to_text(double(side)) + " m along axis " + std::to_string(k) +
+         " is shorter than twice the search radius " +
+         (depth.skin > 0 ? "plus skin, 2 (" + reach + " + " + margin +
+                               "); enlarge the box, or set a smaller skin"
+                         : reach + "; enlarge the box"));
+  }
+}
+
 /// Wraps owned particles into the periodic box and makes the ghosts within `depth` [m] of it.
-/// Throws if a position is not finite, or if a periodic side is shorter than 2 depth, because a
-/// pair could then be found twice.
+/// Throws if a position is not finite, and as check_periodic_sides does with the radius `depth`.
 template <class P>
 void make_ghosts(P& particles, typename P::Real depth) {
-  using Real = typename P::Real;
   using Vec = typename P::Vec;
   particles.clear_ghosts();
   const auto x_owned = particles[position];
@@ -33,16 +56,11 @@ void make_ghosts(P& particles, typename P::Real depth) {
   const auto leaves = [&](Index i) { return x_owned[i] != box.wrap(x_owned[i]); };
   if (first_where(x_owned.size(), leaves) != no_index) particles.keep(position);
   for (auto& x : x_owned) x = box.wrap(x);
+  check_periodic_sides(box, {.radius = depth});
   for (int k = 0; k < P::dimension; ++k) {
     if (!box.periodic[static_cast<std::size_t>(k)]) continue;
-    const Real side = box.upper[k] - box.lower[k];
-    if (side < 2 * depth) {
-      fail("Box: the periodic side " + to_text(double(side)) + " m along axis " +
-           std::to_string(k) + " is shorter than twice the search radius " +
-           to_text(double(depth)) + " m; enlarge the box");
-    }
     Vec shift = Vec::Zero();
-    shift[k] = side;
+    shift[k] = box.upper[k] - box.lower[k];
     const Index rows = particles.total();
     const auto is_low = [&](Index i) {
       return particles.with_ghosts(position)[i][k] <= box.lower[k] + depth;

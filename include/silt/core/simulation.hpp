@@ -168,13 +168,17 @@ class Simulation {
     } catch (const Error& error) {
       throw error.with_step(steps_, time_);
     }
+    bool is_result_finite = true;
     try {
       set_time(interaction_, time_);
       integrator_.step(particles_, search_, interaction_, dt);
-      check_finite();
+      const auto broken = find_not_finite_result();
+      is_result_finite = !broken;
+      if (broken) fail_after_step(*broken);
       check_escaped();
     } catch (const Error& error) {
       restore();
+      if (!is_result_finite) check_finite_before_step();
       throw error.with_step(steps_, time_);
     } catch (...) {
       restore();
@@ -316,35 +320,59 @@ class Simulation {
     integrator_ = *saved_integrator_;
   }
 
-  void check_finite() const {
-    if constexpr (requires { { integrator_.all_finite() } -> std::same_as<bool>; }) {
-      if (integrator_.all_finite()) return;
-    }
-    particles_.for_each_field([this]<class F>(auto values, F) {
+  // A value of a field that is not finite.
+  struct NotFinite {
+    Index particle;
+    std::string_view field;
+    std::string value;
+  };
+  std::optional<NotFinite> find_not_finite() const {
+    std::optional<NotFinite> found;
+    particles_.for_each_field([&]<class F>(auto values, F) {
       using Value = typename decltype(values)::value_type;
       if constexpr (role_of<F>() == Role::state && requires(Value v) { is_finite(v); }) {
+        if (found) return;
         const Index broken =
             first_where(values.size(), [&](Index i) { return !is_finite(values[i]); });
-        if (broken != no_index) fail_at(broken, name_of<F>(), to_text(values[broken]));
+        if (broken != no_index) found = {broken, name_of<F>(), to_text(values[broken])};
       }
     });
+    return found;
+  }
+  // The same after a step, when the integrator may know that all values are finite.
+  std::optional<NotFinite> find_not_finite_result() const {
+    if constexpr (requires { { integrator_.all_finite() } -> std::same_as<bool>; }) {
+      if (integrator_.all_finite()) return std::nullopt;
+    }
+    return find_not_finite();
+  }
+
+  // Called after rolling back a step whose result is not finite. Throws if the cause is a value
+  // that was not finite before.
+  void check_finite_before_step() const {
+    const auto broken = find_not_finite();
+    if (!broken) return;
+    fail("Simulation: before the step, " + std::string(broken->field) + " = " + broken->value +
+             " is not finite; set it to a finite value",
+         {.particle = broken->particle,
+          .id = particles_.id(broken->particle),
+          .step = steps_,
+          .time = time_});
   }
 
   // Reports a derived field (such as the force) that is not finite, if there is one, because it is
   // the cause.
-  [[noreturn]] void fail_at(Index broken, std::string_view name, std::string value) const {
+  [[noreturn]] void fail_after_step(NotFinite broken) const {
     particles_.for_each_field([&]<class F>(auto values, F) {
       using Value = typename decltype(values)::value_type;
       if constexpr (role_of<F>() == Role::derived && requires(Value v) { is_finite(v); }) {
-        if (!is_finite(values[broken])) {
-          name = name_of<F>();
-          value = to_text(values[broken]);
-        }
+        const auto& value = values[broken.particle];
+        if (!is_finite(value)) broken = {broken.particle, name_of<F>(), to_text(value)};
       }
     });
-    fail("Simulation: after the step, " + std::string(name) + " = " + value +
-         " is not finite; reduce the time step or check the forces",
-         {.particle = broken, .id = particles_.id(broken)});
+    fail("Simulation: after the step, " + std::string(broken.field) + " = " + broken.value +
+             " is not finite; reduce the time step or check the forces",
+         {.particle = broken.particle, .id = particles_.id(broken.particle)});
   }
 
   void check_escaped() const {

@@ -8,12 +8,14 @@
 #include <silt/core/types.hpp>
 
 #include <cstdint>
+#include <limits>
 #include <numbers>
+#include <string>
 #include <vector>
 
 namespace silt::dem {
 
-/// Material of a grain: an index in dem::Materials.
+/// Material of a grain: an index in dem::Materials [-].
 inline constexpr struct material_t : field_of<std::uint32_t>, constant_field {
 } material{};
 
@@ -31,31 +33,37 @@ struct GrainsOf<2, Real, Further...> {
 };
 }  // namespace detail
 
-/// Discs (2D), which also have an angle, or spheres (3D), with any further user-defined fields.
+/// Discs (2D), which also have an angle, or spheres (3D), with any further user-defined fields. All
+/// have a position [m], velocity [m/s], spin [rad/s], force [N], torque [N m], mass [kg], moment of
+/// inertia [kg m²], radius [m] and material.
 template <int Dim, class Real = double, Field... Further>
 using Grains = typename detail::GrainsOf<Dim, Real, Further...>::type;
 
-/// Shape for the mass and moment of inertia of a grain.
+/// Shape that determines mass m [kg] and moment of inertia I [kg m²] of a grain.
 enum class Shape {
   natural,  ///< a disc of unit thickness in 2D, a sphere in 3D
   sphere,   ///< a sphere, also in 2D: a layer of spheres whose centres stay in a plane
 };
 
+/// A new grain, for add_grain and make_grains.
 struct Grain {
   double radius = 0;             ///< R [m], above 0
   double density = 0;            ///< ρ of the grain's material [kg/m³], above 0
   Shape shape = Shape::natural;  ///< disc: I = ½ m R²; sphere: I = ⅖ m R²
-  std::uint32_t material = 0;    ///< index in dem::Materials
+  Index material = 0;            ///< in dem::Materials, below 2³²
 };
 
-/// Volume of a sphere [m³]; in 2D, area of a disc [m²].
+/// Volume of a sphere [m³]; in 2D, area of a disc [m²]. `radius` [m] is not checked.
 template <int Dim>
 double volume_of(double radius) {
   return Dim == 2 ? std::numbers::pi * radius * radius
                   : std::numbers::pi * radius * radius * radius * 4 / 3;
 }
 
-/// Adds a grain at rest at x [m]; returns its index. Throws if radius or density is not positive.
+/// Adds a grain at rest at x [m]; returns its index in memory. Throws, and adds nothing, if x is
+/// not finite, if radius or density is not positive and finite, if mass or moment of inertia
+/// underflows or overflows in the precision of the grains, or if the material is 2³² or more. The
+/// first step with dem::Contacts throws if the material does not exist.
 template <class P>
   requires HasFields<P, mass_t, inertia_t, radius_t, material_t>
 Index add_grain(P& grains, const typename P::Vec& x, const Grain& grain) {
@@ -68,16 +76,20 @@ Index add_grain(P& grains, const typename P::Vec& x, const Grain& grain) {
   // In the precision of the grains, to reject values that underflow or overflow in it.
   require_positive("Grain: mass", double(Real(m)));
   require_positive("Grain: inertia", double(Real(disc ? m * r * r / 2 : m * r * r * 2 / 5)));
+  if (grain.material > std::numeric_limits<std::uint32_t>::max()) {
+    fail("Grain: material = " + std::to_string(grain.material) +
+         " is not below 2^32; give an index in dem::Materials");
+  }
   const Index i = grains.add(x);
   grains[radius][i] = Real(r);
   grains[mass][i] = Real(m);
   grains[inertia][i] = Real(disc ? m * r * r / 2 : m * r * r * 2 / 5);
-  grains[material][i] = grain.material;
+  grains[material][i] = static_cast<std::uint32_t>(grain.material);
   return i;
 }
 
-/// Equal grains at rest at these points [m]; with further fields: make_grains<temperature_t>(…).
-/// Throws as add_grain does.
+/// Equal grains at rest at these points [m], in an unbounded box (set_box() gives them another);
+/// with further fields: make_grains<temperature_t>(…). Throws as add_grain does.
 template <Field... Further, class Real, int Dim>
 Grains<Dim, Real, Further...> make_grains(const std::vector<Eigen::Matrix<Real, Dim, 1>>& points,
                                           const Grain& grain) {

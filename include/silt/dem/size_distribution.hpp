@@ -163,7 +163,7 @@ struct Blend {
   Sizes sizes;
   double density = 0;            ///< ρ of the grains' material [kg/m³], above 0
   Shape shape = Shape::natural;  ///< see Grain
-  std::uint32_t material = 0;    ///< index in dem::Materials
+  Index material = 0;            ///< in dem::Materials, below 2³²
 
   /// Throws if sizes or density are out of range.
   void check() const {

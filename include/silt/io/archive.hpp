@@ -214,15 +214,14 @@ class Reader {
   }
 
   /// Throws if entries remain.
-  void finish() const {
-    if (!rest_.empty()) {
-      reject("has more parts than are read here", "read all parts that were written");
-    }
+  void finish() {
+    if (rest_.empty()) return;
+    reject("has further entries, beginning with " + next_name(), same_simulation);
   }
 
  private:
   static constexpr const char* same_simulation =
-      "set up the simulation and pass the same parts as when it was written";
+      "set up the same simulation and pass the same parts as when it was written";
 
   [[noreturn]] void reject(const std::string& what, const std::string& advice) const {
     fail("read_checkpoint: " + file_ + " " + what + "; " + advice);
@@ -234,15 +233,20 @@ class Reader {
     rest_.remove_prefix(size);
   }
 
+  std::string next_name() {
+    std::uint32_t length = 0;
+    read(&length, sizeof length);
+    if (length > rest_.size()) reject("ends too early", same_simulation);
+    std::string name(length, '\0');
+    read(name.data(), length);
+    return name;
+  }
+
   // Begins the next entry, which must be this one; returns the number of its values.
   std::uint64_t expect(std::string_view name, const Item& item) {
     const std::string full = path_.of(name);
     if (rest_.empty()) reject("has no " + full, same_simulation);
-    std::uint32_t length = 0;
-    read(&length, sizeof length);
-    if (length > rest_.size()) reject("ends too early", same_simulation);
-    std::string written(length, '\0');
-    read(written.data(), length);
+    const std::string written = next_name();
     if (written != full) {
       reject("has " + written + " where " + full + " is expected", same_simulation);
     }

@@ -7,6 +7,7 @@
 #include <silt/core/linear_system.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/types.hpp>
+#include <silt/mps/arrangement.hpp>
 #include <silt/mps/cases.hpp>
 #include <silt/mps/flow_energy.hpp>
 #include <silt/mps/corrected_gradient.hpp>
@@ -88,13 +89,19 @@ class BasicFlow {
   void set_time(double time) { time_ = time; }
 
   /// u* = u + Δt (ν∇²u + F)      (8)
-  /// Throws if Δt is unstable: see TimeStep::begin().
+  /// Throws if Δt is unstable: see TimeStep::begin(). The first step throws if the particles do not
+  /// fit the spacing: see mps/arrangement.hpp.
   template <FluidParticles P, class S>
   void predict(P& particles, const S& search, double time_step) {
+    const bool is_first = time_step_.is_first();
     time_step_.begin(particles, settings_, {.viscous = viscous(), .time = time_}, time_step);
     energy_.begin(particles);
     changes_.clear();
     find_neighbours(particles, search);
+    if (is_first) {
+      check_spacing(particles, neighbourhood_, stencil_);
+      check_periodic_lattice(particles, neighbourhood_, stencil_);
+    }
     const Real dt = Real(time_step);
     const Real nu = Real(settings_.viscosity);
     particles.refresh_ghosts(velocity);

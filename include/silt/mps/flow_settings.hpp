@@ -11,37 +11,48 @@
 
 namespace silt::mps {
 
-/// Settings of a flow; the parameters of a policy are in the member of its type.
+/// Settings of a flow; the parameters of a policy are in the member of its type. The constructor of
+/// the flow throws if one is out of its range. All numbers are finite unless noted.
 template <int Dim, class Scheme>
 struct FlowSettings {
-  double spacing = 0;        ///< particle spacing l0 [m], above 0
-  double density = 1000;     ///< ρ [kg/m³]
-  double viscosity = 1e-6;   ///< kinematic ν [m²/s]
-  Vec<Dim> gravity = -9.81 * Vec<Dim>::Unit(Dim - 1);  ///< F [m/s²]
-  double radius = 3.1;            ///< re/l0 of n, free surface, gradient and divergence [-]
-  double laplacian_radius = 3.1;  ///< re/l0 of the Laplacian [-]
-  double courant = 0.2;           ///< Δt ≤ courant l0 / maximum speed [-]
-  double speed_scale = 0;  ///< expected speed, e.g. √(g H) [m/s]: Δt ≤ courant l0 / speed_scale
-  double max_growth = 1.2;  ///< Δt ≤ max_growth × previous Δt [-], at least 1
-  double max_time_step = std::numeric_limits<double>::infinity();  ///< [s]
+  /// Particle spacing l0 [m], above 0. It must be the spacing at which the particles were created:
+  /// the first step throws if it obviously is not. A periodic side must be an integer number of
+  /// spacings long: the first step throws if a lattice of fluid does not fit.
+  double spacing = 0;
+  double density = 1000;    ///< ρ [kg/m³], above 0
+  double viscosity = 1e-6;  ///< kinematic ν [m²/s], at least 0
+  Vec<Dim> gravity = -9.81 * Vec<Dim>::Unit(Dim - 1);  ///< F [m/s²], along −y in 2D, −z in 3D
+  /// re/l0 of n, free surface, gradient and divergence [-], above 1 and at most 10.
+  double radius = 3.1;
+  double laplacian_radius = 3.1;  ///< re/l0 of the Laplacian [-], above 1 and at most 10
+  /// C [-]: Δt ≤ C l0 / maximum speed; above 0 and at most 1. A particle must not move by more than
+  /// a spacing in a step; the references give no limit.
+  double courant = 0.2;
+  /// Expected speed, e.g. √(g H) [m/s], at least 0: Δt ≤ courant l0 / speed_scale.
+  double speed_scale = 0;
+  double max_growth = 1.2;  ///< Δt ≤ max_growth × previous Δt [-], at least 1; infinity: no limit
+  double max_time_step = std::numeric_limits<double>::infinity();  ///< [s], above 0, or infinite
   bool clip_negative_pressure = true;  ///< P ← max(P, 0): no tensile stress in the fluid
-  typename Scheme::Source source = {};
-  typename Scheme::Surface surface = {};
-  typename Scheme::Collision collision = {};
-  typename Scheme::Shifting shifting = {};
+  typename Scheme::Source source = {};        ///< source term of the pressure equation
+  typename Scheme::Surface surface = {};      ///< criterion of the free surface
+  typename Scheme::Collision collision = {};  ///< its reach is at most `radius`
+  typename Scheme::Shifting shifting = {};    ///< displacements that keep particles evenly spaced
   /// Acceleration in addition to gravity [m/s²] at x [m] and time t [s]; called from several
   /// threads, on which the result must not depend. None if empty.
   std::function<Vec<Dim>(const Vec<Dim>& x, double t)> body_force = {};
 
-  /// Throws if a setting is out of range.
+  /// Throws if a setting or a parameter of a policy is out of range, or if collisions reach farther
+  /// than `radius`. body_force is not checked.
   void check() const {
     require_positive("FlowSettings: spacing", spacing);
     require_positive("FlowSettings: density", density);
     require_not_negative("FlowSettings: viscosity", viscosity);
     require_finite("FlowSettings: gravity", gravity);
-    require_between("FlowSettings: radius", radius, {1.0 + 1e-9, 10});
-    require_between("FlowSettings: laplacian_radius", laplacian_radius, {1.0 + 1e-9, 10});
-    require_positive("FlowSettings: courant", courant);
+    // At a radius of 1, the kernel is zero at the nearest neighbours.
+    require_above("FlowSettings: radius", radius, {1 + 1e-9, 10});
+    require_above("FlowSettings: laplacian_radius", laplacian_radius, {1 + 1e-9, 10});
+    // TimeStep::begin() rejects steps in which a particle moves by more than a spacing.
+    require_above("FlowSettings: courant", courant, {0, 1});
     require_not_negative("FlowSettings: speed_scale", speed_scale);
     if (!(max_growth >= 1)) {
       fail("FlowSettings: max_growth = " + to_text(max_growth) +

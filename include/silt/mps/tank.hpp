@@ -13,7 +13,9 @@
 #include <silt/core/types.hpp>
 #include <silt/mps/fluid.hpp>
 
+#include <algorithm>
 #include <cmath>
+#include <string>
 
 namespace silt::mps {
 
@@ -59,9 +61,10 @@ Fluid<Dim, Real, Further...> make_tank(const Tank<Dim>& tank) {
   if constexpr (Dim == 3) fluid[1] = inside[1] = cell_count("Tank: depth", tank.size.depth);
   for (int k = 0; k < Dim; ++k) {
     if (fluid[k] > inside[k]) {
-      fail("Tank: the column of " + std::to_string(fluid[k]) + " spacings along axis " +
-           std::to_string(k) + " does not fit into the tank of " + std::to_string(inside[k]) +
-           "; widen the tank");
+      const std::string name = k == 0 ? "length" : k == up ? "height" : "depth";
+      fail("Tank: along axis " + std::to_string(k) + " (" + name + "), the column has " +
+           std::to_string(fluid[k]) + " spacings, but the tank has " + std::to_string(inside[k]) +
+           "; enlarge the tank, or make the column smaller");
     }
   }
 

@@ -87,6 +87,9 @@ class TimeStep {
     last_ = dt;
   }
 
+  /// Whether no step was begun, also in the run from which a checkpoint was read.
+  bool is_first() const noexcept { return last_ == 0; }
+
   void save() noexcept { saved_ = last_; }
   void restore() noexcept { last_ = saved_; }
   template <class Archive>

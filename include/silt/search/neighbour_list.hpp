@@ -284,6 +284,7 @@ class NeighbourList {
     state_.has_rows = {};
     list_.radius = radius();
     list_.skin = radius() * Real(state_.tuning.fraction());
+    check_periodic_sides(particles.box(), {.radius = list_.radius, .skin = list_.skin});
     list_.grid.set_radius(list_.radius + list_.skin);
     list_.grid.update(particles);
     const auto x = particles[position];
