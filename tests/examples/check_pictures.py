@@ -4,19 +4,23 @@
 
     check_pictures.py REPOSITORY                      checks the files only
     check_pictures.py REPOSITORY --rerun PROGRAMS     runs the programs in this folder again, and
-                                                      compares their results with the record
+                                                      compares their results with the record;
+                                                      exits with 77 if NumPy is not installed
 
 Faults are mended by examples/pictures, which redraws the pictures.
 """
 
 import json
 import math
+import os
 import pathlib
 import re
 import shutil
 import subprocess
 import sys
 import tempfile
+
+SKIPPED = 77
 
 
 def faults_of(repository):
@@ -78,7 +82,23 @@ def differences(recorded, found, where=""):
         yield f"{where}{recorded} then, {found} now"
 
 
+def use_python_with_numpy():
+    """Continues this script with Debian's interpreter if this one lacks NumPy and that has it;
+    otherwise skips the test."""
+    from support import modules
+
+    if modules.has("numpy"):
+        return
+    has_numpy = [modules.SYSTEM_PYTHON, "-c", "import numpy"]
+    if sys.executable != modules.SYSTEM_PYTHON and subprocess.run(
+            has_numpy, capture_output=True, check=False).returncode == 0:
+        os.execv(modules.SYSTEM_PYTHON, [modules.SYSTEM_PYTHON, *sys.argv])
+    print("skipped: NumPy is not installed")
+    sys.exit(SKIPPED)
+
+
 def rerun(repository, programs):
+    use_python_with_numpy()
     from support import picture_list as pictures
 
     record = json.loads(pictures.RECORD.read_text(encoding="utf-8"))
