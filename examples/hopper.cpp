@@ -143,7 +143,8 @@ void complete(Options& o) {
 // --- walls, for the opening D [m]; closed: with a lid on the opening -----------------------------
 
 double height_of_hopper(const Options& o, double D) {
-  return o.half_angle == 90 ? 0 : (o.bin() - D) / 2 / std::tan(o.half_angle * std::numbers::pi / 180);
+  if (o.half_angle == 90) return 0;
+  return (o.bin() - D) / 2 / std::tan(o.half_angle * std::numbers::pi / 180);
 }
 double top_of_bed(const Options& o, double D) { return height_of_hopper(o, D) + o.bed(); }
 double top_of_bin(const Options& o, double D) { return top_of_bed(o, D) + 12 * o.diameter; }
@@ -197,7 +198,8 @@ auto contacts_of(const Options& o, double D, bool closed) {
     return coarse(dem::Contacts{law_of(o), left, right, lid});
   } else {
     // The walls are read back from the STL files that are written.
-    const std::string name = closed ? "/closed.stl" : "/opening_" + to_text(D / o.diameter) + ".stl";
+    const std::string name =
+        closed ? "/closed.stl" : "/opening_" + to_text(D / o.diameter) + ".stl";
     Triangles mesh;
     if (o.stl.empty()) {
       mesh = bin_of_triangles(o, D, closed);
