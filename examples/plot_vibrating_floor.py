@@ -303,9 +303,9 @@ class Study:
 def rows_of(by_holdup, by_velocity, names):
     speed, layers = "floor velocity V$_b$", "mass hold-up m$_t$"
     return [([f"{names[0]}: energy, {speed} = 2", f"{names[1]}: solid fraction, {speed} = 2"],
-             [(run, f"{layers} = {run.mass_holdup:g}") for run in by_holdup]),
+             [(run, f"m$_t$ = {run.mass_holdup:g}") for run in by_holdup]),
             ([f"{names[2]}: energy, {layers} = 5", f"{names[3]}: solid fraction, {layers} = 5"],
-             [(run, f"{speed} = {run.boundary_velocity:g}") for run in by_velocity])]
+             [(run, f"V$_b$ = {run.boundary_velocity:g}") for run in by_velocity])]
 
 
 def compare_study(study, folder):
@@ -314,8 +314,8 @@ def compare_study(study, folder):
     theories = {run: run.theory() for run in runs}
     style.make(folder / "figures.png", draw_figures,
                rows_of(by_holdup, by_velocity, ("Fig. 5", "Fig. 6", "Fig. 7", "Fig. 8")),
-               "Spheres of diameter d on a vibrating floor, after Figs 5–8 of Sah and Choi (2004); "
-               "bands: ± two standard errors", theories)
+               "Spheres of diameter d on a vibrating floor, after Figs 5–8 of Sah and Choi (2004).\n"
+               "m$_t$: mass hold-up, V$_b$: floor velocity; bands: ± two standard errors", theories)
     check = Check()
     for run in runs:
         check_one(check, run)
@@ -349,7 +349,8 @@ def compare_study(study, folder):
         names = ("As Fig. 5", "As Fig. 6", "As Fig. 7", "As Fig. 8")
         style.make(folder / "figures_2d.png", draw_figures, rows_of(*study.series(2), names),
                    "Discs on a vibrating floor: trends as in Figs 5–8 of Sah and Choi (2004), not "
-                   "the same numbers", {})
+                   "the same numbers.\nm$_t$: mass hold-up, V$_b$: floor velocity; bands: ± two "
+                   "standard errors", {})
         trends = Check()
         check_orders(trends, *study.series(2))
         lines += ["", "Discs, 2D, for the trends:", ""] + figure_table(flat, {})

@@ -121,6 +121,26 @@ def draw_pressure(axes, case, colour, label, linewidth=0.5):
               label=label)
 
 
+def leave_out_spikes(axes, cases):
+    """Limits the pressure axis if single values far exceed all others, and says where they are."""
+    limit, spike = 0.0, (0.0, 0.0)
+    for case in cases:
+        if not case.runs:
+            continue
+        pressure = case.runs[0].pressure
+        shown = pressure["t"] > axes.get_xlim()[0]
+        t, p = pressure["t"][shown], pressure["p_1"][shown] / 1e3
+        intervals = np.unique((t / 0.02).astype(int), return_inverse=True)[1]
+        peaks = [p[intervals == k].max() for k in range(intervals.max() + 1)]
+        limit = max(limit, float(np.quantile(peaks, 0.9)))
+        spike = max(spike, (float(p.max()), float(t[p.argmax()])))
+    if spike[0] > 20 * limit:
+        axes.set_ylim(0, 2 * limit)
+        axes.text(0.98, 0.96, f"beyond the axis: up to {spike[0]:.0f} kPa at t = {spike[1]:.2f} s",
+                  transform=axes.transAxes, ha="right", va="top", fontsize=9,
+                  bbox={"facecolor": "white", "edgecolor": "none", "pad": 1.5})
+
+
 def draw_groups(results):
     """Fig. 12: P2 over time, group by group."""
     figure, panels = plt.subplots(3, 2, figsize=(style.WIDE, 9.5), sharex=True)
@@ -136,6 +156,7 @@ def draw_groups(results):
         style.legend_on_top(axes, 1, what)
         axes.set_xlim(0.3, end)
         axes.set_ylim(0)
+        leave_out_spikes(axes, [results.case(number) for number in cases])
     for axes in panels[-1]:
         axes.set_xlabel("time [s]")
     for axes in panels[:, 0]:
@@ -153,6 +174,7 @@ def draw_original_and_adopted(results):
     draw_pressure(left, results.case(10), BLUE, name_of(10), 0.7)
     left.set_xlim(0.3, end)
     left.set_ylim(0)
+    leave_out_spikes(left, [results.case(0), results.case(10)])
     left.set_xlabel("time [s]")
     left.set_ylabel("pressure at gauge P2 [kPa]")
     style.legend_on_top(left)
@@ -162,7 +184,7 @@ def draw_original_and_adopted(results):
                    color=ORANGE if number == 0 else BLUE)
     right.set_yscale("log")
     right.minorticks_off()
-    ticks = np.array([0.5, 1, 2, 5, 10, 20, 50, 100])
+    ticks = np.array([0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000])
     low, high = right.get_ylim()
     ticks = ticks[(ticks >= low) & (ticks <= high)]
     right.set_yticks(ticks, [f"{tick:g}" for tick in ticks])

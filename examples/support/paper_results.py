@@ -246,8 +246,13 @@ def of_tank(results, figure):
             means = [value.mean for value in rer]
             is_known = not any(map(math.isnan, means))
             reproduced = means == sorted(means, reverse=True) if is_known else None
+            sure = None
+            if reproduced is False:  # whether an increase exceeds two standard errors
+                sure = any(after.mean - before.mean >
+                           2 * np.nan_to_num(math.hypot(before.error, after.error))
+                           for before, after in zip(rer, rer[1:]))
             found.append(Finding(rf"\|RER\| decreases with the spacing, {under}",
-                                 figures, reproduced))
+                                 figures, reproduced, sure))
     return found
 
 
