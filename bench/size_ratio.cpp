@@ -8,7 +8,7 @@
 #include "program.hpp"
 
 #include <silt/dem.hpp>
-#include <silt/dem/packing.hpp>
+#include <silt/dem/setup/packing.hpp>
 
 #include <benchmark/benchmark.h>
 

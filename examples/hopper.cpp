@@ -12,11 +12,11 @@
 //   hopper --dimension 2 --out out/hopper_2d       discs and a slot
 //   examples/plot_hopper.py out/hopper
 #include <silt/dem.hpp>
-#include <silt/dem/inflow.hpp>
-#include <silt/dem/mesh_wall.hpp>
-#include <silt/dem/outflow.hpp>
-#include <silt/dem/polyline.hpp>
-#include <silt/dem/settling.hpp>
+#include <silt/dem/setup/inflow.hpp>
+#include <silt/dem/setup/outflow.hpp>
+#include <silt/dem/setup/settling.hpp>
+#include <silt/dem/wall/mesh/mesh_wall.hpp>
+#include <silt/dem/wall/polyline.hpp>
 #include <silt/io/csv.hpp>
 #include <silt/io/stl.hpp>
 #include <silt/io/vtk.hpp>

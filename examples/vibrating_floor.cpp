@@ -10,8 +10,8 @@
 //   vibrating_floor --mass-holdup 2.5 --boundary-velocity 2 --out out/vibrating_floor/single
 //   examples/plot_vibrating_floor.py out/vibrating_floor/single
 //   examples/run --study vibrating_floor         all five runs of the paper, with checks
-#include <silt/core/random.hpp>
 #include <silt/dem.hpp>
+#include <silt/dem/setup/random.hpp>
 #include <silt/io/csv.hpp>
 #include <silt/io/progress.hpp>
 #include <silt/io/vtk.hpp>

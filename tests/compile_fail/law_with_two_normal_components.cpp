@@ -1,8 +1,8 @@
 // expect: (static assertion failed|static_assert failed).*there are two of a kind
 // SPDX-License-Identifier: MIT
-#include <silt/dem/law.hpp>
-#include <silt/dem/linear_spring_dashpot.hpp>
-#include <silt/dem/walton_braun.hpp>
+#include <silt/dem/law/composed_law.hpp>
+#include <silt/dem/law/linear_spring_dashpot.hpp>
+#include <silt/dem/law/walton_braun.hpp>
 
 using namespace silt;
 

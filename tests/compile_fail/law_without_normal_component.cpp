@@ -1,8 +1,8 @@
 // expect: (static assertion failed|static_assert failed).*no component has a normal_force
 // SPDX-License-Identifier: MIT
-#include <silt/dem/law.hpp>
-#include <silt/dem/linear_friction.hpp>
-#include <silt/dem/linear_spring_dashpot.hpp>
+#include <silt/dem/law/composed_law.hpp>
+#include <silt/dem/law/linear_friction.hpp>
+#include <silt/dem/law/linear_spring_dashpot.hpp>
 
 using namespace silt;
 

@@ -3,8 +3,8 @@
 #include "support/points.hpp"
 
 #include <silt/core/fields.hpp>
-#include <silt/core/ghosts.hpp>
 #include <silt/core/particles.hpp>
+#include <silt/search/ghosts.hpp>
 
 #include <gtest/gtest.h>
 

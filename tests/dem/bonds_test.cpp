@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Bonds against beam theory, conservation of momentum, and rolling back, removing, reordering and
 // restarting.
-#include <silt/dem/bonds.hpp>
+#include <silt/dem/bond/bonds.hpp>
 #include <silt/io/checkpoint.hpp>
 
 #include "support/check.hpp"

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: MIT
 // The conformance checks for every contact law of the library.
-#include <silt/dem/adhesion.hpp>
-#include <silt/dem/conformance.hpp>
-#include <silt/dem/cundall_strack.hpp>
-#include <silt/dem/hertz.hpp>
-#include <silt/dem/law.hpp>
-#include <silt/dem/linear_friction.hpp>
-#include <silt/dem/linear_spring_dashpot.hpp>
-#include <silt/dem/mindlin.hpp>
-#include <silt/dem/rolling_resistance.hpp>
-#include <silt/dem/walton_braun.hpp>
+#include <silt/dem/conformance/conformance.hpp>
+#include <silt/dem/law/adhesion.hpp>
+#include <silt/dem/law/composed_law.hpp>
+#include <silt/dem/law/cundall_strack.hpp>
+#include <silt/dem/law/hertz.hpp>
+#include <silt/dem/law/linear_friction.hpp>
+#include <silt/dem/law/linear_spring_dashpot.hpp>
+#include <silt/dem/law/mindlin.hpp>
+#include <silt/dem/law/rolling_resistance.hpp>
+#include <silt/dem/law/walton_braun.hpp>
 
 #include <gtest/gtest.h>
 

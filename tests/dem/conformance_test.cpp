@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The conformance checks, applied to laws with one error each.
-#include <silt/dem/conformance.hpp>
-#include <silt/dem/cundall_strack.hpp>
+#include <silt/dem/conformance/conformance.hpp>
+#include <silt/dem/law/cundall_strack.hpp>
 
 #include "support/check.hpp"
 #include <gtest/gtest.h>

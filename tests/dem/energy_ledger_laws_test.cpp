@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // The energy ledger and the momenta for each law, with moving walls.
-#include <silt/dem/law.hpp>
-#include <silt/dem/linear_friction.hpp>
-#include <silt/dem/linear_spring_dashpot.hpp>
-#include <silt/dem/walton_braun.hpp>
+#include <silt/dem/law/composed_law.hpp>
+#include <silt/dem/law/linear_friction.hpp>
+#include <silt/dem/law/linear_spring_dashpot.hpp>
+#include <silt/dem/law/walton_braun.hpp>
 
 #include "support/ledger.hpp"
 #include <gtest/gtest.h>

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 // The energy ledger for Hertz, Mindlin, rolling resistance and adhesion, with moving walls.
-#include <silt/dem/adhesion.hpp>
-#include <silt/dem/hertz.hpp>
-#include <silt/dem/law.hpp>
-#include <silt/dem/linear_friction.hpp>
-#include <silt/dem/linear_spring_dashpot.hpp>
-#include <silt/dem/mindlin.hpp>
-#include <silt/dem/rolling_resistance.hpp>
+#include <silt/dem/law/adhesion.hpp>
+#include <silt/dem/law/composed_law.hpp>
+#include <silt/dem/law/hertz.hpp>
+#include <silt/dem/law/linear_friction.hpp>
+#include <silt/dem/law/linear_spring_dashpot.hpp>
+#include <silt/dem/law/mindlin.hpp>
+#include <silt/dem/law/rolling_resistance.hpp>
 
 #include "support/ledger.hpp"
 #include <gtest/gtest.h>

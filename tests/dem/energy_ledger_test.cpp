@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include <silt/dem/energy_ledger.hpp>
+#include <silt/dem/measure/energy_ledger.hpp>
 
 #include "support/check.hpp"
 #include "support/grains.hpp"

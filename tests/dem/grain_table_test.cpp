@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include <silt/dem/grain_table.hpp>
+#include <silt/dem/setup/grain_table.hpp>
 #include <silt/io/csv.hpp>
 #include <silt/io/particle_csv.hpp>
 

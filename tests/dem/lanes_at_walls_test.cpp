@@ -2,8 +2,8 @@
 // Contacts with walls, evaluated eight at a time, against the same evaluated one at a time.
 // tests/CMakeLists.txt compiles this file with full optimisation, at which g++ 12 loses lanes of
 // registers that are filled one by one.
-#include <silt/dem/contacts.hpp>
-#include <silt/dem/cundall_strack.hpp>
+#include <silt/dem/contact/contacts.hpp>
+#include <silt/dem/law/cundall_strack.hpp>
 #include <silt/search/brute_force.hpp>
 
 #include <gtest/gtest.h>

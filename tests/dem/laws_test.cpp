@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: MIT
 // Normal components against exact impacts, and the composition of laws.
-#include <silt/dem/adhesion.hpp>
-#include <silt/dem/cundall_strack.hpp>
-#include <silt/dem/hertz.hpp>
-#include <silt/dem/law.hpp>
-#include <silt/dem/law_history.hpp>
-#include <silt/dem/linear_friction.hpp>
-#include <silt/dem/linear_spring_dashpot.hpp>
-#include <silt/dem/materials.hpp>
-#include <silt/dem/mindlin.hpp>
-#include <silt/dem/rolling_resistance.hpp>
-#include <silt/dem/walton_braun.hpp>
+#include <silt/dem/law/adhesion.hpp>
+#include <silt/dem/law/composed_law.hpp>
+#include <silt/dem/law/cundall_strack.hpp>
+#include <silt/dem/law/hertz.hpp>
+#include <silt/dem/law/law_history.hpp>
+#include <silt/dem/law/linear_friction.hpp>
+#include <silt/dem/law/linear_spring_dashpot.hpp>
+#include <silt/dem/law/materials.hpp>
+#include <silt/dem/law/mindlin.hpp>
+#include <silt/dem/law/rolling_resistance.hpp>
+#include <silt/dem/law/walton_braun.hpp>
 #include <silt/io/csv.hpp>
 
 #include "support/check.hpp"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Contacts of a triangle mesh against distances computed directly.
-#include <silt/dem/box_wall.hpp>
-#include <silt/dem/mesh_wall.hpp>
+#include <silt/dem/wall/box_wall.hpp>
+#include <silt/dem/wall/mesh/mesh_wall.hpp>
 
 #include <Eigen/Geometry>
 

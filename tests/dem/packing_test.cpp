@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <silt/dem.hpp>
-#include <silt/dem/packing.hpp>
-#include <silt/dem/settling.hpp>
+#include <silt/dem/setup/packing.hpp>
+#include <silt/dem/setup/settling.hpp>
 
 #include "support/check.hpp"
 #include "support/points.hpp"

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
 // Resistance to sliding, rolling and twisting: forces, and the balance of stored, returned and lost
 // energy.
-#include <silt/dem/cundall_strack.hpp>
-#include <silt/dem/hertz.hpp>
-#include <silt/dem/law.hpp>
-#include <silt/dem/linear_friction.hpp>
-#include <silt/dem/linear_spring_dashpot.hpp>
-#include <silt/dem/mindlin.hpp>
-#include <silt/dem/rolling_resistance.hpp>
-#include <silt/dem/walton_braun.hpp>
+#include <silt/dem/law/composed_law.hpp>
+#include <silt/dem/law/cundall_strack.hpp>
+#include <silt/dem/law/hertz.hpp>
+#include <silt/dem/law/linear_friction.hpp>
+#include <silt/dem/law/linear_spring_dashpot.hpp>
+#include <silt/dem/law/mindlin.hpp>
+#include <silt/dem/law/rolling_resistance.hpp>
+#include <silt/dem/law/walton_braun.hpp>
 
 #include <gtest/gtest.h>
 

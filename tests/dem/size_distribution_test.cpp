@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include <silt/dem/size_distribution.hpp>
+#include <silt/dem/setup/size_distribution.hpp>
 
 #include "support/check.hpp"
 #include <gtest/gtest.h>

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 // The stable and the default time step of every law: the limit, and the grain that determines it.
-#include <silt/dem/contacts.hpp>
-#include <silt/dem/hertz.hpp>
-#include <silt/dem/law.hpp>
-#include <silt/dem/linear_friction.hpp>
-#include <silt/dem/linear_spring_dashpot.hpp>
-#include <silt/dem/mindlin.hpp>
-#include <silt/dem/rolling_resistance.hpp>
-#include <silt/dem/walton_braun.hpp>
+#include <silt/dem/contact/contacts.hpp>
+#include <silt/dem/law/composed_law.hpp>
+#include <silt/dem/law/hertz.hpp>
+#include <silt/dem/law/linear_friction.hpp>
+#include <silt/dem/law/linear_spring_dashpot.hpp>
+#include <silt/dem/law/mindlin.hpp>
+#include <silt/dem/law/rolling_resistance.hpp>
+#include <silt/dem/law/walton_braun.hpp>
 #include <silt/search/brute_force.hpp>
 
 #include "support/check.hpp"

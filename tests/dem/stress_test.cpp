@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-#include <silt/dem/coordination.hpp>
-#include <silt/dem/stress.hpp>
+#include <silt/dem/measure/coordination.hpp>
+#include <silt/dem/measure/stress.hpp>
 
 #include "support/check.hpp"
 #include "support/grains.hpp"

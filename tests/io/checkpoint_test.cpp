@@ -4,8 +4,8 @@
 #include "support/file_test.hpp"
 #include "support/grains.hpp"
 
-#include <silt/dem/inflow.hpp>
-#include <silt/dem/outflow.hpp>
+#include <silt/dem/setup/inflow.hpp>
+#include <silt/dem/setup/outflow.hpp>
 #include <silt/io/checkpoint.hpp>
 
 #include <gtest/gtest.h>

@@ -5,7 +5,7 @@
 #include "support/file_test.hpp"
 #include "support/grains.hpp"
 
-#include <silt/dem/inflow.hpp>
+#include <silt/dem/setup/inflow.hpp>
 #include <silt/io/checkpoints.hpp>
 #include <silt/io/csv.hpp>
 #include <silt/io/vtk.hpp>

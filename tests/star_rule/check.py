@@ -5,8 +5,9 @@
     check.py FOLDER       the include/ folder; prints each fault as file:line and exits with 1
     check.py --self-test  checks that one example of every kind of fault is found
 
-Star rule: a folder under include/silt/ includes core/ and itself only; only the headers directly
-in include/silt/ combine folders.
+Star rule: a folder under include/silt/ includes core/, itself and what SHARED allows; only the
+headers directly in include/silt/ combine folders. A folder may have rooms, see FLOORS: a room includes itself and
+the rooms of lower floors only.
 """
 
 import pathlib
@@ -18,6 +19,27 @@ INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')
 OPENMP = re.compile(r'#\s*pragma\s+omp\b|_Pragma\s*\(\s*"omp\b')
 FORBIDDEN = re.compile(r"^(iostream|regex|ranges|Eigen/Dense|(unsupported/)?Eigen/src/.*)$")
 THREADS = "core/parallel.hpp"
+# What folders may include in addition to core/ and themselves.
+SHARED = {"mps": {"linear"}, "solve": {"linear"}}
+# The rooms of folders, from the lowest floor to the highest.
+FLOORS = {"dem": [{"law", "wall", "setup"}, {"contact"}, {"bond", "measure", "conformance"}]}
+
+
+def floor_of(folder, room):
+    """The floor of a room, from 0; None if there is no such room."""
+    return next((floor for floor, rooms in enumerate(FLOORS[folder]) if room in rooms), None)
+
+
+def fault_of_room(name, path):
+    """A message if the header `name` must not include `path` because of their rooms."""
+    folder, room, *rest = name.parts
+    own = floor_of(folder, room) if rest else None
+    if own is None:
+        return f"a header of {folder}/ must be in one of its rooms, see FLOORS in check.py"
+    other = path.split("/")[2]
+    if path.startswith(f"silt/{folder}/") and other != room and floor_of(folder, other) >= own:
+        return f"{folder}/{room}/ may include only itself and rooms on lower floors, not {path}"
+    return None
 
 
 def faults_of(root, header):
@@ -46,9 +68,12 @@ def faults_of(root, header):
         if path.startswith("silt/"):
             if not (root / path).is_file():
                 yield number, f"there is no {path}"
-            elif folder and not path.startswith(("silt/core/", f"silt/{folder}/")):
-                allowed = "core/" if folder == "core" else f"core/ and {folder}/"
-                yield number, f"{folder}/ may include only {allowed} of the library, not {path}"
+            elif folder and path.split("/")[1] not in (
+                    allowed := {"core", folder, *SHARED.get(folder, ())}):
+                names = " and ".join(f"{name}/" for name in sorted(allowed))
+                yield number, f"{folder}/ may include only {names} of the library, not {path}"
+            elif folder in FLOORS and (fault := fault_of_room(name, path)):
+                yield number, fault
         elif bracket == '"' or (header.parent / path).is_file():
             yield number, f"include headers of the library by their full path, silt/..., not {path}"
 
@@ -70,10 +95,20 @@ def self_test():
         "core/parallel.hpp": "#include <omp.h>\n#pragma omp parallel for\n",
         "search/grid.hpp": "#include <silt/core/types.hpp>\n#include <silt/search/cells.hpp>\n",
         "search/cells.hpp": "",
+        "linear/system.hpp": "",
+        "solve/jacobi.hpp": "#include <silt/linear/system.hpp>\n",
+        "dem/law/law.hpp": "",
+        "dem/contact/contacts.hpp": "#include <silt/dem/law/law.hpp>\n",
+        "dem/wall/mesh/mesh.hpp": "#include <silt/dem/wall/wall.hpp>\n",
+        "dem/wall/wall.hpp": "",
         "dem.hpp": "#include <silt/core/types.hpp>\n#include <silt/search/grid.hpp>\n",
     }
     planted = {
-        "another folder": ("search/x.hpp", sound + "#include <silt/dem/law.hpp>\n", 3),
+        "another folder": ("search/x.hpp", sound + "#include <silt/dem/law/law.hpp>\n", 3),
+        "a shared folder": ("search/x.hpp", sound + "#include <silt/linear/system.hpp>\n", 3),
+        "a higher floor": ("dem/law/x.hpp", sound + "#include <silt/dem/contact/contacts.hpp>\n", 3),
+        "the same floor": ("dem/law/x.hpp", sound + "#include <silt/dem/wall/wall.hpp>\n", 3),
+        "no room": ("dem/x.hpp", sound + "#include <silt/dem/law/law.hpp>\n", 3),
         "a folder from core": ("core/x.hpp", sound + "#include <silt/search/grid.hpp>\n", 3),
         "an umbrella": ("search/x.hpp", sound + "#include <silt/dem.hpp>\n", 3),
         "a short path": ("search/x.hpp", sound + '#include "cells.hpp"\n', 3),
@@ -100,7 +135,6 @@ def self_test():
             root = pathlib.Path(folder)
             for sound_name, body in files.items():
                 write(root, sound_name, sound + body)
-            write(root, "dem/law.hpp", sound)
             if name:
                 write(root, name, text)
             found = check(root)

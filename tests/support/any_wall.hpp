@@ -3,7 +3,7 @@
 // of them.
 #pragma once
 
-#include <silt/dem/walls.hpp>
+#include <silt/dem/wall/walls.hpp>
 
 #include <cstdint>
 #include <functional>

@@ -4,8 +4,8 @@
 
 #include "support/grains.hpp"
 
-#include <silt/dem/energy_ledger.hpp>
-#include <silt/dem/wall_motion.hpp>
+#include <silt/dem/measure/energy_ledger.hpp>
+#include <silt/dem/wall/moving.hpp>
 #include <silt/measure/energy.hpp>
 
 #include <gtest/gtest.h>

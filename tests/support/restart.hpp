@@ -6,8 +6,8 @@
 #include "support/check.hpp"
 
 #include <silt/core/error.hpp>
-#include <silt/core/random.hpp>
 #include <silt/core/types.hpp>
+#include <silt/dem/setup/random.hpp>
 #include <silt/io/archive.hpp>
 #include <silt/io/checkpoint.hpp>
 

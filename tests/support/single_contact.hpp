@@ -2,7 +2,7 @@
 // A single contact without grains, search or simulation: a law and two bodies.
 #pragma once
 
-#include <silt/dem/contact.hpp>
+#include <silt/dem/law/contact.hpp>
 
 #include <algorithm>
 

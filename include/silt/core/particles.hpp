@@ -165,7 +165,7 @@ class Particles {
     note_change();
   }
 
-  // Ghosts, see core/ghosts.hpp.
+  // Ghosts, see search/ghosts.hpp.
 
   void clear_ghosts() {
     if (owners_.empty()) return;

@@ -4,13 +4,13 @@
 
 #include <silt/core/concepts.hpp>
 #include <silt/core/error.hpp>
-#include <silt/core/linear_system.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/types.hpp>
+#include <silt/linear/linear_system.hpp>
 #include <silt/mps/arrangement.hpp>
 #include <silt/mps/cases.hpp>
-#include <silt/mps/flow_energy.hpp>
 #include <silt/mps/corrected_gradient.hpp>
+#include <silt/mps/flow_energy.hpp>
 #include <silt/mps/flow_seconds.hpp>
 #include <silt/mps/flow_settings.hpp>
 #include <silt/mps/fluid.hpp>

@@ -8,9 +8,9 @@
 // pressure is defined up to a constant.
 #pragma once
 
-#include <silt/core/linear_system.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/types.hpp>
+#include <silt/linear/linear_system.hpp>
 #include <silt/mps/fluid.hpp>
 #include <silt/mps/operators.hpp>
 

@@ -3,9 +3,9 @@
 #pragma once
 
 #include <silt/core/error.hpp>
-#include <silt/core/ghosts.hpp>
 #include <silt/core/transfer.hpp>
 #include <silt/core/types.hpp>
+#include <silt/search/ghosts.hpp>
 
 #include <cmath>
 #include <cstdint>

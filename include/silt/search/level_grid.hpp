@@ -6,12 +6,12 @@
 
 #include <silt/core/error.hpp>
 #include <silt/core/fields.hpp>
-#include <silt/core/ghosts.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/particles.hpp>
 #include <silt/core/transfer.hpp>
 #include <silt/core/types.hpp>
 #include <silt/search/bin_sort.hpp>
+#include <silt/search/ghosts.hpp>
 #include <silt/search/neighbour_rows.hpp>
 #include <silt/search/size_classes.hpp>
 #include <silt/search/sorted_cells.hpp>

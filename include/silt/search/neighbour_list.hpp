@@ -9,10 +9,10 @@
 #pragma once
 
 #include <silt/core/error.hpp>
-#include <silt/core/ghosts.hpp>
 #include <silt/core/transfer.hpp>
 #include <silt/core/travel.hpp>
 #include <silt/core/types.hpp>
+#include <silt/search/ghosts.hpp>
 #include <silt/search/last_positions.hpp>
 #include <silt/search/neighbour_rows.hpp>
 #include <silt/search/skin.hpp>

@@ -9,11 +9,11 @@
 #pragma once
 
 #include <silt/core/error.hpp>
-#include <silt/core/ghosts.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/simd.hpp>
 #include <silt/core/transfer.hpp>
 #include <silt/core/types.hpp>
+#include <silt/search/ghosts.hpp>
 #include <silt/search/neighbour_rows.hpp>
 #include <silt/search/shared_candidates.hpp>
 #include <silt/search/sorted_cells.hpp>

@@ -20,9 +20,9 @@
 
 #include <silt/core/eigen.hpp>
 #include <silt/core/error.hpp>
-#include <silt/core/linear_system.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/types.hpp>
+#include <silt/linear/linear_system.hpp>
 #include <silt/solve/background_cells.hpp>
 #include <silt/solve/cell_coarsening.hpp>
 #include <silt/solve/cell_interpolation.hpp>

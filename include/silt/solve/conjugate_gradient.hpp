@@ -4,9 +4,9 @@
 #pragma once
 
 #include <silt/core/error.hpp>
-#include <silt/core/linear_system.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/types.hpp>
+#include <silt/linear/linear_system.hpp>
 #include <silt/solve/jacobi.hpp>
 #include <silt/solve/solve_settings.hpp>
 

@@ -5,8 +5,8 @@
 
 #include <silt/core/eigen.hpp>
 #include <silt/core/error.hpp>
-#include <silt/core/linear_system.hpp>
 #include <silt/core/types.hpp>
+#include <silt/linear/linear_system.hpp>
 #include <silt/solve/incomplete_cholesky.hpp>
 #include <silt/solve/solve_settings.hpp>
 

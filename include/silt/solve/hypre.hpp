@@ -6,8 +6,8 @@
 #pragma once
 
 #include <silt/core/error.hpp>
-#include <silt/core/linear_system.hpp>
 #include <silt/core/types.hpp>
+#include <silt/linear/linear_system.hpp>
 #include <silt/solve/jacobi.hpp>
 
 #include <HYPRE.h>

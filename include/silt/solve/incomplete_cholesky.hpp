@@ -4,8 +4,8 @@
 // unknowns.
 #pragma once
 
-#include <silt/core/linear_system.hpp>
 #include <silt/core/types.hpp>
+#include <silt/linear/linear_system.hpp>
 #include <silt/solve/jacobi.hpp>
 
 #include <Eigen/IterativeLinearSolvers>

@@ -2,9 +2,9 @@
 // The diagonal as preconditioner.
 #pragma once
 
-#include <silt/core/linear_system.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/types.hpp>
+#include <silt/linear/linear_system.hpp>
 
 #include <concepts>
 #include <span>

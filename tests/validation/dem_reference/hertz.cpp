@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Normal impacts of elastic spheres: tests 1 to 3 of Chung and Ooi (2011).
-#include <silt/dem/hertz.hpp>
-#include <silt/dem/law.hpp>
+#include <silt/dem/law/composed_law.hpp>
+#include <silt/dem/law/hertz.hpp>
 #include <silt/io/csv.hpp>
 
 #include "items.hpp"

@@ -1,0 +1,331 @@
+// SPDX-License-Identifier: MIT
+// Bonds between grains, an interaction independent of contacts. In each step every bond is advanced
+// by the motion of its two grains (parallel_bond.hpp), broken bonds are removed, and the forces on
+// each grain are summed in a fixed order.
+#pragma once
+
+#include <silt/core/concepts.hpp>
+#include <silt/core/error.hpp>
+#include <silt/core/parallel.hpp>
+#include <silt/core/types.hpp>
+#include <silt/dem/bond/bond_indices.hpp>
+#include <silt/dem/bond/parallel_bond.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <numbers>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace silt::dem {
+
+/// The ids of two grains, in either order.
+struct IdPair {
+  Id one = 0;
+  Id other = 0;
+};
+
+/// Which grains bond_all_touching() considers as touching.
+struct Touching {
+  double max_gap = 0;  ///< largest distance between the two surfaces [m]
+};
+
+/// Bonds that have broken so far.
+struct BrokenBonds {
+  std::uint64_t in_tension = 0;
+  std::uint64_t in_shear = 0;
+  double energy = 0;  ///< stored in their springs when they broke, and dissipated [J]
+};
+
+/// Bonds between grains. They act in addition to contacts: if a bonded pair overlaps, both the bond
+/// and the contact repel. The bonds of a removed grain are removed with it.
+template <int Dim, class RealType = double>
+class Bonds {
+ public:
+  using Real = RealType;
+  using Bond = dem::Bond<Dim, Real>;
+  using Vec = silt::Vec<Dim, Real>;
+  using AngularVec = silt::AngularVec<Dim, Real>;
+
+  /// Throws if a parameter of the law is out of range.
+  explicit Bonds(const ParallelBond& law) : law_(law) { law_.check(); }
+
+  /// Bonds two grains, stress-free at their present positions, across a periodic side if that is
+  /// nearer. Throws if a grain does not exist, if both ids are the same, if the grains coincide, or
+  /// if they are already bonded.
+  template <class P>
+  void bond(const P& grains, const IdPair& pair) {
+    const Bond bond = bond_between(grains, pair);
+    if (is_bonded(pair)) {
+      fail("dem::Bonds: the grains " + names_of(bond) + " are already bonded; bond each pair once");
+    }
+    bonds_.insert(std::lower_bound(bonds_.begin(), bonds_.end(), bond, comes_before), bond);
+    is_stability_known_ = false;
+    indices_.invalidate();
+  }
+
+  /// Bonds all pairs with a gap of at most max_gap that are not yet bonded, and returns their
+  /// number. `search` is the neighbour search to use, e.g. UniformGrid<Dim>{}. Throws as bond()
+  /// does.
+  template <class P, class S>
+    requires NeighbourSearch<S, P>
+  Index bond_all_touching(P grains, S search, const Touching& touching = {}) {
+    require_not_negative("Touching: max_gap", touching.max_gap);
+    const auto R = grains[radius];
+    const Real max_radius = largest(R.size(), Real(0), [&](Index i) { return R[i]; });
+    const Real gap = static_cast<Real>(touching.max_gap);
+    if (!(max_radius > 0)) return 0;
+    // Pairs that touch to round-off count; searches find pairs strictly within their radius.
+    constexpr Real round_off = 64 * std::numeric_limits<Real>::epsilon();
+    search.set_radius((2 * max_radius + gap) * (1 + 2 * round_off));
+    search.update(grains);
+    std::vector<Bond> found;
+    search.for_each_pair([&](Index i, Index j, const auto&, Real distance) {
+      const Index other = grains.owner(j);
+      const Real reach = grains[radius][i] + grains[radius][other] + gap;
+      const IdPair pair{grains.id(i), grains.id(other)};
+      if (distance > reach * (1 + round_off) || is_bonded(pair)) return;
+      found.push_back(bond_between(grains, pair));
+    });
+    bonds_.insert(bonds_.end(), found.begin(), found.end());
+    std::sort(bonds_.begin(), bonds_.end(), comes_before);
+    is_stability_known_ = false;
+    indices_.invalidate();
+    return found.size();
+  }
+
+  bool is_bonded(const IdPair& pair) const {
+    const auto [a, b] = std::minmax(pair.one, pair.other);
+    return std::binary_search(bonds_.begin(), bonds_.end(), Bond{.a = a, .b = b}, comes_before);
+  }
+
+  const ParallelBond& law() const noexcept { return law_; }
+  /// The intact bonds, sorted by ids, in their state at the last step.
+  std::span<const Bond> bonds() const noexcept { return bonds_; }
+  const BrokenBonds& broken() const noexcept { return broken_; }
+
+  /// 0: bonds need no neighbour search.
+  template <class P>
+  typename P::Real reach(const P&) const {
+    return 0;
+  }
+
+  /// Adds forces and torques. Throws if the grains of a bond coincide, or if dt exceeds the
+  /// stability limit of the bonds alone.
+  template <class P, class S>
+    requires HasFields<P, spin_t, force_t, torque_t, mass_t, inertia_t, radius_t> &&
+             std::same_as<typename P::Vec, Vec>
+  void accelerate(P& grains, S& search, double dt) {
+    accelerate_all(*this, grains, search, dt);
+  }
+
+  // accelerate() in stages, see AddsForces in core/concepts.hpp.
+
+  template <class P, class S>
+  void prepare(P& grains, const S&, double dt) {
+    keep_state();
+    update_indices(grains);
+    if (!(dt <= stability_.time_step)) refuse(grains, dt);
+    const Real passed = static_cast<Real>(last_time_step_);
+    for_each(bonds_.size(), [&](Index k) { advance_bond(grains, k, passed); });
+    remove_broken(grains);
+    last_time_step_ = dt;
+  }
+
+  /// Adds Σ F and Σ M of grain i, in the order of the bonds' ids.
+  template <class P>
+    requires HasFields<P, force_t, torque_t, radius_t>
+  void add_forces(P& grains, Index i) const {
+    for (const Index k : indices_.of(i)) {
+      const Bond& bond = bonds_[k];
+      const BondEnds ends = indices_.ends(k);
+      const bool is_a = ends.a == i;
+      const Real share = arm_of_a(grains, ends);
+      // The force acts on both grains at the same point: this conserves angular momentum.
+      const Vec arm = (is_a ? -share : 1 - share) * bond.length * bond.normal;
+      const Real sign = is_a ? Real(1) : Real(-1);
+      const Vec f = sign * bond.force;
+      grains[force][i] += f;
+      grains[torque][i] += cross(arm, f) + sign * bond.couple;
+    }
+  }
+
+  /// Default time step [s]: 1/50 of half the shortest period of the bonds; infinite without bonds.
+  template <class P>
+  double time_step(const P& grains) {
+    update_indices(grains);
+    return stability_.time_step * std::numbers::pi / 100;
+  }
+
+  /// Energy in the bonds of the last step [J].
+  template <class P>
+  double elastic_energy(const P& grains) const {
+    double energy = 0;
+    for (const Bond& bond : bonds_) {
+      const BondEnds ends = ends_of(grains, bond);
+      if (ends.a == no_index || ends.b == no_index) continue;  // removed since
+      energy += state_at(grains, bond, ends).elastic_energy;
+    }
+    return energy;
+  }
+
+  /// Stresses of a bond in the last step.
+  template <class P>
+  BondState state(const P& grains, const Bond& bond) const {
+    return state_at(grains, bond, ends_of(grains, bond));
+  }
+
+  /// For a checkpoint, see core/transfer.hpp.
+  template <class Archive>
+  void transfer(Archive& archive) {
+    archive("bonds", bonds_);
+    archive("last_time_step", last_time_step_);
+    archive("broken_in_tension", broken_.in_tension);
+    archive("broken_in_shear", broken_.in_shear);
+    archive("broken_energy", broken_.energy);
+    archive("stable_time_step", stability_.time_step);
+    archive("least_stable", stability_.grain);
+    archive("is_stability_known", is_stability_known_);
+    if constexpr (Archive::reads) indices_.invalidate();
+  }
+
+  void save() noexcept { is_kept_ = false; }
+  void restore() noexcept {
+    if (is_kept_) {
+      std::swap(bonds_, kept_bonds_);
+      broken_ = kept_broken_;
+      last_time_step_ = kept_time_step_;
+      indices_.invalidate();
+    }
+    is_kept_ = false;
+  }
+
+ private:
+  template <class P>
+  static Bond bond_between(const P& grains, const IdPair& pair) {
+    const auto [a, b] = std::minmax(pair.one, pair.other);
+    Bond bond{.a = a, .b = b};
+    const BondEnds ends = ends_of(grains, bond);
+    if (a == b || ends.a == no_index || ends.b == no_index) {
+      fail("dem::Bonds: the ids " + names_of(bond) +
+           " are not those of two different grains; give two existing ids");
+    }
+    const Vec between =
+        nearest_image(grains, Vec(grains[position][ends.a] - grains[position][ends.b]));
+    bond.rest_length = bond.length = between.norm();
+    require_positive("dem::Bonds: distance of the grains " + names_of(bond), double(bond.length));
+    bond.normal = between / bond.length;
+    return bond;
+  }
+  static std::string names_of(const Bond& bond) {
+    return std::to_string(bond.a) + " and " + std::to_string(bond.b);
+  }
+
+  static bool comes_before(const Bond& one, const Bond& other) {
+    return std::pair(one.a, one.b) < std::pair(other.a, other.b);
+  }
+
+  template <class P>
+  static Vec nearest_image(const P& grains, Vec r) {
+    const auto& box = grains.box();
+    for (int k = 0; k < Dim; ++k) {
+      if (!box.periodic[static_cast<std::size_t>(k)]) continue;
+      const Real side = box.upper[k] - box.lower[k];
+      r[k] -= side * std::round(r[k] / side);
+    }
+    return r;
+  }
+
+  template <class P>
+  BondState state_at(const P& grains, const Bond& bond, const BondEnds& ends) const {
+    const BeamSection section = section_at(grains, ends, law_);
+    return state_of(bond, section, springs_of(law_, section));
+  }
+
+  // Stores the state for restore().
+  void keep_state() {
+    if (is_kept_) return;
+    kept_bonds_ = bonds_;
+    kept_broken_ = broken_;
+    kept_time_step_ = last_time_step_;
+    is_kept_ = true;
+  }
+
+  template <class P>
+  void update_indices(const P& grains) {
+    if (!indices_.are_valid_for(grains)) indices_.find(grains, bonds_);
+    // Rotations hardly change the stability limit, and broken bonds do not lower it.
+    if (!is_stability_known_) stability_ = stability_of(grains, bonds_, indices_, law_);
+    is_stability_known_ = true;
+  }
+
+  template <class P>
+  [[noreturn]] void refuse(const P& grains, double dt) const {
+    fail("dem::Bonds: time_step = " + to_text(dt) + " s exceeds the stable time step " +
+             to_text(stability_.time_step) + " s of a grain with its bonds; lower it",
+         {.particle = grains.index_of(stability_.grain), .id = stability_.grain});
+  }
+
+  template <class P>
+  void advance_bond(const P& grains, Index k, Real passed) {
+    const BondEnds ends = indices_.ends(k);
+    const auto x = grains[position];
+    const BondMotion<Dim, Real> motion{.between = nearest_image(grains, Vec(x[ends.a] - x[ends.b])),
+                                       .rotation_a = grains[spin][ends.a] * passed,
+                                       .rotation_b = grains[spin][ends.b] * passed,
+                                       .arm_a = arm_of_a(grains, ends),
+                                       .time_step = passed};
+    if (!(motion.between.squaredNorm() > 0)) {
+      fail("dem::Bonds: the bonded grains " + names_of(bonds_[k]) +
+               " coincide or have an invalid position; use a smaller time step",
+           {.particle = ends.a, .id = bonds_[k].a});
+    }
+    advance(bonds_[k], motion, springs_of(law_, section_at(grains, ends, law_)), law_.beta);
+  }
+
+  template <class P>
+  void remove_broken(const P& grains) {
+    const auto state_of_bond = [&](Index k) {
+      return state_at(grains, bonds_[k], indices_.ends(k));
+    };
+    const auto breaks = [&](const BondState& state) {
+      return state.tensile_stress > law_.tensile_strength ||
+             state.shear_stress > law_.shear_strength;
+    };
+    const Index first =
+        first_where(bonds_.size(), [&](Index k) { return breaks(state_of_bond(k)); });
+    if (first == no_index) return;
+    Index held = first;
+    for (Index k = first; k < bonds_.size(); ++k) {
+      const BondState state = state_of_bond(k);
+      if (!breaks(state)) {
+        bonds_[held++] = bonds_[k];
+        continue;
+      }
+      ++(state.tensile_stress > law_.tensile_strength ? broken_.in_tension : broken_.in_shear);
+      broken_.energy += state.elastic_energy;
+    }
+    bonds_.resize(held);
+    indices_.find(grains, bonds_);
+  }
+
+  ParallelBond law_;
+  std::vector<Bond> bonds_;  // sorted by ids
+  BrokenBonds broken_;
+  double last_time_step_ = 0;  // [s]; duration of the motion at the next evaluation
+
+  BondIndices indices_;
+  BondStability stability_;
+  bool is_stability_known_ = false;
+
+  std::vector<Bond> kept_bonds_;
+  BrokenBonds kept_broken_;
+  double kept_time_step_ = 0;
+  bool is_kept_ = false;
+};
+
+}  // namespace silt::dem

@@ -1,0 +1,272 @@
+// SPDX-License-Identifier: MIT
+// Stability limit of the time step for the existing contacts.
+#pragma once
+
+#include <silt/core/error.hpp>
+#include <silt/core/parallel.hpp>
+#include <silt/core/particles.hpp>
+#include <silt/core/types.hpp>
+#include <silt/dem/contact/elementary_time_steps.hpp>
+#include <silt/dem/contact/single_contacts.hpp>
+#include <silt/dem/law/contact.hpp>
+#include <silt/dem/law/materials.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+namespace silt::dem {
+
+/// Bounds of the springs and dashpots of a grain, and the time step that is stable with them.
+struct Stiffest {
+  double spring = 0;   ///< ω² [1/s²]
+  double dashpot = 0;  ///< Σ c/m [1/s], for dashpots that use v^{N−½}
+
+  /// [s]; infinite without stiffness.
+  double stable_time_step() const {
+    if (!(spring > 0)) return std::numeric_limits<double>::infinity();
+    return dem::stable_time_step(
+        {.angular_frequency = std::sqrt(spring), .beta = dashpot / spring});
+  }
+};
+
+/// Mass [kg], inertia [kg m²] and lever arm [m] of a grain at a contact.
+struct Lever {
+  double mass;
+  double inertia;
+  double arm;
+};
+
+/// Upper bound of the contribution of one contact to the Stiffest of a grain.
+inline Stiffest contribution_bound(const Stiffness& k, double effective_mass, const Lever& lever) {
+  const double per_turn = lever.mass / lever.inertia;
+  const double linear = std::max(k.normal, k.tangential * (1 + per_turn * squared(lever.arm)));
+  return {.spring = (linear + k.rolling * per_turn) / effective_mass,
+          .dashpot = (k.beta * linear + k.rolling_dashpot * per_turn) / effective_mass};
+}
+
+/// Upper bound of the squared angular frequency [1/s²] of a grain with all its contacts, and
+/// likewise of its dashpots.
+///
+/// The spring energy of a contact is ½ k (g_i·q_i + g_j·q_j)², with q the displacements and
+/// rotations in mass-weighted coordinates. By the Cauchy–Schwarz inequality it is bounded by a sum
+/// of shares (1/m_i + 1/m_j) m_i k (g_i·q_i)² of the two grains. The maximum, over all grains, of
+/// the largest eigenvalue of the sum of a grain's shares is an upper bound of ω² of the whole
+/// system, exact for a single pair.
+template <int Dim, class Real>
+class FrequencyBound {
+  static constexpr Index size = Dim == 2 ? 3 : 6;
+  using Matrix = std::array<std::array<double, size>, size>;
+
+ public:
+  void add(const Contact<Dim, Real>& contact, const Stiffness& k, const Lever& lever) {
+    // By coefficients: Eigen's products take long to compile, and are made of fused multiply-adds
+    // where the processor has them.
+    std::array<double, Dim> n;
+    for (int a = 0; a < Dim; ++a) n[Index(a)] = double(contact.normal[a]);
+    // Velocity of the contact point as a function of the grain's velocity and scaled spin w √(I/m).
+    std::array<std::array<double, size>, Dim> motion{};
+    const double per_turn = lever.mass / lever.inertia;
+    const double scaled_arm = lever.arm * std::sqrt(per_turn);
+    for (Index a = 0; a < Dim; ++a) {
+      motion[a][a] = 1;
+      if constexpr (Dim == 2) {
+        motion[a][2] = scaled_arm * (a == 0 ? n[1] : -n[0]);
+      } else {
+        motion[a][Dim + (a + 1) % 3] = -scaled_arm * n[(a + 2) % 3];
+        motion[a][Dim + (a + 2) % 3] = scaled_arm * n[(a + 1) % 3];
+      }
+    }
+    const double m = double(contact.effective_mass);
+    for (Index r = 0; r < size; ++r) {
+      for (Index c = 0; c < size; ++c) {
+        double share = 0;
+        for (Index a = 0; a < Dim; ++a) {
+          for (Index b = 0; b < Dim; ++b) {
+            const double spring =
+                (a == b ? k.tangential : 0) + (k.normal - k.tangential) * n[a] * n[b];
+            share += motion[a][r] * spring * motion[b][c] / m;
+          }
+        }
+        springs_[r][c] += share;
+        dashpots_[r][c] += k.beta * share;
+      }
+    }
+    for (Index r = Dim; r < size; ++r) {
+      springs_[r][r] += k.rolling * per_turn / m;
+      dashpots_[r][r] += k.rolling_dashpot * per_turn / m;
+    }
+  }
+
+  Stiffest stiffest() const {
+    return {.spring = largest_eigenvalue(springs_), .dashpot = largest_eigenvalue(dashpots_)};
+  }
+
+ private:
+  // Upper bound, less than 6 % too large: from the trace of the 32nd power.
+  static double largest_eigenvalue(const Matrix& matrix) {
+    const double scale = trace(matrix);
+    if (!(scale > 0)) return 0;
+    Matrix power = matrix;
+    for (auto& row : power) {
+      for (double& each : row) each /= scale;
+    }
+    double exponent = 1;
+    for (int squarings = 0; squarings < 5; ++squarings) {
+      Matrix square{};
+      for (Index r = 0; r < size; ++r) {
+        for (Index k = 0; k < size; ++k) {
+          for (Index c = 0; c < size; ++c) square[r][c] += power[r][k] * power[k][c];
+        }
+      }
+      power = square;
+      exponent /= 2;
+    }
+    return scale * std::pow(trace(power), exponent);
+  }
+  static double trace(const Matrix& matrix) {
+    double sum = 0;
+    for (Index k = 0; k < size; ++k) sum += matrix[k][k];
+    return sum;
+  }
+
+  Matrix springs_{};
+  Matrix dashpots_{};
+};
+
+/// Overlap over radius at which shortest_contact evaluates the stiffness of non-linear springs.
+inline constexpr double usual_overlap = 0.01;
+
+/// Shortest contact duration of two of the lightest grains [s], π √(m*/k) with the largest
+/// stiffness at usual_overlap; infinite without grains or stiffness.
+template <class P, class Law>
+double shortest_contact(const P& grains, const Materials<Law>& materials) {
+  using Real = typename P::Real;
+  const auto m = grains[mass];
+  double shortest = std::numeric_limits<double>::infinity();
+  const double lightest = -largest(m.size(), -shortest, [&](Index i) { return -double(m[i]); });
+  if (!(lightest > 0) || !is_finite(lightest)) return shortest;
+  const Index grain = first_where(m.size(), [&](Index i) { return double(m[i]) == lightest; });
+  const double R = double(grains[radius][grain]);
+  Contact<P::dimension, Real> contact{};
+  contact.effective_mass = static_cast<Real>(lightest / 2);
+  contact.effective_radius = static_cast<Real>(R / 2);
+  contact.overlap = static_cast<Real>(usual_overlap * R);
+  const double per_turn = lightest / double(grains[inertia][grain]);
+  for (std::uint32_t a = 0; a < materials.count(); ++a) {
+    for (std::uint32_t b = 0; b < materials.count(); ++b) {
+      const Stiffness k = materials.between(a, b).stiffness(contact);
+      // A tangential spring also rotates the grain: 1 + m R²/I is 3 for discs and 3.5 for
+      // spheres.
+      const double stiffest = std::max({k.normal, 3.5 * k.tangential, k.rolling * per_turn});
+      if (!(stiffest > 0)) continue;
+      shortest =
+          std::min(shortest, contact_duration({.mass = lightest / 2, .stiffness = stiffest}));
+    }
+  }
+  return shortest;
+}
+
+/// A time step [s] that is stable for all grains: that of a grain with the largest number of
+/// contacts, all with the largest stiffness. Infinite without stiffness. law_of(sides) is the law
+/// of a near contact, margin [m] the largest gap of near contacts, `walls` a WallsAtTime.
+template <class P, class Walls, class LawOf>
+double stable_for_all(const P& grains, const NearContacts& near, const Walls& walls,
+                      typename P::Real margin, LawOf&& law_of) {
+  const auto x = grains.with_ghosts(position);
+  const auto R = grains.with_ghosts(radius);
+  const auto m = grains[mass];
+  const auto I = grains[inertia];
+  Index max_contacts = 0;
+  // The grains that rotate most easily by a couple and by a force at their surface.
+  Lever loosest{.mass = 0, .inertia = 1, .arm = 0};
+  for (Index i = 0; i < grains.size(); ++i) {
+    max_contacts = std::max(max_contacts, near.of(i).size());
+    const double per_turn = double(m[i]) / double(I[i]);
+    const double turning =
+        std::max(per_turn * squared(double(R[i])), loosest.mass * squared(loosest.arm));
+    loosest.mass = std::max(loosest.mass, per_turn);
+    loosest.arm = std::sqrt(turning / loosest.mass);
+  }
+  Stiffest all;
+  near.for_each_contact([&](Index c) {
+    const Sides sides = sides_of(grains, near, c);
+    auto contact = constants_of(grains, sides);
+    // Springs may stiffen with the overlap.
+    contact.overlap = margin;
+    if (sides.j != no_index) {
+      const Index a = near.first(c);
+      const Index b = near.second(c);
+      contact.overlap += std::max<typename P::Real>(0, R[a] + R[b] - (x[b] - x[a]).norm());
+    } else {
+      const auto at = walls.nearest(sides.wall, x[sides.i]);
+      contact.overlap += std::max<typename P::Real>(0, R[sides.i] - at.distance);
+    }
+    const Stiffness k = law_of(sides).stiffness(contact);
+    const Stiffest one = contribution_bound(k, double(contact.effective_mass), loosest);
+    all.spring = std::max(all.spring, one.spring);
+    all.dashpot = std::max(all.dashpot, one.dashpot);
+  });
+  all.spring *= double(max_contacts);
+  all.dashpot *= double(max_contacts);
+  return all.stable_time_step();
+}
+
+/// Throws if dt [s] exceeds the stability limit of a grain with the contacts of this step. A cheap
+/// bound is nearly always sufficient; otherwise FrequencyBound decides.
+template <class P, class T, class Walls, class LawOf>
+void check_stability(const P& grains, const T& touches, const Walls& walls, double dt,
+                     LawOf&& law_of) {
+  using Row = typename T::Row;
+  const auto m = grains[mass];
+  const auto I = grains[inertia];
+  struct Held {
+    Contact<P::dimension, typename P::Real> contact{};
+    Stiffness stiffness{};
+    bool touches = false;
+  };
+  std::vector<Held> held(touches.near().size());
+  for_each_touch(grains, touches, [&](Index c, const Sides& sides, const auto* row) {
+    const auto contact = contact_of(grains, touches.seen(), row, sides, walls);
+    held[c] = {contact, law_of(sides).stiffness(contact), true};
+  });
+  // f(contact, stiffness, lever of i)
+  const auto for_each_contact_of = [&](Index i, auto&& f) {
+    for (const auto part : touches.near().of(i)) {
+      const Held& each = held[part.contact()];
+      if (!each.touches) continue;
+      const auto shorter = touches.seen().row_of(part.contact())[Row::shorter];
+      f(each.contact, each.stiffness,
+        Lever{.mass = double(m[i]),
+              .inertia = double(I[i]),
+              .arm = double(grains[radius][i] - shorter)});
+    }
+  };
+  const auto is_beyond = [&](Index i) {
+    Stiffest sum;
+    for_each_contact_of(i, [&](const auto& contact, const Stiffness& k, const Lever& lever) {
+      const Stiffest one = contribution_bound(k, double(contact.effective_mass), lever);
+      sum.spring += one.spring;
+      sum.dashpot += one.dashpot;
+    });
+    return dt > sum.stable_time_step();
+  };
+  const auto stable_of = [&](Index i) {
+    FrequencyBound<P::dimension, typename P::Real> bound;
+    for_each_contact_of(i, [&](const auto& contact, const Stiffness& k, const Lever& lever) {
+      bound.add(contact, k, lever);
+    });
+    return bound.stiffest().stable_time_step();
+  };
+  const Index broken =
+      first_where(grains.size(), [&](Index i) { return is_beyond(i) && dt > stable_of(i); });
+  if (broken == no_index) return;
+  fail("dem::Contacts: time_step = " + to_text(dt) + " s exceeds the stable time step " +
+           to_text(stable_of(broken)) + " s of a grain with its contacts; lower it",
+       {.particle = broken, .id = grains.id(broken)});
+}
+
+}  // namespace silt::dem

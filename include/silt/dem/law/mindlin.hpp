@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: MIT
+// Tangential component for use with Hertz: the no-slip spring of [Mindlin1949] with a dashpot and a
+// slider.
+#pragma once
+
+#include <silt/core/error.hpp>
+#include <silt/core/types.hpp>
+#include <silt/dem/law/contact.hpp>
+#include <silt/dem/law/elastic.hpp>
+#include <silt/dem/law/law_parts.hpp>
+#include <silt/dem/law/slider.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace silt::dem {
+
+/// F_s changes by −k_t v_s Δt with k_t = 8 G* √(R* δ), the stiffness for the contact area of this
+/// step, and is limited to F_n tan φ_μ. When the area grows, F_s is kept; when it shrinks, F_s is
+/// reduced in proportion to k_t [ThorntonCumminsCleary2013]. Otherwise a closed path of loading
+/// and shearing would generate energy. The energy lost by this reduction is part of the friction.
+/// The dashpot is c_t = c_n √(k_t/k_n), with Hertz that of Tsuji, and 0 while the contact slides.
+/// Micro-slip at the rim before gross sliding (Mindlin and Deresiewicz 1953) is not modelled.
+struct Mindlin {
+  Elastic elastic = {};
+  FrictionAngle friction_angle = {};  ///< φ_μ [rad] in [0, π/2)
+
+  template <int Dim, class Real>
+  struct History {
+    Vec<Dim, Real> force = Vec<Dim, Real>::Zero();  ///< spring force on i [N]
+    Real stiffness = 0;                             ///< k_t of the previous step [N/m]
+  };
+
+  void check() const {
+    elastic.check("Mindlin");
+    friction_angle.check("Mindlin: friction_angle");
+  }
+
+  template <class C, class M>
+  TangentialForce<C> tangential_force(const C& contact, const NormalForce<C>& normal,
+                                      M& history) const {
+    using Real = typename C::Real;
+    using Vec = typename C::Vec;
+    const Real k = stiffness_of_area(contact);
+    const Slider<Real> slider{
+        .stiffness = k,
+        .dashpot = normal.beta * std::sqrt(normal.stiffness * k),
+        .limit = std::max(Real(0), normal.spring * Real(friction_angle.tangent))};
+    const Vec v = contact.tangential_velocity();
+    const auto kept = with_stiffness(k, rotated_into_plane(history.force, contact.normal),
+                                     history.stiffness, Vec(v * contact.time_step));
+    const auto result = slide(slider, kept.force, v, contact.time_step);
+    history.force = result.spring;
+    history.stiffness = k;
+    return {
+        .spring = result.spring, .dashpot = result.dashpot, .friction = kept.lost + result.lost};
+  }
+
+  template <class C, class M>
+  double elastic_energy(const C&, const M& history) const {
+    return energy_of_spring(history.force, double(history.stiffness));
+  }
+
+  template <class C>
+  Stiffness stiffness(const C& contact, Stiffness normal) const {
+    normal.tangential = double(stiffness_of_area(contact));
+    return normal;
+  }
+
+  /// 1/G* is the sum of both materials' (2 − ν)/G; the smaller friction angle.
+  static Mindlin mix(const Mindlin& a, const Mindlin& b) {
+    return {.elastic = Elastic::mix(a.elastic, b.elastic),
+            .friction_angle = FrictionAngle::mix(a.friction_angle, b.friction_angle)};
+  }
+
+ private:
+  // k_t [N/m].
+  template <class C>
+  typename C::Real stiffness_of_area(const C& contact) const {
+    using Real = typename C::Real;
+    return Real(8 * elastic.contact_shear_modulus()) *
+           std::sqrt(contact.effective_radius * contact.overlap);
+  }
+};
+
+}  // namespace silt::dem

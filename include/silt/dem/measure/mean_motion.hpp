@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: MIT
+// Velocities at the time of the positions, from the half steps before and after, and the work of
+// single contacts.
+#pragma once
+
+#include <silt/core/particles.hpp>
+#include <silt/core/types.hpp>
+#include <silt/dem/contact/single_contacts.hpp>
+#include <silt/dem/law/contact.hpp>
+#include <silt/dem/measure/energy_terms.hpp>
+#include <silt/dem/setup/grains.hpp>
+
+#include <concepts>
+#include <vector>
+
+namespace silt::dem {
+
+/// v^N and θ'^N, [SahChoi2004] (27) (28), always in double precision, and the work of contacts from
+/// N − ½ to N + ½.
+template <class P>
+class MeanMotion {
+ public:
+  static constexpr int dimension = P::dimension;
+  using Vector = Vec<dimension, double>;
+  using Turn = AngularVec<dimension, double>;
+
+  /// Grains before a step and those remaining after it; duration is that of the kick [s]. Removed
+  /// grains keep the velocities they had before the step.
+  void set(const P& before, const P& after, double duration) {
+    duration_ = duration;
+    kinetic_change_ = rotational_change_ = carried_away_ = 0;
+    v_.resize(before.size());
+    w_.resize(before.size());
+    stays_.assign(before.size(), false);
+    for (Index i = 0; i < before.size(); ++i) {
+      v_[i] = in_double(before[velocity][i]);
+      w_[i] = in_double(before[spin][i]);
+    }
+    for (Index k = 0; k < after.size(); ++k) {
+      const Index i = before.index_of(after.id(k));
+      const Vector v = in_double(after[velocity][k]) - v_[i];
+      const Turn w = in_double(after[spin][k]) - w_[i];
+      stays_[i] = true;
+      v_[i] += v / 2;
+      w_[i] += w / 2;
+      kinetic_change_ += double(before[mass][i]) * v.dot(v_[i]);
+      rotational_change_ += double(before[inertia][i]) * dot(w, w_[i]);
+    }
+    for (Index i = 0; i < before.size(); ++i) {
+      if (stays_[i]) continue;
+      carried_away_ += (double(before[mass][i]) * v_[i].squaredNorm() +
+                        double(before[inertia][i]) * squared_norm(w_[i])) /
+                       2;
+    }
+  }
+
+  /// For a checkpoint, see core/transfer.hpp: the quantities that are used between steps.
+  template <class Archive>
+  void transfer(Archive& archive) {
+    archive("kinetic_change", kinetic_change_);
+    archive("rotational_change", rotational_change_);
+  }
+
+  double duration() const noexcept { return duration_; }
+  bool stays(Index i) const noexcept { return stays_[i]; }
+  const Vector& velocity_of(Index i) const noexcept { return v_[i]; }
+  const Turn& spin_of(Index i) const noexcept { return w_[i]; }
+
+  /// Changes of the energies of the remaining grains [J].
+  double kinetic_change() const noexcept { return kinetic_change_; }
+  double rotational_change() const noexcept { return rotational_change_; }
+  /// Kinetic energy of the removed grains, including rotation [J].
+  double carried_away() const noexcept { return carried_away_; }
+
+  /// Adds the work and losses of a contact, an EvaluatedContact of these grains.
+  template <class Each>
+  void add_contact(const P& before, const Each& each, Work& done, Losses& lost) const {
+    const auto [i, j, wall] = each.sides;
+    if (!stays_[i] && (j == no_index || !stays_[j])) return;
+    const Vector n = in_double(each.contact.normal);
+    const auto arm = [&](Index k) { return before[radius][k] - each.shorter; };
+    const auto surface = [&](Index k, double a) { return Vector(v_[k] + a * cross(w_[k], n)); };
+    // Of the other side, grain or wall.
+    Vector v_other;
+    Turn w_other;
+    if (j != no_index) {
+      v_other = surface(j, double(arm(j)));
+      w_other = w_[j];
+    } else {
+      v_other = in_double(each.wall_velocity);
+      w_other = in_double(each.wall_spin);
+    }
+    const Vector v_own = surface(i, -double(arm(i)));
+    const Load load = add_parts(each.answer, each.contact.normal, (v_own - v_other) * duration_,
+                                (w_[i] - w_other) * duration_, done, lost);
+    const auto work = [&](const Vector& v, const Turn& w) {
+      return (load.force.dot(v) + dot(load.couple, w)) * duration_;
+    };
+    if (j == no_index) {
+      done.walls += work(v_other, w_other);
+    } else if (!stays_[j]) {
+      done.removed_grains += work(v_other, w_other);
+    } else if (!stays_[i]) {
+      done.removed_grains -= work(v_own, w_[i]);
+    }
+  }
+
+ private:
+  // Load on the first grain.
+  struct Load {
+    Vector force;
+    Turn couple;
+  };
+  // For the relative displacement u [m] and rotation `turn` of the two surfaces.
+  template <class Answer>
+  static Load add_parts(const Answer& answer, const typename P::Vec& n, const Vector& u,
+                        const Turn& turn, Work& done, Losses& lost) {
+    if constexpr (std::convertible_to<Answer, typename P::Vec>) {
+      done.contact += in_double(answer).dot(u);
+    } else {
+      const double u_n = in_double(n).dot(u);
+      done.normal_spring += double(answer.normal_spring) * u_n;
+      done.normal_dashpot += double(answer.normal_dashpot) * u_n;
+      done.adhesion += double(answer.adhesion) * u_n;
+      done.tangential_spring += in_double(answer.tangential_spring).dot(u);
+      done.tangential_dashpot += in_double(answer.tangential_dashpot).dot(u);
+      lost.friction += double(answer.friction);
+      lost.plastic += double(answer.plastic);
+      if constexpr (requires { answer.couple(); }) {
+        done.rolling_spring += dot(in_double(answer.rolling_spring), turn);
+        done.rolling_dashpot += dot(in_double(answer.rolling_dashpot), turn);
+        lost.rolling_friction += double(answer.rolling_friction);
+      }
+    }
+    return {in_double(force_of(answer, n)), in_double(couple_of(answer))};
+  }
+
+  double duration_ = 0;
+  double kinetic_change_ = 0;
+  double rotational_change_ = 0;
+  double carried_away_ = 0;
+  std::vector<Vector> v_;
+  std::vector<Turn> w_;
+  std::vector<char> stays_;
+};
+
+}  // namespace silt::dem

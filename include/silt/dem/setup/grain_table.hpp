@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: MIT
+// Grains from a table, e.g. from read_csv: x, y[, z], radius, density or mass, and any other field
+// of grains (velocity_x, …, spin, material).
+#pragma once
+
+#include <silt/core/error.hpp>
+#include <silt/core/field_numbers.hpp>
+#include <silt/core/fields.hpp>
+#include <silt/core/types.hpp>
+#include <silt/dem/setup/grains.hpp>
+
+#include <algorithm>
+#include <concepts>
+#include <string>
+#include <vector>
+
+namespace silt::dem {
+
+/// A table of named columns of numbers. reject(row, column, reason) throws an error that names the
+/// file and the location of the number.
+template <class T>
+concept NamedColumns = requires(const T table, Index row, const std::string name) {
+  { table.rows() } -> std::convertible_to<Index>;
+  { table.names() } -> std::convertible_to<std::vector<std::string>>;
+  { table[name][row] } -> std::convertible_to<double>;
+  table.reject(row, name, name);
+};
+
+namespace detail {
+/// Names of all numbers that a table may set.
+template <class P>
+std::vector<std::string> settable_names(const P& grains) {
+  std::vector<std::string> names;
+  grains.for_each_field([&]<class F>(auto, F) {
+    if constexpr (role_of<F>() != Role::derived && has_numbers<F, P::dimension, typename P::Real>) {
+      for (const auto& name : number_names<F, P::dimension, typename P::Real>()) {
+        names.push_back(name);
+      }
+    }
+  });
+  return names;
+}
+
+template <class T>
+bool has_column(const T& table, const std::string& name) {
+  const auto& names = table.names();
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+template <class T>
+void check_columns(const T& table, const std::vector<std::string>& known) {
+  for (const std::string& name : table.names()) {
+    if (name == "density" || std::find(known.begin(), known.end(), name) != known.end()) continue;
+    std::string all;
+    for (const std::string& each : known) all += each + ", ";
+    fail("dem::grains_from: unknown column " + name + "; known are " + all +
+         "density; correct its name, or remove it");
+  }
+  if (has_column(table, "density") && has_column(table, "mass")) {
+    fail("dem::grains_from: the table has both density and mass; remove one of them");
+  }
+}
+}  // namespace detail
+
+/// One grain per row of the table, in the same order. Values without a column are taken from
+/// `defaults`, or are 0; if there is a mass but no inertia, the inertia follows from the mass.
+/// Throws silt::Error, naming the location in the file, if a number is out of range, and if a
+/// column is unknown.
+template <int Dim, class Real = double, Field... Further, NamedColumns T>
+Grains<Dim, Real, Further...> grains_from(const T& table, const Grain& defaults = {}) {
+  Grains<Dim, Real, Further...> grains;
+  detail::check_columns(table, detail::settable_names(grains));
+  const auto value = [&](Index row, const std::string& name, double fallback) {
+    if (!detail::has_column(table, name)) return fallback;
+    const double number = table[name][row];
+    if (!(number > 0)) table.reject(row, name, "must be above 0");
+    return number;
+  };
+  const bool by_mass = detail::has_column(table, "mass");
+  grains.reserve(table.rows());
+  for (Index row = 0; row < table.rows(); ++row) {
+    Vec<Dim, Real> x;
+    static constexpr const char* axes[] = {"x", "y", "z"};
+    for (int k = 0; k < Dim; ++k) x[k] = Real(table[axes[k]][row]);
+    Grain grain = defaults;
+    grain.radius = value(row, "radius", defaults.radius);
+    grain.density = by_mass ? 1 : value(row, "density", defaults.density);
+    const Index i = add_grain(grains, x, grain);
+    if (!by_mass) continue;
+    const Real m = Real(value(row, "mass", 0));
+    grains[inertia][i] *= m / grains[mass][i];
+    grains[mass][i] = m;
+  }
+  grains.for_each_field([&]<class F>(auto, F field) {
+    if constexpr (role_of<F>() != Role::derived && has_numbers<F, Dim, Real>) {
+      const auto names = number_names<F, Dim, Real>();
+      for (Index k = 0; k < names.size(); ++k) {
+        if (!detail::has_column(table, names[k])) continue;
+        const auto& column = table[names[k]];
+        auto values = grains[field];
+        for (Index row = 0; row < values.size(); ++row) {
+          using Value = typename decltype(values)::value_type;
+          if (!holds_number<Value>(column[row])) {
+            table.reject(row, names[k], "must be an integer in the range of the field");
+          }
+          set_number(values[row], k, column[row]);
+        }
+      }
+    }
+  });
+  return grains;
+}
+
+}  // namespace silt::dem

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: MIT
+// Adds grains during a run: at a given rate or as fast as there is space, up to a given number.
+#pragma once
+
+#include <silt/core/error.hpp>
+#include <silt/core/types.hpp>
+#include <silt/dem/setup/grains.hpp>
+#include <silt/dem/setup/packing.hpp>
+#include <silt/dem/setup/random.hpp>
+#include <silt/dem/setup/region.hpp>
+#include <silt/dem/setup/schedule.hpp>
+#include <silt/dem/setup/size_distribution.hpp>
+
+#include <algorithm>
+#include <cstdint>
+#include <optional>
+#include <utility>
+
+namespace silt::dem {
+
+/// Observer that adds grains to a region before a step, where they touch no other grain. The k-th
+/// grain uses the random numbers of the stream (seed, k), which do not depend on the course of the
+/// run. If there is no free position for a grain, it and all following grains are added later, so
+/// that the size distribution is kept.
+template <class R, SizeDistribution Sizes>
+class Inflow {
+ public:
+  using Bounds = BoundsOf<R>;
+  using Vec = decltype(Bounds::lower);
+  using Real = typename Vec::Scalar;
+
+  struct Settings {
+    Index number = 0;                 ///< total number of grains
+    std::optional<double> rate = {};  ///< [1/s]; not set: as many as there is space for
+    double from = 0;                  ///< time of the first grain [s]
+    Vec velocity = Vec::Zero();       ///< initial velocity of the grains [m/s]
+    double every = 0;                 ///< time between two attempts [s]; 0: every step
+    Index tries = 100;                ///< positions to try for a grain in one attempt
+    std::uint64_t seed = 0;
+  };
+
+  /// Throws if the region, the blend or a setting is out of range.
+  Inflow(R region, Blend<Sizes> blend, const Settings& settings)
+      : region_(std::move(region)), blend_(std::move(blend)), settings_(settings) {
+    region_.check();
+    blend_.check();
+    if (settings_.rate) require_positive("Inflow: rate", *settings_.rate);
+    require_finite("Inflow: from", settings_.from);
+    require_finite("Inflow: velocity", settings_.velocity);
+    require_not_negative("Inflow: every", settings_.every);
+  }
+
+  /// Grains added so far.
+  Index number() const noexcept { return added_; }
+  bool is_done() const noexcept { return added_ == settings_.number; }
+
+  template <class Sim>
+  void before_step(Sim& simulation) {
+    const double since = simulation.time() - settings_.from;
+    if (since < 0 || added_ >= due(since)) return;
+    if (!schedule_.is_due({.since = since, .every = settings_.every})) return;
+    add_grains(simulation.particles(), due(since));
+  }
+
+  /// State for a checkpoint, see core/transfer.hpp.
+  template <class Archive>
+  void transfer(Archive& archive) {
+    archive("added", added_);
+    archive("tried", tried_);
+    archive("checks", schedule_.number);
+  }
+
+ private:
+  Index due(double since) const {
+    if (!settings_.rate) return settings_.number;
+    const double expected = std::min(*settings_.rate * since, double(settings_.number));
+    return std::min(settings_.number, 1 + completed_intervals(expected));
+  }
+
+  template <class P>
+  void add_grains(P& grains, Index target) {
+    Placement<R, P::dimension, Real> placement(grains, region_, blend_.sizes.largest());
+    while (added_ < target) {
+      Random random{.seed = settings_.seed, .id = added_};
+      const Grain grain = blend_.draw(random);
+      random.counter += tried_;
+      const auto drawn = random.counter;
+      const auto ball = placement.find(random, Real(grain.radius), settings_.tries);
+      tried_ += random.counter - drawn;
+      if (!ball) return;
+      const Index i = add_grain(grains, ball->centre, grain);
+      grains[velocity][i] = settings_.velocity;
+      ++added_;
+      tried_ = 0;
+    }
+  }
+
+  R region_;
+  Blend<Sizes> blend_;
+  Settings settings_;
+  Index added_ = 0;
+  std::uint64_t tried_ = 0;  // random numbers used so far for the next grain
+  Schedule schedule_;
+};
+
+template <class R, class Sizes>
+Inflow(R, Blend<Sizes>, typename Inflow<R, Sizes>::Settings) -> Inflow<R, Sizes>;
+
+}  // namespace silt::dem

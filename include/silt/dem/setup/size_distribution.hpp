@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: MIT
+// Random grain radii: equal, uniform, lognormal, or from a sieve analysis. A distribution is a
+// struct with
+//   radius(random)   → [m], drawn from a Random
+//   largest()        → [m], upper bound of the radii
+//   check()          throws if the distribution is invalid
+#pragma once
+
+#include <silt/core/error.hpp>
+#include <silt/core/types.hpp>
+#include <silt/dem/setup/grains.hpp>
+#include <silt/dem/setup/random.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <concepts>
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace silt::dem {
+
+template <class S>
+concept SizeDistribution = requires(const S sizes, Random random) {
+  { sizes.radius(random) } -> std::convertible_to<double>;
+  { sizes.largest() } -> std::convertible_to<double>;
+  sizes.check();
+};
+
+namespace detail {
+inline void check_sizes(const std::string& name, const Range& radii) {
+  require_positive(name + ": min_radius", radii.lower);
+  require_finite(name + ": max_radius", radii.upper);
+  if (radii.lower > radii.upper) {
+    fail(name + ": min_radius = " + to_text(radii.lower) +
+         " m is above max_radius = " + to_text(radii.upper) + " m; swap them");
+  }
+}
+}  // namespace detail
+
+/// One radius for all grains.
+struct EqualSizes {
+  double value = 0;  ///< R [m], above 0
+
+  void check() const { require_positive("EqualSizes: value", value); }
+  double radius(Random&) const { return value; }
+  double largest() const { return value; }
+};
+
+/// Radii distributed uniformly (by number) between two limits.
+struct UniformSizes {
+  double min_radius = 0;  ///< [m], above 0
+  double max_radius = 0;  ///< [m]
+
+  void check() const { detail::check_sizes("UniformSizes", {min_radius, max_radius}); }
+  double radius(Random& random) const { return random.uniform({min_radius, max_radius}); }
+  double largest() const { return max_radius; }
+};
+
+/// Lognormal distribution of the radii, truncated at both ends.
+struct LognormalSizes {
+  double median = 0;      ///< of the radii before truncation [m]
+  double deviation = 0;   ///< standard deviation σ of ln R [-]
+  double min_radius = 0;  ///< [m], above 0
+  double max_radius = 0;  ///< [m]
+
+  /// Also throws if less than a hundredth of the distribution remains after truncation.
+  void check() const {
+    detail::check_sizes("LognormalSizes", {min_radius, max_radius});
+    require_positive("LognormalSizes: median", median);
+    require_positive("LognormalSizes: deviation", deviation);
+    const double left = share_below(max_radius) - share_below(min_radius);
+    if (left < 0.01) {
+      fail("LognormalSizes: only " + to_text(left) + " of all grains have radii from " +
+           to_text(min_radius) + " to " + to_text(max_radius) +
+           " m; widen these limits, or choose a median between them");
+    }
+  }
+  double radius(Random& random) const {
+    while (true) {
+      const double R = median * std::exp(deviation * random.normal());
+      if (min_radius <= R && R <= max_radius) return R;
+    }
+  }
+  double largest() const { return max_radius; }
+
+  /// Fraction of the grains with a radius below R, before truncation [-].
+  double share_below(double R) const {
+    return std::erfc(-std::log(R / median) / (deviation * std::sqrt(2.0))) / 2;
+  }
+};
+
+/// Result of a sieve analysis: mass fractions between pairs of openings.
+class SieveSizes {
+ public:
+  /// Grains with radii distributed uniformly (by number) between two limits.
+  struct Fraction {
+    double min_radius = 0;  ///< [m], above 0
+    double max_radius = 0;  ///< [m]
+    double mass = 0;        ///< mass of the fraction, in any unit; not below 0
+  };
+
+  struct Settings {
+    int power = 3;  ///< power of the radius in a grain's mass: 3 for spheres, 2 for discs
+  };
+
+  /// Throws if a fraction is invalid, if all masses are 0, or if the power is neither 2 nor 3.
+  explicit SieveSizes(std::vector<Fraction> fractions) : SieveSizes(std::move(fractions), {}) {}
+  SieveSizes(std::vector<Fraction> fractions, const Settings& settings)
+      : fractions_(std::move(fractions)), power_(settings.power) {
+    require_between("SieveSizes: power", power_, {2, 3});
+    check();
+    double grains = 0;
+    for (const Fraction& each : fractions_) {
+      grains += each.mass / mean_volume(each);
+      up_to_.push_back(grains);
+    }
+    for (double& share : up_to_) share /= grains;
+  }
+
+  void check() const {
+    double mass = 0;
+    for (const Fraction& each : fractions_) {
+      detail::check_sizes("SieveSizes", {each.min_radius, each.max_radius});
+      require_not_negative("SieveSizes: mass", each.mass);
+      mass += each.mass;
+    }
+    require_positive("SieveSizes: mass of all fractions", mass);
+  }
+  double radius(Random& random) const {
+    const double place = random.uniform();
+    Index k = 0;
+    while (k + 1 < up_to_.size() && place >= up_to_[k]) ++k;
+    return random.uniform({fractions_[k].min_radius, fractions_[k].max_radius});
+  }
+  double largest() const {
+    double most = 0;
+    for (const Fraction& each : fractions_) {
+      if (each.mass > 0) most = std::max(most, each.max_radius);
+    }
+    return most;
+  }
+
+ private:
+  // Mean of R^power for radii uniform from a to b: Σ a^k b^(power−k) / (power + 1).
+  double mean_volume(const Fraction& fraction) const {
+    double sum = 0;
+    for (int k = 0; k <= power_; ++k) {
+      sum += std::pow(fraction.min_radius, k) * std::pow(fraction.max_radius, power_ - k);
+    }
+    return sum / (power_ + 1);
+  }
+
+  std::vector<Fraction> fractions_;
+  int power_;
+  std::vector<double> up_to_;  // cumulative number fraction of the grains
+};
+
+/// Grains of one material with a distribution of sizes.
+template <SizeDistribution Sizes>
+struct Blend {
+  Sizes sizes;
+  double density = 0;            ///< ρ of the grains' material [kg/m³], above 0
+  Shape shape = Shape::natural;  ///< see Grain
+  Index material = 0;            ///< in dem::Materials, below 2³²
+
+  /// Throws if sizes or density are out of range.
+  void check() const {
+    sizes.check();
+    require_positive("Blend: density", density);
+  }
+  Grain draw(Random& random) const {
+    return {
+        .radius = sizes.radius(random), .density = density, .shape = shape, .material = material};
+  }
+};
+
+}  // namespace silt::dem

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <silt/core/error.hpp>
+#include <silt/core/types.hpp>
+#include <silt/dem/wall/wall.hpp>
+
+#include <cstdint>
+
+namespace silt::dem {
+
+/// Half-space: everything behind the plane is solid. In 2D the plane is a line.
+template <int Dim, class Real = double>
+struct Plane {
+  Vec<Dim, Real> point = Vec<Dim, Real>::Zero();          ///< any point of the plane [m]
+  Vec<Dim, Real> normal = Vec<Dim, Real>::Unit(Dim - 1);  ///< out of the solid; any non-zero length
+  std::uint32_t material = 0;                             ///< index in dem::Materials
+
+  /// Normalises `normal`; throws if its length is 0.
+  void check() {
+    require_finite("Plane: point", point);
+    require_finite("Plane: normal", normal);
+    require_positive("Plane: length of the normal", double(normal.norm()));
+    normal.normalize();
+  }
+
+  NearestPoint<Dim, Real> nearest(const Vec<Dim, Real>& x) const {
+    return {normal, (x - point).dot(normal)};
+  }
+};
+
+}  // namespace silt::dem

@@ -1,0 +1,249 @@
+// SPDX-License-Identifier: MIT
+// All walls of a simulation. The elements of all walls are numbered consecutively, in the order of
+// the walls; contacts refer to an element by this index.
+#pragma once
+
+#include <silt/core/box.hpp>
+#include <silt/core/types.hpp>
+#include <silt/dem/wall/moving.hpp>
+#include <silt/dem/wall/wall.hpp>
+
+#include <array>
+#include <cstdint>
+#include <tuple>
+#include <type_traits>
+#include <utility>
+
+namespace silt::dem {
+
+/// Times at which the poses and velocities of walls are evaluated [s].
+struct WallTimes {
+  double positions = 0;
+  double velocities = 0;
+};
+
+struct TimeSpan {
+  double from = 0;  ///< [s]
+  double to = 0;    ///< [s]
+};
+
+namespace detail {
+
+template <class W, int Dim, class Real>
+NearestPoint<Dim, Real> nearest_on(const W& wall, [[maybe_unused]] Index element,
+                                   const Vec<Dim, Real>& x) {
+  if constexpr (CompositeWall<W, Dim, Real>) {
+    return wall.nearest(element, x);
+  } else {
+    return wall.nearest(x);
+  }
+}
+
+template <class W, int Dim, class Real, class F>
+void for_each_element_near(const W& wall, const Vec<Dim, Real>& x, Real distance, F&& f) {
+  if constexpr (CompositeWall<W, Dim, Real>) {
+    wall.for_each_element_near(x, distance, f);
+  } else {
+    if (wall.nearest(x).distance < distance) f(Index(0));
+  }
+}
+
+/// A wall at rest, the same at any time.
+template <class W, int Dim, class Real>
+class WallAtTime {
+ public:
+  WallAtTime(const W& wall, const WallTimes&) : wall_(wall) {}
+  NearestPoint<Dim, Real> nearest(Index element, const Vec<Dim, Real>& x) const {
+    return nearest_on<W, Dim, Real>(wall_, element, x);
+  }
+  template <class F>
+  void for_each_element_near(const Vec<Dim, Real>& x, Real distance, F&& f) const {
+    detail::for_each_element_near<W, Dim, Real>(wall_, x, distance, f);
+  }
+  RigidVelocity<Dim, Real> velocity() const { return {}; }
+
+ private:
+  const W& wall_;
+};
+
+/// A moving wall at one time.
+template <class W, class M, int Dim, class Real>
+class WallAtTime<Moving<W, M>, Dim, Real> {
+ public:
+  WallAtTime(const Moving<W, M>& moving, const WallTimes& times)
+      : wall_(moving.wall),
+        pose_(moving.motion.pose_at(times.positions)),
+        velocity_(moving.motion.velocity_at(times.velocities)) {}
+  NearestPoint<Dim, Real> nearest(Index element, const Vec<Dim, Real>& x) const {
+    auto at = nearest_on<W, Dim, Real>(wall_, element, pose_.X_of(x));
+    at.normal = multiply(pose_.rotation, at.normal);
+    return at;
+  }
+  template <class F>
+  void for_each_element_near(const Vec<Dim, Real>& x, Real distance, F&& f) const {
+    detail::for_each_element_near<W, Dim, Real>(wall_, pose_.X_of(x), distance, f);
+  }
+  const RigidVelocity<Dim, Real>& velocity() const { return velocity_; }
+
+ private:
+  const W& wall_;
+  Pose<Dim, Real> pose_;
+  RigidVelocity<Dim, Real> velocity_;
+};
+
+}  // namespace detail
+
+/// The walls of a set at one time, by the indices of their elements. Holds references to the set.
+template <int Dim, class Real, class... Walls>
+class WallsAtTime {
+ public:
+  /// At least one wall moves.
+  static constexpr bool move = (is_moving<Walls> || ...);
+
+  WallsAtTime(const std::tuple<Walls...>& walls,
+              const std::array<Index, sizeof...(Walls) + 1>& first, const WallTimes& times)
+      : walls_(std::apply([&](const Walls&... wall) { return Tuple(Then<Walls>(wall, times)...); },
+                          walls)),
+        first_(first) {}
+
+  /// Nearest point of an element.
+  NearestPoint<Dim, Real> nearest(Index index, const Vec<Dim, Real>& x) const {
+    NearestPoint<Dim, Real> nearest{};
+    with(index, [&](const auto& wall, Index element) { nearest = wall.nearest(element, x); });
+    return nearest;
+  }
+
+  /// Velocity of the wall to which an element belongs.
+  RigidVelocity<Dim, Real> velocity(Index index) const {
+    RigidVelocity<Dim, Real> velocity;
+    with(index, [&](const auto& wall, Index) { velocity = wall.velocity(); });
+    return velocity;
+  }
+
+  /// f(index) for each element closer to x than `distance` [m], and possibly for further ones.
+  template <class F>
+  void for_each_element_near(const Vec<Dim, Real>& x, Real distance, F&& f) const {
+    Index w = 0;
+    const auto visit = [&](const auto& wall) {
+      const Index first = first_[w++];
+      wall.for_each_element_near(x, distance, [&](Index element) { f(first + element); });
+    };
+    std::apply([&](const auto&... wall) { (visit(wall), ...); }, walls_);
+  }
+
+ private:
+  template <class W>
+  using Then = detail::WallAtTime<W, Dim, Real>;
+  using Tuple = std::tuple<Then<Walls>...>;
+
+  template <class F>
+  void with(Index index, F&& f) const {
+    Index w = 0;
+    const auto is_it = [&](const auto& wall) {
+      const Index first = first_[w++];
+      if (index >= first_[w]) return false;
+      f(wall, index - first);
+      return true;
+    };
+    std::apply([&](const auto&... wall) { static_cast<void>((is_it(wall) || ...)); }, walls_);
+  }
+
+  Tuple walls_;
+  const std::array<Index, sizeof...(Walls) + 1>& first_;
+};
+
+/// Walls, numbered in the order given.
+template <class... Walls>
+class WallSet {
+ public:
+  /// At least one wall moves.
+  static constexpr bool move = (is_moving<Walls> || ...);
+
+  /// Throws if a wall is invalid.
+  explicit WallSet(Walls... walls) : walls_(std::move(walls)...) {
+    Index w = 0;
+    for_each([&](auto& wall) {
+      wall.check();
+      auto& body = body_of(wall);
+      materials_[w] = body.material;
+      Index elements = 1;
+      if constexpr (requires { body.element_count(); }) elements = body.element_count();
+      first_[w + 1] = first_[w] + elements;
+      ++w;
+    });
+  }
+
+  static constexpr Index size() { return sizeof...(Walls); }
+
+  /// Their poses and velocities at the given times.
+  template <int Dim, class Real>
+  auto at(const WallTimes& times) const {
+    return WallsAtTime<Dim, Real, Walls...>(walls_, first_, times);
+  }
+
+  /// Number of the wall to which an element belongs.
+  Index number_of(Index index) const noexcept {
+    Index w = 0;
+    while (w + 1 < size() && index >= first_[w + 1]) ++w;
+    return w;
+  }
+  /// Material of a wall: an index in dem::Materials.
+  std::uint32_t material(Index number) const noexcept { return materials_[number]; }
+
+  /// Upper bound of the displacement of any wall between two times [m], within the box.
+  template <int Dim, class Real>
+  Real max_displacement(const TimeSpan& span, const Box<Dim, Real>& box) const {
+    return max_over_corners<Dim, Real>(box, [&](const auto& motion) {
+      const Pose<Dim, Real> then = motion.pose_at(span.from);
+      const Pose<Dim, Real> now = motion.pose_at(span.to);
+      return [=](const Vec<Dim, Real>& x) { return Vec<Dim, Real>(x - then.x_of(now.X_of(x))); };
+    });
+  }
+  /// Upper bound of the speed of any wall within the box [m/s].
+  template <int Dim, class Real>
+  Real max_speed(double time, const Box<Dim, Real>& box) const {
+    return max_over_corners<Dim, Real>(box, [&](const auto& motion) {
+      return [v = motion.velocity_at(time)](const Vec<Dim, Real>& x) { return v.at(x); };
+    });
+  }
+
+ private:
+  template <class W>
+  static auto& body_of(W& wall) {
+    if constexpr (is_moving<std::remove_cv_t<W>>) {
+      return wall.wall;
+    } else {
+      return wall;
+    }
+  }
+  template <class F>
+  void for_each(F&& f) {
+    std::apply([&](auto&... wall) { (f(wall), ...); }, walls_);
+  }
+
+  // Maximum norm, within the box, of the vector fields field_of(motion). The fields are linear in
+  // x, so the maximum is at a corner.
+  template <int Dim, class Real, class FieldOf>
+  Real max_over_corners(const Box<Dim, Real>& box, FieldOf&& field_of) const {
+    Real largest = 0;
+    const auto visit = [&]<class W>(const W& wall) {
+      if constexpr (is_moving<W>) {
+        const auto field = field_of(wall.motion);
+        for (unsigned corner = 0; corner < 1u << Dim; ++corner) {
+          Vec<Dim, Real> x;
+          for (int k = 0; k < Dim; ++k) x[k] = (corner >> k & 1) != 0 ? box.upper[k] : box.lower[k];
+          const Real length = field(x).norm();
+          if (!(length <= largest)) largest = length;  // a NaN stays
+        }
+      }
+    };
+    std::apply([&](const auto&... wall) { (visit(wall), ...); }, walls_);
+    return largest;
+  }
+
+  std::tuple<Walls...> walls_;
+  std::array<Index, sizeof...(Walls) + 1> first_{};
+  std::array<std::uint32_t, sizeof...(Walls) + 1> materials_{};
+};
+
+}  // namespace silt::dem

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: MIT
+// A symmetric linear system, assembled by an interaction and solved by a LinearSolver.
+#pragma once
+
+#include <silt/core/error.hpp>
+#include <silt/core/parallel.hpp>
+#include <silt/core/types.hpp>
+#include <silt/linear/window_rows.hpp>
+
+#include <array>
+#include <concepts>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace silt {
+
+/// A x = b with A symmetric and positive definite, or semi-definite with b in its range. Unknowns
+/// and sums are double, because float is not sufficient for a pressure to six digits. The
+/// off-diagonal entries of A are stored as float.
+struct LinearSystem {
+  std::vector<double> diagonal;
+  WindowRows off_diagonal;
+  std::vector<double> right_side;
+
+  /// Closed bodies, that is, sets of unknowns that A determines only up to a constant: number of
+  /// the body of each row, 0 for rows of none; empty if there are no such bodies. A solver removes
+  /// these constants from what it adds to x.
+  std::vector<std::uint32_t> closed_body;
+  Index closed_bodies = 0;
+
+  /// Positions of the unknowns, for preconditioners that use them; without points they are not
+  /// used.
+  struct Geometry {
+    double spacing = 0;        ///< of the particles [m]
+    double full_diagonal = 0;  ///< of an unknown with all its neighbours
+    double second_moment = 0;  ///< Σ_j |a_ij| Δx²/spacing² over Σ_j |a_ij|, along an axis
+    std::vector<std::array<double, 3>> points;  ///< [m]
+    std::vector<float> to_surface;  ///< Σ of the weights to points of given value
+  };
+  Geometry geometry;
+
+  Index size() const noexcept { return diagonal.size(); }
+
+  /// f(i, (A x)_i) for the rows of one chunk.
+  template <class F>
+  void multiply(Chunk chunk, std::span<const double> x, F&& f) const {
+    off_diagonal.multiply(chunk, x, [&](Index i, double sum) { f(i, diagonal[i] * x[i] + sum); });
+  }
+
+  /// Subtracts from v its mean over each closed body.
+  void remove_constants(std::span<double> v) const {
+    if (closed_bodies == 0) return;
+    std::vector<double> sum(closed_bodies + 1, 0);
+    std::vector<double> members(closed_bodies + 1, 0);
+    for (Index row = 0; row < v.size(); ++row) {
+      sum[closed_body[row]] += v[row];
+      members[closed_body[row]] += 1;
+    }
+    for_each(v.size(), [&](Index row) {
+      const Index body = closed_body[row];
+      if (body > 0) v[row] -= sum[body] / members[body];
+    });
+  }
+};
+
+/// Solves a LinearSystem in place, with x as the initial guess. Models: ConjugateGradient,
+/// EigenConjugateGradient.
+template <class L>
+concept LinearSolver = requires(L solver, const LinearSystem& system, std::vector<double>& x) {
+  { solver.solve(system, x) } -> std::same_as<SolveReport>;
+  solver.check();
+};
+
+}  // namespace silt
