@@ -18,8 +18,7 @@
 #include <silt/core/particles.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/contact/pair_history.hpp>
-#include <silt/dem/measure/energy_terms.hpp>
-#include <silt/dem/measure/mean_motion.hpp>
+#include <silt/dem/measure/contact_work.hpp>
 #include <silt/dem/setup/grains.hpp>
 
 #include <concepts>
