@@ -88,9 +88,33 @@ Real margin_of(const S& search) {
   }
 }
 
+namespace detail {
+template <class I, class P>
+struct BoundTo {
+  using type = I;
+};
+template <class I, class P>
+  requires requires { typename I::template For<P>; }
+struct BoundTo<I, P> {
+  using type = typename I::template For<P>;
+};
+}  // namespace detail
+
+/// The type in which a simulation of particles P stores an interaction I: I::For<P>, constructed
+/// from an I, if this type exists; otherwise I itself. An interaction with data whose types depend
+/// on the particles, such as dem::Contacts, has a For.
+template <class I, class P>
+using Bound = typename detail::BoundTo<I, P>::type;
+
+/// The interaction for these particles, for calls without a simulation.
+template <class I, class P>
+Bound<I, P> bound(I interaction, const P&) {
+  return Bound<I, P>(std::move(interaction));
+}
+
 /// i.reach(p) is the interaction range [m]; 0 if no neighbours are needed.
 template <class I, class P>
-concept HasReach = requires(const I i, const P& p) {
+concept HasReach = requires(const Bound<I, P> i, const P& p) {
   { i.reach(p) } -> std::convertible_to<typename P::Real>;
 };
 
@@ -98,14 +122,14 @@ concept HasReach = requires(const I i, const P& p) {
 /// advances. Models: dem::Contacts, Gravity, Forces.
 template <class I, class P, class S>
 concept Interaction = NeighbourSearch<S, P> && HasReach<I, P> &&
-                      requires(I i, P& p, S& s, double dt) { i.accelerate(p, s, dt); };
+                      requires(Bound<I, P> i, P& p, S& s, double dt) { i.accelerate(p, s, dt); };
 
 /// add_forces(p, i) adds to the owned particle i alone what accelerate() adds to all, so that
 /// forces and motion can be computed in one pass over the particles. If this needs quantities that
 /// several particles share, the interaction may also have
 ///   prepare(p, s, dt)      called once, before the pass
 ///   interact(p, chunk)     called for every chunk of particles; computes the shared quantities
-///   needs<P>(chunk)        the range of chunks whose interact() must have been called before
+///   needs(chunk)           the range of chunks whose interact() must have been called before
 ///                          add_forces() of the particles of this chunk
 ///   conclude(p, dt)        called once, after the pass
 /// Models: dem::Contacts, Gravity, Forces.
@@ -121,16 +145,16 @@ void prepare(I& interaction, P& particles, S& search, double dt) {
 template <class I, class P>
 void interact(I& interaction, P& particles, Chunk chunk) {
   if constexpr (requires { interaction.interact(particles, chunk); }) {
-    static_assert(requires { { interaction.template needs<P>(chunk) } -> std::same_as<ChunkSpan>; },
+    static_assert(requires { { interaction.needs(chunk) } -> std::same_as<ChunkSpan>; },
                   "silt: an interaction with interact(particles, chunk) must also have "
-                  "needs<P>(chunk), which returns a ChunkSpan");
+                  "needs(chunk), which returns a ChunkSpan");
     interaction.interact(particles, chunk);
   }
 }
-template <class P, class I>
+template <class I>
 ChunkSpan needs(const I& interaction, Chunk chunk) {
-  if constexpr (requires { interaction.template needs<P>(chunk); }) {
-    return interaction.template needs<P>(chunk);
+  if constexpr (requires { interaction.needs(chunk); }) {
+    return interaction.needs(chunk);
   } else {
     return {chunk.number, chunk.number};
   }
@@ -150,7 +174,7 @@ template <class I, class P, class UseForces>
 void for_each_chunk_with_forces(I& interaction, P& particles, UseForces&& use_forces) {
   for_each_chunk_in_two(
       particles.size(), [&](Chunk chunk) { interact(interaction, particles, chunk); }, use_forces,
-      [&](Chunk chunk) { return needs<P>(interaction, chunk); });
+      [&](Chunk chunk) { return needs(interaction, chunk); });
 }
 template <class I, class P, class S>
   requires AddsForces<I, P>
@@ -198,7 +222,7 @@ concept AdvancesField = bool(T::template advances<F>);
 /// Models: Leapfrog, SemiImplicit.
 template <class T, class P, class S, class I>
 concept Integrator = NeighbourSearch<S, P> && HasReach<I, P> &&
-                     requires(T t, P& p, S& s, I& i, double dt) { t.step(p, s, i, dt); };
+                     requires(T t, P& p, S& s, Bound<I, P>& i, double dt) { t.step(p, s, i, dt); };
 
 /// Calls I::explain<P>(), if it exists: static_asserts with readable messages about missing fields
 /// or members. Returns true, so that the call can be the condition of a static_assert.
@@ -210,7 +234,7 @@ constexpr bool explain() {
 
 /// Chooses the next time step [s].
 template <class I, class P>
-concept ChoosesTimeStep = requires(I i, const P& p) {
+concept ChoosesTimeStep = requires(Bound<I, P> i, const P& p) {
   { i.time_step(p) } -> std::convertible_to<double>;
 };
 

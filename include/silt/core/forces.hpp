@@ -57,6 +57,16 @@ class Forces {
  public:
   explicit Forces(Parts... parts) : parts_(std::move(parts)...) {}
 
+  /// The parts for particles P, see Bound in core/concepts.hpp.
+  template <class P>
+  using For = Forces<Bound<Parts, P>...>;
+  template <class... Unbound>
+    requires(sizeof...(Unbound) == sizeof...(Parts) && !std::same_as<Forces<Unbound...>, Forces>)
+  Forces(Forces<Unbound...> unbound)
+      : parts_(std::apply(
+            [](auto&... part) { return std::tuple<Parts...>(Parts(std::move(part))...); },
+            unbound.parts_)) {}
+
   /// Calls explain() of each part, see core/concepts.hpp.
   template <class P>
   static constexpr void explain() {
@@ -65,8 +75,16 @@ class Forces {
 
   /// The part of this type, or with this number, to read its results.
   template <class Part>
-  const Part& part() const {
-    return std::get<Part>(parts_);
+  const auto& part() const {
+    constexpr Index number = [] {
+      Index k = 0;
+      Index found = 0;
+      ((found = std::derived_from<Parts, Part> ? k : found, ++k), ...);
+      return found;
+    }();
+    static_assert((Index(std::derived_from<Parts, Part>) + ...) == 1,
+                  "silt::Forces: not exactly one part has this type; give its number");
+    return std::get<number>(parts_);
   }
   template <Index K>
   const auto& part() const {
@@ -106,11 +124,10 @@ class Forces {
   void interact(P& particles, Chunk chunk) {
     for_each_part([&](auto& part) { silt::interact(part, particles, chunk); });
   }
-  template <class P>
   ChunkSpan needs(Chunk chunk) const {
     ChunkSpan all{chunk.number, chunk.number};
     for_each_part([&](const auto& part) {
-      const ChunkSpan own = silt::needs<P>(part, chunk);
+      const ChunkSpan own = silt::needs(part, chunk);
       all = {std::min(all.first, own.first), std::max(all.last, own.last)};
     });
     return all;
@@ -158,6 +175,9 @@ class Forces {
   }
 
  private:
+  template <class...>
+  friend class Forces;
+
   template <class F>
   void for_each_part(F&& f) {
     std::apply([&](auto&... part) { (f(part), ...); }, parts_);

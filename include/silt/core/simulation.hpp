@@ -48,6 +48,7 @@ class Simulation {
   static_assert(!NeighbourSearch<S, P> || !HasReach<I, P> || Integrator<T, P, S, I>,
                 "silt::Simulation: this integrator cannot advance these particles with this "
                 "interaction (Leapfrog takes forces on grains, SemiImplicit a flow)");
+  using BoundInteraction = Bound<I, P>;
 
  public:
   /// Throws if the search radius was given and is smaller than the interaction range.
@@ -75,18 +76,18 @@ class Simulation {
   const P& particles() const noexcept { return particles_; }
   /// In the state of its last update, in the last step or in the constructor.
   const S& search() const noexcept { return search_; }
-  I& interaction() noexcept { return interaction_; }
-  const I& interaction() const noexcept { return interaction_; }
+  BoundInteraction& interaction() noexcept { return interaction_; }
+  const BoundInteraction& interaction() const noexcept { return interaction_; }
   const T& integrator() const noexcept { return integrator_; }
 
   /// Copies of the particles and the interaction with all quantities at time(); an integrator that
   /// stores velocities at half steps advances them to time(). The simulation is not changed.
   struct State {
     P particles;
-    I interaction;  ///< its results, such as the contacts, refer to `particles`
+    BoundInteraction interaction;  ///< its results, such as the contacts, refer to `particles`
   };
   State state() const {
-    if constexpr (requires(T t, P p, S s, I i) { t.synchronise(p, s, i); }) {
+    if constexpr (requires(T t, P p, S s, BoundInteraction i) { t.synchronise(p, s, i); }) {
       Simulation copy = *this;
       set_time(copy.interaction_, time_);
       copy.integrator_.synchronise(copy.particles_, copy.search_, copy.interaction_);
@@ -98,7 +99,7 @@ class Simulation {
 
   /// The particles of state().
   P snapshot() const {
-    if constexpr (requires(T t, P p, S s, I i) { t.synchronise(p, s, i); }) {
+    if constexpr (requires(T t, P p, S s, BoundInteraction i) { t.synchronise(p, s, i); }) {
       return state().particles;
     } else {
       return particles_;
@@ -109,7 +110,7 @@ class Simulation {
   /// passes to constructors (laws, walls, settings) is not included.
   template <class Archive>
   void transfer(Archive& archive) {
-    static_assert(!Transactional<I> || Transferable<I, Archive, P> || Transferable<I, Archive>,
+    static_assert(!Transactional<BoundInteraction> || Transferable<BoundInteraction, Archive, P> || Transferable<BoundInteraction, Archive>,
                   "silt::Simulation: this interaction has state (it has save() and restore()), so "
                   "a checkpoint needs its transfer(archive, particles)");
     archive("time", time_);
@@ -140,7 +141,7 @@ class Simulation {
     const detail::Team team(thread_choice_, particles_.size());
     set_time(interaction_, time_);
     double dt = std::numeric_limits<double>::infinity();
-    if constexpr (ChoosesTimeStep<I, P>) dt = interaction_.time_step(particles_);
+    if constexpr (ChoosesTimeStep<BoundInteraction, P>) dt = interaction_.time_step(particles_);
     // The last particle may leave during a run.
     if (!is_finite(dt) && particles_.size() == 0 && last_time_step_ > 0) return last_time_step_;
     if (!is_finite(dt)) {
@@ -310,13 +311,13 @@ class Simulation {
       if constexpr (role_of<F>() == Role::state && !AdvancesField<T, F>) particles_.keep(field);
     });
     if constexpr (Transactional<S>) search_.save();
-    if constexpr (Transactional<I>) interaction_.save();
+    if constexpr (Transactional<BoundInteraction>) interaction_.save();
     saved_integrator_ = integrator_;
   }
   void restore() noexcept {
     particles_.restore();
     if constexpr (Transactional<S>) search_.restore();
-    if constexpr (Transactional<I>) interaction_.restore();
+    if constexpr (Transactional<BoundInteraction>) interaction_.restore();
     integrator_ = *saved_integrator_;
   }
 
@@ -397,7 +398,7 @@ class Simulation {
 
   P particles_;
   S search_;
-  I interaction_;
+  BoundInteraction interaction_;
   T integrator_;
   std::optional<T> saved_integrator_;
   bool chooses_radius_;

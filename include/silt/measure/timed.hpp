@@ -2,7 +2,10 @@
 // Wrappers that measure the wall-clock time spent in a search or an interaction.
 #pragma once
 
+#include <silt/core/concepts.hpp>
+
 #include <chrono>
+#include <concepts>
 #include <utility>
 
 namespace silt {
@@ -55,6 +58,14 @@ template <class I>
 class TimedInteraction : public I {
  public:
   explicit TimedInteraction(I interaction) : I(std::move(interaction)) {}
+
+  /// See Bound in core/concepts.hpp.
+  template <class P>
+  using For = TimedInteraction<Bound<I, P>>;
+  template <class Unbound>
+    requires(!std::same_as<Unbound, I>)
+  TimedInteraction(TimedInteraction<Unbound> unbound)
+      : I(static_cast<Unbound&&>(unbound)) {}
 
   template <class P, class S>
     requires requires(I& i, P& p, S& s) { i.accelerate(p, s, 0.0); }
