@@ -218,7 +218,8 @@ concept AdvancesField = bool(T::template advances<F>);
 
 /// Advances particles by one step. It may also have
 ///   advances<F>     true for the fields that it saves itself, see AdvancesField
-///   all_finite()    true if it has verified that all results of the last step are finite
+///   results_are_valid()   true if it has verified that all results of the last step are finite and
+///                   all positions within the box
 /// Models: Leapfrog, SemiImplicit.
 template <class T, class P, class S, class I>
 concept Integrator = NeighbourSearch<S, P> && HasReach<I, P> &&

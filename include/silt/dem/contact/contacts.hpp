@@ -122,6 +122,8 @@ class ContactsOf : public Contacts<Law, Walls...> {
 
   /// Interaction range: twice the largest radius [m].
   Real reach(const P& grains) const {
+    const auto& known = found_.validity();
+    if (known.owned_revision == grains.owned_revision()) return known.reach;
     const auto R = grains[radius];
     return 2 * largest(R.size(), Real(0), [&](Index i) { return R[i]; });
   }
