@@ -9,6 +9,7 @@
 #include <silt/core/types.hpp>
 
 #include <algorithm>
+#include <array>
 #include <concepts>
 #include <limits>
 #include <string>
@@ -57,15 +58,20 @@ class Forces {
  public:
   explicit Forces(Parts... parts) : parts_(std::move(parts)...) {}
 
-  /// The parts for particles P, see Bound in core/concepts.hpp.
+  // See ForParticles in core/concepts.hpp.
+  using Description = Forces;
   template <class P>
-  using For = Forces<Bound<Parts, P>...>;
-  template <class... Unbound>
-    requires(sizeof...(Unbound) == sizeof...(Parts) && !std::same_as<Forces<Unbound...>, Forces>)
-  Forces(Forces<Unbound...> unbound)
+  using For = Forces<ForParticles<Parts, P>...>;
+  template <class... Descriptions>
+    requires(sizeof...(Descriptions) == sizeof...(Parts) &&
+             !std::same_as<Forces<Descriptions...>, Forces> &&
+             (std::constructible_from<Parts, Descriptions> && ...))
+  Forces(Forces<Descriptions...> described)
       : parts_(std::apply(
-            [](auto&... part) { return std::tuple<Parts...>(Parts(std::move(part))...); },
-            unbound.parts_)) {}
+            [](auto&... part) {
+              return std::tuple<Parts...>(static_cast<Parts>(std::move(part))...);
+            },
+            described.parts_)) {}
 
   /// Calls explain() of each part, see core/concepts.hpp.
   template <class P>
@@ -76,15 +82,12 @@ class Forces {
   /// The part of this type, or with this number, to read its results.
   template <class Part>
   const auto& part() const {
-    constexpr Index number = [] {
-      Index k = 0;
-      Index found = 0;
-      ((found = std::derived_from<Parts, Part> ? k : found, ++k), ...);
-      return found;
-    }();
-    static_assert((Index(std::derived_from<Parts, Part>) + ...) == 1,
+    constexpr bool is_exact = (std::same_as<Parts, Part> || ...);
+    constexpr std::array fits{(is_exact ? std::same_as<Parts, Part>
+                                        : std::derived_from<Parts, Part>)...};
+    static_assert(std::count(fits.begin(), fits.end(), true) == 1,
                   "silt::Forces: not exactly one part has this type; give its number");
-    return std::get<number>(parts_);
+    return part<std::find(fits.begin(), fits.end(), true) - fits.begin()>();
   }
   template <Index K>
   const auto& part() const {

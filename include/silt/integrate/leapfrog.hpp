@@ -211,7 +211,7 @@ class Leapfrog {
 
   template <class P, class S, class I>
     requires Interaction<I, P, S> && HasFields<P, velocity_t, force_t, mass_t>
-  void step(P& particles, S& search, I& interaction, double dt) {
+  bool step(P& particles, S& search, I& interaction, double dt) {
     if constexpr (requires { damping_.check(dt); }) damping_.check(dt);
     if (!started_) start(particles, search, interaction, dt);
     // The time between the half steps; dt if the time step is constant.
@@ -222,9 +222,11 @@ class Leapfrog {
       motion.kick(i, damping, between_half_steps);
       motion.drift(i, dt);
     };
-    advance(particles, search, interaction, dt, UpdateRange<P>(kick_and_drift));
+    const bool is_valid =
+        advance(particles, search, interaction, dt, UpdateRange<P>(kick_and_drift));
 
     last_time_step_ = dt;
+    return is_valid;
   }
 
   /// Advances velocities and spins from N − ½ to N: v^N = ½ (v^{N−½} + v^{N+½}) (27), (28). Before
@@ -249,7 +251,6 @@ class Leapfrog {
   // See AdvancesField in core/concepts.hpp.
   template <class F>
   static constexpr bool advances = one_of<F, position_t, velocity_t, spin_t, angle_t>;
-  bool results_are_valid() const noexcept { return results_are_valid_; }
 
  private:
   // Calls update(motion, i) for a range of particles. Its type does not depend on the type of
@@ -286,8 +287,9 @@ class Leapfrog {
   };
 
   // Evaluates the forces and then updates every particle; chunk by chunk if the interaction allows.
+  // Returns whether all results are valid.
   template <class P, class S, class I>
-  void advance(P& particles, S& search, I& interaction, double dt, const UpdateRange<P>& update) {
+  bool advance(P& particles, S& search, I& interaction, double dt, const UpdateRange<P>& update) {
     valid_.assign(chunk_count(particles.size()), true);
     const auto update_range = [&](const Motion<P>& motion, Index first, Index last) {
       valid_[first / chunk_size] &= update(motion, first, last);
@@ -317,7 +319,7 @@ class Leapfrog {
                      [&](Chunk chunk) { update_range(motion, chunk.first, chunk.last); });
     }
     particles.finish_advance();
-    results_are_valid_ = std::all_of(valid_.begin(), valid_.end(), [](char valid) { return valid; });
+    return std::all_of(valid_.begin(), valid_.end(), [](char valid) { return valid; });
   }
 
   // v^0 → v^{−½}, so that v^0 is the mean of its two half steps.
@@ -335,7 +337,6 @@ class Leapfrog {
 
   D damping_{};
   bool started_ = false;
-  bool results_are_valid_ = false;
   double last_time_step_ = 0;
   std::vector<char> valid_;  // by chunk
 };

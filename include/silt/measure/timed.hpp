@@ -59,13 +59,14 @@ class TimedInteraction : public I {
  public:
   explicit TimedInteraction(I interaction) : I(std::move(interaction)) {}
 
-  /// See Bound in core/concepts.hpp.
+  // See ForParticles in core/concepts.hpp.
+  using Description = TimedInteraction;
   template <class P>
-  using For = TimedInteraction<Bound<I, P>>;
-  template <class Unbound>
-    requires(!std::same_as<Unbound, I>)
-  TimedInteraction(TimedInteraction<Unbound> unbound)
-      : I(static_cast<Unbound&&>(unbound)) {}
+  using For = TimedInteraction<ForParticles<I, P>>;
+  template <class Described>
+    requires(!std::same_as<Described, I> && std::constructible_from<I, Described>)
+  TimedInteraction(TimedInteraction<Described> described)
+      : I(static_cast<Described&&>(described)) {}
 
   template <class P, class S>
     requires requires(I& i, P& p, S& s) { i.accelerate(p, s, 0.0); }

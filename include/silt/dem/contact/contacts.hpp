@@ -2,7 +2,7 @@
 // The contact interaction of DEM. In each step it updates the list of near pairs if necessary
 // (near_search.hpp), evaluates the law once for each contact (law_pass.hpp), sums the forces on
 // each grain in a fixed order (single_contacts.hpp), and checks that the time step is stable
-// (stability.hpp).
+// (stable_time_step.hpp).
 #pragma once
 
 #include <silt/core/concepts.hpp>
@@ -56,7 +56,8 @@ class ContactsOf;
 
 /// Contacts between grains, and between grains and walls, with one law or one per pair of
 /// materials. A wall is any type that models dem::Wall. Radii may change only together with
-/// particles.revision(). A simulation of grains of type P stores them as a ContactsOf<P, …>.
+/// particles.revision(). A simulation of grains of type P stores them as a ContactsOf<P, …>; for
+/// calls without a simulation see for_particles() in core/concepts.hpp.
 template <class Law, class... Walls>
 class Contacts {
  public:
@@ -93,6 +94,8 @@ class Contacts {
                   "WallMotion (see silt/dem/wall/moving.hpp)");
   }
 
+  // See ForParticles in core/concepts.hpp.
+  using Description = Contacts;
   template <class P>
     requires HasFields<P, velocity_t, spin_t, force_t, torque_t, mass_t, inertia_t, radius_t,
                        material_t> &&
@@ -120,10 +123,16 @@ class ContactsOf : public Contacts<Law, Walls...> {
   ContactsOf(Contacts<Law, Walls...> contacts)
       : Contacts<Law, Walls...>(std::move(contacts)) {}
 
+  /// A copy with other settings and the same histories. Throws if a setting is out of range.
+  ContactsOf with(const ContactSettings& settings) const {
+    settings.check();
+    ContactsOf contacts = *this;
+    contacts.settings_ = settings;
+    return contacts;
+  }
+
   /// Interaction range: twice the largest radius [m].
   Real reach(const P& grains) const {
-    const auto& known = found_.validity();
-    if (known.owned_revision == grains.owned_revision()) return known.reach;
     const auto R = grains[radius];
     return 2 * largest(R.size(), Real(0), [&](Index i) { return R[i]; });
   }

@@ -73,10 +73,8 @@ class Touches {
   struct Validity {
     std::vector<Vec<Dim, Real>> since;  ///< positions of the owned grains at the rebuild [m]
     Travel travel;                      ///< of the search at the rebuild
-    Real reach = 0;                     ///< twice the largest radius [m]
     Real margin = 0;                    ///< largest gap of near pairs [m]
     std::uint64_t revision = std::numeric_limits<std::uint64_t>::max();
-    std::uint64_t owned_revision = std::numeric_limits<std::uint64_t>::max();
     double time = 0;              ///< of these positions and of the walls [s]
     Box<Dim, Real> extent;        ///< contains all grains while the list is valid [m]
     double stable_time_step = 0;  ///< stable even if all near pairs touch [s]

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The terms of the energy ledger, and the work of single contacts: velocities at the time of the
-// positions, from the half steps before and after.
+// The terms of the energy ledger: energies, work and losses; the mean velocities of a step, and the
+// work of single contacts from them.
 #pragma once
 
 #include <silt/core/particles.hpp>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Adds and removes grains during a run: at a given rate or as fast as there is space, up to a given
-// number; all that are in a region.
+// Observers that add grains during a run, at a given rate or as fast as there is space, and that
+// remove those in a region.
 #pragma once
 
 #include <silt/core/error.hpp>
