@@ -33,8 +33,8 @@ struct Ball {
 };
 
 /// Finds overlaps with grains that are added one by one. There is one grid per size class, and the
-/// cell size doubles from class to class; each grain is stored in a cell of the grid of its class. A
-/// query visits the few cells around it in every grid.
+/// cell size doubles from class to class; each grain is stored in a cell of the grid of its class.
+/// A query visits the few cells around it in every grid.
 template <int Dim, class Real>
 class Occupancy {
  public:
