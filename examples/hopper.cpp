@@ -13,7 +13,6 @@
 //   examples/plot_hopper.py out/hopper
 #include <silt/dem.hpp>
 #include <silt/dem/setup/inflow.hpp>
-#include <silt/dem/setup/outflow.hpp>
 #include <silt/dem/setup/settling.hpp>
 #include <silt/dem/wall/mesh/mesh_wall.hpp>
 #include <silt/dem/wall/polyline.hpp>

@@ -21,7 +21,6 @@
 #include <silt/dem/measure/stress.hpp>
 #include <silt/dem/setup/grains.hpp>
 #include <silt/dem/setup/inflow.hpp>
-#include <silt/dem/setup/outflow.hpp>
 #include <silt/dem/setup/packing.hpp>
 #include <silt/dem/setup/settling.hpp>
 #include <silt/integrate/leapfrog.hpp>

@@ -115,7 +115,7 @@ struct MayThrowOnRestore {
   void save();
   void restore();
 };
-static_assert(Transactional<TransactionalArchetype> && Transactional<Contacts>);
+static_assert(Transactional<TransactionalArchetype> && Transactional<ForParticles<Contacts, Grains>>);
 static_assert(!Transactional<MayThrowOnRestore> && !Transactional<Gravity<2>>);
 
 struct DampingArchetype {

@@ -144,7 +144,7 @@ TYPED_TEST(Determinism, ContinuesWithAHistoryThatWasReadAndSet) {
         const auto& known = sim.interaction().template part<1>();
         const auto history = known.history(sim.particles());
         EXPECT_EQ(history.size(), known.size());
-        auto others = contacts<TypeParam>();
+        auto others = for_particles(contacts<TypeParam>(), sim.particles());
         others.set_history(sim.particles(), history);
         sim.interaction() = with_gravity<TypeParam>(others);
       }

@@ -67,7 +67,7 @@ TEST(LawHistory, MayContainOtherTypesThanReal) {
 TEST(LawHistory, ContinuesFromSetHistory) {
   const auto grains = row_of<2, double>(2);
   UniformGrid<2> search({.radius = 1});
-  dem::Contacts contacts{CountingSpring{}};
+  auto contacts = for_particles(dem::Contacts{CountingSpring{}}, grains);
   PairHistory<CountingSpring::History<2, double>> history({{0, 1, {.count = 100, .number = 100}}});
   contacts.set_history(grains, history);
   EXPECT_EQ(counts_of(contacts, grains), std::vector{100});
@@ -93,7 +93,7 @@ TEST(LawHistory, ContinuesFromSetHistory) {
 struct ManualSteps {
   dem::Grains<2> grains = row_of<2, double>(3);
   UniformGrid<2> search{{.radius = 1}};
-  dem::Contacts<CountingSpring> contacts{CountingSpring{}};
+  dem::ContactsOf<dem::Grains<2>, CountingSpring> contacts{dem::Contacts{CountingSpring{}}};
 
   std::vector<int> step() {
     search.update(grains);
@@ -128,7 +128,7 @@ TEST(LawHistory, IsKeptAfterRejectedInput) {
 TEST(LawHistory, IsInitialInANewContact) {
   auto grains = row_of<2, double>(2);
   UniformGrid<2> search({.radius = 1});
-  dem::Contacts contacts{SpringCountingFrom<7>{}};
+  auto contacts = for_particles(dem::Contacts{SpringCountingFrom<7>{}}, grains);
   const double touching = grains[position][1][0];
   const auto count_at = [&](double x) {
     grains[position][1][0] = x;
@@ -159,7 +159,7 @@ TEST(Contacts, AreRebuiltForAnotherNeighbourList) {
   EXPECT_NEAR(second.snapshot()[velocity][1][0], 1, 1e-3) << "they have met";
 
   auto moved = particles;
-  dem::Contacts same{spring};
+  auto same = for_particles(dem::Contacts{spring}, moved);
   Index max_size = 0;
   for (int step = 0; step < 1500; ++step) {
     NeighbourList<2> list({.radius = 1});

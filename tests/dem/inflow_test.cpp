@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <silt/dem.hpp>
 #include <silt/dem/setup/inflow.hpp>
-#include <silt/dem/setup/outflow.hpp>
 
 #include "support/check.hpp"
 #include "support/points.hpp"

@@ -36,7 +36,7 @@ void expect_what_the_law_gives(const Wall& floor, const dem::RigidVelocity<3, do
   auto grains = bed();
   BruteForce<3> search({.radius = 1});
   search.update(grains);
-  dem::Contacts contacts{law, floor};
+  auto contacts = for_particles(dem::Contacts{law, floor}, grains);
   contacts.accelerate(grains, search, dt);
   ASSERT_EQ(contacts.size(), grains.size());
   for (Index i = 0; i < grains.size(); ++i) {

@@ -167,8 +167,9 @@ TEST(MovingWalls, ThrowForInvalidMotions) {
                       {"Translation: velocity", "nan"}));
   EXPECT_TRUE(refuses([&] { make(dem::Rotation<3>{.spin = {0, nan, 0}}); }, {"Rotation: spin"}));
   EXPECT_TRUE(refuses([&] { make(dem::Vibration<3>{.frequency = -1}); }, {"Vibration: frequency"}));
-  const dem::Contacts contacts{law, at_rest<3>(dem::Plane<3>{})};
-  EXPECT_TRUE(refuses([&] { contacts.load_on(dem::Grains<3>{}, 1); }, {"no wall 1"}));
+  const dem::Grains<3> grains;
+  const auto contacts = for_particles(dem::Contacts{law, at_rest<3>(dem::Plane<3>{})}, grains);
+  EXPECT_TRUE(refuses([&] { contacts.load_on(grains, 1); }, {"no wall 1"}));
 }
 
 }  // namespace

@@ -50,7 +50,7 @@ Rejection rejection_of(const Law& law, dem::Grains<3> grains) {
   rejection.limit = 1e-8;
   while (high / rejection.limit > 1 + 1e-4) {
     const double dt = std::sqrt(rejection.limit * high);
-    dem::Contacts contacts{law};
+    auto contacts = for_particles(dem::Contacts{law}, grains);
     try {
       contacts.accelerate(grains, search, dt);
       rejection.limit = dt;
@@ -134,8 +134,8 @@ TEST(Stability, MessageNamesTheLimitingGrain) {
 
 TEST(Stability, DefaultTimeStepOfHertzIsThatOfAnOverlapOfOnePercentOfTheRadius) {
   const dem::Hertz hertz{.elastic = {.young_modulus = 4.8e10, .poisson_ratio = 0.2}};
-  const dem::Contacts contacts{dem::Law{hertz}};
   const auto grains = row({0});
+  const auto contacts = for_particles(dem::Contacts{dem::Law{hertz}}, grains);
   const double m = mass_of_one() / 2;
   const double S = 2 * hertz.elastic.contact_modulus() * std::sqrt(R / 2 * R / 100);
   const double dt = contacts.time_step(grains);

@@ -4,7 +4,7 @@
 #include "support/file_test.hpp"
 #include "support/grains.hpp"
 
-#include <silt/dem/setup/outflow.hpp>
+#include <silt/dem/setup/inflow.hpp>
 #include <silt/io/checkpoint.hpp>
 #include <silt/io/checkpoints.hpp>
 

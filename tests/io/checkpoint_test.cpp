@@ -5,7 +5,6 @@
 #include "support/grains.hpp"
 
 #include <silt/dem/setup/inflow.hpp>
-#include <silt/dem/setup/outflow.hpp>
 #include <silt/io/checkpoint.hpp>
 
 #include <gtest/gtest.h>

@@ -88,27 +88,63 @@ Real margin_of(const S& search) {
   }
 }
 
+/// Calls I::explain<P>(), if it exists: static_asserts with readable messages about missing fields
+/// or members. Returns true, so that the call can be the condition of a static_assert.
+template <class I, class P>
+constexpr bool explain() {
+  if constexpr (requires { I::template explain<P>(); }) I::template explain<P>();
+  return true;
+}
+
+namespace detail {
+template <class I, class P>
+struct InteractionFor {
+  using type = I;
+};
+// Not for types derived from I, of which For<P> would be only a part.
+template <class I, class P>
+  requires requires { typename I::template For<P>; } && std::same_as<typename I::Description, I>
+struct InteractionFor<I, P> {
+  using type = typename I::template For<P>;
+};
+}  // namespace detail
+
+/// The type in which a simulation of particles P stores an interaction I: I::For<P>, constructed
+/// from an I, if I has it and I::Description is I; otherwise I itself. For interactions with data
+/// whose types depend on the particles, such as dem::Contacts.
+template <class I, class P>
+using ForParticles = typename detail::InteractionFor<I, P>::type;
+
+/// The interaction for these particles, for calls without a simulation.
+template <class I, class P>
+ForParticles<I, P> for_particles(I interaction, const P&) {
+  static_assert(explain<I, P>());
+  return ForParticles<I, P>(std::move(interaction));
+}
+
 /// i.reach(p) is the interaction range [m]; 0 if no neighbours are needed.
 template <class I, class P>
-concept HasReach = requires(const I i, const P& p) {
+concept HasReach = requires(const ForParticles<I, P> i, const P& p) {
   { i.reach(p) } -> std::convertible_to<typename P::Real>;
 };
 
 /// Adds forces [N] and torques [N m] to the particles; changes no field that the integrator
-/// advances. Models: dem::Contacts, Gravity, Forces.
+/// advances. Models: dem::Contacts, that is, dem::ContactsOf; Gravity, Forces.
 template <class I, class P, class S>
 concept Interaction = NeighbourSearch<S, P> && HasReach<I, P> &&
-                      requires(I i, P& p, S& s, double dt) { i.accelerate(p, s, dt); };
+                      requires(ForParticles<I, P> i, P& p, S& s, double dt) {
+                        i.accelerate(p, s, dt);
+                      };
 
 /// add_forces(p, i) adds to the owned particle i alone what accelerate() adds to all, so that
 /// forces and motion can be computed in one pass over the particles. If this needs quantities that
 /// several particles share, the interaction may also have
 ///   prepare(p, s, dt)      called once, before the pass
 ///   interact(p, chunk)     called for every chunk of particles; computes the shared quantities
-///   needs<P>(chunk)        the range of chunks whose interact() must have been called before
+///   needs(chunk)           the range of chunks whose interact() must have been called before
 ///                          add_forces() of the particles of this chunk
 ///   conclude(p, dt)        called once, after the pass
-/// Models: dem::Contacts, Gravity, Forces.
+/// Models: dem::ContactsOf, Gravity, Forces.
 template <class I, class P>
 concept AddsForces = requires(const I i, P& p, Index k) { i.add_forces(p, k); };
 
@@ -121,16 +157,16 @@ void prepare(I& interaction, P& particles, S& search, double dt) {
 template <class I, class P>
 void interact(I& interaction, P& particles, Chunk chunk) {
   if constexpr (requires { interaction.interact(particles, chunk); }) {
-    static_assert(requires { { interaction.template needs<P>(chunk) } -> std::same_as<ChunkSpan>; },
+    static_assert(requires { { interaction.needs(chunk) } -> std::same_as<ChunkSpan>; },
                   "silt: an interaction with interact(particles, chunk) must also have "
-                  "needs<P>(chunk), which returns a ChunkSpan");
+                  "needs(chunk), which returns a ChunkSpan");
     interaction.interact(particles, chunk);
   }
 }
-template <class P, class I>
+template <class I>
 ChunkSpan needs(const I& interaction, Chunk chunk) {
-  if constexpr (requires { interaction.template needs<P>(chunk); }) {
-    return interaction.template needs<P>(chunk);
+  if constexpr (requires { interaction.needs(chunk); }) {
+    return interaction.needs(chunk);
   } else {
     return {chunk.number, chunk.number};
   }
@@ -150,7 +186,7 @@ template <class I, class P, class UseForces>
 void for_each_chunk_with_forces(I& interaction, P& particles, UseForces&& use_forces) {
   for_each_chunk_in_two(
       particles.size(), [&](Chunk chunk) { interact(interaction, particles, chunk); }, use_forces,
-      [&](Chunk chunk) { return needs<P>(interaction, chunk); });
+      [&](Chunk chunk) { return needs(interaction, chunk); });
 }
 template <class I, class P, class S>
   requires AddsForces<I, P>
@@ -166,7 +202,7 @@ void accelerate_all(I& interaction, P& particles, S& search, double dt) {
 
 /// Depends on time: set_time(t) sets the time of the positions [s] and is called before any other
 /// function in a step. An interaction does not advance the time itself; see Simulation::time().
-/// Models: dem::Contacts, Forces.
+/// Models: dem::ContactsOf, Forces.
 template <class I>
 concept DependsOnTime = requires(I i, double time) { i.set_time(time); };
 
@@ -192,25 +228,20 @@ concept PressureInteraction =
 template <class T, class F>
 concept AdvancesField = bool(T::template advances<F>);
 
-/// Advances particles by one step. It may also have
+/// Advances particles by one step. step() may return a bool: true if it has verified that all
+/// positions, velocities, spins and angles after the step are finite and all positions within the
+/// box. It may also have
 ///   advances<F>     true for the fields that it saves itself, see AdvancesField
-///   all_finite()    true if it has verified that all results of the last step are finite
 /// Models: Leapfrog, SemiImplicit.
 template <class T, class P, class S, class I>
 concept Integrator = NeighbourSearch<S, P> && HasReach<I, P> &&
-                     requires(T t, P& p, S& s, I& i, double dt) { t.step(p, s, i, dt); };
-
-/// Calls I::explain<P>(), if it exists: static_asserts with readable messages about missing fields
-/// or members. Returns true, so that the call can be the condition of a static_assert.
-template <class I, class P>
-constexpr bool explain() {
-  if constexpr (requires { I::template explain<P>(); }) I::template explain<P>();
-  return true;
-}
+                     requires(T t, P& p, S& s, ForParticles<I, P>& i, double dt) {
+                       t.step(p, s, i, dt);
+                     };
 
 /// Chooses the next time step [s].
 template <class I, class P>
-concept ChoosesTimeStep = requires(I i, const P& p) {
+concept ChoosesTimeStep = requires(ForParticles<I, P> i, const P& p) {
   { i.time_step(p) } -> std::convertible_to<double>;
 };
 

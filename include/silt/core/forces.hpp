@@ -9,6 +9,7 @@
 #include <silt/core/types.hpp>
 
 #include <algorithm>
+#include <array>
 #include <concepts>
 #include <limits>
 #include <string>
@@ -57,6 +58,21 @@ class Forces {
  public:
   explicit Forces(Parts... parts) : parts_(std::move(parts)...) {}
 
+  // See ForParticles in core/concepts.hpp.
+  using Description = Forces;
+  template <class P>
+  using For = Forces<ForParticles<Parts, P>...>;
+  template <class... Descriptions>
+    requires(sizeof...(Descriptions) == sizeof...(Parts) &&
+             !std::same_as<Forces<Descriptions...>, Forces> &&
+             (std::constructible_from<Parts, Descriptions> && ...))
+  Forces(Forces<Descriptions...> described)
+      : parts_(std::apply(
+            [](auto&... part) {
+              return std::tuple<Parts...>(static_cast<Parts>(std::move(part))...);
+            },
+            described.parts_)) {}
+
   /// Calls explain() of each part, see core/concepts.hpp.
   template <class P>
   static constexpr void explain() {
@@ -65,8 +81,13 @@ class Forces {
 
   /// The part of this type, or with this number, to read its results.
   template <class Part>
-  const Part& part() const {
-    return std::get<Part>(parts_);
+  const auto& part() const {
+    constexpr bool is_exact = (std::same_as<Parts, Part> || ...);
+    constexpr std::array fits{(is_exact ? std::same_as<Parts, Part>
+                                        : std::derived_from<Parts, Part>)...};
+    static_assert(std::count(fits.begin(), fits.end(), true) == 1,
+                  "silt::Forces: not exactly one part has this type; give its number");
+    return part<std::find(fits.begin(), fits.end(), true) - fits.begin()>();
   }
   template <Index K>
   const auto& part() const {
@@ -106,11 +127,10 @@ class Forces {
   void interact(P& particles, Chunk chunk) {
     for_each_part([&](auto& part) { silt::interact(part, particles, chunk); });
   }
-  template <class P>
   ChunkSpan needs(Chunk chunk) const {
     ChunkSpan all{chunk.number, chunk.number};
     for_each_part([&](const auto& part) {
-      const ChunkSpan own = silt::needs<P>(part, chunk);
+      const ChunkSpan own = silt::needs(part, chunk);
       all = {std::min(all.first, own.first), std::max(all.last, own.last)};
     });
     return all;
@@ -158,6 +178,9 @@ class Forces {
   }
 
  private:
+  template <class...>
+  friend class Forces;
+
   template <class F>
   void for_each_part(F&& f) {
     std::apply([&](auto&... part) { (f(part), ...); }, parts_);

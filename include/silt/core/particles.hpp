@@ -17,6 +17,7 @@
 #include <silt/core/types.hpp>
 
 #include <algorithm>
+#include <atomic>
 #include <concepts>
 #include <cstdint>
 #include <span>
@@ -80,7 +81,8 @@ class Particles {
   /// Index of the owned particle of which i is a ghost; i itself if i is owned.
   Index owner(Index i) const noexcept { return i < size() ? i : owners_[i - size()]; }
 
-  /// Increases whenever particles or ghosts are added, removed or reordered.
+  /// Increases whenever particles or ghosts are added, removed or reordered. Two containers have
+  /// the same value only if one is a copy of the other.
   std::uint64_t revision() const noexcept { return revision_; }
   /// Increases whenever owned particles are added, removed or reordered, or the box changes. Unlike
   /// revision(), it is the same after a failed step as before.
@@ -169,7 +171,7 @@ class Particles {
 
   void clear_ghosts() {
     if (owners_.empty()) return;
-    ++revision_;
+    revision_ = next_revision();
     const Index owned = size();
     columns_.for_each([owned](auto& column, auto) { column.resize(owned); });
     ids_.resize(owned);
@@ -179,7 +181,7 @@ class Particles {
 
   /// Adds a ghost of row `source` (owned or ghost), displaced by `shift` [m].
   void add_ghost(Index source, const Vec& shift) {
-    ++revision_;
+    revision_ = next_revision();
     const Index owner_index = owner(source);
     const Vec total_shift = source < size() ? shift : Vec(shifts_[source - size()] + shift);
     columns_.for_each([source](auto& column, auto) {
@@ -248,8 +250,12 @@ class Particles {
   }
 
   void note_change() noexcept {
-    ++revision_;
-    ++owned_revision_;
+    revision_ = next_revision();
+    owned_revision_ = revision_;
+  }
+  static std::uint64_t next_revision() noexcept {
+    static std::atomic<std::uint64_t> last = 0;
+    return ++last;
   }
 
   template <class F>

@@ -48,6 +48,7 @@ class Simulation {
   static_assert(!NeighbourSearch<S, P> || !HasReach<I, P> || Integrator<T, P, S, I>,
                 "silt::Simulation: this integrator cannot advance these particles with this "
                 "interaction (Leapfrog takes forces on grains, SemiImplicit a flow)");
+  using TypedInteraction = ForParticles<I, P>;
 
  public:
   /// Throws if the search radius was given and is smaller than the interaction range.
@@ -75,18 +76,18 @@ class Simulation {
   const P& particles() const noexcept { return particles_; }
   /// In the state of its last update, in the last step or in the constructor.
   const S& search() const noexcept { return search_; }
-  I& interaction() noexcept { return interaction_; }
-  const I& interaction() const noexcept { return interaction_; }
+  TypedInteraction& interaction() noexcept { return interaction_; }
+  const TypedInteraction& interaction() const noexcept { return interaction_; }
   const T& integrator() const noexcept { return integrator_; }
 
   /// Copies of the particles and the interaction with all quantities at time(); an integrator that
   /// stores velocities at half steps advances them to time(). The simulation is not changed.
   struct State {
     P particles;
-    I interaction;  ///< its results, such as the contacts, refer to `particles`
+    TypedInteraction interaction;  ///< its results, such as the contacts, refer to `particles`
   };
   State state() const {
-    if constexpr (requires(T t, P p, S s, I i) { t.synchronise(p, s, i); }) {
+    if constexpr (requires(T t, P p, S s, TypedInteraction i) { t.synchronise(p, s, i); }) {
       Simulation copy = *this;
       set_time(copy.interaction_, time_);
       copy.integrator_.synchronise(copy.particles_, copy.search_, copy.interaction_);
@@ -98,7 +99,7 @@ class Simulation {
 
   /// The particles of state().
   P snapshot() const {
-    if constexpr (requires(T t, P p, S s, I i) { t.synchronise(p, s, i); }) {
+    if constexpr (requires(T t, P p, S s, TypedInteraction i) { t.synchronise(p, s, i); }) {
       return state().particles;
     } else {
       return particles_;
@@ -109,7 +110,9 @@ class Simulation {
   /// passes to constructors (laws, walls, settings) is not included.
   template <class Archive>
   void transfer(Archive& archive) {
-    static_assert(!Transactional<I> || Transferable<I, Archive, P> || Transferable<I, Archive>,
+    static_assert(!Transactional<TypedInteraction> ||
+                      Transferable<TypedInteraction, Archive, P> ||
+                      Transferable<TypedInteraction, Archive>,
                   "silt::Simulation: this interaction has state (it has save() and restore()), so "
                   "a checkpoint needs its transfer(archive, particles)");
     archive("time", time_);
@@ -140,7 +143,7 @@ class Simulation {
     const detail::Team team(thread_choice_, particles_.size());
     set_time(interaction_, time_);
     double dt = std::numeric_limits<double>::infinity();
-    if constexpr (ChoosesTimeStep<I, P>) dt = interaction_.time_step(particles_);
+    if constexpr (ChoosesTimeStep<TypedInteraction, P>) dt = interaction_.time_step(particles_);
     // The last particle may leave during a run.
     if (!is_finite(dt) && particles_.size() == 0 && last_time_step_ > 0) return last_time_step_;
     if (!is_finite(dt)) {
@@ -169,13 +172,16 @@ class Simulation {
       throw error.with_step(steps_, time_);
     }
     bool is_result_finite = true;
+    bool is_verified = false;
     try {
       set_time(interaction_, time_);
-      integrator_.step(particles_, search_, interaction_, dt);
-      const auto broken = find_not_finite_result();
-      is_result_finite = !broken;
-      if (broken) fail_after_step(*broken);
-      check_escaped();
+      is_verified = integrate(dt);
+      if (!is_verified) {
+        const auto broken = find_not_finite();
+        is_result_finite = !broken;
+        if (broken) fail_after_step(*broken);
+        check_escaped();
+      }
     } catch (const Error& error) {
       restore();
       if (!is_result_finite) check_finite_before_step();
@@ -184,7 +190,7 @@ class Simulation {
       restore();
       throw;
     }
-    remove_escaped();
+    if (!is_verified) remove_escaped();
     time_ += dt;
     ++steps_;
     last_time_step_ = dt;
@@ -310,13 +316,13 @@ class Simulation {
       if constexpr (role_of<F>() == Role::state && !AdvancesField<T, F>) particles_.keep(field);
     });
     if constexpr (Transactional<S>) search_.save();
-    if constexpr (Transactional<I>) interaction_.save();
+    if constexpr (Transactional<TypedInteraction>) interaction_.save();
     saved_integrator_ = integrator_;
   }
   void restore() noexcept {
     particles_.restore();
     if constexpr (Transactional<S>) search_.restore();
-    if constexpr (Transactional<I>) interaction_.restore();
+    if constexpr (Transactional<TypedInteraction>) interaction_.restore();
     integrator_ = *saved_integrator_;
   }
 
@@ -339,12 +345,15 @@ class Simulation {
     });
     return found;
   }
-  // The same after a step, when the integrator may know that all values are finite.
-  std::optional<NotFinite> find_not_finite_result() const {
-    if constexpr (requires { { integrator_.all_finite() } -> std::same_as<bool>; }) {
-      if (integrator_.all_finite()) return std::nullopt;
+  // Returns whether the integrator has verified the results, see Integrator in core/concepts.hpp.
+  bool integrate(double dt) {
+    const auto step = [&] { return integrator_.step(particles_, search_, interaction_, dt); };
+    if constexpr (std::same_as<decltype(step()), bool>) {
+      return step();
+    } else {
+      step();
+      return false;
     }
-    return find_not_finite();
   }
 
   // Called after rolling back a step whose result is not finite. Throws if the cause is a value
@@ -397,7 +406,7 @@ class Simulation {
 
   P particles_;
   S search_;
-  I interaction_;
+  TypedInteraction interaction_;
   T integrator_;
   std::optional<T> saved_integrator_;
   bool chooses_radius_;
@@ -411,5 +420,9 @@ class Simulation {
   double output_time_ = 0;    // of the last output of a run [s]
   std::uint64_t output_step_ = 0;
 };
+
+// A simulation built from the interaction of another one has the same type.
+template <class P, class S, class I, class T>
+Simulation(P, S, I, T) -> Simulation<P, S, ForParticles<I, P>, T>;
 
 }  // namespace silt

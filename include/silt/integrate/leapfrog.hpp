@@ -11,6 +11,8 @@
 
 #include <algorithm>
 #include <concepts>
+#include <cstddef>
+#include <limits>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -41,6 +43,13 @@ class Motion {
       inertias_ = lanes_of(particles[inertia].data());
     }
     if constexpr (has_angle) angle_ = of(particles.advance(angle));
+    constexpr Real infinity = std::numeric_limits<Real>::infinity();
+    const auto& box = particles.box();
+    for (int k = 0; k < P::dimension; ++k) {
+      const bool is_periodic = box.periodic[static_cast<std::size_t>(k)];
+      lower_[k] = is_periodic ? -infinity : box.lower[k];
+      upper_[k] = is_periodic ? infinity : box.upper[k];
+    }
   }
 
   /// Whether the fields are overwritten, that is, before and after are the same memory.
@@ -82,12 +91,18 @@ class Motion {
     if constexpr (has_angle) angle_.after[i] = angle_.before[i] + w_.after[i] * Scalar(dt);
   }
 
-  /// False if a field of particle i is not finite; may also be false if values are extremely large.
-  bool is_result_finite(Index i) const {
+  /// False if a field of particle i is not finite or its position is outside the box, along axes
+  /// that are not periodic; may also be false if values are extremely large.
+  bool is_result_valid(Index i) const {
+    int inside = 1;
+    for (int k = 0; k < P::dimension; ++k) {
+      const Real x = x_.after[i][k];
+      inside &= int(lower_[k] <= x) & int(x <= upper_[k]);
+    }
     Real sum = x_.after[i].sum() + v_.after[i].sum();
     if constexpr (rotates) sum += sum_of(w_.after[i]);
     if constexpr (has_angle) sum += sum_of(angle_.after[i]);
-    return sum - sum == 0;  // unlike is_finite(), vectorised
+    return (int(sum - sum == 0) & inside) != 0;  // unlike is_finite(), vectorised
   }
 
  private:
@@ -135,6 +150,8 @@ class Motion {
   Column<AngularVec> angle_{};
   const AngularVec* t_ = nullptr;
   const Scalar* inertias_ = nullptr;
+  Real lower_[P::dimension];  // of the box; infinite along periodic axes
+  Real upper_[P::dimension];
 };
 
 // The same for all particles, for user-defined integrators.
@@ -194,7 +211,7 @@ class Leapfrog {
 
   template <class P, class S, class I>
     requires Interaction<I, P, S> && HasFields<P, velocity_t, force_t, mass_t>
-  void step(P& particles, S& search, I& interaction, double dt) {
+  bool step(P& particles, S& search, I& interaction, double dt) {
     if constexpr (requires { damping_.check(dt); }) damping_.check(dt);
     if (!started_) start(particles, search, interaction, dt);
     // The time between the half steps; dt if the time step is constant.
@@ -205,9 +222,11 @@ class Leapfrog {
       motion.kick(i, damping, between_half_steps);
       motion.drift(i, dt);
     };
-    advance(particles, search, interaction, dt, UpdateRange<P>(kick_and_drift));
+    const bool is_valid =
+        advance(particles, search, interaction, dt, UpdateRange<P>(kick_and_drift));
 
     last_time_step_ = dt;
+    return is_valid;
   }
 
   /// Advances velocities and spins from N − ½ to N: v^N = ½ (v^{N−½} + v^{N+½}) (27), (28). Before
@@ -232,7 +251,6 @@ class Leapfrog {
   // See AdvancesField in core/concepts.hpp.
   template <class F>
   static constexpr bool advances = one_of<F, position_t, velocity_t, spin_t, angle_t>;
-  bool all_finite() const noexcept { return all_finite_; }
 
  private:
   // Calls update(motion, i) for a range of particles. Its type does not depend on the type of
@@ -243,7 +261,7 @@ class Leapfrog {
     /// The update must outlive this object.
     template <class Update>
     explicit UpdateRange(const Update& update) : update_(&update), run_(run<Update>) {}
-    /// Updates particles [first, last); returns false if a result is not finite.
+    /// Updates particles [first, last); returns false if a result is not valid.
     bool operator()(const Motion<P>& motion, Index first, Index last) const {
       return run_(update_, motion, first, last);
     }
@@ -259,7 +277,7 @@ class Leapfrog {
       SILT_INDEPENDENT_ITERATIONS
       for (Index i = first; i < last; ++i) {
         update(motion, i);
-        broken |= !motion.is_result_finite(i);
+        broken |= !motion.is_result_valid(i);
       }
       return broken == 0;
     }
@@ -269,11 +287,12 @@ class Leapfrog {
   };
 
   // Evaluates the forces and then updates every particle; chunk by chunk if the interaction allows.
+  // Returns whether all results are valid.
   template <class P, class S, class I>
-  void advance(P& particles, S& search, I& interaction, double dt, const UpdateRange<P>& update) {
-    finite_.assign(chunk_count(particles.size()), true);
+  bool advance(P& particles, S& search, I& interaction, double dt, const UpdateRange<P>& update) {
+    valid_.assign(chunk_count(particles.size()), true);
     const auto update_range = [&](const Motion<P>& motion, Index first, Index last) {
-      finite_[first / chunk_size] &= update(motion, first, last);
+      valid_[first / chunk_size] &= update(motion, first, last);
     };
     if constexpr (AddsForces<I, P>) {
       prepare(interaction, particles, search, dt);
@@ -300,7 +319,7 @@ class Leapfrog {
                      [&](Chunk chunk) { update_range(motion, chunk.first, chunk.last); });
     }
     particles.finish_advance();
-    all_finite_ = std::all_of(finite_.begin(), finite_.end(), [](char finite) { return finite; });
+    return std::all_of(valid_.begin(), valid_.end(), [](char valid) { return valid; });
   }
 
   // v^0 → v^{−½}, so that v^0 is the mean of its two half steps.
@@ -318,9 +337,8 @@ class Leapfrog {
 
   D damping_{};
   bool started_ = false;
-  bool all_finite_ = false;
   double last_time_step_ = 0;
-  std::vector<char> finite_;  // by chunk
+  std::vector<char> valid_;  // by chunk
 };
 
 }  // namespace silt

@@ -2,7 +2,10 @@
 // Wrappers that measure the wall-clock time spent in a search or an interaction.
 #pragma once
 
+#include <silt/core/concepts.hpp>
+
 #include <chrono>
+#include <concepts>
 #include <utility>
 
 namespace silt {
@@ -55,6 +58,15 @@ template <class I>
 class TimedInteraction : public I {
  public:
   explicit TimedInteraction(I interaction) : I(std::move(interaction)) {}
+
+  // See ForParticles in core/concepts.hpp.
+  using Description = TimedInteraction;
+  template <class P>
+  using For = TimedInteraction<ForParticles<I, P>>;
+  template <class Described>
+    requires(!std::same_as<Described, I> && std::constructible_from<I, Described>)
+  TimedInteraction(TimedInteraction<Described> described)
+      : I(static_cast<Described&&>(described)) {}
 
   template <class P, class S>
     requires requires(I& i, P& p, S& s) { i.accelerate(p, s, 0.0); }

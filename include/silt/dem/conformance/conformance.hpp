@@ -8,7 +8,6 @@
 
 #include <silt/dem/conformance/checks.hpp>
 #include <silt/dem/conformance/erased_law.hpp>
-#include <silt/dem/conformance/report.hpp>
 #include <silt/dem/law/contact.hpp>
 
 #include <utility>

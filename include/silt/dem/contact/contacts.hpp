@@ -2,14 +2,13 @@
 // The contact interaction of DEM. In each step it updates the list of near pairs if necessary
 // (near_search.hpp), evaluates the law once for each contact (law_pass.hpp), sums the forces on
 // each grain in a fixed order (single_contacts.hpp), and checks that the time step is stable
-// (stability.hpp).
+// (stable_time_step.hpp).
 #pragma once
 
 #include <silt/core/concepts.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/types.hpp>
-#include <silt/dem/contact/any_touches.hpp>
 #include <silt/dem/contact/contact_settings.hpp>
 #include <silt/dem/contact/contacts_of_step.hpp>
 #include <silt/dem/contact/law_pass.hpp>
@@ -52,18 +51,15 @@ void check_grains(const P& grains, const Materials<Law>& materials) {
        where);
 }
 
+template <class P, class Law, class... Walls>
+class ContactsOf;
+
 /// Contacts between grains, and between grains and walls, with one law or one per pair of
 /// materials. A wall is any type that models dem::Wall. Radii may change only together with
-/// particles.revision().
+/// particles.revision(). A simulation of grains of type P stores them as a ContactsOf<P, …>; for
+/// calls without a simulation see for_particles() in core/concepts.hpp.
 template <class Law, class... Walls>
 class Contacts {
-  template <class P>
-  using HistoryOf = typename LawHistory<Law, P::dimension, typename P::Real>::type;
-  template <class P>
-  using FoundOf =
-      Touches<P::dimension, typename P::Real, LawHistory<Law, P::dimension, typename P::Real>,
-              GivesCouple<Law, P::dimension, typename P::Real>>;
-
  public:
   /// Throws if a parameter of the law or of a wall is out of range.
   explicit Contacts(Law law, Walls... walls) : Contacts(Materials<Law>{law}, std::move(walls)...) {}
@@ -94,25 +90,56 @@ class Contacts {
                   "silt/dem/law/contact.hpp)");
     static_assert((Wall<Walls, P::dimension, typename P::Real> && ...),
                   "silt::dem::Contacts: a wall lacks nearest(x), material or check(), or has "
-                  "another dimension or precision (see silt/dem/wall/wall.hpp), or its motion is not a "
-                  "WallMotion (see silt/dem/wall/moving.hpp)");
+                  "another dimension or precision (see silt/dem/wall/wall.hpp), or its motion is "
+                  "not a WallMotion (see silt/dem/wall/moving.hpp)");
+  }
+
+  // See ForParticles in core/concepts.hpp.
+  using Description = Contacts;
+  template <class P>
+    requires HasFields<P, velocity_t, spin_t, force_t, torque_t, mass_t, inertia_t, radius_t,
+                       material_t> &&
+             ContactLaw<Law, P::dimension, typename P::Real> &&
+             (Wall<Walls, P::dimension, typename P::Real> && ...)
+  using For = ContactsOf<P, Law, Walls...>;
+
+ protected:
+  Materials<Law> materials_;
+  WallSet<Walls...> walls_;
+  ContactSettings settings_;
+};
+
+/// Contacts of grains of type P; see Contacts.
+template <class P, class Law, class... Walls>
+class ContactsOf : public Contacts<Law, Walls...> {
+  using Real = typename P::Real;
+  static constexpr int dimension = P::dimension;
+  using HistoryOfLaw = LawHistory<Law, dimension, Real>;
+  using History = typename HistoryOfLaw::type;
+  using Found = Touches<dimension, Real, HistoryOfLaw, GivesCouple<Law, dimension, Real>>;
+  using OfStep = ContactsOfStep<P, Law, WallSet<Walls...>, Found>;
+
+ public:
+  ContactsOf(Contacts<Law, Walls...> contacts)
+      : Contacts<Law, Walls...>(std::move(contacts)) {}
+
+  /// A copy with other settings and the same histories. Throws if a setting is out of range.
+  ContactsOf with(const ContactSettings& settings) const {
+    settings.check();
+    ContactsOf contacts = *this;
+    contacts.settings_ = settings;
+    return contacts;
   }
 
   /// Interaction range: twice the largest radius [m].
-  template <class P>
-  typename P::Real reach(const P& grains) const {
-    using Real = typename P::Real;
+  Real reach(const P& grains) const {
     const auto R = grains[radius];
     return 2 * largest(R.size(), Real(0), [&](Index i) { return R[i]; });
   }
 
   /// Adds contact forces and torques. Throws if two centres coincide, if a radius, mass or inertia
   /// is not positive, if a material does not exist, or if dt exceeds the stability limit.
-  template <class P, class S>
-    requires HasFields<P, velocity_t, spin_t, force_t, torque_t, mass_t, inertia_t, radius_t,
-                       material_t> &&
-             ContactLaw<Law, P::dimension, typename P::Real> &&
-             (Wall<Walls, P::dimension, typename P::Real> && ...)
+  template <class S>
   void accelerate(P& grains, const S& search, double dt) {
     accelerate_all(*this, grains, search, dt);
   }
@@ -123,75 +150,60 @@ class Contacts {
 
   // accelerate() in stages, see AddsForces in core/concepts.hpp.
 
-  template <class P, class S>
+  template <class S>
   void prepare(P& grains, const S& search, double dt) {
-    auto& touches = found<P>();
-    const bool stale = is_stale(grains, search, walls_, time_, touches.validity());
+    const bool stale = is_stale(grains, search, walls_, time_, found_.validity());
     if (stale) check_grains(grains, materials_);
-    touches.begin_step({.time = time_, .time_step = dt});
+    found_.begin_step({.time = time_, .time_step = dt});
     grains.refresh_ghosts(velocity, spin);
-    if (stale) renew_near(grains, search, touches, dt);
-    touches.make_room();
+    if (stale) renew_near(grains, search, dt);
+    found_.make_room();
     counts_.assign(chunk_count(grains.size()), 0);
   }
 
   /// Evaluates the law for the contacts that belong to a chunk of grains.
-  template <class P>
   void interact(const P& grains, Chunk chunk) {
-    using Real = typename P::Real;
-    using Lanes = typename FoundOf<P>::Lanes;
-    auto& touches = found<P>();
-    const Real dt = touches.seen().time_step;
+    using Lanes = typename Found::Lanes;
+    const Real dt = found_.seen().time_step;
     const auto ask = [&, this, dt](Lanes& eight, const auto& contacts, unsigned touching) {
-      if constexpr (LawInLanes<Law, P::dimension, Real>) {
+      if constexpr (LawInLanes<Law, dimension, Real>) {
         if (materials_.count() == 1) return eight.ask(materials_.between(0, 0), dt);
       }
       for (int lane = 0; lane < lanes; ++lane) {
         if ((touching >> lane & 1) == 0) continue;
         const Index c = contacts[static_cast<Index>(lane)];
-        eight.ask(law_of(grains)(sides_of(grains, touches.near(), c)), dt, lane);
+        eight.ask(law_of(grains)(sides_of(grains, found_.near(), c)), dt, lane);
       }
     };
     const Real arm_share = settings_.lever_arm == LeverArm::radius ? 0 : Real(0.5);
-    const auto walls = walls_as_the_law_saw_them<P>(walls_, touches.seen());
-    LawPass pass(grains, touches, walls, arm_share, ask);
-    counts_[chunk.number] = pass(touches.near().of_chunk(chunk.number));
+    const auto walls = walls_as_the_law_saw_them<P>(walls_, found_.seen());
+    LawPass pass(grains, found_, walls, arm_share, ask);
+    counts_[chunk.number] = pass(found_.near().of_chunk(chunk.number));
   }
 
-  template <class P>
-  ChunkSpan needs(Chunk chunk) const {
-    return found<P>().near().of_chunk(chunk.number).needs;
-  }
+  ChunkSpan needs(Chunk chunk) const { return found_.near().of_chunk(chunk.number).needs; }
 
   /// Adds Σ F and Σ M (14) of grain i, in the order of the partners' ids.
-  template <class P>
-    requires HasFields<P, force_t, torque_t, material_t>
-  void add_forces(P& grains, Index i) const {
-    add_rows(grains, found<P>(), i);
-  }
+  void add_forces(P& grains, Index i) const { add_rows(grains, found_, i); }
 
-  template <class P>
   void conclude(const P& grains, double dt) {
-    auto& touches = found<P>();
-    touches.end_step(std::accumulate(counts_.begin(), counts_.end(), Index(0)));
-    if constexpr (knows_stiffness<P>) {
-      if (!settings_.check_stability || dt <= touches.validity().stable_time_step) return;
-      check_stability(grains, touches, walls_of_step<P>(walls_, touches.seen()), dt,
-                      law_of(grains));
+    found_.end_step(std::accumulate(counts_.begin(), counts_.end(), Index(0)));
+    if constexpr (knows_stiffness) {
+      if (!settings_.check_stability || dt <= found_.validity().stable_time_step) return;
+      check_stability(grains, found_, walls_of_step<P>(walls_, found_.seen()), dt, law_of(grains));
     }
   }
 
   /// Default time step [s]: the shortest contact duration of the lightest grains, divided by
   /// steps_per_contact.
-  template <class P>
   double time_step(const P& grains) const {
     double shortest = std::numeric_limits<double>::infinity();
-    if constexpr (knows_stiffness<P>) shortest = shortest_contact(grains, materials_);
+    if constexpr (knows_stiffness) shortest = shortest_contact(grains, materials_);
     return shortest / settings_.steps_per_contact;
   }
 
   /// Number of contacts in the last step, including those with walls.
-  Index size() const noexcept { return found_.count(); }
+  Index size() const noexcept { return found_.seen().count; }
 
   // Results of the last step, see ContactsOfStep.
 
@@ -199,21 +211,20 @@ class Contacts {
   /// and j are the current indices of the two (owned particles), j is `no_index` for a wall. The
   /// contact's velocity is computed from the velocities in `grains`, and for a wall from its
   /// velocity at the time N of the contact.
-  template <class P, class F>
+  template <class F>
   void for_each_contact(const P& grains, F&& f) const {
     of_step(grains).for_each(f);
   }
 
   /// f(WallContact) for every contact of the last step between a wall and a grain that still
   /// exists.
-  template <class P, class F>
+  template <class F>
   void for_each_wall_contact(const P& grains, F&& f) const {
     of_step(grains).for_each_at_walls(f);
   }
 
   /// Load on a wall, given by its number, in the last step; the torque is about the point `about`
   /// [m]. Bitwise identical for any number of threads. Throws if there is no such wall.
-  template <class P>
   auto load_on(const P& grains, Index wall, const typename P::Vec& about = P::Vec::Zero()) const {
     return of_step(grains).load_on(wall, about);
   }
@@ -221,38 +232,29 @@ class Contacts {
   /// f(EvaluatedContact) for every contact of the last step, with the law evaluated again on the
   /// same input. `before` are the grains, with their velocities, at the beginning of that step.
   /// Must not be called after save().
-  template <class P, class F>
+  template <class F>
   void for_each_evaluated_contact(const P& before, F&& f) const {
     of_step(before).for_each_evaluated_contact(f);
   }
 
   /// The law returns the components of its force and the energy in its springs.
-  template <class P>
-  static constexpr bool gives_spring_energy =
-      ContactsOfStep<P, Law, WallSet<Walls...>, FoundOf<P>>::gives_spring_energy;
+  static constexpr bool gives_spring_energy = OfStep::gives_spring_energy;
 
   /// Energy in the springs of the last step's contacts [J]; 0 for a law without elastic_energy().
-  template <class P>
   double elastic_energy(const P& grains) const {
     return of_step(grains).elastic_energy();
   }
 
   /// The history of all contacts, by pairs of ids; for a checkpoint.
-  template <class P>
   auto history(const P& grains) const {
     return of_step(grains).history();
   }
 
   /// Replaces the history; for resuming from a checkpoint.
-  template <class P, class History>
-  void set_history(const P&, const PairHistory<History>& history) {
-    static_assert(std::same_as<History, HistoryOf<P>>,
-                  "silt::dem::Contacts: this is not the History of the law for these grains");
-    found<P>().set_history(history);
-  }
+  void set_history(const P&, const PairHistory<History>& history) { found_.set_history(history); }
 
   /// Writes or reads the history for a checkpoint, see core/transfer.hpp.
-  template <class Archive, class P>
+  template <class Archive>
   void transfer(Archive& archive, const P& grains) {
     auto own = history(grains);
     archive.within("history", [&] { own.transfer(archive); });
@@ -263,34 +265,25 @@ class Contacts {
   void restore() noexcept { found_.restore(); }
 
  private:
-  template <class P>
+  using Contacts<Law, Walls...>::materials_;
+  using Contacts<Law, Walls...>::walls_;
+  using Contacts<Law, Walls...>::settings_;
+
   static constexpr bool knows_stiffness =
-      requires(const Law law, const Contact<P::dimension, typename P::Real> c) {
+      requires(const Law law, const Contact<dimension, Real> c) {
         { law.stiffness(c) } -> std::convertible_to<Stiffness>;
       };
 
-  template <class P>
-  auto& found() {
-    return found_.template of<FoundOf<P>>();
-  }
-  template <class P>
-  const auto& found() const {
-    return found_.template of<FoundOf<P>>();
-  }
+  OfStep of_step(const P& grains) const { return {grains, materials_, walls_, found_}; }
 
-  template <class P>
-  auto of_step(const P& grains) const {
-    return ContactsOfStep(grains, materials_, walls_, found<P>());
-  }
-
-  template <class P, class S>
-  void renew_near(const P& grains, const S& search, FoundOf<P>& touches, double dt) const {
-    touches.renew_near([&](NearContacts& near, auto& found, auto& validity) {
-      const typename FoundOf<P>::Step step{.time = time_, .time_step = dt};
+  template <class S>
+  void renew_near(const P& grains, const S& search, double dt) {
+    found_.renew_near([&](NearContacts& near, auto& found, auto& validity) {
+      const typename Found::Step step{.time = time_, .time_step = dt};
       renew_validity(grains, search, walls_, step, reach(grains), validity);
-      const auto walls = walls_of_step<P>(walls_, touches.seen());
+      const auto walls = walls_of_step<P>(walls_, found_.seen());
       find_near(grains, search, walls, validity.margin, near, found);
-      if constexpr (knows_stiffness<P>) {
+      if constexpr (knows_stiffness) {
         validity.stable_time_step =
             stable_for_all(grains, near, walls, validity.margin, law_of(grains));
       }
@@ -298,18 +291,14 @@ class Contacts {
   }
 
   // law(sides) of a near contact.
-  template <class P>
   auto law_of(const P& grains) const {
     return [&grains, this](const Sides& sides) -> const Law& {
       return law_between(grains, sides, materials_, walls_);
     };
   }
 
-  Materials<Law> materials_;
-  WallSet<Walls...> walls_;
-  ContactSettings settings_;
   double time_ = 0;  // from set_time()
-  AnyTouches found_;
+  Found found_;
   std::vector<Index> counts_;  // by chunk
 };
 

@@ -11,7 +11,7 @@
 #include <silt/dem/law/materials.hpp>
 #include <silt/dem/setup/grains.hpp>
 #include <silt/dem/wall/moving.hpp>
-#include <silt/dem/wall/wall_load.hpp>
+#include <silt/dem/wall/wall.hpp>
 
 #include <algorithm>
 #include <cstdint>

@@ -18,8 +18,7 @@
 #include <silt/core/particles.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/contact/pair_history.hpp>
-#include <silt/dem/measure/energy_terms.hpp>
-#include <silt/dem/measure/mean_motion.hpp>
+#include <silt/dem/measure/contact_work.hpp>
 #include <silt/dem/setup/grains.hpp>
 
 #include <concepts>
@@ -182,7 +181,7 @@ class EnergyLedger {
         motion_.add_contact(before_, each, step_, lost);
         stored.push_back({each.first, each.second, each.elastic});
       });
-      knows_springs_ = knows_springs_ && I::template gives_spring_energy<P>;
+      knows_springs_ = knows_springs_ && I::gives_spring_energy;
     } else if constexpr (requires(typename P::Vec g) { g = interaction.acceleration(); }) {
       add_gravity(in_double(interaction.acceleration()));
     } else {

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: MIT
-// Adds grains during a run: at a given rate or as fast as there is space, up to a given number.
+// Observers that add grains during a run, at a given rate or as fast as there is space, and that
+// remove those in a region.
 #pragma once
 
 #include <silt/core/error.hpp>
+#include <silt/core/parallel.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/setup/grains.hpp>
 #include <silt/dem/setup/packing.hpp>
 #include <silt/dem/setup/random.hpp>
 #include <silt/dem/setup/region.hpp>
-#include <silt/dem/setup/schedule.hpp>
 #include <silt/dem/setup/size_distribution.hpp>
 
 #include <algorithm>
@@ -17,6 +18,24 @@
 #include <utility>
 
 namespace silt::dem {
+
+/// Decides in which steps an observer acts.
+struct Schedule {
+  Index number = 0;  ///< times it was due so far
+
+  struct Clock {
+    double since = 0;  ///< time since the beginning [s]
+    double every = 0;  ///< interval [s]; 0: every step
+  };
+  /// True once per interval, the first time at the beginning.
+  bool is_due(const Clock& clock) {
+    if (!(clock.every > 0)) return true;
+    const Index due = 1 + completed_intervals(clock.since / clock.every);
+    if (due <= number) return false;
+    number = due;
+    return true;
+  }
+};
 
 /// Observer that adds grains to a region before a step, where they touch no other grain. The k-th
 /// grain uses the random numbers of the stream (seed, k), which do not depend on the course of the
@@ -105,5 +124,55 @@ class Inflow {
 
 template <class R, class Sizes>
 Inflow(R, Blend<Sizes>, typename Inflow<R, Sizes>::Settings) -> Inflow<R, Sizes>;
+
+/// Observer that removes, before a step, the grains whose centres are in a region, and counts them.
+/// The region may be unbounded, e.g. a Box with a single finite side.
+template <class R>
+class Outflow {
+ public:
+  struct Settings {
+    double every = 0;  ///< time between two checks [s]; 0: every step
+  };
+
+  /// Throws if the region is invalid or the time is negative.
+  explicit Outflow(R region) : Outflow(std::move(region), {}) {}
+  Outflow(R region, Settings settings) : region_(std::move(region)), settings_(settings) {
+    region_.check();
+    require_not_negative("Outflow: every", settings_.every);
+  }
+
+  Index number() const noexcept { return number_; }  ///< removed so far
+  double mass() const noexcept { return mass_; }     ///< of the removed grains [kg]
+
+  template <class Sim>
+  void before_step(Sim& simulation) {
+    if (!schedule_.is_due({.since = simulation.time(), .every = settings_.every})) return;
+    auto& grains = simulation.particles();
+    const auto is_in = [&](Index i) { return region_.clearance(grains[position][i]) >= 0; };
+    if (first_where(grains.size(), is_in) == no_index) return;
+    for (Index i = 0; i < grains.size(); ++i) {
+      if (is_in(i)) mass_ += double(grains[silt::mass][i]);
+    }
+    number_ += grains.remove_if(is_in);
+  }
+
+  /// State for a checkpoint, see core/transfer.hpp.
+  template <class Archive>
+  void transfer(Archive& archive) {
+    archive("number", number_);
+    archive("mass", mass_);
+    archive("checks", schedule_.number);
+  }
+
+ private:
+  R region_;
+  Settings settings_;
+  Schedule schedule_;
+  Index number_ = 0;
+  double mass_ = 0;
+};
+
+template <class R>
+Outflow(R, typename Outflow<R>::Settings) -> Outflow<R>;
 
 }  // namespace silt::dem

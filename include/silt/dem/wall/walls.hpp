@@ -8,6 +8,5 @@
 #include <silt/dem/wall/plane.hpp>
 #include <silt/dem/wall/polyline.hpp>
 #include <silt/dem/wall/round_walls.hpp>
-#include <silt/dem/wall/segment.hpp>
 #include <silt/dem/wall/wall.hpp>
 #include <silt/dem/wall/wall_set.hpp>

@@ -4,7 +4,7 @@
 #pragma once
 
 #include <silt/core/types.hpp>
-#include <silt/dem/wall/mesh/welded_mesh.hpp>
+#include <silt/dem/wall/mesh/mesh_repair.hpp>
 
 #include <algorithm>
 #include <array>

@@ -9,9 +9,8 @@
 #include <silt/core/triangle.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/wall/mesh/bounding_volume_tree.hpp>
-#include <silt/dem/wall/mesh/junctions.hpp>
 #include <silt/dem/wall/mesh/mesh_features.hpp>
-#include <silt/dem/wall/mesh/welded_mesh.hpp>
+#include <silt/dem/wall/mesh/mesh_repair.hpp>
 #include <silt/dem/wall/wall.hpp>
 
 #include <algorithm>
