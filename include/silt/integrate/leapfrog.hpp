@@ -20,6 +20,45 @@ namespace silt {
 template <class F, class... Fs>
 inline constexpr bool one_of = (std::same_as<F, Fs> || ...);
 
+namespace detail {
+
+// The fields of particles as lanes; `Missing` for those that they do not have.
+template <class P>
+struct MotionFields {
+  struct Missing {};
+  template <class Before, class After>
+  struct BeforeAndAfter {
+    Before before;
+    After after;
+  };
+  template <class Advance>
+  static auto of(const Advance& field) {
+    return BeforeAndAfter{lanes_of(field.before), lanes_of(field.after)};
+  }
+  template <class F>
+  static auto change(P& particles) {
+    if constexpr (HasFields<P, F>) {
+      return of(particles.advance(F{}));
+    } else {
+      return Missing{};
+    }
+  }
+  template <class F>
+  static auto constant(const P& particles) {
+    if constexpr (HasFields<P, F>) {
+      return lanes_of(particles[F{}]);
+    } else {
+      return Missing{};
+    }
+  }
+  template <class F>
+  using Change = decltype(change<F>(std::declval<P&>()));
+  template <class F>
+  using Constant = decltype(constant<F>(std::declval<P&>()));
+};
+
+}  // namespace detail
+
 /// Updates the motion of single particles, from the fields before a step to those after it. It uses
 /// the type Lane, so that compilers vectorise loops over its functions; see core/lane.hpp.
 template <class P>
@@ -31,20 +70,24 @@ class Motion {
 
  public:
   explicit Motion(P& particles)
-      : x_(of(particles.advance(position))),
-        v_(of(particles.advance(velocity))),
-        f_(lanes_of(particles[force].data())),
-        m_(lanes_of(particles[mass].data())) {
+      : x_(Fields::of(particles.advance(position))),
+        v_(Fields::of(particles.advance(velocity))),
+        f_(lanes_of(std::as_const(particles)[force])),
+        m_(lanes_of(std::as_const(particles)[mass])),
+        particles_(&particles) {
     if constexpr (rotates) {
-      w_ = of(particles.advance(spin));
-      t_ = lanes_of(particles[torque].data());
-      inertias_ = lanes_of(particles[inertia].data());
+      w_ = Fields::of(particles.advance(spin));
+      t_ = lanes_of(std::as_const(particles)[torque]);
+      inertias_ = lanes_of(std::as_const(particles)[inertia]);
     }
-    if constexpr (has_angle) angle_ = of(particles.advance(angle));
+    if constexpr (has_angle) angle_ = Fields::of(particles.advance(angle));
   }
 
   /// Whether the fields are overwritten, that is, before and after are the same memory.
-  bool is_in_place() const { return x_.before == x_.after; }
+  bool is_in_place() const { return &x_.before[0] == &x_.after[0]; }
+
+  /// Copies what the functions below do not write; called before them.
+  void copy_constants(Index first, Index last) const { particles_->copy_rows(first, last); }
 
   /// v^{N−½} → v^{N+½} (32) and, if the particles rotate, θ'^{N−½} → θ'^{N+½} (33).
   template <class D>
@@ -116,25 +159,17 @@ class Motion {
     }
   }
 
-  template <class Value>
-  struct Column {
-    const Value* before;
-    Value* after;
-  };
-  template <class Advance>
-  static auto of(const Advance& field) {
-    auto* const after = lanes_of(field.after.data());
-    return Column<std::remove_pointer_t<decltype(after)>>{lanes_of(field.before.data()), after};
-  }
+  using Fields = detail::MotionFields<P>;
 
-  Column<Vec> x_;
-  Column<Vec> v_;
-  const Vec* f_;
-  const Scalar* m_;
-  Column<AngularVec> w_{};
-  Column<AngularVec> angle_{};
-  const AngularVec* t_ = nullptr;
-  const Scalar* inertias_ = nullptr;
+  typename Fields::template Change<position_t> x_;
+  typename Fields::template Change<velocity_t> v_;
+  typename Fields::template Constant<force_t> f_;
+  typename Fields::template Constant<mass_t> m_;
+  typename Fields::template Change<spin_t> w_{};
+  typename Fields::template Change<angle_t> angle_{};
+  typename Fields::template Constant<torque_t> t_{};
+  typename Fields::template Constant<inertia_t> inertias_{};
+  P* particles_;
 };
 
 // The same for all particles, for user-defined integrators.
@@ -255,6 +290,7 @@ class Leapfrog {
                                                     Index first, Index last) {
       const Update update = *static_cast<const Update*>(from);
       const Motion<P> motion = of;
+      motion.copy_constants(first, last);
       int broken = 0;  // an int, because g++ 12 does not vectorise with a bool
       SILT_INDEPENDENT_ITERATIONS
       for (Index i = first; i < last; ++i) {

@@ -132,6 +132,9 @@ class Contacts {
     grains.refresh_ghosts(velocity, spin);
     if (stale) renew_near(grains, search, touches, dt);
     touches.make_room();
+    const auto x = grains.with_ghosts(position);
+    resize_tightly(touches.seen().x, x.size());
+    for (Index i = grains.size(); i < x.size(); ++i) touches.seen().x[i] = x[i];
     counts_.assign(chunk_count(grains.size()), 0);
   }
 
@@ -142,19 +145,27 @@ class Contacts {
     using Lanes = typename FoundOf<P>::Lanes;
     auto& touches = found<P>();
     const Real dt = touches.seen().time_step;
-    const auto ask = [&, this, dt](Lanes& eight, const auto& contacts, unsigned touching) {
+    const auto evaluate = [&, this, dt](Lanes* eights, int count, const unsigned* touching,
+                                        const auto* contacts) {
       if constexpr (LawInLanes<Law, P::dimension, Real>) {
-        if (materials_.count() == 1) return eight.ask(materials_.between(0, 0), dt);
+        if (materials_.count() == 1) {
+          return evaluate_in_lanes(materials_.between(0, 0), eights, count, dt);
+        }
       }
-      for (int lane = 0; lane < lanes; ++lane) {
-        if ((touching >> lane & 1) == 0) continue;
-        const Index c = contacts[static_cast<Index>(lane)];
-        eight.ask(law_of(grains)(sides_of(grains, touches.near(), c)), dt, lane);
+      for (int e = 0; e < count; ++e) {
+        for (int lane = 0; lane < lanes; ++lane) {
+          if ((touching[e] >> lane & 1) == 0) continue;
+          const Index c = contacts[e][static_cast<Index>(lane)];
+          eights[e].template evaluate<Real>(law_of(grains)(sides_of(grains, touches.near(), c)), dt,
+                                            lane);
+        }
       }
     };
     const Real arm_share = settings_.lever_arm == LeverArm::radius ? 0 : Real(0.5);
     const auto walls = walls_as_the_law_saw_them<P>(walls_, touches.seen());
-    LawPass pass(grains, touches, walls, arm_share, ask);
+    const LawPass pass(grains, touches, walls, arm_share, evaluate);
+    const auto x = grains[position];
+    for (Index i = chunk.first; i < chunk.last; ++i) touches.seen().x[i] = x[i];
     counts_[chunk.number] = pass(touches.near().of_chunk(chunk.number));
   }
 

@@ -6,7 +6,7 @@
 #include <silt/core/box.hpp>
 #include <silt/core/travel.hpp>
 #include <silt/core/types.hpp>
-#include <silt/dem/contact/contact_lanes.hpp>
+#include <silt/dem/contact/law_lanes.hpp>
 #include <silt/dem/contact/contact_row.hpp>
 #include <silt/dem/contact/near_contacts.hpp>
 #include <silt/dem/contact/pair_history.hpp>
@@ -27,7 +27,7 @@ class Touches {
   static constexpr int dimension = Dim;
   using Real = RealType;
   using Row = ContactRow<has_couple>;
-  using Lanes = ContactLanes<Dim, Real, History::words, has_couple>;
+  using Lanes = LawLanes<Dim, Real, History::words, has_couple>;
   static constexpr bool couples = has_couple;
   static constexpr Index padded_words = Lanes::padded_words;
   using Remembered = PairHistory<typename History::type>;
@@ -43,6 +43,7 @@ class Touches {
     std::vector<Real, Eigen::aligned_allocator<Real>> rows;       ///< see ContactRow
     std::vector<Real, Eigen::aligned_allocator<Real>> histories;  ///< padded_words a row
     std::vector<std::uint32_t> at;  ///< row number of each near contact, or `none`
+    std::vector<Vec<Dim, Real>> x;  ///< positions of the grains and ghosts [m]
     Index count = 0;                ///< number of contacts that touch
     Real time_step = 0;             ///< [s]
     double time = 0;                ///< of the positions [s]
