@@ -156,6 +156,10 @@ class Rows<Dim, Real, Bundle<Fs...>> {
   void copy(Index from, Index to) {
     std::copy_n(numbers_.data() + from * width, width, numbers_.data() + to * width);
   }
+  void copy_row(const Rows& other, Index i) {
+    std::memcpy(numbers_.data() + i * width, other.numbers_.data() + i * width,
+                width * sizeof(Real));
+  }
   void copy_from(const Rows& other, Index first, Index last) {
     std::copy(other.numbers_.data() + first * width, other.numbers_.data() + last * width,
               numbers_.data() + first * width);
@@ -276,12 +280,12 @@ class Columns<Dim, Real, std::tuple<All...>> {
     unit.is_next = true;
     return Advance{before, unit.other.view(field, owned)};
   }
-  /// Copies rows [first, last) of all bundles passed to advance(), unless they were kept, to the
-  /// memory for the next values.
-  void copy_rows(Index first, Index last) {
+  /// Copies row i of all bundles passed to advance(), unless they were kept, to the memory for the
+  /// next values.
+  void copy_row(Index i) {
     const auto copy = [=]<class U>(U& unit) {
       if constexpr (U::is_of_bundle) {
-        if (unit.is_next) unit.other.copy_from(unit.now, first, last);
+        if (unit.is_next) unit.other.copy_row(unit.now, i);
       }
     };
     std::apply([&](auto&... unit) { (copy(unit), ...); }, units_);

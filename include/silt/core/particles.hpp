@@ -242,9 +242,9 @@ class Particles {
   auto advance(F field) {
     return columns_.advance(field, size());
   }
-  /// Copies particles [first, last) of all bundles passed to advance() to the memory for the next
-  /// values: an integrator then writes only what it changes.
-  void copy_rows(Index first, Index last) { columns_.copy_rows(first, last); }
+  /// Copies row i of all bundles passed to advance() to the memory for the next values, so that an
+  /// integrator writes only what it changes.
+  void copy_row(Index i) { columns_.copy_row(i); }
   void finish_advance() { columns_.finish_advance(size()); }
   void restore() noexcept { columns_.restore(size()); }
 

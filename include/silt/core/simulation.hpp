@@ -175,7 +175,7 @@ class Simulation {
       const auto broken = find_not_finite_result();
       is_result_finite = !broken;
       if (broken) fail_after_step(*broken);
-      check_escaped();
+      if (!results_are_valid()) check_escaped();
     } catch (const Error& error) {
       restore();
       if (!is_result_finite) check_finite_before_step();
@@ -184,7 +184,7 @@ class Simulation {
       restore();
       throw;
     }
-    remove_escaped();
+    if (!results_are_valid()) remove_escaped();
     time_ += dt;
     ++steps_;
     last_time_step_ = dt;
@@ -341,10 +341,15 @@ class Simulation {
   }
   // The same after a step, when the integrator may know that all values are finite.
   std::optional<NotFinite> find_not_finite_result() const {
-    if constexpr (requires { { integrator_.all_finite() } -> std::same_as<bool>; }) {
-      if (integrator_.all_finite()) return std::nullopt;
-    }
+    if (results_are_valid()) return std::nullopt;
     return find_not_finite();
+  }
+  bool results_are_valid() const {
+    if constexpr (requires { { integrator_.results_are_valid() } -> std::same_as<bool>; }) {
+      return integrator_.results_are_valid();
+    } else {
+      return false;
+    }
   }
 
   // Called after rolling back a step whose result is not finite. Throws if the cause is a value

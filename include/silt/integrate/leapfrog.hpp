@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <concepts>
+#include <limits>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -22,72 +23,95 @@ inline constexpr bool one_of = (std::same_as<F, Fs> || ...);
 
 namespace detail {
 
-// The fields of particles as lanes; `Missing` for those that they do not have.
+// The fields of particles; `Missing` for those that they do not have. Columns are lanes, so that
+// compilers vectorise loops over the particles; see core/lane.hpp.
 template <class P>
 struct MotionFields {
+  static constexpr bool in_rows =
+      requires(const P particles) { particles.storage(position).rows(); };
+  using Scalar =
+      std::conditional_t<in_rows, typename P::Real, Lane<typename P::Real>>;
   struct Missing {};
   template <class Before, class After>
   struct BeforeAndAfter {
     Before before;
     After after;
   };
+  template <class Values>
+  static auto of(const Values& values) {
+    if constexpr (in_rows) {
+      return values;
+    } else {
+      return lanes_of(values);
+    }
+  }
   template <class Advance>
-  static auto of(const Advance& field) {
-    return BeforeAndAfter{lanes_of(field.before), lanes_of(field.after)};
+  static auto change(const Advance& field) {
+    return BeforeAndAfter{of(field.before), of(field.after)};
   }
   template <class F>
-  static auto change(P& particles) {
+  static auto change_of(P& particles) {
     if constexpr (HasFields<P, F>) {
-      return of(particles.advance(F{}));
+      return change(particles.advance(F{}));
     } else {
       return Missing{};
     }
   }
   template <class F>
-  static auto constant(const P& particles) {
+  static auto constant_of(const P& particles) {
     if constexpr (HasFields<P, F>) {
-      return lanes_of(particles[F{}]);
+      return of(particles[F{}]);
     } else {
       return Missing{};
     }
   }
   template <class F>
-  using Change = decltype(change<F>(std::declval<P&>()));
+  using Change = decltype(change_of<F>(std::declval<P&>()));
   template <class F>
-  using Constant = decltype(constant<F>(std::declval<P&>()));
+  using Constant = decltype(constant_of<F>(std::declval<P&>()));
 };
 
 }  // namespace detail
 
-/// Updates the motion of single particles, from the fields before a step to those after it. It uses
-/// the type Lane, so that compilers vectorise loops over its functions; see core/lane.hpp.
+/// Updates the motion of single particles, from the fields before a step to those after it.
 template <class P>
 class Motion {
   using Real = typename P::Real;
-  using Scalar = Lane<Real>;
+  using Fields = detail::MotionFields<P>;
+  using Scalar = typename Fields::Scalar;
   using Vec = silt::Vec<P::dimension, Scalar>;
   using AngularVec = silt::AngularVec<P::dimension, Scalar>;
 
  public:
   explicit Motion(P& particles)
-      : x_(Fields::of(particles.advance(position))),
-        v_(Fields::of(particles.advance(velocity))),
-        f_(lanes_of(std::as_const(particles)[force])),
-        m_(lanes_of(std::as_const(particles)[mass])),
+      : x_(Fields::change(particles.advance(position))),
+        v_(Fields::change(particles.advance(velocity))),
+        f_(Fields::of(std::as_const(particles)[force])),
+        m_(Fields::of(std::as_const(particles)[mass])),
         particles_(&particles) {
     if constexpr (rotates) {
-      w_ = Fields::of(particles.advance(spin));
-      t_ = lanes_of(std::as_const(particles)[torque]);
-      inertias_ = lanes_of(std::as_const(particles)[inertia]);
+      w_ = Fields::change(particles.advance(spin));
+      t_ = Fields::of(std::as_const(particles)[torque]);
+      inertias_ = Fields::of(std::as_const(particles)[inertia]);
     }
-    if constexpr (has_angle) angle_ = Fields::of(particles.advance(angle));
+    if constexpr (has_angle) angle_ = Fields::change(particles.advance(angle));
+    const auto& box = particles.box();
+    for (int k = 0; k < P::dimension; ++k) {
+      constexpr Real infinity = std::numeric_limits<Real>::infinity();
+      const bool is_periodic = box.periodic[static_cast<std::size_t>(k)];
+      lower_[k] = is_periodic ? -infinity : box.lower[k];
+      upper_[k] = is_periodic ? infinity : box.upper[k];
+    }
   }
 
   /// Whether the fields are overwritten, that is, before and after are the same memory.
   bool is_in_place() const { return &x_.before[0] == &x_.after[0]; }
 
-  /// Copies what the functions below do not write; called before them.
-  void copy_constants(Index first, Index last) const { particles_->copy_rows(first, last); }
+  /// The particles are stored in rows, see Bundle in core/columns.hpp.
+  static constexpr bool in_rows = Fields::in_rows;
+  /// Copies the fields in the rows of particle i that the functions below do not write; called
+  /// before them.
+  void copy_constants(Index i) const { particles_->copy_row(i); }
 
   /// v^{N−½} → v^{N+½} (32) and, if the particles rotate, θ'^{N−½} → θ'^{N+½} (33).
   template <class D>
@@ -125,12 +149,17 @@ class Motion {
     if constexpr (has_angle) angle_.after[i] = angle_.before[i] + w_.after[i] * Scalar(dt);
   }
 
-  /// False if a field of particle i is not finite; may also be false if values are extremely large.
-  bool is_result_finite(Index i) const {
+  /// False if a field of particle i is not finite or its position is outside the box, except along
+  /// periodic axes; may also be false if values are extremely large.
+  bool is_result_valid(Index i) const {
+    int inside = 1;
+    for (int k = 0; k < P::dimension; ++k) {
+      inside &= int(lower_[k] <= Real(x_.after[i][k])) & int(Real(x_.after[i][k]) <= upper_[k]);
+    }
     Real sum = x_.after[i].sum() + v_.after[i].sum();
     if constexpr (rotates) sum += sum_of(w_.after[i]);
     if constexpr (has_angle) sum += sum_of(angle_.after[i]);
-    return sum - sum == 0;  // unlike is_finite(), vectorised
+    return (int(sum - sum == 0) & inside) != 0;  // unlike is_finite(), vectorised
   }
 
  private:
@@ -159,8 +188,6 @@ class Motion {
     }
   }
 
-  using Fields = detail::MotionFields<P>;
-
   typename Fields::template Change<position_t> x_;
   typename Fields::template Change<velocity_t> v_;
   typename Fields::template Constant<force_t> f_;
@@ -170,6 +197,8 @@ class Motion {
   typename Fields::template Constant<torque_t> t_{};
   typename Fields::template Constant<inertia_t> inertias_{};
   P* particles_;
+  Real lower_[P::dimension];
+  Real upper_[P::dimension];
 };
 
 // The same for all particles, for user-defined integrators.
@@ -267,7 +296,7 @@ class Leapfrog {
   // See AdvancesField in core/concepts.hpp.
   template <class F>
   static constexpr bool advances = one_of<F, position_t, velocity_t, spin_t, angle_t>;
-  bool all_finite() const noexcept { return all_finite_; }
+  bool results_are_valid() const noexcept { return results_are_valid_; }
 
  private:
   // Calls update(motion, i) for a range of particles. Its type does not depend on the type of
@@ -278,7 +307,7 @@ class Leapfrog {
     /// The update must outlive this object.
     template <class Update>
     explicit UpdateRange(const Update& update) : update_(&update), run_(run<Update>) {}
-    /// Updates particles [first, last); returns false if a result is not finite.
+    /// Updates particles [first, last); returns false if a result is not valid.
     bool operator()(const Motion<P>& motion, Index first, Index last) const {
       return run_(update_, motion, first, last);
     }
@@ -290,12 +319,19 @@ class Leapfrog {
                                                     Index first, Index last) {
       const Update update = *static_cast<const Update*>(from);
       const Motion<P> motion = of;
-      motion.copy_constants(first, last);
       int broken = 0;  // an int, because g++ 12 does not vectorise with a bool
-      SILT_INDEPENDENT_ITERATIONS
-      for (Index i = first; i < last; ++i) {
-        update(motion, i);
-        broken |= !motion.is_result_finite(i);
+      if constexpr (Motion<P>::in_rows) {
+        for (Index i = first; i < last; ++i) {
+          motion.copy_constants(i);
+          update(motion, i);
+          broken |= !motion.is_result_valid(i);
+        }
+      } else {
+        SILT_INDEPENDENT_ITERATIONS
+        for (Index i = first; i < last; ++i) {
+          update(motion, i);
+          broken |= !motion.is_result_valid(i);
+        }
       }
       return broken == 0;
     }
@@ -307,9 +343,9 @@ class Leapfrog {
   // Evaluates the forces and then updates every particle; chunk by chunk if the interaction allows.
   template <class P, class S, class I>
   void advance(P& particles, S& search, I& interaction, double dt, const UpdateRange<P>& update) {
-    finite_.assign(chunk_count(particles.size()), true);
+    valid_.assign(chunk_count(particles.size()), true);
     const auto update_range = [&](const Motion<P>& motion, Index first, Index last) {
-      finite_[first / chunk_size] &= update(motion, first, last);
+      valid_[first / chunk_size] &= update(motion, first, last);
     };
     if constexpr (AddsForces<I, P>) {
       prepare(interaction, particles, search, dt);
@@ -319,7 +355,7 @@ class Leapfrog {
         for (Index first = chunk.first; first < chunk.last; first += block) {
           const Index last = std::min(first + block, chunk.last);
           clear(particles, first, last);
-          for (Index i = first; i < last; ++i) std::as_const(interaction).add_forces(particles, i);
+          add_forces_of(std::as_const(interaction), particles, first, last);
           if (!motion.is_in_place()) update_range(motion, first, last);
         }
       });
@@ -336,7 +372,7 @@ class Leapfrog {
                      [&](Chunk chunk) { update_range(motion, chunk.first, chunk.last); });
     }
     particles.finish_advance();
-    all_finite_ = std::all_of(finite_.begin(), finite_.end(), [](char finite) { return finite; });
+    results_are_valid_ = std::all_of(valid_.begin(), valid_.end(), [](char valid) { return valid; });
   }
 
   // v^0 → v^{−½}, so that v^0 is the mean of its two half steps.
@@ -354,9 +390,9 @@ class Leapfrog {
 
   D damping_{};
   bool started_ = false;
-  bool all_finite_ = false;
+  bool results_are_valid_ = false;
   double last_time_step_ = 0;
-  std::vector<char> finite_;  // by chunk
+  std::vector<char> valid_;  // by chunk
 };
 
 }  // namespace silt

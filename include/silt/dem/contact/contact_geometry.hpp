@@ -96,7 +96,7 @@ class ContactGeometry {
         Vec x;
         for (int k = 0; k < Dim; ++k) x[k] = i_[p].x[k][lane];
         const NearestPoint<Dim, Real> at = nearest(second[p * N + lane], x);
-        for (int k = 0; k < Dim; ++k) into.normal[k][p * N + lane] = at.normal[k];
+        for (int k = 0; k < Dim; ++k) into.row[Row::n + k][p * N + lane] = at.normal[k];
         overlaps[lane] = i_[p].R[lane] - at.distance;
       }
       overlap_[p] = simd::load<Real, N>(overlaps);
@@ -115,7 +115,7 @@ class ContactGeometry {
       typename Grains::Motion i;
       grains.load(first + p * N, i);
       Pack n[Dim];
-      for (int k = 0; k < Dim; ++k) n[k] = simd::load<Real, N>(into.normal[k] + p * N);
+      for (int k = 0; k < Dim; ++k) n[k] = simd::load<Real, N>(into.row[Row::n + k] + p * N);
       const Pack shorter = arm_share * overlap_[p];
       Pack u[Dim];
       surface_velocity(i, shorter - i_[p].R, n, u);
@@ -168,7 +168,7 @@ class ContactGeometry {
     const auto put = [p](Real(&column)[lanes], const Pack& pack) {
       simd::store<Real, N>(column + p * N, pack);
     };
-    for (int k = 0; k < Dim; ++k) put(into.normal[k], n[k]);
+    for (int k = 0; k < Dim; ++k) put(into.row[Row::n + k], n[k]);
     for (int k = 0; k < Dim; ++k) put(into.velocity[k], u[k]);
     put(into.mass, mass);
     put(into.radius, R);

@@ -6,14 +6,14 @@
 
 namespace silt::dem {
 
-/// Data stored for a contact in addition to its history: F on the first grain, δ, F × n, R minus
-/// the lever arm, and the couple on the first grain if the law has one. In 2D, F × n is about z.
+/// Data stored for a contact in addition to its history: n, δ, F on the first grain, R minus the
+/// lever arm, and the couple on the first grain if the law has one.
 template <bool couples>
 struct ContactRow {
   static constexpr bool has_couple = couples;
-  static constexpr int F = 0;
+  static constexpr int n = 0;
   static constexpr int overlap = 3;
-  static constexpr int moment = 4;  ///< F × n; times the lever arm, it is the torque on both grains
+  static constexpr int F = 4;
   static constexpr int shorter = 7;
   static constexpr int couple = 8;
   static constexpr int words = couples ? 12 : 8;

@@ -102,6 +102,8 @@ class Contacts {
   template <class P>
   typename P::Real reach(const P& grains) const {
     using Real = typename P::Real;
+    const auto& known = found<P>().validity();
+    if (known.owned_revision == grains.owned_revision()) return known.reach;
     const auto R = grains[radius];
     return 2 * largest(R.size(), Real(0), [&](Index i) { return R[i]; });
   }
@@ -132,9 +134,6 @@ class Contacts {
     grains.refresh_ghosts(velocity, spin);
     if (stale) renew_near(grains, search, touches, dt);
     touches.make_room();
-    const auto x = grains.with_ghosts(position);
-    resize_tightly(touches.seen().x, x.size());
-    for (Index i = grains.size(); i < x.size(); ++i) touches.seen().x[i] = x[i];
     counts_.assign(chunk_count(grains.size()), 0);
   }
 
@@ -164,8 +163,6 @@ class Contacts {
     const Real arm_share = settings_.lever_arm == LeverArm::radius ? 0 : Real(0.5);
     const auto walls = walls_as_the_law_saw_them<P>(walls_, touches.seen());
     const LawPass pass(grains, touches, walls, arm_share, evaluate);
-    const auto x = grains[position];
-    for (Index i = chunk.first; i < chunk.last; ++i) touches.seen().x[i] = x[i];
     counts_[chunk.number] = pass(touches.near().of_chunk(chunk.number));
   }
 
@@ -178,7 +175,12 @@ class Contacts {
   template <class P>
     requires HasFields<P, force_t, torque_t, material_t>
   void add_forces(P& grains, Index i) const {
-    add_rows(grains, found<P>(), i);
+    add_rows(grains, found<P>(), i, i + 1);
+  }
+  template <class P>
+    requires HasFields<P, force_t, torque_t, material_t>
+  void add_forces(P& grains, Index first, Index last) const {
+    add_rows(grains, found<P>(), first, last);
   }
 
   template <class P>

@@ -66,8 +66,8 @@ class ContactsOfStep {
   template <class F>
   void for_each(F&& f) const {
     const auto walls = walls_then();
-    for_each_touch(grains_, touches_, [&](Index c, const Sides& sides, const auto* row) {
-      f(sides.i, sides.j, contact_of(grains_, touches_, c, sides, walls),
+    for_each_touch(grains_, touches_, [&](Index, const Sides& sides, const auto* row) {
+      f(sides.i, sides.j, contact_of(grains_, touches_.seen(), row, sides, walls),
         Row::template force_in<P::dimension>(row));
     });
   }
@@ -76,13 +76,12 @@ class ContactsOfStep {
   template <class F>
   void for_each_at_walls(F&& f) const {
     const auto walls = walls_then();
-    for_each_touch(grains_, touches_, [&](Index c, const Sides& sides, const auto* row) {
+    for_each_touch(grains_, touches_, [&](Index, const Sides& sides, const auto* row) {
       if (sides.wall == no_index) return;
       WallContact<P::dimension, Real> touch;
       touch.grain = sides.i;
       touch.wall = walls_.number_of(sides.wall);
-      touch.point =
-          contact_point(grains_, touches_, c, sides, normal_of<P>(touches_, walls, c));
+      touch.point = contact_point<P, Row>(grains_, row, sides);
       const auto velocity = walls.velocity(sides.wall);
       touch.velocity = velocity.at(touch.point);
       touch.spin = velocity.spin;
@@ -115,7 +114,7 @@ class ContactsOfStep {
     const auto walls_seen = walls_as_the_law_saw_them<P>(walls_, touches_.seen());
     for_each_touch(grains_, touches_, [&](Index c, const Sides& sides, const auto* row) {
       const Law& law = law_of(sides);
-      const auto contact = contact_of(grains_, touches_, c, sides, walls_seen);
+      const auto contact = contact_of(grains_, touches_.seen(), row, sides, walls_seen);
       RigidVelocity<P::dimension, Real> wall;
       if (sides.wall != no_index) wall = walls.velocity(sides.wall);
       const auto ask = [&] {
@@ -133,8 +132,7 @@ class ContactsOfStep {
           .contact = contact,
           .shorter = row[Row::shorter],
           .answer = ask(),
-          .wall_velocity =
-              wall.at(contact_point(grains_, touches_, c, sides, contact.normal)),
+          .wall_velocity = wall.at(contact_point<P, Row>(grains_, row, sides)),
           .wall_spin = wall.spin,
           .elastic = elastic_energies(law, contact, touches_.seen().history_of(c))});
     });
@@ -152,9 +150,9 @@ class ContactsOfStep {
     double energy = 0;
     if constexpr (GivesEnergy<Law, P::dimension, Real>) {
       const auto walls = walls_then();
-      for_each_touch(grains_, touches_, [&](Index c, const Sides& sides, const auto*) {
+      for_each_touch(grains_, touches_, [&](Index c, const Sides& sides, const auto* row) {
         energy += double(
-            law_of(sides).elastic_energy(contact_of(grains_, touches_, c, sides, walls),
+            law_of(sides).elastic_energy(contact_of(grains_, touches_.seen(), row, sides, walls),
                                          History::from(touches_.seen().history_of(c))));
       });
     }

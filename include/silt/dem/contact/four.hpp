@@ -19,6 +19,16 @@ void load_four(const Real* from, F& four) {
   std::memcpy(&four, from, sizeof four);
 }
 
+/// b × a of the first three numbers, rotated by one lane, as (z, x, y); the fourth is unspecified.
+template <class F>
+void cross_turned(const F& a, const F& b, F& c) {
+  c = __builtin_shufflevector(a, a, 1, 2, 0, 3) * b - a * __builtin_shufflevector(b, b, 1, 2, 0, 3);
+}
+template <class F>
+void turn_back(F& c) {
+  c = __builtin_shufflevector(c, c, 1, 2, 0, 3);
+}
+
 /// Transposes four rows into four columns: lane l of a column comes from row l.
 template <class Real>
 void transpose(Four<Real>& a, Four<Real>& b, Four<Real>& c, Four<Real>& d) {

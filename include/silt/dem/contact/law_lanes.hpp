@@ -27,14 +27,13 @@ struct LawLanes {
   static constexpr int padded_words = (history_words + 3) / 4 * 4;
 
   // Input.
-  alignas(64) Real normal[Dim][lanes];
   alignas(64) Real velocity[Dim][lanes];
   alignas(64) Real relative_spin[has_couple ? spin_words : 1][lanes];
   alignas(64) Real mass[lanes];
   alignas(64) Real radius[lanes];
   // Input and output.
   alignas(64) Real history[std::max(padded_words, 1)][lanes];
-  // The rows to be stored: the overlap and the lever arms are input, the loads are output.
+  // The rows to be stored: normals, overlaps and lever arms are input, the loads are output.
   alignas(64) Real row[Row::words][lanes];
 
   /// Evaluates a law for one lane. Scalar is Real or Lane<Real>.
@@ -65,7 +64,7 @@ struct LawLanes {
   Contact<Dim, Scalar> contact(int lane, Real dt) const {
     Contact<Dim, Scalar> contact;
     for (int k = 0; k < Dim; ++k) {
-      contact.normal[k] = normal[k][lane];
+      contact.normal[k] = row[Row::n + k][lane];
       contact.relative_velocity[k] = velocity[k][lane];
     }
     if constexpr (has_couple) {
@@ -84,9 +83,6 @@ struct LawLanes {
   void keep(int lane, const C& contact, const Answer& answer) {
     const auto force = force_of(answer, contact.normal);
     for (int k = 0; k < Dim; ++k) row[Row::F + k][lane] = force[k];
-    const auto moment = cross(force, contact.normal);
-    constexpr int first = 3 - spin_words;  // in 2D a moment is about z
-    for (int k = 0; k < spin_words; ++k) row[Row::moment + first + k][lane] = component(moment, k);
     if constexpr (has_couple) {
       const auto couple = couple_of(answer);
       for (int k = 0; k < spin_words; ++k) row[Row::couple + k][lane] = component(couple, k);

@@ -111,6 +111,11 @@ class NearContacts {
     return std::span(parts_).subspan(begin_[i], begin_[i + 1] - begin_[i]);
   }
 
+  /// Contacts of owned grains [first, last), grain by grain.
+  std::span<const Part> of(Index first, Index last) const noexcept {
+    return std::span(parts_).subspan(begin_[first], begin_[last] - begin_[first]);
+  }
+
   /// Results of the search, grain by grain, before they are put into one list.
   struct Found {
     Rows<Pair> pairs;

@@ -10,7 +10,7 @@
 #include <silt/dem/law/contact.hpp>
 #include <silt/dem/setup/grains.hpp>
 
-#include <cmath>
+#include <utility>
 
 namespace silt::dem {
 
@@ -78,43 +78,26 @@ auto constants_of(const P& grains, const Sides& sides) {
   return contact;
 }
 
-/// The normal of contact c of the last step, bitwise that of the law's input; `walls` are those of
-/// that step.
-template <class P, class T, class Walls>
-typename P::Vec normal_of(const T& touches, const Walls& walls, Index c) {
-  using Real = typename P::Real;
-  using Vec = typename P::Vec;
-  const auto& near = touches.near();
-  const Vec& x = touches.seen().x[near.first(c)];
-  if (near.is_of_wall(c)) return walls.nearest(near.second(c), x).normal;
-  const Vec r = touches.seen().x[near.second(c)] - x;
-  Real squared{};
-  for (int k = 0; k < P::dimension; ++k) squared += r[k] * r[k];
-  const Real against_r = -1 / std::sqrt(squared);
-  return r * against_r;
+/// Contact point from the row of a contact [m].
+template <class P, class Row>
+typename P::Vec contact_point(const P& grains, const typename P::Real* row, const Sides& sides) {
+  const auto arm = grains[radius][sides.i] - row[Row::shorter];
+  typename P::Vec point = grains[position][sides.i];
+  for (int k = 0; k < P::dimension; ++k) point[k] -= arm * row[Row::n + k];
+  return point;
 }
 
-/// Contact point of contact c, which has this normal [m].
-template <class P, class T>
-typename P::Vec contact_point(const P& grains, const T& touches, Index c, const Sides& sides,
-                              const typename P::Vec& normal) {
-  using Row = typename T::Row;
-  const auto arm = grains[radius][sides.i] - touches.seen().row_of(c)[Row::shorter];
-  return grains[position][sides.i] - arm * normal;
-}
-
-/// Contact c of the last step, with the velocities of the given grains and walls (a
+/// A contact of the last step from its row, with the velocities of the given grains and walls (a
 /// WallsAtTime).
-template <class P, class T, class Walls>
-auto contact_of(const P& grains, const T& touches, Index c, const Sides& sides,
+template <class P, class Seen, class Walls>
+auto contact_of(const P& grains, const Seen& seen, const typename P::Real* row, const Sides& sides,
                 const Walls& walls) {
-  using Row = typename T::Row;
+  using Row = typename Seen::Row;
   using Vec = typename P::Vec;
-  const auto* const row = touches.seen().row_of(c);
   auto contact = constants_of(grains, sides);
-  contact.normal = normal_of<P>(touches, walls, c);
+  for (int k = 0; k < P::dimension; ++k) contact.normal[k] = row[Row::n + k];
   contact.overlap = row[Row::overlap];
-  contact.time_step = touches.seen().time_step;
+  contact.time_step = seen.time_step;
   const auto surface = [&](Index i, typename P::Real towards) {
     const auto arm = towards * (grains[radius][i] - row[Row::shorter]);
     // This order of operations reproduces the law's input bitwise.
@@ -127,42 +110,54 @@ auto contact_of(const P& grains, const T& touches, Index c, const Sides& sides,
     contact.relative_spin -= grains[spin][sides.j];
   } else if constexpr (Walls::move) {
     const auto velocity = walls.velocity(sides.wall);
-    contact.relative_velocity -=
-        velocity.at(contact_point(grains, touches, c, sides, contact.normal));
+    contact.relative_velocity -= velocity.at(contact_point<P, Row>(grains, row, sides));
     contact.relative_spin -= velocity.spin;
   }
   return contact;
 }
 
-/// Adds Σ F and Σ M (14) of the last evaluation to grain i, in the order of the partners' ids.
+/// Adds Σ F and Σ M (14) of the last evaluation to grains [first, last), in the order of the
+/// partners' ids.
 template <class P, class T>
-[[gnu::always_inline]] inline void add_rows(P& grains, const T& touches, Index i) {
+void add_rows(P& grains, const T& touches, Index first, Index last) {
   using Real = typename P::Real;
   using Row = typename T::Row;
   const auto& seen = touches.seen();
-  const Real R = grains[radius][i];
-  Four<Real> sum{};
-  Four<Real> turning{};
-  [[maybe_unused]] Four<Real> couples{};
-  for (const auto part : touches.near().of(i)) {
-    const Real* const row = seen.row_of(part.contact());
-    Four<Real> F, moment;
-    load_four(row + Row::F, F);
-    load_four(row + Row::moment, moment);
-    sum += part.template sign<Real>() * F;
-    turning += (R - row[Row::shorter]) * moment;
-    if constexpr (T::couples) {
-      Four<Real> couple;
-      load_four(row + Row::couple, couple);
-      couples += part.template sign<Real>() * couple;
-    }
+  const auto forces = grains[force];
+  const auto torques = grains[torque];
+  const auto radii = std::as_const(grains)[radius];
+  constexpr int first_angular = 3 - angular_size<P::dimension>;  // in 2D a torque is about z
+  // Rows are fetched in a loop of its own, which does not depend on the number of contacts of each
+  // grain: processors cannot predict it.
+  for (const auto part : touches.near().of(first, last)) {
+    __builtin_prefetch(seen.row_of(part.contact()));
   }
-  for (int k = 0; k < P::dimension; ++k) grains[force][i][k] += sum[k];
-  constexpr int first = 3 - angular_size<P::dimension>;  // in 2D a torque is about z
-  for (int k = 0; k < angular_size<P::dimension>; ++k) {
-    Real M = turning[first + k];
-    if constexpr (T::couples) M += couples[k];
-    component(grains[torque][i], k) += M;
+  for (Index i = first; i < last; ++i) {
+    const Real R = radii[i];
+    Four<Real> sum{};
+    Four<Real> turning{};
+    [[maybe_unused]] Four<Real> couples{};
+    for (const auto part : touches.near().of(i)) {
+      const Real* const row = seen.row_of(part.contact());
+      Four<Real> n, F, F_x_n;
+      load_four(row + Row::n, n);
+      load_four(row + Row::F, F);
+      sum += part.template sign<Real>() * F;
+      cross_turned(n, F, F_x_n);
+      turning += (R - row[Row::shorter]) * F_x_n;
+      if constexpr (T::couples) {
+        Four<Real> couple;
+        load_four(row + Row::couple, couple);
+        couples += part.template sign<Real>() * couple;
+      }
+    }
+    turn_back(turning);
+    for (int k = 0; k < P::dimension; ++k) forces[i][k] += sum[k];
+    for (int k = 0; k < angular_size<P::dimension>; ++k) {
+      Real M = turning[first_angular + k];
+      if constexpr (T::couples) M += couples[k];
+      component(torques[i], k) += M;
+    }
   }
 }
 

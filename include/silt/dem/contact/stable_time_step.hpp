@@ -229,8 +229,8 @@ void check_stability(const P& grains, const T& touches, const Walls& walls, doub
     bool touches = false;
   };
   std::vector<Held> held(touches.near().size());
-  for_each_touch(grains, touches, [&](Index c, const Sides& sides, const auto*) {
-    const auto contact = contact_of(grains, touches, c, sides, walls);
+  for_each_touch(grains, touches, [&](Index c, const Sides& sides, const auto* row) {
+    const auto contact = contact_of(grains, touches.seen(), row, sides, walls);
     held[c] = {contact, law_of(sides).stiffness(contact), true};
   });
   // f(contact, stiffness, lever of i)

@@ -43,7 +43,6 @@ class Touches {
     std::vector<Real, Eigen::aligned_allocator<Real>> rows;       ///< see ContactRow
     std::vector<Real, Eigen::aligned_allocator<Real>> histories;  ///< padded_words a row
     std::vector<std::uint32_t> at;  ///< row number of each near contact, or `none`
-    std::vector<Vec<Dim, Real>> x;  ///< positions of the grains and ghosts [m]
     Index count = 0;                ///< number of contacts that touch
     Real time_step = 0;             ///< [s]
     double time = 0;                ///< of the positions [s]
@@ -74,8 +73,10 @@ class Touches {
   struct Validity {
     std::vector<Vec<Dim, Real>> since;  ///< positions of the owned grains at the rebuild [m]
     Travel travel;                      ///< of the search at the rebuild
+    Real reach = 0;                     ///< twice the largest radius [m]
     Real margin = 0;                    ///< largest gap of near pairs [m]
     std::uint64_t revision = std::numeric_limits<std::uint64_t>::max();
+    std::uint64_t owned_revision = std::numeric_limits<std::uint64_t>::max();
     double time = 0;              ///< of these positions and of the walls [s]
     Box<Dim, Real> extent;        ///< contains all grains while the list is valid [m]
     double stable_time_step = 0;  ///< stable even if all near pairs touch [s]
