@@ -148,6 +148,16 @@ concept Interaction = NeighbourSearch<S, P> && HasReach<I, P> &&
 template <class I, class P>
 concept AddsForces = requires(const I i, P& p, Index k) { i.add_forces(p, k); };
 
+/// Adds the forces on particles [first, last).
+template <class I, class P>
+void add_forces_of(const I& interaction, P& particles, Index first, Index last) {
+  if constexpr (requires { interaction.add_forces(particles, first, last); }) {
+    interaction.add_forces(particles, first, last);
+  } else {
+    for (Index i = first; i < last; ++i) interaction.add_forces(particles, i);
+  }
+}
+
 template <class I, class P, class S>
 void prepare(I& interaction, P& particles, S& search, double dt) {
   if constexpr (requires { interaction.prepare(particles, search, dt); }) {
@@ -193,9 +203,7 @@ template <class I, class P, class S>
 void accelerate_all(I& interaction, P& particles, S& search, double dt) {
   prepare(interaction, particles, search, dt);
   for_each_chunk_with_forces(interaction, particles, [&](Chunk chunk) {
-    for (Index i = chunk.first; i < chunk.last; ++i) {
-      std::as_const(interaction).add_forces(particles, i);
-    }
+    add_forces_of(std::as_const(interaction), particles, chunk.first, chunk.last);
   });
   conclude(interaction, particles, dt);
 }

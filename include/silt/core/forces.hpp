@@ -145,6 +145,12 @@ class Forces {
     for_each_part([&](const auto& part) { part.add_forces(particles, i); });
   }
 
+  template <class P>
+    requires(AddsForces<Parts, P> && ...)
+  void add_forces(P& particles, Index first, Index last) const {
+    for_each_part([&](const auto& part) { add_forces_of(part, particles, first, last); });
+  }
+
   /// The smallest time step [s] of the parts that choose one; infinity if none does.
   template <class P>
   double time_step(const P& particles) {

@@ -22,15 +22,18 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
 namespace silt {
 
-/// Particles in Dim dimensions with a position and the given fields.
+/// Particles in Dim dimensions with a position and the given fields. A Bundle among them says that
+/// these fields, which are given as well, are stored side by side; see core/columns.hpp.
 ///   p[position][i]   Vec<Dim, Real>& of owned particle i [m]
-///   p[field]         span over the size() owned particles
-template <int Dim, class RealType, Field... Fields>
+///   p[field]         the values of the size() owned particles: a std::span, or a FieldView if the
+///                    field is stored in a bundle
+template <int Dim, class RealType, FieldOrBundle... Fields>
 class Particles {
   static_assert(Dim == 2 || Dim == 3, "silt::Particles: the dimension is 2 or 3");
   static_assert(std::floating_point<RealType>, "silt::Particles: Real is float or double");
@@ -54,22 +57,27 @@ class Particles {
   Index total() const noexcept { return ids_.size(); }
 
   template <Field F>
-  auto operator[](F) noexcept {
+  auto operator[](F field) noexcept {
     check_field<F>();
-    return std::span(column<F>().data(), size());
+    return columns_.view(field, size());
   }
   template <Field F>
-  auto operator[](F) const noexcept {
+  auto operator[](F field) const noexcept {
     check_field<F>();
-    return std::span(column<F>().data(), size());
+    return columns_.view(field, size());
   }
 
   /// The values of the owned particles, followed by those of the ghosts; an index from a search may
   /// refer to either.
   template <Field F>
-  auto with_ghosts(F) const noexcept {
+  auto with_ghosts(F field) const noexcept {
     check_field<F>();
-    return std::span(column<F>().data(), total());
+    return columns_.view(field, total());
+  }
+  /// The storage of a field: a column, or the rows of a bundle, see core/columns.hpp.
+  template <Field F>
+  const auto& storage(F field) const noexcept {
+    return columns_.storage(field);
   }
 
   Id id(Index i) const noexcept { return ids_[i]; }
@@ -98,7 +106,7 @@ class Particles {
   }
 
   void reserve(Index n) {
-    columns_.for_each([n](auto& column, auto) { column.reserve(n); });
+    columns_.for_each([n](auto& storage) { storage.reserve(n); });
     ids_.reserve(n);
   }
 
@@ -109,11 +117,9 @@ class Particles {
     clear_ghosts();
     const Index i = size();
     const Id id = index_of_id_.size();
-    columns_.for_each([](auto& column, auto field) {
-      column.push_back(zero_of<value_of<decltype(field), Dim, Real>>());
-    });
-    column<position_t>()[i] = x;
+    columns_.for_each([](auto& storage) { storage.push_zero(); });
     ids_.push_back(id);
+    (*this)[position][i] = x;
     index_of_id_.push_back(i);
     note_change();
     return i;
@@ -135,7 +141,7 @@ class Particles {
       ++kept;
     }
     if (kept == before) return 0;
-    columns_.for_each([kept](auto& column, auto) { column.resize(kept); });
+    columns_.for_each([kept](auto& storage) { storage.resize(kept); });
     ids_.resize(kept);
     note_change();
     return before - kept;
@@ -155,11 +161,7 @@ class Particles {
   void reorder(std::span<const Index> order) {
     clear_ghosts();
     check_permutation(order);
-    columns_.for_each([order](auto& column, auto) {
-      auto sorted = column;
-      for (Index i = 0; i < order.size(); ++i) sorted[i] = column[order[i]];
-      column.swap(sorted);
-    });
+    columns_.reorder(order);
     std::vector<Id> ids(order.size());
     for (Index i = 0; i < order.size(); ++i) ids[i] = ids_[order[i]];
     ids_.swap(ids);
@@ -173,7 +175,7 @@ class Particles {
     if (owners_.empty()) return;
     revision_ = next_revision();
     const Index owned = size();
-    columns_.for_each([owned](auto& column, auto) { column.resize(owned); });
+    columns_.for_each([owned](auto& storage) { storage.resize(owned); });
     ids_.resize(owned);
     owners_.clear();
     shifts_.clear();
@@ -184,12 +186,9 @@ class Particles {
     revision_ = next_revision();
     const Index owner_index = owner(source);
     const Vec total_shift = source < size() ? shift : Vec(shifts_[source - size()] + shift);
-    columns_.for_each([source](auto& column, auto) {
-      const auto copy = column[source];
-      column.push_back(copy);
-    });
-    column<position_t>().back() += shift;
+    columns_.for_each([source](auto& storage) { storage.push_copy(source); });
     ids_.push_back(ids_[owner_index]);
+    columns_.view(position, total()).back() += shift;
     owners_.push_back(owner_index);
     shifts_.push_back(total_shift);
   }
@@ -201,11 +200,11 @@ class Particles {
     for_each(owners_.size(), [&](Index g) { (refresh_ghost<F>(g), ...); });
   }
 
-  /// f(values, field) for every column: spans over the owned particles.
+  /// f(values, field) for every field, position first: the values of the owned particles.
   template <class F>
   void for_each_field(F&& f) const {
-    f(std::span(column<position_t>().data(), size()), position_t{});
-    (f(std::span(column<Fields>().data(), size()), Fields{}), ...);
+    std::apply([&](auto... field) { (f(columns_.view(field, size()), field), ...); },
+               FieldList{});
   }
 
   /// Writes or reads everything but the ghosts for a checkpoint, see core/transfer.hpp.
@@ -213,35 +212,52 @@ class Particles {
   void transfer(Archive& archive) {
     archive.same("dimension", std::to_string(Dim));
     archive.same("precision", sizeof(Real) == 4 ? "float" : "double");
-    archive.same("fields", (std::string(name_of<position_t>()) + ... +
-                            (" " + std::string(name_of<Fields>()))));
+    std::string names;
+    for_each_field([&]<class F>(auto, F) {
+      if (!names.empty()) names += ' ';
+      names += name_of<F>();
+    });
+    archive.same("fields", names);
     Index owned = size();
     Index next_id = index_of_id_.size();
     archive("next_id", next_id);
     if constexpr (Archive::reads) clear_ghosts();
     archive("id", ids_, owned);
     archive.within("box", [&] { box_.transfer(archive); });
-    columns_.for_each([&]<class F>(auto& column, F) { archive(name_of<F>(), column, owned); });
-    if constexpr (Archive::reads) rebuild_index_of_id(next_id);
+    if constexpr (Archive::reads) {
+      columns_.for_each([&](auto& storage) { storage.resize(ids_.size()); });
+    }
+    bool good = ids_.size() == owned;
+    std::apply([&](auto... field) { ((good &= transfer(archive, field, owned)), ...); },
+               FieldList{});
+    if constexpr (Archive::reads) rebuild_index_of_id(next_id, good);
   }
 
   // For rolling back a failed step, see Columns: save() before the step, restore() if it throws.
 
   void save() noexcept { columns_.save(); }
   template <Field F>
-  void keep(F) {
-    columns_.template keep<F>();
+  void keep(F field) {
+    columns_.keep(field);
   }
   template <Field F>
-  auto advance(F) {
-    return columns_.template advance<F>(size());
+  auto advance(F field) {
+    return columns_.advance(field, size());
   }
-  template <class Value>
-  using Advance = typename Columns<Dim, Real, position_t, Fields...>::template Advance<Value>;
+  /// Copies row i of all bundles passed to advance() to the memory for the next values, so that an
+  /// integrator writes only what it changes.
+  void copy_row(Index i) { columns_.copy_row(i); }
   void finish_advance() { columns_.finish_advance(size()); }
   void restore() noexcept { columns_.restore(size()); }
 
  private:
+  static_assert(!(std::same_as<Fields, position_t> || ...),
+                "silt::Particles: position is always included; remove it from the template "
+                "arguments");
+
+  using Storage = detail::StorageList<position_t, Fields...>;
+  using FieldList = typename Storage::List;
+
   // An assertion, for its error message. To test for a field, use HasFields.
   template <class F>
   static constexpr void check_field() {
@@ -259,33 +275,34 @@ class Particles {
   }
 
   template <class F>
-  auto& column() noexcept {
-    return columns_.template of<F>();
-  }
-  template <class F>
-  const auto& column() const noexcept {
-    return columns_.template of<F>();
-  }
-
-  template <class F>
   void refresh_ghost(Index g) {
-    auto& values = column<F>();
+    const auto values = columns_.view(F{}, total());
     auto& ghost = values[size() + g];
     ghost = values[owners_[g]];
     if constexpr (std::same_as<F, position_t>) ghost += shifts_[g];
   }
 
   void move_row(Index from, Index to) {
-    columns_.for_each([from, to](auto& column, auto) { column[to] = column[from]; });
+    columns_.for_each([from, to](auto& storage) { storage.copy(from, to); });
     ids_[to] = ids_[from];
     index_of_id_[ids_[to]] = to;
   }
 
+  // Returns whether a value for each particle was written or read.
+  template <class Archive, class F>
+  bool transfer(Archive& archive, F field, Index owned) {
+    const auto values = (*this)[field];
+    std::vector<value_of<F, Dim, Real>> column;
+    if (!Archive::reads) column.assign(values.begin(), values.end());
+    archive(name_of<F>(), column, owned);
+    if (column.size() != values.size()) return false;
+    if (Archive::reads) std::copy(column.begin(), column.end(), values.begin());
+    return true;
+  }
+
   // Recomputes the index of each id after reading.
-  void rebuild_index_of_id(Index next_id) {
+  void rebuild_index_of_id(Index next_id, bool good) {
     index_of_id_.assign(next_id, no_index);
-    bool good = true;
-    columns_.for_each([&](auto& column, auto) { good = good && column.size() == ids_.size(); });
     for (Index i = 0; good && i < ids_.size(); ++i) {
       good = ids_[i] < next_id && index_of_id_[ids_[i]] == no_index;
       if (good) index_of_id_[ids_[i]] = i;
@@ -311,12 +328,7 @@ class Particles {
     }
   }
 
-  static_assert(!(std::same_as<Fields, position_t> || ...),
-                "silt::Particles: position is always included; remove it from the template "
-                "arguments");
-
-  // Position is always the first column.
-  Columns<Dim, Real, position_t, Fields...> columns_;
+  Columns<Dim, Real, typename Storage::Units> columns_;
   std::vector<Id> ids_;
   std::vector<Index> index_of_id_;  // by id
   std::vector<Index> owners_;  // by ghost

@@ -355,6 +355,13 @@ class Simulation {
       return false;
     }
   }
+  bool results_are_valid() const {
+    if constexpr (requires { { integrator_.results_are_valid() } -> std::same_as<bool>; }) {
+      return integrator_.results_are_valid();
+    } else {
+      return false;
+    }
+  }
 
   // Called after rolling back a step whose result is not finite. Throws if the cause is a value
   // that was not finite before.

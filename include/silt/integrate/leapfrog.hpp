@@ -22,30 +22,83 @@ namespace silt {
 template <class F, class... Fs>
 inline constexpr bool one_of = (std::same_as<F, Fs> || ...);
 
-/// Updates the motion of single particles, from the fields before a step to those after it. It uses
-/// the type Lane, so that compilers vectorise loops over its functions; see core/lane.hpp.
+namespace detail {
+
+// The fields of particles; `Missing` for those that they do not have. Columns are lanes, so that
+// compilers vectorise loops over the particles; see core/lane.hpp.
+template <class P>
+struct MotionFields {
+  static constexpr bool in_rows =
+      requires(const P particles) { particles.storage(position).rows(); };
+  using Scalar =
+      std::conditional_t<in_rows, typename P::Real, Lane<typename P::Real>>;
+  struct Missing {};
+  template <class Before, class After>
+  struct BeforeAndAfter {
+    Before before;
+    After after;
+  };
+  template <class Values>
+  static auto of(const Values& values) {
+    if constexpr (in_rows) {
+      return values;
+    } else {
+      return lanes_of(values);
+    }
+  }
+  template <class Advance>
+  static auto change(const Advance& field) {
+    return BeforeAndAfter{of(field.before), of(field.after)};
+  }
+  template <class F>
+  static auto change_of(P& particles) {
+    if constexpr (HasFields<P, F>) {
+      return change(particles.advance(F{}));
+    } else {
+      return Missing{};
+    }
+  }
+  template <class F>
+  static auto constant_of(const P& particles) {
+    if constexpr (HasFields<P, F>) {
+      return of(particles[F{}]);
+    } else {
+      return Missing{};
+    }
+  }
+  template <class F>
+  using Change = decltype(change_of<F>(std::declval<P&>()));
+  template <class F>
+  using Constant = decltype(constant_of<F>(std::declval<P&>()));
+};
+
+}  // namespace detail
+
+/// Updates the motion of single particles, from the fields before a step to those after it.
 template <class P>
 class Motion {
   using Real = typename P::Real;
-  using Scalar = Lane<Real>;
+  using Fields = detail::MotionFields<P>;
+  using Scalar = typename Fields::Scalar;
   using Vec = silt::Vec<P::dimension, Scalar>;
   using AngularVec = silt::AngularVec<P::dimension, Scalar>;
 
  public:
   explicit Motion(P& particles)
-      : x_(of(particles.advance(position))),
-        v_(of(particles.advance(velocity))),
-        f_(lanes_of(particles[force].data())),
-        m_(lanes_of(particles[mass].data())) {
+      : x_(Fields::change(particles.advance(position))),
+        v_(Fields::change(particles.advance(velocity))),
+        f_(Fields::of(std::as_const(particles)[force])),
+        m_(Fields::of(std::as_const(particles)[mass])),
+        particles_(&particles) {
     if constexpr (rotates) {
-      w_ = of(particles.advance(spin));
-      t_ = lanes_of(particles[torque].data());
-      inertias_ = lanes_of(particles[inertia].data());
+      w_ = Fields::change(particles.advance(spin));
+      t_ = Fields::of(std::as_const(particles)[torque]);
+      inertias_ = Fields::of(std::as_const(particles)[inertia]);
     }
-    if constexpr (has_angle) angle_ = of(particles.advance(angle));
-    constexpr Real infinity = std::numeric_limits<Real>::infinity();
+    if constexpr (has_angle) angle_ = Fields::change(particles.advance(angle));
     const auto& box = particles.box();
     for (int k = 0; k < P::dimension; ++k) {
+      constexpr Real infinity = std::numeric_limits<Real>::infinity();
       const bool is_periodic = box.periodic[static_cast<std::size_t>(k)];
       lower_[k] = is_periodic ? -infinity : box.lower[k];
       upper_[k] = is_periodic ? infinity : box.upper[k];
@@ -53,7 +106,13 @@ class Motion {
   }
 
   /// Whether the fields are overwritten, that is, before and after are the same memory.
-  bool is_in_place() const { return x_.before == x_.after; }
+  bool is_in_place() const { return &x_.before[0] == &x_.after[0]; }
+
+  /// The particles are stored in rows, see Bundle in core/columns.hpp.
+  static constexpr bool in_rows = Fields::in_rows;
+  /// Copies the fields in the rows of particle i that the functions below do not write; called
+  /// before them.
+  void copy_constants(Index i) const { particles_->copy_row(i); }
 
   /// v^{N−½} → v^{N+½} (32) and, if the particles rotate, θ'^{N−½} → θ'^{N+½} (33).
   template <class D>
@@ -91,13 +150,12 @@ class Motion {
     if constexpr (has_angle) angle_.after[i] = angle_.before[i] + w_.after[i] * Scalar(dt);
   }
 
-  /// False if a field of particle i is not finite or its position is outside the box, along axes
-  /// that are not periodic; may also be false if values are extremely large.
+  /// False if a field of particle i is not finite or its position is outside the box, except along
+  /// periodic axes; may also be false if values are extremely large.
   bool is_result_valid(Index i) const {
     int inside = 1;
     for (int k = 0; k < P::dimension; ++k) {
-      const Real x = x_.after[i][k];
-      inside &= int(lower_[k] <= x) & int(x <= upper_[k]);
+      inside &= int(lower_[k] <= Real(x_.after[i][k])) & int(Real(x_.after[i][k]) <= upper_[k]);
     }
     Real sum = x_.after[i].sum() + v_.after[i].sum();
     if constexpr (rotates) sum += sum_of(w_.after[i]);
@@ -131,26 +189,16 @@ class Motion {
     }
   }
 
-  template <class Value>
-  struct Column {
-    const Value* before;
-    Value* after;
-  };
-  template <class Advance>
-  static auto of(const Advance& field) {
-    auto* const after = lanes_of(field.after.data());
-    return Column<std::remove_pointer_t<decltype(after)>>{lanes_of(field.before.data()), after};
-  }
-
-  Column<Vec> x_;
-  Column<Vec> v_;
-  const Vec* f_;
-  const Scalar* m_;
-  Column<AngularVec> w_{};
-  Column<AngularVec> angle_{};
-  const AngularVec* t_ = nullptr;
-  const Scalar* inertias_ = nullptr;
-  Real lower_[P::dimension];  // of the box; infinite along periodic axes
+  typename Fields::template Change<position_t> x_;
+  typename Fields::template Change<velocity_t> v_;
+  typename Fields::template Constant<force_t> f_;
+  typename Fields::template Constant<mass_t> m_;
+  typename Fields::template Change<spin_t> w_{};
+  typename Fields::template Change<angle_t> angle_{};
+  typename Fields::template Constant<torque_t> t_{};
+  typename Fields::template Constant<inertia_t> inertias_{};
+  P* particles_;
+  Real lower_[P::dimension];
   Real upper_[P::dimension];
 };
 
@@ -274,10 +322,18 @@ class Leapfrog {
       const Update update = *static_cast<const Update*>(from);
       const Motion<P> motion = of;
       int broken = 0;  // an int, because g++ 12 does not vectorise with a bool
-      SILT_INDEPENDENT_ITERATIONS
-      for (Index i = first; i < last; ++i) {
-        update(motion, i);
-        broken |= !motion.is_result_valid(i);
+      if constexpr (Motion<P>::in_rows) {
+        for (Index i = first; i < last; ++i) {
+          motion.copy_constants(i);
+          update(motion, i);
+          broken |= !motion.is_result_valid(i);
+        }
+      } else {
+        SILT_INDEPENDENT_ITERATIONS
+        for (Index i = first; i < last; ++i) {
+          update(motion, i);
+          broken |= !motion.is_result_valid(i);
+        }
       }
       return broken == 0;
     }
@@ -302,7 +358,7 @@ class Leapfrog {
         for (Index first = chunk.first; first < chunk.last; first += block) {
           const Index last = std::min(first + block, chunk.last);
           clear(particles, first, last);
-          for (Index i = first; i < last; ++i) std::as_const(interaction).add_forces(particles, i);
+          add_forces_of(std::as_const(interaction), particles, first, last);
           if (!motion.is_in_place()) update_range(motion, first, last);
         }
       });

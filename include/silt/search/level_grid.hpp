@@ -212,7 +212,8 @@ class LevelGrid {
   };
 
   // Pairs are found up to this distance between their surfaces.
-  Real gap_of(std::span<const Real> radii) const {
+  template <class Radii>
+  Real gap_of(const Radii& radii) const {
     const Real max_radius = silt::largest(radii.size(), Real(0), [&](Index i) { return radii[i]; });
     const Real gap = radius_ - 2 * max_radius;
     if (gap < 0) {
@@ -224,7 +225,8 @@ class LevelGrid {
   }
 
   // The highest size class of each level.
-  std::vector<SizeClass> highest_of(std::span<const Real> radii, Real gap) {
+  template <class Radii>
+  std::vector<SizeClass> highest_of(const Radii& radii, Real gap) {
     histogram_.assign(size_classes, 0);
     for (const Real size : radii) ++histogram_[size_class_of(double(size))];
     return choose_levels(histogram_, double(gap), Dim);

@@ -30,7 +30,8 @@ class SortedCells {
   using Vec = silt::Vec<Dim, Real>;
 
   /// Sorts points into cells whose edge is `reach` [m]. Throws if there are 2³² or more.
-  void sort(std::span<const Vec> x, Real reach) {
+  template <class Points>
+  void sort(const Points& x, Real reach) {
     if (x.size() >= std::numeric_limits<std::uint32_t>::max()) {
       fail("search: " + std::to_string(x.size()) +
            " particles and ghosts exceed the limit of 2^32 - 2; reduce their number");
@@ -45,7 +46,8 @@ class SortedCells {
   }
 
   /// Copies the points into their slots; x is the argument of the last sort().
-  void copy(std::span<const Vec> x) {
+  template <class Points>
+  void copy(const Points& x) {
     for (auto& column : x_) column.resize(x.size() + simd::lanes<Real>);
     for_each(x.size(), [&](Index slot) {
       const Vec& point = x[item_of()[slot]];
@@ -103,15 +105,16 @@ class SortedCells {
   }
 
  private:
-  typename Cells<Dim, Real>::Extent extent_of(std::span<const Vec> x) {
+  template <class Points>
+  typename Cells<Dim, Real>::Extent extent_of(const Points& x) {
     if (x.empty()) return {Vec::Zero(), Vec::Zero(), Vec::Zero()};
     corners_.resize(chunk_count(x.size()));
     for_each_chunk(x.size(), [&](Chunk chunk) {
       Vec lower = x[chunk.first];
       Vec upper = lower;
-      for (const Vec& at : x.subspan(chunk.first, chunk.last - chunk.first)) {
-        lower = lower.cwiseMin(at);
-        upper = upper.cwiseMax(at);
+      for (Index i = chunk.first; i < chunk.last; ++i) {
+        lower = lower.cwiseMin(x[i]);
+        upper = upper.cwiseMax(x[i]);
       }
       corners_[chunk.number] = {lower, upper};
     });

@@ -165,26 +165,35 @@ class ContactsOf : public Contacts<Law, Walls...> {
   void interact(const P& grains, Chunk chunk) {
     using Lanes = typename Found::Lanes;
     const Real dt = found_.seen().time_step;
-    const auto ask = [&, this, dt](Lanes& eight, const auto& contacts, unsigned touching) {
+    const auto evaluate = [&, this, dt](Lanes* eights, int count, const unsigned* touching,
+                                        const auto* contacts) {
       if constexpr (LawInLanes<Law, dimension, Real>) {
-        if (materials_.count() == 1) return eight.ask(materials_.between(0, 0), dt);
+        if (materials_.count() == 1) {
+          return evaluate_in_lanes(materials_.between(0, 0), eights, count, dt);
+        }
       }
-      for (int lane = 0; lane < lanes; ++lane) {
-        if ((touching >> lane & 1) == 0) continue;
-        const Index c = contacts[static_cast<Index>(lane)];
-        eight.ask(law_of(grains)(sides_of(grains, found_.near(), c)), dt, lane);
+      for (int e = 0; e < count; ++e) {
+        for (int lane = 0; lane < lanes; ++lane) {
+          if ((touching[e] >> lane & 1) == 0) continue;
+          const Index c = contacts[e][static_cast<Index>(lane)];
+          eights[e].template evaluate<Real>(law_of(grains)(sides_of(grains, found_.near(), c)), dt,
+                                            lane);
+        }
       }
     };
     const Real arm_share = settings_.lever_arm == LeverArm::radius ? 0 : Real(0.5);
     const auto walls = walls_as_the_law_saw_them<P>(walls_, found_.seen());
-    LawPass pass(grains, found_, walls, arm_share, ask);
+    const LawPass pass(grains, found_, walls, arm_share, evaluate);
     counts_[chunk.number] = pass(found_.near().of_chunk(chunk.number));
   }
 
   ChunkSpan needs(Chunk chunk) const { return found_.near().of_chunk(chunk.number).needs; }
 
   /// Adds Σ F and Σ M (14) of grain i, in the order of the partners' ids.
-  void add_forces(P& grains, Index i) const { add_rows(grains, found_, i); }
+  void add_forces(P& grains, Index i) const { add_rows(grains, found_, i, i + 1); }
+  void add_forces(P& grains, Index first, Index last) const {
+    add_rows(grains, found_, first, last);
+  }
 
   void conclude(const P& grains, double dt) {
     found_.end_step(std::accumulate(counts_.begin(), counts_.end(), Index(0)));

@@ -17,7 +17,7 @@
 #include <silt/core/parallel.hpp>
 #include <silt/core/rows.hpp>
 #include <silt/core/types.hpp>
-#include <silt/dem/contact/grain_columns.hpp>
+#include <silt/dem/contact/grain_rows.hpp>
 #include <silt/dem/contact/pair_history.hpp>
 
 #include <algorithm>
@@ -111,6 +111,11 @@ class NearContacts {
     return std::span(parts_).subspan(begin_[i], begin_[i + 1] - begin_[i]);
   }
 
+  /// Contacts of owned grains [first, last), grain by grain.
+  std::span<const Part> of(Index first, Index last) const noexcept {
+    return std::span(parts_).subspan(begin_[first], begin_[last] - begin_[first]);
+  }
+
   /// Results of the search, grain by grain, before they are put into one list.
   struct Found {
     Rows<Pair> pairs;
@@ -157,6 +162,7 @@ class NearContacts {
 
  private:
   static constexpr std::uint32_t none = ~std::uint32_t(0);
+  static constexpr Index prefetched = 64;
   static constexpr std::uint32_t wall_bit = std::uint32_t(1) << 31;
 
   static constexpr Index full_eights(Index n) { return (n + lanes - 1) / lanes * lanes; }
@@ -200,8 +206,10 @@ class NearContacts {
       fail("dem::Contacts: there are " + std::to_string(size) +
            " near contacts, more than 2^31; use fewer grains");
     }
+    // Prefetching reads a few places beyond the end.
     resize_tightly(first_, size);
-    resize_tightly(second_, size);
+    resize_tightly(second_, size + prefetched);
+    std::fill(second_.begin() + static_cast<std::ptrdiff_t>(size), second_.end(), 0u);
     const auto put = [&](Index contact, const Pair& pair) {
       first_[contact] = pair.first;
       second_[contact] = pair.second;

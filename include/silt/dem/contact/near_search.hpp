@@ -72,7 +72,9 @@ void renew_validity(const P& grains, const S& search, const Walls& walls, const 
                                        Real(0.002) * reach, Real(0.1) * reach);
   const Real seen = search.radius() + margin_of<Real>(search) - reach;
   validity.margin = std::clamp<Real>(wanted, 0, std::max<Real>(seen, 0));
+  validity.reach = reach;
   validity.revision = grains.revision();
+  validity.owned_revision = grains.owned_revision();
   validity.time = step.time;
   validity.extent.lower.array() -= validity.margin / 2;
   validity.extent.upper.array() += validity.margin / 2;

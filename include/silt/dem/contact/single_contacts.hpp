@@ -10,6 +10,8 @@
 #include <silt/dem/law/contact.hpp>
 #include <silt/dem/setup/grains.hpp>
 
+#include <utility>
+
 namespace silt::dem {
 
 /// Both sides of a contact: indices of owned grains, or of an element of a wall.
@@ -114,37 +116,48 @@ auto contact_of(const P& grains, const Seen& seen, const typename P::Real* row, 
   return contact;
 }
 
-/// Adds Σ F and Σ M (14) of the last evaluation to grain i, in the order of the partners' ids.
+/// Adds Σ F and Σ M (14) of the last evaluation to grains [first, last), in the order of the
+/// partners' ids.
 template <class P, class T>
-[[gnu::always_inline]] inline void add_rows(P& grains, const T& touches, Index i) {
+void add_rows(P& grains, const T& touches, Index first, Index last) {
   using Real = typename P::Real;
   using Row = typename T::Row;
   const auto& seen = touches.seen();
-  const Real R = grains[radius][i];
-  Four<Real> sum{};
-  Four<Real> turning{};
-  [[maybe_unused]] Four<Real> couples{};
-  for (const auto part : touches.near().of(i)) {
-    const Real* const row = seen.row_of(part.contact());
-    Four<Real> n, F, F_x_n;
-    load_four(row + Row::n, n);
-    load_four(row + Row::F, F);
-    sum += part.template sign<Real>() * F;
-    cross_turned(n, F, F_x_n);
-    turning += (R - row[Row::shorter]) * F_x_n;
-    if constexpr (T::couples) {
-      Four<Real> couple;
-      load_four(row + Row::couple, couple);
-      couples += part.template sign<Real>() * couple;
-    }
+  const auto forces = grains[force];
+  const auto torques = grains[torque];
+  const auto radii = std::as_const(grains)[radius];
+  constexpr int first_angular = 3 - angular_size<P::dimension>;  // in 2D a torque is about z
+  // Rows are fetched in a loop of its own, which does not depend on the number of contacts of each
+  // grain: processors cannot predict it.
+  for (const auto part : touches.near().of(first, last)) {
+    __builtin_prefetch(seen.row_of(part.contact()));
   }
-  turn_back(turning);
-  for (int k = 0; k < P::dimension; ++k) grains[force][i][k] += sum[k];
-  constexpr int first = 3 - angular_size<P::dimension>;  // in 2D a torque is about z
-  for (int k = 0; k < angular_size<P::dimension>; ++k) {
-    Real M = turning[first + k];
-    if constexpr (T::couples) M += couples[k];
-    component(grains[torque][i], k) += M;
+  for (Index i = first; i < last; ++i) {
+    const Real R = radii[i];
+    Four<Real> sum{};
+    Four<Real> turning{};
+    [[maybe_unused]] Four<Real> couples{};
+    for (const auto part : touches.near().of(i)) {
+      const Real* const row = seen.row_of(part.contact());
+      Four<Real> n, F, F_x_n;
+      load_four(row + Row::n, n);
+      load_four(row + Row::F, F);
+      sum += part.template sign<Real>() * F;
+      cross_turned(n, F, F_x_n);
+      turning += (R - row[Row::shorter]) * F_x_n;
+      if constexpr (T::couples) {
+        Four<Real> couple;
+        load_four(row + Row::couple, couple);
+        couples += part.template sign<Real>() * couple;
+      }
+    }
+    turn_back(turning);
+    for (int k = 0; k < P::dimension; ++k) forces[i][k] += sum[k];
+    for (int k = 0; k < angular_size<P::dimension>; ++k) {
+      Real M = turning[first_angular + k];
+      if constexpr (T::couples) M += couples[k];
+      component(torques[i], k) += M;
+    }
   }
 }
 

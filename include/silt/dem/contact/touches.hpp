@@ -6,7 +6,7 @@
 #include <silt/core/box.hpp>
 #include <silt/core/travel.hpp>
 #include <silt/core/types.hpp>
-#include <silt/dem/contact/contact_lanes.hpp>
+#include <silt/dem/contact/law_lanes.hpp>
 #include <silt/dem/contact/contact_row.hpp>
 #include <silt/dem/contact/near_contacts.hpp>
 #include <silt/dem/contact/pair_history.hpp>
@@ -27,7 +27,7 @@ class Touches {
   static constexpr int dimension = Dim;
   using Real = RealType;
   using Row = ContactRow<has_couple>;
-  using Lanes = ContactLanes<Dim, Real, History::words, has_couple>;
+  using Lanes = LawLanes<Dim, Real, History::words, has_couple>;
   static constexpr bool couples = has_couple;
   static constexpr Index padded_words = Lanes::padded_words;
   using Remembered = PairHistory<typename History::type>;
@@ -73,8 +73,10 @@ class Touches {
   struct Validity {
     std::vector<Vec<Dim, Real>> since;  ///< positions of the owned grains at the rebuild [m]
     Travel travel;                      ///< of the search at the rebuild
+    Real reach = 0;                     ///< twice the largest radius [m]
     Real margin = 0;                    ///< largest gap of near pairs [m]
     std::uint64_t revision = std::numeric_limits<std::uint64_t>::max();
+    std::uint64_t owned_revision = std::numeric_limits<std::uint64_t>::max();
     double time = 0;              ///< of these positions and of the walls [s]
     Box<Dim, Real> extent;        ///< contains all grains while the list is valid [m]
     double stable_time_step = 0;  ///< stable even if all near pairs touch [s]
