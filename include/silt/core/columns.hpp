@@ -20,6 +20,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <memory>
 #include <new>
 #include <span>
 #include <tuple>
@@ -145,34 +146,62 @@ class Rows<Dim, Real, Bundle<Fs...>> {
                  ...),
                 "silt::Bundle: in this order, a vector is not aligned");
 
-  Index size() const noexcept { return numbers_.size() / width; }
-  void reserve(Index n) { numbers_.reserve(n * width); }
-  void resize(Index n) { resize_tightly(numbers_, n * width); }
-  void push_zero() { numbers_.resize(numbers_.size() + width); }
+  using Numbers = std::vector<Real, CacheAligned<Real>>;
+
+  Rows() = default;
+  Rows(Rows&& other) { swap(other); }
+  Rows& operator=(Rows&& other) {
+    swap(other);
+    return *this;
+  }
+  Rows(const Rows& other) : numbers_(std::make_shared<Numbers>(*other.numbers_)) {}
+  Rows& operator=(const Rows& other) {
+    if (is_shared()) numbers_ = std::make_shared<Numbers>();
+    *numbers_ = *other.numbers_;
+    return *this;
+  }
+
+  /// The numbers, which must not be changed while they are shared.
+  std::shared_ptr<const Numbers> share() const { return numbers_; }
+  bool is_shared() const noexcept { return numbers_.use_count() > 1; }
+  void replace_if_shared() {
+    if (is_shared()) numbers_ = std::make_shared<Numbers>();
+  }
+
+  Index size() const noexcept { return numbers_->size() / width; }
+  void reserve(Index n) { numbers_->reserve(n * width); }
+  void resize(Index n) { resize_tightly(*numbers_, n * width); }
+  void push_zero() { numbers_->resize(numbers_->size() + width); }
   void push_copy(Index i) {
     push_zero();
     copy(i, size() - 1);
   }
   void copy(Index from, Index to) {
-    std::copy_n(numbers_.data() + from * width, width, numbers_.data() + to * width);
+    std::copy_n(numbers_->data() + from * width, width, numbers_->data() + to * width);
   }
-  void copy_row(const Rows& other, Index i) {
-    std::memcpy(numbers_.data() + i * width, other.numbers_.data() + i * width,
-                width * sizeof(Real));
+  /// Copies all fields of a row but these.
+  template <class... Others>
+  static void copy_all_but(const Real* from, Real* to) {
+    const auto copy = [=]<class F>(F) {
+      if constexpr (!(std::same_as<F, Others> || ...)) {
+        std::copy_n(from + offset<F>, numbers_of<F>, to + offset<F>);
+      }
+    };
+    (copy(Fs{}), ...);
   }
   void copy_from(const Rows& other, Index first, Index last) {
-    std::copy(other.numbers_.data() + first * width, other.numbers_.data() + last * width,
-              numbers_.data() + first * width);
+    std::copy(other.numbers_->data() + first * width, other.numbers_->data() + last * width,
+              numbers_->data() + first * width);
   }
   void swap(Rows& other) noexcept { numbers_.swap(other.numbers_); }
 
   template <class F>
   FieldView<value_of<F, Dim, Real>, Real, width> view(F, Index n) noexcept {
-    return {reinterpret_cast<std::byte*>(numbers_.data()) + offset<F> * sizeof(Real), n};
+    return {reinterpret_cast<std::byte*>(numbers_->data()) + offset<F> * sizeof(Real), n};
   }
   template <class F>
   FieldView<const value_of<F, Dim, Real>, Real, width> view(F, Index n) const noexcept {
-    return {reinterpret_cast<const std::byte*>(numbers_.data()) + offset<F> * sizeof(Real), n};
+    return {reinterpret_cast<const std::byte*>(numbers_->data()) + offset<F> * sizeof(Real), n};
   }
   template <class Visit>
   void for_each_field(Visit&& visit) const {
@@ -180,11 +209,11 @@ class Rows<Dim, Real, Bundle<Fs...>> {
   }
 
   /// Number k of particle i is rows()[width i + k].
-  Real* rows() noexcept { return numbers_.data(); }
-  const Real* rows() const noexcept { return numbers_.data(); }
+  Real* rows() noexcept { return numbers_->data(); }
+  const Real* rows() const noexcept { return numbers_->data(); }
 
  private:
-  std::vector<Real, CacheAligned<Real>> numbers_;
+  std::shared_ptr<Numbers> numbers_ = std::make_shared<Numbers>();
 };
 
 template <int Dim, class Real, class S>
@@ -276,19 +305,24 @@ class Columns<Dim, Real, std::tuple<All...>> {
     auto& unit = unit_of<F>();
     const auto before = std::as_const(unit.now).view(field, owned);
     if (unit.kept) return Advance{before, unit.now.view(field, owned)};
-    if (!unit.is_next && unit.other.size() != unit.now.size()) unit.other.resize(unit.now.size());
-    unit.is_next = true;
+    unit.begin_advance();
     return Advance{before, unit.other.view(field, owned)};
   }
-  /// Copies row i of all bundles passed to advance(), unless they were kept, to the memory for the
-  /// next values.
-  void copy_row(Index i) {
-    const auto copy = [=]<class U>(U& unit) {
-      if constexpr (U::is_of_bundle) {
-        if (unit.is_next) unit.other.copy_row(unit.now, i);
-      }
-    };
-    std::apply([&](auto&... unit) { (copy(unit), ...); }, units_);
+  /// Whether the next values of field F are written to other memory, so that its present ones may
+  /// be shared.
+  template <Field F>
+  bool is_advancing(F) const noexcept {
+    return std::get<place_of<F>>(units_).is_next;
+  }
+  /// The rows of the bundle with field F, after advance(F).
+  struct AdvanceRows {
+    const Real* before;
+    Real* after;
+  };
+  template <Field F>
+  AdvanceRows advance_rows(F) noexcept {
+    auto& unit = unit_of<F>();
+    return {std::as_const(unit.now).rows(), unit.is_next ? unit.other.rows() : unit.now.rows()};
   }
   /// Makes the next values of all fields passed to advance() their values.
   void finish_advance(Index owned) {
@@ -309,10 +343,23 @@ class Columns<Dim, Real, std::tuple<All...>> {
   template <class Storage>
   struct Unit {
     static constexpr bool is_of_bundle = requires(Storage s) { s.rows(); };
+    struct None {};
     Storage now;
     Storage other;         // the saved values, or the next ones
+    // Takes the place of `other` while that is shared.
+    [[no_unique_address]] std::conditional_t<is_of_bundle, Storage, None> spare;
     bool kept = true;      // nothing more to save
     bool is_next = false;  // `other` holds the next values
+
+    void begin_advance() {
+      if (is_next) return;
+      if constexpr (is_of_bundle) {
+        if (other.is_shared()) other.swap(spare);
+        other.replace_if_shared();
+      }
+      if (other.size() != now.size()) other.resize(now.size());
+      is_next = true;
+    }
 
     // The ghosts keep their values.
     void finish_advance(Index owned) {

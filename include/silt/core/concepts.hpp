@@ -136,76 +136,57 @@ concept Interaction = NeighbourSearch<S, P> && HasReach<I, P> &&
                         i.accelerate(p, s, dt);
                       };
 
-/// add_forces(p, i) adds to the owned particle i alone what accelerate() adds to all, so that
-/// forces and motion can be computed in one pass over the particles. If this needs quantities that
-/// several particles share, the interaction may also have
-///   prepare(p, s, dt)      called once, before the pass
-///   interact(p, chunk)     called for every chunk of particles; computes the shared quantities
-///   needs(chunk)           the range of chunks whose interact() must have been called before
-///                          add_forces() of the particles of this chunk
-///   conclude(p, dt)        called once, after the pass
-/// Models: dem::ContactsOf, Gravity, Forces.
+/// Functions called by accelerate(p, s, dt, pass) for ranges of particles; see below.
+template <class Before, class After>
+struct Pass {
+  Before before;  ///< before(first, last)
+  After after;    ///< after(first, last)
+};
+template <class Before, class After>
+Pass(Before, After) -> Pass<Before, After>;
+
+/// accelerate(p, s, dt, pass) adds the same forces as accelerate(p, s, dt) in one pass over the
+/// particles, range by range: it calls pass.before(first, last) before it adds forces to the
+/// particles [first, last), and pass.after(first, last) when all are added. Every particle is in
+/// one range; ranges are processed in parallel. pass.after() may advance these particles, see
+/// Particles::advance. Models: dem::ContactsOf, dem::Bonds, Forces of these.
+template <class I, class P, class S>
+concept AcceleratesInPass =
+    requires(I i, P& p, S& s, double dt, Pass<void (*)(Index, Index), void (*)(Index, Index)> pass) {
+      i.accelerate(p, s, dt, pass);
+    };
+
+/// add_forces(p, i) adds to the owned particle i alone what accelerate() adds to all; it reads only
+/// this particle. Forces adds them in the pass of another interaction. Model: Gravity.
 template <class I, class P>
 concept AddsForces = requires(const I i, P& p, Index k) { i.add_forces(p, k); };
 
-/// Adds the forces on particles [first, last).
+/// accelerate() of an interaction with add_forces().
 template <class I, class P>
-void add_forces_of(const I& interaction, P& particles, Index first, Index last) {
-  if constexpr (requires { interaction.add_forces(particles, first, last); }) {
-    interaction.add_forces(particles, first, last);
-  } else {
+  requires AddsForces<I, P>
+void accelerate_each(const I& interaction, P& particles) {
+  for_each(particles.size(), [&](Index i) { interaction.add_forces(particles, i); });
+}
+/// accelerate() in a pass over the particles, for an interaction with add_forces().
+template <class I, class P, class Before, class After>
+  requires AddsForces<I, P>
+void accelerate_each(const I& interaction, P& particles, const Pass<Before, After>& pass) {
+  for_each_range(particles.size(), [&](Index first, Index last) {
+    pass.before(first, last);
     for (Index i = first; i < last; ++i) interaction.add_forces(particles, i);
-  }
-}
-
-template <class I, class P, class S>
-void prepare(I& interaction, P& particles, S& search, double dt) {
-  if constexpr (requires { interaction.prepare(particles, search, dt); }) {
-    interaction.prepare(particles, search, dt);
-  }
-}
-template <class I, class P>
-void interact(I& interaction, P& particles, Chunk chunk) {
-  if constexpr (requires { interaction.interact(particles, chunk); }) {
-    static_assert(requires { { interaction.needs(chunk) } -> std::same_as<ChunkSpan>; },
-                  "silt: an interaction with interact(particles, chunk) must also have "
-                  "needs(chunk), which returns a ChunkSpan");
-    interaction.interact(particles, chunk);
-  }
-}
-template <class I>
-ChunkSpan needs(const I& interaction, Chunk chunk) {
-  if constexpr (requires { interaction.needs(chunk); }) {
-    return interaction.needs(chunk);
-  } else {
-    return {chunk.number, chunk.number};
-  }
-}
-template <class I, class P>
-void conclude(I& interaction, P& particles, double dt) {
-  if constexpr (requires { interaction.conclude(particles, dt); }) {
-    interaction.conclude(particles, dt);
-  }
-}
-
-/// Calls use_forces(chunk) for every chunk, after interact() of all chunks that it needs.
-/// use_forces may call add_forces() for the particles of its chunk and may change them. To be
-/// called between prepare() and conclude().
-template <class I, class P, class UseForces>
-  requires AddsForces<I, P>
-void for_each_chunk_with_forces(I& interaction, P& particles, UseForces&& use_forces) {
-  for_each_chunk_in_two(
-      particles.size(), [&](Chunk chunk) { interact(interaction, particles, chunk); }, use_forces,
-      [&](Chunk chunk) { return needs(interaction, chunk); });
-}
-template <class I, class P, class S>
-  requires AddsForces<I, P>
-void accelerate_all(I& interaction, P& particles, S& search, double dt) {
-  prepare(interaction, particles, search, dt);
-  for_each_chunk_with_forces(interaction, particles, [&](Chunk chunk) {
-    add_forces_of(std::as_const(interaction), particles, chunk.first, chunk.last);
+    pass.after(first, last);
   });
-  conclude(interaction, particles, dt);
+}
+
+/// needs_search(p) is false if the next accelerate() for these particles does not use the search,
+/// which then need not be updated.
+template <class I, class P>
+bool needs_search(const I& interaction, const P& particles) {
+  if constexpr (requires { interaction.needs_search(particles); }) {
+    return interaction.needs_search(particles);
+  } else {
+    return true;
+  }
 }
 
 /// Depends on time: set_time(t) sets the time of the positions [s] and is called before any other

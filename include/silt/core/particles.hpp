@@ -14,12 +14,14 @@
 #include <silt/core/error.hpp>
 #include <silt/core/fields.hpp>
 #include <silt/core/parallel.hpp>
+#include <silt/core/travel.hpp>
 #include <silt/core/types.hpp>
 
 #include <algorithm>
 #include <atomic>
 #include <concepts>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <string>
 #include <tuple>
@@ -32,7 +34,8 @@ namespace silt {
 /// these fields, which are given as well, are stored side by side; see core/columns.hpp.
 ///   p[position][i]   Vec<Dim, Real>& of owned particle i [m]
 ///   p[field]         the values of the size() owned particles: a std::span, or a FieldView if the
-///                    field is stored in a bundle
+///                    field is stored in a bundle; valid until particles are added, removed or
+///                    reordered, and until the end of the next step
 template <int Dim, class RealType, FieldOrBundle... Fields>
 class Particles {
   static_assert(Dim == 2 || Dim == 3, "silt::Particles: the dimension is 2 or 3");
@@ -59,6 +62,8 @@ class Particles {
   template <Field F>
   auto operator[](F field) noexcept {
     check_field<F>();
+    if constexpr (std::same_as<F, position_t>) positions_changed_.set();
+    if constexpr (role_of<F>() == Role::constant) constants_changed_.set();
     return columns_.view(field, size());
   }
   template <Field F>
@@ -95,6 +100,20 @@ class Particles {
   /// Increases whenever owned particles are added, removed or reordered, or the box changes. Unlike
   /// revision(), it is the same after a failed step as before.
   std::uint64_t owned_revision() const noexcept { return owned_revision_; }
+
+  /// Upper bound of the displacement of the owned particles by steps, except that a periodic side
+  /// was crossed; begins anew whenever positions may have been changed otherwise, that is, with
+  /// every access to p[position] that is not const. Not to be called by several threads at once.
+  Travel travel() const noexcept {
+    if (positions_changed_.take()) travel_ = {.epoch = Epoch().number(), .distance = 0};
+    return travel_;
+  }
+  /// Increases whenever a field that steps do not change, such as the radius, may have been changed:
+  /// with every access that is not const. Not to be called by several threads at once.
+  std::uint64_t constants_revision() const noexcept {
+    if (constants_changed_.take()) constants_revision_ = next_revision();
+    return constants_revision_;
+  }
 
   const Box<Dim, Real>& box() const noexcept { return box_; }
   /// Throws if the box has no volume, or if a periodic side is not finite.
@@ -238,17 +257,34 @@ class Particles {
   void save() noexcept { columns_.save(); }
   template <Field F>
   void keep(F field) {
+    if constexpr (std::same_as<F, position_t>) positions_changed_.set();
     columns_.keep(field);
   }
   template <Field F>
   auto advance(F field) {
     return columns_.advance(field, size());
   }
-  /// Copies row i of all bundles passed to advance() to the memory for the next values, so that an
-  /// integrator writes only what it changes.
-  void copy_row(Index i) { columns_.copy_row(i); }
-  void finish_advance() { columns_.finish_advance(size()); }
-  void restore() noexcept { columns_.restore(size()); }
+  /// The rows of the bundle with this field before and after, to be called after advance().
+  template <Field F>
+  auto advance_rows(F field) noexcept {
+    return columns_.advance_rows(field);
+  }
+  /// Whether the next values of this field are written to other memory.
+  template <Field F>
+  bool is_advancing(F field) const noexcept {
+    return columns_.is_advancing(field);
+  }
+  /// Makes the next values of the fields passed to advance() their values. No particle has moved
+  /// farther than max_displacement [m], except across a periodic side.
+  void finish_advance(double max_displacement = std::numeric_limits<double>::infinity()) {
+    columns_.finish_advance(size());
+    travel_.distance += max_displacement;
+    if (!is_finite(travel_.distance)) positions_changed_.set();
+  }
+  void restore() noexcept {
+    columns_.restore(size());
+    positions_changed_.set();
+  }
 
  private:
   static_assert(!(std::same_as<Fields, position_t> || ...),
@@ -268,6 +304,8 @@ class Particles {
   void note_change() noexcept {
     revision_ = next_revision();
     owned_revision_ = revision_;
+    positions_changed_.set();
+    constants_changed_.set();
   }
   static std::uint64_t next_revision() noexcept {
     static std::atomic<std::uint64_t> last = 0;
@@ -336,6 +374,10 @@ class Particles {
   Box<Dim, Real> box_;
   std::uint64_t revision_ = 0;
   std::uint64_t owned_revision_ = 0;
+  mutable detail::Mark positions_changed_;
+  mutable detail::Mark constants_changed_;
+  mutable Travel travel_;
+  mutable std::uint64_t constants_revision_ = 0;
 };
 
 /// P has all of these fields.

@@ -165,6 +165,7 @@ class Simulation {
     team.begin_step();
     try {
       require_positive("Simulation: time_step", dt);
+      set_time(interaction_, time_);
       prepare();
       sort();
       save();
@@ -174,7 +175,6 @@ class Simulation {
     bool is_result_finite = true;
     bool is_verified = false;
     try {
-      set_time(interaction_, time_);
       is_verified = integrate(dt);
       if (!is_verified) {
         const auto broken = find_not_finite();
@@ -282,7 +282,9 @@ class Simulation {
 
   // Called before the state is saved: rolling back a step does not undo the reordering.
   void sort() {
-    if constexpr (SortsParticles<S, P>) search_.sort(particles_);
+    if constexpr (SortsParticles<S, P>) {
+      if (needs_search(interaction_, particles_)) search_.sort(particles_);
+    }
   }
 
   // The search radius must be at least the interaction range.

@@ -41,10 +41,27 @@ struct Travel {
   }
 };
 
-/// The search has travel(), which is valid while particles.revision() is unchanged.
-template <class S>
-concept HasTravel = requires(const S s) {
-  { s.travel() } -> std::same_as<Travel>;
+namespace detail {
+
+/// Set by any number of threads, taken by one. A copy is set.
+class Mark {
+ public:
+  Mark() = default;
+  Mark(const Mark&) noexcept {}
+  Mark& operator=(const Mark&) noexcept {
+    set();
+    return *this;
+  }
+  void set() noexcept {
+    if (!is_set_.load(std::memory_order_relaxed)) is_set_.store(true, std::memory_order_relaxed);
+  }
+  /// Clears it; returns whether it was set.
+  bool take() noexcept { return is_set_.exchange(false, std::memory_order_relaxed); }
+
+ private:
+  std::atomic<bool> is_set_ = true;
 };
+
+}  // namespace detail
 
 }  // namespace silt

@@ -5,6 +5,7 @@
 #include <silt/core/simd.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/contact/grain_rows.hpp>
+#include <silt/dem/contact/nearest_image.hpp>
 #include <silt/dem/wall/moving.hpp>
 #include <silt/dem/wall/wall.hpp>
 
@@ -29,17 +30,20 @@ class ContactGeometry {
 
  public:
   /// Loads the grains first[l] and second[l] into lane l; bit l of the result is set if they touch.
-  [[gnu::always_inline]] unsigned look_at_pairs(const Grains& grains, const std::uint32_t* first,
+  [[gnu::always_inline]] unsigned find_touching(const Grains& grains,
+                                                const NearestImage<Dim, Real>& image,
+                                                const std::uint32_t* first,
                                                 const std::uint32_t* second) {
     unsigned touching = 0;
     for (int p = 0; p < packs; ++p) {
       grains.load(first + p * N, i_[p]);
       grains.load(second + p * N, j_[p]);
-      Pack r_squared{};
-      for (int k = 0; k < Dim; ++k) {
-        const Pack r = j_[p].x[k] - i_[p].x[k];
-        r_squared += r * r;
+      for (int k = 0; k < Dim; ++k) r_[p][k] = j_[p].x[k] - i_[p].x[k];
+      if (image.any()) {
+        for (int k = 0; k < Dim; ++k) image.apply(k, r_[p][k]);
       }
+      Pack r_squared{};
+      for (int k = 0; k < Dim; ++k) r_squared += r_[p][k] * r_[p][k];
       distance_[p] = simd::square_root<Real, N>(r_squared);
       overlap_[p] = i_[p].R + j_[p].R - distance_[p];
       touching |= simd::less<Real, N>(Pack{}, overlap_[p]) << (p * N);
@@ -65,7 +69,7 @@ class ContactGeometry {
       grains.load(second + p * N, j);
       const Pack against_r = -1 / distance_[p];
       Pack n[Dim];
-      for (int k = 0; k < Dim; ++k) n[k] = (j_[p].x[k] - i_[p].x[k]) * against_r;
+      for (int k = 0; k < Dim; ++k) n[k] = r_[p][k] * against_r;
       const Pack shorter = arm_share * overlap_[p];
       Pack u[Dim], u_j[Dim];
       surface_velocity(i, shorter - i_[p].R, n, u);
@@ -78,15 +82,19 @@ class ContactGeometry {
       }
       const Pack& m_i = Grains::mass_of(i_[p], i);
       const Pack& m_j = Grains::mass_of(j_[p], j);
-      store(p, n, overlap_[p], u, shorter, m_i * m_j / (m_i + m_j),
-            i_[p].R * j_[p].R / (i_[p].R + j_[p].R), into);
+      // One division for both; constants_of() in single_contacts.hpp does the same.
+      const Pack m = m_i + m_j;
+      const Pack R = i_[p].R + j_[p].R;
+      const Pack per_both = 1 / (m * R);
+      store(p, n, overlap_[p], u, shorter, m_i * m_j * (R * per_both),
+            i_[p].R * j_[p].R * (m * per_both), into);
     }
   }
 
-  /// The same as look_at_pairs for grain first[l] and wall element second[l]; nearest(element, x)
+  /// The same for grain first[l] and wall element second[l]; nearest(element, x)
   /// is the nearest point. Stores the normals.
   template <class Nearest>
-  unsigned look_at_walls(const Grains& grains, const std::uint32_t* first,
+  unsigned find_touching_walls(const Grains& grains, const std::uint32_t* first,
                          const std::uint32_t* second, Nearest&& nearest, Into& into) {
     unsigned touching = 0;
     for (int p = 0; p < packs; ++p) {
@@ -178,6 +186,7 @@ class ContactGeometry {
 
   typename Grains::Position i_[packs];
   typename Grains::Position j_[packs];
+  Pack r_[packs][Dim];
   Pack distance_[packs];
   Pack overlap_[packs];
 };

@@ -5,7 +5,7 @@
 #include <silt/core/particles.hpp>
 #include <silt/core/simd.hpp>
 #include <silt/core/types.hpp>
-#include <silt/dem/contact/four.hpp>
+#include <silt/core/four.hpp>
 
 #include <algorithm>
 #include <cstdint>
@@ -37,10 +37,11 @@ class GrainRows {
     Pack m;                     ///< [kg]; in 3D only
   };
 
-  /// Refers to the grains, including ghosts; invalid once they move in memory.
+  /// Refers to the grains; invalid once they move in memory.
   template <class P>
   explicit GrainRows(const P& grains)
       : rows_(grains.storage(position).rows()), spins_(grains.storage(spin).rows()) {}
+  GrainRows(const Real* rows, const Real* spins) : rows_(rows), spins_(spins) {}
 
   [[gnu::always_inline]] void load(const std::uint32_t* places, Position& grains) const {
     Pack four[4];
@@ -66,14 +67,6 @@ class GrainRows {
   /// m of grains loaded by both.
   static const Pack& mass_of(const Position& at, const Motion& motion) {
     return Dim == 2 ? at.m : motion.m;
-  }
-
-  /// Brings them into the cache.
-  [[gnu::always_inline]] void prefetch(const std::uint32_t* places) const {
-    for (int lane = 0; lane < lanes; ++lane) {
-      __builtin_prefetch(rows_ + Index{places[lane]} * 8);
-      if constexpr (Dim == 3) __builtin_prefetch(spins_ + Index{places[lane]} * 4);
-    }
   }
 
  private:

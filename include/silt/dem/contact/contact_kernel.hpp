@@ -1,0 +1,253 @@
+// SPDX-License-Identifier: MIT
+// Evaluates the law for the contacts of a block of grains, in batches: the geometry of 16 groups of
+// eight contacts, then the law for all of them, then their results. One group after the other takes
+// half as long again, because the law reads what the geometry has just stored.
+#pragma once
+
+#include <silt/core/error.hpp>
+#include <silt/core/simd.hpp>
+#include <silt/core/types.hpp>
+#include <silt/dem/contact/contact_geometry.hpp>
+#include <silt/dem/contact/contact_list.hpp>
+#include <silt/dem/contact/evaluation.hpp>
+#include <silt/dem/contact/law_lanes.hpp>
+#include <silt/dem/contact/nearest_image.hpp>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstdint>
+#include <string>
+
+namespace silt::dem {
+
+/// The numbers of eight contacts.
+using EightContacts = std::array<std::uint32_t, lanes>;
+
+/// Goes through the contacts of a block, group by group, and passes the law's results for those
+/// that touch to a Results object:
+///   results.begin(group, touching, is_whole)    once for each group; bit l of `touching` is set if
+///                                               contact l touches. If it is whole, its results are
+///                                               given together, otherwise one by one.
+///   results.give_group(group, lanes, touching)  the results of a whole group
+///   results.give(contacts, count, lanes)        the results of these contacts of other groups
+/// evaluate(lanes, count, touching, contacts) evaluates the law for lane l of lanes[e] if bit l of
+/// touching[e] is set, and possibly for other lanes; contacts[e] are its contacts. `walls` is a
+/// WallsAtTime.
+///
+/// A group of which more than a third touch is evaluated as a whole; the contacts that touch of
+/// other groups are collected until there are eight.
+template <class Lanes, class Histories, class Walls, class Evaluate>
+class ContactKernel {
+  using Real = typename Lanes::Real;
+  static constexpr int dimension = Lanes::dimension;
+  using Vec = silt::Vec<dimension, Real>;
+  using Grains = GrainRows<dimension, Real>;
+  static constexpr Index batch_size = 16;
+
+ public:
+  struct Input {
+    const ContactList& contacts;
+    Grains grains;
+    NearestImage<dimension, Real> image;
+    const Histories& before;
+    const Walls& walls;
+    /// Fraction of δ by which the lever arms of two grains are shorter than R; at a wall it is twice
+    /// as large.
+    Real arm_share;
+  };
+
+  ContactKernel(const Input& input, const Evaluate& evaluate)
+      : input_(input), evaluate_(evaluate) {}
+
+  /// Returns the number of contacts that touch.
+  template <class Results>
+  Index operator()(Index block, Results& results) const {
+    const ContactList::Block& of = input_.contacts.block(block);
+    Batch batch;
+    return go_through<false>(of.pairs, batch, results) + go_through<true>(of.walls, batch, results);
+  }
+
+ private:
+  static constexpr std::uint32_t collected = ~std::uint32_t(0);
+  struct Batch {
+    std::array<Lanes, batch_size> lanes;
+    std::array<EightContacts, batch_size> contacts;
+    std::array<unsigned, batch_size> touching;
+    std::array<std::uint32_t, batch_size> group;  // `collected`: from several groups
+    Index count = 0;
+  };
+  // Contacts that touch, until there are eight.
+  struct Collection {
+    EightContacts contacts;
+    std::array<std::uint32_t, lanes> first;
+    std::array<std::uint32_t, lanes> second;
+    Index count = 0;
+  };
+
+  template <bool of_walls, class Results>
+  Index go_through(ContactList::Range range, Batch& batch, Results& results) const {
+    Collection collection;
+    Index count = 0;
+    for (Index c = range.first; c < range.last; c += lanes) {
+      const auto group = static_cast<std::uint32_t>(c / lanes);
+      const std::uint32_t* const first = input_.contacts.first_of_group(c);
+      const std::uint32_t* const second = input_.contacts.second_of_group(c);
+      Lanes& next = batch.lanes[batch.count];
+      ContactGeometry<Lanes> geometry;
+      const unsigned touching = find_touching<of_walls>(geometry, first, second, next) &
+                                simd::first_lanes<lanes>(range.last - c);
+      const int number = std::popcount(touching);
+      count += static_cast<Index>(number);
+      const bool is_whole = number * 3 > lanes;
+      results.begin(group, touching, is_whole);
+      if (is_whole) {
+        compute<of_walls>(geometry, first, second, touching, next);
+        EightContacts& contacts = batch.contacts[batch.count];
+        for (Index lane = 0; lane < lanes; ++lane) {
+          contacts[lane] = static_cast<std::uint32_t>(c + lane);
+        }
+        close(batch, group, touching, results);
+        continue;
+      }
+      for (unsigned left = touching; left != 0; left &= left - 1) {
+        const auto lane = static_cast<Index>(std::countr_zero(left));
+        collection.contacts[collection.count] = static_cast<std::uint32_t>(c + lane);
+        collection.first[collection.count] = first[lane];
+        collection.second[collection.count] = second[lane];
+        if (++collection.count == lanes) close_collection<of_walls>(batch, collection, results);
+      }
+    }
+    if (collection.count > 0) close_collection<of_walls>(batch, collection, results);
+    flush(batch, results);
+    return count;
+  }
+
+  template <bool of_walls>
+  [[gnu::always_inline]] unsigned find_touching(ContactGeometry<Lanes>& geometry,
+                                                const std::uint32_t* first,
+                                                const std::uint32_t* second, Lanes& into) const {
+    if constexpr (of_walls) {
+      const auto nearest = [this](std::uint32_t element, const Vec& x) {
+        return input_.walls.nearest(ContactList::wall_at(element), x);
+      };
+      return geometry.find_touching_walls(input_.grains, first, second, nearest, into);
+    } else {
+      return geometry.find_touching(input_.grains, input_.image, first, second);
+    }
+  }
+
+  // Computes the contacts after find_touching().
+  template <bool of_walls>
+  [[gnu::always_inline]] void compute(const ContactGeometry<Lanes>& geometry,
+                                      const std::uint32_t* first, const std::uint32_t* second,
+                                      unsigned touching, Lanes& into) const {
+    if constexpr (of_walls) {
+      if constexpr (Walls::move) {
+        const auto velocity = [this](std::uint32_t element) {
+          return input_.walls.velocity(ContactList::wall_at(element));
+        };
+        geometry.compute_walls(input_.grains, first, second, 2 * input_.arm_share, velocity, into);
+      } else {
+        geometry.compute_walls(input_.grains, first, second, 2 * input_.arm_share, nullptr, into);
+      }
+    } else {
+      const unsigned coincident = geometry.coincident() & touching;
+      if (coincident != 0) {
+        const auto lane = static_cast<Index>(std::countr_zero(coincident));
+        refuse(first[lane], second[lane]);
+      }
+      geometry.compute_pairs(input_.grains, first, second, input_.arm_share, into);
+    }
+  }
+
+  template <bool of_walls, class Results>
+  [[gnu::noinline]] void close_collection(Batch& batch, Collection& collection,
+                                          Results& results) const {
+    for (Index lane = collection.count; lane < lanes; ++lane) {
+      collection.contacts[lane] = collection.contacts[0];
+      collection.first[lane] = collection.first[0];
+      collection.second[lane] = collection.second[0];
+    }
+    const unsigned touching = simd::first_lanes<lanes>(collection.count);
+    Lanes& next = batch.lanes[batch.count];
+    ContactGeometry<Lanes> geometry;
+    find_touching<of_walls>(geometry, collection.first.data(), collection.second.data(), next);
+    compute<of_walls>(geometry, collection.first.data(), collection.second.data(), touching, next);
+    batch.contacts[batch.count] = collection.contacts;
+    collection.count = 0;
+    close(batch, collected, touching, results);
+  }
+
+  template <class Results>
+  void close(Batch& batch, std::uint32_t group, unsigned touching, Results& results) const {
+    batch.touching[batch.count] = touching;
+    batch.group[batch.count] = group;
+    if (++batch.count == batch_size) flush(batch, results);
+  }
+
+  template <class Results>
+  [[gnu::noinline]] void flush(Batch& batch, Results& results) const {
+    for (Index e = 0; e < batch.count; ++e) {
+      if (batch.group[e] != collected) {
+        load_histories(batch.group[e], batch.lanes[e]);
+      } else {
+        load_histories(batch.contacts[e], batch.lanes[e]);
+      }
+    }
+    evaluate_(batch.lanes.data(), batch.count, batch.touching.data(), batch.contacts.data());
+    for (Index e = 0; e < batch.count; ++e) {
+      if (batch.group[e] != collected) {
+        results.give_group(batch.group[e], batch.lanes[e], batch.touching[e]);
+      } else {
+        const auto count = static_cast<Index>(std::popcount(batch.touching[e]));
+        results.give(batch.contacts[e], count, batch.lanes[e]);
+      }
+    }
+    batch.count = 0;
+  }
+
+  [[gnu::always_inline]] void load_histories(Index group, Lanes& into) const {
+    constexpr int N = Grains::N;
+    const unsigned known = input_.before.touching_in_group(group);
+    const Real* const from = input_.before.group(group);
+    for (int k = 0; k < Lanes::words; ++k) {
+      const auto fresh = simd::broadcast<Real, N>(new_history_.numbers[k]);
+      for (int first = 0; first < lanes; first += N) {
+        const auto kept = simd::load<Real, N>(from + k * lanes + first);
+        simd::store<Real, N>(into.history[k] + first,
+                             simd::select<Real, N>(known >> first, kept, fresh));
+      }
+    }
+  }
+  [[gnu::always_inline]] void load_histories(const EightContacts& contacts, Lanes& into) const {
+    for (Index lane = 0; lane < lanes; ++lane) {
+      const bool is_known = input_.before.touches(contacts[lane]);
+      for (int k = 0; k < Lanes::words; ++k) {
+        into.history[k][lane] =
+            is_known ? input_.before.at(contacts[lane], k) : new_history_.numbers[k];
+      }
+    }
+  }
+
+  [[noreturn, gnu::cold, gnu::noinline]] void refuse(std::uint32_t i, std::uint32_t j) const {
+    const ContactList& list = input_.contacts;
+    fail("dem::Contacts: the centres of grains " + std::to_string(list.id(i)) + " and " +
+             std::to_string(list.id(j)) + " coincide; place them apart",
+         {.particle = i, .id = list.id(i)});
+  }
+
+  // The history of a new contact.
+  struct NewHistory {
+    Real numbers[std::max(Lanes::words, 1)] = {};
+    NewHistory() {
+      if constexpr (Lanes::words > 0) Histories::Kept::put({}, numbers);
+    }
+  };
+
+  Input input_;
+  const Evaluate& evaluate_;
+  NewHistory new_history_;
+};
+
+}  // namespace silt::dem
