@@ -22,7 +22,7 @@
 namespace silt::dem {
 
 /// The numbers of eight contacts.
-using EightContacts = std::array<std::uint32_t, lanes>;
+using ContactNumbers = std::array<std::uint32_t, lanes>;
 
 /// Goes through the contacts of a block, group by group, and passes the law's results for those
 /// that touch to a Results object:
@@ -72,14 +72,14 @@ class ContactKernel {
   static constexpr std::uint32_t collected = ~std::uint32_t(0);
   struct Batch {
     std::array<Lanes, batch_size> lanes;
-    std::array<EightContacts, batch_size> contacts;
+    std::array<ContactNumbers, batch_size> contacts;
     std::array<unsigned, batch_size> touching;
     std::array<std::uint32_t, batch_size> group;  // `collected`: from several groups
     Index count = 0;
   };
   // Contacts that touch, until there are eight.
   struct Collection {
-    EightContacts contacts;
+    ContactNumbers contacts;
     std::array<std::uint32_t, lanes> first;
     std::array<std::uint32_t, lanes> second;
     Index count = 0;
@@ -103,7 +103,7 @@ class ContactKernel {
       results.begin(group, touching, is_whole);
       if (is_whole) {
         compute<of_walls>(geometry, first, second, touching, next);
-        EightContacts& contacts = batch.contacts[batch.count];
+        ContactNumbers& contacts = batch.contacts[batch.count];
         for (Index lane = 0; lane < lanes; ++lane) {
           contacts[lane] = static_cast<std::uint32_t>(c + lane);
         }
@@ -220,7 +220,7 @@ class ContactKernel {
       }
     }
   }
-  [[gnu::always_inline]] void load_histories(const EightContacts& contacts, Lanes& into) const {
+  [[gnu::always_inline]] void load_histories(const ContactNumbers& contacts, Lanes& into) const {
     for (Index lane = 0; lane < lanes; ++lane) {
       const bool is_known = input_.before.touches(contacts[lane]);
       for (int k = 0; k < Lanes::words; ++k) {

@@ -418,7 +418,7 @@ class ContactsOf : public Contacts<Law, Walls...> {
       std::memcpy(histories.group(group), eight.history, sizeof(Real) * Lanes::words * lanes);
     }
     template <class Lanes>
-    void give(const EightContacts& contacts, Index count, const Lanes& eight) {
+    void give(const ContactNumbers& contacts, Index count, const Lanes& eight) {
       loads.store(eight, count, [&](Index lane) {
         return std::pair(division.slot_of(contacts[lane] / lanes), Index{contacts[lane] % lanes});
       });

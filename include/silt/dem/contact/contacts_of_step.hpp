@@ -215,7 +215,7 @@ class ContactsOfStep {
       }
     }
     template <class Lanes>
-    void give(const EightContacts& contacts, Index count, const Lanes& eight) {
+    void give(const ContactNumbers& contacts, Index count, const Lanes& eight) {
       for (Index lane = 0; lane < count; ++lane) {
         Real* const row = rows + contacts[lane] * Row::words;
         for (int k = 0; k < Row::words; ++k) row[k] = eight.row[k][lane];

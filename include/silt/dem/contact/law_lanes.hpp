@@ -44,12 +44,12 @@ struct LawLanes {
       keep(lane, contact, evaluate_law(law, contact));
     } else if constexpr (std::is_same_v<Scalar, Real>) {
       using History = LawHistory<Law, Dim, Real>;
-      Real words[history_words];
-      for (int k = 0; k < history_words; ++k) words[k] = history[k][lane];
-      auto own = History::from(words);
+      Real own_words[history_words];
+      for (int k = 0; k < history_words; ++k) own_words[k] = history[k][lane];
+      auto own = History::from(own_words);
       keep(lane, contact, evaluate_law(law, contact, own));
-      History::put(own, words);
-      for (int k = 0; k < history_words; ++k) history[k][lane] = words[k];
+      History::put(own, own_words);
+      for (int k = 0; k < history_words; ++k) history[k][lane] = own_words[k];
     } else {
       typename LawHistory<Law, Dim, Scalar>::type own;
       auto* const word = reinterpret_cast<Scalar*>(&own);
