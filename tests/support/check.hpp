@@ -48,7 +48,11 @@ Bytes state_of(const P& particles) {
   Bytes bytes;
   append(bytes, particles.ids());
   particles.for_each_field([&bytes]<class F>(auto values, F) {
-    if constexpr (role_of<F>() != Role::derived) append(bytes, values);
+    using Value = typename decltype(values)::value_type;
+    if constexpr (role_of<F>() != Role::derived) {
+      const std::vector<Value> column(values.begin(), values.end());
+      append(bytes, std::span<const Value>(column));
+    }
   });
   return bytes;
 }

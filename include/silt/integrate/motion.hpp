@@ -347,27 +347,25 @@ class MotionInRows {
     }
   }
 
-  // As in MotionInColumns.
+  // As in MotionInColumns. Packs are passed by reference, because how they are returned depends on
+  // the processor flags.
 
   template <class D>
   [[gnu::always_inline]] void kick(Single& p, const D& damping, double dt) const {
-    change_velocities(p, [&]<class Value>(const Value& v, const Value& a) -> Value {
-      return damping.kicked(v, a, Real(dt));
-    });
+    change_velocities<D>(p, [&](auto& v, const auto& a) { v = damping.kicked(v, a, Real(dt)); });
   }
   template <class D>
   [[gnu::always_inline]] void kick_to_mean(Single& p, const D& damping, double dt) const {
-    change_velocities(p, [&]<class Value>(const Value& v, const Value& a) -> Value {
-      return (damping.kicked(v, a, Real(dt)) + v) / 2;
-    });
+    change_velocities<D>(
+        p, [&](auto& v, const auto& a) { v = (damping.kicked(v, a, Real(dt)) + v) / 2; });
   }
   template <class D>
   [[gnu::always_inline]] void step_back(Single& p, const D& damping, double dt) const {
-    change_velocities(p, [&]<class Value>(const Value& v, const Value& a) -> Value {
+    change_velocities<D>(p, [&](auto& v, const auto& a) {
       if constexpr (requires { damping.half_step_before(v, a, Real(dt)); }) {
-        return damping.half_step_before(v, a, Real(dt));
+        v = damping.half_step_before(v, a, Real(dt));
       } else {
-        return v - a * Real(dt / 2);
+        v = v - a * Real(dt / 2);
       }
     });
   }
@@ -410,20 +408,24 @@ class MotionInRows {
   }
 
  private:
-  // change(velocity before, acceleration) returns the velocity after, for numbers and, unless the
-  // damping model is for numbers only, for four at once.
-  template <class Change>
+  // change(velocity, acceleration) for numbers, or for four at once if the damping model D is for
+  // them, too. The fourth is not a velocity.
+  template <class D, class Change>
   [[gnu::always_inline]] static void change_velocities(Single& p, Change&& change) {
-    const auto changed = [&](const Four& v, const Four& a) -> Four {
-      if constexpr (requires { change(v, a); } && false) {
-        return change(v, a);
+    const auto change_three = [&](Four& v, const Four& a) {
+      Four changed = v;
+      if constexpr (requires { requires D::accepts_packs; }) {
+        change(changed, a);
       } else {
-        return Four{change(Real(v[0]), Real(a[0])), change(Real(v[1]), Real(a[1])),
-                    change(Real(v[2]), Real(a[2])), v[3]};
+        Real numbers[4];
+        simd::store<Real, 4>(numbers, v);
+        for (int k = 0; k < 3; ++k) change(numbers[k], Real(a[k]));
+        changed = simd::load<Real, 4>(numbers);
       }
+      v = __builtin_shufflevector(changed, v, 0, 1, 2, 7);
     };
-    p.v = changed(p.v, p.a);
-    if constexpr (Dim == 3) p.w = changed(p.w, p.w_dot);
+    change_three(p.v, p.a);
+    if constexpr (Dim == 3) change_three(p.w, p.w_dot);
   }
 
   using Rows = decltype(std::declval<P&>().advance_rows(position));

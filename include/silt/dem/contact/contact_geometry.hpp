@@ -44,9 +44,11 @@ class ContactGeometry {
       }
       Pack r_squared{};
       for (int k = 0; k < Dim; ++k) r_squared += r_[p][k] * r_[p][k];
+      const Pack R = i_[p].R + j_[p].R;
+      // Without waiting for the root. Then δ ≥ 0, because √(R²) = R also with rounding.
+      touching |= simd::less<Real, N>(r_squared, R * R) << (p * N);
       distance_[p] = simd::square_root<Real, N>(r_squared);
-      overlap_[p] = i_[p].R + j_[p].R - distance_[p];
-      touching |= simd::less<Real, N>(Pack{}, overlap_[p]) << (p * N);
+      overlap_[p] = R - distance_[p];
     }
     return touching;
   }

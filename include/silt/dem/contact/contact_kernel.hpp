@@ -22,7 +22,7 @@
 namespace silt::dem {
 
 /// The numbers of eight contacts.
-using ContactNumbers = std::array<std::uint32_t, lanes>;
+using EightNumbers = std::array<std::uint32_t, lanes>;
 
 /// Goes through the contacts of a block, group by group, and passes the law's results for those
 /// that touch to a Results object:
@@ -35,8 +35,8 @@ using ContactNumbers = std::array<std::uint32_t, lanes>;
 /// touching[e] is set, and possibly for other lanes; contacts[e] are its contacts. `walls` is a
 /// WallsAtTime.
 ///
-/// A group of which more than a third touch is evaluated as a whole; the contacts that touch of
-/// other groups are collected until there are eight.
+/// In a dense block, groups are evaluated as a whole, including contacts that do not touch. In other
+/// blocks, the contacts that touch are collected until there are eight. The results are the same.
 template <class Lanes, class Histories, class Walls, class Evaluate>
 class ContactKernel {
   using Real = typename Lanes::Real;
@@ -62,32 +62,40 @@ class ContactKernel {
 
   /// Returns the number of contacts that touch.
   template <class Results>
-  Index operator()(Index block, Results& results) const {
+  Index operator()(Index block, bool is_dense, Results& results) const {
     const ContactList::Block& of = input_.contacts.block(block);
     Batch batch;
-    return go_through<false>(of.pairs, batch, results) + go_through<true>(of.walls, batch, results);
+    const Index pairs = is_dense ? evaluate_groups<false>(of.pairs, batch, results)
+                                 : evaluate_collected<false>(of.pairs, batch, results);
+    // Grains may come near to several elements of a wall, but touch few of them.
+    return pairs + evaluate_collected<true>(of.walls, batch, results);
+  }
+  /// Whether a block with so many contacts that touch should be evaluated as a dense one.
+  bool is_dense(Index block, Index touching) const {
+    const ContactList::Range pairs = input_.contacts.block(block).pairs;
+    return touching * 3 > pairs.last - pairs.first;
   }
 
  private:
   static constexpr std::uint32_t collected = ~std::uint32_t(0);
   struct Batch {
     std::array<Lanes, batch_size> lanes;
-    std::array<ContactNumbers, batch_size> contacts;
+    std::array<EightNumbers, batch_size> contacts;
     std::array<unsigned, batch_size> touching;
     std::array<std::uint32_t, batch_size> group;  // `collected`: from several groups
     Index count = 0;
   };
-  // Contacts that touch, until there are eight.
+  // Contacts that touch, until there are eight. Twice as large, because those of a further group are
+  // added before eight are removed.
   struct Collection {
-    ContactNumbers contacts;
-    std::array<std::uint32_t, lanes> first;
-    std::array<std::uint32_t, lanes> second;
+    std::array<std::uint32_t, 2 * lanes> contacts;
+    std::array<std::uint32_t, 2 * lanes> first;
+    std::array<std::uint32_t, 2 * lanes> second;
     Index count = 0;
   };
 
   template <bool of_walls, class Results>
-  Index go_through(ContactList::Range range, Batch& batch, Results& results) const {
-    Collection collection;
+  Index evaluate_groups(ContactList::Range range, Batch& batch, Results& results) const {
     Index count = 0;
     for (Index c = range.first; c < range.last; c += lanes) {
       const auto group = static_cast<std::uint32_t>(c / lanes);
@@ -97,30 +105,54 @@ class ContactKernel {
       ContactGeometry<Lanes> geometry;
       const unsigned touching = find_touching<of_walls>(geometry, first, second, next) &
                                 simd::first_lanes<lanes>(range.last - c);
-      const int number = std::popcount(touching);
-      count += static_cast<Index>(number);
-      const bool is_whole = number * 3 > lanes;
-      results.begin(group, touching, is_whole);
-      if (is_whole) {
-        compute<of_walls>(geometry, first, second, touching, next);
-        ContactNumbers& contacts = batch.contacts[batch.count];
-        for (Index lane = 0; lane < lanes; ++lane) {
-          contacts[lane] = static_cast<std::uint32_t>(c + lane);
-        }
-        close(batch, group, touching, results);
-        continue;
+      results.begin(group, touching, true);
+      count += static_cast<Index>(std::popcount(touching));
+      compute<of_walls>(geometry, first, second, touching, next);
+      EightNumbers& contacts = batch.contacts[batch.count];
+      for (Index lane = 0; lane < lanes; ++lane) {
+        contacts[lane] = static_cast<std::uint32_t>(c + lane);
       }
-      for (unsigned left = touching; left != 0; left &= left - 1) {
-        const auto lane = static_cast<Index>(std::countr_zero(left));
-        collection.contacts[collection.count] = static_cast<std::uint32_t>(c + lane);
-        collection.first[collection.count] = first[lane];
-        collection.second[collection.count] = second[lane];
-        if (++collection.count == lanes) close_collection<of_walls>(batch, collection, results);
+      close(batch, group, touching, results);
+    }
+    flush(batch, results);
+    return count;
+  }
+
+  template <bool of_walls, class Results>
+  Index evaluate_collected(ContactList::Range range, Batch& batch, Results& results) const {
+    Collection collection;
+    Index count = 0;
+    for (Index c = range.first; c < range.last; c += lanes) {
+      const std::uint32_t* const first = input_.contacts.first_of_group(c);
+      const std::uint32_t* const second = input_.contacts.second_of_group(c);
+      ContactGeometry<Lanes> geometry;
+      const unsigned touching =
+          find_touching<of_walls>(geometry, first, second, batch.lanes[batch.count]) &
+          simd::first_lanes<lanes>(range.last - c);
+      results.begin(static_cast<std::uint32_t>(c / lanes), touching, false);
+      count += static_cast<Index>(std::popcount(touching));
+      append(simd::count_from<lanes>(c), collection.contacts, collection.count, touching);
+      append(first, collection.first, collection.count, touching);
+      collection.count += append(second, collection.second, collection.count, touching);
+      if (collection.count < Index(lanes)) continue;
+      close_collection<of_walls>(batch, collection, results);
+      collection.count -= Index(lanes);
+      for (auto* const numbers : {&collection.contacts, &collection.first, &collection.second}) {
+        std::copy_n(numbers->begin() + lanes, lanes, numbers->begin());
       }
     }
     if (collection.count > 0) close_collection<of_walls>(batch, collection, results);
     flush(batch, results);
     return count;
+  }
+  using EightIndices = simd::Pack<std::uint32_t, lanes>;
+  static Index append(const EightIndices& values, std::array<std::uint32_t, 2 * lanes>& to,
+                      Index count, unsigned chosen) {
+    return simd::compress<std::uint32_t, lanes>(to.data() + count, values, chosen);
+  }
+  static Index append(const std::uint32_t* values, std::array<std::uint32_t, 2 * lanes>& to,
+                      Index count, unsigned chosen) {
+    return append(simd::load<std::uint32_t, lanes>(values), to, count, chosen);
   }
 
   template <bool of_walls>
@@ -164,18 +196,18 @@ class ContactKernel {
   template <bool of_walls, class Results>
   [[gnu::noinline]] void close_collection(Batch& batch, Collection& collection,
                                           Results& results) const {
-    for (Index lane = collection.count; lane < lanes; ++lane) {
+    const Index number = std::min<Index>(collection.count, lanes);
+    for (Index lane = number; lane < Index(lanes); ++lane) {
       collection.contacts[lane] = collection.contacts[0];
       collection.first[lane] = collection.first[0];
       collection.second[lane] = collection.second[0];
     }
-    const unsigned touching = simd::first_lanes<lanes>(collection.count);
+    const unsigned touching = simd::first_lanes<lanes>(number);
     Lanes& next = batch.lanes[batch.count];
     ContactGeometry<Lanes> geometry;
     find_touching<of_walls>(geometry, collection.first.data(), collection.second.data(), next);
     compute<of_walls>(geometry, collection.first.data(), collection.second.data(), touching, next);
-    batch.contacts[batch.count] = collection.contacts;
-    collection.count = 0;
+    std::copy_n(collection.contacts.begin(), lanes, batch.contacts[batch.count].begin());
     close(batch, collected, touching, results);
   }
 
@@ -220,7 +252,7 @@ class ContactKernel {
       }
     }
   }
-  [[gnu::always_inline]] void load_histories(const ContactNumbers& contacts, Lanes& into) const {
+  [[gnu::always_inline]] void load_histories(const EightNumbers& contacts, Lanes& into) const {
     for (Index lane = 0; lane < lanes; ++lane) {
       const bool is_known = input_.before.touches(contacts[lane]);
       for (int k = 0; k < Lanes::words; ++k) {

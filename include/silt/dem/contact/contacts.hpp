@@ -282,6 +282,7 @@ class ContactsOf : public Contacts<Law, Walls...> {
     WorkDivision division;
     LoadRows<dimension, Real, has_couple> loads;
     std::vector<ContactList::Found> found;
+    std::vector<char> is_dense;  // by block, from the last step
   };
 
   LastStep last_step(const P& grains) const {
@@ -373,10 +374,13 @@ class ContactsOf : public Contacts<Law, Walls...> {
       pass.after(first, last);
     };
     std::vector<Index> counts(division.threads(), 0);
+    memory_.is_dense.resize(list.blocks(), false);
     for_each_task(division.threads(), [&](Index thread) {
       ResultsOfStep results{memory_.loads, division, after};
       for (Index b = division.first_block(thread); b < division.first_block(thread + 1); ++b) {
-        counts[thread] += kernel(b, results);
+        const Index touching = kernel(b, memory_.is_dense[b] != 0, results);
+        memory_.is_dense[b] = kernel.is_dense(b, touching);
+        counts[thread] += touching;
         const Index end = std::min(grains.size(), (b + 1) * block_size);
         for_each_ready(division, b * block_size, end, add);
       }
@@ -418,7 +422,7 @@ class ContactsOf : public Contacts<Law, Walls...> {
       std::memcpy(histories.group(group), eight.history, sizeof(Real) * Lanes::words * lanes);
     }
     template <class Lanes>
-    void give(const ContactNumbers& contacts, Index count, const Lanes& eight) {
+    void give(const EightNumbers& contacts, Index count, const Lanes& eight) {
       loads.store(eight, count, [&](Index lane) {
         return std::pair(division.slot_of(contacts[lane] / lanes), Index{contacts[lane] % lanes});
       });

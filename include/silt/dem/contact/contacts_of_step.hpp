@@ -215,7 +215,7 @@ class ContactsOfStep {
       }
     }
     template <class Lanes>
-    void give(const ContactNumbers& contacts, Index count, const Lanes& eight) {
+    void give(const EightNumbers& contacts, Index count, const Lanes& eight) {
       for (Index lane = 0; lane < count; ++lane) {
         Real* const row = rows + contacts[lane] * Row::words;
         for (int k = 0; k < Row::words; ++k) row[k] = eight.row[k][lane];
@@ -228,7 +228,7 @@ class ContactsOfStep {
     const auto kernel = contact_kernel<P>(step_, step_.grains.rows(), walls, settings_, evaluate);
     for_each_task(step_.contacts().blocks(), [&](Index block) {
       Results results{rows};
-      kernel(block, results);
+      kernel(block, true, results);
     });
   }
 

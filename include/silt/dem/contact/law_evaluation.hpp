@@ -44,7 +44,7 @@ template <class P, class Evaluation, class Law, class Walls>
 auto law_evaluation(const Evaluation& step, const Materials<Law>& materials, const Walls& walls) {
   using Real = typename P::Real;
   return [&step, &materials, &walls](auto* eights, Index count, const unsigned* touching,
-                                     const ContactNumbers* contacts) {
+                                     const EightNumbers* contacts) {
     const auto dt = static_cast<Real>(step.step.time_step);
     if constexpr (LawInLanes<Law, P::dimension, Real>) {
       if (materials.count() == 1) {

@@ -13,6 +13,7 @@
 #include <silt/dem/contact/grain_rows.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -55,6 +56,8 @@ class WorkDivision {
         slot_of_group_[g] += static_cast<std::uint32_t>(slots_[t]);
       }
     });
+    order_.resize(list.grains());
+    for_each_range(list.grains(), [&](Index first, Index last) { order(list, first, last); });
     for_each(list.grains(), [&](Index i) {
       for (Index s = list.begin(i); s < list.begin(i) + list.count(i); ++s) {
         const ContactList::Side side = list.sides()[s];
@@ -73,6 +76,10 @@ class WorkDivision {
   /// Whether a grain has to wait until all threads have evaluated their contacts.
   bool waits(Index grain) const noexcept { return waits_[grain] != 0; }
   const std::vector<std::uint32_t>& waiting(Index thread) const noexcept { return waiting_[thread]; }
+
+  /// The grains of the range [first, last), which begins at a multiple of range_size, by number of
+  /// contacts, as offsets from `first`: a processor then predicts the number better.
+  const std::uint8_t* order(Index first) const noexcept { return order_.data() + first; }
 
   /// Number of groups of eight rows.
   Index slots() const noexcept { return slots_.back(); }
@@ -97,6 +104,17 @@ class WorkDivision {
         waiting.push_back(static_cast<std::uint32_t>(i));
         break;
       }
+    }
+  }
+
+  void order(const ContactList& list, Index first, Index last) {
+    constexpr Index most = 15;
+    std::array<Index, most + 2> begin{};
+    const auto count = [&](Index i) { return std::min(list.count(i), most); };
+    for (Index i = first; i < last; ++i) ++begin[count(i) + 1];
+    for (Index k = 1; k < begin.size(); ++k) begin[k] += begin[k - 1];
+    for (Index i = first; i < last; ++i) {
+      order_[first + begin[count(i)]++] = static_cast<std::uint8_t>(i - first);
     }
   }
 
@@ -143,6 +161,7 @@ class WorkDivision {
   std::vector<std::uint32_t> slot_of_group_;
   std::vector<Index> slots_;  // before those of each thread
   std::vector<std::uint32_t> row_of_side_;
+  std::vector<std::uint8_t> order_;
   std::vector<char> waits_;                         // by grain
   std::vector<std::vector<std::uint32_t>> waiting_;  // by thread
 };
@@ -191,7 +210,10 @@ class LoadRows {
     const auto radii = std::as_const(grains)[radius];
     const std::uint32_t* const rows = division.row_of_side();
     const Real* const numbers = numbers_.data();
-    for (Index i = first; i < last; ++i) {
+    const bool is_whole = first % range_size == 0 && last % range_size == 0;
+    const std::uint8_t* const order = division.order(first);
+    for (Index k = 0; k < last - first; ++k) {
+      const Index i = first + (is_whole ? order[k] : k);
       const Real R = radii[i];
       Four<Real> sum{};
       Four<Real> turning{};
