@@ -14,6 +14,12 @@
 #include <type_traits>
 #include <utility>
 
+// GCC warns that packs wider than a register are passed in memory; these functions are inlined.
+#if defined(__GNUC__)
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wpsabi"
+#endif
+
 namespace silt {
 
 /// The motion of single particles, from the fields before a step to those after it. It works on
@@ -453,3 +459,7 @@ using Motion =
     std::conditional_t<detail::moves_in_rows<P>(), MotionInRows<P>, MotionInColumns<P>>;
 
 }  // namespace silt
+
+#if defined(__GNUC__)
+#pragma GCC diagnostic pop
+#endif
