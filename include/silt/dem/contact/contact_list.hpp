@@ -238,8 +238,10 @@ class ContactList {
         if (!is_of_wall(c)) f(second_[c], Side(c, true));
       });
     };
-    const auto increment = [](std::uint32_t& count) {
-      return std::atomic_ref(count).fetch_add(1, std::memory_order_relaxed);
+    const bool is_parallel = threads_for(n) > 1;
+    const auto increment = [=](std::uint32_t& count) {
+      return is_parallel ? std::atomic_ref(count).fetch_add(1, std::memory_order_relaxed)
+                         : count++;
     };
     for_each_block([&](Index b, Index, Index) {
       for_each_side(b, [&](Index i, Side) { increment(begin_[i + 2]); });

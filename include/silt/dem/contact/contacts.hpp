@@ -150,7 +150,7 @@ class ContactsOf : public Contacts<Law, Walls...> {
   /// Whether the list of contacts has to be rebuilt, for which the search is used.
   bool needs_search(const P& grains) const {
     return state_.given != nullptr ||
-           is_stale(grains, walls_, time_, *state_.last.list, state_.lifetime);
+           is_stale(grains, walls_, time_, *state_.last.list, state_.last.lifetime);
   }
 
   /// Adds contact forces and torques. Throws if two centres coincide, if a radius, mass or inertia
@@ -271,11 +271,19 @@ class ContactsOf : public Contacts<Law, Walls...> {
   // Replaced, not changed, by every step.
   struct State {
     Evaluation last;
-    mutable ListLifetime lifetime;
     std::shared_ptr<const PairHistory<History>> given;  // by set_history(), until the next step
   };
-  // Used again in every step.
+  // Used again in every step; a copy is empty.
   struct Memory {
+    Memory() = default;
+    Memory(Memory&&) = default;
+    Memory& operator=(Memory&&) = default;
+    Memory(const Memory&) {}
+    Memory& operator=(const Memory&) {
+      division.reset();
+      return *this;
+    }
+
     Pool<List> lists;
     Pool<Histories> histories;
     typename SharedGrains<P>::Pools copies;
@@ -300,12 +308,16 @@ class ContactsOf : public Contacts<Law, Walls...> {
       const auto list = memory_.lists.take();
       memory_.division.reset();
       renew(grains, search, time, *list);
+      const Travel travel = grains.travel();
+      step.lifetime = {.epoch = travel.epoch,
+                       .distance = travel.distance + double(list->margin / 2)};
       const auto before = memory_.histories.take();
       move_histories(grains, list->contacts, *before);
       step.list = list;
       step.before = before;
     } else {
       step.list = state_.last.list;
+      step.lifetime = state_.last.lifetime;
       step.before = state_.last.after;
     }
     return step;
@@ -316,9 +328,6 @@ class ContactsOf : public Contacts<Law, Walls...> {
     begin_list(grains, search, walls_, step, reach(grains), list);
     const auto walls = walls_at<P>(walls_, step);
     find_contacts(grains, search, walls, list, memory_.found);
-    const Travel travel = grains.travel();
-    state_.lifetime = {.epoch = travel.epoch,
-                       .distance = travel.distance + double(list.margin / 2)};
     if constexpr (knows_stiffness) {
       list.stable_time_step =
           stable_for_all(grains, list.contacts, walls, list.margin, [&](Index c) -> const Law& {

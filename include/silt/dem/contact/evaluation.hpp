@@ -156,6 +156,7 @@ struct Evaluation {
   Box<P::dimension, Real> box;
   Index count = 0;  ///< of contacts that touch
   StepTime step;
+  mutable ListLifetime lifetime;  ///< of the list
 
   const ContactList& contacts() const noexcept { return list->contacts; }
 };

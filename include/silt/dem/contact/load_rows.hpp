@@ -212,8 +212,8 @@ class LoadRows {
     const Real* const numbers = numbers_.data();
     const bool is_whole = first % range_size == 0 && last % range_size == 0;
     const std::uint8_t* const order = division.order(first);
-    for (Index k = 0; k < last - first; ++k) {
-      const Index i = first + (is_whole ? order[k] : k);
+    for (Index place = 0; place < last - first; ++place) {
+      const Index i = first + (is_whole ? order[place] : place);
       const Real R = radii[i];
       Four<Real> sum{};
       Four<Real> turning{};
