@@ -36,10 +36,13 @@ template <class F>
 
 using Bytes = std::vector<std::byte>;
 
-template <class T>
-void append(Bytes& bytes, std::span<const T> values) {
-  const auto more = std::as_bytes(values);
-  bytes.insert(bytes.end(), more.begin(), more.end());
+/// The bytes of the values of a range.
+template <class Values>
+void append(Bytes& bytes, const Values& values) {
+  for (const auto& value : values) {
+    const auto more = std::as_bytes(std::span(&value, 1));
+    bytes.insert(bytes.end(), more.begin(), more.end());
+  }
 }
 
 /// Ids and all columns except those that every step recomputes.
@@ -48,11 +51,7 @@ Bytes state_of(const P& particles) {
   Bytes bytes;
   append(bytes, particles.ids());
   particles.for_each_field([&bytes]<class F>(auto values, F) {
-    using Value = typename decltype(values)::value_type;
-    if constexpr (role_of<F>() != Role::derived) {
-      const std::vector<Value> column(values.begin(), values.end());
-      append(bytes, std::span<const Value>(column));
-    }
+    if constexpr (role_of<F>() != Role::derived) append(bytes, values);
   });
   return bytes;
 }

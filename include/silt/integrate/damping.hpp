@@ -5,12 +5,6 @@
 #include <silt/core/error.hpp>
 #include <silt/core/types.hpp>
 
-// GCC warns that packs wider than a register are passed in memory; these functions are inlined.
-#if defined(__GNUC__)
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wpsabi"
-#endif
-
 namespace silt {
 
 /// No damping: undamped leapfrog, [SahChoi2004] (17), (18).
@@ -66,7 +60,3 @@ struct GlobalDamping {
 };
 
 }  // namespace silt
-
-#if defined(__GNUC__)
-#pragma GCC diagnostic pop
-#endif

@@ -14,12 +14,6 @@
 #include <type_traits>
 #include <utility>
 
-// GCC warns that packs wider than a register are passed in memory; these functions are inlined.
-#if defined(__GNUC__)
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wpsabi"
-#endif
-
 namespace silt {
 
 /// The motion of single particles, from the fields before a step to those after it. It works on
@@ -415,12 +409,13 @@ class MotionInRows {
 
  private:
   // change(velocity, acceleration) for numbers, or for four at once if the damping model D is for
-  // them, too. The fourth is not a velocity.
+  // them, too, and they fit into a register: otherwise g++ warns of functions that return them. The
+  // fourth is not a velocity.
   template <class D, class Change>
   [[gnu::always_inline]] static void change_velocities(Single& p, Change&& change) {
     const auto change_three = [&](Four& v, const Four& a) {
       Four changed = v;
-      if constexpr (requires { requires D::accepts_packs; }) {
+      if constexpr (requires { requires D::accepts_packs && sizeof(Four) <= simd::width; }) {
         change(changed, a);
       } else {
         Real numbers[4];
@@ -459,7 +454,3 @@ using Motion =
     std::conditional_t<detail::moves_in_rows<P>(), MotionInRows<P>, MotionInColumns<P>>;
 
 }  // namespace silt
-
-#if defined(__GNUC__)
-#pragma GCC diagnostic pop
-#endif
