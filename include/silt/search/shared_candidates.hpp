@@ -90,7 +90,7 @@ class SharedCandidates {
   static constexpr int lanes = simd::lanes<Real>;
   using Lanes = simd::Pack<float, lanes>;
   // Number of particles from which testing the bounding box saves time.
-  static constexpr Index dense = 12;
+  static constexpr Index dense = 16;
 
   Lanes relative(const Real* x, Real origin) const {
     return __builtin_convertvector(simd::load(x) - origin, Lanes);

@@ -193,7 +193,7 @@ class UniformGrid {
   // Fewer particles fit into the cache in any order.
   static constexpr Index worth_sorting = 1024;
   // Number of particles that justifies sharing candidates, and maximum number of cells in a block.
-  static constexpr Index shared_by = 16;
+  static constexpr Index shared_by = 8;
   static constexpr std::int64_t longest_block = 12;
 
   bool has_ghosts() const noexcept { return !ghost_owners_.empty(); }
