@@ -18,6 +18,7 @@
 
 #include <silt/core/error.hpp>
 #include <silt/core/types.hpp>
+#include <silt/search/extent.hpp>
 
 #include <algorithm>
 #include <array>
@@ -30,12 +31,8 @@ template <int Dim, class Real>
 class Cells {
  public:
   using Vec = silt::Vec<Dim, Real>;
-  /// Lower and upper corner of the bounding box of the points, and a typical point.
-  struct Extent {
-    Vec lower;
-    Vec upper;
-    Vec middle;
-  };
+  using Extent = silt::Extent<Dim, Real>;
+
   /// Sets up the cells for so many points in this extent, with edge `reach` [m].
   void set_up(const Extent& extent, Index points, Real reach) {
     // After rounding, the particles of a pair must not be two cells apart: cell_along() has an

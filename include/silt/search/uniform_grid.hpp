@@ -13,6 +13,7 @@
 #include <silt/core/simd.hpp>
 #include <silt/core/transfer.hpp>
 #include <silt/core/types.hpp>
+#include <silt/search/extent.hpp>
 #include <silt/search/ghosts.hpp>
 #include <silt/search/neighbour_rows.hpp>
 #include <silt/search/shared_candidates.hpp>
@@ -62,7 +63,9 @@ class UniformGrid {
     const Index many = is_new ? 0 : particles.size() / 16;
     if (!is_new && descents_ <= many) return;
     require_positive("UniformGrid: radius", double(radius_));
-    points_.sort(particles[position], radius_);
+    const auto extent = extent_of_points(particles[position]);
+    if (!extent.is_finite()) return;  // update() throws
+    points_.sort(particles[position], extent, radius_);
     owned_ = particles.size();
     if (points_.descents() > many) particles.reorder(order());
   }
@@ -72,12 +75,11 @@ class UniformGrid {
   template <class P>
   void update(P& particles) {
     require_positive("UniformGrid: radius", double(radius_));
-    make_ghosts(particles, radius_);
+    const auto extent = make_ghosts(particles, radius_);
     const auto x = particles.with_ghosts(position);
     owned_ = particles.size();
     revision_ = particles.owned_revision();
-    points_.sort(x, radius_);
-    points_.copy(x);
+    points_.sort_and_copy(x, extent, radius_);
     descents_ = points_.descents();
     ghost_owners_.resize(x.size() - owned_);
     for (Index g = 0; g < ghost_owners_.size(); ++g) {
