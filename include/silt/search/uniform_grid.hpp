@@ -195,7 +195,7 @@ class UniformGrid {
   // Fewer particles fit into the cache in any order.
   static constexpr Index worth_sorting = 1024;
   // Number of particles that justifies sharing candidates, and maximum number of cells in a block.
-  static constexpr Index shared_by = 8;
+  static constexpr Index shared_by = 12;
   static constexpr std::int64_t longest_block = 12;
 
   bool has_ghosts() const noexcept { return !ghost_owners_.empty(); }
@@ -261,11 +261,13 @@ class UniformGrid {
     } else if (rows > 0) {
       points_.cells().for_each_range_around(bin, length, add);
     }
+    candidates.end();
     std::uint32_t* to = row.room(rows * candidates.size() + simd::lanes<float>);
     for (Index slot = first; slot < last; ++slot) {
       if (has_row(slot)) {
         std::uint32_t* const begin = to;
-        to = candidates.near(slot, forward, begin);
+        to = forward ? candidates.template near<true>(slot, begin)
+                     : candidates.template near<false>(slot, begin);
         if (pairs == Pairs::once && !forward) to = remove_others(slot, begin, to);
       }
       row.end_row(to);
