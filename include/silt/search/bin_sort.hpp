@@ -109,21 +109,22 @@ class BinSort {
     const auto for_each_in_range = [&](Index range, auto&& f) {
       for (Index i = n * range / ranges; i < n * (range + 1) / ranges; ++i) f(i);
     };
+    // The counts of a range are also summed over each chunk of bins.
+    const Index chunks = chunk_count(bins);
+    in_chunk_.resize(ranges * chunks);
     for_each_task(ranges, [&](Index range) {
       std::uint32_t* const counts = next_.data() + range * bins;
       std::fill(counts, counts + bins, 0u);
       for_each_in_range(range, [&](Index i) { ++counts[bin_[i]]; });
+      for (Index c = 0; c < chunks; ++c) {
+        std::uint32_t* const first = counts + c * chunk_size;
+        std::uint32_t* const last = counts + std::min(bins, (c + 1) * chunk_size);
+        in_chunk_[range * chunks + c] = std::accumulate(first, last, 0u);
+      }
     });
 
-    before_chunk_.resize(chunk_count(bins));
-    for_each_chunk(bins, [&](Chunk chunk) {
-      std::uint32_t sum = 0;
-      for (Index range = 0; range < ranges; ++range) {
-        const std::uint32_t* const counts = next_.data() + range * bins;
-        for (Index bin = chunk.first; bin < chunk.last; ++bin) sum += counts[bin];
-      }
-      before_chunk_[chunk.number] = sum;
-    });
+    before_chunk_.assign(chunks, 0u);
+    for (Index k = 0; k < in_chunk_.size(); ++k) before_chunk_[k % chunks] += in_chunk_[k];
     std::exclusive_scan(before_chunk_.begin(), before_chunk_.end(), before_chunk_.begin(), 0u);
     for_each_chunk(bins, [&](Chunk chunk) {
       std::uint32_t slot = before_chunk_[chunk.number];
@@ -158,7 +159,8 @@ class BinSort {
   std::vector<std::uint32_t> item_of_;
   std::vector<std::uint32_t> slot_of_;
   std::vector<std::uint32_t> next_;  // by range and bin
-  std::vector<std::uint32_t> before_chunk_;
+  std::vector<std::uint32_t> in_chunk_;      // by range and chunk of bins
+  std::vector<std::uint32_t> before_chunk_;  // of bins
   std::vector<Index> descents_of_;  // by chunk
   Index descents_ = 0;
   bool in_order_ = false;
