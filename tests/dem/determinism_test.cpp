@@ -83,9 +83,13 @@ TYPED_TEST(Determinism, GivesTheSameBitsForOneToFourThreads) {
     for (const int number : {2, 3, 4}) {
       EXPECT_EQ(with_threads(number, run), alone) << number << " threads";
     }
-    EXPECT_EQ(with_threads(1, [&] {
-      return state_of(after_steps<UniformGrid<dim, Real>>(start, 25, Threads::changing));
-    }), alone) << "another number in every step";
+    EXPECT_EQ(with_threads(1,
+                           [&] {
+                             return state_of(
+                                 after_steps<UniformGrid<dim, Real>>(start, 25, Threads::changing));
+                           }),
+              alone)
+        << "another number in every step";
   }
 }
 
@@ -234,15 +238,15 @@ Bytes in_a_periodic_box(double skin_fraction) {
     for (int k = 0; k < 3; ++k) grains[velocity][i][k] = Real(4 * uniform() - 2);
   }
   Simulation sim{grains, NeighbourList<3, Real>{{.skin_fraction = Real(skin_fraction)}},
-                 with_gravity<dem::Grains<3, Real>>(contacts<dem::Grains<3, Real>>()),
-                 Leapfrog{}};
+                 with_gravity<dem::Grains<3, Real>>(contacts<dem::Grains<3, Real>>()), Leapfrog{}};
   Index crossings = 0;
   for (int k = 0; k < 1500; ++k) {
     const auto before = sim.particles();
     sim.step(2e-5);
     for (Index i = 0; i < before.size(); ++i) {
       const Index now = sim.particles().index_of(before.id(i));
-      crossings += std::abs(before[position][i][0] - std::as_const(sim).particles()[position][now][0]) > 0.2;
+      crossings +=
+          std::abs(before[position][i][0] - std::as_const(sim).particles()[position][now][0]) > 0.2;
     }
   }
   EXPECT_GT(crossings, 100u);

@@ -49,15 +49,14 @@ concept FitsVectorsOf =
 
 /// Finds all pairs closer than radius(). Models: UniformGrid, NeighbourList, BruteForce.
 template <class S, class P>
-concept NeighbourSearch =
-    ParticleSet<P> && FitsVectorsOf<S, P> &&
-    requires(S s, const S found, P& p, typename P::Real r, Index i) {
-      s.set_radius(r);
-      { found.radius() } -> std::convertible_to<typename P::Real>;
-      s.update(p);
-      found.for_each_neighbour(i, archetype::OnNeighbour{});
-      found.for_each_pair(archetype::OnPair{});
-    };
+concept NeighbourSearch = ParticleSet<P> && FitsVectorsOf<S, P> &&
+                          requires(S s, const S found, P& p, typename P::Real r, Index i) {
+                            s.set_radius(r);
+                            { found.radius() } -> std::convertible_to<typename P::Real>;
+                            s.update(p);
+                            found.for_each_neighbour(i, archetype::OnNeighbour{});
+                            found.for_each_pair(archetype::OnPair{});
+                          };
 
 /// Can reorder the owned particles in memory, for speed; ids do not change.
 template <class S, class P>
@@ -131,10 +130,9 @@ concept HasReach = requires(const ForParticles<I, P> i, const P& p) {
 /// Adds forces [N] and torques [N m] to the particles; changes no field that the integrator
 /// advances. Models: dem::Contacts, that is, dem::ContactsOf; Gravity, Forces.
 template <class I, class P, class S>
-concept Interaction = NeighbourSearch<S, P> && HasReach<I, P> &&
-                      requires(ForParticles<I, P> i, P& p, S& s, double dt) {
-                        i.accelerate(p, s, dt);
-                      };
+concept Interaction =
+    NeighbourSearch<S, P> && HasReach<I, P> &&
+    requires(ForParticles<I, P> i, P& p, S& s, double dt) { i.accelerate(p, s, dt); };
 
 /// Functions called by accelerate(p, s, dt, pass) for ranges of particles; see below.
 template <class Before, class After>
@@ -151,10 +149,10 @@ Pass(Before, After) -> Pass<Before, After>;
 /// one range; ranges are processed in parallel. pass.after() may advance these particles, see
 /// Particles::advance. Models: dem::ContactsOf, dem::Bonds, Forces of these.
 template <class I, class P, class S>
-concept AcceleratesInPass =
-    requires(I i, P& p, S& s, double dt, Pass<void (*)(Index, Index), void (*)(Index, Index)> pass) {
-      i.accelerate(p, s, dt, pass);
-    };
+concept AcceleratesInPass = requires(I i, P& p, S& s, double dt,
+                                     Pass<void (*)(Index, Index), void (*)(Index, Index)> pass) {
+  i.accelerate(p, s, dt, pass);
+};
 
 /// add_forces(p, i) adds to the owned particle i alone what accelerate() adds to all; it reads only
 /// this particle. Forces adds them in the pass of another interaction. Model: Gravity.
@@ -223,10 +221,9 @@ concept AdvancesField = bool(T::template advances<F>);
 ///   advances<F>     true for the fields that it saves itself, see AdvancesField
 /// Models: Leapfrog, SemiImplicit.
 template <class T, class P, class S, class I>
-concept Integrator = NeighbourSearch<S, P> && HasReach<I, P> &&
-                     requires(T t, P& p, S& s, ForParticles<I, P>& i, double dt) {
-                       t.step(p, s, i, dt);
-                     };
+concept Integrator =
+    NeighbourSearch<S, P> && HasReach<I, P> &&
+    requires(T t, P& p, S& s, ForParticles<I, P>& i, double dt) { t.step(p, s, i, dt); };
 
 /// Chooses the next time step [s].
 template <class I, class P>

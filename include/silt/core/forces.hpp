@@ -93,8 +93,8 @@ class Forces {
   template <class Part>
   const auto& part() const {
     constexpr bool is_exact = (std::same_as<Parts, Part> || ...);
-    constexpr std::array fits{(is_exact ? std::same_as<Parts, Part>
-                                        : std::derived_from<Parts, Part>)...};
+    constexpr std::array fits{
+        (is_exact ? std::same_as<Parts, Part> : std::derived_from<Parts, Part>)...};
     static_assert(std::count(fits.begin(), fits.end(), true) == 1,
                   "silt::Forces: not exactly one part has this type; give its number");
     return part<std::find(fits.begin(), fits.end(), true) - fits.begin()>();
@@ -160,9 +160,8 @@ class Forces {
   template <class Archive, class P>
   void transfer(Archive& archive, P& particles) {
     Index number = 0;
-    for_each_part([&](auto& part) {
-      transfer_part(archive, std::to_string(number++), part, particles);
-    });
+    for_each_part(
+        [&](auto& part) { transfer_part(archive, std::to_string(number++), part, particles); });
   }
 
   void save() {
@@ -186,7 +185,8 @@ class Forces {
   }
 
   template <Index K, class P>
-  static constexpr bool is_of_particle = AddsForces<std::tuple_element_t<K, std::tuple<Parts...>>, P>;
+  static constexpr bool is_of_particle =
+      AddsForces<std::tuple_element_t<K, std::tuple<Parts...>>, P>;
 
   // Number of the first part from K on that is not evaluated for one particle alone.
   template <Index K, class P>

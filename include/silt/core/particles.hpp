@@ -108,8 +108,8 @@ class Particles {
     if (positions_changed_.take()) travel_ = {.epoch = Epoch().number(), .distance = 0};
     return travel_;
   }
-  /// Increases whenever a field that steps do not change, such as the radius, may have been changed:
-  /// with every access that is not const. Not to be called by several threads at once.
+  /// Increases whenever a field that steps do not change, such as the radius, may have been
+  /// changed: with every access that is not const. Not to be called by several threads at once.
   std::uint64_t constants_revision() const noexcept {
     if (constants_changed_.take()) constants_revision_ = next_revision();
     return constants_revision_;
@@ -222,8 +222,7 @@ class Particles {
   /// f(values, field) for every field, position first: the values of the owned particles.
   template <class F>
   void for_each_field(F&& f) const {
-    std::apply([&](auto... field) { (f(columns_.view(field, size()), field), ...); },
-               FieldList{});
+    std::apply([&](auto... field) { (f(columns_.view(field, size()), field), ...); }, FieldList{});
   }
 
   /// Writes or reads everything but the ghosts for a checkpoint, see core/transfer.hpp.
@@ -297,8 +296,9 @@ class Particles {
   // An assertion, for its error message. To test for a field, use HasFields.
   template <class F>
   static constexpr void check_field() {
-    static_assert(has<F>, "silt::Particles: these particles do not have this field; add its type "
-                          "(temperature_t for temperature) to their template arguments");
+    static_assert(has<F>,
+                  "silt::Particles: these particles do not have this field; add its type "
+                  "(temperature_t for temperature) to their template arguments");
   }
 
   void note_change() noexcept {
@@ -346,8 +346,9 @@ class Particles {
       if (good) index_of_id_[ids_[i]] = i;
     }
     if (!good) {
-      fail("Particles: the data read have columns of different lengths or a repeated id; they were "
-           "not written by transfer()");
+      fail(
+          "Particles: the data read have columns of different lengths or a repeated id; they were "
+          "not written by transfer()");
     }
     note_change();
   }
@@ -369,8 +370,8 @@ class Particles {
   Columns<Dim, Real, typename Storage::Units> columns_;
   std::vector<Id> ids_;
   std::vector<Index> index_of_id_;  // by id
-  std::vector<Index> owners_;  // by ghost
-  std::vector<Vec> shifts_;    // by ghost
+  std::vector<Index> owners_;       // by ghost
+  std::vector<Vec> shifts_;         // by ghost
   Box<Dim, Real> box_;
   std::uint64_t revision_ = 0;
   std::uint64_t owned_revision_ = 0;

@@ -72,9 +72,8 @@ void kick(P& particles, const D& damping, double time_step) {
 /// x^{N+1} = x^N + v^{N+½} Δt,  θ^{N+1} = θ^N + θ'^{N+½} Δt        (19)
 template <class P>
 void drift(P& particles, double time_step) {
-  detail::change_motion(particles, [&](const auto& motion, auto& particle) {
-    motion.drift(particle, time_step);
-  });
+  detail::change_motion(
+      particles, [&](const auto& motion, auto& particle) { motion.drift(particle, time_step); });
 }
 
 /// Advances particles under forces. The initial velocities are those at time 0; from the first step

@@ -32,9 +32,9 @@ class MotionInColumns {
 
   /// One particle. The members of particles that do not rotate are not used.
   struct Single {
-    Real x[Dim];  ///< [m]
-    Real v[Dim];  ///< [m/s]
-    Real a[Dim];  ///< F/m [m/s²]
+    Real x[Dim];          ///< [m]
+    Real v[Dim];          ///< [m/s]
+    Real a[Dim];          ///< F/m [m/s²]
     Real angle[angular];  ///< [rad]
     Real w[angular];      ///< [1/s]
     Real w_dot[angular];  ///< M/I [1/s²]
@@ -108,8 +108,7 @@ class MotionInColumns {
   /// v^N = ½ (v^{N−½} + v^{N+½}) (27), (28).
   template <class D>
   [[gnu::always_inline]] void kick_to_mean(Single& p, const D& damping, double dt) const {
-    change_velocities(p,
-                      [&](Real v, Real a) { return (damping.kicked(v, a, Real(dt)) + v) / 2; });
+    change_velocities(p, [&](Real v, Real a) { return (damping.kicked(v, a, Real(dt)) + v) / 2; });
   }
 
   /// v^N → v^{N−½}.
@@ -169,8 +168,7 @@ class MotionInColumns {
 
  private:
   template <class F>
-  static constexpr bool in_rows =
-      requires(const P particles) { particles.storage(F{}).rows(); };
+  static constexpr bool in_rows = requires(const P particles) { particles.storage(F{}).rows(); };
   template <class F>
   using StorageOf = std::remove_cvref_t<decltype(std::declval<const P&>().storage(F{}))>;
   // The spin is in other rows than the position.
@@ -254,12 +252,15 @@ namespace detail {
 // begin one. In 2D the spin follows the velocity.
 template <class P>
 constexpr bool moves_in_rows() {
-  if constexpr (requires(const P p) { p.storage(position).rows(); p.storage(spin).rows(); }) {
+  if constexpr (requires(const P p) {
+                  p.storage(position).rows();
+                  p.storage(spin).rows();
+                }) {
     using Linear = std::remove_cvref_t<decltype(std::declval<const P&>().storage(position))>;
     using Angular = std::remove_cvref_t<decltype(std::declval<const P&>().storage(spin))>;
     if constexpr (Linear::template has<velocity_t> && Linear::width == 8) {
-      constexpr bool is_linear = Linear::template offset<position_t> == 0 &&
-                                 Linear::template offset<velocity_t> == 4;
+      constexpr bool is_linear =
+          Linear::template offset<position_t> == 0 && Linear::template offset<velocity_t> == 4;
       if constexpr (P::dimension == 2) {
         return is_linear && std::same_as<Linear, Angular> && Linear::template has<mass_t> &&
                Linear::template has<inertia_t> && Linear::template offset<spin_t> == 6;
@@ -450,7 +451,6 @@ class MotionInRows {
 };
 
 template <class P>
-using Motion =
-    std::conditional_t<detail::moves_in_rows<P>(), MotionInRows<P>, MotionInColumns<P>>;
+using Motion = std::conditional_t<detail::moves_in_rows<P>(), MotionInRows<P>, MotionInColumns<P>>;
 
 }  // namespace silt

@@ -97,7 +97,7 @@ class ContactGeometry {
   /// is the nearest point. Stores the normals.
   template <class Nearest>
   unsigned find_touching_walls(const Grains& grains, const std::uint32_t* first,
-                         const std::uint32_t* second, Nearest&& nearest, Into& into) {
+                               const std::uint32_t* second, Nearest&& nearest, Into& into) {
     unsigned touching = 0;
     for (int p = 0; p < packs; ++p) {
       grains.load(first + p * N, i_[p]);

@@ -35,8 +35,9 @@ using EightNumbers = std::array<std::uint32_t, lanes>;
 /// touching[e] is set, and possibly for other lanes; contacts[e] are its contacts. `walls` is a
 /// WallsAtTime.
 ///
-/// In a dense block, groups are evaluated as a whole, including contacts that do not touch. In other
-/// blocks, the contacts that touch are collected until there are eight. The results are the same.
+/// In a dense block, groups are evaluated as a whole, including contacts that do not touch. In
+/// other blocks, the contacts that touch are collected until there are eight. The results are the
+/// same.
 template <class Lanes, class Histories, class Walls, class Evaluate>
 class ContactKernel {
   using Real = typename Lanes::Real;
@@ -52,8 +53,8 @@ class ContactKernel {
     NearestImage<dimension, Real> image;
     const Histories& before;
     const Walls& walls;
-    /// Fraction of δ by which the lever arms of two grains are shorter than R; at a wall it is twice
-    /// as large.
+    /// Fraction of δ by which the lever arms of two grains are shorter than R; at a wall it is
+    /// twice as large.
     Real arm_share;
   };
 
@@ -85,8 +86,8 @@ class ContactKernel {
     std::array<std::uint32_t, batch_size> group;  // `collected`: from several groups
     Index count = 0;
   };
-  // Contacts that touch, until there are eight. Twice as large, because those of a further group are
-  // added before eight are removed.
+  // Contacts that touch, until there are eight. Twice as large, because those of a further group
+  // are added before eight are removed.
   struct Collection {
     std::array<std::uint32_t, 2 * lanes> contacts;
     std::array<std::uint32_t, 2 * lanes> first;

@@ -182,9 +182,8 @@ class ContactList {
   template <class F>
   void for_each_block(F&& f) const {
     const Index n = grains();
-    for_each_task(block_count(n), [&](Index b) {
-      f(b, b * block_size, std::min(n, (b + 1) * block_size));
-    });
+    for_each_task(block_count(n),
+                  [&](Index b) { f(b, b * block_size, std::min(n, (b + 1) * block_size)); });
   }
 
   void line_up(const std::vector<Found>& found) {
@@ -231,7 +230,8 @@ class ContactList {
   void list_sides(std::vector<Found>& found) {
     const Index n = grains();
     begin_.assign(n + 2, 0);
-    // Counted, and then filled, from several blocks; the order does not matter, as sides are sorted.
+    // Counted, and then filled, from several blocks; the order does not matter, as sides are
+    // sorted.
     const auto for_each_side = [&](Index b, auto&& f) {
       for_each_contact(b, [&](Index c) {
         f(first_[c], Side(c, false));
@@ -240,8 +240,7 @@ class ContactList {
     };
     const bool is_parallel = threads_for(n) > 1;
     const auto increment = [=](std::uint32_t& count) {
-      return is_parallel ? std::atomic_ref(count).fetch_add(1, std::memory_order_relaxed)
-                         : count++;
+      return is_parallel ? std::atomic_ref(count).fetch_add(1, std::memory_order_relaxed) : count++;
     };
     for_each_block([&](Index b, Index, Index) {
       for_each_side(b, [&](Index i, Side) { increment(begin_[i + 2]); });

@@ -59,8 +59,9 @@ template <class P, class Law, class... Walls>
 class ContactsOf;
 
 /// Contacts between grains, and between grains and walls, with one law or one per pair of
-/// materials. A wall is any type that models dem::Wall. A simulation of grains of type P stores them as a ContactsOf<P, …>; for
-/// calls without a simulation see for_particles() in core/concepts.hpp.
+/// materials. A wall is any type that models dem::Wall. A simulation of grains of type P stores
+/// them as a ContactsOf<P, …>; for calls without a simulation see for_particles() in
+/// core/concepts.hpp.
 template <class Law, class... Walls>
 class Contacts {
  public:
@@ -102,8 +103,8 @@ class Contacts {
   template <class P>
     requires HasFields<P, velocity_t, spin_t, force_t, torque_t, mass_t, inertia_t, radius_t,
                        material_t> &&
-             ContactLaw<Law, P::dimension, typename P::Real> &&
-             (Wall<Walls, P::dimension, typename P::Real> && ...)
+                 ContactLaw<Law, P::dimension, typename P::Real> &&
+                 (Wall<Walls, P::dimension, typename P::Real> && ...)
   using For = ContactsOf<P, Law, Walls...>;
 
  protected:
@@ -126,8 +127,7 @@ class ContactsOf : public Contacts<Law, Walls...> {
   using LastStep = ContactsOfStep<P, Law, WallSet<Walls...>>;
 
  public:
-  ContactsOf(Contacts<Law, Walls...> contacts)
-      : Contacts<Law, Walls...>(std::move(contacts)) {}
+  ContactsOf(Contacts<Law, Walls...> contacts) : Contacts<Law, Walls...>(std::move(contacts)) {}
 
   /// A copy with other settings and the same histories. Throws if a setting is out of range.
   ContactsOf with(const ContactSettings& settings) const {
@@ -233,9 +233,7 @@ class ContactsOf : public Contacts<Law, Walls...> {
   static constexpr bool gives_spring_energy = LastStep::gives_spring_energy;
 
   /// Energy in the springs of the last step's contacts [J]; 0 for a law without elastic_energy().
-  double elastic_energy(const P& grains) const {
-    return last_step(grains).elastic_energy();
-  }
+  double elastic_energy(const P& grains) const { return last_step(grains).elastic_energy(); }
 
   /// The history of all contacts, by pairs of ids; for a checkpoint.
   PairHistory<History> history(const P& grains) const {
@@ -329,10 +327,9 @@ class ContactsOf : public Contacts<Law, Walls...> {
     const auto walls = walls_at<P>(walls_, step);
     find_contacts(grains, search, walls, list, memory_.found);
     if constexpr (knows_stiffness) {
-      list.stable_time_step =
-          stable_for_all(grains, list.contacts, walls, list.margin, [&](Index c) -> const Law& {
-            return law_between(list, materials_, walls_, c);
-          });
+      list.stable_time_step = stable_for_all(
+          grains, list.contacts, walls, list.margin,
+          [&](Index c) -> const Law& { return law_between(list, materials_, walls_, c); });
     }
   }
 

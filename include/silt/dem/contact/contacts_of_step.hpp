@@ -3,12 +3,12 @@
 #pragma once
 
 #include <silt/core/error.hpp>
+#include <silt/core/four.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/contact/contact_kernel.hpp>
 #include <silt/dem/contact/contact_settings.hpp>
 #include <silt/dem/contact/evaluation.hpp>
-#include <silt/core/four.hpp>
 #include <silt/dem/contact/law_evaluation.hpp>
 #include <silt/dem/contact/pair_history.hpp>
 #include <silt/dem/contact/single_contacts.hpp>
@@ -49,8 +49,7 @@ class ContactsOfStep {
   void for_each(F&& f) const {
     const auto walls = walls_then();
     for_each_touch([&](Index, const Sides& sides, const Real* row) {
-      f(sides.i, sides.j, contact_at(row, sides, walls),
-        Row::template force_in<P::dimension>(row));
+      f(sides.i, sides.j, contact_at(row, sides, walls), Row::template force_in<P::dimension>(row));
     });
   }
 
@@ -132,8 +131,8 @@ class ContactsOfStep {
     if constexpr (GivesEnergy<Law, P::dimension, Real>) {
       const auto walls = walls_then();
       for_each_touch([&](Index c, const Sides& sides, const Real* row) {
-        energy += double(
-            law_of(c).elastic_energy(contact_at(row, sides, walls), step_.after->of(c)));
+        energy +=
+            double(law_of(c).elastic_energy(contact_at(row, sides, walls), step_.after->of(c)));
       });
     }
     return energy;
@@ -200,8 +199,7 @@ class ContactsOfStep {
     if (step_.count == 0) return;
     std::vector<Real> rows(step_.contacts().size() * Row::words);
     evaluate_again(rows.data());
-    for_each_index(
-        [&](Index c, const Sides& sides) { f(c, sides, rows.data() + c * Row::words); });
+    for_each_index([&](Index c, const Sides& sides) { f(c, sides, rows.data() + c * Row::words); });
   }
 
   struct Results {

@@ -21,9 +21,9 @@ const Law& law_between(const List& list, const Materials<Law>& materials, const 
                        Index c) {
   const ContactList& contacts = list.contacts;
   const Index second = contacts.second(c);
-  return materials.between(list.materials[contacts.first(c)],
-                           contacts.is_of_wall(c) ? walls.material(walls.number_of(second))
-                                                  : list.materials[second]);
+  return materials.between(
+      list.materials[contacts.first(c)],
+      contacts.is_of_wall(c) ? walls.material(walls.number_of(second)) : list.materials[second]);
 }
 
 /// The walls of a WallSet at the time N of a step.
@@ -64,11 +64,10 @@ auto law_evaluation(const Evaluation& step, const Materials<Law>& materials, con
 /// The kernel for a step: the grains as in the step, and a WallsAtTime.
 template <class P, class Evaluation, class Walls, class Evaluate>
 auto contact_kernel(const Evaluation& step, const GrainRows<P::dimension, typename P::Real>& grains,
-                    const Walls& walls, const ContactSettings& settings,
-                    const Evaluate& evaluate) {
+                    const Walls& walls, const ContactSettings& settings, const Evaluate& evaluate) {
   using Real = typename P::Real;
-  using Kernel = ContactKernel<typename Evaluation::Lanes, typename Evaluation::Histories, Walls,
-                               Evaluate>;
+  using Kernel =
+      ContactKernel<typename Evaluation::Lanes, typename Evaluation::Histories, Walls, Evaluate>;
   return Kernel(
       typename Kernel::Input{
           .contacts = step.contacts(),

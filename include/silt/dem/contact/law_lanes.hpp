@@ -92,8 +92,7 @@ struct LawLanes {
 
 /// Evaluates one law for all lanes of `count` eights.
 template <class Law, class Eights>
-[[gnu::flatten, gnu::noinline]] void evaluate_in_lanes(const Law& shared, Eights* eights,
-                                                       int count,
+[[gnu::flatten, gnu::noinline]] void evaluate_in_lanes(const Law& shared, Eights* eights, int count,
                                                        typename Eights::Real dt) {
   const Law law = shared;  // a copy that no store below can change
   for (int e = 0; e < count; ++e) {

@@ -25,8 +25,8 @@ struct ListOfStep {
   ContactList contacts;
   std::vector<Vec<Dim, Real>> since;     ///< positions of the grains when it was built [m]
   std::vector<std::uint32_t> materials;  ///< of the grains
-  Real margin = 0;                    ///< largest gap of its pairs [m]
-  std::uint64_t owned_revision = 0;   ///< of the grains
+  Real margin = 0;                       ///< largest gap of its pairs [m]
+  std::uint64_t owned_revision = 0;      ///< of the grains
   std::uint64_t constants_revision = 0;
   double time = 0;              ///< of these positions and of the walls [s]
   Box<Dim, Real> extent;        ///< contains all grains while the list is valid [m]
@@ -141,8 +141,9 @@ void find_contacts(const P& grains, const S& search, const Walls& walls, List& l
         });
       },
       [&](Index i, auto&& add) {
-        walls.for_each_element_near(typename P::Vec(x[i]), Real(R[i] + list.margin),
-                                    [&](Index element) { add(static_cast<std::uint32_t>(element)); });
+        walls.for_each_element_near(
+            typename P::Vec(x[i]), Real(R[i] + list.margin),
+            [&](Index element) { add(static_cast<std::uint32_t>(element)); });
       },
       found);
 }

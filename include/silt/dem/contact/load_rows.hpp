@@ -5,11 +5,11 @@
 #pragma once
 
 #include <silt/core/columns.hpp>
+#include <silt/core/four.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/simd.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/contact/contact_list.hpp>
-#include <silt/core/four.hpp>
 #include <silt/dem/contact/grain_rows.hpp>
 
 #include <algorithm>
@@ -52,7 +52,8 @@ class WorkDivision {
     for_each_task(threads, [&](Index t) { slots_[t + 1] = assign_slots(list, t); });
     for (Index t = 0; t < threads; ++t) slots_[t + 1] += slots_[t];
     for_each_task(threads, [&](Index t) {
-      for (Index g = group_of(list, first_block_[t]); g < group_of(list, first_block_[t + 1]); ++g) {
+      for (Index g = group_of(list, first_block_[t]); g < group_of(list, first_block_[t + 1]);
+           ++g) {
         slot_of_group_[g] += static_cast<std::uint32_t>(slots_[t]);
       }
     });
@@ -61,8 +62,8 @@ class WorkDivision {
     for_each(list.grains(), [&](Index i) {
       for (Index s = list.begin(i); s < list.begin(i) + list.count(i); ++s) {
         const ContactList::Side side = list.sides()[s];
-        const Index row = slot_of_group_[side.contact() / lanes] * Index(lanes) +
-                          side.contact() % lanes;
+        const Index row =
+            slot_of_group_[side.contact() / lanes] * Index(lanes) + side.contact() % lanes;
         row_of_side_[s] = static_cast<std::uint32_t>(2 * row + side.is_second());
       }
     });
@@ -75,7 +76,9 @@ class WorkDivision {
   Index first_block(Index thread) const noexcept { return first_block_[thread]; }
   /// Whether a grain has to wait until all threads have evaluated their contacts.
   bool waits(Index grain) const noexcept { return waits_[grain] != 0; }
-  const std::vector<std::uint32_t>& waiting(Index thread) const noexcept { return waiting_[thread]; }
+  const std::vector<std::uint32_t>& waiting(Index thread) const noexcept {
+    return waiting_[thread];
+  }
 
   /// The grains of the range [first, last), which begins at a multiple of range_size, by number of
   /// contacts, as offsets from `first`: a processor then predicts the number better.
@@ -162,7 +165,7 @@ class WorkDivision {
   std::vector<Index> slots_;  // before those of each thread
   std::vector<std::uint32_t> row_of_side_;
   std::vector<std::uint8_t> order_;
-  std::vector<char> waits_;                         // by grain
+  std::vector<char> waits_;                          // by grain
   std::vector<std::vector<std::uint32_t>> waiting_;  // by thread
 };
 
@@ -186,8 +189,8 @@ class LoadRows {
     Real* const to = this->slot(slot);
     for (int k = 0; k < Row::words; k += 4) rows_from(&columns[k], to + k, Row::words);
   }
-  /// The same for the first `count` of them, which touch; place_of(lane) is the slot, and the row in
-  /// it, of a contact.
+  /// The same for the first `count` of them, which touch; place_of(lane) is the slot, and the row
+  /// in it, of a contact.
   template <class Lanes, class PlaceOf>
   void store(const Lanes& eight, Index count, PlaceOf&& place_of) {
     alignas(64) Real columns[Row::words][lanes];
@@ -282,9 +285,8 @@ class LoadRows {
     }
     if constexpr (has_couple) {
       for (int k = 0; k < 4; ++k) {
-        put(Row::couple + k, k < angular_size<Dim>
-                                 ? simd::load<Real, N>(eight.row[In::couple + k] + first)
-                                 : zero);
+        put(Row::couple + k,
+            k < angular_size<Dim> ? simd::load<Real, N>(eight.row[In::couple + k] + first) : zero);
       }
     }
   }
