@@ -4,6 +4,7 @@
 
 #include <silt/core/four.hpp>
 #include <silt/core/particles.hpp>
+#include <silt/core/rows_of_four.hpp>
 #include <silt/core/types.hpp>
 
 #include <algorithm>
@@ -247,33 +248,6 @@ class MotionInColumns {
   Real period_[Dim];
 };
 
-namespace detail {
-// The particles are stored in rows of four numbers: positions, velocities and, in 3D, spins each
-// begin one. In 2D the spin follows the velocity.
-template <class P>
-constexpr bool moves_in_rows() {
-  if constexpr (requires(const P p) {
-                  p.storage(position).rows();
-                  p.storage(spin).rows();
-                }) {
-    using Linear = std::remove_cvref_t<decltype(std::declval<const P&>().storage(position))>;
-    using Angular = std::remove_cvref_t<decltype(std::declval<const P&>().storage(spin))>;
-    if constexpr (Linear::template has<velocity_t> && Linear::width == 8) {
-      constexpr bool is_linear =
-          Linear::template offset<position_t> == 0 && Linear::template offset<velocity_t> == 4;
-      if constexpr (P::dimension == 2) {
-        return is_linear && std::same_as<Linear, Angular> && Linear::template has<mass_t> &&
-               Linear::template has<inertia_t> && Linear::template offset<spin_t> == 6;
-      } else {
-        return is_linear && Linear::template has<mass_t> && Angular::template has<inertia_t> &&
-               Angular::width == 4 && Angular::template offset<spin_t> == 0;
-      }
-    }
-  }
-  return false;
-}
-}  // namespace detail
-
 /// The same for particles in rows of four numbers, which are processed together: {x y z R},
 /// {vx vy vz m} and {wx wy wz I}; in 2D {x y R m} and {vx vy w I}.
 template <class P>
@@ -451,6 +425,6 @@ class MotionInRows {
 };
 
 template <class P>
-using Motion = std::conditional_t<detail::moves_in_rows<P>(), MotionInRows<P>, MotionInColumns<P>>;
+using Motion = std::conditional_t<in_rows_of_four<P>(), MotionInRows<P>, MotionInColumns<P>>;
 
 }  // namespace silt

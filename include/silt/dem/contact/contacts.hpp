@@ -8,6 +8,7 @@
 #include <silt/core/concepts.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/parallel.hpp>
+#include <silt/core/rows_of_four.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/contact/contact_kernel.hpp>
 #include <silt/dem/contact/contact_settings.hpp>
@@ -88,6 +89,9 @@ class Contacts {
     static_assert(HasFields<P, velocity_t, spin_t, force_t, torque_t, mass_t, inertia_t, radius_t,
                             material_t>,
                   "silt::dem::Contacts: these particles lack a field of dem::Grains");
+    static_assert(in_rows_with_radius<P>(),
+                  "silt::dem::Contacts: these particles are not stored as dem::Grains; use "
+                  "dem::Grains<Dim, Real, further_fields…>");
     static_assert(ContactLaw<Law, P::dimension, typename P::Real>,
                   "silt::dem::Contacts: the law has neither force(contact) nor force(contact, "
                   "history) that returns a vector, nor components() instead (see ContactLaw in "
