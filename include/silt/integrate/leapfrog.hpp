@@ -216,22 +216,9 @@ class Leapfrog {
     if (needs_search(interaction, particles)) search.update(particles);
     const Motion<P> motion(particles);
     Outcomes<typename P::Real> outcomes;
-    const auto clear_range = [&](Index first, Index last) { clear(particles, first, last); };
-    const auto update_range = [&](Index first, Index last) {
-      outcomes.add(update(motion, first, last));
-    };
-    bool is_in_pass = false;
-    if constexpr (AcceleratesInPass<I, P, S>) is_in_pass = !motion.is_in_place();
-    if constexpr (AcceleratesInPass<I, P, S>) {
-      if (is_in_pass) {
-        interaction.accelerate(particles, search, dt, Pass{clear_range, update_range});
-      }
-    }
-    if (!is_in_pass) {
-      clear(particles);
-      interaction.accelerate(particles, search, dt);
-      for_each_range(particles.size(), update_range);
-    }
+    const auto clear_forces = [&](Index first, Index last) { clear(particles, first, last); };
+    const auto move = [&](Index first, Index last) { outcomes.add(update(motion, first, last)); };
+    accelerate_in_pass(interaction, particles, search, dt, Pass{clear_forces, move});
     particles.finish_advance(outcomes.max_displacement());
     return outcomes.is_valid();
   }

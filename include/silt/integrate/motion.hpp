@@ -63,9 +63,6 @@ class MotionInColumns {
     }
   }
 
-  /// Whether the fields are overwritten, that is, before and after are the same memory.
-  bool is_in_place() const { return &x_.before[0] == &x_.after[0]; }
-
   [[gnu::always_inline]] Single load(Index i) const {
     Single p;
     const Real per_mass = 1 / m_[i];
@@ -286,12 +283,10 @@ class MotionInRows {
       const bool is_periodic = k < Dim && box.periodic[static_cast<std::size_t>(k)];
       period[k] = is_periodic ? upper[k] - lower[k] : 0;
     }
-    lower_ = simd::load<Real, 4>(lower);
-    upper_ = simd::load<Real, 4>(upper);
-    period_ = simd::load<Real, 4>(period);
+    load_four(lower, lower_);
+    load_four(upper, upper_);
+    load_four(period, period_);
   }
-
-  bool is_in_place() const { return linear_.before == linear_.after; }
 
   [[gnu::always_inline]] Single load(Index i) const {
     Single p;
@@ -396,7 +391,7 @@ class MotionInRows {
         Real numbers[4];
         simd::store<Real, 4>(numbers, v);
         for (int k = 0; k < 3; ++k) change(numbers[k], Real(a[k]));
-        changed = simd::load<Real, 4>(numbers);
+        load_four(numbers, changed);
       }
       v = __builtin_shufflevector(changed, v, 0, 1, 2, 7);
     };

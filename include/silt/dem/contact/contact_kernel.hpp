@@ -17,6 +17,7 @@
 #include <array>
 #include <bit>
 #include <cstdint>
+#include <numeric>
 #include <string>
 
 namespace silt::dem {
@@ -132,28 +133,26 @@ class ContactKernel {
           simd::first_lanes<lanes>(range.last - c);
       results.begin(static_cast<std::uint32_t>(c / lanes), touching, false);
       count += static_cast<Index>(std::popcount(touching));
-      append(simd::count_from<lanes>(c), collection.contacts, collection.count, touching);
+      std::array<std::uint32_t, lanes> numbers;
+      std::iota(numbers.begin(), numbers.end(), static_cast<std::uint32_t>(c));
+      append(numbers.data(), collection.contacts, collection.count, touching);
       append(first, collection.first, collection.count, touching);
       collection.count += append(second, collection.second, collection.count, touching);
       if (collection.count < Index(lanes)) continue;
       close_collection<of_walls>(batch, collection, results);
       collection.count -= Index(lanes);
-      for (auto* const numbers : {&collection.contacts, &collection.first, &collection.second}) {
-        std::copy_n(numbers->begin() + lanes, lanes, numbers->begin());
+      for (auto* const column : {&collection.contacts, &collection.first, &collection.second}) {
+        std::copy_n(column->begin() + lanes, lanes, column->begin());
       }
     }
     if (collection.count > 0) close_collection<of_walls>(batch, collection, results);
     flush(batch, results);
     return count;
   }
-  using EightIndices = simd::Pack<std::uint32_t, lanes>;
-  static Index append(const EightIndices& values, std::array<std::uint32_t, 2 * lanes>& to,
-                      Index count, unsigned chosen) {
-    return simd::compress<std::uint32_t, lanes>(to.data() + count, values, chosen);
-  }
   static Index append(const std::uint32_t* values, std::array<std::uint32_t, 2 * lanes>& to,
                       Index count, unsigned chosen) {
-    return append(simd::load<std::uint32_t, lanes>(values), to, count, chosen);
+    return simd::compress<std::uint32_t, lanes>(
+        to.data() + count, simd::load<std::uint32_t, lanes>(values), chosen);
   }
 
   template <bool of_walls>
