@@ -245,7 +245,7 @@ class Particles {
     if constexpr (Archive::reads) {
       columns_.for_each([&](auto& storage) { storage.resize(ids_.size()); });
     }
-    bool good = ids_.size() == owned;
+    bool good = true;
     std::apply([&](auto... field) { ((good &= transfer(archive, field, owned)), ...); },
                FieldList{});
     if constexpr (Archive::reads) rebuild_index_of_id(next_id, good);
