@@ -16,6 +16,7 @@
 #include <silt/core/types.hpp>
 
 #include <algorithm>
+#include <atomic>
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
@@ -163,7 +164,12 @@ class Rows<Dim, Real, Bundle<Fs...>> {
 
   /// The numbers, which must not be changed while they are shared.
   std::shared_ptr<const Numbers> share() const { return numbers_; }
-  bool is_shared() const noexcept { return numbers_.use_count() > 1; }
+  bool is_shared() const noexcept {
+    if (numbers_.use_count() > 1) return true;
+    // The last other owner may have read them in another thread.
+    std::atomic_thread_fence(std::memory_order_acquire);
+    return false;
+  }
   void replace_if_shared() {
     if (is_shared()) numbers_ = std::make_shared<Numbers>();
   }
@@ -178,16 +184,6 @@ class Rows<Dim, Real, Bundle<Fs...>> {
   }
   void copy(Index from, Index to) {
     std::copy_n(numbers_->data() + from * width, width, numbers_->data() + to * width);
-  }
-  /// Copies all fields of a row but these.
-  template <class... Others>
-  static void copy_all_but(const Real* from, Real* to) {
-    const auto copy = [=]<class F>(F) {
-      if constexpr (!(std::same_as<F, Others> || ...)) {
-        std::copy_n(from + offset<F>, numbers_of<F>, to + offset<F>);
-      }
-    };
-    (copy(Fs{}), ...);
   }
   void copy_from(const Rows& other, Index first, Index last) {
     std::copy(other.numbers_->data() + first * width, other.numbers_->data() + last * width,
@@ -298,14 +294,15 @@ class Columns<Dim, Real, std::tuple<All...>> {
     After after;
   };
   /// The values of field F of the owned particles, and the memory for the next ones, all of which
-  /// must be written, as must those of the other fields of a bundle. They become the values of F
-  /// with finish_advance(). If F was kept before, both are the same memory.
+  /// must be written; the other fields of a bundle keep their values unless they are advanced, too.
+  /// They become the values of F with finish_advance(). If F was kept before, both are the same
+  /// memory.
   template <Field F>
   auto advance(F field, Index owned) {
     auto& unit = unit_of<F>();
     const auto before = std::as_const(unit.now).view(field, owned);
     if (unit.kept) return Advance{before, unit.now.view(field, owned)};
-    unit.begin_advance();
+    if (unit.begin_advance() && unit.is_of_bundle) unit.other.copy_from(unit.now, 0, owned);
     return Advance{before, unit.other.view(field, owned)};
   }
   /// Whether the next values of field F are written to other memory, so that its present ones may
@@ -314,14 +311,15 @@ class Columns<Dim, Real, std::tuple<All...>> {
   bool is_advancing(F) const noexcept {
     return std::get<place_of<F>>(units_).is_next;
   }
-  /// The rows of the bundle with field F, after advance(F).
+  /// The same for all fields of the bundle with field F; every number must be written.
   struct AdvanceRows {
     const Real* before;
     Real* after;
   };
   template <Field F>
-  AdvanceRows advance_rows(F) noexcept {
+  AdvanceRows advance_rows(F) {
     auto& unit = unit_of<F>();
+    if (!unit.kept) unit.begin_advance();
     return {std::as_const(unit.now).rows(), unit.is_next ? unit.other.rows() : unit.now.rows()};
   }
   /// Makes the next values of all fields passed to advance() their values.
@@ -351,14 +349,16 @@ class Columns<Dim, Real, std::tuple<All...>> {
     bool kept = true;      // nothing more to save
     bool is_next = false;  // `other` holds the next values
 
-    void begin_advance() {
-      if (is_next) return;
+    // Returns false if it has begun already.
+    bool begin_advance() {
+      if (is_next) return false;
       if constexpr (is_of_bundle) {
         if (other.is_shared()) other.swap(spare);
         other.replace_if_shared();
       }
       if (other.size() != now.size()) other.resize(now.size());
       is_next = true;
+      return true;
     }
 
     // The ghosts keep their values.

@@ -146,13 +146,26 @@ Pass(Before, After) -> Pass<Before, After>;
 /// accelerate(p, s, dt, pass) adds the same forces as accelerate(p, s, dt) in one pass over the
 /// particles, range by range: it calls pass.before(first, last) before it adds forces to the
 /// particles [first, last), and pass.after(first, last) when all are added. Every particle is in
-/// one range; ranges are processed in parallel. pass.after() may advance these particles, see
-/// Particles::advance. Models: dem::ContactsOf, dem::Bonds, Forces of these.
+/// exactly one range; ranges are processed in parallel. pass.after() may advance these particles,
+/// see Particles::advance. Models: dem::ContactsOf, dem::Bonds, Forces of these.
 template <class I, class P, class S>
 concept AcceleratesInPass = requires(I i, P& p, S& s, double dt,
                                      Pass<void (*)(Index, Index), void (*)(Index, Index)> pass) {
   i.accelerate(p, s, dt, pass);
 };
+
+/// Whether what a step moves is written to other memory than it is read from, see
+/// Particles::advance.
+template <class P>
+bool moves_in_other_memory(const P& particles) {
+  bool result = particles.is_advancing(position);
+  const auto also = [&]<class F>(F field) {
+    if constexpr (HasFields<P, F>) result &= particles.is_advancing(field);
+  };
+  also(velocity);
+  if constexpr (HasFields<P, torque_t, inertia_t>) also(spin);
+  return result;
+}
 
 /// Evaluates an interaction in a pass, one function after the other for all particles if it has no
 /// accelerate(p, s, dt, pass), or if the particles are moved in place: contacts of a range would
@@ -161,7 +174,7 @@ template <class I, class P, class S, class Before, class After>
 void accelerate_in_pass(I& interaction, P& particles, S& search, double dt,
                         const Pass<Before, After>& pass) {
   if constexpr (AcceleratesInPass<I, P, S>) {
-    if (particles.is_advancing(position)) {
+    if (moves_in_other_memory(particles)) {
       return interaction.accelerate(particles, search, dt, pass);
     }
   }
@@ -193,7 +206,8 @@ void accelerate_each(const I& interaction, P& particles, const Pass<Before, Afte
 }
 
 /// needs_search(p) is false if the next accelerate() for these particles does not use the search,
-/// which then need not be updated.
+/// which then need not be updated. A class derived from an interaction that has it must have its own
+/// if it uses the search itself.
 template <class I, class P>
 bool needs_search(const I& interaction, const P& particles) {
   if constexpr (requires { interaction.needs_search(particles); }) {

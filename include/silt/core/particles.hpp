@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The particle container: one contiguous column per field, permanent ids, and ghosts.
+// The particle container: a column for each field, or rows of several fields (columns.hpp),
+// permanent ids, and ghosts.
 //
 //            owned: 0 … size()-1              ghosts: size() … total()-1
 //   position [ x0 x1 x2 …                   | copies of owned particles, shifted by a period ]
@@ -34,8 +35,8 @@ namespace silt {
 /// these fields, which are given as well, are stored side by side; see core/columns.hpp.
 ///   p[position][i]   Vec<Dim, Real>& of owned particle i [m]
 ///   p[field]         the values of the size() owned particles: a std::span, or a FieldView if the
-///                    field is stored in a bundle; valid until particles are added, removed or
-///                    reordered, and until the end of the next step
+///                    field is stored in a bundle. Valid until particles are added, removed or
+///                    reordered, and until the next step.
 template <int Dim, class RealType, FieldOrBundle... Fields>
 class Particles {
   static_assert(Dim == 2 || Dim == 3, "silt::Particles: the dimension is 2 or 3");
@@ -105,13 +106,13 @@ class Particles {
   /// was crossed; begins anew whenever positions may have been changed otherwise, that is, with
   /// every access to p[position] that is not const. Not to be called by several threads at once.
   Travel travel() const noexcept {
-    if (positions_changed_.take()) travel_ = {.epoch = Epoch().number(), .distance = 0};
+    if (positions_changed_.test_and_clear()) travel_ = {.epoch = Epoch().number(), .distance = 0};
     return travel_;
   }
   /// Increases whenever a field that steps do not change, such as the radius, may have been
   /// changed: with every access that is not const. Not to be called by several threads at once.
   std::uint64_t constants_revision() const noexcept {
-    if (constants_changed_.take()) constants_revision_ = next_revision();
+    if (constants_changed_.test_and_clear()) constants_revision_ = next_revision();
     return constants_revision_;
   }
 
@@ -263,9 +264,8 @@ class Particles {
   auto advance(F field) {
     return columns_.advance(field, size());
   }
-  /// The rows of the bundle with this field before and after, to be called after advance().
   template <Field F>
-  auto advance_rows(F field) noexcept {
+  auto advance_rows(F field) {
     return columns_.advance_rows(field);
   }
   /// Whether the next values of this field are written to other memory.
@@ -329,7 +329,7 @@ class Particles {
   // Returns whether a value for each particle was written or read.
   template <class Archive, class F>
   bool transfer(Archive& archive, F field, Index owned) {
-    const auto values = (*this)[field];
+    const auto values = columns_.view(field, size());
     std::vector<value_of<F, Dim, Real>> column;
     if (!Archive::reads) column.assign(values.begin(), values.end());
     archive(name_of<F>(), column, owned);
@@ -375,7 +375,7 @@ class Particles {
   Box<Dim, Real> box_;
   std::uint64_t revision_ = 0;
   std::uint64_t owned_revision_ = 0;
-  mutable detail::Mark positions_changed_;
+  mutable detail::Mark positions_changed_{detail::Mark::Copied::set};
   mutable detail::Mark constants_changed_;
   mutable Travel travel_;
   mutable std::uint64_t constants_revision_ = 0;

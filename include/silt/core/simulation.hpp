@@ -74,7 +74,8 @@ class Simulation {
 
   P& particles() noexcept { return particles_; }
   const P& particles() const noexcept { return particles_; }
-  /// In the state of its last update, in the last step or in the constructor.
+  /// In the state of its last update, which may be several steps ago: contacts search only when their
+  /// list must be rebuilt.
   const S& search() const noexcept { return search_; }
   TypedInteraction& interaction() noexcept { return interaction_; }
   const TypedInteraction& interaction() const noexcept { return interaction_; }
@@ -354,13 +355,6 @@ class Simulation {
       return step();
     } else {
       step();
-      return false;
-    }
-  }
-  bool results_are_valid() const {
-    if constexpr (requires { { integrator_.results_are_valid() } -> std::same_as<bool>; }) {
-      return integrator_.results_are_valid();
-    } else {
       return false;
     }
   }

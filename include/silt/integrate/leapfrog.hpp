@@ -198,8 +198,9 @@ class Leapfrog {
       }
     }
     bool is_valid() const { return is_valid_.load(std::memory_order_relaxed); }
-    // [m], rounded up
+    // [m], rounded up; infinity if a result is not valid
     double max_displacement() const {
+      if (!is_valid()) return std::numeric_limits<double>::infinity();
       return std::sqrt(double(farthest_.load(std::memory_order_relaxed))) *
              (1 + 4 * double(std::numeric_limits<Real>::epsilon()));
     }

@@ -52,8 +52,6 @@ class MotionInColumns {
       inertias_ = std::as_const(particles)[inertia];
     }
     if constexpr (has_angle) angle_ = particles.advance(angle);
-    if constexpr (in_rows<position_t>) rows_ = particles.advance_rows(position);
-    if constexpr (has_spin_rows) spin_rows_ = particles.advance_rows(spin);
     const auto& box = particles.box();
     for (int k = 0; k < Dim; ++k) {
       lower_[k] = box.lower[k];
@@ -93,8 +91,6 @@ class MotionInColumns {
         if constexpr (has_angle) component(angle_.after[i], k) = p.angle[k];
       }
     }
-    if constexpr (in_rows<position_t>) copy_constants<position_t>(rows_, i);
-    if constexpr (has_spin_rows) copy_constants<spin_t>(spin_rows_, i);
   }
 
   /// v^{N−½} → v^{N+½} (32) and, if the particles rotate, θ'^{N−½} → θ'^{N+½} (33).
@@ -165,19 +161,6 @@ class MotionInColumns {
   }
 
  private:
-  template <class F>
-  static constexpr bool in_rows = requires(const P particles) { particles.storage(F{}).rows(); };
-  template <class F>
-  using StorageOf = std::remove_cvref_t<decltype(std::declval<const P&>().storage(F{}))>;
-  // The spin is in other rows than the position.
-  static constexpr bool has_spin_rows = [] {
-    if constexpr (rotates && in_rows<position_t>) {
-      return in_rows<spin_t> && !std::same_as<StorageOf<position_t>, StorageOf<spin_t>>;
-    } else {
-      return false;
-    }
-  }();
-
   // change(velocity before, acceleration) returns the velocity after.
   template <class Change>
   [[gnu::always_inline]] static void change_velocities(Single& p, Change&& change) {
@@ -185,15 +168,6 @@ class MotionInColumns {
     if constexpr (rotates) {
       for (int k = 0; k < angular; ++k) p.w[k] = static_cast<Real>(change(p.w[k], p.w_dot[k]));
     }
-  }
-
-  // Copies the fields in the rows of particle i that store() does not write.
-  template <class F>
-  [[gnu::always_inline]] static void copy_constants(const auto& rows, Index i) {
-    using Storage = StorageOf<F>;
-    if (rows.before == rows.after) return;
-    Storage::template copy_all_but<position_t, velocity_t, spin_t, angle_t>(
-        rows.before + i * Storage::width, rows.after + i * Storage::width);
   }
 
   // For fields that the particles do not have.
@@ -215,19 +189,9 @@ class MotionInColumns {
     }
   }
   template <class F>
-  static auto rows(P& particles) {
-    if constexpr (in_rows<F>) {
-      return particles.advance_rows(F{});
-    } else {
-      return Missing{};
-    }
-  }
-  template <class F>
   using Changing = decltype(changing<F>(std::declval<P&>()));
   template <class F>
   using Constant = decltype(constant<F>(std::declval<const P&>()));
-  template <class F>
-  using Rows = decltype(rows<F>(std::declval<P&>()));
 
   Changing<position_t> x_;
   Changing<velocity_t> v_;
@@ -237,8 +201,6 @@ class MotionInColumns {
   Changing<angle_t> angle_{};
   Constant<torque_t> t_{};
   Constant<inertia_t> inertias_{};
-  Rows<position_t> rows_{};
-  Rows<position_t> spin_rows_{};
   // Of the box; the period is 0 along axes that are not periodic.
   Real lower_[Dim];
   Real upper_[Dim];
@@ -269,8 +231,6 @@ class MotionInRows {
 
   explicit MotionInRows(P& particles)
       : f_(std::as_const(particles)[force]), t_(std::as_const(particles)[torque]) {
-    particles.advance(position);
-    particles.advance(spin);
     linear_ = particles.advance_rows(position);
     angular_ = particles.advance_rows(spin);
     if constexpr (has_angle) angle_ = particles.advance(angle);

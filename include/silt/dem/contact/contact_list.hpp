@@ -94,6 +94,18 @@ class ContactList {
   };
   const Block& block(Index number) const noexcept { return blocks_[number]; }
 
+  /// f(block, first grain, last grain) for every block, in parallel.
+  template <class F>
+  void for_each_block(F&& f) const {
+    const Index n = grains();
+    const Index all = block_count(n);
+    const auto tasks = static_cast<Index>(threads_for(n));
+    for_each_task(tasks, [&](Index task) {
+      for (Index b = all * task / tasks; b < all * (task + 1) / tasks; ++b) {
+        f(b, b * block_size, std::min(n, (b + 1) * block_size));
+      }
+    });
+  }
   /// f(contact) for each of a block.
   template <class F>
   void for_each_contact(Index block, F&& f) const {
@@ -177,14 +189,6 @@ class ContactList {
 
   static constexpr Index full_groups(Index n) { return (n + lanes - 1) / lanes * lanes; }
   static Index home_of(const Pair& pair) { return std::min(pair.first, pair.second) / block_size; }
-
-  // f(block, first grain, last grain) in parallel
-  template <class F>
-  void for_each_block(F&& f) const {
-    const Index n = grains();
-    for_each_task(block_count(n),
-                  [&](Index b) { f(b, b * block_size, std::min(n, (b + 1) * block_size)); });
-  }
 
   void line_up(const std::vector<Found>& found) {
     std::vector<Index> further(found.size(), 0);

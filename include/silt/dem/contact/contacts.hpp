@@ -31,6 +31,7 @@
 #include <limits>
 #include <memory>
 #include <numeric>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -151,10 +152,12 @@ class ContactsOf : public Contacts<Law, Walls...> {
     return reach_.value;
   }
 
-  /// Whether the list of contacts has to be rebuilt, for which the search is used.
+  /// Whether the list of contacts has to be rebuilt, for which the search is used. The next
+  /// evaluation is for the grains as they are at this call.
   bool needs_search(const P& grains) const {
-    return state_.given != nullptr ||
-           is_stale(grains, walls_, time_, *state_.last.list, state_.last.lifetime);
+    const bool has_changed = state_.last.list->constants_revision != grains.constants_revision();
+    is_rebuild_announced_ = state_.given != nullptr || has_changed || is_stale(grains);
+    return *is_rebuild_announced_;
   }
 
   /// Adds contact forces and torques. Throws if two centres coincide, if a radius, mass or inertia
@@ -249,16 +252,19 @@ class ContactsOf : public Contacts<Law, Walls...> {
     state_.given = std::make_shared<const PairHistory<History>>(history);
   }
 
-  /// Writes or reads the history for a checkpoint, see core/transfer.hpp.
+  /// Writes or reads the histories and the list for a checkpoint, see core/transfer.hpp.
   template <class Archive>
   void transfer(Archive& archive, const P& grains) {
     auto own = history(grains);
     archive.within("history", [&] { own.transfer(archive); });
-    if constexpr (Archive::reads) set_history(grains, own);
+    archive.within("list", [&] { transfer_list(archive, grains, own); });
   }
 
   void save() noexcept { saved_ = state_; }
-  void restore() noexcept { state_ = saved_; }
+  void restore() noexcept {
+    state_ = saved_;
+    is_rebuild_announced_.reset();
+  }
 
  private:
   using Contacts<Law, Walls...>::materials_;
@@ -295,6 +301,10 @@ class ContactsOf : public Contacts<Law, Walls...> {
     std::vector<char> is_dense;  // by block, from the last step
   };
 
+  bool is_stale(const P& grains) const {
+    return dem::is_stale(grains, walls_, time_, *state_.last.list, state_.last.lifetime);
+  }
+
   LastStep last_step(const P& grains) const {
     return {grains, materials_, walls_, settings_, state_.last};
   }
@@ -305,7 +315,12 @@ class ContactsOf : public Contacts<Law, Walls...> {
     Evaluation step;
     step.step = time;
     step.box = grains.box();
-    if (needs_search(grains)) {
+    // Other parts of Forces may have had access to the masses since needs_search(); a rebuild then
+    // has to wait for the next step, as the search has not been updated.
+    const bool may_rebuild = is_rebuild_announced_.value_or(true);
+    const bool rebuilds = may_rebuild ? needs_search(grains) : is_stale(grains);
+    is_rebuild_announced_.reset();
+    if (rebuilds) {
       check_grains(grains, materials_);
       const auto list = memory_.lists.take();
       memory_.division.reset();
@@ -342,7 +357,7 @@ class ContactsOf : public Contacts<Law, Walls...> {
     to.resize(list.groups());
     to.clear();
     const auto move = [&](auto&& history_of) {
-      for_each_task(list.blocks(), [&](Index block) {
+      list.for_each_block([&](Index block, Index, Index) {
         list.for_each_contact(block, [&](Index c) { history_of(c); });
       });
     };
@@ -365,6 +380,89 @@ class ContactsOf : public Contacts<Law, Walls...> {
     } else {
       const std::vector<Index> indices = last.indices();
       move_from([&](Id id) { return id < indices.size() ? indices[id] : no_index; });
+    }
+  }
+
+  // With the list, it is rebuilt, and the grains are sorted, in the same steps as without a restart:
+  // as soon as a grain has moved by half the margin.
+  template <class Archive>
+  void transfer_list(Archive& archive, const P& grains, const PairHistory<History>& own) {
+    const List& last = *state_.last.list;
+    bool is_of_these = !state_.given && last.owned_revision == grains.owned_revision() &&
+                       last.constants_revision == grains.constants_revision();
+    std::vector<Id> first, second;
+    std::vector<typename P::Vec> since;
+    Real margin = last.margin;
+    double time = last.time;
+    double stable_time_step = last.stable_time_step;
+    auto extent = last.extent;
+    if (!Archive::reads && is_of_these) {
+      since = last.since;
+      last.contacts.for_each_contact_by_grain([&](Index c) {
+        first.push_back(last.contacts.first_id(c));
+        second.push_back(last.contacts.second_id(c));
+      });
+    }
+    archive("is_of_these", is_of_these);
+    archive("first", first);
+    archive("second", second);
+    archive("since", since);
+    archive("margin", margin);
+    archive("time", time);
+    archive("extent_lower", extent.lower);
+    archive("extent_upper", extent.upper);
+    archive("stable_time_step", stable_time_step);
+    if constexpr (Archive::reads) {
+      if (!is_of_these || since.size() != grains.size() || first.size() != second.size()) {
+        return set_history(grains, own);
+      }
+      const auto list = memory_.lists.take();
+      memory_.division.reset();
+      std::vector<std::vector<Index>> of_grain(grains.size());
+      for (Index k = 0; k < first.size(); ++k) {
+        const Index i = grains.index_of(first[k]);
+        if (i < grains.size()) of_grain[i].push_back(k);
+      }
+      list->contacts.build(
+          grains,
+          [&](Index i, auto&& add) {
+            for (const Index k : of_grain[i]) {
+              if (is_wall_id(second[k])) continue;
+              const Index j = grains.index_of(second[k]);
+              if (j < grains.size()) {
+                add({static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(j)});
+              }
+            }
+          },
+          [&](Index i, auto&& add) {
+            for (const Index k : of_grain[i]) {
+              if (is_wall_id(second[k])) add(static_cast<std::uint32_t>(~second[k]));
+            }
+          },
+          memory_.found);
+      list->since = since;
+      list->margin = margin;
+      list->owned_revision = grains.owned_revision();
+      list->constants_revision = grains.constants_revision();
+      list->time = time;
+      list->extent = extent;
+      list->stable_time_step = stable_time_step;
+      const auto materials = grains[material];
+      list->materials.assign(materials.begin(), materials.end());
+      const auto histories = memory_.histories.take();
+      histories->resize(list->contacts.groups());
+      histories->clear();
+      list->contacts.for_each_block([&](Index block, Index, Index) {
+        list->contacts.for_each_contact(block, [&](Index c) {
+          const auto* const known = own.find(list->contacts.first_id(c), list->contacts.second_id(c));
+          if (known != nullptr) histories->set(c, *known);
+        });
+      });
+      Evaluation read;
+      read.list = list;
+      read.before = read.after = histories;
+      state_.last = std::move(read);
+      state_.given.reset();
     }
   }
 
@@ -449,6 +547,7 @@ class ContactsOf : public Contacts<Law, Walls...> {
     Real value = 0;
   };
   mutable Reach reach_;
+  mutable std::optional<bool> is_rebuild_announced_;  // by needs_search(), for the next evaluation
   double time_ = 0;  // from set_time()
   State state_;
   State saved_;

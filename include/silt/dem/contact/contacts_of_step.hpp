@@ -224,7 +224,7 @@ class ContactsOfStep {
     const auto walls = walls_in_law<P>(walls_, step_.step);
     const auto evaluate = law_evaluation<P>(step_, materials_, walls_);
     const auto kernel = contact_kernel<P>(step_, step_.grains.rows(), walls, settings_, evaluate);
-    for_each_task(step_.contacts().blocks(), [&](Index block) {
+    step_.contacts().for_each_block([&](Index block, Index, Index) {
       Results results{rows};
       kernel(block, true, results);
     });

@@ -15,6 +15,7 @@
 #include <silt/dem/law/law_history.hpp>
 
 #include <algorithm>
+#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -96,7 +97,10 @@ class Pool {
 
   std::shared_ptr<T> take() {
     for (const auto& each : all_) {
-      if (each.use_count() == 1) return each;
+      if (each.use_count() > 1) continue;
+      // The last other owner may have read it in another thread.
+      std::atomic_thread_fence(std::memory_order_acquire);
+      return each;
     }
     return all_.emplace_back(std::make_shared<T>());
   }

@@ -12,7 +12,9 @@
 #include <silt/dem/setup/grains.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <vector>
@@ -45,10 +47,7 @@ template <class P, class Walls, class List>
 bool is_stale(const P& grains, const Walls& walls, double time, const List& list,
               ListLifetime& lifetime) {
   using Real = typename P::Real;
-  if (list.owned_revision != grains.owned_revision() ||
-      list.constants_revision != grains.constants_revision()) {
-    return true;
-  }
+  if (list.owned_revision != grains.owned_revision()) return true;
   const Real half = list.margin / 2;
   if constexpr (Walls::move) {
     const auto moved = walls.max_displacement({.from = list.time, .to = time}, list.extent);
@@ -57,10 +56,13 @@ bool is_stale(const P& grains, const Walls& walls, double time, const List& list
   const Travel travel = grains.travel();
   if (travel.epoch == lifetime.epoch && travel.distance <= lifetime.distance) return false;
   const auto x = grains[position];
-  const NearestImage<P::dimension, Real> image(grains.box());
+  const auto& box = grains.box();
+  const NearestImage<P::dimension, Real> image(box);
   const Real displacement = std::sqrt(largest(x.size(), Real(0), [&](Index i) {
     const Real moved = image(typename P::Vec(x[i] - list.since[i])).squaredNorm();
-    return moved >= 0 ? moved : std::numeric_limits<Real>::infinity();  // not if it is NaN
+    // A search moves grains that have gone beyond the periodic box back into it.
+    const bool is_inside = !image.any() || box.wrap(x[i]) == x[i];
+    return moved >= 0 && is_inside ? moved : std::numeric_limits<Real>::infinity();
   }));
   if (!(displacement <= half)) return true;
   lifetime = {.epoch = travel.epoch, .distance = travel.distance + double(half - displacement)};
@@ -100,6 +102,11 @@ void begin_list(const P& grains, const S& search, const Walls& walls, const Step
   if constexpr (Walls::move) {
     if (grains.size() > 0) {
       list.extent = extent_of(grains);
+      for (int k = 0; k < P::dimension; ++k) {
+        if (!grains.box().periodic[static_cast<std::size_t>(k)]) continue;
+        list.extent.lower[k] = grains.box().lower[k];
+        list.extent.upper[k] = grains.box().upper[k];
+      }
       fastest = std::max(fastest, walls.max_speed(step.time, list.extent));
     }
   }
@@ -116,6 +123,25 @@ void begin_list(const P& grains, const S& search, const Walls& walls, const Step
   list.since.assign(x.begin(), x.end());
   const auto materials = grains[material];
   list.materials.assign(materials.begin(), materials.end());
+}
+
+/// f(x) and f(image) for the images of x [m] beyond the periodic sides closer than a distance [m].
+template <int Dim, class Real, class F>
+void for_each_image(const Box<Dim, Real>& box, const Vec<Dim, Real>& x, Real distance, F&& f,
+                    int axis = 0) {
+  if (axis == Dim) return f(x);
+  for_each_image(box, x, distance, f, axis + 1);
+  if (!box.periodic[static_cast<std::size_t>(axis)]) return;
+  const Real period = box.upper[axis] - box.lower[axis];
+  Vec<Dim, Real> image = x;
+  if (x[axis] < box.lower[axis] + distance) {
+    image[axis] = x[axis] + period;
+    for_each_image(box, image, distance, f, axis + 1);
+  }
+  if (x[axis] > box.upper[axis] - distance) {
+    image[axis] = x[axis] - period;
+    for_each_image(box, image, distance, f, axis + 1);
+  }
 }
 
 /// Finds all pairs of grains, and of grains and walls, with a gap below the margin; `walls` is a
@@ -141,9 +167,19 @@ void find_contacts(const P& grains, const S& search, const Walls& walls, List& l
         });
       },
       [&](Index i, auto&& add) {
-        walls.for_each_element_near(
-            typename P::Vec(x[i]), Real(R[i] + list.margin),
-            [&](Index element) { add(static_cast<std::uint32_t>(element)); });
+        std::array<std::uint32_t, 64> added;
+        Index count = 0;
+        // Also near the images of a grain that may cross a periodic side while the list is valid.
+        for_each_image(grains.box(), typename P::Vec(x[i]), list.margin, [&](const auto& image) {
+          walls.for_each_element_near(image, Real(R[i] + list.margin), [&](Index element) {
+            const auto number = static_cast<std::uint32_t>(element);
+            const auto end = added.begin() + std::ptrdiff_t(std::min(count, added.size()));
+            if (std::find(added.begin(), end, number) != end) return;
+            if (count < added.size()) added[count] = number;
+            ++count;
+            add(number);
+          });
+        });
       },
       found);
 }

@@ -36,7 +36,7 @@ struct LoadRow {
 /// threads, which have to wait for these. No result depends on the division.
 class WorkDivision {
  public:
-  /// Adapts it to a list and a number of threads; `list_number` identifies the list.
+  /// Adapts it to a list and a number of threads; `list_identity` identifies the list.
   void fit(const ContactList& list, const void* list_identity, Index threads) {
     threads = std::min(threads, std::max<Index>(list.blocks(), 1));
     if (list_identity == list_ && threads == this->threads()) return;

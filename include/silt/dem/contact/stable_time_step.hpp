@@ -196,7 +196,7 @@ double stable_for_all(const P& grains, const ContactList& list, const Walls& wal
       .mass = per_turn, .inertia = 1, .arm = std::sqrt(per_turn_at_surface / per_turn)};
   const NearestImage<P::dimension, Real> image(grains.box());
   std::vector<Stiffest> of_block(list.blocks());
-  for_each_task(list.blocks(), [&](Index b) {
+  list.for_each_block([&](Index b, Index, Index) {
     list.for_each_contact(b, [&](Index c) {
       const Sides sides = sides_of(list, c);
       auto contact = constants_of(grains, sides);
