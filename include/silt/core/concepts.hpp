@@ -206,8 +206,8 @@ void accelerate_each(const I& interaction, P& particles, const Pass<Before, Afte
 }
 
 /// needs_search(p) is false if the next accelerate() for these particles does not use the search,
-/// which then need not be updated. A class derived from an interaction that has it must have its own
-/// if it uses the search itself.
+/// which then need not be updated. A class derived from an interaction that has it must have its
+/// own if it uses the search itself.
 template <class I, class P>
 bool needs_search(const I& interaction, const P& particles) {
   if constexpr (requires { interaction.needs_search(particles); }) {

@@ -64,8 +64,8 @@ class Simulation {
     search_.update(particles_);
   }
 
-  double time() const noexcept { return time_; }           ///< [s]
-  std::uint64_t steps() const noexcept { return steps_; }  ///< completed
+  double time() const noexcept { return time_; }                      ///< [s]
+  std::uint64_t steps() const noexcept { return steps_; }             ///< completed
   double last_time_step() const noexcept { return last_time_step_; }  ///< [s]
   /// Whether its state was read from a checkpoint.
   bool was_read() const noexcept { return was_read_; }
@@ -74,8 +74,8 @@ class Simulation {
 
   P& particles() noexcept { return particles_; }
   const P& particles() const noexcept { return particles_; }
-  /// In the state of its last update, which may be several steps ago: contacts search only when their
-  /// list must be rebuilt.
+  /// In the state of its last update, which may be several steps ago: contacts search only when
+  /// their list must be rebuilt.
   const S& search() const noexcept { return search_; }
   TypedInteraction& interaction() noexcept { return interaction_; }
   const TypedInteraction& interaction() const noexcept { return interaction_; }
@@ -111,8 +111,7 @@ class Simulation {
   /// passes to constructors (laws, walls, settings) is not included.
   template <class Archive>
   void transfer(Archive& archive) {
-    static_assert(!Transactional<TypedInteraction> ||
-                      Transferable<TypedInteraction, Archive, P> ||
+    static_assert(!Transactional<TypedInteraction> || Transferable<TypedInteraction, Archive, P> ||
                       Transferable<TypedInteraction, Archive>,
                   "silt::Simulation: this interaction has state (it has save() and restore()), so "
                   "a checkpoint needs its transfer(archive, particles)");

@@ -383,8 +383,8 @@ class ContactsOf : public Contacts<Law, Walls...> {
     }
   }
 
-  // With the list, it is rebuilt, and the grains are sorted, in the same steps as without a restart:
-  // as soon as a grain has moved by half the margin.
+  // With the list, it is rebuilt, and the grains are sorted, in the same steps as without a
+  // restart: as soon as a grain has moved by half the margin.
   template <class Archive>
   void transfer_list(Archive& archive, const P& grains, const PairHistory<History>& own) {
     const List& last = *state_.last.list;
@@ -454,7 +454,8 @@ class ContactsOf : public Contacts<Law, Walls...> {
       histories->clear();
       list->contacts.for_each_block([&](Index block, Index, Index) {
         list->contacts.for_each_contact(block, [&](Index c) {
-          const auto* const known = own.find(list->contacts.first_id(c), list->contacts.second_id(c));
+          const auto* const known =
+              own.find(list->contacts.first_id(c), list->contacts.second_id(c));
           if (known != nullptr) histories->set(c, *known);
         });
       });
@@ -548,7 +549,7 @@ class ContactsOf : public Contacts<Law, Walls...> {
   };
   mutable Reach reach_;
   mutable std::optional<bool> is_rebuild_announced_;  // by needs_search(), for the next evaluation
-  double time_ = 0;  // from set_time()
+  double time_ = 0;                                   // from set_time()
   State state_;
   State saved_;
   Memory memory_;
