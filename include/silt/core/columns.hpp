@@ -300,10 +300,11 @@ class Columns<Dim, Real, std::tuple<All...>> {
   template <Field F>
   auto advance(F field, Index owned) {
     auto& unit = unit_of<F>();
-    const auto before = std::as_const(unit.now).view(field, owned);
-    if (unit.kept) return Advance{before, unit.now.view(field, owned)};
+    auto before = std::as_const(unit.now).view(field, owned);
+    auto present = unit.now.view(field, owned);
+    if (unit.kept) return Advance<decltype(before), decltype(present)>{before, present};
     if (unit.begin_advance() && unit.is_of_bundle) unit.other.copy_from(unit.now, 0, owned);
-    return Advance{before, unit.other.view(field, owned)};
+    return Advance<decltype(before), decltype(present)>{before, unit.other.view(field, owned)};
   }
   /// Whether the next values of field F are written to other memory, so that its present ones may
   /// be shared.
