@@ -262,6 +262,12 @@ Index compress(T* to, const Pack<T, N>& values, Mask mask) {
   return static_cast<Index>(std::popcount(mask));
 }
 
+/// The same for N values in memory.
+template <class T, int N = lanes<T>>
+Index compress(T* to, const T* values, Mask mask) {
+  return compress<T, N>(to, load<T, N>(values), mask);
+}
+
 /// Coordinates as columns: x[k][s] is coordinate k of point s.
 template <int Dim, class Real>
 using Columns = std::array<const Real*, Dim>;

@@ -151,8 +151,7 @@ class ContactKernel {
   }
   static Index append(const std::uint32_t* values, std::array<std::uint32_t, 2 * lanes>& to,
                       Index count, unsigned chosen) {
-    return simd::compress<std::uint32_t, lanes>(
-        to.data() + count, simd::load<std::uint32_t, lanes>(values), chosen);
+    return simd::compress<std::uint32_t, lanes>(to.data() + count, values, chosen);
   }
 
   template <bool of_walls>
