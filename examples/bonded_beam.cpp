@@ -14,9 +14,7 @@ struct Weight {  // acts on one grain
   template <class P>
   double reach(const P&) const { return 0; }
   template <class P, class S>
-  void accelerate(P& grains, const S& search, double dt) const {
-    silt::accelerate_all(*this, grains, search, dt);
-  }
+  void accelerate(P& grains, const S&, double) const { silt::accelerate_each(*this, grains); }
   template <class P>
   void add_forces(P& grains, silt::Index i) const {
     if (grains.id(i) == grain) grains[silt::force][i][1] -= load;

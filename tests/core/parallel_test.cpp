@@ -78,34 +78,16 @@ TEST_P(Threads, RethrowTheExceptionOfTheLowestIndex) {
   });
 }
 
-TEST_P(Threads, MakeTheChunksThatAChunkNeedsBeforeItIsUsed) {
-  // Chunks needed: its own, adjacent ones, all, and distant ones.
-  const auto needs = [](Chunk chunk, Index chunks) -> ChunkSpan {
-    switch (chunk.number % 4) {
-      case 0: return {chunk.number, chunk.number};
-      case 1: return {chunk.number - 1, std::min(chunk.number + 1, chunks - 1)};
-      case 2: return {0, chunks - 1};
-      default: return {0, chunk.number};
-    }
-  };
+TEST_P(Threads, ProcessEveryIndexOnceInRanges) {
   with_threads(GetParam(), [&] {
     for (const Index n : sizes) {
-      const Index chunks = chunk_count(n);
-      std::vector<std::atomic<int>> made(chunks);
-      std::vector<std::atomic<int>> used(chunks);
-      std::atomic<int> early = 0;
-      for_each_chunk_in_two(
-          n, [&](Chunk chunk) { ++made[chunk.number]; },
-          [&](Chunk chunk) {
-            const ChunkSpan span = needs(chunk, chunks);
-            for (Index c = span.first; c <= span.last; ++c) early += made[c] == 0;
-            ++used[chunk.number];
-          },
-          [&](Chunk chunk) { return needs(chunk, chunks); });
-      EXPECT_EQ(early, 0);
-      const auto once = [](const auto& count) { return count == 1; };
-      EXPECT_TRUE(std::all_of(made.begin(), made.end(), once));
-      EXPECT_TRUE(std::all_of(used.begin(), used.end(), once));
+      std::vector<std::atomic<int>> visits(n);
+      for_each_range(n, [&](Index first, Index last) {
+        EXPECT_LT(first, last);
+        EXPECT_LE(last - first, range_size);
+        for (Index i = first; i < last; ++i) ++visits[i];
+      });
+      EXPECT_TRUE(std::all_of(visits.begin(), visits.end(), [](const auto& v) { return v == 1; }));
     }
   });
 }

@@ -27,7 +27,11 @@ using Warm = Particles<Dim, Real, velocity_t, spin_t, temperature_t, colour_t, h
 
 template <class P>
 class AllParticles : public ::testing::Test {};
-using Kinds = ::testing::Types<Warm<2, double>, Warm<2, float>, Warm<3, double>, Warm<3, float>>;
+template <int Dim, class Real>
+using WarmInRows = Particles<Dim, Real, velocity_t, spin_t, temperature_t, colour_t, heat_t,
+                             Bundle<position_t, velocity_t, temperature_t, spin_t>>;
+using Kinds = ::testing::Types<Warm<2, double>, Warm<2, float>, Warm<3, double>, Warm<3, float>,
+                               WarmInRows<2, double>, WarmInRows<3, float>>;
 TYPED_TEST_SUITE(AllParticles, Kinds);
 
 TYPED_TEST(AllParticles, AreAddedWithAPositionAndZeros) {
@@ -201,6 +205,63 @@ TYPED_TEST(AllParticles, AreUnchangedUntilAnAdvanceIsFinished) {
   particles.restore();
   particles.finish_advance();
   EXPECT_EQ(state_of(particles), before);
+}
+
+TYPED_TEST(AllParticles, KnowHowFarStepsHaveMovedThem) {
+  auto particles = five_in_a_row<TypeParam>();
+  const auto& fixed = particles;
+  const auto moves_by = [&](double distance) {
+    const auto [old, now] = particles.advance(position);
+    std::copy(old.begin(), old.end(), now.begin());
+    particles.save();
+    particles.advance(position);
+    particles.finish_advance(distance);
+  };
+  const Travel begin = particles.travel();
+  EXPECT_TRUE(particles.travel().is_within(0, begin));
+  moves_by(0.5);
+  moves_by(0.25);
+  static_cast<void>(fixed[position][0]);
+  EXPECT_TRUE(particles.travel().is_within(0.75, begin));
+  EXPECT_FALSE(particles.travel().is_within(0.74, begin));
+
+  static_cast<void>(particles[position][0]);  // may have been changed
+  EXPECT_FALSE(particles.travel().is_within(1e9, begin));
+  const Travel later = particles.travel();
+  const TypeParam copy = particles;
+  EXPECT_FALSE(copy.travel().is_within(1e9, later));
+  EXPECT_TRUE(particles.travel().is_within(0, later));
+  particles.finish_advance();
+  EXPECT_FALSE(particles.travel().is_within(1e9, later));
+}
+
+TYPED_TEST(AllParticles, NoteAccessToConstantFields) {
+  auto particles = five_in_a_row<TypeParam>();
+  const auto& fixed = particles;
+  const auto first = particles.constants_revision();
+  static_cast<void>(fixed[colour][0]);
+  static_cast<void>(particles[temperature][0]);
+  EXPECT_EQ(particles.constants_revision(), first);
+  static_cast<void>(particles[colour][0]);
+  const auto second = particles.constants_revision();
+  EXPECT_NE(second, first);
+  particles.remove(0);
+  EXPECT_NE(particles.constants_revision(), second);
+}
+
+TEST(Bundle, StoresFieldsSideBySide) {
+  WarmInRows<3, double> particles;
+  for (int k = 0; k < 3; ++k) particles.add(Vec<3>(k, 0, 0));
+  particles[temperature][1] = 7;
+  const WarmInRows<3, double>& fixed = particles;
+  EXPECT_EQ(fixed.storage(position).rows()[10 + 6], 7);
+  EXPECT_EQ(&fixed[velocity][1][0] - &fixed[position][1][0], 3);
+  EXPECT_EQ(&fixed[spin][2][0] - &fixed[spin][1][0], 10);
+  const auto x = fixed[position];
+  EXPECT_EQ(x.size(), 3u);
+  EXPECT_EQ(x.back()[0], 2);
+  EXPECT_EQ(std::count_if(x.begin(), x.end(), [](const auto& each) { return each[0] > 0; }), 2);
+  EXPECT_EQ(*(x.end() - 1), x[2]);
 }
 
 TYPED_TEST(AllParticles, RejectAPositionThatIsNotFinite) {

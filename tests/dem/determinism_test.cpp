@@ -83,9 +83,13 @@ TYPED_TEST(Determinism, GivesTheSameBitsForOneToFourThreads) {
     for (const int number : {2, 3, 4}) {
       EXPECT_EQ(with_threads(number, run), alone) << number << " threads";
     }
-    EXPECT_EQ(with_threads(1, [&] {
-      return state_of(after_steps<UniformGrid<dim, Real>>(start, 25, Threads::changing));
-    }), alone) << "another number in every step";
+    EXPECT_EQ(with_threads(1,
+                           [&] {
+                             return state_of(
+                                 after_steps<UniformGrid<dim, Real>>(start, 25, Threads::changing));
+                           }),
+              alone)
+        << "another number in every step";
   }
 }
 
@@ -218,6 +222,41 @@ TEST(Units, DoNotChangeASingleBit) {
   expect_no_units<3, dem::CundallStrack>(0);
   expect_no_units<2, dem::CundallStrack>(1e-5);
   expect_no_units<3, dem::CundallStrackIncremental>(0);
+}
+
+template <class Real>
+Bytes in_a_periodic_box(double skin_fraction) {
+  using Vec3 = Vec<3, Real>;
+  Box<3, Real> box{.lower = Vec3(0, 0, -1), .upper = Vec3(Real(0.5), Real(0.5), 9)};
+  box.periodic = {true, true, false};
+  dem::Grains<3, Real> grains(box);
+  std::mt19937 random(5);
+  const auto uniform = [&] { return double(random()) / double(std::mt19937::max()); };
+  for (const auto& x : lattice<3, Real>({Vec3::Zero(), Vec3::Constant(Real(0.49))}, Real(0.05))) {
+    const Index i = dem::add_grain(grains, Vec3(x + Vec3::Constant(Real(0.025))),
+                                   {.radius = 0.021 + 0.004 * uniform(), .density = 2500});
+    for (int k = 0; k < 3; ++k) grains[velocity][i][k] = Real(16 * uniform() - 8);
+  }
+  Simulation sim{grains, NeighbourList<3, Real>{{.skin_fraction = Real(skin_fraction)}},
+                 with_gravity<dem::Grains<3, Real>>(contacts<dem::Grains<3, Real>>()), Leapfrog{}};
+  Index crossings = 0;
+  for (int k = 0; k < 1500; ++k) {
+    const auto before = sim.particles();
+    sim.step(2e-5);
+    for (Index i = 0; i < before.size(); ++i) {
+      const Index now = sim.particles().index_of(before.id(i));
+      crossings +=
+          std::abs(before[position][i][0] - std::as_const(sim).particles()[position][now][0]) > 0.2;
+    }
+  }
+  EXPECT_GT(crossings, 20u);
+  EXPECT_GT(sim.interaction().template part<1>().size(), 20u);
+  return by_id(sim.particles());
+}
+
+TEST(GrainsInAPeriodicBox, HaveTheSameBitsForAnySkin) {
+  EXPECT_EQ(in_a_periodic_box<double>(0.05), in_a_periodic_box<double>(0.3));
+  EXPECT_EQ(in_a_periodic_box<float>(0.05), in_a_periodic_box<float>(0.3));
 }
 
 }  // namespace

@@ -16,6 +16,8 @@ A block is a separate file, unless HTML comments directly before it say otherwis
     <!-- silt: after NAME -->    continues the block of that name (and those it continues)
     <!-- silt: file PATH -->     must be the text of this file of the repository, except for its
                                  SPDX line; the file itself is compiled and run as an example
+    <!-- silt: lines PATH -->    must be consecutive lines of this file of the repository, apart
+                                 from their indentation; not compiled
     <!-- silt: skip REASON -->   neither compiled nor run
 
 There may be several comments before a block. A block without wrap that others continue stays
@@ -119,12 +121,23 @@ def require_same_text(line, block, path):
         raise PageError(f"line {line}: this block differs from {path}; copy it again")
 
 
+def require_lines(line, block, path):
+    """Raises unless a block consists of consecutive lines of a file."""
+    if not path.is_file():
+        raise PageError(f"line {line}: there is no file {path}")
+    rows = [row.strip() for row in path.read_text(encoding="utf-8").splitlines()]
+    wanted = [row.strip() for row in block.strip().splitlines()]
+    starts = range(len(rows) - len(wanted) + 1)
+    if not wanted or not any(rows[at : at + len(wanted)] == wanted for at in starts):
+        raise PageError(f"line {line}: these are not consecutive lines of {path}; copy them again")
+
+
 def programs_of(page, text, repository=pathlib.Path()):
     """The programs of one page, in order."""
     named, programs = {}, []
     try:
         for line, directives, block in blocks_of(text):
-            unknown = set(directives) - {"wrap", "name", "after", "file", "skip"}
+            unknown = set(directives) - {"wrap", "name", "after", "file", "lines", "skip"}
             if unknown:
                 raise PageError(f"line {line}: unknown directive {sorted(unknown)[0]}")
             if "skip" in directives:
@@ -133,6 +146,9 @@ def programs_of(page, text, repository=pathlib.Path()):
                 continue
             if "file" in directives:
                 require_same_text(line, block, repository / directives["file"])
+                continue
+            if "lines" in directives:
+                require_lines(line, block, repository / directives["lines"])
                 continue
             start = Program()
             if "after" in directives:
@@ -402,6 +418,14 @@ def self_test():
         try:
             programs_of("p.md", copy % " return 1; ", copied)
             raise AssertionError("no error for a text that differs from its file")
+        except PageError:
+            pass
+        (copied / "lines.cpp").write_text("a;\n  b;\nc;\n", encoding="utf-8")
+        lines = "<!-- silt: lines lines.cpp -->\n```cpp\n%s\n```"
+        assert not programs_of("p.md", lines % "b;\n  c;", copied)
+        try:
+            programs_of("p.md", lines % "a;\nc;", copied)
+            raise AssertionError("no error for lines that are not consecutive")
         except PageError:
             pass
     for wrong in (

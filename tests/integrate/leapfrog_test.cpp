@@ -222,5 +222,26 @@ TEST(GlobalDamping, RejectsInvalidRates) {
               {"GlobalDamping: alpha = nan"}));
 }
 
+template <class P>
+double speed_after_three_steps() {
+  P particles;
+  particles.add(Vec<3>::Zero());
+  particles[mass][0] = 2;
+  Simulation sim{particles, BruteForce<3>{}, Gravity<3>{{0, 0, -1}}, Leapfrog{}};
+  for (int step = 0; step < 3; ++step) sim.step(0.1);
+  EXPECT_EQ(sim.particles()[mass][0], 2);
+  return sim.particles()[velocity][0][2];
+}
+
+TEST(Leapfrog, MovesParticlesInAnyBundles) {
+  using Columns = Particles<3, double, velocity_t, mass_t, force_t>;
+  const double speed = speed_after_three_steps<Columns>();
+  using One = Particles<3, double, velocity_t, mass_t, force_t,
+                        Bundle<position_t, velocity_t, mass_t>>;
+  EXPECT_EQ(speed_after_three_steps<One>(), speed);
+  using Part = Particles<3, double, velocity_t, mass_t, force_t, Bundle<velocity_t, mass_t>>;
+  EXPECT_EQ(speed_after_three_steps<Part>(), speed);
+}
+
 }  // namespace
 }  // namespace silt::test

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace silt::test {
 namespace {
@@ -171,6 +172,12 @@ TEST(UniformGrid, FindsPairsWhoseExtentOverflows) {
   expect_right_and_small<3, float>({{-3e38f, 0, 0}, {3e38f, 0, 0}, {3e38f, 0, 0.5f}}, 1.0f);
 }
 
+TEST(UniformGrid, FindsPairsWhereNumbersAreFartherApartThanCells) {
+  expect_right_and_small<2, double>({{1e25, 0}, {1e25, 0.5}, {1e25, 3}}, 1.0);
+  expect_right_and_small<3, double>({{0, 1e40, 0}, {0.5, 1e40, 0}, {3, 1e40, 0}}, 1.0);
+  expect_right_and_small<3, float>({{0, 0, -1e30f}, {0, 0.5f, -1e30f}}, 1.0f);
+}
+
 // Compares the rows with brute force: no pair is missing, and none is farther than the radius by
 // more than rounding.
 template <int Dim, class Real>
@@ -314,6 +321,17 @@ TEST(UniformGrid, SortsManyParticlesThatAreNotInCellOrder) {
   auto few = particles_at(random_points(300, cube<2, double>(0, 10), 4));
   grid.sort(few);
   for (Index i = 0; i < few.size(); ++i) EXPECT_EQ(few.id(i), i);
+}
+
+TEST(UniformGrid, LeavesTheOrderIfAPositionIsNotFinite) {
+  for (const double broken : {std::nan(""), std::numeric_limits<double>::infinity()}) {
+    auto particles = particles_at(random_points(3000, cube<2, double>(0, 10), 4));
+    particles[position][1700].y() = broken;
+    UniformGrid<2> grid({.radius = 0.3});
+    grid.sort(particles);
+    for (Index i = 0; i < particles.size(); ++i) ASSERT_EQ(particles.id(i), i);
+    EXPECT_THROW(grid.update(particles), Error);
+  }
 }
 
 }  // namespace

@@ -36,10 +36,13 @@ template <class F>
 
 using Bytes = std::vector<std::byte>;
 
-template <class T>
-void append(Bytes& bytes, std::span<const T> values) {
-  const auto more = std::as_bytes(values);
-  bytes.insert(bytes.end(), more.begin(), more.end());
+/// The bytes of the values of a range.
+template <class Values>
+void append(Bytes& bytes, const Values& values) {
+  for (const auto& value : values) {
+    const auto more = std::as_bytes(std::span(&value, 1));
+    bytes.insert(bytes.end(), more.begin(), more.end());
+  }
 }
 
 /// Ids and all columns except those that every step recomputes.

@@ -49,15 +49,14 @@ concept FitsVectorsOf =
 
 /// Finds all pairs closer than radius(). Models: UniformGrid, NeighbourList, BruteForce.
 template <class S, class P>
-concept NeighbourSearch =
-    ParticleSet<P> && FitsVectorsOf<S, P> &&
-    requires(S s, const S found, P& p, typename P::Real r, Index i) {
-      s.set_radius(r);
-      { found.radius() } -> std::convertible_to<typename P::Real>;
-      s.update(p);
-      found.for_each_neighbour(i, archetype::OnNeighbour{});
-      found.for_each_pair(archetype::OnPair{});
-    };
+concept NeighbourSearch = ParticleSet<P> && FitsVectorsOf<S, P> &&
+                          requires(S s, const S found, P& p, typename P::Real r, Index i) {
+                            s.set_radius(r);
+                            { found.radius() } -> std::convertible_to<typename P::Real>;
+                            s.update(p);
+                            found.for_each_neighbour(i, archetype::OnNeighbour{});
+                            found.for_each_pair(archetype::OnPair{});
+                          };
 
 /// Can reorder the owned particles in memory, for speed; ids do not change.
 template <class S, class P>
@@ -131,73 +130,91 @@ concept HasReach = requires(const ForParticles<I, P> i, const P& p) {
 /// Adds forces [N] and torques [N m] to the particles; changes no field that the integrator
 /// advances. Models: dem::Contacts, that is, dem::ContactsOf; Gravity, Forces.
 template <class I, class P, class S>
-concept Interaction = NeighbourSearch<S, P> && HasReach<I, P> &&
-                      requires(ForParticles<I, P> i, P& p, S& s, double dt) {
-                        i.accelerate(p, s, dt);
-                      };
+concept Interaction =
+    NeighbourSearch<S, P> && HasReach<I, P> &&
+    requires(ForParticles<I, P> i, P& p, S& s, double dt) { i.accelerate(p, s, dt); };
 
-/// add_forces(p, i) adds to the owned particle i alone what accelerate() adds to all, so that
-/// forces and motion can be computed in one pass over the particles. If this needs quantities that
-/// several particles share, the interaction may also have
-///   prepare(p, s, dt)      called once, before the pass
-///   interact(p, chunk)     called for every chunk of particles; computes the shared quantities
-///   needs(chunk)           the range of chunks whose interact() must have been called before
-///                          add_forces() of the particles of this chunk
-///   conclude(p, dt)        called once, after the pass
-/// Models: dem::ContactsOf, Gravity, Forces.
+/// Functions called by accelerate(p, s, dt, pass) for ranges of particles; see below.
+template <class Before, class After>
+struct Pass {
+  Before before;  ///< before(first, last)
+  After after;    ///< after(first, last)
+};
+template <class Before, class After>
+Pass(Before, After) -> Pass<Before, After>;
+
+/// accelerate(p, s, dt, pass) adds the same forces as accelerate(p, s, dt) in one pass over the
+/// particles, range by range: it calls pass.before(first, last) before it adds forces to the
+/// particles [first, last), and pass.after(first, last) when all are added. Every particle is in
+/// exactly one range; ranges are processed in parallel. pass.after() may advance these particles,
+/// see Particles::advance. Models: dem::ContactsOf, dem::Bonds, Forces of these.
+template <class I, class P, class S>
+concept AcceleratesInPass = requires(I i, P& p, S& s, double dt,
+                                     Pass<void (*)(Index, Index), void (*)(Index, Index)> pass) {
+  i.accelerate(p, s, dt, pass);
+};
+
+/// Whether what a step moves is written to other memory than it is read from, see
+/// Particles::advance.
+template <class P>
+bool moves_in_other_memory(const P& particles) {
+  bool result = particles.is_advancing(position);
+  const auto also = [&]<class F>(F field) {
+    if constexpr (HasFields<P, F>) result &= particles.is_advancing(field);
+  };
+  also(velocity);
+  if constexpr (HasFields<P, torque_t, inertia_t>) also(spin);
+  return result;
+}
+
+/// Evaluates an interaction in a pass, one function after the other for all particles if it has no
+/// accelerate(p, s, dt, pass), or if the particles are moved in place: contacts of a range would
+/// then see others that have moved.
+template <class I, class P, class S, class Before, class After>
+void accelerate_in_pass(I& interaction, P& particles, S& search, double dt,
+                        const Pass<Before, After>& pass) {
+  if constexpr (AcceleratesInPass<I, P, S>) {
+    if (moves_in_other_memory(particles)) {
+      return interaction.accelerate(particles, search, dt, pass);
+    }
+  }
+  for_each_range(particles.size(), pass.before);
+  interaction.accelerate(particles, search, dt);
+  for_each_range(particles.size(), pass.after);
+}
+
+/// add_forces(p, i) adds to the owned particle i alone what accelerate() adds to all; it reads only
+/// this particle. Forces adds them in the pass of another interaction. Model: Gravity.
 template <class I, class P>
 concept AddsForces = requires(const I i, P& p, Index k) { i.add_forces(p, k); };
 
-template <class I, class P, class S>
-void prepare(I& interaction, P& particles, S& search, double dt) {
-  if constexpr (requires { interaction.prepare(particles, search, dt); }) {
-    interaction.prepare(particles, search, dt);
-  }
-}
+/// accelerate() of an interaction with add_forces().
 template <class I, class P>
-void interact(I& interaction, P& particles, Chunk chunk) {
-  if constexpr (requires { interaction.interact(particles, chunk); }) {
-    static_assert(requires { { interaction.needs(chunk) } -> std::same_as<ChunkSpan>; },
-                  "silt: an interaction with interact(particles, chunk) must also have "
-                  "needs(chunk), which returns a ChunkSpan");
-    interaction.interact(particles, chunk);
-  }
+  requires AddsForces<I, P>
+void accelerate_each(const I& interaction, P& particles) {
+  for_each(particles.size(), [&](Index i) { interaction.add_forces(particles, i); });
 }
-template <class I>
-ChunkSpan needs(const I& interaction, Chunk chunk) {
-  if constexpr (requires { interaction.needs(chunk); }) {
-    return interaction.needs(chunk);
-  } else {
-    return {chunk.number, chunk.number};
-  }
-}
-template <class I, class P>
-void conclude(I& interaction, P& particles, double dt) {
-  if constexpr (requires { interaction.conclude(particles, dt); }) {
-    interaction.conclude(particles, dt);
-  }
+/// accelerate() in a pass over the particles, for an interaction with add_forces().
+template <class I, class P, class Before, class After>
+  requires AddsForces<I, P>
+void accelerate_each(const I& interaction, P& particles, const Pass<Before, After>& pass) {
+  for_each_range(particles.size(), [&](Index first, Index last) {
+    pass.before(first, last);
+    for (Index i = first; i < last; ++i) interaction.add_forces(particles, i);
+    pass.after(first, last);
+  });
 }
 
-/// Calls use_forces(chunk) for every chunk, after interact() of all chunks that it needs.
-/// use_forces may call add_forces() for the particles of its chunk and may change them. To be
-/// called between prepare() and conclude().
-template <class I, class P, class UseForces>
-  requires AddsForces<I, P>
-void for_each_chunk_with_forces(I& interaction, P& particles, UseForces&& use_forces) {
-  for_each_chunk_in_two(
-      particles.size(), [&](Chunk chunk) { interact(interaction, particles, chunk); }, use_forces,
-      [&](Chunk chunk) { return needs(interaction, chunk); });
-}
-template <class I, class P, class S>
-  requires AddsForces<I, P>
-void accelerate_all(I& interaction, P& particles, S& search, double dt) {
-  prepare(interaction, particles, search, dt);
-  for_each_chunk_with_forces(interaction, particles, [&](Chunk chunk) {
-    for (Index i = chunk.first; i < chunk.last; ++i) {
-      std::as_const(interaction).add_forces(particles, i);
-    }
-  });
-  conclude(interaction, particles, dt);
+/// needs_search(p) is false if the next accelerate() for these particles does not use the search,
+/// which then need not be updated. A class derived from an interaction that has it must have its
+/// own if it uses the search itself.
+template <class I, class P>
+bool needs_search(const I& interaction, const P& particles) {
+  if constexpr (requires { interaction.needs_search(particles); }) {
+    return interaction.needs_search(particles);
+  } else {
+    return true;
+  }
 }
 
 /// Depends on time: set_time(t) sets the time of the positions [s] and is called before any other
@@ -234,10 +251,9 @@ concept AdvancesField = bool(T::template advances<F>);
 ///   advances<F>     true for the fields that it saves itself, see AdvancesField
 /// Models: Leapfrog, SemiImplicit.
 template <class T, class P, class S, class I>
-concept Integrator = NeighbourSearch<S, P> && HasReach<I, P> &&
-                     requires(T t, P& p, S& s, ForParticles<I, P>& i, double dt) {
-                       t.step(p, s, i, dt);
-                     };
+concept Integrator =
+    NeighbourSearch<S, P> && HasReach<I, P> &&
+    requires(T t, P& p, S& s, ForParticles<I, P>& i, double dt) { t.step(p, s, i, dt); };
 
 /// Chooses the next time step [s].
 template <class I, class P>
@@ -257,6 +273,7 @@ concept Transactional = requires(T t) {
 ///   check(), check(dt)            throw if a parameter, or the time step, is out of range
 ///   half_step_before(v, a, dt)    v^{N−½} from v^N, if it is not v − ½ a Δt
 ///   drag(v)                       acceleration due to damping at v^N, for an energy ledger
+///   accepts_packs = true          v and a may also be SIMD packs, see core/simd.hpp
 /// Models: NoDamping, GlobalDamping.
 template <class D, class Real = double>
 concept Damping = requires(const D d, Real v, Real a, Real dt) {

@@ -32,15 +32,25 @@ class Gravity {
     return 0;
   }
 
+  template <class P>
+  bool needs_search(const P&) const {
+    return false;
+  }
+
   template <class P, class S>
     requires HasFields<P, mass_t, force_t> && std::same_as<typename P::Vec, Vec<Dim, Real>>
-  void accelerate(P& particles, S& search, double dt) const {
-    accelerate_all(*this, particles, search, dt);
+  void accelerate(P& particles, S&, double) const {
+    accelerate_each(*this, particles);
+  }
+  template <class P, class S, class Before, class After>
+    requires HasFields<P, mass_t, force_t> && std::same_as<typename P::Vec, Vec<Dim, Real>>
+  void accelerate(P& particles, S&, double, const Pass<Before, After>& pass) const {
+    accelerate_each(*this, particles, pass);
   }
   template <class P>
     requires HasFields<P, mass_t, force_t> && std::same_as<typename P::Vec, Vec<Dim, Real>>
   void add_forces(P& particles, Index i) const {
-    particles[force][i] += particles[mass][i] * g_;
+    particles[force][i] += std::as_const(particles)[mass][i] * g_;
   }
 
  private:
@@ -83,8 +93,8 @@ class Forces {
   template <class Part>
   const auto& part() const {
     constexpr bool is_exact = (std::same_as<Parts, Part> || ...);
-    constexpr std::array fits{(is_exact ? std::same_as<Parts, Part>
-                                        : std::derived_from<Parts, Part>)...};
+    constexpr std::array fits{
+        (is_exact ? std::same_as<Parts, Part> : std::derived_from<Parts, Part>)...};
     static_assert(std::count(fits.begin(), fits.end(), true) == 1,
                   "silt::Forces: not exactly one part has this type; give its number");
     return part<std::find(fits.begin(), fits.end(), true) - fits.begin()>();
@@ -119,30 +129,19 @@ class Forces {
     for_each_part([&](auto& part) { part.accelerate(particles, search, dt); });
   }
 
-  template <class P, class S>
-  void prepare(P& particles, S& search, double dt) {
-    for_each_part([&](auto& part) { silt::prepare(part, particles, search, dt); });
+  /// The parts with add_forces() act within the pass of the part before or after them, so that the
+  /// particles are read once.
+  template <class P, class S, class Before, class After>
+    requires((AddsForces<Parts, P> || AcceleratesInPass<Parts, P, S>) && ...)
+  void accelerate(P& particles, S& search, double dt, const Pass<Before, After>& pass) {
+    accelerate_from<0>(particles, search, dt, pass.before, pass.after);
   }
+
   template <class P>
-  void interact(P& particles, Chunk chunk) {
-    for_each_part([&](auto& part) { silt::interact(part, particles, chunk); });
-  }
-  ChunkSpan needs(Chunk chunk) const {
-    ChunkSpan all{chunk.number, chunk.number};
-    for_each_part([&](const auto& part) {
-      const ChunkSpan own = silt::needs(part, chunk);
-      all = {std::min(all.first, own.first), std::max(all.last, own.last)};
-    });
-    return all;
-  }
-  template <class P>
-  void conclude(P& particles, double dt) {
-    for_each_part([&](auto& part) { silt::conclude(part, particles, dt); });
-  }
-  template <class P>
-    requires(AddsForces<Parts, P> && ...)
-  void add_forces(P& particles, Index i) const {
-    for_each_part([&](const auto& part) { part.add_forces(particles, i); });
+  bool needs_search(const P& particles) const {
+    bool needed = false;
+    for_each_part([&](const auto& part) { needed |= silt::needs_search(part, particles); });
+    return needed;
   }
 
   /// The smallest time step [s] of the parts that choose one; infinity if none does.
@@ -161,9 +160,8 @@ class Forces {
   template <class Archive, class P>
   void transfer(Archive& archive, P& particles) {
     Index number = 0;
-    for_each_part([&](auto& part) {
-      transfer_part(archive, std::to_string(number++), part, particles);
-    });
+    for_each_part(
+        [&](auto& part) { transfer_part(archive, std::to_string(number++), part, particles); });
   }
 
   void save() {
@@ -184,6 +182,58 @@ class Forces {
   template <class F>
   void for_each_part(F&& f) {
     std::apply([&](auto&... part) { (f(part), ...); }, parts_);
+  }
+
+  template <Index K, class P>
+  static constexpr bool is_of_particle =
+      AddsForces<std::tuple_element_t<K, std::tuple<Parts...>>, P>;
+
+  // Number of the first part from K on that is not evaluated for one particle alone.
+  template <Index K, class P>
+  static constexpr Index next_shared() {
+    if constexpr (K == sizeof...(Parts)) {
+      return K;
+    } else if constexpr (is_of_particle<K, P>) {
+      return next_shared<K + 1, P>();
+    } else {
+      return K;
+    }
+  }
+  // Adds the forces of the parts [K, L), which are evaluated for one particle alone.
+  template <Index K, Index L, class P>
+  void add_forces_of(P& particles, Index first, Index last) const {
+    if constexpr (K < L) {
+      for (Index i = first; i < last; ++i) part<K>().add_forces(particles, i);
+      add_forces_of<K + 1, L>(particles, first, last);
+    }
+  }
+
+  // Evaluates the parts from K on: those that act on single particles before or after the next
+  // other one, in its pass.
+  template <Index K, class P, class S, class Before, class After>
+  void accelerate_from(P& particles, S& search, double dt, const Before& before,
+                       const After& after) {
+    constexpr Index shared = next_shared<K, P>();
+    const auto before_shared = [&](Index first, Index last) {
+      before(first, last);
+      add_forces_of<K, shared>(particles, first, last);
+    };
+    if constexpr (shared == sizeof...(Parts)) {
+      for_each_range(particles.size(), [&](Index first, Index last) {
+        before_shared(first, last);
+        after(first, last);
+      });
+    } else if constexpr (next_shared<shared + 1, P>() == sizeof...(Parts)) {
+      const auto after_shared = [&](Index first, Index last) {
+        add_forces_of<shared + 1, sizeof...(Parts)>(particles, first, last);
+        after(first, last);
+      };
+      std::get<shared>(parts_).accelerate(particles, search, dt, Pass{before_shared, after_shared});
+    } else {
+      constexpr auto nothing = [](Index, Index) {};
+      std::get<shared>(parts_).accelerate(particles, search, dt, Pass{before_shared, nothing});
+      accelerate_from<shared + 1>(particles, search, dt, nothing, after);
+    }
   }
 
   std::tuple<Parts...> parts_;

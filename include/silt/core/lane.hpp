@@ -9,11 +9,13 @@
 
 #include <silt/core/eigen.hpp>
 #include <silt/core/error.hpp>
+#include <silt/core/field_view.hpp>
 #include <silt/core/types.hpp>
 
 #include <cmath>
 #include <concepts>
 #include <limits>
+#include <span>
 #include <type_traits>
 
 // Placed before such a loop. Tells g++ that no iteration reads what another writes; clang detects
@@ -92,6 +94,16 @@ auto* lanes_of(Eigen::Matrix<Real, Dim, 1>* values) {
 template <std::floating_point Real, int Dim>
 auto* lanes_of(const Eigen::Matrix<Real, Dim, 1>* values) {
   return reinterpret_cast<const Vec<Dim, Lane<Real>>*>(values);
+}
+
+template <class Value>
+auto lanes_of(std::span<Value> values) {
+  return lanes_of(values.data());
+}
+template <class Value, class Real, Index width>
+auto lanes_of(const FieldView<Value, Real, width>& values) {
+  using Lanes = std::remove_pointer_t<decltype(lanes_of(static_cast<Value*>(nullptr)))>;
+  return FieldView<Lanes, Real, width>(values.bytes(), values.size());
 }
 
 }  // namespace silt

@@ -253,46 +253,16 @@ class PerChunk {
   std::vector<Value> values_;
 };
 
-/// A range of chunks of one loop; `last` is included.
-struct ChunkSpan {
-  Index first;
-  Index last;
-};
-
-/// make(chunk) and then use(chunk) for every chunk of [0, n), in parallel. use(chunk) is called
-/// after make() of all chunks in needs(chunk), and soon after, while the results are still in
-/// cache.
-template <class Make, class Use, class Needs>
-void for_each_chunk_in_two(Index n, Make&& make, Use&& use, Needs&& needs) {
-  const auto chunk_at = [n](Index c) {
-    return Chunk{c, c * chunk_size, std::min(n, (c + 1) * chunk_size)};
-  };
-  const Index chunks = chunk_count(n);
-  const Index runs = std::min(chunks, static_cast<Index>(threads_for(n)));
-  // Number of chunks by which use() lags behind make(). With 2, a step of a bed of 32 000 grains
-  // takes 10 % less time than with 0.
-  constexpr Index lag = 2;
-  PerChunk<char> used(n, false);
-  for_each_task(runs, [&](Index run) {
-    const Index begin = chunks * run / runs;
-    const Index end = chunks * (run + 1) / runs;
-    Index next = begin;
-    for (Index c = begin; c < end; ++c) {
-      make(chunk_at(c));
-      const Index reached = c + 1 == end ? c : c - std::min(c, lag);
-      for (; next < end && needs(chunk_at(next)).last <= reached; ++next) {
-        if (needs(chunk_at(next)).first < begin) continue;  // needs chunks of another thread
-        use(chunk_at(next));
-        used[next] = true;
-      }
+/// f(first, last) for short ranges of [0, n) that together cover it, in parallel. What one range
+/// reads and writes stays in the cache between several loops over it.
+inline constexpr Index range_size = 64;
+template <class F>
+void for_each_range(Index n, F&& f) {
+  for_each_chunk(n, [&f](Chunk chunk) {
+    for (Index first = chunk.first; first < chunk.last; first += range_size) {
+      f(first, std::min(first + range_size, chunk.last));
     }
   });
-  PerChunk<std::uint32_t> left(n, 0);
-  Index count = 0;
-  for (Index c = 0; c < chunks; ++c) {
-    if (!used[c]) left[count++] = static_cast<std::uint32_t>(c);
-  }
-  for_each_task(count, [&](Index k) { use(chunk_at(left[k])); });
 }
 
 /// Σ f(i), bitwise identical for any number of threads.

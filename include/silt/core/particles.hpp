@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The particle container: one contiguous column per field, permanent ids, and ghosts.
+// The particle container: a column for each field, or rows of several fields (columns.hpp),
+// permanent ids, and ghosts.
 //
 //            owned: 0 … size()-1              ghosts: size() … total()-1
 //   position [ x0 x1 x2 …                   | copies of owned particles, shifted by a period ]
@@ -14,23 +15,29 @@
 #include <silt/core/error.hpp>
 #include <silt/core/fields.hpp>
 #include <silt/core/parallel.hpp>
+#include <silt/core/travel.hpp>
 #include <silt/core/types.hpp>
 
 #include <algorithm>
 #include <atomic>
 #include <concepts>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
 namespace silt {
 
-/// Particles in Dim dimensions with a position and the given fields.
+/// Particles in Dim dimensions with a position and the given fields. A Bundle among them says that
+/// these fields, which are given as well, are stored side by side; see core/columns.hpp.
 ///   p[position][i]   Vec<Dim, Real>& of owned particle i [m]
-///   p[field]         span over the size() owned particles
-template <int Dim, class RealType, Field... Fields>
+///   p[field]         the values of the size() owned particles: a std::span, or a FieldView if the
+///                    field is stored in a bundle. Valid until particles are added, removed or
+///                    reordered, and until the next step.
+template <int Dim, class RealType, FieldOrBundle... Fields>
 class Particles {
   static_assert(Dim == 2 || Dim == 3, "silt::Particles: the dimension is 2 or 3");
   static_assert(std::floating_point<RealType>, "silt::Particles: Real is float or double");
@@ -54,22 +61,29 @@ class Particles {
   Index total() const noexcept { return ids_.size(); }
 
   template <Field F>
-  auto operator[](F) noexcept {
+  auto operator[](F field) noexcept {
     check_field<F>();
-    return std::span(column<F>().data(), size());
+    if constexpr (std::same_as<F, position_t>) positions_changed_.set();
+    if constexpr (role_of<F>() == Role::constant) constants_changed_.set();
+    return columns_.view(field, size());
   }
   template <Field F>
-  auto operator[](F) const noexcept {
+  auto operator[](F field) const noexcept {
     check_field<F>();
-    return std::span(column<F>().data(), size());
+    return columns_.view(field, size());
   }
 
   /// The values of the owned particles, followed by those of the ghosts; an index from a search may
   /// refer to either.
   template <Field F>
-  auto with_ghosts(F) const noexcept {
+  auto with_ghosts(F field) const noexcept {
     check_field<F>();
-    return std::span(column<F>().data(), total());
+    return columns_.view(field, total());
+  }
+  /// The storage of a field: a column, or the rows of a bundle, see core/columns.hpp.
+  template <Field F>
+  const auto& storage(F field) const noexcept {
+    return columns_.storage(field);
   }
 
   Id id(Index i) const noexcept { return ids_[i]; }
@@ -88,6 +102,20 @@ class Particles {
   /// revision(), it is the same after a failed step as before.
   std::uint64_t owned_revision() const noexcept { return owned_revision_; }
 
+  /// Upper bound of the displacement of the owned particles by steps, except that a periodic side
+  /// was crossed; begins anew whenever positions may have been changed otherwise, that is, with
+  /// every access to p[position] that is not const. Not to be called by several threads at once.
+  Travel travel() const noexcept {
+    if (positions_changed_.test_and_clear()) travel_ = {.epoch = Epoch().number(), .distance = 0};
+    return travel_;
+  }
+  /// Increases whenever a field that steps do not change, such as the radius, may have been
+  /// changed: with every access that is not const. Not to be called by several threads at once.
+  std::uint64_t constants_revision() const noexcept {
+    if (constants_changed_.test_and_clear()) constants_revision_ = next_revision();
+    return constants_revision_;
+  }
+
   const Box<Dim, Real>& box() const noexcept { return box_; }
   /// Throws if the box has no volume, or if a periodic side is not finite.
   void set_box(const Box<Dim, Real>& box) {
@@ -98,7 +126,7 @@ class Particles {
   }
 
   void reserve(Index n) {
-    columns_.for_each([n](auto& column, auto) { column.reserve(n); });
+    columns_.for_each([n](auto& storage) { storage.reserve(n); });
     ids_.reserve(n);
   }
 
@@ -109,11 +137,9 @@ class Particles {
     clear_ghosts();
     const Index i = size();
     const Id id = index_of_id_.size();
-    columns_.for_each([](auto& column, auto field) {
-      column.push_back(zero_of<value_of<decltype(field), Dim, Real>>());
-    });
-    column<position_t>()[i] = x;
+    columns_.for_each([](auto& storage) { storage.push_zero(); });
     ids_.push_back(id);
+    (*this)[position][i] = x;
     index_of_id_.push_back(i);
     note_change();
     return i;
@@ -135,7 +161,7 @@ class Particles {
       ++kept;
     }
     if (kept == before) return 0;
-    columns_.for_each([kept](auto& column, auto) { column.resize(kept); });
+    columns_.for_each([kept](auto& storage) { storage.resize(kept); });
     ids_.resize(kept);
     note_change();
     return before - kept;
@@ -155,11 +181,7 @@ class Particles {
   void reorder(std::span<const Index> order) {
     clear_ghosts();
     check_permutation(order);
-    columns_.for_each([order](auto& column, auto) {
-      auto sorted = column;
-      for (Index i = 0; i < order.size(); ++i) sorted[i] = column[order[i]];
-      column.swap(sorted);
-    });
+    columns_.reorder(order);
     std::vector<Id> ids(order.size());
     for (Index i = 0; i < order.size(); ++i) ids[i] = ids_[order[i]];
     ids_.swap(ids);
@@ -173,7 +195,7 @@ class Particles {
     if (owners_.empty()) return;
     revision_ = next_revision();
     const Index owned = size();
-    columns_.for_each([owned](auto& column, auto) { column.resize(owned); });
+    columns_.for_each([owned](auto& storage) { storage.resize(owned); });
     ids_.resize(owned);
     owners_.clear();
     shifts_.clear();
@@ -184,12 +206,9 @@ class Particles {
     revision_ = next_revision();
     const Index owner_index = owner(source);
     const Vec total_shift = source < size() ? shift : Vec(shifts_[source - size()] + shift);
-    columns_.for_each([source](auto& column, auto) {
-      const auto copy = column[source];
-      column.push_back(copy);
-    });
-    column<position_t>().back() += shift;
+    columns_.for_each([source](auto& storage) { storage.push_copy(source); });
     ids_.push_back(ids_[owner_index]);
+    columns_.view(position, total()).back() += shift;
     owners_.push_back(owner_index);
     shifts_.push_back(total_shift);
   }
@@ -201,11 +220,10 @@ class Particles {
     for_each(owners_.size(), [&](Index g) { (refresh_ghost<F>(g), ...); });
   }
 
-  /// f(values, field) for every column: spans over the owned particles.
+  /// f(values, field) for every field, position first: the values of the owned particles.
   template <class F>
   void for_each_field(F&& f) const {
-    f(std::span(column<position_t>().data(), size()), position_t{});
-    (f(std::span(column<Fields>().data(), size()), Fields{}), ...);
+    std::apply([&](auto... field) { (f(columns_.view(field, size()), field), ...); }, FieldList{});
   }
 
   /// Writes or reads everything but the ghosts for a checkpoint, see core/transfer.hpp.
@@ -213,45 +231,81 @@ class Particles {
   void transfer(Archive& archive) {
     archive.same("dimension", std::to_string(Dim));
     archive.same("precision", sizeof(Real) == 4 ? "float" : "double");
-    archive.same("fields", (std::string(name_of<position_t>()) + ... +
-                            (" " + std::string(name_of<Fields>()))));
+    std::string names;
+    for_each_field([&]<class F>(auto, F) {
+      if (!names.empty()) names += ' ';
+      names += name_of<F>();
+    });
+    archive.same("fields", names);
     Index owned = size();
     Index next_id = index_of_id_.size();
     archive("next_id", next_id);
     if constexpr (Archive::reads) clear_ghosts();
     archive("id", ids_, owned);
     archive.within("box", [&] { box_.transfer(archive); });
-    columns_.for_each([&]<class F>(auto& column, F) { archive(name_of<F>(), column, owned); });
-    if constexpr (Archive::reads) rebuild_index_of_id(next_id);
+    if constexpr (Archive::reads) {
+      columns_.for_each([&](auto& storage) { storage.resize(ids_.size()); });
+    }
+    bool good = true;
+    std::apply([&](auto... field) { ((good &= transfer(archive, field, owned)), ...); },
+               FieldList{});
+    if constexpr (Archive::reads) rebuild_index_of_id(next_id, good);
   }
 
   // For rolling back a failed step, see Columns: save() before the step, restore() if it throws.
 
   void save() noexcept { columns_.save(); }
   template <Field F>
-  void keep(F) {
-    columns_.template keep<F>();
+  void keep(F field) {
+    if constexpr (std::same_as<F, position_t>) positions_changed_.set();
+    columns_.keep(field);
   }
   template <Field F>
-  auto advance(F) {
-    return columns_.template advance<F>(size());
+  auto advance(F field) {
+    return columns_.advance(field, size());
   }
-  template <class Value>
-  using Advance = typename Columns<Dim, Real, position_t, Fields...>::template Advance<Value>;
-  void finish_advance() { columns_.finish_advance(size()); }
-  void restore() noexcept { columns_.restore(size()); }
+  template <Field F>
+  auto advance_rows(F field) {
+    return columns_.advance_rows(field);
+  }
+  /// Whether the next values of this field are written to other memory.
+  template <Field F>
+  bool is_advancing(F field) const noexcept {
+    return columns_.is_advancing(field);
+  }
+  /// Makes the next values of the fields passed to advance() their values. No particle has moved
+  /// farther than max_displacement [m], except across a periodic side.
+  void finish_advance(double max_displacement = std::numeric_limits<double>::infinity()) {
+    columns_.finish_advance(size());
+    travel_.distance += max_displacement;
+    if (!is_finite(travel_.distance)) positions_changed_.set();
+  }
+  void restore() noexcept {
+    columns_.restore(size());
+    positions_changed_.set();
+  }
 
  private:
+  static_assert(!(std::same_as<Fields, position_t> || ...),
+                "silt::Particles: position is always included; remove it from the template "
+                "arguments");
+
+  using Storage = detail::StorageList<position_t, Fields...>;
+  using FieldList = typename Storage::List;
+
   // An assertion, for its error message. To test for a field, use HasFields.
   template <class F>
   static constexpr void check_field() {
-    static_assert(has<F>, "silt::Particles: these particles do not have this field; add its type "
-                          "(temperature_t for temperature) to their template arguments");
+    static_assert(has<F>,
+                  "silt::Particles: these particles do not have this field; add its type "
+                  "(temperature_t for temperature) to their template arguments");
   }
 
   void note_change() noexcept {
     revision_ = next_revision();
     owned_revision_ = revision_;
+    positions_changed_.set();
+    constants_changed_.set();
   }
   static std::uint64_t next_revision() noexcept {
     static std::atomic<std::uint64_t> last = 0;
@@ -259,40 +313,42 @@ class Particles {
   }
 
   template <class F>
-  auto& column() noexcept {
-    return columns_.template of<F>();
-  }
-  template <class F>
-  const auto& column() const noexcept {
-    return columns_.template of<F>();
-  }
-
-  template <class F>
   void refresh_ghost(Index g) {
-    auto& values = column<F>();
+    const auto values = columns_.view(F{}, total());
     auto& ghost = values[size() + g];
     ghost = values[owners_[g]];
     if constexpr (std::same_as<F, position_t>) ghost += shifts_[g];
   }
 
   void move_row(Index from, Index to) {
-    columns_.for_each([from, to](auto& column, auto) { column[to] = column[from]; });
+    columns_.for_each([from, to](auto& storage) { storage.copy(from, to); });
     ids_[to] = ids_[from];
     index_of_id_[ids_[to]] = to;
   }
 
+  // Returns whether a value for each particle was written or read.
+  template <class Archive, class F>
+  bool transfer(Archive& archive, F field, Index owned) {
+    const auto values = columns_.view(field, size());
+    std::vector<value_of<F, Dim, Real>> column;
+    if (!Archive::reads) column.assign(values.begin(), values.end());
+    archive(name_of<F>(), column, owned);
+    if (column.size() != values.size()) return false;
+    if (Archive::reads) std::copy(column.begin(), column.end(), values.begin());
+    return true;
+  }
+
   // Recomputes the index of each id after reading.
-  void rebuild_index_of_id(Index next_id) {
+  void rebuild_index_of_id(Index next_id, bool good) {
     index_of_id_.assign(next_id, no_index);
-    bool good = true;
-    columns_.for_each([&](auto& column, auto) { good = good && column.size() == ids_.size(); });
     for (Index i = 0; good && i < ids_.size(); ++i) {
       good = ids_[i] < next_id && index_of_id_[ids_[i]] == no_index;
       if (good) index_of_id_[ids_[i]] = i;
     }
     if (!good) {
-      fail("Particles: the data read have columns of different lengths or a repeated id; they were "
-           "not written by transfer()");
+      fail(
+          "Particles: the data read have columns of different lengths or a repeated id; they were "
+          "not written by transfer()");
     }
     note_change();
   }
@@ -311,19 +367,18 @@ class Particles {
     }
   }
 
-  static_assert(!(std::same_as<Fields, position_t> || ...),
-                "silt::Particles: position is always included; remove it from the template "
-                "arguments");
-
-  // Position is always the first column.
-  Columns<Dim, Real, position_t, Fields...> columns_;
+  Columns<Dim, Real, typename Storage::Units> columns_;
   std::vector<Id> ids_;
   std::vector<Index> index_of_id_;  // by id
-  std::vector<Index> owners_;  // by ghost
-  std::vector<Vec> shifts_;    // by ghost
+  std::vector<Index> owners_;       // by ghost
+  std::vector<Vec> shifts_;         // by ghost
   Box<Dim, Real> box_;
   std::uint64_t revision_ = 0;
   std::uint64_t owned_revision_ = 0;
+  mutable detail::Mark positions_changed_{detail::Mark::Copied::set};
+  mutable detail::Mark constants_changed_;
+  mutable Travel travel_;
+  mutable std::uint64_t constants_revision_ = 0;
 };
 
 /// P has all of these fields.

@@ -167,6 +167,24 @@ Mask less(const Pack<T, N>& a, const Pack<T, N>& b) {
   }
 }
 
+/// a in the lanes of the mask, b in the others.
+template <class T, int N = lanes<T>>
+Pack<T, N> select(Mask mask, const Pack<T, N>& a, const Pack<T, N>& b) {
+#if defined(SILT_AVX512)
+  if constexpr (std::is_same_v<T, double> && N == 8) {
+    return (Pack<T, N>)_mm512_mask_blend_pd(static_cast<__mmask8>(mask), (__m512d)b, (__m512d)a);
+  } else
+#endif
+  {
+    using Bits = std::conditional_t<sizeof(T) == 4, std::uint32_t, std::uint64_t>;
+    Bits of_lane[N];
+    for (int k = 0; k < N; ++k) of_lane[k] = Bits{1} << k;
+    const auto bits = load<Bits, N>(of_lane);
+    const auto chosen = (Pack<Bits, N>)((broadcast<Bits, N>(mask) & bits) == bits);
+    return (Pack<T, N>)((chosen & (Pack<Bits, N>)a) | (~chosen & (Pack<Bits, N>)b));
+  }
+}
+
 /// Mask of the lanes in which a ≠ b.
 template <int N>
 Mask differs(const Pack<std::uint32_t, N>& a, std::uint32_t b) {
@@ -242,6 +260,12 @@ Index compress(T* to, const Pack<T, N>& values, Mask mask) {
     return count;
   }
   return static_cast<Index>(std::popcount(mask));
+}
+
+/// The same for N values in memory.
+template <class T, int N = lanes<T>>
+Index compress(T* to, const T* values, Mask mask) {
+  return compress<T, N>(to, load<T, N>(values), mask);
 }
 
 /// Coordinates as columns: x[k][s] is coordinate k of point s.

@@ -64,8 +64,8 @@ class Simulation {
     search_.update(particles_);
   }
 
-  double time() const noexcept { return time_; }           ///< [s]
-  std::uint64_t steps() const noexcept { return steps_; }  ///< completed
+  double time() const noexcept { return time_; }                      ///< [s]
+  std::uint64_t steps() const noexcept { return steps_; }             ///< completed
   double last_time_step() const noexcept { return last_time_step_; }  ///< [s]
   /// Whether its state was read from a checkpoint.
   bool was_read() const noexcept { return was_read_; }
@@ -74,7 +74,8 @@ class Simulation {
 
   P& particles() noexcept { return particles_; }
   const P& particles() const noexcept { return particles_; }
-  /// In the state of its last update, in the last step or in the constructor.
+  /// In the state of its last update, which may be several steps ago: contacts search only when
+  /// their list must be rebuilt.
   const S& search() const noexcept { return search_; }
   TypedInteraction& interaction() noexcept { return interaction_; }
   const TypedInteraction& interaction() const noexcept { return interaction_; }
@@ -110,8 +111,7 @@ class Simulation {
   /// passes to constructors (laws, walls, settings) is not included.
   template <class Archive>
   void transfer(Archive& archive) {
-    static_assert(!Transactional<TypedInteraction> ||
-                      Transferable<TypedInteraction, Archive, P> ||
+    static_assert(!Transactional<TypedInteraction> || Transferable<TypedInteraction, Archive, P> ||
                       Transferable<TypedInteraction, Archive>,
                   "silt::Simulation: this interaction has state (it has save() and restore()), so "
                   "a checkpoint needs its transfer(archive, particles)");
@@ -165,6 +165,7 @@ class Simulation {
     team.begin_step();
     try {
       require_positive("Simulation: time_step", dt);
+      set_time(interaction_, time_);
       prepare();
       sort();
       save();
@@ -174,7 +175,6 @@ class Simulation {
     bool is_result_finite = true;
     bool is_verified = false;
     try {
-      set_time(interaction_, time_);
       is_verified = integrate(dt);
       if (!is_verified) {
         const auto broken = find_not_finite();
@@ -282,7 +282,9 @@ class Simulation {
 
   // Called before the state is saved: rolling back a step does not undo the reordering.
   void sort() {
-    if constexpr (SortsParticles<S, P>) search_.sort(particles_);
+    if constexpr (SortsParticles<S, P>) {
+      if (needs_search(interaction_, particles_)) search_.sort(particles_);
+    }
   }
 
   // The search radius must be at least the interaction range.

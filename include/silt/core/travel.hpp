@@ -41,10 +41,35 @@ struct Travel {
   }
 };
 
-/// The search has travel(), which is valid while particles.revision() is unchanged.
-template <class S>
-concept HasTravel = requires(const S s) {
-  { s.travel() } -> std::same_as<Travel>;
+namespace detail {
+
+/// Set by any number of threads, cleared by one. A copy is set, or as the original is.
+class Mark {
+ public:
+  enum class Copied { as_it_is, set };
+
+  Mark() = default;
+  explicit Mark(Copied copied) : copied_(copied) {}
+  Mark(const Mark& other) noexcept : is_set_(other.value_of_copy()), copied_(other.copied_) {}
+  Mark& operator=(const Mark& other) noexcept {
+    is_set_.store(other.value_of_copy(), std::memory_order_relaxed);
+    return *this;
+  }
+  void set() noexcept {
+    if (!is_set_.load(std::memory_order_relaxed)) is_set_.store(true, std::memory_order_relaxed);
+  }
+  /// Returns whether it was set.
+  bool test_and_clear() noexcept { return is_set_.exchange(false, std::memory_order_relaxed); }
+
+ private:
+  bool value_of_copy() const noexcept {
+    return copied_ == Copied::set || is_set_.load(std::memory_order_relaxed);
+  }
+
+  std::atomic<bool> is_set_ = true;
+  Copied copied_ = Copied::as_it_is;
 };
+
+}  // namespace detail
 
 }  // namespace silt

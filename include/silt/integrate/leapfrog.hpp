@@ -8,162 +8,41 @@
 #include <silt/core/parallel.hpp>
 #include <silt/core/particles.hpp>
 #include <silt/integrate/damping.hpp>
+#include <silt/integrate/motion.hpp>
 
 #include <algorithm>
+#include <atomic>
+#include <bit>
+#include <cmath>
 #include <concepts>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <type_traits>
 #include <utility>
-#include <vector>
 
 namespace silt {
 
 template <class F, class... Fs>
 inline constexpr bool one_of = (std::same_as<F, Fs> || ...);
 
-/// Updates the motion of single particles, from the fields before a step to those after it. It uses
-/// the type Lane, so that compilers vectorise loops over its functions; see core/lane.hpp.
-template <class P>
-class Motion {
-  using Real = typename P::Real;
-  using Scalar = Lane<Real>;
-  using Vec = silt::Vec<P::dimension, Scalar>;
-  using AngularVec = silt::AngularVec<P::dimension, Scalar>;
-
- public:
-  explicit Motion(P& particles)
-      : x_(of(particles.advance(position))),
-        v_(of(particles.advance(velocity))),
-        f_(lanes_of(particles[force].data())),
-        m_(lanes_of(particles[mass].data())) {
-    if constexpr (rotates) {
-      w_ = of(particles.advance(spin));
-      t_ = lanes_of(particles[torque].data());
-      inertias_ = lanes_of(particles[inertia].data());
-    }
-    if constexpr (has_angle) angle_ = of(particles.advance(angle));
-    constexpr Real infinity = std::numeric_limits<Real>::infinity();
-    const auto& box = particles.box();
-    for (int k = 0; k < P::dimension; ++k) {
-      const bool is_periodic = box.periodic[static_cast<std::size_t>(k)];
-      lower_[k] = is_periodic ? -infinity : box.lower[k];
-      upper_[k] = is_periodic ? infinity : box.upper[k];
-    }
-  }
-
-  /// Whether the fields are overwritten, that is, before and after are the same memory.
-  bool is_in_place() const { return x_.before == x_.after; }
-
-  /// v^{N−½} → v^{N+½} (32) and, if the particles rotate, θ'^{N−½} → θ'^{N+½} (33).
-  template <class D>
-  void kick(Index i, const D& damping, double dt) const {
-    set_velocities(i, [&]<class Value>(const Value& v, const Value& a) -> Value {
-      return damping.kicked(v, a, Scalar(dt));
-    });
-  }
-
-  /// v^N = ½ (v^{N−½} + v^{N+½}) (27), (28); positions are unchanged.
-  template <class D>
-  void kick_to_mean(Index i, const D& damping, double dt) const {
-    set_velocities(i, [&]<class Value>(const Value& v, const Value& a) -> Value {
-      return (damping.kicked(v, a, Scalar(dt)) + v) / Scalar(2);
-    });
-    copy_positions(i);
-  }
-
-  /// v^N → v^{N−½}; positions are unchanged.
-  template <class D>
-  void step_back(Index i, const D& damping, double dt) const {
-    set_velocities(i, [&]<class Value>(const Value& v, const Value& a) -> Value {
-      if constexpr (requires { damping.half_step_before(v, a, Scalar(dt)); }) {
-        return damping.half_step_before(v, a, Scalar(dt));
-      } else {
-        return v - a * Scalar(dt / 2);
-      }
-    });
-    copy_positions(i);
-  }
-
-  /// x^{N+1} = x^N + v^{N+½} Δt,  θ^{N+1} = θ^N + θ'^{N+½} Δt        (19)
-  void drift(Index i, double dt) const {
-    x_.after[i] = x_.before[i] + v_.after[i] * Scalar(dt);
-    if constexpr (has_angle) angle_.after[i] = angle_.before[i] + w_.after[i] * Scalar(dt);
-  }
-
-  /// False if a field of particle i is not finite or its position is outside the box, along axes
-  /// that are not periodic; may also be false if values are extremely large.
-  bool is_result_valid(Index i) const {
-    int inside = 1;
-    for (int k = 0; k < P::dimension; ++k) {
-      const Real x = x_.after[i][k];
-      inside &= int(lower_[k] <= x) & int(x <= upper_[k]);
-    }
-    Real sum = x_.after[i].sum() + v_.after[i].sum();
-    if constexpr (rotates) sum += sum_of(w_.after[i]);
-    if constexpr (has_angle) sum += sum_of(angle_.after[i]);
-    return (int(sum - sum == 0) & inside) != 0;  // unlike is_finite(), vectorised
-  }
-
- private:
-  static constexpr bool rotates = HasFields<P, spin_t, torque_t, inertia_t>;
-  static constexpr bool has_angle = rotates && HasFields<P, angle_t>;
-
-  // set(velocity before, acceleration) returns the velocity after.
-  template <class Set>
-  void set_velocities(Index i, Set&& set) const {
-    v_.after[i] = set(Vec(v_.before[i]), Vec(f_[i] * (1 / m_[i])));
-    if constexpr (rotates) {
-      w_.after[i] = set(AngularVec(w_.before[i]), AngularVec(t_[i] * (1 / inertias_[i])));
-    }
-  }
-
-  void copy_positions(Index i) const {
-    x_.after[i] = x_.before[i];
-    if constexpr (has_angle) angle_.after[i] = angle_.before[i];
-  }
-
-  static Real sum_of(const AngularVec& angular) {
-    if constexpr (P::dimension == 2) {
-      return angular;
-    } else {
-      return angular.sum();
-    }
-  }
-
-  template <class Value>
-  struct Column {
-    const Value* before;
-    Value* after;
-  };
-  template <class Advance>
-  static auto of(const Advance& field) {
-    auto* const after = lanes_of(field.after.data());
-    return Column<std::remove_pointer_t<decltype(after)>>{lanes_of(field.before.data()), after};
-  }
-
-  Column<Vec> x_;
-  Column<Vec> v_;
-  const Vec* f_;
-  const Scalar* m_;
-  Column<AngularVec> w_{};
-  Column<AngularVec> angle_{};
-  const AngularVec* t_ = nullptr;
-  const Scalar* inertias_ = nullptr;
-  Real lower_[P::dimension];  // of the box; infinite along periodic axes
-  Real upper_[P::dimension];
-};
-
 // The same for all particles, for user-defined integrators.
 
-/// A Motion that changes the particles in place, so that its functions may be called separately.
-template <class P>
-Motion<P> motion_in_place(P& particles) {
+namespace detail {
+// Calls change(motion, single) for every particle, in place.
+template <class P, class Change>
+void change_motion(P& particles, Change&& change) {
   particles.for_each_field([&]<class F>(auto, F field) {
     if constexpr (role_of<F>() == Role::state) particles.keep(field);
   });
-  return Motion<P>(particles);
+  const Motion<P> motion(particles);
+  for_each(particles.size(), [&](Index i) {
+    auto single = motion.load(i);
+    change(motion, single);
+    motion.store(i, single);
+  });
 }
+}  // namespace detail
 
 /// Sets the forces and torques of particles [first, last) to zero.
 template <class P>
@@ -185,15 +64,16 @@ void clear(P& particles) {
 /// v^{N−½} → v^{N+½} (32) and, if the particles rotate, θ'^{N−½} → θ'^{N+½} (33).
 template <class P, class D>
 void kick(P& particles, const D& damping, double time_step) {
-  auto motion = motion_in_place(particles);
-  for_each(particles.size(), [&](Index i) { motion.kick(i, damping, time_step); });
+  detail::change_motion(particles, [&](const auto& motion, auto& particle) {
+    motion.kick(particle, damping, time_step);
+  });
 }
 
 /// x^{N+1} = x^N + v^{N+½} Δt,  θ^{N+1} = θ^N + θ'^{N+½} Δt        (19)
 template <class P>
 void drift(P& particles, double time_step) {
-  auto motion = motion_in_place(particles);
-  for_each(particles.size(), [&](Index i) { motion.drift(i, time_step); });
+  detail::change_motion(
+      particles, [&](const auto& motion, auto& particle) { motion.drift(particle, time_step); });
 }
 
 /// Advances particles under forces. The initial velocities are those at time 0; from the first step
@@ -217,13 +97,11 @@ class Leapfrog {
     // The time between the half steps; dt if the time step is constant.
     const double between_half_steps = (last_time_step_ + dt) / 2;
 
-    search.update(particles);
-    const auto kick_and_drift = [=, damping = damping_](const Motion<P>& motion, Index i) {
-      motion.kick(i, damping, between_half_steps);
-      motion.drift(i, dt);
+    const auto kick_and_drift = [=, damping = damping_](const Motion<P>& motion, auto& particle) {
+      motion.kick(particle, damping, between_half_steps);
+      return motion.drift(particle, dt);
     };
-    const bool is_valid =
-        advance(particles, search, interaction, dt, UpdateRange<P>(kick_and_drift));
+    const bool is_valid = advance(particles, search, interaction, dt, Update<P>(kick_and_drift));
 
     last_time_step_ = dt;
     return is_valid;
@@ -233,12 +111,12 @@ class Leapfrog {
   /// the first step they are at N already, and only the forces are evaluated.
   template <class P, class S, class I>
   void synchronise(P& particles, S& search, I& interaction) {
-    search.update(particles);
     const auto kick_to_mean = [dt = last_time_step_, damping = damping_](const Motion<P>& motion,
-                                                                         Index i) {
-      motion.kick_to_mean(i, damping, dt);
+                                                                         auto& particle) {
+      motion.kick_to_mean(particle, damping, dt);
+      return typename P::Real(0);
     };
-    advance(particles, search, interaction, last_time_step_, UpdateRange<P>(kick_to_mean));
+    advance(particles, search, interaction, last_time_step_, Update<P>(kick_to_mean));
   }
 
   /// Writes or reads the state of the integrator for a checkpoint, see core/transfer.hpp.
@@ -253,73 +131,97 @@ class Leapfrog {
   static constexpr bool advances = one_of<F, position_t, velocity_t, spin_t, angle_t>;
 
  private:
-  // Calls update(motion, i) for a range of particles. Its type does not depend on the type of
-  // `update`, so that the force loop, which takes long to compile, is compiled only once.
+  // What a step did to a range of particles.
+  template <class Real>
+  struct Outcome {
+    bool is_valid = true;           // see Motion::Check
+    Real squared_displacement = 0;  // maximum [m²]
+  };
+
+  // Calls update(motion, particle), which returns the squared displacement, for a range. Its
+  // type does not depend on that of `update`, so that the loop over the forces, which takes long to
+  // compile, is compiled only once.
   template <class P>
-  class UpdateRange {
+  class Update {
+    using Real = typename P::Real;
+
    public:
-    /// The update must outlive this object.
-    template <class Update>
-    explicit UpdateRange(const Update& update) : update_(&update), run_(run<Update>) {}
-    /// Updates particles [first, last); returns false if a result is not valid.
-    bool operator()(const Motion<P>& motion, Index first, Index last) const {
+    /// The function must outlive this object.
+    template <class Function>
+    explicit Update(const Function& update) : update_(&update), run_(run<Function>) {}
+
+    Outcome<Real> operator()(const Motion<P>& motion, Index first, Index last) const {
       return run_(update_, motion, first, last);
     }
 
    private:
     // Copies, so that the compiler knows that no store changes them.
-    template <class Update>
-    [[gnu::flatten, gnu::noinline]] static bool run(const void* from, const Motion<P>& of,
-                                                    Index first, Index last) {
-      const Update update = *static_cast<const Update*>(from);
+    template <class Function>
+    [[gnu::flatten, gnu::noinline]] static Outcome<Real> run(const void* from, const Motion<P>& of,
+                                                             Index first, Index last) {
+      const Function update = *static_cast<const Function*>(from);
       const Motion<P> motion = of;
-      int broken = 0;  // an int, because g++ 12 does not vectorise with a bool
-      SILT_INDEPENDENT_ITERATIONS
-      for (Index i = first; i < last; ++i) {
-        update(motion, i);
-        broken |= !motion.is_result_valid(i);
+      typename Motion<P>::Check check;
+      // Bits of non-negative numbers compare as the numbers do; unlike the maximum of Reals, the
+      // maximum of bits is vectorised.
+      using Bits = std::conditional_t<sizeof(Real) == 4, std::uint32_t, std::uint64_t>;
+      Bits farthest = 0;
+      const auto update_one = [&](Index i) {
+        auto particle = motion.load(i);
+        farthest = std::max(farthest, std::bit_cast<Bits>(Real(update(motion, particle))));
+        motion.add_to(check, particle);
+        motion.store(i, particle);
+      };
+      if constexpr (Motion<P>::is_in_rows) {
+        for (Index i = first; i < last; ++i) update_one(i);
+      } else {
+        SILT_INDEPENDENT_ITERATIONS
+        for (Index i = first; i < last; ++i) update_one(i);
       }
-      return broken == 0;
+      return {check.is_valid(), std::bit_cast<Real>(farthest)};
     }
 
     const void* update_;
-    bool (*run_)(const void*, const Motion<P>&, Index, Index);
+    Outcome<Real> (*run_)(const void*, const Motion<P>&, Index, Index);
   };
 
-  // Evaluates the forces and then updates every particle; chunk by chunk if the interaction allows.
+  // The outcome of all ranges, from any thread.
+  template <class Real>
+  class Outcomes {
+   public:
+    void add(const Outcome<Real>& outcome) {
+      if (!outcome.is_valid) is_valid_.store(false, std::memory_order_relaxed);
+      Real highest = farthest_.load(std::memory_order_relaxed);
+      while (outcome.squared_displacement > highest &&
+             !farthest_.compare_exchange_weak(highest, outcome.squared_displacement,
+                                              std::memory_order_relaxed)) {
+      }
+    }
+    bool is_valid() const { return is_valid_.load(std::memory_order_relaxed); }
+    // [m], rounded up; infinity if a result is not valid
+    double max_displacement() const {
+      if (!is_valid()) return std::numeric_limits<double>::infinity();
+      return std::sqrt(double(farthest_.load(std::memory_order_relaxed))) *
+             (1 + 4 * double(std::numeric_limits<Real>::epsilon()));
+    }
+
+   private:
+    std::atomic<bool> is_valid_ = true;
+    std::atomic<Real> farthest_ = 0;
+  };
+
+  // Evaluates the forces and then updates every particle, range by range if the interaction allows.
   // Returns whether all results are valid.
   template <class P, class S, class I>
-  bool advance(P& particles, S& search, I& interaction, double dt, const UpdateRange<P>& update) {
-    valid_.assign(chunk_count(particles.size()), true);
-    const auto update_range = [&](const Motion<P>& motion, Index first, Index last) {
-      valid_[first / chunk_size] &= update(motion, first, last);
-    };
-    if constexpr (AddsForces<I, P>) {
-      prepare(interaction, particles, search, dt);
-      const Motion<P> motion(particles);
-      for_each_chunk_with_forces(interaction, particles, [&](Chunk chunk) {
-        constexpr Index block = 64;  // stays in cache between the two loops
-        for (Index first = chunk.first; first < chunk.last; first += block) {
-          const Index last = std::min(first + block, chunk.last);
-          clear(particles, first, last);
-          for (Index i = first; i < last; ++i) std::as_const(interaction).add_forces(particles, i);
-          if (!motion.is_in_place()) update_range(motion, first, last);
-        }
-      });
-      conclude(interaction, particles, dt);
-      if (motion.is_in_place()) {
-        for_each_chunk(particles.size(),
-                       [&](Chunk chunk) { update_range(motion, chunk.first, chunk.last); });
-      }
-    } else {
-      clear(particles);
-      interaction.accelerate(particles, search, dt);
-      const Motion<P> motion(particles);
-      for_each_chunk(particles.size(),
-                     [&](Chunk chunk) { update_range(motion, chunk.first, chunk.last); });
-    }
-    particles.finish_advance();
-    return std::all_of(valid_.begin(), valid_.end(), [](char valid) { return valid; });
+  bool advance(P& particles, S& search, I& interaction, double dt, const Update<P>& update) {
+    if (needs_search(interaction, particles)) search.update(particles);
+    const Motion<P> motion(particles);
+    Outcomes<typename P::Real> outcomes;
+    const auto clear_forces = [&](Index first, Index last) { clear(particles, first, last); };
+    const auto move = [&](Index first, Index last) { outcomes.add(update(motion, first, last)); };
+    accelerate_in_pass(interaction, particles, search, dt, Pass{clear_forces, move});
+    particles.finish_advance(outcomes.max_displacement());
+    return outcomes.is_valid();
   }
 
   // v^0 → v^{−½}, so that v^0 is the mean of its two half steps.
@@ -328,17 +230,16 @@ class Leapfrog {
     last_time_step_ = dt;
     started_ = true;
     I trial = interaction;  // a copy: the contact histories must not advance
-    search.update(particles);
-    const auto step_back = [=, damping = damping_](const Motion<P>& motion, Index i) {
-      motion.step_back(i, damping, dt);
+    const auto step_back = [=, damping = damping_](const Motion<P>& motion, auto& particle) {
+      motion.step_back(particle, damping, dt);
+      return typename P::Real(0);
     };
-    advance(particles, search, trial, dt, UpdateRange<P>(step_back));
+    advance(particles, search, trial, dt, Update<P>(step_back));
   }
 
   D damping_{};
   bool started_ = false;
   double last_time_step_ = 0;
-  std::vector<char> valid_;  // by chunk
 };
 
 }  // namespace silt

@@ -109,12 +109,14 @@ std::string vtk_frame(const P& particles) {
       if constexpr (size > 0 && vtk_type<Number>() != nullptr) {
         constexpr int components = size == 2 ? 3 : size;
         auto& xml = std::same_as<F, position_t> ? points : point_data;
+        const std::vector<Value> column(values.begin(), values.end());
         xml += arrays.add(vtk_type<Number>(), name_of<F>(), components,
-                          {values.data(), n, size * sizeof(Number), sizeof(Value)},
+                          {column.data(), n, size * sizeof(Number), sizeof(Value)},
                           components * sizeof(Number));
       }
     } else if constexpr (vtk_type<Value>() != nullptr) {
-      point_data += arrays.add(name_of<F>(), std::span<const Value>(values));
+      const std::vector<Value> column(values.begin(), values.end());
+      point_data += arrays.add(name_of<F>(), std::span<const Value>(column));
     }
   });
   point_data += arrays.add("id", particles.ids());

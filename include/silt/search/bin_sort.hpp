@@ -25,9 +25,10 @@ namespace silt {
 
 class BinSort {
  public:
-  /// Sorts 0 … n-1 by bin_of(i) < bins; n and bins are less than 2³².
-  template <class F>
-  void sort(Index n, Index bins, F&& bin_of) {
+  /// Sorts 0 … n-1 by bin_of(i) < bins; n and bins are less than 2³². in_order(chunk) is called for
+  /// every chunk whose particles are in order, which are all if descents() is 0.
+  template <class F, class InOrder>
+  void sort(Index n, Index bins, F&& bin_of, InOrder&& in_order) {
     bin_.resize(n);
     start_.resize(bins + 1);
     descents_of_.resize(chunk_count(n));
@@ -38,6 +39,7 @@ class BinSort {
       }
       for (Index i = chunk.first + 1; i < chunk.last; ++i) descents += bin_[i] < bin_[i - 1];
       descents_of_[chunk.number] = descents;
+      if (descents == 0) in_order(chunk);
     });
     descents_ = std::accumulate(descents_of_.begin(), descents_of_.end(), Index{0});
     for (Index i = chunk_size; i < n; i += chunk_size) descents_ += bin_[i] < bin_[i - 1];
@@ -66,14 +68,33 @@ class BinSort {
       std::iota(item_of_.begin(), item_of_.end(), std::uint32_t{0});
       in_order_ = true;
     }
-    for_each(n, [&](Index i) {
-      for (Index bin = i == 0 ? 0 : bin_[i - 1] + Index{1}; bin <= bin_[i]; ++bin) {
-        start_[bin] = static_cast<std::uint32_t>(i);
-      }
-    });
+    for_each_chunk(n, [&](Chunk chunk) { set_starts(chunk); });
     std::fill(start_.begin() + (n == 0 ? 0 : static_cast<std::ptrdiff_t>(bin_[n - 1]) + 1),
               start_.begin() + static_cast<std::ptrdiff_t>(bins) + 1,
               static_cast<std::uint32_t>(n));
+  }
+
+  // Sets the starts of the bins above that of the particle before the chunk, up to that of its last
+  // particle: each is the first particle whose bin is not lower.
+  void set_starts(Chunk chunk) {
+    // A particle sets eight starts, most of which the next particles overwrite, because a loop of
+    // zero or a few iterations would be mispredicted.
+    constexpr Index at_once = 8;
+    std::uint32_t* const start = start_.data();
+    const Index end = bin_[chunk.last - 1] + Index{1};
+    Index bin = chunk.first == 0 ? 0 : bin_[chunk.first - 1] + Index{1};
+    Index i = chunk.first;
+    for (; i < chunk.last && bin + at_once <= end; ++i) {
+      std::fill_n(start + bin, at_once, static_cast<std::uint32_t>(i));
+      const Index next = bin_[i] + Index{1};
+      if (next > bin + at_once) {
+        std::fill(start + bin + at_once, start + next, static_cast<std::uint32_t>(i));
+      }
+      bin = next;
+    }
+    for (; i < chunk.last; ++i) {
+      for (; bin <= bin_[i]; ++bin) start[bin] = static_cast<std::uint32_t>(i);
+    }
   }
 
   // Each range of particles counts its own particles. The starts are the cumulative sums over
@@ -88,21 +109,22 @@ class BinSort {
     const auto for_each_in_range = [&](Index range, auto&& f) {
       for (Index i = n * range / ranges; i < n * (range + 1) / ranges; ++i) f(i);
     };
+    // The counts of a range are also summed over each chunk of bins.
+    const Index chunks = chunk_count(bins);
+    in_chunk_.resize(ranges * chunks);
     for_each_task(ranges, [&](Index range) {
       std::uint32_t* const counts = next_.data() + range * bins;
       std::fill(counts, counts + bins, 0u);
       for_each_in_range(range, [&](Index i) { ++counts[bin_[i]]; });
+      for (Index c = 0; c < chunks; ++c) {
+        std::uint32_t* const first = counts + c * chunk_size;
+        std::uint32_t* const last = counts + std::min(bins, (c + 1) * chunk_size);
+        in_chunk_[range * chunks + c] = std::accumulate(first, last, 0u);
+      }
     });
 
-    before_chunk_.resize(chunk_count(bins));
-    for_each_chunk(bins, [&](Chunk chunk) {
-      std::uint32_t sum = 0;
-      for (Index range = 0; range < ranges; ++range) {
-        const std::uint32_t* const counts = next_.data() + range * bins;
-        for (Index bin = chunk.first; bin < chunk.last; ++bin) sum += counts[bin];
-      }
-      before_chunk_[chunk.number] = sum;
-    });
+    before_chunk_.assign(chunks, 0u);
+    for (Index k = 0; k < in_chunk_.size(); ++k) before_chunk_[k % chunks] += in_chunk_[k];
     std::exclusive_scan(before_chunk_.begin(), before_chunk_.end(), before_chunk_.begin(), 0u);
     for_each_chunk(bins, [&](Chunk chunk) {
       std::uint32_t slot = before_chunk_[chunk.number];
@@ -137,7 +159,8 @@ class BinSort {
   std::vector<std::uint32_t> item_of_;
   std::vector<std::uint32_t> slot_of_;
   std::vector<std::uint32_t> next_;  // by range and bin
-  std::vector<std::uint32_t> before_chunk_;
+  std::vector<std::uint32_t> in_chunk_;      // by range and chunk of bins
+  std::vector<std::uint32_t> before_chunk_;  // of bins
   std::vector<Index> descents_of_;  // by chunk
   Index descents_ = 0;
   bool in_order_ = false;

@@ -18,6 +18,7 @@
 
 #include <silt/core/error.hpp>
 #include <silt/core/types.hpp>
+#include <silt/search/extent.hpp>
 
 #include <algorithm>
 #include <array>
@@ -30,12 +31,8 @@ template <int Dim, class Real>
 class Cells {
  public:
   using Vec = silt::Vec<Dim, Real>;
-  /// Lower and upper corner of the bounding box of the points, and a typical point.
-  struct Extent {
-    Vec lower;
-    Vec upper;
-    Vec middle;
-  };
+  using Extent = silt::Extent<Dim, Real>;
+
   /// Sets up the cells for so many points in this extent, with edge `reach` [m].
   void set_up(const Extent& extent, Index points, Real reach) {
     // After rounding, the particles of a pair must not be two cells apart: cell_along() has an
@@ -60,8 +57,7 @@ class Cells {
       cells[k] = std::max<std::int64_t>(std::int64_t{cell_along(extent.upper, k)} + 1, 3);
       product *= double(cells[k]);
     }
-    const bool is_too_long = *std::max_element(cells.begin(), cells.end()) > max_cell;
-    shared_ = is_too_long || product > std::min(16.0 * double(points) + 64, 4e9);
+    shared_ = !are_near_anchor(extent) || product > std::min(16.0 * double(points) + 64, 4e9);
     if (shared_) {
       bins_ = prime_from(2 * static_cast<std::int64_t>(points) + 64);
       cells.fill(static_cast<std::int64_t>(std::pow(double(bins_), 1.0 / Dim)));
@@ -87,11 +83,13 @@ class Cells {
     }
     return static_cast<Index>(bin);
   }
-  /// The same for x within the extent, if no bins are shared; in 32 bits, for vectorisation.
+  /// The same for x within the extent, if no bins are shared; in 32 bits and without limits, for
+  /// vectorisation.
   std::uint32_t bin_in_extent(const Vec& x) const {
     std::uint32_t bin = 0;
     for (std::size_t k = 0; k < Dim; ++k) {
-      bin += static_cast<std::uint32_t>(cell_along(x, k)) * static_cast<std::uint32_t>(stride_[k]);
+      bin += static_cast<std::uint32_t>(cell_at(coordinate_of(x, k), k)) *
+             static_cast<std::uint32_t>(stride_[k]);
     }
     return bin;
   }
@@ -155,12 +153,28 @@ class Cells {
   // Points more than 2³⁰ cells away are in the outermost cell.
   static constexpr std::int32_t max_cell = (1 << 30) - 1;
 
+  // Whether no point is more than 2²⁹ cells away.
+  bool are_near_anchor(const Extent& extent) const {
+    bool near = true;
+    for (std::size_t k = 0; k < Dim; ++k) {
+      near &= coordinate_of(extent.lower, k) >= -double(max_cell) / 2;
+      near &= coordinate_of(extent.upper, k) <= double(max_cell) / 2;
+    }
+    return near;
+  }
+
   // Coordinate k of the cell that contains x, counted from the lower corner.
   std::int32_t cell_along(const Vec& x, std::size_t k) const {
-    const double coordinate = (double(x[static_cast<int>(k)]) - anchor_[k]) * inverse_edge_;
-    const double clamped = std::min(std::max(coordinate, -double(max_cell)), double(max_cell));
+    const double coordinate = coordinate_of(x, k);
+    return cell_at(std::min(std::max(coordinate, -double(max_cell)), double(max_cell)), k);
+  }
+  // In cells, from the anchor.
+  double coordinate_of(const Vec& x, std::size_t k) const {
+    return (double(x[static_cast<int>(k)]) - anchor_[k]) * inverse_edge_;
+  }
+  std::int32_t cell_at(double coordinate, std::size_t k) const {
     // Adding `max_cell` makes it positive, because the conversion rounds towards 0.
-    return static_cast<std::int32_t>(clamped + max_cell) - lower_[k];
+    return static_cast<std::int32_t>(coordinate + max_cell) - lower_[k];
   }
 
   // Offsets of the rows around a cell from its own row, ascending.

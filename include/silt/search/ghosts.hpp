@@ -8,6 +8,7 @@
 #include <silt/core/error.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/particles.hpp>
+#include <silt/search/extent.hpp>
 
 #include <string>
 
@@ -38,20 +39,23 @@ void check_periodic_sides(const Box<Dim, Real>& box, const GhostDepth<Real>& dep
   }
 }
 
-/// Wraps owned particles into the periodic box and makes the ghosts within `depth` [m] of it.
-/// Throws if a position is not finite, and as check_periodic_sides does with the radius `depth`.
+/// Wraps owned particles into the periodic box, makes the ghosts within `depth` [m] of it, and
+/// returns the extent of all. Throws if a position is not finite, and as check_periodic_sides does
+/// with the radius `depth`.
 template <class P>
-void make_ghosts(P& particles, typename P::Real depth) {
+Extent<P::dimension, typename P::Real> make_ghosts(P& particles, typename P::Real depth) {
   using Vec = typename P::Vec;
   particles.clear_ghosts();
   const auto x_owned = particles[position];
-  const Index broken = first_where(x_owned.size(), [&](Index i) { return !is_finite(x_owned[i]); });
-  if (broken != no_index) {
+  const auto extent = extent_of_points(x_owned);
+  if (!extent.is_finite()) {
+    const auto is_broken = [&](Index i) { return !is_finite(x_owned[i]); };
+    const Index broken = first_where(x_owned.size(), is_broken);
     fail("search: a position is not finite; check the velocity of the particle",
          {.particle = broken, .id = particles.id(broken)});
   }
   const auto& box = particles.box();
-  if (!box.any_periodic()) return;
+  if (!box.any_periodic()) return extent;
 
   const auto leaves = [&](Index i) { return x_owned[i] != box.wrap(x_owned[i]); };
   if (first_where(x_owned.size(), leaves) != no_index) particles.keep(position);
@@ -76,6 +80,7 @@ void make_ghosts(P& particles, typename P::Real depth) {
       if (is_high(i)) particles.add_ghost(i, Vec(-shift));
     }
   }
+  return extent_of_points(particles.with_ghosts(position));
 }
 
 }  // namespace silt

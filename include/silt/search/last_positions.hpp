@@ -41,7 +41,7 @@ class LastPositions {
   /// is NaN.
   template <class P>
   Real max_displacement_from(const std::vector<Vec>& reference, const P& particles) {
-    const auto* const x = lanes_of(particles[position].data());
+    const auto x = lanes_of(particles[position]);
     const auto* const from = lanes_of(reference.data());
     return max_root(particles.size(), [=](Index i) { return (x[i] - from[i]).squaredNorm(); });
   }
@@ -53,7 +53,7 @@ class LastPositions {
   std::optional<Real> update_owned(const P& particles) {
     const std::span<const Vec> before = keep_previous();
     if (!belong_to(particles)) return std::nullopt;
-    const auto* const x = lanes_of(particles[position].data());
+    const auto x = lanes_of(particles[position]);
     const auto* const last = lanes_of(before.data());
     auto* const current = lanes_of(positions_.data());
     return max_root(particles.size(), [=](Index i) {

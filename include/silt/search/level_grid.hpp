@@ -11,6 +11,7 @@
 #include <silt/core/transfer.hpp>
 #include <silt/core/types.hpp>
 #include <silt/search/bin_sort.hpp>
+#include <silt/search/extent.hpp>
 #include <silt/search/ghosts.hpp>
 #include <silt/search/neighbour_rows.hpp>
 #include <silt/search/size_classes.hpp>
@@ -72,14 +73,14 @@ class LevelGrid {
     for (Index l = 0; l < highest_.size(); ++l) {
       levels_[l].largest = largest_of_level(highest_[l], gap_);
     }
-    by_level_.sort(x.size(), levels_.size(), [&](Index i) { return level_of_size(radii_[i]); });
+    by_level_.sort(
+        x.size(), levels_.size(), [&](Index i) { return level_of_size(radii_[i]); }, [](Chunk) {});
     for (Index l = 0; l < levels_.size(); ++l) {
       Level& level = levels_[l];
       level.first = by_level_.start()[l];
       level.x.resize(by_level_.start()[l + 1] - level.first);
       for_each(level.x.size(), [&](Index k) { level.x[k] = x[item(level, k)]; });
-      level.points.sort(level.x, 2 * level.largest + gap_);
-      level.points.copy(level.x);
+      level.points.sort_and_copy(level.x, extent_of_points(level.x), 2 * level.largest + gap_);
     }
   }
 
@@ -92,7 +93,9 @@ class LevelGrid {
     require_positive("LevelGrid: radius", double(radius_));
     const Real gap = gap_of(particles[silt::radius]);
     const SizeClass finest = highest_of(particles[silt::radius], gap).front();
-    all_levels_.sort(particles[position], 2 * largest_of_level(finest, gap) + gap);
+    const auto extent = extent_of_points(particles[position]);
+    if (!extent.is_finite()) return;  // update() throws
+    all_levels_.sort(particles[position], extent, 2 * largest_of_level(finest, gap) + gap);
     const bool is_new = particles.owned_revision() != revision_;
     if (all_levels_.descents() <= (is_new ? 0 : particles.size() / 16)) return;
     const auto items = all_levels_.item_of();
@@ -212,7 +215,8 @@ class LevelGrid {
   };
 
   // Pairs are found up to this distance between their surfaces.
-  Real gap_of(std::span<const Real> radii) const {
+  template <class Radii>
+  Real gap_of(const Radii& radii) const {
     const Real max_radius = silt::largest(radii.size(), Real(0), [&](Index i) { return radii[i]; });
     const Real gap = radius_ - 2 * max_radius;
     if (gap < 0) {
@@ -224,7 +228,8 @@ class LevelGrid {
   }
 
   // The highest size class of each level.
-  std::vector<SizeClass> highest_of(std::span<const Real> radii, Real gap) {
+  template <class Radii>
+  std::vector<SizeClass> highest_of(const Radii& radii, Real gap) {
     histogram_.assign(size_classes, 0);
     for (const Real size : radii) ++histogram_[size_class_of(double(size))];
     return choose_levels(histogram_, double(gap), Dim);

@@ -10,7 +10,6 @@
 
 #include <silt/core/error.hpp>
 #include <silt/core/transfer.hpp>
-#include <silt/core/travel.hpp>
 #include <silt/core/types.hpp>
 #include <silt/search/ghosts.hpp>
 #include <silt/search/last_positions.hpp>
@@ -88,7 +87,6 @@ class NeighbourList {
     if (const auto displacement = positions_.update_owned(particles)) {
       state_.last_displacement = *displacement;
       state_.displacement += state_.last_displacement;
-      state_.travelled += double(state_.last_displacement);
     }
     // The sum of the maximum displacements of all updates is an upper bound for the maximum
     // displacement, and cheaper.
@@ -105,9 +103,6 @@ class NeighbourList {
     }
     for (const Pairs pairs : {Pairs::twice, Pairs::once}) build_rows(pairs);
   }
-
-  /// Increases in every update by the maximum displacement since the previous one.
-  Travel travel() const noexcept { return {epoch_.number(), state_.travelled}; }
 
   /// f(j, r_ij, r) for every j, owned or ghost, with r < radius(); i is owned, r_ij = x_j − x_i.
   template <class F>
@@ -207,7 +202,6 @@ class NeighbourList {
     archive("updates", state_.updates);
     archive("rebuilds", state_.rebuilds);
     if constexpr (Archive::reads) {
-      epoch_ = Epoch();
       if (is_of_these) {
         repeat_build(particles, reference);
       } else {
@@ -242,7 +236,6 @@ class NeighbourList {
     Real last_displacement = 0;      // maximum displacement since the previous update
     Index updates = 0;  // since the list was built
     std::array<bool, 2> has_rows{};  // rows of each kind
-    double travelled = 0;  // sum of all maximum displacements [m]
     std::uint64_t rebuilds = 0;
   };
 
@@ -344,7 +337,6 @@ class NeighbourList {
     }
   }
 
-  Epoch epoch_;
   Real radius_ = 0;
   State state_;
   State saved_;

@@ -20,6 +20,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 namespace silt {
@@ -66,31 +67,67 @@ class SharedCandidates {
     }
   }
 
+  /// Ends the block: there are no more candidates.
+  void end() {
+    // The last register is completed with points that are not near.
+    constexpr int N = simd::lanes<float>;
+    reserve(count_ + N);
+    simd::store<float, N>(near_x_[0].data() + count_,
+                          simd::broadcast<float, N>(std::numeric_limits<float>::max()));
+  }
+
   Index size() const noexcept { return count_; }
 
   /// Writes the candidates near slot `slot` of the block, or only those after it (`forward`), to
   /// `to`, and returns their end. There must be space for all candidates and one more register.
-  std::uint32_t* near(Index slot, bool forward, std::uint32_t* to) const {
+  template <bool forward>
+  std::uint32_t* near(Index slot, std::uint32_t* to) const {
     constexpr int N = simd::lanes<float>;
     const Index own = own_ + (slot - first_);
-    simd::Columns<Dim, float> x;
-    std::array<float, Dim> centre;
+    const Index count = count_;
+    const std::uint32_t own_item = items_[slot];
+    const std::uint32_t* const items = near_items_.data();
+    std::array<const float*, Dim> x;
+    struct {
+      simd::Pack<float, N> x;
+    } centre[Dim];
     for (std::size_t k = 0; k < Dim; ++k) {
       x[k] = near_x_[k].data();
-      centre[k] = near_x_[k][own];
+      centre[k].x = simd::broadcast<float, N>(x[k][own]);
     }
-    const auto item = [items = near_items_.data()](Index s) {
-      return simd::load<std::uint32_t, N>(items + s);
+    const auto limit = simd::broadcast<float, N>(reach_);
+    const auto is_near = [&](Index s) {
+      simd::Pack<float, N> r2{};
+      for (std::size_t k = 0; k < Dim; ++k) {
+        const simd::Pack<float, N> d = simd::load<float, N>(x[k] + s) - centre[k].x;
+        r2 = k == 0 ? d * d : r2 + d * d;
+      }
+      return simd::less<float, N>(r2, limit);
     };
-    return simd::compress_near<N>(x, forward ? own + 1 : 0, count_, centre, reach_, item,
-                                  items_[slot], to);
+    Index s = 0;
+    if (forward) {
+      // All particles of a block begin at the same few registers: a loop whose length differs from
+      // row to row would be mispredicted.
+      s = (own + 1) / N * N;
+      const simd::Mask after = ~simd::first_lanes<N>(own + 1 - s);
+      to += simd::compress<std::uint32_t, N>(to, simd::load<std::uint32_t, N>(items + s),
+                                             is_near(s) & after);
+      s += N;
+    }
+    for (; s < count; s += N) {
+      const auto item = simd::load<std::uint32_t, N>(items + s);
+      simd::Mask mask = is_near(s);
+      if (!forward) mask &= simd::differs<N>(item, own_item);
+      to += simd::compress<std::uint32_t, N>(to, item, mask);
+    }
+    return to;
   }
 
  private:
   static constexpr int lanes = simd::lanes<Real>;
   using Lanes = simd::Pack<float, lanes>;
   // Number of particles from which testing the bounding box saves time.
-  static constexpr Index dense = 12;
+  static constexpr Index dense = 24;
 
   Lanes relative(const Real* x, Real origin) const {
     return __builtin_convertvector(simd::load(x) - origin, Lanes);
@@ -142,6 +179,24 @@ class SharedCandidates {
     count_ = count;
   }
 
+  // Memory at the address of a register, because a load across two cache lines takes twice as long.
+  template <class T>
+  class Registers {
+   public:
+    T* data() { return memory_.data()->values; }
+    const T* data() const { return memory_.data()->values; }
+    Index size() const { return memory_.size() * N; }
+    void resize(Index size) { memory_.resize((size + N - 1) / N); }
+    T operator[](Index i) const { return data()[i]; }
+
+   private:
+    static constexpr Index N = simd::lanes<T>;
+    struct alignas(simd::width) Register {
+      T values[N];
+    };
+    std::vector<Register> memory_;
+  };
+
   void reserve(Index size) {
     if (size <= near_items_.size()) return;
     for (auto& x : near_x_) x.resize(2 * size);
@@ -158,8 +213,8 @@ class SharedCandidates {
   float reach_ = 0;                  // squared
   Index own_ = 0;                    // index of the first slot of the block among the candidates
   Index count_ = 0;
-  std::array<std::vector<float>, Dim> near_x_;
-  std::vector<std::uint32_t> near_items_;
+  std::array<Registers<float>, Dim> near_x_;
+  Registers<std::uint32_t> near_items_;
 };
 
 }  // namespace silt

@@ -13,6 +13,7 @@
 #include <silt/core/types.hpp>
 #include <silt/search/bin_sort.hpp>
 #include <silt/search/cells.hpp>
+#include <silt/search/extent.hpp>
 
 #include <algorithm>
 #include <array>
@@ -28,29 +29,29 @@ template <int Dim, class Real>
 class SortedCells {
  public:
   using Vec = silt::Vec<Dim, Real>;
+  using Extent = silt::Extent<Dim, Real>;
 
-  /// Sorts points into cells whose edge is `reach` [m]. Throws if there are 2³² or more.
-  void sort(std::span<const Vec> x, Real reach) {
-    if (x.size() >= std::numeric_limits<std::uint32_t>::max()) {
-      fail("search: " + std::to_string(x.size()) +
-           " particles and ghosts exceed the limit of 2^32 - 2; reduce their number");
-    }
-    reach_ = reach;
-    cells_.set_up(extent_of(x), x.size(), reach);
-    if (cells_.shared()) {
-      order_.sort(x.size(), cells_.bins(), [&](Index i) { return cells_.bin_of(x[i]); });
-    } else {
-      order_.sort(x.size(), cells_.bins(), [&](Index i) { return cells_.bin_in_extent(x[i]); });
-    }
+  /// Sorts points in this finite extent into cells whose edge is `reach` [m]. Throws if there are
+  /// 2³² or more.
+  template <class Points>
+  void sort(const Points& x, const Extent& extent, Real reach) {
+    sort(x, extent, reach, [](Chunk) {});
   }
 
-  /// Copies the points into their slots; x is the argument of the last sort().
-  void copy(std::span<const Vec> x) {
+  /// The same, and copies the points into their slots.
+  template <class Points>
+  void sort_and_copy(const Points& x, const Extent& extent, Real reach) {
     for (auto& column : x_) column.resize(x.size() + simd::lanes<Real>);
-    for_each(x.size(), [&](Index slot) {
-      const Vec& point = x[item_of()[slot]];
+    const auto copy = [&](Index item, Index slot) {
+      const Vec& point = x[item];
       for (std::size_t k = 0; k < Dim; ++k) x_[k][slot] = point[static_cast<int>(k)];
+    };
+    // Points that are in order already are copied while they are in cache.
+    sort(x, extent, reach, [&](Chunk chunk) {
+      for (Index i = chunk.first; i < chunk.last; ++i) copy(i, i);
     });
+    if (descents() == 0) return;
+    for_each(x.size(), [&](Index slot) { copy(item_of()[slot], slot); });
   }
 
   Index size() const noexcept { return order_.size(); }
@@ -103,24 +104,21 @@ class SortedCells {
   }
 
  private:
-  typename Cells<Dim, Real>::Extent extent_of(std::span<const Vec> x) {
-    if (x.empty()) return {Vec::Zero(), Vec::Zero(), Vec::Zero()};
-    corners_.resize(chunk_count(x.size()));
-    for_each_chunk(x.size(), [&](Chunk chunk) {
-      Vec lower = x[chunk.first];
-      Vec upper = lower;
-      for (const Vec& at : x.subspan(chunk.first, chunk.last - chunk.first)) {
-        lower = lower.cwiseMin(at);
-        upper = upper.cwiseMax(at);
-      }
-      corners_[chunk.number] = {lower, upper};
-    });
-    auto [lower, upper] = corners_.front();
-    for (const auto& corners : corners_) {
-      lower = lower.cwiseMin(corners[0]);
-      upper = upper.cwiseMax(corners[1]);
+  // in_order(chunk) is called for chunks of points that are in order, see BinSort.
+  template <class Points, class F>
+  void sort(const Points& x, const Extent& extent, Real reach, F&& in_order) {
+    if (x.size() >= std::numeric_limits<std::uint32_t>::max()) {
+      fail("search: " + std::to_string(x.size()) +
+           " particles and ghosts exceed the limit of 2^32 - 2; reduce their number");
     }
-    return {lower, upper, x[x.size() / 2]};
+    reach_ = reach;
+    cells_.set_up(extent, x.size(), reach);
+    if (cells_.shared()) {
+      order_.sort(x.size(), cells_.bins(), [&](Index i) { return cells_.bin_of(x[i]); }, in_order);
+    } else {
+      order_.sort(
+          x.size(), cells_.bins(), [&](Index i) { return cells_.bin_in_extent(x[i]); }, in_order);
+    }
   }
 
   // A branch on the distance would be mispredicted and take longer than computing it. Slots are
@@ -165,7 +163,6 @@ class SortedCells {
   Cells<Dim, Real> cells_;
   BinSort order_;
   std::array<std::vector<Real>, Dim> x_;  // by slot
-  std::vector<std::array<Vec, 2>> corners_;  // of each chunk
 };
 
 }  // namespace silt

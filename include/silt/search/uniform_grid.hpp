@@ -13,6 +13,7 @@
 #include <silt/core/simd.hpp>
 #include <silt/core/transfer.hpp>
 #include <silt/core/types.hpp>
+#include <silt/search/extent.hpp>
 #include <silt/search/ghosts.hpp>
 #include <silt/search/neighbour_rows.hpp>
 #include <silt/search/shared_candidates.hpp>
@@ -62,7 +63,9 @@ class UniformGrid {
     const Index many = is_new ? 0 : particles.size() / 16;
     if (!is_new && descents_ <= many) return;
     require_positive("UniformGrid: radius", double(radius_));
-    points_.sort(particles[position], radius_);
+    const auto extent = extent_of_points(particles[position]);
+    if (!extent.is_finite()) return;  // update() throws
+    points_.sort(particles[position], extent, radius_);
     owned_ = particles.size();
     if (points_.descents() > many) particles.reorder(order());
   }
@@ -72,12 +75,11 @@ class UniformGrid {
   template <class P>
   void update(P& particles) {
     require_positive("UniformGrid: radius", double(radius_));
-    make_ghosts(particles, radius_);
+    const auto extent = make_ghosts(particles, radius_);
     const auto x = particles.with_ghosts(position);
     owned_ = particles.size();
     revision_ = particles.owned_revision();
-    points_.sort(x, radius_);
-    points_.copy(x);
+    points_.sort_and_copy(x, extent, radius_);
     descents_ = points_.descents();
     ghost_owners_.resize(x.size() - owned_);
     for (Index g = 0; g < ghost_owners_.size(); ++g) {
@@ -193,7 +195,7 @@ class UniformGrid {
   // Fewer particles fit into the cache in any order.
   static constexpr Index worth_sorting = 1024;
   // Number of particles that justifies sharing candidates, and maximum number of cells in a block.
-  static constexpr Index shared_by = 16;
+  static constexpr Index shared_by = 12;
   static constexpr std::int64_t longest_block = 12;
 
   bool has_ghosts() const noexcept { return !ghost_owners_.empty(); }
@@ -259,11 +261,13 @@ class UniformGrid {
     } else if (rows > 0) {
       points_.cells().for_each_range_around(bin, length, add);
     }
+    candidates.end();
     std::uint32_t* to = row.room(rows * candidates.size() + simd::lanes<float>);
     for (Index slot = first; slot < last; ++slot) {
       if (has_row(slot)) {
         std::uint32_t* const begin = to;
-        to = candidates.near(slot, forward, begin);
+        to = forward ? candidates.template near<true>(slot, begin)
+                     : candidates.template near<false>(slot, begin);
         if (pairs == Pairs::once && !forward) to = remove_others(slot, begin, to);
       }
       row.end_row(to);

@@ -220,44 +220,31 @@ class Bonds {
     return 0;
   }
 
+  template <class P>
+  bool needs_search(const P&) const {
+    return false;
+  }
+
   /// Adds forces and torques. Throws if the grains of a bond coincide, or if dt exceeds the
   /// stability limit of the bonds alone.
   template <class P, class S>
     requires HasFields<P, spin_t, force_t, torque_t, mass_t, inertia_t, radius_t> &&
              std::same_as<typename P::Vec, Vec>
   void accelerate(P& grains, S& search, double dt) {
-    accelerate_all(*this, grains, search, dt);
+    constexpr auto nothing = [](Index, Index) {};
+    accelerate(grains, search, dt, Pass{nothing, nothing});
   }
-
-  // accelerate() in stages, see AddsForces in core/concepts.hpp.
-
-  template <class P, class S>
-  void prepare(P& grains, const S&, double dt) {
-    keep_state();
-    update_indices(grains);
-    if (!(dt <= stability_.time_step)) refuse(grains, dt);
-    const Real passed = static_cast<Real>(last_time_step_);
-    for_each(bonds_.size(), [&](Index k) { advance_bond(grains, k, passed); });
-    remove_broken(grains);
-    last_time_step_ = dt;
-  }
-
-  /// Adds Σ F and Σ M of grain i, in the order of the bonds' ids.
-  template <class P>
-    requires HasFields<P, force_t, torque_t, radius_t>
-  void add_forces(P& grains, Index i) const {
-    for (const Index k : indices_.of(i)) {
-      const Bond& bond = bonds_[k];
-      const BondEnds ends = indices_.ends(k);
-      const bool is_a = ends.a == i;
-      const Real share = arm_of_a(grains, ends);
-      // The force acts on both grains at the same point: this conserves angular momentum.
-      const Vec arm = (is_a ? -share : 1 - share) * bond.length * bond.normal;
-      const Real sign = is_a ? Real(1) : Real(-1);
-      const Vec f = sign * bond.force;
-      grains[force][i] += f;
-      grains[torque][i] += cross(arm, f) + sign * bond.couple;
-    }
+  /// The same in one pass over the grains, see AcceleratesInPass in core/concepts.hpp.
+  template <class P, class S, class Before, class After>
+    requires HasFields<P, spin_t, force_t, torque_t, mass_t, inertia_t, radius_t> &&
+             std::same_as<typename P::Vec, Vec>
+  void accelerate(P& grains, S&, double dt, const Pass<Before, After>& pass) {
+    advance_bonds(grains, dt);
+    for_each_range(grains.size(), [&](Index first, Index last) {
+      pass.before(first, last);
+      for (Index i = first; i < last; ++i) add_loads(grains, i);
+      pass.after(first, last);
+    });
   }
 
   /// Default time step [s]: 1/50 of half the shortest period of the bonds; infinite without bonds.
@@ -311,6 +298,35 @@ class Bonds {
   }
 
  private:
+  // Brings the bonds to the positions of the grains and removes the broken ones.
+  template <class P>
+  void advance_bonds(P& grains, double dt) {
+    keep_state();
+    update_indices(grains);
+    if (!(dt <= stability_.time_step)) refuse(grains, dt);
+    const Real passed = static_cast<Real>(last_time_step_);
+    for_each(bonds_.size(), [&](Index k) { advance_bond(grains, k, passed); });
+    remove_broken(grains);
+    last_time_step_ = dt;
+  }
+
+  // Adds Σ F and Σ M of grain i, in the order of the bonds' ids.
+  template <class P>
+  void add_loads(P& grains, Index i) const {
+    for (const Index k : indices_.of(i)) {
+      const Bond& bond = bonds_[k];
+      const BondEnds ends = indices_.ends(k);
+      const bool is_a = ends.a == i;
+      const Real share = arm_of_a(grains, ends);
+      // The force acts on both grains at the same point: this conserves angular momentum.
+      const Vec arm = (is_a ? -share : 1 - share) * bond.length * bond.normal;
+      const Real sign = is_a ? Real(1) : Real(-1);
+      const Vec f = sign * bond.force;
+      grains[force][i] += f;
+      grains[torque][i] += cross(arm, f) + sign * bond.couple;
+    }
+  }
+
   template <class P>
   static Bond bond_between(const P& grains, const IdPair& pair) {
     const auto [a, b] = std::minmax(pair.one, pair.other);

@@ -5,11 +5,9 @@
 
 #include <silt/core/types.hpp>
 #include <silt/dem/conformance/prescribed_contact.hpp>
-#include <silt/dem/contact/contact_lanes.hpp>
+#include <silt/dem/contact/law_lanes.hpp>
 #include <silt/dem/law/contact.hpp>
 #include <silt/dem/law/law_history.hpp>
-#include <silt/dem/setup/grains.hpp>
-#include <silt/dem/wall/wall.hpp>
 
 #include <algorithm>
 #include <array>
@@ -24,53 +22,44 @@ using EightContacts = std::array<PrescribedContact<Dim>, lanes>;
 template <int Dim>
 using EightLoads = std::array<std::vector<LawLoad<Dim>>, lanes>;
 
-/// The loads along eight contacts of the same duration. Each is that of a grain of mass m* and
-/// radius R* with its own wall.
+/// The loads along eight contacts of the same duration.
 template <class Law, int Dim>
   requires LawInLanes<Law, Dim, double>
 EightLoads<Dim> loads_in_lanes(const Law& law, const EightContacts<Dim>& contacts) {
   using Kept = LawHistory<Law, Dim, double>;
   constexpr bool has_couple = GivesCouple<Law, Dim, double>;
-  using Eight = ContactLanes<Dim, double, Kept::words, has_couple>;
+  using Eight = LawLanes<Dim, double, Kept::words, has_couple>;
   using Row = typename Eight::Row;
 
-  Grains<Dim> grains;
-  std::array<std::uint32_t, lanes> places;
-  for (std::uint32_t lane = 0; lane < lanes; ++lane) {
-    places[lane] = lane;
-    add_grain(grains, Vec<Dim>(Vec<Dim>::Zero()), {.radius = 1, .density = 1});
-    grains[mass][lane] = contacts[lane].front().effective_mass;
-    grains[radius][lane] = contacts[lane].front().effective_radius;
-  }
-  const typename Eight::Columns columns(grains);
-  alignas(64) double rows[lanes * Row::words] = {};
-  alignas(64) double histories[lanes * std::max(Eight::padded_words, 1)] = {};
-  const auto history_of = [&](int lane) { return histories + lane * Eight::padded_words; };
-
-  Eight eight;
+  Eight eight{};
   EightLoads<Dim> loads;
+  double fresh[std::max(Kept::words, 1)];
+  Kept::put({}, fresh);
   for (Index k = 0; k < contacts[0].size(); ++k) {
-    for (Index lane = 0; lane < lanes; ++lane) {
-      const auto& contact = contacts[lane][k];
-      if (k == 0 || !(contact.overlap > 0)) Kept::put({}, history_of(int(lane)));
-      // u = v − (R − δ) ω × n
-      const Vec<Dim> arm = (contact.overlap - contact.effective_radius) * contact.normal;
-      grains[velocity][lane] = contact.relative_velocity - cross(contact.relative_spin, arm);
-      grains[spin][lane] = contact.relative_spin;
+    for (int lane = 0; lane < lanes; ++lane) {
+      const auto& contact = contacts[static_cast<Index>(lane)][k];
+      if (k == 0 || !(contact.overlap > 0)) {
+        for (int word = 0; word < Kept::words; ++word) eight.history[word][lane] = fresh[word];
+      }
+      for (int d = 0; d < Dim; ++d) {
+        eight.row[Row::n + d][lane] = contact.normal[d];
+        eight.velocity[d][lane] = contact.relative_velocity[d];
+      }
+      if constexpr (has_couple) {
+        for (int d = 0; d < angular_size<Dim>; ++d) {
+          eight.relative_spin[d][lane] = component(contact.relative_spin, d);
+        }
+      }
+      eight.row[Row::overlap][lane] = contact.overlap;
+      eight.mass[lane] = contact.effective_mass;
+      eight.radius[lane] = contact.effective_radius;
     }
-    const auto nearest = [&](std::uint32_t lane, const auto&) {
-      const auto& contact = contacts[lane][k];
-      return NearestPoint<Dim, double>{contact.normal, contact.effective_radius - contact.overlap};
-    };
-    eight.look_at_walls(columns, places.data(), places.data(), nearest);
-    eight.meet_walls(columns, places.data(), places.data(), 1, nullptr);
-    eight.recall(history_of);
-    eight.ask(law, contacts[0][k].time_step);
-    eight.give(rows, histories);
-    for (Index lane = 0; lane < lanes; ++lane) {
-      LawLoad<Dim>& load = loads[lane].emplace_back();
-      if (!(contacts[lane][k].overlap > 0)) continue;
-      const double* const row = rows + lane * Row::words;
+    evaluate_in_lanes(law, &eight, 1, contacts[0][k].time_step);
+    for (int lane = 0; lane < lanes; ++lane) {
+      LawLoad<Dim>& load = loads[static_cast<Index>(lane)].emplace_back();
+      if (!(contacts[static_cast<Index>(lane)][k].overlap > 0)) continue;
+      double row[Row::words];
+      for (int word = 0; word < Row::words; ++word) row[word] = eight.row[word][lane];
       load.force = Row::template force_in<Dim>(row);
       load.couple = Row::template couple_in<Dim>(row);
     }

@@ -8,14 +8,15 @@ namespace silt::dem {
 
 /// Data stored for a contact in addition to its history: n, δ, F on the first grain, R minus the
 /// lever arm, and the couple on the first grain if the law has one.
-template <bool has_couple>
+template <bool couples>
 struct ContactRow {
+  static constexpr bool has_couple = couples;
   static constexpr int n = 0;
   static constexpr int overlap = 3;
   static constexpr int F = 4;
   static constexpr int shorter = 7;
   static constexpr int couple = 8;
-  static constexpr int words = has_couple ? 12 : 8;
+  static constexpr int words = couples ? 12 : 8;
 
   /// F of a row [N].
   template <int Dim, class Real>
@@ -28,7 +29,7 @@ struct ContactRow {
   template <int Dim, class Real>
   static AngularVec<Dim, Real> couple_in([[maybe_unused]] const Real* row) {
     auto all = zero_of<AngularVec<Dim, Real>>();
-    if constexpr (has_couple) {
+    if constexpr (couples) {
       for (int k = 0; k < angular_size<Dim>; ++k) component(all, k) = row[couple + k];
     }
     return all;

@@ -1,31 +1,37 @@
 // SPDX-License-Identifier: MIT
-// The contact interaction of DEM. In each step it updates the list of near pairs if necessary
-// (near_search.hpp), evaluates the law once for each contact (law_pass.hpp), sums the forces on
-// each grain in a fixed order (single_contacts.hpp), and checks that the time step is stable
+// The contact interaction of DEM. In each step it rebuilds the list of contacts if necessary
+// (list_renewal.hpp), evaluates the law once for each contact (contact_kernel.hpp), sums the forces
+// on each grain in a fixed order (load_rows.hpp), and checks that the time step is stable
 // (stable_time_step.hpp).
 #pragma once
 
 #include <silt/core/concepts.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/parallel.hpp>
+#include <silt/core/rows_of_four.hpp>
 #include <silt/core/types.hpp>
+#include <silt/dem/contact/contact_kernel.hpp>
 #include <silt/dem/contact/contact_settings.hpp>
 #include <silt/dem/contact/contacts_of_step.hpp>
-#include <silt/dem/contact/law_pass.hpp>
-#include <silt/dem/contact/near_search.hpp>
+#include <silt/dem/contact/evaluation.hpp>
+#include <silt/dem/contact/law_evaluation.hpp>
+#include <silt/dem/contact/list_renewal.hpp>
+#include <silt/dem/contact/load_rows.hpp>
 #include <silt/dem/contact/pair_history.hpp>
-#include <silt/dem/contact/single_contacts.hpp>
 #include <silt/dem/contact/stable_time_step.hpp>
-#include <silt/dem/contact/touches.hpp>
 #include <silt/dem/law/contact.hpp>
 #include <silt/dem/law/law_history.hpp>
 #include <silt/dem/law/materials.hpp>
 #include <silt/dem/setup/grains.hpp>
 #include <silt/dem/wall/walls.hpp>
 
+#include <algorithm>
 #include <concepts>
+#include <cstring>
 #include <limits>
+#include <memory>
 #include <numeric>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -55,9 +61,9 @@ template <class P, class Law, class... Walls>
 class ContactsOf;
 
 /// Contacts between grains, and between grains and walls, with one law or one per pair of
-/// materials. A wall is any type that models dem::Wall. Radii may change only together with
-/// particles.revision(). A simulation of grains of type P stores them as a ContactsOf<P, …>; for
-/// calls without a simulation see for_particles() in core/concepts.hpp.
+/// materials. A wall is any type that models dem::Wall. A simulation of grains of type P stores
+/// them as a ContactsOf<P, …>; for calls without a simulation see for_particles() in
+/// core/concepts.hpp.
 template <class Law, class... Walls>
 class Contacts {
  public:
@@ -84,6 +90,9 @@ class Contacts {
     static_assert(HasFields<P, velocity_t, spin_t, force_t, torque_t, mass_t, inertia_t, radius_t,
                             material_t>,
                   "silt::dem::Contacts: these particles lack a field of dem::Grains");
+    static_assert(in_rows_with_radius<P>(),
+                  "silt::dem::Contacts: these particles are not stored as dem::Grains; use "
+                  "dem::Grains<Dim, Real, further_fields…>");
     static_assert(ContactLaw<Law, P::dimension, typename P::Real>,
                   "silt::dem::Contacts: the law has neither force(contact) nor force(contact, "
                   "history) that returns a vector, nor components() instead (see ContactLaw in "
@@ -99,8 +108,8 @@ class Contacts {
   template <class P>
     requires HasFields<P, velocity_t, spin_t, force_t, torque_t, mass_t, inertia_t, radius_t,
                        material_t> &&
-             ContactLaw<Law, P::dimension, typename P::Real> &&
-             (Wall<Walls, P::dimension, typename P::Real> && ...)
+                 ContactLaw<Law, P::dimension, typename P::Real> &&
+                 (Wall<Walls, P::dimension, typename P::Real> && ...)
   using For = ContactsOf<P, Law, Walls...>;
 
  protected:
@@ -114,14 +123,16 @@ template <class P, class Law, class... Walls>
 class ContactsOf : public Contacts<Law, Walls...> {
   using Real = typename P::Real;
   static constexpr int dimension = P::dimension;
-  using HistoryOfLaw = LawHistory<Law, dimension, Real>;
-  using History = typename HistoryOfLaw::type;
-  using Found = Touches<dimension, Real, HistoryOfLaw, GivesCouple<Law, dimension, Real>>;
-  using OfStep = ContactsOfStep<P, Law, WallSet<Walls...>, Found>;
+  using Kept = LawHistory<Law, dimension, Real>;
+  using History = typename Kept::type;
+  static constexpr bool has_couple = GivesCouple<Law, dimension, Real>;
+  using Evaluation = dem::Evaluation<P, Kept, has_couple>;
+  using List = typename Evaluation::List;
+  using Histories = typename Evaluation::Histories;
+  using LastStep = ContactsOfStep<P, Law, WallSet<Walls...>>;
 
  public:
-  ContactsOf(Contacts<Law, Walls...> contacts)
-      : Contacts<Law, Walls...>(std::move(contacts)) {}
+  ContactsOf(Contacts<Law, Walls...> contacts) : Contacts<Law, Walls...>(std::move(contacts)) {}
 
   /// A copy with other settings and the same histories. Throws if a setting is out of range.
   ContactsOf with(const ContactSettings& settings) const {
@@ -133,66 +144,55 @@ class ContactsOf : public Contacts<Law, Walls...> {
 
   /// Interaction range: twice the largest radius [m].
   Real reach(const P& grains) const {
-    const auto R = grains[radius];
-    return 2 * largest(R.size(), Real(0), [&](Index i) { return R[i]; });
+    if (reach_.revision != grains.constants_revision()) {
+      const auto R = grains[radius];
+      reach_.revision = grains.constants_revision();
+      reach_.value = 2 * largest(R.size(), Real(0), [&](Index i) { return R[i]; });
+    }
+    return reach_.value;
+  }
+
+  /// Whether the list of contacts has to be rebuilt, for which the search is used. The next
+  /// evaluation is for the grains as they are at this call.
+  bool needs_search(const P& grains) const {
+    const bool has_changed = state_.last.list->constants_revision != grains.constants_revision();
+    is_rebuild_announced_ = state_.given != nullptr || has_changed || is_stale(grains);
+    return *is_rebuild_announced_;
   }
 
   /// Adds contact forces and torques. Throws if two centres coincide, if a radius, mass or inertia
   /// is not positive, if a material does not exist, or if dt exceeds the stability limit.
   template <class S>
   void accelerate(P& grains, const S& search, double dt) {
-    accelerate_all(*this, grains, search, dt);
+    constexpr auto nothing = [](Index, Index) {};
+    accelerate(grains, search, dt, Pass{nothing, nothing});
+  }
+
+  /// The same in one pass over the grains, see AcceleratesInPass in core/concepts.hpp: block by
+  /// block, the law is evaluated for all contacts, then the forces on each grain are summed.
+  template <class S, class Before, class After>
+  void accelerate(P& grains, const S& search, double dt, const Pass<Before, After>& pass) {
+    Evaluation step = begin_step(grains, search, {.time = time_, .time_step = dt});
+    const auto after = memory_.histories.take();
+    after->resize(step.contacts().groups());
+    memory_.division.fit(step.contacts(), step.list.get(),
+                         static_cast<Index>(threads_for(grains.size())));
+    memory_.loads.resize(memory_.division.slots());
+    step.count = process_blocks(grains, step, *after, pass);
+    step.after = after;
+    step.grains = SharedGrains<P>(grains, memory_.copies);
+    if constexpr (knows_stiffness) {
+      if (settings_.check_stability && dt > step.list->stable_time_step) {
+        check_stability(grains, LastStep(grains, materials_, walls_, settings_, step), dt);
+      }
+    }
+    state_.last = std::move(step);
+    state_.given.reset();
   }
 
   /// Sets the time of the positions [s], which determines where moving walls are. Called by
   /// Simulation.
   void set_time(double time) { time_ = time; }
-
-  // accelerate() in stages, see AddsForces in core/concepts.hpp.
-
-  template <class S>
-  void prepare(P& grains, const S& search, double dt) {
-    const bool stale = is_stale(grains, search, walls_, time_, found_.validity());
-    if (stale) check_grains(grains, materials_);
-    found_.begin_step({.time = time_, .time_step = dt});
-    grains.refresh_ghosts(velocity, spin);
-    if (stale) renew_near(grains, search, dt);
-    found_.make_room();
-    counts_.assign(chunk_count(grains.size()), 0);
-  }
-
-  /// Evaluates the law for the contacts that belong to a chunk of grains.
-  void interact(const P& grains, Chunk chunk) {
-    using Lanes = typename Found::Lanes;
-    const Real dt = found_.seen().time_step;
-    const auto ask = [&, this, dt](Lanes& eight, const auto& contacts, unsigned touching) {
-      if constexpr (LawInLanes<Law, dimension, Real>) {
-        if (materials_.count() == 1) return eight.ask(materials_.between(0, 0), dt);
-      }
-      for (int lane = 0; lane < lanes; ++lane) {
-        if ((touching >> lane & 1) == 0) continue;
-        const Index c = contacts[static_cast<Index>(lane)];
-        eight.ask(law_of(grains)(sides_of(grains, found_.near(), c)), dt, lane);
-      }
-    };
-    const Real arm_share = settings_.lever_arm == LeverArm::radius ? 0 : Real(0.5);
-    const auto walls = walls_as_the_law_saw_them<P>(walls_, found_.seen());
-    LawPass pass(grains, found_, walls, arm_share, ask);
-    counts_[chunk.number] = pass(found_.near().of_chunk(chunk.number));
-  }
-
-  ChunkSpan needs(Chunk chunk) const { return found_.near().of_chunk(chunk.number).needs; }
-
-  /// Adds Σ F and Σ M (14) of grain i, in the order of the partners' ids.
-  void add_forces(P& grains, Index i) const { add_rows(grains, found_, i); }
-
-  void conclude(const P& grains, double dt) {
-    found_.end_step(std::accumulate(counts_.begin(), counts_.end(), Index(0)));
-    if constexpr (knows_stiffness) {
-      if (!settings_.check_stability || dt <= found_.validity().stable_time_step) return;
-      check_stability(grains, found_, walls_of_step<P>(walls_, found_.seen()), dt, law_of(grains));
-    }
-  }
 
   /// Default time step [s]: the shortest contact duration of the lightest grains, divided by
   /// steps_per_contact.
@@ -203,7 +203,7 @@ class ContactsOf : public Contacts<Law, Walls...> {
   }
 
   /// Number of contacts in the last step, including those with walls.
-  Index size() const noexcept { return found_.seen().count; }
+  Index size() const noexcept { return state_.last.count; }
 
   // Results of the last step, see ContactsOfStep.
 
@@ -213,56 +213,58 @@ class ContactsOf : public Contacts<Law, Walls...> {
   /// velocity at the time N of the contact.
   template <class F>
   void for_each_contact(const P& grains, F&& f) const {
-    of_step(grains).for_each(f);
+    last_step(grains).for_each(f);
   }
 
   /// f(WallContact) for every contact of the last step between a wall and a grain that still
   /// exists.
   template <class F>
   void for_each_wall_contact(const P& grains, F&& f) const {
-    of_step(grains).for_each_at_walls(f);
+    last_step(grains).for_each_at_walls(f);
   }
 
   /// Load on a wall, given by its number, in the last step; the torque is about the point `about`
   /// [m]. Bitwise identical for any number of threads. Throws if there is no such wall.
   auto load_on(const P& grains, Index wall, const typename P::Vec& about = P::Vec::Zero()) const {
-    return of_step(grains).load_on(wall, about);
+    return last_step(grains).load_on(wall, about);
   }
 
   /// f(EvaluatedContact) for every contact of the last step, with the law evaluated again on the
   /// same input. `before` are the grains, with their velocities, at the beginning of that step.
-  /// Must not be called after save().
   template <class F>
   void for_each_evaluated_contact(const P& before, F&& f) const {
-    of_step(before).for_each_evaluated_contact(f);
+    last_step(before).for_each_evaluated_contact(f);
   }
 
   /// The law returns the components of its force and the energy in its springs.
-  static constexpr bool gives_spring_energy = OfStep::gives_spring_energy;
+  static constexpr bool gives_spring_energy = LastStep::gives_spring_energy;
 
   /// Energy in the springs of the last step's contacts [J]; 0 for a law without elastic_energy().
-  double elastic_energy(const P& grains) const {
-    return of_step(grains).elastic_energy();
-  }
+  double elastic_energy(const P& grains) const { return last_step(grains).elastic_energy(); }
 
   /// The history of all contacts, by pairs of ids; for a checkpoint.
-  auto history(const P& grains) const {
-    return of_step(grains).history();
+  PairHistory<History> history(const P& grains) const {
+    return state_.given ? *state_.given : last_step(grains).history();
   }
 
   /// Replaces the history; for resuming from a checkpoint.
-  void set_history(const P&, const PairHistory<History>& history) { found_.set_history(history); }
+  void set_history(const P&, const PairHistory<History>& history) {
+    state_.given = std::make_shared<const PairHistory<History>>(history);
+  }
 
-  /// Writes or reads the history for a checkpoint, see core/transfer.hpp.
+  /// Writes or reads the histories and the list for a checkpoint, see core/transfer.hpp.
   template <class Archive>
   void transfer(Archive& archive, const P& grains) {
     auto own = history(grains);
     archive.within("history", [&] { own.transfer(archive); });
-    if constexpr (Archive::reads) set_history(grains, own);
+    archive.within("list", [&] { transfer_list(archive, grains, own); });
   }
 
-  void save() noexcept { found_.save(); }
-  void restore() noexcept { found_.restore(); }
+  void save() noexcept { saved_ = state_; }
+  void restore() noexcept {
+    state_ = saved_;
+    is_rebuild_announced_.reset();
+  }
 
  private:
   using Contacts<Law, Walls...>::materials_;
@@ -274,32 +276,283 @@ class ContactsOf : public Contacts<Law, Walls...> {
         { law.stiffness(c) } -> std::convertible_to<Stiffness>;
       };
 
-  OfStep of_step(const P& grains) const { return {grains, materials_, walls_, found_}; }
+  // Replaced, not changed, by every step.
+  struct State {
+    Evaluation last;
+    std::shared_ptr<const PairHistory<History>> given;  // by set_history(), until the next step
+  };
+  // Used again in every step; a copy is empty.
+  struct Memory {
+    Memory() = default;
+    Memory(Memory&&) = default;
+    Memory& operator=(Memory&&) = default;
+    Memory(const Memory&) {}
+    Memory& operator=(const Memory&) {
+      division.reset();
+      return *this;
+    }
+
+    Pool<List> lists;
+    Pool<Histories> histories;
+    typename SharedGrains<P>::Pools copies;
+    WorkDivision division;
+    LoadRows<dimension, Real, has_couple> loads;
+    std::vector<ContactList::Found> found;
+    std::vector<char> is_dense;  // by block, from the last step
+  };
+
+  bool is_stale(const P& grains) const {
+    return dem::is_stale(grains, walls_, time_, *state_.last.list, state_.last.lifetime);
+  }
+
+  LastStep last_step(const P& grains) const {
+    return {grains, materials_, walls_, settings_, state_.last};
+  }
+
+  // An evaluation with the list and the histories before it.
+  template <class S>
+  Evaluation begin_step(P& grains, const S& search, const StepTime& time) {
+    Evaluation step;
+    step.step = time;
+    step.box = grains.box();
+    // Other parts of Forces may have had access to the masses since needs_search(); a rebuild then
+    // has to wait for the next step, as the search has not been updated.
+    const bool may_rebuild = is_rebuild_announced_.value_or(true);
+    const bool rebuilds = may_rebuild ? needs_search(grains) : is_stale(grains);
+    is_rebuild_announced_.reset();
+    if (rebuilds) {
+      check_grains(grains, materials_);
+      const auto list = memory_.lists.take();
+      memory_.division.reset();
+      renew(grains, search, time, *list);
+      const Travel travel = grains.travel();
+      step.lifetime = {.epoch = travel.epoch,
+                       .distance = travel.distance + double(list->margin / 2)};
+      const auto before = memory_.histories.take();
+      move_histories(grains, list->contacts, *before);
+      step.list = list;
+      step.before = before;
+    } else {
+      step.list = state_.last.list;
+      step.lifetime = state_.last.lifetime;
+      step.before = state_.last.after;
+    }
+    return step;
+  }
 
   template <class S>
-  void renew_near(const P& grains, const S& search, double dt) {
-    found_.renew_near([&](NearContacts& near, auto& found, auto& validity) {
-      const typename Found::Step step{.time = time_, .time_step = dt};
-      renew_validity(grains, search, walls_, step, reach(grains), validity);
-      const auto walls = walls_of_step<P>(walls_, found_.seen());
-      find_near(grains, search, walls, validity.margin, near, found);
-      if constexpr (knows_stiffness) {
-        validity.stable_time_step =
-            stable_for_all(grains, near, walls, validity.margin, law_of(grains));
+  void renew(const P& grains, const S& search, const StepTime& step, List& list) {
+    begin_list(grains, search, walls_, step, reach(grains), list);
+    const auto walls = walls_at<P>(walls_, step);
+    find_contacts(grains, search, walls, list, memory_.found);
+    if constexpr (knows_stiffness) {
+      list.stable_time_step = stable_for_all(
+          grains, list.contacts, walls, list.margin,
+          [&](Index c) -> const Law& { return law_between(list, materials_, walls_, c); });
+    }
+  }
+
+  // Fills in the histories that contacts of a new list had in the last step.
+  void move_histories(const P& grains, const ContactList& list, Histories& to) const {
+    to.resize(list.groups());
+    to.clear();
+    const auto move = [&](auto&& history_of) {
+      list.for_each_block([&](Index block, Index, Index) {
+        list.for_each_contact(block, [&](Index c) { history_of(c); });
+      });
+    };
+    if (state_.given) {
+      return move([&](Index c) {
+        const auto* const known = state_.given->find(list.first_id(c), list.second_id(c));
+        if (known != nullptr) to.set(c, *known);
+      });
+    }
+    const ContactList& last = state_.last.contacts();
+    const Histories& from = *state_.last.after;
+    const auto move_from = [&](auto&& index_of) {
+      move([&](Index c) {
+        const Index known = last.find(list.first_id(c), list.second_id(c), index_of);
+        if (known != no_index && from.touches(known)) to.set(c, from.of(known));
+      });
+    };
+    if (state_.last.list->owned_revision == grains.owned_revision()) {
+      move_from([&](Id id) { return grains.index_of(id); });
+    } else {
+      const std::vector<Index> indices = last.indices();
+      move_from([&](Id id) { return id < indices.size() ? indices[id] : no_index; });
+    }
+  }
+
+  // With the list, it is rebuilt, and the grains are sorted, in the same steps as without a
+  // restart: as soon as a grain has moved by half the margin.
+  template <class Archive>
+  void transfer_list(Archive& archive, const P& grains, const PairHistory<History>& own) {
+    const List& last = *state_.last.list;
+    bool is_of_these = !state_.given && last.owned_revision == grains.owned_revision() &&
+                       last.constants_revision == grains.constants_revision();
+    std::vector<Id> first, second;
+    std::vector<typename P::Vec> since;
+    Real margin = last.margin;
+    double time = last.time;
+    double stable_time_step = last.stable_time_step;
+    auto extent = last.extent;
+    if (!Archive::reads && is_of_these) {
+      since = last.since;
+      last.contacts.for_each_contact_by_grain([&](Index c) {
+        first.push_back(last.contacts.first_id(c));
+        second.push_back(last.contacts.second_id(c));
+      });
+    }
+    archive("is_of_these", is_of_these);
+    archive("first", first);
+    archive("second", second);
+    archive("since", since);
+    archive("margin", margin);
+    archive("time", time);
+    archive("extent_lower", extent.lower);
+    archive("extent_upper", extent.upper);
+    archive("stable_time_step", stable_time_step);
+    if constexpr (Archive::reads) {
+      if (!is_of_these || since.size() != grains.size() || first.size() != second.size()) {
+        return set_history(grains, own);
+      }
+      const auto list = memory_.lists.take();
+      memory_.division.reset();
+      std::vector<std::vector<Index>> of_grain(grains.size());
+      for (Index k = 0; k < first.size(); ++k) {
+        const Index i = grains.index_of(first[k]);
+        if (i < grains.size()) of_grain[i].push_back(k);
+      }
+      list->contacts.build(
+          grains,
+          [&](Index i, auto&& add) {
+            for (const Index k : of_grain[i]) {
+              if (is_wall_id(second[k])) continue;
+              const Index j = grains.index_of(second[k]);
+              if (j < grains.size()) {
+                add({static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(j)});
+              }
+            }
+          },
+          [&](Index i, auto&& add) {
+            for (const Index k : of_grain[i]) {
+              if (is_wall_id(second[k])) add(static_cast<std::uint32_t>(~second[k]));
+            }
+          },
+          memory_.found);
+      list->since = since;
+      list->margin = margin;
+      list->owned_revision = grains.owned_revision();
+      list->constants_revision = grains.constants_revision();
+      list->time = time;
+      list->extent = extent;
+      list->stable_time_step = stable_time_step;
+      const auto materials = grains[material];
+      list->materials.assign(materials.begin(), materials.end());
+      const auto histories = memory_.histories.take();
+      histories->resize(list->contacts.groups());
+      histories->clear();
+      list->contacts.for_each_block([&](Index block, Index, Index) {
+        list->contacts.for_each_contact(block, [&](Index c) {
+          const auto* const known =
+              own.find(list->contacts.first_id(c), list->contacts.second_id(c));
+          if (known != nullptr) histories->set(c, *known);
+        });
+      });
+      Evaluation read;
+      read.list = list;
+      read.before = read.after = histories;
+      state_.last = std::move(read);
+      state_.given.reset();
+    }
+  }
+
+  // Evaluates all contacts and sums the forces. Returns how many touch.
+  template <class Before, class After>
+  Index process_blocks(P& grains, const Evaluation& step, Histories& after,
+                       const Pass<Before, After>& pass) {
+    const ContactList& list = step.contacts();
+    const WorkDivision& division = memory_.division;
+    const auto walls = walls_in_law<P>(walls_, step.step);
+    const auto evaluate = law_evaluation<P>(step, materials_, walls_);
+    const auto kernel = contact_kernel<P>(step, GrainRows<dimension, Real>(std::as_const(grains)),
+                                          walls, settings_, evaluate);
+    const auto add = [&](Index first, Index last) {
+      pass.before(first, last);
+      memory_.loads.add_to(grains, list, division, first, last);
+      pass.after(first, last);
+    };
+    std::vector<Index> counts(division.threads(), 0);
+    memory_.is_dense.resize(list.blocks(), false);
+    for_each_task(division.threads(), [&](Index thread) {
+      ResultsOfStep results{memory_.loads, division, after};
+      for (Index b = division.first_block(thread); b < division.first_block(thread + 1); ++b) {
+        const Index touching = kernel(b, memory_.is_dense[b] != 0, results);
+        memory_.is_dense[b] = kernel.is_dense(b, touching);
+        counts[thread] += touching;
+        const Index end = std::min(grains.size(), (b + 1) * block_size);
+        for_each_ready(division, b * block_size, end, add);
       }
     });
+    for_each_task(division.threads(), [&](Index thread) {
+      for (const std::uint32_t i : division.waiting(thread)) add(i, i + 1);
+    });
+    return std::accumulate(counts.begin(), counts.end(), Index(0));
   }
 
-  // law(sides) of a near contact.
-  auto law_of(const P& grains) const {
-    return [&grains, this](const Sides& sides) -> const Law& {
-      return law_between(grains, sides, materials_, walls_);
-    };
+  // f(first, last) for short ranges of the grains of [first, last) that do not wait.
+  template <class F>
+  static void for_each_ready(const WorkDivision& division, Index first, Index last, F&& f) {
+    while (first < last) {
+      if (division.waits(first)) {
+        ++first;
+        continue;
+      }
+      Index end = first + 1;
+      while (end < last && end < first + range_size && !division.waits(end)) ++end;
+      f(first, end);
+      first = end;
+    }
   }
 
-  double time_ = 0;  // from set_time()
-  Found found_;
-  std::vector<Index> counts_;  // by chunk
+  // Where the results of a step go.
+  struct ResultsOfStep {
+    LoadRows<dimension, Real, has_couple>& loads;
+    const WorkDivision& division;
+    Histories& histories;
+
+    void begin(Index group, unsigned touching, bool is_whole) {
+      histories.set_touching_in_group(group, touching);
+      if (!is_whole) loads.clear(division.slot_of(group));
+    }
+    template <class Lanes>
+    void give_group(Index group, const Lanes& eight, unsigned touching) {
+      loads.store(division.slot_of(group), eight, touching);
+      std::memcpy(histories.group(group), eight.history, sizeof(Real) * Lanes::words * lanes);
+    }
+    template <class Lanes>
+    void give(const EightNumbers& contacts, Index count, const Lanes& eight) {
+      loads.store(eight, count, [&](Index lane) {
+        return std::pair(division.slot_of(contacts[lane] / lanes), Index{contacts[lane] % lanes});
+      });
+      for (Index lane = 0; lane < count; ++lane) {
+        for (int k = 0; k < Lanes::words; ++k) {
+          histories.at(contacts[lane], k) = eight.history[k][lane];
+        }
+      }
+    }
+  };
+
+  struct Reach {
+    std::uint64_t revision = 0;
+    Real value = 0;
+  };
+  mutable Reach reach_;
+  mutable std::optional<bool> is_rebuild_announced_;  // by needs_search(), for the next evaluation
+  double time_ = 0;                                   // from set_time()
+  State state_;
+  State saved_;
+  Memory memory_;
 };
 
 }  // namespace silt::dem

@@ -3,7 +3,13 @@
 #pragma once
 
 #include <silt/core/error.hpp>
+#include <silt/core/four.hpp>
+#include <silt/core/parallel.hpp>
 #include <silt/core/types.hpp>
+#include <silt/dem/contact/contact_kernel.hpp>
+#include <silt/dem/contact/contact_settings.hpp>
+#include <silt/dem/contact/evaluation.hpp>
+#include <silt/dem/contact/law_evaluation.hpp>
 #include <silt/dem/contact/pair_history.hpp>
 #include <silt/dem/contact/single_contacts.hpp>
 #include <silt/dem/law/contact.hpp>
@@ -13,7 +19,6 @@
 #include <silt/dem/wall/moving.hpp>
 #include <silt/dem/wall/wall.hpp>
 
-#include <algorithm>
 #include <cstdint>
 #include <string>
 #include <utility>
@@ -21,54 +26,30 @@
 
 namespace silt::dem {
 
-/// The law between the two sides of a contact. Throws if a material does not exist.
-template <class P, class Law, class Walls>
-const Law& law_between(const P& grains, const Sides& sides, const Materials<Law>& materials,
-                       const Walls& walls) {
-  const std::uint32_t other =
-      sides.j != no_index ? grains[material][sides.j] : walls.material(walls.number_of(sides.wall));
-  const std::uint32_t own = grains[material][sides.i];
-  materials.check(std::max(own, other), "of a grain",
-                  {.particle = sides.i, .id = grains.id(sides.i)});
-  return materials.between(own, other);
-}
-
-/// The walls of a WallSet at the time N of the step's contacts.
-template <class P, class Walls, class Seen>
-auto walls_of_step(const Walls& walls, const Seen& seen) {
-  return walls.template at<P::dimension, typename P::Real>(
-      {.positions = seen.time, .velocities = seen.time});
-}
-/// The same with the velocities of N − ½, as used by the law.
-template <class P, class Walls, class Seen>
-auto walls_as_the_law_saw_them(const Walls& walls, const Seen& seen) {
-  return walls.template at<P::dimension, typename P::Real>(
-      {.positions = seen.time, .velocities = seen.time - double(seen.time_step) / 2});
-}
-
 /// View of the last step of Contacts, limited to contacts whose grains still exist. `grains` may be
 /// those before or after that step; the velocities of contacts are computed from theirs. Walls is a
 /// WallSet.
-template <class P, class Law, class Walls, class T>
+template <class P, class Law, class Walls>
 class ContactsOfStep {
   using Real = typename P::Real;
   using Vec = typename P::Vec;
-  using Row = typename T::Row;
-  using History = LawHistory<Law, P::dimension, Real>;
+  using Kept = LawHistory<Law, P::dimension, Real>;
+  static constexpr bool has_couple = GivesCouple<Law, P::dimension, Real>;
+  using Row = ContactRow<has_couple>;
   using Contact = dem::Contact<P::dimension, Real>;
+  using Evaluation = dem::Evaluation<P, Kept, has_couple>;
 
  public:
   ContactsOfStep(const P& grains, const Materials<Law>& materials, const Walls& walls,
-                 const T& touches)
-      : grains_(grains), materials_(materials), walls_(walls), touches_(touches) {}
+                 const ContactSettings& settings, const Evaluation& step)
+      : grains_(grains), materials_(materials), walls_(walls), settings_(settings), step_(step) {}
 
   /// See Contacts::for_each_contact.
   template <class F>
   void for_each(F&& f) const {
     const auto walls = walls_then();
-    for_each_touch(grains_, touches_, [&](Index, const Sides& sides, const auto* row) {
-      f(sides.i, sides.j, contact_of(grains_, touches_.seen(), row, sides, walls),
-        Row::template force_in<P::dimension>(row));
+    for_each_touch([&](Index, const Sides& sides, const Real* row) {
+      f(sides.i, sides.j, contact_at(row, sides, walls), Row::template force_in<P::dimension>(row));
     });
   }
 
@@ -76,7 +57,7 @@ class ContactsOfStep {
   template <class F>
   void for_each_at_walls(F&& f) const {
     const auto walls = walls_then();
-    for_each_touch(grains_, touches_, [&](Index, const Sides& sides, const auto* row) {
+    for_each_touch([&](Index, const Sides& sides, const Real* row) {
       if (sides.wall == no_index) return;
       WallContact<P::dimension, Real> touch;
       touch.grain = sides.i;
@@ -109,39 +90,38 @@ class ContactsOfStep {
   /// See Contacts::for_each_evaluated_contact.
   template <class F>
   void for_each_evaluated_contact(F&& f) const {
-    const auto histories = touches_.histories_before();
     const auto walls = walls_then();
-    const auto walls_seen = walls_as_the_law_saw_them<P>(walls_, touches_.seen());
-    for_each_touch(grains_, touches_, [&](Index c, const Sides& sides, const auto* row) {
-      const Law& law = law_of(sides);
-      const auto contact = contact_of(grains_, touches_.seen(), row, sides, walls_seen);
+    const auto walls_of_law = walls_in_law<P>(walls_, step_.step);
+    for_each_touch([&](Index c, const Sides& sides, const Real* row) {
+      const Law& law = law_of(c);
+      const auto contact = contact_at(row, sides, walls_of_law);
       RigidVelocity<P::dimension, Real> wall;
       if (sides.wall != no_index) wall = walls.velocity(sides.wall);
-      const auto ask = [&] {
-        if constexpr (History::words == 0) {
+      const auto evaluate = [&] {
+        if constexpr (Kept::words == 0) {
           return evaluate_law(law, contact);
         } else {
-          auto own = History::from(histories.of(c));
+          auto own = step_.before->of(c);
           return evaluate_law(law, contact, own);
         }
       };
-      f(EvaluatedContact<P::dimension, Real, decltype(ask())>{
+      f(EvaluatedContact<P::dimension, Real, decltype(evaluate())>{
           .sides = sides,
-          .first = touches_.near().first_id(c),
-          .second = touches_.near().second_id(c),
+          .first = step_.contacts().first_id(c),
+          .second = step_.contacts().second_id(c),
           .contact = contact,
           .shorter = row[Row::shorter],
-          .answer = ask(),
+          .answer = evaluate(),
           .wall_velocity = wall.at(contact_point<P, Row>(grains_, row, sides)),
           .wall_spin = wall.spin,
-          .elastic = elastic_energies(law, contact, touches_.seen().history_of(c))});
+          .elastic = elastic_energies(law, contact, c)});
     });
   }
 
   /// The law returns the components of its force and the energy in its springs.
   static constexpr bool gives_spring_energy =
       GivesComponents<Law, P::dimension, Real> &&
-      requires(const Law law, const Contact c, const typename History::type history) {
+      requires(const Law law, const Contact c, const typename Kept::type history) {
         law.elastic_energies(c, history);
       };
 
@@ -150,10 +130,9 @@ class ContactsOfStep {
     double energy = 0;
     if constexpr (GivesEnergy<Law, P::dimension, Real>) {
       const auto walls = walls_then();
-      for_each_touch(grains_, touches_, [&](Index c, const Sides& sides, const auto* row) {
-        energy += double(
-            law_of(sides).elastic_energy(contact_of(grains_, touches_.seen(), row, sides, walls),
-                                         History::from(touches_.seen().history_of(c))));
+      for_each_touch([&](Index c, const Sides& sides, const Real* row) {
+        energy +=
+            double(law_of(c).elastic_energy(contact_at(row, sides, walls), step_.after->of(c)));
       });
     }
     return energy;
@@ -161,36 +140,101 @@ class ContactsOfStep {
 
   /// See Contacts::history.
   auto history() const {
-    using Remembered = typename T::Remembered;
-    if (const Remembered* const recalled = touches_.recalled()) return *recalled;
+    using Remembered = PairHistory<typename Kept::type>;
     std::vector<typename Remembered::Entry> entries;
-    for_each_touch(grains_, touches_, [&](Index c, const Sides&, const auto*) {
-      entries.push_back({touches_.near().first_id(c), touches_.near().second_id(c),
-                         History::from(touches_.seen().history_of(c))});
+    for_each_index([&](Index c, const Sides&) {
+      const ContactList& list = step_.contacts();
+      entries.push_back({list.first_id(c), list.second_id(c), step_.after->of(c)});
     });
     return Remembered(std::move(entries));
   }
 
+  /// f(c, contact, stiffness, sides, shorter) for every contact, with the velocities of walls at
+  /// the time N of the contacts.
+  template <class F>
+  void for_each_stiffness(F&& f) const {
+    const auto walls = walls_then();
+    for_each_touch([&](Index c, const Sides& sides, const Real* row) {
+      const auto contact = contact_at(row, sides, walls);
+      f(c, contact, law_of(c).stiffness(contact), row[Row::shorter]);
+    });
+  }
+  const ContactList& list() const { return step_.contacts(); }
+
  private:
-  const Law& law_of(const Sides& sides) const {
-    return law_between(grains_, sides, materials_, walls_);
+  const Law& law_of(Index c) const { return law_between(*step_.list, materials_, walls_, c); }
+
+  auto walls_then() const { return walls_at<P>(walls_, step_.step); }
+
+  Contact contact_at(const Real* row, const Sides& sides, const auto& walls) const {
+    return contact_of<Row>(grains_, row, sides, walls, step_.step.time_step);
   }
 
-  auto walls_then() const { return walls_of_step<P>(walls_, touches_.seen()); }
-
-  static ElasticEnergies elastic_energies(const Law& law, const Contact& contact,
-                                          const Real* history) {
+  ElasticEnergies elastic_energies(const Law& law, const Contact& contact, Index c) const {
     if constexpr (gives_spring_energy) {
-      return law.elastic_energies(contact, History::from(history));
+      return law.elastic_energies(contact, step_.after->of(c));
     } else {
       return {};
     }
   }
 
+  // f(c, sides) for every contact of the step whose grains still exist. They are visited in the
+  // order of the grains in memory, those of a grain in the order of the partners' ids, so that sums
+  // do not depend on when the list was built.
+  template <class F>
+  void for_each_index(F&& f) const {
+    const ContactList& list = step_.contacts();
+    list.for_each_contact_by_grain([&](Index c) {
+      if (!step_.after->touches(c)) return;
+      const bool at_wall = list.is_of_wall(c);
+      const Sides sides{.i = grains_.index_of(list.first_id(c)),
+                        .j = at_wall ? no_index : grains_.index_of(list.second_id(c)),
+                        .wall = at_wall ? list.second(c) : no_index};
+      if (sides.i != no_index && (at_wall || sides.j != no_index)) f(c, sides);
+    });
+  }
+  // f(c, sides, row) for the same; the rows are computed again.
+  template <class F>
+  void for_each_touch(F&& f) const {
+    if (step_.count == 0) return;
+    std::vector<Real> rows(step_.contacts().size() * Row::words);
+    evaluate_again(rows.data());
+    for_each_index([&](Index c, const Sides& sides) { f(c, sides, rows.data() + c * Row::words); });
+  }
+
+  struct Results {
+    Real* rows;
+
+    void begin(Index, unsigned, bool) {}
+    template <class Lanes>
+    void give_group(Index group, const Lanes& eight, unsigned) {
+      for (int k = 0; k < Row::words; k += 4) {
+        rows_from(&eight.row[k], rows + group * lanes * Row::words + k, Row::words);
+      }
+    }
+    template <class Lanes>
+    void give(const EightNumbers& contacts, Index count, const Lanes& eight) {
+      for (Index lane = 0; lane < count; ++lane) {
+        Real* const row = rows + contacts[lane] * Row::words;
+        for (int k = 0; k < Row::words; ++k) row[k] = eight.row[k][lane];
+      }
+    }
+  };
+  void evaluate_again(Real* rows) const {
+    const auto walls = walls_in_law<P>(walls_, step_.step);
+    const auto evaluate = law_evaluation<P>(step_, materials_, walls_);
+    const auto kernel = contact_kernel<P>(step_, step_.grains.rows(), walls, settings_, evaluate);
+    step_.contacts().for_each_block([&](Index block, Index, Index) {
+      Results results{rows};
+      kernel(block, true, results);
+    });
+  }
+
   const P& grains_;
   const Materials<Law>& materials_;
   const Walls& walls_;
-  const T& touches_;
+  const ContactSettings& settings_;
+  const Evaluation& step_;
 };
 
 }  // namespace silt::dem

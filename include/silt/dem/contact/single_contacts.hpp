@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: MIT
-// Access to single contacts of a step: their sum for a grain, and the reconstruction of a law's
-// input for observers and the stability check.
+// Single contacts of a step, computed again for observers and the stability check.
 #pragma once
 
 #include <silt/core/particles.hpp>
 #include <silt/core/types.hpp>
-#include <silt/dem/contact/four.hpp>
-#include <silt/dem/contact/near_contacts.hpp>
+#include <silt/dem/contact/contact_list.hpp>
+#include <silt/dem/contact/contact_row.hpp>
 #include <silt/dem/law/contact.hpp>
 #include <silt/dem/setup/grains.hpp>
 
@@ -33,29 +32,10 @@ struct EvaluatedContact {
   ElasticEnergies elastic{};        ///< zero for a law without elastic_energies()
 };
 
-/// Sides of near contact c, with the indices at the last rebuild.
-template <class P>
-Sides sides_of(const P& grains, const NearContacts& near, Index c) {
-  if (near.is_of_wall(c)) return {.i = near.first(c), .wall = near.second(c)};
-  return {.i = grains.owner(near.first(c)), .j = grains.owner(near.second(c))};
-}
-
-/// f(c, sides, row) for every contact of the last step whose grains still exist; row is a
-/// ContactRow. Contacts are visited in the order of the grains in memory, those of a grain in the
-/// order of the partners' ids, so that sums do not depend on when the near contacts were found.
-template <class P, class T, class F>
-void for_each_touch(const P& grains, const T& touches, F&& f) {
-  const auto& near = touches.near();
-  if (touches.seen().at.size() != near.size()) return;
-  near.for_each_contact_by_grain([&](Index c) {
-    if (!touches.seen().touches(c)) return;
-    const auto* const row = touches.seen().row_of(c);
-    const bool at_wall = near.is_of_wall(c);
-    const Sides sides{.i = grains.index_of(near.first_id(c)),
-                      .j = at_wall ? no_index : grains.index_of(near.second_id(c)),
-                      .wall = at_wall ? near.second(c) : no_index};
-    if (sides.i != no_index && (at_wall || sides.j != no_index)) f(c, sides, row);
-  });
+/// Sides of contact c when the list was built.
+inline Sides sides_of(const ContactList& list, Index c) {
+  if (list.is_of_wall(c)) return {.i = list.first(c), .wall = list.second(c)};
+  return {.i = list.first(c), .j = list.second(c)};
 }
 
 /// A contact with only mass and radius set, which do not change from step to step.
@@ -70,8 +50,10 @@ auto constants_of(const P& grains, const Sides& sides) {
   if (sides.j != no_index) {
     const Real m_j = grains[mass][sides.j];
     const Real R_j = grains[radius][sides.j];
-    contact.effective_mass = m * m_j / (m + m_j);
-    contact.effective_radius = R * R_j / (R + R_j);
+    // The same operations as in contact_geometry.hpp, for the same bits.
+    const Real per_both = 1 / ((m + m_j) * (R + R_j));
+    contact.effective_mass = m * m_j * ((R + R_j) * per_both);
+    contact.effective_radius = R * R_j * ((m + m_j) * per_both);
   }
   return contact;
 }
@@ -87,15 +69,14 @@ typename P::Vec contact_point(const P& grains, const typename P::Real* row, cons
 
 /// A contact of the last step from its row, with the velocities of the given grains and walls (a
 /// WallsAtTime).
-template <class P, class Seen, class Walls>
-auto contact_of(const P& grains, const Seen& seen, const typename P::Real* row, const Sides& sides,
-                const Walls& walls) {
-  using Row = typename Seen::Row;
+template <class Row, class P, class Walls>
+auto contact_of(const P& grains, const typename P::Real* row, const Sides& sides,
+                const Walls& walls, double time_step) {
   using Vec = typename P::Vec;
   auto contact = constants_of(grains, sides);
   for (int k = 0; k < P::dimension; ++k) contact.normal[k] = row[Row::n + k];
   contact.overlap = row[Row::overlap];
-  contact.time_step = seen.time_step;
+  contact.time_step = static_cast<typename P::Real>(time_step);
   const auto surface = [&](Index i, typename P::Real towards) {
     const auto arm = towards * (grains[radius][i] - row[Row::shorter]);
     // This order of operations reproduces the law's input bitwise.
@@ -112,40 +93,6 @@ auto contact_of(const P& grains, const Seen& seen, const typename P::Real* row, 
     contact.relative_spin -= velocity.spin;
   }
   return contact;
-}
-
-/// Adds Σ F and Σ M (14) of the last evaluation to grain i, in the order of the partners' ids.
-template <class P, class T>
-[[gnu::always_inline]] inline void add_rows(P& grains, const T& touches, Index i) {
-  using Real = typename P::Real;
-  using Row = typename T::Row;
-  const auto& seen = touches.seen();
-  const Real R = grains[radius][i];
-  Four<Real> sum{};
-  Four<Real> turning{};
-  [[maybe_unused]] Four<Real> couples{};
-  for (const auto part : touches.near().of(i)) {
-    const Real* const row = seen.row_of(part.contact());
-    Four<Real> n, F, F_x_n;
-    load_four(row + Row::n, n);
-    load_four(row + Row::F, F);
-    sum += part.template sign<Real>() * F;
-    cross_turned(n, F, F_x_n);
-    turning += (R - row[Row::shorter]) * F_x_n;
-    if constexpr (T::couples) {
-      Four<Real> couple;
-      load_four(row + Row::couple, couple);
-      couples += part.template sign<Real>() * couple;
-    }
-  }
-  turn_back(turning);
-  for (int k = 0; k < P::dimension; ++k) grains[force][i][k] += sum[k];
-  constexpr int first = 3 - angular_size<P::dimension>;  // in 2D a torque is about z
-  for (int k = 0; k < angular_size<P::dimension>; ++k) {
-    Real M = turning[first + k];
-    if constexpr (T::couples) M += couples[k];
-    component(grains[torque][i], k) += M;
-  }
 }
 
 }  // namespace silt::dem

@@ -6,7 +6,9 @@
 #include <silt/core/parallel.hpp>
 #include <silt/core/particles.hpp>
 #include <silt/core/types.hpp>
+#include <silt/dem/contact/contact_list.hpp>
 #include <silt/dem/contact/elementary_time_steps.hpp>
+#include <silt/dem/contact/nearest_image.hpp>
 #include <silt/dem/contact/single_contacts.hpp>
 #include <silt/dem/law/contact.hpp>
 #include <silt/dem/law/materials.hpp>
@@ -171,78 +173,83 @@ double shortest_contact(const P& grains, const Materials<Law>& materials) {
 }
 
 /// A time step [s] that is stable for all grains: that of a grain with the largest number of
-/// contacts, all with the largest stiffness. Infinite without stiffness. law_of(sides) is the law
-/// of a near contact, margin [m] the largest gap of near contacts, `walls` a WallsAtTime.
+/// contacts, all with the largest stiffness. Infinite without stiffness. law_of(c) is the law of a
+/// contact, margin [m] the largest gap of contacts in the list, `walls` a WallsAtTime.
 template <class P, class Walls, class LawOf>
-double stable_for_all(const P& grains, const NearContacts& near, const Walls& walls,
+double stable_for_all(const P& grains, const ContactList& list, const Walls& walls,
                       typename P::Real margin, LawOf&& law_of) {
-  const auto x = grains.with_ghosts(position);
-  const auto R = grains.with_ghosts(radius);
+  using Real = typename P::Real;
+  const auto x = grains[position];
+  const auto R = grains[radius];
   const auto m = grains[mass];
   const auto I = grains[inertia];
-  Index max_contacts = 0;
+  const Index max_contacts =
+      largest(grains.size(), Index(0), [&](Index i) { return list.count(i); });
   // The grains that rotate most easily by a couple and by a force at their surface.
-  Lever loosest{.mass = 0, .inertia = 1, .arm = 0};
-  for (Index i = 0; i < grains.size(); ++i) {
-    max_contacts = std::max(max_contacts, near.of(i).size());
-    const double per_turn = double(m[i]) / double(I[i]);
-    const double turning =
-        std::max(per_turn * squared(double(R[i])), loosest.mass * squared(loosest.arm));
-    loosest.mass = std::max(loosest.mass, per_turn);
-    loosest.arm = std::sqrt(turning / loosest.mass);
-  }
+  const double per_turn = largest(
+      grains.size(), 0.0, [&](Index i) { return double(m[i]) / double(I[i]); });
+  const double per_turn_at_surface = largest(grains.size(), 0.0, [&](Index i) {
+    return double(m[i]) / double(I[i]) * squared(double(R[i]));
+  });
+  if (!(per_turn > 0)) return std::numeric_limits<double>::infinity();
+  const Lever loosest{
+      .mass = per_turn, .inertia = 1, .arm = std::sqrt(per_turn_at_surface / per_turn)};
+  const NearestImage<P::dimension, Real> image(grains.box());
+  std::vector<Stiffest> of_block(list.blocks());
+  list.for_each_block([&](Index b, Index, Index) {
+    list.for_each_contact(b, [&](Index c) {
+      const Sides sides = sides_of(list, c);
+      auto contact = constants_of(grains, sides);
+      // Springs may stiffen with the overlap.
+      contact.overlap = margin;
+      if (sides.j != no_index) {
+        const Real distance = image(typename P::Vec(x[sides.j] - x[sides.i])).norm();
+        contact.overlap += std::max<Real>(0, R[sides.i] + R[sides.j] - distance);
+      } else {
+        const auto at = walls.nearest(sides.wall, x[sides.i]);
+        contact.overlap += std::max<Real>(0, R[sides.i] - at.distance);
+      }
+      const Stiffness k = law_of(c).stiffness(contact);
+      const Stiffest one = contribution_bound(k, double(contact.effective_mass), loosest);
+      of_block[b].spring = std::max(of_block[b].spring, one.spring);
+      of_block[b].dashpot = std::max(of_block[b].dashpot, one.dashpot);
+    });
+  });
   Stiffest all;
-  near.for_each_contact([&](Index c) {
-    const Sides sides = sides_of(grains, near, c);
-    auto contact = constants_of(grains, sides);
-    // Springs may stiffen with the overlap.
-    contact.overlap = margin;
-    if (sides.j != no_index) {
-      const Index a = near.first(c);
-      const Index b = near.second(c);
-      contact.overlap += std::max<typename P::Real>(0, R[a] + R[b] - (x[b] - x[a]).norm());
-    } else {
-      const auto at = walls.nearest(sides.wall, x[sides.i]);
-      contact.overlap += std::max<typename P::Real>(0, R[sides.i] - at.distance);
-    }
-    const Stiffness k = law_of(sides).stiffness(contact);
-    const Stiffest one = contribution_bound(k, double(contact.effective_mass), loosest);
+  for (const Stiffest& one : of_block) {
     all.spring = std::max(all.spring, one.spring);
     all.dashpot = std::max(all.dashpot, one.dashpot);
-  });
+  }
   all.spring *= double(max_contacts);
   all.dashpot *= double(max_contacts);
   return all.stable_time_step();
 }
 
-/// Throws if dt [s] exceeds the stability limit of a grain with the contacts of this step. A cheap
-/// bound is nearly always sufficient; otherwise FrequencyBound decides.
-template <class P, class T, class Walls, class LawOf>
-void check_stability(const P& grains, const T& touches, const Walls& walls, double dt,
-                     LawOf&& law_of) {
-  using Row = typename T::Row;
+/// Throws if dt [s] exceeds the stability limit of a grain with the contacts of this step, a
+/// ContactsOfStep. A cheap bound is nearly always sufficient; otherwise FrequencyBound decides.
+template <class P, class ContactsOfStep>
+void check_stability(const P& grains, const ContactsOfStep& contacts, double dt) {
   const auto m = grains[mass];
   const auto I = grains[inertia];
   struct Held {
     Contact<P::dimension, typename P::Real> contact{};
     Stiffness stiffness{};
+    typename P::Real shorter = 0;
     bool touches = false;
   };
-  std::vector<Held> held(touches.near().size());
-  for_each_touch(grains, touches, [&](Index c, const Sides& sides, const auto* row) {
-    const auto contact = contact_of(grains, touches.seen(), row, sides, walls);
-    held[c] = {contact, law_of(sides).stiffness(contact), true};
+  std::vector<Held> held(contacts.list().size());
+  contacts.for_each_stiffness([&](Index c, const auto& contact, const Stiffness& k, auto shorter) {
+    held[c] = {contact, k, shorter, true};
   });
   // f(contact, stiffness, lever of i)
   const auto for_each_contact_of = [&](Index i, auto&& f) {
-    for (const auto part : touches.near().of(i)) {
-      const Held& each = held[part.contact()];
+    for (const ContactList::Side side : contacts.list().of(i)) {
+      const Held& each = held[side.contact()];
       if (!each.touches) continue;
-      const auto shorter = touches.seen().row_of(part.contact())[Row::shorter];
       f(each.contact, each.stiffness,
         Lever{.mass = double(m[i]),
               .inertia = double(I[i]),
-              .arm = double(grains[radius][i] - shorter)});
+              .arm = double(grains[radius][i] - each.shorter)});
     }
   };
   const auto is_beyond = [&](Index i) {

@@ -20,16 +20,21 @@ inline constexpr struct material_t : field_of<std::uint32_t>, constant_field {
 } material{};
 
 namespace detail {
-// In 3D the time integral of the spin is not an orientation. If it is needed, add angle_t.
+// The contacts read position, radius, velocity, mass and spin of single grains: they are stored
+// side by side, in groups of four numbers.
 template <int Dim, class Real, Field... Further>
 struct GrainsOf {
   using type = Particles<Dim, Real, velocity_t, spin_t, force_t, torque_t, mass_t, inertia_t,
-                         radius_t, material_t, Further...>;
+                         radius_t, material_t, Further...,
+                         Bundle<position_t, radius_t, velocity_t, mass_t>,
+                         Bundle<spin_t, inertia_t>>;
 };
+// In 3D the time integral of the spin is not an orientation. If it is needed, add angle_t.
 template <class Real, Field... Further>
 struct GrainsOf<2, Real, Further...> {
   using type = Particles<2, Real, velocity_t, spin_t, angle_t, force_t, torque_t, mass_t, inertia_t,
-                         radius_t, material_t, Further...>;
+                         radius_t, material_t, Further...,
+                         Bundle<position_t, radius_t, mass_t, velocity_t, spin_t, inertia_t>>;
 };
 }  // namespace detail
 

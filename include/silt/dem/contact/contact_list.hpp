@@ -1,0 +1,282 @@
+// SPDX-License-Identifier: MIT
+// The list of pairs that touch or may soon touch. It is rebuilt only after grains have moved; other
+// steps just go through it:
+//
+//   contact    0   1   2 …           those of a block of grains: pairs, then grains at walls
+//   first    [ 3   3   5 …           index of the grain with the lower id
+//   second   [ 9   4   9 …           index of the other, or the element of a wall
+//
+// A pair belongs to the block of the grain with the lower index. The pairs of a block, and its
+// contacts with walls, are each padded to a multiple of eight: contacts are evaluated in groups of
+// eight.
+//
+// Each grain has a list of its contacts, sorted by the partner's id, walls last. Forces are summed
+// in this order, so that they depend neither on the search nor on the order in memory.
+#pragma once
+
+#include <silt/core/error.hpp>
+#include <silt/core/parallel.hpp>
+#include <silt/core/types.hpp>
+#include <silt/dem/contact/grain_rows.hpp>
+#include <silt/dem/contact/pair_history.hpp>
+
+#include <algorithm>
+#include <atomic>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace silt::dem {
+
+/// Grains whose contacts are evaluated together; then their forces are summed.
+inline constexpr Index block_size = 256;
+inline Index block_count(Index grains) { return (grains + block_size - 1) / block_size; }
+
+class ContactList {
+ public:
+  /// A contact from the side of one of its grains.
+  class Side {
+   public:
+    Side() = default;
+    Side(Index contact, bool is_second)
+        : number_(static_cast<std::uint32_t>(2 * contact) + static_cast<std::uint32_t>(is_second)) {
+    }
+    Index contact() const { return number_ / 2; }
+    bool is_second() const { return number_ % 2 == 1; }
+
+   private:
+    std::uint32_t number_;
+  };
+  struct Pair {
+    std::uint32_t first;
+    std::uint32_t second;
+  };
+
+  /// Number of contacts, including padding.
+  Index size() const noexcept { return first_.size(); }
+  Index groups() const noexcept { return size() / lanes; }
+  Index blocks() const noexcept { return blocks_.size(); }
+  Index grains() const noexcept { return ids_.size(); }
+  bool is_of_wall(Index contact) const noexcept { return second_[contact] >= wall_bit; }
+  /// Indices of the two grains, or of the wall's element.
+  std::uint32_t first(Index contact) const noexcept { return first_[contact]; }
+  std::uint32_t second(Index contact) const noexcept { return wall_at(second_[contact]); }
+  /// The same for eight contacts; walls are marked by wall_bit.
+  const std::uint32_t* first_of_group(Index contact) const noexcept { return &first_[contact]; }
+  const std::uint32_t* second_of_group(Index contact) const noexcept { return &second_[contact]; }
+  static std::uint32_t wall_at(std::uint32_t index) noexcept { return index & ~wall_bit; }
+  /// The id of a grain when the list was built.
+  Id id(Index grain) const noexcept { return ids_[grain]; }
+  /// The ids of the two.
+  Id first_id(Index contact) const noexcept { return ids_[first_[contact]]; }
+  Id second_id(Index contact) const noexcept {
+    return is_of_wall(contact) ? wall_id(second(contact)) : ids_[second_[contact]];
+  }
+  /// The block that a contact belongs to.
+  Index block_of(Index contact) const noexcept {
+    const std::uint32_t first = first_[contact];
+    return (is_of_wall(contact) ? first : std::min(first, second_[contact])) / block_size;
+  }
+
+  /// Contacts [first, last); first is a multiple of eight.
+  struct Range {
+    Index first;
+    Index last;
+  };
+  /// Those of a block of grains.
+  struct Block {
+    Range pairs;
+    Range walls;
+    /// All, including padding.
+    Range all() const { return {pairs.first, full_groups(walls.last)}; }
+  };
+  const Block& block(Index number) const noexcept { return blocks_[number]; }
+
+  /// f(block, first grain, last grain) for every block, in parallel.
+  template <class F>
+  void for_each_block(F&& f) const {
+    const Index n = grains();
+    const Index all = block_count(n);
+    const auto tasks = static_cast<Index>(threads_for(n));
+    for_each_task(tasks, [&](Index task) {
+      for (Index b = all * task / tasks; b < all * (task + 1) / tasks; ++b) {
+        f(b, b * block_size, std::min(n, (b + 1) * block_size));
+      }
+    });
+  }
+  /// f(contact) for each of a block.
+  template <class F>
+  void for_each_contact(Index block, F&& f) const {
+    for (const Range range : {blocks_[block].pairs, blocks_[block].walls}) {
+      for (Index c = range.first; c < range.last; ++c) f(c);
+    }
+  }
+
+  /// f(contact) for each, grain by grain as they lie in memory, and at each in the order of the
+  /// partners' ids, which is independent of the search.
+  template <class F>
+  void for_each_contact_by_grain(F&& f) const {
+    for (Index i = 0; i < grains(); ++i) {
+      for (const Side side : of(i)) {
+        if (!side.is_second()) f(side.contact());
+      }
+    }
+  }
+
+  /// Contacts of grain i.
+  std::span<const Side> of(Index i) const noexcept { return sides().subspan(begin_[i], count(i)); }
+  Index count(Index i) const noexcept { return begin_[i + 1] - begin_[i]; }
+  /// Those of all grains, and where those of grain i begin.
+  std::span<const Side> sides() const noexcept { return sides_; }
+  Index begin(Index i) const noexcept { return begin_[i]; }
+
+  /// Results of the search in each block, before they are put into one list. The memory is reused.
+  struct Found {
+    std::vector<Pair> pairs;
+    std::vector<Pair> walls;  ///< a grain and the element of a wall
+    std::vector<Pair> of_other_blocks;
+    std::vector<std::pair<Id, Side>> sorted;
+  };
+  /// Builds the list: pairs_at(i, add) and walls_at(i, add) call add for each pair and each wall
+  /// element found at grain i.
+  template <class P, class PairsAt, class WallsAt>
+  void build(const P& grains, PairsAt&& pairs_at, WallsAt&& walls_at, std::vector<Found>& found) {
+    const auto ids = grains.ids();
+    ids_.assign(ids.begin(), ids.end());
+    found.resize(block_count(ids.size()));
+    for_each_block([&](Index b, Index first, Index last) {
+      Found& own = found[b];
+      own.pairs.clear();
+      own.walls.clear();
+      own.of_other_blocks.clear();
+      for (Index i = first; i < last; ++i) {
+        pairs_at(i, [&](const Pair& pair) {
+          (home_of(pair) == b ? own.pairs : own.of_other_blocks).push_back(pair);
+        });
+        walls_at(i, [&](std::uint32_t element) {
+          own.walls.push_back({static_cast<std::uint32_t>(i), element});
+        });
+      }
+    });
+    line_up(found);
+    list_sides(found);
+  }
+
+  /// The contact of this pair of ids, the lower one first; `no_index` if they are not in the list.
+  /// index_of(id) is the index of a grain when the list was built.
+  template <class IndexOf>
+  Index find(Id a, Id b, IndexOf&& index_of) const {
+    const Index i = index_of(a);
+    if (i >= grains() || ids_[i] != a) return no_index;
+    for (const Side side : of(i)) {
+      if (!side.is_second() && second_id(side.contact()) == b) return side.contact();
+    }
+    return no_index;
+  }
+  /// Indices by id when the list was built.
+  std::vector<Index> indices() const {
+    std::vector<Index> result;
+    if (ids_.empty()) return result;
+    result.assign(*std::max_element(ids_.begin(), ids_.end()) + 1, no_index);
+    for_each(ids_.size(), [&](Index i) { result[ids_[i]] = i; });
+    return result;
+  }
+
+ private:
+  static constexpr std::uint32_t wall_bit = std::uint32_t(1) << 31;
+
+  static constexpr Index full_groups(Index n) { return (n + lanes - 1) / lanes * lanes; }
+  static Index home_of(const Pair& pair) { return std::min(pair.first, pair.second) / block_size; }
+
+  void line_up(const std::vector<Found>& found) {
+    std::vector<Index> further(found.size(), 0);
+    for (const Found& each : found) {
+      for (const Pair& pair : each.of_other_blocks) ++further[home_of(pair)];
+    }
+    blocks_.resize(found.size());
+    Index size = 0;
+    for (Index b = 0; b < found.size(); ++b) {
+      Block& block = blocks_[b];
+      block.pairs = {size, size + found[b].pairs.size() + further[b]};
+      block.walls.first = full_groups(block.pairs.last);
+      block.walls.last = block.walls.first + found[b].walls.size();
+      size = block.all().last;
+      further[b] = block.pairs.first + found[b].pairs.size();
+    }
+    if (size >= wall_bit) {
+      fail("dem::Contacts: there are " + std::to_string(size) +
+           " near contacts, more than 2^31; use fewer grains");
+    }
+    resize_tightly(first_, size);
+    resize_tightly(second_, size);
+    for_each_block([&](Index b, Index grain, Index) {
+      const Block& block = blocks_[b];
+      // Padding: a grain with itself, which is never evaluated.
+      for (Index c = block.all().first; c < block.all().last; ++c) {
+        put(c, {static_cast<std::uint32_t>(grain), static_cast<std::uint32_t>(grain)});
+      }
+      Index c = block.pairs.first;
+      for (const Pair& pair : found[b].pairs) put(c++, pair);
+      c = block.walls.first;
+      for (const Pair& pair : found[b].walls) put(c++, {pair.first, pair.second | wall_bit});
+    });
+    for (const Found& each : found) {
+      for (const Pair& pair : each.of_other_blocks) put(further[home_of(pair)]++, pair);
+    }
+  }
+  void put(Index contact, const Pair& pair) {
+    first_[contact] = pair.first;
+    second_[contact] = pair.second;
+  }
+
+  void list_sides(std::vector<Found>& found) {
+    const Index n = grains();
+    begin_.assign(n + 2, 0);
+    // Counted, and then filled, from several blocks; the order does not matter, as sides are
+    // sorted.
+    const auto for_each_side = [&](Index b, auto&& f) {
+      for_each_contact(b, [&](Index c) {
+        f(first_[c], Side(c, false));
+        if (!is_of_wall(c)) f(second_[c], Side(c, true));
+      });
+    };
+    const bool is_parallel = threads_for(n) > 1;
+    const auto increment = [=](std::uint32_t& count) {
+      return is_parallel ? std::atomic_ref(count).fetch_add(1, std::memory_order_relaxed) : count++;
+    };
+    for_each_block([&](Index b, Index, Index) {
+      for_each_side(b, [&](Index i, Side) { increment(begin_[i + 2]); });
+    });
+    for (Index i = 2; i < n + 2; ++i) begin_[i] += begin_[i - 1];
+    resize_tightly(sides_, begin_[n + 1]);
+    for_each_block([&](Index b, Index, Index) {
+      for_each_side(b, [&](Index i, Side side) { sides_[increment(begin_[i + 1])] = side; });
+    });
+    begin_.pop_back();
+    for_each_block([&](Index b, Index first, Index last) {
+      for (Index i = first; i < last; ++i) sort_sides(i, found[b].sorted);
+    });
+  }
+
+  void sort_sides(Index i, std::vector<std::pair<Id, Side>>& sorted) {
+    sorted.clear();
+    for (const Side side : of(i)) {
+      const Index c = side.contact();
+      sorted.emplace_back(side.is_second() ? first_id(c) : second_id(c), side);
+    }
+    std::sort(sorted.begin(), sorted.end(),
+              [](const auto& a, const auto& b) { return a.first < b.first; });
+    for (Index k = 0; k < sorted.size(); ++k) sides_[begin_[i] + k] = sorted[k].second;
+  }
+
+  std::vector<Block> blocks_;
+  std::vector<std::uint32_t> first_;
+  std::vector<std::uint32_t> second_;
+  std::vector<std::uint32_t> begin_;  // by grain
+  std::vector<Side> sides_;
+  std::vector<Id> ids_;
+};
+
+}  // namespace silt::dem

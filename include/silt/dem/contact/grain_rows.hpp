@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: MIT
+// Loads the data of several grains into SIMD registers, one register per number.
+#pragma once
+
+#include <silt/core/particles.hpp>
+#include <silt/core/simd.hpp>
+#include <silt/core/types.hpp>
+#include <silt/core/four.hpp>
+
+#include <algorithm>
+#include <cstdint>
+
+namespace silt::dem {
+
+/// Contacts are evaluated eight at a time.
+inline constexpr int lanes = 8;
+
+/// The rows of grains, see dem/setup/grains.hpp: {x y z R vx vy vz m} and {wx wy wz I}; in 2D
+/// {x y R m vx vy w I}.
+template <int Dim, class RealType>
+class GrainRows {
+ public:
+  using Real = RealType;
+  using Vec = silt::Vec<Dim, Real>;
+
+  /// Number of grains per register.
+  static constexpr int N = std::min(lanes, simd::lanes<Real>);
+  using Pack = simd::Pack<Real, N>;
+  struct Position {
+    Pack x[Dim];  ///< [m]
+    Pack R;       ///< [m]
+    Pack m;       ///< [kg]; in 2D only
+  };
+  struct Motion {
+    Pack v[Dim];                ///< [m/s]
+    Pack w[angular_size<Dim>];  ///< [1/s]
+    Pack m;                     ///< [kg]; in 3D only
+  };
+
+  /// Refers to the grains; invalid once they move in memory.
+  template <class P>
+  explicit GrainRows(const P& grains)
+      : rows_(grains.storage(position).rows()), spins_(grains.storage(spin).rows()) {}
+  GrainRows(const Real* rows, const Real* spins) : rows_(rows), spins_(spins) {}
+
+  [[gnu::always_inline]] void load(const std::uint32_t* places, Position& grains) const {
+    Pack four[4];
+    columns_from<Real, N>([=, this](int lane) { return rows_ + Index{places[lane]} * 8; }, four);
+    std::copy_n(four, Dim, grains.x);
+    grains.R = four[Dim];
+    grains.m = four[3];
+  }
+  [[gnu::always_inline]] void load(const std::uint32_t* places, Motion& grains) const {
+    Pack four[4];
+    columns_from<Real, N>([=, this](int lane) { return rows_ + Index{places[lane]} * 8 + 4; },
+                          four);
+    std::copy_n(four, Dim, grains.v);
+    if constexpr (Dim == 2) {
+      grains.w[0] = four[2];
+    } else {
+      grains.m = four[3];
+      columns_from<Real, N>([=, this](int lane) { return spins_ + Index{places[lane]} * 4; },
+                            four);
+      std::copy_n(four, 3, grains.w);
+    }
+  }
+  /// m of grains loaded by both.
+  static const Pack& mass_of(const Position& at, const Motion& motion) {
+    return Dim == 2 ? at.m : motion.m;
+  }
+
+ private:
+  const Real* rows_;
+  const Real* spins_;
+};
+
+}  // namespace silt::dem

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: MIT
+// Input and output of a law for eight contacts at once. The loops over `lane` are vectorised,
+// including the law's code; see core/lane.hpp.
+#pragma once
+
+#include <silt/core/lane.hpp>
+#include <silt/core/types.hpp>
+#include <silt/dem/contact/contact_row.hpp>
+#include <silt/dem/contact/grain_rows.hpp>
+#include <silt/dem/law/contact.hpp>
+#include <silt/dem/law/law_history.hpp>
+
+#include <algorithm>
+#include <type_traits>
+
+namespace silt::dem {
+
+/// One array per quantity of the contacts, by lane.
+template <int Dim, class RealType, int history_words, bool has_couple>
+struct LawLanes {
+  using Real = RealType;
+  static constexpr int dimension = Dim;
+  static constexpr int words = history_words;
+  using Row = ContactRow<has_couple>;
+  static constexpr int spin_words = angular_size<Dim>;
+  /// Size of a history in Reals, rounded up to a multiple of four.
+  static constexpr int padded_words = (history_words + 3) / 4 * 4;
+
+  // Input.
+  alignas(64) Real velocity[Dim][lanes];
+  alignas(64) Real relative_spin[has_couple ? spin_words : 1][lanes];
+  alignas(64) Real mass[lanes];
+  alignas(64) Real radius[lanes];
+  // Input and output.
+  alignas(64) Real history[std::max(padded_words, 1)][lanes];
+  // The rows to be stored: normals, overlaps and lever arms are input, the loads are output.
+  alignas(64) Real row[Row::words][lanes];
+
+  /// Evaluates a law for one lane. Scalar is Real or Lane<Real>.
+  template <class Scalar, class Law>
+  void evaluate(const Law& law, Real dt, int lane) {
+    const auto contact = this->contact<Scalar>(lane, dt);
+    if constexpr (history_words == 0) {
+      keep(lane, contact, evaluate_law(law, contact));
+    } else if constexpr (std::is_same_v<Scalar, Real>) {
+      using History = LawHistory<Law, Dim, Real>;
+      Real own_words[history_words];
+      for (int k = 0; k < history_words; ++k) own_words[k] = history[k][lane];
+      auto own = History::from(own_words);
+      keep(lane, contact, evaluate_law(law, contact, own));
+      History::put(own, own_words);
+      for (int k = 0; k < history_words; ++k) history[k][lane] = own_words[k];
+    } else {
+      typename LawHistory<Law, Dim, Scalar>::type own;
+      auto* const word = reinterpret_cast<Scalar*>(&own);
+      for (int k = 0; k < history_words; ++k) word[k] = history[k][lane];
+      keep(lane, contact, evaluate_law(law, contact, own));
+      for (int k = 0; k < history_words; ++k) history[k][lane] = word[k];
+    }
+  }
+
+ private:
+  template <class Scalar>
+  Contact<Dim, Scalar> contact(int lane, Real dt) const {
+    Contact<Dim, Scalar> contact;
+    for (int k = 0; k < Dim; ++k) {
+      contact.normal[k] = row[Row::n + k][lane];
+      contact.relative_velocity[k] = velocity[k][lane];
+    }
+    if constexpr (has_couple) {
+      for (int k = 0; k < spin_words; ++k) {
+        component(contact.relative_spin, k) = relative_spin[k][lane];
+      }
+    }
+    contact.overlap = row[Row::overlap][lane];
+    contact.effective_mass = mass[lane];
+    contact.effective_radius = radius[lane];
+    contact.time_step = dt;
+    return contact;
+  }
+
+  template <class C, class Answer>
+  void keep(int lane, const C& contact, const Answer& answer) {
+    const auto force = force_of(answer, contact.normal);
+    for (int k = 0; k < Dim; ++k) row[Row::F + k][lane] = force[k];
+    if constexpr (has_couple) {
+      const auto couple = couple_of(answer);
+      for (int k = 0; k < spin_words; ++k) row[Row::couple + k][lane] = component(couple, k);
+    }
+  }
+};
+
+/// Evaluates one law for all lanes of `count` eights.
+template <class Law, class Eights>
+[[gnu::flatten, gnu::noinline]] void evaluate_in_lanes(const Law& shared, Eights* eights, int count,
+                                                       typename Eights::Real dt) {
+  const Law law = shared;  // a copy that no store below can change
+  for (int e = 0; e < count; ++e) {
+    Eights& eight = eights[e];
+    SILT_INDEPENDENT_ITERATIONS
+    for (int lane = 0; lane < lanes; ++lane) {
+      eight.template evaluate<Lane<typename Eights::Real>>(law, dt, lane);
+    }
+  }
+}
+
+}  // namespace silt::dem

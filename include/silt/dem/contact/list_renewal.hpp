@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: MIT
+// When and how the list of contacts is rebuilt.
+#pragma once
+
+#include <silt/core/box.hpp>
+#include <silt/core/concepts.hpp>
+#include <silt/core/parallel.hpp>
+#include <silt/core/travel.hpp>
+#include <silt/core/types.hpp>
+#include <silt/dem/contact/contact_list.hpp>
+#include <silt/dem/contact/nearest_image.hpp>
+#include <silt/dem/setup/grains.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+namespace silt::dem {
+
+/// A list of contacts and the conditions under which it remains valid.
+template <int Dim, class Real>
+struct ListOfStep {
+  ContactList contacts;
+  std::vector<Vec<Dim, Real>> since;     ///< positions of the grains when it was built [m]
+  std::vector<std::uint32_t> materials;  ///< of the grains
+  Real margin = 0;                       ///< largest gap of its pairs [m]
+  std::uint64_t owned_revision = 0;      ///< of the grains
+  std::uint64_t constants_revision = 0;
+  double time = 0;              ///< of these positions and of the walls [s]
+  Box<Dim, Real> extent;        ///< contains all grains while the list is valid [m]
+  double stable_time_step = 0;  ///< stable even if all its pairs touch [s]
+};
+
+/// Until when it is certain, without a loop over the grains, that a list is valid.
+struct ListLifetime {
+  std::uint64_t epoch = 0;  ///< of the grains' travel
+  double distance = 0;      ///< of the grains' travel, at most
+};
+
+/// Whether pairs other than those of the list may touch at this time [s]: two grains, or a grain
+/// and a wall, approach by at most the sum of their displacements. `walls` is a WallSet.
+template <class P, class Walls, class List>
+bool is_stale(const P& grains, const Walls& walls, double time, const List& list,
+              ListLifetime& lifetime) {
+  using Real = typename P::Real;
+  if (list.owned_revision != grains.owned_revision()) return true;
+  const Real half = list.margin / 2;
+  if constexpr (Walls::move) {
+    const auto moved = walls.max_displacement({.from = list.time, .to = time}, list.extent);
+    if (!(moved <= half)) return true;
+  }
+  const Travel travel = grains.travel();
+  if (travel.epoch == lifetime.epoch && travel.distance <= lifetime.distance) return false;
+  const auto x = grains[position];
+  const auto& box = grains.box();
+  const NearestImage<P::dimension, Real> image(box);
+  const Real displacement = std::sqrt(largest(x.size(), Real(0), [&](Index i) {
+    const Real moved = image(typename P::Vec(x[i] - list.since[i])).squaredNorm();
+    // A search moves grains that have gone beyond the periodic box back into it.
+    const bool is_inside = !image.any() || box.wrap(x[i]) == x[i];
+    return moved >= 0 && is_inside ? moved : std::numeric_limits<Real>::infinity();
+  }));
+  if (!(displacement <= half)) return true;
+  lifetime = {.epoch = travel.epoch, .distance = travel.distance + double(half - displacement)};
+  return false;
+}
+
+/// The box around all grains.
+template <class P>
+auto extent_of(const P& grains) {
+  using Real = typename P::Real;
+  const auto x = grains[position];
+  Box<P::dimension, Real> box;
+  constexpr Real infinity = std::numeric_limits<Real>::infinity();
+  for (int k = 0; k < P::dimension; ++k) {
+    box.upper[k] = largest(x.size(), -infinity, [&](Index i) { return x[i][k]; });
+    box.lower[k] = -largest(x.size(), -infinity, [&](Index i) { return -x[i][k]; });
+  }
+  return box;
+}
+
+/// Time and time step of an evaluation.
+struct StepTime {
+  double time = 0;       ///< of the positions [s]
+  double time_step = 0;  ///< [s]
+};
+
+/// Records the positions of a rebuild in this step and chooses the margin; `reach` [m] is the
+/// interaction range of contacts.
+template <class P, class S, class Walls, class List>
+void begin_list(const P& grains, const S& search, const Walls& walls, const StepTime& step,
+                typename P::Real reach, List& list) {
+  using Real = typename P::Real;
+  // A small margin gives few pairs, a large one few rebuilds; the search limits it.
+  constexpr double lasting_steps = 40;
+  const auto v = grains[velocity];
+  Real fastest = std::sqrt(largest(v.size(), Real(0), [&](Index i) { return v[i].squaredNorm(); }));
+  if constexpr (Walls::move) {
+    if (grains.size() > 0) {
+      list.extent = extent_of(grains);
+      for (int k = 0; k < P::dimension; ++k) {
+        if (!grains.box().periodic[static_cast<std::size_t>(k)]) continue;
+        list.extent.lower[k] = grains.box().lower[k];
+        list.extent.upper[k] = grains.box().upper[k];
+      }
+      fastest = std::max(fastest, walls.max_speed(step.time, list.extent));
+    }
+  }
+  const Real wanted = std::clamp<Real>(Real(2 * lasting_steps * step.time_step) * fastest,
+                                       Real(0.006) * reach, Real(0.1) * reach);
+  const Real seen = search.radius() + margin_of<Real>(search) - reach;
+  list.margin = std::clamp<Real>(wanted, 0, std::max<Real>(seen, 0));
+  list.owned_revision = grains.owned_revision();
+  list.constants_revision = grains.constants_revision();
+  list.time = step.time;
+  list.extent.lower.array() -= list.margin / 2;
+  list.extent.upper.array() += list.margin / 2;
+  const auto x = grains[position];
+  list.since.assign(x.begin(), x.end());
+  const auto materials = grains[material];
+  list.materials.assign(materials.begin(), materials.end());
+}
+
+/// f(x) and f(image) for the images of x [m] beyond the periodic sides closer than a distance [m].
+template <int Dim, class Real, class F>
+void for_each_image(const Box<Dim, Real>& box, const Vec<Dim, Real>& x, Real distance, F&& f,
+                    int axis = 0) {
+  if (axis == Dim) return f(x);
+  for_each_image(box, x, distance, f, axis + 1);
+  if (!box.periodic[static_cast<std::size_t>(axis)]) return;
+  const Real period = box.upper[axis] - box.lower[axis];
+  Vec<Dim, Real> image = x;
+  if (x[axis] < box.lower[axis] + distance) {
+    image[axis] = x[axis] + period;
+    for_each_image(box, image, distance, f, axis + 1);
+  }
+  if (x[axis] > box.upper[axis] - distance) {
+    image[axis] = x[axis] - period;
+    for_each_image(box, image, distance, f, axis + 1);
+  }
+}
+
+/// Finds all pairs of grains, and of grains and walls, with a gap below the margin; `walls` is a
+/// WallsAtTime.
+template <class P, class S, class Walls, class List>
+void find_contacts(const P& grains, const S& search, const Walls& walls, List& list,
+                   std::vector<ContactList::Found>& found) {
+  using Real = typename P::Real;
+  const auto x = grains.with_ghosts(position);
+  const auto R = grains.with_ghosts(radius);
+  list.contacts.build(
+      grains,
+      [&](Index i, auto&& add) {
+        for_each_candidate(search, i, [&](Index j) {
+          // A pair across a periodic side is found at both grains; one is enough.
+          if (j >= grains.size() && grains.id(j) < grains.id(i)) return;
+          const Real limit = R[i] + R[j] + list.margin;
+          if (!((x[j] - x[i]).squaredNorm() < squared(limit))) return;
+          const bool in_order = grains.id(i) < grains.id(j);
+          const auto one = static_cast<std::uint32_t>(i);
+          const auto other = static_cast<std::uint32_t>(grains.owner(j));
+          add(in_order ? ContactList::Pair{one, other} : ContactList::Pair{other, one});
+        });
+      },
+      [&](Index i, auto&& add) {
+        std::array<std::uint32_t, 64> added;
+        Index count = 0;
+        // Also near the images of a grain that may cross a periodic side while the list is valid.
+        for_each_image(grains.box(), typename P::Vec(x[i]), list.margin, [&](const auto& image) {
+          walls.for_each_element_near(image, Real(R[i] + list.margin), [&](Index element) {
+            const auto number = static_cast<std::uint32_t>(element);
+            const auto end = added.begin() + std::ptrdiff_t(std::min(count, added.size()));
+            if (std::find(added.begin(), end, number) != end) return;
+            if (count < added.size()) added[count] = number;
+            ++count;
+            add(number);
+          });
+        });
+      },
+      found);
+}
+
+}  // namespace silt::dem
