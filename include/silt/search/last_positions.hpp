@@ -5,6 +5,7 @@
 
 #include <silt/core/fields.hpp>
 #include <silt/core/lane.hpp>
+#include <silt/core/nearest_image.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/types.hpp>
 
@@ -37,13 +38,15 @@ class LastPositions {
     return particles.owned_revision() == update_.revision && particles.size() == update_.owned;
   }
 
-  /// Maximum displacement [m] of the owned particles from these positions; infinity if a position
-  /// is NaN.
+  /// Maximum displacement [m] of the owned particles from these positions, where crossing a
+  /// periodic side does not count; infinity if a position is NaN.
   template <class P>
   Real max_displacement_from(const std::vector<Vec>& reference, const P& particles) {
     const auto x = lanes_of(particles[position]);
     const auto* const from = lanes_of(reference.data());
-    return max_root(particles.size(), [=](Index i) { return (x[i] - from[i]).squaredNorm(); });
+    const NearestImage<Dim, Real> image(particles.box());
+    return max_root(particles.size(),
+                    [=](Index i) { return squared_distance(x[i], from[i], image); });
   }
 
   /// Begins an update: copies the positions of the owned particles and returns their maximum
@@ -56,8 +59,9 @@ class LastPositions {
     const auto x = lanes_of(particles[position]);
     const auto* const last = lanes_of(before.data());
     auto* const current = lanes_of(positions_.data());
+    const NearestImage<Dim, Real> image(particles.box());
     return max_root(particles.size(), [=](Index i) {
-      const auto squared_move = (x[i] - last[i]).squaredNorm();
+      const auto squared_move = squared_distance(x[i], last[i], image);
       current[i] = x[i];
       return squared_move;
     });
@@ -96,6 +100,14 @@ class LastPositions {
     Index owned = 0;             // number of owned particles
   };
 
+  template <class LaneVec>
+  static auto squared_distance(const LaneVec& a, const LaneVec& b,
+                               const NearestImage<Dim, Real>& image) {
+    LaneVec r = a - b;
+    for (int k = 0; k < Dim; ++k) image.apply(k, r[k]);
+    return r.squaredNorm();
+  }
+
   template <class P>
   void set_owner(const P& particles) {
     update_ = {.revision = particles.owned_revision(), .owned = particles.size()};
@@ -131,7 +143,7 @@ class LastPositions {
   }
 
   std::vector<Vec> positions_;  // with ghosts
-  std::vector<Vec> previous_;       // of the last update before the step
+  std::vector<Vec> previous_;   // of the last update before the step
   bool has_previous_ = true;
   Update update_;
   Update saved_;

@@ -9,6 +9,7 @@
 #pragma once
 
 #include <silt/core/error.hpp>
+#include <silt/core/nearest_image.hpp>
 #include <silt/core/transfer.hpp>
 #include <silt/core/types.hpp>
 #include <silt/search/ghosts.hpp>
@@ -81,6 +82,7 @@ class NeighbourList {
   template <class P>
   void update(P& particles) {
     require_positive("NeighbourList: radius", double(radius()));
+    image_ = NearestImage<Dim, Real>(particles.box());
     restore_ghosts(particles);
     ++state_.updates;
     const bool is_valid = is_valid_for(particles);
@@ -110,7 +112,7 @@ class NeighbourList {
     const Real reach = radius() * radius();
     const Vec x_i = positions_[i];
     const auto report = [&](Index j) {
-      const Vec r_ij = positions_[j] - x_i;
+      const Vec r_ij = image_(positions_[j] - x_i);
       const Real r2 = r_ij.squaredNorm();
       if (r2 < reach) f(j, r_ij, std::sqrt(r2));
     };
@@ -125,7 +127,7 @@ class NeighbourList {
       Index count = 0;
       for (const std::uint32_t j : row.subspan(from, std::min(near.size(), row.size() - from))) {
         near[count] = j;
-        count += (positions_[j] - x_i).squaredNorm() < reach;
+        count += image_(positions_[j] - x_i).squaredNorm() < reach;
       }
       for (Index k = 0; k < count; ++k) report(near[k]);
     }
@@ -152,7 +154,7 @@ class NeighbourList {
         if (list_.grid.is_second_image(a, b)) return;
         const Index i = std::min(a, b);
         const Index j = std::max(a, b);
-        const Vec r_ij = positions_[j] - positions_[i];
+        const Vec r_ij = image_(positions_[j] - positions_[i]);
         const Real r2 = r_ij.squaredNorm();
         if (r2 < reach) f(i, j, r_ij, std::sqrt(r2));
       });
@@ -202,6 +204,7 @@ class NeighbourList {
     archive("updates", state_.updates);
     archive("rebuilds", state_.rebuilds);
     if constexpr (Archive::reads) {
+      image_ = NearestImage<Dim, Real>(particles.box());
       if (is_of_these) {
         repeat_build(particles, reference);
       } else {
@@ -346,6 +349,9 @@ class NeighbourList {
   mutable std::array<bool, 2> requested_{};  // rows of each kind
   std::array<bool, 2> saved_requested_{};
   LastPositions<Dim, Real> positions_;  // at the last update
+  // A particle may have crossed a periodic side since the list was built: distances are those of
+  // the nearest images.
+  NearestImage<Dim, Real> image_;
 };
 
 }  // namespace silt

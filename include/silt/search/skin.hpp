@@ -57,7 +57,7 @@ class Skin {
   // Measured costs of a rebuild: sorting a particle, and finding an entry.
   static constexpr double fixed = 20;
   static constexpr double per_entry = 0.6;
-  static constexpr double min_fraction = 0.2;
+  static constexpr double min_fraction = 0.02;
   static constexpr double max_fraction = 0.5;
 
   double fraction_ = 0.2;

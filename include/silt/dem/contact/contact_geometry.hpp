@@ -5,7 +5,7 @@
 #include <silt/core/simd.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/contact/grain_rows.hpp>
-#include <silt/dem/contact/nearest_image.hpp>
+#include <silt/core/nearest_image.hpp>
 #include <silt/dem/wall/moving.hpp>
 #include <silt/dem/wall/wall.hpp>
 

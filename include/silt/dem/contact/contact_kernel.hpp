@@ -11,7 +11,7 @@
 #include <silt/dem/contact/contact_list.hpp>
 #include <silt/dem/contact/evaluation.hpp>
 #include <silt/dem/contact/law_lanes.hpp>
-#include <silt/dem/contact/nearest_image.hpp>
+#include <silt/core/nearest_image.hpp>
 
 #include <algorithm>
 #include <array>

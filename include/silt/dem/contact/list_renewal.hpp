@@ -4,11 +4,11 @@
 
 #include <silt/core/box.hpp>
 #include <silt/core/concepts.hpp>
+#include <silt/core/nearest_image.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/travel.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/contact/contact_list.hpp>
-#include <silt/dem/contact/nearest_image.hpp>
 #include <silt/dem/setup/grains.hpp>
 
 #include <algorithm>
@@ -150,19 +150,21 @@ template <class P, class S, class Walls, class List>
 void find_contacts(const P& grains, const S& search, const Walls& walls, List& list,
                    std::vector<ContactList::Found>& found) {
   using Real = typename P::Real;
-  const auto x = grains.with_ghosts(position);
-  const auto R = grains.with_ghosts(radius);
+  const auto x = grains[position];
+  const auto R = grains[radius];
+  const NearestImage<P::dimension, Real> image(grains.box());
   list.contacts.build(
       grains,
       [&](Index i, auto&& add) {
-        for_each_candidate(search, i, [&](Index j) {
+        for_each_candidate(search, i, [&](Index found_j) {
+          const Index j = grains.owner(found_j);
           // A pair across a periodic side is found at both grains; one is enough.
-          if (j >= grains.size() && grains.id(j) < grains.id(i)) return;
+          if (j != found_j && grains.id(j) < grains.id(i)) return;
           const Real limit = R[i] + R[j] + list.margin;
-          if (!((x[j] - x[i]).squaredNorm() < squared(limit))) return;
+          if (!(image(typename P::Vec(x[j] - x[i])).squaredNorm() < squared(limit))) return;
           const bool in_order = grains.id(i) < grains.id(j);
           const auto one = static_cast<std::uint32_t>(i);
-          const auto other = static_cast<std::uint32_t>(grains.owner(j));
+          const auto other = static_cast<std::uint32_t>(j);
           add(in_order ? ContactList::Pair{one, other} : ContactList::Pair{other, one});
         });
       },
@@ -170,8 +172,8 @@ void find_contacts(const P& grains, const S& search, const Walls& walls, List& l
         std::array<std::uint32_t, 64> added;
         Index count = 0;
         // Also near the images of a grain that may cross a periodic side while the list is valid.
-        for_each_image(grains.box(), typename P::Vec(x[i]), list.margin, [&](const auto& image) {
-          walls.for_each_element_near(image, Real(R[i] + list.margin), [&](Index element) {
+        for_each_image(grains.box(), typename P::Vec(x[i]), list.margin, [&](const auto& at) {
+          walls.for_each_element_near(at, Real(R[i] + list.margin), [&](Index element) {
             const auto number = static_cast<std::uint32_t>(element);
             const auto end = added.begin() + std::ptrdiff_t(std::min(count, added.size()));
             if (std::find(added.begin(), end, number) != end) return;

@@ -8,7 +8,7 @@
 #include <silt/core/types.hpp>
 #include <silt/dem/contact/contact_list.hpp>
 #include <silt/dem/contact/elementary_time_steps.hpp>
-#include <silt/dem/contact/nearest_image.hpp>
+#include <silt/core/nearest_image.hpp>
 #include <silt/dem/contact/single_contacts.hpp>
 #include <silt/dem/law/contact.hpp>
 #include <silt/dem/law/materials.hpp>

@@ -8,12 +8,14 @@
 #include <cstddef>
 #include <limits>
 
-namespace silt::dem {
+namespace silt {
 
 /// The shortest of the vectors between the periodic images of two points.
 template <int Dim, class Real>
 class NearestImage {
  public:
+  /// Without periodic sides.
+  NearestImage() = default;
   explicit NearestImage(const Box<Dim, Real>& box) {
     for (int k = 0; k < Dim; ++k) {
       if (!box.periodic[static_cast<std::size_t>(k)]) continue;
@@ -49,4 +51,4 @@ class NearestImage {
   Real inverse_[Dim] = {};
 };
 
-}  // namespace silt::dem
+}  // namespace silt
