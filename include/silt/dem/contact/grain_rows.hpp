@@ -46,7 +46,8 @@ class GrainRows {
   [[gnu::always_inline]] void load(const std::uint32_t* places, Position& grains) const {
     Pack four[4];
     columns_from<Real, N>([=, this](int lane) { return rows_ + Index{places[lane]} * 8; }, four);
-    std::copy_n(four, Dim, grains.x);
+    // One by one: std::copy_n copies in halves of a pack, whose use as a whole would have to wait.
+    for (int k = 0; k < Dim; ++k) grains.x[k] = four[k];
     grains.R = four[Dim];
     grains.m = four[3];
   }
@@ -54,14 +55,14 @@ class GrainRows {
     Pack four[4];
     columns_from<Real, N>([=, this](int lane) { return rows_ + Index{places[lane]} * 8 + 4; },
                           four);
-    std::copy_n(four, Dim, grains.v);
+    for (int k = 0; k < Dim; ++k) grains.v[k] = four[k];
     if constexpr (Dim == 2) {
       grains.w[0] = four[2];
     } else {
       grains.m = four[3];
       columns_from<Real, N>([=, this](int lane) { return spins_ + Index{places[lane]} * 4; },
                             four);
-      std::copy_n(four, 3, grains.w);
+      for (int k = 0; k < 3; ++k) grains.w[k] = four[k];
     }
   }
   /// m of grains loaded by both.
