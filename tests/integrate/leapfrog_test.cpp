@@ -243,5 +243,15 @@ TEST(Leapfrog, MovesParticlesInAnyBundles) {
   EXPECT_EQ(speed_after_three_steps<Part>(), speed);
 }
 
+TEST(Leapfrog, RefusesAnAngleThatIsNotFinite) {
+  for (int k = 0; k < 3; ++k) {
+    dem::Grains<3, double, angle_t> grains;
+    dem::add_grain(grains, {0, 0, 0}, {.radius = 0.1, .density = 1});
+    grains[angle][0][k] = std::numeric_limits<double>::quiet_NaN();
+    Simulation sim{grains, BruteForce<3>{}, Gravity<3>{{0, 0, -1}}, Leapfrog{}};
+    EXPECT_TRUE(refuses([&] { sim.step(0.1); }, {"angle", "not finite"})) << "component " << k;
+  }
+}
+
 }  // namespace
 }  // namespace silt::test

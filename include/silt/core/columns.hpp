@@ -306,12 +306,6 @@ class Columns<Dim, Real, std::tuple<All...>> {
     if (unit.begin_advance() && unit.is_of_bundle) unit.other.copy_from(unit.now, 0, owned);
     return Advance<decltype(before), decltype(present)>{before, unit.other.view(field, owned)};
   }
-  /// Whether the next values of field F are written to other memory, so that its present ones may
-  /// be shared.
-  template <Field F>
-  bool is_advancing(F) const noexcept {
-    return std::get<place_of<F>>(units_).is_next;
-  }
   /// The same for all fields of the bundle with field F; every number must be written.
   struct AdvanceRows {
     const Real* before;
@@ -322,6 +316,12 @@ class Columns<Dim, Real, std::tuple<All...>> {
     auto& unit = unit_of<F>();
     if (!unit.kept) unit.begin_advance();
     return {std::as_const(unit.now).rows(), unit.is_next ? unit.other.rows() : unit.now.rows()};
+  }
+  /// Whether the next values of field F are written to other memory, so that its present ones may
+  /// be shared.
+  template <Field F>
+  bool is_advancing(F) const noexcept {
+    return std::get<place_of<F>>(units_).is_next;
   }
   /// Makes the next values of all fields passed to advance() their values.
   void finish_advance(Index owned) {

@@ -16,7 +16,7 @@ using Four = simd::Pack<Real, 4>;
 
 template <class Real, class F>
 void load_four(const Real* from, F& four) {
-  std::memcpy(&four, from, sizeof four);
+  four = *reinterpret_cast<const typename simd::UnalignedPackOf<Real, 4>::type*>(from);
 }
 
 /// b × a of the first three numbers, rotated by one lane, as (z, x, y); the fourth is unspecified.
@@ -88,10 +88,10 @@ template <class Real, int lanes>
     load_four(from[3] + first, d);
     transpose<Real>(a, b, c, d);
     Real* const row = to + first * stride;
-    std::memcpy(row, &a, sizeof a);
-    std::memcpy(row + stride, &b, sizeof b);
-    std::memcpy(row + 2 * stride, &c, sizeof c);
-    std::memcpy(row + 3 * stride, &d, sizeof d);
+    simd::store<Real, 4>(row, a);
+    simd::store<Real, 4>(row + stride, b);
+    simd::store<Real, 4>(row + 2 * stride, c);
+    simd::store<Real, 4>(row + 3 * stride, d);
   }
 }
 

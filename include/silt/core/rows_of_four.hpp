@@ -13,12 +13,14 @@ namespace silt {
 
 /// Whether the particles are stored in these rows, see Bundle in core/columns.hpp: {position, a
 /// scalar, velocity, mass} and {spin, inertia}; in 2D {position, a scalar, mass, velocity, spin,
-/// inertia}.
+/// inertia}, and they have a force and a torque.
 template <class P>
 constexpr bool in_rows_of_four() {
   if constexpr (requires(const P p) {
                   p.storage(position).rows();
                   p.storage(spin).rows();
+                  p.storage(force);
+                  p.storage(torque);
                 }) {
     using Linear = std::remove_cvref_t<decltype(std::declval<const P&>().storage(position))>;
     using Angular = std::remove_cvref_t<decltype(std::declval<const P&>().storage(spin))>;

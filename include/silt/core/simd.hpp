@@ -27,7 +27,6 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
 #include <type_traits>
 
 #if !defined(SILT_NO_INTRINSICS)
@@ -73,15 +72,20 @@ using Pack = typename PackOf<T, N>::type;
 /// One bit per lane.
 using Mask = std::uint32_t;
 
+// A pack at any address of a T. (g++ expands std::memcpy of a pack in pieces of 16 bytes unless it
+// is tuned for a certain processor, and a load of the whole after such stores has to wait.)
+template <class T, int N>
+struct UnalignedPackOf {
+  typedef T type __attribute__((vector_size(N * sizeof(T)), aligned(alignof(T)), may_alias));
+};
+
 template <class T, int N = lanes<T>>
 Pack<T, N> load(const T* from) {
-  Pack<T, N> pack;
-  std::memcpy(&pack, from, sizeof pack);
-  return pack;
+  return *reinterpret_cast<const typename UnalignedPackOf<T, N>::type*>(from);
 }
 template <class T, int N = lanes<T>>
 void store(T* to, const Pack<T, N>& pack) {
-  std::memcpy(to, &pack, sizeof pack);
+  *reinterpret_cast<typename UnalignedPackOf<T, N>::type*>(to) = pack;
 }
 template <class T, int N = lanes<T>>
 Pack<T, N> broadcast(T value) {
@@ -265,7 +269,16 @@ Index compress(T* to, const Pack<T, N>& values, Mask mask) {
 /// The same for N values in memory.
 template <class T, int N = lanes<T>>
 Index compress(T* to, const T* values, Mask mask) {
-  return compress<T, N>(to, load<T, N>(values), mask);
+  if constexpr (N * sizeof(T) <= width) {
+    return compress<T, N>(to, load<T, N>(values), mask);
+  } else {
+    Index count = 0;
+    for (int k = 0; k < N; ++k) {
+      to[count] = values[k];
+      count += mask >> k & 1u;
+    }
+    return count;
+  }
 }
 
 /// Coordinates as columns: x[k][s] is coordinate k of point s.

@@ -333,7 +333,9 @@ class MotionInRows {
   [[gnu::always_inline]] void add_to(Check& check, const Single& p) const {
     Four sum = p.x + p.v;
     if constexpr (Dim == 3) sum += p.w;
-    if constexpr (has_angle) sum += p.angle[0];
+    if constexpr (has_angle) {
+      for (const Real turned : p.angle) sum += turned;
+    }
     check.valid_ &= (Bits)(lower_ <= p.x) & (Bits)(p.x <= upper_) & (Bits)(sum - sum == Four{});
   }
 

@@ -18,6 +18,7 @@
 #include <silt/dem/contact/list_renewal.hpp>
 #include <silt/dem/contact/load_rows.hpp>
 #include <silt/dem/contact/pair_history.hpp>
+#include <silt/dem/contact/saved_list.hpp>
 #include <silt/dem/contact/stable_time_step.hpp>
 #include <silt/dem/law/contact.hpp>
 #include <silt/dem/law/law_history.hpp>
@@ -210,7 +211,7 @@ class ContactsOf : public Contacts<Law, Walls...> {
   /// f(i, j, contact, force on i) for every contact of the last step whose grains still exist; i
   /// and j are the current indices of the two (owned particles), j is `no_index` for a wall. The
   /// contact's velocity is computed from the velocities in `grains`, and for a wall from its
-  /// velocity at the time N of the contact.
+  /// velocity at the time N of the contact. The law is evaluated again in every call.
   template <class F>
   void for_each_contact(const P& grains, F&& f) const {
     last_step(grains).for_each(f);
@@ -256,8 +257,13 @@ class ContactsOf : public Contacts<Law, Walls...> {
   template <class Archive>
   void transfer(Archive& archive, const P& grains) {
     auto own = history(grains);
+    auto list = saved_list(grains);
     archive.within("history", [&] { own.transfer(archive); });
-    archive.within("list", [&] { transfer_list(archive, grains, own); });
+    archive.within("list", [&] { list.transfer(archive); });
+    if constexpr (Archive::reads) {
+      set_history(grains, own);
+      restore_list(list, grains);
+    }
   }
 
   void save() noexcept { saved_ = state_; }
@@ -383,88 +389,25 @@ class ContactsOf : public Contacts<Law, Walls...> {
     }
   }
 
-  // With the list, it is rebuilt, and the grains are sorted, in the same steps as without a
-  // restart: as soon as a grain has moved by half the margin.
-  template <class Archive>
-  void transfer_list(Archive& archive, const P& grains, const PairHistory<History>& own) {
+  // The list of the last step, if it is of the grains as they are.
+  SavedList<dimension, Real> saved_list(const P& grains) const {
     const List& last = *state_.last.list;
-    bool is_of_these = !state_.given && last.owned_revision == grains.owned_revision() &&
-                       last.constants_revision == grains.constants_revision();
-    std::vector<Id> first, second;
-    std::vector<typename P::Vec> since;
-    Real margin = last.margin;
-    double time = last.time;
-    double stable_time_step = last.stable_time_step;
-    auto extent = last.extent;
-    if (!Archive::reads && is_of_these) {
-      since = last.since;
-      last.contacts.for_each_contact_by_grain([&](Index c) {
-        first.push_back(last.contacts.first_id(c));
-        second.push_back(last.contacts.second_id(c));
-      });
-    }
-    archive("is_of_these", is_of_these);
-    archive("first", first);
-    archive("second", second);
-    archive("since", since);
-    archive("margin", margin);
-    archive("time", time);
-    archive("extent_lower", extent.lower);
-    archive("extent_upper", extent.upper);
-    archive("stable_time_step", stable_time_step);
-    if constexpr (Archive::reads) {
-      if (!is_of_these || since.size() != grains.size() || first.size() != second.size()) {
-        return set_history(grains, own);
-      }
-      const auto list = memory_.lists.take();
-      memory_.division.reset();
-      std::vector<std::vector<Index>> of_grain(grains.size());
-      for (Index k = 0; k < first.size(); ++k) {
-        const Index i = grains.index_of(first[k]);
-        if (i < grains.size()) of_grain[i].push_back(k);
-      }
-      list->contacts.build(
-          grains,
-          [&](Index i, auto&& add) {
-            for (const Index k : of_grain[i]) {
-              if (is_wall_id(second[k])) continue;
-              const Index j = grains.index_of(second[k]);
-              if (j < grains.size()) {
-                add({static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(j)});
-              }
-            }
-          },
-          [&](Index i, auto&& add) {
-            for (const Index k : of_grain[i]) {
-              if (is_wall_id(second[k])) add(static_cast<std::uint32_t>(~second[k]));
-            }
-          },
-          memory_.found);
-      list->since = since;
-      list->margin = margin;
-      list->owned_revision = grains.owned_revision();
-      list->constants_revision = grains.constants_revision();
-      list->time = time;
-      list->extent = extent;
-      list->stable_time_step = stable_time_step;
-      const auto materials = grains[material];
-      list->materials.assign(materials.begin(), materials.end());
-      const auto histories = memory_.histories.take();
-      histories->resize(list->contacts.groups());
-      histories->clear();
-      list->contacts.for_each_block([&](Index block, Index, Index) {
-        list->contacts.for_each_contact(block, [&](Index c) {
-          const auto* const known =
-              own.find(list->contacts.first_id(c), list->contacts.second_id(c));
-          if (known != nullptr) histories->set(c, *known);
-        });
-      });
-      Evaluation read;
-      read.list = list;
-      read.before = read.after = histories;
-      state_.last = std::move(read);
-      state_.given.reset();
-    }
+    const bool is_of_these = !state_.given && last.owned_revision == grains.owned_revision() &&
+                             last.constants_revision == grains.constants_revision();
+    return is_of_these ? SavedList<dimension, Real>(last) : SavedList<dimension, Real>();
+  }
+  void restore_list(const SavedList<dimension, Real>& saved, const P& grains) {
+    if (!saved.fits(grains, walls_.elements())) return;  // it is rebuilt in the next step
+    const auto list = memory_.lists.take();
+    memory_.division.reset();
+    saved.restore(grains, *list, memory_.found);
+    const auto histories = memory_.histories.take();
+    move_histories(grains, list->contacts, *histories);
+    Evaluation last;
+    last.list = list;
+    last.before = last.after = histories;
+    state_.last = std::move(last);
+    state_.given.reset();
   }
 
   // Evaluates all contacts and sums the forces. Returns how many touch.

@@ -181,6 +181,8 @@ class WallSet {
     return WallsAtTime<Dim, Real, Walls...>(walls_, first_, times);
   }
 
+  /// Number of elements of all walls.
+  Index elements() const noexcept { return first_[size()]; }
   /// Number of the wall to which an element belongs.
   Index number_of(Index index) const noexcept {
     Index w = 0;
