@@ -106,7 +106,7 @@ class Particles {
   /// was crossed; begins anew whenever positions may have been changed otherwise, that is, with
   /// every access to p[position] that is not const. Not to be called by several threads at once.
   Travel travel() const noexcept {
-    if (positions_changed_.test_and_clear()) travel_ = {.epoch = Epoch().number(), .distance = 0};
+    if (positions_changed_.test_and_clear()) travel_ = {.epoch = next_revision(), .distance = 0};
     return travel_;
   }
   /// Increases whenever a field that steps do not change, such as the radius, may have been

@@ -4,29 +4,9 @@
 #pragma once
 
 #include <atomic>
-#include <concepts>
 #include <cstdint>
 
 namespace silt {
-
-/// A number that is unique in the process; a copy gets a new one.
-class Epoch {
- public:
-  Epoch() : number_(++last()) {}
-  Epoch(const Epoch&) : Epoch() {}
-  Epoch& operator=(const Epoch&) {
-    number_ = ++last();
-    return *this;
-  }
-  std::uint64_t number() const noexcept { return number_; }
-
- private:
-  static std::atomic<std::uint64_t>& last() noexcept {
-    static std::atomic<std::uint64_t> number = 0;
-    return number;
-  }
-  std::uint64_t number_;
-};
 
 /// Sum of the maximum displacements of all steps since the last reset, which began the epoch: while
 /// `distance` [m] has increased by less than d, no particle has moved by d.

@@ -6,6 +6,7 @@
 
 #include <silt/core/concepts.hpp>
 #include <silt/core/error.hpp>
+#include <silt/core/nearest_image.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/bond/parallel_bond.hpp>
@@ -305,7 +306,8 @@ class Bonds {
     update_indices(grains);
     if (!(dt <= stability_.time_step)) refuse(grains, dt);
     const Real passed = static_cast<Real>(last_time_step_);
-    for_each(bonds_.size(), [&](Index k) { advance_bond(grains, k, passed); });
+    const NearestImage<Dim, Real> image(grains.box());
+    for_each(bonds_.size(), [&](Index k) { advance_bond(grains, k, image, passed); });
     remove_broken(grains);
     last_time_step_ = dt;
   }
@@ -336,8 +338,8 @@ class Bonds {
       fail("dem::Bonds: the ids " + names_of(bond) +
            " are not those of two different grains; give two existing ids");
     }
-    const Vec between =
-        nearest_image(grains, Vec(grains[position][ends.a] - grains[position][ends.b]));
+    const NearestImage<Dim, Real> image(grains.box());
+    const Vec between = image(grains[position][ends.a] - grains[position][ends.b]);
     bond.rest_length = bond.length = between.norm();
     require_positive("dem::Bonds: distance of the grains " + names_of(bond), double(bond.length));
     bond.normal = between / bond.length;
@@ -349,17 +351,6 @@ class Bonds {
 
   static bool comes_before(const Bond& one, const Bond& other) {
     return std::pair(one.a, one.b) < std::pair(other.a, other.b);
-  }
-
-  template <class P>
-  static Vec nearest_image(const P& grains, Vec r) {
-    const auto& box = grains.box();
-    for (int k = 0; k < Dim; ++k) {
-      if (!box.periodic[static_cast<std::size_t>(k)]) continue;
-      const Real side = box.upper[k] - box.lower[k];
-      r[k] -= side * std::round(r[k] / side);
-    }
-    return r;
   }
 
   template <class P>
@@ -393,10 +384,10 @@ class Bonds {
   }
 
   template <class P>
-  void advance_bond(const P& grains, Index k, Real passed) {
+  void advance_bond(const P& grains, Index k, const NearestImage<Dim, Real>& image, Real passed) {
     const BondEnds ends = indices_.ends(k);
     const auto x = grains[position];
-    const BondMotion<Dim, Real> motion{.between = nearest_image(grains, Vec(x[ends.a] - x[ends.b])),
+    const BondMotion<Dim, Real> motion{.between = image(x[ends.a] - x[ends.b]),
                                        .rotation_a = grains[spin][ends.a] * passed,
                                        .rotation_b = grains[spin][ends.b] * passed,
                                        .arm_a = arm_of_a(grains, ends),

@@ -331,9 +331,7 @@ class ContactsOf : public Contacts<Law, Walls...> {
       const auto list = memory_.lists.take();
       memory_.division.reset();
       renew(grains, search, time, *list);
-      const Travel travel = grains.travel();
-      step.lifetime = {.epoch = travel.epoch,
-                       .distance = travel.distance + double(list->margin / 2)};
+      step.lifetime = {.since = grains.travel(), .distance = double(list->margin / 2)};
       const auto before = memory_.histories.take();
       move_histories(grains, list->contacts, *before);
       step.list = list;

@@ -35,10 +35,11 @@ struct ListOfStep {
   double stable_time_step = 0;  ///< stable even if all its pairs touch [s]
 };
 
-/// Until when it is certain, without a loop over the grains, that a list is valid.
+/// How far grains may travel before it is uncertain, without a loop over them, that a list is
+/// valid.
 struct ListLifetime {
-  std::uint64_t epoch = 0;  ///< of the grains' travel
-  double distance = 0;      ///< of the grains' travel, at most
+  Travel since;
+  double distance = 0;  ///< [m]
 };
 
 /// Whether pairs other than those of the list may touch at this time [s]: two grains, or a grain
@@ -54,7 +55,7 @@ bool is_stale(const P& grains, const Walls& walls, double time, const List& list
     if (!(moved <= half)) return true;
   }
   const Travel travel = grains.travel();
-  if (travel.epoch == lifetime.epoch && travel.distance <= lifetime.distance) return false;
+  if (travel.is_within(lifetime.distance, lifetime.since)) return false;
   const auto x = grains[position];
   const auto& box = grains.box();
   const NearestImage<P::dimension, Real> image(box);
@@ -65,7 +66,7 @@ bool is_stale(const P& grains, const Walls& walls, double time, const List& list
     return moved >= 0 && is_inside ? moved : std::numeric_limits<Real>::infinity();
   }));
   if (!(displacement <= half)) return true;
-  lifetime = {.epoch = travel.epoch, .distance = travel.distance + double(half - displacement)};
+  lifetime = {.since = travel, .distance = double(half - displacement)};
   return false;
 }
 
