@@ -2,10 +2,10 @@
 // Geometry and motion of eight contacts at once, from the rows of their grains.
 #pragma once
 
+#include <silt/core/nearest_image.hpp>
 #include <silt/core/simd.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/contact/grain_rows.hpp>
-#include <silt/core/nearest_image.hpp>
 #include <silt/dem/wall/moving.hpp>
 #include <silt/dem/wall/wall.hpp>
 
@@ -69,7 +69,13 @@ class ContactGeometry {
       typename Grains::Motion i, j;
       grains.load(first + p * N, i);
       grains.load(second + p * N, j);
-      const Pack against_r = -1 / distance_[p];
+      const Pack& m_i = Grains::mass_of(i_[p], i);
+      const Pack& m_j = Grains::mass_of(j_[p], j);
+      const Pack m = m_i + m_j;
+      const Pack R = i_[p].R + j_[p].R;
+      // One division for 1/r, 1/m and 1/R, because divisions limit the speed of this loop.
+      const Pack per_all = 1 / (distance_[p] * (m * R));
+      const Pack against_r = -(m * R) * per_all;
       Pack n[Dim];
       for (int k = 0; k < Dim; ++k) n[k] = r_[p][k] * against_r;
       const Pack shorter = arm_share * overlap_[p];
@@ -82,14 +88,9 @@ class ContactGeometry {
           simd::store<Real, N>(into.relative_spin[k] + p * N, i.w[k] - j.w[k]);
         }
       }
-      const Pack& m_i = Grains::mass_of(i_[p], i);
-      const Pack& m_j = Grains::mass_of(j_[p], j);
-      // One division for both; constants_of() in single_contacts.hpp does the same.
-      const Pack m = m_i + m_j;
-      const Pack R = i_[p].R + j_[p].R;
-      const Pack per_both = 1 / (m * R);
-      store(p, n, overlap_[p], u, shorter, m_i * m_j * (R * per_both),
-            i_[p].R * j_[p].R * (m * per_both), into);
+      const Pack r_per_all = distance_[p] * per_all;
+      store(p, n, overlap_[p], u, shorter, m_i * m_j * (R * r_per_all),
+            i_[p].R * j_[p].R * (m * r_per_all), into);
     }
   }
 
@@ -180,8 +181,8 @@ class ContactGeometry {
     };
     for (int k = 0; k < Dim; ++k) put(into.row[Row::n + k], n[k]);
     for (int k = 0; k < Dim; ++k) put(into.velocity[k], u[k]);
-    put(into.mass, mass);
-    put(into.radius, R);
+    put(into.row[Row::mass], mass);
+    put(into.row[Row::radius], R);
     put(into.row[Row::overlap], overlap);
     put(into.row[Row::shorter], shorter);
   }

@@ -5,13 +5,13 @@
 #pragma once
 
 #include <silt/core/error.hpp>
+#include <silt/core/nearest_image.hpp>
 #include <silt/core/simd.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/contact/contact_geometry.hpp>
 #include <silt/dem/contact/contact_list.hpp>
 #include <silt/dem/contact/evaluation.hpp>
 #include <silt/dem/contact/law_lanes.hpp>
-#include <silt/core/nearest_image.hpp>
 
 #include <algorithm>
 #include <array>
@@ -160,7 +160,7 @@ class ContactKernel {
                                                 const std::uint32_t* second, Lanes& into) const {
     if constexpr (of_walls) {
       const auto nearest = [this](std::uint32_t element, const Vec& x) {
-        return input_.walls.nearest(ContactList::wall_at(element), x);
+        return input_.walls.nearest(ContactList::index_at(element), x);
       };
       return geometry.find_touching_walls(input_.grains, first, second, nearest, into);
     } else {
@@ -176,7 +176,7 @@ class ContactKernel {
     if constexpr (of_walls) {
       if constexpr (Walls::move) {
         const auto velocity = [this](std::uint32_t element) {
-          return input_.walls.velocity(ContactList::wall_at(element));
+          return input_.walls.velocity(ContactList::index_at(element));
         };
         geometry.compute_walls(input_.grains, first, second, 2 * input_.arm_share, velocity, into);
       } else {
@@ -186,7 +186,7 @@ class ContactKernel {
       const unsigned coincident = geometry.coincident() & touching;
       if (coincident != 0) {
         const auto lane = static_cast<Index>(std::countr_zero(coincident));
-        refuse(first[lane], second[lane]);
+        refuse(ContactList::index_at(first[lane]), ContactList::index_at(second[lane]));
       }
       geometry.compute_pairs(input_.grains, first, second, input_.arm_share, into);
     }

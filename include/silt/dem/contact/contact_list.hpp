@@ -3,8 +3,8 @@
 // steps just go through it:
 //
 //   contact    0   1   2 …           those of a block of grains: pairs, then grains at walls
-//   first    [ 3   3   5 …           index of the grain with the lower id
-//   second   [ 9   4   9 …           index of the other, or the element of a wall
+//   first    [ 3   3   5 …           index of the grain with the lower id, times place_factor
+//   second   [ 9   4   9 …           index of the other, or the element of a wall, likewise
 //
 // A pair belongs to the block of the grain with the lower index. The pairs of a block, and its
 // contacts with walls, are each padded to a multiple of eight: contacts are evaluated in groups of
@@ -61,23 +61,25 @@ class ContactList {
   Index grains() const noexcept { return ids_.size(); }
   bool is_of_wall(Index contact) const noexcept { return second_[contact] >= wall_bit; }
   /// Indices of the two grains, or of the wall's element.
-  std::uint32_t first(Index contact) const noexcept { return first_[contact]; }
-  std::uint32_t second(Index contact) const noexcept { return wall_at(second_[contact]); }
-  /// The same for eight contacts; walls are marked by wall_bit.
+  std::uint32_t first(Index contact) const noexcept { return index_at(first_[contact]); }
+  std::uint32_t second(Index contact) const noexcept { return index_at(second_[contact]); }
+  /// The places of eight contacts, from which index_at() returns the index.
   const std::uint32_t* first_of_group(Index contact) const noexcept { return &first_[contact]; }
   const std::uint32_t* second_of_group(Index contact) const noexcept { return &second_[contact]; }
-  static std::uint32_t wall_at(std::uint32_t index) noexcept { return index & ~wall_bit; }
+  static std::uint32_t index_at(std::uint32_t place) noexcept {
+    return (place & ~wall_bit) / place_factor;
+  }
   /// The id of a grain when the list was built.
   Id id(Index grain) const noexcept { return ids_[grain]; }
   /// The ids of the two.
-  Id first_id(Index contact) const noexcept { return ids_[first_[contact]]; }
+  Id first_id(Index contact) const noexcept { return ids_[first(contact)]; }
   Id second_id(Index contact) const noexcept {
-    return is_of_wall(contact) ? wall_id(second(contact)) : ids_[second_[contact]];
+    return is_of_wall(contact) ? wall_id(second(contact)) : ids_[second(contact)];
   }
   /// The block that a contact belongs to.
   Index block_of(Index contact) const noexcept {
-    const std::uint32_t first = first_[contact];
-    return (is_of_wall(contact) ? first : std::min(first, second_[contact])) / block_size;
+    const std::uint32_t place = first_[contact];
+    return index_at(is_of_wall(contact) ? place : std::min(place, second_[contact])) / block_size;
   }
 
   /// Contacts [first, last); first is a multiple of eight.
@@ -205,9 +207,10 @@ class ContactList {
       size = block.all().last;
       further[b] = block.pairs.first + found[b].pairs.size();
     }
-    if (size >= wall_bit) {
-      fail("dem::Contacts: there are " + std::to_string(size) +
-           " near contacts, more than 2^31; use fewer grains");
+    if (std::max(size, grains() * place_factor) >= wall_bit) {
+      fail("dem::Contacts: there are " + std::to_string(grains()) + " grains and " +
+           std::to_string(size) +
+           " near contacts, more than 2^28 of the former or 2^31 of the latter; use fewer grains");
     }
     resize_tightly(first_, size);
     resize_tightly(second_, size);
@@ -220,15 +223,18 @@ class ContactList {
       Index c = block.pairs.first;
       for (const Pair& pair : found[b].pairs) put(c++, pair);
       c = block.walls.first;
-      for (const Pair& pair : found[b].walls) put(c++, {pair.first, pair.second | wall_bit});
+      for (const Pair& pair : found[b].walls) {
+        put(c, pair);
+        second_[c++] |= wall_bit;
+      }
     });
     for (const Found& each : found) {
       for (const Pair& pair : each.of_other_blocks) put(further[home_of(pair)]++, pair);
     }
   }
   void put(Index contact, const Pair& pair) {
-    first_[contact] = pair.first;
-    second_[contact] = pair.second;
+    first_[contact] = pair.first * place_factor;
+    second_[contact] = pair.second * place_factor;
   }
 
   void list_sides(std::vector<Found>& found) {
@@ -238,8 +244,8 @@ class ContactList {
     // sorted.
     const auto for_each_side = [&](Index b, auto&& f) {
       for_each_contact(b, [&](Index c) {
-        f(first_[c], Side(c, false));
-        if (!is_of_wall(c)) f(second_[c], Side(c, true));
+        f(first(c), Side(c, false));
+        if (!is_of_wall(c)) f(second(c), Side(c, true));
       });
     };
     const bool is_parallel = threads_for(n) > 1;

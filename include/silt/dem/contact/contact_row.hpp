@@ -6,8 +6,9 @@
 
 namespace silt::dem {
 
-/// Data stored for a contact in addition to its history: n, δ, F on the first grain, R minus the
-/// lever arm, and the couple on the first grain if the law has one.
+/// The input and the results of the law for a contact except its velocities and its history: n, δ,
+/// F on the first grain, R minus the lever arm, effective mass and radius, and the couple on the
+/// first grain if the law has one.
 template <bool couples>
 struct ContactRow {
   static constexpr bool has_couple = couples;
@@ -15,8 +16,10 @@ struct ContactRow {
   static constexpr int overlap = 3;
   static constexpr int F = 4;
   static constexpr int shorter = 7;
-  static constexpr int couple = 8;
-  static constexpr int words = couples ? 12 : 8;
+  static constexpr int mass = 8;
+  static constexpr int radius = 9;
+  static constexpr int couple = 10;
+  static constexpr int words = couples ? 16 : 12;
 
   /// F of a row [N].
   template <int Dim, class Real>

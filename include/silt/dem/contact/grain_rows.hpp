@@ -2,18 +2,22 @@
 // Loads the data of several grains into SIMD registers, one register per number.
 #pragma once
 
+#include <silt/core/four.hpp>
 #include <silt/core/particles.hpp>
 #include <silt/core/simd.hpp>
 #include <silt/core/types.hpp>
-#include <silt/core/four.hpp>
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
 
 namespace silt::dem {
 
 /// Contacts are evaluated eight at a time.
 inline constexpr int lanes = 8;
+/// Lists of contacts contain the indices of grains times this number, the length of their first
+/// row, because address computations then need no shift.
+inline constexpr std::uint32_t place_factor = 8;
 
 /// The rows of grains, see dem/setup/grains.hpp: {x y z R vx vy vz m} and {wx wy wz I}; in 2D
 /// {x y R m vx vy w I}.
@@ -37,7 +41,8 @@ class GrainRows {
     Pack m;                     ///< [kg]; in 3D only
   };
 
-  /// Refers to the grains; invalid once they move in memory.
+  /// Refers to the grains; invalid once they move in memory. `places` are indices times
+  /// place_factor.
   template <class P>
   explicit GrainRows(const P& grains)
       : rows_(grains.storage(position).rows()), spins_(grains.storage(spin).rows()) {}
@@ -45,7 +50,7 @@ class GrainRows {
 
   [[gnu::always_inline]] void load(const std::uint32_t* places, Position& grains) const {
     Pack four[4];
-    columns_from<Real, N>([=, this](int lane) { return rows_ + Index{places[lane]} * 8; }, four);
+    columns_from<Real, N>([=, this](int lane) { return rows_ + places[lane]; }, four);
     // One by one: std::copy_n copies in halves of a pack, whose use as a whole would have to wait.
     for (int k = 0; k < Dim; ++k) grains.x[k] = four[k];
     grains.R = four[Dim];
@@ -53,15 +58,20 @@ class GrainRows {
   }
   [[gnu::always_inline]] void load(const std::uint32_t* places, Motion& grains) const {
     Pack four[4];
-    columns_from<Real, N>([=, this](int lane) { return rows_ + Index{places[lane]} * 8 + 4; },
-                          four);
+    columns_from<Real, N>([=, this](int lane) { return rows_ + places[lane] + 4; }, four);
     for (int k = 0; k < Dim; ++k) grains.v[k] = four[k];
     if constexpr (Dim == 2) {
       grains.w[0] = four[2];
     } else {
       grains.m = four[3];
-      columns_from<Real, N>([=, this](int lane) { return spins_ + Index{places[lane]} * 4; },
-                            four);
+      // In bytes, as a division by two would need an instruction of its own.
+      constexpr Index stride = 4 * sizeof(Real) / place_factor;
+      const auto* const spins = reinterpret_cast<const std::byte*>(spins_);
+      columns_from<Real, N>(
+          [=](int lane) {
+            return reinterpret_cast<const Real*>(spins + Index{places[lane]} * stride);
+          },
+          four);
       for (int k = 0; k < 3; ++k) grains.w[k] = four[k];
     }
   }

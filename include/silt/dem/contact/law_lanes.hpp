@@ -29,11 +29,9 @@ struct LawLanes {
   // Input.
   alignas(64) Real velocity[Dim][lanes];
   alignas(64) Real relative_spin[has_couple ? spin_words : 1][lanes];
-  alignas(64) Real mass[lanes];
-  alignas(64) Real radius[lanes];
   // Input and output.
   alignas(64) Real history[std::max(padded_words, 1)][lanes];
-  // The rows to be stored: normals, overlaps and lever arms are input, the loads are output.
+  // By ContactRow: F and the couple are output, all else is input.
   alignas(64) Real row[Row::words][lanes];
 
   /// Evaluates a law for one lane. Scalar is Real or Lane<Real>.
@@ -73,8 +71,8 @@ struct LawLanes {
       }
     }
     contact.overlap = row[Row::overlap][lane];
-    contact.effective_mass = mass[lane];
-    contact.effective_radius = radius[lane];
+    contact.effective_mass = row[Row::mass][lane];
+    contact.effective_radius = row[Row::radius][lane];
     contact.time_step = dt;
     return contact;
   }

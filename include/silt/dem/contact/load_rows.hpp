@@ -14,6 +14,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -64,7 +65,7 @@ class WorkDivision {
         const ContactList::Side side = list.sides()[s];
         const Index row =
             slot_of_group_[side.contact() / lanes] * Index(lanes) + side.contact() % lanes;
-        row_of_side_[s] = static_cast<std::uint32_t>(2 * row + side.is_second());
+        row_of_side_[s] = static_cast<std::uint32_t>(8 * row + side.is_second());
       }
     });
   }
@@ -87,7 +88,7 @@ class WorkDivision {
   /// Number of groups of eight rows.
   Index slots() const noexcept { return slots_.back(); }
   Index slot_of(Index group) const noexcept { return slot_of_group_[group]; }
-  /// For each side in the list: twice the number of its row, plus one for the second grain.
+  /// For each side in the list: eight times the number of its row, plus one for the second grain.
   const std::uint32_t* row_of_side() const noexcept { return row_of_side_.data(); }
 
  private:
@@ -212,7 +213,8 @@ class LoadRows {
     const auto torques = grains[torque];
     const auto radii = std::as_const(grains)[radius];
     const std::uint32_t* const rows = division.row_of_side();
-    const Real* const numbers = numbers_.data();
+    const auto* const numbers = reinterpret_cast<const std::byte*>(numbers_.data());
+    constexpr Index stride = Row::words * sizeof(Real) / 8;
     const bool is_whole = first % range_size == 0 && last % range_size == 0;
     const std::uint8_t* const order = division.order(first);
     for (Index place = 0; place < last - first; ++place) {
@@ -225,8 +227,9 @@ class LoadRows {
       for (Index s = list.begin(i); s < end; ++s) {
         // A table, because a conditional expression becomes a branch that is mispredicted.
         static constexpr Real signs[] = {1, -1};
-        const Real sign = signs[rows[s] % 2];
-        const Real* const row = numbers + Index{rows[s] / 2} * Row::words;
+        const Real sign = signs[rows[s] % 8];
+        const auto* const row =
+            reinterpret_cast<const Real*>(numbers + Index{rows[s] & ~7u} * stride);
         Four<Real> F;
         load_four(row + Row::F, F);
         sum += sign * F;

@@ -38,26 +38,6 @@ inline Sides sides_of(const ContactList& list, Index c) {
   return {.i = list.first(c), .j = list.second(c)};
 }
 
-/// A contact with only mass and radius set, which do not change from step to step.
-template <class P>
-auto constants_of(const P& grains, const Sides& sides) {
-  using Real = typename P::Real;
-  Contact<P::dimension, Real> contact;
-  const Real m = grains[mass][sides.i];
-  const Real R = grains[radius][sides.i];
-  contact.effective_mass = m;
-  contact.effective_radius = R;
-  if (sides.j != no_index) {
-    const Real m_j = grains[mass][sides.j];
-    const Real R_j = grains[radius][sides.j];
-    // The same operations as in contact_geometry.hpp, for the same bits.
-    const Real per_both = 1 / ((m + m_j) * (R + R_j));
-    contact.effective_mass = m * m_j * ((R + R_j) * per_both);
-    contact.effective_radius = R * R_j * ((m + m_j) * per_both);
-  }
-  return contact;
-}
-
 /// Contact point from the row of a contact [m].
 template <class P, class Row>
 typename P::Vec contact_point(const P& grains, const typename P::Real* row, const Sides& sides) {
@@ -73,7 +53,9 @@ template <class Row, class P, class Walls>
 auto contact_of(const P& grains, const typename P::Real* row, const Sides& sides,
                 const Walls& walls, double time_step) {
   using Vec = typename P::Vec;
-  auto contact = constants_of(grains, sides);
+  Contact<P::dimension, typename P::Real> contact;
+  contact.effective_mass = row[Row::mass];
+  contact.effective_radius = row[Row::radius];
   for (int k = 0; k < P::dimension; ++k) contact.normal[k] = row[Row::n + k];
   contact.overlap = row[Row::overlap];
   contact.time_step = static_cast<typename P::Real>(time_step);

@@ -3,12 +3,12 @@
 #pragma once
 
 #include <silt/core/error.hpp>
+#include <silt/core/nearest_image.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/particles.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/contact/contact_list.hpp>
 #include <silt/dem/contact/elementary_time_steps.hpp>
-#include <silt/core/nearest_image.hpp>
 #include <silt/dem/contact/single_contacts.hpp>
 #include <silt/dem/law/contact.hpp>
 #include <silt/dem/law/materials.hpp>
@@ -186,8 +186,8 @@ double stable_for_all(const P& grains, const ContactList& list, const Walls& wal
   const Index max_contacts =
       largest(grains.size(), Index(0), [&](Index i) { return list.count(i); });
   // The grains that rotate most easily by a couple and by a force at their surface.
-  const double per_turn = largest(
-      grains.size(), 0.0, [&](Index i) { return double(m[i]) / double(I[i]); });
+  const double per_turn =
+      largest(grains.size(), 0.0, [&](Index i) { return double(m[i]) / double(I[i]); });
   const double per_turn_at_surface = largest(grains.size(), 0.0, [&](Index i) {
     return double(m[i]) / double(I[i]) * squared(double(R[i]));
   });
@@ -199,10 +199,14 @@ double stable_for_all(const P& grains, const ContactList& list, const Walls& wal
   list.for_each_block([&](Index b, Index, Index) {
     list.for_each_contact(b, [&](Index c) {
       const Sides sides = sides_of(list, c);
-      auto contact = constants_of(grains, sides);
+      Contact<P::dimension, Real> contact;
+      contact.effective_mass = m[sides.i];
+      contact.effective_radius = R[sides.i];
       // Springs may stiffen with the overlap.
       contact.overlap = margin;
       if (sides.j != no_index) {
+        contact.effective_mass *= m[sides.j] / (m[sides.i] + m[sides.j]);
+        contact.effective_radius *= R[sides.j] / (R[sides.i] + R[sides.j]);
         const Real distance = image(typename P::Vec(x[sides.j] - x[sides.i])).norm();
         contact.overlap += std::max<Real>(0, R[sides.i] + R[sides.j] - distance);
       } else {
