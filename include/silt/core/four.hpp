@@ -29,43 +29,40 @@ void turn_back(F& c) {
   c = __builtin_shufflevector(c, c, 1, 2, 0, 3);
 }
 
-/// Transposes four rows into four columns: lane l of a column comes from row l.
-template <class Real>
-void transpose(Four<Real>& a, Four<Real>& b, Four<Real>& c, Four<Real>& d) {
-  const Four<Real> ab_even = __builtin_shufflevector(a, b, 0, 4, 2, 6);
-  const Four<Real> ab_odd = __builtin_shufflevector(a, b, 1, 5, 3, 7);
-  const Four<Real> cd_even = __builtin_shufflevector(c, d, 0, 4, 2, 6);
-  const Four<Real> cd_odd = __builtin_shufflevector(c, d, 1, 5, 3, 7);
-  a = __builtin_shufflevector(ab_even, cd_even, 0, 1, 4, 5);
-  b = __builtin_shufflevector(ab_odd, cd_odd, 0, 1, 4, 5);
-  c = __builtin_shufflevector(ab_even, cd_even, 2, 3, 6, 7);
-  d = __builtin_shufflevector(ab_odd, cd_odd, 2, 3, 6, 7);
-}
-
-namespace detail {
-// Number k of rows from(first), …, from(first + 3), in lanes 0 to 3 of columns[k].
-template <class Real, class From>
-[[gnu::always_inline]] inline void four_columns_from(From&& from, int first,
-                                                     Four<Real> (&columns)[4]) {
-  for (int lane = 0; lane < 4; ++lane) load_four(from(first + lane), columns[lane]);
-  transpose<Real>(columns[0], columns[1], columns[2], columns[3]);
-}
-}  // namespace detail
-
 /// Transposes four numbers of each of N rows into columns: each lane of to[k] is number k of row
-/// from(lane). Used to read data that are contiguous per grain in a loop over contacts: eight loads
-/// and eight shuffles take a third of the time of sixteen gather loads.
+/// from(lane). Used to read data that are contiguous per grain in a loop over contacts, which takes
+/// a third of the time of gather loads. Rows, or halves of them, are loaded into the lanes where
+/// they are needed, because a processor shuffles registers at half the rate of such loads.
 template <class Real, int N, class From>
 [[gnu::always_inline]] inline void columns_from(From&& from, simd::Pack<Real, N> (&to)[4]) {
+  using Part = typename simd::UnalignedPackOf<Real, N / 2>::type;
+  [[maybe_unused]] const auto part = [&](int row, int k) -> const Part& {
+    return *reinterpret_cast<const Part*>(from(row) + k);
+  };
   if constexpr (N == 4) {
-    detail::four_columns_from<Real>(from, 0, to);
-  } else if constexpr (N == 8) {
-    Four<Real> lower[4], upper[4];
-    detail::four_columns_from<Real>(from, 0, lower);
-    detail::four_columns_from<Real>(from, 4, upper);
-    for (int k = 0; k < 4; ++k) {
-      to[k] = __builtin_shufflevector(lower[k], upper[k], 0, 1, 2, 3, 4, 5, 6, 7);
+    for (int k = 0; k < 4; k += 2) {
+      const Four<Real> even = __builtin_shufflevector(part(0, k), part(2, k), 0, 1, 2, 3);
+      const Four<Real> odd = __builtin_shufflevector(part(1, k), part(3, k), 0, 1, 2, 3);
+      to[k] = __builtin_shufflevector(even, odd, 0, 4, 2, 6);
+      to[k + 1] = __builtin_shufflevector(even, odd, 1, 5, 3, 7);
     }
+  } else if constexpr (N == 8) {
+    const auto rows = [&](int lower, int upper, simd::Pack<Real, 8>& both) {
+      both = __builtin_shufflevector(part(lower, 0), part(upper, 0), 0, 1, 2, 3, 4, 5, 6, 7);
+    };
+    simd::Pack<Real, 8> a, b, c, d;
+    rows(0, 2, a);
+    rows(1, 3, b);
+    rows(4, 6, c);
+    rows(5, 7, d);
+    const auto a_b_even = __builtin_shufflevector(a, b, 0, 8, 2, 10, 4, 12, 6, 14);
+    const auto a_b_odd = __builtin_shufflevector(a, b, 1, 9, 3, 11, 5, 13, 7, 15);
+    const auto c_d_even = __builtin_shufflevector(c, d, 0, 8, 2, 10, 4, 12, 6, 14);
+    const auto c_d_odd = __builtin_shufflevector(c, d, 1, 9, 3, 11, 5, 13, 7, 15);
+    to[0] = __builtin_shufflevector(a_b_even, c_d_even, 0, 1, 4, 5, 8, 9, 12, 13);
+    to[1] = __builtin_shufflevector(a_b_odd, c_d_odd, 0, 1, 4, 5, 8, 9, 12, 13);
+    to[2] = __builtin_shufflevector(a_b_even, c_d_even, 2, 3, 6, 7, 10, 11, 14, 15);
+    to[3] = __builtin_shufflevector(a_b_odd, c_d_odd, 2, 3, 6, 7, 10, 11, 14, 15);
   } else {
     // Through arrays, because g++ 12 miscompiles packs that are filled lane by lane at -O3.
     Real rows[N][4], columns[4][N];
@@ -77,21 +74,44 @@ template <class Real, int N, class From>
   }
 }
 
-/// Transposes four columns into four numbers of each of `lanes` rows, `stride` Reals apart.
-template <class Real, int lanes>
-[[gnu::always_inline]] inline void rows_from(const Real (*from)[lanes], Real* to, int stride) {
-  for (int first = 0; first < lanes; first += 4) {
-    Four<Real> a, b, c, d;
-    load_four(from[0] + first, a);
-    load_four(from[1] + first, b);
-    load_four(from[2] + first, c);
-    load_four(from[3] + first, d);
-    transpose<Real>(a, b, c, d);
-    Real* const row = to + first * stride;
-    simd::store<Real, 4>(row, a);
-    simd::store<Real, 4>(row + stride, b);
-    simd::store<Real, 4>(row + 2 * stride, c);
-    simd::store<Real, 4>(row + 3 * stride, d);
+/// Transposes four columns into four numbers of each of eight rows, `stride` Reals apart.
+template <class Real>
+[[gnu::always_inline]] inline void rows_from(const Real (*from)[8], Real* to, int stride) {
+  const auto put = [=](int row, const Four<Real>& numbers) {
+    simd::store<Real, 4>(to + row * stride, numbers);
+  };
+  if constexpr (simd::lanes<Real> >= 8) {
+    using Eight = simd::Pack<Real, 8>;
+    const auto column = [=](int k) { return simd::load<Real, 8>(from[k]); };
+    const auto put_two = [&](int row, const Eight& rows) {
+      put(row, __builtin_shufflevector(rows, rows, 0, 1, 2, 3));
+      put(row + 4, __builtin_shufflevector(rows, rows, 4, 5, 6, 7));
+    };
+    const Eight a = column(0), b = column(1), c = column(2), d = column(3);
+    const Eight a_b_even = __builtin_shufflevector(a, b, 0, 8, 2, 10, 4, 12, 6, 14);
+    const Eight a_b_odd = __builtin_shufflevector(a, b, 1, 9, 3, 11, 5, 13, 7, 15);
+    const Eight c_d_even = __builtin_shufflevector(c, d, 0, 8, 2, 10, 4, 12, 6, 14);
+    const Eight c_d_odd = __builtin_shufflevector(c, d, 1, 9, 3, 11, 5, 13, 7, 15);
+    put_two(0, __builtin_shufflevector(a_b_even, c_d_even, 0, 1, 8, 9, 4, 5, 12, 13));
+    put_two(1, __builtin_shufflevector(a_b_odd, c_d_odd, 0, 1, 8, 9, 4, 5, 12, 13));
+    put_two(2, __builtin_shufflevector(a_b_even, c_d_even, 2, 3, 10, 11, 6, 7, 14, 15));
+    put_two(3, __builtin_shufflevector(a_b_odd, c_d_odd, 2, 3, 10, 11, 6, 7, 14, 15));
+  } else {
+    for (int first = 0; first < 8; first += 4) {
+      Four<Real> a, b, c, d;
+      load_four(from[0] + first, a);
+      load_four(from[1] + first, b);
+      load_four(from[2] + first, c);
+      load_four(from[3] + first, d);
+      const Four<Real> a_b_even = __builtin_shufflevector(a, b, 0, 4, 2, 6);
+      const Four<Real> a_b_odd = __builtin_shufflevector(a, b, 1, 5, 3, 7);
+      const Four<Real> c_d_even = __builtin_shufflevector(c, d, 0, 4, 2, 6);
+      const Four<Real> c_d_odd = __builtin_shufflevector(c, d, 1, 5, 3, 7);
+      put(first, __builtin_shufflevector(a_b_even, c_d_even, 0, 1, 4, 5));
+      put(first + 1, __builtin_shufflevector(a_b_odd, c_d_odd, 0, 1, 4, 5));
+      put(first + 2, __builtin_shufflevector(a_b_even, c_d_even, 2, 3, 6, 7));
+      put(first + 3, __builtin_shufflevector(a_b_odd, c_d_odd, 2, 3, 6, 7));
+    }
   }
 }
 

@@ -21,8 +21,9 @@
 #include <silt/dem/contact/pair_history.hpp>
 
 #include <algorithm>
-#include <atomic>
+#include <cstddef>
 #include <cstdint>
+#include <numeric>
 #include <span>
 #include <string>
 #include <utility>
@@ -139,7 +140,6 @@ class ContactList {
     std::vector<Pair> pairs;
     std::vector<Pair> walls;  ///< a grain and the element of a wall
     std::vector<Pair> of_other_blocks;
-    std::vector<std::pair<Id, Side>> sorted;
   };
   /// Builds the list: pairs_at(i, add) and walls_at(i, add) call add for each pair and each wall
   /// element found at grain i.
@@ -163,11 +163,11 @@ class ContactList {
       }
     });
     line_up(found);
-    list_sides(found);
+    list_sides();
   }
 
   /// The contact of this pair of ids, the lower one first; `no_index` if they are not in the list.
-  /// index_of(id) is the index of a grain when the list was built.
+  /// index_of(id) is the index of a grain when the list was built, or any number if there was none.
   template <class IndexOf>
   Index find(Id a, Id b, IndexOf&& index_of) const {
     const Index i = index_of(a);
@@ -176,14 +176,6 @@ class ContactList {
       if (!side.is_second() && second_id(side.contact()) == b) return side.contact();
     }
     return no_index;
-  }
-  /// Indices by id when the list was built.
-  std::vector<Index> indices() const {
-    std::vector<Index> result;
-    if (ids_.empty()) return result;
-    result.assign(*std::max_element(ids_.begin(), ids_.end()) + 1, no_index);
-    for_each(ids_.size(), [&](Index i) { result[ids_[i]] = i; });
-    return result;
   }
 
  private:
@@ -237,44 +229,88 @@ class ContactList {
     second_[contact] = pair.second * place_factor;
   }
 
-  void list_sides(std::vector<Found>& found) {
+  // Each task lists the sides of its own range of grains. Pairs belong to the grain with the lower
+  // index: a task meets sides of its own grains and of those of later tasks.
+  void list_sides() {
     const Index n = grains();
-    begin_.assign(n + 2, 0);
-    // Counted, and then filled, from several blocks; the order does not matter, as sides are
-    // sorted.
-    const auto for_each_side = [&](Index b, auto&& f) {
-      for_each_contact(b, [&](Index c) {
-        f(first(c), Side(c, false));
-        if (!is_of_wall(c)) f(second(c), Side(c, true));
+    const auto tasks = static_cast<Index>(threads_for(n));
+    const auto first_block_of = [&](Index task) { return blocks() * task / tasks; };
+    const auto first_grain_of = [&](Index task) {
+      return std::min(n, first_block_of(task) * block_size);
+    };
+    struct SideOf {
+      std::uint32_t grain;
+      Side side;
+    };
+    std::vector<std::vector<SideOf>> of_later_tasks(tasks);
+    // f(grain, side) for those of a task's own contacts, then for those that earlier tasks met.
+    const auto for_each_own = [&](Index task, auto&& f) {
+      for (Index b = first_block_of(task); b < first_block_of(task + 1); ++b) {
+        for_each_contact(b, [&](Index c) {
+          f(first(c), Side(c, false));
+          if (!is_of_wall(c)) f(second(c), Side(c, true));
+        });
+      }
+    };
+    const auto for_each_of_earlier = [&](Index task, auto&& f) {
+      for (Index earlier = 0; earlier < task; ++earlier) {
+        for (const SideOf& each : of_later_tasks[earlier]) {
+          if (each.grain >= first_grain_of(task) && each.grain < first_grain_of(task + 1)) {
+            f(each.grain, each.side);
+          }
+        }
+      }
+    };
+    // First the number of sides, then the end of the sides of each grain, then their beginning.
+    begin_.resize(n + 1);
+    for_each_task(tasks, [&](Index task) {
+      const Index end = first_grain_of(task + 1);
+      std::fill(begin_.begin() + std::ptrdiff_t(first_grain_of(task)),
+                begin_.begin() + std::ptrdiff_t(end), 0u);
+      for_each_own(task, [&](std::uint32_t i, Side side) {
+        if (i < end) {
+          ++begin_[i];
+        } else {
+          of_later_tasks[task].push_back({i, side});
+        }
       });
-    };
-    const bool is_parallel = threads_for(n) > 1;
-    const auto increment = [=](std::uint32_t& count) {
-      return is_parallel ? std::atomic_ref(count).fetch_add(1, std::memory_order_relaxed) : count++;
-    };
-    for_each_block([&](Index b, Index, Index) {
-      for_each_side(b, [&](Index i, Side) { increment(begin_[i + 2]); });
     });
-    for (Index i = 2; i < n + 2; ++i) begin_[i] += begin_[i - 1];
-    resize_tightly(sides_, begin_[n + 1]);
-    for_each_block([&](Index b, Index, Index) {
-      for_each_side(b, [&](Index i, Side side) { sides_[increment(begin_[i + 1])] = side; });
+    std::vector<std::uint32_t> before(tasks + 1, 0);
+    for_each_task(tasks, [&](Index task) {
+      for_each_of_earlier(task, [&](std::uint32_t i, Side) { ++begin_[i]; });
+      std::uint32_t sum = 0;
+      for (Index i = first_grain_of(task); i < first_grain_of(task + 1); ++i) {
+        begin_[i] = sum += begin_[i];
+      }
+      before[task + 1] = sum;
     });
-    begin_.pop_back();
-    for_each_block([&](Index b, Index first, Index last) {
-      for (Index i = first; i < last; ++i) sort_sides(i, found[b].sorted);
+    std::partial_sum(before.begin(), before.end(), before.begin());
+    begin_[n] = before[tasks];
+    resize_tightly(sides_, begin_[n]);
+    for_each_task(tasks, [&](Index task) {
+      const Index end = first_grain_of(task + 1);
+      for (Index i = first_grain_of(task); i < end; ++i) begin_[i] += before[task];
+      const auto add = [&](std::uint32_t i, Side side) {
+        if (i < end) sides_[--begin_[i]] = side;
+      };
+      for_each_own(task, add);
+      for_each_of_earlier(task, add);
+    });
+    for_each_block([&](Index, Index first, Index last) {
+      std::vector<std::pair<Id, Side>> by_partner;
+      for (Index i = first; i < last; ++i) sort_sides(i, by_partner);
     });
   }
 
-  void sort_sides(Index i, std::vector<std::pair<Id, Side>>& sorted) {
-    sorted.clear();
+  void sort_sides(Index i, std::vector<std::pair<Id, Side>>& by_partner) {
+    by_partner.clear();
     for (const Side side : of(i)) {
       const Index c = side.contact();
-      sorted.emplace_back(side.is_second() ? first_id(c) : second_id(c), side);
+      by_partner.emplace_back(side.is_second() ? first_id(c) : second_id(c), side);
     }
-    std::sort(sorted.begin(), sorted.end(),
+    std::sort(by_partner.begin(), by_partner.end(),
               [](const auto& a, const auto& b) { return a.first < b.first; });
-    for (Index k = 0; k < sorted.size(); ++k) sides_[begin_[i] + k] = sorted[k].second;
+    for (Index k = 0; k < by_partner.size(); ++k) sides_[begin_[i] + k] = by_partner[k].second;
   }
 
   std::vector<Block> blocks_;

@@ -360,31 +360,24 @@ class ContactsOf : public Contacts<Law, Walls...> {
   void move_histories(const P& grains, const ContactList& list, Histories& to) const {
     to.resize(list.groups());
     to.clear();
-    const auto move = [&](auto&& history_of) {
-      list.for_each_block([&](Index block, Index, Index) {
-        list.for_each_contact(block, [&](Index c) { history_of(c); });
-      });
+    const auto for_each_contact_of = [](const ContactList& contacts, auto&& f) {
+      contacts.for_each_block(
+          [&](Index block, Index, Index) { contacts.for_each_contact(block, f); });
     };
     if (state_.given) {
-      return move([&](Index c) {
+      return for_each_contact_of(list, [&](Index c) {
         const auto* const known = state_.given->find(list.first_id(c), list.second_id(c));
         if (known != nullptr) to.set(c, *known);
       });
     }
     const ContactList& last = state_.last.contacts();
     const Histories& from = *state_.last.after;
-    const auto move_from = [&](auto&& index_of) {
-      move([&](Index c) {
-        const Index known = last.find(list.first_id(c), list.second_id(c), index_of);
-        if (known != no_index && from.touches(known)) to.set(c, from.of(known));
-      });
-    };
-    if (state_.last.list->owned_revision == grains.owned_revision()) {
-      move_from([&](Id id) { return grains.index_of(id); });
-    } else {
-      const std::vector<Index> indices = last.indices();
-      move_from([&](Id id) { return id < indices.size() ? indices[id] : no_index; });
-    }
+    for_each_contact_of(last, [&](Index c) {
+      if (!from.touches(c)) return;
+      const Index found = list.find(last.first_id(c), last.second_id(c),
+                                    [&](Id id) { return grains.index_of(id); });
+      if (found != no_index) to.set(found, from.of(c));
+    });
   }
 
   // The list of the last step, if it is of the grains as they are.
@@ -436,7 +429,7 @@ class ContactsOf : public Contacts<Law, Walls...> {
       }
     });
     for_each_task(division.threads(), [&](Index thread) {
-      for (const std::uint32_t i : division.waiting(thread)) add(i, i + 1);
+      division.for_each_waiting(thread, [&](Index i) { add(i, i + 1); });
     });
     return std::accumulate(counts.begin(), counts.end(), Index(0));
   }

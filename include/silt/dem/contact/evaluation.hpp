@@ -44,9 +44,10 @@ class Histories {
   bool touches(Index contact) const noexcept {
     return (touching_[contact / lanes] >> (contact % lanes) & 1) != 0;
   }
+  /// May be called for contacts of the same group by several threads.
   void set_touching(Index contact) noexcept {
-    touching_[contact / lanes] =
-        static_cast<std::uint8_t>(touching_[contact / lanes] | 1u << (contact % lanes));
+    const auto bit = static_cast<std::uint8_t>(1u << (contact % lanes));
+    std::atomic_ref(touching_[contact / lanes]).fetch_or(bit, std::memory_order_relaxed);
   }
 
   Real* group(Index number) noexcept { return numbers_.data() + number * words * lanes; }

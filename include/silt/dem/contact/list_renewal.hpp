@@ -42,8 +42,9 @@ struct ListLifetime {
   double distance = 0;  ///< [m]
 };
 
-/// Whether pairs other than those of the list may touch at this time [s]: two grains, or a grain
-/// and a wall, approach by at most the sum of their displacements. `walls` is a WallSet.
+/// Whether pairs other than those of the list may touch at this time [s]: two grains approach by at
+/// most the sum of their displacements relative to the mean of all, a grain and a wall by at most
+/// the sum of theirs. `walls` is a WallSet.
 template <class P, class Walls, class List>
 bool is_stale(const P& grains, const Walls& walls, double time, const List& list,
               ListLifetime& lifetime) {
@@ -59,14 +60,25 @@ bool is_stale(const P& grains, const Walls& walls, double time, const List& list
   const auto x = grains[position];
   const auto& box = grains.box();
   const NearestImage<P::dimension, Real> image(box);
-  const Real displacement = std::sqrt(largest(x.size(), Real(0), [&](Index i) {
-    const Real moved = image(typename P::Vec(x[i] - list.since[i])).squaredNorm();
-    // A search moves grains that have gone beyond the periodic box back into it.
-    const bool is_inside = !image.any() || box.wrap(x[i]) == x[i];
-    return moved >= 0 && is_inside ? moved : std::numeric_limits<Real>::infinity();
-  }));
-  if (!(displacement <= half)) return true;
-  lifetime = {.since = travel, .distance = double(half - displacement)};
+  const auto displacement = [&](Index i) { return image(typename P::Vec(x[i] - list.since[i])); };
+  const auto max_relative_to = [&](const typename P::Vec& mean) {
+    return std::sqrt(largest(x.size(), Real(0), [&](Index i) {
+      const Real squared = (displacement(i) - mean).squaredNorm();
+      // A search moves grains that have gone beyond the periodic box back into it.
+      const bool is_inside = !image.any() || box.wrap(x[i]) == x[i];
+      return squared >= 0 && is_inside ? squared : std::numeric_limits<Real>::infinity();
+    }));
+  };
+  const Real displaced = max_relative_to(P::Vec::Zero());
+  Real left = half - displaced;
+  const Real left_to_walls = (Walls::move ? half : list.margin) - displaced;
+  if (left < 0 && left_to_walls >= 0) {
+    const typename P::Vec sum =
+        ordered_sum(x.size(), typename P::Vec(P::Vec::Zero()), displacement);
+    left = std::min(half - max_relative_to(sum / Real(x.size())), left_to_walls);
+  }
+  if (!(left >= 0)) return true;
+  lifetime = {.since = travel, .distance = double(left)};
   return false;
 }
 
@@ -118,8 +130,8 @@ void begin_list(const P& grains, const S& search, const Walls& walls, const Step
   list.owned_revision = grains.owned_revision();
   list.constants_revision = grains.constants_revision();
   list.time = step.time;
-  list.extent.lower.array() -= list.margin / 2;
-  list.extent.upper.array() += list.margin / 2;
+  list.extent.lower.array() -= list.margin;
+  list.extent.upper.array() += list.margin;
   const auto x = grains[position];
   list.since.assign(x.begin(), x.end());
   const auto materials = grains[material];

@@ -42,8 +42,7 @@ class WorkDivision {
     threads = std::min(threads, std::max<Index>(list.blocks(), 1));
     if (list_identity == list_ && threads == this->threads()) return;
     list_ = list_identity;
-    first_block_.resize(threads + 1);
-    for (Index t = 0; t <= threads; ++t) first_block_[t] = list.blocks() * t / threads;
+    divide(list, threads);
     slot_of_group_.resize(list.groups());
     row_of_side_.resize(list.sides().size());
     waits_.assign(list.grains(), 0);
@@ -77,8 +76,13 @@ class WorkDivision {
   Index first_block(Index thread) const noexcept { return first_block_[thread]; }
   /// Whether a grain has to wait until all threads have evaluated their contacts.
   bool waits(Index grain) const noexcept { return waits_[grain] != 0; }
-  const std::vector<std::uint32_t>& waiting(Index thread) const noexcept {
-    return waiting_[thread];
+  /// f(grain) for a thread's share of these.
+  template <class F>
+  void for_each_waiting(Index thread, F&& f) const {
+    for (const auto& each : waiting_) {
+      const Index end = each.size() * (thread + 1) / threads();
+      for (Index k = each.size() * thread / threads(); k < end; ++k) f(each[k]);
+    }
   }
 
   /// The grains of the range [first, last), which begins at a multiple of range_size, by number of
@@ -92,6 +96,21 @@ class WorkDivision {
   const std::uint32_t* row_of_side() const noexcept { return row_of_side_.data(); }
 
  private:
+  // Equal shares of the work, where a grain takes as long as two contacts.
+  void divide(const ContactList& list, Index threads) {
+    std::vector<Index> work(list.blocks() + 1, 0);
+    for (Index b = 0; b < list.blocks(); ++b) {
+      const auto [pairs, walls] = list.block(b);
+      work[b + 1] =
+          work[b] + 2 * block_size + (pairs.last - pairs.first) + (walls.last - walls.first);
+    }
+    first_block_.resize(threads + 1);
+    for (Index t = 0; t <= threads; ++t) {
+      const auto first = std::lower_bound(work.begin(), work.end(), work.back() * t / threads);
+      first_block_[t] = static_cast<Index>(first - work.begin());
+    }
+  }
+
   static Index group_of(const ContactList& list, Index block) {
     return block < list.blocks() ? list.block(block).all().first / lanes : list.groups();
   }
@@ -167,7 +186,7 @@ class WorkDivision {
   std::vector<std::uint32_t> row_of_side_;
   std::vector<std::uint8_t> order_;
   std::vector<char> waits_;                          // by grain
-  std::vector<std::vector<std::uint32_t>> waiting_;  // by thread
+  std::vector<std::vector<std::uint32_t>> waiting_;  // by the thread of their block
 };
 
 /// The rows themselves.

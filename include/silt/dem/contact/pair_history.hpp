@@ -60,8 +60,9 @@ class PairHistory {
     archive("values", values);
     if constexpr (Archive::reads) {
       if (owners.size() != partners.size() || owners.size() != values.size()) {
-        fail("PairHistory: the data read have columns of different lengths; they were not written "
-             "by transfer()");
+        fail(
+            "PairHistory: the data read have columns of different lengths; they were not written "
+            "by transfer()");
       }
       std::vector<Entry> entries;
       for (Index e = 0; e < owners.size(); ++e) {
