@@ -9,6 +9,7 @@
 #include <silt/core/travel.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/contact/contact_list.hpp>
+#include <silt/dem/contact/list_constants.hpp>
 #include <silt/dem/setup/grains.hpp>
 
 #include <algorithm>
@@ -26,20 +27,23 @@ template <int Dim, class Real>
 struct ListOfStep {
   ContactList contacts;
   std::vector<Vec<Dim, Real>> since;     ///< positions of the grains when it was built [m]
-  std::vector<std::uint32_t> materials;  ///< of the grains
+  std::vector<Real> radii;               ///< of the grains [m]; see list_constants.hpp
+  std::vector<Real> masses;              ///< [kg]
+  std::vector<Real> inertias;            ///< [kg m²]
+  std::vector<std::uint32_t> materials;  ///< indices in dem::Materials
   Real margin = 0;                       ///< largest gap of its pairs [m]
   std::uint64_t owned_revision = 0;      ///< of the grains
-  std::uint64_t constants_revision = 0;
   double time = 0;              ///< of these positions and of the walls [s]
   Box<Dim, Real> extent;        ///< contains all grains while the list is valid [m]
   double stable_time_step = 0;  ///< stable even if all its pairs touch [s]
 };
 
 /// How far grains may travel before it is uncertain, without a loop over them, that a list is
-/// valid.
+/// valid, and the last revision of their constants for which it is.
 struct ListLifetime {
   Travel since;
   double distance = 0;  ///< [m]
+  std::uint64_t constants_revision = 0;
 };
 
 /// Whether pairs other than those of the list may touch at this time [s]: two grains, or a grain
@@ -66,7 +70,8 @@ bool is_stale(const P& grains, const Walls& walls, double time, const List& list
     return moved >= 0 && is_inside ? moved : std::numeric_limits<Real>::infinity();
   }));
   if (!(displacement <= half)) return true;
-  lifetime = {.since = travel, .distance = double(half - displacement)};
+  lifetime.since = travel;
+  lifetime.distance = double(half - displacement);
   return false;
 }
 
@@ -116,14 +121,12 @@ void begin_list(const P& grains, const S& search, const Walls& walls, const Step
   const Real seen = search.radius() + margin_of<Real>(search) - reach;
   list.margin = std::clamp<Real>(wanted, 0, std::max<Real>(seen, 0));
   list.owned_revision = grains.owned_revision();
-  list.constants_revision = grains.constants_revision();
   list.time = step.time;
   list.extent.lower.array() -= list.margin / 2;
   list.extent.upper.array() += list.margin / 2;
   const auto x = grains[position];
   list.since.assign(x.begin(), x.end());
-  const auto materials = grains[material];
-  list.materials.assign(materials.begin(), materials.end());
+  detail::keep_constants(grains, list);
 }
 
 /// f(x) and f(image) for the images of x [m] beyond the periodic sides closer than a distance [m].
