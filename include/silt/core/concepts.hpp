@@ -134,11 +134,15 @@ concept Interaction =
     NeighbourSearch<S, P> && HasReach<I, P> &&
     requires(ForParticles<I, P> i, P& p, S& s, double dt) { i.accelerate(p, s, dt); };
 
+struct DoNothing {
+  void operator()(Index, Index) const {}
+};
+
 /// Functions called by accelerate(p, s, dt, pass) for ranges of particles; see below.
-template <class Before, class After>
+template <class Before = DoNothing, class After = DoNothing>
 struct Pass {
-  Before before;  ///< before(first, last)
-  After after;    ///< after(first, last)
+  [[no_unique_address]] Before before{};  ///< before(first, last)
+  [[no_unique_address]] After after{};    ///< after(first, last)
 };
 template <class Before, class After>
 Pass(Before, After) -> Pass<Before, After>;
@@ -188,21 +192,20 @@ void accelerate_in_pass(I& interaction, P& particles, S& search, double dt,
 template <class I, class P>
 concept AddsForces = requires(const I i, P& p, Index k) { i.add_forces(p, k); };
 
-/// accelerate() of an interaction with add_forces().
-template <class I, class P>
-  requires AddsForces<I, P>
-void accelerate_each(const I& interaction, P& particles) {
-  for_each(particles.size(), [&](Index i) { interaction.add_forces(particles, i); });
-}
-/// accelerate() in a pass over the particles, for an interaction with add_forces().
-template <class I, class P, class Before, class After>
-  requires AddsForces<I, P>
-void accelerate_each(const I& interaction, P& particles, const Pass<Before, After>& pass) {
-  for_each_range(particles.size(), [&](Index first, Index last) {
+/// f(i) for all n particles, in a pass over them.
+template <class Before, class After, class F>
+void for_each_in_pass(Index n, const Pass<Before, After>& pass, F&& f) {
+  for_each_range(n, [&](Index first, Index last) {
     pass.before(first, last);
-    for (Index i = first; i < last; ++i) interaction.add_forces(particles, i);
+    for (Index i = first; i < last; ++i) f(i);
     pass.after(first, last);
   });
+}
+/// accelerate() of an interaction with add_forces().
+template <class I, class P, class Before = DoNothing, class After = DoNothing>
+  requires AddsForces<I, P>
+void accelerate_each(const I& interaction, P& particles, const Pass<Before, After>& pass = {}) {
+  for_each_in_pass(particles.size(), pass, [&](Index i) { interaction.add_forces(particles, i); });
 }
 
 /// needs_search(p) is false if the next accelerate() for these particles does not use the search,

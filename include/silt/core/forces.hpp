@@ -37,14 +37,9 @@ class Gravity {
     return false;
   }
 
-  template <class P, class S>
-    requires HasFields<P, mass_t, force_t> && std::same_as<typename P::Vec, Vec<Dim, Real>>
-  void accelerate(P& particles, S&, double) const {
-    accelerate_each(*this, particles);
-  }
-  template <class P, class S, class Before, class After>
-    requires HasFields<P, mass_t, force_t> && std::same_as<typename P::Vec, Vec<Dim, Real>>
-  void accelerate(P& particles, S&, double, const Pass<Before, After>& pass) const {
+  template <class P, class S, class Before = DoNothing, class After = DoNothing>
+    requires AddsForces<Gravity, P>
+  void accelerate(P& particles, S&, double, const Pass<Before, After>& pass = {}) const {
     accelerate_each(*this, particles, pass);
   }
   template <class P>
@@ -230,9 +225,8 @@ class Forces {
       };
       std::get<shared>(parts_).accelerate(particles, search, dt, Pass{before_shared, after_shared});
     } else {
-      constexpr auto nothing = [](Index, Index) {};
-      std::get<shared>(parts_).accelerate(particles, search, dt, Pass{before_shared, nothing});
-      accelerate_from<shared + 1>(particles, search, dt, nothing, after);
+      std::get<shared>(parts_).accelerate(particles, search, dt, Pass{before_shared, DoNothing{}});
+      accelerate_from<shared + 1>(particles, search, dt, DoNothing{}, after);
     }
   }
 
