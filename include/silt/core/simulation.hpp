@@ -7,18 +7,16 @@
 #include <silt/core/error.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/particles.hpp>
+#include <silt/core/step_checks.hpp>
 #include <silt/core/transfer.hpp>
 #include <silt/core/types.hpp>
 
 #include <algorithm>
-#include <cmath>
 #include <concepts>
 #include <cstdint>
 #include <limits>
 #include <optional>
 #include <string>
-#include <string_view>
-#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -88,7 +86,7 @@ class Simulation {
     TypedInteraction interaction;  ///< its results, such as the contacts, refer to `particles`
   };
   State state() const {
-    if constexpr (requires(T t, P p, S s, TypedInteraction i) { t.synchronise(p, s, i); }) {
+    if constexpr (synchronises) {
       Simulation copy = *this;
       set_time(copy.interaction_, time_);
       copy.integrator_.synchronise(copy.particles_, copy.search_, copy.interaction_);
@@ -100,7 +98,7 @@ class Simulation {
 
   /// The particles of state().
   P snapshot() const {
-    if constexpr (requires(T t, P p, S s, TypedInteraction i) { t.synchronise(p, s, i); }) {
+    if constexpr (synchronises) {
       return state().particles;
     } else {
       return particles_;
@@ -177,14 +175,16 @@ class Simulation {
     try {
       is_verified = integrate(dt);
       if (!is_verified) {
-        const auto broken = find_not_finite();
+        const auto broken = detail::find_not_finite(particles_);
         is_result_finite = !broken;
-        if (broken) fail_after_step(*broken);
-        check_escaped();
+        if (broken) detail::fail_after_step(particles_, *broken);
+        detail::check_escaped(particles_);
       }
     } catch (const Error& error) {
       restore();
-      if (!is_result_finite) check_finite_before_step();
+      if (!is_result_finite) {
+        detail::check_finite_before_step(particles_, {.step = steps_, .time = time_});
+      }
       throw error.with_step(steps_, time_);
     } catch (...) {
       restore();
@@ -257,6 +257,9 @@ class Simulation {
   }
 
  private:
+  static constexpr bool synchronises =
+      requires(T t, P p, S s, TypedInteraction i) { t.synchronise(p, s, i); };
+
   // Marks a run as open until run() is left, also by an exception.
   struct OpenRun {
     explicit OpenRun(bool& is_open) : is_open_(is_open) { is_open_ = true; }
@@ -328,25 +331,6 @@ class Simulation {
     integrator_ = *saved_integrator_;
   }
 
-  // A value of a field that is not finite.
-  struct NotFinite {
-    Index particle;
-    std::string_view field;
-    std::string value;
-  };
-  std::optional<NotFinite> find_not_finite() const {
-    std::optional<NotFinite> found;
-    particles_.for_each_field([&]<class F>(auto values, F) {
-      using Value = typename decltype(values)::value_type;
-      if constexpr (role_of<F>() == Role::state && requires(Value v) { is_finite(v); }) {
-        if (found) return;
-        const Index broken =
-            first_where(values.size(), [&](Index i) { return !is_finite(values[i]); });
-        if (broken != no_index) found = {broken, name_of<F>(), to_text(values[broken])};
-      }
-    });
-    return found;
-  }
   // Returns whether the integrator has verified the results, see Integrator in core/concepts.hpp.
   bool integrate(double dt) {
     const auto step = [&] { return integrator_.step(particles_, search_, interaction_, dt); };
@@ -356,45 +340,6 @@ class Simulation {
       step();
       return false;
     }
-  }
-
-  // Called after rolling back a step whose result is not finite. Throws if the cause is a value
-  // that was not finite before.
-  void check_finite_before_step() const {
-    const auto broken = find_not_finite();
-    if (!broken) return;
-    fail("Simulation: before the step, " + std::string(broken->field) + " = " + broken->value +
-             " is not finite; set it to a finite value",
-         {.particle = broken->particle,
-          .id = particles_.id(broken->particle),
-          .step = steps_,
-          .time = time_});
-  }
-
-  // Reports a derived field (such as the force) that is not finite, if there is one, because it is
-  // the cause.
-  [[noreturn]] void fail_after_step(NotFinite broken) const {
-    particles_.for_each_field([&]<class F>(auto values, F) {
-      using Value = typename decltype(values)::value_type;
-      if constexpr (role_of<F>() == Role::derived && requires(Value v) { is_finite(v); }) {
-        const auto& value = values[broken.particle];
-        if (!is_finite(value)) broken = {broken.particle, name_of<F>(), to_text(value)};
-      }
-    });
-    fail("Simulation: after the step, " + std::string(broken.field) + " = " + broken.value +
-             " is not finite; reduce the time step or check the forces",
-         {.particle = broken.particle, .id = particles_.id(broken.particle)});
-  }
-
-  void check_escaped() const {
-    const auto& box = particles_.box();
-    if (box.on_escape != OnEscape::refuse) return;
-    const auto x = particles_[position];
-    const Index escaped = first_where(x.size(), [&](Index i) { return !box.contains(x[i]); });
-    if (escaped == no_index) return;
-    fail("Simulation: a particle left the box at x = " + to_text(x[escaped]) +
-             " m; enlarge the box, close the gap, or set Box::on_escape to OnEscape::remove",
-         {.particle = escaped, .id = particles_.id(escaped)});
   }
 
   void remove_escaped() {
