@@ -129,25 +129,6 @@ void begin_list(const P& grains, const S& search, const Walls& walls, const Step
   detail::keep_constants(grains, list);
 }
 
-/// f(x) and f(image) for the images of x [m] beyond the periodic sides closer than a distance [m].
-template <int Dim, class Real, class F>
-void for_each_image(const Box<Dim, Real>& box, const Vec<Dim, Real>& x, Real distance, F&& f,
-                    int axis = 0) {
-  if (axis == Dim) return f(x);
-  for_each_image(box, x, distance, f, axis + 1);
-  if (!box.periodic[static_cast<std::size_t>(axis)]) return;
-  const Real period = box.upper[axis] - box.lower[axis];
-  Vec<Dim, Real> image = x;
-  if (x[axis] < box.lower[axis] + distance) {
-    image[axis] = x[axis] + period;
-    for_each_image(box, image, distance, f, axis + 1);
-  }
-  if (x[axis] > box.upper[axis] - distance) {
-    image[axis] = x[axis] - period;
-    for_each_image(box, image, distance, f, axis + 1);
-  }
-}
-
 /// Finds all pairs of grains, and of grains and walls, with a gap below the margin; `walls` is a
 /// WallsAtTime.
 template <class P, class S, class Walls, class List>

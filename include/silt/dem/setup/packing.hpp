@@ -6,6 +6,7 @@
 
 #include <silt/core/box.hpp>
 #include <silt/core/error.hpp>
+#include <silt/core/nearest_image.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/setup/grains.hpp>
 #include <silt/dem/setup/random.hpp>
@@ -52,8 +53,12 @@ class Occupancy {
 
   /// Whether the ball overlaps none of the added grains.
   bool has_room_for(const Ball& ball) const {
+    if (levels_.empty()) return true;
+    const Real reach = ball.radius + edge_of(levels_.rbegin()->first) / 2;
     bool free = true;
-    for_each_image(ball, [&](const Ball& image) { free = free && !overlaps(image); });
+    for_each_image(box_, box_.wrap(ball.centre), reach, [&](const Vec& image) {
+      free = free && !overlaps({image, ball.radius});
+    });
     return free;
   }
 
@@ -79,28 +84,6 @@ class Occupancy {
       key = (key ^ static_cast<std::uint64_t>(part)) * 0x9E3779B97F4A7C15u;
     }
     return key;
-  }
-
-  // The ball and its periodic images that may reach into the box.
-  template <class F>
-  void for_each_image(const Ball& ball, F&& f) const {
-    if (levels_.empty()) return;
-    const Real reach = ball.radius + edge_of(levels_.rbegin()->first) / 2;
-    std::vector<Ball> images{{box_.wrap(ball.centre), ball.radius}};
-    for (int k = 0; k < Dim; ++k) {
-      if (!box_.periodic[static_cast<std::size_t>(k)]) continue;
-      const Real side = box_.upper[k] - box_.lower[k];
-      for (std::size_t known = images.size(), n = 0; n < known; ++n) {
-        for (const Real shift : {-side, side}) {
-          Ball image = images[n];
-          image.centre[k] += shift;
-          if (image.centre[k] < box_.lower[k] - reach) continue;
-          if (image.centre[k] > box_.upper[k] + reach) continue;
-          images.push_back(image);
-        }
-      }
-    }
-    for (const Ball& image : images) f(image);
   }
 
   bool overlaps(const Ball& ball) const {
