@@ -26,6 +26,16 @@
 
 namespace silt::dem {
 
+/// How many grains scatter() adds: a given number, or up to a given solid fraction.
+struct Scatter {
+  std::optional<Index> number = {};
+  std::optional<double> solid_fraction = {};  ///< volume of the added grains over the region's [-]
+  std::uint64_t seed = 0;
+  Index tries = 2000;  ///< positions to try for each grain
+};
+
+namespace detail {
+
 /// A grain's outline.
 template <int Dim, class Real>
 struct Ball {
@@ -40,7 +50,7 @@ template <int Dim, class Real>
 class Occupancy {
  public:
   using Vec = silt::Vec<Dim, Real>;
-  using Ball = dem::Ball<Dim, Real>;
+  using Ball = detail::Ball<Dim, Real>;
 
   /// Only the periodic sides of the box matter.
   explicit Occupancy(const Box<Dim, Real>& box) : box_(box) {}
@@ -121,7 +131,7 @@ class Occupancy {
 template <class Region, int Dim, class Real>
 class Placement {
  public:
-  using Ball = dem::Ball<Dim, Real>;
+  using Ball = detail::Ball<Dim, Real>;
 
   /// Existing grains that may overlap the region are taken into account. `largest` is the radius of
   /// the largest grain to be placed [m].
@@ -157,15 +167,6 @@ class Placement {
   Occupancy<Dim, Real> occupancy_;
 };
 
-/// How many grains scatter() adds: a given number, or up to a given solid fraction.
-struct Scatter {
-  std::optional<Index> number = {};
-  std::optional<double> solid_fraction = {};  ///< volume of the added grains over the region's [-]
-  std::uint64_t seed = 0;
-  Index tries = 2000;  ///< positions to try for each grain
-};
-
-namespace detail {
 template <int Dim, class Sizes>
 std::vector<Grain> draw_grains(const Blend<Sizes>& blend, const Scatter& scatter, double volume) {
   if (scatter.number.has_value() == scatter.solid_fraction.has_value()) {
@@ -183,6 +184,7 @@ std::vector<Grain> draw_grains(const Blend<Sizes>& blend, const Scatter& scatter
                    [](const Grain& a, const Grain& b) { return a.radius > b.radius; });
   return drawn;
 }
+
 }  // namespace detail
 
 /// Adds grains at rest that lie entirely inside the region and touch neither each other nor
@@ -196,8 +198,8 @@ void scatter(P& grains, const Blend<Sizes>& blend, const R& region, const Scatte
   const double volume = region.volume();
   if (scatter.solid_fraction) require_finite("dem::scatter: volume of the region", volume);
   const auto drawn = detail::draw_grains<P::dimension>(blend, scatter, volume);
-  Placement<R, P::dimension, Real> placement(grains, region, blend.sizes.largest());
-  std::vector<Ball<P::dimension, Real>> placed;
+  detail::Placement<R, P::dimension, Real> placement(grains, region, blend.sizes.largest());
+  std::vector<detail::Ball<P::dimension, Real>> placed;
   double filled = 0;
   for (const Grain& grain : drawn) {
     // The first numbers of each stream were used for the radii.
