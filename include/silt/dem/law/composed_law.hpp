@@ -5,7 +5,7 @@
 //   dem::Law{dem::LinearSpringDashpot{.normal_stiffness = 1e6, .restitution = 0.9},
 //            dem::LinearFriction{.tangential_stiffness = 8e5, .friction_angle = 0.3}}
 //
-// Components are given in any order and distinguished by their functions (see law_components.hpp).
+// Components are given in any order and distinguished by their functions (see law_parts.hpp).
 // User-defined components can be combined with those of Silt.
 #pragma once
 

@@ -76,7 +76,7 @@ struct Rotation {
       const Real angle = Real(double(spin) * t);
       pose.rotation << std::cos(angle), -std::sin(angle), std::sin(angle), std::cos(angle);
     } else {
-      const Vec<3, double> rate = spin.template cast<double>();
+      const Vec<3> rate = in_double(spin);
       if (rate.norm() > 0) {
         pose.rotation = Eigen::AngleAxisd(rate.norm() * t, rate.normalized())
                             .toRotationMatrix()
