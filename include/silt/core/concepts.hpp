@@ -30,17 +30,12 @@ concept ParticleSet = requires(P p, const P q) {
   p[position];
 };
 
-/// Functions with the signatures that searches call; any generic lambda can be passed.
-namespace archetype {
-struct OnNeighbour {
-  template <class V, class R>
-  void operator()(Index, const V&, R) const {}
+namespace detail {
+// A function that searches can call for neighbours and pairs, like any generic lambda.
+struct AnyVisitor {
+  void operator()(const auto&...) const {}
 };
-struct OnPair {
-  template <class V, class R>
-  void operator()(Index, Index, const V&, R) const {}
-};
-}  // namespace archetype
+}  // namespace detail
 
 /// S has the dimension and precision of P, or works with any (then it has no S::Vec).
 template <class S, class P>
@@ -54,8 +49,8 @@ concept NeighbourSearch = ParticleSet<P> && FitsVectorsOf<S, P> &&
                             s.set_radius(r);
                             { found.radius() } -> std::convertible_to<typename P::Real>;
                             s.update(p);
-                            found.for_each_neighbour(i, archetype::OnNeighbour{});
-                            found.for_each_pair(archetype::OnPair{});
+                            found.for_each_neighbour(i, detail::AnyVisitor{});
+                            found.for_each_pair(detail::AnyVisitor{});
                           };
 
 /// Can reorder the owned particles in memory, for speed; ids do not change.

@@ -186,13 +186,10 @@ class Forces {
   // Number of the first part from K on that is not evaluated for one particle alone.
   template <Index K, class P>
   static constexpr Index next_shared() {
-    if constexpr (K == sizeof...(Parts)) {
-      return K;
-    } else if constexpr (is_of_particle<K, P>) {
-      return next_shared<K + 1, P>();
-    } else {
-      return K;
+    if constexpr (K < sizeof...(Parts)) {
+      if constexpr (is_of_particle<K, P>) return next_shared<K + 1, P>();
     }
+    return K;
   }
   // Adds the forces of the parts [K, L), which are evaluated for one particle alone.
   template <Index K, Index L, class P>

@@ -90,6 +90,8 @@ struct Losses {
   }
 };
 
+namespace detail {
+
 /// v^N and θ'^N, [SahChoi2004] (27) (28), always in double precision, and the work of contacts from
 /// N − ½ to N + ½.
 template <class P>
@@ -219,4 +221,5 @@ class MeanMotion {
   std::vector<char> stays_;
 };
 
+}  // namespace detail
 }  // namespace silt::dem
