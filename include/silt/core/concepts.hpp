@@ -153,6 +153,7 @@ concept AcceleratesInPass = requires(I i, P& p, S& s, double dt,
   i.accelerate(p, s, dt, pass);
 };
 
+namespace detail {
 /// Whether what a step moves is written to other memory than it is read from, see
 /// Particles::advance.
 template <class P>
@@ -165,6 +166,7 @@ bool moves_in_other_memory(const P& particles) {
   if constexpr (HasFields<P, torque_t, inertia_t>) also(spin);
   return result;
 }
+}  // namespace detail
 
 /// Evaluates an interaction in a pass, one function after the other for all particles if it has no
 /// accelerate(p, s, dt, pass), or if the particles are moved in place: contacts of a range would
@@ -173,7 +175,7 @@ template <class I, class P, class S, class Before, class After>
 void accelerate_in_pass(I& interaction, P& particles, S& search, double dt,
                         const Pass<Before, After>& pass) {
   if constexpr (AcceleratesInPass<I, P, S>) {
-    if (moves_in_other_memory(particles)) {
+    if (detail::moves_in_other_memory(particles)) {
       return interaction.accelerate(particles, search, dt, pass);
     }
   }

@@ -155,8 +155,9 @@ class Forces {
   template <class Archive, class P>
   void transfer(Archive& archive, P& particles) {
     Index number = 0;
-    for_each_part(
-        [&](auto& part) { transfer_part(archive, std::to_string(number++), part, particles); });
+    for_each_part([&](auto& part) {
+      detail::transfer_part(archive, std::to_string(number++), part, particles);
+    });
   }
 
   void save() {

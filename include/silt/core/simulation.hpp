@@ -124,15 +124,15 @@ class Simulation {
     archive.within("particles", [&] { particles_.transfer(archive); });
     if constexpr (Archive::reads) prepare();
     if constexpr (Transferable<S, Archive, P>) {
-      transfer_part(archive, "search", search_, particles_);
+      detail::transfer_part(archive, "search", search_, particles_);
     } else if constexpr (Archive::reads) {
       // The particles must not move, but an update wraps positions into a periodic box.
       const std::vector<typename P::Vec> now(particles_[position].begin(),
                                              particles_[position].end());
       at_positions(particles_, now, [&] { search_.update(particles_); });
     }
-    transfer_part(archive, "integrator", integrator_, particles_);
-    transfer_part(archive, "interaction", interaction_, particles_);
+    detail::transfer_part(archive, "integrator", integrator_, particles_);
+    detail::transfer_part(archive, "interaction", interaction_, particles_);
   }
 
   /// The time step that the interaction chooses for the present state [s]; the last one if all
