@@ -15,7 +15,6 @@
 #include <silt/core/types.hpp>
 
 #include <concepts>
-#include <type_traits>
 #include <utility>
 
 namespace silt {

@@ -8,13 +8,10 @@
 #pragma once
 
 #include <silt/core/eigen.hpp>
-#include <silt/core/error.hpp>
 #include <silt/core/field_view.hpp>
 #include <silt/core/types.hpp>
 
-#include <cmath>
 #include <concepts>
-#include <limits>
 #include <span>
 #include <type_traits>
 

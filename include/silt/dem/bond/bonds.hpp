@@ -15,6 +15,7 @@
 #include <silt/dem/law/contact.hpp>
 
 #include <algorithm>
+#include <concepts>
 #include <cstdint>
 #include <limits>
 #include <numbers>

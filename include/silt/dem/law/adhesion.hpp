@@ -10,8 +10,6 @@
 #pragma once
 
 #include <silt/core/error.hpp>
-#include <silt/core/types.hpp>
-#include <silt/dem/law/contact.hpp>
 #include <silt/dem/law/dashpot.hpp>
 #include <silt/dem/law/law_components.hpp>
 

@@ -2,7 +2,6 @@
 // Normal component: Hertz's spring, with a dashpot that makes restitution independent of speed.
 #pragma once
 
-#include <silt/core/error.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/law/contact.hpp>
 #include <silt/dem/law/dashpot.hpp>

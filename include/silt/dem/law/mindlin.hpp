@@ -3,7 +3,6 @@
 // slider.
 #pragma once
 
-#include <silt/core/error.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/law/contact.hpp>
 #include <silt/dem/law/elastic.hpp>

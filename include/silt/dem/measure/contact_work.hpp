@@ -3,7 +3,6 @@
 // work of single contacts from them.
 #pragma once
 
-#include <silt/core/particles.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/contact/single_contacts.hpp>
 #include <silt/dem/law/contact.hpp>

@@ -15,13 +15,11 @@
 #include <silt/core/energy.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/parallel.hpp>
-#include <silt/core/particles.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/contact/pair_history.hpp>
 #include <silt/dem/measure/contact_work.hpp>
 #include <silt/dem/setup/grains.hpp>
 
-#include <concepts>
 #include <cstdint>
 #include <limits>
 #include <string>

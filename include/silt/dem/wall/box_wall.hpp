@@ -7,7 +7,6 @@
 #include <silt/dem/wall/wall.hpp>
 
 #include <cstdint>
-#include <limits>
 
 namespace silt::dem {
 

@@ -64,11 +64,7 @@ struct Rotation {
 
   void check() const {
     require_finite("Rotation: about", about);
-    if constexpr (Dim == 2) {
-      require_finite("Rotation: spin", double(spin));
-    } else {
-      require_finite("Rotation: spin", spin);
-    }
+    require_finite("Rotation: spin", spin);
   }
   Pose<Dim, Real> pose_at(double t) const {
     Pose<Dim, Real> pose;
