@@ -345,7 +345,8 @@ class Simulation {
   void remove_escaped() {
     const auto& box = particles_.box();
     if (box.on_escape != OnEscape::remove) return;
-    const auto outside = [&](Index i) { return !box.contains(particles_[position][i]); };
+    const P& particles = particles_;  // to read its positions does not count as a change of them
+    const auto outside = [&](Index i) { return !box.contains(particles[position][i]); };
     if (first_where(particles_.size(), outside) == no_index) return;
     particles_lost_ += particles_.remove_if(outside);
     search_.update(particles_);  // its indices are out of date

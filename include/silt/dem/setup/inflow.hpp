@@ -150,13 +150,13 @@ class Outflow {
   template <class Sim>
   void before_step(Sim& simulation) {
     if (!schedule_.is_due({.since = simulation.time(), .every = settings_.every})) return;
-    auto& grains = simulation.particles();
+    const auto& grains = std::as_const(simulation.particles());  // only removal changes them
     const auto is_in = [&](Index i) { return region_.clearance(grains[position][i]) >= 0; };
     if (first_where(grains.size(), is_in) == no_index) return;
     for (Index i = 0; i < grains.size(); ++i) {
       if (is_in(i)) mass_ += double(grains[silt::mass][i]);
     }
-    number_ += grains.remove_if(is_in);
+    number_ += simulation.particles().remove_if(is_in);
   }
 
   /// State for a checkpoint, see core/transfer.hpp.
