@@ -198,19 +198,15 @@ class Simulation {
   }
 
   /// Advances until time() ≥ until. Returns true, or false if an observer ended the run before. If
-  /// time() is at or beyond `until` already, no step is made. Observers are called
-  ///   observer(simulation)                  at the beginning, at the first step at or after every
-  ///                                         multiple of output_every, and at the end
-  ///   observer.before_step(simulation)      before every step; may change the simulation
-  ///   observer.after_step(simulation, run)  after every step
-  ///   observer.between_steps(simulation)    after every step and all other calls for it, so that a
-  ///                                         checkpoint written here is complete
-  ///   observer.stop_requested()             before every step; true ends the run
-  /// if they have these functions; see core/concepts.hpp. A run that an observer ended makes no
-  /// output at its end; the next run() continues it and makes none at its beginning. The same holds
-  /// for the first run() after reading a checkpoint that was written during a run. If that
-  /// checkpoint was written during a later run of the program, this call returns at once. Throws
-  /// silt::Error if a member of `run` is out of range, and what step() throws.
+  /// time() is at or beyond `until` already, no step is made. Observers are called for outputs: at
+  /// the beginning, at the first step at or after every multiple of output_every, and at the end;
+  /// and before and after every step, see Observer in core/concepts.hpp.
+  ///
+  /// A run that an observer ended makes no output at its end; the next run() continues it and makes
+  /// none at its beginning. The same holds for the first run() after reading a checkpoint that was
+  /// written during a run. If that checkpoint was written during a later run of the program, this
+  /// call returns at once. Throws silt::Error if a member of `run` is out of range, and what step()
+  /// throws.
   template <class... Observers>
     requires(Observer<Observers, Simulation> && ...)
   bool run(const Run& run, Observers&&... observers) {
