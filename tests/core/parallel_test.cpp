@@ -2,7 +2,6 @@
 #include "support/check.hpp"
 
 #include <silt/core/parallel.hpp>
-#include <silt/core/rows.hpp>
 
 #include <gtest/gtest.h>
 
@@ -204,28 +203,6 @@ TEST_F(AutomaticThreads, AreTheGivenNumber) {
 #endif
   });
 }
-
-TEST_P(Threads, BuildTheSameRows) {
-  with_threads(GetParam(), [] {
-    Rows<Index> rows;
-    for (const Index n : {Index{4000}, Index{0}, Index{1}, Index{3000}}) {  // memory is reused
-      rows.build(n, [](Index i, auto&& add) {
-        for (Index k = 0; k < i % 4; ++k) add(10 * i + k);
-      });
-      ASSERT_EQ(rows.size(), n);
-      Index before = 0;
-      for (Index i = 0; i < n; ++i) {
-        ASSERT_EQ(rows.first()[i], before);
-        ASSERT_EQ(rows[i].size(), i % 4);
-        for (Index k = 0; k < i % 4; ++k) ASSERT_EQ(rows[i][k], 10 * i + k);
-        before += i % 4;
-      }
-      EXPECT_EQ(rows.items().size(), before);
-    }
-  });
-}
-
-TEST(Rows, AreNoneBeforeTheFirstBuild) { EXPECT_EQ(Rows<int>{}.size(), 0u); }
 
 TEST(Finite, IsTestedOnTheBits) {
   EXPECT_TRUE(is_finite(0.0));

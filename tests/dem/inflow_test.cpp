@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 #include <vector>
 
 namespace silt::test {
@@ -98,6 +99,21 @@ TEST(Inflow, ThrowsForValuesOutOfRange) {
                       {"Inflow: every = -1"}));
   EXPECT_TRUE(
       refuses([] { dem::Outflow(dem::VerticalCylinder<>{}); }, {"VerticalCylinder: radius"}));
+}
+
+// Otherwise every search and list of contacts would have to look at all grains in every step.
+TEST(Outflow, MovesNoGrainUnlessItRemovesOne) {
+  dem::Grains<2> grain;
+  dem::add_grain(grain, {0, 0}, {.radius = 0.01, .density = 2500});
+  Simulation rest{grain, UniformGrid<2>{}, dem::Contacts{law}, Leapfrog{}};
+  const auto& grains = std::as_const(rest).particles();
+  const auto before = grains.travel();
+  dem::Outflow aside{Box<2>{.lower = {1, 1}, .upper = {2, 2}}};
+  aside.before_step(rest);
+  EXPECT_TRUE(grains.travel().is_within(0, before));
+  dem::Outflow around{Box<2>{.lower = {-1, -1}, .upper = {1, 1}}};
+  around.before_step(rest);
+  EXPECT_FALSE(grains.travel().is_within(0, before));
 }
 
 TEST(Outflow, MayRemoveTheLastGrainOfARun) {

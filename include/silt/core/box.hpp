@@ -35,10 +35,7 @@ struct Box {
 
   /// Whether an axis is periodic.
   bool any_periodic() const {
-    for (const bool side : periodic) {
-      if (side) return true;
-    }
-    return false;
+    return std::find(periodic.begin(), periodic.end(), true) != periodic.end();
   }
 
   /// Length along each axis [m]; infinite along an unbounded one.

@@ -15,7 +15,6 @@
 #include <silt/core/types.hpp>
 
 #include <concepts>
-#include <type_traits>
 #include <utility>
 
 namespace silt {
@@ -30,17 +29,12 @@ concept ParticleSet = requires(P p, const P q) {
   p[position];
 };
 
-/// Functions with the signatures that searches call; any generic lambda can be passed.
-namespace archetype {
-struct OnNeighbour {
-  template <class V, class R>
-  void operator()(Index, const V&, R) const {}
+namespace detail {
+// A function that searches can call for neighbours and pairs, like any generic lambda.
+struct AnyVisitor {
+  void operator()(const auto&...) const {}
 };
-struct OnPair {
-  template <class V, class R>
-  void operator()(Index, Index, const V&, R) const {}
-};
-}  // namespace archetype
+}  // namespace detail
 
 /// S has the dimension and precision of P, or works with any (then it has no S::Vec).
 template <class S, class P>
@@ -54,8 +48,8 @@ concept NeighbourSearch = ParticleSet<P> && FitsVectorsOf<S, P> &&
                             s.set_radius(r);
                             { found.radius() } -> std::convertible_to<typename P::Real>;
                             s.update(p);
-                            found.for_each_neighbour(i, archetype::OnNeighbour{});
-                            found.for_each_pair(archetype::OnPair{});
+                            found.for_each_neighbour(i, detail::AnyVisitor{});
+                            found.for_each_pair(detail::AnyVisitor{});
                           };
 
 /// Can reorder the owned particles in memory, for speed; ids do not change.
@@ -134,11 +128,15 @@ concept Interaction =
     NeighbourSearch<S, P> && HasReach<I, P> &&
     requires(ForParticles<I, P> i, P& p, S& s, double dt) { i.accelerate(p, s, dt); };
 
+struct DoNothing {
+  void operator()(Index, Index) const {}
+};
+
 /// Functions called by accelerate(p, s, dt, pass) for ranges of particles; see below.
-template <class Before, class After>
+template <class Before = DoNothing, class After = DoNothing>
 struct Pass {
-  Before before;  ///< before(first, last)
-  After after;    ///< after(first, last)
+  [[no_unique_address]] Before before{};  ///< before(first, last)
+  [[no_unique_address]] After after{};    ///< after(first, last)
 };
 template <class Before, class After>
 Pass(Before, After) -> Pass<Before, After>;
@@ -154,6 +152,7 @@ concept AcceleratesInPass = requires(I i, P& p, S& s, double dt,
   i.accelerate(p, s, dt, pass);
 };
 
+namespace detail {
 /// Whether what a step moves is written to other memory than it is read from, see
 /// Particles::advance.
 template <class P>
@@ -166,6 +165,7 @@ bool moves_in_other_memory(const P& particles) {
   if constexpr (HasFields<P, torque_t, inertia_t>) also(spin);
   return result;
 }
+}  // namespace detail
 
 /// Evaluates an interaction in a pass, one function after the other for all particles if it has no
 /// accelerate(p, s, dt, pass), or if the particles are moved in place: contacts of a range would
@@ -174,7 +174,7 @@ template <class I, class P, class S, class Before, class After>
 void accelerate_in_pass(I& interaction, P& particles, S& search, double dt,
                         const Pass<Before, After>& pass) {
   if constexpr (AcceleratesInPass<I, P, S>) {
-    if (moves_in_other_memory(particles)) {
+    if (detail::moves_in_other_memory(particles)) {
       return interaction.accelerate(particles, search, dt, pass);
     }
   }
@@ -188,21 +188,20 @@ void accelerate_in_pass(I& interaction, P& particles, S& search, double dt,
 template <class I, class P>
 concept AddsForces = requires(const I i, P& p, Index k) { i.add_forces(p, k); };
 
-/// accelerate() of an interaction with add_forces().
-template <class I, class P>
-  requires AddsForces<I, P>
-void accelerate_each(const I& interaction, P& particles) {
-  for_each(particles.size(), [&](Index i) { interaction.add_forces(particles, i); });
-}
-/// accelerate() in a pass over the particles, for an interaction with add_forces().
-template <class I, class P, class Before, class After>
-  requires AddsForces<I, P>
-void accelerate_each(const I& interaction, P& particles, const Pass<Before, After>& pass) {
-  for_each_range(particles.size(), [&](Index first, Index last) {
+/// f(i) for all n particles, in a pass over them.
+template <class Before, class After, class F>
+void for_each_in_pass(Index n, const Pass<Before, After>& pass, F&& f) {
+  for_each_range(n, [&](Index first, Index last) {
     pass.before(first, last);
-    for (Index i = first; i < last; ++i) interaction.add_forces(particles, i);
+    for (Index i = first; i < last; ++i) f(i);
     pass.after(first, last);
   });
+}
+/// accelerate() of an interaction with add_forces().
+template <class I, class P, class Before = DoNothing, class After = DoNothing>
+  requires AddsForces<I, P>
+void accelerate_each(const I& interaction, P& particles, const Pass<Before, After>& pass = {}) {
+  for_each_in_pass(particles.size(), pass, [&](Index i) { interaction.add_forces(particles, i); });
 }
 
 /// needs_search(p) is false if the next accelerate() for these particles does not use the search,

@@ -8,7 +8,6 @@
 #include <silt/core/types.hpp>
 
 #include <bit>
-#include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <optional>

@@ -11,13 +11,16 @@
 #include <type_traits>
 #include <vector>
 
-namespace silt {
+namespace silt::detail {
 
 /// Whether a value of the field is a number, an enumerator or a vector of at most three numbers.
 template <Field F, int Dim, class Real>
 inline constexpr bool has_numbers = [] {
   using Value = value_of<F, Dim, Real>;
-  if constexpr (requires { typename Value::Scalar; Value::SizeAtCompileTime; }) {
+  if constexpr (requires {
+                  typename Value::Scalar;
+                  Value::SizeAtCompileTime;
+                }) {
     return Value::SizeAtCompileTime > 0 && Value::SizeAtCompileTime <= 3;
   } else {
     return std::is_arithmetic_v<Value> || std::is_enum_v<Value>;
@@ -40,6 +43,18 @@ std::vector<std::string> number_names() {
     }
     return names;
   }
+}
+
+/// f(name, k, field) for each number k of all fields but those that every step computes.
+template <class P, class F>
+void for_each_number(const P& particles, F&& f) {
+  particles.for_each_field([&]<class Tag>(auto, Tag field) {
+    if constexpr (role_of<Tag>() != Role::derived &&
+                  has_numbers<Tag, P::dimension, typename P::Real>) {
+      const auto names = number_names<Tag, P::dimension, typename P::Real>();
+      for (Index k = 0; k < names.size(); ++k) f(names[k], k, field);
+    }
+  });
 }
 
 /// Number k of a value.
@@ -77,4 +92,4 @@ bool holds_number(double number) {
   }
 }
 
-}  // namespace silt
+}  // namespace silt::detail

@@ -37,14 +37,9 @@ class Gravity {
     return false;
   }
 
-  template <class P, class S>
-    requires HasFields<P, mass_t, force_t> && std::same_as<typename P::Vec, Vec<Dim, Real>>
-  void accelerate(P& particles, S&, double) const {
-    accelerate_each(*this, particles);
-  }
-  template <class P, class S, class Before, class After>
-    requires HasFields<P, mass_t, force_t> && std::same_as<typename P::Vec, Vec<Dim, Real>>
-  void accelerate(P& particles, S&, double, const Pass<Before, After>& pass) const {
+  template <class P, class S, class Before = DoNothing, class After = DoNothing>
+    requires AddsForces<Gravity, P>
+  void accelerate(P& particles, S&, double, const Pass<Before, After>& pass = {}) const {
     accelerate_each(*this, particles, pass);
   }
   template <class P>
@@ -160,8 +155,9 @@ class Forces {
   template <class Archive, class P>
   void transfer(Archive& archive, P& particles) {
     Index number = 0;
-    for_each_part(
-        [&](auto& part) { transfer_part(archive, std::to_string(number++), part, particles); });
+    for_each_part([&](auto& part) {
+      detail::transfer_part(archive, std::to_string(number++), part, particles);
+    });
   }
 
   void save() {
@@ -191,13 +187,10 @@ class Forces {
   // Number of the first part from K on that is not evaluated for one particle alone.
   template <Index K, class P>
   static constexpr Index next_shared() {
-    if constexpr (K == sizeof...(Parts)) {
-      return K;
-    } else if constexpr (is_of_particle<K, P>) {
-      return next_shared<K + 1, P>();
-    } else {
-      return K;
+    if constexpr (K < sizeof...(Parts)) {
+      if constexpr (is_of_particle<K, P>) return next_shared<K + 1, P>();
     }
+    return K;
   }
   // Adds the forces of the parts [K, L), which are evaluated for one particle alone.
   template <Index K, Index L, class P>
@@ -230,9 +223,8 @@ class Forces {
       };
       std::get<shared>(parts_).accelerate(particles, search, dt, Pass{before_shared, after_shared});
     } else {
-      constexpr auto nothing = [](Index, Index) {};
-      std::get<shared>(parts_).accelerate(particles, search, dt, Pass{before_shared, nothing});
-      accelerate_from<shared + 1>(particles, search, dt, nothing, after);
+      std::get<shared>(parts_).accelerate(particles, search, dt, Pass{before_shared, DoNothing{}});
+      accelerate_from<shared + 1>(particles, search, dt, DoNothing{}, after);
     }
   }
 

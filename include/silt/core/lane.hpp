@@ -8,13 +8,10 @@
 #pragma once
 
 #include <silt/core/eigen.hpp>
-#include <silt/core/error.hpp>
 #include <silt/core/field_view.hpp>
 #include <silt/core/types.hpp>
 
-#include <cmath>
 #include <concepts>
-#include <limits>
 #include <span>
 #include <type_traits>
 
@@ -28,15 +25,21 @@
 
 namespace silt {
 
+namespace detail {
+template <class T>
+concept Arithmetic = std::is_arithmetic_v<T>;
+}  // namespace detail
+
 template <std::floating_point Real>
 class Lane {
  public:
   Lane() = default;
   constexpr Lane(const Lane& b) : value_(b.value_) {}
-  constexpr Lane& operator=(const Lane& b) { value_ = b.value_; return *this; }
-  template <class T>
-    requires std::is_arithmetic_v<T>
-  constexpr Lane(T value) : value_(static_cast<Real>(value)) {}
+  constexpr Lane& operator=(const Lane& b) {
+    value_ = b.value_;
+    return *this;
+  }
+  constexpr Lane(detail::Arithmetic auto value) : value_(static_cast<Real>(value)) {}
   constexpr operator Real() const { return value_; }
 
   constexpr Lane& operator+=(Lane b) { return *this = *this + b; }
@@ -49,30 +52,14 @@ class Lane {
   friend constexpr Lane operator-(Lane a, Lane b) { return a.value_ - b.value_; }
   friend constexpr Lane operator*(Lane a, Lane b) { return a.value_ * b.value_; }
   friend constexpr Lane operator/(Lane a, Lane b) { return a.value_ / b.value_; }
-  template <class T>
-    requires std::is_arithmetic_v<T>
-  friend constexpr Lane operator+(Lane a, T b) { return a + Lane(b); }
-  template <class T>
-    requires std::is_arithmetic_v<T>
-  friend constexpr Lane operator-(Lane a, T b) { return a - Lane(b); }
-  template <class T>
-    requires std::is_arithmetic_v<T>
-  friend constexpr Lane operator*(Lane a, T b) { return a * Lane(b); }
-  template <class T>
-    requires std::is_arithmetic_v<T>
-  friend constexpr Lane operator/(Lane a, T b) { return a / Lane(b); }
-  template <class T>
-    requires std::is_arithmetic_v<T>
-  friend constexpr Lane operator+(T a, Lane b) { return Lane(a) + b; }
-  template <class T>
-    requires std::is_arithmetic_v<T>
-  friend constexpr Lane operator-(T a, Lane b) { return Lane(a) - b; }
-  template <class T>
-    requires std::is_arithmetic_v<T>
-  friend constexpr Lane operator*(T a, Lane b) { return Lane(a) * b; }
-  template <class T>
-    requires std::is_arithmetic_v<T>
-  friend constexpr Lane operator/(T a, Lane b) { return Lane(a) / b; }
+  friend constexpr Lane operator+(Lane a, detail::Arithmetic auto b) { return a + Lane(b); }
+  friend constexpr Lane operator-(Lane a, detail::Arithmetic auto b) { return a - Lane(b); }
+  friend constexpr Lane operator*(Lane a, detail::Arithmetic auto b) { return a * Lane(b); }
+  friend constexpr Lane operator/(Lane a, detail::Arithmetic auto b) { return a / Lane(b); }
+  friend constexpr Lane operator+(detail::Arithmetic auto a, Lane b) { return Lane(a) + b; }
+  friend constexpr Lane operator-(detail::Arithmetic auto a, Lane b) { return Lane(a) - b; }
+  friend constexpr Lane operator*(detail::Arithmetic auto a, Lane b) { return Lane(a) * b; }
+  friend constexpr Lane operator/(detail::Arithmetic auto a, Lane b) { return Lane(a) / b; }
 
  private:
   Real value_;

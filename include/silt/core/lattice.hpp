@@ -28,12 +28,12 @@ std::vector<Vec<Dim, Real>> lattice(const Box<Dim, Real>& box, Real spacing) {
   for (int k = 0; k < Dim; ++k) {
     const double length = double(box.upper[k]) - double(box.lower[k]);
     const double rounding = 4 * double(std::numeric_limits<Real>::epsilon());
-    const double cells =
-        std::floor(length / double(spacing) * (1 + rounding) + 1e-6);
+    const double cells = std::floor(length / double(spacing) * (1 + rounding) + 1e-6);
     points_in_all *= cells;
     if (!(cells <= 1e9) || !(points_in_all <= 1e9)) {
-      fail("lattice: spacing = " + to_text(double(spacing)) + " m gives more than 1e9 points; "
-                                                              "increase the spacing");
+      fail("lattice: spacing = " + to_text(double(spacing)) +
+           " m gives more than 1e9 points; "
+           "increase the spacing");
     }
     count[static_cast<std::size_t>(k)] = static_cast<Index>(cells);
   }

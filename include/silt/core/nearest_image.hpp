@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Distances across the periodic sides of a box.
+// Images of points beyond the periodic sides of a box, and distances across these sides.
 #pragma once
 
 #include <silt/core/box.hpp>
@@ -50,5 +50,24 @@ class NearestImage {
   Real period_[Dim] = {};
   Real inverse_[Dim] = {};
 };
+
+/// f(x) and f(image) for the images of x [m] beyond the periodic sides closer than a distance [m].
+template <int Dim, class Real, class Number, class F>
+void for_each_image(const Box<Dim, Real>& box, const Vec<Dim, Number>& x, Number distance, F&& f,
+                    int axis = 0) {
+  if (axis == Dim) return f(x);
+  for_each_image(box, x, distance, f, axis + 1);
+  if (!box.periodic[static_cast<std::size_t>(axis)]) return;
+  const Real period = box.upper[axis] - box.lower[axis];
+  Vec<Dim, Number> image = x;
+  if (x[axis] < box.lower[axis] + distance) {
+    image[axis] = x[axis] + period;
+    for_each_image(box, image, distance, f, axis + 1);
+  }
+  if (x[axis] > box.upper[axis] - distance) {
+    image[axis] = x[axis] - period;
+    for_each_image(box, image, distance, f, axis + 1);
+  }
+}
 
 }  // namespace silt

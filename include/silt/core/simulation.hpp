@@ -7,18 +7,16 @@
 #include <silt/core/error.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/particles.hpp>
+#include <silt/core/step_checks.hpp>
 #include <silt/core/transfer.hpp>
 #include <silt/core/types.hpp>
 
 #include <algorithm>
-#include <cmath>
 #include <concepts>
 #include <cstdint>
 #include <limits>
 #include <optional>
 #include <string>
-#include <string_view>
-#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -88,7 +86,7 @@ class Simulation {
     TypedInteraction interaction;  ///< its results, such as the contacts, refer to `particles`
   };
   State state() const {
-    if constexpr (requires(T t, P p, S s, TypedInteraction i) { t.synchronise(p, s, i); }) {
+    if constexpr (synchronises) {
       Simulation copy = *this;
       set_time(copy.interaction_, time_);
       copy.integrator_.synchronise(copy.particles_, copy.search_, copy.interaction_);
@@ -100,7 +98,7 @@ class Simulation {
 
   /// The particles of state().
   P snapshot() const {
-    if constexpr (requires(T t, P p, S s, TypedInteraction i) { t.synchronise(p, s, i); }) {
+    if constexpr (synchronises) {
       return state().particles;
     } else {
       return particles_;
@@ -126,15 +124,15 @@ class Simulation {
     archive.within("particles", [&] { particles_.transfer(archive); });
     if constexpr (Archive::reads) prepare();
     if constexpr (Transferable<S, Archive, P>) {
-      transfer_part(archive, "search", search_, particles_);
+      detail::transfer_part(archive, "search", search_, particles_);
     } else if constexpr (Archive::reads) {
       // The particles must not move, but an update wraps positions into a periodic box.
       const std::vector<typename P::Vec> now(particles_[position].begin(),
                                              particles_[position].end());
       at_positions(particles_, now, [&] { search_.update(particles_); });
     }
-    transfer_part(archive, "integrator", integrator_, particles_);
-    transfer_part(archive, "interaction", interaction_, particles_);
+    detail::transfer_part(archive, "integrator", integrator_, particles_);
+    detail::transfer_part(archive, "interaction", interaction_, particles_);
   }
 
   /// The time step that the interaction chooses for the present state [s]; the last one if all
@@ -177,14 +175,16 @@ class Simulation {
     try {
       is_verified = integrate(dt);
       if (!is_verified) {
-        const auto broken = find_not_finite();
+        const auto broken = detail::find_not_finite(particles_);
         is_result_finite = !broken;
-        if (broken) fail_after_step(*broken);
-        check_escaped();
+        if (broken) detail::fail_after_step(particles_, *broken);
+        detail::check_escaped(particles_);
       }
     } catch (const Error& error) {
       restore();
-      if (!is_result_finite) check_finite_before_step();
+      if (!is_result_finite) {
+        detail::check_finite_before_step(particles_, {.step = steps_, .time = time_});
+      }
       throw error.with_step(steps_, time_);
     } catch (...) {
       restore();
@@ -198,19 +198,15 @@ class Simulation {
   }
 
   /// Advances until time() ≥ until. Returns true, or false if an observer ended the run before. If
-  /// time() is at or beyond `until` already, no step is made. Observers are called
-  ///   observer(simulation)                  at the beginning, at the first step at or after every
-  ///                                         multiple of output_every, and at the end
-  ///   observer.before_step(simulation)      before every step; may change the simulation
-  ///   observer.after_step(simulation, run)  after every step
-  ///   observer.between_steps(simulation)    after every step and all other calls for it, so that a
-  ///                                         checkpoint written here is complete
-  ///   observer.stop_requested()             before every step; true ends the run
-  /// if they have these functions; see core/concepts.hpp. A run that an observer ended makes no
-  /// output at its end; the next run() continues it and makes none at its beginning. The same holds
-  /// for the first run() after reading a checkpoint that was written during a run. If that
-  /// checkpoint was written during a later run of the program, this call returns at once. Throws
-  /// silt::Error if a member of `run` is out of range, and what step() throws.
+  /// time() is at or beyond `until` already, no step is made. Observers are called for outputs: at
+  /// the beginning, at the first step at or after every multiple of output_every, and at the end;
+  /// and before and after every step, see Observer in core/concepts.hpp.
+  ///
+  /// A run that an observer ended makes no output at its end; the next run() continues it and makes
+  /// none at its beginning. The same holds for the first run() after reading a checkpoint that was
+  /// written during a run. If that checkpoint was written during a later run of the program, this
+  /// call returns at once. Throws silt::Error if a member of `run` is out of range, and what step()
+  /// throws.
   template <class... Observers>
     requires(Observer<Observers, Simulation> && ...)
   bool run(const Run& run, Observers&&... observers) {
@@ -257,6 +253,9 @@ class Simulation {
   }
 
  private:
+  static constexpr bool synchronises =
+      requires(T t, P p, S s, TypedInteraction i) { t.synchronise(p, s, i); };
+
   // Marks a run as open until run() is left, also by an exception.
   struct OpenRun {
     explicit OpenRun(bool& is_open) : is_open_(is_open) { is_open_ = true; }
@@ -328,25 +327,6 @@ class Simulation {
     integrator_ = *saved_integrator_;
   }
 
-  // A value of a field that is not finite.
-  struct NotFinite {
-    Index particle;
-    std::string_view field;
-    std::string value;
-  };
-  std::optional<NotFinite> find_not_finite() const {
-    std::optional<NotFinite> found;
-    particles_.for_each_field([&]<class F>(auto values, F) {
-      using Value = typename decltype(values)::value_type;
-      if constexpr (role_of<F>() == Role::state && requires(Value v) { is_finite(v); }) {
-        if (found) return;
-        const Index broken =
-            first_where(values.size(), [&](Index i) { return !is_finite(values[i]); });
-        if (broken != no_index) found = {broken, name_of<F>(), to_text(values[broken])};
-      }
-    });
-    return found;
-  }
   // Returns whether the integrator has verified the results, see Integrator in core/concepts.hpp.
   bool integrate(double dt) {
     const auto step = [&] { return integrator_.step(particles_, search_, interaction_, dt); };
@@ -358,49 +338,11 @@ class Simulation {
     }
   }
 
-  // Called after rolling back a step whose result is not finite. Throws if the cause is a value
-  // that was not finite before.
-  void check_finite_before_step() const {
-    const auto broken = find_not_finite();
-    if (!broken) return;
-    fail("Simulation: before the step, " + std::string(broken->field) + " = " + broken->value +
-             " is not finite; set it to a finite value",
-         {.particle = broken->particle,
-          .id = particles_.id(broken->particle),
-          .step = steps_,
-          .time = time_});
-  }
-
-  // Reports a derived field (such as the force) that is not finite, if there is one, because it is
-  // the cause.
-  [[noreturn]] void fail_after_step(NotFinite broken) const {
-    particles_.for_each_field([&]<class F>(auto values, F) {
-      using Value = typename decltype(values)::value_type;
-      if constexpr (role_of<F>() == Role::derived && requires(Value v) { is_finite(v); }) {
-        const auto& value = values[broken.particle];
-        if (!is_finite(value)) broken = {broken.particle, name_of<F>(), to_text(value)};
-      }
-    });
-    fail("Simulation: after the step, " + std::string(broken.field) + " = " + broken.value +
-             " is not finite; reduce the time step or check the forces",
-         {.particle = broken.particle, .id = particles_.id(broken.particle)});
-  }
-
-  void check_escaped() const {
-    const auto& box = particles_.box();
-    if (box.on_escape != OnEscape::refuse) return;
-    const auto x = particles_[position];
-    const Index escaped = first_where(x.size(), [&](Index i) { return !box.contains(x[i]); });
-    if (escaped == no_index) return;
-    fail("Simulation: a particle left the box at x = " + to_text(x[escaped]) +
-             " m; enlarge the box, close the gap, or set Box::on_escape to OnEscape::remove",
-         {.particle = escaped, .id = particles_.id(escaped)});
-  }
-
   void remove_escaped() {
     const auto& box = particles_.box();
     if (box.on_escape != OnEscape::remove) return;
-    const auto outside = [&](Index i) { return !box.contains(particles_[position][i]); };
+    const P& particles = particles_;  // to read its positions does not count as a change of them
+    const auto outside = [&](Index i) { return !box.contains(particles[position][i]); };
     if (first_where(particles_.size(), outside) == no_index) return;
     particles_lost_ += particles_.remove_if(outside);
     search_.update(particles_);  // its indices are out of date

@@ -32,6 +32,7 @@ concept Transferable = requires(T& part, Archive& archive, Context&... context) 
   part.transfer(archive, context...);
 };
 
+namespace detail {
 /// Calls part.transfer(archive, particles) or part.transfer(archive); does nothing for a part
 /// without either.
 template <class Archive, class T, class P>
@@ -42,6 +43,7 @@ void transfer_part(Archive& archive, std::string_view name, T& part, P& particle
     archive.within(name, [&] { part.transfer(archive); });
   }
 }
+}  // namespace detail
 
 /// Calls f() with the particles temporarily at the positions x [m].
 template <class P, class F>

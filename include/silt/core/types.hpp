@@ -121,15 +121,9 @@ Real dot(const Vec<3, Real>& a, const Vec<3, Real>& b) {
 }
 
 /// |ω|² in 2D or 3D.
-template <class Real>
-Real squared_norm(Real spin)
-  requires std::is_floating_point_v<Real>
-{
-  return spin * spin;
-}
-template <class Real>
-Real squared_norm(const Vec<3, Real>& spin) {
-  return spin.squaredNorm();
+template <class Angular>
+auto squared_norm(const Angular& spin) {
+  return dot(spin, spin);
 }
 
 }  // namespace silt

@@ -23,17 +23,12 @@ void write_csv(const std::filesystem::path& path, const P& particles) {
   std::sort(ids.begin(), ids.end());
   std::string head;
   std::vector<std::string> rows(ids.size());
-  particles.for_each_field([&]<class F>(auto values, F) {
-    if constexpr (role_of<F>() != Role::derived && has_numbers<F, P::dimension, typename P::Real>) {
-      const auto names = number_names<F, P::dimension, typename P::Real>();
-      for (Index k = 0; k < names.size(); ++k) {
-        const char* const comma = head.empty() ? "" : ",";
-        head += comma + names[k];
-        for (Index row = 0; row < rows.size(); ++row) {
-          const auto& value = values[particles.index_of(ids[row])];
-          rows[row] += comma + file::digits(number_of(value, k));
-        }
-      }
+  detail::for_each_number(particles, [&](const std::string& name, Index k, auto field) {
+    const char* const comma = head.empty() ? "" : ",";
+    head += comma + name;
+    for (Index row = 0; row < rows.size(); ++row) {
+      const auto& value = particles[field][particles.index_of(ids[row])];
+      rows[row] += comma + file::digits(detail::number_of(value, k));
     }
   });
   std::string text = head + "\n";

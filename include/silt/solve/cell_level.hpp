@@ -7,8 +7,8 @@
 // free surface.
 #pragma once
 
-#include <silt/core/rows.hpp>
 #include <silt/core/types.hpp>
+#include <silt/linear/rows.hpp>
 #include <silt/solve/background_cells.hpp>
 
 #include <algorithm>

@@ -9,12 +9,13 @@
 #include <silt/core/nearest_image.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/types.hpp>
+#include <silt/dem/bond/bond_indices.hpp>
 #include <silt/dem/bond/parallel_bond.hpp>
 #include <silt/dem/contact/stable_time_step.hpp>
 #include <silt/dem/law/contact.hpp>
 
 #include <algorithm>
-#include <cmath>
+#include <concepts>
 #include <cstdint>
 #include <limits>
 #include <numbers>
@@ -25,15 +26,7 @@
 
 namespace silt::dem {
 
-/// Indices of a bond's two grains; `no_index` for a removed grain.
-struct BondEnds {
-  Index a;
-  Index b;
-};
-template <class P, class B>
-BondEnds ends_of(const P& grains, const B& bond) {
-  return {grains.index_of(bond.a), grains.index_of(bond.b)};
-}
+namespace detail {
 
 /// R_a/(R_a + R_b) [-]: the position between the centres at which the bond's force acts.
 template <class P>
@@ -47,57 +40,6 @@ BeamSection section_at(const P& grains, const BondEnds& ends, const ParallelBond
   const auto R = grains[radius];
   return section_of<P::dimension>(law, double(std::min(R[ends.a], R[ends.b])));
 }
-
-/// The indices of the grains of each bond, the bonds of each grain, and their stable time step.
-/// Updated when bonds or grains are added, removed or reordered.
-class BondIndices {
- public:
-  template <class P>
-  bool are_valid_for(const P& grains) const {
-    return is_valid_ && grains.revision() == revision_;
-  }
-  void invalidate() noexcept { is_valid_ = false; }
-
-  /// Removes the bonds of removed grains from the list and finds the grains of the others.
-  template <class P, class B>
-  void find(const P& grains, std::vector<B>& bonds) {
-    std::erase_if(bonds, [&](const B& bond) {
-      const BondEnds ends = ends_of(grains, bond);
-      return ends.a == no_index || ends.b == no_index;
-    });
-    ends_.clear();
-    first_.assign(grains.size() + 1, 0);
-    for (const B& bond : bonds) {
-      const BondEnds ends = ends_of(grains, bond);
-      ends_.push_back(ends);
-      ++first_[ends.a + 1];
-      ++first_[ends.b + 1];
-    }
-    for (Index i = 0; i < grains.size(); ++i) first_[i + 1] += first_[i];
-    numbers_.resize(2 * bonds.size());
-    next_.assign(first_.begin(), first_.end() - 1);
-    for (Index k = 0; k < bonds.size(); ++k) {
-      numbers_[next_[ends_[k].a]++] = k;
-      numbers_[next_[ends_[k].b]++] = k;
-    }
-    revision_ = grains.revision();
-    is_valid_ = true;
-  }
-
-  const BondEnds& ends(Index bond) const noexcept { return ends_[bond]; }
-  /// Indices of the bonds of grain i, in ascending order.
-  std::span<const Index> of(Index i) const noexcept {
-    return std::span(numbers_).subspan(first_[i], first_[i + 1] - first_[i]);
-  }
-
- private:
-  std::vector<BondEnds> ends_;
-  std::vector<Index> first_;  // by grain
-  std::vector<Index> numbers_;
-  std::vector<Index> next_;
-  std::uint64_t revision_ = 0;
-  bool is_valid_ = false;
-};
 
 /// Stability limit of the bonds alone, and the grain that has it.
 struct BondStability {
@@ -129,6 +71,8 @@ BondStability stability_of(const P& grains, const std::vector<B>& bonds, const B
   }
   return least;
 }
+
+}  // namespace detail
 
 /// The ids of two grains, in either order.
 struct IdPair {
@@ -226,26 +170,15 @@ class Bonds {
     return false;
   }
 
-  /// Adds forces and torques. Throws if the grains of a bond coincide, or if dt exceeds the
-  /// stability limit of the bonds alone.
-  template <class P, class S>
+  /// Adds forces and torques, in a pass over the grains if one is given, see AcceleratesInPass in
+  /// core/concepts.hpp. Throws if the grains of a bond coincide, or if dt exceeds the stability
+  /// limit of the bonds alone.
+  template <class P, class S, class Before = DoNothing, class After = DoNothing>
     requires HasFields<P, spin_t, force_t, torque_t, mass_t, inertia_t, radius_t> &&
              std::same_as<typename P::Vec, Vec>
-  void accelerate(P& grains, S& search, double dt) {
-    constexpr auto nothing = [](Index, Index) {};
-    accelerate(grains, search, dt, Pass{nothing, nothing});
-  }
-  /// The same in one pass over the grains, see AcceleratesInPass in core/concepts.hpp.
-  template <class P, class S, class Before, class After>
-    requires HasFields<P, spin_t, force_t, torque_t, mass_t, inertia_t, radius_t> &&
-             std::same_as<typename P::Vec, Vec>
-  void accelerate(P& grains, S&, double dt, const Pass<Before, After>& pass) {
+  void accelerate(P& grains, S&, double dt, const Pass<Before, After>& pass = {}) {
     advance_bonds(grains, dt);
-    for_each_range(grains.size(), [&](Index first, Index last) {
-      pass.before(first, last);
-      for (Index i = first; i < last; ++i) add_loads(grains, i);
-      pass.after(first, last);
-    });
+    for_each_in_pass(grains.size(), pass, [&](Index i) { add_loads(grains, i); });
   }
 
   /// Default time step [s]: 1/50 of half the shortest period of the bonds; infinite without bonds.
@@ -260,7 +193,7 @@ class Bonds {
   double elastic_energy(const P& grains) const {
     double energy = 0;
     for (const Bond& bond : bonds_) {
-      const BondEnds ends = ends_of(grains, bond);
+      const detail::BondEnds ends = detail::ends_of(grains, bond);
       if (ends.a == no_index || ends.b == no_index) continue;  // removed since
       energy += state_at(grains, bond, ends).elastic_energy;
     }
@@ -270,7 +203,7 @@ class Bonds {
   /// Stresses of a bond in the last step.
   template <class P>
   BondState state(const P& grains, const Bond& bond) const {
-    return state_at(grains, bond, ends_of(grains, bond));
+    return state_at(grains, bond, detail::ends_of(grains, bond));
   }
 
   /// For a checkpoint, see core/transfer.hpp.
@@ -317,7 +250,7 @@ class Bonds {
   void add_loads(P& grains, Index i) const {
     for (const Index k : indices_.of(i)) {
       const Bond& bond = bonds_[k];
-      const BondEnds ends = indices_.ends(k);
+      const detail::BondEnds ends = indices_.ends(k);
       const bool is_a = ends.a == i;
       const Real share = arm_of_a(grains, ends);
       // The force acts on both grains at the same point: this conserves angular momentum.
@@ -333,7 +266,7 @@ class Bonds {
   static Bond bond_between(const P& grains, const IdPair& pair) {
     const auto [a, b] = std::minmax(pair.one, pair.other);
     Bond bond{.a = a, .b = b};
-    const BondEnds ends = ends_of(grains, bond);
+    const detail::BondEnds ends = detail::ends_of(grains, bond);
     if (a == b || ends.a == no_index || ends.b == no_index) {
       fail("dem::Bonds: the ids " + names_of(bond) +
            " are not those of two different grains; give two existing ids");
@@ -354,9 +287,9 @@ class Bonds {
   }
 
   template <class P>
-  BondState state_at(const P& grains, const Bond& bond, const BondEnds& ends) const {
+  BondState state_at(const P& grains, const Bond& bond, const detail::BondEnds& ends) const {
     const BeamSection section = section_at(grains, ends, law_);
-    return state_of(bond, section, springs_of(law_, section));
+    return detail::state_of(bond, section, springs_of(law_, section));
   }
 
   // Stores the state for restore().
@@ -372,7 +305,7 @@ class Bonds {
   void update_indices(const P& grains) {
     if (!indices_.are_valid_for(grains)) indices_.find(grains, bonds_);
     // Rotations hardly change the stability limit, and broken bonds do not lower it.
-    if (!is_stability_known_) stability_ = stability_of(grains, bonds_, indices_, law_);
+    if (!is_stability_known_) stability_ = detail::stability_of(grains, bonds_, indices_, law_);
     is_stability_known_ = true;
   }
 
@@ -385,13 +318,13 @@ class Bonds {
 
   template <class P>
   void advance_bond(const P& grains, Index k, const NearestImage<Dim, Real>& image, Real passed) {
-    const BondEnds ends = indices_.ends(k);
+    const detail::BondEnds ends = indices_.ends(k);
     const auto x = grains[position];
-    const BondMotion<Dim, Real> motion{.between = image(x[ends.a] - x[ends.b]),
-                                       .rotation_a = grains[spin][ends.a] * passed,
-                                       .rotation_b = grains[spin][ends.b] * passed,
-                                       .arm_a = arm_of_a(grains, ends),
-                                       .time_step = passed};
+    const detail::BondMotion<Dim, Real> motion{.between = image(x[ends.a] - x[ends.b]),
+                                               .rotation_a = grains[spin][ends.a] * passed,
+                                               .rotation_b = grains[spin][ends.b] * passed,
+                                               .arm_a = arm_of_a(grains, ends),
+                                               .time_step = passed};
     if (!(motion.between.squaredNorm() > 0)) {
       fail("dem::Bonds: the bonded grains " + names_of(bonds_[k]) +
                " coincide or have an invalid position; use a smaller time step",
@@ -431,8 +364,8 @@ class Bonds {
   BrokenBonds broken_;
   double last_time_step_ = 0;  // [s]; duration of the motion at the next evaluation
 
-  BondIndices indices_;
-  BondStability stability_;
+  detail::BondIndices indices_;
+  detail::BondStability stability_;
   bool is_stability_known_ = false;
 
   std::vector<Bond> kept_bonds_;

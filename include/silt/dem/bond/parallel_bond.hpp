@@ -15,6 +15,7 @@
 #include <cstdint>
 #include <limits>
 #include <numbers>
+#include <string>
 
 namespace silt::dem {
 
@@ -107,6 +108,15 @@ struct Bond {
   std::uint64_t steps = 0;                      ///< number of steps since it was made
 };
 
+/// Maximum stresses, at the rim of the section, and energy of the springs.
+struct BondState {
+  double tensile_stress = 0;  ///< −F_n/A + |M_b| R̄/I, [PotyondyCundall2004] section 2.2 [Pa]
+  double shear_stress = 0;    ///< |F_s|/A + |M_t| R̄/J [Pa]
+  double elastic_energy = 0;  ///< [J]
+};
+
+namespace detail {
+
 /// The twisting part of a rotation or couple: its component along the normal. 0 in 2D.
 template <class Real>
 Real twist_of(Real, const Vec<2, Real>&) {
@@ -162,13 +172,6 @@ struct BondMotion {
   AngularVec<Dim, Real> rotation_b;  ///< [rad]
   Real arm_a;                        ///< R_a/(R_a + R_b) [-]: position of the section
   Real time_step;                    ///< duration of the motion [s]; 0 if not yet known
-};
-
-/// Maximum stresses, at the rim of the section, and energy of the springs.
-struct BondState {
-  double tensile_stress = 0;  ///< −F_n/A + |M_b| R̄/I, [PotyondyCundall2004] section 2.2 [Pa]
-  double shear_stress = 0;    ///< |F_s|/A + |M_t| R̄/J [Pa]
-  double elastic_energy = 0;  ///< [J]
 };
 
 template <int Dim, class Real>
@@ -229,4 +232,5 @@ void advance(Bond<Dim, Real>& bond, const BondMotion<Dim, Real>& motion, const B
   bond.couple = Real(-k.bending) * AngularVec(rotation - twist) - Real(k.twisting) * twist;
 }
 
+}  // namespace detail
 }  // namespace silt::dem

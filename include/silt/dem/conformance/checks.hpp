@@ -5,8 +5,8 @@
 
 #include <silt/core/error.hpp>
 #include <silt/core/types.hpp>
-#include <silt/dem/conformance/erased_law.hpp>
 #include <silt/dem/conformance/impact.hpp>
+#include <silt/dem/conformance/law_adapter.hpp>
 #include <silt/dem/conformance/prescribed_contact.hpp>
 #include <silt/dem/law/contact.hpp>
 #include <silt/dem/setup/grains.hpp>
@@ -77,12 +77,14 @@ struct ConformanceReport {
   }
 };
 
+namespace detail {
+
 /// Checks a law in one dimension.
 template <int Dim>
 class ConformanceChecks {
  public:
   /// Throws if a condition is out of range.
-  ConformanceChecks(ErasedLaw<Dim> law, const ConformanceConditions& conditions)
+  ConformanceChecks(LawAdapter<Dim> law, const ConformanceConditions& conditions)
       : law_(std::move(law)), conditions_(conditions) {
     conditions.check();
     Grains<Dim> grain;
@@ -346,11 +348,12 @@ class ConformanceChecks {
               "relative increase of the kinetic energy, including rotation, in an impact");
   }
 
-  ErasedLaw<Dim> law_;
+  LawAdapter<Dim> law_;
   ConformanceConditions conditions_;
   PrescribedMotion motion_;
   double frequency_ = 0;  // approximate angular frequency of a contact [1/s]
   std::vector<ConformanceCheck> checks_;
 };
 
+}  // namespace detail
 }  // namespace silt::dem

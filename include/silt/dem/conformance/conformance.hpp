@@ -7,7 +7,7 @@
 #pragma once
 
 #include <silt/dem/conformance/checks.hpp>
-#include <silt/dem/conformance/erased_law.hpp>
+#include <silt/dem/conformance/law_adapter.hpp>
 #include <silt/dem/law/contact.hpp>
 
 #include <utility>
@@ -22,7 +22,8 @@ ConformanceReport conformance_of(const Law& law, const ConformanceConditions& co
   ConformanceReport report;
   const auto in_dimension = [&]<int Dim>() {
     if constexpr (ContactLaw<Law, Dim, double>) {
-      for (auto& check : ConformanceChecks<Dim>(erased<Dim>(law), conditions).run()) {
+      const detail::LawAdapter<Dim> adapter(law);
+      for (auto& check : detail::ConformanceChecks<Dim>(adapter, conditions).run()) {
         report.checks.push_back(std::move(check));
       }
     }

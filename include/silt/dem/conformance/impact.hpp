@@ -10,7 +10,7 @@
 
 #include <cmath>
 
-namespace silt::dem {
+namespace silt::dem::detail {
 
 /// Initial conditions. The first grain moves along the first axis, with a slip along the second.
 struct ImpactStart {
@@ -121,4 +121,4 @@ class TestImpact {
   Contact<Dim, double> contact_;
 };
 
-}  // namespace silt::dem
+}  // namespace silt::dem::detail

@@ -10,12 +10,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <concepts>
 #include <functional>
 #include <numbers>
 #include <vector>
 
-namespace silt::dem {
+namespace silt::dem::detail {
 
 /// Displacement of i's surface relative to j's.
 template <int Dim>
@@ -252,4 +251,4 @@ ContactPose<Dim> pose_on(const ContactPath& path, double u) {
   return pose;
 }
 
-}  // namespace silt::dem
+}  // namespace silt::dem::detail

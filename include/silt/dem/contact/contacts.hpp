@@ -156,8 +156,8 @@ class ContactsOf : public Contacts<Law, Walls...> {
   /// Whether the list of contacts has to be rebuilt, for which the search is used. The next
   /// evaluation is for the grains as they are at this call.
   bool needs_search(const P& grains) const {
-    const bool has_changed = state_.last.list->constants_revision != grains.constants_revision();
-    is_rebuild_announced_ = state_.given != nullptr || has_changed || is_stale(grains);
+    is_rebuild_announced_ =
+        state_.given != nullptr || have_constants_changed(grains) || is_stale(grains);
     return *is_rebuild_announced_;
   }
 
@@ -307,6 +307,10 @@ class ContactsOf : public Contacts<Law, Walls...> {
     std::vector<char> is_dense;  // by block, from the last step
   };
 
+  bool have_constants_changed(const P& grains) const {
+    return detail::have_constants_changed(grains, *state_.last.list,
+                                          state_.last.lifetime.constants_revision);
+  }
   bool is_stale(const P& grains) const {
     return dem::is_stale(grains, walls_, time_, *state_.last.list, state_.last.lifetime);
   }
@@ -331,7 +335,9 @@ class ContactsOf : public Contacts<Law, Walls...> {
       const auto list = memory_.lists.take();
       memory_.division.reset();
       renew(grains, search, time, *list);
-      step.lifetime = {.since = grains.travel(), .distance = double(list->margin / 2)};
+      step.lifetime = {.since = grains.travel(),
+                       .distance = double(list->margin / 2),
+                       .constants_revision = grains.constants_revision()};
       const auto before = memory_.histories.take();
       move_histories(grains, list->contacts, *before);
       step.list = list;
@@ -384,7 +390,7 @@ class ContactsOf : public Contacts<Law, Walls...> {
   SavedList<dimension, Real> saved_list(const P& grains) const {
     const List& last = *state_.last.list;
     const bool is_of_these = !state_.given && last.owned_revision == grains.owned_revision() &&
-                             last.constants_revision == grains.constants_revision();
+                             !have_constants_changed(grains);
     return is_of_these ? SavedList<dimension, Real>(last) : SavedList<dimension, Real>();
   }
   void restore_list(const SavedList<dimension, Real>& saved, const P& grains) {

@@ -9,6 +9,7 @@
 #include <silt/core/travel.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/contact/contact_list.hpp>
+#include <silt/dem/contact/list_constants.hpp>
 #include <silt/dem/setup/grains.hpp>
 
 #include <algorithm>
@@ -26,20 +27,23 @@ template <int Dim, class Real>
 struct ListOfStep {
   ContactList contacts;
   std::vector<Vec<Dim, Real>> since;     ///< positions of the grains when it was built [m]
-  std::vector<std::uint32_t> materials;  ///< of the grains
+  std::vector<Real> radii;               ///< of the grains [m]; see list_constants.hpp
+  std::vector<Real> masses;              ///< [kg]
+  std::vector<Real> inertias;            ///< [kg m²]
+  std::vector<std::uint32_t> materials;  ///< indices in dem::Materials
   Real margin = 0;                       ///< largest gap of its pairs [m]
   std::uint64_t owned_revision = 0;      ///< of the grains
-  std::uint64_t constants_revision = 0;
   double time = 0;              ///< of these positions and of the walls [s]
   Box<Dim, Real> extent;        ///< contains all grains while the list is valid [m]
   double stable_time_step = 0;  ///< stable even if all its pairs touch [s]
 };
 
 /// How far grains may travel before it is uncertain, without a loop over them, that a list is
-/// valid.
+/// valid, and the last revision of their constants for which it is.
 struct ListLifetime {
   Travel since;
   double distance = 0;  ///< [m]
+  std::uint64_t constants_revision = 0;
 };
 
 /// Whether pairs other than those of the list may touch at this time [s]: two grains approach by at
@@ -78,7 +82,8 @@ bool is_stale(const P& grains, const Walls& walls, double time, const List& list
     left = std::min(half - max_relative_to(sum / Real(x.size())), left_to_walls);
   }
   if (!(left >= 0)) return true;
-  lifetime = {.since = travel, .distance = double(left)};
+  lifetime.since = travel;
+  lifetime.distance = double(left);
   return false;
 }
 
@@ -128,33 +133,12 @@ void begin_list(const P& grains, const S& search, const Walls& walls, const Step
   const Real seen = search.radius() + margin_of<Real>(search) - reach;
   list.margin = std::clamp<Real>(wanted, 0, std::max<Real>(seen, 0));
   list.owned_revision = grains.owned_revision();
-  list.constants_revision = grains.constants_revision();
   list.time = step.time;
   list.extent.lower.array() -= list.margin;
   list.extent.upper.array() += list.margin;
   const auto x = grains[position];
   list.since.assign(x.begin(), x.end());
-  const auto materials = grains[material];
-  list.materials.assign(materials.begin(), materials.end());
-}
-
-/// f(x) and f(image) for the images of x [m] beyond the periodic sides closer than a distance [m].
-template <int Dim, class Real, class F>
-void for_each_image(const Box<Dim, Real>& box, const Vec<Dim, Real>& x, Real distance, F&& f,
-                    int axis = 0) {
-  if (axis == Dim) return f(x);
-  for_each_image(box, x, distance, f, axis + 1);
-  if (!box.periodic[static_cast<std::size_t>(axis)]) return;
-  const Real period = box.upper[axis] - box.lower[axis];
-  Vec<Dim, Real> image = x;
-  if (x[axis] < box.lower[axis] + distance) {
-    image[axis] = x[axis] + period;
-    for_each_image(box, image, distance, f, axis + 1);
-  }
-  if (x[axis] > box.upper[axis] - distance) {
-    image[axis] = x[axis] - period;
-    for_each_image(box, image, distance, f, axis + 1);
-  }
+  detail::keep_constants(grains, list);
 }
 
 /// Finds all pairs of grains, and of grains and walls, with a gap below the margin; `walls` is a

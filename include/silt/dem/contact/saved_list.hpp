@@ -5,6 +5,7 @@
 
 #include <silt/core/types.hpp>
 #include <silt/dem/contact/contact_list.hpp>
+#include <silt/dem/contact/list_constants.hpp>
 #include <silt/dem/contact/list_renewal.hpp>
 #include <silt/dem/contact/pair_history.hpp>
 #include <silt/dem/setup/grains.hpp>
@@ -84,12 +85,10 @@ class SavedList {
     list.since = since_;
     list.margin = margin_;
     list.owned_revision = grains.owned_revision();
-    list.constants_revision = grains.constants_revision();
     list.time = time_;
     list.extent = extent_;
     list.stable_time_step = stable_time_step_;
-    const auto materials = grains[material];
-    list.materials.assign(materials.begin(), materials.end());
+    detail::keep_constants(grains, list);
   }
 
  private:

@@ -10,10 +10,8 @@
 #pragma once
 
 #include <silt/core/error.hpp>
-#include <silt/core/types.hpp>
-#include <silt/dem/law/contact.hpp>
 #include <silt/dem/law/dashpot.hpp>
-#include <silt/dem/law/law_parts.hpp>
+#include <silt/dem/law/law_components.hpp>
 
 #include <algorithm>
 #include <cmath>

@@ -11,7 +11,7 @@
 
 #include <silt/core/types.hpp>
 #include <silt/dem/law/contact.hpp>
-#include <silt/dem/law/law_parts.hpp>
+#include <silt/dem/law/law_components.hpp>
 
 #include <type_traits>
 
@@ -25,7 +25,7 @@ class Law {
   static_assert(detail::IsNormal<Normal>::value,
                 "silt::dem::Law: no component has a normal_force(contact) or "
                 "normal_force(contact, history) that returns a NormalForce "
-                "(see silt/dem/law/law_parts.hpp)");
+                "(see silt/dem/law/law_components.hpp)");
 
   template <class Component>
   static constexpr bool has = !std::is_same_v<Component, NoComponent>;
@@ -50,7 +50,7 @@ class Law {
         adhesion(detail::pick<Adhesion>(components...)) {
     static_assert(sizeof...(Components) == 1 + has<Tangential> + has<Rolling> + has<Adhesion>,
                   "silt::dem::Law: a component is neither normal, tangential, rolling nor "
-                  "adhesion, or there are two of a kind (see silt/dem/law/law_parts.hpp)");
+                  "adhesion, or there are two of a kind (see silt/dem/law/law_components.hpp)");
   }
 
   /// The histories of all components.

@@ -95,42 +95,46 @@ struct LoadComponents : ForceComponents<Dim, RealType> {
 };
 
 namespace detail {
-template <class Answer, int Dim, class Real>
-concept IsComponents = std::derived_from<Answer, ForceComponents<Dim, Real>>;
+/// law.force(contact) or law.components(contact), with the history as second argument if there is
+/// one.
+template <class L, class C, class... History>
+concept Evaluates = requires(const L law, const C contact, History... history) {
+  { law.force(contact, history...) } -> std::convertible_to<typename C::Vec>;
+} || requires(const L law, const C contact, History... history) {
+  {
+    law.components(contact, history...)
+  } -> std::derived_from<ForceComponents<C::dimension, typename C::Real>>;
+};
+
+template <class L, class C, class Components>
+concept Returns =
+    requires(const L law, const C contact) {
+      { law.components(contact) } -> std::derived_from<Components>;
+    } || requires(const L law, const C contact,
+                  typename L::template History<C::dimension, typename C::Real> history) {
+      { law.components(contact, history) } -> std::derived_from<Components>;
+    };
 }  // namespace detail
 
 /// A law that returns its force by components: components(contact) or components(contact, history)
 /// → ForceComponents, or LoadComponents if there is also a couple.
 template <class L, int Dim, class Real>
-concept GivesComponents =
-    requires(const L law, const Contact<Dim, Real> contact) {
-      { law.components(contact) } -> detail::IsComponents<Dim, Real>;
-    } || requires(const L law, const Contact<Dim, Real> contact,
-                  typename L::template History<Dim, Real> history) {
-      { law.components(contact, history) } -> detail::IsComponents<Dim, Real>;
-    };
+concept GivesComponents = detail::Returns<L, Contact<Dim, Real>, ForceComponents<Dim, Real>>;
+
+/// The law returns a couple in addition to its force.
+template <class L, int Dim, class Real>
+concept GivesCouple = detail::Returns<L, Contact<Dim, Real>, LoadComponents<Dim, Real>>;
 
 /// A law without history: the force on i [N] depends on the contact only; as one vector or by
 /// components.
 template <class L, int Dim, class Real>
-concept LawWithoutHistory = requires(const L law, const Contact<Dim, Real> contact) {
-  { law.force(contact) } -> std::convertible_to<Vec<Dim, Real>>;
-} || requires(const L law, const Contact<Dim, Real> contact) {
-  { law.components(contact) } -> detail::IsComponents<Dim, Real>;
-};
+concept LawWithoutHistory = detail::Evaluates<L, Contact<Dim, Real>>;
 
 /// A law with history: a L::History<Dim, Real> is kept while the contact lasts; it begins as
 /// History{}.
 template <class L, int Dim, class Real>
 concept LawWithHistory =
-    requires(const L law, const Contact<Dim, Real> contact,
-             typename L::template History<Dim, Real> history) {
-      { law.force(contact, history) } -> std::convertible_to<Vec<Dim, Real>>;
-    } ||
-    requires(const L law, const Contact<Dim, Real> contact,
-             typename L::template History<Dim, Real> history) {
-      { law.components(contact, history) } -> detail::IsComponents<Dim, Real>;
-    };
+    detail::Evaluates<L, Contact<Dim, Real>, typename L::template History<Dim, Real>>;
 
 /// A struct with `force(contact)` or `force(contact, history)`, or `components` instead of `force`.
 /// The function is const and has no side effects: when several contacts are evaluated at once, it
@@ -177,16 +181,6 @@ template <int Dim, class Real>
 AngularVec<Dim, Real> couple_of(const LoadComponents<Dim, Real>& answer) {
   return answer.couple();
 }
-
-/// The law returns a couple in addition to its force.
-template <class L, int Dim, class Real>
-concept GivesCouple =
-    requires(const L law, const Contact<Dim, Real> contact) {
-      { law.components(contact) } -> std::derived_from<LoadComponents<Dim, Real>>;
-    } || requires(const L law, const Contact<Dim, Real> contact,
-                  typename L::template History<Dim, Real> history) {
-      { law.components(contact, history) } -> std::derived_from<LoadComponents<Dim, Real>>;
-    };
 
 /// History of a law without history.
 struct NoHistory {};

@@ -2,12 +2,11 @@
 // Normal component: Hertz's spring, with a dashpot that makes restitution independent of speed.
 #pragma once
 
-#include <silt/core/error.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/law/contact.hpp>
 #include <silt/dem/law/dashpot.hpp>
 #include <silt/dem/law/elastic.hpp>
-#include <silt/dem/law/law_parts.hpp>
+#include <silt/dem/law/law_components.hpp>
 
 #include <cmath>
 

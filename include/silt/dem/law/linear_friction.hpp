@@ -5,7 +5,7 @@
 #include <silt/core/error.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/law/contact.hpp>
-#include <silt/dem/law/law_parts.hpp>
+#include <silt/dem/law/law_components.hpp>
 #include <silt/dem/law/slider.hpp>
 
 #include <algorithm>

@@ -3,11 +3,10 @@
 // slider.
 #pragma once
 
-#include <silt/core/error.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/law/contact.hpp>
 #include <silt/dem/law/elastic.hpp>
-#include <silt/dem/law/law_parts.hpp>
+#include <silt/dem/law/law_components.hpp>
 #include <silt/dem/law/slider.hpp>
 
 #include <algorithm>

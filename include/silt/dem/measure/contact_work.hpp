@@ -3,7 +3,6 @@
 // work of single contacts from them.
 #pragma once
 
-#include <silt/core/particles.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/contact/single_contacts.hpp>
 #include <silt/dem/law/contact.hpp>
@@ -89,6 +88,8 @@ struct Losses {
     return *this;
   }
 };
+
+namespace detail {
 
 /// v^N and θ'^N, [SahChoi2004] (27) (28), always in double precision, and the work of contacts from
 /// N − ½ to N + ½.
@@ -219,4 +220,5 @@ class MeanMotion {
   std::vector<char> stays_;
 };
 
+}  // namespace detail
 }  // namespace silt::dem

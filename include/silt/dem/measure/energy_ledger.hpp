@@ -15,13 +15,11 @@
 #include <silt/core/energy.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/parallel.hpp>
-#include <silt/core/particles.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/contact/pair_history.hpp>
 #include <silt/dem/measure/contact_work.hpp>
 #include <silt/dem/setup/grains.hpp>
 
-#include <concepts>
 #include <cstdint>
 #include <limits>
 #include <string>
@@ -39,7 +37,7 @@ namespace silt::dem {
 /// Pass it after all other observers, so that it accounts for their changes before a step.
 template <class P>
 class EnergyLedger {
-  using Motion = MeanMotion<P>;
+  using Motion = detail::MeanMotion<P>;
 
  public:
   template <class Sim>
@@ -57,12 +55,8 @@ class EnergyLedger {
 
   /// Must be called after every step. Throws if a step was missed, or if grains were added without
   /// a call of before_step().
-  template <class Sim, class Run>
-  void after_step(const Sim& simulation, const Run&) {
-    after_step(simulation);
-  }
-  template <class Sim>
-  void after_step(const Sim& simulation) {
+  template <class Sim, class... Run>
+  void after_step(const Sim& simulation, const Run&...) {
     if (simulation.steps() != steps_ + 1) {
       fail("dem::EnergyLedger: step " + std::to_string(simulation.steps()) +
            " does not follow step " + std::to_string(steps_) +

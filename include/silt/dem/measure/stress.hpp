@@ -13,10 +13,11 @@
 #include <silt/core/eigen.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/fields.hpp>
+#include <silt/core/nearest_image.hpp>
 #include <silt/core/types.hpp>
 
 #include <algorithm>
-#include <cstddef>
+#include <limits>
 
 namespace silt::dem {
 
@@ -50,19 +51,6 @@ double share_within(const Box<Dim, double>& box, const Vec<Dim>& a, const Vec<Di
   }
   return std::max(0.0, last - first);
 }
-
-// f(shift) for every periodic shift that may move a point near the box into it.
-template <int Dim, class Real, class F>
-void for_each_image(const Box<Dim, Real>& box, F&& f, Vec<Dim> shift = Vec<Dim>::Zero(),
-                    int axis = 0) {
-  if (axis == Dim) return f(shift);
-  for_each_image(box, f, shift, axis + 1);
-  if (!box.periodic[static_cast<std::size_t>(axis)]) return;
-  for (const double sign : {-1.0, 1.0}) {
-    shift[axis] = sign * double(box.upper[axis] - box.lower[axis]);
-    for_each_image(box, f, shift, axis + 1);
-  }
-}
 }  // namespace detail
 
 /// Stress in a region of finite size inside the grains' box. Positions, velocities and contacts
@@ -80,9 +68,9 @@ Stress<P::dimension> stress(const P& grains, const C& contacts,
   const auto v = grains[velocity];
   const auto for_each_within = [&](auto&& f) {
     for (Index i = 0; i < grains.size(); ++i) {
-      const auto at = x[i].template cast<double>().array();
-      if ((at >= region.lower.array()).all() && (at < region.upper.array()).all()) {
-        f(double(grains[mass][i]), Vector(v[i].template cast<double>()));
+      const Vector at = in_double(x[i]);
+      if ((at.array() >= region.lower.array()).all() && (at.array() < region.upper.array()).all()) {
+        f(double(grains[mass][i]), in_double(v[i]));
       }
     }
   };
@@ -100,13 +88,13 @@ Stress<P::dimension> stress(const P& grains, const C& contacts,
   contacts.for_each_contact(grains, [&](Index i, Index j, const auto& contact, const auto& force) {
     double length = double(grains[radius][i]) - double(contact.overlap);
     if (j != no_index) length += double(grains[radius][j]);
-    const Vector l = length * contact.normal.template cast<double>();
+    const Vector l = length * in_double(contact.normal);
     double share = 0;
-    detail::for_each_image(grains.box(), [&](const Vector& shift) {
-      const Vector to = x[i].template cast<double>() + shift;
+    constexpr double any_distance = std::numeric_limits<double>::infinity();
+    for_each_image(grains.box(), in_double(x[i]), any_distance, [&](const Vector& to) {
       share += detail::share_within<dimension>(region, to - l, to);
     });
-    stress.contact += share * force.template cast<double>() * l.transpose();
+    stress.contact += share * in_double(force) * l.transpose();
   });
   const double volume = region.length().prod();
   stress.kinetic /= volume;

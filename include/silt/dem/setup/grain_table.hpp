@@ -27,32 +27,22 @@ concept NamedColumns = requires(const T table, Index row, const std::string name
 };
 
 namespace detail {
-/// Names of all numbers that a table may set.
-template <class P>
-std::vector<std::string> settable_names(const P& grains) {
-  std::vector<std::string> names;
-  grains.for_each_field([&]<class F>(auto, F) {
-    if constexpr (role_of<F>() != Role::derived && has_numbers<F, P::dimension, typename P::Real>) {
-      for (const auto& name : number_names<F, P::dimension, typename P::Real>()) {
-        names.push_back(name);
-      }
-    }
-  });
-  return names;
-}
-
 template <class T>
 bool has_column(const T& table, const std::string& name) {
   const auto& names = table.names();
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
-template <class T>
-void check_columns(const T& table, const std::vector<std::string>& known) {
+template <class T, class P>
+void check_columns(const T& table, const P& grains) {
+  std::vector<std::string> known;
+  std::string all;
+  silt::detail::for_each_number(grains, [&](const std::string& name, Index, auto) {
+    known.push_back(name);
+    all += name + ", ";
+  });
   for (const std::string& name : table.names()) {
     if (name == "density" || std::find(known.begin(), known.end(), name) != known.end()) continue;
-    std::string all;
-    for (const std::string& each : known) all += each + ", ";
     fail("dem::grains_from: unknown column " + name + "; known are " + all +
          "density; correct its name, or remove it");
   }
@@ -69,7 +59,7 @@ void check_columns(const T& table, const std::vector<std::string>& known) {
 template <int Dim, class Real = double, Field... Further, NamedColumns T>
 Grains<Dim, Real, Further...> grains_from(const T& table, const Grain& defaults = {}) {
   Grains<Dim, Real, Further...> grains;
-  detail::check_columns(table, detail::settable_names(grains));
+  detail::check_columns(table, grains);
   const auto value = [&](Index row, const std::string& name, double fallback) {
     if (!detail::has_column(table, name)) return fallback;
     const double number = table[name][row];
@@ -91,21 +81,16 @@ Grains<Dim, Real, Further...> grains_from(const T& table, const Grain& defaults 
     grains[inertia][i] *= m / grains[mass][i];
     grains[mass][i] = m;
   }
-  grains.for_each_field([&]<class F>(auto, F field) {
-    if constexpr (role_of<F>() != Role::derived && has_numbers<F, Dim, Real>) {
-      const auto names = number_names<F, Dim, Real>();
-      for (Index k = 0; k < names.size(); ++k) {
-        if (!detail::has_column(table, names[k])) continue;
-        const auto& column = table[names[k]];
-        auto values = grains[field];
-        for (Index row = 0; row < values.size(); ++row) {
-          using Value = typename decltype(values)::value_type;
-          if (!holds_number<Value>(column[row])) {
-            table.reject(row, names[k], "must be an integer in the range of the field");
-          }
-          set_number(values[row], k, column[row]);
-        }
+  silt::detail::for_each_number(grains, [&](const std::string& name, Index k, auto field) {
+    if (!detail::has_column(table, name)) return;
+    const auto& column = table[name];
+    const auto values = grains[field];
+    using Value = typename decltype(values)::value_type;
+    for (Index row = 0; row < values.size(); ++row) {
+      if (!silt::detail::holds_number<Value>(column[row])) {
+        table.reject(row, name, "must be an integer in the range of the field");
       }
+      silt::detail::set_number(values[row], k, column[row]);
     }
   });
   return grains;

@@ -15,10 +15,12 @@
 #include <algorithm>
 #include <cstdint>
 #include <optional>
+#include <type_traits>
 #include <utility>
 
 namespace silt::dem {
 
+namespace detail {
 /// Decides in which steps an observer acts.
 struct Schedule {
   Index number = 0;  ///< times it was due so far
@@ -36,6 +38,7 @@ struct Schedule {
     return true;
   }
 };
+}  // namespace detail
 
 /// Observer that adds grains to a region before a step, where they touch no other grain. The k-th
 /// grain uses the random numbers of the stream (seed, k), which do not depend on the course of the
@@ -44,7 +47,7 @@ struct Schedule {
 template <class R, SizeDistribution Sizes>
 class Inflow {
  public:
-  using Bounds = BoundsOf<R>;
+  using Bounds = std::remove_cvref_t<decltype(std::declval<const R&>().bounds())>;
   using Vec = decltype(Bounds::lower);
   using Real = typename Vec::Scalar;
 
@@ -98,7 +101,7 @@ class Inflow {
 
   template <class P>
   void add_grains(P& grains, Index target) {
-    Placement<R, P::dimension, Real> placement(grains, region_, blend_.sizes.largest());
+    detail::Placement<R, P::dimension, Real> placement(grains, region_, blend_.sizes.largest());
     while (added_ < target) {
       Random random{.seed = settings_.seed, .id = added_};
       const Grain grain = blend_.draw(random);
@@ -119,7 +122,7 @@ class Inflow {
   Settings settings_;
   Index added_ = 0;
   std::uint64_t tried_ = 0;  // random numbers used so far for the next grain
-  Schedule schedule_;
+  detail::Schedule schedule_;
 };
 
 template <class R, class Sizes>
@@ -147,13 +150,13 @@ class Outflow {
   template <class Sim>
   void before_step(Sim& simulation) {
     if (!schedule_.is_due({.since = simulation.time(), .every = settings_.every})) return;
-    auto& grains = simulation.particles();
+    const auto& grains = std::as_const(simulation.particles());  // only removal changes them
     const auto is_in = [&](Index i) { return region_.clearance(grains[position][i]) >= 0; };
     if (first_where(grains.size(), is_in) == no_index) return;
     for (Index i = 0; i < grains.size(); ++i) {
       if (is_in(i)) mass_ += double(grains[silt::mass][i]);
     }
-    number_ += grains.remove_if(is_in);
+    number_ += simulation.particles().remove_if(is_in);
   }
 
   /// State for a checkpoint, see core/transfer.hpp.
@@ -167,7 +170,7 @@ class Outflow {
  private:
   R region_;
   Settings settings_;
-  Schedule schedule_;
+  detail::Schedule schedule_;
   Index number_ = 0;
   double mass_ = 0;
 };

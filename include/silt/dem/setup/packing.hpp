@@ -6,6 +6,7 @@
 
 #include <silt/core/box.hpp>
 #include <silt/core/error.hpp>
+#include <silt/core/nearest_image.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/setup/grains.hpp>
 #include <silt/dem/setup/random.hpp>
@@ -25,6 +26,16 @@
 
 namespace silt::dem {
 
+/// How many grains scatter() adds: a given number, or up to a given solid fraction.
+struct Scatter {
+  std::optional<Index> number = {};
+  std::optional<double> solid_fraction = {};  ///< volume of the added grains over the region's [-]
+  std::uint64_t seed = 0;
+  Index tries = 2000;  ///< positions to try for each grain
+};
+
+namespace detail {
+
 /// A grain's outline.
 template <int Dim, class Real>
 struct Ball {
@@ -39,7 +50,7 @@ template <int Dim, class Real>
 class Occupancy {
  public:
   using Vec = silt::Vec<Dim, Real>;
-  using Ball = dem::Ball<Dim, Real>;
+  using Ball = detail::Ball<Dim, Real>;
 
   /// Only the periodic sides of the box matter.
   explicit Occupancy(const Box<Dim, Real>& box) : box_(box) {}
@@ -52,8 +63,11 @@ class Occupancy {
 
   /// Whether the ball overlaps none of the added grains.
   bool has_room_for(const Ball& ball) const {
+    if (levels_.empty()) return true;
+    const Real reach = ball.radius + edge_of(levels_.rbegin()->first) / 2;
     bool free = true;
-    for_each_image(ball, [&](const Ball& image) { free = free && !overlaps(image); });
+    for_each_image(box_, box_.wrap(ball.centre), reach,
+                   [&](const Vec& image) { free = free && !overlaps({image, ball.radius}); });
     return free;
   }
 
@@ -79,28 +93,6 @@ class Occupancy {
       key = (key ^ static_cast<std::uint64_t>(part)) * 0x9E3779B97F4A7C15u;
     }
     return key;
-  }
-
-  // The ball and its periodic images that may reach into the box.
-  template <class F>
-  void for_each_image(const Ball& ball, F&& f) const {
-    if (levels_.empty()) return;
-    const Real reach = ball.radius + edge_of(levels_.rbegin()->first) / 2;
-    std::vector<Ball> images{{box_.wrap(ball.centre), ball.radius}};
-    for (int k = 0; k < Dim; ++k) {
-      if (!box_.periodic[static_cast<std::size_t>(k)]) continue;
-      const Real side = box_.upper[k] - box_.lower[k];
-      for (std::size_t known = images.size(), n = 0; n < known; ++n) {
-        for (const Real shift : {-side, side}) {
-          Ball image = images[n];
-          image.centre[k] += shift;
-          if (image.centre[k] < box_.lower[k] - reach) continue;
-          if (image.centre[k] > box_.upper[k] + reach) continue;
-          images.push_back(image);
-        }
-      }
-    }
-    for (const Ball& image : images) f(image);
   }
 
   bool overlaps(const Ball& ball) const {
@@ -139,7 +131,7 @@ class Occupancy {
 template <class Region, int Dim, class Real>
 class Placement {
  public:
-  using Ball = dem::Ball<Dim, Real>;
+  using Ball = detail::Ball<Dim, Real>;
 
   /// Existing grains that may overlap the region are taken into account. `largest` is the radius of
   /// the largest grain to be placed [m].
@@ -175,15 +167,6 @@ class Placement {
   Occupancy<Dim, Real> occupancy_;
 };
 
-/// How many grains scatter() adds: a given number, or up to a given solid fraction.
-struct Scatter {
-  std::optional<Index> number = {};
-  std::optional<double> solid_fraction = {};  ///< volume of the added grains over the region's [-]
-  std::uint64_t seed = 0;
-  Index tries = 2000;  ///< positions to try for each grain
-};
-
-namespace detail {
 template <int Dim, class Sizes>
 std::vector<Grain> draw_grains(const Blend<Sizes>& blend, const Scatter& scatter, double volume) {
   if (scatter.number.has_value() == scatter.solid_fraction.has_value()) {
@@ -201,6 +184,7 @@ std::vector<Grain> draw_grains(const Blend<Sizes>& blend, const Scatter& scatter
                    [](const Grain& a, const Grain& b) { return a.radius > b.radius; });
   return drawn;
 }
+
 }  // namespace detail
 
 /// Adds grains at rest that lie entirely inside the region and touch neither each other nor
@@ -214,8 +198,8 @@ void scatter(P& grains, const Blend<Sizes>& blend, const R& region, const Scatte
   const double volume = region.volume();
   if (scatter.solid_fraction) require_finite("dem::scatter: volume of the region", volume);
   const auto drawn = detail::draw_grains<P::dimension>(blend, scatter, volume);
-  Placement<R, P::dimension, Real> placement(grains, region, blend.sizes.largest());
-  std::vector<Ball<P::dimension, Real>> placed;
+  detail::Placement<R, P::dimension, Real> placement(grains, region, blend.sizes.largest());
+  std::vector<detail::Ball<P::dimension, Real>> placed;
   double filled = 0;
   for (const Grain& grain : drawn) {
     // The first numbers of each stream were used for the radii.

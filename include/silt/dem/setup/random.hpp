@@ -17,6 +17,7 @@
 
 namespace silt {
 
+namespace detail {
 /// Four random words from a counter of four words and a key of two.
 constexpr std::array<std::uint32_t, 4> philox(std::array<std::uint32_t, 4> counter,
                                               std::array<std::uint32_t, 2> key) {
@@ -32,6 +33,7 @@ constexpr std::array<std::uint32_t, 4> philox(std::array<std::uint32_t, 4> count
   }
   return counter;
 }
+}  // namespace detail
 
 /// A stream of random numbers for each (seed, id). The three members are its whole state:
 /// Random{.seed = 1, .id = 17, .counter = 5} continues a stream from which five numbers were drawn.
@@ -73,7 +75,7 @@ struct Random {
     const auto low = [](std::uint64_t word) { return static_cast<std::uint32_t>(word); };
     const auto high = [](std::uint64_t word) { return static_cast<std::uint32_t>(word >> 32); };
     const auto words =
-        philox({low(counter), high(counter), low(id), high(id)}, {low(seed), high(seed)});
+        detail::philox({low(counter), high(counter), low(id), high(id)}, {low(seed), high(seed)});
     ++counter;
     const auto join = [](std::uint32_t a, std::uint32_t b) { return a | std::uint64_t{b} << 32; };
     return {join(words[0], words[1]), join(words[2], words[3])};

@@ -10,8 +10,6 @@
 #include <algorithm>
 #include <concepts>
 #include <numbers>
-#include <type_traits>
-#include <utility>
 
 namespace silt::dem {
 
@@ -27,10 +25,6 @@ concept Region = requires(const R region, const Vec<Dim, Real> x) {
   { region.volume() } -> std::convertible_to<double>;
   region.check();
 };
-
-/// Type of the bounding Box of a region, with its dimension and precision.
-template <class R>
-using BoundsOf = std::remove_cvref_t<decltype(std::declval<const R&>().bounds())>;
 
 /// Upright cylinder in 3D, along the last axis.
 template <class Real = double>

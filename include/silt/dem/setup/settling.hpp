@@ -5,12 +5,10 @@
 #include <silt/core/energy.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/parallel.hpp>
-#include <silt/core/simulation.hpp>
 #include <silt/core/types.hpp>
 
 #include <cmath>
 #include <optional>
-#include <string>
 
 namespace silt::dem {
 

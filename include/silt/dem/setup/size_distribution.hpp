@@ -14,7 +14,6 @@
 #include <algorithm>
 #include <cmath>
 #include <concepts>
-#include <cstdint>
 #include <string>
 #include <utility>
 #include <vector>

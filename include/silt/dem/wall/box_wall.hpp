@@ -7,7 +7,6 @@
 #include <silt/dem/wall/wall.hpp>
 
 #include <cstdint>
-#include <limits>
 
 namespace silt::dem {
 
@@ -38,13 +37,6 @@ struct BoxWall {
     if (grains == Side::outside) return nearest_of_block(x);
     if (box.periodic[element / 2]) return no_nearest_point<Dim, Real>();
     return nearest_side(element, x);
-  }
-
-  template <class F>
-  void for_each_element_near(const Vec<Dim, Real>& x, Real distance, F&& f) const {
-    for (Index element = 0; element < element_count(); ++element) {
-      if (nearest(element, x).distance < distance) f(element);
-    }
   }
 
  private:

@@ -64,11 +64,7 @@ struct Rotation {
 
   void check() const {
     require_finite("Rotation: about", about);
-    if constexpr (Dim == 2) {
-      require_finite("Rotation: spin", double(spin));
-    } else {
-      require_finite("Rotation: spin", spin);
-    }
+    require_finite("Rotation: spin", spin);
   }
   Pose<Dim, Real> pose_at(double t) const {
     Pose<Dim, Real> pose;
@@ -76,7 +72,7 @@ struct Rotation {
       const Real angle = Real(double(spin) * t);
       pose.rotation << std::cos(angle), -std::sin(angle), std::sin(angle), std::cos(angle);
     } else {
-      const Vec<3, double> rate = spin.template cast<double>();
+      const Vec<3> rate = in_double(spin);
       if (rate.norm() > 0) {
         pose.rotation = Eigen::AngleAxisd(rate.norm() * t, rate.normalized())
                             .toRotationMatrix()

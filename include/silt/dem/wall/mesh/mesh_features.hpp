@@ -14,7 +14,7 @@
 #include <utility>
 #include <vector>
 
-namespace silt::dem {
+namespace silt::dem::detail {
 
 template <class Real>
 struct MeshFeatures {
@@ -221,4 +221,4 @@ struct MeshFeatures {
   }
 };
 
-}  // namespace silt::dem
+}  // namespace silt::dem::detail

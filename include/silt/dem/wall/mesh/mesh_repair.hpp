@@ -14,7 +14,7 @@
 #include <silt/core/error.hpp>
 #include <silt/core/triangle.hpp>
 #include <silt/core/types.hpp>
-#include <silt/dem/wall/mesh/bounding_volume_tree.hpp>
+#include <silt/dem/wall/mesh/box_tree.hpp>
 
 #include <algorithm>
 #include <array>
@@ -27,7 +27,7 @@
 #include <utility>
 #include <vector>
 
-namespace silt::dem {
+namespace silt::dem::detail {
 
 /// Triangles with shared vertices.
 template <class Real>
@@ -38,7 +38,6 @@ struct WeldedMesh {
   Real distance = 0;                   ///< points within this distance were merged [m]
 };
 
-namespace detail {
 /// Numbers points; points within a distance get the same number.
 template <class Real>
 class Welder {
@@ -79,7 +78,6 @@ class Welder {
   std::vector<Vec<3, Real>>& points_;
   std::map<Cell, std::vector<std::uint32_t>> cells_;
 };
-}  // namespace detail
 
 /// Merges corners that single precision cannot distinguish, and drops duplicate triangles. Throws
 /// if there is no triangle, or if a triangle has no area.
@@ -94,7 +92,7 @@ WeldedMesh<Real> weld(const std::vector<Triangle<Real>>& triangles) {
     }
   }
   WeldedMesh<Real> mesh{.vertices = {}, .triangles = {}, .distance = farthest * Real(4e-7)};
-  detail::Welder<Real> welder(mesh.distance, mesh.vertices);
+  Welder<Real> welder(mesh.distance, mesh.vertices);
   std::set<std::array<std::uint32_t, 3>> known;
   for (Index t = 0; t < triangles.size(); ++t) {
     std::array<std::uint32_t, 3> corners;
@@ -182,4 +180,4 @@ void split_at_junctions(WeldedMesh<Real>& mesh) {
   }
 }
 
-}  // namespace silt::dem
+}  // namespace silt::dem::detail

@@ -11,11 +11,10 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdint>
 #include <functional>
 #include <vector>
 
-namespace silt::dem {
+namespace silt::dem::detail {
 
 template <int Dim>
 using EightContacts = std::array<PrescribedContact<Dim>, lanes>;
@@ -67,30 +66,26 @@ EightLoads<Dim> loads_in_lanes(const Law& law, const EightContacts<Dim>& contact
   return loads;
 }
 
-/// A law with its type erased.
+/// A law of any type.
 template <int Dim>
-struct ErasedLaw {
+struct LawAdapter {
+  template <class Law>
+  explicit LawAdapter(const Law& law)
+      : in_double(evaluator_in_precision<double, Dim>(law)),
+        gives_energy(GivesEnergy<Law, Dim, double>),
+        gives_couple(GivesCouple<Law, Dim, double>) {
+    if constexpr (ContactLaw<Law, Dim, float>) in_float = evaluator_in_precision<float, Dim>(law);
+    if constexpr (LawInLanes<Law, Dim, double>) {
+      in_lanes = [law](const EightContacts<Dim>& eight) { return loads_in_lanes(law, eight); };
+    }
+  }
+
   MakeContactEvaluator<Dim> in_double;
   MakeContactEvaluator<Dim> in_float;  ///< empty for a law in double only
   /// Empty for a law that is evaluated one contact at a time.
   std::function<EightLoads<Dim>(const EightContacts<Dim>&)> in_lanes;
-  bool gives_energy = false;
-  bool gives_couple = false;
+  bool gives_energy;
+  bool gives_couple;
 };
 
-template <int Dim, class Law>
-ErasedLaw<Dim> erased(const Law& law) {
-  ErasedLaw<Dim> result;
-  result.in_double = evaluator_in_precision<double, Dim>(law);
-  if constexpr (ContactLaw<Law, Dim, float>) {
-    result.in_float = evaluator_in_precision<float, Dim>(law);
-  }
-  if constexpr (LawInLanes<Law, Dim, double>) {
-    result.in_lanes = [law](const EightContacts<Dim>& eight) { return loads_in_lanes(law, eight); };
-  }
-  result.gives_energy = GivesEnergy<Law, Dim, double>;
-  result.gives_couple = GivesCouple<Law, Dim, double>;
-  return result;
-}
-
-}  // namespace silt::dem
+}  // namespace silt::dem::detail

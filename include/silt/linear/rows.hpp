@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Rows of different lengths in contiguous memory (compressed sparse rows): neighbours of a
-// particle, contacts of a grain, entries of a matrix row. Built in parallel, with the same result
-// for any number of threads.
+// Rows of different lengths in contiguous memory (compressed sparse rows), built in parallel, with
+// the same result for any number of threads.
 //
 //   first  [0     3  4        ]
 //   items  [a b c|d |e f g h  ]
@@ -48,20 +47,12 @@ class Rows {
   /// Number of rows.
   Index size() const noexcept { return first_.empty() ? 0 : first_.size() - 1; }
 
-  std::span<T> operator[](Index row) noexcept {
-    return std::span(items_).subspan(first_[row], first_[row + 1] - first_[row]);
-  }
   std::span<const T> operator[](Index row) const noexcept {
     return std::span(items_).subspan(first_[row], first_[row + 1] - first_[row]);
   }
 
-  /// Index of the first item of each row, followed by the total number of items.
-  std::span<const Index> first() const noexcept { return first_; }
-  std::span<T> items() noexcept { return items_; }
-  std::span<const T> items() const noexcept { return items_; }
-
  private:
-  std::vector<Index> first_;
+  std::vector<Index> first_;  // of each row, and the total number
   std::vector<T> items_;
   std::vector<std::vector<T>> chunks_;
 };

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: MIT
+// Checks of the particles after a step: are all values finite, and all positions within the box?
+#pragma once
+
+#include <silt/core/box.hpp>
+#include <silt/core/error.hpp>
+#include <silt/core/fields.hpp>
+#include <silt/core/parallel.hpp>
+#include <silt/core/types.hpp>
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace silt::detail {
+
+/// f(values, name) for the fields of this role whose values can be tested.
+template <Role role, class P, class F>
+void for_each_testable_field(const P& particles, F&& f) {
+  particles.for_each_field([&]<class Tag>(auto values, Tag) {
+    using Value = typename decltype(values)::value_type;
+    if constexpr (role_of<Tag>() == role && requires(Value v) { is_finite(v); }) {
+      f(values, name_of<Tag>());
+    }
+  });
+}
+
+/// A value that is not finite.
+struct NotFinite {
+  Index particle;
+  std::string_view field;
+  std::string value;
+};
+template <class P>
+std::optional<NotFinite> find_not_finite(const P& particles) {
+  std::optional<NotFinite> found;
+  for_each_testable_field<Role::state>(particles, [&](auto values, std::string_view name) {
+    if (found) return;
+    const Index i = first_where(values.size(), [&](Index k) { return !is_finite(values[k]); });
+    if (i != no_index) found = {i, name, to_text(values[i])};
+  });
+  return found;
+}
+
+/// Called after rolling back a step whose result is not finite. Throws if the cause is a value that
+/// was not finite before; `where` has the step and its time.
+template <class P>
+void check_finite_before_step(const P& particles, Where where) {
+  const auto broken = find_not_finite(particles);
+  if (!broken) return;
+  where.particle = broken->particle;
+  where.id = particles.id(broken->particle);
+  fail("Simulation: before the step, " + std::string(broken->field) + " = " + broken->value +
+           " is not finite; set it to a finite value",
+       where);
+}
+
+/// Reports a derived field (such as the force) that is not finite, if there is one, because it is
+/// the cause.
+template <class P>
+[[noreturn]] void fail_after_step(const P& particles, NotFinite broken) {
+  const Index i = broken.particle;
+  for_each_testable_field<Role::derived>(particles, [&](auto values, std::string_view name) {
+    if (!is_finite(values[i])) broken = {i, name, to_text(values[i])};
+  });
+  fail("Simulation: after the step, " + std::string(broken.field) + " = " + broken.value +
+           " is not finite; reduce the time step or check the forces",
+       {.particle = i, .id = particles.id(i)});
+}
+
+/// Throws if a particle is outside a box that must not be left.
+template <class P>
+void check_escaped(const P& particles) {
+  const auto& box = particles.box();
+  if (box.on_escape != OnEscape::refuse) return;
+  const auto x = particles[position];
+  const Index escaped = first_where(x.size(), [&](Index i) { return !box.contains(x[i]); });
+  if (escaped == no_index) return;
+  fail("Simulation: a particle left the box at x = " + to_text(x[escaped]) +
+           " m; enlarge the box, close the gap, or set Box::on_escape to OnEscape::remove",
+       {.particle = escaped, .id = particles.id(escaped)});
+}
+
+}  // namespace silt::detail
