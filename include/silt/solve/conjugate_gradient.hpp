@@ -88,19 +88,19 @@ class ConjugateGradient {
  private:
   // r = b − A x, and |r|.
   double find_residual(const LinearSystem& system, const std::vector<double>& x) {
-    return std::sqrt(sum_over_chunks(system.size(), [&](Chunk chunk) {
-      system.multiply(chunk, x, [&](Index i, double product) {
-        r_[i] = system.right_side[i] - product;
-      });
-      return dot(chunk, r_, r_);
-    }));
+    const auto subtract = [&](Index i, double product) { r_[i] = system.right_side[i] - product; };
+    for_each_range<rows_together>(system.size(), [&](Index first, Index last) {
+      system.multiply(first, last, x, subtract);
+    });
+    return std::sqrt(dot(r_, r_));
   }
 
   double multiply(const LinearSystem& system) {
-    return sum_over_chunks(system.size(), [&](Chunk chunk) {
-      system.multiply(chunk, p_, [&](Index i, double product) { q_[i] = product; });
-      return dot(chunk, p_, q_);
+    const auto store = [&](Index i, double product) { q_[i] = product; };
+    for_each_range<rows_together>(system.size(), [&](Index first, Index last) {
+      system.multiply(first, last, p_, store);
     });
+    return dot(p_, q_);
   }
 
   double advance(double alpha, std::vector<double>& x) {
@@ -117,11 +117,8 @@ class ConjugateGradient {
   }
 
   void update_direction(double beta) {
-    for_each_chunk(p_.size(), [&](Chunk chunk) {
-      double* const p = p_.data();
-      const double* const z = z_.data();
-      for (Index i = chunk.first; i < chunk.last; ++i) p[i] = z[i] + beta * p[i];
-    });
+    for_each(p_.size(),
+             [beta, p = p_.data(), z = z_.data()](Index i) { p[i] = z[i] + beta * p[i]; });
   }
 
   double dot(const std::vector<double>& a, const std::vector<double>& b) {
