@@ -47,8 +47,8 @@ WindowRows rows_of(Index n, const Entries& entries, bool backwards = false) {
 
 std::vector<double> product(const WindowRows& rows, const std::vector<double>& x) {
   std::vector<double> all(rows.size());
-  for_each_chunk(rows.size(), [&](Chunk chunk) {
-    rows.multiply(chunk, x, [&](Index i, double sum) { all[i] = sum; });
+  for_each_range<rows_together>(rows.size(), [&](Index first, Index last) {
+    rows.multiply(first, last, x, [&](Index i, double sum) { all[i] = sum; });
   });
   return all;
 }

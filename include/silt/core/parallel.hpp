@@ -14,11 +14,13 @@
 #include <silt/core/types.hpp>
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <cstdlib>
 #include <exception>
 #include <limits>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -166,31 +168,64 @@ class Team {
 
 #endif
 
-/// f(k) for every k in [0, count), with at most `team` threads. Each processes one contiguous
-/// range.
+/// The tasks of one thread that no thread has begun; in a cache line of its own.
+struct alignas(64) Share {
+  Index next;
+  Index last;
+
+  struct Tasks {
+    Index first;
+    Index last;
+    explicit operator bool() const { return first < last; }
+  };
+  /// Half of them, for few atomic operations; none if there are none.
+  Tasks take() {
+    const std::atomic_ref<Index> remaining(next);
+    Tasks taken{remaining.load(std::memory_order_relaxed), last};
+    do {
+      taken.last = taken.first + (last - taken.first + 1) / 2;
+    } while (taken.first < last &&
+             !remaining.compare_exchange_weak(taken.first, taken.last, std::memory_order_relaxed));
+    return taken;
+  }
+};
+
+/// Equal contiguous shares of [0, count) in memory of the calling thread.
+inline std::span<Share> divide(Index count, int team) {
+  static thread_local std::vector<Share> shares;  // keeps its capacity
+  const auto size = static_cast<Index>(team);
+  shares.resize(size);
+  for (Index k = 0; k < size; ++k) shares[k] = {count * k / size, count * (k + 1) / size};
+  return shares;
+}
+
+/// f(k) for every k in [0, count), with at most `team` threads. Each has a contiguous share, so
+/// that successive loops find their data in its cache; once it has finished its share, it helps the
+/// others, because tasks may take different times and a core may be busy.
 template <class F>
 void run_tasks(Index count, [[maybe_unused]] int team, F&& f) {
 #ifdef _OPENMP
   if (count > 1 && team > 1 && !omp_in_parallel()) {
-    // Each thread processes its tasks in order and stops at its first exception; the lowest of
-    // these is therefore the lowest of all.
+    // Only the tasks of a thread that follow its exception are left out; the lowest exception of
+    // all is therefore found.
     std::exception_ptr fault;
     Index fault_task = no_index;
-#pragma omp parallel num_threads(team)
-    {
-      const auto size = static_cast<Index>(omp_get_num_threads());
-      const auto me = static_cast<Index>(omp_get_thread_num());
-      const Index last = count * (me + 1) / size;
-      Index task = count * me / size;
+    const std::span<Share> shares = divide(count, team);
+    const auto run = [&](Share::Tasks tasks) {
       try {
-        for (; task < last; ++task) f(task);
+        for (; tasks.first < tasks.last; ++tasks.first) f(tasks.first);
       } catch (...) {
 #pragma omp critical(silt_fault)
-        if (task < fault_task) {
-          fault_task = task;
+        if (tasks.first < fault_task) {
+          fault_task = tasks.first;
           fault = std::current_exception();
         }
       }
+    };
+#pragma omp parallel num_threads(team)
+    for (Index k = 0; k < shares.size(); ++k) {
+      Share& share = shares[(static_cast<Index>(omp_get_thread_num()) + k) % shares.size()];
+      while (const auto tasks = share.take()) run(tasks);
     }
     if (fault) std::rethrow_exception(fault);
     return;
@@ -205,27 +240,40 @@ void run_tasks(Index count, [[maybe_unused]] int team, F&& f) {
 /// that is divided among threads. Results must not depend on it.
 inline int threads_for(Index n) { return detail::Team::size_for_chunks(chunk_count(n)); }
 
-/// f(k) for every k in [0, count), in parallel, for few long tasks. Each thread processes one
-/// contiguous range.
+/// f(k) for every k in [0, count), in parallel, for few long tasks.
 template <class F>
 void for_each_task(Index count, F&& f) {
   detail::run_tasks(count, detail::Team::size_for_tasks(count), f);
 }
 
-/// f(chunk) for every chunk of [0, n), in parallel. Each thread processes one contiguous range of
-/// chunks.
+/// f(chunk) for every chunk of [0, n), in parallel.
 template <class F>
 void for_each_chunk(Index n, F&& f) {
-  detail::run_tasks(chunk_count(n), threads_for(n), [&f, n](Index c) {
-    f(Chunk{c, c * chunk_size, std::min(n, (c + 1) * chunk_size)});
+  detail::run_tasks(chunk_count(n), threads_for(n), [&f, n](Index number) {
+    f(Chunk{number, number * chunk_size, std::min(n, (number + 1) * chunk_size)});
   });
 }
+
+/// f(first, last) for short ranges of [0, n) that together cover it, in parallel: all ranges but
+/// the last have `size` indices. What one range reads and writes stays in the cache between several
+/// loops over it.
+inline constexpr Index range_size = 64;
+template <Index size = range_size, class F>
+void for_each_range(Index n, F&& f) {
+  detail::run_tasks((n + size - 1) / size, threads_for(n),
+                    [&f, n](Index r) { f(r * size, std::min(n, (r + 1) * size)); });
+}
+
+/// Number of rows of different lengths, such as those of neighbours, that are stored together, by
+/// one thread. A few chunks alone could not be divided equally.
+inline constexpr Index rows_together = 256;
+inline Index row_sets(Index rows) { return (rows + rows_together - 1) / rows_together; }
 
 /// f(i) for every i in [0, n), in parallel.
 template <class F>
 void for_each(Index n, F&& f) {
-  for_each_chunk(n, [&f](Chunk chunk) {
-    for (Index i = chunk.first; i < chunk.last; ++i) f(i);
+  for_each_range(n, [&f](Index first, Index last) {
+    for (Index i = first; i < last; ++i) f(i);
   });
 }
 
@@ -252,18 +300,6 @@ class PerChunk {
   }
   std::vector<Value> values_;
 };
-
-/// f(first, last) for short ranges of [0, n) that together cover it, in parallel. What one range
-/// reads and writes stays in the cache between several loops over it.
-inline constexpr Index range_size = 64;
-template <class F>
-void for_each_range(Index n, F&& f) {
-  for_each_chunk(n, [&f](Chunk chunk) {
-    for (Index first = chunk.first; first < chunk.last; first += range_size) {
-      f(first, std::min(first + range_size, chunk.last));
-    }
-  });
-}
 
 /// Σ f(i), bitwise identical for any number of threads.
 template <class Value, class F>

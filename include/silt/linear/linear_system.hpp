@@ -42,10 +42,11 @@ struct LinearSystem {
 
   Index size() const noexcept { return diagonal.size(); }
 
-  /// f(i, (A x)_i) for the rows of one chunk.
+  /// f(i, (A x)_i) for the rows of one range of rows_together.
   template <class F>
-  void multiply(Chunk chunk, std::span<const double> x, F&& f) const {
-    off_diagonal.multiply(chunk, x, [&](Index i, double sum) { f(i, diagonal[i] * x[i] + sum); });
+  void multiply(Index first, Index last, std::span<const double> x, F&& f) const {
+    off_diagonal.multiply(first, last, x,
+                          [&](Index i, double sum) { f(i, diagonal[i] * x[i] + sum); });
   }
 
   /// Subtracts from v its mean over each closed body.

@@ -34,14 +34,14 @@ class WindowRows {
   template <class F>
   void build(Index n, F&& f) {
     size_ = n;
-    chunks_.resize(chunk_count(n));
+    sets_.resize(row_sets(n));
     const Index last_window =
         n > window_size ? n - window_size : 0;  // none reaches beyond the last column
-    for_each_chunk(n, [&](Chunk chunk) {
-      ChunkRows& rows = chunks_[chunk.number];
+    for_each_range<rows_together>(n, [&](Index first, Index last) {
+      RowSet& rows = sets_[first / rows_together];
       rows.first.clear();
       Index windows = 0;
-      for (Index i = chunk.first; i < chunk.last; ++i) {
+      for (Index i = first; i < last; ++i) {
         rows.first.push_back(static_cast<std::uint32_t>(windows));
         Index at = 0;             // first column of the window that is being filled
         float* values = nullptr;  // its values
@@ -60,26 +60,30 @@ class WindowRows {
   /// Number of rows.
   Index size() const noexcept { return size_; }
 
-  /// f(i, Σ_j a_ij x_j) for the rows of one chunk; x has size() elements.
+  /// f(i, Σ_j a_ij x_j) for the rows of one range of rows_together; x has size() elements.
   template <class F>
-  void multiply(Chunk chunk, std::span<const double> x, F&& f) const {
-    const ChunkRows& rows = chunks_[chunk.number];
+  void multiply(Index first_row, Index last_row, std::span<const double> x, F&& f) const {
+    const RowSet& rows = sets_[first_row / rows_together];
+    const RowSet& next = last_row < size_ ? sets_[last_row / rows_together] : rows;
     if (x.size() < window_size) {
-      for (Index i = chunk.first; i < chunk.last; ++i) f(i, narrow_product(i, x));
+      for (Index i = first_row; i < last_row; ++i) f(i, narrow_product(i, x));
       return;
     }
     const std::uint32_t* const first = rows.first.data();
     const std::uint32_t* const columns = rows.columns.data();
     const float* const values = rows.values.data();
     const double* const factors = x.data();
-    for (Index i = chunk.first; i < chunk.last; ++i) {
-      const Index begin = first[i - chunk.first];
-      const Index end = first[i - chunk.first + 1];
+    const Index windows = first[last_row - first_row];
+    for (Index i = first_row; i < last_row; ++i) {
+      const Index begin = first[i - first_row];
+      const Index end = first[i - first_row + 1];
       // Rows are read once, in order; the hardware prefetcher detects this too late.
-      for (Index line = 0; line < 4; ++line) {
-        __builtin_prefetch(values + begin * window_size + 1024 + 16 * line);
-      }
-      __builtin_prefetch(columns + begin + 256);
+      const Index ahead = begin + 256;
+      const bool is_here = ahead < windows;
+      const float* const soon = is_here ? values + ahead * window_size
+                                        : next.values.data() + (ahead - windows) * window_size;
+      for (Index line = 0; line < 4; ++line) __builtin_prefetch(soon + 16 * line);
+      __builtin_prefetch(is_here ? columns + ahead : next.columns.data() + (ahead - windows));
       simd::Pack<double, 4> sum{};
       for (Index window = begin; window < end; ++window) {
         simd::add_products(values + window * window_size, factors + columns[window], sum);
@@ -91,8 +95,8 @@ class WindowRows {
   /// f(column, value) for every nonzero entry of a row.
   template <class F>
   void for_each_entry(Index row, F&& f) const {
-    const ChunkRows& rows = chunks_[row / chunk_size];
-    const Index k = row % chunk_size;
+    const RowSet& rows = sets_[row / rows_together];
+    const Index k = row % rows_together;
     for (Index at = rows.first[k] * window_size; at < rows.first[k + 1] * window_size; ++at) {
       if (rows.values[at] != 0) f(rows.column(at), double(rows.values[at]));
     }
@@ -100,8 +104,8 @@ class WindowRows {
 
   /// Whether a row has a nonzero entry in a marked column; searches from the last column on.
   bool has_entry_in(Index row, std::span<const std::uint8_t> marked) const {
-    const ChunkRows& rows = chunks_[row / chunk_size];
-    const Index k = row % chunk_size;
+    const RowSet& rows = sets_[row / rows_together];
+    const Index k = row % rows_together;
     for (Index window = rows.first[k + 1]; window-- > rows.first[k];) {
       const Index column = rows.columns[window];
       std::array<std::uint8_t, window_size> marks{};
@@ -115,8 +119,8 @@ class WindowRows {
   }
 
  private:
-  // Windows of the rows of one chunk.
-  struct ChunkRows {
+  // Windows of the rows stored together.
+  struct RowSet {
     std::vector<std::uint32_t> first;    // window of each row
     std::vector<std::uint32_t> columns;  // of each window
     std::vector<float> values;
@@ -146,7 +150,7 @@ class WindowRows {
   }
 
   Index size_ = 0;
-  std::vector<ChunkRows> chunks_;
+  std::vector<RowSet> sets_;
 };
 
 }  // namespace silt

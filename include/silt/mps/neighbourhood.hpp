@@ -43,14 +43,14 @@ class Neighbourhood {
     const auto x = particles.with_ghosts(position);
     positions_.assign(x.begin(), x.end());
     revision_ = particles.revision();
-    rows_.assign(particles.size(), RowRange{});
+    rows_.assign(particles.size(), RowPlace{});
     density_.assign(particles.size(), 0);
-    chunks_.resize(chunk_count(x.size()));
-    for (ChunkRows& rows : chunks_) rows.used = 0;
+    sets_.resize(row_sets(x.size()));
+    for (RowSet& rows : sets_) rows.used = 0;
     const auto has_row = [kinds = particles[kind]](Index i) { return kinds[i] != Kind::dummy; };
     using Indices = std::span<const std::uint32_t>;
-    for_each_row(particles, search, has_row, [&](Index chunk, Index i, Indices js) {
-      if (!add_row(chunk, i, js, stencil)) {
+    for_each_row(particles, search, has_row, [&](Index set, Index i, Indices js) {
+      if (!add_row(set, i, js, stencil)) {
         fail("mps::Flow: two particles have the same position; move them apart",
              {.particle = i, .id = particles.id(i)});
       }
@@ -92,8 +92,8 @@ class Neighbourhood {
   }
 
   Row operator[](Index i) const noexcept {
-    const RowRange& row = rows_[i];
-    const ChunkRows& rows = chunks_[row.chunk];
+    const RowPlace& row = rows_[i];
+    const RowSet& rows = sets_[row.set];
     return {rows.index.data() + row.first, rows.weight.data() + row.first,
             rows.weight_over_square.data() + row.first, row.length};
   }
@@ -103,9 +103,9 @@ class Neighbourhood {
   Real density(Index i) const noexcept { return density_[i]; }
 
  private:
-  // Location of the neighbours of a particle in chunks_.
-  struct RowRange {
-    std::uint32_t chunk = 0;
+  // Location of the neighbours of a particle in sets_.
+  struct RowPlace {
+    std::uint32_t set = 0;
     std::uint32_t first = 0;
     std::uint32_t length = 0;
   };
@@ -113,8 +113,8 @@ class Neighbourhood {
   // Rows are padded to the maximum number of lanes of a pack.
   static constexpr Index max_lanes = 8;
 
-  // Neighbours of the particles of one chunk, with spare capacity.
-  struct ChunkRows {
+  // Neighbours whose rows are stored together, with spare capacity.
+  struct RowSet {
     std::vector<std::uint32_t> index;
     std::vector<float> weight;
     std::vector<float> weight_over_square;
@@ -139,21 +139,21 @@ class Neighbourhood {
     }
   };
 
-  // f(chunk, i, js) for the particles that have a row; js may include particles beyond the radius.
-  // All rows of a chunk are processed by one thread.
+  // f(set, i, js) for the particles that have a row; js may include particles beyond the radius.
+  // All rows of a set are processed by one thread.
   template <class P, class S, class HasRow, class F>
   static void for_each_row(const P& particles, const S& search, const HasRow& has_row, F&& f) {
     if constexpr (requires { search.for_each_row(has_row, f); }) {
       search.for_each_row(has_row, f);
     } else {
-      for_each_chunk(particles.size(), [&](Chunk chunk) {
+      for_each_range<rows_together>(particles.size(), [&](Index first, Index last) {
         static thread_local std::vector<std::uint32_t> js;  // keeps its capacity
-        for (Index i = chunk.first; i < chunk.last; ++i) {
+        for (Index i = first; i < last; ++i) {
           if (!has_row(i)) continue;
           js.clear();
           search.for_each_neighbour(
               i, [](Index j, const Vec&, Real) { js.push_back(static_cast<std::uint32_t>(j)); });
-          f(chunk.number, i, std::span<const std::uint32_t>(js));
+          f(first / rows_together, i, std::span<const std::uint32_t>(js));
         }
       });
     }
@@ -161,8 +161,8 @@ class Neighbourhood {
 
   // False if a neighbour has the same position as i.
   template <class T>
-  bool add_row(Index chunk, Index i, std::span<const std::uint32_t> js, T stencil) {
-    ChunkRows& to = chunks_[chunk];
+  bool add_row(Index set, Index i, std::span<const std::uint32_t> js, T stencil) {
+    RowSet& to = sets_[set];
     to.reserve(js.size());
     std::uint32_t* const index = to.index.data() + to.used;
     float* const weight = to.weight.data() + to.used;
@@ -196,14 +196,14 @@ class Neighbourhood {
       for (Index lane = 0; lane < max_lanes; ++lane) sum[lane] += exact[k + lane];
     }
     density_[i] = std::accumulate(sum.begin(), sum.end(), Real(0));
-    rows_[i] = {static_cast<std::uint32_t>(chunk), static_cast<std::uint32_t>(to.used),
+    rows_[i] = {static_cast<std::uint32_t>(set), static_cast<std::uint32_t>(to.used),
                 static_cast<std::uint32_t>(length)};
     to.used += length;
     return distinct;
   }
 
-  std::vector<RowRange> rows_;     // by particle
-  std::vector<ChunkRows> chunks_;  // by chunk
+  std::vector<RowPlace> rows_;  // by particle
+  std::vector<RowSet> sets_;
   std::vector<Real> density_;
   std::vector<Vec> positions_;  // with ghosts
   std::uint64_t revision_ = 0;

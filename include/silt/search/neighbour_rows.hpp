@@ -98,13 +98,13 @@ class NeighbourRows {
 };
 
 /// The interface of NeighbourRows::Writer for rows that are read only once: calls
-/// f(chunk, items[row], row) for each row that is not empty.
+/// f(set, items[row], row) for each row of a set of rows_together that is not empty.
 template <class F>
 class RowReader {
  public:
-  RowReader(F& f, Chunk chunk, std::span<const std::uint32_t> items,
+  RowReader(F& f, Index first, std::span<const std::uint32_t> items,
             std::vector<std::uint32_t>& memory)
-      : f_(f), chunk_(chunk.number), items_(items), row_(chunk.first), memory_(memory) {}
+      : f_(f), set_(first / rows_together), items_(items), row_(first), memory_(memory) {}
 
   std::uint32_t* room(Index size) {
     begin_ = 0;
@@ -119,13 +119,13 @@ class RowReader {
     const auto end = static_cast<Index>(to - memory_.data());
     const Index i = items_[row_++];
     const std::span<const std::uint32_t> all = memory_;
-    if (end > begin_) f_(chunk_, i, all.subspan(begin_, end - begin_));
+    if (end > begin_) f_(set_, i, all.subspan(begin_, end - begin_));
     begin_ = end;
   }
 
  private:
   F& f_;
-  Index chunk_;
+  Index set_;
   std::span<const std::uint32_t> items_;
   Index row_;
   std::vector<std::uint32_t>& memory_;

@@ -159,19 +159,19 @@ class UniformGrid {
   /// rounding error may be included. Rows of ghosts are empty.
   void build_rows(NeighbourRows& rows, Pairs pairs) const {
     rows.build(points_.size(), [&](Chunk chunk, NeighbourRows::Writer& row) {
-      add_rows(chunk, pairs, [](Index) { return true; }, row);
+      add_rows({.first = chunk.first, .last = chunk.last}, pairs, [](Index) { return true; }, row);
     });
   }
 
-  /// f(chunk, i, js) for every owned i for which wanted(i) is true and that has neighbours; js are
-  /// the indices of its neighbours, as in build_rows. For rows that are read only once. Chunks are
-  /// processed in parallel, each by one thread in the order of the cells.
+  /// f(set, i, js) for every owned i for which wanted(i) is true and that has neighbours; js are
+  /// the indices of its neighbours, as in build_rows. For rows that are read only once. Sets of
+  /// rows_together rows are processed in parallel, each by one thread in the order of the cells.
   template <class Wanted, class F>
   void for_each_row(Wanted&& wanted, F&& f) const {
-    for_each_chunk(points_.size(), [&](Chunk chunk) {
+    for_each_range<rows_together>(points_.size(), [&](Index first, Index last) {
       static thread_local std::vector<std::uint32_t> memory;
-      RowReader<std::remove_reference_t<F>> row{f, chunk, points_.item_of(), memory};
-      add_rows(chunk, Pairs::twice, wanted, row);
+      RowReader<std::remove_reference_t<F>> row{f, first, points_.item_of(), memory};
+      add_rows({.first = first, .last = last}, Pairs::twice, wanted, row);
     });
   }
 
@@ -219,21 +219,27 @@ class UniformGrid {
     }
   }
 
+  // The slots [first, last).
+  struct Slots {
+    Index first;
+    Index last;
+  };
+
   // Writes the rows of the wanted particles, and empty ones for all others and for ghosts.
   template <class Wanted, class Row>
-  void add_rows(Chunk chunk, Pairs pairs, const Wanted& wanted, Row& row) const {
+  void add_rows(Slots slots, Pairs pairs, const Wanted& wanted, Row& row) const {
     // Static for its memory only; the contents are replaced for every block.
     static thread_local SharedCandidates<Dim, Real> candidates;
     const auto has_row = [&](Index slot) {
       const Index i = points_.item_of()[slot];
       return i < owned_ && wanted(i);
     };
-    for (Index slot = chunk.first; slot < chunk.last;) {
+    for (Index slot = slots.first; slot < slots.last;) {
       if (points_.cells().shared()) {
         add_row(slot, pairs, has_row(slot), row);
         ++slot;
       } else {
-        slot = add_rows_of_block(slot, chunk.last, pairs, has_row, candidates, row);
+        slot = add_rows_of_block(slot, slots.last, pairs, has_row, candidates, row);
       }
     }
   }

@@ -16,11 +16,15 @@
 
 namespace silt {
 
-/// f(c) for c in [0, n), in parallel if there are enough cells for it to pay off.
+/// Number of cells from which several threads pay off, if each cell takes a few nanoseconds; if it
+/// takes tens of nanoseconds.
+inline constexpr Index many_cells = 1536;
+inline constexpr Index some_cells = 192;
+
+/// f(c) for c in [0, n), in parallel if there are at least min_parallel cells.
 template <class F>
-void for_each_cell(Index n, F&& f) {
-  constexpr Index min_parallel = 4096;
-  constexpr Index task_size = 256;
+void for_each_cell(Index n, F&& f, Index min_parallel = many_cells) {
+  constexpr Index task_size = 64;
   if (n < min_parallel) {
     for (Index c = 0; c < n; ++c) f(c);
   } else {

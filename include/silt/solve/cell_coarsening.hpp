@@ -83,8 +83,9 @@ class CellCoarsening {
       changed = false;
       for (Index c = 0; c < fine.size(); ++c) {
         for (const Link& link : fine.links[c]) {
-          if (joined_[link.cell] >= joined_[c] || positions_[link.cell] != positions_[c]) continue;
-          joined_[c] = joined_[link.cell];
+          std::uint32_t& other = joined_[link.cell];
+          if (other == joined_[c] || positions_[link.cell] != positions_[c]) continue;
+          joined_[c] = other = std::min(joined_[c], other);
           changed = true;
         }
       }
@@ -147,7 +148,7 @@ class CellCoarsening {
 
   void find_weights(const Level& fine, const Level& coarse) {
     rows_.resize(fine.size());
-    for_each_cell(fine.size(), [&](Index c) {
+    const auto find_row = [&](Index c) {
       float sum = 0;
       for (Index corner = 0; corner < corners; ++corner) {
         Weight& weight = rows_[c][corner];
@@ -157,7 +158,8 @@ class CellCoarsening {
         sum += weight.value;
       }
       for (Weight& weight : rows_[c]) weight.value /= sum;
-    });
+    };
+    for_each_cell(fine.size(), find_row, some_cells);
     first_in_column_.assign(coarse.size() + 2, 0);
     for_each_weight([&](Index, const Weight& weight) { ++first_in_column_[weight.cell + 2]; });
     std::partial_sum(first_in_column_.begin(), first_in_column_.end(), first_in_column_.begin());

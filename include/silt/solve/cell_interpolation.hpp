@@ -31,17 +31,39 @@ class CellInterpolation {
   using Point = std::array<double, Dim>;  // in edge lengths of a cell
   static constexpr Index corners = Index(1) << Dim;
 
-  /// For n points with positions point(i); P is zero at points where takes_part(i) is false.
+  /// Sorts n points with positions point(i) into patches: before build(). P is zero at points where
+  /// takes_part(i) is false.
   template <class Where, class TakesPart>
-  void build(Index n, const Cells& cells, Where&& point, TakesPart&& takes_part) {
-    sort_into_patches(n, point, takes_part);
+  void sort(Index n, Where&& point, TakesPart&& takes_part) {
+    // Counting sort; excluded points are last, in a patch without centres.
+    low_corners_.clear();
+    for (Index i = 0; i < n; ++i) {
+      if (takes_part(i)) low_corners_.push_back(low_corner(point(i)));
+    }
+    patches_.number(low_corners_, CellOrder::plain);
+    patch_of_.resize(n);
+    for (Index i = 0, k = 0; i < n; ++i) {
+      patch_of_[i] = takes_part(i) ? patches_.find(low_corners_[k++])
+                                   : static_cast<std::uint32_t>(patches_.size());
+    }
+    first_.assign(patches_.size() + 3, 0);
+    for (Index i = 0; i < n; ++i) ++first_[patch_of_[i] + 2];
+    std::partial_sum(first_.begin(), first_.end(), first_.begin());
+    member_.resize(n);
+    for (Index i = 0; i < n; ++i) member_[first_[patch_of_[i] + 1]++] = std::uint32_t(i);
+  }
+
+  /// P from the centres of these cells.
+  template <class Where>
+  void build(const Cells& cells, Where&& point) {
     find_corners(cells);
-    weight_.resize(n * corners);
-    for_each(patches_.size(), [&](Index patch) {
+    weight_.resize(member_.size() * corners);
+    const auto find_weights_in = [&](Index patch) {
       for (Index k = first_[patch]; k < first_[patch + 1]; ++k) {
         find_weights(point(member_[k]), patch, &weight_[k * corners]);
       }
-    });
+    };
+    for_each_cell(patches_.size(), find_weights_in, some_cells);
     std::fill(weight_.begin() + static_cast<std::ptrdiff_t>(first_[patches_.size()] * corners),
               weight_.end(), 0.0f);
   }
@@ -91,27 +113,6 @@ class CellInterpolation {
   static Cell corner(Cell low, Index c) {
     for (std::size_t k = 0; k < Dim; ++k) low[k] += std::int64_t((c >> k) & 1);
     return low;
-  }
-
-  // Counting sort; excluded points are last, in a patch without centres.
-  template <class Where, class TakesPart>
-  void sort_into_patches(Index n, Where&& point, TakesPart&& takes_part) {
-    low_corners_.clear();
-    for (Index i = 0; i < n; ++i) {
-      if (takes_part(i)) low_corners_.push_back(low_corner(point(i)));
-    }
-    patches_.number(low_corners_, CellOrder::plain);
-    const Index outside = patches_.size();
-    patch_of_.resize(n);
-    for_each(n, [&](Index i) {
-      patch_of_[i] = takes_part(i) ? patches_.find(low_corner(point(i)))
-                                   : static_cast<std::uint32_t>(outside);
-    });
-    first_.assign(outside + 3, 0);
-    for (Index i = 0; i < n; ++i) ++first_[patch_of_[i] + 2];
-    std::partial_sum(first_.begin(), first_.end(), first_.begin());
-    member_.resize(n);
-    for (Index i = 0; i < n; ++i) member_[first_[patch_of_[i] + 1]++] = std::uint32_t(i);
   }
 
   // Cells at the corners of each patch, and patches around each cell. A missing cell is replaced by

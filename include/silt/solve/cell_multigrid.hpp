@@ -109,12 +109,16 @@ class CellMultigrid {
       for (std::size_t k = 0; k < Dim; ++k) x[k] = geometry.points[i][k] / edge;
       return x;
     };
+    const auto number_cells = [&] {
     occupied_.clear();
     for (Index i = 0; i < system.size(); ++i) {
       if (takes_part(i)) occupied_.push_back(cell_at(point(i)));
-    }
+      }
     finest_cells_.number(occupied_, CellOrder::chessboard);
-    to_particles_.build(system.size(), finest_cells_, point, takes_part);
+    };
+    const auto sort_points = [&] { to_particles_.sort(system.size(), point, takes_part); };
+    for_each_task(2, [&](Index task) { task == 0 ? number_cells() : sort_points(); });
+    to_particles_.build(finest_cells_, point);
     if (levels_.empty()) levels_.emplace_back();
     used_ = 1;
     Level& level = levels_[0];

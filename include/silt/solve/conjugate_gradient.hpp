@@ -5,6 +5,7 @@
 
 #include <silt/core/error.hpp>
 #include <silt/core/parallel.hpp>
+#include <silt/core/simd.hpp>
 #include <silt/core/types.hpp>
 #include <silt/linear/linear_system.hpp>
 #include <silt/solve/jacobi.hpp>
@@ -88,19 +89,19 @@ class ConjugateGradient {
  private:
   // r = b − A x, and |r|.
   double find_residual(const LinearSystem& system, const std::vector<double>& x) {
-    return std::sqrt(sum_over_chunks(system.size(), [&](Chunk chunk) {
-      system.multiply(chunk, x, [&](Index i, double product) {
-        r_[i] = system.right_side[i] - product;
-      });
-      return dot(chunk, r_, r_);
-    }));
+    const auto subtract = [&](Index i, double product) { r_[i] = system.right_side[i] - product; };
+    for_each_range<rows_together>(system.size(), [&](Index first, Index last) {
+      system.multiply(first, last, x, subtract);
+    });
+    return std::sqrt(dot(r_, r_));
   }
 
   double multiply(const LinearSystem& system) {
-    return sum_over_chunks(system.size(), [&](Chunk chunk) {
-      system.multiply(chunk, p_, [&](Index i, double product) { q_[i] = product; });
-      return dot(chunk, p_, q_);
+    const auto store = [&](Index i, double product) { q_[i] = product; };
+    for_each_range<rows_together>(system.size(), [&](Index first, Index last) {
+      system.multiply(first, last, p_, store);
     });
+    return dot(p_, q_);
   }
 
   double advance(double alpha, std::vector<double>& x) {
@@ -117,11 +118,8 @@ class ConjugateGradient {
   }
 
   void update_direction(double beta) {
-    for_each_chunk(p_.size(), [&](Chunk chunk) {
-      double* const p = p_.data();
-      const double* const z = z_.data();
-      for (Index i = chunk.first; i < chunk.last; ++i) p[i] = z[i] + beta * p[i];
-    });
+    for_each(p_.size(),
+             [beta, p = p_.data(), z = z_.data()](Index i) { p[i] = z[i] + beta * p[i]; });
   }
 
   double dot(const std::vector<double>& a, const std::vector<double>& b) {
@@ -135,13 +133,20 @@ class ConjugateGradient {
     for (Index i = chunk.first; i < chunk.last; ++i) to[i] += scale * from[i];
   }
 
-  // Eight independent partial sums, so that additions can overlap in time.
+  // Eight independent partial sums, so that additions can overlap in time. Written in packs,
+  // because g++ would keep an array in memory.
   static double dot(Chunk chunk, const std::vector<double>& a, const std::vector<double>& b) {
-    std::array<double, 8> sum{};
+    constexpr Index sums = 8;
+    constexpr Index lanes = simd::lanes<double>;
+    simd::Pack<double> packs[sums / lanes]{};
     Index i = chunk.first;
-    for (; i + sum.size() <= chunk.last; i += sum.size()) {
-      for (Index lane = 0; lane < sum.size(); ++lane) sum[lane] += a[i + lane] * b[i + lane];
+    for (; i + sums <= chunk.last; i += sums) {
+      for (Index k = 0; k < sums; k += lanes) {
+        packs[k / lanes] += simd::load(&a[i + k]) * simd::load(&b[i + k]);
+      }
     }
+    std::array<double, sums> sum;
+    for (Index k = 0; k < sums; ++k) sum[k] = packs[k / lanes][k % lanes];
     for (; i < chunk.last; ++i) sum[0] += a[i] * b[i];
     return ((sum[0] + sum[4]) + (sum[2] + sum[6])) + ((sum[1] + sum[5]) + (sum[3] + sum[7]));
   }
