@@ -40,7 +40,7 @@ template <int Dim>
 class CellMultigrid {
  public:
   struct Settings {
-    double cell_size = 2;           ///< edge of the finest cells, in particle spacings [-]
+    double cell_size = 2;  ///< edge of the finest cells, in particle spacings [-]
     /// Rows with a smaller diagonal, relative to that of a full neighbourhood, are not part of
     /// V [-].
     double min_diagonal = 0.2;
@@ -93,8 +93,8 @@ class CellMultigrid {
   // Minimum mass of a cell over the sum of its conductances, on the finest level.
   static constexpr float min_mass = 1e-6f;
   template <class Real>
-  using SmallMatrix = Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor,
-                                    max_direct, max_direct>;
+  using SmallMatrix =
+      Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, max_direct, max_direct>;
 
   Level& coarsest() { return levels_[used_ - 1]; }
 
@@ -110,11 +110,11 @@ class CellMultigrid {
       return x;
     };
     const auto number_cells = [&] {
-    occupied_.clear();
-    for (Index i = 0; i < system.size(); ++i) {
-      if (takes_part(i)) occupied_.push_back(cell_at(point(i)));
+      occupied_.clear();
+      for (Index i = 0; i < system.size(); ++i) {
+        if (takes_part(i)) occupied_.push_back(cell_at(point(i)));
       }
-    finest_cells_.number(occupied_, CellOrder::chessboard);
+      finest_cells_.number(occupied_, CellOrder::chessboard);
     };
     const auto sort_points = [&] { to_particles_.sort(system.size(), point, takes_part); };
     for_each_task(2, [&](Index task) { task == 0 ? number_cells() : sort_points(); });
@@ -244,7 +244,7 @@ class CellMultigrid {
   std::vector<float> stiffness_;  // by finest cell
   std::vector<Level> levels_;     // only the first used_ are valid; the others keep their memory
   std::vector<CellCoarsening<Dim>> coarsenings_;  // from each level to the next
-  Index used_ = 0;                // number of levels
+  Index used_ = 0;                                // number of levels
   SmallMatrix<float> coarsest_inverse_;
 };
 
