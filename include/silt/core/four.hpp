@@ -35,11 +35,17 @@ void turn_back(F& c) {
 /// they are needed, because a processor shuffles registers at half the rate of such loads.
 template <class Real, int N, class From>
 [[gnu::always_inline]] inline void columns_from(From&& from, simd::Pack<Real, N> (&to)[4]) {
-  using Part = typename simd::UnalignedPackOf<Real, N / 2>::type;
-  [[maybe_unused]] const auto part = [&](int row, int k) -> const Part& {
+  static_assert(N == 2 || N == 4 || N == 8);
+  using Part = typename simd::UnalignedPackOf<Real, N == 8 ? 4 : 2>::type;
+  const auto part = [&](int row, int k) -> const Part& {
     return *reinterpret_cast<const Part*>(from(row) + k);
   };
-  if constexpr (N == 4) {
+  if constexpr (N == 2) {
+    for (int k = 0; k < 4; k += 2) {
+      to[k] = __builtin_shufflevector(part(0, k), part(1, k), 0, 2);
+      to[k + 1] = __builtin_shufflevector(part(0, k), part(1, k), 1, 3);
+    }
+  } else if constexpr (N == 4) {
     for (int k = 0; k < 4; k += 2) {
       const Four<Real> even = __builtin_shufflevector(part(0, k), part(2, k), 0, 1, 2, 3);
       const Four<Real> odd = __builtin_shufflevector(part(1, k), part(3, k), 0, 1, 2, 3);
@@ -63,29 +69,19 @@ template <class Real, int N, class From>
     to[1] = __builtin_shufflevector(a_b_odd, c_d_odd, 0, 1, 4, 5, 8, 9, 12, 13);
     to[2] = __builtin_shufflevector(a_b_even, c_d_even, 2, 3, 6, 7, 10, 11, 14, 15);
     to[3] = __builtin_shufflevector(a_b_odd, c_d_odd, 2, 3, 6, 7, 10, 11, 14, 15);
-  } else {
-    // Through arrays, because g++ 12 miscompiles packs that are filled lane by lane at -O3.
-    Real rows[N][4], columns[4][N];
-    for (int lane = 0; lane < N; ++lane) std::memcpy(rows[lane], from(lane), sizeof rows[lane]);
-    for (int k = 0; k < 4; ++k) {
-      for (int lane = 0; lane < N; ++lane) columns[k][lane] = rows[lane][k];
-      to[k] = simd::load<Real, N>(columns[k]);
-    }
   }
 }
 
 /// Transposes four columns into four numbers of each of eight rows, `stride` Reals apart.
 template <class Real>
 [[gnu::always_inline]] inline void rows_from(const Real (*from)[8], Real* to, int stride) {
-  const auto put = [=](int row, const Four<Real>& numbers) {
-    simd::store<Real, 4>(to + row * stride, numbers);
-  };
   if constexpr (simd::lanes<Real> >= 8) {
     using Eight = simd::Pack<Real, 8>;
     const auto column = [=](int k) { return simd::load<Real, 8>(from[k]); };
     const auto put_two = [&](int row, const Eight& rows) {
-      put(row, __builtin_shufflevector(rows, rows, 0, 1, 2, 3));
-      put(row + 4, __builtin_shufflevector(rows, rows, 4, 5, 6, 7));
+      Real* const numbers = to + row * stride;
+      simd::store<Real, 4>(numbers, __builtin_shufflevector(rows, rows, 0, 1, 2, 3));
+      simd::store<Real, 4>(numbers + 4 * stride, __builtin_shufflevector(rows, rows, 4, 5, 6, 7));
     };
     const Eight a = column(0), b = column(1), c = column(2), d = column(3);
     const Eight a_b_even = __builtin_shufflevector(a, b, 0, 8, 2, 10, 4, 12, 6, 14);
@@ -97,20 +93,14 @@ template <class Real>
     put_two(2, __builtin_shufflevector(a_b_even, c_d_even, 2, 3, 10, 11, 6, 7, 14, 15));
     put_two(3, __builtin_shufflevector(a_b_odd, c_d_odd, 2, 3, 10, 11, 6, 7, 14, 15));
   } else {
-    for (int first = 0; first < 8; first += 4) {
-      Four<Real> a, b, c, d;
-      load_four(from[0] + first, a);
-      load_four(from[1] + first, b);
-      load_four(from[2] + first, c);
-      load_four(from[3] + first, d);
-      const Four<Real> a_b_even = __builtin_shufflevector(a, b, 0, 4, 2, 6);
-      const Four<Real> a_b_odd = __builtin_shufflevector(a, b, 1, 5, 3, 7);
-      const Four<Real> c_d_even = __builtin_shufflevector(c, d, 0, 4, 2, 6);
-      const Four<Real> c_d_odd = __builtin_shufflevector(c, d, 1, 5, 3, 7);
-      put(first, __builtin_shufflevector(a_b_even, c_d_even, 0, 1, 4, 5));
-      put(first + 1, __builtin_shufflevector(a_b_odd, c_d_odd, 0, 1, 4, 5));
-      put(first + 2, __builtin_shufflevector(a_b_even, c_d_even, 2, 3, 6, 7));
-      put(first + 3, __builtin_shufflevector(a_b_odd, c_d_odd, 2, 3, 6, 7));
+    for (int lane = 0; lane < 8; lane += 2) {
+      for (int k = 0; k < 4; k += 2) {
+        const auto a = simd::load<Real, 2>(from[k] + lane);
+        const auto b = simd::load<Real, 2>(from[k + 1] + lane);
+        Real* const numbers = to + lane * stride + k;
+        simd::store<Real, 2>(numbers, __builtin_shufflevector(a, b, 0, 2));
+        simd::store<Real, 2>(numbers + stride, __builtin_shufflevector(a, b, 1, 3));
+      }
     }
   }
 }

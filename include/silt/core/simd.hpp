@@ -34,8 +34,10 @@
 #define SILT_AVX512
 #elif defined(__AVX2__)
 #define SILT_AVX2
+#elif defined(__SSE2__)
+#define SILT_SSE2
 #endif
-#if defined(SILT_AVX512) || defined(SILT_AVX2)
+#if defined(SILT_AVX512) || defined(SILT_AVX2) || defined(SILT_SSE2)
 #include <immintrin.h>
 #endif
 #endif
@@ -109,8 +111,13 @@ Pack<T, N> square_root(const Pack<T, N>& a) {
   } else
 #endif
 #if defined(SILT_AVX512)
-  if constexpr (std::is_same_v<T, double> && N == 8) {
+      if constexpr (std::is_same_v<T, double> && N == 8) {
     return (Pack<T, N>)_mm512_maskz_sqrt_pd(0xff, (__m512d)a);
+  } else
+#endif
+#if defined(SILT_SSE2)
+      if constexpr (std::is_same_v<T, double> && N == 2) {
+    return (Pack<T, N>)_mm_sqrt_pd((__m128d)a);
   } else
 #endif
   {
@@ -162,6 +169,10 @@ Mask less(const Pack<T, N>& a, const Pack<T, N>& b) {
     return static_cast<Mask>(_mm_movemask_ps((__m128)(a < b)));
   } else if constexpr (std::is_same_v<T, double> && N == 4) {
     return static_cast<Mask>(_mm256_movemask_pd((__m256d)(a < b)));
+  } else
+#elif defined(SILT_SSE2)
+  if constexpr (std::is_same_v<T, double> && N == 2) {
+    return static_cast<Mask>(_mm_movemask_pd((__m128d)(a < b)));
   } else
 #endif
   {

@@ -208,7 +208,8 @@ class MotionInColumns {
 };
 
 /// The same for particles in rows of four numbers, which are processed together: {x y z R},
-/// {vx vy vz m} and {wx wy wz I}; in 2D {x y R m} and {vx vy w I}.
+/// {vx vy vz m} and {wx wy wz I}; in 2D {x y R m} and {vx vy w I}. For processors whose registers
+/// hold four numbers.
 template <class P>
 class MotionInRows {
   using Real = typename P::Real;
@@ -382,6 +383,8 @@ class MotionInRows {
 };
 
 template <class P>
-using Motion = std::conditional_t<in_rows_of_four<P>(), MotionInRows<P>, MotionInColumns<P>>;
+using Motion =
+    std::conditional_t<in_rows_of_four<P>() && 4 * sizeof(typename P::Real) <= simd::width,
+                       MotionInRows<P>, MotionInColumns<P>>;
 
 }  // namespace silt
