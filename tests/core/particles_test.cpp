@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: MIT
-#include "support/check.hpp"
-#include "support/points.hpp"
-
 #include <silt/core/fields.hpp>
 #include <silt/core/particles.hpp>
 #include <silt/search/ghosts.hpp>
 
+#include "support/check.hpp"
+#include "support/points.hpp"
 #include <gtest/gtest.h>
 
 #include <array>
@@ -205,6 +204,49 @@ TYPED_TEST(AllParticles, AreUnchangedUntilAnAdvanceIsFinished) {
   particles.restore();
   particles.finish_advance();
   EXPECT_EQ(state_of(particles), before);
+}
+
+TYPED_TEST(AllParticles, KeepTheirGhostsInSteps) {
+  using Real = typename TypeParam::Real;
+  using Vec = typename TypeParam::Vec;
+  auto particles = five_in_a_row<TypeParam>();
+  // Shared, so that a step writes to further memory.
+  std::vector<TypeParam> copies;
+  const auto step = [&] {
+    particles.save();
+    const auto [old, now] = particles.advance(position);
+    for (Index i = 0; i < now.size(); ++i) now[i] = old[i] + Vec::Ones();
+    particles.finish_advance();
+    copies.push_back(particles);
+  };
+  const auto ghost = [&](Index k) {
+    return Vec(particles.with_ghosts(position)[particles.size() + k]);
+  };
+  const Vec shift = Vec::Constant(Real(10));
+  particles.add_ghost(1, shift);
+  const Vec first = ghost(0);
+  for (int k = 0; k < 4; ++k) {
+    step();
+    EXPECT_EQ(ghost(0), first);
+  }
+  particles.refresh_ghosts(position);
+  EXPECT_EQ(ghost(0), Vec(first + Vec::Constant(Real(4))));
+  for (int k = 0; k < 4; ++k) {
+    step();
+    EXPECT_EQ(ghost(0), Vec(first + Vec::Constant(Real(4))));
+  }
+  particles.clear_ghosts();
+  particles.add_ghost(2, shift);
+  const Vec second = ghost(0);
+  for (int k = 0; k < 4; ++k) {
+    step();
+    EXPECT_EQ(ghost(0), second);
+  }
+  particles = copies[3];
+  for (int k = 0; k < 4; ++k) {
+    step();
+    EXPECT_EQ(ghost(0), first);
+  }
 }
 
 TYPED_TEST(AllParticles, KnowHowFarStepsHaveMovedThem) {

@@ -106,7 +106,10 @@ class Column {
               other.values_.begin() + std::ptrdiff_t(last),
               values_.begin() + std::ptrdiff_t(first));
   }
-  void swap(Column& other) noexcept { values_.swap(other.values_); }
+  void swap(Column& other) noexcept {
+    values_.swap(other.values_);
+    std::swap(ghosts, other.ghosts);
+  }
 
   std::span<Value> view(F, Index n) noexcept { return {values_.data(), n}; }
   std::span<const Value> view(F, Index n) const noexcept { return {values_.data(), n}; }
@@ -114,6 +117,8 @@ class Column {
   void for_each_field(Visit&& visit) const {
     visit(F{});
   }
+
+  std::uint64_t ghosts = 0;  ///< see Columns::finish_advance; set by it
 
  private:
   std::vector<Value> values_;
@@ -155,10 +160,12 @@ class Rows<Dim, Real, Bundle<Fs...>> {
     swap(other);
     return *this;
   }
-  Rows(const Rows& other) : numbers_(std::make_shared<Numbers>(*other.numbers_)) {}
+  Rows(const Rows& other)
+      : ghosts(other.ghosts), numbers_(std::make_shared<Numbers>(*other.numbers_)) {}
   Rows& operator=(const Rows& other) {
-    if (is_shared()) numbers_ = std::make_shared<Numbers>();
+    replace_if_shared();
     *numbers_ = *other.numbers_;
+    ghosts = other.ghosts;
     return *this;
   }
 
@@ -171,7 +178,9 @@ class Rows<Dim, Real, Bundle<Fs...>> {
     return false;
   }
   void replace_if_shared() {
-    if (is_shared()) numbers_ = std::make_shared<Numbers>();
+    if (!is_shared()) return;
+    numbers_ = std::make_shared<Numbers>();
+    ghosts = 0;
   }
 
   Index size() const noexcept { return numbers_->size() / width; }
@@ -189,7 +198,10 @@ class Rows<Dim, Real, Bundle<Fs...>> {
     std::copy(other.numbers_->data() + first * width, other.numbers_->data() + last * width,
               numbers_->data() + first * width);
   }
-  void swap(Rows& other) noexcept { numbers_.swap(other.numbers_); }
+  void swap(Rows& other) noexcept {
+    numbers_.swap(other.numbers_);
+    std::swap(ghosts, other.ghosts);
+  }
 
   template <class F>
   FieldView<value_of<F, Dim, Real>, Real, width> view(F, Index n) noexcept {
@@ -207,6 +219,8 @@ class Rows<Dim, Real, Bundle<Fs...>> {
   /// Number k of particle i is rows()[width i + k].
   Real* rows() noexcept { return numbers_->data(); }
   const Real* rows() const noexcept { return numbers_->data(); }
+
+  std::uint64_t ghosts = 0;  ///< see Columns::finish_advance; set by it
 
  private:
   std::shared_ptr<Numbers> numbers_ = std::make_shared<Numbers>();
@@ -323,9 +337,10 @@ class Columns<Dim, Real, std::tuple<All...>> {
   bool is_advancing(F) const noexcept {
     return std::get<place_of<F>>(units_).is_next;
   }
-  /// Makes the next values of all fields passed to advance() their values.
-  void finish_advance(Index owned) {
-    std::apply([owned](auto&... unit) { (unit.finish_advance(owned), ...); }, units_);
+  /// Makes the next values of all fields passed to advance() their values. `ghosts` is another
+  /// number whenever ghosts have changed.
+  void finish_advance(Index owned, std::uint64_t ghosts) {
+    std::apply([=](auto&... unit) { (unit.finish_advance(owned, ghosts), ...); }, units_);
   }
 
   void restore(Index owned) noexcept {
@@ -344,7 +359,7 @@ class Columns<Dim, Real, std::tuple<All...>> {
     static constexpr bool is_of_bundle = requires(Storage s) { s.rows(); };
     struct None {};
     Storage now;
-    Storage other;         // the saved values, or the next ones
+    Storage other;  // the saved values, or the next ones
     // Takes the place of `other` while that is shared.
     [[no_unique_address]] std::conditional_t<is_of_bundle, Storage, None> spare;
     bool kept = true;      // nothing more to save
@@ -362,10 +377,11 @@ class Columns<Dim, Real, std::tuple<All...>> {
       return true;
     }
 
-    // The ghosts keep their values.
-    void finish_advance(Index owned) {
+    // The ghosts keep their values, which `other` may still have from an earlier step.
+    void finish_advance(Index owned, std::uint64_t ghosts) {
       if (!is_next) return;
-      other.copy_from(now, owned, now.size());
+      if (other.ghosts != ghosts) other.copy_from(now, owned, now.size());
+      now.ghosts = other.ghosts = ghosts;
       now.swap(other);
       is_next = false;
       kept = true;

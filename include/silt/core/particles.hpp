@@ -217,6 +217,7 @@ class Particles {
   template <Field... F>
   void refresh_ghosts(F...) {
     (check_field<F>(), ...);
+    ghosts_revision_ = next_revision();
     for_each(owners_.size(), [&](Index g) { (refresh_ghost<F>(g), ...); });
   }
 
@@ -276,7 +277,7 @@ class Particles {
   /// Makes the next values of the fields passed to advance() their values. No particle has moved
   /// farther than max_displacement [m], except across a periodic side.
   void finish_advance(double max_displacement = std::numeric_limits<double>::infinity()) {
-    columns_.finish_advance(size());
+    columns_.finish_advance(size(), std::max(revision_, ghosts_revision_));
     travel_.distance += max_displacement;
     if (!is_finite(travel_.distance)) positions_changed_.set();
   }
@@ -375,6 +376,7 @@ class Particles {
   Box<Dim, Real> box_;
   std::uint64_t revision_ = 0;
   std::uint64_t owned_revision_ = 0;
+  std::uint64_t ghosts_revision_ = 0;  // of their values
   mutable detail::Mark positions_changed_{detail::Mark::Copied::set};
   mutable detail::Mark constants_changed_;
   mutable Travel travel_;
