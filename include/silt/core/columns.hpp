@@ -88,6 +88,9 @@ class Column {
  public:
   template <class Other>
   static constexpr bool has = std::same_as<F, Other>;
+  /// A bit for each field stored here.
+  template <class>
+  static constexpr unsigned bit_of = 1;
 
   Index size() const noexcept { return values_.size(); }
   void reserve(Index n) { values_.reserve(n); }
@@ -147,6 +150,10 @@ class Rows<Dim, Real, Bundle<Fs...>> {
     ((found = found || std::same_as<F, Fs>, sum += found ? 0 : numbers_of<Fs>), ...);
     return sum;
   }();
+  /// A bit for each field stored here.
+  template <class F>
+  static constexpr unsigned bit_of = 1u << offset<F>;
+  static_assert(width <= 32, "silt::Bundle: more than 32 numbers");
   static_assert(((offset<Fs> * sizeof(Real) % alignof(value_of<Fs, Dim, Real>) == 0 &&
                   width * sizeof(Real) % alignof(value_of<Fs, Dim, Real>) == 0) &&
                  ...),
@@ -317,7 +324,8 @@ class Columns<Dim, Real, std::tuple<All...>> {
     auto before = std::as_const(unit.now).view(field, owned);
     auto present = unit.now.view(field, owned);
     if (unit.kept) return Advance<decltype(before), decltype(present)>{before, present};
-    if (unit.begin_advance() && unit.is_of_bundle) unit.other.copy_from(unit.now, 0, owned);
+    unit.begin_advance();
+    unit.advanced |= unit.now.template bit_of<F>;
     return Advance<decltype(before), decltype(present)>{before, unit.other.view(field, owned)};
   }
   /// The same for all fields of the bundle with field F; every number must be written.
@@ -329,6 +337,7 @@ class Columns<Dim, Real, std::tuple<All...>> {
   AdvanceRows advance_rows(F) {
     auto& unit = unit_of<F>();
     if (!unit.kept) unit.begin_advance();
+    unit.advanced = ~0u;
     return {std::as_const(unit.now).rows(), unit.is_next ? unit.other.rows() : unit.now.rows()};
   }
   /// Whether the next values of field F are written to other memory, so that its present ones may
@@ -362,24 +371,30 @@ class Columns<Dim, Real, std::tuple<All...>> {
     Storage other;  // the saved values, or the next ones
     // Takes the place of `other` while that is shared.
     [[no_unique_address]] std::conditional_t<is_of_bundle, Storage, None> spare;
-    bool kept = true;      // nothing more to save
-    bool is_next = false;  // `other` holds the next values
+    bool kept = true;       // nothing more to save
+    bool is_next = false;   // `other` holds the next values
+    unsigned advanced = 0;  // of which fields, by bit_of
 
-    // Returns false if it has begun already.
-    bool begin_advance() {
-      if (is_next) return false;
+    void begin_advance() {
+      if (is_next) return;
       if constexpr (is_of_bundle) {
         if (other.is_shared()) other.swap(spare);
         other.replace_if_shared();
       }
       if (other.size() != now.size()) other.resize(now.size());
       is_next = true;
-      return true;
+      advanced = 0;
     }
 
     // The ghosts keep their values, which `other` may still have from an earlier step.
     void finish_advance(Index owned, std::uint64_t ghosts) {
       if (!is_next) return;
+      now.for_each_field([&]<class F>(F field) {
+        if ((advanced & Storage::template bit_of<F>) != 0) return;
+        const auto from = std::as_const(now).view(field, owned);
+        const auto to = other.view(field, owned);
+        silt::for_each(owned, [&](Index i) { to[i] = from[i]; });
+      });
       if (other.ghosts != ghosts) other.copy_from(now, owned, now.size());
       now.ghosts = other.ghosts = ghosts;
       now.swap(other);
