@@ -50,8 +50,8 @@ EightLoads<Dim> loads_in_lanes(const Law& law, const EightContacts<Dim>& contact
         }
       }
       eight.row[Row::overlap][lane] = contact.overlap;
-      eight.mass[lane] = contact.effective_mass;
-      eight.radius[lane] = contact.effective_radius;
+      eight.row[Row::mass][lane] = contact.effective_mass;
+      eight.row[Row::radius][lane] = contact.effective_radius;
     }
     evaluate_in_lanes(law, &eight, 1, contacts[0][k].time_step);
     for (int lane = 0; lane < lanes; ++lane) {
