@@ -13,7 +13,7 @@
 #include <algorithm>
 #include <type_traits>
 
-namespace silt::dem {
+namespace silt::dem::detail {
 
 /// One array per quantity of the contacts, by lane.
 template <int Dim, class RealType, int history_words, bool has_couple>
@@ -102,4 +102,4 @@ template <class Law, class Eights>
   }
 }
 
-}  // namespace silt::dem
+}  // namespace silt::dem::detail
