@@ -79,9 +79,7 @@ class BlockLoop {
     }
     template <class Lanes>
     void store_contacts(const EightNumbers& contacts, Index count, const Lanes& eight) {
-      loads.store(eight, count, [&](Index lane) {
-        return std::pair(division.slot_of(contacts[lane] / lanes), Index{contacts[lane] % lanes});
-      });
+      loads.store(eight, count, [&](Index lane) { return division.row_of(contacts[lane]); });
       for (Index lane = 0; lane < count; ++lane) {
         for (int k = 0; k < Lanes::words; ++k) {
           histories.at(contacts[lane], k) = eight.history[k][lane];

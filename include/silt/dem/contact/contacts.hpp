@@ -1,8 +1,13 @@
 // SPDX-License-Identifier: MIT
-// The contact interaction of DEM. In each step it rebuilds the list of contacts if necessary
-// (list_rebuild.hpp), evaluates the law once for each contact (block_evaluator.hpp), sums the
-// forces on each grain in a fixed order (load_rows.hpp), and checks that the time step is stable
-// (stable_time_step.hpp).
+// The contact interaction of DEM. A step, accelerate(), is made of
+//
+//   begin_step       rebuilds the list of contacts if necessary             list_rebuild.hpp
+//   loop             evaluates the law once for each contact, then sums     block_loop.hpp
+//                    the forces on each grain in a fixed order
+//   check_stability  throws if the time step is unstable for the contacts   stable_time_step.hpp
+//
+// Its result, an Evaluation (evaluation.hpp), replaces that of the step before; restore() undoes
+// this. Observers read it through ContactsOfStep (contacts_of_step.hpp).
 #pragma once
 
 #include <silt/core/concepts.hpp>
@@ -34,27 +39,6 @@
 #include <vector>
 
 namespace silt::dem {
-
-namespace detail {
-/// Throws if a radius, mass or inertia is not positive, or if a grain's material does not exist.
-template <class P, class Law>
-void check_grains(const P& grains, const Materials<Law>& materials) {
-  const auto R = grains[radius];
-  const auto m = grains[mass];
-  const auto inertias = grains[inertia];
-  const auto numbers = grains[material];
-  const Index odd = first_where(grains.size(), [&](Index i) {
-    return !(R[i] > 0 && m[i] > 0 && inertias[i] > 0 && numbers[i] < materials.count());
-  });
-  if (odd == no_index) return;
-  const Where where{.particle = odd, .id = grains.id(odd)};
-  materials.check(numbers[odd], "of a grain", where);
-  fail("dem::Contacts: radius = " + to_text(double(R[odd])) + " m, mass = " +
-           to_text(double(m[odd])) + " kg and inertia = " + to_text(double(inertias[odd])) +
-           " kg m² of a grain must be positive; set them",
-       where);
-}
-}  // namespace detail
 
 template <class P, class Law, class... Walls>
 class ContactsOf;
@@ -260,6 +244,7 @@ class ContactsOf : public Contacts<Law, Walls...> {
     }
   }
 
+  /// restore() undoes all steps since save(), see Simulation::step.
   void save() noexcept { saved_ = state_; }
   void restore() noexcept {
     state_ = saved_;
@@ -279,8 +264,8 @@ class ContactsOf : public Contacts<Law, Walls...> {
   // Replaced, not changed, by every step.
   struct State {
     Evaluation last;
-    std::shared_ptr<const PairHistory<History>>
-        given_history;  // by set_history(), until the next step
+    // By set_history(), until the next step.
+    std::shared_ptr<const PairHistory<History>> given_history;
   };
   // Used again in every step; a copy is empty.
   struct Memory {
@@ -361,9 +346,9 @@ class ContactsOf : public Contacts<Law, Walls...> {
   std::shared_ptr<const Histories> histories_on(const detail::ContactList& list, const P& grains) {
     const auto histories = memory_.histories.take();
     if (state_.given_history) {
-      histories->move_to(list, *state_.given_history);
+      histories->fill(list, *state_.given_history);
     } else {
-      histories->move_to(list, grains, state_.last.contacts(), *state_.last.after);
+      histories->fill(list, grains, state_.last.contacts(), *state_.last.after);
     }
     return histories;
   }

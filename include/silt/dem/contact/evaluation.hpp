@@ -20,16 +20,10 @@
 
 namespace silt::dem::detail {
 
-/// Objects that are used again when no other owner is left. A copy is empty.
+/// Objects that are used again when no other owner is left.
 template <class T>
 class Pool {
  public:
-  Pool() = default;
-  Pool(Pool&&) = default;
-  Pool& operator=(Pool&&) = default;
-  Pool(const Pool&) {}
-  Pool& operator=(const Pool&) { return *this; }
-
   std::shared_ptr<T> take() {
     for (const auto& each : all_) {
       if (each.use_count() > 1) continue;

@@ -28,9 +28,9 @@ class Histories {
     resize_tightly(numbers_, groups * words * lanes);
     resize_tightly(touching_, groups);
   }
-  /// Makes them those of a new list, from a PairHistory.
+  /// Makes them those of a new list, as far as they are in a PairHistory.
   template <class PairHistory>
-  void move_to(const ContactList& list, const PairHistory& pairs) {
+  void fill(const ContactList& list, const PairHistory& pairs) {
     begin(list);
     list.for_each_contact([&](Index c) {
       const auto* const known = pairs.find(list.first_id(c), list.second_id(c));
@@ -39,8 +39,8 @@ class Histories {
   }
   /// The same from the histories of the list before it; the grains are those of the new one.
   template <class P>
-  void move_to(const ContactList& list, const P& grains, const ContactList& last,
-               const Histories& from) {
+  void fill(const ContactList& list, const P& grains, const ContactList& last,
+            const Histories& from) {
     begin(list);
     last.for_each_contact([&](Index c) {
       if (!from.touches(c)) return;

@@ -23,14 +23,12 @@ struct LawLanes {
   static constexpr int words = history_words;
   using Row = ContactRow<has_couple>;
   static constexpr int spin_words = angular_size<Dim>;
-  /// Size of a history in Reals, rounded up to a multiple of four.
-  static constexpr int padded_words = (history_words + 3) / 4 * 4;
 
   // Input.
   alignas(64) Real velocity[Dim][lanes];
   alignas(64) Real relative_spin[has_couple ? spin_words : 1][lanes];
   // Input and output.
-  alignas(64) Real history[std::max(padded_words, 1)][lanes];
+  alignas(64) Real history[std::max(history_words, 1)][lanes];
   // By ContactRow: F and the couple are output, all else is input.
   alignas(64) Real row[Row::words][lanes];
 

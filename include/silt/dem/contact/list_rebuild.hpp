@@ -4,11 +4,13 @@
 
 #include <silt/core/box.hpp>
 #include <silt/core/concepts.hpp>
+#include <silt/core/error.hpp>
 #include <silt/core/nearest_image.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/travel.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/contact/contact_list.hpp>
+#include <silt/dem/law/materials.hpp>
 #include <silt/dem/setup/grains.hpp>
 
 #include <algorithm>
@@ -51,6 +53,24 @@ struct ListLifetime {
   std::uint64_t constants_revision = 0;
 };
 
+/// Throws if a radius, mass or inertia is not positive, or if a grain's material does not exist.
+template <class P, class Law>
+void check_grains(const P& grains, const Materials<Law>& materials) {
+  const auto R = grains[radius];
+  const auto m = grains[mass];
+  const auto inertias = grains[inertia];
+  const auto numbers = grains[material];
+  const Index odd = first_where(grains.size(), [&](Index i) {
+    return !(R[i] > 0 && m[i] > 0 && inertias[i] > 0 && numbers[i] < materials.count());
+  });
+  if (odd == no_index) return;
+  const Where where{.particle = odd, .id = grains.id(odd)};
+  materials.check(numbers[odd], "of a grain", where);
+  fail("dem::Contacts: radius = " + to_text(double(R[odd])) + " m, mass = " +
+           to_text(double(m[odd])) + " kg and inertia = " + to_text(double(inertias[odd])) +
+           " kg m² of a grain must be positive; set them",
+       where);
+}
 /// Copies the constants of the grains to a new list.
 template <class P, class List>
 void keep_constants(const P& grains, List& list) {

@@ -52,17 +52,17 @@ class LoadRows {
     Real* const to = this->slot(slot);
     for (int k = 0; k < Row::words; k += 4) rows_from(&columns[k], to + k, Row::words);
   }
-  /// The same for the first `count` of them, which touch; row_of(lane) is the slot, and the row
-  /// in it, of a contact.
-  template <class Lanes, class PlaceOf>
-  void store(const Lanes& eight, Index count, PlaceOf&& row_of) {
+  /// The same for the first `count` of them, which touch; row_of(lane) is the row of a
+  /// contact.
+  template <class Lanes, class RowOf>
+  void store(const Lanes& eight, Index count, RowOf&& row_of) {
     alignas(64) Real columns[Row::words][lanes];
     for (int first = 0; first < lanes; first += N) compute(eight, ~0u, first, columns);
     alignas(64) Real rows[lanes * Row::words];
     for (int k = 0; k < Row::words; k += 4) rows_from(&columns[k], rows + k, Row::words);
     for (Index lane = 0; lane < count; ++lane) {
-      const auto [slot, row] = row_of(lane);
-      std::copy_n(rows + lane * Row::words, Row::words, this->slot(slot) + row * Row::words);
+      std::copy_n(rows + lane * Row::words, Row::words,
+                  numbers_.data() + row_of(lane) * Row::words);
     }
   }
   void clear(Index slot) { std::fill_n(this->slot(slot), lanes * Row::words, Real(0)); }

@@ -46,9 +46,7 @@ class WorkDivision {
     for_each(list.grains(), [&](Index i) {
       for (Index s = list.begin(i); s < list.begin(i) + list.count(i); ++s) {
         const ContactList::Side side = list.sides()[s];
-        const Index row =
-            slot_of_group_[side.contact() / lanes] * Index(lanes) + side.contact() % lanes;
-        row_of_side_[s] = static_cast<std::uint32_t>(8 * row + side.is_second());
+        row_of_side_[s] = static_cast<std::uint32_t>(8 * row_of(side.contact()) + side.is_second());
       }
     });
   }
@@ -90,6 +88,9 @@ class WorkDivision {
   /// Number of groups of eight rows.
   Index slots() const noexcept { return slots_.back(); }
   Index slot_of(Index group) const noexcept { return slot_of_group_[group]; }
+  Index row_of(Index contact) const noexcept {
+    return slot_of(contact / lanes) * lanes + contact % lanes;
+  }
   /// For each side in the list: eight times the number of its row, plus one for the second grain.
   const std::uint32_t* row_of_side() const noexcept { return row_of_side_.data(); }
 
