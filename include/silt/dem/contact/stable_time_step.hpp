@@ -35,21 +35,19 @@ struct StabilityBounds {
   }
 };
 
-/// Mass [kg], inertia [kg m²] and lever arm [m] of a grain at a contact.
+/// How easily a contact rotates a grain.
 struct Lever {
-  double mass;
-  double inertia;
-  double arm;
+  double mass_over_inertia;  ///< [1/m²]
+  double arm;                ///< [m]
 };
 
 /// Upper bound of the contribution of one contact to the StabilityBounds of a grain.
 inline StabilityBounds contribution_bound(const Stiffness& k, double effective_mass,
                                           const Lever& lever) {
-  const double mass_over_inertia = lever.mass / lever.inertia;
-  const double linear =
-      std::max(k.normal, k.tangential * (1 + mass_over_inertia * squared(lever.arm)));
-  return {.spring = (linear + k.rolling * mass_over_inertia) / effective_mass,
-          .dashpot = (k.beta * linear + k.rolling_dashpot * mass_over_inertia) / effective_mass};
+  const double m_over_I = lever.mass_over_inertia;
+  const double linear = std::max(k.normal, k.tangential * (1 + m_over_I * squared(lever.arm)));
+  return {.spring = (linear + k.rolling * m_over_I) / effective_mass,
+          .dashpot = (k.beta * linear + k.rolling_dashpot * m_over_I) / effective_mass};
 }
 
 /// Upper bound of the squared angular frequency [1/s²] of a grain with all its contacts, and
@@ -73,8 +71,7 @@ class FrequencyBound {
     for (int a = 0; a < Dim; ++a) n[Index(a)] = double(contact.normal[a]);
     // Velocity of the contact point as a function of the grain's velocity and scaled spin w √(I/m).
     std::array<std::array<double, size>, Dim> motion{};
-    const double mass_over_inertia = lever.mass / lever.inertia;
-    const double scaled_arm = lever.arm * std::sqrt(mass_over_inertia);
+    const double scaled_arm = lever.arm * std::sqrt(lever.mass_over_inertia);
     for (Index a = 0; a < Dim; ++a) {
       motion[a][a] = 1;
       if constexpr (Dim == 2) {
@@ -100,8 +97,8 @@ class FrequencyBound {
       }
     }
     for (Index r = Dim; r < size; ++r) {
-      springs_[r][r] += k.rolling * mass_over_inertia / m;
-      dashpots_[r][r] += k.rolling_dashpot * mass_over_inertia / m;
+      springs_[r][r] += k.rolling * lever.mass_over_inertia / m;
+      dashpots_[r][r] += k.rolling_dashpot * lever.mass_over_inertia / m;
     }
   }
 
@@ -159,14 +156,13 @@ double shortest_contact(const P& grains, const Materials<Law>& materials) {
   contact.effective_mass = static_cast<Real>(lightest / 2);
   contact.effective_radius = static_cast<Real>(R / 2);
   contact.overlap = static_cast<Real>(usual_overlap * R);
-  const double mass_over_inertia = lightest / double(grains[inertia][grain]);
+  const double m_over_I = lightest / double(grains[inertia][grain]);
   for (std::uint32_t a = 0; a < materials.count(); ++a) {
     for (std::uint32_t b = 0; b < materials.count(); ++b) {
       const Stiffness k = materials.between(a, b).stiffness(contact);
       // A tangential spring also rotates the grain: 1 + m R²/I is 3 for discs and 3.5 for
       // spheres.
-      const double stiffest =
-          std::max({k.normal, 3.5 * k.tangential, k.rolling * mass_over_inertia});
+      const double stiffest = std::max({k.normal, 3.5 * k.tangential, k.rolling * m_over_I});
       if (!(stiffest > 0)) continue;
       shortest =
           std::min(shortest, contact_duration({.mass = lightest / 2, .stiffness = stiffest}));
@@ -189,15 +185,13 @@ double stable_for_all(const P& grains, const ContactList& list, const Walls& wal
   const Index max_contacts =
       largest(grains.size(), Index(0), [&](Index i) { return list.count(i); });
   // The grains that rotate most easily by a couple and by a force at their surface.
-  const double mass_over_inertia =
-      largest(grains.size(), 0.0, [&](Index i) { return double(m[i]) / double(I[i]); });
-  const double mass_over_inertia_at_surface = largest(grains.size(), 0.0, [&](Index i) {
-    return double(m[i]) / double(I[i]) * squared(double(R[i]));
-  });
-  if (!(mass_over_inertia > 0)) return std::numeric_limits<double>::infinity();
-  const Lever easiest_to_rotate{.mass = mass_over_inertia,
-                                .inertia = 1,
-                                .arm = std::sqrt(mass_over_inertia_at_surface / mass_over_inertia)};
+  const auto m_over_I = [&](Index i) { return double(m[i]) / double(I[i]); };
+  const double max_by_couple = largest(grains.size(), 0.0, m_over_I);
+  const double max_by_force =
+      largest(grains.size(), 0.0, [&](Index i) { return m_over_I(i) * squared(double(R[i])); });
+  if (!(max_by_couple > 0)) return std::numeric_limits<double>::infinity();
+  const Lever easiest{.mass_over_inertia = max_by_couple,
+                      .arm = std::sqrt(max_by_force / max_by_couple)};
   const NearestImage<P::dimension, Real> image(grains.box());
   std::vector<StabilityBounds> of_block(list.blocks());
   list.for_each_block([&](Index b, Index, Index) {
@@ -218,8 +212,7 @@ double stable_for_all(const P& grains, const ContactList& list, const Walls& wal
         contact.overlap += std::max<Real>(0, R[bodies.i] - at.distance);
       }
       const Stiffness k = law_of(c).stiffness(contact);
-      const StabilityBounds one =
-          contribution_bound(k, double(contact.effective_mass), easiest_to_rotate);
+      const StabilityBounds one = contribution_bound(k, double(contact.effective_mass), easiest);
       of_block[b].spring = std::max(of_block[b].spring, one.spring);
       of_block[b].dashpot = std::max(of_block[b].dashpot, one.dashpot);
     });
@@ -257,8 +250,7 @@ void check_stability(const P& grains, const ContactsOfStep& contacts, double dt)
       const LinearisedContact& each = linearised[side.contact()];
       if (!each.touches) continue;
       f(each.contact, each.stiffness,
-        Lever{.mass = double(m[i]),
-              .inertia = double(I[i]),
+        Lever{.mass_over_inertia = double(m[i]) / double(I[i]),
               .arm = double(grains[radius][i] - each.arm_reduction)});
     }
   };
@@ -278,12 +270,12 @@ void check_stability(const P& grains, const ContactsOfStep& contacts, double dt)
     });
     return bound.bounds().stable_time_step();
   };
-  const Index broken =
+  const Index unstable =
       first_where(grains.size(), [&](Index i) { return is_beyond(i) && dt > stable_of(i); });
-  if (broken == no_index) return;
+  if (unstable == no_index) return;
   fail("dem::Contacts: time_step = " + to_text(dt) + " s exceeds the stable time step " +
-           to_text(stable_of(broken)) + " s of a grain with its contacts; lower it",
-       {.particle = broken, .id = grains.id(broken)});
+           to_text(stable_of(unstable)) + " s of a grain with its contacts; lower it",
+       {.particle = unstable, .id = grains.id(unstable)});
 }
 
 }  // namespace silt::dem::detail
