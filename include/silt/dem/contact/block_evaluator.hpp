@@ -27,12 +27,10 @@ using EightNumbers = std::array<std::uint32_t, lanes>;
 
 /// Goes through the contacts of a block, group by group, and passes the law's results for those
 /// that touch to a Results object:
-///   results.begin(group, touching, is_whole)    once for each group; bit l of `touching` is set if
-///                                               contact l touches. If it is whole, its results are
-///                                               given together, otherwise one by one.
-///   results.store_group(group, lanes, touching)  the results of a whole group
-///   results.store_contacts(contacts, count, lanes)        the results of these contacts of other
-///   groups
+///   results.begin(group, touching, is_whole)        once for each group; bit l of `touching` is
+///                                                   set if contact l touches
+///   results.store_group(group, lanes, touching)     the results of a group that is whole
+///   results.store_contacts(contacts, count, lanes)  those of contacts of other groups
 /// evaluate(lanes, count, touching, contacts) evaluates the law for lane l of lanes[e] if bit l of
 /// touching[e] is set, and possibly for other lanes; contacts[e] are its contacts. `walls` is a
 /// WallsAtTime.
@@ -115,7 +113,7 @@ class BlockEvaluator {
       for (Index lane = 0; lane < lanes; ++lane) {
         contacts[lane] = static_cast<std::uint32_t>(c + lane);
       }
-      close(batch, group, touching, results);
+      add_to_batch(batch, group, touching, results);
     }
     flush(batch, results);
     return count;
@@ -140,13 +138,13 @@ class BlockEvaluator {
       append(first, collection.first, collection.count, touching);
       collection.count += append(second, collection.second, collection.count, touching);
       if (collection.count < Index(lanes)) continue;
-      close_collection<of_walls>(batch, collection, results);
+      add_collected<of_walls>(batch, collection, results);
       collection.count -= Index(lanes);
       for (auto* const column : {&collection.contacts, &collection.first, &collection.second}) {
         std::copy_n(column->begin() + lanes, lanes, column->begin());
       }
     }
-    if (collection.count > 0) close_collection<of_walls>(batch, collection, results);
+    if (collection.count > 0) add_collected<of_walls>(batch, collection, results);
     flush(batch, results);
     return count;
   }
@@ -196,8 +194,8 @@ class BlockEvaluator {
   }
 
   template <bool of_walls, class Results>
-  [[gnu::noinline]] void close_collection(Batch& batch, Collection& collection,
-                                          Results& results) const {
+  [[gnu::noinline]] void add_collected(Batch& batch, Collection& collection,
+                                       Results& results) const {
     const Index number = std::min<Index>(collection.count, lanes);
     for (Index lane = number; lane < Index(lanes); ++lane) {
       collection.contacts[lane] = collection.contacts[0];
@@ -210,11 +208,11 @@ class BlockEvaluator {
     find_touching<of_walls>(geometry, collection.first.data(), collection.second.data(), next);
     compute<of_walls>(geometry, collection.first.data(), collection.second.data(), touching, next);
     std::copy_n(collection.contacts.begin(), lanes, batch.contacts[batch.count].begin());
-    close(batch, collected, touching, results);
+    add_to_batch(batch, collected, touching, results);
   }
 
   template <class Results>
-  void close(Batch& batch, std::uint32_t group, unsigned touching, Results& results) const {
+  void add_to_batch(Batch& batch, std::uint32_t group, unsigned touching, Results& results) const {
     batch.touching[batch.count] = touching;
     batch.group[batch.count] = group;
     if (++batch.count == batch_size) flush(batch, results);

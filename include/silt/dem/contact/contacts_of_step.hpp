@@ -52,7 +52,7 @@ class ContactsOfStep {
   template <class F>
   void for_each(F&& f) const {
     const auto walls = walls_then();
-    for_each_touch([&](Index, const ContactBodies& bodies, const Real* row) {
+    for_each_with_row([&](Index, const auto& bodies, const Real* row) {
       f(bodies.i, bodies.j, contact_at(row, bodies, walls),
         Row::template force_in<P::dimension>(row));
     });
@@ -62,7 +62,7 @@ class ContactsOfStep {
   template <class F>
   void for_each_at_walls(F&& f) const {
     const auto walls = walls_then();
-    for_each_touch([&](Index, const ContactBodies& bodies, const Real* row) {
+    for_each_with_row([&](Index, const auto& bodies, const Real* row) {
       if (bodies.wall == no_index) return;
       WallContact<P::dimension, Real> touch;
       touch.grain = bodies.i;
@@ -97,7 +97,7 @@ class ContactsOfStep {
   void for_each_evaluated_contact(F&& f) const {
     const auto walls = walls_then();
     const auto walls_of_law = walls_in_law<P>(walls_, evaluation_.step);
-    for_each_touch([&](Index c, const ContactBodies& bodies, const Real* row) {
+    for_each_with_row([&](Index c, const auto& bodies, const Real* row) {
       const Law& law = law_of(c);
       const auto contact = contact_at(row, bodies, walls_of_law);
       RigidVelocity<P::dimension, Real> wall;
@@ -135,7 +135,7 @@ class ContactsOfStep {
     double energy = 0;
     if constexpr (GivesEnergy<Law, P::dimension, Real>) {
       const auto walls = walls_then();
-      for_each_touch([&](Index c, const ContactBodies& bodies, const Real* row) {
+      for_each_with_row([&](Index c, const auto& bodies, const Real* row) {
         energy += double(
             law_of(c).elastic_energy(contact_at(row, bodies, walls), evaluation_.after->of(c)));
       });
@@ -147,19 +147,19 @@ class ContactsOfStep {
   auto history() const {
     using Table = PairHistory<typename LawHistory::type>;
     std::vector<typename Table::Entry> entries;
-    for_each_index([&](Index c, const ContactBodies&) {
+    for_each_in_order([&](Index c, const ContactBodies&) {
       const ContactList& list = evaluation_.contacts();
       entries.push_back({list.first_id(c), list.second_id(c), evaluation_.after->of(c)});
     });
     return Table(std::move(entries));
   }
 
-  /// f(c, contact, stiffness, bodies, arm_reduction) for every contact, with the velocities of
-  /// walls at the time N of the contacts.
+  /// f(c, contact, stiffness, arm_reduction) for every contact, with the velocities of walls at the
+  /// time N of the contacts.
   template <class F>
   void for_each_stiffness(F&& f) const {
     const auto walls = walls_then();
-    for_each_touch([&](Index c, const ContactBodies& bodies, const Real* row) {
+    for_each_with_row([&](Index c, const auto& bodies, const Real* row) {
       const auto contact = contact_at(row, bodies, walls);
       f(c, contact, law_of(c).stiffness(contact), row[Row::arm_reduction]);
     });
@@ -187,7 +187,7 @@ class ContactsOfStep {
   // order of the grains in memory, those of a grain in the order of the partners' ids, so that sums
   // do not depend on when the list was built.
   template <class F>
-  void for_each_index(F&& f) const {
+  void for_each_in_order(F&& f) const {
     const ContactList& list = evaluation_.contacts();
     list.for_each_contact_by_grain([&](Index c) {
       if (!evaluation_.after->touches(c)) return;
@@ -200,12 +200,12 @@ class ContactsOfStep {
   }
   // f(c, bodies, row) for the same; the rows are computed again.
   template <class F>
-  void for_each_touch(F&& f) const {
+  void for_each_with_row(F&& f) const {
     if (evaluation_.count == 0) return;
     std::vector<Real> rows(evaluation_.contacts().size() * Row::words);
     evaluate_again(rows.data());
-    for_each_index(
-        [&](Index c, const ContactBodies& bodies) { f(c, bodies, rows.data() + c * Row::words); });
+    for_each_in_order(
+        [&](Index c, const auto& bodies) { f(c, bodies, rows.data() + c * Row::words); });
   }
 
   struct Results {
