@@ -11,7 +11,6 @@
 #pragma once
 
 #include <silt/core/concepts.hpp>
-#include <silt/core/error.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/rows_of_four.hpp>
 #include <silt/core/types.hpp>
@@ -31,6 +30,7 @@
 #include <silt/dem/wall/walls.hpp>
 
 #include <concepts>
+#include <cstdint>
 #include <limits>
 #include <memory>
 #include <optional>

@@ -15,11 +15,9 @@
 #include <silt/dem/law/contact.hpp>
 #include <silt/dem/law/law_history.hpp>
 #include <silt/dem/law/materials.hpp>
-#include <silt/dem/setup/grains.hpp>
 #include <silt/dem/wall/moving.hpp>
 #include <silt/dem/wall/wall.hpp>
 
-#include <cstdint>
 #include <string>
 #include <utility>
 #include <vector>

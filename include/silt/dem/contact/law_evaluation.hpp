@@ -7,11 +7,8 @@
 #include <silt/dem/contact/contact_settings.hpp>
 #include <silt/dem/contact/evaluation.hpp>
 #include <silt/dem/contact/law_lanes.hpp>
-#include <silt/dem/law/contact.hpp>
 #include <silt/dem/law/law_history.hpp>
 #include <silt/dem/law/materials.hpp>
-
-#include <cstdint>
 
 namespace silt::dem::detail {
 

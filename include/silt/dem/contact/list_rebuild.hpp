@@ -71,6 +71,7 @@ void check_grains(const P& grains, const Materials<Law>& materials) {
            " kg m² of a grain must be positive; set them",
        where);
 }
+
 /// Copies the constants of the grains to a new list.
 template <class P, class List>
 void keep_constants(const P& grains, List& list) {

@@ -7,7 +7,6 @@
 #include <silt/dem/contact/contact_list.hpp>
 #include <silt/dem/contact/list_rebuild.hpp>
 #include <silt/dem/contact/pair_history.hpp>
-#include <silt/dem/setup/grains.hpp>
 
 #include <cstdint>
 #include <vector>

@@ -102,8 +102,10 @@ class FrequencyBound {
     }
   }
 
-  StabilityBounds bounds() const {
-    return {.spring = largest_eigenvalue(springs_), .dashpot = largest_eigenvalue(dashpots_)};
+  double stable_time_step() const {
+    return StabilityBounds{.spring = largest_eigenvalue(springs_),
+                           .dashpot = largest_eigenvalue(dashpots_)}
+        .stable_time_step();
   }
 
  private:
@@ -268,7 +270,7 @@ void check_stability(const P& grains, const ContactsOfStep& contacts, double dt)
     for_each_contact_of(i, [&](const auto& contact, const Stiffness& k, const Lever& lever) {
       bound.add(contact, k, lever);
     });
-    return bound.bounds().stable_time_step();
+    return bound.stable_time_step();
   };
   const Index unstable =
       first_where(grains.size(), [&](Index i) { return is_beyond(i) && dt > stable_of(i); });

@@ -2,7 +2,6 @@
 // How the blocks of grains are divided among threads, and where the loads of contacts are kept.
 #pragma once
 
-#include <silt/core/columns.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/contact/contact_list.hpp>
@@ -15,10 +14,10 @@
 
 namespace silt::dem::detail {
 
-/// How the blocks of grains are divided among threads, and in which rows the loads of each contact
-/// are kept. Each thread processes consecutive blocks: it evaluates the contacts of a block and
+/// Each thread processes consecutive blocks: it evaluates the contacts of a block and
 /// then sums the forces on its grains, except those with contacts that belong to blocks of other
-/// threads, which have to wait for these. No result depends on the division.
+/// threads, which are deferred until all threads have evaluated theirs. No result depends on the
+/// division.
 class WorkDivision {
  public:
   /// Adapts it to a list and a number of threads, unless it already is.
@@ -56,7 +55,6 @@ class WorkDivision {
   Index threads() const noexcept { return first_block_.empty() ? 0 : first_block_.size() - 1; }
   /// The first block of a thread.
   Index first_block(Index thread) const noexcept { return first_block_[thread]; }
-  /// Whether a grain has to wait until all threads have evaluated their contacts.
   bool is_deferred(Index grain) const noexcept { return is_deferred_[grain] != 0; }
   /// f(first, last) for short ranges of the grains of [first, last) that are not deferred.
   template <class F>
