@@ -21,10 +21,11 @@
 namespace silt::dem::detail {
 
 /// The loop and the memory that it uses again in every step.
-template <class P, class Histories, bool has_couple>
+template <class P, class Evaluation>
 class BlockLoop {
   using Real = typename P::Real;
-  using Loads = LoadRows<P::dimension, Real, has_couple>;
+  using Histories = typename Evaluation::Histories;
+  using Loads = LoadRows<P::dimension, Real, Evaluation::Lanes::Row::has_couple>;
 
  public:
   /// Has to be called when a list has been rebuilt in the same memory.

@@ -24,7 +24,6 @@
 #include <silt/dem/contact/saved_list.hpp>
 #include <silt/dem/contact/stable_time_step.hpp>
 #include <silt/dem/law/contact.hpp>
-#include <silt/dem/law/law_history.hpp>
 #include <silt/dem/law/materials.hpp>
 #include <silt/dem/setup/grains.hpp>
 #include <silt/dem/wall/walls.hpp>
@@ -106,10 +105,8 @@ template <class P, class Law, class... Walls>
 class ContactsOf : public Contacts<Law, Walls...> {
   using Real = typename P::Real;
   static constexpr int dimension = P::dimension;
-  using LawHistory = dem::LawHistory<Law, dimension, Real>;
-  using History = typename LawHistory::type;
-  static constexpr bool has_couple = GivesCouple<Law, dimension, Real>;
-  using Evaluation = detail::Evaluation<P, LawHistory, has_couple>;
+  using Evaluation = detail::Evaluation<P, Law>;
+  using History = typename Evaluation::LawHistory::type;
   using List = typename Evaluation::List;
   using Histories = typename Evaluation::Histories;
   using SavedList = detail::SavedList<dimension, Real>;
@@ -281,7 +278,7 @@ class ContactsOf : public Contacts<Law, Walls...> {
     detail::Pool<List> lists;
     detail::Pool<Histories> histories;
     typename detail::SharedGrains<P>::Pools copies;
-    detail::BlockLoop<P, Histories, has_couple> loop;
+    detail::BlockLoop<P, Evaluation> loop;
     std::vector<detail::ContactList::PairsOfBlock> by_block;
   };
 

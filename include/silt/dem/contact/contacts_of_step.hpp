@@ -31,11 +31,10 @@ template <class P, class Law, class Walls>
 class ContactsOfStep {
   using Real = typename P::Real;
   using Vec = typename P::Vec;
-  using LawHistory = dem::LawHistory<Law, P::dimension, Real>;
-  static constexpr bool has_couple = GivesCouple<Law, P::dimension, Real>;
-  using Row = ContactRow<has_couple>;
   using Contact = dem::Contact<P::dimension, Real>;
-  using Evaluation = detail::Evaluation<P, LawHistory, has_couple>;
+  using Evaluation = detail::Evaluation<P, Law>;
+  using LawHistory = typename Evaluation::LawHistory;
+  using Row = typename Evaluation::Lanes::Row;
 
  public:
   ContactsOfStep(const P& grains, const Materials<Law>& materials, const Walls& walls,

@@ -13,6 +13,8 @@
 #include <silt/dem/contact/histories.hpp>
 #include <silt/dem/contact/law_lanes.hpp>
 #include <silt/dem/contact/list_rebuild.hpp>
+#include <silt/dem/law/contact.hpp>
+#include <silt/dem/law/law_history.hpp>
 
 #include <atomic>
 #include <memory>
@@ -74,11 +76,13 @@ class SharedGrains {
   std::shared_ptr<const Numbers> spins_;
 };
 
-/// An evaluation of all contacts in one step. LawHistory is a dem::LawHistory.
-template <class P, class LawHistory, bool has_couple>
+/// An evaluation of all contacts in one step.
+template <class P, class Law>
 struct Evaluation {
   using Real = typename P::Real;
-  using Lanes = LawLanes<P::dimension, Real, LawHistory::words, has_couple>;
+  using LawHistory = dem::LawHistory<Law, P::dimension, Real>;
+  using Lanes =
+      LawLanes<P::dimension, Real, LawHistory::words, GivesCouple<Law, P::dimension, Real>>;
   using List = ReusableList<P::dimension, Real>;
   using Histories = detail::Histories<Real, LawHistory>;
 
