@@ -62,11 +62,10 @@ BondStability stability_of(const P& grains, const std::vector<B>& bonds, const B
       contact.effective_mass = m_a / (m_a + m_b) * m_b;
       const Real share = arm_of_a(grains, ends);
       bound.add(contact, springs_of(law, section_at(grains, ends, law)).stiffness(law.beta),
-                {.mass = double(grains[mass][i]),
-                 .inertia = double(grains[inertia][i]),
+                {.mass_over_inertia = double(grains[mass][i]) / double(grains[inertia][i]),
                  .arm = double((ends.a == i ? share : 1 - share) * bonds[k].length)});
     }
-    const double stable = bound.stiffest().stable_time_step();
+    const double stable = bound.stable_time_step();
     if (stable < least.time_step) least = {.time_step = stable, .grain = grains.id(i)};
   }
   return least;

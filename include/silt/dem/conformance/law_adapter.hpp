@@ -25,20 +25,20 @@ using EightLoads = std::array<std::vector<LawLoad<Dim>>, lanes>;
 template <class Law, int Dim>
   requires LawInLanes<Law, Dim, double>
 EightLoads<Dim> loads_in_lanes(const Law& law, const EightContacts<Dim>& contacts) {
-  using Kept = LawHistory<Law, Dim, double>;
+  using History = LawHistory<Law, Dim, double>;
   constexpr bool has_couple = GivesCouple<Law, Dim, double>;
-  using Eight = LawLanes<Dim, double, Kept::words, has_couple>;
+  using Eight = LawLanes<Dim, double, History::words, has_couple>;
   using Row = typename Eight::Row;
 
   Eight eight{};
   EightLoads<Dim> loads;
-  double fresh[std::max(Kept::words, 1)];
-  Kept::put({}, fresh);
+  double fresh[std::max(History::words, 1)];
+  History::put({}, fresh);
   for (Index k = 0; k < contacts[0].size(); ++k) {
     for (int lane = 0; lane < lanes; ++lane) {
       const auto& contact = contacts[static_cast<Index>(lane)][k];
       if (k == 0 || !(contact.overlap > 0)) {
-        for (int word = 0; word < Kept::words; ++word) eight.history[word][lane] = fresh[word];
+        for (int word = 0; word < History::words; ++word) eight.history[word][lane] = fresh[word];
       }
       for (int d = 0; d < Dim; ++d) {
         eight.row[Row::n + d][lane] = contact.normal[d];

@@ -12,7 +12,7 @@
 #include <cstdint>
 #include <type_traits>
 
-namespace silt::dem {
+namespace silt::dem::detail {
 
 /// The grains of up to eight pairs, or at up to eight wall elements, and their distances. Into is a
 /// LawLanes.
@@ -60,10 +60,10 @@ class ContactGeometry {
     return ~apart;
   }
 
-  /// Computes the contacts of the loaded pairs. arm_share is the fraction of δ by which lever arms
-  /// are shorter than R.
+  /// Computes the contacts of the loaded pairs. reduction_per_overlap is the fraction of δ by which
+  /// lever arms are shorter than R.
   [[gnu::always_inline]] void compute_pairs(const Grains& grains, const std::uint32_t* first,
-                                            const std::uint32_t* second, Real arm_share,
+                                            const std::uint32_t* second, Real reduction_per_overlap,
                                             Into& into) const {
     for (int p = 0; p < packs; ++p) {
       typename Grains::Motion i, j;
@@ -78,10 +78,10 @@ class ContactGeometry {
       const Pack against_r = -(m * R) * per_all;
       Pack n[Dim];
       for (int k = 0; k < Dim; ++k) n[k] = r_[p][k] * against_r;
-      const Pack shorter = arm_share * overlap_[p];
+      const Pack arm_reduction = reduction_per_overlap * overlap_[p];
       Pack u[Dim], u_j[Dim];
-      surface_velocity(i, shorter - i_[p].R, n, u);
-      surface_velocity(j, j_[p].R - shorter, n, u_j);
+      surface_velocity(i, arm_reduction - i_[p].R, n, u);
+      surface_velocity(j, j_[p].R - arm_reduction, n, u_j);
       for (int k = 0; k < Dim; ++k) u[k] -= u_j[k];
       if constexpr (Row::has_couple) {
         for (int k = 0; k < spin_words; ++k) {
@@ -89,7 +89,7 @@ class ContactGeometry {
         }
       }
       const Pack r_per_all = distance_[p] * per_all;
-      store(p, n, overlap_[p], u, shorter, m_i * m_j * (R * r_per_all),
+      store(p, n, overlap_[p], u, arm_reduction, m_i * m_j * (R * r_per_all),
             i_[p].R * j_[p].R * (m * r_per_all), into);
     }
   }
@@ -120,23 +120,23 @@ class ContactGeometry {
   /// of the wall; `nullptr` if no wall moves.
   template <class Velocity>
   void compute_walls(const Grains& grains, const std::uint32_t* first,
-                     [[maybe_unused]] const std::uint32_t* second, Real arm_share,
+                     [[maybe_unused]] const std::uint32_t* second, Real reduction_per_overlap,
                      [[maybe_unused]] Velocity&& velocity, Into& into) const {
     for (int p = 0; p < packs; ++p) {
       typename Grains::Motion i;
       grains.load(first + p * N, i);
       Pack n[Dim];
       for (int k = 0; k < Dim; ++k) n[k] = simd::load<Real, N>(into.row[Row::n + k] + p * N);
-      const Pack shorter = arm_share * overlap_[p];
+      const Pack arm_reduction = reduction_per_overlap * overlap_[p];
       Pack u[Dim];
-      surface_velocity(i, shorter - i_[p].R, n, u);
+      surface_velocity(i, arm_reduction - i_[p].R, n, u);
       if constexpr (!std::is_null_pointer_v<std::remove_cvref_t<Velocity>>) {
         // Through arrays, because g++ 12 at -O3 miscompiles packs that are written lane by lane.
         Real u_walls[Dim][N], w_walls[spin_words][N];
         for (int lane = 0; lane < N; ++lane) {
           Vec point;
           for (int k = 0; k < Dim; ++k) {
-            point[k] = i_[p].x[k][lane] + (shorter[lane] - i_[p].R[lane]) * n[k][lane];
+            point[k] = i_[p].x[k][lane] + (arm_reduction[lane] - i_[p].R[lane]) * n[k][lane];
           }
           const RigidVelocity<Dim, Real> wall = velocity(second[p * N + lane]);
           const Vec u_wall = wall.at(point);
@@ -151,7 +151,7 @@ class ContactGeometry {
           simd::store<Real, N>(into.relative_spin[k] + p * N, i.w[k]);
         }
       }
-      store(p, n, overlap_[p], u, shorter, Grains::mass_of(i_[p], i), i_[p].R, into);
+      store(p, n, overlap_[p], u, arm_reduction, Grains::mass_of(i_[p], i), i_[p].R, into);
     }
   }
 
@@ -174,7 +174,7 @@ class ContactGeometry {
   }
 
   [[gnu::always_inline]] static void store(int p, const Pack (&n)[Dim], const Pack& overlap,
-                                           const Pack (&u)[Dim], const Pack& shorter,
+                                           const Pack (&u)[Dim], const Pack& arm_reduction,
                                            const Pack& mass, const Pack& R, Into& into) {
     const auto put = [p](Real(&column)[lanes], const Pack& pack) {
       simd::store<Real, N>(column + p * N, pack);
@@ -184,7 +184,7 @@ class ContactGeometry {
     put(into.row[Row::mass], mass);
     put(into.row[Row::radius], R);
     put(into.row[Row::overlap], overlap);
-    put(into.row[Row::shorter], shorter);
+    put(into.row[Row::arm_reduction], arm_reduction);
   }
 
   typename Grains::Position i_[packs];
@@ -194,4 +194,4 @@ class ContactGeometry {
   Pack overlap_[packs];
 };
 
-}  // namespace silt::dem
+}  // namespace silt::dem::detail

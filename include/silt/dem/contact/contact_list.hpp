@@ -3,7 +3,7 @@
 // steps just go through it:
 //
 //   contact    0   1   2 …           those of a block of grains: pairs, then grains at walls
-//   first    [ 3   3   5 …           index of the grain with the lower id, times place_factor
+//   first    [ 3   3   5 …           index of the grain with the lower id, times index_scale
 //   second   [ 9   4   9 …           index of the other, or the element of a wall, likewise
 //
 // A pair belongs to the block of the grain with the lower index. The pairs of a block, and its
@@ -29,7 +29,7 @@
 #include <utility>
 #include <vector>
 
-namespace silt::dem {
+namespace silt::dem::detail {
 
 /// Grains whose contacts are evaluated together; then their forces are summed.
 inline constexpr Index block_size = 256;
@@ -62,13 +62,13 @@ class ContactList {
   Index grains() const noexcept { return ids_.size(); }
   bool is_of_wall(Index contact) const noexcept { return second_[contact] >= wall_bit; }
   /// Indices of the two grains, or of the wall's element.
-  std::uint32_t first(Index contact) const noexcept { return index_at(first_[contact]); }
-  std::uint32_t second(Index contact) const noexcept { return index_at(second_[contact]); }
-  /// The places of eight contacts, from which index_at() returns the index.
+  std::uint32_t first(Index contact) const noexcept { return unscaled(first_[contact]); }
+  std::uint32_t second(Index contact) const noexcept { return unscaled(second_[contact]); }
+  /// The scaled indices of eight contacts, from which unscaled() returns the index.
   const std::uint32_t* first_of_group(Index contact) const noexcept { return &first_[contact]; }
   const std::uint32_t* second_of_group(Index contact) const noexcept { return &second_[contact]; }
-  static std::uint32_t index_at(std::uint32_t place) noexcept {
-    return (place & ~wall_bit) / place_factor;
+  static std::uint32_t unscaled(std::uint32_t scaled) noexcept {
+    return (scaled & ~wall_bit) / index_scale;
   }
   /// The id of a grain when the list was built.
   Id id(Index grain) const noexcept { return ids_[grain]; }
@@ -79,8 +79,8 @@ class ContactList {
   }
   /// The block that a contact belongs to.
   Index block_of(Index contact) const noexcept {
-    const std::uint32_t place = first_[contact];
-    return index_at(is_of_wall(contact) ? place : std::min(place, second_[contact])) / block_size;
+    const std::uint32_t scaled = first_[contact];
+    return unscaled(is_of_wall(contact) ? scaled : std::min(scaled, second_[contact])) / block_size;
   }
 
   /// Contacts [first, last); first is a multiple of eight.
@@ -117,6 +117,11 @@ class ContactList {
     }
   }
 
+  /// f(contact) for each, in parallel.
+  template <class F>
+  void for_each_contact(F&& f) const {
+    for_each_block([&](Index b, Index, Index) { for_each_contact(b, f); });
+  }
   /// f(contact) for each, grain by grain as they lie in memory, and at each in the order of the
   /// partners' ids, which is independent of the search.
   template <class F>
@@ -135,8 +140,9 @@ class ContactList {
   std::span<const Side> sides() const noexcept { return sides_; }
   Index begin(Index i) const noexcept { return begin_[i]; }
 
-  /// Results of the search in each block, before they are put into one list. The memory is reused.
-  struct Found {
+  /// The pairs found at the grains of a block, before they are put into one list. The memory is
+  /// reused.
+  struct PairsOfBlock {
     std::vector<Pair> pairs;
     std::vector<Pair> walls;  ///< a grain and the element of a wall
     std::vector<Pair> of_other_blocks;
@@ -144,25 +150,26 @@ class ContactList {
   /// Builds the list: pairs_at(i, add) and walls_at(i, add) call add for each pair and each wall
   /// element found at grain i.
   template <class P, class PairsAt, class WallsAt>
-  void build(const P& grains, PairsAt&& pairs_at, WallsAt&& walls_at, std::vector<Found>& found) {
+  void build(const P& grains, PairsAt&& pairs_at, WallsAt&& walls_at,
+             std::vector<PairsOfBlock>& by_block) {
     const auto ids = grains.ids();
     ids_.assign(ids.begin(), ids.end());
-    found.resize(block_count(ids.size()));
+    by_block.resize(block_count(ids.size()));
     for_each_block([&](Index b, Index first, Index last) {
-      Found& own = found[b];
+      PairsOfBlock& own = by_block[b];
       own.pairs.clear();
       own.walls.clear();
       own.of_other_blocks.clear();
       for (Index i = first; i < last; ++i) {
         pairs_at(i, [&](const Pair& pair) {
-          (home_of(pair) == b ? own.pairs : own.of_other_blocks).push_back(pair);
+          (block_of(pair) == b ? own.pairs : own.of_other_blocks).push_back(pair);
         });
         walls_at(i, [&](std::uint32_t element) {
           own.walls.push_back({static_cast<std::uint32_t>(i), element});
         });
       }
     });
-    line_up(found);
+    concatenate(by_block);
     list_sides();
   }
 
@@ -182,24 +189,24 @@ class ContactList {
   static constexpr std::uint32_t wall_bit = std::uint32_t(1) << 31;
 
   static constexpr Index full_groups(Index n) { return (n + lanes - 1) / lanes * lanes; }
-  static Index home_of(const Pair& pair) { return std::min(pair.first, pair.second) / block_size; }
+  static Index block_of(const Pair& pair) { return std::min(pair.first, pair.second) / block_size; }
 
-  void line_up(const std::vector<Found>& found) {
-    std::vector<Index> further(found.size(), 0);
-    for (const Found& each : found) {
-      for (const Pair& pair : each.of_other_blocks) ++further[home_of(pair)];
+  void concatenate(const std::vector<PairsOfBlock>& by_block) {
+    std::vector<Index> further(by_block.size(), 0);
+    for (const PairsOfBlock& each : by_block) {
+      for (const Pair& pair : each.of_other_blocks) ++further[block_of(pair)];
     }
-    blocks_.resize(found.size());
+    blocks_.resize(by_block.size());
     Index size = 0;
-    for (Index b = 0; b < found.size(); ++b) {
+    for (Index b = 0; b < by_block.size(); ++b) {
       Block& block = blocks_[b];
-      block.pairs = {size, size + found[b].pairs.size() + further[b]};
+      block.pairs = {size, size + by_block[b].pairs.size() + further[b]};
       block.walls.first = full_groups(block.pairs.last);
-      block.walls.last = block.walls.first + found[b].walls.size();
+      block.walls.last = block.walls.first + by_block[b].walls.size();
       size = block.all().last;
-      further[b] = block.pairs.first + found[b].pairs.size();
+      further[b] = block.pairs.first + by_block[b].pairs.size();
     }
-    if (std::max(size, grains() * place_factor) >= wall_bit) {
+    if (std::max(size, grains() * index_scale) >= wall_bit) {
       fail("dem::Contacts: there are " + std::to_string(grains()) + " grains and " +
            std::to_string(size) +
            " near contacts, more than 2^28 of the former or 2^31 of the latter; use fewer grains");
@@ -213,20 +220,20 @@ class ContactList {
         put(c, {static_cast<std::uint32_t>(grain), static_cast<std::uint32_t>(grain)});
       }
       Index c = block.pairs.first;
-      for (const Pair& pair : found[b].pairs) put(c++, pair);
+      for (const Pair& pair : by_block[b].pairs) put(c++, pair);
       c = block.walls.first;
-      for (const Pair& pair : found[b].walls) {
+      for (const Pair& pair : by_block[b].walls) {
         put(c, pair);
         second_[c++] |= wall_bit;
       }
     });
-    for (const Found& each : found) {
-      for (const Pair& pair : each.of_other_blocks) put(further[home_of(pair)]++, pair);
+    for (const PairsOfBlock& each : by_block) {
+      for (const Pair& pair : each.of_other_blocks) put(further[block_of(pair)]++, pair);
     }
   }
   void put(Index contact, const Pair& pair) {
-    first_[contact] = pair.first * place_factor;
-    second_[contact] = pair.second * place_factor;
+    first_[contact] = pair.first * index_scale;
+    second_[contact] = pair.second * index_scale;
   }
 
   // Each task lists the sides of its own range of grains. Pairs belong to the grain with the lower
@@ -321,4 +328,4 @@ class ContactList {
   std::vector<Id> ids_;
 };
 
-}  // namespace silt::dem
+}  // namespace silt::dem::detail

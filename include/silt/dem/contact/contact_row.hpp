@@ -4,7 +4,7 @@
 
 #include <silt/core/types.hpp>
 
-namespace silt::dem {
+namespace silt::dem::detail {
 
 /// The input and the results of the law for a contact except its velocities and its history: n, δ,
 /// F on the first grain, R minus the lever arm, effective mass and radius, and the couple on the
@@ -15,7 +15,7 @@ struct ContactRow {
   static constexpr int n = 0;
   static constexpr int overlap = 3;
   static constexpr int F = 4;
-  static constexpr int shorter = 7;
+  static constexpr int arm_reduction = 7;
   static constexpr int mass = 8;
   static constexpr int radius = 9;
   static constexpr int couple = 10;
@@ -39,4 +39,4 @@ struct ContactRow {
   }
 };
 
-}  // namespace silt::dem
+}  // namespace silt::dem::detail

@@ -1,62 +1,43 @@
 // SPDX-License-Identifier: MIT
-// The contact interaction of DEM. In each step it rebuilds the list of contacts if necessary
-// (list_renewal.hpp), evaluates the law once for each contact (contact_kernel.hpp), sums the forces
-// on each grain in a fixed order (load_rows.hpp), and checks that the time step is stable
-// (stable_time_step.hpp).
+// The contact interaction of DEM. A step, accelerate(), is made of
+//
+//   begin_step       rebuilds the list of contacts if necessary             list_rebuild.hpp
+//   loop             evaluates the law once for each contact, then sums     block_loop.hpp
+//                    the forces on each grain in a fixed order
+//   check_stability  throws if the time step is unstable for the contacts   stable_time_step.hpp
+//
+// Its result, an Evaluation (evaluation.hpp), replaces that of the step before; restore() undoes
+// this. Observers read it through ContactsOfStep (contacts_of_step.hpp).
 #pragma once
 
 #include <silt/core/concepts.hpp>
-#include <silt/core/error.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/rows_of_four.hpp>
 #include <silt/core/types.hpp>
-#include <silt/dem/contact/contact_kernel.hpp>
+#include <silt/dem/contact/block_loop.hpp>
 #include <silt/dem/contact/contact_settings.hpp>
 #include <silt/dem/contact/contacts_of_step.hpp>
 #include <silt/dem/contact/evaluation.hpp>
 #include <silt/dem/contact/law_evaluation.hpp>
-#include <silt/dem/contact/list_renewal.hpp>
-#include <silt/dem/contact/load_rows.hpp>
+#include <silt/dem/contact/list_rebuild.hpp>
 #include <silt/dem/contact/pair_history.hpp>
 #include <silt/dem/contact/saved_list.hpp>
 #include <silt/dem/contact/stable_time_step.hpp>
 #include <silt/dem/law/contact.hpp>
-#include <silt/dem/law/law_history.hpp>
 #include <silt/dem/law/materials.hpp>
 #include <silt/dem/setup/grains.hpp>
 #include <silt/dem/wall/walls.hpp>
 
-#include <algorithm>
 #include <concepts>
-#include <cstring>
+#include <cstdint>
 #include <limits>
 #include <memory>
-#include <numeric>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 namespace silt::dem {
-
-/// Throws if a radius, mass or inertia is not positive, or if a grain's material does not exist.
-template <class P, class Law>
-void check_grains(const P& grains, const Materials<Law>& materials) {
-  const auto R = grains[radius];
-  const auto m = grains[mass];
-  const auto inertias = grains[inertia];
-  const auto numbers = grains[material];
-  const Index odd = first_where(grains.size(), [&](Index i) {
-    return !(R[i] > 0 && m[i] > 0 && inertias[i] > 0 && numbers[i] < materials.count());
-  });
-  if (odd == no_index) return;
-  const Where where{.particle = odd, .id = grains.id(odd)};
-  materials.check(numbers[odd], "of a grain", where);
-  fail("dem::Contacts: radius = " + to_text(double(R[odd])) + " m, mass = " +
-           to_text(double(m[odd])) + " kg and inertia = " + to_text(double(inertias[odd])) +
-           " kg m² of a grain must be positive; set them",
-       where);
-}
 
 template <class P, class Law, class... Walls>
 class ContactsOf;
@@ -124,13 +105,12 @@ template <class P, class Law, class... Walls>
 class ContactsOf : public Contacts<Law, Walls...> {
   using Real = typename P::Real;
   static constexpr int dimension = P::dimension;
-  using Kept = LawHistory<Law, dimension, Real>;
-  using History = typename Kept::type;
-  static constexpr bool has_couple = GivesCouple<Law, dimension, Real>;
-  using Evaluation = dem::Evaluation<P, Kept, has_couple>;
+  using Evaluation = detail::Evaluation<P, Law>;
+  using History = typename Evaluation::LawHistory::type;
   using List = typename Evaluation::List;
   using Histories = typename Evaluation::Histories;
-  using LastStep = ContactsOfStep<P, Law, WallSet<Walls...>>;
+  using SavedList = detail::SavedList<dimension, Real>;
+  using ContactsOfStep = detail::ContactsOfStep<P, Law, WallSet<Walls...>>;
 
  public:
   ContactsOf(Contacts<Law, Walls...> contacts) : Contacts<Law, Walls...>(std::move(contacts)) {}
@@ -157,38 +137,33 @@ class ContactsOf : public Contacts<Law, Walls...> {
   /// evaluation is for the grains as they are at this call.
   bool needs_search(const P& grains) const {
     is_rebuild_announced_ =
-        state_.given != nullptr || have_constants_changed(grains) || is_stale(grains);
+        state_.given_history != nullptr || have_constants_changed(grains) || is_stale(grains);
     return *is_rebuild_announced_;
   }
 
-  /// Adds contact forces and torques. Throws if two centres coincide, if a radius, mass or inertia
-  /// is not positive, if a material does not exist, or if dt exceeds the stability limit.
-  template <class S>
-  void accelerate(P& grains, const S& search, double dt) {
-    constexpr auto nothing = [](Index, Index) {};
-    accelerate(grains, search, dt, Pass{nothing, nothing});
-  }
-
-  /// The same in one pass over the grains, see AcceleratesInPass in core/concepts.hpp: block by
-  /// block, the law is evaluated for all contacts, then the forces on each grain are summed.
-  template <class S, class Before, class After>
-  void accelerate(P& grains, const S& search, double dt, const Pass<Before, After>& pass) {
-    Evaluation step = begin_step(grains, search, {.time = time_, .time_step = dt});
+  /// Adds contact forces and torques, in a pass over the grains if one is given, see
+  /// AcceleratesInPass in core/concepts.hpp. Throws if two centres coincide, if a radius, mass or
+  /// inertia is not positive, if a material does not exist, or if dt exceeds the stability limit.
+  template <class S, class Before = DoNothing, class After = DoNothing>
+  void accelerate(P& grains, const S& search, double dt, const Pass<Before, After>& pass = {}) {
+    Evaluation evaluation = begin_step(grains, search, {.time = time_, .time_step = dt});
     const auto after = memory_.histories.take();
-    after->resize(step.contacts().groups());
-    memory_.division.fit(step.contacts(), step.list.get(),
-                         static_cast<Index>(threads_for(grains.size())));
-    memory_.loads.resize(memory_.division.slots());
-    step.count = process_blocks(grains, step, *after, pass);
-    step.after = after;
-    step.grains = SharedGrains<P>(grains, memory_.copies);
+    const auto walls = detail::walls_in_law<P>(walls_, evaluation.step);
+    const auto evaluate_law = detail::law_evaluation<P>(evaluation, materials_, walls_);
+    const detail::GrainRows<dimension, Real> rows(std::as_const(grains));
+    evaluation.count = memory_.loop(
+        grains, evaluation.contacts(),
+        detail::block_evaluator<P>(evaluation, rows, walls, settings_, evaluate_law), *after, pass);
+    evaluation.after = after;
+    evaluation.grains = detail::SharedGrains<P>(grains, memory_.copies);
     if constexpr (knows_stiffness) {
-      if (settings_.check_stability && dt > step.list->stable_time_step) {
-        check_stability(grains, LastStep(grains, materials_, walls_, settings_, step), dt);
+      if (settings_.check_stability && dt > evaluation.list->stable_time_step) {
+        const ContactsOfStep contacts(grains, materials_, walls_, settings_, evaluation);
+        check_stability(grains, contacts, dt);
       }
     }
-    state_.last = std::move(step);
-    state_.given.reset();
+    state_.last = std::move(evaluation);
+    state_.given_history.reset();
   }
 
   /// Sets the time of the positions [s], which determines where moving walls are. Called by
@@ -199,7 +174,7 @@ class ContactsOf : public Contacts<Law, Walls...> {
   /// steps_per_contact.
   double time_step(const P& grains) const {
     double shortest = std::numeric_limits<double>::infinity();
-    if constexpr (knows_stiffness) shortest = shortest_contact(grains, materials_);
+    if constexpr (knows_stiffness) shortest = detail::shortest_contact(grains, materials_);
     return shortest / settings_.steps_per_contact;
   }
 
@@ -238,19 +213,19 @@ class ContactsOf : public Contacts<Law, Walls...> {
   }
 
   /// The law returns the components of its force and the energy in its springs.
-  static constexpr bool gives_spring_energy = LastStep::gives_spring_energy;
+  static constexpr bool gives_spring_energy = ContactsOfStep::gives_spring_energy;
 
   /// Energy in the springs of the last step's contacts [J]; 0 for a law without elastic_energy().
   double elastic_energy(const P& grains) const { return last_step(grains).elastic_energy(); }
 
   /// The history of all contacts, by pairs of ids; for a checkpoint.
   PairHistory<History> history(const P& grains) const {
-    return state_.given ? *state_.given : last_step(grains).history();
+    return state_.given_history ? *state_.given_history : last_step(grains).history();
   }
 
   /// Replaces the history; for resuming from a checkpoint.
   void set_history(const P&, const PairHistory<History>& history) {
-    state_.given = std::make_shared<const PairHistory<History>>(history);
+    state_.given_history = std::make_shared<const PairHistory<History>>(history);
   }
 
   /// Writes or reads the histories and the list for a checkpoint, see core/transfer.hpp.
@@ -266,6 +241,7 @@ class ContactsOf : public Contacts<Law, Walls...> {
     }
   }
 
+  /// restore() undoes all steps since save(), see Simulation::step.
   void save() noexcept { saved_ = state_; }
   void restore() noexcept {
     state_ = saved_;
@@ -285,7 +261,8 @@ class ContactsOf : public Contacts<Law, Walls...> {
   // Replaced, not changed, by every step.
   struct State {
     Evaluation last;
-    std::shared_ptr<const PairHistory<History>> given;  // by set_history(), until the next step
+    // By set_history(), until the next step.
+    std::shared_ptr<const PairHistory<History>> given_history;
   };
   // Used again in every step; a copy is empty.
   struct Memory {
@@ -294,17 +271,15 @@ class ContactsOf : public Contacts<Law, Walls...> {
     Memory& operator=(Memory&&) = default;
     Memory(const Memory&) {}
     Memory& operator=(const Memory&) {
-      division.reset();
+      loop.forget_list();
       return *this;
     }
 
-    Pool<List> lists;
-    Pool<Histories> histories;
-    typename SharedGrains<P>::Pools copies;
-    WorkDivision division;
-    LoadRows<dimension, Real, has_couple> loads;
-    std::vector<ContactList::Found> found;
-    std::vector<char> is_dense;  // by block, from the last step
+    detail::Pool<List> lists;
+    detail::Pool<Histories> histories;
+    typename detail::SharedGrains<P>::Pools copies;
+    detail::BlockLoop<P, Evaluation> loop;
+    std::vector<detail::ContactList::PairsOfBlock> by_block;
   };
 
   bool have_constants_changed(const P& grains) const {
@@ -312,49 +287,46 @@ class ContactsOf : public Contacts<Law, Walls...> {
                                           state_.last.lifetime.constants_revision);
   }
   bool is_stale(const P& grains) const {
-    return dem::is_stale(grains, walls_, time_, *state_.last.list, state_.last.lifetime);
+    return detail::is_stale(grains, walls_, time_, *state_.last.list, state_.last.lifetime);
   }
 
-  LastStep last_step(const P& grains) const {
+  ContactsOfStep last_step(const P& grains) const {
     return {grains, materials_, walls_, settings_, state_.last};
   }
 
   // An evaluation with the list and the histories before it.
   template <class S>
-  Evaluation begin_step(P& grains, const S& search, const StepTime& time) {
-    Evaluation step;
-    step.step = time;
-    step.box = grains.box();
+  Evaluation begin_step(const P& grains, const S& search, const detail::StepTime& step) {
     // Other parts of Forces may have had access to the masses since needs_search(); a rebuild then
     // has to wait for the next step, as the search has not been updated.
     const bool may_rebuild = is_rebuild_announced_.value_or(true);
     const bool rebuilds = may_rebuild ? needs_search(grains) : is_stale(grains);
     is_rebuild_announced_.reset();
+    Evaluation evaluation;
+    evaluation.step = step;
+    evaluation.box = grains.box();
     if (rebuilds) {
-      check_grains(grains, materials_);
-      const auto list = memory_.lists.take();
-      memory_.division.reset();
-      renew(grains, search, time, *list);
-      step.lifetime = {.since = grains.travel(),
-                       .distance = double(list->margin / 2),
-                       .constants_revision = grains.constants_revision()};
-      const auto before = memory_.histories.take();
-      move_histories(grains, list->contacts, *before);
-      step.list = list;
-      step.before = before;
+      detail::check_grains(grains, materials_);
+      const auto list = take_list();
+      rebuild(grains, search, step, *list);
+      evaluation.list = list;
+      evaluation.lifetime = {.since = grains.travel(),
+                             .distance = double(list->margin / 2),
+                             .constants_revision = grains.constants_revision()};
+      evaluation.before = histories_on(list->contacts, grains);
     } else {
-      step.list = state_.last.list;
-      step.lifetime = state_.last.lifetime;
-      step.before = state_.last.after;
+      evaluation.list = state_.last.list;
+      evaluation.lifetime = state_.last.lifetime;
+      evaluation.before = state_.last.after;
     }
-    return step;
+    return evaluation;
   }
 
   template <class S>
-  void renew(const P& grains, const S& search, const StepTime& step, List& list) {
+  void rebuild(const P& grains, const S& search, const detail::StepTime& step, List& list) {
     begin_list(grains, search, walls_, step, reach(grains), list);
-    const auto walls = walls_at<P>(walls_, step);
-    find_contacts(grains, search, walls, list, memory_.found);
+    const auto walls = detail::walls_at<P>(walls_, step);
+    find_contacts(grains, search, walls, list, memory_.by_block);
     if constexpr (knows_stiffness) {
       list.stable_time_step = stable_for_all(
           grains, list.contacts, walls, list.margin,
@@ -362,126 +334,40 @@ class ContactsOf : public Contacts<Law, Walls...> {
     }
   }
 
-  // Fills in the histories that contacts of a new list had in the last step.
-  void move_histories(const P& grains, const ContactList& list, Histories& to) const {
-    to.resize(list.groups());
-    to.clear();
-    const auto for_each_contact_of = [](const ContactList& contacts, auto&& f) {
-      contacts.for_each_block(
-          [&](Index block, Index, Index) { contacts.for_each_contact(block, f); });
-    };
-    if (state_.given) {
-      return for_each_contact_of(list, [&](Index c) {
-        const auto* const known = state_.given->find(list.first_id(c), list.second_id(c));
-        if (known != nullptr) to.set(c, *known);
-      });
+  std::shared_ptr<List> take_list() {
+    memory_.loop.forget_list();
+    return memory_.lists.take();
+  }
+
+  // The histories that contacts of a new list had in the last step.
+  std::shared_ptr<const Histories> histories_on(const detail::ContactList& list, const P& grains) {
+    const auto histories = memory_.histories.take();
+    if (state_.given_history) {
+      histories->fill(list, *state_.given_history);
+    } else {
+      histories->fill(list, grains, state_.last.contacts(), *state_.last.after);
     }
-    const ContactList& last = state_.last.contacts();
-    const Histories& from = *state_.last.after;
-    for_each_contact_of(last, [&](Index c) {
-      if (!from.touches(c)) return;
-      const Index found = list.find(last.first_id(c), last.second_id(c),
-                                    [&](Id id) { return grains.index_of(id); });
-      if (found != no_index) to.set(found, from.of(c));
-    });
+    return histories;
   }
 
   // The list of the last step, if it is of the grains as they are.
-  SavedList<dimension, Real> saved_list(const P& grains) const {
+  SavedList saved_list(const P& grains) const {
     const List& last = *state_.last.list;
-    const bool is_of_these = !state_.given && last.owned_revision == grains.owned_revision() &&
+    const bool is_of_these = !state_.given_history &&
+                             last.owned_revision == grains.owned_revision() &&
                              !have_constants_changed(grains);
-    return is_of_these ? SavedList<dimension, Real>(last) : SavedList<dimension, Real>();
+    return is_of_these ? SavedList(last) : SavedList();
   }
-  void restore_list(const SavedList<dimension, Real>& saved, const P& grains) {
+  void restore_list(const SavedList& saved, const P& grains) {
     if (!saved.fits(grains, walls_.elements())) return;  // it is rebuilt in the next step
-    const auto list = memory_.lists.take();
-    memory_.division.reset();
-    saved.restore(grains, *list, memory_.found);
-    const auto histories = memory_.histories.take();
-    move_histories(grains, list->contacts, *histories);
+    const auto list = take_list();
+    saved.restore(grains, *list, memory_.by_block);
     Evaluation last;
     last.list = list;
-    last.before = last.after = histories;
+    last.before = last.after = histories_on(list->contacts, grains);
     state_.last = std::move(last);
-    state_.given.reset();
+    state_.given_history.reset();
   }
-
-  // Evaluates all contacts and sums the forces. Returns how many touch.
-  template <class Before, class After>
-  Index process_blocks(P& grains, const Evaluation& step, Histories& after,
-                       const Pass<Before, After>& pass) {
-    const ContactList& list = step.contacts();
-    const WorkDivision& division = memory_.division;
-    const auto walls = walls_in_law<P>(walls_, step.step);
-    const auto evaluate = law_evaluation<P>(step, materials_, walls_);
-    const auto kernel = contact_kernel<P>(step, GrainRows<dimension, Real>(std::as_const(grains)),
-                                          walls, settings_, evaluate);
-    const auto add = [&](Index first, Index last) {
-      pass.before(first, last);
-      memory_.loads.add_to(grains, list, division, first, last);
-      pass.after(first, last);
-    };
-    std::vector<Index> counts(division.threads(), 0);
-    memory_.is_dense.resize(list.blocks(), false);
-    for_each_task(division.threads(), [&](Index thread) {
-      ResultsOfStep results{memory_.loads, division, after};
-      for (Index b = division.first_block(thread); b < division.first_block(thread + 1); ++b) {
-        const Index touching = kernel(b, memory_.is_dense[b] != 0, results);
-        memory_.is_dense[b] = kernel.is_dense(b, touching);
-        counts[thread] += touching;
-        const Index end = std::min(grains.size(), (b + 1) * block_size);
-        for_each_ready(division, b * block_size, end, add);
-      }
-    });
-    for_each_task(division.threads(), [&](Index thread) {
-      division.for_each_waiting(thread, [&](Index i) { add(i, i + 1); });
-    });
-    return std::accumulate(counts.begin(), counts.end(), Index(0));
-  }
-
-  // f(first, last) for short ranges of the grains of [first, last) that do not wait.
-  template <class F>
-  static void for_each_ready(const WorkDivision& division, Index first, Index last, F&& f) {
-    while (first < last) {
-      if (division.waits(first)) {
-        ++first;
-        continue;
-      }
-      Index end = first + 1;
-      while (end < last && end < first + range_size && !division.waits(end)) ++end;
-      f(first, end);
-      first = end;
-    }
-  }
-
-  // Where the results of a step go.
-  struct ResultsOfStep {
-    LoadRows<dimension, Real, has_couple>& loads;
-    const WorkDivision& division;
-    Histories& histories;
-
-    void begin(Index group, unsigned touching, bool is_whole) {
-      histories.set_touching_in_group(group, touching);
-      if (!is_whole) loads.clear(division.slot_of(group));
-    }
-    template <class Lanes>
-    void give_group(Index group, const Lanes& eight, unsigned touching) {
-      loads.store(division.slot_of(group), eight, touching);
-      std::memcpy(histories.group(group), eight.history, sizeof(Real) * Lanes::words * lanes);
-    }
-    template <class Lanes>
-    void give(const EightNumbers& contacts, Index count, const Lanes& eight) {
-      loads.store(eight, count, [&](Index lane) {
-        return std::pair(division.slot_of(contacts[lane] / lanes), Index{contacts[lane] % lanes});
-      });
-      for (Index lane = 0; lane < count; ++lane) {
-        for (int k = 0; k < Lanes::words; ++k) {
-          histories.at(contacts[lane], k) = eight.history[k][lane];
-        }
-      }
-    }
-  };
 
   struct Reach {
     std::uint64_t revision = 0;

@@ -6,7 +6,7 @@
 #include <silt/core/four.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/types.hpp>
-#include <silt/dem/contact/contact_kernel.hpp>
+#include <silt/dem/contact/block_evaluator.hpp>
 #include <silt/dem/contact/contact_settings.hpp>
 #include <silt/dem/contact/evaluation.hpp>
 #include <silt/dem/contact/law_evaluation.hpp>
@@ -15,16 +15,14 @@
 #include <silt/dem/law/contact.hpp>
 #include <silt/dem/law/law_history.hpp>
 #include <silt/dem/law/materials.hpp>
-#include <silt/dem/setup/grains.hpp>
 #include <silt/dem/wall/moving.hpp>
 #include <silt/dem/wall/wall.hpp>
 
-#include <cstdint>
 #include <string>
 #include <utility>
 #include <vector>
 
-namespace silt::dem {
+namespace silt::dem::detail {
 
 /// View of the last step of Contacts, limited to contacts whose grains still exist. `grains` may be
 /// those before or after that step; the velocities of contacts are computed from theirs. Walls is a
@@ -33,23 +31,27 @@ template <class P, class Law, class Walls>
 class ContactsOfStep {
   using Real = typename P::Real;
   using Vec = typename P::Vec;
-  using Kept = LawHistory<Law, P::dimension, Real>;
-  static constexpr bool has_couple = GivesCouple<Law, P::dimension, Real>;
-  using Row = ContactRow<has_couple>;
   using Contact = dem::Contact<P::dimension, Real>;
-  using Evaluation = dem::Evaluation<P, Kept, has_couple>;
+  using Evaluation = detail::Evaluation<P, Law>;
+  using LawHistory = typename Evaluation::LawHistory;
+  using Row = typename Evaluation::Lanes::Row;
 
  public:
   ContactsOfStep(const P& grains, const Materials<Law>& materials, const Walls& walls,
-                 const ContactSettings& settings, const Evaluation& step)
-      : grains_(grains), materials_(materials), walls_(walls), settings_(settings), step_(step) {}
+                 const ContactSettings& settings, const Evaluation& evaluation)
+      : grains_(grains),
+        materials_(materials),
+        walls_(walls),
+        settings_(settings),
+        evaluation_(evaluation) {}
 
   /// See Contacts::for_each_contact.
   template <class F>
   void for_each(F&& f) const {
     const auto walls = walls_then();
-    for_each_touch([&](Index, const Sides& sides, const Real* row) {
-      f(sides.i, sides.j, contact_at(row, sides, walls), Row::template force_in<P::dimension>(row));
+    for_each_with_row([&](Index, const auto& bodies, const Real* row) {
+      f(bodies.i, bodies.j, contact_at(row, bodies, walls),
+        Row::template force_in<P::dimension>(row));
     });
   }
 
@@ -57,13 +59,13 @@ class ContactsOfStep {
   template <class F>
   void for_each_at_walls(F&& f) const {
     const auto walls = walls_then();
-    for_each_touch([&](Index, const Sides& sides, const Real* row) {
-      if (sides.wall == no_index) return;
+    for_each_with_row([&](Index, const auto& bodies, const Real* row) {
+      if (bodies.wall == no_index) return;
       WallContact<P::dimension, Real> touch;
-      touch.grain = sides.i;
-      touch.wall = walls_.number_of(sides.wall);
-      touch.point = contact_point<P, Row>(grains_, row, sides);
-      const auto velocity = walls.velocity(sides.wall);
+      touch.grain = bodies.i;
+      touch.wall = walls_.number_of(bodies.wall);
+      touch.point = contact_point<P, Row>(grains_, row, bodies);
+      const auto velocity = walls.velocity(bodies.wall);
       touch.velocity = velocity.at(touch.point);
       touch.spin = velocity.spin;
       touch.force = -Row::template force_in<P::dimension>(row);
@@ -91,28 +93,28 @@ class ContactsOfStep {
   template <class F>
   void for_each_evaluated_contact(F&& f) const {
     const auto walls = walls_then();
-    const auto walls_of_law = walls_in_law<P>(walls_, step_.step);
-    for_each_touch([&](Index c, const Sides& sides, const Real* row) {
+    const auto walls_of_law = walls_in_law<P>(walls_, evaluation_.step);
+    for_each_with_row([&](Index c, const auto& bodies, const Real* row) {
       const Law& law = law_of(c);
-      const auto contact = contact_at(row, sides, walls_of_law);
+      const auto contact = contact_at(row, bodies, walls_of_law);
       RigidVelocity<P::dimension, Real> wall;
-      if (sides.wall != no_index) wall = walls.velocity(sides.wall);
+      if (bodies.wall != no_index) wall = walls.velocity(bodies.wall);
       const auto evaluate = [&] {
-        if constexpr (Kept::words == 0) {
+        if constexpr (LawHistory::words == 0) {
           return evaluate_law(law, contact);
         } else {
-          auto own = step_.before->of(c);
+          auto own = evaluation_.before->of(c);
           return evaluate_law(law, contact, own);
         }
       };
       f(EvaluatedContact<P::dimension, Real, decltype(evaluate())>{
-          .sides = sides,
-          .first = step_.contacts().first_id(c),
-          .second = step_.contacts().second_id(c),
+          .bodies = bodies,
+          .first = evaluation_.contacts().first_id(c),
+          .second = evaluation_.contacts().second_id(c),
           .contact = contact,
-          .shorter = row[Row::shorter],
+          .arm_reduction = row[Row::arm_reduction],
           .answer = evaluate(),
-          .wall_velocity = wall.at(contact_point<P, Row>(grains_, row, sides)),
+          .wall_velocity = wall.at(contact_point<P, Row>(grains_, row, bodies)),
           .wall_spin = wall.spin,
           .elastic = elastic_energies(law, contact, c)});
     });
@@ -121,7 +123,7 @@ class ContactsOfStep {
   /// The law returns the components of its force and the energy in its springs.
   static constexpr bool gives_spring_energy =
       GivesComponents<Law, P::dimension, Real> &&
-      requires(const Law law, const Contact c, const typename Kept::type history) {
+      requires(const Law law, const Contact c, const typename LawHistory::type history) {
         law.elastic_energies(c, history);
       };
 
@@ -130,9 +132,9 @@ class ContactsOfStep {
     double energy = 0;
     if constexpr (GivesEnergy<Law, P::dimension, Real>) {
       const auto walls = walls_then();
-      for_each_touch([&](Index c, const Sides& sides, const Real* row) {
-        energy +=
-            double(law_of(c).elastic_energy(contact_at(row, sides, walls), step_.after->of(c)));
+      for_each_with_row([&](Index c, const auto& bodies, const Real* row) {
+        energy += double(
+            law_of(c).elastic_energy(contact_at(row, bodies, walls), evaluation_.after->of(c)));
       });
     }
     return energy;
@@ -140,66 +142,67 @@ class ContactsOfStep {
 
   /// See Contacts::history.
   auto history() const {
-    using Remembered = PairHistory<typename Kept::type>;
-    std::vector<typename Remembered::Entry> entries;
-    for_each_index([&](Index c, const Sides&) {
-      const ContactList& list = step_.contacts();
-      entries.push_back({list.first_id(c), list.second_id(c), step_.after->of(c)});
+    using Table = PairHistory<typename LawHistory::type>;
+    std::vector<typename Table::Entry> entries;
+    for_each_in_order([&](Index c, const ContactBodies&) {
+      const ContactList& list = evaluation_.contacts();
+      entries.push_back({list.first_id(c), list.second_id(c), evaluation_.after->of(c)});
     });
-    return Remembered(std::move(entries));
+    return Table(std::move(entries));
   }
 
-  /// f(c, contact, stiffness, sides, shorter) for every contact, with the velocities of walls at
-  /// the time N of the contacts.
+  /// f(c, contact, stiffness, arm_reduction) for every contact, with the velocities of walls at the
+  /// time N of the contacts.
   template <class F>
   void for_each_stiffness(F&& f) const {
     const auto walls = walls_then();
-    for_each_touch([&](Index c, const Sides& sides, const Real* row) {
-      const auto contact = contact_at(row, sides, walls);
-      f(c, contact, law_of(c).stiffness(contact), row[Row::shorter]);
+    for_each_with_row([&](Index c, const auto& bodies, const Real* row) {
+      const auto contact = contact_at(row, bodies, walls);
+      f(c, contact, law_of(c).stiffness(contact), row[Row::arm_reduction]);
     });
   }
-  const ContactList& list() const { return step_.contacts(); }
+  const ContactList& list() const { return evaluation_.contacts(); }
 
  private:
-  const Law& law_of(Index c) const { return law_between(*step_.list, materials_, walls_, c); }
+  const Law& law_of(Index c) const { return law_between(*evaluation_.list, materials_, walls_, c); }
 
-  auto walls_then() const { return walls_at<P>(walls_, step_.step); }
+  auto walls_then() const { return walls_at<P>(walls_, evaluation_.step); }
 
-  Contact contact_at(const Real* row, const Sides& sides, const auto& walls) const {
-    return contact_of<Row>(grains_, row, sides, walls, step_.step.time_step);
+  Contact contact_at(const Real* row, const ContactBodies& bodies, const auto& walls) const {
+    return contact_of<Row>(grains_, row, bodies, walls, evaluation_.step.time_step);
   }
 
   ElasticEnergies elastic_energies(const Law& law, const Contact& contact, Index c) const {
     if constexpr (gives_spring_energy) {
-      return law.elastic_energies(contact, step_.after->of(c));
+      return law.elastic_energies(contact, evaluation_.after->of(c));
     } else {
       return {};
     }
   }
 
-  // f(c, sides) for every contact of the step whose grains still exist. They are visited in the
+  // f(c, bodies) for every contact of the step whose grains still exist. They are visited in the
   // order of the grains in memory, those of a grain in the order of the partners' ids, so that sums
   // do not depend on when the list was built.
   template <class F>
-  void for_each_index(F&& f) const {
-    const ContactList& list = step_.contacts();
+  void for_each_in_order(F&& f) const {
+    const ContactList& list = evaluation_.contacts();
     list.for_each_contact_by_grain([&](Index c) {
-      if (!step_.after->touches(c)) return;
+      if (!evaluation_.after->touches(c)) return;
       const bool at_wall = list.is_of_wall(c);
-      const Sides sides{.i = grains_.index_of(list.first_id(c)),
-                        .j = at_wall ? no_index : grains_.index_of(list.second_id(c)),
-                        .wall = at_wall ? list.second(c) : no_index};
-      if (sides.i != no_index && (at_wall || sides.j != no_index)) f(c, sides);
+      const ContactBodies bodies{.i = grains_.index_of(list.first_id(c)),
+                                 .j = at_wall ? no_index : grains_.index_of(list.second_id(c)),
+                                 .wall = at_wall ? list.second(c) : no_index};
+      if (bodies.i != no_index && (at_wall || bodies.j != no_index)) f(c, bodies);
     });
   }
-  // f(c, sides, row) for the same; the rows are computed again.
+  // f(c, bodies, row) for the same; the rows are computed again.
   template <class F>
-  void for_each_touch(F&& f) const {
-    if (step_.count == 0) return;
-    std::vector<Real> rows(step_.contacts().size() * Row::words);
+  void for_each_with_row(F&& f) const {
+    if (evaluation_.count == 0) return;
+    std::vector<Real> rows(evaluation_.contacts().size() * Row::words);
     evaluate_again(rows.data());
-    for_each_index([&](Index c, const Sides& sides) { f(c, sides, rows.data() + c * Row::words); });
+    for_each_in_order(
+        [&](Index c, const auto& bodies) { f(c, bodies, rows.data() + c * Row::words); });
   }
 
   struct Results {
@@ -207,13 +210,13 @@ class ContactsOfStep {
 
     void begin(Index, unsigned, bool) {}
     template <class Lanes>
-    void give_group(Index group, const Lanes& eight, unsigned) {
+    void store_group(Index group, const Lanes& eight, unsigned) {
       for (int k = 0; k < Row::words; k += 4) {
         rows_from(&eight.row[k], rows + group * lanes * Row::words + k, Row::words);
       }
     }
     template <class Lanes>
-    void give(const EightNumbers& contacts, Index count, const Lanes& eight) {
+    void store_contacts(const EightNumbers& contacts, Index count, const Lanes& eight) {
       for (Index lane = 0; lane < count; ++lane) {
         Real* const row = rows + contacts[lane] * Row::words;
         for (int k = 0; k < Row::words; ++k) row[k] = eight.row[k][lane];
@@ -221,12 +224,13 @@ class ContactsOfStep {
     }
   };
   void evaluate_again(Real* rows) const {
-    const auto walls = walls_in_law<P>(walls_, step_.step);
-    const auto evaluate = law_evaluation<P>(step_, materials_, walls_);
-    const auto kernel = contact_kernel<P>(step_, step_.grains.rows(), walls, settings_, evaluate);
-    step_.contacts().for_each_block([&](Index block, Index, Index) {
+    const auto walls = walls_in_law<P>(walls_, evaluation_.step);
+    const auto evaluate = law_evaluation<P>(evaluation_, materials_, walls_);
+    const auto evaluate_block =
+        block_evaluator<P>(evaluation_, evaluation_.grains.rows(), walls, settings_, evaluate);
+    evaluation_.contacts().for_each_block([&](Index block, Index, Index) {
       Results results{rows};
-      kernel(block, true, results);
+      evaluate_block(block, true, results);
     });
   }
 
@@ -234,7 +238,7 @@ class ContactsOfStep {
   const Materials<Law>& materials_;
   const Walls& walls_;
   const ContactSettings& settings_;
-  const Evaluation& step_;
+  const Evaluation& evaluation_;
 };
 
-}  // namespace silt::dem
+}  // namespace silt::dem::detail

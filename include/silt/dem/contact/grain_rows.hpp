@@ -11,13 +11,13 @@
 #include <cstddef>
 #include <cstdint>
 
-namespace silt::dem {
+namespace silt::dem::detail {
 
 /// Contacts are evaluated eight at a time.
 inline constexpr int lanes = 8;
 /// Lists of contacts contain the indices of grains times this number, the length of their first
 /// row, because address computations then need no shift.
-inline constexpr std::uint32_t place_factor = 8;
+inline constexpr std::uint32_t index_scale = 8;
 
 /// The rows of grains, see dem/setup/grains.hpp: {x y z R vx vy vz m} and {wx wy wz I}; in 2D
 /// {x y R m vx vy w I}.
@@ -41,35 +41,35 @@ class GrainRows {
     Pack m;                     ///< [kg]; in 3D only
   };
 
-  /// Refers to the grains; invalid once they move in memory. `places` are indices times
-  /// place_factor.
+  /// Refers to the grains; invalid once they move in memory. `scaled_indices` are indices times
+  /// index_scale.
   template <class P>
   explicit GrainRows(const P& grains)
       : rows_(grains.storage(position).rows()), spins_(grains.storage(spin).rows()) {}
   GrainRows(const Real* rows, const Real* spins) : rows_(rows), spins_(spins) {}
 
-  [[gnu::always_inline]] void load(const std::uint32_t* places, Position& grains) const {
+  [[gnu::always_inline]] void load(const std::uint32_t* scaled_indices, Position& grains) const {
     Pack four[4];
-    columns_from<Real, N>([=, this](int lane) { return rows_ + places[lane]; }, four);
+    columns_from<Real, N>([=, this](int lane) { return rows_ + scaled_indices[lane]; }, four);
     // One by one: std::copy_n copies in halves of a pack, whose use as a whole would have to wait.
     for (int k = 0; k < Dim; ++k) grains.x[k] = four[k];
     grains.R = four[Dim];
     grains.m = four[3];
   }
-  [[gnu::always_inline]] void load(const std::uint32_t* places, Motion& grains) const {
+  [[gnu::always_inline]] void load(const std::uint32_t* scaled_indices, Motion& grains) const {
     Pack four[4];
-    columns_from<Real, N>([=, this](int lane) { return rows_ + places[lane] + 4; }, four);
+    columns_from<Real, N>([=, this](int lane) { return rows_ + scaled_indices[lane] + 4; }, four);
     for (int k = 0; k < Dim; ++k) grains.v[k] = four[k];
     if constexpr (Dim == 2) {
       grains.w[0] = four[2];
     } else {
       grains.m = four[3];
       // In bytes, as a division by two would need an instruction of its own.
-      constexpr Index stride = 4 * sizeof(Real) / place_factor;
+      constexpr Index stride = 4 * sizeof(Real) / index_scale;
       const auto* const spins = reinterpret_cast<const std::byte*>(spins_);
       columns_from<Real, N>(
           [=](int lane) {
-            return reinterpret_cast<const Real*>(spins + Index{places[lane]} * stride);
+            return reinterpret_cast<const Real*>(spins + Index{scaled_indices[lane]} * stride);
           },
           four);
       for (int k = 0; k < 3; ++k) grains.w[k] = four[k];
@@ -85,4 +85,4 @@ class GrainRows {
   const Real* spins_;
 };
 
-}  // namespace silt::dem
+}  // namespace silt::dem::detail

@@ -3,17 +3,14 @@
 #pragma once
 
 #include <silt/core/types.hpp>
-#include <silt/dem/contact/contact_kernel.hpp>
+#include <silt/dem/contact/block_evaluator.hpp>
 #include <silt/dem/contact/contact_settings.hpp>
 #include <silt/dem/contact/evaluation.hpp>
 #include <silt/dem/contact/law_lanes.hpp>
-#include <silt/dem/law/contact.hpp>
 #include <silt/dem/law/law_history.hpp>
 #include <silt/dem/law/materials.hpp>
 
-#include <cstdint>
-
-namespace silt::dem {
+namespace silt::dem::detail {
 
 /// The law of a contact of a list.
 template <class List, class Law, class Walls>
@@ -39,13 +36,14 @@ auto walls_in_law(const Walls& walls, const StepTime& step) {
       {.positions = step.time, .velocities = step.time - step.time_step / 2});
 }
 
-/// evaluate(lanes, count, touching, contacts) of a ContactKernel; refers to its arguments.
+/// evaluate(lanes, count, touching, contacts) of a BlockEvaluator; refers to its arguments.
 template <class P, class Evaluation, class Law, class Walls>
-auto law_evaluation(const Evaluation& step, const Materials<Law>& materials, const Walls& walls) {
+auto law_evaluation(const Evaluation& evaluation, const Materials<Law>& materials,
+                    const Walls& walls) {
   using Real = typename P::Real;
-  return [&step, &materials, &walls](auto* eights, Index count, const unsigned* touching,
-                                     const EightNumbers* contacts) {
-    const auto dt = static_cast<Real>(step.step.time_step);
+  return [&evaluation, &materials, &walls](auto* eights, Index count, const unsigned* touching,
+                                           const EightNumbers* contacts) {
+    const auto dt = static_cast<Real>(evaluation.step.time_step);
     if constexpr (LawInLanes<Law, P::dimension, Real>) {
       if (materials.count() == 1) {
         return evaluate_in_lanes(materials.between(0, 0), eights, static_cast<int>(count), dt);
@@ -55,28 +53,30 @@ auto law_evaluation(const Evaluation& step, const Materials<Law>& materials, con
       for (int lane = 0; lane < lanes; ++lane) {
         if ((touching[e] >> lane & 1) == 0) continue;
         const Index c = contacts[e][static_cast<Index>(lane)];
-        eights[e].template evaluate<Real>(law_between(*step.list, materials, walls, c), dt, lane);
+        eights[e].template evaluate<Real>(law_between(*evaluation.list, materials, walls, c), dt,
+                                          lane);
       }
     }
   };
 }
 
-/// The kernel for a step: the grains as in the step, and a WallsAtTime.
+/// The BlockEvaluator of a step: the grains as in the step, and a WallsAtTime.
 template <class P, class Evaluation, class Walls, class Evaluate>
-auto contact_kernel(const Evaluation& step, const GrainRows<P::dimension, typename P::Real>& grains,
-                    const Walls& walls, const ContactSettings& settings, const Evaluate& evaluate) {
+auto block_evaluator(const Evaluation& evaluation,
+                     const GrainRows<P::dimension, typename P::Real>& grains, const Walls& walls,
+                     const ContactSettings& settings, const Evaluate& evaluate) {
   using Real = typename P::Real;
-  using Kernel =
-      ContactKernel<typename Evaluation::Lanes, typename Evaluation::Histories, Walls, Evaluate>;
-  return Kernel(
-      typename Kernel::Input{
-          .contacts = step.contacts(),
+  using Evaluator =
+      BlockEvaluator<typename Evaluation::Lanes, typename Evaluation::Histories, Walls, Evaluate>;
+  return Evaluator(
+      typename Evaluator::Input{
+          .contacts = evaluation.contacts(),
           .grains = grains,
-          .image = NearestImage<P::dimension, Real>(step.box),
-          .before = *step.before,
+          .image = NearestImage<P::dimension, Real>(evaluation.box),
+          .before = *evaluation.before,
           .walls = walls,
-          .arm_share = settings.lever_arm == LeverArm::radius ? Real(0) : Real(0.5)},
+          .reduction_per_overlap = settings.lever_arm == LeverArm::radius ? Real(0) : Real(0.5)},
       evaluate);
 }
 
-}  // namespace silt::dem
+}  // namespace silt::dem::detail

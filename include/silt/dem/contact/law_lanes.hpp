@@ -13,7 +13,7 @@
 #include <algorithm>
 #include <type_traits>
 
-namespace silt::dem {
+namespace silt::dem::detail {
 
 /// One array per quantity of the contacts, by lane.
 template <int Dim, class RealType, int history_words, bool has_couple>
@@ -23,14 +23,12 @@ struct LawLanes {
   static constexpr int words = history_words;
   using Row = ContactRow<has_couple>;
   static constexpr int spin_words = angular_size<Dim>;
-  /// Size of a history in Reals, rounded up to a multiple of four.
-  static constexpr int padded_words = (history_words + 3) / 4 * 4;
 
   // Input.
   alignas(64) Real velocity[Dim][lanes];
   alignas(64) Real relative_spin[has_couple ? spin_words : 1][lanes];
   // Input and output.
-  alignas(64) Real history[std::max(padded_words, 1)][lanes];
+  alignas(64) Real history[std::max(history_words, 1)][lanes];
   // By ContactRow: F and the couple are output, all else is input.
   alignas(64) Real row[Row::words][lanes];
 
@@ -102,4 +100,4 @@ template <class Law, class Eights>
   }
 }
 
-}  // namespace silt::dem
+}  // namespace silt::dem::detail

@@ -5,30 +5,22 @@
 
 #include <silt/core/types.hpp>
 #include <silt/dem/contact/contact_list.hpp>
-#include <silt/dem/contact/list_constants.hpp>
-#include <silt/dem/contact/list_renewal.hpp>
+#include <silt/dem/contact/list_rebuild.hpp>
 #include <silt/dem/contact/pair_history.hpp>
-#include <silt/dem/setup/grains.hpp>
 
 #include <cstdint>
 #include <vector>
 
-namespace silt::dem {
+namespace silt::dem::detail {
 
 template <int Dim, class Real>
 class SavedList {
  public:
-  using List = ListOfStep<Dim, Real>;
+  using List = ReusableList<Dim, Real>;
 
   /// Without a list, or with one of the grains as they are.
   SavedList() = default;
-  explicit SavedList(const List& list)
-      : is_known_(true),
-        since_(list.since),
-        margin_(list.margin),
-        time_(list.time),
-        extent_(list.extent),
-        stable_time_step_(list.stable_time_step) {
+  explicit SavedList(const List& list) : is_known_(true), origin_(list) {
     list.contacts.for_each_contact_by_grain([&](Index c) {
       first_.push_back(list.contacts.first_id(c));
       second_.push_back(list.contacts.second_id(c));
@@ -40,18 +32,18 @@ class SavedList {
     archive("is_known", is_known_);
     archive("first", first_);
     archive("second", second_);
-    archive("since", since_);
-    archive("margin", margin_);
-    archive("time", time_);
-    archive("extent_lower", extent_.lower);
-    archive("extent_upper", extent_.upper);
-    archive("stable_time_step", stable_time_step_);
+    archive("since", origin_.since);
+    archive("margin", origin_.margin);
+    archive("time", origin_.time);
+    archive("extent_lower", origin_.extent.lower);
+    archive("extent_upper", origin_.extent.upper);
+    archive("stable_time_step", origin_.stable_time_step);
   }
 
   /// Whether there is a list, of these grains and of walls with so many elements.
   template <class P>
   bool fits(const P& grains, Index elements) const {
-    if (!is_known_ || since_.size() != grains.size() || first_.size() != second_.size()) {
+    if (!is_known_ || origin_.since.size() != grains.size() || first_.size() != second_.size()) {
       return false;
     }
     for (Index k = 0; k < first_.size(); ++k) {
@@ -64,7 +56,8 @@ class SavedList {
 
   /// Requires fits().
   template <class P>
-  void restore(const P& grains, List& list, std::vector<ContactList::Found>& found) const {
+  void restore(const P& grains, List& list,
+               std::vector<ContactList::PairsOfBlock>& by_block) const {
     std::vector<std::vector<Index>> of_grain(grains.size());
     for (Index k = 0; k < first_.size(); ++k) of_grain[grains.index_of(first_[k])].push_back(k);
     list.contacts.build(
@@ -81,14 +74,10 @@ class SavedList {
             if (is_wall_id(second_[k])) add(static_cast<std::uint32_t>(element_of(second_[k])));
           }
         },
-        found);
-    list.since = since_;
-    list.margin = margin_;
+        by_block);
+    static_cast<ListOrigin<Dim, Real>&>(list) = origin_;
     list.owned_revision = grains.owned_revision();
-    list.time = time_;
-    list.extent = extent_;
-    list.stable_time_step = stable_time_step_;
-    detail::keep_constants(grains, list);
+    keep_constants(grains, list);
   }
 
  private:
@@ -97,11 +86,7 @@ class SavedList {
   bool is_known_ = false;
   std::vector<Id> first_;
   std::vector<Id> second_;
-  std::vector<Vec<Dim, Real>> since_;
-  Real margin_ = 0;
-  double time_ = 0;
-  Box<Dim, Real> extent_;
-  double stable_time_step_ = 0;
+  ListOrigin<Dim, Real> origin_;
 };
 
-}  // namespace silt::dem
+}  // namespace silt::dem::detail

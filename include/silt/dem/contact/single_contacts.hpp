@@ -5,14 +5,13 @@
 #include <silt/core/particles.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/contact/contact_list.hpp>
-#include <silt/dem/contact/contact_row.hpp>
 #include <silt/dem/law/contact.hpp>
 #include <silt/dem/setup/grains.hpp>
 
 namespace silt::dem {
 
-/// Both sides of a contact: indices of owned grains, or of an element of a wall.
-struct Sides {
+/// Both bodies of a contact: indices of owned grains, or of an element of a wall.
+struct ContactBodies {
   Index i = no_index;
   Index j = no_index;     ///< `no_index`: a wall
   Index wall = no_index;  ///< index of the wall's element, see WallSet; `no_index`: a grain
@@ -21,28 +20,31 @@ struct Sides {
 /// A contact of a step with the result of its law.
 template <int Dim, class Real, class Answer>
 struct EvaluatedContact {
-  Sides sides;  ///< indices in the given grains
-  Id first;     ///< ids of the two; the second may be wall_id()
+  ContactBodies bodies;  ///< indices in the given grains
+  Id first;              ///< ids of the two; the second may be wall_id()
   Id second;
   Contact<Dim, Real> contact;       ///< input of the law
-  Real shorter;                     ///< R minus the lever arm [m]
+  Real arm_reduction;               ///< R minus the lever arm [m]
   Answer answer;                    ///< a force, ForceComponents or LoadComponents
   Vec<Dim, Real> wall_velocity;     ///< at the contact point at time N; 0 between grains [m/s]
   AngularVec<Dim, Real> wall_spin;  ///< at time N; 0 between grains [1/s]
   ElasticEnergies elastic{};        ///< zero for a law without elastic_energies()
 };
 
-/// Sides of contact c when the list was built.
-inline Sides sides_of(const ContactList& list, Index c) {
+namespace detail {
+
+/// The bodies of contact c when the list was built.
+inline ContactBodies bodies_of(const ContactList& list, Index c) {
   if (list.is_of_wall(c)) return {.i = list.first(c), .wall = list.second(c)};
   return {.i = list.first(c), .j = list.second(c)};
 }
 
 /// Contact point from the row of a contact [m].
 template <class P, class Row>
-typename P::Vec contact_point(const P& grains, const typename P::Real* row, const Sides& sides) {
-  const auto arm = grains[radius][sides.i] - row[Row::shorter];
-  typename P::Vec point = grains[position][sides.i];
+typename P::Vec contact_point(const P& grains, const typename P::Real* row,
+                              const ContactBodies& bodies) {
+  const auto arm = grains[radius][bodies.i] - row[Row::arm_reduction];
+  typename P::Vec point = grains[position][bodies.i];
   for (int k = 0; k < P::dimension; ++k) point[k] -= arm * row[Row::n + k];
   return point;
 }
@@ -50,7 +52,7 @@ typename P::Vec contact_point(const P& grains, const typename P::Real* row, cons
 /// A contact of the last step from its row, with the velocities of the given grains and walls (a
 /// WallsAtTime).
 template <class Row, class P, class Walls>
-auto contact_of(const P& grains, const typename P::Real* row, const Sides& sides,
+auto contact_of(const P& grains, const typename P::Real* row, const ContactBodies& bodies,
                 const Walls& walls, double time_step) {
   using Vec = typename P::Vec;
   Contact<P::dimension, typename P::Real> contact;
@@ -60,21 +62,22 @@ auto contact_of(const P& grains, const typename P::Real* row, const Sides& sides
   contact.overlap = row[Row::overlap];
   contact.time_step = static_cast<typename P::Real>(time_step);
   const auto surface = [&](Index i, typename P::Real towards) {
-    const auto arm = towards * (grains[radius][i] - row[Row::shorter]);
+    const auto arm = towards * (grains[radius][i] - row[Row::arm_reduction]);
     // This order of operations reproduces the law's input bitwise.
     return Vec(grains[velocity][i] + arm * cross(grains[spin][i], contact.normal));
   };
-  contact.relative_velocity = surface(sides.i, -1);
-  contact.relative_spin = grains[spin][sides.i];
-  if (sides.j != no_index) {
-    contact.relative_velocity -= surface(sides.j, 1);
-    contact.relative_spin -= grains[spin][sides.j];
+  contact.relative_velocity = surface(bodies.i, -1);
+  contact.relative_spin = grains[spin][bodies.i];
+  if (bodies.j != no_index) {
+    contact.relative_velocity -= surface(bodies.j, 1);
+    contact.relative_spin -= grains[spin][bodies.j];
   } else if constexpr (Walls::move) {
-    const auto velocity = walls.velocity(sides.wall);
-    contact.relative_velocity -= velocity.at(contact_point<P, Row>(grains, row, sides));
+    const auto velocity = walls.velocity(bodies.wall);
+    contact.relative_velocity -= velocity.at(contact_point<P, Row>(grains, row, bodies));
     contact.relative_spin -= velocity.spin;
   }
   return contact;
 }
 
+}  // namespace detail
 }  // namespace silt::dem

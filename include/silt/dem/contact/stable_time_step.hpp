@@ -20,10 +20,10 @@
 #include <limits>
 #include <vector>
 
-namespace silt::dem {
+namespace silt::dem::detail {
 
 /// Bounds of the springs and dashpots of a grain, and the time step that is stable with them.
-struct Stiffest {
+struct StabilityBounds {
   double spring = 0;   ///< ω² [1/s²]
   double dashpot = 0;  ///< Σ c/m [1/s], for dashpots that use v^{N−½}
 
@@ -35,19 +35,19 @@ struct Stiffest {
   }
 };
 
-/// Mass [kg], inertia [kg m²] and lever arm [m] of a grain at a contact.
+/// How easily a contact rotates a grain.
 struct Lever {
-  double mass;
-  double inertia;
-  double arm;
+  double mass_over_inertia;  ///< [1/m²]
+  double arm;                ///< [m]
 };
 
-/// Upper bound of the contribution of one contact to the Stiffest of a grain.
-inline Stiffest contribution_bound(const Stiffness& k, double effective_mass, const Lever& lever) {
-  const double per_turn = lever.mass / lever.inertia;
-  const double linear = std::max(k.normal, k.tangential * (1 + per_turn * squared(lever.arm)));
-  return {.spring = (linear + k.rolling * per_turn) / effective_mass,
-          .dashpot = (k.beta * linear + k.rolling_dashpot * per_turn) / effective_mass};
+/// Upper bound of the contribution of one contact to the StabilityBounds of a grain.
+inline StabilityBounds contribution_bound(const Stiffness& k, double effective_mass,
+                                          const Lever& lever) {
+  const double m_over_I = lever.mass_over_inertia;
+  const double linear = std::max(k.normal, k.tangential * (1 + m_over_I * squared(lever.arm)));
+  return {.spring = (linear + k.rolling * m_over_I) / effective_mass,
+          .dashpot = (k.beta * linear + k.rolling_dashpot * m_over_I) / effective_mass};
 }
 
 /// Upper bound of the squared angular frequency [1/s²] of a grain with all its contacts, and
@@ -71,8 +71,7 @@ class FrequencyBound {
     for (int a = 0; a < Dim; ++a) n[Index(a)] = double(contact.normal[a]);
     // Velocity of the contact point as a function of the grain's velocity and scaled spin w √(I/m).
     std::array<std::array<double, size>, Dim> motion{};
-    const double per_turn = lever.mass / lever.inertia;
-    const double scaled_arm = lever.arm * std::sqrt(per_turn);
+    const double scaled_arm = lever.arm * std::sqrt(lever.mass_over_inertia);
     for (Index a = 0; a < Dim; ++a) {
       motion[a][a] = 1;
       if constexpr (Dim == 2) {
@@ -98,13 +97,15 @@ class FrequencyBound {
       }
     }
     for (Index r = Dim; r < size; ++r) {
-      springs_[r][r] += k.rolling * per_turn / m;
-      dashpots_[r][r] += k.rolling_dashpot * per_turn / m;
+      springs_[r][r] += k.rolling * lever.mass_over_inertia / m;
+      dashpots_[r][r] += k.rolling_dashpot * lever.mass_over_inertia / m;
     }
   }
 
-  Stiffest stiffest() const {
-    return {.spring = largest_eigenvalue(springs_), .dashpot = largest_eigenvalue(dashpots_)};
+  double stable_time_step() const {
+    return StabilityBounds{.spring = largest_eigenvalue(springs_),
+                           .dashpot = largest_eigenvalue(dashpots_)}
+        .stable_time_step();
   }
 
  private:
@@ -157,13 +158,13 @@ double shortest_contact(const P& grains, const Materials<Law>& materials) {
   contact.effective_mass = static_cast<Real>(lightest / 2);
   contact.effective_radius = static_cast<Real>(R / 2);
   contact.overlap = static_cast<Real>(usual_overlap * R);
-  const double per_turn = lightest / double(grains[inertia][grain]);
+  const double m_over_I = lightest / double(grains[inertia][grain]);
   for (std::uint32_t a = 0; a < materials.count(); ++a) {
     for (std::uint32_t b = 0; b < materials.count(); ++b) {
       const Stiffness k = materials.between(a, b).stiffness(contact);
       // A tangential spring also rotates the grain: 1 + m R²/I is 3 for discs and 3.5 for
       // spheres.
-      const double stiffest = std::max({k.normal, 3.5 * k.tangential, k.rolling * per_turn});
+      const double stiffest = std::max({k.normal, 3.5 * k.tangential, k.rolling * m_over_I});
       if (!(stiffest > 0)) continue;
       shortest =
           std::min(shortest, contact_duration({.mass = lightest / 2, .stiffness = stiffest}));
@@ -186,41 +187,40 @@ double stable_for_all(const P& grains, const ContactList& list, const Walls& wal
   const Index max_contacts =
       largest(grains.size(), Index(0), [&](Index i) { return list.count(i); });
   // The grains that rotate most easily by a couple and by a force at their surface.
-  const double per_turn =
-      largest(grains.size(), 0.0, [&](Index i) { return double(m[i]) / double(I[i]); });
-  const double per_turn_at_surface = largest(grains.size(), 0.0, [&](Index i) {
-    return double(m[i]) / double(I[i]) * squared(double(R[i]));
-  });
-  if (!(per_turn > 0)) return std::numeric_limits<double>::infinity();
-  const Lever loosest{
-      .mass = per_turn, .inertia = 1, .arm = std::sqrt(per_turn_at_surface / per_turn)};
+  const auto m_over_I = [&](Index i) { return double(m[i]) / double(I[i]); };
+  const double max_by_couple = largest(grains.size(), 0.0, m_over_I);
+  const double max_by_force =
+      largest(grains.size(), 0.0, [&](Index i) { return m_over_I(i) * squared(double(R[i])); });
+  if (!(max_by_couple > 0)) return std::numeric_limits<double>::infinity();
+  const Lever easiest{.mass_over_inertia = max_by_couple,
+                      .arm = std::sqrt(max_by_force / max_by_couple)};
   const NearestImage<P::dimension, Real> image(grains.box());
-  std::vector<Stiffest> of_block(list.blocks());
+  std::vector<StabilityBounds> of_block(list.blocks());
   list.for_each_block([&](Index b, Index, Index) {
     list.for_each_contact(b, [&](Index c) {
-      const Sides sides = sides_of(list, c);
+      const ContactBodies bodies = bodies_of(list, c);
       Contact<P::dimension, Real> contact;
-      contact.effective_mass = m[sides.i];
-      contact.effective_radius = R[sides.i];
+      contact.effective_mass = m[bodies.i];
+      contact.effective_radius = R[bodies.i];
       // Springs may stiffen with the overlap.
       contact.overlap = margin;
-      if (sides.j != no_index) {
-        contact.effective_mass *= m[sides.j] / (m[sides.i] + m[sides.j]);
-        contact.effective_radius *= R[sides.j] / (R[sides.i] + R[sides.j]);
-        const Real distance = image(typename P::Vec(x[sides.j] - x[sides.i])).norm();
-        contact.overlap += std::max<Real>(0, R[sides.i] + R[sides.j] - distance);
+      if (bodies.j != no_index) {
+        contact.effective_mass *= m[bodies.j] / (m[bodies.i] + m[bodies.j]);
+        contact.effective_radius *= R[bodies.j] / (R[bodies.i] + R[bodies.j]);
+        const Real distance = image(typename P::Vec(x[bodies.j] - x[bodies.i])).norm();
+        contact.overlap += std::max<Real>(0, R[bodies.i] + R[bodies.j] - distance);
       } else {
-        const auto at = walls.nearest(sides.wall, x[sides.i]);
-        contact.overlap += std::max<Real>(0, R[sides.i] - at.distance);
+        const auto at = walls.nearest(bodies.wall, x[bodies.i]);
+        contact.overlap += std::max<Real>(0, R[bodies.i] - at.distance);
       }
       const Stiffness k = law_of(c).stiffness(contact);
-      const Stiffest one = contribution_bound(k, double(contact.effective_mass), loosest);
+      const StabilityBounds one = contribution_bound(k, double(contact.effective_mass), easiest);
       of_block[b].spring = std::max(of_block[b].spring, one.spring);
       of_block[b].dashpot = std::max(of_block[b].dashpot, one.dashpot);
     });
   });
-  Stiffest all;
-  for (const Stiffest& one : of_block) {
+  StabilityBounds all;
+  for (const StabilityBounds& one : of_block) {
     all.spring = std::max(all.spring, one.spring);
     all.dashpot = std::max(all.dashpot, one.dashpot);
   }
@@ -235,31 +235,31 @@ template <class P, class ContactsOfStep>
 void check_stability(const P& grains, const ContactsOfStep& contacts, double dt) {
   const auto m = grains[mass];
   const auto I = grains[inertia];
-  struct Held {
+  struct LinearisedContact {
     Contact<P::dimension, typename P::Real> contact{};
     Stiffness stiffness{};
-    typename P::Real shorter = 0;
+    typename P::Real arm_reduction = 0;
     bool touches = false;
   };
-  std::vector<Held> held(contacts.list().size());
-  contacts.for_each_stiffness([&](Index c, const auto& contact, const Stiffness& k, auto shorter) {
-    held[c] = {contact, k, shorter, true};
-  });
+  std::vector<LinearisedContact> linearised(contacts.list().size());
+  contacts.for_each_stiffness(
+      [&](Index c, const auto& contact, const Stiffness& k, auto arm_reduction) {
+        linearised[c] = {contact, k, arm_reduction, true};
+      });
   // f(contact, stiffness, lever of i)
   const auto for_each_contact_of = [&](Index i, auto&& f) {
     for (const ContactList::Side side : contacts.list().of(i)) {
-      const Held& each = held[side.contact()];
+      const LinearisedContact& each = linearised[side.contact()];
       if (!each.touches) continue;
       f(each.contact, each.stiffness,
-        Lever{.mass = double(m[i]),
-              .inertia = double(I[i]),
-              .arm = double(grains[radius][i] - each.shorter)});
+        Lever{.mass_over_inertia = double(m[i]) / double(I[i]),
+              .arm = double(grains[radius][i] - each.arm_reduction)});
     }
   };
   const auto is_beyond = [&](Index i) {
-    Stiffest sum;
+    StabilityBounds sum;
     for_each_contact_of(i, [&](const auto& contact, const Stiffness& k, const Lever& lever) {
-      const Stiffest one = contribution_bound(k, double(contact.effective_mass), lever);
+      const StabilityBounds one = contribution_bound(k, double(contact.effective_mass), lever);
       sum.spring += one.spring;
       sum.dashpot += one.dashpot;
     });
@@ -270,14 +270,14 @@ void check_stability(const P& grains, const ContactsOfStep& contacts, double dt)
     for_each_contact_of(i, [&](const auto& contact, const Stiffness& k, const Lever& lever) {
       bound.add(contact, k, lever);
     });
-    return bound.stiffest().stable_time_step();
+    return bound.stable_time_step();
   };
-  const Index broken =
+  const Index unstable =
       first_where(grains.size(), [&](Index i) { return is_beyond(i) && dt > stable_of(i); });
-  if (broken == no_index) return;
+  if (unstable == no_index) return;
   fail("dem::Contacts: time_step = " + to_text(dt) + " s exceeds the stable time step " +
-           to_text(stable_of(broken)) + " s of a grain with its contacts; lower it",
-       {.particle = broken, .id = grains.id(broken)});
+           to_text(stable_of(unstable)) + " s of a grain with its contacts; lower it",
+       {.particle = unstable, .id = grains.id(unstable)});
 }
 
-}  // namespace silt::dem
+}  // namespace silt::dem::detail

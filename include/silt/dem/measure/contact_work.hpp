@@ -151,10 +151,10 @@ class MeanMotion {
   /// Adds the work and losses of a contact, an EvaluatedContact of these grains.
   template <class Each>
   void add_contact(const P& before, const Each& each, Work& done, Losses& lost) const {
-    const auto [i, j, wall] = each.sides;
+    const auto [i, j, wall] = each.bodies;
     if (!stays_[i] && (j == no_index || !stays_[j])) return;
     const Vector n = in_double(each.contact.normal);
-    const auto arm = [&](Index k) { return before[radius][k] - each.shorter; };
+    const auto arm = [&](Index k) { return before[radius][k] - each.arm_reduction; };
     const auto surface = [&](Index k, double a) { return Vector(v_[k] + a * cross(w_[k], n)); };
     // Of the other side, grain or wall.
     Vector v_other;

@@ -20,18 +20,17 @@
 #include <numeric>
 #include <string>
 
-namespace silt::dem {
+namespace silt::dem::detail {
 
 /// The numbers of eight contacts.
 using EightNumbers = std::array<std::uint32_t, lanes>;
 
 /// Goes through the contacts of a block, group by group, and passes the law's results for those
 /// that touch to a Results object:
-///   results.begin(group, touching, is_whole)    once for each group; bit l of `touching` is set if
-///                                               contact l touches. If it is whole, its results are
-///                                               given together, otherwise one by one.
-///   results.give_group(group, lanes, touching)  the results of a whole group
-///   results.give(contacts, count, lanes)        the results of these contacts of other groups
+///   results.begin(group, touching, is_whole)        once for each group; bit l of `touching` is
+///                                                   set if contact l touches
+///   results.store_group(group, lanes, touching)     the results of a group that is whole
+///   results.store_contacts(contacts, count, lanes)  those of contacts of other groups
 /// evaluate(lanes, count, touching, contacts) evaluates the law for lane l of lanes[e] if bit l of
 /// touching[e] is set, and possibly for other lanes; contacts[e] are its contacts. `walls` is a
 /// WallsAtTime.
@@ -40,7 +39,7 @@ using EightNumbers = std::array<std::uint32_t, lanes>;
 /// other blocks, the contacts that touch are collected until there are eight. The results are the
 /// same.
 template <class Lanes, class Histories, class Walls, class Evaluate>
-class ContactKernel {
+class BlockEvaluator {
   using Real = typename Lanes::Real;
   static constexpr int dimension = Lanes::dimension;
   using Vec = silt::Vec<dimension, Real>;
@@ -56,10 +55,10 @@ class ContactKernel {
     const Walls& walls;
     /// Fraction of δ by which the lever arms of two grains are shorter than R; at a wall it is
     /// twice as large.
-    Real arm_share;
+    Real reduction_per_overlap;
   };
 
-  ContactKernel(const Input& input, const Evaluate& evaluate)
+  BlockEvaluator(const Input& input, const Evaluate& evaluate)
       : input_(input), evaluate_(evaluate) {}
 
   /// Returns the number of contacts that touch.
@@ -114,7 +113,7 @@ class ContactKernel {
       for (Index lane = 0; lane < lanes; ++lane) {
         contacts[lane] = static_cast<std::uint32_t>(c + lane);
       }
-      close(batch, group, touching, results);
+      add_to_batch(batch, group, touching, results);
     }
     flush(batch, results);
     return count;
@@ -139,13 +138,13 @@ class ContactKernel {
       append(first, collection.first, collection.count, touching);
       collection.count += append(second, collection.second, collection.count, touching);
       if (collection.count < Index(lanes)) continue;
-      close_collection<of_walls>(batch, collection, results);
+      add_collected<of_walls>(batch, collection, results);
       collection.count -= Index(lanes);
       for (auto* const column : {&collection.contacts, &collection.first, &collection.second}) {
         std::copy_n(column->begin() + lanes, lanes, column->begin());
       }
     }
-    if (collection.count > 0) close_collection<of_walls>(batch, collection, results);
+    if (collection.count > 0) add_collected<of_walls>(batch, collection, results);
     flush(batch, results);
     return count;
   }
@@ -160,7 +159,7 @@ class ContactKernel {
                                                 const std::uint32_t* second, Lanes& into) const {
     if constexpr (of_walls) {
       const auto nearest = [this](std::uint32_t element, const Vec& x) {
-        return input_.walls.nearest(ContactList::index_at(element), x);
+        return input_.walls.nearest(ContactList::unscaled(element), x);
       };
       return geometry.find_touching_walls(input_.grains, first, second, nearest, into);
     } else {
@@ -176,25 +175,27 @@ class ContactKernel {
     if constexpr (of_walls) {
       if constexpr (Walls::move) {
         const auto velocity = [this](std::uint32_t element) {
-          return input_.walls.velocity(ContactList::index_at(element));
+          return input_.walls.velocity(ContactList::unscaled(element));
         };
-        geometry.compute_walls(input_.grains, first, second, 2 * input_.arm_share, velocity, into);
+        geometry.compute_walls(input_.grains, first, second, 2 * input_.reduction_per_overlap,
+                               velocity, into);
       } else {
-        geometry.compute_walls(input_.grains, first, second, 2 * input_.arm_share, nullptr, into);
+        geometry.compute_walls(input_.grains, first, second, 2 * input_.reduction_per_overlap,
+                               nullptr, into);
       }
     } else {
       const unsigned coincident = geometry.coincident() & touching;
       if (coincident != 0) {
         const auto lane = static_cast<Index>(std::countr_zero(coincident));
-        refuse(ContactList::index_at(first[lane]), ContactList::index_at(second[lane]));
+        refuse(ContactList::unscaled(first[lane]), ContactList::unscaled(second[lane]));
       }
-      geometry.compute_pairs(input_.grains, first, second, input_.arm_share, into);
+      geometry.compute_pairs(input_.grains, first, second, input_.reduction_per_overlap, into);
     }
   }
 
   template <bool of_walls, class Results>
-  [[gnu::noinline]] void close_collection(Batch& batch, Collection& collection,
-                                          Results& results) const {
+  [[gnu::noinline]] void add_collected(Batch& batch, Collection& collection,
+                                       Results& results) const {
     const Index number = std::min<Index>(collection.count, lanes);
     for (Index lane = number; lane < Index(lanes); ++lane) {
       collection.contacts[lane] = collection.contacts[0];
@@ -207,11 +208,11 @@ class ContactKernel {
     find_touching<of_walls>(geometry, collection.first.data(), collection.second.data(), next);
     compute<of_walls>(geometry, collection.first.data(), collection.second.data(), touching, next);
     std::copy_n(collection.contacts.begin(), lanes, batch.contacts[batch.count].begin());
-    close(batch, collected, touching, results);
+    add_to_batch(batch, collected, touching, results);
   }
 
   template <class Results>
-  void close(Batch& batch, std::uint32_t group, unsigned touching, Results& results) const {
+  void add_to_batch(Batch& batch, std::uint32_t group, unsigned touching, Results& results) const {
     batch.touching[batch.count] = touching;
     batch.group[batch.count] = group;
     if (++batch.count == batch_size) flush(batch, results);
@@ -229,10 +230,10 @@ class ContactKernel {
     evaluate_(batch.lanes.data(), batch.count, batch.touching.data(), batch.contacts.data());
     for (Index e = 0; e < batch.count; ++e) {
       if (batch.group[e] != collected) {
-        results.give_group(batch.group[e], batch.lanes[e], batch.touching[e]);
+        results.store_group(batch.group[e], batch.lanes[e], batch.touching[e]);
       } else {
         const auto count = static_cast<Index>(std::popcount(batch.touching[e]));
-        results.give(batch.contacts[e], count, batch.lanes[e]);
+        results.store_contacts(batch.contacts[e], count, batch.lanes[e]);
       }
     }
     batch.count = 0;
@@ -272,7 +273,7 @@ class ContactKernel {
   struct NewHistory {
     Real numbers[std::max(Lanes::words, 1)] = {};
     NewHistory() {
-      if constexpr (Lanes::words > 0) Histories::Kept::put({}, numbers);
+      if constexpr (Lanes::words > 0) Histories::LawHistory::put({}, numbers);
     }
   };
 
@@ -281,4 +282,4 @@ class ContactKernel {
   NewHistory new_history_;
 };
 
-}  // namespace silt::dem
+}  // namespace silt::dem::detail

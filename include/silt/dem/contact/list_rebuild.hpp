@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: MIT
-// When and how the list of contacts is rebuilt.
+// What a list of contacts is built from, when it has to be rebuilt, and how.
 #pragma once
 
 #include <silt/core/box.hpp>
 #include <silt/core/concepts.hpp>
+#include <silt/core/error.hpp>
 #include <silt/core/nearest_image.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/travel.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/contact/contact_list.hpp>
-#include <silt/dem/contact/list_constants.hpp>
+#include <silt/dem/law/materials.hpp>
 #include <silt/dem/setup/grains.hpp>
 
 #include <algorithm>
@@ -20,22 +21,28 @@
 #include <limits>
 #include <vector>
 
-namespace silt::dem {
+namespace silt::dem::detail {
 
-/// A list of contacts and the conditions under which it remains valid.
+/// When and with which margin a list was built; kept in checkpoints.
 template <int Dim, class Real>
-struct ListOfStep {
+struct ListOrigin {
+  std::vector<Vec<Dim, Real>> since;  ///< positions of the grains when it was built [m]
+  Real margin = 0;                    ///< largest gap of its pairs [m]
+  double time = 0;                    ///< of these positions and of the walls [s]
+  Box<Dim, Real> extent;              ///< contains all grains while the list is valid [m]
+  double stable_time_step = 0;        ///< stable even if all its pairs touch [s]
+};
+
+/// A list of contacts, used by all steps until pairs that it does not contain may touch.
+template <int Dim, class Real>
+struct ReusableList : ListOrigin<Dim, Real> {
   ContactList contacts;
-  std::vector<Vec<Dim, Real>> since;     ///< positions of the grains when it was built [m]
-  std::vector<Real> radii;               ///< of the grains [m]; see list_constants.hpp
+  std::uint64_t owned_revision = 0;  ///< of the grains
+  // What the list depends on besides positions, and steps do not change: the constants.
+  std::vector<Real> radii;               ///< [m]
   std::vector<Real> masses;              ///< [kg]
   std::vector<Real> inertias;            ///< [kg m²]
   std::vector<std::uint32_t> materials;  ///< indices in dem::Materials
-  Real margin = 0;                       ///< largest gap of its pairs [m]
-  std::uint64_t owned_revision = 0;      ///< of the grains
-  double time = 0;              ///< of these positions and of the walls [s]
-  Box<Dim, Real> extent;        ///< contains all grains while the list is valid [m]
-  double stable_time_step = 0;  ///< stable even if all its pairs touch [s]
 };
 
 /// How far grains may travel before it is uncertain, without a loop over them, that a list is
@@ -45,6 +52,58 @@ struct ListLifetime {
   double distance = 0;  ///< [m]
   std::uint64_t constants_revision = 0;
 };
+
+/// Throws if a radius, mass or inertia is not positive, or if a grain's material does not exist.
+template <class P, class Law>
+void check_grains(const P& grains, const Materials<Law>& materials) {
+  const auto R = grains[radius];
+  const auto m = grains[mass];
+  const auto inertias = grains[inertia];
+  const auto numbers = grains[material];
+  const Index odd = first_where(grains.size(), [&](Index i) {
+    return !(R[i] > 0 && m[i] > 0 && inertias[i] > 0 && numbers[i] < materials.count());
+  });
+  if (odd == no_index) return;
+  const Where where{.particle = odd, .id = grains.id(odd)};
+  materials.check(numbers[odd], "of a grain", where);
+  fail("dem::Contacts: radius = " + to_text(double(R[odd])) + " m, mass = " +
+           to_text(double(m[odd])) + " kg and inertia = " + to_text(double(inertias[odd])) +
+           " kg m² of a grain must be positive; set them",
+       where);
+}
+
+/// Copies the constants of the grains to a new list.
+template <class P, class List>
+void keep_constants(const P& grains, List& list) {
+  const auto keep = [&](auto field, auto& values) {
+    const auto now = grains[field];
+    values.assign(now.begin(), now.end());
+  };
+  keep(radius, list.radii);
+  keep(mass, list.masses);
+  keep(inertia, list.inertias);
+  keep(material, list.materials);
+}
+
+/// Whether the grains have other constants than the list. Any access to them that is not const
+/// begins a new constants_revision() of the grains, even if it changes nothing; then their values
+/// decide. `known` is the last revision with the values of the list; updated.
+template <class P, class List>
+bool have_constants_changed(const P& grains, const List& list, std::uint64_t& known) {
+  const std::uint64_t revision = grains.constants_revision();
+  if (known == revision) return false;
+  const auto R = grains[radius];
+  const auto m = grains[mass];
+  const auto inertias = grains[inertia];
+  const auto materials = grains[material];
+  const auto is_changed = [&](Index i) {
+    return R[i] != list.radii[i] || m[i] != list.masses[i] || inertias[i] != list.inertias[i] ||
+           materials[i] != list.materials[i];
+  };
+  if (list.radii.size() != R.size() || first_where(R.size(), is_changed) != no_index) return true;
+  known = revision;
+  return false;
+}
 
 /// Whether pairs other than those of the list may touch at this time [s]: two grains approach by at
 /// most the sum of their displacements relative to the mean of all, a grain and a wall by at most
@@ -138,14 +197,14 @@ void begin_list(const P& grains, const S& search, const Walls& walls, const Step
   list.extent.upper.array() += list.margin;
   const auto x = grains[position];
   list.since.assign(x.begin(), x.end());
-  detail::keep_constants(grains, list);
+  keep_constants(grains, list);
 }
 
 /// Finds all pairs of grains, and of grains and walls, with a gap below the margin; `walls` is a
 /// WallsAtTime.
 template <class P, class S, class Walls, class List>
 void find_contacts(const P& grains, const S& search, const Walls& walls, List& list,
-                   std::vector<ContactList::Found>& found) {
+                   std::vector<ContactList::PairsOfBlock>& by_block) {
   using Real = typename P::Real;
   const auto x = grains[position];
   const auto R = grains[radius];
@@ -180,7 +239,7 @@ void find_contacts(const P& grains, const S& search, const Walls& walls, List& l
           });
         });
       },
-      found);
+      by_block);
 }
 
-}  // namespace silt::dem
+}  // namespace silt::dem::detail

@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: MIT
+// How the blocks of grains are divided among threads, and where the loads of contacts are kept.
+#pragma once
+
+#include <silt/core/parallel.hpp>
+#include <silt/core/types.hpp>
+#include <silt/dem/contact/contact_list.hpp>
+#include <silt/dem/contact/grain_rows.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace silt::dem::detail {
+
+/// Each thread processes consecutive blocks: it evaluates the contacts of a block and
+/// then sums the forces on its grains, except those with contacts that belong to blocks of other
+/// threads, which are deferred until all threads have evaluated theirs. No result depends on the
+/// division.
+class WorkDivision {
+ public:
+  /// Adapts it to a list and a number of threads, unless it already is.
+  void fit(const ContactList& list, Index threads) {
+    threads = std::min(threads, std::max<Index>(list.blocks(), 1));
+    if (&list == list_ && threads == this->threads()) return;
+    list_ = &list;
+    divide(list, threads);
+    slot_of_group_.resize(list.groups());
+    row_of_side_.resize(list.sides().size());
+    is_deferred_.assign(list.grains(), 0);
+    deferred_.resize(threads);
+    slots_.assign(threads + 1, 0);
+    for_each_task(threads, [&](Index t) { find_deferred(list, t); });
+    for_each_task(threads, [&](Index t) { slots_[t + 1] = assign_slots(list, t); });
+    for (Index t = 0; t < threads; ++t) slots_[t + 1] += slots_[t];
+    for_each_task(threads, [&](Index t) {
+      for (Index g = group_of(list, first_block_[t]); g < group_of(list, first_block_[t + 1]);
+           ++g) {
+        slot_of_group_[g] += static_cast<std::uint32_t>(slots_[t]);
+      }
+    });
+    order_.resize(list.grains());
+    for_each_range(list.grains(), [&](Index first, Index last) { order(list, first, last); });
+    for_each(list.grains(), [&](Index i) {
+      for (Index s = list.begin(i); s < list.begin(i) + list.count(i); ++s) {
+        const ContactList::Side side = list.sides()[s];
+        row_of_side_[s] = static_cast<std::uint32_t>(8 * row_of(side.contact()) + side.is_second());
+      }
+    });
+  }
+  /// Forgets the list.
+  void reset() { list_ = nullptr; }
+
+  Index threads() const noexcept { return first_block_.empty() ? 0 : first_block_.size() - 1; }
+  /// The first block of a thread.
+  Index first_block(Index thread) const noexcept { return first_block_[thread]; }
+  bool is_deferred(Index grain) const noexcept { return is_deferred_[grain] != 0; }
+  /// f(first, last) for short ranges of the grains of [first, last) that are not deferred.
+  template <class F>
+  void for_each_ready(Index first, Index last, F&& f) const {
+    while (first < last) {
+      if (is_deferred(first)) {
+        ++first;
+        continue;
+      }
+      Index end = first + 1;
+      while (end < last && end < first + range_size && !is_deferred(end)) ++end;
+      f(first, end);
+      first = end;
+    }
+  }
+  /// f(grain) for a thread's share of those that are.
+  template <class F>
+  void for_each_deferred(Index thread, F&& f) const {
+    for (const auto& each : deferred_) {
+      const Index end = each.size() * (thread + 1) / threads();
+      for (Index k = each.size() * thread / threads(); k < end; ++k) f(each[k]);
+    }
+  }
+
+  /// The grains of the range [first, last), which begins at a multiple of range_size, by number of
+  /// contacts, as offsets from `first`: a processor then predicts the number better.
+  const std::uint8_t* order(Index first) const noexcept { return order_.data() + first; }
+
+  /// Number of groups of eight rows.
+  Index slots() const noexcept { return slots_.back(); }
+  Index slot_of(Index group) const noexcept { return slot_of_group_[group]; }
+  Index row_of(Index contact) const noexcept {
+    return slot_of(contact / lanes) * lanes + contact % lanes;
+  }
+  /// For each side in the list: eight times the number of its row, plus one for the second grain.
+  const std::uint32_t* row_of_side() const noexcept { return row_of_side_.data(); }
+
+ private:
+  // Equal shares of the work, where a grain takes as long as two contacts.
+  void divide(const ContactList& list, Index threads) {
+    std::vector<Index> work(list.blocks() + 1, 0);
+    for (Index b = 0; b < list.blocks(); ++b) {
+      const auto [pairs, walls] = list.block(b);
+      work[b + 1] =
+          work[b] + 2 * block_size + (pairs.last - pairs.first) + (walls.last - walls.first);
+    }
+    first_block_.resize(threads + 1);
+    for (Index t = 0; t <= threads; ++t) {
+      const auto first = std::lower_bound(work.begin(), work.end(), work.back() * t / threads);
+      first_block_[t] = static_cast<Index>(first - work.begin());
+    }
+  }
+
+  static Index group_of(const ContactList& list, Index block) {
+    return block < list.blocks() ? list.block(block).all().first / lanes : list.groups();
+  }
+
+  void find_deferred(const ContactList& list, Index t) {
+    auto& deferred = deferred_[t];
+    deferred.clear();
+    const Index first = first_block_[t];
+    const Index last = std::min(first_block_[t + 1] * block_size, list.grains());
+    for (Index i = first * block_size; i < last; ++i) {
+      for (const ContactList::Side side : list.of(i)) {
+        if (list.block_of(side.contact()) >= first) continue;
+        is_deferred_[i] = 1;
+        deferred.push_back(static_cast<std::uint32_t>(i));
+        break;
+      }
+    }
+  }
+
+  void order(const ContactList& list, Index first, Index last) {
+    constexpr Index most = 15;
+    std::array<Index, most + 2> begin{};
+    const auto count = [&](Index i) { return std::min(list.count(i), most); };
+    for (Index i = first; i < last; ++i) ++begin[count(i) + 1];
+    for (Index k = 1; k < begin.size(); ++k) begin[k] += begin[k - 1];
+    for (Index i = first; i < last; ++i) {
+      order_[first + begin[count(i)]++] = static_cast<std::uint8_t>(i - first);
+    }
+  }
+
+  // Numbers the slots of one thread from 0 on; returns how many there are. A slot is used again
+  // after the last block that reads it.
+  Index assign_slots(const ContactList& list, Index t) {
+    const Index first_block = first_block_[t];
+    const Index last_block = first_block_[t + 1];
+    std::vector<std::vector<std::uint32_t>> released(last_block - first_block);
+    std::vector<std::uint32_t> free;
+    Index count = 0;
+    for (Index b = first_block; b < last_block; ++b) {
+      const ContactList::Range all = list.block(b).all();
+      for (Index c = all.first; c < all.last; c += lanes) {
+        std::uint32_t slot = 0;
+        if (free.empty()) {
+          slot = static_cast<std::uint32_t>(count++);
+        } else {
+          slot = free.back();
+          free.pop_back();
+        }
+        slot_of_group_[c / lanes] = slot;
+        Index last_read = b;
+        for (Index lane = 0; lane < lanes; ++lane) {
+          last_read = std::max(last_read, last_reader(list, c + lane, last_block));
+        }
+        if (last_read < last_block) released[last_read - first_block].push_back(slot);
+      }
+      free.insert(free.end(), released[b - first_block].begin(), released[b - first_block].end());
+    }
+    return count;
+  }
+  // The last block in which the row of a contact is read; `never` if after all blocks.
+  Index last_reader(const ContactList& list, Index c, Index never) const {
+    const Index i = list.first(c);
+    if (is_deferred_[i]) return never;
+    if (list.is_of_wall(c)) return i / block_size;
+    const Index j = list.second(c);
+    return is_deferred_[j] ? never : std::min(never, std::max(i, j) / block_size);
+  }
+
+  const ContactList* list_ = nullptr;  // for comparison only
+  std::vector<Index> first_block_;     // by thread
+  std::vector<std::uint32_t> slot_of_group_;
+  std::vector<Index> slots_;  // before those of each thread
+  std::vector<std::uint32_t> row_of_side_;
+  std::vector<std::uint8_t> order_;
+  std::vector<char> is_deferred_;                     // by grain
+  std::vector<std::vector<std::uint32_t>> deferred_;  // by the thread of their block
+};
+
+}  // namespace silt::dem::detail
