@@ -35,6 +35,10 @@ class Pool {
     }
     return all_.emplace_back(std::make_shared<T>());
   }
+  /// Frees those without another owner.
+  void free_unused() {
+    std::erase_if(all_, [](const auto& each) { return each.use_count() == 1; });
+  }
 
  private:
   std::vector<std::shared_ptr<T>> all_;
@@ -54,7 +58,10 @@ class SharedGrains {
   SharedGrains(const P& grains, Pools& copies) {
     const auto share = [&](auto field) -> std::shared_ptr<const Numbers> {
       const auto shared = grains.storage(field).share();
-      if (grains.is_advancing(field)) return shared;
+      if (grains.is_advancing(field)) {
+        copies.free_unused();
+        return shared;
+      }
       const auto copy = copies.take();
       *copy = *shared;
       return copy;
