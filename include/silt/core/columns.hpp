@@ -282,17 +282,23 @@ class Columns<Dim, Real, std::tuple<All...>> {
   void for_each(F&& f) const {
     std::apply([&](const auto&... unit) { (f(unit.now), ...); }, units_);
   }
-  /// Moves row order[i] to row i.
+  /// Moves row order[i] to row i. If it throws, nothing has changed.
   void reorder(std::span<const Index> order) {
-    for_each([order](auto& storage) {
+    const auto sorted_copy = [order](const auto& storage) {
       auto sorted = storage;
       storage.for_each_field([&](auto field) {
         const auto from = storage.view(field, storage.size());
         const auto to = sorted.view(field, sorted.size());
         silt::for_each(order.size(), [&](Index i) { to[i] = from[order[i]]; });
       });
-      storage.swap(sorted);
-    });
+      return sorted;
+    };
+    std::apply(
+        [&](auto&... unit) {
+          auto sorted = std::tuple{sorted_copy(unit.now)...};
+          std::apply([&](auto&... each) { (unit.now.swap(each), ...); }, sorted);
+        },
+        units_);
   }
 
   void save() noexcept {

@@ -128,18 +128,21 @@ class Particles {
   void reserve(Index n) {
     columns_.for_each([n](auto& storage) { storage.reserve(n); });
     ids_.reserve(n);
+    index_of_id_.reserve(n);
   }
 
   /// Adds a particle at x [m], all other fields zero, and returns its index. Removes all ghosts.
-  /// Throws if x is not finite.
+  /// Throws if x is not finite. If it throws, no particle is added.
   Index add(const Vec& x) {
     require_finite("Particles::add: position", x);
+    const Vec at = x;  // x may be one of the positions
     clear_ghosts();
+    make_room();
     const Index i = size();
     const Id id = index_of_id_.size();
     columns_.for_each([](auto& storage) { storage.push_zero(); });
     ids_.push_back(id);
-    (*this)[position][i] = x;
+    (*this)[position][i] = at;
     index_of_id_.push_back(i);
     note_change();
     return i;
@@ -181,9 +184,9 @@ class Particles {
   void reorder(std::span<const Index> order) {
     clear_ghosts();
     check_permutation(order);
-    columns_.reorder(order);
     std::vector<Id> ids(order.size());
     for (Index i = 0; i < order.size(); ++i) ids[i] = ids_[order[i]];
+    columns_.reorder(order);
     ids_.swap(ids);
     for (Index i = 0; i < ids_.size(); ++i) index_of_id_[ids_[i]] = i;
     note_change();
@@ -204,6 +207,7 @@ class Particles {
   /// Adds a ghost of row `source` (owned or ghost), displaced by `shift` [m].
   void add_ghost(Index source, const Vec& shift) {
     revision_ = next_revision();
+    make_room();
     const Index owner_index = owner(source);
     const Vec total_shift = source < size() ? shift : Vec(shifts_[source - size()] + shift);
     columns_.for_each([source](auto& storage) { storage.push_copy(source); });
@@ -311,6 +315,18 @@ class Particles {
   static std::uint64_t next_revision() noexcept {
     static std::atomic<std::uint64_t> last = 0;
     return ++last;
+  }
+
+  // For one more row, in all arrays at once: what is then added does not throw.
+  void make_room() {
+    const auto grow = [](auto& values) {
+      if (values.size() == values.capacity()) values.reserve(2 * values.size() + 16);
+    };
+    grow(ids_);
+    grow(index_of_id_);
+    grow(owners_);
+    grow(shifts_);
+    columns_.for_each([n = ids_.capacity()](auto& storage) { storage.reserve(n); });
   }
 
   template <class F>

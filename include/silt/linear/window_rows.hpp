@@ -127,12 +127,13 @@ class WindowRows {
 
     // Appends a window and returns its values, set to zero.
     float* open_window(Index window, Index column) {
-      if (window == columns.size()) {
-        columns.reserve(window + window / 8 +
-                        window_size * window_size);  // resize() alone would double it
-        columns.resize(columns.capacity());
-        values.reserve(columns.size() * window_size);
-        values.resize(columns.size() * window_size);
+      // `values` grows last; it is shorter only if an allocation has failed before.
+      if (window * window_size == values.size()) {
+        const Index size = window + window / 8 + window_size * window_size;
+        columns.reserve(size);  // resize() alone would double it
+        columns.resize(size);
+        values.reserve(size * window_size);
+        values.resize(size * window_size);
       }
       columns[window] = static_cast<std::uint32_t>(column);
       float* const zeros = &values[window * window_size];

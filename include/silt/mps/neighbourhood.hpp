@@ -41,8 +41,8 @@ class Neighbourhood {
   template <FluidParticles P, class S, class T>
   void find(const P& particles, const S& search, const T& stencil) {
     const auto x = particles.with_ghosts(position);
+    revision_ = 0;  // until all neighbours are found
     positions_.assign(x.begin(), x.end());
-    revision_ = particles.revision();
     rows_.assign(particles.size(), RowPlace{});
     density_.assign(particles.size(), 0);
     sets_.resize(row_sets(x.size()));
@@ -55,6 +55,7 @@ class Neighbourhood {
              {.particle = i, .id = particles.id(i)});
       }
     });
+    revision_ = particles.revision();
   }
 
   /// Whether no particle was added, removed, sorted or moved since the last update.
@@ -124,18 +125,20 @@ class Neighbourhood {
 
     // Reserves memory for a row of this length and its padding.
     void reserve(Index length) {
-      if (length + max_lanes > square.size()) {
+      // The arrays compared are the last to grow: they all have, unless an allocation has failed.
+      if (length + max_lanes > exact.size()) {
         square.resize(2 * length + max_lanes);
         exact.resize(2 * length + max_lanes);
       }
       const Index min_size = used + length + max_lanes;
-      if (min_size <= index.size()) return;
-      index.reserve(min_size * 9 / 8);  // resize() alone would double the capacity
-      index.resize(index.capacity());
-      weight.reserve(index.size());
-      weight.resize(index.size());
-      weight_over_square.reserve(index.size());
-      weight_over_square.resize(index.size());
+      if (min_size <= weight_over_square.size()) return;
+      const auto grow = [size = min_size * 9 / 8](auto& values) {
+        values.reserve(size);  // resize() alone would double the capacity
+        values.resize(size);
+      };
+      grow(index);
+      grow(weight);
+      grow(weight_over_square);
     }
   };
 
@@ -212,8 +215,8 @@ class Neighbourhood {
 /// f(j, r_ij, w, w/r²) for every neighbour of i, as for a search. Inlined, so that the sums of f
 /// stay in registers; storing them in memory would dominate the run time.
 template <int Dim, class Real, class T, class F>
-[[gnu::always_inline]] inline void for_each_weighted(
-    const Neighbourhood<Dim, Real>& neighbourhood, Index i, const T&, F&& f) {
+[[gnu::always_inline]] inline void for_each_weighted(const Neighbourhood<Dim, Real>& neighbourhood,
+                                                     Index i, const T&, F&& f) {
   const Vec<Dim, Real> x_i = neighbourhood.position_of(i);
   const auto row = neighbourhood[i];
   for (Index k = 0; k < row.size(); ++k) {

@@ -54,6 +54,7 @@ class WallNormals {
   void find(const P& particles, const Neighbourhood<Dim, Real>& around, const T& stencil) {
     if (are_current(particles)) return;
     const auto kinds = particles.with_ghosts(kind);
+    revision_ = 0;  // until all normals are found
     normals_.assign(particles.size(), Vec::Zero());
     for_each(particles.size(), [&](Index i) {
       if (kinds[i] != Kind::wall) return;
@@ -106,7 +107,7 @@ class WallNormals {
     revision_ = particles.owned_revision();
   }
 
-  std::vector<Vec> normals_;  // of owned particles, zero for fluid
+  std::vector<Vec> normals_;    // of owned particles, zero for fluid
   std::vector<Vec> positions_;  // at the last update; those of fluid are not used
   std::vector<Kind> kinds_;     // at the last update
   std::uint64_t revision_ = 0;

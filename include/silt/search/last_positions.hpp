@@ -116,8 +116,8 @@ class LastPositions {
   // Keeps and returns the positions of the last update before the step, for rolling back.
   std::span<const Vec> keep_previous() {
     if (has_previous_) return positions_;
+    previous_.resize(positions_.size());  // may throw: before anything is changed
     positions_.swap(previous_);
-    positions_.resize(previous_.size());
     has_previous_ = true;
     return previous_;
   }

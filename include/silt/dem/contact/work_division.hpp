@@ -24,7 +24,7 @@ class WorkDivision {
   void fit(const ContactList& list, Index threads) {
     threads = std::min(threads, std::max<Index>(list.blocks(), 1));
     if (&list == list_ && threads == this->threads()) return;
-    list_ = &list;
+    list_ = nullptr;  // until all is done
     divide(list, threads);
     slot_of_group_.resize(list.groups());
     row_of_side_.resize(list.sides().size());
@@ -48,6 +48,7 @@ class WorkDivision {
         row_of_side_[s] = static_cast<std::uint32_t>(8 * row_of(side.contact()) + side.is_second());
       }
     });
+    list_ = &list;
   }
   /// Forgets the list.
   void reset() { list_ = nullptr; }

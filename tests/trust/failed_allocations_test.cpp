@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: MIT
+// A step or a change of the particles in which any one allocation fails changes nothing, and the
+// next one has the same bits as without the failure.
+#include <silt/dem.hpp>
+#include <silt/mps.hpp>
+
+#include "support/check.hpp"
+#include "support/failing_allocations.hpp"
+#include "support/grains.hpp"
+#include "support/restarted_grains.hpp"
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+namespace silt::test {
+namespace {
+
+// Time, steps and all particles by id: sorting before a step is not rolled back.
+template <class Sim>
+Bytes state_by_id(const Sim& simulation) {
+  const auto& particles = simulation.particles();
+  std::vector<Index> order(particles.size());
+  for (Index i = 0; i < order.size(); ++i) order[i] = i;
+  std::sort(order.begin(), order.end(),
+            [&](Index a, Index b) { return particles.id(a) < particles.id(b); });
+  Bytes bytes;
+  for (const Index i : order) append(bytes, std::vector{particles.id(i)});
+  particles.for_each_field([&]<class F>(auto values, F) {
+    if constexpr (role_of<F>() != Role::derived) {
+      for (const Index i : order) append(bytes, std::vector{values[i]});
+    }
+  });
+  append(bytes, std::vector{simulation.time(), double(simulation.steps())});
+  return bytes;
+}
+
+// Returns the number of allocations that failed.
+template <class Sim>
+int fail_each_allocation(Sim simulation, int steps) {
+  int failures = 0;
+  for (int step = 0; step < steps; ++step) {
+    const Bytes before = state_by_id(simulation);
+    Sim next = simulation;
+    next.step();
+    const Bytes after = state_by_id(next);
+    for (std::int64_t k = 1;; ++k) {
+      Sim trial = simulation;
+      if (!fails_with_allocation(k, [&] { trial.step(); })) break;
+      ++failures;
+      EXPECT_TRUE(state_by_id(trial) == before) << "step " << step << ", allocation " << k;
+      trial.step();
+      EXPECT_TRUE(state_by_id(trial) == after) << "step " << step << ", allocation " << k;
+      if (::testing::Test::HasFailure()) return failures;
+    }
+    // The simulation itself, not a copy, whose memory is as it is after a step.
+    for (std::int64_t k = 1; k < 100; ++k) {
+      if (!fails_with_allocation(k, [&] { simulation.step(); })) break;
+      ++failures;
+      EXPECT_TRUE(state_by_id(simulation) == before) << "step " << step << ", allocation " << k;
+      if (::testing::Test::HasFailure()) return failures;
+    }
+    EXPECT_TRUE(state_by_id(simulation) == after) << "step " << step;
+    simulation = std::move(next);
+  }
+  return failures;
+}
+
+template <class S>
+class FailedAllocations : public ::testing::Test {};
+using Searches = ::testing::Types<BruteForce<2>, UniformGrid<2>, LevelGrid<2>, NeighbourList<2>,
+                                  NeighbourList<2, double, LevelGrid<2>>>;
+TYPED_TEST_SUITE(FailedAllocations, Searches);
+
+TYPED_TEST(FailedAllocations, LeaveGrainsAsBeforeTheStep) {
+  const RestartedGrains<2> grains({12, 8});
+  const dem::CundallStrack law{.normal_stiffness = 1e5,
+                               .tangential_stiffness = 5e4,
+                               .restitution = 0.5,
+                               .friction_angle = 0.4};
+  auto simulation = grains.make(law, TypeParam{}).simulation;
+  for (const int threads : {1, 2}) {
+    with_threads(threads, [&] { EXPECT_GT(fail_each_allocation(simulation, 4), 20); });
+  }
+}
+
+template <class Scheme, class S>
+auto falling_column(S search) {
+  const mps::Tank<2> tank{
+      .column = {0.1, 0.2}, .size = {.length = 0.3, .height = 0.3}, .spacing = 0.02};
+  return Simulation{mps::make_tank(tank), std::move(search),
+                    mps::Flow<Scheme>({.spacing = tank.spacing, .max_time_step = 1e-3}),
+                    SemiImplicit{}};
+}
+
+TEST(FailedAllocation, LeavesAFlowAsBeforeTheStep) {
+  for (const int threads : {1, 2}) {
+    with_threads(threads, [&] {
+      EXPECT_GT(fail_each_allocation(falling_column<mps::Recommended>(UniformGrid<2>{}), 3), 20);
+      EXPECT_GT(fail_each_allocation(falling_column<mps::Case10>(NeighbourList<2>{}), 3), 20);
+      EXPECT_GT(fail_each_allocation(falling_column<mps::Case00>(BruteForce<2>{}), 3), 20);
+    });
+  }
+}
+
+// Calls change(particles) with each of its allocations failing.
+template <class P, class Change>
+void fail_each_allocation_of_change(const P& particles, Change&& change) {
+  const Bytes before = state_of(particles);
+  for (std::int64_t k = 1;; ++k) {
+    P trial = particles;
+    if (!fails_with_allocation(k, [&] { change(trial); })) {
+      EXPECT_GT(k, 1) << "nothing was allocated";
+      EXPECT_FALSE(state_of(trial) == before && trial.total() == particles.total());
+      break;
+    }
+    EXPECT_TRUE(state_of(trial) == before) << "allocation " << k;
+    EXPECT_EQ(trial.size(), particles.size());
+    for (Index i = 0; i < trial.size(); ++i) EXPECT_EQ(trial.index_of(trial.id(i)), i);
+    // All columns still fit together.
+    const Index added = trial.add(Vec<3>(1, 2, 3));
+    trial.add_ghost(added, Vec<3>::Ones());
+    EXPECT_EQ(trial.with_ghosts(position).back(), (Vec<3>(2, 3, 4)));
+    EXPECT_EQ(trial.with_ghosts(mass).size(), trial.total());
+    EXPECT_EQ(trial.with_ghosts(torque).size(), trial.total());
+  }
+}
+
+TEST(FailedAllocation, LeavesParticlesAsBefore) {
+  const auto grains = dem::make_grains(lattice<3>({{0, 0, 0}, {3, 3, 3}}, 1.0), pebble);
+  fail_each_allocation_of_change(grains, [](auto& p) { p.add(Vec<3>::Zero()); });
+  fail_each_allocation_of_change(grains, [](auto& p) { p.add_ghost(4, Vec<3>::Ones()); });
+  std::vector<Index> backwards(grains.size());
+  for (Index i = 0; i < backwards.size(); ++i) backwards[i] = backwards.size() - 1 - i;
+  fail_each_allocation_of_change(grains, [&](auto& p) { p.reorder(backwards); });
+}
+
+TEST(Particles, MayBeAddedAtThePositionOfAnother) {
+  dem::Grains<3> grains;
+  grains.add(Vec<3>(1, 2, 3));
+  for (int k = 0; k < 100; ++k) {
+    const Index i = grains.add(grains[position][0]);
+    EXPECT_EQ(grains[position][i], Vec<3>(1, 2, 3));
+  }
+}
+
+}  // namespace
+}  // namespace silt::test
