@@ -5,7 +5,8 @@
 #
 # Passes if SOURCE does not compile and the compiler's output matches the regular expression
 # (grep -E) in its first line, "// expect: REGEX". With SILT_VALID defined the same file must
-# compile, which excludes unrelated errors, such as a misspelt include.
+# compile, which excludes unrelated errors, such as a misspelt include. A line "// flags: FLAGS" is
+# for the compilation that fails, and repeated for each line.
 set -uo pipefail
 export LC_ALL=C
 
@@ -23,12 +24,16 @@ if ! "${compile[@]}" -DSILT_VALID; then
   echo "$source: does not compile with SILT_VALID defined"
   exit 1
 fi
-if output=$("${compile[@]}" 2>&1); then
-  echo "$source: compiles, but must not"
-  exit 1
-fi
-if ! grep -Eq -- "$expected" <<<"$output"; then
-  printf '%s\n' "$output" "$source: does not compile, but the above does not match: $expected"
-  exit 1
-fi
-grep -E -m 1 -- "$expected" <<<"$output"
+mapfile -t variants < <(sed -n 's|^// flags: ||p' "$source")
+for flags in "${variants[@]:-}"; do
+  # shellcheck disable=SC2086
+  if output=$("${compile[@]}" $flags 2>&1); then
+    echo "$source: compiles, but must not${flags:+ with $flags}"
+    exit 1
+  fi
+  if ! grep -Eq -- "$expected" <<<"$output"; then
+    printf '%s\n' "$output" "$source: does not compile, but the above does not match: $expected"
+    exit 1
+  fi
+  grep -E -m 1 -- "$expected" <<<"$output"
+done

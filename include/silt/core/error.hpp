@@ -87,7 +87,7 @@ inline std::string Error::compose(const std::string& message, const Where& where
   throw Error(std::move(message), where);
 }
 
-/// Neither infinite nor NaN. Tests the bits, because -ffast-math removes floating-point tests.
+/// Neither infinite nor NaN.
 inline bool is_finite(double value) {
   constexpr std::uint64_t exponent = 0x7ff0000000000000u;
   return (std::bit_cast<std::uint64_t>(value) & exponent) != exponent;

@@ -49,13 +49,15 @@ class Simulation {
   using TypedInteraction = ForParticles<I, P>;
 
  public:
-  /// Throws if the search radius was given and is smaller than the interaction range.
+  /// Throws if the search radius was given and is smaller than the interaction range, or if the
+  /// compiler may reorder sums.
   Simulation(P particles, S search, I interaction, T integrator)
       : particles_(std::move(particles)),
         search_(std::move(search)),
         interaction_(std::move(interaction)),
         integrator_(std::move(integrator)),
         chooses_radius_(!(search_.radius() > 0)) {
+    detail::require_ordered_sums();
     const detail::Team team(thread_choice_, particles_.size());
     prepare();
     sort();

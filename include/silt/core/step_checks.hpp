@@ -14,6 +14,16 @@
 
 namespace silt::detail {
 
+/// Throws if the compiler may reorder sums; see core/types.hpp.
+inline void require_ordered_sums() {
+  constexpr double big = 0x1.8p52;  // no sum with it has a fractional part
+  const volatile double quarter = 0.25;
+  if ((quarter + big) - big == 0) return;
+  fail(
+      "Simulation: compiled with -funsafe-math-optimizations or -fassociative-math; use -O3 "
+      "-fno-math-errno instead");
+}
+
 /// f(values, name) for the fields of this role whose values can be tested.
 template <Role role, class P, class F>
 void for_each_testable_field(const P& particles, F&& f) {

@@ -9,6 +9,14 @@
 #include <limits>
 #include <type_traits>
 
+// They remove checks for NaN and the rounding by which nearest images are found. clang has no macro
+// for -fassociative-math: Simulation checks it.
+#if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__) || \
+    (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
+#error "silt: compiled with -ffast-math, -Ofast, -funsafe-math-optimizations, -fassociative-math or \
+-ffinite-math-only; use -O3 -fno-math-errno instead"
+#endif
+
 namespace silt {
 
 /// A spatial vector: Dim components of type Real.
