@@ -2,7 +2,6 @@
 // A failed step is rolled back completely, and run() calls its observers at the documented times.
 #include "support/check.hpp"
 #include "support/grains.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -92,8 +91,8 @@ Bytes everything(const Sim& sim) {
                               append(bytes, std::span<const Id>({i, j}));
                               append(bytes, std::span<const double>({contact.overlap}));
                             });
-  append(bytes, std::span<const double>({sim.time(), sim.last_time_step(),
-                                         contacts.elastic_energy(sim.particles())}));
+  append(bytes, std::span<const double>(
+                    {sim.time(), sim.last_time_step(), contacts.elastic_energy(sim.particles())}));
   append(bytes, std::span<const Id>({sim.steps(), sim.particles_lost(), contacts.size()}));
   return bytes;
 }
@@ -145,9 +144,8 @@ TYPED_TEST(Transactions, AStateThatWasNotFiniteBeforeTheStepIsNamed) {
     for (int k = 0; k < 3; ++k) sim.step(dt);
     double& speed = sim.particles()[velocity][sim.particles().index_of(11)][1];
     const double before = std::exchange(speed, wrong);
-    EXPECT_TRUE(refuses([&] { sim.step(dt); },
-                        {"before the step, velocity = (", to_text(wrong),
-                         "set it to a finite value", "id 11", "step 3"}));
+    EXPECT_TRUE(refuses([&] { sim.step(dt); }, {"before the step, velocity = (", to_text(wrong),
+                                                "set it to a finite value", "id 11", "step 3"}));
     sim.particles()[velocity][sim.particles().index_of(11)][1] = before;
     sim.step(dt);
   }
@@ -214,9 +212,7 @@ TYPED_TEST(Transactions, ASnapshotLeavesTheSimulationUnchanged) {
 }
 
 // Contacts with a floor at this height; one type for all tests, which saves compile time.
-auto on_a_floor(double height) {
-  return dem::Contacts{law, dem::Plane<2>{.point = {0, height}}};
-}
+auto on_a_floor(double height) { return dem::Contacts{law, dem::Plane<2>{.point = {0, height}}}; }
 constexpr double far_below = -10;
 
 TEST(Simulation, ReportsCoincidentGrainsAndIsRolledBack) {
@@ -320,10 +316,9 @@ TEST(Simulation, EndsExactlyAtUntilIfRequested) {
         EXPECT_GT(s.time(), before);
         before = s.time();
       };
-      EXPECT_TRUE(sim.run({.until = until,
-                           .output_every = 1e-9,
-                           .time_step = time_step,
-                           .end_exactly = true}, note));
+      EXPECT_TRUE(sim.run(
+          {.until = until, .output_every = 1e-9, .time_step = time_step, .end_exactly = true},
+          note));
       EXPECT_EQ(sim.time(), until) << time_step;
       EXPECT_LE(longest, time_step) << "which may be the longest that is stable";
       EXPECT_GE(shortest, std::min(time_step, until) / 2 * (1 - 1e-9)) << until << " " << time_step;
@@ -481,8 +476,15 @@ TEST(Simulation, RejectsInvalidRuns) {
       refuses([&] { sim.run({.until = 1, .output_every = -1}); }, {"Run: output_every = -1"}));
   EXPECT_TRUE(refuses([&] { sim.run({.until = 1, .time_step = 0.0}); }, {"Run: time_step = 0"}));
   EXPECT_TRUE(refuses([&] { sim.run({.until = 1}); }, {"chooses no time step"}));
+  EXPECT_TRUE(refuses([&] { sim.run({.until = 1, .time_step = 1e-300}); },
+                      {"Run: time_step = 1e-300 s: 1e+300 steps are ahead, more than 1e+12"}));
+  EXPECT_TRUE(refuses([&] { sim.run({.until = 1, .output_every = 1e-300, .time_step = 0.1}); },
+                      {"Run: output_every = 1e-300 s: 1e+300 outputs are ahead"}));
+  EXPECT_EQ(sim.steps(), 0u);
   EXPECT_TRUE(refuses([&] { sim.step(); }, {"chooses no time step"}));
   EXPECT_EQ(sim.steps(), 0u);
+  sim.step(1);
+  EXPECT_TRUE(refuses([&] { sim.step(1e-17); }, {"1e-17 s does not change the time"}));
 }
 
 TEST(Simulation, RejectsASearchRadiusBelowTheInteractionRange) {

@@ -165,6 +165,9 @@ class Simulation {
     team.begin_step();
     try {
       require_positive("Simulation: time_step", dt);
+      if (time_ + dt == time_) {
+        fail("Simulation: time_step = " + to_text(dt) + " s does not change the time; increase it");
+      }
       set_time(interaction_, time_);
       prepare();
       sort();
@@ -207,14 +210,17 @@ class Simulation {
   /// A run that an observer ended makes no output at its end; the next run() continues it and makes
   /// none at its beginning. The same holds for the first run() after reading a checkpoint that was
   /// written during a run. If that checkpoint was written during a later run of the program, this
-  /// call returns at once. Throws silt::Error if a member of `run` is out of range, and what step()
-  /// throws.
+  /// call returns at once. Throws silt::Error if a member of `run` is out of range, if more than
+  /// 10¹² steps or outputs are ahead, and what step() throws.
   template <class... Observers>
     requires(Observer<Observers, Simulation> && ...)
   bool run(const Run& run, Observers&&... observers) {
     require_finite("Run: until", run.until);
     require_not_negative("Run: output_every", run.output_every);
     if (run.time_step) require_positive("Run: time_step", *run.time_step);
+    if (run.output_every > 0) {
+      detail::require_feasible("Run: output_every", run.output_every, "outputs", run.until - time_);
+    }
     const auto make_output = [&] {
       output_time_ = time_;
       output_step_ = steps_;
@@ -239,6 +245,7 @@ class Simulation {
       const detail::Team team(thread_choice_, particles_.size());  // also for the observers
       (detail::call_before_step(observers, *this), ...);
       const double dt = given_time_step > 0 ? given_time_step : time_step();
+      detail::require_feasible("Run: time_step", dt, "steps", run.until - time_);
       if (run.end_exactly) {
         step_towards(run.until, dt);
       } else {

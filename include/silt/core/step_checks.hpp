@@ -14,6 +14,15 @@
 
 namespace silt::detail {
 
+/// Throws if so many intervals [s] lie within a duration [s] that a run would never end.
+inline void require_feasible(std::string_view name, double interval, std::string_view intervals,
+                             double duration) {
+  constexpr double most = 1e12;
+  if (!(duration > most * interval)) return;
+  fail(std::string(name) + " = " + to_text(interval) + " s: " + to_text(duration / interval) + " " +
+       std::string(intervals) + " are ahead, more than " + to_text(most) + "; increase it");
+}
+
 /// Throws if the compiler may reorder sums; see core/types.hpp.
 inline void require_ordered_sums() {
   constexpr double big = 0x1.8p52;  // no sum with it has a fractional part
