@@ -23,13 +23,18 @@ struct AnyWall {
   explicit AnyWall(W wall) {
     wall.check();
     material = wall.material;
-    count = dem::detail::element_count(wall);
-    nearest_to_element = [wall](Index element, const V& x) {
-      return dem::detail::nearest_on<W, Dim, double>(wall, element, x);
-    };
-    elements_near = [wall](const V& x, double distance, const auto& f) {
-      dem::detail::for_each_element_near<W, Dim, double>(wall, x, distance, f);
-    };
+    if constexpr (dem::CompositeWall<W, Dim, double>) {
+      count = wall.element_count();
+      nearest_to_element = [wall](Index element, const V& x) { return wall.nearest(element, x); };
+      elements_near = [wall](const V& x, double distance, const auto& f) {
+        wall.for_each_element_near(x, distance, f);
+      };
+    } else {
+      nearest_to_element = [wall](Index, const V& x) { return wall.nearest(x); };
+      elements_near = [wall](const V& x, double distance, const auto& f) {
+        if (wall.nearest(x).distance < distance) f(0);
+      };
+    }
   }
 
   void check() const {}

@@ -66,8 +66,9 @@ class Occupancy {
     if (levels_.empty()) return true;
     const Real reach = ball.radius + edge_of(levels_.rbegin()->first) / 2;
     bool free = true;
-    for_each_image(box_, box_.wrap(ball.centre), reach,
-                   [&](const Vec& image) { free = free && !overlaps({image, ball.radius}); });
+    for_each_image(box_, box_.wrap(ball.centre), reach, [&](const Vec& image) {
+      free = free && !overlaps({image, ball.radius});
+    });
     return free;
   }
 

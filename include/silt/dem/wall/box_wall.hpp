@@ -39,6 +39,13 @@ struct BoxWall {
     return nearest_side(element, x);
   }
 
+  template <class F>
+  void for_each_element_near(const Vec<Dim, Real>& x, Real distance, F&& f) const {
+    for (Index element = 0; element < element_count(); ++element) {
+      if (nearest(element, x).distance < distance) f(element);
+    }
+  }
+
  private:
   // For grains inside; outside the distance is negative.
   NearestPoint<Dim, Real> nearest_side(Index side, const Vec<Dim, Real>& x) const {

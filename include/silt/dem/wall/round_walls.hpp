@@ -78,6 +78,13 @@ struct Cylinder {
     return nearest_of_column(axis, mantle, along);
   }
 
+  template <class F>
+  void for_each_element_near(const Vec<3, Real>& x, Real distance, F&& f) const {
+    for (Index element = 0; element < element_count(); ++element) {
+      if (nearest(element, x).distance < distance) f(element);
+    }
+  }
+
  private:
   // `along` is the coordinate of the grain's centre on the axis.
   NearestPoint<3, Real> nearest_of_column(const Vec<3, Real>& axis,

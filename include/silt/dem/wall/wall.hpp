@@ -38,13 +38,13 @@ concept SimpleWall = requires(const W wall, const Vec<Dim, Real> x) {
 ///   wall.element_count()                  → number of elements
 ///   wall.nearest(element, x)              → NearestPoint, or no_nearest_point() if another element
 ///                                           is in contact there
-/// and, if it has many,
 ///   wall.for_each_element_near(x, d, f)     f(element) once for every element closer to x than d
 ///                                           [m]; further elements are allowed
 template <class W, int Dim, class Real>
 concept CompositeWall = requires(const W wall, const Vec<Dim, Real> x, Index element) {
   { wall.element_count() } -> std::convertible_to<Index>;
   { wall.nearest(element, x) } -> std::same_as<NearestPoint<Dim, Real>>;
+  wall.for_each_element_near(x, Real(1), [](Index) {});
 };
 
 /// A simple or composite wall at rest, with wall.material, its index in dem::Materials, and

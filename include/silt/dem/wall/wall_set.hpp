@@ -39,23 +39,12 @@ NearestPoint<Dim, Real> nearest_on(const W& wall, [[maybe_unused]] Index element
   }
 }
 
-template <class W>
-Index element_count(const W& wall) {
-  if constexpr (requires { wall.element_count(); }) {
-    return wall.element_count();
-  } else {
-    return 1;
-  }
-}
-
 template <class W, int Dim, class Real, class F>
 void for_each_element_near(const W& wall, const Vec<Dim, Real>& x, Real distance, F&& f) {
-  if constexpr (requires { wall.for_each_element_near(x, distance, f); }) {
+  if constexpr (CompositeWall<W, Dim, Real>) {
     wall.for_each_element_near(x, distance, f);
   } else {
-    for (Index element = 0; element < element_count(wall); ++element) {
-      if (nearest_on<W, Dim, Real>(wall, element, x).distance < distance) f(element);
-    }
+    if (wall.nearest(x).distance < distance) f(Index(0));
   }
 }
 
@@ -177,7 +166,9 @@ class WallSet {
       wall.check();
       auto& body = body_of(wall);
       materials_[w] = body.material;
-      first_[w + 1] = first_[w] + detail::element_count(body);
+      Index elements = 1;
+      if constexpr (requires { body.element_count(); }) elements = body.element_count();
+      first_[w + 1] = first_[w] + elements;
       ++w;
     });
   }

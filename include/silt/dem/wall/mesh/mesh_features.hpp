@@ -14,7 +14,7 @@
 #include <utility>
 #include <vector>
 
-namespace silt::dem::detail {
+namespace silt::dem {
 
 template <class Real>
 struct MeshFeatures {
@@ -221,4 +221,4 @@ struct MeshFeatures {
   }
 };
 
-}  // namespace silt::dem::detail
+}  // namespace silt::dem

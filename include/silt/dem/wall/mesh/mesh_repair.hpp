@@ -14,7 +14,7 @@
 #include <silt/core/error.hpp>
 #include <silt/core/triangle.hpp>
 #include <silt/core/types.hpp>
-#include <silt/dem/wall/mesh/box_tree.hpp>
+#include <silt/dem/wall/mesh/bounding_volume_tree.hpp>
 
 #include <algorithm>
 #include <array>
@@ -27,7 +27,7 @@
 #include <utility>
 #include <vector>
 
-namespace silt::dem::detail {
+namespace silt::dem {
 
 /// Triangles with shared vertices.
 template <class Real>
@@ -38,6 +38,7 @@ struct WeldedMesh {
   Real distance = 0;                   ///< points within this distance were merged [m]
 };
 
+namespace detail {
 /// Numbers points; points within a distance get the same number.
 template <class Real>
 class Welder {
@@ -78,6 +79,7 @@ class Welder {
   std::vector<Vec<3, Real>>& points_;
   std::map<Cell, std::vector<std::uint32_t>> cells_;
 };
+}  // namespace detail
 
 /// Merges corners that single precision cannot distinguish, and drops duplicate triangles. Throws
 /// if there is no triangle, or if a triangle has no area.
@@ -92,7 +94,7 @@ WeldedMesh<Real> weld(const std::vector<Triangle<Real>>& triangles) {
     }
   }
   WeldedMesh<Real> mesh{.vertices = {}, .triangles = {}, .distance = farthest * Real(4e-7)};
-  Welder<Real> welder(mesh.distance, mesh.vertices);
+  detail::Welder<Real> welder(mesh.distance, mesh.vertices);
   std::set<std::array<std::uint32_t, 3>> known;
   for (Index t = 0; t < triangles.size(); ++t) {
     std::array<std::uint32_t, 3> corners;
@@ -180,4 +182,4 @@ void split_at_junctions(WeldedMesh<Real>& mesh) {
   }
 }
 
-}  // namespace silt::dem::detail
+}  // namespace silt::dem

@@ -8,7 +8,7 @@
 #include <silt/core/error.hpp>
 #include <silt/core/triangle.hpp>
 #include <silt/core/types.hpp>
-#include <silt/dem/wall/mesh/box_tree.hpp>
+#include <silt/dem/wall/mesh/bounding_volume_tree.hpp>
 #include <silt/dem/wall/mesh/mesh_features.hpp>
 #include <silt/dem/wall/mesh/mesh_repair.hpp>
 #include <silt/dem/wall/wall.hpp>
@@ -34,9 +34,9 @@ template <class Real = double>
 class MeshWall {
   using Vec = silt::Vec<3, Real>;
   using Nearest = NearestPoint<3, Real>;
-  using Features = detail::MeshFeatures<Real>;
+  using Features = MeshFeatures<Real>;
   using Piece = typename Features::Piece;
-  using Tree = detail::BoxTree<Real>;
+  using Tree = BoxTree<Real>;
 
  public:
   std::uint32_t material;
@@ -45,8 +45,8 @@ class MeshWall {
   explicit MeshWall(const std::vector<Triangle<Real>>& triangles, const MeshSettings& settings = {})
       : material(settings.material) {
     require_between("MeshSettings: flat_angle", settings.flat_angle, {0, 0.5});
-    auto welded = detail::weld(triangles);
-    detail::split_at_junctions(welded);
+    auto welded = weld(triangles);
+    split_at_junctions(welded);
     mesh_ = std::make_shared<const Mesh>(welded, Real(settings.flat_angle));
   }
   void check() const noexcept {}
@@ -92,7 +92,7 @@ class MeshWall {
 
  private:
   struct Mesh {
-    Mesh(const detail::WeldedMesh<Real>& mesh, Real flat) : features(mesh, flat) {
+    Mesh(const WeldedMesh<Real>& mesh, Real flat) : features(mesh, flat) {
       std::vector<std::uint32_t> all(features.faces.size());
       std::iota(all.begin(), all.end(), std::uint32_t(0));
       faces = tree_of(all);

@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-namespace silt::dem::detail {
+namespace silt::dem {
 
 template <class Real>
 class BoxTree {
@@ -103,4 +103,4 @@ class BoxTree {
   std::vector<Node> nodes_;
 };
 
-}  // namespace silt::dem::detail
+}  // namespace silt::dem
