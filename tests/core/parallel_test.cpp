@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include "support/check.hpp"
-
 #include <silt/core/parallel.hpp>
 
+#include "support/check.hpp"
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -202,6 +201,25 @@ TEST_F(AutomaticThreads, AreTheGivenNumber) {
     EXPECT_EQ(threads_for(2 * chunk_size), 3);
 #endif
   });
+}
+
+// A team of one thread does not count as a parallel region.
+TEST(NestedLoops, ProcessEveryIndexOnceInATeamOfOneThread) {
+#ifdef _OPENMP
+  const int levels = omp_get_max_active_levels();
+  omp_set_max_active_levels(0);
+  with_threads(2, [] {
+    std::vector<int> done(4000, 0);
+    double sum = 0;
+    for_each(done.size(), [&](Index i) {
+      if (i % 64 == 0) sum += ordered_sum(5000, 0.0, [](Index) { return 1.0; });
+      ++done[i];
+    });
+    EXPECT_EQ(done, std::vector<int>(4000, 1));
+    EXPECT_EQ(sum, 63 * 5000.0);
+  });
+  omp_set_max_active_levels(levels);
+#endif
 }
 
 TEST(Finite, IsTestedOnTheBits) {

@@ -6,6 +6,9 @@
 #include "support/grains.hpp"
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <utility>
+
 namespace silt::test {
 namespace {
 
@@ -79,6 +82,43 @@ TEST(ContactList, IsRebuiltBetweenStepsOnlyIfAConstantChanges) {
 
 TEST(ContactList, OfNoGrainsIsNeverRebuilt) {
   EXPECT_EQ(updates_in_steps(dem::Grains<2>{}, {}), 0u);
+
+  const dem::Moving floor{dem::Plane<2>{},
+                          dem::Vibration<2>{.amplitude = {0, 1e-3}, .frequency = 60}};
+  Simulation simulation{dem::Grains<2>{}, CountedList{},
+                        dem::Contacts{dem::CundallStrack{.normal_stiffness = 1e4}, floor},
+                        Leapfrog{}};
+  simulation.step(1e-5);
+  const Index before = simulation.search().updates;
+  for (int k = 0; k < 10; ++k) simulation.step(1e-5);
+  EXPECT_EQ(simulation.search().updates, before);
+}
+
+// Positions move by a whole unit in the last place of a float, v Δt is half of it.
+TEST(ContactList, IsRebuiltForDisplacementsAfterRounding) {
+  constexpr float R = 1e-3f;
+  constexpr float gap = 1.21e-5f;
+  constexpr float v = 0.51f * 0x1p-23f / 1e-6f;
+  dem::Grains<2, float> grains;
+  dem::add_grain(grains, {1.5f, 1.5f}, {.radius = R, .density = 2500});
+  dem::add_grain(grains, {1.5f + 2 * R + gap, 1.5f}, {.radius = R, .density = 2500});
+  grains[velocity][0][0] = v;
+  grains[velocity][1][0] = -v;
+  Simulation simulation{grains, NeighbourList<2, float>{},
+                        dem::Contacts{dem::CundallStrack{.normal_stiffness = 1e3}}, Leapfrog{}};
+  const auto& particles = std::as_const(simulation).particles();
+  float overlap = 0;
+  Index contacts = 0;
+  for (int k = 0; k < 300 && contacts == 0; ++k) {
+    const Vec<2, float> r = particles[position][0] - particles[position][1];
+    overlap = 2 * R - r.norm();
+    simulation.step(1e-6);
+    contacts = std::as_const(simulation).interaction().size();
+    if (contacts == 0) {
+      EXPECT_LE(overlap, 1e-3f * R) << "step " << k;
+    }
+  }
+  EXPECT_EQ(contacts, 1u);
 }
 
 }  // namespace

@@ -20,7 +20,6 @@
 #include <cstdlib>
 #include <exception>
 #include <limits>
-#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -190,14 +189,29 @@ struct alignas(64) Share {
   }
 };
 
-/// Equal contiguous shares of [0, count) in memory of the calling thread.
-inline std::span<Share> divide(Index count, int team) {
-  static thread_local std::vector<Share> shares;  // keeps its capacity
-  const auto size = static_cast<Index>(team);
-  shares.resize(size);
-  for (Index k = 0; k < size; ++k) shares[k] = {count * k / size, count * (k + 1) / size};
-  return shares;
-}
+/// Equal contiguous shares of [0, count). The thread keeps the memory for the next such object,
+/// unless it is in use by a loop around this one.
+class Shares {
+ public:
+  Shares(Index count, int team) : shares_(std::move(spare())) {
+    const auto size = static_cast<Index>(team);
+    shares_.resize(size);
+    for (Index k = 0; k < size; ++k) shares_[k] = {count * k / size, count * (k + 1) / size};
+  }
+  Shares(const Shares&) = delete;
+  Shares& operator=(const Shares&) = delete;
+  ~Shares() { spare() = std::move(shares_); }
+
+  Index size() const { return shares_.size(); }
+  Share& operator[](Index k) { return shares_[k]; }
+
+ private:
+  static std::vector<Share>& spare() {
+    static thread_local std::vector<Share> memory;
+    return memory;
+  }
+  std::vector<Share> shares_;
+};
 
 /// f(k) for every k in [0, count), with at most `team` threads. Each has a contiguous share, so
 /// that successive loops find their data in its cache; once it has finished its share, it helps the
@@ -210,7 +224,7 @@ void run_tasks(Index count, [[maybe_unused]] int team, F&& f) {
     // all is therefore found.
     std::exception_ptr fault;
     Index fault_task = no_index;
-    const std::span<Share> shares = divide(count, team);
+    Shares shares(count, team);
     const auto run = [&](Share::Tasks tasks) {
       try {
         for (; tasks.first < tasks.last; ++tasks.first) f(tasks.first);

@@ -122,9 +122,9 @@ class MotionInColumns {
   [[gnu::always_inline]] Real drift(Single& p, double dt) const {
     Real squared_displacement = 0;
     for (int k = 0; k < Dim; ++k) {
-      const Real move = p.v[k] * Real(dt);
-      squared_displacement += move * move;
-      const Real x = p.x[k] + move;
+      const Real x = p.x[k] + p.v[k] * Real(dt);
+      const Real moved = x - p.x[k];  // with the rounding of x
+      squared_displacement += moved * moved;
       const Real above = x + (x < lower_[k] ? period_[k] : Real(0));
       p.x[k] = above - (above < upper_[k] ? Real(0) : period_[k]);
     }
@@ -312,6 +312,8 @@ class MotionInRows {
       move = __builtin_shufflevector(moved, none, 0, 1, 2, 7);
     }
     const Four x = p.x + move;
+    const Four with_rounding = x - p.x;
+    const Four squares = with_rounding * with_rounding;
     const Four above = x + (Four)((Bits)(x < lower_) & (Bits)period_);
     p.x = above - (Four)(~(Bits)(above < upper_) & (Bits)period_);
     if constexpr (has_angle) {
@@ -319,7 +321,6 @@ class MotionInRows {
         p.angle[k] += (Dim == 2 ? p.v[2] : p.w[k]) * Real(dt);
       }
     }
-    const Four squares = move * move;
     return squares[0] + squares[1] + squares[2];
   }
 

@@ -206,10 +206,10 @@ class ContactList {
       size = block.all().last;
       further[b] = block.pairs.first + by_block[b].pairs.size();
     }
-    if (std::max(size, grains() * index_scale) >= wall_bit) {
+    if (grains() * index_scale >= wall_bit || 4 * size >= wall_bit) {
       fail("dem::Contacts: there are " + std::to_string(grains()) + " grains and " +
            std::to_string(size) +
-           " near contacts, more than 2^28 of the former or 2^31 of the latter; use fewer grains");
+           " near contacts, more than 2^28 of the former or 2^29 of the latter; use fewer grains");
     }
     resize_tightly(first_, size);
     resize_tightly(second_, size);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // What contacts keep of a step: the list, the histories before and after, and the grains as the law
 // saw them. From these, the results of single contacts are computed again when they are asked for.
-// Nothing of it is changed by later steps, so that a failed step is rolled back by returning to the
-// evaluation before it, and a copy of a simulation shares it.
+// No result in it is changed by later steps, so that a failed step is rolled back by returning to
+// the evaluation before it, and a copy of a simulation shares it.
 #pragma once
 
 #include <silt/core/box.hpp>

@@ -113,6 +113,7 @@ bool is_stale(const P& grains, const Walls& walls, double time, const List& list
               ListLifetime& lifetime) {
   using Real = typename P::Real;
   if (list.owned_revision != grains.owned_revision()) return true;
+  if (grains.empty()) return false;
   const Real half = list.margin / 2;
   if constexpr (Walls::move) {
     const auto moved = walls.max_displacement({.from = list.time, .to = time}, list.extent);
@@ -134,7 +135,8 @@ bool is_stale(const P& grains, const Walls& walls, double time, const List& list
   };
   const Real displaced = max_relative_to(P::Vec::Zero());
   Real left = half - displaced;
-  const Real left_to_walls = (Walls::move ? half : list.margin) - displaced;
+  const Real left_to_walls = walls.size() == 0 ? std::numeric_limits<Real>::infinity()
+                                               : (Walls::move ? half : list.margin) - displaced;
   if (left < 0 && left_to_walls >= 0) {
     const typename P::Vec sum =
         ordered_sum(x.size(), typename P::Vec(P::Vec::Zero()), displacement);

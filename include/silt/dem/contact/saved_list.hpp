@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // A list of contacts in a checkpoint. With it, a resumed run rebuilds the list, and sorts the
-// grains, in the same steps as without a restart: as soon as a grain has moved by half the margin.
+// grains, in the same steps as without a restart; see is_stale().
 #pragma once
 
 #include <silt/core/types.hpp>
