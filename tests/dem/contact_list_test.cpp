@@ -2,6 +2,7 @@
 // The list of contacts is rebuilt when it has to be, and only from an updated search.
 #include <silt/dem.hpp>
 
+#include "support/grains.hpp"
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -14,8 +15,21 @@ namespace {
 
 const dem::CundallStrack law{.normal_stiffness = 1e4, .restitution = 0.5};
 
-// Has access to the masses in every step, although it does not change them.
-struct ReadsMasses {
+// The search is used for nothing else than rebuilding the list.
+struct CountedList : NeighbourList<2> {
+  Index updates = 0;
+
+  template <class P>
+  void update(P& particles) {
+    ++updates;
+    NeighbourList<2>::update(particles);
+  }
+};
+
+// Uses views that are not const, as a user's part of Forces may, and may change a radius.
+struct Visitor {
+  double growth = 0;  // of a radius in every step [m]
+
   template <class P>
   double reach(const P&) const {
     return 0;
@@ -25,8 +39,10 @@ struct ReadsMasses {
     return false;
   }
   template <class P, class S>
-  void accelerate(P& particles, const S&, double) const {
-    static_cast<void>(particles[mass]);
+  void accelerate(P& grains, S&, double) const {
+    const auto m = grains[mass];
+    for (Index i = 0; i < grains.size(); ++i) grains[force][i] += m[i] * Vec<2>(0, -1e-6);
+    if (!grains.empty()) grains[radius][0] += growth;
   }
 };
 
@@ -47,7 +63,7 @@ Index most_contacts(const Interaction& interaction) {
 
 TEST(ContactList, IsRebuiltFromAnUpdatedSearchIfAnotherPartReadsMasses) {
   EXPECT_EQ(most_contacts(Forces{Gravity<2>{{0, 0}}, dem::Contacts{law}}), 1u);
-  EXPECT_EQ(most_contacts(Forces{ReadsMasses{}, dem::Contacts{law}}), 1u);
+  EXPECT_EQ(most_contacts(Forces{Visitor{}, dem::Contacts{law}}), 1u);
 }
 
 TEST(ContactList, HasTheWallsBeyondAPeriodicSide) {
@@ -95,6 +111,81 @@ TEST(ContactList, IsRebuiltAfterAGrainWasMoved) {
   sim.particles()[position][1][0] = 0.0199;
   sim.step(1e-5);
   EXPECT_EQ(sim.interaction().size(), 1u);
+}
+
+dem::Grains<2> resting() {
+  return dem::make_grains(lattice<2>({{0, 0}, {0.2, 0.2}}, 0.02 * (1 + 1e-9)), pebble);
+}
+
+template <class P>
+Index updates_in_steps(const P& grains, const Visitor& visitor) {
+  Simulation simulation{grains, CountedList{}, Forces{dem::Contacts{law}, visitor}, Leapfrog{}};
+  simulation.step(1e-5);
+  const Index before = simulation.search().updates;
+  for (int k = 0; k < 10; ++k) simulation.step(1e-5);
+  return simulation.search().updates - before;
+}
+
+TEST(ContactList, IsKeptWhenMassesAreOnlyRead) { EXPECT_EQ(updates_in_steps(resting(), {}), 0u); }
+
+TEST(ContactList, IsRebuiltWhenARadiusChanges) {
+  EXPECT_GE(updates_in_steps(resting(), {.growth = 1e-12}), 5u);
+}
+
+TEST(ContactList, IsRebuiltBetweenStepsOnlyIfAConstantChanges) {
+  Simulation simulation{resting(), CountedList{}, dem::Contacts{law}, Leapfrog{}};
+  simulation.step(1e-5);
+  auto& grains = simulation.particles();
+  const auto rebuilds_after = [&](auto&& access) {
+    const Index before = simulation.search().updates;
+    access();
+    simulation.step(1e-5);
+    return simulation.search().updates - before;
+  };
+  EXPECT_EQ(rebuilds_after([&] { grains[inertia][0] *= 1; }), 0u);
+  EXPECT_EQ(rebuilds_after([&] { grains[inertia][99] *= 2; }), 1u);
+  EXPECT_EQ(rebuilds_after([&] { grains[mass][99] *= 2; }), 1u);
+  EXPECT_EQ(rebuilds_after([&] { grains[radius][99] *= 0.9; }), 1u);
+  EXPECT_EQ(rebuilds_after([&] { grains[dem::material][0] = 0; }), 0u);
+}
+
+TEST(ContactList, OfNoGrainsIsNeverRebuilt) {
+  EXPECT_EQ(updates_in_steps(dem::Grains<2>{}, {}), 0u);
+
+  const dem::Moving floor{dem::Plane<2>{},
+                          dem::Vibration<2>{.amplitude = {0, 1e-3}, .frequency = 60}};
+  Simulation simulation{dem::Grains<2>{}, CountedList{}, dem::Contacts{law, floor}, Leapfrog{}};
+  simulation.step(1e-5);
+  const Index before = simulation.search().updates;
+  for (int k = 0; k < 10; ++k) simulation.step(1e-5);
+  EXPECT_EQ(simulation.search().updates, before);
+}
+
+// Positions move by a whole unit in the last place of a float, v Δt is half of it.
+TEST(ContactList, IsRebuiltForDisplacementsAfterRounding) {
+  constexpr float R = 1e-3f;
+  constexpr float gap = 1.21e-5f;
+  constexpr float v = 0.51f * 0x1p-23f / 1e-6f;
+  dem::Grains<2, float> grains;
+  dem::add_grain(grains, {1.5f, 1.5f}, {.radius = R, .density = 2500});
+  dem::add_grain(grains, {1.5f + 2 * R + gap, 1.5f}, {.radius = R, .density = 2500});
+  grains[velocity][0][0] = v;
+  grains[velocity][1][0] = -v;
+  Simulation simulation{grains, NeighbourList<2, float>{},
+                        dem::Contacts{dem::CundallStrack{.normal_stiffness = 1e3}}, Leapfrog{}};
+  const auto& particles = std::as_const(simulation).particles();
+  float overlap = 0;
+  Index contacts = 0;
+  for (int k = 0; k < 300 && contacts == 0; ++k) {
+    const Vec<2, float> r = particles[position][0] - particles[position][1];
+    overlap = 2 * R - r.norm();
+    simulation.step(1e-6);
+    contacts = std::as_const(simulation).interaction().size();
+    if (contacts == 0) {
+      EXPECT_LE(overlap, 1e-3f * R) << "step " << k;
+    }
+  }
+  EXPECT_EQ(contacts, 1u);
 }
 
 }  // namespace
