@@ -5,7 +5,7 @@
 #include <silt/core/simd.hpp>
 #include <silt/core/types.hpp>
 
-#include <cstring>
+#include <utility>
 
 namespace silt {
 
@@ -17,6 +17,43 @@ using Four = simd::Pack<Real, 4>;
 template <class Real, class F>
 void load_four(const Real* from, F& four) {
   four = *reinterpret_cast<const typename simd::UnalignedPackOf<Real, 4>::type*>(from);
+}
+
+// Packs of eight numbers as two packs of four; where `Pack` has only four, the second is not used.
+
+template <class Pack>
+inline constexpr bool is_two_fours = sizeof(Pack) == 8 * sizeof(std::declval<Pack>()[0]);
+
+template <class Real, class Pack>
+void load_fours(const Real* first, [[maybe_unused]] const Real* second, Pack& to) {
+  if constexpr (is_two_fours<Pack>) {
+    Four<Real> a, b;
+    load_four(first, a);
+    load_four(second, b);
+    to = __builtin_shufflevector(a, b, 0, 1, 2, 3, 4, 5, 6, 7);
+  } else {
+    load_four(first, to);
+  }
+}
+template <class Real, class Pack>
+void store_fours(const Pack& p, Real* first, [[maybe_unused]] Real* second) {
+  if constexpr (is_two_fours<Pack>) {
+    simd::store<Real, 4>(first, __builtin_shufflevector(p, p, 0, 1, 2, 3));
+    simd::store<Real, 4>(second, __builtin_shufflevector(p, p, 4, 5, 6, 7));
+  } else {
+    simd::store<Real, 4>(first, p);
+  }
+}
+/// Lanes i, j, k and l of each four, where 0 to 3 are those of a and 4 to 7 those of b.
+template <int i, int j, int k, int l, class Pack>
+void shuffle_fours(const Pack& a, const Pack& b, Pack& to) {
+  if constexpr (is_two_fours<Pack>) {
+    constexpr int first[] = {i + i / 4 * 4, j + j / 4 * 4, k + k / 4 * 4, l + l / 4 * 4};
+    to = __builtin_shufflevector(a, b, first[0], first[1], first[2], first[3], first[0] + 4,
+                                 first[1] + 4, first[2] + 4, first[3] + 4);
+  } else {
+    to = __builtin_shufflevector(a, b, i, j, k, l);
+  }
 }
 
 /// b × a of the first three numbers, rotated by one lane, as (z, x, y); the fourth is unspecified.

@@ -29,7 +29,7 @@ inline constexpr bool one_of = (std::same_as<F, Fs> || ...);
 // The same for all particles, for user-defined integrators.
 
 namespace detail {
-// Calls change(motion, single) for every particle, in place.
+// Calls change(motion, state) for every particle, in place.
 template <class P, class Change>
 void change_motion(P& particles, Change&& change) {
   particles.for_each_field([&]<class F>(auto, F field) {
@@ -37,9 +37,9 @@ void change_motion(P& particles, Change&& change) {
   });
   const Motion<P> motion(particles);
   for_each(particles.size(), [&](Index i) {
-    auto single = motion.load(i);
-    change(motion, single);
-    motion.store(i, single);
+    auto state = motion.load(i, i + 1);
+    change(motion, state);
+    motion.store(i, i + 1, state);
   });
 }
 }  // namespace detail
@@ -107,7 +107,7 @@ class Leapfrog {
 
     const auto kick_and_drift = [=, damping = damping_](const Motion<P>& motion, auto& particle) {
       motion.kick(particle, damping, between_half_steps);
-      return motion.drift(particle, dt);
+      motion.drift(particle, dt);
     };
     const bool is_valid = advance(particles, search, interaction, dt, Update<P>(kick_and_drift));
 
@@ -122,7 +122,6 @@ class Leapfrog {
     const auto kick_to_mean = [dt = last_time_step_, damping = damping_](const Motion<P>& motion,
                                                                          auto& particle) {
       motion.kick_to_mean(particle, damping, dt);
-      return typename P::Real(0);
     };
     advance(particles, search, interaction, last_time_step_, Update<P>(kick_to_mean));
   }
@@ -142,13 +141,12 @@ class Leapfrog {
   // What a step did to a range of particles.
   template <class Real>
   struct Outcome {
-    bool is_valid = true;           // see Motion::Check
+    bool is_valid = true;           // see Motion::Outcome
     Real squared_displacement = 0;  // maximum [m²]
   };
 
-  // Calls update(motion, particle), which returns the squared displacement, for a range. Its
-  // type does not depend on that of `update`, so that the loop over the forces, which takes long to
-  // compile, is compiled only once.
+  // Calls update(motion, particle) for a range. Its type does not depend on that of `update`, so
+  // that the loop over the forces, which takes long to compile, is compiled only once.
   template <class P>
   class Update {
     using Real = typename P::Real;
@@ -169,24 +167,20 @@ class Leapfrog {
                                                              Index first, Index last) {
       const Function update = *static_cast<const Function*>(from);
       const Motion<P> motion = of;
-      typename Motion<P>::Check check;
-      // Bits of non-negative numbers compare as the numbers do; unlike the maximum of Reals, the
-      // maximum of bits is vectorised.
-      using Bits = std::conditional_t<sizeof(Real) == 4, std::uint32_t, std::uint64_t>;
-      Bits farthest = 0;
-      const auto update_one = [&](Index i) {
-        auto particle = motion.load(i);
-        farthest = std::max(farthest, std::bit_cast<Bits>(Real(update(motion, particle))));
-        motion.add_to(check, particle);
-        motion.store(i, particle);
+      typename Motion<P>::Outcome outcome;
+      const auto update_from = [&](Index i) {
+        auto particle = motion.load(i, last);
+        update(motion, particle);
+        motion.add_to(outcome, particle);
+        motion.store(i, last, particle);
       };
       if constexpr (Motion<P>::is_in_rows) {
-        for (Index i = first; i < last; ++i) update_one(i);
+        for (Index i = first; i < last; i += Motion<P>::at_once) update_from(i);
       } else {
         SILT_INDEPENDENT_ITERATIONS
-        for (Index i = first; i < last; ++i) update_one(i);
+        for (Index i = first; i < last; ++i) update_from(i);
       }
-      return {check.is_valid(), std::bit_cast<Real>(farthest)};
+      return {outcome.is_valid(motion), outcome.squared_displacement()};
     }
 
     const void* update_;
@@ -240,7 +234,6 @@ class Leapfrog {
     I trial = interaction;  // a copy: the contact histories must not advance
     const auto step_back = [=, damping = damping_](const Motion<P>& motion, auto& particle) {
       motion.step_back(particle, damping, dt);
-      return typename P::Real(0);
     };
     advance(particles, search, trial, dt, Update<P>(step_back));
   }

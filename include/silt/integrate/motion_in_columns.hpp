@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: MIT
+// The equations of motion of the leapfrog, [SahChoi2004] (15)–(33), for particles stored in any
+// way.
+#pragma once
+
+#include <silt/core/particles.hpp>
+#include <silt/core/types.hpp>
+
+#include <algorithm>
+#include <bit>
+#include <concepts>
+#include <cstddef>
+#include <cstdint>
+#include <type_traits>
+#include <utility>
+
+namespace silt {
+
+/// The motion of particles one by one, from the fields before a step to those after it. It works on
+/// components, so that compilers vectorise loops over particles stored in columns, and no value is
+/// read again after it was stored.
+template <class P>
+class MotionInColumns {
+  using Real = typename P::Real;
+  static constexpr int Dim = P::dimension;
+  static constexpr int angular = angular_size<Dim>;
+
+ public:
+  static constexpr bool rotates = HasFields<P, spin_t, torque_t, inertia_t>;
+  static constexpr bool has_angle = rotates && HasFields<P, angle_t>;
+  static constexpr bool is_in_rows = false;
+  /// Number of particles that are processed together.
+  static constexpr Index at_once = 1;
+
+  /// One particle. The members of particles that do not rotate are not used.
+  struct State {
+    Real x[Dim];                    ///< [m]
+    Real v[Dim];                    ///< [m/s]
+    Real a[Dim];                    ///< F/m [m/s²]
+    Real angle[angular];            ///< [rad]
+    Real w[angular];                ///< [1/s]
+    Real w_dot[angular];            ///< M/I [1/s²]
+    Real squared_displacement = 0;  ///< by drift() [m²]
+  };
+
+  explicit MotionInColumns(P& particles)
+      : x_(particles.advance(position)),
+        v_(particles.advance(velocity)),
+        f_(std::as_const(particles)[force]),
+        m_(std::as_const(particles)[mass]) {
+    if constexpr (rotates) {
+      w_ = particles.advance(spin);
+      t_ = std::as_const(particles)[torque];
+      inertias_ = std::as_const(particles)[inertia];
+    }
+    if constexpr (has_angle) angle_ = particles.advance(angle);
+    const auto& box = particles.box();
+    for (int k = 0; k < Dim; ++k) {
+      lower_[k] = box.lower[k];
+      upper_[k] = box.upper[k];
+      const bool is_periodic = box.periodic[static_cast<std::size_t>(k)];
+      period_[k] = is_periodic ? box.upper[k] - box.lower[k] : 0;
+    }
+  }
+
+  [[gnu::always_inline]] State load(Index i, Index) const {
+    State p;
+    const Real per_mass = 1 / m_[i];
+    for (int k = 0; k < Dim; ++k) {
+      p.x[k] = x_.before[i][k];
+      p.v[k] = v_.before[i][k];
+      p.a[k] = f_[i][k] * per_mass;
+    }
+    if constexpr (rotates) {
+      const Real per_inertia = 1 / inertias_[i];
+      for (int k = 0; k < angular; ++k) {
+        p.w[k] = component(w_.before[i], k);
+        p.w_dot[k] = component(t_[i], k) * per_inertia;
+        if constexpr (has_angle) p.angle[k] = component(angle_.before[i], k);
+      }
+    }
+    return p;
+  }
+
+  [[gnu::always_inline]] void store(Index i, Index, const State& p) const {
+    for (int k = 0; k < Dim; ++k) {
+      x_.after[i][k] = p.x[k];
+      v_.after[i][k] = p.v[k];
+    }
+    if constexpr (rotates) {
+      for (int k = 0; k < angular; ++k) {
+        component(w_.after[i], k) = p.w[k];
+        if constexpr (has_angle) component(angle_.after[i], k) = p.angle[k];
+      }
+    }
+  }
+
+  /// v^{N−½} → v^{N+½} (32) and, if the particles rotate, θ'^{N−½} → θ'^{N+½} (33).
+  template <class D>
+  [[gnu::always_inline]] void kick(State& p, const D& damping, double dt) const {
+    change_velocities(p, [&](Real v, Real a) { return damping.kicked(v, a, Real(dt)); });
+  }
+
+  /// v^N = ½ (v^{N−½} + v^{N+½}) (27), (28).
+  template <class D>
+  [[gnu::always_inline]] void kick_to_mean(State& p, const D& damping, double dt) const {
+    change_velocities(p, [&](Real v, Real a) { return (damping.kicked(v, a, Real(dt)) + v) / 2; });
+  }
+
+  /// v^N → v^{N−½}.
+  template <class D>
+  [[gnu::always_inline]] void step_back(State& p, const D& damping, double dt) const {
+    change_velocities(p, [&](Real v, Real a) {
+      if constexpr (requires { damping.half_step_before(v, a, Real(dt)); }) {
+        return damping.half_step_before(v, a, Real(dt));
+      } else {
+        return v - a * Real(dt / 2);
+      }
+    });
+  }
+
+  /// x^{N+1} = x^N + v^{N+½} Δt,  θ^{N+1} = θ^N + θ'^{N+½} Δt        (19)
+  /// Moves a position that crosses a periodic side to the opposite one.
+  [[gnu::always_inline]] void drift(State& p, double dt) const {
+    for (int k = 0; k < Dim; ++k) {
+      const Real x = p.x[k] + p.v[k] * Real(dt);
+      const Real moved = x - p.x[k];  // with the rounding of x
+      p.squared_displacement += moved * moved;
+      // Not x < lower ? x + period : x, which g++ does not vectorise; x + (−0) = x, even for −0.
+      const Real above = x + (x < lower_[k] ? period_[k] : Real(-0.0));
+      p.x[k] = above - (above < upper_[k] ? Real(0) : period_[k]);
+    }
+    if constexpr (has_angle) {
+      for (int k = 0; k < angular; ++k) p.angle[k] += p.w[k] * Real(dt);
+    }
+  }
+
+  /// What a step did to particles.
+  class Outcome {
+   public:
+    /// Whether all of them have finite fields and a position within the box; may also be false if
+    /// values are extremely large.
+    bool is_valid(const MotionInColumns&) const { return broken_ == 0; }
+    /// The maximum [m²].
+    Real squared_displacement() const { return std::bit_cast<Real>(farthest_); }
+
+   private:
+    friend MotionInColumns;
+    int broken_ = 0;  // an int, because g++ 12 does not vectorise with a bool
+    // Bits of non-negative numbers compare as the numbers do; unlike the maximum of Reals, the
+    // maximum of bits is vectorised.
+    std::conditional_t<sizeof(Real) == 4, std::uint32_t, std::uint64_t> farthest_ = 0;
+  };
+  [[gnu::always_inline]] void add_to(Outcome& outcome, const State& p) const {
+    int inside = 1;
+    Real sum = 0;
+    for (int k = 0; k < Dim; ++k) {
+      inside &= int(lower_[k] <= p.x[k]) & int(p.x[k] <= upper_[k]);
+      sum += p.x[k] + p.v[k];
+    }
+    if constexpr (rotates) {
+      for (int k = 0; k < angular; ++k) {
+        sum += p.w[k];
+        if constexpr (has_angle) sum += p.angle[k];
+      }
+    }
+    outcome.broken_ |= int(!(sum - sum == 0)) | !inside;  // unlike is_finite(), vectorised
+    outcome.farthest_ = std::max(
+        outcome.farthest_, std::bit_cast<decltype(outcome.farthest_)>(p.squared_displacement));
+  }
+
+ private:
+  // change(velocity before, acceleration) returns the velocity after.
+  template <class Change>
+  [[gnu::always_inline]] static void change_velocities(State& p, Change&& change) {
+    for (int k = 0; k < Dim; ++k) p.v[k] = static_cast<Real>(change(p.v[k], p.a[k]));
+    if constexpr (rotates) {
+      for (int k = 0; k < angular; ++k) p.w[k] = static_cast<Real>(change(p.w[k], p.w_dot[k]));
+    }
+  }
+
+  // For fields that the particles do not have.
+  struct Missing {};
+  template <class F>
+  static auto changing(P& particles) {
+    if constexpr (HasFields<P, F>) {
+      return particles.advance(F{});
+    } else {
+      return Missing{};
+    }
+  }
+  template <class F>
+  static auto constant(const P& particles) {
+    if constexpr (HasFields<P, F>) {
+      return particles[F{}];
+    } else {
+      return Missing{};
+    }
+  }
+  template <class F>
+  using Changing = decltype(changing<F>(std::declval<P&>()));
+  template <class F>
+  using Constant = decltype(constant<F>(std::declval<const P&>()));
+
+  Changing<position_t> x_;
+  Changing<velocity_t> v_;
+  Constant<force_t> f_;
+  Constant<mass_t> m_;
+  Changing<spin_t> w_{};
+  Changing<angle_t> angle_{};
+  Constant<torque_t> t_{};
+  Constant<inertia_t> inertias_{};
+  // Of the box; the period is 0 along axes that are not periodic.
+  Real lower_[Dim];
+  Real upper_[Dim];
+  Real period_[Dim];
+};
+
+}  // namespace silt

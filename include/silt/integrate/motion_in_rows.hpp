@@ -1,0 +1,252 @@
+// SPDX-License-Identifier: MIT
+// The equations of motion of the leapfrog, [SahChoi2004] (15)–(33), for particles stored in rows.
+#pragma once
+
+#include <silt/core/four.hpp>
+#include <silt/core/particles.hpp>
+#include <silt/core/types.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <limits>
+#include <utility>
+
+namespace silt {
+
+/// The same for particles in rows of four numbers: {x y z R}, {vx vy vz m} and {wx wy wz I}; in 2D
+/// {x y R m} and {vx vy w I}. For processors whose registers hold four numbers; where they hold
+/// eight, two particles are processed together.
+template <class P>
+class MotionInRows {
+  using Real = typename P::Real;
+  static constexpr int N = 8 * sizeof(Real) <= simd::width ? 8 : 4;
+  using Pack = simd::Pack<Real, N>;
+  static constexpr int Dim = P::dimension;
+  static constexpr int angular = angular_size<Dim>;
+  static constexpr bool has_angle = HasFields<P, angle_t>;
+
+ public:
+  static constexpr bool is_in_rows = true;
+  static constexpr Index at_once = N / 4;
+
+  struct State {
+    Pack x;
+    Pack v;      ///< in 2D with the spin
+    Pack a;      ///< F/m [m/s²]; in 2D with M/I
+    Pack w;      ///< 3D only
+    Pack w_dot;  ///< M/I [1/s²]; 3D only
+    Real angle[at_once][angular];
+    Pack squares{};  ///< of the displacement by drift() [m²]
+  };
+
+  explicit MotionInRows(P& particles)
+      : f_(std::as_const(particles)[force]), t_(std::as_const(particles)[torque]) {
+    linear_ = particles.advance_rows(position);
+    angular_ = particles.advance_rows(spin);
+    if constexpr (has_angle) angle_ = particles.advance(angle);
+    constexpr Real infinity = std::numeric_limits<Real>::infinity();
+    const auto& box = particles.box();
+    Real lower[N], upper[N], period[N];
+    for (int lane = 0; lane < N; ++lane) {
+      const int k = lane % 4;
+      lower[lane] = k < Dim ? box.lower[k] : -infinity;
+      upper[lane] = k < Dim ? box.upper[k] : infinity;
+      const bool is_periodic = k < Dim && box.periodic[static_cast<std::size_t>(k)];
+      period[lane] = is_periodic ? upper[lane] - lower[lane] : 0;
+    }
+    lower_ = simd::load<Real, N>(lower);
+    upper_ = simd::load<Real, N>(upper);
+    period_ = simd::load<Real, N>(period);
+  }
+
+  /// Particle i and, if two are processed together, the next of the range that ends at `last`; at
+  /// its end, the same again.
+  [[gnu::always_inline]] State load(Index i, Index last) const {
+    const Index j = second(i, last);
+    State p;
+    load_fours(linear_.before + 8 * i, linear_.before + 8 * j, p.x);
+    load_fours(linear_.before + 8 * i + 4, linear_.before + 8 * j + 4, p.v);
+    // One division for masses and moments of inertia.
+    Pack divisors;
+    if constexpr (Dim == 2) {
+      shuffle_fours<3, 3, 7, 7>(p.x, p.v, divisors);
+      set_threes({f_[i][0], f_[i][1], t_[i]}, {f_[j][0], f_[j][1], t_[j]}, p.a);
+      p.a *= 1 / divisors;
+    } else {
+      load_fours(angular_.before + 4 * i, angular_.before + 4 * j, p.w);
+      shuffle_fours<3, 7, 3, 7>(p.v, p.w, divisors);
+      const Pack inverse = 1 / divisors;
+      Pack per_mass, per_inertia;
+      shuffle_fours<0, 0, 0, 0>(inverse, inverse, per_mass);
+      shuffle_fours<1, 1, 1, 1>(inverse, inverse, per_inertia);
+      set_threes({f_[i][0], f_[i][1], f_[i][2]}, {f_[j][0], f_[j][1], f_[j][2]}, p.a);
+      set_threes({t_[i][0], t_[i][1], t_[i][2]}, {t_[j][0], t_[j][1], t_[j][2]}, p.w_dot);
+      p.a *= per_mass;
+      p.w_dot *= per_inertia;
+    }
+    if constexpr (has_angle) {
+      for (int k = 0; k < angular; ++k) {
+        p.angle[0][k] = component(angle_.before[i], k);
+        p.angle[at_once - 1][k] = component(angle_.before[j], k);
+      }
+    }
+    return p;
+  }
+
+  [[gnu::always_inline]] void store(Index i, Index last, const State& p) const {
+    const Index j = second(i, last);
+    store_fours(p.x, linear_.after + 8 * i, linear_.after + 8 * j);
+    store_fours(p.v, linear_.after + 8 * i + 4, linear_.after + 8 * j + 4);
+    if constexpr (Dim == 3) store_fours(p.w, angular_.after + 4 * i, angular_.after + 4 * j);
+    if constexpr (has_angle) {
+      for (int k = 0; k < angular; ++k) {
+        component(angle_.after[i], k) = p.angle[0][k];
+        component(angle_.after[j], k) = p.angle[at_once - 1][k];
+      }
+    }
+  }
+
+  // As in MotionInColumns. Packs are passed by reference, because how they are returned depends on
+  // the processor flags.
+
+  template <class D>
+  [[gnu::always_inline]] void kick(State& p, const D& damping, double dt) const {
+    change_velocities<D>(p, [&](auto& v, const auto& a) { v = damping.kicked(v, a, Real(dt)); });
+  }
+  template <class D>
+  [[gnu::always_inline]] void kick_to_mean(State& p, const D& damping, double dt) const {
+    change_velocities<D>(
+        p, [&](auto& v, const auto& a) { v = (damping.kicked(v, a, Real(dt)) + v) / 2; });
+  }
+  template <class D>
+  [[gnu::always_inline]] void step_back(State& p, const D& damping, double dt) const {
+    change_velocities<D>(p, [&](auto& v, const auto& a) {
+      if constexpr (requires { damping.half_step_before(v, a, Real(dt)); }) {
+        v = damping.half_step_before(v, a, Real(dt));
+      } else {
+        v = v - a * Real(dt / 2);
+      }
+    });
+  }
+
+  [[gnu::always_inline]] void drift(State& p, double dt) const {
+    const Pack moved = p.v * Real(dt);
+    const Pack none{};
+    // No number but the position moves.
+    Pack move;
+    if constexpr (Dim == 2) {
+      shuffle_fours<0, 1, 6, 7>(moved, none, move);
+    } else {
+      shuffle_fours<0, 1, 2, 7>(moved, none, move);
+    }
+    const Pack x = p.x + move;
+    const Pack with_rounding = x - p.x;
+    p.squares = with_rounding * with_rounding;
+    const Pack above = x < lower_ ? x + period_ : x;
+    p.x = above < upper_ ? above : above - period_;
+    if constexpr (has_angle) {
+      for (Index one = 0; one < at_once; ++one) {
+        for (int k = 0; k < angular; ++k) {
+          const auto lane = static_cast<int>(4 * one) + (Dim == 2 ? 2 : k);
+          p.angle[one][k] += (Dim == 2 ? p.v : p.w)[lane] * Real(dt);
+        }
+      }
+    }
+  }
+
+  // Extremes and a sum that becomes NaN take half as long as comparisons for every particle.
+  class Outcome {
+   public:
+    bool is_valid(const MotionInRows& motion) const {
+      for (int k = 0; k < N; ++k) {
+        if (!(nan_if_broken_[k] == 0 && motion.lower_[k] <= lowest_[k] &&
+              highest_[k] <= motion.upper_[k])) {
+          return false;
+        }
+      }
+      return true;
+    }
+    Real squared_displacement() const { return std::max(farthest_[0], farthest_[N - 4]); }
+
+   private:
+    friend MotionInRows;
+    static constexpr Real infinity = std::numeric_limits<Real>::infinity();
+    Pack nan_if_broken_{};
+    Pack lowest_ = simd::broadcast<Real, N>(infinity);
+    Pack highest_ = simd::broadcast<Real, N>(-infinity);
+    Pack farthest_{};  // first lane of each particle
+  };
+  [[gnu::always_inline]] void add_to(Outcome& outcome, const State& p) const {
+    Pack sum = p.x + p.v;
+    if constexpr (Dim == 3) sum += p.w;
+    if constexpr (has_angle) {
+      for (const auto& of_one : p.angle) {
+        for (const Real turned : of_one) sum += turned;
+      }
+    }
+    outcome.nan_if_broken_ += sum - sum;
+    outcome.lowest_ = p.x < outcome.lowest_ ? p.x : outcome.lowest_;
+    outcome.highest_ = outcome.highest_ < p.x ? p.x : outcome.highest_;
+    Pack y, z;
+    shuffle_fours<1, 0, 3, 2>(p.squares, p.squares, y);
+    shuffle_fours<2, 3, 0, 1>(p.squares, p.squares, z);
+    const Pack squared_displacement = p.squares + y + z;
+    outcome.farthest_ =
+        outcome.farthest_ < squared_displacement ? squared_displacement : outcome.farthest_;
+  }
+
+ private:
+  static Index second(Index i, Index last) { return at_once == 1 ? i : std::min(i + 1, last - 1); }
+
+  static void set_threes(const std::array<Real, 3>& a, const std::array<Real, 3>& b, Pack& to) {
+    if constexpr (at_once == 1) {
+      to = Pack{a[0], a[1], a[2], 0};
+    } else {
+      to = Pack{a[0], a[1], a[2], 0, b[0], b[1], b[2], 0};
+    }
+  }
+
+  // change(velocity, acceleration) for numbers, or for whole packs if the damping model D accepts
+  // them, too. The fourth of each four is not a velocity.
+  template <class D, class Change>
+  [[gnu::always_inline]] static void change_velocities(State& p, Change&& change) {
+    const auto change_threes = [&](Pack& v, const Pack& a) {
+      Pack changed = v;
+      if constexpr (requires { requires D::accepts_packs; }) {
+        change(changed, a);
+      } else {
+        Real numbers[N];
+        simd::store<Real, N>(numbers, v);
+        for (int k = 0; k < N; ++k) {
+          if (k % 4 < 3) change(numbers[k], Real(a[k]));
+        }
+        changed = simd::load<Real, N>(numbers);
+      }
+      shuffle_fours<0, 1, 2, 7>(changed, v, v);
+    };
+    change_threes(p.v, p.a);
+    if constexpr (Dim == 3) change_threes(p.w, p.w_dot);
+  }
+
+  using Rows = decltype(std::declval<P&>().advance_rows(position));
+  struct Missing {};
+  static auto angles(P& particles) {
+    if constexpr (has_angle) {
+      return particles.advance(angle);
+    } else {
+      return Missing{};
+    }
+  }
+
+  Rows linear_;
+  Rows angular_;
+  decltype(std::declval<const P&>()[force]) f_;
+  decltype(std::declval<const P&>()[torque]) t_;
+  decltype(angles(std::declval<P&>())) angle_{};
+  Pack lower_;
+  Pack upper_;
+  Pack period_;
+};
+
+}  // namespace silt
