@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // A step of contacts as a loop over the blocks of grains. Each thread has consecutive blocks: for
 // the contacts of a block it evaluates the law (block_evaluator.hpp), then it sums the forces on
-// the block's grains (load_rows.hpp). Grains with a contact in a block of another thread are
+// the block's grains (load_sum.hpp). Grains with a contact in a block of another thread are
 // deferred until all blocks have been evaluated.
 #pragma once
 
@@ -11,9 +11,11 @@
 #include <silt/dem/contact/block_evaluator.hpp>
 #include <silt/dem/contact/contact_list.hpp>
 #include <silt/dem/contact/load_rows.hpp>
+#include <silt/dem/contact/touching_grains.hpp>
 #include <silt/dem/contact/work_division.hpp>
 
 #include <algorithm>
+#include <cstddef>
 #include <cstring>
 #include <numeric>
 #include <vector>
@@ -40,34 +42,57 @@ class BlockLoop {
     division_.fit(list, static_cast<Index>(threads_for(grains.size())));
     loads_.resize(division_.slots());
     is_dense_.resize(list.blocks(), false);
-    const auto sum_forces = [&](Index first, Index last) {
-      pass.before(first, last);
-      loads_.add_to(grains, list, division_, first, last);
-      pass.after(first, last);
-    };
+    touching_.resize(grains.size());
+    const auto sum_loads = loads_.sums_for(grains, list, division_);
     std::vector<Index> counts(division_.threads(), 0);
     for_each_task(division_.threads(), [&](Index thread) {
-      Results results{loads_, division_, after};
-      for (Index b = division_.first_block(thread); b < division_.first_block(thread + 1); ++b) {
-        const Index touching = evaluate_block(b, is_dense_[b] != 0, results);
+      const Index first_block = division_.first_block(thread);
+      const Index last_block = division_.first_block(thread + 1);
+      const bool are_most_dense =
+          2 * dense_blocks(first_block, last_block) > last_block - first_block;
+      touching_.remove_blocks(first_block, last_block);
+      Results results{list, division_, loads_, after, touching_};
+      for (Index b = first_block; b < last_block; ++b) {
+        const bool is_dense = is_dense_[b] != 0;
+        const Index touching = evaluate_block(b, is_dense, results);
+        if (is_dense && !are_most_dense) results.add_grains_of_dense_block(b);
         is_dense_[b] = evaluate_block.is_dense(b, touching);
         counts[thread] += touching;
         const Index end = std::min(grains.size(), (b + 1) * block_size);
-        division_.for_each_ready(b * block_size, end, sum_forces);
+        division_.for_each_ready(b * block_size, end, [&](Index first, Index last) {
+          pass.before(first, last);
+          if (are_most_dense) {
+            division_.for_each_in_order(first, last, sum_loads);
+          } else {
+            touching_.for_each(first, last, sum_loads);
+          }
+          pass.after(first, last);
+        });
       }
     });
     for_each_task(division_.threads(), [&](Index thread) {
-      division_.for_each_deferred(thread, [&](Index i) { sum_forces(i, i + 1); });
+      division_.for_each_deferred(thread, [&](Index i) {
+        pass.before(i, i + 1);
+        sum_loads(i);
+        pass.after(i, i + 1);
+      });
     });
     return std::accumulate(counts.begin(), counts.end(), Index(0));
   }
 
  private:
+  Index dense_blocks(Index first, Index last) const {
+    return static_cast<Index>(std::count(is_dense_.begin() + std::ptrdiff_t(first),
+                                         is_dense_.begin() + std::ptrdiff_t(last), 1));
+  }
+
   // Where a BlockEvaluator stores its results.
   struct Results {
-    Loads& loads;
+    const ContactList& list;
     const WorkDivision& division;
+    Loads& loads;
     Histories& histories;
+    TouchingGrains& grains;
 
     void begin(Index group, unsigned touching, bool is_whole) {
       histories.set_touching_in_group(group, touching);
@@ -82,15 +107,29 @@ class BlockLoop {
     void store_contacts(const EightNumbers& contacts, Index count, const Lanes& eight) {
       loads.store(eight, count, [&](Index lane) { return division.row_of(contacts[lane]); });
       for (Index lane = 0; lane < count; ++lane) {
+        const Index contact = contacts[lane];
         for (int k = 0; k < Lanes::words; ++k) {
-          histories.at(contacts[lane], k) = eight.history[k][lane];
+          histories.at(contact, k) = eight.history[k][lane];
         }
+        add(list.first(contact));
+        if (!list.is_of_wall(contact)) add(list.second(contact));
       }
+    }
+    // Also those whose contacts do not touch.
+    void add_grains_of_dense_block(Index block) {
+      grains.add_block(block);
+      const auto [first, last] = list.block(block).pairs;
+      for (Index c = first; c < last; ++c) add(std::max(list.first(c), list.second(c)));
+    }
+    // Those that are deferred may belong to another thread.
+    void add(Index grain) {
+      if (!division.is_deferred(grain)) grains.add(grain);
     }
   };
 
   WorkDivision division_;
   Loads loads_;
+  TouchingGrains touching_;
   std::vector<char> is_dense_;  // by block, from the last step
 };
 

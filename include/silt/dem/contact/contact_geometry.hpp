@@ -42,13 +42,11 @@ class ContactGeometry {
       if (image.any()) {
         for (int k = 0; k < Dim; ++k) image.apply(k, r_[p][k]);
       }
-      Pack r_squared{};
-      for (int k = 0; k < Dim; ++k) r_squared += r_[p][k] * r_[p][k];
+      r_squared_[p] = Pack{};
+      for (int k = 0; k < Dim; ++k) r_squared_[p] += r_[p][k] * r_[p][k];
       const Pack R = i_[p].R + j_[p].R;
-      // Without waiting for the root. Then δ ≥ 0, because √(R²) = R also with rounding.
-      touching |= simd::less<Real, N>(r_squared, R * R) << (p * N);
-      distance_[p] = simd::square_root<Real, N>(r_squared);
-      overlap_[p] = R - distance_[p];
+      // Without the root. Then δ ≥ 0, because √(R²) = R also with rounding.
+      touching |= simd::less<Real, N>(r_squared_[p], R * R) << (p * N);
     }
     return touching;
   }
@@ -56,7 +54,7 @@ class ContactGeometry {
   /// Bit l is set if the centres in lane l coincide.
   unsigned coincident() const {
     unsigned apart = 0;
-    for (int p = 0; p < packs; ++p) apart |= simd::less<Real, N>(Pack{}, distance_[p]) << (p * N);
+    for (int p = 0; p < packs; ++p) apart |= simd::less<Real, N>(Pack{}, r_squared_[p]) << (p * N);
     return ~apart;
   }
 
@@ -73,12 +71,14 @@ class ContactGeometry {
       const Pack& m_j = Grains::mass_of(j_[p], j);
       const Pack m = m_i + m_j;
       const Pack R = i_[p].R + j_[p].R;
+      const Pack distance = simd::square_root<Real, N>(r_squared_[p]);
+      const Pack overlap = R - distance;
       // One division for 1/r, 1/m and 1/R, because divisions limit the speed of this loop.
-      const Pack per_all = 1 / (distance_[p] * (m * R));
+      const Pack per_all = 1 / (distance * (m * R));
       const Pack against_r = -(m * R) * per_all;
       Pack n[Dim];
       for (int k = 0; k < Dim; ++k) n[k] = r_[p][k] * against_r;
-      const Pack arm_reduction = reduction_per_overlap * overlap_[p];
+      const Pack arm_reduction = reduction_per_overlap * overlap;
       Pack u[Dim], u_j[Dim];
       surface_velocity(i, arm_reduction - i_[p].R, n, u);
       surface_velocity(j, j_[p].R - arm_reduction, n, u_j);
@@ -88,8 +88,8 @@ class ContactGeometry {
           simd::store<Real, N>(into.relative_spin[k] + p * N, i.w[k] - j.w[k]);
         }
       }
-      const Pack r_per_all = distance_[p] * per_all;
-      store(p, n, overlap_[p], u, arm_reduction, m_i * m_j * (R * r_per_all),
+      const Pack r_per_all = distance * per_all;
+      store(p, n, overlap, u, arm_reduction, m_i * m_j * (R * r_per_all),
             i_[p].R * j_[p].R * (m * r_per_all), into);
     }
   }
@@ -190,8 +190,8 @@ class ContactGeometry {
   typename Grains::Position i_[packs];
   typename Grains::Position j_[packs];
   Pack r_[packs][Dim];
-  Pack distance_[packs];
-  Pack overlap_[packs];
+  Pack r_squared_[packs];
+  Pack overlap_[packs];  // at walls
 };
 
 }  // namespace silt::dem::detail

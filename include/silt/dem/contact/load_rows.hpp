@@ -11,6 +11,8 @@
 #include <silt/core/types.hpp>
 #include <silt/dem/contact/contact_list.hpp>
 #include <silt/dem/contact/grain_rows.hpp>
+#include <silt/dem/contact/load_row.hpp>
+#include <silt/dem/contact/load_sum.hpp>
 #include <silt/dem/contact/work_division.hpp>
 
 #include <algorithm>
@@ -20,18 +22,6 @@
 #include <vector>
 
 namespace silt::dem::detail {
-
-/// The row of a contact: F on the first grain, R minus the lever arm, F × n, and the couple on the
-/// first grain if the law has one. The torque on a grain is (R − arm_reduction) F × n, for both the
-/// same.
-template <int Dim, bool has_couple>
-struct LoadRow {
-  static constexpr int F = 0;
-  static constexpr int arm_reduction = 3;
-  static constexpr int F_x_n = Dim == 2 ? 2 : 4;
-  static constexpr int couple = Dim == 2 ? 4 : 8;
-  static constexpr int words = (Dim == 2 ? 4 : 8) + (has_couple ? 4 : 0);
-};
 
 /// The rows themselves.
 template <int Dim, class Real, bool has_couple>
@@ -66,58 +56,30 @@ class LoadRows {
                   numbers_.data() + row_of(lane) * Row::words);
     }
   }
-  void clear(Index slot) { std::fill_n(this->slot(slot), lanes * Row::words, Real(0)); }
-
-  /// Adds Σ F and Σ M (14) of grains [first, last), in the order of the partners' ids.
-  template <class P>
-  void add_to(P& grains, const ContactList& list, const WorkDivision& division, Index first,
-              Index last) const {
-    const auto forces = grains[force];
-    const auto torques = grains[torque];
-    const auto radii = std::as_const(grains)[radius];
-    const std::uint32_t* const rows = division.row_of_side();
-    const auto* const numbers = reinterpret_cast<const std::byte*>(numbers_.data());
-    constexpr Index stride = Row::words * sizeof(Real) / 8;
-    const bool is_whole = first % range_size == 0 && last % range_size == 0;
-    const std::uint8_t* const order = division.order(first);
-    for (Index k_th = 0; k_th < last - first; ++k_th) {
-      const Index i = first + (is_whole ? order[k_th] : k_th);
-      const Real R = radii[i];
-      Four<Real> sum{};
-      Four<Real> moment{};
-      [[maybe_unused]] Four<Real> couples{};
-      const Index end = list.begin(i) + list.count(i);
-      for (Index s = list.begin(i); s < end; ++s) {
-        // A table, because a conditional expression becomes a branch that is mispredicted.
-        static constexpr Real signs[] = {1, -1};
-        const Real sign = signs[rows[s] % 8];
-        const auto* const row =
-            reinterpret_cast<const Real*>(numbers + Index{rows[s] & ~7u} * stride);
-        Four<Real> F;
-        load_four(row + Row::F, F);
-        sum += sign * F;
-        const Real arm = R - row[Row::arm_reduction];
-        if constexpr (Dim == 2) {
-          moment += arm * F;
-        } else {
-          Four<Real> F_x_n;
-          load_four(row + Row::F_x_n, F_x_n);
-          moment += arm * F_x_n;
-        }
-        if constexpr (has_couple) {
-          Four<Real> couple;
-          load_four(row + Row::couple, couple);
-          couples += sign * couple;
-        }
-      }
-      for (int k = 0; k < Dim; ++k) forces[i][k] += sum[k];
-      constexpr int first_of_moment = Row::F_x_n % 4;
-      for (int k = 0; k < angular_size<Dim>; ++k) {
-        Real M = moment[first_of_moment + k];
-        if constexpr (has_couple) M += couples[k];
-        component(torques[i], k) += M;
-      }
+  void clear(Index slot) {
+    // Not std::fill_n, which calls a function for these few.
+    Real* const to = this->slot(slot);
+    for (int k = 0; k < lanes * Row::words; k += N) {
+      simd::store<Real, N>(to + k, Pack{});
     }
+  }
+
+  /// Returns a function of a grain's index that adds Σ F and Σ M (14) over its contacts, in the
+  /// order of the partners' ids.
+  template <class P>
+  auto sums_for(P& grains, const ContactList& list, const WorkDivision& division) const {
+    return [&list, forces = grains[force], torques = grains[torque],
+            radii = std::as_const(grains)[radius], rows = division.row_of_side(),
+            numbers = reinterpret_cast<const std::byte*>(numbers_.data())](Index i) {
+      constexpr Index stride = Row::words * sizeof(Real) / 8;
+      const Index end = list.begin(i) + list.count(i);
+      LoadSum<Dim, Real, has_couple> sum(radii[i]);
+      for (Index s = list.begin(i); s < end; ++s) {
+        const auto* const row = numbers + Index{rows[s] & ~7u} * stride;
+        sum.add(reinterpret_cast<const Real*>(row), rows[s] % 8);
+      }
+      sum.add_to(forces[i], torques[i]);
+    };
   }
 
  private:

@@ -80,9 +80,13 @@ class WorkDivision {
     }
   }
 
-  /// The grains of the range [first, last), which begins at a multiple of range_size, by number of
-  /// contacts, as offsets from `first`: a processor then predicts the number better.
-  const std::uint8_t* order(Index first) const noexcept { return order_.data() + first; }
+  /// f(grain) for the grains [first, last) of a range, by number of contacts if the range is whole:
+  /// a processor then predicts the number better.
+  template <class F>
+  void for_each_in_order(Index first, Index last, F&& f) const {
+    const bool is_whole = first % range_size == 0 && last % range_size == 0;
+    for (Index k = first; k < last; ++k) f(is_whole ? first + order_[k] : k);
+  }
 
   /// Number of groups of eight rows.
   Index slots() const noexcept { return slots_.back(); }
@@ -182,8 +186,8 @@ class WorkDivision {
   std::vector<std::uint32_t> slot_of_group_;
   std::vector<Index> slots_;  // before those of each thread
   std::vector<std::uint32_t> row_of_side_;
-  std::vector<std::uint8_t> order_;
-  std::vector<char> is_deferred_;                     // by grain
+  std::vector<std::uint8_t> order_;  // by range of grains, the offsets from the first
+  std::vector<char> is_deferred_;    // by grain
   std::vector<std::vector<std::uint32_t>> deferred_;  // by the thread of their block
 };
 
