@@ -176,7 +176,8 @@ struct CundallStrackLaw {
   Real dashpot_over_spring(Real effective_mass) const {
     // Only one of the two is set; the other is 0.
     return Real(beta.value_or(0)) +
-           Real(2 * restitution.damping_ratio) * std::sqrt(effective_mass / Real(normal_stiffness));
+           Real(2 * restitution.damping_ratio / std::sqrt(normal_stiffness)) *
+               std::sqrt(effective_mass);
   }
 };
 

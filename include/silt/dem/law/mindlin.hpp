@@ -46,8 +46,9 @@ struct Mindlin {
         .dashpot = normal.beta * std::sqrt(normal.stiffness * k),
         .limit = std::max(Real(0), normal.spring * Real(friction_angle.tangent))};
     const Vec v = contact.tangential_velocity();
-    const auto kept = with_stiffness(k, rotated_into_plane(history.force, contact.normal),
-                                     history.stiffness, Vec(v * contact.time_step));
+    const auto kept =
+        with_stiffness(k, k / history.stiffness, rotated_into_plane(history.force, contact.normal),
+                       Vec(v * contact.time_step));
     const auto result = slide(slider, kept.force, v, contact.time_step);
     history.force = result.spring;
     history.stiffness = k;

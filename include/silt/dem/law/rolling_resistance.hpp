@@ -51,20 +51,20 @@ struct RollingResistance {
                                   M& history) const {
     using Real = typename C::Real;
     using Number = Vec<1, Real>;
-    const Real k_before = history.stiffness;
+    const Real ratio = normal.stiffness / history.stiffness;
     history.stiffness = normal.stiffness;
     if constexpr (C::dimension == 2) {
-      const auto roll = resist(Real(rolling_friction), contact, normal, k_before,
+      const auto roll = resist(Real(rolling_friction), contact, normal, ratio,
                                Number(history.rolling), Number(contact.relative_spin));
       history.rolling = roll.spring[0];
       return {.spring = roll.spring[0], .dashpot = roll.dashpot[0], .friction = roll.lost};
     } else {
       const auto& n = contact.normal;
       const Real about_n = contact.relative_spin.dot(n);
-      const auto roll = resist(Real(rolling_friction), contact, normal, k_before,
+      const auto roll = resist(Real(rolling_friction), contact, normal, ratio,
                                rotated_into_plane(history.rolling, n),
                                typename C::Vec(contact.relative_spin - about_n * n));
-      const auto twist = resist(Real(twisting_friction), contact, normal, k_before,
+      const auto twist = resist(Real(twisting_friction), contact, normal, ratio,
                                 Number(history.twisting), Number(about_n));
       history.rolling = roll.spring;
       history.twisting = twist.spring[0];
@@ -91,7 +91,7 @@ struct RollingResistance {
     const double R = double(contact.effective_radius);
     const double mu = std::max(rolling_friction, C::dimension == 2 ? 0 : twisting_friction);
     normal.rolling = of(mu, R, normal.normal);
-    normal.rolling_dashpot = dashpot(double(contact.effective_mass), R, normal.rolling);
+    normal.rolling_dashpot = dashpot(mu, R, double(contact.effective_mass), normal.normal);
     return normal;
   }
 
@@ -109,25 +109,24 @@ struct RollingResistance {
     return Real(2.25) * k_n * squared(mu * R);
   }
 
-  // [N m s]
+  // 2 η √(7/5 m k_r) R [N m s].
   template <class Real>
-  Real dashpot(Real m, Real R, Real k_r) const {
-    return Real(2 * damping_ratio) * std::sqrt(Real(1.4) * m * k_r) * R;
+  Real dashpot(Real mu, Real R, Real m, Real k_n) const {
+    return Real(2 * damping_ratio * std::sqrt(1.4 * 2.25)) * mu * squared(R) * std::sqrt(m * k_n);
   }
 
   // If not inlined early, this call would keep g++ from vectorising over eight contacts.
   template <class C, class V>
   [[gnu::always_inline]] SliderForce<V> resist(typename C::Real mu, const C& contact,
-                                               const NormalForce<C>& normal,
-                                               typename C::Real k_n_before, const V& before,
-                                               const V& spin) const {
+                                               const NormalForce<C>& normal, typename C::Real ratio,
+                                               const V& before, const V& spin) const {
     using Real = typename C::Real;
     const Real R = contact.effective_radius;
     const Real k = of(mu, R, normal.stiffness);
     const Slider<Real> slider{.stiffness = k,
-                              .dashpot = dashpot(contact.effective_mass, R, k),
+                              .dashpot = dashpot(mu, R, contact.effective_mass, normal.stiffness),
                               .limit = std::max(Real(0), mu * R * normal.spring)};
-    const auto kept = with_stiffness(k, before, of(mu, R, k_n_before), V(spin * contact.time_step));
+    const auto kept = with_stiffness(k, ratio, before, V(spin * contact.time_step));
     auto result = slide(slider, kept.force, spin, contact.time_step);
     result.lost += kept.lost;
     return result;

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <string_view>
 
@@ -38,8 +39,9 @@ template <class Vec>
 Vec rotated_into_plane(const Vec& spring, const Vec& n) {
   using Real = typename Vec::Scalar;
   const Vec in_plane = spring - spring.dot(n) * n;
-  const Real length = in_plane.norm();
-  return in_plane * (length > 0 ? spring.norm() / length : Real(0));
+  const Real squared_length = in_plane.squaredNorm();
+  const Real ratio = squared_length > 0 ? spring.squaredNorm() / squared_length : Real(0);
+  return in_plane * std::sqrt(ratio);
 }
 
 /// In units of a force; for rolling and twisting, in those of a couple.
@@ -57,13 +59,23 @@ struct SliderForce {
   typename Vec::Scalar lost;  ///< energy dissipated by sliding in this step [J]
 };
 
+/// |v|; of a single number without a root.
+template <class Vec>
+typename Vec::Scalar magnitude(const Vec& v) {
+  if constexpr (Vec::SizeAtCompileTime == 1) {
+    return std::abs(v[0]);
+  } else {
+    return v.norm();
+  }
+}
+
 /// F^N = F^{N−1} − k v Δt, (10)–(13) of [SahChoi2004]. `before` is the spring force of the previous
 /// step, already rotated with the contact.
 template <class Vec, class Real>
 SliderForce<Vec> slide(const Slider<Real>& slider, const Vec& before, const Vec& v,
                        Real time_step) {
   const Vec trial = before - slider.stiffness * v * time_step;
-  const Real size = trial.norm();
+  const Real size = magnitude(trial);
   const bool slides = size > slider.limit;  // (13)
   const Vec F = slides ? Vec(trial * (slider.limit / size)) : trial;
   const Real c = slides ? Real(0) : slider.dashpot;
@@ -78,17 +90,17 @@ struct RescaledForce {
   typename Vec::Scalar lost;  ///< energy dissipated by the change of stiffness [J]
 };
 
-/// Force of a spring whose stiffness changes from k_before to k in a step with this displacement
-/// [m]. If the stiffness rises, the force is kept; if it falls, the deflection is kept. In neither
-/// case does the stored energy rise.
+/// Force of a spring whose stiffness changes to k from k/ratio in a step with this displacement
+/// [m]; in the first step of a contact the ratio is not finite. If the stiffness rises, the force
+/// is kept; if it falls, the deflection is kept. In neither case does the stored energy rise.
 template <class Vec, class Real>
-RescaledForce<Vec> with_stiffness(Real k, const Vec& force, Real k_before,
-                                  const Vec& displacement) {
-  const Vec kept = k < k_before ? Vec(force * (k / k_before)) : force;
+RescaledForce<Vec> with_stiffness(Real k, Real ratio, const Vec& force, const Vec& displacement) {
+  const Vec kept = ratio < 1 ? Vec(force * ratio) : force;
   // The force changes during the displacement: the work is that of the mean of both.
   const Real lost =
-      force.squaredNorm() / k_before - kept.squaredNorm() / k - displacement.dot(force - kept);
-  return {kept, k_before > 0 && k > 0 ? std::max(Real(0), lost / 2) : Real(0)};
+      (force.squaredNorm() * ratio - kept.squaredNorm()) / k - displacement.dot(force - kept);
+  const bool had_spring = double(ratio) < std::numeric_limits<double>::infinity();
+  return {kept, had_spring && ratio > 0 && k > 0 ? std::max(Real(0), lost / 2) : Real(0)};
 }
 
 /// ½ F²/k [J]; 0 without a spring.
