@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The particle container: a column for each field, or rows of several fields (columns.hpp),
-// permanent ids, and ghosts.
+// The particle container: a column for each field, or rows of several fields
+// (field_storage.hpp), permanent ids, and ghosts.
 //
 //            owned: 0 … size()-1              ghosts: size() … total()-1
 //   position [ x0 x1 x2 …                   | copies of owned particles, shifted by a period ]
@@ -13,6 +13,7 @@
 #include <silt/core/box.hpp>
 #include <silt/core/columns.hpp>
 #include <silt/core/error.hpp>
+#include <silt/core/field_storage.hpp>
 #include <silt/core/fields.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/travel.hpp>
@@ -32,7 +33,7 @@
 namespace silt {
 
 /// Particles in Dim dimensions with a position and the given fields. A Bundle among them says that
-/// these fields, which are given as well, are stored side by side; see core/columns.hpp.
+/// these fields, which are given as well, are stored side by side; see core/field_storage.hpp.
 ///   p[position][i]   Vec<Dim, Real>& of owned particle i [m]
 ///   p[field]         the values of the size() owned particles: a std::span, or a FieldView if the
 ///                    field is stored in a bundle. Valid until particles are added, removed or
@@ -80,7 +81,7 @@ class Particles {
     check_field<F>();
     return columns_.view(field, total());
   }
-  /// The storage of a field: a column, or the rows of a bundle, see core/columns.hpp.
+  /// The storage of a field: a column, or the rows of a bundle, see core/field_storage.hpp.
   template <Field F>
   const auto& storage(F field) const noexcept {
     return columns_.storage(field);
