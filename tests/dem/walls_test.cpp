@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
 
 namespace silt::test {
 namespace {
@@ -108,6 +109,26 @@ TEST(Walls, HaveSeparateTangentialSprings) {
   EXPECT_EQ(on_floor[1], 0);
   EXPECT_GT(on_side[1], 0);
   EXPECT_EQ(on_side[0], 0);
+}
+
+// A mesh so large that only its number of elements is made.
+struct HugeMesh {
+  Index count = 0;
+  std::uint32_t material = 0;
+
+  void check() const {}
+  Index element_count() const { return count; }
+  dem::NearestPoint<3, double> nearest(Index, const Vec<3>&) const { return {}; }
+  template <class F>
+  void for_each_element_near(const Vec<3>&, double, F&&) const {}
+};
+
+TEST(Walls, AreRefusedIfTheyHaveMoreElementsThanAListOfContactsCanNumber) {
+  const dem::Plane<3> floor{.normal = {0, 0, 1}};
+  const Index most = Index(1) << 28;
+  EXPECT_NO_THROW((dem::Contacts{law, floor, HugeMesh{most - 1}}));
+  EXPECT_TRUE(refuses([&] { dem::Contacts{law, floor, HugeMesh{most}}; },
+                      {"268435457 elements", "coarser meshes"}));
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The values of one field that lie side by side with those of other fields; see core/columns.hpp.
+// The values of one field that lie side by side with those of other fields; see
+// core/field_storage.hpp.
 #pragma once
 
 #include <silt/core/types.hpp>

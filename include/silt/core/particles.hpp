@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The particle container: a column for each field, or rows of several fields (columns.hpp),
-// permanent ids, and ghosts.
+// The particle container: a column for each field, or rows of several fields
+// (field_storage.hpp), permanent ids, and ghosts.
 //
 //            owned: 0 … size()-1              ghosts: size() … total()-1
 //   position [ x0 x1 x2 …                   | copies of owned particles, shifted by a period ]
@@ -13,7 +13,9 @@
 #include <silt/core/box.hpp>
 #include <silt/core/columns.hpp>
 #include <silt/core/error.hpp>
+#include <silt/core/field_storage.hpp>
 #include <silt/core/fields.hpp>
+#include <silt/core/ids.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/travel.hpp>
 #include <silt/core/types.hpp>
@@ -32,7 +34,7 @@
 namespace silt {
 
 /// Particles in Dim dimensions with a position and the given fields. A Bundle among them says that
-/// these fields, which are given as well, are stored side by side; see core/columns.hpp.
+/// these fields, which are given as well, are stored side by side; see core/field_storage.hpp.
 ///   p[position][i]   Vec<Dim, Real>& of owned particle i [m]
 ///   p[field]         the values of the size() owned particles: a std::span, or a FieldView if the
 ///                    field is stored in a bundle. Valid until particles are added, removed or
@@ -80,18 +82,16 @@ class Particles {
     check_field<F>();
     return columns_.view(field, total());
   }
-  /// The storage of a field: a column, or the rows of a bundle, see core/columns.hpp.
+  /// The storage of a field: a column, or the rows of a bundle, see core/field_storage.hpp.
   template <Field F>
   const auto& storage(F field) const noexcept {
     return columns_.storage(field);
   }
 
   Id id(Index i) const noexcept { return ids_[i]; }
-  std::span<const Id> ids() const noexcept { return {ids_.data(), size()}; }
+  std::span<const Id> ids() const noexcept { return ids_.first(size()); }
   /// Index of the particle with this id; `no_index` if it was removed or never added.
-  Index index_of(Id id) const noexcept {
-    return id < index_of_id_.size() ? index_of_id_[id] : no_index;
-  }
+  Index index_of(Id id) const noexcept { return ids_.index_of(id); }
   /// Index of the owned particle of which i is a ghost; i itself if i is owned.
   Index owner(Index i) const noexcept { return i < size() ? i : owners_[i - size()]; }
 
@@ -128,7 +128,6 @@ class Particles {
   void reserve(Index n) {
     columns_.for_each([n](auto& storage) { storage.reserve(n); });
     ids_.reserve(n);
-    index_of_id_.reserve(n);
   }
 
   /// Adds a particle at x [m], all other fields zero, and returns its index. Removes all ghosts.
@@ -139,11 +138,9 @@ class Particles {
     clear_ghosts();
     make_room();
     const Index i = size();
-    const Id id = index_of_id_.size();
     columns_.for_each([](auto& storage) { storage.push_zero(); });
-    ids_.push_back(id);
+    ids_.add();
     (*this)[position][i] = at;
-    index_of_id_.push_back(i);
     note_change();
     return i;
   }
@@ -157,7 +154,7 @@ class Particles {
     const Index before = size();
     for (Index i = 0; i < before; ++i) {
       if (removed(i)) {
-        index_of_id_[ids_[i]] = no_index;
+        ids_.remove(i);
         continue;
       }
       if (kept != i) move_row(i, kept);
@@ -184,11 +181,9 @@ class Particles {
   void reorder(std::span<const Index> order) {
     clear_ghosts();
     check_permutation(order);
-    std::vector<Id> ids(order.size());
-    for (Index i = 0; i < order.size(); ++i) ids[i] = ids_[order[i]];
+    auto ids = ids_.in_order(order);
     columns_.reorder(order);
-    ids_.swap(ids);
-    for (Index i = 0; i < ids_.size(); ++i) index_of_id_[ids_[i]] = i;
+    ids_.set_order(std::move(ids));
     note_change();
   }
 
@@ -211,7 +206,7 @@ class Particles {
     const Index owner_index = owner(source);
     const Vec total_shift = source < size() ? shift : Vec(shifts_[source - size()] + shift);
     columns_.for_each([source](auto& storage) { storage.push_copy(source); });
-    ids_.push_back(ids_[owner_index]);
+    ids_.add_ghost(owner_index);
     columns_.view(position, total()).back() += shift;
     owners_.push_back(owner_index);
     shifts_.push_back(total_shift);
@@ -242,19 +237,21 @@ class Particles {
       names += name_of<F>();
     });
     archive.same("fields", names);
-    Index owned = size();
-    Index next_id = index_of_id_.size();
-    archive("next_id", next_id);
     if constexpr (Archive::reads) clear_ghosts();
-    archive("id", ids_, owned);
+    const Index owned = size();
+    bool good = ids_.transfer(archive, owned);
     archive.within("box", [&] { box_.transfer(archive); });
     if constexpr (Archive::reads) {
       columns_.for_each([&](auto& storage) { storage.resize(ids_.size()); });
     }
-    bool good = true;
     std::apply([&](auto... field) { ((good &= transfer(archive, field, owned)), ...); },
                FieldList{});
-    if constexpr (Archive::reads) rebuild_index_of_id(next_id, good);
+    if (!good) {
+      fail(
+          "Particles: the data read have columns of different lengths or a repeated id; they were "
+          "not written by transfer()");
+    }
+    if constexpr (Archive::reads) note_change();
   }
 
   // For rolling back a failed step, see Columns: save() before the step, restore() if it throws.
@@ -319,14 +316,10 @@ class Particles {
 
   // For one more row, in all arrays at once: what is then added does not throw.
   void make_room() {
-    const auto grow = [](auto& values) {
-      if (values.size() == values.capacity()) values.reserve(2 * values.size() + 16);
-    };
-    grow(ids_);
-    grow(index_of_id_);
-    grow(owners_);
-    grow(shifts_);
-    columns_.for_each([n = ids_.capacity()](auto& storage) { storage.reserve(n); });
+    const Index n = ids_.make_room();
+    reserve_one_more(owners_);
+    reserve_one_more(shifts_);
+    columns_.for_each([n](auto& storage) { storage.reserve(n); });
   }
 
   template <class F>
@@ -339,8 +332,7 @@ class Particles {
 
   void move_row(Index from, Index to) {
     columns_.for_each([from, to](auto& storage) { storage.copy(from, to); });
-    ids_[to] = ids_[from];
-    index_of_id_[ids_[to]] = to;
+    ids_.move(from, to);
   }
 
   // Returns whether a value for each particle was written or read.
@@ -353,21 +345,6 @@ class Particles {
     if (column.size() != values.size()) return false;
     if (Archive::reads) std::copy(column.begin(), column.end(), values.begin());
     return true;
-  }
-
-  // Recomputes the index of each id after reading.
-  void rebuild_index_of_id(Index next_id, bool good) {
-    index_of_id_.assign(next_id, no_index);
-    for (Index i = 0; good && i < ids_.size(); ++i) {
-      good = ids_[i] < next_id && index_of_id_[ids_[i]] == no_index;
-      if (good) index_of_id_[ids_[i]] = i;
-    }
-    if (!good) {
-      fail(
-          "Particles: the data read have columns of different lengths or a repeated id; they were "
-          "not written by transfer()");
-    }
-    note_change();
   }
 
   void check_permutation(std::span<const Index> order) const {
@@ -385,10 +362,9 @@ class Particles {
   }
 
   Columns<Dim, Real, typename Storage::Units> columns_;
-  std::vector<Id> ids_;
-  std::vector<Index> index_of_id_;  // by id
-  std::vector<Index> owners_;       // by ghost
-  std::vector<Vec> shifts_;         // by ghost
+  detail::Ids ids_;
+  std::vector<Index> owners_;  // by ghost
+  std::vector<Vec> shifts_;    // by ghost
   Box<Dim, Real> box_;
   std::uint64_t revision_ = 0;
   std::uint64_t owned_revision_ = 0;

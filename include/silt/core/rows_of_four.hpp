@@ -11,9 +11,9 @@
 
 namespace silt {
 
-/// Whether the particles are stored in these rows, see Bundle in core/columns.hpp: {position, a
-/// scalar, velocity, mass} and {spin, inertia}; in 2D {position, a scalar, mass, velocity, spin,
-/// inertia}, and they have a force and a torque.
+/// Whether the particles are stored in these rows, see Bundle in core/field_storage.hpp:
+/// {position, a scalar, velocity, mass} and {spin, inertia}; in 2D {position, a scalar, mass,
+/// velocity, spin, inertia}, and they have a force and a torque.
 template <class P>
 constexpr bool in_rows_of_four() {
   if constexpr (requires(const P p) {

@@ -85,6 +85,12 @@ void resize_tightly(Vector& values, Index n) {
   values.resize(n);
 }
 
+/// Reserves memory for one more element of a std::vector: push_back() does not throw.
+template <class Vector>
+void reserve_one_more(Vector& values) {
+  if (values.size() == values.capacity()) values.reserve(2 * values.size() + 16);
+}
+
 template <class Real>
 Real squared(Real x) {
   return x * x;

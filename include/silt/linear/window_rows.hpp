@@ -80,10 +80,11 @@ class WindowRows {
       // Rows are read once, in order; the hardware prefetcher detects this too late.
       const Index ahead = begin + 256;
       const bool is_here = ahead < windows;
-      const float* const soon = is_here ? values + ahead * window_size
-                                        : next.values.data() + (ahead - windows) * window_size;
-      for (Index line = 0; line < 4; ++line) __builtin_prefetch(soon + 16 * line);
-      __builtin_prefetch(is_here ? columns + ahead : next.columns.data() + (ahead - windows));
+      const std::uintptr_t soon =
+          is_here ? address(values, ahead * window_size)
+                  : address(next.values.data(), (ahead - windows) * window_size);
+      for (Index line = 0; line < 4; ++line) prefetch(soon + 64 * line);
+      prefetch(is_here ? address(columns, ahead) : address(next.columns.data(), ahead - windows));
       simd::Pack<double, 4> sum{};
       for (Index window = begin; window < end; ++window) {
         simd::add_products(values + window * window_size, factors + columns[window], sum);
@@ -143,6 +144,13 @@ class WindowRows {
     // Column of the value at this index.
     Index column(Index at) const { return columns[at / window_size] + at % window_size; }
   };
+
+  // An integer, because what is prefetched may be beyond the end of the array.
+  template <class T>
+  static std::uintptr_t address(const T* array, Index at) {
+    return reinterpret_cast<std::uintptr_t>(array) + at * sizeof(T);
+  }
+  static void prefetch(std::uintptr_t at) { __builtin_prefetch(reinterpret_cast<const void*>(at)); }
 
   double narrow_product(Index row, std::span<const double> x) const {
     double sum = 0;

@@ -25,22 +25,22 @@ struct SurfaceScale {
 
 /// Decides from its local density whether a particle lies on the free surface.
 template <class S>
-concept SurfaceByDensity = requires(const S surface, LocalDensity local_density) {
-  { surface.is_on_surface(local_density) } -> std::same_as<bool>;
+concept SurfaceByDensity = requires(const S criterion, LocalDensity local_density) {
+  { criterion.is_on_surface(local_density) } -> std::same_as<bool>;
 };
 /// Decides from the positions of its neighbours: for_each(f) calls f(r_ij, w, covers), where
 /// `covers` is false for neighbours that must not cover the surface of the fluid: walls.
 template <class S>
 concept SurfaceByPositions =
-    requires(const S surface, LocalDensity local_density, SurfaceScale<double> scale) {
+    requires(const S criterion, LocalDensity local_density, SurfaceScale<double> scale) {
       {
-        surface.template is_on_surface<2, double>(
-            local_density, scale, [](auto&& f) { f(Vec<2>(), 0.0, true); })
+        criterion.template is_on_surface<2, double>(local_density, scale,
+                                                    [](auto&& f) { f(Vec<2>(), 0.0, true); })
       } -> std::same_as<bool>;
     };
 template <class S>
-concept FreeSurface =
-    (SurfaceByDensity<S> || SurfaceByPositions<S>)&&requires(const S surface) { surface.check(); };
+concept FreeSurface = (SurfaceByDensity<S> || SurfaceByPositions<S>) &&
+                      requires(const S criterion) { criterion.check(); };
 
 /// n_i < β n0 (13).
 template <class Beta>

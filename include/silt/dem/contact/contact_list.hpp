@@ -19,6 +19,7 @@
 #include <silt/core/types.hpp>
 #include <silt/dem/contact/grain_rows.hpp>
 #include <silt/dem/contact/pair_history.hpp>
+#include <silt/dem/wall/wall_set.hpp>
 
 #include <algorithm>
 #include <cstddef>
@@ -187,6 +188,7 @@ class ContactList {
 
  private:
   static constexpr std::uint32_t wall_bit = std::uint32_t(1) << 31;
+  static_assert(max_wall_elements * index_scale <= wall_bit, "see WallSet");
 
   static constexpr Index full_groups(Index n) { return (n + lanes - 1) / lanes * lanes; }
   static Index block_of(const Pair& pair) { return std::min(pair.first, pair.second) / block_size; }

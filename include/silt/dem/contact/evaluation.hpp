@@ -6,7 +6,7 @@
 #pragma once
 
 #include <silt/core/box.hpp>
-#include <silt/core/columns.hpp>
+#include <silt/core/cache_aligned.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/contact/contact_list.hpp>
 #include <silt/dem/contact/grain_rows.hpp>

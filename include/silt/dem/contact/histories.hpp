@@ -3,7 +3,7 @@
 // grains, because their indices may have changed.
 #pragma once
 
-#include <silt/core/columns.hpp>
+#include <silt/core/cache_aligned.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/contact/contact_list.hpp>
 #include <silt/dem/contact/grain_rows.hpp>

@@ -4,7 +4,7 @@
 // processed: their memory is used again, so that it stays in the cache.
 #pragma once
 
-#include <silt/core/columns.hpp>
+#include <silt/core/cache_aligned.hpp>
 #include <silt/core/four.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/simd.hpp>

@@ -4,17 +4,23 @@
 #pragma once
 
 #include <silt/core/box.hpp>
+#include <silt/core/error.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/wall/moving.hpp>
 #include <silt/dem/wall/wall.hpp>
 
 #include <array>
 #include <cstdint>
+#include <string>
 #include <tuple>
 #include <type_traits>
 #include <utility>
 
 namespace silt::dem {
+
+/// Number of elements that all walls of a simulation may have: lists of contacts store the index of
+/// an element in a few bits.
+inline constexpr Index max_wall_elements = Index(1) << 28;
 
 /// Times at which the poses and velocities of walls are evaluated [s].
 struct WallTimes {
@@ -159,7 +165,7 @@ class WallSet {
   /// At least one wall moves.
   static constexpr bool move = (is_moving<Walls> || ...);
 
-  /// Throws if a wall is invalid.
+  /// Throws if a wall is invalid, or if there are more than max_wall_elements.
   explicit WallSet(Walls... walls) : walls_(std::move(walls)...) {
     Index w = 0;
     for_each([&](auto& wall) {
@@ -171,6 +177,11 @@ class WallSet {
       first_[w + 1] = first_[w] + elements;
       ++w;
     });
+    if (elements() > max_wall_elements) {
+      fail("dem::Contacts: the walls have " + std::to_string(elements()) +
+           " elements (faces, edges and corners), more than 2^28; use coarser meshes or fewer "
+           "walls");
+    }
   }
 
   static constexpr Index size() { return sizeof...(Walls); }
