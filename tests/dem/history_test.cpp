@@ -114,6 +114,58 @@ TEST(LawHistory, IsUnchangedByAFailedEvaluation) {
   EXPECT_EQ(manual.step(), (std::vector{4, 4}));
 }
 
+// The first step that is refused: two centres coincide.
+void fail_a_step(auto& sim) {
+  const auto x = sim.particles()[position];
+  const auto apart = x[2];
+  x[2] = x[1];
+  EXPECT_TRUE(refuses([&] { sim.step(1e-6); }, {"coincide"}));
+  sim.particles()[position][2] = apart;
+}
+
+std::vector<double> forces_in(const auto& interaction, const auto& grains) {
+  std::vector<double> forces;
+  interaction.for_each_contact(grains, [&](Index, Index, const auto& contact, const auto& force) {
+    forces.push_back(contact.overlap);
+    forces.push_back(force.norm());
+  });
+  return forces;
+}
+
+auto touching_row() {
+  return Simulation(row_of<2, double>(3), UniformGrid<2>({.radius = 1}),
+                    dem::Contacts{CountingSpring{}}, Leapfrog());
+}
+
+TEST(ContactsOfStep, AreTheSameAfterAFailedStepIfTheyHadBeenUsed) {
+  auto sim = touching_row();
+  sim.step(1e-6);
+  sim.step(1e-6);
+  const auto before = forces_in(sim.interaction(), sim.particles());
+  EXPECT_EQ(before.size(), 4u);
+  sim.step(1e-6);
+  const auto after = forces_in(sim.interaction(), sim.particles());
+  fail_a_step(sim);
+  EXPECT_EQ(forces_in(sim.interaction(), sim.particles()), after);
+}
+
+TEST(ContactsOfStep, AreUnknownAfterAFailedStepIfTheyHadNeverBeenUsed) {
+  auto sim = touching_row();
+  sim.step(1e-6);
+  sim.step(1e-6);
+  auto twin = sim;
+  fail_a_step(sim);
+  EXPECT_EQ(sim.interaction().size(), 2u);
+  EXPECT_TRUE(refuses([&] { forces_in(sim.interaction(), sim.particles()); },
+                      {"contacts of the step before a failed one", "Simulation::state()"}));
+  const auto state = sim.state();
+  EXPECT_EQ(forces_in(state.interaction, state.particles).size(), 4u);
+  sim.step(1e-6);
+  twin.step(1e-6);
+  EXPECT_EQ(forces_in(sim.interaction(), sim.particles()),
+            forces_in(twin.interaction(), twin.particles()));
+}
+
 TEST(LawHistory, IsKeptAfterRejectedInput) {
   ManualSteps manual;
   manual.step();

@@ -30,6 +30,7 @@ class Mark {
 
   Mark() = default;
   explicit Mark(Copied copied) : copied_(copied) {}
+  explicit Mark(bool is_set) : is_set_(is_set) {}
   Mark(const Mark& other) noexcept : is_set_(other.value_of_copy()), copied_(other.copied_) {}
   Mark& operator=(const Mark& other) noexcept {
     is_set_.store(other.value_of_copy(), std::memory_order_relaxed);
@@ -38,6 +39,7 @@ class Mark {
   void set() noexcept {
     if (!is_set_.load(std::memory_order_relaxed)) is_set_.store(true, std::memory_order_relaxed);
   }
+  bool is_set() const noexcept { return is_set_.load(std::memory_order_relaxed); }
   /// Returns whether it was set.
   bool test_and_clear() noexcept { return is_set_.exchange(false, std::memory_order_relaxed); }
 

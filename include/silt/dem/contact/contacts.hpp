@@ -13,6 +13,7 @@
 #include <silt/core/concepts.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/rows_of_four.hpp>
+#include <silt/core/travel.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/contact/block_loop.hpp>
 #include <silt/dem/contact/contact_settings.hpp>
@@ -181,7 +182,10 @@ class ContactsOf : public Contacts<Law, Walls...> {
   /// Number of contacts in the last step, including those with walls.
   Index size() const noexcept { return state_.last.count; }
 
-  // Results of the last step, see ContactsOfStep.
+  // Results of the last step, see ContactsOfStep. They are evaluated again, from the grains and
+  // histories before that step. The next step uses this memory for its own results, until one of
+  // these functions has been called for the first time. If it fails, the results of the step before
+  // are then unknown: these functions throw.
 
   /// f(i, j, contact, force on i) for every contact of the last step whose grains still exist; i
   /// and j are the current indices of the two (owned particles), j is `no_index` for a wall. The
@@ -220,7 +224,7 @@ class ContactsOf : public Contacts<Law, Walls...> {
 
   /// The history of all contacts, by pairs of ids; for a checkpoint.
   PairHistory<History> history(const P& grains) const {
-    return state_.given_history ? *state_.given_history : last_step(grains).history();
+    return state_.given_history ? *state_.given_history : results_for(grains).history();
   }
 
   /// Replaces the history; for resuming from a checkpoint.
@@ -242,7 +246,10 @@ class ContactsOf : public Contacts<Law, Walls...> {
   }
 
   /// restore() undoes all steps since save(), see Simulation::step.
-  void save() noexcept { saved_ = state_; }
+  void save() noexcept {
+    if (!have_results_been_used_.is_set()) state_.last.forget_input();
+    saved_ = state_;
+  }
   void restore() noexcept {
     state_ = saved_;
     is_rebuild_announced_.reset();
@@ -290,8 +297,12 @@ class ContactsOf : public Contacts<Law, Walls...> {
     return detail::is_stale(grains, walls_, time_, *state_.last.list, state_.last.lifetime);
   }
 
-  ContactsOfStep last_step(const P& grains) const {
+  ContactsOfStep results_for(const P& grains) const {
     return {grains, materials_, walls_, settings_, state_.last};
+  }
+  ContactsOfStep last_step(const P& grains) const {
+    have_results_been_used_.set();
+    return results_for(grains);
   }
 
   // An evaluation with the list and the histories before it.
@@ -374,6 +385,8 @@ class ContactsOf : public Contacts<Law, Walls...> {
     Real value = 0;
   };
   mutable Reach reach_;
+  // Then the memory of three steps is in use, where two fit the cache better.
+  mutable silt::detail::Mark have_results_been_used_{false};
   mutable std::optional<bool> is_rebuild_announced_;  // by needs_search(), for the next evaluation
   double time_ = 0;                                   // from set_time()
   State state_;

@@ -199,6 +199,11 @@ class ContactsOfStep {
   template <class F>
   void for_each_with_row(F&& f) const {
     if (evaluation_.count == 0) return;
+    if (!evaluation_.is_repeatable()) {
+      fail(
+          "dem::Contacts: the contacts of the step before a failed one are unknown, because they "
+          "had not been asked for in any step before; use those of Simulation::state()");
+    }
     std::vector<Real> rows(evaluation_.contacts().size() * Row::words);
     evaluate_again(rows.data());
     for_each_in_order(

@@ -103,6 +103,14 @@ struct Evaluation {
   mutable ListLifetime lifetime;  ///< of the list
 
   const ContactList& contacts() const noexcept { return list->contacts; }
+
+  /// The forces can be evaluated again, from the grains and histories before.
+  bool is_repeatable() const noexcept { return before != nullptr; }
+  /// Gives their memory to the next step.
+  void forget_input() noexcept {
+    grains = {};
+    before.reset();
+  }
 };
 
 }  // namespace silt::dem::detail
