@@ -56,7 +56,7 @@ int fail_each_allocation(Sim simulation, int steps) {
       if (::testing::Test::HasFailure()) return failures;
     }
     // The simulation itself, not a copy, whose memory is as it is after a step.
-    for (std::int64_t k = 1; k < 100; ++k) {
+    for (std::int64_t k = 1; k < 1000; ++k) {
       if (!fails_with_allocation(k, [&] { simulation.step(); })) break;
       ++failures;
       EXPECT_TRUE(state_by_id(simulation) == before) << "step " << step << ", allocation " << k;
