@@ -150,7 +150,7 @@ TEST(CellMultigrid, WithoutPositionsOfTheUnknownsIsTheDiagonal) {
 }
 
 // A system of which the multigrid sees only diagonals and positions: on cells of two spacings, the
-// stiffness of a point is its diagonal without the weights to the surface.
+// stiffness of a point is twice its diagonal without the weights to the surface.
 LinearSystem system_at(const std::vector<std::array<double, 3>>& points,
                        const std::vector<double>& diagonal, const std::vector<float>& to_surface) {
   LinearSystem system;
@@ -159,7 +159,7 @@ LinearSystem system_at(const std::vector<std::array<double, 3>>& points,
   system.right_side.assign(points.size(), 1);
   system.geometry.spacing = 1;
   system.geometry.full_diagonal = 4;
-  system.geometry.second_moment = 8;
+  system.geometry.second_moment = 16;
   system.geometry.points = points;
   system.geometry.to_surface = to_surface;
   return system;
@@ -186,13 +186,13 @@ std::vector<double> correction(CellMultigrid<2> multigrid, const LinearSystem& s
 }
 
 TEST(CellMultigrid, SolvesTheEquationOfTwoCellsExactly) {
-  // One point in the centre of each cell, both with mass 1; stiffnesses 2 and 4, conductance 3.
+  // One point in the centre of each cell, both with mass 1; stiffnesses 4 and 8, conductance 6.
   const LinearSystem system = system_at({{1, 1, 0}, {3, 1, 0}}, {3, 5}, {1, 1});
   const auto even = correction({}, system, {1, 1});
   const auto odd = correction({}, system, {1, -1});
   for (const Index i : {0u, 1u}) EXPECT_NEAR(even[i], 1, 1e-6);
-  EXPECT_NEAR(odd[0], 1 / (1 + 2 * 3.0), 1e-6);
-  EXPECT_NEAR(odd[1], -1 / (1 + 2 * 3.0), 1e-6);
+  EXPECT_NEAR(odd[0], 1 / (1 + 2 * 6.0), 1e-6);
+  EXPECT_NEAR(odd[1], -1 / (1 + 2 * 6.0), 1e-6);
 }
 
 TEST(CellMultigrid, ExcludesRowsWithADiagonalBelowTheMinimum) {
