@@ -90,6 +90,25 @@ TEST_P(Threads, ProcessEveryIndexOnceInRanges) {
   });
 }
 
+TEST_P(Threads, ProcessEveryIndexOnceInChunks) {
+  with_threads(GetParam(), [&] {
+    for (const Index n : sizes) {
+      std::vector<std::atomic<int>> visits(n);
+      std::vector<std::atomic<int>> chunks(chunk_count(n));
+      for_each_chunk(n, [&](Chunk chunk) {
+        EXPECT_EQ(chunk.first, chunk.number * chunk_size);
+        EXPECT_LT(chunk.first, chunk.last);
+        EXPECT_EQ(chunk.last % chunk_size == 0 || chunk.last == n, true);
+        ++chunks[chunk.number];
+        for (Index i = chunk.first; i < chunk.last; ++i) ++visits[i];
+      });
+      const auto is_one = [](const auto& v) { return v == 1; };
+      EXPECT_TRUE(std::all_of(visits.begin(), visits.end(), is_one));
+      EXPECT_TRUE(std::all_of(chunks.begin(), chunks.end(), is_one));
+    }
+  });
+}
+
 TEST_P(Threads, MayNestLoops) {
   with_threads(GetParam(), [] {
     std::vector<double> sums(3000);

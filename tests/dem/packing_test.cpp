@@ -141,5 +141,18 @@ TEST(Packing, SettlesToABedInEquilibrium) {
               {"dem::settle: after 0.02 s", "speed = 1e-30"}));
 }
 
+TEST(Settling, NeedsASpeedBelowTheLimit) {
+  dem::Grains<2> grains;
+  dem::add_grain(grains, {0, 0}, {.radius = 0.1, .density = 1});
+  grains[velocity][0] = {0.5, 0};
+  Simulation sim{grains, NeighbourList<2>{}, Gravity<2>{{0, 0}}, Leapfrog{}};
+  const dem::Settling rest{.speed = 0.5, .check_every = 0.01, .max_time = 0.02, .time_step = 1e-3};
+  ASSERT_EQ(dem::rms_speed(sim.particles()), 0.5);
+  EXPECT_TRUE(refuses([&] { dem::settle(sim, rest); }, {"the rms speed is still 0.5 m/s"}));
+  dem::Settling higher = rest;
+  higher.speed = std::nextafter(0.5, 1);
+  EXPECT_NEAR(dem::settle(sim, higher), 0.01, 1e-12) << "at the first check";
+}
+
 }  // namespace
 }  // namespace silt::test

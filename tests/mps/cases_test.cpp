@@ -89,6 +89,19 @@ TEST(Tank, RejectsInvalidInputByNameAndValue) {
                        "along axis 2 (height), the column has 30 spacings, but the tank has 20"));
 }
 
+TEST(Tank, IsRejectedAboveABillionCells) {
+  // 4 dummy layers and a wall on each side: 2e5 × 1e4 cells.
+  const mps::Tank<2> large{
+      .column = {1, 1}, .size = {.length = 199990, .height = 9990}, .spacing = 1};
+  EXPECT_TRUE(refuses([&] { mps::make_tank(large); },
+                      {"Tank: 2e+09 cells of the spacing 1 m are more than 1e9"}));
+  // With a billion cells, the next check fails: such a spacing is zero in single precision.
+  const double l0 = 1e-60;
+  const mps::Tank<2> allowed{
+      .column = {l0, l0}, .size = {.length = 999990 * l0, .height = 990 * l0}, .spacing = l0};
+  EXPECT_TRUE(refuses([&] { mps::make_tank<2, float>(allowed); }, {"Box: axis 0"}));
+}
+
 // --- the cases -----------------------------------------------------------------------------------
 
 template <class CaseType, int Dim>

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <numbers>
 #include <string>
 #include <utility>
 #include <vector>
@@ -220,6 +221,30 @@ TEST(Flow, HasNoPressureInAFallingBlock) {
     EXPECT_NEAR(fallen[1], -9.81 * t * t / 2, 9.81 * t * dt);  // first order in Δt
     EXPECT_NEAR(sim.particles()[velocity][i][1], -9.81 * t, 1e-8);
     EXPECT_NEAR(sim.particles()[mps::pressure][i], 0, 1e-3) << "at rest: 2354 Pa at the bottom";
+  }
+}
+
+TEST(Flow, DampsAShearWaveWithAnyRadiusOfTheLaplacian) {
+  constexpr double l0 = 0.02;
+  constexpr double k = 2 * std::numbers::pi / (20 * l0);
+  constexpr double dt = 1e-3;
+  for (const double radius : {2.1, 3.1, 4.1}) {
+    auto sim = simulation(
+        full_box<2, double>(20, l0),
+        {.spacing = l0, .viscosity = 0.01, .gravity = Vec<2>::Zero(), .laplacian_radius = radius});
+    const auto start = sim.particles();
+    for (Index i = 0; i < start.size(); ++i) {
+      sim.particles()[velocity][i] = {0.01 * std::sin(k * start[position][i][1]), 0};
+    }
+    const auto before = sim.particles();
+    sim.step(dt);
+    for (Index i = 0; i < start.size(); ++i) {
+      const Vec<2> change = sim.particles()[velocity][i] - before[velocity][i];
+      // (1 − O((k l0)²)) of that of the Navier–Stokes equations.
+      EXPECT_NEAR(change[0], -dt * 0.01 * k * k * before[velocity][i][0],
+                  0.07 * 0.01 * dt * 0.01 * k * k);
+      EXPECT_NEAR(change[1], 0, 1e-12);
+    }
   }
 }
 

@@ -246,5 +246,62 @@ TEST(PressureEquation, LeavesThePressuresUnchangedIfTheSolveFails) {
   EXPECT_TRUE(state_of(problem.particles) == before);
 }
 
+// A weight that does not depend on the distance; right sides are minus the sources.
+struct UniformWeight {
+  static constexpr int dimension = 2;
+  double spacing = 1;
+  double re = 1.5;
+  double n0 = 1;
+  double lambda = 4;
+  double value = 1;
+
+  double weight(double) const { return value; }
+};
+
+template <class Source>
+LinearSystem system_with(const std::vector<Vec<2>>& points, const UniformWeight& stencil,
+                         Source&& source) {
+  auto fluid = fluid_at(points);
+  UniformGrid<2> search({.radius = stencil.re});
+  search.update(fluid);
+  PressureEquation equation;
+  equation.assemble(fluid, search, stencil, source);
+  return equation.system();
+}
+
+TEST(PressureEquation, IgnoresWeightsThatAreRoundOffOfAFullNeighbourhood) {
+  const auto unknowns = [](double weight) {
+    const auto source = [](Index i) { return double(i); };
+    return system_with({{0, 0}, {1, 0}}, {.n0 = 4, .value = weight}, source).size();
+  };
+  EXPECT_EQ(unknowns(0x1p-24), 0u);
+  EXPECT_EQ(unknowns(0x1p-24 * (1 + 0x1p-20)), 2u);
+}
+
+TEST(PressureEquation, HasNoSourceInAClosedBodyWhoseSourcesAreEqualToRoundOff) {
+  // Two closed bodies; the sources of the second are much smaller.
+  constexpr Index one_body = 30;
+  std::vector<Vec<2>> points;
+  for (Index i = 0; i < 2 * one_body; ++i) {
+    points.push_back({double(i % one_body), i < one_body ? 0.0 : 9.0});
+  }
+  const auto right_side = [&](double difference) {
+    const LinearSystem system = system_with(points, {}, [=](Index i) {
+      return i < one_body ? 0.1 * (i % 2 == 0 ? 1 + difference : 1 - difference)
+                          : 1e-20 * double(i);
+    });
+    EXPECT_EQ(system.closed_bodies, 2u);
+    const auto& b = system.right_side;
+    for (Index i = one_body; i < 2 * one_body; ++i) {
+      EXPECT_NEAR(b[i], 1e-20 * (1.5 * one_body - 0.5 - double(i)), 1e-32);
+    }
+    return std::vector<double>(b.begin(), b.begin() + std::ptrdiff_t(one_body));
+  };
+  for (const double difference : {0.0, 2e-16, 7e-15}) {
+    EXPECT_EQ(right_side(difference), std::vector<double>(one_body, 0)) << difference;
+  }
+  for (const double b : right_side(1.5e-14)) EXPECT_NEAR(std::abs(b), 1.5e-15, 1e-16);
+}
+
 }  // namespace
 }  // namespace silt::test

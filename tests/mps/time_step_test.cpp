@@ -138,5 +138,15 @@ TEST(UserDefinedTimeStep, IsRejectedBeyondEachStabilityLimitAndRolledBack) {
   EXPECT_TRUE(rejected({.spacing = 0.02}, 1e-3, {0, -inf}, {"the velocity (0, -inf) m/s is not"}));
 }
 
+TEST(UserDefinedTimeStep, MayBeTwiceTheViscousLimitButNotLonger) {
+  const auto water = blob<2, double>(6, 0.02);
+  const Settings settings{.spacing = 0.02};
+  const mps::TimeStep::Input input{.viscous = 1e-3, .time = 0};
+  mps::TimeStep time_step;
+  EXPECT_NO_THROW(time_step.begin(water, settings, input, 2e-3));
+  EXPECT_TRUE(refuses([&] { time_step.begin(water, settings, input, std::nextafter(2e-3, 1)); },
+                      {"exceeds the viscous limit 0.002 s"}));
+}
+
 }  // namespace
 }  // namespace silt::test

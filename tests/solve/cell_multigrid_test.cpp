@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -146,6 +147,91 @@ TEST(CellMultigrid, WithoutPositionsOfTheUnknownsIsTheDiagonal) {
   std::vector<double> z(3);
   multigrid.apply({1, 1, 1}, z);
   EXPECT_EQ(z, (std::vector<double>{0.5, 0.25, 0.125}));
+}
+
+// A system of which the multigrid sees only diagonals and positions: on cells of two spacings, the
+// stiffness of a point is twice its diagonal without the weights to the surface.
+LinearSystem system_at(const std::vector<std::array<double, 3>>& points,
+                       const std::vector<double>& diagonal, const std::vector<float>& to_surface) {
+  LinearSystem system;
+  system.diagonal = diagonal;
+  system.off_diagonal.build(points.size(), [](Index, auto&&) {});
+  system.right_side.assign(points.size(), 1);
+  system.geometry.spacing = 1;
+  system.geometry.full_diagonal = 4;
+  system.geometry.second_moment = 16;
+  system.geometry.points = points;
+  system.geometry.to_surface = to_surface;
+  return system;
+}
+
+// A closed square of along × along points.
+LinearSystem closed_square(int along) {
+  std::vector<std::array<double, 3>> points;
+  for (int y = 0; y < along; ++y) {
+    for (int x = 0; x < along; ++x) points.push_back({x + 0.5, y + 0.5, 0});
+  }
+  return system_at(points, std::vector<double>(points.size(), 4),
+                   std::vector<float>(points.size(), 0));
+}
+
+// V r: what the multigrid adds to the diagonal.
+std::vector<double> correction(CellMultigrid<2> multigrid, const LinearSystem& system,
+                               const std::vector<double>& r) {
+  multigrid.prepare(system);
+  std::vector<double> z(r.size());
+  multigrid.apply(r, z);
+  for (Index i = 0; i < r.size(); ++i) z[i] -= r[i] / system.diagonal[i];
+  return z;
+}
+
+TEST(CellMultigrid, SolvesTheEquationOfTwoCellsExactly) {
+  // One point in the centre of each cell, both with mass 1; stiffnesses 4 and 8, conductance 6.
+  const LinearSystem system = system_at({{1, 1, 0}, {3, 1, 0}}, {3, 5}, {1, 1});
+  const auto even = correction({}, system, {1, 1});
+  const auto odd = correction({}, system, {1, -1});
+  for (const Index i : {0u, 1u}) EXPECT_NEAR(even[i], 1, 1e-6);
+  EXPECT_NEAR(odd[0], 1 / (1 + 2 * 6.0), 1e-6);
+  EXPECT_NEAR(odd[1], -1 / (1 + 2 * 6.0), 1e-6);
+}
+
+TEST(CellMultigrid, ExcludesRowsWithADiagonalBelowTheMinimum) {
+  const auto second = [](double diagonal) {
+    const LinearSystem system = system_at({{1, 1, 0}, {9, 9, 0}}, {4, diagonal}, {1, 0.5});
+    return correction(CellMultigrid<2>({.min_diagonal = 0.25}), system, {1, 1})[1];
+  };
+  EXPECT_NEAR(second(1), 1 / 0.5, 1e-6);
+  EXPECT_EQ(second(std::nextafter(1, 0)), 0);
+}
+
+TEST(CellMultigrid, CoarsensUntilTheMaximumNumberOfCellsIsReached) {
+  const LinearSystem system = closed_square(16);  // 8 × 8 cells
+  const auto levels = [&](Index max_coarsest_cells) {
+    CellMultigrid<2> multigrid({.max_coarsest_cells = max_coarsest_cells});
+    multigrid.prepare(system);
+    return multigrid.levels();
+  };
+  EXPECT_EQ(levels(64), 1u);
+  EXPECT_EQ(levels(63), 2u);
+  EXPECT_EQ(levels(16), 2u);
+  EXPECT_EQ(levels(15), 3u);
+  EXPECT_EQ(levels(4), 3u);
+  EXPECT_EQ(levels(3), 4u);
+}
+
+// The equation of a closed body determines the constant only by the minimum masses of its cells.
+TEST(CellMultigrid, GivesAClosedBodyTheSameConstantWithAnyNumberOfLevels) {
+  const LinearSystem system = closed_square(16);
+  const auto mean = [&](Index max_coarsest_cells) {
+    double sum = 0;
+    for (const double z : correction(CellMultigrid<2>({.max_coarsest_cells = max_coarsest_cells}),
+                                     system, std::vector<double>(system.size(), 1))) {
+      sum += z / double(system.size());
+    }
+    return sum;
+  };
+  const double direct = mean(64);
+  for (const Index cells : {16u, 4u, 1u}) EXPECT_NEAR(mean(cells) / direct, 1, 0.04) << cells;
 }
 
 TEST(CellMultigrid, RejectsSettingsOutOfRange) {

@@ -247,6 +247,30 @@ TEST(ConjugateGradient, StopsIfTheToleranceIsBelowRoundOff) {
   EXPECT_LT(report.residual, 1e-9);
 }
 
+TEST(ConjugateGradient, AcceptsAGuessWhoseResidualEqualsTheTolerance) {
+  auto system = line_of(1);
+  system.right_side = {1};
+  std::vector<double> x{0.25};  // b − A x = 0.5
+  const SolveReport report = ConjugateGradient<>({.tolerance = 0.5}).solve(system, x);
+  EXPECT_EQ(report.reason, Reason::converged);
+  EXPECT_EQ(report.residual, 0.5);
+  EXPECT_EQ(report.iterations, 0);
+  EXPECT_EQ(x, std::vector<double>{0.25});
+}
+
+TEST(SolveSettings, AreMetWithinAThousandthOfTheToleranceAndRoundOff) {
+  for (const double tolerance : {1.0, 1e-6}) {
+    const SolveSettings settings{.tolerance = tolerance};
+    EXPECT_TRUE(settings.is_met_by(tolerance));
+    EXPECT_TRUE(settings.is_met_by(1.0009 * tolerance));
+    EXPECT_FALSE(settings.is_met_by(1.0011 * tolerance));
+    EXPECT_FALSE(settings.is_met_by(nan));
+  }
+  const SolveSettings round_off{.tolerance = 1e-300};
+  EXPECT_TRUE(round_off.is_met_by(1e-13));
+  EXPECT_FALSE(round_off.is_met_by(std::nextafter(1e-13, 1)));
+}
+
 TEST(SolveSettings, AreRejectedOutOfRange) {
   EXPECT_TRUE(refuses([] { ConjugateGradient<>({.tolerance = 0}); }, {"tolerance = 0 "}));
   EXPECT_TRUE(refuses([] { ConjugateGradient<>({.tolerance = -1e-6}); }, {"tolerance = -1e-06"}));
