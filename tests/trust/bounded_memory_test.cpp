@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: MIT
+// Memory and time of a search, of contacts and of a placement are bounded for any sizes, positions
+// and numbers, or an error names the value.
+#include <silt/dem.hpp>
+#include <silt/dem/setup/inflow.hpp>
+#include <silt/dem/setup/packing.hpp>
+
+#include "support/check.hpp"
+#include "support/counted_memory.hpp"
+#include "support/points.hpp"
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <cstdio>
+#include <ctime>
+#include <limits>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace silt::test {
+namespace {
+
+// Half the bound of docs/choosing.md: bytes for each grain, and beyond.
+constexpr std::int64_t grain_bytes = 16 * 1024;
+constexpr std::int64_t more_bytes = 1 << 20;
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
+
+// Processor time, which other programs do not increase [s].
+template <class F>
+double seconds_of(F&& f) {
+  const std::clock_t begin = std::clock();
+  f();
+  return double(std::clock() - begin) / CLOCKS_PER_SEC;
+}
+
+template <class S, int Dim = S::Vec::RowsAtCompileTime>
+auto simulation_of(const dem::Grains<Dim>& grains, S search = {}) {
+  const dem::CundallStrack law{.normal_stiffness = 1e5,
+                               .tangential_stiffness = 5e4,
+                               .restitution = 0.5,
+                               .friction_angle = 0.4};
+  return Simulation{grains, std::move(search), dem::Contacts{law}, Leapfrog{}};
+}
+
+// Grains that move at random and nearly touch, so that some collide.
+template <int Dim>
+dem::Grains<Dim> small_grains(Index along_each_axis) {
+  const double radius = 1e-3;
+  auto points =
+      lattice(cube<Dim, double>(0, 2.02 * radius * double(along_each_axis)), 2.02 * radius);
+  auto grains = dem::make_grains(points, {.radius = radius, .density = 2500});
+  const auto v = random_points(points.size(), cube<Dim, double>(-1, 1), 5);
+  for (Index i = 0; i < grains.size(); ++i) grains[velocity][i] = v[i];
+  return grains;
+}
+
+// One grain of so many radii touches the others from below.
+template <int Dim>
+dem::Grains<Dim> one_large_among_small(Index along_each_axis, double ratio) {
+  auto grains = small_grains<Dim>(along_each_axis);
+  const double radius = 1e-3 * ratio;
+  Vec<Dim> x = Vec<Dim>::Zero();
+  x[Dim - 1] = -radius;
+  dem::add_grain(grains, x, {.radius = radius, .density = 2500});
+  return grains;
+}
+
+template <int Dim>
+dem::Grains<Dim> grains_at_one_point(Index n) {
+  auto points = random_points(n, cube<Dim, double>(0, 1e-6), 3);
+  return dem::make_grains(points, {.radius = 1e-3, .density = 2500});
+}
+
+template <class Sim>
+void expect_bounded_steps(Sim simulation, int steps, double seconds) {
+  const auto grains = static_cast<std::int64_t>(simulation.particles().size());
+  double took = 0;
+  const std::int64_t peak = peak_of([&] {
+    took = seconds_of([&] {
+      for (int step = 0; step < steps; ++step) simulation.step();
+    });
+  });
+  std::printf("      %lld grains: %lld bytes each, %.2f s\n", static_cast<long long>(grains),
+              static_cast<long long>(peak / grains), took);
+  EXPECT_GT(peak, 0);
+  EXPECT_LE(peak, grains * grain_bytes + more_bytes);
+  EXPECT_LT(took, seconds);
+}
+
+template <class S>
+class BoundedMemory : public ::testing::Test {};
+using Searches = ::testing::Types<NeighbourList<2>, NeighbourList<3>, LevelGrid<2>, LevelGrid<3>,
+                                  NeighbourList<3, double, LevelGrid<3>>>;
+TYPED_TEST_SUITE(BoundedMemory, Searches);
+
+template <class S>
+inline constexpr int dimension_of = S::Vec::RowsAtCompileTime;
+// About 10⁴ grains.
+template <class S>
+inline constexpr Index along = dimension_of<S> == 2 ? 100 : 22;
+
+TYPED_TEST(BoundedMemory, IsEnoughForOneLargeGrainAmongManySmallOnes) {
+  for (const double ratio : {10.0, 1e2, 1e3, 1e4, 1e6}) {
+    SCOPED_TRACE(ratio);
+    const auto grains = one_large_among_small<dimension_of<TypeParam>>(along<TypeParam>, ratio);
+    expect_bounded_steps(simulation_of<TypeParam>(grains), 5, 5);
+  }
+}
+
+TYPED_TEST(BoundedMemory, IsEnoughForAGrainFarAway) {
+  for (const double far : {1.0, 1e6, 1e12, 1e150}) {
+    SCOPED_TRACE(far);
+    auto grains = small_grains<dimension_of<TypeParam>>(along<TypeParam>);
+    grains[position][17].setConstant(far);
+    expect_bounded_steps(simulation_of<TypeParam>(grains), 5, 5);
+  }
+}
+
+TYPED_TEST(BoundedMemory, IsEnoughForAnyExtent) {
+  for (const double extent : {1e-6, 1.0, 1e6, 1e12}) {
+    SCOPED_TRACE(extent);
+    constexpr int Dim = dimension_of<TypeParam>;
+    const double radius = extent < 1 ? 1e-9 : 1e-3;
+    const auto points = random_points(60'000, cube<Dim, double>(0, extent), 4);
+    const auto grains = dem::make_grains(points, {.radius = radius, .density = 2500});
+    expect_bounded_steps(simulation_of<TypeParam>(grains), 3, 2);
+  }
+}
+
+TYPED_TEST(BoundedMemory, IsEnoughToRefuseACrowd) {
+  for (const Index n : {1000, 10'000, 100'000}) {
+    SCOPED_TRACE(n);
+    const auto grains = grains_at_one_point<dimension_of<TypeParam>>(n);
+    double took = 0;
+    const std::int64_t peak = peak_of([&] {
+      took = seconds_of([&] {
+        EXPECT_TRUE(refuses([&] { simulation_of<TypeParam>(grains).step(); },
+                            {"more than 64 overlaps per grain", "ids 0 and ", "place them apart"}));
+      });
+    });
+    EXPECT_LE(peak, std::int64_t(n) * grain_bytes + more_bytes);
+    EXPECT_LT(took, 3);
+  }
+}
+
+// Neighbours that the radius includes, but that are not in contact, are no crowd.
+TEST(BoundedRows, AreNotStoredIfTheRadiusIncludesAllParticles) {
+  Particles<3, double> points;
+  for (const auto& x : random_points(10'000, cube<3, double>(0, 1), 6)) points.add(x);
+  NeighbourList<3> search({.radius = 2, .skin_fraction = 0.1});
+  Index pairs = 0;
+  const std::int64_t peak = peak_of([&] {
+    search.update(points);
+    for (int k = 0; k < 2; ++k) {
+      pairs = 0;
+      for (Index i = 0; i < points.size(); i += 1000) {
+        search.for_each_candidate(i, [&](Index) { ++pairs; });
+        search.for_each_neighbour(i, [&](Index, const auto&, double) { ++pairs; });
+      }
+      search.update(points);
+    }
+  });
+  EXPECT_GE(pairs, 10u * 9999u);
+  EXPECT_LE(peak, 10'000 * grain_bytes + more_bytes);
+}
+
+// Positions and velocities by id.
+template <class S>
+Bytes state_after(const dem::Grains<S::Vec::RowsAtCompileTime>& grains, int steps) {
+  auto simulation = simulation_of<S>(grains);
+  for (int step = 0; step < steps; ++step) simulation.step();
+  const auto& after = simulation.particles();
+  Bytes bytes;
+  for (Id id = 0; id < after.size(); ++id) {
+    const Index i = after.index_of(id);
+    append(bytes, std::vector{after[position][i], after[velocity][i]});
+  }
+  return bytes;
+}
+
+TEST(BoundedRows, HaveNoEffectOnContacts) {
+  for (const bool periodic : {false, true}) {
+    for (const double ratio : {3.0, 30.0, 1e3}) {
+      SCOPED_TRACE(ratio);
+      auto grains = one_large_among_small<2>(40, ratio);
+      if (periodic) {
+        const double side = 5e-3 * ratio + 0.2;
+        Box<2> box{
+            .lower = {-side / 2, -side}, .upper = {side / 2, side}, .periodic = {true, false}};
+        grains.set_box(box);
+      }
+      const Bytes expected = state_after<BruteForce<2>>(grains, 40);
+      EXPECT_TRUE(state_after<NeighbourList<2>>(grains, 40) == expected);
+      EXPECT_TRUE(state_after<LevelGrid<2>>(grains, 40) == expected);
+      EXPECT_TRUE((state_after<NeighbourList<2, double, LevelGrid<2>>>(grains, 40) == expected));
+    }
+  }
+}
+
+}  // namespace
+}  // namespace silt::test
