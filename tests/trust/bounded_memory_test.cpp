@@ -201,5 +201,116 @@ TEST(BoundedRows, HaveNoEffectOnContacts) {
   }
 }
 
+// Whether f throws an error with this text soon, without much memory.
+template <class F>
+::testing::AssertionResult refuses_soon(const std::string& text, F&& f) {
+  ::testing::AssertionResult refused = ::testing::AssertionSuccess();
+  double took = 0;
+  const std::int64_t peak =
+      peak_of([&] { took = seconds_of([&] { refused = refuses(f, {text}); }); });
+  if (!refused) return refused;
+  if (took > 2 || peak > 64 * more_bytes) {
+    return ::testing::AssertionFailure() << took << " s, " << peak << " bytes";
+  }
+  return refused;
+}
+
+constexpr Index very_many = Index{1} << 60;
+
+template <int Dim>
+class Setup {
+ public:
+  template <class R>
+  static void scatter_in(const R& region, double radius, const dem::Scatter& scatter) {
+    dem::Grains<Dim> grains;
+    dem::scatter(grains, equal(radius), region, scatter);
+  }
+  static Box<Dim> box(double side) { return cube<Dim, double>(0, side); }
+
+  template <class R>
+  static void pour_in(const R& region, double radius, double rate, Index tries = 100) {
+    dem::Inflow inflow(region, equal(radius),
+                       {.number = very_many,
+                        .rate = rate > 0 ? std::optional(rate) : std::nullopt,
+                        .tries = tries});
+    auto simulation = simulation_of<NeighbourList<Dim>>(small_grains<Dim>(2));
+    inflow.before_step(simulation);
+    simulation.step(1e-6);
+    inflow.before_step(simulation);
+  }
+
+ private:
+  static dem::Blend<dem::EqualSizes> equal(double radius) {
+    return {.sizes = {.value = radius}, .density = 2500};
+  }
+};
+
+template <int Dim>
+void expect_that_placements_end() {
+  using S = Setup<Dim>;
+  const auto scatter = [](const auto& region, double radius, const dem::Scatter& how) {
+    return [=] { S::scatter_in(region, radius, how); };
+  };
+  EXPECT_TRUE(
+      refuses_soon("number = 1.15292e+18", scatter(S::box(1), 0.01, {.number = very_many})));
+  EXPECT_TRUE(refuses_soon("number = 100000000 grains have no room",
+                           scatter(S::box(1), 0.01, {.number = 100'000'000})));
+  EXPECT_TRUE(refuses_soon("found no free position",
+                           scatter(S::box(1), 0.1, {.number = Dim == 2 ? 30 : 230})));
+  EXPECT_TRUE(refuses_soon("solid_fraction = 0.1 gives",
+                           scatter(S::box(1), 1e-9, {.solid_fraction = 0.1})));
+  EXPECT_TRUE(refuses_soon("solid_fraction = 0.1 gives",
+                           scatter(S::box(1), 1e-200, {.solid_fraction = 0.1})));
+  EXPECT_TRUE(refuses_soon("radius 0.6 m has no room in the region",
+                           scatter(S::box(1), 0.6, {.number = 1, .tries = 1'000'000})));
+  EXPECT_TRUE(refuses_soon("tries = 1152921504606846976",
+                           scatter(S::box(1), 0.3, {.number = 9, .tries = very_many})));
+  EXPECT_TRUE(refuses_soon("= -inf", scatter(Box<Dim>{}, 0.01, {.number = very_many})));
+  EXPECT_TRUE(refuses_soon("= inf", scatter(Box<Dim>{}, 0.01, {.solid_fraction = 0.1})));
+  EXPECT_TRUE(
+      refuses_soon("lower = 0 is not below upper = 0", scatter(S::box(0), 0.01, {.number = 10})));
+  EXPECT_TRUE(refuses_soon("volume of the region = 0",
+                           scatter(S::box(1e-200), 1e-300, {.solid_fraction = 0.1})));
+  for (const double side : {not_a_number, infinity, -infinity}) {
+    EXPECT_TRUE(refuses_soon("region", scatter(S::box(side), 0.01, {.number = 10})) ||
+                refuses_soon("Box", scatter(S::box(side), 0.01, {.number = 10})));
+  }
+  for (const double radius : {0.0, -1.0, not_a_number, infinity}) {
+    EXPECT_TRUE(refuses_soon("EqualSizes: value = ", scatter(S::box(1), radius, {.number = 10})));
+  }
+
+  EXPECT_TRUE(refuses_soon("Inflow: number = 1.15292e+18", [] { S::pour_in(S::box(1), 1e-9, 0); }));
+  EXPECT_TRUE(refuses_soon("set a lower rate", [] { S::pour_in(S::box(1), 1e-9, 1e300); }));
+  EXPECT_TRUE(refuses_soon("Inflow: a grain of radius 2 m has no room",
+                           [] { S::pour_in(S::box(1), 2, 0); }));
+  EXPECT_TRUE(refuses_soon("= -inf", [] { S::pour_in(Box<Dim>{}, 0.1, 0); }));
+  EXPECT_TRUE(refuses_soon("Inflow: tries", [] { S::pour_in(S::box(1), 0.1, 0, very_many); }));
+  S::pour_in(S::box(1), 0.05, 0);  // fills the box, and is not refused
+
+  for (const double spacing : {1e-9, 1e-300, 0.0, not_a_number, infinity}) {
+    EXPECT_TRUE(refuses_soon("lattice: spacing", [&] { lattice(S::box(1), spacing); }));
+  }
+  EXPECT_TRUE(refuses_soon("lattice: ", [&] { lattice(Box<Dim>{}, 0.1); }));
+}
+
+TEST(Placements, EndForAnyNumbers) {
+  expect_that_placements_end<2>();
+  expect_that_placements_end<3>();
+}
+
+// The large grains are placed after the small ones, among which they have cells beyond number.
+TEST(Placements, EndForAnyRatioOfSizes) {
+  for (const double ratio : {10.0, 1e3, 1e6}) {
+    auto grains = small_grains<3>(10);
+    const double radius = 1e-3 * ratio;
+    const double took = seconds_of([&] {
+      dem::scatter(grains, dem::Blend<dem::EqualSizes>{.sizes = {.value = radius}, .density = 2500},
+                   cube<3, double>(-10 * radius, 10 * radius), {.number = 10});
+    });
+    EXPECT_EQ(grains.size(), 1010u);
+    EXPECT_LT(took, 2);
+  }
+}
+
 }  // namespace
 }  // namespace silt::test
