@@ -16,7 +16,7 @@ namespace silt {
 /// Centres of the cells of edge `spacing` [m] that fill the box from its lower corner; x varies
 /// fastest. A last cell that exceeds the box by less than a millionth of its edge, or by a rounding
 /// error, is included. Throws if the spacing is not positive, if the box is not finite, or if there
-/// are more than 1e9 points.
+/// are more than 1e8 points.
 template <int Dim, class Real = double>
 std::vector<Vec<Dim, Real>> lattice(const Box<Dim, Real>& box, Real spacing) {
   require_positive("lattice: spacing", double(spacing));
@@ -30,9 +30,9 @@ std::vector<Vec<Dim, Real>> lattice(const Box<Dim, Real>& box, Real spacing) {
     const double rounding = 4 * double(std::numeric_limits<Real>::epsilon());
     const double cells = std::floor(length / double(spacing) * (1 + rounding) + 1e-6);
     points_in_all *= cells;
-    if (!(cells <= 1e9) || !(points_in_all <= 1e9)) {
+    if (!(cells <= 1e8) || !(points_in_all <= 1e8)) {
       fail("lattice: spacing = " + to_text(double(spacing)) +
-           " m gives more than 1e9 points; "
+           " m gives more than 1e8 points; "
            "increase the spacing");
     }
     count[static_cast<std::size_t>(k)] = static_cast<Index>(cells);

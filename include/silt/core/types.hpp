@@ -4,6 +4,7 @@
 
 #include <silt/core/eigen.hpp>
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -76,7 +77,10 @@ Vec<Dim, Real> multiply(const Eigen::Matrix<Real, Dim, Dim>& A, const Vec<Dim, R
 
 /// Integer part of a quotient of times. Times are sums of time steps; the tolerance prevents a
 /// rounding error from delaying an event by one step.
-inline Index completed_intervals(double count) { return static_cast<Index>(count * (1 + 1e-12)); }
+inline Index completed_intervals(double count) {
+  constexpr double limit = double(std::numeric_limits<Index>::max() / 2);
+  return static_cast<Index>(std::min(count * (1 + 1e-12), limit));
+}
 
 /// Resizes a std::vector. If it must grow, it reserves n/16 more elements, instead of doubling.
 template <class Vector>

@@ -24,6 +24,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 
 namespace silt {
 
@@ -76,7 +77,7 @@ class Cells {
   /// Bin of the cell that contains x, for any x.
   Index bin_of(const Vec& x) const {
     std::int64_t bin = 0;
-    for (std::size_t k = 0; k < Dim; ++k) bin += std::int64_t{cell_along(x, k)} * stride_[k];
+    for (std::size_t k = 0; k < Dim; ++k) bin += cell_on_ring(x, k) * stride_[k];
     if (bin < 0 || bin >= bins_) {
       bin %= bins_;
       if (bin < 0) bin += bins_;
@@ -150,7 +151,7 @@ class Cells {
     if (last > bins_) f(Index{0}, static_cast<Index>(last - bins_));
   }
 
-  // Points more than 2³⁰ cells away are in the outermost cell.
+  // Points more than 2³⁰ cells away are in the outermost cell, except for cell_on_ring().
   static constexpr std::int32_t max_cell = (1 << 30) - 1;
 
   // Whether no point is more than 2²⁹ cells away.
@@ -167,6 +168,15 @@ class Cells {
   std::int32_t cell_along(const Vec& x, std::size_t k) const {
     const double coordinate = coordinate_of(x, k);
     return cell_at(std::min(std::max(coordinate, -double(max_cell)), double(max_cell)), k);
+  }
+  // The same, modulo the number of bins for points more than 2³⁰ cells away. In the outermost cell
+  // all points of a very large extent would be neighbours.
+  std::int64_t cell_on_ring(const Vec& x, std::size_t k) const {
+    const double coordinate = coordinate_of(x, k);
+    if (std::abs(coordinate) < double(max_cell)) return cell_at(coordinate, k);
+    constexpr double largest = std::numeric_limits<double>::max();
+    const double cell = std::floor(std::min(std::max(coordinate, -largest), largest));
+    return static_cast<std::int64_t>(std::fmod(cell, double(bins_))) + max_cell - lower_[k];
   }
   // In cells, from the anchor.
   double coordinate_of(const Vec& x, std::size_t k) const {

@@ -11,6 +11,7 @@
 #include <silt/core/transfer.hpp>
 #include <silt/core/types.hpp>
 #include <silt/search/bin_sort.hpp>
+#include <silt/search/crowd.hpp>
 #include <silt/search/extent.hpp>
 #include <silt/search/ghosts.hpp>
 #include <silt/search/neighbour_rows.hpp>
@@ -53,13 +54,19 @@ class LevelGrid {
   Real margin() const noexcept { return 0; }
 
   /// Sorts the particles into levels and cells, and makes the ghosts of periodic sides. Throws as
-  /// make_ghosts does, if there are 2³² particles or more, and if radius() is smaller than the
-  /// largest diameter.
+  /// make_ghosts does, if there are 2³² particles or more, if radius() is smaller than the largest
+  /// diameter, and if they are a crowd (crowd.hpp).
   template <class P>
     requires HasFields<P, radius_t>
   void update(P& particles) {
     require_positive("LevelGrid: radius", double(radius_));
     make_ghosts(particles, radius_);
+    read(particles);
+  }
+  /// The same with the present ghosts, which are those within radius() or more.
+  template <class P>
+    requires HasFields<P, radius_t>
+  void read(const P& particles) {
     owned_ = particles.size();
     revision_ = particles.owned_revision();
     const auto x = particles.with_ghosts(position);
@@ -82,6 +89,13 @@ class LevelGrid {
       for_each(level.x.size(), [&](Index k) { level.x[k] = x[item(level, k)]; });
       level.points.sort_and_copy(level.x, extent_of_points(level.x), 2 * level.largest + gap_);
     }
+    if (may_be_crowd(owned_, squares())) {
+      check_crowd(particles, [&](Index i, auto&& f) { for_each_candidate(i, f); });
+    }
+  }
+  /// Whether the rows of all particles would take too much memory, see max_row.
+  bool has_long_rows() const {
+    return squares() > double(max_row) * (double(owned_) + double(max_row));
   }
 
   /// Sorts the owned particles of all sizes by the cells of the finest level if many are out of
@@ -213,6 +227,13 @@ class LevelGrid {
     std::vector<Vec> x;
     SortedCells<Dim, Real> points;
   };
+
+  // Sum of m² over all cells with m particles.
+  double squares() const {
+    double sum = 0;
+    for (const Level& level : levels_) sum += level.points.squares();
+    return sum;
+  }
 
   // Pairs are found up to this distance between their surfaces.
   template <class Radii>

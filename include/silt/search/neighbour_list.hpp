@@ -5,7 +5,7 @@
 //
 // There are two kinds of rows: with every pair once, for for_each_candidate, and with every pair
 // twice, for for_each_neighbour. A kind is built only if it is used: the first call uses the grid
-// below the list, and the next update builds the rows.
+// below the list, and the next update builds the rows, if they are bounded (list_grid.hpp).
 #pragma once
 
 #include <silt/core/error.hpp>
@@ -14,6 +14,7 @@
 #include <silt/core/types.hpp>
 #include <silt/search/ghosts.hpp>
 #include <silt/search/last_positions.hpp>
+#include <silt/search/list_grid.hpp>
 #include <silt/search/neighbour_rows.hpp>
 #include <silt/search/skin.hpp>
 #include <silt/search/uniform_grid.hpp>
@@ -73,8 +74,7 @@ class NeighbourList {
       tune_skin();
       list_.built = false;
     }
-    list_.grid.set_radius(radius() * (1 + Real(state_.tuning.fraction())));
-    if constexpr (requires { list_.grid.sort(particles); }) list_.grid.sort(particles);
+    list_.grid.sort(particles, radius() * (1 + Real(state_.tuning.fraction())));
   }
 
   /// Reads the positions; rebuilds the list if particles were added, removed or reordered, or if
@@ -121,7 +121,7 @@ class NeighbourList {
       return;
     }
     // Branches on the distance would be mispredicted: collect first, without a branch.
-    const auto row = rows(Pairs::twice)[list_.grid.slot_of(i)];
+    const auto row = rows(Pairs::twice)[list_.grid.distant_row_of(i)];
     std::array<std::uint32_t, 64> near;
     for (Index from = 0; from < row.size(); from += near.size()) {
       Index count = 0;
@@ -135,14 +135,16 @@ class NeighbourList {
 
   /// f(j) for the candidates j of the owned particle i. A pair of owned particles that was closer
   /// than radius() + margin() at the last update is reported at one of the two, a pair of an owned
-  /// particle and a ghost at the owned one. Pairs farther apart may be reported as well.
+  /// particle and a ghost at the owned one. Pairs farther apart may be reported as well. Of grains
+  /// with radii of more than about 1:10, only pairs closer than R_i + R_j + radius() + margin() −
+  /// 2 max R are certain to be reported, as by a LevelGrid.
   template <class F>
   void for_each_candidate(Index i, F&& f) const {
     if (!has_rows(Pairs::once)) {
       list_.grid.for_each_candidate(i, f);
       return;
     }
-    for (const std::uint32_t j : rows(Pairs::once)[list_.grid.slot_of(i)]) f(Index{j});
+    for (const std::uint32_t j : rows(Pairs::once)[list_.grid.row_of(i)]) f(Index{j});
   }
 
   /// f(i, j, r_ij, r) for every pair once; i is owned, j owned or ghost.
@@ -150,14 +152,19 @@ class NeighbourList {
   void for_each_pair(F&& f) const {
     const Real reach = radius() * radius();
     for (Index a = 0; a < list_.reference.size(); ++a) {
-      for_each_candidate(a, [&](Index b) {
+      const auto report = [&](Index b) {
         if (list_.grid.is_second_image(a, b)) return;
         const Index i = std::min(a, b);
         const Index j = std::max(a, b);
         const Vec r_ij = image_(positions_[j] - positions_[i]);
         const Real r2 = r_ij.squaredNorm();
         if (r2 < reach) f(i, j, r_ij, std::sqrt(r2));
-      });
+      };
+      if (list_.grid.finds_only_contacts()) {
+        list_.grid.for_each_distant_candidate(a, report);
+      } else {
+        for_each_candidate(a, report);
+      }
     }
   }
 
@@ -227,7 +234,7 @@ class NeighbourList {
     Real skin = 0;
     std::uint64_t revision = 0;  // of the particles when it was built
     std::uint64_t owned_revision = 0;
-    Inner grid;
+    ListGrid<Inner> grid;
     std::vector<Vec> reference;  // positions when it was built
     std::array<NeighbourRows, 2> rows;
   };
@@ -254,10 +261,12 @@ class NeighbourList {
   void build_rows(Pairs pairs) {
     const auto kind = static_cast<Index>(pairs);
     if (!requested_[kind] || state_.has_rows[kind]) return;
-    list_.grid.build_rows(list_.rows[kind], pairs);
-    state_.has_rows[kind] = true;
+    state_.has_rows[kind] = list_.grid.build_rows(list_.rows[kind], pairs);
   }
 
+  typename ListGrid<Inner>::Reach wanted_reach() const {
+    return {.radius = radius(), .skin = radius() * Real(state_.tuning.fraction())};
+  }
   // Whether the list can be used for these particles.
   template <class P>
   bool is_valid_for(const P& particles) const {
@@ -279,10 +288,9 @@ class NeighbourList {
     list_.built = false;
     state_.has_rows = {};
     list_.radius = radius();
-    list_.skin = radius() * Real(state_.tuning.fraction());
+    list_.skin = wanted_reach().skin;
     check_periodic_sides(particles.box(), {.radius = list_.radius, .skin = list_.skin});
-    list_.grid.set_radius(list_.radius + list_.skin);
-    list_.grid.update(particles);
+    list_.skin = list_.grid.update(particles, wanted_reach());
     const auto x = particles[position];
     list_.reference.assign(x.begin(), x.end());
     set_revisions(particles);
@@ -310,13 +318,15 @@ class NeighbourList {
   // Builds the list again from the positions at which it was built.
   template <class P>
   void repeat_build(P& particles, const std::vector<Vec>& reference) {
-    list_.grid.set_radius(list_.radius + list_.skin);
-    at_positions(particles, reference, [&] { list_.grid.update(particles); });
+    at_positions(particles, reference, [&] {
+      list_.grid.update(particles, {.radius = list_.radius, .skin = list_.skin});
+    });
     list_.reference = reference;
     set_revisions(particles);
     for (const Pairs pairs : {Pairs::twice, Pairs::once}) {
       const auto kind = static_cast<Index>(pairs);
-      if (state_.has_rows[kind]) list_.grid.build_rows(list_.rows[kind], pairs);
+      if (!state_.has_rows[kind]) continue;
+      state_.has_rows[kind] = list_.grid.build_rows(list_.rows[kind], pairs);
     }
   }
   // Repeats the last update at the positions of that time.
@@ -330,6 +340,7 @@ class NeighbourList {
 
   // A particle has moved by more than half the skin: adjust the skin.
   void tune_skin() {
+    if (list_.grid.finds_only_contacts()) return;
     for (const Pairs pairs : {Pairs::once, Pairs::twice}) {
       if (!state_.has_rows[static_cast<Index>(pairs)]) continue;
       const auto particles = double(std::max<Index>(list_.reference.size(), 1));

@@ -21,6 +21,10 @@ namespace silt {
 /// Whether rows contain every pair twice, at both particles, or once.
 enum class Pairs { twice, once };
 
+/// Mean number of particles in the cell of a particle up to which rows are stored: a row then has
+/// about twice as many entries on average, and at most 27 times as many.
+inline constexpr Index max_row = 512;
+
 class NeighbourRows {
  public:
   /// Writes the rows of one chunk, one after the other.

@@ -11,7 +11,8 @@
 //   n ((3E)^Dim N/V + c)        by the n particles of finer levels
 //
 // where c is the cost of finding the cells. Levels are contiguous ranges of the histogram, so that
-// the optimum is found by dynamic programming.
+// the optimum is found by dynamic programming. Radii of one level have a ratio of 16 at most: more
+// would pay only if the small particles were not close together, which the histogram does not tell.
 #pragma once
 
 #include <silt/core/types.hpp>
@@ -45,6 +46,7 @@ inline std::vector<SizeClass> choose_levels(const std::vector<Index>& histogram,
                                             int dimension) {
   // Cost of finding the cells and of starting a loop in each row, in distance tests.
   constexpr double cell_cost = 30;
+  constexpr SizeClass max_span = 8;
   std::vector<SizeClass> sizes;
   std::vector<double> cumulative{0};  // cumulative number of particles
   double volume = 0;
@@ -67,6 +69,7 @@ inline std::vector<SizeClass> choose_levels(const std::vector<Index>& histogram,
   cost[0] = 0;
   for (std::size_t to = 1; to <= sizes.size(); ++to) {
     for (std::size_t from = 0; from < to; ++from) {
+      if (sizes[to - 1] - sizes[from] >= max_span) continue;
       const double total = cost[from] + cost_of_level(from, to);
       if (total < cost[to]) {
         cost[to] = total;

@@ -9,10 +9,13 @@
 #pragma once
 
 #include <silt/core/error.hpp>
+#include <silt/core/fields.hpp>
 #include <silt/core/parallel.hpp>
+#include <silt/core/particles.hpp>
 #include <silt/core/simd.hpp>
 #include <silt/core/transfer.hpp>
 #include <silt/core/types.hpp>
+#include <silt/search/crowd.hpp>
 #include <silt/search/extent.hpp>
 #include <silt/search/ghosts.hpp>
 #include <silt/search/neighbour_rows.hpp>
@@ -71,9 +74,15 @@ class UniformGrid {
   }
 
   /// Sorts the particles into cells, and makes the ghosts of periodic sides. Throws as make_ghosts
-  /// does, and if there are 2³² particles or more.
+  /// does, if there are 2³² particles or more, and if they are a crowd of grains (crowd.hpp).
   template <class P>
   void update(P& particles) {
+    read(particles);
+    refuse_crowd(particles);
+  }
+  /// The two parts of update().
+  template <class P>
+  void read(P& particles) {
     require_positive("UniformGrid: radius", double(radius_));
     const auto extent = make_ghosts(particles, radius_);
     const auto x = particles.with_ghosts(position);
@@ -85,6 +94,26 @@ class UniformGrid {
     for (Index g = 0; g < ghost_owners_.size(); ++g) {
       ghost_owners_[g] = particles.owner(owned_ + g);
     }
+  }
+
+  template <class P>
+  void refuse_crowd(const P& particles) const {
+    if constexpr (HasFields<P, radius_t>) {
+      if (!may_be_crowd(owned_, points_.squares())) return;
+      // Every pair is counted at the larger grain.
+      const auto R = particles.with_ghosts(silt::radius);
+      check_crowd(particles, [&](Index i, auto&& f) {
+        const Real diameter = std::min(2 * R[i], radius_);
+        points_.for_each_around(points_.at(slot_of(i)), diameter, slot_of(i), [&](Index slot) {
+          const Index j = points_.item_of()[slot];
+          if (R[j] < R[i] || (R[j] == R[i] && j > i)) f(j);
+        });
+      });
+    }
+  }
+  /// Whether the rows of all particles would take too much memory, see max_row.
+  bool has_long_rows() const {
+    return points_.squares() > double(max_row) * (double(owned_) + double(max_row));
   }
 
   /// Restores the data on which sort() depends, so that a repeated step sorts as the first time.
@@ -197,6 +226,8 @@ class UniformGrid {
   // Number of particles that justifies sharing candidates, and maximum number of cells in a block.
   static constexpr Index shared_by = 12;
   static constexpr std::int64_t longest_block = 12;
+  // Entries for which space is requested at once.
+  static constexpr Index largest_room = Index{1} << 17;
 
   bool has_ghosts() const noexcept { return !ghost_owners_.empty(); }
 
@@ -268,9 +299,13 @@ class UniformGrid {
       points_.cells().for_each_range_around(bin, length, add);
     }
     candidates.end();
-    std::uint32_t* to = row.room(rows * candidates.size() + simd::lanes<float>);
+    // Space for all rows at once takes less time, but in a crowd most of it would remain unused.
+    const bool at_once = rows * candidates.size() <= largest_room;
+    std::uint32_t* to =
+        row.room((at_once ? rows : Index{1}) * candidates.size() + simd::lanes<float>);
     for (Index slot = first; slot < last; ++slot) {
       if (has_row(slot)) {
+        if (!at_once) to = row.room(candidates.size() + simd::lanes<float>);
         std::uint32_t* const begin = to;
         to = forward ? candidates.template near<true>(slot, begin)
                      : candidates.template near<false>(slot, begin);

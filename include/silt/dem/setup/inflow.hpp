@@ -8,6 +8,7 @@
 #include <silt/core/types.hpp>
 #include <silt/dem/setup/grains.hpp>
 #include <silt/dem/setup/packing.hpp>
+#include <silt/dem/setup/placement_limits.hpp>
 #include <silt/dem/setup/random.hpp>
 #include <silt/dem/setup/region.hpp>
 #include <silt/dem/setup/size_distribution.hpp>
@@ -57,11 +58,12 @@ class Inflow {
     double from = 0;                  ///< time of the first grain [s]
     Vec velocity = Vec::Zero();       ///< initial velocity of the grains [m/s]
     double every = 0;                 ///< time between two attempts [s]; 0: every step
-    Index tries = 100;                ///< positions to try for a grain in one attempt
+    Index tries = 100;                ///< positions to try for a grain in one attempt; 1 to 1e7
     std::uint64_t seed = 0;
   };
 
-  /// Throws if the region, the blend or a setting is out of range.
+  /// Throws if the region, the blend or a setting is out of range, and if more than 1e8 grains
+  /// would be added at once.
   Inflow(R region, Blend<Sizes> blend, const Settings& settings)
       : region_(std::move(region)), blend_(std::move(blend)), settings_(settings) {
     region_.check();
@@ -70,6 +72,9 @@ class Inflow {
     require_finite("Inflow: from", settings_.from);
     require_finite("Inflow: velocity", settings_.velocity);
     require_not_negative("Inflow: every", settings_.every);
+    detail::check_tries("Inflow", settings_.tries);
+    detail::check_bounds(Bounds(region_.bounds()));
+    if (!settings_.rate) check_number(settings_.number);
   }
 
   /// Grains added so far.
@@ -99,14 +104,27 @@ class Inflow {
     return std::min(settings_.number, 1 + completed_intervals(expected));
   }
 
+  // Throws if so many grains, of which as many are added as there is space for, are too many.
+  void check_number(Index number) const {
+    constexpr int Dim = Vec::RowsAtCompileTime;
+    if (double(number) <= detail::max_placed) return;
+    const double room = detail::number_in<Dim>(region_.volume(), blend_, settings_.seed);
+    if (room <= detail::max_placed) return;
+    fail("Inflow: number = " + to_text(double(number)) +
+         " grains at once, of which the region has room for up to " + to_text(room) +
+         ", are more than 1e8; add fewer or larger grains, or set a lower rate");
+  }
+
   template <class P>
   void add_grains(P& grains, Index target) {
+    check_number(target - added_);
     detail::Placement<R, P::dimension, Real> placement(grains, region_, blend_.sizes.largest());
     while (added_ < target) {
       Random random{.seed = settings_.seed, .id = added_};
       const Grain grain = blend_.draw(random);
       random.counter += tried_;
       const auto drawn = random.counter;
+      detail::check_fits("Inflow", Bounds(region_.bounds()), grain.radius);
       const auto ball = placement.find(random, Real(grain.radius), settings_.tries);
       tried_ += random.counter - drawn;
       if (!ball) return;

@@ -9,6 +9,7 @@
 #include <silt/core/nearest_image.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/setup/grains.hpp>
+#include <silt/dem/setup/placement_limits.hpp>
 #include <silt/dem/setup/random.hpp>
 #include <silt/dem/setup/region.hpp>
 #include <silt/dem/setup/size_distribution.hpp>
@@ -26,12 +27,12 @@
 
 namespace silt::dem {
 
-/// How many grains scatter() adds: a given number, or up to a given solid fraction.
+/// How many grains scatter() adds: a given number, or up to a given solid fraction; at most 1e8.
 struct Scatter {
   std::optional<Index> number = {};
   std::optional<double> solid_fraction = {};  ///< volume of the added grains over the region's [-]
   std::uint64_t seed = 0;
-  Index tries = 2000;  ///< positions to try for each grain
+  Index tries = 2000;  ///< positions to try for each grain; 1 to 1e7
 };
 
 namespace detail {
@@ -45,7 +46,8 @@ struct Ball {
 
 /// Finds overlaps with grains that are added one by one. There is one grid per size class, and the
 /// cell size doubles from class to class; each grain is stored in a cell of the grid of its class.
-/// A query visits the few cells around it in every grid.
+/// A query visits the few cells around it in every grid, or all grains of a grid with more cells
+/// than grains there.
 template <int Dim, class Real>
 class Occupancy {
  public:
@@ -83,7 +85,9 @@ class Occupancy {
     Cell cell;
     for (std::size_t k = 0; k < Dim; ++k) {
       const double x_k = double(x[static_cast<int>(k)]);
-      cell[k] = static_cast<std::int64_t>(std::floor(x_k / double(edge)));
+      // Integers end at 2⁶³.
+      cell[k] =
+          static_cast<std::int64_t>(std::floor(std::clamp(x_k / double(edge), -0x1p62, 0x1p62)));
     }
     return cell;
   }
@@ -107,13 +111,23 @@ class Occupancy {
     return false;
   }
 
+  static bool overlaps_one(const std::vector<Ball>& others, const Ball& ball) {
+    return std::any_of(others.begin(), others.end(), [&](const Ball& other) {
+      const Real apart = ball.radius + other.radius;
+      return (other.centre - ball.centre).squaredNorm() < apart * apart;
+    });
+  }
+
   static bool overlaps_in(const Grid& grid, const Cell& low, const Cell& high, const Ball& ball) {
+    double cells = 1;
+    for (std::size_t k = 0; k < Dim; ++k) cells *= double(high[k]) - double(low[k]) + 1;
+    if (cells > double(grid.size())) {
+      return std::any_of(grid.begin(), grid.end(),
+                         [&](const auto& cell) { return overlaps_one(cell.second, ball); });
+    }
     for (Cell cell = low; cell[Dim - 1] <= high[Dim - 1];) {
       if (const auto found = grid.find(key_of(cell)); found != grid.end()) {
-        for (const Ball& other : found->second) {
-          const Real apart = ball.radius + other.radius;
-          if ((other.centre - ball.centre).squaredNorm() < apart * apart) return true;
-        }
+        if (overlaps_one(found->second, ball)) return true;
       }
       ++cell[0];
       for (std::size_t k = 0; k + 1 < Dim && cell[k] > high[k]; ++k) {
@@ -139,11 +153,11 @@ class Placement {
   template <class P>
   Placement(const P& grains, const Region& region, double largest)
       : region_(region), bounds_(region.bounds()), box_(grains.box()), occupancy_(grains.box()) {
-    require_finite("dem: lower corner of the region", bounds_.lower);
-    require_finite("dem: upper corner of the region", bounds_.upper);
+    check_bounds(bounds_);
     const auto x = grains[position];
     const auto R = grains[radius];
     for (Index i = 0; i < grains.size(); ++i) {
+      require_positive("dem: radius of an existing grain", double(R[i]));
       const bool near = box_.any_periodic() || bounds_.clearance(x[i]) > -R[i] - Real(largest);
       if (near) occupancy_.add({x[i], R[i]});
     }
@@ -175,9 +189,23 @@ std::vector<Grain> draw_grains(const Blend<Sizes>& blend, const Scatter& scatter
   }
   const double share = scatter.solid_fraction.value_or(0);
   require_between("dem::scatter: solid_fraction", share, {0, 1});
+  const double expected = scatter.number ? double(*scatter.number)
+                                         : number_in<Dim>(share * volume, blend, scatter.seed);
+  if (!(expected <= max_placed)) {
+    fail("dem::scatter: " +
+         (scatter.number ? "number = " + to_text(expected)
+                         : "solid_fraction = " + to_text(share) + " gives " + to_text(expected)) +
+         " grains, more than 1e8; place fewer or larger grains");
+  }
   std::vector<Grain> drawn;
   for (double filled = 0; scatter.number ? drawn.size() < *scatter.number : filled < share * volume;
        filled += volume_of<Dim>(drawn.back().radius)) {
+    if (filled > volume) {
+      fail("dem::scatter: number = " + std::to_string(*scatter.number) +
+           " grains have no room: the first " + std::to_string(drawn.size()) +
+           " of them have the volume of the region, " + to_text(volume) +
+           "; place fewer or smaller grains");
+    }
     Random random{.seed = scatter.seed, .id = drawn.size()};
     drawn.push_back(blend.draw(random));
   }
@@ -196,9 +224,15 @@ void scatter(P& grains, const Blend<Sizes>& blend, const R& region, const Scatte
   using Real = typename P::Real;
   blend.check();
   region.check();
+  detail::check_tries("dem::scatter", scatter.tries);
   const double volume = region.volume();
-  if (scatter.solid_fraction) require_finite("dem::scatter: volume of the region", volume);
+  if (scatter.solid_fraction) require_positive("dem::scatter: volume of the region", volume);
+  detail::check_bounds(Box<P::dimension, Real>(region.bounds()));
   const auto drawn = detail::draw_grains<P::dimension>(blend, scatter, volume);
+  if (!drawn.empty()) {
+    const Box<P::dimension, Real> bounds = region.bounds();
+    detail::check_fits("dem::scatter", bounds, drawn.front().radius);
+  }
   detail::Placement<R, P::dimension, Real> placement(grains, region, blend.sizes.largest());
   std::vector<detail::Ball<P::dimension, Real>> placed;
   double filled = 0;

@@ -115,6 +115,7 @@ class SieveSizes {
       grains += each.mass / mean_volume(each);
       up_to_.push_back(grains);
     }
+    require_positive("SieveSizes: number of grains for these masses", grains);
     for (double& share : up_to_) share /= grains;
   }
 

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: MIT
+// Refuses placements that would take all memory or never end.
+#pragma once
+
+#include <silt/core/box.hpp>
+#include <silt/core/error.hpp>
+#include <silt/core/types.hpp>
+#include <silt/dem/setup/grains.hpp>
+#include <silt/dem/setup/random.hpp>
+#include <silt/dem/setup/size_distribution.hpp>
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+
+namespace silt::dem::detail {
+
+/// Number of grains placed at once, which take about 100 GB.
+inline constexpr double max_placed = 1e8;
+/// Number of positions tried for one grain, which takes some seconds.
+inline constexpr Index max_tries = 10'000'000;
+
+/// `name` is that of the function or observer.
+inline void check_tries(const std::string& name, Index tries) {
+  if (tries >= 1 && tries <= max_tries) return;
+  fail(name + ": tries = " + std::to_string(tries) +
+       " must be at least 1 and at most 1e7; give a value in that range");
+}
+
+/// Throws unless the corners of the region are finite.
+template <int Dim, class Real>
+void check_bounds(const Box<Dim, Real>& bounds) {
+  require_finite("dem: lower corner of the region", bounds.lower);
+  require_finite("dem: upper corner of the region", bounds.upper);
+}
+
+/// Throws if a grain of this radius [m] is larger than the bounds of the region.
+template <int Dim, class Real>
+void check_fits(const std::string& name, const Box<Dim, Real>& bounds, double radius) {
+  for (int k = 0; k < Dim; ++k) {
+    if (bounds.periodic[static_cast<std::size_t>(k)]) continue;
+    const double length = double(bounds.upper[k]) - double(bounds.lower[k]);
+    if (2 * radius <= length * (1 + 1e-6)) continue;
+    fail(name + ": a grain of radius " + to_text(radius) +
+         " m has no room in the region, which is " + to_text(length) + " m long along axis " +
+         std::to_string(k) + "; enlarge the region, or use smaller grains");
+  }
+}
+
+/// About how many grains fill this volume [m³] without voids.
+template <int Dim, class Sizes>
+double number_in(double volume, const Blend<Sizes>& blend, std::uint64_t seed) {
+  constexpr Index samples = 256;
+  double filled = 0;
+  for (Index k = 0; k < samples; ++k) {
+    Random random{.seed = seed, .id = k};
+    filled += volume_of<Dim>(blend.draw(random).radius);
+  }
+  return volume / (filled / double(samples));
+}
+
+}  // namespace silt::dem::detail
