@@ -14,6 +14,7 @@
 #include <silt/core/types.hpp>
 #include <silt/io/archive.hpp>
 #include <silt/io/file.hpp>
+#include <silt/io/replace_file.hpp>
 
 #include <filesystem>
 #include <string>
@@ -41,7 +42,8 @@ void write_checkpoint(const std::filesystem::path& path, const Sim& simulation,
   checkpoint::Writer writer;
   std::tuple<Sim, Parts...> copies(simulation, parts...);
   std::apply([&](auto&... each) { checkpoint::transfer_all(writer, each...); }, copies);
-  file::replace("write_checkpoint", path, std::move(writer).finish());
+  file::replace("write_checkpoint", path, std::move(writer).finish(),
+                file::Outlasts::power_failure);
 }
 
 /// Restores the state of a simulation and of further parts from a checkpoint. They must have been
