@@ -18,6 +18,7 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <tuple>
 #include <utility>
 
@@ -30,6 +31,16 @@ void transfer_all(Archive& archive, Sim& simulation, Parts&... parts) {
   archive.within("simulation", [&] { simulation.transfer(archive); });
   Index number = 0;
   (archive.within("part " + std::to_string(number++), [&] { parts.transfer(archive); }), ...);
+}
+
+/// Restores the state from the bytes of a file with this name, see read_checkpoint().
+template <class Sim, class... Parts>
+void restore(const std::string& file, std::string_view bytes, Sim& simulation, Parts&... parts) {
+  Reader reader(file, bytes);
+  std::tuple<Sim, Parts...> copies(simulation, parts...);
+  reader.read_all(
+      [&] { std::apply([&](auto&... each) { transfer_all(reader, each...); }, copies); });
+  std::tie(simulation, parts...) = std::move(copies);
 }
 
 }  // namespace checkpoint
@@ -52,12 +63,7 @@ void write_checkpoint(const std::filesystem::path& path, const Sim& simulation,
 /// another dimension, precision, list of fields or law.
 template <class Sim, class... Parts>
 void read_checkpoint(const std::filesystem::path& path, Sim& simulation, Parts&... parts) {
-  const std::string bytes = file::read("read_checkpoint", path);
-  checkpoint::Reader reader(path.string(), bytes);
-  std::tuple<Sim, Parts...> copies(simulation, parts...);
-  std::apply([&](auto&... each) { checkpoint::transfer_all(reader, each...); }, copies);
-  reader.finish();
-  std::tie(simulation, parts...) = std::move(copies);
+  checkpoint::restore(path.string(), file::read("read_checkpoint", path), simulation, parts...);
 }
 
 }  // namespace silt
