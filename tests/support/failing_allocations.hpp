@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: MIT
-// Lets one allocation of a program fail. Replaces operator new; Eigen's own memory, of malloc,
-// never fails. To be included by one source file of a program only.
+// Lets one allocation of a program fail, and counts bytes, see allocated_bytes.hpp. Replaces
+// operator new; Eigen's own memory, of malloc, never fails. To be included by one source file of a
+// program only.
 #pragma once
+
+#include "support/allocated_bytes.hpp"
+#include <malloc.h>
 
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
-#include <limits>
 #include <new>
 
 namespace silt::test {
@@ -38,7 +41,13 @@ inline void* allocate(std::size_t bytes, std::size_t alignment) {
   const std::size_t whole = (bytes + alignment) / alignment * alignment;
   void* const memory = std::aligned_alloc(alignment, whole);
   if (memory == nullptr) throw std::bad_alloc();
+  allocated_bytes.add(static_cast<std::int64_t>(malloc_usable_size(memory)));
   return memory;
+}
+inline void release(void* memory) noexcept {
+  if (memory == nullptr) return;
+  allocated_bytes.add(-static_cast<std::int64_t>(malloc_usable_size(memory)));
+  std::free(memory);
 }
 }  // namespace allocator
 
@@ -50,7 +59,11 @@ void* operator new(std::size_t bytes) {
 void* operator new(std::size_t bytes, std::align_val_t alignment) {
   return silt::test::allocator::allocate(bytes, static_cast<std::size_t>(alignment));
 }
-void operator delete(void* memory) noexcept { std::free(memory); }
-void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
-void operator delete(void* memory, std::align_val_t) noexcept { std::free(memory); }
-void operator delete(void* memory, std::size_t, std::align_val_t) noexcept { std::free(memory); }
+void operator delete(void* memory) noexcept { silt::test::allocator::release(memory); }
+void operator delete(void* memory, std::size_t) noexcept { silt::test::allocator::release(memory); }
+void operator delete(void* memory, std::align_val_t) noexcept {
+  silt::test::allocator::release(memory);
+}
+void operator delete(void* memory, std::size_t, std::align_val_t) noexcept {
+  silt::test::allocator::release(memory);
+}

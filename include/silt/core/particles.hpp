@@ -14,7 +14,9 @@
 #include <silt/core/columns.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/fields.hpp>
+#include <silt/core/id_table.hpp>
 #include <silt/core/parallel.hpp>
+#include <silt/core/permutation.hpp>
 #include <silt/core/travel.hpp>
 #include <silt/core/types.hpp>
 
@@ -90,7 +92,7 @@ class Particles {
   std::span<const Id> ids() const noexcept { return {ids_.data(), size()}; }
   /// Index of the particle with this id; `no_index` if it was removed or never added.
   Index index_of(Id id) const noexcept {
-    return id < index_of_id_.size() ? index_of_id_[id] : no_index;
+    return id < next_id_ ? index_of_id_.find(id, ids_) : no_index;
   }
   /// Index of the owned particle of which i is a ghost; i itself if i is owned.
   Index owner(Index i) const noexcept { return i < size() ? i : owners_[i - size()]; }
@@ -128,7 +130,7 @@ class Particles {
   void reserve(Index n) {
     columns_.for_each([n](auto& storage) { storage.reserve(n); });
     ids_.reserve(n);
-    index_of_id_.reserve(n);
+    index_of_id_.make_room(n, std::max<Id>(next_id_, n), ids());
   }
 
   /// Adds a particle at x [m], all other fields zero, and returns its index. Removes all ghosts.
@@ -138,12 +140,12 @@ class Particles {
     const Vec at = x;  // x may be one of the positions
     clear_ghosts();
     make_room();
+    index_of_id_.make_room(size() + 1, next_id_ + 1, ids());
     const Index i = size();
-    const Id id = index_of_id_.size();
     columns_.for_each([](auto& storage) { storage.push_zero(); });
-    ids_.push_back(id);
+    ids_.push_back(next_id_++);
     (*this)[position][i] = at;
-    index_of_id_.push_back(i);
+    index_of_id_.add(i, ids());
     note_change();
     return i;
   }
@@ -156,16 +158,14 @@ class Particles {
     Index kept = 0;
     const Index before = size();
     for (Index i = 0; i < before; ++i) {
-      if (removed(i)) {
-        index_of_id_[ids_[i]] = no_index;
-        continue;
-      }
+      if (removed(i)) continue;
       if (kept != i) move_row(i, kept);
       ++kept;
     }
     if (kept == before) return 0;
     columns_.for_each([kept](auto& storage) { storage.resize(kept); });
     ids_.resize(kept);
+    index_of_id_.assign(ids_);
     note_change();
     return before - kept;
   }
@@ -183,12 +183,12 @@ class Particles {
   /// Moves row order[i] to row i. Throws unless `order` is a permutation of 0 … size()-1.
   void reorder(std::span<const Index> order) {
     clear_ghosts();
-    check_permutation(order);
+    detail::check_permutation(order, size());
     std::vector<Id> ids(order.size());
     for (Index i = 0; i < order.size(); ++i) ids[i] = ids_[order[i]];
     columns_.reorder(order);
     ids_.swap(ids);
-    for (Index i = 0; i < ids_.size(); ++i) index_of_id_[ids_[i]] = i;
+    index_of_id_.assign(ids_);
     note_change();
   }
 
@@ -243,18 +243,20 @@ class Particles {
     });
     archive.same("fields", names);
     Index owned = size();
-    Index next_id = index_of_id_.size();
-    archive("next_id", next_id);
+    archive("next_id", next_id_);
     if constexpr (Archive::reads) clear_ghosts();
     archive("id", ids_, owned);
     archive.within("box", [&] { box_.transfer(archive); });
     if constexpr (Archive::reads) {
+      index_of_id_ = {ids_, next_id_};
+      const Index bytes_of_each = std::apply(
+          [](auto... field) { return (sizeof(value_of<decltype(field), Dim, Real>) + ... + 0); },
+          FieldList{});
+      archive.require_left(size(), bytes_of_each);
       columns_.for_each([&](auto& storage) { storage.resize(ids_.size()); });
     }
-    bool good = true;
-    std::apply([&](auto... field) { ((good &= transfer(archive, field, owned)), ...); },
-               FieldList{});
-    if constexpr (Archive::reads) rebuild_index_of_id(next_id, good);
+    std::apply([&](auto... field) { (transfer(archive, field, owned), ...); }, FieldList{});
+    if constexpr (Archive::reads) note_change();
   }
 
   // For rolling back a failed step, see Columns: save() before the step, restore() if it throws.
@@ -323,7 +325,6 @@ class Particles {
       if (values.size() == values.capacity()) values.reserve(2 * values.size() + 16);
     };
     grow(ids_);
-    grow(index_of_id_);
     grow(owners_);
     grow(shifts_);
     columns_.for_each([n = ids_.capacity()](auto& storage) { storage.reserve(n); });
@@ -340,55 +341,39 @@ class Particles {
   void move_row(Index from, Index to) {
     columns_.for_each([from, to](auto& storage) { storage.copy(from, to); });
     ids_[to] = ids_[from];
-    index_of_id_[ids_[to]] = to;
   }
 
-  // Returns whether a value for each particle was written or read.
   template <class Archive, class F>
-  bool transfer(Archive& archive, F field, Index owned) {
+  void transfer(Archive& archive, F field, Index owned) {
     const auto values = columns_.view(field, size());
     std::vector<value_of<F, Dim, Real>> column;
-    if (!Archive::reads) column.assign(values.begin(), values.end());
-    archive(name_of<F>(), column, owned);
-    if (column.size() != values.size()) return false;
-    if (Archive::reads) std::copy(column.begin(), column.end(), values.begin());
-    return true;
-  }
-
-  // Recomputes the index of each id after reading.
-  void rebuild_index_of_id(Index next_id, bool good) {
-    index_of_id_.assign(next_id, no_index);
-    for (Index i = 0; good && i < ids_.size(); ++i) {
-      good = ids_[i] < next_id && index_of_id_[ids_[i]] == no_index;
-      if (good) index_of_id_[ids_[i]] = i;
-    }
-    if (!good) {
-      fail(
-          "Particles: the data read have columns of different lengths or a repeated id; they were "
-          "not written by transfer()");
-    }
-    note_change();
-  }
-
-  void check_permutation(std::span<const Index> order) const {
-    std::vector<char> seen(size(), 0);
-    bool good = order.size() == size();
-    for (Index k = 0; good && k < order.size(); ++k) {
-      good = order[k] < size() && !seen[order[k]];
-      if (good) seen[order[k]] = 1;
-    }
-    if (!good) {
-      fail("Particles::reorder: the order of " + std::to_string(order.size()) +
-           " indices is not a permutation of the " + std::to_string(size()) +
-           " particles; give each index once");
+    if constexpr (!Archive::reads) {
+      column.assign(values.begin(), values.end());
+      archive(name_of<F>(), column, owned);
+    } else {
+      const auto read = [&] { archive(name_of<F>(), column, owned); };
+      // Steps throw unless the state is finite. They overwrite derived fields, which may be
+      // anything after a failed step; what the constants mean is known to their users only.
+      if constexpr (role_of<F>() == Role::state && requires { is_finite(values[0]); }) {
+        archive.finite(read);
+      } else {
+        read();
+      }
+      if (column.size() != values.size()) {
+        fail("Particles: " + std::string(name_of<F>()) + " has " + std::to_string(column.size()) +
+             " values for " + std::to_string(values.size()) +
+             " particles; use an earlier checkpoint");
+      }
+      std::copy(column.begin(), column.end(), values.begin());
     }
   }
 
   Columns<Dim, Real, typename Storage::Units> columns_;
   std::vector<Id> ids_;
-  std::vector<Index> index_of_id_;  // by id
-  std::vector<Index> owners_;       // by ghost
-  std::vector<Vec> shifts_;         // by ghost
+  Id next_id_ = 0;
+  detail::IdTable index_of_id_;
+  std::vector<Index> owners_;  // by ghost
+  std::vector<Vec> shifts_;    // by ghost
   Box<Dim, Real> box_;
   std::uint64_t revision_ = 0;
   std::uint64_t owned_revision_ = 0;
