@@ -6,6 +6,7 @@
 #include <silt/core/error.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/io/file.hpp>
+#include <silt/io/replace_file.hpp>
 
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>

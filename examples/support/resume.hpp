@@ -12,6 +12,7 @@
 #include <silt/core/transfer.hpp>
 #include <silt/io/checkpoints.hpp>
 #include <silt/io/file.hpp>
+#include <silt/io/replace_file.hpp>
 #include <silt/io/stop_on_signal.hpp>
 
 #include <CLI/CLI.hpp>

@@ -143,7 +143,8 @@ TEST_F(CheckpointFile, IsRejectedByAnotherDimensionPrecisionSearchOrLaw) {
   write_checkpoint(path, with_friction);
   Simulation without{two().particles(), UniformGrid<2>{}, dem::Contacts{Spring{}}, Leapfrog{}};
   EXPECT_TRUE(refuses([&] { read_checkpoint(path, without); },
-                      {"history/values of 1 blocks of 32 bytes each, but here it is of 1 blocks"}));
+                      {"has simulation/interaction/history/values/approach_speed where "
+                       "simulation/interaction/history/values is expected"}));
 }
 
 }  // namespace

@@ -11,7 +11,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
-#include <limits>
 #include <new>
 
 namespace silt::test {
@@ -49,6 +48,7 @@ inline void* allocate(std::size_t bytes, std::size_t alignment) {
   return memory;
 }
 inline void release(void* memory) noexcept {
+  if (memory == nullptr) return;
   bytes_in_use -= static_cast<std::int64_t>(malloc_usable_size(memory));
   std::free(memory);
 }

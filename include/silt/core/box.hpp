@@ -18,6 +18,9 @@ enum class OnEscape {
   refuse,  ///< the step throws and is rolled back
   remove,  ///< the particle is removed and counted, see Simulation::particles_lost()
 };
+constexpr bool is_enumerator(OnEscape value) {
+  return value == OnEscape::refuse || value == OnEscape::remove;
+}
 
 /// Axis-aligned box; unbounded by default. Its members are checked when it is given to particles:
 /// Particles(box) and set_box(box) throw as check() does. Other functions do not throw.
@@ -88,6 +91,7 @@ struct Box {
     archive("upper", upper);
     archive("periodic", periodic);
     archive("on_escape", on_escape);
+    if constexpr (Archive::reads) check();
   }
 
   /// Throws unless lower < upper along every axis, both finite along periodic axes.

@@ -44,6 +44,9 @@ class Error : public std::runtime_error {
     return Error(message_, where);
   }
 
+  /// The same error with a text before its message; called by read_checkpoint().
+  Error with_prefix(const std::string& text) const { return Error(text + message_, where_); }
+
  private:
   static std::string compose(const std::string& message, const Where& where);
 

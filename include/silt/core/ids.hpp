@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: MIT
-// The permanent ids of particles, and the index of each:
-//
-//   by index     [ 4  1  3 | 1 … ]        owned particles, then ghosts, which have their owner's id
-//   index of id  [ –  1  –  2  0 ]        of owned particles; none for those that were removed
+// The permanent ids of particles: by index, first those of owned particles, then those of ghosts,
+// which have their owner's id; and the index of each.
 #pragma once
 
+#include <silt/core/id_table.hpp>
 #include <silt/core/types.hpp>
 
+#include <algorithm>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace silt::detail {
@@ -19,31 +20,34 @@ class Ids {
   Id operator[](Index i) const noexcept { return ids_[i]; }
   std::span<const Id> first(Index n) const noexcept { return {ids_.data(), n}; }
   /// `no_index` if the particle was removed or never added.
-  Index index_of(Id id) const noexcept {
-    return id < index_of_id_.size() ? index_of_id_[id] : no_index;
-  }
+  Index index_of(Id id) const noexcept { return id < next_id_ ? table_.find(id, ids_) : no_index; }
 
-  void reserve(Index n) {
+  /// For n particles, of which `owned` are there.
+  void reserve(Index n, Index owned) {
     ids_.reserve(n);
-    index_of_id_.reserve(n);
+    table_.make_room(n, std::max<Id>(next_id_, n), first(owned));
   }
-  /// For one more particle or ghost: adding it does not throw. Returns the capacity for both.
+  /// For one more particle or ghost: adding it does not throw. Returns the capacity.
   Index make_room() {
     reserve_one_more(ids_);
-    reserve_one_more(index_of_id_);
     return ids_.capacity();
   }
 
-  /// Adds a particle with a new id. There must be no ghosts, as for all of the following.
+  // There must be no ghosts from here on.
+
+  /// For one more particle, in addition to make_room().
+  void make_room_for_id() { table_.make_room(ids_.size() + 1, next_id_ + 1, ids_); }
+  /// Adds a particle with a new id.
   void add() {
-    ids_.push_back(index_of_id_.size());
-    index_of_id_.push_back(ids_.size() - 1);
+    ids_.push_back(next_id_++);
+    table_.add(ids_.size() - 1, ids_);
   }
-  /// Removes a particle; its place is still to be filled by move(), or removed by resize().
-  void remove(Index i) { index_of_id_[ids_[i]] = no_index; }
-  void move(Index from, Index to) {
-    ids_[to] = ids_[from];
-    index_of_id_[ids_[to]] = to;
+  /// Moves an id to the place of a particle that is removed; finish_removal() follows.
+  void move(Index from, Index to) { ids_[to] = ids_[from]; }
+  /// Keeps the first n.
+  void finish_removal(Index n) {
+    ids_.resize(n);
+    table_.assign(ids_);
   }
   /// The ids of particles order[i].
   std::vector<Id> in_order(std::span<const Index> order) const {
@@ -54,32 +58,26 @@ class Ids {
   /// Replaces the ids by the same ones in another order. Does not throw.
   void set_order(std::vector<Id>&& ids) {
     ids_.swap(ids);
-    for (Index i = 0; i < ids_.size(); ++i) index_of_id_[ids_[i]] = i;
+    table_.assign(ids_);
   }
 
   void add_ghost(Index owner) { ids_.push_back(ids_[owner]); }
-  /// Keeps the first n.
+  /// Removes the ghosts of n particles.
   void resize(Index n) { ids_.resize(n); }
 
-  /// Writes or reads the first n for a checkpoint, see core/transfer.hpp. Returns whether they are
-  /// valid: false if those read are repeated or were never given.
+  /// Writes or reads the first n for a checkpoint, see core/transfer.hpp. Throws if those read are
+  /// repeated or were never given.
   template <class Archive>
-  bool transfer(Archive& archive, Index n) {
-    Index next_id = index_of_id_.size();
-    archive("next_id", next_id);
+  void transfer(Archive& archive, Index n) {
+    archive("next_id", next_id_);
     archive("id", ids_, n);
-    if constexpr (!Archive::reads) return true;
-    index_of_id_.assign(next_id, no_index);
-    for (Index i = 0; i < ids_.size(); ++i) {
-      if (ids_[i] >= next_id || index_of_id_[ids_[i]] != no_index) return false;
-      index_of_id_[ids_[i]] = i;
-    }
-    return true;
+    if constexpr (Archive::reads) table_ = {ids_, next_id_};
   }
 
  private:
   std::vector<Id> ids_;
-  std::vector<Index> index_of_id_;
+  Id next_id_ = 0;
+  IdTable table_;
 };
 
 }  // namespace silt::detail

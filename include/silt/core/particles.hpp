@@ -17,6 +17,7 @@
 #include <silt/core/fields.hpp>
 #include <silt/core/ids.hpp>
 #include <silt/core/parallel.hpp>
+#include <silt/core/permutation.hpp>
 #include <silt/core/travel.hpp>
 #include <silt/core/types.hpp>
 
@@ -127,7 +128,7 @@ class Particles {
 
   void reserve(Index n) {
     columns_.for_each([n](auto& storage) { storage.reserve(n); });
-    ids_.reserve(n);
+    ids_.reserve(n, size());
   }
 
   /// Adds a particle at x [m], all other fields zero, and returns its index. Removes all ghosts.
@@ -137,6 +138,7 @@ class Particles {
     const Vec at = x;  // x may be one of the positions
     clear_ghosts();
     make_room();
+    ids_.make_room_for_id();
     const Index i = size();
     columns_.for_each([](auto& storage) { storage.push_zero(); });
     ids_.add();
@@ -153,16 +155,13 @@ class Particles {
     Index kept = 0;
     const Index before = size();
     for (Index i = 0; i < before; ++i) {
-      if (removed(i)) {
-        ids_.remove(i);
-        continue;
-      }
+      if (removed(i)) continue;
       if (kept != i) move_row(i, kept);
       ++kept;
     }
     if (kept == before) return 0;
     columns_.for_each([kept](auto& storage) { storage.resize(kept); });
-    ids_.resize(kept);
+    ids_.finish_removal(kept);
     note_change();
     return before - kept;
   }
@@ -180,7 +179,7 @@ class Particles {
   /// Moves row order[i] to row i. Throws unless `order` is a permutation of 0 … size()-1.
   void reorder(std::span<const Index> order) {
     clear_ghosts();
-    check_permutation(order);
+    detail::check_permutation(order, size());
     auto ids = ids_.in_order(order);
     columns_.reorder(order);
     ids_.set_order(std::move(ids));
@@ -239,18 +238,16 @@ class Particles {
     archive.same("fields", names);
     if constexpr (Archive::reads) clear_ghosts();
     const Index owned = size();
-    bool good = ids_.transfer(archive, owned);
+    ids_.transfer(archive, owned);
     archive.within("box", [&] { box_.transfer(archive); });
     if constexpr (Archive::reads) {
+      const Index bytes_of_each = std::apply(
+          [](auto... field) { return (sizeof(value_of<decltype(field), Dim, Real>) + ... + 0); },
+          FieldList{});
+      archive.require_left(size(), bytes_of_each);
       columns_.for_each([&](auto& storage) { storage.resize(ids_.size()); });
     }
-    std::apply([&](auto... field) { ((good &= transfer(archive, field, owned)), ...); },
-               FieldList{});
-    if (!good) {
-      fail(
-          "Particles: the data read have columns of different lengths or a repeated id; they were "
-          "not written by transfer()");
-    }
+    std::apply([&](auto... field) { (transfer(archive, field, owned), ...); }, FieldList{});
     if constexpr (Archive::reads) note_change();
   }
 
@@ -335,29 +332,28 @@ class Particles {
     ids_.move(from, to);
   }
 
-  // Returns whether a value for each particle was written or read.
   template <class Archive, class F>
-  bool transfer(Archive& archive, F field, Index owned) {
+  void transfer(Archive& archive, F field, Index owned) {
     const auto values = columns_.view(field, size());
     std::vector<value_of<F, Dim, Real>> column;
-    if (!Archive::reads) column.assign(values.begin(), values.end());
-    archive(name_of<F>(), column, owned);
-    if (column.size() != values.size()) return false;
-    if (Archive::reads) std::copy(column.begin(), column.end(), values.begin());
-    return true;
-  }
-
-  void check_permutation(std::span<const Index> order) const {
-    std::vector<char> seen(size(), 0);
-    bool good = order.size() == size();
-    for (Index k = 0; good && k < order.size(); ++k) {
-      good = order[k] < size() && !seen[order[k]];
-      if (good) seen[order[k]] = 1;
-    }
-    if (!good) {
-      fail("Particles::reorder: the order of " + std::to_string(order.size()) +
-           " indices is not a permutation of the " + std::to_string(size()) +
-           " particles; give each index once");
+    if constexpr (!Archive::reads) {
+      column.assign(values.begin(), values.end());
+      archive(name_of<F>(), column, owned);
+    } else {
+      const auto read = [&] { archive(name_of<F>(), column, owned); };
+      // Steps throw unless the state is finite. They overwrite derived fields, which may be
+      // anything after a failed step; what the constants mean is known to their users only.
+      if constexpr (role_of<F>() == Role::state && requires { is_finite(values[0]); }) {
+        archive.finite(read);
+      } else {
+        read();
+      }
+      if (column.size() != values.size()) {
+        fail("Particles: " + std::string(name_of<F>()) + " has " + std::to_string(column.size()) +
+             " values for " + std::to_string(values.size()) +
+             " particles; use an earlier checkpoint");
+      }
+      std::copy(column.begin(), column.end(), values.begin());
     }
   }
 

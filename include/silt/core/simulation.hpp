@@ -115,25 +115,30 @@ class Simulation {
                       Transferable<TypedInteraction, Archive>,
                   "silt::Simulation: this interaction has state (it has save() and restore()), so "
                   "a checkpoint needs its transfer(archive, particles)");
-    archive("time", time_);
-    archive("steps", steps_);
-    archive("last_time_step", last_time_step_);
-    archive("particles_lost", particles_lost_);
-    archive("run_is_open", run_is_open_);
-    archive("output_time", output_time_);
-    archive("output_step", output_step_);
-    if constexpr (Archive::reads) was_read_ = true;
+    archive.finite([&] {
+      archive("time", time_);
+      archive("steps", steps_);
+      archive("last_time_step", last_time_step_);
+      archive("particles_lost", particles_lost_);
+      archive("run_is_open", run_is_open_);
+      archive("output_time", output_time_);
+      archive("output_step", output_step_);
+    });
+    if constexpr (Archive::reads) {
+      require_not_negative("Simulation: last_time_step", last_time_step_);
+      was_read_ = true;
+    }
     archive.within("particles", [&] { particles_.transfer(archive); });
     if constexpr (Archive::reads) prepare();
     if constexpr (Transferable<S, Archive, P>) {
-      detail::transfer_part(archive, "search", search_, particles_);
+      archive.finite([&] { detail::transfer_part(archive, "search", search_, particles_); });
     } else if constexpr (Archive::reads) {
       // The particles must not move, but an update wraps positions into a periodic box.
       const std::vector<typename P::Vec> now(particles_[position].begin(),
                                              particles_[position].end());
       at_positions(particles_, now, [&] { search_.update(particles_); });
     }
-    detail::transfer_part(archive, "integrator", integrator_, particles_);
+    archive.finite([&] { detail::transfer_part(archive, "integrator", integrator_, particles_); });
     detail::transfer_part(archive, "interaction", interaction_, particles_);
   }
 

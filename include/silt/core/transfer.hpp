@@ -11,16 +11,23 @@
 // An archive, such as those of io/archive.hpp, has
 //   archive(name, value)         writes the value, or reads it: a number, an enum, a small Eigen
 //                                vector, an array or std::vector of these, a std::string
-//   archive(name, values, n)     writes the first n values of a std::vector, or reads n values
+//   archive(name, values, n)     writes the first n values of a std::vector, or reads n values; they
+//                                may be structs with transfer(archive), as in io/struct_columns.hpp
 //   archive.same(name, text)     writes the text, or throws if the text read is different
 //   archive.within(name, f)      calls f(); the names in it are in the group `name`
-//   Archive::reads               whether the archive reads
+//   archive.finite(f)            calls f(), in which every number read must be finite, or it throws
+//   Archive::reads               whether the archive reads; if so,
+//   archive.require_left(n, b)   throws unless at least n times b bytes are left to read
+// Before memory for what is read is allocated, its size must be known to be in proportion to the
+// bytes that are left.
 #pragma once
 
+#include <silt/core/error.hpp>
 #include <silt/core/fields.hpp>
 #include <silt/core/types.hpp>
 
 #include <algorithm>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -45,9 +52,15 @@ void transfer_part(Archive& archive, std::string_view name, T& part, P& particle
 }
 }  // namespace detail
 
-/// Calls f() with the particles temporarily at the positions x [m].
+/// Calls f() with the particles temporarily at the positions x [m]. Throws if there are not as many
+/// as particles, or if one is not finite: they may have been read.
 template <class P, class F>
 void at_positions(P& particles, const std::vector<typename P::Vec>& x, F&& f) {
+  if (x.size() != particles.size()) {
+    fail("search: there are " + std::to_string(x.size()) + " positions of the last update for " +
+         std::to_string(particles.size()) + " particles; use an earlier checkpoint");
+  }
+  for (const auto& each : x) require_finite("search: position of the last update", each);
   const std::vector<typename P::Vec> now(particles[position].begin(), particles[position].end());
   std::copy(x.begin(), x.end(), particles[position].begin());
   f();
@@ -68,6 +81,10 @@ bool transfer_update(Archive& archive, P& particles, bool is_known, PositionAt&&
   archive("is_known", is_known);
   archive("positions", x);
   if constexpr (Archive::reads) {
+    if (!is_known && !x.empty()) {
+      fail("search: is_known = 0, but there are " + std::to_string(x.size()) +
+           " positions; use an earlier checkpoint");
+    }
     if (!is_known) x.assign(particles[position].begin(), particles[position].end());
     at_positions(particles, x, update);
   }

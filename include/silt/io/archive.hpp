@@ -11,13 +11,15 @@
 
 #include <silt/core/error.hpp>
 #include <silt/core/types.hpp>
+#include <silt/io/archive_format.hpp>
+#include <silt/io/struct_columns.hpp>
 
 #include <concepts>
+#include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <string>
 #include <string_view>
-#include <tuple>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -25,59 +27,6 @@
 namespace silt {
 
 namespace checkpoint {
-
-inline constexpr std::string_view magic = "silt checkpoint 1\n";
-inline constexpr std::uint32_t byte_order = 0x01020304;
-
-/// Type of one value.
-struct Item {
-  char kind;              ///< f, i, u: floating-point, signed, unsigned numbers; x: opaque bytes
-  std::uint32_t width;    ///< bytes per number
-  std::uint32_t numbers;  ///< numbers per value
-
-  bool operator==(const Item&) const = default;
-
-  std::string text() const {
-    const std::string names = kind == 'f'   ? "floating-point numbers"
-                              : kind == 'x' ? "blocks"
-                                            : "integers";
-    return std::to_string(numbers) + " " + names + " of " + std::to_string(width) + " bytes";
-  }
-};
-
-template <class T>
-constexpr Item item_of() {
-  if constexpr (std::is_enum_v<T>) {
-    return item_of<std::underlying_type_t<T>>();
-  } else if constexpr (std::floating_point<T>) {
-    return {'f', sizeof(T), 1};
-  } else if constexpr (std::integral<T>) {
-    return {std::is_signed_v<T> ? 'i' : 'u', sizeof(T), 1};
-  } else if constexpr (requires { typename T::Scalar; T::SizeAtCompileTime; }) {
-    const Item item = item_of<typename T::Scalar>();
-    return {item.kind, item.width, static_cast<std::uint32_t>(T::SizeAtCompileTime)};
-  } else if constexpr (requires { std::tuple_size<T>::value; }) {
-    const Item item = item_of<typename T::value_type>();
-    return {item.kind, item.width,
-            item.numbers * static_cast<std::uint32_t>(std::tuple_size_v<T>)};
-  } else {
-    return {'x', sizeof(T), 1};
-  }
-}
-
-/// FNV-1a hash (Fowler, Noll, Vo) of words of eight bytes, then of the remaining bytes.
-inline std::uint64_t checksum(std::string_view bytes) {
-  std::uint64_t hash = 0xcbf29ce484222325u;
-  const auto mix = [&hash](std::uint64_t word) { hash = (hash ^ word) * 0x100000001b3u; };
-  for (; bytes.size() >= sizeof(std::uint64_t); bytes.remove_prefix(sizeof(std::uint64_t))) {
-    std::uint64_t word;
-    std::memcpy(&word, bytes.data(), sizeof word);
-    mix(word);
-    hash ^= hash >> 32;
-  }
-  for (const char byte : bytes) mix(static_cast<unsigned char>(byte));
-  return hash;
-}
 
 /// Nested names of entries: "particles/velocity".
 class Path {
@@ -106,7 +55,13 @@ class Writer {
 
   template <class T>
   void operator()(std::string_view name, const T& value) {
-    put(name, item_of<T>(), 1, &value);
+    if constexpr (item_of<T>().kind == 'x') {
+      T copy = value;
+      clear_padding(copy);
+      put(name, item_of<T>(), 1, &copy);
+    } else {
+      put(name, item_of<T>(), 1, &value);
+    }
   }
   template <class T, class A>
   void operator()(std::string_view name, const std::vector<T, A>& values) {
@@ -114,7 +69,19 @@ class Writer {
   }
   template <class T, class A>
   void operator()(std::string_view name, const std::vector<T, A>& values, Index count) {
-    put(name, item_of<T>(), count, values.data());
+    if constexpr (HasMembers<T>) {
+      within(name, [&] {
+        T model{};
+        StructColumns<Writer, T> columns(*this, model, values, count);
+        model.transfer(columns);
+      });
+    } else if constexpr (item_of<T>().kind == 'x') {
+      std::vector<T> copies(values.begin(), values.begin() + std::ptrdiff_t(count));
+      for (T& each : copies) clear_padding(each);
+      put(name, item_of<T>(), count, copies.data());
+    } else {
+      put(name, item_of<T>(), count, values.data());
+    }
   }
   void operator()(std::string_view name, const std::string& text) {
     put(name, item_of<char>(), text.size(), text.data());
@@ -123,6 +90,10 @@ class Writer {
   template <class F>
   void within(std::string_view name, F&& f) {
     path_.within(name, f);
+  }
+  template <class F>
+  void finite(F&& f) {
+    f();
   }
 
   std::string finish() && {
@@ -185,20 +156,34 @@ class Reader {
                  " where one is expected",
              same_simulation);
     }
+    check_values<T>(name, 1);
     read(static_cast<void*>(&value), sizeof value);
   }
   template <class T, class A>
   void operator()(std::string_view name, std::vector<T, A>& values) {
-    values.resize(expect(name, item_of<T>()));
-    read(static_cast<void*>(values.data()), values.size() * sizeof(T));
+    if constexpr (HasMembers<T>) {
+      within(name, [&] {
+        T model{};
+        values.clear();
+        StructColumns<Reader, T> columns(*this, model, values, 0);
+        model.transfer(columns);
+      });
+    } else {
+      const std::uint64_t count = expect(name, item_of<T>());
+      check_values<T>(name, count);
+      values.resize(count);
+      read(static_cast<void*>(values.data()), count * sizeof(T));
+    }
   }
   template <class T, class A>
   void operator()(std::string_view name, std::vector<T, A>& values, Index) {
     (*this)(name, values);
   }
   void operator()(std::string_view name, std::string& text) {
-    text.resize(expect(name, item_of<char>()));
-    read(text.data(), text.size());
+    const std::uint64_t count = expect(name, item_of<char>());
+    require_left(count, 1);
+    text.resize(count);
+    read(text.data(), count);
   }
   void same(std::string_view name, const std::string& text) {
     std::string written;
@@ -212,19 +197,52 @@ class Reader {
   void within(std::string_view name, F&& f) {
     path_.within(name, f);
   }
+  template <class F>
+  void finite(F&& f) {
+    const bool before = std::exchange(must_be_finite_, true);
+    f();
+    must_be_finite_ = before;
+  }
+  void require_left(Index number, Index bytes_of_each) const {
+    if (number > rest_.size() / bytes_of_each) reject("ends too early", damaged);
+  }
 
-  /// Throws if entries remain.
-  void finish() {
+  /// Calls f(), which reads all entries. Errors of the components get the name of the file and the
+  /// place in it.
+  template <class F>
+  void read_all(F&& f) {
+    try {
+      f();
+    } catch (const Error& error) {
+      if (is_rejected_) throw;
+      throw error.with_prefix("read_checkpoint: " + file_ + " cannot be restored, in " +
+                              path_.of("") + ": ");
+    }
     if (rest_.empty()) return;
     reject("has further entries, beginning with " + next_name(), same_simulation);
   }
 
  private:
+  static constexpr const char* damaged = "use an earlier checkpoint";
   static constexpr const char* same_simulation =
       "set up the same simulation and pass the same parts as when it was written";
 
   [[noreturn]] void reject(const std::string& what, const std::string& advice) const {
+    is_rejected_ = true;
     fail("read_checkpoint: " + file_ + " " + what + "; " + advice);
+  }
+
+  // Throws unless the next values are complete, and each is possible.
+  template <class T>
+  void check_values(std::string_view name, std::uint64_t count) const {
+    using Number = typename NumberOf<T>::type;
+    require_left(count, sizeof(T));
+    if (std::integral<Number> && !std::same_as<Number, bool>) return;
+    if (std::floating_point<Number> && !must_be_finite_) return;
+    for (Index at = 0; at < count * sizeof(T); at += sizeof(Number)) {
+      const std::string fault = fault_of<Number>(rest_.data() + at, must_be_finite_);
+      if (!fault.empty()) reject("has " + path_.of(name) + " = " + fault, damaged);
+    }
   }
 
   void read(void* to, Index size) {
@@ -255,19 +273,20 @@ class Reader {
     read(&written_item.width, sizeof written_item.width);
     read(&written_item.numbers, sizeof written_item.numbers);
     if (!(written_item == item)) {
-      reject("has " + full + " of " + written_item.text() + " each, but here it is of " +
-                 item.text(),
-             same_simulation);
+      reject(
+          "has " + full + " of " + written_item.text() + " each, but here it is of " + item.text(),
+          same_simulation);
     }
     std::uint64_t count = 0;
     read(&count, sizeof count);
-    if (count > rest_.size()) reject("ends too early", same_simulation);
     return count;
   }
 
   std::string file_;
   std::string_view rest_;
   Path path_;
+  bool must_be_finite_ = false;
+  mutable bool is_rejected_ = false;
 };
 
 }  // namespace checkpoint

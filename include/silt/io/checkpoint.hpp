@@ -14,9 +14,11 @@
 #include <silt/core/types.hpp>
 #include <silt/io/archive.hpp>
 #include <silt/io/file.hpp>
+#include <silt/io/replace_file.hpp>
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <tuple>
 #include <utility>
 
@@ -31,6 +33,16 @@ void transfer_all(Archive& archive, Sim& simulation, Parts&... parts) {
   (archive.within("part " + std::to_string(number++), [&] { parts.transfer(archive); }), ...);
 }
 
+/// Restores the state from the bytes of a file with this name, see read_checkpoint().
+template <class Sim, class... Parts>
+void restore(const std::string& file, std::string_view bytes, Sim& simulation, Parts&... parts) {
+  Reader reader(file, bytes);
+  std::tuple<Sim, Parts...> copies(simulation, parts...);
+  reader.read_all(
+      [&] { std::apply([&](auto&... each) { transfer_all(reader, each...); }, copies); });
+  std::tie(simulation, parts...) = std::move(copies);
+}
+
 }  // namespace checkpoint
 
 /// Writes the whole state of the simulation and of further parts of the run, such as an inflow, to
@@ -41,7 +53,8 @@ void write_checkpoint(const std::filesystem::path& path, const Sim& simulation,
   checkpoint::Writer writer;
   std::tuple<Sim, Parts...> copies(simulation, parts...);
   std::apply([&](auto&... each) { checkpoint::transfer_all(writer, each...); }, copies);
-  file::replace("write_checkpoint", path, std::move(writer).finish());
+  file::replace("write_checkpoint", path, std::move(writer).finish(),
+                file::Outlasts::power_failure);
 }
 
 /// Restores the state of a simulation and of further parts from a checkpoint. They must have been
@@ -50,12 +63,7 @@ void write_checkpoint(const std::filesystem::path& path, const Sim& simulation,
 /// another dimension, precision, list of fields or law.
 template <class Sim, class... Parts>
 void read_checkpoint(const std::filesystem::path& path, Sim& simulation, Parts&... parts) {
-  const std::string bytes = file::read("read_checkpoint", path);
-  checkpoint::Reader reader(path.string(), bytes);
-  std::tuple<Sim, Parts...> copies(simulation, parts...);
-  std::apply([&](auto&... each) { checkpoint::transfer_all(reader, each...); }, copies);
-  reader.finish();
-  std::tie(simulation, parts...) = std::move(copies);
+  checkpoint::restore(path.string(), file::read("read_checkpoint", path), simulation, parts...);
 }
 
 }  // namespace silt

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Files written atomically, so that an incomplete file is never visible; reading whole files, and
-// conversion between numbers and text.
+// Errors of files, folders, reading whole files, and conversion between numbers and text.
 #pragma once
 
 #include <silt/core/error.hpp>
@@ -67,6 +66,10 @@ inline std::string read(const std::string& caller, const std::filesystem::path& 
   const Stream stream(std::fopen(path.string().c_str(), "rb"));
   if (!stream) fail_with(caller + ": cannot open", path, last_error(), advice);
   std::string bytes;
+  // Otherwise the string would have up to three times the size of the file.
+  std::error_code ignored;
+  const auto size = std::filesystem::file_size(path, ignored);
+  if (!ignored) bytes.reserve(static_cast<std::size_t>(size));
   char block[1 << 14];
   while (const std::size_t count = std::fread(block, 1, sizeof block, stream.get())) {
     bytes.append(block, count);
@@ -76,30 +79,6 @@ inline std::string read(const std::string& caller, const std::filesystem::path& 
     fail_with(caller + ": cannot read", path, last_error(), advice);
   }
   return bytes;
-}
-
-/// Replaces the contents of a file atomically: writes a file next to it, then renames that. Throws
-/// silt::Error, with a message that begins with `caller`, if that fails; an existing file is then
-/// unchanged.
-inline void replace(const std::string& caller, const std::filesystem::path& path,
-                    std::string_view bytes) {
-  const std::string advice = "check that the folder exists, is writable and has space left";
-  std::filesystem::path part = path;
-  part += ".part";
-  Stream stream(std::fopen(part.string().c_str(), "wb"));
-  if (!stream) fail_with(caller + ": cannot open", part, last_error(), advice);
-  errno = 0;
-  const bool written = std::fwrite(bytes.data(), 1, bytes.size(), stream.get()) == bytes.size();
-  // A full disc may be reported only by fclose.
-  const bool closed = std::fclose(stream.release()) == 0;
-  std::error_code reason = last_error();
-  if (written && closed) {
-    std::filesystem::rename(part, path, reason);
-    if (!reason) return;
-  }
-  std::error_code ignored;
-  std::filesystem::remove(part, ignored);
-  fail_with(caller + ": cannot write", path, reason, advice);
 }
 
 /// The shortest digits that read back as the same number.

@@ -6,6 +6,7 @@
 #include <silt/core/fields.hpp>
 #include <silt/core/types.hpp>
 #include <silt/io/file.hpp>
+#include <silt/io/replace_file.hpp>
 
 #include <algorithm>
 #include <filesystem>

@@ -12,6 +12,7 @@
 #include <silt/core/parallel.hpp>
 #include <silt/core/types.hpp>
 #include <silt/io/file.hpp>
+#include <silt/io/replace_file.hpp>
 
 #include <bit>
 #include <concepts>

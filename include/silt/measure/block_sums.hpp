@@ -58,6 +58,11 @@ class BlockSums {
         fail("BlockSums: the data read have samples of " + std::to_string(current_.size()) +
              " values, not " + std::to_string(numbers) + "; use the same number as when writing");
       }
+      if (in_current_ >= block_length_) {
+        fail("BlockSums: in_current = " + std::to_string(in_current_) +
+             " is not below block_length = " + std::to_string(block_length_) +
+             "; use an earlier checkpoint");
+      }
       blocks_.clear();
       for (auto at = blocks.begin(); at != blocks.end(); at += std::ptrdiff_t(numbers)) {
         blocks_.emplace_back(at, at + std::ptrdiff_t(numbers));

@@ -15,6 +15,7 @@ enum class Kind : std::uint8_t {
   wall,   ///< fixed; its pressure is an unknown of the pressure equation
   dummy,  ///< fixed, behind a wall; enters number density, divergence and viscosity only
 };
+constexpr bool is_enumerator(Kind value) { return value <= Kind::dummy; }
 
 inline constexpr struct pressure_t : scalar_field {
 } pressure{};  ///< P [Pa]

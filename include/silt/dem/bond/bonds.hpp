@@ -208,15 +208,25 @@ class Bonds {
   /// For a checkpoint, see core/transfer.hpp.
   template <class Archive>
   void transfer(Archive& archive) {
-    archive("bonds", bonds_);
-    archive("last_time_step", last_time_step_);
-    archive("broken_in_tension", broken_.in_tension);
-    archive("broken_in_shear", broken_.in_shear);
-    archive("broken_energy", broken_.energy);
+    archive.finite([&] {
+      archive("bonds", bonds_);
+      archive("last_time_step", last_time_step_);
+      archive("broken_in_tension", broken_.in_tension);
+      archive("broken_in_shear", broken_.in_shear);
+      archive("broken_energy", broken_.energy);
+    });
     archive("stable_time_step", stability_.time_step);
     archive("least_stable", stability_.grain);
     archive("is_stability_known", is_stability_known_);
-    if constexpr (Archive::reads) indices_.invalidate();
+    if constexpr (Archive::reads) {
+      for (Index k = 0; k < bonds_.size(); ++k) {
+        const bool is_sorted = k == 0 || comes_before(bonds_[k - 1], bonds_[k]);
+        if (is_sorted && bonds_[k].a < bonds_[k].b) continue;
+        fail("dem::Bonds: the bond between the grains " + names_of(bonds_[k]) +
+             " occurs twice or is out of order; use an earlier checkpoint");
+      }
+      indices_.invalidate();
+    }
   }
 
   void save() noexcept { is_kept_ = false; }

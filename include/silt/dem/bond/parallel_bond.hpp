@@ -106,6 +106,21 @@ struct Bond {
   Vec force = Vec::Zero();                      ///< [N]
   AngularVec couple = zero_of<AngularVec>();    ///< in addition to the moment of the force [N m]
   std::uint64_t steps = 0;                      ///< number of steps since it was made
+
+  /// For a checkpoint, see core/transfer.hpp.
+  template <class Archive>
+  void transfer(Archive& archive) {
+    archive("a", a);
+    archive("b", b);
+    archive("rest_length", rest_length);
+    archive("length", length);
+    archive("normal", normal);
+    archive("shear", shear);
+    archive("rotation", rotation);
+    archive("force", force);
+    archive("couple", couple);
+    archive("steps", steps);
+  }
 };
 
 /// Maximum stresses, at the rim of the section, and energy of the springs.

@@ -63,6 +63,14 @@ class Law {
     [[no_unique_address]] Of<Rolling, 2> rolling{};
     [[no_unique_address]] Of<Normal, 0> normal{};
     [[no_unique_address]] Of<Adhesion, 3> adhesion{};
+
+    template <class Archive>
+    void transfer(Archive& archive) {
+      archive("tangential", tangential);
+      archive("rolling", rolling);
+      archive("normal", normal);
+      archive("adhesion", adhesion);
+    }
   };
 
   /// Throws if a parameter of a component is out of range.

@@ -21,6 +21,12 @@ struct OverlapForm {
   template <int Dim, class Real>
   struct History : CentredDashpot::History<Real> {
     Vec<Dim, Real> tangential_force = Vec<Dim, Real>::Zero();  ///< spring part, on i [N]
+
+    template <class Archive>
+    void transfer(Archive& archive) {
+      CentredDashpot::History<Real>::transfer(archive);
+      archive("tangential_force", tangential_force);
+    }
   };
 
   template <class C, class M>
@@ -50,6 +56,12 @@ struct IncrementalForm {
   struct History {
     Vec<Dim, Real> tangential_force = Vec<Dim, Real>::Zero();  ///< spring part, on i [N]
     Real normal_force = 0;                                     ///< spring part [N]
+
+    template <class Archive>
+    void transfer(Archive& archive) {
+      archive("tangential_force", tangential_force);
+      archive("normal_force", normal_force);
+    }
   };
 
   template <class C, class M>

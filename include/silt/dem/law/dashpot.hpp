@@ -54,6 +54,12 @@ struct CentredDashpot {
   struct History {
     Real approach_speed = 0;  ///< v_n^{N−3/2} [m/s]
     Real has_previous = 0;    ///< 1 if approach_speed is set, else 0 [-]
+
+    template <class Archive>
+    void transfer(Archive& archive) {
+      archive("approach_speed", approach_speed);
+      archive("has_previous", has_previous);
+    }
   };
 
   /// D_n [N] of a dashpot c_n parallel to a spring of (tangent) stiffness k_n: (22) of

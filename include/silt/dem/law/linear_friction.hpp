@@ -24,6 +24,11 @@ struct LinearFriction {
   template <int Dim, class Real>
   struct History {
     Vec<Dim, Real> force = Vec<Dim, Real>::Zero();  ///< spring force on i [N]
+
+    template <class Archive>
+    void transfer(Archive& archive) {
+      archive("force", force);
+    }
   };
 
   void check() const {

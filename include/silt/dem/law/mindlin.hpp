@@ -28,6 +28,12 @@ struct Mindlin {
   struct History {
     Vec<Dim, Real> force = Vec<Dim, Real>::Zero();  ///< spring force on i [N]
     Real stiffness = 0;                             ///< k_t of the previous step [N/m]
+
+    template <class Archive>
+    void transfer(Archive& archive) {
+      archive("force", force);
+      archive("stiffness", stiffness);
+    }
   };
 
   void check() const {

@@ -33,11 +33,24 @@ struct RollingResistance {
     Vec<Dim, Real> rolling = Vec<Dim, Real>::Zero();  ///< spring couple on i, normal to n [N m]
     Real twisting = 0;                                ///< spring couple on i along n [N m]
     Real stiffness = 0;                               ///< k_n of the previous step [N/m]
+
+    template <class Archive>
+    void transfer(Archive& archive) {
+      archive("rolling", rolling);
+      archive("twisting", twisting);
+      archive("stiffness", stiffness);
+    }
   };
   template <class Real>
   struct History<2, Real> {
     Real rolling = 0;    ///< spring couple on i [N m]
     Real stiffness = 0;  ///< k_n of the previous step [N/m]
+
+    template <class Archive>
+    void transfer(Archive& archive) {
+      archive("rolling", rolling);
+      archive("stiffness", stiffness);
+    }
   };
 
   void check() const {

@@ -26,6 +26,11 @@ struct WaltonBraun {
   template <int, class Real>
   struct History {
     Real max_overlap = 0;  ///< δ_max, largest overlap since the contact began [m]
+
+    template <class Archive>
+    void transfer(Archive& archive) {
+      archive("max_overlap", max_overlap);
+    }
   };
 
   void check() const {

@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: MIT
+// Files written atomically: at any time, and after a failure, the file under this name is the whole
+// old one or the whole new one, however many processes write it.
+#pragma once
+
+#include <silt/core/error.hpp>
+#include <silt/io/file.hpp>
+
+#include <atomic>
+#include <cerrno>
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <system_error>
+#include <utility>
+
+#if defined(__unix__) || defined(__APPLE__)
+#include <fcntl.h>
+#include <unistd.h>
+#define SILT_HAS_POSIX_FILES 1
+#else
+#include <chrono>
+#endif
+
+namespace silt::file {
+
+/// The system's calls. All set errno when they fail; tests pass others, which do.
+#if defined(SILT_HAS_POSIX_FILES)
+struct SystemCalls {
+  using File = int;
+  static constexpr File none = -1;
+
+  /// `none` if there is such a file already.
+  static File create(const char* path) {
+    return ::open(path, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+  }
+  static File open_folder(const char* path) {
+    return ::open(path, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  }
+  /// The number of bytes written, which may be less than the size; negative if it fails.
+  static std::ptrdiff_t write(File file, const char* bytes, std::size_t size) {
+    return ::write(file, bytes, size);
+  }
+  /// Returns when the data are on the disc; like the others, 0 unless it fails.
+  static int sync(File file) { return ::fsync(file); }
+  static int close(File file) { return ::close(file); }
+  static int rename(const char* from, const char* to) { return std::rename(from, to); }
+  static int remove(const char* path) { return ::unlink(path); }
+  static std::uint64_t process() { return static_cast<std::uint64_t>(::getpid()); }
+};
+#else
+struct SystemCalls {
+  using File = std::FILE*;
+  static constexpr File none = nullptr;
+
+  static File create(const char* path) { return std::fopen(path, "wbx"); }
+  static std::ptrdiff_t write(File file, const char* bytes, std::size_t size) {
+    const std::size_t written = std::fwrite(bytes, 1, size, file);
+    return written > 0 ? static_cast<std::ptrdiff_t>(written) : -1;
+  }
+  static int sync(File file) { return std::fflush(file); }
+  static int close(File file) { return std::fclose(file); }
+  static int rename(const char* from, const char* to) {
+    std::error_code reason;
+    std::filesystem::rename(from, to, reason);
+    errno = reason.value();
+    return reason ? -1 : 0;
+  }
+  static int remove(const char* path) { return std::remove(path); }
+  static std::uint64_t process() {
+    return static_cast<std::uint64_t>(std::chrono::system_clock::now().time_since_epoch().count());
+  }
+};
+#endif
+
+namespace detail {
+
+/// The file to which a symbolic link leads, which need not exist; other paths are returned as they
+/// are. Throws if links lead to each other, or if the path is a folder, device or pipe.
+inline std::filesystem::path target_of(const std::string& caller, std::filesystem::path path) {
+  const std::filesystem::path given = path;
+  for (int links = 0; links < 40; ++links) {  // as Linux does
+    std::error_code reason;
+    const auto status = std::filesystem::symlink_status(path, reason);
+    if (status.type() != std::filesystem::file_type::symlink) {
+      // A rename would replace even a device.
+      if (!std::filesystem::exists(status) || std::filesystem::is_regular_file(status)) return path;
+      fail(caller + ": cannot replace " + path.string() +
+           ": it is not a file; choose another name");
+    }
+    const auto target = std::filesystem::read_symlink(path, reason);
+    if (reason) fail_with(caller + ": cannot read the link", path, reason, "check the path");
+    path = path.parent_path() / target;  // the target, if that is absolute
+  }
+  fail_with(caller + ": cannot open", given,
+            std::make_error_code(std::errc::too_many_symbolic_link_levels),
+            "remove the links that lead to each other");
+}
+
+/// A new file, removed unless it was renamed.
+template <class Calls>
+class PartOfReplacement {
+ public:
+  PartOfReplacement(std::string caller, std::filesystem::path path)
+      : caller_(std::move(caller)), path_(std::move(path)) {
+    static std::atomic<std::uint64_t> calls{0};
+    do {
+      part_ = path_;
+      part_ += "." + std::to_string(Calls::process()) + "-" + std::to_string(++calls) + ".part";
+      errno = 0;
+      file_ = Calls::create(part_.string().c_str());
+      // Left by a process that was killed, or of another computer.
+    } while (file_ == Calls::none && errno == EEXIST);
+    if (file_ == Calls::none) fail_to("create", part_);
+  }
+  PartOfReplacement(const PartOfReplacement&) = delete;
+  PartOfReplacement& operator=(const PartOfReplacement&) = delete;
+  ~PartOfReplacement() {
+    if (file_ != Calls::none) Calls::close(file_);
+    if (!is_renamed_) Calls::remove(part_.string().c_str());
+  }
+
+  void write(std::string_view bytes) {
+    while (!bytes.empty()) {
+      errno = 0;
+      const std::ptrdiff_t written = Calls::write(file_, bytes.data(), bytes.size());
+      if (written > 0) {
+        bytes.remove_prefix(static_cast<std::size_t>(written));
+      } else if (errno != EINTR) {
+        fail_to("write", part_);
+      }
+    }
+  }
+  void sync() { require(Calls::sync(file_), "write"); }
+  void close() {
+    const auto file = std::exchange(file_, Calls::none);
+    require(Calls::close(file), "write");  // a full disc may be reported only here
+  }
+  void rename() {
+    require(Calls::rename(part_.string().c_str(), path_.string().c_str()), "replace");
+    is_renamed_ = true;
+  }
+
+  [[noreturn]] void fail_to(const std::string& action, const std::filesystem::path& path) const {
+    fail_with(caller_ + ": cannot " + action, path, last_error(),
+              "check that the folder exists, is writable and has space left");
+  }
+
+ private:
+  void require(int answer, const std::string& action) const {
+    if (answer != 0) fail_to(action, path_);
+  }
+
+  std::string caller_;
+  std::filesystem::path path_;
+  std::filesystem::path part_;
+  typename Calls::File file_ = Calls::none;
+  bool is_renamed_ = false;
+};
+
+}  // namespace detail
+
+/// What a new file must outlast.
+enum class Outlasts {
+  the_process,   ///< also one that is killed
+  power_failure  ///< waits until the file is on the disc
+};
+
+/// Replaces the contents of a file, or of the file to which a symbolic link leads: writes another
+/// file next to it, whose name ends in .part, and renames that. Throws silt::Error, with a message
+/// that begins with `caller`, if that fails; an existing file is then unchanged, and no other file
+/// remains.
+template <class Calls = SystemCalls>
+void replace(const std::string& caller, const std::filesystem::path& path, std::string_view bytes,
+             Outlasts outlasts = Outlasts::the_process) {
+  const std::filesystem::path target = detail::target_of(caller, path);
+  detail::PartOfReplacement<Calls> part(caller, target);
+  part.write(bytes);
+  if (outlasts == Outlasts::the_process) {
+    part.close();
+    part.rename();
+    return;
+  }
+  part.sync();
+  part.close();
+  if constexpr (requires { Calls::open_folder(""); }) {
+    // Opened before, so that this cannot fail when the file is already replaced.
+    const auto folder =
+        target.has_parent_path() ? target.parent_path() : std::filesystem::path(".");
+    struct Folder {
+      typename Calls::File file;
+      ~Folder() {
+        if (file != Calls::none) Calls::close(file);
+      }
+    } const opened{Calls::open_folder(folder.string().c_str())};
+    if (opened.file == Calls::none) part.fail_to("open", folder);
+    part.rename();
+    // Some file systems cannot, and need not, do this for a folder.
+    if (Calls::sync(opened.file) != 0 && errno != EINVAL) {
+      fail_with(caller + ": replaced, but cannot make permanent,", target, last_error(),
+                "a power failure may bring back the old file; write it again");
+    }
+  } else {
+    part.rename();
+  }
+}
+
+}  // namespace silt::file

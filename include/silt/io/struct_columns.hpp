@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: MIT
+// Structs in a checkpoint: one entry for each member, with its values in all structs, so that the
+// bytes between members, which have no defined value, are not written.
+//
+//   struct History {
+//     Vec<2> force = Vec<2>::Zero();
+//     double stiffness = 0;
+//     template <class Archive>
+//     void transfer(Archive& archive) {
+//       archive("force", force);
+//       archive("stiffness", stiffness);
+//     }
+//   };
+#pragma once
+
+#include <silt/core/error.hpp>
+#include <silt/core/types.hpp>
+
+#include <cstddef>
+#include <cstring>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+namespace silt::checkpoint {
+
+namespace detail {
+struct AnyArchive {
+  static constexpr bool reads = false;
+  void operator()(std::string_view, const auto&) {}
+  void within(std::string_view, auto&&) {}
+  void finite(auto&&) {}
+};
+}  // namespace detail
+
+/// T lists its members in transfer(archive).
+template <class T>
+concept HasMembers = std::is_class_v<T> &&
+                     requires(T& value, detail::AnyArchive& archive) { value.transfer(archive); };
+
+/// Makes undefined bytes of a struct without transfer() zero, where the compiler can.
+template <class T>
+void clear_padding([[maybe_unused]] T& value) {
+#if defined(__has_builtin)
+#if __has_builtin(__builtin_clear_padding)
+  if constexpr (std::is_empty_v<T>) {
+    std::memset(static_cast<void*>(&value), 0, sizeof value);
+  } else {
+    __builtin_clear_padding(&value);
+  }
+#endif
+#endif
+}
+
+/// The archive that transfer() of a struct gets: each call writes or reads one member of all
+/// structs. The place of a member in the struct is that in `model`.
+template <class Archive, class T>
+class StructColumns {
+ public:
+  static constexpr bool reads = Archive::reads;
+  using Values = std::conditional_t<reads, std::vector<T>&, const std::vector<T>&>;
+
+  StructColumns(Archive& archive, T& model, Values values, Index count)
+      : archive_(archive), model_(model), values_(values), count_(count) {}
+
+  template <class M>
+  void operator()(std::string_view name, M& member) {
+    if constexpr (std::is_empty_v<M>) {
+      return;  // may have the place of another member
+    } else if constexpr (HasMembers<M>) {
+      archive_.within(name, [&] { member.transfer(*this); });
+    } else {
+      const Index place = place_of(member);
+      std::vector<M> column;
+      if constexpr (reads) {
+        archive_(name, column);
+        if (is_first_) values_.assign(column.size(), T{});
+        if (column.size() != values_.size()) {
+          fail("member " + std::string(name) + " has " + std::to_string(column.size()) +
+               " values, not " + std::to_string(values_.size()) + "; use an earlier checkpoint");
+        }
+        for (Index k = 0; k < column.size(); ++k) {
+          std::memcpy(bytes_of(values_[k]) + place, static_cast<const void*>(&column[k]),
+                      sizeof(M));
+        }
+        is_first_ = false;
+      } else {
+        column.resize(count_);
+        for (Index k = 0; k < count_; ++k) {
+          std::memcpy(static_cast<void*>(&column[k]), bytes_of(values_[k]) + place, sizeof(M));
+        }
+        archive_(name, column);
+      }
+    }
+  }
+  template <class F>
+  void within(std::string_view name, F&& f) {
+    archive_.within(name, f);
+  }
+  template <class F>
+  void finite(F&& f) {
+    archive_.finite(f);
+  }
+
+ private:
+  static std::byte* bytes_of(T& value) { return reinterpret_cast<std::byte*>(&value); }
+  static const std::byte* bytes_of(const T& value) {
+    return reinterpret_cast<const std::byte*>(&value);
+  }
+  template <class M>
+  Index place_of(const M& member) const {
+    return static_cast<Index>(reinterpret_cast<const std::byte*>(&member) - bytes_of(model_));
+  }
+
+  Archive& archive_;
+  T& model_;
+  Values values_;
+  Index count_;
+  bool is_first_ = true;
+};
+
+}  // namespace silt::checkpoint

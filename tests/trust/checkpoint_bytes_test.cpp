@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: MIT
+// A checkpoint has the bits of the state, and no others.
+#include <silt/dem.hpp>
+#include <silt/io/archive.hpp>
+#include <silt/io/checkpoint.hpp>
+
+#include "support/check.hpp"
+#include "support/file_test.hpp"
+#include "support/grains.hpp"
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <limits>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace silt::test {
+namespace {
+
+// Sets all numbers of a history.
+struct SetNumbers {
+  void operator()(std::string_view, double& number) { number = 2.5; }
+  void operator()(std::string_view, Vec<2>& vector) { vector = {1.5, -0.0}; }
+  void operator()(std::string_view, Vec<3>& vector) { vector = {1.5, -0.0, 3}; }
+  void operator()(std::string_view, auto& part) {
+    if constexpr (requires { part.transfer(*this); }) part.transfer(*this);
+  }
+};
+
+// Histories of which every byte that is not part of a number is `byte`.
+template <class History>
+std::string written_over(unsigned char byte) {
+  std::vector<History> values(3);
+  for (History& each : values) {
+    std::memset(static_cast<void*>(&each), byte, sizeof each);
+    SetNumbers set;
+    each.transfer(set);
+  }
+  checkpoint::Writer writer;
+  writer("values", values);
+  return std::move(writer).finish();
+}
+
+template <class Law>
+class HistoryInCheckpoint : public testing::Test {};
+using Laws = testing::Types<
+    dem::CundallStrack, dem::CundallStrackIncremental,
+    dem::Law<dem::LinearSpringDashpot, dem::LinearFriction>,
+    dem::Law<dem::WaltonBraun, dem::LinearFriction, dem::RollingResistance>,
+    dem::Law<dem::Hertz, dem::Mindlin, dem::RollingResistance, dem::ConstantCohesion>>;
+TYPED_TEST_SUITE(HistoryInCheckpoint, Laws);
+
+TYPED_TEST(HistoryInCheckpoint, HasNoOtherBytesThanItsNumbers) {
+  using Plane = typename TypeParam::template History<2, double>;
+  using Space = typename TypeParam::template History<3, double>;
+  EXPECT_EQ(written_over<Plane>(0), written_over<Plane>(0xff));
+  EXPECT_EQ(written_over<Space>(0), written_over<Space>(0xff));
+}
+
+using CheckpointBytes = FileTest;
+
+TEST_F(CheckpointBytes, AreTheSameEachTimeTheStateIsWritten) {
+  const dem::CundallStrackIncremental law{.normal_stiffness = 1e5, .tangential_stiffness = 5e4};
+  Simulation simulation{crowd<2, double>(8, 1), UniformGrid<2>{}, dem::Contacts{law}, Leapfrog{}};
+  for (int k = 0; k < 5; ++k) simulation.step();
+  write_checkpoint(path, simulation);
+  const std::string first = bytes();
+  read_checkpoint(path, simulation);
+  write_checkpoint(path, simulation);
+  EXPECT_TRUE(bytes() == first);
+}
+
+// Positions that a search would move into the box, or whose bits an operation could change.
+template <class S>
+void expect_same_positions(const std::filesystem::path& path) {
+  auto grains = crowd<2, double>(8, 1);
+  auto box = cube<2, double>(-0.1, 0.9);
+  box.periodic = {true, true};
+  grains.set_box(box);
+  Simulation simulation{grains, S{}, Gravity<2>{{0, -1}}, Leapfrog{}};
+  for (int k = 0; k < 3; ++k) simulation.step(1e-3);
+  const auto x = simulation.particles()[position];
+  x[0] = {7.3, -0.0};
+  x[1] = {-0.1, 0.9};
+  x[2] = {std::numeric_limits<double>::denorm_min(), -5.1};
+  write_checkpoint(path, simulation);
+  Simulation other{dem::Grains<2>{}, S{}, Gravity<2>{{0, -1}}, Leapfrog{}};
+  read_checkpoint(path, other);
+  EXPECT_TRUE(state_of(other.particles()) == state_of(simulation.particles()));
+  EXPECT_TRUE(std::signbit(other.particles()[position][0][1]));
+}
+
+TEST_F(CheckpointBytes, HoldThePositionsToTheBit) {
+  expect_same_positions<BruteForce<2>>(path);
+  expect_same_positions<UniformGrid<2>>(path);
+  expect_same_positions<LevelGrid<2>>(path);
+  expect_same_positions<NeighbourList<2>>(path);
+}
+
+}  // namespace
+}  // namespace silt::test
