@@ -109,7 +109,12 @@ class PartOfReplacement {
     static std::atomic<std::uint64_t> calls{0};
     do {
       part_ = path_;
-      part_ += "." + std::to_string(Calls::process()) + "-" + std::to_string(++calls) + ".part";
+      // In pieces: g++ 12 warns of the sum of these strings without reason.
+      part_ += '.';
+      part_ += std::to_string(Calls::process());
+      part_ += '-';
+      part_ += std::to_string(++calls);
+      part_ += ".part";
       errno = 0;
       file_ = Calls::create(part_.string().c_str());
       // Left by a process that was killed, or of another computer.
