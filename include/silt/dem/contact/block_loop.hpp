@@ -44,6 +44,11 @@ class BlockLoop {
     is_dense_.resize(list.blocks(), false);
     touching_.resize(grains.size());
     const auto sum_loads = loads_.sums_for(grains, list, division_);
+    const auto sum_in_pass = [&pass](Index first, Index last, const auto& sum) {
+      pass.before(first, last);
+      sum();
+      pass.after(first, last);
+    };
     std::vector<Index> counts(division_.threads(), 0);
     for_each_task(division_.threads(), [&](Index thread) {
       const Index first_block = division_.first_block(thread);
@@ -60,22 +65,19 @@ class BlockLoop {
         counts[thread] += touching;
         const Index end = std::min(grains.size(), (b + 1) * block_size);
         division_.for_each_ready(b * block_size, end, [&](Index first, Index last) {
-          pass.before(first, last);
-          if (are_most_dense) {
-            division_.for_each_in_order(first, last, sum_loads);
-          } else {
-            touching_.for_each(first, last, sum_loads);
-          }
-          pass.after(first, last);
+          sum_in_pass(first, last, [&] {
+            if (are_most_dense) {
+              division_.for_each_in_order(first, last, sum_loads);
+            } else {
+              touching_.for_each(first, last, sum_loads);
+            }
+          });
         });
       }
     });
     for_each_task(division_.threads(), [&](Index thread) {
-      division_.for_each_deferred(thread, [&](Index i) {
-        pass.before(i, i + 1);
-        sum_loads(i);
-        pass.after(i, i + 1);
-      });
+      division_.for_each_deferred(thread,
+                                  [&](Index i) { sum_in_pass(i, i + 1, [&] { sum_loads(i); }); });
     });
     return std::accumulate(counts.begin(), counts.end(), Index(0));
   }
