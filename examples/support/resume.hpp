@@ -132,7 +132,7 @@ inline std::vector<std::filesystem::path> checkpoints_in(const std::filesystem::
 
 // Also those of which a run that was killed had written a part.
 inline void remove_checkpoints(const std::filesystem::path& folder) {
-  for (const char* const ending : {".silt", ".silt.part"}) {
+  for (const char* const ending : {".silt", ".part"}) {
     for (const auto& path : checkpoints_in(folder, ending)) std::filesystem::remove(path);
   }
 }

@@ -64,7 +64,7 @@ def run_in_parts(program, arguments, folder, seconds):
         if list(folder.glob("checkpoint*.silt")):
             command = resumed
             # As if it had been killed while it wrote that of an earlier stage.
-            (folder / "checkpoint_of_a_stage.silt.part").touch()
+            (folder / "checkpoint_of_a_stage.silt.computer.1-1.part").touch()
 
 
 def main(arguments):

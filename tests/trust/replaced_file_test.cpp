@@ -10,6 +10,8 @@
 #include "support/points.hpp"
 #include <gtest/gtest.h>
 #include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
@@ -115,6 +117,60 @@ TEST(ReplacedFile, IsTheOldOneAfterAnyFailedCall) {
                                       "rename", "sync", "close"}));
 }
 
+// The calls of the system in a folder that cannot be opened or made permanent.
+struct CallsInFolder : file::SystemCalls {
+  static inline int open_error = 0;
+  static inline int sync_error = 0;
+  static inline File folder = none;
+  static inline int open_files = 0;
+
+  static bool fails(int error) {
+    if (error != 0) errno = error;
+    return error != 0;
+  }
+  static File create(const char* path) {
+    ++open_files;
+    folder = none;
+    return SystemCalls::create(path);
+  }
+  static File open_folder(const char* path) {
+    if (fails(open_error)) return none;
+    ++open_files;
+    return folder = SystemCalls::open_folder(path);
+  }
+  static int sync(File file) {
+    return file == folder && fails(sync_error) ? -1 : SystemCalls::sync(file);
+  }
+  static int close(File file) {
+    --open_files;
+    return SystemCalls::close(file);
+  }
+};
+
+TEST(ReplacedFile, IsTheNewOneIfTheFolderCannotBeMadePermanent) {
+  const Folder folder;
+  const auto path = folder.path / "state";
+  const auto write = [&](int open_error, int sync_error) {
+    CallsInFolder::open_error = open_error;
+    CallsInFolder::sync_error = sync_error;
+    file::replace("old", path, "old");
+    file::replace<CallsInFolder>("test", path, "new", Outlasts::power_failure);
+  };
+  // A folder without the right to read it, and file systems that cannot do this for folders.
+  EXPECT_NO_THROW(write(EACCES, 0));
+  EXPECT_EQ(bytes_of(path), "new");
+  for (const int error : {EINVAL, ENOTSUP, EOPNOTSUPP, ENOSYS, EBADF}) {
+    EXPECT_NO_THROW(write(0, error)) << error;
+    EXPECT_EQ(bytes_of(path), "new");
+  }
+  EXPECT_TRUE(refuses([&] { write(EMFILE, 0); }, {"cannot open " + folder.path.string()}));
+  EXPECT_EQ(bytes_of(path), "old");
+  EXPECT_TRUE(refuses([&] { write(0, EIO); }, {"replaced, but cannot make permanent"}));
+  EXPECT_EQ(bytes_of(path), "new");
+  EXPECT_EQ(files_in(folder.path), 1u);
+  EXPECT_EQ(CallsInFolder::open_files, 0);
+}
+
 auto flight(Index along, double time_step, int steps) {
   const auto points = lattice(cube<2, double>(0, double(along)), 1.0);
   Particles<2, double, velocity_t, force_t, mass_t> particles;
@@ -162,6 +218,39 @@ TEST(ReplacedFile, IsWholeWithTwoWritersAndAReader) {
   EXPECT_GT(reads[1], 0);
   EXPECT_GT(writes, 4);
   EXPECT_EQ(files_in(folder.path), 1u);
+}
+
+TEST(ReplacedFile, LeavesNothingOfProcessesThatWereKilled) {
+  const Folder folder;
+  const auto path = folder.path / "state";
+  const auto write_in_another_process = [&] {
+    const pid_t writer = ::fork();
+    if (writer == 0) {
+      struct Killed : file::SystemCalls {
+        static int rename(const char*, const char*) {
+          ::_exit(0);  // as if killed
+        }
+      };
+      try {
+        file::replace<Killed>("test", path, "lost");
+      } catch (...) {
+      }
+      ::_exit(1);
+    }
+    int status = 1;
+    EXPECT_EQ(::waitpid(writer, &status, 0), writer);
+    EXPECT_EQ(status, 0);
+  };
+  write_in_another_process();
+  EXPECT_EQ(files_in(folder.path), 1u);
+  write_in_another_process();
+  EXPECT_EQ(files_in(folder.path), 1u);
+  std::ofstream(folder.path / "state.another-computer.1234567890-1.part") << "of another computer";
+  std::ofstream(folder.path / ("state." + file::SystemCalls::computer() + ".1-1.part"))
+      << "running";
+  file::replace("test", path, "new");
+  EXPECT_EQ(bytes_of(path), "new");
+  EXPECT_EQ(files_in(folder.path), 3u);
 }
 
 TEST(ReplacedFile, IsTheTargetOfALink) {

@@ -6,8 +6,10 @@
 #include <silt/core/error.hpp>
 #include <silt/io/file.hpp>
 
+#include <array>
 #include <atomic>
 #include <cerrno>
+#include <charconv>
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
@@ -19,6 +21,7 @@
 
 #if defined(__unix__) || defined(__APPLE__)
 #include <fcntl.h>
+#include <signal.h>
 #include <unistd.h>
 #define SILT_HAS_POSIX_FILES 1
 #else
@@ -50,6 +53,14 @@ struct SystemCalls {
   static int rename(const char* from, const char* to) { return std::rename(from, to); }
   static int remove(const char* path) { return ::unlink(path); }
   static std::uint64_t process() { return static_cast<std::uint64_t>(::getpid()); }
+  static bool has_ended(std::uint64_t process) {
+    return ::kill(static_cast<pid_t>(process), 0) != 0 && errno == ESRCH;
+  }
+  static std::string computer() {
+    std::array<char, 256> name{};
+    ::gethostname(name.data(), name.size() - 1);
+    return name.data();
+  }
 };
 #else
 struct SystemCalls {
@@ -73,6 +84,8 @@ struct SystemCalls {
   static std::uint64_t process() {
     return static_cast<std::uint64_t>(std::chrono::system_clock::now().time_since_epoch().count());
   }
+  static bool has_ended(std::uint64_t) { return false; }
+  static std::string computer() { return {}; }
 };
 #endif
 
@@ -100,6 +113,43 @@ inline std::filesystem::path target_of(const std::string& caller, std::filesyste
             "remove the links that lead to each other");
 }
 
+/// Whether fsync of a folder failed because the file system cannot, and need not, do this; such
+/// file systems give different reasons.
+inline bool cannot_sync_folders(int reason) {
+  return reason == EINVAL || reason == ENOTSUP || reason == EOPNOTSUPP || reason == ENOSYS ||
+         reason == EBADF;
+}
+
+/// The beginning of the names of the files with which processes of this computer replace a file; a
+/// process, a number and .part follow.
+template <class Calls>
+std::filesystem::path part_prefix(std::filesystem::path path) {
+  // In pieces: g++ 12 warns of the sum of these strings without reason.
+  path += '.';
+  path += Calls::computer();
+  path += '.';
+  return path;
+}
+
+/// Removes what processes of this computer that were killed while they replaced this file have
+/// left. Those of other computers may still run.
+template <class Calls>
+void remove_parts_of_ended_processes(const std::filesystem::path& path) {
+  const std::string prefix = part_prefix<Calls>(path).filename().string();
+  std::error_code ignored;
+  std::filesystem::directory_iterator files(
+      path.has_parent_path() ? path.parent_path() : std::filesystem::path("."), ignored);
+  for (; !ignored && files != end(files); files.increment(ignored)) {
+    const std::string name = files->path().filename().string();
+    if (!name.starts_with(prefix) || !name.ends_with(".part")) continue;
+    const char* const begin = name.data() + prefix.size();
+    std::uint64_t process = 0;
+    const auto [end, reason] = std::from_chars(begin, name.data() + name.size(), process);
+    if (reason != std::errc{} || *end != '-' || process == 0) continue;
+    if (Calls::has_ended(process)) Calls::remove(files->path().string().c_str());
+  }
+}
+
 /// A new file, removed unless it was renamed.
 template <class Calls>
 class PartOfReplacement {
@@ -108,16 +158,14 @@ class PartOfReplacement {
       : caller_(std::move(caller)), path_(std::move(path)) {
     static std::atomic<std::uint64_t> calls{0};
     do {
-      part_ = path_;
-      // In pieces: g++ 12 warns of the sum of these strings without reason.
-      part_ += '.';
+      part_ = part_prefix<Calls>(path_);
       part_ += std::to_string(Calls::process());
       part_ += '-';
       part_ += std::to_string(++calls);
       part_ += ".part";
       errno = 0;
       file_ = Calls::create(part_.string().c_str());
-      // Left by a process that was killed, or of another computer.
+      // Left by a process that was killed and had the same number.
     } while (file_ == Calls::none && errno == EEXIST);
     if (file_ == Calls::none) fail_to("create", part_);
   }
@@ -175,13 +223,14 @@ enum class Outlasts {
 };
 
 /// Replaces the contents of a file, or of the file to which a symbolic link leads: writes another
-/// file next to it, whose name ends in .part, and renames that. Throws silt::Error, with a message
-/// that begins with `caller`, if that fails; an existing file is then unchanged, and no other file
-/// remains.
+/// file next to it, whose name ends in .part, and renames that; removes those left by processes
+/// that were killed. Throws silt::Error, with a message that begins with `caller`, if that fails;
+/// an existing file is then unchanged, and no other file remains.
 template <class Calls = SystemCalls>
 void replace(const std::string& caller, const std::filesystem::path& path, std::string_view bytes,
              Outlasts outlasts = Outlasts::the_process) {
   const std::filesystem::path target = detail::target_of(caller, path);
+  detail::remove_parts_of_ended_processes<Calls>(target);
   detail::PartOfReplacement<Calls> part(caller, target);
   part.write(bytes);
   if (outlasts == Outlasts::the_process) {
@@ -201,10 +250,11 @@ void replace(const std::string& caller, const std::filesystem::path& path, std::
         if (file != Calls::none) Calls::close(file);
       }
     } const opened{Calls::open_folder(folder.string().c_str())};
-    if (opened.file == Calls::none) part.fail_to("open", folder);
+    // A folder may be writable without being readable.
+    if (opened.file == Calls::none && errno != EACCES) part.fail_to("open", folder);
     part.rename();
-    // Some file systems cannot, and need not, do this for a folder.
-    if (Calls::sync(opened.file) != 0 && errno != EINVAL) {
+    if (opened.file == Calls::none) return;
+    if (Calls::sync(opened.file) != 0 && !detail::cannot_sync_folders(errno)) {
       fail_with(caller + ": replaced, but cannot make permanent,", target, last_error(),
                 "a power failure may bring back the old file; write it again");
     }
