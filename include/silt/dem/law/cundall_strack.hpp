@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <string>
 
 namespace silt::dem {
 
@@ -87,7 +88,7 @@ struct IncrementalForm {
 template <class NormalForm>
 struct CundallStrackLaw {
   double normal_stiffness = 0;      ///< k_n [N/m], above 0
-  double tangential_stiffness = 0;  ///< k_s [N/m]; 0: no tangential force
+  double tangential_stiffness = 0;  ///< k_s [N/m]; 0: no friction
   Restitution restitution = {};  ///< e [-] in (0, 1]; sets c_n = 2 ζ √(k_n m*), c_s = c_n k_s/k_n
   std::optional<double> beta = {};    ///< β [s]: c_n = β k_n, c_s = β k_s (24); alternative to e
   FrictionAngle friction_angle = {};  ///< φ_μ [rad] in [0, π/2)
@@ -106,6 +107,8 @@ struct CundallStrackLaw {
     restitution.check("CundallStrack: restitution");
     friction_angle.check("CundallStrack: friction_angle");
     require_not_negative("CundallStrack: cohesion", cohesion);
+    require_spring_for("friction_angle", friction_angle.value, "rad");
+    require_spring_for("cohesion", cohesion, "N");
     if (beta) {
       require_not_negative("CundallStrack: beta", *beta);
       if (restitution.value != 1) {
@@ -183,6 +186,15 @@ struct CundallStrackLaw {
   }
 
  private:
+  // Friction limits the tangential force, which is zero without its spring.
+  void require_spring_for(const std::string& name, double value, const std::string& unit) const {
+    if (!(value > 0) || tangential_stiffness > 0) return;
+    fail("CundallStrack: " + name + " = " + to_text(value) + " " + unit +
+         " has no effect, because tangential_stiffness = 0 gives no tangential force; set "
+         "tangential_stiffness, e.g. to half of normal_stiffness, or " +
+         name + " to 0");
+  }
+
   // β = c/k [s]: the given value, or 2 ζ √(m*/k_n).
   template <class Real>
   Real dashpot_over_spring(Real effective_mass) const {

@@ -20,9 +20,14 @@ namespace silt::dem {
 /// and shearing would generate energy. The energy lost by this reduction is part of the friction.
 /// The dashpot is c_t = c_n √(k_t/k_n), with Hertz that of Tsuji, and 0 while the contact slides.
 /// Micro-slip at the rim before gross sliding (Mindlin and Deresiewicz 1953) is not modelled.
+///
+/// With keeps_displacement, F_s = −k_t ξ, where ξ is the displacement of the spring, also while the
+/// area grows. This is the form of the benchmarks of [ChungOoi2011] and of many codes; a contact
+/// that is sheared and then compressed creates energy, which counts as negative friction.
 struct Mindlin {
   Elastic elastic = {};
   FrictionAngle friction_angle = {};  ///< φ_μ [rad] in [0, π/2)
+  bool keeps_displacement = false;    ///< not the force, while the area grows
 
   template <int Dim, class Real>
   struct History {
@@ -52,9 +57,11 @@ struct Mindlin {
         .dashpot = normal.beta * std::sqrt(normal.stiffness * k),
         .limit = std::max(Real(0), normal.spring * Real(friction_angle.tangent))};
     const Vec v = contact.tangential_velocity();
-    const auto kept =
-        with_stiffness(k, k / history.stiffness, rotated_into_plane(history.force, contact.normal),
-                       Vec(v * contact.time_step));
+    const Real ratio = k / history.stiffness;
+    const Vec last = rotated_into_plane(history.force, contact.normal);
+    const Vec moved = v * contact.time_step;
+    const auto kept = keeps_displacement ? with_displacement(k, ratio, last)
+                                         : with_stiffness(k, ratio, last, moved);
     const auto result = slide(slider, kept.force, v, contact.time_step);
     history.force = result.spring;
     history.stiffness = k;
@@ -73,10 +80,12 @@ struct Mindlin {
     return normal;
   }
 
-  /// 1/G* is the sum of both materials' (2 − ν)/G; the smaller friction angle.
+  /// 1/G* is the sum of both materials' (2 − ν)/G; the smaller friction angle; the displacement is
+  /// kept if both materials keep it.
   static Mindlin mix(const Mindlin& a, const Mindlin& b) {
     return {.elastic = Elastic::mix(a.elastic, b.elastic),
-            .friction_angle = FrictionAngle::mix(a.friction_angle, b.friction_angle)};
+            .friction_angle = FrictionAngle::mix(a.friction_angle, b.friction_angle),
+            .keeps_displacement = a.keeps_displacement && b.keeps_displacement};
   }
 
  private:

@@ -24,8 +24,8 @@ namespace silt::dem {
 /// stays at rest on an incline of tan θ ≤ μ_r. If k_n depends on the overlap, so does k_r, and M is
 /// rescaled as Mindlin's force is.
 struct RollingResistance {
-  double rolling_friction = 0;   ///< μ_r [-]; 0: free rolling
-  double twisting_friction = 0;  ///< μ_t [-]; 0: free twisting; unused in 2D
+  double rolling_friction = 0;   ///< μ_r [-] in [0, 2]; 0: free rolling
+  double twisting_friction = 0;  ///< μ_t [-] in [0, 2]; 0: free twisting; unused in 2D
   double damping_ratio = 0.3;    ///< η [-]
 
   template <int Dim, class Real>
@@ -54,8 +54,8 @@ struct RollingResistance {
   };
 
   void check() const {
-    require_not_negative("RollingResistance: rolling_friction", rolling_friction);
-    require_not_negative("RollingResistance: twisting_friction", twisting_friction);
+    check_resistance("RollingResistance: rolling_friction", rolling_friction);
+    check_resistance("RollingResistance: twisting_friction", twisting_friction);
     require_not_negative("RollingResistance: damping_ratio", damping_ratio);
   }
 

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <string>
 #include <string_view>
 
 namespace silt::dem {
@@ -22,9 +23,15 @@ struct FrictionAngle {
   constexpr FrictionAngle() = default;
   FrictionAngle(double angle) : value(angle), tangent(std::tan(angle)) {}
 
-  /// Throws unless 0 ≤ φ < π/2.
+  /// Throws unless 0 ≤ φ < π/2; the message also says how to convert degrees and coefficients.
   void check(std::string_view name) const {
-    require_between(name, value, {0, std::numbers::pi / 2 - 1e-6});
+    require_not_negative(name, value);
+    if (value <= std::numbers::pi / 2 - 1e-6) return;
+    const std::string own = to_text(value);
+    fail(std::string(name) + " = " + own + " rad is not below π/2; give radians: " +
+         (value < 90 ? own + " degrees are " + to_text(value * std::numbers::pi / 180)
+                     : "degrees times π/180") +
+         ", and a coefficient μ is the angle atan(μ)");
   }
 
   /// The smaller one.
@@ -32,6 +39,22 @@ struct FrictionAngle {
     return b.value < a.value ? b : a;
   }
 };
+
+/// Largest coefficient of rolling or twisting friction: those of grains are below 1, angles in
+/// degrees mostly above 2.
+inline constexpr double max_resistance = 2;
+
+/// Throws unless 0 ≤ μ ≤ max_resistance.
+inline void check_resistance(std::string_view name, double coefficient) {
+  require_not_negative(name, coefficient);
+  if (coefficient <= max_resistance) return;
+  const std::string own = to_text(coefficient);
+  fail(std::string(name) + " = " + own + " is above " + to_text(max_resistance) +
+       "; give a coefficient, not an angle in degrees" +
+       (coefficient < 90 ? ": for " + own + " degrees it is " +
+                               to_text(std::tan(coefficient * std::numbers::pi / 180))
+                         : ""));
+}
 
 /// The spring force of the previous step, rotated into the current contact plane with its magnitude
 /// unchanged.
@@ -41,7 +64,8 @@ Vec rotated_into_plane(const Vec& spring, const Vec& n) {
   const Vec in_plane = spring - spring.dot(n) * n;
   const Real squared_length = in_plane.squaredNorm();
   const Real ratio = squared_length > 0 ? spring.squaredNorm() / squared_length : Real(0);
-  return in_plane * std::sqrt(ratio);
+  // The ratio of a finite spring overflows if it is normal to the plane but for rounding errors.
+  return in_plane * std::sqrt(std::min(ratio, Real(Eigen::NumTraits<Real>::highest())));
 }
 
 /// In units of a force; for rolling and twisting, in those of a couple.
@@ -101,6 +125,16 @@ RescaledForce<Vec> with_stiffness(Real k, Real ratio, const Vec& force, const Ve
       (force.squaredNorm() * ratio - kept.squaredNorm()) / k - displacement.dot(force - kept);
   const bool had_spring = double(ratio) < std::numeric_limits<double>::infinity();
   return {kept, had_spring && ratio > 0 && k > 0 ? std::max(Real(0), lost / 2) : Real(0)};
+}
+
+/// The same if the displacement F/k is always kept. If the stiffness rises, the lost energy is
+/// negative.
+template <class Vec, class Real>
+RescaledForce<Vec> with_displacement(Real k, Real ratio, const Vec& force) {
+  const bool had_spring = double(ratio) < std::numeric_limits<double>::infinity() && ratio > 0;
+  const Real finite_ratio = had_spring ? ratio : Real(1);
+  const Real lost = force.squaredNorm() * finite_ratio * (1 - finite_ratio) / k;
+  return {force * finite_ratio, k > 0 ? lost / 2 : Real(0)};
 }
 
 /// ½ F²/k [J]; 0 without a spring.
