@@ -6,6 +6,8 @@
 
 #include <gtest/gtest.h>
 
+#include <string>
+
 namespace silt::test {
 namespace {
 
@@ -106,6 +108,13 @@ struct ChooserArchetype {
 };
 static_assert(ChoosesTimeStep<ChooserArchetype, ParticleArchetype>);
 static_assert(ChoosesTimeStep<Contacts, Grains> && !ChoosesTimeStep<Gravity<2>, Grains>);
+struct LimiterArchetype {
+  std::string limit_of_time_step(const ParticleArchetype&) const;
+};
+static_assert(LimitsTimeStep<LimiterArchetype, ParticleArchetype>);
+static_assert(LimitsTimeStep<ForParticles<Contacts, Grains>, Grains>);
+static_assert(LimitsTimeStep<ForParticles<Forces<Contacts>, Grains>, Grains>);
+static_assert(!LimitsTimeStep<Gravity<2>, Grains>);
 
 struct TransactionalArchetype {
   void save();
@@ -115,7 +124,8 @@ struct MayThrowOnRestore {
   void save();
   void restore();
 };
-static_assert(Transactional<TransactionalArchetype> && Transactional<ForParticles<Contacts, Grains>>);
+static_assert(Transactional<TransactionalArchetype> &&
+              Transactional<ForParticles<Contacts, Grains>>);
 static_assert(!Transactional<MayThrowOnRestore> && !Transactional<Gravity<2>>);
 
 struct DampingArchetype {

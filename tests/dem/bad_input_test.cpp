@@ -48,7 +48,9 @@ TEST(BadInput, MessageHasNameAndValue) {
        {0, -0.5, 1.01, nan, inf}},
       {"CundallStrack: beta", [](double x) { use({.normal_stiffness = 1, .beta = x}); }, negative},
       {"CundallStrack: friction_angle",
-       [](double x) { use({.normal_stiffness = 1, .friction_angle = x}); },
+       [](double x) {
+         use({.normal_stiffness = 1, .tangential_stiffness = 1, .friction_angle = x});
+       },
        {-0.1, std::numbers::pi / 2, 2, nan, inf}},
       {"CundallStrack: cohesion", [](double x) { use({.normal_stiffness = 1, .cohesion = x}); },
        negative},
@@ -95,6 +97,61 @@ TEST(BadInput, RestitutionTogetherWithBetaThrows) {
                       {"restitution = 0.5", "beta = 0.1", "one of them"}));
 }
 
+TEST(BadInput, AFrictionAngleWithoutTangentialStiffnessThrows) {
+  for (const double cohesion : {0.0, 1.0}) {
+    EXPECT_TRUE(
+        refuses([&] { use({.normal_stiffness = 1, .friction_angle = 0.4, .cohesion = cohesion}); },
+                {"CundallStrack: friction_angle = 0.4", "tangential_stiffness = 0", "no effect"}));
+  }
+  EXPECT_TRUE(refuses([] { use({.normal_stiffness = 1, .cohesion = 3}); },
+                      {"CundallStrack: cohesion = 3", "tangential_stiffness = 0", "no effect"}));
+}
+
+TEST(BadInput, AnAngleInDegreesIsRecognised) {
+  const auto friction = [](double angle) {
+    dem::LinearFriction{.tangential_stiffness = 1, .friction_angle = angle}.check();
+  };
+  EXPECT_TRUE(refuses([&] { friction(30); }, {"LinearFriction: friction_angle = 30", "radians",
+                                              "30 degrees are 0.523599", "coefficient", "atan"}));
+  EXPECT_TRUE(refuses([&] { friction(120); }, {"friction_angle = 120", "radians"}));
+  const auto rolling = [](double coefficient) {
+    dem::RollingResistance{.rolling_friction = coefficient}.check();
+  };
+  const auto twisting = [](double coefficient) {
+    dem::RollingResistance{.twisting_friction = coefficient}.check();
+  };
+  EXPECT_TRUE(refuses([&] { rolling(30); }, {"RollingResistance: rolling_friction = 30",
+                                             "coefficient", "30 degrees it is 0.57735"}));
+  EXPECT_TRUE(refuses([&] { twisting(2.1); },
+                      {"RollingResistance: twisting_friction = 2.1", "not an angle"}));
+  EXPECT_NO_THROW(rolling(2));
+}
+
+// A step, the default time step and a run name the value that is wrong and its grain.
+template <class Field>
+void expect_named(const std::string& name, Field field, const std::vector<double>& values) {
+  for (const double value : values) {
+    auto grains = two_grains<2>(0.1, Vec<2>(0, 0));
+    grains.remove(0);
+    dem::add_grain(grains, {0, 1}, pebble);
+    grains[field][1] = value;
+    const auto simulation = [&] {
+      return Simulation{grains, UniformGrid<2>{}, dem::Contacts{good}, Leapfrog{}};
+    };
+    const std::vector<std::string> words{"dem::Contacts: " + name + " = " + to_text(value),
+                                         "positive", "particle 1", "id 2"};
+    EXPECT_TRUE(refuses([&] { simulation().step(1e-6); }, words));
+    EXPECT_TRUE(refuses([&] { simulation().time_step(); }, words));
+    EXPECT_TRUE(refuses([&] { simulation().run({.until = 1}); }, words));
+  }
+}
+
+TEST(BadInput, TheWrongOneOfRadiusMassAndInertiaIsNamed) {
+  expect_named("radius", radius, {0, -1, nan, inf, -inf});
+  expect_named("mass", mass, {0, -1, nan, inf, -inf});
+  expect_named("inertia", inertia, {0, -1, nan, inf, -inf});
+}
+
 TEST(BadInput, UnknownMaterialsThrow) {
   using Materials = dem::Materials<dem::CundallStrack>;
   EXPECT_TRUE(refuses([] { Materials{}; }, {"Materials"}));
@@ -106,6 +163,7 @@ TEST(BadInput, UnknownMaterialsThrow) {
   grains[dem::material][0] = 7;
   Simulation sim{grains, UniformGrid<2>{}, dem::Contacts{good}, Leapfrog{}};
   EXPECT_TRUE(refuses([&] { sim.step(1e-6); }, {"material 7", "particle 0", "id 1", "step 0"}));
+  EXPECT_TRUE(refuses([&] { sim.time_step(); }, {"material 7", "particle 0", "id 1"}));
 }
 
 struct Spring {

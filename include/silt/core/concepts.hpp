@@ -15,6 +15,7 @@
 #include <silt/core/types.hpp>
 
 #include <concepts>
+#include <string>
 #include <utility>
 
 namespace silt {
@@ -258,6 +259,13 @@ concept Integrator =
 template <class I, class P>
 concept ChoosesTimeStep = requires(ForParticles<I, P> i, const P& p) {
   { i.time_step(p) } -> std::convertible_to<double>;
+};
+
+/// i.limit_of_time_step(p) names what makes time_step(p) as short as it is, and what to do about
+/// it; for messages. Models: dem::ContactsOf, Forces.
+template <class I, class P>
+concept LimitsTimeStep = requires(const I i, const P& p) {
+  { i.limit_of_time_step(p) } -> std::convertible_to<std::string>;
 };
 
 /// Has state that must be rolled back if a step fails.

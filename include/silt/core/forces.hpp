@@ -151,6 +151,23 @@ class Forces {
     return minimum;
   }
 
+  /// What limits the time step of the part with the smallest; empty if it does not tell.
+  template <class P>
+  std::string limit_of_time_step(const P& particles) const {
+    double minimum = std::numeric_limits<double>::infinity();
+    std::string limit;
+    for_each_part([&]<class Part>(Part part) {  // a copy, because time_step() may change it
+      if constexpr (ChoosesTimeStep<Part, P>) {
+        const double own = part.time_step(particles);
+        if (!(own < minimum)) return;
+        minimum = own;
+        limit.clear();
+        if constexpr (LimitsTimeStep<Part, P>) limit = part.limit_of_time_step(particles);
+      }
+    });
+    return limit;
+  }
+
   /// Writes or reads the state of the parts for a checkpoint, see core/transfer.hpp.
   template <class Archive, class P>
   void transfer(Archive& archive, P& particles) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <silt/core/box.hpp>
+#include <silt/core/concepts.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/fields.hpp>
 #include <silt/core/parallel.hpp>
@@ -14,13 +15,24 @@
 
 namespace silt::detail {
 
-/// Throws if so many intervals [s] lie within a duration [s] that a run would never end.
-inline void require_feasible(std::string_view name, double interval, std::string_view intervals,
-                             double duration) {
+/// Throws if so many intervals [s] lie within a duration [s] that a run would never end; remedy()
+/// says what to do.
+template <class F>
+void require_feasible(std::string_view name, double interval, std::string_view intervals,
+                      double duration, F&& remedy) {
   constexpr double most = 1e12;
   if (!(duration > most * interval)) return;
   fail(std::string(name) + " = " + to_text(interval) + " s: " + to_text(duration / interval) + " " +
-       std::string(intervals) + " are ahead, more than " + to_text(most) + "; increase it");
+       std::string(intervals) + " are ahead, more than " + to_text(most) + "; " + remedy());
+}
+
+/// What to do about a time step that an interaction chose too short; `interaction` and `particles`
+/// as in LimitsTimeStep.
+template <class I, class P>
+std::string remedy_for_time_step(const I& interaction, const P& particles) {
+  std::string limit;
+  if constexpr (LimitsTimeStep<I, P>) limit = interaction.limit_of_time_step(particles);
+  return (limit.empty() ? "" : limit + "; or ") + "pass a longer one: run({.time_step = …})";
 }
 
 /// Throws if the compiler may reorder sums; see core/types.hpp.

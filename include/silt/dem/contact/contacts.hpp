@@ -11,13 +11,15 @@
 #pragma once
 
 #include <silt/core/concepts.hpp>
+#include <silt/core/error.hpp>
 #include <silt/core/parallel.hpp>
-#include <silt/core/rows_of_four.hpp>
 #include <silt/core/travel.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/contact/block_loop.hpp>
 #include <silt/dem/contact/contact_settings.hpp>
 #include <silt/dem/contact/contacts_of_step.hpp>
+#include <silt/dem/contact/default_time_step.hpp>
+#include <silt/dem/contact/described_contacts.hpp>
 #include <silt/dem/contact/evaluation.hpp>
 #include <silt/dem/contact/law_evaluation.hpp>
 #include <silt/dem/contact/list_rebuild.hpp>
@@ -25,13 +27,11 @@
 #include <silt/dem/contact/saved_list.hpp>
 #include <silt/dem/contact/stable_time_step.hpp>
 #include <silt/dem/law/contact.hpp>
-#include <silt/dem/law/materials.hpp>
 #include <silt/dem/setup/grains.hpp>
-#include <silt/dem/wall/walls.hpp>
+#include <silt/dem/wall/wall_set.hpp>
 
 #include <concepts>
 #include <cstdint>
-#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -39,67 +39,6 @@
 #include <vector>
 
 namespace silt::dem {
-
-template <class P, class Law, class... Walls>
-class ContactsOf;
-
-/// Contacts between grains, and between grains and walls, with one law or one per pair of
-/// materials. A wall is any type that models dem::Wall. A simulation of grains of type P stores
-/// them as a ContactsOf<P, …>; for calls without a simulation see for_particles() in
-/// core/concepts.hpp.
-template <class Law, class... Walls>
-class Contacts {
- public:
-  /// Throws if a parameter of the law or of a wall is out of range.
-  explicit Contacts(Law law, Walls... walls) : Contacts(Materials<Law>{law}, std::move(walls)...) {}
-  explicit Contacts(Materials<Law> materials, Walls... walls)
-      : materials_(std::move(materials)), walls_(std::move(walls)...) {
-    for (Index w = 0; w < walls_.size(); ++w) {
-      materials_.check(walls_.material(w), "of wall " + std::to_string(w));
-    }
-  }
-
-  /// A copy with other settings. Throws if a setting is out of range.
-  Contacts with(const ContactSettings& settings) const {
-    settings.check();
-    Contacts contacts = *this;
-    contacts.settings_ = settings;
-    return contacts;
-  }
-
-  /// Fails to compile, with a readable message, for particles that these contacts cannot act on.
-  template <class P>
-  static constexpr void explain() {
-    static_assert(HasFields<P, velocity_t, spin_t, force_t, torque_t, mass_t, inertia_t, radius_t,
-                            material_t>,
-                  "silt::dem::Contacts: these particles lack a field of dem::Grains");
-    static_assert(in_rows_with_radius<P>(),
-                  "silt::dem::Contacts: these particles are not stored as dem::Grains; use "
-                  "dem::Grains<Dim, Real, further_fields…>");
-    static_assert(ContactLaw<Law, P::dimension, typename P::Real>,
-                  "silt::dem::Contacts: the law has neither force(contact) nor force(contact, "
-                  "history) that returns a vector, nor components() instead (see ContactLaw in "
-                  "silt/dem/law/contact.hpp)");
-    static_assert((Wall<Walls, P::dimension, typename P::Real> && ...),
-                  "silt::dem::Contacts: a wall lacks nearest(x), material or check(), or has "
-                  "another dimension or precision (see silt/dem/wall/wall.hpp), or its motion is "
-                  "not a WallMotion (see silt/dem/wall/moving.hpp)");
-  }
-
-  // See ForParticles in core/concepts.hpp.
-  using Description = Contacts;
-  template <class P>
-    requires HasFields<P, velocity_t, spin_t, force_t, torque_t, mass_t, inertia_t, radius_t,
-                       material_t> &&
-                 ContactLaw<Law, P::dimension, typename P::Real> &&
-                 (Wall<Walls, P::dimension, typename P::Real> && ...)
-  using For = ContactsOf<P, Law, Walls...>;
-
- protected:
-  Materials<Law> materials_;
-  WallSet<Walls...> walls_;
-  ContactSettings settings_;
-};
 
 /// Contacts of grains of type P; see Contacts.
 template <class P, class Law, class... Walls>
@@ -124,12 +63,13 @@ class ContactsOf : public Contacts<Law, Walls...> {
     return contacts;
   }
 
-  /// Interaction range: twice the largest radius [m].
+  /// Interaction range: twice the largest radius [m]. Throws if a radius is infinite.
   Real reach(const P& grains) const {
     if (reach_.revision != grains.constants_revision()) {
       const auto R = grains[radius];
-      reach_.revision = grains.constants_revision();
-      reach_.value = 2 * largest(R.size(), Real(0), [&](Index i) { return R[i]; });
+      const Real range = 2 * largest(R.size(), Real(0), [&](Index i) { return R[i]; });
+      if (!is_finite(range)) detail::check_grains(grains, materials_);
+      reach_ = {grains.constants_revision(), range};
     }
     return reach_.value;
   }
@@ -144,7 +84,8 @@ class ContactsOf : public Contacts<Law, Walls...> {
 
   /// Adds contact forces and torques, in a pass over the grains if one is given, see
   /// AcceleratesInPass in core/concepts.hpp. Throws if two centres coincide, if a radius, mass or
-  /// inertia is not positive, if a material does not exist, or if dt exceeds the stability limit.
+  /// inertia is not positive and finite, if a material does not exist, or if dt exceeds the
+  /// stability limit.
   template <class S, class Before = DoNothing, class After = DoNothing>
   void accelerate(P& grains, const S& search, double dt, const Pass<Before, After>& pass = {}) {
     Evaluation evaluation = begin_step(grains, search, {.time = time_, .time_step = dt});
@@ -171,12 +112,19 @@ class ContactsOf : public Contacts<Law, Walls...> {
   /// Simulation.
   void set_time(double time) { time_ = time; }
 
-  /// Default time step [s]: the shortest contact duration of the lightest grains, divided by
-  /// steps_per_contact.
+  /// Default time step [s]: the shortest contact duration of the lightest grains with each other
+  /// or with a wall, divided by steps_per_contact; infinite without grains or stiffness. Throws if
+  /// a wall makes it less than a thousandth of that of the grains alone.
   double time_step(const P& grains) const {
-    double shortest = std::numeric_limits<double>::infinity();
-    if constexpr (knows_stiffness) shortest = detail::shortest_contact(grains, materials_);
-    return shortest / settings_.steps_per_contact;
+    const auto& shortest = shortest_contacts(grains);
+    detail::check_walls_are_not_too_stiff(shortest, settings_.steps_per_contact);
+    return shortest.of_all.duration / settings_.steps_per_contact;
+  }
+  /// What determines time_step(); see LimitsTimeStep in core/concepts.hpp.
+  std::string limit_of_time_step(const P& grains) const {
+    const auto& shortest = shortest_contacts(grains).of_all;
+    return "dem::Contacts: " + shortest.name() + " lasts " + to_text(shortest.duration) +
+           " s; use a softer material";
   }
 
   /// Number of contacts in the last step, including those with walls.
@@ -237,9 +185,15 @@ class ContactsOf : public Contacts<Law, Walls...> {
   void transfer(Archive& archive, const P& grains) {
     auto own = history(grains);
     auto list = saved_list(grains);
+    if constexpr (!Archive::reads) {
+      // Those given by set_history() may be of grains that were removed since, or of none.
+      own.keep_if([&](Id a, Id b) { return detail::may_touch(grains, a, b); });
+    }
     archive.within("history", [&] { own.transfer(archive); });
     archive.within("list", [&] { list.transfer(archive); });
     if constexpr (Archive::reads) {
+      own.for_each_pair([&](Id a, Id b, const auto&) { detail::check_pair(grains, a, b); });
+      list.check(grains);
       set_history(grains, own);
       restore_list(list, grains);
     }
@@ -303,6 +257,18 @@ class ContactsOf : public Contacts<Law, Walls...> {
   ContactsOfStep last_step(const P& grains) const {
     have_results_been_used_.set();
     return results_for(grains);
+  }
+
+  const detail::ShortestContacts& shortest_contacts(const P& grains) const {
+    if (shortest_.revision != grains.constants_revision()) {
+      detail::ShortestContacts now;
+      if constexpr (knows_stiffness) {
+        detail::check_grains(grains, materials_);
+        now = detail::shortest_contacts(grains, materials_, walls_);
+      }
+      shortest_ = {grains.constants_revision(), now};
+    }
+    return shortest_.value;
   }
 
   // An evaluation with the list and the histories before it.
@@ -370,7 +336,7 @@ class ContactsOf : public Contacts<Law, Walls...> {
     return is_of_these ? SavedList(last) : SavedList();
   }
   void restore_list(const SavedList& saved, const P& grains) {
-    if (!saved.fits(grains, walls_.elements())) return;  // it is rebuilt in the next step
+    if (!saved.fits(walls_.elements())) return;  // it is rebuilt in the next step
     const auto list = take_list();
     saved.restore(grains, *list, memory_.by_block);
     Evaluation last;
@@ -380,11 +346,14 @@ class ContactsOf : public Contacts<Law, Walls...> {
     state_.given_history.reset();
   }
 
-  struct Reach {
-    std::uint64_t revision = 0;
-    Real value = 0;
+  // A function of the constants of the grains.
+  template <class T>
+  struct Known {
+    std::uint64_t revision = 0;  // of the constants
+    T value{};
   };
-  mutable Reach reach_;
+  mutable Known<Real> reach_;
+  mutable Known<detail::ShortestContacts> shortest_;
   // Then the memory of three steps is in use, where two fit the cache better.
   mutable silt::detail::Mark have_results_been_used_{false};
   mutable std::optional<bool> is_rebuild_announced_;  // by needs_search(), for the next evaluation

@@ -11,7 +11,6 @@
 #include <silt/dem/contact/elementary_time_steps.hpp>
 #include <silt/dem/contact/single_contacts.hpp>
 #include <silt/dem/law/contact.hpp>
-#include <silt/dem/law/materials.hpp>
 
 #include <algorithm>
 #include <array>
@@ -139,39 +138,6 @@ class FrequencyBound {
   Matrix springs_{};
   Matrix dashpots_{};
 };
-
-/// Overlap over radius at which shortest_contact evaluates the stiffness of non-linear springs.
-inline constexpr double usual_overlap = 0.01;
-
-/// Shortest contact duration of two of the lightest grains [s], π √(m*/k) with the largest
-/// stiffness at usual_overlap; infinite without grains or stiffness.
-template <class P, class Law>
-double shortest_contact(const P& grains, const Materials<Law>& materials) {
-  using Real = typename P::Real;
-  const auto m = grains[mass];
-  double shortest = std::numeric_limits<double>::infinity();
-  const double lightest = -largest(m.size(), -shortest, [&](Index i) { return -double(m[i]); });
-  if (!(lightest > 0) || !is_finite(lightest)) return shortest;
-  const Index grain = first_where(m.size(), [&](Index i) { return double(m[i]) == lightest; });
-  const double R = double(grains[radius][grain]);
-  Contact<P::dimension, Real> contact{};
-  contact.effective_mass = static_cast<Real>(lightest / 2);
-  contact.effective_radius = static_cast<Real>(R / 2);
-  contact.overlap = static_cast<Real>(usual_overlap * R);
-  const double m_over_I = lightest / double(grains[inertia][grain]);
-  for (std::uint32_t a = 0; a < materials.count(); ++a) {
-    for (std::uint32_t b = 0; b < materials.count(); ++b) {
-      const Stiffness k = materials.between(a, b).stiffness(contact);
-      // A tangential spring also rotates the grain: 1 + m R²/I is 3 for discs and 3.5 for
-      // spheres.
-      const double stiffest = std::max({k.normal, 3.5 * k.tangential, k.rolling * m_over_I});
-      if (!(stiffest > 0)) continue;
-      shortest =
-          std::min(shortest, contact_duration({.mass = lightest / 2, .stiffness = stiffest}));
-    }
-  }
-  return shortest;
-}
 
 /// A time step [s] that is stable for all grains: that of a grain with the largest number of
 /// contacts, all with the largest stiffness. Infinite without stiffness. law_of(c) is the law of a

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: MIT
+// The default time step of contacts: a fraction of the shortest contact that may occur. Only
+// materials that grains or walls have count, and no pair of two walls, which never touch.
+#pragma once
+
+#include <silt/core/error.hpp>
+#include <silt/core/parallel.hpp>
+#include <silt/core/types.hpp>
+#include <silt/dem/contact/elementary_time_steps.hpp>
+#include <silt/dem/law/contact.hpp>
+#include <silt/dem/law/materials.hpp>
+#include <silt/dem/setup/grains.hpp>
+
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <vector>
+
+namespace silt::dem::detail {
+
+/// Overlap over radius at which the stiffness of non-linear springs is evaluated.
+inline constexpr double usual_overlap = 0.01;
+
+/// A contact of one of the lightest grains, and how long it lasts.
+struct TypicalContact {
+  double duration = std::numeric_limits<double>::infinity();  ///< [s]; infinite without stiffness
+  std::uint32_t material = 0;                                 ///< of the grain
+  std::uint32_t other = 0;                                    ///< of the other grain or the wall
+  Index wall = no_index;                                      ///< `no_index`: another grain
+
+  std::string name() const {
+    const std::string grains = "of material " + std::to_string(material);
+    if (wall != no_index) {
+      return "a contact of a grain " + grains + " with wall " + std::to_string(wall) +
+             " of material " + std::to_string(other);
+    }
+    if (material == other) return "a contact of two grains " + grains;
+    return "a contact of a grain " + grains + " with one of material " + std::to_string(other);
+  }
+};
+
+/// The shortest contact between grains, and that of all; the second may be the first.
+struct ShortestContacts {
+  TypicalContact of_grains;
+  TypicalContact of_all;
+};
+
+/// The numbers, in ascending order, of the materials that at least one grain has.
+template <class P, class Law>
+std::vector<std::uint32_t> materials_of(const P& grains, const Materials<Law>& materials) {
+  const auto of_grain = grains[material];
+  std::vector<std::uint32_t> result;
+  for (std::uint32_t a = 0; a < materials.count(); ++a) {
+    const auto is_it = [&](Index i) { return of_grain[i] == a; };
+    if (first_where(grains.size(), is_it) != no_index) result.push_back(a);
+  }
+  return result;
+}
+
+/// The shortest contacts of the lightest grains, π √(m*/k) with the largest stiffness at
+/// usual_overlap. The grains are valid, see check_grains(); `walls` is a WallSet.
+template <class P, class Law, class Walls>
+ShortestContacts shortest_contacts(const P& grains, const Materials<Law>& materials,
+                                   const Walls& walls) {
+  using Real = typename P::Real;
+  ShortestContacts shortest;
+  if (grains.size() == 0) return shortest;
+  const auto m = grains[mass];
+  const double lightest = -largest(m.size(), -std::numeric_limits<double>::infinity(),
+                                   [&](Index i) { return -double(m[i]); });
+  const Index grain = first_where(m.size(), [&](Index i) { return double(m[i]) == lightest; });
+  const double R = double(grains[radius][grain]);
+  const double m_over_I = lightest / double(grains[inertia][grain]);
+  // `share` is ½ between two such grains and 1 at a wall.
+  const auto duration = [&](const Law& law, double share) {
+    Contact<P::dimension, Real> contact{};
+    contact.effective_mass = static_cast<Real>(share * lightest);
+    contact.effective_radius = static_cast<Real>(share * R);
+    contact.overlap = static_cast<Real>(usual_overlap * R);
+    const Stiffness k = law.stiffness(contact);
+    // A tangential spring also rotates the grain: 1 + m R²/I is 3 for discs and 3.5 for spheres.
+    const double stiffest = std::max({k.normal, 3.5 * k.tangential, k.rolling * m_over_I});
+    return stiffest > 0 ? contact_duration({.mass = share * lightest, .stiffness = stiffest})
+                        : std::numeric_limits<double>::infinity();
+  };
+  const auto add = [](TypicalContact& to, const TypicalContact& contact) {
+    if (contact.duration < to.duration) to = contact;
+  };
+  const auto present = materials_of(grains, materials);
+  for (const std::uint32_t a : present) {
+    for (const std::uint32_t b : present) {
+      add(shortest.of_grains, {duration(materials.between(a, b), 0.5), a, b, no_index});
+    }
+  }
+  shortest.of_all = shortest.of_grains;
+  for (Index w = 0; w < walls.size(); ++w) {
+    const std::uint32_t b = walls.material(w);
+    for (const std::uint32_t a : present) {
+      add(shortest.of_all, {duration(materials.between(a, b), 1), a, b, w});
+    }
+  }
+  return shortest;
+}
+
+/// Throws if a wall makes the default time step, a fraction 1/steps_per_contact of the shortest
+/// contact, less than a thousandth of that for the grains alone.
+inline void check_walls_are_not_too_stiff(const ShortestContacts& shortest,
+                                          double steps_per_contact) {
+  constexpr double least = 1e-3;
+  const double alone = shortest.of_grains.duration;
+  if (!is_finite(alone) || !(shortest.of_all.duration < least * alone)) return;
+  fail("dem::Contacts: the default time step, " +
+       to_text(shortest.of_all.duration / steps_per_contact) + " s for " + shortest.of_all.name() +
+       ", is less than a thousandth of the " + to_text(alone / steps_per_contact) +
+       " s for contacts between grains; use a softer wall, or pass a time step");
+}
+
+}  // namespace silt::dem::detail
