@@ -5,33 +5,21 @@
 
 #include "support/check.hpp"
 #include "support/points.hpp"
+#include "support/warm_particles.hpp"
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <limits>
-#include <map>
-#include <random>
+#include <string>
+#include <vector>
 
 namespace silt::test {
 namespace {
 
-inline constexpr struct temperature_t : scalar_field {
-} temperature{};
-inline constexpr struct colour_t : field_of<std::array<unsigned char, 3>>, constant_field {
-} colour{};
-struct heat_t : scalar_field, derived_field {};
-
-template <int Dim, class Real>
-using Warm = Particles<Dim, Real, velocity_t, spin_t, temperature_t, colour_t, heat_t>;
-
 template <class P>
 class AllParticles : public ::testing::Test {};
-template <int Dim, class Real>
-using WarmInRows = Particles<Dim, Real, velocity_t, spin_t, temperature_t, colour_t, heat_t,
-                             Bundle<position_t, velocity_t, temperature_t, spin_t>>;
-using Kinds = ::testing::Types<Warm<2, double>, Warm<2, float>, Warm<3, double>, Warm<3, float>,
-                               WarmInRows<2, double>, WarmInRows<3, float>>;
-TYPED_TEST_SUITE(AllParticles, Kinds);
+TYPED_TEST_SUITE(AllParticles, WarmKinds);
 
 TYPED_TEST(AllParticles, AreAddedWithAPositionAndZeros) {
   TypeParam particles;
@@ -47,50 +35,37 @@ TYPED_TEST(AllParticles, AreAddedWithAPositionAndZeros) {
   EXPECT_EQ(particles[colour][0], (std::array<unsigned char, 3>{}));
 }
 
-// Compared with a model: a map from id to the expected values of the particle.
-TYPED_TEST(AllParticles, KeepTheirRowsWhileOthersAreAddedRemovedAndReordered) {
-  using Real = typename TypeParam::Real;
-  using Vec = typename TypeParam::Vec;
-  TypeParam particles;
-  std::map<Id, Real> alive;
-  std::mt19937 random(1);
-  Real next = 1;
-  const auto expect_as_modelled = [&] {
-    ASSERT_EQ(particles.size(), alive.size());
-    for (const auto& [id, value] : alive) {
-      const Index i = particles.index_of(id);
-      ASSERT_LT(i, particles.size());
-      EXPECT_EQ(particles.id(i), id);
-      EXPECT_EQ(particles[position][i], Vec(Vec::Constant(value)));
-      EXPECT_EQ(particles[temperature][i], value);
-      EXPECT_EQ(particles[colour][i][1], static_cast<unsigned char>(id));
-    }
-  };
-  std::uint64_t revision = particles.revision();
-  for (int round = 0; round < 30; ++round) {
-    for (int k = 0; k < 5; ++k, next += 1) {
-      const Index i = particles.add(Vec::Constant(next));
-      EXPECT_FALSE(alive.contains(particles.id(i))) << "an id is never used again";
-      particles[temperature][i] = next;
-      particles[colour][i][1] = static_cast<unsigned char>(particles.id(i));
-      alive[particles.id(i)] = next;
-    }
-    std::vector<Index> order(particles.size());
-    for (Index i = 0; i < order.size(); ++i) order[i] = i;
-    std::shuffle(order.begin(), order.end(), random);
-    particles.reorder(order);
-    expect_as_modelled();
+// Particle k at (k, k, …).
+template <class P>
+P five_in_a_row() {
+  P particles;
+  for (int k = 0; k < 5; ++k) particles.add(P::Vec::Constant(static_cast<typename P::Real>(k)));
+  return particles;
+}
 
-    const Id gone = particles.id(random() % particles.size());
-    particles.remove(gone);
-    alive.erase(gone);
-    EXPECT_EQ(particles.index_of(gone), no_index);
-    const Index removed = particles.remove_if([&](Index i) { return particles.id(i) % 7 == 3; });
-    EXPECT_EQ(removed, std::erase_if(alive, [](const auto& row) { return row.first % 7 == 3; }));
-    expect_as_modelled();
-    EXPECT_GT(particles.revision(), revision);
-    revision = particles.revision();
-  }
+TYPED_TEST(AllParticles, AreUnchangedIfTheChoiceOfThoseToRemoveThrows) {
+  auto particles = five_in_a_row<TypeParam>();
+  const Bytes before = state_of(particles);
+  const auto revision = particles.owned_revision();
+  EXPECT_TRUE(refuses(
+      [&] {
+        particles.remove_if([](Index i) {
+          if (i == 3) fail("three");
+          return i < 2;
+        });
+      },
+      {"three"}));
+  EXPECT_EQ(state_of(particles), before);
+  EXPECT_EQ(particles.owned_revision(), revision);
+  for (Index i = 0; i < particles.size(); ++i) EXPECT_EQ(particles.index_of(particles.id(i)), i);
+}
+
+TYPED_TEST(AllParticles, AreAllThereWhileThoseToRemoveAreChosen) {
+  auto particles = five_in_a_row<TypeParam>();
+  const Index removed = particles.remove_if(
+      [&](Index i) { return i == 0 || (i == 2 && particles.id(0) == 0); });
+  EXPECT_EQ(removed, 2u);
+  EXPECT_EQ(particles.index_of(2), no_index);
 }
 
 TYPED_TEST(AllParticles, AreReorderedAsGiven) {
@@ -147,14 +122,6 @@ TYPED_TEST(AllParticles, HaveGhostsThatAreShiftedCopies) {
   particles.add(Vec::Zero());
   EXPECT_EQ(particles.total(), 3u);
   EXPECT_EQ(particles[temperature][1], Real(30));
-}
-
-// Particle k at (k, k, …).
-template <class P>
-P five_in_a_row() {
-  P particles;
-  for (int k = 0; k < 5; ++k) particles.add(P::Vec::Constant(static_cast<typename P::Real>(k)));
-  return particles;
 }
 
 TYPED_TEST(AllParticles, AreRestoredToTheSavedState) {
