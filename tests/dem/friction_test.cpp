@@ -33,6 +33,31 @@ Vec<2> after_sliding(const dem::CundallStrack& law, double overlap, double speed
   return force;
 }
 
+// A spring force with a part in the contact plane that is as small as can be.
+template <class Real>
+void expect_finite_spring(double normal_part) {
+  using Vec = silt::Vec<3, Real>;
+  const Vec n(0, 0, 1);
+  for (double part = 1; part > 1e-200; part /= 16) {
+    const Vec spring(Real(part), 0, Real(normal_part));
+    const Vec rotated = dem::rotated_into_plane(spring, n);
+    const double size = std::hypot(part, normal_part);
+    ASSERT_GE(double(rotated[0]), 0) << part << " of " << normal_part;
+    ASSERT_LE(double(rotated[0]), 1.0001 * size) << part << " of " << normal_part;
+    if (part > 1e-18 * size && part > 1e-15) {
+      EXPECT_NEAR(double(rotated[0]) / size, 1, 1e-6) << part << " of " << normal_part;
+    }
+  }
+}
+
+TEST(Friction, HasAFiniteSpringWhateverTheRotationOfTheContact) {
+  for (const double normal_part : {0.0, 1e-3, 1.0, 1e3, 1e9}) {
+    expect_finite_spring<float>(normal_part);
+    expect_finite_spring<double>(normal_part);
+    expect_finite_spring<Lane<float>>(normal_part);
+  }
+}
+
 TEST(Friction, ASlidingContactHasNoTangentialDamping) {
   dem::CundallStrack law{
       .normal_stiffness = 1e4, .tangential_stiffness = 1e4, .friction_angle = 0.5};

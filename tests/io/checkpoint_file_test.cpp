@@ -60,6 +60,40 @@ TEST_F(CheckpointFile, KeepsTheOrderInMemoryWithAList) {
   expect_same_order<NeighbourList<2>>(path);
 }
 
+// Just so many small grains in a cell of the large one that the list finds contacts with levels of
+// sizes, if the cell is enlarged by the skin that was wanted, not by that of the small grains.
+auto large_among_small() {
+  const double small_radius = 1e-3;
+  const auto points = lattice(cube<2, double>(0, 0.106), 2.1 * small_radius);
+  auto grains = dem::make_grains(points, {.radius = small_radius, .density = 2500});
+  const auto v = random_points(points.size(), cube<2, double>(-1, 1), 5);
+  for (Index i = 0; i < grains.size(); ++i) grains[velocity][i] = v[i];
+  dem::add_grain(grains, {0.07, -0.025}, {.radius = 25 * small_radius, .density = 2500});
+  return Simulation{grains, NeighbourList<2>({.radius = 0.05}), GravityWithSearch{{3, -9.81}},
+                    Leapfrog{}};
+}
+
+TEST_F(CheckpointFile, KeepsTheOrderInMemoryOfGrainsOfVeryDifferentSizes) {
+  for (const bool adds_grain : {false, true}) {
+    SCOPED_TRACE(adds_grain ? "with a new grain" : "with the same grains");
+    auto whole = large_among_small();
+    for (int k = 0; k < 20; ++k) whole.step(1e-4);
+    EXPECT_LT(whole.search().skin(), 1e-3) << "no levels";
+    if (adds_grain) dem::add_grain(whole.particles(), {0, 0.2}, pebble);
+    write_checkpoint(path, whole);
+    auto part = Simulation{dem::Grains<2>{}, NeighbourList<2>({.radius = 0.05}),
+                           GravityWithSearch{{3, -9.81}}, Leapfrog{}};
+    read_checkpoint(path, part);
+    for (int k = 0; k < 20; ++k) {
+      whole.step(1e-4);
+      part.step(1e-4);
+      ASSERT_EQ(state_of(part.particles()), state_of(whole.particles())) << "step " << k;
+      ASSERT_EQ(part.search().skin(), whole.search().skin()) << "step " << k;
+      ASSERT_EQ(part.search().rebuilds(), whole.search().rebuilds()) << "step " << k;
+    }
+  }
+}
+
 const dem::CundallStrack law{.normal_stiffness = 1e5, .tangential_stiffness = 5e4};
 
 auto two() {

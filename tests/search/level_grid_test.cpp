@@ -3,6 +3,7 @@
 #include "support/points.hpp"
 
 #include <silt/core/fields.hpp>
+#include <silt/core/lattice.hpp>
 #include <silt/search/level_grid.hpp>
 #include <silt/search/neighbour_list.hpp>
 
@@ -195,6 +196,19 @@ TEST(LevelGrid, WorksInANeighbourList) {
   }
   EXPECT_GT(found.rebuilds(), 1u);
   EXPECT_LT(found.rebuilds(), 40u);
+}
+
+TEST(LevelGrid, InANeighbourListDoesNotCountAsAChangeOfTheRadii) {
+  Grains<2> grains;
+  for (const auto& x : lattice(cube<2, double>(0, 0.15), 0.0021)) grains.add(x);
+  for (auto& R : grains[radius]) R = 0.001;
+  const Index large = grains.add({0.07, -0.025});
+  grains[radius][large] = 0.025;
+  const auto revision = grains.constants_revision();
+  NeighbourList<2> found({.radius = 0.05, .skin_fraction = 0.2});
+  found.update(grains);
+  EXPECT_LT(found.skin(), 0.001) << "no levels";
+  EXPECT_EQ(grains.constants_revision(), revision);
 }
 
 TEST(LevelGrid, IsTheSameForAnyNumberOfThreads) {

@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
 #include <cstring>
 #include <filesystem>
 #include <limits>
@@ -59,6 +60,81 @@ TYPED_TEST(HistoryInCheckpoint, HasNoOtherBytesThanItsNumbers) {
   using Space = typename TypeParam::template History<3, double>;
   EXPECT_EQ(written_over<Plane>(0), written_over<Plane>(0xff));
   EXPECT_EQ(written_over<Space>(0), written_over<Space>(0xff));
+}
+
+// A contact that remembers a number and whether it has slid, as a user may define it.
+struct Slid {
+  double size = 0;
+  bool has_slid = false;
+  template <class Archive>
+  void transfer(Archive& archive) {
+    archive("size", size);
+    archive("has_slid", has_slid);
+  }
+  bool operator==(const Slid&) const = default;
+};
+struct Nothing {
+  template <class Archive>
+  void transfer(Archive&) {}
+  bool operator==(const Nothing&) const = default;
+};
+struct NothingInside {
+  double scratch = 0;
+  Nothing nothing;
+  template <class Archive>
+  void transfer(Archive& archive) {
+    archive("nothing", nothing);
+  }
+  bool operator==(const NothingInside&) const = default;
+};
+
+template <class T>
+std::string written(const std::vector<T>& values) {
+  checkpoint::Writer writer;
+  writer("values", values);
+  writer("end", 1.5);
+  return std::move(writer).finish();
+}
+template <class T>
+std::vector<T> read(const std::string& bytes, std::vector<T> values) {
+  checkpoint::Reader reader("test", bytes);
+  double end = 0;
+  reader.read_all([&] {
+    reader("values", values);
+    reader("end", end);
+  });
+  EXPECT_EQ(end, 1.5);
+  return values;
+}
+
+TEST(StructsInCheckpoint, AreReadWithTruthValues) {
+  const std::vector<Slid> values{{1, true}, {2, false}, {3, true}};
+  EXPECT_EQ(read(written(values), std::vector<Slid>(7)), values);
+  // A truth value with other bits is refused.
+  std::string bytes = written(values);
+  const Index at = bytes.find("has_slid") + 8 + 1 + 4 + 4 + 8;
+  ASSERT_EQ(bytes[at], 1);
+  bytes[at] = 2;
+  bytes.resize(bytes.size() - sizeof(std::uint64_t));
+  const std::uint64_t sum = checkpoint::checksum(bytes);
+  bytes.append(reinterpret_cast<const char*>(&sum), sizeof sum);
+  EXPECT_TRUE(refuses([&] { read(bytes, values); }, {"has_slid = 2, which is neither 0 nor 1"}));
+}
+
+TEST(StructsInCheckpoint, AreAsManyAsWrittenIfTheyHaveNoMembers) {
+  for (const Index n : {Index{0}, Index{5}}) {
+    EXPECT_EQ(read(written(std::vector<Nothing>(n)), std::vector<Nothing>(3)).size(), n);
+    EXPECT_EQ(read(written(std::vector<NothingInside>(n)), std::vector<NothingInside>(3)).size(),
+              n);
+  }
+  const PairHistory<Nothing> pairs({{1, 2, {}}, {1, 3, {}}});
+  checkpoint::Writer writer;
+  PairHistory<Nothing>(pairs).transfer(writer);
+  const std::string bytes = std::move(writer).finish();
+  checkpoint::Reader reader("test", bytes);
+  PairHistory<Nothing> found;
+  reader.read_all([&] { found.transfer(reader); });
+  EXPECT_EQ(found.size(), 2u);
 }
 
 using CheckpointBytes = FileTest;

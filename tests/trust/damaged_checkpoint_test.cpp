@@ -246,6 +246,63 @@ TEST_F(DamagedCheckpoint, NamesFileFieldAndValue) {
   refused("part 2/has_begun", two, {"part 2/has_begun = 2", earlier});
 }
 
+// Three grains in a row on a floor.
+auto row_on_floor() {
+  dem::Grains<2> grains;
+  for (int k = 0; k < 3; ++k) {
+    dem::add_grain(grains, {0.0199 * k, 0.0099}, {.radius = 0.01, .density = 2500});
+  }
+  RunWith run{
+      Simulation{grains, UniformGrid<2>{}, dem::Contacts{law, dem::Plane<2>{}}, Leapfrog{}}};
+  run.simulation.step();
+  return run;
+}
+
+TEST_F(DamagedCheckpoint, WithContactsThatCannotBeIsRefused) {
+  auto run = row_on_floor();
+  const std::string good = written(run);
+  const std::string history = "simulation/interaction/history/";
+  const std::string list = "simulation/interaction/list/";
+  const auto refused = [&](const std::string& name, Id value, Index number,
+                           std::vector<std::string> fragments) {
+    write(with_entry(good, name, value, number * sizeof value));
+    fragments.push_back("use an earlier checkpoint");
+    EXPECT_TRUE(refuses([&] { restart::read(path, run); }, fragments)) << name << ' ' << value;
+    EXPECT_TRUE(written(run) == good) << name << ' ' << value;
+  };
+  // Contacts by grain: 0 with 1 and the floor, 1 with 2 and the floor, 2 with the floor.
+  for (const std::string& partners : {history + "partners", list + "second"}) {
+    refused(partners, 7, 0, {"contact of grain 0 with grain 7 is impossible"});
+    refused(partners, wall_id(dem::max_wall_elements), 1,
+            {"contact of grain 0 with element 268435456 of the walls is impossible"});
+  }
+  refused(list + "first", 1, 0, {"contact of grain 1 with grain 1"});
+  refused(list + "first", 2, 0, {"contact of grain 2 with grain 1"});
+  refused(list + "first", wall_id(1), 1, {"of grain 18446744073709551614 with element 0"});
+  refused(list + "first", 1, 1, {"contact of grain 1 with element 0 of the walls occurs twice"});
+  write(with_entry(good, history + "partners", Id(1), sizeof(Id)));
+  EXPECT_TRUE(refuses([&] { restart::read(path, run); }, {"the pair 0, 1 occurs twice"}));
+}
+
+TEST_F(DamagedCheckpoint, IsNoneIfGrainsWithContactsOrWallsAreMissing) {
+  auto run = row_on_floor();
+  write(written(run));
+  // The contacts with the floor end.
+  RunWith without_floor{
+      Simulation{dem::Grains<2>{}, UniformGrid<2>{}, dem::Contacts{law}, Leapfrog{}}};
+  EXPECT_NO_THROW(restart::read(path, without_floor));
+  EXPECT_NO_THROW(without_floor.simulation.step());
+  EXPECT_EQ(without_floor.simulation.interaction().size(), 2u);
+
+  const auto known = run.simulation.interaction().history(run.simulation.particles());
+  run.simulation.particles().remove(1);
+  run.simulation.interaction().set_history(run.simulation.particles(), known);
+  const std::string text = written(run);
+  EXPECT_TRUE(is_read(text, run));
+  EXPECT_NO_THROW(run.simulation.step());
+  EXPECT_EQ(run.simulation.interaction().size(), 2u);
+}
+
 TEST_F(DamagedCheckpoint, MayHaveAnyNumberOfRemovedParticles) {
   auto run = some_grains<UniformGrid<2>>({3, 2}, 3);
   const std::uint64_t next = std::uint64_t(1) << 62;

@@ -105,6 +105,26 @@ TEST(FailedAllocation, LeavesAFlowAsBeforeTheStep) {
   }
 }
 
+TEST(FailedAllocation, LeavesGrainsThatEscapeAsBeforeTheStep) {
+  auto grains = crowd<2, double>(6, 1);
+  auto box = cube<2, double>(0, 0.12);
+  box.on_escape = OnEscape::remove;
+  grains.set_box(box);
+  Simulation simulation{grains, BruteForce<2>{}, Gravity<2>{{0, -9.81}}, Leapfrog{}};
+  simulation.step(1e-3);  // removes those that are outside already
+  const Index before = simulation.particles().size();
+  for (int step = 0; step < 10; ++step) {
+    for (std::int64_t k = 1;; ++k) {
+      auto trial = simulation;
+      const Bytes state = state_by_id(trial);
+      if (!fails_with_allocation(k, [&] { trial.step(1e-3); })) break;
+      EXPECT_TRUE(state_by_id(trial) == state) << "step " << step << ", allocation " << k;
+    }
+    simulation.step(1e-3);
+  }
+  EXPECT_LT(simulation.particles().size(), before);
+}
+
 // Calls change(particles) with each of its allocations failing.
 template <class P, class Change>
 void fail_each_allocation_of_change(const P& particles, Change&& change) {
@@ -132,6 +152,8 @@ TEST(FailedAllocation, LeavesParticlesAsBefore) {
   const auto grains = dem::make_grains(lattice<3>({{0, 0, 0}, {3, 3, 3}}, 1.0), pebble);
   fail_each_allocation_of_change(grains, [](auto& p) { p.add(Vec<3>::Zero()); });
   fail_each_allocation_of_change(grains, [](auto& p) { p.add_ghost(4, Vec<3>::Ones()); });
+  fail_each_allocation_of_change(
+      grains, [](auto& p) { p.remove_if([](Index i) { return i % 3 == 1; }); });
   std::vector<Index> backwards(grains.size());
   for (Index i = 0; i < backwards.size(); ++i) backwards[i] = backwards.size() - 1 - i;
   fail_each_allocation_of_change(grains, [&](auto& p) { p.reorder(backwards); });

@@ -148,22 +148,31 @@ class Particles {
   }
 
   /// Removes every owned particle i for which removed(i) is true; the others keep their order.
-  /// Returns the number of particles removed.
+  /// Returns the number of particles removed. If it throws, for example because removed(i) does, no
+  /// particle is removed.
   template <std::predicate<Index> Removed>
   Index remove_if(Removed&& removed) {
     clear_ghosts();
-    Index kept = 0;
+    // All are known before the first row is moved: removed(i) may throw, or read other rows.
+    std::vector<Index> gone;
     const Index before = size();
     for (Index i = 0; i < before; ++i) {
-      if (removed(i)) continue;
-      if (kept != i) move_row(i, kept);
-      ++kept;
+      if (removed(i)) gone.push_back(i);
     }
-    if (kept == before) return 0;
+    if (gone.empty()) return 0;
+    Index kept = gone.front();
+    auto next_gone = gone.begin();
+    for (Index i = kept; i < before; ++i) {
+      if (next_gone != gone.end() && *next_gone == i) {
+        ++next_gone;
+      } else {
+        move_row(i, kept++);
+      }
+    }
     columns_.for_each([kept](auto& storage) { storage.resize(kept); });
     ids_.finish_removal(kept);
     note_change();
-    return before - kept;
+    return gone.size();
   }
 
   /// Removes one particle by id. Throws if there is none.

@@ -181,14 +181,14 @@ class Simulation {
       throw error.with_step(steps_, time_);
     }
     bool is_result_finite = true;
-    bool is_verified = false;
+    bool has_removed = false;
     try {
-      is_verified = integrate(dt);
-      if (!is_verified) {
+      if (!integrate(dt)) {
         const auto broken = detail::find_not_finite(particles_);
         is_result_finite = !broken;
         if (broken) detail::fail_after_step(particles_, *broken);
         detail::check_escaped(particles_);
+        has_removed = remove_escaped();
       }
     } catch (const Error& error) {
       restore();
@@ -200,7 +200,7 @@ class Simulation {
       restore();
       throw;
     }
-    if (!is_verified) remove_escaped();
+    if (has_removed) search_.update(particles_);  // its indices are out of date
     time_ += dt;
     ++steps_;
     last_time_step_ = dt;
@@ -224,7 +224,8 @@ class Simulation {
     require_not_negative("Run: output_every", run.output_every);
     if (run.time_step) require_positive("Run: time_step", *run.time_step);
     if (run.output_every > 0) {
-      detail::require_feasible("Run: output_every", run.output_every, "outputs", run.until - time_);
+      detail::require_feasible("Run: output_every", run.output_every, "outputs", run.until - time_,
+                               [] { return "increase it"; });
     }
     const auto make_output = [&] {
       output_time_ = time_;
@@ -250,7 +251,10 @@ class Simulation {
       const detail::Team team(thread_choice_, particles_.size());  // also for the observers
       (detail::call_before_step(observers, *this), ...);
       const double dt = given_time_step > 0 ? given_time_step : time_step();
-      detail::require_feasible("Run: time_step", dt, "steps", run.until - time_);
+      detail::require_feasible("Run: time_step", dt, "steps", run.until - time_, [&] {
+        return given_time_step > 0 ? std::string("increase it")
+                                   : detail::remedy_for_time_step(interaction_, particles_);
+      });
       if (run.end_exactly) {
         step_towards(run.until, dt);
       } else {
@@ -352,14 +356,15 @@ class Simulation {
     }
   }
 
-  void remove_escaped() {
+  // Returns whether there were any.
+  bool remove_escaped() {
     const auto& box = particles_.box();
-    if (box.on_escape != OnEscape::remove) return;
+    if (box.on_escape != OnEscape::remove) return false;
     const P& particles = particles_;  // to read its positions does not count as a change of them
     const auto outside = [&](Index i) { return !box.contains(particles[position][i]); };
-    if (first_where(particles_.size(), outside) == no_index) return;
+    if (first_where(particles_.size(), outside) == no_index) return false;
     particles_lost_ += particles_.remove_if(outside);
-    search_.update(particles_);  // its indices are out of date
+    return true;
   }
 
   P particles_;

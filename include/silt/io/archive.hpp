@@ -74,6 +74,7 @@ class Writer {
         T model{};
         StructColumns<Writer, T> columns(*this, model, values, count);
         model.transfer(columns);
+        columns.finish();
       });
     } else if constexpr (item_of<T>().kind == 'x') {
       std::vector<T> copies(values.begin(), values.begin() + std::ptrdiff_t(count));
@@ -167,6 +168,7 @@ class Reader {
         values.clear();
         StructColumns<Reader, T> columns(*this, model, values, 0);
         model.transfer(columns);
+        columns.finish();
       });
     } else {
       const std::uint64_t count = expect(name, item_of<T>());

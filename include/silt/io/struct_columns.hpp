@@ -16,7 +16,9 @@
 #include <silt/core/error.hpp>
 #include <silt/core/types.hpp>
 
+#include <array>
 #include <cstddef>
+#include <cstdint>
 #include <cstring>
 #include <string>
 #include <string_view>
@@ -73,10 +75,10 @@ class StructColumns {
       archive_.within(name, [&] { member.transfer(*this); });
     } else {
       const Index place = place_of(member);
-      std::vector<M> column;
+      std::vector<InColumn<M>> column;
       if constexpr (reads) {
         archive_(name, column);
-        if (is_first_) values_.assign(column.size(), T{});
+        if (!has_column_) values_.assign(column.size(), T{});
         if (column.size() != values_.size()) {
           fail("member " + std::string(name) + " has " + std::to_string(column.size()) +
                " values, not " + std::to_string(values_.size()) + "; use an earlier checkpoint");
@@ -85,7 +87,6 @@ class StructColumns {
           std::memcpy(bytes_of(values_[k]) + place, static_cast<const void*>(&column[k]),
                       sizeof(M));
         }
-        is_first_ = false;
       } else {
         column.resize(count_);
         for (Index k = 0; k < count_; ++k) {
@@ -93,7 +94,16 @@ class StructColumns {
         }
         archive_(name, column);
       }
+      has_column_ = true;
     }
+  }
+  /// To be called after transfer(). Structs without members get a column of one byte each: their
+  /// number alone could demand any amount of memory in reading.
+  void finish() {
+    if (has_column_) return;
+    std::vector<std::uint8_t> column(count_);
+    archive_("without_members", column);
+    if constexpr (reads) values_.assign(column.size(), T{});
   }
   template <class F>
   void within(std::string_view name, F&& f) {
@@ -105,6 +115,10 @@ class StructColumns {
   }
 
  private:
+  // A vector of bool is not contiguous.
+  template <class M>
+  using InColumn = std::conditional_t<std::is_same_v<M, bool>, std::array<bool, 1>, M>;
+
   static std::byte* bytes_of(T& value) { return reinterpret_cast<std::byte*>(&value); }
   static const std::byte* bytes_of(const T& value) {
     return reinterpret_cast<const std::byte*>(&value);
@@ -118,7 +132,7 @@ class StructColumns {
   T& model_;
   Values values_;
   Index count_;
-  bool is_first_ = true;
+  bool has_column_ = false;
 };
 
 }  // namespace silt::checkpoint

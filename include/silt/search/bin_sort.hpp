@@ -54,10 +54,10 @@ class BinSort {
   /// Number of particles in a lower bin than the previous particle; 0 if all are in order.
   Index descents() const noexcept { return descents_; }
 
-  /// Sum of m² over all bins with m particles, or 0 if no bin has 32.
+  /// Sum of m² over all bins with m particles; if none has 31 or more, it may be 0 instead.
   double squares() const {
-    // A bin with 32 or more has an aligned window of 16. Testing these windows is much faster than
-    // reading all bins, of which there may be 16 for each particle.
+    // A bin with 31 or more has an aligned window of 16, one with 16 or more may have one. To test
+    // these windows is much faster than to read all bins; there may be 16 for each particle.
     constexpr Index window = 16;
     bool is_crowded = false;
     for (Index slot = 0; slot + window <= size() && !is_crowded; slot += window) {

@@ -12,6 +12,7 @@
 #include <silt/search/neighbour_rows.hpp>
 
 #include <algorithm>
+#include <utility>
 
 namespace silt {
 
@@ -61,6 +62,13 @@ class ListGrid {
     return reach.skin;
   }
 
+  /// Writes or reads, for a checkpoint (core/transfer.hpp), by which search particles are sorted
+  /// until the next update.
+  template <class Archive>
+  void transfer(Archive& archive) {
+    archive("has_levels", has_levels_);
+  }
+
   template <class F>
   void for_each_neighbour(Index i, F&& f) const {
     inner_.for_each_neighbour(i, f);
@@ -100,7 +108,7 @@ class ListGrid {
  private:
   template <class P>
   Real update_levels(P& particles, const Reach& reach) {
-    const auto R = particles[radius];
+    const auto R = std::as_const(particles)[radius];  // else they would count as changed
     const Real max_radius = largest(R.size(), Real(0), [&](Index i) { return Real(R[i]); });
     // Levels require a radius that includes all contacts.
     if (reach.radius < 2 * max_radius) {

@@ -203,6 +203,8 @@ class NeighbourList {
     archive("last", last);
     archive("radius", list_.radius);
     archive("skin", list_.skin);
+    archive("wanted_skin", list_.wanted_skin);
+    archive.within("grid", [&] { list_.grid.transfer(archive); });
     archive("has_rows", state_.has_rows);
     archive("requested", requested_);
     archive.within("tuning", [&] { state_.tuning.transfer(archive); });
@@ -231,7 +233,8 @@ class NeighbourList {
   struct List {
     bool built = false;
     Real radius = 0;
-    Real skin = 0;
+    Real skin = 0;         // with which candidates are found [m]
+    Real wanted_skin = 0;  // which decides how they are found, see ListGrid [m]
     std::uint64_t revision = 0;  // of the particles when it was built
     std::uint64_t owned_revision = 0;
     ListGrid<Inner> grid;
@@ -264,8 +267,10 @@ class NeighbourList {
     state_.has_rows[kind] = list_.grid.build_rows(list_.rows[kind], pairs);
   }
 
-  typename ListGrid<Inner>::Reach wanted_reach() const {
-    return {.radius = radius(), .skin = radius() * Real(state_.tuning.fraction())};
+  template <class P>
+  void update_grid(P& particles) {
+    list_.skin =
+        list_.grid.update(particles, {.radius = list_.radius, .skin = list_.wanted_skin});
   }
   // Whether the list can be used for these particles.
   template <class P>
@@ -288,9 +293,9 @@ class NeighbourList {
     list_.built = false;
     state_.has_rows = {};
     list_.radius = radius();
-    list_.skin = wanted_reach().skin;
-    check_periodic_sides(particles.box(), {.radius = list_.radius, .skin = list_.skin});
-    list_.skin = list_.grid.update(particles, wanted_reach());
+    list_.wanted_skin = radius() * Real(state_.tuning.fraction());
+    check_periodic_sides(particles.box(), {.radius = list_.radius, .skin = list_.wanted_skin});
+    update_grid(particles);
     const auto x = particles[position];
     list_.reference.assign(x.begin(), x.end());
     set_revisions(particles);
@@ -318,9 +323,7 @@ class NeighbourList {
   // Builds the list again from the positions at which it was built.
   template <class P>
   void repeat_build(P& particles, const std::vector<Vec>& reference) {
-    at_positions(particles, reference, [&] {
-      list_.grid.update(particles, {.radius = list_.radius, .skin = list_.skin});
-    });
+    at_positions(particles, reference, [&] { update_grid(particles); });
     list_.reference = reference;
     set_revisions(particles);
     for (const Pairs pairs : {Pairs::twice, Pairs::once}) {

@@ -57,7 +57,7 @@ class SortedCells {
   Index size() const noexcept { return order_.size(); }
   /// Number of points in a lower bin than the previous point.
   Index descents() const noexcept { return order_.descents(); }
-  /// Sum of m² over all bins with m points, or 0 if no bin has 32.
+  /// Sum of m² over all bins with m points; if none has 31 or more, it may be 0 instead.
   double squares() const { return order_.squares(); }
   const Cells<Dim, Real>& cells() const noexcept { return cells_; }
   /// First slot of each bin, and the number of points.

@@ -19,6 +19,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <string>
 #include <vector>
 
 namespace silt::dem::detail {
@@ -53,23 +54,31 @@ struct ListLifetime {
   std::uint64_t constants_revision = 0;
 };
 
-/// Throws if a radius, mass or inertia is not positive, or if a grain's material does not exist.
+/// Throws if a radius, mass or inertia is not positive and finite, or if a grain's material does
+/// not exist.
 template <class P, class Law>
 void check_grains(const P& grains, const Materials<Law>& materials) {
   const auto R = grains[radius];
   const auto m = grains[mass];
   const auto inertias = grains[inertia];
   const auto numbers = grains[material];
+  const auto is_valid = [](auto value) { return is_finite(value) && value > 0; };
   const Index odd = first_where(grains.size(), [&](Index i) {
-    return !(R[i] > 0 && m[i] > 0 && inertias[i] > 0 && numbers[i] < materials.count());
+    return !(is_valid(R[i]) && is_valid(m[i]) && is_valid(inertias[i]) &&
+             numbers[i] < materials.count());
   });
   if (odd == no_index) return;
   const Where where{.particle = odd, .id = grains.id(odd)};
   materials.check(numbers[odd], "of a grain", where);
-  fail("dem::Contacts: radius = " + to_text(double(R[odd])) + " m, mass = " +
-           to_text(double(m[odd])) + " kg and inertia = " + to_text(double(inertias[odd])) +
-           " kg m² of a grain must be positive; set them",
-       where);
+  const auto check = [&](const char* name, auto value, const char* unit) {
+    if (is_valid(value)) return;
+    fail(std::string("dem::Contacts: ") + name + " = " + to_text(double(value)) + " " + unit +
+             " of a grain must be positive and finite; set it, or add grains by add_grain()",
+         where);
+  };
+  check("radius", R[odd], "m");
+  check("mass", m[odd], "kg");
+  check("inertia", inertias[odd], "kg m²");
 }
 
 /// Copies the constants of the grains to a new list.

@@ -7,6 +7,7 @@
 #include <silt/core/types.hpp>
 
 #include <algorithm>
+#include <concepts>
 #include <string>
 #include <utility>
 #include <vector>
@@ -44,6 +45,12 @@ class PairHistory {
   }
 
   Index size() const noexcept { return entries_.size(); }
+
+  /// Removes the pairs for which is_kept(owner id, partner id) is false.
+  template <std::predicate<Id, Id> IsKept>
+  void keep_if(IsKept&& is_kept) {
+    std::erase_if(entries_, [&](const Entry& e) { return !is_kept(e.owner, e.partner); });
+  }
 
   /// Writes or reads the table for a checkpoint, see core/transfer.hpp.
   template <class Archive>

@@ -3,15 +3,45 @@
 // grains, in the same steps as without a restart; see is_stale().
 #pragma once
 
+#include <silt/core/error.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/contact/contact_list.hpp>
 #include <silt/dem/contact/list_rebuild.hpp>
 #include <silt/dem/contact/pair_history.hpp>
+#include <silt/dem/wall/wall_set.hpp>
 
+#include <algorithm>
 #include <cstdint>
+#include <string>
+#include <utility>
 #include <vector>
 
 namespace silt::dem::detail {
+
+inline Index element_of(Id id) { return ~id; }
+
+[[noreturn]] inline void refuse_pair(Id first, Id second, const std::string& reason) {
+  const std::string name = is_wall_id(second)
+                               ? "element " + std::to_string(element_of(second)) + " of the walls"
+                               : "grain " + std::to_string(second);
+  fail("dem::Contacts: the contact of grain " + std::to_string(first) + " with " + name + ' ' +
+       reason + "; use an earlier checkpoint");
+}
+
+/// Whether these ids may be those of a contact: of a present grain, and of another with a higher id
+/// or of an element that walls may have.
+template <class P>
+bool may_touch(const P& grains, Id first, Id second) {
+  const bool is_second_known = is_wall_id(second) ? element_of(second) < max_wall_elements
+                                                  : grains.index_of(second) != no_index;
+  return first < second && grains.index_of(first) != no_index && is_second_known;
+}
+/// Throws unless they may.
+template <class P>
+void check_pair(const P& grains, Id first, Id second) {
+  if (may_touch(grains, first, second)) return;
+  refuse_pair(first, second, "is impossible: one of them does not exist, or the order is wrong");
+}
 
 template <int Dim, class Real>
 class SavedList {
@@ -40,21 +70,34 @@ class SavedList {
     archive("stable_time_step", origin_.stable_time_step);
   }
 
-  /// Whether there is a list, of these grains and of walls with so many elements.
+  /// Throws if there is a list that cannot be of these grains.
   template <class P>
-  bool fits(const P& grains, Index elements) const {
-    if (!is_known_ || origin_.since.size() != grains.size() || first_.size() != second_.size()) {
-      return false;
+  void check(const P& grains) const {
+    if (!is_known_) return;
+    if (origin_.since.size() != grains.size() || first_.size() != second_.size()) {
+      fail("dem::Contacts: the list has " + std::to_string(origin_.since.size()) +
+           " positions for " + std::to_string(grains.size()) + " grains, and " +
+           std::to_string(first_.size()) + " and " + std::to_string(second_.size()) +
+           " partners of pairs; use an earlier checkpoint");
     }
-    for (Index k = 0; k < first_.size(); ++k) {
-      const bool is_second_known = is_wall_id(second_[k]) ? element_of(second_[k]) < elements
-                                                          : grains.index_of(second_[k]) != no_index;
-      if (grains.index_of(first_[k]) == no_index || !is_second_known) return false;
+    std::vector<std::pair<Id, Id>> pairs(first_.size());
+    for (Index k = 0; k < pairs.size(); ++k) {
+      check_pair(grains, first_[k], second_[k]);
+      pairs[k] = {first_[k], second_[k]};
     }
-    return true;
+    std::sort(pairs.begin(), pairs.end());
+    const auto twice = std::adjacent_find(pairs.begin(), pairs.end());
+    if (twice != pairs.end()) refuse_pair(twice->first, twice->second, "occurs twice");
+  }
+  /// Whether there is a list, and walls with so many elements have all of its elements. They have
+  /// not if the checkpoint is read by a simulation with other walls.
+  bool fits(Index elements) const {
+    return is_known_ && std::ranges::none_of(second_, [&](Id id) {
+             return is_wall_id(id) && element_of(id) >= elements;
+           });
   }
 
-  /// Requires fits().
+  /// Requires check() and fits().
   template <class P>
   void restore(const P& grains, List& list,
                std::vector<ContactList::PairsOfBlock>& by_block) const {
@@ -81,8 +124,6 @@ class SavedList {
   }
 
  private:
-  static Index element_of(Id id) { return ~id; }
-
   bool is_known_ = false;
   std::vector<Id> first_;
   std::vector<Id> second_;
