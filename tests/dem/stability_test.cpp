@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The stable and the default time step of every law: the limit, and the grain that determines it.
+#include <silt/core/simulation.hpp>
 #include <silt/dem/contact/contacts.hpp>
 #include <silt/dem/law/composed_law.hpp>
 #include <silt/dem/law/hertz.hpp>
@@ -8,6 +9,7 @@
 #include <silt/dem/law/mindlin.hpp>
 #include <silt/dem/law/rolling_resistance.hpp>
 #include <silt/dem/law/walton_braun.hpp>
+#include <silt/integrate/leapfrog.hpp>
 #include <silt/search/brute_force.hpp>
 
 #include "support/check.hpp"
@@ -15,6 +17,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <vector>
 
 namespace silt::test {
@@ -145,6 +148,29 @@ TEST(Stability, DefaultTimeStepOfHertzIsThatOfAnOverlapOfOnePercentOfTheRadius) 
   const double v = std::sqrt(16.0 / 15 * hertz.elastic.contact_modulus() * std::sqrt(R / 2) / m) *
                    std::pow(deepest, 1.25);
   EXPECT_GT(2.9433 * deepest / v / dt, 60);
+}
+
+TEST(Stability, TheDefaultTimeStepIsShortenedWhereItIsNotStable) {
+  const dem::Law law{dem::Hertz{.elastic = glass, .restitution = 0.3}};
+  // The default time step is that of an overlap of a hundredth of the radius.
+  Simulation squeezed{row({R / 2, R / 2}), BruteForce<3>{},
+                      dem::Contacts{law}.with({.steps_per_contact = 3}), Leapfrog{}};
+  const double chosen = squeezed.time_step();
+  std::optional<double> stable;
+  try {
+    squeezed.step(chosen);
+  } catch (const Error& error) {
+    stable = error.stable_time_step();
+  }
+  ASSERT_TRUE(stable.has_value());
+  squeezed.step();
+  EXPECT_LE(squeezed.last_time_step(), *stable);
+  EXPECT_GT(squeezed.last_time_step(), *stable / 2);
+  squeezed.run({.until = 50.5 * chosen, .end_exactly = true});
+  EXPECT_EQ(squeezed.time(), 50.5 * chosen);
+  EXPECT_EQ(squeezed.interaction().size(), 0u);
+  squeezed.step();
+  EXPECT_EQ(squeezed.last_time_step(), chosen);
 }
 
 }  // namespace

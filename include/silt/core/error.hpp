@@ -30,28 +30,34 @@ struct Where {
 /// the location.
 class Error : public std::runtime_error {
  public:
-  explicit Error(std::string message, Where where = {})
+  explicit Error(std::string message, Where where = {},
+                 std::optional<double> stable_time_step = {})
       : std::runtime_error(compose(message, where)), message_(std::move(message)),
-        where_(where) {}
+        where_(where), stable_time_step_(stable_time_step) {}
 
   const Where& where() const noexcept { return where_; }
+  /// If a step failed because its time step was too long: one that is not [s].
+  const std::optional<double>& stable_time_step() const noexcept { return stable_time_step_; }
 
   /// The same error with step and time added; called by Simulation.
   Error with_step(std::uint64_t step, double time) const {
     Where where = where_;
     where.step = step;
     where.time = time;
-    return Error(message_, where);
+    return Error(message_, where, stable_time_step_);
   }
 
   /// The same error with a text before its message; called by read_checkpoint().
-  Error with_prefix(const std::string& text) const { return Error(text + message_, where_); }
+  Error with_prefix(const std::string& text) const {
+    return Error(text + message_, where_, stable_time_step_);
+  }
 
  private:
   static std::string compose(const std::string& message, const Where& where);
 
   std::string message_;
   Where where_;
+  std::optional<double> stable_time_step_;
 };
 
 /// A number for messages, with six significant digits.
@@ -88,6 +94,15 @@ inline std::string Error::compose(const std::string& message, const Where& where
 /// Throws an Error.
 [[noreturn]] inline void fail(std::string message, Where where = {}) {
   throw Error(std::move(message), where);
+}
+
+/// Throws an Error about a time step [s] beyond the stability limit of `what`, such as "a grain with
+/// its contacts".
+[[noreturn]] inline void fail_as_unstable(const std::string& name, double time_step, double stable,
+                                          const std::string& what, Where where) {
+  throw Error(name + ": time_step = " + to_text(time_step) + " s exceeds the stable time step " +
+                  to_text(stable) + " s of " + what + "; lower it",
+              where, stable);
 }
 
 /// Neither infinite nor NaN.

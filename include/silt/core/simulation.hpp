@@ -159,8 +159,11 @@ class Simulation {
     return dt;
   }
 
-  /// One step with the time step that the interaction chooses.
-  void step() { step(time_step()); }
+  /// One step with the time step that the interaction chooses; shorter if that is not stable for
+  /// the present contacts.
+  void step() {
+    shorten_until_stable(time_step(), [&](double dt) { step(dt); });
+  }
 
   /// One step of dt [s]. Throws silt::Error if dt is not positive or exceeds the stability limit,
   /// if a field is not finite after the step, if a particle left a box with OnEscape::refuse, or if
@@ -255,10 +258,17 @@ class Simulation {
         return given_time_step > 0 ? std::string("increase it")
                                    : detail::remedy_for_time_step(interaction_, particles_);
       });
-      if (run.end_exactly) {
-        step_towards(run.until, dt);
+      const auto advance = [&](double time_step) {
+        if (run.end_exactly) {
+          step_towards(run.until, time_step);
+        } else {
+          step(time_step);
+        }
+      };
+      if (given_time_step > 0) {
+        advance(dt);
       } else {
-        step(dt);
+        shorten_until_stable(dt, advance);
       }
       (detail::call_after_step(observers, *this, run), ...);
       if (output_is_due()) make_output();
@@ -286,6 +296,22 @@ class Simulation {
    private:
     bool& is_open_;
   };
+
+  // The stability limit is known only when a step has found its contacts; a failed step changes
+  // nothing.
+  template <class F>
+  static void shorten_until_stable(double dt, F&& advance) {
+    while (true) {
+      try {
+        advance(dt);
+        return;
+      } catch (const Error& error) {
+        const auto stable = error.stable_time_step();
+        if (!stable) throw;
+        dt = 0.9 * std::min(dt, *stable);
+      }
+    }
+  }
 
   // A step of dt, or a shorter one so that time() becomes exactly `until`. No step is shorter than
   // dt/2: the last two steps are made equal instead.

@@ -320,9 +320,8 @@ class Bonds {
 
   template <class P>
   [[noreturn]] void refuse(const P& grains, double dt) const {
-    fail("dem::Bonds: time_step = " + to_text(dt) + " s exceeds the stable time step " +
-             to_text(stability_.time_step) + " s of a grain with its bonds; lower it",
-         {.particle = grains.index_of(stability_.grain), .id = stability_.grain});
+    fail_as_unstable("dem::Bonds", dt, stability_.time_step, "a grain with its bonds",
+                     {.particle = grains.index_of(stability_.grain), .id = stability_.grain});
   }
 
   template <class P>

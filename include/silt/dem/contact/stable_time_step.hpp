@@ -241,9 +241,8 @@ void check_stability(const P& grains, const ContactsOfStep& contacts, double dt)
   const Index unstable =
       first_where(grains.size(), [&](Index i) { return is_beyond(i) && dt > stable_of(i); });
   if (unstable == no_index) return;
-  fail("dem::Contacts: time_step = " + to_text(dt) + " s exceeds the stable time step " +
-           to_text(stable_of(unstable)) + " s of a grain with its contacts; lower it",
-       {.particle = unstable, .id = grains.id(unstable)});
+  fail_as_unstable("dem::Contacts", dt, stable_of(unstable), "a grain with its contacts",
+                   {.particle = unstable, .id = grains.id(unstable)});
 }
 
 }  // namespace silt::dem::detail
