@@ -127,6 +127,12 @@ class ContactsOf : public Contacts<Law, Walls...> {
            " s; use a softer material";
   }
 
+  /// Whether a grain at x [m] with this radius [m] would touch a wall, or be behind one, at a time
+  /// [s].
+  bool would_touch_wall(const typename P::Vec& x, Real radius, double time) const {
+    return walls_.would_touch(x, radius, time);
+  }
+
   /// Number of contacts in the last step, including those with walls.
   Index size() const noexcept { return state_.last.count; }
 
