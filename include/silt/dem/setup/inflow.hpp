@@ -57,10 +57,9 @@ bool would_touch_wall(const I& interaction, const Vec& x, Real radius, double ti
 }  // namespace detail
 
 /// Observer that adds grains to a region before a step, where they touch no other grain and no wall
-/// of the simulation's contacts. The k-th
-/// grain uses the random numbers of the stream (seed, k), which do not depend on the course of the
-/// run. If there is no free position for a grain, it and all following grains are added later, so
-/// that the size distribution is kept.
+/// of the simulation's contacts. The k-th grain uses the random numbers of the stream (seed, k),
+/// which do not depend on the course of the run. If there is no free position for a grain, it and
+/// all following grains are added later, so that the size distribution is kept.
 template <class R, SizeDistribution Sizes>
 class Inflow {
  public:

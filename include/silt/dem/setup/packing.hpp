@@ -220,8 +220,8 @@ std::vector<Grain> draw_grains(const Blend<Sizes>& blend, const Scatter& scatter
 }  // namespace detail
 
 /// Adds grains at rest that lie entirely inside the region and touch neither each other nor
-/// existing grains nor any of these walls, at time 0. If there is no free position for a grain, throws silt::Error and adds none;
-/// the message contains the number of grains placed until then.
+/// existing grains nor any of these walls, at time 0. If there is no free position for a grain,
+/// throws silt::Error and adds none; the message contains the number of grains placed until then.
 template <class P, class Sizes, Region<P::dimension, typename P::Real> R, class... Walls>
 void scatter(P& grains, const Blend<Sizes>& blend, const R& region, const Scatter& scatter,
              const Walls&... walls) {
