@@ -30,10 +30,11 @@ struct Where {
 /// the location.
 class Error : public std::runtime_error {
  public:
-  explicit Error(std::string message, Where where = {},
-                 std::optional<double> stable_time_step = {})
-      : std::runtime_error(compose(message, where)), message_(std::move(message)),
-        where_(where), stable_time_step_(stable_time_step) {}
+  explicit Error(std::string message, Where where = {}, std::optional<double> stable_time_step = {})
+      : std::runtime_error(compose(message, where)),
+        message_(std::move(message)),
+        where_(where),
+        stable_time_step_(stable_time_step) {}
 
   const Where& where() const noexcept { return where_; }
   /// If a step failed because its time step was too long: one that is not [s].
@@ -96,8 +97,8 @@ inline std::string Error::compose(const std::string& message, const Where& where
   throw Error(std::move(message), where);
 }
 
-/// Throws an Error about a time step [s] beyond the stability limit of `what`, such as "a grain with
-/// its contacts".
+/// Throws an Error about a time step [s] beyond the stability limit of `what`, such as "a grain
+/// with its contacts".
 [[noreturn]] inline void fail_as_unstable(const std::string& name, double time_step, double stable,
                                           const std::string& what, Where where) {
   throw Error(name + ": time_step = " + to_text(time_step) + " s exceeds the stable time step " +
@@ -144,8 +145,7 @@ inline void require_positive(std::string_view name, double value) {
 inline void require_not_negative(std::string_view name, double value) {
   require_finite(name, value);
   if (value < 0) {
-    fail(std::string(name) + " = " + to_text(value) +
-         " is negative; give a value of at least 0");
+    fail(std::string(name) + " = " + to_text(value) + " is negative; give a value of at least 0");
   }
 }
 struct Range {

@@ -162,7 +162,7 @@ class Simulation {
   /// One step with the time step that the interaction chooses; shorter if that is not stable for
   /// the present contacts.
   void step() {
-    shorten_until_stable(time_step(), [&](double dt) { step(dt); });
+    detail::advance_by_stable_step(time_step(), [this](double dt) { step(dt); });
   }
 
   /// One step of dt [s]. Throws silt::Error if dt is not positive or exceeds the stability limit,
@@ -268,7 +268,7 @@ class Simulation {
       if (given_time_step > 0) {
         advance(dt);
       } else {
-        shorten_until_stable(dt, advance);
+        detail::advance_by_stable_step(dt, advance);
       }
       (detail::call_after_step(observers, *this, run), ...);
       if (output_is_due()) make_output();
@@ -296,22 +296,6 @@ class Simulation {
    private:
     bool& is_open_;
   };
-
-  // The stability limit is known only when a step has found its contacts; a failed step changes
-  // nothing.
-  template <class F>
-  static void shorten_until_stable(double dt, F&& advance) {
-    while (true) {
-      try {
-        advance(dt);
-        return;
-      } catch (const Error& error) {
-        const auto stable = error.stable_time_step();
-        if (!stable) throw;
-        dt = 0.9 * std::min(dt, *stable);
-      }
-    }
-  }
 
   // A step of dt, or a shorter one so that time() becomes exactly `until`. No step is shorter than
   // dt/2: the last two steps are made equal instead.

@@ -48,9 +48,8 @@ bool would_touch_wall(const I& interaction, const Vec& x, Real radius, double ti
   if constexpr (requires { interaction.would_touch_wall(x, radius, time); }) {
     touches = interaction.would_touch_wall(x, radius, time);
   } else if constexpr (requires { interaction.for_each_part([](const auto&) {}); }) {
-    interaction.for_each_part([&](const auto& part) {
-      touches = touches || would_touch_wall(part, x, radius, time);
-    });
+    interaction.for_each_part(
+        [&](const auto& part) { touches = touches || would_touch_wall(part, x, radius, time); });
   }
   return touches;
 }
