@@ -259,11 +259,7 @@ class Simulation {
                                    : detail::remedy_for_time_step(interaction_, particles_);
       });
       const auto advance = [&](double time_step) {
-        if (run.end_exactly) {
-          step_towards(run.until, time_step);
-        } else {
-          step(time_step);
-        }
+        run.end_exactly ? step_towards(run.until, time_step) : step(time_step);
       };
       if (given_time_step > 0) {
         advance(dt);
