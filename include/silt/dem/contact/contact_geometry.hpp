@@ -94,8 +94,8 @@ class ContactGeometry {
     }
   }
 
-  /// The same for grain first[l] and wall element second[l]; nearest(element, x)
-  /// is the nearest point. Stores the normals.
+  /// The same for grain first[l] and wall element second[l]; nearest(element, x) is the nearest
+  /// point. Stores the normals.
   template <class Nearest>
   unsigned find_touching_walls(const Grains& grains, const std::uint32_t* first,
                                const std::uint32_t* second, Nearest&& nearest, Into& into) {

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// A plane, solid on one side; in 2D a straight line.
 #pragma once
 
 #include <silt/core/error.hpp>
