@@ -45,8 +45,8 @@ struct Rejection {
   std::string message;
 };
 template <class Law>
-Rejection rejection_of(const Law& law, dem::Grains<3> grains) {
-  BruteForce<3> search({.radius = 2 * R});
+Rejection rejection_of(const Law& law, dem::Grains<3> grains, double reach = 2 * R) {
+  BruteForce<3> search({.radius = reach});
   search.update(grains);
   Rejection rejection;
   double high = 1;
@@ -127,6 +127,27 @@ TEST(Stability, ASlightHertzContactDoesNotLowerTheLimit) {
   const double alone = rejection_of(law, row({1e-4})).limit;
   const double beside = rejection_of(law, row({1e-4, 1e-10})).limit;
   EXPECT_GT(beside, 0.9 * alone);
+}
+
+TEST(Stability, LimitOfALargeGrainHardlyDependsOnTheNumberOfSmallOnesAroundIt) {
+  // Small grains in a spiral around a large one, which do not touch each other.
+  constexpr int number = 150;
+  dem::Grains<3> grains;
+  dem::add_grain(grains, {0, 0, 0}, {.radius = 10 * R, .density = 2500});
+  for (int n = 0; n < number; ++n) {
+    const double z = 1 - (2 * n + 1.0) / number;
+    const double angle = n * std::numbers::pi * (3 - std::sqrt(5.0));
+    const double across = std::sqrt(1 - z * z);
+    const Vec<3> outwards{across * std::cos(angle), across * std::sin(angle), z};
+    dem::add_grain(grains, Vec<3>((11 * R - 1e-5) * outwards), {.radius = R, .density = 2500});
+  }
+  const dem::Law spring{dem::LinearSpringDashpot{.normal_stiffness = k}};
+  const double m = mass_of_one();
+  const double limit = rejection_of(spring, grains, 20 * R).limit;
+  // A shift of the large grain, with the small ones on both sides: ω² = k/m + n/3 k/M.
+  const double exact = 2 / std::sqrt(k / m * (1 + number / 3.0 / 1000));
+  EXPECT_LE(limit, exact);
+  EXPECT_GE(limit, 0.75 * exact);
 }
 
 TEST(Stability, MessageNamesTheLimitingGrain) {

@@ -57,13 +57,11 @@ BondStability stability_of(const P& grains, const std::vector<B>& bonds, const B
       const BondEnds ends = indices.ends(k);
       const Real m_a = grains[mass][ends.a];
       const Real m_b = grains[mass][ends.b];
-      Contact<P::dimension, Real> contact;
-      contact.normal = bonds[k].normal;
-      contact.effective_mass = m_a / (m_a + m_b) * m_b;
       const Real share = arm_of_a(grains, ends);
-      bound.add(contact, springs_of(law, section_at(grains, ends, law)).stiffness(law.beta),
+      bound.add(bonds[k].normal, springs_of(law, section_at(grains, ends, law)).stiffness(law.beta),
                 {.mass_over_inertia = double(grains[mass][i]) / double(grains[inertia][i]),
-                 .arm = double((ends.a == i ? share : 1 - share) * bonds[k].length)});
+                 .arm = double((ends.a == i ? share : 1 - share) * bonds[k].length)},
+                share_of(double(grains[mass][i]), double(m_a / (m_a + m_b) * m_b), Shares::equal));
     }
     const double stable = bound.stable_time_step();
     if (stable < least.time_step) least = {.time_step = stable, .grain = grains.id(i)};
