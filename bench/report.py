@@ -274,10 +274,11 @@ def grain_targets(results):
            lammps_ratio(results, "bed", 32000, 1, "cundall_strack"))
     yield ("DEM bed, exponent", LESS, 1.10, 1.04, results.exponent("dem_step/bed"))
     yield ("DEM bed, bytes per particle", LESS, 800, 500, of_memory(results, "dem_bed"))
-    for size_ratio in (10, 20):
-        times = [results.at("size_ratio/neighbour_list", each) for each in (size_ratio, 1)]
-        yield (f"DEM, radii 1:{size_ratio}, times the time per contact of 1:1", LESS, 2.5, 1.5,
-               ratio(*(each and each.counters.get("per_contact") for each in times)))
+    for search in ("neighbour_list", "list_over_levels"):
+        for size_ratio in (10, 20):
+            times = [results.at(f"size_ratio/{search}", each) for each in (size_ratio, 1)]
+            yield (f"DEM, {search}, radii 1:{size_ratio}, times the time per contact of 1:1", LESS,
+                   2.5, 1.5, ratio(*(each and each.counters.get("per_contact") for each in times)))
 
 
 def search_targets(results):
