@@ -183,6 +183,7 @@ template <class P, class S, class Walls, class List>
 void begin_list(const P& grains, const S& search, const Walls& walls, const StepTime& step,
                 typename P::Real reach, List& list) {
   using Real = typename P::Real;
+  if (grains.box().any_periodic()) walls.check_in(grains.box());
   // A small margin gives few pairs, a large one few rebuilds; the search limits it.
   constexpr double lasting_steps = 40;
   const auto v = grains[velocity];

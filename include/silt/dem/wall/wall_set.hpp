@@ -204,6 +204,16 @@ class WallSet {
     return touches;
   }
 
+  /// Throws if a wall cannot be used in this box, the grains'. Calls the optional check_in(box) of
+  /// walls at rest.
+  template <int Dim, class Real>
+  void check_in(const Box<Dim, Real>& box) const {
+    const auto check = [&](const auto& wall) {
+      if constexpr (requires { wall.check_in(box); }) wall.check_in(box);
+    };
+    std::apply([&](const auto&... wall) { (check(wall), ...); }, walls_);
+  }
+
   /// Number of elements of all walls.
   Index elements() const noexcept { return first_[size()]; }
   /// Number of the wall to which an element belongs.
