@@ -331,7 +331,7 @@ class Bonds {
                                                .rotation_b = grains[spin][ends.b] * passed,
                                                .arm_a = arm_of_a(grains, ends),
                                                .time_step = passed};
-    if (!(motion.between.squaredNorm() > 0)) {
+    if (!(motion.between.squaredNorm() >= std::numeric_limits<Real>::min())) {
       fail("dem::Bonds: the bonded grains " + names_of(bonds_[k]) +
                " coincide or have an invalid position; use a smaller time step",
            {.particle = ends.a, .id = bonds_[k].a});

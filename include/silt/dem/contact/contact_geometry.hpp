@@ -10,6 +10,7 @@
 #include <silt/dem/wall/wall.hpp>
 
 #include <cstdint>
+#include <limits>
 #include <type_traits>
 
 namespace silt::dem::detail {
@@ -51,10 +52,14 @@ class ContactGeometry {
     return touching;
   }
 
-  /// Bit l is set if the centres in lane l coincide.
+  /// Bit l is set if the centres in lane l coincide to round-off, so that there is no normal.
   unsigned coincident() const {
+    constexpr Real round_off = std::numeric_limits<Real>::epsilon();
     unsigned apart = 0;
-    for (int p = 0; p < packs; ++p) apart |= simd::less<Real, N>(Pack{}, r_squared_[p]) << (p * N);
+    for (int p = 0; p < packs; ++p) {
+      const Pack least = round_off * (i_[p].R + j_[p].R);
+      apart |= simd::less<Real, N>(least * least, r_squared_[p]) << (p * N);
+    }
     return ~apart;
   }
 

@@ -54,8 +54,20 @@ struct ListLifetime {
   std::uint64_t constants_revision = 0;
 };
 
-/// Throws if a radius, mass or inertia is not positive and finite, or if a grain's material does
-/// not exist.
+/// Whether the products that contacts compute neither underflow nor overflow: those of two radii,
+/// of two masses, and of a mass, a radius and the distance of two centres, which is at least the
+/// round-off of a radius and at most two of them.
+template <class Real>
+bool has_products(Real R, Real m) {
+  using Limits = std::numeric_limits<Real>;
+  constexpr Real least = Limits::min();
+  constexpr Real most = Limits::max() / 16;
+  return R * R > least && m * m > least && m * (R * R) * Limits::epsilon() > least &&
+         R * R * (R * R) < most && m * m < most;
+}
+
+/// Throws if a radius, mass or inertia is not positive and finite, if products of radius and mass
+/// underflow or overflow, or if a grain's material does not exist.
 template <class P, class Law>
 void check_grains(const P& grains, const Materials<Law>& materials) {
   const auto R = grains[radius];
@@ -65,7 +77,7 @@ void check_grains(const P& grains, const Materials<Law>& materials) {
   const auto is_valid = [](auto value) { return is_finite(value) && value > 0; };
   const Index odd = first_where(grains.size(), [&](Index i) {
     return !(is_valid(R[i]) && is_valid(m[i]) && is_valid(inertias[i]) &&
-             numbers[i] < materials.count());
+             has_products(R[i], m[i]) && numbers[i] < materials.count());
   });
   if (odd == no_index) return;
   const Where where{.particle = odd, .id = grains.id(odd)};
@@ -79,6 +91,10 @@ void check_grains(const P& grains, const Materials<Law>& materials) {
   check("radius", R[odd], "m");
   check("mass", m[odd], "kg");
   check("inertia", inertias[odd], "kg m²");
+  fail("dem::Contacts: radius = " + to_text(double(R[odd])) +
+           " m and mass = " + to_text(double(m[odd])) +
+           " kg of a grain have products that underflow or overflow; use other units, or double",
+       where);
 }
 
 /// Copies the constants of the grains to a new list.
