@@ -10,6 +10,7 @@
 #include <bit>
 #include <cstdint>
 #include <cstdio>
+#include <limits>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -114,6 +115,11 @@ inline bool is_finite(double value) {
 inline bool is_finite(float value) {
   constexpr std::uint32_t exponent = 0x7f800000u;
   return (std::bit_cast<std::uint32_t>(value) & exponent) != exponent;
+}
+/// Finite, above 0, and with all digits: not below the normal numbers.
+template <class Real>
+bool is_positive_normal(Real value) {
+  return is_finite(value) && value >= std::numeric_limits<Real>::min();
 }
 template <class Real, int Dim>
 bool is_finite(const Eigen::Matrix<Real, Dim, 1>& v) {

@@ -33,7 +33,10 @@ struct ConformanceConditions {
     require_positive("ConformanceConditions: radius", radius);
     require_positive("ConformanceConditions: density", density);
     require_positive("ConformanceConditions: overlap", overlap);
-    require_between("ConformanceConditions: overlap over radius", overlap / radius, {0, 0.5});
+    if (overlap > radius / 2) {
+      fail("ConformanceConditions: overlap = " + to_text(overlap) +
+           " m is more than half of radius = " + to_text(radius) + " m; decrease it");
+    }
   }
 };
 
@@ -96,7 +99,7 @@ class ConformanceChecks {
 
   std::vector<ConformanceCheck> run() {
     check_finite();
-    const double stiffness = check_stiffness();
+    const double stiffness = check_magnitude();
     if (!(stiffness > 0)) return checks_;
     frequency_ = std::sqrt(stiffness / motion_.mass);
     check_symmetries();
@@ -163,7 +166,7 @@ class ConformanceChecks {
   }
 
   // Secant stiffness of slow loading, from half of the overlap to nearly all of it [N/m].
-  double check_stiffness() {
+  double check_magnitude() {
     const auto contact = contact_on({.depth = conditions_.overlap}, 1000);
     const Loads answers = loads(contact);
     const auto push = [&](double share) {

@@ -158,7 +158,8 @@ class ContactsOf : public Contacts<Law, Walls...> {
   }
 
   /// Load on a wall, given by its number, in the last step; the torque is about the point `about`
-  /// [m]. Bitwise identical for any number of threads. Throws if there is no such wall.
+  /// [m]. Bitwise identical for any number of threads. Throws if there is no such wall, or if the
+  /// point is not finite.
   auto load_on(const P& grains, Index wall, const typename P::Vec& about = P::Vec::Zero()) const {
     return last_step(grains).load_on(wall, about);
   }

@@ -74,23 +74,29 @@ void check_grains(const P& grains, const Materials<Law>& materials) {
   const auto m = grains[mass];
   const auto inertias = grains[inertia];
   const auto numbers = grains[material];
-  const auto is_valid = [](auto value) { return is_finite(value) && value > 0; };
+  const auto is_valid = [](auto value) { return is_positive_normal(value); };
   const Index odd = first_where(grains.size(), [&](Index i) {
-    return !(is_valid(R[i]) && is_valid(m[i]) && is_valid(inertias[i]) &&
+    return !(is_radius(R[i]) && is_valid(m[i]) && is_valid(inertias[i]) &&
              has_products(R[i], m[i]) && numbers[i] < materials.count());
   });
   if (odd == no_index) return;
   const Where where{.particle = odd, .id = grains.id(odd)};
   materials.check(numbers[odd], "of a grain", where);
-  const auto check = [&](const char* name, auto value, const char* unit) {
-    if (is_valid(value)) return;
-    fail(std::string("dem::Contacts: ") + name + " = " + to_text(double(value)) + " " + unit +
-             " of a grain must be positive and finite; set it, or add grains by add_grain()",
+  const auto reject = [&](const char* name, auto value, const char* unit_and_rule) {
+    fail(std::string("dem::Contacts: ") + name + " = " + to_text(double(value)) + " " +
+             unit_and_rule + "; set it, or add grains by add_grain()",
          where);
   };
-  check("radius", R[odd], "m");
-  check("mass", m[odd], "kg");
-  check("inertia", inertias[odd], "kg m²");
+  if (!is_radius(R[odd])) {
+    reject("radius", R[odd], "m of a grain must be positive, finite and such that its square is");
+  }
+  if (!is_valid(m[odd])) {
+    reject("mass", m[odd], "kg of a grain must be a positive, finite and normal number");
+  }
+  if (!is_valid(inertias[odd])) {
+    reject("inertia", inertias[odd],
+           "kg m² of a grain must be a positive, finite and normal number");
+  }
   fail("dem::Contacts: radius = " + to_text(double(R[odd])) +
            " m and mass = " + to_text(double(m[odd])) +
            " kg of a grain have products that underflow or overflow; use other units, or double",

@@ -24,7 +24,11 @@ struct Plane {
   void check() {
     require_finite("Plane: point", point);
     require_finite("Plane: normal", normal);
-    require_positive("Plane: length of the normal", double(normal.norm()));
+    const Real largest = normal.cwiseAbs().maxCoeff();
+    require_positive("Plane: length of the normal", double(largest));
+    // By a power of two, so that the square of its length neither overflows nor underflows.
+    const int exponent = std::ilogb(largest);
+    for (Real& component : normal) component = std::ldexp(component, -exponent);
     normal.normalize();
   }
 
