@@ -99,7 +99,7 @@ class ConformanceChecks {
 
   std::vector<ConformanceCheck> run() {
     check_finite();
-    const double stiffness = check_magnitude();
+    const double stiffness = check_stiffness();
     if (!(stiffness > 0)) return checks_;
     frequency_ = std::sqrt(stiffness / motion_.mass);
     check_symmetries();
@@ -166,7 +166,7 @@ class ConformanceChecks {
   }
 
   // Secant stiffness of slow loading, from half of the overlap to nearly all of it [N/m].
-  double check_magnitude() {
+  double check_stiffness() {
     const auto contact = contact_on({.depth = conditions_.overlap}, 1000);
     const Loads answers = loads(contact);
     const auto push = [&](double share) {
