@@ -75,7 +75,8 @@ TEST(Tank, RejectsInvalidInputByNameAndValue) {
   };
   EXPECT_TRUE(rejected([](auto& t) { t.spacing = 0; }, "spacing = 0 "));
   EXPECT_TRUE(rejected([](auto& t) { t.spacing = nan; }, "spacing = nan "));
-  EXPECT_TRUE(rejected([](auto& t) { t.spacing = 1e-9; }, "length = 0.2 m is 2e+08 spacings"));
+  EXPECT_TRUE(rejected([](auto& t) { t.spacing = 1e-9; },
+                       "length = 0.2 m is 2e+08 times the spacing = 1e-09 m"));
   EXPECT_TRUE(rejected([](auto& t) { t.dummy_layers = -1; }, "dummy_layers = -1 "));
   EXPECT_TRUE(rejected([](auto& t) { t.size.length = 0.001; }, "length = 0.001 m"));
   EXPECT_TRUE(rejected([](auto& t) { t.size.height = -1; }, "height = -1 m"));

@@ -32,8 +32,8 @@ std::vector<Vec<Dim, Real>> lattice(const Box<Dim, Real>& box, Real spacing) {
     points_in_all *= cells;
     if (!(cells <= 1e8) || !(points_in_all <= 1e8)) {
       fail("lattice: spacing = " + to_text(double(spacing)) +
-           " m gives more than 1e8 points; "
-           "increase the spacing");
+           " m gives more than 1e8 points from lower = " + to_text(box.lower) +
+           " to upper = " + to_text(box.upper) + " m; increase the spacing");
     }
     count[static_cast<std::size_t>(k)] = static_cast<Index>(cells);
   }

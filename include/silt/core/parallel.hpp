@@ -54,10 +54,13 @@ inline bool& threads_are_given() {
 }  // namespace detail
 
 /// Sets the number of threads of all loops that the calling thread starts from now on. Throws if it
-/// is below 1, or above 1 in a build without OpenMP.
+/// is below 1 or above 1024, or above 1 in a build without OpenMP.
 inline void use_threads(int number) {
   if (number < 1) {
     fail("use_threads: number = " + std::to_string(number) + " is below 1; give at least 1");
+  }
+  if (number > 1024) {
+    fail("use_threads: number = " + std::to_string(number) + " is above 1024; give at most 1024");
   }
 #ifdef _OPENMP
   omp_set_num_threads(number);

@@ -227,7 +227,7 @@ class Simulation {
     require_not_negative("Run: output_every", run.output_every);
     if (run.time_step) require_positive("Run: time_step", *run.time_step);
     if (run.output_every > 0) {
-      detail::require_feasible("Run: output_every", run.output_every, "outputs", run.until - time_,
+      detail::require_feasible("Run: output_every", run.output_every, "outputs", {time_, run.until},
                                [] { return "increase it"; });
     }
     const auto make_output = [&] {
@@ -254,7 +254,7 @@ class Simulation {
       const detail::Team team(thread_choice_, particles_.size());  // also for the observers
       (detail::call_before_step(observers, *this), ...);
       const double dt = given_time_step > 0 ? given_time_step : time_step();
-      detail::require_feasible("Run: time_step", dt, "steps", run.until - time_, [&] {
+      detail::require_feasible("Run: time_step", dt, "steps", {time_, run.until}, [&] {
         return given_time_step > 0 ? std::string("increase it")
                                    : detail::remedy_for_time_step(interaction_, particles_);
       });

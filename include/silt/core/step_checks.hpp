@@ -17,15 +17,21 @@
 
 namespace silt::detail {
 
-/// Throws if so many intervals [s] lie within a duration [s] that a run would never end; remedy()
-/// says what to do.
+/// The time of a run that is left [s].
+struct TimeLeft {
+  double now;
+  double until;
+};
+/// Throws if so many intervals [s] are left that a run would never end; remedy() says what to do.
 template <class F>
 void require_feasible(std::string_view name, double interval, std::string_view intervals,
-                      double duration, F&& remedy) {
+                      const TimeLeft& left, F&& remedy) {
   constexpr double most = 1e12;
+  const double duration = left.until - left.now;
   if (!(duration > most * interval)) return;
   fail(std::string(name) + " = " + to_text(interval) + " s: " + to_text(duration / interval) + " " +
-       std::string(intervals) + " are ahead, more than " + to_text(most) + "; " + remedy());
+       std::string(intervals) + " are ahead, more than " + to_text(most) +
+       ", until = " + to_text(left.until) + " s; " + remedy());
 }
 
 /// What to do about a time step that an interaction chose too short; `interaction` and `particles`

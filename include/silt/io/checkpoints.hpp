@@ -34,9 +34,11 @@ class Checkpoints {
     double every = std::numeric_limits<double>::infinity();
   };
 
-  /// The parts must outlive this object. Throws silt::Error if the interval is negative.
+  /// The parts must outlive this object. Throws silt::Error if the path is empty or the interval
+  /// is negative.
   Checkpoints(std::filesystem::path path, const Settings& settings, Parts&... parts)
       : path_(std::move(path)), every_(settings.every), parts_(parts...) {
+    if (path_.empty()) fail("Checkpoints: the path is \"\"; name a file");
     if (!(every_ >= 0)) require_not_negative("Checkpoints: every", every_);
   }
 

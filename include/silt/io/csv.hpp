@@ -30,13 +30,14 @@ namespace silt {
 class CsvFile {
  public:
   /// The folder must exist. An existing file is kept until the first row is written, so that a
-  /// checkpoint can be read before; it is then replaced. Throws silt::Error if there are no columns
-  /// or the file cannot be written.
+  /// checkpoint can be read before; it is then replaced. Throws silt::Error if there are no
+  /// columns, if read_csv() could not read the name of one, or if the file cannot be written.
   CsvFile(std::filesystem::path path, const std::vector<std::string>& columns)
       : path_(std::move(path)), columns_(columns.size()) {
     if (columns.empty()) {
       fail("CsvFile: " + path_.string() + " has no columns; name at least one");
     }
+    for (auto name = columns.begin(); name != columns.end(); ++name) check_name(columns, name);
     for (const std::string& name : columns) {
       if (!head_.empty()) head_ += ',';
       head_ += name;
@@ -84,6 +85,14 @@ class CsvFile {
   }
 
  private:
+  using Names = std::vector<std::string>;
+  void check_name(const Names& names, const Names::const_iterator& name) const {
+    const bool is_unique = std::find(names.begin(), name, *name) == name;
+    if (is_unique && !name->empty() && name->find_first_of(",\n\r") == std::string::npos) return;
+    fail("CsvFile: the column \"" + *name + "\" of " + path_.string() +
+         " has no name, the name of another one, or a comma or line break in it; rename it");
+  }
+
   void open(const char* mode) {
     errno = 0;
     stream_ = file::Stream(std::fopen(path_.string().c_str(), mode));
@@ -153,7 +162,8 @@ class CsvTable {
     if (found == names_.end()) {
       std::string all;
       for (const std::string& name : names_) all += (all.empty() ? "" : ", ") + name;
-      fail("CsvTable: " + name_ + " has no column " + std::string(column) + "; it has " + all);
+      fail("CsvTable: " + name_ + " has no column " +
+           (column.empty() ? "\"\"" : std::string(column)) + "; it has " + all);
     }
     return columns_[static_cast<Index>(found - names_.begin())];
   }

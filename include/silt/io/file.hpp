@@ -30,7 +30,8 @@ using Stream = std::unique_ptr<std::FILE, Close>;
 /// that failed, `advice` is what the user can do.
 [[noreturn]] inline void fail_with(const std::string& what, const std::filesystem::path& path,
                                    const std::error_code& reason, const std::string& advice) {
-  fail(what + " " + path.string() + ": " + reason.message() + "; " + advice);
+  fail(what + " " + (path.empty() ? "\"\"" : path.string()) + ": " + reason.message() + "; " +
+       advice);
 }
 
 inline std::error_code last_error() { return {errno, std::generic_category()}; }

@@ -25,9 +25,10 @@ struct Estimate {
 /// the length of a block.
 class BlockSums {
  public:
-  /// Throws if the number of values is 0.
-  explicit BlockSums(Index numbers) : current_(numbers, 0.0) {
-    if (numbers == 0) fail("BlockSums: number of values = 0; give at least 1");
+  /// Throws unless the number of values is from 1 to 1e8.
+  explicit BlockSums(Index numbers) {
+    require_between("BlockSums: number of values", double(numbers), {1, 1e8});
+    current_.assign(numbers, 0.0);
   }
 
   /// Throws if the sample has another number of values.

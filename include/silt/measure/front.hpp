@@ -24,11 +24,18 @@ struct Front {
 };
 
 /// Edge of the fluid in a tank whose floor and back wall are at 0, with the neighbours of the last
-/// update of the search; the last axis points up. is_fluid(i) selects the particles. Throws if the
-/// spacing is not positive.
+/// update of the search; the last axis points up. is_fluid(i) selects the particles. Throws if a
+/// number is out of range.
 template <ParticleSet P, NeighbourSearch<P> S, std::predicate<Index> IsFluid>
 Front find_front(const P& particles, const S& search, const FrontRule& rule, IsFluid&& is_fluid) {
   require_positive("FrontRule: spacing", rule.spacing);
+  require_not_negative("FrontRule: band", rule.band);
+  require_not_negative("FrontRule: neighbour_radius", rule.neighbour_radius);
+  if (rule.neighbour_radius * rule.spacing > double(search.radius()) * (1 + 1e-6)) {
+    fail("FrontRule: neighbour_radius = " + to_text(rule.neighbour_radius) + " times the spacing " +
+         to_text(rule.spacing) + " m exceeds the search radius " +
+         to_text(double(search.radius())) + " m; decrease it");
+  }
   constexpr int up = P::dimension - 1;
   const double band = rule.band * rule.spacing;
   const double near = rule.neighbour_radius * rule.spacing;

@@ -34,15 +34,21 @@ inline double disc_area_below(double R, double height) {
 struct Slices {
   double lower = 0;          ///< [m]
   double upper = 0;          ///< greater than lower [m]
-  Index count = 0;           ///< at least 1
+  Index count = 0;           ///< from 1 to 1e6
   double cross_section = 0;  ///< horizontal area of the bed [m²]; in 2D its width [m]
 
   void check() const {
     require_finite("Slices: lower", lower);
     require_finite("Slices: upper", upper);
     require_positive("Slices: upper - lower", upper - lower);
-    require_positive("Slices: count", double(count));
+    require_between("Slices: count", double(count), {1, 1e6});
     require_positive("Slices: cross_section", cross_section);
+    const double volume = cross_section * thickness();
+    if (!is_positive_normal(volume)) {
+      fail("Slices: lower = " + to_text(lower) + " m, upper = " + to_text(upper) +
+           " m and cross_section = " + to_text(cross_section) + " m² give slices of " +
+           to_text(volume) + " m³, which is beyond the range of normal numbers; change them");
+    }
   }
   double thickness() const { return (upper - lower) / double(count); }
 };

@@ -147,7 +147,7 @@ class BasicFlow {
     boundary_.find(particles, operators_, settings_.surface);  // n (5), free surface (13), (17)
     assemble(particles, time_step);
     solve(particles);
-    check_solve(particles);
+    check_solve(particles, time_step);
     if (settings_.clip_negative_pressure) {
       const auto p = particles[pressure];
       for_each(particles.size(), [&](Index i) { p[i] = std::max(p[i], Real(0)); });
@@ -275,7 +275,7 @@ class BasicFlow {
   }
 
   template <class P>
-  void check_solve(const P& particles) const {
+  void check_solve(const P& particles, double time_step) const {
     if (report_.reason == SolveReport::Reason::converged ||
         report_.reason == SolveReport::Reason::nothing_to_solve) {
       return;
@@ -286,6 +286,14 @@ class BasicFlow {
       fail("mps::Flow: the pressure " + to_text(double(p[broken])) +
                " Pa is not finite; set a finite pressure",
            {.particle = broken, .id = particles.id(broken)});
+    }
+    if (!is_finite(report_.residual)) {
+      const double highest =
+          largest(p.size(), 0.0, [&](Index i) { return std::abs(double(p[i])); });
+      fail(
+          "mps::Flow: time_step = " + to_text(time_step) + " s and pressures of up to " +
+          to_text(highest) +
+          " Pa give a pressure equation that overflows; set a longer time step or lower pressures");
     }
     fail("mps::Flow: the pressure solve did not converge: residual " + to_text(report_.residual) +
          " after " + std::to_string(report_.iterations) + " iterations for " +

@@ -6,6 +6,7 @@
 #include <silt/core/types.hpp>
 #include <silt/mps/cases.hpp>
 
+#include <cmath>
 #include <functional>
 #include <limits>
 
@@ -46,6 +47,12 @@ struct FlowSettings {
   void check() const {
     require_positive("FlowSettings: spacing", spacing);
     require_positive("FlowSettings: density", density);
+    const double mass = density * std::pow(spacing, Dim);
+    if (!is_positive_normal(mass)) {
+      fail("FlowSettings: spacing = " + to_text(spacing) + " m and density = " + to_text(density) +
+           " kg/m³ give particles of " + to_text(mass) +
+           " kg, which is beyond the range of normal numbers; change one of them");
+    }
     require_not_negative("FlowSettings: viscosity", viscosity);
     require_finite("FlowSettings: gravity", gravity);
     // At a radius of 1, the kernel is zero at the nearest neighbours.

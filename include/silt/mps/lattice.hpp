@@ -16,14 +16,12 @@ struct LatticeValues {
   int neighbours = 0;     ///< N0, the number of neighbours, (17) [-]
 };
 
-/// Sums over all lattice points with 0 < r < re; `radius` is re/l0. Throws if it is not above 1.
+/// Sums over all lattice points with 0 < r < re; `radius` is re/l0. Throws unless it is above 1
+/// and at most 100.
 template <int Dim, Kernel K>
 LatticeValues lattice_values(double radius) {
-  require_finite("lattice_values: radius", radius);
-  if (!(radius > 1)) {
-    fail("lattice_values: radius = " + to_text(radius) +
-         " spacings contains no neighbour; give more than 1");
-  }
+  // Within a radius of 1 there is no neighbour; the sums over a very large one would never end.
+  require_above("lattice_values: radius", radius, {1, 100});
   LatticeValues values;
   double second_moment = 0;
   const int reach = static_cast<int>(std::ceil(radius));

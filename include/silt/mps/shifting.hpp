@@ -42,9 +42,9 @@ struct NoShifting {
 struct ParticleShifting {
   static constexpr bool shifts = true;
 
-  double strength = 4;  ///< A [-]
+  double strength = 4;  ///< A [-], at most 1e6
 
-  void check() const { require_not_negative("ParticleShifting: strength", strength); }
+  void check() const { require_between("ParticleShifting: strength", strength, {0, 1e6}); }
 
   template <int Dim, class Real>
   Vec<Dim, Real> displacement(const ShiftInput<Dim, Real>& input) const {

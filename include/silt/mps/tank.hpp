@@ -47,7 +47,7 @@ Fluid<Dim, Real, Further...> make_tank(const Tank<Dim>& tank) {
     const double number = std::round(length / tank.spacing);
     if (!(number >= 1) || !(number < 1e6)) {
       fail(std::string(name) + " = " + to_text(length) + " m is " + to_text(number) +
-           " spacings; give between 1 and 1e6 spacings");
+           " times the spacing = " + to_text(tank.spacing) + " m; give between 1 and 1e6 spacings");
     }
     return static_cast<int>(number);
   };

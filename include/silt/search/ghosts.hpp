@@ -51,7 +51,8 @@ Extent<P::dimension, typename P::Real> make_ghosts(P& particles, typename P::Rea
   if (!extent.is_finite()) {
     const auto is_broken = [&](Index i) { return !is_finite(x_owned[i]); };
     const Index broken = first_where(x_owned.size(), is_broken);
-    fail("search: a position is not finite; check the velocity of the particle",
+    fail("search: position = " + to_text(x_owned[broken]) +
+             " m is not finite; check the velocity of the particle",
          {.particle = broken, .id = particles.id(broken)});
   }
   const auto& box = particles.box();

@@ -7,12 +7,13 @@
 namespace silt {
 
 struct SolveSettings {
-  double tolerance = 1e-6;    ///< |b − A x| ≤ tolerance |b| [-]
+  double tolerance = 1e-6;  ///< |b − A x| ≤ tolerance |b| [-]; above 0 and at most 0.5
   int max_iterations = 5000;
 
   /// Throws if a setting is out of range.
   void check() const {
-    require_positive("SolveSettings: tolerance", tolerance);
+    // At a tolerance of 1, x = 0 is a solution.
+    require_above("SolveSettings: tolerance", tolerance, {0, 0.5});
     require_positive("SolveSettings: max_iterations", max_iterations);
   }
 
