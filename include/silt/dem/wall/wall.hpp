@@ -24,6 +24,15 @@ NearestPoint<Dim, Real> no_nearest_point() {
   return {Vec<Dim, Real>::Unit(Dim - 1), std::numeric_limits<Real>::infinity()};
 }
 
+namespace detail {
+/// Whether the direction of a vector with this length is known to round-off: not if its square
+/// underflows.
+template <class Real>
+bool has_direction(Real length) {
+  return length * length > std::numeric_limits<Real>::min() / std::numeric_limits<Real>::epsilon();
+}
+}  // namespace detail
+
 /// On which side of a wall the grains are.
 enum class Side { inside, outside };
 
