@@ -201,8 +201,8 @@ class BasicFlow {
     const double mass = settings_.density * std::pow(l0, Dim);
     const bool is_in_range = l0 > 1e-12 && l0 < 1e12 && mass > 1e-200 && mass < 1e200;
     if (is_in_range) return;
-    fail("FlowSettings: spacing = " + to_text(l0) + " m and density = " +
-         to_text(settings_.density) +
+    fail("FlowSettings: spacing = " + to_text(l0) +
+         " m and density = " + to_text(settings_.density) +
          " kg/m³ give weights and masses that underflow or overflow; use other units");
   }
 
