@@ -13,8 +13,10 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <numeric>
 #include <span>
+#include <string>
 #include <vector>
 
 namespace silt::mps {
@@ -37,7 +39,8 @@ class Neighbourhood {
     Index size() const noexcept { return length; }
   };
 
-  /// Updates all neighbours from the search. Throws if two particles coincide.
+  /// Updates all neighbours from the search. Throws if two particles coincide, to the round-off of
+  /// weights in single precision.
   template <FluidParticles P, class S, class T>
   void find(const P& particles, const S& search, const T& stencil) {
     const auto x = particles.with_ghosts(position);
@@ -50,10 +53,7 @@ class Neighbourhood {
     const auto has_row = [kinds = particles[kind]](Index i) { return kinds[i] != Kind::dummy; };
     using Indices = std::span<const std::uint32_t>;
     for_each_row(particles, search, has_row, [&](Index set, Index i, Indices js) {
-      if (!add_row(set, i, js, stencil)) {
-        fail("mps::Flow: two particles have the same position; move them apart",
-             {.particle = i, .id = particles.id(i)});
-      }
+      if (!add_row(set, i, js, stencil)) refuse_coincident(particles, i, js, stencil);
     });
     revision_ = particles.revision();
   }
@@ -162,6 +162,27 @@ class Neighbourhood {
     }
   }
 
+  // r² of particles with the same position to round-off.
+  template <class T>
+  static Real least_square(const T& stencil) {
+    return squared(Real(std::numeric_limits<float>::epsilon()) * stencil.re);
+  }
+
+  template <class P, class T>
+  [[noreturn, gnu::cold, gnu::noinline]] void refuse_coincident(const P& particles, Index i,
+                                                                std::span<const std::uint32_t> js,
+                                                                const T& stencil) const {
+    const auto other = std::find_if(js.begin(), js.end(), [&](std::uint32_t j) {
+      return !((positions_[j] - positions_[i]).squaredNorm() > least_square(stencil));
+    });
+    const Id id = particles.id(i);
+    const Id id_of_other = particles.id(particles.owner(*other));
+    fail("mps::Flow: two particles have the same position, those with the ids " +
+             std::to_string(std::min(id, id_of_other)) + " and " +
+             std::to_string(std::max(id, id_of_other)) + "; move them apart",
+         {.particle = i, .id = id});
+  }
+
   // False if a neighbour has the same position as i.
   template <class T>
   bool add_row(Index set, Index i, std::span<const std::uint32_t> js, T stencil) {
@@ -175,6 +196,7 @@ class Neighbourhood {
 
     const Vec x_i = positions_[i];
     const Real re2 = stencil.re * stencil.re;
+    const Real min_square = least_square(stencil);
     Index length = 0;
     bool distinct = true;
     for (const std::uint32_t j : js) {
@@ -182,7 +204,7 @@ class Neighbourhood {
       index[length] = j;
       square[length] = r2;
       length += r2 < re2;
-      distinct &= r2 > 0;
+      distinct &= r2 > min_square;
     }
 
     const Index padded = (length + max_lanes - 1) / max_lanes * max_lanes;

@@ -83,9 +83,9 @@ class ContactsOf : public Contacts<Law, Walls...> {
   }
 
   /// Adds contact forces and torques, in a pass over the grains if one is given, see
-  /// AcceleratesInPass in core/concepts.hpp. Throws if two centres coincide, if a radius, mass or
-  /// inertia is not positive and finite, if a material does not exist, or if dt exceeds the
-  /// stability limit.
+  /// AcceleratesInPass in core/concepts.hpp. Throws if two centres coincide to round-off, if a
+  /// radius, mass or inertia is not positive and finite, if products of them underflow or overflow,
+  /// if a material does not exist, or if dt exceeds the stability limit.
   template <class S, class Before = DoNothing, class After = DoNothing>
   void accelerate(P& grains, const S& search, double dt, const Pass<Before, After>& pass = {}) {
     Evaluation evaluation = begin_step(grains, search, {.time = time_, .time_step = dt});

@@ -58,7 +58,7 @@ struct BoxWall {
   NearestPoint<Dim, Real> nearest_of_block(const Vec<Dim, Real>& x) const {
     const Vec<Dim, Real> out = x - x.cwiseMax(box.lower).cwiseMin(box.upper);
     const Real distance = out.norm();
-    if (distance > 0) return {out / distance, distance};
+    if (detail::has_direction(distance)) return {out / distance, distance};
     auto nearest = nearest_side(0, x);
     for (Index side = 1; side < 2 * Dim; ++side) {
       const auto other = nearest_side(side, x);

@@ -97,10 +97,15 @@ struct Polyline {
     const Index last = before(k);
     const bool is_beside =
         (has_line(k) && beyond_start(k, x) > 0) || ((closed || k > 0) && before_end(last, x) > 0);
+    if (is_beside) return no_nearest_point<2, Real>();
     const Vec<2, Real> out = x - points[k];
     const Real distance = out.norm();
-    if (is_beside || !(distance > 0)) return no_nearest_point<2, Real>();
-    return {out / distance, distance};
+    if (detail::has_direction(distance)) return {out / distance, distance};
+    // The centre is on the point: the normal is that between the segments, outside.
+    Vec<2, Real> outside = Vec<2, Real>::Zero();
+    if (has_line(k)) outside -= direction(k);
+    if (closed || k > 0) outside += direction(last);
+    return {outside.normalized(), 0};
   }
 };
 
@@ -119,7 +124,7 @@ struct Segment {
     const Real s = std::clamp<Real>((x - from).dot(along) / along.squaredNorm(), 0, 1);
     const Vec<2, Real> out = x - (from + s * along);
     const Real distance = out.norm();
-    if (distance > 0) return {out / distance, distance};
+    if (detail::has_direction(distance)) return {out / distance, distance};
     // The centre is on the wall: the normal points to the left of from → to.
     return {Vec<2, Real>(-along[1], along[0]).normalized(), 0};
   }

@@ -14,12 +14,12 @@ namespace silt::dem {
 
 namespace detail {
 /// Nearest point of a round wall with this radius [m] to a grain centre at `out` relative to the
-/// wall's centre or axis; `across` is the normal to use if `out` is 0.
+/// wall's centre or axis; `across` is the normal to use if `out` has no direction.
 template <int Dim, class Real>
 NearestPoint<Dim, Real> nearest_round(const Vec<Dim, Real>& out, Real radius, Side grains,
                                       const Vec<Dim, Real>& across) {
   const Real r = out.norm();
-  const Vec<Dim, Real> outwards = r > 0 ? Vec<Dim, Real>(out / r) : across;
+  const Vec<Dim, Real> outwards = has_direction(r) ? Vec<Dim, Real>(out / r) : across;
   if (grains == Side::inside) return {-outwards, radius - r};
   return {outwards, r - radius};
 }
@@ -95,7 +95,9 @@ struct Cylinder {
     const Vec<3, Real> end = -along > along - length ? Vec<3, Real>(-axis) : axis;
     if (mantle.distance > 0 && beyond > 0) {
       const Real distance = std::hypot(mantle.distance, beyond);
-      return {(mantle.distance * mantle.normal + beyond * end) / distance, distance};
+      if (detail::has_direction(distance)) {
+        return {(mantle.distance * mantle.normal + beyond * end) / distance, distance};
+      }
     }
     if (mantle.distance > beyond) return mantle;
     return {end, beyond};

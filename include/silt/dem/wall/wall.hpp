@@ -45,6 +45,15 @@ void check_points(const std::string& name, const TwoPoints<Dim, Real>& points) {
        to_text(distance) + " m, which must be positive and finite; give other points");
 }
 
+namespace detail {
+/// Whether the direction of a vector with this length is known to round-off: not if its square
+/// underflows.
+template <class Real>
+bool has_direction(Real length) {
+  return length * length > std::numeric_limits<Real>::min() / std::numeric_limits<Real>::epsilon();
+}
+}  // namespace detail
+
 /// On which side of a wall the grains are.
 enum class Side { inside, outside };
 

@@ -256,7 +256,7 @@ class MeshWall {
   static Nearest away_from(const Vec& closest, const Vec& x, const Vec& outwards) {
     const Vec out = x - closest;
     const Real distance = out.norm();
-    if (distance > 0) return {out / distance, distance};
+    if (detail::has_direction(distance)) return {out / distance, distance};
     return {outwards.norm() > 0 ? Vec(outwards.normalized()) : Vec(Vec::Unit(2)), 0};
   }
 
