@@ -45,7 +45,7 @@ bool accepts(F&& f) {
 }
 
 /// Reports a finding unless the condition holds.
-inline void require(bool condition, const char* what) {
+inline void require(bool condition, const std::string& what) {
   if (!condition) throw std::logic_error(what);
 }
 

@@ -62,6 +62,21 @@ inline std::vector<Entry> entries_of(const std::string& text) {
   return entries;
 }
 
+/// Name of the first entry that differs; empty if none does.
+inline std::string first_difference(const std::string& a, const std::string& b) {
+  const auto of_a = entries_of(a);
+  const auto of_b = entries_of(b);
+  for (Index k = 0; k < of_a.size() && k < of_b.size(); ++k) {
+    const Index from_a = of_a[k].begins_at;
+    const Index from_b = of_b[k].begins_at;
+    if (a.substr(from_a, of_a[k].values_at + of_a[k].size - from_a) !=
+        b.substr(from_b, of_b[k].values_at + of_b[k].size - from_b)) {
+      return of_a[k].name;
+    }
+  }
+  return of_a.size() == of_b.size() ? "" : "the number of entries";
+}
+
 /// A checkpoint with other bytes at this place, and its checksum.
 template <class T>
 std::string with_value(std::string text, Index at, const T& value) {
