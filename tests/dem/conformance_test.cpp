@@ -189,8 +189,8 @@ TEST(Conformance, ThrowsForConditionsOutOfRange) {
                       {"ConformanceConditions: density = 0"}));
   EXPECT_TRUE(refuses([&] { dem::conformance_of(law, {.overlap = 0}); },
                       {"ConformanceConditions: overlap = 0"}));
-  EXPECT_TRUE(
-      refuses([&] { dem::conformance_of(law, {.overlap = 0.1}); }, {"overlap over radius"}));
+  EXPECT_TRUE(refuses([&] { dem::conformance_of(law, {.overlap = 0.1}); },
+                      {"overlap = 0.1 m", "radius = 0.01 m"}));
   EXPECT_TRUE(refuses([] { dem::conformance_of(dem::CundallStrack{}); }, {"normal_stiffness = 0"}));
 }
 

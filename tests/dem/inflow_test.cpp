@@ -73,6 +73,36 @@ TEST(Inflow, DrawsGrainsIndependentOfTheRun) {
   }
 }
 
+TEST(Inflow, AddsNoGrainIntoAWall) {
+  auto bin = empty_bin();
+  // Beyond both sides and below the floor of the bin.
+  const Box<2> around{.lower = {-0.1, -0.1}, .upper = {0.3, 0.1}};
+  dem::Inflow filling{around, pebbles, {.number = 60}};
+  filling.before_step(bin);
+  const auto& grains = std::as_const(bin.particles());
+  EXPECT_GT(grains.size(), 10u);
+  for (Index i = 0; i < grains.size(); ++i) {
+    const auto& x = grains[position][i];
+    const double R = grains[radius][i];
+    EXPECT_GE(x[0], R);
+    EXPECT_LE(x[0], 0.2 - R);
+    EXPECT_GE(x[1], R);
+  }
+}
+
+TEST(Inflow, KeepsClearOfAMovingWallAtThatTime) {
+  const dem::Moving piston{dem::Plane<2>{}, dem::Translation<2>{.velocity = {0, 1}}};
+  Simulation lifted{dem::Grains<2>{}, NeighbourList<2>{}, dem::Contacts{law, piston}, Leapfrog{}};
+  const Box<2> region{.lower = {0, 0}, .upper = {0.2, 0.4}};
+  dem::Inflow filling{region, pebbles, {.number = 20, .from = 0.2}};
+  lifted.run({.until = 0.201, .time_step = 1e-4}, filling);
+  const auto& grains = std::as_const(lifted.particles());
+  EXPECT_EQ(grains.size(), 20u);
+  for (Index i = 0; i < grains.size(); ++i) {
+    EXPECT_GE(grains[position][i][1], 0.2 + grains[radius][i] - 1e-12);
+  }
+}
+
 TEST(Outflow, CountsRemovedGrains) {
   dem::Grains<2> grains;
   for (const double x : {0.0, 0.1, 0.2}) {

@@ -80,6 +80,22 @@ TEST(Packing, AvoidsExistingGrains) {
   }
 }
 
+TEST(Packing, KeepsClearOfWalls) {
+  const dem::Blend<dem::UniformSizes> pebbles{.sizes = {.min_radius = 0.01, .max_radius = 0.02},
+                                              .density = 2500};
+  const Box<3> box{.lower = {0, 0, 0}, .upper = {0.5, 0.5, 0.5}};
+  const dem::Plane<3> slope{.point = {0.25, 0, 0.25}, .normal = Vec<3>(-1, 0, 1).normalized()};
+  dem::Grains<3> grains;
+  dem::scatter(grains, pebbles, box, {.number = 200}, slope, dem::Plane<3>{.point = {0, 0, 0.1}});
+  ASSERT_EQ(grains.size(), 200u);
+  for (Index i = 0; i < grains.size(); ++i) {
+    const Vec<3> x = grains[position][i];
+    const double R = grains[radius][i];
+    EXPECT_GE(slope.normal.dot(x - slope.point), R);
+    EXPECT_GE(x[2] - 0.1, R);
+  }
+}
+
 TEST(Packing, ThrowsIfThereIsNoSpaceAndReportsTheNumberPlaced) {
   dem::Grains<2> grains;
   const auto box = cube<2, double>(0, 1);

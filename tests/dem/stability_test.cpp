@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The stable and the default time step of every law: the limit, and the grain that determines it.
+#include <silt/core/simulation.hpp>
 #include <silt/dem/contact/contacts.hpp>
 #include <silt/dem/law/composed_law.hpp>
 #include <silt/dem/law/hertz.hpp>
@@ -8,6 +9,7 @@
 #include <silt/dem/law/mindlin.hpp>
 #include <silt/dem/law/rolling_resistance.hpp>
 #include <silt/dem/law/walton_braun.hpp>
+#include <silt/integrate/leapfrog.hpp>
 #include <silt/search/brute_force.hpp>
 
 #include "support/check.hpp"
@@ -15,6 +17,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <vector>
 
 namespace silt::test {
@@ -42,8 +45,8 @@ struct Rejection {
   std::string message;
 };
 template <class Law>
-Rejection rejection_of(const Law& law, dem::Grains<3> grains) {
-  BruteForce<3> search({.radius = 2 * R});
+Rejection rejection_of(const Law& law, dem::Grains<3> grains, double reach = 2 * R) {
+  BruteForce<3> search({.radius = reach});
   search.update(grains);
   Rejection rejection;
   double high = 1;
@@ -126,6 +129,27 @@ TEST(Stability, ASlightHertzContactDoesNotLowerTheLimit) {
   EXPECT_GT(beside, 0.9 * alone);
 }
 
+TEST(Stability, LimitOfALargeGrainHardlyDependsOnTheNumberOfSmallOnesAroundIt) {
+  // Small grains in a spiral around a large one, which do not touch each other.
+  constexpr int number = 150;
+  dem::Grains<3> grains;
+  dem::add_grain(grains, {0, 0, 0}, {.radius = 10 * R, .density = 2500});
+  for (int n = 0; n < number; ++n) {
+    const double z = 1 - (2 * n + 1.0) / number;
+    const double angle = n * std::numbers::pi * (3 - std::sqrt(5.0));
+    const double across = std::sqrt(1 - z * z);
+    const Vec<3> outwards{across * std::cos(angle), across * std::sin(angle), z};
+    dem::add_grain(grains, Vec<3>((11 * R - 1e-5) * outwards), {.radius = R, .density = 2500});
+  }
+  const dem::Law spring{dem::LinearSpringDashpot{.normal_stiffness = k}};
+  const double m = mass_of_one();
+  const double limit = rejection_of(spring, grains, 20 * R).limit;
+  // A shift of the large grain, with the small ones on both sides: ω² = k/m + n/3 k/M.
+  const double exact = 2 / std::sqrt(k / m * (1 + number / 3.0 / 1000));
+  EXPECT_LE(limit, exact);
+  EXPECT_GE(limit, 0.75 * exact);
+}
+
 TEST(Stability, MessageNamesTheLimitingGrain) {
   const auto rejection =
       rejection_of(dem::Law{dem::Hertz{.elastic = glass}}, row({1e-6, 1e-6, 1e-4}));
@@ -145,6 +169,29 @@ TEST(Stability, DefaultTimeStepOfHertzIsThatOfAnOverlapOfOnePercentOfTheRadius) 
   const double v = std::sqrt(16.0 / 15 * hertz.elastic.contact_modulus() * std::sqrt(R / 2) / m) *
                    std::pow(deepest, 1.25);
   EXPECT_GT(2.9433 * deepest / v / dt, 60);
+}
+
+TEST(Stability, TheDefaultTimeStepIsShortenedWhereItIsNotStable) {
+  const dem::Law law{dem::Hertz{.elastic = glass, .restitution = 0.3}};
+  // The default time step is that of an overlap of a hundredth of the radius.
+  Simulation squeezed{row({R / 2, R / 2}), BruteForce<3>{},
+                      dem::Contacts{law}.with({.steps_per_contact = 3}), Leapfrog{}};
+  const double chosen = squeezed.time_step();
+  std::optional<double> stable;
+  try {
+    squeezed.step(chosen);
+  } catch (const Error& error) {
+    stable = error.stable_time_step();
+  }
+  ASSERT_TRUE(stable.has_value());
+  squeezed.step();
+  EXPECT_LE(squeezed.last_time_step(), *stable);
+  EXPECT_GT(squeezed.last_time_step(), *stable / 2);
+  squeezed.run({.until = 50.5 * chosen, .end_exactly = true});
+  EXPECT_EQ(squeezed.time(), 50.5 * chosen);
+  EXPECT_EQ(squeezed.interaction().size(), 0u);
+  squeezed.step();
+  EXPECT_EQ(squeezed.last_time_step(), chosen);
 }
 
 }  // namespace

@@ -156,12 +156,13 @@ TEST(Walls, RejectInvalidParameters) {
                      {"BoxWall", "periodic"}));
   EXPECT_TRUE(throws(dem::Circle<>{}, {"Circle: radius = 0"}));
   EXPECT_TRUE(throws(dem::Circle<>{.centre = {nan, 0}, .radius = 1}, {"Circle: centre = nan"}));
-  EXPECT_TRUE(throws(dem::Cylinder<>{.to = {0, 0, 0}, .radius = 1}, {"length of the axis = 0"}));
+  EXPECT_TRUE(
+      throws(dem::Cylinder<>{.to = {0, 0, 0}, .radius = 1}, {"Cylinder: from", "distance 0 m"}));
   EXPECT_TRUE(throws(dem::Cylinder<>{.radius = -1}, {"Cylinder: radius = -1"}));
   EXPECT_TRUE(throws(dem::Polyline<>{.points = {{0, 0}}}, {"Polyline", "number of points = 1"}));
   EXPECT_TRUE(throws(dem::Polyline<>{.points = {{0, 0}, {1, 0}}, .closed = true}, {"at least 3"}));
   EXPECT_TRUE(throws(dem::Polyline<>{.points = {{0, 0}, {1, 0}, {1, 0}}},
-                     {"point 1", "distance to the next one = 0"}));
+                     {"points 1 and 2", "distance 0 m"}));
   EXPECT_TRUE(throws(dem::Polyline<>{.points = {{0, 0}, {1, nan}}}, {"point 1 = nan"}));
 }
 

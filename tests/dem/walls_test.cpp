@@ -34,6 +34,20 @@ TEST(Plane, IsSolidBehind) {
   EXPECT_GT(sim.particles()[velocity][0][2], 0) << "a grain deep inside is also pushed out";
 }
 
+TEST(Plane, IsRefusedIfItBreaksOffAtAPeriodicSide) {
+  auto grains = one_grain<2>({0.5, 0.1}, {0, 0});
+  Box<2> box{.lower = {0, 0}, .upper = {1, 1}};
+  box.periodic[0] = true;
+  grains.set_box(box);
+  const auto step_above = [&](const Vec<2>& normal) {
+    Simulation sim{grains, UniformGrid<2>{}, dem::Contacts{law, dem::Plane<2>{.normal = normal}},
+                   Leapfrog{}};
+    sim.step(1e-6);
+  };
+  EXPECT_NO_THROW(step_above({0, 1}));
+  EXPECT_TRUE(refuses([&] { step_above({0.1, 1}); }, {"Plane: the normal", "axis 0", "periodic"}));
+}
+
 TEST(Segment, IsTwoSided) {
   const dem::Segment<> wall{.from = {-1, 0}, .to = {1, 0}};
   for (const double side : {1.0, -1.0}) {

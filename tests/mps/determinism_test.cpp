@@ -61,10 +61,6 @@ TEST(FlowBits, AreTheSameForAnyNumberOfThreadsIn3D) {
   expect_one_result<Case10>(tank, 0.05, 8);
 }
 
-TEST(FlowBits, AreTheSameForAnyNumberOfThreadsOverHundredsOfStepsSlow) {
-  expect_one_result<Case10>(wide_dam(0.016), 0.016, 300);
-}
-
 // Units of length, mass and time in metres, kilograms and seconds.
 struct Units {
   double length = 1;

@@ -94,7 +94,7 @@ struct Box {
     if constexpr (Archive::reads) check();
   }
 
-  /// Throws unless lower < upper along every axis, both finite along periodic axes.
+  /// Throws unless lower < upper along every axis, both and the length finite along periodic axes.
   void check() const {
     for (int k = 0; k < Dim; ++k) {
       const std::string axis = "Box: axis " + std::to_string(k);
@@ -105,6 +105,9 @@ struct Box {
       if (!(lower[k] < upper[k])) {
         fail(axis + ": lower = " + to_text(double(lower[k])) + " is not below upper = " +
              to_text(double(upper[k])) + "; give a box with a positive length");
+      }
+      if (periodic[static_cast<std::size_t>(k)]) {
+        require_finite(axis + ": upper - lower", double(Real(upper[k] - lower[k])));
       }
     }
   }

@@ -123,7 +123,7 @@ concept HasReach = requires(const ForParticles<I, P> i, const P& p) {
 };
 
 /// Adds forces [N] and torques [N m] to the particles; changes no field that the integrator
-/// advances. Models: dem::Contacts, that is, dem::ContactsOf; Gravity, Forces.
+/// advances. Models: dem::Contacts, that is, dem::ContactsOf; dem::Bonds, Gravity, Forces.
 template <class I, class P, class S>
 concept Interaction =
     NeighbourSearch<S, P> && HasReach<I, P> &&

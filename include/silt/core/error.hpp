@@ -10,6 +10,7 @@
 #include <bit>
 #include <cstdint>
 #include <cstdio>
+#include <limits>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -30,28 +31,35 @@ struct Where {
 /// the location.
 class Error : public std::runtime_error {
  public:
-  explicit Error(std::string message, Where where = {})
-      : std::runtime_error(compose(message, where)), message_(std::move(message)),
-        where_(where) {}
+  explicit Error(std::string message, Where where = {}, std::optional<double> stable_time_step = {})
+      : std::runtime_error(compose(message, where)),
+        message_(std::move(message)),
+        where_(where),
+        stable_time_step_(stable_time_step) {}
 
   const Where& where() const noexcept { return where_; }
+  /// If a step failed because its time step was too long: one that is not [s].
+  const std::optional<double>& stable_time_step() const noexcept { return stable_time_step_; }
 
   /// The same error with step and time added; called by Simulation.
   Error with_step(std::uint64_t step, double time) const {
     Where where = where_;
     where.step = step;
     where.time = time;
-    return Error(message_, where);
+    return Error(message_, where, stable_time_step_);
   }
 
   /// The same error with a text before its message; called by read_checkpoint().
-  Error with_prefix(const std::string& text) const { return Error(text + message_, where_); }
+  Error with_prefix(const std::string& text) const {
+    return Error(text + message_, where_, stable_time_step_);
+  }
 
  private:
   static std::string compose(const std::string& message, const Where& where);
 
   std::string message_;
   Where where_;
+  std::optional<double> stable_time_step_;
 };
 
 /// A number for messages, with six significant digits.
@@ -90,6 +98,15 @@ inline std::string Error::compose(const std::string& message, const Where& where
   throw Error(std::move(message), where);
 }
 
+/// Throws an Error about a time step [s] beyond the stability limit of `what`, such as "a grain
+/// with its contacts".
+[[noreturn]] inline void fail_as_unstable(const std::string& name, double time_step, double stable,
+                                          const std::string& what, Where where) {
+  throw Error(name + ": time_step = " + to_text(time_step) + " s exceeds the stable time step " +
+                  to_text(stable) + " s of " + what + "; lower it",
+              where, stable);
+}
+
 /// Neither infinite nor NaN.
 inline bool is_finite(double value) {
   constexpr std::uint64_t exponent = 0x7ff0000000000000u;
@@ -98,6 +115,11 @@ inline bool is_finite(double value) {
 inline bool is_finite(float value) {
   constexpr std::uint32_t exponent = 0x7f800000u;
   return (std::bit_cast<std::uint32_t>(value) & exponent) != exponent;
+}
+/// Finite, above 0, and with all digits: not below the normal numbers.
+template <class Real>
+bool is_positive_normal(Real value) {
+  return is_finite(value) && value >= std::numeric_limits<Real>::min();
 }
 template <class Real, int Dim>
 bool is_finite(const Eigen::Matrix<Real, Dim, 1>& v) {
@@ -129,8 +151,7 @@ inline void require_positive(std::string_view name, double value) {
 inline void require_not_negative(std::string_view name, double value) {
   require_finite(name, value);
   if (value < 0) {
-    fail(std::string(name) + " = " + to_text(value) +
-         " is negative; give a value of at least 0");
+    fail(std::string(name) + " = " + to_text(value) + " is negative; give a value of at least 0");
   }
 }
 struct Range {

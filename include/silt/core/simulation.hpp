@@ -159,8 +159,11 @@ class Simulation {
     return dt;
   }
 
-  /// One step with the time step that the interaction chooses.
-  void step() { step(time_step()); }
+  /// One step with the time step that the interaction chooses; shorter if that is not stable for
+  /// the present contacts.
+  void step() {
+    detail::advance_by_stable_step(time_step(), [this](double dt) { step(dt); });
+  }
 
   /// One step of dt [s]. Throws silt::Error if dt is not positive or exceeds the stability limit,
   /// if a field is not finite after the step, if a particle left a box with OnEscape::refuse, or if
@@ -255,10 +258,13 @@ class Simulation {
         return given_time_step > 0 ? std::string("increase it")
                                    : detail::remedy_for_time_step(interaction_, particles_);
       });
-      if (run.end_exactly) {
-        step_towards(run.until, dt);
+      const auto advance = [&](double time_step) {
+        run.end_exactly ? step_towards(run.until, time_step) : step(time_step);
+      };
+      if (given_time_step > 0) {
+        advance(dt);
       } else {
-        step(dt);
+        detail::advance_by_stable_step(dt, advance);
       }
       (detail::call_after_step(observers, *this, run), ...);
       if (output_is_due()) make_output();

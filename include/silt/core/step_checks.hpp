@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Checks of the particles after a step: are all values finite, and all positions within the box?
+// Checks of the time step, and of the particles after a step: are all values finite, and all
+// positions within the box?
 #pragma once
 
 #include <silt/core/box.hpp>
@@ -9,6 +10,7 @@
 #include <silt/core/parallel.hpp>
 #include <silt/core/types.hpp>
 
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -33,6 +35,22 @@ std::string remedy_for_time_step(const I& interaction, const P& particles) {
   std::string limit;
   if constexpr (LimitsTimeStep<I, P>) limit = interaction.limit_of_time_step(particles);
   return (limit.empty() ? "" : limit + "; or ") + "pass a longer one: run({.time_step = …})";
+}
+
+/// Calls advance(dt), and as long as that fails because dt [s] is not stable, with a shorter one.
+/// The limit is known only when a step has found its contacts; a failed step changes nothing.
+template <class F>
+void advance_by_stable_step(double dt, F&& advance) {
+  while (true) {
+    try {
+      advance(dt);
+      return;
+    } catch (const Error& error) {
+      const auto stable = error.stable_time_step();
+      if (!stable) throw;
+      dt = 0.9 * std::min(dt, *stable);
+    }
+  }
 }
 
 /// Throws if the compiler may reorder sums; see core/types.hpp.

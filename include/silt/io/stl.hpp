@@ -164,6 +164,7 @@ inline bool is_text_stl(std::string_view bytes) {
 inline std::vector<Triangle<double>> read_stl(const std::filesystem::path& path,
                                               const StlSettings& settings = {}) {
   require_positive("StlSettings: scale", settings.scale);
+  require_between("StlSettings: scale", settings.scale, {1e-30, 1e30});
   const std::string bytes = file::read("read_stl", path);
   const std::string name = path.string();
   const auto triangles = detail::is_text_stl(bytes)

@@ -57,13 +57,11 @@ BondStability stability_of(const P& grains, const std::vector<B>& bonds, const B
       const BondEnds ends = indices.ends(k);
       const Real m_a = grains[mass][ends.a];
       const Real m_b = grains[mass][ends.b];
-      Contact<P::dimension, Real> contact;
-      contact.normal = bonds[k].normal;
-      contact.effective_mass = m_a / (m_a + m_b) * m_b;
       const Real share = arm_of_a(grains, ends);
-      bound.add(contact, springs_of(law, section_at(grains, ends, law)).stiffness(law.beta),
+      bound.add(bonds[k].normal, springs_of(law, section_at(grains, ends, law)).stiffness(law.beta),
                 {.mass_over_inertia = double(grains[mass][i]) / double(grains[inertia][i]),
-                 .arm = double((ends.a == i ? share : 1 - share) * bonds[k].length)});
+                 .arm = double((ends.a == i ? share : 1 - share) * bonds[k].length)},
+                share_of(double(grains[mass][i]), double(m_a / (m_a + m_b) * m_b), Shares::equal));
     }
     const double stable = bound.stable_time_step();
     if (stable < least.time_step) least = {.time_step = stable, .grain = grains.id(i)};
@@ -320,9 +318,8 @@ class Bonds {
 
   template <class P>
   [[noreturn]] void refuse(const P& grains, double dt) const {
-    fail("dem::Bonds: time_step = " + to_text(dt) + " s exceeds the stable time step " +
-             to_text(stability_.time_step) + " s of a grain with its bonds; lower it",
-         {.particle = grains.index_of(stability_.grain), .id = stability_.grain});
+    fail_as_unstable("dem::Bonds", dt, stability_.time_step, "a grain with its bonds",
+                     {.particle = grains.index_of(stability_.grain), .id = stability_.grain});
   }
 
   template <class P>
@@ -334,7 +331,7 @@ class Bonds {
                                                .rotation_b = grains[spin][ends.b] * passed,
                                                .arm_a = arm_of_a(grains, ends),
                                                .time_step = passed};
-    if (!(motion.between.squaredNorm() > 0)) {
+    if (!(motion.between.squaredNorm() >= std::numeric_limits<Real>::min())) {
       fail("dem::Bonds: the bonded grains " + names_of(bonds_[k]) +
                " coincide or have an invalid position; use a smaller time step",
            {.particle = ends.a, .id = bonds_[k].a});

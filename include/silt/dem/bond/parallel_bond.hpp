@@ -24,17 +24,20 @@ namespace silt::dem {
 struct ParallelBond {
   double normal_stiffness = 0;      ///< k̄_n [N/m³], above 0
   double tangential_stiffness = 0;  ///< k̄_s [N/m³]
-  double radius_share = 1;  ///< λ̄: radius R̄ of the bond over the smaller grain's [-], above 0
-  double beta = 0;          ///< ratio of dashpot to spring c/k, for all four springs [s]
+  /// λ̄: radius R̄ of the bond over the smaller grain's [-], from 1e-6 to 1e6
+  double radius_share = 1;
+  double beta = 0;  ///< ratio of dashpot to spring c/k, for all four springs [s]
   double tensile_strength = std::numeric_limits<double>::infinity();  ///< σ̄_c [Pa], above 0
   double shear_strength = std::numeric_limits<double>::infinity();    ///< τ̄_c [Pa], above 0
 
   /// Throws if a parameter is out of range.
   void check() const {
-    require_positive("ParallelBond: normal_stiffness", normal_stiffness);
-    require_not_negative("ParallelBond: tangential_stiffness", tangential_stiffness);
+    check_magnitude("ParallelBond: normal_stiffness", normal_stiffness);
+    check_magnitude_or_zero("ParallelBond: tangential_stiffness", tangential_stiffness);
+    // The second moments of the section have its fourth power.
     require_positive("ParallelBond: radius_share", radius_share);
-    require_not_negative("ParallelBond: beta", beta);
+    require_between("ParallelBond: radius_share", radius_share, {1e-6, 1e6});
+    check_magnitude_or_zero("ParallelBond: beta", beta);
     const auto require_strength = [](const char* name, double strength) {
       if (!(strength > 0)) {  // may be infinite
         fail(std::string(name) + " = " + to_text(strength) +

@@ -33,7 +33,10 @@ struct ConformanceConditions {
     require_positive("ConformanceConditions: radius", radius);
     require_positive("ConformanceConditions: density", density);
     require_positive("ConformanceConditions: overlap", overlap);
-    require_between("ConformanceConditions: overlap over radius", overlap / radius, {0, 0.5});
+    if (overlap > radius / 2) {
+      fail("ConformanceConditions: overlap = " + to_text(overlap) +
+           " m is more than half of radius = " + to_text(radius) + " m; decrease it");
+    }
   }
 };
 

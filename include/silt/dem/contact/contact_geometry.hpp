@@ -10,6 +10,7 @@
 #include <silt/dem/wall/wall.hpp>
 
 #include <cstdint>
+#include <limits>
 #include <type_traits>
 
 namespace silt::dem::detail {
@@ -51,10 +52,14 @@ class ContactGeometry {
     return touching;
   }
 
-  /// Bit l is set if the centres in lane l coincide.
+  /// Bit l is set if the centres in lane l coincide to round-off, so that there is no normal.
   unsigned coincident() const {
+    constexpr Real round_off = std::numeric_limits<Real>::epsilon();
     unsigned apart = 0;
-    for (int p = 0; p < packs; ++p) apart |= simd::less<Real, N>(Pack{}, r_squared_[p]) << (p * N);
+    for (int p = 0; p < packs; ++p) {
+      const Pack least = round_off * (i_[p].R + j_[p].R);
+      apart |= simd::less<Real, N>(least * least, r_squared_[p]) << (p * N);
+    }
     return ~apart;
   }
 
@@ -94,8 +99,8 @@ class ContactGeometry {
     }
   }
 
-  /// The same for grain first[l] and wall element second[l]; nearest(element, x)
-  /// is the nearest point. Stores the normals.
+  /// The same for grain first[l] and wall element second[l]; nearest(element, x) is the nearest
+  /// point. Stores the normals.
   template <class Nearest>
   unsigned find_touching_walls(const Grains& grains, const std::uint32_t* first,
                                const std::uint32_t* second, Nearest&& nearest, Into& into) {

@@ -127,6 +127,12 @@ class ContactsOf : public Contacts<Law, Walls...> {
            " s; use a softer material";
   }
 
+  /// Whether a grain at x [m] with this radius [m] would touch a wall, or be behind one, at a time
+  /// [s].
+  bool would_touch_wall(const typename P::Vec& x, Real radius, double time) const {
+    return walls_.would_touch(x, radius, time);
+  }
+
   /// Number of contacts in the last step, including those with walls.
   Index size() const noexcept { return state_.last.count; }
 
@@ -152,7 +158,8 @@ class ContactsOf : public Contacts<Law, Walls...> {
   }
 
   /// Load on a wall, given by its number, in the last step; the torque is about the point `about`
-  /// [m]. Bitwise identical for any number of threads. Throws if there is no such wall.
+  /// [m]. Bitwise identical for any number of threads. Throws if there is no such wall, or if the
+  /// point is not finite.
   auto load_on(const P& grains, Index wall, const typename P::Vec& about = P::Vec::Zero()) const {
     return last_step(grains).load_on(wall, about);
   }

@@ -80,6 +80,7 @@ class ContactsOfStep {
       fail("dem::Contacts: there is no wall " + std::to_string(wall) + "; give a number below " +
            std::to_string(walls_.size()));
     }
+    require_finite("dem::Contacts: about", about);
     WallLoad<P::dimension, Real> load;
     for_each_at_walls([&](const auto& touch) {
       if (touch.wall != wall) return;

@@ -54,31 +54,53 @@ struct ListLifetime {
   std::uint64_t constants_revision = 0;
 };
 
-/// Throws if a radius, mass or inertia is not positive and finite, or if a grain's material does
-/// not exist.
+/// Whether the products that contacts compute neither underflow nor overflow: those of two radii,
+/// of two masses, and of a mass, a radius and the distance of two centres, which is at least the
+/// round-off of a radius and at most two of them.
+template <class Real>
+bool has_products(Real R, Real m) {
+  using Limits = std::numeric_limits<Real>;
+  constexpr Real least = Limits::min();
+  constexpr Real most = Limits::max() / 16;
+  return R * R > least && m * m > least && m * (R * R) * Limits::epsilon() > least &&
+         R * R * (R * R) < most && m * m < most;
+}
+
+/// Throws if a radius, mass or inertia is not positive and finite, if products of radius and mass
+/// underflow or overflow, or if a grain's material does not exist.
 template <class P, class Law>
 void check_grains(const P& grains, const Materials<Law>& materials) {
   const auto R = grains[radius];
   const auto m = grains[mass];
   const auto inertias = grains[inertia];
   const auto numbers = grains[material];
-  const auto is_valid = [](auto value) { return is_finite(value) && value > 0; };
+  const auto is_valid = [](auto value) { return is_positive_normal(value); };
   const Index odd = first_where(grains.size(), [&](Index i) {
-    return !(is_valid(R[i]) && is_valid(m[i]) && is_valid(inertias[i]) &&
-             numbers[i] < materials.count());
+    return !(is_radius(R[i]) && is_valid(m[i]) && is_valid(inertias[i]) &&
+             has_products(R[i], m[i]) && numbers[i] < materials.count());
   });
   if (odd == no_index) return;
   const Where where{.particle = odd, .id = grains.id(odd)};
   materials.check(numbers[odd], "of a grain", where);
-  const auto check = [&](const char* name, auto value, const char* unit) {
-    if (is_valid(value)) return;
-    fail(std::string("dem::Contacts: ") + name + " = " + to_text(double(value)) + " " + unit +
-             " of a grain must be positive and finite; set it, or add grains by add_grain()",
+  const auto reject = [&](const char* name, auto value, const char* unit_and_rule) {
+    fail(std::string("dem::Contacts: ") + name + " = " + to_text(double(value)) + " " +
+             unit_and_rule + "; set it, or add grains by add_grain()",
          where);
   };
-  check("radius", R[odd], "m");
-  check("mass", m[odd], "kg");
-  check("inertia", inertias[odd], "kg m²");
+  if (!is_radius(R[odd])) {
+    reject("radius", R[odd], "m of a grain must be positive, finite and such that its square is");
+  }
+  if (!is_valid(m[odd])) {
+    reject("mass", m[odd], "kg of a grain must be a positive, finite and normal number");
+  }
+  if (!is_valid(inertias[odd])) {
+    reject("inertia", inertias[odd],
+           "kg m² of a grain must be a positive, finite and normal number");
+  }
+  fail("dem::Contacts: radius = " + to_text(double(R[odd])) +
+           " m and mass = " + to_text(double(m[odd])) +
+           " kg of a grain have products that underflow or overflow; use other units, or double",
+       where);
 }
 
 /// Copies the constants of the grains to a new list.
@@ -183,6 +205,7 @@ template <class P, class S, class Walls, class List>
 void begin_list(const P& grains, const S& search, const Walls& walls, const StepTime& step,
                 typename P::Real reach, List& list) {
   using Real = typename P::Real;
+  if (grains.box().any_periodic()) walls.check_in(grains.box());
   // A small margin gives few pairs, a large one few rebuilds; the search limits it.
   constexpr double lasting_steps = 40;
   const auto v = grains[velocity];

@@ -40,34 +40,47 @@ struct Lever {
   double arm;                ///< [m]
 };
 
+/// How the two grains of a contact share the energy of its spring; see FrequencyBound.
+enum class Shares {
+  equal,        ///< a = m_j/m_i: exact for a single pair
+  by_root_mass  ///< a = √(m_j/m_i): less for a large grain, which may have many small neighbours
+};
+
+/// The share of the grain of mass m [kg], in mass-weighted coordinates [1/kg].
+inline double share_of(double m, double effective_mass, Shares shares) {
+  if (shares == Shares::equal) return 1 / effective_mass;
+  const double of_other = std::max(0.0, 1 / effective_mass - 1 / m);  // 1/m_j, 0 for a wall
+  return 1 / m + std::sqrt(of_other / m);
+}
+
 /// Upper bound of the contribution of one contact to the StabilityBounds of a grain.
-inline StabilityBounds contribution_bound(const Stiffness& k, double effective_mass,
-                                          const Lever& lever) {
+inline StabilityBounds contribution_bound(const Stiffness& k, double share, const Lever& lever) {
   const double m_over_I = lever.mass_over_inertia;
   const double linear = std::max(k.normal, k.tangential * (1 + m_over_I * squared(lever.arm)));
-  return {.spring = (linear + k.rolling * m_over_I) / effective_mass,
-          .dashpot = (k.beta * linear + k.rolling_dashpot * m_over_I) / effective_mass};
+  return {.spring = (linear + k.rolling * m_over_I) * share,
+          .dashpot = (k.beta * linear + k.rolling_dashpot * m_over_I) * share};
 }
 
 /// Upper bound of the squared angular frequency [1/s²] of a grain with all its contacts, and
 /// likewise of its dashpots.
 ///
 /// The spring energy of a contact is ½ k (g_i·q_i + g_j·q_j)², with q the displacements and
-/// rotations in mass-weighted coordinates. By the Cauchy–Schwarz inequality it is bounded by a sum
-/// of shares (1/m_i + 1/m_j) m_i k (g_i·q_i)² of the two grains. The maximum, over all grains, of
-/// the largest eigenvalue of the sum of a grain's shares is an upper bound of ω² of the whole
-/// system, exact for a single pair.
+/// rotations in mass-weighted coordinates. By the Cauchy–Schwarz inequality it is at most
+/// ½ k ((1 + 1/a) (g_i·q_i)² + (1 + a) (g_j·q_j)²), a share of each of the two grains, for any
+/// a > 0. The maximum, over all grains, of the largest eigenvalue of the sum of a grain's shares is
+/// an upper bound of ω² of the whole system, for a = m_j/m_i exact for a single pair.
 template <int Dim, class Real>
 class FrequencyBound {
   static constexpr Index size = Dim == 2 ? 3 : 6;
   using Matrix = std::array<std::array<double, size>, size>;
 
  public:
-  void add(const Contact<Dim, Real>& contact, const Stiffness& k, const Lever& lever) {
+  /// `share` as of share_of().
+  void add(const Vec<Dim, Real>& normal, const Stiffness& k, const Lever& lever, double share) {
     // By coefficients: Eigen's products take long to compile, and are made of fused multiply-adds
     // where the processor has them.
     std::array<double, Dim> n;
-    for (int a = 0; a < Dim; ++a) n[Index(a)] = double(contact.normal[a]);
+    for (int a = 0; a < Dim; ++a) n[Index(a)] = double(normal[a]);
     // Velocity of the contact point as a function of the grain's velocity and scaled spin w √(I/m).
     std::array<std::array<double, size>, Dim> motion{};
     const double scaled_arm = lever.arm * std::sqrt(lever.mass_over_inertia);
@@ -80,24 +93,23 @@ class FrequencyBound {
         motion[a][Dim + (a + 2) % 3] = scaled_arm * n[(a + 1) % 3];
       }
     }
-    const double m = double(contact.effective_mass);
     for (Index r = 0; r < size; ++r) {
       for (Index c = 0; c < size; ++c) {
-        double share = 0;
+        double sum = 0;
         for (Index a = 0; a < Dim; ++a) {
           for (Index b = 0; b < Dim; ++b) {
             const double spring =
                 (a == b ? k.tangential : 0) + (k.normal - k.tangential) * n[a] * n[b];
-            share += motion[a][r] * spring * motion[b][c] / m;
+            sum += motion[a][r] * spring * motion[b][c] * share;
           }
         }
-        springs_[r][c] += share;
-        dashpots_[r][c] += k.beta * share;
+        springs_[r][c] += sum;
+        dashpots_[r][c] += k.beta * sum;
       }
     }
     for (Index r = Dim; r < size; ++r) {
-      springs_[r][r] += k.rolling * lever.mass_over_inertia / m;
-      dashpots_[r][r] += k.rolling_dashpot * lever.mass_over_inertia / m;
+      springs_[r][r] += k.rolling * lever.mass_over_inertia * share;
+      dashpots_[r][r] += k.rolling_dashpot * lever.mass_over_inertia * share;
     }
   }
 
@@ -139,9 +151,9 @@ class FrequencyBound {
   Matrix dashpots_{};
 };
 
-/// A time step [s] that is stable for all grains: that of a grain with the largest number of
-/// contacts, all with the largest stiffness. Infinite without stiffness. law_of(c) is the law of a
-/// contact, margin [m] the largest gap of contacts in the list, `walls` a WallsAtTime.
+/// A time step [s] that is stable for all grains, even if all pairs of the list touch. Infinite
+/// without stiffness. law_of(c) is the law of a contact, margin [m] the largest gap of contacts in
+/// the list, `walls` a WallsAtTime.
 template <class P, class Walls, class LawOf>
 double stable_for_all(const P& grains, const ContactList& list, const Walls& walls,
                       typename P::Real margin, LawOf&& law_of) {
@@ -150,53 +162,52 @@ double stable_for_all(const P& grains, const ContactList& list, const Walls& wal
   const auto R = grains[radius];
   const auto m = grains[mass];
   const auto I = grains[inertia];
-  const Index max_contacts =
-      largest(grains.size(), Index(0), [&](Index i) { return list.count(i); });
-  // The grains that rotate most easily by a couple and by a force at their surface.
-  const auto m_over_I = [&](Index i) { return double(m[i]) / double(I[i]); };
-  const double max_by_couple = largest(grains.size(), 0.0, m_over_I);
-  const double max_by_force =
-      largest(grains.size(), 0.0, [&](Index i) { return m_over_I(i) * squared(double(R[i])); });
-  if (!(max_by_couple > 0)) return std::numeric_limits<double>::infinity();
-  const Lever easiest{.mass_over_inertia = max_by_couple,
-                      .arm = std::sqrt(max_by_force / max_by_couple)};
   const NearestImage<P::dimension, Real> image(grains.box());
+  const auto contribution = [&](Index i, Index c, const Lever& lever) {
+    const ContactBodies bodies = bodies_of(list, c);
+    Contact<P::dimension, Real> contact;
+    contact.effective_mass = m[bodies.i];
+    contact.effective_radius = R[bodies.i];
+    // Springs may stiffen with the overlap.
+    contact.overlap = margin;
+    if (bodies.j != no_index) {
+      contact.effective_mass *= m[bodies.j] / (m[bodies.i] + m[bodies.j]);
+      contact.effective_radius *= R[bodies.j] / (R[bodies.i] + R[bodies.j]);
+      const Real distance = image(typename P::Vec(x[bodies.j] - x[bodies.i])).norm();
+      contact.overlap += std::max<Real>(0, R[bodies.i] + R[bodies.j] - distance);
+    } else {
+      const auto at = walls.nearest(bodies.wall, x[bodies.i]);
+      contact.overlap += std::max<Real>(0, R[bodies.i] - at.distance);
+    }
+    const double share =
+        share_of(double(m[i]), double(contact.effective_mass), Shares::by_root_mass);
+    return contribution_bound(law_of(c).stiffness(contact), share, lever);
+  };
   std::vector<StabilityBounds> of_block(list.blocks());
-  list.for_each_block([&](Index b, Index, Index) {
-    list.for_each_contact(b, [&](Index c) {
-      const ContactBodies bodies = bodies_of(list, c);
-      Contact<P::dimension, Real> contact;
-      contact.effective_mass = m[bodies.i];
-      contact.effective_radius = R[bodies.i];
-      // Springs may stiffen with the overlap.
-      contact.overlap = margin;
-      if (bodies.j != no_index) {
-        contact.effective_mass *= m[bodies.j] / (m[bodies.i] + m[bodies.j]);
-        contact.effective_radius *= R[bodies.j] / (R[bodies.i] + R[bodies.j]);
-        const Real distance = image(typename P::Vec(x[bodies.j] - x[bodies.i])).norm();
-        contact.overlap += std::max<Real>(0, R[bodies.i] + R[bodies.j] - distance);
-      } else {
-        const auto at = walls.nearest(bodies.wall, x[bodies.i]);
-        contact.overlap += std::max<Real>(0, R[bodies.i] - at.distance);
+  list.for_each_block([&](Index b, Index first, Index last) {
+    for (Index i = first; i < last; ++i) {
+      const Lever lever{.mass_over_inertia = double(m[i]) / double(I[i]), .arm = double(R[i])};
+      StabilityBounds sum;
+      for (const ContactList::Side side : list.of(i)) {
+        const StabilityBounds one = contribution(i, side.contact(), lever);
+        sum.spring += one.spring;
+        sum.dashpot += one.dashpot;
       }
-      const Stiffness k = law_of(c).stiffness(contact);
-      const StabilityBounds one = contribution_bound(k, double(contact.effective_mass), easiest);
-      of_block[b].spring = std::max(of_block[b].spring, one.spring);
-      of_block[b].dashpot = std::max(of_block[b].dashpot, one.dashpot);
-    });
+      of_block[b].spring = std::max(of_block[b].spring, sum.spring);
+      of_block[b].dashpot = std::max(of_block[b].dashpot, sum.dashpot);
+    }
   });
   StabilityBounds all;
   for (const StabilityBounds& one : of_block) {
     all.spring = std::max(all.spring, one.spring);
     all.dashpot = std::max(all.dashpot, one.dashpot);
   }
-  all.spring *= double(max_contacts);
-  all.dashpot *= double(max_contacts);
   return all.stable_time_step();
 }
 
 /// Throws if dt [s] exceeds the stability limit of a grain with the contacts of this step, a
-/// ContactsOfStep. A cheap bound is nearly always sufficient; otherwise FrequencyBound decides.
+/// ContactsOfStep, however the energies of springs are shared. A cheap bound is nearly always
+/// sufficient; otherwise FrequencyBound decides.
 template <class P, class ContactsOfStep>
 void check_stability(const P& grains, const ContactsOfStep& contacts, double dt) {
   const auto m = grains[mass];
@@ -222,28 +233,34 @@ void check_stability(const P& grains, const ContactsOfStep& contacts, double dt)
               .arm = double(grains[radius][i] - each.arm_reduction)});
     }
   };
-  const auto is_beyond = [&](Index i) {
+  const auto share = [&](Index i, const auto& contact, Shares shares) {
+    return share_of(double(m[i]), double(contact.effective_mass), shares);
+  };
+  const auto is_beyond = [&](Index i, Shares shares) {
     StabilityBounds sum;
     for_each_contact_of(i, [&](const auto& contact, const Stiffness& k, const Lever& lever) {
-      const StabilityBounds one = contribution_bound(k, double(contact.effective_mass), lever);
+      const StabilityBounds one = contribution_bound(k, share(i, contact, shares), lever);
       sum.spring += one.spring;
       sum.dashpot += one.dashpot;
     });
     return dt > sum.stable_time_step();
   };
-  const auto stable_of = [&](Index i) {
+  const auto stable_of = [&](Index i, Shares shares) {
     FrequencyBound<P::dimension, typename P::Real> bound;
     for_each_contact_of(i, [&](const auto& contact, const Stiffness& k, const Lever& lever) {
-      bound.add(contact, k, lever);
+      bound.add(contact.normal, k, lever, share(i, contact, shares));
     });
     return bound.stable_time_step();
   };
-  const Index unstable =
-      first_where(grains.size(), [&](Index i) { return is_beyond(i) && dt > stable_of(i); });
+  const auto find_unstable = [&](Shares shares) {
+    return first_where(grains.size(),
+                       [&](Index i) { return is_beyond(i, shares) && dt > stable_of(i, shares); });
+  };
+  if (find_unstable(Shares::by_root_mass) == no_index) return;
+  const Index unstable = find_unstable(Shares::equal);
   if (unstable == no_index) return;
-  fail("dem::Contacts: time_step = " + to_text(dt) + " s exceeds the stable time step " +
-           to_text(stable_of(unstable)) + " s of a grain with its contacts; lower it",
-       {.particle = unstable, .id = grains.id(unstable)});
+  fail_as_unstable("dem::Contacts", dt, stable_of(unstable, Shares::equal),
+                   "a grain with its contacts", {.particle = unstable, .id = grains.id(unstable)});
 }
 
 }  // namespace silt::dem::detail

@@ -10,6 +10,7 @@
 #pragma once
 
 #include <silt/core/error.hpp>
+#include <silt/dem/law/contact.hpp>
 #include <silt/dem/law/dashpot.hpp>
 #include <silt/dem/law/law_components.hpp>
 
@@ -34,7 +35,7 @@ typename C::Real pull_while_touching(const C& contact, typename C::Real pull) {
 struct DmtAdhesion {
   double surface_energy = 0;  ///< γ [J/m²] of one surface; the work of adhesion is 2 γ
 
-  void check() const { require_not_negative("DmtAdhesion: surface_energy", surface_energy); }
+  void check() const { check_magnitude_or_zero("DmtAdhesion: surface_energy", surface_energy); }
 
   template <class C>
   typename C::Real adhesion_force(const C& contact) const {

@@ -2,9 +2,11 @@
 // The input and output of a contact law: geometry and motion of one contact, forces and couples.
 #pragma once
 
+#include <silt/core/error.hpp>
 #include <silt/core/types.hpp>
 
 #include <concepts>
+#include <string_view>
 
 namespace silt::dem {
 
@@ -56,6 +58,18 @@ struct ElasticEnergies {
     return *this;
   }
 };
+
+/// Throws unless a parameter, such as a stiffness, is from 1e-100 to 1e100 in its unit, so that the
+/// product of two neither overflows nor underflows.
+inline void check_magnitude(std::string_view name, double value) {
+  require_positive(name, value);
+  require_between(name, value, {1e-100, 1e100});
+}
+/// The same, or 0.
+inline void check_magnitude_or_zero(std::string_view name, double value) {
+  require_not_negative(name, value);
+  if (value > 0) check_magnitude(name, value);
+}
 
 /// Stiffness between two materials. k is the stiffness of a pair of equal grains, so the spring of
 /// one grain has 2 k, and those of two grains act in series.

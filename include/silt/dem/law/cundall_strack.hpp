@@ -102,15 +102,15 @@ struct CundallStrackLaw {
 
   /// Throws if a parameter is out of range.
   void check() const {
-    require_positive("CundallStrack: normal_stiffness", normal_stiffness);
-    require_not_negative("CundallStrack: tangential_stiffness", tangential_stiffness);
+    check_magnitude("CundallStrack: normal_stiffness", normal_stiffness);
+    check_magnitude_or_zero("CundallStrack: tangential_stiffness", tangential_stiffness);
     restitution.check("CundallStrack: restitution");
     friction_angle.check("CundallStrack: friction_angle");
     require_not_negative("CundallStrack: cohesion", cohesion);
     require_spring_for("friction_angle", friction_angle.value, "rad");
     require_spring_for("cohesion", cohesion, "N");
     if (beta) {
-      require_not_negative("CundallStrack: beta", *beta);
+      check_magnitude_or_zero("CundallStrack: beta", *beta);
       if (restitution.value != 1) {
         fail("CundallStrack: restitution = " + to_text(restitution.value) +
              " and beta = " + to_text(*beta) + " s both define the dashpot; give only one of them");

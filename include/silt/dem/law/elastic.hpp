@@ -16,7 +16,7 @@ struct Elastic {
 
   /// Throws if a value is out of range; the message begins with `whose`.
   void check(const std::string& whose) const {
-    require_positive(whose + ": young_modulus", young_modulus);
+    check_magnitude(whose + ": young_modulus", young_modulus);
     require_between(whose + ": poisson_ratio", poisson_ratio, {-1 + 1e-6, 0.5});
   }
 

@@ -8,7 +8,9 @@
 #include <silt/dem/law/elastic.hpp>
 #include <silt/dem/law/law_components.hpp>
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace silt::dem {
 
@@ -37,10 +39,12 @@ struct Hertz {
     const Real c = dashpot(contact, S);
     const Real spring = S * contact.overlap * 2 / 3;
     const Real damping = CentredDashpot::force(contact, history, S, c);
+    // The overlap may have been rounded to 0; then so are S and c.
+    const Real divisor = std::max(S, Real(std::numeric_limits<float>::min()));
     return {.spring = spring,
             .dashpot = limit_damping ? limited_dashpot(spring, damping) : damping,
             .stiffness = S,
-            .beta = c / S};
+            .beta = c / divisor};
   }
 
   /// 8/15 E* √R* δ^{5/2}.

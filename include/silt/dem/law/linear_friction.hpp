@@ -32,7 +32,7 @@ struct LinearFriction {
   };
 
   void check() const {
-    require_positive("LinearFriction: tangential_stiffness", tangential_stiffness);
+    check_magnitude("LinearFriction: tangential_stiffness", tangential_stiffness);
     friction_angle.check("LinearFriction: friction_angle");
     require_not_negative("LinearFriction: cohesion", cohesion);
   }

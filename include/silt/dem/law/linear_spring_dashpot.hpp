@@ -26,7 +26,7 @@ struct LinearSpringDashpot {
   using History = CentredDashpot::History<Real>;
 
   void check() const {
-    require_positive("LinearSpringDashpot: normal_stiffness", normal_stiffness);
+    check_magnitude("LinearSpringDashpot: normal_stiffness", normal_stiffness);
     restitution.check("LinearSpringDashpot: restitution");
   }
 

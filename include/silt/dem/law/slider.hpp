@@ -134,7 +134,8 @@ RescaledForce<Vec> with_displacement(Real k, Real ratio, const Vec& force) {
   const bool had_spring = double(ratio) < std::numeric_limits<double>::infinity() && ratio > 0;
   const Real finite_ratio = had_spring ? ratio : Real(1);
   const Real lost = force.squaredNorm() * finite_ratio * (1 - finite_ratio) / k;
-  return {force * finite_ratio, k > 0 ? lost / 2 : Real(0)};
+  const Real share = k > 0 ? finite_ratio : Real(0);
+  return {force * share, k > 0 ? lost / 2 : Real(0)};
 }
 
 /// ½ F²/k [J]; 0 without a spring.

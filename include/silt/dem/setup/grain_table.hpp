@@ -80,7 +80,14 @@ Grains<Dim, Real, Further...> grains_from(const T& table, const Grain& defaults 
     const Index i = add_grain(grains, x, grain);
     if (!by_mass) continue;
     const Real m = Real(value(row, "mass", 0));
-    grains[inertia][i] *= m / grains[mass][i];
+    const Real I = grains[inertia][i] * (m / grains[mass][i]);
+    const auto check = [&](Real number) {
+      if (is_finite(number) && number > 0) return;
+      table.reject(row, "mass", "must give a positive finite mass and moment of inertia");
+    };
+    check(m);
+    if (!detail::has_column(table, "inertia")) check(I);
+    grains[inertia][i] = I;
     grains[mass][i] = m;
   }
   silt::detail::for_each_number(grains, [&]<class F>(const std::string& name, Index k, F field) {

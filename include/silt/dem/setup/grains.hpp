@@ -65,10 +65,18 @@ double volume_of(double radius) {
                   : std::numbers::pi * radius * radius * radius * 4 / 3;
 }
 
+/// Whether this is the radius of a grain: the squares of the distances between such grains in
+/// contact neither overflow nor underflow.
+template <class Real>
+bool is_radius(Real R) {
+  return R > 0 && is_positive_normal(R * R) && is_finite(64 * R * R);
+}
+
 /// Adds a grain at rest at x [m]; returns its index in memory. Throws, and adds nothing, if x is
-/// not finite, if radius or density is not positive and finite, if mass or moment of inertia
-/// underflows or overflows in the precision of the grains, or if the material is 2³² or more. The
-/// first step with dem::Contacts throws if the material does not exist.
+/// not finite, if radius or density is not positive and finite, if the square of the radius,
+/// mass or moment of inertia underflows or overflows in the precision of the grains, or if the
+/// material is 2³² or more. The first step with dem::Contacts throws if the material does not
+/// exist.
 template <class P>
   requires HasFields<P, mass_t, inertia_t, radius_t, material_t>
 Index add_grain(P& grains, const typename P::Vec& x, const Grain& grain) {
@@ -78,9 +86,14 @@ Index add_grain(P& grains, const typename P::Vec& x, const Grain& grain) {
   const bool disc = P::dimension == 2 && grain.shape == Shape::natural;
   const double r = grain.radius;
   const double m = grain.density * (disc ? volume_of<2>(r) : volume_of<3>(r));
+  const double I = disc ? m * r * r / 2 : m * r * r * 2 / 5;
   // In the precision of the grains, to reject values that underflow or overflow in it.
-  require_positive("Grain: mass", double(Real(m)));
-  require_positive("Grain: inertia", double(Real(disc ? m * r * r / 2 : m * r * r * 2 / 5)));
+  if (!is_radius(Real(r)) || !is_positive_normal(Real(m)) || !is_positive_normal(Real(I))) {
+    fail("Grain: radius = " + to_text(r) + " m and density = " + to_text(grain.density) +
+         " kg/m³ give the mass " + to_text(m) + " kg and the moment of inertia " + to_text(I) +
+         " kg m²; change them so that these, and the square of the radius, are normal numbers in "
+         "the precision of the grains");
+  }
   if (grain.material > std::numeric_limits<std::uint32_t>::max()) {
     fail("Grain: material = " + std::to_string(grain.material) +
          " is not below 2^32; give an index in dem::Materials");
@@ -88,7 +101,7 @@ Index add_grain(P& grains, const typename P::Vec& x, const Grain& grain) {
   const Index i = grains.add(x);
   grains[radius][i] = Real(r);
   grains[mass][i] = Real(m);
-  grains[inertia][i] = Real(disc ? m * r * r / 2 : m * r * r * 2 / 5);
+  grains[inertia][i] = Real(I);
   grains[material][i] = static_cast<std::uint32_t>(grain.material);
   return i;
 }

@@ -39,12 +39,26 @@ struct Schedule {
     return true;
   }
 };
+
+/// Whether a grain at x [m] with this radius [m] would touch a wall of the interaction, which may
+/// have several parts, at a time [s].
+template <class I, class Vec, class Real>
+bool would_touch_wall(const I& interaction, const Vec& x, Real radius, double time) {
+  bool touches = false;
+  if constexpr (requires { interaction.would_touch_wall(x, radius, time); }) {
+    touches = interaction.would_touch_wall(x, radius, time);
+  } else if constexpr (requires { interaction.for_each_part([](const auto&) {}); }) {
+    interaction.for_each_part(
+        [&](const auto& part) { touches = touches || would_touch_wall(part, x, radius, time); });
+  }
+  return touches;
+}
 }  // namespace detail
 
-/// Observer that adds grains to a region before a step, where they touch no other grain. The k-th
-/// grain uses the random numbers of the stream (seed, k), which do not depend on the course of the
-/// run. If there is no free position for a grain, it and all following grains are added later, so
-/// that the size distribution is kept.
+/// Observer that adds grains to a region before a step, where they touch no other grain and no wall
+/// of the simulation's contacts. The k-th grain uses the random numbers of the stream (seed, k),
+/// which do not depend on the course of the run. If there is no free position for a grain, it and
+/// all following grains are added later, so that the size distribution is kept.
 template <class R, SizeDistribution Sizes>
 class Inflow {
  public:
@@ -86,7 +100,9 @@ class Inflow {
     const double since = simulation.time() - settings_.from;
     if (since < 0 || added_ >= due(since)) return;
     if (!schedule_.is_due({.since = since, .every = settings_.every})) return;
-    add_grains(simulation.particles(), due(since));
+    add_grains(simulation.particles(), due(since), [&](const Vec& x, Real radius) {
+      return detail::would_touch_wall(simulation.interaction(), x, radius, simulation.time());
+    });
   }
 
   /// State for a checkpoint, see core/transfer.hpp.
@@ -115,8 +131,8 @@ class Inflow {
          ", are more than 1e8; add fewer or larger grains, or set a lower rate");
   }
 
-  template <class P>
-  void add_grains(P& grains, Index target) {
+  template <class P, class TouchesWall>
+  void add_grains(P& grains, Index target, TouchesWall&& touches_wall) {
     check_number(target - added_);
     detail::Placement<R, P::dimension, Real> placement(grains, region_, blend_.sizes.largest());
     while (added_ < target) {
@@ -125,7 +141,7 @@ class Inflow {
       random.counter += tried_;
       const auto drawn = random.counter;
       detail::check_fits("Inflow", Bounds(region_.bounds()), grain.radius);
-      const auto ball = placement.find(random, Real(grain.radius), settings_.tries);
+      const auto ball = placement.find(random, Real(grain.radius), settings_.tries, touches_wall);
       tried_ += random.counter - drawn;
       if (!ball) return;
       const Index i = add_grain(grains, ball->centre, grain);

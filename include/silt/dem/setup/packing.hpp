@@ -13,6 +13,7 @@
 #include <silt/dem/setup/random.hpp>
 #include <silt/dem/setup/region.hpp>
 #include <silt/dem/setup/size_distribution.hpp>
+#include <silt/dem/wall/wall_set.hpp>
 
 #include <algorithm>
 #include <array>
@@ -163,12 +164,14 @@ class Placement {
     }
   }
 
-  /// A position in the region where a grain of this radius touches no other, found in at most
-  /// `tries` draws; it then counts as occupied.
-  std::optional<Ball> find(Random& random, Real radius, Index tries) {
+  /// A position in the region where a grain of this radius touches no other and no wall,
+  /// touches_wall(x, R), found in at most `tries` draws; it then counts as occupied.
+  template <class TouchesWall>
+  std::optional<Ball> find(Random& random, Real radius, Index tries, TouchesWall&& touches_wall) {
     for (Index k = 0; k < tries; ++k) {
       const Ball ball{box_.wrap(random.point_in(bounds_)), radius};
       if (region_.clearance(ball.centre) < radius || !occupancy_.has_room_for(ball)) continue;
+      if (touches_wall(ball.centre, radius)) continue;
       occupancy_.add(ball);
       return ball;
     }
@@ -217,11 +220,16 @@ std::vector<Grain> draw_grains(const Blend<Sizes>& blend, const Scatter& scatter
 }  // namespace detail
 
 /// Adds grains at rest that lie entirely inside the region and touch neither each other nor
-/// existing grains. If there is no free position for a grain, throws silt::Error and adds none;
-/// the message contains the number of grains placed until then.
-template <class P, class Sizes, Region<P::dimension, typename P::Real> R>
-void scatter(P& grains, const Blend<Sizes>& blend, const R& region, const Scatter& scatter) {
+/// existing grains nor any of these walls, at time 0. If there is no free position for a grain,
+/// throws silt::Error and adds none; the message contains the number of grains placed until then.
+template <class P, class Sizes, Region<P::dimension, typename P::Real> R, class... Walls>
+void scatter(P& grains, const Blend<Sizes>& blend, const R& region, const Scatter& scatter,
+             const Walls&... walls) {
   using Real = typename P::Real;
+  const WallSet<Walls...> wall_set(walls...);
+  const auto touches_wall = [&](const typename P::Vec& x, Real radius) {
+    return wall_set.would_touch(x, radius, 0);
+  };
   blend.check();
   region.check();
   detail::check_tries("dem::scatter", scatter.tries);
@@ -239,7 +247,7 @@ void scatter(P& grains, const Blend<Sizes>& blend, const R& region, const Scatte
   for (const Grain& grain : drawn) {
     // The first numbers of each stream were used for the radii.
     Random random{.seed = scatter.seed, .id = placed.size(), .counter = std::uint64_t{1} << 32};
-    const auto ball = placement.find(random, Real(grain.radius), scatter.tries);
+    const auto ball = placement.find(random, Real(grain.radius), scatter.tries, touches_wall);
     if (!ball) {
       fail("dem::scatter: placed " + std::to_string(placed.size()) + " of " +
            std::to_string(drawn.size()) + " grains, " + to_text(filled / volume) +

@@ -70,7 +70,7 @@ struct LognormalSizes {
     require_positive("LognormalSizes: median", median);
     require_positive("LognormalSizes: deviation", deviation);
     const double left = share_below(max_radius) - share_below(min_radius);
-    if (left < 0.01) {
+    if (!(left >= 0.01)) {  // also for NaN
       fail("LognormalSizes: only " + to_text(left) + " of all grains have radii from " +
            to_text(min_radius) + " to " + to_text(max_radius) +
            " m; widen these limits, or choose a median between them");

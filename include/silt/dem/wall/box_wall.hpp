@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// The sides of a box as walls.
 #pragma once
 
 #include <silt/core/box.hpp>

@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: MIT
+// A plane, solid on one side; in 2D a straight line.
 #pragma once
 
+#include <silt/core/box.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/wall/wall.hpp>
 
+#include <cmath>
 #include <cstdint>
+#include <string>
 
 namespace silt::dem {
 
@@ -20,8 +24,23 @@ struct Plane {
   void check() {
     require_finite("Plane: point", point);
     require_finite("Plane: normal", normal);
-    require_positive("Plane: length of the normal", double(normal.norm()));
+    const Real largest = normal.cwiseAbs().maxCoeff();
+    require_positive("Plane: length of the normal", double(largest));
+    // By a power of two, so that the square of its length neither overflows nor underflows.
+    const int exponent = std::ilogb(largest);
+    for (Real& component : normal) component = std::ldexp(component, -exponent);
     normal.normalize();
+  }
+
+  /// Throws if the plane would break off at a periodic side of the grains' box.
+  void check_in(const Box<Dim, Real>& box) const {
+    for (int k = 0; k < Dim; ++k) {
+      if (!box.periodic[Index(k)] || std::abs(normal[k]) < Real(1e-6)) continue;
+      fail("Plane: the normal " + to_text(normal) + " has a component along axis " +
+           std::to_string(k) +
+           ", which is periodic in the grains' box: the plane would break off at its sides; make "
+           "the axis non-periodic, or turn the plane");
+    }
   }
 
   NearestPoint<Dim, Real> nearest(const Vec<Dim, Real>& x) const {

@@ -33,8 +33,9 @@ struct Polyline {
     const auto name_of = [](Index k) { return "Polyline: point " + std::to_string(k); };
     for (Index k = 0; k < points.size(); ++k) require_finite(name_of(k), points[k]);
     for (Index k = 0; k < lines(); ++k) {
-      require_positive(name_of(k) + ": distance to the next one",
-                       double((next(k) - points[k]).norm()));
+      const std::string next_one = std::to_string(k + 1 == points.size() ? 0 : k + 1);
+      check_points<2, Real>("Polyline: points " + std::to_string(k) + " and " + next_one,
+                            {points[k], next(k)});
     }
     std::vector<Vec<2, Real>> corners;
     for (Index k = 0; k < points.size(); ++k) {
@@ -111,11 +112,7 @@ struct Segment {
   std::uint32_t material = 0;                ///< index in dem::Materials
 
   /// Throws if the two ends coincide.
-  void check() const {
-    require_finite("Segment: from", from);
-    require_finite("Segment: to", to);
-    require_positive("Segment: length", double((to - from).norm()));
-  }
+  void check() const { check_points<2, Real>("Segment", {from, to}); }
 
   NearestPoint<2, Real> nearest(const Vec<2, Real>& x) const {
     const Vec<2, Real> along = to - from;

@@ -36,6 +36,9 @@ struct Circle {
   /// Throws if the radius is not positive.
   void check() const {
     require_finite("Circle: centre", centre);
+    if (!is_finite(centre.squaredNorm())) {
+      fail("Circle: centre = " + to_text(centre) + " m has an infinite square; move it nearer to 0");
+    }
     require_positive("Circle: radius", double(radius));
   }
 
@@ -57,9 +60,7 @@ struct Cylinder {
 
   /// Throws if the radius is not positive, or if the two points of the axis coincide.
   void check() const {
-    require_finite("Cylinder: from", from);
-    require_finite("Cylinder: to", to);
-    require_positive("Cylinder: length of the axis", double((to - from).norm()));
+    check_points<3, Real>("Cylinder", {from, to});
     require_positive("Cylinder: radius", double(radius));
   }
 

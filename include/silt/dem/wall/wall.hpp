@@ -3,11 +3,13 @@
 // grain's centre; the contact detection needs nothing else.
 #pragma once
 
+#include <silt/core/error.hpp>
 #include <silt/core/types.hpp>
 
 #include <concepts>
 #include <cstdint>
 #include <limits>
+#include <string>
 
 namespace silt::dem {
 
@@ -22,6 +24,25 @@ struct NearestPoint {
 template <int Dim, class Real>
 NearestPoint<Dim, Real> no_nearest_point() {
   return {Vec<Dim, Real>::Unit(Dim - 1), std::numeric_limits<Real>::infinity()};
+}
+
+/// Two points of a wall, such as the ends of an axis.
+template <int Dim, class Real>
+struct TwoPoints {
+  Vec<Dim, Real> from;  ///< [m]
+  Vec<Dim, Real> to;    ///< [m]
+};
+/// Throws unless both points are finite, and so is their distance, which must not be 0. `name` is
+/// that of the wall.
+template <int Dim, class Real>
+void check_points(const std::string& name, const TwoPoints<Dim, Real>& points) {
+  const auto& [from, to] = points;
+  require_finite(name + ": from", from);
+  require_finite(name + ": to", to);
+  const double distance = double((to - from).norm());
+  if (distance > 0 && is_finite(distance)) return;
+  fail(name + ": from = " + to_text(from) + " and to = " + to_text(to) + " m have the distance " +
+       to_text(distance) + " m, which must be positive and finite; give other points");
 }
 
 /// On which side of a wall the grains are.
@@ -48,7 +69,8 @@ concept CompositeWall = requires(const W wall, const Vec<Dim, Real> x, Index ele
 };
 
 /// A simple or composite wall at rest, with wall.material, its index in dem::Materials, and
-/// wall.check(), which throws if the wall is invalid.
+/// wall.check(), which throws if the wall is invalid. It may also have wall.check_in(box), which
+/// throws if it cannot be used in the box of the grains.
 template <class W, int Dim, class Real>
 concept WallAtRest =
     (SimpleWall<W, Dim, Real> || CompositeWall<W, Dim, Real>) && requires(const W wall, W own) {

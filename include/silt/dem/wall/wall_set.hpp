@@ -192,6 +192,28 @@ class WallSet {
     return WallsAtTime<Dim, Real, Walls...>(walls_, first_, times);
   }
 
+  /// Whether a grain at x [m] with this radius [m] would touch a wall, or be behind one, at a time
+  /// [s].
+  template <class Vec, class Real = typename Vec::Scalar>
+  bool would_touch(const Vec& x, Real radius, double time) const {
+    const auto walls = at<Vec::RowsAtCompileTime, Real>({.positions = time, .velocities = time});
+    bool touches = false;
+    walls.for_each_element_near(x, radius, [&](Index element) {
+      touches = touches || walls.nearest(element, x).distance < radius;
+    });
+    return touches;
+  }
+
+  /// Throws if a wall cannot be used in this box, the grains'. Calls the optional check_in(box) of
+  /// walls at rest.
+  template <int Dim, class Real>
+  void check_in(const Box<Dim, Real>& box) const {
+    const auto check = [&](const auto& wall) {
+      if constexpr (requires { wall.check_in(box); }) wall.check_in(box);
+    };
+    std::apply([&](const auto&... wall) { (check(wall), ...); }, walls_);
+  }
+
   /// Number of elements of all walls.
   Index elements() const noexcept { return first_[size()]; }
   /// Number of the wall to which an element belongs.
