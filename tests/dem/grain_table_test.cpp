@@ -66,6 +66,15 @@ TEST_F(GrainTable, MessageHasTheLocationOfAnInvalidNumber) {
   const std::string head = "x,y,radius,density\n0,0,1,1\n\n";
   EXPECT_TRUE(refuses([&] { read<2>(head + "0,5,-2,1\n"); },
                       {path.string(), "line 4", "column radius: -2 must be above 0"}));
+  EXPECT_TRUE(refuses([&] { read<2>(head + "0,5,inf,1\n"); },
+                      {"line 4", "column radius: inf must be above 0 and finite"}));
+  const std::string more = "x,y,mass,radius,inertia,velocity_y\n";
+  EXPECT_TRUE(refuses([&] { read<2>(more + "0,0,inf,1,1,0\n"); },
+                      {"line 2", "column mass: inf must be above 0 and finite"}));
+  EXPECT_TRUE(refuses([&] { read<2>(more + "0,0,1,1,-1,0\n"); },
+                      {"line 2", "column inertia: -1 must be above 0 and finite"}));
+  EXPECT_TRUE(refuses([&] { read<2>(more + "0,0,1,1,1,nan\n"); },
+                      {"line 2", "column velocity_y: nan must be finite"}));
   EXPECT_TRUE(refuses([&] { read<2>(head + "0,5,2,none\n"); }, {"line 4", "column density"}));
   EXPECT_TRUE(refuses([&] { read<2>("x,y,radius,density,material\n0,0,1,1,0.5\n"); },
                       {"line 2", "column material: 0.5 must be an integer"}));
@@ -73,6 +82,9 @@ TEST_F(GrainTable, MessageHasTheLocationOfAnInvalidNumber) {
                       {"unknown column raduis; known are x, y, ", "radius"}));
   EXPECT_TRUE(
       refuses([&] { read<2>("x,y,radius,density,mass\n0,0,1,1,1\n"); }, {"both density and mass"}));
+  write(more + "0,0,1,1,1e-60,0\n");
+  EXPECT_TRUE(refuses([&] { dem::grains_from<2, float>(read_csv(path)); },
+                      {"line 2", "column inertia: 1e-60 must be above 0"}));
   EXPECT_TRUE(refuses([&] { read<3>(head); }, {"has no column z"}));
   EXPECT_TRUE(refuses([&] { read<2>("x,y,radius\n0,0,1\n"); }, {"Grain: density = 0"}));
 }

@@ -157,6 +157,17 @@ TEST(Packing, SettlesToABedInEquilibrium) {
               {"dem::settle: after 0.02 s", "speed = 1e-30"}));
 }
 
+TEST(Settling, ThrowsIfNoStepIsMadeBetweenTwoChecks) {
+  dem::Grains<2> grains;
+  dem::add_grain(grains, {0, 0}, {.radius = 0.1, .density = 1});
+  grains[velocity][0] = {0.5, 0};
+  Simulation sim{grains, NeighbourList<2>{}, Gravity<2>{{0, 0}}, Leapfrog{}};
+  sim.step(1);
+  const dem::Settling rest{.speed = 0.1, .check_every = 1e-20, .max_time = 1, .time_step = 1e-3};
+  EXPECT_TRUE(refuses([&] { dem::settle(sim, rest); },
+                      {"Settling: check_every = 1e-20", "t = 1 s", "increase it"}));
+}
+
 TEST(Settling, NeedsASpeedBelowTheLimit) {
   dem::Grains<2> grains;
   dem::add_grain(grains, {0, 0}, {.radius = 0.1, .density = 1});

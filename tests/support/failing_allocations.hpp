@@ -62,6 +62,14 @@ void* operator new(std::size_t bytes) {
 void* operator new(std::size_t bytes, std::align_val_t alignment) {
   return silt::test::allocator::allocate(bytes, static_cast<std::size_t>(alignment));
 }
+// Otherwise that of a sanitizer would be used, with the operator delete below.
+void* operator new(std::size_t bytes, const std::nothrow_t&) noexcept {
+  try {
+    return operator new(bytes);
+  } catch (...) {
+    return nullptr;
+  }
+}
 void operator delete(void* memory) noexcept { silt::test::allocator::release(memory); }
 void operator delete(void* memory, std::size_t) noexcept { silt::test::allocator::release(memory); }
 void operator delete(void* memory, std::align_val_t) noexcept {

@@ -6,6 +6,7 @@
 #include <silt/mps.hpp>
 
 #include "support/check.hpp"
+#include "support/checkpoint_bytes.hpp"
 #include "support/counted_memory.hpp"
 #include "support/file_test.hpp"
 #include "support/grains.hpp"
@@ -13,75 +14,15 @@
 #include <gtest/gtest.h>
 
 #include <cstdint>
-#include <cstring>
 #include <limits>
 #include <string>
 #include <string_view>
 #include <tuple>
-#include <type_traits>
 #include <utility>
 #include <vector>
 
 namespace silt::test {
 namespace {
-
-constexpr Index checksum_size = sizeof(std::uint64_t);
-
-// The bytes before the checksum, with theirs.
-std::string with_checksum(std::string bytes) {
-  const std::uint64_t sum = checkpoint::checksum(bytes);
-  return bytes.append(reinterpret_cast<const char*>(&sum), sizeof sum);
-}
-
-// Where the parts of an entry are in a file.
-struct Entry {
-  std::string name;
-  Index count_at;
-  std::uint64_t count;
-  Index values_at;
-  Index size;  // of all values
-};
-std::vector<Entry> entries_of(const std::string& text) {
-  std::vector<Entry> entries;
-  Index at = checkpoint::magic.size() + sizeof checkpoint::byte_order;
-  const auto number = [&]<class T>(T value) {
-    std::memcpy(&value, text.data() + at, sizeof value);
-    at += sizeof value;
-    return value;
-  };
-  while (at < text.size() - checksum_size) {
-    Entry entry;
-    const auto length = number(std::uint32_t{});
-    entry.name = text.substr(at, length);
-    at += length + 1;
-    const auto width = number(std::uint32_t{});
-    const auto numbers = number(std::uint32_t{});
-    entry.count_at = at;
-    entry.count = number(std::uint64_t{});
-    entry.values_at = at;
-    entry.size = entry.count * width * numbers;
-    at += entry.size;
-    entries.push_back(entry);
-  }
-  return entries;
-}
-
-template <class T>
-std::string with_value(std::string text, Index at, const T& value) {
-  std::memcpy(text.data() + at, &value, sizeof value);
-  text.resize(text.size() - checksum_size);
-  return with_checksum(std::move(text));
-}
-
-// The bytes of a checkpoint of a RunWith.
-template <class Run>
-std::string written(const Run& run) {
-  Run copy = run;
-  checkpoint::Writer writer;
-  std::apply([&](auto&... part) { checkpoint::transfer_all(writer, copy.simulation, part...); },
-             copy.observers);
-  return std::move(writer).finish();
-}
 
 class DamagedCheckpoint : public FileTest {
  protected:

@@ -196,7 +196,8 @@ class NeighbourList {
       const auto first = positions_.first(particles.size());
       last.assign(first.begin(), first.end());
     }
-    archive("built", list_.built);
+    bool built = list_.built && is_of_these;
+    archive("built", built);
     archive("is_of_these", is_of_these);
     archive("reference", reference);
     archive("has_last", has_last);
@@ -214,11 +215,8 @@ class NeighbourList {
     archive("rebuilds", state_.rebuilds);
     if constexpr (Archive::reads) {
       image_ = NearestImage<Dim, Real>(particles.box());
-      if (is_of_these) {
-        repeat_build(particles, reference);
-      } else {
-        list_.built = false;
-      }
+      list_.built = built && is_of_these;
+      if (is_of_these) repeat_build(particles, reference);
       if (has_last) repeat_update(particles, last);
     }
   }

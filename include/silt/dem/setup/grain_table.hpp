@@ -63,7 +63,9 @@ Grains<Dim, Real, Further...> grains_from(const T& table, const Grain& defaults 
   const auto value = [&](Index row, const std::string& name, double fallback) {
     if (!detail::has_column(table, name)) return fallback;
     const double number = table[name][row];
-    if (!(number > 0)) table.reject(row, name, "must be above 0");
+    if (!(number > 0) || !is_finite(number)) {
+      table.reject(row, name, "must be above 0 and finite");
+    }
     return number;
   };
   const bool by_mass = detail::has_column(table, "mass");
@@ -88,16 +90,28 @@ Grains<Dim, Real, Further...> grains_from(const T& table, const Grain& defaults 
     grains[inertia][i] = I;
     grains[mass][i] = m;
   }
-  silt::detail::for_each_number(grains, [&](const std::string& name, Index k, auto field) {
+  silt::detail::for_each_number(grains, [&]<class F>(const std::string& name, Index k, F field) {
     if (!detail::has_column(table, name)) return;
     const auto& column = table[name];
     const auto values = grains[field];
     using Value = typename decltype(values)::value_type;
+    constexpr bool is_positive =
+        std::same_as<F, mass_t> || std::same_as<F, inertia_t> || std::same_as<F, radius_t>;
     for (Index row = 0; row < values.size(); ++row) {
       if (!silt::detail::holds_number<Value>(column[row])) {
         table.reject(row, name, "must be an integer in the range of the field");
       }
       silt::detail::set_number(values[row], k, column[row]);
+      // Steps throw unless the state is finite.
+      if constexpr (is_positive ||
+                    (role_of<F>() == Role::state && requires { is_finite(values[row]); })) {
+        const auto& stored = values[row];
+        bool is_possible = is_finite(stored);
+        if constexpr (is_positive) is_possible = is_possible && stored > 0;
+        if (!is_possible) {
+          table.reject(row, name, is_positive ? "must be above 0 and finite" : "must be finite");
+        }
+      }
     }
   });
   return grains;

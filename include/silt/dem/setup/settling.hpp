@@ -30,7 +30,8 @@ double rms_speed(const P& grains) {
 
 /// Runs the simulation with these observers until a check finds the grains at rest; the first check
 /// is after check_every. Returns the time it took [s]; returns early if an observer ends the run.
-/// Throws silt::Error if the grains are not at rest after max_time.
+/// Throws silt::Error if the grains are not at rest after max_time, or if a check follows another
+/// without a step.
 template <class Sim, class... Observers>
 double settle(Sim& simulation, const Settling& settling, Observers&&... observers) {
   require_positive("Settling: speed", settling.speed);
@@ -39,11 +40,16 @@ double settle(Sim& simulation, const Settling& settling, Observers&&... observer
   const double began = simulation.time();
   double speed = 0;
   while (simulation.time() - began < settling.max_time) {
+    const auto steps = simulation.steps();
     const bool completed = simulation.run({.until = simulation.time() + settling.check_every,
                                            .output_every = 0,
                                            .time_step = settling.time_step},
                                           observers...);
     if (!completed) return simulation.time() - began;
+    if (simulation.steps() == steps) {
+      fail("Settling: check_every = " + to_text(settling.check_every) +
+           " s is too short for a step at t = " + to_text(simulation.time()) + " s; increase it");
+    }
     speed = rms_speed(simulation.particles());
     if (speed < settling.speed) return simulation.time() - began;
   }

@@ -1,0 +1,59 @@
+# SPDX-License-Identifier: MIT
+# Included by tests/CMakeLists.txt: fuzz targets, which are functions of arbitrary bytes. Silt may
+# refuse any input by silt::Error, and by nothing else.
+#
+# A target is a program that passes its corpus, and a number of random changes of it, to the
+# function (replay.cpp). With clang, the slow tests also link it with libFuzzer, whose changes are
+# guided by the branches that they reach, and with the sanitizers.
+
+set(fuzz_folder ${CMAKE_CURRENT_SOURCE_DIR}/fuzz)
+find_program(SILT_FUZZ_COMPILER NAMES clang++-19 clang++ NO_CACHE)
+set(fuzz_options -std=c++20 -O1 -g1 -ffp-contract=off -fno-sanitize-recover=all
+  -fsanitize=fuzzer,address,undefined,float-cast-overflow
+  "-I$<JOIN:$<TARGET_PROPERTY:silt,INTERFACE_INCLUDE_DIRECTORIES>,;-I>"
+  "-isystem$<JOIN:$<TARGET_PROPERTY:Eigen3::Eigen,INTERFACE_INCLUDE_DIRECTORIES>,;-isystem>"
+  -I${CMAKE_CURRENT_SOURCE_DIR} -I${PROJECT_SOURCE_DIR}/examples)
+
+# silt_add_fuzz_target(NAME INPUTS): so many random changes without --all; with it, a million, and
+# some minutes of libFuzzer.
+function(silt_add_fuzz_target name inputs)
+  set(program fuzz_${name})
+  set(corpus ${fuzz_folder}/corpus/${name})
+  silt_add_test(${program} "${SILT_QUICK_TEST_OPTIONS}" fuzz/${name}.cpp fuzz/replay.cpp)
+  add_test(NAME fuzz.${name} COMMAND ${program} ${corpus} ${inputs})
+  set_tests_properties(fuzz.${name} PROPERTIES LABELS trust ${environment})
+  add_test(NAME fuzz.${name}_million COMMAND ${program} ${corpus} 1000000)
+  set_tests_properties(fuzz.${name}_million PROPERTIES
+    LABELS "trust;slow" TIMEOUT 7200 ${environment})
+
+  if(SILT_SLOW_TESTS AND SILT_FUZZ_COMPILER)
+    set(binary ${CMAKE_CURRENT_BINARY_DIR}/libfuzzer_${name})
+    set(found ${CMAKE_CURRENT_BINARY_DIR}/libfuzzer_${name}_found)
+    file(MAKE_DIRECTORY ${found})
+    add_test(NAME fuzz.${name}_libfuzzer_build COMMAND ${SILT_FUZZ_COMPILER} ${fuzz_options}
+      ${fuzz_folder}/${name}.cpp $<TARGET_LINKER_FILE:GTest::gtest> -o ${binary}
+      COMMAND_EXPAND_LISTS)
+    add_test(NAME fuzz.${name}_libfuzzer COMMAND ${binary} -max_total_time=180 -timeout=60
+      -artifact_prefix=${found}/failed_ -print_final_stats=1 ${found} ${corpus})
+    set_tests_properties(fuzz.${name}_libfuzzer_build PROPERTIES
+      LABELS "trust;slow" FIXTURES_SETUP libfuzzer_${name} TIMEOUT 1800)
+    set_tests_properties(fuzz.${name}_libfuzzer PROPERTIES
+      LABELS "trust;slow" FIXTURES_REQUIRED libfuzzer_${name} TIMEOUT 1800 ${environment})
+  endif()
+endfunction()
+
+silt_add_fuzz_target(stl 20000)
+silt_add_fuzz_target(csv 20000)
+silt_add_fuzz_target(checkpoint 20000)
+silt_add_fuzz_target(grains 20000)
+silt_add_fuzz_target(flow 500)
+
+silt_find_optional(found_cli CLI11 CLI11::CLI11 "#include <CLI/CLI.hpp>\nint main() {}")
+silt_find_optional(found_json nlohmann_json nlohmann_json::nlohmann_json
+  "#include <nlohmann/json.hpp>\nint main() {}")
+if(found_cli AND found_json)
+  silt_add_fuzz_target(options 5000)
+  target_link_libraries(fuzz_options PRIVATE CLI11::CLI11 nlohmann_json::nlohmann_json)
+else()
+  message(STATUS "The fuzz target of options is skipped: CLI11 or nlohmann_json is not usable")
+endif()
