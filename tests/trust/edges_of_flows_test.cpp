@@ -185,11 +185,10 @@ TEST(Flow, InAnyUnitsHasScaledVelocitiesOrIsRefusedInFloat) { expect_scaled_velo
 
 TEST(SmoothWalls, ActOnAParticleAtTheirOwnHeightWithoutNaN) {
   for (const double height : {0.0, 1e-320, 1e-200, 1e-165, 1e-20, 1e-3}) {
+    // The dummies exactly behind the wall particle make its normal exact.
     mps::Fluid<2> particles;
-    for (int x = -8; x <= 8; ++x) {
-      for (int y = -4; y <= 0; ++y) {
-        mps::add_particle(particles, Vec<2>(x, y), y == 0 ? Kind::wall : Kind::dummy);
-      }
+    for (int y = -4; y <= 0; ++y) {
+      mps::add_particle(particles, Vec<2>(0, y), y == 0 ? Kind::wall : Kind::dummy);
     }
     const Index i = mps::add_particle(particles, Vec<2>(0.5, height), Kind::fluid);
     particles[velocity][i] = {0.1, -1};
