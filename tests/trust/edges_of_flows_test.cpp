@@ -183,21 +183,5 @@ void expect_scaled_velocities() {
 TEST(Flow, InAnyUnitsHasScaledVelocitiesOrIsRefused) { expect_scaled_velocities<double>(); }
 TEST(Flow, InAnyUnitsHasScaledVelocitiesOrIsRefusedInFloat) { expect_scaled_velocities<float>(); }
 
-TEST(SmoothWalls, ActOnAParticleAtTheirOwnHeightWithoutNaN) {
-  for (const double height : {0.0, 1e-320, 1e-200, 1e-165, 1e-20, 1e-3}) {
-    mps::Fluid<2> particles;
-    for (int x = -8; x <= 8; ++x) {
-      for (int y = -4; y <= 0; ++y) {
-        mps::add_particle(particles, Vec<2>(x, y), y == 0 ? Kind::wall : Kind::dummy);
-      }
-    }
-    const Index i = mps::add_particle(particles, Vec<2>(0.5, height), Kind::fluid);
-    particles[velocity][i] = {0.1, -1};
-    auto sim = flow_of<mps::Recommended>(particles, {.spacing = 1});
-    for (int k = 0; k < 3; ++k) sim.step(1e-3);
-    EXPECT_TRUE(is_finite(Vec<2>(sim.particles()[velocity][i]))) << height;
-  }
-}
-
 }  // namespace
 }  // namespace silt::test

@@ -75,7 +75,7 @@ class FlowCollisions {
     pair.r_ij = along;
     pair.r = along.norm();
     pair.u_ij = normal.dot(pair.u_ij) * normal;
-    return pair.r > 0;  // not if its square underflows
+    return true;
   }
 
   const P& particles_;
