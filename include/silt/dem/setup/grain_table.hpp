@@ -63,7 +63,9 @@ Grains<Dim, Real, Further...> grains_from(const T& table, const Grain& defaults 
   const auto value = [&](Index row, const std::string& name, double fallback) {
     if (!detail::has_column(table, name)) return fallback;
     const double number = table[name][row];
-    if (!(number > 0)) table.reject(row, name, "must be above 0");
+    if (!is_finite(number) || !(number > 0)) {
+      table.reject(row, name, "must be above 0 and finite");
+    }
     return number;
   };
   const bool by_mass = detail::has_column(table, "mass");
@@ -71,14 +73,22 @@ Grains<Dim, Real, Further...> grains_from(const T& table, const Grain& defaults 
   for (Index row = 0; row < table.rows(); ++row) {
     Vec<Dim, Real> x;
     static constexpr const char* axes[] = {"x", "y", "z"};
-    for (int k = 0; k < Dim; ++k) x[k] = Real(table[axes[k]][row]);
+    for (int k = 0; k < Dim; ++k) {
+      const double coordinate = table[axes[k]][row];
+      if (!is_finite(coordinate)) table.reject(row, axes[k], "must be finite");
+      x[k] = Real(coordinate);
+    }
     Grain grain = defaults;
     grain.radius = value(row, "radius", defaults.radius);
     grain.density = by_mass ? 1 : value(row, "density", defaults.density);
     const Index i = add_grain(grains, x, grain);
     if (!by_mass) continue;
     const Real m = Real(value(row, "mass", 0));
-    grains[inertia][i] *= m / grains[mass][i];
+    const Real I = grains[inertia][i] * (m / grains[mass][i]);
+    if (!is_positive_normal(m) || !is_positive_normal(I)) {
+      table.reject(row, "mass", "is too small or too large in the precision of the grains");
+    }
+    grains[inertia][i] = I;
     grains[mass][i] = m;
   }
   silt::detail::for_each_number(grains, [&](const std::string& name, Index k, auto field) {
@@ -87,6 +97,7 @@ Grains<Dim, Real, Further...> grains_from(const T& table, const Grain& defaults 
     const auto values = grains[field];
     using Value = typename decltype(values)::value_type;
     for (Index row = 0; row < values.size(); ++row) {
+      if (!is_finite(column[row])) table.reject(row, name, "must be finite");
       if (!silt::detail::holds_number<Value>(column[row])) {
         table.reject(row, name, "must be an integer in the range of the field");
       }

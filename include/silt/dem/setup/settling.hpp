@@ -14,7 +14,7 @@ namespace silt::dem {
 
 struct Settling {
   double speed = 0;                      ///< at rest below this rms speed [m/s], above 0
-  double check_every = 0;                ///< time between two checks [s], above 0
+  double check_every = 0;                ///< time between two checks [s], above 0 and at most max_time
   double max_time = 0;                   ///< limit of the settling time [s], above 0
   std::optional<double> time_step = {};  ///< see Run [s]
 };
@@ -36,13 +36,21 @@ double settle(Sim& simulation, const Settling& settling, Observers&&... observer
   require_positive("Settling: speed", settling.speed);
   require_positive("Settling: check_every", settling.check_every);
   require_positive("Settling: max_time", settling.max_time);
+  if (settling.check_every > settling.max_time) {
+    fail("Settling: check_every = " + to_text(settling.check_every) +
+         " s is longer than max_time = " + to_text(settling.max_time) +
+         " s; check more often, or increase max_time");
+  }
   const double began = simulation.time();
   double speed = 0;
   while (simulation.time() - began < settling.max_time) {
-    const bool completed = simulation.run({.until = simulation.time() + settling.check_every,
-                                           .output_every = 0,
-                                           .time_step = settling.time_step},
-                                          observers...);
+    const double until = simulation.time() + settling.check_every;
+    if (!(until * (1 - 1e-12) > simulation.time())) {
+      fail("Settling: check_every = " + to_text(settling.check_every) +
+           " s does not change the time " + to_text(simulation.time()) + " s; increase it");
+    }
+    const bool completed = simulation.run(
+        {.until = until, .output_every = 0, .time_step = settling.time_step}, observers...);
     if (!completed) return simulation.time() - began;
     speed = rms_speed(simulation.particles());
     if (speed < settling.speed) return simulation.time() - began;
