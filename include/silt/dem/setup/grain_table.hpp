@@ -63,7 +63,7 @@ Grains<Dim, Real, Further...> grains_from(const T& table, const Grain& defaults 
   const auto value = [&](Index row, const std::string& name, double fallback) {
     if (!detail::has_column(table, name)) return fallback;
     const double number = table[name][row];
-    if (!(number > 0) || !is_finite(number)) {
+    if (!is_finite(number) || !(number > 0)) {
       table.reject(row, name, "must be above 0 and finite");
     }
     return number;
@@ -73,7 +73,11 @@ Grains<Dim, Real, Further...> grains_from(const T& table, const Grain& defaults 
   for (Index row = 0; row < table.rows(); ++row) {
     Vec<Dim, Real> x;
     static constexpr const char* axes[] = {"x", "y", "z"};
-    for (int k = 0; k < Dim; ++k) x[k] = Real(table[axes[k]][row]);
+    for (int k = 0; k < Dim; ++k) {
+      const double coordinate = table[axes[k]][row];
+      if (!is_finite(coordinate)) table.reject(row, axes[k], "must be finite");
+      x[k] = Real(coordinate);
+    }
     Grain grain = defaults;
     grain.radius = value(row, "radius", defaults.radius);
     grain.density = by_mass ? 1 : value(row, "density", defaults.density);
@@ -81,12 +85,10 @@ Grains<Dim, Real, Further...> grains_from(const T& table, const Grain& defaults 
     if (!by_mass) continue;
     const Real m = Real(value(row, "mass", 0));
     const Real I = grains[inertia][i] * (m / grains[mass][i]);
-    const auto check = [&](Real number) {
-      if (is_finite(number) && number > 0) return;
-      table.reject(row, "mass", "must give a positive finite mass and moment of inertia");
-    };
-    check(m);
-    if (!detail::has_column(table, "inertia")) check(I);
+    const bool has_inertia = detail::has_column(table, "inertia");
+    if (!is_positive_normal(m) || !(has_inertia || is_positive_normal(I))) {
+      table.reject(row, "mass", "is too small or too large in the precision of the grains");
+    }
     grains[inertia][i] = I;
     grains[mass][i] = m;
   }
@@ -98,6 +100,7 @@ Grains<Dim, Real, Further...> grains_from(const T& table, const Grain& defaults 
     constexpr bool is_positive =
         std::same_as<F, mass_t> || std::same_as<F, inertia_t> || std::same_as<F, radius_t>;
     for (Index row = 0; row < values.size(); ++row) {
+      if (!is_finite(column[row])) table.reject(row, name, "must be finite");
       if (!silt::detail::holds_number<Value>(column[row])) {
         table.reject(row, name, "must be an integer in the range of the field");
       }

@@ -13,9 +13,9 @@
 namespace silt::dem {
 
 struct Settling {
-  double speed = 0;                      ///< at rest below this rms speed [m/s], above 0
-  double check_every = 0;                ///< time between two checks [s], above 0
-  double max_time = 0;                   ///< limit of the settling time [s], above 0
+  double speed = 0;        ///< at rest below this rms speed [m/s], above 0
+  double check_every = 0;  ///< time between two checks [s], above 0 and at most max_time
+  double max_time = 0;     ///< limit of the settling time [s], above 0
   std::optional<double> time_step = {};  ///< see Run [s]
 };
 
@@ -37,6 +37,11 @@ double settle(Sim& simulation, const Settling& settling, Observers&&... observer
   require_positive("Settling: speed", settling.speed);
   require_positive("Settling: check_every", settling.check_every);
   require_positive("Settling: max_time", settling.max_time);
+  if (settling.check_every > settling.max_time) {
+    fail("Settling: check_every = " + to_text(settling.check_every) +
+         " s is longer than max_time = " + to_text(settling.max_time) +
+         " s; check more often, or increase max_time");
+  }
   const double began = simulation.time();
   double speed = 0;
   while (simulation.time() - began < settling.max_time) {

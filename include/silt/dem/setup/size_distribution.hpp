@@ -29,8 +29,11 @@ concept SizeDistribution = requires(const S sizes, Random random) {
 
 namespace detail {
 inline void check_sizes(const std::string& name, const Range& radii) {
+  // The powers of radii in volumes and masses must be finite.
+  constexpr Range allowed{1e-100, 1e100};
   require_positive(name + ": min_radius", radii.lower);
-  require_finite(name + ": max_radius", radii.upper);
+  require_between(name + ": min_radius", radii.lower, allowed);
+  require_between(name + ": max_radius", radii.upper, allowed);
   if (radii.lower > radii.upper) {
     fail(name + ": min_radius = " + to_text(radii.lower) +
          " m is above max_radius = " + to_text(radii.upper) + " m; swap them");
@@ -71,9 +74,10 @@ struct LognormalSizes {
     require_positive("LognormalSizes: deviation", deviation);
     const double left = share_below(max_radius) - share_below(min_radius);
     if (!(left >= 0.01)) {  // also for NaN
-      fail("LognormalSizes: only " + to_text(left) + " of all grains have radii from " +
-           to_text(min_radius) + " to " + to_text(max_radius) +
-           " m; widen these limits, or choose a median between them");
+      fail("LognormalSizes: only " + to_text(left) + " of all grains of median = " +
+           to_text(median) + " m and deviation = " + to_text(deviation) +
+           " have radii from min_radius = " + to_text(min_radius) + " to max_radius = " +
+           to_text(max_radius) + " m; widen these limits, or choose a median between them");
     }
   }
   double radius(Random& random) const {
@@ -124,6 +128,7 @@ class SieveSizes {
     for (const Fraction& each : fractions_) {
       detail::check_sizes("SieveSizes", {each.min_radius, each.max_radius});
       require_not_negative("SieveSizes: mass", each.mass);
+      require_between("SieveSizes: mass", each.mass, {0, 1e100});
       mass += each.mass;
     }
     require_positive("SieveSizes: mass of all fractions", mass);
