@@ -286,7 +286,7 @@ TEST(Output, OfGrainsHasNoEffectOnThem) {
   auto& [drain, rain] = whole.observers;
   EXPECT_TRUE(whole.simulation.run(run, drain, rain));
   EXPECT_GT(rain.number(), 5u);
-  EXPECT_GT(whole.simulation.interaction().template part<1>().size(), 20u);
+  EXPECT_GT(whole.simulation.interaction().template part<1>().size(), 10u);
   expect_no_effect(make, run, makers);
 }
 
