@@ -11,6 +11,7 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include <cmath>
 #include <cstdio>
 #include <exception>
 #include <filesystem>
@@ -36,14 +37,19 @@ CLI::Validator number(const std::string& what, Accepts accepts) {
       },
       "");
 }
+// Beyond this range, products of a few quantities would overflow or underflow.
+inline bool is_usual(double magnitude) { return 1e-100 <= magnitude && magnitude <= 1e100; }
 inline CLI::Validator positive() {
-  return number("a number above 0", [](double value) { return value > 0; });
+  return number("a number above 0, from 1e-100 to 1e100",
+                [](double value) { return is_usual(value); });
 }
 inline CLI::Validator not_negative() {
-  return number("a number of at least 0", [](double value) { return value >= 0; });
+  return number("0, or a number from 1e-100 to 1e100",
+                [](double value) { return value == 0 || is_usual(value); });
 }
 inline CLI::Validator finite() {
-  return number("a finite number", [](double) { return true; });
+  return number("0, or a number of a magnitude from 1e-100 to 1e100",
+                [](double value) { return value == 0 || is_usual(std::abs(value)); });
 }
 inline CLI::Validator between(silt::Range range) {
   return number("a number from " + silt::to_text(range.lower) + " to " + silt::to_text(range.upper),

@@ -13,6 +13,7 @@
 #include "../flow_program.hpp"
 #include "../resume.hpp"
 
+#include <algorithm>
 #include <cstdio>
 #include <string>
 #include <vector>
@@ -65,8 +66,10 @@ class FrontGauge {
   template <class Sim>
   void write(const Sim& simulation) {
     const auto kinds = simulation.particles()[mps::kind];
+    // At most the search radius, which --radius may reduce.
+    const double near = std::min(2.1, double(simulation.search().radius()) / spacing_);
     const Front front = find_front(simulation.particles(), simulation.search(),
-                                   {.spacing = spacing_},
+                                   {.spacing = spacing_, .neighbour_radius = near},
                                    [&](Index i) { return kinds[i] == mps::Kind::fluid; });
     file_.row({simulation.time(), front.x, front.height});
   }
