@@ -18,6 +18,7 @@
 #include <atomic>
 #include <concepts>
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <tuple>
@@ -185,11 +186,11 @@ class Rows<Dim, Real, Bundle<Fs...>> {
 
   template <class F>
   FieldView<value_of<F, Dim, Real>, Real, width> view(F, Index n) noexcept {
-    return {reinterpret_cast<std::byte*>(numbers_->data()) + offset<F> * sizeof(Real), n};
+    return {beyond<F>(reinterpret_cast<std::byte*>(numbers_->data())), n};
   }
   template <class F>
   FieldView<const value_of<F, Dim, Real>, Real, width> view(F, Index n) const noexcept {
-    return {reinterpret_cast<const std::byte*>(numbers_->data()) + offset<F> * sizeof(Real), n};
+    return {beyond<F>(reinterpret_cast<const std::byte*>(numbers_->data())), n};
   }
   template <class Visit>
   void for_each_field(Visit&& visit) const {
@@ -201,6 +202,14 @@ class Rows<Dim, Real, Bundle<Fs...>> {
   const Real* rows() const noexcept { return numbers_->data(); }
 
  private:
+  // The field in the first row. An offset of the null pointer, of empty storage, is undefined for
+  // pointers, but not for integers.
+  template <class F, class Byte>
+  static Byte* beyond(Byte* rows) noexcept {
+    return reinterpret_cast<Byte*>(reinterpret_cast<std::uintptr_t>(rows) +
+                                   offset<F> * sizeof(Real));
+  }
+
   std::shared_ptr<Numbers> numbers_ = std::make_shared<Numbers>();
 };
 

@@ -54,7 +54,7 @@ class FieldView {
   };
 
   FieldView() = default;
-  /// From the first value, `nullptr` if there are none.
+  /// From the first value, any pointer if there are none.
   FieldView(Byte* first, Index size) : first_(first), size_(size) {}
   template <class Other>
     requires std::same_as<const Other, Value>

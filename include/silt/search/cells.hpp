@@ -167,7 +167,8 @@ class Cells {
   // Coordinate k of the cell that contains x, counted from the lower corner.
   std::int32_t cell_along(const Vec& x, std::size_t k) const {
     const double coordinate = coordinate_of(x, k);
-    return cell_at(std::min(std::max(coordinate, -double(max_cell)), double(max_cell)), k);
+    // In this order, NaN becomes a number: 0 over the least edge, if the edge underflows.
+    return cell_at(std::min(std::max(-double(max_cell), coordinate), double(max_cell)), k);
   }
   // The same, modulo the number of bins for points more than 2³⁰ cells away. In the outermost cell
   // all points of a very large extent would be neighbours.
@@ -175,7 +176,7 @@ class Cells {
     const double coordinate = coordinate_of(x, k);
     if (std::abs(coordinate) < double(max_cell)) return cell_at(coordinate, k);
     constexpr double largest = std::numeric_limits<double>::max();
-    const double cell = std::floor(std::min(std::max(coordinate, -largest), largest));
+    const double cell = std::floor(std::min(std::max(-largest, coordinate), largest));
     return static_cast<std::int64_t>(std::fmod(cell, double(bins_))) + max_cell - lower_[k];
   }
   // In cells, from the anchor.

@@ -215,6 +215,8 @@ class NeighbourList {
     archive("rebuilds", state_.rebuilds);
     if constexpr (Archive::reads) {
       image_ = NearestImage<Dim, Real>(particles.box());
+      require_not_negative("NeighbourList: radius", double(list_.radius));
+      require_not_negative("NeighbourList: skin", double(list_.wanted_skin));
       list_.built = built && is_of_these;
       if (is_of_these) repeat_build(particles, reference);
       if (has_last) repeat_update(particles, last);
