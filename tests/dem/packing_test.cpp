@@ -86,7 +86,8 @@ TEST(Packing, KeepsClearOfWalls) {
   const Box<3> box{.lower = {0, 0, 0}, .upper = {0.5, 0.5, 0.5}};
   const dem::Plane<3> slope{.point = {0.25, 0, 0.25}, .normal = Vec<3>(-1, 0, 1).normalized()};
   dem::Grains<3> grains;
-  dem::scatter(grains, pebbles, box, {.number = 200}, slope, dem::Plane<3>{.point = {0, 0, 0.1}});
+  dem::scatter(grains, pebbles, box, {.number = 200},
+               dem::WallSet{slope, dem::Plane<3>{.point = {0, 0, 0.1}}});
   ASSERT_EQ(grains.size(), 200u);
   for (Index i = 0; i < grains.size(); ++i) {
     const Vec<3> x = grains[position][i];

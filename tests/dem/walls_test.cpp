@@ -45,6 +45,9 @@ TEST(Plane, IsRefusedIfItBreaksOffAtAPeriodicSide) {
     sim.step(1e-6);
   };
   EXPECT_NO_THROW(step_above({0, 1}));
+  const dem::Plane<2> far{.point = {-1, 0}, .normal = {1, 0}};
+  Simulation beside{grains, UniformGrid<2>{}, dem::Contacts{law, far}, Leapfrog{}};
+  EXPECT_NO_THROW(beside.step(1e-6));
   EXPECT_TRUE(refuses([&] { step_above({0.1, 1}); }, {"Plane: the normal", "axis 0", "periodic"}));
 }
 

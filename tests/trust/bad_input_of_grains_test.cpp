@@ -227,7 +227,7 @@ TEST(BadInput, OfGrainsIsRefused) {
       {"Grain: radius", [](double x) { use_grain({.radius = x, .density = 2500}); },
        accepts::nothing},
       {"Grain: density", [](double x) { use_grain({.radius = 0.01, .density = x}); },
-       accepts::huge},
+       accepts::nothing},
       {"Particles::add: position",
        [](double x) {
          dem::Grains<2> grains;
@@ -237,7 +237,7 @@ TEST(BadInput, OfGrainsIsRefused) {
        },
        accepts::finite},
       {"dem::Contacts: radius", [](double x) { use_value(radius, x); }, accepts::nothing},
-      {"dem::Contacts: mass", [](double x) { use_value(mass, x); }, accepts::huge},
+      {"dem::Contacts: mass", [](double x) { use_value(mass, x); }, accepts::nothing},
       {"dem::Contacts: inertia", [](double x) { use_value(inertia, x); }, accepts::huge},
       {"Simulation: velocity", [](double x) { use_value(velocity, x); }, accepts::finite},
       {"Simulation: spin", [](double x) { use_value(spin, x); }, accepts::finite},

@@ -261,9 +261,9 @@ TYPED_TEST(GrainsIn, WhichNumbersWereSetByHandAreValidOrRefused) {
 }
 
 TEST(LognormalSizes, WithoutAShareBetweenTheirLimitsAreRefused) {
-  // ln R/(σ√2) is ∞/∞ at one of the limits.
+  // σ√2 overflows.
   const dem::LognormalSizes sizes{
-      .median = 1e-300, .deviation = 1.7e308, .min_radius = 1e-300, .max_radius = 1e300};
+      .median = 1e-100, .deviation = 1.7e308, .min_radius = 1e-100, .max_radius = 1e100};
   EXPECT_TRUE(refuses([&] { sizes.check(); }, {"LognormalSizes", "widen these limits"}));
 }
 

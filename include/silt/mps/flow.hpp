@@ -44,7 +44,6 @@ class BasicFlow {
       : settings_(settings), solver_(std::move(solver)) {
     settings_.check();
     solver_.check();
-    check_precision();
     operators_ = Operators(settings_);
     const Vec gravity = settings_.gravity.template cast<Real>();
     force_ = BodyForce<Dim, Real>(gravity);
@@ -193,18 +192,6 @@ class BasicFlow {
 
  private:
   using Operators = FlowOperators<Scheme, Dim, Real>;
-
-  // Throws if 1/l0², the scale of weights in single precision, or the mass of a particle, the scale
-  // of energies, would underflow or overflow.
-  void check_precision() const {
-    const double l0 = settings_.spacing;
-    const double mass = settings_.density * std::pow(l0, Dim);
-    const bool is_in_range = l0 > 1e-12 && l0 < 1e12 && mass > 1e-200 && mass < 1e200;
-    if (is_in_range) return;
-    fail("FlowSettings: spacing = " + to_text(l0) +
-         " m and density = " + to_text(settings_.density) +
-         " kg/m³ give weights and masses that underflow or overflow; use other units");
-  }
 
   template <class P, class F>
   static void for_each_of_fluid(const P& particles, F&& f) {

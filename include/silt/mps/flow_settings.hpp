@@ -47,11 +47,11 @@ struct FlowSettings {
   void check() const {
     require_positive("FlowSettings: spacing", spacing);
     require_positive("FlowSettings: density", density);
+    // 1/l0² is the scale of weights in single precision, the mass of a particle that of energies.
     const double mass = density * std::pow(spacing, Dim);
-    if (!is_positive_normal(mass)) {
+    if (spacing < 1e-12 || spacing > 1e12 || mass < 1e-200 || mass > 1e200) {
       fail("FlowSettings: spacing = " + to_text(spacing) + " m and density = " + to_text(density) +
-           " kg/m³ give particles of " + to_text(mass) +
-           " kg, which is beyond the range of normal numbers; change one of them");
+           " kg/m³ give weights and masses that underflow or overflow; use other units");
     }
     require_not_negative("FlowSettings: viscosity", viscosity);
     require_finite("FlowSettings: gravity", gravity);

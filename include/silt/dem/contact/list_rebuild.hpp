@@ -54,18 +54,6 @@ struct ListLifetime {
   std::uint64_t constants_revision = 0;
 };
 
-/// Whether the products that contacts compute neither underflow nor overflow: those of two radii,
-/// of two masses, and of a mass, a radius and the distance of two centres, which is at least the
-/// round-off of a radius and at most two of them.
-template <class Real>
-bool has_products(Real R, Real m) {
-  using Limits = std::numeric_limits<Real>;
-  constexpr Real least = Limits::min();
-  constexpr Real most = Limits::max() / 16;
-  return R * R > least && m * m > least && m * (R * R) * Limits::epsilon() > least &&
-         R * R * (R * R) < most && m * m < most;
-}
-
 /// Throws if a radius, mass or inertia is not positive and finite, if products of radius and mass
 /// underflow or overflow, or if a grain's material does not exist.
 template <class P, class Law>
@@ -205,7 +193,7 @@ template <class P, class S, class Walls, class List>
 void begin_list(const P& grains, const S& search, const Walls& walls, const StepTime& step,
                 typename P::Real reach, List& list) {
   using Real = typename P::Real;
-  if (grains.box().any_periodic()) walls.check_in(grains.box());
+  if (grains.box().any_periodic()) walls.check_in(grains.box(), reach / 2);
   // A small margin gives few pairs, a large one few rebuilds; the search limits it.
   constexpr double lasting_steps = 40;
   const auto v = grains[velocity];

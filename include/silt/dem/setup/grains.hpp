@@ -72,6 +72,18 @@ bool is_radius(Real R) {
   return R > 0 && is_positive_normal(R * R) && is_finite(64 * R * R);
 }
 
+/// Whether the products that contacts compute neither underflow nor overflow: those of two radii,
+/// of two masses, and of a mass, a radius and the distance of two centres, which is at least the
+/// round-off of a radius and at most two of them.
+template <class Real>
+bool has_products(Real R, Real m) {
+  using Limits = std::numeric_limits<Real>;
+  constexpr Real least = Limits::min();
+  constexpr Real most = Limits::max() / 16;
+  return R * R > least && m * m > least && m * (R * R) * Limits::epsilon() > least &&
+         R * R * (R * R) < most && m * m < most;
+}
+
 /// Adds a grain at rest at x [m]; returns its index in memory. Throws, and adds nothing, if x is
 /// not finite, if radius or density is not positive and finite, if the square of the radius,
 /// mass or moment of inertia underflows or overflows in the precision of the grains, or if the
@@ -88,11 +100,12 @@ Index add_grain(P& grains, const typename P::Vec& x, const Grain& grain) {
   const double m = grain.density * (disc ? volume_of<2>(r) : volume_of<3>(r));
   const double I = disc ? m * r * r / 2 : m * r * r * 2 / 5;
   // In the precision of the grains, to reject values that underflow or overflow in it.
-  if (!is_radius(Real(r)) || !is_positive_normal(Real(m)) || !is_positive_normal(Real(I))) {
+  if (!is_radius(Real(r)) || !is_positive_normal(Real(m)) || !is_positive_normal(Real(I)) ||
+      !has_products(Real(r), Real(m))) {
     fail("Grain: radius = " + to_text(r) + " m and density = " + to_text(grain.density) +
          " kg/m³ give the mass " + to_text(m) + " kg and the moment of inertia " + to_text(I) +
-         " kg m²; change them so that these, and the square of the radius, are normal numbers in "
-         "the precision of the grains");
+         " kg m²; change them so that these, and products of radius and mass, are normal numbers "
+         "in the precision of the grains");
   }
   if (grain.material > std::numeric_limits<std::uint32_t>::max()) {
     fail("Grain: material = " + std::to_string(grain.material) +

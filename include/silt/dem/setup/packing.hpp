@@ -13,7 +13,6 @@
 #include <silt/dem/setup/random.hpp>
 #include <silt/dem/setup/region.hpp>
 #include <silt/dem/setup/size_distribution.hpp>
-#include <silt/dem/wall/wall_set.hpp>
 
 #include <algorithm>
 #include <array>
@@ -217,18 +216,26 @@ std::vector<Grain> draw_grains(const Blend<Sizes>& blend, const Scatter& scatter
   return drawn;
 }
 
+struct NoWalls {
+  template <class Vec, class Real>
+  bool would_touch(const Vec&, Real, double) const {
+    return false;
+  }
+};
+
 }  // namespace detail
 
 /// Adds grains at rest that lie entirely inside the region and touch neither each other nor
-/// existing grains nor any of these walls, at time 0. If there is no free position for a grain,
-/// throws silt::Error and adds none; the message contains the number of grains placed until then.
-template <class P, class Sizes, Region<P::dimension, typename P::Real> R, class... Walls>
+/// existing grains nor any of these walls, a WallSet, at time 0. If there is no free position for a
+/// grain, throws silt::Error and adds none; the message contains the number of grains placed until
+/// then.
+template <class P, class Sizes, Region<P::dimension, typename P::Real> R,
+          class Walls = detail::NoWalls>
 void scatter(P& grains, const Blend<Sizes>& blend, const R& region, const Scatter& scatter,
-             const Walls&... walls) {
+             const Walls& walls = {}) {
   using Real = typename P::Real;
-  const WallSet<Walls...> wall_set(walls...);
   const auto touches_wall = [&](const typename P::Vec& x, Real radius) {
-    return wall_set.would_touch(x, radius, 0);
+    return walls.would_touch(x, radius, 0);
   };
   blend.check();
   region.check();

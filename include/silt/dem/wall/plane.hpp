@@ -32,8 +32,14 @@ struct Plane {
     normal.normalize();
   }
 
-  /// Throws if the plane would break off at a periodic side of the grains' box.
-  void check_in(const Box<Dim, Real>& box) const {
+  /// Throws if the plane would break off at a periodic side of the grains' box; not if grains with
+  /// centres in the box, up to this radius [m], are too far to touch it.
+  void check_in(const Box<Dim, Real>& box, Real max_radius) const {
+    Vec<Dim, Real> nearest_corner;
+    for (int k = 0; k < Dim; ++k) {
+      nearest_corner[k] = normal[k] > 0 ? box.lower[k] : normal[k] < 0 ? box.upper[k] : point[k];
+    }
+    if (nearest(nearest_corner).distance > max_radius) return;
     for (int k = 0; k < Dim; ++k) {
       if (!box.periodic[Index(k)] || std::abs(normal[k]) < Real(1e-6)) continue;
       fail("Plane: the normal " + to_text(normal) + " has a component along axis " +

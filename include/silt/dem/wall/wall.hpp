@@ -78,8 +78,8 @@ concept CompositeWall = requires(const W wall, const Vec<Dim, Real> x, Index ele
 };
 
 /// A simple or composite wall at rest, with wall.material, its index in dem::Materials, and
-/// wall.check(), which throws if the wall is invalid. It may also have wall.check_in(box), which
-/// throws if it cannot be used in the box of the grains.
+/// wall.check(), which throws if the wall is invalid. It may also have wall.check_in(box,
+/// max_radius), which throws if it cannot be used in the box of the grains.
 template <class W, int Dim, class Real>
 concept WallAtRest =
     (SimpleWall<W, Dim, Real> || CompositeWall<W, Dim, Real>) && requires(const W wall, W own) {

@@ -204,12 +204,12 @@ class WallSet {
     return touches;
   }
 
-  /// Throws if a wall cannot be used in this box, the grains'. Calls the optional check_in(box) of
-  /// walls at rest.
+  /// Throws if a wall cannot be used in the box of grains with up to this radius [m]. Calls the
+  /// optional check_in(box, max_radius) of walls at rest.
   template <int Dim, class Real>
-  void check_in(const Box<Dim, Real>& box) const {
+  void check_in(const Box<Dim, Real>& box, Real max_radius) const {
     const auto check = [&](const auto& wall) {
-      if constexpr (requires { wall.check_in(box); }) wall.check_in(box);
+      if constexpr (requires { wall.check_in(box, max_radius); }) wall.check_in(box, max_radius);
     };
     std::apply([&](const auto&... wall) { (check(wall), ...); }, walls_);
   }
