@@ -136,6 +136,13 @@ void complete(Options& o) {
     throw support::OptionError("--width " + to_text(o.width) + " is less than the largest opening");
   }
   if (o.fill_height == 0) o.fill_height = (o.dimension == 3 ? 1 : 1.6) * o.width;
+  const std::pair<const char*, double> lengths[] = {
+      {"--openings", largest}, {"--width", o.width}, {"--fill-height", o.fill_height}};
+  for (const auto& [name, length] : lengths) {
+    if (length <= 1e4) continue;
+    throw support::OptionError(std::string(name) + " " + to_text(length) +
+                               " is above 1e4 diameters, more than can be simulated");
+  }
   if (o.longest == 0) o.longest = o.dimension == 3 ? 20 : 40;
 }
 
