@@ -7,6 +7,7 @@
 #include <silt/core/parallel.hpp>
 #include <silt/core/transfer.hpp>
 #include <silt/core/types.hpp>
+#include <silt/core/watch.hpp>
 
 #include <algorithm>
 #include <array>
@@ -166,6 +167,12 @@ class Forces {
       }
     });
     return limit;
+  }
+
+  /// Checks of the parts after a step, see core/watch.hpp.
+  template <class P>
+  void check_step(const P& particles, const FinishedStep& step) const {
+    for_each_part([&](const auto& part) { detail::check_step(part, particles, step); });
   }
 
   /// Writes or reads the state of the parts for a checkpoint, see core/transfer.hpp.

@@ -10,6 +10,7 @@
 #include <silt/core/step_checks.hpp>
 #include <silt/core/transfer.hpp>
 #include <silt/core/types.hpp>
+#include <silt/core/watch.hpp>
 
 #include <algorithm>
 #include <concepts>
@@ -166,8 +167,9 @@ class Simulation {
   }
 
   /// One step of dt [s]. Throws silt::Error if dt is not positive or exceeds the stability limit,
-  /// if a field is not finite after the step, if a particle left a box with OnEscape::refuse, or if
-  /// a solve failed. The step is then rolled back: the simulation is as before the call.
+  /// if a field is not finite after the step, if the interaction finds that it went wrong (see
+  /// core/watch.hpp), if a particle left a box with OnEscape::refuse, or if a solve failed. The
+  /// step is then rolled back: the simulation is as before the call.
   void step(double dt) {
     detail::Team team(thread_choice_, particles_.size());
     team.begin_step();
@@ -186,10 +188,18 @@ class Simulation {
     bool is_result_finite = true;
     bool has_removed = false;
     try {
-      if (!integrate(dt)) {
+      const Travel travel = detail::travel_of(particles_);
+      const bool is_verified = integrate(dt);
+      if (!is_verified) {
         const auto broken = detail::find_not_finite(particles_);
         is_result_finite = !broken;
         if (broken) detail::fail_after_step(particles_, *broken);
+      }
+      detail::check_step(interaction_, particles_,
+                         {.time = time_,
+                          .time_step = dt,
+                          .max_displacement = detail::max_displacement_since(travel, particles_)});
+      if (!is_verified) {
         detail::check_escaped(particles_);
         has_removed = remove_escaped();
       }

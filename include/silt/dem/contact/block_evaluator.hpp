@@ -56,6 +56,7 @@ class BlockEvaluator {
     /// Fraction of δ by which the lever arms of two grains are shorter than R; at a wall it is
     /// twice as large.
     Real reduction_per_overlap;
+    Real max_overlap;  ///< see ContactSettings
   };
 
   BlockEvaluator(const Input& input, const Evaluate& evaluate)
@@ -173,6 +174,8 @@ class BlockEvaluator {
                                       const std::uint32_t* first, const std::uint32_t* second,
                                       unsigned touching, Lanes& into) const {
     if constexpr (of_walls) {
+      const unsigned refused = geometry.too_deep_in_walls(input_.max_overlap) & touching;
+      if (refused != 0) refuse<true>(first, second, refused);
       if constexpr (Walls::move) {
         const auto velocity = [this](std::uint32_t element) {
           return input_.walls.velocity(ContactList::unscaled(element));
@@ -184,11 +187,8 @@ class BlockEvaluator {
                                nullptr, into);
       }
     } else {
-      const unsigned coincident = geometry.coincident() & touching;
-      if (coincident != 0) {
-        const auto lane = static_cast<Index>(std::countr_zero(coincident));
-        refuse(ContactList::unscaled(first[lane]), ContactList::unscaled(second[lane]));
-      }
+      const unsigned refused = geometry.too_close(input_.max_overlap) & touching;
+      if (refused != 0) refuse<false>(first, second, refused);
       geometry.compute_pairs(input_.grains, first, second, input_.reduction_per_overlap, into);
     }
   }
@@ -262,11 +262,39 @@ class BlockEvaluator {
     }
   }
 
-  [[noreturn, gnu::cold, gnu::noinline]] void refuse(std::uint32_t i, std::uint32_t j) const {
-    const ContactList& list = input_.contacts;
-    fail("dem::Contacts: the centres of grains " + std::to_string(list.id(i)) + " and " +
-             std::to_string(list.id(j)) + " coincide; place them apart",
-         {.particle = i, .id = list.id(i)});
+  // The first contact in the lanes `refused` is too deep. The geometry is computed again, because
+  // one that is passed to a function cannot be kept in registers.
+  template <bool of_walls>
+  [[noreturn, gnu::cold, gnu::noinline]] void refuse(const std::uint32_t* first,
+                                                     const std::uint32_t* second,
+                                                     unsigned refused) const {
+    const auto lane = static_cast<Index>(std::countr_zero(refused));
+    const Index i = ContactList::unscaled(first[lane]);
+    const Index other = ContactList::unscaled(second[lane]);
+    const Where where{.particle = i, .id = input_.contacts.id(i)};
+    Lanes unused;
+    ContactGeometry<Lanes> geometry;
+    find_touching<of_walls>(geometry, first, second, unused);
+    DeepContact<Real> contact;
+    std::string names;
+    if constexpr (of_walls) {
+      contact = geometry.deep_contact_at_wall(lane);
+      names = "grain " + std::to_string(*where.id) + " and wall " +
+              std::to_string(input_.walls.number_of(other));
+    } else {
+      contact = geometry.deep_contact(lane);
+      names = "grains " + std::to_string(*where.id) + " and " +
+              std::to_string(input_.contacts.id(other));
+    }
+    if (!contact.has_normal) {
+      fail("dem::Contacts: the centres of " + names + " coincide; place them apart", where);
+    }
+    fail("dem::Contacts: " + names + " overlap by " + to_text(double(contact.overlap)) +
+             " m, more than max_overlap = " + to_text(double(input_.max_overlap)) +
+             " of the radius " + to_text(double(contact.radius)) +
+             " m; place them apart, use a stiffer material or a shorter time step, or raise "
+             "ContactSettings::max_overlap",
+         where);
   }
 
   // The history of a new contact.

@@ -4,6 +4,9 @@
 
 #include <silt/core/error.hpp>
 
+#include <cmath>
+#include <string>
+
 namespace silt::dem {
 
 /// Lever arm of the contact force.
@@ -16,9 +19,27 @@ struct ContactSettings {
   LeverArm lever_arm = LeverArm::contact_point;
   double steps_per_contact = 50;  ///< contact duration over the default time step [-]
   bool check_stability = true;    ///< throw if Δt exceeds the stability limit of the contacts
+  /// A step throws if an overlap exceeds this share of the radius, of the smaller one of two grains
+  /// [-]. At most 1: a grain whose centre has passed through a wall may be pushed to its other
+  /// side. Infinity: no limit.
+  double max_overlap = 0.5;
+  /// A step throws if a grain moves, or a moving wall, by more than this share of the radius, which
+  /// may take it through a grain or a thin wall without a contact [-]. Infinity: no limit.
+  double max_displacement = 0.5;
 
   /// Throws if a setting is out of range.
-  void check() const { require_positive("ContactSettings: steps_per_contact", steps_per_contact); }
+  void check() const {
+    require_positive("ContactSettings: steps_per_contact", steps_per_contact);
+    check_limit("ContactSettings: max_overlap", max_overlap);
+    check_limit("ContactSettings: max_displacement", max_displacement);
+  }
+
+ private:
+  static void check_limit(const std::string& name, double limit) {
+    if (limit > 0) return;  // false for NaN
+    fail(name + " = " + to_text(limit) +
+         " must be positive; give a share of the radius, or infinity");
+  }
 };
 
 }  // namespace silt::dem

@@ -6,6 +6,9 @@
 //                    the forces on each grain in a fixed order
 //   check_stability  throws if the time step is unstable for the contacts   stable_time_step.hpp
 //
+// After the integrator's part of the step, check_step() throws if grains or walls moved too far
+// (step_limits.hpp).
+//
 // Its result, an Evaluation (evaluation.hpp), replaces that of the step before; restore() undoes
 // this. Observers read it through ContactsOfStep (contacts_of_step.hpp).
 #pragma once
@@ -15,6 +18,7 @@
 #include <silt/core/parallel.hpp>
 #include <silt/core/travel.hpp>
 #include <silt/core/types.hpp>
+#include <silt/core/watch.hpp>
 #include <silt/dem/contact/block_loop.hpp>
 #include <silt/dem/contact/contact_settings.hpp>
 #include <silt/dem/contact/contacts_of_step.hpp>
@@ -26,12 +30,15 @@
 #include <silt/dem/contact/pair_history.hpp>
 #include <silt/dem/contact/saved_list.hpp>
 #include <silt/dem/contact/stable_time_step.hpp>
+#include <silt/dem/contact/step_limits.hpp>
 #include <silt/dem/law/contact.hpp>
 #include <silt/dem/setup/grains.hpp>
 #include <silt/dem/wall/wall_set.hpp>
 
+#include <algorithm>
 #include <concepts>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -64,15 +71,7 @@ class ContactsOf : public Contacts<Law, Walls...> {
   }
 
   /// Interaction range: twice the largest radius [m]. Throws if a radius is infinite.
-  Real reach(const P& grains) const {
-    if (reach_.revision != grains.constants_revision()) {
-      const auto R = grains[radius];
-      const Real range = 2 * largest(R.size(), Real(0), [&](Index i) { return R[i]; });
-      if (!is_finite(range)) detail::check_grains(grains, materials_);
-      reach_ = {grains.constants_revision(), range};
-    }
-    return reach_.value;
-  }
+  Real reach(const P& grains) const { return 2 * radii_of(grains).largest; }
 
   /// Whether the list of contacts has to be rebuilt, for which the search is used. The next
   /// evaluation is for the grains as they are at this call.
@@ -85,7 +84,8 @@ class ContactsOf : public Contacts<Law, Walls...> {
   /// Adds contact forces and torques, in a pass over the grains if one is given, see
   /// AcceleratesInPass in core/concepts.hpp. Throws if two centres coincide to round-off, if a
   /// radius, mass or inertia is not positive and finite, if products of them underflow or overflow,
-  /// if a material does not exist, or if dt exceeds the stability limit.
+  /// if a material does not exist, if positions have too few digits, if an overlap exceeds
+  /// ContactSettings::max_overlap, or if dt exceeds the stability limit.
   template <class S, class Before = DoNothing, class After = DoNothing>
   void accelerate(P& grains, const S& search, double dt, const Pass<Before, After>& pass = {}) {
     Evaluation evaluation = begin_step(grains, search, {.time = time_, .time_step = dt});
@@ -108,21 +108,40 @@ class ContactsOf : public Contacts<Law, Walls...> {
     state_.given_history.reset();
   }
 
+  /// Throws if a grain or a wall moved too far in the step, see ContactSettings::max_displacement,
+  /// or if the step is too long for a vibrating wall. Called by Simulation.
+  void check_step(const P& grains, const FinishedStep& step) const {
+    if (grains.empty()) return;
+    const double smallest = double(radii_of(grains).smallest);
+    detail::check_displacements(grains, smallest, settings_, step);
+    if constexpr (WallSet<Walls...>::move) {
+      detail::check_motion_of_walls(walls_, state_.last.list->extent, smallest, settings_, step);
+    }
+  }
+
   /// Sets the time of the positions [s], which determines where moving walls are. Called by
   /// Simulation.
   void set_time(double time) { time_ = time; }
 
   /// Default time step [s]: the shortest contact duration of the lightest grains with each other
-  /// or with a wall, divided by steps_per_contact; infinite without grains or stiffness. Throws if
-  /// a wall makes it less than a thousandth of that of the grains alone.
+  /// or with a wall, divided by steps_per_contact, or 1/20 of the period of a vibrating wall, if
+  /// that is shorter; infinite without grains or stiffness. Throws if a wall makes it less than a
+  /// thousandth of that of the grains alone.
   double time_step(const P& grains) const {
     const auto& shortest = shortest_contacts(grains);
     detail::check_walls_are_not_too_stiff(shortest, settings_.steps_per_contact);
-    return shortest.of_all.duration / settings_.steps_per_contact;
+    const double of_contacts = shortest.of_all.duration / settings_.steps_per_contact;
+    if (!is_finite(of_contacts)) return of_contacts;
+    return std::min(of_contacts, walls_.shortest_period() / detail::steps_per_period);
   }
   /// What determines time_step(); see LimitsTimeStep in core/concepts.hpp.
   std::string limit_of_time_step(const P& grains) const {
     const auto& shortest = shortest_contacts(grains).of_all;
+    const double period = walls_.shortest_period();
+    if (period / detail::steps_per_period < shortest.duration / settings_.steps_per_contact) {
+      return "dem::Contacts: a wall vibrates with the period " + to_text(period) +
+             " s; lower its frequency";
+    }
     return "dem::Contacts: " + shortest.name() + " lasts " + to_text(shortest.duration) +
            " s; use a softer material";
   }
@@ -266,6 +285,22 @@ class ContactsOf : public Contacts<Law, Walls...> {
     return results_for(grains);
   }
 
+  struct Radii {
+    Real smallest = 0;  // [m]
+    Real largest = 0;   // [m]
+  };
+  const Radii& radii_of(const P& grains) const {
+    if (radii_.revision != grains.constants_revision()) {
+      const auto R = grains[radius];
+      constexpr Real infinity = std::numeric_limits<Real>::infinity();
+      const Radii now{.smallest = -largest(R.size(), -infinity, [&](Index i) { return -R[i]; }),
+                      .largest = largest(R.size(), Real(0), [&](Index i) { return R[i]; })};
+      if (!is_finite(2 * now.largest)) detail::check_grains(grains, materials_);
+      radii_ = {grains.constants_revision(), now};
+    }
+    return radii_.value;
+  }
+
   const detail::ShortestContacts& shortest_contacts(const P& grains) const {
     if (shortest_.revision != grains.constants_revision()) {
       detail::ShortestContacts now;
@@ -291,6 +326,7 @@ class ContactsOf : public Contacts<Law, Walls...> {
     evaluation.box = grains.box();
     if (rebuilds) {
       detail::check_grains(grains, materials_);
+      detail::check_digits_of_positions(grains);
       const auto list = take_list();
       rebuild(grains, search, step, *list);
       evaluation.list = list;
@@ -359,7 +395,7 @@ class ContactsOf : public Contacts<Law, Walls...> {
     std::uint64_t revision = 0;  // of the constants
     T value{};
   };
-  mutable Known<Real> reach_;
+  mutable Known<Radii> radii_;
   mutable Known<detail::ShortestContacts> shortest_;
   // Then the memory of three steps is in use, where two fit the cache better.
   mutable silt::detail::Mark have_results_been_used_{false};

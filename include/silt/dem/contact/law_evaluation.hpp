@@ -75,7 +75,8 @@ auto block_evaluator(const Evaluation& evaluation,
           .image = NearestImage<P::dimension, Real>(evaluation.box),
           .before = *evaluation.before,
           .walls = walls,
-          .reduction_per_overlap = settings.lever_arm == LeverArm::radius ? Real(0) : Real(0.5)},
+          .reduction_per_overlap = settings.lever_arm == LeverArm::radius ? Real(0) : Real(0.5),
+          .max_overlap = Real(settings.max_overlap)},
       evaluate);
 }
 

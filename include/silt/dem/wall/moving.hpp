@@ -10,6 +10,7 @@
 
 #include <cmath>
 #include <concepts>
+#include <limits>
 #include <numbers>
 
 namespace silt::dem {
@@ -39,7 +40,8 @@ struct RigidVelocity {
 };
 
 /// motion.pose_at(t) and its time derivative motion.velocity_at(t), functions of the time t [s]
-/// only. Optional: check(), which throws if a parameter is out of range.
+/// only. Optional: check(), which throws if a parameter is out of range, and period() [s], if the
+/// motion is periodic: time steps must be shorter.
 template <class M, int Dim, class Real>
 concept WallMotion = requires(const M motion, double t) {
   { motion.pose_at(t) } -> std::same_as<Pose<Dim, Real>>;
@@ -104,6 +106,11 @@ struct Vibration {
   }
   RigidVelocity<Dim, Real> velocity_at(double t) const {
     return {.linear = amplitude * Real(omega() * std::cos(omega() * t + phase))};
+  }
+
+  double period() const {
+    const bool moves = frequency > 0 && amplitude.squaredNorm() > 0;
+    return moves ? 1 / frequency : std::numeric_limits<double>::infinity();
   }
 
  private:

@@ -9,8 +9,11 @@
 #include <silt/dem/wall/moving.hpp>
 #include <silt/dem/wall/wall.hpp>
 
+#include <algorithm>
 #include <array>
+#include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <tuple>
 #include <type_traits>
@@ -52,6 +55,15 @@ void for_each_element_near(const W& wall, const Vec<Dim, Real>& x, Real distance
   } else {
     if (wall.nearest(x).distance < distance) f(Index(0));
   }
+}
+
+/// Number of the wall to which the element with this index belongs; first[w] is the index of the
+/// first element of wall w.
+template <std::size_t count>
+Index wall_of(Index index, const std::array<Index, count>& first) noexcept {
+  Index w = 0;
+  while (w + 2 < count && index >= first[w + 1]) ++w;
+  return w;
 }
 
 /// A wall at rest, the same at any time.
@@ -137,6 +149,9 @@ class WallsAtTime {
     std::apply([&](const auto&... wall) { (visit(wall), ...); }, walls_);
   }
 
+  /// Number of the wall to which an element belongs.
+  Index number_of(Index index) const noexcept { return detail::wall_of(index, first_); }
+
  private:
   template <class W>
   using Then = detail::WallAtTime<W, Dim, Real>;
@@ -217,11 +232,7 @@ class WallSet {
   /// Number of elements of all walls.
   Index elements() const noexcept { return first_[size()]; }
   /// Number of the wall to which an element belongs.
-  Index number_of(Index index) const noexcept {
-    Index w = 0;
-    while (w + 1 < size() && index >= first_[w + 1]) ++w;
-    return w;
-  }
+  Index number_of(Index index) const noexcept { return detail::wall_of(index, first_); }
   /// Material of a wall: an index in dem::Materials.
   std::uint32_t material(Index number) const noexcept { return materials_[number]; }
 
@@ -233,6 +244,17 @@ class WallSet {
       const Pose<Dim, Real> now = motion.pose_at(span.to);
       return [=](const Vec<Dim, Real>& x) { return Vec<Dim, Real>(x - then.x_of(now.X_of(x))); };
     });
+  }
+  /// The shortest period of walls that vibrate [s]; infinite without.
+  double shortest_period() const {
+    double shortest = std::numeric_limits<double>::infinity();
+    const auto visit = [&]<class W>(const W& wall) {
+      if constexpr (requires { wall.motion.period(); }) {
+        shortest = std::min(shortest, double(wall.motion.period()));
+      }
+    };
+    std::apply([&](const auto&... wall) { (visit(wall), ...); }, walls_);
+    return shortest;
   }
   /// Upper bound of the speed of any wall within the box [m/s].
   template <int Dim, class Real>

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: MIT
+// The black box of a failed step: a small checkpoint with the particles around the one that the
+// error names, to repeat and examine the step.
+#pragma once
+
+#include <silt/core/error.hpp>
+#include <silt/core/nearest_image.hpp>
+#include <silt/core/types.hpp>
+#include <silt/io/checkpoint.hpp>
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <type_traits>
+
+namespace silt {
+
+struct BlackBox {
+  std::filesystem::path file;
+  /// Of the particles, from the one that failed [m]; if not given, five interaction ranges.
+  std::optional<double> max_distance = {};
+};
+
+/// Writes a checkpoint of the particles around the one that an error of step() or run() names; the
+/// simulation is still as before that step. A simulation of the same type and settings, with any
+/// particles, that reads it (see read_checkpoint) is at the beginning of the failed step. For
+/// grains, the force on that particle is the same to the bit; the pressure of a flow depends on
+/// all particles. Throws silt::Error if the error names no particle of the simulation, if
+/// max_distance is not positive, or if the file cannot be written.
+template <class Sim>
+void write_black_box(const BlackBox& box, const Sim& simulation, const Error& error) {
+  const auto& all = simulation.particles();
+  using P = std::remove_cvref_t<decltype(all)>;
+  const std::optional<Id> id = error.where().id;
+  const Index guilty = id ? all.index_of(*id) : no_index;
+  if (guilty == no_index) {
+    fail("write_black_box: the error names no particle of this simulation: " +
+         std::string(error.what()) + "; write a checkpoint of the whole simulation instead");
+  }
+  const double range = double(simulation.interaction().reach(all));
+  const double most = box.max_distance.value_or(range > 0 ? 5 * range : 1);
+  require_positive("BlackBox: max_distance", most);
+  const typename P::Vec centre = all[position][guilty];
+  const NearestImage<P::dimension, typename P::Real> image(all.box());
+  Sim near = simulation;
+  near.particles().remove_if([&](Index i) {
+    return !(double(image(typename P::Vec(all[position][i] - centre)).norm()) <= most);
+  });
+  write_checkpoint(box.file, near);
+}
+
+}  // namespace silt
