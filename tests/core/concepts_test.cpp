@@ -116,6 +116,14 @@ static_assert(LimitsTimeStep<ForParticles<Contacts, Grains>, Grains>);
 static_assert(LimitsTimeStep<ForParticles<Forces<Contacts>, Grains>, Grains>);
 static_assert(!LimitsTimeStep<Gravity<2>, Grains>);
 
+struct CheckerArchetype {
+  void check_step(const ParticleArchetype&, const FinishedStep&) const;
+};
+static_assert(ChecksSteps<CheckerArchetype, ParticleArchetype>);
+static_assert(ChecksSteps<ForParticles<Contacts, Grains>, Grains>);
+static_assert(ChecksSteps<ForParticles<Forces<Contacts>, Grains>, Grains>);
+static_assert(!ChecksSteps<Gravity<2>, Grains>);
+
 struct TransactionalArchetype {
   void save();
   void restore() noexcept;

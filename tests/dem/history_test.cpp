@@ -203,7 +203,8 @@ TEST(Contacts, AreRebuiltForAnotherNeighbourList) {
   for (const double x : {0.0, 5.0}) dem::add_grain(grains, {x, 0}, {.radius = 0.5, .density = 1});
   grains[velocity][0] = {1, 0};
   const dem::CundallStrack spring{.normal_stiffness = 1e3};
-  Simulation first{grains, NeighbourList<2>{}, dem::Contacts{spring}, Leapfrog{}};
+  Simulation first{grains, NeighbourList<2>{}, dem::Contacts{spring}.with(without_limits),
+                   Leapfrog{}};
   first.run({.until = 3, .time_step = 1e-3});
   const auto [particles, contacts] = first.state();
   Simulation second{particles, NeighbourList<2>{}, contacts, Leapfrog{}};
@@ -211,7 +212,7 @@ TEST(Contacts, AreRebuiltForAnotherNeighbourList) {
   EXPECT_NEAR(second.snapshot()[velocity][1][0], 1, 1e-3) << "they have met";
 
   auto moved = particles;
-  auto same = for_particles(dem::Contacts{spring}, moved);
+  auto same = for_particles(dem::Contacts{spring}.with(without_limits), moved);
   Index max_size = 0;
   for (int step = 0; step < 1500; ++step) {
     NeighbourList<2> list({.radius = 1});

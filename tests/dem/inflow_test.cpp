@@ -17,8 +17,8 @@ namespace {
 
 const dem::Blend<dem::UniformSizes> pebbles{.sizes = {.min_radius = 0.008, .max_radius = 0.012},
                                             .density = 2500};
-const dem::CundallStrack law{.normal_stiffness = 1e5,
-                             .tangential_stiffness = 5e4,
+const dem::CundallStrack law{.normal_stiffness = 1e6,
+                             .tangential_stiffness = 5e5,
                              .restitution = 0.5,
                              .friction_angle = 0.4};
 const Box<2> above{.lower = {0, 0.3}, .upper = {0.2, 0.4}};

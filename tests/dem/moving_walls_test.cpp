@@ -43,8 +43,8 @@ template <int Dim>
 auto simulation(const dem::Grains<Dim>& grains, const dem::CundallStrack& own_law,
                 const AnyMoving<Dim>& wall, double g = 0) {
   const Gravity<Dim> gravity{-g * Vec<Dim>::Unit(Dim - 1)};
-  return Simulation{grains, NeighbourList<Dim>{}, Forces{gravity, dem::Contacts{own_law, wall}},
-                    Leapfrog{}};
+  return Simulation{grains, NeighbourList<Dim>{},
+                    Forces{gravity, dem::Contacts{own_law, wall}.with(without_limits)}, Leapfrog{}};
 }
 template <class Sim>
 const auto& contacts_of(const Sim& sim) {

@@ -23,7 +23,7 @@ struct ForceIsVelocity {
 dem::Grains<3> spinning_grains() {
   dem::Grains<3> grains;
   dem::add_grain(grains, {0, 0, 0.19}, {.radius = 0.2, .density = 1});
-  dem::add_grain(grains, {0.15, 0.07, 0.37}, {.radius = 0.1, .density = 1});
+  dem::add_grain(grains, {0.15, 0.07, 0.39}, {.radius = 0.1, .density = 1});
   grains[velocity][0] = {0.1, -0.2, 0.3};
   grains[velocity][1] = {-0.4, 0.5, 0.6};
   grains[spin][0] = {7, -8, 9};
@@ -59,7 +59,7 @@ TEST(SingleContacts, OfGrainsThatRollOnOneAnotherHaveNoVelocity) {
   // Equal lever arms: opposite spins move both surfaces alike.
   dem::Grains<2> grains;
   dem::add_grain(grains, {0, 0}, {.radius = 0.1, .density = 1});
-  dem::add_grain(grains, {0.15, 0}, {.radius = 0.1, .density = 1});
+  dem::add_grain(grains, {0.16, 0}, {.radius = 0.1, .density = 1});
   grains[spin][0] = 4;
   grains[spin][1] = -4;
   BruteForce<2> search({.radius = 0.2});

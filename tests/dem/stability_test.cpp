@@ -174,7 +174,7 @@ TEST(Stability, DefaultTimeStepOfHertzIsThatOfAnOverlapOfOnePercentOfTheRadius) 
 TEST(Stability, TheDefaultTimeStepIsShortenedWhereItIsNotStable) {
   const dem::Law law{dem::Hertz{.elastic = glass, .restitution = 0.3}};
   // The default time step is that of an overlap of a hundredth of the radius.
-  Simulation squeezed{row({R / 2, R / 2}), BruteForce<3>{},
+  Simulation squeezed{row({0.49 * R, 0.49 * R}), BruteForce<3>{},
                       dem::Contacts{law}.with({.steps_per_contact = 3}), Leapfrog{}};
   const double chosen = squeezed.time_step();
   std::optional<double> stable;

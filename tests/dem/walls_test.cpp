@@ -28,8 +28,8 @@ TEST(Plane, IsIndependentOfTheLengthOfItsNormal) {
 
 TEST(Plane, IsSolidBehind) {
   const dem::Plane<3> floor{.point = {0, 0, 1}, .normal = {0, 0, 2}};
-  Simulation sim{one_grain<3>({7, 8, 0.5}, {0, 0, 0}), UniformGrid<3>{}, dem::Contacts{law, floor},
-                 Leapfrog{}};
+  Simulation sim{one_grain<3>({7, 8, 0.5}, {0, 0, 0}), UniformGrid<3>{},
+                 dem::Contacts{law, floor}.with(without_limits), Leapfrog{}};
   sim.step(1e-6);
   EXPECT_GT(sim.particles()[velocity][0][2], 0) << "a grain deep inside is also pushed out";
 }
@@ -85,8 +85,8 @@ TEST(Segment, HasRoundEnds) {
 
 TEST(Segment, PushesACentreOnItToTheLeft) {
   const dem::Segment<> wall{.from = {0, 0}, .to = {0, 2}};
-  Simulation sim{one_grain<2>({0, 1}, {0, 0}), UniformGrid<2>{}, dem::Contacts{law, wall},
-                 Leapfrog{}};
+  Simulation sim{one_grain<2>({0, 1}, {0, 0}), UniformGrid<2>{},
+                 dem::Contacts{law, wall}.with(without_limits), Leapfrog{}};
   sim.step(1e-6);
   EXPECT_LT(sim.particles()[velocity][0][0], 0);
 }

@@ -9,11 +9,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace silt::test {
 
 inline constexpr dem::Grain pebble{.radius = 0.01, .density = 2500};
+
+/// For overlaps and speeds that a program should not have, see dem::ContactSettings.
+inline constexpr dem::ContactSettings without_limits{
+    .max_overlap = std::numeric_limits<double>::infinity(),
+    .max_displacement = std::numeric_limits<double>::infinity()};
 
 /// One pebble at x with velocity v.
 template <int Dim>

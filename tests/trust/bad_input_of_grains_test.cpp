@@ -239,7 +239,7 @@ TEST(BadInput, OfGrainsIsRefused) {
       {"dem::Contacts: radius", [](double x) { use_value(radius, x); }, accepts::nothing},
       {"dem::Contacts: mass", [](double x) { use_value(mass, x); }, accepts::nothing},
       {"dem::Contacts: inertia", [](double x) { use_value(inertia, x); }, accepts::huge},
-      {"Simulation: velocity", [](double x) { use_value(velocity, x); }, accepts::finite},
+      {"velocity", [](double x) { use_value(velocity, x); }, accepts::finite & ~accepts::huge},
       {"Simulation: spin", [](double x) { use_value(spin, x); }, accepts::finite},
       {"Simulation: angle", [](double x) { use_value(angle, x); }, accepts::finite}});
   check_parameters(std::vector<IntegerParameter>{
@@ -265,6 +265,12 @@ TEST(BadInput, OfSettingsOfContactsIsRefused) {
   check_parameters(std::vector<NumberParameter>{
       {"ContactSettings: steps_per_contact",
        [&](double x) { dem::Contacts{law}.with({.steps_per_contact = x}); }, accepts::positive},
+      {"ContactSettings: max_overlap",
+       [&](double x) { dem::Contacts{law}.with({.max_overlap = x}); },
+       accepts::positive | accepts::infinite},
+      {"ContactSettings: max_displacement",
+       [&](double x) { dem::Contacts{law}.with({.max_displacement = x}); },
+       accepts::positive | accepts::infinite},
       {"Spring: mass", [](double x) { dem::contact_duration({.mass = x, .stiffness = 1}); },
        accepts::positive},
       {"Spring: stiffness", [](double x) { dem::contact_duration({.mass = 1, .stiffness = x}); },

@@ -25,7 +25,7 @@ constexpr double dt = 1e-6;
 template <class P, class Law>
 auto simulation_of(const P& grains, const Law& law) {
   using S = UniformGrid<P::dimension, typename P::Real>;
-  return Simulation{grains, S{}, dem::Contacts{law}, Leapfrog{}};
+  return Simulation{grains, S{}, dem::Contacts{law}.with(without_limits), Leapfrog{}};
 }
 
 // The forces on the first two grains are finite and opposite to the bit.

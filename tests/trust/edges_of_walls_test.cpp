@@ -39,7 +39,8 @@ void expect_contact_at(const AnyWall<Dim>& wall, const Vec<Dim>& x, const std::s
   EXPECT_GE(touching, 1u) << what;
   Simulation sim{
       one_grain<Dim>(x, Vec<Dim>(Vec<Dim>::Zero()), {.radius = R, .density = 1}), BruteForce<Dim>{},
-      dem::Contacts{dem::CundallStrack{.normal_stiffness = stiffness}, wall}, Leapfrog{}};
+      dem::Contacts{dem::CundallStrack{.normal_stiffness = stiffness}, wall}.with(without_limits),
+      Leapfrog{}};
   sim.step(1e-6);
   EXPECT_EQ(sim.interaction().size(), touching) << what;
   const Vec<Dim> F = sim.particles()[force][0];

@@ -6,6 +6,7 @@
 #include <silt/mps.hpp>
 
 #include "support/check.hpp"
+#include "support/grains.hpp"
 #include "support/points.hpp"
 #include <gtest/gtest.h>
 
@@ -52,8 +53,8 @@ class KnownParticles {
   Id next_id_ = 0;
 };
 
-constexpr dem::Blend<dem::UniformSizes> pebbles{
-    .sizes = {.min_radius = 0.006, .max_radius = 0.012}, .density = 2500};
+constexpr dem::Blend<dem::UniformSizes> pebbles{.sizes = {.min_radius = 0.006, .max_radius = 0.012},
+                                                .density = 2500};
 
 // Grains rain on a slope between periodic sides; some leave through a region, others the box.
 template <int Dim, class S>
@@ -82,11 +83,12 @@ void expect_balance_of_grains(Index steps, double time_step) {
   step.upper[up] = 0.03;
   Vec<Dim> pull = -9.81 * Vec<Dim>::Unit(up);
   pull[0] = 3;
-  const dem::Contacts contacts{law, dem::BoxWall<Dim>{step, dem::Side::outside}};
+  const auto contacts =
+      dem::Contacts{law, dem::BoxWall<Dim>{step, dem::Side::outside}}.with(without_limits);
   Simulation simulation{dem::Grains<Dim>(box), S{}, Forces{Gravity<Dim>{pull}, contacts},
                         Leapfrog{}};
-  dem::Inflow rain{above, pebbles,
-                   {.number = steps, .rate = 1000, .velocity = -2 * Vec<Dim>::Unit(up)}};
+  dem::Inflow rain{
+      above, pebbles, {.number = steps, .rate = 1000, .velocity = -2 * Vec<Dim>::Unit(up)}};
   dem::Outflow<Box<Dim>> out{drain};
   KnownParticles<dem::Grains<Dim>> known;
   Index added = 0;
@@ -95,8 +97,8 @@ void expect_balance_of_grains(Index steps, double time_step) {
     out.before_step(simulation);
     simulation.step(time_step);
     added += known.compare(simulation.particles());
-    EXPECT_EQ(rain.number(), simulation.particles().size() + out.number() +
-                                 simulation.particles_lost());
+    EXPECT_EQ(rain.number(),
+              simulation.particles().size() + out.number() + simulation.particles_lost());
   }
   EXPECT_EQ(added, rain.number());
   EXPECT_GT(added, steps / 20);

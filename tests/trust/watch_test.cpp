@@ -3,8 +3,10 @@
 // the simulation is as before the step.
 #include <silt/dem.hpp>
 #include <silt/dem/wall/mesh/mesh_wall.hpp>
+#include <silt/mps.hpp>
 
 #include "support/check.hpp"
+#include "support/fluid.hpp"
 #include "support/grains.hpp"
 #include "support/triangles.hpp"
 #include <gtest/gtest.h>
@@ -52,7 +54,8 @@ TEST(Watch, RefusesAGrainThatMovesByMoreThanHalfItsRadius) {
     if (share < 0.5) {
       sim.step(dt);
     } else {
-      expect_refused(sim, dt, "moved 0.0051 m in a step, at 51 m/s", 0);
+      expect_refused(
+          sim, dt, "velocity = (0, 0, 51) m/s moved a grain with the radius 0.01 m by 0.0051 m", 0);
     }
   }
 }
@@ -65,7 +68,7 @@ TEST(Watch, ComparesEachGrainWithItsOwnRadius) {
   Simulation sim{grains, BruteForce<2>{}, dem::Contacts{soft}, Leapfrog{}};
   sim.step(4e-3);  // 4 small radii, but only 0.4 of its own
   sim.particles()[velocity][0] = {1, 0};
-  expect_refused(sim, 4e-3, "radius 0.001 m moved 0.004 m", 0);
+  expect_refused(sim, 4e-3, "radius 0.001 m by 0.004 m in a step", 0);
 }
 
 TEST(Watch, RefusesAGrainThatWouldPassThroughAnother) {
@@ -205,7 +208,7 @@ struct Euler {
 TEST(Watch, ChecksTheStepsOfAnyIntegrator) {
   Simulation sim{one_grain<3>({0, 0, 0}, {51, 0, 0}), BruteForce<3>{}, dem::Contacts{soft},
                  Euler{}};
-  expect_refused(sim, 1e-4, "moved 0.0051 m in a step", 0);
+  expect_refused(sim, 1e-4, "by 0.0051 m in a step", 0);
 }
 
 // An interaction of the user with a check of its own.
@@ -228,6 +231,21 @@ TEST(Watch, CallsTheCheckOfAnInteraction) {
                  Forces{Gravity<3>{{0, 0, -9.81}}, ColdOnly{}}, Leapfrog{}};
   sim.step(0.09);
   expect_refused(sim, 0.11, "too hot", 0);
+}
+
+// Neither the velocity before the step nor the force alone takes a particle so far.
+TEST(Watch, RefusesAParticleOfAFlowThatMovesByMoreThanASpacing) {
+  for (const double share : {0.4, 0.6}) {
+    auto water = blob<2, double>(6, 1);
+    for (auto& u : water[velocity]) u = {share, 0};
+    const mps::Flow<mps::Case10> flow({.spacing = 1, .gravity = {share, 0}});
+    Simulation sim{water, UniformGrid<2>{}, flow, SemiImplicit{}};
+    if (share < 0.5) {
+      sim.step(1);
+    } else {
+      expect_refused(sim, 1, "moved a particle by 1.2 m in a step, more than the spacing 1 m", 0);
+    }
+  }
 }
 
 }  // namespace

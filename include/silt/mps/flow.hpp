@@ -5,6 +5,7 @@
 #include <silt/core/error.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/types.hpp>
+#include <silt/core/watch.hpp>
 #include <silt/linear/linear_system.hpp>
 #include <silt/mps/arrangement.hpp>
 #include <silt/mps/body_force.hpp>
@@ -173,6 +174,12 @@ class BasicFlow {
       x[i] += dt * (advection_velocity_.empty() ? u[i] : Vec(u[i] - advection_velocity_[i]));
     });
     energy_.end(particles, changes_, force_.values(), time_step);
+  }
+
+  /// Throws if a particle moved by more than a spacing in the step. Called by Simulation.
+  template <FluidParticles P>
+  void check_step(const P& particles, const FinishedStep& step) const {
+    time_step_.end(particles, settings_, step);
   }
 
   void save() noexcept {

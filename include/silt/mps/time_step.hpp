@@ -10,6 +10,7 @@
 #include <silt/core/error.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/types.hpp>
+#include <silt/core/watch.hpp>
 #include <silt/mps/fluid.hpp>
 
 #include <algorithm>
@@ -53,8 +54,8 @@ class TimeStep {
   TimeStepLimits limits(const P& particles, const Settings& settings, const Input& input) const {
     TimeStepLimits limits{.viscous = input.viscous, .max_time_step = settings.max_time_step};
     const auto u = particles[velocity];
-    const double fastest = std::sqrt(
-        largest(u.size(), 0.0, [&](Index i) { return double(u[i].squaredNorm()); }));
+    const double fastest =
+        std::sqrt(largest(u.size(), 0.0, [&](Index i) { return double(u[i].squaredNorm()); }));
     const double speed = std::max(fastest, settings.speed_scale);
     const double max_distance = settings.courant * settings.spacing;
     const double force = max_force(particles, settings, input.time);
@@ -80,11 +81,25 @@ class TimeStep {
     if (broken != no_index) fail_too_fast(particles, settings, broken, dt);
     const double force = max_force(particles, settings, input.time);
     if (dt * dt * force > settings.spacing) {
-      fail("mps::Flow: time_step = " + to_text(dt) + " s moves a particle from rest by more than "
+      fail("mps::Flow: time_step = " + to_text(dt) +
+           " s moves a particle from rest by more than "
            "the spacing; use at most " +
            to_text(std::sqrt(settings.courant * settings.spacing / force)) + " s");
     }
     last_ = dt;
+  }
+
+  /// Ends a step. Throws if a particle moved by more than a spacing.
+  template <FluidParticles P, class Settings>
+  void end(const P& particles, const Settings& settings, const FinishedStep& step) const {
+    const double most = settings.spacing;
+    const Index fast = find_too_far_moved(particles, step, most, [=](Index) { return most; });
+    if (fast == no_index) return;
+    const auto u = particles[velocity][fast];
+    fail("mps::Flow: velocity = " + to_text(typename P::Vec(u)) + " m/s moved a particle by " +
+             to_text(double(u.norm()) * step.time_step) + " m in a step, more than the spacing " +
+             to_text(settings.spacing) + " m; lower the time step",
+         {.particle = fast, .id = particles.id(fast)});
   }
 
   /// Whether no step was begun, also in the run from which a checkpoint was read.

@@ -28,10 +28,11 @@ void check_displacements(const P& grains, double smallest_radius, const ContactS
       find_too_far_moved(grains, step, settings.max_displacement * smallest_radius,
                          [&](Index k) { return settings.max_displacement * double(R[k]); });
   if (i == no_index) return;
-  const double speed = double(grains[velocity][i].norm());
-  fail("dem::Contacts: a grain with the radius " + to_text(double(R[i])) + " m moved " +
-           to_text(speed * step.time_step) + " m in a step, at " + to_text(speed) +
-           " m/s, more than max_displacement = " + to_text(settings.max_displacement) +
+  const auto v = grains[velocity][i];
+  fail("dem::Contacts: velocity = " + to_text(typename P::Vec(v)) +
+           " m/s moved a grain with the radius " + to_text(double(R[i])) + " m by " +
+           to_text(double(v.norm()) * step.time_step) +
+           " m in a step, more than max_displacement = " + to_text(settings.max_displacement) +
            " of the radius; lower the time step, use a stiffer material, or raise "
            "ContactSettings::max_displacement",
        {.particle = i, .id = grains.id(i)});
