@@ -38,16 +38,16 @@ double refused_from(const dem::Grains<3>& grains, const std::vector<dem::Plane<3
 double unstable_from() {
   const double R = pebble.radius;
   dem::Grains<3> grains;
-  dem::add_grain(grains, {0, 0, 0.5 * R}, pebble);
-  dem::add_grain(grains, {0, 0, 2 * R + 1e-9}, pebble);
+  dem::add_grain(grains, {0, 0, 0.6 * R}, pebble);
+  dem::add_grain(grains, {0, 0, 2.2 * R + 1e-9}, pebble);
   return turning_point([&](double dt) {
     Bench<3> bench(grains,
                    {.law = {.normal_stiffness = k},
-                    .walls = {dem::Plane<3>{}, {.point = {0, 0, 2.5 * R}, .normal = {0, 0, -1}}},
+                    .walls = {dem::Plane<3>{}, {.point = {0, 0, 2.8 * R}, .normal = {0, 0, -1}}},
                     .check_stability = false});
     for (int step = 0; step < 2000; ++step) {
       bench.step(dt);
-      if (std::abs(bench.grains()[position][0][2] - 0.5 * R) > 1e-5) return false;
+      if (std::abs(bench.grains()[position][0][2] - 0.6 * R) > 1e-5) return false;
     }
     return true;
   });
