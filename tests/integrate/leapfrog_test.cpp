@@ -151,7 +151,7 @@ TEST(Leapfrog, ConservesKineticEnergyInAPeriodicBoxWithoutContacts) {
   Simulation sim{grains, NeighbourList<2>{},
                  dem::Contacts{dem::CundallStrack{.normal_stiffness = 1}}, Leapfrog{}};
   const double before = energy_of_motion(sim.particles());
-  sim.run({.until = 20, .time_step = 0.01});
+  sim.run({.until = 20, .time_step = 1.0 / 1024});
   EXPECT_EQ(energy_of_motion(sim.particles()), before);
   const auto now = sim.snapshot();
   for (const auto& x : now[position]) EXPECT_TRUE(0 <= x[0] && x[0] < 1);

@@ -20,8 +20,7 @@ struct ContactSettings {
   double steps_per_contact = 50;  ///< contact duration over the default time step [-]
   bool check_stability = true;    ///< throw if Δt exceeds the stability limit of the contacts
   /// A step throws if an overlap exceeds this share of the radius, of the smaller one of two grains
-  /// [-]. At most 1: a grain whose centre has passed through a wall may be pushed to its other
-  /// side. Infinity: no limit.
+  /// [-]. With 1 and more, the centre of a grain may pass through a thin wall. Infinity: no limit.
   double max_overlap = 0.5;
   /// A step throws if a grain moves, or a moving wall, by more than this share of the radius, which
   /// may take it through a grain or a thin wall without a contact [-]. Infinity: no limit.
