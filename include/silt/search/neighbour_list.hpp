@@ -24,6 +24,7 @@
 #include <atomic>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -87,7 +88,8 @@ class NeighbourList {
     ++state_.updates;
     const bool is_valid = is_valid_for(particles);
     if (const auto displacement = positions_.update_owned(particles)) {
-      state_.last_displacement = *displacement;
+      // Its square may overflow; a checkpoint has finite numbers only.
+      state_.last_displacement = std::min(*displacement, std::numeric_limits<Real>::max());
       state_.displacement += state_.last_displacement;
     }
     // The sum of the maximum displacements of all updates is an upper bound for the maximum
