@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 """Checks that no state of a run is missing in checkpoints, or when a failed step is rolled back.
 
-    check.py FOLDER       the include/ folder; prints each fault as file:line and exits with 1
+    check.py FOLDER...    include/ and examples/; prints each fault as file:line and exits with 1
     check.py --self-test  checks that a member that is added and forgotten is found
 
 A part of a run is a class with transfer(archive), with save() and restore(), with one of the functions PART_FUNCTIONS,
@@ -196,12 +196,11 @@ def advice(function, table, name):
             f"why it need not be")
 
 
-def check(root, not_stored=NOT_STORED, not_saved=NOT_SAVED):
-    root = pathlib.Path(root)
+def check(folders, not_stored=NOT_STORED, not_saved=NOT_SAVED):
     found = []
-    for header in sorted((root / "silt").rglob("*.hpp")):
-        text = TEXT.sub(blank, header.read_text(encoding="utf-8"))
-        found += classes_of(text, (header, 1))
+    for source in sorted(path for folder in folders for path in pathlib.Path(folder).rglob("*.[ch]pp")):
+        text = TEXT.sub(blank, source.read_text(encoding="utf-8"))
+        found += classes_of(text, (source, 1))
     classes = {}
     for each in found:
         classes.setdefault(each.name, each)
@@ -300,27 +299,23 @@ class Observer {
         for place in ("PLACE_IN_STATE", "PLACE_IN_INNER", "PLACE_IN_OBSERVER", "PLACE"):
             text = re.sub(rf"\b{place}\b", planted.get(place, ""), text)
         with tempfile.TemporaryDirectory() as folder:
-            header = pathlib.Path(folder) / "silt" / "part.hpp"
-            header.parent.mkdir()
-            header.write_text(text, encoding="utf-8")
-            found = [re.sub(r".*?:\d+: | is not.*", "", fault) for fault in check(folder, stored, saved)]
+            (pathlib.Path(folder) / "part.hpp").write_text(text, encoding="utf-8")
+            found = [re.sub(r".*?:\d+: | is not.*", "", fault) for fault in check([folder], stored, saved)]
         if found != expected:
             wrong.append(f"planted {what}, found {found}")
     needless = {"Part": {**stored["Part"], "number_": "x", "gone_": "x"}}
     with tempfile.TemporaryDirectory() as folder:
-        header = pathlib.Path(folder) / "silt" / "part.hpp"
-        header.parent.mkdir()
-        header.write_text(re.sub(r"\bPLACE\w*", "", part), encoding="utf-8")
-        found = check(folder, needless, saved)
+        (pathlib.Path(folder) / "part.hpp").write_text(re.sub(r"\bPLACE\w*", "", part), encoding="utf-8")
+        found = check([folder], needless, saved)
     if len(found) != 1 or "gone_" not in found[0]:
         wrong.append(f"a reason for a member that does not exist: found {found}")
     return wrong
 
 
 def main(arguments):
-    if len(arguments) != 1:
+    if not arguments:
         sys.exit(__doc__)
-    faults = self_test() if arguments[0] == "--self-test" else check(arguments[0])
+    faults = self_test() if arguments == ["--self-test"] else check(arguments)
     for fault in faults:
         print(fault)
     sys.exit(1 if faults else 0)

@@ -113,6 +113,17 @@ NOT_STORED = {
                  **all_of("of the line that shows the progress of this process", "begun_ is_ended_ wall_begin_ "
                           "wall_next_ run_begin_ time_begin_ last_")},
     "StopOnSignal": {"handled_": GIVEN},
+    # examples
+    "Weight": all_of(GIVEN, "grain load"),
+    "Ledger": {"options_": GIVEN},
+    "Wave": {"options_": GIVEN},
+    "Spreading": {"options_": GIVEN},
+    "Statistics": all_of(GIVEN, "options_ gauges_"),
+    "FrontGauge": {"spacing_": GIVEN},
+    "PressureGauges": {"probes_": GIVEN, "row_": LAST},
+    "Notes": all_of(GIVEN, "flow_ on_row_"),
+    "Averages": {"options": GIVEN},
+    "Frames": {"samples_per_frame": GIVEN},
 }
 
 NOT_SAVED = {
