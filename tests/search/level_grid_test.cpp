@@ -211,6 +211,37 @@ TEST(LevelGrid, InANeighbourListDoesNotCountAsAChangeOfTheRadii) {
   EXPECT_EQ(grains.constants_revision(), revision);
 }
 
+// Pebbles around a boulder grow, so that pairs touch that had a large gap.
+template <class S>
+void expect_contacts_of_grown_particles(S found) {
+  Grains<2> grains;
+  for (const auto& x : lattice(cube<2, double>(0, 0.09), 0.0015)) grains.add(x);
+  const Index pebbles = grains.size();
+  const Index boulder = grains.add({0.04, -0.026});
+  grains[radius][boulder] = 0.025;
+  for (const double R : {0.0007, 0.0007, 0.0025}) {
+    for (Index i = 0; i < pebbles; ++i) grains[radius][i] = R;
+    found.update(grains);
+    const auto touch = [&](Index i, Index j) {
+      const double reach = grains[radius][i] + grains[radius][j];
+      return (grains[position][j] - grains[position][i]).squaredNorm() < reach * reach;
+    };
+    Index reported = 0, expected = 0;
+    for (Index i = 0; i < grains.size(); ++i) {
+      found.for_each_candidate(i, [&](Index j) { reported += touch(i, j); });
+      for (Index j = 0; j < i; ++j) expected += touch(i, j);
+    }
+    EXPECT_EQ(reported, expected) << R;
+  }
+  EXPECT_EQ(found.rebuilds(), 2u);
+}
+TEST(LevelGrid, InANeighbourListFindsContactsOfParticlesThatHaveGrown) {
+  NeighbourList<2> over_levels({.radius = 0.05, .skin_fraction = 0.2});
+  expect_contacts_of_grown_particles(over_levels);
+  expect_contacts_of_grown_particles(
+      NeighbourList<2, double, LevelGrid<2>>({.radius = 0.05, .skin_fraction = 0.01}));
+}
+
 TEST(LevelGrid, IsTheSameForAnyNumberOfThreads) {
   const auto reported_with = [](int number) {
     return with_threads(number, [] {

@@ -93,14 +93,21 @@ class LevelGrid {
       check_crowd(particles, [&](Index i, auto&& f) { for_each_candidate(i, f); });
     }
   }
+  /// Whether the particles have the radii of the last update, on which the candidates depend.
+  template <class P>
+  bool has_radii_of(const P& particles) const {
+    const auto R = particles[silt::radius];
+    return owned_ == R.size() &&
+           first_where(owned_, [&](Index i) { return R[i] != radii_[i]; }) == no_index;
+  }
   /// Whether the rows of all particles would take too much memory, see max_row.
   bool has_long_rows() const {
     return squares() > double(max_row) * (double(owned_) + double(max_row));
   }
 
   /// Sorts the owned particles of all sizes by the cells of the finest level if many are out of
-  /// order, so that neighbours in space are close in memory. If particles were added or removed
-  /// since the last update, sorts if any is out of order.
+  /// order, so that neighbours in space are close in memory. If particles were added or removed, or
+  /// radii changed, since the last update, sorts if any is out of order.
   template <class P>
   void sort(P& particles) {
     if (particles.size() < worth_sorting) return;
@@ -110,7 +117,7 @@ class LevelGrid {
     const auto extent = extent_of_points(particles[position]);
     if (!extent.is_finite()) return;  // update() throws
     all_levels_.sort(particles[position], extent, 2 * largest_of_level(finest, gap) + gap);
-    const bool is_new = particles.owned_revision() != revision_;
+    const bool is_new = !is_of(particles);
     if (all_levels_.descents() <= (is_new ? 0 : particles.size() / 16)) return;
     const auto items = all_levels_.item_of();
     particles.reorder(std::vector<Index>(items.begin(), items.end()));
@@ -120,9 +127,9 @@ class LevelGrid {
   template <class Archive, class P>
   void transfer(Archive& archive, P& particles) {
     const bool is_known = transfer_update(
-        archive, particles, particles.owned_revision() == revision_,
-        [&](Index i) { return position_of(i); }, [&] { update(particles); });
-    if (!is_known) revision_ = 0;  // particles were added or removed since
+        archive, particles, is_of(particles), [&](Index i) { return position_of(i); },
+        [&] { update(particles); });
+    if (!is_known) revision_ = 0;  // particles were added or removed, or radii changed, since
   }
 
   /// f(j, r_ij, r) for every j, owned or ghost, with r < R_i + R_j + gap; i is owned.
@@ -227,6 +234,12 @@ class LevelGrid {
     std::vector<Vec> x;
     SortedCells<Dim, Real> points;
   };
+
+  // Whether the last update was with these particles.
+  template <class P>
+  bool is_of(const P& particles) const {
+    return particles.owned_revision() == revision_ && has_radii_of(particles);
+  }
 
   // Sum of m² over all cells with m particles.
   double squares() const {

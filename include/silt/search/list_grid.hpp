@@ -62,6 +62,17 @@ class ListGrid {
     return reach.skin;
   }
 
+  /// Whether the candidates of the last update are those of these particles, as far as the radii
+  /// determine them.
+  template <class P>
+  bool has_radii_of(const P& particles) const {
+    if constexpr (requires { inner_.has_radii_of(particles); }) {
+      if (!inner_.has_radii_of(particles)) return false;
+    }
+    if constexpr (HasFields<P, radius_t>) return !has_levels_ || levels_.has_radii_of(particles);
+    return true;
+  }
+
   /// Writes or reads, for a checkpoint (core/transfer.hpp), by which search particles are sorted
   /// until the next update.
   template <class Archive>

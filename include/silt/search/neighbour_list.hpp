@@ -78,8 +78,8 @@ class NeighbourList {
     list_.grid.sort(particles, radius() * (1 + Real(state_.tuning.fraction())));
   }
 
-  /// Reads the positions; rebuilds the list if particles were added, removed or reordered, or if
-  /// one has moved by more than half the skin.
+  /// Reads the positions; rebuilds the list if particles were added, removed or reordered, if one
+  /// has moved by more than half the skin, or if radii changed on which its candidates depend.
   template <class P>
   void update(P& particles) {
     require_positive("NeighbourList: radius", double(radius()));
@@ -280,11 +280,11 @@ class NeighbourList {
     return list_.built && list_.radius == radius_ && positions_.belong_to(particles) &&
            is_built_from(particles);
   }
-  // Whether the list was built from these particles in this order.
+  // Whether the list was built from these particles in this order, with these radii.
   template <class P>
   bool is_built_from(const P& particles) const {
     return list_.owned_revision == particles.owned_revision() &&
-           list_.reference.size() == particles.size();
+           list_.reference.size() == particles.size() && list_.grid.has_radii_of(particles);
   }
   template <class P>
   void build(P& particles) {

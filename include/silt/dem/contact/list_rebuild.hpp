@@ -144,9 +144,29 @@ bool have_constants_changed(const P& grains, const List& list, std::uint64_t& kn
   return false;
 }
 
+/// Half of the shortest period of the box [m]; infinite if no side is periodic.
+template <int Dim, class Real>
+Real half_period(const Box<Dim, Real>& box) {
+  Real shortest = std::numeric_limits<Real>::infinity();
+  for (int k = 0; k < Dim; ++k) {
+    if (box.periodic[Index(k)]) shortest = std::min(shortest, box.upper[k] - box.lower[k]);
+  }
+  return shortest / 2;
+}
+/// The longest period of the box [m]; 0 if no side is periodic.
+template <int Dim, class Real>
+Real longest_period(const Box<Dim, Real>& box) {
+  Real longest = 0;
+  for (int k = 0; k < Dim; ++k) {
+    if (box.periodic[Index(k)]) longest = std::max(longest, box.upper[k] - box.lower[k]);
+  }
+  return longest;
+}
+
 /// Whether pairs other than those of the list may touch at this time [s]: two grains approach by at
 /// most the sum of their displacements relative to the mean of all, a grain and a wall by at most
-/// the sum of theirs. `walls` is a WallSet.
+/// the sum of theirs. The answer does not depend on `lifetime`, which saves time. `walls` is a
+/// WallSet.
 template <class P, class Walls, class List>
 bool is_stale(const P& grains, const Walls& walls, double time, const List& list,
               ListLifetime& lifetime) {
@@ -173,17 +193,26 @@ bool is_stale(const P& grains, const Walls& walls, double time, const List& list
     }));
   };
   const Real displaced = max_relative_to(P::Vec::Zero());
-  Real left = half - displaced;
   const Real left_to_walls = walls.size() == 0 ? std::numeric_limits<Real>::infinity()
                                                : (Walls::move ? half : list.margin) - displaced;
-  if (left < 0 && left_to_walls >= 0) {
+  // How far grains may travel until this loop would find the list stale.
+  Real safe = half - displaced;
+  if (safe < 0 && left_to_walls >= 0) {
     const typename P::Vec sum =
         ordered_sum(x.size(), typename P::Vec(P::Vec::Zero()), displacement);
-    left = std::min(half - max_relative_to(sum / Real(x.size())), left_to_walls);
+    const Real left = half - max_relative_to(sum / Real(x.size()));
+    if (!(left >= 0)) return true;
+    // The mean moves as well, and beyond half a period another image is the nearest.
+    safe = std::min({left / 2, left_to_walls, half_period(box) - displaced});
+  } else if (!(safe >= 0)) {
+    return true;
   }
-  if (!(left >= 0)) return true;
+  // Runs that do not know the travel, such as a resumed one, must rebuild in the same step.
+  // The last term is that of the mean, a sum over chunks.
+  const Real rounding = std::numeric_limits<Real>::epsilon() *
+                        (16 * half + 4 * longest_period(box) + 2048 * displaced);
   lifetime.since = travel;
-  lifetime.distance = double(left);
+  lifetime.distance = double(safe - rounding);
   return false;
 }
 

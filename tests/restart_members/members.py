@@ -1,0 +1,164 @@
+# SPDX-License-Identifier: MIT
+"""Members of parts of a run that checkpoints need not contain, NOT_STORED, and that need not be rolled back after a
+failed step, NOT_SAVED, with the reason. See check.py. A class is a part also because it is listed here."""
+
+# Reasons that many members have.
+GIVEN = "given by the program that reads the checkpoint"
+ANEW = "found anew, before it is used, from what is stored"
+ROLLBACK = "used only within a step, to roll it back"
+MEMORY = "memory that is used again; its contents are replaced before they are read"
+NUMBER = "a number that no other run has: it tells whether data belong together, which reading decides anew"
+CLOCK = "wall-clock time, which has no effect on results"
+LAST = "a result of the last step, which observers read after it; the next step replaces it"
+UNCHANGED = "not changed by steps"
+SUCCESS = "changed only when the step has succeeded"
+UPDATE = "of the last update, which the repeated step makes again"
+
+
+def all_of(reason, names):
+    return {name: reason for name in names.split()}
+
+
+NOT_STORED = {
+    # core
+    "Columns<Dim,Real,std::tuple<All...>>": {"units_": "Particles::transfer() names their fields"},
+    "TimeLevels": {"now_": "Particles::transfer() names its fields",
+                   **all_of(ROLLBACK, "other_ spare_ is_kept_ is_next_ advanced_")},
+    "Particles": {**all_of("ghosts: those of the last update of the search, which makes them again when it is read",
+                           "owners_ shifts_"),
+                  **all_of(NUMBER, "revision_ owned_revision_ ghosts_revision_ positions_changed_ constants_changed_ "
+                                   "constants_revision_"),
+                  "travel_": "a bound that only saves time"},
+    "Gravity": {"g_": GIVEN},
+    "Forces": {"parts_": "for_each_part() passes them to transfer_part()"},
+    "Simulation": {"saved_integrator_": ROLLBACK, "chooses_radius_": GIVEN, "thread_choice_": CLOCK},
+    # search
+    "BruteForce": {"radius_": GIVEN, **all_of(ANEW, "owned_ owners_")},
+    "UniformGrid": {"radius_": GIVEN, "saved_descents_": ROLLBACK, **all_of(ANEW, "owned_ points_ ghost_owners_")},
+    "LevelGrid": {"radius_": GIVEN,
+                  **all_of(ANEW, "gap_ owned_ radii_ owners_ highest_ levels_ by_level_"),
+                  **all_of(MEMORY, "histogram_ all_levels_")},
+    "ListGrid": all_of(ANEW, "inner_ levels_ has_long_rows_"),
+    "LastPositions": {"positions_": "NeighbourList::transfer() names them: last",
+                      "update_": NUMBER, "maxima_": MEMORY, **all_of(ROLLBACK, "previous_ has_previous_ saved_")},
+    "NeighbourList": {"radius_": GIVEN, **all_of(NUMBER, "list_.revision list_.owned_revision"), "list_.rows": ANEW,
+                      "positions_": "the entry `last` has those of owned particles; the others are found anew",
+                      **all_of(ROLLBACK, "saved_ previous_ keeps_previous_ saved_requested_")},
+    "Skin": {"tunes_": GIVEN},
+    "TimedSearch": {"watch_": CLOCK},
+    "TimedInteraction": {"watch_": CLOCK},
+    # integrate
+    "Leapfrog": {"damping_": GIVEN},
+    # dem
+    "Bonds": {"law_": GIVEN, "indices_": ANEW,
+              **all_of(ROLLBACK, "kept_bonds_ kept_broken_ kept_time_step_ is_kept_")},
+    "ContactsOf": {**all_of(GIVEN, "materials_ walls_ settings_"),
+                   **all_of("a function of the constants of the grains", "reach_ shortest_"),
+                   "have_results_been_used_": "decides which memory is used",
+                   "is_rebuild_announced_": "between needs_search() and the evaluation, within a step",
+                   "time_": "set_time() sets it before it is used",
+                   "state_.last.list": "saved_list() has it",
+                   "state_.last.after": "history() has them",
+                   **all_of(LAST, "state_.last.before state_.last.grains state_.last.box state_.last.count "
+                                  "state_.last.step"),
+                   "state_.last.lifetime": "a bound that only saves time: is_stale() decides the same without it",
+                   "state_.given_history": "history() has it",
+                   "saved_": ROLLBACK, "memory_": MEMORY},
+    "SavedList": all_of("is that of a box without periodic sides", "origin_.extent.periodic origin_.extent.on_escape"),
+    "ReusableList": {**all_of("SavedList names them", "since margin time extent stable_time_step contacts"),
+                     "owned_revision": NUMBER,
+                     **all_of("those of the grains: a list of others is not stored",
+                              "radii masses inertias materials")},
+    "Histories": {"numbers_": "ContactsOf::history() has them", "touching_": "ContactsOf::history() has them"},
+    "MeanMotion": {**all_of(ANEW, "duration_ v_ w_ stays_"),
+                   "carried_away_": "EnergyLedger::added_since_ has it at the end of a step"},
+    "Inflow": all_of(GIVEN, "region_ blend_ settings_"),
+    "Outflow": all_of(GIVEN, "region_ settings_"),
+    # mps
+    "BasicFlow": {**all_of(GIVEN, "settings_ solver_"),
+                  **all_of(ANEW, "operators_ force_ boundary_ source_ equation_ changes_ advection_velocity_"),
+                  "change_": MEMORY, "report_": LAST, "seconds_": CLOCK,
+                  "time_": "set_time() sets it before it is used"},
+    "FlowOperators": {**all_of(GIVEN, "stencil_ laplacian_stencil_"),
+                      **all_of(ANEW, "neighbourhood_ laplacian_neighbourhood_"),
+                      "normals_": "the same bits whenever they are found, see WallNormals::find()"},
+    "WallNormals": {"normals_": "the same bits whenever they are found, see find()",
+                    **all_of("tells whether the normals are those of the present walls", "positions_ kinds_"),
+                    "revision_": NUMBER},
+    "Neighbourhood": {**all_of(ANEW, "positions_ rows_ sets_ density_"), "revision_": NUMBER},
+    "BodyForce": {"gravity_": GIVEN, "forces_": ANEW},
+    "PressureBoundary": all_of(ANEW, "has_pressure_ is_near_"),
+    "FlowSource": all_of(ANEW, "balanced_velocity_ previous_velocity_"),
+    "PressureEquation": {**all_of(ANEW, "system_ unknowns_ row_of_ last_column_ is_open_ front_"),
+                         "solution_": "begins with the pressures of the particles"},
+    "EnergyAccount": {"properties_": GIVEN, **all_of(ROLLBACK, "saved_ had_begun_")},
+    "TimeStep": {"saved_": ROLLBACK},
+    # solve
+    "ConjugateGradient": {"settings_": GIVEN, "preconditioner_": "prepare() makes it anew in every solve",
+                          **all_of(MEMORY, "r_ z_ p_ q_ partial_")},
+    "EigenConjugateGradient": {"settings_": GIVEN},
+    "EigenConjugateGradient::Factors": all_of(ANEW, "system_ factors_"),
+    "IncompleteCholesky": all_of(ANEW, "factors_ diagonal_"),
+    "Jacobi": all_of(ANEW, "inverse_"),
+    "CellMultigrid": {"settings_": GIVEN,
+                      **all_of(ANEW, "inverse_ occupied_ finest_cells_ to_particles_ stiffness_ levels_ coarsenings_ "
+                                     "used_ coarsest_inverse_")},
+    "BoomerAmg": {"settings_": GIVEN, **all_of(ANEW, "multigrid_ matrix_ r_ z_ rows_ columns_ values_")},
+    # measure and io
+    "Profiles": {"slices_": GIVEN, "sample_": MEMORY},
+    "CsvFile": all_of(GIVEN, "path_ columns_"),
+    "VtkSeries": {"folder_": GIVEN},
+    "Checkpoints": {**all_of(GIVEN, "path_ every_ parts_"), "written_": CLOCK},
+    "Progress": {**all_of(GIVEN, "stream_ is_terminal_ clock_"),
+                 **all_of("of the line that shows the progress of this process", "begun_ is_ended_ wall_begin_ "
+                          "wall_next_ run_begin_ time_begin_ last_")},
+    "StopOnSignal": {"handled_": GIVEN},
+    # examples
+    "Weight": all_of(GIVEN, "grain load"),
+    "Ledger": {"options_": GIVEN},
+    "Wave": {"options_": GIVEN},
+    "Spreading": {"options_": GIVEN},
+    "Statistics": all_of(GIVEN, "options_ gauges_"),
+    "FrontGauge": {"spacing_": GIVEN},
+    "PressureGauges": {"probes_": GIVEN, "row_": LAST},
+    "Notes": all_of(GIVEN, "flow_ on_row_"),
+    "Averages": {"options": GIVEN},
+    "Frames": {"samples_per_frame": GIVEN},
+}
+
+NOT_SAVED = {
+    # core
+    "TimeLevels": {**all_of("restore() copies the owned particles; the search makes the ghosts anew",
+                            "now_.ghosts other_.ghosts"),
+                   "spare_": MEMORY, "advanced_": "begin_advance() clears it"},
+    "Particles": {**all_of("the step removes particles when nothing can fail any more", "ids_"), "box_": UNCHANGED,
+                  **all_of("ghosts: the search makes them anew", "owners_ shifts_ ghosts_revision_"),
+                  **all_of(NUMBER, "revision_ owned_revision_ positions_changed_ constants_changed_ "
+                                   "constants_revision_"),
+                  "travel_": "positions_changed_ begins it anew"},
+    "Forces": {"parts_": "for_each_part() saves and restores each"},
+    "Simulation": {"chooses_radius_": GIVEN, "thread_choice_": CLOCK,
+                   **all_of(SUCCESS, "steps_ particles_lost_ time_ last_time_step_"),
+                   "was_read_": UNCHANGED,
+                   **all_of("changed by run(), between steps", "run_is_open_ output_time_ output_step_")},
+    # search
+    "UniformGrid": {"radius_": "Simulation::prepare() sets it before every step",
+                    **all_of(UPDATE, "owned_ revision_ points_ ghost_owners_")},
+    "LastPositions": {"maxima_": MEMORY},
+    "NeighbourList": {"radius_": "Simulation::prepare() sets it before every step",
+                      "image_": "a function of the box, which steps do not change"},
+    # dem
+    "Bonds": {"law_": GIVEN, "indices_": ANEW,
+              **all_of("of the bonds at the first step, which is found again to the same bits",
+                       "stability_ is_stability_known_")},
+    "ContactsOf": {**all_of(GIVEN, "materials_ walls_ settings_"),
+                   **all_of("a function of the constants of the grains", "reach_ shortest_"),
+                   "have_results_been_used_": "decides which memory is used",
+                   "time_": "set_time() sets it before it is used", "memory_": MEMORY},
+    # mps
+    "BasicFlow": {**all_of(GIVEN, "settings_ solver_"),
+                  **all_of(ANEW, "operators_ force_ boundary_ source_ equation_ changes_ advection_velocity_"),
+                  "change_": MEMORY, "report_": "tells why the step failed", "seconds_": CLOCK,
+                  "time_": "set_time() sets it before it is used"},
+    "EnergyAccount": {"properties_": GIVEN},
+}
