@@ -27,9 +27,9 @@ chosen at random, then one of the mutants of each line; the choice in a line doe
 other lines do.
 
 A mutant is in a copy of the tree. The test sources that include its header, directly or not, are
-compiled and run, the nearest first (see tests_of in programs.py), until one fails, crashes, hangs
-or takes too long, or the mutant's time is up: then it has survived. A source that also fails
-without the mutant is not used. A mutant that does not compile is not counted.
+compiled and run, the nearest first (see tests_of in programs.py), until one fails or crashes, twice,
+or hangs or takes too long, or the mutant's time is up: then it has survived. A source that also
+fails without the mutant is not used. A mutant that does not compile is not counted.
 
 answers.md says of each survivor why it is equivalent, or what is done about it.
 """
@@ -152,6 +152,8 @@ class Campaign:
                 given = self.limit - used
                 ran, result = workshop.run(source, given), KILLED
                 used += ran.seconds
+                if ran.status == "failed":  # not by chance
+                    ran = workshop.run(source, given)
             if ran.status == "passed":
                 passed.append(source)
                 continue
