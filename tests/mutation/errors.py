@@ -22,163 +22,17 @@ an error. Of a call inside an expression only whether it was executed is known.
 import argparse
 import collections
 import concurrent.futures
-import dataclasses
-import hashlib
-import json
 import pathlib
-import re
 import shutil
 import signal
 import subprocess
 import sys
 
-from cpp_source import Source
-from mutate import ANSWERS, REPOSITORY, copy_of
-from programs import HASHES, Runner, Stopped, Tree, Workshop
-from results import one_line, read_answers
-
-RAISES = re.compile(r"(fail|fail_\w+|require_\w+)$")
-MARK = 'asm volatile("");'
-FLAGS = ["--coverage", "-fprofile-update=atomic"]
-SECONDS = 1800  # of a test
-
-
-@dataclasses.dataclass
-class Call:
-    header: str  # below include/silt/
-    line: int
-    text: str
-    key: str
-    before: int  # line of the copy that is executed before the call
-    after: int  # and after it; 0 if it is part of an expression or never returns
-
-
-def _is_raise(source, index):
-    token = source.tokens[index]
-    if not source.body[index] or token.kind != "name":
-        return False
-    if token.text == "throw":
-        return source.words(index + 1) != [";"]
-    if not RAISES.match(token.text) or source.words(index + 1) != ["("]:
-        return False
-    before = source.tokens[index - 1]
-    return before.kind != "name" or before.text in ("return", "else", "do")
-
-
-def instrumented(header, text):
-    """The header with marks around its calls, and the calls."""
-    source = Source(text)
-    starts = {}  # first token of a statement, after its qualifiers → the statement
-    for statement in source.statements:
-        at = statement.first
-        while source.words(at + 1) in (["::"], ["->"], ["."]):
-            at += 2
-        starts[at] = statement
-    pieces, calls, begin, seen = [], [], 0, collections.Counter()
-    rows = text.splitlines()
-
-    def lines():
-        return sum(piece.count("\n") for piece in pieces) + 1
-
-    for index, token in enumerate(source.tokens):
-        if not _is_raise(source, index) or token.begin < begin:
-            continue
-        statement = starts.get(index)
-        first = source.tokens[statement.first].begin if statement else token.begin
-        end = source.tokens[statement.last].end if statement else token.end
-        shown = _shown(source, index)
-        row = rows[token.line - 1].strip()
-        key = hashlib.sha256(f"{header}\n{row}\n{seen[row]}\n{shown}".encode()).hexdigest()[:12]
-        seen[row] += 1
-        pieces.append(text[begin:first])
-        if statement:
-            pieces.append(f"{{\n{MARK}\n")
-            before = lines() - 1
-            pieces.append(text[first:end] + "\n")
-            after = 0 if token.text == "throw" or token.text.startswith("fail") else lines()
-            pieces.append(f"{MARK}\n}}")
-        else:
-            pieces.append("\n")
-            before, after = lines(), 0
-            pieces.append(text[first:end])
-        calls.append(Call(header, token.line, shown, key, before, after))
-        begin = end
-    pieces.append(text[begin:])
-    return "".join(pieces), calls
-
-
-def _shown(source, index):
-    """The beginning of the call, for people."""
-    last = index + 1
-    while last < len(source.tokens) - 1 and source.tokens[last].text not in ("(", ";"):
-        last += 1
-    last = source.partner.get(last, last)
-    text = one_line(source.text[source.tokens[index].begin: source.tokens[last].end])
-    return text if len(text) < 90 else text[:87] + "..."
-
-
-class Coverage:
-    """The instrumented copy of the headers, and the runs of the tests with it."""
-
-    def __init__(self, scratch):
-        self.folder = scratch / "coverage"
-        self.tree_folder = self.folder / "tree"
-        self.calls_file = self.folder / "calls.json"
-
-    def copy(self):
-        """Copies the repository and instruments its headers."""
-        tree = copy_of(REPOSITORY, self.tree_folder)
-        silt, calls = tree.include / "silt", []
-        for header in tree.headers([""]):
-            path = silt / header
-            text, found = instrumented(header, path.read_text(encoding="utf-8"))
-            path.write_text(text, encoding="utf-8")
-            calls += map(dataclasses.asdict, found)
-        self.calls_file.write_text(json.dumps(calls, indent=1), encoding="utf-8")
-        return tree
-
-    def calls(self):
-        return [Call(**call) for call in json.loads(self.calls_file.read_text(encoding="utf-8"))]
-
-    def program_folder(self, source):
-        return self.folder / "programs" / source.replace("/", "_").removesuffix(".cpp")
-
-    def was_run(self, tree, source):
-        stamp = self.program_folder(source) / "hash.txt"
-        return stamp.is_file() and stamp.read_text(encoding="utf-8") == tree.hash_of(source)
-
-    def run(self, tree, source, compiler, runner):
-        """Compiles and runs a test, unless this was done; returns a text about it."""
-        folder = self.program_folder(source)
-        if self.was_run(tree, source):
-            return f"{source}: has not changed"
-        shutil.rmtree(folder, ignore_errors=True)
-        workshop = Workshop(tree, folder, compiler, runner, flags=FLAGS, precompile=False)
-        ran = workshop.compile(source, SECONDS)
-        if ran.status != "passed":
-            return f"{source}: does not compile\n{ran.output[-2000:]}"
-        ran = workshop.run(source, SECONDS)
-        (folder / "program").unlink()
-        (folder / "hash.txt").write_text(tree.hash_of(source), encoding="utf-8")
-        return f"{source}: {ran.status} ({ran.seconds:.0f} s)"
-
-    def counts(self):
-        """How often each line of each instrumented header was executed by the tests that were run
-        with the present headers; lines that were compiled but not executed have 0."""
-        total = collections.defaultdict(collections.Counter)
-        tree, silt = Tree(self.tree_folder), f"{self.tree_folder}/include/silt/"
-        for source in tree.test_sources():
-            folder = self.program_folder(source)
-            for data in sorted(folder.glob("*.gcda")) if self.was_run(tree, source) else []:
-                made = subprocess.run(["gcov", "--json-format", "--stdout", data.name], text=True,
-                                      cwd=folder, capture_output=True, check=True)
-                for text in made.stdout.splitlines():
-                    for file in json.loads(text)["files"]:
-                        if file["file"].startswith(silt):
-                            lines = total[file["file"].removeprefix(silt)]
-                            for line in file["lines"]:
-                                lines[line["line_number"]] += line["count"]
-        return total
+from coverage import MARK, Coverage, instrumented
+from mutate import ANSWERS, REPOSITORY
+from processes import Runner, Stopped
+from programs import HASHES
+from results import read_answers
 
 
 def state_of(call, counts):
@@ -213,7 +67,7 @@ def run_tests(arguments):
     runner, coverage = Runner(), Coverage(arguments.scratch)
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: runner.stop())
-    tree = coverage.copy()
+    tree = coverage.copy(REPOSITORY)
     sources = arguments.sources or [each for each in tree.test_sources() if each != HASHES]
     with concurrent.futures.ThreadPoolExecutor(arguments.j) as pool:
         futures = [pool.submit(coverage.run, tree, source, arguments.compiler, runner)
@@ -249,11 +103,15 @@ inline void require_even(int x);
     made, calls = instrumented("core/a.hpp", text)
     assert [(call.line, call.text) for call in calls] == [
         (2, 'fail("x is negative")'), (3, 'require_positive("x", x)'), (4, "throw 1 : 2;")], calls
-    rows = made.splitlines()
     fail, require, throw = calls
-    assert rows[fail.before - 1] == MARK and rows[fail.before] == 'fail("x is negative");', made
-    assert rows[require.before - 1] == MARK and rows[require.after - 1] == MARK, made
-    assert rows[throw.before - 1].startswith("throw 1"), made
+    rows = made.splitlines()
+
+    def line_after(number):
+        return rows[rows.index(f"#line {number}") + 1]
+
+    assert line_after(fail.before) == MARK and line_after(2) == 'fail("x is negative");', made
+    assert line_after(require.before) == line_after(require.after) == MARK, made
+    assert line_after(throw.before) == "throw" and line_after(4) == " 1 : 2;", made
     assert "throw;" in made and len({call.key for call in calls}) == 3
     passed = {"core/a.hpp": {fail.before: 0, require.before: 2, require.after: 2}}
     assert [state_of(call, passed) for call in calls] == [

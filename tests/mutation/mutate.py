@@ -27,9 +27,10 @@ chosen at random, then one of the mutants of each line; the choice in a line doe
 other lines do.
 
 A mutant is in a copy of the tree. The test sources that include its header, directly or not, are
-compiled and run, the nearest first (see tests_of in programs.py), until one fails or crashes, twice,
-or hangs or takes too long, or the mutant's time is up: then it has survived. A source that also
-fails without the mutant is not used. A mutant that does not compile is not counted.
+compiled and run, the nearest first (see tests_of in programs.py), until one fails or crashes,
+twice, or hangs or takes too long, or the mutant's time is up: then it has survived. A source that
+also fails without the mutant is not used. A mutant that does not compile is not counted. After
+`errors.py run`, the tests that execute the mutant come first.
 
 answers.md says of each survivor why it is equivalent, or what is done about it.
 """
@@ -40,14 +41,15 @@ import difflib
 import fcntl
 import json
 import pathlib
-import shutil
 import signal
 import subprocess
 import sys
 import threading
 
 import mutants as generator
-from programs import NOT_TESTED, Runner, Stopped, Tree, Workshop, cause_of
+from coverage import Coverage
+from processes import Runner, Stopped, cause_of
+from programs import NOT_TESTED, Tree, Workshop, copy_of
 from results import KILLED, NOT_COMPILED, SURVIVED, Results, one_line, read_answers, report
 
 HERE = pathlib.Path(__file__).resolve().parent
@@ -56,15 +58,6 @@ FOLDERS = ("core", "search", "dem", "mps", "solve", "integrate", "io")
 RESULTS, ANSWERS = HERE / "results.csv", HERE / "answers.md"
 LEAST = 5  # no test is begun with less time than this [s]
 SLOWER = 3  # a test that takes so many times longer than without the mutant is too slow
-
-
-def copy_of(repository, folder):
-    """A copy of what the tests need."""
-    shutil.rmtree(folder, ignore_errors=True)
-    for name in ("include", "tests", "examples"):
-        shutil.copytree(repository / name, folder / name,
-                        ignore=shutil.ignore_patterns("__pycache__", "mutation"))
-    return Tree(folder)
 
 
 def commit_of(repository):
@@ -126,6 +119,7 @@ class Baselines:
 class Campaign:
     def __init__(self, arguments, tree, results, runner):
         self.tree, self.results, self.limit = tree, results, arguments.seconds
+        self.coverage = Coverage(arguments.scratch)
         self.baselines = Baselines(arguments.scratch / "baselines.json", tree)
         self.idle = [Workshop(tree, arguments.scratch / f"workshop_{n}", arguments.compiler, runner)
                      for n in range(arguments.j)]
@@ -142,7 +136,9 @@ class Campaign:
     def _try(self, mutant, workshop):
         text = (self.tree.include / "silt" / mutant.header).read_text(encoding="utf-8")
         used, passed = 0, []
-        for source in self.tree.tests_of(mutant.header, self.results.kills(mutant.header)):
+        sources = self.tree.tests_of(mutant.header, self.results.kills(mutant.header),
+                                     self.coverage.executing(mutant.header, text, mutant.line))
+        for source in sources:
             if self.limit - used < LEAST:
                 break
             workshop.put(mutant.header, mutant.apply(text))

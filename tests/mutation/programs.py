@@ -2,18 +2,17 @@
 """Test programs: one per test source, compiled as by tests/CMakeLists.txt without --all, and the
 sources that include a header."""
 
-import dataclasses
 import functools
 import hashlib
 import os
 import pathlib
 import re
-import resource
 import shlex
-import signal
+import shutil
 import subprocess
 import tempfile
-import time
+
+from processes import Ran
 
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]', re.MULTILINE)
 FOLDERS = ("core", "dem", "integrate", "io", "measure", "mps", "trust", "search", "solve",
@@ -24,6 +23,15 @@ FLAGS = ["-std=c++20", "-D_GLIBCXX_ASSERTIONS", "-ffp-contract=off", "-fopenmp",
 PRECOMPILED = "#include <Eigen/Core>\n#include <Eigen/Geometry>\n#include <gtest/gtest.h>\n"
 MEMORY = 8 << 30  # of a test [bytes]
 IDLE = 300  # a test that does nothing for so long hangs [s]
+
+
+def copy_of(repository, folder):
+    """A copy of what the tests need."""
+    shutil.rmtree(folder, ignore_errors=True)
+    for name in ("include", "tests", "examples"):
+        shutil.copytree(repository / name, folder / name,
+                        ignore=shutil.ignore_patterns("__pycache__", "mutation"))
+    return Tree(folder)
 
 
 class Tree:
@@ -74,6 +82,7 @@ class Tree:
                     waiting.append(path)
         return frozenset(found)
 
+    @functools.lru_cache(maxsize=None)
     def depths_of(self, name):
         """How many include directives lead from this file to each of those that it includes."""
         depths, waiting = {name: 0}, [name]
@@ -84,12 +93,14 @@ class Tree:
                     waiting.append(path)
         return depths
 
-    def tests_of(self, header, kills):
-        """The sources that include a header, the nearest first: the one of its name; those that
-        include it themselves; the hashes of whole runs; those that mention one of its names, or
-        are in its folder, or in none. Among equals, those come first that have killed most mutants
-        of the header, then those that include it most directly, then those that have killed most
-        of its folder, then those with the fewest headers; kills(source) are both numbers."""
+    def tests_of(self, header, kills, executes=lambda source: None):
+        """The sources that include a header, those that execute the mutant first, if that is known,
+        and of these the nearest: the one of its name; those that
+        include it themselves; those in its folder that mention one of its names; the hashes of
+        whole runs; those that mention a name, are in the folder, or neither. Among equals, those
+        come first that have killed most mutants of the header, then those that include it most
+        directly, then those that have killed most of its folder, then those with the fewest
+        headers; kills(source) are both numbers, executes(source) is None if unknown."""
         name = f"include/silt/{header}"
         folder, stem = header.split("/")[0], pathlib.Path(header).stem
         own = f"tests/{folder}/{stem}_test.cpp"
@@ -101,19 +112,27 @@ class Tree:
             if name in self.includes_of(source):
                 return 1
             if source == HASHES:
-                return 2
-            text = (self.root / source).read_text(encoding="utf-8")
-            mentioned = declared & set(re.findall(r"\w+", text))
-            return 5 - bool(mentioned) - source.startswith(f"tests/{folder}/")
+                return 3
+            mentions = not declared.isdisjoint(self.words_of(source))
+            in_folder = source.startswith(f"tests/{folder}/")
+            return (2 if mentions and in_folder else 4 if mentions else 5 if in_folder else 6)
 
         def order(source):
             of_header, of_folder = kills(source)
-            return (distance(source), -of_header, self.depths_of(source)[name], -of_folder,
+            return (executes(source) is False, distance(source), -of_header,
+                    self.depths_of(source)[name], -of_folder,
                     len(self.all_includes_of(source)), source)
 
         users = [source for source in self.test_sources()
                  if name in self.all_includes_of(source)]
         return sorted(users, key=order)
+
+    @functools.lru_cache(maxsize=None)
+    def words_of(self, source):
+        """The words of a test and of the test support that it includes."""
+        support = [path for path in self.includes_of(source) if path.startswith("tests/")]
+        return frozenset(word for name in [source, *support] for word in
+                         re.findall(r"\w+", (self.root / name).read_text(encoding="utf-8")))
 
     def hash_of(self, source):
         """Changes whenever the program would."""
@@ -129,101 +148,6 @@ def declared_names(text):
     types = re.findall(r"^\s*(?:class|struct|concept|enum class|using) (\w+)", text, re.MULTILINE)
     functions = re.findall(r"^[\w:<>,&* ]+ \*?(\w+)\([^;]*$", text, re.MULTILINE)
     return {name for name in types + functions if len(name) > 3}
-
-
-@dataclasses.dataclass
-class Ran:
-    status: str  # passed, failed or stopped: for want of time
-    seconds: float  # of the processor
-    output: str = ""
-    code: int = 0
-
-
-class Stopped(Exception):
-    """The campaign was interrupted."""
-
-
-class Runner:
-    """Runs processes with a limit of processor time. stop() ends those that are running."""
-
-    def __init__(self):
-        self._running = set()
-        self._is_stopped = False
-
-    def stop(self):
-        self._is_stopped = True
-        for process in list(self._running):
-            _end(process)
-
-    def run(self, command, seconds, folder, memory=None, environment=None, idle=None):
-        """Runs a command in a folder; ends it if it does nothing for `idle` seconds."""
-        limit = max(1, int(seconds))
-
-        def limits():
-            resource.setrlimit(resource.RLIMIT_CPU, (limit, limit + 5))
-            resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-            if memory:
-                resource.setrlimit(resource.RLIMIT_AS, (memory, memory))
-
-        with tempfile.TemporaryFile(dir=folder) as output:
-            if self._is_stopped:
-                raise Stopped
-            process = subprocess.Popen(command, stdout=output, stderr=subprocess.STDOUT,
-                                       stdin=subprocess.DEVNULL, cwd=folder, preexec_fn=limits,
-                                       start_new_session=True, env=environment)
-            self._running.add(process)
-            try:
-                used, hangs = _wait(process, idle)
-            finally:
-                self._running.discard(process)
-            if self._is_stopped:
-                raise Stopped
-            output.seek(0)
-            text = output.read()[-20000:].decode(errors="replace")
-        code = process.returncode
-        too_long = hangs or used >= limit or code in (-signal.SIGXCPU, 128 + signal.SIGXCPU)
-        status = "passed" if code == 0 else "stopped" if too_long else "failed"
-        return Ran(status, used, text, code)
-
-
-def _end(process):
-    try:
-        os.killpg(process.pid, signal.SIGKILL)
-    except ProcessLookupError:
-        pass
-
-
-def _wait(process, idle):
-    """Waits for a process; returns its processor time, and whether it was ended because it hung.
-    Elapsed time would depend on what else the machine does."""
-    last_active, next_look, hangs = time.monotonic(), 0, False
-    while True:
-        pid, status, usage = os.wait4(process.pid, os.WNOHANG)
-        if pid:
-            process.returncode = os.waitstatus_to_exitcode(status)
-            _end(process)  # children that it left
-            return usage.ru_utime + usage.ru_stime, hangs
-        now = time.monotonic()
-        if now > next_look:
-            next_look = now + 1
-            if _is_active(process):
-                last_active = now
-            if idle and now - last_active > idle:
-                hangs = True
-                _end(process)
-        time.sleep(0.05)
-
-
-def _is_active(process):
-    """Whether one of its threads runs or would run."""
-    for path in pathlib.Path(f"/proc/{process.pid}/task").glob("*/stat"):
-        try:
-            state = path.read_text(encoding="utf-8").rsplit(")", 1)[1].split()[0]
-        except OSError:
-            continue  # the thread has ended
-        if state in ("R", "D"):
-            return True
-    return False
 
 
 class Workshop:
@@ -298,15 +222,3 @@ def eigen_folder():
     flags = subprocess.run(["pkg-config", "--cflags-only-I", "eigen3"], text=True,
                            capture_output=True, check=False).stdout.split()
     return flags[0].removeprefix("-I") if flags else "/usr/include/eigen3"
-
-
-def cause_of(ran):
-    """The first test that failed, or how the program ended."""
-    if failed := re.search(r"^\[  FAILED  \] ([^\s,]+)", ran.output, re.MULTILINE):
-        return failed.group(1)
-    if ran.status == "stopped":
-        return "too slow"
-    if ran.code < 0:
-        running = re.findall(r"^\[ RUN      \] (\S+)", ran.output, re.MULTILINE)
-        return f"{running[-1] + ' ' if running else ''}signal {-ran.code}"
-    return ran.output if ran.output == "other hashes" else f"exit {ran.code}"

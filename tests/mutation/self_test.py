@@ -7,7 +7,9 @@ import tempfile
 import threading
 
 import mutants as generator
-from programs import Ran, Runner, Stopped, Tree, cause_of
+from coverage import Coverage
+from processes import Ran, Runner, Stopped, cause_of
+from programs import Tree
 from results import KILLED, NOT_COMPILED, SURVIVED, Results, read_answers, report
 
 HEADER = '''// A comment with 1 + 2 and true.
@@ -131,6 +133,9 @@ def test_order(folder):
     assert order() == [*near, "dem/far_test.cpp", "dem/farther_test.cpp"], order()
     assert order(lambda source: (source.count("farther"), 0)) == [
         *near, "dem/farther_test.cpp", "dem/far_test.cpp"]
+    far = tree.tests_of("core/a.hpp", lambda source: (0, 0), lambda source: "dem/far" in source)
+    assert far[0] == "tests/dem/far_test.cpp"
+    assert Coverage(folder).executing("core/a.hpp", HEADER, 1)("tests/core/a_test.cpp") is None
     before = tree.hash_of("tests/core/near_test.cpp")
     (tree.include / "silt/core/a.hpp").write_text(HEADER + "//", encoding="utf-8")
     assert tree.hash_of("tests/core/near_test.cpp") != before
