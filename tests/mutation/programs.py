@@ -2,6 +2,7 @@
 """Test programs: one per test source, compiled as by tests/CMakeLists.txt without --all, and the
 sources that include a header."""
 
+import collections
 import functools
 import hashlib
 import os
@@ -95,31 +96,32 @@ class Tree:
 
     def tests_of(self, header, kills, executes=lambda source: None):
         """The sources that include a header, those that execute the mutant first, if that is known,
-        and of these the nearest: the one of its name; those that
-        include it themselves; those in its folder that mention one of its names; the hashes of
-        whole runs; those that mention a name, are in the folder, or neither. Among equals, those
-        come first that have killed most mutants of the header, then those that include it most
-        directly, then those that have killed most of its folder, then those with the fewest
-        headers; kills(source) are both numbers, executes(source) is None if unknown."""
+        and of these the one with the name of the header, then those that have killed most mutants
+        of the header, then the nearest: those that include it themselves, or have its words in
+        their name; those in its folder that mention one of its names; the hashes of whole runs;
+        those that mention a name, are in the folder, or neither. Among equals, those come first
+        that include it most directly, then those that have killed most of its folder, then those
+        with the fewest headers. kills(source) are both numbers, executes(source) is None if it is
+        unknown."""
         name = f"include/silt/{header}"
         folder, stem = header.split("/")[0], pathlib.Path(header).stem
         own = f"tests/{folder}/{stem}_test.cpp"
-        declared = declared_names((self.root / name).read_text(encoding="utf-8"))
+        declared = (declared_names((self.root / name).read_text(encoding="utf-8"))
+                    - self.usual_words())
 
         def distance(source):
-            if source == own:
-                return 0
-            if name in self.includes_of(source):
+            if name in self.includes_of(source) or beginnings(stem) <= beginnings(
+                    pathlib.Path(source).stem):
                 return 1
             if source == HASHES:
                 return 3
             mentions = not declared.isdisjoint(self.words_of(source))
             in_folder = source.startswith(f"tests/{folder}/")
-            return (2 if mentions and in_folder else 4 if mentions else 5 if in_folder else 6)
+            return 2 if mentions and in_folder else 4 if mentions else 5 if in_folder else 6
 
         def order(source):
             of_header, of_folder = kills(source)
-            return (executes(source) is False, distance(source), -of_header,
+            return (executes(source) is False, source != own, -of_header, distance(source),
                     self.depths_of(source)[name], -of_folder,
                     len(self.all_includes_of(source)), source)
 
@@ -134,12 +136,24 @@ class Tree:
         return frozenset(word for name in [source, *support] for word in
                          re.findall(r"\w+", (self.root / name).read_text(encoding="utf-8")))
 
+    @functools.lru_cache(maxsize=None)
+    def usual_words(self):
+        """Those in more than a fifth of the tests."""
+        count = collections.Counter(word for source in self.test_sources()
+                                    for word in self.words_of(source))
+        return frozenset(word for word in count if 5 * count[word] > len(self.test_sources()) > 9)
+
     def hash_of(self, source):
         """Changes whenever the program would."""
         total = hashlib.sha256()
         for name in [source, *sorted(self.all_includes_of(source))]:
             total.update(name.encode() + b"\0" + (self.root / name).read_bytes() + b"\0")
         return total.hexdigest()[:16]
+
+
+def beginnings(stem):
+    """The beginnings of the words of a file's name."""
+    return {word[:5] for word in stem.split("_")}
 
 
 def declared_names(text):

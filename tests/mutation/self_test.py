@@ -131,8 +131,9 @@ def test_order(folder):
 
     near = ["core/a_test.cpp", "core/near_test.cpp", "core/mention_test.cpp"]
     assert order() == [*near, "dem/far_test.cpp", "dem/farther_test.cpp"], order()
+    assert order(lambda source: (0, source.count("farther"))) == order()
     assert order(lambda source: (source.count("farther"), 0)) == [
-        *near, "dem/farther_test.cpp", "dem/far_test.cpp"]
+        near[0], "dem/farther_test.cpp", *near[1:], "dem/far_test.cpp"]
     far = tree.tests_of("core/a.hpp", lambda source: (0, 0), lambda source: "dem/far" in source)
     assert far[0] == "tests/dem/far_test.cpp"
     assert Coverage(folder).executing("core/a.hpp", HEADER, 1)("tests/core/a_test.cpp") is None
