@@ -96,8 +96,11 @@ def _wait(process, idle):
 
 
 def _is_active(process):
-    """Whether one of its threads runs or would run."""
-    for path in pathlib.Path(f"/proc/{process.pid}/task").glob("*/stat"):
+    """Whether one of its threads runs or would run; true where the system does not say."""
+    threads = pathlib.Path(f"/proc/{process.pid}/task")
+    if not threads.is_dir():
+        return True
+    for path in threads.glob("*/stat"):
         try:
             state = path.read_text(encoding="utf-8").rsplit(")", 1)[1].split()[0]
         except OSError:
