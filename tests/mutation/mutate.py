@@ -119,6 +119,7 @@ class Baselines:
 class Campaign:
     def __init__(self, arguments, tree, results, runner):
         self.tree, self.results, self.limit = tree, results, arguments.seconds
+        self.runner = runner
         self.coverage = Coverage(arguments.scratch)
         self.baselines = Baselines(arguments.scratch / "baselines.json", tree)
         self.idle = [Workshop(tree, arguments.scratch / f"workshop_{n}", arguments.compiler, runner)
@@ -184,6 +185,9 @@ def in_parallel(campaign, chosen, finished):
                     finished(waiting.pop(future), *future.result())
         except Stopped:
             print("stopped; run it again to resume", flush=True)
+        except BaseException:
+            campaign.runner.stop()
+            raise
 
 
 def still_to_try(chosen, results, count):

@@ -53,7 +53,8 @@ class Results:
             os.fsync(file.fileno())
 
     def having(self, *results):
-        return [row for row in self.rows.values() if row["result"] in results]
+        rows = list(self.rows.values())  # another thread may add one
+        return [row for row in rows if row["result"] in results]
 
     def kills(self, header):
         """A function of a test source: how many mutants of the header and of its folder it has
