@@ -53,7 +53,7 @@ NOT_STORED = {
     "Bonds": {"law_": GIVEN, "indices_": ANEW,
               **all_of(ROLLBACK, "kept_bonds_ kept_broken_ kept_time_step_ is_kept_")},
     "ContactsOf": {**all_of(GIVEN, "materials_ walls_ settings_"),
-                   **all_of("a function of the constants of the grains", "reach_ shortest_"),
+                   **all_of("a function of the constants of the grains", "radii_ shortest_"),
                    "have_results_been_used_": "decides which memory is used",
                    "is_rebuild_announced_": "between needs_search() and the evaluation, within a step",
                    "time_": "set_time() sets it before it is used",
@@ -152,7 +152,7 @@ NOT_SAVED = {
               **all_of("of the bonds at the first step, which is found again to the same bits",
                        "stability_ is_stability_known_")},
     "ContactsOf": {**all_of(GIVEN, "materials_ walls_ settings_"),
-                   **all_of("a function of the constants of the grains", "reach_ shortest_"),
+                   **all_of("a function of the constants of the grains", "radii_ shortest_"),
                    "have_results_been_used_": "decides which memory is used",
                    "time_": "set_time() sets it before it is used", "memory_": MEMORY},
     # mps
