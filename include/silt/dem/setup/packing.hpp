@@ -157,6 +157,7 @@ class Placement {
     const auto x = grains[position];
     const auto R = grains[radius];
     for (Index i = 0; i < grains.size(); ++i) {
+      require_finite("dem: position of an existing grain", typename P::Vec(x[i]));
       require_positive("dem: radius of an existing grain", double(R[i]));
       const bool near = box_.any_periodic() || bounds_.clearance(x[i]) > -R[i] - Real(largest);
       if (near) occupancy_.add({x[i], R[i]});
