@@ -96,6 +96,7 @@ class BasicFlow {
     time_step_.begin(particles, settings_, {.viscous = viscous(), .time = time_}, time_step);
     energy_.begin(particles);
     changes_.clear();
+    particles.refresh_ghosts(kind);  // may have changed since the search made them
     find_neighbours(particles, search);
     if (is_first) {
       check_spacing(particles, operators_.neighbourhood(), operators_.stencil());

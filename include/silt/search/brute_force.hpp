@@ -52,9 +52,10 @@ class BruteForce {
   /// Writes or reads the positions of the last update for a checkpoint, see core/transfer.hpp.
   template <class Archive, class P>
   void transfer(Archive& archive, P& particles) {
-    transfer_update(
+    const bool is_known = transfer_update(
         archive, particles, particles.owned_revision() == revision_,
         [&](Index i) { return positions_[i]; }, [&] { update(particles); });
+    if (!is_known) revision_ = 0;  // particles were added or removed since
   }
 
   /// f(j, r_ij, r) for every j, owned or ghost, with r < radius(); i is owned, r_ij = x_j − x_i.
