@@ -56,7 +56,7 @@ void tower(const RandomRestarts& restarts) {
       dem::make_grains(lattice<2>({{-0.1, 0}, {0.1, 0.4}}, 2 * R), {.radius = R, .density = 2500});
   const Index last =
       dem::add_grain(grains, {0.3 * R, 0.4 + 1.2 * R}, {.radius = R, .density = 2500});
-  grains[velocity][last] = {0, -5};
+  grains[velocity][last] = {0, -2.5};
   const auto make = [&] {
     Simulation simulation{
         grains, TimedSearch{UniformGrid<2>{}},
