@@ -11,7 +11,7 @@ import subprocess
 import tempfile
 import time
 
-LAST_OUTPUT = 20000  # so much of the output is kept [bytes]
+LAST_OUTPUT = 200000  # so much of the output is kept [bytes]
 
 
 @dataclasses.dataclass
