@@ -72,6 +72,15 @@ TYPED_TEST(Boxes, ContainPointsWithinTheirClosedBounds) {
   EXPECT_TRUE((Box<2, Real>{}).contains({Real(1e30), Real(-1e30)})) << "unbounded by default";
 }
 
+TEST(Box, HasNoClearanceFromPeriodicSides) {
+  Box<2> box{.lower = {0, 0}, .upper = {1, 2}};
+  EXPECT_EQ(box.clearance({0.125, 0.5}), 0.125);
+  box.periodic[0] = true;
+  EXPECT_EQ(box.clearance({0.125, 0.5}), 0.5);
+  box.periodic[1] = true;
+  EXPECT_EQ(box.clearance({0.125, 0.5}), inf);
+}
+
 TEST(Box, RejectsBoundsWithoutVolume) {
   EXPECT_TRUE(refuses([] { cube<2, double>(1, 1).check(); }, {"axis 0", "lower = 1", "upper = 1"}));
   auto box = cube<3, double>(0, 1);
@@ -117,6 +126,11 @@ TEST(Lattice, RejectsInvalidSpacingsAndBoxes) {
   EXPECT_TRUE(refuses([] { lattice<2>({{0, 1}, {1, 0}}, 0.1); }, {"axis 1", "lower = 1"}));
   EXPECT_TRUE(refuses([] { lattice<2>({{0, 0}, {1, 1}}, 1e-9); }, {"spacing = 1e-09"}));
   EXPECT_TRUE(refuses([] { lattice<3>({{0, 0, 0}, {1, 1, 1}}, 1e-8); }, {"spacing = 1e-08"}));
+}
+
+TEST(Lattice, RejectsMoreThan1e8PointsAlongAllAxes) {
+  EXPECT_TRUE(refuses([] { lattice<2, float>({{0, 0}, {1, 1.2f}}, 1e-4f); },
+                      {"spacing = 0.0001 m gives more than 1e8 points"}));
 }
 
 }  // namespace

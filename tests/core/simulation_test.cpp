@@ -429,6 +429,33 @@ class Rising {
 };
 static_assert(DependsOnTime<Rising> && !DependsOnTime<Gravity<2>>);
 
+// No force, and a time step that decreases with time.
+class EverShorter {
+ public:
+  void set_time(double time) { time_ = time; }
+  template <class P>
+  typename P::Real reach(const P&) const {
+    return 0;
+  }
+  template <class P, class S>
+  void accelerate(P&, const S&, double) const {}
+  template <class P>
+  double time_step(const P&) const {
+    return 0.25 / (1 + time_);
+  }
+
+ private:
+  double time_ = nan;
+};
+
+TEST(Simulation, ChoosesATimeStepForTheTimeOfThePositions) {
+  Simulation sim{one_grain<2>({0, 1}, {0, 0}), UniformGrid<2>{}, EverShorter{}, Leapfrog{}};
+  EXPECT_EQ(sim.time_step(), 0.25);
+  sim.step();
+  EXPECT_EQ(sim.time(), 0.25);
+  EXPECT_EQ(sim.time_step(), 0.25 / 1.25);
+}
+
 TEST(Simulation, SetsTheTimeOfAnInteractionToThatOfThePositions) {
   const Rising rising;
   Saboteur saboteur;
@@ -494,6 +521,12 @@ TEST(Simulation, RejectsASearchRadiusBelowTheInteractionRange) {
                    on_a_floor(far_below), Leapfrog{}};
       },
       {"search radius 0.015", "0.02"}));
+}
+
+TEST(Simulation, AcceptsASearchRadiusEqualToTheInteractionRange) {
+  Simulation sim{two_grains<2>(0, Vec<2>(0, 0)), UniformGrid<2>({.radius = 0.02}),
+                 on_a_floor(far_below), Leapfrog{}};
+  EXPECT_NO_THROW(sim.step(dt));
 }
 
 TEST(Simulation, IncreasesTheSearchRadiusWhenALargerGrainIsAdded) {

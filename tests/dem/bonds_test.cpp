@@ -369,6 +369,30 @@ TEST(Bonds, ResumeFromACheckpointBitwise) {
   EXPECT_EQ(again.interaction().broken().energy, sim.interaction().broken().energy);
 }
 
+TEST(Bonds, AreMadeOfPairsOfDifferentSizesWhoseGapIsWithinTheMaximum) {
+  dem::Grains<2> grains;
+  dem::add_grain(grains, {0, 0}, {.radius = 4 * R, .density = 1});
+  dem::add_grain(grains, {5 * R, 0}, {.radius = R, .density = 1});
+  dem::add_grain(grains, {8 * R, 0}, {.radius = R, .density = 1});
+  dem::Bonds<2> bonds{cement};
+  EXPECT_EQ(bonds.bond_all_touching(grains, UniformGrid<2>{}, {.max_gap = 0.99 * R}), 1u);
+  EXPECT_EQ(bonds.bonds()[0].a, 0u) << "the large one";
+  EXPECT_EQ(bonds.bond_all_touching(grains, UniformGrid<2>{}, {.max_gap = 1.01 * R}), 1u);
+  EXPECT_EQ(bonds.bonds().size(), 2u);
+}
+
+TEST(Bonds, ThrowForGrainsThatCoincideOrHaveNoPosition) {
+  auto grains = chain<2>(2);
+  auto bonds = bonded<2, double>(grains, soft);
+  for (const double x : {0.0, std::numeric_limits<double>::quiet_NaN()}) {
+    grains[position][1] = {x, 0};
+    EXPECT_TRUE(refuses([&] { evaluate(bonds, grains, 1e-7); },
+                        {"dem::Bonds: the bonded grains ", " coincide or have an invalid position",
+                         "particle 0", "id 0"}))
+        << x;
+  }
+}
+
 TEST(Bonds, ThrowForInvalidPairs) {
   auto grains = chain<2>(3);
   dem::Bonds<2> bonds{cement};

@@ -11,11 +11,20 @@
 namespace silt::test {
 namespace {
 
-// A law whose force is its input.
+// Laws whose force is their input.
 struct ForceIsVelocity {
   template <int Dim, class Real>
   Vec<Dim, Real> force(const dem::Contact<Dim, Real>& contact) const {
     return contact.relative_velocity;
+  }
+};
+
+struct ForceIsSpin {
+  template <int Dim, class Real>
+  dem::LoadComponents<Dim, Real> components(const dem::Contact<Dim, Real>& contact) const {
+    dem::LoadComponents<Dim, Real> load;
+    load.tangential_spring = contact.relative_spin;
+    return load;
   }
 };
 
@@ -31,16 +40,22 @@ dem::Grains<3> spinning_grains() {
   return grains;
 }
 
-TEST(SingleContacts, HaveTheVelocitiesThatTheLawSaw) {
-  dem::Grains<3> grains = spinning_grains();
+// The contacts of these grains, and of the first with a floor that moves, in a step with this law.
+template <class Law>
+auto contacts_of(dem::Grains<3>& grains, const Law& law) {
   BruteForce<3> search({.radius = 0.4});
   search.update(grains);
   auto contacts = for_particles(
-      dem::Contacts{ForceIsVelocity{},
-                    dem::Moving{dem::Plane<3>{.normal = {0, 0, 1}},
-                                dem::Rotation<3>{.about = {0.3, 0, 0}, .spin = {0.5, 0, 2}}}},
+      dem::Contacts{law, dem::Moving{dem::Plane<3>{.normal = {0, 0, 1}},
+                                     dem::Rotation<3>{.about = {0.3, 0, 0}, .spin = {0.5, 0, 2}}}},
       grains);
   contacts.accelerate(grains, search, 1e-3);
+  return contacts;
+}
+
+TEST(SingleContacts, HaveTheVelocitiesThatTheLawSaw) {
+  dem::Grains<3> grains = spinning_grains();
+  const auto contacts = contacts_of(grains, ForceIsVelocity{});
   int of_grains = 0;
   int of_walls = 0;
   contacts.for_each_evaluated_contact(grains, [&](const auto& each) {
@@ -53,6 +68,18 @@ TEST(SingleContacts, HaveTheVelocitiesThatTheLawSaw) {
   });
   EXPECT_EQ(of_grains, 1);
   EXPECT_EQ(of_walls, 1);
+}
+
+TEST(SingleContacts, HaveTheSpinsThatTheLawSaw) {
+  dem::Grains<3> grains = spinning_grains();
+  int number = 0;
+  contacts_of(grains, ForceIsSpin{})
+      .for_each_contact(grains, [&](Index, Index, const auto& contact, const Vec<3>& force) {
+        EXPECT_EQ(contact.relative_spin, force) << "bitwise";
+        EXPECT_NE(contact.relative_spin, Vec<3>::Zero());
+        ++number;
+      });
+  EXPECT_EQ(number, 2);
 }
 
 TEST(SingleContacts, OfGrainsThatRollOnOneAnotherHaveNoVelocity) {

@@ -146,6 +146,15 @@ TEST(Polyline, HasOneContactOutsideACornerAndTwoInside) {
   EXPECT_EQ(pushes_on<2>(wall, {-1.1, 0.1}, 0.2).size(), 1u) << "its end";
 }
 
+TEST(Polyline, KeepsAnEndThatWouldLieOnAStraightLineIfItWereClosed) {
+  const std::vector<Vec<2>> points{{0, 0}, {1, 0}, {1, 1}, {-1, 1}, {-1, 0}};
+  const AnyWall<2> open(dem::Polyline<>{.points = points});
+  EXPECT_EQ(open.element_count(), 9u);
+  EXPECT_EQ(pushes_on<2>(open, {0.5, 0.1}, 0.2).size(), 1u);
+  const AnyWall<2> closed(dem::Polyline<>{.points = points, .closed = true});
+  EXPECT_EQ(closed.element_count(), 8u);
+}
+
 TEST(Walls, RejectInvalidParameters) {
   const auto throws = [](auto wall, const std::vector<std::string>& fragments) {
     return refuses([&] { wall.check(); }, fragments);

@@ -60,6 +60,23 @@ TEST_F(CheckpointFile, KeepsTheOrderInMemoryWithAList) {
   expect_same_order<NeighbourList<2>>(path);
 }
 
+TEST_F(CheckpointFile, KeepsTheNumberOfLostParticles) {
+  auto grains = one_grain<2>({0.5, 0.5}, {1, 0});
+  auto box = cube<2, double>(0, 1);
+  box.on_escape = OnEscape::remove;
+  grains.set_box(box);
+  const auto make = [&grains] {
+    return Simulation{grains, UniformGrid<2>{}, Gravity<2>{{0, 0}}, Leapfrog{}};
+  };
+  auto whole = make();
+  whole.run({.until = 0.6, .time_step = 0.1});
+  ASSERT_EQ(whole.particles_lost(), 1u);
+  write_checkpoint(path, whole);
+  auto part = make();
+  read_checkpoint(path, part);
+  EXPECT_EQ(part.particles_lost(), 1u);
+}
+
 // Just so many small grains in a cell of the large one that the list finds contacts with levels of
 // sizes, if the cell is enlarged by the skin that was wanted, not by that of the small grains.
 auto large_among_small() {

@@ -77,6 +77,9 @@ def run_tests(arguments):
                 print(future.result(), flush=True)
         except Stopped:
             print("stopped; run it again to resume", flush=True)
+        except BaseException:
+            runner.stop()
+            raise
 
 
 def show_branches(coverage):

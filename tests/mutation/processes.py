@@ -11,6 +11,8 @@ import subprocess
 import tempfile
 import time
 
+LAST_OUTPUT = 200000  # so much of the output is kept [bytes]
+
 
 @dataclasses.dataclass
 class Ran:
@@ -37,7 +39,8 @@ class Runner:
             _end(process)
 
     def run(self, command, seconds, folder, memory=None, environment=None, idle=None):
-        """Runs a command in a folder; ends it if it does nothing for `idle` seconds."""
+        """Runs a command in a folder; ends it if it does nothing for `idle` seconds. With a limit
+        of memory [bytes], no file becomes larger than an eighth of it."""
         limit = max(1, int(seconds))
 
         def limits():
@@ -45,6 +48,7 @@ class Runner:
             resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
             if memory:
                 resource.setrlimit(resource.RLIMIT_AS, (memory, memory))
+                resource.setrlimit(resource.RLIMIT_FSIZE, (memory // 8, memory // 8))
 
         with tempfile.TemporaryFile(dir=folder) as output:
             if self._is_stopped:
@@ -53,14 +57,16 @@ class Runner:
                                        stdin=subprocess.DEVNULL, cwd=folder, preexec_fn=limits,
                                        start_new_session=True, env=environment)
             self._running.add(process)
+            if self._is_stopped:  # meanwhile
+                _end(process)
             try:
                 used, hangs = _wait(process, idle)
             finally:
                 self._running.discard(process)
             if self._is_stopped:
                 raise Stopped
-            output.seek(0)
-            text = output.read()[-20000:].decode(errors="replace")
+            output.seek(max(0, output.seek(0, os.SEEK_END) - LAST_OUTPUT))
+            text = output.read().decode(errors="replace")
         code = process.returncode
         too_long = hangs or used >= limit or code in (-signal.SIGXCPU, 128 + signal.SIGXCPU)
         status = "passed" if code == 0 else "stopped" if too_long else "failed"

@@ -20,7 +20,8 @@ FOLDERS = ("core", "dem", "integrate", "io", "measure", "mps", "trust", "search"
            "validation")
 NOT_TESTED = {"solve/hypre.hpp": "it needs an optional library"}
 HASHES = "tests/portability/hashes.cpp"
-FLAGS = ["-std=c++20", "-D_GLIBCXX_ASSERTIONS", "-ffp-contract=off", "-fopenmp", "-w"]
+FLAGS = ["-std=c++20", "-D_GLIBCXX_ASSERTIONS", "-ffp-contract=off", "-fopenmp", "-w",
+         "-fmax-errors=1"]
 PRECOMPILED = "#include <Eigen/Core>\n#include <Eigen/Geometry>\n#include <gtest/gtest.h>\n"
 MEMORY = 8 << 30  # of a test [bytes]
 IDLE = 300  # a test that does nothing for so long hangs [s]
@@ -184,14 +185,19 @@ class Workshop:
         (self.overlay / "silt" / header).unlink(missing_ok=True)
 
     def compile(self, source, seconds):
-        """Compiles a test source to the program `program` of the folder."""
+        """Compiles a test source to the program `program` of the folder. Throws if the compiler
+        fails without naming an error, for example because something else ended it."""
         # Only the first run of a workshop has to precompile, which counts for no mutant.
         options = self._options(source)
         prefix = self._precompiled(options) if self.precompile and source != HASHES else []
         link = [] if source == HASHES else ["-lgtest", "-lgtest_main", "-lpthread"]
-        return self.runner.run(
+        ran = self.runner.run(
             [*self.compiler, *prefix, *options, self.tree.root / source, "-o",
              self.folder / "program", *link], seconds, self.folder)
+        if ran.status == "failed" and (": error: " not in ran.output.replace("fatal ", "")
+                                       or "Killed signal" in ran.output):
+            raise RuntimeError(f"{source}: the compiler failed, exit {ran.code}\n{ran.output}")
+        return ran
 
     def _options(self, source):
         # Tests that compute much are optimised, as by tests/CMakeLists.txt.

@@ -2,6 +2,7 @@
 """Tests of the mutation tool that compile nothing."""
 
 import pathlib
+import shlex
 import sys
 import tempfile
 import threading
@@ -9,7 +10,7 @@ import threading
 import mutants as generator
 from coverage import Coverage
 from processes import Ran, Runner, Stopped, cause_of
-from programs import Tree
+from programs import Tree, Workshop
 from results import KILLED, NOT_COMPILED, SURVIVED, Results, read_answers, report
 
 HEADER = '''// A comment with 1 + 2 and true.
@@ -101,6 +102,7 @@ def test_choice():
 
 
 def make_tree(folder):
+    folder.mkdir(exist_ok=True)
     for name, text in {
         "CMakeLists.txt": "set(quick_folders core dem)\n",
         "core/a_test.cpp": "#include <silt/all.hpp>\n",
@@ -192,9 +194,28 @@ def test_runner(folder):
         pass
 
 
+def test_compiler(folder):
+    tree = make_tree(folder / "tree")
+
+    def compiled(text):
+        compiler = f"{sys.executable} -c {shlex.quote(text)}"
+        return Workshop(tree, folder / "workshop", compiler, Runner(),
+                        precompile=False).compile("tests/core/a_test.cpp", 60)
+
+    assert compiled("pass").status == "passed"
+    for error in ("a.hpp:1:2: error: no", "a.hpp:1:2: fatal error: none"):
+        assert compiled(f"print('{error}'); raise SystemExit(1)").status == "failed"
+    for output in ("", "g++: fatal error: Killed signal terminated program cc1plus"):
+        try:
+            compiled(f"print('{output}'); raise SystemExit(1)")
+        except RuntimeError:
+            continue
+        raise AssertionError("a compiler that was ended is not noticed")
+
+
 def run():
     test_mutants()
     test_choice()
-    for test in (test_order, test_results, test_runner):
+    for test in (test_order, test_results, test_runner, test_compiler):
         with tempfile.TemporaryDirectory() as folder:
             test(pathlib.Path(folder))
