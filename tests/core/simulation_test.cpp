@@ -70,7 +70,8 @@ struct Setting {
     return Simulation{
         std::move(grains), Search{},
         Forces{saboteur, dem::Contacts{law, dem::Plane<dim>{.point = -Vec<dim>::Unit(0),
-                                                            .normal = Vec<dim>::Unit(0)}}},
+                                                            .normal = Vec<dim>::Unit(0)}}
+                             .with({.max_displacement = std::numeric_limits<double>::infinity()})},
         Leapfrog{GlobalDamping{.alpha = 0.1}}};
   }
 };

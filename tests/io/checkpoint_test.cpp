@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: MIT
 // A run resumed from a checkpoint is bitwise identical to an uninterrupted run.
-#include "support/check.hpp"
-#include "support/file_test.hpp"
-#include "support/grains.hpp"
-
 #include <silt/dem/setup/inflow.hpp>
 #include <silt/io/checkpoint.hpp>
 
+#include "support/check.hpp"
+#include "support/file_test.hpp"
+#include "support/grains.hpp"
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -22,8 +21,8 @@ const dem::CundallStrack law{.normal_stiffness = 1e5,
                              .tangential_stiffness = 5e4,
                              .restitution = 0.6,
                              .friction_angle = 0.5};
-const dem::Blend<dem::UniformSizes> pebbles{
-    .sizes = {.min_radius = 0.006, .max_radius = 0.012}, .density = 2500};
+const dem::Blend<dem::UniformSizes> pebbles{.sizes = {.min_radius = 0.006, .max_radius = 0.012},
+                                            .density = 2500};
 
 // Grains slide down a vibrating slope with periodic sides; an inflow adds grains, and an outflow
 // removes some.
@@ -63,14 +62,16 @@ struct Slope {
     const dem::Moving floor{
         dem::Plane<Dim>{},
         dem::Vibration<Dim>{.amplitude = 1e-3 * Vec<Dim>::Unit(Dim - 1), .frequency = 30}};
-    return Simulation{grains, std::move(search),
-                      Forces{Gravity<Dim>{pull()},
-                             dem::Contacts{law, floor}.with({.steps_per_contact = 20})},
-                      Leapfrog{GlobalDamping{.alpha = 0.5}}};
+    return Simulation{
+        grains, std::move(search),
+        Forces{Gravity<Dim>{pull()},
+               dem::Contacts{law, floor}.with({.steps_per_contact = 20, .max_overlap = 1})},
+        Leapfrog{GlobalDamping{.alpha = 0.5}}};
   }
 
   dem::Inflow<Box<Dim>, dem::UniformSizes> rain{
-      part(0.1, 0.25), pebbles,
+      part(0.1, 0.25),
+      pebbles,
       {.number = 460, .rate = 2000, .velocity = -2 * Vec<Dim>::Unit(Dim - 1), .every = 0.01}};
   dem::Outflow<Box<Dim>> drain{hole()};
 };

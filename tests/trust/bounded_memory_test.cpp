@@ -43,7 +43,8 @@ auto simulation_of(const dem::Grains<Dim>& grains, S search = {}) {
                                .tangential_stiffness = 5e4,
                                .restitution = 0.5,
                                .friction_angle = 0.4};
-  return Simulation{grains, std::move(search), dem::Contacts{law}, Leapfrog{}};
+  return Simulation{grains, std::move(search), dem::Contacts{law}.with({.max_overlap = infinity}),
+                    Leapfrog{}};
 }
 
 // Grains that move at random and nearly touch, so that some collide.
@@ -75,13 +76,18 @@ dem::Grains<Dim> grains_at_one_point(Index n) {
   return dem::make_grains(points, {.radius = 1e-3, .density = 2500});
 }
 
+// Grains so far away that their positions have too few digits are refused, within the same bounds.
 template <class Sim>
 void expect_bounded_steps(Sim simulation, int steps, double seconds) {
   const auto grains = static_cast<std::int64_t>(simulation.particles().size());
   double took = 0;
   const std::int64_t peak = peak_of([&] {
     took = seconds_of([&] {
-      for (int step = 0; step < steps; ++step) simulation.step();
+      try {
+        for (int step = 0; step < steps; ++step) simulation.step();
+      } catch (const Error& error) {
+        EXPECT_NE(std::string(error.what()).find("is known to"), std::string::npos) << error.what();
+      }
     });
   });
   std::printf("      %lld grains: %lld bytes each, %.2f s\n", static_cast<long long>(grains),

@@ -4,6 +4,8 @@
 
 #include "bench.hpp"
 
+#include <limits>
+
 namespace silt::test {
 
 template <int Dim>
@@ -15,7 +17,8 @@ dem::Plane<Dim> wall_of(const BenchSetup<Dim>& setup, std::size_t number) {
 template <int Dim>
 auto simulate(const dem::Grains<Dim>& grains, const BenchSetup<Dim>& setup) {
   const auto contacts = dem::Contacts{setup.law, wall_of(setup, 0), wall_of(setup, 1)}.with(
-      {.check_stability = setup.check_stability});
+      {.check_stability = setup.check_stability,
+       .max_displacement = std::numeric_limits<double>::infinity()});
   return Simulation{grains, UniformGrid<Dim>{}, Forces{Gravity<Dim>{setup.gravity}, contacts},
                     Leapfrog{GlobalDamping{.alpha = setup.alpha}}};
 }
