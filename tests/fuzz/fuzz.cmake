@@ -8,11 +8,13 @@
 
 set(fuzz_folder ${CMAKE_CURRENT_SOURCE_DIR}/fuzz)
 find_program(SILT_FUZZ_COMPILER NAMES clang++-19 clang++ NO_CACHE)
-set(fuzz_options -std=c++20 -O1 -g1 -ffp-contract=off -fno-sanitize-recover=all
-  -fsanitize=fuzzer,address,undefined,float-cast-overflow
-  "-I$<JOIN:$<TARGET_PROPERTY:silt,INTERFACE_INCLUDE_DIRECTORIES>,;-I>"
-  "-isystem$<JOIN:$<TARGET_PROPERTY:Eigen3::Eigen,INTERFACE_INCLUDE_DIRECTORIES>,;-isystem>"
-  -I${CMAKE_CURRENT_SOURCE_DIR} -I${PROJECT_SOURCE_DIR}/examples)
+# In a file that is passed as @file: a list within a list cannot be joined.
+set(fuzz_flags ${CMAKE_CURRENT_BINARY_DIR}/libfuzzer.flags)
+set(includes "$<TARGET_PROPERTY:silt,INTERFACE_INCLUDE_DIRECTORIES>")
+string(JOIN "\n" flags -std=c++20 -O1 -g1 -ffp-contract=off -fno-sanitize-recover=all
+  -fsanitize=fuzzer,address,undefined,float-cast-overflow "-I\"$<JOIN:${includes},\"\n-I\">\""
+  "-I\"${CMAKE_CURRENT_SOURCE_DIR}\"" "-I\"${PROJECT_SOURCE_DIR}/examples\"")
+file(GENERATE OUTPUT ${fuzz_flags} CONTENT "${flags}\n")
 
 # silt_add_fuzz_target(NAME INPUTS): so many random changes without --all; with it, a million, and
 # some minutes of libFuzzer.
@@ -30,9 +32,8 @@ function(silt_add_fuzz_target name inputs)
     set(binary ${CMAKE_CURRENT_BINARY_DIR}/libfuzzer_${name})
     set(found ${CMAKE_CURRENT_BINARY_DIR}/libfuzzer_${name}_found)
     file(MAKE_DIRECTORY ${found})
-    add_test(NAME fuzz.${name}_libfuzzer_build COMMAND ${SILT_FUZZ_COMPILER} ${fuzz_options}
-      ${fuzz_folder}/${name}.cpp $<TARGET_LINKER_FILE:GTest::gtest> -o ${binary}
-      COMMAND_EXPAND_LISTS)
+    add_test(NAME fuzz.${name}_libfuzzer_build COMMAND ${SILT_FUZZ_COMPILER} @${fuzz_flags}
+      ${fuzz_folder}/${name}.cpp $<TARGET_LINKER_FILE:GTest::gtest> -o ${binary})
     add_test(NAME fuzz.${name}_libfuzzer COMMAND ${binary} -max_total_time=180 -timeout=60
       -artifact_prefix=${found}/failed_ -print_final_stats=1 ${found} ${corpus})
     set_tests_properties(fuzz.${name}_libfuzzer_build PROPERTIES
