@@ -78,6 +78,8 @@ class InputFile {
   const std::filesystem::path& folder() const { return folder_; }
   const std::filesystem::path& path() const { return path_; }
   void write(std::string_view bytes) const {
+    // A file that is written again would wait for the disk on some file systems.
+    std::filesystem::remove(path_);
     std::ofstream stream(path_, std::ios::binary);
     stream << bytes;
     stream.close();
