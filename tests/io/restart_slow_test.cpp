@@ -21,8 +21,8 @@ using RestartOfWater = FileTest;
 
 const Restarts restarts{.steps = 400, .number = 200};
 
-const dem::CundallStrack linear{.normal_stiffness = 1e5,
-                                .tangential_stiffness = 5e4,
+const dem::CundallStrack linear{.normal_stiffness = 1e6,
+                                .tangential_stiffness = 5e5,
                                 .restitution = 0.6,
                                 .friction_angle = 0.5};
 const dem::Elastic glass{.young_modulus = 1e7, .poisson_ratio = 0.3};
