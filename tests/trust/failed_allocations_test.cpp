@@ -152,8 +152,8 @@ TEST(FailedAllocation, LeavesParticlesAsBefore) {
   const auto grains = dem::make_grains(lattice<3>({{0, 0, 0}, {3, 3, 3}}, 1.0), pebble);
   fail_each_allocation_of_change(grains, [](auto& p) { p.add(Vec<3>::Zero()); });
   fail_each_allocation_of_change(grains, [](auto& p) { p.add_ghost(4, Vec<3>::Ones()); });
-  fail_each_allocation_of_change(grains,
-                                 [](auto& p) { p.remove_if([](Index i) { return i % 3 == 1; }); });
+  fail_each_allocation_of_change(
+      grains, [](auto& p) { p.remove_if([](Index i) { return i % 3 == 1; }); });
   std::vector<Index> backwards(grains.size());
   for (Index i = 0; i < backwards.size(); ++i) backwards[i] = backwards.size() - 1 - i;
   fail_each_allocation_of_change(grains, [&](auto& p) { p.reorder(backwards); });

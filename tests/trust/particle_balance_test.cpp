@@ -53,8 +53,8 @@ class KnownParticles {
   Id next_id_ = 0;
 };
 
-constexpr dem::Blend<dem::UniformSizes> pebbles{.sizes = {.min_radius = 0.006, .max_radius = 0.012},
-                                                .density = 2500};
+constexpr dem::Blend<dem::UniformSizes> pebbles{
+    .sizes = {.min_radius = 0.006, .max_radius = 0.012}, .density = 2500};
 
 // Grains rain on a slope between periodic sides; some leave through a region, others the box.
 template <int Dim, class S>
@@ -87,8 +87,8 @@ void expect_balance_of_grains(Index steps, double time_step) {
       dem::Contacts{law, dem::BoxWall<Dim>{step, dem::Side::outside}}.with(without_limits);
   Simulation simulation{dem::Grains<Dim>(box), S{}, Forces{Gravity<Dim>{pull}, contacts},
                         Leapfrog{}};
-  dem::Inflow rain{
-      above, pebbles, {.number = steps, .rate = 1000, .velocity = -2 * Vec<Dim>::Unit(up)}};
+  dem::Inflow rain{above, pebbles,
+                   {.number = steps, .rate = 1000, .velocity = -2 * Vec<Dim>::Unit(up)}};
   dem::Outflow<Box<Dim>> out{drain};
   KnownParticles<dem::Grains<Dim>> known;
   Index added = 0;
@@ -97,8 +97,8 @@ void expect_balance_of_grains(Index steps, double time_step) {
     out.before_step(simulation);
     simulation.step(time_step);
     added += known.compare(simulation.particles());
-    EXPECT_EQ(rain.number(),
-              simulation.particles().size() + out.number() + simulation.particles_lost());
+    EXPECT_EQ(rain.number(), simulation.particles().size() + out.number() +
+                                 simulation.particles_lost());
   }
   EXPECT_EQ(added, rain.number());
   EXPECT_GT(added, steps / 20);

@@ -53,8 +53,9 @@ void check_spacing(const P& particles, const N& neighbourhood, const T& stencil)
   const Index fluid = count(particles, Kind::fluid);
   const Index crowded = detail::count_fluid(
       particles, [&](Index i) { return double(neighbourhood[i].size()) > too_many; });
-  const Index sparse = detail::count_fluid(
-      particles, [&](Index i) { return neighbourhood[i].size() >= 4 && nearest(i) > 1.4 * l0; });
+  const Index sparse = detail::count_fluid(particles, [&](Index i) {
+    return neighbourhood[i].size() >= 4 && nearest(i) > 1.4 * l0;
+  });
   if (2 * std::max(crowded, sparse) <= fluid) return;
 
   std::vector<double> distances;

@@ -18,9 +18,9 @@ namespace silt::mps {
 /// is not used.
 struct ConeSurface {
   double half_angle = 0.25 * 3.14159265358979;  ///< of the cone [rad]
-  double length = 2.1;                          ///< of the cone, in units of l0 [-]
-  double spray = 0.3;   ///< eigenvalue below which a particle is on the surface [-]
-  double inside = 0.9;  ///< eigenvalue above which it is not [-]
+  double length = 2.1;    ///< of the cone, in units of l0 [-]
+  double spray = 0.3;     ///< eigenvalue below which a particle is on the surface [-]
+  double inside = 0.9;    ///< eigenvalue above which it is not [-]
 
   /// Throws if a number is out of range.
   void check() const {

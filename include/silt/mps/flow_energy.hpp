@@ -30,8 +30,8 @@ struct FlowEnergy {
   double by_viscosity = 0;
   double by_force = 0;  ///< the body force in addition to gravity
   double by_collision = 0;
-  double by_pressure = 0;     ///< impacts, remaining compression, clipping of negative pressures
-  double by_shifting = 0;     ///< change of the potential energy
+  double by_pressure = 0;  ///< impacts, remaining compression, clipping of negative pressures
+  double by_shifting = 0;  ///< change of the potential energy
   double by_integration = 0;  ///< work of gravity minus the decrease of the potential energy, as
                               ///< positions move with u^{n+1} instead of ū
   double added = 0;  ///< between steps: by changes of the particles, added or removed particles, or
@@ -42,9 +42,8 @@ struct FlowEnergy {
   double numerical() const { return by_pressure + by_shifting + by_integration; }
   /// total() minus the sum of initial and all other terms: round-off.
   double imbalance() const {
-    return total() - initial -
-           (by_viscosity + by_force + by_collision + by_pressure + by_shifting + by_integration +
-            added);
+    return total() - initial - (by_viscosity + by_force + by_collision + by_pressure + by_shifting +
+                                by_integration + added);
   }
 };
 
@@ -120,7 +119,8 @@ class EnergyAccount {
     const Work work = ordered_sum(particles.size(), Work{}, [&](Index i) {
       if (kinds[i] != Kind::fluid) return Work{};
       const Wide predicted = change_of(changes.predictor, i);
-      const Wide forced = forces.empty() ? wide(gravity_change) : wide(Real(dt) * forces[i]);
+      const Wide forced =
+          forces.empty() ? wide(gravity_change) : wide(Real(dt) * forces[i]);
       const Wide collided = change_of(changes.collision, i);
       const Wide pressed = change_of(changes.pressure, i);
       const Wide mean = wide(u[i]) - (predicted + collided + pressed) / 2;
@@ -137,8 +137,8 @@ class EnergyAccount {
     energy_.by_collision += properties_.mass * work.collision;
     energy_.by_pressure += properties_.mass * work.pressure;
     energy_.by_shifting += properties_.mass * work.shifting;
-    energy_.by_integration +=
-        properties_.mass * (work.gravity - work.shifting) + (found.potential - energy_.potential);
+    energy_.by_integration += properties_.mass * (work.gravity - work.shifting) +
+                              (found.potential - energy_.potential);
     energy_.kinetic = found.kinetic;
     energy_.potential = found.potential;
   }

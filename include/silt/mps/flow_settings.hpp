@@ -20,8 +20,8 @@ struct FlowSettings {
   /// the first step throws if it obviously is not. A periodic side must be an integer number of
   /// spacings long: the first step throws if a lattice of fluid does not fit.
   double spacing = 0;
-  double density = 1000;                               ///< ρ [kg/m³], above 0
-  double viscosity = 1e-6;                             ///< kinematic ν [m²/s], at least 0
+  double density = 1000;    ///< ρ [kg/m³], above 0
+  double viscosity = 1e-6;  ///< kinematic ν [m²/s], at least 0
   Vec<Dim> gravity = -9.81 * Vec<Dim>::Unit(Dim - 1);  ///< F [m/s²], along −y in 2D, −z in 3D
   /// re/l0 of n, free surface, gradient and divergence [-], above 1 and at most 10.
   double radius = 3.1;
@@ -33,7 +33,7 @@ struct FlowSettings {
   double speed_scale = 0;
   double max_growth = 1.2;  ///< Δt ≤ max_growth × previous Δt [-], at least 1; infinity: no limit
   double max_time_step = std::numeric_limits<double>::infinity();  ///< [s], above 0, or infinite
-  bool clip_negative_pressure = true;         ///< P ← max(P, 0): no tensile stress in the fluid
+  bool clip_negative_pressure = true;  ///< P ← max(P, 0): no tensile stress in the fluid
   typename Scheme::Source source = {};        ///< source term of the pressure equation
   typename Scheme::Surface surface = {};      ///< criterion of the free surface
   typename Scheme::Collision collision = {};  ///< its reach is at most `radius`

@@ -11,9 +11,9 @@
 namespace silt::mps {
 
 struct LatticeValues {
-  double n0 = 0;       ///< number density Σ w, (5) [-]
-  double lambda = 0;   ///< Σ w r² / Σ w over l0², (7) [-]
-  int neighbours = 0;  ///< N0, the number of neighbours, (17) [-]
+  double n0 = 0;          ///< number density Σ w, (5) [-]
+  double lambda = 0;      ///< Σ w r² / Σ w over l0², (7) [-]
+  int neighbours = 0;     ///< N0, the number of neighbours, (17) [-]
 };
 
 /// Sums over all lattice points with 0 < r < re; `radius` is re/l0. Throws unless it is above 1

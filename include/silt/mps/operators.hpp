@@ -134,8 +134,9 @@ template <class S, class T, class U>
 auto laplacian(const S& search, const T& stencil, Index i, const U& phi) {
   using Value = std::remove_cvref_t<decltype(phi[i])>;
   Value sum = phi[i] - phi[i];
-  for_each_weighted(search, i, stencil,
-                    [&](Index j, const auto&, auto w, auto) { sum += (phi[j] - phi[i]) * w; });
+  for_each_weighted(search, i, stencil, [&](Index j, const auto&, auto w, auto) {
+    sum += (phi[j] - phi[i]) * w;
+  });
   return Value(sum * (2 * T::dimension / (stencil.lambda * stencil.n0)));
 }
 
