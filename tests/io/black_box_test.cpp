@@ -88,7 +88,7 @@ TEST_F(BlackBoxFile, NeedsAParticleOfTheSimulation) {
   EXPECT_TRUE(refuses([&] { write_black_box({.file = path}, sim, Error("too dark")); },
                       {"write_black_box: the error names no particle", "too dark"}));
   EXPECT_TRUE(refuses([&] { write_black_box({.file = path}, sim, Error("", {.id = 12345})); },
-                      {"names no particle"}));
+                      {"no longer has particle"}));
   EXPECT_TRUE(refuses(
       [&] { write_black_box({.file = path, .max_distance = 0}, sim, Error("", {.id = 1})); },
       {"BlackBox: max_distance = 0 must be positive"}));

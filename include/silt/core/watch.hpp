@@ -9,7 +9,6 @@
 #include <silt/core/types.hpp>
 
 #include <limits>
-#include <utility>
 
 namespace silt {
 

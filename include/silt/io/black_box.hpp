@@ -17,7 +17,7 @@ namespace silt {
 
 struct BlackBox {
   std::filesystem::path file;
-  /// Of the particles, from the one that failed [m]; if not given, five interaction ranges.
+  /// Of the particles, from the one that failed [m]; five interaction ranges if not given.
   std::optional<double> max_distance = {};
 };
 
@@ -25,8 +25,9 @@ struct BlackBox {
 /// simulation is still as before that step. A simulation of the same type and settings, with any
 /// particles, that reads it (see read_checkpoint) is at the beginning of the failed step. For
 /// grains, the force on that particle is the same to the bit; the pressure of a flow depends on
-/// all particles. Throws silt::Error if the error names no particle of the simulation, if
-/// max_distance is not positive, or if the file cannot be written.
+/// all particles. Throws silt::Error if the simulation has no particle that the error names, if
+/// max_distance is not positive, or not given without an interaction range, or if the file cannot
+/// be written.
 template <class Sim>
 void write_black_box(const BlackBox& box, const Sim& simulation, const Error& error) {
   const auto& all = simulation.particles();
@@ -34,11 +35,12 @@ void write_black_box(const BlackBox& box, const Sim& simulation, const Error& er
   const std::optional<Id> id = error.where().id;
   const Index guilty = id ? all.index_of(*id) : no_index;
   if (guilty == no_index) {
-    fail("write_black_box: the error names no particle of this simulation: " +
-         std::string(error.what()) + "; write a checkpoint of the whole simulation instead");
+    fail("write_black_box: " +
+         (id ? "the simulation no longer has particle " + std::to_string(*id)
+             : std::string("the error names no particle")) +
+         ": " + std::string(error.what()) + "; write a checkpoint of the whole simulation instead");
   }
-  const double range = double(simulation.interaction().reach(all));
-  const double most = box.max_distance.value_or(range > 0 ? 5 * range : 1);
+  const double most = box.max_distance.value_or(5 * double(simulation.interaction().reach(all)));
   require_positive("BlackBox: max_distance", most);
   const typename P::Vec centre = all[position][guilty];
   const NearestImage<P::dimension, typename P::Real> image(all.box());

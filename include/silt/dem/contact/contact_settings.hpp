@@ -15,6 +15,8 @@ enum class LeverArm {
   radius,         ///< R, as in [SahChoi2004] (14); too long by δ/2
 };
 
+/// Independent of these settings, a step throws if a moving wall vibrates with fewer than ten steps
+/// per period, or if a position is so large that its digits resolve less than 1 % of a radius.
 struct ContactSettings {
   LeverArm lever_arm = LeverArm::contact_point;
   double steps_per_contact = 50;  ///< contact duration over the default time step [-]

@@ -9,7 +9,6 @@
 #include <silt/core/watch.hpp>
 #include <silt/dem/contact/contact_settings.hpp>
 
-#include <limits>
 #include <string>
 
 namespace silt::dem::detail {
