@@ -78,7 +78,6 @@ void describe(CLI::App& app, Options& o) {
     return app.add_option(name, value, text)->check(check);
   };
   using support::positive, support::not_negative, support::between;
-  const CLI::Validator any = support::finite();
   app.option_defaults()->always_capture_default();
   add("--dimension", o.dimension, "2: discs of unit thickness; 3: spheres", between({2, 3}));
   add("--columns", o.columns, "width of the tower [grains]", between({1, 10000}));
@@ -97,10 +96,12 @@ void describe(CLI::App& app, Options& o) {
       "energy per contact, so that the effect of global damping is visible", between({0.01, 1}));
   add("--alpha", o.alpha, "global damping [1/s], 0: none; the default stops a rolling disc within "
       "a second, but hardly slows the fall, which takes half a second", not_negative());
+  // Farther away, positions have too few digits for contacts.
+  constexpr double far = 1e9;  // [m]
   add("--drop-height", o.drop_height, "initial height of the falling grain above the top [m]",
-      positive());
+      between({1e-9, far}));
   add("--offset", o.offset, "distance of the falling grain from the tower's axis, to the right "
-      "[m]; 0: symmetric", any);
+      "[m]; 0: symmetric", between({-far, far}));
   add("--until", o.until, "end of the run [s]; long enough for grains that are thrown off to "
       "separate from the heap", positive());
   add("--output-every", o.output_every, "time between frames and between rows of the tables [s]",

@@ -11,7 +11,6 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
-#include <cmath>
 #include <cstdio>
 #include <exception>
 #include <filesystem>
@@ -46,10 +45,6 @@ inline CLI::Validator positive() {
 inline CLI::Validator not_negative() {
   return number("0, or a number from 1e-100 to 1e100",
                 [](double value) { return value == 0 || is_usual(value); });
-}
-inline CLI::Validator finite() {
-  return number("0, or a number of a magnitude from 1e-100 to 1e100",
-                [](double value) { return value == 0 || is_usual(std::abs(value)); });
 }
 inline CLI::Validator between(silt::Range range) {
   return number("a number from " + silt::to_text(range.lower) + " to " + silt::to_text(range.upper),
