@@ -27,18 +27,18 @@
 #include <silt/dem/contact/evaluation.hpp>
 #include <silt/dem/contact/law_evaluation.hpp>
 #include <silt/dem/contact/list_rebuild.hpp>
+#include <silt/dem/contact/of_constants.hpp>
 #include <silt/dem/contact/pair_history.hpp>
 #include <silt/dem/contact/saved_list.hpp>
 #include <silt/dem/contact/stable_time_step.hpp>
 #include <silt/dem/contact/step_limits.hpp>
+#include <silt/dem/contact/walls_at_sides.hpp>
 #include <silt/dem/law/contact.hpp>
 #include <silt/dem/setup/grains.hpp>
 #include <silt/dem/wall/wall_set.hpp>
 
 #include <algorithm>
 #include <concepts>
-#include <cstdint>
-#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -285,32 +285,22 @@ class ContactsOf : public Contacts<Law, Walls...> {
     return results_for(grains);
   }
 
-  struct Radii {
-    Real smallest = 0;  // [m]
-    Real largest = 0;   // [m]
-  };
-  const Radii& radii_of(const P& grains) const {
-    if (radii_.revision != grains.constants_revision()) {
-      const auto R = grains[radius];
-      constexpr Real infinity = std::numeric_limits<Real>::infinity();
-      const Radii now{.smallest = -largest(R.size(), -infinity, [&](Index i) { return -R[i]; }),
-                      .largest = largest(R.size(), Real(0), [&](Index i) { return R[i]; })};
-      if (!is_finite(2 * now.largest)) detail::check_grains(grains, materials_);
-      radii_ = {grains.constants_revision(), now};
-    }
-    return radii_.value;
+  const detail::RadiusRange<Real>& radii_of(const P& grains) const {
+    return radii_.get(grains, [&] {
+      const auto range = detail::radius_range(grains);
+      if (!is_finite(2 * range.largest)) detail::check_grains(grains, materials_);
+      return range;
+    });
   }
-
   const detail::ShortestContacts& shortest_contacts(const P& grains) const {
-    if (shortest_.revision != grains.constants_revision()) {
-      detail::ShortestContacts now;
+    return shortest_.get(grains, [&] {
       if constexpr (knows_stiffness) {
         detail::check_grains(grains, materials_);
-        now = detail::shortest_contacts(grains, materials_, walls_);
+        return detail::shortest_contacts(grains, materials_, walls_);
+      } else {
+        return detail::ShortestContacts{};
       }
-      shortest_ = {grains.constants_revision(), now};
-    }
-    return shortest_.value;
+    });
   }
 
   // An evaluation with the list and the histories before it.
@@ -346,6 +336,7 @@ class ContactsOf : public Contacts<Law, Walls...> {
   void rebuild(const P& grains, const S& search, const detail::StepTime& step, List& list) {
     begin_list(grains, search, walls_, step, reach(grains), list);
     const auto walls = detail::walls_at<P>(walls_, step);
+    if constexpr (sizeof...(Walls) > 0) detail::check_walls_at_sides(grains, walls, list.margin);
     find_contacts(grains, search, walls, list, memory_.by_block);
     if constexpr (knows_stiffness) {
       list.stable_time_step = stable_for_all(
@@ -389,14 +380,8 @@ class ContactsOf : public Contacts<Law, Walls...> {
     state_.given_history.reset();
   }
 
-  // A function of the constants of the grains.
-  template <class T>
-  struct Known {
-    std::uint64_t revision = 0;  // of the constants
-    T value{};
-  };
-  mutable Known<Radii> radii_;
-  mutable Known<detail::ShortestContacts> shortest_;
+  mutable detail::OfConstants<detail::RadiusRange<Real>> radii_;
+  mutable detail::OfConstants<detail::ShortestContacts> shortest_;
   // Then the memory of three steps is in use, where two fit the cache better.
   mutable silt::detail::Mark have_results_been_used_{false};
   mutable std::optional<bool> is_rebuild_announced_;  // by needs_search(), for the next evaluation
