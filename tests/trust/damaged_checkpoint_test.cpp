@@ -33,7 +33,7 @@ class DamagedCheckpoint : public FileTest {
     const std::int64_t needed = peak_of([&] {
       try {
         std::apply(
-            [&](auto&... part) { checkpoint::restore("file", text, run.simulation, part...); },
+            [&](auto&... part) { checkpoint::restore({.file = "file"}, text, run.simulation, part...); },
             run.observers);
       } catch (const Error&) {
         is_read = false;

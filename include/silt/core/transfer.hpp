@@ -14,6 +14,9 @@
 //   archive(name, values, n)     writes the first n values of a std::vector, or reads n values; they
 //                                may be structs with transfer(archive), as in io/struct_columns.hpp
 //   archive.same(name, text)     writes the text, or throws if the text read is different
+//   archive.setup(name, what, numbers)     the same for the numbers, apart from round-off, of
+//                                something that the program sets up and may change on purpose;
+//                                `what` names it
 //   archive.within(name, f)      calls f(); the names in it are in the group `name`
 //   archive.finite(f)            calls f(), in which every number read must be finite, or it throws
 //   Archive::reads               whether the archive reads; if so,

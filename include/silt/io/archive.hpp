@@ -14,6 +14,8 @@
 #include <silt/io/archive_format.hpp>
 #include <silt/io/struct_columns.hpp>
 
+#include <algorithm>
+#include <cmath>
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
@@ -88,6 +90,9 @@ class Writer {
     put(name, item_of<char>(), text.size(), text.data());
   }
   void same(std::string_view name, const std::string& text) { (*this)(name, text); }
+  void setup(std::string_view name, const std::string&, const std::vector<double>& numbers) {
+    (*this)(name, numbers);
+  }
   template <class F>
   void within(std::string_view name, F&& f) {
     path_.within(name, f);
@@ -128,7 +133,8 @@ class Reader {
   static constexpr bool reads = true;
 
   /// Throws if the bytes are not a checkpoint, or are damaged.
-  Reader(std::string name, std::string_view bytes) : file_(std::move(name)), rest_(bytes) {
+  Reader(std::string name, std::string_view bytes, bool accepts_other_setup = false)
+      : file_(std::move(name)), rest_(bytes), accepts_other_setup_(accepts_other_setup) {
     if (!bytes.starts_with(magic)) {
       reject("is not a checkpoint of this version of Silt",
              "pass a file written by write_checkpoint");
@@ -195,6 +201,14 @@ class Reader {
              same_simulation);
     }
   }
+  void setup(std::string_view name, const std::string& what, const std::vector<double>& numbers) {
+    std::vector<double> written;
+    (*this)(name, written);
+    if (accepts_other_setup_ || std::ranges::equal(written, numbers, are_equal)) return;
+    reject("was written with another " + what,
+           "set up the same one, or, if the change is meant, read it with {.file = …, "
+           ".accepts_other_setup = true}");
+  }
   template <class F>
   void within(std::string_view name, F&& f) {
     path_.within(name, f);
@@ -228,6 +242,12 @@ class Reader {
   static constexpr const char* damaged = "use an earlier checkpoint";
   static constexpr const char* same_simulation =
       "set up the same simulation and pass the same parts as when it was written";
+
+  // Apart from round-off of other mathematical functions.
+  static bool are_equal(double a, double b) {
+    return a == b || std::abs(a - b) <= 1e-9 * std::max(std::abs(a), std::abs(b)) ||
+           (std::isnan(a) && std::isnan(b));
+  }
 
   [[noreturn]] void reject(const std::string& what, const std::string& advice) const {
     is_rejected_ = true;
@@ -287,6 +307,7 @@ class Reader {
   std::string file_;
   std::string_view rest_;
   Path path_;
+  bool accepts_other_setup_;
   bool must_be_finite_ = false;
   mutable bool is_rejected_ = false;
 };

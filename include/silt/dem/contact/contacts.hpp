@@ -30,6 +30,7 @@
 #include <silt/dem/contact/of_constants.hpp>
 #include <silt/dem/contact/pair_history.hpp>
 #include <silt/dem/contact/saved_list.hpp>
+#include <silt/dem/contact/setup_comparison.hpp>
 #include <silt/dem/contact/stable_time_step.hpp>
 #include <silt/dem/contact/step_limits.hpp>
 #include <silt/dem/contact/walls_at_sides.hpp>
@@ -39,6 +40,7 @@
 
 #include <algorithm>
 #include <concepts>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -146,6 +148,11 @@ class ContactsOf : public Contacts<Law, Walls...> {
            " s; use a softer material";
   }
 
+  /// Takes a wall, given by its number, away or puts it back, from the next step on: a gate that
+  /// opens. All are present at first. Kept in checkpoints. Throws if there is no such wall.
+  void set_wall_present(Index wall, bool present) { walls_.set_present(wall, present); }
+  bool is_wall_present(Index wall) const { return walls_.is_present(wall); }
+
   /// Whether a grain at x [m] with this radius [m] would touch a wall, or be behind one, at a time
   /// [s].
   bool would_touch_wall(const typename P::Vec& x, Real radius, double time) const {
@@ -215,6 +222,10 @@ class ContactsOf : public Contacts<Law, Walls...> {
       // Those given by set_history() may be of grains that were removed since, or of none.
       own.keep_if([&](Id a, Id b) { return detail::may_touch(grains, a, b); });
     }
+    if constexpr (sizeof...(Walls) > 0) {
+      archive.within("walls", [&] { walls_.transfer(archive); });
+    }
+    detail::compare_setup(archive, grains, materials_, walls_, time_);
     archive.within("history", [&] { own.transfer(archive); });
     archive.within("list", [&] { list.transfer(archive); });
     if constexpr (Archive::reads) {
@@ -364,15 +375,16 @@ class ContactsOf : public Contacts<Law, Walls...> {
   // The list of the last step, if it is of the grains as they are.
   SavedList saved_list(const P& grains) const {
     const List& last = *state_.last.list;
-    const bool is_of_these = !state_.given_history &&
-                             last.owned_revision == grains.owned_revision() &&
-                             !have_constants_changed(grains);
+    const bool is_of_these =
+        !state_.given_history && last.owned_revision == grains.owned_revision() &&
+        last.walls_revision == walls_.revision() && !have_constants_changed(grains);
     return is_of_these ? SavedList(last) : SavedList();
   }
   void restore_list(const SavedList& saved, const P& grains) {
     if (!saved.fits(walls_.elements())) return;  // it is rebuilt in the next step
     const auto list = take_list();
     saved.restore(grains, *list, memory_.by_block);
+    list->walls_revision = walls_.revision();
     Evaluation last;
     last.list = list;
     last.before = last.after = histories_on(list->contacts, grains);
