@@ -72,7 +72,7 @@ NOT_STORED = {
     "Histories": {"numbers_": "ContactsOf::history() has them", "touching_": "ContactsOf::history() has them"},
     "MeanMotion": {**all_of(ANEW, "duration_ v_ w_ stays_"),
                    "carried_away_": "EnergyLedger::added_since_ has it at the end of a step"},
-    "WallSet": all_of(GIVEN, "walls_ first_ materials_"),
+    "WallSet": {**all_of(GIVEN, "walls_ first_ materials_"), "revision_": NUMBER},
     "Inflow": all_of(GIVEN, "region_ blend_ settings_"),
     "Outflow": all_of(GIVEN, "region_ settings_"),
     # mps

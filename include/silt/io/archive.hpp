@@ -10,6 +10,7 @@
 #pragma once
 
 #include <silt/core/error.hpp>
+#include <silt/core/transfer.hpp>
 #include <silt/core/types.hpp>
 #include <silt/io/archive_format.hpp>
 #include <silt/io/struct_columns.hpp>
@@ -20,6 +21,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <span>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -90,8 +92,17 @@ class Writer {
     put(name, item_of<char>(), text.size(), text.data());
   }
   void same(std::string_view name, const std::string& text) { (*this)(name, text); }
-  void setup(std::string_view name, const std::string&, const std::vector<double>& numbers) {
-    (*this)(name, numbers);
+  void setup(std::string_view name, const std::vector<SetupPart>& parts) {
+    std::vector<std::uint64_t> sizes;
+    std::vector<double> numbers;
+    for (const SetupPart& part : parts) {
+      sizes.push_back(part.numbers.size());
+      numbers.insert(numbers.end(), part.numbers.begin(), part.numbers.end());
+    }
+    within(name, [&] {
+      (*this)("sizes", sizes);
+      (*this)("numbers", numbers);
+    });
   }
   template <class F>
   void within(std::string_view name, F&& f) {
@@ -201,13 +212,23 @@ class Reader {
              same_simulation);
     }
   }
-  void setup(std::string_view name, const std::string& what, const std::vector<double>& numbers) {
-    std::vector<double> written;
-    (*this)(name, written);
-    if (accepts_other_setup_ || std::ranges::equal(written, numbers, are_equal)) return;
-    reject("was written with another " + what,
-           "set up the same one, or, if the change is meant, read it with {.file = …, "
-           ".accepts_other_setup = true}");
+  void setup(std::string_view name, const std::vector<SetupPart>& parts) {
+    std::vector<std::uint64_t> sizes;
+    std::vector<double> numbers;
+    within(name, [&] {
+      (*this)("sizes", sizes);
+      (*this)("numbers", numbers);
+    });
+    if (accepts_other_setup_) return;
+    if (sizes.size() != parts.size()) reject_setup("number of " + std::string(name));
+    std::span<const double> left(numbers);
+    for (Index k = 0; k < parts.size(); ++k) {
+      if (sizes[k] > left.size() ||
+          !std::ranges::equal(left.first(sizes[k]), parts[k].numbers, are_equal)) {
+        reject_setup(parts[k].name);
+      }
+      left = left.subspan(sizes[k]);
+    }
   }
   template <class F>
   void within(std::string_view name, F&& f) {
@@ -249,6 +270,11 @@ class Reader {
            (std::isnan(a) && std::isnan(b));
   }
 
+  [[noreturn]] void reject_setup(const std::string& what) const {
+    reject("was written with another " + what,
+           "set up the same one, or, if the change is meant, read it with {.file = …, "
+           ".accepts_other_setup = true}");
+  }
   [[noreturn]] void reject(const std::string& what, const std::string& advice) const {
     is_rejected_ = true;
     fail("read_checkpoint: " + file_ + " " + what + "; " + advice);

@@ -222,10 +222,8 @@ class ContactsOf : public Contacts<Law, Walls...> {
       // Those given by set_history() may be of grains that were removed since, or of none.
       own.keep_if([&](Id a, Id b) { return detail::may_touch(grains, a, b); });
     }
-    if constexpr (sizeof...(Walls) > 0) {
-      archive.within("walls", [&] { walls_.transfer(archive); });
-    }
     detail::compare_setup(archive, grains, materials_, walls_, time_);
+    archive.within("walls", [&] { walls_.transfer(archive); });
     archive.within("history", [&] { own.transfer(archive); });
     archive.within("list", [&] { list.transfer(archive); });
     if constexpr (Archive::reads) {

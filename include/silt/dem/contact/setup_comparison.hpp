@@ -3,6 +3,7 @@
 // contact and by the points of the walls nearest to some grains.
 #pragma once
 
+#include <silt/core/transfer.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/contact/of_constants.hpp>
 #include <silt/dem/law/contact.hpp>
@@ -11,7 +12,6 @@
 #include <silt/dem/wall/wall.hpp>
 
 #include <algorithm>
-#include <concepts>
 #include <cstdint>
 #include <limits>
 #include <string>
@@ -23,12 +23,6 @@ template <class Vector>
 void append_components(std::vector<double>& numbers, const Vector& vector) {
   for (int k = 0; k < int(vector.size()); ++k) numbers.push_back(double(vector[k]));
 }
-template <class Real>
-  requires std::floating_point<Real>
-void append_components(std::vector<double>& numbers, Real value) {
-  numbers.push_back(double(value));
-}
-
 /// Forces [N] and couples [N m] on i in a contact that is loaded while it sticks, slides and rolls,
 /// and is then unloaded until it nearly ends.
 template <int Dim, class Real, class Law>
@@ -66,7 +60,8 @@ std::vector<double> forces_in_test_contact(const Law& law) {
       }
     }();
     append_components(numbers, Vec<Dim, Real>(force_of<Dim, Real>(load, contact.normal)));
-    append_components(numbers, couple_of<Dim, Real>(load));
+    auto couple = couple_of<Dim, Real>(load);
+    for (int k = 0; k < angular_size<Dim>; ++k) numbers.push_back(double(component(couple, k)));
   }
   return numbers;
 }
@@ -114,22 +109,25 @@ void compare_setup(Archive& archive, const P& grains, const Materials<Law>& mate
                    const Walls& walls, double time) {
   constexpr int Dim = P::dimension;
   using Real = typename P::Real;
+  std::vector<SetupPart> laws;
   for (std::uint32_t a = 0; a < materials.count(); ++a) {
     for (std::uint32_t b = 0; b < materials.count(); ++b) {
-      const std::string one = std::to_string(a);
-      const std::string other = std::to_string(b);
-      archive.setup("law_" + one + "_" + other, "law between materials " + one + " and " + other,
-                    forces_in_test_contact<Dim, Real>(materials.between(a, b)));
+      laws.push_back({"law between materials " + std::to_string(a) + " and " + std::to_string(b),
+                      forces_in_test_contact<Dim, Real>(materials.between(a, b))});
     }
   }
-  const auto walls_now = walls.template at<Dim, Real>({.positions = time, .velocities = time});
+  archive.setup("laws", laws);
+  Walls all = walls;
+  all.set_all_present();
+  const auto all_now = all.template at<Dim, Real>({.positions = time, .velocities = time});
   const Real largest_radius = radius_range(grains).largest;
+  std::vector<SetupPart> parts;
   for (Index w = 0; w < walls.size(); ++w) {
-    const std::string number = std::to_string(w);
-    archive.setup("wall_" + number, "wall " + number,
-                  nearest_points_of_wall(grains, walls_now, w, largest_radius));
-    archive.setup("material_" + number, "material of wall " + number, {double(walls.material(w))});
+    const std::string wall = "wall " + std::to_string(w);
+    parts.push_back({wall, nearest_points_of_wall(grains, all_now, w, largest_radius)});
+    parts.push_back({"material of " + wall, {double(walls.material(w))}});
   }
+  archive.setup("walls", parts);
 }
 
 }  // namespace silt::dem::detail

@@ -18,6 +18,7 @@
 #include <tuple>
 #include <type_traits>
 #include <utility>
+#include <vector>
 
 namespace silt::dem {
 
@@ -188,7 +189,7 @@ class WallSet {
 
   /// Throws if a wall is invalid, or if there are more than max_wall_elements.
   explicit WallSet(Walls... walls) : walls_(std::move(walls)...) {
-    present_.fill(true);
+    set_all_present();
     Index w = 0;
     for_each([&](auto& wall) {
       wall.check();
@@ -231,16 +232,26 @@ class WallSet {
     if (present_[number] != present) ++revision_;
     present_[number] = present;
   }
+  void set_all_present() {
+    for (Index w = 0; w < size(); ++w) set_present(w, true);
+  }
   /// Increases whenever a wall comes or goes.
   std::uint64_t revision() const noexcept { return revision_; }
 
   /// Writes or reads which walls are present, for a checkpoint, see core/transfer.hpp.
   template <class Archive>
   void transfer(Archive& archive) {
-    auto present = present_;
+    std::vector<std::uint8_t> present(present_.begin(), present_.begin() + size());
     archive("present", present);
-    if (present != present_) ++revision_;
-    present_ = present;
+    // A program may read the checkpoint of another number of walls: all of its own are present.
+    if (present.size() != size()) present.assign(size(), 1);
+    for (Index w = 0; w < size(); ++w) {
+      if (present[w] > 1) {
+        fail("dem::Contacts: present = " + std::to_string(present[w]) + " of wall " +
+             std::to_string(w) + " is neither 0 nor 1; use an earlier checkpoint");
+      }
+      set_present(w, present[w] == 1);
+    }
   }
 
   /// Whether a grain at x [m] with this radius [m] would touch a wall, or be behind one, at a time
