@@ -10,7 +10,7 @@
 #include <cmath>
 #include <limits>
 
-namespace silt::test {
+namespace silt::test::box_test {
 namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
@@ -134,4 +134,4 @@ TEST(Lattice, RejectsMoreThan1e8PointsAlongAllAxes) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::box_test

@@ -8,7 +8,7 @@
 
 #include <string>
 
-namespace silt::test {
+namespace silt::test::concepts_test {
 namespace {
 
 using Grains = dem::Grains<2>;
@@ -181,4 +181,4 @@ static_assert(!dem::Wall<dem::Plane<2>, 3, double> && !dem::Wall<dem::Segment<>,
 TEST(Concepts, HoldAtCompileTime) { SUCCEED(); }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::concepts_test

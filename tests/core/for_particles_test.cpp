@@ -9,7 +9,7 @@
 
 #include <concepts>
 
-namespace silt::test {
+namespace silt::test::for_particles_test {
 namespace {
 
 using Grains = dem::Grains<2>;
@@ -145,4 +145,4 @@ TEST(ForParticles, ADerivedIntegratorThatMovesParticlesIsChecked) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::for_particles_test

@@ -6,7 +6,7 @@
 
 #include <vector>
 
-namespace silt::test {
+namespace silt::test::id_table_test {
 namespace {
 
 // Particles are added, and all are removed but those whose id is a multiple of `kept`.
@@ -44,4 +44,4 @@ TEST(IdTable, RefusesIdsThatCannotBe) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::id_table_test

@@ -13,7 +13,7 @@
 #include <thread>
 #include <vector>
 
-namespace silt::test {
+namespace silt::test::parallel_test {
 namespace {
 
 class Threads : public ::testing::TestWithParam<int> {};
@@ -267,4 +267,4 @@ TEST(Error, ReportsTheInvalidNumber) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::parallel_test

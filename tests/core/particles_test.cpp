@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-namespace silt::test {
+namespace silt::test::particles_test {
 namespace {
 
 template <class P>
@@ -327,4 +327,4 @@ TEST(Fields, AreVisitedOnceEachWithPositionFirst) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::particles_test

@@ -15,7 +15,7 @@
 // As in core/simd.hpp: packs wider than a register are passed in memory.
 #pragma GCC diagnostic ignored "-Wpsabi"
 
-namespace silt::test {
+namespace silt::test::simd_test {
 namespace {
 
 template <class T, int N>
@@ -125,4 +125,4 @@ TYPED_TEST(IndexRegisters, WriteTheSelectedNumbersInOrder) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::simd_test

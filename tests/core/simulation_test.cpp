@@ -14,7 +14,7 @@
 #include <utility>
 #include <vector>
 
-namespace silt::test {
+namespace silt::test::simulation_test {
 namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
@@ -547,4 +547,4 @@ TEST(Gravity, RejectsAnAccelerationThatIsNotFinite) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::simulation_test

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <limits>
 
-namespace silt::test {
+namespace silt::test::thread_choice_test {
 namespace {
 
 using detail::ThreadChoice;
@@ -157,4 +157,4 @@ TEST(ThreadChoice, ChoosesTheFasterNumberIfSomeStepsTakeLonger) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::thread_choice_test

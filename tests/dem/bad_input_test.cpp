@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-namespace silt::test {
+namespace silt::test::bad_input_test {
 namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
@@ -141,4 +141,4 @@ TEST(UserDefinedLaw, RunsWithoutHistoryOrStiffness) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::bad_input_test

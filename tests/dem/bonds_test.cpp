@@ -15,7 +15,7 @@
 #include <numeric>
 #include <utility>
 
-namespace silt::test {
+namespace silt::test::bonds_test {
 namespace {
 
 constexpr double R = 0.01;
@@ -406,4 +406,4 @@ TEST(Bonds, ThrowForInvalidPairs) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::bonds_test

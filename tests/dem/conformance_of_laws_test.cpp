@@ -13,7 +13,7 @@
 
 #include <gtest/gtest.h>
 
-namespace silt::test {
+namespace silt::test::conformance_of_laws_test {
 namespace {
 
 template <class Law>
@@ -82,4 +82,4 @@ TEST(ConformanceOfLaws, AdhesionPasses) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::conformance_of_laws_test

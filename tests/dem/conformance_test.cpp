@@ -11,7 +11,7 @@
 #include <string>
 #include <type_traits>
 
-namespace silt::test {
+namespace silt::test::conformance_test {
 namespace {
 
 // Normal spring and dashpot, tangential spring and slider, and a spring against rolling and
@@ -195,4 +195,4 @@ TEST(Conformance, ThrowsForConditionsOutOfRange) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::conformance_test

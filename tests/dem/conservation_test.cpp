@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-namespace silt::test {
+namespace silt::test::conservation_test {
 namespace {
 
 const dem::CundallStrack lossy{.normal_stiffness = 1e6,
@@ -138,4 +138,4 @@ TEST(Grains, HaveTheMassAndInertiaOfTheirShape) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::conservation_test

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-namespace silt::test {
+namespace silt::test::contact_list_test {
 namespace {
 
 const dem::CundallStrack law{.normal_stiffness = 1e4, .restitution = 0.5};
@@ -214,4 +214,4 @@ TEST(ContactList, IsRebuiltForDisplacementsAfterRounding) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::contact_list_test

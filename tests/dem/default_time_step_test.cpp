@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace silt::test {
+namespace silt::test::default_time_step_test {
 namespace {
 
 using Glass = dem::Law<dem::Hertz, dem::Mindlin>;
@@ -92,4 +92,4 @@ TEST(DefaultTimeStep, NamesTheContactThatWouldMakeARunEndless) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::default_time_step_test

@@ -8,7 +8,7 @@
 #include <numeric>
 #include <random>
 
-namespace silt::test {
+namespace silt::test::determinism_test {
 namespace {
 
 const dem::CundallStrack law{.normal_stiffness = 1e6,
@@ -260,4 +260,4 @@ TEST(GrainsInAPeriodicBox, HaveTheSameBitsForAnySkin) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::determinism_test

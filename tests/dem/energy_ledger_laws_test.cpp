@@ -8,7 +8,7 @@
 #include "support/ledger.hpp"
 #include <gtest/gtest.h>
 
-namespace silt::test {
+namespace silt::test::energy_ledger_laws_test {
 namespace {
 
 const dem::LinearFriction friction{.tangential_stiffness = 5e5, .friction_angle = 0.4};
@@ -48,4 +48,4 @@ TEST(EnergyLedgerOf, WaltonBraun) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::energy_ledger_laws_test

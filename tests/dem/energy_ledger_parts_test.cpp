@@ -11,7 +11,7 @@
 #include "support/ledger.hpp"
 #include <gtest/gtest.h>
 
-namespace silt::test {
+namespace silt::test::energy_ledger_parts_test {
 namespace {
 
 constexpr dem::Elastic soft{.young_modulus = 5e8, .poisson_ratio = 0.3};
@@ -43,4 +43,4 @@ TEST(EnergyLedgerOf, HertzAndMindlinWithRollingResistanceAndAdhesion) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::energy_ledger_parts_test

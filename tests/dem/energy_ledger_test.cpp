@@ -8,7 +8,7 @@
 
 #include <cmath>
 
-namespace silt::test {
+namespace silt::test::energy_ledger_test {
 namespace {
 
 const dem::CundallStrack rough_spring{.normal_stiffness = 1e6,
@@ -230,4 +230,4 @@ TEST(EnergyLedger, ThrowsForAMissedStep) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::energy_ledger_test

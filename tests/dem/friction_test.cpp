@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace silt::test {
+namespace silt::test::friction_test {
 namespace {
 
 constexpr double g = 9.81;
@@ -121,4 +121,4 @@ TEST(Friction, KeepsAGrainThatCannotRotateAtRestOnASlope) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::friction_test

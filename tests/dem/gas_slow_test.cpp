@@ -7,7 +7,7 @@
 #include <cmath>
 #include <cstdio>
 
-namespace silt::test {
+namespace silt::test::gas_slow_test {
 namespace {
 
 TEST(UndampedGas, ConservesEnergyOverAMillionCollisions) {
@@ -45,4 +45,4 @@ TEST(UndampedGas, ConservesEnergyOverAMillionCollisions) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::gas_slow_test

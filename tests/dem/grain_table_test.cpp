@@ -14,7 +14,7 @@
 inline constexpr struct temperature_t : silt::scalar_field {
 } temperature{};
 
-namespace silt::test {
+namespace silt::test::grain_table_test {
 namespace {
 
 class GrainTable : public FileTest {
@@ -90,4 +90,4 @@ TEST_F(GrainTable, MessageHasTheLocationOfAnInvalidNumber) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::grain_table_test

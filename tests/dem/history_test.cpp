@@ -7,7 +7,7 @@
 
 #include <cmath>
 
-namespace silt::test {
+namespace silt::test::history_test {
 namespace {
 
 // A spring that counts its evaluations, in a Real and in an integer.
@@ -225,4 +225,4 @@ TEST(Contacts, AreRebuiltForAnotherNeighbourList) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::history_test

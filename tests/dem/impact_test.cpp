@@ -8,7 +8,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace silt::test {
+namespace silt::test::impact_test {
 namespace {
 
 // Restitution of a head-on impact of two discs at v0 with `steps` per contact; `phase` is the
@@ -98,4 +98,4 @@ TEST(LinearSpringDashpot, WithLimitedDampingIsNeverAttractive) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::impact_test

@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-namespace silt::test {
+namespace silt::test::inflow_test {
 namespace {
 
 const dem::Blend<dem::UniformSizes> pebbles{.sizes = {.min_radius = 0.008, .max_radius = 0.012},
@@ -158,4 +158,4 @@ TEST(Outflow, MayRemoveTheLastGrainOfARun) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::inflow_test

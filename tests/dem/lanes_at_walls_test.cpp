@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-namespace silt::test {
+namespace silt::test::lanes_at_walls_test {
 namespace {
 
 constexpr double dt = 1e-5;
@@ -67,4 +67,4 @@ TEST(LanesAtWalls, GiveTheForcesOfTheLawOnARotatingTable) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::lanes_at_walls_test

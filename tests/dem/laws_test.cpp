@@ -20,7 +20,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace silt::test {
+namespace silt::test::laws_test {
 namespace {
 
 constexpr double pi = std::numbers::pi;
@@ -321,4 +321,4 @@ TEST(Law, ThrowsForAComponentOutOfRange) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::laws_test

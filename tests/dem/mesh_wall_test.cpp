@@ -16,7 +16,7 @@
 #include <random>
 #include <vector>
 
-namespace silt::test {
+namespace silt::test::mesh_wall_test {
 namespace {
 
 using dem::MeshWall;
@@ -230,4 +230,4 @@ TEST(MeshWall, ThrowsForInvalidTriangles) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::mesh_wall_test

@@ -9,7 +9,7 @@
 #include <limits>
 #include <numbers>
 
-namespace silt::test {
+namespace silt::test::moving_walls_test {
 namespace {
 
 const dem::CundallStrack law{.normal_stiffness = 1e6};
@@ -173,4 +173,4 @@ TEST(MovingWalls, ThrowForInvalidMotions) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::moving_walls_test

@@ -12,7 +12,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace silt::test {
+namespace silt::test::oblique_impact_test {
 namespace {
 
 struct Sphere {
@@ -137,4 +137,4 @@ TEST(ObliqueImpact, DefaultFormCreatesNoEnergy) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::oblique_impact_test

@@ -10,7 +10,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace silt::test {
+namespace silt::test::packing_test {
 namespace {
 
 const dem::Blend<dem::UniformSizes> blend{.sizes = {.min_radius = 0.02, .max_radius = 0.1},
@@ -183,4 +183,4 @@ TEST(Settling, NeedsASpeedBelowTheLimit) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::packing_test

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-namespace silt::test {
+namespace silt::test::pair_history_test {
 namespace {
 
 using History = PairHistory<double>;
@@ -49,4 +49,4 @@ TEST(PairHistory, RejectsInvalidPairs) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::pair_history_test

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <vector>
 
-namespace silt {
+namespace silt::test::random_test {
 namespace {
 
 // Test vectors published by the authors of Philox.
@@ -82,4 +82,4 @@ TEST(Random, FillsABoxUniformly) {
 }
 
 }  // namespace
-}  // namespace silt
+}  // namespace silt::test::random_test

@@ -16,7 +16,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace silt::test {
+namespace silt::test::resistance_test {
 namespace {
 
 constexpr double pi = std::numbers::pi;
@@ -232,4 +232,4 @@ TEST(Law, BalancesTheEnergyOfItsSprings) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::resistance_test

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-namespace silt::test {
+namespace silt::test::rolling_test {
 namespace {
 
 constexpr double g = 9.81;
@@ -69,4 +69,4 @@ TEST(RollingResistance, StopsASphereThatSpinsAboutTheNormal) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::rolling_test

@@ -8,7 +8,7 @@
 #include "support/check.hpp"
 #include <gtest/gtest.h>
 
-namespace silt::test {
+namespace silt::test::single_contacts_test {
 namespace {
 
 // Laws whose force is their input.
@@ -102,4 +102,4 @@ TEST(SingleContacts, OfGrainsThatRollOnOneAnotherHaveNoVelocity) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::single_contacts_test

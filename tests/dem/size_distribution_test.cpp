@@ -7,7 +7,7 @@
 #include <cmath>
 #include <vector>
 
-namespace silt::test {
+namespace silt::test::size_distribution_test {
 namespace {
 
 template <class Sizes>
@@ -82,4 +82,4 @@ TEST(SizeDistribution, ThrowsForInvalidParameters) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::size_distribution_test

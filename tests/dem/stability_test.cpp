@@ -20,7 +20,7 @@
 #include <optional>
 #include <vector>
 
-namespace silt::test {
+namespace silt::test::stability_test {
 namespace {
 
 constexpr double R = 0.01;
@@ -195,4 +195,4 @@ TEST(Stability, TheDefaultTimeStepIsShortenedWhereItIsNotStable) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::stability_test

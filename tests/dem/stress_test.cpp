@@ -8,7 +8,7 @@
 
 #include <cmath>
 
-namespace silt::test {
+namespace silt::test::stress_test {
 namespace {
 
 constexpr double k = 1e6;
@@ -135,4 +135,4 @@ TEST(Coordination, ExcludesGrainsWithoutLoad) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::stress_test

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <optional>
 
-namespace silt::test {
+namespace silt::test::time_step_test {
 namespace {
 
 constexpr double k = 1e6;
@@ -178,4 +178,4 @@ TEST(TimeStep, DefaultIsAFractionOfTheShortestContactOfTheLightestGrains) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::time_step_test

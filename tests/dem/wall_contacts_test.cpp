@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-namespace silt::test {
+namespace silt::test::wall_contacts_test {
 namespace {
 
 constexpr double g = 9.81;
@@ -205,4 +205,4 @@ TEST(DrumOfTriangles, GivesTheSameBitsForAnyNumberOfThreads) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::wall_contacts_test

@@ -10,7 +10,7 @@
 #include <limits>
 #include <vector>
 
-namespace silt::test {
+namespace silt::test::wall_shapes_test {
 namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
@@ -176,4 +176,4 @@ TEST(Walls, RejectInvalidParameters) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::wall_shapes_test

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstdint>
 
-namespace silt::test {
+namespace silt::test::walls_test {
 namespace {
 
 const dem::CundallStrack law{.normal_stiffness = 1e6};
@@ -149,4 +149,4 @@ TEST(Walls, AreRefusedIfTheyHaveMoreElementsThanAListOfContactsCanNumber) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::walls_test

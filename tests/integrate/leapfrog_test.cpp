@@ -9,7 +9,7 @@
 #include <random>
 #include <vector>
 
-namespace silt::test {
+namespace silt::test::leapfrog_test {
 namespace {
 
 // A user-defined interaction: every particle on a spring to the origin.
@@ -254,4 +254,4 @@ TEST(Leapfrog, RefusesAnAngleThatIsNotFinite) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::leapfrog_test

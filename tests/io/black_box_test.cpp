@@ -12,7 +12,7 @@
 #include <string>
 #include <utility>
 
-namespace silt::test {
+namespace silt::test::black_box_test {
 namespace {
 
 using BlackBoxFile = FileTest;
@@ -95,4 +95,4 @@ TEST_F(BlackBoxFile, NeedsAParticleOfTheSimulation) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::black_box_test

@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-namespace silt::test {
+namespace silt::test::checkpoint_file_test {
 namespace {
 
 using CheckpointFile = FileTest;
@@ -199,4 +199,4 @@ TEST_F(CheckpointFile, IsRejectedByAnotherDimensionPrecisionSearchOrLaw) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::checkpoint_file_test

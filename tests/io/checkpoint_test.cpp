@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-namespace silt::test {
+namespace silt::test::checkpoint_test {
 namespace {
 
 using Checkpoint = FileTest;
@@ -117,4 +117,4 @@ void expect_same_bits(const std::filesystem::path& path) {
 TEST_F(Checkpoint, ResumesBitwiseIdenticalIn2D) { expect_same_bits<2, NeighbourList<2>>(path); }
 TEST_F(Checkpoint, ResumesBitwiseIdenticalIn3D) { expect_same_bits<3, NeighbourList<3>>(path); }
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::checkpoint_test

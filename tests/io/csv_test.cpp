@@ -18,9 +18,8 @@
 #include <string>
 #include <vector>
 
+namespace silt::test::csv_test {
 namespace {
-
-using namespace silt;
 
 class Csv : public test::FileTest {
  protected:
@@ -119,3 +118,4 @@ TEST_F(Csv, AMissingColumnIsReportedWithTheExistingOnes) {
 }
 
 }  // namespace
+}  // namespace silt::test::csv_test

@@ -11,7 +11,7 @@
 #include <random>
 #include <string>
 
-namespace silt::test {
+namespace silt::test::number_test {
 namespace {
 
 std::optional<std::uint64_t> bits(std::optional<double> value) {
@@ -47,4 +47,4 @@ TEST(Number, IsReadByStrtodAsByFromChars) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::number_test

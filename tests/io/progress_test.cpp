@@ -13,9 +13,8 @@
 #include <string>
 #include <unistd.h>
 
+namespace silt::test::progress_test {
 namespace {
-
-using namespace silt;
 
 struct Advancing {
   double now = 0;
@@ -121,3 +120,4 @@ TEST(Progress, UpdatesOneLineOnATerminal) {
 }
 
 }  // namespace
+}  // namespace silt::test::progress_test

@@ -8,7 +8,7 @@
 
 #include <vector>
 
-namespace silt::test {
+namespace silt::test::restart_grains_test {
 namespace {
 
 using RestartOfGrains = FileTest;
@@ -29,4 +29,4 @@ TEST_F(RestartOfGrains, KeepsTheBitsOfEveryComponentWithState) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::restart_grains_test

@@ -13,7 +13,7 @@
 #include <utility>
 #include <vector>
 
-namespace silt::test {
+namespace silt::test::restart_slow_test {
 namespace {
 
 using RestartOfGrains = FileTest;
@@ -119,4 +119,4 @@ TEST_F(RestartOfWater, KeepsTheBitsOfTheLastCaseOfThePaperSlow) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::restart_slow_test

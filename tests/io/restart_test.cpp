@@ -11,7 +11,7 @@
 #include <optional>
 #include <vector>
 
-namespace silt::test {
+namespace silt::test::restart_test {
 namespace {
 
 using Restart = FileTest;
@@ -63,4 +63,4 @@ TEST_F(Restart, KeepsTheBitsOfWaterNextToAWallThatChangedItsKind) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::restart_test

@@ -22,7 +22,7 @@
 #include <string>
 #include <vector>
 
-namespace silt::test {
+namespace silt::test::resume_test {
 namespace {
 
 std::map<std::string, std::string> files_in(const std::filesystem::path& folder) {
@@ -308,4 +308,4 @@ TEST(Checkpoints, AreWrittenAtIntervalsAndRestoreAllParts) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::resume_test

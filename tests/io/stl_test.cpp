@@ -11,9 +11,8 @@
 #include <string>
 #include <vector>
 
+namespace silt::test::stl_test {
 namespace {
-
-using namespace silt;
 
 class Stl : public test::FileTest {
  protected:
@@ -107,3 +106,4 @@ TEST_F(Stl, ReportsTheFileThatCannotBeOpened) {
 }
 
 }  // namespace
+}  // namespace silt::test::stl_test

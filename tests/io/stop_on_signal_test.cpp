@@ -8,7 +8,7 @@
 
 #include <csignal>
 
-namespace silt::test {
+namespace silt::test::stop_on_signal_test {
 namespace {
 
 int received = 0;
@@ -77,4 +77,4 @@ TEST(StopOnSignalDeathTest, ASecondSignalKillsTheProcess) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::stop_on_signal_test

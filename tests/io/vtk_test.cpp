@@ -19,10 +19,8 @@
 #include <string>
 #include <sys/wait.h>
 
+namespace silt::test::vtk_test {
 namespace {
-
-using namespace silt;
-using test::Folder;
 
 inline constexpr struct temperature_t : scalar_field {
 } temperature{};
@@ -159,3 +157,4 @@ TEST(VtkSeries, ReportsWhyAFileCannotBeWritten) {
 }
 
 }  // namespace
+}  // namespace silt::test::vtk_test

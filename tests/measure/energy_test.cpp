@@ -7,9 +7,8 @@
 
 #include <utility>
 
+namespace silt::test::energy_test {
 namespace {
-
-using namespace silt;
 
 TEST(Energy, OfARollingDiscIsOneAndAHalfTimesThatOfASlidingOne) {
   dem::Grains<2> disc;
@@ -74,3 +73,4 @@ TEST(Timed, SearchAndInteractionAreUnchangedAndMeasureTheirTime) {
 }
 
 }  // namespace
+}  // namespace silt::test::energy_test

@@ -13,7 +13,7 @@
 #include <span>
 #include <vector>
 
-namespace silt::test {
+namespace silt::test::profiles_test {
 namespace {
 
 constexpr double pi = std::numbers::pi;
@@ -149,4 +149,4 @@ TEST(Profiles, RejectSlicesWithoutVolume) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::profiles_test

@@ -12,7 +12,7 @@
 #include <tuple>
 #include <utility>
 
-namespace silt::test {
+namespace silt::test::cases_test {
 namespace {
 
 using mps::Kind;
@@ -184,4 +184,4 @@ TEST(Cases, UseTheOrderOfTheirSourceByDefault) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::cases_test

@@ -11,7 +11,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace silt::test {
+namespace silt::test::closed_tank_test {
 namespace {
 
 using mps::Case10;
@@ -133,4 +133,4 @@ TYPED_TEST(ClosedFlows, HaveThePressureOfATaylorGreenVortex) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::closed_tank_test

@@ -12,7 +12,7 @@
 #include <numbers>
 #include <utility>
 
-namespace silt::test {
+namespace silt::test::flow_energy_test {
 namespace {
 
 using mps::Case00;
@@ -212,4 +212,4 @@ TEST(FlowEnergy, AddedBetweenStepsIsThatOfTheChangesByTheUser) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::flow_energy_test

@@ -15,7 +15,7 @@
 #include <utility>
 #include <vector>
 
-namespace silt::test {
+namespace silt::test::flow_test {
 namespace {
 
 using mps::Case10;
@@ -438,4 +438,4 @@ TEST(FlowSettings, AreRejectedForInvalidParametersOfPolicies) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::flow_test

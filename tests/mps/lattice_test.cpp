@@ -8,7 +8,7 @@
 #include <cmath>
 #include <vector>
 
-namespace silt::test {
+namespace silt::test::lattice_test {
 namespace {
 
 using mps::CubicKernel;
@@ -166,4 +166,4 @@ TEST(CubicKernel, IsTwiceDifferentiableAtTheRadius) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::lattice_test

@@ -10,7 +10,7 @@
 #include <set>
 #include <vector>
 
-namespace silt::test {
+namespace silt::test::neighbourhood_test {
 namespace {
 
 using mps::Kind;
@@ -152,4 +152,4 @@ TEST(Neighbourhood, RejectsCoincidentParticles) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::neighbourhood_test

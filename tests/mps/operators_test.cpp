@@ -11,7 +11,7 @@
 #include <numbers>
 #include <vector>
 
-namespace silt::test {
+namespace silt::test::operators_test {
 namespace {
 
 using mps::ConservingGradient;
@@ -294,4 +294,4 @@ TEST(OperatorsOnSmoothFields, ConvergeToSecondOrderInTheSpacing) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::operators_test

@@ -8,7 +8,7 @@
 #include <concepts>
 #include <type_traits>
 
-namespace silt::test {
+namespace silt::test::policies_test {
 namespace {
 
 using mps::AdoptedCollision;
@@ -263,4 +263,4 @@ TEST(Policies, RejectParametersOutOfRange) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::policies_test

@@ -10,7 +10,7 @@
 #include <cmath>
 #include <vector>
 
-namespace silt::test {
+namespace silt::test::pressure_test {
 namespace {
 
 using mps::CubicKernel;
@@ -304,4 +304,4 @@ TEST(PressureEquation, HasNoSourceInAClosedBodyWhoseSourcesAreEqualToRoundOff) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::pressure_test

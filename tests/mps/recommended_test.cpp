@@ -13,7 +13,7 @@
 #include <cmath>
 #include <vector>
 
-namespace silt::test {
+namespace silt::test::recommended_test {
 namespace {
 
 using mps::CollidingPair;
@@ -276,4 +276,4 @@ TEST(RecommendedScheme, FollowsATimeDependentBodyForce) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::recommended_test

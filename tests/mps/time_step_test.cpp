@@ -11,7 +11,7 @@
 #include <filesystem>
 #include <utility>
 
-namespace silt::test {
+namespace silt::test::time_step_test {
 namespace {
 
 using mps::Case10;
@@ -149,4 +149,4 @@ TEST(UserDefinedTimeStep, MayBeTwiceTheViscousLimitButNotLonger) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::time_step_test

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-namespace silt::test {
+namespace silt::test::warm_step_test {
 namespace {
 
 // Allocations of ten steps of a still tank after twenty steps.
@@ -43,4 +43,4 @@ TEST(Allocations, AreCounted) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::warm_step_test

@@ -13,7 +13,7 @@
 #include <limits>
 #include <numeric>
 
-namespace silt::test {
+namespace silt::test::all_searches_test {
 namespace {
 
 template <class S>
@@ -315,4 +315,4 @@ TYPED_TEST(AllSearches, ReportTheParticleWhosePositionIsNotFinite) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::all_searches_test

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <vector>
 
-namespace silt::test {
+namespace silt::test::cells_test {
 namespace {
 
 // The cells of a square of this length for a search radius of 1/2.
@@ -61,4 +61,4 @@ TEST(Cells, AreVisitedAtMostOnceForAnyDistance) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::cells_test

@@ -12,7 +12,7 @@
 #include <set>
 #include <utility>
 
-namespace silt::test {
+namespace silt::test::crossing_test {
 namespace {
 
 template <class P>
@@ -65,4 +65,4 @@ TEST(NeighbourList, IsKeptWhenParticlesCrossAPeriodicSide) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::crossing_test

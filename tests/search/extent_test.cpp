@@ -11,7 +11,7 @@
 #include <limits>
 #include <vector>
 
-namespace silt::test {
+namespace silt::test::extent_test {
 namespace {
 
 template <int Dim, class Real>
@@ -66,4 +66,4 @@ TEST(Extent, IsFiniteForTheLargestNumbersAndForNoPoints) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::extent_test

@@ -14,7 +14,7 @@
 #include <random>
 #include <vector>
 
-namespace silt::test {
+namespace silt::test::level_grid_test {
 namespace {
 
 template <int Dim, class Real = double>
@@ -267,4 +267,4 @@ TEST(LevelGrid, RejectsARadiusBelowTheLargestDiameter) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::level_grid_test

@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-namespace silt::test {
+namespace silt::test::neighbour_list_test {
 namespace {
 
 // Three particles in a line, and a list with a radius of 1 m and a skin of 20 %.
@@ -296,4 +296,4 @@ TEST(NeighbourList, RejectsInvalidSkins) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::neighbour_list_test

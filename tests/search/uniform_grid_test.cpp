@@ -11,7 +11,7 @@
 #include <cmath>
 #include <limits>
 
-namespace silt::test {
+namespace silt::test::uniform_grid_test {
 namespace {
 
 // Maximum number of bins, see search/cells.hpp.
@@ -335,4 +335,4 @@ TEST(UniformGrid, LeavesTheOrderIfAPositionIsNotFinite) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::uniform_grid_test

@@ -19,7 +19,7 @@
 #include <utility>
 #include <vector>
 
-namespace silt::test {
+namespace silt::test::all_solvers_test {
 namespace {
 
 using Reason = SolveReport::Reason;
@@ -310,4 +310,4 @@ TEST(EigenConjugateGradient, NeedsAsManyIterationsAsConjugateGradientWithTheSame
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::all_solvers_test

@@ -7,7 +7,7 @@
 #include <set>
 #include <vector>
 
-namespace silt::test {
+namespace silt::test::background_cells_test {
 namespace {
 
 using Cells = BackgroundCells<2>;
@@ -80,4 +80,4 @@ TEST(BackgroundCells, AreNoneIfNoneAreGiven) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::background_cells_test

@@ -12,7 +12,7 @@
 #include <cmath>
 #include <vector>
 
-namespace silt::test {
+namespace silt::test::cell_multigrid_test {
 namespace {
 
 static_assert(Preconditioner<CellMultigrid<2>> && Preconditioner<CellMultigrid<3>>);
@@ -245,4 +245,4 @@ TEST(CellMultigrid, RejectsSettingsOutOfRange) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::cell_multigrid_test

@@ -13,7 +13,7 @@
 #include <type_traits>
 #include <vector>
 
-namespace silt::test {
+namespace silt::test::conjugate_gradient_test {
 namespace {
 
 using Reason = SolveReport::Reason;
@@ -280,4 +280,4 @@ TEST(SolveSettings, AreRejectedOutOfRange) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::conjugate_gradient_test

@@ -14,7 +14,7 @@
 // MPI does not free all its memory.
 extern "C" const char* __asan_default_options() { return "detect_leaks=0"; }
 
-namespace silt::test {
+namespace silt::test::hypre_test {
 namespace {
 
 static_assert(Preconditioner<BoomerAmg>);
@@ -100,4 +100,4 @@ TEST(BoomerAmg, RejectsSettingsOutOfRange) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::hypre_test

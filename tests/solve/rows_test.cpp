@@ -4,7 +4,7 @@
 #include "support/check.hpp"
 #include <gtest/gtest.h>
 
-namespace silt::test {
+namespace silt::test::rows_test {
 namespace {
 
 TEST(Rows, AreTheSameForAnyNumberOfThreads) {
@@ -28,4 +28,4 @@ TEST(Rows, AreTheSameForAnyNumberOfThreads) {
 TEST(Rows, AreNoneBeforeTheFirstBuild) { EXPECT_EQ(Rows<int>{}.size(), 0u); }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::rows_test

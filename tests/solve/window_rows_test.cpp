@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-namespace silt::test {
+namespace silt::test::window_rows_test {
 namespace {
 
 using Entries = std::map<std::pair<Index, Index>, double>;
@@ -121,4 +121,4 @@ TEST(WindowRows, ContainNothingOfAnEarlierBuild) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::window_rows_test

@@ -13,7 +13,7 @@
 #include <limits>
 #include <vector>
 
-namespace silt::test {
+namespace silt::test::bad_input_of_flows_test {
 namespace {
 
 constexpr double l0 = 0.02;  // [m]
@@ -200,4 +200,4 @@ TEST(BadInput, OfTheRuleForFrontsIsRefused) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::bad_input_of_flows_test

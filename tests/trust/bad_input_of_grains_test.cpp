@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-namespace silt::test {
+namespace silt::test::bad_input_of_grains_test {
 namespace {
 
 using dem::Elastic;
@@ -284,4 +284,4 @@ TEST(BadInput, OfSettingsOfContactsIsRefused) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::bad_input_of_grains_test

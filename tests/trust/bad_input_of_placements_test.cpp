@@ -16,7 +16,7 @@
 #include <utility>
 #include <vector>
 
-namespace silt::test {
+namespace silt::test::bad_input_of_placements_test {
 namespace {
 
 // Draws a radius, which has to be within the given limits.
@@ -217,4 +217,4 @@ TEST(BadInput, OfTablesOfGrainsIsRefused) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::bad_input_of_placements_test

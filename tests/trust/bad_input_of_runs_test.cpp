@@ -24,7 +24,7 @@
 #include <type_traits>
 #include <vector>
 
-namespace silt::test {
+namespace silt::test::bad_input_of_runs_test {
 namespace {
 
 constexpr std::int64_t largest_int = std::numeric_limits<int>::max();
@@ -225,4 +225,4 @@ TEST(BadInput, WithoutATextIsRefused) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::bad_input_of_runs_test

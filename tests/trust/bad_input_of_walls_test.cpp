@@ -13,7 +13,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace silt::test {
+namespace silt::test::bad_input_of_walls_test {
 namespace {
 
 // Finds the points of the wall that are nearest to a grain.
@@ -157,4 +157,4 @@ TEST(BadInput, OfLoadsAndMaterialsOfWallsIsRefused) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::bad_input_of_walls_test

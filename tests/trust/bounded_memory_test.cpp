@@ -19,7 +19,7 @@
 #include <utility>
 #include <vector>
 
-namespace silt::test {
+namespace silt::test::bounded_memory_test {
 namespace {
 
 // Half the bound of docs/choosing.md: bytes for each grain, and beyond.
@@ -319,4 +319,4 @@ TEST(Placements, EndForAnyRatioOfSizes) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::bounded_memory_test

@@ -19,7 +19,7 @@
 #include <utility>
 #include <vector>
 
-namespace silt::test {
+namespace silt::test::checkpoint_bytes_test {
 namespace {
 
 // Sets all numbers of a history.
@@ -178,4 +178,4 @@ TEST_F(CheckpointBytes, HoldThePositionsToTheBit) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::checkpoint_bytes_test

@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-namespace silt::test {
+namespace silt::test::conservation_test {
 namespace {
 
 constexpr double spacing = 0.024;  // solid fraction 30 %
@@ -147,4 +147,4 @@ TEST(LossyGas, NeverGainsEnergyBetweenWalls) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::conservation_test

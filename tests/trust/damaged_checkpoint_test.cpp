@@ -21,7 +21,7 @@
 #include <utility>
 #include <vector>
 
-namespace silt::test {
+namespace silt::test::damaged_checkpoint_test {
 namespace {
 
 class DamagedCheckpoint : public FileTest {
@@ -258,4 +258,4 @@ TEST_F(DamagedCheckpoint, MayHaveAnyNumberOfRemovedParticles) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::damaged_checkpoint_test

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-namespace silt::test {
+namespace silt::test::edges_of_flows_test {
 namespace {
 
 using mps::Kind;
@@ -184,4 +184,4 @@ TEST(Flow, InAnyUnitsHasScaledVelocitiesOrIsRefused) { expect_scaled_velocities<
 TEST(Flow, InAnyUnitsHasScaledVelocitiesOrIsRefusedInFloat) { expect_scaled_velocities<float>(); }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::edges_of_flows_test

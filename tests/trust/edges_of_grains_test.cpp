@@ -17,7 +17,7 @@
 #include <utility>
 #include <vector>
 
-namespace silt::test {
+namespace silt::test::edges_of_grains_test {
 namespace {
 
 constexpr double dt = 1e-6;
@@ -364,4 +364,4 @@ TEST(GrainsAtHalfAPeriod, HaveTheirContactsOnBothSides) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::edges_of_grains_test

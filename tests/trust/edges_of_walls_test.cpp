@@ -15,7 +15,7 @@
 #include <string>
 #include <vector>
 
-namespace silt::test {
+namespace silt::test::edges_of_walls_test {
 namespace {
 
 constexpr double R = 0.1;
@@ -122,4 +122,4 @@ TEST(CentreOnAWall, OfTrianglesHasAContact) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::edges_of_walls_test

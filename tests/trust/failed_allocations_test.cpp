@@ -15,7 +15,7 @@
 #include <utility>
 #include <vector>
 
-namespace silt::test {
+namespace silt::test::failed_allocations_test {
 namespace {
 
 // Time, steps and all particles by id: sorting before a step is not rolled back.
@@ -169,4 +169,4 @@ TEST(Particles, MayBeAddedAtThePositionOfAnother) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::failed_allocations_test

@@ -20,7 +20,7 @@
 #include <string>
 #include <vector>
 
-namespace silt::test {
+namespace silt::test::few_particles_test {
 namespace {
 
 auto simulation_of(Index number) {
@@ -175,4 +175,4 @@ TEST(FewGrains, ArePlacedAndRemoved) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::few_particles_test

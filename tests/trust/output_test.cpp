@@ -28,7 +28,7 @@
 #include <utility>
 #include <vector>
 
-namespace silt::test {
+namespace silt::test::output_test {
 namespace {
 
 using Path = std::filesystem::path;
@@ -330,4 +330,4 @@ TEST(Output, OfAFlowHasNoEffectOnIt) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::output_test

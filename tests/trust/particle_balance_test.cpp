@@ -16,7 +16,7 @@
 #include <utility>
 #include <vector>
 
-namespace silt::test {
+namespace silt::test::particle_balance_test {
 namespace {
 
 // What was known about the particles after the last step.
@@ -149,4 +149,4 @@ TEST(BalanceOfAFlow, HoldsInEveryStep) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::particle_balance_test

@@ -19,7 +19,7 @@
 #include <utility>
 #include <vector>
 
-namespace silt::test {
+namespace silt::test::random_changes_test {
 namespace {
 
 // All lengths are multiples of it [m], so that sums of them are exact.
@@ -438,4 +438,4 @@ TYPED_TEST(ParticlesAndModel, AreTheSameAfterAMillionChangesSlow) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::random_changes_test

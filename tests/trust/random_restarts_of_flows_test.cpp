@@ -19,7 +19,7 @@
 #include <utility>
 #include <vector>
 
-namespace silt::test {
+namespace silt::test::random_restarts_of_flows_test {
 namespace {
 
 struct Case {
@@ -174,4 +174,4 @@ INSTANTIATE_TEST_SUITE_P(Cases, RandomRestartsOfFlows, testing::ValuesIn(cases),
                          [](const auto& one) { return one.param.name; });
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::random_restarts_of_flows_test

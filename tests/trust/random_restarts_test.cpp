@@ -26,7 +26,7 @@
 #include <string>
 #include <vector>
 
-namespace silt::test {
+namespace silt::test::random_restarts_test {
 namespace {
 
 struct Case {
@@ -380,4 +380,4 @@ INSTANTIATE_TEST_SUITE_P(Cases, RandomRestartsOfGrains, testing::ValuesIn(cases)
                          [](const auto& one) { return one.param.name; });
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::random_restarts_test

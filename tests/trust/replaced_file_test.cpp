@@ -26,7 +26,7 @@
 #include <thread>
 #include <vector>
 
-namespace silt::test {
+namespace silt::test::replaced_file_test {
 namespace {
 
 using file::Outlasts;
@@ -303,4 +303,4 @@ TEST(ReplacedFile, IsRefusedWithPathAndReason) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::replaced_file_test

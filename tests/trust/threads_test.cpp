@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-namespace silt::test {
+namespace silt::test::threads_test {
 namespace {
 
 const dem::CundallStrack law{.normal_stiffness = 1e6,
@@ -103,4 +103,4 @@ TEST(Threads, GiveTheSameTextsOfErrors) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::threads_test

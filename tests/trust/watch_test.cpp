@@ -17,7 +17,7 @@
 #include <optional>
 #include <string>
 
-namespace silt::test {
+namespace silt::test::watch_test {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -249,4 +249,4 @@ TEST(Watch, RefusesAParticleOfAFlowThatMovesByMoreThanASpacing) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::watch_test

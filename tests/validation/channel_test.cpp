@@ -15,7 +15,7 @@
 #include <numbers>
 #include <vector>
 
-namespace silt::test {
+namespace silt::test::channel_test {
 namespace {
 
 constexpr int rows = 20;
@@ -129,4 +129,4 @@ TEST(Channel, HasEffectiveWallsAtTheDepthGivenByTheStencil) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::channel_test

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace silt::test {
+namespace silt::test::dam_break_slow_test {
 namespace {
 
 class DamBreakOfThePaper : public ::testing::Test {
@@ -65,4 +65,4 @@ TEST_F(DamBreakOfThePaper, DoesNotGainEnergyInTheImprovedMethod) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::dam_break_slow_test

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace silt::test {
+namespace silt::test::dam_break_test {
 namespace {
 
 TEST(DamBreak, HasTheFrontOfMartinAndMoyce) {
@@ -33,4 +33,4 @@ TEST(DamBreak, HasTheFrontOfMartinAndMoyce) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::dam_break_test

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-namespace silt::test {
+namespace silt::test::fluid_cases_test {
 namespace {
 
 using namespace fluid_cases;
@@ -119,4 +119,4 @@ TEST(OscillatingDrop, HasThePeriodOfTheExactSolutionSlow) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::fluid_cases_test

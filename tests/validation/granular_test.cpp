@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-namespace silt::test {
+namespace silt::test::granular_test {
 namespace {
 
 constexpr double g = 9.81;
@@ -147,4 +147,4 @@ TEST(BrokenTower, SpreadsNoFasterThanItsHeightAllows) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::granular_test

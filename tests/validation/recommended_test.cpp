@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace silt::test {
+namespace silt::test::recommended_test {
 namespace {
 
 using mps::Recommended;
@@ -71,4 +71,4 @@ TEST(RecommendedStillTank, HasTheHydrostaticPressureIn3D) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::recommended_test

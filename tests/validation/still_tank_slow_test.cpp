@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace silt::test {
+namespace silt::test::still_tank_slow_test {
 namespace {
 
 // The mean is 3 to 4.6 % too large, depending on rounding errors. At the single point of the paper,
@@ -19,4 +19,4 @@ TEST(StillTankOfThePaper, HasTheHydrostaticPressureOnItsFloor) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::still_tank_slow_test

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace silt::test {
+namespace silt::test::still_tank_test {
 namespace {
 
 using mps::Case10;
@@ -30,4 +30,4 @@ TEST(StillTank, HasTheHydrostaticPressureOnItsFloorIn3DToOneSpacing) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::still_tank_test

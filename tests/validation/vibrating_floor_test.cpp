@@ -14,7 +14,7 @@
 #include <numbers>
 #include <vector>
 
-namespace silt::test {
+namespace silt::test::vibrating_floor_test {
 namespace {
 
 constexpr double g = 9.81;
@@ -126,4 +126,4 @@ TEST(VibratingFloor, HasTheTemperatureOfKineticTheorySlow) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::vibrating_floor_test
