@@ -13,7 +13,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace silt::test {
+namespace silt::test::walls_at_sides_test {
 namespace {
 
 const dem::CundallStrack law{.normal_stiffness = 1e5};
@@ -141,4 +141,4 @@ TEST(PeriodicCopies, AreThoseNearTheBox) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::walls_at_sides_test

@@ -11,7 +11,7 @@
 
 #include <algorithm>
 
-namespace silt::test {
+namespace silt::test::walls_that_come_and_go_test {
 namespace {
 
 const dem::CundallStrack law{.normal_stiffness = 1e5,
@@ -95,4 +95,4 @@ TEST(WallsThatComeAndGo, AreThoseThatExist) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::walls_that_come_and_go_test

@@ -17,7 +17,7 @@
 #include <utility>
 #include <vector>
 
-namespace silt::test {
+namespace silt::test::checkpoint_of_other_setup_test {
 namespace {
 
 class CheckpointOfOtherSetup : public FileTest {};
@@ -125,4 +125,4 @@ TEST_F(CheckpointOfOtherSetup, NamesAnotherSpacingOrDensityOfAFlow) {
 }
 
 }  // namespace
-}  // namespace silt::test
+}  // namespace silt::test::checkpoint_of_other_setup_test
