@@ -141,7 +141,7 @@ bool is_read(const std::string& text, Run& run) {
   bool is_read = false;
   fuzz::require_memory(4, text.size(), [&] {
     is_read = fuzz::accepts([&] {
-      std::apply([&](auto&... part) { checkpoint::restore("file", text, run.simulation, part...); },
+      std::apply([&](auto&... part) { checkpoint::restore({.file = "file"}, text, run.simulation, part...); },
                  run.observers);
     });
   });

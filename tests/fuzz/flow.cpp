@@ -77,7 +77,7 @@ void call(Choices& choices, Sim& simulation) {
       return particles.remove(choices.count(0));
     default: {
       const std::string text = test::written(test::RunWith{simulation});
-      checkpoint::restore("file", text, simulation);
+      checkpoint::restore({.file = "file"}, text, simulation);
     }
   }
 }

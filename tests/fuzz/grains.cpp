@@ -191,7 +191,7 @@ void write_and_read(const Sim& simulation) {
   test::RunWith before{simulation};
   const std::string text = test::written(before);
   auto after = before;
-  const bool is_read = fuzz::accepts([&] { checkpoint::restore("file", text, after.simulation); });
+  const bool is_read = fuzz::accepts([&] { checkpoint::restore({.file = "file"}, text, after.simulation); });
   const bool can_step = fuzz::accepts([&] { before.simulation.step(); });
   fuzz::require(is_read || !can_step,
                 "the checkpoint of a simulation that can make a step cannot be read");

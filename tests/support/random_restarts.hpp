@@ -72,7 +72,7 @@ void observed_step(Run& run, const Step& step) {
 template <class Run>
 void read_bytes(const std::string& bytes, Run& run) {
   std::apply(
-      [&](auto&... part) { checkpoint::restore("the checkpoint", bytes, run.simulation, part...); },
+      [&](auto&... part) { checkpoint::restore({.file = "the checkpoint"}, bytes, run.simulation, part...); },
       run.observers);
 }
 

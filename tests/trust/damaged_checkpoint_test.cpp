@@ -33,7 +33,7 @@ class DamagedCheckpoint : public FileTest {
     const std::int64_t needed = peak_of([&] {
       try {
         std::apply(
-            [&](auto&... part) { checkpoint::restore("file", text, run.simulation, part...); },
+            [&](auto&... part) { checkpoint::restore({.file = "file"}, text, run.simulation, part...); },
             run.observers);
       } catch (const Error&) {
         is_read = false;
@@ -231,7 +231,10 @@ TEST_F(DamagedCheckpoint, IsNoneIfGrainsWithContactsOrWallsAreMissing) {
   // The contacts with the floor end.
   RunWith without_floor{
       Simulation{dem::Grains<2>{}, UniformGrid<2>{}, dem::Contacts{law}, Leapfrog{}}};
-  EXPECT_NO_THROW(restart::read(path, without_floor));
+  EXPECT_TRUE(refuses([&] { restart::read(path, without_floor); },
+                      {"was written with another number of walls"}));
+  EXPECT_NO_THROW(read_checkpoint({.file = path, .accepts_other_setup = true},
+                                  without_floor.simulation));
   EXPECT_NO_THROW(without_floor.simulation.step());
   EXPECT_EQ(without_floor.simulation.interaction().size(), 2u);
 

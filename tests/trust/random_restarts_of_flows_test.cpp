@@ -100,15 +100,7 @@ void own_field(RandomRestarts restarts) {
   };
   const std::string end = expect_the_same_end_after_restarts(restarts, make, [](auto& simulation) {
     simulation.step();
-    auto& particles = simulation.particles();
-    const auto T = particles[temperature];
-    std::vector<double> gained(T.size(), 0.0);
-    simulation.search().for_each_pair([&](Index i, Index j, const auto&, auto) {
-      j = particles.owner(j);
-      gained[i] += 0.01 * (T[j] - T[i]);
-      gained[j] += 0.01 * (T[i] - T[j]);
-    });
-    for (Index i = 0; i < T.size(); ++i) T[i] += gained[i];
+    conduct_heat(simulation, 0.01);
   });
   EXPECT_GT(values_of<Id>(end, "particles/id").size(), 1024u);
 }

@@ -215,15 +215,7 @@ void own_field(const RandomRestarts& restarts) {
   };
   expect_the_same_end_after_restarts(restarts, make, [](auto& simulation) {
     simulation.step();
-    auto& particles = simulation.particles();
-    const auto T = particles[temperature];
-    std::vector<double> gained(T.size(), 0.0);
-    simulation.search().for_each_pair([&](Index i, Index j, const auto&, auto) {
-      j = particles.owner(j);
-      gained[i] += 50 * simulation.last_time_step() * (T[j] - T[i]);
-      gained[j] += 50 * simulation.last_time_step() * (T[i] - T[j]);
-    });
-    for (Index i = 0; i < T.size(); ++i) T[i] += gained[i];
+    conduct_heat(simulation, 50 * simulation.last_time_step());
   });
 }
 

@@ -85,18 +85,21 @@ class Forces {
     (static_cast<void>(silt::explain<Parts, P>()), ...);
   }
 
-  /// The part of this type, or with this number, to read its results.
+  /// The part of this type, or with this number.
   template <class Part>
   const auto& part() const {
-    constexpr bool is_exact = (std::same_as<Parts, Part> || ...);
-    constexpr std::array fits{
-        (is_exact ? std::same_as<Parts, Part> : std::derived_from<Parts, Part>)...};
-    static_assert(std::count(fits.begin(), fits.end(), true) == 1,
-                  "silt::Forces: not exactly one part has this type; give its number");
-    return part<std::find(fits.begin(), fits.end(), true) - fits.begin()>();
+    return part<number_of<Part>()>();
+  }
+  template <class Part>
+  auto& part() {
+    return part<number_of<Part>()>();
   }
   template <Index K>
   const auto& part() const {
+    return std::get<K>(parts_);
+  }
+  template <Index K>
+  auto& part() {
     return std::get<K>(parts_);
   }
 
@@ -202,6 +205,16 @@ class Forces {
   template <class F>
   void for_each_part(F&& f) {
     std::apply([&](auto&... part) { (f(part), ...); }, parts_);
+  }
+
+  template <class Part>
+  static constexpr Index number_of() {
+    constexpr bool is_exact = (std::same_as<Parts, Part> || ...);
+    constexpr std::array fits{
+        (is_exact ? std::same_as<Parts, Part> : std::derived_from<Parts, Part>)...};
+    static_assert(std::count(fits.begin(), fits.end(), true) == 1,
+                  "silt::Forces: not exactly one part has this type; give its number");
+    return Index(std::find(fits.begin(), fits.end(), true) - fits.begin());
   }
 
   template <Index K, class P>

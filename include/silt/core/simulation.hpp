@@ -140,6 +140,7 @@ class Simulation {
       at_positions(particles_, now, [&] { search_.update(particles_); });
     }
     archive.finite([&] { detail::transfer_part(archive, "integrator", integrator_, particles_); });
+    set_time(interaction_, time_);
     detail::transfer_part(archive, "interaction", interaction_, particles_);
   }
 

@@ -14,6 +14,8 @@
 //   archive(name, values, n)     writes the first n values of a std::vector, or reads n values; they
 //                                may be structs with transfer(archive), as in io/struct_columns.hpp
 //   archive.same(name, text)     writes the text, or throws if the text read is different
+//   archive.setup(name, parts)   the same for numbers, apart from round-off, that characterise what
+//                                the program sets up and may change on purpose, see SetupPart
 //   archive.within(name, f)      calls f(); the names in it are in the group `name`
 //   archive.finite(f)            calls f(), in which every number read must be finite, or it throws
 //   Archive::reads               whether the archive reads; if so,
@@ -32,6 +34,12 @@
 #include <vector>
 
 namespace silt {
+
+/// Something that a program sets up, and numbers that characterise it.
+struct SetupPart {
+  std::string name;
+  std::vector<double> numbers;
+};
 
 /// T has transfer(archive), or transfer(archive, particles) if its state refers to particles.
 template <class T, class Archive, class... Context>

@@ -10,14 +10,18 @@
 #pragma once
 
 #include <silt/core/error.hpp>
+#include <silt/core/transfer.hpp>
 #include <silt/core/types.hpp>
 #include <silt/io/archive_format.hpp>
 #include <silt/io/struct_columns.hpp>
 
+#include <algorithm>
+#include <cmath>
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <span>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -88,6 +92,18 @@ class Writer {
     put(name, item_of<char>(), text.size(), text.data());
   }
   void same(std::string_view name, const std::string& text) { (*this)(name, text); }
+  void setup(std::string_view name, const std::vector<SetupPart>& parts) {
+    std::vector<std::uint64_t> sizes;
+    std::vector<double> numbers;
+    for (const SetupPart& part : parts) {
+      sizes.push_back(part.numbers.size());
+      numbers.insert(numbers.end(), part.numbers.begin(), part.numbers.end());
+    }
+    within(name, [&] {
+      (*this)("sizes", sizes);
+      (*this)("numbers", numbers);
+    });
+  }
   template <class F>
   void within(std::string_view name, F&& f) {
     path_.within(name, f);
@@ -128,7 +144,8 @@ class Reader {
   static constexpr bool reads = true;
 
   /// Throws if the bytes are not a checkpoint, or are damaged.
-  Reader(std::string name, std::string_view bytes) : file_(std::move(name)), rest_(bytes) {
+  Reader(std::string name, std::string_view bytes, bool accepts_other_setup = false)
+      : file_(std::move(name)), rest_(bytes), accepts_other_setup_(accepts_other_setup) {
     if (!bytes.starts_with(magic)) {
       reject("is not a checkpoint of this version of Silt",
              "pass a file written by write_checkpoint");
@@ -195,6 +212,24 @@ class Reader {
              same_simulation);
     }
   }
+  void setup(std::string_view name, const std::vector<SetupPart>& parts) {
+    std::vector<std::uint64_t> sizes;
+    std::vector<double> numbers;
+    within(name, [&] {
+      (*this)("sizes", sizes);
+      (*this)("numbers", numbers);
+    });
+    if (accepts_other_setup_) return;
+    if (sizes.size() != parts.size()) reject_setup("number of " + std::string(name));
+    std::span<const double> left(numbers);
+    for (Index k = 0; k < parts.size(); ++k) {
+      if (sizes[k] > left.size() ||
+          !std::ranges::equal(left.first(sizes[k]), parts[k].numbers, are_equal)) {
+        reject_setup(parts[k].name);
+      }
+      left = left.subspan(sizes[k]);
+    }
+  }
   template <class F>
   void within(std::string_view name, F&& f) {
     path_.within(name, f);
@@ -229,6 +264,17 @@ class Reader {
   static constexpr const char* same_simulation =
       "set up the same simulation and pass the same parts as when it was written";
 
+  // Apart from round-off of other mathematical functions.
+  static bool are_equal(double a, double b) {
+    return a == b || std::abs(a - b) <= 1e-9 * std::max(std::abs(a), std::abs(b)) ||
+           (std::isnan(a) && std::isnan(b));
+  }
+
+  [[noreturn]] void reject_setup(const std::string& what) const {
+    reject("was written with another " + what,
+           "set up the same one, or, if the change is meant, read it with {.file = …, "
+           ".accepts_other_setup = true}");
+  }
   [[noreturn]] void reject(const std::string& what, const std::string& advice) const {
     is_rejected_ = true;
     fail("read_checkpoint: " + file_ + " " + what + "; " + advice);
@@ -287,6 +333,7 @@ class Reader {
   std::string file_;
   std::string_view rest_;
   Path path_;
+  bool accepts_other_setup_;
   bool must_be_finite_ = false;
   mutable bool is_rejected_ = false;
 };

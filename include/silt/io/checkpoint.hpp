@@ -24,6 +24,12 @@
 
 namespace silt {
 
+struct CheckpointToRead {
+  std::filesystem::path file;
+  /// Read it although it is of other laws, walls or settings.
+  bool accepts_other_setup = false;
+};
+
 namespace checkpoint {
 
 template <class Archive, class Sim, class... Parts>
@@ -33,10 +39,11 @@ void transfer_all(Archive& archive, Sim& simulation, Parts&... parts) {
   (archive.within("part " + std::to_string(number++), [&] { parts.transfer(archive); }), ...);
 }
 
-/// Restores the state from the bytes of a file with this name, see read_checkpoint().
+/// Restores the state from the bytes of a file, see read_checkpoint().
 template <class Sim, class... Parts>
-void restore(const std::string& file, std::string_view bytes, Sim& simulation, Parts&... parts) {
-  Reader reader(file, bytes);
+void restore(const CheckpointToRead& from, std::string_view bytes, Sim& simulation,
+             Parts&... parts) {
+  Reader reader(from.file.string(), bytes, from.accepts_other_setup);
   std::tuple<Sim, Parts...> copies(simulation, parts...);
   reader.read_all(
       [&] { std::apply([&](auto&... each) { transfer_all(reader, each...); }, copies); });
@@ -60,10 +67,15 @@ void write_checkpoint(const std::filesystem::path& path, const Sim& simulation,
 /// Restores the state of a simulation and of further parts from a checkpoint. They must have been
 /// set up with the same parameters as those that were written: the file contains state only. Throws
 /// silt::Error, and changes nothing, if the file cannot be read, is damaged, or was written with
-/// another dimension, precision, list of fields or law.
+/// another dimension, precision or list of fields, or, unless that is accepted, with another law
+/// or wall, or another spacing or density of a flow.
+template <class Sim, class... Parts>
+void read_checkpoint(const CheckpointToRead& from, Sim& simulation, Parts&... parts) {
+  checkpoint::restore(from, file::read("read_checkpoint", from.file), simulation, parts...);
+}
 template <class Sim, class... Parts>
 void read_checkpoint(const std::filesystem::path& path, Sim& simulation, Parts&... parts) {
-  checkpoint::restore(path.string(), file::read("read_checkpoint", path), simulation, parts...);
+  read_checkpoint(CheckpointToRead{.file = path}, simulation, parts...);
 }
 
 }  // namespace silt

@@ -194,6 +194,8 @@ class BasicFlow {
   /// For a checkpoint, see core/transfer.hpp.
   template <class Archive>
   void transfer(Archive& archive) {
+    archive.setup("settings", {{"FlowSettings::spacing", {settings_.spacing}},
+                               {"FlowSettings::density", {settings_.density}}});
     archive.within("time_step", [&] { time_step_.transfer(archive); });
     archive.within("energy", [&] { energy_.transfer(archive); });
   }

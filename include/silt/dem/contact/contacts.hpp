@@ -27,10 +27,13 @@
 #include <silt/dem/contact/evaluation.hpp>
 #include <silt/dem/contact/law_evaluation.hpp>
 #include <silt/dem/contact/list_rebuild.hpp>
+#include <silt/dem/contact/of_constants.hpp>
 #include <silt/dem/contact/pair_history.hpp>
 #include <silt/dem/contact/saved_list.hpp>
+#include <silt/dem/contact/setup_comparison.hpp>
 #include <silt/dem/contact/stable_time_step.hpp>
 #include <silt/dem/contact/step_limits.hpp>
+#include <silt/dem/contact/walls_at_sides.hpp>
 #include <silt/dem/law/contact.hpp>
 #include <silt/dem/setup/grains.hpp>
 #include <silt/dem/wall/wall_set.hpp>
@@ -38,7 +41,6 @@
 #include <algorithm>
 #include <concepts>
 #include <cstdint>
-#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -146,6 +148,11 @@ class ContactsOf : public Contacts<Law, Walls...> {
            " s; use a softer material";
   }
 
+  /// Takes a wall, given by its number, away or puts it back, from the next step on: a gate that
+  /// opens. All are present at first. Kept in checkpoints. Throws if there is no such wall.
+  void set_wall_present(Index wall, bool present) { walls_.set_present(wall, present); }
+  bool is_wall_present(Index wall) const { return walls_.is_present(wall); }
+
   /// Whether a grain at x [m] with this radius [m] would touch a wall, or be behind one, at a time
   /// [s].
   bool would_touch_wall(const typename P::Vec& x, Real radius, double time) const {
@@ -215,6 +222,8 @@ class ContactsOf : public Contacts<Law, Walls...> {
       // Those given by set_history() may be of grains that were removed since, or of none.
       own.keep_if([&](Id a, Id b) { return detail::may_touch(grains, a, b); });
     }
+    detail::compare_setup(archive, grains, materials_, walls_, time_);
+    archive.within("walls", [&] { walls_.transfer(archive); });
     archive.within("history", [&] { own.transfer(archive); });
     archive.within("list", [&] { list.transfer(archive); });
     if constexpr (Archive::reads) {
@@ -285,32 +294,22 @@ class ContactsOf : public Contacts<Law, Walls...> {
     return results_for(grains);
   }
 
-  struct Radii {
-    Real smallest = 0;  // [m]
-    Real largest = 0;   // [m]
-  };
-  const Radii& radii_of(const P& grains) const {
-    if (radii_.revision != grains.constants_revision()) {
-      const auto R = grains[radius];
-      constexpr Real infinity = std::numeric_limits<Real>::infinity();
-      const Radii now{.smallest = -largest(R.size(), -infinity, [&](Index i) { return -R[i]; }),
-                      .largest = largest(R.size(), Real(0), [&](Index i) { return R[i]; })};
-      if (!is_finite(2 * now.largest)) detail::check_grains(grains, materials_);
-      radii_ = {grains.constants_revision(), now};
-    }
-    return radii_.value;
+  const detail::RadiusRange<Real>& radii_of(const P& grains) const {
+    return radii_.get(grains, [&] {
+      const auto range = detail::radius_range(grains);
+      if (!is_finite(2 * range.largest)) detail::check_grains(grains, materials_);
+      return range;
+    });
   }
-
   const detail::ShortestContacts& shortest_contacts(const P& grains) const {
-    if (shortest_.revision != grains.constants_revision()) {
-      detail::ShortestContacts now;
+    return shortest_.get(grains, [&] {
       if constexpr (knows_stiffness) {
         detail::check_grains(grains, materials_);
-        now = detail::shortest_contacts(grains, materials_, walls_);
+        return detail::shortest_contacts(grains, materials_, walls_);
+      } else {
+        return detail::ShortestContacts{};
       }
-      shortest_ = {grains.constants_revision(), now};
-    }
-    return shortest_.value;
+    });
   }
 
   // An evaluation with the list and the histories before it.
@@ -346,6 +345,7 @@ class ContactsOf : public Contacts<Law, Walls...> {
   void rebuild(const P& grains, const S& search, const detail::StepTime& step, List& list) {
     begin_list(grains, search, walls_, step, reach(grains), list);
     const auto walls = detail::walls_at<P>(walls_, step);
+    if constexpr (sizeof...(Walls) > 0) detail::check_walls_at_sides(grains, walls, list.margin);
     find_contacts(grains, search, walls, list, memory_.by_block);
     if constexpr (knows_stiffness) {
       list.stable_time_step = stable_for_all(
@@ -373,15 +373,16 @@ class ContactsOf : public Contacts<Law, Walls...> {
   // The list of the last step, if it is of the grains as they are.
   SavedList saved_list(const P& grains) const {
     const List& last = *state_.last.list;
-    const bool is_of_these = !state_.given_history &&
-                             last.owned_revision == grains.owned_revision() &&
-                             !have_constants_changed(grains);
+    const bool is_of_these =
+        !state_.given_history && last.owned_revision == grains.owned_revision() &&
+        last.walls_revision == walls_.revision() && !have_constants_changed(grains);
     return is_of_these ? SavedList(last) : SavedList();
   }
   void restore_list(const SavedList& saved, const P& grains) {
     if (!saved.fits(walls_.elements())) return;  // it is rebuilt in the next step
     const auto list = take_list();
     saved.restore(grains, *list, memory_.by_block);
+    list->walls_revision = walls_.revision();
     Evaluation last;
     last.list = list;
     last.before = last.after = histories_on(list->contacts, grains);
@@ -389,14 +390,8 @@ class ContactsOf : public Contacts<Law, Walls...> {
     state_.given_history.reset();
   }
 
-  // A function of the constants of the grains.
-  template <class T>
-  struct Known {
-    std::uint64_t revision = 0;  // of the constants
-    T value{};
-  };
-  mutable Known<Radii> radii_;
-  mutable Known<detail::ShortestContacts> shortest_;
+  mutable detail::OfConstants<detail::RadiusRange<Real>> radii_;
+  mutable detail::OfConstants<detail::ShortestContacts> shortest_;
   // Then the memory of three steps is in use, where two fit the cache better.
   mutable silt::detail::Mark have_results_been_used_{false};
   mutable std::optional<bool> is_rebuild_announced_;  // by needs_search(), for the next evaluation

@@ -76,10 +76,7 @@ class ContactsOfStep {
 
   /// See Contacts::load_on.
   WallLoad<P::dimension, Real> load_on(Index wall, const Vec& about) const {
-    if (wall >= walls_.size()) {
-      fail("dem::Contacts: there is no wall " + std::to_string(wall) + "; give a number below " +
-           std::to_string(walls_.size()));
-    }
+    walls_.check_number(wall);
     require_finite("dem::Contacts: about", about);
     WallLoad<P::dimension, Real> load;
     for_each_at_walls([&](const auto& touch) {

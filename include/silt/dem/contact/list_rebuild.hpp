@@ -39,6 +39,7 @@ template <int Dim, class Real>
 struct ReusableList : ListOrigin<Dim, Real> {
   ContactList contacts;
   std::uint64_t owned_revision = 0;  ///< of the grains
+  std::uint64_t walls_revision = 0;  ///< of the WallSet
   // What the list depends on besides positions, and steps do not change: the constants.
   std::vector<Real> radii;               ///< [m]
   std::vector<Real> masses;              ///< [kg]
@@ -172,6 +173,7 @@ bool is_stale(const P& grains, const Walls& walls, double time, const List& list
               ListLifetime& lifetime) {
   using Real = typename P::Real;
   if (list.owned_revision != grains.owned_revision()) return true;
+  if (list.walls_revision != walls.revision()) return true;
   if (grains.empty()) return false;
   const Real half = list.margin / 2;
   if constexpr (Walls::move) {
@@ -263,6 +265,7 @@ void begin_list(const P& grains, const S& search, const Walls& walls, const Step
   const Real seen = search.radius() + margin_of<Real>(search) - reach;
   list.margin = std::clamp<Real>(wanted, 0, std::max<Real>(seen, 0));
   list.owned_revision = grains.owned_revision();
+  list.walls_revision = walls.revision();
   list.time = step.time;
   list.extent.lower.array() -= list.margin;
   list.extent.upper.array() += list.margin;

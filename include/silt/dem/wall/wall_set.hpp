@@ -18,6 +18,7 @@
 #include <tuple>
 #include <type_traits>
 #include <utility>
+#include <vector>
 
 namespace silt::dem {
 
@@ -119,10 +120,12 @@ class WallsAtTime {
   static constexpr bool move = (is_moving<Walls> || ...);
 
   WallsAtTime(const std::tuple<Walls...>& walls,
-              const std::array<Index, sizeof...(Walls) + 1>& first, const WallTimes& times)
+              const std::array<Index, sizeof...(Walls) + 1>& first,
+              const std::array<bool, sizeof...(Walls) + 1>& present, const WallTimes& times)
       : walls_(std::apply([&](const Walls&... wall) { return Tuple(Then<Walls>(wall, times)...); },
                           walls)),
-        first_(first) {}
+        first_(first),
+        present_(present) {}
 
   /// Nearest point of an element.
   NearestPoint<Dim, Real> nearest(Index index, const Vec<Dim, Real>& x) const {
@@ -138,12 +141,15 @@ class WallsAtTime {
     return velocity;
   }
 
-  /// f(index) for each element closer to x than `distance` [m], and possibly for further ones.
+  /// f(index) for each element of present walls closer to x than `distance` [m], and possibly for
+  /// further ones.
   template <class F>
   void for_each_element_near(const Vec<Dim, Real>& x, Real distance, F&& f) const {
     Index w = 0;
     const auto visit = [&](const auto& wall) {
+      const bool is_present = present_[w];
       const Index first = first_[w++];
+      if (!is_present) return;
       wall.for_each_element_near(x, distance, [&](Index element) { f(first + element); });
     };
     std::apply([&](const auto&... wall) { (visit(wall), ...); }, walls_);
@@ -171,9 +177,10 @@ class WallsAtTime {
 
   Tuple walls_;
   const std::array<Index, sizeof...(Walls) + 1>& first_;
+  const std::array<bool, sizeof...(Walls) + 1>& present_;
 };
 
-/// Walls, numbered in the order given.
+/// Walls, numbered in the order given. All are present at first.
 template <class... Walls>
 class WallSet {
  public:
@@ -182,6 +189,7 @@ class WallSet {
 
   /// Throws if a wall is invalid, or if there are more than max_wall_elements.
   explicit WallSet(Walls... walls) : walls_(std::move(walls)...) {
+    set_all_present();
     Index w = 0;
     for_each([&](auto& wall) {
       wall.check();
@@ -201,10 +209,49 @@ class WallSet {
 
   static constexpr Index size() { return sizeof...(Walls); }
 
+  /// Throws if there is no wall with this number.
+  static void check_number(Index number) {
+    if (number < size()) return;
+    fail("dem::Contacts: there is no wall " + std::to_string(number) + "; give a number below " +
+         std::to_string(size()));
+  }
+
   /// Their poses and velocities at the given times.
   template <int Dim, class Real>
   auto at(const WallTimes& times) const {
-    return WallsAtTime<Dim, Real, Walls...>(walls_, first_, times);
+    return WallsAtTime<Dim, Real, Walls...>(walls_, first_, present_, times);
+  }
+
+  /// Whether a wall acts on grains. Throws if there is no wall with this number.
+  bool is_present(Index number) const {
+    check_number(number);
+    return present_[number];
+  }
+  void set_present(Index number, bool present) {
+    check_number(number);
+    if (present_[number] != present) ++revision_;
+    present_[number] = present;
+  }
+  void set_all_present() {
+    for (Index w = 0; w < size(); ++w) set_present(w, true);
+  }
+  /// Increases whenever a wall comes or goes.
+  std::uint64_t revision() const noexcept { return revision_; }
+
+  /// Writes or reads which walls are present, for a checkpoint, see core/transfer.hpp.
+  template <class Archive>
+  void transfer(Archive& archive) {
+    std::vector<std::uint8_t> present(present_.begin(), present_.begin() + size());
+    archive("present", present);
+    // A program may read the checkpoint of another number of walls: all of its own are present.
+    if (present.size() != size()) present.assign(size(), 1);
+    for (Index w = 0; w < size(); ++w) {
+      if (present[w] > 1) {
+        fail("dem::Contacts: present = " + std::to_string(present[w]) + " of wall " +
+             std::to_string(w) + " is neither 0 nor 1; use an earlier checkpoint");
+      }
+      set_present(w, present[w] == 1);
+    }
   }
 
   /// Whether a grain at x [m] with this radius [m] would touch a wall, or be behind one, at a time
@@ -301,6 +348,8 @@ class WallSet {
   std::tuple<Walls...> walls_;
   std::array<Index, sizeof...(Walls) + 1> first_{};
   std::array<std::uint32_t, sizeof...(Walls) + 1> materials_{};
+  std::array<bool, sizeof...(Walls) + 1> present_{};
+  std::uint64_t revision_ = 0;
 };
 
 }  // namespace silt::dem

@@ -4,6 +4,7 @@
 
 #include <silt/dem/wall/box_wall.hpp>
 #include <silt/dem/wall/mesh/mesh_wall.hpp>
+#include <silt/dem/wall/mesh/periodic_copies.hpp>
 #include <silt/dem/wall/moving.hpp>
 #include <silt/dem/wall/plane.hpp>
 #include <silt/dem/wall/polyline.hpp>
