@@ -6,6 +6,7 @@
 #include <silt/core/lattice.hpp>
 #include <silt/core/simulation.hpp>
 #include <silt/dem/bond/bonds.hpp>
+#include <silt/dem/contact/chung_ooi.hpp>
 #include <silt/dem/contact/contacts.hpp>
 #include <silt/dem/law/adhesion.hpp>
 #include <silt/dem/law/composed_law.hpp>

@@ -430,6 +430,26 @@ class Rising {
 };
 static_assert(DependsOnTime<Rising> && !DependsOnTime<Gravity<2>>);
 
+// No force; records for how long the particles had moved before each evaluation.
+class RecordsMotion {
+ public:
+  std::shared_ptr<std::vector<double>> time_steps = std::make_shared<std::vector<double>>();
+
+  void set_last_time_step(double time_step) { last_ = time_step; }
+  template <class P>
+  typename P::Real reach(const P&) const {
+    return 0;
+  }
+  template <class P, class S>
+  void accelerate(P&, const S&, double) const {
+    time_steps->push_back(last_);
+  }
+
+ private:
+  double last_ = nan;
+};
+static_assert(DependsOnLastTimeStep<RecordsMotion> && !DependsOnLastTimeStep<Rising>);
+
 // No force, and a time step that decreases with time.
 class EverShorter {
  public:
@@ -473,6 +493,23 @@ TEST(Simulation, SetsTheTimeOfAnInteractionToThatOfThePositions) {
   saboteur.fault->reset();
   sim.step(0.125);
   EXPECT_EQ(rising.times->back(), 0.375) << "a failed step does not advance the time";
+}
+
+TEST(Simulation, TellsAnInteractionForHowLongTheParticlesHaveMoved) {
+  const RecordsMotion records;
+  Saboteur saboteur;
+  Simulation sim{one_grain<2>({0, 1}, {0, 0}), UniformGrid<2>{}, Forces{records, saboteur},
+                 Leapfrog{}};
+  sim.snapshot();
+  sim.step(0.25);
+  sim.snapshot();
+  saboteur.fault->emplace().push = nan;
+  EXPECT_THROW(sim.step(0.5), Error);
+  saboteur.fault->reset();
+  sim.step(0.125);
+  sim.step(1);
+  // The first step evaluates the forces at time 0 twice.
+  EXPECT_EQ(*records.time_steps, (std::vector<double>{0, 0, 0, 0.25, 0.25, 0.25, 0.125}));
 }
 
 struct DropsOne {

@@ -57,6 +57,7 @@ NOT_STORED = {
                    "have_results_been_used_": "decides which memory is used",
                    "is_rebuild_announced_": "between needs_search() and the evaluation, within a step",
                    "time_": "set_time() sets it before it is used",
+                   "last_time_step_": "set_last_time_step() sets it before it is used",
                    "state_.last.list": "saved_list() has it",
                    "state_.last.after": "history() has them",
                    **all_of(LAST, "state_.last.before state_.last.grains state_.last.box state_.last.count "
@@ -156,7 +157,8 @@ NOT_SAVED = {
                    "walls_": "the program takes them away and puts them back between steps",
                    **all_of("a function of the constants of the grains", "radii_ shortest_"),
                    "have_results_been_used_": "decides which memory is used",
-                   "time_": "set_time() sets it before it is used", "memory_": MEMORY},
+                   "time_": "set_time() sets it before it is used",
+                   "last_time_step_": "set_last_time_step() sets it before it is used", "memory_": MEMORY},
     # mps
     "BasicFlow": {**all_of(GIVEN, "settings_ solver_"),
                   **all_of(ANEW, "operators_ force_ boundary_ source_ equation_ changes_ advection_velocity_"),

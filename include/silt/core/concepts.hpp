@@ -228,6 +228,17 @@ void set_time(I& interaction, double time) {
   if constexpr (DependsOnTime<I>) interaction.set_time(time);
 }
 
+/// Adds up what happens between evaluations, such as the slip of a contact: set_last_time_step(dt)
+/// sets for how long the particles have moved since the last one [s], 0 before the first step.
+/// Called by Simulation after set_time(). Models: dem::ContactsOf, Forces.
+template <class I>
+concept DependsOnLastTimeStep = requires(I i, double dt) { i.set_last_time_step(dt); };
+
+template <class I>
+void set_last_time_step(I& interaction, double dt) {
+  if constexpr (DependsOnLastTimeStep<I>) interaction.set_last_time_step(dt);
+}
+
 /// An incompressible flow, advanced by a predictor and a pressure correction. It may also have
 /// advect(p, dt), which moves the particles with the velocities of the predictor, and the constant
 /// needs_moved_particles. Model: mps::Flow.

@@ -121,6 +121,10 @@ class Forces {
   void set_time(double time) {
     for_each_part([time](auto& part) { silt::set_time(part, time); });
   }
+  /// Sets the last time step [s] of the parts that depend on it; 0 before the first step.
+  void set_last_time_step(double dt) {
+    for_each_part([dt](auto& part) { silt::set_last_time_step(part, dt); });
+  }
 
   template <class P, class S>
     requires(Interaction<Parts, P, S> && ...)

@@ -86,6 +86,10 @@ void drift(P& particles, double time_step) {
 
 /// Advances particles under forces. The initial velocities are those at time 0; from the first step
 /// on, `velocity` and `spin` hold v^{N−½}, and Simulation::snapshot() returns v^N (27), (28).
+///
+/// The first step evaluates the forces at time 0 twice, for v^{−½} and v^{½}. Pairs that overlap at
+/// time 0 have not slipped or rolled yet: their springs, apart from k_n δ, are unwound, and deflected
+/// by v^{½} Δt in the second step.
 template <Damping<double> D = NoDamping>
 class Leapfrog {
  public:
@@ -226,7 +230,8 @@ class Leapfrog {
     return outcomes.is_valid();
   }
 
-  // v^0 → v^{−½}, so that v^0 is the mean of its two half steps.
+  // v^0 → v^{−½}, so that v^0 is the mean of its two half steps. Springs of contacts are unwound,
+  // since Simulation tells the interaction that nothing has moved yet.
   template <class P, class S, class I>
   void start(P& particles, S& search, I& interaction, double dt) {
     last_time_step_ = dt;

@@ -11,6 +11,7 @@ void impacts(ReferenceTable& table);
 void bounces(ReferenceTable& table);
 void friction(ReferenceTable& table);
 void hertz(ReferenceTable& table);
+void oblique_impacts(ReferenceTable& table);
 void grains_at_rest(ReferenceTable& table);
 void grains_in_flight(ReferenceTable& table);
 void time_steps(ReferenceTable& table);

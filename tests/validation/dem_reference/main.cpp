@@ -16,6 +16,7 @@ int main(int argc, char** argv) try {
   bounces(table);
   friction(table);
   hertz(table);
+  oblique_impacts(table);
   grains_in_flight(table);
   grains_at_rest(table);
   table.sort();

@@ -33,6 +33,7 @@
 #include <silt/dem/contact/setup_comparison.hpp>
 #include <silt/dem/contact/stable_time_step.hpp>
 #include <silt/dem/contact/step_limits.hpp>
+#include <silt/dem/contact/step_time.hpp>
 #include <silt/dem/contact/walls_at_sides.hpp>
 #include <silt/dem/law/contact.hpp>
 #include <silt/dem/setup/grains.hpp>
@@ -90,7 +91,10 @@ class ContactsOf : public Contacts<Law, Walls...> {
   /// ContactSettings::max_overlap, or if dt exceeds the stability limit.
   template <class S, class Before = DoNothing, class After = DoNothing>
   void accelerate(P& grains, const S& search, double dt, const Pass<Before, After>& pass = {}) {
-    Evaluation evaluation = begin_step(grains, search, {.time = time_, .time_step = dt});
+    Evaluation evaluation = begin_step(grains, search,
+                                       {.time = time_,
+                                        .time_step = dt,
+                                        .last_time_step = last_time_step_.value_or(dt)});
     const auto after = memory_.histories.take();
     const auto walls = detail::walls_in_law<P>(walls_, evaluation.step);
     const auto evaluate_law = detail::law_evaluation<P>(evaluation, materials_, walls_);
@@ -124,6 +128,10 @@ class ContactsOf : public Contacts<Law, Walls...> {
   /// Sets the time of the positions [s], which determines where moving walls are. Called by
   /// Simulation.
   void set_time(double time) { time_ = time; }
+
+  /// Sets for how long the grains have moved, and contacts have slipped, since the last evaluation
+  /// [s]; 0 before the first step. Called by Simulation; without it, the dt of accelerate() counts.
+  void set_last_time_step(double dt) { last_time_step_ = dt; }
 
   /// Default time step [s]: the shortest contact duration of the lightest grains with each other
   /// or with a wall, divided by steps_per_contact, or 1/20 of the period of a vibrating wall, if
@@ -396,6 +404,7 @@ class ContactsOf : public Contacts<Law, Walls...> {
   mutable silt::detail::Mark have_results_been_used_{false};
   mutable std::optional<bool> is_rebuild_announced_;  // by needs_search(), for the next evaluation
   double time_ = 0;                                   // from set_time()
+  std::optional<double> last_time_step_;              // from set_last_time_step()
   State state_;
   State saved_;
   Memory memory_;

@@ -167,7 +167,7 @@ class ContactsOfStep {
   auto walls_then() const { return walls_at<P>(walls_, evaluation_.step); }
 
   Contact contact_at(const Real* row, const ContactBodies& bodies, const auto& walls) const {
-    return contact_of<Row>(grains_, row, bodies, walls, evaluation_.step.time_step);
+    return contact_of<Row>(grains_, row, bodies, walls, evaluation_.step);
   }
 
   ElasticEnergies elastic_energies(const Law& law, const Contact& contact, Index c) const {

@@ -13,6 +13,7 @@
 #include <silt/dem/contact/histories.hpp>
 #include <silt/dem/contact/law_lanes.hpp>
 #include <silt/dem/contact/list_rebuild.hpp>
+#include <silt/dem/contact/step_time.hpp>
 #include <silt/dem/law/contact.hpp>
 #include <silt/dem/law/law_history.hpp>
 

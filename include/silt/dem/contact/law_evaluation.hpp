@@ -7,6 +7,7 @@
 #include <silt/dem/contact/contact_settings.hpp>
 #include <silt/dem/contact/evaluation.hpp>
 #include <silt/dem/contact/law_lanes.hpp>
+#include <silt/dem/contact/step_time.hpp>
 #include <silt/dem/law/law_history.hpp>
 #include <silt/dem/law/materials.hpp>
 
@@ -33,7 +34,7 @@ auto walls_at(const Walls& walls, const StepTime& step) {
 template <class P, class Walls>
 auto walls_in_law(const Walls& walls, const StepTime& step) {
   return walls.template at<P::dimension, typename P::Real>(
-      {.positions = step.time, .velocities = step.time - step.time_step / 2});
+      {.positions = step.time, .velocities = step.of_velocities()});
 }
 
 /// evaluate(lanes, count, touching, contacts) of a BlockEvaluator; refers to its arguments.
@@ -43,17 +44,17 @@ auto law_evaluation(const Evaluation& evaluation, const Materials<Law>& material
   using Real = typename P::Real;
   return [&evaluation, &materials, &walls](auto* eights, Index count, const unsigned* touching,
                                            const EightNumbers* contacts) {
-    const auto dt = static_cast<Real>(evaluation.step.time_step);
+    const auto times = evaluation.step.template of_contacts<Real>();
     if constexpr (LawInLanes<Law, P::dimension, Real>) {
       if (materials.count() == 1) {
-        return evaluate_in_lanes(materials.between(0, 0), eights, static_cast<int>(count), dt);
+        return evaluate_in_lanes(materials.between(0, 0), eights, static_cast<int>(count), times);
       }
     }
     for (Index e = 0; e < count; ++e) {
       for (int lane = 0; lane < lanes; ++lane) {
         if ((touching[e] >> lane & 1) == 0) continue;
         const Index c = contacts[e][static_cast<Index>(lane)];
-        eights[e].template evaluate<Real>(law_between(*evaluation.list, materials, walls, c), dt,
+        eights[e].template evaluate<Real>(law_between(*evaluation.list, materials, walls, c), times,
                                           lane);
       }
     }

@@ -7,6 +7,7 @@
 #include <silt/core/types.hpp>
 #include <silt/dem/contact/contact_row.hpp>
 #include <silt/dem/contact/grain_rows.hpp>
+#include <silt/dem/contact/step_time.hpp>
 #include <silt/dem/law/contact.hpp>
 #include <silt/dem/law/law_history.hpp>
 
@@ -34,8 +35,8 @@ struct LawLanes {
 
   /// Evaluates a law for one lane. Scalar is Real or Lane<Real>.
   template <class Scalar, class Law>
-  void evaluate(const Law& law, Real dt, int lane) {
-    const auto contact = this->contact<Scalar>(lane, dt);
+  void evaluate(const Law& law, const ContactTimes<Real>& times, int lane) {
+    const auto contact = this->contact<Scalar>(lane, times);
     if constexpr (history_words == 0) {
       keep(lane, contact, evaluate_law(law, contact));
     } else if constexpr (std::is_same_v<Scalar, Real>) {
@@ -57,7 +58,7 @@ struct LawLanes {
 
  private:
   template <class Scalar>
-  Contact<Dim, Scalar> contact(int lane, Real dt) const {
+  Contact<Dim, Scalar> contact(int lane, const ContactTimes<Real>& times) const {
     Contact<Dim, Scalar> contact;
     for (int k = 0; k < Dim; ++k) {
       contact.normal[k] = row[Row::n + k][lane];
@@ -71,7 +72,8 @@ struct LawLanes {
     contact.overlap = row[Row::overlap][lane];
     contact.effective_mass = row[Row::mass][lane];
     contact.effective_radius = row[Row::radius][lane];
-    contact.time_step = dt;
+    contact.time_step = times.time_step;
+    contact.first_time_step = times.first_time_step;
     return contact;
   }
 
@@ -89,13 +91,13 @@ struct LawLanes {
 /// Evaluates one law for all lanes of `count` eights.
 template <class Law, class Eights>
 [[gnu::flatten, gnu::noinline]] void evaluate_in_lanes(const Law& shared, Eights* eights, int count,
-                                                       typename Eights::Real dt) {
+                                                       ContactTimes<typename Eights::Real> times) {
   const Law law = shared;  // a copy that no store below can change
   for (int e = 0; e < count; ++e) {
     Eights& eight = eights[e];
     SILT_INDEPENDENT_ITERATIONS
     for (int lane = 0; lane < lanes; ++lane) {
-      eight.template evaluate<Lane<typename Eights::Real>>(law, dt, lane);
+      eight.template evaluate<Lane<typename Eights::Real>>(law, times, lane);
     }
   }
 }

@@ -10,6 +10,7 @@
 #include <silt/core/travel.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/contact/contact_list.hpp>
+#include <silt/dem/contact/step_time.hpp>
 #include <silt/dem/law/materials.hpp>
 #include <silt/dem/setup/grains.hpp>
 
@@ -231,12 +232,6 @@ auto extent_of(const P& grains) {
   }
   return box;
 }
-
-/// Time and time step of an evaluation.
-struct StepTime {
-  double time = 0;       ///< of the positions [s]
-  double time_step = 0;  ///< [s]
-};
 
 /// Records the positions of a rebuild in this step and chooses the margin; `reach` [m] is the
 /// interaction range of contacts.

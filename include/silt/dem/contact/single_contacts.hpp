@@ -5,6 +5,7 @@
 #include <silt/core/particles.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/contact/contact_list.hpp>
+#include <silt/dem/contact/step_time.hpp>
 #include <silt/dem/law/contact.hpp>
 #include <silt/dem/setup/grains.hpp>
 
@@ -53,14 +54,16 @@ typename P::Vec contact_point(const P& grains, const typename P::Real* row,
 /// WallsAtTime).
 template <class Row, class P, class Walls>
 auto contact_of(const P& grains, const typename P::Real* row, const ContactBodies& bodies,
-                const Walls& walls, double time_step) {
+                const Walls& walls, const StepTime& step) {
   using Vec = typename P::Vec;
   Contact<P::dimension, typename P::Real> contact;
   contact.effective_mass = row[Row::mass];
   contact.effective_radius = row[Row::radius];
   for (int k = 0; k < P::dimension; ++k) contact.normal[k] = row[Row::n + k];
   contact.overlap = row[Row::overlap];
-  contact.time_step = static_cast<typename P::Real>(time_step);
+  const auto times = step.of_contacts<typename P::Real>();
+  contact.time_step = times.time_step;
+  contact.first_time_step = times.first_time_step;
   const auto surface = [&](Index i, typename P::Real towards) {
     const auto arm = towards * (grains[radius][i] - row[Row::arm_reduction]);
     // This order of operations reproduces the law's input bitwise.

@@ -25,7 +25,7 @@ namespace detail {
 template <class C>
 typename C::Real pull_while_touching(const C& contact, typename C::Real pull) {
   using Real = typename C::Real;
-  const Real change_per_step = std::abs(contact.approach_speed()) * contact.time_step;
+  const Real change_per_step = std::abs(contact.approach_speed()) * contact.kick();
   return -pull * share_of_step(Real(contact.overlap), change_per_step);
 }
 }  // namespace detail

@@ -137,7 +137,7 @@ struct CundallStrackLaw {
         .limit = std::max(Real(0), F_n * Real(friction_angle.tangent) + Real(cohesion))};
     const auto tangential =
         slide(slider, rotated_into_plane(history.tangential_force, contact.normal),
-              contact.tangential_velocity(), contact.time_step);
+              contact.tangential_velocity(), contact);
     history.tangential_force = tangential.spring;
     result.tangential_spring = tangential.spring;
     result.tangential_dashpot = tangential.dashpot;

@@ -76,8 +76,9 @@ struct CentredDashpot {
     history.has_previous = 1;
     // The extrapolated velocity of an oscillation is too large by the factor 1 + ⅜ (ω Δt)².
     const Real m = contact.effective_mass;
-    return c_n * v_n * share_of_step(contact.overlap, std::abs(v_n) * contact.time_step) * m /
-           (m + k_n * squared(contact.time_step) * 3 / 8);
+    const Real dt = contact.kick();
+    return c_n * v_n * share_of_step(contact.overlap, std::abs(v_n) * dt) * m /
+           (m + k_n * squared(dt) * 3 / 8);
   }
 
   /// With the extrapolation a dashpot counts twice in the stability limit.

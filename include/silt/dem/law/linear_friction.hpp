@@ -47,7 +47,7 @@ struct LinearFriction {
         .dashpot = normal.beta * k,
         .limit = std::max(Real(0), normal.spring * Real(friction_angle.tangent) + Real(cohesion))};
     const auto result = slide(slider, rotated_into_plane(history.force, contact.normal),
-                              contact.tangential_velocity(), contact.time_step);
+                              contact.tangential_velocity(), contact);
     history.force = result.spring;
     return {.spring = result.spring, .dashpot = result.dashpot, .friction = result.lost};
   }

@@ -62,7 +62,7 @@ struct Mindlin {
     const Vec moved = v * contact.time_step;
     const auto kept = keeps_displacement ? with_displacement(k, ratio, last)
                                          : with_stiffness(k, ratio, last, moved);
-    const auto result = slide(slider, kept.force, v, contact.time_step);
+    const auto result = slide(slider, kept.force, v, contact);
     history.force = result.spring;
     history.stiffness = k;
     return {

@@ -140,7 +140,7 @@ struct RollingResistance {
                               .dashpot = dashpot(mu, R, contact.effective_mass, normal.stiffness),
                               .limit = std::max(Real(0), mu * R * normal.spring)};
     const auto kept = with_stiffness(k, ratio, before, V(spin * contact.time_step));
-    auto result = slide(slider, kept.force, spin, contact.time_step);
+    auto result = slide(slider, kept.force, spin, contact);
     result.lost += kept.lost;
     return result;
   }

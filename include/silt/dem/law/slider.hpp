@@ -94,15 +94,20 @@ typename Vec::Scalar magnitude(const Vec& v) {
 }
 
 /// F^N = F^{N−1} − k v Δt, (10)–(13) of [SahChoi2004]. `before` is the spring force of the previous
-/// step, already rotated with the contact.
-template <class Vec, class Real>
+/// step, already rotated with the contact. At time 0 nothing has slipped yet; the dashpot is then
+/// inactive if the first step will make the slider slide.
+template <class Vec, class Real, class C>
 SliderForce<Vec> slide(const Slider<Real>& slider, const Vec& before, const Vec& v,
-                       Real time_step) {
-  const Vec trial = before - slider.stiffness * v * time_step;
+                       const C& contact) {
+  const Vec trial = before - slider.stiffness * v * contact.time_step;
   const Real size = magnitude(trial);
   const bool slides = size > slider.limit;  // (13)
   const Vec F = slides ? Vec(trial * (slider.limit / size)) : trial;
-  const Real c = slides ? Real(0) : slider.dashpot;
+  const Real first = slider.stiffness * contact.first_time_step;
+  const bool will_slide = v.squaredNorm() * first * first > slider.limit * slider.limit;
+  // One after the other: g++ 12 does not vectorise the two conditions in one.
+  const Real c_unless_sliding = slides ? Real(0) : slider.dashpot;
+  const Real c = will_slide ? Real(0) : c_unless_sliding;
   // The slider moved by (F − trial)/k, against the mean of the forces before and after.
   const Real lost = slides ? (trial - F).dot(before + F) / (2 * slider.stiffness) : Real(0);
   return {F, -c * v, std::max(Real(0), lost)};
