@@ -48,7 +48,10 @@ NOT_STORED = {
     "TimedSearch": {"watch_": CLOCK},
     "TimedInteraction": {"watch_": CLOCK},
     # integrate
-    "Leapfrog": {"damping_": GIVEN},
+    "Leapfrog": {
+        "damping_": GIVEN,
+        "max_energy_gain_": "of the last step, for the check after it",
+    },
     # dem
     "Bonds": {"law_": GIVEN, "indices_": ANEW,
               **all_of(ROLLBACK, "kept_bonds_ kept_broken_ kept_time_step_ is_kept_")},

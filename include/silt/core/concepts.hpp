@@ -259,7 +259,9 @@ concept AdvancesField = bool(T::template advances<F>);
 /// Advances particles by one step. step() may return a bool: true if it has verified that all
 /// positions, velocities, spins and angles after the step are finite and all positions within the
 /// box. It may also have
-///   advances<F>     true for the fields that it saves itself, see AdvancesField
+///   advances<F>           true for the fields that it saves itself, see AdvancesField
+///   max_energy_gain()     → [-], of the kinetic energy in the last step, see FinishedStep in
+///                         core/watch.hpp
 /// Models: Leapfrog, SemiImplicit.
 template <class T, class P, class S, class I>
 concept Integrator =

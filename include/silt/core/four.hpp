@@ -35,6 +35,18 @@ void load_fours(const Real* first, [[maybe_unused]] const Real* second, Pack& to
     load_four(first, to);
   }
 }
+/// Three numbers and 0 each.
+template <class Real, class Pack>
+void load_threes(const Real* first, [[maybe_unused]] const Real* second, Pack& to) {
+  if constexpr (is_two_fours<Pack>) {
+    Four<Real> a, b;
+    simd::load_three(first, a);
+    simd::load_three(second, b);
+    to = __builtin_shufflevector(a, b, 0, 1, 2, 3, 4, 5, 6, 7);
+  } else {
+    simd::load_three(first, to);
+  }
+}
 template <class Real, class Pack>
 void store_fours(const Pack& p, Real* first, [[maybe_unused]] Real* second) {
   if constexpr (is_two_fours<Pack>) {
@@ -54,6 +66,31 @@ void shuffle_fours(const Pack& a, const Pack& b, Pack& to) {
   } else {
     to = __builtin_shufflevector(a, b, i, j, k, l);
   }
+}
+
+/// 1/x of the fourth number of each four of a and b, in all lanes of that four; by one division in
+/// as few lanes as possible.
+template <class Pack>
+void inverse_of_fourths(const Pack& a, const Pack& b, Pack& of_a, Pack& of_b) {
+  if constexpr (is_two_fours<Pack>) {
+    const auto inverse = 1 / __builtin_shufflevector(a, b, 3, 11, 7, 15);
+    of_a = __builtin_shufflevector(inverse, inverse, 0, 0, 0, 0, 2, 2, 2, 2);
+    of_b = __builtin_shufflevector(inverse, inverse, 1, 1, 1, 1, 3, 3, 3, 3);
+  } else if constexpr (sizeof(Pack) == 32) {
+    const auto inverse = 1 / __builtin_shufflevector(a, b, 3, 7);
+    of_a = __builtin_shufflevector(inverse, inverse, 0, 0, 0, 0);
+    of_b = __builtin_shufflevector(inverse, inverse, 1, 1, 1, 1);
+  } else {
+    const Pack inverse = 1 / __builtin_shufflevector(a, b, 3, 7, 3, 7);
+    of_a = __builtin_shufflevector(inverse, inverse, 0, 0, 0, 0);
+    of_b = __builtin_shufflevector(inverse, inverse, 1, 1, 1, 1);
+  }
+}
+/// Sets the second of two fours to zero.
+template <class Pack>
+void keep_first_four(Pack& p) {
+  static_assert(is_two_fours<Pack>);
+  p = __builtin_shufflevector(p, Pack{}, 0, 1, 2, 3, 8, 9, 10, 11);
 }
 
 /// b × a of the first three numbers, rotated by one lane, as (z, x, y); the fourth is unspecified.

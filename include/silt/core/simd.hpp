@@ -89,6 +89,26 @@ template <class T, int N = lanes<T>>
 void store(T* to, const Pack<T, N>& pack) {
   *reinterpret_cast<typename UnalignedPackOf<T, N>::type*>(to) = pack;
 }
+/// {from[0], from[1], from[2], 0}; the number after the three is not read.
+template <class T>
+void load_three(const T* from, Pack<T, 4>& to) {
+#if defined(SILT_AVX512)
+  if constexpr (std::is_same_v<T, double>) {
+    to = (Pack<T, 4>)_mm256_maskz_loadu_pd(7, from);
+  } else {
+    to = (Pack<T, 4>)_mm_maskz_loadu_ps(7, from);
+  }
+#elif defined(SILT_AVX2)
+  if constexpr (std::is_same_v<T, double>) {
+    to = (Pack<T, 4>)_mm256_maskload_pd(from, _mm256_setr_epi64x(-1, -1, -1, 0));
+  } else {
+    to = (Pack<T, 4>)_mm_maskload_ps(from, _mm_setr_epi32(-1, -1, -1, 0));
+  }
+#else
+  to = Pack<T, 4>{from[0], from[1], from[2], 0};
+#endif
+}
+
 template <class T, int N = lanes<T>>
 Pack<T, N> broadcast(T value) {
   return value - Pack<T, N>{};

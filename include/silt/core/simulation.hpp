@@ -199,7 +199,8 @@ class Simulation {
       detail::check_step(interaction_, particles_,
                          {.time = time_,
                           .time_step = dt,
-                          .max_displacement = detail::max_displacement_since(travel, particles_)});
+                          .max_displacement = detail::max_displacement_since(travel, particles_),
+                          .max_energy_gain = detail::max_energy_gain_of(integrator_)});
       if (!is_verified) {
         detail::check_escaped(particles_);
         has_removed = remove_escaped();

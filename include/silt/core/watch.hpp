@@ -18,10 +18,13 @@ struct FinishedStep {
   double time_step = 0;  ///< [s]
   /// No particle moved farther [m]; infinite if the integrator does not tell.
   double max_displacement = std::numeric_limits<double>::infinity();
+  /// The kinetic energy is at most this times that with which the forces were evaluated [-];
+  /// infinite if the integrator does not tell.
+  double max_energy_gain = std::numeric_limits<double>::infinity();
 };
 
 /// i.check_step(p, step) throws if the particles moved farther in the step than the method can
-/// resolve. Models: dem::ContactsOf, mps::BasicFlow, Forces.
+/// resolve, or gained energy that nothing had. Models: dem::ContactsOf, mps::BasicFlow, Forces.
 template <class I, class P>
 concept ChecksSteps =
     requires(const I i, const P& p, const FinishedStep& step) { i.check_step(p, step); };
@@ -56,6 +59,16 @@ double max_displacement_since(const Travel& then, const P& particles) {
   const Travel now = travel_of(particles);
   if (then.epoch == 0 || now.epoch != then.epoch) return std::numeric_limits<double>::infinity();
   return (now.distance - then.distance) + std::numeric_limits<double>::epsilon() * now.distance;
+}
+
+/// FinishedStep::max_energy_gain of the last step of an integrator.
+template <class T>
+double max_energy_gain_of(const T& integrator) {
+  if constexpr (requires { integrator.max_energy_gain(); }) {
+    return integrator.max_energy_gain();
+  } else {
+    return std::numeric_limits<double>::infinity();
+  }
 }
 
 /// Calls check_step() of an interaction that has it.

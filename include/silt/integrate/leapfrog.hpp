@@ -11,6 +11,7 @@
 #include <silt/integrate/motion.hpp>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <bit>
 #include <cmath>
@@ -88,8 +89,8 @@ void drift(P& particles, double time_step) {
 /// on, `velocity` and `spin` hold v^{N−½}, and Simulation::snapshot() returns v^N (27), (28).
 ///
 /// The first step evaluates the forces at time 0 twice, for v^{−½} and v^{½}. Pairs that overlap at
-/// time 0 have not slipped or rolled yet: their springs, apart from k_n δ, are unwound, and deflected
-/// by v^{½} Δt in the second step.
+/// time 0 have not slipped or rolled yet: their springs, apart from k_n δ, are unwound, and
+/// deflected by v^{½} Δt in the second step.
 template <Damping<double> D = NoDamping>
 class Leapfrog {
  public:
@@ -137,45 +138,49 @@ class Leapfrog {
     archive("last_time_step", last_time_step_);
   }
 
+  /// Upper bound of the gain of kinetic energy in the last step, see FinishedStep in
+  /// core/watch.hpp.
+  double max_energy_gain() const noexcept { return max_energy_gain_; }
+
   // See AdvancesField in core/concepts.hpp.
   template <class F>
   static constexpr bool advances = one_of<F, position_t, velocity_t, spin_t, angle_t>;
 
  private:
-  // What a step did to a range of particles.
-  template <class Real>
+  // What a step did to a range of particles, see Motion::Outcome.
+  template <class P>
   struct Outcome {
-    bool is_valid = true;           // see Motion::Outcome
-    Real squared_displacement = 0;  // maximum [m²]
+    bool is_valid = true;
+    typename P::Real squared_displacement = 0;  // maximum [m²]
+    typename Motion<P>::Energies energies{};
   };
 
   // Calls update(motion, particle) for a range. Its type does not depend on that of `update`, so
   // that the loop over the forces, which takes long to compile, is compiled only once.
   template <class P>
   class Update {
-    using Real = typename P::Real;
-
    public:
     /// The function must outlive this object.
     template <class Function>
     explicit Update(const Function& update) : update_(&update), run_(run<Function>) {}
 
-    Outcome<Real> operator()(const Motion<P>& motion, Index first, Index last) const {
+    Outcome<P> operator()(const Motion<P>& motion, Index first, Index last) const {
       return run_(update_, motion, first, last);
     }
 
    private:
     // Copies, so that the compiler knows that no store changes them.
     template <class Function>
-    [[gnu::flatten, gnu::noinline]] static Outcome<Real> run(const void* from, const Motion<P>& of,
-                                                             Index first, Index last) {
+    [[gnu::flatten, gnu::noinline]] static Outcome<P> run(const void* from, const Motion<P>& of,
+                                                          Index first, Index last) {
       const Function update = *static_cast<const Function*>(from);
       const Motion<P> motion = of;
       typename Motion<P>::Outcome outcome;
       const auto update_from = [&](Index i) {
         auto particle = motion.load(i, last);
+        motion.begin(outcome, particle);
         update(motion, particle);
-        motion.add_to(outcome, particle);
+        motion.end(outcome, particle);
         motion.store(i, last, particle);
       };
       if constexpr (Motion<P>::is_in_rows) {
@@ -184,18 +189,27 @@ class Leapfrog {
         SILT_INDEPENDENT_ITERATIONS
         for (Index i = first; i < last; ++i) update_from(i);
       }
-      return {outcome.is_valid(motion), outcome.squared_displacement()};
+      return {outcome.is_valid(motion), outcome.squared_displacement(), outcome.energies()};
     }
 
     const void* update_;
-    Outcome<Real> (*run_)(const void*, const Motion<P>&, Index, Index);
+    Outcome<P> (*run_)(const void*, const Motion<P>&, Index, Index);
   };
 
   // The outcome of all ranges, from any thread.
-  template <class Real>
+  template <class P>
   class Outcomes {
+    using Real = typename P::Real;
+
    public:
-    void add(const Outcome<Real>& outcome) {
+    // For n particles.
+    explicit Outcomes(Index n) : energies_(Motion<P>::knows_energy ? n : 0, {}) {}
+
+    // `first` is the first particle of the range.
+    void add(Index first, const Outcome<P>& outcome) {
+      if constexpr (Motion<P>::knows_energy) {
+        energies_[first / chunk_size].add(first % chunk_size, outcome.energies);
+      }
       if (!outcome.is_valid) is_valid_.store(false, std::memory_order_relaxed);
       Real highest = farthest_.load(std::memory_order_relaxed);
       while (outcome.squared_displacement > highest &&
@@ -210,8 +224,51 @@ class Leapfrog {
       return std::sqrt(double(farthest_.load(std::memory_order_relaxed))) *
              (1 + 4 * double(std::numeric_limits<Real>::epsilon()));
     }
+    // See FinishedStep. Rounded up by more than the round-off of the sums, which depends on the
+    // order of the ranges.
+    double max_energy_gain() const {
+      constexpr double infinity = std::numeric_limits<double>::infinity();
+      if constexpr (!Motion<P>::knows_energy) return infinity;
+      double before = 0;
+      double after = 0;
+      for (const EnergiesOfChunk& each : energies_) {
+        before += each.sum(&Energies::before) + each.others_before;
+        after += each.sum(&Energies::after) + each.others_after;
+      }
+      if (after == 0) return 0;
+      const double gain = 1.1 * after / before;
+      return is_finite(gain) ? gain : infinity;
+    }
 
    private:
+    using Energies = typename Motion<P>::Energies;
+    // Most ranges begin at a multiple of range_size. No two have the same first particle, so that
+    // such a range has a place of its own, and its thread need not wait for others.
+    struct EnergiesOfChunk {
+      // `first` is the first particle of the range, within the chunk.
+      void add(Index first, const Energies& energies) {
+        if (first % range_size == 0) {
+          of_ranges[first / range_size] = energies;
+          return;
+        }
+        const auto add_to = [](double& sum, double part) {
+          std::atomic_ref<double>(sum).fetch_add(part, std::memory_order_relaxed);
+        };
+        add_to(others_before, Motion<P>::sum_of(energies.before));
+        add_to(others_after, Motion<P>::sum_of(energies.after));
+      }
+      template <class Member>
+      double sum(Member energy) const {
+        auto all = of_ranges[0].*energy;
+        for (Index k = 1; k < of_ranges.size(); ++k) all += of_ranges[k].*energy;
+        return Motion<P>::sum_of(all);
+      }
+
+      std::array<Energies, chunk_size / range_size> of_ranges{};
+      double others_before = 0;
+      double others_after = 0;
+    };
+    PerChunk<EnergiesOfChunk> energies_;
     std::atomic<bool> is_valid_ = true;
     std::atomic<Real> farthest_ = 0;
   };
@@ -222,11 +279,14 @@ class Leapfrog {
   bool advance(P& particles, S& search, I& interaction, double dt, const Update<P>& update) {
     if (needs_search(interaction, particles)) search.update(particles);
     const Motion<P> motion(particles);
-    Outcomes<typename P::Real> outcomes;
+    Outcomes<P> outcomes(particles.size());
     const auto clear_forces = [&](Index first, Index last) { clear(particles, first, last); };
-    const auto move = [&](Index first, Index last) { outcomes.add(update(motion, first, last)); };
+    const auto move = [&](Index first, Index last) {
+      outcomes.add(first, update(motion, first, last));
+    };
     accelerate_in_pass(interaction, particles, search, dt, Pass{clear_forces, move});
     particles.finish_advance(outcomes.max_displacement());
+    max_energy_gain_ = outcomes.max_energy_gain();
     return outcomes.is_valid();
   }
 
@@ -246,6 +306,7 @@ class Leapfrog {
   D damping_{};
   bool started_ = false;
   double last_time_step_ = 0;
+  double max_energy_gain_ = std::numeric_limits<double>::infinity();
 };
 
 }  // namespace silt

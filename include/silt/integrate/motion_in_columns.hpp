@@ -3,7 +3,9 @@
 // way.
 #pragma once
 
+#include <silt/core/error.hpp>
 #include <silt/core/particles.hpp>
+#include <silt/core/rows_of_four.hpp>
 #include <silt/core/types.hpp>
 
 #include <algorithm>
@@ -40,6 +42,8 @@ class MotionInColumns {
     Real angle[angular];            ///< [rad]
     Real w[angular];                ///< [1/s]
     Real w_dot[angular];            ///< M/I [1/s²]
+    Real m;                         ///< [kg]
+    Real inertia;                   ///< [kg m²]
     Real squared_displacement = 0;  ///< by drift() [m²]
   };
 
@@ -65,14 +69,16 @@ class MotionInColumns {
 
   [[gnu::always_inline]] State load(Index i, Index) const {
     State p;
-    const Real per_mass = 1 / m_[i];
+    p.m = m_[i];
+    const Real per_mass = 1 / p.m;
     for (int k = 0; k < Dim; ++k) {
       p.x[k] = x_.before[i][k];
       p.v[k] = v_.before[i][k];
       p.a[k] = f_[i][k] * per_mass;
     }
     if constexpr (rotates) {
-      const Real per_inertia = 1 / inertias_[i];
+      p.inertia = inertias_[i];
+      const Real per_inertia = 1 / p.inertia;
       for (int k = 0; k < angular; ++k) {
         p.w[k] = component(w_.before[i], k);
         p.w_dot[k] = component(t_[i], k) * per_inertia;
@@ -135,41 +141,75 @@ class MotionInColumns {
     }
   }
 
+  /// Only for particles in rows of four, such as grains: compilers do not vectorise a sum.
+  static constexpr bool knows_energy = in_rows_of_four<P>();
+  /// Sums of twice the kinetic energy [J].
+  struct Energies {
+    Real before = 0;  ///< without rotation
+    Real after = 0;
+  };
+  static double sum_of(Real energy) { return double(energy); }
+
   /// What a step did to particles.
   class Outcome {
    public:
     /// Whether all of them have finite fields and a position within the box; may also be false if
     /// values are extremely large.
-    bool is_valid(const MotionInColumns&) const { return broken_ == 0; }
+    bool is_valid(const MotionInColumns&) const {
+      return broken_ == 0 && is_finite(energies_.after) && is_finite(displacements_);
+    }
     /// The maximum [m²].
     Real squared_displacement() const { return std::bit_cast<Real>(farthest_); }
+    /// The round-off depends on the order of the particles.
+    const Energies& energies() const { return energies_; }
 
    private:
     friend MotionInColumns;
-    int broken_ = 0;  // an int, because g++ 12 does not vectorise with a bool
+    Energies energies_;
+    Real displacements_ = 0;  // sum of their squares [m²]
+    int broken_ = 0;          // an int, because g++ 12 does not vectorise with a bool
     // Bits of non-negative numbers compare as the numbers do; unlike the maximum of Reals, the
     // maximum of bits is vectorised.
     std::conditional_t<sizeof(Real) == 4, std::uint32_t, std::uint64_t> farthest_ = 0;
   };
-  [[gnu::always_inline]] void add_to(Outcome& outcome, const State& p) const {
+  /// A particle before the step.
+  [[gnu::always_inline]] void begin(Outcome& outcome, const State& p) const {
+    if constexpr (knows_energy) outcome.energies_.before += p.m * squared(p.v);
+  }
+  /// The same particle after it.
+  [[gnu::always_inline]] void end(Outcome& outcome, const State& p) const {
     int inside = 1;
-    Real sum = 0;
     for (int k = 0; k < Dim; ++k) {
       inside &= int(lower_[k] <= p.x[k]) & int(p.x[k] <= upper_[k]);
-      sum += p.x[k] + p.v[k];
     }
-    if constexpr (rotates) {
-      for (int k = 0; k < angular; ++k) {
-        sum += p.w[k];
-        if constexpr (has_angle) sum += p.angle[k];
+    outcome.broken_ |= !inside;
+    if constexpr (knows_energy) {
+      outcome.energies_.after += p.m * squared(p.v) + p.inertia * squared(p.w);
+      outcome.displacements_ += p.squared_displacement;
+      if constexpr (has_angle) outcome.displacements_ += p.angle[0] - p.angle[0];
+    } else {
+      Real sum = 0;
+      for (int k = 0; k < Dim; ++k) sum += p.x[k] + p.v[k];
+      if constexpr (rotates) {
+        for (int k = 0; k < angular; ++k) {
+          sum += p.w[k];
+          if constexpr (has_angle) sum += p.angle[k];
+        }
       }
+      outcome.broken_ |= int(!(sum - sum == 0));  // unlike is_finite(), vectorised
     }
-    outcome.broken_ |= int(!(sum - sum == 0)) | !inside;  // unlike is_finite(), vectorised
     outcome.farthest_ = std::max(
         outcome.farthest_, std::bit_cast<decltype(outcome.farthest_)>(p.squared_displacement));
   }
 
  private:
+  template <int n>
+  [[gnu::always_inline]] static Real squared(const Real (&v)[n]) {
+    Real sum = v[0] * v[0];
+    for (int k = 1; k < n; ++k) sum += v[k] * v[k];
+    return sum;
+  }
+
   // change(velocity before, acceleration) returns the velocity after.
   template <class Change>
   [[gnu::always_inline]] static void change_velocities(State& p, Change&& change) {

@@ -2,6 +2,7 @@
 // The equations of motion of the leapfrog, [SahChoi2004] (15)–(33), for particles stored in rows.
 #pragma once
 
+#include <silt/core/error.hpp>
 #include <silt/core/four.hpp>
 #include <silt/core/particles.hpp>
 #include <silt/core/types.hpp>
@@ -32,10 +33,12 @@ class MotionInRows {
 
   struct State {
     Pack x;
-    Pack v;      ///< in 2D with the spin
-    Pack a;      ///< F/m [m/s²]; in 2D with M/I
-    Pack w;      ///< 3D only
-    Pack w_dot;  ///< M/I [1/s²]; 3D only
+    Pack v;        ///< in 2D with the spin
+    Pack a;        ///< F/m [m/s²]; in 2D with M/I
+    Pack w;        ///< 3D only
+    Pack w_dot;    ///< M/I [1/s²]; 3D only
+    Pack m;        ///< of the first three of v [kg]; in 2D {m, m, I}
+    Pack inertia;  ///< of the first three of w [kg m²]; 3D only
     Real angle[at_once][angular];
     Pack squares{};  ///< of the displacement by drift() [m²]
   };
@@ -67,21 +70,23 @@ class MotionInRows {
     State p;
     load_fours(linear_.before + 8 * i, linear_.before + 8 * j, p.x);
     load_fours(linear_.before + 8 * i + 4, linear_.before + 8 * j + 4, p.v);
-    // One division for masses and moments of inertia.
-    Pack divisors;
     if constexpr (Dim == 2) {
-      shuffle_fours<3, 3, 7, 7>(p.x, p.v, divisors);
+      shuffle_fours<3, 3, 7, 7>(p.x, p.v, p.m);
       set_threes({f_[i][0], f_[i][1], t_[i]}, {f_[j][0], f_[j][1], t_[j]}, p.a);
-      p.a *= 1 / divisors;
+      p.a *= 1 / p.m;
     } else {
       load_fours(angular_.before + 4 * i, angular_.before + 4 * j, p.w);
-      shuffle_fours<3, 7, 3, 7>(p.v, p.w, divisors);
-      const Pack inverse = 1 / divisors;
+      if constexpr (at_once == 1) {
+        p.m = simd::broadcast<Real, N>(linear_.before[8 * i + 7]);
+        p.inertia = simd::broadcast<Real, N>(angular_.before[4 * i + 3]);
+      } else {
+        shuffle_fours<3, 3, 3, 3>(p.v, p.v, p.m);
+        shuffle_fours<3, 3, 3, 3>(p.w, p.w, p.inertia);
+      }
       Pack per_mass, per_inertia;
-      shuffle_fours<0, 0, 0, 0>(inverse, inverse, per_mass);
-      shuffle_fours<1, 1, 1, 1>(inverse, inverse, per_inertia);
-      set_threes({f_[i][0], f_[i][1], f_[i][2]}, {f_[j][0], f_[j][1], f_[j][2]}, p.a);
-      set_threes({t_[i][0], t_[i][1], t_[i][2]}, {t_[j][0], t_[j][1], t_[j][2]}, p.w_dot);
+      inverse_of_fourths(p.v, p.w, per_mass, per_inertia);
+      load_threes(f_[i].data(), f_[j].data(), p.a);
+      load_threes(t_[i].data(), t_[j].data(), p.w_dot);
       p.a *= per_mass;
       p.w_dot *= per_inertia;
     }
@@ -89,6 +94,12 @@ class MotionInRows {
       for (int k = 0; k < angular; ++k) {
         p.angle[0][k] = component(angle_.before[i], k);
         p.angle[at_once - 1][k] = component(angle_.before[j], k);
+      }
+    }
+    if constexpr (at_once == 2) {
+      if (i == j) {  // its energy counts once
+        keep_first_four(p.m);
+        if constexpr (Dim == 3) keep_first_four(p.inertia);
       }
     }
     return p;
@@ -131,16 +142,14 @@ class MotionInRows {
   }
 
   [[gnu::always_inline]] void drift(State& p, double dt) const {
-    const Pack moved = p.v * Real(dt);
-    const Pack none{};
+    const Pack moved = p.x + p.v * Real(dt);
     // No number but the position moves.
-    Pack move;
+    Pack x;
     if constexpr (Dim == 2) {
-      shuffle_fours<0, 1, 6, 7>(moved, none, move);
+      shuffle_fours<0, 1, 6, 7>(moved, p.x, x);
     } else {
-      shuffle_fours<0, 1, 2, 7>(moved, none, move);
+      shuffle_fours<0, 1, 2, 7>(moved, p.x, x);
     }
-    const Pack x = p.x + move;
     const Pack with_rounding = x - p.x;
     p.squares = with_rounding * with_rounding;
     const Pack above = x < lower_ ? x + period_ : x;
@@ -155,37 +164,65 @@ class MotionInRows {
     }
   }
 
-  // Extremes and a sum that becomes NaN take half as long as comparisons for every particle.
+  static constexpr bool knows_energy = true;
+  /// Sums of twice the kinetic energy [J]. The fourth of each four is unspecified.
+  struct Energies {
+    Pack before{};  ///< in 3D without rotation
+    Pack after{};
+  };
+  static double sum_of(const Pack& energy) {
+    double sum = 0;
+    for (int k = 0; k < N; ++k) {
+      if (k % 4 < 3) sum += double(energy[k]);
+    }
+    return sum;
+  }
+
+  // Extremes and sums that become infinite or NaN take less time than comparisons for every
+  // particle.
   class Outcome {
    public:
     bool is_valid(const MotionInRows& motion) const {
+      // Copies, so that the members need not be in memory while particles are added.
+      const Pack squares = squares_, lowest = lowest_, highest = highest_;
+      Pack sums;
+      shuffle_fours<0, 1, 2, 7>(squares + energies_.after, squares, sums);
       for (int k = 0; k < N; ++k) {
-        if (!(nan_if_broken_[k] == 0 && motion.lower_[k] <= lowest_[k] &&
-              highest_[k] <= motion.upper_[k])) {
+        if (!(is_finite(sums[k]) && motion.lower_[k] <= lowest[k] &&
+              highest[k] <= motion.upper_[k])) {
           return false;
         }
       }
-      return true;
+      return is_finite(angles_);
     }
     Real squared_displacement() const { return std::max(farthest_[0], farthest_[N - 4]); }
+    /// The round-off depends on the order of the particles.
+    const Energies& energies() const { return energies_; }
 
    private:
     friend MotionInRows;
     static constexpr Real infinity = std::numeric_limits<Real>::infinity();
-    Pack nan_if_broken_{};
+    Pack squares_{};
+    Energies energies_;
+    Real angles_ = 0;
     Pack lowest_ = simd::broadcast<Real, N>(infinity);
     Pack highest_ = simd::broadcast<Real, N>(-infinity);
     Pack farthest_{};  // first lane of each particle
   };
-  [[gnu::always_inline]] void add_to(Outcome& outcome, const State& p) const {
-    Pack sum = p.x + p.v;
-    if constexpr (Dim == 3) sum += p.w;
+  /// A particle before the step.
+  [[gnu::always_inline]] void begin(Outcome& outcome, const State& p) const {
+    outcome.energies_.before += p.m * (p.v * p.v);
+  }
+  /// The same particle after it.
+  [[gnu::always_inline]] void end(Outcome& outcome, const State& p) const {
+    outcome.squares_ += p.squares;
+    outcome.energies_.after += p.m * (p.v * p.v);
+    if constexpr (Dim == 3) outcome.energies_.after += p.inertia * (p.w * p.w);
     if constexpr (has_angle) {
       for (const auto& of_one : p.angle) {
-        for (const Real turned : of_one) sum += turned;
+        for (const Real turned : of_one) outcome.angles_ += turned - turned;
       }
     }
-    outcome.nan_if_broken_ += sum - sum;
     outcome.lowest_ = p.x < outcome.lowest_ ? p.x : outcome.lowest_;
     outcome.highest_ = outcome.highest_ < p.x ? p.x : outcome.highest_;
     Pack y, z;

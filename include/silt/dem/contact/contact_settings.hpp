@@ -27,12 +27,21 @@ struct ContactSettings {
   /// A step throws if a grain moves, or a moving wall, by more than this share of the radius, which
   /// may take it through a grain or a thin wall without a contact [-]. Infinity: no limit.
   double max_displacement = 0.5;
+  /// A step throws if the kinetic energy exceeds this times the sum of that before the step, the
+  /// energy in the springs of the contacts and the work of all other forces [-]. The energy is that
+  /// of all grains together. Only for laws that tell it by components, see ContactLaw. Infinity: no
+  /// limit.
+  double max_energy_gain = 10;
 
   /// Throws if a setting is out of range.
   void check() const {
     require_positive("ContactSettings: steps_per_contact", steps_per_contact);
     check_limit("ContactSettings: max_overlap", max_overlap);
     check_limit("ContactSettings: max_displacement", max_displacement);
+    if (!(max_energy_gain > 1)) {  // also NaN
+      fail("ContactSettings: max_energy_gain = " + to_text(max_energy_gain) +
+           " must be above 1; give a ratio of energies, or infinity");
+    }
   }
 
  private:

@@ -7,7 +7,7 @@
 //   check_stability  throws if the time step is unstable for the contacts   stable_time_step.hpp
 //
 // After the integrator's part of the step, check_step() throws if grains or walls moved too far
-// (step_limits.hpp).
+// (step_limits.hpp), or if contacts gave more energy than they had (energy_check.hpp).
 //
 // Its result, an Evaluation (evaluation.hpp), replaces that of the step before; restore() undoes
 // this. Observers read it through ContactsOfStep (contacts_of_step.hpp).
@@ -24,6 +24,7 @@
 #include <silt/dem/contact/contacts_of_step.hpp>
 #include <silt/dem/contact/default_time_step.hpp>
 #include <silt/dem/contact/described_contacts.hpp>
+#include <silt/dem/contact/energy_check.hpp>
 #include <silt/dem/contact/evaluation.hpp>
 #include <silt/dem/contact/law_evaluation.hpp>
 #include <silt/dem/contact/list_rebuild.hpp>
@@ -91,10 +92,9 @@ class ContactsOf : public Contacts<Law, Walls...> {
   /// ContactSettings::max_overlap, or if dt exceeds the stability limit.
   template <class S, class Before = DoNothing, class After = DoNothing>
   void accelerate(P& grains, const S& search, double dt, const Pass<Before, After>& pass = {}) {
-    Evaluation evaluation = begin_step(grains, search,
-                                       {.time = time_,
-                                        .time_step = dt,
-                                        .last_time_step = last_time_step_.value_or(dt)});
+    Evaluation evaluation = begin_step(
+        grains, search,
+        {.time = time_, .time_step = dt, .last_time_step = last_time_step_.value_or(dt)});
     const auto after = memory_.histories.take();
     const auto walls = detail::walls_in_law<P>(walls_, evaluation.step);
     const auto evaluate_law = detail::law_evaluation<P>(evaluation, materials_, walls_);
@@ -115,13 +115,20 @@ class ContactsOf : public Contacts<Law, Walls...> {
   }
 
   /// Throws if a grain or a wall moved too far in the step, see ContactSettings::max_displacement,
-  /// or if the step is too long for a vibrating wall. Called by Simulation.
+  /// if the step is too long for a vibrating wall, or if contacts gave more energy than they had,
+  /// see ContactSettings::max_energy_gain. Called by Simulation.
   void check_step(const P& grains, const FinishedStep& step) const {
     if (grains.empty()) return;
     const double smallest = double(radii_of(grains).smallest);
     detail::check_displacements(grains, smallest, settings_, step);
     if constexpr (WallSet<Walls...>::move) {
       detail::check_motion_of_walls(walls_, state_.last.list->extent, smallest, settings_, step);
+    }
+    if constexpr (ContactsOfStep::knows_springs) {
+      if (state_.last.count == 0) return;
+      detail::check_energy(
+          grains, state_.last.grains.rows(), settings_, step,
+          [this](const P& before, const P& mean) { return results_for(before).energy(mean); });
     }
   }
 

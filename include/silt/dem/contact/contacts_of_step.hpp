@@ -18,11 +18,19 @@
 #include <silt/dem/wall/moving.hpp>
 #include <silt/dem/wall/wall.hpp>
 
+#include <algorithm>
 #include <string>
 #include <utility>
 #include <vector>
 
 namespace silt::dem::detail {
+
+/// Energy of the springs of all contacts, without that of adhesion, which no spring holds [J].
+struct ContactEnergy {
+  double stored = 0;  ///< at the time of the forces
+  /// By springs and dashpots in the step, on the grains relative to the walls; without attraction.
+  double work = 0;
+};
 
 /// View of the last step of Contacts, limited to contacts whose grains still exist. `grains` may be
 /// those before or after that step; the velocities of contacts are computed from theirs. Walls is a
@@ -87,34 +95,47 @@ class ContactsOfStep {
     return load;
   }
 
+  /// See ContactEnergy. `mean` are the grains with the mean velocities of the step, those of this
+  /// view have the velocities at its beginning. For a law with knows_springs.
+  ContactEnergy energy(const P& mean) const {
+    ContactEnergy energy;
+    const auto walls = walls_then();
+    const auto walls_of_law = walls_in_law<P>(walls_, evaluation_.step);
+    const double time_step = evaluation_.step.time_step;
+    for_each_with_row([&](Index c, const auto& bodies, const Real* row) {
+      const auto contact = contact_at(row, bodies, walls_of_law);
+      const ElasticEnergies elastic = elastic_energies(law_of(c), contact, c);
+      energy.stored += std::max(0.0, elastic.normal + elastic.tangential + elastic.rolling);
+      const auto answer = answer_of(contact, c);
+      const auto motion = contact_of<Row>(mean, row, bodies, walls, evaluation_.step);
+      const auto repulsion = std::max(Real(0), answer.normal_spring + answer.normal_dashpot);
+      const Vec tangential = answer.tangential_spring + answer.tangential_dashpot;
+      energy.work += time_step * (double(tangential.dot(motion.relative_velocity)) -
+                                  double(repulsion) * double(motion.approach_speed()) +
+                                  double(dot(couple_of(answer), motion.relative_spin)));
+    });
+    return energy;
+  }
+
   /// See Contacts::for_each_evaluated_contact.
   template <class F>
   void for_each_evaluated_contact(F&& f) const {
     const auto walls = walls_then();
     const auto walls_of_law = walls_in_law<P>(walls_, evaluation_.step);
     for_each_with_row([&](Index c, const auto& bodies, const Real* row) {
-      const Law& law = law_of(c);
       const auto contact = contact_at(row, bodies, walls_of_law);
       RigidVelocity<P::dimension, Real> wall;
       if (bodies.wall != no_index) wall = walls.velocity(bodies.wall);
-      const auto evaluate = [&] {
-        if constexpr (LawHistory::words == 0) {
-          return evaluate_law(law, contact);
-        } else {
-          auto own = evaluation_.before->of(c);
-          return evaluate_law(law, contact, own);
-        }
-      };
-      f(EvaluatedContact<P::dimension, Real, decltype(evaluate())>{
+      f(EvaluatedContact<P::dimension, Real, decltype(answer_of(contact, c))>{
           .bodies = bodies,
           .first = evaluation_.contacts().first_id(c),
           .second = evaluation_.contacts().second_id(c),
           .contact = contact,
           .arm_reduction = row[Row::arm_reduction],
-          .answer = evaluate(),
+          .answer = answer_of(contact, c),
           .wall_velocity = wall.at(contact_point<P, Row>(grains_, row, bodies)),
           .wall_spin = wall.spin,
-          .elastic = elastic_energies(law, contact, c)});
+          .elastic = elastic_energies(law_of(c), contact, c)});
     });
   }
 
@@ -124,6 +145,14 @@ class ContactsOfStep {
       requires(const Law law, const Contact c, const typename LawHistory::type history) {
         law.elastic_energies(c, history);
       };
+  /// These are all springs but those of adhesion.
+  static constexpr bool knows_springs = gives_spring_energy && [] {
+    if constexpr (requires { Law::template knows_springs<Contact>; }) {
+      return Law::template knows_springs<Contact>;
+    } else {
+      return true;
+    }
+  }();
 
   /// See Contacts::elastic_energy.
   double elastic_energy() const {
@@ -168,6 +197,16 @@ class ContactsOfStep {
 
   Contact contact_at(const Real* row, const ContactBodies& bodies, const auto& walls) const {
     return contact_of<Row>(grains_, row, bodies, walls, evaluation_.step);
+  }
+
+  // The result of the law for contact c, from its history before the step.
+  auto answer_of(const Contact& contact, Index c) const {
+    if constexpr (LawHistory::words == 0) {
+      return evaluate_law(law_of(c), contact);
+    } else {
+      auto own = evaluation_.before->of(c);
+      return evaluate_law(law_of(c), contact, own);
+    }
   }
 
   ElasticEnergies elastic_energies(const Law& law, const Contact& contact, Index c) const {

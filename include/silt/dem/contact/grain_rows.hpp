@@ -75,12 +75,26 @@ class GrainRows {
       for (int k = 0; k < 3; ++k) grains.w[k] = four[k];
     }
   }
+  // Of one grain.
+
+  Vec position_of(Index i) const { return Eigen::Map<const Vec>(rows_ + row_length * i); }
+  Vec velocity_of(Index i) const { return Eigen::Map<const Vec>(rows_ + row_length * i + 4); }
+  AngularVec<Dim, Real> spin_of(Index i) const {
+    if constexpr (Dim == 2) {
+      return rows_[row_length * i + 6];
+    } else {
+      return Eigen::Map<const Vec>(spins_ + 4 * i);
+    }
+  }
+
   /// m of grains loaded by both.
   static const Pack& mass_of(const Position& at, const Motion& motion) {
     return Dim == 2 ? at.m : motion.m;
   }
 
  private:
+  static constexpr Index row_length = 8;
+
   const Real* rows_;
   const Real* spins_;
 };

@@ -108,6 +108,12 @@ class Law {
     return all;
   }
 
+  /// All components but that of adhesion have elastic_energy().
+  template <class C>
+  static constexpr bool knows_springs =
+      detail::GivesElasticEnergy<Normal, C> && detail::GivesElasticEnergy<Tangential, C> &&
+      detail::GivesElasticEnergy<Rolling, C>;
+
   /// 0 for components without elastic_energy().
   template <class C, class M>
   ElasticEnergies elastic_energies(const C& contact, const M& history) const {

@@ -160,7 +160,9 @@ concept LawWithHistory =
 ///   check()                  throws if a parameter is out of range
 ///   stiffness(contact)       → Stiffness; provides the default and the stable time step
 ///   elastic_energy(contact, history)     → [J], stored in the springs
-///   elastic_energies(contact, history)   → ElasticEnergies, the same by components
+///   elastic_energies(contact, history)   → ElasticEnergies, the same by components; with
+///                            components(), a step in which contacts give far more is refused, see
+///                            ContactSettings::max_energy_gain
 ///   mix(a, b)  (static)      → the law between two materials
 template <class L, int Dim, class Real>
 concept ContactLaw = LawWithoutHistory<L, Dim, Real> || LawWithHistory<L, Dim, Real>;

@@ -15,7 +15,9 @@
 //   stiffness(contact)                  → Stiffness; normal component
 //   stiffness(contact, stiffness)       → Stiffness; tangential and rolling component: the given
 //                                         one with its own entries filled in
-//   elastic_energy(contact)             → [J]; followed by the history, if there is one
+//   elastic_energy(contact)             → [J]; followed by the history, if there is one. Contacts
+//                                         check the energy of a step only if all components but
+//                                         that of adhesion have it
 //   mix(a, b)  (static)                 → the component for a contact between two materials
 #pragma once
 
@@ -179,6 +181,15 @@ concept GivesStiffness = std::is_same_v<P, NoComponent> || requires(const P p, c
 } || requires(const P p, const C contact, const Stiffness normal) {
   { p.stiffness(contact, normal) } -> std::convertible_to<Stiffness>;
 };
+
+template <class P, class C>
+concept GivesElasticEnergy =
+    std::is_same_v<P, NoComponent> ||
+    requires(const P p, const C contact) { p.elastic_energy(contact); } ||
+    requires(const P p, const C contact,
+             const typename P::template History<C::dimension, typename C::Real> history) {
+      p.elastic_energy(contact, history);
+    };
 
 template <class P>
 concept Mixes = std::is_same_v<P, NoComponent> || requires(const P p) {
