@@ -133,6 +133,35 @@ TEST(FirstStep, DoesNotDampAContactThatSlides) {
   EXPECT_LE(v0 - sim.particles()[velocity][0][0], friction * dt);
 }
 
+// An integrator of the user that evaluates the forces several times in a step.
+struct Substeps {
+  int number = 1;
+
+  template <class P, class S, class I>
+  void step(P& particles, S& search, I& interaction, double time_step) {
+    for (int k = 0; k < number; ++k) {
+      search.update(particles);
+      clear(particles);
+      interaction.accelerate(particles, search, time_step / number);
+      kick(particles, NoDamping{}, time_step / number);
+      drift(particles, time_step / number);
+    }
+  }
+};
+
+TEST(ContactSprings, AreDeflectedByEachOfSeveralEvaluationsInAStep) {
+  const auto force_after = [](int steps, int substeps) {
+    const auto grain = sticking_grain().simulation();
+    Simulation sim{grain.particles(), UniformGrid<3>{}, grain.interaction(),
+                   Substeps{.number = substeps}};
+    for (int step = 0; step < steps; ++step) sim.step(2e-6 * substeps);
+    return sim.particles()[force][0][0];
+  };
+  EXPECT_LT(force_after(8, 1), 0);
+  EXPECT_DOUBLE_EQ(force_after(4, 2), force_after(8, 1));
+  EXPECT_DOUBLE_EQ(force_after(2, 4), force_after(8, 1));
+}
+
 TEST(ContactSprings, AreOfSecondOrderIfTheTimeStepChanges) {
   const auto grain = sticking_grain();
   const double quarter = std::numbers::pi / 2 / grain.omega;

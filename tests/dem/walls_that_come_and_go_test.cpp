@@ -70,6 +70,28 @@ TEST(WallsThatComeAndGo, ActAtOnceOnGrainsThatAreInTheWay) {
   EXPECT_EQ(simulation.interaction().size(), 1u);
 }
 
+// An absent wall moves too fast, vibrates too fast, or breaks off at a periodic side.
+TEST(WallsThatComeAndGo, LimitNoStepWhileTheyAreAbsent) {
+  const auto expect_limits = [](const auto& wall, const Box<3>& box, const char* limit) {
+    auto grains = one_grain<3>({0, 0, 0}, {0, 0, 0});
+    grains.set_box(box);
+    Simulation simulation{grains, NeighbourList<3>{}, dem::Contacts{law, wall}, Leapfrog{}};
+    EXPECT_TRUE(refuses([&] { simulation.step(1e-4); }, {limit}));
+    simulation.interaction().set_wall_present(0, false);
+    EXPECT_NO_THROW(simulation.step(1e-4));
+  };
+  const dem::Plane<3> far{.point = {0, 0, -1}};
+  expect_limits(dem::Moving{far, dem::Translation<3>{.velocity = {0, 0, -1000}}}, {},
+                "a wall moved");
+  const dem::Vibration<3> fast{.amplitude = {0, 0, 1e-4}, .frequency = 5000};
+  expect_limits(dem::Moving{far, fast}, {}, "period");
+  Box<3> box;
+  box.lower = {-0.1, -1, -2};
+  box.upper = {0.1, 1, 1};
+  box.periodic[0] = true;
+  expect_limits(dem::Plane<3>{.point = {0, 0, -1}, .normal = {0.1, 0, 1}}, box, "periodic");
+}
+
 class CheckpointOfWalls : public FileTest {};
 
 TEST_F(CheckpointOfWalls, HasThosePresent) {

@@ -109,6 +109,78 @@ TEST_F(CheckpointOfOtherSetup, NamesTheWallThatDiffers) {
   EXPECT_TRUE(refuses_other(shaker(50), shaker(51), 0.003));
 }
 
+TEST_F(CheckpointOfOtherSetup, NamesAWallOfWhichAFarPartDiffers) {
+  const auto floor_and_step = [](double place) {
+    auto triangles = box_of_triangles({{-1, -1, -0.1}, {1, 1, 0}}, 4);
+    triangles.push_back({{Vec<3>(place, 0.5, 0), Vec<3>(place, 0.6, 0), Vec<3>(place, 0.5, 0.1)}});
+    return dem::MeshWall<>{triangles};
+  };
+  auto simulation = grains_on(law, floor_and_step(0.7));
+  write_checkpoint(path, simulation);
+  EXPECT_NO_THROW(read_checkpoint(path, simulation));
+  auto other = grains_on(law, floor_and_step(0.71));
+  EXPECT_TRUE(refuses([&] { read_checkpoint(path, other); }, {"another wall 0;"}));
+}
+
+TEST_F(CheckpointOfOtherSetup, NamesAWallThatDiffersBeforeThereAreGrains) {
+  const auto empty_above = [](double height) {
+    return Simulation{dem::Grains<3>{}, UniformGrid<3>{},
+                      dem::Contacts{law, dem::Plane<3>{.point = {0, 0, height}}}, Leapfrog{}};
+  };
+  write_checkpoint(path, empty_above(0));
+  auto other = empty_above(0.01);
+  EXPECT_TRUE(refuses([&] { read_checkpoint(path, other); }, {"another wall 0;"}));
+}
+
+template <class... Setup>
+auto grain_at(double height, const Setup&... setup) {
+  return Simulation{one_grain<3>({0, 0, height}, {0.1, 0, 0}), NeighbourList<3>{},
+                    dem::Contacts{setup...}, Leapfrog{}};
+}
+
+TEST_F(CheckpointOfOtherSetup, IsReadWithAWallThatThenActsAtOnce) {
+  constexpr double R = pebble.radius;
+  auto simulation = grain_at(2 * R, law, dem::Plane<3>{});
+  simulation.step(1e-5);
+  write_checkpoint(path, simulation);
+  auto other = grain_at(2 * R, law, dem::Plane<3>{.point = {0, 0, 1.05 * R}});
+  read_checkpoint({.file = path, .accepts_other_setup = true}, other);
+  other.step(1e-5);
+  EXPECT_EQ(other.interaction().size(), 1u);
+}
+
+TEST_F(CheckpointOfOtherSetup, IsReadWithALawOfAnotherStableTimeStep) {
+  auto simulation = grain_at(0.999 * pebble.radius, law, dem::Plane<3>{});
+  simulation.step(1e-5);
+  write_checkpoint(path, simulation);
+  auto stiff = law;
+  stiff.normal_stiffness = 1e9;
+  auto other = grain_at(0.999 * pebble.radius, stiff, dem::Plane<3>{});
+  read_checkpoint({.file = path, .accepts_other_setup = true}, other);
+  EXPECT_TRUE(refuses([&] { other.step(1e-4); }, {"stable time step"}));
+}
+
+// The history of wall 1 is not that of the wall which is now number 0.
+TEST_F(CheckpointOfOtherSetup, IsReadWithFewerWallsAndBeginsTheirContactsAnew) {
+  const dem::Plane<3> lid{.point = {0, 0, 1}, .normal = {0, 0, -1}};
+  auto simulation = grain_at(0.999 * pebble.radius, law, lid, dem::Plane<3>{});
+  for (int step = 0; step < 10; ++step) simulation.step(1e-5);
+  EXPECT_EQ(simulation.interaction().history(simulation.particles()).size(), 1u);
+  write_checkpoint(path, simulation);
+  auto other = grain_at(0.999 * pebble.radius, law, dem::Plane<3>{});
+  EXPECT_TRUE(refuses([&] { read_checkpoint(path, other); }, {"another number of walls;"}));
+  read_checkpoint({.file = path, .accepts_other_setup = true}, other);
+  EXPECT_EQ(other.interaction().history(other.particles()).size(), 0u);
+  EXPECT_NO_THROW(other.step(1e-5));
+}
+
+TEST_F(CheckpointOfOtherSetup, NamesAnotherNumberOfMaterials) {
+  auto simulation = grains_on(dem::Materials{law, law}, dem::Plane<3>{});
+  write_checkpoint(path, simulation);
+  auto other = grains_on(dem::Materials{law, law, law}, dem::Plane<3>{});
+  EXPECT_TRUE(refuses([&] { read_checkpoint(path, other); }, {"another number of materials;"}));
+}
+
 TEST_F(CheckpointOfOtherSetup, NamesAnotherSpacingOrDensityOfAFlow) {
   const auto flow = [](double spacing, double density) {
     mps::Fluid<2> fluid;

@@ -42,7 +42,7 @@ def main():
         return
     found = strangers(pathlib.Path(sys.argv[1]))
     for name in found:
-        print(f"{name} does not belong into the top folder; remove it, or add it to BELONGS in {__file__}")
+        print(f"{name} does not belong in the top folder; remove it, or add it to BELONGS in {__file__}")
     sys.exit(1 if found else 0)
 
 

@@ -316,6 +316,25 @@ TEST(EnergyWatch, AcceptsAWallThatHitsGrainsAtRest) {
                   2000);
 }
 
+// The wall takes as much as gravity gives to a grain that turns round.
+TEST(EnergyWatch, AcceptsAWallThatRecedes) {
+  const dem::CundallStrack spring{.normal_stiffness = 1e5};
+  auto grain = one_grain<3>({0, 0, 0}, {0, 0, 0});
+  const double omega = std::sqrt(spring.normal_stiffness / grain[mass][0]);
+  const double time_step = 0.2 / omega;
+  const double g = 9.81;
+  const double overlap = g * time_step * time_step;
+  grain[position][0] = {0, 0, R - overlap};
+  grain[velocity][0] = {g * time_step / 2, 0, omega * omega * overlap * time_step / 2};
+  for (const double speed : {0.0, 0.1, 1.0}) {
+    const dem::Moving floor{dem::Plane<3>{}, dem::Translation<3>{{0, 0, -speed}}};
+    expect_accepted(
+        Simulation{grain, BruteForce<3>{},
+                   Forces{Gravity<3>{{g, 0, 0}}, dem::Contacts{spring, floor}}, Leapfrog{}},
+        time_step, 5);
+  }
+}
+
 // A user-defined force that acts on grains with contacts.
 struct Blow {
   template <class P>

@@ -229,8 +229,9 @@ void set_time(I& interaction, double time) {
 }
 
 /// Adds up what happens between evaluations, such as the slip of a contact: set_last_time_step(dt)
-/// sets for how long the particles have moved since the last one [s], 0 before the first step.
-/// Called by Simulation after set_time(). Models: dem::ContactsOf, Forces.
+/// sets for how long the particles have moved since the last one [s], 0 before the first step. It
+/// holds for the next evaluation; without it, the time step of that evaluation counts. Called by
+/// Leapfrog. Models: dem::ContactsOf, Forces.
 template <class I>
 concept DependsOnLastTimeStep = requires(I i, double dt) { i.set_last_time_step(dt); };
 

@@ -91,7 +91,7 @@ class Simulation {
   State state() const {
     if constexpr (synchronises) {
       Simulation copy = *this;
-      set_time_of(copy.interaction_);
+      set_time(copy.interaction_, time_);
       copy.integrator_.synchronise(copy.particles_, copy.search_, copy.interaction_);
       return {std::move(copy.particles_), std::move(copy.interaction_)};
     } else {
@@ -109,7 +109,7 @@ class Simulation {
   }
 
   /// Writes or reads the state of the run for a checkpoint, see core/transfer.hpp. What the program
-  /// passes to constructors (laws, walls, settings) is not included.
+  /// passes to constructors (laws, walls, settings) is not restored; laws and walls are compared.
   template <class Archive>
   void transfer(Archive& archive) {
     static_assert(!Transactional<TypedInteraction> || Transferable<TypedInteraction, Archive, P> ||
@@ -140,7 +140,7 @@ class Simulation {
       at_positions(particles_, now, [&] { search_.update(particles_); });
     }
     archive.finite([&] { detail::transfer_part(archive, "integrator", integrator_, particles_); });
-    set_time_of(interaction_);
+    set_time(interaction_, time_);
     detail::transfer_part(archive, "interaction", interaction_, particles_);
   }
 
@@ -148,7 +148,7 @@ class Simulation {
   /// particles have been removed. Throws if the interaction chooses none.
   double time_step() {
     const detail::Team team(thread_choice_, particles_.size());
-    set_time_of(interaction_);
+    set_time(interaction_, time_);
     double dt = std::numeric_limits<double>::infinity();
     if constexpr (ChoosesTimeStep<TypedInteraction, P>) dt = interaction_.time_step(particles_);
     // The last particle may leave during a run.
@@ -179,7 +179,7 @@ class Simulation {
       if (time_ + dt == time_) {
         fail("Simulation: time_step = " + to_text(dt) + " s does not change the time; increase it");
       }
-      set_time_of(interaction_);
+      set_time(interaction_, time_);
       prepare();
       sort();
       save();
@@ -313,11 +313,6 @@ class Simulation {
     // Never longer than dt, which may be the longest that is stable.
     step(is_last ? std::min(left, dt) : left < 2 * dt ? left / 2 : dt);
     if (is_last) time_ = until;
-  }
-
-  void set_time_of(TypedInteraction& interaction) const {
-    set_time(interaction, time_);
-    set_last_time_step(interaction, last_time_step_);
   }
 
   // Called before the state is saved: rolling back a step does not undo the reordering.

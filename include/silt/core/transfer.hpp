@@ -15,7 +15,8 @@
 //                                may be structs with transfer(archive), as in io/struct_columns.hpp
 //   archive.same(name, text)     writes the text, or throws if the text read is different
 //   archive.setup(name, parts)   the same for numbers, apart from round-off, that characterise what
-//                                the program sets up and may change on purpose, see SetupPart
+//                                the program sets up, see SetupPart. Returns true; false if what
+//                                was read is different and that is accepted
 //   archive.within(name, f)      calls f(); the names in it are in the group `name`
 //   archive.finite(f)            calls f(), in which every number read must be finite, or it throws
 //   Archive::reads               whether the archive reads; if so,
@@ -39,6 +40,7 @@ namespace silt {
 struct SetupPart {
   std::string name;
   std::vector<double> numbers;
+  double tolerance = 1e-9;  ///< of differences, relative to the largest number [-]
 };
 
 /// T has transfer(archive), or transfer(archive, particles) if its state refers to particles.

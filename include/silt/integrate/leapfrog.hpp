@@ -106,6 +106,7 @@ class Leapfrog {
     requires Interaction<I, P, S> && HasFields<P, velocity_t, force_t, mass_t>
   bool step(P& particles, S& search, I& interaction, double dt) {
     if constexpr (requires { damping_.check(dt); }) damping_.check(dt);
+    set_last_time_step(interaction, started_ ? last_time_step_ : 0);
     if (!started_) start(particles, search, interaction, dt);
     // The time between the half steps; dt if the time step is constant.
     const double between_half_steps = (last_time_step_ + dt) / 2;
@@ -128,6 +129,7 @@ class Leapfrog {
                                                                          auto& particle) {
       motion.kick_to_mean(particle, damping, dt);
     };
+    set_last_time_step(interaction, last_time_step_);
     advance(particles, search, interaction, last_time_step_, Update<P>(kick_to_mean));
   }
 
@@ -290,8 +292,7 @@ class Leapfrog {
     return outcomes.is_valid();
   }
 
-  // v^0 → v^{−½}, so that v^0 is the mean of its two half steps. Springs of contacts are unwound,
-  // since Simulation tells the interaction that nothing has moved yet.
+  // v^0 → v^{−½}, so that v^0 is the mean of its two half steps.
   template <class P, class S, class I>
   void start(P& particles, S& search, I& interaction, double dt) {
     last_time_step_ = dt;

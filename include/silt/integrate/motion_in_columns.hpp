@@ -186,7 +186,9 @@ class MotionInColumns {
     if constexpr (knows_energy) {
       outcome.energies_.after += p.m * squared(p.v) + p.inertia * squared(p.w);
       outcome.displacements_ += p.squared_displacement;
-      if constexpr (has_angle) outcome.displacements_ += p.angle[0] - p.angle[0];
+      if constexpr (has_angle) {
+        for (int k = 0; k < angular; ++k) outcome.displacements_ += p.angle[k] - p.angle[k];
+      }
     } else {
       Real sum = 0;
       for (int k = 0; k < Dim; ++k) sum += p.x[k] + p.v[k];

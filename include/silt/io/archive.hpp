@@ -92,7 +92,7 @@ class Writer {
     put(name, item_of<char>(), text.size(), text.data());
   }
   void same(std::string_view name, const std::string& text) { (*this)(name, text); }
-  void setup(std::string_view name, const std::vector<SetupPart>& parts) {
+  bool setup(std::string_view name, const std::vector<SetupPart>& parts) {
     std::vector<std::uint64_t> sizes;
     std::vector<double> numbers;
     for (const SetupPart& part : parts) {
@@ -103,6 +103,7 @@ class Writer {
       (*this)("sizes", sizes);
       (*this)("numbers", numbers);
     });
+    return true;
   }
   template <class F>
   void within(std::string_view name, F&& f) {
@@ -212,23 +213,22 @@ class Reader {
              same_simulation);
     }
   }
-  void setup(std::string_view name, const std::vector<SetupPart>& parts) {
+  bool setup(std::string_view name, const std::vector<SetupPart>& parts) {
     std::vector<std::uint64_t> sizes;
     std::vector<double> numbers;
     within(name, [&] {
       (*this)("sizes", sizes);
       (*this)("numbers", numbers);
     });
-    if (accepts_other_setup_) return;
-    if (sizes.size() != parts.size()) reject_setup("number of " + std::string(name));
     std::span<const double> left(numbers);
     for (Index k = 0; k < parts.size(); ++k) {
-      if (sizes[k] > left.size() ||
-          !std::ranges::equal(left.first(sizes[k]), parts[k].numbers, are_equal)) {
-        reject_setup(parts[k].name);
+      if (k >= sizes.size() || sizes[k] > left.size() ||
+          !are_equal(left.first(sizes[k]), parts[k])) {
+        return accept_other_setup(parts[k].name);
       }
       left = left.subspan(sizes[k]);
     }
+    return sizes.size() == parts.size() || accept_other_setup("number of " + std::string(name));
   }
   template <class F>
   void within(std::string_view name, F&& f) {
@@ -265,13 +265,19 @@ class Reader {
       "set up the same simulation and pass the same parts as when it was written";
 
   // Apart from round-off of other mathematical functions.
-  static bool are_equal(double a, double b) {
-    return a == b || std::abs(a - b) <= 1e-9 * std::max(std::abs(a), std::abs(b)) ||
-           (std::isnan(a) && std::isnan(b));
+  static bool are_equal(std::span<const double> numbers, const SetupPart& part) {
+    double largest = 0;
+    for (const double each : part.numbers) largest = std::max(largest, std::abs(each));
+    return std::ranges::equal(numbers, part.numbers, [&](double a, double b) {
+      return a == b || std::abs(a - b) <= part.tolerance * largest ||
+             (std::isnan(a) && std::isnan(b));
+    });
   }
 
-  [[noreturn]] void reject_setup(const std::string& what) const {
-    reject("was written with another " + what,
+  // Returns false if other parts are accepted.
+  bool accept_other_setup(const std::string& name) const {
+    if (accepts_other_setup_) return false;
+    reject("was written with another " + name,
            "set up the same one, or, if the change is meant, read it with {.file = …, "
            ".accepts_other_setup = true}");
   }

@@ -65,7 +65,7 @@ void write_checkpoint(const std::filesystem::path& path, const Sim& simulation,
 }
 
 /// Restores the state of a simulation and of further parts from a checkpoint. They must have been
-/// set up with the same parameters as those that were written: the file contains state only. Throws
+/// set up with the same parameters as those that were written: the file restores state only. Throws
 /// silt::Error, and changes nothing, if the file cannot be read, is damaged, or was written with
 /// another dimension, precision or list of fields, or, unless that is accepted, with another law
 /// or wall, or another spacing or density of a flow.

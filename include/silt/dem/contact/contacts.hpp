@@ -92,9 +92,9 @@ class ContactsOf : public Contacts<Law, Walls...> {
   /// ContactSettings::max_overlap, or if dt exceeds the stability limit.
   template <class S, class Before = DoNothing, class After = DoNothing>
   void accelerate(P& grains, const S& search, double dt, const Pass<Before, After>& pass = {}) {
+    const double since_last = std::exchange(last_time_step_, std::nullopt).value_or(dt);
     Evaluation evaluation = begin_step(
-        grains, search,
-        {.time = time_, .time_step = dt, .last_time_step = last_time_step_.value_or(dt)});
+        grains, search, {.time = time_, .time_step = dt, .last_time_step = since_last});
     const auto after = memory_.histories.take();
     const auto walls = detail::walls_in_law<P>(walls_, evaluation.step);
     const auto evaluate_law = detail::law_evaluation<P>(evaluation, materials_, walls_);
@@ -136,8 +136,9 @@ class ContactsOf : public Contacts<Law, Walls...> {
   /// Simulation.
   void set_time(double time) { time_ = time; }
 
-  /// Sets for how long the grains have moved, and contacts have slipped, since the last evaluation
-  /// [s]; 0 before the first step. Called by Simulation; without it, the dt of accelerate() counts.
+  /// Sets, for the next evaluation, for how long the grains have moved and contacts have slipped
+  /// since the last one [s]; 0 before the first step. Called by Leapfrog; without it, the dt of
+  /// accelerate() counts.
   void set_last_time_step(double dt) { last_time_step_ = dt; }
 
   /// Default time step [s]: the shortest contact duration of the lightest grains with each other
@@ -228,7 +229,9 @@ class ContactsOf : public Contacts<Law, Walls...> {
     state_.given_history = std::make_shared<const PairHistory<History>>(history);
   }
 
-  /// Writes or reads the histories and the list for a checkpoint, see core/transfer.hpp.
+  /// Writes or reads the histories, the list and which walls are present, and compares laws and
+  /// walls, for a checkpoint, see core/transfer.hpp. With walls of other numbers of elements than
+  /// those of the checkpoint, contacts with walls begin anew.
   template <class Archive>
   void transfer(Archive& archive, const P& grains) {
     auto own = history(grains);
@@ -237,15 +240,16 @@ class ContactsOf : public Contacts<Law, Walls...> {
       // Those given by set_history() may be of grains that were removed since, or of none.
       own.keep_if([&](Id a, Id b) { return detail::may_touch(grains, a, b); });
     }
-    detail::compare_setup(archive, grains, materials_, walls_, time_);
+    const auto common = detail::compare_setup(archive, grains, materials_, walls_, time_);
     archive.within("walls", [&] { walls_.transfer(archive); });
     archive.within("history", [&] { own.transfer(archive); });
     archive.within("list", [&] { list.transfer(archive); });
     if constexpr (Archive::reads) {
       own.for_each_pair([&](Id a, Id b, const auto&) { detail::check_pair(grains, a, b); });
       list.check(grains);
+      if (!common.wall_elements) own.keep_if([](Id, Id b) { return !is_wall_id(b); });
       set_history(grains, own);
-      restore_list(list, grains);
+      if (common.laws_and_walls) restore_list(list, grains);  // else it is rebuilt in the next step
     }
   }
 
@@ -257,6 +261,7 @@ class ContactsOf : public Contacts<Law, Walls...> {
   void restore() noexcept {
     state_ = saved_;
     is_rebuild_announced_.reset();
+    last_time_step_.reset();
   }
 
  private:
@@ -394,7 +399,7 @@ class ContactsOf : public Contacts<Law, Walls...> {
     return is_of_these ? SavedList(last) : SavedList();
   }
   void restore_list(const SavedList& saved, const P& grains) {
-    if (!saved.fits(walls_.elements())) return;  // it is rebuilt in the next step
+    if (!saved.fits(walls_.elements())) return;
     const auto list = take_list();
     saved.restore(grains, *list, memory_.by_block);
     list->walls_revision = walls_.revision();

@@ -28,8 +28,10 @@ namespace silt::dem::detail {
 /// Energy of the springs of all contacts, without that of adhesion, which no spring holds [J].
 struct ContactEnergy {
   double stored = 0;  ///< at the time of the forces
-  /// By springs and dashpots in the step, on the grains relative to the walls; without attraction.
+  /// By springs and dashpots in the step, without attraction: on the grains relative to the walls,
+  /// and on the grains by the motion of the walls.
   double work = 0;
+  double work_of_walls = 0;
 };
 
 /// View of the last step of Contacts, limited to contacts whose grains still exist. `grains` may be
@@ -101,7 +103,7 @@ class ContactsOfStep {
     ContactEnergy energy;
     const auto walls = walls_then();
     const auto walls_of_law = walls_in_law<P>(walls_, evaluation_.step);
-    const double time_step = evaluation_.step.time_step;
+    const double duration = evaluation_.step.between_velocities();
     for_each_with_row([&](Index c, const auto& bodies, const Real* row) {
       const auto contact = contact_at(row, bodies, walls_of_law);
       const ElasticEnergies elastic = elastic_energies(law_of(c), contact, c);
@@ -109,10 +111,16 @@ class ContactsOfStep {
       const auto answer = answer_of(contact, c);
       const auto motion = contact_of<Row>(mean, row, bodies, walls, evaluation_.step);
       const auto repulsion = std::max(Real(0), answer.normal_spring + answer.normal_dashpot);
-      const Vec tangential = answer.tangential_spring + answer.tangential_dashpot;
-      energy.work += time_step * (double(tangential.dot(motion.relative_velocity)) -
-                                  double(repulsion) * double(motion.approach_speed()) +
-                                  double(dot(couple_of(answer), motion.relative_spin)));
+      const Vec force =
+          repulsion * contact.normal + answer.tangential_spring + answer.tangential_dashpot;
+      const auto couple = couple_of(answer);
+      energy.work += duration * double(force.dot(motion.relative_velocity) +
+                                       dot(couple, motion.relative_spin));
+      if (bodies.wall == no_index) return;
+      const auto wall = walls.velocity(bodies.wall);
+      energy.work_of_walls +=
+          duration * double(force.dot(wall.at(contact_point<P, Row>(grains_, row, bodies))) +
+                            dot(couple, wall.spin));
     });
     return energy;
   }

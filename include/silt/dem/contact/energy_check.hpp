@@ -3,14 +3,14 @@
 // identity; what distinguishes a law that is wrong is that its contacts give more than they had. A
 // step is refused if the kinetic energy E after it exceeds
 //
-//   max_energy_gain · (E before + energy in the springs + work of all other forces, if above 0),
+//   max_energy_gain · (E before + energy in the springs + work of moving walls, if above 0,
+//                      + work of all other forces, including adhesion, if above 0),
 //
-// where the work of all other forces, including adhesion and moving walls, is the change of E minus
-// the work of the springs and dashpots.
+// where the work of all other forces is the change of E minus that of the springs and dashpots.
 //
-// This never refuses springs that are right, in a step within their stability limit, whatever else
-// acts: linear springs at that limit change the velocities by Δv with Σ ½ m Δv² ≤ 4 times their
-// energy, and they then give less than 9/10 of any E that exceeds ten times E before and that
+// This never refuses springs that are right, in a step within their stability limit, whatever
+// else acts: linear springs at that limit change the velocities by Δv with Σ ½ m Δv² ≤ 4 times
+// their energy, and they then give less than 9/10 of any E that exceeds ten times E before and that
 // energy.
 #pragma once
 
@@ -70,7 +70,8 @@ void check_energy(const P& grains, const GrainRows<P::dimension, typename P::Rea
     mean_w[i] = (mean_w[i] + w[i]) / 2;
   });
   const auto contacts = energy_of_contacts(then, mean);
-  const double by_others = std::max(0.0, energy_after - energy_before - contacts.work);
+  const double by_rest = energy_after - energy_before - contacts.work - contacts.work_of_walls;
+  const double by_others = std::max(0.0, by_rest) + std::max(0.0, contacts.work_of_walls);
   if (!(energy_after > most * (energy_before + contacts.stored + by_others))) return;
 
   Index fastest = 0;

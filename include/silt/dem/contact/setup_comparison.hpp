@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // A checkpoint of other laws or walls is recognised, whatever their types, by forces in a test
-// contact and by the points of the walls nearest to some grains.
+// contact and by the points of the walls nearest to some grains. A local change of a wall of many
+// elements may be far from these; such walls have a checksum(), see Wall.
 #pragma once
 
 #include <silt/core/transfer.hpp>
@@ -66,22 +67,26 @@ std::vector<double> forces_in_test_contact(const Law& law) {
   return numbers;
 }
 
-/// For a wall, given by its number, of a set at one time: its velocity there [m/s], its distance
-/// [m] and its normal, at up to eight grains. `walls` is a WallsAtTime.
+/// For a wall, given by its number, of a set at one time: its velocity [m/s], its distance [m] and
+/// its normal at up to eight grains, or, without grains, at some points near the origin. `walls` is
+/// a WallsAtTime.
 template <class P, class Walls>
-std::vector<double> nearest_points_of_wall(const P& grains, const Walls& walls, Index number,
-                                           typename P::Real largest_radius) {
+std::vector<double> nearest_points_of_wall(const P& grains, const Walls& walls, Index number) {
   using Real = typename P::Real;
   using Vec = typename P::Vec;
-  constexpr Index most_grains = 8;
+  constexpr Index most_points = 8;
   constexpr Real infinity = std::numeric_limits<Real>::infinity();
-  const auto x = grains[position];
-  const Index count = std::min(grains.size(), most_grains);
+  std::vector<Vec> points;
+  const Index count = std::min(grains.size(), most_points);
+  for (Index k = 0; k < count; ++k) points.push_back(grains[position][k * grains.size() / count]);
+  if (grains.empty()) {
+    for (int k = 0; k < P::dimension; ++k) points.push_back(Vec::Unit(k));
+  }
+  const Real scale = grains.empty() ? Real(1) : radius_range(grains).largest;
   std::vector<double> numbers;
-  for (Index k = 0; k < count; ++k) {
-    const Vec at = x[k * grains.size() / count];
+  for (const Vec& at : points) {
     // Whether a wall is further away than a few hundred radii makes no difference for some time.
-    for (Real distance = 2 * largest_radius; distance < 1000 * largest_radius; distance *= 4) {
+    for (Real distance = 2 * scale; distance < 1000 * scale; distance *= 4) {
       NearestPoint<P::dimension, Real> nearest{Vec::Zero(), infinity};
       Index nearest_element = no_index;
       walls.for_each_element_near(at, distance, [&](Index element) {
@@ -102,32 +107,47 @@ std::vector<double> nearest_points_of_wall(const P& grains, const Walls& walls, 
   return numbers;
 }
 
+/// What a checkpoint has in common with the program that reads it.
+struct CommonSetup {
+  bool laws_and_walls = true;
+  bool wall_elements = true;  ///< the same numbers of elements
+};
+
 /// Writes what characterises laws and walls at this time [s] to a checkpoint, or throws if it is
-/// not what the checkpoint has. `walls` is a WallSet.
+/// not what the checkpoint has, unless that is accepted. `walls` is a WallSet.
 template <class Archive, class P, class Law, class Walls>
-void compare_setup(Archive& archive, const P& grains, const Materials<Law>& materials,
-                   const Walls& walls, double time) {
+CommonSetup compare_setup(Archive& archive, const P& grains, const Materials<Law>& materials,
+                          const Walls& walls, double time) {
   constexpr int Dim = P::dimension;
   using Real = typename P::Real;
-  std::vector<SetupPart> laws;
+  constexpr double tolerance = std::max(1e-9, 64 * double(std::numeric_limits<Real>::epsilon()));
+  std::vector<SetupPart> laws{{"number of materials", {double(materials.count())}}};
   for (std::uint32_t a = 0; a < materials.count(); ++a) {
     for (std::uint32_t b = 0; b < materials.count(); ++b) {
       laws.push_back({"law between materials " + std::to_string(a) + " and " + std::to_string(b),
-                      forces_in_test_contact<Dim, Real>(materials.between(a, b))});
+                      forces_in_test_contact<Dim, Real>(materials.between(a, b)), tolerance});
     }
   }
-  archive.setup("laws", laws);
   Walls all = walls;
   all.set_all_present();
   const auto all_now = all.template at<Dim, Real>({.positions = time, .velocities = time});
-  const Real largest_radius = radius_range(grains).largest;
+  std::vector<SetupPart> elements{{"number of walls", {double(walls.size())}}};
   std::vector<SetupPart> parts;
   for (Index w = 0; w < walls.size(); ++w) {
     const std::string wall = "wall " + std::to_string(w);
-    parts.push_back({wall, nearest_points_of_wall(grains, all_now, w, largest_radius)});
+    elements.push_back({wall, {double(walls.elements_of(w))}});
+    parts.push_back({wall, nearest_points_of_wall(grains, all_now, w), tolerance});
+    // Numbers that the tolerance tells apart.
+    const std::uint64_t sum = walls.checksum(w);
+    parts.push_back({wall, {double(sum & 0xffffff), double(sum >> 24 & 0xffffff)}});
     parts.push_back({"material of " + wall, {double(walls.material(w))}});
   }
-  archive.setup("walls", parts);
+  CommonSetup common;
+  common.laws_and_walls = archive.setup("laws", laws);
+  common.wall_elements = archive.setup("elements", elements);
+  common.laws_and_walls &= common.wall_elements;
+  common.laws_and_walls &= archive.setup("walls", parts);
+  return common;
 }
 
 }  // namespace silt::dem::detail

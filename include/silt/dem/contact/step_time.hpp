@@ -19,6 +19,11 @@ struct StepTime {
   /// Time of the velocities, N − ½ [s].
   double of_velocities() const { return time - (is_first() ? time_step : last_time_step) / 2; }
 
+  /// From N − ½ to N + ½ [s].
+  double between_velocities() const {
+    return is_first() ? time_step : (last_time_step + time_step) / 2;
+  }
+
   template <class Real>
   ContactTimes<Real> of_contacts() const {
     return {.time_step = static_cast<Real>(last_time_step),

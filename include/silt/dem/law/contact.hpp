@@ -25,14 +25,15 @@ struct Contact {
   AngularVec relative_spin = zero_of<AngularVec>();  ///< ω_i − ω_j, for laws with a couple [1/s]
   Real effective_mass = 0;    ///< m* = m_i m_j / (m_i + m_j); at a wall m_i [kg]
   Real effective_radius = 0;  ///< R* = R_i R_j / (R_i + R_j); at a wall R_i [m]
-  Real time_step = 0;        ///< Δt since the last evaluation [s]; 0 at time 0: nothing has slipped
+  /// Δt since the last evaluation [s]; 0 at time 0, when nothing has slipped: do not divide by it.
+  Real time_step = 0;
   Real first_time_step = 0;  ///< at time 0, Δt of the first step; else 0 [s]
 
   /// v_n of (6): positive while the two approach [m/s].
   Real approach_speed() const { return -relative_velocity.dot(normal); }
   /// v_s t of (7) [m/s].
   Vec tangential_velocity() const { return relative_velocity + approach_speed() * normal; }
-  /// Δt for which the force acts, from half a step before to half a step after [s].
+  /// Δt for which the force acts, if the step is as long as the last one [s].
   Real kick() const { return time_step + first_time_step; }
 };
 

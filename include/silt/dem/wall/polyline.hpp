@@ -44,6 +44,13 @@ struct Polyline {
     points = corners;
   }
 
+  std::uint64_t checksum() const {
+    PointChecksum all;
+    for (const Vec<2, Real>& point : points) all.add<2, Real>(point);
+    all.add(closed);
+    return all.sum();
+  }
+
   /// Segments, then points.
   Index element_count() const { return lines() + points.size(); }
 

@@ -266,16 +266,31 @@ class WallSet {
     return touches;
   }
 
-  /// Throws if a wall cannot be used in the box of grains with up to this radius [m]. Calls the
-  /// optional check_in(box, max_radius) of walls at rest.
+  /// Throws if a present wall cannot be used in the box of grains with up to this radius [m]. Calls
+  /// the optional check_in(box, max_radius) of walls at rest.
   template <int Dim, class Real>
   void check_in(const Box<Dim, Real>& box, Real max_radius) const {
     const auto check = [&](const auto& wall) {
       if constexpr (requires { wall.check_in(box, max_radius); }) wall.check_in(box, max_radius);
     };
-    std::apply([&](const auto&... wall) { (check(wall), ...); }, walls_);
+    for_each_present(check);
   }
 
+  /// Number of elements of a wall.
+  Index elements_of(Index number) const noexcept { return first_[number + 1] - first_[number]; }
+  /// The checksum() of a wall; 0 if it has none.
+  std::uint64_t checksum(Index number) const {
+    std::uint64_t sum = 0;
+    Index w = 0;
+    const auto visit = [&](const auto& wall) {
+      if constexpr (requires { body_of(wall).checksum(); }) {
+        if (w == number) sum = body_of(wall).checksum();
+      }
+      ++w;
+    };
+    std::apply([&](const auto&... wall) { (visit(wall), ...); }, walls_);
+    return sum;
+  }
   /// Number of elements of all walls.
   Index elements() const noexcept { return first_[size()]; }
   /// Number of the wall to which an element belongs.
@@ -283,7 +298,7 @@ class WallSet {
   /// Material of a wall: an index in dem::Materials.
   std::uint32_t material(Index number) const noexcept { return materials_[number]; }
 
-  /// Upper bound of the displacement of any wall between two times [m], within the box.
+  /// Upper bound of the displacement of any present wall between two times [m], within the box.
   template <int Dim, class Real>
   Real max_displacement(const TimeSpan& span, const Box<Dim, Real>& box) const {
     return max_over_corners<Dim, Real>(box, [&](const auto& motion) {
@@ -292,7 +307,7 @@ class WallSet {
       return [=](const Vec<Dim, Real>& x) { return Vec<Dim, Real>(x - then.x_of(now.X_of(x))); };
     });
   }
-  /// The shortest period of walls that vibrate [s]; infinite without.
+  /// The shortest period of present walls that vibrate [s]; infinite without.
   double shortest_period() const {
     double shortest = std::numeric_limits<double>::infinity();
     const auto visit = [&]<class W>(const W& wall) {
@@ -300,10 +315,10 @@ class WallSet {
         shortest = std::min(shortest, double(wall.motion.period()));
       }
     };
-    std::apply([&](const auto&... wall) { (visit(wall), ...); }, walls_);
+    for_each_present(visit);
     return shortest;
   }
-  /// Upper bound of the speed of any wall within the box [m/s].
+  /// Upper bound of the speed of any present wall within the box [m/s].
   template <int Dim, class Real>
   Real max_speed(double time, const Box<Dim, Real>& box) const {
     return max_over_corners<Dim, Real>(box, [&](const auto& motion) {
@@ -324,6 +339,14 @@ class WallSet {
   void for_each(F&& f) {
     std::apply([&](auto&... wall) { (f(wall), ...); }, walls_);
   }
+  template <class F>
+  void for_each_present(F&& f) const {
+    Index w = 0;
+    const auto visit = [&](const auto& wall) {
+      if (present_[w++]) f(wall);
+    };
+    std::apply([&](const auto&... wall) { (visit(wall), ...); }, walls_);
+  }
 
   // Maximum norm, within the box, of the vector fields field_of(motion). The fields are linear in
   // x, so the maximum is at a corner.
@@ -341,7 +364,7 @@ class WallSet {
         }
       }
     };
-    std::apply([&](const auto&... wall) { (visit(wall), ...); }, walls_);
+    for_each_present(visit);
     return largest;
   }
 

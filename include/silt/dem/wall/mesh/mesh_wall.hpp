@@ -51,6 +51,15 @@ class MeshWall {
   }
   void check() const noexcept {}
 
+  std::uint64_t checksum() const {
+    PointChecksum all;
+    for (const Vec& vertex : mesh_->features.vertices) all.add<3, Real>(vertex);
+    for (const Face& face : mesh_->features.faces) {
+      for (const std::uint32_t vertex : face.vertices) all.add(vertex);
+    }
+    return all.sum();
+  }
+
   Index facets() const { return mesh_->features.facets.size(); }
   Index lines() const { return mesh_->features.lines.size(); }
   Index corners() const { return mesh_->features.corners.size(); }
