@@ -132,7 +132,9 @@ inline std::vector<std::filesystem::path> checkpoints_in(const std::filesystem::
 
 // Also those of which a run that was killed had written a part.
 inline void remove_checkpoints(const std::filesystem::path& folder) {
-  for (const char* const ending : {".silt", ".part"}) {
+  // In this order: as long as there is a checkpoint, a run that was killed here can be resumed, and
+  // removes what is left.
+  for (const char* const ending : {".part", ".silt"}) {
     for (const auto& path : checkpoints_in(folder, ending)) std::filesystem::remove(path);
   }
 }

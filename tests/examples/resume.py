@@ -1,15 +1,16 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Stops and resumes an example repeatedly, and compares its files with those of an uninterrupted
-run.
+"""Stops and resumes an example at random steps, and compares its files with those of an
+uninterrupted run.
 
-    resume.py SCRATCH PROGRAM ARGUMENTS...
+    resume.py SCRATCH STOPS PROGRAM ARGUMENTS...
 
-The program must have --out, --resume and --checkpoint-every. It is stopped by SIGINT, like by
+STOPS is how often in all, in as many runs as necessary. The program must have --out, --resume and --checkpoint-every. It is stopped by SIGINT, like by
 Ctrl-C, and killed by SIGKILL, in turns. In summary.json, wall-clock times are ignored.
 """
 
 import pathlib
+import random
 import shutil
 import signal
 import subprocess
@@ -18,9 +19,6 @@ import time
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "same_bits"))
 from check import differences, files_in
-
-STOPS = 6
-
 
 def run_uninterrupted(program, arguments, folder):
     """Returns the duration [s]."""
@@ -42,16 +40,18 @@ def run_for(command, seconds, how):
     return process.returncode, (said.strip().splitlines() or [""])[-1]
 
 
-def run_in_parts(program, arguments, folder, seconds):
-    """Returns how many times it was stopped and killed."""
+def run_in_parts(program, arguments, folder, durations, most):
+    """Returns how many times it was stopped and killed, after the time that the next of `durations`
+    gives, at most so many times."""
     new = [program, *arguments, "--out", str(folder)]
     resumed = [program, "--resume", str(folder)]
     command, stops, kills = new, 0, 0
     while True:
         how = signal.SIGKILL if stops > kills else signal.SIGINT
-        patience = seconds if stops + kills < STOPS else None
+        patience = next(durations) if stops + kills < most else None
         code, said = run_for(command, patience, how)
-        if code == 0:
+        # It may have been killed after it had written everything.
+        if code == 0 or (kills > 0 and said.endswith("is complete")):
             return stops, kills
         if code == 128 + signal.SIGINT:
             assert said.endswith(f"{program} --resume {folder}"), said
@@ -67,20 +67,33 @@ def run_in_parts(program, arguments, folder, seconds):
             (folder / "checkpoint_of_a_stage.silt.computer.1-1.part").touch()
 
 
+def durations(mean):
+    """Random ones [s]."""
+    numbers = random.Random(1)
+    while True:
+        yield numbers.uniform(0, 2 * mean)
+
+
 def main(arguments):
-    if len(arguments) < 2:
+    if len(arguments) < 3:
         sys.exit(__doc__)
-    scratch, program = pathlib.Path(arguments[0]), arguments[1]
-    arguments = [*arguments[2:], "--checkpoint-every", "0.01"]
+    scratch, wanted, program = pathlib.Path(arguments[0]), int(arguments[1]), arguments[2]
+    arguments = [*arguments[3:], "--checkpoint-every", "0.01"]
     shutil.rmtree(scratch, ignore_errors=True)
     whole, part = scratch / "whole", scratch / "part"
     seconds = run_uninterrupted(program, arguments, whole)
-    stops, kills = run_in_parts(program, arguments, part, max(0.1, seconds / STOPS))
-    print(f"{len(files_in(whole))} files of {program}, stopped {stops} times and killed {kills} times")
-    for name in (different := differences(whole, part)):
+    waits = durations(max(0.1, seconds / wanted))
+    runs, stops, kills, different = 0, 0, 0, []
+    while stops + kills < wanted and not different:
+        shutil.rmtree(part, ignore_errors=True)
+        more = run_in_parts(program, arguments, part, waits, wanted - stops - kills)
+        if more[0] == 0:
+            sys.exit("the run ended before it could be stopped; make it longer")
+        runs, stops, kills = runs + 1, stops + more[0], kills + more[1]
+        different = differences(whole, part)
+    print(f"{len(files_in(whole))} files of {program}, stopped {stops} times and killed {kills} times in {runs} runs")
+    for name in different:
         print(f"{name} differs from that of an uninterrupted run")
-    if stops == 0:
-        sys.exit("the run ended before it could be stopped; make it longer")
     ended = subprocess.run([program, "--resume", str(part)], capture_output=True, text=True)
     assert ended.returncode == 2 and "is complete" in ended.stderr, "resuming a complete run must be rejected"
     other = subprocess.run([program, "--resume", str(part), *arguments], capture_output=True, text=True)
