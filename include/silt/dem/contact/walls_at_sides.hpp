@@ -5,6 +5,7 @@
 
 #include <silt/core/box.hpp>
 #include <silt/core/error.hpp>
+#include <silt/core/fields.hpp>
 #include <silt/core/nearest_image.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/types.hpp>
@@ -15,11 +16,12 @@
 namespace silt::dem::detail {
 
 /// An element closer than `reach` [m] to an image of x beyond a periodic side, at a point that is
-/// on no wall at x's side; `no_index` if there is none. `walls` is a WallsAtTime.
+/// on no wall at x's side; `no_index` if there is none. The walls may have a kink at the side, so
+/// that they are not exactly the same. `walls` is a WallsAtTime.
 template <class Walls, int Dim, class Real>
 Index element_beyond_sides(const Walls& walls, const Box<Dim, Real>& box, const Vec<Dim, Real>& x,
                            Real reach) {
-  const Real tolerance = Real(1e-3) * reach;
+  const Real tolerance = Real(0.05) * reach;
   const auto is_on_a_wall = [&](const Vec<Dim, Real>& point) {
     bool is_on = false;
     walls.for_each_element_near(point, tolerance, [&](Index element) {

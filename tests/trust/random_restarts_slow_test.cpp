@@ -26,7 +26,7 @@
 #include <string>
 #include <vector>
 
-namespace silt::test::random_restarts_test {
+namespace silt::test::random_restarts_slow_test {
 namespace {
 
 struct Case {
@@ -371,13 +371,10 @@ const std::vector<Case> cases{
 class RandomRestartsOfGrains : public testing::TestWithParam<Case> {};
 
 TEST_P(RandomRestartsOfGrains, EndLikeAnUninterruptedRun) {
-  GetParam().check({.steps = 40, .number = 5, .to_the_end = 5});
-}
-TEST_P(RandomRestartsOfGrains, EndLikeAnUninterruptedRunSlow) {
   GetParam().check({.steps = 250, .number = 200, .to_the_end = 200});
 }
 INSTANTIATE_TEST_SUITE_P(Cases, RandomRestartsOfGrains, testing::ValuesIn(cases),
                          [](const auto& one) { return one.param.name; });
 
 }  // namespace
-}  // namespace silt::test::random_restarts_test
+}  // namespace silt::test::random_restarts_slow_test
