@@ -7,13 +7,18 @@
 repo=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 cores=$(nproc 2>/dev/null || echo 2)
 
-# Number of simultaneous compilations: one per core, limited by the memory, at 1.5 GB each.
-count_jobs() {
+# [kB]; a guess if the system does not tell.
+available_memory() {
   local available=""
   if [[ -r /proc/meminfo ]]; then
     available=$(sed -n 's/^MemAvailable: *\([0-9]*\) kB/\1/p' /proc/meminfo)
   fi
-  local fit=$((${available:-$((cores * 1500000))} / 1500000))
+  echo "${available:-$((cores * 1500000))}"
+}
+
+# Number of simultaneous compilations: one per core, limited by the memory, at 1.5 GB each.
+count_jobs() {
+  local fit=$(($(available_memory) / 1500000))
   echo $((fit < 1 ? 1 : fit < cores ? fit : cores))
 }
 jobs=$(count_jobs)
