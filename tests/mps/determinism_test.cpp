@@ -10,7 +10,7 @@
 #include <cmath>
 #include <utility>
 
-namespace silt::test::determinism_test {
+namespace silt::test::determinism_of_flows_test {
 namespace {
 
 using mps::Case00;
@@ -143,4 +143,4 @@ TEST(FlowBits, OfOtherSearchesDifferByRoundOffOnly) {
 }
 
 }  // namespace
-}  // namespace silt::test::determinism_test
+}  // namespace silt::test::determinism_of_flows_test
