@@ -5,8 +5,9 @@ uninterrupted run.
 
     resume.py SCRATCH STOPS PROGRAM ARGUMENTS...
 
-STOPS is how often in all, in as many runs as necessary. The program must have --out, --resume and --checkpoint-every. It is stopped by SIGINT, like by
-Ctrl-C, and killed by SIGKILL, in turns. In summary.json, wall-clock times are ignored.
+STOPS is how often in all, in as many runs as necessary: a run may end before it is stopped. The
+program must have --out, --resume and --checkpoint-every. It is stopped by SIGINT, like by Ctrl-C,
+and killed by SIGKILL, in turns. In summary.json, wall-clock times are ignored.
 """
 
 import pathlib
@@ -85,10 +86,10 @@ def main(arguments):
     waits = durations(max(0.1, seconds / wanted))
     runs, stops, kills, different = 0, 0, 0, []
     while stops + kills < wanted and not different:
+        if runs > 20 and runs > 4 * (stops + kills):
+            sys.exit("most runs ended before they could be stopped; make them longer")
         shutil.rmtree(part, ignore_errors=True)
         more = run_in_parts(program, arguments, part, waits, wanted - stops - kills)
-        if more[0] == 0:
-            sys.exit("the run ended before it could be stopped; make it longer")
         runs, stops, kills = runs + 1, stops + more[0], kills + more[1]
         different = differences(whole, part)
     print(f"{len(files_in(whole))} files of {program}, stopped {stops} times and killed {kills} times in {runs} runs")
