@@ -188,19 +188,20 @@ class Coverage:
 
     def executing(self, header, text, line):
         """A function of a test source: whether it executes this line of a header with this text;
-        None if that is unknown."""
-        runs = self.runs()
+        None if that is unknown, as for a line without instructions in any test."""
         hashes = (json.loads(self.hashes_file.read_text(encoding="utf-8"))
                   if self.hashes_file.is_file() else {})
         is_known = hashes.get(header) == _hash(text)
+        counts = {source: _count_near(headers.get(header, {}), line)
+                  for source, headers in self.runs().items()} if is_known else {}
+        if all(count is None for count in counts.values()):
+            return lambda source: None
+        return lambda source: bool(counts[source]) if source in counts else None
 
-        def executes(source):
-            if not is_known or source not in runs:
-                return None
-            lines = runs[source].get(header, {})
-            for near in range(line, line - STATEMENT, -1):
-                if str(near) in lines:
-                    return lines[str(near)] > 0
-            return False
 
-        return executes
+def _count_near(lines, line):
+    """How often the statement with this line was executed; None if it has no instructions."""
+    for near in range(line, line - STATEMENT, -1):
+        if str(near) in lines:
+            return lines[str(near)]
+    return None

@@ -30,7 +30,7 @@ A mutant is in a copy of the tree. The test sources that include its header, dir
 compiled and run, the nearest first (see tests_of in programs.py), until one fails or crashes,
 twice, or hangs or takes too long, or the mutant's time is up: then it has survived. A source that
 also fails without the mutant is not used. A mutant that does not compile is not counted. After
-`errors.py run`, the tests that execute the mutant come first.
+`errors.py run`, tests that do not execute the line of the mutant are left out.
 
 answers.md says of each survivor why it is equivalent, or what is done about it.
 """
@@ -137,9 +137,11 @@ class Campaign:
     def _try(self, mutant, workshop):
         text = (self.tree.include / "silt" / mutant.header).read_text(encoding="utf-8")
         used, passed = 0, []
-        sources = self.tree.tests_of(mutant.header, self.results.kills(mutant.header),
-                                     self.coverage.executing(mutant.header, text, mutant.line))
+        executes = self.coverage.executing(mutant.header, text, mutant.line)
+        sources = self.tree.tests_of(mutant.header, self.results.kills(mutant.header))
         for source in sources:
+            if executes(source) is False:
+                continue
             if self.limit - used < LEAST:
                 break
             workshop.put(mutant.header, mutant.apply(text))

@@ -68,7 +68,8 @@ class Runner:
             output.seek(max(0, output.seek(0, os.SEEK_END) - LAST_OUTPUT))
             text = output.read().decode(errors="replace")
         code = process.returncode
-        too_long = hangs or used >= limit or code in (-signal.SIGXCPU, 128 + signal.SIGXCPU)
+        too_long = (hangs or used >= limit or code in (-signal.SIGXCPU, 128 + signal.SIGXCPU)
+                    or "CPU time limit exceeded" in text)  # g++ says it of a part of itself
         status = "passed" if code == 0 else "stopped" if too_long else "failed"
         return Ran(status, used, text, code)
 

@@ -20,6 +20,8 @@ FOLDERS = ("core", "dem", "integrate", "io", "measure", "mps", "trust", "search"
            "validation")
 NOT_TESTED = {"solve/hypre.hpp": "it needs an optional library"}
 HASHES = "tests/portability/hashes.cpp"
+# Programs with the first need one copy of the second, which another source may include.
+COUNTED, COUNTING = "tests/support/counted_memory.hpp", "tests/support/failing_allocations.hpp"
 FLAGS = ["-std=c++20", "-D_GLIBCXX_ASSERTIONS", "-ffp-contract=off", "-fopenmp", "-w",
          "-fmax-errors=1"]
 PRECOMPILED = "#include <Eigen/Core>\n#include <Eigen/Geometry>\n#include <gtest/gtest.h>\n"
@@ -95,15 +97,13 @@ class Tree:
                     waiting.append(path)
         return depths
 
-    def tests_of(self, header, kills, executes=lambda source: None):
-        """The sources that include a header, those that execute the mutant first, if that is known,
-        and of these the one with the name of the header, then those that have killed most mutants
-        of the header, then the nearest: those that include it themselves, or have its words in
-        their name; those in its folder that mention one of its names; the hashes of whole runs;
-        those that mention a name, are in the folder, or neither. Among equals, those come first
-        that include it most directly, then those that have killed most of its folder, then those
-        with the fewest headers. kills(source) are both numbers, executes(source) is None if it is
-        unknown."""
+    def tests_of(self, header, kills):
+        """The sources that include a header: first the one with its name, then those that have
+        killed most mutants of the header, then the nearest: those that include it themselves, or
+        have its words in their name; those in its folder that mention one of its names; the hashes
+        of whole runs; those that mention a name, are in the folder, or neither. Among equals, those
+        come first that include it most directly, then those that have killed most of its folder,
+        then those with the fewest headers. kills(source) are both numbers."""
         name = f"include/silt/{header}"
         folder, stem = header.split("/")[0], pathlib.Path(header).stem
         own = f"tests/{folder}/{stem}_test.cpp"
@@ -122,7 +122,7 @@ class Tree:
 
         def order(source):
             of_header, of_folder = kills(source)
-            return (executes(source) is False, source != own, -of_header, distance(source),
+            return (source != own, -of_header, distance(source),
                     self.depths_of(source)[name], -of_folder,
                     len(self.all_includes_of(source)), source)
 
@@ -190,6 +190,9 @@ class Workshop:
         # Only the first run of a workshop has to precompile, which counts for no mutant.
         options = self._options(source)
         prefix = self._precompiled(options) if self.precompile and source != HASHES else []
+        includes = self.tree.all_includes_of(source)
+        if COUNTED in includes and COUNTING not in includes:
+            options = [*options, "-include", self.tree.root / COUNTING]
         link = [] if source == HASHES else ["-lgtest", "-lgtest_main", "-lpthread"]
         ran = self.runner.run(
             [*self.compiler, *prefix, *options, self.tree.root / source, "-o",

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: MIT
 """Tests of the mutation tool that compile nothing."""
 
+import hashlib
+import json
 import pathlib
 import shlex
 import sys
@@ -136,12 +138,35 @@ def test_order(folder):
     assert order(lambda source: (0, source.count("farther"))) == order()
     assert order(lambda source: (source.count("farther"), 0)) == [
         near[0], "dem/farther_test.cpp", *near[1:], "dem/far_test.cpp"]
-    far = tree.tests_of("core/a.hpp", lambda source: (0, 0), lambda source: "dem/far" in source)
-    assert far[0] == "tests/dem/far_test.cpp"
-    assert Coverage(folder).executing("core/a.hpp", HEADER, 1)("tests/core/a_test.cpp") is None
     before = tree.hash_of("tests/core/near_test.cpp")
     (tree.include / "silt/core/a.hpp").write_text(HEADER + "//", encoding="utf-8")
     assert tree.hash_of("tests/core/near_test.cpp") != before
+
+
+def test_coverage(folder):
+    def executing(text, line):
+        return Coverage(folder).executing("core/a.hpp", text, line)
+
+    def write(name, value):
+        (folder / "coverage" / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / "coverage" / name).write_text(json.dumps(value), encoding="utf-8")
+
+    assert executing(HEADER, 1)("tests/core/a_test.cpp") is None
+    (folder / "coverage").mkdir()
+    tree = make_tree(folder / "coverage/tree")
+    write("calls.json", [])
+    write("hashes.json", {"core/a.hpp": hashlib.sha256(HEADER.encode()).hexdigest()[:16]})
+    for source, lines in {"a": {"5": 2}, "near": {"5": 0}, "mention": {}}.items():
+        program = f"programs/tests_core_{source}_test"
+        write(f"{program}/lines.json", {"core/a.hpp": lines})
+        (folder / "coverage" / program / "hash.txt").write_text(
+            tree.hash_of(f"tests/core/{source}_test.cpp"), encoding="utf-8")
+    executes = executing(HEADER, 6)
+    assert [executes(f"tests/core/{name}_test.cpp") for name in ("a", "near", "mention")] == [
+        True, False, False]
+    assert executes("tests/dem/far_test.cpp") is None  # was not run
+    assert executing(HEADER, 4)("tests/core/a_test.cpp") is None  # no instructions
+    assert executing(HEADER + " ", 6)("tests/core/a_test.cpp") is None  # has changed since
 
 
 def test_results(folder):
@@ -179,6 +204,9 @@ def test_runner(folder):
     assert failed.status == "failed" and cause_of(failed) == "A.B"
     killed = python("import os; os.kill(os.getpid(), 11)")
     assert killed.status == "failed" and cause_of(killed) == "signal 11"
+    child = python("print('g++: internal compiler error: CPU time limit exceeded signal "
+                   "terminated program cc1plus'); raise SystemExit(4)")
+    assert child.status == "stopped"
     slow = python("while True: pass", seconds=1)
     assert slow.status == "stopped" and slow.seconds < 3 and cause_of(slow) == "too slow"
     assert cause_of(Ran("failed", 1, "other hashes", 1)) == "other hashes"
@@ -216,6 +244,6 @@ def test_compiler(folder):
 def run():
     test_mutants()
     test_choice()
-    for test in (test_order, test_results, test_runner, test_compiler):
+    for test in (test_order, test_coverage, test_results, test_runner, test_compiler):
         with tempfile.TemporaryDirectory() as folder:
             test(pathlib.Path(folder))
