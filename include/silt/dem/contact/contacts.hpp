@@ -99,9 +99,13 @@ class ContactsOf : public Contacts<Law, Walls...> {
     const auto walls = detail::walls_in_law<P>(walls_, evaluation.step);
     const auto evaluate_law = detail::law_evaluation<P>(evaluation, materials_, walls_);
     const detail::GrainRows<dimension, Real> rows(std::as_const(grains));
+    detail::UnnoticedChanges changes(std::as_const(grains), *evaluation.list,
+                                     evaluation.lifetime.constants_revision);
     evaluation.count = memory_.loop(
         grains, evaluation.contacts(),
-        detail::block_evaluator<P>(evaluation, rows, walls, settings_, evaluate_law), *after, pass);
+        detail::block_evaluator<P>(evaluation, rows, walls, settings_, evaluate_law),
+        [&](Index first, Index last) { changes.look_at(first, last); }, *after, pass);
+    changes.check(grains);
     evaluation.after = after;
     evaluation.grains = detail::SharedGrains<P>(grains, memory_.copies);
     if constexpr (knows_stiffness) {
@@ -334,7 +338,7 @@ class ContactsOf : public Contacts<Law, Walls...> {
 
   // An evaluation with the list and the histories before it.
   template <class S>
-  Evaluation begin_step(const P& grains, const S& search, const detail::StepTime& step) {
+  Evaluation begin_step(P& grains, const S& search, const detail::StepTime& step) {
     // Other parts of Forces may have had access to the masses since needs_search(); a rebuild then
     // has to wait for the next step, as the search has not been updated.
     const bool may_rebuild = is_rebuild_announced_.value_or(true);
@@ -344,6 +348,10 @@ class ContactsOf : public Contacts<Law, Walls...> {
     evaluation.step = step;
     evaluation.box = grains.box();
     if (rebuilds) {
+      detail::UnnoticedChanges changes(std::as_const(grains), *state_.last.list,
+                                       state_.last.lifetime.constants_revision);
+      changes.look_at(0, grains.size());
+      changes.check(grains);
       detail::check_grains(grains, materials_);
       detail::check_digits_of_positions(grains);
       const auto list = take_list();

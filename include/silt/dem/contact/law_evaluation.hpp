@@ -18,10 +18,11 @@ template <class List, class Law, class Walls>
 const Law& law_between(const List& list, const Materials<Law>& materials, const Walls& walls,
                        Index c) {
   const ContactList& contacts = list.contacts;
+  const std::vector<std::uint32_t>& of_grains = list.constants.materials;
   const Index second = contacts.second(c);
   return materials.between(
-      list.materials[contacts.first(c)],
-      contacts.is_of_wall(c) ? walls.material(walls.number_of(second)) : list.materials[second]);
+      of_grains[contacts.first(c)],
+      contacts.is_of_wall(c) ? walls.material(walls.number_of(second)) : of_grains[second]);
 }
 
 /// The walls of a WallSet at the time N of a step.

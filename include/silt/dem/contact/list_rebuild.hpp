@@ -10,6 +10,7 @@
 #include <silt/core/travel.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/contact/contact_list.hpp>
+#include <silt/dem/contact/list_constants.hpp>
 #include <silt/dem/contact/step_time.hpp>
 #include <silt/dem/law/materials.hpp>
 #include <silt/dem/setup/grains.hpp>
@@ -41,11 +42,7 @@ struct ReusableList : ListOrigin<Dim, Real> {
   ContactList contacts;
   std::uint64_t owned_revision = 0;  ///< of the grains
   std::uint64_t walls_revision = 0;  ///< of the WallSet
-  // What the list depends on besides positions, and steps do not change: the constants.
-  std::vector<Real> radii;               ///< [m]
-  std::vector<Real> masses;              ///< [kg]
-  std::vector<Real> inertias;            ///< [kg m²]
-  std::vector<std::uint32_t> materials;  ///< indices in dem::Materials
+  ListConstants<Real> constants;     ///< of the grains when it was built
 };
 
 /// How far grains may travel before it is uncertain, without a loop over them, that a list is
@@ -111,39 +108,6 @@ void check_digits_of_positions(const P& grains) {
            " m only, more than a hundredth of the radius " + to_text(double(R[far])) +
            " m; move the origin to the grains, or use double",
        {.particle = far, .id = grains.id(far)});
-}
-
-/// Copies the constants of the grains to a new list.
-template <class P, class List>
-void keep_constants(const P& grains, List& list) {
-  const auto keep = [&](auto field, auto& values) {
-    const auto now = grains[field];
-    values.assign(now.begin(), now.end());
-  };
-  keep(radius, list.radii);
-  keep(mass, list.masses);
-  keep(inertia, list.inertias);
-  keep(material, list.materials);
-}
-
-/// Whether the grains have other constants than the list. Any access to them that is not const
-/// begins a new constants_revision() of the grains, even if it changes nothing; then their values
-/// decide. `known` is the last revision with the values of the list; updated.
-template <class P, class List>
-bool have_constants_changed(const P& grains, const List& list, std::uint64_t& known) {
-  const std::uint64_t revision = grains.constants_revision();
-  if (known == revision) return false;
-  const auto R = grains[radius];
-  const auto m = grains[mass];
-  const auto inertias = grains[inertia];
-  const auto materials = grains[material];
-  const auto is_changed = [&](Index i) {
-    return R[i] != list.radii[i] || m[i] != list.masses[i] || inertias[i] != list.inertias[i] ||
-           materials[i] != list.materials[i];
-  };
-  if (list.radii.size() != R.size() || first_where(R.size(), is_changed) != no_index) return true;
-  known = revision;
-  return false;
 }
 
 /// Half of the shortest period of the box [m]; infinite if no side is periodic.
@@ -266,7 +230,7 @@ void begin_list(const P& grains, const S& search, const Walls& walls, const Step
   list.extent.upper.array() += list.margin;
   const auto x = grains[position];
   list.since.assign(x.begin(), x.end());
-  keep_constants(grains, list);
+  list.constants.keep(grains);
 }
 
 /// Finds all pairs of grains, and of grains and walls, with a gap below the margin; `walls` is a

@@ -120,7 +120,7 @@ class SavedList {
         by_block);
     static_cast<ListOrigin<Dim, Real>&>(list) = origin_;
     list.owned_revision = grains.owned_revision();
-    keep_constants(grains, list);
+    list.constants.keep(grains);
   }
 
  private:

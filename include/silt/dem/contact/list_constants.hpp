@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: MIT
+// The constants of the grains (radius, mass, moment of inertia, material) with which a list of
+// contacts was built. Steps do not change them; if the user does, the list has to be rebuilt.
+#pragma once
+
+#include <silt/core/error.hpp>
+#include <silt/core/parallel.hpp>
+#include <silt/core/types.hpp>
+#include <silt/dem/setup/grains.hpp>
+
+#include <atomic>
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace silt::dem::detail {
+
+/// Copies of the constants of all grains.
+template <class Real>
+struct ListConstants {
+  std::vector<Real> radii;               ///< [m]
+  std::vector<Real> masses;              ///< [kg]
+  std::vector<Real> inertias;            ///< [kg m²]
+  std::vector<std::uint32_t> materials;  ///< indices in dem::Materials
+
+  template <class P>
+  void keep(const P& grains) {
+    const auto assign = [&](auto field, auto& values) {
+      const auto now = grains[field];
+      values.assign(now.begin(), now.end());
+    };
+    assign(radius, radii);
+    assign(mass, masses);
+    assign(inertia, inertias);
+    assign(material, materials);
+  }
+
+  /// A function of the grain i: whether it has other constants. For as many grains.
+  template <class P>
+  auto differ_from(const P& grains) const {
+    return [this, R = grains[radius], m = grains[mass], I = grains[inertia],
+            numbers = grains[material]](Index i) {
+      return R[i] != radii[i] || m[i] != masses[i] || I[i] != inertias[i] ||
+             numbers[i] != materials[i];
+    };
+  }
+};
+
+/// Whether the grains have other constants than the list. Any access to them that is not const
+/// begins a new constants_revision() of the grains, even if it changes nothing; then their values
+/// decide. `known` is the last revision with the values of the list; updated.
+template <class P, class List>
+bool have_constants_changed(const P& grains, const List& list, std::uint64_t& known) {
+  const std::uint64_t revision = grains.constants_revision();
+  if (known == revision) return false;
+  if (list.constants.radii.size() != grains.size() ||
+      first_where(grains.size(), list.constants.differ_from(grains)) != no_index) {
+    return true;
+  }
+  known = revision;
+  return false;
+}
+
+/// Finds constants that were changed without a new constants_revision(): through a view that was
+/// obtained before an earlier step. What was computed from all of them, such as the search radius,
+/// is then out of date.
+template <class P, class List>
+class UnnoticedChanges {
+ public:
+  /// `known` is the last constants_revision() with the values of the list.
+  UnnoticedChanges(const P& grains, const List& list, std::uint64_t known)
+      : constants_(list.constants),
+        is_changed_(constants_.differ_from(grains)),
+        is_comparable_(list.owned_revision == grains.owned_revision() &&
+                       constants_.radii.size() == grains.size() &&
+                       known == grains.constants_revision()) {}
+
+  /// Looks at grains [first, last); may be called by several threads.
+  void look_at(Index first, Index last) {
+    if (!is_comparable_) return;
+    bool is_any = false;
+    for (Index i = first; i < last; ++i) is_any |= is_changed_(i);
+    if (!is_any) return;
+    while (!is_changed_(first)) ++first;
+    Index lowest = lowest_.load(std::memory_order_relaxed);
+    while (first < lowest && !lowest_.compare_exchange_weak(lowest, first)) {
+    }
+  }
+
+  /// Throws if one was found, the lowest index. The grains then have a new constants_revision().
+  void check(P& grains) const {
+    const Index i = lowest_.load();
+    if (i == no_index) return;
+    grains[radius];  // notes a change, so that the next step is for the constants as they are
+    const auto reject = [&](const char* name, auto before, auto now, const char* unit) {
+      if (before == now) return;
+      fail(std::string("dem::Contacts: ") + name + " changed from " + to_text(double(before)) +
+               " to " + to_text(double(now)) + unit +
+               " through a view that was obtained before the last step; obtain it again after "
+               "every step, by simulation.particles()[" + name + "]",
+           {.particle = i, .id = grains.id(i)});
+    };
+    const P& now = grains;
+    reject("radius", constants_.radii[i], now[radius][i], " m");
+    reject("mass", constants_.masses[i], now[mass][i], " kg");
+    reject("inertia", constants_.inertias[i], now[inertia][i], " kg m²");
+    reject("material", constants_.materials[i], now[material][i], "");
+  }
+
+ private:
+  const ListConstants<typename P::Real>& constants_;
+  decltype(constants_.differ_from(std::declval<const P&>())) is_changed_;
+  bool is_comparable_;
+  std::atomic<Index> lowest_ = no_index;
+};
+
+}  // namespace silt::dem::detail

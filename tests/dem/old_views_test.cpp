@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: MIT
+// Constants of grains that are changed through views from before the last step: the step refuses
+// them, and the next one is for the grains as they are.
+#include <silt/dem.hpp>
+
+#include "support/grains.hpp"
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <optional>
+#include <string>
+#include <utility>
+
+namespace silt::test::old_views_test {
+namespace {
+
+constexpr double dt = 1e-5;
+
+template <int Dim>
+auto bed() {
+  const dem::CundallStrack law{.normal_stiffness = 1e5, .restitution = 0.5};
+  const dem::Materials<dem::CundallStrack> materials{law, law};
+  return Simulation{crowd<Dim, double>(Dim == 2 ? 20 : 8, 1), NeighbourList<Dim>{},
+                    dem::Contacts{materials}.with(without_limits), Leapfrog{}};
+}
+
+template <class Sim>
+bool have_same_bits(const Sim& a, const Sim& b) {
+  const auto xa = a.particles()[position], xb = b.particles()[position];
+  const auto va = a.particles()[velocity], vb = b.particles()[velocity];
+  return std::equal(xa.begin(), xa.end(), xb.begin(), xb.end()) &&
+         std::equal(va.begin(), va.end(), vb.begin(), vb.end());
+}
+
+// change(value) of grain k after some steps, through a view from before them; before_step(sim) is
+// called before the step that must fail.
+template <int Dim, class F, class Change, class Before>
+void expect_refused_once(F field, const std::string& name, Change&& change, Before&& before_step) {
+  constexpr Index k = 300;
+  auto sim = bed<Dim>();
+  sim.step(dt);
+  const auto old = sim.particles()[field];
+  for (int step = 0; step < 2; ++step) sim.step(dt);  // with two buffers, `old` is of the present
+  auto expected = sim;
+  change(old[k]);
+  ASSERT_EQ(std::as_const(sim).particles()[field][k], old[k]);
+  before_step(sim);
+  const auto was = sim;
+  try {
+    sim.step(dt);
+    ADD_FAILURE() << name << " was changed, and no error";
+  } catch (const Error& error) {
+    const std::string text = error.what();
+    EXPECT_NE(text.find("dem::Contacts: " + name + " changed from "), std::string::npos) << text;
+    EXPECT_NE(text.find("simulation.particles()[" + name + "]"), std::string::npos) << text;
+    EXPECT_EQ(error.where().id, std::optional<Id>(sim.particles().id(k))) << text;
+  }
+  EXPECT_TRUE(have_same_bits(sim, was)) << "a failed step changed the state";
+
+  change(expected.particles()[field][k]);
+  before_step(expected);
+  for (int step = 0; step < 30; ++step) {
+    sim.step(dt);
+    expected.step(dt);
+  }
+  EXPECT_TRUE(have_same_bits(sim, expected)) << "after a change of " << name;
+}
+
+template <int Dim>
+void expect_all_refused() {
+  const auto larger = [](auto& value) { value = std::decay_t<decltype(value)>(1.01 * value); };
+  const auto nothing = [](auto&) {};
+  const auto rebuild = [](auto& sim) { sim.particles()[position][0][0] += 0.001; };
+  expect_refused_once<Dim>(radius, "radius", larger, nothing);
+  expect_refused_once<Dim>(mass, "mass", larger, nothing);
+  expect_refused_once<Dim>(inertia, "inertia", larger, nothing);
+  expect_refused_once<Dim>(dem::material, "material", [](auto& value) { value = 1; }, nothing);
+  expect_refused_once<Dim>(radius, "radius", larger, rebuild);
+}
+
+TEST(OldViewsOfConstants, AreNoticedInTheStepThatFollows2D) { expect_all_refused<2>(); }
+TEST(OldViewsOfConstants, AreNoticedInTheStepThatFollows3D) { expect_all_refused<3>(); }
+
+// A view is of this step until the next one.
+TEST(OldViewsOfConstants, AreNotThoseObtainedAfterTheStep) {
+  auto sim = bed<3>();
+  for (int step = 0; step < 10; ++step) {
+    sim.particles()[radius][7] *= 1.001;
+    sim.step(dt);
+  }
+}
+
+}  // namespace
+}  // namespace silt::test::old_views_test
