@@ -34,11 +34,11 @@ class BlockLoop {
   void forget_list() { division_.reset(); }
 
   /// Adds the forces and torques of all contacts and stores their histories in `after`. Returns how
-  /// many contacts touch. evaluate_block is a BlockEvaluator for this list; look_at(first, last) is
-  /// called for the grains of each block.
-  template <class BlockEvaluator, class LookAt, class Pass>
+  /// many contacts touch. evaluate_block is a BlockEvaluator for this list; compare(b, first, last)
+  /// is called for the grains [first, last) of each block b.
+  template <class BlockEvaluator, class Compare, class Pass>
   Index operator()(P& grains, const ContactList& list, const BlockEvaluator& evaluate_block,
-                   const LookAt& look_at, Histories& after, const Pass& pass) {
+                   const Compare& compare, Histories& after, const Pass& pass) {
     after.resize(list.groups());
     division_.fit(list, static_cast<Index>(threads_for(grains.size())));
     loads_.resize(division_.slots());
@@ -65,7 +65,7 @@ class BlockLoop {
         is_dense_[b] = evaluate_block.is_dense(b, touching);
         counts[thread] += touching;
         const Index end = std::min(grains.size(), (b + 1) * block_size);
-        look_at(b * block_size, end);
+        compare(b, b * block_size, end);
         division_.for_each_ready(b * block_size, end, [&](Index first, Index last) {
           sum_in_pass(first, last, [&] {
             if (are_most_dense) {

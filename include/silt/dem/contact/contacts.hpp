@@ -104,7 +104,11 @@ class ContactsOf : public Contacts<Law, Walls...> {
     evaluation.count = memory_.loop(
         grains, evaluation.contacts(),
         detail::block_evaluator<P>(evaluation, rows, walls, settings_, evaluate_law),
-        [&](Index first, Index last) { changes.look_at(first, last); }, *after, pass);
+        [&, now = evaluation.lifetime.steps % changes.period](Index block, Index first,
+                                                              Index last) {
+          if (block % changes.period == now) changes.compare(first, last);
+        },
+        *after, pass);
     changes.check(grains);
     evaluation.after = after;
     evaluation.grains = detail::SharedGrains<P>(grains, memory_.copies);
@@ -350,7 +354,7 @@ class ContactsOf : public Contacts<Law, Walls...> {
     if (rebuilds) {
       detail::UnnoticedChanges changes(std::as_const(grains), *state_.last.list,
                                        state_.last.lifetime.constants_revision);
-      changes.look_at(0, grains.size());
+      changes.compare(0, grains.size());
       changes.check(grains);
       detail::check_grains(grains, materials_);
       detail::check_digits_of_positions(grains);
@@ -364,6 +368,7 @@ class ContactsOf : public Contacts<Law, Walls...> {
     } else {
       evaluation.list = state_.last.list;
       evaluation.lifetime = state_.last.lifetime;
+      ++evaluation.lifetime.steps;
       evaluation.before = state_.last.after;
     }
     return evaluation;

@@ -64,10 +64,13 @@ bool have_constants_changed(const P& grains, const List& list, std::uint64_t& kn
 
 /// Finds constants that were changed without a new constants_revision(): through a view that was
 /// obtained before an earlier step. What was computed from all of them, such as the search radius,
-/// is then out of date.
+/// is then out of date. All grains are compared in `period` steps: to read the constants of all in
+/// every step would take up to a tenth of it.
 template <class P, class List>
 class UnnoticedChanges {
  public:
+  static constexpr Index period = 16;
+
   /// `known` is the last constants_revision() with the values of the list.
   UnnoticedChanges(const P& grains, const List& list, std::uint64_t known)
       : constants_(list.constants),
@@ -76,8 +79,8 @@ class UnnoticedChanges {
                        constants_.radii.size() == grains.size() &&
                        known == grains.constants_revision()) {}
 
-  /// Looks at grains [first, last); may be called by several threads.
-  void look_at(Index first, Index last) {
+  /// Compares grains [first, last); may be called by several threads.
+  void compare(Index first, Index last) {
     if (!is_comparable_) return;
     bool is_any = false;
     for (Index i = first; i < last; ++i) is_any |= is_changed_(i);

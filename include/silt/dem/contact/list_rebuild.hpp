@@ -46,11 +46,12 @@ struct ReusableList : ListOrigin<Dim, Real> {
 };
 
 /// How far grains may travel before it is uncertain, without a loop over them, that a list is
-/// valid, and the last revision of their constants for which it is.
+/// valid, the last revision of their constants for which it is, and how many steps have used it.
 struct ListLifetime {
   Travel since;
   double distance = 0;  ///< [m]
   std::uint64_t constants_revision = 0;
+  Index steps = 0;  ///< after the one that built it
 };
 
 /// Throws if a radius, mass or inertia is not positive and finite, if products of radius and mass
