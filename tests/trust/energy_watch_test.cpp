@@ -6,6 +6,7 @@
 #include <silt/io/checkpoint.hpp>
 
 #include "support/check.hpp"
+#include "support/euler.hpp"
 #include "support/file_test.hpp"
 #include "support/grains.hpp"
 #include <gtest/gtest.h>
@@ -106,18 +107,6 @@ TEST(EnergyWatch, RefusesWhatOtherLimitsDoNot) {
   EXPECT_EQ(text_of_failure(sim, dt, 10), "");
   EXPECT_GT(kinetic_energy(sim.particles()), 100 * before);
 }
-
-// An integrator of the user that tells nothing of a step.
-struct Euler {
-  template <class P, class S, class I>
-  void step(P& particles, S& search, I& interaction, double time_step) {
-    search.update(particles);
-    clear(particles);
-    interaction.accelerate(particles, search, time_step);
-    kick(particles, NoDamping{}, time_step);
-    drift(particles, time_step);
-  }
-};
 
 TEST(EnergyWatch, ChecksTheStepsOfAnyIntegrator) {
   expect_refused(Simulation{approaching_grains<3>(), BruteForce<3>{},
