@@ -77,8 +77,9 @@ std::string text_of_failure(Sim& sim, double dt, int steps) {
 
 constexpr double dt = 4e-5;
 
+// Returns the text of the error.
 template <class Sim>
-void expect_refused(Sim sim) {
+std::string expect_refused(Sim sim) {
   const std::string text = text_of_failure(sim, dt, 10);
   EXPECT_NE(text.find("J in the springs of contacts"), std::string::npos) << text;
   EXPECT_NE(text.find("more than max_energy_gain = 10 times"), std::string::npos) << text;
@@ -87,6 +88,7 @@ void expect_refused(Sim sim) {
   const auto before = state_of(sim.particles());
   EXPECT_EQ(text_of_failure(sim, dt, 1), text);
   EXPECT_TRUE(state_of(sim.particles()) == before);
+  return text;
 }
 
 TEST(EnergyWatch, RefusesALawThatGivesMoreEnergyThanItsSpringsHold) {
@@ -97,6 +99,18 @@ TEST(EnergyWatch, RefusesALawThatGivesMoreEnergyThanItsSpringsHold) {
   expect_refused(Simulation{one_grain<3>({0, 0, 1.001 * R}, {0, 0, -0.1}), BruteForce<3>{},
                             dem::Contacts{dem::Law{wrong}, dem::Plane<3>{}},
                             Leapfrog{GlobalDamping{.alpha = 1}}});
+}
+
+// A wall at rest does no work, and one that recedes takes energy.
+TEST(EnergyWatch, NamesMovingWallsThatDidWork) {
+  for (const double speed : {0.01, 0.0, -0.001}) {
+    const dem::Moving floor{dem::Plane<3>{}, dem::Translation<3>{{0, 0, speed}}};
+    const std::string text =
+        expect_refused(Simulation{one_grain<3>({0, 0, 1.001 * R}, {0, 0, -0.1}), BruteForce<3>{},
+                                  dem::Contacts{dem::Law{wrong}, floor}, Leapfrog{}});
+    EXPECT_EQ(text.find("J by moving walls and the") != std::string::npos, speed > 0) << text;
+    EXPECT_NE(text.find("J by other forces"), std::string::npos) << text;
+  }
 }
 
 // Neither overlaps nor displacements are far from their usual values.
