@@ -7,7 +7,8 @@ uninterrupted run.
 
 STOPS is how often in all, in as many runs as necessary: a run may end before it is stopped. The
 program must have --out, --resume and --checkpoint-every. It is stopped by SIGINT, like by Ctrl-C,
-and killed by SIGKILL, in turns. In summary.json, wall-clock times are ignored.
+and killed by SIGKILL, in turns. At least a quarter of all must be orderly, with the
+exit code of SIGINT. In summary.json, wall-clock times are ignored.
 """
 
 import pathlib
@@ -87,7 +88,7 @@ def main(arguments):
     runs, stops, kills, different = 0, 0, 0, []
     while stops + kills < wanted and not different:
         if runs > 20 and runs > 4 * (stops + kills):
-            sys.exit("most runs ended before they could be stopped; make them longer")
+            sys.exit("more than three of four runs ended before they could be stopped; make them longer")
         shutil.rmtree(part, ignore_errors=True)
         more = run_in_parts(program, arguments, part, waits, wanted - stops - kills)
         runs, stops, kills = runs + 1, stops + more[0], kills + more[1]
@@ -95,6 +96,9 @@ def main(arguments):
     print(f"{len(files_in(whole))} files of {program}, stopped {stops} times and killed {kills} times in {runs} runs")
     for name in different:
         print(f"{name} differs from that of an uninterrupted run")
+    # A program without a handler dies of every SIGINT.
+    if not different and 4 * stops < stops + kills:
+        sys.exit(f"only {stops} of {stops + kills} stops were orderly, less than a quarter; does {program} handle SIGINT?")
     ended = subprocess.run([program, "--resume", str(part)], capture_output=True, text=True)
     assert ended.returncode == 2 and "is complete" in ended.stderr, "resuming a complete run must be rejected"
     other = subprocess.run([program, "--resume", str(part), *arguments], capture_output=True, text=True)

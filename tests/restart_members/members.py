@@ -143,8 +143,7 @@ NOT_SAVED = {
     "Forces": {"parts_": "for_each_part() saves and restores each"},
     "Simulation": {"chooses_radius_": GIVEN, "thread_choice_": CLOCK,
                    **all_of(SUCCESS, "steps_ particles_lost_ time_ last_time_step_"),
-                   "was_read_": UNCHANGED,
-                   **all_of("changed by run(), between steps", "run_is_open_ output_time_ output_step_")},
+                   "was_read_": UNCHANGED, "run_": "changed by run(), between steps"},
     # search
     "UniformGrid": {"radius_": "Simulation::prepare() sets it before every step",
                     **all_of(UPDATE, "owned_ revision_ points_ ghost_owners_")},

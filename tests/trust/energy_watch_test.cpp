@@ -6,6 +6,7 @@
 #include <silt/io/checkpoint.hpp>
 
 #include "support/check.hpp"
+#include "support/euler.hpp"
 #include "support/file_test.hpp"
 #include "support/grains.hpp"
 #include <gtest/gtest.h>
@@ -76,8 +77,9 @@ std::string text_of_failure(Sim& sim, double dt, int steps) {
 
 constexpr double dt = 4e-5;
 
+// Returns the text of the error.
 template <class Sim>
-void expect_refused(Sim sim) {
+std::string expect_refused(Sim sim) {
   const std::string text = text_of_failure(sim, dt, 10);
   EXPECT_NE(text.find("J in the springs of contacts"), std::string::npos) << text;
   EXPECT_NE(text.find("more than max_energy_gain = 10 times"), std::string::npos) << text;
@@ -86,6 +88,7 @@ void expect_refused(Sim sim) {
   const auto before = state_of(sim.particles());
   EXPECT_EQ(text_of_failure(sim, dt, 1), text);
   EXPECT_TRUE(state_of(sim.particles()) == before);
+  return text;
 }
 
 TEST(EnergyWatch, RefusesALawThatGivesMoreEnergyThanItsSpringsHold) {
@@ -98,6 +101,18 @@ TEST(EnergyWatch, RefusesALawThatGivesMoreEnergyThanItsSpringsHold) {
                             Leapfrog{GlobalDamping{.alpha = 1}}});
 }
 
+// A wall at rest does no work, and one that recedes takes energy.
+TEST(EnergyWatch, NamesMovingWallsThatDidWork) {
+  for (const double speed : {0.01, 0.0, -0.001}) {
+    const dem::Moving floor{dem::Plane<3>{}, dem::Translation<3>{{0, 0, speed}}};
+    const std::string text =
+        expect_refused(Simulation{one_grain<3>({0, 0, 1.001 * R}, {0, 0, -0.1}), BruteForce<3>{},
+                                  dem::Contacts{dem::Law{wrong}, floor}, Leapfrog{}});
+    EXPECT_EQ(text.find("J by moving walls and the") != std::string::npos, speed > 0) << text;
+    EXPECT_NE(text.find("J by other forces"), std::string::npos) << text;
+  }
+}
+
 // Neither overlaps nor displacements are far from their usual values.
 TEST(EnergyWatch, RefusesWhatOtherLimitsDoNot) {
   Simulation sim{approaching_grains<3>(), BruteForce<3>{},
@@ -106,18 +121,6 @@ TEST(EnergyWatch, RefusesWhatOtherLimitsDoNot) {
   EXPECT_EQ(text_of_failure(sim, dt, 10), "");
   EXPECT_GT(kinetic_energy(sim.particles()), 100 * before);
 }
-
-// An integrator of the user that tells nothing of a step.
-struct Euler {
-  template <class P, class S, class I>
-  void step(P& particles, S& search, I& interaction, double time_step) {
-    search.update(particles);
-    clear(particles);
-    interaction.accelerate(particles, search, time_step);
-    kick(particles, NoDamping{}, time_step);
-    drift(particles, time_step);
-  }
-};
 
 TEST(EnergyWatch, ChecksTheStepsOfAnyIntegrator) {
   expect_refused(Simulation{approaching_grains<3>(), BruteForce<3>{},

@@ -6,6 +6,7 @@
 #include <silt/mps.hpp>
 
 #include "support/check.hpp"
+#include "support/euler.hpp"
 #include "support/fluid.hpp"
 #include "support/grains.hpp"
 #include "support/triangles.hpp"
@@ -192,18 +193,6 @@ TEST(Watch, RefusesLimitsThatAreNotPositive) {
       refuses([&] { contacts.with({.max_displacement = -1}); }, {"max_displacement = -1 must be"}));
   EXPECT_TRUE(refuses([&] { contacts.with({.max_overlap = std::nan("")}); }, {"must be positive"}));
 }
-
-// An integrator of the user that does not say how far grains have moved.
-struct Euler {
-  template <class P, class S, class I>
-  void step(P& particles, S& search, I& interaction, double dt) {
-    search.update(particles);
-    clear(particles);
-    interaction.accelerate(particles, search, dt);
-    kick(particles, NoDamping{}, dt);
-    drift(particles, dt);
-  }
-};
 
 TEST(Watch, ChecksTheStepsOfAnyIntegrator) {
   Simulation sim{one_grain<3>({0, 0, 0}, {51, 0, 0}), BruteForce<3>{}, dem::Contacts{soft},

@@ -7,6 +7,7 @@
 #include <silt/core/error.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/particles.hpp>
+#include <silt/core/run.hpp>
 #include <silt/core/step_checks.hpp>
 #include <silt/core/transfer.hpp>
 #include <silt/core/types.hpp>
@@ -22,16 +23,6 @@
 #include <vector>
 
 namespace silt {
-
-/// End of a run, interval of outputs and time step.
-struct Run {
-  double until = 0;                      ///< run while time < until [s]
-  double output_every = 0;               ///< [s]; 0: only at the beginning and at the end
-  std::optional<double> time_step = {};  ///< [s]; if not given, the interaction chooses it
-  /// true: ends at exactly time() == until, by shortening the last one or two steps; false: ends
-  /// after the first step that reaches `until`, up to one step later.
-  bool end_exactly = false;
-};
 
 template <class P, class S, class I, class T>
 class Simulation {
@@ -121,9 +112,7 @@ class Simulation {
       archive("steps", steps_);
       archive("last_time_step", last_time_step_);
       archive("particles_lost", particles_lost_);
-      archive("run_is_open", run_is_open_);
-      archive("output_time", output_time_);
-      archive("output_step", output_step_);
+      run_.transfer(archive);
     });
     if constexpr (Archive::reads) {
       require_not_negative("Simulation: last_time_step", last_time_step_);
@@ -235,85 +224,15 @@ class Simulation {
   template <class... Observers>
     requires(Observer<Observers, Simulation> && ...)
   bool run(const Run& run, Observers&&... observers) {
-    require_finite("Run: until", run.until);
-    require_not_negative("Run: output_every", run.output_every);
-    if (run.time_step) require_positive("Run: time_step", *run.time_step);
-    if (run.output_every > 0) {
-      detail::require_feasible("Run: output_every", run.output_every, "outputs", {time_, run.until},
-                               [] { return "increase it"; });
-    }
-    const auto make_output = [&] {
-      output_time_ = time_;
-      output_step_ = steps_;
-      (detail::call_at_output(observers, *this), ...);
-    };
-    const auto outputs_at = [&](double time) {
-      return run.output_every > 0 ? completed_intervals(time / run.output_every) : 0;
-    };
-    const auto output_is_due = [&] { return outputs_at(time_) > outputs_at(output_time_); };
-    const double given_time_step = run.time_step.value_or(0.0);  // 0: not given
-    const double almost_until = run.until * (1 - 1e-12);
-
-    // The checkpoint that was read is of a later run of the same program.
-    if (run_is_open_ && time_ - last_time_step_ >= almost_until) return true;
-    if (!run_is_open_ || output_is_due()) make_output();
-    OpenRun open(run_is_open_);
-    while (time_ < almost_until) {
-      if ((detail::requests_stop(observers) || ...)) {
-        open.stays_open = true;
-        return false;
-      }
-      const detail::Team team(thread_choice_, particles_.size());  // also for the observers
-      (detail::call_before_step(observers, *this), ...);
-      const double dt = given_time_step > 0 ? given_time_step : time_step();
-      detail::require_feasible("Run: time_step", dt, "steps", {time_, run.until}, [&] {
-        return given_time_step > 0 ? std::string("increase it")
-                                   : detail::remedy_for_time_step(interaction_, particles_);
-      });
-      const auto advance = [&](double time_step) {
-        run.end_exactly ? step_towards(run.until, time_step) : step(time_step);
-      };
-      if (given_time_step > 0) {
-        advance(dt);
-      } else {
-        detail::advance_by_stable_step(dt, advance);
-      }
-      (detail::call_after_step(observers, *this, run), ...);
-      if (output_is_due()) make_output();
-      (detail::call_between_steps(observers, *this), ...);
-    }
-    // The loop may end within round-off before `until`.
-    if (run.end_exactly && time_ < run.until) time_ = run.until;
-    if (output_step_ != steps_) make_output();
-    return true;
+    return detail::RunLoop(*this, run, observers...).perform();
   }
 
  private:
+  template <class, class...>
+  friend class detail::RunLoop;
+
   static constexpr bool synchronises =
       requires(T t, P p, S s, TypedInteraction i) { t.synchronise(p, s, i); };
-
-  // Marks a run as open until run() is left, also by an exception.
-  struct OpenRun {
-    explicit OpenRun(bool& is_open) : is_open_(is_open) { is_open_ = true; }
-    OpenRun(const OpenRun&) = delete;
-    OpenRun& operator=(const OpenRun&) = delete;
-    ~OpenRun() { is_open_ = stays_open; }
-
-    bool stays_open = false;
-
-   private:
-    bool& is_open_;
-  };
-
-  // A step of dt, or a shorter one so that time() becomes exactly `until`. No step is shorter than
-  // dt/2: the last two steps are made equal instead.
-  void step_towards(double until, double dt) {
-    const double left = until - time_;
-    const bool is_last = left <= dt * (1 + 1e-9);
-    // Never longer than dt, which may be the longest that is stable.
-    step(is_last ? std::min(left, dt) : left < 2 * dt ? left / 2 : dt);
-    if (is_last) time_ = until;
-  }
 
   // Called before the state is saved: rolling back a step does not undo the reordering.
   void sort() {
@@ -397,9 +316,7 @@ class Simulation {
   double last_time_step_ = 0;
   detail::ThreadChoice thread_choice_;
   bool was_read_ = false;
-  bool run_is_open_ = false;  // within run(), or after one that an observer ended
-  double output_time_ = 0;    // of the last output of a run [s]
-  std::uint64_t output_step_ = 0;
+  detail::RunState run_;
 };
 
 // A simulation built from the interaction of another one has the same type.

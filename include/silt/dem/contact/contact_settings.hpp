@@ -28,9 +28,9 @@ struct ContactSettings {
   /// may take it through a grain or a thin wall without a contact [-]. Infinity: no limit.
   double max_displacement = 0.5;
   /// A step throws if the kinetic energy exceeds this times the sum of that before the step, the
-  /// energy in the springs of the contacts and the work of all other forces [-]. The energy is that
-  /// of all grains together. Only for laws that tell it by components, see ContactLaw. Infinity: no
-  /// limit.
+  /// energy in the springs of the contacts and the work of moving walls and of all other forces
+  /// [-]. The energy is that of all grains together. Only for laws that tell it by components, see
+  /// ContactLaw. Infinity: no limit.
   double max_energy_gain = 10;
 
   /// Throws if a setting is out of range.

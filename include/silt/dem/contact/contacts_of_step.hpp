@@ -28,9 +28,10 @@ namespace silt::dem::detail {
 /// Energy of the springs of all contacts, without that of adhesion, which no spring holds [J].
 struct ContactEnergy {
   double stored = 0;  ///< at the time of the forces
-  /// By springs and dashpots in the step, without attraction: on the grains relative to the walls,
-  /// and on the grains by the motion of the walls.
+  /// By springs and dashpots on the grains in the step, relative to the walls, without attraction.
   double work = 0;
+  /// By the motion of walls on the grains in the step, through the same forces: below 0 if walls
+  /// give way.
   double work_of_walls = 0;
 };
 

@@ -71,8 +71,9 @@ void check_energy(const P& grains, const GrainRows<P::dimension, typename P::Rea
   });
   const auto contacts = energy_of_contacts(then, mean);
   const double by_rest = energy_after - energy_before - contacts.work - contacts.work_of_walls;
-  const double by_others = std::max(0.0, by_rest) + std::max(0.0, contacts.work_of_walls);
-  if (!(energy_after > most * (energy_before + contacts.stored + by_others))) return;
+  const double by_others = std::max(0.0, by_rest);
+  const double by_walls = std::max(0.0, contacts.work_of_walls);
+  if (!(energy_after > most * (energy_before + contacts.stored + (by_others + by_walls)))) return;
 
   Index fastest = 0;
   for (Index i = 1; i < grains.size(); ++i) {
@@ -82,8 +83,9 @@ void check_energy(const P& grains, const GrainRows<P::dimension, typename P::Rea
            to_text(energy_after) + " J in a step of " + to_text(step.time_step) +
            " s, more than max_energy_gain = " + to_text(most) + " times the sum of " +
            to_text(energy_before) + " J, the " + to_text(contacts.stored) +
-           " J in the springs of contacts and the " + to_text(by_others) +
-           " J by other forces; of all grains, this one with velocity = " +
+           " J in the springs of contacts" +
+           (by_walls > 0 ? ", the " + to_text(by_walls) + " J by moving walls" : "") + " and the " +
+           to_text(by_others) + " J by other forces; of all grains, this one with velocity = " +
            to_text(typename P::Vec(grains[velocity][fastest])) +
            " m/s gained most; the law gives more energy than its springs hold: check its force and "
            "its elastic energy, lower the time step, or raise ContactSettings::max_energy_gain",
