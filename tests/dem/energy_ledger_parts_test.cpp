@@ -21,6 +21,16 @@ const dem::LinearSpringDashpot spring{.normal_stiffness = 1e6, .restitution = 0.
 const dem::LinearFriction friction{.tangential_stiffness = 5e5, .friction_angle = 0.4};
 const dem::RollingResistance rolling{.rolling_friction = 0.3, .twisting_friction = 0.2};
 
+TEST(LossesOfContacts, AddUpByCause) {
+  dem::Losses losses{.friction = 1, .rolling_friction = 2, .plastic = 3, .separation = 4};
+  losses += {.friction = 10, .rolling_friction = 20, .plastic = 30, .separation = 40};
+  EXPECT_EQ(losses.friction, 11);
+  EXPECT_EQ(losses.rolling_friction, 22);
+  EXPECT_EQ(losses.plastic, 33);
+  EXPECT_EQ(losses.separation, 44);
+  EXPECT_EQ(losses.sum(), 110);
+}
+
 TEST(EnergyLedgerOf, HertzAndMindlin) {
   const dem::Law law{hertz, mindlin};
   expect_to_close_at_moving_walls(law);

@@ -5,6 +5,9 @@
     check.py headers VARIANT INCLUDE...         all headers, in one source file
     check.py warnings VARIANT INCLUDE...        the quickstarts, which must compile without warnings
     check.py hashes VARIANT INCLUDE...          hashes.cpp, which must print hashes.txt
+    check.py arithmetic VARIANT INCLUDE...      few_steps.cpp at three levels of optimisation: with
+                                                fused operations it runs, and options that reorder
+                                                sums or assume finite numbers are refused
 
 The first INCLUDE is the include folder of the library, the others are those of Eigen. For VARIANT
 see VARIANTS. If its compiler is missing, prints a message and exits with 77.
@@ -156,8 +159,45 @@ def check_hashes(variant, includes, scratch):
     return same
 
 
+REFUSED = (["-ffast-math"], ["-funsafe-math-optimizations"],
+           ["-fassociative-math", "-fno-signed-zeros", "-fno-trapping-math"])
+LARGEST_DIFFERENCE = 1e-9  # of energies, relative, by fused operations
+
+
+def check_arithmetic(variant, includes, scratch):
+    command, processor = compiler_of(variant, includes)
+    command += openmp_of(command, scratch)
+    program = scratch / "few_steps"
+
+    def result(*flags, threads="1"):
+        """Exit code and output of the compiler, or of the program if it was compiled."""
+        command_line = [*command, "-std=c++20", *flags, HERE / "few_steps.cpp", "-o", program]
+        print(" ".join(map(str, command_line)), flush=True)
+        ran = subprocess.run(command_line, capture_output=True, text=True, check=False)
+        if ran.returncode == 0:
+            ran = subprocess.run([program], capture_output=True, text=True, check=False,
+                                 env={**os.environ, "OMP_NUM_THREADS": threads})
+            print(ran.stdout, end="", flush=True)
+        return ran.returncode, ran.stdout + ran.stderr
+
+    if not runs_here(processor):
+        skip(f"this processor does not support {processor}")
+    for level in ("-O1", "-O2", "-O3"):
+        for flags in REFUSED:
+            code, text = result(level, *flags)
+            assert code != 0 and ("silt: compiled with -ffast-math" in text or
+                                  "Simulation: compiled with -funsafe-math" in text), text
+        exact, fused = result(level, "-ffp-contract=off"), result(level, "-ffp-contract=fast")
+        assert exact[0] == fused[0] == 0, (exact, fused)
+        assert fused == result(level, "-ffp-contract=fast", threads="2"), "other bits"
+        for one, other in zip(exact[1].split(), fused[1].split(), strict=True):
+            assert abs(float(one) / float(other) - 1) < LARGEST_DIFFERENCE, (exact, fused)
+    return True
+
+
 def main(arguments):
-    checks = {"headers": check_headers, "warnings": check_warnings, "hashes": check_hashes}
+    checks = {"headers": check_headers, "warnings": check_warnings, "hashes": check_hashes,
+              "arithmetic": check_arithmetic}
     if len(arguments) < 3 or arguments[0] not in checks or arguments[1] not in VARIANTS:
         sys.exit(__doc__)
     with tempfile.TemporaryDirectory() as scratch:
