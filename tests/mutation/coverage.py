@@ -186,6 +186,13 @@ class Coverage:
                     total[header][int(line)] += count
         return total
 
+    def executed_lines(self, header):
+        """A function of a test source: how many lines of the header it executed when it was last
+        run, perhaps with an earlier version of the header."""
+        counts = {source: sum(count > 0 for count in headers.get(header, {}).values())
+                  for source, headers in self.runs().items()}
+        return lambda source: counts.get(source, 0)
+
     def executing(self, header, text, line):
         """A function of a test source: whether it executes this line of a header with this text;
         None if that is unknown, as for a line without instructions in any test."""

@@ -138,7 +138,8 @@ class Campaign:
         text = (self.tree.include / "silt" / mutant.header).read_text(encoding="utf-8")
         used, passed = 0, []
         executes = self.coverage.executing(mutant.header, text, mutant.line)
-        sources = self.tree.tests_of(mutant.header, self.results.kills(mutant.header))
+        sources = self.tree.tests_of(mutant.header, self.results.kills(mutant.header),
+                                     self.coverage.executed_lines(mutant.header))
         for source in sources:
             if executes(source) is False:
                 continue

@@ -97,13 +97,15 @@ class Tree:
                     waiting.append(path)
         return depths
 
-    def tests_of(self, header, kills):
+    def tests_of(self, header, kills, executed=lambda source: 0):
         """The sources that include a header: first the one with its name, then those that have
-        killed most mutants of the header, then the nearest: those that include it themselves, or
-        have its words in their name; those in its folder that mention one of its names; the hashes
-        of whole runs; those that mention a name, are in the folder, or neither. Among equals, those
-        come first that include it most directly, then those that have killed most of its folder,
-        then those with the fewest headers. kills(source) are both numbers."""
+        killed most mutants of the header, then those that execute most of its lines, then the
+        nearest: those that include it themselves, or have its words in their name; those in its
+        folder that mention one of its names; the hashes of whole runs; those that mention a name,
+        are in the folder, or neither. Among equals, those come first that include it most directly,
+        then those that have killed most of its folder, then those with the fewest headers.
+        kills(source) are the two numbers of mutants, executed(source) that of lines, 0 if it is
+        unknown."""
         name = f"include/silt/{header}"
         folder, stem = header.split("/")[0], pathlib.Path(header).stem
         own = f"tests/{folder}/{stem}_test.cpp"
@@ -122,7 +124,7 @@ class Tree:
 
         def order(source):
             of_header, of_folder = kills(source)
-            return (source != own, -of_header, distance(source),
+            return (source != own, -of_header, -executed(source), distance(source),
                     self.depths_of(source)[name], -of_folder,
                     len(self.all_includes_of(source)), source)
 

@@ -130,14 +130,16 @@ def test_order(folder):
     tree = make_tree(folder)
     assert tree.headers(["core"]) == ["core/a.hpp", "core/b.hpp"]
 
-    def order(kills=lambda source: (0, 0)):
-        return [source.removeprefix("tests/") for source in tree.tests_of("core/a.hpp", kills)]
+    def order(kills=lambda source: (0, 0), executed=lambda source: 0):
+        return [source.removeprefix("tests/")
+                for source in tree.tests_of("core/a.hpp", kills, executed)]
 
     near = ["core/a_test.cpp", "core/near_test.cpp", "core/mention_test.cpp"]
     assert order() == [*near, "dem/far_test.cpp", "dem/farther_test.cpp"], order()
     assert order(lambda source: (0, source.count("farther"))) == order()
     assert order(lambda source: (source.count("farther"), 0)) == [
         near[0], "dem/farther_test.cpp", *near[1:], "dem/far_test.cpp"]
+    assert order(executed=lambda source: source.count("farther"))[1] == "dem/farther_test.cpp"
     before = tree.hash_of("tests/core/near_test.cpp")
     (tree.include / "silt/core/a.hpp").write_text(HEADER + "//", encoding="utf-8")
     assert tree.hash_of("tests/core/near_test.cpp") != before
@@ -161,6 +163,8 @@ def test_coverage(folder):
         write(f"{program}/lines.json", {"core/a.hpp": lines})
         (folder / "coverage" / program / "hash.txt").write_text(
             tree.hash_of(f"tests/core/{source}_test.cpp"), encoding="utf-8")
+    lines = Coverage(folder).executed_lines("core/a.hpp")
+    assert [lines(f"tests/core/{name}_test.cpp") for name in ("a", "near", "far")] == [1, 0, 0]
     executes = executing(HEADER, 6)
     assert [executes(f"tests/core/{name}_test.cpp") for name in ("a", "near", "mention")] == [
         True, False, False]
