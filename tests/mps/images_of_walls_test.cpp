@@ -183,7 +183,8 @@ TEST(ImagesOfWalls, StopFluidThatFallsOnTheFloorInOneStep) {
   const auto& after = sim.particles();
   for (Index i = 0; i < after.size(); ++i) {
     const double y = after[position][i][1] / l0;
-    if (y > 2 && y < 7) EXPECT_LT(std::abs(after[velocity][i][1]), 1e-3);
+    if (y < 2 || y > 7) continue;
+    EXPECT_LT(std::abs(after[velocity][i][1]), 1e-3);
   }
 }
 

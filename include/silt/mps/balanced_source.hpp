@@ -46,7 +46,8 @@ struct BalancedSource {
     typename View::Kinds kinds = at.kinds();
     typename View::Real time_step = typename View::Real(at.time_step());
 
-    Vec operator[](Index j) const {
+    // Inlined, so that the sums over neighbours stay in registers.
+    [[gnu::always_inline]] inline Vec operator[](Index j) const {
       if constexpr (View::has_images) {
         return kinds[j] == Kind::fluid ? Vec(u[j] - time_step * at.force(at.owner(j))) : Vec(u[j]);
       } else {

@@ -96,12 +96,13 @@ class FlowOperators {
   [[gnu::always_inline]] inline void for_each_in_laplacian(Index i, F&& f) const {
     for_each_in(laplacian_neighbourhood(), laplacian_stencil_, i, f);
   }
-  /// Whether is(neighbour) is true for any of those of for_each(); only the index and the weight of
-  /// particles are set.
+  /// Whether is(neighbour) is true for any of those of for_each(); r_ij and w/r² of particles are not
+  /// set.
   template <class F>
   bool any(Index i, F&& is) const {
+    const Vec unset = Vec::Zero();
     bool found = any_weighted(neighbourhood_, i, stencil_, [&](Index j, Real w) {
-      return is(Neighbour<Dim, Real>{.index = j, .weight = w});
+      return is(Neighbour<Dim, Real>{j, unset, w, 0});
     });
     for_each_image(i, [&](const auto& image) { found |= is(image); });
     return found;
@@ -140,7 +141,7 @@ class FlowOperators {
   template <class U>
   auto velocities_around(Index i, const U& u) const {
     return [this, i, &u](auto&& f) {
-      for_each(i, [&](const auto& j) {
+      this->for_each(i, [&](const auto& j) {
         f(j.velocity(u), j.r_ij, j.weight, j.weight_over_square);
       });
     };

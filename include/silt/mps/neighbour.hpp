@@ -16,10 +16,10 @@ struct Neighbour {
   using Vec = silt::Vec<Dim, Real>;
   static constexpr bool is_image = false;
 
-  Index index = 0;                ///< of an owned or ghost particle
-  Vec r_ij = Vec::Zero();         ///< [m]
-  Real weight = 0;                ///< w [-]
-  Real weight_over_square = 0;    ///< w/r² [1/m²]
+  Index index;              ///< of an owned or ghost particle
+  const Vec& r_ij;          ///< [m]; a reference, because a copy would be made in memory
+  Real weight;              ///< w [-]
+  Real weight_over_square;  ///< w/r² [1/m²]
 
   /// Its kind, of the kinds of all particles.
   template <class Kinds>
