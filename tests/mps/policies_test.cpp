@@ -54,6 +54,30 @@ struct CollisionWithoutReach {
 static_assert(!mps::CollisionModel<CollisionWithoutReach>);
 static_assert(!mps::CollisionModel<DensitySource>);
 
+static_assert(mps::WallModel<mps::GrainyWalls> && mps::WallModel<mps::SmoothWalls>);
+static_assert(!mps::WallModel<DensitySource>);
+static_assert(mps::Shifting<mps::NoShifting> && mps::Shifting<mps::ParticleShifting>);
+static_assert(!mps::Shifting<DensitySource>);
+static_assert(mps::LaplacianWeights<mps::HigherOrderLaplacian>);
+static_assert(!mps::LaplacianWeights<DensitySource>);
+
+// --- schemes -------------------------------------------------------------------------------------
+
+struct Derived : mps::Recommended {
+  Collision collision{.distance = 0.8, .restitution = 0.3};
+  mps::CorrectedGradient gradient{.min_determinant = 0.2};
+};
+
+TEST(Schemes, GiveTheirNumbersToTheSettingsWhichMayReplaceThem) {
+  const mps::FlowSettings<2, Derived> settings{.spacing = 0.01};
+  EXPECT_EQ(settings.collision.distance, 0.8);
+  EXPECT_EQ(settings.collision.restitution, 0.3);
+  EXPECT_EQ(settings.gradient.min_determinant, 0.2);
+  EXPECT_EQ(settings.surface.first.beta, 0.9);  // inherited
+  const mps::Flow<Derived> flow{{.spacing = 0.01, .collision = {.distance = 0.7}}};
+  EXPECT_EQ(flow.settings().collision.distance, 0.7);
+}
+
 // --- Table 1 -------------------------------------------------------------------------------------
 
 template <class Case, class Source, class Kernel, class Surface, class Gradient>
