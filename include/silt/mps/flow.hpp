@@ -147,11 +147,9 @@ class BasicFlow {
     particles.refresh_ghosts(velocity);
     particles.refresh_ghosts(pressure);  // of the previous step
     timed(seconds_.assembly, [&] {
-      // What images are known to add to the left side of ∇²P = source goes to the right side.
-      equation_.assemble(
-          particles, operators_.pressure_neighbours(), operators_.laplacian_stencil(),
-          [&](Index i) { return source_.value(step.at(i)) - step.at(i).rise_of_images(); },
-          [&](Index i) { return boundary_.has_pressure(i); });
+      equation_.assemble(particles, operators_.pressure_neighbours(),
+                         operators_.laplacian_stencil(), [&](Index i) { return source(step, i); },
+                         [&](Index i) { return boundary_.has_pressure(i); });
     });
     timed(seconds_.solve, [&] { report_ = equation_.solve(particles, solver_); });
     check_solve(particles, report_, time_step);
@@ -228,6 +226,13 @@ class BasicFlow {
   template <class P, class S>
   void find_neighbours_of_moved(const P& particles, const S& search) {
     if (!operators_.are_current(particles)) find_neighbours(particles, search);
+  }
+
+  // ∇²P of particle i, without what images are known to add to it: (9), (16). Not inlined, so that
+  // the loop that assembles the equation keeps its sums in registers.
+  template <class P>
+  [[gnu::noinline]] double source(const StepView<Scheme, P>& step, Index i) const {
+    return source_.value(step.at(i)) - step.at(i).rise_of_images();
   }
 
   template <class P>
