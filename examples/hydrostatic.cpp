@@ -316,7 +316,12 @@ void simulate_recommended(const Options& o) {
 // Choices that are types select a template instance; the others are settings.
 template <int Dim, class Source, class Kernel, class Gradient>
 void simulate(const Options& o) {
-  using Scheme = mps::Scheme<Source, mps::AdoptedCollision, Kernel, ChosenSurface, Gradient>;
+  struct Scheme : mps::Case10 {
+    Source source{};
+    Kernel kernel{};
+    ChosenSurface surface{};
+    Gradient gradient{};
+  };
   auto settings = support::flow_settings<Scheme, Dim>(o, o.depth);
   settings.collision.distance = o.collision[0];
   settings.collision.restitution = o.collision[1];

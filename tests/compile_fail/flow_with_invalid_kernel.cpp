@@ -1,4 +1,4 @@
-// expect: the third argument is not a kernel: it needs a static weight\(q\) for float and double
+// expect: the scheme has no member `kernel` that is a kernel: it needs a weight\(q\) for float and double
 // SPDX-License-Identifier: MIT
 #include <silt/mps.hpp>
 
@@ -20,7 +20,8 @@ int main() {
 #else
   using Weight = OnlyForDoubles;
 #endif
-  using Scheme = mps::Scheme<mps::DivergenceSource, mps::AdoptedCollision, Weight,
-                             mps::DensitySurface, mps::ConservingGradient>;
+  struct Scheme : mps::Case10 {
+    Weight kernel{};
+  };
   const mps::Flow<Scheme> flow({.spacing = 0.01});
 }

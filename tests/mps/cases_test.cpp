@@ -164,7 +164,7 @@ TYPED_TEST(Cases, SimulateACollapsingColumnWithMovedParticles) {
 }
 
 TYPED_TEST(Cases, WithoutTheOriginalSourceSimulateACollapsingColumnWithKeptParticles) {
-  if constexpr (!TypeParam::Case::Source::needs_moved_particles) {
+  if constexpr (!mps::SourceOf<typename TypeParam::Case>::needs_moved_particles) {
     expect_a_column_to_collapse<typename TypeParam::Case, TypeParam::dimension>(
         SemiImplicit<KeepsParticles>{});
   }

@@ -21,9 +21,9 @@ using mps::Flow;
 using mps::FlowEnergy;
 
 // A scheme with particle shifting.
-using Shifted = mps::Scheme<mps::DivergenceSource, mps::AdoptedCollision, mps::CubicKernel,
-                            mps::BothConditions, mps::ConservingGradient, mps::GrainyWalls,
-                            mps::ParticleShifting>;
+struct Shifted : mps::Case10 {
+  mps::ParticleShifting shifting{};
+};
 
 template <class Scheme = Case10, int Dim = 2, class Real = double>
 auto simulation(mps::Fluid<Dim, Real> particles, mps::FlowSettings<Dim, Scheme> settings) {

@@ -21,20 +21,30 @@ using mps::LatticeValues;
 struct OnlyForDoubles {
   static double weight(double q) { return 1 - q; }
 };
-struct NotStatic {
+struct WithNumbers {
+  double height = 1;
+
   template <class Real>
   Real weight(Real q) const {
-    return 1 - q;
+    return Real(height) * (1 - q);
   }
 };
 static_assert(Kernel<InverseKernel> && Kernel<GaussianKernel> && Kernel<CubicKernel>);
-static_assert(!Kernel<OnlyForDoubles> && !Kernel<NotStatic> && !Kernel<double>);
+static_assert(!Kernel<OnlyForDoubles> && !Kernel<double>);
+static_assert(Kernel<WithNumbers>);
 
 // n0, λ/l0² and N0 on the square lattice, to the digits given.
 struct Row {
   double radius, n0, lambda;
   int neighbours;
 };
+
+TEST(LatticeValues, DependOnTheNumbersOfTheKernel) {
+  const LatticeValues one = lattice_values<2, WithNumbers>(3.1);
+  const LatticeValues two = lattice_values<2>(3.1, WithNumbers{.height = 2});
+  EXPECT_DOUBLE_EQ(two.n0, 2 * one.n0);
+  EXPECT_DOUBLE_EQ(two.lambda, one.lambda);
+}
 
 template <class K>
 void expect_table(const std::vector<Row>& table) {

@@ -2,6 +2,7 @@
 // Sources, free surfaces and collisions individually, and the policies of the cases of Table 1.
 #include "support/check.hpp"
 #include "support/fluid.hpp"
+#include "support/view.hpp"
 
 #include <gtest/gtest.h>
 
@@ -11,8 +12,8 @@
 namespace silt::test::policies_test {
 namespace {
 
-using mps::AdoptedCollision;
 using mps::BothSurfaces;
+using mps::Collision;
 using mps::CountSurface;
 using mps::DensitySource;
 using mps::DensitySurface;
@@ -24,12 +25,11 @@ static_assert(mps::PressureSource<DensitySource> && mps::PressureSource<Divergen
 static_assert(mps::FreeSurface<DensitySurface> && mps::FreeSurface<CountSurface>);
 static_assert(mps::FreeSurface<BothSurfaces<CountSurface, NoSurface>>);
 static_assert(mps::FreeSurface<NoSurface>);
-static_assert(mps::CollisionModel<AdoptedCollision>);
+static_assert(mps::CollisionModel<Collision>);
 
 struct SourceWithoutOrder {
-  [[maybe_unused]] static constexpr bool needs_divergence = false;
   void check() const {}
-  double value(const mps::SourceTerms&) const { return 0; }
+  double value(const auto&) const { return 0; }
 };
 static_assert(!mps::PressureSource<SourceWithoutOrder>);
 static_assert(!mps::PressureSource<DensitySurface>);
@@ -54,17 +54,41 @@ struct CollisionWithoutReach {
 static_assert(!mps::CollisionModel<CollisionWithoutReach>);
 static_assert(!mps::CollisionModel<DensitySource>);
 
+static_assert(mps::WallModel<mps::GrainyWalls> && mps::WallModel<mps::SmoothWalls>);
+static_assert(!mps::WallModel<DensitySource>);
+static_assert(mps::Shifting<mps::NoShifting> && mps::Shifting<mps::ParticleShifting>);
+static_assert(!mps::Shifting<DensitySource>);
+static_assert(mps::LaplacianWeights<mps::HigherOrderLaplacian>);
+static_assert(!mps::LaplacianWeights<DensitySource>);
+
+// --- schemes -------------------------------------------------------------------------------------
+
+struct Derived : mps::Recommended {
+  Collision collision{.distance = 0.8, .restitution = 0.3};
+  mps::CorrectedGradient gradient{.min_determinant = 0.2};
+};
+
+TEST(Schemes, GiveTheirNumbersToTheSettingsWhichMayReplaceThem) {
+  const mps::FlowSettings<2, Derived> settings{.spacing = 0.01};
+  EXPECT_EQ(settings.collision.distance, 0.8);
+  EXPECT_EQ(settings.collision.restitution, 0.3);
+  EXPECT_EQ(settings.gradient.min_determinant, 0.2);
+  EXPECT_EQ(settings.surface.first.beta, 0.9);  // inherited
+  const mps::Flow<Derived> flow{{.spacing = 0.01, .collision = {.distance = 0.7}}};
+  EXPECT_EQ(flow.settings().collision.distance, 0.7);
+}
+
 // --- Table 1 -------------------------------------------------------------------------------------
 
 template <class Case, class Source, class Kernel, class Surface, class Gradient>
-constexpr bool has_policies = std::same_as<typename Case::Source, Source> &&
-                            std::same_as<typename Case::Kernel, Kernel> &&
-                            std::same_as<typename Case::Surface, Surface> &&
-                            std::same_as<typename Case::Gradient, Gradient>;
+constexpr bool has_policies = std::same_as<mps::SourceOf<Case>, Source> &&
+                            std::same_as<mps::KernelOf<Case>, Kernel> &&
+                            std::same_as<mps::SurfaceOf<Case>, Surface> &&
+                            std::same_as<mps::GradientOf<Case>, Gradient>;
 
 template <class Case>
 constexpr bool collides_with(double a, double b) {
-  const typename Case::Collision collision;
+  const Collision collision = Case{}.collision;
   return collision.distance == a && collision.restitution == b;
 }
 
@@ -98,21 +122,21 @@ static_assert(collides_with<mps::Case10>(1.0, 0.2));
 
 TEST(DensitySource, GivesCompressedFluidANegativeSource) {
   // The Laplacian of a maximum is negative: a higher pressure.
-  EXPECT_LT(DensitySource{}.value({.density = 1000, .time_step = 1e-3, .compression = 0.01}), 0);
-  EXPECT_GT(DensitySource{}.value({.density = 1000, .time_step = 1e-3, .compression = -0.01}), 0);
-  EXPECT_DOUBLE_EQ(DensitySource{}.value({.density = 1000, .time_step = 1e-3, .compression = 0.01}),
+  EXPECT_LT(DensitySource{}.value(ViewOf{{.compression = 0.01}}), 0);
+  EXPECT_GT(DensitySource{}.value(ViewOf{{.compression = -0.01}}), 0);
+  EXPECT_DOUBLE_EQ(DensitySource{}.value(ViewOf{{.compression = 0.01}}),
                    -1e7);
 }
 
 TEST(DivergenceSource, GivesConvergingFluidANegativeSource) {
   const DivergenceSource source;
-  EXPECT_LT(source.value({.density = 1000, .time_step = 1e-3, .divergence = -1}), 0);
-  EXPECT_GT(source.value({.density = 1000, .time_step = 1e-3, .divergence = 1}), 0);
-  EXPECT_EQ(source.value({.density = 1000, .time_step = 1e-3}), 0);
+  EXPECT_LT(source.value(ViewOf{{.divergence = -1}}), 0);
+  EXPECT_GT(source.value(ViewOf{{.divergence = 1}}), 0);
+  EXPECT_EQ(source.value(ViewOf{}), 0);
 }
 
 TEST(DivergenceSource, CorrectsTheFractionGammaOfTheDensityError) {
-  const mps::SourceTerms compressed{.density = 998, .time_step = 2e-3, .compression = 0.03};
+  const ViewOf compressed{{.density = 998, .time_step = 2e-3, .compression = 0.03}};
   EXPECT_DOUBLE_EQ(DivergenceSource{}.value(compressed), 0.01 * DensitySource{}.value(compressed));
   EXPECT_DOUBLE_EQ(DivergenceSource{.gamma = 1}.value(compressed),
                    DensitySource{}.value(compressed));
@@ -122,18 +146,18 @@ TEST(DivergenceSource, CorrectsTheFractionGammaOfTheDensityError) {
 // --- surfaces ------------------------------------------------------------------------------------
 
 TEST(Surfaces, AreBelowTheirThresholdOnly) {
-  EXPECT_TRUE(DensitySurface{}.is_on_surface({.density = 0.96, .neighbours = 2}));
-  EXPECT_FALSE(DensitySurface{}.is_on_surface({.density = 0.97, .neighbours = 0}));
-  EXPECT_TRUE(CountSurface{}.is_on_surface({.density = 2, .neighbours = 0.84}));
-  EXPECT_FALSE(CountSurface{}.is_on_surface({.density = 0, .neighbours = 0.85}));
+  EXPECT_TRUE(DensitySurface{}.is_on_surface(mps::LocalDensity{.density = 0.96, .neighbours = 2}));
+  EXPECT_FALSE(DensitySurface{}.is_on_surface(mps::LocalDensity{.density = 0.97, .neighbours = 0}));
+  EXPECT_TRUE(CountSurface{}.is_on_surface(mps::LocalDensity{.density = 2, .neighbours = 0.84}));
+  EXPECT_FALSE(CountSurface{}.is_on_surface(mps::LocalDensity{.density = 0, .neighbours = 0.85}));
 }
 
 TEST(BothSurfaces, NeedBothConditions) {
   const Both both;
-  EXPECT_TRUE(both.is_on_surface({.density = 0.9, .neighbours = 0.8}));
-  EXPECT_FALSE(both.is_on_surface({.density = 0.9, .neighbours = 0.9}));
-  EXPECT_FALSE(both.is_on_surface({.density = 1.0, .neighbours = 0.8}));
-  EXPECT_FALSE(both.is_on_surface({.density = 1.0, .neighbours = 0.9}));
+  EXPECT_TRUE(both.is_on_surface(mps::LocalDensity{.density = 0.9, .neighbours = 0.8}));
+  EXPECT_FALSE(both.is_on_surface(mps::LocalDensity{.density = 0.9, .neighbours = 0.9}));
+  EXPECT_FALSE(both.is_on_surface(mps::LocalDensity{.density = 1.0, .neighbours = 0.8}));
+  EXPECT_FALSE(both.is_on_surface(mps::LocalDensity{.density = 1.0, .neighbours = 0.9}));
 }
 
 // --- collisions ----------------------------------------------------------------------------------
@@ -255,10 +279,10 @@ TEST(Policies, RejectParametersOutOfRange) {
   EXPECT_TRUE(
       refuses([] { DivergenceSource{.gamma = nan}.check(); }, {"DivergenceSource: gamma = nan"}));
   EXPECT_TRUE(
-      refuses([] { AdoptedCollision{.distance = -1}.check(); }, {"Collision: distance = -1"}));
+      refuses([] { Collision{.distance = -1}.check(); }, {"Collision: distance = -1"}));
   EXPECT_TRUE(
-      refuses([] { AdoptedCollision{.distance = inf}.check(); }, {"Collision: distance = inf"}));
-  EXPECT_TRUE(refuses([] { AdoptedCollision{.restitution = 1.5}.check(); },
+      refuses([] { Collision{.distance = inf}.check(); }, {"Collision: distance = inf"}));
+  EXPECT_TRUE(refuses([] { Collision{.restitution = 1.5}.check(); },
                       {"Collision: restitution = 1.5"}));
 }
 

@@ -7,6 +7,7 @@
 #include "support/bad_input_table.hpp"
 #include "support/check.hpp"
 #include "support/fluid.hpp"
+#include "support/view.hpp"
 #include <gtest/gtest.h>
 
 #include <cstdint>
@@ -59,6 +60,8 @@ TEST(BadInput, OfPoliciesOfFlowsIsRefused) {
        up_to_one},
       {"HigherOrderSource: gamma", [](double x) { mps::HigherOrderSource{.gamma = x}.check(); },
        up_to_one},
+      {"CorrectedGradient: min_determinant",
+       [](double x) { mps::CorrectedGradient{.min_determinant = x}.check(); }, up_to_one},
       {"DensitySurface: beta", [](double x) { mps::DensitySurface{.beta = x}.check(); }, up_to_one},
       {"CountSurface: beta", [](double x) { mps::CountSurface{.beta = x}.check(); }, up_to_one},
       {"ConeSurface: half_angle", [](double x) { mps::ConeSurface{.half_angle = x}.check(); },
@@ -75,7 +78,7 @@ TEST(BadInput, OfPoliciesOfFlowsIsRefused) {
          settings.check();
        },
        up_to_one},
-      {"Collision: restitution", [](double x) { mps::AdoptedCollision{.restitution = x}.check(); },
+      {"Collision: restitution", [](double x) { mps::Collision{.restitution = x}.check(); },
        up_to_one},
       {"KeepApart: distance", [](double x) { mps::KeepApart{.distance = x}.check(); }, up_to_one},
       {"KeepApart: restitution", [](double x) { mps::KeepApart{.restitution = x}.check(); },
@@ -86,11 +89,8 @@ TEST(BadInput, OfPoliciesOfFlowsIsRefused) {
        [](double x) {
          const mps::ParticleShifting shifting{.strength = x};
          shifting.check();
-         const auto moved =
-             shifting.displacement(mps::ShiftInput<2>{.concentration_gradient = {1, 0},
-                                                      .max_relative_speed = 1,
-                                                      .spacing = 1,
-                                                      .time_step = 1});
+         const auto moved = shifting.displacement(test::ViewOf{
+             {.time_step = 1, .concentration_gradient = {1, 0}, .max_relative_speed = 1}});
          EXPECT_EQ(moved[0] != 0, x > 0);
        },
        up_to_one},

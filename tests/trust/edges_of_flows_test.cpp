@@ -87,7 +87,7 @@ TYPED_TEST(FlowOf, ParticlesAtExactlyTheRadiusIsThatOfIsolatedOnes) {
     EXPECT_LT((u[0] - before).norm(), 1e-15);
     // The original method evaluates the density after it has moved the particles.
     const double n = sim.particles()[mps::number_density][0];
-    const bool are_moved = TypeParam::Source::needs_moved_particles;
+    const bool are_moved = mps::SourceOf<TypeParam>::needs_moved_particles;
     EXPECT_TRUE(r < re || are_moved ? n >= 0 && n < 1e-3 : n == 0) << n;
   }
 }

@@ -141,9 +141,9 @@ void channel(const RandomRestarts& restarts) {
   });
 }
 
-using ErrorCompensating =
-    mps::Scheme<mps::ErrorCompensatingSource, mps::AdoptedCollision, mps::CubicKernel,
-                mps::BothConditions, mps::ConservingGradient>;  // one of flow_policies
+struct ErrorCompensating : mps::Case10 {  // one of flow_policies
+  mps::ErrorCompensatingSource source{};
+};
 
 const std::vector<Case> cases{
     {"taylor_green", fluid_case<mps::Recommended>("taylor_green")},

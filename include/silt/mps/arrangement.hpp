@@ -108,4 +108,11 @@ void check_periodic_lattice(const P& particles, const N& neighbourhood, const T&
   }
 }
 
+/// Both checks.
+template <FluidParticles P, class N, class T>
+void check_arrangement(const P& particles, const N& neighbourhood, const T& stencil) {
+  check_spacing(particles, neighbourhood, stencil);
+  check_periodic_lattice(particles, neighbourhood, stencil);
+}
+
 }  // namespace silt::mps

@@ -7,7 +7,6 @@
 #include <silt/core/types.hpp>
 
 #include <concepts>
-#include <ratio>
 
 namespace silt::mps {
 
@@ -34,12 +33,10 @@ struct CollidingPair {
   }
 };
 
-/// Collisions with a and b of Table 1. They are ratios because a case is a type:
-/// Collision<std::ratio<1>, std::ratio<1, 5>>.
-template <class A, class B>
+/// Collisions with a and b of Table 1; by default those that the paper adopts.
 struct Collision {
-  double distance = double(A::num) / double(A::den);     ///< a, in l0 [-]; 0: no collisions
-  double restitution = double(B::num) / double(B::den);  ///< b [-] in [0, 1]
+  double distance = 1;       ///< a, in l0 [-]; 0: no collisions
+  double restitution = 0.2;  ///< b [-] in [0, 1]
 
   /// Throws if a is negative or b outside [0, 1].
   void check() const {
@@ -57,10 +54,6 @@ struct Collision {
     return pair.velocity_change((1 + Real(restitution)) * speed);
   }
 };
-
-/// (a, b) = (0.5, 0.2) of the original MPS, and (1.0, 0.2), which the paper adopts.
-using OriginalCollision = Collision<std::ratio<1, 2>, std::ratio<1, 5>>;
-using AdoptedCollision = Collision<std::ratio<1>, std::ratio<1, 5>>;
 
 /// reach() is the interaction range in units of l0; velocity_change(pair) returns the change of the
 /// velocity of i [m/s].

@@ -30,20 +30,20 @@ struct ConeSurface {
     require_between("ConeSurface: inside", inside, {spray, 2});
   }
 
-  /// for_each(f) calls f(r_ij, w, covers) for every neighbour; the cone is empty if it contains no
-  /// neighbour with `covers`.
-  template <int Dim, class Real, class Neighbours>
-  bool is_on_surface(const LocalDensity&, const SurfaceScale<Real>& scale,
-                     const Neighbours& for_each) const {
+  /// The cone is empty if it contains no neighbour that covers the surface.
+  template <class View>
+  bool is_on_surface(const View& at) const {
+    constexpr int Dim = View::dimension;
+    using Real = typename View::Real;
     using Vec = silt::Vec<Dim, Real>;
     using Matrix = Eigen::Matrix<Real, Dim, Dim>;
     Matrix moments = Matrix::Zero();
     Vec outwards = Vec::Zero();
-    for_each([&](const Vec& r_ij, Real w, bool) {
+    at.for_each([&](const Vec& r_ij, Real w, bool) {
       moments += (w / r_ij.squaredNorm() * r_ij) * r_ij.transpose();
       outwards -= (w / r_ij.norm()) * r_ij;
     });
-    moments *= Dim / scale.n0;
+    moments *= Dim / at.n0;
     Eigen::SelfAdjointEigenSolver<Matrix> solver;
     solver.computeDirect(moments, Eigen::EigenvaluesOnly);
     const Real smallest_eigenvalue = solver.eigenvalues()[0];
@@ -51,10 +51,10 @@ struct ConeSurface {
     const Real size = outwards.norm();
     if (smallest_eigenvalue > Real(inside) || !(size > 0)) return false;
     outwards /= size;
-    const Real max_distance = Real(length) * scale.spacing;
+    const Real max_distance = Real(length) * at.spacing;
     const Real cosine = Real(std::cos(half_angle));
     bool is_empty = true;
-    for_each([&](const Vec& r_ij, Real, bool covers) {
+    at.for_each([&](const Vec& r_ij, Real, bool covers) {
       const Real r = r_ij.norm();
       is_empty &= !covers || r >= max_distance || r_ij.dot(outwards) <= cosine * r;
     });

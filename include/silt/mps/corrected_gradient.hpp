@@ -2,6 +2,7 @@
 // A gradient that is exact for linear φ and any arrangement of neighbours.
 #pragma once
 
+#include <silt/core/error.hpp>
 #include <silt/core/types.hpp>
 #include <silt/mps/operators.hpp>
 
@@ -12,12 +13,15 @@ namespace silt::mps {
 /// <∇φ>_i = C Σ (φ_j − φ_i) r_ij w/r²,  C⁻¹ = Σ r_ij r_ijᵀ w/r²: first-order consistent, as in
 /// Khayyer and Gotoh (2011). Does not conserve momentum to round-off.
 struct CorrectedGradient {
-  /// Below this value of det (d/n0 C⁻¹), which is 1 in the full lattice, C is nearly singular and
-  /// is replaced by d/n0.
-  static constexpr double min_determinant = 0.05;
+  /// Below this value of det (d/n0 C⁻¹) [-], which is 1 in the full lattice, C is nearly singular
+  /// and is replaced by d/n0; in [0, 1].
+  double min_determinant = 0.05;
 
+  void check() const {
+    require_between("CorrectedGradient: min_determinant", min_determinant, {0, 1});
+  }
   template <class T, class Real, class Neighbours>
-  static Vec<T::dimension, Real> evaluate(const T& stencil, Real phi_i, Neighbours&& for_each) {
+  Vec<T::dimension, Real> evaluate(const T& stencil, Real phi_i, Neighbours&& for_each) const {
     using Vec = silt::Vec<T::dimension, Real>;
     using Matrix = Eigen::Matrix<Real, T::dimension, T::dimension>;
     Vec sum = Vec::Zero();

@@ -2,29 +2,26 @@
 // The interaction of MPS, [HwangLeePark2010]: predictor, collision, pressure, corrector.
 #pragma once
 
-#include <silt/core/error.hpp>
-#include <silt/core/parallel.hpp>
 #include <silt/core/types.hpp>
 #include <silt/core/watch.hpp>
 #include <silt/linear/linear_system.hpp>
 #include <silt/mps/arrangement.hpp>
 #include <silt/mps/body_force.hpp>
-#include <silt/mps/flow_collisions.hpp>
+#include <silt/mps/close_pairs.hpp>
 #include <silt/mps/flow_energy.hpp>
 #include <silt/mps/flow_operators.hpp>
 #include <silt/mps/flow_seconds.hpp>
 #include <silt/mps/flow_settings.hpp>
-#include <silt/mps/flow_source.hpp>
 #include <silt/mps/fluid.hpp>
-#include <silt/mps/neighbourhood.hpp>
+#include <silt/mps/particle_view.hpp>
 #include <silt/mps/pressure.hpp>
 #include <silt/mps/pressure_boundary.hpp>
-#include <silt/mps/shifting.hpp>
+#include <silt/mps/scheme.hpp>
+#include <silt/mps/solve_check.hpp>
+#include <silt/mps/step_changes.hpp>
 #include <silt/mps/time_step.hpp>
 
-#include <algorithm>
 #include <cmath>
-#include <string>
 #include <utility>
 #include <vector>
 
@@ -34,23 +31,23 @@ namespace silt::mps {
 /// solves the pressure equation.
 template <class Scheme, int Dim, class RealType, LinearSolver Solver>
 class BasicFlow {
+  static_assert(check_scheme<Scheme>());
+
  public:
   using Real = RealType;
   using Vec = silt::Vec<Dim, Real>;
   using Settings = FlowSettings<Dim, Scheme>;
-  static constexpr bool needs_moved_particles = Scheme::Source::needs_moved_particles;
+  static constexpr bool needs_moved_particles = SourceOf<Scheme>::needs_moved_particles;
 
   /// Throws if a setting is out of range.
   explicit BasicFlow(const Settings& settings, Solver solver = {})
-      : settings_(settings), solver_(std::move(solver)) {
-    settings_.check();
-    solver_.check();
-    operators_ = Operators(settings_);
-    const Vec gravity = settings_.gravity.template cast<Real>();
-    force_ = BodyForce<Dim, Real>(gravity);
-    energy_ = EnergyAccount<Dim, Real>(
-        {.mass = settings_.density * std::pow(settings_.spacing, Dim), .gravity = gravity});
-  }
+      : settings_(checked(settings)),
+        solver_(checked(std::move(solver))),
+        operators_(settings_),
+        force_(settings_.gravity.template cast<Real>()),
+        source_(settings_.source),
+        energy_({.mass = settings_.density * std::pow(settings_.spacing, Dim),
+                 .gravity = settings_.gravity.template cast<Real>()}) {}
 
   const Settings& settings() const noexcept { return settings_; }
   /// Iterations and residual of the last pressure solve.
@@ -98,23 +95,20 @@ class BasicFlow {
     changes_.clear();
     particles.refresh_ghosts(kind);  // may have changed since the search made them
     find_neighbours(particles, search);
-    if (is_first) {
-      check_spacing(particles, operators_.neighbourhood(), operators_.stencil());
-      check_periodic_lattice(particles, operators_.neighbourhood(), operators_.stencil());
-    }
+    if (is_first) check_arrangement(particles, operators_.neighbourhood(), operators_.stencil());
+    particles.refresh_ghosts(velocity);
+    force_.find(particles, settings_.body_force, time_);
+    const auto step = view(particles, time_step);
+    if constexpr (requires { source_.begin(step); }) source_.begin(step);
     const Real dt = Real(time_step);
     const Real nu = Real(settings_.viscosity);
-    particles.refresh_ghosts(velocity);
     const auto u = particles.with_ghosts(velocity);
-    source_.begin(particles);
-    force_.find(particles, settings_.body_force, time_);
-    change_.resize(particles.size());
-    for_each_of_fluid(particles, [&](Index i) {
+    find_changes(particles, changes_.predictor, [&](Index i) -> Vec {
       Vec change = dt * force_[i];
       if (nu > 0) change += (dt * nu) * operators_.laplacian(i, u);
-      change_[i] = change;
+      return change;
     });
-    apply_change(particles, changes_.predictor);
+    apply_changes(changes_.predictor, particles, velocity);
     advection_velocity_.clear();
   }
 
@@ -134,10 +128,12 @@ class BasicFlow {
     if (!(settings_.collision.reach() > 0)) return;
     find_neighbours_of_moved(particles, search);
     particles.refresh_ghosts(velocity);
-    const FlowCollisions<Scheme, P> collisions(particles, operators_, settings_, time_step);
-    change_.resize(particles.size());
-    for_each_of_fluid(particles, [&](Index i) { change_[i] = collisions.velocity_change(i); });
-    apply_change(particles, changes_.collision);
+    const CloseRange<Real> range(operators_.stencil(), settings_, time_step);
+    find_changes(particles, changes_.collision, [&](Index i) -> Vec {
+      const ClosePairs pairs(particles, operators_, range, i);
+      return operators_.walls().velocity_change(pairs, settings_.collision);
+    });
+    apply_changes(changes_.collision, particles, velocity);
   }
 
   /// Number density, free surface, source, ∇²P = source, and u' = −(Δt/ρ) ∇P      (9), (16), (11)
@@ -146,31 +142,40 @@ class BasicFlow {
   SolveReport project(P& particles, const S& search, double time_step) {
     find_neighbours_of_moved(particles, search);
     const ScopedTimer in_pressure(seconds_.pressure);
+    const auto step = view(particles, time_step);
     boundary_.find(particles, operators_, settings_.surface);  // n (5), free surface (13), (17)
-    assemble(particles, time_step);
-    solve(particles);
-    check_solve(particles, time_step);
-    if (settings_.clip_negative_pressure) {
-      const auto p = particles[pressure];
-      for_each(particles.size(), [&](Index i) { p[i] = std::max(p[i], Real(0)); });
-    }
-    find_pressure_change(particles, Real(time_step));
+    particles.refresh_ghosts(velocity);
+    particles.refresh_ghosts(pressure);  // of the previous step
+    timed(seconds_.assembly, [&] {
+      equation_.assemble(particles, operators_.pressure_neighbours(),
+                         operators_.laplacian_stencil(), [&](Index i) { return source(step, i); },
+                         [&](Index i) { return boundary_.has_pressure(i); });
+    });
+    timed(seconds_.solve, [&] { report_ = equation_.solve(particles, solver_); });
+    check_solve(particles, report_, time_step);
+    if (settings_.clip_negative_pressure) clip_negative_pressure(particles);
+    particles.refresh_ghosts(pressure);
+    const Real factor = -Real(time_step) / Real(settings_.density);
+    find_changes(particles, changes_.pressure, [&](Index i) -> Vec {
+      return factor * step.at(i).pressure_gradient(settings_.gradient);
+    });
     return report_;
   }
 
   /// u = u* + u';  r = r + Δt u, or r* + Δt u' if the particles were moved with u*.
   template <FluidParticles P>
   void correct(P& particles, double time_step) {
+    apply_changes(changes_.pressure, particles, velocity);
+    if constexpr (Displaces<ShiftingOf<Scheme>>) {
+      particles.refresh_ghosts(velocity);
+      const auto step = view(particles, time_step);
+      find_changes(particles, changes_.shift,
+                   [&](Index i) -> Vec { return settings_.shifting.displacement(step.at(i)); });
+      apply_changes(changes_.shift, particles, position);
+    }
     const Real dt = Real(time_step);
-    apply_change(particles, changes_.pressure);
     const auto u = particles[velocity];
     const auto x = particles[position];
-    if constexpr (Scheme::Shifting::shifts) {
-      particles.refresh_ghosts(velocity);
-      find_shifts(particles, dt);
-      for_each_of_fluid(particles, [&](Index i) { x[i] += change_[i]; });
-      changes_.shift.swap(change_);
-    }
     for_each_of_fluid(particles, [&](Index i) {
       x[i] += dt * (advection_velocity_.empty() ? u[i] : Vec(u[i] - advection_velocity_[i]));
     });
@@ -203,11 +208,10 @@ class BasicFlow {
  private:
   using Operators = FlowOperators<Scheme, Dim, Real>;
 
-  template <class P, class F>
-  static void for_each_of_fluid(const P& particles, F&& f) {
-    for_each(particles.size(), [&f, kinds = particles[kind]](Index i) {
-      if (kinds[i] == Kind::fluid) f(i);
-    });
+  template <class T>
+  static T checked(T part) {
+    part.check();
+    return part;
   }
 
   double viscous() const {
@@ -219,111 +223,35 @@ class BasicFlow {
     const ScopedTimer in_neighbours(seconds_.neighbours);
     operators_.find(particles, search);
   }
-
   template <class P, class S>
   void find_neighbours_of_moved(const P& particles, const S& search) {
     if (!operators_.are_current(particles)) find_neighbours(particles, search);
   }
 
-  // Adds change_ to the velocities, and stores it as the change by a stage for the energy balance.
+  // ∇²P of particle i, without what images are known to add to it: (9), (16). Not inlined, so that
+  // the loop that assembles the equation keeps its sums in registers.
   template <class P>
-  void apply_change(P& particles, std::vector<Vec>& by_stage) {
-    const auto u = particles[velocity];
-    for_each_of_fluid(particles, [&](Index i) { u[i] += change_[i]; });
-    by_stage.swap(change_);
-  }
-
-  // ∇²P = source      (9), (16)
-  template <class P>
-  void assemble(P& particles, double time_step) {
-    const ScopedTimer in_assembly(seconds_.assembly);
-    const auto source = source_.evaluator(particles, {.settings = settings_,
-                                                      .operators = operators_,
-                                                      .boundary = boundary_,
-                                                      .force = force_,
-                                                      .time_step = time_step});
-    equation_.assemble(particles, operators_.laplacian_neighbourhood(),
-                       operators_.laplacian_stencil(), source,
-                       [&](Index i) { return boundary_.has_pressure(i); });
+  [[gnu::noinline]] double source(const StepView<Scheme, P>& step, Index i) const {
+    return source_.value(step.at(i)) - step.at(i).rise_of_images();
   }
 
   template <class P>
-  void solve(P& particles) {
-    const ScopedTimer in_solve(seconds_.solve);
-    report_ = equation_.solve(particles, solver_);
-  }
-
-  // u' = −(Δt/ρ) ∇P      (11)
-  template <class P>
-  void find_pressure_change(P& particles, Real dt) {
-    particles.refresh_ghosts(pressure);
-    const Real factor = -dt / Real(settings_.density);
-    change_.resize(particles.size());
-    for_each_of_fluid(particles, [&](Index i) {
-      change_[i] = factor * boundary_.template pressure_gradient<typename Scheme::Gradient>(
-                                particles, operators_, i);
-    });
-  }
-
-  // The shift of each fluid particle.
-  template <class P>
-  void find_shifts(const P& particles, Real dt) {
-    const auto u = particles.with_ghosts(velocity);
-    const auto& stencil = operators_.stencil();
-    change_.resize(particles.size());
-    for_each_of_fluid(particles, [&](Index i) {
-      ShiftInput<Dim, Real> input{.near_boundary = boundary_.is_near(i),
-                                  .spacing = Real(settings_.spacing),
-                                  .time_step = dt};
-      for_each_weighted(
-          operators_.neighbourhood(), i, stencil, [&](Index j, const Vec& r_ij, Real, Real w_r2) {
-            input.concentration_gradient += (stencil.spacing * w_r2 / stencil.n0) * r_ij;
-            input.max_relative_speed = std::max(input.max_relative_speed, (u[j] - u[i]).norm());
-          });
-      change_[i] = settings_.shifting.displacement(input);
-    });
-  }
-
-  template <class P>
-  void check_solve(const P& particles, double time_step) const {
-    if (report_.reason == SolveReport::Reason::converged ||
-        report_.reason == SolveReport::Reason::nothing_to_solve) {
-      return;
-    }
-    const auto p = particles[pressure];  // the initial guess of the solve
-    const Index broken = first_where(p.size(), [&](Index i) { return !is_finite(p[i]); });
-    if (broken != no_index) {
-      fail("mps::Flow: the pressure " + to_text(double(p[broken])) +
-               " Pa is not finite; set a finite pressure",
-           {.particle = broken, .id = particles.id(broken)});
-    }
-    if (!is_finite(report_.residual)) {
-      const double highest =
-          largest(p.size(), 0.0, [&](Index i) { return std::abs(double(p[i])); });
-      fail(
-          "mps::Flow: time_step = " + to_text(time_step) + " s and pressures of up to " +
-          to_text(highest) +
-          " Pa give a pressure equation that overflows; set a longer time step or lower pressures");
-    }
-    fail("mps::Flow: the pressure solve did not converge: residual " + to_text(report_.residual) +
-         " after " + std::to_string(report_.iterations) + " iterations for " +
-         std::to_string(report_.unknowns) +
-         " unknowns; decrease the time step, or increase max_iterations or tolerance");
+  StepView<Scheme, P> view(const P& particles, double time_step) const {
+    return {particles, settings_, operators_, boundary_, force_, time_step};
   }
 
   Settings settings_;
   Solver solver_;
   Operators operators_;
   BodyForce<Dim, Real> force_;
+  SourceOf<Scheme> source_;  // which may keep something from begin() to the end of the step
   PressureBoundary<Scheme> boundary_;
-  FlowSource<Scheme, Dim, Real> source_;
   PressureEquation equation_;
   SolveReport report_;
   FlowSeconds seconds_;
   TimeStep time_step_;
   EnergyAccount<Dim, Real> energy_;
   double time_ = 0;
-  std::vector<Vec> change_;              // of the velocities, by the current stage of the step
   StepChanges<Vec> changes_;             // of the velocities, by stage
   std::vector<Vec> advection_velocity_;  // u* of advect(); empty if the particles were not moved
 };

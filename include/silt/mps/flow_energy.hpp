@@ -15,6 +15,7 @@
 #include <silt/core/parallel.hpp>
 #include <silt/core/types.hpp>
 #include <silt/mps/fluid.hpp>
+#include <silt/mps/step_changes.hpp>
 
 #include <vector>
 
@@ -44,20 +45,6 @@ struct FlowEnergy {
   double imbalance() const {
     return total() - initial - (by_viscosity + by_force + by_collision + by_pressure + by_shifting +
                                 by_integration + added);
-  }
-};
-
-/// Change of the velocity of each particle by each stage of a step [m/s], and its shift [m]; empty
-/// for a stage without effect.
-template <class Vec>
-struct StepChanges {
-  std::vector<Vec> predictor;  ///< gravity, force and viscosity
-  std::vector<Vec> collision;
-  std::vector<Vec> pressure;
-  std::vector<Vec> shift;
-
-  void clear() {
-    for (auto* changes : {&predictor, &collision, &pressure, &shift}) changes->clear();
   }
 };
 

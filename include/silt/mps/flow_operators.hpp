@@ -1,49 +1,79 @@
 // SPDX-License-Identifier: MIT
 // What the operators of a flow are evaluated with: the stencils of its scheme, and at the present
-// positions the neighbours within them and the normals of the walls.
+// positions the neighbours within them and the walls.
 #pragma once
 
 #include <silt/core/types.hpp>
 #include <silt/mps/flow_settings.hpp>
 #include <silt/mps/fluid.hpp>
+#include <silt/mps/neighbour.hpp>
 #include <silt/mps/neighbourhood.hpp>
 #include <silt/mps/operators.hpp>
+#include <silt/mps/scheme.hpp>
 #include <silt/mps/walls.hpp>
 
 #include <algorithm>
 #include <type_traits>
+#include <utility>
 
 namespace silt::mps {
+
+/// The neighbours and images of FlowOperators in the form of a search: an image stands for the
+/// particle that it mirrors. Images of i are left out, as their pressure above that of i is known.
+template <class Operators>
+struct PressureNeighbours {
+  const Operators& operators;
+};
+template <class Operators, class T, class F>
+void for_each_weighted(const PressureNeighbours<Operators>& neighbours, Index i, const T&, F&& f) {
+  neighbours.operators.for_each_in_laplacian(i, [&](const auto& j) {
+    if (j.is_image && j.index == i) return;
+    f(j.index, j.r_ij, j.weight, j.weight_over_square);
+  });
+}
+template <class Operators, class T, class F>
+bool any_weighted(const PressureNeighbours<Operators>& neighbours, Index i, const T& stencil,
+                  F&& f) {
+  bool any = false;
+  for_each_weighted(neighbours, i, stencil,
+                    [&](Index j, const auto&, auto w, auto) { any |= f(j, w); });
+  return any;
+}
 
 template <class Scheme, int Dim, class RealType>
 class FlowOperators {
  public:
   using Real = RealType;
   using Vec = silt::Vec<Dim, Real>;
-  using Stencil = mps::Stencil<Dim, Real, typename Scheme::Kernel>;
+  using Settings = FlowSettings<Dim, Scheme>;
+  using Kernel = KernelOf<Scheme>;
   using LaplacianKernel =
-      typename Scheme::Laplacian::template Weights<typename Scheme::Kernel, Dim>;
+      decltype(std::declval<LaplacianOf<Scheme>>().template weights<Dim>(std::declval<Kernel>()));
+  using Stencil = mps::Stencil<Dim, Real, Kernel>;
   using LaplacianStencil = mps::Stencil<Dim, Real, LaplacianKernel>;
+  using Walls = typename WallsOf<Scheme>::template InFlow<Dim, Real>;
 
-  FlowOperators() = default;
-  explicit FlowOperators(const FlowSettings<Dim, Scheme>& settings)
-      : stencil_({.spacing = settings.spacing, .radius = settings.radius}),
-        laplacian_stencil_({.spacing = settings.spacing, .radius = settings.laplacian_radius}) {}
+  explicit FlowOperators(const Settings& settings)
+      : stencil_({.spacing = settings.spacing, .radius = settings.radius}, settings.kernel),
+        laplacian_stencil_({.spacing = settings.spacing, .radius = settings.laplacian_radius},
+                           settings.laplacian.template weights<Dim>(settings.kernel)),
+        walls_(settings.walls) {}
 
   /// Of density, gradient and divergence.
   const Stencil& stencil() const noexcept { return stencil_; }
   const LaplacianStencil& laplacian_stencil() const noexcept { return laplacian_stencil_; }
+  const Walls& walls() const noexcept { return walls_; }
   /// The larger of the two effective radii [m].
   Real reach() const { return std::max(stencil_.re, laplacian_stencil_.re); }
 
-  /// Finds neighbours and normals from the search.
+  /// Finds the neighbours from the search, and the walls.
   template <FluidParticles P, class S>
   void find(const P& particles, const S& search) {
     neighbourhood_.find(particles, search, stencil_);
     if (!shares_neighbourhood()) {
       laplacian_neighbourhood_.find(particles, search, laplacian_stencil_);
     }
-    if constexpr (Scheme::Walls::smooth) normals_.find(particles, neighbourhood_, stencil_);
+    walls_.find(particles, *this);
   }
   /// Whether no particle was added, removed, sorted or moved since then.
   template <FluidParticles P>
@@ -55,35 +85,104 @@ class FlowOperators {
   const Neighbourhood<Dim, Real>& laplacian_neighbourhood() const noexcept {
     return shares_neighbourhood() ? neighbourhood_ : laplacian_neighbourhood_;
   }
-  /// Normals of smooth walls.
-  const WallNormals<Dim, Real>& normals() const noexcept { return normals_; }
 
-  /// <∇·u>_i
-  template <FluidParticles P, class U>
-  Real divergence(const P& particles, Index i, const U& u) const {
-    if constexpr (Scheme::Walls::smooth) {
-      return divergence_at_smooth_walls(particles, neighbourhood_, normals_, stencil_, i, u);
+  /// f(neighbour) for every neighbour of i within stencil(), and for every image in a wall.
+  template <class F>
+  [[gnu::always_inline]] inline void for_each(Index i, F&& f) const {
+    for_each_in(neighbourhood_, stencil_, i, f);
+  }
+  /// The same within laplacian_stencil().
+  template <class F>
+  [[gnu::always_inline]] inline void for_each_in_laplacian(Index i, F&& f) const {
+    for_each_in(laplacian_neighbourhood(), laplacian_stencil_, i, f);
+  }
+  /// Whether is(neighbour) is true for any of those of for_each(); r_ij and w/r² of particles are not
+  /// set.
+  template <class F>
+  bool any(Index i, F&& is) const {
+    const Vec unset = Vec::Zero();
+    bool found = any_weighted(neighbourhood_, i, stencil_, [&](Index j, Real w) {
+      return is(Neighbour<Dim, Real>{j, unset, w, 0});
+    });
+    for_each_image(i, [&](const auto& image) { found |= is(image); });
+    return found;
+  }
+  /// f(image) for the images alone; there are none with most models of walls.
+  template <class F>
+  void for_each_image(Index i, F&& f) const {
+    for_each_image_in(stencil_, i, f);
+  }
+  template <class F>
+  void for_each_image_in_laplacian(Index i, F&& f) const {
+    for_each_image_in(laplacian_stencil_, i, f);
+  }
+  /// The neighbours within laplacian_stencil() as the pressure equation takes them.
+  decltype(auto) pressure_neighbours() const {
+    if constexpr (AddsImages<Walls>) {
+      return PressureNeighbours<FlowOperators>{*this};
     } else {
-      return mps::divergence(neighbourhood_, stencil_, i, u);
+      return laplacian_neighbourhood();
     }
   }
-  /// <∇²φ>_i      (6)
+
+  /// n_i      (5)
+  Real density(Index i) const {
+    Real n = neighbourhood_.density(i);
+    for_each_image(i, [&](const auto& image) { n += image.weight; });
+    return n;
+  }
+  /// N_i
+  Index neighbours(Index i) const {
+    Index number = neighbourhood_[i].size();
+    for_each_image(i, [&](const auto&) { ++number; });
+    return number;
+  }
+  /// The velocities u of the neighbours within stencil(), as input of an operator.
   template <class U>
-  auto laplacian(Index i, const U& phi) const {
-    return mps::laplacian(laplacian_neighbourhood(), laplacian_stencil_, i, phi);
+  auto velocities_around(Index i, const U& u) const {
+    return [this, i, &u](auto&& f) {
+      this->for_each(i, [&](const auto& j) {
+        f(j.velocity(u), j.r_ij, j.weight, j.weight_over_square);
+      });
+    };
+  }
+  /// <∇²u>_i of velocities      (6)
+  template <class U>
+  Vec laplacian(Index i, const U& u) const {
+    return mps::laplacian(laplacian_stencil_, Vec(u[i]), [&](auto&& f) {
+      for_each_in_laplacian(i, [&](const auto& j) {
+        f(j.velocity(u), j.r_ij, j.weight, j.weight_over_square);
+      });
+    });
   }
 
  private:
-  // The Laplacian has the weights and radius of the other operators.
+  template <class N, class T, class F>
+  [[gnu::always_inline]] inline void for_each_in(const N& neighbourhood, const T& stencil, Index i,
+                                                 F&& f) const {
+    for_each_weighted(neighbourhood, i, stencil,
+                      [&](Index j, const Vec& r_ij, Real w, Real w_r2) {
+                        f(Neighbour<Dim, Real>{j, r_ij, w, w_r2});
+                      });
+    for_each_image_in(stencil, i, f);
+  }
+  template <class T, class F>
+  void for_each_image_in([[maybe_unused]] const T& stencil, [[maybe_unused]] Index i,
+                         [[maybe_unused]] F&& f) const {
+    if constexpr (AddsImages<Walls>) walls_.for_each_image(i, stencil, f);
+  }
+  // The Laplacian has the weights and radius of the other operators. Weights of one type with equal
+  // sums differ in no number.
   bool shares_neighbourhood() const noexcept {
-    return std::is_same_v<Stencil, LaplacianStencil> && stencil_.re == laplacian_stencil_.re;
+    return std::is_same_v<Stencil, LaplacianStencil> && stencil_.re == laplacian_stencil_.re &&
+           stencil_.n0 == laplacian_stencil_.n0 && stencil_.lambda == laplacian_stencil_.lambda;
   }
 
   Stencil stencil_;
   LaplacianStencil laplacian_stencil_;
   Neighbourhood<Dim, Real> neighbourhood_;            // within stencil_
   Neighbourhood<Dim, Real> laplacian_neighbourhood_;  // within laplacian_stencil_, if it differs
-  WallNormals<Dim, Real> normals_;
+  Walls walls_;
 };
 
 }  // namespace silt::mps

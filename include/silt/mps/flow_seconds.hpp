@@ -28,4 +28,11 @@ class ScopedTimer {
   Clock::time_point begin_ = Clock::now();
 };
 
+/// Calls f, and adds the time that it takes to `seconds`.
+template <class F>
+void timed(double& seconds, F&& f) {
+  const ScopedTimer timer(seconds);
+  f();
+}
+
 }  // namespace silt::mps

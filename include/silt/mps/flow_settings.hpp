@@ -4,7 +4,7 @@
 
 #include <silt/core/error.hpp>
 #include <silt/core/types.hpp>
-#include <silt/mps/cases.hpp>
+#include <silt/mps/scheme.hpp>
 
 #include <cmath>
 #include <functional>
@@ -12,10 +12,12 @@
 
 namespace silt::mps {
 
-/// Settings of a flow; the parameters of a policy are in the member of its type. The constructor of
-/// the flow throws if one is out of its range. All numbers are finite unless noted.
+/// Settings of a flow with the policies of a scheme. The constructor of the flow throws if one is
+/// out of its range. All numbers are finite unless noted.
 template <int Dim, class Scheme>
 struct FlowSettings {
+  static_assert(check_scheme<Scheme>());
+
   /// Particle spacing l0 [m], above 0. It must be the spacing at which the particles were created:
   /// the first step throws if it obviously is not. A periodic side must be an integer number of
   /// spacings long: the first step throws if a lattice of fluid does not fit.
@@ -34,10 +36,15 @@ struct FlowSettings {
   double max_growth = 1.2;  ///< Δt ≤ max_growth × previous Δt [-], at least 1; infinity: no limit
   double max_time_step = std::numeric_limits<double>::infinity();  ///< [s], above 0, or infinite
   bool clip_negative_pressure = true;  ///< P ← max(P, 0): no tensile stress in the fluid
-  typename Scheme::Source source = {};        ///< source term of the pressure equation
-  typename Scheme::Surface surface = {};      ///< criterion of the free surface
-  typename Scheme::Collision collision = {};  ///< its reach is at most `radius`
-  typename Scheme::Shifting shifting = {};    ///< displacements that keep particles evenly spaced
+  /// The policies of the scheme, with its numbers; one that is given here replaces all of them.
+  SourceOf<Scheme> source = Scheme{}.source;           ///< source term of the pressure equation
+  SurfaceOf<Scheme> surface = Scheme{}.surface;        ///< criterion of the free surface
+  CollisionOf<Scheme> collision = Scheme{}.collision;  ///< its reach is at most `radius`
+  ShiftingOf<Scheme> shifting = Scheme{}.shifting;     ///< keeps particles evenly spaced
+  KernelOf<Scheme> kernel = Scheme{}.kernel;           ///< weights of the neighbours
+  GradientOf<Scheme> gradient = Scheme{}.gradient;     ///< of the pressure
+  WallsOf<Scheme> walls = Scheme{}.walls;              ///< how fluid and walls interact
+  LaplacianOf<Scheme> laplacian = Scheme{}.laplacian;  ///< weights of the Laplacian
   /// Acceleration in addition to gravity [m/s²] at x [m] and time t [s]; called from several
   /// threads, on which the result must not depend. None if empty.
   std::function<Vec<Dim>(const Vec<Dim>& x, double t)> body_force = {};
@@ -69,10 +76,11 @@ struct FlowSettings {
       fail("FlowSettings: max_time_step = " + to_text(max_time_step) +
            " s must be positive; give a value above 0");
     }
-    source.check();
-    surface.check();
-    collision.check();
-    shifting.check();
+    const auto check = [](const auto& policy) {
+      if constexpr (requires { policy.check(); }) policy.check();
+    };
+    check(source), check(collision), check(kernel), check(surface);
+    check(gradient), check(walls), check(shifting), check(laplacian);
     if (collision.reach() > radius) {
       fail("Collision: distance = " + to_text(collision.reach()) +
            " spacings exceeds FlowSettings: radius = " + to_text(radius) +

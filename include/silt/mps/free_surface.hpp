@@ -6,7 +6,6 @@
 #include <silt/core/types.hpp>
 
 #include <concepts>
-#include <ratio>
 
 namespace silt::mps {
 
@@ -16,46 +15,51 @@ struct LocalDensity {
   double neighbours = 0;  ///< N_i / N0 [-]
 };
 
-/// Reference scales for free-surface criteria.
-template <class RealType>
-struct SurfaceScale {
-  RealType spacing = 0;  ///< l0 [m]
-  RealType n0 = 0;       ///< (5) [-]
+/// What a criterion sees of a particle: its local density, and its neighbours with their positions.
+template <int Dim, class RealType, class ForEach>
+struct SurfaceView : LocalDensity {
+  using Real = RealType;
+  static constexpr int dimension = Dim;
+
+  Real spacing;  ///< l0 [m]
+  Real n0;       ///< (5) [-]
+  /// for_each(f) calls f(r_ij, w, covers) for every neighbour; `covers` is false for neighbours
+  /// that must not cover the surface of the fluid: walls.
+  const ForEach& for_each;
 };
 
-/// Decides from its local density whether a particle lies on the free surface.
-template <class S>
-concept SurfaceByDensity = requires(const S criterion, LocalDensity local_density) {
-  { criterion.is_on_surface(local_density) } -> std::same_as<bool>;
+namespace detail {
+
+/// The neighbours of a view that serves to check a criterion when it is compiled.
+struct AnyNeighbours {
+  template <class F>
+  void operator()(F&& f) const;
 };
-/// Decides from the positions of its neighbours: for_each(f) calls f(r_ij, w, covers), where
-/// `covers` is false for neighbours that must not cover the surface of the fluid: walls.
+template <int Dim>
+using AnySurfaceView = SurfaceView<Dim, double, AnyNeighbours>;
+
+}  // namespace detail
+
+/// is_on_surface(view) decides whether a particle lies on the free surface, from its SurfaceView or
+/// from the LocalDensity alone.
 template <class S>
-concept SurfaceByPositions =
-    requires(const S criterion, LocalDensity local_density, SurfaceScale<double> scale) {
-      {
-        criterion.template is_on_surface<2, double>(local_density, scale,
-                                                    [](auto&& f) { f(Vec<2>(), 0.0, true); })
-      } -> std::same_as<bool>;
+concept FreeSurface =
+    requires(const S criterion, const detail::AnySurfaceView<2>& in_2d,
+             const detail::AnySurfaceView<3>& in_3d) {
+      { criterion.is_on_surface(in_2d) } -> std::same_as<bool>;
+      { criterion.is_on_surface(in_3d) } -> std::same_as<bool>;
+      criterion.check();
     };
-template <class S>
-concept FreeSurface = (SurfaceByDensity<S> || SurfaceByPositions<S>) &&
-                      requires(const S criterion) { criterion.check(); };
 
 /// n_i < β n0 (13).
-template <class Beta>
-struct DensityBelow {
-  double beta = double(Beta::num) / double(Beta::den);  ///< β [-] in (0, 1]
+struct DensitySurface {
+  /// β [-] in (0, 1]. The paper does not give it; 0.97 is usual. At re = 3.1 l0 this includes the
+  /// second row of particles below a flat surface, where n = 0.93 n0; 0.9 only the outermost one.
+  double beta = 0.97;
 
   void check() const { require_between("DensitySurface: beta", beta, {0, 1}); }
   bool is_on_surface(const LocalDensity& local) const { return local.density < beta; }
 };
-
-/// The paper does not give β; 0.97 is usual. At re = 3.1 l0 this includes the second row of
-/// particles below a flat surface, where n = 0.93 n0.
-using DensitySurface = DensityBelow<std::ratio<97, 100>>;
-/// Only the outermost row of particles below a flat surface.
-using OutermostRow = DensityBelow<std::ratio<9, 10>>;
 
 /// N_i < β' N0 (17), Tanaka and Masunaga (2010).
 struct CountSurface {
@@ -66,7 +70,7 @@ struct CountSurface {
 };
 
 /// Both conditions must hold, as adopted in the paper.
-template <SurfaceByDensity A, SurfaceByDensity B>
+template <FreeSurface A, FreeSurface B>
 struct BothSurfaces {
   A first{};
   B second{};
@@ -75,9 +79,12 @@ struct BothSurfaces {
     first.check();
     second.check();
   }
-  bool is_on_surface(const LocalDensity& local_density) const {
-    return first.is_on_surface(local_density) && second.is_on_surface(local_density);
+  template <class View>
+  bool is_on_surface(const View& at) const {
+    return first.is_on_surface(at) && second.is_on_surface(at);
   }
 };
+
+using BothConditions = BothSurfaces<DensitySurface, CountSurface>;  // (13) and (17)
 
 }  // namespace silt::mps

@@ -4,40 +4,49 @@
 #pragma once
 
 #include <silt/core/error.hpp>
-#include <silt/mps/source.hpp>
+#include <silt/core/parallel.hpp>
+#include <silt/core/types.hpp>
 
 #include <cmath>
+#include <vector>
 
 namespace silt::mps {
 
 /// −(ρ/Δt) (1/n0) Dn*/Dt + γ (ρ/Δt²) (n0 − n)/n0,  Dn/Dt = Σ w'(r) u_ij·r_ij/r      (HS)
 struct HigherOrderSource {
   static constexpr bool needs_moved_particles = false;
-  static constexpr bool needs_divergence = false;
-  static constexpr bool needs_density_rate = true;
 
   double gamma = 0.01;  ///< γ [-] in [0, 1], as in DivergenceSource
 
   void check() const { require_between("HigherOrderSource: gamma", gamma, {0, 1}); }
-  double value(const SourceTerms& s) const {
-    return -s.density / s.time_step * (s.density_rate + gamma / s.time_step * s.compression);
+  double value(const auto& at) const {
+    return -at.density() / at.time_step() *
+           (at.density_rate() + gamma / at.time_step() * at.compression());
   }
 };
 
 /// The same, with two terms proportional to the errors instead of the term with γ; c = (n − n0)/n0:
 ///   −(ρ/Δt) [ (1/n0) Dn*/Dt + |c| (1/n0) Dn/Dt + |Δt (1/n0) Dn/Dt| c/Δt ]      (HS with ECS)
-struct ErrorCompensatingSource {
+class ErrorCompensatingSource {
+ public:
   static constexpr bool needs_moved_particles = false;
-  static constexpr bool needs_divergence = false;
-  static constexpr bool needs_density_rate = true;
 
   void check() const {}
-  double value(const SourceTerms& s) const {
-    const double c = s.compression;
-    const double before = s.last_density_rate;
-    return -s.density / s.time_step *
-           (s.density_rate + std::abs(c) * before + std::abs(before) * c);
+  /// Keeps Dn/Dt, of the velocities before the predictor.
+  template <class StepView>
+  void begin(const StepView& step) {
+    last_rate_.resize(step.particles.size());
+    for_each(last_rate_.size(), [&](Index i) { last_rate_[i] = step.at(i).density_rate(); });
   }
+  double value(const auto& at) const {
+    const double c = at.compression();
+    const double before = last_rate_[at.index()];
+    return -at.density() / at.time_step() *
+           (at.density_rate() + std::abs(c) * before + std::abs(before) * c);
+  }
+
+ private:
+  std::vector<double> last_rate_;  // (1/n0) Dn/Dt [1/s]
 };
 
 }  // namespace silt::mps

@@ -11,18 +11,18 @@ namespace silt::mps {
 
 /// Weight of a neighbour at q = r/re in (0, 1) [-]; must not increase with q.
 template <class K>
-concept Kernel = requires(double q, float p) {
-  { K::weight(q) } -> std::same_as<double>;
-  { K::weight(p) } -> std::same_as<float>;
+concept Kernel = std::default_initializable<K> && requires(const K kernel, double q, float p) {
+  { kernel.weight(q) } -> std::same_as<double>;
+  { kernel.weight(p) } -> std::same_as<float>;
 };
 
 /// A kernel with w'(q) and w''(q), for the higher-order source and Laplacian.
 template <class K>
-concept SmoothKernel = Kernel<K> && requires(double q, float p) {
-  { K::slope(q) } -> std::same_as<double>;
-  { K::slope(p) } -> std::same_as<float>;
-  { K::curvature(q) } -> std::same_as<double>;
-  { K::curvature(p) } -> std::same_as<float>;
+concept SmoothKernel = Kernel<K> && requires(const K kernel, double q, float p) {
+  { kernel.slope(q) } -> std::same_as<double>;
+  { kernel.slope(p) } -> std::same_as<float>;
+  { kernel.curvature(q) } -> std::same_as<double>;
+  { kernel.curvature(p) } -> std::same_as<float>;
 };
 
 /// re/r − 1 (3a), Koshizuka and Oka (1996): infinite at r = 0.

@@ -11,25 +11,35 @@ namespace silt::mps {
 
 /// The weights of the kernel      (6)
 struct KernelLaplacian {
-  template <class K, int Dim>
-  using Weights = K;
+  template <int Dim, Kernel K>
+  K weights(const K& kernel) const {
+    return kernel;
+  }
 };
 
 /// w'' + (d − 3) w'/q, the divergence of the gradient, of Khayyer and Gotoh (2010, 2012); zero
 /// where this is negative, as for some kernels at small q in 3D.
 struct HigherOrderLaplacian {
-  template <SmoothKernel K, int Dim>
+  template <int Dim, SmoothKernel K>
   struct Weights {
+    [[no_unique_address]] K kernel = {};
+
     template <class Real>
-    static Real weight(Real q) {
-      return std::max(Real(0), K::curvature(q) + (Dim - 3) * K::slope(q) / q);
+    Real weight(Real q) const {
+      return std::max(Real(0), kernel.curvature(q) + (Dim - 3) * kernel.slope(q) / q);
     }
   };
+  template <int Dim, SmoothKernel K>
+  Weights<Dim, K> weights(const K& kernel) const {
+    return {kernel};
+  }
 };
 
-/// L::Weights<K, Dim> are the weights of the Laplacian for kernel K.
+/// weights<Dim>(kernel) returns the weights of the Laplacian for a kernel, which are a Kernel.
 template <class L>
-concept LaplacianWeights = Kernel<typename L::template Weights<CubicKernel, 2>> &&
-                           Kernel<typename L::template Weights<CubicKernel, 3>>;
+concept LaplacianWeights = requires(const L laplacian, const CubicKernel kernel) {
+  { laplacian.template weights<2>(kernel) } -> Kernel;
+  { laplacian.template weights<3>(kernel) } -> Kernel;
+};
 
 }  // namespace silt::mps

@@ -19,7 +19,7 @@ struct LatticeValues {
 /// Sums over all lattice points with 0 < r < re; `radius` is re/l0. Throws unless it is above 1
 /// and at most 100.
 template <int Dim, Kernel K>
-LatticeValues lattice_values(double radius) {
+LatticeValues lattice_values(double radius, const K& kernel = {}) {
   // Within a radius of 1 there is no neighbour; the sums over a very large one would never end.
   require_above("lattice_values: radius", radius, {1, 100});
   LatticeValues values;
@@ -31,7 +31,7 @@ LatticeValues lattice_values(double radius) {
       for (int x = -reach; x <= reach; ++x) {
         const double r2 = double(x * x + y * y + z * z);
         if (r2 == 0 || r2 >= radius * radius) continue;
-        const double w = K::weight(std::sqrt(r2) / radius);
+        const double w = kernel.weight(std::sqrt(r2) / radius);
         values.n0 += w;
         second_moment += w * r2;
         ++values.neighbours;

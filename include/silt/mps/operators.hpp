@@ -24,6 +24,7 @@ struct Stencil {
   Real n0 = 0;         ///< (5) [-]
   Real lambda = 0;     ///< (7) [m²]
   int neighbours = 0;  ///< N0 [-]
+  [[no_unique_address]] K kernel = {};
 
   Stencil() = default;
   /// spacing is l0 [m], radius re/l0 [-].
@@ -31,8 +32,8 @@ struct Stencil {
     double spacing;
     double radius;
   };
-  explicit Stencil(const Size& size) {
-    const LatticeValues values = lattice_values<Dim, K>(size.radius);
+  explicit Stencil(const Size& size, const K& with_kernel = {}) : kernel(with_kernel) {
+    const LatticeValues values = lattice_values<Dim, K>(size.radius, kernel);
     spacing = Real(size.spacing);
     re = Real(size.radius * size.spacing);
     per_re = 1 / re;
@@ -41,12 +42,12 @@ struct Stencil {
     neighbours = values.neighbours;
   }
 
-  Real weight(Real r) const { return K::weight(r * per_re); }
+  Real weight(Real r) const { return kernel.weight(r * per_re); }
   /// w'(r) [1/m].
   Real slope(Real r) const
     requires SmoothKernel<K>
   {
-    return K::slope(r * per_re) * per_re;
+    return kernel.slope(r * per_re) * per_re;
   }
 };
 
@@ -101,43 +102,65 @@ struct ConservingGradient {
 
 /// evaluate(stencil, φ_i, for_each) returns the gradient of a scalar at one particle.
 template <class G, int Dim, class Real = double>
-concept Gradient = requires(const Stencil<Dim, Real, CubicKernel> stencil, Real phi) {
+concept Gradient = requires(const G gradient, const Stencil<Dim, Real, CubicKernel> stencil,
+                            Real phi) {
   {
-    G::evaluate(stencil, phi, [](auto&& f) { f(Real(), Vec<Dim, Real>(), Real(), Real()); })
+    gradient.evaluate(stencil, phi, [](auto&& f) { f(Real(), Vec<Dim, Real>(), Real(), Real()); })
   } -> std::convertible_to<Vec<Dim, Real>>;
 };
 
-/// <∇·u>_i = d/n0 Σ (u_j − u_i)·r_ij w/r²
-template <class S, class T, class U>
-typename T::Real divergence(const S& search, const T& stencil, Index i, const U& u) {
+/// <∇·u>_i = d/n0 Σ (u_j − u_i)·r_ij w/r²; for_each(f) calls f(u_j, r_ij, w, w/r²)
+template <class T, class Vec, class Neighbours>
+typename T::Real divergence(const T& stencil, const Vec& u_i, Neighbours&& for_each) {
   // One sum per axis; the sum over the axes is left to the end.
-  Vec<T::dimension, typename T::Real> sum = Vec<T::dimension, typename T::Real>::Zero();
-  for_each_weighted(search, i, stencil, [&](Index j, const auto& r_ij, auto, auto w_r2) {
-    sum += (u[j] - u[i]).cwiseProduct(r_ij) * w_r2;
+  Vec sum = Vec::Zero();
+  for_each([&](const Vec& u_j, const Vec& r_ij, auto, auto w_r2) {
+    sum += (u_j - u_i).cwiseProduct(r_ij) * w_r2;
   });
   return T::dimension / stencil.n0 * sum.sum();
 }
 
 /// (1/n0) Dn_i/Dt = 1/n0 Σ w'(r) (u_j − u_i)·r_ij/r, Khayyer and Gotoh (2009) [1/s]
-template <class S, class T, class U>
-typename T::Real density_rate(const S& search, const T& stencil, Index i, const U& u) {
+template <class T, class Vec, class Neighbours>
+typename T::Real density_rate(const T& stencil, const Vec& u_i, Neighbours&& for_each) {
   typename T::Real sum = 0;
-  for_each_weighted(search, i, stencil, [&](Index j, const auto& r_ij, auto, auto) {
+  for_each([&](const Vec& u_j, const Vec& r_ij, auto, auto) {
     const auto r = r_ij.norm();
-    sum += stencil.slope(r) / r * (u[j] - u[i]).dot(r_ij);
+    sum += stencil.slope(r) / r * (u_j - u_i).dot(r_ij);
   });
   return sum / stencil.n0;
 }
 
 /// <∇²φ>_i = 2d/(λ n0) Σ (φ_j − φ_i) w     (6), with the usual n0 instead of the printed n_i
-template <class S, class T, class U>
-auto laplacian(const S& search, const T& stencil, Index i, const U& phi) {
-  using Value = std::remove_cvref_t<decltype(phi[i])>;
-  Value sum = phi[i] - phi[i];
-  for_each_weighted(search, i, stencil, [&](Index j, const auto&, auto w, auto) {
-    sum += (phi[j] - phi[i]) * w;
-  });
+template <class T, class Value, class Neighbours>
+Value laplacian(const T& stencil, const Value& phi_i, Neighbours&& for_each) {
+  Value sum = phi_i - phi_i;
+  for_each([&](const Value& phi_j, const auto&, auto w, auto) { sum += (phi_j - phi_i) * w; });
   return Value(sum * (2 * T::dimension / (stencil.lambda * stencil.n0)));
+}
+
+/// The values φ of the neighbours of i, as input of these operators.
+template <class S, class T, class Values>
+auto values_around(const S& search, const T& stencil, Index i, const Values& phi) {
+  return [&search, &stencil, i, &phi](auto&& f) {
+    for_each_weighted(search, i, stencil, [&](Index j, const auto& r_ij, auto w, auto w_r2) {
+      f(phi[j], r_ij, w, w_r2);
+    });
+  };
+}
+
+/// The operators for the neighbours that a search finds.
+template <class S, class T, class U>
+auto divergence(const S& search, const T& stencil, Index i, const U& u) {
+  return divergence(stencil, u[i], values_around(search, stencil, i, u));
+}
+template <class S, class T, class U>
+auto density_rate(const S& search, const T& stencil, Index i, const U& u) {
+  return density_rate(stencil, u[i], values_around(search, stencil, i, u));
+}
+template <class S, class T, class Values>
+auto laplacian(const S& search, const T& stencil, Index i, const Values& phi) {
+  return laplacian(stencil, phi[i], values_around(search, stencil, i, phi));
 }
 
 }  // namespace silt::mps

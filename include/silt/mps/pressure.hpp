@@ -227,4 +227,11 @@ class PressureEquation {
   std::vector<double> solution_;
 };
 
+/// P ← max(P, 0).
+template <FluidParticles P>
+void clip_negative_pressure(P& particles) {
+  const auto p = particles[pressure];
+  for_each(p.size(), [&](Index i) { p[i] = std::max(p[i], typename P::Real(0)); });
+}
+
 }  // namespace silt::mps

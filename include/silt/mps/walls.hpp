@@ -1,150 +1,107 @@
 // SPDX-License-Identifier: MIT
-// Models of the interaction of fluid with walls made of particles.
+// What a model of the walls of a flow provides. Each model keeps its own state, in its own file.
 #pragma once
 
-#include <silt/core/parallel.hpp>
 #include <silt/core/types.hpp>
+#include <silt/mps/collision.hpp>
 #include <silt/mps/fluid.hpp>
+#include <silt/mps/kernel.hpp>
+#include <silt/mps/neighbour.hpp>
 #include <silt/mps/neighbourhood.hpp>
 #include <silt/mps/operators.hpp>
 
-#include <algorithm>
 #include <concepts>
-#include <cstdint>
-#include <utility>
-#include <vector>
+#include <span>
 
 namespace silt::mps {
 
-/// Walls of individual fixed particles, as in the schemes of the paper. They are rough: fluid that
-/// slides along them is slowed down by each particle. Wall particles on the free surface have
-/// P = 0.
-struct GrainyWalls {
-  static constexpr bool smooth = false;
+namespace detail {
+
+/// What a model of walls may use of FlowOperators, NeighbourView and ClosePairs, to check it when it
+/// is compiled.
+template <int Dim>
+struct AnyOperators {
+  const Stencil<Dim, double, CubicKernel>& stencil() const;
+  const Stencil<Dim, double, CubicKernel>& laplacian_stencil() const;
+  double reach() const;
+  const Neighbourhood<Dim, double>& neighbourhood() const;
+  const Neighbourhood<Dim, double>& laplacian_neighbourhood() const;
+};
+template <int Dim>
+struct AnyNeighbourView {
+  static constexpr int dimension = Dim;
+  using Real = double;
+  using Vec = silt::Vec<Dim>;
+
+  Index index() const;
+  Kind kind() const;
+  Vec velocity() const;
+  Real spacing() const;
+  Index owner(Index j) const;
+  Index owner(const Neighbour<Dim, Real>& neighbour) const;
+  std::span<const Kind> kinds() const;
+  std::span<const Vec> velocities() const;
+  const Stencil<Dim, Real, CubicKernel>& stencil() const;
+  template <class F>
+  void for_each(F&& f) const;
+  template <class F>
+  bool any(F&& is) const;
+  template <class U>
+  auto values_of(const U&) const {
+    return [](auto&& f) { f(Vec(), Vec(), Real(), Real()); };
+  }
+};
+template <int Dim>
+struct AnyClosePairs {
+  static constexpr int dimension = Dim;
+  using Real = double;
+  using Vec = silt::Vec<Dim>;
+
+  Index index() const;
+  Vec position() const;
+  Index owner(Index j) const;
+  Kind kind(Index j) const;
+  template <class F>
+  void for_each(F&& f) const;
 };
 
-/// Walls along which fluid slips, except for viscosity: only the component along the wall's normal
-/// of the velocity relative to a wall or dummy particle enters the divergence, and, for wall
-/// particles, collisions. Wall particles without fluid neighbours, or on the free surface, are
-/// excluded from the pressure solve. A wall particle has a normal if there are dummies behind it,
-/// on one side.
-struct SmoothWalls {
-  static constexpr bool smooth = true;
-};
+}  // namespace detail
 
-/// `smooth` selects GrainyWalls or SmoothWalls.
+/// The walls of a flow in Dim dimensions:
+///   find(particles, operators)               after the neighbours have been found
+///   divergence(at, u)                        <∇·u>_i of the velocities u, from a NeighbourView
+///   is_dry(at)                               a particle that counts as free surface, whatever the
+///                                            criterion says
+///   has_pressure(kind, on_surface)           whether a particle has a pressure
+///   velocity_change(pairs, collision)        of a fluid particle, by its collisions, see ClosePairs
+template <class W, int Dim>
+concept WallsInFlow =
+    requires(W walls, const W found, const Fluid<Dim> particles,
+             const detail::AnyOperators<Dim> operators, const detail::AnyNeighbourView<Dim> at,
+             const detail::AnyClosePairs<Dim> pairs) {
+      walls.find(particles, operators);
+      { found.divergence(at, at.velocities()) } -> std::convertible_to<double>;
+      { found.is_dry(at) } -> std::same_as<bool>;
+      { found.has_pressure(Kind::fluid, true) } -> std::same_as<bool>;
+      { found.velocity_change(pairs, Collision{}) } -> std::convertible_to<Vec<Dim>>;
+    };
+
+/// W::InFlow<Dim, Real> are the walls of a flow, constructed from a W.
 template <class W>
-concept WallModel = requires {
-  { W::smooth } -> std::convertible_to<bool>;
-};
+concept WallModel = std::constructible_from<typename W::template InFlow<2, double>, const W&> &&
+                    std::constructible_from<typename W::template InFlow<3, double>, const W&> &&
+                    WallsInFlow<typename W::template InFlow<2, double>, 2> &&
+                    WallsInFlow<typename W::template InFlow<3, double>, 3>;
 
-/// Unit normals of walls, computed from the positions of their particles.
-template <int Dim, class RealType>
-class WallNormals {
- public:
-  using Real = RealType;
-  using Vec = silt::Vec<Dim, Real>;
-
-  /// The normal of a wall particle points away from the wall and dummy particles around it; that of
-  /// a dummy is the mean of those of the neighbouring wall particles. Zero where no direction is
-  /// defined. Sums run in the order of the ids, so that the result does not depend on the time of
-  /// the last update; updated if particles were added, removed or sorted or changed their kind, or
-  /// if walls or dummies moved.
-  template <FluidParticles P, class T>
-  void find(const P& particles, const Neighbourhood<Dim, Real>& around, const T& stencil) {
-    if (are_current(particles)) return;
-    const auto kinds = particles.with_ghosts(kind);
-    revision_ = 0;  // until all normals are found
-    normals_.assign(particles.size(), Vec::Zero());
-    for_each(particles.size(), [&](Index i) {
-      if (kinds[i] != Kind::wall) return;
-      static thread_local std::vector<std::pair<Id, Vec>> solids;  // keeps its capacity
-      solids.clear();
-      for_each_weighted(around, i, stencil, [&](Index j, const Vec& r_ij, Real w, Real) {
-        if (kinds[j] != Kind::fluid) solids.emplace_back(particles.id(j), (w / r_ij.norm()) * r_ij);
-      });
-      std::ranges::sort(solids, {}, &std::pair<Id, Vec>::first);
-      Vec away = Vec::Zero();
-      for (const auto& [id, contribution] : solids) away -= contribution;
-      const Real size = away.norm();
-      if (size > Real(min_size) * stencil.n0) normals_[i] = away / size;
-    });
-    std::vector<Vec> of_dummies(particles.size(), Vec::Zero());
-    for (Index i = 0; i < particles.size(); ++i) {
-      if (kinds[i] != Kind::wall) continue;
-      for_each_weighted(around, i, stencil, [&](Index j, const Vec&, Real w, Real) {
-        if (kinds[j] == Kind::dummy) of_dummies[particles.owner(j)] += w * normals_[i];
-      });
-    }
-    for_each(particles.size(), [&](Index i) {
-      if (kinds[i] == Kind::dummy && of_dummies[i].norm() > 0) {
-        normals_[i] = of_dummies[i].normalized();
-      }
-    });
-    store_state(particles);
-  }
-
-  const Vec& operator[](Index i) const noexcept { return normals_[i]; }
-
- private:
-  static constexpr double min_size = 1e-3;  // in n0; anything below is round-off
-
-  template <class P>
-  bool are_current(const P& particles) const {
-    const auto x = particles[position];
-    const auto kinds = particles[kind];
-    return particles.owned_revision() == revision_ && x.size() == positions_.size() &&
-           first_where(x.size(), [&](Index i) {
-             return kinds[i] != kinds_[i] || (kinds[i] != Kind::fluid && x[i] != positions_[i]);
-           }) == no_index;
-  }
-  template <class P>
-  void store_state(const P& particles) {
-    const auto x = particles[position];
-    const auto kinds = particles[kind];
-    positions_.assign(x.begin(), x.end());
-    kinds_.assign(kinds.begin(), kinds.end());
-    revision_ = particles.owned_revision();
-  }
-
-  std::vector<Vec> normals_;    // of owned particles, zero for fluid
-  std::vector<Vec> positions_;  // at the last update; those of fluid are not used
-  std::vector<Kind> kinds_;     // at the last update
-  std::uint64_t revision_ = 0;
-};
-
-/// <∇·u>_i with slip along walls: a wall or dummy particle j enters with its own velocity component
-/// along its normal, and with that of i tangentially. If i is a wall particle, its tangential
-/// velocity is the mean of the fluid around it.
-template <class P, int Dim, class Real, class T, class U>
-Real divergence_at_smooth_walls(const P& particles, const Neighbourhood<Dim, Real>& around,
-                                const WallNormals<Dim, Real>& normals, const T& stencil, Index i,
-                                const U& u) {
-  using Vec = silt::Vec<Dim, Real>;
-  const auto kinds = particles.with_ghosts(kind);
-  Vec own = u[i];
-  if (kinds[i] == Kind::wall) {
-    Vec mean = Vec::Zero();
-    Real weight = 0;
-    for_each_weighted(around, i, stencil, [&](Index j, const Vec&, Real w, Real) {
-      if (kinds[j] != Kind::fluid) return;
-      mean += w * u[j];
-      weight += w;
-    });
-    if (weight > 0) mean /= weight;
-    own = mean + normals[i].dot(u[i] - mean) * normals[i];
-  }
-  Real sum = 0;
-  for_each_weighted(around, i, stencil, [&](Index j, const Vec& r_ij, Real, Real w_r2) {
-    const Vec u_ij = u[j] - own;
-    if (kinds[j] == Kind::fluid) {
-      sum += w_r2 * u_ij.dot(r_ij);
-    } else {
-      const Vec& normal = normals[particles.owner(j)];
-      sum += w_r2 * u_ij.dot(normal) * normal.dot(r_ij);
-    }
-  });
-  return Dim / stencil.n0 * sum;
-}
+/// Walls that mirror the fluid: for_each_image(i, stencil, f) calls f(image) for every image within
+/// the stencil around particle i. Images enter every sum over neighbours. An image has the members
+/// of a Neighbour, with is_image = true and the index of the mirrored particle, which may be i, and
+/// rise(weight), its pressure above that of the particle [Pa] for weight = ρF at i.
+template <class W>
+concept AddsImages =
+    requires(const W walls, Index i,
+             const Stencil<W::dimension, typename W::Real, CubicKernel> stencil) {
+      walls.for_each_image(i, stencil, [](const auto&) {});
+    };
 
 }  // namespace silt::mps

@@ -1,4 +1,4 @@
-// expect: the fifth argument is not a gradient
+// expect: the scheme has no member `gradient` that is a gradient
 // SPDX-License-Identifier: MIT
 #include <silt/mps.hpp>
 
@@ -10,7 +10,8 @@ int main() {
 #else
   using Gradient = mps::CubicKernel;
 #endif
-  using Scheme = mps::Scheme<mps::DivergenceSource, mps::AdoptedCollision, mps::CubicKernel,
-                             mps::DensitySurface, Gradient>;
+  struct Scheme : mps::Case10 {
+    Gradient gradient{};
+  };
   const mps::Flow<Scheme> flow({.spacing = 0.01});
 }

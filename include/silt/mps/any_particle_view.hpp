@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: MIT
+// What every view of a particle offers to the policies of a flow, to check them when they are
+// compiled. The view that a flow gives them is in silt/mps/particle_view.hpp.
+#pragma once
+
+#include <silt/core/types.hpp>
+#include <silt/mps/fluid.hpp>
+#include <silt/mps/kernel.hpp>
+#include <silt/mps/neighbour.hpp>
+#include <silt/mps/operators.hpp>
+
+#include <span>
+
+namespace silt::mps::detail {
+
+template <int Dim>
+struct AnyParticleView {
+  static constexpr int dimension = Dim;
+  using Real = double;
+  using Vec = silt::Vec<Dim>;
+  static constexpr bool has_images = false;
+  using Velocities = std::span<const Vec>;
+  using Kinds = std::span<const Kind>;
+
+  Index index() const;
+  Kind kind() const;
+  Vec velocity() const;
+  Real spacing() const;
+  double density() const;
+  double time_step() const;
+  double compression() const;
+  Vec force() const;
+  Vec force(Index owned) const;
+  Vec weight() const;
+
+  Index owner(const Neighbour<Dim, Real>& neighbour) const;
+  Index owner(Index j) const;
+  Kinds kinds() const;
+  Velocities velocities() const;
+  const Stencil<Dim, Real, CubicKernel>& stencil() const;
+  const Stencil<Dim, Real, CubicKernel>& laplacian_stencil() const;
+  template <class F>
+  void for_each(F&& f) const;
+  template <class F>
+  void for_each_in_laplacian(F&& f) const;
+
+  double divergence() const;
+  template <class U>
+  Real divergence(const U& u) const;
+  double density_rate() const;
+  template <class U>
+  Vec laplacian(const U& u) const;
+  template <class G>
+  Vec pressure_gradient(const G& gradient) const;
+  Vec concentration_gradient() const;
+  Real max_relative_speed() const;
+  bool has_pressure(const Neighbour<Dim, Real>& neighbour) const;
+  bool near_boundary() const;
+};
+
+}  // namespace silt::mps::detail

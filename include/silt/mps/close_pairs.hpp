@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: MIT
+// The close pairs of a particle, for which a collision model is evaluated.
+#pragma once
+
+#include <silt/core/types.hpp>
+#include <silt/mps/collision.hpp>
+#include <silt/mps/fluid.hpp>
+
+namespace silt::mps {
+
+/// Which pairs collide in a step, the same for all particles.
+template <class RealType>
+struct CloseRange {
+  using Real = RealType;
+
+  Real reach;        ///< [m]
+  float min_weight;  ///< below that of any neighbour within reach
+  Real time_step;    ///< Δt [s]
+
+  /// reach is that of the collision model of the settings; step is Δt [s].
+  template <class Stencil, class Settings>
+  CloseRange(const Stencil& stencil, const Settings& settings, double step)
+      : reach(Real(settings.collision.reach() * settings.spacing)),
+        // Weights decrease with the distance; the factor is a margin for round-off.
+        min_weight(static_cast<float>(stencil.weight(reach)) * (1 - 0x1p-16f)),
+        time_step(Real(step)) {}
+};
+
+/// The pairs of one particle that are closer than the reach of the collisions of a flow, with the
+/// velocities before all of them. Refers to its arguments; velocities of ghosts must be up to date.
+template <class Operators, FluidParticles P>
+class ClosePairs {
+ public:
+  static constexpr int dimension = P::dimension;
+  using Real = typename P::Real;
+  using Vec = silt::Vec<dimension, Real>;
+  using Pair = CollidingPair<dimension, Real>;
+
+  ClosePairs(const P& particles, const Operators& operators, const CloseRange<Real>& range, Index i)
+      : particles_(particles), operators_(operators), range_(range), index_(i) {}
+
+  Index index() const { return index_; }
+  Vec position() const { return particles_[silt::position][index_]; }
+  Index owner(Index j) const { return particles_.owner(j); }
+  Kind kind(Index j) const { return particles_.with_ghosts(mps::kind)[j]; }
+
+  /// f(pair, j) for each; j is an owned or ghost particle.
+  template <class F>
+  void for_each(F&& f) const {
+    const auto u = particles_.with_ghosts(velocity);
+    const auto kinds = particles_.with_ghosts(mps::kind);
+    operators_.neighbourhood().for_each_closer(
+        index_, range_.reach, range_.min_weight, [&](Index j, const Vec& r_ij, Real r) {
+          f(Pair{.r_ij = r_ij,
+                 .r = r,
+                 .u_ij = u[j] - u[index_],
+                 .wall = kinds[j] != Kind::fluid,
+                 .spacing = operators_.stencil().spacing,
+                 .time_step = range_.time_step},
+            j);
+        });
+  }
+
+ private:
+  const P& particles_;
+  const Operators& operators_;
+  const CloseRange<Real>& range_;
+  Index index_;
+};
+
+}  // namespace silt::mps

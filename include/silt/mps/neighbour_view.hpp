@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: MIT
+// One particle of a flow with its neighbours, as policies see it from the time at which the
+// neighbours are found.
+#pragma once
+
+#include <silt/core/types.hpp>
+#include <silt/mps/fluid.hpp>
+#include <silt/mps/neighbour.hpp>
+#include <silt/mps/walls.hpp>
+
+#include <utility>
+
+namespace silt::mps {
+
+/// Refers to the particles and to FlowOperators; values of ghosts must be up to date.
+template <class Operators, FluidParticles P>
+class NeighbourView {
+ public:
+  static constexpr int dimension = P::dimension;
+  using Real = typename P::Real;
+  using Vec = silt::Vec<dimension, Real>;
+  static constexpr bool has_images = AddsImages<typename Operators::Walls>;
+  using Kinds = decltype(std::declval<const P&>().with_ghosts(mps::kind));
+  using Velocities = decltype(std::declval<const P&>().with_ghosts(silt::velocity));
+
+  NeighbourView(const P& particles, const Operators& operators, Index i)
+      : particles_(particles), operators_(operators), index_(i) {}
+
+  const P& particles() const { return particles_; }
+  Index index() const { return index_; }
+  Kind kind() const { return particles_[mps::kind][index_]; }
+  Vec velocity() const { return particles_[silt::velocity][index_]; }
+  Real spacing() const { return stencil().spacing; }  ///< l0 [m]
+
+  /// Of density, gradient and divergence.
+  const auto& stencil() const { return operators_.stencil(); }
+  const auto& laplacian_stencil() const { return operators_.laplacian_stencil(); }
+  const auto& neighbourhood() const { return operators_.neighbourhood(); }
+
+  /// Kinds, and velocities [m/s], of all particles and ghosts.
+  Kinds kinds() const { return particles_.with_ghosts(mps::kind); }
+  Velocities velocities() const { return particles_.with_ghosts(silt::velocity); }
+  /// The owned particle of which a neighbour, with this index, is a ghost or image, or itself.
+  Index owner(Index j) const { return particles_.owner(j); }
+  Index owner(const auto& neighbour) const { return particles_.owner(neighbour.index); }
+
+  /// f(neighbour) for every neighbour within the stencil, a Neighbour, and for every image that the
+  /// walls add.
+  template <class F>
+  [[gnu::always_inline]] inline void for_each(F&& f) const {
+    operators_.for_each(index_, f);
+  }
+  /// The same within the stencil of the Laplacian.
+  template <class F>
+  [[gnu::always_inline]] inline void for_each_in_laplacian(F&& f) const {
+    operators_.for_each_in_laplacian(index_, f);
+  }
+  /// Whether is(neighbour) is true for any of those of for_each().
+  template <class F>
+  bool any(F&& is) const {
+    return operators_.any(index_, is);
+  }
+
+  /// The velocities u of the neighbours, as input of an operator.
+  template <class U>
+  auto values_of(const U& u) const {
+    return operators_.velocities_around(index_, u);
+  }
+  /// <∇·u>_i of the velocities u, as the walls define it.
+  template <class U>
+  Real divergence(const U& u) const {
+    return operators_.walls().divergence(*this, u);
+  }
+
+ private:
+  const P& particles_;
+  const Operators& operators_;
+  Index index_;
+};
+
+}  // namespace silt::mps

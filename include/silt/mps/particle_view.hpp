@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: MIT
+// What the policies of a flow see of it during a step, around one particle.
+#pragma once
+
+#include <silt/core/types.hpp>
+#include <silt/mps/body_force.hpp>
+#include <silt/mps/flow_operators.hpp>
+#include <silt/mps/flow_settings.hpp>
+#include <silt/mps/fluid.hpp>
+#include <silt/mps/neighbour_view.hpp>
+#include <silt/mps/operators.hpp>
+#include <silt/mps/pressure_boundary.hpp>
+
+#include <algorithm>
+
+namespace silt::mps {
+
+template <class Scheme, FluidParticles P>
+class ParticleView;
+
+/// The parts of a flow that the views of its particles refer to.
+template <class Scheme, FluidParticles P>
+struct StepView {
+  static constexpr int Dim = P::dimension;
+  using Real = typename P::Real;
+
+  const P& particles;
+  const FlowSettings<Dim, Scheme>& settings;
+  const FlowOperators<Scheme, Dim, Real>& operators;
+  const PressureBoundary<Scheme>& boundary;
+  const BodyForce<Dim, Real>& force;
+  double time_step;  ///< Δt [s]
+
+  ParticleView<Scheme, P> at(Index i) const { return {*this, i}; }
+};
+
+/// A particle with its neighbours, and with the state of the flow. Where the flow has a pressure is
+/// known after the free surface has been found: to the source and to shifting.
+template <class Scheme, FluidParticles P>
+class ParticleView
+    : public NeighbourView<FlowOperators<Scheme, P::dimension, typename P::Real>, P> {
+ public:
+  static constexpr int Dim = P::dimension;
+  using Real = typename P::Real;
+  using Vec = silt::Vec<Dim, Real>;
+  using Operators = FlowOperators<Scheme, Dim, Real>;
+  using Neighbours = NeighbourView<Operators, P>;
+
+  ParticleView(const StepView<Scheme, P>& step, Index i)
+      : Neighbours(step.particles, step.operators, i), step_(step) {}
+
+  double density() const { return step_.settings.density; }  ///< ρ [kg/m³]
+  double time_step() const { return step_.time_step; }       ///< Δt [s]
+  Vec force() const { return step_.force[this->index()]; }   ///< F [m/s²]
+  Vec force(Index owned) const { return step_.force[owned]; }
+  Vec weight() const { return Real(density()) * force(); }  ///< ρF [Pa/m]
+  /// (n − n0)/n0 [-]
+  double compression() const {
+    const Real n0 = this->stencil().n0;
+    return double((this->particles()[number_density][this->index()] - n0) / n0);
+  }
+
+  using Neighbours::divergence;
+  double divergence() const { return double(divergence(this->velocities())); }  ///< ∇·u [1/s]
+  /// (1/n0) Dn/Dt [1/s]
+  double density_rate() const {
+    return double(mps::density_rate(this->stencil(), this->velocity(),
+                                    this->values_of(this->velocities())));
+  }
+  /// <∇²u>_i of the velocities u [1/(m s)]      (6)
+  template <class U>
+  auto laplacian(const U& u) const {
+    return step_.operators.laplacian(this->index(), u);
+  }
+  /// <∇P>_i over the neighbours with pressure [Pa/m]
+  template <class G>
+  Vec pressure_gradient(const G& gradient) const {
+    const auto p = this->particles().with_ghosts(pressure);
+    const Vec weight_i = weight();
+    return gradient.evaluate(this->stencil(), p[this->index()], [&](auto&& f) {
+      this->for_each([&](const auto& j) {
+        if (has_pressure(j)) f(j.pressure(p, weight_i), j.r_ij, j.weight, j.weight_over_square);
+      });
+    });
+  }
+  /// 2d/(λ n0) Σ w (P_image − P_j) over the images of the particles j [Pa/m²]: the part of the
+  /// Laplacian of the pressure that is known.
+  double rise_of_images() const {
+    const auto& laplacian = this->laplacian_stencil();
+    Real sum = 0;
+    step_.operators.for_each_image_in_laplacian(
+        this->index(), [&](const auto& image) { sum += image.weight * image.rise(weight()); });
+    return double(2 * Dim / (laplacian.lambda * laplacian.n0) * sum);
+  }
+  /// l0/n0 Σ w r_ij/r² [-], in the direction of increasing particle concentration.
+  Vec concentration_gradient() const {
+    const auto& stencil = this->stencil();
+    Vec sum = Vec::Zero();
+    this->for_each([&](const auto& j) {
+      sum += (stencil.spacing * j.weight_over_square / stencil.n0) * j.r_ij;
+    });
+    return sum;
+  }
+  /// max |u_j − u_i| over the neighbours [m/s]
+  Real max_relative_speed() const {
+    const auto u = this->velocities();
+    const Vec own = this->velocity();
+    Real fastest = 0;
+    this->for_each([&](const auto& j) {
+      fastest = std::max(fastest, Vec(j.velocity(u) - own).norm());
+    });
+    return fastest;
+  }
+
+  /// Whether a neighbour has a pressure: an unknown one, or P = 0 on the free surface.
+  bool has_pressure(const auto& neighbour) const {
+    return step_.boundary.has_pressure(this->owner(neighbour));
+  }
+  /// The particle or a neighbour lies on the free surface, or a neighbour has no pressure; n is
+  /// then not comparable with n0.
+  bool near_boundary() const { return step_.boundary.is_near(*this); }
+
+ private:
+  const StepView<Scheme, P>& step_;
+};
+
+}  // namespace silt::mps
