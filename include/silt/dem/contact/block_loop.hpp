@@ -38,7 +38,7 @@ class BlockLoop {
   /// is called for the grains [first, last) of each block b.
   template <class BlockEvaluator, class Compare, class Pass>
   Index operator()(P& grains, const ContactList& list, const BlockEvaluator& evaluate_block,
-                   const Compare& compare, Histories& after, const Pass& pass) {
+                   Compare& compare, Histories& after, const Pass& pass) {
     after.resize(list.groups());
     division_.fit(list, static_cast<Index>(threads_for(grains.size())));
     loads_.resize(division_.slots());

@@ -99,15 +99,10 @@ class ContactsOf : public Contacts<Law, Walls...> {
     const auto walls = detail::walls_in_law<P>(walls_, evaluation.step);
     const auto evaluate_law = detail::law_evaluation<P>(evaluation, materials_, walls_);
     const detail::GrainRows<dimension, Real> rows(std::as_const(grains));
-    detail::UnnoticedChanges changes(std::as_const(grains), *evaluation.list,
-                                     evaluation.lifetime.constants_revision);
+    detail::UnnoticedChanges changes(std::as_const(grains), *evaluation.list, evaluation.lifetime);
     evaluation.count = memory_.loop(
         grains, evaluation.contacts(),
-        detail::block_evaluator<P>(evaluation, rows, walls, settings_, evaluate_law),
-        [&, now = evaluation.lifetime.steps % changes.period](Index block, Index first,
-                                                              Index last) {
-          if (block % changes.period == now) changes.compare(first, last);
-        },
+        detail::block_evaluator<P>(evaluation, rows, walls, settings_, evaluate_law), changes,
         *after, pass);
     changes.check(grains);
     evaluation.after = after;
@@ -352,10 +347,7 @@ class ContactsOf : public Contacts<Law, Walls...> {
     evaluation.step = step;
     evaluation.box = grains.box();
     if (rebuilds) {
-      detail::UnnoticedChanges changes(std::as_const(grains), *state_.last.list,
-                                       state_.last.lifetime.constants_revision);
-      changes.compare(0, grains.size());
-      changes.check(grains);
+      detail::refuse_unnoticed_changes(grains, *state_.last.list, state_.last.lifetime);
       detail::check_grains(grains, materials_);
       detail::check_digits_of_positions(grains);
       const auto list = take_list();

@@ -64,22 +64,28 @@ bool have_constants_changed(const P& grains, const List& list, std::uint64_t& kn
 
 /// Finds constants that were changed without a new constants_revision(): through a view that was
 /// obtained before an earlier step. What was computed from all of them, such as the search radius,
-/// is then out of date. All grains are compared in `period` steps: to read the constants of all in
-/// every step would take up to a tenth of it.
+/// is then out of date. A step compares every sixteenth block of grains: to read the constants of
+/// all would take up to a tenth of it.
 template <class P, class List>
 class UnnoticedChanges {
- public:
   static constexpr Index period = 16;
 
-  /// `known` is the last constants_revision() with the values of the list.
-  UnnoticedChanges(const P& grains, const List& list, std::uint64_t known)
+ public:
+  /// `lifetime` is the ListLifetime of the list.
+  template <class Lifetime>
+  UnnoticedChanges(const P& grains, const List& list, const Lifetime& lifetime)
       : constants_(list.constants),
         is_changed_(constants_.differ_from(grains)),
         is_comparable_(list.owned_revision == grains.owned_revision() &&
                        constants_.radii.size() == grains.size() &&
-                       known == grains.constants_revision()) {}
+                       lifetime.constants_revision == grains.constants_revision()),
+        turn_(lifetime.steps % period) {}
 
-  /// Compares grains [first, last); may be called by several threads.
+  /// Compares grains [first, last) if it is the turn of their block. May be called by several
+  /// threads.
+  void operator()(Index block, Index first, Index last) {
+    if (block % period == turn_) compare(first, last);
+  }
   void compare(Index first, Index last) {
     if (!is_comparable_) return;
     bool is_any = false;
@@ -91,11 +97,12 @@ class UnnoticedChanges {
     }
   }
 
-  /// Throws if one was found, the lowest index. The grains then have a new constants_revision().
+  /// Throws if one was found, naming the grain with the lowest index. The grains then have a new
+  /// constants_revision(), so that the next step is for the constants as they are.
   void check(P& grains) const {
     const Index i = lowest_.load();
     if (i == no_index) return;
-    grains[radius];  // notes a change, so that the next step is for the constants as they are
+    grains[radius];  // access that is not const
     const auto reject = [&](const char* name, auto before, auto now, const char* unit) {
       if (before == now) return;
       fail(std::string("dem::Contacts: ") + name + " changed from " + to_text(double(before)) +
@@ -115,7 +122,16 @@ class UnnoticedChanges {
   const ListConstants<typename P::Real>& constants_;
   decltype(constants_.differ_from(std::declval<const P&>())) is_changed_;
   bool is_comparable_;
+  Index turn_;
   std::atomic<Index> lowest_ = no_index;
 };
+
+/// Throws if one of all grains has constants other than those of the list that went unnoticed.
+template <class P, class List, class Lifetime>
+void refuse_unnoticed_changes(P& grains, const List& list, const Lifetime& lifetime) {
+  UnnoticedChanges changes(std::as_const(grains), list, lifetime);
+  for_each_range(grains.size(), [&](Index first, Index last) { changes.compare(first, last); });
+  changes.check(grains);
+}
 
 }  // namespace silt::dem::detail
