@@ -247,6 +247,7 @@ TYPED_TEST(AllParticles, KnowHowFarStepsHaveMovedThem) {
 TYPED_TEST(AllParticles, NoteAccessToConstantFields) {
   auto particles = five_in_a_row<TypeParam>();
   const auto& fixed = particles;
+  particles.save();
   const auto first = particles.constants_revision();
   static_cast<void>(fixed[colour][0]);
   static_cast<void>(particles[temperature][0]);
@@ -254,8 +255,13 @@ TYPED_TEST(AllParticles, NoteAccessToConstantFields) {
   static_cast<void>(particles[colour][0]);
   const auto second = particles.constants_revision();
   EXPECT_NE(second, first);
+  EXPECT_NE(particles.constants_revision(), second) << "the view is valid until the next step";
+  particles.save();
+  const auto third = particles.constants_revision();
+  EXPECT_NE(third, second);
+  EXPECT_EQ(particles.constants_revision(), third);
   particles.remove(0);
-  EXPECT_NE(particles.constants_revision(), second);
+  EXPECT_NE(particles.constants_revision(), third);
 }
 
 TEST(Bundle, StoresFieldsSideBySide) {

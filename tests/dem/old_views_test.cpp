@@ -3,11 +3,14 @@
 // steps, or that which rebuilds the list, refuses them, and the next one is for the grains as they
 // are.
 #include <silt/dem.hpp>
+#include <silt/io/checkpoint.hpp>
 
+#include "support/file_test.hpp"
 #include "support/grains.hpp"
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <utility>
@@ -85,6 +88,53 @@ void expect_all_refused() {
 
 TEST(OldViewsOfConstants, AreRefusedWithin16Steps2D) { expect_all_refused<2>(); }
 TEST(OldViewsOfConstants, AreRefusedWithin16Steps3D) { expect_all_refused<3>(); }
+
+// The default time step, the reach and a checkpoint are for the values at that time, although the
+// view was obtained, and all of them were asked for, before a value was written through it.
+TEST(ViewsOfConstants, MayBeUsedUntilTheNextStep) {
+  constexpr Index k = 300;
+  auto sim = bed<3>();
+  for (int step = 0; step < 3; ++step) sim.step(dt);
+  const double was = sim.time_step();
+  const auto m = sim.particles()[mass];
+  EXPECT_EQ(sim.time_step(), was);
+  m[k] *= 1e-4;
+  EXPECT_LT(sim.time_step(), 0.1 * was);
+
+  auto expected = sim;
+  const auto R = sim.particles()[radius];
+  EXPECT_LT(sim.interaction().reach(sim.particles()), 0.025);
+  R[k] = 0.03;
+  EXPECT_EQ(sim.interaction().reach(sim.particles()), 0.06);
+  expected.particles()[radius][k] = 0.03;
+  for (int step = 0; step < 20; ++step) {
+    sim.step(1e-7);
+    expected.step(1e-7);
+  }
+  EXPECT_EQ(sim.interaction().size(), expected.interaction().size());
+  EXPECT_TRUE(have_same_bits(sim, expected));
+}
+
+// A checkpoint does not have a list that does not belong to the grains in it.
+TEST(OldViewsOfConstants, DoNotReachACheckpoint) {
+  auto sim = bed<2>();
+  sim.step(dt);
+  const auto old = sim.particles()[radius];
+  for (int step = 0; step < 2; ++step) sim.step(dt);
+  old[200] *= 1.5;
+  const std::string path = path_of_test();
+  write_checkpoint(path, sim);
+  auto resumed = bed<2>();
+  read_checkpoint(path, resumed);
+  std::filesystem::remove(path);
+  auto expected = bed<2>();
+  expected = sim;
+  expected.particles()[radius];  // notes the change
+  resumed.step(1e-7);
+  expected.step(1e-7);
+  EXPECT_EQ(resumed.interaction().size(), expected.interaction().size());
+  EXPECT_TRUE(have_same_bits(resumed, expected));
+}
 
 // A view is of this step until the next one.
 TEST(OldViewsOfConstants, AreNotThoseObtainedAfterTheStep) {

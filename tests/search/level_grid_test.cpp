@@ -204,6 +204,7 @@ TEST(LevelGrid, InANeighbourListDoesNotCountAsAChangeOfTheRadii) {
   for (auto& R : grains[radius]) R = 0.001;
   const Index large = grains.add({0.07, -0.025});
   grains[radius][large] = 0.025;
+  grains.save();
   const auto revision = grains.constants_revision();
   NeighbourList<2> found({.radius = 0.05, .skin_fraction = 0.2});
   found.update(grains);

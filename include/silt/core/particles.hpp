@@ -111,9 +111,10 @@ class Particles {
     return travel_;
   }
   /// Increases whenever a field that steps do not change, such as the radius, may have been
-  /// changed: with every access that is not const. Not to be called by several threads at once.
+  /// changed: after an access that is not const, with every call until save(), because its view may
+  /// be written to until the next step. Not to be called by several threads at once.
   std::uint64_t constants_revision() const noexcept {
-    if (constants_changed_.test_and_clear()) constants_revision_ = next_revision();
+    if (constants_changed_.is_set()) constants_revision_ = next_revision();
     return constants_revision_;
   }
 
@@ -262,7 +263,10 @@ class Particles {
 
   // For rolling back a failed step, see Columns: save() before the step, restore() if it throws.
 
-  void save() noexcept { columns_.save(); }
+  void save() noexcept {
+    if (constants_changed_.test_and_clear()) constants_revision_ = next_revision();
+    columns_.save();
+  }
   template <Field F>
   void keep(F field) {
     if constexpr (std::same_as<F, position_t>) positions_changed_.set();

@@ -58,7 +58,8 @@ struct RunState {
 template <class Sim, class... Observers>
 class RunLoop {
  public:
-  /// Throws if a member of `run` is out of range. The arguments must outlive this object.
+  /// Throws if a member of `run` is out of range. The simulation and the observers must outlive
+  /// this object.
   RunLoop(Sim& simulation, const Run& run, Observers&... observers)
       : simulation_(simulation), state_(simulation.run_), run_(run), observers_(observers...) {
     run.check(simulation.time());
@@ -159,7 +160,7 @@ class RunLoop {
 
   Sim& simulation_;
   RunState& state_;  // of the simulation
-  const Run& run_;
+  const Run run_;  // a copy, which observers cannot change
   std::tuple<Observers&...> observers_;
 };
 

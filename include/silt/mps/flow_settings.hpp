@@ -36,7 +36,8 @@ struct FlowSettings {
   double max_growth = 1.2;  ///< Δt ≤ max_growth × previous Δt [-], at least 1; infinity: no limit
   double max_time_step = std::numeric_limits<double>::infinity();  ///< [s], above 0, or infinite
   bool clip_negative_pressure = true;  ///< P ← max(P, 0): no tensile stress in the fluid
-  /// The policies of the scheme, with its numbers; one that is given here replaces all of them.
+  /// The policies with the scheme's parameters. A policy that is given here has the defaults of its
+  /// own type, not the scheme's parameters.
   SourceOf<Scheme> source = Scheme{}.source;           ///< source term of the pressure equation
   SurfaceOf<Scheme> surface = Scheme{}.surface;        ///< criterion of the free surface
   CollisionOf<Scheme> collision = Scheme{}.collision;  ///< its reach is at most `radius`

@@ -8,7 +8,7 @@
 namespace silt::mps {
 
 /// A neighbour j of particle i. The image of a particle in a wall, which a wall model may add to
-/// the sums (see ImagesOfWalls in silt/mps/walls.hpp), has the same members, but mirrored values.
+/// the sums (see AddsImages in silt/mps/walls.hpp), has the same members, but mirrored values.
 /// Sums that take the values from velocity() and pressure() are therefore right for both.
 template <int Dim, class RealType>
 struct Neighbour {

@@ -3,6 +3,7 @@
 // have no pressure; nor have the particles of walls to which their model gives none.
 #pragma once
 
+#include <silt/core/error.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/types.hpp>
 #include <silt/mps/flow_operators.hpp>
@@ -46,6 +47,10 @@ class PressureBoundary {
   /// pressure. Found when it is asked for, as most schemes do not ask; the answer is kept.
   template <class View>
   bool is_near(const View& at) const {
+    if (at.index() >= is_near_.size()) {
+      fail("mps: near_boundary() is not known before the free surface was found; do not use it in "
+           "begin()");
+    }
     Near& near = is_near_[at.index()];
     if (near == Near::unknown) {
       const auto on_surface = at.particles()[surface];

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // What a scheme is: a struct with one member for each policy of a flow. The type of a member is the
-// policy, its value are the numbers of the policy:
+// policy, its value has the parameters of the policy:
 //
 //   struct Mine : mps::Recommended {  // a member that is declared again replaces the inherited one
 //     mps::Collision collision{.distance = 0.8, .restitution = 0.2};
@@ -18,25 +18,78 @@
 #include <silt/mps/walls.hpp>
 
 #include <concepts>
+#include <cstddef>
+#include <type_traits>
+#include <utility>
 
 namespace silt::mps {
 
 template <class Scheme>
-using SourceOf = decltype(Scheme::source);
+using SourceOf = std::remove_cv_t<decltype(Scheme::source)>;
 template <class Scheme>
-using CollisionOf = decltype(Scheme::collision);
+using CollisionOf = std::remove_cv_t<decltype(Scheme::collision)>;
 template <class Scheme>
-using KernelOf = decltype(Scheme::kernel);
+using KernelOf = std::remove_cv_t<decltype(Scheme::kernel)>;
 template <class Scheme>
-using SurfaceOf = decltype(Scheme::surface);
+using SurfaceOf = std::remove_cv_t<decltype(Scheme::surface)>;
 template <class Scheme>
-using GradientOf = decltype(Scheme::gradient);
+using GradientOf = std::remove_cv_t<decltype(Scheme::gradient)>;
 template <class Scheme>
-using WallsOf = decltype(Scheme::walls);
+using WallsOf = std::remove_cv_t<decltype(Scheme::walls)>;
 template <class Scheme>
-using ShiftingOf = decltype(Scheme::shifting);
+using ShiftingOf = std::remove_cv_t<decltype(Scheme::shifting)>;
 template <class Scheme>
-using LaplacianOf = decltype(Scheme::laplacian);
+using LaplacianOf = std::remove_cv_t<decltype(Scheme::laplacian)>;
+
+namespace detail {
+
+// Initialises any base class or member of an aggregate.
+struct AnyElement {
+  template <class T>
+  operator T() const;
+};
+
+// Number of base classes and members of an aggregate.
+template <class S, std::size_t most = 16>
+constexpr std::size_t count_elements() {
+  constexpr auto has_most = []<std::size_t... k>(std::index_sequence<k...>) {
+    return requires { S{(static_cast<void>(k), AnyElement{})...}; };
+  };
+  if constexpr (most == 0 || has_most(std::make_index_sequence<most>{})) {
+    return most;
+  } else {
+    return count_elements<S, most - 1>();
+  }
+}
+
+template <class S, class Pointer>
+inline constexpr bool is_member_of = false;
+template <class S, class Member>
+inline constexpr bool is_member_of<S, Member S::*> = true;
+
+// Number of policies that S declares itself. A pointer to an inherited member is one of the base.
+template <class S>
+constexpr std::size_t count_own_policies() {
+  const auto count = []<class Pointer>(Pointer) -> std::size_t {
+    return is_member_of<S, Pointer> ? 1 : 0;
+  };
+  return count(&S::source) + count(&S::collision) + count(&S::kernel) + count(&S::surface) +
+         count(&S::gradient) + count(&S::walls) + count(&S::shifting) + count(&S::laplacian);
+}
+
+// Whether a member has another name than the policies: it would have no effect. Without a base
+// class, a scheme that has all policies may have further members.
+template <class S>
+constexpr bool has_unknown_member() {
+  if constexpr (std::is_aggregate_v<S>) {
+    constexpr std::size_t own = count_own_policies<S>();
+    return own < 8 && count_elements<S>() > own + 1;
+  } else {
+    return false;
+  }
+}
+
+}  // namespace detail
 
 /// Names the member of a scheme that is missing or no such policy. Instantiated by FlowSettings.
 template <class S>
@@ -66,6 +119,9 @@ constexpr bool check_scheme() {
   static_assert(requires { requires LaplacianWeights<LaplacianOf<S>>; },
                 "mps: the scheme has no member `laplacian` with the weights of a Laplacian (see "
                 "LaplacianWeights in silt/mps/laplacian.hpp)");
+  static_assert(!detail::has_unknown_member<S>(),
+                "mps: the scheme has a member that is none of source, collision, kernel, surface, "
+                "gradient, walls, shifting and laplacian: check its name");
   return true;
 }
 

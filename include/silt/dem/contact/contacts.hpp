@@ -400,7 +400,7 @@ class ContactsOf : public Contacts<Law, Walls...> {
     const List& last = *state_.last.list;
     const bool is_of_these =
         !state_.given_history && last.owned_revision == grains.owned_revision() &&
-        last.walls_revision == walls_.revision() && !have_constants_changed(grains);
+        last.walls_revision == walls_.revision() && last.constants.are_those_of(grains);
     return is_of_these ? SavedList(last) : SavedList();
   }
   void restore_list(const SavedList& saved, const P& grains) {

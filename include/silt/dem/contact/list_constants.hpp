@@ -36,6 +36,13 @@ struct ListConstants {
     assign(material, materials);
   }
 
+  /// Compares all values.
+  template <class P>
+  bool are_those_of(const P& grains) const {
+    return radii.size() == grains.size() &&
+           first_where(grains.size(), differ_from(grains)) == no_index;
+  }
+
   /// A function of the grain i: whether it has other constants. For as many grains.
   template <class P>
   auto differ_from(const P& grains) const {
@@ -54,10 +61,7 @@ template <class P, class List>
 bool have_constants_changed(const P& grains, const List& list, std::uint64_t& known) {
   const std::uint64_t revision = grains.constants_revision();
   if (known == revision) return false;
-  if (list.constants.radii.size() != grains.size() ||
-      first_where(grains.size(), list.constants.differ_from(grains)) != no_index) {
-    return true;
-  }
+  if (!list.constants.are_those_of(grains)) return true;
   known = revision;
   return false;
 }
