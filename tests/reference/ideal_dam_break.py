@@ -18,6 +18,11 @@ its tip, where the angle of the surface tends to zero, wobbles by about that len
 Later a run with short elements there lets the tip run ahead as a thin jet: the table ends before Z of a run differs
 from the mean by 0.3 %.
 
+Checks: the acceleration at t = 0 against a series (printed; 1e-5 g at the wall, of second order in the elements),
+volume and energy (in the table). For n² = 2, `--nodes 160 --end 3.3` agrees with potential_flow_front.csv, which
+another program of this method made, within 0.16 % in Z and 1e-5 in H. For n² = 1 half the time step (`strain`)
+changes Z by at most 0.01 %.
+
 Units in the code: a = g = 1, and z = x + iy.
 """
 
@@ -122,8 +127,8 @@ SMALLEST = 0.05  # element, over the largest; with 0.01 the tip runs ahead early
 
 
 class Spacing:
-    """Distance of neighbouring nodes: the same everywhere, except that it becomes smaller towards the toe and the
-    edge. `nodes`: their number on the column of this n²."""
+    """Length of the elements: the same everywhere, except that it becomes smaller towards the toe and the edge.
+    `nodes`: how many elements the column with this n² has."""
 
     def __init__(self, nodes, n2):
         self.largest = 1
@@ -165,7 +170,8 @@ def column(n2, spacing):
 
 
 def volume_and_energy(z, phi, edge):
-    """∮ x dy and ½ ∮ φ dψ + ½ ∮ 2 x y dy, by Gauss's rule with three points on the splines."""
+    """∫ x dy and ½ ∫ φ dψ + ∫ x y dy over the free surface (wall and floor contribute nothing), by Gauss's rule with
+    three points on the splines."""
     psi = stream_function(z, phi)
     total = np.zeros(2)
     for side in sides(edge, len(z)):
