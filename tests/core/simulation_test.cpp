@@ -583,5 +583,21 @@ TEST(Gravity, RejectsAnAccelerationThatIsNotFinite) {
   EXPECT_TRUE(refuses([] { Gravity<3>({0, 0, inf}); }, {"Gravity: acceleration", "inf"}));
 }
 
+// Adds no forces; its interaction range is negative.
+struct Repelled {
+  template <class P>
+  double reach(const P&) const {
+    return -1;
+  }
+  template <class P, class S>
+  void accelerate(P&, S&, double) const {}
+};
+
+TEST(Simulation, RejectsANegativeInteractionRange) {
+  EXPECT_TRUE(refuses(
+      [] { Simulation(one_grain<2>({0, 0}, {0, 0}), UniformGrid<2>{}, Repelled{}, Leapfrog{}); },
+      {"Simulation: interaction range = -1"}));
+}
+
 }  // namespace
 }  // namespace silt::test::simulation_test

@@ -405,5 +405,12 @@ TEST(Bonds, ThrowForInvalidPairs) {
                       {"shear_strength = -1"}));
 }
 
+TEST(Bonds, ThrowForAPairAtOnePoint) {
+  auto grains = dem::make_grains(std::vector<Vec<2>>{{0, 0}, {0, 0}}, pebble);
+  dem::Bonds<2> bonds{dem::ParallelBond{.normal_stiffness = 1e9, .tangential_stiffness = 1e9}};
+  EXPECT_TRUE(refuses([&] { bonds.bond(grains, {.one = 0, .other = 1}); },
+                      {"dem::Bonds: distance of the grains 0 and 1 = 0"}));
+}
+
 }  // namespace
 }  // namespace silt::test::bonds_test

@@ -2,7 +2,9 @@
 // The list of contacts is rebuilt when it has to be, and only from an updated search.
 #include <silt/dem.hpp>
 
+#include "support/check.hpp"
 #include "support/grains.hpp"
+#include "support/reads_these.hpp"
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -211,6 +213,23 @@ TEST(ContactList, IsRebuiltForDisplacementsAfterRounding) {
     }
   }
   EXPECT_EQ(contacts, 1u);
+}
+
+TEST(ContactList, OfOtherGrainsIsRejectedInACheckpoint) {
+  const Vec<2> zero(0, 0);
+  dem::detail::SavedList<2, double> list;
+  ReadsThese archive({{"is_known", true},
+                      {"first", std::vector<Id>{0}},
+                      {"second", std::vector<Id>{1}},
+                      {"since", std::vector<Vec<2>>{zero}},
+                      {"margin", 0.1},
+                      {"time", 0.0},
+                      {"extent_lower", zero},
+                      {"extent_upper", zero},
+                      {"stable_time_step", 1.0}});
+  list.transfer(archive);
+  EXPECT_TRUE(refuses([&] { list.check(two_grains<2>(0.01, {0, 0})); },
+                      {"dem::Contacts: the list has 1 positions for 2 grains"}));
 }
 
 }  // namespace

@@ -320,5 +320,12 @@ TEST(Law, ThrowsForAComponentOutOfRange) {
                       {"DmtAdhesion: surface_energy = -1"}));
 }
 
+TEST(Materials, RejectDashpotsThatCannotBeMixed) {
+  const dem::CundallStrack by_restitution{.normal_stiffness = 1e5, .restitution = 0.5};
+  const dem::CundallStrack by_beta{.normal_stiffness = 1e5, .beta = 1e-5};
+  EXPECT_TRUE(refuses([&] { dem::Materials{by_restitution, by_beta}; },
+                      {"CundallStrack: one material has restitution = 0.5, the other beta"}));
+}
+
 }  // namespace
 }  // namespace silt::test::laws_test

@@ -229,5 +229,11 @@ TEST(MeshWall, ThrowsForInvalidTriangles) {
                       {"MeshSettings: flat_angle"}));
 }
 
+TEST(MeshWall, NamesATriangleWithoutAFirstCorner) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const Triangle<> triangle{{Vec<3>{nan, 0, 0}, {1, 0, 0}, {0, 1, 0}}};
+  EXPECT_TRUE(refuses([&] { MeshWall<>({triangle}); }, {"triangle 0", "nan"}));
+}
+
 }  // namespace
 }  // namespace silt::test::mesh_wall_test

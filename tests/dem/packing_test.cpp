@@ -4,11 +4,13 @@
 #include <silt/dem/setup/settling.hpp>
 
 #include "support/check.hpp"
+#include "support/grains.hpp"
 #include "support/points.hpp"
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace silt::test::packing_test {
 namespace {
@@ -180,6 +182,21 @@ TEST(Settling, NeedsASpeedBelowTheLimit) {
   dem::Settling higher = rest;
   higher.speed = std::nextafter(0.5, 1);
   EXPECT_NEAR(dem::settle(sim, higher), 0.01, 1e-12) << "at the first check";
+}
+
+TEST(Packing, ThrowsForExistingGrainsThatAreInvalid) {
+  const auto place_beside = [](auto field, auto value) {
+    auto grains = one_grain<2>({0.5, 0.5}, {0, 0});
+    grains[field][0] = value;
+    const Box<2> region{.lower = {0, 0}, .upper = {1, 1}};
+    const dem::Blend<dem::EqualSizes> blend{.sizes = {0.01}, .density = 2500};
+    dem::scatter(grains, blend, region, {.number = 1});
+  };
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_TRUE(refuses([&] { place_beside(position, Vec<2>(nan, 0)); },
+                      {"dem: position of an existing grain"}));
+  EXPECT_TRUE(refuses([&] { place_beside(radius, 0.0); },
+                      {"dem: radius of an existing grain = 0"}));
 }
 
 }  // namespace

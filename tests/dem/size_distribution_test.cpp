@@ -81,5 +81,11 @@ TEST(SizeDistribution, ThrowsForInvalidParameters) {
       {"SieveSizes: power = 1"}));
 }
 
+TEST(SizeDistribution, ThrowsForSievesWithCountlessGrains) {
+  EXPECT_TRUE(refuses(
+      [] { dem::SieveSizes({{.min_radius = 1e-75, .max_radius = 2e-75, .mass = 1e100}}); },
+      {"SieveSizes: number of grains for these masses"}));
+}
+
 }  // namespace
 }  // namespace silt::test::size_distribution_test

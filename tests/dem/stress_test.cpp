@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 
 namespace silt::test::stress_test {
 namespace {
@@ -132,6 +133,15 @@ TEST(Coordination, ExcludesGrainsWithoutLoad) {
   EXPECT_EQ(number.mean, (2 + 3 + 1) / 4.0);
   EXPECT_EQ(number.mechanical, (2 + 3) / 2.0);
   EXPECT_EQ(number.rattlers, 0.5);
+}
+
+TEST(Stress, ThrowsForARegionWithoutEnd) {
+  const auto grains = two_grains<2>(0.01, {0, 0});
+  const auto contacts =
+      for_particles(dem::Contacts{dem::CundallStrack{.normal_stiffness = 1e5}}, grains);
+  const Box<2> region{.lower = {0, 0}, .upper = {1, std::numeric_limits<double>::infinity()}};
+  EXPECT_TRUE(refuses([&] { dem::stress(grains, contacts, region); },
+                      {"dem::stress: upper side of the region"}));
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 
 #include "support/check.hpp"
 #include "support/file_test.hpp"
+#include "support/reads_these.hpp"
 
 #include <gtest/gtest.h>
 
@@ -12,6 +13,7 @@
 #endif
 
 #include <cmath>
+#include <cstdint>
 #include <filesystem>
 #include <limits>
 #include <numbers>
@@ -115,6 +117,20 @@ TEST_F(Csv, AMissingFileOrAFolderIsRejected) {
 TEST_F(Csv, AMissingColumnIsReportedWithTheExistingOnes) {
   write("t,x\n");
   EXPECT_TRUE(test::refuses([this] { read_csv(path)["y"]; }, {"no column y; it has t, x"}));
+}
+
+TEST_F(Csv, ATableThatIsNoLongerThereIsReported) {
+  CsvFile table(path, {"a"});
+  table.row({1});
+  const auto read = [&] {
+    ReadsThese archive({{"size", std::uint64_t(std::filesystem::file_size(path))}});
+    table.transfer(archive);
+  };
+  read();
+  std::filesystem::resize_file(path, 2);
+  EXPECT_TRUE(refuses([&] { table.row({2}); }, {"CsvFile", "has 2 bytes, but had 4"}));
+  std::filesystem::remove(path);
+  EXPECT_TRUE(refuses([&] { table.row({2}); }, {"CsvFile: cannot write"}));
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "support/check.hpp"
 #include "support/grains.hpp"
+#include "support/reads_these.hpp"
 
 #include <silt/measure/profiles.hpp>
 
@@ -11,6 +12,7 @@
 #include <numeric>
 #include <random>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace silt::test::profiles_test {
@@ -146,6 +148,24 @@ TEST(Profiles, RejectSlicesWithoutVolume) {
                       {"Slices: count"}));
   EXPECT_TRUE(refuses([] { Profiles<2>({.lower = 0, .upper = 1, .count = 1}); },
                       {"Slices: cross_section"}));
+}
+
+TEST(Profiles, RejectSamplesOfOthersFromACheckpoint) {
+  Profiles<2> profiles({.lower = 0, .upper = 1, .count = 2, .cross_section = 1});
+  EXPECT_TRUE(refuses([&] { profiles.rows(); }, {"Profiles: there are 0 samples"}));
+
+  const auto read = [](std::vector<double> current, Index in_current) {
+    BlockSums sums(2);
+    ReadsThese archive({{"blocks", std::vector<double>{}},
+                        {"current", std::move(current)},
+                        {"in_current", in_current},
+                        {"block_length", Index(4)},
+                        {"samples", in_current}});
+    sums.transfer(archive);
+  };
+  read({1, 2}, 3);
+  EXPECT_TRUE(refuses([&] { read({1}, 3); }, {"BlockSums", "samples of 1 values, not 2"}));
+  EXPECT_TRUE(refuses([&] { read({1, 2}, 4); }, {"BlockSums: in_current = 4 is not below"}));
 }
 
 }  // namespace

@@ -1,17 +1,25 @@
 // SPDX-License-Identifier: MIT
-// A few steps of grains and of water: prints energies [J] with all digits. Exits with 2 if Silt
-// refuses the compiler's options.
+// A few steps of grains and of water: prints the kinetic energies [J] with all digits, then hashes
+// of all bits of the states. Exits with 2 if Silt refuses the compiler's options.
 #include <silt/dem.hpp>
 #include <silt/mps.hpp>
 
+#include "hash.hpp"
+
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 
 namespace {
 
 using namespace silt;
 
-double energy_of_grains() {
+struct Result {
+  double energy;  // [J]
+  std::uint64_t hash;
+};
+
+Result grains_at_end() {
   auto grains = dem::make_grains(lattice<2>({{0, 0}, {0.4, 0.4}}, 0.0199),
                                  {.radius = 0.01, .density = 2500});
   for (Index i = 0; i < grains.size(); ++i) {
@@ -24,10 +32,10 @@ double energy_of_grains() {
                                .friction_angle = 0.4};
   Simulation bed{grains, NeighbourList<2>{}, dem::Contacts{law}, Leapfrog{}};
   for (int step = 0; step < 200; ++step) bed.step(1e-5);
-  return kinetic_energy(bed.snapshot());
+  return {kinetic_energy(bed.snapshot()), portability::hash_of(bed)};
 }
 
-double energy_of_water() {
+Result water_at_end() {
   constexpr double spacing = 0.02;
   const auto tank = mps::make_tank<2>(
       {.column = {0.2, 0.4}, .size = {.length = 0.8, .height = 0.6}, .spacing = spacing});
@@ -36,13 +44,16 @@ double energy_of_water() {
       ConjugateGradient<>({.tolerance = 1e-12})};
   Simulation dam{tank, UniformGrid<2>{}, water, SemiImplicit<>{}};
   for (int step = 0; step < 20; ++step) dam.step(1e-3);
-  return dam.interaction().energy().kinetic;
+  return {dam.interaction().energy().kinetic, portability::hash_of(dam)};
 }
 
 }  // namespace
 
 int main() try {
-  std::printf("%.17g %.17g\n", energy_of_grains(), energy_of_water());
+  const Result grains = grains_at_end(), water = water_at_end();
+  std::printf("%.17g %.17g %016llx %016llx\n", grains.energy, water.energy,
+              static_cast<unsigned long long>(grains.hash),
+              static_cast<unsigned long long>(water.hash));
 } catch (const Error& error) {
   std::printf("%s\n", error.what());
   return 2;

@@ -6,11 +6,11 @@
 #include <silt/dem.hpp>
 #include <silt/mps.hpp>
 
+#include "hash.hpp"
+
 #include <cstddef>
-#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
-#include <cstring>
 
 #ifdef __wasm__
 // What Debian's libraries for wasm32 lack: destructors of thread_local objects, which nothing here
@@ -26,38 +26,11 @@ namespace {
 
 using namespace silt;
 
-// FNV-1a, by Fowler, Noll and Vo.
-class Hash {
- public:
-  void add(double number) {
-    unsigned char bytes[sizeof number];
-    std::memcpy(bytes, &number, sizeof number);
-    for (const unsigned char byte : bytes) value_ = (value_ ^ byte) * 0x100000001b3u;
-  }
-  template <int Dim>
-  void add(const Vec<Dim>& vector) {
-    for (int k = 0; k < Dim; ++k) add(vector[k]);
-  }
-  std::uint64_t value() const { return value_; }
-
- private:
-  std::uint64_t value_ = 0xcbf29ce484222325u;
-};
-
 template <class Simulation>
 void run(const char* name, Simulation simulation, int steps) {
   for (int step = 0; step < steps; ++step) simulation.step();
-  const auto particles = simulation.snapshot();
-  Hash hash;
-  hash.add(simulation.time());
-  for (Id id = 0; id < particles.size(); ++id) {
-    const Index i = particles.index_of(id);
-    if (i == no_index) continue;
-    hash.add(particles[position][i]);
-    hash.add(particles[velocity][i]);
-    if constexpr (decltype(particles)::template has<spin_t>) hash.add(particles[spin][i]);
-  }
-  std::printf("%s %016llx\n", name, static_cast<unsigned long long>(hash.value()));
+  std::printf("%s %016llx\n", name,
+              static_cast<unsigned long long>(portability::hash_of(simulation)));
 }
 
 // Discs in a square pattern that one disc falls on, beside a paddle that turns.

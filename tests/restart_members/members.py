@@ -91,7 +91,7 @@ NOT_STORED = {
                     "revision_": NUMBER},
     "Neighbourhood": {**all_of(ANEW, "positions_ rows_ sets_ density_"), "revision_": NUMBER},
     "BodyForce": {"gravity_": GIVEN, "forces_": ANEW},
-    "PressureBoundary": all_of(ANEW, "has_pressure_ is_near_"),
+    "PressureBoundary": all_of(ANEW, "has_pressure_ near_boundary_"),
     "ErrorCompensatingSource": {"last_rate_": ANEW},
     "PressureEquation": {**all_of(ANEW, "system_ unknowns_ row_of_ last_column_ is_open_ front_"),
                          "solution_": "begins with the pressures of the particles"},

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
 // Every search, in every dimension and precision, finds the same pairs as a double loop.
 #include "support/check.hpp"
+#include "support/grains.hpp"
 #include "support/points.hpp"
 
 #include <silt/search/brute_force.hpp>
+#include <silt/search/level_grid.hpp>
 #include <silt/search/neighbour_list.hpp>
 #include <silt/search/uniform_grid.hpp>
 
@@ -312,6 +314,15 @@ TYPED_TEST(AllSearches, ReportTheParticleWhosePositionIsNotFinite) {
           << periodic << " " << double(wrong);
     }
   }
+}
+
+TEST(SearchRadius, IsCheckedWhenItIsUsed) {
+  auto grains = crowd<2, double>(70, 1);
+  EXPECT_TRUE(refuses([&] { UniformGrid<2>().sort(grains); }, {"UniformGrid: radius = 0"}));
+  EXPECT_TRUE(refuses([&] { NeighbourList<2>().sort(grains); }, {"NeighbourList: radius = 0"}));
+  EXPECT_TRUE(refuses([&] { LevelGrid<2>().sort(grains); }, {"LevelGrid: radius = 0"}));
+  EXPECT_TRUE(refuses([&] { LevelGrid<2>().update(grains); }, {"LevelGrid: radius = 0"}));
+  EXPECT_TRUE(refuses([] { LevelGrid<2>().set_radius(-1); }, {"LevelGrid: radius = -1"}));
 }
 
 }  // namespace

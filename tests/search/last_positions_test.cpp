@@ -1,9 +1,15 @@
 // SPDX-License-Identifier: MIT
 // The positions of the last update of a search, of owned particles and ghosts.
 #include <silt/core/particles.hpp>
+#include <silt/core/transfer.hpp>
 #include <silt/search/last_positions.hpp>
 
+#include "support/check.hpp"
+#include "support/reads_these.hpp"
 #include <gtest/gtest.h>
+
+#include <limits>
+#include <vector>
 
 namespace silt::test::last_positions_test {
 namespace {
@@ -61,6 +67,21 @@ TEST(LastPositions, AreRolledBackWithTheirParticles) {
   positions.restore();
   expect_positions(positions, before);
   EXPECT_TRUE(positions.belong_to(points));
+}
+
+TEST(LastPositions, RejectInvalidOnesFromACheckpoint) {
+  Points particles;
+  particles.add({0, 0});
+  particles.add({1, 0});
+  const std::vector<Vec<2>> x{{0, 0}, {std::numeric_limits<double>::quiet_NaN(), 0}};
+  EXPECT_TRUE(refuses([&] { at_positions(particles, x, [] { ADD_FAILURE(); }); },
+                      {"search: position of the last update", "nan"}));
+  ReadsThese archive({{"is_known", false}, {"positions", std::vector<Vec<2>>{{0, 0}, {1, 0}}}});
+  const auto read = [&] {
+    transfer_update(
+        archive, particles, true, [](Index) { return Vec<2>(0, 0); }, [] { ADD_FAILURE(); });
+  };
+  EXPECT_TRUE(refuses(read, {"search: is_known = 0, but there are 2 positions"}));
 }
 
 }  // namespace

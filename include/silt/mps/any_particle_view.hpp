@@ -7,6 +7,7 @@
 #include <silt/mps/fluid.hpp>
 #include <silt/mps/kernel.hpp>
 #include <silt/mps/neighbour.hpp>
+#include <silt/mps/neighbourhood.hpp>
 #include <silt/mps/operators.hpp>
 
 #include <span>
@@ -22,6 +23,7 @@ struct AnyParticleView {
   using Velocities = std::span<const Vec>;
   using Kinds = std::span<const Kind>;
 
+  const Fluid<Dim>& particles() const;
   Index index() const;
   Kind kind() const;
   Vec velocity() const;
@@ -39,10 +41,17 @@ struct AnyParticleView {
   Velocities velocities() const;
   const Stencil<Dim, Real, CubicKernel>& stencil() const;
   const Stencil<Dim, Real, CubicKernel>& laplacian_stencil() const;
+  const Neighbourhood<Dim, Real>& neighbourhood() const;
   template <class F>
   void for_each(F&& f) const;
   template <class F>
   void for_each_in_laplacian(F&& f) const;
+  template <class F>
+  bool any(F&& is) const;
+  template <class U>
+  auto values_of(const U&) const {
+    return [](auto&& f) { f(Vec(), Vec(), Real(), Real()); };
+  }
 
   double divergence() const;
   template <class U>
@@ -52,6 +61,7 @@ struct AnyParticleView {
   Vec laplacian(const U& u) const;
   template <class G>
   Vec pressure_gradient(const G& gradient) const;
+  double rise_of_images() const;
   Vec concentration_gradient() const;
   Real max_relative_speed() const;
   bool has_pressure(const Neighbour<Dim, Real>& neighbour) const;

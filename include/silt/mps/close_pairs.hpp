@@ -27,7 +27,8 @@ struct CloseRange {
 };
 
 /// The pairs of one particle that are closer than the reach of the collisions of a flow, with the
-/// velocities before all of them. Refers to its arguments; velocities of ghosts must be up to date.
+/// velocities before all of them. Refers to its arguments: valid during the call that it is given to.
+/// Velocities of ghosts must be up to date.
 template <class Operators, FluidParticles P>
 class ClosePairs {
  public:

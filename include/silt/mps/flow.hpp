@@ -99,7 +99,11 @@ class BasicFlow {
     particles.refresh_ghosts(velocity);
     force_.find(particles, settings_.body_force, time_);
     const auto step = view(particles, time_step);
-    if constexpr (requires { source_.begin(step); }) source_.begin(step);
+    if constexpr (BeginsSteps<SourceOf<Scheme>>) {
+      static_assert(requires { source_.begin(step); },
+                    "mps: begin() of the source cannot be called with a const StepView");
+      source_.begin(step);
+    }
     const Real dt = Real(time_step);
     const Real nu = Real(settings_.viscosity);
     const auto u = particles.with_ghosts(velocity);

@@ -6,6 +6,7 @@
 #include <silt/core/types.hpp>
 #include <silt/mps/flow_settings.hpp>
 #include <silt/mps/fluid.hpp>
+#include <silt/mps/laplacian.hpp>
 #include <silt/mps/neighbour.hpp>
 #include <silt/mps/neighbourhood.hpp>
 #include <silt/mps/operators.hpp>
@@ -169,13 +170,19 @@ class FlowOperators {
   template <class T, class F>
   void for_each_image_in([[maybe_unused]] const T& stencil, [[maybe_unused]] Index i,
                          [[maybe_unused]] F&& f) const {
-    if constexpr (AddsImages<Walls>) walls_.for_each_image(i, stencil, f);
+    if constexpr (AddsImages<Walls>) {
+      static_assert(requires { walls_.for_each_image(i, stencil, f); },
+                    "mps: for_each_image() of const walls cannot be called with a particle, a "
+                    "stencil and a function");
+      walls_.for_each_image(i, stencil, f);
+    }
   }
-  // The Laplacian has the weights and radius of the other operators. Weights of one type with equal
-  // sums differ in no number.
+  static constexpr bool has_same_weights =
+      std::is_same_v<LaplacianOf<Scheme>, KernelLaplacian> ||
+      (std::is_same_v<Kernel, LaplacianKernel> && std::is_empty_v<Kernel>);
+  // The Laplacian has the weights and the radius of the other operators.
   bool shares_neighbourhood() const noexcept {
-    return std::is_same_v<Stencil, LaplacianStencil> && stencil_.re == laplacian_stencil_.re &&
-           stencil_.n0 == laplacian_stencil_.n0 && stencil_.lambda == laplacian_stencil_.lambda;
+    return has_same_weights && stencil_.re == laplacian_stencil_.re;
   }
 
   Stencil stencil_;

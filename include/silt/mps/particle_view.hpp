@@ -18,7 +18,8 @@ namespace silt::mps {
 template <class Scheme, FluidParticles P>
 class ParticleView;
 
-/// The parts of a flow that the views of its particles refer to.
+/// The parts of a flow that the views of its particles refer to. Valid during the call that it is
+/// given to.
 template <class Scheme, FluidParticles P>
 struct StepView {
   static constexpr int Dim = P::dimension;
@@ -35,7 +36,8 @@ struct StepView {
 };
 
 /// A particle with its neighbours, and with the state of the flow. Where the flow has a pressure is
-/// known after the free surface has been found: to the source and to shifting.
+/// known after the free surface has been found: to the source and to shifting. Valid during the call
+/// that it is given to.
 template <class Scheme, FluidParticles P>
 class ParticleView
     : public NeighbourView<FlowOperators<Scheme, P::dimension, typename P::Real>, P> {
@@ -83,13 +85,14 @@ class ParticleView
       });
     });
   }
-  /// 2d/(λ n0) Σ w (P_image − P_j) over the images of the particles j [Pa/m²]: the part of the
-  /// Laplacian of the pressure that is known.
+  /// 2d/(λ n0) Σ w (P_image − P_j) over the images of the particles j with pressure [Pa/m²]: the
+  /// part of the Laplacian of the pressure that is known.
   double rise_of_images() const {
     const auto& laplacian = this->laplacian_stencil();
     Real sum = 0;
-    step_.operators.for_each_image_in_laplacian(
-        this->index(), [&](const auto& image) { sum += image.weight * image.rise(weight()); });
+    step_.operators.for_each_image_in_laplacian(this->index(), [&](const auto& image) {
+      if (has_pressure(image)) sum += image.weight * image.rise(weight());
+    });
     return double(2 * Dim / (laplacian.lambda * laplacian.n0) * sum);
   }
   /// l0/n0 Σ w r_ij/r² [-], in the direction of increasing particle concentration.
@@ -118,7 +121,7 @@ class ParticleView
   }
   /// The particle or a neighbour lies on the free surface, or a neighbour has no pressure; n is
   /// then not comparable with n0.
-  bool near_boundary() const { return step_.boundary.is_near(*this); }
+  bool near_boundary() const { return step_.boundary.near_boundary(*this); }
 
  private:
   const StepView<Scheme, P>& step_;

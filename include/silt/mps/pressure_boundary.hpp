@@ -28,7 +28,7 @@ class PressureBoundary {
     const auto n = particles[number_density];
     const auto on_surface = particles[surface];
     has_pressure_.resize(particles.size());
-    is_near_.assign(particles.size(), Near::unknown);
+    near_boundary_.assign(particles.size(), Answer::unknown);
     for_each(particles.size(), [&](Index i) {
       const NeighbourView at(particles, operators, i);
       n[i] = operators.density(i);
@@ -46,25 +46,25 @@ class PressureBoundary {
   /// Whether the particle of a view or a neighbour lies on the free surface, or a neighbour has no
   /// pressure. Found when it is asked for, as most schemes do not ask; the answer is kept.
   template <class View>
-  bool is_near(const View& at) const {
-    if (at.index() >= is_near_.size()) {
+  bool near_boundary(const View& at) const {
+    if (at.index() >= near_boundary_.size()) {
       fail("mps: near_boundary() is not known before the free surface was found; do not use it in "
            "begin()");
     }
-    Near& near = is_near_[at.index()];
-    if (near == Near::unknown) {
+    Answer& answer = near_boundary_[at.index()];
+    if (answer == Answer::unknown) {
       const auto on_surface = at.particles()[surface];
       const auto is_boundary = [&](const auto& j) {
         const Index owner = at.owner(j);
         return on_surface[owner] || !has_pressure_[owner];
       };
-      near = on_surface[at.index()] || at.any(is_boundary) ? Near::yes : Near::no;
+      answer = on_surface[at.index()] || at.any(is_boundary) ? Answer::yes : Answer::no;
     }
-    return near == Near::yes;
+    return answer == Answer::yes;
   }
 
  private:
-  enum class Near : std::uint8_t { unknown, no, yes };
+  enum class Answer : std::uint8_t { unknown, no, yes };
 
   template <class Operators, class P>
   static bool is_on_surface(const SurfaceOf<Scheme>& criterion,
@@ -82,7 +82,7 @@ class PressureBoundary {
   }
 
   std::vector<std::uint8_t> has_pressure_;
-  mutable std::vector<Near> is_near_;  // each written only by the evaluation of its particle
+  mutable std::vector<Answer> near_boundary_;  // each written only by the evaluation of its particle
 };
 
 }  // namespace silt::mps

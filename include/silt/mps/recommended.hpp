@@ -13,7 +13,7 @@
 #include <silt/mps/shifting.hpp>
 #include <silt/mps/smooth_walls.hpp>
 
-#include <type_traits>
+#include <concepts>
 
 namespace silt::mps {
 
@@ -33,10 +33,10 @@ struct Recommended {
 /// KeepApart nor ParticleShifting are returned unchanged.
 template <int Dim, class Scheme>
 FlowSettings<Dim, Scheme> without_free_surface(FlowSettings<Dim, Scheme> settings) {
-  if constexpr (std::is_same_v<CollisionOf<Scheme>, KeepApart>) {
+  if constexpr (std::derived_from<CollisionOf<Scheme>, KeepApart>) {
     settings.collision.distance = 0.8;
   }
-  if constexpr (std::is_same_v<ShiftingOf<Scheme>, ParticleShifting>) {
+  if constexpr (std::derived_from<ShiftingOf<Scheme>, ParticleShifting>) {
     settings.shifting.strength = 10;
   }
   return settings;

@@ -19,6 +19,7 @@
 
 #include <concepts>
 #include <cstddef>
+#include <tuple>
 #include <type_traits>
 #include <utility>
 
@@ -67,23 +68,24 @@ inline constexpr bool is_member_of = false;
 template <class S, class Member>
 inline constexpr bool is_member_of<S, Member S::*> = true;
 
-// Number of policies that S declares itself. A pointer to an inherited member is one of the base.
 template <class S>
-constexpr std::size_t count_own_policies() {
-  const auto count = []<class Pointer>(Pointer) -> std::size_t {
-    return is_member_of<S, Pointer> ? 1 : 0;
-  };
-  return count(&S::source) + count(&S::collision) + count(&S::kernel) + count(&S::surface) +
-         count(&S::gradient) + count(&S::walls) + count(&S::shifting) + count(&S::laplacian);
+constexpr auto policies_of() {
+  return std::tuple(&S::source, &S::collision, &S::kernel, &S::surface, &S::gradient, &S::walls,
+                    &S::shifting, &S::laplacian);
 }
 
-// Whether a member has another name than the policies: it would have no effect. Without a base
-// class, a scheme that has all policies may have further members.
+// Whether a member has another name than the policies: it would have no effect. A scheme that
+// declares all policies itself has no misspelt one, and may have further members.
 template <class S>
 constexpr bool has_unknown_member() {
   if constexpr (std::is_aggregate_v<S>) {
-    constexpr std::size_t own = count_own_policies<S>();
-    return own < 8 && count_elements<S>() > own + 1;
+    // A pointer to an inherited member is one of the base.
+    const auto count = []<class... Pointer>(Pointer...) {
+      return (std::size_t(is_member_of<S, Pointer>) + ...);
+    };
+    constexpr std::size_t own = std::apply(count, policies_of<S>());
+    constexpr std::size_t all = std::tuple_size_v<decltype(policies_of<S>())>;
+    return own < all && count_elements<S>() > own + 1;
   } else {
     return false;
   }

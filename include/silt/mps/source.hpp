@@ -10,9 +10,24 @@
 
 namespace silt::mps {
 
+namespace detail {
+
+struct HasBegin {
+  int begin;
+};
+template <class S>
+struct BothBegin : S, HasBegin {};
+
+}  // namespace detail
+
+/// Whether a source has a member function begin(step), which may be a template.
+template <class S>
+concept BeginsSteps = !requires { &detail::BothBegin<S>::begin; };  // as it is ambiguous
+
 /// value(at) returns ∇²P [Pa/m²] at a particle, from its ParticleView; needs_moved_particles
 /// selects n*, of the particles moved with u*. Optionally, begin(step) is called before the
-/// predictor with a StepView, so that the source may keep what is lost during the step.
+/// predictor with a StepView, so that the source may keep what is lost during the step. What it
+/// keeps is neither restored after a throw nor saved in a checkpoint: begin() has to set all of it.
 template <class S>
 concept PressureSource = requires(const S source, const detail::AnyParticleView<2>& in_2d,
                                   const detail::AnyParticleView<3>& in_3d) {

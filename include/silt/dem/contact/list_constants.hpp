@@ -111,8 +111,8 @@ class UnnoticedChanges {
       if (before == now) return;
       fail(std::string("dem::Contacts: ") + name + " changed from " + to_text(double(before)) +
                " to " + to_text(double(now)) + unit +
-               " through a view that was obtained before the last step; obtain it again after "
-               "every step, by simulation.particles()[" + name + "]",
+               " through a view that was obtained too early, before a step that has been made "
+               "since; obtain it again after every step, by simulation.particles()[" + name + "]",
            {.particle = i, .id = grains.id(i)});
     };
     const P& now = grains;

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: MIT
+// A hash of every bit of a simulation's state.
+#pragma once
+
+#include <silt/core/particles.hpp>
+#include <silt/core/types.hpp>
+
+#include <cstdint>
+#include <cstring>
+
+namespace silt::portability {
+
+// FNV-1a, by Fowler, Noll and Vo.
+class Hash {
+ public:
+  void add(double number) {
+    unsigned char bytes[sizeof number];
+    std::memcpy(bytes, &number, sizeof number);
+    for (const unsigned char byte : bytes) value_ = (value_ ^ byte) * 0x100000001b3u;
+  }
+  template <int Dim>
+  void add(const Vec<Dim>& vector) {
+    for (int k = 0; k < Dim; ++k) add(vector[k]);
+  }
+  std::uint64_t value() const { return value_; }
+
+ private:
+  std::uint64_t value_ = 0xcbf29ce484222325u;
+};
+
+// Time, positions, velocities and spins, in the order of the ids.
+template <class Simulation>
+std::uint64_t hash_of(const Simulation& simulation) {
+  const auto particles = simulation.snapshot();
+  Hash hash;
+  hash.add(simulation.time());
+  for (Id id = 0; id < particles.size(); ++id) {
+    const Index i = particles.index_of(id);
+    if (i == no_index) continue;
+    hash.add(particles[position][i]);
+    hash.add(particles[velocity][i]);
+    if constexpr (decltype(particles)::template has<spin_t>) hash.add(particles[spin][i]);
+  }
+  return hash.value();
+}
+
+}  // namespace silt::portability
