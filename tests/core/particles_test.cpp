@@ -35,6 +35,17 @@ TYPED_TEST(AllParticles, AreAddedWithAPositionAndZeros) {
   EXPECT_EQ(particles[colour][0], (std::array<unsigned char, 3>{}));
 }
 
+TYPED_TEST(AllParticles, StayInTheirMemoryWhenItIsReserved) {
+  TypeParam particles;
+  particles.reserve(1000);
+  particles.add(TypeParam::Vec::Zero());
+  const auto* const first = &particles[temperature][0];
+  const auto* const velocity_of_first = &particles[velocity][0];
+  while (particles.size() < 1000) particles.add(TypeParam::Vec::Zero());
+  EXPECT_EQ(&particles[temperature][0], first);
+  EXPECT_EQ(&particles[velocity][0], velocity_of_first);
+}
+
 // Particle k at (k, k, …).
 template <class P>
 P five_in_a_row() {

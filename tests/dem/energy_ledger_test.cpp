@@ -129,6 +129,7 @@ TEST(EnergyLedger, HasTheEnergyLostInABounce) {
     ledger.after_step(sim);
   }
   EXPECT_EQ(sim.interaction().part<1>().size(), 0u) << "the contact has ended";
+  EXPECT_NEAR(ledger.time(), sim.time() - 1e-6, 1e-12) << "that of the state before the last step";
   EXPECT_NEAR(ledger.initial_energies().sum(), m / 2, 1e-12);
   EXPECT_NEAR(-ledger.work().normal_dashpot, m / 2 * (1 - e * e), 1e-3 * m);
   EXPECT_NEAR(ledger.work().normal_spring, 0, 1e-5 * m);

@@ -153,6 +153,20 @@ TEST(ImagesOfWalls, CompleteTheDensityOfTheLattice) {
   expect_full_density_at_the_floor<3>();
 }
 
+// Images count as neighbours: only the upper rows are on the surface.
+TEST(ImagesOfWalls, AreCountedAsNeighbours) {
+  struct ByCount : OnFloor {
+    mps::CountSurface surface{.beta = 0.9};
+  };
+  Simulation sim{layer<2>(), UniformGrid<2>{},
+                 mps::Flow<ByCount>{{.spacing = l0, .speed_scale = 1.4}}, SemiImplicit<>{}};
+  sim.step();
+  for (Index i = 0; i < sim.particles().size(); ++i) {
+    const bool is_high = sim.particles()[position][i][1] > (rows - 2) * l0;
+    if (!is_high) EXPECT_FALSE(sim.particles()[mps::surface][i]);
+  }
+}
+
 template <int Dim>
 void expect_rest() {
   auto sim = at_rest<Dim>();

@@ -61,6 +61,22 @@ class ClosePairs {
             j);
         });
   }
+  /// f(pair, j) for the images of particles j that walls add to the neighbours.
+  template <class F>
+  void for_each_image(F&& f) const {
+    const auto u = particles_.with_ghosts(velocity);
+    operators_.for_each_image(index_, [&](const auto& image) {
+      const Real r = image.r_ij.norm();
+      if (!(r < range_.reach)) return;
+      f(Pair{.r_ij = image.r_ij,
+             .r = r,
+             .u_ij = image.velocity(u) - u[index_],
+             .wall = false,
+             .spacing = operators_.stencil().spacing,
+             .time_step = range_.time_step},
+        image.index);
+    });
+  }
 
  private:
   const P& particles_;

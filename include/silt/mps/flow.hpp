@@ -21,6 +21,7 @@
 #include <silt/mps/step_changes.hpp>
 #include <silt/mps/time_step.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 #include <vector>
@@ -160,8 +161,18 @@ class BasicFlow {
     if (settings_.clip_negative_pressure) clip_negative_pressure(particles);
     particles.refresh_ghosts(pressure);
     const Real factor = -Real(time_step) / Real(settings_.density);
+    const auto u = particles.with_ghosts(velocity);
+    const auto on_surface = particles[surface];
+    // ∂P/∂n = (ρ/Δt) u*·n at walls stops the flow towards them. Particles on the free surface are
+    // held, but neither stopped before they arrive nor drawn.
+    const auto rise_of = [&](const auto& image) -> Real {
+      const Index j = particles.owner(image.index);
+      if (!on_surface[j]) return image.rise(Vec(u[image.index] / -factor));
+      return std::max(Real(0), image.rise(Vec(Real(settings_.density) * force_[j])));
+    };
     find_changes(particles, changes_.pressure, [&](Index i) -> Vec {
-      return factor * step.at(i).pressure_gradient(settings_.gradient);
+      const Vec change = factor * step.at(i).pressure_gradient(settings_.gradient, rise_of);
+      return before_walls(i, u[i], change, time_step);
     });
     return report_;
   }
@@ -173,8 +184,9 @@ class BasicFlow {
     if constexpr (Displaces<ShiftingOf<Scheme>>) {
       particles.refresh_ghosts(velocity);
       const auto step = view(particles, time_step);
-      find_changes(particles, changes_.shift,
-                   [&](Index i) -> Vec { return settings_.shifting.displacement(step.at(i)); });
+      find_changes(particles, changes_.shift, [&](Index i) -> Vec {
+        return before_walls(i, settings_.shifting.displacement(step.at(i)));
+      });
       apply_changes(changes_.shift, particles, position);
     }
     const Real dt = Real(time_step);
@@ -186,10 +198,14 @@ class BasicFlow {
     energy_.end(particles, changes_, force_.values(), time_step);
   }
 
-  /// Throws if a particle moved by more than a spacing in the step. Called by Simulation.
+  /// Throws if a particle moved by more than a spacing in the step, or went through a wall that
+  /// hides neighbours. Called by Simulation.
   template <FluidParticles P>
   void check_step(const P& particles, const FinishedStep& step) const {
     time_step_.end(particles, settings_, step);
+    if constexpr (HidesNeighbours<typename Operators::Walls>) {
+      operators_.walls().check_moves(particles);
+    }
   }
 
   void save() noexcept {
@@ -237,6 +253,25 @@ class BasicFlow {
   template <class P>
   [[gnu::noinline]] double source(const StepView<Scheme, P>& step, Index i) const {
     return source_.value(step.at(i)) - step.at(i).rise_of_images();
+  }
+
+  // The part of a move [m] that does not go into a wall.
+  Vec before_walls(Index i, const Vec& move) const {
+    if constexpr (HidesNeighbours<typename Operators::Walls>) {
+      return operators_.walls().before_walls(i, move);
+    } else {
+      return move;
+    }
+  }
+  // The change of the velocity u with which the particle does not move into a wall.
+  Vec before_walls(Index i, const Vec& u, const Vec& change, double time_step) const {
+    if constexpr (HidesNeighbours<typename Operators::Walls>) {
+      const Vec from = needs_moved_particles ? Vec(Vec::Zero()) : u;
+      const Vec move = Real(time_step) * (from + change);
+      return change + (before_walls(i, move) - move) / Real(time_step);
+    } else {
+      return change;
+    }
   }
 
   template <class P>

@@ -70,9 +70,11 @@ class FlowOperators {
   /// Finds the neighbours from the search, and the walls.
   template <FluidParticles P, class S>
   void find(const P& particles, const S& search) {
-    neighbourhood_.find(particles, search, stencil_);
-    if (!shares_neighbourhood()) {
-      laplacian_neighbourhood_.find(particles, search, laplacian_stencil_);
+    if constexpr (HidesNeighbours<Walls>) {
+      walls_.locate(particles, reach());
+      find(particles, search, [&](Index i, Index j) { return walls_.visible_share(i, j); });
+    } else {
+      find(particles, search, AllVisible{});
     }
     walls_.find(particles, *this);
   }
@@ -158,6 +160,13 @@ class FlowOperators {
   }
 
  private:
+  template <class P, class S, class Share>
+  void find(const P& particles, const S& search, const Share& visible_share) {
+    neighbourhood_.find(particles, search, stencil_, visible_share);
+    if (!shares_neighbourhood()) {
+      laplacian_neighbourhood_.find(particles, search, laplacian_stencil_, visible_share);
+    }
+  }
   template <class N, class T, class F>
   [[gnu::always_inline]] inline void for_each_in(const N& neighbourhood, const T& stencil, Index i,
                                                  F&& f) const {

@@ -13,6 +13,7 @@ namespace silt::mps {
 struct LatticeValues {
   double n0 = 0;          ///< number density Σ w, (5) [-]
   double lambda = 0;      ///< Σ w r² / Σ w over l0², (7) [-]
+  double slope = 0;       ///< −1/d Σ w'(r) r, of kernels with a slope [-]
   int neighbours = 0;     ///< N0, the number of neighbours, (17) [-]
 };
 
@@ -34,6 +35,10 @@ LatticeValues lattice_values(double radius, const K& kernel = {}) {
         const double w = kernel.weight(std::sqrt(r2) / radius);
         values.n0 += w;
         second_moment += w * r2;
+        if constexpr (SmoothKernel<K>) {
+          const double q = std::sqrt(r2) / radius;
+          values.slope -= kernel.slope(q) * q / Dim;
+        }
         ++values.neighbours;
       }
     }

@@ -17,9 +17,13 @@
 #include <numeric>
 #include <span>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 namespace silt::mps {
+
+/// All neighbours are visible, with all of their weight.
+struct AllVisible {};
 
 /// The neighbours of fluid and wall particles within one stencil. Weights w, and w/r² for gradient
 /// and divergence, are stored in single precision, which halves the memory traffic; sums are not.
@@ -43,6 +47,12 @@ class Neighbourhood {
   /// weights in single precision.
   template <FluidParticles P, class S, class T>
   void find(const P& particles, const S& search, const T& stencil) {
+    find(particles, search, stencil, AllVisible{});
+  }
+  /// The same with weights times visible_share(i, j), for those neighbours j of i for which this is
+  /// positive.
+  template <FluidParticles P, class S, class T, class Share>
+  void find(const P& particles, const S& search, const T& stencil, const Share& visible_share) {
     const auto x = particles.with_ghosts(position);
     revision_ = 0;  // until all neighbours are found
     positions_.assign(x.begin(), x.end());
@@ -53,7 +63,7 @@ class Neighbourhood {
     const auto has_row = [kinds = particles[kind]](Index i) { return kinds[i] != Kind::dummy; };
     using Indices = std::span<const std::uint32_t>;
     for_each_row(particles, search, has_row, [&](Index set, Index i, Indices js) {
-      if (!add_row(set, i, js, stencil)) refuse_coincident(particles, i, js, stencil);
+      if (!add_row(set, i, js, stencil, visible_share)) refuse_coincident(particles, i, js, stencil);
     });
     revision_ = particles.revision();
   }
@@ -121,6 +131,7 @@ class Neighbourhood {
     std::vector<float> weight_over_square;
     Index used = 0;
     std::vector<Real> square;  // r² of the row being added
+    std::vector<Real> share;   // of its neighbours that is visible
     std::vector<Real> exact;   // its weights before rounding to single precision
 
     // Reserves memory for a row of this length and its padding.
@@ -128,6 +139,7 @@ class Neighbourhood {
       // The arrays compared are the last to grow: they all have, unless an allocation has failed.
       if (length + max_lanes > exact.size()) {
         square.resize(2 * length + max_lanes);
+        share.resize(2 * length + max_lanes);
         exact.resize(2 * length + max_lanes);
       }
       const Index min_size = used + length + max_lanes;
@@ -184,8 +196,9 @@ class Neighbourhood {
   }
 
   // False if a neighbour has the same position as i.
-  template <class T>
-  bool add_row(Index set, Index i, std::span<const std::uint32_t> js, T stencil) {
+  template <class T, class Share>
+  bool add_row(Index set, Index i, std::span<const std::uint32_t> js, T stencil,
+               const Share& visible_share) {
     RowSet& to = sets_[set];
     to.reserve(js.size());
     std::uint32_t* const index = to.index.data() + to.used;
@@ -193,6 +206,7 @@ class Neighbourhood {
     float* const weight_over_square = to.weight_over_square.data() + to.used;
     Real* const square = to.square.data();
     Real* const exact = to.exact.data();
+    [[maybe_unused]] Real* const share = to.share.data();
 
     const Vec x_i = positions_[i];
     const Real re2 = stencil.re * stencil.re;
@@ -207,10 +221,21 @@ class Neighbourhood {
       distinct &= r2 > min_square;
     }
 
+    if constexpr (!std::is_same_v<Share, AllVisible>) {
+      Index seen = 0;
+      for (Index k = 0; k < length; ++k) {
+        share[seen] = visible_share(i, Index(index[k]));
+        index[seen] = index[k];
+        square[seen] = square[k];
+        seen += share[seen] > 0;
+      }
+      length = seen;
+    }
     const Index padded = (length + max_lanes - 1) / max_lanes * max_lanes;
     std::fill(square + length, square + padded, re2);
     for (Index k = 0; k < padded; ++k) {
-      const Real w = stencil.weight(std::sqrt(square[k]));
+      Real w = stencil.weight(std::sqrt(square[k]));
+      if constexpr (!std::is_same_v<Share, AllVisible>) w *= share[k];
       exact[k] = w;
       weight[k] = static_cast<float>(w);
       weight_over_square[k] = static_cast<float>(w / square[k]);

@@ -23,6 +23,7 @@ struct Stencil {
   Real per_re = 0;     ///< 1/re [1/m]
   Real n0 = 0;         ///< (5) [-]
   Real lambda = 0;     ///< (7) [m²]
+  Real slope_sum = 0;  ///< −1/d Σ w'(r) r over the full lattice, of kernels with a slope [-]
   int neighbours = 0;  ///< N0 [-]
   [[no_unique_address]] K kernel = {};
 
@@ -39,6 +40,7 @@ struct Stencil {
     per_re = 1 / re;
     n0 = Real(values.n0);
     lambda = Real(values.lambda * size.spacing * size.spacing);
+    slope_sum = Real(values.slope);
     neighbours = values.neighbours;
   }
 

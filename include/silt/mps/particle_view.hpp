@@ -12,6 +12,7 @@
 #include <silt/mps/pressure_boundary.hpp>
 
 #include <algorithm>
+#include <type_traits>
 
 namespace silt::mps {
 
@@ -74,14 +75,24 @@ class ParticleView
   auto laplacian(const U& u) const {
     return step_.operators.laplacian(this->index(), u);
   }
-  /// <∇P>_i over the neighbours with pressure [Pa/m]
+  /// <∇P>_i over the neighbours with pressure [Pa/m]; in images, P rises as in fluid at rest.
   template <class G>
   Vec pressure_gradient(const G& gradient) const {
+    return pressure_gradient(
+        gradient, [weight = weight()](const auto& image) { return image.rise(weight); });
+  }
+  /// The same, with the pressures of images above those of their particles, rise_of(image) [Pa].
+  template <class G, class RiseOf>
+  Vec pressure_gradient(const G& gradient, const RiseOf& rise_of) const {
     const auto p = this->particles().with_ghosts(pressure);
-    const Vec weight_i = weight();
     return gradient.evaluate(this->stencil(), p[this->index()], [&](auto&& f) {
       this->for_each([&](const auto& j) {
-        if (has_pressure(j)) f(j.pressure(p, weight_i), j.r_ij, j.weight, j.weight_over_square);
+        if (!has_pressure(j)) return;
+        if constexpr (std::remove_cvref_t<decltype(j)>::is_image) {
+          f(p[j.index] + rise_of(j), j.r_ij, j.weight, j.weight_over_square);
+        } else {
+          f(p[j.index], j.r_ij, j.weight, j.weight_over_square);
+        }
       });
     });
   }

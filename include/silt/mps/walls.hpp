@@ -63,6 +63,8 @@ struct AnyClosePairs {
   Kind kind(Index j) const;
   template <class F>
   void for_each(F&& f) const;
+  template <class F>
+  void for_each_image(F&& f) const;
 };
 
 }  // namespace detail
@@ -101,6 +103,11 @@ struct HasForEachImage {
 };
 template <class W>
 struct BothForEachImage : W, HasForEachImage {};
+struct HasVisibleShare {
+  int visible_share;
+};
+template <class W>
+struct BothVisibleShare : W, HasVisibleShare {};
 
 }  // namespace detail
 
@@ -111,5 +118,12 @@ struct BothForEachImage : W, HasForEachImage {};
 template <class W>
 concept AddsImages =
     !requires { &detail::BothForEachImage<W>::for_each_image; };  // as it is ambiguous
+
+/// Walls that hide particles from each other: locate(particles, reach) is called before the
+/// neighbours are found within the reach [m], and j is a neighbour of i, with its weight times
+/// visible_share(i, j), if this is positive. before_walls(i, move) is the part of a move [m] that
+/// does not go into a wall; check_moves(particles) throws if one has gone through a wall.
+template <class W>
+concept HidesNeighbours = !requires { &detail::BothVisibleShare<W>::visible_share; };
 
 }  // namespace silt::mps

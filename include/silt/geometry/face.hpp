@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: MIT
+// Faces, of which surfaces consist: segments in 2D, triangles in 3D.
+#pragma once
+
+#include <silt/core/error.hpp>
+#include <silt/core/triangle.hpp>
+#include <silt/core/types.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <string>
+
+namespace silt {
+
+/// A segment with two ends or a triangle with three corners [m].
+template <int Dim>
+struct Face {
+  std::array<Vec<Dim>, std::size_t(Dim)> corners;
+};
+
+/// Throws if a corner is not finite, or if the face has no length or area. `name` identifies it in
+/// the message.
+inline void require_size(const std::string& name, const Face<2>& face) {
+  const auto& [a, b] = face.corners;
+  require_finite(name, a);
+  require_finite(name, b);
+  if (!((b - a).norm() > 1e-150)) {
+    fail(name + " has both ends at " + to_text(a) + " m; remove it");
+  }
+}
+inline void require_size(const std::string& name, const Face<3>& face) {
+  require_area(name, Triangle<>{face.corners});
+}
+
+/// A unit vector normal to the face: in 2D on the left of the direction from the first end to the
+/// second, in 3D on the side from which the corners are anticlockwise.
+inline Vec<2> normal_of(const Face<2>& face) {
+  const Vec<2> along = face.corners[1] - face.corners[0];
+  return Vec<2>(-along[1], along[0]).normalized();
+}
+inline Vec<3> normal_of(const Face<3>& face) {
+  const auto& [a, b, c] = face.corners;
+  return cross(Vec<3>(b - a), Vec<3>(c - a)).normalized();
+}
+
+/// The point of a segment that is nearest to x.
+template <int Dim>
+Vec<Dim> nearest_of_segment(const Vec<Dim>& a, const Vec<Dim>& b, const Vec<Dim>& x) {
+  const Vec<Dim> along = b - a;
+  const double share = (x - a).dot(along) / along.squaredNorm();
+  return a + std::clamp(share, 0.0, 1.0) * along;
+}
+
+/// The point of the face that is nearest to x.
+inline Vec<2> nearest_of(const Face<2>& face, const Vec<2>& x) {
+  return nearest_of_segment(face.corners[0], face.corners[1], x);
+}
+inline Vec<3> nearest_of(const Face<3>& face, const Vec<3>& x) {
+  const Vec<3> normal = normal_of(face);
+  const auto& corners = face.corners;
+  bool is_above = true;
+  Vec<3> nearest = corners[0];
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Vec<3>& a = corners[k];
+    const Vec<3>& b = corners[(k + 1) % 3];
+    is_above = is_above && cross(normal, Vec<3>(b - a)).dot(x - a) >= 0;
+    const Vec<3> candidate = nearest_of_segment(a, b, x);
+    const double distance = (x - candidate).squaredNorm();
+    if (distance < least) {
+      least = distance;
+      nearest = candidate;
+    }
+  }
+  return is_above ? Vec<3>(x - normal.dot(x - corners[0]) * normal) : nearest;
+}
+
+namespace detail {
+
+/// Whether the line from p to q passes a and b on its left (+) or right (−) [m²]: the same number
+/// with the other sign for q and p exchanged.
+inline double side_of(const Vec<2>& p, const Vec<2>& q, const Vec<2>& a) {
+  return cross(Vec<2>(q - p), Vec<2>(a - p));
+}
+/// Six times the volume of the tetrahedron p, q, a, b [m³], with the other sign for b and a
+/// exchanged to the last bit, so that no line passes between two triangles with a common edge.
+inline double side_of(const Vec<3>& p, const Vec<3>& q, const Vec<3>& a, const Vec<3>& b) {
+  return cross(Vec<3>(a - p), Vec<3>(b - p)).dot(q - p);
+}
+
+}  // namespace detail
+
+/// Whether the line through p and q meets the face, which it does not lie in.
+inline bool meets_line(const Face<2>& face, const Vec<2>& p, const Vec<2>& q) {
+  return (detail::side_of(p, q, face.corners[0]) > 0) !=
+         (detail::side_of(p, q, face.corners[1]) > 0);
+}
+inline bool meets_line(const Face<3>& face, const Vec<3>& p, const Vec<3>& q) {
+  const auto& [a, b, c] = face.corners;
+  const bool left = detail::side_of(p, q, a, b) > 0;
+  return left == (detail::side_of(p, q, b, c) > 0) && left == (detail::side_of(p, q, c, a) > 0);
+}
+
+}  // namespace silt

@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: MIT
+// A surface of faces, and a grid that finds those near a point.
+#pragma once
+
+#include <silt/core/error.hpp>
+#include <silt/core/types.hpp>
+#include <silt/geometry/face.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <map>
+#include <span>
+#include <string>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+namespace silt {
+
+/// Faces that may form closed or open surfaces, with normals. Faces with a common edge (in 2D a
+/// common end) and the same plane (line) form one facet. Its rim are the edges (ends) at which it
+/// ends.
+template <int Dim>
+class Faces {
+ public:
+  using Vec = silt::Vec<Dim>;
+
+  struct Element {
+    Face<Dim> face;
+    Vec normal;
+    double offset;       ///< normal·x of the points x of its plane [m]
+    std::uint32_t facet;  ///< the number of its facet
+    /// Whether the edge from corner k to the next one (in 2D, the end k) is on the facet's rim.
+    std::array<bool, std::size_t(Dim)> is_rim;
+
+    /// Signed distance of x from the plane [m].
+    double height(const Vec& x) const { return normal.dot(x) - offset; }
+    /// Distance of x from the part of the facet's rim that belongs to the face [m]; infinite if
+    /// there is none.
+    double distance_from_rim(const Vec& x) const {
+      double least = std::numeric_limits<double>::infinity();
+      for (std::size_t k = 0; k < std::size_t(Dim); ++k) {
+        if (!is_rim[k]) continue;
+        const Vec& a = face.corners[k];
+        const Vec& b = face.corners[Dim == 2 ? k : (k + 1) % std::size_t(Dim)];
+        const Vec nearest = Dim == 2 ? a : nearest_of_segment<Dim>(a, b, x);
+        least = std::min(least, (x - nearest).norm());
+      }
+      return least;
+    }
+  };
+
+  Faces() = default;
+  /// `reach` [m] is the greatest distance at which faces are asked for. Throws if a face is
+  /// invalid: see require_size(); `name` identifies the surface.
+  Faces(const std::string& name, const std::vector<Face<Dim>>& faces, double reach)
+      : cell_(reach) {
+    elements_.reserve(faces.size());
+    for (std::size_t k = 0; k < faces.size(); ++k) {
+      require_size(name + ": face " + std::to_string(k), faces[k]);
+      const Vec normal = normal_of(faces[k]);
+      Element element{faces[k], normal, normal.dot(faces[k].corners[0]), std::uint32_t(k), {}};
+      element.is_rim.fill(true);
+      elements_.push_back(element);
+    }
+    join_facets();
+    fill_cells(name);
+  }
+
+  std::span<const Element> elements() const { return elements_; }
+  const Element& operator[](std::uint32_t element) const { return elements_[element]; }
+
+  /// The numbers of all faces closer to x than the reach, and of some further ones.
+  std::span<const std::uint32_t> near(const Vec& x) const {
+    const auto found = cells_.find(cell_of(x));
+    if (found == cells_.end()) return {};
+    return found->second;
+  }
+
+ private:
+  using Cell = std::array<std::int64_t, std::size_t(Dim)>;
+  struct HashOfCell {
+    std::size_t operator()(const Cell& cell) const noexcept {
+      std::uint64_t hash = 0;
+      for (const std::int64_t k : cell) hash = (hash ^ std::uint64_t(k)) * 0x9E3779B97F4A7C15u;
+      return std::size_t(hash ^ hash >> 32);
+    }
+  };
+
+  // Faces with a common edge and the same plane.
+  void join_facets() {
+    std::vector<std::uint32_t> parent(elements_.size());
+    for (std::size_t k = 0; k < parent.size(); ++k) parent[k] = std::uint32_t(k);
+    const auto root = [&](std::uint32_t k) {
+      while (parent[k] != k) k = parent[k] = parent[parent[k]];
+      return k;
+    };
+    using Edge = std::array<std::array<double, std::size_t(Dim)>, std::size_t(Dim) - 1>;
+    std::map<Edge, std::vector<std::pair<std::uint32_t, std::size_t>>> edges;
+    for (std::uint32_t e = 0; e < elements_.size(); ++e) {
+      for (std::size_t k = 0; k < std::size_t(Dim); ++k) {
+        Edge edge;
+        for (std::size_t end = 0; end < edge.size(); ++end) {
+          const Vec& x = elements_[e].face.corners[(k + end) % std::size_t(Dim)];
+          for (int axis = 0; axis < Dim; ++axis) edge[end][std::size_t(axis)] = x[axis] + 0.0;
+        }
+        std::ranges::sort(edge);
+        edges[edge].emplace_back(e, k);
+      }
+    }
+    for (const auto& [edge, sides] : edges) {
+      for (const auto& [e, k] : sides) {
+        for (const auto& [other, l] : sides) {
+          if (other == e || !is_same_plane(elements_[e], elements_[other])) continue;
+          parent[root(e)] = root(other);
+          elements_[e].is_rim[k] = false;
+        }
+      }
+    }
+    for (std::uint32_t e = 0; e < elements_.size(); ++e) elements_[e].facet = root(e);
+    for (Element& element : elements_) {  // one plane for all of its faces
+      const Element& first = elements_[element.facet];
+      const double sign = element.normal.dot(first.normal) > 0 ? 1 : -1;
+      element.normal = sign * first.normal;
+      element.offset = sign * first.offset;
+    }
+  }
+  static bool is_same_plane(const Element& one, const Element& other) {
+    return std::abs(one.normal.dot(other.normal)) > 1 - 1e-12;
+  }
+
+  void fill_cells(const std::string& name) {
+    constexpr double max_cells = 1e8;
+    for (std::uint32_t e = 0; e < elements_.size(); ++e) {
+      const Face<Dim>& face = elements_[e].face;
+      Vec lower = face.corners[0], upper = lower;
+      for (const Vec& x : face.corners) {
+        lower = lower.cwiseMin(x);
+        upper = upper.cwiseMax(x);
+      }
+      const Vec margin = Vec::Constant(cell_);
+      const Vec size = (upper - lower) / cell_ + Vec::Constant(3);
+      if (!(size.prod() < max_cells)) {
+        fail(name + ": face " + std::to_string(e) + " from " + to_text(lower) + " to " +
+             to_text(upper) + " m is too large for an effective radius of " + to_text(cell_) +
+             " m; give the part that fluid can reach");
+      }
+      const Cell from = cell_of(lower - margin), to = cell_of(upper + margin);
+      Cell cell = from;
+      while (true) {
+        Vec centre;
+        for (int k = 0; k < Dim; ++k) centre[k] = (double(cell[std::size_t(k)]) + 0.5) * cell_;
+        const double half_diagonal = 0.5 * std::sqrt(double(Dim)) * cell_;
+        if ((nearest_of(face, centre) - centre).norm() <= 1.0001 * (cell_ + half_diagonal)) {
+          cells_[cell].push_back(e);
+        }
+        std::size_t k = 0;
+        while (k < cell.size() && ++cell[k] > to[k]) {
+          cell[k] = from[k];
+          ++k;
+        }
+        if (k == cell.size()) break;
+      }
+    }
+  }
+  Cell cell_of(const Vec& x) const {
+    Cell cell;
+    for (int k = 0; k < Dim; ++k) {
+      constexpr double most = 1e18;
+      cell[std::size_t(k)] = std::int64_t(std::clamp(std::floor(x[k] / cell_), -most, most));
+    }
+    return cell;
+  }
+
+  double cell_ = 1;  // [m]
+  std::vector<Element> elements_;
+  std::unordered_map<Cell, std::vector<std::uint32_t>, HashOfCell> cells_;
+};
+
+}  // namespace silt

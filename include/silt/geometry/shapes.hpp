@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: MIT
+// Faces of simple shapes.
+#pragma once
+
+#include <silt/core/box.hpp>
+#include <silt/core/triangle.hpp>
+#include <silt/core/types.hpp>
+#include <silt/geometry/face.hpp>
+
+#include <array>
+#include <cstddef>
+#include <vector>
+
+namespace silt {
+
+/// The segments between consecutive points.
+inline std::vector<Face<2>> polyline(const std::vector<Vec<2>>& points) {
+  std::vector<Face<2>> faces;
+  for (std::size_t k = 0; k + 1 < points.size(); ++k) {
+    faces.push_back({{points[k], points[k + 1]}});
+  }
+  return faces;
+}
+
+/// The triangles, such as those of an STL file.
+inline std::vector<Face<3>> faces_of(const std::vector<Triangle<>>& triangles) {
+  std::vector<Face<3>> faces;
+  for (const Triangle<>& triangle : triangles) faces.push_back({triangle.corners});
+  return faces;
+}
+
+/// Which sides of a box have faces: those across axis k, at the lower and at the upper end.
+template <int Dim>
+struct Sides {
+  std::array<bool, std::size_t(Dim)> lower;
+  std::array<bool, std::size_t(Dim)> upper;
+
+  /// All sides but the upper one of the last axis: an open tank.
+  static Sides open() {
+    Sides sides = all();
+    sides.upper[std::size_t(Dim) - 1] = false;
+    return sides;
+  }
+  static Sides all() {
+    Sides sides;
+    sides.lower.fill(true);
+    sides.upper.fill(true);
+    return sides;
+  }
+};
+
+/// Faces on sides of a box: segments in 2D, two triangles for each side in 3D.
+template <int Dim>
+std::vector<Face<Dim>> faces_of(const Box<Dim>& box, const Sides<Dim>& sides = Sides<Dim>::all()) {
+  std::vector<Face<Dim>> faces;
+  const auto add = [&](int axis, const Vec<Dim>& end) {
+    // The corners of a side, in their order around it.
+    const auto corner = [&](bool second, [[maybe_unused]] bool third) {
+      Vec<Dim> x = end;
+      x[(axis + 1) % Dim] = second ? box.upper[(axis + 1) % Dim] : box.lower[(axis + 1) % Dim];
+      if constexpr (Dim == 3) {
+        x[(axis + 2) % Dim] = third ? box.upper[(axis + 2) % Dim] : box.lower[(axis + 2) % Dim];
+      }
+      return x;
+    };
+    if constexpr (Dim == 2) {
+      faces.push_back({{corner(false, false), corner(true, false)}});
+    } else {
+      faces.push_back({{corner(false, false), corner(true, false), corner(true, true)}});
+      faces.push_back({{corner(false, false), corner(true, true), corner(false, true)}});
+    }
+  };
+  for (int axis = 0; axis < Dim; ++axis) {
+    if (sides.lower[std::size_t(axis)]) add(axis, box.lower);
+    if (sides.upper[std::size_t(axis)]) add(axis, box.upper);
+  }
+  return faces;
+}
+
+}  // namespace silt

@@ -1,0 +1,237 @@
+// SPDX-License-Identifier: MIT
+// Walls as shapes, in which the fluid is mirrored.
+#pragma once
+
+#include <silt/core/error.hpp>
+#include <silt/core/nearest_image.hpp>
+#include <silt/core/parallel.hpp>
+#include <silt/core/types.hpp>
+#include <silt/geometry/face.hpp>
+#include <silt/geometry/faces.hpp>
+#include <silt/geometry/mirrors.hpp>
+#include <silt/mps/fluid.hpp>
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace silt::mps {
+
+/// The image of a particle in walls, as the sums over neighbours see it.
+template <int Dim, class RealType>
+struct ImageOfParticle {
+  using Real = RealType;
+  using Vec = silt::Vec<Dim, Real>;
+  using Matrix = Eigen::Matrix<Real, Dim, Dim>;
+  static constexpr bool is_image = true;
+
+  Index index;              ///< of the particle
+  const Vec& r_ij;          ///< [m]
+  Real weight;              ///< w [-]
+  Real weight_over_square;  ///< w/r² [1/m²]
+  const Matrix& rotation;   ///< of vectors
+  const Vec& shift;         ///< from the particle to its image [m]
+
+  Kind kind(const auto&) const { return Kind::dummy; }
+  Vec velocity(const auto& u) const { return multiply<Dim, Real>(rotation, Vec(u[index])); }
+  Real rise(const Vec& gradient) const { return gradient.dot(shift); }
+  Real pressure(const auto& p, const Vec& gradient) const { return p[index] + rise(gradient); }
+};
+
+/// Walls at rest without wall particles, along which fluid slips: segments in 2D, triangles in 3D.
+/// What a particle sees through a face is the fluid before it, mirrored, so that density,
+/// divergence, Laplacian and gradient are those of a fluid that continues beyond the wall. Images
+/// of images, as in corners and between close walls, are included; faces hide the particles behind
+/// them. Faces have two sides, and fluid may be on both.
+///
+/// All particles must be fluid. In a periodic box, a wall has to extend beyond the sides by the
+/// effective radius. The kernel needs a slope: see SmoothKernel.
+struct ImageWalls {
+  std::vector<Face<2>> segments;   ///< in 2D, see polyline() in silt/geometry/shapes.hpp
+  std::vector<Face<3>> triangles;  ///< in 3D, see faces_of()
+
+  /// Throws if a face has a corner that is not finite, or no length or area.
+  void check() const {
+    for (std::size_t k = 0; k < segments.size(); ++k) {
+      require_size("ImageWalls: segment " + std::to_string(k), segments[k]);
+    }
+    for (std::size_t k = 0; k < triangles.size(); ++k) {
+      require_size("ImageWalls: triangle " + std::to_string(k), triangles[k]);
+    }
+  }
+
+  template <int Dim, class RealType>
+  class InFlow;
+};
+
+template <int Dim, class RealType>
+class ImageWalls::InFlow {
+ public:
+  static constexpr int dimension = Dim;
+  using Real = RealType;
+  using Vec = silt::Vec<Dim, Real>;
+
+  explicit InFlow(const ImageWalls& walls) {
+    if constexpr (Dim == 2) {
+      given_ = walls.segments;
+    } else {
+      given_ = walls.triangles;
+    }
+  }
+
+  /// Finds the faces near each particle, closer than the reach [m]. Throws if a particle is not
+  /// fluid, or has gone through a face since the last call.
+  template <FluidParticles P>
+  void locate(const P& particles, Real reach) {
+    refuse_solids(particles);
+    check_moves(particles);
+    if (double(reach) != reach_) {
+      faces_ = Faces<Dim>("ImageWalls", given_, double(reach));
+      reach_ = double(reach);
+    }
+    const auto x = particles.with_ghosts(position);
+    revision_ = 0;  // until all are located
+    positions_.resize(x.size());
+    for_each(x.size(), [&](Index j) { positions_[j] = x[j].template cast<double>(); });
+    around_.resize(particles.size());
+    for_each(particles.size(), [&](Index i) { around_[i].find(faces_, positions_[i], reach_); });
+    revision_ = particles.revision();
+  }
+  /// The share of particle j that particle i sees: see MirrorsAround.
+  Real visible_share(Index i, Index j) const {
+    return Real(around_[i].visible_share(positions_[j]));
+  }
+
+  /// Finds the images that each particle sees.
+  template <FluidParticles P, class Operators>
+  void find(const P& particles, const Operators& operators) {
+    const bool is_wider = operators.laplacian_stencil().re > operators.stencil().re;
+    const auto& neighbourhood =
+        is_wider ? operators.laplacian_neighbourhood() : operators.neighbourhood();
+    spacing_ = double(operators.stencil().spacing);
+    images_.resize(particles.size());
+    for_each(particles.size(), [&](Index i) {
+      Images& images = images_[i];
+      images.rotations.clear();
+      images.places.clear();
+      const auto row = neighbourhood[i];
+      around_[i].for_each_mirror([&](const Mirror<Dim>& mirror, const auto& share_of) {
+        const auto add = [&](Index j) {
+          const silt::Vec<Dim> image = mirror(positions_[j]);
+          const Vec r_ij = (image - positions_[i]).template cast<Real>();
+          if (!(r_ij.norm() < Real(reach_))) return;
+          const double share = share_of(positions_[j]);
+          if (!(share > 0)) return;
+          images.places.push_back({std::uint32_t(j), std::uint32_t(images.rotations.size()), r_ij,
+                                   (image - positions_[j]).template cast<Real>(), Real(share)});
+        };
+        add(i);
+        for (Index k = 0; k < row.size(); ++k) add(row.index[k]);
+        images.rotations.push_back(mirror.rotation.template cast<Real>());
+      });
+    });
+  }
+
+  /// f(image) for the images that particle i sees within a stencil.
+  template <class T, class F>
+  void for_each_image(Index i, const T& stencil, F&& f) const {
+    const Images& images = images_[i];
+    for (const Place& place : images.places) {
+      const Real r2 = place.r_ij.squaredNorm();
+      if (!(r2 < squared(stencil.re))) continue;
+      const Real w = place.share * stencil.weight(std::sqrt(r2));
+      f(ImageOfParticle<Dim, Real>{place.index, place.r_ij, w, w / r2,
+                                   images.rotations[place.mirror], place.shift});
+    }
+  }
+
+  /// <∇·u>_i = −(Dn/Dt) / (−1/d Σ w' r), with the sum over the full lattice: a flow without
+  /// divergence keeps n, to which fluid and images contribute alike, and so its volume.
+  template <class View, class U>
+  Real divergence(const View& at, const U& u) const {
+    const auto& stencil = at.stencil();
+    const Vec own = u[at.index()];
+    Real sum = 0;
+    at.for_each([&](const auto& j) {
+      const Real r = j.r_ij.norm();
+      const Real whole = stencil.weight(r);
+      if (!(whole > Real(1e-6))) return;  // the share is then 0/0, and the slope is zero as well
+      const Vec u_ij = j.velocity(u) - own;
+      sum -= j.weight / whole * stencil.slope(r) / r * u_ij.dot(j.r_ij);
+    });
+    return sum / stencil.slope_sum;
+  }
+  bool is_dry(const auto&) const { return false; }
+  bool has_pressure(Kind, bool) const { return true; }
+
+  /// A particle collides with images as with particles.
+  template <class Pairs, class Model>
+  Vec velocity_change(const Pairs& pairs, const Model& collision) const {
+    Vec change = Vec::Zero();
+    const auto add = [&](const auto& pair, Index) { change += collision.velocity_change(pair); };
+    pairs.for_each(add);
+    pairs.for_each_image(add);
+    return change;
+  }
+
+  /// The move [m] of particle i, ended before it goes into a wall.
+  Vec before_walls(Index i, const Vec& move) const {
+    constexpr double clearance = 0.2;  // spacings; half a spacing is usual
+    return around_[i]
+        .before_faces(move.template cast<double>(), clearance * spacing_)
+        .template cast<Real>();
+  }
+
+  /// Throws if a particle has gone through a face since the faces were found.
+  template <FluidParticles P>
+  void check_moves(const P& particles) const {
+    if (particles.revision() != revision_ || particles.size() != around_.size()) return;
+    const auto x = particles[position];
+    const NearestImage nearest(particles.box());
+    const Index i = first_where(particles.size(), [&](Index k) {
+      if (around_[k].empty()) return false;
+      const Vec move = nearest(x[k] - positions_[k].template cast<Real>());
+      return !(around_[k].visible_share(positions_[k] + move.template cast<double>()) > 0);
+    });
+    if (i == no_index) return;
+    fail("ImageWalls: a particle went through a wall, from " + to_text(positions_[i]) + " to " +
+             to_text(x[i]) + " m; reduce the time step, or let particles collide with the walls",
+         {.particle = i, .id = particles.id(i)});
+  }
+
+ private:
+  struct Place {
+    std::uint32_t index;   // of the particle
+    std::uint32_t mirror;  // the number of its rotation
+    Vec r_ij;
+    Vec shift;
+    Real share;
+  };
+  struct Images {
+    std::vector<Eigen::Matrix<Real, Dim, Dim>> rotations;
+    std::vector<Place> places;
+  };
+
+  template <class P>
+  static void refuse_solids(const P& particles) {
+    const auto kinds = particles[kind];
+    const Index i = first_where(particles.size(), [&](Index k) { return kinds[k] != Kind::fluid; });
+    if (i == no_index) return;
+    fail("ImageWalls: a particle is of a wall, but these walls are faces; remove all wall and dummy "
+         "particles",
+         {.particle = i, .id = particles.id(i)});
+  }
+
+  std::vector<Face<Dim>> given_;
+  Faces<Dim> faces_;
+  double reach_ = 0;                       // of faces_ [m]
+  double spacing_ = 0;                     // l0 [m]
+  std::vector<silt::Vec<Dim>> positions_;  // with ghosts
+  std::uint64_t revision_ = 0;             // of the particles at these positions
+  std::vector<MirrorsAround<Dim>> around_;
+  std::vector<Images> images_;
+};
+
+}  // namespace silt::mps

@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: MIT
+#include <silt/core/lattice.hpp>
+#include <silt/geometry/mirrors.hpp>
+#include <silt/geometry/shapes.hpp>
+
+#include "support/check.hpp"
+#include "support/points.hpp"
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+namespace silt::test::mirrors_test {
+namespace {
+
+constexpr double reach = 3.1;  // in spacings
+
+// What a point sees of others: points, and their images.
+template <int Dim>
+struct View {
+  double shares = 0;           // of all of them
+  std::vector<Vec<Dim>> seen;  // with a share of 1
+};
+template <int Dim>
+View<Dim> view_from(const Faces<Dim>& faces, const Vec<Dim>& x,
+                    const std::vector<Vec<Dim>>& points) {
+  MirrorsAround<Dim> around;
+  around.find(faces, x, reach);
+  View<Dim> view;
+  const auto add = [&](const Vec<Dim>& at, double share) {
+    view.shares += share;
+    if (share == 1) view.seen.push_back(at);
+  };
+  for (const Vec<Dim>& point : points) {
+    if (point != x && (point - x).norm() < reach) add(point, around.visible_share(point));
+  }
+  around.for_each_mirror([&](const Mirror<Dim>& mirror, const auto& share_of) {
+    for (const Vec<Dim>& point : points) {
+      if ((mirror(point) - x).norm() < reach) add(mirror(point), share_of(point));
+    }
+  });
+  return view;
+}
+
+// The number of points of the full lattice within the reach.
+template <int Dim>
+Index points_of_lattice() {
+  Index count = 0;
+  const Vec<Dim> size = Vec<Dim>::Constant(9);
+  for (const auto& x : lattice<Dim>({Vec<Dim>::Zero(), size}, 1.0)) {
+    const double r = (x - size / 2).norm();
+    count += r > 0 && r < reach;
+  }
+  return count;
+}
+
+template <int Dim>
+void expect_full_lattice(const std::vector<Face<Dim>>& walls, const std::vector<Vec<Dim>>& points,
+                         double height) {
+  const Faces<Dim> faces("walls", walls, reach);
+  for (const Vec<Dim>& x : points) {
+    if (x[Dim - 1] > height - reach) continue;  // sees above the points
+    EXPECT_EQ(view_from(faces, x, points).shares, double(points_of_lattice<Dim>()))
+        << x.transpose();
+  }
+}
+
+TEST(Mirrors, ContinueTheLatticeBeyondTheSidesOfATank) {
+  const Box<2> square{.lower = {0, 0}, .upper = {8, 9}};
+  expect_full_lattice<2>(faces_of(square, Sides<2>::open()), lattice<2>(square, 1.0), 9);
+  const Box<3> cube{.lower = {0, 0, 0}, .upper = {5, 6, 7}};
+  expect_full_lattice<3>(faces_of(cube, Sides<3>::open()), lattice<3>(cube, 1.0), 7);
+}
+
+// Images of images: the other wall is closer than the reach.
+TEST(Mirrors, ContinueTheLatticeBeyondCloseWalls) {
+  for (const double width : {1.0, 2.0, 3.0}) {
+    const Box<2> channel{.lower = {0, 0}, .upper = {width, 9}};
+    expect_full_lattice<2>(faces_of(channel, Sides<2>::open()), lattice<2>(channel, 1.0), 9);
+  }
+}
+
+TEST(Mirrors, ContinueTheLatticeBeyondConvexCorners) {
+  std::vector<Vec<2>> points;
+  for (const auto& x : lattice<2>({{0, 0}, {18, 12}}, 1.0)) {
+    if (x[0] < 6 || x[0] > 12 || x[1] > 5) points.push_back(x);
+  }
+  expect_full_lattice<2>(
+      polyline({{0, 14}, {0, 0}, {6, 0}, {6, 5}, {12, 5}, {12, 0}, {18, 0}, {18, 14}}), points, 12);
+}
+
+// Any arrangement, walls at any angle: what x sees is what is seen from each point, and images are
+// as far as their points are from the image of x.
+TEST(Mirrors, AreTheSameInBothDirections) {
+  const std::vector<Vec<2>> corners{{0, 0}, {9, 1}, {7, 4}, {10, 8}, {4, 6}, {1, 9}, {0, 0}};
+  const Faces<2> faces("polygon", polyline(corners), reach);
+  const auto points = random_points(300, Box<2>{.lower = {-1, -1}, .upper = {10, 9}}, 3);
+  std::vector<MirrorsAround<2>> around(points.size());
+  for (Index i = 0; i < points.size(); ++i) around[i].find(faces, points[i], reach);
+  const auto sum_of = [&](Index i, Index j) {
+    double sum = 0;
+    around[i].for_each_mirror([&](const Mirror<2>& mirror, const auto& share_of) {
+      const double r = (mirror(points[j]) - points[i]).norm();
+      if (r < reach) sum += share_of(points[j]) * r;
+    });
+    return sum;
+  };
+  for (Index i = 0; i < points.size(); ++i) {
+    for (Index j = 0; j < i; ++j) {
+      if (!((points[i] - points[j]).norm() < reach)) continue;
+      EXPECT_EQ(around[i].visible_share(points[j]), around[j].visible_share(points[i]));
+      EXPECT_NEAR(sum_of(i, j), sum_of(j, i), 1e-12);
+    }
+  }
+}
+
+TEST(Mirrors, MapPointsToTheirImages) {
+  const Faces<2> faces("corner", polyline({{0, 9}, {0, 0}, {9, 0}}), reach);
+  const Vec<2> x(1, 1.2), point(0.5, 0.8);
+  const auto view = view_from<2>(faces, x, {x, point});
+  const auto sees = [&](const Vec<2>& image) {
+    for (const Vec<2>& at : view.seen) {
+      if ((at - image).norm() < 1e-14) return true;
+    }
+    return false;
+  };
+  EXPECT_EQ(view.seen.size(), 6);  // x in both walls is beyond the reach
+  EXPECT_TRUE(sees(point) && sees({-0.5, 0.8}) && sees({0.5, -0.8}) && sees({-0.5, -0.8}));
+  EXPECT_TRUE(sees({-1, 1.2}) && sees({1, -1.2}));
+}
+
+TEST(Mirrors, HideWhatIsBehindAThinWall) {
+  const Faces<2> faces("wall", polyline({{0, -9}, {0, 0}}), reach);
+  MirrorsAround<2> around;
+  around.find(faces, {-0.5, -1}, reach);
+  EXPECT_EQ(around.visible_share({0.5, -1}), 0);
+  EXPECT_EQ(around.visible_share({0.5, 1.5}), 1);  // beyond its end
+  EXPECT_EQ(around.visible_share({0.5, 1}), 0.5);  // through its end
+  EXPECT_EQ(around.visible_share({-0.5, 1}), 1);
+}
+
+// However a side is divided into triangles.
+TEST(Mirrors, DoNotDependOnTheTriangulation) {
+  std::vector<Face<3>> fine;
+  for (const double x : {-4.0, -2.0, 0.0, 2.0}) {
+    for (const double y : {-4.0, -2.0, 0.0, 2.0}) {
+      const Vec<3> a(x, y, 0), b(x + 2, y, 0), c(x + 2, y + 2, 0), d(x, y + 2, 0);
+      fine.push_back({{a, b, c}});
+      fine.push_back({{a, c, d}});
+    }
+  }
+  const std::vector<Face<3>> coarse{{{Vec<3>(-20, -20, 0), {20, -20, 0}, {0, 30, 0}}}};
+  const std::vector<Vec<3>> points{{0, 0, 1}, {1, 0, 1}, {0, 1, 0.5}, {-1, -1, 0.3}};
+  for (const Vec<3>& x : points) {
+    EXPECT_EQ(view_from(Faces<3>("fine", fine, reach), x, points).shares,
+              view_from(Faces<3>("coarse", coarse, reach), x, points).shares);
+  }
+}
+
+TEST(Faces, AreFoundWithinTheReachOfAnyPoint) {
+  const auto corners = random_points(60, Box<3>{.lower = {-5, -5, -5}, .upper = {5, 5, 5}}, 5);
+  std::vector<Face<3>> triangles;
+  for (Index k = 0; k + 2 < corners.size(); k += 3) {
+    triangles.push_back({{corners[k], corners[k + 1], corners[k + 2]}});
+  }
+  const Faces<3> faces("triangles", triangles, 1.5);
+  for (const auto& x : random_points(300, Box<3>{.lower = {-6, -6, -6}, .upper = {6, 6, 6}}, 6)) {
+    const auto near = faces.near(x);
+    for (std::uint32_t k = 0; k < triangles.size(); ++k) {
+      if ((nearest_of(triangles[k], x) - x).norm() < 1.5) {
+        EXPECT_EQ(std::ranges::count(near, k), 1) << k << " at " << x.transpose();
+      }
+    }
+  }
+}
+
+TEST(Faces, OfOnePlaneAreOneFacetWithoutARimBetweenThem) {
+  const Faces<3> cube("cube", faces_of(Box<3>{.lower = {0, 0, 0}, .upper = {2, 2, 2}}), 1);
+  ASSERT_EQ(cube.elements().size(), 12);
+  for (const auto& element : cube.elements()) {
+    EXPECT_EQ(std::ranges::count(cube.elements(), element.facet, [](const auto& other) {
+                return other.facet;
+              }), 2);
+    EXPECT_EQ(std::ranges::count(element.is_rim, true), 2);
+  }
+  EXPECT_DOUBLE_EQ(cube[0].distance_from_rim({0, 1, 1}), 1);
+}
+
+TEST(Faces, ThrowIfOneIsInvalid) {
+  const auto nan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_TRUE(refuses([&] { Faces<2>("wall", polyline({{0, 0}, {1, 0}, {1, 0}}), 1); },
+                      {"wall: face 1 has both ends at", "(1, 0)"}));
+  EXPECT_TRUE(refuses([&] { Faces<2>("wall", polyline({{0, 0}, {nan, 0}}), 1); },
+                      {"wall: face 0", "nan"}));
+  EXPECT_TRUE(refuses([] { Faces<3>("wall", {{{Vec<3>(0, 0, 0), {1, 1, 1}, {2, 2, 2}}}}, 1); },
+                      {"wall: face 0", "has no area"}));
+  EXPECT_TRUE(refuses([] { Faces<2>("wall", polyline({{0, 0}, {1e6, 1e6}}), 1e-2); },
+                      {"wall: face 0", "too large for an effective radius of 0.01 m"}));
+}
+
+}  // namespace
+}  // namespace silt::test::mirrors_test

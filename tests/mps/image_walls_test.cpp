@@ -1,0 +1,275 @@
+// SPDX-License-Identifier: MIT
+#include <silt/mps.hpp>
+#include <silt/geometry/shapes.hpp>
+#include <silt/mps/image_walls.hpp>
+
+#include <Eigen/Geometry>
+
+#include "support/check.hpp"
+#include "support/file_test.hpp"
+#include "support/fluid.hpp"
+#include "support/restart.hpp"
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+namespace silt::test::image_walls_test {
+namespace {
+
+struct Mirrored : mps::Recommended {
+  mps::ImageWalls walls{};
+};
+using Settings2D = mps::FlowSettings<2, Mirrored>;
+using Settings3D = mps::FlowSettings<3, Mirrored>;
+static_assert(mps::WallModel<mps::ImageWalls>);
+static_assert(mps::AddsImages<mps::ImageWalls::InFlow<3, float>>);
+static_assert(mps::HidesNeighbours<mps::ImageWalls::InFlow<2, double>>);
+static_assert(!mps::HidesNeighbours<mps::SmoothWalls::InFlow<2, double>>);
+
+constexpr double l0 = 0.02;  // [m]
+constexpr double g = 9.81;   // [m/s²]
+
+std::vector<Face<2>>& faces_of(mps::ImageWalls& walls, const Vec<2>&) { return walls.segments; }
+std::vector<Face<3>>& faces_of(mps::ImageWalls& walls, const Vec<3>&) { return walls.triangles; }
+
+/// Water and its walls, to be turned together with gravity.
+template <int Dim>
+struct Scene {
+  std::vector<Face<Dim>> walls;
+  std::vector<Vec<Dim>> water;
+  double surface;  // height [m]
+
+  /// At rest, with the pressure of its depth, after a turn.
+  template <class Turn>
+  auto simulation(double spacing, const Turn& turn) const {
+    mps::FlowSettings<Dim, Mirrored> settings{.spacing = spacing, .speed_scale = 2};
+    settings.gravity = turn(settings.gravity);
+    auto& faces = faces_of(settings.walls, Vec<Dim>());
+    faces = walls;
+    for (auto& face : faces) {
+      for (auto& corner : face.corners) corner = turn(corner);
+    }
+    mps::Fluid<Dim> fluid;
+    for (const auto& x : water) {
+      const Index i = mps::add_particle(fluid, turn(x), mps::Kind::fluid);
+      fluid[mps::pressure][i] = 1000 * g * (surface - spacing / 2 - x[Dim - 1]);
+    }
+    return Simulation{fluid, UniformGrid<Dim>{}, mps::Flow<Mirrored, Dim>{settings},
+                      SemiImplicit<>{}};
+  }
+};
+
+Scene<2> tank_with_a_block() {
+  Scene<2> scene{
+      .walls = polyline(
+          {{0, 1}, {0, 0}, {0.2, 0}, {0.2, 0.1}, {0.3, 0.1}, {0.3, 0}, {0.4, 0}, {0.4, 1}}),
+      .water = {},
+      .surface = 0.2};
+  for (const auto& x : lattice<2>({{0, 0}, {0.4, 0.2}}, l0)) {
+    if (x[0] < 0.2 || x[0] > 0.3 || x[1] > 0.1) scene.water.push_back(x);
+  }
+  return scene;
+}
+
+Scene<3> tank_in_3d(double spacing) {
+  const Box<3> box{.lower = {0, 0, 0}, .upper = {6 * spacing, 5 * spacing, 6 * spacing}};
+  return {.walls = silt::faces_of(Box<3>{.lower = box.lower, .upper = 2 * box.upper - box.lower},
+                                  Sides<3>{.lower = {true, true, true}, .upper = {}}),
+          .water = lattice<3>(box, spacing),
+          .surface = box.upper[2]};
+}
+
+template <int Dim, class Sim>
+void expect_rest(Sim sim, double spacing, double height) {
+  for (int k = 0; k < 50; ++k) sim.step();
+  const auto& water = sim.particles();
+  const Vec<Dim> up = -sim.interaction().settings().gravity / g;
+  for (Index i = 0; i < water.size(); ++i) {
+    EXPECT_LT(water[velocity][i].norm(), 1e-9);
+    const double depth = height - spacing / 2 - up.dot(water[position][i]);
+    EXPECT_NEAR(water[mps::pressure][i], 1000 * g * depth, 1e-6);
+  }
+}
+
+TEST(ImageWalls, KeepWaterAtRestBesideABlockAtAnyAngle) {
+  for (const double angle : {0.0, 0.3, 2.5}) {
+    const Eigen::Rotation2Dd rotation(angle);
+    const auto turn = [&](const Vec<2>& x) -> Vec<2> { return rotation * x; };
+    expect_rest<2>(tank_with_a_block().simulation(l0, turn), l0, 0.2);
+  }
+}
+
+TEST(ImageWalls, KeepWaterAtRestInATankIn3D) {
+  const Eigen::AngleAxisd rotation(0.7, Vec<3>(1, 2, 3).normalized());
+  auto scene = tank_in_3d(l0);
+  const Box<3> box{.lower = {0, 0, 0}, .upper = {6 * l0, 5 * l0, 1}};
+  scene.walls = silt::faces_of(box, Sides<3>::open());
+  for (const bool is_turned : {false, true}) {
+    const auto turn = [&](const Vec<3>& x) -> Vec<3> { return is_turned ? rotation * x : x; };
+    expect_rest<3>(scene.simulation(l0, turn), l0, scene.surface);
+  }
+}
+
+// Two sides of a wall without thickness, with water at different heights.
+TEST(ImageWalls, SeparateWaterOnTheirTwoSides) {
+  mps::Fluid<2> fluid;
+  const auto fill = [&](const Box<2>& box) {
+    for (const auto& x : lattice<2>(box, l0)) {
+      const Index i = mps::add_particle(fluid, x, mps::Kind::fluid);
+      fluid[mps::pressure][i] = 1000 * g * (box.upper[1] - l0 / 2 - x[1]);
+    }
+  };
+  fill({{0, 0}, {0.1, 0.2}});
+  fill({{0.1, 0}, {0.2, 0.1}});
+  Settings2D settings{.spacing = l0, .speed_scale = 2};
+  settings.walls.segments = polyline({{0, 1}, {0, 0}, {0.2, 0}, {0.2, 1}});
+  settings.walls.segments.push_back({{Vec<2>(0.1, 0), Vec<2>(0.1, 1)}});
+  Simulation sim{fluid, UniformGrid<2>{}, mps::Flow<Mirrored>{settings}, SemiImplicit<>{}};
+  for (int k = 0; k < 50; ++k) sim.step();
+  for (Index i = 0; i < sim.particles().size(); ++i) {
+    EXPECT_LT(sim.particles()[velocity][i].norm(), 1e-9);
+  }
+}
+
+// Water that falls on a floor is stopped in one step. The upper rows are near the free surface.
+TEST(ImageWalls, StopAnImpactInOneStep) {
+  auto water = fluid_at(lattice<2>({{0, 0}, {0.4, 0.2}}, l0));
+  for (Index i = 0; i < water.size(); ++i) water[velocity][i] = {0, -1};
+  Settings2D settings{.spacing = l0, .gravity = {0, 0}, .speed_scale = 1};
+  settings.walls.segments = polyline({{0, 1}, {0, 0}, {0.4, 0}, {0.4, 1}});
+  Simulation sim{water, UniformGrid<2>{}, mps::Flow<Mirrored>{settings}, SemiImplicit<>{}};
+  sim.step(5e-4);  // too short for collisions
+  const auto& after = sim.particles();
+  for (Index i = 0; i < after.size(); ++i) {
+    if (after[position][i][1] > 7 * l0) continue;
+    EXPECT_LT(std::abs(after[velocity][i][1]), 0.06) << after[position][i].transpose();
+  }
+}
+
+TEST(ImageWalls, LetWaterSlipAlongAnObliqueChannel) {
+  const Eigen::Rotation2Dd rotation(0.4);
+  const auto turn = [&](const Vec<2>& x) -> Vec<2> { return rotation * x; };
+  mps::Fluid<2> fluid;
+  for (const auto& x : lattice<2>({{0, 0}, {0.4, 0.1}}, l0)) {
+    const Index i = mps::add_particle(fluid, turn(x), mps::Kind::fluid);
+    fluid[velocity][i] = turn({1, 0});
+  }
+  Settings2D settings{.spacing = l0, .gravity = {0, 0}, .speed_scale = 1};
+  settings.walls.segments = polyline({turn({-1, 0}), turn({2, 0})});
+  settings.walls.segments.push_back({{turn({-1, 0.1}), turn({2, 0.1})}});
+  Simulation sim{fluid, UniformGrid<2>{}, mps::Flow<Mirrored>{settings}, SemiImplicit<>{}};
+  for (int k = 0; k < 30; ++k) sim.step();
+  for (Index i = 0; i < sim.particles().size(); ++i) {
+    EXPECT_LT((sim.particles()[velocity][i] - turn({1, 0})).norm(), 1e-9);
+  }
+}
+
+Settings2D dam_break() {
+  Settings2D settings{.spacing = l0, .speed_scale = 2};
+  settings.walls.segments =
+      polyline({{0, 1}, {0, 0}, {0.3, 0}, {0.3, 0.06}, {0.36, 0.06}, {0.36, 0}, {0.6, 0}, {0.6, 1}});
+  return settings;
+}
+
+// Over a block and against a wall: nothing is lost, energy does not grow, volume is kept.
+TEST(ImageWalls, HoldADamBreakOverABlock) {
+  Simulation sim{fluid_at(lattice<2>({{0, 0}, {0.2, 0.3}}, l0)), UniformGrid<2>{},
+                 mps::Flow<Mirrored>{dam_break()}, SemiImplicit<>{}};
+  sim.step();
+  const auto energy = [&] {
+    const auto& now = sim.interaction().energy();
+    return now.kinetic + now.potential;
+  };
+  const double first = energy();
+  while (sim.time() < 0.8) {
+    sim.step();
+    ASSERT_LT(energy(), 1.01 * first) << sim.time();
+  }
+  const auto& water = sim.particles();
+  for (Index i = 0; i < water.size(); ++i) {
+    const Vec<2> x = water[position][i];
+    EXPECT_TRUE(x[0] > 0 && x[0] < 0.6 && x[1] > 0) << x.transpose();
+    EXPECT_FALSE(x[0] > 0.3 && x[0] < 0.36 && x[1] < 0.06) << x.transpose();
+    EXPECT_LT(water[mps::number_density][i], 1.3 * sim.interaction().stencil().n0);
+  }
+}
+
+TEST(ImageWalls, GiveTheSameBitsForAnyNumberOfThreads) {
+  const auto run = [](auto sim) {
+    for (int k = 0; k < 8; ++k) sim.step();
+    return state_of(sim.particles());
+  };
+  Settings2D settings{.spacing = 0.004, .speed_scale = 2};
+  settings.walls.segments = polyline({{0, 1}, {0, 0}, {0.6, 0.1}, {0.6, 1}});
+  std::vector<Vec<2>> points;
+  for (const auto& x : lattice<2>({{0, 0}, {0.3, 0.3}}, 0.004)) {
+    if (x[1] > x[0] / 6 + 0.002) points.push_back(x);
+  }
+  const auto make = [&] {
+    return Simulation{fluid_at(points), UniformGrid<2>{}, mps::Flow<Mirrored>{settings},
+                      SemiImplicit<>{}};
+  };
+  const Bytes serial = with_threads(1, [&] { return run(make()); });
+  EXPECT_TRUE(with_threads(2, [&] { return run(make()); }) == serial);
+  EXPECT_TRUE(with_threads(3, [&] { return run(make()); }) == serial);
+}
+
+using ImageWallsRestarted = FileTest;
+
+TEST_F(ImageWallsRestarted, KeepTheBits) {
+  const auto make = [&] {
+    return RunWith{Simulation{fluid_at(lattice<2>({{0, 0}, {0.2, 0.3}}, l0)), UniformGrid<2>{},
+                              mps::Flow<Mirrored>{dam_break()}, SemiImplicit<>{}}};
+  };
+  const auto measured = [](const auto& run) {
+    const mps::FlowEnergy& energy = run.simulation.interaction().energy();
+    return std::vector{energy.kinetic, energy.by_pressure, energy.by_collision, energy.added};
+  };
+  expect_the_same_bits_after_restarts(path, {.steps = 60, .number = 10}, make, measured);
+}
+
+TEST(ImageWalls, HoldParticlesThatDoNotCollide) {
+  struct WithoutCollisions : Mirrored {
+    mps::Collision collision{.distance = 0};
+  };
+  mps::FlowSettings<2, WithoutCollisions> settings{.spacing = l0, .gravity = {0, 0}};
+  settings.walls.segments = polyline({{0, 1}, {0, 0}, {1, 0}});
+  auto drop = fluid_at(std::vector<Vec<2>>{{0.3 * l0, 0.3 * l0}});
+  drop[velocity][0] = {-0.7, -1};
+  Simulation sim{drop, UniformGrid<2>{}, mps::Flow<WithoutCollisions>{settings}, SemiImplicit<>{}};
+  sim.step(0.5 * l0);
+  const Vec<2> end(0.2 * l0, 0.2 * l0);
+  EXPECT_LT((sim.particles()[position][0] - end).norm(), 1e-15);
+}
+
+TEST(ImageWalls, RefuseAParticleThatWentThroughThem) {
+  Settings2D settings{.spacing = l0, .gravity = {0, 0}};
+  settings.walls.segments = polyline({{-1, 0}, {1, 0}});
+  Simulation sim{fluid_at(std::vector<Vec<2>>{{0, 0.3 * l0}}), UniformGrid<2>{},
+                 mps::Flow<Mirrored>{settings}, SemiImplicit<>{}};
+  sim.step(1e-3);
+  sim.particles()[position][0] = {0, -0.3 * l0};
+  EXPECT_TRUE(refuses([&] { sim.step(1e-3); },
+                      {"ImageWalls: a particle went through a wall", "particle 0"}));
+}
+
+TEST(ImageWalls, RefuseWallParticlesAndInvalidFaces) {
+  auto fluid = fluid_at(lattice<2>({{0, 0}, {0.1, 0.1}}, l0));
+  mps::add_particle(fluid, {0.05, -0.01}, mps::Kind::wall);
+  Simulation sim{fluid, UniformGrid<2>{}, mps::Flow<Mirrored>{Settings2D{.spacing = l0}},
+                 SemiImplicit<>{}};
+  EXPECT_TRUE(refuses([&] { sim.step(); }, {"ImageWalls: a particle is of a wall", "remove"}));
+
+  Settings2D settings{.spacing = l0};
+  settings.walls.segments = polyline({{0, 0}, {0, 0}});
+  EXPECT_TRUE(refuses([&] { mps::Flow<Mirrored>{settings}; }, {"ImageWalls: segment 0"}));
+  Settings3D in_3d{.spacing = l0};
+  in_3d.walls.triangles = {{{Vec<3>(0, 0, 0), {1, 1, 1}, {inf, 2, 2}}}};
+  EXPECT_TRUE(refuses([&] { mps::Flow<Mirrored, 3>{in_3d}; }, {"ImageWalls: triangle 0", "inf"}));
+}
+
+}  // namespace
+}  // namespace silt::test::image_walls_test
