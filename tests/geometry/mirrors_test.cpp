@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <vector>
@@ -156,6 +157,67 @@ TEST(Mirrors, DoNotDependOnTheTriangulation) {
   for (const Vec<3>& x : points) {
     EXPECT_EQ(view_from(Faces<3>("fine", fine, reach), x, points).shares,
               view_from(Faces<3>("coarse", coarse, reach), x, points).shares);
+  }
+}
+
+TEST(Mirrors, SeeBeyondTheEndOfAWallThatIsGivenTwice) {
+  for (const auto& points : {std::vector<Vec<2>>{{0, -9}, {0, 0}, {0, -9}},
+                             std::vector<Vec<2>>{{0, -9}, {0, -5}, {0, 0}, {0, -5}}}) {
+    const Faces<2> faces("wall", polyline(points), reach);
+    MirrorsAround<2> around;
+    around.find(faces, {-0.5, -1}, reach);
+    EXPECT_EQ(around.visible_share({0.5, 1.5}), 1);
+    EXPECT_EQ(around.visible_share({0.5, -1}), 0);
+  }
+}
+
+// Corners rounded to single precision: still one plane, and one mirror.
+TEST(Mirrors, ArePlanesInSpiteOfRoundedCorners) {
+  const auto rounded = [](double x, double y) -> Vec<3> {
+    const Vec<3> at(100 + x, 200 + y, 300 + 0.3 * x - 0.7 * y);
+    return at.cast<float>().cast<double>();
+  };
+  std::vector<Face<3>> triangles;
+  for (double x = -8; x < 8; x += 1) {
+    for (double y = -8; y < 8; y += 1) {
+      triangles.push_back({{rounded(x, y), rounded(x + 1, y), rounded(x + 1, y + 1)}});
+      triangles.push_back({{rounded(x, y), rounded(x + 1, y + 1), rounded(x, y + 1)}});
+    }
+  }
+  MirrorsAround<3> around;
+  around.find(Faces<3>("plane", triangles, reach), {100.1, 200.2, 301}, reach);
+  EXPECT_TRUE(around.is_plane());
+}
+
+// Random moves between two faces at any angle, and through the diagonals of the sides of a cube.
+TEST(MovesBeforeFaces, EndBeforeThem) {
+  const auto expect_before = [](const auto& around, const auto& x, const auto& move) {
+    const auto kept = around.before_faces(move, 0.2);
+    EXPECT_GT(around.visible_share(x + kept), 0) << x.transpose() << ", " << move.transpose();
+    EXPECT_LE(kept.norm(), 2 * move.norm() + 0.4);
+  };
+  for (const double angle : {0.2, 0.4, 0.8, 1.6, 2.5, 4.0, 5.5}) {
+    const Vec<2> end(9 * std::cos(angle), 9 * std::sin(angle));
+    const Faces<2> faces("wedge", polyline({{9, 0}, {0, 0}, end}), reach);
+    const auto points = random_points(1000, Box<2>{.lower = {-1, -1}, .upper = {1, 1}}, 7);
+    const auto moves = random_points(1000, Box<2>{.lower = {-0.5, -0.5}, .upper = {0.5, 0.5}}, 8);
+    for (Index k = 0; k < points.size(); ++k) {
+      MirrorsAround<2> around;
+      around.find(faces, points[k], reach);
+      expect_before(around, points[k], moves[k]);
+    }
+  }
+  const Faces<3> cube("cube", faces_of(Box<3>{.lower = {0, 0, 0}, .upper = {2, 2, 2}}), reach);
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const double side : {0.0, 2.0}) {
+      Vec<3> x(1, 1, 1), move(0, 0, 0);
+      x[axis] = side == 0 ? 0.3 : 1.7;
+      move[axis] = side - 1;
+      MirrorsAround<3> around;
+      around.find(cube, x, reach);
+      const Vec<3> end = x + around.before_faces(0.5 * move, 0.2);
+      EXPECT_NEAR(end[axis], side == 0 ? 0.2 : 1.8, 1e-12);
+    }
   }
 }
 

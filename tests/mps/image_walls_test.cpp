@@ -113,6 +113,21 @@ TEST(ImageWalls, KeepWaterAtRestInATankIn3D) {
   }
 }
 
+// The plate hides particles whose images in the floor are seen below its end.
+TEST(ImageWalls, ShowImagesOfHiddenParticles) {
+  Settings2D settings{.spacing = l0, .speed_scale = 2};
+  settings.walls.segments = polyline({{0, 1}, {0, 0}, {0.4, 0}, {0.4, 1}});
+  settings.walls.segments.push_back({{Vec<2>(0.2, 0.4 * l0), Vec<2>(0.2, 1)}});
+  Simulation sim{fluid_at(lattice<2>({{0, 0}, {0.4, 0.2}}, l0)), UniformGrid<2>{},
+                 mps::Flow<Mirrored>{settings}, SemiImplicit<>{}};
+  sim.step(1e-6);
+  const auto& water = sim.particles();
+  for (Index i = 0; i < water.size(); ++i) {
+    if (water[position][i][1] > 6 * l0) continue;
+    EXPECT_NEAR(water[mps::number_density][i] / sim.interaction().stencil().n0, 1, 1e-6);
+  }
+}
+
 // Two sides of a wall without thickness, with water at different heights.
 TEST(ImageWalls, SeparateWaterOnTheirTwoSides) {
   mps::Fluid<2> fluid;
@@ -170,7 +185,8 @@ TEST(ImageWalls, LetWaterSlipAlongAnObliqueChannel) {
 Settings2D dam_break() {
   Settings2D settings{.spacing = l0, .speed_scale = 2};
   settings.walls.segments =
-      polyline({{0, 1}, {0, 0}, {0.3, 0}, {0.3, 0.06}, {0.36, 0.06}, {0.36, 0}, {0.6, 0}, {0.6, 1}});
+      polyline({{0, 1}, {0, 0}, {0.3, 0}, {0.3, 0.06}, {0.36, 0.06}, {0.36, 0}, {0.6, 0},
+                {0.6, 1}});
   return settings;
 }
 
@@ -245,15 +261,29 @@ TEST(ImageWalls, HoldParticlesThatDoNotCollide) {
   EXPECT_LT((sim.particles()[position][0] - end).norm(), 1e-15);
 }
 
+// A source that moves the particles with u* does not know of walls.
 TEST(ImageWalls, RefuseAParticleThatWentThroughThem) {
-  Settings2D settings{.spacing = l0, .gravity = {0, 0}};
+  struct Moved : Mirrored {
+    mps::DensitySource source{};
+    mps::Collision collision{.distance = 0};
+  };
+  mps::FlowSettings<2, Moved> settings{.spacing = l0, .gravity = {0, 0}};
   settings.walls.segments = polyline({{-1, 0}, {1, 0}});
-  Simulation sim{fluid_at(std::vector<Vec<2>>{{0, 0.3 * l0}}), UniformGrid<2>{},
-                 mps::Flow<Mirrored>{settings}, SemiImplicit<>{}};
-  sim.step(1e-3);
-  sim.particles()[position][0] = {0, -0.3 * l0};
-  EXPECT_TRUE(refuses([&] { sim.step(1e-3); },
-                      {"ImageWalls: a particle went through a wall", "particle 0"}));
+  auto drop = fluid_at(std::vector<Vec<2>>{{0, 0.3 * l0}});
+  drop[velocity][0] = {0, -1};
+  Simulation sim{drop, UniformGrid<2>{}, mps::Flow<Moved>{settings}, SemiImplicit<>{}};
+  const auto message = "ImageWalls: a particle went through a wall";
+  EXPECT_TRUE(refuses([&] { sim.step(0.5 * l0); }, {message, "particle 0"}));
+  EXPECT_EQ(sim.particles()[position][0], Vec<2>(0, 0.3 * l0));
+  sim.step(0.1 * l0);
+
+  // Ghosts, which are made anew within a step, change nothing of this.
+  Box<2> box{.lower = {-4 * l0, -1}, .upper = {4 * l0, 1}};
+  box.periodic[0] = true;
+  auto in_box = fluid_at(std::vector<Vec<2>>{{0, 0.3 * l0}}, box);
+  in_box[velocity][0] = {0, -1};
+  Simulation periodic{in_box, UniformGrid<2>{}, mps::Flow<Moved>{settings}, SemiImplicit<>{}};
+  EXPECT_TRUE(refuses([&] { periodic.step(0.5 * l0); }, {message, "particle 0"}));
 }
 
 TEST(ImageWalls, RefuseWallParticlesAndInvalidFaces) {
@@ -264,6 +294,17 @@ TEST(ImageWalls, RefuseWallParticlesAndInvalidFaces) {
   EXPECT_TRUE(refuses([&] { sim.step(); }, {"ImageWalls: a particle is of a wall", "remove"}));
 
   Settings2D settings{.spacing = l0};
+  settings.walls.segments = polyline({{-1, 0}, {1, 0}});
+  Simulation on_wall{fluid_at(std::vector<Vec<2>>{{0, 1e-4 * l0}}), UniformGrid<2>{},
+                     mps::Flow<Mirrored>{settings}, SemiImplicit<>{}};
+  EXPECT_TRUE(refuses([&] { on_wall.step(1e-3); }, {"ImageWalls: a particle at", "from a wall"}));
+
+  Box<2> box{.lower = {-1, -1}, .upper = {1, 1}};
+  box.periodic[0] = true;
+  Simulation at_side{fluid_at(lattice<2>({{0, 0}, {0.1, 0.1}}, l0), box), UniformGrid<2>{},
+                     mps::Flow<Mirrored>{settings}, SemiImplicit<>{}};
+  EXPECT_TRUE(refuses([&] { at_side.step(1e-3); }, {"ImageWalls: a wall ends at", "periodic"}));
+
   settings.walls.segments = polyline({{0, 0}, {0, 0}});
   EXPECT_TRUE(refuses([&] { mps::Flow<Mirrored>{settings}; }, {"ImageWalls: segment 0"}));
   Settings3D in_3d{.spacing = l0};

@@ -55,8 +55,9 @@ class Faces {
   };
 
   Faces() = default;
-  /// `reach` [m] is the greatest distance at which faces are asked for. Throws if a face is
-  /// invalid: see require_size(); `name` identifies the surface.
+  /// `reach` [m] is the greatest distance at which faces are asked for, above 0. Throws if a face
+  /// is invalid, see require_size(), or larger than 1e8 cells of that size; `name` identifies the
+  /// surface.
   Faces(const std::string& name, const std::vector<Face<Dim>>& faces, double reach)
       : cell_(reach) {
     elements_.reserve(faces.size());
@@ -91,46 +92,92 @@ class Faces {
     }
   };
 
-  // Faces with a common edge and the same plane.
+  // A side of a face: the edge from corner k to the next one (in 2D, the end k).
+  struct SideOfFace {
+    std::uint32_t element;
+    std::size_t k;
+  };
+  using Edge = std::array<std::array<double, std::size_t(Dim)>, std::size_t(Dim) - 1>;
+
+  Edge edge_of(const SideOfFace& side) const {
+    Edge edge;
+    for (std::size_t end = 0; end < edge.size(); ++end) {
+      const Vec& x = elements_[side.element].face.corners[(side.k + end) % std::size_t(Dim)];
+      for (int axis = 0; axis < Dim; ++axis) edge[end][std::size_t(axis)] = x[axis] + 0.0;  // no −0
+    }
+    std::ranges::sort(edge);
+    return edge;
+  }
+  // From a point of the edge to the opposite corner (in 2D, to the other end).
+  Vec inwards(const SideOfFace& side, const Vec& from) const {
+    const auto& corners = elements_[side.element].face.corners;
+    return corners[(side.k + std::size_t(Dim) - 1) % std::size_t(Dim)] - from;
+  }
+
+  // A facet is the faces connected with its first one in the plane of that one.
   void join_facets() {
-    std::vector<std::uint32_t> parent(elements_.size());
-    for (std::size_t k = 0; k < parent.size(); ++k) parent[k] = std::uint32_t(k);
-    const auto root = [&](std::uint32_t k) {
-      while (parent[k] != k) k = parent[k] = parent[parent[k]];
-      return k;
-    };
-    using Edge = std::array<std::array<double, std::size_t(Dim)>, std::size_t(Dim) - 1>;
-    std::map<Edge, std::vector<std::pair<std::uint32_t, std::size_t>>> edges;
+    std::map<Edge, std::vector<SideOfFace>> edges;
     for (std::uint32_t e = 0; e < elements_.size(); ++e) {
-      for (std::size_t k = 0; k < std::size_t(Dim); ++k) {
-        Edge edge;
-        for (std::size_t end = 0; end < edge.size(); ++end) {
-          const Vec& x = elements_[e].face.corners[(k + end) % std::size_t(Dim)];
-          for (int axis = 0; axis < Dim; ++axis) edge[end][std::size_t(axis)] = x[axis] + 0.0;
+      for (std::size_t k = 0; k < std::size_t(Dim); ++k) edges[edge_of({e, k})].push_back({e, k});
+    }
+    std::vector<bool> has_facet(elements_.size(), false);
+    std::vector<std::uint32_t> waiting;
+    for (std::uint32_t first = 0; first < elements_.size(); ++first) {
+      if (has_facet[first]) continue;
+      has_facet[first] = true;
+      waiting.assign(1, first);
+      while (!waiting.empty()) {
+        const std::uint32_t e = waiting.back();
+        waiting.pop_back();
+        for (std::size_t k = 0; k < std::size_t(Dim); ++k) {
+          for (const SideOfFace& other : edges[edge_of({e, k})]) {
+            if (has_facet[other.element] || !continues({e, k}, other, elements_[first])) continue;
+            has_facet[other.element] = true;
+            take_plane(elements_[other.element], elements_[first]);
+            waiting.push_back(other.element);
+          }
         }
-        std::ranges::sort(edge);
-        edges[edge].emplace_back(e, k);
       }
     }
     for (const auto& [edge, sides] : edges) {
-      for (const auto& [e, k] : sides) {
-        for (const auto& [other, l] : sides) {
-          if (other == e || !is_same_plane(elements_[e], elements_[other])) continue;
-          parent[root(e)] = root(other);
-          elements_[e].is_rim[k] = false;
+      for (const SideOfFace& one : sides) {
+        for (const SideOfFace& other : sides) {
+          if (elements_[one.element].facet == elements_[other.element].facet &&
+              are_opposite(one, other)) {
+            elements_[one.element].is_rim[one.k] = false;
+          }
         }
       }
     }
-    for (std::uint32_t e = 0; e < elements_.size(); ++e) elements_[e].facet = root(e);
-    for (Element& element : elements_) {  // one plane for all of its faces
-      const Element& first = elements_[element.facet];
-      const double sign = element.normal.dot(first.normal) > 0 ? 1 : -1;
-      element.normal = sign * first.normal;
-      element.offset = sign * first.offset;
-    }
   }
-  static bool is_same_plane(const Element& one, const Element& other) {
-    return std::abs(one.normal.dot(other.normal)) > 1 - 1e-12;
+  // Whether a face lies beyond the edge of another one, in the plane of a third, to the round-off
+  // of corners in single precision.
+  bool continues(const SideOfFace& one, const SideOfFace& other, const Element& plane) const {
+    if (!are_opposite(one, other)) return false;
+    const Vec& a = plane.face.corners[0];
+    const double size = (plane.face.corners[1] - a).norm();
+    return std::ranges::all_of(elements_[other.element].face.corners, [&](const Vec& corner) {
+      const double round_off =
+          4 * double(std::numeric_limits<float>::epsilon()) * corner.cwiseAbs().maxCoeff();
+      return std::abs(plane.height(corner)) <= round_off * (1 + (corner - a).norm() / size);
+    });
+  }
+  // Not of a face that lies on the other one.
+  bool are_opposite(const SideOfFace& one, const SideOfFace& other) const {
+    const Vec& x = elements_[one.element].face.corners[one.k];
+    Vec across = inwards(one, x);
+    if constexpr (Dim == 3) {
+      const auto& corners = elements_[one.element].face.corners;
+      const Vec along = corners[(one.k + 1) % 3] - corners[one.k];
+      across -= across.dot(along) / along.squaredNorm() * along;
+    }
+    return across.dot(inwards(other, x)) < 0;
+  }
+  static void take_plane(Element& element, const Element& plane) {
+    const double sign = element.normal.dot(plane.normal) > 0 ? 1 : -1;
+    element.normal = sign * plane.normal;
+    element.offset = sign * plane.offset;
+    element.facet = plane.facet;
   }
 
   void fill_cells(const std::string& name) {

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <vector>
@@ -68,39 +69,49 @@ class MirrorsAround {
   /// Whether there is nothing but one plane.
   bool is_plane() const { return is_plane_; }
 
-  /// The share of a point, closer than the reach, that is seen from x: 0 if a face is between them,
+  /// The share of a point, closer than the reach, that is seen from x: 0 if a face is in between,
   /// else 1; 1/2 if the line to it goes through an edge, behind which something else is seen.
   double visible_share(const Vec& point) const {
     if (empty()) return 1;
     if (is_plane()) return is_before_plane(point);
     return share_of_lines(point, {}, [&](const Vec& from, const Vec& to, const auto&) {
-      return std::ranges::none_of(elements_, [&](const Element& element) {
-        return (element.height(from) > 0) != (element.height(to) > 0) &&
-               meets_line(element.face, from, to);
-      });
+      return std::ranges::none_of(
+          elements_, [&](const Element& element) { return is_between_points(element, from, to); });
     });
   }
 
   /// A move of x, shorter than the reach, that ends no closer to a face than this clearance [m], or
-  /// than x is: where the given move would, the rest of it is along the face.
+  /// than x is: where the given move would, the rest of it is along the face. Zero where faces
+  /// leave no such move.
   Vec before_faces(const Vec& move, double clearance) const {
     if (distance_ - move.norm() >= clearance) return move;
-    constexpr int max_corners = 3;  // faces that meet are left one after another
+    constexpr int max_faces = 3;  // those that meet in a corner are left one after another
     Vec end = x_ + move;
-    for (int k = 0; k < max_corners; ++k) {
+    bool is_changed = false;
+    for (int k = 0; k < max_faces; ++k) {
       for (const Element& element : elements_) {
         const Vec from_face = end - nearest_of(element.face, end);
-        const double least =
-            std::min(clearance, (x_ - nearest_of(element.face, x_)).norm());
+        const double distance = from_face.norm();
+        const double least = std::min(clearance, distance_from(element));
         const double before = element.height(x_), behind = element.height(end);
-        if ((before > 0) != (behind > 0) && meets_line(element.face, x_, end)) {
+        if (is_between(element, x_, end)) {
           end += ((before > 0 ? least : -least) - behind) * element.normal;
-        } else if (const double distance = from_face.norm(); distance < least && distance > 0) {
+        } else if (distance < least && distance > 0) {
           end += (least / distance - 1) * from_face;
+        } else {
+          continue;
         }
+        is_changed = true;
       }
     }
-    return end - x_;
+    if (!is_changed) return move;
+    const bool is_free = std::ranges::all_of(elements_, [&](const Element& element) {
+      constexpr double round_off = 1e-9;
+      return !is_between(element, x_, end) &&
+             (end - nearest_of(element.face, end)).norm() >=
+                 (1 - round_off) * std::min(clearance, distance_from(element));
+    });
+    return is_free ? Vec(end - x_) : Vec(Vec::Zero());
   }
 
   /// f(mirror, share_of) for each mirror that may show points as closer to x than the reach;
@@ -122,25 +133,52 @@ class MirrorsAround {
     }
   }
 
+  /// Distance of x from the nearest face [m]; infinite beyond the reach.
+  double distance() const { return distance_; }
+
  private:
+  double distance_from(const Element& element) const {
+    return (x_ - nearest_of(element.face, x_)).norm();
+  }
+  static bool is_between_points(const Element& element, const Vec& from, const Vec& to) {
+    return (element.height(from) > 0) != (element.height(to) > 0) &&
+           meets_line(element.face, from, to);
+  }
+  // The same for the lines on both sides of this one, in case that it goes through an edge.
+  bool is_between(const Element& element, const Vec& from, const Vec& to) const {
+    const Shifts shift = shifts();
+    return is_between_points(element, from + shift.begin, to + shift.end) ||
+           is_between_points(element, from - shift.begin, to - shift.end);
+  }
+
+  struct Shifts {
+    Vec begin;
+    Vec end;
+  };
+  // In no special direction.
+  Shifts shifts() const {
+    static constexpr double begin[] = {0.61e-6, 0.33e-6, 0.17e-6};
+    static constexpr double end[] = {0.29e-6, -0.43e-6, 0.71e-6};
+    Shifts shifts;
+    for (int k = 0; k < Dim; ++k) {
+      shifts.begin[k] = begin[k] * reach_;
+      shifts.end[k] = end[k] * reach_;
+    }
+    return shifts;
+  }
+
   // Lines through edges and corners of the surface would meet none or several of its faces: they
   // are shifted to both sides. The line from a point to x gives the same as that from x to it.
   template <class IsSeen>
   double share_of_lines(const Vec& point, const Mirror<Dim>& mirror, const IsSeen& is_seen) const {
-    Vec at_begin, at_end;
-    for (int k = 0; k < Dim; ++k) {
-      static constexpr double begin[] = {0.61e-6, 0.33e-6, 0.17e-6};
-      static constexpr double end[] = {0.29e-6, -0.43e-6, 0.71e-6};
-      at_begin[k] = begin[k] * reach_;
-      at_end[k] = end[k] * reach_;
-    }
+    const Shifts shift = shifts();
     const bool is_reversed =
         std::lexicographical_compare(point.begin(), point.end(), x_.begin(), x_.end());
     const Vec& from = is_reversed ? point : x_;
     const Vec& to = is_reversed ? x_ : point;
     const Mirror<Dim> through = is_reversed ? mirror.inverse() : mirror;
-    return 0.5 * (double(is_seen(from + at_begin, to + at_end, through)) +
-                  double(is_seen(from - at_begin, to - at_end, through)));
+    return 0.5 * (double(is_seen(from + shift.begin, to + shift.end, through)) +
+                  double(is_seen(from - shift.begin, to - shift.end, through)));
   }
   bool is_before_plane(const Vec& point) const {
     return (elements_[0].height(x_) > 0) == (elements_[0].height(point) > 0);
@@ -157,9 +195,10 @@ class MirrorsAround {
     return {Mirror<Dim>::Matrix::Identity() - 2 * n * n.transpose(), 2 * element.offset * n};
   }
 
-  // Mirrors of mirrors, each once. A line shorter than the reach meets faces closer than that only.
+  // Mirrors of mirrors, each once; between acute faces there is no end of them. A line shorter than
+  // the reach meets faces closer than that only.
   std::vector<Seen>& find_mirrors() const {
-    constexpr std::size_t max_mirrors = 256;  // between nearly parallel or at acute facets
+    constexpr std::size_t max_mirrors = 256;
     static thread_local std::vector<Seen> mirrors;  // keeps its capacity
     mirrors.assign(1, {{}, x_, nullptr});
     for (std::size_t k = 0; k < mirrors.size(); ++k) {
@@ -169,11 +208,12 @@ class MirrorsAround {
         const double height = element.height(from.observer);
         if (!(std::abs(height) < reach_) || !is_before(element, from)) continue;
         const Vec observer = from.observer - (2 * height) * element.normal;
+        const Mirror<Dim> mirror = from.mirror.after(mirror_in(element));
         const bool is_known = std::ranges::any_of(mirrors, [&](const Seen& seen) {
-          return (seen.observer - observer).norm() < 1e-9 * reach_;
+          return (seen.observer - observer).norm() < 1e-9 * reach_ &&
+                 (seen.mirror.rotation - mirror.rotation).norm() < 1e-9;
         });
-        if (is_known) continue;
-        mirrors.push_back({from.mirror.after(mirror_in(element)), observer, &element});
+        if (!is_known) mirrors.push_back({mirror, observer, &element});
       }
     }
     mirrors.erase(mirrors.begin());

@@ -37,7 +37,8 @@ class ClosePairs {
   using Vec = silt::Vec<dimension, Real>;
   using Pair = CollidingPair<dimension, Real>;
 
-  ClosePairs(const P& particles, const Operators& operators, const CloseRange<Real>& range, Index i)
+  ClosePairs(const P& particles, const Operators& operators, const CloseRange<Real>& range,
+             Index i)
       : particles_(particles), operators_(operators), range_(range), index_(i) {}
 
   Index index() const { return index_; }

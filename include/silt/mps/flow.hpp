@@ -172,7 +172,7 @@ class BasicFlow {
     };
     find_changes(particles, changes_.pressure, [&](Index i) -> Vec {
       const Vec change = factor * step.at(i).pressure_gradient(settings_.gradient, rise_of);
-      return before_walls(i, u[i], change, time_step);
+      return change_before_walls(i, u[i], change, time_step);
     });
     return report_;
   }
@@ -185,7 +185,8 @@ class BasicFlow {
       particles.refresh_ghosts(velocity);
       const auto step = view(particles, time_step);
       find_changes(particles, changes_.shift, [&](Index i) -> Vec {
-        return before_walls(i, settings_.shifting.displacement(step.at(i)));
+        return shift_before_walls(particles, i, settings_.shifting.displacement(step.at(i)),
+                                  time_step);
       });
       apply_changes(changes_.shift, particles, position);
     }
@@ -193,7 +194,7 @@ class BasicFlow {
     const auto u = particles[velocity];
     const auto x = particles[position];
     for_each_of_fluid(particles, [&](Index i) {
-      x[i] += dt * (advection_velocity_.empty() ? u[i] : Vec(u[i] - advection_velocity_[i]));
+      x[i] += dt * displacement_velocity(u, i);
     });
     energy_.end(particles, changes_, force_.values(), time_step);
   }
@@ -203,9 +204,7 @@ class BasicFlow {
   template <FluidParticles P>
   void check_step(const P& particles, const FinishedStep& step) const {
     time_step_.end(particles, settings_, step);
-    if constexpr (HidesNeighbours<typename Operators::Walls>) {
-      operators_.walls().check_moves(particles);
-    }
+    check_walls(particles);
   }
 
   void save() noexcept {
@@ -245,7 +244,9 @@ class BasicFlow {
   }
   template <class P, class S>
   void find_neighbours_of_moved(const P& particles, const S& search) {
-    if (!operators_.are_current(particles)) find_neighbours(particles, search);
+    if (operators_.are_current(particles)) return;
+    check_walls(particles);
+    find_neighbours(particles, search);
   }
 
   // ∇²P of particle i, without what images are known to add to it: (9), (16). Not inlined, so that
@@ -255,23 +256,39 @@ class BasicFlow {
     return source_.value(step.at(i)) - step.at(i).rise_of_images();
   }
 
-  // The part of a move [m] that does not go into a wall.
-  Vec before_walls(Index i, const Vec& move) const {
+  // Throws if a particle went through a wall in this step.
+  template <class P>
+  void check_walls([[maybe_unused]] const P& particles) const {
     if constexpr (HidesNeighbours<typename Operators::Walls>) {
-      return operators_.walls().before_walls(i, move);
-    } else {
-      return move;
+      operators_.walls().check_moves(particles);
     }
   }
   // The change of the velocity u with which the particle does not move into a wall.
-  Vec before_walls(Index i, const Vec& u, const Vec& change, double time_step) const {
+  Vec change_before_walls([[maybe_unused]] Index i, [[maybe_unused]] const Vec& u,
+                          const Vec& change, [[maybe_unused]] double time_step) const {
     if constexpr (HidesNeighbours<typename Operators::Walls>) {
       const Vec from = needs_moved_particles ? Vec(Vec::Zero()) : u;
       const Vec move = Real(time_step) * (from + change);
-      return change + (before_walls(i, move) - move) / Real(time_step);
+      return change + (operators_.walls().before_walls(i, move) - move) / Real(time_step);
     } else {
       return change;
     }
+  }
+  // The shift [m] that together with the flow does not move the particle into a wall.
+  template <class P>
+  Vec shift_before_walls([[maybe_unused]] const P& particles, [[maybe_unused]] Index i,
+                         const Vec& shift, [[maybe_unused]] double time_step) const {
+    if constexpr (HidesNeighbours<typename Operators::Walls>) {
+      const Vec move = Real(time_step) * displacement_velocity(particles[velocity], i);
+      return operators_.walls().before_walls(i, shift + move) - move;
+    } else {
+      return shift;
+    }
+  }
+  // That of the rest of the step, of particles that may have been moved with u*.
+  template <class U>
+  Vec displacement_velocity(const U& u, Index i) const {
+    return advection_velocity_.empty() ? Vec(u[i]) : Vec(u[i] - advection_velocity_[i]);
   }
 
   template <class P>

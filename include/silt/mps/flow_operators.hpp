@@ -71,7 +71,7 @@ class FlowOperators {
   template <FluidParticles P, class S>
   void find(const P& particles, const S& search) {
     if constexpr (HidesNeighbours<Walls>) {
-      walls_.locate(particles, reach());
+      walls_.locate(particles, search, *this);
       find(particles, search, [&](Index i, Index j) { return walls_.visible_share(i, j); });
     } else {
       find(particles, search, AllVisible{});
@@ -99,8 +99,8 @@ class FlowOperators {
   [[gnu::always_inline]] inline void for_each_in_laplacian(Index i, F&& f) const {
     for_each_in(laplacian_neighbourhood(), laplacian_stencil_, i, f);
   }
-  /// Whether is(neighbour) is true for any of those of for_each(); r_ij and w/r² of particles are not
-  /// set.
+  /// Whether is(neighbour) is true for any of those of for_each(); r_ij and w/r² of particles are
+  /// not set.
   template <class F>
   bool any(Index i, F&& is) const {
     const Vec unset = Vec::Zero();

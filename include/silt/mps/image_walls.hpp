@@ -2,6 +2,7 @@
 // Walls as shapes, in which the fluid is mirrored.
 #pragma once
 
+#include <silt/core/box.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/nearest_image.hpp>
 #include <silt/core/parallel.hpp>
@@ -11,6 +12,7 @@
 #include <silt/geometry/mirrors.hpp>
 #include <silt/mps/fluid.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -37,7 +39,6 @@ struct ImageOfParticle {
   Kind kind(const auto&) const { return Kind::dummy; }
   Vec velocity(const auto& u) const { return multiply<Dim, Real>(rotation, Vec(u[index])); }
   Real rise(const Vec& gradient) const { return gradient.dot(shift); }
-  Real pressure(const auto& p, const Vec& gradient) const { return p[index] + rise(gradient); }
 };
 
 /// Walls at rest without wall particles, along which fluid slips: segments in 2D, triangles in 3D.
@@ -47,7 +48,8 @@ struct ImageOfParticle {
 /// them. Faces have two sides, and fluid may be on both.
 ///
 /// All particles must be fluid. In a periodic box, a wall has to extend beyond the sides by the
-/// effective radius. The kernel needs a slope: see SmoothKernel.
+/// effective radius. The kernel needs a slope: see SmoothKernel. Between acute faces, a particle
+/// sees at most 256 images of another one.
 struct ImageWalls {
   std::vector<Face<2>> segments;   ///< in 2D, see polyline() in silt/geometry/shapes.hpp
   std::vector<Face<3>> triangles;  ///< in 3D, see faces_of()
@@ -81,58 +83,35 @@ class ImageWalls::InFlow {
     }
   }
 
-  /// Finds the faces near each particle, closer than the reach [m]. Throws if a particle is not
-  /// fluid, or has gone through a face since the last call.
-  template <FluidParticles P>
-  void locate(const P& particles, Real reach) {
+  /// Finds the faces near each particle, and the images that it sees. Throws if a particle is not
+  /// fluid or on a face, if a face is too large, or if a wall ends at a periodic side.
+  template <FluidParticles P, class S, class Operators>
+  void locate(const P& particles, const S& search, const Operators& operators) {
     refuse_solids(particles);
-    check_moves(particles);
-    if (double(reach) != reach_) {
-      faces_ = Faces<Dim>("ImageWalls", given_, double(reach));
-      reach_ = double(reach);
+    spacing_ = double(operators.stencil().spacing);
+    if (double(operators.reach()) != reach_) {
+      faces_ = Faces<Dim>("ImageWalls", given_, double(operators.reach()));
+      reach_ = double(operators.reach());
     }
+    if (particles.box().any_periodic()) check_ends(particles.box());
     const auto x = particles.with_ghosts(position);
     revision_ = 0;  // until all are located
     positions_.resize(x.size());
     for_each(x.size(), [&](Index j) { positions_[j] = x[j].template cast<double>(); });
     around_.resize(particles.size());
     for_each(particles.size(), [&](Index i) { around_[i].find(faces_, positions_[i], reach_); });
-    revision_ = particles.revision();
+    refuse_particles_on_faces(particles);
+    images_.resize(particles.size());
+    for_each(particles.size(), [&](Index i) { find_images(search, i); });
+    revision_ = particles.owned_revision();
   }
   /// The share of particle j that particle i sees: see MirrorsAround.
   Real visible_share(Index i, Index j) const {
     return Real(around_[i].visible_share(positions_[j]));
   }
 
-  /// Finds the images that each particle sees.
-  template <FluidParticles P, class Operators>
-  void find(const P& particles, const Operators& operators) {
-    const bool is_wider = operators.laplacian_stencil().re > operators.stencil().re;
-    const auto& neighbourhood =
-        is_wider ? operators.laplacian_neighbourhood() : operators.neighbourhood();
-    spacing_ = double(operators.stencil().spacing);
-    images_.resize(particles.size());
-    for_each(particles.size(), [&](Index i) {
-      Images& images = images_[i];
-      images.rotations.clear();
-      images.places.clear();
-      const auto row = neighbourhood[i];
-      around_[i].for_each_mirror([&](const Mirror<Dim>& mirror, const auto& share_of) {
-        const auto add = [&](Index j) {
-          const silt::Vec<Dim> image = mirror(positions_[j]);
-          const Vec r_ij = (image - positions_[i]).template cast<Real>();
-          if (!(r_ij.norm() < Real(reach_))) return;
-          const double share = share_of(positions_[j]);
-          if (!(share > 0)) return;
-          images.places.push_back({std::uint32_t(j), std::uint32_t(images.rotations.size()), r_ij,
-                                   (image - positions_[j]).template cast<Real>(), Real(share)});
-        };
-        add(i);
-        for (Index k = 0; k < row.size(); ++k) add(row.index[k]);
-        images.rotations.push_back(mirror.rotation.template cast<Real>());
-      });
-    });
-  }
+  /// Images have been found by locate().
+  void find(const auto&, const auto&) {}
 
   /// f(image) for the images that particle i sees within a stencil.
   template <class T, class F>
@@ -152,6 +131,8 @@ class ImageWalls::InFlow {
   template <class View, class U>
   Real divergence(const View& at, const U& u) const {
     const auto& stencil = at.stencil();
+    static_assert(requires { stencil.slope(Real()); },
+                  "mps: ImageWalls need a kernel with a slope, see SmoothKernel");
     const Vec own = u[at.index()];
     Real sum = 0;
     at.for_each([&](const auto& j) {
@@ -184,10 +165,10 @@ class ImageWalls::InFlow {
         .template cast<Real>();
   }
 
-  /// Throws if a particle has gone through a face since the faces were found.
+  /// Throws if a particle has gone through a face since locate().
   template <FluidParticles P>
   void check_moves(const P& particles) const {
-    if (particles.revision() != revision_ || particles.size() != around_.size()) return;
+    if (particles.owned_revision() != revision_ || particles.size() != around_.size()) return;
     const auto x = particles[position];
     const NearestImage nearest(particles.box());
     const Index i = first_where(particles.size(), [&](Index k) {
@@ -214,14 +195,69 @@ class ImageWalls::InFlow {
     std::vector<Place> places;
   };
 
+  // Among the particles that the search finds, those that i does not see as well: it may see their
+  // images.
+  template <class S>
+  void find_images(const S& search, Index i) {
+    Images& images = images_[i];
+    images.rotations.clear();
+    images.places.clear();
+    if (around_[i].empty()) return;
+    static thread_local std::vector<Index> candidates;  // keeps its capacity
+    candidates.assign(1, i);
+    search.for_each_neighbour(i, [](Index j, const auto&, auto) { candidates.push_back(j); });
+    around_[i].for_each_mirror([&](const Mirror<Dim>& mirror, const auto& share_of) {
+      for (const Index j : candidates) {
+        const silt::Vec<Dim> image = mirror(positions_[j]);
+        const Vec r_ij = (image - positions_[i]).template cast<Real>();
+        if (!(r_ij.norm() < Real(reach_))) continue;
+        const double share = share_of(positions_[j]);
+        if (!(share > 0)) continue;
+        images.places.push_back({std::uint32_t(j), std::uint32_t(images.rotations.size()), r_ij,
+                                 (image - positions_[j]).template cast<Real>(), Real(share)});
+      }
+      images.rotations.push_back(mirror.rotation.template cast<Real>());
+    });
+  }
+
   template <class P>
   static void refuse_solids(const P& particles) {
     const auto kinds = particles[kind];
     const Index i = first_where(particles.size(), [&](Index k) { return kinds[k] != Kind::fluid; });
     if (i == no_index) return;
-    fail("ImageWalls: a particle is of a wall, but these walls are faces; remove all wall and dummy "
-         "particles",
+    fail("ImageWalls: a particle is of a wall, but these walls are faces; remove all wall and "
+         "dummy particles",
          {.particle = i, .id = particles.id(i)});
+  }
+  // Its image would be at the same position.
+  template <class P>
+  void refuse_particles_on_faces(const P& particles) const {
+    constexpr double closest = 1e-3;  // spacings
+    const Index i = first_where(particles.size(), [&](Index k) {
+      return around_[k].distance() < closest * spacing_;
+    });
+    if (i == no_index) return;
+    fail("ImageWalls: a particle at " + to_text(positions_[i]) + " m has a distance of " +
+             to_text(around_[i].distance()) + " m from a wall; begin with half a spacing",
+         {.particle = i, .id = particles.id(i)});
+  }
+  // Fluid sees beyond a periodic side, where a wall that ends at it has no copies.
+  void check_ends(const Box<Dim, Real>& box) const {
+    for (const auto& element : faces_.elements()) {
+      for (int k = 0; k < Dim; ++k) {
+        if (!element.is_rim[std::size_t(k)]) continue;
+        for (int axis = 0; axis < Dim; ++axis) {
+          if (!box.periodic[std::size_t(axis)]) continue;
+          const double x = element.face.corners[std::size_t(k)][axis];
+          const double lower = double(box.lower[axis]), upper = double(box.upper[axis]);
+          const double beyond = std::max(lower - x, x - upper);
+          if (beyond < -1e-9 * (upper - lower) || beyond >= reach_) continue;
+          fail("ImageWalls: a wall ends at " + to_text(element.face.corners[std::size_t(k)]) +
+               " m, at a periodic side of the box; let it extend beyond by at least " +
+               to_text(reach_) + " m");
+        }
+      }
+    }
   }
 
   std::vector<Face<Dim>> given_;

@@ -9,7 +9,7 @@ namespace silt::mps {
 
 /// A neighbour j of particle i. The image of a particle in a wall, which a wall model may add to
 /// the sums (see AddsImages in silt/mps/walls.hpp), has the same members, but mirrored values.
-/// Sums that take the values from velocity() and pressure() are therefore right for both.
+/// Sums that take the velocity from velocity() are therefore right for both.
 template <int Dim, class RealType>
 struct Neighbour {
   using Real = RealType;
@@ -30,11 +30,6 @@ struct Neighbour {
   template <class U>
   decltype(auto) velocity(const U& u) const {
     return u[index];
-  }
-  /// Its pressure [Pa], of the pressures p of all particles; weight is ρF at particle i [Pa/m].
-  template <class Q>
-  Real pressure(const Q& p, const Vec& /*weight*/) const {
-    return p[index];
   }
 };
 

@@ -12,8 +12,8 @@
 
 namespace silt::mps {
 
-/// Refers to the particles and to FlowOperators: valid during the call that it is given to. Values of
-/// ghosts must be up to date.
+/// Refers to the particles and to FlowOperators: valid during the call that it is given to. Values
+/// of ghosts must be up to date.
 template <class Operators, FluidParticles P>
 class NeighbourView {
  public:
@@ -56,8 +56,8 @@ class NeighbourView {
   [[gnu::always_inline]] inline void for_each_in_laplacian(F&& f) const {
     operators_.for_each_in_laplacian(index_, f);
   }
-  /// Whether is(neighbour) is true for any of those of for_each(); r_ij and w/r² of particles are not
-  /// set.
+  /// Whether is(neighbour) is true for any of those of for_each(); r_ij and w/r² of particles are
+  /// not set.
   template <class F>
   bool any(F&& is) const {
     return operators_.any(index_, is);

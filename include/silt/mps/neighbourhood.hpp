@@ -63,7 +63,9 @@ class Neighbourhood {
     const auto has_row = [kinds = particles[kind]](Index i) { return kinds[i] != Kind::dummy; };
     using Indices = std::span<const std::uint32_t>;
     for_each_row(particles, search, has_row, [&](Index set, Index i, Indices js) {
-      if (!add_row(set, i, js, stencil, visible_share)) refuse_coincident(particles, i, js, stencil);
+      if (!add_row(set, i, js, stencil, visible_share)) {
+        refuse_coincident(particles, i, js, stencil);
+      }
     });
     revision_ = particles.revision();
   }

@@ -37,8 +37,8 @@ struct StepView {
 };
 
 /// A particle with its neighbours, and with the state of the flow. Where the flow has a pressure is
-/// known after the free surface has been found: to the source and to shifting. Valid during the call
-/// that it is given to.
+/// known after the free surface has been found: to the source and to shifting. Valid during the
+/// call that it is given to.
 template <class Scheme, FluidParticles P>
 class ParticleView
     : public NeighbourView<FlowOperators<Scheme, P::dimension, typename P::Real>, P> {

@@ -82,7 +82,7 @@ class PressureBoundary {
   }
 
   std::vector<std::uint8_t> has_pressure_;
-  mutable std::vector<Answer> near_boundary_;  // each written only by the evaluation of its particle
+  mutable std::vector<Answer> near_boundary_;  // each written by the evaluation of its particle
 };
 
 }  // namespace silt::mps

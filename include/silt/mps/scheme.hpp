@@ -121,6 +121,10 @@ constexpr bool check_scheme() {
   static_assert(requires { requires LaplacianWeights<LaplacianOf<S>>; },
                 "mps: the scheme has no member `laplacian` with the weights of a Laplacian (see "
                 "LaplacianWeights in silt/mps/laplacian.hpp)");
+  static_assert(!std::is_final_v<SourceOf<S>> &&
+                    !std::is_final_v<typename WallsOf<S>::template InFlow<2, double>>,
+                "mps: a final source or wall model; declare it without final, so that its optional "
+                "members can be found");
   static_assert(!detail::has_unknown_member<S>(),
                 "mps: the scheme has a member that is none of source, collision, kernel, surface, "
                 "gradient, walls, shifting and laplacian: check its name");

@@ -7,9 +7,11 @@
 #include <silt/mps/any_particle_view.hpp>
 
 #include <concepts>
+#include <type_traits>
 
 namespace silt::mps {
 
+// The name of a member is ambiguous in a class that derives from two with such a member.
 namespace detail {
 
 struct HasBegin {
@@ -20,9 +22,9 @@ struct BothBegin : S, HasBegin {};
 
 }  // namespace detail
 
-/// Whether a source has a member function begin(step), which may be a template.
+/// Whether a source that is not final has a member function begin(step), which may be a template.
 template <class S>
-concept BeginsSteps = !requires { &detail::BothBegin<S>::begin; };  // as it is ambiguous
+concept BeginsSteps = !std::is_final_v<S> && !requires { &detail::BothBegin<S>::begin; };
 
 /// value(at) returns ∇²P [Pa/m²] at a particle, from its ParticleView; needs_moved_particles
 /// selects n*, of the particles moved with u*. Optionally, begin(step) is called before the

@@ -12,13 +12,14 @@
 
 #include <concepts>
 #include <span>
+#include <type_traits>
 
 namespace silt::mps {
 
 namespace detail {
 
-/// What a model of walls may use of FlowOperators, NeighbourView and ClosePairs, to check it when it
-/// is compiled.
+/// What a model of walls may use of FlowOperators, NeighbourView and ClosePairs, to check it when
+/// it is compiled.
 template <int Dim>
 struct AnyOperators {
   const Stencil<Dim, double, CubicKernel>& stencil() const;
@@ -114,16 +115,18 @@ struct BothVisibleShare : W, HasVisibleShare {};
 /// Walls that mirror the fluid: for_each_image(i, stencil, f) calls f(image) for every image within
 /// the stencil around particle i. Images enter every sum over neighbours. An image has the members
 /// of a Neighbour, with is_image = true and the index of the mirrored particle, which may be i, and
-/// rise(weight), its pressure above that of the particle [Pa] for weight = ρF at i.
+/// rise(g), its pressure above that of the particle [Pa] where the pressure has the gradient g
+/// [Pa/m].
 template <class W>
 concept AddsImages =
-    !requires { &detail::BothForEachImage<W>::for_each_image; };  // as it is ambiguous
+    !std::is_final_v<W> && !requires { &detail::BothForEachImage<W>::for_each_image; };
 
-/// Walls that hide particles from each other: locate(particles, reach) is called before the
-/// neighbours are found within the reach [m], and j is a neighbour of i, with its weight times
-/// visible_share(i, j), if this is positive. before_walls(i, move) is the part of a move [m] that
+/// Walls that hide particles from each other: locate(particles, search, operators) is called before
+/// the neighbours are found, and j is a neighbour of i, with its weight times visible_share(i, j),
+/// if this is positive. before_walls(i, move) is the part of a move [m] that
 /// does not go into a wall; check_moves(particles) throws if one has gone through a wall.
 template <class W>
-concept HidesNeighbours = !requires { &detail::BothVisibleShare<W>::visible_share; };
+concept HidesNeighbours =
+    !std::is_final_v<W> && !requires { &detail::BothVisibleShare<W>::visible_share; };
 
 }  // namespace silt::mps
