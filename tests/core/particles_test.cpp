@@ -12,6 +12,7 @@
 #include <array>
 #include <limits>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace silt::test::particles_test {
@@ -44,6 +45,27 @@ TYPED_TEST(AllParticles, StayInTheirMemoryWhenItIsReserved) {
   while (particles.size() < 1000) particles.add(TypeParam::Vec::Zero());
   EXPECT_EQ(&particles[temperature][0], first);
   EXPECT_EQ(&particles[velocity][0], velocity_of_first);
+}
+
+// A checkpoint that keeps the names of the fields, by which another one is refused.
+struct NamesInACheckpoint {
+  static constexpr bool reads = false;
+  std::string fields;
+
+  void same(std::string_view name, const std::string& text) {
+    if (name == "fields") fields = text;
+  }
+  template <class F>
+  void within(std::string_view, F&& f) {
+    f();
+  }
+  template <class... Values>
+  void operator()(Values&&...) {}
+};
+TEST(Particles, AreDescribedByTheirFieldsInACheckpoint) {
+  NamesInACheckpoint archive;
+  Particles<2, double, velocity_t, mass_t>{}.transfer(archive);
+  EXPECT_EQ(archive.fields, "position velocity mass");
 }
 
 // Particle k at (k, k, …).

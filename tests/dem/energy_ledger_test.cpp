@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include <silt/dem/measure/energy_ledger.hpp>
+#include <silt/io/checkpoint.hpp>
 
 #include "support/check.hpp"
+#include "support/file_test.hpp"
 #include "support/grains.hpp"
 #include "support/ledger.hpp"
 #include <gtest/gtest.h>
@@ -232,6 +234,28 @@ TEST(EnergyLedger, ThrowsForAMissedStep) {
   sim.step(1e-5);
   sim.step(1e-5);
   EXPECT_TRUE(refuses([&] { ledger.after_step(sim); }, {"EnergyLedger", "step 0", "step 2"}));
+}
+
+using EnergyLedgerInACheckpoint = FileTest;
+
+TEST_F(EnergyLedgerInACheckpoint, GoesOnWithTheNextStep) {
+  const auto make = [] { return simulation(heap(), rough_spring, rough); };
+  const auto step = [](auto& sim, auto& ledger) {
+    sim.step(1e-5);
+    ledger.after_step(sim);
+  };
+  auto sim = make();
+  dem::EnergyLedger ledger{sim};
+  for (int k = 0; k < 5; ++k) step(sim, ledger);
+  write_checkpoint(path, sim, ledger);
+  auto resumed = make();
+  dem::EnergyLedger of_resumed{resumed};
+  read_checkpoint(path, resumed, of_resumed);
+  step(sim, ledger);
+  step(resumed, of_resumed);
+  EXPECT_EQ(of_resumed.time(), ledger.time());
+  EXPECT_EQ(of_resumed.energies().sum(), ledger.energies().sum());
+  EXPECT_EQ(of_resumed.work().sum(), ledger.work().sum());
 }
 
 }  // namespace

@@ -127,6 +127,8 @@ TEST(Inflow, ThrowsForValuesOutOfRange) {
                       {"Inflow: rate = 0"}));
   EXPECT_TRUE(refuses([] { dem::Inflow(above, pebbles, {.number = 1, .every = -1}); },
                       {"Inflow: every = -1"}));
+  const dem::Blend<dem::EqualSizes> weightless{.sizes = {0.01}, .density = 0};
+  EXPECT_TRUE(refuses([&] { dem::Inflow(above, weightless, {.number = 1}); }, {"density = 0"}));
   EXPECT_TRUE(
       refuses([] { dem::Outflow(dem::VerticalCylinder<>{}); }, {"VerticalCylinder: radius"}));
 }

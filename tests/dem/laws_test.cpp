@@ -301,6 +301,11 @@ TEST(Law, MixesComponentByComponent) {
   }
 }
 
+TEST(Law, HasNoCohesionUnlessItIsGiven) {
+  EXPECT_EQ(dem::ConstantCohesion{}.pull, 0);
+  EXPECT_EQ(dem::CundallStrack{}.cohesion, 0);
+}
+
 TEST(Law, ThrowsForAComponentOutOfRange) {
   using dem::Law, dem::Materials;
   const auto build = [](const auto& component) { Materials{Law{component}}; };

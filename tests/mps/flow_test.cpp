@@ -438,5 +438,14 @@ TEST(FlowSettings, AreRejectedForInvalidParametersOfPolicies) {
   EXPECT_TRUE(rejected([](auto& s) { s.collision.restitution = 2; }, "restitution = 2 "));
 }
 
+TEST(FlowSeconds, BeginAtZero) {
+  const mps::Flow<mps::Case10> water{{.spacing = 0.01}};
+  const mps::FlowSeconds& seconds = water.seconds();
+  EXPECT_EQ(seconds.neighbours, 0);
+  EXPECT_EQ(seconds.assembly, 0);
+  EXPECT_EQ(seconds.solve, 0);
+  EXPECT_EQ(seconds.pressure, 0);
+}
+
 }  // namespace
 }  // namespace silt::test::flow_test
