@@ -23,6 +23,10 @@ TEST(Random, IsPhilox) {
       (Block{0xd16cfe09, 0x94fdcceb, 0x5001e420, 0x24126ea1}));
 }
 
+TEST(Random, BeginsWithZeros) {
+  EXPECT_EQ(Random{}.uniform(), (Random{.seed = 0, .id = 0, .counter = 0}.uniform()));
+}
+
 TEST(Random, ContinuesFromItsThreeNumbers) {
   Random whole{.seed = 7, .id = 3};
   std::vector<double> numbers;

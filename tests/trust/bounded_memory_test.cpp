@@ -153,6 +153,12 @@ TYPED_TEST(BoundedMemory, IsEnoughToRefuseACrowd) {
   }
 }
 
+TEST(BoundedRows, OfACrowdAreRefusedWithASmallerRadiusThanThatOfContacts) {
+  auto grains = grains_at_one_point<2>(10'000);
+  NeighbourList<2> search({.radius = std::as_const(grains)[radius][0]});
+  EXPECT_TRUE(refuses([&] { search.update(grains); }, {"more than 64 overlaps per grain"}));
+}
+
 // Neighbours that the radius includes, but that are not in contact, are no crowd.
 TEST(BoundedRows, AreNotStoredIfTheRadiusIncludesAllParticles) {
   Particles<3, double> points;
