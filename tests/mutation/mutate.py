@@ -18,7 +18,8 @@ that the tests notice.
 
 Options of run, again and try: -j N, so many at a time; --seconds S, the processor time that a
 mutant has, by default 300; --compiler COMMAND, by default g++; --scratch FOLDER, by default
-build/mutation. Of run and list: --count, and --seed, which determines the choice.
+build/mutation. Of again and try: --first SOURCE, a test source that is tried before the others. Of
+run and list: --count, and --seed, which determines the choice.
 
 A mutant is a change of one line of core/, search/, dem/, mps/, solve/, integrate/ or io/: a sign, a
 relation, an arithmetic or logical operator, a negated condition, a constant, a deleted statement,
@@ -26,11 +27,13 @@ min and max, exchanged arguments, true and false, or an early return that is lef
 chosen at random, then one of the mutants of each line; the choice in a line does not change if
 other lines do.
 
-A mutant is in a copy of the tree. The test sources that include its header, directly or not, are
-compiled and run, the nearest first (see tests_of in programs.py), until one fails or crashes,
-twice, or hangs or takes too long, or the mutant's time is up: then it has survived. A source that
-also fails without the mutant is not used. A mutant that does not compile is not counted. After
-`errors.py run`, tests that do not execute the line of the mutant are left out.
+A mutant is in a copy of the tree. If a member of a part with state is then missing in checkpoints,
+as tests/restart_members/check.py finds, it is killed. Else the test sources that include its
+header, directly or not, are compiled and run, the nearest first (see tests_of in programs.py),
+until one fails or crashes, twice, or hangs or takes too long, or the mutant's time is up: then it
+has survived. A source that also fails without the mutant is not used. A mutant that does not
+compile is not counted. After `errors.py run`, tests that do not execute the line of the mutant are
+left out.
 
 answers.md says of each survivor why it is equivalent, or what is done about it.
 """
@@ -49,7 +52,7 @@ import threading
 import mutants as generator
 from coverage import Coverage
 from processes import Runner, Stopped, cause_of
-from programs import NOT_TESTED, Tree, Workshop, copy_of
+from programs import MEMBERS, NOT_TESTED, Tree, Workshop, copy_of
 from results import KILLED, NOT_COMPILED, SURVIVED, Results, one_line, read_answers, report
 
 HERE = pathlib.Path(__file__).resolve().parent
@@ -119,6 +122,7 @@ class Baselines:
 class Campaign:
     def __init__(self, arguments, tree, results, runner):
         self.tree, self.results, self.limit = tree, results, arguments.seconds
+        self.first = getattr(arguments, "first", ())
         self.runner = runner
         self.coverage = Coverage(arguments.scratch)
         self.baselines = Baselines(arguments.scratch / "baselines.json", tree)
@@ -136,18 +140,25 @@ class Campaign:
 
     def _try(self, mutant, workshop):
         text = (self.tree.include / "silt" / mutant.header).read_text(encoding="utf-8")
-        used, passed = 0, []
+        used, passed, checked = 0, [], False
         executes = self.coverage.executing(mutant.header, text, mutant.line)
         sources = self.tree.tests_of(mutant.header, self.results.kills(mutant.header),
                                      self.coverage.executed_lines(mutant.header))
-        for source in sources:
-            if executes(source) is False:
+        for source in sorted(sources, key=lambda each: each not in self.first):
+            if executes(source) is False and source not in self.first:
                 continue
             if self.limit - used < LEAST:
                 break
             workshop.put(mutant.header, mutant.apply(text))
             ran, result = workshop.compile(source, self.limit - used), NOT_COMPILED
             used += ran.seconds
+            if ran.status == "passed" and not checked:
+                checked = True
+                members = workshop.check_members(self.limit - used)
+                used += members.seconds
+                if members.status == "failed":
+                    found = members.output.split(f"{workshop.include}/silt/")[-1].splitlines()[0]
+                    return KILLED, f"{MEMBERS}: {found}", used
             if ran.status == "passed":
                 given = self.limit - used
                 ran, result = workshop.run(source, given), KILLED
@@ -262,6 +273,8 @@ def parsed(arguments):
         command = commands.add_parser(name)
         if name in ("again", "try", "show"):
             command.add_argument("keys", nargs="*" if name == "again" else "+", metavar="KEY")
+        if name in ("again", "try"):
+            command.add_argument("--first", action="append", default=[], metavar="SOURCE")
         if name in ("run", "again", "try"):
             command.add_argument("-j", type=int, default=1)
             command.add_argument("--seconds", type=float, default=300)

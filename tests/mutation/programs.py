@@ -11,15 +11,17 @@ import re
 import shlex
 import shutil
 import subprocess
+import sys
 import tempfile
 
 from processes import Ran
 
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]', re.MULTILINE)
-FOLDERS = ("core", "dem", "integrate", "io", "measure", "mps", "trust", "search", "solve",
-           "validation")
+FOLDERS = ("core", "dem", "geometry", "integrate", "io", "measure", "mps", "trust", "search",
+           "solve", "validation")
 NOT_TESTED = {"solve/hypre.hpp": "it needs an optional library"}
 HASHES = "tests/portability/hashes.cpp"
+MEMBERS = "tests/restart_members/check.py"
 # Programs with the first need one copy of the second, which another source may include.
 COUNTED, COUNTING = "tests/support/counted_memory.hpp", "tests/support/failing_allocations.hpp"
 FLAGS = ["-std=c++20", "-D_GLIBCXX_ASSERTIONS", "-ffp-contract=off", "-fopenmp", "-w",
@@ -174,17 +176,25 @@ class Workshop:
         self.tree, self.folder, self.runner = tree, pathlib.Path(folder), runner
         self.compiler, self.flags = shlex.split(compiler), list(flags)
         self.precompile = precompile
-        self.overlay = self.folder / "overlay"
+        self.include = tree.include
         self.folder.mkdir(parents=True, exist_ok=True)
 
     def put(self, header, text):
-        """Replaces a header for the programs compiled from now on."""
-        path = self.overlay / "silt" / header
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(text, encoding="utf-8")
+        """Replaces a header, in a copy, for the programs compiled from now on."""
+        if self.include == self.tree.include:
+            self.include = self.folder / "include"
+            shutil.rmtree(self.include, ignore_errors=True)
+            shutil.copytree(self.tree.include, self.include)
+        (self.include / "silt" / header).write_text(text, encoding="utf-8")
 
     def take_away(self, header):
-        (self.overlay / "silt" / header).unlink(missing_ok=True)
+        if self.include != self.tree.include:
+            shutil.copy(self.tree.include / "silt" / header, self.include / "silt" / header)
+
+    def check_members(self, seconds):
+        """Whether every member of a part with state is in checkpoints, as tests/run checks it."""
+        return self.runner.run([sys.executable, self.tree.root / MEMBERS, self.include,
+                                self.tree.root / "examples"], seconds, self.folder)
 
     def compile(self, source, seconds):
         """Compiles a test source to the program `program` of the folder. Throws if the compiler
@@ -208,8 +218,8 @@ class Workshop:
         # Tests that compute much are optimised, as by tests/CMakeLists.txt.
         quick = source.split("/")[1] in self.tree.quick_folders | {"portability"}
         root = self.tree.root
-        return [*FLAGS, "-Og" if quick else "-O2", f"-I{self.overlay}", f"-I{root / 'include'}",
-                f"-I{root / 'tests'}", f"-I{root / 'examples'}", "-isystem", eigen_folder(),
+        return [*FLAGS, "-Og" if quick else "-O2", f"-I{self.include}", f"-I{root / 'tests'}",
+                f"-I{root / 'examples'}", "-isystem", eigen_folder(),
                 f'-DSILT_TESTS_DIR="{root / "tests"}"', *self.flags]
 
     def _precompiled(self, options):

@@ -12,7 +12,7 @@ import threading
 import mutants as generator
 from coverage import Coverage
 from processes import Ran, Runner, Stopped, cause_of
-from programs import Tree, Workshop
+from programs import MEMBERS, Tree, Workshop
 from results import KILLED, NOT_COMPILED, SURVIVED, Results, read_answers, report
 
 HEADER = '''// A comment with 1 + 2 and true.
@@ -243,6 +243,18 @@ def test_compiler(folder):
         except RuntimeError:
             continue
         raise AssertionError("a compiler that was ended is not noticed")
+
+    check = tree.root / MEMBERS
+    check.parent.mkdir()
+    check.write_text("import pathlib, sys\n"
+                     "path = pathlib.Path(sys.argv[1], 'silt/core/b.hpp')\n"
+                     "sys.exit('state_' in path.read_text())\n", encoding="utf-8")
+    workshop = Workshop(tree, folder / "workshop", "", Runner(), precompile=False)
+    assert workshop.check_members(60).status == "passed"
+    workshop.put("core/b.hpp", "int state_;")
+    assert workshop.check_members(60).status == "failed"
+    workshop.take_away("core/b.hpp")
+    assert workshop.check_members(60).status == "passed"
 
 
 def run():
