@@ -171,6 +171,29 @@ TEST(Mirrors, SeeBeyondTheEndOfAWallThatIsGivenTwice) {
   }
 }
 
+// In any order of its corners, and with −0 for 0.
+TEST(Faces, AreKeptOnce) {
+  const Faces<2> segment("wall", {{{Vec<2>(0, 1), Vec<2>(2, 0)}}, {{Vec<2>(2, -0.0), Vec<2>(0, 1)}}},
+                         reach);
+  EXPECT_EQ(segment.elements().size(), 1u);
+  const Vec<3> a(0, 0, 0), b(1, 0, 0), c(0, 1, 0), d(1, 1, 0);
+  const Faces<3> square("wall", {{{a, b, c}}, {{b, d, c}}, {{c, b, a}}, {{d, c, b}}}, reach);
+  ASSERT_EQ(square.elements().size(), 2u);
+  EXPECT_EQ(square[0].facet, square[1].facet);
+}
+
+// What particles in a corner see of each other does not depend on how often the walls are given.
+TEST(Mirrors, ShowTheSameInACornerThatIsGivenTwice) {
+  const std::vector<Vec<2>> corner{{0, 9}, {0, 0}, {9, 0}};
+  std::vector<Face<2>> twice = polyline(corner);
+  for (const Face<2>& face : polyline({corner.rbegin(), corner.rend()})) twice.push_back(face);
+  const std::vector<Vec<2>> points = lattice<2>({{0, 0}, {4, 4}}, 1.0);
+  for (const Vec<2>& x : points) {
+    EXPECT_EQ(view_from(Faces<2>("twice", twice, reach), x, points).shares,
+              view_from(Faces<2>("once", polyline(corner), reach), x, points).shares);
+  }
+}
+
 // Corners rounded to single precision: still one plane, and one mirror.
 TEST(Mirrors, ArePlanesInSpiteOfRoundedCorners) {
   const auto rounded = [](double x, double y) -> Vec<3> {

@@ -13,6 +13,7 @@
 #include <cstdint>
 #include <limits>
 #include <map>
+#include <set>
 #include <span>
 #include <string>
 #include <unordered_map>
@@ -21,9 +22,9 @@
 
 namespace silt {
 
-/// Faces that may form closed or open surfaces, with normals. Faces with a common edge (in 2D a
-/// common end) and the same plane (line) form one facet. Its rim are the edges (ends) at which it
-/// ends.
+/// Faces that may form closed or open surfaces, with normals; a face that is given twice counts
+/// once. Faces with a common edge (in 2D a common end) and the same plane (line) form one facet. Its
+/// rim are the edges (ends) at which it ends.
 template <int Dim>
 class Faces {
  public:
@@ -61,10 +62,13 @@ class Faces {
   Faces(const std::string& name, const std::vector<Face<Dim>>& faces, double reach)
       : cell_(reach) {
     elements_.reserve(faces.size());
+    std::set<Corners<std::size_t(Dim)>> known;
     for (std::size_t k = 0; k < faces.size(); ++k) {
       require_size(name + ": face " + std::to_string(k), faces[k]);
+      if (!known.insert(sorted(faces[k].corners)).second) continue;
       const Vec normal = normal_of(faces[k]);
-      Element element{faces[k], normal, normal.dot(faces[k].corners[0]), std::uint32_t(k), {}};
+      Element element{faces[k], normal, normal.dot(faces[k].corners[0]),
+                      std::uint32_t(elements_.size()), {}};
       element.is_rim.fill(true);
       elements_.push_back(element);
     }
@@ -97,16 +101,28 @@ class Faces {
     std::uint32_t element;
     std::size_t k;
   };
-  using Edge = std::array<std::array<double, std::size_t(Dim)>, std::size_t(Dim) - 1>;
+  // In an order that does not depend on which is given first.
+  template <std::size_t n>
+  using Corners = std::array<std::array<double, std::size_t(Dim)>, n>;
+  using Edge = Corners<std::size_t(Dim) - 1>;
 
-  Edge edge_of(const SideOfFace& side) const {
-    Edge edge;
-    for (std::size_t end = 0; end < edge.size(); ++end) {
-      const Vec& x = elements_[side.element].face.corners[(side.k + end) % std::size_t(Dim)];
-      for (int axis = 0; axis < Dim; ++axis) edge[end][std::size_t(axis)] = x[axis] + 0.0;  // no −0
+  template <std::size_t n>
+  static Corners<n> sorted(const std::array<Vec, n>& corners) {
+    Corners<n> result;
+    for (std::size_t k = 0; k < n; ++k) {
+      for (int axis = 0; axis < Dim; ++axis) {
+        result[k][std::size_t(axis)] = corners[k][axis] + 0.0;  // no −0
+      }
     }
-    std::ranges::sort(edge);
-    return edge;
+    std::ranges::sort(result);
+    return result;
+  }
+  Edge edge_of(const SideOfFace& side) const {
+    std::array<Vec, std::size_t(Dim) - 1> ends;
+    for (std::size_t end = 0; end < ends.size(); ++end) {
+      ends[end] = elements_[side.element].face.corners[(side.k + end) % std::size_t(Dim)];
+    }
+    return sorted(ends);
   }
   // From a point of the edge to the opposite corner (in 2D, to the other end).
   Vec inwards(const SideOfFace& side, const Vec& from) const {

@@ -13,6 +13,7 @@
 #include <silt/mps/flow_seconds.hpp>
 #include <silt/mps/flow_settings.hpp>
 #include <silt/mps/fluid.hpp>
+#include <silt/mps/moves_before_walls.hpp>
 #include <silt/mps/particle_view.hpp>
 #include <silt/mps/pressure.hpp>
 #include <silt/mps/pressure_boundary.hpp>
@@ -170,9 +171,10 @@ class BasicFlow {
       if (!on_surface[j]) return image.rise(Vec(u[image.index] / -factor));
       return std::max(Real(0), image.rise(Vec(Real(settings_.density) * force_[j])));
     };
+    const Moves moves(operators_.walls(), Real(time_step));
     find_changes(particles, changes_.pressure, [&](Index i) -> Vec {
       const Vec change = factor * step.at(i).pressure_gradient(settings_.gradient, rise_of);
-      return change_before_walls(i, u[i], change, time_step);
+      return moves.change(i, needs_moved_particles ? Vec(Vec::Zero()) : Vec(u[i]), change);
     });
     return report_;
   }
@@ -184,9 +186,11 @@ class BasicFlow {
     if constexpr (Displaces<ShiftingOf<Scheme>>) {
       particles.refresh_ghosts(velocity);
       const auto step = view(particles, time_step);
+      const Moves moves(operators_.walls(), Real(time_step));
+      const auto u = particles[velocity];
       find_changes(particles, changes_.shift, [&](Index i) -> Vec {
-        return shift_before_walls(particles, i, settings_.shifting.displacement(step.at(i)),
-                                  time_step);
+        return moves.shift(i, displacement_velocity(u, i),
+                           settings_.shifting.displacement(step.at(i)));
       });
       apply_changes(changes_.shift, particles, position);
     }
@@ -204,7 +208,7 @@ class BasicFlow {
   template <FluidParticles P>
   void check_step(const P& particles, const FinishedStep& step) const {
     time_step_.end(particles, settings_, step);
-    check_walls(particles);
+    check_moves(operators_.walls(), particles);
   }
 
   void save() noexcept {
@@ -226,6 +230,7 @@ class BasicFlow {
 
  private:
   using Operators = FlowOperators<Scheme, Dim, Real>;
+  using Moves = MovesBeforeWalls<typename Operators::Walls, Vec>;
 
   template <class T>
   static T checked(T part) {
@@ -245,7 +250,7 @@ class BasicFlow {
   template <class P, class S>
   void find_neighbours_of_moved(const P& particles, const S& search) {
     if (operators_.are_current(particles)) return;
-    check_walls(particles);
+    check_moves(operators_.walls(), particles);
     find_neighbours(particles, search);
   }
 
@@ -256,35 +261,6 @@ class BasicFlow {
     return source_.value(step.at(i)) - step.at(i).rise_of_images();
   }
 
-  // Throws if a particle went through a wall in this step.
-  template <class P>
-  void check_walls([[maybe_unused]] const P& particles) const {
-    if constexpr (HidesNeighbours<typename Operators::Walls>) {
-      operators_.walls().check_moves(particles);
-    }
-  }
-  // The change of the velocity u with which the particle does not move into a wall.
-  Vec change_before_walls([[maybe_unused]] Index i, [[maybe_unused]] const Vec& u,
-                          const Vec& change, [[maybe_unused]] double time_step) const {
-    if constexpr (HidesNeighbours<typename Operators::Walls>) {
-      const Vec from = needs_moved_particles ? Vec(Vec::Zero()) : u;
-      const Vec move = Real(time_step) * (from + change);
-      return change + (operators_.walls().before_walls(i, move) - move) / Real(time_step);
-    } else {
-      return change;
-    }
-  }
-  // The shift [m] that together with the flow does not move the particle into a wall.
-  template <class P>
-  Vec shift_before_walls([[maybe_unused]] const P& particles, [[maybe_unused]] Index i,
-                         const Vec& shift, [[maybe_unused]] double time_step) const {
-    if constexpr (HidesNeighbours<typename Operators::Walls>) {
-      const Vec move = Real(time_step) * displacement_velocity(particles[velocity], i);
-      return operators_.walls().before_walls(i, shift + move) - move;
-    } else {
-      return shift;
-    }
-  }
   // That of the rest of the step, of particles that may have been moved with u*.
   template <class U>
   Vec displacement_velocity(const U& u, Index i) const {

@@ -73,7 +73,6 @@ class LastPositions {
     const auto owned = static_cast<std::ptrdiff_t>(particles.size());
     positions_.resize(x.size());
     std::copy(x.begin() + owned, x.end(), positions_.begin() + owned);
-    set_owner(particles);
   }
   /// Ends an update with other particles: copies all positions.
   template <class P>
