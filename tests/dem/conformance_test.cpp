@@ -24,6 +24,7 @@ enum class Fault {
   couple_turns_on,
   stiffer_on_the_side_of_the_upper,
   divides_by_the_speed_of_sliding,
+  overflows_for_fast_sliding_at_small_overlaps,
   stores_half_of_its_energy,
   rounds_off,
   answers_otherwise_in_lanes,
@@ -82,6 +83,10 @@ struct Law {
     result.tangential_spring = history.force;
     if (fault == Fault::divides_by_the_speed_of_sliding) {
       result.tangential_dashpot = -Real(1e-6) * v_s / v_s.norm();
+    }
+    if (fault == Fault::overflows_for_fast_sliding_at_small_overlaps) {
+      const Real ratio = Real(1e-12) * v_s.squaredNorm() / contact.overlap;
+      result.tangential_dashpot = -squared(squared(ratio)) * v_s;
     }
     const Real stiffness = fault == Fault::couple_turns_on ? -20 : 20;
     result.rolling_spring = -stiffness * couple;
@@ -150,6 +155,7 @@ TEST(Conformance, DetectsAViolationOfActionAndReaction) {
 }
 
 TEST(Conformance, DetectsAResultThatIsNotFinite) {
+  expect_failure(Fault::overflows_for_fast_sliding_at_small_overlaps, "finite results");
   expect_failure(Fault::divides_by_the_speed_of_sliding, "finite results",
                  {"repulsive", "the same in any frame", "history rotates with the contact",
                   "action equals reaction", "the same in float", "independent of vectorisation",

@@ -68,6 +68,33 @@ TEST(ContactList, IsRebuiltFromAnUpdatedSearchIfAnotherPartReadsMasses) {
   EXPECT_EQ(most_contacts(Forces{Visitor{}, dem::Contacts{law}.with(without_limits)}), 1u);
 }
 
+// A list that a failed step has built is in the memory that the next step builds one in.
+TEST(ContactList, IsDividedAnewAfterAFailedStep) {
+  constexpr double R = 0.01;
+  constexpr Index count = 200;
+  dem::Grains<2> grains;
+  for (Index k = 0; k < count; ++k) {
+    dem::add_grain(grains, Vec<2>(3 * R * double(k), 0), {.radius = R, .density = 2500});
+  }
+  Simulation sim{grains, NeighbourList<2>{}, dem::Contacts{law}, Leapfrog{}};
+  sim.step(1e-5);
+  const auto move = [](auto& simulation, Index n) {
+    const auto x = simulation.particles()[position];
+    for (Index k = 0; k < n; ++k) x[k] = {1.99 * R * double(k % 20), 1.99 * R * double(k / 20)};
+    for (Index k = n; k < count; ++k) x[k] = {3 * R * double(k), -1};
+  };
+  auto expected = sim;
+  move(sim, 10);
+  sim.particles()[velocity][count - 1] = {1e9, 0};
+  EXPECT_THROW(sim.step(1e-5), Error);
+  sim.particles()[velocity][count - 1] = {0, 0};
+  for (auto* each : {&sim, &expected}) {
+    move(*each, count);
+    each->step(1e-5);
+  }
+  EXPECT_TRUE(state_of(sim.particles()) == state_of(expected.particles()));
+}
+
 TEST(ContactList, HasTheWallsBeyondAPeriodicSide) {
   auto grains =
       dem::make_grains(std::vector<Vec<2>>{{0.95, 0.0138}}, {.radius = 0.01, .density = 2500});

@@ -26,6 +26,13 @@ namespace {
 constexpr double pi = std::numbers::pi;
 constexpr double phases[] = {0.05, 0.3, 0.55, 0.8, 0.95};
 
+// A law need not mention what it has not.
+TEST(LoadComponents, AreZeroIfALawDoesNotGiveThem) {
+  const Vec<3> normal = Vec<3>::Unit(0);
+  EXPECT_EQ((dem::LoadComponents<3, double>{}.force(normal)), (Vec<3>(0, 0, 0)));
+  EXPECT_EQ((dem::LoadComponents<3, double>{}.couple()), (Vec<3>(0, 0, 0)));
+}
+
 // --- linear spring and dashpot -------------------------------------------------------------------
 
 template <int Dim, class Real>

@@ -122,6 +122,42 @@ TEST(EnergyWatch, RefusesWhatOtherLimitsDoNot) {
   EXPECT_GT(kinetic_energy(sim.particles()), 100 * before);
 }
 
+TEST(EnergyWatch, NamesTheEnergyOfSpringsBeforeTheStep) {
+  Simulation sim{approaching_grains<3>(), BruteForce<3>{}, dem::Contacts{dem::Law{wrong}},
+                 Leapfrog{}};
+  const std::string text = text_of_failure(sim, dt, 10);
+  const auto x = sim.particles()[position];
+  const double stored = wrong.stiffness_in_energy * squared(R + R - (x[1] - x[0]).norm()) / 2;
+  EXPECT_GT(stored, 0);
+  EXPECT_NE(text.find("the " + to_text(stored) + " J in the springs"), std::string::npos) << text;
+}
+
+// Accelerates the relative rotation of grains.
+struct Motor {
+  double couple_per_spin;  // [N m s]
+
+  template <class C>
+  dem::RollingCouple<C> rolling_couple(const C& contact, const dem::NormalForce<C>&) const {
+    return {.spring = typename C::Real(couple_per_spin) * contact.relative_spin};
+  }
+  template <class C>
+  double elastic_energy(const C&) const {
+    return 0;
+  }
+};
+template <int Dim>
+void expect_motor_to_be_refused(const AngularVec<Dim>& turning) {
+  auto grains = approaching_grains<Dim>();
+  for (const double sign : {1, -1}) grains[spin][sign > 0] = sign * turning;
+  expect_refused(Simulation{grains, BruteForce<Dim>{},
+                            dem::Contacts{dem::Law{Spring{}, Motor{100 * grains[inertia][0] / dt}}},
+                            Leapfrog{}});
+}
+TEST(EnergyWatch, RefusesCouplesThatGiveEnergyToRotation) {
+  expect_motor_to_be_refused<2>(10);
+  expect_motor_to_be_refused<3>({10, 10, 10});
+}
+
 TEST(EnergyWatch, ChecksTheStepsOfAnyIntegrator) {
   expect_refused(Simulation{approaching_grains<3>(), BruteForce<3>{},
                             Forces{Gravity<3>{{0, 0, -9.81}}, dem::Contacts{dem::Law{wrong}}},
