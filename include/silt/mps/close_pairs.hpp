@@ -53,13 +53,7 @@ class ClosePairs {
     const auto kinds = particles_.with_ghosts(mps::kind);
     operators_.neighbourhood().for_each_closer(
         index_, range_.reach, range_.min_weight, [&](Index j, const Vec& r_ij, Real r) {
-          f(Pair{.r_ij = r_ij,
-                 .r = r,
-                 .u_ij = u[j] - u[index_],
-                 .wall = kinds[j] != Kind::fluid,
-                 .spacing = operators_.stencil().spacing,
-                 .time_step = range_.time_step},
-            j);
+          f(pair(r_ij, r, u[j] - u[index_], kinds[j] != Kind::fluid), j);
         });
   }
   /// f(pair, j) for the images of particles j that walls add to the neighbours.
@@ -69,17 +63,20 @@ class ClosePairs {
     operators_.for_each_image(index_, [&](const auto& image) {
       const Real r = image.r_ij.norm();
       if (!(r < range_.reach)) return;
-      f(Pair{.r_ij = image.r_ij,
-             .r = r,
-             .u_ij = image.velocity(u) - u[index_],
-             .wall = false,
-             .spacing = operators_.stencil().spacing,
-             .time_step = range_.time_step},
-        image.index);
+      f(pair(image.r_ij, r, image.velocity(u) - u[index_], false), image.index);
     });
   }
 
  private:
+  Pair pair(const Vec& r_ij, Real r, const Vec& u_ij, bool wall) const {
+    return {.r_ij = r_ij,
+            .r = r,
+            .u_ij = u_ij,
+            .wall = wall,
+            .spacing = operators_.stencil().spacing,
+            .time_step = range_.time_step};
+  }
+
   const P& particles_;
   const Operators& operators_;
   const CloseRange<Real>& range_;
