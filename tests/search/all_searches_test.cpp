@@ -320,8 +320,10 @@ TEST(SearchRadius, IsCheckedWhenItIsUsed) {
   auto grains = crowd<2, double>(70, 1);
   EXPECT_TRUE(refuses([&] { UniformGrid<2>().sort(grains); }, {"UniformGrid: radius = 0"}));
   EXPECT_TRUE(refuses([&] { NeighbourList<2>().sort(grains); }, {"NeighbourList: radius = 0"}));
-  EXPECT_TRUE(refuses([&] { LevelGrid<2>().sort(grains); }, {"LevelGrid: radius = 0"}));
-  EXPECT_TRUE(refuses([&] { LevelGrid<2>().update(grains); }, {"LevelGrid: radius = 0"}));
+  EXPECT_TRUE(
+      refuses([&] { LevelGrid<2>().sort(grains); }, {"LevelGrid: radius = 0", "positive"}));
+  EXPECT_TRUE(
+      refuses([&] { LevelGrid<2>().update(grains); }, {"LevelGrid: radius = 0", "positive"}));
   EXPECT_TRUE(refuses([] { UniformGrid<2>().set_radius(0); }, {"UniformGrid: radius = 0"}));
   EXPECT_TRUE(refuses([] { NeighbourList<2>().set_radius(0); }, {"NeighbourList: radius = 0"}));
   EXPECT_TRUE(refuses([] { LevelGrid<2>().set_radius(-1); }, {"LevelGrid: radius = -1"}));
