@@ -305,6 +305,15 @@ void expect_that_placements_end() {
   EXPECT_TRUE(refuses_soon("lattice: ", [&] { lattice(Box<Dim>{}, 0.1); }));
 }
 
+TEST(Particles, TakeHardlyAnyMemoryAfterItWasReserved) {
+  dem::Grains<3> grains;
+  grains.reserve(1000);
+  const std::int64_t peak = peak_of([&] {
+    for (int k = 0; k < 1000; ++k) grains.add({double(k), 0, 0});
+  });
+  EXPECT_LT(peak, 1000) << "bytes";
+}
+
 TEST(Placements, EndForAnyNumbers) {
   expect_that_placements_end<2>();
   expect_that_placements_end<3>();
