@@ -31,12 +31,16 @@ struct ImageInFloor {
   Real height;  // of the particle above the floor [m]
 
   mps::Kind kind(const auto&) const { return mps::Kind::dummy; }
-  Vec velocity(const auto& u) const {
-    Vec mirrored = u[index];
-    mirrored[Dim - 1] = -mirrored[Dim - 1];
-    return mirrored;
+  Vec mirrored(const auto& u) const {
+    Vec velocity = u[index];
+    velocity[Dim - 1] = -velocity[Dim - 1];
+    return velocity;
   }
-  Real rise(const Vec& of_pressure) const { return -2 * height * of_pressure[Dim - 1]; }
+  // As if it did not change along the vertical.
+  bool continues_flow() const { return true; }
+  Vec velocity(const auto& u) const { return u[index]; }
+  Real rise_along(const auto& u) const { return rise(u[index]); }
+  Real rise(const Vec& gradient) const { return -2 * height * gradient[Dim - 1]; }
 };
 
 template <int Dim, class RealType>

@@ -61,7 +61,6 @@ struct AnyParticleView {
   Vec laplacian(const U& u) const;
   template <class G>
   Vec pressure_gradient(const G& gradient) const;
-  double rise_of_images() const;
   Vec concentration_gradient() const;
   Real max_relative_speed() const;
   bool has_pressure(const Neighbour<Dim, Real>& neighbour) const;

@@ -63,7 +63,7 @@ class ClosePairs {
     operators_.for_each_image(index_, [&](const auto& image) {
       const Real r = image.r_ij.norm();
       if (!(r < range_.reach)) return;
-      f(pair(image.r_ij, r, image.velocity(u) - u[index_], false), image.index);
+      f(pair(image.r_ij, r, image.mirrored(u) - u[index_], false), image.index);
     });
   }
 

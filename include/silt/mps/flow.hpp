@@ -152,25 +152,28 @@ class BasicFlow {
     boundary_.find(particles, operators_, settings_.surface);  // n (5), free surface (13), (17)
     particles.refresh_ghosts(velocity);
     particles.refresh_ghosts(pressure);  // of the previous step
-    timed(seconds_.assembly, [&] {
-      equation_.assemble(particles, operators_.pressure_neighbours(),
-                         operators_.laplacian_stencil(), [&](Index i) { return source(step, i); },
-                         [&](Index i) { return boundary_.has_pressure(i); });
-    });
-    timed(seconds_.solve, [&] { report_ = equation_.solve(particles, solver_); });
-    check_solve(particles, report_, time_step);
-    if (settings_.clip_negative_pressure) clip_negative_pressure(particles);
-    particles.refresh_ghosts(pressure);
+    if constexpr (!needs_moved_particles) operators_.continue_flow(particles);
     const Real factor = -Real(time_step) / Real(settings_.density);
     const auto u = particles.with_ghosts(velocity);
     const auto on_surface = particles[surface];
     // ∂P/∂n = (ρ/Δt) u*·n at walls stops the flow towards them. Particles on the free surface are
     // held, but neither stopped before they arrive nor drawn.
     const auto rise_of = [&](const auto& image) -> Real {
+      if (image.continues_flow()) return image.rise_along(u) / -factor;
       const Index j = particles.owner(image.index);
-      if (!on_surface[j]) return image.rise(Vec(u[image.index] / -factor));
-      return std::max(Real(0), image.rise(Vec(Real(settings_.density) * force_[j])));
+      const Real at_rest = image.rise(Vec(Real(settings_.density) * force_[j]));
+      return on_surface[j] ? std::max(Real(0), at_rest) : at_rest;
     };
+    timed(seconds_.assembly, [&] {
+      equation_.assemble(particles, operators_.pressure_neighbours(),
+                         operators_.laplacian_stencil(),
+                         [&](Index i) { return source(step, i, rise_of); },
+                         [&](Index i) { return boundary_.has_pressure(i); });
+    });
+    timed(seconds_.solve, [&] { report_ = equation_.solve(particles, solver_); });
+    check_solve(particles, report_, time_step);
+    if (settings_.clip_negative_pressure) clip_negative_pressure(particles);
+    particles.refresh_ghosts(pressure);
     const Moves moves(operators_.walls(), Real(time_step));
     find_changes(particles, changes_.pressure, [&](Index i) -> Vec {
       const Vec change = factor * step.at(i).pressure_gradient(settings_.gradient, rise_of);
@@ -256,9 +259,10 @@ class BasicFlow {
 
   // ∇²P of particle i, without what images are known to add to it: (9), (16). Not inlined, so that
   // the loop that assembles the equation keeps its sums in registers.
-  template <class P>
-  [[gnu::noinline]] double source(const StepView<Scheme, P>& step, Index i) const {
-    return source_.value(step.at(i)) - step.at(i).rise_of_images();
+  template <class P, class RiseOf>
+  [[gnu::noinline]] double source(const StepView<Scheme, P>& step, Index i,
+                                  const RiseOf& rise_of) const {
+    return source_.value(step.at(i)) - step.at(i).laplacian_of_rises(rise_of);
   }
 
   // That of the rest of the step, of particles that may have been moved with u*.

@@ -78,6 +78,12 @@ class FlowOperators {
     }
     walls_.find(particles, *this);
   }
+  /// Continues the flow of the velocities beyond walls, see ContinuesFlow. Velocities of ghosts must
+  /// be up to date.
+  template <FluidParticles P>
+  void continue_flow([[maybe_unused]] const P& particles) {
+    if constexpr (ContinuesFlow<Walls>) walls_.continue_flow(particles, *this);
+  }
   /// Whether no particle was added, removed, sorted or moved since then.
   template <FluidParticles P>
   bool are_current(const P& particles) const {

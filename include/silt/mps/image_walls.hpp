@@ -11,6 +11,7 @@
 #include <silt/geometry/faces.hpp>
 #include <silt/geometry/mirrors.hpp>
 #include <silt/mps/fluid.hpp>
+#include <silt/mps/neighbourhood.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -35,16 +36,31 @@ struct ImageOfParticle {
   Real weight_over_square;  ///< w/r² [1/m²]
   const Matrix& rotation;   ///< of vectors
   const Vec& shift;         ///< from the particle to its image [m]
+  /// ∇u at the particle, ∂u_a/∂x_b [1/s]; null if the flow is not continued.
+  const Matrix* gradient;
 
   Kind kind(const auto&) const { return Kind::dummy; }
-  Vec velocity(const auto& u) const { return multiply<Dim, Real>(rotation, Vec(u[index])); }
-  Real rise(const Vec& gradient) const { return gradient.dot(shift); }
+  Vec mirrored(const auto& u) const { return multiply<Dim, Real>(rotation, Vec(u[index])); }
+  bool continues_flow() const { return gradient != nullptr; }
+  /// Mirrored, without the jump that the flow towards the wall then has there.
+  Vec velocity(const auto& u) const {
+    if (!continues_flow()) return mirrored(u);
+    const Vec at_wall = half_way(u);
+    return mirrored(u) + at_wall - multiply<Dim, Real>(rotation, at_wall);
+  }
+  Real rise_along(const auto& u) const { return half_way(u).dot(shift); }
+  Real rise(const Vec& of_pressure) const { return of_pressure.dot(shift); }
+
+ private:
+  Vec half_way(const auto& u) const {
+    return u[index] + multiply<Dim, Real>(*gradient, Vec(shift / 2));
+  }
 };
 
 /// Walls at rest without wall particles, along which fluid slips: segments in 2D, triangles in 3D.
 /// What a particle sees through a face is the fluid before it, mirrored, so that density,
-/// divergence, Laplacian and gradient are those of a fluid that continues beyond the wall. Images
-/// of images, as in corners and between close walls, are included; faces hide the particles behind
+/// divergence, Laplacian and gradient are those of a fluid that continues beyond the wall, and so
+/// does its flow, linearly: what of it goes through the wall, the pressure stops. Images of images, as in corners and between close walls, are included; faces hide the particles behind
 /// them. Faces have two sides, and fluid may be on both.
 ///
 /// All particles must be fluid. In a periodic box, a wall has to extend beyond the sides by the
@@ -102,7 +118,8 @@ class ImageWalls::InFlow {
     for_each(particles.size(), [&](Index i) { around_[i].find(faces_, positions_[i], reach_); });
     refuse_particles_on_faces(particles);
     images_.resize(particles.size());
-    for_each(particles.size(), [&](Index i) { find_images(search, i); });
+    for_each(particles.size(), [&](Index i) { find_images(particles, search, i); });
+    continuations_.assign(particles.size(), {});
     revision_ = particles.owned_revision();
   }
   /// The share of particle j that particle i sees: see MirrorsAround.
@@ -113,6 +130,17 @@ class ImageWalls::InFlow {
   /// Images have been found by locate().
   void find(const auto&, const auto&) {}
 
+  /// The flow of the velocities now, near walls and except on the free surface.
+  template <FluidParticles P, class Operators>
+  void continue_flow(const P& particles, const Operators& operators) {
+    const auto u = particles.with_ghosts(velocity);
+    const auto on_surface = particles[surface];
+    for_each(particles.size(), [&](Index i) {
+      if (around_[i].empty() || on_surface[i]) return;
+      continuations_[i] = {gradient_of(u, i, operators), true};
+    });
+  }
+
   /// f(image) for the images that particle i sees within a stencil.
   template <class T, class F>
   void for_each_image(Index i, const T& stencil, F&& f) const {
@@ -121,8 +149,10 @@ class ImageWalls::InFlow {
       const Real r2 = place.r_ij.squaredNorm();
       if (!(r2 < squared(stencil.re))) continue;
       const Real w = place.share * stencil.weight(std::sqrt(r2));
+      const Continuation& flow = continuations_[place.owner];
       f(ImageOfParticle<Dim, Real>{place.index, place.r_ij, w, w / r2,
-                                   images.rotations[place.mirror], place.shift});
+                                   images.rotations[place.mirror], place.shift,
+                                   flow.is_known ? &flow.gradient : nullptr});
     }
   }
 
@@ -183,22 +213,55 @@ class ImageWalls::InFlow {
   }
 
  private:
+  using Matrix = Eigen::Matrix<Real, Dim, Dim>;
   struct Place {
     std::uint32_t index;   // of the particle
+    std::uint32_t owner;   // the same, if it is not a ghost
     std::uint32_t mirror;  // the number of its rotation
     Vec r_ij;
     Vec shift;
     Real share;
   };
   struct Images {
-    std::vector<Eigen::Matrix<Real, Dim, Dim>> rotations;
+    std::vector<Matrix> rotations;
     std::vector<Place> places;
   };
+  struct Continuation {
+    Matrix gradient = Matrix::Zero();  // ∂u_a/∂x_b [1/s]
+    bool is_known = false;
+  };
+
+  // ∂u_a/∂x_b [1/s], exact for linear flows. From the fluid alone: in a wall, the velocities of
+  // images may jump. Zero where the neighbours are nearly on a line or plane.
+  template <class U, class Operators>
+  static Matrix gradient_of(const U& u, Index i, const Operators& operators) {
+    constexpr Real least_determinant = Real(0.08);  // 1 if they are all around
+    const Vec own = u[i];
+    Matrix moments = Matrix::Zero(), gradient = Matrix::Zero();
+    Real size = 0;
+    for_each_weighted(operators.neighbourhood(), i, operators.stencil(),
+                      [&](Index j, const Vec& r_ij, Real w, Real) {
+                        const Vec u_ij = u[j] - own;
+                        moments += (w * r_ij) * r_ij.transpose();
+                        gradient += (w * u_ij) * r_ij.transpose();
+                        size += w * r_ij.squaredNorm();
+                      });
+    if (!(size > 0)) return Matrix::Zero();
+    moments *= Dim / size;
+    gradient *= Dim / size;
+    if (!(moments.determinant() > least_determinant)) return Matrix::Zero();
+    const Matrix inverse = moments.inverse();
+    for (int a = 0; a < Dim; ++a) {
+      const Vec row = gradient.row(a).transpose();
+      gradient.row(a) = multiply<Dim, Real>(inverse, row).transpose();
+    }
+    return gradient;
+  }
 
   // Among the particles that the search finds, those that i does not see as well: it may see their
   // images.
-  template <class S>
-  void find_images(const S& search, Index i) {
+  template <class P, class S>
+  void find_images(const P& particles, const S& search, Index i) {
     Images& images = images_[i];
     images.rotations.clear();
     images.places.clear();
@@ -213,7 +276,8 @@ class ImageWalls::InFlow {
         if (!(r_ij.norm() < Real(reach_))) continue;
         const double share = share_of(positions_[j]);
         if (!(share > 0)) continue;
-        images.places.push_back({std::uint32_t(j), std::uint32_t(images.rotations.size()), r_ij,
+        images.places.push_back({std::uint32_t(j), std::uint32_t(particles.owner(j)),
+                                 std::uint32_t(images.rotations.size()), r_ij,
                                  (image - positions_[j]).template cast<Real>(), Real(share)});
       }
       images.rotations.push_back(mirror.rotation.template cast<Real>());
@@ -268,6 +332,7 @@ class ImageWalls::InFlow {
   std::uint64_t revision_ = 0;             // of the particles at these positions
   std::vector<MirrorsAround<Dim>> around_;
   std::vector<Images> images_;
+  std::vector<Continuation> continuations_;
 };
 
 }  // namespace silt::mps

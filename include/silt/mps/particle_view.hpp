@@ -96,13 +96,14 @@ class ParticleView
       });
     });
   }
-  /// 2d/(λ n0) Σ w (P_image − P_j) over the images of the particles j with pressure [Pa/m²]: the
-  /// part of the Laplacian of the pressure that is known.
-  double rise_of_images() const {
+  /// 2d/(λ n0) Σ w rise_of(image) over the images of the particles with pressure [Pa/m²]: the part
+  /// of the Laplacian of the pressure that is known.
+  template <class RiseOf>
+  double laplacian_of_rises(const RiseOf& rise_of) const {
     const auto& laplacian = this->laplacian_stencil();
     Real sum = 0;
     step_.operators.for_each_image_in_laplacian(this->index(), [&](const auto& image) {
-      if (has_pressure(image)) sum += image.weight * image.rise(weight());
+      if (has_pressure(image)) sum += image.weight * rise_of(image);
     });
     return double(2 * Dim / (laplacian.lambda * laplacian.n0) * sum);
   }

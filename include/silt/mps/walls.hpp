@@ -109,17 +109,32 @@ struct HasVisibleShare {
 };
 template <class W>
 struct BothVisibleShare : W, HasVisibleShare {};
+struct HasContinueFlow {
+  int continue_flow;
+};
+template <class W>
+struct BothContinueFlow : W, HasContinueFlow {};
 
 }  // namespace detail
 
 /// Walls that mirror the fluid: for_each_image(i, stencil, f) calls f(image) for every image within
 /// the stencil around particle i. Images enter every sum over neighbours. An image has the members
 /// of a Neighbour, with is_image = true and the index of the mirrored particle, which may be i, and
-/// rise(g), its pressure above that of the particle [Pa] where the pressure has the gradient g
-/// [Pa/m].
+///   rise(g)           its pressure above that of the particle [Pa] if the pressure has the gradient
+///                     g [Pa/m]
+///   mirrored(u)       the mirrored velocity [m/s], with which particles collide
+///   continues_flow()  whether velocity(u) is that of the flow continued beyond the wall, so that
+///                     the divergence does not stop the flow through the wall, but
+///   rise_along(u)     does, ∫u·dx [m²/s] in that flow from the particle to its image: P rises by
+///                     ρ/Δt times this
 template <class W>
 concept AddsImages =
     !std::is_final_v<W> && !requires { &detail::BothForEachImage<W>::for_each_image; };
+
+/// Walls with images that also have continue_flow(particles, operators), called before the pressure
+/// equation is assembled: images may then continue the flow of the velocities u*.
+template <class W>
+concept ContinuesFlow = AddsImages<W> && !requires { &detail::BothContinueFlow<W>::continue_flow; };
 
 /// Walls that hide particles from each other: locate(particles, search, operators) is called before
 /// the neighbours are found, and j is a neighbour of i, with its weight times visible_share(i, j),
