@@ -189,8 +189,8 @@ TEST(Packing, ThrowsForExistingGrainsThatAreInvalid) {
     auto grains = one_grain<2>({0.5, 0.5}, {0, 0});
     grains[field][0] = value;
     const Box<2> region{.lower = {0, 0}, .upper = {1, 1}};
-    const dem::Blend<dem::EqualSizes> blend{.sizes = {0.01}, .density = 2500};
-    dem::scatter(grains, blend, region, {.number = 1});
+    const dem::Blend<dem::EqualSizes> equal{.sizes = {0.01}, .density = 2500};
+    dem::scatter(grains, equal, region, {.number = 1});
   };
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_TRUE(refuses([&] { place_beside(position, Vec<2>(nan, 0)); },

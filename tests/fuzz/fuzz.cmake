@@ -8,6 +8,19 @@
 
 set(fuzz_folder ${CMAKE_CURRENT_SOURCE_DIR}/fuzz)
 find_program(SILT_FUZZ_COMPILER NAMES clang++-19 clang++ NO_CACHE)
+set(links_fuzzer FALSE)
+if(SILT_SLOW_TESTS AND SILT_FUZZ_COMPILER)
+  set(program ${CMAKE_CURRENT_BINARY_DIR}/links_fuzzer)
+  file(CONFIGURE OUTPUT ${program}.cpp
+    CONTENT "extern \"C\" int LLVMFuzzerTestOneInput(const char*, unsigned long) { return 0; }\n")
+  execute_process(COMMAND ${SILT_FUZZ_COMPILER} -fsanitize=fuzzer,address,undefined ${program}.cpp
+    -o ${program} RESULT_VARIABLE code OUTPUT_QUIET ERROR_QUIET)
+  if(code EQUAL 0)
+    set(links_fuzzer TRUE)
+  else()
+    message(STATUS "${SILT_FUZZ_COMPILER} has no libFuzzer: fuzz.*_libfuzzer are skipped")
+  endif()
+endif()
 # In a file that is passed as @file: a list within a list cannot be joined.
 set(fuzz_flags ${CMAKE_CURRENT_BINARY_DIR}/libfuzzer.flags)
 set(includes "$<TARGET_PROPERTY:silt,INTERFACE_INCLUDE_DIRECTORIES>")
@@ -28,7 +41,7 @@ function(silt_add_fuzz_target name inputs)
   set_tests_properties(fuzz.${name}_million PROPERTIES
     LABELS "trust;slow" TIMEOUT 7200 ${environment})
 
-  if(SILT_SLOW_TESTS AND SILT_FUZZ_COMPILER)
+  if(links_fuzzer)
     set(binary ${CMAKE_CURRENT_BINARY_DIR}/libfuzzer_${name})
     set(found ${CMAKE_CURRENT_BINARY_DIR}/libfuzzer_${name}_found)
     file(MAKE_DIRECTORY ${found})

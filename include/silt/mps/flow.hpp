@@ -152,14 +152,16 @@ class BasicFlow {
     boundary_.find(particles, operators_, settings_.surface);  // n (5), free surface (13), (17)
     particles.refresh_ghosts(velocity);
     particles.refresh_ghosts(pressure);  // of the previous step
+    // n* of moved particles already includes what has gone towards walls.
     if constexpr (!needs_moved_particles) operators_.continue_flow(particles);
     const Real factor = -Real(time_step) / Real(settings_.density);
     const auto u = particles.with_ghosts(velocity);
     const auto on_surface = particles[surface];
-    // ∂P/∂n = (ρ/Δt) u*·n at walls stops the flow towards them. Particles on the free surface are
-    // held, but neither stopped before they arrive nor drawn.
+    // ∂P/∂n = (ρ/Δt) u*·n at walls stops the flow towards them. Where it is not continued, P rises
+    // as at rest: particles on the free surface are held, but neither stopped before they arrive
+    // nor drawn.
     const auto rise_of = [&](const auto& image) -> Real {
-      if (image.continues_flow()) return image.rise_along(u) / -factor;
+      if (!needs_moved_particles && image.continues_flow()) return image.rise_along(u) / -factor;
       const Index j = particles.owner(image.index);
       const Real at_rest = image.rise(Vec(Real(settings_.density) * force_[j]));
       return on_surface[j] ? std::max(Real(0), at_rest) : at_rest;
@@ -177,7 +179,7 @@ class BasicFlow {
     const Moves moves(operators_.walls(), Real(time_step));
     find_changes(particles, changes_.pressure, [&](Index i) -> Vec {
       const Vec change = factor * step.at(i).pressure_gradient(settings_.gradient, rise_of);
-      return moves.change(i, needs_moved_particles ? Vec(Vec::Zero()) : Vec(u[i]), change);
+      return moves.change(i, displacement_velocity(u, i), change);
     });
     return report_;
   }

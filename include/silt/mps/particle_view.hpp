@@ -122,7 +122,11 @@ class ParticleView
     const Vec own = this->velocity();
     Real fastest = 0;
     this->for_each([&](const auto& j) {
-      fastest = std::max(fastest, Vec(j.velocity(u) - own).norm());
+      if constexpr (std::remove_cvref_t<decltype(j)>::is_image) {
+        fastest = std::max(fastest, Vec(j.mirrored(u) - own).norm());
+      } else {
+        fastest = std::max(fastest, Vec(j.velocity(u) - own).norm());
+      }
     });
     return fastest;
   }

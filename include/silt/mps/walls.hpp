@@ -123,16 +123,17 @@ struct BothContinueFlow : W, HasContinueFlow {};
 ///   rise(g)           its pressure above that of the particle [Pa] if the pressure has the gradient
 ///                     g [Pa/m]
 ///   mirrored(u)       the mirrored velocity [m/s], with which particles collide
-///   continues_flow()  whether velocity(u) is that of the flow continued beyond the wall, so that
-///                     the divergence does not stop the flow through the wall, but
-///   rise_along(u)     does, ∫u·dx [m²/s] in that flow from the particle to its image: P rises by
-///                     ρ/Δt times this
+///   continues_flow()  whether velocity(u) is that of the flow continued beyond the wall, instead
+///                     of the mirrored one
+///   rise_along(u)     ∫u·dx [m²/s] in the continued flow, if there is one, from the particle to
+///                     its image: ρ/Δt times this is the rise of P that stops the flow at the wall
 template <class W>
 concept AddsImages =
     !std::is_final_v<W> && !requires { &detail::BothForEachImage<W>::for_each_image; };
 
 /// Walls with images that also have continue_flow(particles, operators), called before the pressure
-/// equation is assembled: images may then continue the flow of the velocities u*.
+/// equation is assembled, except with sources that need moved particles: images may then continue
+/// the flow of the velocities u* until the pressure has changed them.
 template <class W>
 concept ContinuesFlow = AddsImages<W> && !requires { &detail::BothContinueFlow<W>::continue_flow; };
 
