@@ -62,8 +62,9 @@ struct ImageOfParticle {
 /// Walls at rest without wall particles, along which fluid slips: segments in 2D, triangles in 3D.
 /// What a particle sees through a face is the fluid before it, mirrored, so that density,
 /// divergence, Laplacian and gradient are those of a fluid that continues beyond the wall. Its flow
-/// towards the wall is continued linearly, and stopped by the pressure. Images of images, as in corners and between close walls, are included; faces hide the particles behind
-/// them. Faces have two sides, and fluid may be on both.
+/// towards the wall is continued linearly, and stopped by the pressure. Images of images, as in
+/// corners and between close walls, are included; faces hide the particles behind them. Faces have
+/// two sides, and fluid may be on both.
 ///
 /// All particles must be fluid. In a periodic box, a wall has to extend beyond the sides by the
 /// effective radius. The kernel needs a slope: see SmoothKernel. Between acute faces, a particle
