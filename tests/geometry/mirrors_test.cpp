@@ -60,7 +60,7 @@ Index points_of_lattice() {
 template <int Dim>
 void expect_full_lattice(const std::vector<Face<Dim>>& walls, const std::vector<Vec<Dim>>& points,
                          double height) {
-  const Faces<Dim> faces("walls", walls, reach);
+  const Faces<Dim> faces("walls", walls);
   for (const Vec<Dim>& x : points) {
     if (x[Dim - 1] > height - reach) continue;  // sees above the points
     EXPECT_EQ(view_from(faces, x, points).shares, double(points_of_lattice<Dim>()))
@@ -96,7 +96,7 @@ TEST(Mirrors, ContinueTheLatticeBeyondConvexCorners) {
 // as far as their points are from the image of x.
 TEST(Mirrors, AreTheSameInBothDirections) {
   const std::vector<Vec<2>> corners{{0, 0}, {9, 1}, {7, 4}, {10, 8}, {4, 6}, {1, 9}, {0, 0}};
-  const Faces<2> faces("polygon", polyline(corners), reach);
+  const Faces<2> faces("polygon", polyline(corners));
   const auto points = random_points(300, Box<2>{.lower = {-1, -1}, .upper = {10, 9}}, 3);
   std::vector<MirrorsAround<2>> around(points.size());
   for (Index i = 0; i < points.size(); ++i) around[i].find(faces, points[i], reach);
@@ -118,7 +118,7 @@ TEST(Mirrors, AreTheSameInBothDirections) {
 }
 
 TEST(Mirrors, MapPointsToTheirImages) {
-  const Faces<2> faces("corner", polyline({{0, 9}, {0, 0}, {9, 0}}), reach);
+  const Faces<2> faces("corner", polyline({{0, 9}, {0, 0}, {9, 0}}));
   const Vec<2> x(1, 1.2), point(0.5, 0.8);
   const auto view = view_from<2>(faces, x, {x, point});
   const auto sees = [&](const Vec<2>& image) {
@@ -133,7 +133,7 @@ TEST(Mirrors, MapPointsToTheirImages) {
 }
 
 TEST(Mirrors, HideWhatIsBehindAThinWall) {
-  const Faces<2> faces("wall", polyline({{0, -9}, {0, 0}}), reach);
+  const Faces<2> faces("wall", polyline({{0, -9}, {0, 0}}));
   MirrorsAround<2> around;
   around.find(faces, {-0.5, -1}, reach);
   EXPECT_EQ(around.visible_share({0.5, -1}), 0);
@@ -155,8 +155,8 @@ TEST(Mirrors, DoNotDependOnTheTriangulation) {
   const std::vector<Face<3>> coarse{{{Vec<3>(-20, -20, 0), {20, -20, 0}, {0, 30, 0}}}};
   const std::vector<Vec<3>> points{{0, 0, 1}, {1, 0, 1}, {0, 1, 0.5}, {-1, -1, 0.3}};
   for (const Vec<3>& x : points) {
-    EXPECT_EQ(view_from(Faces<3>("fine", fine, reach), x, points).shares,
-              view_from(Faces<3>("coarse", coarse, reach), x, points).shares);
+    EXPECT_EQ(view_from(Faces<3>("fine", fine), x, points).shares,
+              view_from(Faces<3>("coarse", coarse), x, points).shares);
   }
 }
 
@@ -164,7 +164,7 @@ TEST(Mirrors, SeeBeyondTheEndOfAWallThatIsGivenTwice) {
   for (const auto& points : {std::vector<Vec<2>>{{0, -9}, {0, 0}, {0, -9}},
                              std::vector<Vec<2>>{{0, -9}, {0, -5}, {0, 0}, {0, -5}},
                              std::vector<Vec<2>>{{0, -9}, {0, 0}, {0, -4}}}) {
-    const Faces<2> faces("wall", polyline(points), reach);
+    const Faces<2> faces("wall", polyline(points));
     MirrorsAround<2> around;
     around.find(faces, {-0.5, -1}, reach);
     EXPECT_EQ(around.visible_share({0.5, 1.5}), 1);
@@ -174,11 +174,10 @@ TEST(Mirrors, SeeBeyondTheEndOfAWallThatIsGivenTwice) {
 
 // In any order of its corners, and with −0 for 0.
 TEST(Faces, AreKeptOnce) {
-  const Faces<2> segment("wall", {{{Vec<2>(0, 1), Vec<2>(2, 0)}}, {{Vec<2>(2, -0.0), Vec<2>(0, 1)}}},
-                         reach);
+  const Faces<2> segment("wall", {{{Vec<2>(0, 1), Vec<2>(2, 0)}}, {{Vec<2>(2, -0.0), Vec<2>(0, 1)}}});
   EXPECT_EQ(segment.elements().size(), 1u);
   const Vec<3> a(0, 0, 0), b(1, 0, 0), c(0, 1, 0), d(1, 1, 0);
-  const Faces<3> square("wall", {{{a, b, c}}, {{b, d, c}}, {{c, b, a}}, {{d, c, b}}}, reach);
+  const Faces<3> square("wall", {{{a, b, c}}, {{b, d, c}}, {{c, b, a}}, {{d, c, b}}});
   ASSERT_EQ(square.elements().size(), 2u);
   EXPECT_EQ(square[0].facet, square[1].facet);
 }
@@ -190,8 +189,8 @@ TEST(Mirrors, ShowTheSameInACornerThatIsGivenTwice) {
   for (const Face<2>& face : polyline({corner.rbegin(), corner.rend()})) twice.push_back(face);
   const std::vector<Vec<2>> points = lattice<2>({{0, 0}, {4, 4}}, 1.0);
   for (const Vec<2>& x : points) {
-    EXPECT_EQ(view_from(Faces<2>("twice", twice, reach), x, points).shares,
-              view_from(Faces<2>("once", polyline(corner), reach), x, points).shares);
+    EXPECT_EQ(view_from(Faces<2>("twice", twice), x, points).shares,
+              view_from(Faces<2>("once", polyline(corner)), x, points).shares);
   }
 }
 
@@ -209,7 +208,7 @@ TEST(Mirrors, ArePlanesInSpiteOfRoundedCorners) {
     }
   }
   MirrorsAround<3> around;
-  around.find(Faces<3>("plane", triangles, reach), {100.1, 200.2, 301}, reach);
+  around.find(Faces<3>("plane", triangles), {100.1, 200.2, 301}, reach);
   EXPECT_TRUE(around.is_plane());
 }
 
@@ -222,7 +221,7 @@ TEST(MovesBeforeFaces, EndBeforeThem) {
   };
   for (const double angle : {0.2, 0.4, 0.8, 1.6, 2.5, 4.0, 5.5}) {
     const Vec<2> end(9 * std::cos(angle), 9 * std::sin(angle));
-    const Faces<2> faces("wedge", polyline({{9, 0}, {0, 0}, end}), reach);
+    const Faces<2> faces("wedge", polyline({{9, 0}, {0, 0}, end}));
     const auto points = random_points(1000, Box<2>{.lower = {-1, -1}, .upper = {1, 1}}, 7);
     const auto moves = random_points(1000, Box<2>{.lower = {-0.5, -0.5}, .upper = {0.5, 0.5}}, 8);
     for (Index k = 0; k < points.size(); ++k) {
@@ -231,7 +230,7 @@ TEST(MovesBeforeFaces, EndBeforeThem) {
       expect_before(around, points[k], moves[k]);
     }
   }
-  const Faces<3> cube("cube", faces_of(Box<3>{.lower = {0, 0, 0}, .upper = {2, 2, 2}}), reach);
+  const Faces<3> cube("cube", faces_of(Box<3>{.lower = {0, 0, 0}, .upper = {2, 2, 2}}));
   for (int axis = 0; axis < 3; ++axis) {
     for (const double side : {0.0, 2.0}) {
       Vec<3> x(1, 1, 1), move(0, 0, 0);
@@ -251,9 +250,10 @@ TEST(Faces, AreFoundWithinTheReachOfAnyPoint) {
   for (Index k = 0; k + 2 < corners.size(); k += 3) {
     triangles.push_back({{corners[k], corners[k + 1], corners[k + 2]}});
   }
-  const Faces<3> faces("triangles", triangles, 1.5);
+  const Faces<3> faces("triangles", triangles);
   for (const auto& x : random_points(300, Box<3>{.lower = {-6, -6, -6}, .upper = {6, 6, 6}}, 6)) {
-    const auto near = faces.near(x);
+    std::vector<std::uint32_t> near;
+    faces.for_each_near(x, 1.5, [&](std::uint32_t k) { near.push_back(k); });
     for (std::uint32_t k = 0; k < triangles.size(); ++k) {
       if ((nearest_of(triangles[k], x) - x).norm() < 1.5) {
         EXPECT_EQ(std::ranges::count(near, k), 1) << k << " at " << x.transpose();
@@ -262,8 +262,17 @@ TEST(Faces, AreFoundWithinTheReachOfAnyPoint) {
   }
 }
 
+TEST(Faces, OfAnySizeAreFound) {
+  for (const double size : {1e-6, 1.0, 1e6, 1e15}) {
+    const Faces<2> walls("walls", polyline({{-size, -size}, {size, size}, {size, 2 * size}}));
+    std::vector<std::uint32_t> near;
+    walls.for_each_near({0, 0}, 1e-7, [&](std::uint32_t k) { near.push_back(k); });
+    EXPECT_EQ(std::ranges::count(near, 0u), 1) << size;
+  }
+}
+
 TEST(Faces, OfOnePlaneAreOneFacetWithoutARimBetweenThem) {
-  const Faces<3> cube("cube", faces_of(Box<3>{.lower = {0, 0, 0}, .upper = {2, 2, 2}}), 1);
+  const Faces<3> cube("cube", faces_of(Box<3>{.lower = {0, 0, 0}, .upper = {2, 2, 2}}));
   ASSERT_EQ(cube.elements().size(), 12);
   for (const auto& element : cube.elements()) {
     EXPECT_EQ(std::ranges::count(cube.elements(), element.facet, [](const auto& other) {
@@ -276,14 +285,14 @@ TEST(Faces, OfOnePlaneAreOneFacetWithoutARimBetweenThem) {
 
 TEST(Faces, ThrowIfOneIsInvalid) {
   const auto nan = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_TRUE(refuses([&] { Faces<2>("wall", polyline({{0, 0}, {1, 0}, {1, 0}}), 1); },
+  EXPECT_TRUE(refuses([&] { Faces<2>("wall", polyline({{0, 0}, {1, 0}, {1, 0}})); },
                       {"wall: face 1 has both ends at", "(1, 0)"}));
-  EXPECT_TRUE(refuses([&] { Faces<2>("wall", polyline({{0, 0}, {nan, 0}}), 1); },
+  EXPECT_TRUE(refuses([&] { Faces<2>("wall", polyline({{0, 0}, {nan, 0}})); },
                       {"wall: face 0", "nan"}));
-  EXPECT_TRUE(refuses([] { Faces<3>("wall", {{{Vec<3>(0, 0, 0), {1, 1, 1}, {2, 2, 2}}}}, 1); },
+  EXPECT_TRUE(refuses([] { Faces<3>("wall", {{{Vec<3>(0, 0, 0), {1, 1, 1}, {2, 2, 2}}}}); },
                       {"wall: face 0", "has no area"}));
-  EXPECT_TRUE(refuses([] { Faces<2>("wall", polyline({{0, 0}, {1e6, 1e6}}), 1e-2); },
-                      {"wall: face 0", "too large for an effective radius of 0.01 m"}));
+  EXPECT_TRUE(refuses([] { Faces<2>("wall", polyline({{0, 0}, {1e200, 0}})); },
+                      {"wall: face 0", "(1e+200, 0)", "less than 1e+100 m"}));
 }
 
 }  // namespace

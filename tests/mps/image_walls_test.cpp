@@ -341,6 +341,32 @@ TEST(ImageWalls, RefuseAParticleThatWentThroughThem) {
   EXPECT_TRUE(refuses([&] { periodic.step(0.5 * l0); }, {message, "particle 0"}));
 }
 
+// Water on a floor that is a million times as long as a spacing, and before walls at 45°.
+TEST(ImageWalls, MayBeMuchLargerThanTheFluid) {
+  Settings2D settings{.spacing = l0, .speed_scale = 1};
+  settings.walls.segments = polyline({{-1e5, 1e5}, {0, 0}, {1e5, 0}});
+  mps::Fluid<2> fluid;
+  for (const auto& x : lattice<2>({{l0, 0}, {6 * l0, 4 * l0}}, l0)) {
+    mps::add_particle(fluid, x, mps::Kind::fluid);
+  }
+  Simulation sim{fluid, UniformGrid<2>{}, mps::Flow<Mirrored>{settings}, SemiImplicit<>{}};
+  for (int k = 0; k < 20; ++k) sim.step();
+  for (Index i = 0; i < fluid.size(); ++i) EXPECT_GT(sim.particles()[position][i][1], 0.2 * l0);
+}
+
+TEST(ImageWalls, RefuseFacesOfTheOtherDimension) {
+  const Settings2D in_2d{.spacing = l0,
+                         .walls = {.segments = {},
+                                   .triangles = silt::faces_of(Box<3>{.lower = {0, 0, 0},
+                                                                      .upper = {1, 1, 1}})}};
+  EXPECT_TRUE(refuses([&] { mps::Flow<Mirrored>{in_2d}; },
+                      {"ImageWalls: triangles = 12 faces in a flow in 2D", "are segments"}));
+  const Settings3D in_3d{.spacing = l0,
+                         .walls = {.segments = polyline({{0, 0}, {1, 0}}), .triangles = {}}};
+  EXPECT_TRUE(refuses([&] { mps::Flow<Mirrored, 3>{in_3d}; },
+                      {"ImageWalls: segments = 1 faces in a flow in 3D", "are triangles"}));
+}
+
 TEST(ImageWalls, RefuseWallParticlesAndInvalidFaces) {
   auto fluid = fluid_at(lattice<2>({{0, 0}, {0.1, 0.1}}, l0));
   mps::add_particle(fluid, {0.05, -0.01}, mps::Kind::wall);

@@ -11,6 +11,7 @@
 #include <silt/core/types.hpp>
 
 #include <algorithm>
+#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -121,6 +122,26 @@ template <class P>
   fail("Simulation: after the step, " + std::string(broken.field) + " = " + broken.value +
            " is not finite; reduce the time step or check the forces",
        {.particle = i, .id = particles.id(i)});
+}
+
+/// Throws if a particle is so far from the origin that its position is not known to a hundredth of
+/// its size, size_of(i) [m]: with float, at 80 000 sizes. `owner` and `size` are named.
+template <class P, class F>
+void check_digits_of_positions(std::string_view owner, const P& particles, std::string_view size,
+                               F&& size_of) {
+  using Real = typename P::Real;
+  constexpr Real epsilon = std::numeric_limits<Real>::epsilon();
+  const auto x = particles[position];
+  const auto distance = [&](Index i) { return x[i].template lpNorm<Eigen::Infinity>(); };
+  const Index far = first_where(particles.size(), [&](Index i) {
+    return 100 * epsilon * distance(i) > size_of(i) && is_finite(distance(i));
+  });
+  if (far == no_index) return;
+  fail(std::string(owner) + ": x = " + to_text(typename P::Vec(x[far])) + " m is known to " +
+           to_text(double(epsilon * distance(far))) + " m only, more than a hundredth of the " +
+           std::string(size) + " " + to_text(double(size_of(far))) +
+           " m; move the origin to the particles, or use double",
+       {.particle = far, .id = particles.id(far)});
 }
 
 /// Throws if a particle is outside a box that must not be left.

@@ -21,17 +21,29 @@ struct Face {
   std::array<Vec<Dim>, std::size_t(Dim)> corners;
 };
 
-/// Throws if a corner is not finite, or if the face has no length or area. `name` identifies it in
-/// the message.
+namespace detail {
+template <int Dim>
+void require_corners(const std::string& name, const Face<Dim>& face) {
+  constexpr double most = 1e100;  // its square does not overflow
+  for (const Vec<Dim>& x : face.corners) {
+    if (x.cwiseAbs().maxCoeff() < most && is_finite(x)) continue;
+    fail(name + " has the corner " + to_text(x) +
+         " m; give finite coordinates of less than " + to_text(most) + " m");
+  }
+}
+}  // namespace detail
+
+/// Throws if a corner is not finite or beyond 1e100 m, or if the face has no length or area. `name`
+/// identifies it in the message.
 inline void require_size(const std::string& name, const Face<2>& face) {
+  detail::require_corners(name, face);
   const auto& [a, b] = face.corners;
-  require_finite(name, a);
-  require_finite(name, b);
   if (!((b - a).norm() > 1e-150)) {
     fail(name + " has both ends at " + to_text(a) + " m; remove it");
   }
 }
 inline void require_size(const std::string& name, const Face<3>& face) {
+  detail::require_corners(name, face);
   require_area(name, Triangle<>{face.corners});
 }
 

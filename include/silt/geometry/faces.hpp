@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
-// A surface of faces, and a grid that finds those near a point.
+// A surface of faces, of which those near a point are found.
 #pragma once
 
 #include <silt/core/error.hpp>
 #include <silt/core/types.hpp>
+#include <silt/geometry/bounding_volume_tree.hpp>
 #include <silt/geometry/face.hpp>
 
 #include <algorithm>
@@ -16,7 +17,6 @@
 #include <set>
 #include <span>
 #include <string>
-#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -32,9 +32,8 @@ class Faces {
 
   struct Element {
     Face<Dim> face;
-    std::size_t number;  ///< among those given
     Vec normal;
-    double offset;       ///< normal·x of the points x of its plane [m]
+    double offset;        ///< normal·x of the points x of its plane [m]
     std::uint32_t facet;  ///< the number of its facet
     /// Whether the edge from corner k to the next one (in 2D, the end k) is on the facet's rim.
     std::array<bool, std::size_t(Dim)> is_rim;
@@ -57,45 +56,38 @@ class Faces {
   };
 
   Faces() = default;
-  /// `reach` [m] is the greatest distance at which faces are asked for, above 0. Throws if a face
-  /// is invalid, see require_size(), or larger than 1e8 cells of that size; `name` identifies the
-  /// surface.
-  Faces(const std::string& name, const std::vector<Face<Dim>>& faces, double reach)
-      : cell_(reach) {
+  /// Throws if a face is invalid, see require_size(); `name` identifies the surface.
+  Faces(const std::string& name, const std::vector<Face<Dim>>& faces) {
     elements_.reserve(faces.size());
     std::set<Corners<std::size_t(Dim)>> known;
     for (std::size_t k = 0; k < faces.size(); ++k) {
       require_size(name + ": face " + std::to_string(k), faces[k]);
       if (!known.insert(sorted(faces[k].corners)).second) continue;
       const Vec normal = normal_of(faces[k]);
-      Element element{faces[k], k, normal, normal.dot(faces[k].corners[0]),
+      Element element{faces[k], normal, normal.dot(faces[k].corners[0]),
                       std::uint32_t(elements_.size()), {}};
       element.is_rim.fill(true);
       elements_.push_back(element);
     }
     join_facets();
-    fill_cells(name);
+    make_tree();
   }
 
   std::span<const Element> elements() const { return elements_; }
   const Element& operator[](std::uint32_t element) const { return elements_[element]; }
 
-  /// The numbers of all faces closer to x than the reach, and of some further ones.
-  std::span<const std::uint32_t> near(const Vec& x) const {
-    const auto found = cells_.find(cell_of(x));
-    if (found == cells_.end()) return {};
-    return found->second;
+  /// f(k) for the numbers k of all faces closer to x than `distance` [m], and of some further ones.
+  template <class F>
+  void for_each_near(const Vec& x, double distance, F&& f) const {
+    const double limit = squared(distance);
+    tree_.visit_near(x, limit, [&](std::uint32_t k) {
+      f(k);
+      return limit;
+    });
   }
 
  private:
-  using Cell = std::array<std::int64_t, std::size_t(Dim)>;
-  struct HashOfCell {
-    std::size_t operator()(const Cell& cell) const noexcept {
-      std::uint64_t hash = 0;
-      for (const std::int64_t k : cell) hash = (hash ^ std::uint64_t(k)) * 0x9E3779B97F4A7C15u;
-      return std::size_t(hash ^ hash >> 32);
-    }
-  };
+  using Tree = BoxTree<Dim, double>;
 
   // A side of a face: the edge from corner k to the next one (in 2D, the end k).
   struct SideOfFace {
@@ -197,52 +189,20 @@ class Faces {
     element.facet = plane.facet;
   }
 
-  void fill_cells(const std::string& name) {
-    constexpr double max_cells = 1e8;
-    for (std::uint32_t e = 0; e < elements_.size(); ++e) {
-      const Face<Dim>& face = elements_[e].face;
-      Vec lower = face.corners[0], upper = lower;
-      for (const Vec& x : face.corners) {
-        lower = lower.cwiseMin(x);
-        upper = upper.cwiseMax(x);
-      }
-      const Vec margin = Vec::Constant(cell_);
-      const Vec size = (upper - lower) / cell_ + Vec::Constant(3);
-      if (!(size.prod() < max_cells)) {
-        fail(name + ": face " + std::to_string(elements_[e].number) + " from " + to_text(lower) + " to " +
-             to_text(upper) + " m is too large for an effective radius of " + to_text(cell_) +
-             " m; give the part that fluid can reach");
-      }
-      const Cell from = cell_of(lower - margin), to = cell_of(upper + margin);
-      Cell cell = from;
-      while (true) {
-        Vec centre;
-        for (int k = 0; k < Dim; ++k) centre[k] = (double(cell[std::size_t(k)]) + 0.5) * cell_;
-        const double half_diagonal = 0.5 * std::sqrt(double(Dim)) * cell_;
-        if ((nearest_of(face, centre) - centre).norm() <= 1.0001 * (cell_ + half_diagonal)) {
-          cells_[cell].push_back(e);
-        }
-        std::size_t k = 0;
-        while (k < cell.size() && ++cell[k] > to[k]) {
-          cell[k] = from[k];
-          ++k;
-        }
-        if (k == cell.size()) break;
-      }
+  void make_tree() {
+    std::vector<typename Tree::Bounds> bounds;
+    bounds.reserve(elements_.size());
+    for (const Element& element : elements_) {
+      const Vec& first = element.face.corners[0];
+      typename Tree::Bounds own{first, first};
+      for (const Vec& x : element.face.corners) own.enclose({x, x});
+      bounds.push_back(own);
     }
-  }
-  Cell cell_of(const Vec& x) const {
-    Cell cell;
-    for (int k = 0; k < Dim; ++k) {
-      constexpr double most = 1e18;
-      cell[std::size_t(k)] = std::int64_t(std::clamp(std::floor(x[k] / cell_), -most, most));
-    }
-    return cell;
+    tree_ = Tree(bounds);
   }
 
-  double cell_ = 1;  // [m]
   std::vector<Element> elements_;
-  std::unordered_map<Cell, std::vector<std::uint32_t>, HashOfCell> cells_;
+  Tree tree_;
 };
 
 }  // namespace silt

@@ -52,7 +52,11 @@ class MirrorsAround {
     x_ = x;
     reach_ = reach;
     distance_ = std::numeric_limits<double>::infinity();
-    for (const std::uint32_t k : surface.near(x)) {
+    static thread_local std::vector<std::uint32_t> near;  // keeps its capacity
+    near.clear();
+    surface.for_each_near(x, reach, [](std::uint32_t k) { near.push_back(k); });
+    std::ranges::sort(near);
+    for (const std::uint32_t k : near) {
       const Element& element = surface[k];
       if (!(std::abs(element.height(x)) < reach)) continue;
       const double distance = (nearest_of(element.face, x) - x).norm();

@@ -10,6 +10,7 @@
 #include <silt/geometry/face.hpp>
 #include <silt/geometry/faces.hpp>
 #include <silt/geometry/mirrors.hpp>
+#include <silt/geometry/point_checksum.hpp>
 #include <silt/mps/fluid.hpp>
 #include <silt/mps/neighbourhood.hpp>
 
@@ -83,6 +84,20 @@ struct ImageWalls {
     }
   }
 
+  /// Of all corners, for checkpoints.
+  std::uint64_t checksum() const {
+    PointChecksum all;
+    const auto add = [&](const auto& faces) {
+      all.add(faces.size());
+      for (const auto& face : faces) {
+        for (const auto& corner : face.corners) all.add(corner);
+      }
+    };
+    add(segments);
+    add(triangles);
+    return all.sum();
+  }
+
   template <int Dim, class RealType>
   class InFlow;
 };
@@ -94,24 +109,24 @@ class ImageWalls::InFlow {
   using Real = RealType;
   using Vec = silt::Vec<Dim, Real>;
 
+  /// Throws if there are faces of the other dimension.
   explicit InFlow(const ImageWalls& walls) {
     if constexpr (Dim == 2) {
-      given_ = walls.segments;
+      refuse_others("triangles", walls.triangles.size(), "segments");
+      faces_ = Faces<2>("ImageWalls", walls.segments);
     } else {
-      given_ = walls.triangles;
+      refuse_others("segments", walls.segments.size(), "triangles");
+      faces_ = Faces<3>("ImageWalls", walls.triangles);
     }
   }
 
   /// Finds the faces near each particle, and the images that it sees. Throws if a particle is not
-  /// fluid or on a face, if a face is too large, or if a wall ends at a periodic side.
+  /// fluid or on a face, or if a wall ends at a periodic side.
   template <FluidParticles P, class S, class Operators>
   void locate(const P& particles, const S& search, const Operators& operators) {
     refuse_solids(particles);
     spacing_ = double(operators.stencil().spacing);
-    if (double(operators.reach()) != reach_) {
-      faces_ = Faces<Dim>("ImageWalls", given_, double(operators.reach()));
-      reach_ = double(operators.reach());
-    }
+    reach_ = double(operators.reach());
     if (particles.box().any_periodic()) check_ends(particles.box());
     const auto x = particles.with_ghosts(position);
     revision_ = 0;  // until all are located
@@ -287,6 +302,12 @@ class ImageWalls::InFlow {
     });
   }
 
+  static void refuse_others(const std::string& others, std::size_t number,
+                            const std::string& those_of_flow) {
+    if (number == 0) return;
+    fail("ImageWalls: " + others + " = " + std::to_string(number) + " faces in a flow in " +
+         std::to_string(Dim) + "D, whose walls are " + those_of_flow + "; remove them");
+  }
   template <class P>
   static void refuse_solids(const P& particles) {
     const auto kinds = particles[kind];
@@ -327,9 +348,8 @@ class ImageWalls::InFlow {
     }
   }
 
-  std::vector<Face<Dim>> given_;
   Faces<Dim> faces_;
-  double reach_ = 0;                       // of faces_ [m]
+  double reach_ = 0;                       // of the operators [m]
   double spacing_ = 0;                     // l0 [m]
   std::vector<silt::Vec<Dim>> positions_;  // with ghosts
   std::uint64_t revision_ = 0;             // of the particles at these positions

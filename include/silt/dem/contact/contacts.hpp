@@ -16,6 +16,7 @@
 #include <silt/core/concepts.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/parallel.hpp>
+#include <silt/core/step_checks.hpp>
 #include <silt/core/travel.hpp>
 #include <silt/core/types.hpp>
 #include <silt/core/watch.hpp>
@@ -349,7 +350,8 @@ class ContactsOf : public Contacts<Law, Walls...> {
     if (rebuilds) {
       detail::refuse_unnoticed_changes(grains, *state_.last.list, state_.last.lifetime);
       detail::check_grains(grains, materials_);
-      detail::check_digits_of_positions(grains);
+      silt::detail::check_digits_of_positions("dem::Contacts", grains, "radius",
+                                              [R = grains[radius]](Index i) { return R[i]; });
       const auto list = take_list();
       rebuild(grains, search, step, *list);
       evaluation.list = list;

@@ -91,26 +91,6 @@ void check_grains(const P& grains, const Materials<Law>& materials) {
        where);
 }
 
-/// Throws if a grain is so far from the origin that its position is not known to a hundredth of its
-/// radius: with float, more than 80 000 radii.
-template <class P>
-void check_digits_of_positions(const P& grains) {
-  using Real = typename P::Real;
-  constexpr Real epsilon = std::numeric_limits<Real>::epsilon();
-  const auto x = grains[position];
-  const auto R = grains[radius];
-  const auto distance = [&](Index i) { return x[i].template lpNorm<Eigen::Infinity>(); };
-  const Index far = first_where(grains.size(), [&](Index i) {
-    return 100 * epsilon * distance(i) > R[i] && is_finite(distance(i));
-  });
-  if (far == no_index) return;
-  fail("dem::Contacts: x = " + to_text(typename P::Vec(x[far])) + " m is known to " +
-           to_text(double(epsilon * distance(far))) +
-           " m only, more than a hundredth of the radius " + to_text(double(R[far])) +
-           " m; move the origin to the grains, or use double",
-       {.particle = far, .id = grains.id(far)});
-}
-
 /// Half of the shortest period of the box [m]; infinite if no side is periodic.
 template <int Dim, class Real>
 Real half_period(const Box<Dim, Real>& box) {

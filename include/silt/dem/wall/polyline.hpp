@@ -5,6 +5,7 @@
 #include <silt/core/error.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/wall/wall.hpp>
+#include <silt/geometry/point_checksum.hpp>
 
 #include <algorithm>
 #include <cstdint>

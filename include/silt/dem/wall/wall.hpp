@@ -6,7 +6,6 @@
 #include <silt/core/error.hpp>
 #include <silt/core/types.hpp>
 
-#include <bit>
 #include <concepts>
 #include <cstdint>
 #include <limits>
@@ -83,30 +82,13 @@ concept CompositeWall = requires(const W wall, const Vec<Dim, Real> x, Index ele
 ///   wall.check_in(box, max_radius)  throws if it cannot be used in the box of the grains
 ///   wall.checksum()                 → std::uint64_t, of all points that define it, by which a
 ///                                   checkpoint recognises another wall; see PointChecksum
+///                                   in silt/geometry/point_checksum.hpp
 template <class W, int Dim, class Real>
 concept WallAtRest =
     (SimpleWall<W, Dim, Real> || CompositeWall<W, Dim, Real>) && requires(const W wall, W own) {
       { wall.material } -> std::convertible_to<std::uint32_t>;
       own.check();
     };
-
-/// Checksum of points: FNV-1a over their coordinates.
-class PointChecksum {
- public:
-  template <int Dim, class Real>
-  void add(const Vec<Dim, Real>& point) {
-    for (int k = 0; k < Dim; ++k)
-      add(std::bit_cast<std::uint64_t>(double(point[k]) + 0.0));  // no −0
-  }
-  void add(std::uint64_t number) {
-    for (int byte = 0; byte < 8; ++byte)
-      sum_ = (sum_ ^ (number >> 8 * byte & 255)) * 1099511628211u;
-  }
-  std::uint64_t sum() const { return sum_; }
-
- private:
-  std::uint64_t sum_ = 14695981039346656037u;
-};
 
 /// The load of one contact on a wall, at the time N of the contact. The work of the wall on the
 /// grain in a step is −(force·velocity + couple·spin) Δt [J].

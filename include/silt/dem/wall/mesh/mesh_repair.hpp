@@ -14,7 +14,7 @@
 #include <silt/core/error.hpp>
 #include <silt/core/triangle.hpp>
 #include <silt/core/types.hpp>
-#include <silt/dem/wall/mesh/bounding_volume_tree.hpp>
+#include <silt/geometry/bounding_volume_tree.hpp>
 
 #include <algorithm>
 #include <array>
@@ -117,7 +117,7 @@ template <class Real>
 void split_at_junctions(WeldedMesh<Real>& mesh) {
   using Vec = silt::Vec<3, Real>;
   using Ends = std::pair<std::uint32_t, std::uint32_t>;  // of a side; the lower one first
-  using Tree = BoxTree<Real>;
+  using Tree = BoxTree<3, Real>;
   const auto side_of = [&](Index t, std::size_t k) {
     return Ends(std::minmax(mesh.triangles[t][k], mesh.triangles[t][(k + 1) % 3]));
   };

@@ -8,10 +8,11 @@
 #include <silt/core/error.hpp>
 #include <silt/core/triangle.hpp>
 #include <silt/core/types.hpp>
-#include <silt/dem/wall/mesh/bounding_volume_tree.hpp>
 #include <silt/dem/wall/mesh/mesh_features.hpp>
 #include <silt/dem/wall/mesh/mesh_repair.hpp>
 #include <silt/dem/wall/wall.hpp>
+#include <silt/geometry/bounding_volume_tree.hpp>
+#include <silt/geometry/point_checksum.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -36,7 +37,7 @@ class MeshWall {
   using Nearest = NearestPoint<3, Real>;
   using Features = MeshFeatures<Real>;
   using Piece = typename Features::Piece;
-  using Tree = BoxTree<Real>;
+  using Tree = BoxTree<3, Real>;
 
  public:
   std::uint32_t material;

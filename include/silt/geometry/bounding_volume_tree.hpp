@@ -11,12 +11,12 @@
 #include <utility>
 #include <vector>
 
-namespace silt::dem {
+namespace silt {
 
-template <class Real>
+template <int Dim, class Real>
 class BoxTree {
  public:
-  using Vec = silt::Vec<3, Real>;
+  using Vec = silt::Vec<Dim, Real>;
   struct Bounds {
     Vec lower = Vec::Zero();
     Vec upper = Vec::Zero();
@@ -103,4 +103,4 @@ class BoxTree {
   std::vector<Node> nodes_;
 };
 
-}  // namespace silt::dem
+}  // namespace silt
