@@ -2,7 +2,9 @@
 // Fuzz target: an input is a tank of fluid, the settings of its flow and a sequence of calls, with
 // numbers that they may not expect. A call that throws silt::Error changes nothing, and the next
 // one follows.
+#include <silt/geometry/shapes.hpp>
 #include <silt/mps.hpp>
+#include <silt/mps/image_walls.hpp>
 
 #include "fuzz/target.hpp"
 #include "support/checkpoint_bytes.hpp"
@@ -10,9 +12,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 namespace {
 
@@ -28,6 +32,25 @@ mps::Tank<2> any_tank(Choices& choices) {
           .dummy_layers = static_cast<int>(std::min<Index>(choices.count(3), 1000)) - 1,
           .lid = choices.flag(),
           .on_escape = choices.flag() ? OnEscape::remove : OnEscape::refuse};
+}
+
+struct Mirrored : mps::Recommended {
+  mps::ImageWalls walls{};
+};
+
+mps::Fluid<2> fluid_of(const mps::Fluid<2>& particles) {
+  mps::Fluid<2> fluid(particles.box());
+  for (Index i = 0; i < particles.size(); ++i) {
+    if (particles[mps::kind][i] != mps::Kind::fluid) continue;
+    mps::add_particle(fluid, particles[position][i], mps::Kind::fluid);
+  }
+  return fluid;
+}
+
+std::vector<Face<2>> any_walls(Choices& choices) {
+  const Vec<2> first = choices.vector<2>({0, 4 * l0}), second = choices.vector<2>({0, 0}),
+               third = choices.vector<2>({4 * l0, 0}), fourth = choices.vector<2>({4 * l0, 4 * l0});
+  return polyline({first, second, third, fourth});
 }
 
 // A tank that is not refused, but takes long.
@@ -86,8 +109,13 @@ template <class Scheme>
 void flow(Choices& choices) {
   const auto tank = any_tank(choices);
   if (is_large(tank)) return;
-  Simulation simulation{mps::make_tank(tank), UniformGrid<2>{},
-                        mps::Flow<Scheme>(any_settings<Scheme>(choices)), SemiImplicit{}};
+  auto water = mps::make_tank(tank);
+  auto settings = any_settings<Scheme>(choices);
+  if constexpr (std::same_as<Scheme, Mirrored>) {
+    water = fluid_of(water);
+    settings.walls.segments = any_walls(choices);
+  }
+  Simulation simulation{water, UniformGrid<2>{}, mps::Flow<Scheme>(settings), SemiImplicit{}};
   for (int calls = 0; calls < 10; ++calls) {
     const double time = simulation.time();
     if (!fuzz::accepts([&] { call(choices, simulation); })) {
@@ -108,10 +136,13 @@ void flow(Choices& choices) {
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   Choices choices(data, size);
   fuzz::accepts([&] {
-    if (choices.flag()) {
-      flow<mps::Case00>(choices);
-    } else {
-      flow<mps::Recommended>(choices);
+    switch (choices.below(4)) {
+      case 0:
+        return flow<mps::Recommended>(choices);
+      case 2:
+        return flow<Mirrored>(choices);
+      default:
+        return flow<mps::Case00>(choices);
     }
   });
   return 0;

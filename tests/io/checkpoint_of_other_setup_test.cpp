@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
-// A checkpoint recognises that the program that reads it has other laws or walls.
+// A checkpoint recognises that the program that reads it has other laws, walls or settings of a flow.
 #include <silt/dem.hpp>
 #include <silt/dem/wall/walls.hpp>
 #include <silt/io/checkpoint.hpp>
 #include <silt/mps.hpp>
+#include <silt/mps/image_walls.hpp>
 
 #include "support/check.hpp"
 #include "support/file_test.hpp"
@@ -181,19 +182,34 @@ TEST_F(CheckpointOfOtherSetup, NamesAnotherNumberOfMaterials) {
   EXPECT_TRUE(refuses([&] { read_checkpoint(path, other); }, {"another number of materials;"}));
 }
 
-TEST_F(CheckpointOfOtherSetup, NamesAnotherSpacingOrDensityOfAFlow) {
-  const auto flow = [](double spacing, double density) {
+struct Mirrored : mps::Recommended {
+  mps::ImageWalls walls{};
+};
+
+TEST_F(CheckpointOfOtherSetup, NamesWhatIsDifferentInAFlow) {
+  using Settings = mps::FlowSettings<2, Mirrored>;
+  const auto flow = [](const Settings& settings) {
     mps::Fluid<2> fluid;
     mps::add_particle(fluid, {0, 0}, mps::Kind::fluid);
-    return Simulation{fluid, UniformGrid<2>{},
-                      mps::Flow<mps::Recommended>({.spacing = spacing, .density = density}),
-                      SemiImplicit{}};
+    return Simulation{fluid, UniformGrid<2>{}, mps::Flow<Mirrored>(settings), SemiImplicit{}};
   };
-  write_checkpoint(path, flow(0.01, 1000));
-  auto other = flow(0.011, 1000);
-  EXPECT_TRUE(refuses([&] { read_checkpoint(path, other); }, {"another FlowSettings::spacing"}));
-  other = flow(0.01, 800);
-  EXPECT_TRUE(refuses([&] { read_checkpoint(path, other); }, {"another FlowSettings::density"}));
+  Settings own{.spacing = 0.01};
+  own.walls.segments = {{{Vec<2>(-1, -1), Vec<2>(1, -1)}}};
+  write_checkpoint(path, flow(own));
+  const auto expect_refused = [&](auto&& change, const std::string& name) {
+    Settings settings = own;
+    change(settings);
+    auto other = flow(settings);
+    EXPECT_TRUE(refuses([&] { read_checkpoint(path, other); }, {"another FlowSettings::" + name}));
+  };
+  expect_refused([](Settings& s) { s.spacing = 0.011; }, "spacing");
+  expect_refused([](Settings& s) { s.density = 800; }, "density");
+  expect_refused([](Settings& s) { s.viscosity = 1e-5; }, "viscosity");
+  expect_refused([](Settings& s) { s.gravity[0] = 1; }, "gravity");
+  expect_refused([](Settings& s) { s.laplacian_radius = 2.1; }, "radius");
+  expect_refused([](Settings& s) { s.walls.segments[0].corners[1] = {1, -1.001}; }, "walls");
+  auto same = flow(own);
+  read_checkpoint(path, same);
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 
 #include <cmath>
 #include <filesystem>
+#include <string>
 #include <utility>
 
 namespace silt::test::time_step_test {
@@ -52,6 +53,27 @@ TEST(TimeStepLimits, AreInfiniteWithoutSpeedGravityAndViscosity) {
   auto sim = simulation(blob<2, double>(6, 0.02),
                         {.spacing = 0.02, .viscosity = 0, .gravity = Vec<2>::Zero()});
   EXPECT_EQ(sim.interaction().time_step_limits(sim.particles()).smallest(), inf);
+}
+
+TEST(TimeStepLimits, NameTheSmallest) {
+  const auto expect_name = [](const mps::TimeStepLimits& limits, const std::string& name) {
+    const std::string text = limits.name_of_smallest();
+    EXPECT_EQ(text.substr(0, name.size()), name);
+    EXPECT_NE(text.find("1e-20 s"), std::string::npos) << text;
+  };
+  expect_name({.courant = 1e-20, .viscous = 1}, "the speed of the particles");
+  expect_name({.courant = 1, .force = 1e-20}, "the acceleration");
+  expect_name({.courant = 1, .viscous = 1e-20}, "FlowSettings: viscosity");
+  expect_name({.courant = 1, .growth = 1e-20}, "FlowSettings: max_growth");
+  expect_name({.courant = 1, .max_time_step = 1e-20}, "FlowSettings: max_time_step");
+}
+
+TEST(TimeStepLimits, AreNamedBeforeARunThatWouldNeverEnd) {
+  Simulation sim{blob<2, double>(3, 0.01), UniformGrid<2>{},
+                 mps::Flow<mps::Recommended>({.spacing = 0.01, .viscosity = 1e15}),
+                 SemiImplicit{}};
+  EXPECT_TRUE(refuses([&] { sim.run({.until = 1}); },
+                      {"steps are ahead", "mps::Flow: FlowSettings: viscosity allows", "decrease"}));
 }
 
 TEST(TimeStepGrowth, IsAtMostAFifthPerStep) {

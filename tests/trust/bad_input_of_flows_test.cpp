@@ -36,7 +36,7 @@ TEST(BadInput, OfFlowsIsRefused) {
       {"FlowSettings: viscosity", [](double x) { use({.spacing = l0, .viscosity = x}); },
        accepts::not_negative},
       {"FlowSettings: gravity", [](double x) { use({.spacing = l0, .gravity = {x, 0}}); },
-       accepts::finite},
+       accepts::zero | accepts::minus_one | accepts::tiny},
       {"FlowSettings: radius", [](double x) { use({.spacing = l0, .radius = x}); },
        accepts::nothing},
       {"FlowSettings: laplacian_radius",
@@ -178,6 +178,21 @@ TEST(BadInput, OfStepsOfFlowsIsRefused) {
        accepts::zero | accepts::tiny},
       {"pressure",
        [](double x) { step_of_water(dt, [x](auto& water) { water[mps::pressure][5] = x; }); },
+       accepts::zero | accepts::minus_one | accepts::tiny}});
+}
+
+TEST(BadInput, OfBodyForcesIsRefused) {
+  const auto step = [](const Vec<2>& force) {
+    Settings settings{.spacing = l0};
+    settings.body_force = [=](const Vec<2>& x, double) {
+      return x[0] > l0 ? force : Vec<2>(Vec<2>::Zero());
+    };
+    Simulation sim{blob<2, double>(3, l0), BruteForce<2>{}, Flow(settings), SemiImplicit{}};
+    change_or_keep([&] { return state_of(sim.particles()); }, [&] { sim.step(); });
+    EXPECT_EQ(sim.steps(), 1u);
+  };
+  check_parameters(std::vector<NumberParameter>{
+      {"FlowSettings: body_force", [&](double x) { step({0, x}); },
        accepts::zero | accepts::minus_one | accepts::tiny}});
 }
 

@@ -109,6 +109,16 @@ TYPED_TEST(FlowOf, ParticlesAtHalfAPeriodIsSymmetric) {
   }
 }
 
+TYPED_TEST(FlowOf, PositionsWithTooFewDigitsIsRefused) {
+  auto particles = blob<2, double>(4, 1);
+  particles[position][5][1] = 1e15;
+  auto sim = flow_of<TypeParam>(particles, {.spacing = 1});
+  const Bytes before = state_of(sim.particles());
+  EXPECT_TRUE(refuses([&] { sim.step(1e-3); },
+                      {"mps::Flow: x = (", "a hundredth of the spacing 1 m", "particle 5"}));
+  EXPECT_TRUE(state_of(sim.particles()) == before);
+}
+
 TYPED_TEST(FlowOf, NoParticlesOrOneOrSolidsAloneCanBeStepped) {
   const std::vector<std::vector<Kind>> all{{},
                                            {Kind::fluid},

@@ -2,6 +2,7 @@
 // The interaction of MPS, [HwangLeePark2010]: predictor, collision, pressure, corrector.
 #pragma once
 
+#include <silt/core/step_checks.hpp>
 #include <silt/core/types.hpp>
 #include <silt/core/watch.hpp>
 #include <silt/linear/linear_system.hpp>
@@ -24,6 +25,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -83,6 +85,12 @@ class BasicFlow {
     return time_step_limits(particles).smallest();
   }
 
+  /// What makes the time step as short as it is.
+  template <FluidParticles P>
+  std::string limit_of_time_step(const P& particles) const {
+    return "mps::Flow: " + time_step_limits(particles).name_of_smallest();
+  }
+
   /// Sets the time of the positions [s], at which FlowSettings::body_force is evaluated.
   void set_time(double time) { time_ = time; }
 
@@ -96,6 +104,8 @@ class BasicFlow {
     energy_.begin(particles);
     changes_.clear();
     particles.refresh_ghosts(kind);  // may have changed since the search made them
+    silt::detail::check_digits_of_positions(
+        "mps::Flow", particles, "spacing", [this](Index) { return Real(settings_.spacing); });
     find_neighbours(particles, search);
     if (is_first) check_arrangement(particles, operators_.neighbourhood(), operators_.stencil());
     particles.refresh_ghosts(velocity);
@@ -227,8 +237,7 @@ class BasicFlow {
   /// For a checkpoint, see core/transfer.hpp.
   template <class Archive>
   void transfer(Archive& archive) {
-    archive.setup("settings", {{"FlowSettings::spacing", {settings_.spacing}},
-                               {"FlowSettings::density", {settings_.density}}});
+    archive.setup("settings", settings_.setup());
     archive.within("time_step", [&] { time_step_.transfer(archive); });
     archive.within("energy", [&] { energy_.transfer(archive); });
   }

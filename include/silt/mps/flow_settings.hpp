@@ -3,12 +3,15 @@
 #pragma once
 
 #include <silt/core/error.hpp>
+#include <silt/core/transfer.hpp>
 #include <silt/core/types.hpp>
 #include <silt/mps/scheme.hpp>
 
 #include <cmath>
+#include <cstdint>
 #include <functional>
 #include <limits>
+#include <vector>
 
 namespace silt::mps {
 
@@ -50,8 +53,23 @@ struct FlowSettings {
   /// threads, on which the result must not depend. None if empty.
   std::function<Vec<Dim>(const Vec<Dim>& x, double t)> body_force = {};
 
+  /// By what a checkpoint recognises another flow.
+  std::vector<SetupPart> setup() const {
+    std::vector<SetupPart> parts{{"FlowSettings::spacing", {spacing}},
+                                 {"FlowSettings::density", {density}},
+                                 {"FlowSettings::viscosity", {viscosity}},
+                                 {"FlowSettings::gravity", {gravity.begin(), gravity.end()}},
+                                 {"FlowSettings::radius", {radius, laplacian_radius}}};
+    if constexpr (requires { walls.checksum(); }) {
+      // Numbers that the tolerance tells apart.
+      const std::uint64_t sum = walls.checksum();
+      parts.push_back({"FlowSettings::walls", {double(sum & 0xffffff), double(sum >> 24 & 0xffffff)}});
+    }
+    return parts;
+  }
+
   /// Throws if a setting or a parameter of a policy is out of range, or if collisions reach farther
-  /// than `radius`. body_force is not checked.
+  /// than `radius`. body_force is checked in each step.
   void check() const {
     require_positive("FlowSettings: spacing", spacing);
     require_positive("FlowSettings: density", density);
@@ -63,6 +81,10 @@ struct FlowSettings {
     }
     require_not_negative("FlowSettings: viscosity", viscosity);
     require_finite("FlowSettings: gravity", gravity);
+    if (!is_finite(gravity.squaredNorm())) {
+      fail("FlowSettings: gravity = " + to_text(gravity) +
+           " m/s² has a square that overflows; use other units");
+    }
     // At a radius of 1, the kernel is zero at the nearest neighbours.
     require_above("FlowSettings: radius", radius, {1 + 1e-9, 10});
     require_above("FlowSettings: laplacian_radius", laplacian_radius, {1 + 1e-9, 10});

@@ -16,6 +16,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string>
 
 namespace silt::mps {
 
@@ -30,6 +31,16 @@ struct TimeStepLimits {
   double max_time_step = infinite;  ///< of FlowSettings
 
   double smallest() const { return std::min({courant, force, viscous, growth, max_time_step}); }
+  /// Which one is the smallest, and what to do about it.
+  std::string name_of_smallest() const {
+    const double dt = smallest();
+    const std::string allow = " allows " + to_text(dt) + " s; ";
+    if (dt == viscous) return "FlowSettings: viscosity" + allow + "decrease it";
+    if (dt == max_time_step) return "FlowSettings: max_time_step" + allow + "increase it";
+    if (dt == force) return "the acceleration by gravity and body_force" + allow + "decrease it";
+    if (dt == growth) return "FlowSettings: max_growth" + allow + "begin with a longer time step";
+    return "the speed of the particles, or FlowSettings: speed_scale," + allow + "decrease it";
+  }
 };
 
 /// λ/(4 d ν) [s], half the stability limit: the explicit viscous term is stable while Δt ν times
@@ -119,11 +130,21 @@ class TimeStep {
     if (!settings.body_force) return settings.gravity.norm();
     const auto x = particles[position];
     const auto kinds = particles[kind];
-    return largest(particles.size(), 0.0, [&](Index i) {
-      if (kinds[i] != Kind::fluid) return 0.0;
-      const auto force = settings.body_force(x[i].template cast<double>(), time);
-      return double((settings.gravity + force).norm());
+    const auto force_at = [&](Index i) {
+      return settings.body_force(x[i].template cast<double>(), time);
+    };
+    const double most = largest(particles.size(), 0.0, [&](Index i) {
+      const double force = (settings.gravity + force_at(i)).norm();
+      if (!is_finite(force)) return TimeStepLimits::infinite;
+      return kinds[i] == Kind::fluid ? force : 0.0;
     });
+    if (is_finite(most)) return most;
+    const Index broken = first_where(
+        particles.size(), [&](Index i) { return !is_finite((settings.gravity + force_at(i)).norm()); });
+    fail("FlowSettings: body_force = " + to_text(force_at(broken)) + " m/s² at " +
+             to_text(typename P::Vec(x[broken])) + " m and " + to_text(time) +
+             " s is not finite or its square overflows; return a finite acceleration",
+         {.particle = broken, .id = particles.id(broken)});
   }
 
   template <class P, class Settings>
