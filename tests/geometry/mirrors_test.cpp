@@ -174,7 +174,8 @@ TEST(Mirrors, SeeBeyondTheEndOfAWallThatIsGivenTwice) {
 
 // In any order of its corners, and with −0 for 0.
 TEST(Faces, AreKeptOnce) {
-  const Faces<2> segment("wall", {{{Vec<2>(0, 1), Vec<2>(2, 0)}}, {{Vec<2>(2, -0.0), Vec<2>(0, 1)}}});
+  const Faces<2> segment("wall",
+                         {{{Vec<2>(0, 1), Vec<2>(2, 0)}}, {{Vec<2>(2, -0.0), Vec<2>(0, 1)}}});
   EXPECT_EQ(segment.elements().size(), 1u);
   const Vec<3> a(0, 0, 0), b(1, 0, 0), c(0, 1, 0), d(1, 1, 0);
   const Faces<3> square("wall", {{{a, b, c}}, {{b, d, c}}, {{c, b, a}}, {{d, c, b}}});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A checkpoint recognises that the program that reads it has other laws, walls or settings of a flow.
+// A checkpoint recognises that the program that reads it has other laws, walls or settings.
 #include <silt/dem.hpp>
 #include <silt/dem/wall/walls.hpp>
 #include <silt/io/checkpoint.hpp>

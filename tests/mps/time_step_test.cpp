@@ -72,8 +72,9 @@ TEST(TimeStepLimits, AreNamedBeforeARunThatWouldNeverEnd) {
   Simulation sim{blob<2, double>(3, 0.01), UniformGrid<2>{},
                  mps::Flow<mps::Recommended>({.spacing = 0.01, .viscosity = 1e15}),
                  SemiImplicit{}};
-  EXPECT_TRUE(refuses([&] { sim.run({.until = 1}); },
-                      {"steps are ahead", "mps::Flow: FlowSettings: viscosity allows", "decrease"}));
+  EXPECT_TRUE(refuses(
+      [&] { sim.run({.until = 1}); },
+      {"steps are ahead", "mps::Flow: FlowSettings: viscosity allows", "decrease"}));
 }
 
 TEST(TimeStepGrowth, IsAtMostAFifthPerStep) {

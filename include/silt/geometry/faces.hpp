@@ -23,8 +23,8 @@
 namespace silt {
 
 /// Faces that may form closed or open surfaces, with normals; a face that is given twice counts
-/// once. Faces with a common edge (in 2D a common end) and the same plane (line) form one facet. Its
-/// rim are the edges (ends) at which it ends.
+/// once. Faces with a common edge (in 2D a common end) and the same plane (line) form one facet.
+/// Its rim are the edges (ends) at which it ends.
 template <int Dim>
 class Faces {
  public:

@@ -63,7 +63,8 @@ struct FlowSettings {
     if constexpr (requires { walls.checksum(); }) {
       // Numbers that the tolerance tells apart.
       const std::uint64_t sum = walls.checksum();
-      parts.push_back({"FlowSettings::walls", {double(sum & 0xffffff), double(sum >> 24 & 0xffffff)}});
+      parts.push_back(
+          {"FlowSettings::walls", {double(sum & 0xffffff), double(sum >> 24 & 0xffffff)}});
     }
     return parts;
   }

@@ -139,8 +139,9 @@ class TimeStep {
       return kinds[i] == Kind::fluid ? force : 0.0;
     });
     if (is_finite(most)) return most;
-    const Index broken = first_where(
-        particles.size(), [&](Index i) { return !is_finite((settings.gravity + force_at(i)).norm()); });
+    const Index broken = first_where(particles.size(), [&](Index i) {
+      return !is_finite((settings.gravity + force_at(i)).norm());
+    });
     fail("FlowSettings: body_force = " + to_text(force_at(broken)) + " m/s² at " +
              to_text(typename P::Vec(x[broken])) + " m and " + to_text(time) +
              " s is not finite or its square overflows; return a finite acceleration",
