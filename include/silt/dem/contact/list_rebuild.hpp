@@ -76,7 +76,7 @@ void check_grains(const P& grains, const Materials<Law>& materials) {
          where);
   };
   if (!is_radius(R[odd])) {
-    reject("radius", R[odd], "m of a grain must be positive, finite and such that its square is");
+    reject("radius", R[odd], "m of a grain must be positive and finite, and so must its square");
   }
   if (!is_valid(m[odd])) {
     reject("mass", m[odd], "kg of a grain must be a positive, finite and normal number");
