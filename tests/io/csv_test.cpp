@@ -10,14 +10,17 @@
 #if __has_include(<sys/resource.h>)
 #include <csignal>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #endif
 
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
+#include <fstream>
 #include <limits>
 #include <numbers>
 #include <string>
+#include <thread>
 #include <vector>
 
 namespace silt::test::csv_test {
@@ -74,6 +77,18 @@ TEST_F(Csv, ARowThatCannotBeWrittenLeavesTheFileUnchanged) {
   EXPECT_TRUE(refused);
   file.row({5, 6});
   EXPECT_EQ(bytes(), "t,x\n1,2\n5,6\n");
+}
+
+TEST_F(Csv, DevicesAreRefusedBeforeTheyAreRead) {
+  EXPECT_TRUE(test::refuses([] { read_csv("/dev/null"); },
+                            {"read_csv: cannot read /dev/null", "device; give a file"}));
+}
+
+TEST_F(Csv, APipeIsRead) {
+  ASSERT_EQ(mkfifo(path.c_str(), 0600), 0);
+  std::thread writer([this] { std::ofstream(path) << "t\n0.5\n"; });
+  EXPECT_EQ(read_csv(path)["t"], (std::vector<double>{0.5}));
+  writer.join();
 }
 #endif
 

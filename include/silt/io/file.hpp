@@ -59,16 +59,21 @@ inline void create_folder(const std::string& caller, const std::filesystem::path
   fail_with(caller + ": cannot create the folder", folder, reason, "choose a writable folder");
 }
 
-/// All bytes of a file. Throws silt::Error, with a message that begins with `caller`, if it cannot
-/// be read.
+/// All bytes of a file or pipe. Throws silt::Error, with a message that begins with `caller`, if it
+/// cannot be read, or is a device.
 inline std::string read(const std::string& caller, const std::filesystem::path& path) {
   const std::string advice = "check the path";
+  std::error_code ignored;
+  const auto type = std::filesystem::status(path, ignored).type();
+  // It may have no end, as /dev/zero.
+  if (type == std::filesystem::file_type::character || type == std::filesystem::file_type::block) {
+    fail(caller + ": cannot read " + path.string() + ", which is a device; give a file or pipe");
+  }
   errno = 0;
   const Stream stream(std::fopen(path.string().c_str(), "rb"));
   if (!stream) fail_with(caller + ": cannot open", path, last_error(), advice);
   std::string bytes;
   // Otherwise the string would have up to three times the size of the file.
-  std::error_code ignored;
   const auto size = std::filesystem::file_size(path, ignored);
   if (!ignored) bytes.reserve(static_cast<std::size_t>(size));
   char block[1 << 14];
