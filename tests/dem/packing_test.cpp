@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 namespace silt::test::packing_test {
 namespace {
@@ -169,6 +170,29 @@ TEST(Settling, ThrowsIfNoStepIsMadeBetweenTwoChecks) {
   const dem::Settling rest{.speed = 0.1, .check_every = 1e-20, .max_time = 1, .time_step = 1e-3};
   EXPECT_TRUE(refuses([&] { dem::settle(sim, rest); },
                       {"Settling: check_every = 1e-20", "t = 1 s", "increase it"}));
+}
+
+TEST(Settling, ThatWouldNeverEndIsRefusedBeforeTheFirstStep) {
+  dem::Grains<2> grains;
+  dem::add_grain(grains, {0, 0}, {.radius = 0.1, .density = 1});
+  grains[velocity][0] = {0.5, 0};
+  const dem::CundallStrack law{.normal_stiffness = 1e5,
+                               .tangential_stiffness = 5e4,
+                               .restitution = 0.3,
+                               .friction_angle = 0.4};
+  Simulation sim{grains, NeighbourList<2>{}, dem::Contacts{law}, Leapfrog{}};
+  const Bytes before = state_of(sim.particles());
+  struct Stop {  // so that the test would end
+    bool stop_requested() const { return true; }
+  } stop;
+  dem::Settling endless{.speed = 1e-300, .check_every = 1e-3, .max_time = 1e300};
+  for (const auto& time_step : {std::optional<double>{}, std::optional(1e-4)}) {
+    endless.time_step = time_step;
+    EXPECT_TRUE(refuses([&] { dem::settle(sim, endless, stop); },
+                        {"Settling: time_step", "steps are ahead", "lower max_time"}));
+    EXPECT_EQ(state_of(sim.particles()), before);
+    EXPECT_EQ(sim.steps(), 0u);
+  }
 }
 
 TEST(Settling, NeedsASpeedBelowTheLimit) {

@@ -5,6 +5,7 @@
 #include <silt/core/energy.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/parallel.hpp>
+#include <silt/core/step_checks.hpp>
 #include <silt/core/types.hpp>
 
 #include <cmath>
@@ -30,8 +31,8 @@ double rms_speed(const P& grains) {
 
 /// Runs the simulation with these observers until a check finds the grains at rest; the first check
 /// is after check_every. Returns the time it took [s]; returns early if an observer ends the run.
-/// Throws silt::Error if the grains are not at rest after max_time, or if a check follows another
-/// without a step.
+/// Throws silt::Error if the grains are not at rest after max_time, if a check follows another
+/// without a step, or, before a step is made, if more than 10¹² steps are ahead.
 template <class Sim, class... Observers>
 double settle(Sim& simulation, const Settling& settling, Observers&&... observers) {
   require_positive("Settling: speed", settling.speed);
@@ -42,9 +43,18 @@ double settle(Sim& simulation, const Settling& settling, Observers&&... observer
          " s is longer than max_time = " + to_text(settling.max_time) +
          " s; check more often, or increase max_time");
   }
+  if (settling.time_step) require_positive("Settling: time_step", *settling.time_step);
   const double began = simulation.time();
   double speed = 0;
   while (simulation.time() - began < settling.max_time) {
+    // Without grains no step is known: an observer may add them. The runs below see only the steps
+    // until the next check.
+    if (settling.time_step || !simulation.particles().empty()) {
+      silt::detail::require_feasible(
+          "Settling: time_step", settling.time_step ? *settling.time_step : simulation.time_step(),
+          "steps", {simulation.time(), began + settling.max_time},
+          [] { return "lower max_time, or give a longer time_step"; });
+    }
     const auto steps = simulation.steps();
     const bool completed = simulation.run({.until = simulation.time() + settling.check_every,
                                            .output_every = 0,
