@@ -89,7 +89,7 @@ TEST(Threads, GiveTheSameTextsOfErrors) {
                    [&](auto& p) { each_third(p, [&](Index i) { p[velocity][i][1] = nan; }); });
   expect_same_text(simulation, "radius",
                    [&](auto& p) { each_third(p, [&](Index i) { p[radius][i] = -1; }); });
-  expect_same_text(simulation, "", [&](auto& p) {
+  expect_same_text(simulation, "coincide", [&](auto& p) {
     each_third(p, [&](Index i) { p[position][i] = p[position][i - 1]; });
   });
   expect_same_text(simulation, "material",
@@ -99,6 +99,9 @@ TEST(Threads, GiveTheSameTextsOfErrors) {
       p[mass][i] *= 1e-9;
       p[inertia][i] *= 1e-9;
     });
+  });
+  expect_same_text(dam(), "velocity", [&](auto& p) {
+    each_third(p, [&](Index i) { p[velocity][i][1] = nan; });
   });
 }
 
