@@ -12,6 +12,8 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <string>
+#include <vector>
 
 namespace silt::test::packing_test {
 namespace {
@@ -206,6 +208,60 @@ TEST(Settling, NeedsASpeedBelowTheLimit) {
   dem::Settling higher = rest;
   higher.speed = std::nextafter(0.5, 1);
   EXPECT_NEAR(dem::settle(sim, higher), 0.01, 1e-12) << "at the first check";
+}
+
+// Radii of a distribution that returns wrong ones from the second on.
+struct WrongSizes {
+  double wrong = 0;
+  void check() const {}
+  double radius(Random& random) const { return random.id == 0 ? 0.05 : wrong; }
+  double largest() const { return 0.1; }
+};
+
+TEST(Packing, NamesTheDistributionThatReturnsAWrongRadius) {
+  const auto unit = cube<2, double>(0, 1);
+  const double infinity = std::numeric_limits<double>::infinity();
+  for (const double wrong : {-1.0, 0.0, infinity, std::numeric_limits<double>::quiet_NaN()}) {
+    const dem::Blend<WrongSizes> odd{.sizes = {.wrong = wrong}, .density = 2500};
+    const std::vector<std::string> texts{"Blend: ", "radius(random) of the distribution",
+                                         to_text(wrong)};
+    dem::Grains<2> grains;
+    for (const dem::Scatter& how :
+         {dem::Scatter{.number = 10}, dem::Scatter{.solid_fraction = 0.1}}) {
+      EXPECT_TRUE(refuses([&] { dem::scatter(grains, odd, unit, how); }, texts));
+    }
+    EXPECT_TRUE(grains.empty());
+  }
+}
+
+// In single precision the masses of the smaller ones underflow.
+TEST(Packing, AddsNoGrainIfOneOfThemIsRefused) {
+  const dem::Blend<WrongSizes> odd{.sizes = {.wrong = 1e-15}, .density = 2500};
+  dem::Grains<3, float> grains;
+  EXPECT_TRUE(refuses([&] { dem::scatter(grains, odd, cube<3, float>(0, 1), {.number = 3}); },
+                      {"Grain: radius = 1e-15 m"}));
+  EXPECT_TRUE(grains.empty());
+}
+
+// A region with a clearance as given.
+struct OddRegion : Box<2> {
+  double known = 0;
+  double clearance(const Vec<2>&) const { return known; }
+};
+
+TEST(Packing, NamesTheRegionWhoseClearanceIsNotANumber) {
+  dem::Grains<2> grains;
+  const dem::Blend<dem::EqualSizes> discs{.sizes = {.value = 0.05}, .density = 1};
+  const auto scatter_in = [&](double clearance) {
+    dem::scatter(grains, discs, OddRegion{cube<2, double>(0, 1), clearance}, {.number = 1});
+  };
+  EXPECT_TRUE(refuses([&] { scatter_in(std::numeric_limits<double>::quiet_NaN()); },
+                      {"clearance(x) of the region", "nan", "x = (", "; correct it"}));
+  EXPECT_TRUE(grains.empty());
+  EXPECT_TRUE(refuses([&] { scatter_in(-std::numeric_limits<double>::infinity()); },
+                      {"found no free position"}));
+  scatter_in(std::numeric_limits<double>::infinity());
+  EXPECT_EQ(grains.size(), 1u);
 }
 
 TEST(Packing, ThrowsForExistingGrainsThatAreInvalid) {

@@ -2,6 +2,7 @@
 // A step or a change of the particles in which any one allocation fails changes nothing, and the
 // next one has the same bits as without the failure.
 #include <silt/dem.hpp>
+#include <silt/dem/setup/packing.hpp>
 #include <silt/mps.hpp>
 
 #include "support/check.hpp"
@@ -12,6 +13,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -157,6 +159,36 @@ TEST(FailedAllocation, LeavesParticlesAsBefore) {
   std::vector<Index> backwards(grains.size());
   for (Index i = 0; i < backwards.size(); ++i) backwards[i] = backwards.size() - 1 - i;
   fail_each_allocation_of_change(grains, [&](auto& p) { p.reorder(backwards); });
+}
+
+TEST(FailedAllocation, OfAPlacementNamesTheNumberOfGrains) {
+  const dem::Blend<dem::EqualSizes> discs{.sizes = {.value = 0.05}, .density = 2500};
+  dem::Grains<2> grains;
+  for (int k = 0; k < 100; ++k) dem::add_grain(grains, {2.0 + k, 0}, {.radius = 0.1, .density = 1});
+  grains.remove_if([](Index i) { return i > 2; });
+  const Bytes before = state_of(grains);
+  const auto expect_refused = [&](const dem::Scatter& how, const std::string& asked) {
+    int refusals = 0;
+    for (std::int64_t k = 1; k < 200; ++k) {  // sorting does without its own
+      bool refused = false;
+      auto trial = grains;
+      EXPECT_FALSE(fails_with_allocation(k, [&] {
+        try {
+          dem::scatter(trial, discs, Box<2>{.lower = {0, 0}, .upper = {1, 1}}, how);
+        } catch (const Error& error) {
+          refused = true;
+          EXPECT_NE(std::string(error.what()).find(asked), std::string::npos) << error.what();
+        }
+      })) << "allocation " << k;
+      EXPECT_EQ(state_of(trial) == before, refused) << "allocation " << k;
+      refusals += refused;
+    }
+    EXPECT_GT(refusals, 20);
+    EXPECT_LT(refusals, 198);
+  };
+  expect_refused({.number = 20}, "number = 20 grains do not fit into memory; place fewer");
+  expect_refused({.solid_fraction = 0.1},
+                 "solid_fraction = 0.1 gives 12.7324 grains, which do not fit into memory");
 }
 
 TEST(Particles, MayBeAddedAtThePositionOfAnother) {

@@ -116,6 +116,10 @@ inline bool is_finite(float value) {
   constexpr std::uint32_t exponent = 0x7f800000u;
   return (std::bit_cast<std::uint32_t>(value) & exponent) != exponent;
 }
+/// Not a number.
+inline bool is_nan(double value) {
+  return !is_finite(value) && (std::bit_cast<std::uint64_t>(value) << 12) != 0;
+}
 /// Finite, above 0, and with all digits: not below the normal numbers.
 template <class Real>
 bool is_positive_normal(Real value) {

@@ -84,14 +84,15 @@ bool has_products(Real R, Real m) {
          R * R * (R * R) < most && m * m < most;
 }
 
-/// Adds a grain at rest at x [m]; returns its index in memory. Throws, and adds nothing, if x is
-/// not finite, if radius or density is not positive and finite, if the square of the radius,
-/// mass or moment of inertia underflows or overflows in the precision of the grains, or if the
-/// material is 2³² or more. The first step with dem::Contacts throws if the material does not
-/// exist.
+namespace detail {
+/// Mass [kg] and moment of inertia [kg m²] of a grain.
+struct Inertia {
+  double mass;
+  double moment;
+};
+/// Throws if add_grain would refuse the grain.
 template <class P>
-  requires HasFields<P, mass_t, inertia_t, radius_t, material_t>
-Index add_grain(P& grains, const typename P::Vec& x, const Grain& grain) {
+Inertia inertia_of(const Grain& grain) {
   using Real = typename P::Real;
   require_positive("Grain: radius", grain.radius);
   require_positive("Grain: density", grain.density);
@@ -111,8 +112,22 @@ Index add_grain(P& grains, const typename P::Vec& x, const Grain& grain) {
     fail("Grain: material = " + std::to_string(grain.material) +
          " is not below 2^32; give an index in dem::Materials");
   }
+  return {m, I};
+}
+}  // namespace detail
+
+/// Adds a grain at rest at x [m]; returns its index in memory. Throws, and adds nothing, if x is
+/// not finite, if radius or density is not positive and finite, if the square of the radius,
+/// mass or moment of inertia underflows or overflows in the precision of the grains, or if the
+/// material is 2³² or more. The first step with dem::Contacts throws if the material does not
+/// exist.
+template <class P>
+  requires HasFields<P, mass_t, inertia_t, radius_t, material_t>
+Index add_grain(P& grains, const typename P::Vec& x, const Grain& grain) {
+  using Real = typename P::Real;
+  const auto [m, I] = detail::inertia_of<P>(grain);
   const Index i = grains.add(x);
-  grains[radius][i] = Real(r);
+  grains[radius][i] = Real(grain.radius);
   grains[mass][i] = Real(m);
   grains[inertia][i] = Real(I);
   grains[material][i] = static_cast<std::uint32_t>(grain.material);

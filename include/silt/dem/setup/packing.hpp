@@ -20,7 +20,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <new>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <unordered_map>
 #include <vector>
@@ -170,7 +172,12 @@ class Placement {
   std::optional<Ball> find(Random& random, Real radius, Index tries, TouchesWall&& touches_wall) {
     for (Index k = 0; k < tries; ++k) {
       const Ball ball{box_.wrap(random.point_in(bounds_)), radius};
-      if (region_.clearance(ball.centre) < radius || !occupancy_.has_room_for(ball)) continue;
+      const Real clearance = region_.clearance(ball.centre);
+      if (is_nan(double(clearance))) {
+        fail("dem: clearance(x) of the region returned nan at x = " + to_text(ball.centre) +
+             " m; correct it to return the distance to the boundary");
+      }
+      if (clearance < radius || !occupancy_.has_room_for(ball)) continue;
       if (touches_wall(ball.centre, radius)) continue;
       occupancy_.add(ball);
       return ball;
@@ -185,8 +192,17 @@ class Placement {
   Occupancy<Dim, Real> occupancy_;
 };
 
+/// What was asked for, as text; `expected` is the number of grains.
+inline std::string text_of(const Scatter& scatter, double expected) {
+  return scatter.number ? "number = " + to_text(expected) + " grains"
+                        : "solid_fraction = " + to_text(*scatter.solid_fraction) + " gives " +
+                              to_text(expected) + " grains, which";
+}
+
+/// About how many grains a placement adds to a region of this volume [m³]. Throws if there are too
+/// many.
 template <int Dim, class Sizes>
-std::vector<Grain> draw_grains(const Blend<Sizes>& blend, const Scatter& scatter, double volume) {
+double expected_number(const Blend<Sizes>& blend, const Scatter& scatter, double volume) {
   if (scatter.number.has_value() == scatter.solid_fraction.has_value()) {
     fail("dem::scatter: give either number or solid_fraction");
   }
@@ -195,11 +211,16 @@ std::vector<Grain> draw_grains(const Blend<Sizes>& blend, const Scatter& scatter
   const double expected = scatter.number ? double(*scatter.number)
                                          : number_in<Dim>(share * volume, blend, scatter.seed);
   if (!(expected <= max_placed)) {
-    fail("dem::scatter: " +
-         (scatter.number ? "number = " + to_text(expected)
-                         : "solid_fraction = " + to_text(share) + " gives " + to_text(expected)) +
-         " grains, more than 1e8; place fewer or larger grains");
+    fail("dem::scatter: " + text_of(scatter, expected) +
+         " are more than 1e8; place fewer or larger grains");
   }
+  return expected;
+}
+
+template <class P, class Sizes>
+std::vector<Grain> draw_grains(const Blend<Sizes>& blend, const Scatter& scatter, double volume) {
+  constexpr int Dim = P::dimension;
+  const double share = scatter.solid_fraction.value_or(0);
   std::vector<Grain> drawn;
   for (double filled = 0; scatter.number ? drawn.size() < *scatter.number : filled < share * volume;
        filled += volume_of<Dim>(drawn.back().radius)) {
@@ -211,6 +232,7 @@ std::vector<Grain> draw_grains(const Blend<Sizes>& blend, const Scatter& scatter
     }
     Random random{.seed = scatter.seed, .id = drawn.size()};
     drawn.push_back(blend.draw(random));
+    inertia_of<P>(drawn.back());
   }
   std::stable_sort(drawn.begin(), drawn.end(),
                    [](const Grain& a, const Grain& b) { return a.radius > b.radius; });
@@ -224,33 +246,21 @@ struct NoWalls {
   }
 };
 
-}  // namespace detail
-
-/// Adds grains at rest that lie entirely inside the region and touch neither each other nor
-/// existing grains nor any of these walls, a WallSet, at time 0. If there is no free position for a
-/// grain, throws silt::Error and adds none; the message contains the number of grains placed until
-/// then.
-template <class P, class Sizes, Region<P::dimension, typename P::Real> R,
-          class Walls = detail::NoWalls>
-void scatter(P& grains, const Blend<Sizes>& blend, const R& region, const Scatter& scatter,
-             const Walls& walls = {}) {
+/// Places the grains of scatter() in a region of this volume [m³]; adds all, or throws.
+template <class P, class Sizes, class R, class Walls>
+void scatter_in(P& grains, const Blend<Sizes>& blend, const R& region, const Scatter& scatter,
+                double volume, const Walls& walls) {
   using Real = typename P::Real;
   const auto touches_wall = [&](const typename P::Vec& x, Real radius) {
     return walls.would_touch(x, radius, 0);
   };
-  blend.check();
-  region.check();
-  detail::check_tries("dem::scatter", scatter.tries);
-  const double volume = region.volume();
-  if (scatter.solid_fraction) require_positive("dem::scatter: volume of the region", volume);
-  detail::check_bounds(Box<P::dimension, Real>(region.bounds()));
-  const auto drawn = detail::draw_grains<P::dimension>(blend, scatter, volume);
+  const auto drawn = draw_grains<P>(blend, scatter, volume);
   if (!drawn.empty()) {
     const Box<P::dimension, Real> bounds = region.bounds();
-    detail::check_fits("dem::scatter", bounds, drawn.front().radius);
+    check_fits("dem::scatter", bounds, drawn.front().radius);
   }
-  detail::Placement<R, P::dimension, Real> placement(grains, region, blend.sizes.largest());
-  std::vector<detail::Ball<P::dimension, Real>> placed;
+  Placement<R, P::dimension, Real> placement(grains, region, blend.sizes.largest());
+  std::vector<Ball<P::dimension, Real>> placed;
   double filled = 0;
   for (const Grain& grain : drawn) {
     // The first numbers of each stream were used for the radii.
@@ -268,6 +278,37 @@ void scatter(P& grains, const Blend<Sizes>& blend, const R& region, const Scatte
   }
   grains.reserve(grains.size() + placed.size());
   for (Index k = 0; k < placed.size(); ++k) add_grain(grains, placed[k].centre, drawn[k]);
+}
+
+}  // namespace detail
+
+/// Adds grains at rest that lie entirely inside the region and touch neither each other nor
+/// existing grains nor any of these walls, a WallSet, at time 0. If there is no free position for a
+/// grain, throws silt::Error and adds none; the message contains the number of grains placed until
+/// then. So it does if memory does not suffice.
+template <class P, class Sizes, Region<P::dimension, typename P::Real> R,
+          class Walls = detail::NoWalls>
+void scatter(P& grains, const Blend<Sizes>& blend, const R& region, const Scatter& scatter,
+             const Walls& walls = {}) {
+  using Real = typename P::Real;
+  blend.check();
+  region.check();
+  detail::check_tries("dem::scatter", scatter.tries);
+  const double volume = region.volume();
+  if (scatter.solid_fraction) require_positive("dem::scatter: volume of the region", volume);
+  detail::check_bounds(Box<P::dimension, Real>(region.bounds()));
+  const double expected = detail::expected_number<P::dimension>(blend, scatter, volume);
+  const auto fail_for_memory = [&] {
+    fail("dem::scatter: " + detail::text_of(scatter, expected) +
+         " do not fit into memory; place fewer or larger grains");
+  };
+  try {
+    detail::scatter_in(grains, blend, region, scatter, volume, walls);
+  } catch (const std::bad_alloc&) {
+    fail_for_memory();
+  } catch (const std::length_error&) {
+    fail_for_memory();
+  }
 }
 
 }  // namespace silt::dem

@@ -175,9 +175,14 @@ struct Blend {
     sizes.check();
     require_positive("Blend: density", density);
   }
+  /// Throws if the distribution returns a radius that cannot be.
   Grain draw(Random& random) const {
-    return {
-        .radius = sizes.radius(random), .density = density, .shape = shape, .material = material};
+    const double R = sizes.radius(random);
+    if (!is_finite(R) || !(R > 0)) {
+      fail("Blend: radius(random) of the distribution of sizes returned " + to_text(R) +
+           " m; correct it to return positive and finite radii");
+    }
+    return {.radius = R, .density = density, .shape = shape, .material = material};
   }
 };
 
