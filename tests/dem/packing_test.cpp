@@ -264,6 +264,26 @@ TEST(Packing, NamesTheRegionWhoseClearanceIsNotANumber) {
   EXPECT_EQ(grains.size(), 1u);
 }
 
+TEST(Packing, PlacesNoGrainBeyondASideOfTheBox) {
+  const dem::Blend<dem::EqualSizes> discs{.sizes = {.value = 0.05}, .density = 1};
+  for (const OnEscape on_escape : {OnEscape::refuse, OnEscape::remove}) {
+    auto box = cube<2, double>(0, 1);
+    box.periodic = {true, false};
+    box.on_escape = on_escape;
+    dem::Grains<2> grains(box);
+    const Box<2> above{.lower = {0, 1.5}, .upper = {1, 2}};
+    EXPECT_TRUE(refuses([&] { dem::scatter(grains, discs, above, {.number = 5}); },
+                        {"x = (", "beyond the side of the box at 1 m along axis 1"}));
+    const Box<2> below{.lower = {0, -0.5}, .upper = {1, 0.2}};
+    EXPECT_TRUE(refuses([&] { dem::scatter(grains, discs, below, {.number = 20}); },
+                        {"x = (", "beyond the side of the box at 0 m along axis 1"}));
+    EXPECT_TRUE(grains.empty());
+    const Box<2> across{.lower = {0.5, 0}, .upper = {1.5, 1}};
+    dem::scatter(grains, discs, across, {.number = 20});
+    EXPECT_EQ(grains.size(), 20u) << "positions beyond a periodic side are wrapped";
+  }
+}
+
 TEST(Packing, ThrowsForExistingGrainsThatAreInvalid) {
   const auto place_beside = [](auto field, auto value) {
     auto grains = one_grain<2>({0.5, 0.5}, {0, 0});

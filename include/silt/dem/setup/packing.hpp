@@ -167,7 +167,8 @@ class Placement {
   }
 
   /// A position in the region where a grain of this radius touches no other and no wall,
-  /// touches_wall(x, R), found in at most `tries` draws; it then counts as occupied.
+  /// touches_wall(x, R), found in at most `tries` draws; it then counts as occupied. Throws if it
+  /// is beyond the box.
   template <class TouchesWall>
   std::optional<Ball> find(Random& random, Real radius, Index tries, TouchesWall&& touches_wall) {
     for (Index k = 0; k < tries; ++k) {
@@ -179,6 +180,7 @@ class Placement {
       }
       if (clearance < radius || !occupancy_.has_room_for(ball)) continue;
       if (touches_wall(ball.centre, radius)) continue;
+      check_in_box(box_, ball.centre);
       occupancy_.add(ball);
       return ball;
     }
@@ -285,7 +287,8 @@ void scatter_in(P& grains, const Blend<Sizes>& blend, const R& region, const Sca
 /// Adds grains at rest that lie entirely inside the region and touch neither each other nor
 /// existing grains nor any of these walls, a WallSet, at time 0. If there is no free position for a
 /// grain, throws silt::Error and adds none; the message contains the number of grains placed until
-/// then. So it does if memory does not suffice.
+/// then. So it does if a position is beyond a side of the box that is not periodic, or if memory
+/// does not suffice.
 template <class P, class Sizes, Region<P::dimension, typename P::Real> R,
           class Walls = detail::NoWalls>
 void scatter(P& grains, const Blend<Sizes>& blend, const R& region, const Scatter& scatter,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Refuses placements that would take all memory or never end.
+// Refuses placements that would take all memory or never end, and positions beyond the box.
 #pragma once
 
 #include <silt/core/box.hpp>
@@ -44,6 +44,20 @@ void check_fits(const std::string& name, const Box<Dim, Real>& bounds, double ra
     fail(name + ": a grain of radius " + to_text(radius) +
          " m has no room in the region, which is " + to_text(length) + " m long along axis " +
          std::to_string(k) + "; enlarge the region, or use smaller grains");
+  }
+}
+
+/// Throws if x [m] is beyond a side of the box that is not periodic: the first step would throw, or
+/// remove the grain.
+template <int Dim, class Real>
+void check_in_box(const Box<Dim, Real>& box, const Vec<Dim, Real>& x) {
+  for (int k = 0; k < Dim; ++k) {
+    if (box.periodic[static_cast<std::size_t>(k)]) continue;
+    if (box.lower[k] <= x[k] && x[k] <= box.upper[k]) continue;
+    const Real side = x[k] < box.lower[k] ? box.lower[k] : box.upper[k];
+    fail("dem: the region has a free position x = " + to_text(x) +
+         " m beyond the side of the box at " + to_text(double(side)) + " m along axis " +
+         std::to_string(k) + "; keep the region within the box, or enlarge the box");
   }
 }
 
