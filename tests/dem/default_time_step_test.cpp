@@ -6,6 +6,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <string>
 
 namespace silt::test::default_time_step_test {
 namespace {
@@ -89,6 +91,54 @@ TEST(DefaultTimeStep, NamesTheContactThatWouldMakeARunEndless) {
   EXPECT_TRUE(refuses([&] { sim.run({.until = 1}); },
                       {"time_step = ", "steps are ahead, more than 1e+12", "dem::Contacts",
                        "two grains of material 1", "softer"}));
+}
+
+// A law with any stiffness.
+struct WithStiffness {
+  dem::Stiffness springs;
+  template <class C>
+  typename C::Vec force(const C&) const {
+    return C::Vec::Zero();
+  }
+  template <class C>
+  dem::Stiffness stiffness(const C&) const {
+    return springs;
+  }
+  static WithStiffness mix(const WithStiffness& a, const WithStiffness& b) {
+    return a.springs.normal > 0 ? b : a;
+  }
+};
+
+TEST(DefaultTimeStep, RefusesAStiffnessOfALawByTheNameOfItsMember) {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  const struct {
+    const char* name;
+    double dem::Stiffness::* member;
+  } members[] = {{"normal", &dem::Stiffness::normal},
+                 {"tangential", &dem::Stiffness::tangential},
+                 {"beta", &dem::Stiffness::beta},
+                 {"rolling", &dem::Stiffness::rolling},
+                 {"rolling_dashpot", &dem::Stiffness::rolling_dashpot}};
+  for (const auto& [name, member] : members) {
+    for (const double wrong : {-1.0, infinity, -infinity, std::nan("")}) {
+      dem::Stiffness springs{.normal = 1e5};
+      springs.*member = wrong;
+      const std::string text =
+          std::string("dem::Contacts: stiffness(contact).") + name + " = " + to_text(wrong);
+      EXPECT_TRUE(refuses([&] { default_of(dem::Contacts{WithStiffness{springs}}); },
+                          {text, "two grains of material 0", "the law returned"}));
+
+      // With a given time step, in a step with contacts.
+      Simulation sim{two_grains<3>(-1e-4, Vec<3>(0, 0, 0)), UniformGrid<3>{},
+                     dem::Contacts{WithStiffness{springs}}, Leapfrog{}};
+      EXPECT_TRUE(refuses([&] { sim.step(1e-6); }, {text, "the law returned", "id 0"}));
+      EXPECT_EQ(sim.steps(), 0u);
+    }
+  }
+  const dem::Materials materials{WithStiffness{{.normal = 1e5}}, WithStiffness{{.normal = -2}}};
+  EXPECT_TRUE(refuses(
+      [&] { default_of(dem::Contacts{materials, dem::Plane<3>{.material = 1}}); },
+      {"stiffness(contact).normal = -2 N/m", "a grain of material 0 with wall 0 of material 1"}));
 }
 
 }  // namespace

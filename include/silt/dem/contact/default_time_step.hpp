@@ -59,7 +59,8 @@ std::vector<std::uint32_t> materials_of(const P& grains, const Materials<Law>& m
 }
 
 /// The shortest contacts of the lightest grains, π √(m*/k) with the largest stiffness at
-/// usual_overlap. The grains are valid, see check_grains(); `walls` is a WallSet.
+/// usual_overlap. The grains are valid, see check_grains(); `walls` is a WallSet. Throws if a law
+/// returns a stiffness that is not possible.
 template <class P, class Law, class Walls>
 ShortestContacts shortest_contacts(const P& grains, const Materials<Law>& materials,
                                    const Walls& walls) {
@@ -73,31 +74,30 @@ ShortestContacts shortest_contacts(const P& grains, const Materials<Law>& materi
   const double R = double(grains[radius][grain]);
   const double m_over_I = lightest / double(grains[inertia][grain]);
   // `share` is ½ between two such grains and 1 at a wall.
-  const auto duration = [&](const Law& law, double share) {
+  const auto add = [&](TypicalContact& to, const Law& law, double share, TypicalContact typical) {
     Contact<P::dimension, Real> contact{};
     contact.effective_mass = static_cast<Real>(share * lightest);
     contact.effective_radius = static_cast<Real>(share * R);
     contact.overlap = static_cast<Real>(usual_overlap * R);
     const Stiffness k = law.stiffness(contact);
+    check_stiffness(k, [&] { return typical.name(); });
     // A tangential spring also rotates the grain: 1 + m R²/I is 3 for discs and 3.5 for spheres.
     const double stiffest = std::max({k.normal, 3.5 * k.tangential, k.rolling * m_over_I});
-    return stiffest > 0 ? contact_duration({.mass = share * lightest, .stiffness = stiffest})
-                        : std::numeric_limits<double>::infinity();
-  };
-  const auto add = [](TypicalContact& to, const TypicalContact& contact) {
-    if (contact.duration < to.duration) to = contact;
+    if (!(stiffest > 0)) return;
+    typical.duration = contact_duration({.mass = share * lightest, .stiffness = stiffest});
+    if (typical.duration < to.duration) to = typical;
   };
   const auto present = materials_of(grains, materials);
   for (const std::uint32_t a : present) {
     for (const std::uint32_t b : present) {
-      add(shortest.of_grains, {duration(materials.between(a, b), 0.5), a, b, no_index});
+      add(shortest.of_grains, materials.between(a, b), 0.5, {.material = a, .other = b});
     }
   }
   shortest.of_all = shortest.of_grains;
   for (Index w = 0; w < walls.size(); ++w) {
     const std::uint32_t b = walls.material(w);
     for (const std::uint32_t a : present) {
-      add(shortest.of_all, {duration(materials.between(a, b), 1), a, b, w});
+      add(shortest.of_all, materials.between(a, b), 1, {.material = a, .other = b, .wall = w});
     }
   }
   return shortest;

@@ -153,7 +153,7 @@ class FrequencyBound {
 
 /// A time step [s] that is stable for all grains, even if all pairs of the list touch. Infinite
 /// without stiffness. law_of(c) is the law of a contact, margin [m] the largest gap of contacts in
-/// the list, `walls` a WallsAtTime.
+/// the list, `walls` a WallsAtTime. Throws if a law returns a stiffness that is not possible.
 template <class P, class Walls, class LawOf>
 double stable_for_all(const P& grains, const ContactList& list, const Walls& walls,
                       typename P::Real margin, LawOf&& law_of) {
@@ -181,7 +181,9 @@ double stable_for_all(const P& grains, const ContactList& list, const Walls& wal
     }
     const double share =
         share_of(double(m[i]), double(contact.effective_mass), Shares::by_root_mass);
-    return contribution_bound(law_of(c).stiffness(contact), share, lever);
+    const Stiffness k = law_of(c).stiffness(contact);
+    check_stiffness(k, [] { return "a contact of this grain"; }, {i, grains.id(i)});
+    return contribution_bound(k, share, lever);
   };
   std::vector<StabilityBounds> of_block(list.blocks());
   list.for_each_block([&](Index b, Index first, Index last) {

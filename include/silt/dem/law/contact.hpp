@@ -6,6 +6,7 @@
 #include <silt/core/types.hpp>
 
 #include <concepts>
+#include <string>
 #include <string_view>
 
 namespace silt::dem {
@@ -37,7 +38,7 @@ struct Contact {
   Real kick() const { return time_step + first_time_step; }
 };
 
-/// Springs of a contact, for the stable time step.
+/// Springs of a contact, for the stable time step; all finite and not negative.
 struct Stiffness {
   double normal = 0;      ///< k_n [N/m]
   double tangential = 0;  ///< k_s [N/m]
@@ -45,6 +46,24 @@ struct Stiffness {
   double rolling = 0;          ///< couple per relative rotation, in any direction [N m/rad]
   double rolling_dashpot = 0;  ///< couple per relative spin, in any direction [N m s]
 };
+
+/// Throws unless all members of a stiffness are finite and not negative. contact() describes the
+/// contact for which the law returned it.
+template <class F>
+void check_stiffness(const Stiffness& k, F&& contact, const Where& where = {}) {
+  const auto check = [&](const char* member, double value, const char* unit) {
+    if (value >= 0 && is_finite(value)) return;
+    fail(std::string("dem::Contacts: stiffness(contact).") + member + " = " + to_text(value) + " " +
+             unit + ", which the law returned for " + contact() +
+             ", must be finite and not negative; correct the law",
+         where);
+  };
+  check("normal", k.normal, "N/m");
+  check("tangential", k.tangential, "N/m");
+  check("beta", k.beta, "s");
+  check("rolling", k.rolling, "N m/rad");
+  check("rolling_dashpot", k.rolling_dashpot, "N m s");
+}
 
 /// Energy stored in the springs of a contact [J].
 struct ElasticEnergies {
