@@ -599,5 +599,60 @@ TEST(Simulation, RejectsANegativeInteractionRange) {
       {"Simulation: interaction range = -1"}));
 }
 
+// Adds no forces; with this interaction range and time step.
+struct Limits {
+  double range = 0;
+  double dt = 1;
+  template <class P>
+  typename P::Real reach(const P&) const {
+    return typename P::Real(range);
+  }
+  template <class P, class S>
+  void accelerate(P&, S&, double) const {}
+  template <class P>
+  double time_step(const P&) const {
+    return dt;
+  }
+};
+
+TEST(Forces, RefusesAnInteractionRangeOfAPartThatIsNotPossible) {
+  for (const double wrong : {nan, -1.0, inf}) {
+    const std::string text = "Forces: interaction range = " + to_text(wrong);
+    EXPECT_TRUE(refuses(
+        [&] {
+          Simulation(one_grain<2>({0, 0}, {0, 0}), UniformGrid<2>{},
+                     Forces{Limits{.range = 0.1}, Limits{.range = wrong}}, Leapfrog{});
+        },
+        {text, "part 1"}));
+    EXPECT_TRUE(refuses(
+        [&] {
+          Simulation(one_grain<2>({0, 0}, {0, 0}), UniformGrid<2>{},
+                     Forces{Limits{.range = wrong}, Limits{.range = 0.1}}, Leapfrog{});
+        },
+        {text, "part 0"}));
+  }
+}
+
+TEST(Forces, RefusesATimeStepOfAPartThatIsNotPossible) {
+  for (const double wrong : {nan, -1.0, 0.0, -inf}) {
+    for (const bool first : {false, true}) {
+      const Limits bad{.dt = wrong};
+      Simulation sim{one_grain<2>({0, 0}, {0, 0}), UniformGrid<2>{},
+                     Forces{first ? bad : Limits{}, first ? Limits{} : bad}, Leapfrog{}};
+      const std::vector<std::string> words{"Forces: time_step = " + to_text(wrong),
+                                           first ? "part 0" : "part 1"};
+      EXPECT_TRUE(refuses([&] { sim.time_step(); }, words));
+      EXPECT_TRUE(refuses([&] { sim.step(); }, words));
+      EXPECT_EQ(sim.steps(), 0u);
+    }
+  }
+}
+
+TEST(Forces, AcceptsPartsThatLimitNoTimeStep) {
+  Simulation sim{one_grain<2>({0, 0}, {0, 0}), UniformGrid<2>{},
+                 Forces{Limits{.dt = inf}, Limits{.dt = 0.5}}, Leapfrog{}};
+  EXPECT_EQ(sim.time_step(), 0.5);
+}
+
 }  // namespace
 }  // namespace silt::test::simulation_test

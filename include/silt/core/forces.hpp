@@ -109,11 +109,21 @@ class Forces {
     std::apply([&](const auto&... part) { (f(part), ...); }, parts_);
   }
 
+  /// The largest interaction range of the parts [m]. Throws if that of one is negative or not
+  /// finite.
   template <class P>
     requires(HasReach<Parts, P> && ...)
   typename P::Real reach(const P& particles) const {
     typename P::Real maximum = 0;
-    for_each_part([&](const auto& part) { maximum = std::max(maximum, part.reach(particles)); });
+    Index number = 0;
+    for_each_part([&](const auto& part) {
+      const auto own = static_cast<typename P::Real>(part.reach(particles));
+      if (!(own >= 0 && is_finite(own))) {
+        refuse_part(number, "interaction range", double(own), "m must be finite and not negative");
+      }
+      maximum = std::max(maximum, own);
+      ++number;
+    });
     return maximum;
   }
 
@@ -147,14 +157,21 @@ class Forces {
     return needed;
   }
 
-  /// The smallest time step [s] of the parts that choose one; infinity if none does.
+  /// The smallest time step [s] of the parts that choose one; infinity if none does. Throws if that
+  /// of one is not positive.
   template <class P>
   double time_step(const P& particles) {
     double minimum = std::numeric_limits<double>::infinity();
+    Index number = 0;
     for_each_part([&](auto& part) {
       if constexpr (ChoosesTimeStep<decltype(part), P>) {
-        minimum = std::min(minimum, double(part.time_step(particles)));
+        const double own = part.time_step(particles);
+        if (!(own > 0)) {  // also NaN
+          refuse_part(number, "time_step", own, "s must be positive, or infinite for no limit");
+        }
+        minimum = std::min(minimum, own);
       }
+      ++number;
     });
     return minimum;
   }
@@ -209,6 +226,12 @@ class Forces {
   template <class F>
   void for_each_part(F&& f) {
     std::apply([&](auto&... part) { (f(part), ...); }, parts_);
+  }
+
+  [[noreturn]] static void refuse_part(Index number, const char* name, double value,
+                                       const char* unit_and_rule) {
+    fail(std::string("Forces: ") + name + " = " + to_text(value) + " " + unit_and_rule +
+         "; correct part " + std::to_string(number));
   }
 
   template <class Part>
