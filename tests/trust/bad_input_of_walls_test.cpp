@@ -128,6 +128,25 @@ TEST(BadInput, OfMotionsOfWallsIsRefused) {
        accepts::finite}});
 }
 
+// A user-defined motion that is at rest, with this period.
+struct Pulse {
+  double seconds = 0;
+
+  dem::Pose<2, double> pose_at(double) const { return {}; }
+  dem::RigidVelocity<2, double> velocity_at(double) const { return {}; }
+  double period() const { return seconds; }
+};
+
+TEST(BadInput, OfThePeriodOfAMotionIsRefused) {
+  check_parameters(std::vector<NumberParameter>{
+      {"Moving: period",
+       [](double x) {
+         const dem::Moving wall{dem::Plane<2>{}, Pulse{x}};
+         EXPECT_EQ(dem::WallSet{wall}.shortest_period(), x);
+       },
+       accepts::positive | accepts::infinite}});
+}
+
 // A grain on a plane, after a step.
 auto grain_on_a_plane(const dem::Plane<2>& plane) {
   Simulation sim{one_grain<2>({0, 0.0099}, {0, 0}), UniformGrid<2>{},

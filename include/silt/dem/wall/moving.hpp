@@ -41,7 +41,7 @@ struct RigidVelocity {
 
 /// motion.pose_at(t) and its time derivative motion.velocity_at(t), functions of the time t [s]
 /// only. Optional: check(), which throws if a parameter is out of range, and period() [s], if the
-/// motion is periodic: time steps must be shorter.
+/// motion is periodic: time steps must be shorter. It is above 0, infinite without vibration.
 template <class M, int Dim, class Real>
 concept WallMotion = requires(const M motion, double t) {
   { motion.pose_at(t) } -> std::same_as<Pose<Dim, Real>>;
@@ -131,6 +131,12 @@ struct Moving {
   void check() {
     wall.check();
     if constexpr (requires { motion.check(); }) motion.check();
+    if constexpr (requires { motion.period(); }) {
+      const double period = motion.period();
+      if (period > 0) return;  // false for NaN
+      fail("Moving: period = " + to_text(period) +
+           " s of the motion must be positive; give one, or infinity without vibration");
+    }
   }
 };
 template <class W, class M>

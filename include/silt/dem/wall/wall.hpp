@@ -13,11 +13,13 @@
 
 namespace silt::dem {
 
-/// The point of a wall that is nearest to a grain's centre.
+/// The point of a wall that is nearest to a grain's centre. Contacts do not check it: with a
+/// normal of another length the force is wrong, and with a distance that is NaN there is no contact.
 template <int Dim, class Real>
 struct NearestPoint {
   Vec<Dim, Real> normal;  ///< unit vector from the wall to the grain
-  Real distance;          ///< of the centre from the wall [m]; negative behind the surface
+  Real distance;  ///< of the centre from the wall [m]; negative behind the surface; finite, except
+                  ///< in no_nearest_point()
 };
 
 /// Result of an element that has no contact at a point, because another element of the wall has.
