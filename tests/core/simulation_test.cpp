@@ -599,6 +599,30 @@ TEST(Simulation, RejectsANegativeInteractionRange) {
       {"Simulation: interaction range = -1"}));
 }
 
+// Forces and torques that are not finite, as a law has them with a force that is not.
+struct Broken {
+  template <class P>
+  double reach(const P&) const {
+    return 0;
+  }
+  template <class P, class S>
+  void accelerate(P& particles, const S&, double) const {
+    particles[force][0][1] = nan;
+    particles[torque][0] = inf;
+  }
+};
+
+TEST(Simulation, ReportsAForceBeforeTheTorqueThatFollowsFromIt) {
+  Simulation grain{one_grain<2>({0, 0}, {0, 0}), UniformGrid<2>{}, Broken{}, Leapfrog{}};
+  EXPECT_TRUE(refuses([&] { grain.step(dt); }, {"after the step, force = (0, nan)", "id 0"}));
+
+  Particles<2, double, torque_t, force_t, velocity_t, spin_t, mass_t, inertia_t> particles;
+  particles.add({0, 0});
+  particles[mass][0] = particles[inertia][0] = 1;
+  Simulation sim{particles, UniformGrid<2>{}, Broken{}, Leapfrog{}};
+  EXPECT_TRUE(refuses([&] { sim.step(dt); }, {"after the step, force = (0, nan)"}));
+}
+
 // Adds no forces; with this interaction range and time step.
 struct Limits {
   double range = 0;

@@ -140,5 +140,11 @@ TEST(UserDefinedLaw, RunsWithoutHistoryOrStiffness) {
   EXPECT_NEAR(sim.particles()[velocity][0][0], -1, 1e-3);
 }
 
+TEST(UserDefinedLaw, WhoseForceIsNotFiniteIsReportedByTheForce) {
+  Simulation sim{two_grains<3>(-1e-4, Vec<3>(-1, 0, 0)), UniformGrid<3>{},
+                 dem::Contacts{Spring{nan}}, Leapfrog{}};
+  EXPECT_TRUE(refuses([&] { sim.step(1e-5); }, {"after the step, force = (nan, nan, nan)"}));
+}
+
 }  // namespace
 }  // namespace silt::test::bad_input_test

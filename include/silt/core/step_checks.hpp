@@ -111,13 +111,16 @@ void check_finite_before_step(const P& particles, Where where) {
        where);
 }
 
-/// Reports a derived field (such as the force) that is not finite, if there is one, because it is
-/// the cause.
+/// Reports a derived field that is not finite, if there is one, because it is the cause; the force
+/// rather than others, such as the torque, which follow from it.
 template <class P>
 [[noreturn]] void fail_after_step(const P& particles, NotFinite broken) {
   const Index i = broken.particle;
+  bool is_derived = false;
   for_each_testable_field<Role::derived>(particles, [&](auto values, std::string_view name) {
-    if (!is_finite(values[i])) broken = {i, name, to_text(values[i])};
+    if (is_finite(values[i]) || (is_derived && name != name_of<force_t>())) return;
+    broken = {i, name, to_text(values[i])};
+    is_derived = true;
   });
   fail("Simulation: after the step, " + std::string(broken.field) + " = " + broken.value +
            " is not finite; reduce the time step or check the forces",

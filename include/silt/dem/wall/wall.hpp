@@ -14,7 +14,8 @@
 namespace silt::dem {
 
 /// The point of a wall that is nearest to a grain's centre. Contacts do not check it: with a
-/// normal of another length the force is wrong, and with a distance that is NaN there is no contact.
+/// normal of another length the force is wrong, and with a distance that is NaN there is no
+/// contact.
 template <int Dim, class Real>
 struct NearestPoint {
   Vec<Dim, Real> normal;  ///< unit vector from the wall to the grain
