@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <random>
+#include <string>
 #include <vector>
 
 namespace silt::test::leapfrog_test {
@@ -251,6 +252,48 @@ TEST(Leapfrog, RefusesAnAngleThatIsNotFinite) {
     Simulation sim{grains, BruteForce<3>{}, Gravity<3>{{0, 0, -1}}, Leapfrog{}};
     EXPECT_TRUE(refuses([&] { sim.step(0.1); }, {"angle", "not finite"})) << "component " << k;
   }
+}
+
+// A second grain has this mass or inertia, from the beginning or after a step.
+template <int Dim, class Field, class Interaction>
+void expect_refused(const Interaction& interaction, Field field, double value,
+                    const std::string& text) {
+  auto grains = two_grains<Dim>(0.1, Vec<Dim>(Vec<Dim>::Zero()));
+  const double valid = grains[field][1];
+  grains[field][1] = value;
+  Simulation sim{grains, UniformGrid<Dim>{}, interaction, Leapfrog{}};
+  EXPECT_TRUE(refuses([&] { sim.step(0.01); }, {text, "positive", "id 1", "step 0"}));
+  sim.particles()[field][1] = valid;
+  sim.step(0.01);
+  EXPECT_EQ(sim.steps(), 1u);
+}
+
+TEST(Leapfrog, RefusesAMassOrInertiaThatIsNotPositiveAndFiniteInTheFirstStep) {
+  constexpr double inf = std::numeric_limits<double>::infinity();
+  for (const double value : {0.0, -1.0, 1e-310, inf, std::nan("")}) {
+    const std::string of_mass = "Leapfrog: mass = " + to_text(value) + " kg";
+    expect_refused<2>(Gravity<2>{{0, -9.81}}, mass, value, of_mass);
+    expect_refused<3>(Forces{SpringToOrigin{}}, mass, value, of_mass);
+    const std::string of_inertia = "Leapfrog: inertia = " + to_text(value) + " kg m²";
+    expect_refused<2>(SpringToOrigin{}, inertia, value, of_inertia);
+    expect_refused<3>(Gravity<3>{{0, 0, -9.81}}, inertia, value, of_inertia);
+  }
+}
+
+TEST(Leapfrog, RefusesAMassThatIsNotPositiveInSinglePrecision) {
+  dem::Grains<3, float> grains;
+  dem::add_grain(grains, {0, 0, 0}, pebble);
+  grains[mass][0] = -1;
+  Simulation sim{grains, UniformGrid<3, float>{}, Gravity<3, float>{{0, 0, -9.81f}}, Leapfrog{}};
+  EXPECT_TRUE(refuses([&] { sim.step(0.01); }, {"Leapfrog: mass = -1 kg", "id 0"}));
+}
+
+TEST(Leapfrog, NamesAMassThatMakesALaterStepNotFinite) {
+  Simulation sim{one_grain<3>({0, 0, 0}, {0, 0, 0}), UniformGrid<3>{}, Gravity<3>{{0, 0, -9.81}},
+                 Leapfrog{}};
+  sim.step(0.01);
+  sim.particles()[mass][0] = 0;
+  EXPECT_TRUE(refuses([&] { sim.step(0.01); }, {"Leapfrog: mass = 0 kg", "id 0", "step 1"}));
 }
 
 }  // namespace

@@ -3,7 +3,9 @@
 #pragma once
 
 #include <silt/core/concepts.hpp>
+#include <silt/core/error.hpp>
 #include <silt/core/fields.hpp>
+#include <silt/core/parallel.hpp>
 #include <silt/core/particles.hpp>
 #include <silt/core/types.hpp>
 #include <silt/integrate/damping.hpp>
@@ -14,11 +16,32 @@
 
 #include <concepts>
 #include <limits>
+#include <string>
+#include <utility>
 
 namespace silt {
 
 template <class F, class... Fs>
 inline constexpr bool one_of = (std::same_as<F, Fs> || ...);
+
+namespace detail {
+/// Throws if a mass or moment of inertia, by which forces and torques are divided, is not positive
+/// and finite.
+template <class P>
+void check_inertia(const P& particles) {
+  const auto check = [&](auto field, const char* name, const char* unit) {
+    const auto values = particles[field];
+    const Index odd =
+        first_where(values.size(), [&](Index i) { return !is_positive_normal(values[i]); });
+    if (odd == no_index) return;
+    fail(std::string("Leapfrog: ") + name + " = " + to_text(double(values[odd])) + " " + unit +
+             " of a particle must be a positive, finite and normal number; set it",
+         {.particle = odd, .id = particles.id(odd)});
+  };
+  check(mass, "mass", "kg");
+  if constexpr (HasFields<P, spin_t, torque_t, inertia_t>) check(inertia, "inertia", "kg m²");
+}
+}  // namespace detail
 
 /// Advances particles under forces. The initial velocities are those at time 0; from the first step
 /// on, `velocity` and `spin` hold v^{N−½}, and Simulation::snapshot() returns v^N (27), (28).
@@ -26,6 +49,9 @@ inline constexpr bool one_of = (std::same_as<F, Fs> || ...);
 /// The first step evaluates the forces at time 0 twice, for v^{−½} and v^{½}. Pairs that overlap at
 /// time 0 have not slipped or rolled yet: their springs, apart from k_n δ, are unwound, and
 /// deflected by v^{½} Δt in the second step.
+///
+/// The first step throws if a mass or moment of inertia is not positive and finite, as does a later
+/// one of which the result is not valid.
 template <Damping<double> D = NoDamping>
 class Leapfrog {
  public:
@@ -42,7 +68,8 @@ class Leapfrog {
   bool step(P& particles, S& search, I& interaction, double dt) {
     if constexpr (requires { damping_.check(dt); }) damping_.check(dt);
     set_last_time_step(interaction, started_ ? last_time_step_ : 0);
-    if (!started_) start(particles, search, interaction, dt);
+    const bool is_first = !started_;
+    if (is_first) start(particles, search, interaction, dt);
     // The time between the half steps; dt if the time step is constant.
     const double between_half_steps = (last_time_step_ + dt) / 2;
 
@@ -52,6 +79,9 @@ class Leapfrog {
     };
     const bool is_valid =
         advance(particles, search, interaction, dt, detail::UpdateOfRange<P>(kick_and_drift));
+    // Not before: interactions that check masses, such as contacts, tell more. And not in every
+    // step, since it reads all particles once more.
+    if (is_first || !is_valid) detail::check_inertia(std::as_const(particles));
 
     last_time_step_ = dt;
     return is_valid;
