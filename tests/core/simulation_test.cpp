@@ -200,6 +200,35 @@ TYPED_TEST(Transactions, AUserDefinedExceptionPassesAndLeavesTheSimulationUnchan
   EXPECT_EQ(everything(sim), everything(undisturbed));
 }
 
+// Its second update in a step is that after a particle was removed.
+struct UpdatesOnce : BruteForce<2> {
+  template <class P>
+  void update(P& particles) {
+    if (updates_left == 0) throw std::runtime_error("no more updates");
+    --updates_left;
+    BruteForce<2>::update(particles);
+  }
+  static inline int updates_left = 1000;
+};
+TEST(EscapedParticles, AreRestoredIfTheSearchThenThrows) {
+  auto grains = dem::make_grains(std::vector<Vec<2>>{{0, 0}, {0.5, 0.9999}}, pebble);
+  grains.set_box({.lower = {-1, -1}, .upper = {1, 1}, .on_escape = OnEscape::remove});
+  grains[velocity][1] = {0, 1};
+  Simulation sim{grains, UpdatesOnce{}, dem::Contacts{dem::CundallStrack{.normal_stiffness = 1e4}},
+                 Leapfrog{}};
+  sim.step(1e-5);
+  const auto before = state_of(sim.particles());
+  UpdatesOnce::updates_left = 1;
+  EXPECT_THROW(sim.step(2e-4), std::runtime_error);
+  EXPECT_EQ(state_of(sim.particles()), before);
+  EXPECT_EQ(sim.particles_lost(), 0u);
+  EXPECT_EQ(sim.steps(), 1u);
+  UpdatesOnce::updates_left = 1000;
+  sim.step(2e-4);
+  EXPECT_EQ(sim.particles_lost(), 1u);
+  EXPECT_EQ(sim.steps(), 2u);
+}
+
 TYPED_TEST(Transactions, ASnapshotLeavesTheSimulationUnchanged) {
   auto sim = TypeParam::make({});
   auto undisturbed = TypeParam::make({});

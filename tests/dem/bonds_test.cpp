@@ -381,6 +381,59 @@ TEST(Bonds, AreMadeOfPairsOfDifferentSizesWhoseGapIsWithinTheMaximum) {
   EXPECT_EQ(bonds.bonds().size(), 2u);
 }
 
+TEST(Bonds, NoticeChangedMasses) {
+  auto grains = chain<2>(2);
+  grains[velocity][0] = {1e-3, 0};
+  Simulation sim{grains, BruteForce<2>{}, bonded<2, double>(grains, cement), Leapfrog{}};
+  const double dt = sim.time_step();
+  sim.step(dt);
+  sim.particles()[mass][0] *= 1e-6;
+  sim.particles()[inertia][0] *= 1e-6;
+  EXPECT_LT(sim.time_step(), 0.01 * dt);
+  EXPECT_TRUE(refuses([&] { sim.step(dt); }, {"dem::Bonds", "exceeds the stable"}));
+}
+
+TEST(Bonds, RefuseACheckpointOfAnotherLaw) {
+  const auto path = std::filesystem::temp_directory_path() / "silt_bonds_of_other_law.silt";
+  const auto grains = chain<2>(3);
+  write_checkpoint(path,
+                   Simulation{grains, BruteForce<2>{}, bonded<2, double>(grains, soft), Leapfrog{}});
+  Simulation other{grains, BruteForce<2>{}, bonded<2, double>(grains, cement), Leapfrog{}};
+  EXPECT_TRUE(refuses([&] { read_checkpoint(path, other); }, {"ParallelBond::normal_stiffness"}));
+  std::filesystem::remove(path);
+}
+
+TEST(Bonds, MayBeLongerThanHalfAPeriodicSide) {
+  const auto force_on_last = [](bool is_periodic) {
+    auto grains = chain<2>(2);
+    grains.set_box({.lower = {-R, -R}, .upper = {9 * R, 9 * R}, .periodic = {is_periodic, false}});
+    if (!is_periodic) grains.set_box({});
+    grains[velocity][1] = {1, 0.1};
+    Simulation sim{grains, BruteForce<2>{}, bonded<2, double>(grains, soft), Leapfrog{}};
+    while (sim.time() < 0.07) sim.step(1e-3);
+    EXPECT_GT(sim.interaction().bonds()[0].length, 8 * R);
+    return sim.interaction().bonds()[0].force;
+  };
+  EXPECT_LT((force_on_last(true) - force_on_last(false)).norm(), 1e-12);
+}
+
+TEST(Bonds, AreNotRotatedByMoreThanTheirLengthInAStep) {
+  auto grains = chain<2>(2);
+  grains[velocity][1] = {0, 1e5};
+  Simulation sim{grains, BruteForce<2>{}, bonded<2, double>(grains, soft), Leapfrog{}};
+  EXPECT_TRUE(refuses([&] { sim.step(1e-3); },
+                      {"dem::Bonds: the bonded grains 0 and 1 move by ", "0.02 m long", "particle 0"}));
+  EXPECT_EQ(sim.steps(), 0u);
+}
+
+TEST(Bonds, OfRemovedGrainsHaveNoState) {
+  auto grains = chain<2>(2);
+  const auto bonds = bonded<2, double>(grains, soft);
+  grains.remove(0);
+  EXPECT_TRUE(refuses([&] { static_cast<void>(bonds.state(grains, bonds.bonds()[0])); },
+                      {"dem::Bonds", "0 and 1", "removed"}));
+}
+
 TEST(Bonds, ThrowForGrainsThatCoincideOrHaveNoPosition) {
   auto grains = chain<2>(2);
   auto bonds = bonded<2, double>(grains, soft);

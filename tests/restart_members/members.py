@@ -152,8 +152,8 @@ NOT_SAVED = {
                       "image_": "a function of the box, which steps do not change"},
     # dem
     "Bonds": {"law_": GIVEN, "indices_": ANEW,
-              **all_of("of the bonds at the first step, which is found again to the same bits",
-                       "stability_ is_stability_known_")},
+              **all_of("of the constants of the grains and the bonds before the step, and found again to the same bits",
+                       "stability_ stability_revision_")},
     "ContactsOf": {**all_of(GIVEN, "materials_ settings_"),
                    "walls_": "the program takes them away and puts them back between steps",
                    **all_of("a function of the constants of the grains", "radii_ shortest_"),

@@ -107,24 +107,36 @@ TEST(FailedAllocation, LeavesAFlowAsBeforeTheStep) {
   }
 }
 
-TEST(FailedAllocation, LeavesGrainsThatEscapeAsBeforeTheStep) {
-  auto grains = crowd<2, double>(6, 1);
-  auto box = cube<2, double>(0, 0.12);
-  box.on_escape = OnEscape::remove;
-  grains.set_box(box);
-  Simulation simulation{grains, BruteForce<2>{}, Gravity<2>{{0, -9.81}}, Leapfrog{}};
-  simulation.step(1e-3);  // removes those that are outside already
+template <class Simulation>
+void expect_that_removed_grains_are_restored(Simulation simulation, double dt) {
+  simulation.step(dt);  // removes those that are outside already
   const Index before = simulation.particles().size();
   for (int step = 0; step < 10; ++step) {
     for (std::int64_t k = 1;; ++k) {
       auto trial = simulation;
       const Bytes state = state_by_id(trial);
-      if (!fails_with_allocation(k, [&] { trial.step(1e-3); })) break;
+      if (!fails_with_allocation(k, [&] { trial.step(dt); })) break;
       EXPECT_TRUE(state_by_id(trial) == state) << "step " << step << ", allocation " << k;
+      EXPECT_EQ(trial.particles_lost(), simulation.particles_lost());
+      EXPECT_EQ(trial.time(), simulation.time());
     }
-    simulation.step(1e-3);
+    simulation.step(dt);
   }
   EXPECT_LT(simulation.particles().size(), before);
+}
+TEST(FailedAllocation, LeavesGrainsThatEscapeAsBeforeTheStep) {
+  auto grains = crowd<2, double>(6, 1);
+  auto box = cube<2, double>(0, 0.12);
+  box.on_escape = OnEscape::remove;
+  grains.set_box(box);
+  expect_that_removed_grains_are_restored(
+      Simulation{grains, BruteForce<2>{}, Gravity<2>{{0, -9.81}}, Leapfrog{}}, 1e-3);
+  for (Index i = 0; i < grains.size(); ++i) {  // away from the centre
+    grains[velocity][i] = 40 * (grains[position][i] - Vec<2>(0.06, 0.06));
+  }
+  const dem::Contacts contacts{dem::CundallStrack{.normal_stiffness = 1e5}};
+  expect_that_removed_grains_are_restored(
+      Simulation{grains, NeighbourList<2>{}, contacts, Leapfrog{}}, 1e-3);
 }
 
 // Calls change(particles) with each of its allocations failing.

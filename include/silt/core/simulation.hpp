@@ -176,7 +176,7 @@ class Simulation {
       throw error.with_step(steps_, time_);
     }
     bool is_result_finite = true;
-    bool has_removed = false;
+    Index removed = 0;
     try {
       const Travel travel = detail::travel_of(particles_);
       const bool is_verified = integrate(dt);
@@ -192,7 +192,7 @@ class Simulation {
                           .max_energy_gain = detail::max_energy_gain_of(integrator_)});
       if (!is_verified) {
         detail::check_escaped(particles_);
-        has_removed = remove_escaped();
+        removed = remove_escaped();
       }
     } catch (const Error& error) {
       restore();
@@ -204,7 +204,7 @@ class Simulation {
       restore();
       throw;
     }
-    if (has_removed) search_.update(particles_);  // its indices are out of date
+    particles_lost_ += removed;
     time_ += dt;
     ++steps_;
     last_time_step_ = dt;
@@ -293,15 +293,22 @@ class Simulation {
     }
   }
 
-  // Returns whether there were any.
-  bool remove_escaped() {
+  // Returns how many there were. If it throws, only the search has changed.
+  Index remove_escaped() {
     const auto& box = particles_.box();
-    if (box.on_escape != OnEscape::remove) return false;
+    if (box.on_escape != OnEscape::remove) return 0;
     const P& particles = particles_;  // to read its positions does not count as a change of them
     const auto outside = [&](Index i) { return !box.contains(particles[position][i]); };
-    if (first_where(particles_.size(), outside) == no_index) return false;
-    particles_lost_ += particles_.remove_if(outside);
-    return true;
+    if (first_where(particles_.size(), outside) == no_index) return 0;
+    P all = particles_;
+    try {
+      const Index removed = particles_.remove_if(outside);
+      search_.update(particles_);  // its indices are out of date
+      return removed;
+    } catch (...) {
+      particles_ = std::move(all);
+      throw;
+    }
   }
 
   P particles_;

@@ -73,7 +73,7 @@ class Leapfrog {
     // The time between the half steps; dt if the time step is constant.
     const double between_half_steps = (last_time_step_ + dt) / 2;
 
-    const auto kick_and_drift = [=, damping = damping_](const Motion<P>& motion, auto& particle) {
+    const auto kick_and_drift = [=, damping = damping_](const MotionOf<P>& motion, auto& particle) {
       motion.kick(particle, damping, between_half_steps);
       motion.drift(particle, dt);
     };
@@ -91,7 +91,7 @@ class Leapfrog {
   /// the first step they are at N already, and only the forces are evaluated.
   template <class P, class S, class I>
   void synchronise(P& particles, S& search, I& interaction) {
-    const auto kick_to_mean = [dt = last_time_step_, damping = damping_](const Motion<P>& motion,
+    const auto kick_to_mean = [dt = last_time_step_, damping = damping_](const MotionOf<P>& motion,
                                                                          auto& particle) {
       motion.kick_to_mean(particle, damping, dt);
     };
@@ -122,7 +122,7 @@ class Leapfrog {
   bool advance(P& particles, S& search, I& interaction, double dt,
                const detail::UpdateOfRange<P>& update) {
     if (needs_search(interaction, particles)) search.update(particles);
-    const Motion<P> motion(particles);
+    const MotionOf<P> motion(particles);
     detail::OutcomeOfStep<P> outcome(particles.size());
     const auto clear_forces = [&](Index first, Index last) { clear(particles, first, last); };
     const auto move = [&](Index first, Index last) {
@@ -140,7 +140,7 @@ class Leapfrog {
     last_time_step_ = dt;
     started_ = true;
     I trial = interaction;  // a copy: the contact histories must not advance
-    const auto step_back = [=, damping = damping_](const Motion<P>& motion, auto& particle) {
+    const auto step_back = [=, damping = damping_](const MotionOf<P>& motion, auto& particle) {
       motion.step_back(particle, damping, dt);
     };
     advance(particles, search, trial, dt, detail::UpdateOfRange<P>(step_back));

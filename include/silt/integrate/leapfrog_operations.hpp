@@ -20,7 +20,7 @@ void change_motion(P& particles, Change&& change) {
   particles.for_each_field([&]<class F>(auto, F field) {
     if constexpr (role_of<F>() == Role::state) particles.keep(field);
   });
-  const Motion<P> motion(particles);
+  const MotionOf<P> motion(particles);
   for_each(particles.size(), [&](Index i) {
     auto state = motion.load(i, i + 1);
     change(motion, state);

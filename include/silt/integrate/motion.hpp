@@ -12,7 +12,7 @@
 namespace silt {
 
 template <class P>
-using Motion =
+using MotionOf =
     std::conditional_t<in_rows_of_four<P>() && 4 * sizeof(typename P::Real) <= simd::width,
                        MotionInRows<P>, MotionInColumns<P>>;
 

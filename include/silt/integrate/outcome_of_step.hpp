@@ -15,12 +15,12 @@
 
 namespace silt::detail {
 
-/// What a step did to a range of particles, see Motion::Outcome.
+/// What a step did to a range of particles, see MotionOf::Outcome.
 template <class P>
 struct OutcomeOfRange {
   bool is_valid = true;
   typename P::Real squared_displacement = 0;  ///< maximum [m²]
-  typename Motion<P>::Energies energies{};
+  typename MotionOf<P>::Energies energies{};
 };
 
 /// What it did to all ranges; any thread may add one.
@@ -30,11 +30,11 @@ class OutcomeOfStep {
 
  public:
   /// For n particles.
-  explicit OutcomeOfStep(Index n) : energies_(Motion<P>::knows_energy ? n : 0, {}) {}
+  explicit OutcomeOfStep(Index n) : energies_(MotionOf<P>::knows_energy ? n : 0, {}) {}
 
   /// `first` is the first particle of the range.
   void add(Index first, const OutcomeOfRange<P>& outcome) {
-    if constexpr (Motion<P>::knows_energy) {
+    if constexpr (MotionOf<P>::knows_energy) {
       energies_[first / chunk_size].add(first % chunk_size, outcome.energies);
     }
     if (!outcome.is_valid) is_valid_.store(false, std::memory_order_relaxed);
@@ -55,7 +55,7 @@ class OutcomeOfStep {
   /// order of the ranges.
   double max_energy_gain() const {
     constexpr double infinity = std::numeric_limits<double>::infinity();
-    if constexpr (!Motion<P>::knows_energy) return infinity;
+    if constexpr (!MotionOf<P>::knows_energy) return infinity;
     double before = 0;
     double after = 0;
     for (const EnergiesOfChunk& each : energies_) {
@@ -68,7 +68,7 @@ class OutcomeOfStep {
   }
 
  private:
-  using Energies = typename Motion<P>::Energies;
+  using Energies = typename MotionOf<P>::Energies;
 
   // Most ranges begin at a multiple of range_size. No two have the same first particle, so that
   // such a range has a place of its own, and its thread need not wait for others.
@@ -82,14 +82,14 @@ class OutcomeOfStep {
       const auto add_to = [](double& sum, double part) {
         std::atomic_ref<double>(sum).fetch_add(part, std::memory_order_relaxed);
       };
-      add_to(others_before, Motion<P>::sum_of(energies.before));
-      add_to(others_after, Motion<P>::sum_of(energies.after));
+      add_to(others_before, MotionOf<P>::sum_of(energies.before));
+      add_to(others_after, MotionOf<P>::sum_of(energies.after));
     }
     template <class Member>
     double sum(Member energy) const {
       auto all = of_ranges[0].*energy;
       for (Index k = 1; k < of_ranges.size(); ++k) all += of_ranges[k].*energy;
-      return Motion<P>::sum_of(all);
+      return MotionOf<P>::sum_of(all);
     }
 
     std::array<Energies, chunk_size / range_size> of_ranges{};

@@ -18,7 +18,7 @@ class UpdateOfRange {
   template <class Function>
   explicit UpdateOfRange(const Function& update) : update_(&update), run_(run<Function>) {}
 
-  OutcomeOfRange<P> operator()(const Motion<P>& motion, Index first, Index last) const {
+  OutcomeOfRange<P> operator()(const MotionOf<P>& motion, Index first, Index last) const {
     return run_(update_, motion, first, last);
   }
 
@@ -26,11 +26,11 @@ class UpdateOfRange {
   // Copies, so that the compiler knows that no store changes them.
   template <class Function>
   [[gnu::flatten, gnu::noinline]] static OutcomeOfRange<P> run(const void* from,
-                                                               const Motion<P>& of, Index first,
+                                                               const MotionOf<P>& of, Index first,
                                                                Index last) {
     const Function update = *static_cast<const Function*>(from);
-    const Motion<P> motion = of;
-    typename Motion<P>::Outcome outcome;
+    const MotionOf<P> motion = of;
+    typename MotionOf<P>::Outcome outcome;
     const auto update_from = [&](Index i) {
       auto particle = motion.load(i, last);
       motion.begin(outcome, particle);
@@ -38,8 +38,8 @@ class UpdateOfRange {
       motion.end(outcome, particle);
       motion.store(i, last, particle);
     };
-    if constexpr (Motion<P>::is_in_rows) {
-      for (Index i = first; i < last; i += Motion<P>::at_once) update_from(i);
+    if constexpr (MotionOf<P>::is_in_rows) {
+      for (Index i = first; i < last; i += MotionOf<P>::at_once) update_from(i);
     } else {
       SILT_INDEPENDENT_ITERATIONS
       for (Index i = first; i < last; ++i) update_from(i);
@@ -48,7 +48,7 @@ class UpdateOfRange {
   }
 
   const void* update_;
-  OutcomeOfRange<P> (*run_)(const void*, const Motion<P>&, Index, Index);
+  OutcomeOfRange<P> (*run_)(const void*, const MotionOf<P>&, Index, Index);
 };
 
 }  // namespace silt::detail

@@ -9,6 +9,7 @@
 #include <silt/core/nearest_image.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/types.hpp>
+#include <silt/core/watch.hpp>
 #include <silt/dem/bond/bond_indices.hpp>
 #include <silt/dem/bond/parallel_bond.hpp>
 #include <silt/dem/contact/stable_time_step.hpp>
@@ -112,7 +113,7 @@ class Bonds {
       fail("dem::Bonds: the grains " + names_of(bond) + " are already bonded; bond each pair once");
     }
     bonds_.insert(std::lower_bound(bonds_.begin(), bonds_.end(), bond, comes_before), bond);
-    is_stability_known_ = false;
+    stability_revision_ = 0;
     indices_.invalidate();
   }
 
@@ -141,7 +142,7 @@ class Bonds {
     });
     bonds_.insert(bonds_.end(), found.begin(), found.end());
     std::sort(bonds_.begin(), bonds_.end(), comes_before);
-    is_stability_known_ = false;
+    stability_revision_ = 0;
     indices_.invalidate();
     return found.size();
   }
@@ -197,15 +198,40 @@ class Bonds {
     return energy;
   }
 
-  /// Stresses of a bond in the last step.
+  /// Stresses of a bond in the last step. Throws if one of its grains has been removed.
   template <class P>
   BondState state(const P& grains, const Bond& bond) const {
-    return state_at(grains, bond, detail::ends_of(grains, bond));
+    const detail::BondEnds ends = detail::ends_of(grains, bond);
+    if (ends.a == no_index || ends.b == no_index) {
+      fail("dem::Bonds: of the bond between the grains " + names_of(bond) +
+           ", a grain has been removed; ask only for the state of bonds() after the next step");
+    }
+    return state_at(grains, bond, ends);
+  }
+
+  /// Throws if the grains of a bond move in the step, relative to each other, by more than its
+  /// length at rest: its rotation is then not resolved. Called by Simulation.
+  template <class P>
+  void check_step(const P& grains, const FinishedStep& step) const {
+    const auto v = grains[velocity];
+    const auto displacement = [&](Index k) {
+      const detail::BondEnds ends = indices_.ends(k);
+      return double((v[ends.a] - v[ends.b]).norm()) * step.time_step;
+    };
+    const Index k = first_where(bonds_.size(), [&](Index bond) {
+      return !(displacement(bond) <= double(bonds_[bond].rest_length));
+    });
+    if (k == no_index) return;
+    fail("dem::Bonds: the bonded grains " + names_of(bonds_[k]) + " move by " +
+             to_text(displacement(k)) + " m relative to each other in the step, but their bond is " +
+             to_text(bonds_[k].rest_length) + " m long; reduce the time step",
+         {.particle = indices_.ends(k).a, .id = bonds_[k].a});
   }
 
   /// For a checkpoint, see core/transfer.hpp.
-  template <class Archive>
-  void transfer(Archive& archive) {
+  template <class Archive, class P>
+  void transfer(Archive& archive, const P& grains) {
+    archive.setup("law", law_.setup());
     archive.finite([&] {
       archive("bonds", bonds_);
       archive("last_time_step", last_time_step_);
@@ -215,8 +241,10 @@ class Bonds {
     });
     archive("stable_time_step", stability_.time_step);
     archive("least_stable", stability_.grain);
-    archive("is_stability_known", is_stability_known_);
+    bool is_stability_known = stability_revision_ == grains.constants_revision();
+    archive("is_stability_known", is_stability_known);
     if constexpr (Archive::reads) {
+      stability_revision_ = is_stability_known ? grains.constants_revision() : 0;
       for (Index k = 0; k < bonds_.size(); ++k) {
         const bool is_sorted = k == 0 || comes_before(bonds_[k - 1], bonds_[k]);
         if (is_sorted && bonds_[k].a < bonds_[k].b) continue;
@@ -312,8 +340,9 @@ class Bonds {
   void update_indices(const P& grains) {
     if (!indices_.are_valid_for(grains)) indices_.find(grains, bonds_);
     // Rotations hardly change the stability limit, and broken bonds do not lower it.
-    if (!is_stability_known_) stability_ = detail::stability_of(grains, bonds_, indices_, law_);
-    is_stability_known_ = true;
+    if (stability_revision_ == grains.constants_revision()) return;
+    stability_ = detail::stability_of(grains, bonds_, indices_, law_);
+    stability_revision_ = grains.constants_revision();
   }
 
   template <class P>
@@ -326,7 +355,12 @@ class Bonds {
   void advance_bond(const P& grains, Index k, const NearestImage<Dim, Real>& image, Real passed) {
     const detail::BondEnds ends = indices_.ends(k);
     const auto x = grains[position];
-    const detail::BondMotion<Dim, Real> motion{.between = image(x[ends.a] - x[ends.b]),
+    // A bond may be longer than half a periodic side: of the images, the one nearest to where the
+    // grain was relative to the other.
+    const Vec nearest = image(x[ends.a] - x[ends.b]);
+    const Vec before = bonds_[k].length * bonds_[k].normal;
+    const Vec moved = nearest - before;
+    const detail::BondMotion<Dim, Real> motion{.between = nearest + (image(moved) - moved),
                                                .rotation_a = grains[spin][ends.a] * passed,
                                                .rotation_b = grains[spin][ends.b] * passed,
                                                .arm_a = arm_of_a(grains, ends),
@@ -372,7 +406,7 @@ class Bonds {
 
   detail::BondIndices indices_;
   detail::BondStability stability_;
-  bool is_stability_known_ = false;
+  std::uint64_t stability_revision_ = 0;  // constants_revision() of the grains; 0: not known
 
   std::vector<Bond> kept_bonds_;
   BrokenBonds kept_broken_;

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <silt/core/error.hpp>
+#include <silt/core/transfer.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/law/contact.hpp>
 
@@ -16,6 +17,7 @@
 #include <limits>
 #include <numbers>
 #include <string>
+#include <vector>
 
 namespace silt::dem {
 
@@ -29,6 +31,17 @@ struct ParallelBond {
   double beta = 0;  ///< ratio of dashpot to spring c/k, for all four springs [s]
   double tensile_strength = std::numeric_limits<double>::infinity();  ///< σ̄_c [Pa], above 0
   double shear_strength = std::numeric_limits<double>::infinity();    ///< τ̄_c [Pa], above 0
+
+  /// What checkpoints compare.
+  std::vector<SetupPart> setup() const {
+    const auto finite = [](double strength) { return is_finite(strength) ? strength : -1; };
+    return {{"ParallelBond::normal_stiffness", {normal_stiffness}},
+            {"ParallelBond::tangential_stiffness", {tangential_stiffness}},
+            {"ParallelBond::radius_share", {radius_share}},
+            {"ParallelBond::beta", {beta}},
+            {"ParallelBond::tensile_strength", {finite(tensile_strength)}},
+            {"ParallelBond::shear_strength", {finite(shear_strength)}}};
+  }
 
   /// Throws if a parameter is out of range.
   void check() const {
