@@ -30,7 +30,7 @@ string(JOIN "\n" flags -std=c++20 -O1 -g1 -ffp-contract=off -fno-sanitize-recove
 file(GENERATE OUTPUT ${fuzz_flags} CONTENT "${flags}\n")
 
 # silt_add_fuzz_target(NAME INPUTS): so many random changes without --all; with it, a million, and
-# some minutes of libFuzzer.
+# a minute of libFuzzer.
 function(silt_add_fuzz_target name inputs)
   set(program fuzz_${name})
   set(corpus ${fuzz_folder}/corpus/${name})
@@ -47,7 +47,7 @@ function(silt_add_fuzz_target name inputs)
     file(MAKE_DIRECTORY ${found})
     add_test(NAME fuzz.${name}_libfuzzer_build COMMAND ${SILT_FUZZ_COMPILER} @${fuzz_flags}
       ${fuzz_folder}/${name}.cpp $<TARGET_LINKER_FILE:GTest::gtest> -o ${binary})
-    add_test(NAME fuzz.${name}_libfuzzer COMMAND ${binary} -max_total_time=180 -timeout=60
+    add_test(NAME fuzz.${name}_libfuzzer COMMAND ${binary} -max_total_time=60 -timeout=60
       -artifact_prefix=${found}/failed_ -print_final_stats=1 ${found} ${corpus})
     set_tests_properties(fuzz.${name}_libfuzzer_build PROPERTIES
       LABELS "trust;slow" FIXTURES_SETUP libfuzzer_${name} TIMEOUT 1800)
