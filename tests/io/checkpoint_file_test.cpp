@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -158,6 +159,23 @@ TEST_F(CheckpointFile, IsRejectedIfItIsDamaged) {
   EXPECT_TRUE(refuses([&] { read_checkpoint(testing::TempDir(), sim); },
                       {"read_checkpoint", "directory"}));
   EXPECT_EQ(state_of(sim.particles()), before);
+}
+
+inline constexpr struct heat_t : field_of<double> {
+} heat{};
+
+// It could not be read.
+TEST_F(CheckpointFile, IsNotReplacedByOneWithNumbersThatAreNotFinite) {
+  dem::Grains<2, double, heat_t> grains;
+  for (int k = 0; k < 3; ++k) dem::add_grain(grains, {0.1 * k, 0}, pebble);
+  Simulation sim{grains, BruteForce<2>{}, Gravity<2>{{0, -9.81}}, Leapfrog{}};
+  write_checkpoint(path, sim);
+  sim.step(1e-3);
+  sim.particles()[heat][2] = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_TRUE(refuses([&] { write_checkpoint(path, sim); },
+                      {"write_checkpoint: ", "particles/heat = nan, value 2,"}));
+  read_checkpoint(path, sim);
+  EXPECT_EQ(sim.steps(), 0u);
 }
 
 TEST_F(CheckpointFile, ReportsAFileThatCannotBeAccessed) {

@@ -153,7 +153,7 @@ NOT_SAVED = {
     # dem
     "Bonds": {"law_": GIVEN, "indices_": ANEW,
               **all_of("of the constants of the grains and the bonds before the step, and found again to the same bits",
-                       "stability_ stability_revision_")},
+                       "stability_ is_stability_known_ constants_ constants_revision_")},
     "ContactsOf": {**all_of(GIVEN, "materials_ settings_"),
                    "walls_": "the program takes them away and puts them back between steps",
                    **all_of("a function of the constants of the grains", "radii_ shortest_"),

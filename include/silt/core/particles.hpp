@@ -349,18 +349,16 @@ class Particles {
   void transfer(Archive& archive, F field, Index owned) {
     const auto values = columns_.view(field, size());
     std::vector<value_of<F, Dim, Real>> column;
-    if constexpr (!Archive::reads) {
-      column.assign(values.begin(), values.end());
-      archive(name_of<F>(), column, owned);
+    if constexpr (!Archive::reads) column.assign(values.begin(), values.end());
+    const auto transfer_column = [&] { archive(name_of<F>(), column, owned); };
+    // Steps throw unless the state is finite. They overwrite derived fields, which may be anything
+    // after a failed step; what the constants mean is known to their users only.
+    if constexpr (role_of<F>() == Role::state && requires { is_finite(values[0]); }) {
+      archive.finite(transfer_column);
     } else {
-      const auto read = [&] { archive(name_of<F>(), column, owned); };
-      // Steps throw unless the state is finite. They overwrite derived fields, which may be
-      // anything after a failed step; what the constants mean is known to their users only.
-      if constexpr (role_of<F>() == Role::state && requires { is_finite(values[0]); }) {
-        archive.finite(read);
-      } else {
-        read();
-      }
+      transfer_column();
+    }
+    if constexpr (Archive::reads) {
       if (column.size() != values.size()) {
         fail("Particles: " + std::string(name_of<F>()) + " has " + std::to_string(column.size()) +
              " values for " + std::to_string(values.size()) +

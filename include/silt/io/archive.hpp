@@ -59,6 +59,7 @@ class Writer {
 
   template <class T>
   void operator()(std::string_view name, const T& value) {
+    check_values(name, &value, 1);
     if constexpr (item_of<T>().kind == 'x') {
       T copy = value;
       clear_padding(copy);
@@ -85,6 +86,7 @@ class Writer {
       for (T& each : copies) clear_padding(each);
       put(name, item_of<T>(), count, copies.data());
     } else {
+      check_values(name, values.data(), count);
       put(name, item_of<T>(), count, values.data());
     }
   }
@@ -111,7 +113,9 @@ class Writer {
   }
   template <class F>
   void finite(F&& f) {
+    const bool before = std::exchange(must_be_finite_, true);
     f();
+    must_be_finite_ = before;
   }
 
   std::string finish() && {
@@ -136,8 +140,27 @@ class Writer {
     append(values, count * item.width * item.numbers);
   }
 
+  // Throws if a number is not finite that must be when it is read.
+  template <class T>
+  void check_values(std::string_view name, const T* values, Index count) const {
+    using Number = typename NumberOf<T>::type;
+    if constexpr (std::floating_point<Number>) {
+      if (!must_be_finite_) return;
+      const auto* bytes = reinterpret_cast<const char*>(values);
+      for (Index at = 0; at < count * sizeof(T); at += sizeof(Number)) {
+        Number number;
+        std::memcpy(&number, bytes + at, sizeof number);
+        if (is_finite(number)) continue;
+        fail("write_checkpoint: " + path_.of(name) + " = " + to_text(double(number)) +
+             ", value " + std::to_string(at / sizeof(T)) +
+             ", is not finite, and the file could not be read; correct it");
+      }
+    }
+  }
+
   Path path_;
   std::string bytes_;
+  bool must_be_finite_ = false;
 };
 
 class Reader {

@@ -16,6 +16,7 @@
 #include <silt/dem/law/contact.hpp>
 
 #include <algorithm>
+#include <bit>
 #include <concepts>
 #include <cstdint>
 #include <limits>
@@ -70,6 +71,21 @@ BondStability stability_of(const P& grains, const std::vector<B>& bonds, const B
   return least;
 }
 
+/// Of the radii, masses and moments of inertia of all grains, in any order in memory.
+template <class P>
+std::uint64_t checksum_of_constants(const P& grains) {
+  std::uint64_t sum = 0;
+  for (Index i = 0; i < grains.size(); ++i) {
+    std::uint64_t of_grain = grains.id(i);
+    for (const auto value : {grains[radius][i], grains[mass][i], grains[inertia][i]}) {
+      of_grain = (of_grain ^ std::bit_cast<std::uint64_t>(double(value))) * 0x9e3779b97f4a7c15;
+      of_grain ^= of_grain >> 32;
+    }
+    sum += of_grain;
+  }
+  return sum;
+}
+
 }  // namespace detail
 
 /// The ids of two grains, in either order.
@@ -113,7 +129,8 @@ class Bonds {
       fail("dem::Bonds: the grains " + names_of(bond) + " are already bonded; bond each pair once");
     }
     bonds_.insert(std::lower_bound(bonds_.begin(), bonds_.end(), bond, comes_before), bond);
-    stability_revision_ = 0;
+    is_stability_known_ = false;
+    constants_revision_ = 0;
     indices_.invalidate();
   }
 
@@ -142,7 +159,8 @@ class Bonds {
     });
     bonds_.insert(bonds_.end(), found.begin(), found.end());
     std::sort(bonds_.begin(), bonds_.end(), comes_before);
-    stability_revision_ = 0;
+    is_stability_known_ = false;
+    constants_revision_ = 0;
     indices_.invalidate();
     return found.size();
   }
@@ -229,8 +247,8 @@ class Bonds {
   }
 
   /// For a checkpoint, see core/transfer.hpp.
-  template <class Archive, class P>
-  void transfer(Archive& archive, const P& grains) {
+  template <class Archive>
+  void transfer(Archive& archive) {
     archive.setup("law", law_.setup());
     archive.finite([&] {
       archive("bonds", bonds_);
@@ -241,10 +259,10 @@ class Bonds {
     });
     archive("stable_time_step", stability_.time_step);
     archive("least_stable", stability_.grain);
-    bool is_stability_known = stability_revision_ == grains.constants_revision();
-    archive("is_stability_known", is_stability_known);
+    archive("is_stability_known", is_stability_known_);
+    archive("constants", constants_);
     if constexpr (Archive::reads) {
-      stability_revision_ = is_stability_known ? grains.constants_revision() : 0;
+      constants_revision_ = 0;
       for (Index k = 0; k < bonds_.size(); ++k) {
         const bool is_sorted = k == 0 || comes_before(bonds_[k - 1], bonds_[k]);
         if (is_sorted && bonds_[k].a < bonds_[k].b) continue;
@@ -340,9 +358,14 @@ class Bonds {
   void update_indices(const P& grains) {
     if (!indices_.are_valid_for(grains)) indices_.find(grains, bonds_);
     // Rotations hardly change the stability limit, and broken bonds do not lower it.
-    if (stability_revision_ == grains.constants_revision()) return;
-    stability_ = detail::stability_of(grains, bonds_, indices_, law_);
-    stability_revision_ = grains.constants_revision();
+    if (constants_revision_ == grains.constants_revision()) return;
+    const std::uint64_t constants = detail::checksum_of_constants(grains);
+    if (!is_stability_known_ || constants != constants_) {
+      stability_ = detail::stability_of(grains, bonds_, indices_, law_);
+      constants_ = constants;
+      is_stability_known_ = true;
+    }
+    constants_revision_ = grains.constants_revision();
   }
 
   template <class P>
@@ -406,7 +429,9 @@ class Bonds {
 
   detail::BondIndices indices_;
   detail::BondStability stability_;
-  std::uint64_t stability_revision_ = 0;  // constants_revision() of the grains; 0: not known
+  bool is_stability_known_ = false;
+  std::uint64_t constants_ = 0;           // checksum of those with which it was found
+  std::uint64_t constants_revision_ = 0;  // of the grains with this checksum
 
   std::vector<Bond> kept_bonds_;
   BrokenBonds kept_broken_;
