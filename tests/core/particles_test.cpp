@@ -59,6 +59,10 @@ struct NamesInACheckpoint {
   void within(std::string_view, F&& f) {
     f();
   }
+  template <class F>
+  void finite(F&& f) {
+    f();
+  }
   template <class... Values>
   void operator()(Values&&...) {}
 };

@@ -55,6 +55,14 @@ TEST(TimeStepLimits, AreInfiniteWithoutSpeedGravityAndViscosity) {
   EXPECT_EQ(sim.interaction().time_step_limits(sim.particles()).smallest(), inf);
 }
 
+TEST(TimeStepLimits, RefuseInfiniteVelocities) {
+  auto sim = simulation(blob<2, double>(6, 0.02), {.spacing = 0.02});
+  for (const double u : {inf, 1e200}) {
+    sim.particles()[velocity][9] = {0, u};
+    EXPECT_TRUE(refuses([&] { sim.step(); }, {"mps::Flow: the velocity (0, ", "finite", "id 9"}));
+  }
+}
+
 TEST(TimeStepLimits, NameTheSmallest) {
   const auto expect_name = [](const mps::TimeStepLimits& limits, const std::string& name) {
     const std::string text = limits.name_of_smallest();

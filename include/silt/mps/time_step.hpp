@@ -67,6 +67,10 @@ class TimeStep {
     const auto u = particles[velocity];
     const double fastest =
         std::sqrt(largest(u.size(), 0.0, [&](Index i) { return double(u[i].squaredNorm()); }));
+    if (!is_finite(fastest)) {
+      const auto is_broken = [&](Index i) { return !is_finite(double(u[i].squaredNorm())); };
+      fail_too_fast(particles, settings, first_where(u.size(), is_broken), 0);
+    }
     const double speed = std::max(fastest, settings.speed_scale);
     const double max_distance = settings.courant * settings.spacing;
     const double force = max_force(particles, settings, input.time);
@@ -155,7 +159,8 @@ class TimeStep {
     const auto u = particles[velocity][broken];
     const double speed = double(u.norm());
     if (!is_finite(speed)) {
-      fail("mps::Flow: the velocity " + to_text(u) + " m/s is not finite; set a finite velocity",
+      fail("mps::Flow: the velocity " + to_text(u) +
+               " m/s is not finite or its square overflows; set a finite velocity",
            where);
     }
     fail("mps::Flow: time_step = " + to_text(dt) + " s moves a particle of " + to_text(speed) +
