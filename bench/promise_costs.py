@@ -60,8 +60,11 @@ def rows(programs):
     seconds(programs[first], "bed")  # makes the file of the state
     for case, title in CASES.items():
         print(f"Measuring: {title} …", file=sys.stderr, flush=True)
-        turns = [{name: seconds(program, case) for name, program in programs.items()}
-                 for _ in range(RUNS)]
+        turns = []
+        for turn in range(RUNS):
+            first_of_turn = turn % len(programs)  # none is always the first
+            order = [*list(programs)[first_of_turn:], *list(programs)[:first_of_turn]]
+            turns.append({name: seconds(programs[name], case) for name in order})
         cells = [f"{1e3 * statistics.median(turn[first] for turn in turns):.2f} ms"]
         for name in list(programs)[1:]:
             low, middle, high = statistics.quantiles(
