@@ -14,6 +14,7 @@ struct Scheme {
   mps::GrainyWalls walls{};
 #endif
   mps::NoShifting shifting{};
+  mps::NoFriction friction{};
   mps::KernelLaplacian laplacian{};
 };
 

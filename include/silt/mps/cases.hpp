@@ -5,6 +5,7 @@
 
 #include <silt/mps/collision.hpp>
 #include <silt/mps/free_surface.hpp>
+#include <silt/mps/friction.hpp>
 #include <silt/mps/grainy_walls.hpp>
 #include <silt/mps/kernel.hpp>
 #include <silt/mps/laplacian.hpp>
@@ -23,6 +24,7 @@ struct Case00 {
   // The paper does not vary these.
   GrainyWalls walls{};
   NoShifting shifting{};
+  NoFriction friction{};
   KernelLaplacian laplacian{};
 };
 

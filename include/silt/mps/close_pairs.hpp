@@ -53,7 +53,7 @@ class ClosePairs {
     const auto kinds = particles_.with_ghosts(mps::kind);
     operators_.neighbourhood().for_each_closer(
         index_, range_.reach, range_.min_weight, [&](Index j, const Vec& r_ij, Real r) {
-          f(pair(r_ij, r, u[j] - u[index_], kinds[j] != Kind::fluid), j);
+          f(pair(r_ij, r, u[j] - u[index_], {.wall = kinds[j] != Kind::fluid}), j);
         });
   }
   /// f(pair, j) for the images of particles j that walls add to the neighbours.
@@ -63,16 +63,21 @@ class ClosePairs {
     operators_.for_each_image(index_, [&](const auto& image) {
       const Real r = image.r_ij.norm();
       if (!(r < range_.reach)) return;
-      f(pair(image.r_ij, r, image.mirrored(u) - u[index_], false), image.index);
+      f(pair(image.r_ij, r, image.mirrored(u) - u[index_], {.image = true}), image.index);
     });
   }
 
  private:
-  Pair pair(const Vec& r_ij, Real r, const Vec& u_ij, bool wall) const {
+  struct What {
+    bool wall = false;
+    bool image = false;
+  };
+  Pair pair(const Vec& r_ij, Real r, const Vec& u_ij, const What& j) const {
     return {.r_ij = r_ij,
             .r = r,
             .u_ij = u_ij,
-            .wall = wall,
+            .wall = j.wall,
+            .image = j.image,
             .spacing = operators_.stencil().spacing,
             .time_step = range_.time_step};
   }

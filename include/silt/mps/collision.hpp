@@ -21,6 +21,7 @@ struct CollidingPair {
   Real r = 0;              ///< |r_ij| [m]
   Vec u_ij = Vec::Zero();  ///< u_j − u_i [m/s]
   bool wall = false;       ///< j is a wall or dummy particle, not moved by collisions
+  bool image = false;      ///< j is the image of a particle in a wall, see AddsImages
   Real spacing = 0;        ///< l0 [m]
   Real time_step = 0;      ///< Δt [s]
 

@@ -28,7 +28,9 @@ struct CorrectedGradient {
     Matrix moments = Matrix::Zero();
     for_each([&](Real phi_j, const Vec& r_ij, Real, Real w_r2) {
       sum += ((phi_j - phi_i) * w_r2) * r_ij;
-      moments += (w_r2 * r_ij) * r_ij.transpose();
+      // Column by column: a product of vectors that gives a matrix is not inlined.
+      const Vec weighted = w_r2 * r_ij;
+      for (int k = 0; k < T::dimension; ++k) moments.col(k) += r_ij[k] * weighted;
     });
     const Real scale = T::dimension / stencil.n0;
     moments *= scale;

@@ -50,6 +50,7 @@ class BasicFlow {
         operators_(settings_),
         force_(settings_.gravity.template cast<Real>()),
         source_(settings_.source),
+        friction_(settings_.friction),
         energy_({.mass = settings_.density * std::pow(settings_.spacing, Dim),
                  .gravity = settings_.gravity.template cast<Real>()}) {}
 
@@ -94,7 +95,7 @@ class BasicFlow {
   /// Sets the time of the positions [s], at which FlowSettings::body_force is evaluated.
   void set_time(double time) { time_ = time; }
 
-  /// u* = u + Δt (ν∇²u + F)      (8)
+  /// u* = u + Δt (ν∇²u + F)      (8), and friction
   /// Throws if Δt is unstable: see TimeStep::begin(). The first step throws if the particles do not
   /// fit the spacing: see mps/arrangement.hpp.
   template <FluidParticles P, class S>
@@ -124,6 +125,12 @@ class BasicFlow {
       if (nu > 0) change += (dt * nu) * operators_.laplacian(i, u);
       return change;
     });
+    if constexpr (HasFriction<FrictionOf<Scheme>>) {
+      friction_.find(particles, operators_);
+      find_changes(particles, changes_.friction,
+                   [&](Index i) -> Vec { return friction_.velocity_change(step.at(i)); });
+      apply_changes(changes_.friction, particles, velocity);
+    }
     apply_changes(changes_.predictor, particles, velocity);
     advection_velocity_.clear();
   }
@@ -179,8 +186,7 @@ class BasicFlow {
     timed(seconds_.assembly, [&] {
       equation_.assemble(particles, operators_.pressure_neighbours(),
                          operators_.laplacian_stencil(),
-                         [&](Index i) { return source(step, i, rise_of); },
-                         [&](Index i) { return boundary_.has_pressure(i); });
+                         [&](Index i) { return source(step, i, rise_of); }, boundary_);
     });
     timed(seconds_.solve, [&] { report_ = equation_.solve(particles, solver_); });
     check_solve(particles, report_, time_step);
@@ -244,6 +250,7 @@ class BasicFlow {
 
  private:
   using Operators = FlowOperators<Scheme, Dim, Real>;
+  using FrictionModel = typename FrictionOf<Scheme>::template InFlow<Dim, Real>;
   using Moves = MovesBeforeWalls<typename Operators::Walls, Vec>;
 
   template <class T>
@@ -273,7 +280,8 @@ class BasicFlow {
   template <class P, class RiseOf>
   [[gnu::noinline]] double source(const StepView<Scheme, P>& step, Index i,
                                   const RiseOf& rise_of) const {
-    return source_.value(step.at(i)) - step.at(i).laplacian_of_rises(rise_of);
+    const double own = boundary_.weight_of_surface(i) > 0 ? 0 : source_.value(step.at(i));
+    return own - step.at(i).laplacian_of_rises(rise_of);
   }
 
   // That of the rest of the step, of particles that may have been moved with u*.
@@ -292,6 +300,7 @@ class BasicFlow {
   Operators operators_;
   BodyForce<Dim, Real> force_;
   SourceOf<Scheme> source_;  // which may keep something from begin() to the end of the step
+  [[no_unique_address]] FrictionModel friction_;
   PressureBoundary<Scheme> boundary_;
   PressureEquation equation_;
   SolveReport report_;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Energy balance of a flow. A step changes the velocity of a particle by several terms,
 //
-//   u^{n+1} − u^n = Δt g + Δt f + Δt ν∇²u + collisions − (Δt/ρ) ∇P,
+//   u^{n+1} − u^n = Δt g + Δt f + Δt ν∇²u + friction + collisions − (Δt/ρ) ∇P,
 //
 // and with the mean velocity ū = (u^n + u^{n+1})/2 the work of each term is defined:
 //
@@ -30,6 +30,7 @@ struct FlowEnergy {
 
   double by_viscosity = 0;
   double by_force = 0;  ///< the body force in addition to gravity
+  double by_friction = 0;   ///< of pairs of particles, see Friction
   double by_collision = 0;
   double by_pressure = 0;  ///< impacts, remaining compression, clipping of negative pressures
   double by_shifting = 0;  ///< change of the potential energy
@@ -43,8 +44,8 @@ struct FlowEnergy {
   double numerical() const { return by_pressure + by_shifting + by_integration; }
   /// total() minus the sum of initial and all other terms: round-off.
   double imbalance() const {
-    return total() - initial - (by_viscosity + by_force + by_collision + by_pressure + by_shifting +
-                                by_integration + added);
+    return total() - initial - (by_viscosity + by_force + by_friction + by_collision + by_pressure +
+                                by_shifting + by_integration + added);
   }
 };
 
@@ -108,12 +109,14 @@ class EnergyAccount {
       const Wide predicted = change_of(changes.predictor, i);
       const Wide forced =
           forces.empty() ? wide(gravity_change) : wide(Real(dt) * forces[i]);
+      const Wide rubbed = change_of(changes.friction, i);
       const Wide collided = change_of(changes.collision, i);
       const Wide pressed = change_of(changes.pressure, i);
-      const Wide mean = wide(u[i]) - (predicted + collided + pressed) / 2;
+      const Wide mean = wide(u[i]) - (predicted + rubbed + collided + pressed) / 2;
       return Work{.gravity = wide(gravity_change).dot(mean),
                   .viscosity = (predicted - forced).dot(mean),
                   .force = (forced - wide(gravity_change)).dot(mean),
+                  .friction = rubbed.dot(mean),
                   .collision = collided.dot(mean),
                   .pressure = pressed.dot(mean),
                   .shifting = -g.dot(change_of(changes.shift, i))};
@@ -121,6 +124,7 @@ class EnergyAccount {
     const FlowEnergy found = of(particles);
     energy_.by_viscosity += properties_.mass * work.viscosity;
     energy_.by_force += properties_.mass * work.force;
+    energy_.by_friction += properties_.mass * work.friction;
     energy_.by_collision += properties_.mass * work.collision;
     energy_.by_pressure += properties_.mass * work.pressure;
     energy_.by_shifting += properties_.mass * work.shifting;
@@ -146,6 +150,7 @@ class EnergyAccount {
     archive("initial", energy_.initial);
     archive("by_viscosity", energy_.by_viscosity);
     archive("by_force", energy_.by_force);
+    archive("by_friction", energy_.by_friction);
     archive("by_collision", energy_.by_collision);
     archive("by_pressure", energy_.by_pressure);
     archive("by_shifting", energy_.by_shifting);
@@ -157,11 +162,13 @@ class EnergyAccount {
   using Wide = silt::Vec<Dim>;
   // Per mass of a particle [m²/s²].
   struct Work {
-    double gravity = 0, viscosity = 0, force = 0, collision = 0, pressure = 0, shifting = 0;
+    double gravity = 0, viscosity = 0, force = 0, friction = 0, collision = 0, pressure = 0,
+           shifting = 0;
     Work& operator+=(const Work& more) {
       gravity += more.gravity;
       viscosity += more.viscosity;
       force += more.force;
+      friction += more.friction;
       collision += more.collision;
       pressure += more.pressure;
       shifting += more.shifting;

@@ -45,6 +45,7 @@ struct FlowSettings {
   SurfaceOf<Scheme> surface = Scheme{}.surface;        ///< criterion of the free surface
   CollisionOf<Scheme> collision = Scheme{}.collision;  ///< its reach is at most `radius`
   ShiftingOf<Scheme> shifting = Scheme{}.shifting;     ///< keeps particles evenly spaced
+  FrictionOf<Scheme> friction = Scheme{}.friction;     ///< between particles
   KernelOf<Scheme> kernel = Scheme{}.kernel;           ///< weights of the neighbours
   GradientOf<Scheme> gradient = Scheme{}.gradient;     ///< of the pressure
   WallsOf<Scheme> walls = Scheme{}.walls;              ///< how fluid and walls interact
@@ -104,7 +105,7 @@ struct FlowSettings {
       if constexpr (requires { policy.check(); }) policy.check();
     };
     check(source), check(collision), check(kernel), check(surface);
-    check(gradient), check(walls), check(shifting), check(laplacian);
+    check(gradient), check(walls), check(shifting), check(friction), check(laplacian);
     if (collision.reach() > radius) {
       fail("Collision: distance = " + to_text(collision.reach()) +
            " spacings exceeds FlowSettings: radius = " + to_text(radius) +

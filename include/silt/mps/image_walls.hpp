@@ -13,8 +13,7 @@
 #include <silt/geometry/point_checksum.hpp>
 #include <silt/mps/fluid.hpp>
 #include <silt/mps/neighbourhood.hpp>
-
-#include <Eigen/LU>
+#include <silt/mps/velocity_gradient.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -155,7 +154,7 @@ class ImageWalls::InFlow {
     const auto on_surface = particles[surface];
     for_each(particles.size(), [&](Index i) {
       if (around_[i].empty() || on_surface[i]) return;
-      continuations_[i] = {gradient_of(u, i, operators), true};
+      continuations_[i] = {velocity_gradient(u, i, operators).value, true};
     });
   }
 
@@ -248,33 +247,6 @@ class ImageWalls::InFlow {
     Matrix gradient = Matrix::Zero();  // ∂u_a/∂x_b [1/s]
     bool is_known = false;
   };
-
-  // ∂u_a/∂x_b [1/s], exact for linear flows. From the fluid alone: in a wall, the velocities of
-  // images may jump. Zero where the neighbours are nearly on a line or plane.
-  template <class U, class Operators>
-  static Matrix gradient_of(const U& u, Index i, const Operators& operators) {
-    constexpr Real least_determinant = Real(0.08);  // 1 if they are all around
-    const Vec own = u[i];
-    Matrix moments = Matrix::Zero(), gradient = Matrix::Zero();
-    Real size = 0;
-    for_each_weighted(operators.neighbourhood(), i, operators.stencil(),
-                      [&](Index j, const Vec& r_ij, Real w, Real) {
-                        const Vec u_ij = u[j] - own;
-                        moments += (w * r_ij) * r_ij.transpose();
-                        gradient += (w * u_ij) * r_ij.transpose();
-                        size += w * r_ij.squaredNorm();
-                      });
-    if (!(size > 0)) return Matrix::Zero();
-    moments *= Dim / size;
-    gradient *= Dim / size;
-    if (!(moments.determinant() > least_determinant)) return Matrix::Zero();
-    const Matrix inverse = moments.inverse();
-    for (int a = 0; a < Dim; ++a) {
-      const Vec row = gradient.row(a).transpose();
-      gradient.row(a) = multiply<Dim, Real>(inverse, row).transpose();
-    }
-    return gradient;
-  }
 
   // Among the particles that the search finds, those that i does not see as well: it may see their
   // images.

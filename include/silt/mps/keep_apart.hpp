@@ -47,20 +47,25 @@ struct DynamicStabilisation {
 struct KeepApart {
   double distance = 0.9;     ///< minimum distance after the step, in units of l0 [-]
   double restitution = 0.2;  ///< b [-] in [0, 1]
+  /// Minimum distance of particles and images in walls, in units of l0 [-]. At a smaller one, fluid
+  /// is stopped at a wall by its pressure instead; that needs a surface such as OuterSurface,
+  /// without which the energy rises in impacts.
+  double image_distance = 0.9;
 
-  /// Throws if the distance or b is not in [0, 1].
+  /// Throws if a distance or b is not in [0, 1].
   void check() const {
     require_between("KeepApart: distance", distance, {0, 1});
     require_between("KeepApart: restitution", restitution, {0, 1});
+    require_between("KeepApart: image_distance", image_distance, {0, 1});
   }
 
-  double reach() const { return distance + 0.5; }
+  double reach() const { return std::max(distance, image_distance) + 0.5; }
 
   template <int Dim, class Real>
   Vec<Dim, Real> velocity_change(const CollidingPair<Dim, Real>& pair) const {
     const Real max_speed = (1 + Real(restitution)) * std::max(Real(0), pair.approach_speed());
-    return pair.velocity_change(
-        std::min(max_speed, required_speed(pair, Real(distance) * pair.spacing)));
+    const Real min_distance = Real(pair.image ? image_distance : distance) * pair.spacing;
+    return pair.velocity_change(std::min(max_speed, required_speed(pair, min_distance)));
   }
 };
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The pressure equation ∇²P = source as a symmetric system. The unknowns are the pressures of the
-// fluid and wall particles that do not lie on the free surface.
+// fluid and wall particles that do not lie on the free surface; with OuterSurface, also of those.
 //
 //   Σ_j w_ij (P_i − P_j) = −source_i λ n0 / (2d),   P_j = 0 on the free surface, no dummies in Σ
 //
@@ -30,15 +30,15 @@ class PressureEquation {
   /// Neighbourhood; source(i) returns ∇²P [Pa/m²].
   template <FluidParticles P, class S, class T, class Source>
   void assemble(const P& particles, const S& neighbours, const T& stencil, Source&& source) {
-    const auto kinds = particles[kind];
-    assemble(particles, neighbours, stencil, source,
-             [&](Index i) { return kinds[i] != Kind::dummy; });
+    assemble(particles, neighbours, stencil, source, AllButDummies<P>{particles});
   }
-  /// The same, with the particles for which has_pressure(i) is true instead of all but dummies.
-  template <FluidParticles P, class S, class T, class Source, class HasPressure>
+  /// The same with the pressure boundary of a flow: particles for which has_pressure(i) is true have
+  /// a pressure; on the free surface it is unknown where weight_of_surface(i), which enters the
+  /// equation with P = 0, is positive.
+  template <FluidParticles P, class S, class T, class Source, class Boundary>
   void assemble(const P& particles, const S& neighbours, const T& stencil, Source&& source,
-                HasPressure&& has_pressure) {
-    number_unknowns(particles, neighbours, stencil, has_pressure);
+                const Boundary& boundary) {
+    number_unknowns(particles, neighbours, stencil, boundary);
     system_.diagonal.resize(unknowns_.size());
     system_.right_side.resize(unknowns_.size());
     auto& geometry = system_.geometry;
@@ -52,8 +52,8 @@ class PressureEquation {
     const double scale = double(stencil.lambda) * double(stencil.n0) / (2 * T::dimension);
     system_.off_diagonal.build(unknowns_.size(), [&](Index row, auto&& add) {
       const Index i = unknowns_[row];
-      double diagonal = 0;
-      double to_surface = 0;
+      double to_surface = boundary.weight_of_surface(i);
+      double diagonal = to_surface;
       std::uint32_t last_column = static_cast<std::uint32_t>(row);
       for_each_weighted(neighbours, i, stencil, [&](Index j, const auto&, auto weight, auto) {
         const std::uint32_t column = row_of_[j];
@@ -112,20 +112,28 @@ class PressureEquation {
     return static_cast<float>(weight) > 0x1p-26f * static_cast<float>(stencil.n0);
   }
 
-  template <class P, class S, class T, class HasPressure>
+  template <class P>
+  struct AllButDummies {
+    const P& particles;
+
+    bool has_pressure(Index i) const { return particles[kind][i] != Kind::dummy; }
+    double weight_of_surface(Index) const { return 0; }
+  };
+
+  template <class P, class S, class T, class Boundary>
   void number_unknowns(const P& particles, const S& neighbours, const T& stencil,
-                       const HasPressure& has_pressure) {
+                       const Boundary& boundary) {
     const auto on_surface = particles[surface];
     row_of_.resize(particles.total());
     for_each(particles.size(), [&](Index i) {
       row_of_[i] = zero;
-      if (!has_pressure(i)) {
+      if (!boundary.has_pressure(i)) {
         row_of_[i] = excluded;
         return;
       }
-      if (on_surface[i]) return;
+      if (on_surface[i] && !(boundary.weight_of_surface(i) > 0)) return;
       const bool is_connected = any_weighted(neighbours, i, stencil, [&](Index j, auto w) {
-        return has_pressure(particles.owner(j)) && is_significant(w, stencil);
+        return boundary.has_pressure(particles.owner(j)) && is_significant(w, stencil);
       });
       if (is_connected) row_of_[i] = 0;
     });

@@ -10,6 +10,7 @@
 #include <silt/mps/fluid.hpp>
 #include <silt/mps/free_surface.hpp>
 #include <silt/mps/neighbour_view.hpp>
+#include <silt/mps/outer_surface.hpp>
 #include <silt/mps/scheme.hpp>
 
 #include <cstdint>
@@ -29,6 +30,7 @@ class PressureBoundary {
     const auto on_surface = particles[surface];
     has_pressure_.resize(particles.size());
     near_boundary_.assign(particles.size(), Answer::unknown);
+    if constexpr (HasOuterSurface<SurfaceOf<Scheme>>) weight_of_surface_.resize(particles.size());
     for_each(particles.size(), [&](Index i) {
       const NeighbourView at(particles, operators, i);
       n[i] = operators.density(i);
@@ -37,11 +39,21 @@ class PressureBoundary {
           .neighbours = double(operators.neighbours(i)) / double(stencil.neighbours)};
       on_surface[i] = is_on_surface(criterion, at, local) || operators.walls().is_dry(at);
       has_pressure_[i] = operators.walls().has_pressure(at.kind(), on_surface[i] != 0);
+      if constexpr (HasOuterSurface<SurfaceOf<Scheme>>) {
+        const bool is_of_fluid = on_surface[i] && at.kind() == Kind::fluid;
+        weight_of_surface_[i] = is_of_fluid ? double(criterion.weight_of_surface(at)) : 0;
+      }
     });
   }
 
   /// Whether an owned particle has a pressure: an unknown one, or P = 0 on the free surface.
   bool has_pressure(Index i) const noexcept { return has_pressure_[i] != 0; }
+
+  /// Weight of the free surface in the pressure equation of an owned particle [-], if the pressure
+  /// of particles on it is unknown, see OuterSurface; otherwise 0.
+  double weight_of_surface(Index i) const noexcept {
+    return weight_of_surface_.empty() ? 0 : weight_of_surface_[i];
+  }
 
   /// Whether the particle of a view or a neighbour lies on the free surface, or a neighbour has no
   /// pressure. Found when it is asked for, as most schemes do not ask; the answer is kept.
@@ -82,6 +94,7 @@ class PressureBoundary {
   }
 
   std::vector<std::uint8_t> has_pressure_;
+  std::vector<double> weight_of_surface_;
   mutable std::vector<Answer> near_boundary_;  // each written by the evaluation of its particle
 };
 

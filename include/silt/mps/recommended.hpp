@@ -6,6 +6,7 @@
 #include <silt/mps/corrected_gradient.hpp>
 #include <silt/mps/flow_settings.hpp>
 #include <silt/mps/free_surface.hpp>
+#include <silt/mps/friction.hpp>
 #include <silt/mps/keep_apart.hpp>
 #include <silt/mps/kernel.hpp>
 #include <silt/mps/laplacian.hpp>
@@ -25,6 +26,7 @@ struct Recommended {
   CorrectedGradient gradient{};
   SmoothWalls walls{};
   ParticleShifting shifting{};
+  NoFriction friction{};
   KernelLaplacian laplacian{};
 };
 

@@ -10,6 +10,7 @@
 
 #include <silt/mps/collision.hpp>
 #include <silt/mps/free_surface.hpp>
+#include <silt/mps/friction.hpp>
 #include <silt/mps/kernel.hpp>
 #include <silt/mps/laplacian.hpp>
 #include <silt/mps/operators.hpp>
@@ -39,6 +40,8 @@ template <class Scheme>
 using WallsOf = std::remove_cv_t<decltype(Scheme::walls)>;
 template <class Scheme>
 using ShiftingOf = std::remove_cv_t<decltype(Scheme::shifting)>;
+template <class Scheme>
+using FrictionOf = std::remove_cv_t<decltype(Scheme::friction)>;
 template <class Scheme>
 using LaplacianOf = std::remove_cv_t<decltype(Scheme::laplacian)>;
 
@@ -71,7 +74,7 @@ inline constexpr bool is_member_of<S, Member S::*> = true;
 template <class S>
 constexpr auto policies_of() {
   return std::tuple(&S::source, &S::collision, &S::kernel, &S::surface, &S::gradient, &S::walls,
-                    &S::shifting, &S::laplacian);
+                    &S::shifting, &S::friction, &S::laplacian);
 }
 
 // Whether a member has another name than the policies: it would have no effect. A scheme that
@@ -118,6 +121,9 @@ constexpr bool check_scheme() {
   static_assert(requires { requires Shifting<ShiftingOf<S>>; },
                 "mps: the scheme has no member `shifting` that is a shifting model (see Shifting "
                 "in silt/mps/shifting.hpp)");
+  static_assert(requires { requires Friction<FrictionOf<S>>; },
+                "mps: the scheme has no member `friction` that is a friction (see Friction in "
+                "silt/mps/friction.hpp)");
   static_assert(requires { requires LaplacianWeights<LaplacianOf<S>>; },
                 "mps: the scheme has no member `laplacian` with the weights of a Laplacian (see "
                 "LaplacianWeights in silt/mps/laplacian.hpp)");
@@ -127,7 +133,7 @@ constexpr bool check_scheme() {
                 "members can be found");
   static_assert(!detail::has_unknown_member<S>(),
                 "mps: the scheme has a member that is none of source, collision, kernel, surface, "
-                "gradient, walls, shifting and laplacian: check its name");
+                "gradient, walls, shifting, friction and laplacian: check its name");
   return true;
 }
 

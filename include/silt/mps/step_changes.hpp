@@ -17,12 +17,13 @@ namespace silt::mps {
 template <class Vec>
 struct StepChanges {
   std::vector<Vec> predictor;  ///< gravity, force and viscosity
+  std::vector<Vec> friction;
   std::vector<Vec> collision;
   std::vector<Vec> pressure;
   std::vector<Vec> shift;
 
   void clear() {
-    for (auto* changes : {&predictor, &collision, &pressure, &shift}) changes->clear();
+    for (auto* changes : {&predictor, &friction, &collision, &pressure, &shift}) changes->clear();
   }
 };
 

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: MIT
+// A free surface beyond the outermost particles instead of through their centres.
+#pragma once
+
+#include <silt/core/types.hpp>
+#include <silt/mps/any_particle_view.hpp>
+#include <silt/mps/free_surface.hpp>
+
+#include <algorithm>
+#include <concepts>
+
+namespace silt::mps {
+
+/// P = 0 half a spacing outside of the particles that the criterion finds on the free surface. Their
+/// pressures are unknowns. The space beyond, where neighbours are missing, contributes to (6) with
+/// the pressure that falls linearly through zero at the surface:
+///
+///   Σ_j w_ij (P_i − P_j) + a_i P_i = 0,   a_i = 2/l0 max(|Σ_j w_ij r_ij|, h̄ (n0 − n_i))
+///
+/// Both values of a_i are the same at a flat surface, where a linear pressure is met exactly; h̄ is
+/// the mean height of the neighbours on one side of a plane. Such a particle has no source, as its
+/// divergence is that of an incomplete neighbourhood. Similar to the conceptual particles of
+/// [ChenXiSun2014]. Without it, P = 0 at the centres, half a spacing too low.
+template <FreeSurface Criterion>
+struct OuterSurface {
+  Criterion criterion{};
+
+  void check() const { criterion.check(); }
+  template <class View>
+  bool is_on_surface(const View& at) const {
+    return criterion.is_on_surface(at);
+  }
+  /// a_i [-], from a NeighbourView.
+  template <class View>
+  typename View::Real weight_of_surface(const View& at) const {
+    using Real = typename View::Real;
+    const auto& stencil = at.laplacian_stencil();
+    typename View::Vec moment = View::Vec::Zero();
+    Real n = 0;
+    at.for_each_in_laplacian([&](const auto& j) {
+      moment += j.weight * j.r_ij;
+      n += j.weight;
+    });
+    const Real missing = stencil.mean_height * (stencil.n0 - n);
+    return 2 / stencil.spacing * std::max(moment.norm(), missing);
+  }
+};
+
+/// Criteria of a free surface on which the pressure of particles is unknown: weight_of_surface(at)
+/// is the weight of P = 0 in the pressure equation of a particle [-], from its NeighbourView; a
+/// particle for which it is not positive has P = 0.
+template <class S>
+concept HasOuterSurface = FreeSurface<S> && requires(const S surface,
+                                                     const detail::AnyParticleView<2>& in_2d,
+                                                     const detail::AnyParticleView<3>& in_3d) {
+  { surface.weight_of_surface(in_2d) } -> std::convertible_to<double>;
+  { surface.weight_of_surface(in_3d) } -> std::convertible_to<double>;
+};
+
+}  // namespace silt::mps
