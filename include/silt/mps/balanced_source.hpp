@@ -23,6 +23,7 @@ namespace silt::mps {
 /// n is low, only compression enters the last term.
 struct BalancedSource {
   static constexpr bool needs_moved_particles = false;
+  static constexpr bool uses_last_pressure = true;
 
   double gamma = 0.01;  ///< γ [-] in [0, 1]: fraction of the density error corrected per step
 

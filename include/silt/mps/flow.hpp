@@ -100,7 +100,7 @@ class BasicFlow {
   /// fit the spacing: see mps/arrangement.hpp.
   template <FluidParticles P, class S>
   void predict(P& particles, const S& search, double time_step) {
-    const bool is_first = time_step_.is_first();
+    is_first_step_ = time_step_.is_first();
     time_step_.begin(particles, settings_, {.viscous = viscous(), .time = time_}, time_step);
     energy_.begin(particles);
     changes_.clear();
@@ -108,7 +108,9 @@ class BasicFlow {
     silt::detail::check_digits_of_positions(
         "mps::Flow", particles, "spacing", [this](Index) { return Real(settings_.spacing); });
     find_neighbours(particles, search);
-    if (is_first) check_arrangement(particles, operators_.neighbourhood(), operators_.stencil());
+    if (is_first_step_) {
+      check_arrangement(particles, operators_.neighbourhood(), operators_.stencil());
+    }
     particles.refresh_ghosts(velocity);
     force_.find(particles, settings_.body_force, time_);
     const auto step = view(particles, time_step);
@@ -183,15 +185,7 @@ class BasicFlow {
       const Real at_rest = image.rise(Vec(Real(settings_.density) * force_[j]));
       return on_surface[j] ? std::max(Real(0), at_rest) : at_rest;
     };
-    timed(seconds_.assembly, [&] {
-      equation_.assemble(particles, operators_.pressure_neighbours(),
-                         operators_.laplacian_stencil(),
-                         [&](Index i) { return source(step, i, rise_of); }, boundary_);
-    });
-    timed(seconds_.solve, [&] { report_ = equation_.solve(particles, solver_); });
-    check_solve(particles, report_, time_step);
-    if (settings_.clip_negative_pressure) clip_negative_pressure(particles);
-    particles.refresh_ghosts(pressure);
+    find_pressure(particles, step, rise_of);
     const Moves moves(operators_.walls(), Real(time_step));
     find_changes(particles, changes_.pressure, [&](Index i) -> Vec {
       const Vec change = factor * step.at(i).pressure_gradient(settings_.gradient, rise_of);
@@ -275,6 +269,26 @@ class BasicFlow {
     find_neighbours(particles, search);
   }
 
+  // In the first step, the pressures before it are unknown to sources that use them: zero, in most
+  // cases. A kick would be left.
+  template <class P, class RiseOf>
+  void find_pressure(P& particles, const StepView<Scheme, P>& step, const RiseOf& rise_of) {
+    constexpr int max_passes = 30;
+    const int passes = UsesLastPressure<SourceOf<Scheme>> && is_first_step_ ? max_passes : 1;
+    for (int pass = 0; pass < passes; ++pass) {
+      timed(seconds_.assembly, [&] {
+        equation_.assemble(particles, operators_.pressure_neighbours(),
+                           operators_.laplacian_stencil(),
+                           [&](Index i) { return source(step, i, rise_of); }, boundary_);
+      });
+      timed(seconds_.solve, [&] { report_ = equation_.solve(particles, solver_); });
+      check_solve(particles, report_, step.time_step);
+      if (settings_.clip_negative_pressure) clip_negative_pressure(particles);
+      particles.refresh_ghosts(pressure);
+      if (report_.iterations == 0) return;  // they were the pressures of this step
+    }
+  }
+
   // ∇²P of particle i, without what images are known to add to it: (9), (16). Not inlined, so that
   // the loop that assembles the equation keeps its sums in registers.
   template <class P, class RiseOf>
@@ -308,6 +322,7 @@ class BasicFlow {
   TimeStep time_step_;
   EnergyAccount<Dim, Real> energy_;
   double time_ = 0;
+  bool is_first_step_ = false;
   StepChanges<Vec> changes_;             // of the velocities, by stage
   std::vector<Vec> advection_velocity_;  // u* of advect(); empty if the particles were not moved
 };

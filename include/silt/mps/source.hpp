@@ -39,6 +39,11 @@ concept PressureSource = requires(const S source, const detail::AnyParticleView<
   source.check();
 };
 
+/// Sources with uses_last_pressure = true are computed with the pressures of the previous step. In
+/// the first step of a flow, the solve is repeated until these are its own.
+template <class S>
+concept UsesLastPressure = requires { requires S::uses_last_pressure; };
+
 /// −(ρ/Δt²) (n* − n0)/n0, n* of the particles moved with u* (9): the original MPS.
 struct DensitySource {
   static constexpr bool needs_moved_particles = true;
