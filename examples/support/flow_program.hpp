@@ -185,8 +185,8 @@ class EnergyFile {
  public:
   explicit EnergyFile(const FlowOptions& o)
       : file_(o.out + "/energy.csv",
-              {"t", "kinetic", "potential", "total", "by_viscosity", "by_force", "by_collision",
-               "by_pressure", "by_shifting", "by_integration", "added"}) {}
+              {"t", "kinetic", "potential", "total", "by_viscosity", "by_force", "by_friction",
+               "by_collision", "by_pressure", "by_shifting", "by_integration", "added"}) {}
 
   template <class Sim>
   void operator()(const Sim& simulation) {
@@ -205,8 +205,8 @@ class EnergyFile {
  private:
   void write(double time, const silt::mps::FlowEnergy& energy) {
     file_.row({time, energy.kinetic, energy.potential, energy.total(), energy.by_viscosity,
-               energy.by_force, energy.by_collision, energy.by_pressure, energy.by_shifting,
-               energy.by_integration, energy.added});
+               energy.by_force, energy.by_friction, energy.by_collision, energy.by_pressure,
+               energy.by_shifting, energy.by_integration, energy.added});
   }
 
   silt::CsvFile file_;
