@@ -12,10 +12,12 @@
 #include <silt/geometry/mirrors.hpp>
 #include <silt/geometry/point_checksum.hpp>
 #include <silt/mps/fluid.hpp>
+#include <silt/mps/image_row.hpp>
 #include <silt/mps/neighbourhood.hpp>
 #include <silt/mps/velocity_gradient.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -23,41 +25,6 @@
 #include <vector>
 
 namespace silt::mps {
-
-/// The image of a particle in walls, as the sums over neighbours see it.
-template <int Dim, class RealType>
-struct ImageOfParticle {
-  using Real = RealType;
-  using Vec = silt::Vec<Dim, Real>;
-  using Matrix = Eigen::Matrix<Real, Dim, Dim>;
-  static constexpr bool is_image = true;
-
-  Index index;              ///< of the particle
-  const Vec& r_ij;          ///< [m]
-  Real weight;              ///< w [-]
-  Real weight_over_square;  ///< w/r² [1/m²]
-  const Matrix& rotation;   ///< of vectors
-  const Vec& shift;         ///< from the particle to its image [m]
-  /// ∇u at the particle, ∂u_a/∂x_b [1/s]; null if the flow is not continued.
-  const Matrix* gradient;
-
-  Kind kind(const auto&) const { return Kind::dummy; }
-  Vec mirrored(const auto& u) const { return multiply<Dim, Real>(rotation, Vec(u[index])); }
-  bool continues_flow() const { return gradient != nullptr; }
-  /// Mirrored, without the jump that the flow towards the wall then has there.
-  Vec velocity(const auto& u) const {
-    if (!continues_flow()) return mirrored(u);
-    const Vec at_wall = half_way(u);
-    return mirrored(u) + at_wall - multiply<Dim, Real>(rotation, at_wall);
-  }
-  Real rise_along(const auto& u) const { return half_way(u).dot(shift); }
-  Real rise(const Vec& of_pressure) const { return of_pressure.dot(shift); }
-
- private:
-  Vec half_way(const auto& u) const {
-    return u[index] + multiply<Dim, Real>(*gradient, Vec(shift / 2));
-  }
-};
 
 /// Walls at rest without wall particles, along which fluid slips: segments in 2D, triangles in 3D.
 /// What a particle sees through a face is the fluid before it, mirrored, so that density,
@@ -135,7 +102,11 @@ class ImageWalls::InFlow {
     for_each(particles.size(), [&](Index i) { around_[i].find(faces_, positions_[i], reach_); });
     refuse_particles_on_faces(particles);
     images_.resize(particles.size());
-    for_each(particles.size(), [&](Index i) { find_images(particles, search, i); });
+    const auto& stencil = operators.stencil();
+    for_each(particles.size(), [&](Index i) { find_images(search, stencil, i); });
+    sizes_ = {double(stencil.re), double(stencil.n0), double(stencil.lambda)};
+    owners_.resize(x.size());
+    for_each(x.size(), [&](Index j) { owners_[j] = std::uint32_t(particles.owner(j)); });
     continuations_.assign(particles.size(), {});
     revision_ = particles.owned_revision();
   }
@@ -160,16 +131,31 @@ class ImageWalls::InFlow {
 
   /// f(image) for the images that particle i sees within a stencil.
   template <class T, class F>
-  void for_each_image(Index i, const T& stencil, F&& f) const {
-    const Images& images = images_[i];
-    for (const Place& place : images.places) {
-      const Real r2 = place.r_ij.squaredNorm();
-      if (!(r2 < squared(stencil.re))) continue;
-      const Real w = place.share * stencil.weight(std::sqrt(r2));
-      const Continuation& flow = continuations_[place.owner];
-      f(ImageOfParticle<Dim, Real>{place.index, place.r_ij, w, w / r2,
-                                   images.rotations[place.mirror], place.shift,
-                                   flow.is_known ? &flow.gradient : nullptr});
+  [[gnu::always_inline]] inline void for_each_image(Index i, const T& stencil, F&& f) const {
+    const ImageRow<Dim, Real>& row = images_[i];
+    if (row.mirrors().empty()) return;
+    const bool has_weights =
+        sizes_ == std::array{double(stencil.re), double(stencil.n0), double(stencil.lambda)};
+    const silt::Vec<Dim> x_i = positions_[i];
+    std::size_t k = 0;
+    for (const auto& in_mirror : row.mirrors()) {
+      for (; k < in_mirror.end; ++k) {
+        const auto& place = row.places()[k];
+        const silt::Vec<Dim> x_j = positions_[place.index];
+        const silt::Vec<Dim> image = in_mirror.mirror(x_j);
+        const Vec r_ij = (image - x_i).template cast<Real>();
+        Real w = place.weight, w_r2 = place.weight_over_square;
+        if (!has_weights) {
+          const Real r2 = r_ij.squaredNorm();
+          w = r2 < squared(stencil.re) ? Real(place.share) * stencil.weight(std::sqrt(r2)) : 0;
+          w_r2 = w / r2;
+        }
+        if (!(w > 0)) continue;
+        const Vec shift = (image - x_j).template cast<Real>();
+        const Continuation& flow = continuations_[owners_[place.index]];
+        f(ImageOfParticle<Dim, Real>{place.index, r_ij, w, w_r2, in_mirror.rotation, shift,
+                                     flow.is_known ? &flow.gradient : nullptr});
+      }
     }
   }
 
@@ -231,18 +217,6 @@ class ImageWalls::InFlow {
 
  private:
   using Matrix = Eigen::Matrix<Real, Dim, Dim>;
-  struct Place {
-    std::uint32_t index;   // of the particle
-    std::uint32_t owner;   // the same, if it is not a ghost
-    std::uint32_t mirror;  // the number of its rotation
-    Vec r_ij;
-    Vec shift;
-    Real share;
-  };
-  struct Images {
-    std::vector<Matrix> rotations;
-    std::vector<Place> places;
-  };
   struct Continuation {
     Matrix gradient = Matrix::Zero();  // ∂u_a/∂x_b [1/s]
     bool is_known = false;
@@ -250,27 +224,23 @@ class ImageWalls::InFlow {
 
   // Among the particles that the search finds, those that i does not see as well: it may see their
   // images.
-  template <class P, class S>
-  void find_images(const P& particles, const S& search, Index i) {
-    Images& images = images_[i];
-    images.rotations.clear();
-    images.places.clear();
+  template <class S, class T>
+  void find_images(const S& search, const T& stencil, Index i) {
+    ImageRow<Dim, Real>& row = images_[i];
+    row.clear();
     if (around_[i].empty()) return;
     static thread_local std::vector<Index> candidates;  // keeps its capacity
     candidates.assign(1, i);
     search.for_each_neighbour(i, [](Index j, const auto&, auto) { candidates.push_back(j); });
     around_[i].for_each_mirror([&](const Mirror<Dim>& mirror, const auto& share_of) {
       for (const Index j : candidates) {
-        const silt::Vec<Dim> image = mirror(positions_[j]);
-        const Vec r_ij = (image - positions_[i]).template cast<Real>();
-        if (!(r_ij.norm() < Real(reach_))) continue;
+        const silt::Vec<Dim> r_ij = mirror(positions_[j]) - positions_[i];
+        const double r2 = r_ij.squaredNorm();
+        if (!(r2 < squared(reach_))) continue;
         const double share = share_of(positions_[j]);
-        if (!(share > 0)) continue;
-        images.places.push_back({std::uint32_t(j), std::uint32_t(particles.owner(j)),
-                                 std::uint32_t(images.rotations.size()), r_ij,
-                                 (image - positions_[j]).template cast<Real>(), Real(share)});
+        if (share > 0) row.add(j, share, Real(r2), stencil);
       }
-      images.rotations.push_back(mirror.rotation.template cast<Real>());
+      row.end(mirror);
     });
   }
 
@@ -326,7 +296,9 @@ class ImageWalls::InFlow {
   std::vector<silt::Vec<Dim>> positions_;  // with ghosts
   std::uint64_t revision_ = 0;             // of the particles at these positions
   std::vector<MirrorsAround<Dim>> around_;
-  std::vector<Images> images_;
+  std::vector<ImageRow<Dim, Real>> images_;
+  std::array<double, 3> sizes_{};      // re, n0 and λ of the stencil of their weights
+  std::vector<std::uint32_t> owners_;  // with ghosts
   std::vector<Continuation> continuations_;
 };
 
