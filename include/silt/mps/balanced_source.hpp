@@ -64,7 +64,7 @@ struct BalancedSource {
 
   // The Laplacian of a linear pressure [Pa/m²].
   template <class View>
-  static double asymmetry(const View& at) {
+  [[gnu::flatten]] static double asymmetry(const View& at) {
     using Vec = typename View::Vec;
     const auto& stencil = at.laplacian_stencil();
     const Vec gradient = at.pressure_gradient(CorrectedGradient{});

@@ -128,7 +128,9 @@ class BasicFlow {
       return change;
     });
     if constexpr (HasFriction<FrictionOf<Scheme>>) {
-      friction_.find(particles, operators_);
+      static_assert(requires { friction_.find(step); },
+                    "mps: find() of the friction cannot be called with a const StepView");
+      friction_.find(step);
       find_changes(particles, changes_.friction,
                    [&](Index i) -> Vec { return friction_.velocity_change(step.at(i)); });
       apply_changes(changes_.friction, particles, velocity);

@@ -26,7 +26,8 @@ struct PressureNeighbours {
   const Operators& operators;
 };
 template <class Operators, class T, class F>
-void for_each_weighted(const PressureNeighbours<Operators>& neighbours, Index i, const T&, F&& f) {
+[[gnu::always_inline]] inline void for_each_weighted(
+    const PressureNeighbours<Operators>& neighbours, Index i, const T&, F&& f) {
   neighbours.operators.for_each_in_laplacian(i, [&](const auto& j) {
     if (j.is_image && j.index == i) return;
     f(j.index, j.r_ij, j.weight, j.weight_over_square);
@@ -35,9 +36,12 @@ void for_each_weighted(const PressureNeighbours<Operators>& neighbours, Index i,
 template <class Operators, class T, class F>
 bool any_weighted(const PressureNeighbours<Operators>& neighbours, Index i, const T& stencil,
                   F&& f) {
+  const auto& operators = neighbours.operators;
+  if (any_weighted(operators.laplacian_neighbourhood(), i, stencil, f)) return true;
   bool any = false;
-  for_each_weighted(neighbours, i, stencil,
-                    [&](Index j, const auto&, auto w, auto) { any |= f(j, w); });
+  operators.for_each_image_in_laplacian(i, [&](const auto& image) {
+    any |= image.index != i && f(image.index, image.weight);
+  });
   return any;
 }
 
@@ -110,9 +114,12 @@ class FlowOperators {
   template <class F>
   bool any(Index i, F&& is) const {
     const Vec unset = Vec::Zero();
-    bool found = any_weighted(neighbourhood_, i, stencil_, [&](Index j, Real w) {
-      return is(Neighbour<Dim, Real>{j, unset, w, 0});
-    });
+    if (any_weighted(neighbourhood_, i, stencil_, [&](Index j, Real w) {
+          return is(Neighbour<Dim, Real>{j, unset, w, 0});
+        })) {
+      return true;
+    }
+    bool found = false;
     for_each_image(i, [&](const auto& image) { found |= is(image); });
     return found;
   }
@@ -157,7 +164,7 @@ class FlowOperators {
   }
   /// <∇²u>_i of velocities      (6)
   template <class U>
-  Vec laplacian(Index i, const U& u) const {
+  [[gnu::flatten]] Vec laplacian(Index i, const U& u) const {
     return mps::laplacian(laplacian_stencil_, Vec(u[i]), [&](auto&& f) {
       for_each_in_laplacian(i, [&](const auto& j) {
         f(j.velocity(u), j.r_ij, j.weight, j.weight_over_square);

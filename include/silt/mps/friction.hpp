@@ -8,9 +8,9 @@
 #include <silt/mps/any_particle_view.hpp>
 #include <silt/mps/fluid.hpp>
 #include <silt/mps/velocity_gradient.hpp>
-#include <silt/mps/walls.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <concepts>
 #include <vector>
@@ -30,11 +30,11 @@ struct NoFriction {
 /// Friction of pairs of fluid particles along r_ij, on the part of their relative velocity that no
 /// linear flow has:
 ///
-///   δu_i = d/n0 Σ_j a_ij (w/r²) s_ij r_ij,   a_ij = rate Δt √(F/l0) ≤ 0.2
+///   δu_i = d/n0 Σ_j ½(a_i + a_j) (w/r²) s_ij r_ij,   a_i = rate Δt √(|F_i|/l0) ≤ 0.2
 ///   s_ij = u_ij·r_ij − r_ij·½(∇u_i + ∇u_j)·r_ij
 ///
-/// F is the mean of |F_i| and |F_j|: fluid in free fall has no friction, as it has no pressure that
-/// could make noise. The second term of s_ij never exceeds the first, nor has it another sign, so
+/// Without a force there is no friction, as fluid at rest then has no pressure to make noise. The
+/// second term of s_ij never exceeds the first, nor has it another sign, so
 /// that a pair never gains energy. Conserves momentum; linear flows, and pairs of which a particle
 /// has too few neighbours for a gradient, have none. Not from the papers: it damps what the
 /// gradient of the pressure and the divergence, which are not adjoint, leave of a random arrangement.
@@ -56,70 +56,79 @@ class PairFriction::InFlow {
 
   explicit InFlow(const PairFriction& friction) : rate_(Real(friction.rate)) {}
 
-  /// The velocity gradients of the fluid.
-  template <FluidParticles P, class Operators>
-  void find(const P& particles, const Operators& operators) {
+  template <class Step>
+  void find(const Step& step) {
+    const auto& particles = step.particles;
     const auto u = particles.with_ghosts(velocity);
     const auto kinds = particles[kind];
-    gradients_.assign(particles.size(), {});
+    const Real per_root = rate_ * Real(step.time_step) / std::sqrt(Real(step.settings.spacing));
+    strains_.resize(particles.size());
     for_each(particles.size(), [&](Index i) {
-      if (kinds[i] == Kind::fluid) gradients_[i] = velocity_gradient(u, i, operators);
+      Strain& strain = strains_[i];
+      strain.is_known = false;
+      if (kinds[i] != Kind::fluid) return;
+      const auto gradient = velocity_gradient(u, i, step.operators);
+      strain.is_known = gradient.is_known;
+      constexpr Real max_share = Real(0.2);
+      strain.share = std::min(max_share, per_root * std::sqrt(step.force[i].norm())) / 2;
+      // Only its symmetric part stretches r_ij. A pair has half of each particle.
+      for (int a = 0; a < Dim; ++a) {
+        strain.stretching[a] = gradient.value(a, a) / 2;
+        for (int b = 0; b < a; ++b) {
+          strain.shearing[a + b - 1] = (gradient.value(a, b) + gradient.value(b, a)) / 2;
+        }
+      }
     });
   }
 
   template <class View>
-  Vec velocity_change(const View& at) const {
-    constexpr Real max_share = Real(0.2);
+  [[gnu::flatten]] Vec velocity_change(const View& at) const {
     const auto& stencil = at.stencil();
     const Index i = at.index();
-    const auto& own = gradients_[i];
+    const Strain& own = strains_[i];
     Vec change = Vec::Zero();
     if (!own.is_known) return change;
     const auto u = at.velocities();
-    const auto kinds = at.kinds();
     const Vec u_i = at.velocity();
-    const Real force = at.force().norm();
-    const Real scale = rate_ * Real(at.time_step());
     for_each_weighted(
         at.neighbourhood(), i, stencil, [&](Index j, const Vec& r_ij, Real, Real w_r2) {
-          if (kinds[j] != Kind::fluid) return;
-          const auto& other = gradients_[at.owner(j)];
+          const Strain& other = strains_[at.owner(j)];
           if (!other.is_known) return;
           const Real along = (u[j] - u_i).dot(r_ij);
-          const Real linear =
-              (quadratic_form(own.value, r_ij) + quadratic_form(other.value, r_ij)) / 2;
+          const Real linear = own.along(r_ij) + other.along(r_ij);
           const Real rest = along - std::clamp(linear, std::min(along, Real(0)),
                                                std::max(along, Real(0)));
-          const Real mean_force = (force + at.force(at.owner(j)).norm()) / 2;
-          const Real share = std::min(max_share, scale * std::sqrt(mean_force / stencil.spacing));
-          change += (share * w_r2 * rest) * r_ij;
+          change += ((own.share + other.share) * w_r2 * rest) * r_ij;
         });
     return (Dim / stencil.n0) * change;
   }
 
  private:
-  using Gradient = VelocityGradient<Dim, Real>;
+  struct Strain {
+    Vec stretching;
+    std::array<Real, Dim*(Dim - 1) / 2> shearing;
+    Real share;
+    bool is_known;
 
-  static Real quadratic_form(const typename Gradient::Matrix& m, const Vec& r) {
-    Real sum = 0;
-    for (int b = 0; b < Dim; ++b) sum += r[b] * m.col(b).dot(r);
-    return sum;
-  }
+    Real along(const Vec& r) const {
+      Real sum = stretching.dot(r.cwiseProduct(r));
+      sum += shearing[0] * r[0] * r[1];
+      if constexpr (Dim == 3) sum += (shearing[1] * r[0] + shearing[2] * r[1]) * r[2];
+      return sum;
+    }
+  };
 
   Real rate_;
-  std::vector<Gradient> gradients_;  // of owned particles
+  std::vector<Strain> strains_;  // of owned particles
 };
 
 /// The friction of a flow in Dim dimensions:
-///   find(particles, operators)   before the velocities are changed
-///   velocity_change(at)          of a fluid particle [m/s], from its ParticleView
+///   find(step)            from a StepView, before the velocities are changed
+///   velocity_change(at)   of a fluid particle [m/s], from its ParticleView
 template <class F, int Dim>
-concept FrictionInFlow =
-    requires(F friction, const F found, const Fluid<Dim> particles,
-             const detail::AnyOperators<Dim> operators, const detail::AnyParticleView<Dim> at) {
-      friction.find(particles, operators);
-      { found.velocity_change(at) } -> std::convertible_to<Vec<Dim>>;
-    };
+concept FrictionInFlow = requires(const F found, const detail::AnyParticleView<Dim>& at) {
+  { found.velocity_change(at) } -> std::convertible_to<Vec<Dim>>;
+};
 
 /// F::InFlow<Dim, Real> is the friction of a flow, constructed from an F. What it keeps is neither
 /// restored after a throw nor saved in a checkpoint: find() has to set all of it.

@@ -162,7 +162,7 @@ class ImageWalls::InFlow {
   /// <∇·u>_i = −(Dn/Dt) / (−1/d Σ w' r), with the sum over the full lattice: a flow without
   /// divergence keeps n, to which fluid and images contribute alike, and so its volume.
   template <class View, class U>
-  Real divergence(const View& at, const U& u) const {
+  [[gnu::flatten]] Real divergence(const View& at, const U& u) const {
     const auto& stencil = at.stencil();
     static_assert(requires { stencil.slope(Real()); },
                   "mps: ImageWalls need a kernel with a slope, see SmoothKernel");

@@ -83,7 +83,7 @@ class ParticleView
   }
   /// The same, with the pressures of images above those of their particles, rise_of(image) [Pa].
   template <class G, class RiseOf>
-  Vec pressure_gradient(const G& gradient, const RiseOf& rise_of) const {
+  [[gnu::flatten]] Vec pressure_gradient(const G& gradient, const RiseOf& rise_of) const {
     const auto p = this->particles().with_ghosts(pressure);
     return gradient.evaluate(this->stencil(), p[this->index()], [&](auto&& f) {
       this->for_each([&](const auto& j) {
@@ -99,7 +99,7 @@ class ParticleView
   /// 2d/(λ n0) Σ w rise_of(image) over the images of the particles with pressure [Pa/m²]: the part
   /// of the Laplacian of the pressure that is known.
   template <class RiseOf>
-  double laplacian_of_rises(const RiseOf& rise_of) const {
+  [[gnu::flatten]] double laplacian_of_rises(const RiseOf& rise_of) const {
     const auto& laplacian = this->laplacian_stencil();
     Real sum = 0;
     step_.operators.for_each_image_in_laplacian(this->index(), [&](const auto& image) {

@@ -23,7 +23,7 @@ struct VelocityGradient {
 /// Least squares with the weights of the stencil, exact for linear flows. From the particles alone:
 /// across a wall, the velocities of images may jump.
 template <class U, class Operators>
-auto velocity_gradient(const U& u, Index i, const Operators& operators) {
+[[gnu::flatten]] auto velocity_gradient(const U& u, Index i, const Operators& operators) {
   const auto& stencil = operators.stencil();
   using Stencil = std::remove_cvref_t<decltype(stencil)>;
   using Real = typename Stencil::Real;
