@@ -46,8 +46,8 @@ void describe(CLI::App& app, Options& o) {
   };
   using support::positive, support::not_negative, support::between;
   add("--case", o.choice.name, "which flow", CLI::IsMember(fluid_cases::names()));
-  add("--scheme", o.scheme, "recommended, or case10, PNU-MPS of the paper",
-      CLI::IsMember({"recommended", "case10"}));
+  add("--scheme", o.scheme, "recommended; faces, the recommended scheme for walls of faces; or case10, "
+      "PNU-MPS of the paper", CLI::IsMember({"recommended", "faces", "case10"}));
   add("--spacing", o.choice.spacing, "particle spacing [m]: 1/spacing particles along the side, "
       "radius or wavelength of 1 m", positive());
   add("--swing", o.choice.swing, "amplitude A0/B0 of the oscillating drop", positive());
@@ -128,6 +128,8 @@ int main(int argc, char** argv) {
   CLI::App app("Flows with a known solution", "fluid_cases");
   describe(app, options);
   return support::run(app, argc, argv, options.resume, [&] {
-    options.scheme == "case10" ? flow_as<mps::Case10>(options) : flow_as<mps::Recommended>(options);
+    if (options.scheme == "case10") return flow_as<mps::Case10>(options);
+    if (options.scheme == "faces") return flow_as<mps::RecommendedForFaces>(options);
+    flow_as<mps::Recommended>(options);
   });
 }

@@ -4,7 +4,7 @@
 
 using namespace silt;
 
-struct Triangle {
+struct Tent {
   template <class Real>
   static Real weight(Real q) {
     return 1 - q;
@@ -16,7 +16,7 @@ struct OnlyForDoubles {
 
 int main() {
 #ifdef SILT_VALID
-  using Weight = Triangle;
+  using Weight = Tent;
 #else
   using Weight = OnlyForDoubles;
 #endif

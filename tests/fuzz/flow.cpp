@@ -34,19 +34,6 @@ mps::Tank<2> any_tank(Choices& choices) {
           .on_escape = choices.flag() ? OnEscape::remove : OnEscape::refuse};
 }
 
-struct Mirrored : mps::Recommended {
-  mps::ImageWalls walls{};
-};
-
-mps::Fluid<2> fluid_of(const mps::Fluid<2>& particles) {
-  mps::Fluid<2> fluid(particles.box());
-  for (Index i = 0; i < particles.size(); ++i) {
-    if (particles[mps::kind][i] != mps::Kind::fluid) continue;
-    mps::add_particle(fluid, particles[position][i], mps::Kind::fluid);
-  }
-  return fluid;
-}
-
 std::vector<Face<2>> any_walls(Choices& choices) {
   const Vec<2> first = choices.vector<2>({0, 4 * l0}), second = choices.vector<2>({0, 0}),
                third = choices.vector<2>({4 * l0, 0}), fourth = choices.vector<2>({4 * l0, 4 * l0});
@@ -109,13 +96,12 @@ template <class Scheme>
 void flow(Choices& choices) {
   const auto tank = any_tank(choices);
   if (is_large(tank)) return;
-  auto water = mps::make_tank(tank);
+  const auto made = mps::make_tank<Scheme>(tank);
   auto settings = any_settings<Scheme>(choices);
-  if constexpr (std::same_as<Scheme, Mirrored>) {
-    water = fluid_of(water);
+  if constexpr (std::same_as<Scheme, mps::RecommendedForFaces>) {
     settings.walls.segments = any_walls(choices);
   }
-  Simulation simulation{water, UniformGrid<2>{}, mps::Flow<Scheme>(settings), SemiImplicit{}};
+  Simulation simulation{made.particles, UniformGrid<2>{}, mps::Flow<Scheme>(settings), SemiImplicit{}};
   for (int calls = 0; calls < 10; ++calls) {
     const double time = simulation.time();
     if (!fuzz::accepts([&] { call(choices, simulation); })) {
@@ -140,7 +126,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
       case 0:
         return flow<mps::Recommended>(choices);
       case 2:
-        return flow<Mirrored>(choices);
+        return flow<mps::RecommendedForFaces>(choices);
       default:
         return flow<mps::Case00>(choices);
     }

@@ -182,16 +182,12 @@ TEST_F(CheckpointOfOtherSetup, NamesAnotherNumberOfMaterials) {
   EXPECT_TRUE(refuses([&] { read_checkpoint(path, other); }, {"another number of materials;"}));
 }
 
-struct Mirrored : mps::Recommended {
-  mps::ImageWalls walls{};
-};
-
 TEST_F(CheckpointOfOtherSetup, NamesWhatIsDifferentInAFlow) {
-  using Settings = mps::FlowSettings<2, Mirrored>;
+  using Settings = mps::FlowSettings<2, mps::RecommendedForFaces>;
   const auto flow = [](const Settings& settings) {
     mps::Fluid<2> fluid;
     mps::add_particle(fluid, {0, 0}, mps::Kind::fluid);
-    return Simulation{fluid, UniformGrid<2>{}, mps::Flow<Mirrored>(settings), SemiImplicit{}};
+    return Simulation{fluid, UniformGrid<2>{}, mps::Flow<mps::RecommendedForFaces>(settings), SemiImplicit{}};
   };
   Settings own{.spacing = 0.01};
   own.walls.segments = {{{Vec<2>(-1, -1), Vec<2>(1, -1)}}};

@@ -18,13 +18,14 @@ using Restart = FileTest;
 
 TEST_F(Restart, KeepsTheBitsOfWaterWithANeighbourList) {
   const double l0 = 0.04;
-  const auto tank = mps::make_tank<2>(
+  const auto tank = mps::make_tank<mps::Recommended, 2>(
       {.column = {0.4, 0.8}, .size = {.length = 1.2, .height = 1}, .spacing = l0});
-  const mps::Flow<mps::Recommended> water{{.spacing = l0, .speed_scale = 2.8}};
+  const mps::Flow<mps::Recommended> water{
+      {.spacing = l0, .speed_scale = 2.8, .walls = tank.walls}};
   for (const std::optional<double> skin : {std::optional<double>(), std::optional(0.05)}) {
     const auto make = [&] {
-      return RunWith{
-          Simulation{tank, NeighbourList<2>{{.skin_fraction = skin}}, water, SemiImplicit<>{}}};
+      return RunWith{Simulation{tank.particles, NeighbourList<2>{{.skin_fraction = skin}}, water,
+                                SemiImplicit<>{}}};
     };
     const auto measured = [](const auto& run) {
       const mps::FlowEnergy& energy = run.simulation.interaction().energy();
@@ -40,7 +41,8 @@ TEST_F(Restart, KeepsTheBitsOfWaterNextToAWallThatChangedItsKind) {
       {.column = {0.4, 0.4}, .size = {.length = 0.8, .height = 0.6}, .spacing = l0});
   const auto make = [&] {
     return Simulation{tank, UniformGrid<2>{},
-                      mps::Flow<mps::Recommended>{{.spacing = l0, .speed_scale = 2}},
+                      mps::Flow<mps::Recommended>{
+                          {.spacing = l0, .speed_scale = 2}},
                       SemiImplicit<>{}};
   };
   auto dam = make();

@@ -158,11 +158,12 @@ TEST(ResumedRun, OfGrainsThatEndsExactlyWritesTheFilesOfAnUninterruptedRun) {
                          falling_grains);
 }
 TEST(ResumedRun, OfWaterWritesTheFilesOfAnUninterruptedRun) {
-  const auto tank = mps::make_tank<2>(
+  const auto tank = mps::make_tank<mps::Recommended, 2>(
       {.column = {0.08, 0.12}, .size = {.length = 0.16, .height = 0.2}, .spacing = 0.01});
   expect_same_files({.until = 0.05, .output_every = 0.01}, [&tank] {
-    return Simulation{tank, NeighbourList<2>{{.skin_fraction = 0}},
-                      mps::Flow<mps::Recommended>{{.spacing = 0.01, .speed_scale = 1}},
+    return Simulation{tank.particles, NeighbourList<2>{{.skin_fraction = 0}},
+                      mps::Flow<mps::Recommended>{
+                          {.spacing = 0.01, .speed_scale = 1, .walls = tank.walls}},
                       SemiImplicit<>{}};
   });
 }

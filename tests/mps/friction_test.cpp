@@ -116,10 +116,16 @@ TEST(PairFriction, LeavesSprayAlone) {
   for (const auto& change : changes_of(spray, settings())) EXPECT_EQ(change.norm(), 0);
 }
 
+auto dam() {
+  const auto tank = mps::make_tank<Rubbing>(small_tank<2>());
+  auto with = settings();
+  with.walls = tank.walls;
+  return Simulation{tank.particles, UniformGrid<2>{}, mps::Flow<Rubbing>(with), SemiImplicit<>{}};
+}
+
 TEST(PairFriction, IsBookedInTheEnergyBalance) {
-  auto water = small_dam<2>();
-  give_random_velocities(water, 0.05, 4);
-  Simulation sim{water, UniformGrid<2>{}, mps::Flow<Rubbing>(settings()), SemiImplicit<>{}};
+  auto sim = dam();
+  give_random_velocities(sim.particles(), 0.05, 4);
   for (int k = 0; k < 50; ++k) sim.step();
   const mps::FlowEnergy& energy = sim.interaction().energy();
   EXPECT_LT(energy.by_friction, -1e-5 * energy.initial);
@@ -129,8 +135,7 @@ TEST(PairFriction, IsBookedInTheEnergyBalance) {
 TEST(PairFriction, IsBitwiseIdenticalForAnyNumberOfThreads) {
   const auto by = [](int number) {
     return with_threads(number, [] {
-      auto water = small_dam<2>();
-      Simulation sim{water, UniformGrid<2>{}, mps::Flow<Rubbing>(settings()), SemiImplicit<>{}};
+      auto sim = dam();
       for (int k = 0; k < 20; ++k) sim.step();
       return std::pair{speed_sum(sim.particles()), sim.interaction().energy().by_friction};
     });

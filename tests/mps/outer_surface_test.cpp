@@ -20,9 +20,8 @@ using Surface = mps::OuterSurface<mps::BothConditions>;
 static_assert(mps::FreeSurface<Surface> && mps::HasOuterSurface<Surface>);
 static_assert(!mps::HasOuterSurface<mps::BothConditions>);
 
-struct Outer : mps::Recommended {
-  Surface surface{.criterion = {.first = {.beta = 0.9}, .second = {}}};
-  mps::ImageWalls walls{};
+struct Outer : mps::RecommendedForFaces {
+  mps::NoFriction friction{};
 };
 // Other weights of the Laplacian than of the density.
 struct OuterWithHigherOrderLaplacian : Outer {

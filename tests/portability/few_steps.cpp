@@ -37,12 +37,12 @@ Result grains_at_end() {
 
 Result water_at_end() {
   constexpr double spacing = 0.02;
-  const auto tank = mps::make_tank<2>(
+  const auto tank = mps::make_tank<mps::Recommended, 2>(
       {.column = {0.2, 0.4}, .size = {.length = 0.8, .height = 0.6}, .spacing = spacing});
   const mps::Flow<mps::Recommended, 2, double, ConjugateGradient<>> water{
-      {.spacing = spacing, .density = 1000, .speed_scale = 2},
+      {.spacing = spacing, .speed_scale = 2, .walls = tank.walls},
       ConjugateGradient<>({.tolerance = 1e-12})};
-  Simulation dam{tank, UniformGrid<2>{}, water, SemiImplicit<>{}};
+  Simulation dam{tank.particles, UniformGrid<2>{}, water, SemiImplicit<>{}};
   for (int step = 0; step < 20; ++step) dam.step(1e-3);
   return {dam.interaction().energy().kinetic, portability::hash_of(dam)};
 }

@@ -71,10 +71,10 @@ void slope() {
 
 void dam() {
   constexpr double l0 = 0.012;  // [m]
-  const auto tank = mps::make_tank<2>(
+  const auto tank = mps::make_tank<mps::Recommended, 2>(
       {.column = {0.3, 0.6}, .size = {.length = 0.9, .height = 0.9}, .spacing = l0});
-  const mps::Flow<mps::Recommended> water{{.spacing = l0, .density = 1000, .speed_scale = 2.4}};
-  run("dam", Simulation{tank, UniformGrid<2>{}, water, SemiImplicit<>{}}, 200);
+  const mps::Flow<mps::Recommended> water{{.spacing = l0, .speed_scale = 2.4, .walls = tank.walls}};
+  run("dam", Simulation{tank.particles, UniformGrid<2>{}, water, SemiImplicit<>{}}, 200);
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <silt/io/csv.hpp>
+#include <silt/measure/wall_gauge.hpp>
 #include <silt/mps.hpp>
 
 #include <algorithm>
@@ -75,9 +76,13 @@ double fluid_energy(const P& particles, double l0) {
   return sum * l0 * l0;
 }
 
-/// Mean pressure of the two particles of the right wall nearest to y = 0.02 m.
+/// Pressure on the right wall at y = 0.02 m: the mean of the two wall particles nearest to it, or
+/// that of the fluid before a wall of faces.
 template <class P>
 double pressure_at_p2(const P& particles, double l0) {
+  if (mps::count(particles, mps::Kind::wall) == 0) {
+    return WallGauge<2>{{tank_length, 0.02}, {-1, 0}, l0}.read(particles, mps::pressure);
+  }
   double sum = 0;
   int number = 0;
   for (Index i = 0; i < particles.size(); ++i) {
@@ -93,12 +98,14 @@ double pressure_at_p2(const P& particles, double l0) {
 
 template <class Scheme>
 auto dam_break_simulation(double l0) {
-  auto water = mps::make_tank<2>({.column = {column_width, column_height},
-                                  .size = {.length = tank_length, .height = 1.6},
-                                  .spacing = l0,
-                                  .on_escape = OnEscape::remove});
-  return Simulation{std::move(water), UniformGrid<2>{},
-                    mps::Flow<Scheme>({.spacing = l0, .max_time_step = 1e-3}), SemiImplicit{}};
+  auto tank = mps::make_tank<Scheme, 2>({.column = {column_width, column_height},
+                                         .size = {.length = tank_length, .height = 1.6},
+                                         .spacing = l0,
+                                         .on_escape = OnEscape::remove});
+  return Simulation{std::move(tank.particles), UniformGrid<2>{},
+                    mps::Flow<Scheme>(
+                        {.spacing = l0, .max_time_step = 1e-3, .walls = tank.walls}),
+                    SemiImplicit{}};
 }
 
 /// Runs until a time [s], or until a step throws, which may happen with the original method.

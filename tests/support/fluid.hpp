@@ -94,12 +94,15 @@ struct NoSurface {
 };
 
 /// A small 2D dam break: 10 by 15 spacings of fluid in a tank of 25.
+template <int Dim>
+mps::Tank<Dim> small_tank(double l0 = 0.02, double depth = 5) {
+  return {.column = {10 * l0, (Dim == 2 ? 15 : 8) * l0},
+          .size = {.length = 25 * l0, .height = 20 * l0, .depth = depth * l0},
+          .spacing = l0};
+}
 template <int Dim, class Real = double>
 mps::Fluid<Dim, Real> small_dam(double l0 = 0.02, double depth = 5) {
-  return mps::make_tank<Dim, Real>(
-      {.column = {10 * l0, (Dim == 2 ? 15 : 8) * l0},
-       .size = {.length = 25 * l0, .height = 20 * l0, .depth = depth * l0},
-       .spacing = l0});
+  return mps::make_tank<Dim, Real>(small_tank<Dim>(l0, depth));
 }
 
 }  // namespace silt::test

@@ -98,7 +98,10 @@ TEST(BadInput, OfPoliciesOfFlowsIsRefused) {
        accepts::nothing}});
 }
 
-void use_tank(const mps::Tank<3>& tank) { EXPECT_GT(mps::make_tank(tank).size(), 0u); }
+void use_tank(const mps::Tank<3>& tank) {
+  EXPECT_GT(mps::make_tank(tank).size(), 0u);
+  EXPECT_GT(mps::make_tank<Scheme>(tank).particles.size(), 0u);
+}
 
 mps::Tank<3> small_tank() {
   return {.column = {2 * l0, l0},
@@ -157,10 +160,10 @@ TEST(BadInput, OfSolversIsRefused) {
 // changes nothing.
 template <class Change>
 void step_of_water(double dt, Change&& change) {
-  auto water = mps::make_tank<2>(
+  auto [water, walls] = mps::make_tank<Scheme, 2>(
       {.column = {4 * l0, 4 * l0}, .size = {.length = 6 * l0, .height = 6 * l0}, .spacing = l0});
   change(water);
-  Simulation sim{water, BruteForce<2>{}, Flow({.spacing = l0}), SemiImplicit{}};
+  Simulation sim{water, BruteForce<2>{}, Flow({.spacing = l0, .walls = walls}), SemiImplicit{}};
   change_or_keep([&] { return state_of(sim.particles()); }, [&] { sim.step(dt); });
   EXPECT_EQ(sim.steps(), 1u);
   EXPECT_TRUE(is_finite(sim.interaction().energy().total()));

@@ -92,8 +92,11 @@ template <class Scheme, class S>
 auto falling_column(S search) {
   const mps::Tank<2> tank{
       .column = {0.1, 0.2}, .size = {.length = 0.3, .height = 0.3}, .spacing = 0.02};
-  return Simulation{mps::make_tank(tank), std::move(search),
-                    mps::Flow<Scheme>({.spacing = tank.spacing, .max_time_step = 1e-3}),
+  const auto made = mps::make_tank<Scheme>(tank);
+  return Simulation{made.particles, std::move(search),
+                    mps::Flow<Scheme>({.spacing = tank.spacing,
+                                       .max_time_step = 1e-3,
+                                       .walls = made.walls}),
                     SemiImplicit{}};
 }
 
@@ -101,6 +104,8 @@ TEST(FailedAllocation, LeavesAFlowAsBeforeTheStep) {
   for (const int threads : {1, 2}) {
     with_threads(threads, [&] {
       EXPECT_GT(fail_each_allocation(falling_column<mps::Recommended>(UniformGrid<2>{}), 3), 20);
+      EXPECT_GT(
+          fail_each_allocation(falling_column<mps::RecommendedForFaces>(UniformGrid<2>{}), 3), 20);
       EXPECT_GT(fail_each_allocation(falling_column<mps::Case10>(NeighbourList<2>{}), 3), 20);
       EXPECT_GT(fail_each_allocation(falling_column<mps::Case00>(BruteForce<2>{}), 3), 20);
     });

@@ -293,8 +293,10 @@ TEST(Output, OfGrainsHasNoEffectOnThem) {
 TEST(Output, OfAFlowHasNoEffectOnIt) {
   const double l0 = 0.02;
   const auto make = [&] {
-    return RunWith(Simulation{small_dam<2>(l0), NeighbourList<2>{},
-                              mps::Flow<mps::Recommended>({.spacing = l0, .max_time_step = 5e-4}),
+    const auto tank = mps::make_tank<mps::Recommended>(small_tank<2>(l0));
+    return RunWith(Simulation{tank.particles, NeighbourList<2>{},
+                              mps::Flow<mps::Recommended>(
+                                  {.spacing = l0, .max_time_step = 5e-4, .walls = tank.walls}),
                               SemiImplicit{}});
   };
   using Sim = decltype(make().simulation);

@@ -121,16 +121,21 @@ TEST(BalanceOfGrains, HoldsInEveryStepOfALongRunSlow) {
 template <class Scheme, int Dim>
 void expect_balance_of_flow(Index steps) {
   const double l0 = 0.02;
-  auto water = mps::make_tank<Dim>({.column = {6 * l0, 10 * l0},
-                                    .size = {.length = 9 * l0, .height = 10 * l0, .depth = 4 * l0},
-                                    .spacing = l0,
-                                    .on_escape = OnEscape::remove});
+  auto [water, walls] = mps::make_tank<Scheme, Dim>(
+      {.column = {6 * l0, 10 * l0},
+       .size = {.length = 9 * l0, .height = 10 * l0, .depth = 4 * l0},
+       .spacing = l0,
+       .on_escape = OnEscape::remove});
   water.remove_if([&](Index i) {
     return water[mps::kind][i] != mps::Kind::fluid && water[position][i][Dim - 1] > 4 * l0;
   });
+  if constexpr (std::same_as<decltype(walls), mps::ImageWalls>) {
+    walls.segments = polyline({{0, 4 * l0}, {0, 0}, {9 * l0, 0}, {9 * l0, 4 * l0}});
+  }
   const Index all = water.size();
   Simulation simulation{std::move(water), UniformGrid<Dim>{},
-                        mps::Flow<Scheme, Dim>({.spacing = l0, .max_time_step = 1e-3}),
+                        mps::Flow<Scheme, Dim>(
+                            {.spacing = l0, .max_time_step = 1e-3, .walls = walls}),
                         SemiImplicit{}};
   using P = std::remove_cvref_t<decltype(simulation.particles())>;
   KnownParticles<P> known;
@@ -145,6 +150,7 @@ void expect_balance_of_flow(Index steps) {
 
 TEST(BalanceOfAFlow, HoldsInEveryStep) {
   expect_balance_of_flow<mps::Recommended, 2>(400);
+  expect_balance_of_flow<mps::RecommendedForFaces, 2>(400);
   expect_balance_of_flow<mps::Case10, 3>(500);
 }
 

@@ -44,13 +44,16 @@ std::function<void(const RandomRestarts&)> fluid_case(const std::string& name) {
 template <class Scheme, int Dim = 2, class Real = double, class S>
 void dam_in(double width, const S& search, const RandomRestarts& restarts) {
   constexpr double l0 = 0.02;
-  const auto tank =
-      mps::make_tank<Dim, Real>({.column = {width / 2, width / 2},
-                                 .size = {.length = width, .height = width, .depth = 3 * l0},
-                                 .spacing = l0,
-                                 .on_escape = OnEscape::remove});
-  const mps::Flow<Scheme, Dim, Real> water{{.spacing = l0, .speed_scale = 1}};
-  const auto make = [&] { return RunWith{Simulation{tank, search, water, SemiImplicit<>{}}}; };
+  const auto tank = mps::make_tank<Scheme, Dim, Real>(
+      {.column = {width / 2, width / 2},
+       .size = {.length = width, .height = width, .depth = 3 * l0},
+       .spacing = l0,
+       .on_escape = OnEscape::remove});
+  const mps::Flow<Scheme, Dim, Real> water{
+      {.spacing = l0, .speed_scale = 1, .walls = tank.walls}};
+  const auto make = [&] {
+    return RunWith{Simulation{tank.particles, search, water, SemiImplicit<>{}}};
+  };
   expect_the_same_end_after_restarts(restarts, make, ChosenStep{});
 }
 template <class Scheme, class S>
@@ -70,17 +73,18 @@ void dam_in_space(RandomRestarts restarts) {
 // step of another length each time.
 void sloshing(const RandomRestarts& restarts) {
   constexpr double l0 = 0.02;
-  const auto tank = mps::make_tank<2>(
+  const auto tank = mps::make_tank<mps::Recommended, 2>(
       {.column = {0.24, 0.12}, .size = {.length = 0.24, .height = 0.2}, .spacing = l0});
   const mps::Flow<mps::Recommended> water{
       {.spacing = l0,
        .viscosity = 1e-4,
        .speed_scale = 1,
+       .walls = tank.walls,
        .body_force = [](const Vec<2>&, double t) { return Vec<2>(4 * std::sin(20 * t), 0); }}};
   for (const std::optional<double> skin : {std::optional<double>(), std::optional(0.03)}) {
     const auto make = [&] {
-      return RunWith{
-          Simulation{tank, NeighbourList<2>{{.skin_fraction = skin}}, water, SemiImplicit<>{}}};
+      return RunWith{Simulation{tank.particles, NeighbourList<2>{{.skin_fraction = skin}}, water,
+                                SemiImplicit<>{}}};
     };
     expect_the_same_end_after_restarts(restarts, make, UnevenStep{});
   }
@@ -121,8 +125,9 @@ void channel(const RandomRestarts& restarts) {
     if (kind == mps::Kind::fluid) fluid[velocity][i] = {1 + 0.2 * std::sin(10 * x[1]), 0};
     if (0 < x[1] && x[1] < 2 * l0 && x[0] < 2 * l0) ice.push_back(fluid.id(i));
   }
-  const mps::Flow<mps::Recommended> water{
-      mps::without_free_surface(mps::FlowSettings<2, mps::Recommended>{
+  using Scheme = mps::Recommended;
+  const mps::Flow<Scheme> water{
+      mps::without_free_surface(mps::FlowSettings<2, Scheme>{
           .spacing = l0, .viscosity = 1e-2, .gravity = {2, 0}, .speed_scale = 1})};
   const auto make = [&] {
     return RunWith{
@@ -153,6 +158,7 @@ const std::vector<Case> cases{
     {"falling_block", fluid_case<mps::Recommended>("falling_block")},
     {"rotating_square_case_10", fluid_case<mps::Case10>("rotating_square")},
     {"dam_break_list", dam<mps::Recommended, NeighbourList<2>>},
+    {"dam_break_faces", dam<mps::RecommendedForFaces, UniformGrid<2>>},
     {"dam_break_case_00", dam<mps::Case00, BruteForce<2>>},
     {"dam_break_in_single_precision", dam_in_single_precision},
     {"dam_break_in_space", dam_in_space},

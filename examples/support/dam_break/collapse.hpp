@@ -31,10 +31,10 @@ struct Options : support::FlowOptions {
   double depth = 0.2;                       // [m]
 };
 
-template <int Dim>
+template <class Scheme, int Dim>
 auto make_tank(const Options& o) {
   return support::or_reject([&] {
-    return mps::make_tank<Dim>(
+    return mps::make_tank<Scheme, Dim>(
         {.column = {o.column[0], o.column[1]},
          .size = {.length = o.tank[0], .height = o.tank[1], .depth = o.depth},
          .spacing = o.spacing,
@@ -80,13 +80,15 @@ class FrontGauge {
 
 template <class Scheme, int Dim>
 void collapse_with(const Options& o) {
-  const auto particles = make_tank<Dim>(o);
+  const auto tank = make_tank<Scheme, Dim>(o);
   support::open_output_folder(o.resume, o.out);
   support::use_threads_of_option(o.threads);
 
-  const mps::Flow<Scheme, Dim> water{support::flow_settings<Scheme, Dim>(o, o.column[1]),
+  auto settings = support::flow_settings<Scheme, Dim>(o, o.column[1]);
+  settings.walls = tank.walls;
+  const mps::Flow<Scheme, Dim> water{settings,
                                      mps::PressureSolver<Dim>{{.tolerance = o.tolerance}}};
-  Simulation dam{particles, TimedSearch{UniformGrid<Dim>{}}, water, SemiImplicit<>{}};
+  Simulation dam{tank.particles, TimedSearch{UniformGrid<Dim>{}}, water, SemiImplicit<>{}};
   FrontGauge front(o);
   support::PressureGauges<Dim> gauges(o);
   support::EnergyFile energy(o);
@@ -99,7 +101,7 @@ void collapse_with(const Options& o) {
                            energy, iterations, VtkSeries{o.out + "/frames"}, Progress{});
   }
 
-  auto summary = support::summary_of(dam, particles, iterations, wall.seconds());
+  auto summary = support::summary_of(dam, tank.particles, iterations, wall.seconds());
   auto& options = summary["options"];
   options = {{"case", nullptr}, {"column", o.column}, {"tank", o.tank}, {"depth", o.depth}};
   options["case"] = o.scheme;
@@ -108,7 +110,7 @@ void collapse_with(const Options& o) {
   support::complete(o.resume, o.out, summary);
   std::printf("dam_break: %zu fluid particles, "
               "%llu steps in %.1f s of wall-clock time, %llu lost; results in %s\n",
-              count(particles, mps::Kind::fluid), static_cast<unsigned long long>(dam.steps()),
+              count(tank.particles, mps::Kind::fluid), static_cast<unsigned long long>(dam.steps()),
               wall.seconds(), static_cast<unsigned long long>(dam.particles_lost()),
               o.out.c_str());
 }

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <concepts>
 #include <functional>
 #include <limits>
 #include <string>
@@ -65,6 +66,9 @@ struct Finding {
 struct FluidCase {
   std::string name;
   mps::Fluid<2> start = {};
+  std::vector<Face<2>> walls = {};  ///< for schemes with walls of faces
+  /// Position [m] and kind, for the other schemes.
+  std::vector<std::pair<Vec<2>, mps::Kind>> wall_particles = {};
   double spacing = 0;       ///< l0 [m]
   double viscosity = 0;     ///< ν [m²/s]
   double speed_scale = 0;   ///< [m/s]
@@ -103,8 +107,14 @@ auto simulation_of(const FluidCase& flow, const Numerics& numerics) {
       .speed_scale = flow.speed_scale,
       .clip_negative_pressure = flow.clip_negative_pressure,
       .body_force = flow.body_force};
+  auto start = flow.start;
+  if constexpr (std::derived_from<mps::WallsOf<Scheme>, mps::ImageWalls>) {
+    settings.walls.segments = flow.walls;
+  } else {
+    for (const auto& [x, kind] : flow.wall_particles) mps::add_particle(start, x, kind);
+  }
   if (!flow.has_surface) settings = mps::without_free_surface(settings);
-  return Simulation{flow.start, TimedSearch{UniformGrid<2>{}},
+  return Simulation{std::move(start), TimedSearch{UniformGrid<2>{}},
                     mps::Flow<Scheme>{settings}, SemiImplicit<>{}};
 }
 

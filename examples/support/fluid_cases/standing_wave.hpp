@@ -45,12 +45,14 @@ inline FluidCase standing_wave(int along) {
   FluidCase flow{.name = "standing_wave", .spacing = l0};
   flow.start = mps::Fluid<2>(space);
   for (const auto& x : lattice<2>(box, l0)) {
-    const auto of_kind = x[1] > 0    ? mps::Kind::fluid
-                         : x[1] > -l0 ? mps::Kind::wall
-                                      : mps::Kind::dummy;
-    const Index i = mps::add_particle(flow.start, x, of_kind);
-    if (of_kind == mps::Kind::fluid) flow.start[velocity][i] = exact.velocity_at(x);
+    if (x[1] < 0) {
+      flow.wall_particles.push_back({x, x[1] > -l0 ? mps::Kind::wall : mps::Kind::dummy});
+      continue;
+    }
+    const Index i = mps::add_particle(flow.start, x, mps::Kind::fluid);
+    flow.start[velocity][i] = exact.velocity_at(x);
   }
+  flow.walls = polyline({{-exact.length, 0}, {2 * exact.length, 0}});
   flow.viscosity = 1e-6;
   flow.gravity = {0, -exact.gravity};
   flow.speed_scale = std::sqrt(exact.gravity * exact.depth);

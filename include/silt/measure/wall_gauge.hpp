@@ -6,7 +6,7 @@
 #include <silt/core/error.hpp>
 #include <silt/core/types.hpp>
 
-#include <Eigen/Cholesky>
+#include <Eigen/LU>
 
 #include <algorithm>
 #include <cmath>
@@ -32,28 +32,34 @@ struct WallGauge {
     require_finite("WallGauge: point", point);
     require_finite("WallGauge: normal", normal);
     if (!(normal.norm() > 0)) fail("WallGauge: normal = 0; give that of the wall, into the fluid");
-    using Row = Eigen::Matrix<double, Dim + 1, 1>;
-    using Matrix = Eigen::Matrix<double, Dim + 1, Dim + 1>;
     constexpr double range = 2;      // spacings
     constexpr double ridge = 0.005;  // ε
+    using Matrix = Eigen::Matrix<double, Dim, Dim>;
     const auto x = particles[position];
     const auto values = particles[field];
+    double weights = 0, mean = 0;
+    Vec<Dim> centre = Vec<Dim>::Zero(), slope = Vec<Dim>::Zero();
     Matrix moments = Matrix::Zero();
-    Row right = Row::Zero();
     for (Index j = 0; j < particles.size(); ++j) {
       const Vec<Dim> r = (x[j].template cast<double>() - point) / spacing;
       const double q2 = r.squaredNorm() / squared(range);
       if (!(q2 < 1) || !(r.dot(normal) > 0)) continue;
-      const double w = squared(1 - q2);
-      Row row;
-      row << 1, r;
-      moments += w * row * row.transpose();
-      right += w * double(values[j]) * row;
+      const double w = squared(1 - q2), value = double(values[j]);
+      weights += w;
+      mean += w * value;
+      centre += w * r;
+      slope += (w * value) * r;
+      for (int k = 0; k < Dim; ++k) moments.col(k) += (w * r[k]) * r;
     }
-    const double weights = moments(0, 0);
     if (!(weights > 0)) return 0;
-    moments.diagonal().template tail<Dim>().array() += ridge * weights;
-    return std::max(0.0, Row(moments.ldlt().solve(right))[0]);
+    // About the centre of the particles, a is the mean and independent of b.
+    mean /= weights;
+    centre /= weights;
+    slope -= (weights * mean) * centre;
+    for (int k = 0; k < Dim; ++k) moments.col(k) -= (weights * centre[k]) * centre;
+    moments.diagonal().array() += ridge * weights;
+    slope = multiply<Dim, double>(moments.inverse(), slope);
+    return std::max(0.0, mean - slope.dot(centre));
   }
 };
 

@@ -13,6 +13,7 @@
 #include <array>
 #include <cmath>
 #include <concepts>
+#include <cstddef>
 #include <vector>
 
 namespace silt::mps {
@@ -75,7 +76,7 @@ class PairFriction::InFlow {
       for (int a = 0; a < Dim; ++a) {
         strain.stretching[a] = gradient.value(a, a) / 2;
         for (int b = 0; b < a; ++b) {
-          strain.shearing[a + b - 1] = (gradient.value(a, b) + gradient.value(b, a)) / 2;
+          strain.shearing[std::size_t(a + b - 1)] = (gradient.value(a, b) + gradient.value(b, a)) / 2;
         }
       }
     });

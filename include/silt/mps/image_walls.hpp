@@ -40,6 +40,13 @@ struct ImageWalls {
   std::vector<Face<2>> segments;   ///< in 2D, see polyline() in silt/geometry/shapes.hpp
   std::vector<Face<3>> triangles;  ///< in 3D, see faces_of()
 
+  /// Those of the dimension.
+  template <int Dim>
+  auto& faces() {
+    if constexpr (Dim == 2) return segments;
+    if constexpr (Dim == 3) return triangles;
+  }
+
   /// Throws if a face has a corner that is not finite, or no length or area.
   void check() const {
     for (std::size_t k = 0; k < segments.size(); ++k) {
@@ -118,14 +125,20 @@ class ImageWalls::InFlow {
   /// Images have been found by locate().
   void find(const auto&, const auto&) {}
 
-  /// The flow of the velocities now, near walls and except on the free surface.
+  /// The flow of the velocities now, near walls and except on the free surface; and its gradient
+  /// where neighbours are missing, for divergence().
   template <FluidParticles P, class Operators>
   void continue_flow(const P& particles, const Operators& operators) {
     const auto u = particles.with_ghosts(velocity);
     const auto on_surface = particles[surface];
+    const auto n = particles[number_density];
     for_each(particles.size(), [&](Index i) {
-      if (around_[i].empty() || on_surface[i]) return;
-      continuations_[i] = {velocity_gradient(u, i, operators).value, true};
+      const bool continues = !around_[i].empty() && !on_surface[i];
+      const Real full = operators.stencil().n0;
+      const bool misses_others = n[i] >= least_even * full && n[i] < least_full * full;
+      if (continues || misses_others) {
+        continuations_[i] = {velocity_gradient(u, i, operators), continues, misses_others};
+      }
     });
   }
 
@@ -154,28 +167,38 @@ class ImageWalls::InFlow {
         const Vec shift = (image - x_j).template cast<Real>();
         const Continuation& flow = continuations_[owners_[place.index]];
         f(ImageOfParticle<Dim, Real>{place.index, r_ij, w, w_r2, in_mirror.rotation, shift,
-                                     flow.is_known ? &flow.gradient : nullptr});
+                                     flow.continues ? &flow.gradient.value : nullptr});
       }
     }
   }
 
   /// <∇·u>_i = −(Dn/Dt) / (−1/d Σ w' r), with the sum over the full lattice: a flow without
-  /// divergence keeps n, to which fluid and images contribute alike, and so its volume.
+  /// divergence keeps n, to which fluid and images contribute alike, and so its volume. Below an
+  /// even surface, missing neighbours are taken to have the velocities of the linear flow around i.
   template <class View, class U>
   [[gnu::flatten]] Real divergence(const View& at, const U& u) const {
     const auto& stencil = at.stencil();
     static_assert(requires { stencil.slope(Real()); },
                   "mps: ImageWalls need a kernel with a slope, see SmoothKernel");
     const Vec own = u[at.index()];
-    Real sum = 0;
-    at.for_each([&](const auto& j) {
+    const auto weight_of = [&](const auto& j) -> Real {
       const Real r = j.r_ij.norm();
       const Real whole = stencil.weight(r);
-      if (!(whole > Real(1e-6))) return;  // the share is then 0/0, and the slope is zero as well
-      const Vec u_ij = j.velocity(u) - own;
-      sum -= j.weight / whole * stencil.slope(r) / r * u_ij.dot(j.r_ij);
+      if (!(whole > Real(1e-6))) return 0;  // the share is then 0/0, and the slope is zero as well
+      return -j.weight / whole * stencil.slope(r) / (r * stencil.slope_sum);
+    };
+    Real sum = 0;
+    at.for_each([&](const auto& j) {
+      sum += weight_of(j) * Vec(j.velocity(u) - own).dot(j.r_ij);
     });
-    return sum / stencil.slope_sum;
+    const Continuation& flow = continuations_[at.index()];
+    if (!flow.misses_others || !flow.gradient.is_known) return sum;
+    // Σ w_j ∇u r·r over the missing ones: that over the full lattice, ∇·u, less that over the others.
+    sum += flow.gradient.value.trace();
+    at.for_each([&](const auto& j) {
+      sum -= weight_of(j) * multiply<Dim, Real>(flow.gradient.value, j.r_ij).dot(j.r_ij);
+    });
+    return sum;
   }
   bool is_dry(const auto&) const { return false; }
   bool has_pressure(Kind, bool) const { return true; }
@@ -216,10 +239,16 @@ class ImageWalls::InFlow {
   }
 
  private:
-  using Matrix = Eigen::Matrix<Real, Dim, Dim>;
+  // n/n0 [-] of the second row below an even surface is 0.93. Above these, neighbours are missing by
+  // the scatter of their positions only; where more are missing, in splashes, the velocities of the
+  // missing ones cannot be told from those of the others, and energy would rise.
+  static constexpr Real least_even = Real(0.9);
+  static constexpr Real least_full = Real(0.97);
+
   struct Continuation {
-    Matrix gradient = Matrix::Zero();  // ∂u_a/∂x_b [1/s]
-    bool is_known = false;
+    VelocityGradient<Dim, Real> gradient;
+    bool continues = false;      // beyond walls
+    bool misses_others = false;  // neighbours are missing
   };
 
   // Among the particles that the search finds, those that i does not see as well: it may see their
@@ -256,7 +285,8 @@ class ImageWalls::InFlow {
     const Index i = first_where(particles.size(), [&](Index k) { return kinds[k] != Kind::fluid; });
     if (i == no_index) return;
     fail("ImageWalls: a particle is of a wall, but these walls are faces; remove all wall and "
-         "dummy particles",
+         "dummy particles, or use a scheme with SmoothWalls or GrainyWalls; make_tank<Scheme, Dim>() "
+         "makes a tank for either",
          {.particle = i, .id = particles.id(i)});
   }
   // Its image would be at the same position.

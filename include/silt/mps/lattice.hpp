@@ -14,7 +14,8 @@ struct LatticeValues {
   double n0 = 0;          ///< number density Σ w, (5) [-]
   double lambda = 0;      ///< Σ w r² / Σ w over l0², (7) [-]
   double slope = 0;       ///< −1/d Σ w'(r) r, of kernels with a slope [-]
-  double mean_height = 0; ///< Σ w h / Σ w over l0, of the points at heights h > 0 [-]
+  double above = 0;       ///< Σ w of the points on one side of a plane of points [-]
+  double mean_height = 0; ///< Σ w h / Σ w of them, over l0 [-]; h is the distance from the plane
   int neighbours = 0;     ///< N0, the number of neighbours, (17) [-]
 };
 
@@ -26,7 +27,6 @@ LatticeValues lattice_values(double radius, const K& kernel = {}) {
   require_above("lattice_values: radius", radius, {1, 100});
   LatticeValues values;
   double second_moment = 0;
-  double above = 0;  // Σ w of the points above the particle
   const int reach = static_cast<int>(std::ceil(radius));
   const int depth = Dim == 3 ? reach : 0;
   for (int z = -depth; z <= depth; ++z) {
@@ -42,7 +42,7 @@ LatticeValues lattice_values(double radius, const K& kernel = {}) {
           values.slope -= kernel.slope(q) * q / Dim;
         }
         if (y > 0) {
-          above += w;
+          values.above += w;
           values.mean_height += w * y;
         }
         ++values.neighbours;
@@ -50,7 +50,7 @@ LatticeValues lattice_values(double radius, const K& kernel = {}) {
     }
   }
   values.lambda = second_moment / values.n0;
-  values.mean_height /= above;
+  values.mean_height /= values.above;
   return values;
 }
 

@@ -24,7 +24,8 @@ struct Stencil {
   Real n0 = 0;         ///< (5) [-]
   Real lambda = 0;     ///< (7) [m²]
   Real slope_sum = 0;  ///< −1/d Σ w'(r) r over the full lattice, of kernels with a slope [-]
-  Real mean_height = 0;  ///< of the neighbours on one side of a plane of particles: Σ w h / Σ w [m]
+  Real above = 0;        ///< Σ w of the neighbours on one side of a plane of particles [-]
+  Real mean_height = 0;  ///< of these: Σ w h / Σ w [m]
   int neighbours = 0;  ///< N0 [-]
   [[no_unique_address]] K kernel = {};
 
@@ -42,6 +43,7 @@ struct Stencil {
     n0 = Real(values.n0);
     lambda = Real(values.lambda * size.spacing * size.spacing);
     slope_sum = Real(values.slope);
+    above = Real(values.above);
     mean_height = Real(values.mean_height * size.spacing);
     neighbours = values.neighbours;
   }

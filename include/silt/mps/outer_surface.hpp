@@ -11,16 +11,20 @@
 
 namespace silt::mps {
 
-/// P = 0 half a spacing outside of the particles that the criterion finds on the free surface. Their
-/// pressures are unknowns. The space beyond, where neighbours are missing, contributes to (6) with
-/// the pressure that falls linearly through zero at the surface:
+/// P = 0 outside of the particles that the criterion finds on the free surface, by half of their cell.
+/// Their pressures are unknowns. The space beyond, where neighbours are missing, contributes to (6)
+/// with the pressure that falls linearly through zero at the surface:
 ///
-///   Σ_j w_ij (P_i − P_j) + a_i P_i = 0,   a_i = 2/l0 max(|Σ_j w_ij r_ij|, h̄ (n0 − n_i))
+///   Σ_j w_ij (P_i − P_j) + a_i P_i = 0,   a_i = max(|Σ_j w_ij r_ij|, h̄ (n0 − n_i)) / δ_i
+///   δ_i = l0 (½ + (n_i − n_s)/n_r)
 ///
-/// Both values of a_i are the same at a flat surface, where a linear pressure is met exactly; h̄ is
-/// the mean height of the neighbours on one side of a plane. Such a particle has no source, as its
-/// divergence is that of an incomplete neighbourhood. Similar to the conceptual particles of
-/// [ChenXiSun2014]. Without it, P = 0 at the centres, half a spacing too low.
+/// On the lattice, both values in a_i are the same, and a linear pressure is met exactly. δ_i is the
+/// height of the surface above the particle: a cell keeps its volume, so that it is higher where the
+/// surface contracts, and n_i is then above the value n_s of a flat surface; n_r is the weight of a
+/// plane of particles with the particle itself, h̄ the mean height of the neighbours on one side of
+/// it. Such a particle has no source, as its divergence is that of an incomplete neighbourhood.
+/// Similar to the conceptual particles of [ChenXiSun2014]. Without it, P = 0 at the centres, half a
+/// spacing too low.
 template <FreeSurface Criterion>
 struct OuterSurface {
   Criterion criterion{};
@@ -42,7 +46,11 @@ struct OuterSurface {
       n += j.weight;
     });
     const Real missing = stencil.mean_height * (stencil.n0 - n);
-    return 2 / stencil.spacing * std::max(moment.norm(), missing);
+    const Real flat = stencil.n0 - stencil.above;  // n_s
+    const Real plane = stencil.n0 - 2 * stencil.above + stencil.kernel.weight(Real(0));  // n_r
+    constexpr Real lowest = Real(0.2), highest = 1;  // spacings; of spray, and in disorder
+    const Real height = std::clamp(Real(0.5) + (n - flat) / plane, lowest, highest);
+    return std::max(moment.norm(), missing) / (height * stencil.spacing);
   }
 };
 
@@ -50,11 +58,11 @@ struct OuterSurface {
 /// is the weight of P = 0 in the pressure equation of a particle [-], from its NeighbourView; a
 /// particle for which it is not positive has P = 0.
 template <class S>
-concept HasOuterSurface = FreeSurface<S> && requires(const S surface,
+concept HasOuterSurface = FreeSurface<S> && requires(const S criterion,
                                                      const detail::AnyParticleView<2>& in_2d,
                                                      const detail::AnyParticleView<3>& in_3d) {
-  { surface.weight_of_surface(in_2d) } -> std::convertible_to<double>;
-  { surface.weight_of_surface(in_3d) } -> std::convertible_to<double>;
+  { criterion.weight_of_surface(in_2d) } -> std::convertible_to<double>;
+  { criterion.weight_of_surface(in_3d) } -> std::convertible_to<double>;
 };
 
 }  // namespace silt::mps

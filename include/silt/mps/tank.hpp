@@ -6,15 +6,21 @@
 //   d d w|~~~~~~~~             |w d d   d: dummies behind them
 //   d d w+---------------------+w d d
 //   d d w w w w w w w w w w w w w d d
+//
+// With walls of faces, there are neither wall nor dummy particles: the faces are the lines above.
 #pragma once
 
 #include <silt/core/box.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/types.hpp>
+#include <silt/geometry/shapes.hpp>
 #include <silt/mps/fluid.hpp>
+#include <silt/mps/image_walls.hpp>
+#include <silt/mps/scheme.hpp>
 
 #include <algorithm>
 #include <cmath>
+#include <concepts>
 #include <string>
 
 namespace silt::mps {
@@ -35,78 +41,113 @@ struct Tank {
   OnEscape on_escape = OnEscape::refuse;  ///< treatment of particles that leave the box
 };
 
-/// Fluid at rest in a tank; lengths are rounded to whole spacings. The box of an open tank is three
-/// tank heights high. Throws if a length is below a spacing or the column does not fit.
-template <int Dim, class Real = double, Field... Further>
-Fluid<Dim, Real, Further...> make_tank(const Tank<Dim>& tank) {
-  constexpr int up = Dim - 1;
-  require_positive("Tank: spacing", tank.spacing);
-  require_between("Tank: dummy_layers", tank.dummy_layers, {0, 100});
-  const auto cell_count = [&](const char* name, double length) {
+namespace detail {
+
+/// A tank on the lattice of its particles. Throws if a length is below a spacing or the column does
+/// not fit.
+template <int Dim>
+class TankLattice {
+ public:
+  static constexpr int up = Dim - 1;
+  using Cell = Eigen::Matrix<int, Dim, 1>;
+
+  explicit TankLattice(const Tank<Dim>& tank) : tank_(tank) {
+    require_positive("Tank: spacing", tank.spacing);
+    require_between("Tank: dummy_layers", tank.dummy_layers, {0, 100});
+    inside_[0] = cell_count("Tank: length", tank.size.length);
+    inside_[up] = cell_count("Tank: height", tank.size.height);
+    fluid_[0] = cell_count("Tank: column width", tank.column[0]);
+    fluid_[up] = cell_count("Tank: column height", tank.column[1]);
+    if constexpr (Dim == 3) fluid_[1] = inside_[1] = cell_count("Tank: depth", tank.size.depth);
+    for (int k = 0; k < Dim; ++k) {
+      if (fluid_[k] > inside_[k]) {
+        const std::string name = k == 0 ? "length" : k == up ? "height" : "depth";
+        fail("Tank: along axis " + std::to_string(k) + " (" + name + "), the column has " +
+             std::to_string(fluid_[k]) + " spacings, but the tank has " +
+             std::to_string(inside_[k]) + "; enlarge the tank, or make the column smaller");
+      }
+    }
+    double all_cells = 1;
+    for (int k = 0; k < Dim; ++k) all_cells *= inside_[k] + 2.0 * (1 + tank.dummy_layers);
+    if (all_cells > 1e9) {
+      fail("Tank: " + to_text(all_cells) + " cells of the spacing " + to_text(tank.spacing) +
+           " m are more than 1e9; increase the spacing");
+    }
+  }
+
+  /// Of all particles, with the walls; three tank heights high if the tank is open.
+  template <class Real>
+  Box<Dim, Real> box() const {
+    Box<Dim, Real> box;
+    const int outside = layers() + 1;
+    for (int k = 0; k < Dim; ++k) {
+      box.lower[k] = Real(-outside * tank_.spacing);
+      box.upper[k] = Real((inside_[k] + outside) * tank_.spacing);
+    }
+    box.upper[up] =
+        Real((tank_.lid ? inside_[up] + outside : 3 * inside_[up]) * tank_.spacing);
+    box.on_escape = tank_.on_escape;
+    return box;
+  }
+  /// The inside of the tank.
+  Box<Dim> room() const {
+    return {.lower = Vec<Dim>::Zero(), .upper = inside_.template cast<double>() * tank_.spacing};
+  }
+
+  template <class P>
+  void add_column(P& particles) const {
+    for_each_cell([&](const Cell& cell) {
+      if (layer(cell) == 0 && (cell.array() < fluid_.array()).all()) {
+        add(particles, cell, Kind::fluid);
+      }
+    });
+  }
+  template <class P>
+  void add_walls(P& particles) const {
+    for_each_cell([&](const Cell& cell) {
+      if (layer(cell) == 1) add(particles, cell, Kind::wall);
+    });
+    for_each_cell([&](const Cell& cell) {
+      if (layer(cell) > 1) add(particles, cell, Kind::dummy);
+    });
+  }
+
+ private:
+  int cell_count(const char* name, double length) const {
     require_finite(name, length);
-    const double number = std::round(length / tank.spacing);
+    const double number = std::round(length / tank_.spacing);
     if (!(number >= 1) || !(number < 1e6)) {
       fail(std::string(name) + " = " + to_text(length) + " m is " + to_text(number) +
-           " times the spacing = " + to_text(tank.spacing) + " m; give between 1 and 1e6 spacings");
+           " times the spacing = " + to_text(tank_.spacing) +
+           " m; give between 1 and 1e6 spacings");
     }
     return static_cast<int>(number);
-  };
-  using Cell = Eigen::Matrix<int, Dim, 1>;
-  Cell inside;
-  Cell fluid;
-  inside[0] = cell_count("Tank: length", tank.size.length);
-  inside[up] = cell_count("Tank: height", tank.size.height);
-  fluid[0] = cell_count("Tank: column width", tank.column[0]);
-  fluid[up] = cell_count("Tank: column height", tank.column[1]);
-  if constexpr (Dim == 3) fluid[1] = inside[1] = cell_count("Tank: depth", tank.size.depth);
-  for (int k = 0; k < Dim; ++k) {
-    if (fluid[k] > inside[k]) {
-      const std::string name = k == 0 ? "length" : k == up ? "height" : "depth";
-      fail("Tank: along axis " + std::to_string(k) + " (" + name + "), the column has " +
-           std::to_string(fluid[k]) + " spacings, but the tank has " + std::to_string(inside[k]) +
-           "; enlarge the tank, or make the column smaller");
-    }
   }
-
-  double all_cells = 1;
-  for (int k = 0; k < Dim; ++k) all_cells *= inside[k] + 2.0 * (1 + tank.dummy_layers);
-  if (all_cells > 1e9) {
-    fail("Tank: " + to_text(all_cells) + " cells of the spacing " + to_text(tank.spacing) +
-         " m are more than 1e9; increase the spacing");
-  }
-
+  // Of wall and dummy particles.
+  int layers() const { return 1 + tank_.dummy_layers; }
   // 0 inside the tank, 1 in the wall, above 1 in the dummies behind it.
-  const int layers = 1 + tank.dummy_layers;
-  const auto layer = [&](const Cell& cell) {
+  int layer(const Cell& cell) const {
     int outside = 0;
     for (int k = 0; k < Dim; ++k) {
       outside = std::max(outside, -cell[k]);
-      if (k != up || tank.lid) outside = std::max(outside, cell[k] - inside[k] + 1);
+      if (k != up || tank_.lid) outside = std::max(outside, cell[k] - inside_[k] + 1);
     }
     return outside;
-  };
-
-  Box<Dim, Real> box;
-  for (int k = 0; k < Dim; ++k) {
-    box.lower[k] = Real(-(layers + 1) * tank.spacing);
-    box.upper[k] = Real((inside[k] + layers + 1) * tank.spacing);
   }
-  box.upper[up] = Real((tank.lid ? inside[up] + layers + 1 : 3 * inside[up]) * tank.spacing);
-  box.on_escape = tank.on_escape;
-  silt::mps::Fluid<Dim, Real, Further...> particles(box);
-
-  const auto add_if = [&](const Cell& cell, bool condition, Kind of_kind) {
-    if (!condition) return;
-    add_particle(particles, (cell.template cast<Real>().array() + Real(0.5)) * Real(tank.spacing),
-                 of_kind);
-  };
-  const auto for_each_cell = [&](auto&& f) {
-    const int depth = Dim == 3 ? layers : 0;
-    const int across = Dim == 3 ? inside[1] : 1;
-    const int top = inside[up] + (tank.lid ? layers : 0);
-    for (int z = -layers; z < top; ++z) {
+  template <class P>
+  void add(P& particles, const Cell& cell, Kind of_kind) const {
+    using Real = typename P::Real;
+    add_particle(particles,
+                 (cell.template cast<Real>().array() + Real(0.5)) * Real(tank_.spacing), of_kind);
+  }
+  template <class F>
+  void for_each_cell(F&& f) const {
+    const int depth = Dim == 3 ? layers() : 0;
+    const int across = Dim == 3 ? inside_[1] : 1;
+    const int top = inside_[up] + (tank_.lid ? layers() : 0);
+    for (int z = -layers(); z < top; ++z) {
       for (int y = -depth; y < across + depth; ++y) {
-        for (int x = -layers; x < inside[0] + layers; ++x) {
+        for (int x = -layers(); x < inside_[0] + layers(); ++x) {
           Cell cell;
           cell[0] = x;
           if constexpr (Dim == 3) cell[1] = y;
@@ -115,15 +156,49 @@ Fluid<Dim, Real, Further...> make_tank(const Tank<Dim>& tank) {
         }
       }
     }
-  };
-  for_each_cell([&](const Cell& cell) {
-    bool in_column = layer(cell) == 0;
-    for (int k = 0; k < Dim; ++k) in_column &= cell[k] < fluid[k];
-    add_if(cell, in_column, Kind::fluid);
-  });
-  for_each_cell([&](const Cell& cell) { add_if(cell, layer(cell) == 1, Kind::wall); });
-  for_each_cell([&](const Cell& cell) { add_if(cell, layer(cell) > 1, Kind::dummy); });
+  }
+
+  const Tank<Dim>& tank_;
+  Cell inside_;
+  Cell fluid_;
+};
+
+}  // namespace detail
+
+/// Fluid at rest in a tank of wall and dummy particles; lengths are rounded to whole spacings. The
+/// box of an open tank is three tank heights high. Throws if a length is below a spacing or the
+/// column does not fit.
+template <int Dim, class Real = double, Field... Further>
+Fluid<Dim, Real, Further...> make_tank(const Tank<Dim>& tank) {
+  const detail::TankLattice<Dim> lattice(tank);
+  silt::mps::Fluid<Dim, Real, Further...> particles(lattice.template box<Real>());
+  lattice.add_column(particles);
+  lattice.add_walls(particles);
   return particles;
+}
+
+/// A tank as a flow with a scheme needs it: its particles, and its walls for FlowSettings.
+template <class Scheme, int Dim, class Real = double, Field... Further>
+struct TankOf {
+  Fluid<Dim, Real, Further...> particles;
+  WallsOf<Scheme> walls;
+};
+
+/// The same for the walls of a scheme: fluid alone with walls of faces, such as those of
+/// Recommended, otherwise with wall and dummy particles.
+template <class Scheme, int Dim, class Real = double, Field... Further>
+TankOf<Scheme, Dim, Real, Further...> make_tank(const Tank<Dim>& tank) {
+  if constexpr (std::derived_from<WallsOf<Scheme>, ImageWalls>) {
+    const detail::TankLattice<Dim> lattice(tank);
+    TankOf<Scheme, Dim, Real, Further...> made{
+        silt::mps::Fluid<Dim, Real, Further...>(lattice.template box<Real>()), Scheme{}.walls};
+    lattice.add_column(made.particles);
+    const auto sides = tank.lid ? Sides<Dim>::all() : Sides<Dim>::open();
+    made.walls.template faces<Dim>() = faces_of(lattice.room(), sides);
+    return made;
+  } else {
+    return {make_tank<Dim, Real, Further...>(tank), Scheme{}.walls};
+  }
 }
 
 }  // namespace silt::mps

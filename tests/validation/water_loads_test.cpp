@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: MIT
+// Pressures at walls against the change of the fluid's momentum, energy, and rest, of the recommended
+// scheme. The Slow tests have half the spacing.
+#include "support/water_loads.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace silt::test::water_loads_test {
+namespace {
+
+constexpr double g = 9.81;  // [m/s²]
+
+// --- a jet against a wall ------------------------------------------------------------------------
+
+struct JetForce {
+  double pressure;  // mean force of the pressure on the wall over ρ U² b
+  double momentum;  // that of the change of momentum
+  double rise;
+};
+
+// A jet 0.1 m wide at 2 m/s, without gravity, while it is steady.
+JetForce jet_force(double l0) {
+  constexpr double U = 2, b = 0.1, side = 1.2;
+  const WaterScene scene{.spacing = l0,
+                         .water = {{{side / 2, (side - b) / 2}, {side, (side + b) / 2}}},
+                         .velocity = {U, 0},
+                         .walls = faces_of(Box<2>{.lower = {0, 0}, .upper = {side, side}}),
+                         .gravity = {0, 0}};
+  auto sim = scene.simulation();
+  double impulse = 0, span = 0, first = 0, last = 0;
+  const double rise = run_water(sim, 0.12, [&](const auto& water, double dt) {
+    last = horizontal_momentum(water, scene.mass());
+    if (sim.time() < 0.06) return void(first = last);
+    impulse += dt * pressure_load(water, {side, 0, side, -1}, l0);
+    span += dt;
+  });
+  const double force = 1000 * U * U * b * span;
+  return {impulse / force, (first - last) / force, rise};
+}
+
+TEST(Jet, HasTheForceOfItsMomentum) {
+  const JetForce jet = jet_force(0.01);
+  EXPECT_NEAR(jet.momentum, 1, 0.02);
+  EXPECT_NEAR(jet.pressure / jet.momentum, 1, 0.06);
+  EXPECT_LT(jet.rise, 0.005);
+}
+TEST(Jet, HasTheForceOfItsMomentumSlow) {
+  const JetForce jet = jet_force(0.005);
+  EXPECT_NEAR(jet.momentum, 1, 0.025);
+  EXPECT_NEAR(jet.pressure / jet.momentum, 1, 0.01);
+  EXPECT_LT(jet.rise, 0.005);
+}
+
+// --- a dam break against a wall ------------------------------------------------------------------
+
+struct ImpactOfADam {
+  std::vector<double> deviations;  // of the loads from momentum, in windows of 0.1 s from 0.4 s
+  double rise;
+};
+
+ImpactOfADam impact_of_a_dam(double l0, double until) {
+  const WaterScene scene{.spacing = l0,
+                         .water = {{{0, 0}, {0.4, 0.8}}},
+                         .walls = polyline({{0, 3}, {0, 0}, {1.6, 0}, {1.6, 3}}),
+                         .speed_scale = 2.8};
+  auto sim = scene.simulation();
+  ImpactOfADam found{};
+  double impulse = 0, momentum = 0, end = 0.4;
+  found.rise = run_water(sim, until, [&](const auto& water, double dt) {
+    impulse += dt * (pressure_load(water, {1.6, 0, 1.6, -1}, l0) -
+                     pressure_load(water, {0, 0, 1, 1}, l0));
+    if (sim.time() < end) return;
+    const double now = horizontal_momentum(water, scene.mass());
+    if (end > 0.45) found.deviations.push_back(impulse / (momentum - now) - 1);
+    momentum = now, impulse = 0, end += 0.1;
+  });
+  return found;
+}
+
+// At this spacing, the loads of a splash change by several percent with the last bits.
+TEST(DamBreak, LoadsTheWallByItsMomentum) {
+  const auto found = impact_of_a_dam(0.02, 0.81);
+  ASSERT_EQ(found.deviations.size(), 4u);
+  EXPECT_LT(std::abs(found.deviations[0]), 0.35);  // the impact
+  for (const std::size_t k : {1u, 2u, 3u}) EXPECT_LT(std::abs(found.deviations[k]), 0.2) << k;
+  EXPECT_LT(found.rise, 0.008);
+}
+TEST(DamBreak, LoadsTheWallByItsMomentumSlow) {
+  const auto found = impact_of_a_dam(0.01, 0.81);
+  ASSERT_EQ(found.deviations.size(), 4u);
+  EXPECT_LT(std::abs(found.deviations[0]), 0.1);
+  for (const std::size_t k : {1u, 2u, 3u}) EXPECT_LT(std::abs(found.deviations[k]), 0.05) << k;
+  EXPECT_LT(found.rise, 0.005);
+}
+
+// All of it turned, with gravity.
+TEST(DamBreak, DoesNotDependOnTheDirectionOfGravity) {
+  const auto kinetic_at = [](double angle) {
+    const WaterScene scene{.spacing = 0.02,
+                           .water = {{{0, 0}, {0.4, 0.8}}},
+                           .walls = polyline({{0, 3}, {0, 0}, {1.6, 0}, {1.6, 3}}),
+                           .speed_scale = 2.8,
+                           .angle = angle};
+    auto sim = scene.simulation();
+    run_water(sim, 0.3, [](const auto&, double) {});
+    return sim.interaction().energy().kinetic;
+  };
+  const double straight = kinetic_at(0);
+  for (const double angle : {0.4, 2.0}) EXPECT_NEAR(kinetic_at(angle) / straight, 1, 2e-3);
+}
+
+// --- an obstacle ---------------------------------------------------------------------------------
+
+// A block of 0.16 m in the way of a dam break, with water before and above it: the pressures below its
+// edge are those of the water beside it.
+void expect_pressures_below_an_edge(double l0, double allowed) {
+  constexpr double face = 2.4, top = 0.16;
+  const WaterScene scene{
+      .spacing = l0,
+      .water = {{{0, 0}, {1.2, 0.56}}},
+      .walls = polyline({{0, 2}, {0, 0}, {face, 0}, {face, top}, {face + 0.16, top},
+                         {face + 0.16, 0}, {3.2, 0}, {3.2, 2}}),
+      .speed_scale = 2.4};
+  auto sim = scene.simulation();
+  const auto rows = static_cast<std::size_t>(std::lround(top / l0));
+  std::vector<double> on_face(rows, 0), beside(rows, 0);
+  const double rise = run_water(sim, 1.2, [&](const auto& water, double dt) {
+    if (sim.time() < 0.8) return;
+    for (std::size_t k = 0; k < rows; ++k) {
+      const Vec<2> point{face, (double(k) + 0.5) * l0};
+      on_face[k] += dt * WallGauge<2>{point, {-1, 0}, l0}.read(water, mps::pressure);
+      const Vec<2> in_fluid = point - Vec<2>(l0 / 2, 0);
+      double sum = 0, number = 0;
+      for (Index i = 0; i < water.size(); ++i) {
+        if ((water[position][i] - in_fluid).cwiseAbs().maxCoeff() > 0.75 * l0) continue;
+        sum += water[mps::pressure][i], number += 1;
+      }
+      if (number > 0) beside[k] += dt * sum / number;
+    }
+  });
+  for (std::size_t k = 0; k < rows; ++k) EXPECT_NEAR(on_face[k] / beside[k], 1, allowed) << k;
+  EXPECT_LT(rise, 0.005);
+}
+TEST(Obstacle, HasThePressureOfTheWaterBesideItUpToItsEdge) {
+  expect_pressures_below_an_edge(0.02, 0.1);
+}
+TEST(Obstacle, HasThePressureOfTheWaterBesideItUpToItsEdgeSlow) {
+  expect_pressures_below_an_edge(0.01, 0.1);
+}
+
+// --- swings and rest -----------------------------------------------------------------------------
+
+TEST(UTube, KeepsVolumeAndEnergy) {
+  const double l0 = 0.01;
+  auto walls = polyline({{0, 1}, {0, 0}, {0.3, 0}, {0.3, 1}});
+  for (const auto& face : polyline({{0.1, 1}, {0.1, 0.1}, {0.2, 0.1}, {0.2, 1}})) {
+    walls.push_back(face);
+  }
+  const WaterScene scene{
+      .spacing = l0,
+      .water = {{{0, 0}, {0.3, 0.1}}, {{0, 0.1}, {0.1, 0.36}}, {{0.2, 0.1}, {0.3, 0.24}}},
+      .walls = walls,
+      .speed_scale = 1.5};
+  auto sim = scene.simulation();
+  double highest = 0;
+  const double rise = run_water(sim, 2, [&](const auto&, double) {
+    if (sim.time() > 1.3) highest = std::max(highest, sim.interaction().energy().kinetic);
+  });
+  EXPECT_LT(rise, 0.005);
+  EXPECT_GT(highest, 0.007 * sim.interaction().energy().initial);  // the fourth swing
+  double density = 0, number = 0;
+  const auto& water = sim.particles();
+  for (Index i = 0; i < water.size(); ++i) {
+    if (water[mps::surface][i]) continue;
+    density += water[mps::number_density][i] / sim.interaction().stencil().n0;
+    number += 1;
+  }
+  EXPECT_NEAR(density / number, 1, 0.005);
+}
+
+TEST(JitteredTank, ComesToRest) {
+  constexpr double side = 0.4, l0 = 0.02;
+  const WaterScene scene{.spacing = l0,
+                         .water = {{{0, 0}, {side, side}}},
+                         .walls = polyline({{0, 1}, {0, 0}, {side, 0}, {side, 1}}),
+                         .jitter = 0.2};
+  auto sim = scene.simulation();
+  EXPECT_LT(run_water(sim, 3, [](const auto&, double) {}), 0.005);
+  std::vector<double> speeds;
+  for (const auto& u : sim.particles()[velocity]) speeds.push_back(u.norm());
+  std::ranges::nth_element(speeds, speeds.begin() + std::ptrdiff_t(speeds.size() / 2));
+  EXPECT_LT(speeds[speeds.size() / 2], 2e-3 * std::sqrt(g * side));
+  const double load = pressure_load(sim.particles(), {side, 0, 1.2 * side, -1}, l0);
+  EXPECT_NEAR(load / (1000 * g * side * side / 2), 1, 0.01);
+}
+
+}  // namespace
+}  // namespace silt::test::water_loads_test
