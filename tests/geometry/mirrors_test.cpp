@@ -92,6 +92,18 @@ TEST(Mirrors, ContinueTheLatticeBeyondConvexCorners) {
       polyline({{0, 14}, {0, 0}, {6, 0}, {6, 5}, {12, 5}, {12, 0}, {18, 0}, {18, 14}}), points, 12);
 }
 
+TEST(Mirrors, ContinueTheLatticeBeyondABlockInATank) {
+  const Box<3> tank{.lower = {0, 0, 0}, .upper = {11, 12, 9}};
+  const Box<3> block{.lower = {4, 4, 0}, .upper = {7, 8, 3}};
+  std::vector<Vec<3>> points;
+  for (const auto& x : lattice<3>(tank, 1.0)) {
+    if (!block.contains(x)) points.push_back(x);
+  }
+  auto walls = faces_of(tank, Sides<3>::open());
+  for (const auto& face : faces_of(block)) walls.push_back(face);
+  expect_full_lattice<3>(walls, points, 9);
+}
+
 // Any arrangement, walls at any angle: what x sees is what is seen from each point, and images are
 // as far as their points are from the image of x.
 TEST(Mirrors, AreTheSameInBothDirections) {
@@ -137,9 +149,40 @@ TEST(Mirrors, HideWhatIsBehindAThinWall) {
   MirrorsAround<2> around;
   around.find(faces, {-0.5, -1}, reach);
   EXPECT_EQ(around.visible_share({0.5, -1}), 0);
-  EXPECT_EQ(around.visible_share({0.5, 1.5}), 1);  // beyond its end
+  EXPECT_EQ(around.visible_share({0.5, 2}), 1);  // beyond its end
   EXPECT_EQ(around.visible_share({0.5, 1}), 0.5);  // through its end
   EXPECT_EQ(around.visible_share({-0.5, 1}), 1);
+}
+
+// Those that a lattice has in a line with an edge are no exception.
+TEST(Mirrors, HideInSmallStepsBesideAnEdge) {
+  const Faces<2> faces("block", polyline({{0, -9}, {0, 0}, {9, 0}}));
+  MirrorsAround<2> around;
+  around.find(faces, {-0.5, -1}, reach);
+  double last = 0;
+  for (double y = 0; y < 2; y += 0.001) {
+    const double share = around.visible_share({0.5, y});
+    EXPECT_LE(std::abs(share - last), 0.125 + 1e-12) << y;
+    EXPECT_GE(share, last) << y;
+    last = share;
+  }
+  EXPECT_EQ(last, 1);
+}
+
+TEST(Mirrors, KnowProtrudingEdges) {
+  const auto protrudes = [](const Faces<2>& faces, const Vec<2>& x) {
+    MirrorsAround<2> around;
+    around.find(faces, x, reach);
+    return around.has_protruding_edge();
+  };
+  const Faces<2> corner("corner", polyline({{0, 9}, {0, 0}, {9, 0}}));
+  EXPECT_FALSE(protrudes(corner, {1, 1}));    // in the corner
+  EXPECT_TRUE(protrudes(corner, {-1, 1}));    // behind it
+  EXPECT_TRUE(protrudes(corner, {1, -1}));
+  EXPECT_FALSE(protrudes(corner, {-1, 5}));   // one face
+  const Faces<2> curve("curve", polyline({{-4, 1}, {0, 0}, {4, 1}}));  // by 28°
+  EXPECT_FALSE(protrudes(curve, {0, 1}));
+  EXPECT_FALSE(protrudes(curve, {0, -1}));
 }
 
 // However a side is divided into triangles.
@@ -167,7 +210,7 @@ TEST(Mirrors, SeeBeyondTheEndOfAWallThatIsGivenTwice) {
     const Faces<2> faces("wall", polyline(points));
     MirrorsAround<2> around;
     around.find(faces, {-0.5, -1}, reach);
-    EXPECT_EQ(around.visible_share({0.5, 1.5}), 1);
+    EXPECT_EQ(around.visible_share({0.5, 2}), 1);
     EXPECT_EQ(around.visible_share({0.5, -1}), 0);
   }
 }

@@ -3,10 +3,14 @@
 // scheme. The Slow tests have half the spacing.
 #include "support/water_loads.hpp"
 
+#include <silt/core/lattice.hpp>
+#include <silt/geometry/shapes.hpp>
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 namespace silt::test::water_loads_test {
@@ -180,6 +184,87 @@ TEST(UTube, KeepsVolumeAndEnergy) {
     number += 1;
   }
   EXPECT_NEAR(density / number, 1, 0.005);
+}
+
+template <class P>
+double largest_speed(const P& particles) {
+  double largest = 0;
+  for (const auto& u : particles[velocity]) largest = std::max(largest, u.norm());
+  return largest;
+}
+
+// A block of 0.16 m × 0.2 m under 0.2 m of water, all of it turned.
+TEST(StillWater, RestsAroundABlock) {
+  constexpr double l0 = 0.02;
+  for (const double angle : {0.0, 0.5}) {
+    const WaterScene scene{
+        .spacing = l0,
+        .water = {{{0, 0}, {0.12, 0.2}}, {{0.28, 0}, {0.4, 0.2}}, {{0, 0.2}, {0.4, 0.4}}},
+        .walls = polyline({{0, 0.6}, {0, 0}, {0.12, 0}, {0.12, 0.2}, {0.28, 0.2}, {0.28, 0}, {0.4, 0},
+                           {0.4, 0.6}}),
+        .angle = angle};
+    auto sim = scene.simulation();
+    double largest = 0;
+    run_water(sim, 8, [&](const auto& water, double) {
+      largest = std::max(largest, largest_speed(water));
+    });
+    EXPECT_LT(largest, 1e-6) << angle;
+  }
+}
+
+// A tank of 0.4 m × 0.4 m with 0.4 m of water, with a block of 0.16 m × 0.16 m × 0.2 m or without.
+struct StillTank3D {
+  double speed = 0;           // the largest of all steps
+  double pressure_error = 0;  // of a vertical line of gauges on the wall and one on the block [Pa]
+};
+StillTank3D still_tank_in_3d(double l0, double until, bool has_block) {
+  constexpr double side = 0.4, depth = 0.4;
+  const Box<3> tank{.lower = {0, 0, 0}, .upper = {side, side, 0.6}};
+  const Box<3> block{.lower = {0.12, 0.12, 0}, .upper = {0.28, 0.28, 0.2}};
+  mps::FlowSettings<3, mps::RecommendedForFaces> settings{.spacing = l0,
+                                                          .speed_scale = std::sqrt(g * depth)};
+  settings.walls.triangles = faces_of(tank, Sides<3>::open());
+  if (has_block) {
+    for (const auto& face : faces_of(block)) settings.walls.triangles.push_back(face);
+  }
+  mps::Fluid<3> fluid;
+  for (const auto& x : lattice<3>({{0, 0, 0}, {side, side, depth}}, l0)) {
+    if (!has_block || !block.contains(x)) mps::add_particle(fluid, x, mps::Kind::fluid);
+  }
+  Simulation sim{std::move(fluid), UniformGrid<3>{},
+                 mps::Flow<mps::RecommendedForFaces, 3>(settings), SemiImplicit<>{}};
+  StillTank3D found;
+  while (sim.time() < until) {
+    sim.step();
+    found.speed = std::max(found.speed, largest_speed(sim.particles()));
+  }
+  const auto read = [&](const Vec<3>& point, const Vec<3>& normal) {
+    const double pressure =
+        WallGauge<3>{point, normal, l0}.read(sim.particles(), mps::pressure);
+    found.pressure_error =
+        std::max(found.pressure_error, std::abs(pressure - 1000 * g * (depth - point[2])));
+  };
+  for (double z = l0 / 2; z < depth; z += l0) {
+    read({0, side / 2, z}, {1, 0, 0});
+    if (has_block && z < block.upper[2]) read({0.12, side / 2, z}, {-1, 0, 0});
+  }
+  return found;
+}
+TEST(StillWater, RestsIn3D) {
+  for (const bool has_block : {false, true}) {
+    const auto found = still_tank_in_3d(0.04, 2.5, has_block);
+    EXPECT_LT(found.speed, 1e-6) << has_block;
+    EXPECT_LT(found.pressure_error, 0.002 * 1000 * g * 0.4) << has_block;
+  }
+}
+TEST(StillWater, RestsIn3DSlow) {
+  for (const bool has_block : {false, true}) {
+    for (const double l0 : {0.04, 0.02}) {
+      const auto found = still_tank_in_3d(l0, 20, has_block);
+      EXPECT_LT(found.speed, 1e-6) << has_block << ", " << l0;
+      EXPECT_LT(found.pressure_error, 0.002 * 1000 * g * 0.4) << has_block << ", " << l0;
+    }
+  }
 }
 
 TEST(JitteredTank, ComesToRest) {

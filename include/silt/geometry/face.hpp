@@ -10,6 +10,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <string>
 
@@ -105,15 +106,29 @@ inline double side_of(const Vec<3>& p, const Vec<3>& q, const Vec<3>& a, const V
 
 }  // namespace detail
 
-/// Whether the line through p and q meets the face, which it does not lie in.
-inline bool meets_line(const Face<2>& face, const Vec<2>& p, const Vec<2>& q) {
-  return (detail::side_of(p, q, face.corners[0]) > 0) !=
-         (detail::side_of(p, q, face.corners[1]) > 0);
+/// How a line passes a face.
+enum class Passage : std::uint8_t { beside, through, at_rim };
+
+/// How the line through p and q, which does not lie in the face, passes it; at_rim: closer to the line
+/// of one of its edges (in 2D, to an end) than about `margin` [m].
+inline Passage passage_of(const Face<2>& face, const Vec<2>& p, const Vec<2>& q, double margin) {
+  const double first = detail::side_of(p, q, face.corners[0]);
+  const double second = detail::side_of(p, q, face.corners[1]);
+  const double least = margin * (q - p).norm();
+  if (std::abs(first) < least || std::abs(second) < least) return Passage::at_rim;
+  return (first > 0) != (second > 0) ? Passage::through : Passage::beside;
 }
-inline bool meets_line(const Face<3>& face, const Vec<3>& p, const Vec<3>& q) {
-  const auto& [a, b, c] = face.corners;
-  const bool left = detail::side_of(p, q, a, b) > 0;
-  return left == (detail::side_of(p, q, b, c) > 0) && left == (detail::side_of(p, q, c, a) > 0);
+inline Passage passage_of(const Face<3>& face, const Vec<3>& p, const Vec<3>& q, double margin) {
+  const double least = margin * (q - p).norm();
+  bool is_left[3];
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Vec<3>& a = face.corners[k];
+    const Vec<3>& b = face.corners[(k + 1) % 3];
+    const double side = detail::side_of(p, q, a, b);
+    if (std::abs(side) < least * (b - a).norm()) return Passage::at_rim;
+    is_left[k] = side > 0;
+  }
+  return is_left[0] == is_left[1] && is_left[0] == is_left[2] ? Passage::through : Passage::beside;
 }
 
 }  // namespace silt

@@ -29,6 +29,7 @@ template <int Dim>
 class Faces {
  public:
   using Vec = silt::Vec<Dim>;
+  using Axes = Eigen::Matrix<double, Dim, Dim>;
 
   struct Element {
     Face<Dim> face;
@@ -71,9 +72,12 @@ class Faces {
     }
     join_facets();
     make_tree();
+    find_axes();
   }
 
   std::span<const Element> elements() const { return elements_; }
+  /// Orthogonal unit vectors, columns, along the normals of the first faces that have different ones.
+  const Axes& axes() const { return axes_; }
   const Element& operator[](std::uint32_t element) const { return elements_[element]; }
 
   /// f(k) for the numbers k of all faces closer to x than `distance` [m], and of some further ones.
@@ -201,7 +205,19 @@ class Faces {
     tree_ = Tree(bounds);
   }
 
+  void find_axes() {
+    int found = 0;
+    const auto add = [&](Vec direction) {
+      constexpr double least = 0.1;  // of the sine of its angle with the others
+      for (int k = 0; k < found; ++k) direction -= direction.dot(axes_.col(k)) * axes_.col(k);
+      if (found < Dim && direction.norm() > least) axes_.col(found++) = direction.normalized();
+    };
+    for (const Element& element : elements_) add(element.normal);
+    for (int axis = 0; axis < Dim; ++axis) add(Vec::Unit(axis));
+  }
+
   std::vector<Element> elements_;
+  Axes axes_ = Axes::Identity();
   Tree tree_;
 };
 

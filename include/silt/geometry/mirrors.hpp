@@ -11,6 +11,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <vector>
 
 namespace silt {
@@ -39,49 +40,68 @@ struct Mirror {
   }
 };
 
-/// The part of a surface around a point.
+/// The part of a surface around a point. Refers to the surface.
 template <int Dim>
 class MirrorsAround {
  public:
   using Vec = silt::Vec<Dim>;
   using Element = typename Faces<Dim>::Element;
 
-  /// The faces closer to x than reach [m].
+  /// The faces closer to x than reach [m], and somewhat further ones.
   void find(const Faces<Dim>& surface, const Vec& x, double reach) {
-    elements_.clear();
+    near_.clear();
+    surface_ = &surface;
     x_ = x;
     reach_ = reach;
     distance_ = std::numeric_limits<double>::infinity();
-    static thread_local std::vector<std::uint32_t> near;  // keeps its capacity
-    near.clear();
-    surface.for_each_near(x, reach, [](std::uint32_t k) { near.push_back(k); });
-    std::ranges::sort(near);
-    for (const std::uint32_t k : near) {
+    const double furthest = reach + margin();
+    surface.for_each_near(x, furthest, [&](std::uint32_t k) {
       const Element& element = surface[k];
-      if (!(std::abs(element.height(x)) < reach)) continue;
+      if (!(std::abs(element.height(x)) < furthest)) return;
       const double distance = (nearest_of(element.face, x) - x).norm();
-      if (!(distance < reach)) continue;
+      if (!(distance < furthest)) return;
       distance_ = std::min(distance_, distance);
-      elements_.push_back(element);
-    }
-    is_plane_ = !elements_.empty() && std::ranges::all_of(elements_, [&](const Element& element) {
-      return element.facet == elements_[0].facet && element.distance_from_rim(x) >= reach;
+      near_.push_back(k);
+    });
+    std::ranges::sort(near_);
+    is_plane_ = !near_.empty() && std::ranges::all_of(near_, [&](std::uint32_t k) {
+      return surface[k].facet == surface[near_[0]].facet && surface[k].distance_from_rim(x) >= furthest;
     });
   }
 
-  bool empty() const { return elements_.empty(); }
+  bool empty() const { return near_.empty(); }
   /// Whether there is nothing but one plane.
   bool is_plane() const { return is_plane_; }
+  /// Whether there is an edge at which a face turns away from x, by more than 30°.
+  bool has_protruding_edge() const {
+    if (is_plane_) return false;
+    constexpr double cos_30 = 0.866;
+    const auto towards_x = [&](const Element& element) {
+      return element.height(x_) > 0 ? element.normal : Vec(-element.normal);
+    };
+    for (const std::uint32_t k : near_) {
+      const Element& one = (*surface_)[k];
+      const Vec normal = towards_x(one);
+      for (const std::uint32_t m : near_) {
+        const Element& other = (*surface_)[m];
+        if (other.facet == one.facet || normal.dot(towards_x(other)) > cos_30) continue;
+        for (const Vec& corner : other.face.corners) {
+          if (normal.dot(corner - one.face.corners[0]) < -margin()) return true;
+        }
+      }
+    }
+    return false;
+  }
+  /// The numbers of the faces.
+  std::span<const std::uint32_t> faces() const { return near_; }
 
   /// The share of a point, closer than the reach, that is seen from x: 0 if a face is in between,
-  /// else 1; 1/2 if the line to it goes through an edge, behind which something else is seen.
+  /// else 1; the share of the lines close to it if it goes through an edge, behind which something
+  /// else is seen.
   double visible_share(const Vec& point) const {
     if (empty()) return 1;
     if (is_plane()) return is_before_plane(point);
-    return share_of_lines(point, {}, [&](const Vec& from, const Vec& to, const auto&) {
-      return std::ranges::none_of(
-          elements_, [&](const Element& element) { return is_between_points(element, from, to); });
-    });
+    return share_of_lines(point, {});
   }
 
   /// A move of x, shorter than the reach, that ends no closer to a face than this clearance [m], or
@@ -93,7 +113,8 @@ class MirrorsAround {
     Vec end = x_ + move;
     bool is_changed = false;
     for (int k = 0; k < max_faces; ++k) {
-      for (const Element& element : elements_) {
+      for (const std::uint32_t number : near_) {
+        const Element& element = (*surface_)[number];
         const Vec from_face = end - nearest_of(element.face, end);
         const double distance = from_face.norm();
         const double least = std::min(clearance, distance_from(element));
@@ -109,8 +130,9 @@ class MirrorsAround {
       }
     }
     if (!is_changed) return move;
-    const bool is_free = std::ranges::all_of(elements_, [&](const Element& element) {
+    const bool is_free = std::ranges::all_of(near_, [&](std::uint32_t number) {
       constexpr double round_off = 1e-9;
+      const Element& element = (*surface_)[number];
       return !is_between(element, x_, end) &&
              (end - nearest_of(element.face, end)).norm() >=
                  (1 - round_off) * std::min(clearance, distance_from(element));
@@ -124,16 +146,11 @@ class MirrorsAround {
   void for_each_mirror(F&& f) const {
     if (empty()) return;
     if (is_plane()) {
-      f(mirror_in(elements_[0]), [&](const Vec& point) { return is_before_plane(point); });
+      f(mirror_in((*surface_)[near_[0]]), [&](const Vec& point) { return is_before_plane(point); });
       return;
     }
-    const auto is_seen = [&](const Vec& from, const Vec& to, const Mirror<Dim>& mirror) {
-      return (end_of_line(from, mirror(to)) - to).norm() < 1e-9 * reach_;
-    };
     for (const Seen& seen : find_mirrors()) {
-      f(seen.mirror, [&](const Vec& point) {
-        return share_of_lines(point, seen.mirror, is_seen);
-      });
+      f(seen.mirror, [&](const Vec& point) { return share_of_lines(point, seen.mirror); });
     }
   }
 
@@ -144,48 +161,55 @@ class MirrorsAround {
   double distance_from(const Element& element) const {
     return (x_ - nearest_of(element.face, x_)).norm();
   }
-  static bool is_between_points(const Element& element, const Vec& from, const Vec& to) {
-    return (element.height(from) > 0) != (element.height(to) > 0) &&
-           meets_line(element.face, from, to);
-  }
-  // The same for the lines on both sides of this one, in case that it goes through an edge.
+  double round_off() const { return 1e-7 * reach_; }  // also beside faces of a thousand kilometres
+  // Of the lines for a share [m]: less than the usual distance of fluid from a wall.
+  double width() const { return 0.05 * reach_; }
+  double margin() const { return 0.75 * width(); }  // longer than their shifts
   bool is_between(const Element& element, const Vec& from, const Vec& to) const {
-    const Shifts shift = shifts();
-    return is_between_points(element, from + shift.begin, to + shift.end) ||
-           is_between_points(element, from - shift.begin, to - shift.end);
+    return (element.height(from) > 0) != (element.height(to) > 0) &&
+           passage_of(element.face, from, to, round_off()) != Passage::beside;
+  }
+  bool is_before_plane(const Vec& point) const {
+    const Element& plane = (*surface_)[near_[0]];
+    return (plane.height(x_) > 0) == (plane.height(point) > 0);
   }
 
-  struct Shifts {
-    Vec begin;
-    Vec end;
-  };
-  // In no special direction.
-  Shifts shifts() const {
-    static constexpr double begin[] = {0.61e-6, 0.33e-6, 0.17e-6};
-    static constexpr double end[] = {0.29e-6, -0.43e-6, 0.71e-6};
-    Shifts shifts;
-    for (int k = 0; k < Dim; ++k) {
-      shifts.begin[k] = begin[k] * reach_;
-      shifts.end[k] = end[k] * reach_;
-    }
-    return shifts;
-  }
-
-  // Lines through edges and corners of the surface would meet none or several of its faces: they
-  // are shifted to both sides. The line from a point to x gives the same as that from x to it.
-  template <class IsSeen>
-  double share_of_lines(const Vec& point, const Mirror<Dim>& mirror, const IsSeen& is_seen) const {
-    const Shifts shift = shifts();
+  // The share of lines around the one from x to the image of the point, shifted in all directions
+  // alike, so that the shares of all that is seen in this direction sum to 1 also beside edges and
+  // corners of the surface. A share changes in small steps when points move. The same from the
+  // point to the image of x.
+  double share_of_lines(const Vec& point, const Mirror<Dim>& mirror) const {
     const bool is_reversed =
         std::lexicographical_compare(point.begin(), point.end(), x_.begin(), x_.end());
     const Vec& from = is_reversed ? point : x_;
     const Vec& to = is_reversed ? x_ : point;
     const Mirror<Dim> through = is_reversed ? mirror.inverse() : mirror;
-    return 0.5 * (double(is_seen(from + shift.begin, to + shift.end, through)) +
-                  double(is_seen(from - shift.begin, to - shift.end, through)));
+    const Mirror<Dim> back = through.inverse();
+    const Vec image = through(to);
+    // Whether the line with this shift leads to the image: to the point, through this mirror.
+    const auto leads_there = [&](const Line& line, const Vec& shift) {
+      return is_same(line, {back(from), to, multiply<Dim, double>(back.rotation, shift)});
+    };
+    const Vec first = shift_of(0);
+    const Line line = line_between({from, image, first}, 0, margin());
+    if (!line.is_close_to_rim) return leads_there(line, first);
+    int seen = 0;
+    for (int k = 0; k < 8; ++k) {
+      const Vec shift = shift_of(k);
+      seen += leads_there(line_between({from, image, shift}, 1, 0), shift);
+    }
+    return seen / 8.0;
   }
-  bool is_before_plane(const Vec& point) const {
-    return (elements_[0].height(x_) > 0) == (elements_[0].height(point) > 0);
+
+  // Eight shifts, with all signs; in 2D of two sizes.
+  Vec shift_of(int k) const {
+    static constexpr double sizes[] = {0.61, 0.33, 0.17};  // in no special direction
+    Vec shift = Vec::Zero();
+    for (int axis = 0; axis < Dim; ++axis) {
+      const double sign = (k >> axis) % 2 == 0 ? 1 : -1;
+      shift += sign * sizes[axis] * surface_->axes().col(axis);
+    }
+    return width() / (1 + (k >> Dim)) * shift;
   }
 
   struct Seen {
@@ -206,16 +230,17 @@ class MirrorsAround {
     static thread_local std::vector<Seen> mirrors;  // keeps its capacity
     mirrors.assign(1, {{}, x_, nullptr});
     for (std::size_t k = 0; k < mirrors.size(); ++k) {
-      for (const Element& element : elements_) {
+      for (const std::uint32_t number : near_) {
+        const Element& element = (*surface_)[number];
         if (mirrors.size() > max_mirrors) break;
         const Seen from = mirrors[k];
         const double height = element.height(from.observer);
-        if (!(std::abs(height) < reach_) || !is_before(element, from)) continue;
+        if (!(std::abs(height) < reach_ + margin()) || !is_before(element, from)) continue;
         const Vec observer = from.observer - (2 * height) * element.normal;
         const Mirror<Dim> mirror = from.mirror.after(mirror_in(element));
         const bool is_known = std::ranges::any_of(mirrors, [&](const Seen& seen) {
-          return (seen.observer - observer).norm() < 1e-9 * reach_ &&
-                 (seen.mirror.rotation - mirror.rotation).norm() < 1e-9;
+          return (seen.observer - observer).norm() < round_off() &&
+                 (seen.mirror.rotation - mirror.rotation).norm() < round_off() / reach_;
         });
         if (!is_known) mirrors.push_back({mirror, observer, &element});
       }
@@ -229,38 +254,63 @@ class MirrorsAround {
     if (from.last->facet == element.facet) return false;
     const double side = from.last->height(from.observer) > 0 ? -1 : 1;
     return std::ranges::any_of(element.face.corners, [&](const Vec& corner) {
-      return side * from.last->height(corner) > 1e-9 * reach_;
+      return side * from.last->height(corner) > round_off();
     });
   }
 
-  // The end of the line from p to q that is reflected where it meets faces. Instead of the rest of
-  // the line, the whole of it is mirrored.
-  Vec end_of_line(Vec p, Vec q) const {
+  // A line that is reflected where it meets faces: its last part, extended back to its length.
+  struct Line {
+    Vec begin;
+    Vec end;
+    Vec shift;  // of the line where it passes faces; its ends stay before them
+    bool is_close_to_rim = false;
+  };
+  bool is_same(const Line& one, const Line& other) const {
+    return (one.end - other.end).norm() < round_off() &&
+           (one.begin - other.begin).norm() < round_off() &&
+           (one.shift - other.shift).norm() < round_off();
+  }
+  // The line as it is after its reflections, shifted by `share` of its shift. It ends where it is
+  // closer to the rim of a face than this margin [m].
+  Line line_between(Line line, double share, double margin) const {
     constexpr int max_reflections = 64;
-    double along = 0;
+    double along = -1;  // of its length
+    const double close = margin / (line.end - line.begin).norm();
     const Element* last = nullptr;
     for (int k = 0; k < max_reflections; ++k) {
       const Element* first = nullptr;
-      double nearest = 1;
-      for (const Element& element : elements_) {
+      double nearest = 2;
+      for (const std::uint32_t number : near_) {
+        const Element& element = (*surface_)[number];
         if (last && element.facet == last->facet) continue;
-        const double before = element.height(p), behind = element.height(q);
+        const double before = element.height(line.begin), behind = element.height(line.end);
         if ((before > 0) == (behind > 0)) continue;
-        const double at = before / (before - behind);
-        if (!(at > along) || !(at < nearest) || !meets_line(element.face, p, q)) continue;
+        const Vec shift = share * line.shift;
+        const double at = (before + element.normal.dot(shift)) / (before - behind);
+        if (!(at > along - close) || !(at < nearest + close)) continue;
+        const Passage passage =
+            passage_of(element.face, line.begin + shift, line.end + shift, margin);
+        if (passage == Passage::beside) continue;
+        const bool is_at_other = std::abs(at - along) < close || std::abs(at - nearest) < close;
+        if (passage == Passage::at_rim || is_at_other) {
+          line.is_close_to_rim = true;
+          return line;
+        }
         nearest = at;
         first = &element;
       }
-      if (!first) return q;
-      p -= (2 * first->height(p)) * first->normal;
-      q -= (2 * first->height(q)) * first->normal;
+      if (!first) return line;
+      line.begin -= (2 * first->height(line.begin)) * first->normal;
+      line.end -= (2 * first->height(line.end)) * first->normal;
+      line.shift -= (2 * first->normal.dot(line.shift)) * first->normal;
       along = nearest;
       last = first;
     }
-    return q;
+    return line;
   }
 
-  std::vector<Element> elements_;
+  const Faces<Dim>* surface_ = nullptr;
+  std::vector<std::uint32_t> near_;
   Vec x_ = Vec::Zero();
   double reach_ = 0;     // [m]
   double distance_ = 0;  // of x from the nearest face [m]

@@ -76,7 +76,7 @@ class FlowOperators {
   void find(const P& particles, const S& search) {
     if constexpr (HidesNeighbours<Walls>) {
       walls_.locate(particles, search, *this);
-      find(particles, search, [&](Index i, Index j) { return walls_.visible_share(i, j); });
+      find(particles, search, walls_);
     } else {
       find(particles, search, AllVisible{});
     }
@@ -173,11 +173,11 @@ class FlowOperators {
   }
 
  private:
-  template <class P, class S, class Share>
-  void find(const P& particles, const S& search, const Share& visible_share) {
-    neighbourhood_.find(particles, search, stencil_, visible_share);
+  template <class P, class S, class Visible>
+  void find(const P& particles, const S& search, const Visible& visible) {
+    neighbourhood_.find(particles, search, stencil_, visible);
     if (!shares_neighbourhood()) {
-      laplacian_neighbourhood_.find(particles, search, laplacian_stencil_, visible_share);
+      laplacian_neighbourhood_.find(particles, search, laplacian_stencil_, visible);
     }
   }
   template <class N, class T, class F>

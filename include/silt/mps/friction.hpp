@@ -40,8 +40,7 @@ struct NoFriction {
 /// has too few neighbours for a gradient, have none. Not from the papers: it damps what the
 /// gradient of the pressure and the divergence, which are not adjoint, leave of a random arrangement.
 struct PairFriction {
-  double rate = 0.3;  ///< [-], at least 0; of √(g/l0). At 1, jittered water is stiller, and swings die
-                      ///< sooner.
+  double rate = 0.2;  ///< [-], at least 0; of √(g/l0). At 1, surfaces are stiller, and swings die sooner.
 
   void check() const { require_not_negative("PairFriction: rate", rate); }
 

@@ -24,6 +24,7 @@ struct ImageOfParticle {
   const Vec& r_ij;          ///< [m]
   Real weight;              ///< w [-]
   Real weight_over_square;  ///< w/r² [1/m²]
+  Real share;               ///< of it that is seen, a factor of these [-]
   const Matrix& rotation;   ///< of vectors
   const Vec& shift;         ///< from the particle to its image [m]
   /// ∇u at the particle, ∂u_a/∂x_b [1/s]; null if the flow is not continued.
@@ -57,7 +58,7 @@ class ImageRow {
 
   struct Place {
     std::uint32_t index;  // of the particle
-    float share;          // that is seen: 1/2 or 1
+    float share;          // that is seen
     Real weight;          // 0 beyond the effective radius
     Real weight_over_square;
   };

@@ -18,10 +18,13 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 namespace silt::mps {
@@ -86,10 +89,10 @@ class ImageWalls::InFlow {
   explicit InFlow(const ImageWalls& walls) {
     if constexpr (Dim == 2) {
       refuse_others("triangles", walls.triangles.size(), "segments");
-      faces_ = Faces<2>("ImageWalls", walls.segments);
+      faces_ = std::make_shared<const Faces<2>>("ImageWalls", walls.segments);
     } else {
       refuse_others("segments", walls.segments.size(), "triangles");
-      faces_ = Faces<3>("ImageWalls", walls.triangles);
+      faces_ = std::make_shared<const Faces<3>>("ImageWalls", walls.triangles);
     }
   }
 
@@ -106,8 +109,9 @@ class ImageWalls::InFlow {
     positions_.resize(x.size());
     for_each(x.size(), [&](Index j) { positions_[j] = x[j].template cast<double>(); });
     around_.resize(particles.size());
-    for_each(particles.size(), [&](Index i) { around_[i].find(faces_, positions_[i], reach_); });
+    for_each(particles.size(), [&](Index i) { around_[i].find(*faces_, positions_[i], reach_); });
     refuse_particles_on_faces(particles);
+    find_those_that_see_all();
     images_.resize(particles.size());
     const auto& stencil = operators.stencil();
     for_each(particles.size(), [&](Index i) { find_images(search, stencil, i); });
@@ -121,19 +125,23 @@ class ImageWalls::InFlow {
   Real visible_share(Index i, Index j) const {
     return Real(around_[i].visible_share(positions_[j]));
   }
+  /// Whether this is 1 for all neighbours.
+  bool sees_all(Index i) const { return sees_all_[i]; }
 
   /// Images have been found by locate().
   void find(const auto&, const auto&) {}
 
-  /// The flow of the velocities now, near walls and except on the free surface; and its gradient
-  /// where neighbours are missing, for divergence().
+  /// The flow of the velocities now, near walls and except on the free surface and beside protruding
+  /// edges, around which no linear flow goes: continued there, fluid at rest would begin to circulate.
+  /// And its gradient where neighbours are missing, for divergence().
   template <FluidParticles P, class Operators>
   void continue_flow(const P& particles, const Operators& operators) {
     const auto u = particles.with_ghosts(velocity);
     const auto on_surface = particles[surface];
     const auto n = particles[number_density];
     for_each(particles.size(), [&](Index i) {
-      const bool continues = !around_[i].empty() && !on_surface[i];
+      const bool continues =
+          !around_[i].empty() && !on_surface[i] && !around_[i].has_protruding_edge();
       const Real full = operators.stencil().n0;
       const bool misses_others = n[i] >= least_even * full && n[i] < least_full * full;
       if (continues || misses_others) {
@@ -166,7 +174,7 @@ class ImageWalls::InFlow {
         if (!(w > 0)) continue;
         const Vec shift = (image - x_j).template cast<Real>();
         const Continuation& flow = continuations_[owners_[place.index]];
-        f(ImageOfParticle<Dim, Real>{place.index, r_ij, w, w_r2, in_mirror.rotation, shift,
+        f(ImageOfParticle<Dim, Real>{place.index, r_ij, w, w_r2, Real(place.share), in_mirror.rotation, shift,
                                      flow.continues ? &flow.gradient.value : nullptr});
       }
     }
@@ -181,11 +189,15 @@ class ImageWalls::InFlow {
     static_assert(requires { stencil.slope(Real()); },
                   "mps: ImageWalls need a kernel with a slope, see SmoothKernel");
     const Vec own = u[at.index()];
+    const bool sees_all = sees_all_[at.index()];
     const auto weight_of = [&](const auto& j) -> Real {
       const Real r = j.r_ij.norm();
-      const Real whole = stencil.weight(r);
-      if (!(whole > Real(1e-6))) return 0;  // the share is then 0/0, and the slope is zero as well
-      return -j.weight / whole * stencil.slope(r) / (r * stencil.slope_sum);
+      const Real whole = -stencil.slope(r) / (r * stencil.slope_sum);
+      if constexpr (std::remove_cvref_t<decltype(j)>::is_image) return j.share * whole;
+      if (sees_all) return whole;
+      const Real weight = stencil.weight(r);
+      // The share is else 0/0, and the slope is zero as well.
+      return weight > Real(1e-6) ? j.weight / weight * whole : 0;
     };
     Real sum = 0;
     at.for_each([&](const auto& j) {
@@ -251,6 +263,32 @@ class ImageWalls::InFlow {
     bool misses_others = false;  // neighbours are missing
   };
 
+  // A face hides nothing if all particles near it are on one side of its plane: both ends of a line
+  // through it are near.
+  void find_those_that_see_all() {
+    sides_.assign(faces_->elements().size(), 0);
+    const auto add = [&](const silt::Vec<Dim>& x, std::uint32_t k) {
+      const std::uint8_t side = (*faces_)[k].height(x) > 0 ? 1 : 2;
+      const std::atomic_ref sides(sides_[k]);
+      if ((sides.load(std::memory_order_relaxed) & side) == 0) {
+        sides.fetch_or(side, std::memory_order_relaxed);
+      }
+    };
+    for_each(around_.size(), [&](Index i) {
+      for (const std::uint32_t k : around_[i].faces()) add(positions_[i], k);
+    });
+    for_each(positions_.size() - around_.size(), [&](Index k) {
+      const silt::Vec<Dim>& ghost = positions_[around_.size() + k];
+      faces_->for_each_near(ghost, reach_, [&](std::uint32_t face) { add(ghost, face); });
+    });
+    sees_all_.resize(around_.size());
+    for_each(around_.size(), [&](Index i) {
+      constexpr std::uint8_t both = 3;
+      sees_all_[i] = std::ranges::none_of(around_[i].faces(),
+                                          [&](std::uint32_t k) { return sides_[k] == both; });
+    });
+  }
+
   // Among the particles that the search finds, those that i does not see as well: it may see their
   // images.
   template <class S, class T>
@@ -303,7 +341,7 @@ class ImageWalls::InFlow {
   }
   // Fluid sees beyond a periodic side, where a wall that ends at it has no copies.
   void check_ends(const Box<Dim, Real>& box) const {
-    for (const auto& element : faces_.elements()) {
+    for (const auto& element : faces_->elements()) {
       for (int k = 0; k < Dim; ++k) {
         if (!element.is_rim[std::size_t(k)]) continue;
         for (int axis = 0; axis < Dim; ++axis) {
@@ -320,12 +358,14 @@ class ImageWalls::InFlow {
     }
   }
 
-  Faces<Dim> faces_;
+  std::shared_ptr<const Faces<Dim>> faces_;  // which around_ refers to
   double reach_ = 0;                       // of the operators [m]
   double spacing_ = 0;                     // l0 [m]
   std::vector<silt::Vec<Dim>> positions_;  // with ghosts
   std::uint64_t revision_ = 0;             // of the particles at these positions
   std::vector<MirrorsAround<Dim>> around_;
+  std::vector<std::uint8_t> sides_;     // of each face that have particles near it, as bits
+  std::vector<std::uint8_t> sees_all_;  // of each particle: no face hides a neighbour
   std::vector<ImageRow<Dim, Real>> images_;
   std::array<double, 3> sizes_{};      // re, n0 and λ of the stencil of their weights
   std::vector<std::uint32_t> owners_;  // with ghosts

@@ -17,13 +17,15 @@
 #include <numeric>
 #include <span>
 #include <string>
-#include <type_traits>
 #include <vector>
 
 namespace silt::mps {
 
 /// All neighbours are visible, with all of their weight.
-struct AllVisible {};
+struct AllVisible {
+  static constexpr bool sees_all(Index) { return true; }
+  static constexpr double visible_share(Index, Index) { return 1; }
+};
 
 /// The neighbours of fluid and wall particles within one stencil. Weights w, and w/r² for gradient
 /// and divergence, are stored in single precision, which halves the memory traffic; sums are not.
@@ -49,10 +51,10 @@ class Neighbourhood {
   void find(const P& particles, const S& search, const T& stencil) {
     find(particles, search, stencil, AllVisible{});
   }
-  /// The same with weights times visible_share(i, j), for those neighbours j of i for which this is
-  /// positive.
-  template <FluidParticles P, class S, class T, class Share>
-  void find(const P& particles, const S& search, const T& stencil, const Share& visible_share) {
+  /// The same with weights times visible.visible_share(i, j), for those neighbours j of i for which this is
+  /// positive; visible.sees_all(i) tells that it is 1 for all of them.
+  template <FluidParticles P, class S, class T, class Visible>
+  void find(const P& particles, const S& search, const T& stencil, const Visible& visible) {
     const auto x = particles.with_ghosts(position);
     revision_ = 0;  // until all neighbours are found
     positions_.assign(x.begin(), x.end());
@@ -63,7 +65,7 @@ class Neighbourhood {
     const auto has_row = [kinds = particles[kind]](Index i) { return kinds[i] != Kind::dummy; };
     using Indices = std::span<const std::uint32_t>;
     for_each_row(particles, search, has_row, [&](Index set, Index i, Indices js) {
-      if (!add_row(set, i, js, stencil, visible_share)) {
+      if (!add_row(set, i, js, stencil, visible)) {
         refuse_coincident(particles, i, js, stencil);
       }
     });
@@ -198,9 +200,9 @@ class Neighbourhood {
   }
 
   // False if a neighbour has the same position as i.
-  template <class T, class Share>
+  template <class T, class Visible>
   bool add_row(Index set, Index i, std::span<const std::uint32_t> js, T stencil,
-               const Share& visible_share) {
+               const Visible& visible) {
     RowSet& to = sets_[set];
     to.reserve(js.size());
     std::uint32_t* const index = to.index.data() + to.used;
@@ -208,7 +210,7 @@ class Neighbourhood {
     float* const weight_over_square = to.weight_over_square.data() + to.used;
     Real* const square = to.square.data();
     Real* const exact = to.exact.data();
-    [[maybe_unused]] Real* const share = to.share.data();
+    Real* const share = to.share.data();
 
     const Vec x_i = positions_[i];
     const Real re2 = stencil.re * stencil.re;
@@ -223,24 +225,32 @@ class Neighbourhood {
       distinct &= r2 > min_square;
     }
 
-    if constexpr (!std::is_same_v<Share, AllVisible>) {
+    const bool sees_all = visible.sees_all(i);
+    if (!sees_all) {
       Index seen = 0;
       for (Index k = 0; k < length; ++k) {
-        share[seen] = visible_share(i, Index(index[k]));
+        const Real of_k = Real(visible.visible_share(i, Index(index[k])));
+        share[seen] = of_k;
         index[seen] = index[k];
         square[seen] = square[k];
-        seen += share[seen] > 0;
+        seen += of_k > 0;
       }
       length = seen;
     }
     const Index padded = (length + max_lanes - 1) / max_lanes * max_lanes;
     std::fill(square + length, square + padded, re2);
     for (Index k = 0; k < padded; ++k) {
-      Real w = stencil.weight(std::sqrt(square[k]));
-      if constexpr (!std::is_same_v<Share, AllVisible>) w *= share[k];
+      const Real w = stencil.weight(std::sqrt(square[k]));
       exact[k] = w;
       weight[k] = static_cast<float>(w);
       weight_over_square[k] = static_cast<float>(w / square[k]);
+    }
+    if (!sees_all) {
+      for (Index k = 0; k < length; ++k) {
+        exact[k] *= share[k];
+        weight[k] = static_cast<float>(exact[k]);
+        weight_over_square[k] = static_cast<float>(exact[k] / square[k]);
+      }
     }
     std::fill(exact + length, exact + padded, Real(0));
     std::array<Real, max_lanes> sum{};

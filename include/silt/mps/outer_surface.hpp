@@ -15,10 +15,12 @@ namespace silt::mps {
 /// Their pressures are unknowns. The space beyond, where neighbours are missing, contributes to (6)
 /// with the pressure that falls linearly through zero at the surface:
 ///
-///   Σ_j w_ij (P_i − P_j) + a_i P_i = 0,   a_i = max(|Σ_j w_ij r_ij|, h̄ (n0 − n_i)) / δ_i
+///   Σ_j w_ij (P_i − P_j) + a_i P_i = 0,   a_i = max(|Σ_j w_ij r_ij|, 0.8 h̄ (n0 − n_i)) / δ_i
 ///   δ_i = l0 (½ + (n_i − n_s)/n_r)
 ///
-/// On the lattice, both values in a_i are the same, and a linear pressure is met exactly. δ_i is the
+/// With the first, a linear pressure is met exactly; the second, on the lattice 0.8 times the first, is
+/// for sheets and drops, which are open on more than one side. (With a factor of 1, a particle that
+/// rises out of a surface at rest would get too small a pressure, and rise on.) δ_i is the
 /// height of the surface above the particle: a cell keeps its volume, so that it is higher where the
 /// surface contracts, and n_i is then above the value n_s of a flat surface; n_r is the weight of a
 /// plane of particles with the particle itself, h̄ the mean height of the neighbours on one side of
@@ -45,7 +47,7 @@ struct OuterSurface {
       moment += j.weight * j.r_ij;
       n += j.weight;
     });
-    const Real missing = stencil.mean_height * (stencil.n0 - n);
+    const Real missing = Real(0.8) * stencil.mean_height * (stencil.n0 - n);
     const Real flat = stencil.n0 - stencil.above;  // n_s
     const Real plane = stencil.n0 - 2 * stencil.above + stencil.kernel.weight(Real(0));  // n_r
     constexpr Real lowest = Real(0.2), highest = 1;  // spacings; of spray, and in disorder

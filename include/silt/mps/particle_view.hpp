@@ -120,15 +120,15 @@ class ParticleView
   Real max_relative_speed() const {
     const auto u = this->velocities();
     const Vec own = this->velocity();
-    Real fastest = 0;
+    Real square = 0;
     this->for_each([&](const auto& j) {
       if constexpr (std::remove_cvref_t<decltype(j)>::is_image) {
-        fastest = std::max(fastest, Vec(j.mirrored(u) - own).norm());
+        square = std::max(square, Vec(j.mirrored(u) - own).squaredNorm());
       } else {
-        fastest = std::max(fastest, Vec(j.velocity(u) - own).norm());
+        square = std::max(square, Vec(j.velocity(u) - own).squaredNorm());
       }
     });
-    return fastest;
+    return std::sqrt(square);
   }
 
   /// Whether a neighbour has a pressure: an unknown one, or P = 0 on the free surface.

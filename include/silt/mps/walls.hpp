@@ -139,8 +139,9 @@ concept ContinuesFlow = AddsImages<W> && !requires { &detail::BothContinueFlow<W
 
 /// Walls that hide particles from each other: locate(particles, search, operators) is called before
 /// the neighbours are found, and j is a neighbour of i, with its weight times visible_share(i, j),
-/// if this is positive. before_walls(i, move) is the part of a move [m] that
-/// does not go into a wall; check_moves(particles) throws if one has gone through a wall.
+/// if this is positive; sees_all(i) tells whether it is 1 for all of them. before_walls(i, move) is
+/// the part of a move [m] that does not go into a wall; check_moves(particles) throws if one has gone
+/// through a wall.
 template <class W>
 concept HidesNeighbours =
     !std::is_final_v<W> && !requires { &detail::BothVisibleShare<W>::visible_share; };
