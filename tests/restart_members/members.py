@@ -98,6 +98,7 @@ NOT_STORED = {
                          "solution_": "begins with the pressures of the particles"},
     "EnergyAccount": {"properties_": GIVEN, **all_of(ROLLBACK, "saved_ had_begun_")},
     "TimeStep": {"saved_": ROLLBACK},
+    "FlowWatch": {"saved_": ROLLBACK, **all_of(ANEW, "kinetic_ speed_of_step_")},
     # solve
     "ConjugateGradient": {"settings_": GIVEN, "preconditioner_": "prepare() makes it anew in every solve",
                           **all_of(MEMORY, "r_ z_ p_ q_ partial_")},
@@ -168,4 +169,5 @@ NOT_SAVED = {
                   "report_": "tells why the step failed", "seconds_": CLOCK,
                   "time_": "set_time() sets it before it is used"},
     "EnergyAccount": {"properties_": GIVEN},
+    "FlowWatch": all_of(UPDATE, "kinetic_ speed_of_step_"),
 }

@@ -20,6 +20,13 @@ inline constexpr double column_width = 0.4;      // a [m]
 inline constexpr double column_height = 0.8;     // [m]
 inline constexpr double tank_length = 1.6;       // [m]
 
+/// Another column than that of the paper.
+struct Column {
+  double width = column_width;    // [m]
+  double height = column_height;  // [m]
+  double tank = tank_length;      // [m]
+};
+
 /// T = t √(2g/a), the dimensionless time of Martin and Moyce (1952).
 inline double scaled_time(double seconds) { return seconds * std::sqrt(2 * g / column_width); }
 
@@ -97,9 +104,9 @@ double pressure_at_p2(const P& particles, double l0) {
 }
 
 template <class Scheme>
-auto dam_break_simulation(double l0) {
-  auto tank = mps::make_tank<Scheme, 2>({.column = {column_width, column_height},
-                                         .size = {.length = tank_length, .height = 1.6},
+auto dam_break_simulation(double l0, const Column& column = {}) {
+  auto tank = mps::make_tank<Scheme, 2>({.column = {column.width, column.height},
+                                         .size = {.length = column.tank, .height = 1.6},
                                          .spacing = l0,
                                          .on_escape = OnEscape::remove});
   return Simulation{std::move(tank.particles), UniformGrid<2>{},
@@ -110,8 +117,8 @@ auto dam_break_simulation(double l0) {
 
 /// Runs until a time [s], or until a step throws, which may happen with the original method.
 template <class Scheme>
-DamBreak run_dam_break(double l0, double until) {
-  auto sim = dam_break_simulation<Scheme>(l0);
+DamBreak run_dam_break(double l0, double until, const Column& column = {}) {
+  auto sim = dam_break_simulation<Scheme>(l0, column);
   DamBreak record;
   record.first_energy = fluid_energy(sim.particles(), l0);
   while (sim.time() < until) {
@@ -122,8 +129,8 @@ DamBreak run_dam_break(double l0, double until) {
       break;
     }
     record.time.push_back(sim.time());
-    record.front.push_back(leading_edge(sim.particles(), l0) / column_width);
-    record.height.push_back(height_at_left(sim.particles(), l0) / column_height);
+    record.front.push_back(leading_edge(sim.particles(), l0) / column.width);
+    record.height.push_back(height_at_left(sim.particles(), l0) / column.height);
     record.pressure.push_back(pressure_at_p2(sim.particles(), l0));
     record.energy.push_back(fluid_energy(sim.particles(), l0));
   }

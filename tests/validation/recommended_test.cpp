@@ -6,24 +6,30 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <string>
+
 namespace silt::test::recommended_test {
 namespace {
 
 using mps::Recommended;
 
-// Relative rms deviations of edge and height from the exact potential flow for T from 0.5 to 2.75.
+// Relative rms deviations of edge and height from the exact potential flow for T = t √(g h)/a from 0.5
+// to 2.75, or to the end of its table.
 struct Deviations {
   double edge = 0;
   double height = 0;
 };
-Deviations from_potential_flow(const DamBreak& record) {
-  const CsvTable exact = read_csv(SILT_TESTS_DIR "/reference/potential_flow_front.csv");
+Deviations from_potential_flow(const DamBreak& record, const std::string& table = "",
+                               const Column& column = {}) {
+  const CsvTable exact =
+      read_csv(SILT_TESTS_DIR "/reference/potential_flow_front" + table + ".csv");
   Deviations sums;
   int rows = 0;
   for (Index row = 0; row < exact.rows(); ++row) {
     const double T = exact["T"][row];
     if (T < 0.5 || T > 2.75) continue;
-    const double t = T / scaled_time(1);
+    const double t = T * column.width / std::sqrt(g * column.height);
     sums.edge += squared(at_time(record.time, record.front, t) / exact["Z"][row] - 1);
     sums.height += squared(at_time(record.time, record.height, t) / exact["H"][row] - 1);
     ++rows;
@@ -50,6 +56,26 @@ TEST(RecommendedDamBreak, AgreesWithPotentialFlowAndExperimentAtHighResolutionSl
   EXPECT_LT(deviations.height, 0.015);
   EXPECT_LT(front_deviation(record), 0.025);
   EXPECT_LT(energy_growth(record), 0.0125);
+}
+
+// Columns as high as wide, and half as high.
+void expect_fronts_of_potential_flow(double l0, double allowed_edge, double allowed_height) {
+  struct Case {
+    Column column;
+    std::string table;
+    double until;
+  };
+  for (const Case& low : {Case{{0.4, 0.4, 2}, "_1", 0.51}, Case{{0.6, 0.3, 3}, "_0.5", 0.64}}) {
+    const auto record = run_dam_break<mps::RecommendedForFaces>(l0, low.until, low.column);
+    const Deviations deviations = from_potential_flow(record, low.table, low.column);
+    EXPECT_LT(deviations.edge, allowed_edge) << low.table;
+    EXPECT_LT(deviations.height, allowed_height) << low.table;
+  }
+}
+TEST(LowDamBreak, AgreesWithPotentialFlow) { expect_fronts_of_potential_flow(0.02, 0.07, 0.09); }
+TEST(LowDamBreak, AgreesWithPotentialFlowAtHighResolutionSlow) {
+  expect_fronts_of_potential_flow(0.01, 0.03, 0.05);
+  expect_fronts_of_potential_flow(0.005, 0.015, 0.025);
 }
 
 TEST(RecommendedStillTank, HasTheHydrostaticPressure) {

@@ -156,6 +156,50 @@ TEST(Obstacle, HasThePressureOfTheWaterBesideItUpToItsEdgeSlow) {
   expect_pressures_below_an_edge(0.01, 0.1);
 }
 
+// The same in 3D: a box of 0.16 m × 0.4 m × 0.16 m in the middle of a tank 1 m wide; the mean over its
+// width.
+TEST(Obstacle, HasThePressureOfTheWaterBesideItIn3DSlow) {
+  constexpr double l0 = 0.04, face = 2.4, side = 0.16, from = 0.28, to = 0.68;
+  mps::FlowSettings<3, mps::RecommendedForFaces> settings{.spacing = l0, .speed_scale = 2.4};
+  settings.walls.triangles =
+      faces_of(Box<3>{.lower = {0, 0, 0}, .upper = {3.2, 1, 1}}, Sides<3>::open());
+  for (const auto& triangle :
+       faces_of(Box<3>{.lower = {face, from, 0}, .upper = {face + side, to, side}})) {
+    settings.walls.triangles.push_back(triangle);
+  }
+  mps::Fluid<3> fluid;
+  for (const auto& x : lattice<3>({{0, 0, 0}, {1.2, 1, 0.56}}, l0)) {
+    mps::add_particle(fluid, x, mps::Kind::fluid);
+  }
+  Simulation sim{std::move(fluid), UniformGrid<3>{},
+                 mps::Flow<mps::RecommendedForFaces, 3>(settings), SemiImplicit<>{}};
+  std::vector<double> on_face(4, 0), beside(4, 0);
+  const double rise = run_water(sim, 1, [&](const auto& water, double dt) {
+    if (sim.time() < 0.5) return;
+    for (std::size_t k = 0; k < on_face.size(); ++k) {
+      const double z = (double(k) + 0.5) * l0;
+      double gauges = 0, sum = 0, number = 0;
+      for (double y = from + 1.5 * l0; y < to - l0; y += l0) {
+        sum += WallGauge<3>{{face, y, z}, {-1, 0, 0}, l0}.read(water, mps::pressure);
+        gauges += 1;
+      }
+      on_face[k] += dt * sum / gauges;
+      sum = 0;
+      for (Index i = 0; i < water.size(); ++i) {
+        const auto& x = water[position][i];
+        if (std::abs(x[0] - (face - l0 / 2)) > 0.75 * l0 || std::abs(x[2] - z) > 0.75 * l0 ||
+            x[1] < from + l0 || x[1] > to - l0) {
+          continue;
+        }
+        sum += water[mps::pressure][i], number += 1;
+      }
+      if (number > 0) beside[k] += dt * sum / number;
+    }
+  });
+  for (std::size_t k = 0; k < 4; ++k) EXPECT_NEAR(on_face[k] / beside[k], 1, 0.17) << k;
+  EXPECT_LT(rise, 0.005);
+}
+
 // --- swings and rest -----------------------------------------------------------------------------
 
 TEST(UTube, KeepsVolumeAndEnergy) {

@@ -32,6 +32,7 @@ class BodyForce {
     });
   }
 
+  const Vec& gravity() const noexcept { return gravity_; }  ///< g [m/s²]
   /// F at an owned particle [m/s²].
   Vec operator[](Index i) const { return forces_.empty() ? gravity_ : forces_[i]; }
   /// F at each owned particle [m/s²]; empty if it is gravity only.

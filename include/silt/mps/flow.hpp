@@ -13,6 +13,7 @@
 #include <silt/mps/flow_operators.hpp>
 #include <silt/mps/flow_seconds.hpp>
 #include <silt/mps/flow_settings.hpp>
+#include <silt/mps/flow_watch.hpp>
 #include <silt/mps/fluid.hpp>
 #include <silt/mps/moves_before_walls.hpp>
 #include <silt/mps/particle_view.hpp>
@@ -113,6 +114,7 @@ class BasicFlow {
     }
     particles.refresh_ghosts(velocity);
     force_.find(particles, settings_.body_force, time_);
+    watch_.begin(particles, force_, time_step, energy().kinetic);
     const auto step = view(particles, time_step);
     if constexpr (BeginsSteps<SourceOf<Scheme>>) {
       static_assert(requires { source_.begin(step); },
@@ -218,22 +220,27 @@ class BasicFlow {
       x[i] += dt * displacement_velocity(u, i);
     });
     energy_.end(particles, changes_, force_.values(), time_step);
+    watch_.end(particles);
   }
 
   /// Throws if a particle moved by more than a spacing in the step, or went through a wall that
-  /// hides neighbours. Called by Simulation.
+  /// hides neighbours, or if the fluid gained speed or energy that nothing had: see FlowWatch. Called
+  /// by Simulation.
   template <FluidParticles P>
   void check_step(const P& particles, const FinishedStep& step) const {
     time_step_.end(particles, settings_, step);
     check_moves(operators_.walls(), particles);
+    watch_.check(particles, settings_, energy().kinetic, energy_.mass(), step.time_step);
   }
 
   void save() noexcept {
     time_step_.save();
+    watch_.save();
     energy_.save();
   }
   void restore() noexcept {
     time_step_.restore();
+    watch_.restore();
     energy_.restore();
   }
   /// For a checkpoint, see core/transfer.hpp.
@@ -242,6 +249,7 @@ class BasicFlow {
     archive.setup("settings", settings_.setup());
     archive.within("time_step", [&] { time_step_.transfer(archive); });
     archive.within("energy", [&] { energy_.transfer(archive); });
+    archive.within("watch", [&] { watch_.transfer(archive); });
   }
 
  private:
@@ -323,6 +331,7 @@ class BasicFlow {
   FlowSeconds seconds_;
   TimeStep time_step_;
   EnergyAccount<Dim, Real> energy_;
+  FlowWatch<Dim, Real> watch_;
   double time_ = 0;
   bool is_first_step_ = false;
   StepChanges<Vec> changes_;             // of the velocities, by stage

@@ -63,6 +63,7 @@ class EnergyAccount {
   explicit EnergyAccount(const Properties& properties) : properties_(properties) {}
 
   const FlowEnergy& energy() const noexcept { return energy_; }
+  double mass() const noexcept { return properties_.mass; }  ///< of a particle [kg]
 
   /// Current kinetic and potential energy; no work.
   template <FluidParticles P>

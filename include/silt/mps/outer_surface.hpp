@@ -2,6 +2,7 @@
 // A free surface beyond the outermost particles instead of through their centres.
 #pragma once
 
+#include <silt/core/error.hpp>
 #include <silt/core/types.hpp>
 #include <silt/mps/any_particle_view.hpp>
 #include <silt/mps/free_surface.hpp>
@@ -30,11 +31,17 @@ namespace silt::mps {
 template <FreeSurface Criterion>
 struct OuterSurface {
   Criterion criterion{};
+  /// N/N0 [-] below which a particle is on the surface, whatever the criterion says: a drop in a
+  /// corner has a high n from its own images, and would get the pressure of a closed tank.
+  double min_neighbours = 0.5;
 
-  void check() const { criterion.check(); }
+  void check() const {
+    criterion.check();
+    require_between("OuterSurface: min_neighbours", min_neighbours, {0, 1});
+  }
   template <class View>
   bool is_on_surface(const View& at) const {
-    return criterion.is_on_surface(at);
+    return at.neighbours < min_neighbours || criterion.is_on_surface(at);
   }
   /// a_i [-], from a NeighbourView.
   template <class View>

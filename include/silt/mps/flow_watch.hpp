@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: MIT
+// Whether a step of a flow gave speeds or energies that nothing had: see core/watch.hpp.
+#pragma once
+
+#include <silt/core/error.hpp>
+#include <silt/core/parallel.hpp>
+#include <silt/core/types.hpp>
+#include <silt/mps/body_force.hpp>
+#include <silt/mps/fluid.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <string>
+
+namespace silt::mps {
+
+/// What the fluid has had so far. The pressure may concentrate it in single particles, as in the jets
+/// of impacts, but not tenfold.
+template <int Dim, class Real>
+class FlowWatch {
+ public:
+  using Vec = silt::Vec<Dim, Real>;
+
+  /// Before a step of dt [s] changes any velocity; kinetic [J] is the energy of the fluid then.
+  template <FluidParticles P>
+  void begin(const P& particles, const BodyForce<Dim, Real>& force, double dt, double kinetic) {
+    const auto x = particles[position];
+    const auto kinds = particles[kind];
+    const Vec g = force.gravity();
+    const double fastest = fastest_of(particles);
+    // Faster than after the last step: a speed that was set, or of a wall.
+    if (fastest > now_.fastest) now_.given_speed = std::max(now_.given_speed, fastest);
+    const auto largest_of_fluid = [&](const auto& value) {
+      constexpr double none = -std::numeric_limits<double>::max();
+      return largest(x.size(), none,
+                     [&](Index i) { return kinds[i] == Kind::fluid ? double(value(i)) : none; });
+    };
+    now_.lowest = std::max(now_.lowest, largest_of_fluid([&](Index i) { return g.dot(x[i]); }));
+    now_.highest = std::max(now_.highest, largest_of_fluid([&](Index i) { return -g.dot(x[i]); }));
+    // In a periodic box, a fall has no end.
+    Vec endless = Vec::Zero();
+    for (int axis = 0; axis < Dim; ++axis) {
+      if (particles.box().periodic[std::size_t(axis)]) endless[axis] = g[axis];
+    }
+    const double further = std::max(0.0, largest_of_fluid([&](Index i) {
+      return Vec(force[i] - g + endless).norm();
+    }));
+    now_.speed_of_forces += dt * further;
+    kinetic_ = kinetic;
+    speed_of_step_ = dt * (further + double(g.norm()));
+  }
+  /// After it.
+  template <FluidParticles P>
+  void end(const P& particles) {
+    now_.fastest = fastest_of(particles);
+  }
+
+  /// Throws if a particle is more than ten times faster than the fluid was at first, or would be after
+  /// its deepest fall and with the forces so far; or if, between walls at rest, the kinetic energy
+  /// [J] is more than ten times what there was before the step and what the forces give in it. mass
+  /// [kg] is that of a particle, dt [s] the step.
+  template <FluidParticles P, class Settings>
+  void check(const P& particles, const Settings& settings, double kinetic, double mass,
+             double dt) const {
+    constexpr double factor = 10;
+    const std::string advice =
+        "reduce the Courant number, let particles be kept apart, or check walls that are thinner "
+        "than the effective radius";
+    const double fall = std::max(0.0, now_.highest + now_.lowest);
+    const double usual =
+        std::max(settings.speed_scale, std::sqrt(squared(now_.given_speed) + 2 * fall) +
+                                           now_.speed_of_forces + speed_of_step_);
+    const double noise = 1e-3 * settings.spacing / dt;  // of fluid at rest [m/s]
+    const auto u = particles[velocity];
+    if (now_.fastest > factor * (usual + noise)) {
+      const Index i =
+          first_where(u.size(), [&](Index k) { return double(u[k].norm()) >= now_.fastest; });
+      fail("mps::Flow: velocity = " + to_text(Vec(u[i])) + " m/s is more than ten times " +
+               to_text(usual) + " m/s, the speed of the fluid at first and of its deepest fall; " +
+               advice,
+           {.particle = i, .id = particles.id(i)});
+    }
+    const auto kinds = particles[kind];
+    const bool walls_move = first_where(u.size(), [&](Index i) {
+                              return kinds[i] != Kind::fluid && !(u[i].norm() == 0);
+                            }) != no_index;
+    const double there = kinetic_ + 0.5 * mass * double(count(particles, Kind::fluid)) *
+                                        (squared(speed_of_step_) + squared(noise));
+    if (!walls_move && kinetic > factor * there) {
+      fail("mps::Flow: the kinetic energy after the step, " + to_text(kinetic) +
+           " J, is more than ten times that before it and of the forces in it, " + to_text(there) +
+           " J; " + advice);
+    }
+  }
+
+  void save() noexcept { saved_ = now_; }
+  void restore() noexcept { now_ = saved_; }
+  template <class Archive>
+  void transfer(Archive& archive) {
+    archive("given_speed", now_.given_speed);
+    archive("highest", now_.highest);
+    archive("lowest", now_.lowest);
+    archive("speed_of_forces", now_.speed_of_forces);
+    archive("fastest", now_.fastest);
+  }
+
+ private:
+  struct State {
+    double given_speed = 0;      // the fastest at first, or set between steps [m/s]
+    double highest = -std::numeric_limits<double>::max();  // −g·x [m²/s²]
+    double lowest = -std::numeric_limits<double>::max();   // g·x
+    double speed_of_forces = 0;  // ∫ |F| dt without gravity [m/s]
+    double fastest = 0;          // after the last step [m/s]
+  };
+
+  template <class P>
+  static double fastest_of(const P& particles) {
+    const auto u = particles[velocity];
+    return largest(u.size(), 0.0, [&](Index i) { return double(u[i].norm()); });
+  }
+
+  State now_;
+  State saved_;
+  double kinetic_ = 0;        // before the step [J]
+  double speed_of_step_ = 0;  // |F| dt [m/s]
+};
+
+}  // namespace silt::mps
