@@ -15,6 +15,7 @@ struct Scheme {
 #endif
   mps::NoShifting shifting{};
   mps::NoFriction friction{};
+  mps::FreeSlip wall_stress{};
   mps::KernelLaplacian laplacian{};
 };
 

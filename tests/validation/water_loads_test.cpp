@@ -302,12 +302,10 @@ TEST(StillWater, RestsIn3D) {
   }
 }
 TEST(StillWater, RestsIn3DSlow) {
-  for (const bool has_block : {false, true}) {
-    for (const double l0 : {0.04, 0.02}) {
-      const auto found = still_tank_in_3d(l0, 20, has_block);
-      EXPECT_LT(found.speed, 1e-6) << has_block << ", " << l0;
-      EXPECT_LT(found.pressure_error, 0.002 * 1000 * g * 0.4) << has_block << ", " << l0;
-    }
+  for (const double l0 : {0.04, 0.02}) {
+    const auto found = still_tank_in_3d(l0, 20, true);
+    EXPECT_LT(found.speed, 1e-6) << l0;
+    EXPECT_LT(found.pressure_error, 0.002 * 1000 * g * 0.4) << l0;
   }
 }
 

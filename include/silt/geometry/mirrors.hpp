@@ -154,6 +154,28 @@ class MirrorsAround {
     }
   }
 
+  /// f(normal, height) for the plane of every facet that has a point straight below x: its normal
+  /// towards x, and the distance of x from it [m].
+  template <class F>
+  void for_each_plane_below(F&& f) const {
+    for (std::size_t k = 0; k < near_.size(); ++k) {
+      const Element& element = (*surface_)[near_[k]];
+      const double height = element.height(x_);
+      const auto is_below = [&](const Element& other) {
+        return distance_from(other) < std::abs(other.height(x_)) + round_off();
+      };
+      if (!is_below(element)) continue;
+      // Its faces may have a common point there.
+      const bool is_known = std::any_of(near_.begin(), near_.begin() + std::ptrdiff_t(k),
+                                        [&](std::uint32_t number) {
+                                          const Element& other = (*surface_)[number];
+                                          return other.facet == element.facet && is_below(other);
+                                        });
+      if (is_known) continue;
+      f(height > 0 ? element.normal : Vec(-element.normal), std::abs(height));
+    }
+  }
+
   /// Distance of x from the nearest face [m]; infinite beyond the reach.
   double distance() const { return distance_; }
 

@@ -47,6 +47,8 @@ struct AnyParticleView {
   template <class F>
   void for_each_in_laplacian(F&& f) const;
   template <class F>
+  void for_each_wall(F&& f) const;
+  template <class F>
   bool any(F&& is) const;
   template <class U>
   auto values_of(const U&) const {

@@ -12,6 +12,7 @@
 #include <silt/mps/operators.hpp>
 #include <silt/mps/shifting.hpp>
 #include <silt/mps/source.hpp>
+#include <silt/mps/wall_stress.hpp>
 
 namespace silt::mps {
 
@@ -25,6 +26,7 @@ struct Case00 {
   GrainyWalls walls{};
   NoShifting shifting{};
   NoFriction friction{};
+  FreeSlip wall_stress{};
   KernelLaplacian laplacian{};
 };
 

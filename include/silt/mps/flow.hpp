@@ -96,7 +96,7 @@ class BasicFlow {
   /// Sets the time of the positions [s], at which FlowSettings::body_force is evaluated.
   void set_time(double time) { time_ = time; }
 
-  /// u* = u + Δt (ν∇²u + F)      (8), and friction
+  /// u* = u + Δt (ν∇²u + F)      (8), with the stress of walls, and friction
   /// Throws if Δt is unstable: see TimeStep::begin(). The first step throws if the particles do not
   /// fit the spacing: see mps/arrangement.hpp.
   template <FluidParticles P, class S>
@@ -122,11 +122,10 @@ class BasicFlow {
       source_.begin(step);
     }
     const Real dt = Real(time_step);
-    const Real nu = Real(settings_.viscosity);
-    const auto u = particles.with_ghosts(velocity);
+    const double nu = settings_.viscosity;
     find_changes(particles, changes_.predictor, [&](Index i) -> Vec {
       Vec change = dt * force_[i];
-      if (nu > 0) change += (dt * nu) * operators_.laplacian(i, u);
+      if (nu > 0) change += settings_.wall_stress.velocity_change(step.at(i), nu);
       return change;
     });
     if constexpr (HasFriction<FrictionOf<Scheme>>) {

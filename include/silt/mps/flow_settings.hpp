@@ -46,6 +46,7 @@ struct FlowSettings {
   CollisionOf<Scheme> collision = Scheme{}.collision;  ///< its reach is at most `radius`
   ShiftingOf<Scheme> shifting = Scheme{}.shifting;     ///< keeps particles evenly spaced
   FrictionOf<Scheme> friction = Scheme{}.friction;     ///< between particles
+  WallStressOf<Scheme> wall_stress = Scheme{}.wall_stress;  ///< by the viscosity
   KernelOf<Scheme> kernel = Scheme{}.kernel;           ///< weights of the neighbours
   GradientOf<Scheme> gradient = Scheme{}.gradient;     ///< of the pressure
   WallsOf<Scheme> walls = Scheme{}.walls;              ///< how fluid and walls interact
@@ -105,7 +106,7 @@ struct FlowSettings {
       if constexpr (requires { policy.check(); }) policy.check();
     };
     check(source), check(collision), check(kernel), check(surface);
-    check(gradient), check(walls), check(shifting), check(friction), check(laplacian);
+    check(gradient), check(walls), check(shifting), check(friction), check(wall_stress), check(laplacian);
     if (collision.reach() > radius) {
       fail("Collision: distance = " + to_text(collision.reach()) +
            " spacings exceeds FlowSettings: radius = " + to_text(radius) +

@@ -27,11 +27,14 @@ struct ImageOfParticle {
   Real share;               ///< of it that is seen, a factor of these [-]
   const Matrix& rotation;   ///< of vectors
   const Vec& shift;         ///< from the particle to its image [m]
+  bool is_reflection;       ///< by an odd number of faces
   /// ∇u at the particle, ∂u_a/∂x_b [1/s]; null if the flow is not continued.
   const Matrix* gradient;
 
   Kind kind(const auto&) const { return Kind::dummy; }
   Vec mirrored(const auto& u) const { return multiply<Dim, Real>(rotation, Vec(u[index])); }
+  /// That of a flow that sticks to the walls.
+  Vec sticking(const auto& u) const { return is_reflection ? Vec(-u[index]) : Vec(u[index]); }
   bool continues_flow() const { return gradient != nullptr; }
   /// Mirrored, without the jump that the flow towards the wall then has there.
   Vec velocity(const auto& u) const {
@@ -65,6 +68,7 @@ class ImageRow {
   struct MirrorOfRow {
     Mirror<Dim> mirror;
     Matrix rotation;
+    bool is_reflection;
     std::uint32_t end;  // of its places
   };
 
@@ -80,7 +84,7 @@ class ImageRow {
   }
   /// Ends the images in a mirror.
   void end(const Mirror<Dim>& mirror) {
-    mirrors_.push_back({mirror, mirror.rotation.template cast<Real>(),
+    mirrors_.push_back({mirror, mirror.rotation.template cast<Real>(), mirror.rotation.determinant() < 0,
                         static_cast<std::uint32_t>(places_.size())});
   }
 

@@ -128,6 +128,14 @@ class ImageWalls::InFlow {
   /// Whether this is 1 for all neighbours.
   bool sees_all(Index i) const { return sees_all_[i]; }
 
+  /// f(normal, height), see NeighbourView::for_each_wall().
+  template <class F>
+  void for_each_wall(Index i, F&& f) const {
+    around_[i].for_each_plane_below([&](const silt::Vec<Dim>& normal, double height) {
+      f(Vec(normal.template cast<Real>()), Real(height));
+    });
+  }
+
   /// Images have been found by locate().
   void find(const auto&, const auto&) {}
 
@@ -174,7 +182,7 @@ class ImageWalls::InFlow {
         if (!(w > 0)) continue;
         const Vec shift = (image - x_j).template cast<Real>();
         const Continuation& flow = continuations_[owners_[place.index]];
-        f(ImageOfParticle<Dim, Real>{place.index, r_ij, w, w_r2, Real(place.share), in_mirror.rotation, shift,
+        f(ImageOfParticle<Dim, Real>{place.index, r_ij, w, w_r2, Real(place.share), in_mirror.rotation, shift, in_mirror.is_reflection,
                                      flow.continues ? &flow.gradient.value : nullptr});
       }
     }

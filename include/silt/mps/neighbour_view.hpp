@@ -56,6 +56,15 @@ class NeighbourView {
   [[gnu::always_inline]] inline void for_each_in_laplacian(F&& f) const {
     operators_.for_each_in_laplacian(index_, f);
   }
+  /// f(normal, height) for every plane of a wall of faces of which a point is straight below the
+  /// particle, within the effective radius: its unit normal towards the particle, whose distance from
+  /// it is the height [m].
+  template <class F>
+  void for_each_wall(F&& f) const {
+    static_assert(requires { operators_.walls().for_each_wall(index_, f); },
+                  "mps: these walls have no faces with a distance; use ImageWalls");
+    operators_.walls().for_each_wall(index_, f);
+  }
   /// Whether is(neighbour) is true for any of those of for_each(); r_ij and w/r² of particles are
   /// not set.
   template <class F>

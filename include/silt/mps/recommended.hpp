@@ -15,6 +15,7 @@
 #include <silt/mps/scheme.hpp>
 #include <silt/mps/shifting.hpp>
 #include <silt/mps/smooth_walls.hpp>
+#include <silt/mps/wall_stress.hpp>
 
 #include <concepts>
 
@@ -29,6 +30,7 @@ struct Recommended {
   SmoothWalls walls{};
   ParticleShifting shifting{};
   NoFriction friction{};
+  FreeSlip wall_stress{};
   KernelLaplacian laplacian{};
 };
 

@@ -16,6 +16,7 @@
 #include <silt/mps/operators.hpp>
 #include <silt/mps/shifting.hpp>
 #include <silt/mps/source.hpp>
+#include <silt/mps/wall_stress.hpp>
 #include <silt/mps/walls.hpp>
 
 #include <concepts>
@@ -42,6 +43,8 @@ template <class Scheme>
 using ShiftingOf = std::remove_cv_t<decltype(Scheme::shifting)>;
 template <class Scheme>
 using FrictionOf = std::remove_cv_t<decltype(Scheme::friction)>;
+template <class Scheme>
+using WallStressOf = std::remove_cv_t<decltype(Scheme::wall_stress)>;
 template <class Scheme>
 using LaplacianOf = std::remove_cv_t<decltype(Scheme::laplacian)>;
 
@@ -74,7 +77,7 @@ inline constexpr bool is_member_of<S, Member S::*> = true;
 template <class S>
 constexpr auto policies_of() {
   return std::tuple(&S::source, &S::collision, &S::kernel, &S::surface, &S::gradient, &S::walls,
-                    &S::shifting, &S::friction, &S::laplacian);
+                    &S::shifting, &S::friction, &S::wall_stress, &S::laplacian);
 }
 
 // Whether a member has another name than the policies: it would have no effect. A scheme that
@@ -124,6 +127,9 @@ constexpr bool check_scheme() {
   static_assert(requires { requires Friction<FrictionOf<S>>; },
                 "mps: the scheme has no member `friction` that is a friction (see Friction in "
                 "silt/mps/friction.hpp)");
+  static_assert(requires { requires WallStress<WallStressOf<S>>; },
+                "mps: the scheme has no member `wall_stress` that is a viscous stress of walls (see "
+                "WallStress in silt/mps/wall_stress.hpp)");
   static_assert(requires { requires LaplacianWeights<LaplacianOf<S>>; },
                 "mps: the scheme has no member `laplacian` with the weights of a Laplacian (see "
                 "LaplacianWeights in silt/mps/laplacian.hpp)");
@@ -133,7 +139,7 @@ constexpr bool check_scheme() {
                 "members can be found");
   static_assert(!detail::has_unknown_member<S>(),
                 "mps: the scheme has a member that is none of source, collision, kernel, surface, "
-                "gradient, walls, shifting, friction and laplacian: check its name");
+                "gradient, walls, shifting, friction, wall_stress and laplacian: check its name");
   return true;
 }
 
