@@ -2,9 +2,11 @@
 // Shared by the MPS examples: common options, pressure gauges, and the common part of the summary.
 #pragma once
 
+#include <silt/geometry/face.hpp>
 #include <silt/io/csv.hpp>
 #include <silt/measure/probe.hpp>
 #include <silt/measure/timed.hpp>
+#include <silt/measure/wall_gauge.hpp>
 #include <silt/mps.hpp>
 
 #include <CLI/CLI.hpp>
@@ -17,6 +19,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -167,12 +170,35 @@ class PressureGauges {
     };
     row_.assign(1, simulation.time());
     for (const silt::Probe<Dim>& probe : probes_) {
+      if constexpr (requires { simulation.interaction().settings().walls.template faces<Dim>(); }) {
+        if (const auto pressure = read_at_face(simulation, probe)) {
+          row_.push_back(*pressure);
+          continue;
+        }
+      }
       // A gauge on a wall reads the wall particles; one away from walls reads the fluid.
       const auto of_wall = probe.read(particles, silt::mps::pressure, is(silt::mps::Kind::wall));
       const auto of_fluid = probe.read(particles, silt::mps::pressure, is(silt::mps::Kind::fluid));
       row_.push_back(of_wall ? *of_wall : of_fluid.value_or(0));
     }
     file_.row(row_);
+  }
+
+  // The pressure at a face, on the side on which fluid is; nothing away from faces.
+  template <class Sim>
+  static std::optional<double> read_at_face(const Sim& simulation, const silt::Probe<Dim>& probe) {
+    const auto& faces = simulation.interaction().settings().walls.template faces<Dim>();
+    const auto is_near = [&](const silt::Face<Dim>& face) {
+      return (silt::nearest_of(face, probe.point) - probe.point).norm() < 1e-3 * probe.spacing;
+    };
+    const auto face = std::ranges::find_if(faces, is_near);
+    if (face == faces.end()) return {};
+    const silt::Vec<Dim> normal = silt::normal_of(*face);
+    const auto on_side = [&](double side) {
+      return silt::WallGauge<Dim>{probe.point, side * normal, probe.spacing}.read(
+          simulation.particles(), silt::mps::pressure);
+    };
+    return std::max(on_side(1), on_side(-1));
   }
 
   silt::CsvFile file_;

@@ -71,9 +71,10 @@ TEST(FlowWatch, LimitsTheSpeedToTenTimesThatOfTheDeepestFall) {
 }
 
 TEST(FlowWatch, LimitsTheEnergyToTenTimesThatBeforeTheStep) {
-  EXPECT_NO_THROW(check_step_of({1, 3.1}));
-  EXPECT_TRUE(refuses([&] { check_step_of({1, 3.3}); },
-                      {"the kinetic energy after the step, 10.89 J", "ten times", ", 1.0"}));
+  // Disorder may add that of a tenth of a spacing in a step, here of 2 m/s.
+  EXPECT_NO_THROW(check_step_of({1, 7}));
+  EXPECT_TRUE(refuses([&] { check_step_of({1, 7.3}); },
+                      {"the kinetic energy after the step, 53.29 J", "ten times", ", 5.0"}));
 }
 
 TEST(FlowWatch, AllowsTheNoiseOfFluidAtRest) { EXPECT_NO_THROW(check_step_of({0, 1e-4}, {0, 0})); }

@@ -12,7 +12,6 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
-#include <string>
 
 namespace silt::mps {
 
@@ -65,7 +64,7 @@ class FlowWatch {
   void check(const P& particles, const Settings& settings, double kinetic, double mass,
              double dt) const {
     constexpr double factor = 10;
-    const std::string advice =
+    constexpr const char* advice =
         "reduce the Courant number, let particles be kept apart, or check walls that are thinner "
         "than the effective radius";
     const double fall = std::max(0.0, now_.highest + now_.lowest);
@@ -73,6 +72,7 @@ class FlowWatch {
         std::max(settings.speed_scale, std::sqrt(squared(now_.given_speed) + 2 * fall) +
                                            now_.speed_of_forces + speed_of_step_);
     const double noise = 1e-3 * settings.spacing / dt;  // of fluid at rest [m/s]
+    const double disorder = 0.1 * settings.spacing / dt;  // that the pressure resolves [m/s]
     const auto u = particles[velocity];
     if (now_.fastest > factor * (usual + noise)) {
       const Index i =
@@ -87,7 +87,7 @@ class FlowWatch {
                               return kinds[i] != Kind::fluid && !(u[i].norm() == 0);
                             }) != no_index;
     const double there = kinetic_ + 0.5 * mass * double(count(particles, Kind::fluid)) *
-                                        (squared(speed_of_step_) + squared(noise));
+                                        (squared(speed_of_step_) + squared(disorder));
     if (!walls_move && kinetic > factor * there) {
       fail("mps::Flow: the kinetic energy after the step, " + to_text(kinetic) +
            " J, is more than ten times that before it and of the forces in it, " + to_text(there) +

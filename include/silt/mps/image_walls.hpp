@@ -45,7 +45,12 @@ struct ImageWalls {
 
   /// Those of the dimension.
   template <int Dim>
-  auto& faces() {
+  std::vector<Face<Dim>>& faces() {
+    if constexpr (Dim == 2) return segments;
+    if constexpr (Dim == 3) return triangles;
+  }
+  template <int Dim>
+  const std::vector<Face<Dim>>& faces() const {
     if constexpr (Dim == 2) return segments;
     if constexpr (Dim == 3) return triangles;
   }
