@@ -308,11 +308,11 @@ TEST(ImageWalls, HoldParticlesThatDoNotCollide) {
   };
   mps::FlowSettings<2, WithoutCollisions> settings{.spacing = l0, .gravity = {0, 0}};
   settings.walls.segments = polyline({{0, 1}, {0, 0}, {1, 0}});
-  auto drop = fluid_at(std::vector<Vec<2>>{{0.3 * l0, 0.3 * l0}});
+  auto drop = fluid_at(std::vector<Vec<2>>{{0.45 * l0, 0.45 * l0}});
   drop[velocity][0] = {-0.7, -1};
   Simulation sim{drop, UniformGrid<2>{}, mps::Flow<WithoutCollisions>{settings}, SemiImplicit<>{}};
   sim.step(0.5 * l0);
-  const Vec<2> end(0.2 * l0, 0.2 * l0);
+  const Vec<2> end(0.35 * l0, 0.35 * l0);
   EXPECT_LT((sim.particles()[position][0] - end).norm(), 1e-15);
 }
 

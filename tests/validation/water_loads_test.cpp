@@ -101,6 +101,29 @@ TEST(DamBreak, LoadsTheWallByItsMomentumSlow) {
   EXPECT_LT(found.rise, 0.005);
 }
 
+// A particle of a film on the wall that had the pressure of inner fluid would bring energy.
+TEST(DamBreak, KeepsVolumeAndBringsNoEnergyForTenSecondsSlow) {
+  for (const double jitter : {0.0, 2e-4, 4e-4}) {
+    const WaterScene scene{.spacing = 0.02,
+                           .water = {{{0, 0}, {0.4, 0.8}}},
+                           .walls = polyline({{0, 3}, {0, 0}, {1.6, 0}, {1.6, 3}}),
+                           .speed_scale = 2.8,
+                           .jitter = jitter};
+    auto sim = scene.simulation();
+    EXPECT_LT(run_water(sim, 10, [](const auto&, double) {}), 0.01) << jitter;
+    EXPECT_LT(sim.interaction().energy().total(), 0.3 * sim.interaction().energy().initial);
+    EXPECT_EQ(sim.particles().size(), 800u);
+    double density = 0, number = 0;
+    const auto& water = sim.particles();
+    for (Index i = 0; i < water.size(); ++i) {
+      if (water[mps::surface][i]) continue;
+      density += water[mps::number_density][i] / sim.interaction().stencil().n0;
+      number += 1;
+    }
+    EXPECT_NEAR(density / number, 1, 0.01) << jitter;
+  }
+}
+
 // All of it turned, with gravity.
 TEST(DamBreak, DoesNotDependOnTheDirectionOfGravity) {
   const auto kinetic_at = [](double angle) {

@@ -240,7 +240,9 @@ class ImageWalls::InFlow {
 
   /// The move [m] of particle i, ended before it goes into a wall.
   Vec before_walls(Index i, const Vec& move) const {
-    constexpr double clearance = 0.2;  // spacings; half a spacing is usual
+    // Spacings; half a spacing is usual, and less than that of KeepApart::image_distance = 0.7 would give
+    // a particle so high a density by its own image that it had a pressure in spray.
+    constexpr double clearance = 0.35;
     return around_[i]
         .before_faces(move.template cast<double>(), clearance * spacing_)
         .template cast<Real>();
