@@ -18,6 +18,19 @@ namespace {
 
 constexpr double g = 9.81;  // [m/s²]
 
+// n/n0 of the particles that are not on the surface.
+template <class Sim>
+double mean_density(const Sim& sim) {
+  const auto& water = sim.particles();
+  double sum = 0, number = 0;
+  for (Index i = 0; i < water.size(); ++i) {
+    if (water[mps::surface][i]) continue;
+    sum += water[mps::number_density][i] / sim.interaction().stencil().n0;
+    number += 1;
+  }
+  return sum / number;
+}
+
 // --- a jet against a wall ------------------------------------------------------------------------
 
 struct JetForce {
@@ -113,14 +126,7 @@ TEST(DamBreak, KeepsVolumeAndBringsNoEnergyForTenSecondsSlow) {
     EXPECT_LT(run_water(sim, 10, [](const auto&, double) {}), 0.01) << jitter;
     EXPECT_LT(sim.interaction().energy().total(), 0.3 * sim.interaction().energy().initial);
     EXPECT_EQ(sim.particles().size(), 800u);
-    double density = 0, number = 0;
-    const auto& water = sim.particles();
-    for (Index i = 0; i < water.size(); ++i) {
-      if (water[mps::surface][i]) continue;
-      density += water[mps::number_density][i] / sim.interaction().stencil().n0;
-      number += 1;
-    }
-    EXPECT_NEAR(density / number, 1, 0.01) << jitter;
+    EXPECT_NEAR(mean_density(sim), 1, 0.01) << jitter;
   }
 }
 
@@ -243,14 +249,7 @@ TEST(UTube, KeepsVolumeAndEnergy) {
   });
   EXPECT_LT(rise, 0.005);
   EXPECT_GT(highest, 0.007 * sim.interaction().energy().initial);  // the fourth swing
-  double density = 0, number = 0;
-  const auto& water = sim.particles();
-  for (Index i = 0; i < water.size(); ++i) {
-    if (water[mps::surface][i]) continue;
-    density += water[mps::number_density][i] / sim.interaction().stencil().n0;
-    number += 1;
-  }
-  EXPECT_NEAR(density / number, 1, 0.008);
+  EXPECT_NEAR(mean_density(sim), 1, 0.008);
 }
 
 template <class P>
