@@ -33,13 +33,13 @@ void describe(CLI::App& app, Options& o) {
   // Names are converted to numbers; an integer that begins with 0 would be read as octal.
   const auto number_of = [](std::string& text) {
     if (text == "recommended") text = std::to_string(recommended);
-    if (text == "faces") text = std::to_string(for_faces);
+    if (text == "wall_particles") text = std::to_string(for_wall_particles);
     if (text.size() == 2 && text.front() == '0') text.erase(0, 1);
     return std::string();
   };
-  app.add_option("--case", o.scheme, "recommended, faces: that for walls of faces, or a column of "
-                 "Table 1: 00 the original MPS, 10 PNU-MPS")
-      ->check(support::between({for_faces, 10}))
+  app.add_option("--case", o.scheme, "recommended, wall_particles: that for walls of particles, "
+                 "or a column of Table 1: 00 the original MPS, 10 PNU-MPS")
+      ->check(support::between({for_wall_particles, 10}))
       ->transform(CLI::Validator(number_of, ""))
       ->default_str("recommended");
   add("--column", o.column, "width,height of the column of water [m]", positive())

@@ -6,6 +6,7 @@
 //   flow_policies --only recommended --only "gradient (18)"
 #include <silt/measure/front.hpp>
 #include <silt/measure/probe.hpp>
+#include <silt/measure/wall_gauge.hpp>
 #include <silt/mps.hpp>
 
 #include <CLI/CLI.hpp>
@@ -15,6 +16,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <concepts>
 #include <cstdio>
 #include <string>
 #include <vector>
@@ -34,9 +36,23 @@ struct Options {
 
 template <class Scheme>
 auto in_tank(const Tank<2>& tank) {
-  return Simulation{make_tank<2>(tank), UniformGrid<2>{},
-                    Flow<Scheme>{{.spacing = l0, .speed_scale = std::sqrt(g * tank.column[1])}},
+  const auto made = make_tank<Scheme, 2>(tank);
+  return Simulation{made.particles, UniformGrid<2>{},
+                    Flow<Scheme>{{.spacing = l0,
+                                  .speed_scale = std::sqrt(g * tank.column[1]),
+                                  .walls = made.walls}},
                     SemiImplicit<>{}};
+}
+
+// The pressure at a point of a wall: at a face, or of the wall particles there [Pa].
+template <class Scheme, class P>
+double pressure_at_wall(const P& water, const Vec<2>& point, const Vec<2>& normal) {
+  if constexpr (std::derived_from<WallsOf<Scheme>, ImageWalls>) {
+    return WallGauge<2>{point, normal, l0}.read(water, pressure);
+  } else {
+    const auto is_wall = [&](Index i) { return water[kind][i] == Kind::wall; };
+    return Probe<2>{.point = point, .spacing = l0}.read(water, pressure, is_wall).value_or(0);
+  }
 }
 
 // Error of the floor's mean pressure from 0.5 s to 2 s, and its standard deviation, over ρ g h [%].
@@ -47,15 +63,12 @@ void still_tank() {
                                .size = {.length = depth, .height = 0.6},
                                .spacing = l0,
                                .on_escape = OnEscape::remove});
-  const Probe<2> gauge{.point = {depth / 2, 0}, .spacing = l0};
   double seconds = 0, sum = 0, squares = 0;
   while (tank.time() < 2) {
     tank.step();
     if (tank.time() < 0.5) continue;
-    const auto& water = tank.particles();
-    const double p = gauge.read(water, pressure, [&](Index i) {
-                            return water[kind][i] == Kind::wall;
-                          }).value_or(0) / (density * g * depth);
+    const double p = pressure_at_wall<Scheme>(tank.particles(), {depth / 2, 0}, {0, 1}) /
+                     (density * g * depth);
     const double dt = tank.last_time_step();
     seconds += dt, sum += dt * p, squares += dt * p * p;
   }
@@ -82,18 +95,15 @@ void dam_break() {
                               .size = {.length = 4 * width, .height = 4 * width},
                               .spacing = l0,
                               .on_escape = OnEscape::remove});
-  const Probe<2> gauge{.point = {4 * width, 0.02}, .spacing = l0};
   std::vector<double> t, p, edge;
   double lowest = 1e300, rise = 0;
   while (dam.time() < 1) {
     dam.step();
     const auto& water = dam.particles();
-    const auto is = [&](Kind wanted) {
-      return [&water, wanted](Index i) { return water[kind][i] == wanted; };
-    };
+    const auto is_fluid = [&](Index i) { return water[kind][i] == Kind::fluid; };
     t.push_back(dam.time());
-    p.push_back(gauge.read(water, pressure, is(Kind::wall)).value_or(0));
-    edge.push_back(find_front(water, dam.search(), {.spacing = l0}, is(Kind::fluid)).x / width);
+    p.push_back(pressure_at_wall<Scheme>(water, {4 * width, 0.02}, {-1, 0}));
+    edge.push_back(find_front(water, dam.search(), {.spacing = l0}, is_fluid).x / width);
     const double energy = dam.interaction().energy().total();
     lowest = std::min(lowest, energy);
     rise = std::max(rise, energy - lowest);
@@ -181,6 +191,9 @@ struct WithSourceECS : Recommended {
 struct WithCollision : Recommended {
   Collision collision{.distance = 1.0, .restitution = 0.2};
 };
+struct WithEqualDistances : Recommended {
+  KeepApart collision{};
+};
 struct WithStabilisation : Recommended {
   DynamicStabilisation collision{};
 };
@@ -188,10 +201,15 @@ struct WithKernel3c : Recommended {
   CubicKernel kernel{};
 };
 struct WithSurface13And17 : Recommended {
-  BothConditions surface{.first = {.beta = 0.97}, .second = {}};
+  OuterSurface<BothConditions> surface{.criterion = {.first = {.beta = 0.97}, .second = {}}};
 };
 struct WithCones : Recommended {
-  ConeSurface surface{};
+  OuterSurface<ConeSurface> surface{};
+};
+// Only with the outer surface may particles come closer to walls than to each other.
+struct WithSurfaceAtCentres : Recommended {
+  KeepApart collision{};
+  BothConditions surface{.first = {.beta = 0.9}, .second = {}};
 };
 struct WithGradient4 : Recommended {
   MinimumGradient gradient{};
@@ -199,8 +217,11 @@ struct WithGradient4 : Recommended {
 struct WithGradient18 : Recommended {
   ConservingGradient gradient{};
 };
-struct WithGrainyWalls : Recommended {
+struct WithGrainyWalls : RecommendedForWallParticles {
   GrainyWalls walls{};
+};
+struct WithoutFriction : Recommended {
+  NoFriction friction{};
 };
 struct WithoutShifting : Recommended {
   NoShifting shifting{};
@@ -219,15 +240,19 @@ void table(const Options& o) {
   row<WithSourceHS>(o, "source HS");
   row<WithSourceECS>(o, "source HS with ECS");
   row<WithCollision>(o, "collision (1.0, 0.2)");
+  row<WithEqualDistances>(o, "distance to images 0.9");
   row<WithStabilisation>(o, "dynamic stabilisation");
   row<WithKernel3c>(o, "kernel (3c)");
   row<WithSurface13And17>(o, "surface (13) and (17), β = 0.97");
   row<WithCones>(o, "surface by empty cones");
+  row<WithSurfaceAtCentres>(o, "surface at centres, distance to images 0.9");
   row<WithGradient4>(o, "gradient (4)");
   row<WithGradient18>(o, "gradient (18)");
-  row<WithGrainyWalls>(o, "grainy walls");
   row<WithoutShifting>(o, "no shifting");
+  row<WithoutFriction>(o, "no friction");
   row<WithHigherOrderLaplacian>(o, "higher-order Laplacian");
+  row<RecommendedForWallParticles>(o, "recommended for wall particles");
+  row<WithGrainyWalls>(o, "the same with grainy walls");
   row<Case10>(o, "case 10, PNU-MPS");
 }
 

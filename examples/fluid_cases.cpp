@@ -46,8 +46,8 @@ void describe(CLI::App& app, Options& o) {
   };
   using support::positive, support::not_negative, support::between;
   add("--case", o.choice.name, "which flow", CLI::IsMember(fluid_cases::names()));
-  add("--scheme", o.scheme, "recommended; faces, the recommended scheme for walls of faces; or case10, "
-      "PNU-MPS of the paper", CLI::IsMember({"recommended", "faces", "case10"}));
+  add("--scheme", o.scheme, "recommended; wall_particles, that for walls of particles; or case10, "
+      "PNU-MPS of the paper", CLI::IsMember({"recommended", "wall_particles", "case10"}));
   add("--spacing", o.choice.spacing, "particle spacing [m]: 1/spacing particles along the side, "
       "radius or wavelength of 1 m", positive());
   add("--swing", o.choice.swing, "amplitude A0/B0 of the oscillating drop", positive());
@@ -129,7 +129,9 @@ int main(int argc, char** argv) {
   describe(app, options);
   return support::run(app, argc, argv, options.resume, [&] {
     if (options.scheme == "case10") return flow_as<mps::Case10>(options);
-    if (options.scheme == "faces") return flow_as<mps::RecommendedForFaces>(options);
+    if (options.scheme == "wall_particles") {
+      return flow_as<mps::RecommendedForWallParticles>(options);
+    }
     flow_as<mps::Recommended>(options);
   });
 }

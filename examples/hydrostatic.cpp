@@ -11,11 +11,11 @@
 //   examples/plot_hydrostatic.py out/hydrostatic
 //
 // Depths are measured downwards from the still surface, which is --depth above the floor (rounded
-// to a multiple of the spacing, like all lengths of the tank). A gauge on a wall reads the pressure
-// of the nearby wall particles, which lie half a spacing behind the wall. P = 0 holds at the
-// surface particles, half a spacing below the still surface; their distance from the wall particles
-// of the floor is the depth h. So the exact reading of P1, on the floor, is ρ g h, and the exact
-// pressure of fluid at a depth z is ρ g (z − l0/2).
+// to a multiple of the spacing, like all lengths of the tank). With the recommended scheme, the
+// exact pressure at a depth z, of fluid and of the gauge P1 on the floor, is ρ g z. With the paper's,
+// a gauge on a wall reads the pressure of the nearby wall particles, which lie half a spacing behind
+// the wall, and P = 0 holds at the surface particles, half a spacing below the still surface: the
+// exact reading of P1, at the depth h, is ρ g h, and the exact pressure of fluid ρ g (z − l0/2).
 #include <silt/io/csv.hpp>
 #include <silt/io/progress.hpp>
 #include <silt/io/vtk.hpp>
@@ -98,10 +98,10 @@ void choose_scheme(const CLI::App& app, Options& o) {
 // Walls extend above the water, because unstable schemes splash.
 double wall_height(const Options& o) { return 1.5 * o.depth; }
 
-template <int Dim>
+template <class Scheme, int Dim>
 auto make_tank(const Options& o) {
   return support::or_reject([&] {
-    return mps::make_tank<Dim>(
+    return mps::make_tank<Scheme, Dim>(
         {.column = {o.width, o.depth},
          .size = {.length = o.width, .height = wall_height(o), .depth = o.thickness},
          .spacing = o.spacing,
@@ -240,11 +240,13 @@ double level(const P& particles) {
 }
 
 template <class Scheme, int Dim>
-void simulate(const Options& o, const mps::FlowSettings<Dim, Scheme>& settings) {
+void simulate(const Options& o, mps::FlowSettings<Dim, Scheme> settings) {
+  const auto start = make_tank<Scheme, Dim>(o);
+  const auto& particles = start.particles;
+  settings.walls = start.walls;
   const auto water = support::or_reject([&] {
     return mps::Flow<Scheme, Dim>{settings, mps::PressureSolver<Dim>{{.tolerance = o.tolerance}}};
   });
-  const auto particles = make_tank<Dim>(o);
   support::open_output_folder(o.resume, o.out);
   support::use_threads_of_option(o.threads);
 

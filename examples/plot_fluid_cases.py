@@ -16,7 +16,8 @@ from support import plot_style as style
 from support.frames import Series, draw, speed
 from support.plot_style import DARK, DASHED, np, plt
 
-SCHEMES = {"recommended": "Silt, recommended scheme", "case10": "Case 10 (PNU-MPS)"}
+SCHEMES = {"recommended": "Silt, recommended scheme",
+           "wall_particles": "Silt, scheme for wall particles", "case10": "Case 10 (PNU-MPS)"}
 
 # Per case: the title; panels of the history, each with a label and curves (column, caption), of
 # which the exact ones are dashed; the quantity that colours the frames.

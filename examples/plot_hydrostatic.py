@@ -13,7 +13,8 @@ import sys
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 from support import plot_style as style
 from support.plot_style import BLUE, DARK, DASHED, ORANGE, plt
-from support.water import DENSITY, G, NAMES, Tank, Tanks
+from support.tanks import TanksWithFaces
+from support.water import DENSITY, G, NAMES, Tank
 
 
 def scheme(run):
@@ -30,8 +31,8 @@ def scheme(run):
 def draw_frames(run):
     o = run.options
     end = run.series.times[-1]
-    tanks = Tanks(run, [0, end / 2, end], o["width"],
-                  o["thickness"] / 2 if o["dimension"] == 3 else None)
+    tanks = TanksWithFaces(run, [0, end / 2, end], o["width"], 1.5 * o["depth"],
+                           o["thickness"] / 2 if o["dimension"] == 3 else None)
     return tanks.figure(scheme(run))
 
 
@@ -74,9 +75,12 @@ def draw_profile(run):
                        linewidth=0, label="± one standard deviation")
     axes.plot(profile["p_mean"] / 1e3, profile["depth"], "o-", color=BLUE, markersize=3,
               linewidth=1, label="fluid, mean of a layer")
-    half = run.options["spacing"] / 2
-    axes.plot([0, DENSITY * G * (bottom - half) / 1e3], [half, bottom], color=DARK, linewidth=1.2,
-              linestyle=DASHED, label="ρ g (z − l0/2), exact")
+    # In the paper's schemes, P = 0 holds at the centres of the surface particles.
+    is_best = run.options["scheme"] == "recommended"
+    surface = 0 if is_best else run.options["spacing"] / 2
+    axes.plot([0, DENSITY * G * (bottom - surface) / 1e3], [surface, bottom], color=DARK,
+              linewidth=1.2, linestyle=DASHED,
+              label="ρ g z, exact" if is_best else "ρ g (z − l0/2), exact")
     gauge = run.options["probes"][0]
     axes.plot(run.summary["mean"] / 1e3, bottom - gauge[-1], "s", color=ORANGE,
               label="first gauge, mean")

@@ -10,13 +10,14 @@ int main() try {
   using namespace silt;
   constexpr double l0 = 0.02;  // particle spacing [m]
 
-  const auto tank = mps::make_tank<2>(
+  const auto tank = mps::make_tank<mps::Recommended, 2>(
       {.column = {0.4, 0.8}, .size = {.length = 1.6, .height = 1.2}, .spacing = l0});
 
   // speed_scale is √(g H), the expected speed, which limits the time step from the beginning.
-  const mps::Flow<mps::Recommended> water{{.spacing = l0, .density = 1000, .speed_scale = 2.8}};
+  const mps::Flow<mps::Recommended> water{
+      {.spacing = l0, .density = 1000, .speed_scale = 2.8, .walls = tank.walls}};
 
-  Simulation dam{tank, UniformGrid<2>{}, water, SemiImplicit<>{}};
+  Simulation dam{tank.particles, UniformGrid<2>{}, water, SemiImplicit<>{}};
   dam.run({.until = 1.0, .output_every = 0.02}, VtkSeries{"dam"}, Progress{});
 } catch (const silt::Error& error) {
   std::fprintf(stderr, "%s\n", error.what());

@@ -13,7 +13,7 @@ struct Sticky {
   }
 #endif
 };
-struct Scheme : mps::RecommendedForFaces {
+struct Scheme : mps::Recommended {
   Sticky wall_stress{};
 };
 

@@ -98,7 +98,7 @@ void flow(Choices& choices) {
   if (is_large(tank)) return;
   const auto made = mps::make_tank<Scheme>(tank);
   auto settings = any_settings<Scheme>(choices);
-  if constexpr (std::same_as<Scheme, mps::RecommendedForFaces>) {
+  if constexpr (std::same_as<Scheme, mps::Recommended>) {
     settings.walls.segments = any_walls(choices);
   }
   Simulation simulation{made.particles, UniformGrid<2>{}, mps::Flow<Scheme>(settings), SemiImplicit{}};
@@ -124,9 +124,9 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   fuzz::accepts([&] {
     switch (choices.below(4)) {
       case 0:
-        return flow<mps::Recommended>(choices);
+        return flow<mps::RecommendedForWallParticles>(choices);
       case 2:
-        return flow<mps::RecommendedForFaces>(choices);
+        return flow<mps::Recommended>(choices);
       default:
         return flow<mps::Case00>(choices);
     }

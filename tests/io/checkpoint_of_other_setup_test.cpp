@@ -183,11 +183,11 @@ TEST_F(CheckpointOfOtherSetup, NamesAnotherNumberOfMaterials) {
 }
 
 TEST_F(CheckpointOfOtherSetup, NamesWhatIsDifferentInAFlow) {
-  using Settings = mps::FlowSettings<2, mps::RecommendedForFaces>;
+  using Settings = mps::FlowSettings<2, mps::Recommended>;
   const auto flow = [](const Settings& settings) {
     mps::Fluid<2> fluid;
     mps::add_particle(fluid, {0, 0}, mps::Kind::fluid);
-    return Simulation{fluid, UniformGrid<2>{}, mps::Flow<mps::RecommendedForFaces>(settings), SemiImplicit{}};
+    return Simulation{fluid, UniformGrid<2>{}, mps::Flow<mps::Recommended>(settings), SemiImplicit{}};
   };
   Settings own{.spacing = 0.01};
   own.walls.segments = {{{Vec<2>(-1, -1), Vec<2>(1, -1)}}};

@@ -41,7 +41,7 @@ TEST_F(Restart, KeepsTheBitsOfWaterNextToAWallThatChangedItsKind) {
       {.column = {0.4, 0.4}, .size = {.length = 0.8, .height = 0.6}, .spacing = l0});
   const auto make = [&] {
     return Simulation{tank, UniformGrid<2>{},
-                      mps::Flow<mps::Recommended>{
+                      mps::Flow<mps::RecommendedForWallParticles>{
                           {.spacing = l0, .speed_scale = 2}},
                       SemiImplicit<>{}};
   };

@@ -102,8 +102,8 @@ void expect_rest_in_a_full_tank(double height) {
   }
 }
 TEST(ClosedFlow, WithTheRecommendedSchemesIsAtRestWithTheExactHydrostaticPressure) {
-  expect_rest_in_a_full_tank<mps::RecommendedForFaces>(0.4 - l0 / 2);
-  expect_rest_in_a_full_tank<mps::Recommended>(0.4 + l0 / 2);  // the lid
+  expect_rest_in_a_full_tank<mps::Recommended>(0.4 - l0 / 2);
+  expect_rest_in_a_full_tank<mps::RecommendedForWallParticles>(0.4 + l0 / 2);  // the lid
 }
 
 TYPED_TEST(ClosedFlows, HaveThePressureOfATaylorGreenVortex) {

@@ -72,8 +72,8 @@ void expect_closed_balance(double rounding) {
 
 TEST(FlowEnergy, OfADamBreakIsBalancedToRoundOff) {
   expect_closed_balance<Case10, 2, double>(1e-13);
-  expect_closed_balance<mps::Recommended, 3, double>(1e-13);
-  expect_closed_balance<mps::RecommendedForFaces, 2, double>(1e-13);
+  expect_closed_balance<mps::RecommendedForWallParticles, 3, double>(1e-13);
+  expect_closed_balance<mps::Recommended, 2, double>(1e-13);
   expect_closed_balance<Shifted, 2, double>(1e-13);
   expect_closed_balance<Case00, 2, double>(1e-13);
   expect_closed_balance<Case10, 2, float>(1e-5);

@@ -19,7 +19,7 @@ constexpr double l0 = 0.02;  // [m]
 constexpr double dt = 1e-3;  // [s]
 
 // Sheets break up into pairs that no pressure separates: 1e14 m/s after 1400 ever smaller steps.
-struct NotKeptApart : mps::RecommendedForFaces {
+struct NotKeptApart : mps::Recommended {
   mps::KeepApart collision{.distance = 0, .image_distance = 0};
 };
 TEST(FlowWatch, EndsADamBreakWhoseParticlesAreNotKeptApart) {

@@ -17,7 +17,7 @@ static_assert(mps::Friction<mps::NoFriction> && mps::Friction<mps::PairFriction>
 static_assert(mps::HasFriction<mps::PairFriction> && !mps::HasFriction<mps::NoFriction>);
 static_assert(!mps::Friction<mps::NoShifting>);
 
-struct Rubbing : mps::Recommended {
+struct Rubbing : mps::RecommendedForWallParticles {
   mps::NoShifting shifting{};
   mps::PairFriction friction{.rate = 1};
 };

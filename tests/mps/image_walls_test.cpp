@@ -19,7 +19,7 @@
 namespace silt::test::image_walls_test {
 namespace {
 
-struct Mirrored : mps::Recommended {
+struct Mirrored : mps::RecommendedForWallParticles {
   mps::ImageWalls walls{};
 };
 using Settings2D = mps::FlowSettings<2, Mirrored>;

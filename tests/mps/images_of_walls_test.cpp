@@ -105,7 +105,7 @@ static_assert(mps::WallModel<MirroredFloor>);
 static_assert(mps::AddsImages<MirroredFloor::InFlow<2, double>>);
 static_assert(!mps::AddsImages<mps::SmoothWalls::InFlow<2, double>>);
 
-struct OnFloor : mps::Recommended {
+struct OnFloor : mps::RecommendedForWallParticles {
   MirroredFloor walls{};
 };
 

@@ -20,7 +20,7 @@ using Surface = mps::OuterSurface<mps::BothConditions>;
 static_assert(mps::FreeSurface<Surface> && mps::HasOuterSurface<Surface>);
 static_assert(!mps::HasOuterSurface<mps::BothConditions>);
 
-struct Outer : mps::RecommendedForFaces {
+struct Outer : mps::Recommended {
   mps::NoFriction friction{};
 };
 // Other weights of the Laplacian than of the density.

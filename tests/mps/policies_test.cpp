@@ -73,7 +73,7 @@ TEST(Schemes, GiveTheirNumbersToTheSettingsWhichMayReplaceThem) {
   EXPECT_EQ(settings.collision.distance, 0.8);
   EXPECT_EQ(settings.collision.restitution, 0.3);
   EXPECT_EQ(settings.gradient.min_determinant, 0.2);
-  EXPECT_EQ(settings.surface.first.beta, 0.9);  // inherited
+  EXPECT_EQ(settings.surface.criterion.first.beta, 0.9);  // inherited
   const mps::Flow<Derived> flow{{.spacing = 0.01, .collision = {.distance = 0.7}}};
   EXPECT_EQ(flow.settings().collision.distance, 0.7);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The policies beyond the paper, individually and combined in Recommended.
+// The policies beyond the paper, individually and combined in RecommendedForWallParticles.
 #include "support/check.hpp"
 #include "support/fluid.hpp"
 #include "support/points.hpp"
@@ -19,7 +19,7 @@ namespace {
 
 using mps::CollidingPair;
 using mps::Kind;
-using mps::Recommended;
+using mps::RecommendedForWallParticles;
 
 // --- kernels -------------------------------------------------------------------------------------
 
@@ -172,7 +172,7 @@ TEST(ParticleShifting, IsAgainstTheConcentrationGradientLimitedAndZeroNearBounda
 
 // --- surface, walls ------------------------------------------------------------------------------
 
-struct WithCones : Recommended {
+struct WithCones : RecommendedForWallParticles {
   mps::ConeSurface surface{};
   mps::NoShifting shifting{};
 };
@@ -193,7 +193,7 @@ TEST(ConeSurface, ConsistsOfTheOutermostRowOfABlock) {
   expect_outermost_row_on_surface<WithCones>();
 }
 TEST(DensitySurface, AtNineTenthsConsistsOfTheOutermostRowOfABlock) {
-  expect_outermost_row_on_surface<Recommended>();
+  expect_outermost_row_on_surface<RecommendedForWallParticles>();
 }
 
 // Fluid with a uniform velocity along a channel of wall particles, periodic along x.
@@ -230,12 +230,12 @@ double disturbance_of_sliding_fluid() {
 }
 
 TEST(SmoothWalls, DoNotDisturbSlidingFluidUnlikeGrainyWalls) {
-  struct Grainy : Recommended {
+  struct Grainy : RecommendedForWallParticles {
     mps::BothConditions surface{};
     mps::GrainyWalls walls{};
     mps::NoShifting shifting{};
   };
-  EXPECT_LT(disturbance_of_sliding_fluid<Recommended>(), 1e-6);
+  EXPECT_LT(disturbance_of_sliding_fluid<RecommendedForWallParticles>(), 1e-6);
   EXPECT_GT(disturbance_of_sliding_fluid<Grainy>(), 1e-4);
 }
 
@@ -262,16 +262,17 @@ void expect_still_tank(double height, double max_speed) {
 }
 
 TEST(RecommendedScheme, KeepsWaterAtRestWithTheHydrostaticPressure) {
-  expect_still_tank<mps::RecommendedForFaces>(0.3, 1e-6);
+  expect_still_tank<mps::Recommended>(0.3, 1e-6);
   // Through the centres of the outermost particles; √(g H) is 1.7 m/s.
-  expect_still_tank<Recommended>(0.3 - 0.02 / 2, 0.004);
+  expect_still_tank<RecommendedForWallParticles>(0.3 - 0.02 / 2, 0.004);
 }
 
 TEST(RecommendedScheme, HasNoPressureInAFallingBlock) {
   const auto start = blob<2, double>(12, 0.02);
-  mps::FlowSettings<2, Recommended> settings{.spacing = 0.02};
+  mps::FlowSettings<2, RecommendedForWallParticles> settings{.spacing = 0.02};
   settings.clip_negative_pressure = false;
-  Simulation sim{start, UniformGrid<2>{}, mps::Flow<Recommended>(settings), SemiImplicit<>{}};
+  Simulation sim{start, UniformGrid<2>{}, mps::Flow<RecommendedForWallParticles>(settings),
+                 SemiImplicit<>{}};
   for (int k = 0; k < 50; ++k) sim.step(2e-3);
   const auto& fluid = sim.particles();
   for (Index i = 0; i < fluid.size(); ++i) {
@@ -281,9 +282,11 @@ TEST(RecommendedScheme, HasNoPressureInAFallingBlock) {
 }
 
 TEST(RecommendedScheme, FollowsATimeDependentBodyForce) {
-  mps::FlowSettings<2, Recommended> settings{.spacing = 0.02, .gravity = Vec<2>::Zero()};
+  mps::FlowSettings<2, RecommendedForWallParticles> settings{.spacing = 0.02,
+                                                             .gravity = Vec<2>::Zero()};
   settings.body_force = [](const Vec<2>&, double t) { return Vec<2>(t < 0.05 ? 2.0 : 0.0, 0); };
-  Simulation sim{blob<2, double>(8, 0.02), UniformGrid<2>{}, mps::Flow<Recommended>(settings),
+  Simulation sim{blob<2, double>(8, 0.02), UniformGrid<2>{},
+                 mps::Flow<RecommendedForWallParticles>(settings),
                  SemiImplicit<>{}};
   for (int k = 0; k < 50; ++k) sim.step(2e-3);
   for (const auto& u : sim.particles()[velocity]) EXPECT_NEAR(u[0], 0.1, 1e-9);

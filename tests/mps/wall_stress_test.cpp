@@ -22,7 +22,7 @@ static_assert(mps::WallStress<mps::FreeSlip> && mps::WallStress<mps::NoSlip> &&
               mps::WallStress<mps::WallLaw>);
 
 template <class Stress>
-struct With : mps::RecommendedForFaces {
+struct With : mps::Recommended {
   mps::NoFriction friction{};
   Stress wall_stress{};
 };

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <silt/io/csv.hpp>
+#include <silt/measure/front.hpp>
 #include <silt/measure/wall_gauge.hpp>
 #include <silt/mps.hpp>
 
@@ -41,36 +42,6 @@ struct DamBreak {
   std::uint64_t lost = 0;
   bool broke = false;  // the run ended because a step threw
 };
-
-/// Largest x of the fluid within three spacings of the floor, plus half a spacing. Isolated drops
-/// are excluded: two other particles must be within two spacings.
-template <class P>
-double leading_edge(const P& particles, double l0) {
-  const auto x = particles[position];
-  const auto kinds = particles[mps::kind];
-  std::vector<Index> low;
-  for (Index i = 0; i < x.size(); ++i) {
-    if (kinds[i] == mps::Kind::fluid && x[i][1] < 3 * l0) low.push_back(i);
-  }
-  std::sort(low.begin(), low.end(), [&](Index i, Index j) { return x[i][0] > x[j][0]; });
-  for (const Index i : low) {
-    int neighbours = -1;  // without i itself
-    for (const Index j : low) neighbours += (x[j] - x[i]).norm() < 2 * l0;
-    if (neighbours >= 2) return x[i][0] + l0 / 2;
-  }
-  return 0;
-}
-
-/// Largest y of the fluid within three spacings of the left wall, plus half a spacing.
-template <class P>
-double height_at_left(const P& particles, double l0) {
-  double height = 0;
-  for (Index i = 0; i < particles.size(); ++i) {
-    if (particles[mps::kind][i] != mps::Kind::fluid || particles[position][i][0] > 3 * l0) continue;
-    height = std::max(height, particles[position][i][1] + l0 / 2);
-  }
-  return height;
-}
 
 /// Kinetic and potential energy per density [m⁴/s²].
 template <class P>
@@ -129,8 +100,11 @@ DamBreak run_dam_break(double l0, double until, const Column& column = {}) {
       break;
     }
     record.time.push_back(sim.time());
-    record.front.push_back(leading_edge(sim.particles(), l0) / column.width);
-    record.height.push_back(height_at_left(sim.particles(), l0) / column.height);
+    const auto kinds = sim.particles()[mps::kind];
+    const Front front = find_front(sim.particles(), sim.search(), {.spacing = l0},
+                                   [&](Index i) { return kinds[i] == mps::Kind::fluid; });
+    record.front.push_back(front.x / column.width);
+    record.height.push_back(front.height / column.height);
     record.pressure.push_back(pressure_at_p2(sim.particles(), l0));
     record.energy.push_back(fluid_energy(sim.particles(), l0));
   }

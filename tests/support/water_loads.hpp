@@ -29,7 +29,7 @@ struct WaterScene {
 
   double mass() const { return 1000 * spacing * spacing; }  ///< of a particle [kg/m]
 
-  template <class Scheme = mps::RecommendedForFaces>
+  template <class Scheme = mps::Recommended>
   auto simulation() const {
     const auto turn = [c = std::cos(angle), s = std::sin(angle)](const Vec<2>& x) {
       return Vec<2>(c * x[0] - s * x[1], s * x[0] + c * x[1]);

@@ -27,7 +27,7 @@ auto flow_of(const P& particles, const mps::FlowSettings<P::dimension, Scheme>& 
 
 template <class Scheme>
 class FlowOf : public ::testing::Test {};
-using Schemes = ::testing::Types<mps::Case00, mps::Case10, mps::Recommended>;
+using Schemes = ::testing::Types<mps::Case00, mps::Case10, mps::RecommendedForWallParticles>;
 TYPED_TEST_SUITE(FlowOf, Schemes);
 
 TYPED_TEST(FlowOf, CoincidentParticlesIsRefusedWithBothIds) {

@@ -103,9 +103,11 @@ auto falling_column(S search) {
 TEST(FailedAllocation, LeavesAFlowAsBeforeTheStep) {
   for (const int threads : {1, 2}) {
     with_threads(threads, [&] {
-      EXPECT_GT(fail_each_allocation(falling_column<mps::Recommended>(UniformGrid<2>{}), 3), 20);
       EXPECT_GT(
-          fail_each_allocation(falling_column<mps::RecommendedForFaces>(UniformGrid<2>{}), 3), 20);
+          fail_each_allocation(
+              falling_column<mps::RecommendedForWallParticles>(UniformGrid<2>{}), 3), 20);
+      EXPECT_GT(
+          fail_each_allocation(falling_column<mps::Recommended>(UniformGrid<2>{}), 3), 20);
       EXPECT_GT(fail_each_allocation(falling_column<mps::Case10>(NeighbourList<2>{}), 3), 20);
       EXPECT_GT(fail_each_allocation(falling_column<mps::Case00>(BruteForce<2>{}), 3), 20);
     });

@@ -150,8 +150,8 @@ void expect_balance_of_flow(Index steps) {
 
 TEST(BalanceOfAFlow, HoldsInEveryStep) {
   // Later, water that falls between the outer dummy particles is flung away: see FlowWatch.
-  expect_balance_of_flow<mps::Recommended, 2>(300);
-  expect_balance_of_flow<mps::RecommendedForFaces, 2>(400);
+  expect_balance_of_flow<mps::RecommendedForWallParticles, 2>(300);
+  expect_balance_of_flow<mps::Recommended, 2>(400);
   expect_balance_of_flow<mps::Case10, 3>(500);
 }
 

@@ -125,7 +125,7 @@ void channel(const RandomRestarts& restarts) {
     if (kind == mps::Kind::fluid) fluid[velocity][i] = {1 + 0.2 * std::sin(10 * x[1]), 0};
     if (0 < x[1] && x[1] < 2 * l0 && x[0] < 2 * l0) ice.push_back(fluid.id(i));
   }
-  using Scheme = mps::Recommended;
+  using Scheme = mps::RecommendedForWallParticles;
   const mps::Flow<Scheme> water{
       mps::without_free_surface(mps::FlowSettings<2, Scheme>{
           .spacing = l0, .viscosity = 1e-2, .gravity = {2, 0}, .speed_scale = 1})};
@@ -158,7 +158,7 @@ const std::vector<Case> cases{
     {"falling_block", fluid_case<mps::Recommended>("falling_block")},
     {"rotating_square_case_10", fluid_case<mps::Case10>("rotating_square")},
     {"dam_break_list", dam<mps::Recommended, NeighbourList<2>>},
-    {"dam_break_faces", dam<mps::RecommendedForFaces, UniformGrid<2>>},
+    {"dam_break_wall_particles", dam<mps::RecommendedForWallParticles, UniformGrid<2>>},
     {"dam_break_case_00", dam<mps::Case00, BruteForce<2>>},
     {"dam_break_in_single_precision", dam_in_single_precision},
     {"dam_break_in_space", dam_in_space},

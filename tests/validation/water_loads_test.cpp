@@ -189,7 +189,7 @@ TEST(Obstacle, HasThePressureOfTheWaterBesideItUpToItsEdgeSlow) {
 // width.
 TEST(Obstacle, HasThePressureOfTheWaterBesideItIn3DSlow) {
   constexpr double l0 = 0.04, face = 2.4, side = 0.16, from = 0.28, to = 0.68;
-  mps::FlowSettings<3, mps::RecommendedForFaces> settings{.spacing = l0, .speed_scale = 2.4};
+  mps::FlowSettings<3, mps::Recommended> settings{.spacing = l0, .speed_scale = 2.4};
   settings.walls.triangles =
       faces_of(Box<3>{.lower = {0, 0, 0}, .upper = {3.2, 1, 1}}, Sides<3>::open());
   for (const auto& triangle :
@@ -201,7 +201,7 @@ TEST(Obstacle, HasThePressureOfTheWaterBesideItIn3DSlow) {
     mps::add_particle(fluid, x, mps::Kind::fluid);
   }
   Simulation sim{std::move(fluid), UniformGrid<3>{},
-                 mps::Flow<mps::RecommendedForFaces, 3>(settings), SemiImplicit<>{}};
+                 mps::Flow<mps::Recommended, 3>(settings), SemiImplicit<>{}};
   std::vector<double> on_face(4, 0), beside(4, 0);
   const double rise = run_water(sim, 1, [&](const auto& water, double dt) {
     if (sim.time() < 0.5) return;
@@ -287,7 +287,7 @@ StillTank3D still_tank_in_3d(double l0, double until, bool has_block) {
   constexpr double side = 0.4, depth = 0.4;
   const Box<3> tank{.lower = {0, 0, 0}, .upper = {side, side, 0.6}};
   const Box<3> block{.lower = {0.12, 0.12, 0}, .upper = {0.28, 0.28, 0.2}};
-  mps::FlowSettings<3, mps::RecommendedForFaces> settings{.spacing = l0,
+  mps::FlowSettings<3, mps::Recommended> settings{.spacing = l0,
                                                           .speed_scale = std::sqrt(g * depth)};
   settings.walls.triangles = faces_of(tank, Sides<3>::open());
   if (has_block) {
@@ -298,7 +298,7 @@ StillTank3D still_tank_in_3d(double l0, double until, bool has_block) {
     if (!has_block || !block.contains(x)) mps::add_particle(fluid, x, mps::Kind::fluid);
   }
   Simulation sim{std::move(fluid), UniformGrid<3>{},
-                 mps::Flow<mps::RecommendedForFaces, 3>(settings), SemiImplicit<>{}};
+                 mps::Flow<mps::Recommended, 3>(settings), SemiImplicit<>{}};
   StillTank3D found;
   while (sim.time() < until) {
     sim.step();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The run of the example dam_break, with any of its twelve schemes. They take long to compile,
+// The run of the example dam_break, with any of its thirteen schemes. They take long to compile,
 // therefore 2D and 3D are instantiated in source files of their own.
 #pragma once
 
@@ -23,10 +23,10 @@ namespace dam_break {
 using namespace silt;
 
 inline constexpr int recommended = -1;
-inline constexpr int for_faces = -2;
+inline constexpr int for_wall_particles = -2;
 
 struct Options : support::FlowOptions {
-  int scheme = recommended;                 // or for_faces, or a case of Table 1
+  int scheme = recommended;                 // or for_wall_particles, or a case of Table 1
   std::vector<double> column = {0.4, 0.8};  // width, height [m]
   std::vector<double> tank = {1.6, 1.6};    // length, height [m]
   double depth = 0.2;                       // [m]
@@ -107,7 +107,7 @@ void collapse_with(const Options& o) {
   options = {{"case", nullptr}, {"column", o.column}, {"tank", o.tank}, {"depth", o.depth}};
   options["case"] = o.scheme;
   if (o.scheme == recommended) options["case"] = "recommended";
-  if (o.scheme == for_faces) options["case"] = "faces";
+  if (o.scheme == for_wall_particles) options["case"] = "wall_particles";
   support::add_flow_options(options, o);
   support::complete(o.resume, o.out, summary);
   std::printf("dam_break: %zu fluid particles, "
@@ -128,7 +128,7 @@ template <int Dim>
 void collapse(const Options& o) {
   using namespace mps;
   if (o.scheme == recommended) return collapse_with<Recommended, Dim>(o);
-  if (o.scheme == for_faces) return collapse_with<RecommendedForFaces, Dim>(o);
+  if (o.scheme == for_wall_particles) return collapse_with<RecommendedForWallParticles, Dim>(o);
   collapse_with_case<Dim, Case00, Case01, Case02, Case03, Case04, Case05, Case06, Case07, Case08,
                      Case09, Case10>(o);
 }

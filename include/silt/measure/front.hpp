@@ -15,7 +15,7 @@ struct FrontRule {
   double spacing = 0;              ///< l0 [m]: particles extend by half of it
   double band = 2;                 ///< height above the floor, or distance to the wall, over l0
   double neighbour_radius = 2.1;   ///< over l0; at most the search radius
-  int min_neighbours = 3;        ///< fluid neighbours of the edge within that radius
+  int min_neighbours = 3;  ///< in that radius, of the particle at the edge or of a neighbour of it
 };
 
 struct Front {
@@ -40,12 +40,21 @@ Front find_front(const P& particles, const S& search, const FrontRule& rule, IsF
   const double band = rule.band * rule.spacing;
   const double near = rule.neighbour_radius * rule.spacing;
   const auto x = particles[position];
-  const auto is_spray = [&](Index i) {
-    int neighbours = 0;
+  const auto for_each_near = [&](Index i, auto&& f) {
     search.for_each_neighbour(i, [&](Index j, const auto&, auto r) {
-      neighbours += double(r) < near && is_fluid(particles.owner(j));
+      if (double(r) < near && is_fluid(particles.owner(j))) f(particles.owner(j));
     });
-    return neighbours < rule.min_neighbours;
+  };
+  const auto has_enough = [&](Index i) {
+    int neighbours = 0;
+    for_each_near(i, [&](Index) { ++neighbours; });
+    return neighbours >= rule.min_neighbours;
+  };
+  // The tip of a film of one row has a neighbour or two, and is no spray.
+  const auto is_spray = [&](Index i) {
+    bool is_linked = has_enough(i);
+    for_each_near(i, [&](Index j) { is_linked = is_linked || has_enough(j); });
+    return !is_linked;
   };
   Front front;
   for (Index i = 0; i < particles.size(); ++i) {
@@ -59,6 +68,12 @@ Front find_front(const P& particles, const S& search, const FrontRule& rule, IsF
     if (rises) front.height = top;
   }
   return front;
+}
+
+/// The same of all particles.
+template <ParticleSet P, NeighbourSearch<P> S>
+Front find_front(const P& particles, const S& search, const FrontRule& rule) {
+  return find_front(particles, search, rule, [](Index) { return true; });
 }
 
 }  // namespace silt

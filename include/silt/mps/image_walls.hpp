@@ -338,8 +338,8 @@ class ImageWalls::InFlow {
     const Index i = first_where(particles.size(), [&](Index k) { return kinds[k] != Kind::fluid; });
     if (i == no_index) return;
     fail("ImageWalls: a particle is of a wall, but these walls are faces; remove all wall and "
-         "dummy particles, or use a scheme with SmoothWalls or GrainyWalls; make_tank<Scheme, Dim>() "
-         "makes a tank for either",
+         "dummy particles, or use a scheme for them, such as mps::RecommendedForWallParticles; "
+         "make_tank<Scheme, Dim>() makes a tank for either",
          {.particle = i, .id = particles.id(i)});
   }
   // Its image would be at the same position.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The recommended scheme; docs/theory_mps.md compares it with other policies.
+// The recommended schemes; docs/theory_mps.md compares them with other policies.
 #pragma once
 
 #include <silt/mps/balanced_source.hpp>
@@ -21,32 +21,32 @@
 
 namespace silt::mps {
 
+/// Walls are faces; the pressures of impacts and at edges are right, and water rests in any tank.
 struct Recommended {
   BalancedSource source{};
-  KeepApart collision{};
+  KeepApart collision{.image_distance = 0.7};
   WendlandKernel kernel{};
-  BothConditions surface{.first = {.beta = 0.9}, .second = {}};
+  OuterSurface<BothConditions> surface{.criterion = {.first = {.beta = 0.9}, .second = {}}};
   CorrectedGradient gradient{};
-  SmoothWalls walls{};
+  ImageWalls walls{};
   ParticleShifting shifting{};
-  NoFriction friction{};
+  PairFriction friction{};
   FreeSlip wall_stress{};
   KernelLaplacian laplacian{};
 };
 
-/// The same for walls of faces, with the pressures of impacts and below edges right, and water that
-/// rests in any tank. In 3D, a step takes about twice as long.
-struct RecommendedForFaces : Recommended {
-  KeepApart collision{.image_distance = 0.7};
-  OuterSurface<BothConditions> surface{.criterion = {.first = {.beta = 0.9}, .second = {}}};
-  ImageWalls walls{};
-  PairFriction friction{};
+/// The same as far as walls of wall and dummy particles allow it. Loads on them are too low, above
+/// all those of impacts and below edges, and in 3D water beside vertical edges does not rest.
+struct RecommendedForWallParticles : Recommended {
+  KeepApart collision{};
+  BothConditions surface{.first = {.beta = 0.9}, .second = {}};
+  SmoothWalls walls{};
+  NoFriction friction{};
 };
 
 /// Settings for flows without a free surface: without splashes a smaller minimum distance suffices,
 /// which dissipates less energy, above all with walls of faces, and persistent strain needs more
-/// shifting. Schemes with neither
-/// KeepApart nor ParticleShifting are returned unchanged.
+/// shifting. Schemes with neither KeepApart nor ParticleShifting are returned unchanged.
 template <int Dim, class Scheme>
 FlowSettings<Dim, Scheme> without_free_surface(FlowSettings<Dim, Scheme> settings) {
   if constexpr (std::derived_from<CollisionOf<Scheme>, KeepApart>) {
