@@ -54,6 +54,14 @@ TEST(WallGauge, ReadsTheMeanOfFewParticlesAndZeroOfNone) {
   EXPECT_EQ(at(0.5), 0);
 }
 
+// At 1.58 spacings, w = 0.141, and a quarter of that of a flat wall 0.524.
+TEST(WallGauge, CountsDryPartsAsZero) {
+  auto water = fluid_at<2, double>({{0.5 * l0, 0}});
+  water[mps::pressure][0] = 30;
+  const WallGauge<2> above{{0, 1.5 * l0}, {1, 0}, l0};
+  EXPECT_NEAR(above.read(water, mps::pressure), 30 * 0.1406 / 0.5236, 0.01);
+}
+
 TEST(WallGauge, RefusesAWrongSpacingOrNormal) {
   const auto water = blob<2, double>(2, l0);
   EXPECT_TRUE(refuses([&] { (WallGauge<2>{{0, 0}, {1, 0}, 0}.read(water, mps::pressure)); },

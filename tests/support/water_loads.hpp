@@ -5,7 +5,7 @@
 #include "support/points.hpp"
 
 #include <silt/geometry/shapes.hpp>
-#include <silt/measure/wall_gauge.hpp>
+#include <silt/measure/wall_load.hpp>
 #include <silt/mps.hpp>
 
 #include <algorithm>
@@ -54,26 +54,6 @@ struct WaterScene {
                       SemiImplicit<>{}};
   }
 };
-
-/// A vertical piece of a wall.
-struct WallPiece {
-  double x;                ///< [m]
-  double from, to;         ///< heights [m]
-  double normal;           ///< 1 or −1, into the water
-};
-
-/// Horizontal force of the pressure on it, against its normal [N/m], by gauges a spacing apart.
-template <class P>
-double pressure_load(const P& particles, const WallPiece& wall, double l0) {
-  const auto gauges = static_cast<int>(std::lround((wall.to - wall.from) / l0));
-  const double along = (wall.to - wall.from) / gauges;
-  double sum = 0;
-  for (int k = 0; k < gauges; ++k) {
-    const Vec<2> point{wall.x, wall.from + (k + 0.5) * along};
-    sum += along * WallGauge<2>{point, {wall.normal, 0}, l0}.read(particles, mps::pressure);
-  }
-  return sum;
-}
 
 /// Σ m u_x [N s/m].
 template <class P>

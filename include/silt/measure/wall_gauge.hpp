@@ -10,11 +10,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace silt {
 
 /// Extrapolates a scalar field of the fluid before a wall to a point of the wall: the linear function
-/// with the least squared deviation from the particles within two spacings.
+/// with the least squared deviation from the particles within two spacings. Where they are few, as
+/// when a drop passes, dry parts of the wall count as zero.
 template <int Dim>
 struct WallGauge {
   Vec<Dim> point = Vec<Dim>::Zero();   ///< on the wall [m]
@@ -23,8 +25,9 @@ struct WallGauge {
 
   /// Σ_j w_j (a + b·(x_j − point) − φ_j)² + ε Σ_j w_j |b|² l0² is least, with w = (1 − (r/2 l0)²)²
   /// and ε = 0.005, because of which few particles give their mean, and a linear field has an error
-  /// of up to 3 % of its change over a spacing; returns a, not below 0, or 0 without particles.
-  /// Throws if the spacing is not positive or the normal zero.
+  /// of up to 3 % of its change over a spacing. Returns a, not below 0, times Σ w_j over a quarter of
+  /// that before a flat wall, if it is less: in a corner of three walls it is not. Throws if the
+  /// spacing is not positive or the normal zero.
   template <ParticleSet P, Field F>
   double read(const P& particles, F field) const {
     static_assert(P::dimension == Dim, "silt::WallGauge: the particles have another dimension");
@@ -34,6 +37,8 @@ struct WallGauge {
     if (!(normal.norm() > 0)) fail("WallGauge: normal = 0; give that of the wall, into the fluid");
     constexpr double range = 2;      // spacings
     constexpr double ridge = 0.005;  // ε
+    // ∫ w dV before a flat wall over l0^Dim.
+    constexpr double flat = (Dim == 2 ? 2.0 / 3 : 128.0 / 105) * std::numbers::pi;
     using Matrix = Eigen::Matrix<double, Dim, Dim>;
     const auto x = particles[position];
     const auto values = particles[field];
@@ -59,7 +64,7 @@ struct WallGauge {
     for (int k = 0; k < Dim; ++k) moments.col(k) -= (weights * centre[k]) * centre;
     moments.diagonal().array() += ridge * weights;
     slope = multiply<Dim, double>(moments.inverse(), slope);
-    return std::max(0.0, mean - slope.dot(centre));
+    return std::min(1.0, weights / (flat / 4)) * std::max(0.0, mean - slope.dot(centre));
   }
 };
 

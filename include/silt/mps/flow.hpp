@@ -69,6 +69,10 @@ class BasicFlow {
   const auto& stencil() const noexcept { return operators_.stencil(); }
   /// Wall-clock time by stage.
   const FlowSeconds& seconds() const noexcept { return seconds_; }
+  /// Change of the velocity of each particle by its collisions with images in walls, in the last
+  /// step [m/s]: a part of the load of walls that the pressure does not know, see WallLoad. Empty
+  /// before the first step, and with walls of particles.
+  const std::vector<Vec>& collisions_with_walls() const noexcept { return changes_.at_walls; }
   double seconds_in_pressure() const noexcept { return seconds_.pressure; }  ///< [s], wall time
 
   /// Interaction range: the larger of the two effective radii [m].
@@ -161,6 +165,17 @@ class BasicFlow {
       const ClosePairs pairs(particles, operators_, range, i);
       return operators_.walls().velocity_change(pairs, settings_.collision);
     });
+    if constexpr (AddsImages<typename Operators::Walls>) {
+      find_changes(particles, changes_.at_walls, [&](Index i) -> Vec {
+        Vec change = Vec::Zero();
+        if ((changes_.collision[i].array() == 0).all()) return change;
+        const ClosePairs pairs(particles, operators_, range, i);
+        pairs.for_each_image([&](const auto& pair, Index) {
+          change += settings_.collision.velocity_change(pair);
+        });
+        return change;
+      });
+    }
     apply_changes(changes_.collision, particles, velocity);
   }
 
