@@ -80,8 +80,8 @@ NOT_STORED = {
     "Outflow": all_of(GIVEN, "region_ settings_"),
     # mps
     "BasicFlow": {**all_of(GIVEN, "settings_ solver_"),
-                  **all_of(ANEW, "operators_ force_ boundary_ source_ friction_ equation_ changes_ advection_velocity_ "
-                                 "is_first_step_"),
+                  **all_of(ANEW, "operators_ force_ boundary_ moments_ source_ friction_ equation_ changes_ "
+                                 "advection_velocity_ is_first_step_"),
                   "report_": LAST, "seconds_": CLOCK,
                   "time_": "set_time() sets it before it is used"},
     "FlowOperators": {**all_of(GIVEN, "stencil_ laplacian_stencil_"),
@@ -93,6 +93,7 @@ NOT_STORED = {
     "Neighbourhood": {**all_of(ANEW, "positions_ rows_ sets_ density_"), "revision_": NUMBER},
     "BodyForce": {"gravity_": GIVEN, "forces_": ANEW},
     "PressureBoundary": all_of(ANEW, "has_pressure_ weight_of_surface_ near_boundary_"),
+    "KeptMoments": all_of(ANEW, "is_known_ moments_"),
     "ErrorCompensatingSource": {"last_rate_": ANEW},
     "PressureEquation": {**all_of(ANEW, "system_ unknowns_ row_of_ last_column_ is_open_ front_"),
                          "solution_": "begins with the pressures of the particles"},
@@ -164,8 +165,8 @@ NOT_SAVED = {
                    "last_time_step_": "set_last_time_step() sets it before it is used", "memory_": MEMORY},
     # mps
     "BasicFlow": {**all_of(GIVEN, "settings_ solver_"),
-                  **all_of(ANEW, "operators_ force_ boundary_ source_ friction_ equation_ changes_ advection_velocity_ "
-                                 "is_first_step_"),
+                  **all_of(ANEW, "operators_ force_ boundary_ moments_ source_ friction_ equation_ changes_ "
+                                 "advection_velocity_ is_first_step_"),
                   "report_": "tells why the step failed", "seconds_": CLOCK,
                   "time_": "set_time() sets it before it is used"},
     "EnergyAccount": {"properties_": GIVEN},

@@ -47,11 +47,12 @@ struct BalancedSource {
     typename View::Velocities u = at.velocities();
     typename View::Kinds kinds = at.kinds();
     typename View::Real time_step = typename View::Real(at.time_step());
+    Vec own_change = time_step * at.force(at.index());  // Δt F
 
     // Inlined, so that the sums over neighbours stay in registers.
     [[gnu::always_inline]] inline Vec operator[](Index j) const {
       if constexpr (View::has_images) {
-        return kinds[j] == Kind::fluid ? Vec(u[j] - time_step * at.force(at.index())) : Vec(u[j]);
+        return kinds[j] == Kind::fluid ? Vec(u[j] - own_change) : Vec(u[j]);
       } else {
         return kinds[j] == Kind::fluid ? Vec(u[j]) : Vec(u[j] + time_step * at.force(at.owner(j)));
       }

@@ -20,8 +20,23 @@ struct CorrectedGradient {
   void check() const {
     require_between("CorrectedGradient: min_determinant", min_determinant, {0, 1});
   }
+  /// C⁻¹ d/n0 of a particle. It depends on positions only, and serves for several φ.
+  template <int Dim, class Real>
+  struct Moments {
+    Real determinant;
+    Eigen::Matrix<Real, Dim, Dim> inverse;
+  };
+
   template <class T, class Real, class Neighbours>
   Vec<T::dimension, Real> evaluate(const T& stencil, Real phi_i, Neighbours&& for_each) const {
+    Moments<T::dimension, Real> moments;
+    return evaluate(stencil, phi_i, for_each, moments);
+  }
+  /// The same, and returns the moments.
+  template <class T, class Real, class Neighbours>
+  [[gnu::flatten]] Vec<T::dimension, Real> evaluate(const T& stencil, Real phi_i,
+                                                    Neighbours&& for_each,
+                                                    Moments<T::dimension, Real>& found) const {
     using Vec = silt::Vec<T::dimension, Real>;
     using Matrix = Eigen::Matrix<Real, T::dimension, T::dimension>;
     Vec sum = Vec::Zero();
@@ -32,11 +47,31 @@ struct CorrectedGradient {
       const Vec weighted = w_r2 * r_ij;
       for (int k = 0; k < T::dimension; ++k) moments.col(k) += r_ij[k] * weighted;
     });
-    const Real scale = T::dimension / stencil.n0;
-    moments *= scale;
-    sum *= scale;
-    if (!(moments.determinant() > Real(min_determinant))) return sum;
-    return multiply<T::dimension, Real>(moments.inverse(), sum);
+    moments *= T::dimension / stencil.n0;
+    found.determinant = moments.determinant();
+    found.inverse = moments.inverse();
+    return corrected(stencil, sum, found);
+  }
+  /// The same with known moments, of the same neighbours.
+  template <class T, class Real, class Neighbours>
+  [[gnu::flatten]] Vec<T::dimension, Real> evaluate_with(
+      const Moments<T::dimension, Real>& moments, const T& stencil, Real phi_i,
+      Neighbours&& for_each) const {
+    using Vec = silt::Vec<T::dimension, Real>;
+    Vec sum = Vec::Zero();
+    for_each([&](Real phi_j, const Vec& r_ij, Real, Real w_r2) {
+      sum += ((phi_j - phi_i) * w_r2) * r_ij;
+    });
+    return corrected(stencil, sum, moments);
+  }
+
+ private:
+  template <class T, class Real>
+  Vec<T::dimension, Real> corrected(const T& stencil, Vec<T::dimension, Real> sum,
+                                    const Moments<T::dimension, Real>& moments) const {
+    sum *= T::dimension / stencil.n0;
+    if (!(moments.determinant > Real(min_determinant))) return sum;
+    return multiply<T::dimension, Real>(moments.inverse, sum);
   }
 };
 

@@ -15,6 +15,7 @@
 #include <silt/mps/flow_settings.hpp>
 #include <silt/mps/flow_watch.hpp>
 #include <silt/mps/fluid.hpp>
+#include <silt/mps/kept_moments.hpp>
 #include <silt/mps/moves_before_walls.hpp>
 #include <silt/mps/particle_view.hpp>
 #include <silt/mps/pressure.hpp>
@@ -109,6 +110,7 @@ class BasicFlow {
     time_step_.begin(particles, settings_, {.viscous = viscous(), .time = time_}, time_step);
     energy_.begin(particles);
     changes_.clear();
+    moments_.clear();
     particles.refresh_ghosts(kind);  // may have changed since the search made them
     silt::detail::check_digits_of_positions(
         "mps::Flow", particles, "spacing", [this](Index) { return Real(settings_.spacing); });
@@ -186,6 +188,7 @@ class BasicFlow {
     find_neighbours_of_moved(particles, search);
     const ScopedTimer in_pressure(seconds_.pressure);
     const auto step = view(particles, time_step);
+    moments_.begin(particles.size());
     boundary_.find(particles, operators_, settings_.surface);  // n (5), free surface (13), (17)
     particles.refresh_ghosts(velocity);
     particles.refresh_ghosts(pressure);  // of the previous step
@@ -330,7 +333,7 @@ class BasicFlow {
 
   template <class P>
   StepView<Scheme, P> view(const P& particles, double time_step) const {
-    return {particles, settings_, operators_, boundary_, force_, time_step};
+    return {particles, settings_, operators_, boundary_, force_, moments_, time_step};
   }
 
   Settings settings_;
@@ -340,6 +343,7 @@ class BasicFlow {
   SourceOf<Scheme> source_;  // which may keep something from begin() to the end of the step
   [[no_unique_address]] FrictionModel friction_;
   PressureBoundary<Scheme> boundary_;
+  KeptMoments<Dim, Real> moments_;
   PressureEquation equation_;
   SolveReport report_;
   FlowSeconds seconds_;

@@ -7,11 +7,14 @@
 #include <silt/mps/flow_operators.hpp>
 #include <silt/mps/flow_settings.hpp>
 #include <silt/mps/fluid.hpp>
+#include <silt/mps/kept_moments.hpp>
 #include <silt/mps/neighbour_view.hpp>
 #include <silt/mps/operators.hpp>
 #include <silt/mps/pressure_boundary.hpp>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <type_traits>
 
 namespace silt::mps {
@@ -31,6 +34,7 @@ struct StepView {
   const FlowOperators<Scheme, Dim, Real>& operators;
   const PressureBoundary<Scheme>& boundary;
   const BodyForce<Dim, Real>& force;
+  const KeptMoments<Dim, Real>& moments;
   double time_step;  ///< Δt [s]
 
   ParticleView<Scheme, P> at(Index i) const { return {*this, i}; }
@@ -85,7 +89,7 @@ class ParticleView
   template <class G, class RiseOf>
   [[gnu::flatten]] Vec pressure_gradient(const G& gradient, const RiseOf& rise_of) const {
     const auto p = this->particles().with_ghosts(pressure);
-    return gradient.evaluate(this->stencil(), p[this->index()], [&](auto&& f) {
+    const auto for_each_with_pressure = [&](auto&& f) {
       this->for_each([&](const auto& j) {
         if (!has_pressure(j)) return;
         if constexpr (std::remove_cvref_t<decltype(j)>::is_image) {
@@ -94,7 +98,9 @@ class ParticleView
           f(p[j.index], j.r_ij, j.weight, j.weight_over_square);
         }
       });
-    });
+    };
+    return step_.moments.evaluate(this->index(), gradient, this->stencil(), p[this->index()],
+                                  for_each_with_pressure);
   }
   /// 2d/(λ n0) Σ w rise_of(image) over the images of the particles with pressure [Pa/m²]: the part
   /// of the Laplacian of the pressure that is known.
@@ -109,10 +115,26 @@ class ParticleView
   }
   /// l0/n0 Σ w r_ij/r² [-], in the direction of increasing particle concentration.
   Vec concentration_gradient() const {
-    const auto& stencil = this->stencil();
+    const Real spacing = this->stencil().spacing, n0 = this->stencil().n0;
+    const auto& neighbourhood = this->neighbourhood();
+    const auto row = neighbourhood[this->index()];
+    const Vec x_i = neighbourhood.position_of(this->index());
     Vec sum = Vec::Zero();
-    this->for_each([&](const auto& j) {
-      sum += (stencil.spacing * j.weight_over_square / stencil.n0) * j.r_ij;
+    // Quotients first, for many at a time.
+    constexpr Index block = 64;
+    std::array<Real, block> factors;
+    for (Index from = 0; from < row.size(); from += block) {
+      const Index size = std::min(block, row.size() - from);
+      for (Index k = 0; k < size; ++k) {
+        factors[k] = spacing * Real(row.weight_over_square[from + k]) / n0;
+      }
+      for (Index k = 0; k < size; ++k) {
+        const Vec r_ij = neighbourhood.position_of(row.index[from + k]) - x_i;
+        sum += factors[k] * r_ij;
+      }
+    }
+    step_.operators.for_each_image(this->index(), [&](const auto& image) {
+      sum += (spacing * image.weight_over_square / n0) * image.r_ij;
     });
     return sum;
   }

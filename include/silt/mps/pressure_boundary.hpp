@@ -47,7 +47,7 @@ class PressureBoundary {
   }
 
   /// Whether an owned particle has a pressure: an unknown one, or P = 0 on the free surface.
-  bool has_pressure(Index i) const noexcept { return has_pressure_[i] != 0; }
+  bool has_pressure(Index i) const noexcept { return all_have_pressure || has_pressure_[i] != 0; }
 
   /// Weight of the free surface in the pressure equation of an owned particle [-], if the pressure
   /// of particles on it is unknown, see OuterSurface; otherwise 0.
@@ -68,7 +68,7 @@ class PressureBoundary {
       const auto on_surface = at.particles()[surface];
       const auto is_boundary = [&](const auto& j) {
         const Index owner = at.owner(j);
-        return on_surface[owner] || !has_pressure_[owner];
+        return on_surface[owner] || !has_pressure(owner);
       };
       answer = on_surface[at.index()] || at.any(is_boundary) ? Answer::yes : Answer::no;
     }
@@ -76,6 +76,7 @@ class PressureBoundary {
   }
 
  private:
+  static constexpr bool all_have_pressure = AllHavePressure<WallsOf<Scheme>>;
   enum class Answer : std::uint8_t { unknown, no, yes };
 
   template <class Operators, class P>

@@ -43,6 +43,7 @@ struct AnyNeighbourView {
   std::span<const Kind> kinds() const;
   std::span<const Vec> velocities() const;
   const Stencil<Dim, Real, CubicKernel>& stencil() const;
+  const Neighbourhood<Dim, Real>& neighbourhood() const;
   template <class F>
   void for_each(F&& f) const;
   template <class F>
@@ -136,6 +137,11 @@ concept AddsImages =
 /// the flow of the velocities u* until the pressure has changed them.
 template <class W>
 concept ContinuesFlow = AddsImages<W> && !requires { &detail::BothContinueFlow<W>::continue_flow; };
+
+/// Walls, not those in a flow, with all_have_pressure = true: has_pressure() is never false, which
+/// need then not be looked up for every neighbour.
+template <class W>
+concept AllHavePressure = requires { requires bool(W::all_have_pressure); };
 
 /// Walls that hide particles from each other: locate(particles, search, operators) is called before
 /// the neighbours are found, and j is a neighbour of i, with its weight times visible_share(i, j),
