@@ -28,6 +28,9 @@ class BoxTree {
     Real squared_distance(const Vec& x) const {
       return (x - x.cwiseMax(lower).cwiseMin(upper)).squaredNorm();
     }
+    Real squared_distance(const Bounds& other) const {
+      return (lower - other.upper).cwiseMax(other.lower - upper).cwiseMax(Real(0)).squaredNorm();
+    }
   };
 
   BoxTree() = default;
@@ -38,10 +41,11 @@ class BoxTree {
     if (!items.empty()) build(items, {0, static_cast<std::uint32_t>(items.size())});
   }
 
-  /// visit(item) for the items whose bounds are closer to x than `limit`, a squared distance [m²].
-  /// visit returns the limit for the remaining items. Nearer nodes are visited first.
-  template <class Visit>
-  void visit_near(const Vec& x, Real limit, Visit&& visit) const {
+  /// visit(item) for the items whose bounds are closer to x, a point or Bounds, than `limit`, a squared
+  /// distance [m²], and for some further ones. visit returns the limit for the remaining items. Nearer
+  /// nodes are visited first.
+  template <class Shape, class Visit>
+  void visit_near(const Shape& x, Real limit, Visit&& visit) const {
     if (nodes_.empty()) return;
     std::array<std::uint32_t, 64> stack;  // nodes are halved, so the depth is at most 32
     Index count = 0;

@@ -80,18 +80,29 @@ class Faces {
   const Axes& axes() const { return axes_; }
   const Element& operator[](std::uint32_t element) const { return elements_[element]; }
 
+  using Tree = BoxTree<Dim, double>;
+  using Bounds = typename Tree::Bounds;
+
   /// f(k) for the numbers k of all faces closer to x than `distance` [m], and of some further ones.
   template <class F>
   void for_each_near(const Vec& x, double distance, F&& f) const {
+    for_each_near_shape(x, distance, f);
+  }
+  /// The same for bounds instead of a point.
+  template <class F>
+  void for_each_near_bounds(const Bounds& bounds, double distance, F&& f) const {
+    for_each_near_shape(bounds, distance, f);
+  }
+
+ private:
+  template <class Shape, class F>
+  void for_each_near_shape(const Shape& x, double distance, F&& f) const {
     const double limit = squared(distance);
     tree_.visit_near(x, limit, [&](std::uint32_t k) {
       f(k);
       return limit;
     });
   }
-
- private:
-  using Tree = BoxTree<Dim, double>;
 
   // A side of a face: the edge from corner k to the next one (in 2D, the end k).
   struct SideOfFace {

@@ -7,6 +7,7 @@
 #include <silt/geometry/faces.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -49,24 +50,37 @@ class MirrorsAround {
 
   /// The faces closer to x than reach [m], and somewhat further ones.
   void find(const Faces<Dim>& surface, const Vec& x, double reach) {
-    near_.clear();
-    surface_ = &surface;
-    x_ = x;
-    reach_ = reach;
-    distance_ = std::numeric_limits<double>::infinity();
-    const double furthest = reach + margin();
-    surface.for_each_near(x, furthest, [&](std::uint32_t k) {
-      const Element& element = surface[k];
-      if (!(std::abs(element.height(x)) < furthest)) return;
-      const double distance = (nearest_of(element.face, x) - x).norm();
-      if (!(distance < furthest)) return;
-      distance_ = std::min(distance_, distance);
-      near_.push_back(k);
+    begin(surface, x, reach);
+    surface.for_each_near(x, furthest(), [&](std::uint32_t k) { add_if_near(k); });
+    end();
+  }
+  /// The same if they are known to be among these.
+  void find(const Faces<Dim>& surface, const Vec& x, double reach,
+            std::span<const std::uint32_t> candidates) {
+    begin(surface, x, reach);
+    for (const std::uint32_t k : candidates) add_if_near(k);
+    end();
+  }
+  /// find() for each of the points of some size, which are best close to each other: what they have in
+  /// common is found once.
+  static void find_all(const Faces<Dim>& surface, std::span<const Vec> points, double reach,
+                       std::span<MirrorsAround> found) {
+    if (points.empty()) return;
+    typename Faces<Dim>::Bounds bounds{points[0], points[0]};
+    for (const Vec& x : points) bounds.enclose({x, x});
+    std::array<std::uint32_t, 16> candidates;
+    std::size_t number = 0;
+    surface.for_each_near_bounds(bounds, furthest_for(reach), [&](std::uint32_t k) {
+      if (number < candidates.size()) candidates[number] = k;
+      ++number;
     });
-    std::ranges::sort(near_);
-    is_plane_ = !near_.empty() && std::ranges::all_of(near_, [&](std::uint32_t k) {
-      return surface[k].facet == surface[near_[0]].facet && surface[k].distance_from_rim(x) >= furthest;
-    });
+    for (std::size_t k = 0; k < points.size(); ++k) {
+      if (number <= candidates.size()) {
+        found[k].find(surface, points[k], reach, std::span(candidates).first(number));
+      } else {
+        found[k].find(surface, points[k], reach);
+      }
+    }
   }
 
   bool empty() const { return near_.empty(); }
@@ -183,10 +197,38 @@ class MirrorsAround {
   double distance_from(const Element& element) const {
     return (x_ - nearest_of(element.face, x_)).norm();
   }
+  void begin(const Faces<Dim>& surface, const Vec& x, double reach) {
+    near_.clear();
+    surface_ = &surface;
+    x_ = x;
+    reach_ = reach;
+    distance_ = std::numeric_limits<double>::infinity();
+  }
+  void add_if_near(std::uint32_t k) {
+    const Element& element = (*surface_)[k];
+    if (!(std::abs(element.height(x_)) < furthest())) return;
+    const double distance = (nearest_of(element.face, x_) - x_).norm();
+    if (!(distance < furthest())) return;
+    distance_ = std::min(distance_, distance);
+    near_.push_back(k);
+  }
+  void end() {
+    const Faces<Dim>& surface = *surface_;
+    std::ranges::sort(near_);
+    is_plane_ = !near_.empty() && std::ranges::all_of(near_, [&](std::uint32_t k) {
+      return surface[k].facet == surface[near_[0]].facet &&
+             surface[k].distance_from_rim(x_) >= furthest();
+    });
+  }
+
   double round_off() const { return 1e-7 * reach_; }  // also beside faces of a thousand kilometres
   // Of the lines for a share [m]: less than the usual distance of fluid from a wall.
-  double width() const { return 0.05 * reach_; }
-  double margin() const { return 0.75 * width(); }  // longer than their shifts
+  double width() const { return width_for(reach_); }
+  double margin() const { return margin_for(reach_); }  // longer than their shifts
+  double furthest() const { return furthest_for(reach_); }
+  static double width_for(double reach) { return 0.05 * reach; }
+  static double margin_for(double reach) { return 0.75 * width_for(reach); }
+  static double furthest_for(double reach) { return reach + margin_for(reach); }
   bool is_between(const Element& element, const Vec& from, const Vec& to) const {
     return (element.height(from) > 0) != (element.height(to) > 0) &&
            passage_of(element.face, from, to, round_off()) != Passage::beside;

@@ -6,6 +6,7 @@
 #include <silt/geometry/mirrors.hpp>
 #include <silt/mps/fluid.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <vector>
@@ -51,13 +52,17 @@ struct ImageOfParticle {
   }
 };
 
-/// The images that a particle sees, mirror by mirror, with their weights in one stencil. Positions are
-/// computed from those of the particles: sums over stored ones would wait for memory.
+/// The images that each particle sees, mirror by mirror, with their weights in one stencil. Positions
+/// are computed from those of the particles: sums over stored ones would wait for memory. For the same
+/// reason, the rows of particles that follow each other are stored together, with each mirror once.
 template <int Dim, class RealType>
-class ImageRow {
+class ImageRows {
  public:
   using Real = RealType;
   using Matrix = Eigen::Matrix<Real, Dim, Dim>;
+
+  /// Rows [k together, (k + 1) together) have to be added by one thread.
+  static constexpr Index together = 64;
 
   struct Place {
     std::uint32_t index;  // of the particle
@@ -69,31 +74,95 @@ class ImageRow {
     Mirror<Dim> mirror;
     Matrix rotation;
     bool is_reflection;
-    std::uint32_t end;  // of its places
   };
 
-  void clear() {
-    mirrors_.clear();
-    places_.clear();
+  /// All rows are empty from now on.
+  void clear(Index rows) {
+    rows_.assign(rows, Row{});
+    sets_.resize((rows + together - 1) / together);
+    for (Set& set : sets_) {
+      set.mirrors.clear();
+      set.parts.clear();
+      set.places.clear();
+    }
   }
-  /// Adds an image in the next mirror, at a distance whose square is r2.
+  /// Row i follows.
+  void begin_row(Index i) {
+    const Set& set = set_of(i);
+    rows_[i] = {size_of(set.parts), size_of(set.parts), size_of(set.places)};
+  }
+  /// Adds an image in the next mirror to row i, at a distance whose square is r2.
   template <class T>
-  void add(Index j, double share, Real r2, const T& stencil) {
+  void add(Index i, Index j, double share, Real r2, const T& stencil) {
     const Real w = r2 < squared(stencil.re) ? Real(share) * stencil.weight(std::sqrt(r2)) : 0;
-    places_.push_back({static_cast<std::uint32_t>(j), static_cast<float>(share), w, w / r2});
+    set_of(i).places.push_back(
+        {static_cast<std::uint32_t>(j), static_cast<float>(share), w, w / r2});
   }
   /// Ends the images in a mirror.
-  void end(const Mirror<Dim>& mirror) {
-    mirrors_.push_back({mirror, mirror.rotation.template cast<Real>(), mirror.rotation.determinant() < 0,
-                        static_cast<std::uint32_t>(places_.size())});
+  void end_mirror(Index i, const Mirror<Dim>& mirror) {
+    Set& set = set_of(i);
+    Row& row = rows_[i];
+    const std::uint32_t before = row.first == row.end ? row.places : set.parts[row.end - 1].end;
+    const std::uint32_t end = size_of(set.places);
+    if (end == before) return;
+    set.parts.push_back({number_of(set, mirror), end});
+    ++row.end;
   }
 
-  const std::vector<MirrorOfRow>& mirrors() const { return mirrors_; }
-  const std::vector<Place>& places() const { return places_; }
+  /// f(mirror, place) for each image.
+  template <class F>
+  [[gnu::always_inline]] inline void for_each(Index i, F&& f) const {
+    const Row row = rows_[i];
+    if (row.first == row.end) return;
+    const Set& set = sets_[i / together];
+    const Place* place = set.places.data() + row.places;
+    for (std::uint32_t p = row.first; p < row.end; ++p) {
+      const MirrorOfRow& mirror = set.mirrors[set.parts[p].mirror];
+      const Place* const end = set.places.data() + set.parts[p].end;
+      for (; place < end; ++place) f(mirror, *place);
+    }
+  }
 
  private:
-  std::vector<MirrorOfRow> mirrors_;
-  std::vector<Place> places_;
+  struct Row {
+    std::uint32_t first = 0;   // of its parts
+    std::uint32_t end = 0;     // of its parts
+    std::uint32_t places = 0;  // the first of its places
+  };
+  // What a row has in one mirror.
+  struct Part {
+    std::uint32_t mirror;
+    std::uint32_t end;  // of its places
+  };
+  struct Set {
+    std::vector<MirrorOfRow> mirrors;
+    std::vector<Part> parts;
+    std::vector<Place> places;
+  };
+
+  template <class T>
+  static std::uint32_t size_of(const std::vector<T>& values) {
+    return static_cast<std::uint32_t>(values.size());
+  }
+  Set& set_of(Index i) { return sets_[i / together]; }
+
+  static std::uint32_t number_of(Set& set, const Mirror<Dim>& mirror) {
+    // Those that were added last are the most likely.
+    constexpr std::uint32_t most = 8;
+    const std::uint32_t size = size_of(set.mirrors);
+    for (std::uint32_t k = 0; k < std::min(most, size); ++k) {
+      const Mirror<Dim>& known = set.mirrors[size - 1 - k].mirror;
+      if (known.translation == mirror.translation && known.rotation == mirror.rotation) {
+        return size - 1 - k;
+      }
+    }
+    set.mirrors.push_back({mirror, mirror.rotation.template cast<Real>(),
+                           mirror.rotation.determinant() < 0});
+    return size;
+  }
+
+  std::vector<Row> rows_;
+  std::vector<Set> sets_;
 };
 
 }  // namespace silt::mps

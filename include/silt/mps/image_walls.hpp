@@ -13,6 +13,7 @@
 #include <silt/geometry/point_checksum.hpp>
 #include <silt/mps/fluid.hpp>
 #include <silt/mps/image_row.hpp>
+#include <silt/mps/neighbour.hpp>
 #include <silt/mps/neighbourhood.hpp>
 #include <silt/mps/velocity_gradient.hpp>
 
@@ -23,6 +24,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 #include <type_traits>
 #include <vector>
@@ -40,6 +42,8 @@ namespace silt::mps {
 /// effective radius. The kernel needs a slope: see SmoothKernel. Between acute faces, a particle
 /// sees at most 256 images of another one.
 struct ImageWalls {
+  static constexpr bool all_have_pressure = true;  ///< see AllHavePressure
+
   std::vector<Face<2>> segments;   ///< in 2D, see polyline() in silt/geometry/shapes.hpp
   std::vector<Face<3>> triangles;  ///< in 3D, see faces_of()
 
@@ -114,15 +118,21 @@ class ImageWalls::InFlow {
     positions_.resize(x.size());
     for_each(x.size(), [&](Index j) { positions_[j] = x[j].template cast<double>(); });
     around_.resize(particles.size());
-    for_each(particles.size(), [&](Index i) { around_[i].find(*faces_, positions_[i], reach_); });
+    find_faces();
     refuse_particles_on_faces(particles);
     find_those_that_see_all();
-    images_.resize(particles.size());
+    images_.clear(particles.size());
     const auto& stencil = operators.stencil();
-    for_each(particles.size(), [&](Index i) { find_images(search, stencil, i); });
+    for_each_of_images([&](Index i) {
+      if (!sees_all_[i]) find_images(search, stencil, i);
+    });
     sizes_ = {double(stencil.re), double(stencil.n0), double(stencil.lambda)};
     owners_.resize(x.size());
-    for_each(x.size(), [&](Index j) { owners_[j] = std::uint32_t(particles.owner(j)); });
+    // Apart from each other: one loop would gather the owners of ghosts in vain, which is slow.
+    const Index owned = particles.size();
+    for_each(owned, [&](Index j) { owners_[j] = std::uint32_t(j); });
+    for_each(x.size() - owned,
+             [&](Index g) { owners_[owned + g] = std::uint32_t(particles.owner(owned + g)); });
     continuations_.assign(particles.size(), {});
     revision_ = particles.owned_revision();
   }
@@ -141,8 +151,19 @@ class ImageWalls::InFlow {
     });
   }
 
-  /// Images have been found by locate().
-  void find(const auto&, const auto&) {}
+  /// Finds the images of those that see all of their neighbours: the images that they see are of
+  /// these, as an image is never closer than its particle.
+  template <FluidParticles P, class Operators>
+  void find(const P&, const Operators& operators) {
+    const auto& stencil = operators.stencil();
+    const auto& neighbourhood = double(stencil.re) == reach_ ? operators.neighbourhood()
+                                                             : operators.laplacian_neighbourhood();
+    for_each_of_images([&](Index i) {
+      if (!sees_all_[i]) return;
+      const auto row = neighbourhood[i];
+      find_images_of({row.index, row.size()}, stencil, i);
+    });
+  }
 
   /// The flow of the velocities now, near walls and except on the free surface and beside protruding
   /// edges, around which no linear flow goes: continued there, fluid at rest would begin to circulate.
@@ -166,31 +187,26 @@ class ImageWalls::InFlow {
   /// f(image) for the images that particle i sees within a stencil.
   template <class T, class F>
   [[gnu::always_inline]] inline void for_each_image(Index i, const T& stencil, F&& f) const {
-    const ImageRow<Dim, Real>& row = images_[i];
-    if (row.mirrors().empty()) return;
     const bool has_weights =
         sizes_ == std::array{double(stencil.re), double(stencil.n0), double(stencil.lambda)};
     const silt::Vec<Dim> x_i = positions_[i];
-    std::size_t k = 0;
-    for (const auto& in_mirror : row.mirrors()) {
-      for (; k < in_mirror.end; ++k) {
-        const auto& place = row.places()[k];
-        const silt::Vec<Dim> x_j = positions_[place.index];
-        const silt::Vec<Dim> image = in_mirror.mirror(x_j);
-        const Vec r_ij = (image - x_i).template cast<Real>();
-        Real w = place.weight, w_r2 = place.weight_over_square;
-        if (!has_weights) {
-          const Real r2 = r_ij.squaredNorm();
-          w = r2 < squared(stencil.re) ? Real(place.share) * stencil.weight(std::sqrt(r2)) : 0;
-          w_r2 = w / r2;
-        }
-        if (!(w > 0)) continue;
-        const Vec shift = (image - x_j).template cast<Real>();
-        const Continuation& flow = continuations_[owners_[place.index]];
-        f(ImageOfParticle<Dim, Real>{place.index, r_ij, w, w_r2, Real(place.share), in_mirror.rotation, shift, in_mirror.is_reflection,
-                                     flow.continues ? &flow.gradient.value : nullptr});
+    images_.for_each(i, [&](const auto& in_mirror, const auto& place) {
+      const silt::Vec<Dim> x_j = positions_[place.index];
+      const silt::Vec<Dim> image = in_mirror.mirror(x_j);
+      const Vec r_ij = (image - x_i).template cast<Real>();
+      Real w = place.weight, w_r2 = place.weight_over_square;
+      if (!has_weights) {
+        const Real r2 = r_ij.squaredNorm();
+        w = r2 < squared(stencil.re) ? Real(place.share) * stencil.weight(std::sqrt(r2)) : 0;
+        w_r2 = w / r2;
       }
-    }
+      if (!(w > 0)) return;
+      const Vec shift = (image - x_j).template cast<Real>();
+      const Continuation& flow = continuations_[owners_[place.index]];
+      f(ImageOfParticle<Dim, Real>{place.index, r_ij, w, w_r2, Real(place.share),
+                                   in_mirror.rotation, shift, in_mirror.is_reflection,
+                                   flow.continues ? &flow.gradient.value : nullptr});
+    });
   }
 
   /// <∇·u>_i = −(Dn/Dt) / (−1/d Σ w' r), with the sum over the full lattice: a flow without
@@ -202,26 +218,16 @@ class ImageWalls::InFlow {
     static_assert(requires { stencil.slope(Real()); },
                   "mps: ImageWalls need a kernel with a slope, see SmoothKernel");
     const Vec own = u[at.index()];
-    const bool sees_all = sees_all_[at.index()];
-    const auto weight_of = [&](const auto& j) -> Real {
-      const Real r = j.r_ij.norm();
-      const Real whole = -stencil.slope(r) / (r * stencil.slope_sum);
-      if constexpr (std::remove_cvref_t<decltype(j)>::is_image) return j.share * whole;
-      if (sees_all) return whole;
-      const Real weight = stencil.weight(r);
-      // The share is else 0/0, and the slope is zero as well.
-      return weight > Real(1e-6) ? j.weight / weight * whole : 0;
-    };
     Real sum = 0;
-    at.for_each([&](const auto& j) {
-      sum += weight_of(j) * Vec(j.velocity(u) - own).dot(j.r_ij);
+    for_each_with_slope(at, [&](const auto& j, Real slope) {
+      sum += slope * Vec(j.velocity(u) - own).dot(j.r_ij);
     });
     const Continuation& flow = continuations_[at.index()];
     if (!flow.misses_others || !flow.gradient.is_known) return sum;
     // Σ w_j ∇u r·r over the missing ones: that over the full lattice, ∇·u, less that over the others.
     sum += flow.gradient.value.trace();
-    at.for_each([&](const auto& j) {
-      sum -= weight_of(j) * multiply<Dim, Real>(flow.gradient.value, j.r_ij).dot(j.r_ij);
+    for_each_with_slope(at, [&](const auto& j, Real slope) {
+      sum -= slope * multiply<Dim, Real>(flow.gradient.value, j.r_ij).dot(j.r_ij);
     });
     return sum;
   }
@@ -272,11 +278,62 @@ class ImageWalls::InFlow {
   static constexpr Real least_even = Real(0.9);
   static constexpr Real least_full = Real(0.97);
 
+  // f(j, s) for the neighbours and images of a view, with s = −w'/(r slope_sum) times the share that
+  // is seen. Roots and quotients first, for many at a time.
+  template <class View, class F>
+  [[gnu::always_inline]] inline void for_each_with_slope(const View& at, F&& f) const {
+    const auto stencil = at.stencil();
+    const Index i = at.index();
+    const auto& neighbourhood = at.neighbourhood();
+    const auto row = neighbourhood[i];
+    const Vec x_i = neighbourhood.position_of(i);
+    const auto slope_at = [&](Real r) -> Real { return -stencil.slope(r) / (r * stencil.slope_sum); };
+    constexpr Index block = 64;
+    std::array<Real, block> distances, slopes;
+    for (Index from = 0; from < row.size(); from += block) {
+      const Index size = std::min(block, row.size() - from);
+      const std::uint32_t* const index = row.index + from;
+      const float* const weights = row.weight + from;
+      for (Index k = 0; k < size; ++k) {
+        distances[k] = (neighbourhood.position_of(index[k]) - x_i).squaredNorm();
+      }
+      for (Index k = 0; k < size; ++k) {
+        const Real r = std::sqrt(distances[k]);
+        distances[k] = r;
+        slopes[k] = slope_at(r);
+      }
+      if (!sees_all_[i]) {
+        for (Index k = 0; k < size; ++k) {
+          const Real weight = stencil.weight(distances[k]);
+          // The share is else 0/0, and the slope is zero as well.
+          slopes[k] = weight > Real(1e-6) ? Real(weights[k]) / weight * slopes[k] : 0;
+        }
+      }
+      for (Index k = 0; k < size; ++k) {
+        const Vec r_ij = neighbourhood.position_of(index[k]) - x_i;
+        f(Neighbour<Dim, Real>{index[k], r_ij, Real(weights[k]), 0}, slopes[k]);
+      }
+    }
+    for_each_image(i, stencil, [&](const auto& image) {
+      f(image, image.share * slope_at(image.r_ij.norm()));
+    });
+  }
+
   struct Continuation {
     VelocityGradient<Dim, Real> gradient;
     bool continues = false;      // beyond walls
     bool misses_others = false;  // neighbours are missing
   };
+
+  // Particles that follow each other in memory are mostly close to each other.
+  void find_faces() {
+    constexpr Index together = 16;
+    for_each_range<together>(around_.size(), [&](Index first, Index last) {
+      const Index size = last - first;
+      MirrorsAround<Dim>::find_all(*faces_, {positions_.data() + first, size}, reach_,
+                                   {around_.data() + first, size});
+    });
+  }
 
   // A face hides nothing if all particles near it are on one side of its plane: both ends of a line
   // through it are near.
@@ -304,25 +361,47 @@ class ImageWalls::InFlow {
     });
   }
 
+  // f(i) for those near faces, in parallel as images_ allows.
+  template <class F>
+  void for_each_of_images(F&& f) {
+    for_each_range<ImageRows<Dim, Real>::together>(around_.size(), [&](Index first, Index last) {
+      for (Index i = first; i < last; ++i) {
+        if (!around_[i].empty()) f(i);
+      }
+    });
+  }
+
   // Among the particles that the search finds, those that i does not see as well: it may see their
   // images.
   template <class S, class T>
   void find_images(const S& search, const T& stencil, Index i) {
-    ImageRow<Dim, Real>& row = images_[i];
-    row.clear();
-    if (around_[i].empty()) return;
-    static thread_local std::vector<Index> candidates;  // keeps its capacity
-    candidates.assign(1, i);
-    search.for_each_neighbour(i, [](Index j, const auto&, auto) { candidates.push_back(j); });
+    static thread_local std::vector<std::uint32_t> candidates;  // keeps its capacity
+    candidates.clear();
+    search.for_each_neighbour(
+        i, [](Index j, const auto&, auto) { candidates.push_back(std::uint32_t(j)); });
+    find_images_of(candidates, stencil, i);
+  }
+  // The images of i itself and of these particles.
+  template <class T>
+  void find_images_of(std::span<const std::uint32_t> others, const T& stencil, Index i) {
+    images_.begin_row(i);
+    const silt::Vec<Dim> x_i = positions_[i];
+    const double reach2 = squared(reach_);
     around_[i].for_each_mirror([&](const Mirror<Dim>& mirror, const auto& share_of) {
-      for (const Index j : candidates) {
-        const silt::Vec<Dim> r_ij = mirror(positions_[j]) - positions_[i];
+      // From the image of x_i, the particles are as far as their images from x_i, to round-off.
+      const silt::Vec<Dim> observer = mirror.inverse()(x_i);
+      const double clearly_beyond = 1.1 * reach2;
+      const auto add = [&](Index j) {
+        if ((positions_[j] - observer).squaredNorm() > clearly_beyond) return;
+        const silt::Vec<Dim> r_ij = mirror(positions_[j]) - x_i;
         const double r2 = r_ij.squaredNorm();
-        if (!(r2 < squared(reach_))) continue;
+        if (!(r2 < reach2)) return;
         const double share = share_of(positions_[j]);
-        if (share > 0) row.add(j, share, Real(r2), stencil);
-      }
-      row.end(mirror);
+        if (share > 0) images_.add(i, j, share, Real(r2), stencil);
+      };
+      add(i);
+      for (const std::uint32_t j : others) add(j);
+      images_.end_mirror(i, mirror);
     });
   }
 
@@ -381,7 +460,7 @@ class ImageWalls::InFlow {
   std::vector<MirrorsAround<Dim>> around_;
   std::vector<std::uint8_t> sides_;     // of each face that have particles near it, as bits
   std::vector<std::uint8_t> sees_all_;  // of each particle: no face hides a neighbour
-  std::vector<ImageRow<Dim, Real>> images_;
+  ImageRows<Dim, Real> images_;
   std::array<double, 3> sizes_{};      // re, n0 and λ of the stencil of their weights
   std::vector<std::uint32_t> owners_;  // with ghosts
   std::vector<Continuation> continuations_;
