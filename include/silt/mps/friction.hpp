@@ -95,7 +95,8 @@ class PairFriction::InFlow {
     const auto row = neighbourhood[i];
     const auto x = neighbourhood.positions();
     const auto u = at.velocities();
-    VecPack<Dim, Real> x_i, u_i, change{};
+    VecPack<Dim, Real> x_i, u_i, change;
+    set_zero<Dim, Real>(change);
     load_vec(x[i], x_i);
     load_vec(u[i], u_i);
     for (Index k = 0; k < row.size(); ++k) {
@@ -107,14 +108,14 @@ class PairFriction::InFlow {
       load_vec(u[j], u_ij);
       r_ij -= x_i;
       u_ij -= u_i;
-      const Real along = sum_of<Dim>(u_ij * r_ij);
+      const Real along = dot_of<Dim, Real>(u_ij, r_ij);
       const Real linear = Strain::along(own, other, r_ij);
       const Real rest =
           along - std::clamp(linear, std::min(along, Real(0)), std::max(along, Real(0)));
       const Real factor = (own.share() + other.share()) * Real(row.weight_over_square[k]) * rest;
       change += factor * r_ij;
     }
-    return (Dim / stencil.n0) * to_vec<Dim>(change);
+    return (Dim / stencil.n0) * to_vec<Dim, Real>(change);
   }
 
  private:
@@ -132,10 +133,14 @@ class PairFriction::InFlow {
     // r·∇u r of both.
     [[gnu::always_inline]] static inline Real along(const Strain& one, const Strain& other,
                                                     const VecPack<Dim, Real>& r) {
-      if constexpr (Dim == 2) {
+      if constexpr (Dim == 2 || !fits_in_register<Dim, Real>) {
         const auto of = [&](const Strain& strain) -> Real {
-          const Real sum = strain.stretching[0] * (r[0] * r[0]) + strain.stretching[1] * (r[1] * r[1]);
-          return sum + strain.shearing[0] * r[0] * r[1];
+          const auto& [stretching, shearing] = strain;
+          Real sum = stretching[0] * (r[0] * r[0]) + stretching[1] * (r[1] * r[1]);
+          if constexpr (Dim == 3) sum += stretching[2] * (r[2] * r[2]);
+          sum += shearing[0] * r[0] * r[1];
+          if constexpr (Dim == 3) sum += (shearing[1] * r[0] + shearing[2] * r[1]) * r[2];
+          return sum;
         };
         return of(one) + of(other);
       } else {

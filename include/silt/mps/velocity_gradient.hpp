@@ -51,7 +51,7 @@ template <class U, class Operators>
     const Pack weighted = w * r_ij;
     sum_of_moments.add(weighted, r_ij);
     sum_of_changes.add(u_ij, r_ij);
-    size += sum_of<Dim>(weighted * r_ij);
+    size += dot_of<Dim, Real>(weighted, r_ij);
   }
   Matrix moments = sum_of_moments.value(), gradient = sum_of_changes.value();
   VelocityGradient<Dim, Real> found;
