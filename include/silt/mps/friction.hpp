@@ -135,11 +135,11 @@ class PairFriction::InFlow {
                                                     const VecPack<Dim, Real>& r) {
       if constexpr (Dim == 2 || !fits_in_register<Dim, Real>) {
         const auto of = [&](const Strain& strain) -> Real {
-          const auto& [stretching, shearing] = strain;
-          Real sum = stretching[0] * (r[0] * r[0]) + stretching[1] * (r[1] * r[1]);
-          if constexpr (Dim == 3) sum += stretching[2] * (r[2] * r[2]);
-          sum += shearing[0] * r[0] * r[1];
-          if constexpr (Dim == 3) sum += (shearing[1] * r[0] + shearing[2] * r[1]) * r[2];
+          const auto& [along_axes, across] = strain;
+          Real sum = along_axes[0] * (r[0] * r[0]) + along_axes[1] * (r[1] * r[1]);
+          if constexpr (Dim == 3) sum += along_axes[2] * (r[2] * r[2]);
+          sum += across[0] * r[0] * r[1];
+          if constexpr (Dim == 3) sum += (across[1] * r[0] + across[2] * r[1]) * r[2];
           return sum;
         };
         return of(one) + of(other);
