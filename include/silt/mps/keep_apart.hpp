@@ -16,7 +16,8 @@ namespace silt::mps {
 /// end of the step: the component of r_ij + Δt u_ij along r_ij grows until its length reaches
 /// min_distance.
 template <int Dim, class Real>
-[[gnu::always_inline]] inline Real required_speed(const CollidingPair<Dim, Real>& pair, Real min_distance) {
+[[gnu::always_inline]] inline Real required_speed(const CollidingPair<Dim, Real>& pair,
+                                                  Real min_distance) {
   const Vec<Dim, Real> after = pair.r_ij + pair.time_step * pair.u_ij;
   const Real after2 = after.squaredNorm();
   const Real after_dot = after.dot(pair.r_ij);

@@ -113,8 +113,6 @@ class Neighbourhood {
             rows.weight_over_square.data() + row.first, row.length};
   }
   Vec position_of(Index i) const noexcept { return positions_[i]; }
-  /// Of all particles and ghosts.
-  std::span<const Vec> positions() const noexcept { return positions_; }
 
   /// n_i = Σ w      (5)
   Real density(Index i) const noexcept { return density_[i]; }

@@ -13,8 +13,6 @@
 #include <silt/mps/pressure_boundary.hpp>
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <type_traits>
 
 namespace silt::mps {
@@ -115,26 +113,10 @@ class ParticleView
   }
   /// l0/n0 Σ w r_ij/r² [-], in the direction of increasing particle concentration.
   Vec concentration_gradient() const {
-    const Real spacing = this->stencil().spacing, n0 = this->stencil().n0;
-    const auto& neighbourhood = this->neighbourhood();
-    const auto row = neighbourhood[this->index()];
-    const Vec x_i = neighbourhood.position_of(this->index());
+    const auto& stencil = this->stencil();
     Vec sum = Vec::Zero();
-    // Quotients first, for many at a time.
-    constexpr Index block = 64;
-    std::array<Real, block> factors;
-    for (Index from = 0; from < row.size(); from += block) {
-      const Index size = std::min(block, row.size() - from);
-      for (Index k = 0; k < size; ++k) {
-        factors[k] = spacing * Real(row.weight_over_square[from + k]) / n0;
-      }
-      for (Index k = 0; k < size; ++k) {
-        const Vec r_ij = neighbourhood.position_of(row.index[from + k]) - x_i;
-        sum += factors[k] * r_ij;
-      }
-    }
-    step_.operators.for_each_image(this->index(), [&](const auto& image) {
-      sum += (spacing * image.weight_over_square / n0) * image.r_ij;
+    this->for_each([&](const auto& j) {
+      sum += (stencil.spacing * j.weight_over_square / stencil.n0) * j.r_ij;
     });
     return sum;
   }

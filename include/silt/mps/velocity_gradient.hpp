@@ -3,7 +3,6 @@
 #pragma once
 
 #include <silt/core/types.hpp>
-#include <silt/core/vec_pack.hpp>
 #include <silt/mps/operators.hpp>
 
 #include <Eigen/LU>
@@ -32,28 +31,20 @@ template <class U, class Operators>
   using Vec = silt::Vec<Dim, Real>;
   using Matrix = Eigen::Matrix<Real, Dim, Dim>;
   constexpr Real least_determinant = Real(0.08);  // 1 if they are all around
-  using Pack = VecPack<Dim, Real>;
-  const auto& neighbourhood = operators.neighbourhood();
-  const auto row = neighbourhood[i];
-  Pack x_i, own;
-  load_vec(neighbourhood.positions()[i], x_i);
-  load_vec(u[i], own);
-  SumOfOuterProducts<Dim, Real> sum_of_moments, sum_of_changes;
+  const Vec own = u[i];
+  Matrix moments = Matrix::Zero(), gradient = Matrix::Zero();
   Real size = 0;
-  for (Index k = 0; k < row.size(); ++k) {
-    const Index j = row.index[k];
-    const Real w = Real(row.weight[k]);
-    Pack r_ij, u_ij;
-    load_vec(neighbourhood.positions()[j], r_ij);
-    load_vec(u[j], u_ij);
-    r_ij -= x_i;
-    u_ij = w * (u_ij - own);
-    const Pack weighted = w * r_ij;
-    sum_of_moments.add(weighted, r_ij);
-    sum_of_changes.add(u_ij, r_ij);
-    size += dot_of<Dim, Real>(weighted, r_ij);
-  }
-  Matrix moments = sum_of_moments.value(), gradient = sum_of_changes.value();
+  for_each_weighted(operators.neighbourhood(), i, stencil,
+                    [&](Index j, const Vec& r_ij, Real w, Real) {
+                      const Vec u_ij = w * (u[j] - own);
+                      const Vec weighted = w * r_ij;
+                      // Column by column: products of vectors that give a matrix are not inlined.
+                      for (int b = 0; b < Dim; ++b) {
+                        moments.col(b) += r_ij[b] * weighted;
+                        gradient.col(b) += r_ij[b] * u_ij;
+                      }
+                      size += weighted.dot(r_ij);
+                    });
   VelocityGradient<Dim, Real> found;
   if (!(size > 0)) return found;
   moments *= Dim / size;
@@ -61,8 +52,8 @@ template <class U, class Operators>
   if (!(moments.determinant() > least_determinant)) return found;
   const Matrix inverse = moments.inverse();
   for (int a = 0; a < Dim; ++a) {
-    const Vec of_a = gradient.row(a).transpose();
-    found.value.row(a) = multiply<Dim, Real>(inverse, of_a).transpose();
+    const Vec row = gradient.row(a).transpose();
+    found.value.row(a) = multiply<Dim, Real>(inverse, row).transpose();
   }
   found.is_known = true;
   return found;
