@@ -4,6 +4,8 @@
 
 #include "support/points.hpp"
 
+#include <silt/core/error.hpp>
+#include <silt/core/lattice.hpp>
 #include <silt/geometry/shapes.hpp>
 #include <silt/measure/wall_load.hpp>
 #include <silt/mps.hpp>
@@ -12,9 +14,13 @@
 #include <cmath>
 #include <cstddef>
 #include <random>
+#include <utility>
 #include <vector>
 
 namespace silt::test {
+
+/// Of these cases, if no other is given.
+using WaterScheme = mps::Recommended;
 
 /// Water of 1000 kg/m³ between walls, in 2D.
 struct WaterScene {
@@ -22,6 +28,7 @@ struct WaterScene {
   std::vector<Box<2>> water = {};      ///< at rest if nothing else is said
   Vec<2> velocity = Vec<2>::Zero();    ///< [m/s]
   std::vector<Face<2>> walls = {};
+  std::vector<Box<2>> room = {};       ///< between the walls; for schemes with wall particles
   Vec<2> gravity = {0, -9.81};         ///< [m/s²]
   double speed_scale = 2;              ///< [m/s]
   double jitter = 0;                   ///< [spacings]
@@ -29,18 +36,22 @@ struct WaterScene {
 
   double mass() const { return 1000 * spacing * spacing; }  ///< of a particle [kg/m]
 
-  template <class Scheme = mps::Recommended>
+  template <class Scheme = WaterScheme>
   auto simulation() const {
     const auto turn = [c = std::cos(angle), s = std::sin(angle)](const Vec<2>& x) {
       return Vec<2>(c * x[0] - s * x[1], s * x[0] + c * x[1]);
     };
     mps::FlowSettings<2, Scheme> settings{
         .spacing = spacing, .gravity = turn(gravity), .speed_scale = speed_scale};
-    settings.walls.segments = walls;
-    for (auto& face : settings.walls.segments) {
-      for (auto& corner : face.corners) corner = turn(corner);
-    }
     mps::Fluid<2> fluid;
+    if constexpr (requires { settings.walls.segments; }) {
+      settings.walls.segments = walls;
+      for (auto& face : settings.walls.segments) {
+        for (auto& corner : face.corners) corner = turn(corner);
+      }
+    } else {
+      add_solids([&](const Vec<2>& x, mps::Kind kind) { mps::add_particle(fluid, turn(x), kind); });
+    }
     std::mt19937 random(1);
     std::uniform_real_distribution<double> move(-jitter * spacing, jitter * spacing);
     for (const auto& box : water) {
@@ -53,7 +64,55 @@ struct WaterScene {
     return Simulation{std::move(fluid), UniformGrid<2>{}, mps::Flow<Scheme>(settings),
                       SemiImplicit<>{}};
   }
+
+ private:
+  // A layer of wall particles around the room, open above, and dummies behind it.
+  template <class Add>
+  void add_solids(Add&& add) const {
+    if (room.empty()) fail("WaterScene: no room, which a scheme with wall particles needs");
+    constexpr int layers = 4;
+    Box<2> all = room[0];
+    for (const auto& part : room) {
+      all.lower = all.lower.cwiseMin(part.lower);
+      all.upper = all.upper.cwiseMax(part.upper);
+    }
+    all.lower.array() -= layers * spacing;
+    all.upper[0] += layers * spacing;
+    for (const Vec<2>& x : lattice<2>(all, spacing)) {
+      double outside = layers * spacing;
+      for (const auto& part : room) {
+        outside = std::min(outside, std::max((part.lower - x).maxCoeff(), (x - part.upper).maxCoeff()));
+      }
+      if (outside > 0) add(x, outside < spacing ? mps::Kind::wall : mps::Kind::dummy);
+    }
+  }
 };
+
+/// A vertical piece of a wall.
+struct WallPiece {
+  double x;                ///< [m]
+  double from, to;         ///< heights [m]
+  double normal;           ///< 1 or −1, into the water
+};
+
+/// Horizontal force on it, against its normal [N/m].
+template <class Sim>
+double load_on(const Sim& sim, const WallPiece& wall, double l0) {
+  const auto& particles = sim.particles();
+  if (mps::count(particles, mps::Kind::wall) > 0) {
+    double sum = 0;
+    for (Index i = 0; i < particles.size(); ++i) {
+      const auto& x = particles[position][i];
+      if (particles[mps::kind][i] != mps::Kind::wall || x[1] < wall.from || x[1] > wall.to) continue;
+      const double behind = (wall.x - x[0]) * wall.normal;
+      if (behind > 0 && behind < l0) sum += l0 * particles[mps::pressure][i];
+    }
+    return sum;
+  }
+  Vec<2> first{wall.x, wall.from}, second{wall.x, wall.to};
+  if (wall.normal > 0) std::swap(first, second);
+  return -wall.normal * WallLoad<2>{{{{first, second}}}, l0}.read(sim, mps::pressure)[0];
+}
 
 /// Σ m u_x [N s/m].
 template <class P>
@@ -84,10 +143,15 @@ class LargestRise {
 /// rise of the energy within 100 steps, over the first energy.
 template <class Sim, class F>
 double run_water(Sim& sim, double until, F&& after_step) {
+  constexpr double shortest = 1e-6;  // of a time step [s]; an unstable flow would not end
   LargestRise rise;
   rise.add(sim.interaction().energy_of(sim.particles()).total());
   while (sim.time() < until) {
     sim.step();
+    if (sim.last_time_step() < shortest) {
+      fail("run_water: the time step is only " + to_text(sim.last_time_step()) + " s",
+           {.step = sim.steps(), .time = sim.time()});
+    }
     rise.add(sim.interaction().energy().total());
     after_step(sim.particles(), sim.last_time_step());
   }

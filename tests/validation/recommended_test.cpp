@@ -6,34 +6,10 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <string>
 
 namespace silt::test::recommended_test {
 namespace {
-
-// Relative rms deviations of edge and height from the exact potential flow for T = t √(g h)/a from 0.5
-// to 2.75, or to the end of its table.
-struct Deviations {
-  double edge = 0;
-  double height = 0;
-};
-Deviations from_potential_flow(const DamBreak& record, const std::string& table = "",
-                               const Column& column = {}) {
-  const CsvTable exact =
-      read_csv(SILT_TESTS_DIR "/reference/potential_flow_front" + table + ".csv");
-  Deviations sums;
-  int rows = 0;
-  for (Index row = 0; row < exact.rows(); ++row) {
-    const double T = exact["T"][row];
-    if (T < 0.5 || T > 2.75) continue;
-    const double t = T * column.width / std::sqrt(g * column.height);
-    sums.edge += squared(at_time(record.time, record.front, t) / exact["Z"][row] - 1);
-    sums.height += squared(at_time(record.time, record.height, t) / exact["H"][row] - 1);
-    ++rows;
-  }
-  return {std::sqrt(sums.edge / rows), std::sqrt(sums.height / rows)};
-}
 
 TEST(RecommendedDamBreak, AgreesWithPotentialFlow) {
   const DamBreak record = run_dam_break<mps::Recommended>(0.02, 0.5);
