@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Each choice of the default scheme for water, switched alone, in seven flows in 2D: what it is good
-// for. Prints a Markdown table; docs/theory_mps.md has it, and says how far single runs can be
-// trusted.
+// Each choice of the default scheme for water, switched alone, in seven flows in 2D. Prints a
+// Markdown table; docs/theory_mps.md has it, and says how far single runs can be trusted.
 //
-//   water_choices                        all: about a quarter of an hour on one thread
+//   water_choices                        all: a quarter of an hour on one thread
 //   water_choices jet "no friction"      only cases and choices of these names
 #include "support/dam_break.hpp"
 #include "support/water_cases.hpp"
@@ -25,8 +24,8 @@ namespace {
 using namespace silt;
 using namespace silt::mps;
 
-using Default = RecommendedForFaces;
-using WithWallParticles = Recommended;
+using Default = Recommended;
+using WithWallParticles = RecommendedForWallParticles;
 
 // --- the choices ---------------------------------------------------------------------------------
 
@@ -75,6 +74,9 @@ struct Source16 : Default {
 struct SourceHS : Default {
   HigherOrderSource source{};
 };
+struct Gamma0003 : Default {
+  BalancedSource source{.gamma = 0.003};
+};
 struct WithoutShifting : Default {
   NoShifting shifting{};
 };
@@ -104,6 +106,7 @@ const std::tuple choices{
     Choice<Laplacian2>{"higher-order Laplacian"},
     Choice<Source16>{"source (16)"},
     Choice<SourceHS>{"source HS"},
+    Choice<Gamma0003>{"γ = 0.003"},
     Choice<WithoutShifting>{"no shifting"},
     Choice<ParticlesAsWalls>{"walls of particles"},
     Choice<WithWallParticles>{"the scheme for wall particles"},
@@ -129,7 +132,7 @@ struct Jet {
   template <class Scheme>
   static Cells cells() {
     const auto jet = test::jet_force<Scheme>(0.01);
-    return {percent("%.1f", jet.pressure) + "; " + percent("%.1f", jet.momentum),
+    return {percent("%.1f", jet.load) + "; " + percent("%.1f", jet.momentum),
             percent("%.2f", jet.rise)};
   }
 };
@@ -231,8 +234,11 @@ struct Front {
       test::DamBreak record;
       test::run_water(sim, 0.4, [&](const auto& water, double) {
         record.time.push_back(sim.time());
-        record.front.push_back(test::leading_edge(water, l0) / test::column_width);
-        record.height.push_back(test::height_at_left(water, l0) / test::column_height);
+        const Front front = find_front(water, sim.search(), {.spacing = l0}, [&](Index i) {
+          return water[kind][i] == Kind::fluid;
+        });
+        record.front.push_back(front.x / test::column_width);
+        record.height.push_back(front.height / test::column_height);
       });
       const auto deviations = test::from_potential_flow(record);
       edges += (k > 0 ? ", " : "") + percent("%.1f", deviations.edge);

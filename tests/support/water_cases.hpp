@@ -47,7 +47,7 @@ double median_speed(const P& particles) {
 }
 
 struct JetForce {
-  double pressure;  ///< mean force of the pressure on the wall over ρ U² b
+  double load;      ///< mean force on the wall over ρ U² b
   double momentum;  ///< that of the change of momentum
   double rise;      ///< largest, of the energy
 };
@@ -68,7 +68,7 @@ JetForce jet_force(double l0) {
   const double rise = run_water(sim, 0.12, [&](const auto& water, double dt) {
     last = horizontal_momentum(water, scene.mass());
     if (sim.time() < 0.06) return void(first = last);
-    impulse += dt * pressure_load(water, {side, 0, side, -1}, l0);
+    impulse += dt * load_on(sim, {side, 0, side, -1}, l0);
     span += dt;
   });
   const double force = 1000 * U * U * b * span;
@@ -94,8 +94,8 @@ ImpactOfADam impact_of_a_dam(double l0, double until, double jitter = 0) {
   ImpactOfADam found{};
   double impulse = 0, momentum = 0, end = 0.4;
   found.rise = run_water(sim, until, [&](const auto& water, double dt) {
-    impulse += dt * (pressure_load(water, {1.6, 0, 1.6, -1}, l0) -
-                     pressure_load(water, {0, 0, 1, 1}, l0));
+    impulse += dt * (load_on(sim, {1.6, 0, 1.6, -1}, l0) -
+                     load_on(sim, {0, 0, 1, 1}, l0));
     if (sim.time() < end) return;
     const double now = horizontal_momentum(water, scene.mass());
     if (end > 0.45) found.deviations.push_back(impulse / (momentum - now) - 1);
@@ -112,7 +112,8 @@ ImpactOfADam impact_of_a_dam(double l0, double until, double jitter = 0) {
 
 struct LoadOfAnObstacle {
   std::vector<double> rows;  ///< pressure on the face over that of the water beside it, from below
-  double impact, later;      ///< deviation of the load from momentum, 0.45 to 0.6 s and 0.6 to 1.2 s
+  double impact;             ///< deviation of the load from momentum, 0.45 to 0.6 s
+  double later;              ///< the same, 0.6 to 1.2 s
   double rise;               ///< largest, of the energy
 };
 
@@ -134,10 +135,10 @@ LoadOfAnObstacle load_of_an_obstacle(double l0) {
   double load = 0, left = 0, momentum = 0, end_of_window = 0.45;
   std::vector<double> deviations;
   const double rise = run_water(sim, 1.2, [&](const auto& water, double dt) {
-    load += dt * (pressure_load(water, {face, 0, top, -1}, l0) -
-                  pressure_load(water, {back, 0, top, 1}, l0) +
-                  pressure_load(water, {end, 0, 1.6, -1}, l0));
-    left += dt * pressure_load(water, {0, 0, 0.8, 1}, l0);
+    load += dt * (load_on(sim, {face, 0, top, -1}, l0) -
+                  load_on(sim, {back, 0, top, 1}, l0) +
+                  load_on(sim, {end, 0, 1.6, -1}, l0));
+    left += dt * load_on(sim, {0, 0, 0.8, 1}, l0);
     if (sim.time() >= end_of_window) {
       const double now = horizontal_momentum(water, scene.mass());
       deviations.push_back(load / (momentum - now + left) - 1);
@@ -147,7 +148,7 @@ LoadOfAnObstacle load_of_an_obstacle(double l0) {
     if (sim.time() < 0.8) return;
     for (std::size_t k = 0; k < rows; ++k) {
       const double y = double(k) * l0;
-      on_face[k] += dt * pressure_load(water, {face, y, y + l0, -1}, l0) / l0;
+      on_face[k] += dt * pressure_on(water, {face, y, y + l0, -1}, l0);
       const Vec<2> in_fluid{face - l0 / 2, y + l0 / 2};
       double sum = 0, number = 0;
       for (Index i = 0; i < water.size(); ++i) {
@@ -241,9 +242,10 @@ RestOfATank rest_of_a_tank(double l0) {
   auto sim = scene.simulation<Scheme>();
   const double rise = run_water(sim, 3, [](const auto&, double) {});
   const auto& water = sim.particles();
+  const double load = load_on(sim, {side, 0, 1.2 * side, -1}, l0);
   return {.median = median_speed(water),
           .largest = largest_speed(water),
-          .load = pressure_load(water, {side, 0, 1.2 * side, -1}, l0) / (1000 * 9.81 * side * side / 2),
+          .load = load / (1000 * 9.81 * side * side / 2),
           .rise = rise};
 }
 

@@ -81,7 +81,7 @@ struct WaterScene {
     for (const Vec<2>& x : lattice<2>(all, spacing)) {
       double outside = layers * spacing;
       for (const auto& part : room) {
-        outside = std::min(outside, std::max((part.lower - x).maxCoeff(), (x - part.upper).maxCoeff()));
+        outside = std::min(outside, (part.lower - x).cwiseMax(x - part.upper).maxCoeff());
       }
       if (outside > 0) add(x, outside < spacing ? mps::Kind::wall : mps::Kind::dummy);
     }
@@ -95,19 +95,27 @@ struct WallPiece {
   double normal;           ///< 1 or −1, into the water
 };
 
+/// Mean pressure on it [Pa]: that of its wall particles, or of a gauge at its middle.
+template <class P>
+double pressure_on(const P& particles, const WallPiece& wall, double l0) {
+  if (mps::count(particles, mps::Kind::wall) == 0) {
+    const Vec<2> middle{wall.x, (wall.from + wall.to) / 2};
+    return WallGauge<2>{middle, {wall.normal, 0}, l0}.read(particles, mps::pressure);
+  }
+  double sum = 0, number = 0;
+  for (Index i = 0; i < particles.size(); ++i) {
+    const auto& x = particles[position][i];
+    if (particles[mps::kind][i] != mps::Kind::wall || x[1] < wall.from || x[1] > wall.to) continue;
+    const double behind = (wall.x - x[0]) * wall.normal;
+    if (behind > 0 && behind < l0) sum += particles[mps::pressure][i], number += 1;
+  }
+  return number > 0 ? sum / number : 0;
+}
 /// Horizontal force on it, against its normal [N/m].
 template <class Sim>
 double load_on(const Sim& sim, const WallPiece& wall, double l0) {
-  const auto& particles = sim.particles();
-  if (mps::count(particles, mps::Kind::wall) > 0) {
-    double sum = 0;
-    for (Index i = 0; i < particles.size(); ++i) {
-      const auto& x = particles[position][i];
-      if (particles[mps::kind][i] != mps::Kind::wall || x[1] < wall.from || x[1] > wall.to) continue;
-      const double behind = (wall.x - x[0]) * wall.normal;
-      if (behind > 0 && behind < l0) sum += l0 * particles[mps::pressure][i];
-    }
-    return sum;
+  if (mps::count(sim.particles(), mps::Kind::wall) > 0) {
+    return (wall.to - wall.from) * pressure_on(sim.particles(), wall, l0);
   }
   Vec<2> first{wall.x, wall.from}, second{wall.x, wall.to};
   if (wall.normal > 0) std::swap(first, second);
