@@ -234,7 +234,7 @@ struct Front {
       test::DamBreak record;
       test::run_water(sim, 0.4, [&](const auto& water, double) {
         record.time.push_back(sim.time());
-        const Front front = find_front(water, sim.search(), {.spacing = l0}, [&](Index i) {
+        const auto front = find_front(water, sim.search(), {.spacing = l0}, [&](Index i) {
           return water[kind][i] == Kind::fluid;
         });
         record.front.push_back(front.x / test::column_width);

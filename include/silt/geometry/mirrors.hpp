@@ -312,14 +312,41 @@ class MirrorsAround {
     mirrors.erase(mirrors.begin());
     return mirrors;
   }
-  // Whether a face has a point on the side of the last mirror on which lines continue.
+  // Whether a face has a point on the side of the last mirror on which lines continue, and in the
+  // cone of the lines from the mirrored observer through that mirror, also if they are shifted.
   bool is_before(const Element& element, const Seen& from) const {
     if (!from.last) return true;
     if (from.last->facet == element.facet) return false;
     const double side = from.last->height(from.observer) > 0 ? -1 : 1;
-    return std::ranges::any_of(element.face.corners, [&](const Vec& corner) {
+    const bool has_point_before = std::ranges::any_of(element.face.corners, [&](const Vec& corner) {
       return side * from.last->height(corner) > round_off();
     });
+    return has_point_before && std::ranges::any_of(near_, [&](std::uint32_t number) {
+      const Element& mirror = (*surface_)[number];
+      return mirror.facet == from.last->facet && !is_beside(element.face, mirror.face, from.observer);
+    });
+  }
+  // Whether a face is outside of the cone of lines from `observer` through another face, by more than
+  // the shift of lines: beyond one of the planes through an edge (in 2D, the lines through an end).
+  bool is_beside(const Face<Dim>& face, const Face<Dim>& other, const Vec& observer) const {
+    for (std::size_t k = 0; k < std::size_t(Dim); ++k) {
+      const Vec a = other.corners[k] - observer;
+      Vec normal;
+      if constexpr (Dim == 2) {
+        normal = {-a[1], a[0]};
+      } else {
+        normal = cross(a, Vec(other.corners[(k + 1) % 3] - observer));
+      }
+      const double inside = normal.dot(other.corners[(k + Dim - 1) % Dim] - observer);
+      if (inside < 0) normal = -normal;
+      const double least = -2 * width() * normal.norm();
+      if (std::ranges::all_of(face.corners, [&](const Vec& corner) {
+            return normal.dot(corner - observer) < least;
+          })) {
+        return true;
+      }
+    }
+    return false;
   }
 
   // A line that is reflected where it meets faces: its last part, extended back to its length.
