@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Whole MPS steps: mps_step/<dimension>/<fluid particles> advances a dam break with case 10 and the
-// pressure solved to 1e-6, on all OpenMP threads, mps_step/faces/<dimension> the same with
+// pressure solved to 1e-6, on all OpenMP threads, mps_step/recommended/<dimension> the same with
 // mps::Recommended. The column of water is 0.4 m wide and 0.8 m high, the tank 1.6 m long and 1.2 m
 // high, for case 10 with one layer of wall particles and four of dummy particles.
 //
@@ -98,8 +98,8 @@ int main(int argc, char** argv) {
   add<mps::Case10, 2>("", 204800, 10);
   add<mps::Case10, 3>("", 12800, 40);
   add<mps::Case10, 3>("", 102400, 10);
-  add<mps::Recommended, 2>("faces/", 3200, 200);
-  add<mps::Recommended, 2>("faces/", 51200, 40);
-  add<mps::Recommended, 3>("faces/", 102400, 10);
+  add<mps::Recommended, 2>("recommended/", 3200, 200);
+  add<mps::Recommended, 2>("recommended/", 51200, 40);
+  add<mps::Recommended, 3>("recommended/", 102400, 10);
   return bench::run(argc, argv);
 }

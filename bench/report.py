@@ -252,6 +252,10 @@ def targets(results):
     for (name, family, size), at_least, aim in zip(dams, (3, 45, 160), (2, 28, 100)):
         yield (f"MPS step, {name} [ms]", LESS, at_least, aim,
                results.ms(f"mps_step/{family}", size))
+    for name, family, size in dams:
+        yield (f"MPS step, {name}, recommended scheme, times that of case 10", LESS, 1.3, 1.0,
+               ratio(results.ms(f"mps_step/recommended/{family}", size),
+                     results.ms(f"mps_step/{family}", size)))
     yield ("MPS 2D, exponent", LESS, 1.10, 1.03, results.exponent("mps_step/2d"))
     for (name, family, size), at_least, aim in zip(dams, (1.5, 1.8, 1.8), (1.8, 1.9, 1.9)):
         yield (f"speed-up with two threads, MPS step, {name}", MORE, at_least, aim,

@@ -32,8 +32,8 @@ auto still_tank() {
 TEST(WallLoad, IsTheHydrostaticForce) {
   constexpr double H = 8 * l0, force = 1000 * g * H * H / 2;
   const auto tank = still_tank<2>();
-  const WallLoad<2> right{{{{Vec<2>(H, 0), Vec<2>(H, H)}}}, l0};
-  const WallLoad<2> floor{{{{Vec<2>(0, 0), Vec<2>(H, 0)}}}, l0};
+  const WallLoad<2> right{{{{Vec<2>(H, 0), Vec<2>(H, H)}}}};
+  const WallLoad<2> floor{{{{Vec<2>(0, 0), Vec<2>(H, 0)}}}};
   EXPECT_NEAR(right.read(tank, mps::pressure)[0] / force, 1, 0.02);
   EXPECT_NEAR(right.read(tank, mps::pressure)[1], 0, 1e-9);
   EXPECT_NEAR(floor.read(tank, mps::pressure)[1] / (-2 * force), 1, 0.01);
@@ -43,14 +43,14 @@ TEST(WallLoad, IsTheHydrostaticForceIn3D) {
   constexpr double H = 8 * l0, weight = 1000 * g * H * H * H;
   const auto tank = still_tank<3>();
   const Vec<3> a{0, 0, 0}, b{H, 0, 0}, c{H, H, 0}, d{0, H, 0};
-  const WallLoad<3> floor{{{{a, b, c}}, {{a, c, d}}}, l0};
+  const WallLoad<3> floor{{{{a, b, c}}, {{a, c, d}}}};
   EXPECT_NEAR(floor.read(tank, mps::pressure)[2] / -weight, 1, 0.02);
 }
 
 TEST(WallLoad, IsOfTheSideOfTheNormalsOnly) {
   constexpr double H = 8 * l0;
   const auto tank = still_tank<2>();
-  const WallLoad<2> outside{{{{Vec<2>(H, H), Vec<2>(H, 0)}}}, l0};
+  const WallLoad<2> outside{{{{Vec<2>(H, H), Vec<2>(H, 0)}}}};
   EXPECT_EQ(outside.read(tank, mps::pressure)[0], 0);
 }
 
@@ -66,7 +66,7 @@ TEST(WallLoad, IncludesCollisions) {
   drop[velocity][0] = {0, 0, -5};
   Simulation impact{drop, UniformGrid<3>{}, mps::Flow<mps::Recommended, 3>{settings},
                     SemiImplicit<>{}};
-  const WallLoad<3> wall{settings.walls.triangles, l0};
+  const WallLoad<3> wall{settings.walls.triangles};
   EXPECT_EQ(wall.read(impact, mps::pressure), (Vec<3>::Zero()));
   impact.step(dt);
   const double stopped = impact.particles()[velocity][0][2] + 5;
@@ -74,10 +74,21 @@ TEST(WallLoad, IncludesCollisions) {
   EXPECT_NEAR(wall.read(impact, mps::pressure)[2] * dt / (-1000 * l0 * l0 * l0 * stopped), 1, 1e-5);
 }
 
-TEST(WallLoad, RefusesAWrongSpacingOrFace) {
+TEST(WallLoad, OfAllWallsOfATankIsTheWeight) {
+  constexpr double H = 8 * l0;
+  const auto in_2d = still_tank<2>();
+  const WallLoad<2> all_in_2d{in_2d.interaction().settings().walls.segments};
+  const Vec<2> load = all_in_2d.read(in_2d, mps::pressure);
+  EXPECT_NEAR(load[0] / (1000 * g * H * H), 0, 0.01);
+  EXPECT_NEAR(load[1] / (-1000 * g * H * H), 1, 0.01);
+  const auto in_3d = still_tank<3>();
+  const WallLoad<3> all_in_3d{in_3d.interaction().settings().walls.triangles};
+  EXPECT_NEAR(all_in_3d.read(in_3d, mps::pressure)[2] / (-1000 * g * H * H * H), 1, 0.02);
+}
+
+TEST(WallLoad, RefusesAFaceWithoutSize) {
   const auto tank = still_tank<2>();
-  EXPECT_TRUE(refuses([&] { WallLoad<2>{}.read(tank, mps::pressure); }, {"WallLoad", "spacing"}));
-  const WallLoad<2> point{{{{Vec<2>(1, 1), Vec<2>(1, 1)}}}, l0};
+  const WallLoad<2> point{{{{Vec<2>(1, 1), Vec<2>(1, 1)}}}};
   EXPECT_TRUE(refuses([&] { point.read(tank, mps::pressure); }, {"WallLoad: face 0"}));
 }
 

@@ -114,12 +114,13 @@ double pressure_on(const P& particles, const WallPiece& wall, double l0) {
 /// Horizontal force on it, against its normal [N/m].
 template <class Sim>
 double load_on(const Sim& sim, const WallPiece& wall, double l0) {
-  if (mps::count(sim.particles(), mps::Kind::wall) > 0) {
+  if constexpr (requires { sim.interaction().wall_collisions(); }) {
+    Face<2> face{{Vec<2>(wall.x, wall.from), Vec<2>(wall.x, wall.to)}};
+    if (wall.normal > 0) face = reversed(face);
+    return -wall.normal * WallLoad<2>{{face}}.read(sim, mps::pressure)[0];
+  } else {
     return (wall.to - wall.from) * pressure_on(sim.particles(), wall, l0);
   }
-  Vec<2> first{wall.x, wall.from}, second{wall.x, wall.to};
-  if (wall.normal > 0) std::swap(first, second);
-  return -wall.normal * WallLoad<2>{{{{first, second}}}, l0}.read(sim, mps::pressure)[0];
 }
 
 /// Σ m u_x [N s/m].

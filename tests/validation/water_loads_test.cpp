@@ -161,6 +161,28 @@ TEST(StillWater, RestsAroundABlock) {
   }
 }
 
+// A floor and a beach, with water to a shoreline; and a valley. Between walls that are oblique to each
+// other, a flow continued into both would stir the water without end.
+TEST(StillWater, SettlesOnABeachAndInAValley) {
+  constexpr double l0 = 0.02, depth = 0.3;
+  for (const double floor : {0.3, 0.0}) {
+    const auto height_of_wall = [&](const Vec<2>& x) {
+      return 0.5 * std::max({0.0, x[0] - floor, floor > 0 ? 0.0 : -x[0]});
+    };
+    WaterScene scene{.spacing = l0,
+                     .walls = floor > 0 ? polyline({{0, 0.6}, {0, 0}, {floor, 0}, {floor + 1.2, 0.6}})
+                                        : polyline({{-1.2, 0.6}, {0, 0}, {1.2, 0.6}})};
+    for (const Vec<2>& x : lattice<2>({{floor > 0 ? 0 : -0.6, 0}, {1, depth}}, l0)) {
+      const Vec<2> half = Vec<2>::Constant(l0 / 2);
+      if (x[1] - height_of_wall(x) > 0.55 * l0) scene.water.push_back({x - half, x + half});
+    }
+    auto sim = scene.simulation();
+    run_water(sim, 4, [](const auto&, double) {});
+    EXPECT_LT(median_speed(sim.particles()), 6e-3 * std::sqrt(g * depth)) << floor;
+    EXPECT_LT(largest_speed(sim.particles()), 0.1 * std::sqrt(g * depth)) << floor;
+  }
+}
+
 // A cylinder of 24 sides in the middle of a tank, begun with the points of a lattice that are half a
 // spacing or more away from it: the water settles, but does not rest as it does around a block, where
 // the lattice fits.

@@ -13,6 +13,7 @@
 #include <cstdint>
 #include <limits>
 #include <string>
+#include <utility>
 
 namespace silt {
 
@@ -57,6 +58,13 @@ inline Vec<2> normal_of(const Face<2>& face) {
 inline Vec<3> normal_of(const Face<3>& face) {
   const auto& [a, b, c] = face.corners;
   return cross(Vec<3>(b - a), Vec<3>(c - a)).normalized();
+}
+
+/// The same face with its normal on the other side.
+template <int Dim>
+Face<Dim> reversed(Face<Dim> face) {
+  std::swap(face.corners[0], face.corners[1]);
+  return face;
 }
 
 /// The point of a segment that is nearest to x.

@@ -106,6 +106,17 @@ class MirrorsAround {
     }
     return false;
   }
+  /// Whether all faces are parallel or at right angles to each other.
+  bool has_right_angles_only() const {
+    if (is_plane_) return true;
+    constexpr double round_off = 1e-6;
+    return std::ranges::all_of(near_, [&](std::uint32_t k) {
+      return std::ranges::all_of(near_, [&](std::uint32_t m) {
+        const double cosine = std::abs((*surface_)[k].normal.dot((*surface_)[m].normal));
+        return cosine < round_off || cosine > 1 - round_off;
+      });
+    });
+  }
   /// The numbers of the faces.
   std::span<const std::uint32_t> faces() const { return near_; }
 

@@ -49,11 +49,11 @@ struct Sides {
   }
 };
 
-/// Faces on sides of a box: segments in 2D, two triangles for each side in 3D.
+/// Faces on sides of a box, with normals into it: segments in 2D, two triangles for each side in 3D.
 template <int Dim>
 std::vector<Face<Dim>> faces_of(const Box<Dim>& box, const Sides<Dim>& sides = Sides<Dim>::all()) {
   std::vector<Face<Dim>> faces;
-  const auto add = [&](int axis, const Vec<Dim>& end) {
+  const auto add = [&](int axis, bool is_upper, const Vec<Dim>& end) {
     // The corners of a side, in their order around it.
     const auto corner = [&](bool second, [[maybe_unused]] bool third) {
       Vec<Dim> x = end;
@@ -63,16 +63,22 @@ std::vector<Face<Dim>> faces_of(const Box<Dim>& box, const Sides<Dim>& sides = S
       }
       return x;
     };
+    const auto first_of_side = static_cast<std::ptrdiff_t>(faces.size());
     if constexpr (Dim == 2) {
       faces.push_back({{corner(false, false), corner(true, false)}});
     } else {
       faces.push_back({{corner(false, false), corner(true, false), corner(true, true)}});
       faces.push_back({{corner(false, false), corner(true, true), corner(false, true)}});
     }
+    const Vec<Dim> normal = normal_of(faces.back());
+    if ((normal[axis] > 0) != is_upper) return;
+    for (auto face = faces.begin() + first_of_side; face != faces.end(); ++face) {
+      *face = reversed(*face);
+    }
   };
   for (int axis = 0; axis < Dim; ++axis) {
-    if (sides.lower[std::size_t(axis)]) add(axis, box.lower);
-    if (sides.upper[std::size_t(axis)]) add(axis, box.upper);
+    if (sides.lower[std::size_t(axis)]) add(axis, false, box.lower);
+    if (sides.upper[std::size_t(axis)]) add(axis, true, box.upper);
   }
   return faces;
 }

@@ -15,7 +15,9 @@ struct FrontRule {
   double spacing = 0;              ///< l0 [m]: particles extend by half of it
   double band = 2;                 ///< height above the floor, or distance to the wall, over l0
   double neighbour_radius = 2.1;   ///< over l0; at most the search radius
-  int min_neighbours = 3;  ///< in that radius, of the particle at the edge or of a neighbour of it
+  /// In that radius: a particle is at the edge, and not spray, if it or one of its neighbours has so
+  /// many neighbours.
+  int min_neighbours = 3;
 };
 
 struct Front {
@@ -68,12 +70,6 @@ Front find_front(const P& particles, const S& search, const FrontRule& rule, IsF
     if (rises) front.height = top;
   }
   return front;
-}
-
-/// The same of all particles.
-template <ParticleSet P, NeighbourSearch<P> S>
-Front find_front(const P& particles, const S& search, const FrontRule& rule) {
-  return find_front(particles, search, rule, [](Index) { return true; });
 }
 
 }  // namespace silt

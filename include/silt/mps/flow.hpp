@@ -9,6 +9,7 @@
 #include <silt/mps/arrangement.hpp>
 #include <silt/mps/body_force.hpp>
 #include <silt/mps/close_pairs.hpp>
+#include <silt/mps/corrected_gradient.hpp>
 #include <silt/mps/flow_energy.hpp>
 #include <silt/mps/flow_operators.hpp>
 #include <silt/mps/flow_seconds.hpp>
@@ -24,9 +25,11 @@
 #include <silt/mps/solve_check.hpp>
 #include <silt/mps/step_changes.hpp>
 #include <silt/mps/time_step.hpp>
+#include <silt/mps/wall_collisions.hpp>
 
 #include <algorithm>
 #include <cmath>
+#include <concepts>
 #include <string>
 #include <utility>
 #include <vector>
@@ -70,10 +73,13 @@ class BasicFlow {
   const auto& stencil() const noexcept { return operators_.stencil(); }
   /// Wall-clock time by stage.
   const FlowSeconds& seconds() const noexcept { return seconds_; }
-  /// Change of the velocity of each particle by its collisions with images in walls, in the last
-  /// step [m/s]: a part of the load of walls that the pressure does not know, see WallLoad. Empty
-  /// before the first step, and with walls of particles.
-  const std::vector<Vec>& collisions_with_walls() const noexcept { return changes_.at_walls; }
+  /// Collisions with images in walls in the last step: a part of the load of walls that the pressure
+  /// does not know, see WallLoad. Empty before the first step.
+  const std::vector<WallCollision<Dim>>& wall_collisions() const noexcept
+    requires AddsImages<typename WallsOf<Scheme>::template InFlow<Dim, RealType>>
+  {
+    return wall_collisions_.found();
+  }
   double seconds_in_pressure() const noexcept { return seconds_.pressure; }  ///< [s], wall time
 
   /// Interaction range: the larger of the two effective radii [m].
@@ -106,10 +112,12 @@ class BasicFlow {
   /// fit the spacing: see mps/arrangement.hpp.
   template <FluidParticles P, class S>
   void predict(P& particles, const S& search, double time_step) {
+    static_assert(P::dimension == Dim, "mps::Flow: the particles have another dimension");
     is_first_step_ = time_step_.is_first();
     time_step_.begin(particles, settings_, {.viscous = viscous(), .time = time_}, time_step);
     energy_.begin(particles);
     changes_.clear();
+    wall_collisions_.clear();
     moments_.clear();
     particles.refresh_ghosts(kind);  // may have changed since the search made them
     silt::detail::check_digits_of_positions(
@@ -168,15 +176,8 @@ class BasicFlow {
       return operators_.walls().velocity_change(pairs, settings_.collision);
     });
     if constexpr (AddsImages<typename Operators::Walls>) {
-      find_changes(particles, changes_.at_walls, [&](Index i) -> Vec {
-        Vec change = Vec::Zero();
-        if ((changes_.collision[i].array() == 0).all()) return change;
-        const ClosePairs pairs(particles, operators_, range, i);
-        pairs.for_each_image([&](const auto& pair, Index) {
-          change += settings_.collision.velocity_change(pair);
-        });
-        return change;
-      });
+      const auto pairs_of = [&](Index i) { return ClosePairs(particles, operators_, range, i); };
+      wall_collisions_.find(particles, changes_.collision, pairs_of, settings_.collision);
     }
     apply_changes(changes_.collision, particles, velocity);
   }
@@ -188,7 +189,9 @@ class BasicFlow {
     find_neighbours_of_moved(particles, search);
     const ScopedTimer in_pressure(seconds_.pressure);
     const auto step = view(particles, time_step);
-    moments_.begin(particles.size());
+    if constexpr (std::same_as<GradientOf<Scheme>, CorrectedGradient>) {
+      moments_.begin(particles.size());
+    }
     boundary_.find(particles, operators_, settings_.surface);  // n (5), free surface (13), (17)
     particles.refresh_ghosts(velocity);
     particles.refresh_ghosts(pressure);  // of the previous step
@@ -353,6 +356,7 @@ class BasicFlow {
   double time_ = 0;
   bool is_first_step_ = false;
   StepChanges<Vec> changes_;             // of the velocities, by stage
+  WallCollisions<Dim> wall_collisions_;
   std::vector<Vec> advection_velocity_;  // u* of advect(); empty if the particles were not moved
 };
 

@@ -165,17 +165,19 @@ class ImageWalls::InFlow {
     });
   }
 
-  /// The flow of the velocities now, near walls and except on the free surface and beside protruding
-  /// edges, around which no linear flow goes: continued there, fluid at rest would begin to circulate.
-  /// And its gradient where neighbours are missing, for divergence().
+  /// The flow of the velocities now, near walls, except on the free surface, beside protruding edges,
+  /// around which no linear flow goes, and between walls that are oblique to each other, where half
+  /// way to an image in both is not on a wall: continued there, fluid at rest would begin to
+  /// circulate. And its gradient where neighbours are missing, for divergence().
   template <FluidParticles P, class Operators>
   void continue_flow(const P& particles, const Operators& operators) {
     const auto u = particles.with_ghosts(velocity);
     const auto on_surface = particles[surface];
     const auto n = particles[number_density];
     for_each(particles.size(), [&](Index i) {
-      const bool continues =
-          !around_[i].empty() && !on_surface[i] && !around_[i].has_protruding_edge();
+      const bool continues = !around_[i].empty() && !on_surface[i] &&
+                             !around_[i].has_protruding_edge() &&
+                             around_[i].has_right_angles_only();
       const Real full = operators.stencil().n0;
       const bool misses_others = n[i] >= least_even * full && n[i] < least_full * full;
       if (continues || misses_others) {
@@ -246,8 +248,8 @@ class ImageWalls::InFlow {
 
   /// The move [m] of particle i, ended before it goes into a wall.
   Vec before_walls(Index i, const Vec& move) const {
-    // Spacings; half a spacing is usual, and less than that of KeepApart::image_distance = 0.7 would give
-    // a particle so high a density by its own image that it had a pressure in spray.
+    // Spacings: half of KeepApart::image_distance = 0.7. Closer, its own image would give a particle
+    // of spray so high a density that it had a pressure.
     constexpr double clearance = 0.35;
     return around_[i]
         .before_faces(move.template cast<double>(), clearance * spacing_)

@@ -19,14 +19,11 @@ struct StepChanges {
   std::vector<Vec> predictor;  ///< gravity, force and viscosity
   std::vector<Vec> friction;
   std::vector<Vec> collision;
-  std::vector<Vec> at_walls;  ///< the part of `collision` with images in walls
   std::vector<Vec> pressure;
   std::vector<Vec> shift;
 
   void clear() {
-    for (auto* changes : {&predictor, &friction, &collision, &at_walls, &pressure, &shift}) {
-      changes->clear();
-    }
+    for (auto* changes : {&predictor, &friction, &collision, &pressure, &shift}) changes->clear();
   }
 };
 
