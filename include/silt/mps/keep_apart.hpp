@@ -21,7 +21,8 @@ template <int Dim, class Real>
   const Vec<Dim, Real> after = pair.r_ij + pair.time_step * pair.u_ij;
   const Real after2 = after.squaredNorm();
   const Real after_dot = after.dot(pair.r_ij);
-  // Most pairs stay clearly apart: the result below would be 0 at any rounding.
+  // Most pairs stay clearly apart: the result below would be 0 at any rounding (of pairs further
+  // apart than 10 min_distance, across2 is rounded).
   const Real min2 = squared(min_distance);
   if (after_dot > 0 && after2 > Real(1.001) * min2 && after2 < 100 * min2) return 0;
   const Real along = after_dot / pair.r;

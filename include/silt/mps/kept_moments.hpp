@@ -11,8 +11,7 @@
 
 namespace silt::mps {
 
-/// Of the neighbours with pressure, kept from their first use until the particles move. As most
-/// schemes do not use them, they are found when they are asked for.
+/// Of the neighbours with pressure, kept from their first use until the particles move.
 template <int Dim, class RealType>
 class KeptMoments {
  public:

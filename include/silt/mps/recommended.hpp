@@ -21,7 +21,9 @@
 
 namespace silt::mps {
 
-/// Walls are faces; the pressures of impacts and at edges are right, and water rests in any tank.
+/// Walls are faces. Loads of impacts, and pressures below edges, converge to those of the fluid's
+/// momentum; water rests in tanks that fit its lattice, in others it settles. In 3D, a step takes
+/// about 1.4 times as long as that of Case10, in 2D 1.8 times.
 struct Recommended {
   BalancedSource source{};
   KeepApart collision{.image_distance = 0.7};

@@ -36,7 +36,7 @@ struct Tank {
   Vec<2> column = Vec<2>::Zero();  ///< width and height of the fluid [m]; in 3D it fills the depth
   TankSize size = {};
   double spacing = 0;    ///< l0 [m]
-  int dummy_layers = 4;  ///< at least the largest re/l0, rounded up
+  int dummy_layers = 4;  ///< behind walls of particles: at least the largest re/l0, rounded up
   bool lid = false;      ///< a wall on top; a full tank then has no free surface
   OnEscape on_escape = OnEscape::refuse;  ///< treatment of particles that leave the box
 };

@@ -138,8 +138,8 @@ concept AddsImages =
 template <class W>
 concept ContinuesFlow = AddsImages<W> && !requires { &detail::BothContinueFlow<W>::continue_flow; };
 
-/// Walls, not those in a flow, with all_have_pressure = true: has_pressure() is never false, which
-/// need then not be looked up for every neighbour.
+/// Wall models with all_have_pressure = true: has_pressure() of theirs is always true, and is not
+/// looked up for every neighbour.
 template <class W>
 concept AllHavePressure = requires { requires bool(W::all_have_pressure); };
 
