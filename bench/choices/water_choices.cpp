@@ -127,7 +127,7 @@ using Cells = std::vector<std::string>;
 struct Jet {
   static constexpr const char* name = "jet";
   static Cells heads() {
-    return {"jet: force of pressure; of momentum [% of ρ U² b]", "rise [%]"};
+    return {"jet: load; change of momentum [% of ρ U² b]", "rise [%]"};
   }
   template <class Scheme>
   static Cells cells() {

@@ -18,6 +18,7 @@ namespace silt {
 
 /// Force of a fluid on some of its walls in the last step: of its pressure, by gauges about a spacing
 /// apart, and of the particles that collided with the walls instead of being stopped by the pressure.
+/// Near the change of the fluid's momentum if collisions are few, as with mps::Recommended.
 /// The faces are not continued beyond the sides of a periodic box, where they should end therefore.
 template <int Dim>
 struct WallLoad {
