@@ -81,7 +81,7 @@ NOT_STORED = {
     # mps
     "BasicFlow": {**all_of(GIVEN, "settings_ solver_"),
                   **all_of(ANEW, "operators_ force_ boundary_ moments_ source_ friction_ equation_ changes_ "
-                                 "wall_collisions_ "
+                                 "momentum_changes_ "
                                  "advection_velocity_ is_first_step_"),
                   "report_": LAST, "seconds_": CLOCK,
                   "time_": "set_time() sets it before it is used"},
@@ -167,7 +167,7 @@ NOT_SAVED = {
     # mps
     "BasicFlow": {**all_of(GIVEN, "settings_ solver_"),
                   **all_of(ANEW, "operators_ force_ boundary_ moments_ source_ friction_ equation_ changes_ "
-                                 "wall_collisions_ "
+                                 "momentum_changes_ "
                                  "advection_velocity_ is_first_step_"),
                   "report_": "tells why the step failed", "seconds_": CLOCK,
                   "time_": "set_time() sets it before it is used"},

@@ -47,14 +47,15 @@ double median_speed(const P& particles) {
 }
 
 struct JetForce {
-  double load;      ///< mean force on the wall over ρ U² b
+  double load;      ///< mean force of the pressures on the wall over ρ U² b
   double momentum;  ///< that of the change of momentum
   double rise;      ///< largest, of the energy
 };
 
-/// A jet 0.1 m wide at 2 m/s against a wall, without gravity, while it is steady.
+/// A jet 0.1 m wide at 2 m/s against a wall, without gravity, while it is steady, begun off the lattice
+/// by a jitter [spacings].
 template <class Scheme = WaterScheme>
-JetForce jet_force(double l0) {
+JetForce jet_force(double l0, double jitter = 0) {
   constexpr double U = 2, b = 0.1, side = 1.2;
   const Box<2> room{.lower = {0, 0}, .upper = {side, side}};
   const WaterScene scene{.spacing = l0,
@@ -62,13 +63,14 @@ JetForce jet_force(double l0) {
                          .velocity = {U, 0},
                          .walls = faces_of(room),
                          .room = {room},
-                         .gravity = {0, 0}};
+                         .gravity = {0, 0},
+                         .jitter = jitter};
   auto sim = scene.simulation<Scheme>();
   double impulse = 0, span = 0, first = 0, last = 0;
   const double rise = run_water(sim, 0.12, [&](const auto& water, double dt) {
     last = horizontal_momentum(water, scene.mass());
     if (sim.time() < 0.06) return void(first = last);
-    impulse += dt * load_on(sim, {side, 0, side, -1}, l0);
+    impulse += dt * pressure_load_on(water, {side, 0, side, -1}, l0);
     span += dt;
   });
   const double force = 1000 * U * U * b * span;
@@ -76,7 +78,9 @@ JetForce jet_force(double l0) {
 }
 
 struct ImpactOfADam {
-  std::vector<double> deviations;  ///< of the loads from momentum, in windows of 0.1 s from 0.4 s
+  /// Of the pressures on the right wall from what the change of momentum leaves for it, in windows of
+  /// 0.1 s from 0.4 s.
+  std::vector<double> deviations;
   double rise;                     ///< largest, of the energy
   Index lost;                      ///< particles behind walls at the end
 };
@@ -92,14 +96,14 @@ ImpactOfADam impact_of_a_dam(double l0, double until, double jitter = 0) {
                          .jitter = jitter};
   auto sim = scene.simulation<Scheme>();
   ImpactOfADam found{};
-  double impulse = 0, momentum = 0, end = 0.4;
+  double load = 0, left = 0, momentum = 0, end = 0.4;
   found.rise = run_water(sim, until, [&](const auto& water, double dt) {
-    impulse += dt * (load_on(sim, {1.6, 0, 1.6, -1}, l0) -
-                     load_on(sim, {0, 0, 1, 1}, l0));
+    load += dt * pressure_load_on(water, {1.6, 0, 1.6, -1}, l0);
+    left += dt * pressure_load_on(water, {0, 0, 1, 1}, l0);
     if (sim.time() < end) return;
     const double now = horizontal_momentum(water, scene.mass());
-    if (end > 0.45) found.deviations.push_back(impulse / (momentum - now) - 1);
-    momentum = now, impulse = 0, end += 0.1;
+    if (end > 0.45) found.deviations.push_back(load / (momentum - now + left) - 1);
+    momentum = now, load = left = 0, end += 0.1;
   });
   const auto& water = sim.particles();
   for (Index i = 0; i < water.size(); ++i) {
@@ -112,7 +116,7 @@ ImpactOfADam impact_of_a_dam(double l0, double until, double jitter = 0) {
 
 struct LoadOfAnObstacle {
   std::vector<double> rows;  ///< pressure on the face over that of the water beside it, from below
-  double impact;             ///< deviation of the load from momentum, 0.45 to 0.6 s
+  double impact;             ///< deviation of pressures from momentum, 0.45 to 0.6 s
   double later;              ///< the same, 0.6 to 1.2 s
   double rise;               ///< largest, of the energy
 };
@@ -135,10 +139,10 @@ LoadOfAnObstacle load_of_an_obstacle(double l0) {
   double load = 0, left = 0, momentum = 0, end_of_window = 0.45;
   std::vector<double> deviations;
   const double rise = run_water(sim, 1.2, [&](const auto& water, double dt) {
-    load += dt * (load_on(sim, {face, 0, top, -1}, l0) -
-                  load_on(sim, {back, 0, top, 1}, l0) +
-                  load_on(sim, {end, 0, 1.6, -1}, l0));
-    left += dt * load_on(sim, {0, 0, 0.8, 1}, l0);
+    load += dt * (pressure_load_on(water, {face, 0, top, -1}, l0) -
+                  pressure_load_on(water, {back, 0, top, 1}, l0) +
+                  pressure_load_on(water, {end, 0, 1.6, -1}, l0));
+    left += dt * pressure_load_on(water, {0, 0, 0.8, 1}, l0);
     if (sim.time() >= end_of_window) {
       const double now = horizontal_momentum(water, scene.mass());
       deviations.push_back(load / (momentum - now + left) - 1);
@@ -242,7 +246,7 @@ RestOfATank rest_of_a_tank(double l0) {
   auto sim = scene.simulation<Scheme>();
   const double rise = run_water(sim, 3, [](const auto&, double) {});
   const auto& water = sim.particles();
-  const double load = load_on(sim, {side, 0, 1.2 * side, -1}, l0);
+  const double load = pressure_load_on(water, {side, 0, 1.2 * side, -1}, l0);
   return {.median = median_speed(water),
           .largest = largest_speed(water),
           .load = load / (1000 * 9.81 * side * side / 2),

@@ -7,7 +7,7 @@
 #include <silt/core/error.hpp>
 #include <silt/core/lattice.hpp>
 #include <silt/geometry/shapes.hpp>
-#include <silt/measure/wall_load.hpp>
+#include <silt/measure/wall_gauge.hpp>
 #include <silt/mps.hpp>
 
 #include <algorithm>
@@ -111,16 +111,28 @@ double pressure_on(const P& particles, const WallPiece& wall, double l0) {
   }
   return number > 0 ? sum / number : 0;
 }
-/// Horizontal force on it, against its normal [N/m].
-template <class Sim>
-double load_on(const Sim& sim, const WallPiece& wall, double l0) {
-  if constexpr (requires { sim.interaction().wall_collisions(); }) {
-    Face<2> face{{Vec<2>(wall.x, wall.from), Vec<2>(wall.x, wall.to)}};
-    if (wall.normal > 0) face = reversed(face);
-    return -wall.normal * WallLoad<2>{{face}}.read(sim, mps::pressure)[0];
-  } else {
-    return (wall.to - wall.from) * pressure_on(sim.particles(), wall, l0);
+/// Force of the pressures on it, against its normal [N/m]: of its wall particles, or of gauges a
+/// spacing apart.
+template <class P>
+double pressure_load_on(const P& particles, const WallPiece& wall, double l0) {
+  if (mps::count(particles, mps::Kind::wall) > 0) {
+    return (wall.to - wall.from) * pressure_on(particles, wall, l0);
   }
+  mps::Fluid<2> near;
+  for (Index i = 0; i < particles.size(); ++i) {
+    const auto& x = particles[position][i];
+    if (std::abs(x[0] - wall.x) > 2.01 * l0) continue;
+    const Index k = mps::add_particle(near, x, mps::Kind::fluid);
+    near[mps::pressure][k] = particles[mps::pressure][i];
+  }
+  const double gauges = std::ceil((wall.to - wall.from) / l0 - 0.01);
+  const double width = (wall.to - wall.from) / gauges;
+  double load = 0;
+  for (double k = 0; k < gauges; ++k) {
+    const double y = wall.from + k * width;
+    load += width * pressure_on(near, {wall.x, y, y + width, wall.normal}, l0);
+  }
+  return load;
 }
 
 /// Σ m u_x [N s/m].

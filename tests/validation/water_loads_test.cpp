@@ -38,19 +38,19 @@ TEST(Jet, HasTheForceOfItsMomentumSlow) {
 
 // --- a dam break against a wall ------------------------------------------------------------------
 
-// At this spacing, the loads of a splash change by several percent with the last bits.
-TEST(DamBreak, LoadsTheWallByItsMomentum) {
+// At this spacing, the pressures of a splash change by several percent with the last bits.
+TEST(DamBreak, HasThePressuresOfItsMomentum) {
   const auto found = impact_of_a_dam(0.02, 0.81);
   ASSERT_EQ(found.deviations.size(), 4u);
-  EXPECT_LT(std::abs(found.deviations[0]), 0.2);  // the impact
-  for (const std::size_t k : {1u, 2u, 3u}) EXPECT_LT(std::abs(found.deviations[k]), 0.2) << k;
+  EXPECT_LT(std::abs(found.deviations[0]), 0.1);  // the impact
+  for (const std::size_t k : {1u, 2u, 3u}) EXPECT_LT(std::abs(found.deviations[k]), 0.08) << k;
   EXPECT_LT(found.rise, 0.008);
 }
-TEST(DamBreak, LoadsTheWallByItsMomentumSlow) {
+TEST(DamBreak, HasThePressuresOfItsMomentumSlow) {
   const auto found = impact_of_a_dam(0.01, 0.81);
   ASSERT_EQ(found.deviations.size(), 4u);
-  EXPECT_LT(std::abs(found.deviations[0]), 0.1);
-  for (const std::size_t k : {1u, 2u, 3u}) EXPECT_LT(std::abs(found.deviations[k]), 0.05) << k;
+  EXPECT_LT(std::abs(found.deviations[0]), 0.05);
+  for (const std::size_t k : {1u, 2u, 3u}) EXPECT_LT(std::abs(found.deviations[k]), 0.04) << k;
   EXPECT_LT(found.rise, 0.005);
 }
 
@@ -92,6 +92,8 @@ TEST(DamBreak, DoesNotDependOnTheDirectionOfGravity) {
 void expect_pressures_below_an_edge(double l0, double allowed) {
   const auto found = load_of_an_obstacle(l0);
   for (std::size_t k = 0; k < found.rows.size(); ++k) EXPECT_NEAR(found.rows[k], 1, allowed) << k;
+  EXPECT_LT(std::abs(found.impact), allowed);
+  EXPECT_LT(std::abs(found.later), 0.05);
   EXPECT_LT(found.rise, 0.005);
 }
 TEST(Obstacle, HasThePressureOfTheWaterBesideItUpToItsEdge) {

@@ -2,129 +2,141 @@
 // The load of a flow on walls without particles.
 #pragma once
 
+#include <silt/core/box.hpp>
 #include <silt/core/error.hpp>
-#include <silt/core/particles.hpp>
+#include <silt/core/parallel.hpp>
 #include <silt/core/types.hpp>
 #include <silt/geometry/face.hpp>
-#include <silt/measure/wall_gauge.hpp>
+#include <silt/geometry/faces.hpp>
+#include <silt/geometry/line_of_sight.hpp>
 
-#include <algorithm>
+#include <array>
 #include <cmath>
-#include <string>
+#include <cstddef>
+#include <limits>
 #include <type_traits>
 #include <vector>
 
 namespace silt {
 
-/// Force of a fluid on some of its walls in the last step: of its pressure, by gauges about a spacing
-/// apart, and of the particles that collided with the walls instead of being stopped by the pressure.
-/// Near the change of the fluid's momentum if collisions are few, as with mps::Recommended.
-/// The faces are not continued beyond the sides of a periodic box, where they should end therefore.
+/// Force of a fluid on some of its walls in the last step, normal to them: of all that stops the
+/// fluid there, pressure or collisions. Of fluid that sees a wall along every axis, the loads of all
+/// walls are the whole change of momentum by pressure, collisions and friction, to round-off.
+///
+/// The integral of P n over the walls that are first seen along an axis is that of ψ ∂P + P ∂ψ over
+/// the fluid which sees them, with derivatives along the axis, where ψ is 1 on these walls, 0 on
+/// those in the opposite direction and linear between both, or 1 if there are none. For ∂P stands
+/// −ρ times the acceleration.
 template <int Dim>
-struct WallLoad {
-  /// With normals into the fluid, as those of make_tank() and of faces_of(box) for fluid in the box;
-  /// otherwise see reversed(). Fluid on the other side does not count.
-  std::vector<Face<Dim>> faces = {};
+class WallLoad {
+ public:
+  /// `faces` are walls of the flow, or parts of them, with normals into the fluid, as those of
+  /// make_tank() and of faces_of(box) for fluid in the box; otherwise see reversed(). Fluid on the
+  /// other side does not count. Throws if a face has no size.
+  explicit WallLoad(const std::vector<Face<Dim>>& faces) : faces_("WallLoad", faces) {
+    for (const auto& element : faces_.elements()) {
+      for (const auto& corner : element.face.corners) {
+        lower_ = lower_.cwiseMin(corner);
+        upper_ = upper_.cwiseMax(corner);
+      }
+    }
+  }
 
-  /// In 3D [N], in 2D per depth [N/m]; `pressure` is its field. Throws if a face has no size.
-  template <class Sim, Field F>
-  Vec<Dim> read(const Sim& simulation, F pressure) const {
-    static_assert(requires { simulation.interaction().wall_collisions(); },
-                  "silt::WallLoad: read(simulation, field) needs a simulation of a flow whose walls "
-                  "are faces, such as those of mps::Recommended");
+  /// In 3D [N], in 2D per depth [N/m]; zero before the first step. Throws if a face is not on a wall
+  /// of the flow.
+  template <class Sim>
+  Vec<Dim> read(const Sim& simulation) const {
+    static_assert(requires { simulation.interaction().momentum_changes(); },
+                  "silt::WallLoad: read(simulation) needs a simulation of a flow whose walls are "
+                  "faces, such as those of mps::Recommended");
     static_assert(std::remove_cvref_t<decltype(simulation.particles())>::dimension == Dim,
                   "silt::WallLoad: the flow has another dimension");
-    for (std::size_t k = 0; k < faces.size(); ++k) {
-      require_size("WallLoad: face " + std::to_string(k), faces[k]);
-    }
-    const double l0 = simulation.interaction().settings().spacing;
-    Vec<Dim> load = of_collisions(simulation, l0);
-    for (const Face<Dim>& face : faces) {
-      load += of_pressure(simulation.particles(), face, pressure, l0);
-    }
+    const auto& flow = simulation.interaction();
+    const auto& changes = flow.momentum_changes();
+    const double l0 = flow.settings().spacing;
+    const double volume = std::pow(l0, Dim);
+    const double momentum = flow.settings().density * volume / simulation.last_time_step();
+    const auto& box = simulation.particles().box();
+    const View view{.walls = flow.walls().faces(),
+                    .faces = faces_,
+                    .box = {.lower = box.lower.template cast<double>(),
+                            .upper = box.upper.template cast<double>(),
+                            .periodic = box.periodic},
+                    .margin = 1e-6 * l0};
+    std::vector<Vec<Dim>> loads(changes.size());
+    for_each(changes.size(), [&](Index i) {
+      const auto& change = changes[i];
+      loads[i].setZero();
+      for (int axis = 0; axis < Dim; ++axis) {
+        if (!may_see(change.position, axis)) continue;
+        const auto seen = view.along(axis, change.position);
+        const double gap = seen[0].distance + seen[1].distance;
+        for (const std::size_t side : {0u, 1u}) {
+          if (!seen[side].is_counted) continue;
+          const double sign = side == 0 ? -1 : 1;
+          const double share = is_finite(gap) ? seen[1 - side].distance / gap : 1;
+          loads[i][axis] += sign * volume * change.pressure / gap -
+                            share * momentum * change.velocity_change[axis];
+        }
+      }
+    });
+    Vec<Dim> load = Vec<Dim>::Zero();
+    for (const auto& part : loads) load += part;
     return load;
   }
 
  private:
-  template <class P, Field F>
-  static Vec<Dim> of_pressure(const P& particles, const Face<Dim>& face, F pressure, double l0) {
-    const Vec<Dim> normal = normal_of(face);
-    // Those that a gauge at the face can see.
-    const double reach = 2.01 * l0;
-    Vec<Dim> lower = face.corners[0], upper = lower;
-    for (const Vec<Dim>& corner : face.corners) {
-      lower = lower.cwiseMin(corner);
-      upper = upper.cwiseMax(corner);
+  struct Seen {
+    double distance;  // of the first wall
+    bool is_counted;  // whether it is one of the faces
+  };
+  struct View {
+    const Faces<Dim>& walls;
+    const Faces<Dim>& faces;
+    Box<Dim> box;
+    double margin;  // [m]
+
+    // Backwards and forwards.
+    std::array<Seen, 2> along(int axis, const Vec<Dim>& x) const {
+      return {in(Direction{axis, -1}, x), in(Direction{axis, 1}, x)};
     }
-    Particles<Dim, double, F> near;
-    const auto x = particles[position];
-    for (Index i = 0; i < particles.size(); ++i) {
-      const Vec<Dim> at = x[i].template cast<double>();
-      if ((at.array() < lower.array() - reach || at.array() > upper.array() + reach).any()) continue;
-      if ((at - nearest_of(face, at)).squaredNorm() > squared(reach)) continue;
-      const Index k = near.add(at);
-      near[pressure][k] = double(particles[pressure][i]);
+
+   private:
+    Seen in(const Direction& direction, const Vec<Dim>& x) const {
+      const double wall = distance(walls, direction, x, true);
+      const double face = distance(faces, direction, x, false);
+      if (face < wall - margin) {
+        fail("WallLoad: a face is not on a wall of the flow, but " + to_text(face) + " m from " +
+             to_text(x) + " m in the fluid; give faces of the walls, or parts of them");
+      }
+      return {wall, is_finite(face) && face < wall + margin};
     }
-    Vec<Dim> load = Vec<Dim>::Zero();
-    for_each_part(face, l0, [&](const Vec<Dim>& centre, double area) {
-      load -= area * WallGauge<Dim>{centre, normal, l0}.read(near, pressure) * normal;
-    });
-    return load;
+    double distance(const Faces<Dim>& which, const Direction& direction, const Vec<Dim>& x,
+                    bool counts_back_sides) const {
+      const auto [axis, sign] = direction;
+      const double first = distance_to_face(which, x, direction, counts_back_sides);
+      if (!box.periodic[std::size_t(axis)]) return first;
+      const double to_side = sign > 0 ? box.upper[axis] - x[axis] : x[axis] - box.lower[axis];
+      if (first <= to_side) return first;
+      Vec<Dim> beyond = x;
+      beyond[axis] = sign > 0 ? box.lower[axis] : box.upper[axis];
+      const double rest = distance_to_face(which, beyond, direction, counts_back_sides);
+      const double none = std::numeric_limits<double>::infinity();
+      return to_side + rest < box.length()[axis] ? to_side + rest : none;
+    }
+  };
+
+  bool may_see(const Vec<Dim>& x, int axis) const {
+    for (int k = 0; k < Dim; ++k) {
+      if (k != axis && !(lower_[k] <= x[k] && x[k] <= upper_[k])) return false;
+    }
+    return true;
   }
 
-  // f(centre, length or area) for equal parts of the face about a spacing wide.
-  template <class F>
-  static void for_each_part(const Face<Dim>& face, double l0, F&& f) {
-    const auto& corners = face.corners;
-    double longest = 0;
-    for (std::size_t k = 0; k < std::size_t(Dim); ++k) {
-      longest = std::max(longest, (corners[(k + 1) % Dim] - corners[k]).norm());
-    }
-    const int n = static_cast<int>(std::clamp(std::ceil(longest / l0 - 0.01), 1.0, 1e4));
-    if constexpr (Dim == 2) {
-      const Vec<2> along = (corners[1] - corners[0]) / n;
-      for (int k = 0; k < n; ++k) f(Vec<2>(corners[0] + (k + 0.5) * along), along.norm());
-    } else {
-      const Vec<3> a = (corners[1] - corners[0]) / n, b = (corners[2] - corners[0]) / n;
-      const double area = cross(a, b).norm() / 2;
-      for (int i = 0; i < n; ++i) {
-        for (int j = 0; i + j < n; ++j) {
-          const Vec<3> corner = corners[0] + i * a + j * b;
-          f(Vec<3>(corner + (a + b) / 3), area);
-          if (i + j + 1 < n) f(Vec<3>(corner + 2 * (a + b) / 3), area);
-        }
-      }
-    }
-  }
-
-  template <class Sim>
-  Vec<Dim> of_collisions(const Sim& simulation, double l0) const {
-    const auto& flow = simulation.interaction();
-    const double m = flow.settings().density * std::pow(l0, Dim);
-    Vec<Dim> load = Vec<Dim>::Zero();
-    std::vector<Vec<Dim>> normals;  // of the walls that the particle before them collided with
-    for (const auto& collision : flow.wall_collisions()) {
-      normals.clear();
-      for (const Face<Dim>& face : faces) {
-        if (!is_before(face, collision.position, l0)) continue;
-        const Vec<Dim> normal = normal_of(face);
-        // Once for two triangles, of which the particle is before the common edge.
-        const bool is_counted = std::ranges::any_of(
-            normals, [&](const Vec<Dim>& other) { return other.dot(normal) > 0.999; });
-        if (is_counted) continue;
-        normals.push_back(normal);
-        const double along = collision.velocity_change.dot(normal);
-        load -= m / simulation.last_time_step() * along * normal;
-      }
-    }
-    return load;
-  }
-  // Whether a particle that may have collided with the face is at x.
-  static bool is_before(const Face<Dim>& face, const Vec<Dim>& x, double l0) {
-    const Vec<Dim> from = x - nearest_of(face, x);
-    const double height = from.dot(normal_of(face));
-    return height > 0 && height < l0 && from.norm() < height * (1 + 1e-6);
-  }
+  Faces<Dim> faces_;
+  // Of their corners.
+  Vec<Dim> lower_ = Vec<Dim>::Constant(std::numeric_limits<double>::infinity());
+  Vec<Dim> upper_ = -lower_;
 };
 
 }  // namespace silt

@@ -17,6 +17,7 @@
 #include <silt/mps/flow_watch.hpp>
 #include <silt/mps/fluid.hpp>
 #include <silt/mps/kept_moments.hpp>
+#include <silt/mps/momentum_changes.hpp>
 #include <silt/mps/moves_before_walls.hpp>
 #include <silt/mps/particle_view.hpp>
 #include <silt/mps/pressure.hpp>
@@ -25,7 +26,6 @@
 #include <silt/mps/solve_check.hpp>
 #include <silt/mps/step_changes.hpp>
 #include <silt/mps/time_step.hpp>
-#include <silt/mps/wall_collisions.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -73,13 +73,15 @@ class BasicFlow {
   const auto& stencil() const noexcept { return operators_.stencil(); }
   /// Wall-clock time by stage.
   const FlowSeconds& seconds() const noexcept { return seconds_; }
-  /// Collisions with images in walls in the last step: a part of the load of walls that the pressure
-  /// does not know, see WallLoad. Empty before the first step.
-  const std::vector<WallCollision<Dim>>& wall_collisions() const noexcept
+  /// What changed the momentum of the particles in the last step, for WallLoad. Empty before the first
+  /// step.
+  const std::vector<MomentumChange<Dim>>& momentum_changes() const noexcept
     requires AddsImages<typename WallsOf<Scheme>::template InFlow<Dim, RealType>>
   {
-    return wall_collisions_.found();
+    return momentum_changes_.all();
   }
+  /// The walls as the flow sees them.
+  const auto& walls() const noexcept { return operators_.walls(); }
   double seconds_in_pressure() const noexcept { return seconds_.pressure; }  ///< [s], wall time
 
   /// Interaction range: the larger of the two effective radii [m].
@@ -117,7 +119,7 @@ class BasicFlow {
     time_step_.begin(particles, settings_, {.viscous = viscous(), .time = time_}, time_step);
     energy_.begin(particles);
     changes_.clear();
-    wall_collisions_.clear();
+    momentum_changes_.clear();
     moments_.clear();
     particles.refresh_ghosts(kind);  // may have changed since the search made them
     silt::detail::check_digits_of_positions(
@@ -175,10 +177,6 @@ class BasicFlow {
       const ClosePairs pairs(particles, operators_, range, i);
       return operators_.walls().velocity_change(pairs, settings_.collision);
     });
-    if constexpr (AddsImages<typename Operators::Walls>) {
-      const auto pairs_of = [&](Index i) { return ClosePairs(particles, operators_, range, i); };
-      wall_collisions_.find(particles, changes_.collision, pairs_of, settings_.collision);
-    }
     apply_changes(changes_.collision, particles, velocity);
   }
 
@@ -215,6 +213,7 @@ class BasicFlow {
       const Vec change = factor * step.at(i).pressure_gradient(settings_.gradient, rise_of);
       return moves.change(i, displacement_velocity(u, i), change);
     });
+    if constexpr (AddsImages<typename Operators::Walls>) momentum_changes_.find(particles, changes_);
     return report_;
   }
 
@@ -262,6 +261,7 @@ class BasicFlow {
     time_step_.restore();
     watch_.restore();
     energy_.restore();
+    momentum_changes_.clear();
   }
   /// For a checkpoint, see core/transfer.hpp.
   template <class Archive>
@@ -356,7 +356,7 @@ class BasicFlow {
   double time_ = 0;
   bool is_first_step_ = false;
   StepChanges<Vec> changes_;             // of the velocities, by stage
-  WallCollisions<Dim> wall_collisions_;
+  MomentumChanges<Dim> momentum_changes_;
   std::vector<Vec> advection_velocity_;  // u* of advect(); empty if the particles were not moved
 };
 

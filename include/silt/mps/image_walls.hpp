@@ -105,6 +105,8 @@ class ImageWalls::InFlow {
     }
   }
 
+  const Faces<Dim>& faces() const noexcept { return *faces_; }
+
   /// Finds the faces near each particle, and the images that it sees. Throws if a particle is not
   /// fluid or on a face, or if a wall ends at a periodic side.
   template <FluidParticles P, class S, class Operators>

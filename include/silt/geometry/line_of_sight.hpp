@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: MIT
+// The first face that is seen from a point along an axis.
+#pragma once
+
+#include <silt/core/types.hpp>
+#include <silt/geometry/face.hpp>
+#include <silt/geometry/faces.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+
+namespace silt {
+
+/// A direction along an axis: forwards (+1) or backwards (−1).
+struct Direction {
+  int axis;
+  int sign;
+};
+
+namespace detail {
+
+inline bool is_crossed(const Face<2>& face, const Vec<2>& p, const Vec<2>& q) {
+  const double first = side_of(p, q, face.corners[0]), second = side_of(p, q, face.corners[1]);
+  return std::min(first, second) <= 0 && std::max(first, second) >= 0;
+}
+// Both of two triangles with a common edge if the line passes through it, and at least one of them
+// if it passes beside it by less than round-off.
+inline bool is_crossed(const Face<3>& face, const Vec<3>& p, const Vec<3>& q) {
+  bool is_left = true, is_right = true;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double side = side_of(p, q, face.corners[k], face.corners[(k + 1) % 3]);
+    is_left = is_left && side >= 0;
+    is_right = is_right && side <= 0;
+  }
+  return is_left || is_right;
+}
+
+}  // namespace detail
+
+/// Distance [m] from x to the first face in a direction, of all faces or of those whose normals are
+/// against it; infinite if there is none.
+template <int Dim>
+double distance_to_face(const Faces<Dim>& faces, const Vec<Dim>& x, const Direction& direction,
+                        bool counts_back_sides = true) {
+  const Vec<Dim> along = direction.sign * Vec<Dim>::Unit(direction.axis);
+  typename Faces<Dim>::Bounds line{x, x};
+  (direction.sign > 0 ? line.upper : line.lower)[direction.axis] =
+      direction.sign * std::numeric_limits<double>::infinity();
+  double first = std::numeric_limits<double>::infinity();
+  constexpr double margin = 1e-12;  // [m]: bounds of faces may have no width
+  faces.for_each_near_bounds(line, margin, [&](std::uint32_t k) {
+    const auto& element = faces[k];
+    constexpr double parallel = 1e-9;
+    const double slope = element.normal.dot(along);
+    if (std::abs(slope) < parallel || (slope > 0 && !counts_back_sides)) return;
+    const double distance = -element.height(x) / slope;
+    if (!(distance > 0) || !(distance < first)) return;
+    if (detail::is_crossed(element.face, x, Vec<Dim>(x + along))) first = distance;
+  });
+  return first;
+}
+
+}  // namespace silt

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: MIT
+// What changed the momentum of a fluid in a step, from which the loads of walls are found.
+#pragma once
+
+#include <silt/core/parallel.hpp>
+#include <silt/core/types.hpp>
+#include <silt/mps/fluid.hpp>
+#include <silt/mps/step_changes.hpp>
+
+#include <vector>
+
+namespace silt::mps {
+
+template <int Dim>
+struct MomentumChange {
+  Vec<Dim> position = Vec<Dim>::Zero();         ///< of the particle [m]
+  Vec<Dim> velocity_change = Vec<Dim>::Zero();  ///< by pressure, collisions and friction [m/s]
+  double pressure = 0;                          ///< [Pa]
+};
+
+/// Those of the particles in the last step, where they were when the pressure was found: it may have
+/// removed some of them since.
+template <int Dim>
+class MomentumChanges {
+ public:
+  const std::vector<MomentumChange<Dim>>& all() const noexcept { return all_; }
+  void clear() noexcept { all_.clear(); }
+
+  template <FluidParticles P, class Vec>
+  void find(const P& particles, const StepChanges<Vec>& changes) {
+    all_.resize(particles.size());
+    const auto x = particles[position];
+    const auto pressures = particles[pressure];
+    for_each(particles.size(), [&](Index i) {
+      Vec change = changes.pressure[i];
+      if (!changes.friction.empty()) change += changes.friction[i];
+      if (!changes.collision.empty()) change += changes.collision[i];
+      all_[i] = {x[i].template cast<double>(), change.template cast<double>(),
+                 double(pressures[i])};
+    });
+  }
+
+ private:
+  std::vector<MomentumChange<Dim>> all_;
+};
+
+}  // namespace silt::mps
