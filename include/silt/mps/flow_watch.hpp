@@ -36,8 +36,10 @@ class FlowWatch {
       return largest(x.size(), none,
                      [&](Index i) { return kinds[i] == Kind::fluid ? double(value(i)) : none; });
     };
-    now_.lowest = std::max(now_.lowest, largest_of_fluid([&](Index i) { return g.dot(x[i]); }));
-    now_.highest = std::max(now_.highest, largest_of_fluid([&](Index i) { return -g.dot(x[i]); }));
+    now_.highest_potential =
+        std::max(now_.highest_potential, largest_of_fluid([&](Index i) { return -g.dot(x[i]); }));
+    now_.lowest_potential =
+        std::min(now_.lowest_potential, -largest_of_fluid([&](Index i) { return g.dot(x[i]); }));
     // In a periodic box, a fall has no end.
     Vec endless = Vec::Zero();
     for (int axis = 0; axis < Dim; ++axis) {
@@ -67,7 +69,7 @@ class FlowWatch {
     constexpr const char* advice =
         "reduce the Courant number, let particles be kept apart, or check walls that are thinner "
         "than the effective radius";
-    const double fall = std::max(0.0, now_.highest + now_.lowest);
+    const double fall = std::max(0.0, now_.highest_potential - now_.lowest_potential);
     const double usual =
         std::max(settings.speed_scale, std::sqrt(squared(now_.given_speed) + 2 * fall) +
                                            now_.speed_of_forces + speed_of_step_);
@@ -100,17 +102,18 @@ class FlowWatch {
   template <class Archive>
   void transfer(Archive& archive) {
     archive("given_speed", now_.given_speed);
-    archive("highest", now_.highest);
-    archive("lowest", now_.lowest);
+    archive("highest_potential", now_.highest_potential);
+    archive("lowest_potential", now_.lowest_potential);
     archive("speed_of_forces", now_.speed_of_forces);
     archive("fastest", now_.fastest);
   }
 
  private:
   struct State {
-    double given_speed = 0;      // the fastest at first, or set between steps [m/s]
-    double highest = -std::numeric_limits<double>::max();  // −g·x [m²/s²]
-    double lowest = -std::numeric_limits<double>::max();   // g·x
+    double given_speed = 0;  // the fastest at first, or set between steps [m/s]
+    // Per mass, −g·x, where its deepest fall would begin and end [m²/s²].
+    double highest_potential = -std::numeric_limits<double>::max();
+    double lowest_potential = std::numeric_limits<double>::max();
     double speed_of_forces = 0;  // ∫ |F| dt without gravity [m/s]
     double fastest = 0;          // after the last step [m/s]
   };
