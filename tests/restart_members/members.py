@@ -79,12 +79,12 @@ NOT_STORED = {
     "Inflow": all_of(GIVEN, "region_ blend_ settings_"),
     "Outflow": all_of(GIVEN, "region_ settings_"),
     # mps
-    "BasicFlow": {**all_of(GIVEN, "settings_ solver_"),
-                  **all_of(ANEW, "operators_ force_ boundary_ moments_ source_ friction_ equation_ changes_ "
-                                 "momentum_changes_ "
+    "BasicFlow": {"settings_": GIVEN,
+                  **all_of(ANEW, "operators_ force_ friction_ pressure_ changes_ wall_collisions_ "
                                  "advection_velocity_ is_first_step_"),
-                  "report_": LAST, "seconds_": CLOCK,
+                  "seconds_": CLOCK,
                   "time_": "set_time() sets it before it is used"},
+    "FlowPressure": {"solver_": GIVEN, **all_of(ANEW, "boundary_ moments_ source_ equation_"), "report_": LAST},
     "FlowOperators": {**all_of(GIVEN, "stencil_ laplacian_stencil_"),
                       **all_of(ANEW, "neighbourhood_ laplacian_neighbourhood_"),
                       "walls_": "the same bits whenever they are found, see WallModel"},
@@ -165,11 +165,10 @@ NOT_SAVED = {
                    "time_": "set_time() sets it before it is used",
                    "last_time_step_": "set_last_time_step() sets it before it is used", "memory_": MEMORY},
     # mps
-    "BasicFlow": {**all_of(GIVEN, "settings_ solver_"),
-                  **all_of(ANEW, "operators_ force_ boundary_ moments_ source_ friction_ equation_ changes_ "
-                                 "momentum_changes_ "
+    "BasicFlow": {"settings_": GIVEN,
+                  **all_of(ANEW, "operators_ force_ friction_ changes_ wall_collisions_ "
                                  "advection_velocity_ is_first_step_"),
-                  "report_": "tells why the step failed", "seconds_": CLOCK,
+                  "pressure_": "found anew; the report of its solver tells why the step failed", "seconds_": CLOCK,
                   "time_": "set_time() sets it before it is used"},
     "EnergyAccount": {"properties_": GIVEN},
     "FlowWatch": all_of(UPDATE, "kinetic_ speed_of_step_"),

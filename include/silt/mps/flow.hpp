@@ -9,27 +9,22 @@
 #include <silt/mps/arrangement.hpp>
 #include <silt/mps/body_force.hpp>
 #include <silt/mps/close_pairs.hpp>
-#include <silt/mps/corrected_gradient.hpp>
 #include <silt/mps/flow_energy.hpp>
 #include <silt/mps/flow_operators.hpp>
+#include <silt/mps/flow_pressure.hpp>
 #include <silt/mps/flow_seconds.hpp>
 #include <silt/mps/flow_settings.hpp>
 #include <silt/mps/flow_watch.hpp>
 #include <silt/mps/fluid.hpp>
-#include <silt/mps/kept_moments.hpp>
-#include <silt/mps/momentum_changes.hpp>
 #include <silt/mps/moves_before_walls.hpp>
 #include <silt/mps/particle_view.hpp>
-#include <silt/mps/pressure.hpp>
-#include <silt/mps/pressure_boundary.hpp>
+#include <silt/mps/pressure_rise.hpp>
 #include <silt/mps/scheme.hpp>
-#include <silt/mps/solve_check.hpp>
 #include <silt/mps/step_changes.hpp>
 #include <silt/mps/time_step.hpp>
+#include <silt/mps/wall_collisions.hpp>
 
-#include <algorithm>
 #include <cmath>
-#include <concepts>
 #include <string>
 #include <utility>
 #include <vector>
@@ -48,20 +43,19 @@ class BasicFlow {
   using Settings = FlowSettings<Dim, Scheme>;
   static constexpr bool needs_moved_particles = SourceOf<Scheme>::needs_moved_particles;
 
-  /// Throws if a setting is out of range.
+  /// Throws if a setting, also of the solver, is out of range.
   explicit BasicFlow(const Settings& settings, Solver solver = {})
       : settings_(checked(settings)),
-        solver_(checked(std::move(solver))),
         operators_(settings_),
         force_(settings_.gravity.template cast<Real>()),
-        source_(settings_.source),
         friction_(settings_.friction),
+        pressure_(settings_.source, std::move(solver)),
         energy_({.mass = settings_.density * std::pow(settings_.spacing, Dim),
                  .gravity = settings_.gravity.template cast<Real>()}) {}
 
   const Settings& settings() const noexcept { return settings_; }
   /// Iterations and residual of the last pressure solve.
-  const SolveReport& last_solve() const noexcept { return report_; }
+  const SolveReport& last_solve() const noexcept { return pressure_.report(); }
   /// Energy after the last step, and the work since the first step.
   const FlowEnergy& energy() const noexcept { return energy_.energy(); }
   /// Kinetic and potential energy of the particles, also before the first step.
@@ -73,15 +67,13 @@ class BasicFlow {
   const auto& stencil() const noexcept { return operators_.stencil(); }
   /// Wall-clock time by stage.
   const FlowSeconds& seconds() const noexcept { return seconds_; }
-  /// What changed the momentum of the particles in the last step, for WallLoad. Empty before the first
-  /// step.
-  const std::vector<MomentumChange<Dim>>& momentum_changes() const noexcept
+  /// Collisions with images in walls in the last step: a part of the load of walls that the pressure
+  /// does not know, see WallLoad. Empty before the first step.
+  const std::vector<WallCollision<Dim>>& wall_collisions() const noexcept
     requires AddsImages<typename WallsOf<Scheme>::template InFlow<Dim, RealType>>
   {
-    return momentum_changes_.all();
+    return wall_collisions_.found();
   }
-  /// The walls as the flow sees them.
-  const auto& walls() const noexcept { return operators_.walls(); }
   double seconds_in_pressure() const noexcept { return seconds_.pressure; }  ///< [s], wall time
 
   /// Interaction range: the larger of the two effective radii [m].
@@ -115,28 +107,9 @@ class BasicFlow {
   template <FluidParticles P, class S>
   void predict(P& particles, const S& search, double time_step) {
     static_assert(P::dimension == Dim, "mps::Flow: the particles have another dimension");
-    is_first_step_ = time_step_.is_first();
-    time_step_.begin(particles, settings_, {.viscous = viscous(), .time = time_}, time_step);
-    energy_.begin(particles);
-    changes_.clear();
-    momentum_changes_.clear();
-    moments_.clear();
-    particles.refresh_ghosts(kind);  // may have changed since the search made them
-    silt::detail::check_digits_of_positions(
-        "mps::Flow", particles, "spacing", [this](Index) { return Real(settings_.spacing); });
-    find_neighbours(particles, search);
-    if (is_first_step_) {
-      check_arrangement(particles, operators_.neighbourhood(), operators_.stencil());
-    }
-    particles.refresh_ghosts(velocity);
-    force_.find(particles, settings_.body_force, time_);
-    watch_.begin(particles, force_, time_step, energy().kinetic);
+    begin_step(particles, search, time_step);
     const auto step = view(particles, time_step);
-    if constexpr (BeginsSteps<SourceOf<Scheme>>) {
-      static_assert(requires { source_.begin(step); },
-                    "mps: begin() of the source cannot be called with a const StepView");
-      source_.begin(step);
-    }
+    pressure_.begin(step);
     const Real dt = Real(time_step);
     const double nu = settings_.viscosity;
     find_changes(particles, changes_.predictor, [&](Index i) -> Vec {
@@ -153,7 +126,6 @@ class BasicFlow {
       apply_changes(changes_.friction, particles, velocity);
     }
     apply_changes(changes_.predictor, particles, velocity);
-    advection_velocity_.clear();
   }
 
   /// r* = r + Δt u*, for sources that need moved particles: the original MPS.
@@ -177,6 +149,10 @@ class BasicFlow {
       const ClosePairs pairs(particles, operators_, range, i);
       return operators_.walls().velocity_change(pairs, settings_.collision);
     });
+    if constexpr (AddsImages<typename Operators::Walls>) {
+      const auto pairs_of = [&](Index i) { return ClosePairs(particles, operators_, range, i); };
+      wall_collisions_.find(particles, changes_.collision, pairs_of, settings_.collision);
+    }
     apply_changes(changes_.collision, particles, velocity);
   }
 
@@ -187,34 +163,21 @@ class BasicFlow {
     find_neighbours_of_moved(particles, search);
     const ScopedTimer in_pressure(seconds_.pressure);
     const auto step = view(particles, time_step);
-    if constexpr (std::same_as<GradientOf<Scheme>, CorrectedGradient>) {
-      moments_.begin(particles.size());
-    }
-    boundary_.find(particles, operators_, settings_.surface);  // n (5), free surface (13), (17)
+    pressure_.find_boundary(particles, operators_, settings_.surface);  // n (5), (13), (17)
     particles.refresh_ghosts(velocity);
     particles.refresh_ghosts(pressure);  // of the previous step
     // n* of moved particles already includes what has gone towards walls.
     if constexpr (!needs_moved_particles) operators_.continue_flow(particles);
+    const PressureRise rise(step);
+    pressure_.solve(particles, step, rise, seconds_);
     const Real factor = -Real(time_step) / Real(settings_.density);
-    const auto u = particles.with_ghosts(velocity);
-    const auto on_surface = particles[surface];
-    // ∂P/∂n = (ρ/Δt) u*·n at walls stops the flow towards them. Where it is not continued, P rises
-    // as at rest: particles on the free surface are held, but neither stopped before they arrive
-    // nor drawn.
-    const auto rise_of = [&](const auto& image) -> Real {
-      if (!needs_moved_particles && image.continues_flow()) return image.rise_along(u) / -factor;
-      const Index j = particles.owner(image.index);
-      const Real at_rest = image.rise(Vec(Real(settings_.density) * force_[j]));
-      return on_surface[j] ? std::max(Real(0), at_rest) : at_rest;
-    };
-    find_pressure(particles, step, rise_of);
+    const auto u = particles[velocity];
     const Moves moves(operators_.walls(), Real(time_step));
     find_changes(particles, changes_.pressure, [&](Index i) -> Vec {
-      const Vec change = factor * step.at(i).pressure_gradient(settings_.gradient, rise_of);
+      const Vec change = factor * step.at(i).pressure_gradient(settings_.gradient, rise);
       return moves.change(i, displacement_velocity(u, i), change);
     });
-    if constexpr (AddsImages<typename Operators::Walls>) momentum_changes_.find(particles, changes_);
-    return report_;
+    return pressure_.report();
   }
 
   /// u = u* + u';  r = r + Δt u, or r* + Δt u' if the particles were moved with u*.
@@ -261,7 +224,6 @@ class BasicFlow {
     time_step_.restore();
     watch_.restore();
     energy_.restore();
-    momentum_changes_.clear();
   }
   /// For a checkpoint, see core/transfer.hpp.
   template <class Archive>
@@ -287,6 +249,27 @@ class BasicFlow {
     return viscous_limit(operators_.laplacian_stencil(), settings_.viscosity);
   }
 
+  // Checks the particles, and finds their neighbours and the forces on them.
+  template <class P, class S>
+  void begin_step(P& particles, const S& search, double time_step) {
+    is_first_step_ = time_step_.is_first();
+    time_step_.begin(particles, settings_, {.viscous = viscous(), .time = time_}, time_step);
+    energy_.begin(particles);
+    changes_.clear();
+    wall_collisions_.clear();
+    advection_velocity_.clear();
+    particles.refresh_ghosts(kind);  // may have changed since the search made them
+    silt::detail::check_digits_of_positions(
+        "mps::Flow", particles, "spacing", [this](Index) { return Real(settings_.spacing); });
+    find_neighbours(particles, search);
+    if (is_first_step_) {
+      check_arrangement(particles, operators_.neighbourhood(), operators_.stencil());
+    }
+    particles.refresh_ghosts(velocity);
+    force_.find(particles, settings_.body_force, time_);
+    watch_.begin(particles, force_, time_step, energy().kinetic);
+  }
+
   template <class P, class S>
   void find_neighbours(const P& particles, const S& search) {
     const ScopedTimer in_neighbours(seconds_.neighbours);
@@ -299,35 +282,6 @@ class BasicFlow {
     find_neighbours(particles, search);
   }
 
-  // In the first step, the pressures before it are unknown to sources that use them: zero, in most
-  // cases. A kick would be left.
-  template <class P, class RiseOf>
-  void find_pressure(P& particles, const StepView<Scheme, P>& step, const RiseOf& rise_of) {
-    constexpr int max_passes = 30;
-    const int passes = UsesLastPressure<SourceOf<Scheme>> && is_first_step_ ? max_passes : 1;
-    for (int pass = 0; pass < passes; ++pass) {
-      timed(seconds_.assembly, [&] {
-        equation_.assemble(particles, operators_.pressure_neighbours(),
-                           operators_.laplacian_stencil(),
-                           [&](Index i) { return source(step, i, rise_of); }, boundary_);
-      });
-      timed(seconds_.solve, [&] { report_ = equation_.solve(particles, solver_); });
-      check_solve(particles, report_, step.time_step);
-      if (settings_.clip_negative_pressure) clip_negative_pressure(particles);
-      particles.refresh_ghosts(pressure);
-      if (report_.iterations == 0) return;  // they were the pressures of this step
-    }
-  }
-
-  // ∇²P of particle i, without what images are known to add to it: (9), (16). Not inlined, so that
-  // the loop that assembles the equation keeps its sums in registers.
-  template <class P, class RiseOf>
-  [[gnu::noinline]] double source(const StepView<Scheme, P>& step, Index i,
-                                  const RiseOf& rise_of) const {
-    const double own = boundary_.weight_of_surface(i) > 0 ? 0 : source_.value(step.at(i));
-    return own - step.at(i).laplacian_of_rises(rise_of);
-  }
-
   // That of the rest of the step, of particles that may have been moved with u*.
   template <class U>
   Vec displacement_velocity(const U& u, Index i) const {
@@ -336,19 +290,15 @@ class BasicFlow {
 
   template <class P>
   StepView<Scheme, P> view(const P& particles, double time_step) const {
-    return {particles, settings_, operators_, boundary_, force_, moments_, time_step};
+    return {particles, settings_,           operators_, pressure_.boundary(),
+            force_,    pressure_.moments(), time_step,  is_first_step_};
   }
 
   Settings settings_;
-  Solver solver_;
   Operators operators_;
   BodyForce<Dim, Real> force_;
-  SourceOf<Scheme> source_;  // which may keep something from begin() to the end of the step
   [[no_unique_address]] FrictionModel friction_;
-  PressureBoundary<Scheme> boundary_;
-  KeptMoments<Dim, Real> moments_;
-  PressureEquation equation_;
-  SolveReport report_;
+  FlowPressure<Scheme, Dim, Real, Solver> pressure_;
   FlowSeconds seconds_;
   TimeStep time_step_;
   EnergyAccount<Dim, Real> energy_;
@@ -356,7 +306,7 @@ class BasicFlow {
   double time_ = 0;
   bool is_first_step_ = false;
   StepChanges<Vec> changes_;             // of the velocities, by stage
-  MomentumChanges<Dim> momentum_changes_;
+  WallCollisions<Dim> wall_collisions_;
   std::vector<Vec> advection_velocity_;  // u* of advect(); empty if the particles were not moved
 };
 

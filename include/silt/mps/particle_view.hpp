@@ -34,6 +34,7 @@ struct StepView {
   const BodyForce<Dim, Real>& force;
   const KeptMoments<Dim, Real>& moments;
   double time_step;  ///< Δt [s]
+  bool is_first;     ///< no step of the flow was made before it
 
   ParticleView<Scheme, P> at(Index i) const { return {*this, i}; }
 };
