@@ -80,11 +80,12 @@ NOT_STORED = {
     "Outflow": all_of(GIVEN, "region_ settings_"),
     # mps
     "BasicFlow": {"settings_": GIVEN,
-                  **all_of(ANEW, "operators_ force_ friction_ pressure_ changes_ wall_collisions_ "
-                                 "advection_velocity_ is_first_step_"),
-                  "seconds_": CLOCK,
-                  "time_": "set_time() sets it before it is used"},
+                  **all_of(ANEW, "operators_ force_ friction_ pressure_ changes_ wall_collisions_ advection_"),
+                  "seconds_": CLOCK},
     "FlowPressure": {"solver_": GIVEN, **all_of(ANEW, "boundary_ moments_ source_ equation_"), "report_": LAST},
+    "FlowRecord": {"viscous_limit_": GIVEN, "is_first_step_": ANEW,
+                   "time_": "set_time() sets it before it is used"},
+    "Advection": {"moved_with_": ANEW},
     "FlowOperators": {**all_of(GIVEN, "stencil_ laplacian_stencil_"),
                       **all_of(ANEW, "neighbourhood_ laplacian_neighbourhood_"),
                       "walls_": "the same bits whenever they are found, see WallModel"},
@@ -166,10 +167,10 @@ NOT_SAVED = {
                    "last_time_step_": "set_last_time_step() sets it before it is used", "memory_": MEMORY},
     # mps
     "BasicFlow": {"settings_": GIVEN,
-                  **all_of(ANEW, "operators_ force_ friction_ changes_ wall_collisions_ "
-                                 "advection_velocity_ is_first_step_"),
-                  "pressure_": "found anew; the report of its solver tells why the step failed", "seconds_": CLOCK,
-                  "time_": "set_time() sets it before it is used"},
+                  **all_of(ANEW, "operators_ force_ friction_ changes_ wall_collisions_ advection_"),
+                  "pressure_": "found anew; the report of its solver tells why the step failed", "seconds_": CLOCK},
+    "FlowRecord": {"viscous_limit_": GIVEN, "is_first_step_": ANEW,
+                   "time_": "set_time() sets it before it is used"},
     "EnergyAccount": {"properties_": GIVEN},
     "FlowWatch": all_of(UPDATE, "kinetic_ speed_of_step_"),
 }

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: MIT
-// Checks of the particles before the first step of a flow, for mistakes that would only show as
-// wrong results: particles and flow of different spacings, and a lattice that does not fit into a
-// periodic box. Random and disordered arrangements, such as those of a flow in motion, pass.
+// Checks of the particles before a step of a flow, for mistakes that would only show as wrong
+// results: positions with too few digits; before the first step, also particles and flow of
+// different spacings, and a lattice that does not fit into a periodic box. Random and disordered
+// arrangements, such as those of a flow in motion, pass.
 #pragma once
 
 #include <silt/core/error.hpp>
 #include <silt/core/parallel.hpp>
+#include <silt/core/step_checks.hpp>
 #include <silt/core/types.hpp>
 #include <silt/mps/fluid.hpp>
 #include <silt/mps/neighbourhood.hpp>
@@ -31,6 +33,14 @@ Index count_fluid(const P& particles, F&& belongs) {
 }
 
 }  // namespace detail
+
+/// Throws if a particle is so far from the origin that its position is not known to a hundredth of
+/// the spacing of the stencil.
+template <FluidParticles P, class T>
+void check_positions(const P& particles, const T& stencil) {
+  silt::detail::check_digits_of_positions("mps::Flow", particles, "spacing",
+                                          [&](Index) { return stencil.spacing; });
+}
 
 /// Throws if most fluid particles have far more neighbours than at the spacing l0 of the stencil,
 /// or several, but none near l0.
@@ -108,11 +118,11 @@ void check_periodic_lattice(const P& particles, const N& neighbourhood, const T&
   }
 }
 
-/// Both checks.
-template <FluidParticles P, class N, class T>
-void check_arrangement(const P& particles, const N& neighbourhood, const T& stencil) {
-  check_spacing(particles, neighbourhood, stencil);
-  check_periodic_lattice(particles, neighbourhood, stencil);
+/// Those of the first step, with the neighbours and the stencil of FlowOperators.
+template <FluidParticles P, class Operators>
+void check_arrangement(const P& particles, const Operators& operators) {
+  check_spacing(particles, operators.neighbourhood(), operators.stencil());
+  check_periodic_lattice(particles, operators.neighbourhood(), operators.stencil());
 }
 
 }  // namespace silt::mps

@@ -1,21 +1,23 @@
 // SPDX-License-Identifier: MIT
-// The interaction of MPS, [HwangLeePark2010]: predictor, collision, pressure, corrector.
+// The interaction of MPS, [HwangLeePark2010]: predictor, collision, pressure, corrector, in the
+// order of SemiImplicit.
 #pragma once
 
-#include <silt/core/step_checks.hpp>
 #include <silt/core/types.hpp>
 #include <silt/core/watch.hpp>
 #include <silt/linear/linear_system.hpp>
+#include <silt/mps/advection.hpp>
 #include <silt/mps/arrangement.hpp>
 #include <silt/mps/body_force.hpp>
 #include <silt/mps/close_pairs.hpp>
 #include <silt/mps/flow_energy.hpp>
 #include <silt/mps/flow_operators.hpp>
 #include <silt/mps/flow_pressure.hpp>
+#include <silt/mps/flow_record.hpp>
 #include <silt/mps/flow_seconds.hpp>
 #include <silt/mps/flow_settings.hpp>
-#include <silt/mps/flow_watch.hpp>
 #include <silt/mps/fluid.hpp>
+#include <silt/mps/friction.hpp>
 #include <silt/mps/moves_before_walls.hpp>
 #include <silt/mps/particle_view.hpp>
 #include <silt/mps/pressure_rise.hpp>
@@ -24,7 +26,6 @@
 #include <silt/mps/time_step.hpp>
 #include <silt/mps/wall_collisions.hpp>
 
-#include <cmath>
 #include <string>
 #include <utility>
 #include <vector>
@@ -50,18 +51,17 @@ class BasicFlow {
         force_(settings_.gravity.template cast<Real>()),
         friction_(settings_.friction),
         pressure_(settings_.source, std::move(solver)),
-        energy_({.mass = settings_.density * std::pow(settings_.spacing, Dim),
-                 .gravity = settings_.gravity.template cast<Real>()}) {}
+        record_(settings_, operators_.laplacian_stencil()) {}
 
   const Settings& settings() const noexcept { return settings_; }
   /// Iterations and residual of the last pressure solve.
   const SolveReport& last_solve() const noexcept { return pressure_.report(); }
   /// Energy after the last step, and the work since the first step.
-  const FlowEnergy& energy() const noexcept { return energy_.energy(); }
+  const FlowEnergy& energy() const noexcept { return record_.energy(); }
   /// Kinetic and potential energy of the particles, also before the first step.
   template <FluidParticles P>
   FlowEnergy energy_of(const P& particles) const {
-    return energy_.of(particles);
+    return record_.energy_of(particles);
   }
   /// The stencil of density, gradient and divergence.
   const auto& stencil() const noexcept { return operators_.stencil(); }
@@ -85,7 +85,7 @@ class BasicFlow {
   /// Limits of the next time step [s].
   template <FluidParticles P>
   TimeStepLimits time_step_limits(const P& particles) const {
-    return time_step_.limits(particles, settings_, {.viscous = viscous(), .time = time_});
+    return record_.time_step_limits(particles, settings_);
   }
   template <FluidParticles P>
   double time_step(const P& particles) const {
@@ -99,7 +99,7 @@ class BasicFlow {
   }
 
   /// Sets the time of the positions [s], at which FlowSettings::body_force is evaluated.
-  void set_time(double time) { time_ = time; }
+  void set_time(double time) { record_.set_time(time); }
 
   /// u* = u + Δt (ν∇²u + F)      (8), with the stress of walls, and friction
   /// Throws if Δt is unstable: see TimeStep::begin(). The first step throws if the particles do not
@@ -118,11 +118,7 @@ class BasicFlow {
       return change;
     });
     if constexpr (HasFriction<FrictionOf<Scheme>>) {
-      static_assert(requires { friction_.find(step); },
-                    "mps: find() of the friction cannot be called with a const StepView");
-      friction_.find(step);
-      find_changes(particles, changes_.friction,
-                   [&](Index i) -> Vec { return friction_.velocity_change(step.at(i)); });
+      find_friction(friction_, step, changes_.friction);
       apply_changes(changes_.friction, particles, velocity);
     }
     apply_changes(changes_.predictor, particles, velocity);
@@ -131,18 +127,14 @@ class BasicFlow {
   /// r* = r + Δt u*, for sources that need moved particles: the original MPS.
   template <FluidParticles P>
   void advect(P& particles, double time_step) {
-    const Real dt = Real(time_step);
-    const auto u = particles[velocity];
-    const auto x = particles[position];
-    advection_velocity_.assign(u.begin(), u.end());
-    for_each_of_fluid(particles, [&](Index i) { x[i] += dt * u[i]; });
+    advection_.move(particles, Real(time_step));
   }
 
   /// Collisions of close pairs, all computed from the velocities before the collisions.
   template <FluidParticles P, class S>
   void collide(P& particles, const S& search, double time_step) {
     if (!(settings_.collision.reach() > 0)) return;
-    find_neighbours_of_moved(particles, search);
+    timed(seconds_.neighbours, [&] { operators_.find_if_moved(particles, search); });
     particles.refresh_ghosts(velocity);
     const CloseRange<Real> range(operators_.stencil(), settings_, time_step);
     find_changes(particles, changes_.collision, [&](Index i) -> Vec {
@@ -160,22 +152,19 @@ class BasicFlow {
   /// Throws if the solve does not converge.
   template <FluidParticles P, class S>
   SolveReport project(P& particles, const S& search, double time_step) {
-    find_neighbours_of_moved(particles, search);
+    timed(seconds_.neighbours, [&] { operators_.find_if_moved(particles, search); });
     const ScopedTimer in_pressure(seconds_.pressure);
     const auto step = view(particles, time_step);
     pressure_.find_boundary(particles, operators_, settings_.surface);  // n (5), (13), (17)
     particles.refresh_ghosts(velocity);
     particles.refresh_ghosts(pressure);  // of the previous step
-    // n* of moved particles already includes what has gone towards walls.
-    if constexpr (!needs_moved_particles) operators_.continue_flow(particles);
+    operators_.continue_flow(particles);
     const PressureRise rise(step);
     pressure_.solve(particles, step, rise, seconds_);
+    const MovesBeforeWalls moves(step, advection_);
     const Real factor = -Real(time_step) / Real(settings_.density);
-    const auto u = particles[velocity];
-    const Moves moves(operators_.walls(), Real(time_step));
     find_changes(particles, changes_.pressure, [&](Index i) -> Vec {
-      const Vec change = factor * step.at(i).pressure_gradient(settings_.gradient, rise);
-      return moves.change(i, displacement_velocity(u, i), change);
+      return moves.change(i, factor * step.at(i).pressure_gradient(settings_.gradient, rise));
     });
     return pressure_.report();
   }
@@ -187,22 +176,14 @@ class BasicFlow {
     if constexpr (Displaces<ShiftingOf<Scheme>>) {
       particles.refresh_ghosts(velocity);
       const auto step = view(particles, time_step);
-      const Moves moves(operators_.walls(), Real(time_step));
-      const auto u = particles[velocity];
+      const MovesBeforeWalls moves(step, advection_);
       find_changes(particles, changes_.shift, [&](Index i) -> Vec {
-        return moves.shift(i, displacement_velocity(u, i),
-                           settings_.shifting.displacement(step.at(i)));
+        return moves.shift(i, settings_.shifting.displacement(step.at(i)));
       });
       apply_changes(changes_.shift, particles, position);
     }
-    const Real dt = Real(time_step);
-    const auto u = particles[velocity];
-    const auto x = particles[position];
-    for_each_of_fluid(particles, [&](Index i) {
-      x[i] += dt * displacement_velocity(u, i);
-    });
-    energy_.end(particles, changes_, force_.values(), time_step);
-    watch_.end(particles);
+    advection_.move_rest(particles, Real(time_step));
+    record_.end_step(particles, changes_, force_, time_step);
   }
 
   /// Throws if a particle moved by more than a spacing in the step, or went through a wall that
@@ -210,104 +191,60 @@ class BasicFlow {
   /// by Simulation.
   template <FluidParticles P>
   void check_step(const P& particles, const FinishedStep& step) const {
-    time_step_.end(particles, settings_, step);
-    check_moves(operators_.walls(), particles);
-    watch_.check(particles, settings_, energy().kinetic, energy_.mass(), step.time_step);
+    record_.check_moves(particles, settings_, step);
+    operators_.check_moves(particles);
+    record_.check_gains(particles, settings_, step);
   }
 
-  void save() noexcept {
-    time_step_.save();
-    watch_.save();
-    energy_.save();
-  }
-  void restore() noexcept {
-    time_step_.restore();
-    watch_.restore();
-    energy_.restore();
-  }
+  void save() noexcept { record_.save(); }
+  void restore() noexcept { record_.restore(); }
   /// For a checkpoint, see core/transfer.hpp.
   template <class Archive>
   void transfer(Archive& archive) {
     archive.setup("settings", settings_.setup());
-    archive.within("time_step", [&] { time_step_.transfer(archive); });
-    archive.within("energy", [&] { energy_.transfer(archive); });
-    archive.within("watch", [&] { watch_.transfer(archive); });
+    record_.transfer(archive);
   }
 
  private:
   using Operators = FlowOperators<Scheme, Dim, Real>;
-  using FrictionModel = typename FrictionOf<Scheme>::template InFlow<Dim, Real>;
-  using Moves = MovesBeforeWalls<typename Operators::Walls, Vec>;
 
-  template <class T>
-  static T checked(T part) {
-    part.check();
-    return part;
-  }
-
-  double viscous() const {
-    return viscous_limit(operators_.laplacian_stencil(), settings_.viscosity);
+  static Settings checked(const Settings& settings) {
+    settings.check();
+    return settings;
   }
 
   // Checks the particles, and finds their neighbours and the forces on them.
   template <class P, class S>
   void begin_step(P& particles, const S& search, double time_step) {
-    is_first_step_ = time_step_.is_first();
-    time_step_.begin(particles, settings_, {.viscous = viscous(), .time = time_}, time_step);
-    energy_.begin(particles);
+    record_.begin_step(particles, settings_, time_step);
     changes_.clear();
     wall_collisions_.clear();
-    advection_velocity_.clear();
+    advection_.begin();
     particles.refresh_ghosts(kind);  // may have changed since the search made them
-    silt::detail::check_digits_of_positions(
-        "mps::Flow", particles, "spacing", [this](Index) { return Real(settings_.spacing); });
-    find_neighbours(particles, search);
-    if (is_first_step_) {
-      check_arrangement(particles, operators_.neighbourhood(), operators_.stencil());
-    }
+    check_positions(particles, operators_.stencil());
+    timed(seconds_.neighbours, [&] { operators_.find(particles, search); });
+    if (record_.is_first_step()) check_arrangement(particles, operators_);
     particles.refresh_ghosts(velocity);
-    force_.find(particles, settings_.body_force, time_);
-    watch_.begin(particles, force_, time_step, energy().kinetic);
-  }
-
-  template <class P, class S>
-  void find_neighbours(const P& particles, const S& search) {
-    const ScopedTimer in_neighbours(seconds_.neighbours);
-    operators_.find(particles, search);
-  }
-  template <class P, class S>
-  void find_neighbours_of_moved(const P& particles, const S& search) {
-    if (operators_.are_current(particles)) return;
-    check_moves(operators_.walls(), particles);
-    find_neighbours(particles, search);
-  }
-
-  // That of the rest of the step, of particles that may have been moved with u*.
-  template <class U>
-  Vec displacement_velocity(const U& u, Index i) const {
-    return advection_velocity_.empty() ? Vec(u[i]) : Vec(u[i] - advection_velocity_[i]);
+    force_.find(particles, settings_.body_force, record_.time());
+    record_.begin_changes(particles, force_, time_step);
   }
 
   template <class P>
   StepView<Scheme, P> view(const P& particles, double time_step) const {
     return {particles, settings_,           operators_, pressure_.boundary(),
-            force_,    pressure_.moments(), time_step,  is_first_step_};
+            force_,    pressure_.moments(), time_step,  record_.is_first_step()};
   }
 
   Settings settings_;
   Operators operators_;
   BodyForce<Dim, Real> force_;
-  [[no_unique_address]] FrictionModel friction_;
+  [[no_unique_address]] typename FrictionOf<Scheme>::template InFlow<Dim, Real> friction_;
   FlowPressure<Scheme, Dim, Real, Solver> pressure_;
   FlowSeconds seconds_;
-  TimeStep time_step_;
-  EnergyAccount<Dim, Real> energy_;
-  FlowWatch<Dim, Real> watch_;
-  double time_ = 0;
-  bool is_first_step_ = false;
-  StepChanges<Vec> changes_;             // of the velocities, by stage
+  FlowRecord<Dim, Real> record_;
+  Advection<Vec> advection_;
+  StepChanges<Vec> changes_;
   WallCollisions<Dim> wall_collisions_;
-  std::vector<Vec> advection_velocity_;  // u* of advect(); empty if the particles were not moved
 };
 
 }  // namespace silt::mps

@@ -82,16 +82,26 @@ class FlowOperators {
     }
     walls_.find(particles, *this);
   }
-  /// Continues the flow of the velocities beyond walls, see ContinuesFlow. Velocities of ghosts must
-  /// be up to date.
+  /// Finds them again if a particle was added, removed, sorted or moved since then. Throws if one
+  /// went through a wall that hides neighbours.
+  template <FluidParticles P, class S>
+  void find_if_moved(const P& particles, const S& search) {
+    if (neighbourhood_.is_current(particles)) return;
+    check_moves(particles);
+    find(particles, search);
+  }
+  /// Throws if a particle went through a wall that hides neighbours since they were found.
+  template <FluidParticles P>
+  void check_moves([[maybe_unused]] const P& particles) const {
+    if constexpr (HidesNeighbours<Walls>) walls_.check_moves(particles);
+  }
+  /// Continues the flow of the velocities beyond walls of which images do so, see ContinuesFlow.
+  /// Velocities of ghosts must be up to date.
   template <FluidParticles P>
   void continue_flow([[maybe_unused]] const P& particles) {
-    if constexpr (ContinuesFlow<Walls>) walls_.continue_flow(particles, *this);
-  }
-  /// Whether no particle was added, removed, sorted or moved since then.
-  template <FluidParticles P>
-  bool are_current(const P& particles) const {
-    return neighbourhood_.is_current(particles);
+    // n* of moved particles already includes what has gone towards walls.
+    constexpr bool is_in_density = SourceOf<Scheme>::needs_moved_particles;
+    if constexpr (ContinuesFlow<Walls> && !is_in_density) walls_.continue_flow(particles, *this);
   }
 
   const Neighbourhood<Dim, Real>& neighbourhood() const noexcept { return neighbourhood_; }

@@ -7,6 +7,7 @@
 #include <silt/core/types.hpp>
 #include <silt/mps/any_particle_view.hpp>
 #include <silt/mps/fluid.hpp>
+#include <silt/mps/step_changes.hpp>
 #include <silt/mps/velocity_gradient.hpp>
 
 #include <algorithm>
@@ -141,5 +142,16 @@ concept HasFriction = std::constructible_from<typename F::template InFlow<2, dou
 template <class F>
 concept Friction = (HasFriction<F> || std::same_as<F, NoFriction>) &&
                    requires(const F friction) { friction.check(); };
+
+/// Finds the change of the velocity of every fluid particle by a FrictionInFlow [m/s], from a
+/// StepView.
+template <class InFlow, class Step, class Vec>
+void find_friction(InFlow& friction, const Step& step, std::vector<Vec>& changes) {
+  static_assert(requires { friction.find(step); },
+                "mps: find() of the friction cannot be called with a const StepView");
+  friction.find(step);
+  find_changes(step.particles, changes,
+               [&](Index i) -> Vec { return friction.velocity_change(step.at(i)); });
+}
 
 }  // namespace silt::mps

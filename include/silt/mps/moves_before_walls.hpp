@@ -3,47 +3,52 @@
 #pragma once
 
 #include <silt/core/types.hpp>
+#include <silt/mps/advection.hpp>
+#include <silt/mps/fluid.hpp>
+#include <silt/mps/particle_view.hpp>
+#include <silt/mps/scheme.hpp>
 #include <silt/mps/walls.hpp>
 
 namespace silt::mps {
 
-/// Ends the moves of a time step Δt [s] before walls that hide neighbours; with other walls, moves
-/// are as they are.
-template <class Walls, class Vec>
+/// Ends the moves of a step, with the present velocities of the particles, before walls that hide
+/// neighbours; with other walls, moves are as they are. Refers to its arguments.
+template <class Scheme, FluidParticles P>
 class MovesBeforeWalls {
  public:
-  using Real = typename Vec::Scalar;
+  using Real = typename P::Real;
+  using Vec = typename P::Vec;
 
-  MovesBeforeWalls(const Walls& walls, Real time_step) : walls_(walls), dt_(time_step) {}
+  MovesBeforeWalls(const StepView<Scheme, P>& step, const Advection<Vec>& advection)
+      : step_(step), advection_(advection) {}
 
-  /// The change [m/s] of the velocity u of particle i with which Δt (u + change) ends before walls.
-  Vec change([[maybe_unused]] Index i, [[maybe_unused]] const Vec& u, const Vec& change) const {
-    if constexpr (HidesNeighbours<Walls>) {
-      const Vec move = dt_ * (u + change);
-      return change + (walls_.before_walls(i, move) - move) / dt_;
+  /// The change [m/s] of the velocity of particle i with which its move ends before walls.
+  Vec change([[maybe_unused]] Index i, const Vec& change) const {
+    if constexpr (hides_neighbours) {
+      const Vec move = dt_ * (advection_.rest(u_, i) + change);
+      return change + (step_.operators.walls().before_walls(i, move) - move) / dt_;
     } else {
       return change;
     }
   }
-  /// The shift [m] of particle i with which Δt u + shift ends before walls.
-  Vec shift([[maybe_unused]] Index i, [[maybe_unused]] const Vec& u, const Vec& shift) const {
-    if constexpr (HidesNeighbours<Walls>) {
-      const Vec move = dt_ * u;
-      return walls_.before_walls(i, shift + move) - move;
+  /// The shift [m] of particle i with which that and its move end before walls.
+  Vec shift([[maybe_unused]] Index i, const Vec& shift) const {
+    if constexpr (hides_neighbours) {
+      const Vec move = dt_ * advection_.rest(u_, i);
+      return step_.operators.walls().before_walls(i, shift + move) - move;
     } else {
       return shift;
     }
   }
 
  private:
-  const Walls& walls_;
-  Real dt_;
-};
+  static constexpr bool hides_neighbours =
+      HidesNeighbours<typename WallsOf<Scheme>::template InFlow<P::dimension, Real>>;
 
-/// Throws if a particle went through a wall that hides neighbours since the neighbours were found.
-template <class Walls, class P>
-void check_moves([[maybe_unused]] const Walls& walls, [[maybe_unused]] const P& particles) {
-  if constexpr (HidesNeighbours<Walls>) walls.check_moves(particles);
-}
+  const StepView<Scheme, P>& step_;
+  const Advection<Vec>& advection_;
+  decltype(step_.particles[velocity]) u_ = step_.particles[velocity];
+  Real dt_ = Real(step_.time_step);
+};
 
 }  // namespace silt::mps
