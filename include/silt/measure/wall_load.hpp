@@ -46,7 +46,7 @@ class WallLoad {
   /// of the flow.
   template <class Sim>
   Vec<Dim> read(const Sim& simulation) const {
-    static_assert(requires { simulation.interaction().momentum_changes(); },
+    static_assert(requires { simulation.interaction().walls().faces(); },
                   "silt::WallLoad: read(simulation) needs a simulation of a flow whose walls are "
                   "faces, such as those of mps::Recommended");
     static_assert(std::remove_cvref_t<decltype(simulation.particles())>::dimension == Dim,

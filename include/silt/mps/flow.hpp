@@ -18,13 +18,13 @@
 #include <silt/mps/flow_settings.hpp>
 #include <silt/mps/fluid.hpp>
 #include <silt/mps/friction.hpp>
+#include <silt/mps/momentum_changes.hpp>
 #include <silt/mps/moves_before_walls.hpp>
 #include <silt/mps/particle_view.hpp>
 #include <silt/mps/pressure_rise.hpp>
 #include <silt/mps/scheme.hpp>
 #include <silt/mps/step_changes.hpp>
 #include <silt/mps/time_step.hpp>
-#include <silt/mps/wall_collisions.hpp>
 
 #include <string>
 #include <utility>
@@ -67,12 +67,11 @@ class BasicFlow {
   const auto& stencil() const noexcept { return operators_.stencil(); }
   /// Wall-clock time by stage.
   const FlowSeconds& seconds() const noexcept { return seconds_; }
-  /// Collisions with images in walls in the last step: a part of the load of walls that the pressure
-  /// does not know, see WallLoad. Empty before the first step.
-  const std::vector<WallCollision<Dim>>& wall_collisions() const noexcept
-    requires AddsImages<typename WallsOf<Scheme>::template InFlow<Dim, RealType>>
-  {
-    return wall_collisions_.found();
+  /// The walls as the flow sees them.
+  const auto& walls() const noexcept { return operators_.walls(); }
+  /// Those of the last step with walls of faces, for WallLoad; otherwise empty.
+  const std::vector<MomentumChange<Dim>>& momentum_changes() const noexcept {
+    return momentum_changes_.all();
   }
   double seconds_in_pressure() const noexcept { return seconds_.pressure; }  ///< [s], wall time
 
@@ -141,10 +140,6 @@ class BasicFlow {
       const ClosePairs pairs(particles, operators_, range, i);
       return operators_.walls().velocity_change(pairs, settings_.collision);
     });
-    if constexpr (AddsImages<typename Operators::Walls>) {
-      const auto pairs_of = [&](Index i) { return ClosePairs(particles, operators_, range, i); };
-      wall_collisions_.find(particles, changes_.collision, pairs_of, settings_.collision);
-    }
     apply_changes(changes_.collision, particles, velocity);
   }
 
@@ -166,6 +161,7 @@ class BasicFlow {
     find_changes(particles, changes_.pressure, [&](Index i) -> Vec {
       return moves.change(i, factor * step.at(i).pressure_gradient(settings_.gradient, rise));
     });
+    if constexpr (AddsImages<typename Operators::Walls>) momentum_changes_.find(particles, changes_);
     return pressure_.report();
   }
 
@@ -197,7 +193,10 @@ class BasicFlow {
   }
 
   void save() noexcept { record_.save(); }
-  void restore() noexcept { record_.restore(); }
+  void restore() noexcept {
+    record_.restore();
+    momentum_changes_.clear();
+  }
   /// For a checkpoint, see core/transfer.hpp.
   template <class Archive>
   void transfer(Archive& archive) {
@@ -218,7 +217,7 @@ class BasicFlow {
   void begin_step(P& particles, const S& search, double time_step) {
     record_.begin_step(particles, settings_, time_step);
     changes_.clear();
-    wall_collisions_.clear();
+    momentum_changes_.clear();
     advection_.begin();
     particles.refresh_ghosts(kind);  // may have changed since the search made them
     check_positions(particles, operators_.stencil());
@@ -244,7 +243,7 @@ class BasicFlow {
   FlowRecord<Dim, Real> record_;
   Advection<Vec> advection_;
   StepChanges<Vec> changes_;
-  WallCollisions<Dim> wall_collisions_;
+  MomentumChanges<Dim> momentum_changes_;
 };
 
 }  // namespace silt::mps
