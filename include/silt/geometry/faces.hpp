@@ -38,7 +38,16 @@ class Faces {
     std::uint32_t facet;  ///< the number of its facet
     /// Whether the edge from corner k to the next one (in 2D, the end k) is on the facet's rim.
     std::array<bool, std::size_t(Dim)> is_rim;
+    /// Whether its facet is known to be convex.
+    bool is_convex;
+    /// Unit vectors in the plane, from these edges (ends) into the face, and their products with
+    /// the points of the edges [m].
+    std::array<Vec, std::size_t(Dim)> inwards;
+    std::array<double, std::size_t(Dim)> inner_offset;
 
+    /// Signed distance of x, a point of the plane, from the line of an edge, positive on the side
+    /// of the face [m].
+    double inside(std::size_t k, const Vec& x) const { return inwards[k].dot(x) - inner_offset[k]; }
     /// Signed distance of x from the plane [m].
     double height(const Vec& x) const { return normal.dot(x) - offset; }
     /// Distance of x from the part of the facet's rim that belongs to the face [m]; infinite if
@@ -66,11 +75,13 @@ class Faces {
       if (!known.insert(sorted(faces[k].corners)).second) continue;
       const Vec normal = normal_of(faces[k]);
       Element element{faces[k], normal, normal.dot(faces[k].corners[0]),
-                      std::uint32_t(elements_.size()), {}};
+                      std::uint32_t(elements_.size()), {}, false, {}, {}};
       element.is_rim.fill(true);
       elements_.push_back(element);
     }
     join_facets();
+    find_edges();
+    find_convex_facets();
     make_tree();
     find_axes();
   }
@@ -202,6 +213,48 @@ class Faces {
     element.normal = sign * plane.normal;
     element.offset = sign * plane.offset;
     element.facet = plane.facet;
+  }
+
+  void find_edges() {
+    for (Element& element : elements_) {
+      const auto& corners = element.face.corners;
+      for (std::size_t k = 0; k < std::size_t(Dim); ++k) {
+        Vec across = corners[(k + std::size_t(Dim) - 1) % std::size_t(Dim)] - corners[k];
+        if constexpr (Dim == 3) {
+          const Vec along = (corners[(k + 1) % 3] - corners[k]).normalized();
+          across -= across.dot(along) * along;
+        }
+        element.inwards[k] = across.normalized();
+        element.inner_offset[k] = element.inwards[k].dot(corners[k]);
+      }
+    }
+  }
+  // Those with few corners, all of which are on the inner side of all edges of the rim.
+  void find_convex_facets() {
+    constexpr std::size_t max_faces = 200;
+    std::vector<std::vector<std::uint32_t>> facets(elements_.size());
+    for (std::uint32_t e = 0; e < elements_.size(); ++e) facets[elements_[e].facet].push_back(e);
+    for (const auto& facet : facets) {
+      if (facet.size() > max_faces) continue;
+      const bool is_convex = std::ranges::all_of(facet, [&](std::uint32_t one) {
+        return std::ranges::all_of(facet, [&](std::uint32_t other) {
+          return is_inside_rim(elements_[other], elements_[one]);
+        });
+      });
+      for (const std::uint32_t e : facet) elements_[e].is_convex = is_convex;
+    }
+  }
+  // Whether a face is on the inner side of those edges of another one that are on the rim.
+  static bool is_inside_rim(const Element& face, const Element& of_rim) {
+    for (std::size_t k = 0; k < std::size_t(Dim); ++k) {
+      if (!of_rim.is_rim[k]) continue;
+      for (const Vec& corner : face.face.corners) {
+        const double round_off =
+            4 * double(std::numeric_limits<float>::epsilon()) * corner.cwiseAbs().maxCoeff();
+        if (of_rim.inside(k, corner) < -round_off) return false;
+      }
+    }
+    return true;
   }
 
   void make_tree() {

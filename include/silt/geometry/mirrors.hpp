@@ -3,6 +3,7 @@
 #pragma once
 
 #include <silt/core/types.hpp>
+#include <silt/geometry/beams.hpp>
 #include <silt/geometry/face.hpp>
 #include <silt/geometry/faces.hpp>
 
@@ -13,6 +14,7 @@
 #include <cstdint>
 #include <limits>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace silt {
@@ -171,11 +173,17 @@ class MirrorsAround {
   void for_each_mirror(F&& f) const {
     if (empty()) return;
     if (is_plane()) {
-      f(mirror_in((*surface_)[near_[0]]), [&](const Vec& point) { return is_before_plane(point); });
+      const Element& plane = (*surface_)[near_[0]];
+      f(mirror_in(plane.normal, plane.offset), [&](const Vec& point) { return is_before_plane(point); });
       return;
     }
-    for (const Seen& seen : find_mirrors()) {
-      f(seen.mirror, [&](const Vec& point) { return share_of_lines(point, seen.mirror); });
+    const Search& search = find_mirrors();
+    for (std::size_t k = 1; k < search.seen.size(); ++k) {
+      const Seen& seen = search.seen[k];
+      if (seen.is_known) continue;
+      f(seen.mirror, [&](const Vec& point) {
+        return is_in_beam(search, k, point) ? share_of_lines(point, seen.mirror) : 0;
+      });
     }
   }
 
@@ -210,6 +218,7 @@ class MirrorsAround {
   }
   void begin(const Faces<Dim>& surface, const Vec& x, double reach) {
     near_.clear();
+    facets_.clear();
     surface_ = &surface;
     x_ = x;
     reach_ = reach;
@@ -225,11 +234,20 @@ class MirrorsAround {
   }
   void end() {
     const Faces<Dim>& surface = *surface_;
-    std::ranges::sort(near_);
+    const auto facet_of = [&](std::uint32_t k) { return surface[k].facet; };
+    std::ranges::sort(near_, [&](std::uint32_t a, std::uint32_t b) {
+      return std::pair(facet_of(a), a) < std::pair(facet_of(b), b);
+    });
     is_plane_ = !near_.empty() && std::ranges::all_of(near_, [&](std::uint32_t k) {
       return surface[k].facet == surface[near_[0]].facet &&
              surface[k].distance_from_rim(x_) >= furthest();
     });
+    if (is_plane_) return;
+    for (std::uint32_t first = 0, end = 0; first < near_.size(); first = end) {
+      while (end < near_.size() && facet_of(near_[end]) == facet_of(near_[first])) ++end;
+      const Element& element = surface[near_[first]];
+      facets_.push_back({element.normal, element.offset, first, end});
+    }
   }
 
   double round_off() const { return 1e-7 * reach_; }  // also beside faces of a thousand kilometres
@@ -287,76 +305,101 @@ class MirrorsAround {
     return width() / (1 + (k >> Dim)) * shift;
   }
 
+  // The part of a facet near x.
+  struct NearFacet {
+    Vec normal;
+    double offset;
+    std::uint32_t first, end;  // of its faces in near_
+
+    double height(const Vec& x) const { return normal.dot(x) - offset; }
+  };
+  std::span<const std::uint32_t> faces_of(const NearFacet& facet) const {
+    return std::span(near_).subspan(facet.first, facet.end - facet.first);
+  }
+
   struct Seen {
     Mirror<Dim> mirror;
-    Vec observer;         // x in the space of the points: the image of x in the inverse mirror
-    const Element* last;  // before the points are reached; null if there is none
+    Vec observer;                   // x in the space of the points: the image of x in the inverse mirror
+    const NearFacet* last = nullptr;  // before the points are reached; null if there is none
+    typename Beams<Dim>::Beam beam = {};  // of the lines that have passed it
+    std::uint32_t next = 0;           // the next way to the same mirror; 0: none
+    bool is_known = false;            // a further way to another one
+  };
+  struct Search {
+    std::vector<Seen> seen;
+    Beams<Dim> beams;
   };
 
-  static Mirror<Dim> mirror_in(const Element& element) {
-    const Vec& n = element.normal;
-    return {Mirror<Dim>::Matrix::Identity() - 2 * n * n.transpose(), 2 * element.offset * n};
+  static Mirror<Dim> mirror_in(const Vec& n, double offset) {
+    return {Mirror<Dim>::Matrix::Identity() - 2 * n * n.transpose(), 2 * offset * n};
   }
 
   // Mirrors of mirrors, each once; between acute faces there is no end of them. A line shorter than
   // the reach meets faces closer than that only.
-  std::vector<Seen>& find_mirrors() const {
+  const Search& find_mirrors() const {
     constexpr std::size_t max_mirrors = 256;
-    static thread_local std::vector<Seen> mirrors;  // keeps its capacity
-    mirrors.assign(1, {{}, x_, nullptr});
-    for (std::size_t k = 0; k < mirrors.size(); ++k) {
-      for (const std::uint32_t number : near_) {
-        const Element& element = (*surface_)[number];
-        if (mirrors.size() > max_mirrors) break;
-        const Seen from = mirrors[k];
-        const double height = element.height(from.observer);
-        if (!(std::abs(height) < reach_ + margin()) || !is_before(element, from)) continue;
-        const Vec observer = from.observer - (2 * height) * element.normal;
-        const Mirror<Dim> mirror = from.mirror.after(mirror_in(element));
-        const bool is_known = std::ranges::any_of(mirrors, [&](const Seen& seen) {
-          return (seen.observer - observer).norm() < round_off() &&
-                 (seen.mirror.rotation - mirror.rotation).norm() < round_off() / reach_;
+    static thread_local Search search;  // keeps its capacity
+    auto& seen = search.seen;
+    search.beams.clear();
+    seen.assign(1, {{}, x_});
+    std::size_t mirrors = 0;
+    for (std::size_t k = 0; k < seen.size(); ++k) {
+      if (seen[k].is_known) continue;
+      for (const NearFacet& facet : facets_) {
+        if (mirrors >= max_mirrors) break;
+        const Seen& from = seen[k];
+        const double height = facet.height(from.observer);
+        if (!(std::abs(height) < furthest()) || !may_lead_to(search, k, facet)) continue;
+        Seen next{from.mirror.after(mirror_in(facet.normal, facet.offset)),
+                  from.observer - (2 * height) * facet.normal, &facet};
+        next.beam = search.beams.through(
+            faces_of(facet), [&](std::uint32_t face) -> const Element& { return (*surface_)[face]; },
+            next.observer, -height, margin(),
+            from.next == 0 ? from.beam : typename Beams<Dim>::Beam{});
+        const auto same = std::find_if(seen.begin(), seen.end(), [&](const Seen& other) {
+          return !other.is_known && (other.observer - next.observer).norm() < round_off() &&
+                 (other.mirror.rotation - next.mirror.rotation).norm() < round_off() / reach_;
         });
-        if (!is_known) mirrors.push_back({mirror, observer, &element});
+        if (same == seen.end()) {
+          ++mirrors;
+        } else {
+          next.is_known = true;
+          next.next = same->next;
+          same->next = static_cast<std::uint32_t>(seen.size());
+        }
+        seen.push_back(next);
       }
     }
-    mirrors.erase(mirrors.begin());
-    return mirrors;
+    return search;
   }
-  // Whether a face has a point on the side of the last mirror on which lines continue, and in the
-  // cone of the lines from the mirrored observer through that mirror, also if they are shifted.
-  bool is_before(const Element& element, const Seen& from) const {
+  // Whether lines may meet a facet after a mirror. All ways to that one are known: as straight lines,
+  // they go through as many facets.
+  bool may_lead_to(const Search& search, std::size_t mirror, const NearFacet& facet) const {
+    do {
+      if (is_before(search, facet, search.seen[mirror])) return true;
+      mirror = search.seen[mirror].next;
+    } while (mirror > 0);
+    return false;
+  }
+  bool is_before(const Search& search, const NearFacet& facet, const Seen& from) const {
     if (!from.last) return true;
-    if (from.last->facet == element.facet) return false;
+    if (from.last == &facet) return false;
     const double side = from.last->height(from.observer) > 0 ? -1 : 1;
-    const bool has_point_before = std::ranges::any_of(element.face.corners, [&](const Vec& corner) {
-      return side * from.last->height(corner) > round_off();
-    });
-    return has_point_before && std::ranges::any_of(near_, [&](std::uint32_t number) {
-      const Element& mirror = (*surface_)[number];
-      return mirror.facet == from.last->facet && !is_beside(element.face, mirror.face, from.observer);
+    return std::ranges::any_of(faces_of(facet), [&](std::uint32_t number) {
+      const Face<Dim>& face = (*surface_)[number].face;
+      const bool has_point_before = std::ranges::any_of(face.corners, [&](const Vec& corner) {
+        return side * from.last->height(corner) > round_off();
+      });
+      return has_point_before && search.beams.may_meet(from.beam, face, furthest()) &&
+             (nearest_of(face, from.observer) - from.observer).norm() < furthest();
     });
   }
-  // Whether a face is outside of the cone of lines from `observer` through another face, by more than
-  // the shift of lines: beyond one of the planes through an edge (in 2D, the lines through an end).
-  bool is_beside(const Face<Dim>& face, const Face<Dim>& other, const Vec& observer) const {
-    for (std::size_t k = 0; k < std::size_t(Dim); ++k) {
-      const Vec a = other.corners[k] - observer;
-      Vec normal;
-      if constexpr (Dim == 2) {
-        normal = {-a[1], a[0]};
-      } else {
-        normal = cross(a, Vec(other.corners[(k + 1) % 3] - observer));
-      }
-      const double inside = normal.dot(other.corners[(k + Dim - 1) % Dim] - observer);
-      if (inside < 0) normal = -normal;
-      const double least = -2 * width() * normal.norm();
-      if (std::ranges::all_of(face.corners, [&](const Vec& corner) {
-            return normal.dot(corner - observer) < least;
-          })) {
-        return true;
-      }
-    }
+  // Whether a point may be seen in a mirror: in one of the ways that lead to it.
+  static bool is_in_beam(const Search& search, std::size_t mirror, const Vec& point) {
+    do {
+      if (search.beams.contains(search.seen[mirror].beam, point)) return true;
+      mirror = search.seen[mirror].next;
+    } while (mirror > 0);
     return false;
   }
 
@@ -373,25 +416,23 @@ class MirrorsAround {
            (one.shift - other.shift).norm() < round_off();
   }
   // The line as it is after its reflections, shifted by `share` of its shift. It ends where it is
-  // closer to the rim of a face than this margin [m].
+  // closer to the rim of a facet than this margin [m].
   Line line_between(Line line, double share, double margin) const {
     constexpr int max_reflections = 64;
     double along = -1;  // of its length
     const double close = margin / (line.end - line.begin).norm();
-    const Element* last = nullptr;
+    const NearFacet* last = nullptr;
     for (int k = 0; k < max_reflections; ++k) {
-      const Element* first = nullptr;
+      const NearFacet* first = nullptr;
       double nearest = 2;
-      for (const std::uint32_t number : near_) {
-        const Element& element = (*surface_)[number];
-        if (last && element.facet == last->facet) continue;
-        const double before = element.height(line.begin), behind = element.height(line.end);
+      const Vec shift = share * line.shift;
+      for (const NearFacet& facet : facets_) {
+        if (&facet == last) continue;
+        const double before = facet.height(line.begin), behind = facet.height(line.end);
         if ((before > 0) == (behind > 0)) continue;
-        const Vec shift = share * line.shift;
-        const double at = (before + element.normal.dot(shift)) / (before - behind);
+        const double at = (before + facet.normal.dot(shift)) / (before - behind);
         if (!(at > along - close) || !(at < nearest + close)) continue;
-        const Passage passage =
-            passage_of(element.face, line.begin + shift, line.end + shift, margin);
+        const Passage passage = passage_of_facet(facet, line.begin + shift, line.end + shift, at, margin);
         if (passage == Passage::beside) continue;
         const bool is_at_other = std::abs(at - along) < close || std::abs(at - nearest) < close;
         if (passage == Passage::at_rim || is_at_other) {
@@ -399,7 +440,7 @@ class MirrorsAround {
           return line;
         }
         nearest = at;
-        first = &element;
+        first = &facet;
       }
       if (!first) return line;
       line.begin -= (2 * first->height(line.begin)) * first->normal;
@@ -410,9 +451,42 @@ class MirrorsAround {
     }
     return line;
   }
+  // How a line passes the faces of a facet near x, whose plane it meets at this share of its length;
+  // at_rim: closer to an edge on the rim than a margin [m].
+  Passage passage_of_facet(const NearFacet& facet, const Vec& from, const Vec& to, double at,
+                           double margin) const {
+    const Vec line = to - from;
+    const Vec x = from + at * line;
+    const double descent = facet.normal.dot(line);
+    const double furthest_outside = margin * line.norm() / std::abs(descent) + round_off();
+    bool is_through = false;
+    for (const std::uint32_t number : faces_of(facet)) {
+      const Element& element = (*surface_)[number];
+      std::array<double, std::size_t(Dim)> inside;
+      for (std::size_t k = 0; k < std::size_t(Dim); ++k) inside[k] = element.inside(k, x);
+      if (std::ranges::any_of(inside, [&](double s) { return s < -furthest_outside; })) continue;
+      if (margin == 0) {
+        if (passage_of(element.face, from, to, 0) == Passage::through) return Passage::through;
+        continue;
+      }
+      bool is_inside = true, is_near = true, is_at_rim = false;
+      for (std::size_t k = 0; k < std::size_t(Dim); ++k) {
+        if (inside[k] >= furthest_outside) continue;
+        // As far in the plane as the line is from the edge.
+        const double in_plane = margin * std::hypot(1.0, element.inwards[k].dot(line) / descent);
+        is_near = is_near && inside[k] > -in_plane;
+        is_at_rim = is_at_rim || (element.is_rim[k] && inside[k] < in_plane);
+        is_inside = is_inside && inside[k] >= -round_off();
+      }
+      if (is_near && is_at_rim) return Passage::at_rim;
+      is_through = is_through || is_inside;
+    }
+    return is_through ? Passage::through : Passage::beside;
+  }
 
   const Faces<Dim>* surface_ = nullptr;
-  std::vector<std::uint32_t> near_;
+  std::vector<std::uint32_t> near_;  // facet by facet
+  std::vector<NearFacet> facets_;     // unless they are one plane
   Vec x_ = Vec::Zero();
   double reach_ = 0;     // [m]
   double distance_ = 0;  // of x from the nearest face [m]
