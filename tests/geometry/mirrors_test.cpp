@@ -37,7 +37,7 @@ View<Dim> view_from(const Faces<Dim>& faces, const Vec<Dim>& x,
   for (const Vec<Dim>& point : points) {
     if (point != x && (point - x).norm() < reach) add(point, around.visible_share(point));
   }
-  around.for_each_mirror([&](const Mirror<Dim>& mirror, const auto& share_of) {
+  around.for_each_mirror(points, [&](const Mirror<Dim>& mirror, const auto& share_of) {
     for (const Vec<Dim>& point : points) {
       if ((mirror(point) - x).norm() < reach) add(mirror(point), share_of(point));
     }
@@ -114,7 +114,7 @@ TEST(Mirrors, AreTheSameInBothDirections) {
   for (Index i = 0; i < points.size(); ++i) around[i].find(faces, points[i], reach);
   const auto sum_of = [&](Index i, Index j) {
     double sum = 0;
-    around[i].for_each_mirror([&](const Mirror<2>& mirror, const auto& share_of) {
+    around[i].for_each_mirror(points, [&](const Mirror<2>& mirror, const auto& share_of) {
       const double r = (mirror(points[j]) - points[i]).norm();
       if (r < reach) sum += share_of(points[j]) * r;
     });

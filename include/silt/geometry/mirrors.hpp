@@ -91,7 +91,6 @@ class MirrorsAround {
   /// Whether there is an edge at which a face turns away from x, by more than 30°.
   bool has_protruding_edge() const {
     if (is_plane_) return false;
-    constexpr double cos_30 = 0.866;
     const auto towards_x = [&](const Element& element) {
       return element.height(x_) > 0 ? element.normal : Vec(-element.normal);
     };
@@ -167,20 +166,20 @@ class MirrorsAround {
     return is_free ? Vec(end - x_) : Vec(Vec::Zero());
   }
 
-  /// f(mirror, share_of) for each mirror that may show points as closer to x than the reach;
+  /// f(mirror, share_of) for each mirror that may show one of the points as closer to x than the reach;
   /// share_of(point) is the share of the point's image, which is that close, that is seen from x.
   template <class F>
-  void for_each_mirror(F&& f) const {
+  void for_each_mirror(std::span<const Vec> points, F&& f) const {
     if (empty()) return;
     if (is_plane()) {
       const Element& plane = (*surface_)[near_[0]];
       f(mirror_in(plane.normal, plane.offset), [&](const Vec& point) { return is_before_plane(point); });
       return;
     }
-    const Search& search = find_mirrors();
+    const Search& search = find_mirrors(points);
     for (std::size_t k = 1; k < search.seen.size(); ++k) {
       const Seen& seen = search.seen[k];
-      if (seen.is_known) continue;
+      if (seen.is_known || !seen.shows_points) continue;
       f(seen.mirror, [&](const Vec& point) {
         return is_in_beam(search, k, point) ? share_of_lines(point, seen.mirror) : 0;
       });
@@ -249,6 +248,8 @@ class MirrorsAround {
       facets_.push_back({element.normal, element.offset, first, end});
     }
   }
+
+  static constexpr double cos_30 = 0.866;
 
   double round_off() const { return 1e-7 * reach_; }  // also beside faces of a thousand kilometres
   // Of the lines for a share [m]: less than the usual distance of fluid from a wall.
@@ -319,15 +320,18 @@ class MirrorsAround {
 
   struct Seen {
     Mirror<Dim> mirror;
-    Vec observer;                   // x in the space of the points: the image of x in the inverse mirror
-    const NearFacet* last = nullptr;  // before the points are reached; null if there is none
+    Vec observer;  // x in the space of the points: the image of x in the inverse mirror
+    const NearFacet* last = nullptr;      // before the points are reached; null if there is none
     typename Beams<Dim>::Beam beam = {};  // of the lines that have passed it
-    std::uint32_t next = 0;           // the next way to the same mirror; 0: none
-    bool is_known = false;            // a further way to another one
+    std::uint32_t next = 0;               // the next way to the same mirror; 0: none
+    bool is_known = false;                // a further way to another one
+    bool shows_points = true;             // may show one
   };
   struct Search {
     std::vector<Seen> seen;
     Beams<Dim> beams;
+    // Of the points that are closest to the plane of each facet, on its two sides [m].
+    std::vector<std::array<double, 2>> least_heights;
   };
 
   static Mirror<Dim> mirror_in(const Vec& n, double offset) {
@@ -336,11 +340,12 @@ class MirrorsAround {
 
   // Mirrors of mirrors, each once; between acute faces there is no end of them. A line shorter than
   // the reach meets faces closer than that only.
-  const Search& find_mirrors() const {
+  const Search& find_mirrors(std::span<const Vec> points) const {
     constexpr std::size_t max_mirrors = 256;
     static thread_local Search search;  // keeps its capacity
     auto& seen = search.seen;
     search.beams.clear();
+    find_least_heights(search, points);
     seen.assign(1, {{}, x_});
     std::size_t mirrors = 0;
     for (std::size_t k = 0; k < seen.size(); ++k) {
@@ -349,9 +354,17 @@ class MirrorsAround {
         if (mirrors >= max_mirrors) break;
         const Seen& from = seen[k];
         const double height = facet.height(from.observer);
-        if (!(std::abs(height) < furthest()) || !may_lead_to(search, k, facet)) continue;
+        if (!(std::abs(height) < furthest())) continue;
+        const double most = furthest_that_shows(search, facet, height);
+        // From one face to the next one of a curved surface go only lines that are almost parallel to
+        // it, and lead to no point.
+        const bool is_next = from.last && std::abs(from.last->normal.dot(facet.normal)) > cos_30;
+        if (is_next && (!from.shows_points || !(std::abs(height) < most))) continue;
+        const double distance = distance_after(search, k, facet, is_next ? most : furthest());
+        if (!(distance < furthest())) continue;
         Seen next{from.mirror.after(mirror_in(facet.normal, facet.offset)),
                   from.observer - (2 * height) * facet.normal, &facet};
+        next.shows_points = distance < most;
         next.beam = search.beams.through(
             faces_of(facet), [&](std::uint32_t face) -> const Element& { return (*surface_)[face]; },
             next.observer, -height, margin(),
@@ -365,6 +378,7 @@ class MirrorsAround {
         } else {
           next.is_known = true;
           next.next = same->next;
+          same->shows_points = same->shows_points || next.shows_points;
           same->next = static_cast<std::uint32_t>(seen.size());
         }
         seen.push_back(next);
@@ -372,27 +386,58 @@ class MirrorsAround {
     }
     return search;
   }
-  // Whether lines may meet a facet after a mirror. All ways to that one are known: as straight lines,
-  // they go through as many facets.
-  bool may_lead_to(const Search& search, std::size_t mirror, const NearFacet& facet) const {
-    do {
-      if (is_before(search, facet, search.seen[mirror])) return true;
-      mirror = search.seen[mirror].next;
-    } while (mirror > 0);
-    return false;
+  // Few facets are seen sooner than heights are found.
+  void find_least_heights(Search& search, std::span<const Vec> points) const {
+    constexpr std::size_t few = 3;
+    search.least_heights.clear();
+    if (facets_.size() <= few) return;
+    for (const NearFacet& facet : facets_) {
+      double above = std::numeric_limits<double>::infinity(), below = above;
+      for (const Vec& point : points) {
+        const double height = facet.height(point);
+        above = std::min(above, height > 0 ? height : above);
+        below = std::min(below, height > 0 ? below : -height);
+      }
+      search.least_heights.push_back({above, below});
+    }
   }
-  bool is_before(const Search& search, const NearFacet& facet, const Seen& from) const {
+  // The largest distance from the observer, at this height above a facet, at which a line through it
+  // that is as long as the reach still comes to the height of a point on the other side.
+  double furthest_that_shows(const Search& search, const NearFacet& facet, double height) const {
+    if (search.least_heights.empty()) return furthest();
+    const auto number = static_cast<std::size_t>(&facet - facets_.data());
+    const double least = search.least_heights[number][height > 0 ? 0 : 1];
+    const double above = std::abs(height) + margin();
+    return furthest() * above / (above + least);
+  }
+  // From the observer in a mirror to the nearest of the faces of a facet that lines may meet after it
+  // [m]; infinite if there is none closer than `most`. All ways to that mirror are known: as straight
+  // lines, they go through as many facets.
+  double distance_after(const Search& search, std::size_t mirror, const NearFacet& facet,
+                        double most) const {
+    double least = std::numeric_limits<double>::infinity();
+    for (const std::uint32_t number : faces_of(facet)) {
+      const Element& element = (*surface_)[number];
+      const Vec& observer = search.seen[mirror].observer;
+      std::size_t way = mirror;
+      do {
+        if (is_before(search, element.face, search.seen[way], most)) {
+          least = std::min(least, (nearest_of(element.face, observer) - observer).norm());
+          break;
+        }
+        way = search.seen[way].next;
+      } while (way > 0);
+    }
+    return least < most ? least : std::numeric_limits<double>::infinity();
+  }
+  // Whether lines that have passed a mirror may meet a face, also if they are shifted.
+  bool is_before(const Search& search, const Face<Dim>& face, const Seen& from, double most) const {
     if (!from.last) return true;
-    if (from.last == &facet) return false;
     const double side = from.last->height(from.observer) > 0 ? -1 : 1;
-    return std::ranges::any_of(faces_of(facet), [&](std::uint32_t number) {
-      const Face<Dim>& face = (*surface_)[number].face;
-      const bool has_point_before = std::ranges::any_of(face.corners, [&](const Vec& corner) {
-        return side * from.last->height(corner) > round_off();
-      });
-      return has_point_before && search.beams.may_meet(from.beam, face, furthest()) &&
-             (nearest_of(face, from.observer) - from.observer).norm() < furthest();
+    const bool has_point_before = std::ranges::any_of(face.corners, [&](const Vec& corner) {
+      return side * from.last->height(corner) > round_off();
     });
+    return has_point_before && search.beams.may_meet(from.beam, face, most);
   }
   // Whether a point may be seen in a mirror: in one of the ways that lead to it.
   static bool is_in_beam(const Search& search, std::size_t mirror, const Vec& point) {

@@ -391,20 +391,21 @@ class ImageWalls::InFlow {
     images_.begin_row(i);
     const silt::Vec<Dim> x_i = positions_[i];
     const double reach2 = squared(reach_);
-    around_[i].for_each_mirror([&](const Mirror<Dim>& mirror, const auto& share_of) {
+    static thread_local std::vector<silt::Vec<Dim>> points;  // keeps its capacity
+    points.assign(1, x_i);
+    for (const std::uint32_t j : others) points.push_back(positions_[j]);
+    around_[i].for_each_mirror(points, [&](const Mirror<Dim>& mirror, const auto& share_of) {
       // From the image of x_i, the particles are as far as their images from x_i, to round-off.
       const silt::Vec<Dim> observer = mirror.inverse()(x_i);
       const double clearly_beyond = 1.1 * reach2;
-      const auto add = [&](Index j) {
-        if ((positions_[j] - observer).squaredNorm() > clearly_beyond) return;
-        const silt::Vec<Dim> r_ij = mirror(positions_[j]) - x_i;
+      for (std::size_t k = 0; k < points.size(); ++k) {
+        if ((points[k] - observer).squaredNorm() > clearly_beyond) continue;
+        const silt::Vec<Dim> r_ij = mirror(points[k]) - x_i;
         const double r2 = r_ij.squaredNorm();
-        if (!(r2 < reach2)) return;
-        const double share = share_of(positions_[j]);
-        if (share > 0) images_.add(i, j, share, Real(r2), stencil);
-      };
-      add(i);
-      for (const std::uint32_t j : others) add(j);
+        if (!(r2 < reach2)) continue;
+        const double share = share_of(points[k]);
+        if (share > 0) images_.add(i, k == 0 ? i : others[k - 1], share, Real(r2), stencil);
+      }
       images_.end_mirror(i, mirror);
     });
   }
