@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: MIT
+// The mirror image of a point in one plane after another.
+#pragma once
+
+#include <silt/core/types.hpp>
+
+namespace silt {
+
+/// The map of points to their images, x → R x + t.
+template <int Dim>
+struct Mirror {
+  using Vec = silt::Vec<Dim>;
+  using Matrix = Eigen::Matrix<double, Dim, Dim>;
+
+  Matrix rotation = Matrix::Identity();  ///< R, a reflection or a rotation
+  Vec translation = Vec::Zero();         ///< t [m]
+
+  Vec operator()(const Vec& x) const { return multiply<Dim, double>(rotation, x) + translation; }
+  Mirror inverse() const {
+    const Matrix back = rotation.transpose();
+    return {back, -multiply<Dim, double>(back, translation)};
+  }
+  /// x → this(first(x))
+  Mirror after(const Mirror& first) const {
+    Mirror both{.translation = (*this)(first.translation)};
+    for (int k = 0; k < Dim; ++k) {
+      both.rotation.col(k) = multiply<Dim, double>(rotation, first.rotation.col(k));
+    }
+    return both;
+  }
+};
+
+/// In the plane (in 2D, the line) of the points x with n·x = offset, n a unit vector.
+template <int Dim>
+Mirror<Dim> mirror_in(const Vec<Dim>& n, double offset) {
+  return {Mirror<Dim>::Matrix::Identity() - 2 * n * n.transpose(), 2 * offset * n};
+}
+
+}  // namespace silt

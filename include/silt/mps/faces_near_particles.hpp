@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: MIT
+// The faces of walls near each particle, and what they hide.
+#pragma once
+
+#include <silt/core/parallel.hpp>
+#include <silt/core/types.hpp>
+#include <silt/geometry/faces.hpp>
+#include <silt/geometry/mirrors.hpp>
+
+#include <algorithm>
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <utility>
+#include <vector>
+
+namespace silt::mps {
+
+template <int Dim>
+class FacesNearParticles {
+ public:
+  using Vec = silt::Vec<Dim>;
+
+  explicit FacesNearParticles(std::shared_ptr<const Faces<Dim>> faces) : faces_(std::move(faces)) {}
+
+  /// The faces closer than reach [m] to each of the first particles, their number `owned`, of those at
+  /// these positions, and whether they hide some of the others.
+  template <class Positions>
+  void find(const Positions& x, Index owned, double reach) {
+    reach_ = reach;
+    positions_.resize(x.size());
+    for_each(x.size(), [&](Index j) { positions_[j] = x[j].template cast<double>(); });
+    around_.resize(owned);
+    find_faces();
+    find_those_that_see_all();
+  }
+
+  const Faces<Dim>& faces() const { return *faces_; }
+  double reach() const { return reach_; }  ///< [m]
+  Index size() const { return around_.size(); }
+  const std::vector<MirrorsAround<Dim>>& around() const { return around_; }
+  const MirrorsAround<Dim>& operator[](Index i) const { return around_[i]; }
+  const Vec& position(Index j) const { return positions_[j]; }  ///< when they were found [m]
+  /// Whether no face hides a neighbour of particle i.
+  bool sees_all(Index i) const { return sees_all_[i] != 0; }
+
+ private:
+  // Particles that follow each other in memory are mostly close to each other.
+  void find_faces() {
+    constexpr Index together = 16;
+    for_each_range<together>(around_.size(), [&](Index first, Index last) {
+      const Index size = last - first;
+      MirrorsAround<Dim>::find_all(*faces_, std::span<const Vec>(positions_).subspan(first, size),
+                                   reach_, std::span(around_).subspan(first, size));
+    });
+  }
+
+  // A face hides nothing if all particles near it are on one side of its plane: both ends of a line
+  // through it are near.
+  void find_those_that_see_all() {
+    sides_.assign(faces_->elements().size(), 0);
+    const auto add = [&](const Vec& x, std::uint32_t k) {
+      const std::uint8_t side = (*faces_)[k].height(x) > 0 ? 1 : 2;
+      const std::atomic_ref sides(sides_[k]);
+      if ((sides.load(std::memory_order_relaxed) & side) == 0) {
+        sides.fetch_or(side, std::memory_order_relaxed);
+      }
+    };
+    for_each(around_.size(), [&](Index i) {
+      for (const std::uint32_t k : around_[i].faces()) add(positions_[i], k);
+    });
+    for_each(positions_.size() - around_.size(), [&](Index k) {
+      const Vec& ghost = positions_[around_.size() + k];
+      faces_->for_each_near(ghost, reach_, [&](std::uint32_t face) { add(ghost, face); });
+    });
+    sees_all_.resize(around_.size());
+    for_each(around_.size(), [&](Index i) {
+      constexpr std::uint8_t both = 3;
+      sees_all_[i] = std::ranges::none_of(around_[i].faces(),
+                                          [&](std::uint32_t k) { return sides_[k] == both; });
+    });
+  }
+
+  std::shared_ptr<const Faces<Dim>> faces_;  // which around_ refers to
+  double reach_ = 0;                         // [m]
+  std::vector<Vec> positions_;
+  std::vector<MirrorsAround<Dim>> around_;
+  std::vector<std::uint8_t> sides_;     // of each face that have particles near it, as bits
+  std::vector<std::uint8_t> sees_all_;  // of each particle
+};
+
+}  // namespace silt::mps
