@@ -39,7 +39,7 @@ function(silt_add_fuzz_target name inputs)
   set_tests_properties(fuzz.${name} PROPERTIES LABELS trust ${environment})
   add_test(NAME fuzz.${name}_million COMMAND ${program} ${corpus} 1000000)
   set_tests_properties(fuzz.${name}_million PROPERTIES
-    LABELS "trust;slow" TIMEOUT 7200 ${environment})
+    LABELS "trust;slow" TIMEOUT 7200 COST 200 ${environment})
 
   if(links_fuzzer)
     set(binary ${CMAKE_CURRENT_BINARY_DIR}/libfuzzer_${name})
@@ -50,9 +50,10 @@ function(silt_add_fuzz_target name inputs)
     add_test(NAME fuzz.${name}_libfuzzer COMMAND ${binary} -max_total_time=60 -timeout=60
       -artifact_prefix=${found}/failed_ -print_final_stats=1 ${found} ${corpus})
     set_tests_properties(fuzz.${name}_libfuzzer_build PROPERTIES
-      LABELS "trust;slow" FIXTURES_SETUP libfuzzer_${name} TIMEOUT 1800)
+      LABELS "trust;slow" FIXTURES_SETUP libfuzzer_${name} TIMEOUT 1800 COST 200)
     set_tests_properties(fuzz.${name}_libfuzzer PROPERTIES
-      LABELS "trust;slow" FIXTURES_REQUIRED libfuzzer_${name} TIMEOUT 1800 ${environment})
+      LABELS "trust;slow" FIXTURES_REQUIRED libfuzzer_${name} TIMEOUT 1800 COST 60
+      ${environment})
   endif()
 endfunction()
 
