@@ -36,7 +36,7 @@ class FacesNearParticles {
     find_those_that_see_all();
   }
 
-  const Faces<Dim>& faces() const { return *faces_; }
+  const Faces<Dim>& faces() const noexcept { return *faces_; }
   double reach() const { return reach_; }  ///< [m]
   Index size() const { return around_.size(); }
   const std::vector<MirrorsAround<Dim>>& around() const { return around_; }

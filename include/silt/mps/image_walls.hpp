@@ -96,7 +96,7 @@ class ImageWalls::InFlow {
   /// Throws if there are faces of the other dimension.
   explicit InFlow(const ImageWalls& walls) : near_(faces_of_flow(walls)) {}
 
-  const Faces<Dim>& faces() const noexcept { return *faces_; }
+  const Faces<Dim>& faces() const noexcept { return near_.faces(); }
 
   /// Finds the faces near each particle, and the images that it sees. Throws if a particle is not
   /// fluid or on a face, or if a wall ends at a periodic side.
