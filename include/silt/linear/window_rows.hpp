@@ -37,24 +37,8 @@ class WindowRows {
     sets_.resize(row_sets(n));
     const Index last_window =
         n > window_size ? n - window_size : 0;  // none reaches beyond the last column
-    for_each_range<rows_together>(n, [&](Index first, Index last) {
-      RowSet& rows = sets_[first / rows_together];
-      rows.first.clear();
-      Index windows = 0;
-      for (Index i = first; i < last; ++i) {
-        rows.first.push_back(static_cast<std::uint32_t>(windows));
-        Index at = 0;             // first column of the window that is being filled
-        float* values = nullptr;  // its values
-        f(i, [&](Index column, double value) {
-          if (!values || column - at >= window_size) {  // also if column < at
-            at = std::min(column, last_window);
-            values = rows.open_window(windows++, at);
-          }
-          values[column - at] += static_cast<float>(value);
-        });
-      }
-      rows.first.push_back(static_cast<std::uint32_t>(windows));
-    });
+    for_each_range<rows_together>(
+        n, [&](Index first, Index last) { fill(first, last, last_window, f); });
   }
 
   /// Number of rows.
@@ -129,21 +113,44 @@ class WindowRows {
     // Appends a window and returns its values, set to zero.
     float* open_window(Index window, Index column) {
       // `values` grows last; it is shorter only if an allocation has failed before.
-      if (window * window_size == values.size()) {
-        const Index size = window + window / 8 + window_size * window_size;
-        columns.reserve(size);  // resize() alone would double it
-        columns.resize(size);
-        values.reserve(size * window_size);
-        values.resize(size * window_size);
-      }
+      if (window * window_size == values.size()) grow(window);
       columns[window] = static_cast<std::uint32_t>(column);
       float* const zeros = &values[window * window_size];
       std::fill_n(zeros, window_size, 0.0f);
       return zeros;
     }
+    [[gnu::noinline]] void grow(Index window) {
+      const Index size = window + window / 8 + window_size * window_size;
+      columns.reserve(size);  // resize() alone would double it
+      columns.resize(size);
+      values.reserve(size * window_size);
+      values.resize(size * window_size);
+    }
     // Column of the value at this index.
     Index column(Index at) const { return columns[at / window_size] + at % window_size; }
   };
+
+  // Builds the rows of one set. All of f is inlined, or the window that is being filled would be kept
+  // in memory instead of registers.
+  template <class F>
+  [[gnu::flatten]] void fill(Index first, Index last, Index last_window, F& f) {
+    RowSet& rows = sets_[first / rows_together];
+    rows.first.clear();
+    Index windows = 0;
+    for (Index i = first; i < last; ++i) {
+      rows.first.push_back(static_cast<std::uint32_t>(windows));
+      Index at = 0;             // first column of the window that is being filled
+      float* values = nullptr;  // its values
+      f(i, [&](Index column, double value) {
+        if (!values || column - at >= window_size) {  // also if column < at
+          at = std::min(column, last_window);
+          values = rows.open_window(windows++, at);
+        }
+        values[column - at] += static_cast<float>(value);
+      });
+    }
+    rows.first.push_back(static_cast<std::uint32_t>(windows));
+  }
 
   // An integer, because what is prefetched may be beyond the end of the array.
   template <class T>

@@ -135,11 +135,11 @@ class FlowOperators {
   }
   /// f(image) for the images alone; there are none with most models of walls.
   template <class F>
-  void for_each_image(Index i, F&& f) const {
+  [[gnu::always_inline]] inline void for_each_image(Index i, F&& f) const {
     for_each_image_in(stencil_, i, f);
   }
   template <class F>
-  void for_each_image_in_laplacian(Index i, F&& f) const {
+  [[gnu::always_inline]] inline void for_each_image_in_laplacian(Index i, F&& f) const {
     for_each_image_in(laplacian_stencil_, i, f);
   }
   /// The neighbours within laplacian_stencil() as the pressure equation takes them.
@@ -200,7 +200,7 @@ class FlowOperators {
     for_each_image_in(stencil, i, f);
   }
   template <class T, class F>
-  void for_each_image_in([[maybe_unused]] const T& stencil, [[maybe_unused]] Index i,
+  [[gnu::always_inline]] inline void for_each_image_in([[maybe_unused]] const T& stencil, [[maybe_unused]] Index i,
                          [[maybe_unused]] F&& f) const {
     if constexpr (AddsImages<Walls>) {
       static_assert(requires { walls_.for_each_image(i, stencil, f); },
