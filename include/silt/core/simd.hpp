@@ -156,6 +156,20 @@ Pack<std::uint32_t, N> count_from(Index from) {
   return load<std::uint32_t, N>(count);
 }
 
+/// Four numbers in single precision, as those of another type. (g++ 12 splits the built-in conversion
+/// into two halves.)
+template <class T>
+void load_floats(const float* from, Pack<T, 4>& to) {
+#if defined(SILT_AVX512) || defined(SILT_AVX2)
+  if constexpr (std::is_same_v<T, double>) {
+    to = (Pack<T, 4>)_mm256_cvtps_pd(_mm_loadu_ps(from));
+  } else
+#endif
+  {
+    to = Pack<T, 4>{T(from[0]), T(from[1]), T(from[2]), T(from[3])};
+  }
+}
+
 /// sum += a x in four lanes. (g++ 12 splits the built-in conversion into two halves.)
 inline void add_products(const float* a, const double* x, Pack<double, 4>& sum) {
 #if defined(SILT_AVX512) || defined(SILT_AVX2)

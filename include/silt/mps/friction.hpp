@@ -3,18 +3,18 @@
 #pragma once
 
 #include <silt/core/error.hpp>
+#include <silt/core/four.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/types.hpp>
 #include <silt/mps/any_particle_view.hpp>
 #include <silt/mps/fluid.hpp>
+#include <silt/mps/neighbour_pack.hpp>
 #include <silt/mps/step_changes.hpp>
 #include <silt/mps/velocity_gradient.hpp>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <concepts>
-#include <cstddef>
 #include <vector>
 
 namespace silt::mps {
@@ -63,64 +63,85 @@ class PairFriction::InFlow {
     const auto u = particles.with_ghosts(velocity);
     const auto kinds = particles[kind];
     const Real per_root = rate_ * Real(step.time_step) / std::sqrt(Real(step.settings.spacing));
-    strains_.resize(particles.size());
+    strains_.resize(particles.total());
     for_each(particles.size(), [&](Index i) {
       Strain& strain = strains_[i];
-      strain.is_known = false;
-      if (kinds[i] != Kind::fluid) return;
+      if (kinds[i] != Kind::fluid) return strain.set_unknown();
       const auto gradient = velocity_gradient(u, i, step.operators);
-      strain.is_known = gradient.is_known;
+      if (!gradient.is_known) return strain.set_unknown();
       constexpr Real max_share = Real(0.2);
-      strain.share = std::min(max_share, per_root * std::sqrt(step.force[i].norm())) / 2;
+      strain.share() = std::min(max_share, per_root * std::sqrt(step.force[i].norm())) / 2;
       // Only its symmetric part stretches r_ij. A pair has half of each particle.
       for (int a = 0; a < Dim; ++a) {
-        strain.stretching[a] = gradient.value(a, a) / 2;
+        strain.rate(a, a) = gradient.value(a, a) / 2;
         for (int b = 0; b < a; ++b) {
-          strain.shearing[std::size_t(a + b - 1)] = (gradient.value(a, b) + gradient.value(b, a)) / 2;
+          strain.rate(a, b) = (gradient.value(a, b) + gradient.value(b, a)) / 2;
         }
       }
     });
+    for (Index j = particles.size(); j < particles.total(); ++j) {
+      strains_[j] = strains_[particles.owner(j)];
+    }
   }
 
   template <class View>
   [[gnu::flatten]] Vec velocity_change(const View& at) const {
-    const auto& stencil = at.stencil();
     const Index i = at.index();
     const Strain& own = strains_[i];
-    Vec change = Vec::Zero();
-    if (!own.is_known) return change;
+    if (!own.is_known()) return Vec::Zero();
     const auto u = at.velocities();
     const Vec u_i = at.velocity();
-    for_each_weighted(
-        at.neighbourhood(), i, stencil, [&](Index j, const Vec& r_ij, Real, Real w_r2) {
-          const Strain& other = strains_[at.owner(j)];
-          if (!other.is_known) return;
-          const Real along = (u[j] - u_i).dot(r_ij);
-          const Real linear = own.along(r_ij) + other.along(r_ij);
-          const Real rest = along - std::clamp(linear, std::min(along, Real(0)),
-                                               std::max(along, Real(0)));
-          change += ((own.share + other.share) * w_r2 * rest) * r_ij;
-        });
-    return (Dim / stencil.n0) * change;
+    FourVectors<Dim, Real> change{};
+    for_each_four(at.neighbourhood(), i, [&](const NeighbourPack<Dim, Real>& j) {
+      Four<Real> others[Strain::size / 4][4];
+      for (int k = 0; k < Strain::size / 4; ++k) {
+        columns_from<Real, 4>([&](int lane) { return strains_[j.index[lane]].numbers + 4 * k; },
+                              others[k]);
+      }
+      const auto of_others = [&](int place) -> const Four<Real>& { return others[place / 4][place % 4]; };
+      FourVectors<Dim, Real> u_j;
+      j.get(u, u_j);
+      Four<Real> along{}, linear{};
+      for (int a = 0; a < Dim; ++a) {
+        along += (u_j[a] - u_i[a]) * j.r_ij[a];
+        for (int b = 0; b <= a; ++b) {
+          const int place = Strain::place(a, b);
+          linear += (of_others(place) + own.numbers[place]) * (j.r_ij[a] * j.r_ij[b]);
+        }
+      }
+      const Four<Real> none{};
+      const Four<Real> least = along < none ? along : none, most = along < none ? none : along;
+      const Four<Real> bounded = linear < least ? least : (most < linear ? most : linear);
+      const Four<Real> shares = of_others(Strain::place_of_share) + own.share();
+      const Four<Real> factor =
+          (shares > none ? shares : none) * j.weight_over_square * (along - bounded);
+      for (int a = 0; a < Dim; ++a) change[a] += factor * j.r_ij[a];
+    });
+    return (Dim / at.stencil().n0) * sum_of(change);
   }
 
  private:
+  // In fours of numbers: the rates of strain, lower half of a symmetric matrix, and a_i/2.
   struct Strain {
-    Vec stretching;
-    std::array<Real, Dim*(Dim - 1) / 2> shearing;
-    Real share;
-    bool is_known;
+    static constexpr int place_of_share = Dim * (Dim + 1) / 2;
+    static constexpr int size = (place_of_share + 4) / 4 * 4;
+    static constexpr int place(int a, int b) { return a * (a + 1) / 2 + b; }
 
-    Real along(const Vec& r) const {
-      Real sum = stretching.dot(r.cwiseProduct(r));
-      sum += shearing[0] * r[0] * r[1];
-      if constexpr (Dim == 3) sum += (shearing[1] * r[0] + shearing[2] * r[1]) * r[2];
-      return sum;
+    Real numbers[size] = {};
+
+    Real& rate(int a, int b) { return numbers[place(a, b)]; }  // [1/s]
+    Real& share() { return numbers[place_of_share]; }
+    Real share() const { return numbers[place_of_share]; }
+    // A share of which no sum with another one is positive.
+    void set_unknown() {
+      std::fill_n(numbers, size, Real(0));
+      share() = -1;
     }
+    bool is_known() const { return share() >= 0; }
   };
 
   Real rate_;
-  std::vector<Strain> strains_;  // of owned particles
+  std::vector<Strain> strains_;  // with ghosts
 };
 
 /// The friction of a flow in Dim dimensions:

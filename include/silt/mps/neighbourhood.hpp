@@ -35,6 +35,10 @@ class Neighbourhood {
   using Real = RealType;
   using Vec = silt::Vec<Dim, Real>;
 
+  /// Rows are completed by the particle itself, without weight, to a multiple of so many neighbours:
+  /// see NeighbourPack.
+  static constexpr Index lanes_of_sums = 4;
+
   /// The neighbours of one particle, in three arrays.
   struct Row {
     const std::uint32_t* index;  // of an owned or ghost particle
@@ -113,6 +117,8 @@ class Neighbourhood {
             rows.weight_over_square.data() + row.first, row.length};
   }
   Vec position_of(Index i) const noexcept { return positions_[i]; }
+  /// Of all particles and ghosts.
+  std::span<const Vec> positions() const noexcept { return positions_; }
 
   /// n_i = Σ w      (5)
   Real density(Index i) const noexcept { return density_[i]; }
@@ -125,7 +131,7 @@ class Neighbourhood {
     std::uint32_t length = 0;
   };
 
-  // Rows are padded to the maximum number of lanes of a pack.
+  // The maximum number of lanes of a pack, for which a row needs memory beyond its end.
   static constexpr Index max_lanes = 8;
 
   // Neighbours whose rows are stored together, with spare capacity.
@@ -252,6 +258,9 @@ class Neighbourhood {
         weight_over_square[k] = static_cast<float>(exact[k] / square[k]);
       }
     }
+    std::fill(index + length, index + padded, static_cast<std::uint32_t>(i));
+    std::fill(weight + length, weight + padded, 0.0f);
+    std::fill(weight_over_square + length, weight_over_square + padded, 0.0f);
     std::fill(exact + length, exact + padded, Real(0));
     std::array<Real, max_lanes> sum{};
     for (Index k = 0; k < padded; k += max_lanes) {
@@ -260,7 +269,7 @@ class Neighbourhood {
     density_[i] = std::accumulate(sum.begin(), sum.end(), Real(0));
     rows_[i] = {static_cast<std::uint32_t>(set), static_cast<std::uint32_t>(to.used),
                 static_cast<std::uint32_t>(length)};
-    to.used += length;
+    to.used += (length + lanes_of_sums - 1) / lanes_of_sums * lanes_of_sums;
     return distinct;
   }
 

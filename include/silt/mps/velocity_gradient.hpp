@@ -2,8 +2,9 @@
 // The velocity gradient of the fluid at a particle.
 #pragma once
 
+#include <silt/core/four.hpp>
 #include <silt/core/types.hpp>
-#include <silt/mps/operators.hpp>
+#include <silt/mps/neighbour_pack.hpp>
 
 #include <Eigen/LU>
 
@@ -32,19 +33,23 @@ template <class U, class Operators>
   using Matrix = Eigen::Matrix<Real, Dim, Dim>;
   constexpr Real least_determinant = Real(0.08);  // 1 if they are all around
   const Vec own = u[i];
-  Matrix moments = Matrix::Zero(), gradient = Matrix::Zero();
-  Real size = 0;
-  for_each_weighted(operators.neighbourhood(), i, stencil,
-                    [&](Index j, const Vec& r_ij, Real w, Real) {
-                      const Vec u_ij = w * (u[j] - own);
-                      const Vec weighted = w * r_ij;
-                      // Column by column: products of vectors that give a matrix are not inlined.
-                      for (int b = 0; b < Dim; ++b) {
-                        moments.col(b) += r_ij[b] * weighted;
-                        gradient.col(b) += r_ij[b] * u_ij;
-                      }
-                      size += weighted.dot(r_ij);
-                    });
+  // Σ w r_a r_b, of which only a ≤ b is found, and Σ w u_a r_b, of four neighbours at a time.
+  Four<Real> moments_of_four[Dim][Dim] = {}, gradient_of_four[Dim][Dim] = {};
+  for_each_four(operators.neighbourhood(), i, [&](const NeighbourPack<Dim, Real>& j) {
+    FourVectors<Dim, Real> u_j;
+    j.get(u, u_j);
+    for (int b = 0; b < Dim; ++b) {
+      const Four<Real> weighted = j.weight * j.r_ij[b];
+      for (int a = 0; a <= b; ++a) moments_of_four[a][b] += j.r_ij[a] * weighted;
+      for (int a = 0; a < Dim; ++a) gradient_of_four[a][b] += (u_j[a] - own[a]) * weighted;
+    }
+  });
+  Matrix moments, gradient;
+  for (int b = 0; b < Dim; ++b) {
+    for (int a = 0; a <= b; ++a) moments(a, b) = moments(b, a) = sum_of(moments_of_four[a][b]);
+    for (int a = 0; a < Dim; ++a) gradient(a, b) = sum_of(gradient_of_four[a][b]);
+  }
+  const Real size = moments.trace();
   VelocityGradient<Dim, Real> found;
   if (!(size > 0)) return found;
   moments *= Dim / size;
