@@ -52,7 +52,8 @@ struct BalancedSource {
     // Inlined, so that the sums over neighbours stay in registers.
     [[gnu::always_inline]] inline Vec operator[](Index j) const {
       if constexpr (View::has_images) {
-        return kinds[j] == Kind::fluid ? Vec(u[j] - own_change) : Vec(u[j]);
+        const bool is_fluid = View::all_have_pressure || kinds[j] == Kind::fluid;
+        return is_fluid ? Vec(u[j] - own_change) : Vec(u[j]);
       } else {
         return kinds[j] == Kind::fluid ? Vec(u[j]) : Vec(u[j] + time_step * at.force(at.owner(j)));
       }
@@ -69,6 +70,10 @@ struct BalancedSource {
     using Vec = typename View::Vec;
     const auto& stencil = at.laplacian_stencil();
     const Vec gradient = at.pressure_gradient(CorrectedGradient{});
+    if constexpr (View::all_have_pressure) {  // Σ w r_ij · ∇P: both sums have the same factor
+      return double(2 * View::dimension / (stencil.lambda * stencil.n0) *
+                    gradient.dot(at.laplacian_moment()));
+    }
     const Vec without_pressure = gradient - at.weight();
     typename View::Real sum = 0;
     at.for_each_in_laplacian([&](const auto& j) {

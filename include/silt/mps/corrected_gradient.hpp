@@ -3,7 +3,9 @@
 #pragma once
 
 #include <silt/core/error.hpp>
+#include <silt/core/four.hpp>
 #include <silt/core/types.hpp>
+#include <silt/mps/neighbour_pack.hpp>
 #include <silt/mps/operators.hpp>
 
 #include <Eigen/LU>
@@ -37,35 +39,73 @@ struct CorrectedGradient {
   [[gnu::flatten]] Vec<T::dimension, Real> evaluate(const T& stencil, Real phi_i,
                                                     Neighbours&& for_each,
                                                     Moments<T::dimension, Real>& found) const {
-    using Vec = silt::Vec<T::dimension, Real>;
-    using Matrix = Eigen::Matrix<Real, T::dimension, T::dimension>;
-    Vec sum = Vec::Zero();
-    Matrix moments = Matrix::Zero();
-    for_each([&](Real phi_j, const Vec& r_ij, Real, Real w_r2) {
-      sum += ((phi_j - phi_i) * w_r2) * r_ij;
-      // Column by column: a product of vectors that gives a matrix is not inlined.
-      const Vec weighted = w_r2 * r_ij;
-      for (int k = 0; k < T::dimension; ++k) moments.col(k) += r_ij[k] * weighted;
-    });
-    moments *= T::dimension / stencil.n0;
+    Sums<T::dimension, Real, true> sums{.phi_i = phi_i};
+    for_each(sums);
+    const Eigen::Matrix<Real, T::dimension, T::dimension> moments =
+        (T::dimension / stencil.n0) * sums.moments();
     found.determinant = moments.determinant();
     found.inverse = moments.inverse();
-    return corrected(stencil, sum, found);
+    return corrected(stencil, sums.rise(), found);
   }
   /// The same with known moments, of the same neighbours.
   template <class T, class Real, class Neighbours>
   [[gnu::flatten]] Vec<T::dimension, Real> evaluate_with(
       const Moments<T::dimension, Real>& moments, const T& stencil, Real phi_i,
       Neighbours&& for_each) const {
-    using Vec = silt::Vec<T::dimension, Real>;
-    Vec sum = Vec::Zero();
-    for_each([&](Real phi_j, const Vec& r_ij, Real, Real w_r2) {
-      sum += ((phi_j - phi_i) * w_r2) * r_ij;
-    });
-    return corrected(stencil, sum, moments);
+    Sums<T::dimension, Real, false> sums{.phi_i = phi_i};
+    for_each(sums);
+    return corrected(stencil, sums.rise(), moments);
   }
 
  private:
+  // Σ (φ_j − φ_i) r_ij w/r² and Σ r_ij r_ijᵀ w/r², of neighbours one by one and of four at a time.
+  template <int Dim, class Real, bool has_moments>
+  struct Sums {
+    using Vec = silt::Vec<Dim, Real>;
+    template <class Number>
+    struct Part {
+      Number rise[Dim] = {};
+      Number moments[Dim][Dim] = {};  // a ≤ b
+
+      [[gnu::always_inline]] void add(const Number& phi_ij, const auto& r_ij, const Number& w_r2) {
+        for (int b = 0; b < Dim; ++b) {
+          const Number weighted = w_r2 * r_ij[b];
+          rise[b] += phi_ij * weighted;
+          if constexpr (has_moments) {
+            for (int a = 0; a <= b; ++a) moments[a][b] += r_ij[a] * weighted;
+          }
+        }
+      }
+    };
+
+    Real phi_i;
+    Part<Real> one{};
+    Part<Four<Real>> four{};
+
+    [[gnu::always_inline]] void operator()(Real phi_j, const Vec& r_ij, Real, Real w_r2) {
+      one.add(phi_j - phi_i, r_ij, w_r2);
+    }
+    [[gnu::always_inline]] void operator()(const Four<Real>& phi_j,
+                                           const FourVectors<Dim, Real>& r_ij, const Four<Real>&,
+                                           const Four<Real>& w_r2) {
+      four.add(phi_j - phi_i, r_ij, w_r2);
+    }
+    Vec rise() const {
+      Vec sum;
+      for (int b = 0; b < Dim; ++b) sum[b] = one.rise[b] + sum_of(four.rise[b]);
+      return sum;
+    }
+    auto moments() const {
+      Eigen::Matrix<Real, Dim, Dim> sum;
+      for (int b = 0; b < Dim; ++b) {
+        for (int a = 0; a <= b; ++a) {
+          sum(a, b) = sum(b, a) = one.moments[a][b] + sum_of(four.moments[a][b]);
+        }
+      }
+      return sum;
+    }
+  };
+
   template <class T, class Real>
   Vec<T::dimension, Real> corrected(const T& stencil, Vec<T::dimension, Real> sum,
                                     const Moments<T::dimension, Real>& moments) const {

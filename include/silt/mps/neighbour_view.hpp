@@ -6,6 +6,7 @@
 #include <silt/core/types.hpp>
 #include <silt/mps/fluid.hpp>
 #include <silt/mps/neighbour.hpp>
+#include <silt/mps/neighbour_pack.hpp>
 #include <silt/mps/walls.hpp>
 
 #include <utility>
@@ -55,6 +56,18 @@ class NeighbourView {
   template <class F>
   [[gnu::always_inline]] inline void for_each_in_laplacian(F&& f) const {
     operators_.for_each_in_laplacian(index_, f);
+  }
+  /// Those of for_each(): f(pack) for the particles, a NeighbourPack, and g(image) for the images.
+  template <class F, class G>
+  [[gnu::always_inline]] inline void for_each_four(F&& f, G&& g) const {
+    mps::for_each_four(operators_.neighbourhood(), index_, f);
+    operators_.for_each_image(index_, g);
+  }
+  /// The same within the stencil of the Laplacian.
+  template <class F, class G>
+  [[gnu::always_inline]] inline void for_each_four_in_laplacian(F&& f, G&& g) const {
+    mps::for_each_four(operators_.laplacian_neighbourhood(), index_, f);
+    operators_.for_each_image_in_laplacian(index_, g);
   }
   /// f(normal, height) for every plane of a wall of faces of which a point is straight below the
   /// particle, within the effective radius: its unit normal towards the particle, whose distance from

@@ -2,15 +2,19 @@
 // What the policies of a flow see of it during a step, around one particle.
 #pragma once
 
+#include <silt/core/four.hpp>
 #include <silt/core/types.hpp>
 #include <silt/mps/body_force.hpp>
 #include <silt/mps/flow_operators.hpp>
 #include <silt/mps/flow_settings.hpp>
 #include <silt/mps/fluid.hpp>
 #include <silt/mps/kept_moments.hpp>
+#include <silt/mps/neighbour_pack.hpp>
 #include <silt/mps/neighbour_view.hpp>
 #include <silt/mps/operators.hpp>
 #include <silt/mps/pressure_boundary.hpp>
+#include <silt/mps/scheme.hpp>
+#include <silt/mps/walls.hpp>
 
 #include <algorithm>
 #include <type_traits>
@@ -51,6 +55,7 @@ class ParticleView
   using Vec = silt::Vec<Dim, Real>;
   using Operators = FlowOperators<Scheme, Dim, Real>;
   using Neighbours = NeighbourView<Operators, P>;
+  static constexpr bool all_have_pressure = AllHavePressure<WallsOf<Scheme>>;
 
   ParticleView(const StepView<Scheme, P>& step, Index i)
       : Neighbours(step.particles, step.operators, i), step_(step) {}
@@ -89,14 +94,25 @@ class ParticleView
   [[gnu::flatten]] Vec pressure_gradient(const G& gradient, const RiseOf& rise_of) const {
     const auto p = this->particles().with_ghosts(pressure);
     const auto for_each_with_pressure = [&](auto&& f) {
-      this->for_each([&](const auto& j) {
+      const auto add = [&](const auto& j) {
         if (!has_pressure(j)) return;
         if constexpr (std::remove_cvref_t<decltype(j)>::is_image) {
           f(p[j.index] + rise_of(j), j.r_ij, j.weight, j.weight_over_square);
         } else {
           f(p[j.index], j.r_ij, j.weight, j.weight_over_square);
         }
-      });
+      };
+      if constexpr (all_have_pressure && TakesFour<decltype(f), Dim, Real>) {
+        this->for_each_four(
+            [&](const NeighbourPack<Dim, Real>& j) {
+              Four<Real> p_j;
+              j.get(p, p_j);
+              f(p_j, j.r_ij, j.weight, j.weight_over_square);
+            },
+            add);
+      } else {
+        this->for_each(add);
+      }
     };
     return step_.moments.evaluate(this->index(), gradient, this->stencil(), p[this->index()],
                                   for_each_with_pressure);
@@ -114,25 +130,44 @@ class ParticleView
   }
   /// l0/n0 Σ w r_ij/r² [-], in the direction of increasing particle concentration.
   Vec concentration_gradient() const {
-    const auto& stencil = this->stencil();
-    Vec sum = Vec::Zero();
-    this->for_each([&](const auto& j) {
-      sum += (stencil.spacing * j.weight_over_square / stencil.n0) * j.r_ij;
-    });
-    return sum;
+    FourVectors<Dim, Real> of_four{};
+    Vec of_images = Vec::Zero();
+    this->for_each_four(
+        [&](const NeighbourPack<Dim, Real>& j) {
+          for (int a = 0; a < Dim; ++a) of_four[a] += j.weight_over_square * j.r_ij[a];
+        },
+        [&](const auto& image) { of_images += image.weight_over_square * image.r_ij; });
+    return this->spacing() / this->stencil().n0 * (sum_of(of_four) + of_images);
+  }
+  /// Σ w r_ij within the stencil of the Laplacian [m]
+  Vec laplacian_moment() const {
+    FourVectors<Dim, Real> of_four{};
+    Vec of_images = Vec::Zero();
+    this->for_each_four_in_laplacian(
+        [&](const NeighbourPack<Dim, Real>& j) {
+          for (int a = 0; a < Dim; ++a) of_four[a] += j.weight * j.r_ij[a];
+        },
+        [&](const auto& image) { of_images += image.weight * image.r_ij; });
+    return sum_of(of_four) + of_images;
   }
   /// max |u_j − u_i| over the neighbours [m/s]
   Real max_relative_speed() const {
     const auto u = this->velocities();
     const Vec own = this->velocity();
+    Four<Real> of_four{};
     Real square = 0;
-    this->for_each([&](const auto& j) {
-      if constexpr (std::remove_cvref_t<decltype(j)>::is_image) {
-        square = std::max(square, Vec(j.mirrored(u) - own).squaredNorm());
-      } else {
-        square = std::max(square, Vec(j.velocity(u) - own).squaredNorm());
-      }
-    });
+    this->for_each_four(
+        [&](const NeighbourPack<Dim, Real>& j) {
+          FourVectors<Dim, Real> u_j;
+          j.get(u, u_j);
+          Four<Real> squares{};
+          for (int a = 0; a < Dim; ++a) squares += (u_j[a] - own[a]) * (u_j[a] - own[a]);
+          of_four = of_four < squares ? squares : of_four;
+        },
+        [&](const auto& image) {
+          square = std::max(square, Vec(image.mirrored(u) - own).squaredNorm());
+        });
+    for (int lane = 0; lane < 4; ++lane) square = std::max(square, of_four[lane]);
     return std::sqrt(square);
   }
 

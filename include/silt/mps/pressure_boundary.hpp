@@ -44,6 +44,7 @@ class PressureBoundary {
         weight_of_surface_[i] = is_of_fluid ? double(criterion.weight_of_surface(at)) : 0;
       }
     });
+    particles.refresh_ghosts(surface);
   }
 
   /// Whether an owned particle has a pressure: an unknown one, or P = 0 on the free surface.
@@ -65,10 +66,9 @@ class PressureBoundary {
     }
     Answer& answer = near_boundary_[at.index()];
     if (answer == Answer::unknown) {
-      const auto on_surface = at.particles()[surface];
+      const auto on_surface = at.particles().with_ghosts(surface);
       const auto is_boundary = [&](const auto& j) {
-        const Index owner = at.owner(j);
-        return on_surface[owner] || !has_pressure(owner);
+        return on_surface[j.index] || !has_pressure(at.owner(j));
       };
       answer = on_surface[at.index()] || at.any(is_boundary) ? Answer::yes : Answer::no;
     }
