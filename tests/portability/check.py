@@ -127,8 +127,12 @@ def check_headers(variant, includes, _):
 def check_warnings(variant, includes, scratch):
     command, _ = compiler_of(variant, includes)
     command += openmp_of(command, scratch)
+    # clang warns before it optimises, except about registers that calls pass; hashes.cpp, which is
+    # compiled with the same flags, has such calls, too.
+    is_clang = command[0].startswith("clang")
+    output = ["-fsyntax-only"] if is_clang else ["-c", "-o", scratch / "quickstart.o"]
     for quickstart in sorted((HERE.parents[1] / "examples").glob("quickstart_*.cpp")):
-        run([*command, *FLAGS, "-c", quickstart, "-o", scratch / "quickstart.o"])
+        run([*command, *FLAGS, quickstart, *output])
     return True
 
 
