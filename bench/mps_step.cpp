@@ -99,7 +99,9 @@ int main(int argc, char** argv) {
   add<mps::Case10, 3>("", 12800, 40);
   add<mps::Case10, 3>("", 102400, 10);
   add<mps::Recommended, 2>("recommended/", 3200, 200);
+  add<mps::Recommended, 2>("recommended/", 12800, 100);
   add<mps::Recommended, 2>("recommended/", 51200, 40);
+  add<mps::Recommended, 3>("recommended/", 12800, 40);
   add<mps::Recommended, 3>("recommended/", 102400, 10);
   return bench::run(argc, argv);
 }

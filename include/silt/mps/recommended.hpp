@@ -23,7 +23,7 @@ namespace silt::mps {
 
 /// Walls are faces. Loads of impacts, and pressures below edges, converge to those of the fluid's
 /// momentum; water rests in tanks that fit its lattice, in others it settles. In 3D, a step takes
-/// about 1.4 times as long as that of Case10, in 2D 1.8 times.
+/// about 1.2 times as long as that of Case10, in 2D 1.6 times.
 struct Recommended {
   BalancedSource source{};
   KeepApart collision{.image_distance = 0.7};
