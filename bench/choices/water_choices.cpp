@@ -132,13 +132,13 @@ struct Jet {
   template <class Scheme>
   static Cells cells() {
     constexpr int runs = 3;
-    double load = 0, momentum = 0, rise = 0;
+    double pressure = 0, momentum = 0, rise = 0;
     for (int k = 0; k < runs; ++k) {
       const auto jet = test::jet_force<Scheme>(0.01, 1e-4 * k);
-      load += jet.load / runs, momentum += jet.momentum / runs;
+      pressure += jet.pressure / runs, momentum += jet.momentum / runs;
       rise = std::max(rise, jet.rise);
     }
-    return {percent("%.1f", load) + "; " + percent("%.1f", momentum), percent("%.2f", rise)};
+    return {percent("%.1f", pressure) + "; " + percent("%.1f", momentum), percent("%.2f", rise)};
   }
 };
 // Six runs that differ by a ten-thousandth of a spacing, because impacts are chaotic.

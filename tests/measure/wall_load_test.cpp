@@ -1,12 +1,18 @@
 // SPDX-License-Identifier: MIT
 #include <silt/core/lattice.hpp>
 #include <silt/geometry/shapes.hpp>
+#include <silt/io/checkpoint.hpp>
 #include <silt/measure/wall_load.hpp>
 #include <silt/mps.hpp>
 
 #include "support/check.hpp"
 #include "support/fluid.hpp"
 #include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
 
 namespace silt::test::wall_load_test {
 namespace {
@@ -48,6 +54,52 @@ TEST(WallLoad, IsThatOfAPartOfAWall) {
   const auto tank = still_tank<2>();
   const WallLoad<2> half{{segment({0, 0}, {H / 2, 0})}};
   EXPECT_NEAR(half.read(tank)[1] / -weight, 0.5, 1e-5);
+}
+
+// Divided between the particles of a column, whose line passes through the common end.
+TEST(WallLoad, IsDividedAmongPartsOfAWall) {
+  constexpr double H = 8 * l0, weight = 1000 * g * H * H;
+  const auto tank = still_tank<2>();
+  const Vec<2> a{0, 0}, b{2.5 * l0, 0}, c{H, 0};
+  const double left = WallLoad<2>{{segment(a, b)}}.read(tank)[1];
+  const double right = WallLoad<2>{{segment(b, c)}}.read(tank)[1];
+  EXPECT_NEAR((left + right) / -weight, 1, 1e-5);
+}
+
+// Corners in single precision, of which the flow takes the faces to be in one plane.
+TEST(WallLoad, DoesNotDependOnTheOrderOfFaces) {
+  constexpr double side = 8 * l0;
+  const auto rounded = [](double x, double y) { return Vec<2>(double(float(x)), double(float(y))); };
+  const auto slope = [&](double x) { return rounded(10 + x, 10.1 - 0.3 * x); };
+  mps::FlowSettings<2, mps::Recommended> settings{.spacing = l0, .speed_scale = 1};
+  settings.walls.segments = polyline({{10, 10.5}, {10, 10.1}, slope(0.05), slope(0.11), slope(side),
+                                      slope(side) + Vec<2>(0, 0.5)});
+  mps::Fluid<2> water;
+  for (const auto& x : lattice<2>({{10, 10.1}, {10 + side, 10.2}}, l0)) {
+    mps::add_particle(water, x, mps::Kind::fluid);
+  }
+  Simulation sim{water, UniformGrid<2>{}, mps::Flow<mps::Recommended>{settings}, SemiImplicit<>{}};
+  sim.step();
+  auto faces = settings.walls.segments;
+  const Vec<2> all = WallLoad<2>(faces).read(sim);
+  Vec<2> sum = Vec<2>::Zero();
+  for (const auto& face : faces) sum += WallLoad<2>{{face}}.read(sim);
+  std::ranges::reverse(faces);
+  EXPECT_NEAR((WallLoad<2>(faces).read(sim) - all).norm() / all.norm(), 0, 1e-9);
+  EXPECT_NEAR((sum - all).norm() / all.norm(), 0, 1e-9);
+}
+
+TEST(WallLoad, IsThatOfTheLastStepThatSucceeded) {
+  auto tank = still_tank<2>();
+  const WallLoad<2> walls{tank.interaction().settings().walls.segments};
+  const Vec<2> before = walls.read(tank);
+  EXPECT_THROW(tank.step(1), Error);
+  EXPECT_EQ(walls.read(tank), before);
+  checkpoint::Writer writer;
+  auto copy = tank;
+  checkpoint::transfer_all(writer, copy);
+  checkpoint::restore({.file = "memory"}, std::move(writer).finish(), tank);
+  EXPECT_EQ(walls.read(tank), (Vec<2>::Zero()));  // of a step that it knows nothing of
 }
 
 TEST(WallLoad, IsTheHydrostaticForceIn3D) {
@@ -145,6 +197,7 @@ TEST(WallLoad, OfAllWallsIsAllThatChangesTheMomentum) {
 
 TEST(WallLoad, RefusesFacesThatAreNoWalls) {
   const auto tank = still_tank<2>();
+  EXPECT_TRUE(refuses([&] { WallLoad<2>{std::vector<Face<2>>{}}; }, {"WallLoad: no faces"}));
   EXPECT_TRUE(refuses([&] { WallLoad<2>{{segment({1, 1}, {1, 1})}}; }, {"WallLoad: face 0"}));
   const WallLoad<2> inside{{segment({0, 3.6 * l0}, {8 * l0, 3.6 * l0})}};
   EXPECT_TRUE(refuses([&] { inside.read(tank); }, {"WallLoad: a face is not on a wall"}));

@@ -80,11 +80,12 @@ NOT_STORED = {
     "Outflow": all_of(GIVEN, "region_ settings_"),
     # mps
     "BasicFlow": {"settings_": GIVEN,
-                  **all_of(ANEW, "operators_ force_ friction_ pressure_ changes_ momentum_changes_ advection_"),
+                  **all_of(ANEW, "operators_ force_ friction_ pressure_ changes_ advection_"),
                   "seconds_": CLOCK},
     "FlowPressure": {"solver_": GIVEN, **all_of(ANEW, "boundary_ moments_ source_ equation_"), "report_": LAST},
-    "FlowRecord": {"viscous_limit_": GIVEN, "is_first_step_": ANEW,
+    "FlowRecord": {"viscous_limit_": GIVEN, "is_first_step_": ANEW, "momentum_changes_": LAST,
                    "time_": "set_time() sets it before it is used"},
+    "MomentumChanges": all_of(LAST, "all_ saved_"),
     "Advection": {"moved_with_": ANEW},
     "FlowOperators": {**all_of(GIVEN, "stencil_ laplacian_stencil_"),
                       **all_of(ANEW, "neighbourhood_ laplacian_neighbourhood_"),
@@ -167,7 +168,7 @@ NOT_SAVED = {
                    "last_time_step_": "set_last_time_step() sets it before it is used", "memory_": MEMORY},
     # mps
     "BasicFlow": {"settings_": GIVEN,
-                  **all_of(ANEW, "operators_ force_ friction_ changes_ momentum_changes_ advection_"),
+                  **all_of(ANEW, "operators_ force_ friction_ changes_ advection_"),
                   "pressure_": "found anew; the report of its solver tells why the step failed", "seconds_": CLOCK},
     "FlowRecord": {"viscous_limit_": GIVEN, "is_first_step_": ANEW,
                    "time_": "set_time() sets it before it is used"},

@@ -47,7 +47,8 @@ double median_speed(const P& particles) {
 }
 
 struct JetForce {
-  double load;      ///< mean force of the pressures on the wall over ρ U² b
+  double pressure;  ///< mean force of the pressures on the wall over ρ U² b
+  double load;      ///< that of the wall, with walls of faces
   double momentum;  ///< that of the change of momentum
   double rise;      ///< largest, of the energy
 };
@@ -66,21 +67,23 @@ JetForce jet_force(double l0, double jitter = 0) {
                          .gravity = {0, 0},
                          .jitter = jitter};
   auto sim = scene.simulation<Scheme>();
-  double impulse = 0, span = 0, first = 0, last = 0;
+  double pressure = 0, load = 0, span = 0, first = 0, last = 0;
   const double rise = run_water(sim, 0.12, [&](const auto& water, double dt) {
     last = horizontal_momentum(water, scene.mass());
     if (sim.time() < 0.06) return void(first = last);
-    impulse += dt * pressure_load_on(water, {side, 0, side, -1}, l0);
+    pressure += dt * pressure_load_on(water, {side, 0, side, -1}, l0);
+    load += dt * load_on(sim, {side, 0, side, -1});
     span += dt;
   });
   const double force = 1000 * U * U * b * span;
-  return {impulse / force, (first - last) / force, rise};
+  return {pressure / force, load / force, (first - last) / force, rise};
 }
 
 struct ImpactOfADam {
   /// Of the pressures on the right wall from what the change of momentum leaves for it, in windows of
   /// 0.1 s from 0.4 s.
   std::vector<double> deviations;
+  std::vector<double> loads;       ///< of the right wall in these windows, with walls of faces [N s/m]
   double rise;                     ///< largest, of the energy
   Index lost;                      ///< particles behind walls at the end
 };
@@ -96,14 +99,18 @@ ImpactOfADam impact_of_a_dam(double l0, double until, double jitter = 0) {
                          .jitter = jitter};
   auto sim = scene.simulation<Scheme>();
   ImpactOfADam found{};
-  double load = 0, left = 0, momentum = 0, end = 0.4;
+  double pressure = 0, left = 0, load = 0, momentum = 0, end = 0.4;
   found.rise = run_water(sim, until, [&](const auto& water, double dt) {
-    load += dt * pressure_load_on(water, {1.6, 0, 1.6, -1}, l0);
+    pressure += dt * pressure_load_on(water, {1.6, 0, 1.6, -1}, l0);
+    load += dt * load_on(sim, {1.6, 0, 3, -1});
     left += dt * pressure_load_on(water, {0, 0, 1, 1}, l0);
     if (sim.time() < end) return;
     const double now = horizontal_momentum(water, scene.mass());
-    if (end > 0.45) found.deviations.push_back(load / (momentum - now + left) - 1);
-    momentum = now, load = left = 0, end += 0.1;
+    if (end > 0.45) {
+      found.deviations.push_back(pressure / (momentum - now + left) - 1);
+      found.loads.push_back(load);
+    }
+    momentum = now, pressure = load = left = 0, end += 0.1;
   });
   const auto& water = sim.particles();
   for (Index i = 0; i < water.size(); ++i) {

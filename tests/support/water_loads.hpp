@@ -8,11 +8,13 @@
 #include <silt/core/lattice.hpp>
 #include <silt/geometry/shapes.hpp>
 #include <silt/measure/wall_gauge.hpp>
+#include <silt/measure/wall_load.hpp>
 #include <silt/mps.hpp>
 
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <random>
 #include <utility>
 #include <vector>
@@ -133,6 +135,18 @@ double pressure_load_on(const P& particles, const WallPiece& wall, double l0) {
     load += width * pressure_on(near, {wall.x, y, y + width, wall.normal}, l0);
   }
   return load;
+}
+
+/// Horizontal force on it, against its normal [N/m]; not a number without walls of faces.
+template <class Sim>
+double load_on(const Sim& sim, const WallPiece& wall) {
+  if constexpr (requires { sim.interaction().walls().faces(); }) {
+    Face<2> face{{Vec<2>(wall.x, wall.from), Vec<2>(wall.x, wall.to)}};
+    if (wall.normal > 0) face = reversed(face);
+    return -wall.normal * WallLoad<2>{{face}}.read(sim)[0];
+  } else {
+    return std::numeric_limits<double>::quiet_NaN();
+  }
 }
 
 /// Σ m u_x [N s/m].

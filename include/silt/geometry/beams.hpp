@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Beams: where lines from an observer go that pass through one facet after another.
+// Beams: where lines from a viewpoint go that pass through one facet after another.
 #pragma once
 
 #include <silt/core/types.hpp>
@@ -15,7 +15,7 @@
 
 namespace silt {
 
-/// Beams of mirrored observers. Their lines may be shifted, in any direction, without being turned.
+/// Beams of mirrored viewpoints. Their lines may be shifted, in any direction, without being turned.
 template <int Dim>
 class Beams {
  public:
@@ -24,7 +24,7 @@ class Beams {
 
   /// One of them.
   struct Beam {
-    Vec observer = Vec::Zero();
+    Vec viewpoint = Vec::Zero();
     std::uint32_t first = 0, end = 0;              // of the half-spaces that have all of it
     std::uint32_t first_piece = 0, end_piece = 0;  // in one of which each point is; none: everywhere
   };
@@ -34,14 +34,14 @@ class Beams {
     pieces_.clear();
   }
 
-  /// The beam of lines from an observer through faces of one facet, beyond it, among those of another
-  /// beam, `before`, mirrored in the facet. Height of the observer above the plane of the first face,
+  /// The beam of lines from a viewpoint through faces of one facet, beyond it, among those of another
+  /// beam, `before`, mirrored in the facet. Height of the viewpoint above the plane of the first face,
   /// and largest shift of the lines [m].
   template <class ElementOf>
-  Beam through(std::span<const std::uint32_t> faces, const ElementOf& element_of, const Vec& observer,
+  Beam through(std::span<const std::uint32_t> faces, const ElementOf& element_of, const Vec& viewpoint,
                double height, double shift, const Beam& before) {
     const Element& plane = element_of(faces[0]);
-    Beam beam{.observer = observer, .first = size_of(half_spaces_)};
+    Beam beam{.viewpoint = viewpoint, .first = size_of(half_spaces_)};
     for (std::uint32_t k = before.first; k < before.end; ++k) {
       HalfSpace half = half_spaces_[k];
       const double across = half.normal.dot(plane.normal);
@@ -55,7 +55,7 @@ class Beams {
     const auto add_edge = [&](const Element& element, std::size_t k) {
       // A shifted line from o to x passes the edge from a to b on the inner side of it if
       // |b − a × d| s ≥ (b − a × a − o)·d with d = x − o and its shift s.
-      const Vec from = element.face.corners[k] - observer;
+      const Vec from = element.face.corners[k] - viewpoint;
       Vec normal;
       if constexpr (Dim == 2) {
         normal = {-from[1], from[0]};
@@ -64,7 +64,7 @@ class Beams {
         normal = cross(from, Vec(next - element.face.corners[k]).normalized());
       }
       if (normal.dot(element.inwards[k]) < 0) normal = -normal;
-      half_spaces_.push_back({normal, normal.dot(observer), shift});
+      half_spaces_.push_back({normal, normal.dot(viewpoint), shift});
     };
     if (plane.is_convex) {
       for (const std::uint32_t face : faces) {
@@ -89,10 +89,10 @@ class Beams {
 
   /// Whether a line of the beam may lead to x.
   bool contains(const Beam& beam, const Vec& x) const {
-    const double distance = (x - beam.observer).norm();
+    const double distance = (x - beam.viewpoint).norm();
     return has_part(beam, [&](const HalfSpace& half) { return half.contains(x, distance); });
   }
-  /// Whether a line of the beam may lead to a point of a face that is not further from the observer
+  /// Whether a line of the beam may lead to a point of a face that is not further from the viewpoint
   /// than `distance` [m].
   bool may_meet(const Beam& beam, const Face<Dim>& face, double distance) const {
     return has_part(beam, [&](const HalfSpace& half) {
@@ -102,13 +102,13 @@ class Beams {
   }
 
  private:
-  // For an edge, with a normal as long as the observer is away from it.
+  // For an edge, with a normal as long as the viewpoint is away from it.
   struct HalfSpace {
     Vec normal;
     double offset;
     double shift;  // of lines [m]
 
-    // A point at this distance from the observer.
+    // A point at this distance from the viewpoint.
     bool contains(const Vec& x, double distance) const {
       return normal.dot(x) >= offset - shift * distance;
     }

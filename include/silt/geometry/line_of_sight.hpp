@@ -26,8 +26,7 @@ inline bool is_crossed(const Face<2>& face, const Vec<2>& p, const Vec<2>& q) {
   const double first = side_of(p, q, face.corners[0]), second = side_of(p, q, face.corners[1]);
   return std::min(first, second) <= 0 && std::max(first, second) >= 0;
 }
-// Both of two triangles with a common edge if the line passes through it, and at least one of them
-// if it passes beside it by less than round-off.
+// Of two triangles with a common edge, both if the line passes through it, and otherwise one.
 inline bool is_crossed(const Face<3>& face, const Vec<3>& p, const Vec<3>& q) {
   bool is_left = true, is_right = true;
   for (std::size_t k = 0; k < 3; ++k) {
@@ -52,13 +51,15 @@ double distance_to_face(const Faces<Dim>& faces, const Vec<Dim>& x, const Direct
   double first = std::numeric_limits<double>::infinity();
   constexpr double margin = 1e-12;  // [m]: bounds of faces may have no width
   faces.for_each_near_bounds(line, margin, [&](std::uint32_t k) {
-    const auto& element = faces[k];
+    const Face<Dim>& face = faces[k].face;
+    if (!detail::is_crossed(face, x, Vec<Dim>(x + along))) return;
+    // Its own: that of a facet differs by round-off of single precision.
+    const Vec<Dim> normal = normal_of(face);
     constexpr double parallel = 1e-9;
-    const double slope = element.normal.dot(along);
+    const double slope = normal.dot(along);
     if (std::abs(slope) < parallel || (slope > 0 && !counts_back_sides)) return;
-    const double distance = -element.height(x) / slope;
-    if (!(distance > 0) || !(distance < first)) return;
-    if (detail::is_crossed(element.face, x, Vec<Dim>(x + along))) first = distance;
+    const double distance = normal.dot(face.corners[0] - x) / slope;
+    if (distance > 0) first = std::min(first, distance);
   });
   return first;
 }

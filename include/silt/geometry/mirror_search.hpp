@@ -64,7 +64,7 @@ class MirrorSearch {
 
   struct Seen {
     Mirror<Dim> mirror;
-    Vec observer;  // x in the space of the points: the image of x in the inverse mirror
+    Vec viewpoint;  // x in the space of the points: the image of x in the inverse mirror
     const NearFacet* last = nullptr;      // before the points are reached; null if there is none
     typename Beams<Dim>::Beam beam = {};  // of the lines that have passed it
     std::uint32_t next = 0;               // the next way to the same mirror; 0: none
@@ -76,7 +76,7 @@ class MirrorSearch {
   // new one.
   bool follow(std::size_t k, const NearFacet& facet) {
     const Seen& from = seen_[k];
-    const double height = facet.height(from.observer);
+    const double height = facet.height(from.viewpoint);
     if (!(std::abs(height) < around_->furthest())) return false;
     const double most = furthest_that_shows(facet, height);
     // From one face to the next one of a curved surface go only lines that are almost parallel to it,
@@ -87,15 +87,15 @@ class MirrorSearch {
     const double distance = distance_after(k, facet, is_next ? most : around_->furthest());
     if (!(distance < around_->furthest())) return false;
     Seen added{from.mirror.after(mirror_in<Dim>(facet.normal, facet.offset)),
-               from.observer - (2 * height) * facet.normal, &facet};
+               from.viewpoint - (2 * height) * facet.normal, &facet};
     added.shows_points = distance < most;
     added.beam = beams_.through(
         around_->faces_of(facet),
-        [&](std::uint32_t face) -> const auto& { return (*around_)[face]; }, added.observer, -height,
+        [&](std::uint32_t face) -> const auto& { return (*around_)[face]; }, added.viewpoint, -height,
         around_->margin(), from.next == 0 ? from.beam : typename Beams<Dim>::Beam{});
     const auto same = std::ranges::find_if(seen_, [&](const Seen& other) {
       const double round_off = around_->round_off();
-      return !other.is_known && (other.observer - added.observer).norm() < round_off &&
+      return !other.is_known && (other.viewpoint - added.viewpoint).norm() < round_off &&
              (other.mirror.rotation - added.mirror.rotation).norm() < round_off / around_->reach();
     });
     added.is_known = same != seen_.end();
@@ -122,7 +122,7 @@ class MirrorSearch {
       least_heights_.push_back({above, below});
     }
   }
-  // The largest distance from the observer, at this height above a facet, at which a line through it
+  // The largest distance from the viewpoint, at this height above a facet, at which a line through it
   // that is as long as the reach still comes to the height of a point on the other side.
   double furthest_that_shows(const NearFacet& facet, double height) const {
     if (least_heights_.empty()) return around_->furthest();
@@ -131,7 +131,7 @@ class MirrorSearch {
     const double above = std::abs(height) + around_->margin();
     return around_->furthest() * above / (above + least);
   }
-  // From the observer in a mirror to the nearest of the faces of a facet that lines may meet after it
+  // From the viewpoint in a mirror to the nearest of the faces of a facet that lines may meet after it
   // [m]; infinite if there is none closer than `most`. All ways to that mirror are known: as straight
   // lines, they go through as many facets.
   double distance_after(std::size_t mirror, const NearFacet& facet,
@@ -139,11 +139,11 @@ class MirrorSearch {
     double least = std::numeric_limits<double>::infinity();
     for (const std::uint32_t number : around_->faces_of(facet)) {
       const Element& element = (*around_)[number];
-      const Vec& observer = seen_[mirror].observer;
+      const Vec& viewpoint = seen_[mirror].viewpoint;
       std::size_t way = mirror;
       do {
         if (is_before(element.face, seen_[way], most)) {
-          least = std::min(least, (nearest_of(element.face, observer) - observer).norm());
+          least = std::min(least, (nearest_of(element.face, viewpoint) - viewpoint).norm());
           break;
         }
         way = seen_[way].next;
@@ -154,7 +154,7 @@ class MirrorSearch {
   // Whether lines that have passed a mirror may meet a face, also if they are shifted.
   bool is_before(const Face<Dim>& face, const Seen& from, double most) const {
     if (!from.last) return true;
-    const double side = from.last->height(from.observer) > 0 ? -1 : 1;
+    const double side = from.last->height(from.viewpoint) > 0 ? -1 : 1;
     const bool has_point_before = std::ranges::any_of(face.corners, [&](const Vec& corner) {
       return side * from.last->height(corner) > around_->round_off();
     });

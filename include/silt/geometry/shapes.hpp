@@ -13,7 +13,7 @@
 
 namespace silt {
 
-/// The segments between consecutive points.
+/// The segments between consecutive points, with normals on the left of their direction.
 inline std::vector<Face<2>> polyline(const std::vector<Vec<2>>& points) {
   std::vector<Face<2>> faces;
   for (std::size_t k = 0; k + 1 < points.size(); ++k) {

@@ -19,9 +19,10 @@
 
 namespace silt {
 
-/// Force of a fluid on some of its walls in the last step, normal to them: of all that stops the
-/// fluid there, pressure or collisions. Of fluid that sees a wall along every axis, the loads of all
-/// walls are the whole change of momentum by pressure, collisions and friction, to round-off.
+/// Force of a fluid on some of its walls in the last step, by what stops the fluid there, pressure or
+/// collisions; viscous stresses are not included. Of fluid that sees a wall along every axis, the
+/// loads of all walls are the whole change of momentum by pressure, collisions and the friction
+/// between particles, to round-off.
 ///
 /// The integral of P n over the walls that are first seen along an axis is that of ψ ∂P + P ∂ψ over
 /// the fluid which sees them, with derivatives along the axis, where ψ is 1 on these walls, 0 on
@@ -30,10 +31,11 @@ namespace silt {
 template <int Dim>
 class WallLoad {
  public:
-  /// `faces` are walls of the flow, or parts of them, with normals into the fluid, as those of
-  /// make_tank() and of faces_of(box) for fluid in the box; otherwise see reversed(). Fluid on the
-  /// other side does not count. Throws if a face has no size.
+  /// `faces` are walls of the flow, or parts of them of several spacings, with normals into the fluid,
+  /// as those of make_tank() and of faces_of(box) for fluid in the box; otherwise see reversed().
+  /// Fluid on the other side does not count. Throws if there is no face, or one without size.
   explicit WallLoad(const std::vector<Face<Dim>>& faces) : faces_("WallLoad", faces) {
+    if (faces.empty()) fail("WallLoad: no faces; give those of which the load is asked");
     for (const auto& element : faces_.elements()) {
       for (const auto& corner : element.face.corners) {
         lower_ = lower_.cwiseMin(corner);
@@ -42,8 +44,8 @@ class WallLoad {
     }
   }
 
-  /// In 3D [N], in 2D per depth [N/m]; zero before the first step. Throws if a face is not on a wall
-  /// of the flow.
+  /// In 3D [N], in 2D per depth [N/m]; zero before the first step, and after reading a checkpoint
+  /// until the next one. Throws if fluid sees a face that is not on a wall of the flow.
   template <class Sim>
   Vec<Dim> read(const Sim& simulation) const {
     static_assert(requires { simulation.interaction().walls().faces(); },
@@ -62,14 +64,18 @@ class WallLoad {
                     .box = {.lower = box.lower.template cast<double>(),
                             .upper = box.upper.template cast<double>(),
                             .periodic = box.periodic},
-                    .margin = 1e-6 * l0};
+                    .margin = 1e-3 * l0};
+    // Off a lattice, where lines would pass through edges that parts of a wall have in common.
+    Vec<Dim> aside = 1e-7 * l0 * Vec<Dim>::Ones();
+    for (int k = 0; k < Dim; ++k) aside[k] /= std::sqrt(k + 2);
     std::vector<Vec<Dim>> loads(changes.size());
     for_each(changes.size(), [&](Index i) {
       const auto& change = changes[i];
+      const Vec<Dim> x = change.position + aside;
       loads[i].setZero();
       for (int axis = 0; axis < Dim; ++axis) {
-        if (!may_see(change.position, axis)) continue;
-        const auto seen = view.along(axis, change.position);
+        if (!may_see(x, axis)) continue;
+        const auto seen = view.along(axis, x);
         const double gap = seen[0].distance + seen[1].distance;
         for (const std::size_t side : {0u, 1u}) {
           if (!seen[side].is_counted) continue;

@@ -71,7 +71,7 @@ class BasicFlow {
   const auto& walls() const noexcept { return operators_.walls(); }
   /// Those of the last step with walls of faces, for WallLoad; otherwise empty.
   const std::vector<MomentumChange<Dim>>& momentum_changes() const noexcept {
-    return momentum_changes_.all();
+    return record_.momentum_changes();
   }
   double seconds_in_pressure() const noexcept { return seconds_.pressure; }  ///< [s], wall time
 
@@ -161,7 +161,7 @@ class BasicFlow {
     find_changes(particles, changes_.pressure, [&](Index i) -> Vec {
       return moves.change(i, factor * step.at(i).pressure_gradient(settings_.gradient, rise));
     });
-    if constexpr (AddsImages<typename Operators::Walls>) momentum_changes_.find(particles, changes_);
+    record_.find_momentum_changes(particles, operators_.walls(), changes_);
     return pressure_.report();
   }
 
@@ -193,10 +193,7 @@ class BasicFlow {
   }
 
   void save() noexcept { record_.save(); }
-  void restore() noexcept {
-    record_.restore();
-    momentum_changes_.clear();
-  }
+  void restore() noexcept { record_.restore(); }
   /// For a checkpoint, see core/transfer.hpp.
   template <class Archive>
   void transfer(Archive& archive) {
@@ -217,7 +214,6 @@ class BasicFlow {
   void begin_step(P& particles, const S& search, double time_step) {
     record_.begin_step(particles, settings_, time_step);
     changes_.clear();
-    momentum_changes_.clear();
     advection_.begin();
     particles.refresh_ghosts(kind);  // may have changed since the search made them
     check_positions(particles, operators_.stencil());
@@ -243,7 +239,6 @@ class BasicFlow {
   FlowRecord<Dim, Real> record_;
   Advection<Vec> advection_;
   StepChanges<Vec> changes_;
-  MomentumChanges<Dim> momentum_changes_;
 };
 
 }  // namespace silt::mps

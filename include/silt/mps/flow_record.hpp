@@ -8,16 +8,20 @@
 #include <silt/mps/flow_energy.hpp>
 #include <silt/mps/flow_watch.hpp>
 #include <silt/mps/fluid.hpp>
+#include <silt/mps/momentum_changes.hpp>
 #include <silt/mps/step_changes.hpp>
 #include <silt/mps/time_step.hpp>
+#include <silt/mps/walls.hpp>
 
 #include <cmath>
+#include <vector>
 
 namespace silt::mps {
 
 /// The last time step, the energies, and the speeds and heights that the fluid has had: they limit
-/// the next step, and tell whether it went wrong. All that a checkpoint has of a flow besides its
-/// settings. In each step, begin_step(), begin_changes() and end_step() are called in this order.
+/// the next step, and tell whether it went wrong. They are all that a checkpoint has of a flow
+/// besides its settings. And the changes of momentum of the last step. In each step, begin_step(),
+/// begin_changes(), find_momentum_changes() and end_step() are called in this order.
 template <int Dim, class RealType>
 class FlowRecord {
  public:
@@ -42,6 +46,11 @@ class FlowRecord {
   /// read.
   bool is_first_step() const noexcept { return is_first_step_; }
 
+  /// Those of the last step; empty if it was before a checkpoint was read.
+  const std::vector<MomentumChange<Dim>>& momentum_changes() const noexcept {
+    return momentum_changes_.all();
+  }
+
   /// Time of the positions before the next step [s].
   void set_time(double time) noexcept { time_ = time; }
   double time() const noexcept { return time_; }
@@ -64,7 +73,13 @@ class FlowRecord {
   void begin_changes(const P& particles, const BodyForce<Dim, Real>& force, double time_step) {
     watch_.begin(particles, force, time_step, energy().kinetic);
   }
-  /// After it made these changes and moved the particles.
+  /// With walls of faces, when these changes of the velocities are known, and before the particles are
+  /// moved with them.
+  template <FluidParticles P, class Walls>
+  void find_momentum_changes(const P& particles, const Walls&, const StepChanges<Vec>& changes) {
+    if constexpr (AddsImages<Walls>) momentum_changes_.find(particles, changes);
+  }
+  /// After it made all changes and moved the particles.
   template <FluidParticles P>
   void end_step(const P& particles, const StepChanges<Vec>& changes,
                 const BodyForce<Dim, Real>& force, double time_step) {
@@ -87,17 +102,20 @@ class FlowRecord {
     time_step_.save();
     watch_.save();
     energy_.save();
+    momentum_changes_.save();
   }
   void restore() noexcept {
     time_step_.restore();
     watch_.restore();
     energy_.restore();
+    momentum_changes_.restore();
   }
   template <class Archive>
   void transfer(Archive& archive) {
     archive.within("time_step", [&] { time_step_.transfer(archive); });
     archive.within("energy", [&] { energy_.transfer(archive); });
     archive.within("watch", [&] { watch_.transfer(archive); });
+    if constexpr (Archive::reads) momentum_changes_.clear();
   }
 
  private:
@@ -107,6 +125,7 @@ class FlowRecord {
   TimeStep time_step_;
   EnergyAccount<Dim, Real> energy_;
   FlowWatch<Dim, Real> watch_;
+  MomentumChanges<Dim> momentum_changes_;
 };
 
 }  // namespace silt::mps

@@ -18,21 +18,24 @@ struct MomentumChange {
   double pressure = 0;                          ///< [Pa]
 };
 
-/// Those of the particles in the last step, where they were when the pressure was found: it may have
-/// removed some of them since.
+/// Those of the particles in the last step, where they were when the pressure was found: some may
+/// have been removed since.
 template <int Dim>
 class MomentumChanges {
  public:
   const std::vector<MomentumChange<Dim>>& all() const noexcept { return all_; }
   void clear() noexcept { all_.clear(); }
+  /// Keeps those of the last step in the next one, until it has found its own.
+  void save() noexcept { all_.swap(saved_); }
+  void restore() noexcept { all_.swap(saved_); }
 
-  template <FluidParticles P, class Vec>
-  void find(const P& particles, const StepChanges<Vec>& changes) {
+  template <FluidParticles P, class Change>
+  void find(const P& particles, const StepChanges<Change>& changes) {
     all_.resize(particles.size());
     const auto x = particles[position];
     const auto pressures = particles[pressure];
     for_each(particles.size(), [&](Index i) {
-      Vec change = changes.pressure[i];
+      Change change = changes.pressure[i];
       if (!changes.friction.empty()) change += changes.friction[i];
       if (!changes.collision.empty()) change += changes.collision[i];
       all_[i] = {x[i].template cast<double>(), change.template cast<double>(),
@@ -42,6 +45,7 @@ class MomentumChanges {
 
  private:
   std::vector<MomentumChange<Dim>> all_;
+  std::vector<MomentumChange<Dim>> saved_;
 };
 
 }  // namespace silt::mps

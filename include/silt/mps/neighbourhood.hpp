@@ -55,8 +55,8 @@ class Neighbourhood {
   void find(const P& particles, const S& search, const T& stencil) {
     find(particles, search, stencil, AllVisible{});
   }
-  /// The same with weights times visible.visible_share(i, j), for those neighbours j of i for which this is
-  /// positive; visible.sees_all(i) tells that it is 1 for all of them.
+  /// The same with weights times visible.visible_share(i, j), for those neighbours j of i for which
+  /// this is positive; visible.sees_all(i) tells that it is 1 for all of them.
   template <FluidParticles P, class S, class T, class Visible>
   void find(const P& particles, const S& search, const T& stencil, const Visible& visible) {
     const auto x = particles.with_ghosts(position);
@@ -131,8 +131,10 @@ class Neighbourhood {
     std::uint32_t length = 0;
   };
 
-  // The maximum number of lanes of a pack, for which a row needs memory beyond its end.
-  static constexpr Index max_lanes = 8;
+  // Of the sum of a row, on every processor: the same bits.
+  static constexpr Index sum_lanes = 8;
+  // Memory beyond the end of a row, for sums and packs.
+  static constexpr Index padding = std::max<Index>(sum_lanes, simd::lanes<float>);
 
   // Neighbours whose rows are stored together, with spare capacity.
   struct RowSet {
@@ -147,12 +149,12 @@ class Neighbourhood {
     // Reserves memory for a row of this length and its padding.
     void reserve(Index length) {
       // The arrays compared are the last to grow: they all have, unless an allocation has failed.
-      if (length + max_lanes > exact.size()) {
-        square.resize(2 * length + max_lanes);
-        share.resize(2 * length + max_lanes);
-        exact.resize(2 * length + max_lanes);
+      if (length + padding > exact.size()) {
+        square.resize(2 * length + padding);
+        share.resize(2 * length + padding);
+        exact.resize(2 * length + padding);
       }
-      const Index min_size = used + length + max_lanes;
+      const Index min_size = used + length + padding;
       if (min_size <= weight_over_square.size()) return;
       const auto grow = [size = min_size * 9 / 8](auto& values) {
         values.reserve(size);  // resize() alone would double the capacity
@@ -243,7 +245,7 @@ class Neighbourhood {
       }
       length = seen;
     }
-    const Index padded = (length + max_lanes - 1) / max_lanes * max_lanes;
+    const Index padded = (length + sum_lanes - 1) / sum_lanes * sum_lanes;
     std::fill(square + length, square + padded, re2);
     for (Index k = 0; k < padded; ++k) {
       const Real w = stencil.weight(std::sqrt(square[k]));
@@ -262,9 +264,9 @@ class Neighbourhood {
     std::fill(weight + length, weight + padded, 0.0f);
     std::fill(weight_over_square + length, weight_over_square + padded, 0.0f);
     std::fill(exact + length, exact + padded, Real(0));
-    std::array<Real, max_lanes> sum{};
-    for (Index k = 0; k < padded; k += max_lanes) {
-      for (Index lane = 0; lane < max_lanes; ++lane) sum[lane] += exact[k + lane];
+    std::array<Real, sum_lanes> sum{};
+    for (Index k = 0; k < padded; k += sum_lanes) {
+      for (Index lane = 0; lane < sum_lanes; ++lane) sum[lane] += exact[k + lane];
     }
     density_[i] = std::accumulate(sum.begin(), sum.end(), Real(0));
     rows_[i] = {static_cast<std::uint32_t>(set), static_cast<std::uint32_t>(to.used),
