@@ -14,13 +14,22 @@ namespace silt::test::warm_step_test {
 namespace {
 
 // Allocations of ten steps of a still tank after twenty steps.
-template <int Dim, class Search>
+template <int Dim, class Scheme = mps::Case10, class Search>
 std::uint64_t allocations_of_tank(Search search, double spacing) {
-  auto tank = mps::make_tank<Dim>({.column = {0.2, 0.2},
-                                   .size = {.length = 0.2, .height = 0.3, .depth = 0.2},
-                                   .spacing = spacing});
-  const mps::Flow<mps::Case10, Dim> water{{.spacing = spacing, .speed_scale = 1.4}};
-  Simulation simulation{std::move(tank), std::move(search), water, SemiImplicit<>{}};
+  const mps::Tank<Dim> tank{.column = {0.2, 0.2},
+                            .size = {.length = 0.2, .height = 0.3, .depth = 0.2},
+                            .spacing = spacing};
+  mps::FlowSettings<Dim, Scheme> settings{.spacing = spacing, .speed_scale = 1.4};
+  mps::Fluid<Dim> fluid;
+  if constexpr (requires { settings.walls.template faces<Dim>(); }) {
+    auto made = mps::make_tank<Scheme, Dim>(tank);
+    fluid = std::move(made.particles);
+    settings.walls = made.walls;
+  } else {
+    fluid = mps::make_tank<Dim>(tank);
+  }
+  Simulation simulation{std::move(fluid), std::move(search), mps::Flow<Scheme, Dim>{settings},
+                        SemiImplicit<>{}};
   const double dt = simulation.time_step() / 4;
   for (int k = 0; k < 20; ++k) simulation.step(dt);
   const std::uint64_t before = allocations;
@@ -33,6 +42,10 @@ TEST(WarmStep, OfWaterAllocatesNothing) {
   EXPECT_EQ(allocations_of_tank<3>(UniformGrid<3>{}, 0.02), 0U);
   EXPECT_EQ(allocations_of_tank<2>(NeighbourList<2>{}, 0.005), 0U);
   EXPECT_EQ(allocations_of_tank<3>(NeighbourList<3>{}, 0.02), 0U);
+}
+TEST(WarmStep, OfWaterBetweenFacesAllocatesNothing) {
+  EXPECT_EQ((allocations_of_tank<2, mps::Recommended>(UniformGrid<2>{}, 0.005)), 0U);
+  EXPECT_EQ((allocations_of_tank<3, mps::Recommended>(UniformGrid<3>{}, 0.02)), 0U);
 }
 
 // Verifies that allocations are counted, without which the test above would always pass.

@@ -47,8 +47,8 @@ class NearbyFaces {
     for (const std::uint32_t k : candidates) add_if_near(k);
     end();
   }
-  /// find() of each of these for one of the points, which are best close to each other: what they have in
-  /// common is found once.
+  /// find() of each of these for one of the points, which are best close to each other: what they
+  /// have in common is found once.
   template <class Around>
   static void find_all(const Faces<Dim>& surface, std::span<const Vec> points, double reach,
                        std::span<Around> found) {

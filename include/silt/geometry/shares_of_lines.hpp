@@ -32,7 +32,8 @@ class SharesOfLines {
   /// point to the image of x.
   double of(const Vec& point, const Mirror<Dim>& mirror) const {
     const bool is_reversed =
-        std::lexicographical_compare(point.begin(), point.end(), around_.x().begin(), around_.x().end());
+        std::lexicographical_compare(point.begin(), point.end(), around_.x().begin(),
+                                     around_.x().end());
     const Vec& from = is_reversed ? point : around_.x();
     const Vec& to = is_reversed ? around_.x() : point;
     const Mirror<Dim> through = is_reversed ? mirror.inverse() : mirror;
@@ -94,7 +95,8 @@ class SharesOfLines {
         if ((before > 0) == (behind > 0)) continue;
         const double at = (before + facet.normal.dot(shift)) / (before - behind);
         if (!(at > along - close) || !(at < nearest + close)) continue;
-        const Passage passage = passage_of_facet(facet, line.begin + shift, line.end + shift, at, margin);
+        const Passage passage =
+            passage_of_facet(facet, line.begin + shift, line.end + shift, at, margin);
         if (passage == Passage::beside) continue;
         const bool is_at_other = std::abs(at - along) < close || std::abs(at - nearest) < close;
         if (passage == Passage::at_rim || is_at_other) {

@@ -67,8 +67,8 @@ template <int Dim, class Real, class View, class Walls, class F, class G>
 
 /// <∇·u>_i = −(Dn/Dt) / (−1/d Σ w' r), with the sum over the full lattice: a flow without
 /// divergence keeps n, to which fluid and images contribute alike, and so its volume. Below an
-/// even surface, missing neighbours are taken to have the velocities of the linear flow around i: `flow`,
-/// see ExtrapolatedFlow::OfParticle.
+/// even surface, missing neighbours are taken to have the velocities of the linear flow around i:
+/// `flow`, see ExtrapolatedFlow::OfParticle.
 template <int Dim, class Real, class View, class Walls, class Flow, class U>
 [[gnu::flatten]] Real divergence_with_images(const View& at, const Walls& walls, const Flow& flow,
                                              const U& u) {

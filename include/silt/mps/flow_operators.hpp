@@ -200,7 +200,8 @@ class FlowOperators {
     for_each_image_in(stencil, i, f);
   }
   template <class T, class F>
-  [[gnu::always_inline]] inline void for_each_image_in([[maybe_unused]] const T& stencil, [[maybe_unused]] Index i,
+  [[gnu::always_inline]] inline void for_each_image_in([[maybe_unused]] const T& stencil,
+                                                       [[maybe_unused]] Index i,
                          [[maybe_unused]] F&& f) const {
     if constexpr (AddsImages<Walls>) {
       static_assert(requires { walls_.for_each_image(i, stencil, f); },

@@ -41,7 +41,8 @@ struct NoFriction {
 /// has too few neighbours for a gradient, have none. Not from the papers: it damps what the
 /// gradient of the pressure and the divergence, which are not adjoint, leave of a random arrangement.
 struct PairFriction {
-  double rate = 0.2;  ///< [-], at least 0; of √(g/l0). At 1, surfaces are stiller, and swings die sooner.
+  /// [-], at least 0; of √(g/l0). At 1, surfaces are stiller, and swings die sooner.
+  double rate = 0.2;
 
   void check() const { require_not_negative("PairFriction: rate", rate); }
 
@@ -98,7 +99,9 @@ class PairFriction::InFlow {
         columns_from<Real, 4>([&](int lane) { return strains_[j.index[lane]].numbers + 4 * k; },
                               others[k]);
       }
-      const auto of_others = [&](int place) -> const Four<Real>& { return others[place / 4][place % 4]; };
+      const auto of_others = [&](int place) -> const Four<Real>& {
+        return others[place / 4][place % 4];
+      };
       FourVectors<Dim, Real> u_j;
       j.get(u, u_j);
       Four<Real> along{}, linear{};

@@ -17,6 +17,7 @@
 #include <silt/mps/walls.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <type_traits>
 
 namespace silt::mps {

@@ -12,6 +12,7 @@
 #include <silt/mps/neighbour_view.hpp>
 #include <silt/mps/outer_surface.hpp>
 #include <silt/mps/scheme.hpp>
+#include <silt/mps/walls.hpp>
 
 #include <cstdint>
 #include <vector>
