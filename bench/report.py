@@ -252,7 +252,7 @@ def targets(results):
     for (name, family, size), at_least, aim in zip(dams, (3, 45, 160), (2, 28, 100)):
         yield (f"MPS step, {name} [ms]", LESS, at_least, aim,
                results.ms(f"mps_step/{family}", size))
-    for name, family, size in dams:
+    for name, family, size in dams + (("12 800 in 2D", "2d", 12800), ("12 800 in 3D", "3d", 12800)):
         yield (f"MPS step, {name}, recommended scheme, times that of case 10", LESS, 1.3, 1.0,
                ratio(results.ms(f"mps_step/recommended/{family}", size),
                      results.ms(f"mps_step/{family}", size)))

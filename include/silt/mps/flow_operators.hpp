@@ -99,9 +99,9 @@ class FlowOperators {
   /// Velocities of ghosts must be up to date.
   template <FluidParticles P>
   void continue_flow([[maybe_unused]] const P& particles) {
-    // n* of moved particles already includes what has gone towards walls.
-    constexpr bool is_in_density = SourceOf<Scheme>::needs_moved_particles;
-    if constexpr (ContinuesFlow<Walls> && !is_in_density) walls_.continue_flow(particles, *this);
+    if constexpr (ContinuesFlow<Walls> && !counts_flow_to_walls<Scheme>) {
+      walls_.continue_flow(particles, *this);
+    }
   }
 
   const Neighbourhood<Dim, Real>& neighbourhood() const noexcept { return neighbourhood_; }

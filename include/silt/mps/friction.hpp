@@ -80,9 +80,10 @@ class PairFriction::InFlow {
         }
       }
     });
-    for (Index j = particles.size(); j < particles.total(); ++j) {
+    for_each(particles.total() - particles.size(), [&](Index ghost) {
+      const Index j = particles.size() + ghost;
       strains_[j] = strains_[particles.owner(j)];
-    }
+    });
   }
 
   template <class View>

@@ -26,10 +26,10 @@ void add_images(ImageRows<Dim, Real>& images, const FacesNearParticles<Dim>& nea
   for (const std::uint32_t j : others) points.push_back(near.position(j));
   near[i].for_each_mirror(points, [&](const Mirror<Dim>& mirror, const auto& share_of) {
     // From the image of x_i, the particles are as far as their images from x_i, to round-off.
-    const Vec<Dim> observer = mirror.inverse()(x_i);
+    const Vec<Dim> viewpoint = mirror.inverse()(x_i);
     const double clearly_beyond = 1.1 * reach2;
     for (std::size_t k = 0; k < points.size(); ++k) {
-      if ((points[k] - observer).squaredNorm() > clearly_beyond) continue;
+      if ((points[k] - viewpoint).squaredNorm() > clearly_beyond) continue;
       const Vec<Dim> r_ij = mirror(points[k]) - x_i;
       const double r2 = r_ij.squaredNorm();
       if (!(r2 < reach2)) continue;

@@ -131,25 +131,17 @@ class ParticleView
   }
   /// l0/n0 Σ w r_ij/r² [-], in the direction of increasing particle concentration.
   Vec concentration_gradient() const {
-    FourVectors<Dim, Real> of_four{};
-    Vec of_images = Vec::Zero();
-    this->for_each_four(
-        [&](const NeighbourPack<Dim, Real>& j) {
-          for (int a = 0; a < Dim; ++a) of_four[a] += j.weight_over_square * j.r_ij[a];
-        },
-        [&](const auto& image) { of_images += image.weight_over_square * image.r_ij; });
-    return this->spacing() / this->stencil().n0 * (sum_of(of_four) + of_images);
+    const auto over_neighbours = [this](auto&& f, auto&& g) { this->for_each_four(f, g); };
+    const auto weight = [](const auto& j) -> const auto& { return j.weight_over_square; };
+    return this->spacing() / this->stencil().n0 * first_moment(over_neighbours, weight);
   }
   /// Σ w r_ij within the stencil of the Laplacian [m]
   Vec laplacian_moment() const {
-    FourVectors<Dim, Real> of_four{};
-    Vec of_images = Vec::Zero();
-    this->for_each_four_in_laplacian(
-        [&](const NeighbourPack<Dim, Real>& j) {
-          for (int a = 0; a < Dim; ++a) of_four[a] += j.weight * j.r_ij[a];
-        },
-        [&](const auto& image) { of_images += image.weight * image.r_ij; });
-    return sum_of(of_four) + of_images;
+    const auto over_neighbours = [this](auto&& f, auto&& g) {
+      this->for_each_four_in_laplacian(f, g);
+    };
+    const auto weight = [](const auto& j) -> const auto& { return j.weight; };
+    return first_moment(over_neighbours, weight);
   }
   /// max |u_j − u_i| over the neighbours [m/s]
   Real max_relative_speed() const {
@@ -181,6 +173,20 @@ class ParticleView
   bool near_boundary() const { return step_.boundary.near_boundary(*this); }
 
  private:
+  // Σ of weight_of(j) r_ij
+  template <class OverNeighbours, class WeightOf>
+  Vec first_moment(const OverNeighbours& over_neighbours, const WeightOf& weight_of) const {
+    FourVectors<Dim, Real> of_four{};
+    Vec of_images = Vec::Zero();
+    over_neighbours(
+        [&](const NeighbourPack<Dim, Real>& j) {
+          const Four<Real>& weight = weight_of(j);
+          for (int a = 0; a < Dim; ++a) of_four[a] += weight * j.r_ij[a];
+        },
+        [&](const auto& image) { of_images += weight_of(image) * image.r_ij; });
+    return sum_of(of_four) + of_images;
+  }
+
   const StepView<Scheme, P>& step_;
 };
 

@@ -24,9 +24,7 @@ class PressureRise {
       : step_(step), time_step_over_density_(Real(step.time_step) / Real(step.settings.density)) {}
 
   Real operator()(const auto& image) const {
-    // n* of moved particles already includes what has gone towards walls.
-    constexpr bool is_in_density = SourceOf<Scheme>::needs_moved_particles;
-    if (!is_in_density && image.continues_flow()) {
+    if (!counts_flow_to_walls<Scheme> && image.continues_flow()) {
       return image.rise_along(u_) / time_step_over_density_;
     }
     const Index j = step_.particles.owner(image.index);

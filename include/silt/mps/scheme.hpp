@@ -29,6 +29,9 @@ namespace silt::mps {
 
 template <class Scheme>
 using SourceOf = std::remove_cv_t<decltype(Scheme::source)>;
+/// n* of moved particles already includes what has gone towards walls.
+template <class Scheme>
+inline constexpr bool counts_flow_to_walls = SourceOf<Scheme>::needs_moved_particles;
 template <class Scheme>
 using CollisionOf = std::remove_cv_t<decltype(Scheme::collision)>;
 template <class Scheme>
