@@ -115,9 +115,9 @@ class NearbyFaces {
   const Vec& x() const { return x_; }
   double reach() const { return reach_; }  ///< [m]
 
-  /// A move of x, shorter than the reach, that ends no closer to a face than this clearance [m], or
-  /// than x is: where the given move would, the rest of it is along the face. Zero where faces
-  /// leave no such move.
+  /// A move of x, with the clearance shorter than the reach, that ends no closer to a face than this
+  /// clearance [m], or than x is: where the given move would, the rest of it is along the face. Zero
+  /// where faces leave no such move.
   Vec before_faces(const Vec& move, double clearance) const {
     if (distance_ - move.norm() >= clearance) return move;
     constexpr int max_faces = 3;  // those that meet in a corner are left one after another
@@ -173,7 +173,7 @@ class NearbyFaces {
     }
   }
 
-  /// Distance of x from the nearest face [m]; infinite beyond the reach.
+  /// Distance of x from the nearest face [m]; infinite if none was found.
   double distance() const { return distance_; }
 
   // Lengths [m] of lines that are seen: see SharesOfLines.

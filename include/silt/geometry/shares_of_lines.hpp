@@ -27,9 +27,10 @@ class SharesOfLines {
   explicit SharesOfLines(const NearbyFaces<Dim>& around) : around_(around) {}
 
   /// The share of lines around the one from x to the image of the point, shifted in all directions
-  /// alike, so that the shares of all that is seen in this direction sum to 1 also beside edges and
-  /// corners of the surface. A share changes in small steps when points move. The same from the
-  /// point to the image of x.
+  /// alike: the shares of all that is seen in this direction sum to 1 also beside edges and corners
+  /// of the surface, exactly where facets are parallel or at right angles, otherwise on average over
+  /// directions. A share changes in small steps when points move. The same from the point to the
+  /// image of x.
   double of(const Vec& point, const Mirror<Dim>& mirror) const {
     const bool is_reversed =
         std::lexicographical_compare(point.begin(), point.end(), around_.x().begin(),
