@@ -77,12 +77,25 @@ void dam() {
   run("dam", Simulation{tank.particles, UniformGrid<2>{}, water, SemiImplicit<>{}}, 200);
 }
 
+void dam_in_space() {
+  constexpr double l0 = 0.05;  // [m]
+  auto tank = mps::make_tank<mps::Recommended, 3>(
+      {.column = {0.3, 0.4}, .size = {.length = 0.7, .height = 0.6, .depth = 0.3}, .spacing = l0});
+  for (const auto& face : faces_of(Box<3>{.lower = {0.4, 0.1, 0}, .upper = {0.5, 0.2, 0.3}})) {
+    tank.walls.triangles.push_back(face);
+  }
+  const mps::Flow<mps::Recommended, 3> water{
+      {.spacing = l0, .speed_scale = 2, .walls = tank.walls}};
+  run("dam_in_space", Simulation{tank.particles, UniformGrid<3>{}, water, SemiImplicit<>{}}, 100);
+}
+
 }  // namespace
 
 int main() try {
   tower();
   slope();
   dam();
+  dam_in_space();
 } catch (const silt::Error& error) {
   std::fprintf(stderr, "%s\n", error.what());
   return 1;

@@ -177,14 +177,18 @@ class ParticleView
   template <class OverNeighbours, class WeightOf>
   Vec first_moment(const OverNeighbours& over_neighbours, const WeightOf& weight_of) const {
     FourVectors<Dim, Real> of_four{};
-    Vec of_images = Vec::Zero();
+    Real of_images[Dim] = {};  // g++ 12 -O3 miscompiles the sum as a vector, for AVX-512
     over_neighbours(
         [&](const NeighbourPack<Dim, Real>& j) {
           const Four<Real>& weight = weight_of(j);
           for (int a = 0; a < Dim; ++a) of_four[a] += weight * j.r_ij[a];
         },
-        [&](const auto& image) { of_images += weight_of(image) * image.r_ij; });
-    return sum_of(of_four) + of_images;
+        [&](const auto& image) {
+          for (int a = 0; a < Dim; ++a) of_images[a] += weight_of(image) * image.r_ij[a];
+        });
+    Vec sum = sum_of(of_four);
+    for (int a = 0; a < Dim; ++a) sum[a] += of_images[a];
+    return sum;
   }
 
   const StepView<Scheme, P>& step_;
