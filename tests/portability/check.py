@@ -153,6 +153,8 @@ def check_hashes(variant, includes, scratch):
     if not runs_here(processor):
         skip(f"compiled, but not run: this processor does not support {processor}")
     expected = (HERE / "hashes.txt").read_text(encoding="utf-8")
+    left_out = "dam_in_space " if command[: len(WASM)] == WASM else "dam_in_space_without"
+    expected = "".join(line for line in expected.splitlines(True) if not line.startswith(left_out))
     same = True
     for threads in ("1", "2") if "-fopenmp" in command else ("1",):
         found = subprocess.run(start, capture_output=True, text=True, check=True,
