@@ -49,6 +49,11 @@ class Error : public std::runtime_error {
     return Error(message_, where, stable_time_step_);
   }
 
+  /// The same error with another stable time step; called by particles that processes share.
+  Error with_stable_time_step(std::optional<double> stable) const {
+    return Error(message_, where_, stable);
+  }
+
   /// The same error with a text before its message; called by read_checkpoint().
   Error with_prefix(const std::string& text) const {
     return Error(text + message_, where_, stable_time_step_);

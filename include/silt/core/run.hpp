@@ -5,6 +5,7 @@
 #include <silt/core/concepts.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/parallel.hpp>
+#include <silt/core/shared_particles.hpp>
 #include <silt/core/step_checks.hpp>
 #include <silt/core/types.hpp>
 
@@ -84,6 +85,8 @@ class RunLoop {
     // The loop may end within round-off before `until`.
     if (run_.end_exactly && simulation_.time() < run_.until) simulation_.time_ = run_.until;
     if (state_.output_step != simulation_.steps()) make_output();
+    // An observer may have failed in one process.
+    together(simulation_.particles_, [] { return Largest{}; });
     return true;
   }
 
@@ -151,11 +154,21 @@ class RunLoop {
   }
 
   bool is_stop_requested() {
-    return std::apply([](auto&... each) { return (requests_stop(each) || ...); }, observers_);
+    if constexpr ((EndsRuns<Observers> || ...)) {
+      const auto own = [&] {
+        const bool ends =
+            std::apply([](auto&... each) { return (requests_stop(each) || ...); }, observers_);
+        return Largest{.ends_run = ends ? 1.0 : 0.0};
+      };
+      return together(simulation_.particles_, own).ends_run > 0;
+    } else {
+      return false;
+    }
   }
   template <class F>
   void for_each_observer(F&& f) {
-    std::apply([&](auto&... each) { (f(each), ...); }, observers_);
+    alone(simulation_.particles_,
+          [&] { std::apply([&](auto&... each) { (f(each), ...); }, observers_); });
   }
 
   Sim& simulation_;

@@ -8,6 +8,7 @@
 #include <silt/core/parallel.hpp>
 #include <silt/core/particles.hpp>
 #include <silt/core/run.hpp>
+#include <silt/core/shared_particles.hpp>
 #include <silt/core/step_checks.hpp>
 #include <silt/core/transfer.hpp>
 #include <silt/core/types.hpp>
@@ -52,8 +53,11 @@ class Simulation {
     detail::require_ordered_sums();
     const detail::Team team(thread_choice_, particles_.size());
     prepare();
-    sort();
-    search_.update(particles_);
+    detail::together(particles_, [&] {
+      sort();
+      search_.update(particles_);
+      return Largest{};
+    });
   }
 
   double time() const noexcept { return time_; }                      ///< [s]
@@ -124,9 +128,8 @@ class Simulation {
       archive.finite([&] { detail::transfer_part(archive, "search", search_, particles_); });
     } else if constexpr (Archive::reads) {
       // The particles must not move, but an update wraps positions into a periodic box.
-      const std::vector<typename P::Vec> now(particles_[position].begin(),
-                                             particles_[position].end());
-      at_positions(particles_, now, [&] { search_.update(particles_); });
+      const auto x = std::as_const(particles_).with_halo(position);
+      at_positions(particles_, std::vector<typename P::Vec>(x.begin(), x.end()), [&] { search_.update(particles_); });
     }
     archive.finite([&] { detail::transfer_part(archive, "integrator", integrator_, particles_); });
     set_time(interaction_, time_);
@@ -139,7 +142,11 @@ class Simulation {
     const detail::Team team(thread_choice_, particles_.size());
     set_time(interaction_, time_);
     double dt = std::numeric_limits<double>::infinity();
-    if constexpr (ChoosesTimeStep<TypedInteraction, P>) dt = interaction_.time_step(particles_);
+    if constexpr (ChoosesTimeStep<TypedInteraction, P>) {
+      dt = -detail::together(particles_, [&] {
+              return Largest{.minus_time_step = -interaction_.time_step(particles_)};
+            }).minus_time_step;
+    }
     // The last particle may leave during a run.
     if (!is_finite(dt) && particles_.size() == 0 && last_time_step_ > 0) return last_time_step_;
     if (!is_finite(dt)) {
@@ -163,45 +170,52 @@ class Simulation {
   void step(double dt) {
     detail::Team team(thread_choice_, particles_.size());
     team.begin_step();
-    try {
-      require_positive("Simulation: time_step", dt);
-      if (time_ + dt == time_) {
-        fail("Simulation: time_step = " + to_text(dt) + " s does not change the time; increase it");
-      }
-      set_time(interaction_, time_);
-      prepare();
-      sort();
-      save();
-    } catch (const Error& error) {
-      throw error.with_step(steps_, time_);
-    }
+    bool is_saved = false;
     bool is_result_finite = true;
     Index removed = 0;
     try {
-      const Travel travel = detail::travel_of(particles_);
-      const bool is_verified = integrate(dt);
-      if (!is_verified) {
-        const auto broken = detail::find_not_finite(particles_);
-        is_result_finite = !broken;
-        if (broken) detail::fail_after_step(particles_, *broken);
-      }
-      detail::check_step(interaction_, particles_,
-                         {.time = time_,
-                          .time_step = dt,
-                          .max_displacement = detail::max_displacement_since(travel, particles_),
-                          .max_energy_gain = detail::max_energy_gain_of(integrator_)});
-      if (!is_verified) {
-        detail::check_escaped(particles_);
-        removed = remove_escaped();
-      }
+      prepare([&] {
+        require_positive("Simulation: time_step", dt);
+        if (time_ + dt == time_) {
+          fail("Simulation: time_step = " + to_text(dt) +
+               " s does not change the time; increase it");
+        }
+        set_time(interaction_, time_);
+      });
+      if constexpr (Shared<P>) particles_.share(interaction_, search_.radius());
+      double displacement = 0;
+      const Largest all = detail::together(particles_, [&] {
+        sort();
+        save();
+        is_saved = true;
+        const Travel travel = detail::travel_of(particles_);
+        const bool is_verified = integrate(dt);
+        if (!is_verified) {
+          const auto broken = detail::find_not_finite(particles_);
+          is_result_finite = !broken;
+          if (broken) detail::fail_after_step(particles_, *broken);
+        }
+        displacement = detail::max_displacement_since(travel, particles_);
+        detail::check_step(interaction_, particles_,
+                           {.time = time_,
+                            .time_step = dt,
+                            .max_displacement = displacement,
+                            .max_energy_gain = detail::max_energy_gain_of(integrator_)});
+        if (!is_verified) {
+          detail::check_escaped(particles_);
+          removed = remove_escaped();
+        }
+        return Largest{.displacement = displacement};
+      });
+      if constexpr (Shared<P>) particles_.finish_step(displacement, all);
     } catch (const Error& error) {
-      restore();
+      if (is_saved) restore();
       if (!is_result_finite) {
         detail::check_finite_before_step(particles_, {.step = steps_, .time = time_});
       }
       throw error.with_step(steps_, time_);
     } catch (...) {
-      restore();
+      if (is_saved) restore();
       throw;
     }
     particles_lost_ += removed;
@@ -241,10 +255,16 @@ class Simulation {
     }
   }
 
-  // The search radius must be at least the interaction range.
-  void prepare() {
-    const auto reach = interaction_.reach(particles_);
-    require_not_negative("Simulation: interaction range", double(reach));
+  // Calls check(). The search radius must be at least the interaction range.
+  template <class Check = void (*)()>
+  void prepare(Check&& check = [] {}) {
+    const Largest all = detail::together(particles_, [&] {
+      check();
+      const auto own = double(interaction_.reach(particles_));
+      require_not_negative("Simulation: interaction range", own);
+      return Largest{.reach = own};
+    });
+    const auto reach = static_cast<typename P::Real>(all.reach);
     if (chooses_radius_) {
       search_.set_radius(reach > 0 ? reach : radius_without_range());
     } else if (search_.radius() < reach) {

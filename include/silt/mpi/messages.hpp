@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: MIT
+// Messages of bytes between processes.
+#pragma once
+
+#include <silt/core/error.hpp>
+#include <silt/core/types.hpp>
+#include <silt/mpi/world.hpp>
+
+#include <mpi.h>
+
+#include <cstddef>
+#include <cstring>
+#include <limits>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace silt::mpi {
+
+using Bytes = std::vector<std::byte>;
+
+/// Adds values to bytes, and takes them out in the same order. Values are copied as they lie in
+/// memory: all processes must run on machines of one kind.
+class Writer {
+ public:
+  template <class T>
+  void operator()(const T& value) {
+    const auto* const from = reinterpret_cast<const std::byte*>(&value);
+    bytes_.insert(bytes_.end(), from, from + sizeof(T));
+  }
+  Bytes& bytes() { return bytes_; }
+
+ private:
+  Bytes bytes_;
+};
+class Reader {
+ public:
+  explicit Reader(std::span<const std::byte> bytes) : left_(bytes) {}
+  template <class T>
+  void operator()(T& value) {
+    if (left_.size() < sizeof(T)) fail("mpi: a message is too short; end the job");
+    std::memcpy(static_cast<void*>(&value), left_.data(), sizeof(T));
+    left_ = left_.subspan(sizeof(T));
+  }
+  bool is_at_end() const { return left_.empty(); }
+
+ private:
+  std::span<const std::byte> left_;
+};
+
+/// Bytes for, or from, each of some processes.
+struct Message {
+  int process;
+  Bytes bytes;
+};
+
+namespace detail {
+inline int count_of(Index bytes) {
+  if (bytes > Index(std::numeric_limits<int>::max())) {
+    fail("mpi: a message of " + std::to_string(bytes) +
+         " bytes is longer than 2 GB; use more processes");
+  }
+  return int(bytes);
+}
+}  // namespace detail
+
+/// Sends the messages, and returns those that others have sent to this process, by their numbers.
+/// To be called by all.
+inline std::vector<Message> exchange_messages(const World& world, const std::vector<Message>& to_others) {
+  constexpr int tag = 1;
+  std::vector<int> sizes(Index(world.size()), -1), received(Index(world.size()), -1);
+  for (const Message& each : to_others) {
+    sizes[Index(each.process)] = detail::count_of(each.bytes.size());
+  }
+  detail::check(MPI_Alltoall(sizes.data(), 1, MPI_INT, received.data(), 1, MPI_INT,
+                             world.communicator()),
+                "MPI_Alltoall");
+  std::vector<Message> from_others;
+  for (int process = 0; process < world.size(); ++process) {
+    if (received[Index(process)] >= 0) {
+      from_others.push_back({process, Bytes(Index(received[Index(process)]))});
+    }
+  }
+  std::vector<MPI_Request> requests;
+  for (Message& each : from_others) {
+    detail::check(MPI_Irecv(each.bytes.data(), int(each.bytes.size()), MPI_BYTE, each.process, tag,
+                            world.communicator(), &requests.emplace_back()),
+                  "MPI_Irecv");
+  }
+  for (const Message& each : to_others) {
+    detail::check(MPI_Isend(each.bytes.data(), int(each.bytes.size()), MPI_BYTE, each.process, tag,
+                            world.communicator(), &requests.emplace_back()),
+                  "MPI_Isend");
+  }
+  detail::check(MPI_Waitall(int(requests.size()), requests.data(), MPI_STATUSES_IGNORE),
+                "MPI_Waitall");
+  return from_others;
+}
+
+}  // namespace silt::mpi
