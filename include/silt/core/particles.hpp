@@ -72,6 +72,7 @@ class Particles {
     check_field<F>();
     if constexpr (std::same_as<F, position_t>) positions_changed_.set();
     if constexpr (role_of<F>() == Role::constant) constants_changed_.set();
+    if constexpr (role_of<F>() == Role::state) state_changed_.set();
     return columns_.view(field, size());
   }
   template <Field F>
@@ -130,11 +131,16 @@ class Particles {
     return constants_revision_;
   }
 
+  /// Whether a field of the state may have been changed otherwise than by a step, since the last
+  /// call of note_state(): by an access that is not const.
+  bool has_state_changed() const noexcept { return state_changed_.is_set(); }
+  void note_state() noexcept { state_changed_.test_and_clear(); }
+
   const Box<Dim, Real>& box() const noexcept { return box_; }
   /// Throws if the box has no volume, or if a periodic side is not finite.
   void set_box(const Box<Dim, Real>& box) {
     box.check();
-    clear_halo();
+    clear_ghosts();
     box_ = box;
     note_change();
   }
@@ -165,17 +171,16 @@ class Particles {
   /// particle is removed.
   template <std::predicate<Index> Removed>
   Index remove_if(Removed&& removed) {
-    clear_halo();
+    clear_ghosts();
     // All are known before the first row is moved: removed(i) may throw, or read other rows.
     std::vector<Index> gone;
-    const Index before = size();
-    for (Index i = 0; i < before; ++i) {
+    for (Index i = 0; i < size(); ++i) {
       if (removed(i)) gone.push_back(i);
     }
     if (gone.empty()) return 0;
     Index kept = gone.front();
     auto next_gone = gone.begin();
-    for (Index i = kept; i < before; ++i) {
+    for (Index i = kept; i < local(); ++i) {
       if (next_gone != gone.end() && *next_gone == i) {
         ++next_gone;
       } else {
@@ -238,9 +243,12 @@ class Particles {
   /// ghosts. Throws if it is here already.
   Index adopt(Id id) {
     clear_halo();
+    if (index_of(id) != no_index) {
+      fail("Particles::adopt: the particle " + std::to_string(id) + " is here already");
+    }
     make_room();
     columns_.for_each([](auto& storage) { storage.push_zero(); });
-    if (!ids_.add_other(id)) fail("Particles: the particle " + std::to_string(id) + " is doubled");
+    ids_.add_other(id);
     note_change();
     return size() - 1;
   }
@@ -439,6 +447,7 @@ class Particles {
   std::uint64_t ghosts_revision_ = 0;  // of their values
   mutable detail::Mark positions_changed_{detail::Mark::Copied::set};
   mutable detail::Mark constants_changed_;
+  detail::Mark state_changed_;
   mutable Travel travel_;
   mutable std::uint64_t constants_revision_ = 0;
 };

@@ -23,6 +23,12 @@ struct Largest {
   double ends_run = 0;             ///< 1 if a process ends the run
 };
 
+/// One of several processes.
+struct Process {
+  int rank = 0;  ///< from 0 on
+  int count = 1;
+};
+
 /// Particles of which every process owns some, and has those of others within the interaction range
 /// of its own in its halo. Model: mpi::SharedParticles. Functions that are not const are called by
 /// all processes in the same order.
@@ -36,6 +42,7 @@ struct Largest {
 ///                               own particles, all.displacement that of all [m]
 ///   p.refresh_halo()            refreshes it within a step
 ///   p.depth_of_halo()           it has all particles closer than this to one that is owned [m]
+///   p.process()                 which process this is
 template <class P>
 concept Shared = requires(P p, const P q, Largest (*f)(), std::exception_ptr fault) {
   { p.together(f) } -> std::same_as<Largest>;
@@ -43,6 +50,7 @@ concept Shared = requires(P p, const P q, Largest (*f)(), std::exception_ptr fau
   p.finish_step(double{}, Largest{});
   p.refresh_halo();
   { q.depth_of_halo() } -> std::convertible_to<double>;
+  { q.process() } -> std::same_as<Process>;
 };
 
 namespace detail {
@@ -74,6 +82,16 @@ void refresh_halo(P& particles) {
 }
 
 }  // namespace detail
+
+/// Which process this is, of those that share the particles.
+template <class P>
+Process process_of([[maybe_unused]] const P& particles) {
+  if constexpr (Shared<P>) {
+    return particles.process();
+  } else {
+    return {};
+  }
+}
 
 /// The halo has all particles closer than this to one that is owned [m].
 template <class P>

@@ -24,11 +24,12 @@
 #include <silt/mpi/world.hpp>
 
 #include <algorithm>
-#include <cmath>
+#include <array>
 #include <cstdint>
-#include <limits>
+#include <exception>
 #include <span>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -44,9 +45,7 @@ class SharedParticles : public P {
 
   /// `own` are those of this process; no other has one of the same ids.
   SharedParticles(P own, const World& world)
-      : P(std::move(own)), world_(&world), agreement_(world), cuts_(world) {
-    number_ = world.sum(std::uint64_t{P::size()});
-  }
+      : P(std::move(own)), world_(&world), agreement_(world), cuts_(world) {}
 
   const World& world() const noexcept { return *world_; }
 
@@ -55,13 +54,20 @@ class SharedParticles : public P {
 
   void reorder(std::span<const Index> order) {
     std::vector<std::uint32_t> now(order.size());
+    const bool is_planned = !needs_plan();
     P::reorder(order);
+    if (!is_planned) return;
     for (Index i = 0; i < order.size(); ++i) now[order[i]] = std::uint32_t(i);
-    const bool is_planned = planned_revision_ != 0;
     for (Partner& each : partners_) {
       for (std::uint32_t& i : each.sent) i = now[i];
     }
-    if (is_planned) planned_revision_ = P::owned_revision();
+    note_plan();
+  }
+
+  // Begins a step, see Particles.
+  void save() noexcept {
+    P::save();
+    planned_constants_ = P::constants_revision();
   }
 
   // See Shared in core/shared_particles.hpp.
@@ -71,7 +77,7 @@ class SharedParticles : public P {
     const auto all = agreement_([&]() -> std::array<double, 6> {
       const Largest own = f();
       return {own.reach,    own.displacement,          own.minus_time_step,
-              own.ends_run, needs_plan() ? 1.0 : 0.0, values_changed() ? 1.0 : 0.0};
+              own.ends_run, needs_plan() ? 1.0 : 0.0, P::has_state_changed() ? 1.0 : 0.0};
     });
     must_plan_ = all[4] > 0;
     must_refresh_ = all[5] > 0;
@@ -98,6 +104,15 @@ class SharedParticles : public P {
     together([] { return Largest{}; });
     refresh();
   }
+  /// Space is cut anew in the next step, as it is when particles are unevenly divided. To be called by
+  /// all processes.
+  void cut_anew() {
+    cuts_anew_ = true;
+    planned_revision_ = 0;
+  }
+  /// How often the halo was found.
+  std::uint64_t plans() const noexcept { return plans_; }
+  Process process() const noexcept { return {world_->rank(), world_->size()}; }
   double depth_of_halo() const noexcept { return planned_depth_ - 2 * travel_; }
 
  private:
@@ -115,16 +130,21 @@ class SharedParticles : public P {
     return planned_revision_ != P::owned_revision() || planned_epoch_ != P::travel().epoch ||
            planned_constants_ != P::constants_revision();
   }
-  bool values_changed() const { return true; }
 
   template <class I>
   void plan(I& interaction, double radius) {
     planned_revision_ = 0;
     partners_.clear();
-    migrate(interaction);
+    number_ = world_->sum(std::uint64_t{P::size()});
+    if (number_ > 0) migrate(interaction);
     find_halo(1.5 * radius);
     planned_depth_ = 1.5 * radius;
     travel_ = 0;
+    ++plans_;
+    note_plan();
+    P::note_state();
+  }
+  void note_plan() {
     planned_revision_ = P::owned_revision();
     planned_epoch_ = P::travel().epoch;
     planned_constants_ = P::constants_revision();
@@ -137,7 +157,9 @@ class SharedParticles : public P {
     for (Index i = 0; i < x.size(); ++i) points[i] = x[i].template cast<double>();
     const auto most = world_->max(std::uint64_t{points.size()});
     const double mean = double(number_) / world_->size();
-    if (!cuts_.are_made() || double(most) > 1.1 * mean + 16) cuts_.make(points);
+    if (std::exchange(cuts_anew_, false) || !cuts_.are_made() || double(most) > 1.1 * mean + 16) {
+      cuts_.make(points);
+    }
 
     std::vector<int> owners(points.size());
     for (Index i = 0; i < points.size(); ++i) owners[i] = cuts_.owner_of(points[i]);
@@ -167,8 +189,10 @@ class SharedParticles : public P {
       }
     }
     const auto now = world_->sum(std::uint64_t{P::size()});
-    const auto before = std::exchange(number_, now);
-    if (now > before) fail("mpi: particles were doubled; please report it");
+    if (now != number_) {
+      fail("mpi: there are " + std::to_string(now) + " particles instead of " +
+           std::to_string(number_) + " after some moved to other processes; please report it");
+    }
   }
 
   // Contacts remember pairs. Each is known where the grain with the lower id is owned, and is sent
@@ -184,7 +208,8 @@ class SharedParticles : public P {
       interaction.history(*this).for_each_pair([&](Id a, Id b, const auto& value) {
         const typename History::Entry entry{a, b, value};
         const int first = owner_of(a);
-        const int second = is_wall_id(b) ? first : owner_of(b);
+        // A partner that is no particle, such as a wall, is everywhere.
+        const int second = P::index_of(b) == no_index ? first : owner_of(b);
         const auto send = [&](int process) {
           if (process == world_->rank()) {
             kept.push_back(entry);
@@ -208,6 +233,7 @@ class SharedParticles : public P {
   }
 
   void find_halo(double depth) {
+    if (number_ == 0) return P::clear_halo();
     const auto x = std::as_const(*this)[position];
     std::vector<std::vector<std::uint32_t>> near(Index(world_->size()));
     std::vector<int> processes;
@@ -319,6 +345,7 @@ class SharedParticles : public P {
       Reader read(received[k]);
       for_each_state([&](auto field) { read_values(read, field, partners_[k]); });
     }
+    P::note_state();
   }
 
   template <class F>
@@ -367,6 +394,8 @@ class SharedParticles : public P {
   std::uint64_t planned_revision_ = 0;
   std::uint64_t planned_epoch_ = 0;
   std::uint64_t planned_constants_ = 0;
+  std::uint64_t plans_ = 0;
+  bool cuts_anew_ = false;
   bool must_plan_ = true;
   bool must_refresh_ = false;
 };

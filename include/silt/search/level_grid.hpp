@@ -112,11 +112,14 @@ class LevelGrid {
   void sort(P& particles) {
     if (particles.size() < worth_sorting) return;
     require_positive("LevelGrid: radius", double(radius_));
-    const Real gap = gap_of(particles[silt::radius]);
-    const SizeClass finest = highest_of(particles[silt::radius], gap).front();
-    const auto extent = extent_of_points(particles[position]);
+    const P& unchanged = particles;
+    const auto x = unchanged[position];
+    const auto R = unchanged[silt::radius];
+    const Real gap = gap_of(R);
+    const SizeClass finest = highest_of(R, gap).front();
+    const auto extent = extent_of_points(x);
     if (!extent.is_finite()) return;  // update() throws
-    all_levels_.sort(particles[position], extent, 2 * largest_of_level(finest, gap) + gap);
+    all_levels_.sort(x, extent, 2 * largest_of_level(finest, gap) + gap);
     const bool is_new = !is_of(particles);
     if (all_levels_.descents() <= (is_new ? 0 : particles.size() / 16)) return;
     const auto items = all_levels_.item_of();

@@ -351,7 +351,7 @@ class ContactsOf : public Contacts<Law, Walls...> {
       detail::refuse_unnoticed_changes(grains, *state_.last.list, state_.last.lifetime);
       detail::check_grains(grains, materials_);
       silt::detail::check_digits_of_positions("dem::Contacts", grains, "radius",
-                                              [R = grains[radius]](Index i) { return R[i]; });
+                                              [R = std::as_const(grains)[radius]](Index i) { return R[i]; });
       const auto list = take_list();
       rebuild(grains, search, step, *list);
       evaluation.list = list;

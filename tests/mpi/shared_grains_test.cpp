@@ -1,0 +1,254 @@
+// SPDX-License-Identifier: MIT
+// Grains that processes share, against the same simulation in one process. Started by mpirun with
+// any number of processes.
+#include <silt/mpi.hpp>
+#include <silt/silt.hpp>
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cstdint>
+#include <cstring>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace silt::test::shared_grains_test {
+namespace {
+
+const mpi::World* world = nullptr;
+
+// Of the state of all particles of all processes, in any order.
+template <class P>
+std::uint64_t hash_of(const P& particles, bool is_shared) {
+  std::uint64_t sum = 0;
+  for (Index i = 0; i < particles.size(); ++i) {
+    std::uint64_t hash = 1469598103934665603u;
+    const auto add = [&hash](const auto& value) {
+      std::array<unsigned char, sizeof(value)> bytes;
+      std::memcpy(bytes.data(), &value, sizeof(value));
+      for (const unsigned char byte : bytes) hash = (hash ^ byte) * 1099511628211u;
+    };
+    add(particles.id(i));
+    for (int k = 0; k < P::dimension; ++k) add(double(particles[position][i][k]));
+    for (int k = 0; k < P::dimension; ++k) add(double(particles[velocity][i][k]));
+    if constexpr (P::dimension == 2) {
+      add(particles[spin][i]);
+    } else {
+      for (int k = 0; k < 3; ++k) add(particles[spin][i][k]);
+    }
+    sum += hash;
+  }
+  return is_shared ? world->sum(sum) : sum;
+}
+
+const dem::CundallStrack law{.normal_stiffness = 1e6,
+                             .tangential_stiffness = 5e5,
+                             .restitution = 0.5,
+                             .friction_angle = 0.46};
+
+dem::Grains<2> tower() {
+  constexpr double R = 0.02;
+  auto grains = dem::make_grains(lattice<2>({{-0.1, 0}, {0.1, 0.8}}, 2 * R),
+                                 {.radius = R, .density = 2500});
+  dem::add_grain(grains, {0.3 * R, 0.8 + 2 * R}, {.radius = R, .density = 2500});
+  return grains;
+}
+// Spheres of several sizes that fall into a heap.
+dem::Grains<3> heap() {
+  dem::Grains<3> grains;
+  int k = 0;
+  for (const auto& x : lattice<3>({{0, 0, 0}, {0.3, 0.3, 0.36}}, 0.06)) {
+    const double R = 0.028 - 0.003 * (k++ % 4);
+    dem::add_grain(grains, x, {.radius = R, .density = 2500});
+    grains[velocity][grains.size() - 1] = Vec<3>(0.1 * (k % 5), 0.07 * (k % 3), -1);
+  }
+  return grains;
+}
+
+template <class P>
+auto simulation_of(P particles, auto search) {
+  constexpr int Dim = P::dimension;
+  Vec<Dim> up = Vec<Dim>::Zero();
+  up[Dim - 1] = 1;
+  const dem::Plane<Dim> floor{.normal = up};
+  return Simulation{std::move(particles), search,
+                    Forces{Gravity<Dim>{Vec<Dim>(-9.81 * up)}, dem::Contacts{law, floor}},
+                    Leapfrog{GlobalDamping{.alpha = 0.5}}};
+}
+
+template <class P, class Search>
+void expect_same_bits(const P& grains, const Search& search, int steps) {
+  auto serial = simulation_of(grains, search);
+  auto shared = simulation_of(mpi::distribute(grains, *world), search);
+  for (int k = 0; k < steps; ++k) {
+    // Every grain may move to another process.
+    if (k % 37 == 36) shared.particles().cut_anew();
+    serial.step();
+    shared.step();
+    ASSERT_EQ(world->sum(std::uint64_t{shared.particles().size()}), grains.size());
+    if (k % 100 != 0 && k + 1 != steps) continue;
+    ASSERT_EQ(hash_of(serial.particles(), false), hash_of(shared.particles(), true)) << k;
+    ASSERT_EQ(hash_of(serial.snapshot(), false), hash_of(shared.snapshot(), true)) << k;
+    ASSERT_EQ(serial.time(), shared.time());
+  }
+}
+TEST(SharedGrains, HaveTheBitsOfOneProcess) {
+  expect_same_bits(tower(), UniformGrid<2>{}, 1500);
+  expect_same_bits(tower(), NeighbourList<2>{}, 1500);
+  expect_same_bits(heap(), UniformGrid<3>{}, 400);
+  expect_same_bits(heap(), NeighbourList<3>{}, 400);
+}
+
+// A control: with contacts that begin anew the bits are others.
+TEST(SharedGrains, HaveOtherBitsIfContactsAreForgotten) {
+  auto serial = simulation_of(tower(), UniformGrid<2>{});
+  auto shared = simulation_of(mpi::distribute(tower(), *world), UniformGrid<2>{});
+  for (int k = 0; k < 300; ++k) {
+    serial.step();
+    if (k == 200) {
+      auto& contacts = shared.interaction().template part<1>();
+      using History = std::remove_cvref_t<decltype(contacts.history(shared.particles()))>;
+      contacts.set_history(shared.particles(), History{});
+    }
+    shared.step();
+  }
+  EXPECT_NE(hash_of(serial.particles(), false), hash_of(shared.particles(), true));
+}
+
+TEST(SharedGrains, MayBeChangedBetweenSteps) {
+  auto serial = simulation_of(tower(), NeighbourList<2>{});
+  auto shared = simulation_of(mpi::distribute(tower(), *world), NeighbourList<2>{});
+  const auto kick = [](auto& simulation) {
+    auto& grains = simulation.particles();
+    for (Index i = 0; i < grains.size(); ++i) {
+      if (grains.id(i) % 3 == 0) grains[velocity][i][0] += 0.2;
+    }
+  };
+  const auto shift = [](auto& simulation) {
+    for (auto& x : simulation.particles()[position]) x[1] += 1;
+  };
+  const auto grow = [](auto& simulation) {
+    auto& grains = simulation.particles();
+    for (Index i = 0; i < grains.size(); ++i) {
+      if (grains.id(i) % 4 == 0) grains[radius][i] *= 1.01;
+    }
+  };
+  const auto remove = [](auto& simulation) {
+    auto& grains = simulation.particles();
+    grains.remove_if([&](Index i) { return grains.id(i) % 7 == 1; });
+  };
+  for (int k = 0; k < 200; ++k) {
+    if (k == 50) kick(serial), kick(shared);
+    if (k == 90) shift(serial), shift(shared);
+    if (k == 120) grow(serial), grow(shared);
+    if (k == 150) remove(serial), remove(shared);
+    serial.step();
+    shared.step();
+    ASSERT_EQ(hash_of(serial.particles(), false), hash_of(shared.particles(), true)) << k;
+  }
+}
+
+// Fails in one process, in turn, in some of the steps.
+struct Refuses {
+  const int* step;
+  int every;
+
+  template <class P>
+  typename P::Real reach(const P&) const {
+    return 0;
+  }
+  template <class P>
+  bool needs_search(const P&) const {
+    return false;
+  }
+  template <class P, class S>
+  void accelerate(P&, S&, double) const {
+    if (*step % every == 0 && *step / every % world->size() == world->rank()) {
+      fail("refused in step " + std::to_string(*step));
+    }
+  }
+};
+
+TEST(SharedGrains, AreAsBeforeInAllProcessesIfOneRefusesAStep) {
+  auto serial = simulation_of(tower(), NeighbourList<2>{});
+  int attempt = 0;
+  const dem::Plane<2> floor{.normal = {0, 1}};
+  Simulation shared{mpi::distribute(tower(), *world), NeighbourList<2>{},
+                    Forces{Gravity<2>{{0, -9.81}}, dem::Contacts{law, floor}, Refuses{&attempt, 2}},
+                    Leapfrog{GlobalDamping{.alpha = 0.5}}};
+  int refused = 0;
+  for (int k = 0; k < 200; ++k) {
+    serial.step();
+    bool is_done = false;
+    while (!is_done) {
+      try {
+        shared.step(serial.last_time_step());
+        is_done = true;
+      } catch (const Error& error) {
+        ++refused;
+        const std::string message = error.what();
+        EXPECT_NE(message.find("refused in step " + std::to_string(attempt)), std::string::npos)
+            << message;
+        const int by = attempt / 2 % world->size();
+        const auto process = "process " + std::to_string(by);
+        EXPECT_EQ(message.find(process) != std::string::npos, by != world->rank()) << message;
+      }
+      ++attempt;
+    }
+  }
+  EXPECT_EQ(refused, 200);
+  EXPECT_EQ(hash_of(serial.particles(), false), hash_of(shared.particles(), true));
+}
+
+TEST(SharedGrains, EndARunInAllProcessesIfAnObserverFailsInOne) {
+  auto shared = simulation_of(mpi::distribute(tower(), *world), NeighbourList<2>{});
+  const auto fails = [](const auto& simulation) {
+    if (simulation.steps() > 10 && world->rank() == world->size() - 1) fail("the disc is full");
+  };
+  try {
+    shared.run({.until = 0.1, .output_every = 0.01}, fails);
+    ADD_FAILURE();
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("the disc is full"), std::string::npos);
+  }
+}
+
+TEST(SharedGrains, UseTheTimeStepOfAll) {
+  auto grains = tower();
+  grains[mass][17] /= 4;
+  auto serial = simulation_of(grains, UniformGrid<2>{});
+  auto shared = simulation_of(mpi::distribute(grains, *world), UniformGrid<2>{});
+  EXPECT_EQ(serial.time_step(), shared.time_step());
+}
+
+TEST(SharedGrains, AreFewerThanProcesses) {
+  for (const Index n : {Index(0), Index(1), Index(2)}) {
+    dem::Grains<2> grains;
+    for (Index i = 0; i < n; ++i) {
+      dem::add_grain(grains, {0.0399 * double(i), 0.02}, {.radius = 0.02, .density = 2500});
+    }
+    auto serial = simulation_of(grains, UniformGrid<2>{});
+    auto shared = simulation_of(mpi::distribute(grains, *world), UniformGrid<2>{});
+    for (int k = 0; k < 50; ++k) {
+      serial.step(1e-5);
+      shared.step(1e-5);
+    }
+    EXPECT_EQ(hash_of(serial.particles(), false), hash_of(shared.particles(), true)) << n;
+  }
+}
+
+}  // namespace
+}  // namespace silt::test::shared_grains_test
+
+int main(int argc, char** argv) {
+  const silt::mpi::World world;
+  silt::test::shared_grains_test::world = &world;
+  testing::InitGoogleTest(&argc, argv);
+  if (!world.is_first()) {
+    auto& listeners = testing::UnitTest::GetInstance()->listeners();
+    delete listeners.Release(listeners.default_result_printer());
+  }
+  const int failed = RUN_ALL_TESTS();
+  return int(world.max(double(failed)));
+}
