@@ -16,6 +16,7 @@
 #include <silt/core/concepts.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/parallel.hpp>
+#include <silt/core/shared_particles.hpp>
 #include <silt/core/step_checks.hpp>
 #include <silt/core/travel.hpp>
 #include <silt/core/types.hpp>
@@ -128,7 +129,8 @@ class ContactsOf : public Contacts<Law, Walls...> {
     if constexpr (WallSet<Walls...>::move) {
       detail::check_motion_of_walls(walls_, state_.last.list->extent, smallest, settings_, step);
     }
-    if constexpr (ContactsOfStep::knows_springs) {
+    // Energy passes between the grains of processes.
+    if constexpr (ContactsOfStep::knows_springs && !Shared<P>) {
       if (state_.last.count == 0) return;
       detail::check_energy(
           grains, state_.last.grains.rows(), settings_, step,
