@@ -28,7 +28,8 @@ NOT_STORED = {
                            "owners_ shifts_"),
                   **all_of(NUMBER, "revision_ owned_revision_ ghosts_revision_ positions_changed_ constants_changed_ "
                                    "constants_revision_"),
-                  "travel_": "a bound that only saves time"},
+                  "travel_": "a bound that only saves time",
+                  **all_of("of the halo, which processes find anew", "halo_ state_changed_")},
     "Gravity": {"g_": GIVEN},
     "Forces": {"parts_": "for_each_part() passes them to transfer_part()"},
     "Simulation": {"saved_integrator_": ROLLBACK, "chooses_radius_": GIVEN, "thread_choice_": CLOCK},
@@ -41,7 +42,7 @@ NOT_STORED = {
     "ListGrid": all_of(ANEW, "inner_ levels_ has_long_rows_"),
     "LastPositions": {"positions_": "NeighbourList::transfer() names them: last",
                       "update_": NUMBER, "maxima_": MEMORY, **all_of(ROLLBACK, "previous_ has_previous_ saved_")},
-    "NeighbourList": {"radius_": GIVEN, **all_of(NUMBER, "list_.revision list_.owned_revision"), "list_.rows": ANEW,
+    "NeighbourList": {"radius_": GIVEN, **all_of(NUMBER, "list_.revision list_.owned_revision"), **all_of(ANEW, "list_.rows list_.owned"),
                       "positions_": "the entry `last` has those of owned particles; the others are found anew",
                       **all_of(ROLLBACK, "saved_ previous_ keeps_previous_ saved_requested_")},
     "Skin": {"tunes_": GIVEN},
@@ -145,7 +146,8 @@ NOT_SAVED = {
                   **all_of("ghosts: the search makes them anew", "owners_ shifts_ ghosts_revision_"),
                   **all_of(NUMBER, "revision_ owned_revision_ positions_changed_ constants_changed_ "
                                    "constants_revision_"),
-                  "travel_": "positions_changed_ begins it anew"},
+                  "travel_": "positions_changed_ begins it anew",
+                  "halo_": "changed between steps", "state_changed_": "decides whether the halo is sent again"},
     "Forces": {"parts_": "for_each_part() saves and restores each"},
     "Simulation": {"chooses_radius_": GIVEN, "thread_choice_": CLOCK,
                    **all_of(SUCCESS, "steps_ particles_lost_ time_ last_time_step_"),
