@@ -66,21 +66,26 @@ dem::Grains<3> heap() {
   return grains;
 }
 
-template <class P>
+template <bool is_periodic = false, class P>
 auto simulation_of(P particles, auto search) {
   constexpr int Dim = P::dimension;
   Vec<Dim> up = Vec<Dim>::Zero();
   up[Dim - 1] = 1;
-  const dem::Plane<Dim> floor{.normal = up};
-  return Simulation{std::move(particles), search,
-                    Forces{Gravity<Dim>{Vec<Dim>(-9.81 * up)}, dem::Contacts{law, floor}},
-                    Leapfrog{GlobalDamping{.alpha = 0.5}}};
+  // A floor does not fit into a periodic box.
+  if constexpr (is_periodic) {
+    return Simulation{std::move(particles), search, Forces{dem::Contacts{law}}, Leapfrog{}};
+  } else {
+    return Simulation{std::move(particles), search,
+                      Forces{Gravity<Dim>{Vec<Dim>(-9.81 * up)},
+                             dem::Contacts{law, dem::Plane<Dim>{.normal = up}}},
+                      Leapfrog{GlobalDamping{.alpha = 0.5}}};
+  }
 }
 
-template <class P, class Search>
+template <bool is_periodic = false, class P, class Search>
 void expect_same_bits(const P& grains, const Search& search, int steps) {
-  auto serial = simulation_of(grains, search);
-  auto shared = simulation_of(mpi::distribute(grains, *world), search);
+  auto serial = simulation_of<is_periodic>(grains, search);
+  auto shared = simulation_of<is_periodic>(mpi::distribute(grains, *world), search);
   for (int k = 0; k < steps; ++k) {
     // Every grain may move to another process.
     if (k % 37 == 36) shared.particles().cut_anew();
@@ -98,6 +103,31 @@ TEST(SharedGrains, HaveTheBitsOfOneProcess) {
   expect_same_bits(tower(), NeighbourList<2>{}, 1500);
   expect_same_bits(heap(), UniformGrid<3>{}, 400);
   expect_same_bits(heap(), NeighbourList<3>{}, 400);
+}
+
+// Every process has a part of a periodic side.
+template <int Dim>
+dem::Grains<Dim> gas() {
+  Box<Dim> box;
+  box.lower = Vec<Dim>::Zero();
+  box.upper = Vec<Dim>::Constant(0.5);
+  box.periodic.fill(true);
+  dem::Grains<Dim> grains;
+  grains.set_box(box);
+  int k = 0;
+  for (const auto& x : lattice<Dim>({box.lower, box.upper}, 0.05)) {
+    dem::add_grain(grains, x, {.radius = 0.016 + 0.002 * (k % 4), .density = 2500});
+    for (int axis = 0; axis < Dim; ++axis) {
+      grains[velocity][grains.size() - 1][axis] = 0.5 * ((k * (7 - 2 * axis)) % 11 - 5);
+    }
+    ++k;
+  }
+  return grains;
+}
+TEST(SharedGrains, HaveTheBitsOfOneProcessInAPeriodicBox) {
+  expect_same_bits<true>(gas<2>(), UniformGrid<2>{}, 1500);
+  expect_same_bits<true>(gas<2>(), NeighbourList<2>{}, 1500);
+  expect_same_bits<true>(gas<3>(), NeighbourList<3>{}, 300);
 }
 
 // A control: with contacts that begin anew the bits are others.

@@ -228,8 +228,8 @@ void find_contacts(const P& grains, const S& search, const Walls& walls, List& l
       [&](Index i, auto&& add) {
         for_each_candidate(search, i, [&](Index found_j) {
           const Index j = grains.owner(found_j);
-          // A pair across a periodic side is found at both grains; one is enough.
-          if (j != found_j && grains.id(j) < grains.id(i)) return;
+          // A pair across a periodic side is found at both grains, if both are owned; one is enough.
+          if (j != found_j && j < grains.size() && grains.id(j) < grains.id(i)) return;
           const Real limit = R[i] + R[j] + list.margin;
           if (!(image(typename P::Vec(x[j] - x[i])).squaredNorm() < squared(limit))) return;
           const bool in_order = grains.id(i) < grains.id(j);
