@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Grains that processes share, against the same simulation in one process. Started by mpirun with
 // any number of processes.
+#include <silt/io/checkpoint.hpp>
+#include <silt/io/checkpoints.hpp>
 #include <silt/mpi.hpp>
 #include <silt/silt.hpp>
 
@@ -9,6 +11,8 @@
 #include <array>
 #include <cstdint>
 #include <cstring>
+#include <filesystem>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -266,6 +270,94 @@ TEST(SharedGrains, AreFewerThanProcesses) {
     }
     EXPECT_EQ(hash_of(serial.particles(), false), hash_of(shared.particles(), true)) << n;
   }
+}
+
+// The first n processes; others get nothing.
+std::unique_ptr<const mpi::World> first_processes(int n) {
+  MPI_Comm some = MPI_COMM_NULL;
+  MPI_Comm_split(MPI_COMM_WORLD, world->rank() < n ? 0 : MPI_UNDEFINED, world->rank(), &some);
+  if (some == MPI_COMM_NULL) return nullptr;
+  auto first = std::make_unique<const mpi::World>(some);
+  MPI_Comm_free(&some);
+  return first;
+}
+
+TEST(SharedGrains, ContinueOnAnyNumberOfProcesses) {
+  const std::filesystem::path file = "shared_grains_" + std::to_string(world->size()) + ".silt";
+  const auto run = [](auto& simulation, Index steps) {
+    while (simulation.steps() < steps) simulation.step();
+  };
+  const auto check = [&](const auto& grains, const auto& search) {
+    auto serial = simulation_of(grains, search);
+    Index steps = 0;
+    for (const int processes : {4, 0, 2, 3, 1, 0, 4}) {
+      steps += 60;
+      // 0: a simulation of particles that are not shared.
+      const auto some = first_processes(processes);
+      if (processes == 0 && world->is_first()) {
+        auto one = simulation_of(grains, search);
+        read_checkpoint(file, one);
+        run(one, steps);
+        write_checkpoint(file, one);
+      } else if (some != nullptr) {
+        auto shared = simulation_of(mpi::distribute(grains, *some), search);
+        if (steps > 60) read_checkpoint(file, shared);
+        run(shared, steps);
+        write_checkpoint(file, shared);
+      }
+      world->sum(0.0);  // until the file is there
+      run(serial, steps);
+      auto read = simulation_of(grains, search);
+      read_checkpoint(file, read);
+      ASSERT_EQ(hash_of(serial.particles(), false), hash_of(read.particles(), false)) << steps;
+      ASSERT_EQ(serial.time(), read.time());
+    }
+  };
+  check(tower(), UniformGrid<2>{});
+  check(heap(), NeighbourList<3>{});
+  if (world->is_first()) std::filesystem::remove(file);
+}
+
+TEST(SharedGrains, ThrowInAllProcessesIfACheckpointCannotBeWrittenOrRead) {
+  auto shared = simulation_of(mpi::distribute(tower(), *world), UniformGrid<2>{});
+  for (int k = 0; k < 10; ++k) shared.step();
+  const auto before = hash_of(shared.particles(), true);
+  const auto expect_error = [](const auto& f) {
+    try {
+      f();
+      ADD_FAILURE();
+    } catch (const Error& error) {
+      const std::string message = error.what();
+      EXPECT_NE(message.find("no_such_folder"), std::string::npos) << message;
+    }
+  };
+  expect_error([&] { write_checkpoint("no_such_folder/a.silt", shared); });
+  // In one process only.
+  const bool fails = world->rank() == world->size() - 1;
+  const std::filesystem::path file = "shared_grains_" + std::to_string(world->size()) + ".silt";
+  write_checkpoint(file, shared);
+  expect_error([&] { read_checkpoint(fails ? "no_such_folder/a.silt" : file, shared); });
+  EXPECT_EQ(hash_of(shared.particles(), true), before);
+  auto serial = simulation_of(tower(), UniformGrid<2>{});
+  for (int k = 0; k < 20; ++k) serial.step();
+  for (int k = 0; k < 10; ++k) shared.step();
+  EXPECT_EQ(hash_of(serial.particles(), false), hash_of(shared.particles(), true));
+  world->sum(0.0);
+  if (world->is_first()) std::filesystem::remove(file);
+}
+
+TEST(SharedGrains, WriteCheckpointsDuringARun) {
+  const std::filesystem::path file = "shared_grains_" + std::to_string(world->size()) + ".silt";
+  auto shared = simulation_of(mpi::distribute(tower(), *world), NeighbourList<2>{});
+  Checkpoints checkpoints(file, {.every = 1e-3});
+  shared.run({.until = 0.01}, checkpoints);
+  EXPECT_TRUE(checkpoints.exist());
+  checkpoints.write(shared);
+  auto serial = simulation_of(tower(), NeighbourList<2>{});
+  read_checkpoint(file, serial);
+  EXPECT_EQ(hash_of(serial.particles(), false), hash_of(shared.particles(), true));
+  world->sum(0.0);
+  if (world->is_first()) std::filesystem::remove(file);
 }
 
 }  // namespace

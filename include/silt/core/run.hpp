@@ -158,9 +158,9 @@ class RunLoop {
       const auto own = [&] {
         const bool ends =
             std::apply([](auto&... each) { return (requests_stop(each) || ...); }, observers_);
-        return Largest{.ends_run = ends ? 1.0 : 0.0};
+        return Largest{.wanted = ends ? 1.0 : 0.0};
       };
-      return together(simulation_.particles_, own).ends_run > 0;
+      return together(simulation_.particles_, own).wanted > 0;
     } else {
       return false;
     }

@@ -20,7 +20,7 @@ struct Largest {
   double displacement = 0;         ///< in the step [m]
   /// The negative of the time step that is chosen [s].
   double minus_time_step = -std::numeric_limits<double>::infinity();
-  double ends_run = 0;             ///< 1 if a process ends the run
+  double wanted = 0;  ///< 1 if a process wants what is asked, such as the end of a run
 };
 
 /// One of several processes.
@@ -33,7 +33,8 @@ struct Process {
 /// of its own in its halo. Model: mpi::SharedParticles. Functions that are not const are called by
 /// all processes in the same order.
 ///   p.together(f)               calls f(), which returns a Largest, and returns the Largest of all.
-///                               Throws in all processes if f() does in one
+///                               Throws in all processes if f() does in one, also in calls of
+///                               together() within f(). May be called for a copy
 ///   p.report_fault(exception)   makes the next together() throw
 ///   p.share(i, radius)          gives particles to the processes that own the space in which they
 ///                               are, with what the interaction i remembers of them, and finds the
@@ -41,11 +42,14 @@ struct Process {
 ///   p.finish_step(d, all)       refreshes the halo after a step; d is the largest displacement of the
 ///                               own particles, all.displacement that of all [m]
 ///   p.refresh_halo()            refreshes it within a step
+///   p.gather(i)                 moves all particles, and what the interaction i remembers of them, to
+///                               the first process
+///   p.keep_own(i)               if every process has all particles, leaves to each its own
 ///   p.depth_of_halo()           it has all particles closer than this to one that is owned [m]
 ///   p.process()                 which process this is
 template <class P>
 concept Shared = requires(P p, const P q, Largest (*f)(), std::exception_ptr fault) {
-  { p.together(f) } -> std::same_as<Largest>;
+  { q.together(f) } -> std::same_as<Largest>;
   p.report_fault(fault);
   p.finish_step(double{}, Largest{});
   p.refresh_halo();
@@ -56,7 +60,7 @@ concept Shared = requires(P p, const P q, Largest (*f)(), std::exception_ptr fau
 namespace detail {
 
 template <class P, class F>
-Largest together(P& particles, F&& f) {
+Largest together([[maybe_unused]] const P& particles, F&& f) {
   if constexpr (Shared<P>) {
     return particles.together(f);
   } else {

@@ -104,13 +104,15 @@ class Simulation {
   }
 
   /// Writes or reads the state of the run for a checkpoint, see core/transfer.hpp. What the program
-  /// passes to constructors (laws, walls, settings) is not restored; laws and walls are compared.
+  /// passes to constructors (laws, walls, settings) is not restored; laws and walls are compared. Of
+  /// shared particles the first process writes all, and the others none; each reads all.
   template <class Archive>
   void transfer(Archive& archive) {
     static_assert(!Transactional<TypedInteraction> || Transferable<TypedInteraction, Archive, P> ||
                       Transferable<TypedInteraction, Archive>,
                   "silt::Simulation: this interaction has state (it has save() and restore()), so "
                   "a checkpoint needs its transfer(archive, particles)");
+    if constexpr (Shared<P> && !Archive::reads) particles_.gather(interaction_);
     archive.finite([&] {
       archive("time", time_);
       archive("steps", steps_);
@@ -134,6 +136,7 @@ class Simulation {
     archive.finite([&] { detail::transfer_part(archive, "integrator", integrator_, particles_); });
     set_time(interaction_, time_);
     detail::transfer_part(archive, "interaction", interaction_, particles_);
+    if constexpr (Shared<P> && Archive::reads) particles_.keep_own(interaction_);
   }
 
   /// The time step that the interaction chooses for the present state [s]; the last one if all
@@ -182,9 +185,9 @@ class Simulation {
         }
         set_time(interaction_, time_);
       });
-      if constexpr (Shared<P>) particles_.share(interaction_, search_.radius());
       double displacement = 0;
       const Largest all = detail::together(particles_, [&] {
+        if constexpr (Shared<P>) particles_.share(interaction_, search_.radius());
         sort();
         save();
         is_saved = true;

@@ -1,5 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Processes that do something together: if one fails, all throw, and none waits for another.
+//
+// A process that fails leaves what it was doing and meets the others in their next agreement. Hence
+// all agreements are reductions of one shape, and every other communication follows an agreement
+// after which no process can fail before it.
 #pragma once
 
 #include <silt/core/error.hpp>
@@ -10,75 +14,133 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <exception>
 #include <limits>
-#include <new>
+#include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 
 namespace silt::mpi {
 
-/// All reductions have one shape, so that a process which fails meets the others in the next one.
-template <Index N>
+/// What an agreement reduces: some numbers to their largest, others to their sum.
+struct Reduced {
+  static constexpr Index count = 8;
+
+  std::array<double, count> largest;
+  std::array<double, count> sum{};
+
+  Reduced() { largest.fill(-std::numeric_limits<double>::infinity()); }
+};
+
+/// Copies share what is reported, and whether all have thrown.
 class Agreement {
  public:
-  explicit Agreement(const World& world) : world_(&world) {}
+  explicit Agreement(const World& world) : world_(&world), state_(std::make_shared<State>()) {}
 
-  /// f() returns N numbers; returns the largest of all processes. Throws in all if f() does in one:
-  /// there what f() threw, elsewhere an Error with its message.
+  /// f() returns a Reduced; returns that of all processes. Throws in all if f() does in one: there
+  /// what f() threw, elsewhere an Error with its message. f() may contain other agreements.
   template <class F>
-  std::array<double, N> operator()(F&& f) {
-    std::array<double, N> own;
-    own.fill(-std::numeric_limits<double>::infinity());
-    std::exception_ptr fault = std::exchange(reported_, nullptr);
-    is_agreed_ = false;
+  Reduced operator()(F&& f) const {
+    Reduced own;
+    std::exception_ptr fault = std::exchange(state_->reported, nullptr);
+    state_->have_all_thrown = false;
     if (!fault) {
       try {
         own = f();
       } catch (...) {
-        if (is_agreed_) throw;  // by an agreement within f()
+        if (state_->have_all_thrown) throw;  // in an agreement within f()
         fault = std::current_exception();
       }
     }
     return agree(own, fault);
   }
+  /// The same without numbers.
+  void operator()() const {
+    (*this)([] { return Reduced(); });
+  }
   /// The next agreement throws.
-  void report(std::exception_ptr fault) {
-    if (!reported_) reported_ = fault;
+  void report(std::exception_ptr fault) const {
+    if (!state_->reported) state_->reported = std::move(fault);
   }
 
  private:
-  std::array<double, N> agree(const std::array<double, N>& own, const std::exception_ptr& fault) {
-    // The first process that failed, and the shortest of their stable time steps.
-    std::array<double, N + 2> sent, received;
-    std::copy(own.begin(), own.end(), sent.begin());
-    const std::optional<double> stable = stable_time_step_of(fault);
-    sent[N] = fault ? world_->size() - world_->rank() : 0;
-    sent[N + 1] = stable ? -*stable : -std::numeric_limits<double>::infinity();
-    detail::check(MPI_Allreduce(sent.data(), received.data(), int(N + 2), MPI_DOUBLE, MPI_MAX,
+  struct State {
+    std::exception_ptr reported;
+    bool have_all_thrown = false;
+  };
+  // As it is reduced: first the largest, then the sums.
+  struct Message {
+    double failed = 0;  // number of processes, minus the rank, of the first one that failed
+    double minus_stable_time_step = -std::numeric_limits<double>::infinity();  // the shortest [s]
+    Reduced numbers;
+  };
+  static constexpr int numbers_of_message = 2 + 2 * int(Reduced::count);
+  static_assert(sizeof(Message) == std::size_t(numbers_of_message) * sizeof(double));
+
+  Reduced agree(const Reduced& own, const std::exception_ptr& fault) const {
+    Message sent, received;
+    sent.numbers = own;
+    if (fault) {
+      sent.failed = world_->size() - world_->rank();
+      if (const auto stable = stable_time_step_of(fault)) sent.minus_stable_time_step = -*stable;
+    }
+    const Operation operation;
+    detail::check(MPI_Allreduce(&sent, &received, 1, operation.type, operation.reduce,
                                 world_->communicator()),
                   "MPI_Allreduce");
-    if (received[N] > 0) {
-      is_agreed_ = true;
-      rethrow(fault, world_->size() - int(received[N]), -received[N + 1]);
+    if (received.failed > 0) {
+      state_->have_all_thrown = true;
+      rethrow(fault, world_->size() - int(received.failed), -received.minus_stable_time_step);
     }
-    std::array<double, N> largest;
-    std::copy_n(received.begin(), N, largest.begin());
-    return largest;
+    return received.numbers;
+  }
+
+  // Made for each reduction, which takes no time to speak of, so that none is left at the end.
+  struct Operation {
+    MPI_Datatype type = MPI_DATATYPE_NULL;
+    MPI_Op reduce = MPI_OP_NULL;
+
+    Operation() {
+      MPI_Type_contiguous(numbers_of_message, MPI_DOUBLE, &type);
+      MPI_Type_commit(&type);
+      MPI_Op_create(
+          [](void* from, void* into, int* length, MPI_Datatype*) {
+            const auto* const in = static_cast<const Message*>(from);
+            auto* const out = static_cast<Message*>(into);
+            for (int k = 0; k < *length; ++k) add(in[k], out[k]);
+          },
+          1, &reduce);
+    }
+    Operation(const Operation&) = delete;
+    Operation& operator=(const Operation&) = delete;
+    ~Operation() {
+      MPI_Op_free(&reduce);
+      MPI_Type_free(&type);
+    }
+  };
+  static void add(const Message& more, Message& to) {
+    to.failed = std::max(to.failed, more.failed);
+    to.minus_stable_time_step = std::max(to.minus_stable_time_step, more.minus_stable_time_step);
+    for (Index k = 0; k < Reduced::count; ++k) {
+      to.numbers.largest[k] = std::max(to.numbers.largest[k], more.numbers.largest[k]);
+      to.numbers.sum[k] += more.numbers.sum[k];
+    }
   }
 
   static std::optional<double> stable_time_step_of(const std::exception_ptr& fault) {
     try {
-      if (fault) std::rethrow_exception(fault);
+      std::rethrow_exception(fault);
     } catch (const Error& error) {
       return error.stable_time_step();
     } catch (...) {
+      return std::nullopt;
     }
-    return std::nullopt;
   }
   [[noreturn]] void rethrow(const std::exception_ptr& fault, int first, double stable) const {
     std::string message;
-    int has_stable = 0;
+    bool has_stable = false;
     try {
       if (fault) std::rethrow_exception(fault);
     } catch (const Error& error) {
@@ -105,8 +167,7 @@ class Agreement {
   }
 
   const World* world_;
-  std::exception_ptr reported_;
-  bool is_agreed_ = false;
+  std::shared_ptr<State> state_;
 };
 
 }  // namespace silt::mpi

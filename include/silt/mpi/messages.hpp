@@ -4,6 +4,7 @@
 
 #include <silt/core/error.hpp>
 #include <silt/core/types.hpp>
+#include <silt/mpi/agreement.hpp>
 #include <silt/mpi/world.hpp>
 
 #include <mpi.h>
@@ -29,6 +30,7 @@ class Writer {
     bytes_.insert(bytes_.end(), from, from + sizeof(T));
   }
   Bytes& bytes() { return bytes_; }
+  const Bytes& bytes() const { return bytes_; }
 
  private:
   Bytes bytes_;
@@ -65,23 +67,33 @@ inline int count_of(Index bytes) {
 }  // namespace detail
 
 /// Sends the messages, and returns those that others have sent to this process, by their numbers.
-/// To be called by all.
-inline std::vector<Message> exchange_messages(const World& world, const std::vector<Message>& to_others) {
+/// To be called by all, also if there are none. Throws in all if a process is out of memory.
+inline std::vector<Message> exchange_messages(const World& world, const Agreement& agree,
+                                              const std::vector<Message>& to_others) {
   constexpr int tag = 1;
-  std::vector<int> sizes(Index(world.size()), -1), received(Index(world.size()), -1);
-  for (const Message& each : to_others) {
-    sizes[Index(each.process)] = detail::count_of(each.bytes.size());
-  }
+  constexpr int none = -1;
+  std::vector<int> sizes, received;
+  agree([&] {
+    sizes.assign(Index(world.size()), none);
+    received.assign(Index(world.size()), none);
+    for (const Message& each : to_others) {
+      sizes[Index(each.process)] = detail::count_of(each.bytes.size());
+    }
+    return Reduced();
+  });
   detail::check(MPI_Alltoall(sizes.data(), 1, MPI_INT, received.data(), 1, MPI_INT,
                              world.communicator()),
                 "MPI_Alltoall");
   std::vector<Message> from_others;
-  for (int process = 0; process < world.size(); ++process) {
-    if (received[Index(process)] >= 0) {
-      from_others.push_back({process, Bytes(Index(received[Index(process)]))});
-    }
-  }
   std::vector<MPI_Request> requests;
+  agree([&] {
+    for (int process = 0; process < world.size(); ++process) {
+      const int size = received[Index(process)];
+      if (size != none) from_others.push_back({process, Bytes(Index(size))});
+    }
+    requests.reserve(from_others.size() + to_others.size());
+    return Reduced();
+  });
   for (Message& each : from_others) {
     detail::check(MPI_Irecv(each.bytes.data(), int(each.bytes.size()), MPI_BYTE, each.process, tag,
                             world.communicator(), &requests.emplace_back()),

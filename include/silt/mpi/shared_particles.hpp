@@ -27,6 +27,7 @@
 #include <array>
 #include <cstdint>
 #include <exception>
+#include <numeric>
 #include <span>
 #include <string>
 #include <type_traits>
@@ -45,7 +46,7 @@ class SharedParticles : public P {
 
   /// `own` are those of this process; no other has one of the same ids.
   SharedParticles(P own, const World& world)
-      : P(std::move(own)), world_(&world), agreement_(world), cuts_(world) {}
+      : P(std::move(own)), world_(&world), agree_(world), cuts_(world) {}
 
   const World& world() const noexcept { return *world_; }
 
@@ -73,17 +74,23 @@ class SharedParticles : public P {
   // See Shared in core/shared_particles.hpp.
 
   template <class F>
-  Largest together(F&& f) {
-    const auto all = agreement_([&]() -> std::array<double, 6> {
+  Largest together(F&& f) const {
+    const auto all = agree_([&] {
       const Largest own = f();
-      return {own.reach,    own.displacement,          own.minus_time_step,
-              own.ends_run, needs_plan() ? 1.0 : 0.0, P::has_state_changed() ? 1.0 : 0.0};
-    });
+      Reduced numbers;
+      numbers.largest = {own.reach,
+                         own.displacement,
+                         own.minus_time_step,
+                         own.wanted,
+                         needs_plan() ? 1.0 : 0.0,
+                         P::has_state_changed() ? 1.0 : 0.0};
+      return numbers;
+    }).largest;
     must_plan_ = all[4] > 0;
     must_refresh_ = all[5] > 0;
-    return {.reach = all[0], .displacement = all[1], .minus_time_step = all[2], .ends_run = all[3]};
+    return {.reach = all[0], .displacement = all[1], .minus_time_step = all[2], .wanted = all[3]};
   }
-  void report_fault(std::exception_ptr fault) { agreement_.report(std::move(fault)); }
+  void report_fault(std::exception_ptr fault) { agree_.report(std::move(fault)); }
 
   template <class I>
   void share(I& interaction, Real radius) {
@@ -104,6 +111,39 @@ class SharedParticles : public P {
     together([] { return Largest{}; });
     refresh();
   }
+  template <class I>
+  void gather(I& interaction) {
+    number_ = count_particles().all;
+    migrate(interaction, [](const auto&) { return 0; });
+    // In an order that every number of processes gives.
+    std::vector<Index> order(P::size());
+    std::iota(order.begin(), order.end(), Index(0));
+    std::ranges::sort(order, {}, [&](Index i) { return P::id(i); });
+    P::reorder(order);
+  }
+  template <class I>
+  void keep_own(I& interaction) {
+    number_ = P::size();
+    std::vector<silt::Vec<dimension>> points;
+    agree_([&] {
+      for (Index i = 0; i < P::size(); ++i) {
+        if (P::id(i) % Index(world_->size()) == Index(world_->rank())) points.push_back(point(i));
+      }
+      return Reduced();
+    });
+    if (number_ > 0) cuts_.make(points);
+    std::vector<std::uint8_t> is_own(P::size());
+    for (Index i = 0; i < P::size(); ++i) is_own[i] = cuts_.owner_of(point(i)) == world_->rank();
+    const auto is_of_own = [&](Id id) {
+      const Index i = P::index_of(id);
+      return i != no_index && is_own[i];
+    };
+    change_memory(interaction, [&](auto history) {
+      history.keep_if([&](Id a, Id b) { return is_of_own(a) || is_of_own(b); });
+      return history;
+    });
+    P::remove_if([&](Index i) { return !is_own[i]; });
+  }
   /// Space is cut anew in the next step, as it is when particles are unevenly divided. To be called by
   /// all processes.
   void cut_anew() {
@@ -122,6 +162,9 @@ class SharedParticles : public P {
     std::vector<std::uint32_t> sent;
     Index first_received = 0;  // row
     Index received = 0;
+    // Of refresh(), which allocates nothing.
+    Writer to = {};
+    Bytes from = {};
   };
 
   // Whether the plan does not fit the particles: some were added or removed, or the program has
@@ -135,8 +178,12 @@ class SharedParticles : public P {
   void plan(I& interaction, double radius) {
     planned_revision_ = 0;
     partners_.clear();
-    number_ = world_->sum(std::uint64_t{P::size()});
-    if (number_ > 0) migrate(interaction);
+    const Count count = count_particles();
+    number_ = count.all;
+    if (number_ > 0) {
+      cut_if_uneven(count);
+      migrate(interaction, [this](const auto& x) { return cuts_.owner_of(x); });
+    }
     find_halo(1.5 * radius);
     planned_depth_ = 1.5 * radius;
     travel_ = 0;
@@ -150,36 +197,53 @@ class SharedParticles : public P {
     planned_constants_ = P::constants_revision();
   }
 
-  template <class I>
-  void migrate(I& interaction) {
-    const auto x = std::as_const(*this)[position];
-    std::vector<silt::Vec<dimension>> points(x.size());
-    for (Index i = 0; i < x.size(); ++i) points[i] = x[i].template cast<double>();
-    const auto most = world_->max(std::uint64_t{points.size()});
-    const double mean = double(number_) / world_->size();
-    if (std::exchange(cuts_anew_, false) || !cuts_.are_made() || double(most) > 1.1 * mean + 16) {
-      cuts_.make(points);
-    }
+  // Position of a particle, also of the halo [m].
+  silt::Vec<dimension> point(Index i) const {
+    return P::with_halo(position)[i].template cast<double>();
+  }
 
-    std::vector<int> owners(points.size());
-    for (Index i = 0; i < points.size(); ++i) owners[i] = cuts_.owner_of(points[i]);
-    const auto owner_of_id = [&](Id id) {
-      const Index i = P::index_of(id);
-      return i < P::size()
-                 ? owners[i]
-                 : cuts_.owner_of(P::with_halo(position)[i].template cast<double>());
-    };
-    migrate_memory(interaction, owner_of_id);
+  struct Count {
+    std::uint64_t all;
+    std::uint64_t most;  // in a process
+  };
+  Count count_particles() const {
+    const Reduced reduced = agree_([&] {
+      Reduced own;
+      own.sum[0] = own.largest[0] = double(P::size());
+      return own;
+    });
+    return {std::uint64_t(reduced.sum[0]), std::uint64_t(reduced.largest[0])};
+  }
+
+  void cut_if_uneven(const Count& count) {
+    const double mean = double(count.all) / world_->size();
+    const bool is_even = double(count.most) <= 1.1 * mean + 16;
+    if (!std::exchange(cuts_anew_, false) && cuts_.are_made() && is_even) return;
+    std::vector<silt::Vec<dimension>> points;
+    agree_([&] {
+      for (Index i = 0; i < P::size(); ++i) points.push_back(point(i));
+      return Reduced();
+    });
+    cuts_.make(points);
+  }
+
+  // Moves particles, and what the interaction remembers of them, to the processes owner_of(position).
+  template <class I, class OwnerOf>
+  void migrate(I& interaction, const OwnerOf& owner_of) {
+    const int rank = world_->rank();
+    std::vector<int> owners(P::local());
+    for (Index i = 0; i < owners.size(); ++i) owners[i] = owner_of(point(i));
+    change_memory(interaction, [&](const auto& history) { return migrated(history, owners); });
     std::vector<Writer> writers(Index(world_->size()));
-    for (Index i = 0; i < points.size(); ++i) {
-      if (owners[i] == world_->rank()) continue;
+    for (Index i = 0; i < P::size(); ++i) {
+      if (owners[i] == rank) continue;
       Writer& write = writers[Index(owners[i])];
       write(P::id(i));
       each_field([&](auto field) { write_value(write, field, i); });
     }
     P::clear_halo();
-    P::remove_if([&](Index i) { return owners[i] != world_->rank(); });
-    for (const Message& message : exchange_messages(*world_, messages_of(writers))) {
+    P::remove_if([&](Index i) { return owners[i] != rank; });
+    for (const Message& message : exchange(writers)) {
       Reader read(message.bytes);
       while (!read.is_at_end()) {
         Id id = 0;
@@ -188,48 +252,55 @@ class SharedParticles : public P {
         each_field([&](auto field) { read_value(read, (*this)[field], i); });
       }
     }
-    const auto now = world_->sum(std::uint64_t{P::size()});
+    const auto now = count_particles().all;
     if (now != number_) {
       fail("mpi: there are " + std::to_string(now) + " particles instead of " +
            std::to_string(number_) + " after some moved to other processes; please report it");
     }
   }
 
-  // Contacts remember pairs. Each is known where the grain with the lower id is owned, and is sent
-  // to the new owners of both.
-  template <class I, class OwnerOf>
-  void migrate_memory(I& interaction, const OwnerOf& owner_of) {
+  // Replaces what the interaction remembers of pairs by change(history), see PairHistory.
+  template <class I, class F>
+  void change_memory(I& interaction, const F& change) {
     if constexpr (requires { interaction.for_each_part([](auto&) {}); }) {
-      interaction.for_each_part([&](auto& part) { migrate_memory(part, owner_of); });
+      interaction.for_each_part([&](auto& part) { change_memory(part, change); });
     } else if constexpr (requires { interaction.set_history(*this, interaction.history(*this)); }) {
-      using History = std::remove_cvref_t<decltype(interaction.history(*this))>;
-      std::vector<typename History::Entry> kept;
-      std::vector<Writer> writers(Index(world_->size()));
-      interaction.history(*this).for_each_pair([&](Id a, Id b, const auto& value) {
-        const typename History::Entry entry{a, b, value};
-        const int first = owner_of(a);
-        // A partner that is no particle, such as a wall, is everywhere.
-        const int second = P::index_of(b) == no_index ? first : owner_of(b);
-        const auto send = [&](int process) {
-          if (process == world_->rank()) {
-            kept.push_back(entry);
-          } else {
-            writers[Index(process)](entry);
-          }
-        };
-        send(first);
-        if (second != first) send(second);
-      });
-      for (const Message& message : exchange_messages(*world_, messages_of(writers))) {
-        Reader read(message.bytes);
-        while (!read.is_at_end()) read(kept.emplace_back());
-      }
-      interaction.set_history(*this, History(std::move(kept)));
+      interaction.set_history(*this, change(interaction.history(*this)));
     } else {
       static_assert(!Transactional<I>,
                     "silt::mpi: this interaction has state that does not migrate between "
                     "processes yet (contacts do)");
     }
+  }
+  // Sent to the new owners of both particles of a pair: by the process that owns the one with the
+  // lower id, and, if that does not know the other yet, by the process that owns the other.
+  template <class History>
+  History migrated(const History& history, const std::vector<int>& owners) const {
+    std::vector<typename History::Entry> kept;
+    std::vector<Writer> writers(Index(world_->size()));
+    history.for_each_pair([&](Id a, Id b, const auto& value) {
+      const typename History::Entry entry{a, b, value};
+      const Index first = P::index_of(a), second = P::index_of(b);
+      const bool owns_first = first < P::size(), owns_second = second < P::size();
+      const auto send = [&](int process) {
+        if (process == world_->rank()) {
+          kept.push_back(entry);
+        } else {
+          writers[Index(process)](entry);
+        }
+      };
+      if (owns_first) send(owners[first]);
+      if (owns_second || (owns_first && second != no_index)) send(owners[second]);
+    });
+    for (const Message& message : exchange(writers)) {
+      Reader read(message.bytes);
+      while (!read.is_at_end()) read(kept.emplace_back());
+    }
+    const auto ids = [](const auto& entry) { return std::pair(entry.owner, entry.partner); };
+    std::ranges::sort(kept, {}, ids);
+    const auto repeated = std::ranges::unique(kept, {}, ids);
+    kept.erase(repeated.begin(), repeated.end());
+    return History(std::move(kept));
   }
 
   void find_halo(double depth) {
@@ -253,7 +324,7 @@ class SharedParticles : public P {
         for (const std::uint32_t i : near[process]) write_value(writers[process], field, i);
       });
     }
-    const auto messages = exchange_messages(*world_, messages_of(writers));
+    const auto messages = exchange(writers);
     const Index bytes = bytes_of_particle();
     std::vector<Id> ids;
     for (const Message& message : messages) {
@@ -273,6 +344,7 @@ class SharedParticles : public P {
       Reader read(std::span(message.bytes).subspan(partner.received * sizeof(Id)));
       each_field([&](auto field) { read_values(read, field, partner); });
     }
+    prepare_refresh();
   }
   Partner& partner_with(int process) {
     for (Partner& each : partners_) {
@@ -306,44 +378,48 @@ class SharedParticles : public P {
     }
   }
 
-  // The state of the halo.
-  void refresh() {
-    std::vector<Bytes> sent(partners_.size()), received(partners_.size());
-    std::vector<MPI_Request> requests;
-    const auto for_each_state = [this](auto&& f) {
-      each_field([&]<class F>(F field) {
-        if constexpr (role_of<F>() == Role::state) f(field);
-      });
-    };
+  template <class F>
+  void each_state(F&& f) const {
+    each_field([&]<class Field>(Field field) {
+      if constexpr (role_of<Field>() == Role::state) f(field);
+    });
+  }
+  void prepare_refresh() {
     Index bytes = 0;
-    for_each_state([&]<class F>(F) { bytes += sizeof(value_of<F, dimension, Real>); });
+    each_state([&]<class F>(F) { bytes += sizeof(value_of<F, dimension, Real>); });
+    for (Partner& each : partners_) {
+      each.to.bytes().reserve(Index(detail::count_of(each.sent.size() * bytes)));
+      each.from.resize(Index(detail::count_of(each.received * bytes)));
+    }
+    requests_.reserve(2 * partners_.size());
+  }
+  // The state of the halo. After an agreement; throws nothing but errors of MPI.
+  void refresh() {
     constexpr int tag = 2;
-    for (Index k = 0; k < partners_.size(); ++k) {
-      const Partner& partner = partners_[k];
-      received[k].resize(partner.received * bytes);
-      if (received[k].empty()) continue;
-      detail::check(MPI_Irecv(received[k].data(), detail::count_of(received[k].size()), MPI_BYTE,
-                              partner.process, tag, world_->communicator(),
-                              &requests.emplace_back()),
+    const MPI_Comm communicator = world_->communicator();
+    requests_.clear();
+    for (Partner& each : partners_) {
+      if (each.from.empty()) continue;
+      detail::check(MPI_Irecv(each.from.data(), int(each.from.size()), MPI_BYTE, each.process, tag,
+                              communicator, &requests_.emplace_back()),
                     "MPI_Irecv");
     }
-    for (Index k = 0; k < partners_.size(); ++k) {
-      Writer write;
-      for_each_state([&](auto field) {
-        for (const std::uint32_t i : partners_[k].sent) write_value(write, field, i);
+    for (Partner& each : partners_) {
+      Bytes& bytes = each.to.bytes();
+      bytes.clear();
+      each_state([&](auto field) {
+        for (const std::uint32_t i : each.sent) write_value(each.to, field, i);
       });
-      sent[k] = std::move(write.bytes());
-      if (sent[k].empty()) continue;
-      detail::check(MPI_Isend(sent[k].data(), detail::count_of(sent[k].size()), MPI_BYTE,
-                              partners_[k].process, tag, world_->communicator(),
-                              &requests.emplace_back()),
+      if (bytes.empty()) continue;
+      detail::check(MPI_Isend(bytes.data(), int(bytes.size()), MPI_BYTE, each.process, tag,
+                              communicator, &requests_.emplace_back()),
                     "MPI_Isend");
     }
-    detail::check(MPI_Waitall(int(requests.size()), requests.data(), MPI_STATUSES_IGNORE),
+    detail::check(MPI_Waitall(int(requests_.size()), requests_.data(), MPI_STATUSES_IGNORE),
                   "MPI_Waitall");
-    for (Index k = 0; k < partners_.size(); ++k) {
-      Reader read(received[k]);
-      for_each_state([&](auto field) { read_values(read, field, partners_[k]); });
+    for (const Partner& each : partners_) {
+      Reader read(each.from);
+      each_state([&](auto field) { read_values(read, field, each); });
     }
     P::note_state();
   }
@@ -375,20 +451,22 @@ class SharedParticles : public P {
       read_value(read, values, partner.first_received + k);
     }
   }
-  static std::vector<Message> messages_of(std::vector<Writer>& writers) {
+  // Sends what was written for each process, and returns what others have written for this one.
+  std::vector<Message> exchange(std::vector<Writer>& writers) const {
     std::vector<Message> messages;
     for (Index process = 0; process < writers.size(); ++process) {
       if (writers[process].bytes().empty()) continue;
       messages.push_back({int(process), std::move(writers[process].bytes())});
     }
-    return messages;
+    return exchange_messages(*world_, agree_, messages);
   }
 
   const World* world_;
-  Agreement<6> agreement_;
+  Agreement agree_;
   Cuts<dimension> cuts_;
   std::uint64_t number_ = 0;  // of particles of all processes
   std::vector<Partner> partners_;
+  std::vector<MPI_Request> requests_;  // of refresh()
   double planned_depth_ = 0;  // [m]
   double travel_ = 0;         // of all particles since the plan was made [m]
   std::uint64_t planned_revision_ = 0;
@@ -396,8 +474,9 @@ class SharedParticles : public P {
   std::uint64_t planned_constants_ = 0;
   std::uint64_t plans_ = 0;
   bool cuts_anew_ = false;
-  bool must_plan_ = true;
-  bool must_refresh_ = false;
+  // Found by the last reduction.
+  mutable bool must_plan_ = true;
+  mutable bool must_refresh_ = false;
 };
 
 /// The share of this process of particles that all processes have made alike, for up to some 10⁷.

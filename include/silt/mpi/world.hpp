@@ -30,7 +30,10 @@ inline void check(int code, const char* call) {
 /// unless that was done, and MPI_Finalize at its end. What it is given to must not outlive it.
 class World {
  public:
-  World() {
+  World() : World(MPI_COMM_WORLD) {}
+  /// Those of a communicator of the program. Other than that of all processes, it can only be given
+  /// after MPI_Init.
+  explicit World(MPI_Comm processes) {
     int is_initialised = 0;
     MPI_Initialized(&is_initialised);
     if (is_initialised == 0) {
@@ -46,7 +49,7 @@ class World {
            "MPI_THREAD_FUNNELED, or leave it to mpi::World");
     }
     // Own messages, apart from those of the program.
-    detail::check(MPI_Comm_dup(MPI_COMM_WORLD, &communicator_), "MPI_Comm_dup");
+    detail::check(MPI_Comm_dup(processes, &communicator_), "MPI_Comm_dup");
     MPI_Comm_set_errhandler(communicator_, MPI_ERRORS_RETURN);
     MPI_Comm_rank(communicator_, &rank_);
     MPI_Comm_size(communicator_, &size_);
