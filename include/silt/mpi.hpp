@@ -7,3 +7,7 @@
 #include <silt/mpi/messages.hpp>
 #include <silt/mpi/shared_particles.hpp>
 #include <silt/mpi/world.hpp>
+
+#if __has_include(<HYPRE.h>)
+#include <silt/mpi/flow.hpp>
+#endif

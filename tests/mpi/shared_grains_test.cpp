@@ -272,6 +272,90 @@ TEST(SharedGrains, AreFewerThanProcesses) {
   }
 }
 
+// A spring whose force has an error of units.
+struct WrongSpring {
+  template <class C>
+  dem::NormalForce<C> normal_force(const C& contact) const {
+    return {.spring = typename C::Real(1e8) * contact.overlap};
+  }
+  template <class C>
+  double elastic_energy(const C& contact) const {
+    return 1e4 * double(contact.overlap) * double(contact.overlap) / 2;
+  }
+  template <class C>
+  dem::Stiffness stiffness(const C&) const {
+    return {.normal = 1e4};
+  }
+};
+
+// Of all processes together: where space is cut within a pair, no process has both grains.
+TEST(SharedGrains, AreRefusedTheEnergyThatNoSpringHolds) {
+  constexpr double R = 0.01;
+  dem::Grains<3> grains;
+  for (int k = 0; k < 3; ++k) {
+    dem::add_grain(grains, {0.1 * k, 0, 0}, {.radius = R, .density = 2500});
+    dem::add_grain(grains, {0.1 * k + 2 * R + 1e-5, 0, 0}, {.radius = R, .density = 2500});
+    grains[velocity][grains.size() - 1] = {-0.1, 0, 0};
+  }
+  const auto text_of_failure = [](auto simulation) {
+    try {
+      for (int k = 0; k < 10; ++k) simulation.step(4e-5);
+    } catch (const Error& error) {
+      return std::string(error.what());
+    }
+    return std::string("none");
+  };
+  const dem::Contacts contacts{dem::Law{WrongSpring{}}};
+  const auto serial =
+      text_of_failure(Simulation{grains, UniformGrid<3>{}, contacts, Leapfrog{}});
+  const auto shared = text_of_failure(
+      Simulation{mpi::distribute(grains, *world), UniformGrid<3>{}, contacts, Leapfrog{}});
+  const std::string reason = "J in the springs of contacts";
+  const auto numbers = [](const std::string& text) {
+    const auto begin = text.find("the kinetic energy rose");
+    return text.substr(begin, text.find("; of all grains") - begin);
+  };
+  ASSERT_NE(serial.find(reason), std::string::npos) << serial;
+  ASSERT_NE(shared.find(reason), std::string::npos) << shared;
+  EXPECT_EQ(numbers(serial), numbers(shared));
+}
+
+// Some leave the box while a process refuses the step.
+TEST(SharedGrains, ComeBackIfTheStepInWhichTheyEscapedIsRefused) {
+  const auto with_box = [] {
+    auto grains = tower();
+    Box<2> box;
+    box.lower = {-0.1, -1};
+    box.upper = {0.1, 2};
+    box.on_escape = OnEscape::remove;
+    grains.set_box(box);
+    for (Index i = 0; i < grains.size(); ++i) {
+      if (grains.id(i) % 5 == 0) grains[velocity][i] = {grains.id(i) % 2 == 0 ? 4.0 : -4.0, 3};
+    }
+    return grains;
+  };
+  auto serial = simulation_of(with_box(), NeighbourList<2>{});
+  int attempt = 0;
+  Simulation shared{mpi::distribute(with_box(), *world), NeighbourList<2>{},
+                    Forces{Gravity<2>{{0, -9.81}},
+                           dem::Contacts{law, dem::Plane<2>{.normal = {0, 1}}},
+                           Refuses{&attempt, 2}},
+                    Leapfrog{GlobalDamping{.alpha = 0.5}}};
+  for (int k = 0; k < 300; ++k) {
+    serial.step();
+    for (bool is_done = false; !is_done; ++attempt) {
+      try {
+        shared.step(serial.last_time_step());
+        is_done = true;
+      } catch (const Error&) {
+      }
+    }
+    ASSERT_EQ(hash_of(serial.particles(), false), hash_of(shared.particles(), true)) << k;
+  }
+  EXPECT_GT(serial.particles_lost(), 5u);
+  EXPECT_EQ(serial.particles_lost(), world->sum(shared.particles_lost()));
+}
+
 // The first n processes; others get nothing.
 std::unique_ptr<const mpi::World> first_processes(int n) {
   MPI_Comm some = MPI_COMM_NULL;

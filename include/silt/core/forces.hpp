@@ -202,6 +202,10 @@ class Forces {
   void check_step(const P& particles, const FinishedStep& step) const {
     for_each_part([&](const auto& part) { detail::check_step(part, particles, step); });
   }
+  template <class P>
+  void check_energy(const P& particles, const FinishedStep& step) const {
+    for_each_part([&](const auto& part) { detail::check_energy(part, particles, step); });
+  }
 
   /// Writes or reads the state of the parts for a checkpoint, see core/transfer.hpp.
   template <class Archive, class P>

@@ -6,11 +6,14 @@
 #include <silt/core/error.hpp>
 #include <silt/core/types.hpp>
 
+#include <array>
 #include <concepts>
+#include <cstddef>
 #include <exception>
 #include <limits>
 #include <type_traits>
 #include <utility>
+#include <vector>
 
 namespace silt {
 
@@ -20,6 +23,7 @@ struct Largest {
   double displacement = 0;         ///< in the step [m]
   /// The negative of the time step that is chosen [s].
   double minus_time_step = -std::numeric_limits<double>::infinity();
+  double energy_gain = 0;  ///< FinishedStep::max_energy_gain, in core/watch.hpp [-]
   double wanted = 0;  ///< 1 if a process wants what is asked, such as the end of a run
 };
 
@@ -35,26 +39,36 @@ struct Process {
 ///   p.together(f)               calls f(), which returns a Largest, and returns the Largest of all.
 ///                               Throws in all processes if f() does in one, also in calls of
 ///                               together() within f(). May be called for a copy
+///   p.sum(values)               the sums of an array of up to 12 numbers of all processes, likewise
+///   p.largest(values)           of each the largest
 ///   p.report_fault(exception)   makes the next together() throw
-///   p.share(i, radius)          gives particles to the processes that own the space in which they
+///   p.update_halo(i, radius)    gives particles to the processes that own the space in which they
 ///                               are, with what the interaction i remembers of them, and finds the
 ///                               halo for a search with this radius [m], if necessary
 ///   p.finish_step(d, all)       refreshes the halo after a step; d is the largest displacement of the
 ///                               own particles, all.displacement that of all [m]
 ///   p.refresh_halo()            refreshes it within a step
+///   p.exchange<T>(get, set)     calls set(row, value) for all rows of the halo with the values get(i)
+///                               of a type T that the particles have where they are owned
+///   p.exchange_back<T>(get, set)  calls set(i, value) with the values get(row) in all halos that have
+///                               the owned particle i
 ///   p.gather(i)                 moves all particles, and what the interaction i remembers of them, to
 ///                               the first process
 ///   p.keep_own(i)               if every process has all particles, leaves to each its own
 ///   p.depth_of_halo()           it has all particles closer than this to one that is owned [m]
 ///   p.process()                 which process this is
+///   p.world()                   all of them, for libraries that need to know
 template <class P>
 concept Shared = requires(P p, const P q, Largest (*f)(), std::exception_ptr fault) {
   { q.together(f) } -> std::same_as<Largest>;
+  { q.sum(std::array<double, 4>{}) } -> std::same_as<std::array<double, 4>>;
+  { q.largest(std::array<double, 4>{}) } -> std::same_as<std::array<double, 4>>;
   p.report_fault(fault);
   p.finish_step(double{}, Largest{});
   p.refresh_halo();
   { q.depth_of_halo() } -> std::convertible_to<double>;
   { q.process() } -> std::same_as<Process>;
+  q.world();
 };
 
 namespace detail {
@@ -78,6 +92,46 @@ void alone(P& particles, F&& f) {
     }
   } else {
     f();
+  }
+}
+/// Of each number the largest of all processes.
+template <class P, std::size_t N>
+std::array<double, N> largest_of_all([[maybe_unused]] const P& particles,
+                                     const std::array<double, N>& own) {
+  if constexpr (Shared<P>) {
+    return particles.largest(own);
+  } else {
+    return own;
+  }
+}
+template <class P>
+bool any_of_all(const P& particles, bool own) {
+  return largest_of_all(particles, std::array{own ? 1.0 : 0.0})[0] > 0;
+}
+/// Gives the values of owned particles, of an array with elements for the halo as well, to the halo.
+template <class P, class T>
+void share([[maybe_unused]] const P& particles, [[maybe_unused]] std::vector<T>& values) {
+  if constexpr (Shared<P>) {
+    particles.template exchange<T>([&](Index i) -> const T& { return values[i]; },
+                                   [&](Index row, const T& value) { values[row] = value; });
+  }
+}
+/// Adds the values of the halo, of such an array, to those of the owned particles.
+template <class P, class T>
+void add_to_owners([[maybe_unused]] const P& particles, [[maybe_unused]] std::vector<T>& values) {
+  if constexpr (Shared<P>) {
+    particles.template exchange_back<T>([&](Index row) -> const T& { return values[row]; },
+                                        [&](Index i, const T& value) { values[i] += value; });
+  }
+}
+/// The sums of these numbers of all processes.
+template <class P, std::size_t N>
+std::array<double, N> sum_of_all([[maybe_unused]] const P& particles,
+                                 const std::array<double, N>& own) {
+  if constexpr (Shared<P>) {
+    return particles.sum(own);
+  } else {
+    return own;
   }
 }
 template <class P>

@@ -176,6 +176,11 @@ class Simulation {
     bool is_saved = false;
     bool is_result_finite = true;
     Index removed = 0;
+    std::optional<P> before_removal;
+    const auto undo = [&] {
+      if (before_removal) particles_ = std::move(*before_removal);
+      if (is_saved) restore();
+    };
     try {
       prepare([&] {
         require_positive("Simulation: time_step", dt);
@@ -185,9 +190,9 @@ class Simulation {
         }
         set_time(interaction_, time_);
       });
-      double displacement = 0;
+      FinishedStep finished;
       const Largest all = detail::together(particles_, [&] {
-        if constexpr (Shared<P>) particles_.share(interaction_, search_.radius());
+        if constexpr (Shared<P>) particles_.update_halo(interaction_, search_.radius());
         sort();
         save();
         is_saved = true;
@@ -198,27 +203,37 @@ class Simulation {
           is_result_finite = !broken;
           if (broken) detail::fail_after_step(particles_, *broken);
         }
-        displacement = detail::max_displacement_since(travel, particles_);
-        detail::check_step(interaction_, particles_,
-                           {.time = time_,
-                            .time_step = dt,
-                            .max_displacement = displacement,
-                            .max_energy_gain = detail::max_energy_gain_of(integrator_)});
-        if (!is_verified) {
-          detail::check_escaped(particles_);
-          removed = remove_escaped();
-        }
-        return Largest{.displacement = displacement};
+        finished = {.time = time_,
+                    .time_step = dt,
+                    .max_displacement = detail::max_displacement_since(travel, particles_),
+                    .max_energy_gain = detail::max_energy_gain_of(integrator_)};
+        detail::check_step(interaction_, particles_, finished);
+        if constexpr (!Shared<P>) detail::check_energy(interaction_, particles_, finished);
+        if (!is_verified) detail::check_escaped(particles_);
+        return Largest{.displacement = finished.max_displacement,
+                       .energy_gain = particles_.empty() ? 0 : finished.max_energy_gain,
+                       .wanted = !is_verified && must_remove_escaped() ? 1.0 : 0.0};
       });
-      if constexpr (Shared<P>) particles_.finish_step(displacement, all);
+      if constexpr (Shared<P>) {
+        finished.max_energy_gain = all.energy_gain;
+        detail::check_energy(interaction_, particles_, finished);
+      }
+      if (all.wanted > 0) {
+        detail::together(particles_, [&] {
+          before_removal = particles_;
+          removed = remove_escaped();
+          return Largest{};
+        });
+      }
+      if constexpr (Shared<P>) particles_.finish_step(finished.max_displacement, all);
     } catch (const Error& error) {
-      if (is_saved) restore();
+      undo();
       if (!is_result_finite) {
         detail::check_finite_before_step(particles_, {.step = steps_, .time = time_});
       }
       throw error.with_step(steps_, time_);
     } catch (...) {
-      if (is_saved) restore();
+      undo();
       throw;
     }
     particles_lost_ += removed;
@@ -316,22 +331,20 @@ class Simulation {
     }
   }
 
-  // Returns how many there were. If it throws, only the search has changed.
+  auto is_outside() const {
+    return [&box = particles_.box(), x = std::as_const(particles_)[position]](Index i) {
+      return !box.contains(x[i]);
+    };
+  }
+  bool must_remove_escaped() const {
+    return particles_.box().on_escape == OnEscape::remove &&
+           first_where(particles_.size(), is_outside()) != no_index;
+  }
+  // Returns how many there were.
   Index remove_escaped() {
-    const auto& box = particles_.box();
-    if (box.on_escape != OnEscape::remove) return 0;
-    const P& particles = particles_;  // to read its positions does not count as a change of them
-    const auto outside = [&](Index i) { return !box.contains(particles[position][i]); };
-    if (first_where(particles_.size(), outside) == no_index) return 0;
-    P all = particles_;
-    try {
-      const Index removed = particles_.remove_if(outside);
-      search_.update(particles_);  // its indices are out of date
-      return removed;
-    } catch (...) {
-      particles_ = std::move(all);
-      throw;
-    }
+    const Index removed = particles_.remove_if(is_outside());
+    search_.update(particles_);  // its indices are out of date
+    return removed;
   }
 
   P particles_;

@@ -29,6 +29,12 @@ template <class I, class P>
 concept ChecksSteps =
     requires(const I i, const P& p, const FinishedStep& step) { i.check_step(p, step); };
 
+/// The same for what the particles of all processes had together, see core/shared_particles.hpp:
+/// i.check_energy(p, step) is called in all. Models: dem::ContactsOf, Forces.
+template <class I, class P>
+concept ChecksEnergy =
+    requires(const I i, const P& p, const FinishedStep& step) { i.check_energy(p, step); };
+
 /// Number of the first particle whose velocity takes it farther in the step than most(i) [m];
 /// `no_index` if there is none. least_most [m] is at most each of them.
 template <class P, class F>
@@ -75,6 +81,11 @@ double max_energy_gain_of(const T& integrator) {
 template <class I, class P>
 void check_step(const I& interaction, const P& particles, const FinishedStep& step) {
   if constexpr (ChecksSteps<I, P>) interaction.check_step(particles, step);
+}
+/// The same for check_energy().
+template <class I, class P>
+void check_energy(const I& interaction, const P& particles, const FinishedStep& step) {
+  if constexpr (ChecksEnergy<I, P>) interaction.check_energy(particles, step);
 }
 
 }  // namespace detail

@@ -5,6 +5,7 @@
 #include <silt/core/error.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/types.hpp>
+#include <silt/linear/shared_unknowns.hpp>
 #include <silt/linear/window_rows.hpp>
 
 #include <array>
@@ -40,9 +41,24 @@ struct LinearSystem {
   };
   Geometry geometry;
 
-  Index size() const noexcept { return diagonal.size(); }
+  /// If processes share the unknowns; otherwise null.
+  const SharedUnknowns* shared = nullptr;
+  Index columns_of_others = 0;
 
-  /// f(i, (A x)_i) for the rows of one range of rows_together.
+  Index size() const noexcept { return diagonal.size(); }
+  Index columns() const noexcept { return size() + columns_of_others; }
+
+  /// The sum of the values of all processes.
+  double sum_of_all(double own) const {
+    if (shared != nullptr) shared->sum(std::span(&own, 1));
+    return own;
+  }
+  /// Sets the elements of a vector with columns() elements that are of other processes.
+  void refresh(std::vector<double>& x) const {
+    if (shared != nullptr) shared->refresh(x);
+  }
+
+  /// f(i, (A x)_i) for the rows of one range of rows_together; x has columns() elements.
   template <class F>
   void multiply(Index first, Index last, std::span<const double> x, F&& f) const {
     off_diagonal.multiply(first, last, x,
@@ -54,11 +70,15 @@ struct LinearSystem {
     if (closed_bodies == 0) return;
     std::vector<double> sum(closed_bodies + 1, 0);
     std::vector<double> members(closed_bodies + 1, 0);
-    for (Index row = 0; row < v.size(); ++row) {
+    for (Index row = 0; row < size(); ++row) {
       sum[closed_body[row]] += v[row];
       members[closed_body[row]] += 1;
     }
-    for_each(v.size(), [&](Index row) {
+    if (shared != nullptr) {
+      shared->sum(sum);
+      shared->sum(members);
+    }
+    for_each(size(), [&](Index row) {
       const Index body = closed_body[row];
       if (body > 0) v[row] -= sum[body] / members[body];
     });

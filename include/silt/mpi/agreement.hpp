@@ -26,7 +26,7 @@ namespace silt::mpi {
 
 /// What an agreement reduces: some numbers to their largest, others to their sum.
 struct Reduced {
-  static constexpr Index count = 8;
+  static constexpr Index count = 12;
 
   std::array<double, count> largest;
   std::array<double, count> sum{};

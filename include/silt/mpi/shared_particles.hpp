@@ -25,7 +25,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <exception>
 #include <numeric>
 #include <span>
@@ -81,19 +83,48 @@ class SharedParticles : public P {
       numbers.largest = {own.reach,
                          own.displacement,
                          own.minus_time_step,
+                         own.energy_gain,
                          own.wanted,
                          needs_plan() ? 1.0 : 0.0,
                          P::has_state_changed() ? 1.0 : 0.0};
       return numbers;
     }).largest;
-    must_plan_ = all[4] > 0;
-    must_refresh_ = all[5] > 0;
-    return {.reach = all[0], .displacement = all[1], .minus_time_step = all[2], .wanted = all[3]};
+    must_plan_ = all[5] > 0;
+    must_refresh_ = all[6] > 0;
+    return {.reach = all[0],
+            .displacement = all[1],
+            .minus_time_step = all[2],
+            .energy_gain = all[3],
+            .wanted = all[4]};
+  }
+  template <std::size_t N>
+    requires(N <= Reduced::count)
+  std::array<double, N> sum(const std::array<double, N>& own) const {
+    const Reduced all = agree_([&] {
+      Reduced numbers;
+      std::ranges::copy(own, numbers.sum.begin());
+      return numbers;
+    });
+    std::array<double, N> sums;
+    std::copy_n(all.sum.begin(), N, sums.begin());
+    return sums;
+  }
+  template <std::size_t N>
+    requires(N <= Reduced::count)
+  std::array<double, N> largest(const std::array<double, N>& own) const {
+    const Reduced all = agree_([&] {
+      Reduced numbers;
+      std::ranges::copy(own, numbers.largest.begin());
+      return numbers;
+    });
+    std::array<double, N> largest;
+    std::copy_n(all.largest.begin(), N, largest.begin());
+    return largest;
   }
   void report_fault(std::exception_ptr fault) { agree_.report(std::move(fault)); }
 
   template <class I>
-  void share(I& interaction, Real radius) {
+  void update_halo(I& interaction, Real radius) {
     // Enough for the search, and for a skin of a twentieth of its radius.
     if (must_plan_ || !(depth_of_halo() >= 1.05 * double(radius))) {
       plan(interaction, double(radius));
@@ -143,6 +174,28 @@ class SharedParticles : public P {
       return history;
     });
     P::remove_if([&](Index i) { return !is_own[i]; });
+  }
+  template <class T, class Get, class Set>
+  void exchange(const Get& get, const Set& set) const {
+    exchange_rows<T>(
+        [](const Partner& each) { return each.sent.size(); },
+        [](const Partner& each, Index k) { return Index(each.sent[k]); },
+        [](const Partner& each) { return each.received; },
+        [](const Partner& each, Index k) { return each.first_received + k; }, get, set);
+  }
+  template <class T, class Get, class Set>
+  void exchange_back(const Get& get, const Set& set) const {
+    exchange_rows<T>(
+        [](const Partner& each) { return each.received; },
+        [](const Partner& each, Index k) { return each.first_received + k; },
+        [](const Partner& each) { return each.sent.size(); },
+        [](const Partner& each, Index k) { return Index(each.sent[k]); }, get, set);
+  }
+  /// Also to the halo, from the owners.
+  template <Field... F>
+  void refresh_ghosts(F... fields) {
+    (exchange_field(fields), ...);
+    P::refresh_ghosts(fields...);
   }
   /// Space is cut anew in the next step, as it is when particles are unevenly divided. To be called by
   /// all processes.
@@ -267,7 +320,7 @@ class SharedParticles : public P {
     } else if constexpr (requires { interaction.set_history(*this, interaction.history(*this)); }) {
       interaction.set_history(*this, change(interaction.history(*this)));
     } else {
-      static_assert(!Transactional<I>,
+      static_assert(!Transactional<I> || requires { requires !I::remembers_particles; },
                     "silt::mpi: this interaction has state that does not migrate between "
                     "processes yet (contacts do)");
     }
@@ -374,6 +427,57 @@ class SharedParticles : public P {
           for (int k = 0; k < dimension; ++k) at[k] += shifts[Index(k)][Index(chosen[Index(k)])];
           cuts_.add_owners_of(at.array() - depth, at.array() + depth, processes);
         }
+      }
+    }
+  }
+
+  template <class F>
+  void exchange_field(F field) {
+    using T = value_of<F, dimension, Real>;
+    const auto values = P::halo_to_change(field);
+    exchange<T>([&](Index i) -> T { return values[i]; },
+                [&](Index row, const T& value) { values[row] = value; });
+  }
+  template <class T, class SentCount, class Sent, class ReceivedCount, class Received, class Get,
+            class Set>
+  void exchange_rows(const SentCount& sent_count, const Sent& sent,
+                     const ReceivedCount& received_count, const Received& received,
+                     const Get& get, const Set& set) const {
+    constexpr int tag = 3;
+    const MPI_Comm communicator = world_->communicator();
+    std::vector<Bytes> to(partners_.size()), from(partners_.size());
+    std::vector<MPI_Request> requests;
+    agree_([&] {
+      for (Index k = 0; k < partners_.size(); ++k) {
+        to[k].resize(Index(detail::count_of(sent_count(partners_[k]) * sizeof(T))));
+        from[k].resize(Index(detail::count_of(received_count(partners_[k]) * sizeof(T))));
+      }
+      requests.reserve(2 * partners_.size());
+      return Reduced();
+    });
+    for (Index k = 0; k < partners_.size(); ++k) {
+      if (from[k].empty()) continue;
+      detail::check(MPI_Irecv(from[k].data(), int(from[k].size()), MPI_BYTE, partners_[k].process,
+                              tag, communicator, &requests.emplace_back()),
+                    "MPI_Irecv");
+    }
+    for (Index k = 0; k < partners_.size(); ++k) {
+      if (to[k].empty()) continue;
+      for (Index n = 0; n < sent_count(partners_[k]); ++n) {
+        const T value = get(sent(partners_[k], n));
+        std::memcpy(&to[k][n * sizeof(T)], static_cast<const void*>(&value), sizeof(T));
+      }
+      detail::check(MPI_Isend(to[k].data(), int(to[k].size()), MPI_BYTE, partners_[k].process, tag,
+                              communicator, &requests.emplace_back()),
+                    "MPI_Isend");
+    }
+    detail::check(MPI_Waitall(int(requests.size()), requests.data(), MPI_STATUSES_IGNORE),
+                  "MPI_Waitall");
+    for (Index k = 0; k < partners_.size(); ++k) {
+      for (Index n = 0; n < received_count(partners_[k]); ++n) {
+        T value;
+        std::memcpy(static_cast<void*>(&value), &from[k][n * sizeof(T)], sizeof(T));
+        set(received(partners_[k], n), value);
       }
     }
   }

@@ -42,6 +42,8 @@ class BasicFlow {
   using Real = RealType;
   using Vec = silt::Vec<Dim, Real>;
   using Settings = FlowSettings<Dim, Scheme>;
+  /// Its state is that of the fluid as a whole.
+  static constexpr bool remembers_particles = false;
   static constexpr bool needs_moved_particles = SourceOf<Scheme>::needs_moved_particles;
 
   /// Throws if a setting, also of the solver, is out of range.

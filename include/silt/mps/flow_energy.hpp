@@ -13,10 +13,12 @@
 #pragma once
 
 #include <silt/core/parallel.hpp>
+#include <silt/core/shared_particles.hpp>
 #include <silt/core/types.hpp>
 #include <silt/mps/fluid.hpp>
 #include <silt/mps/step_changes.hpp>
 
+#include <array>
 #include <vector>
 
 namespace silt::mps {
@@ -65,7 +67,7 @@ class EnergyAccount {
   const FlowEnergy& energy() const noexcept { return energy_; }
   double mass() const noexcept { return properties_.mass; }  ///< of a particle [kg]
 
-  /// Current kinetic and potential energy; no work.
+  /// Current kinetic and potential energy of the particles of this process; no work.
   template <FluidParticles P>
   FlowEnergy of(const P& particles) const {
     const auto u = particles[velocity];
@@ -85,7 +87,7 @@ class EnergyAccount {
   /// To be called before a step changes any velocity.
   template <FluidParticles P>
   void begin(const P& particles) {
-    const FlowEnergy found = of(particles);
+    const FlowEnergy found = of_all(particles);
     if (has_begun_) {
       energy_.added += found.kinetic - energy_.kinetic + (found.potential - energy_.potential);
     } else {
@@ -105,7 +107,7 @@ class EnergyAccount {
     const auto kinds = particles[kind];
     const Vec gravity_change = Real(dt) * properties_.gravity;  // rounded as in the predictor
     const Wide g = wide(properties_.gravity);
-    const Work work = ordered_sum(particles.size(), Work{}, [&](Index i) {
+    const Work own = ordered_sum(particles.size(), Work{}, [&](Index i) {
       if (kinds[i] != Kind::fluid) return Work{};
       const Wide predicted = change_of(changes.predictor, i);
       const Wide forced =
@@ -122,7 +124,17 @@ class EnergyAccount {
                   .pressure = pressed.dot(mean),
                   .shifting = -g.dot(change_of(changes.shift, i))};
     });
-    const FlowEnergy found = of(particles);
+    const auto sums = silt::detail::sum_of_all(
+        particles, std::array{own.gravity, own.viscosity, own.force, own.friction, own.collision,
+                              own.pressure, own.shifting});
+    const Work work{.gravity = sums[0],
+                    .viscosity = sums[1],
+                    .force = sums[2],
+                    .friction = sums[3],
+                    .collision = sums[4],
+                    .pressure = sums[5],
+                    .shifting = sums[6]};
+    const FlowEnergy found = of_all(particles);
     energy_.by_viscosity += properties_.mass * work.viscosity;
     energy_.by_force += properties_.mass * work.force;
     energy_.by_friction += properties_.mass * work.friction;
@@ -185,6 +197,16 @@ class EnergyAccount {
     }
   };
 
+  // Those of all processes.
+  template <class P>
+  FlowEnergy of_all(const P& particles) const {
+    const FlowEnergy own = of(particles);
+    const auto [kinetic, potential] =
+        silt::detail::sum_of_all(particles, std::array{own.kinetic, own.potential});
+    FlowEnergy energy{.kinetic = kinetic, .potential = potential};
+    energy.initial = energy.total();
+    return energy;
+  }
   static Wide wide(const Vec& v) { return v.template cast<double>(); }
   static Wide change_of(const std::vector<Vec>& changes, Index i) {
     return changes.empty() ? Wide(Wide::Zero()) : wide(changes[i]);

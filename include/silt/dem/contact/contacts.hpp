@@ -119,9 +119,8 @@ class ContactsOf : public Contacts<Law, Walls...> {
     state_.given_history.reset();
   }
 
-  /// Throws if a grain or a wall moved too far in the step, see ContactSettings::max_displacement,
-  /// if the step is too long for a vibrating wall, or if contacts gave more energy than they had,
-  /// see ContactSettings::max_energy_gain. Called by Simulation.
+  /// Throws if a grain or a wall moved too far in the step, see ContactSettings::max_displacement, or
+  /// if the step is too long for a vibrating wall. Called by Simulation.
   void check_step(const P& grains, const FinishedStep& step) const {
     if (grains.empty()) return;
     const double smallest = double(radii_of(grains).smallest);
@@ -129,9 +128,12 @@ class ContactsOf : public Contacts<Law, Walls...> {
     if constexpr (WallSet<Walls...>::move) {
       detail::check_motion_of_walls(walls_, state_.last.list->extent, smallest, settings_, step);
     }
-    // Energy passes between the grains of processes.
-    if constexpr (ContactsOfStep::knows_springs && !Shared<P>) {
-      if (state_.last.count == 0) return;
+  }
+  /// Throws if contacts gave more energy than they had, see ContactSettings::max_energy_gain. Called
+  /// by Simulation.
+  void check_energy(const P& grains, const FinishedStep& step) const {
+    if constexpr (ContactsOfStep::knows_springs) {
+      if (!Shared<P> && state_.last.count == 0) return;
       detail::check_energy(
           grains, state_.last.grains.rows(), settings_, step,
           [this](const P& before, const P& mean) { return results_for(before).energy(mean); });

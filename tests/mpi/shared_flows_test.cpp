@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: MIT
+// Flows that processes share, against the same flow in one process. Started by mpirun with any number
+// of processes.
+#include <silt/mpi.hpp>
+#include <silt/mps.hpp>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace silt::test::shared_flows_test {
+namespace {
+
+const mpi::World* world = nullptr;
+
+template <class Scheme, int Dim>
+using SerialFlow = mps::Flow<Scheme, Dim>;
+template <class Scheme, int Dim>
+using SharedFlow = mpi::Flow<Scheme, Dim>;
+
+template <class Flow, class P, class Settings>
+auto simulation_of(P particles, const Settings& settings) {
+  const SolveSettings exact{.tolerance = 1e-12};
+  const auto flow = [&] {
+    if constexpr (Shared<P>) {
+      return Flow{settings, ConjugateGradient<mpi::BoomerAmg>{exact}};
+    } else {
+      return Flow{settings, mps::PressureSolver<P::dimension>{exact}};
+    }
+  };
+  return Simulation{std::move(particles), UniformGrid<P::dimension>{}, flow(), SemiImplicit<>{}};
+}
+
+// Largest difference of the positions [m], by ids.
+template <class P, class Q>
+double difference(const P& all, const Q& own) {
+  double most = 0;
+  for (Index i = 0; i < own.size(); ++i) {
+    const Index j = all.index_of(own.id(i));
+    if (j == no_index) return 1e300;
+    most = std::max(most, double((own[position][i] - all[position][j]).norm()));
+  }
+  return world->max(most);
+}
+
+template <class Scheme, int Dim>
+void expect_same(const auto& tank, const mps::FlowSettings<Dim, Scheme>& settings, int steps,
+                 double tolerance) {
+  auto serial = simulation_of<SerialFlow<Scheme, Dim>>(tank, settings);
+  auto shared = simulation_of<SharedFlow<Scheme, Dim>>(mpi::distribute(tank, *world), settings);
+  for (int k = 0; k < steps; ++k) {
+    if (k % 37 == 36) shared.particles().cut_anew();
+    serial.step();
+    shared.step(serial.last_time_step());
+    const double found = difference(serial.particles(), shared.particles());
+    ASSERT_LT(found, tolerance) << k;
+    ASSERT_EQ(world->sum(double(shared.particles().size())), double(serial.particles().size()));
+  }
+  EXPECT_NEAR(serial.interaction().energy().kinetic, shared.interaction().energy().kinetic,
+              1e-6 * std::abs(serial.interaction().energy().kinetic));
+  if (world->is_first()) {
+    std::printf("%d and %d iterations\n", int(serial.interaction().last_solve().iterations),
+                int(shared.interaction().last_solve().iterations));
+  }
+}
+
+TEST(SharedFlows, AreAsInOneProcess) {
+  constexpr double l0 = 0.04;
+  const auto tank = mps::make_tank<mps::Recommended, 2>(
+      {.column = {0.4, 0.8}, .size = {.length = 1.6, .height = 1.2}, .spacing = l0});
+  expect_same<mps::Recommended, 2>(
+      tank.particles,
+      {.spacing = l0, .density = 1000, .speed_scale = 2.8, .walls = tank.walls}, 50, 1e-9);
+}
+
+}  // namespace
+}  // namespace silt::test::shared_flows_test
+
+int main(int argc, char** argv) {
+  const silt::mpi::World world;
+  silt::test::shared_flows_test::world = &world;
+  testing::InitGoogleTest(&argc, argv);
+  if (!world.is_first()) {
+    auto& listeners = testing::UnitTest::GetInstance()->listeners();
+    delete listeners.Release(listeners.default_result_printer());
+  }
+  const int failed = RUN_ALL_TESTS();
+  return int(world.max(double(failed)));
+}
