@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <numbers>
 #include <string>
 #include <utility>
 #include <vector>
@@ -76,6 +77,56 @@ TEST(SharedFlows, AreAsInOneProcess) {
   expect_same<mps::Recommended, 2>(
       tank.particles,
       {.spacing = l0, .density = 1000, .speed_scale = 2.8, .walls = tank.walls}, 50, 1e-9);
+}
+
+TEST(SharedFlows, AreAsInOneProcessIn3D) {
+  constexpr double l0 = 0.08;
+  const auto tank = mps::make_tank<mps::Recommended, 3>(
+      {.column = {0.4, 0.4},
+       .size = {.length = 0.8, .height = 0.8, .depth = 0.4},
+       .spacing = l0});
+  expect_same<mps::Recommended, 3>(
+      tank.particles,
+      {.spacing = l0, .density = 1000, .speed_scale = 2, .walls = tank.walls}, 20, 1e-9);
+}
+
+TEST(SharedFlows, WithWallsOfParticlesAreAsInOneProcess) {
+  constexpr double l0 = 0.04;
+  const auto tank = mps::make_tank(mps::Tank<2>{
+      .column = {0.4, 0.8}, .size = {.length = 1.0, .height = 1.0}, .spacing = l0});
+  expect_same<mps::Case10, 2>(tank, {.spacing = l0, .density = 1000, .speed_scale = 2.8}, 40, 1e-9);
+  expect_same<mps::RecommendedForWallParticles, 2>(
+      tank, {.spacing = l0, .density = 1000, .speed_scale = 2.8}, 40, 1e-9);
+  // Particles are moved, and searched for, twice in a step.
+  expect_same<mps::Case00, 2>(tank, {.spacing = l0, .density = 1000, .speed_scale = 2.8}, 20, 1e-9);
+}
+
+// Parts of the closed bodies are in several processes.
+TEST(SharedFlows, WithoutAFreeSurfaceAreAsInOneProcess) {
+  constexpr double l0 = 0.04;
+  const auto full = mps::make_tank(mps::Tank<2>{.column = {0.4, 0.4},
+                                                .size = {.length = 0.4, .height = 0.4},
+                                                .spacing = l0,
+                                                .lid = true});
+  expect_same<mps::Case10, 2>(full, {.spacing = l0, .max_time_step = 1e-3}, 20, 1e-9);
+
+  constexpr double k = 2 * std::numbers::pi;
+  constexpr int along = 20;
+  mps::Fluid<2> vortices;
+  vortices.set_box({.lower = {0, 0}, .upper = {1, 1}, .periodic = {true, true}});
+  for (const auto& x : lattice<2>({{0, 0}, {1, 1}}, 1.0 / along)) {
+    mps::add_particle(vortices, x, mps::Kind::fluid);
+    vortices[velocity][vortices.size() - 1] = {-std::cos(k * x[0]) * std::sin(k * x[1]),
+                                               std::sin(k * x[0]) * std::cos(k * x[1])};
+  }
+  expect_same<mps::Case10, 2>(vortices,
+                              {.spacing = 1.0 / along,
+                               .viscosity = 0.01,
+                               .gravity = Vec<2>::Zero(),
+                               .max_time_step = 1e-3,
+                               .source = {.gamma = 0},
+                               .collision = {.distance = 0}},
+                              20, 1e-9);
 }
 
 }  // namespace

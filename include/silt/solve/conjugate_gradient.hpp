@@ -38,7 +38,7 @@ class ConjugateGradient {
   /// reported in SolveReport::reason.
   SolveReport solve(const LinearSystem& system, std::vector<double>& x) {
     const Index n = system.size();
-    SolveReport report{.unknowns = n};
+    SolveReport report{.unknowns = Index(system.sum_of_all(double(n)))};
     const double size_of_b =
         std::sqrt(system.sum_of_all(dot(system.right_side, system.right_side)));
     if (size_of_b == 0) {
