@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Flows that processes share, against the same flow in one process. Started by mpirun with any number
 // of processes.
+#include <silt/io/checkpoint.hpp>
 #include <silt/mpi.hpp>
 #include <silt/mps.hpp>
 
@@ -9,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <numbers>
 #include <string>
 #include <utility>
@@ -127,6 +129,130 @@ TEST(SharedFlows, WithoutAFreeSurfaceAreAsInOneProcess) {
                                .source = {.gamma = 0},
                                .collision = {.distance = 0}},
                               20, 1e-9);
+}
+
+// Fails in one process, when asked, in each phase of a step in turn.
+struct Trouble {
+  enum Phase { none, friction, collision, source, shifting, number_of_phases };
+  static inline int phase = none;
+  static inline int process = 0;
+
+  static void in(Phase here) {
+    if (here == phase && world->rank() == process) fail("trouble in phase " + std::to_string(here));
+  }
+};
+struct TroubledFriction : mps::PairFriction {
+  template <int Dim, class Real>
+  struct InFlow : mps::PairFriction::InFlow<Dim, Real> {
+    using Base = mps::PairFriction::InFlow<Dim, Real>;
+    explicit InFlow(const TroubledFriction& friction) : Base(friction) {}
+    template <class Step>
+    void find(const Step& step) {
+      Trouble::in(Trouble::friction);
+      Base::find(step);
+    }
+  };
+};
+struct TroubledCollision : mps::KeepApart {
+  template <class Pair>
+  auto velocity_change(const Pair& pair) const {
+    Trouble::in(Trouble::collision);
+    return mps::KeepApart::velocity_change(pair);
+  }
+};
+struct TroubledSource : mps::BalancedSource {
+  template <class View>
+  double value(const View& at) const {
+    Trouble::in(Trouble::source);
+    return mps::BalancedSource::value(at);
+  }
+};
+struct TroubledShifting : mps::ParticleShifting {
+  template <class View>
+  auto displacement(const View& at) const {
+    Trouble::in(Trouble::shifting);
+    return mps::ParticleShifting::displacement(at);
+  }
+};
+struct Troubled : mps::Recommended {
+  TroubledFriction friction;
+  TroubledSource source;
+  TroubledCollision collision{mps::KeepApart{.image_distance = 0.7}};
+  TroubledShifting shifting;
+};
+
+TEST(SharedFlows, AreAsBeforeInAllProcessesIfOneFailsInAnyPhase) {
+  constexpr double l0 = 0.04;
+  const auto tank = mps::make_tank<mps::Recommended, 2>(
+      {.column = {0.4, 0.8}, .size = {.length = 1.0, .height = 1.0}, .spacing = l0});
+  const mps::FlowSettings<2, Troubled> settings{
+      .spacing = l0, .density = 1000, .speed_scale = 2.8, .walls = tank.walls};
+  auto calm = simulation_of<SharedFlow<Troubled, 2>>(mpi::distribute(tank.particles, *world),
+                                                     settings);
+  auto troubled = simulation_of<SharedFlow<Troubled, 2>>(mpi::distribute(tank.particles, *world),
+                                                         settings);
+  int refused = 0;
+  for (int k = 0; k < 20; ++k) {
+    calm.step();
+    Trouble::phase = 1 + k % (Trouble::number_of_phases - 1);
+    Trouble::process = k % world->size();
+    try {
+      troubled.step(calm.last_time_step());
+    } catch (const Error& error) {
+      ++refused;
+      const std::string message = error.what();
+      EXPECT_NE(message.find("trouble in phase " + std::to_string(Trouble::phase)),
+                std::string::npos)
+          << message;
+      Trouble::phase = Trouble::none;
+      troubled.step(calm.last_time_step());
+    }
+    Trouble::phase = Trouble::none;
+    ASSERT_EQ(calm.steps(), troubled.steps());
+    double most = 0;
+    for (Index i = 0; i < troubled.particles().size(); ++i) {
+      const Index j = calm.particles().index_of(troubled.particles().id(i));
+      ASSERT_LT(j, calm.particles().size());
+      most = std::max(most, (calm.particles()[position][j] - troubled.particles()[position][i])
+                                .norm());
+    }
+    ASSERT_EQ(most, 0) << k;
+  }
+  EXPECT_GE(refused, 10);
+}
+
+TEST(SharedFlows, ContinueFromCheckpointsOnAnyNumberOfProcesses) {
+  constexpr double l0 = 0.04;
+  const std::filesystem::path file = "shared_flows_" + std::to_string(world->size()) + ".silt";
+  const auto tank = mps::make_tank<mps::Recommended, 2>(
+      {.column = {0.4, 0.8}, .size = {.length = 1.0, .height = 1.0}, .spacing = l0});
+  const mps::FlowSettings<2, mps::Recommended> settings{
+      .spacing = l0, .density = 1000, .speed_scale = 2.8, .walls = tank.walls};
+  auto serial = simulation_of<SerialFlow<mps::Recommended, 2>>(tank.particles, settings);
+  for (int k = 0; k < 10; ++k) serial.step();
+  if (world->is_first()) write_checkpoint(file, serial);
+  world->sum(0.0);
+  auto shared = simulation_of<SharedFlow<mps::Recommended, 2>>(
+      mpi::distribute(tank.particles, *world), settings);
+  read_checkpoint(file, shared);
+  for (int k = 0; k < 10; ++k) {
+    serial.step();
+    shared.step(serial.last_time_step());
+  }
+  EXPECT_LT(difference(serial.particles(), shared.particles()), 1e-9);
+  write_checkpoint(file, shared);
+  auto again = simulation_of<SerialFlow<mps::Recommended, 2>>(tank.particles, settings);
+  world->sum(0.0);
+  read_checkpoint(file, again);
+  for (int k = 0; k < 10; ++k) {
+    serial.step();
+    again.step(serial.last_time_step());
+  }
+  EXPECT_LT(difference(serial.particles(), again.particles()), 1e-9);
+  EXPECT_NEAR(serial.interaction().energy().by_pressure, again.interaction().energy().by_pressure,
+              1e-6 * serial.interaction().energy().kinetic);
+  world->sum(0.0);
+  if (world->is_first()) std::filesystem::remove(file);
 }
 
 }  // namespace
