@@ -31,7 +31,7 @@ auto simulation_of(P particles, const Settings& settings) {
   const SolveSettings exact{.tolerance = 1e-12};
   const auto flow = [&] {
     if constexpr (Shared<P>) {
-      return Flow{settings, ConjugateGradient<mpi::BoomerAmg>{exact}};
+      return Flow{settings, mpi::PressureSolver<P::dimension>{exact}};
     } else {
       return Flow{settings, mps::PressureSolver<P::dimension>{exact}};
     }

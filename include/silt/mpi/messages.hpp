@@ -66,6 +66,35 @@ inline int count_of(Index bytes) {
 }
 }  // namespace detail
 
+/// Bytes to and from another process, which knows their numbers.
+struct Transfer {
+  int process;
+  Bytes to = {};
+  Bytes from = {};
+};
+
+/// Does all transfers. To be called by all processes that take part, after an agreement; throws nothing
+/// but errors of MPI if `requests` has memory for two of each.
+inline void do_transfers(const World& world, std::span<Transfer> transfers,
+                         std::vector<MPI_Request>& requests) {
+  constexpr int tag = 2;
+  requests.clear();
+  for (Transfer& each : transfers) {
+    if (each.from.empty()) continue;
+    detail::check(MPI_Irecv(each.from.data(), int(each.from.size()), MPI_BYTE, each.process, tag,
+                            world.communicator(), &requests.emplace_back()),
+                  "MPI_Irecv");
+  }
+  for (const Transfer& each : transfers) {
+    if (each.to.empty()) continue;
+    detail::check(MPI_Isend(each.to.data(), int(each.to.size()), MPI_BYTE, each.process, tag,
+                            world.communicator(), &requests.emplace_back()),
+                  "MPI_Isend");
+  }
+  detail::check(MPI_Waitall(int(requests.size()), requests.data(), MPI_STATUSES_IGNORE),
+                "MPI_Waitall");
+}
+
 /// Sends the messages, and returns those that others have sent to this process, by their numbers.
 /// To be called by all, also if there are none. Throws in all if a process is out of memory.
 inline std::vector<Message> exchange_messages(const World& world, const Agreement& agree,

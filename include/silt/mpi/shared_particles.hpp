@@ -215,9 +215,6 @@ class SharedParticles : public P {
     std::vector<std::uint32_t> sent;
     Index first_received = 0;  // row
     Index received = 0;
-    // Of refresh(), which allocates nothing.
-    Writer to = {};
-    Bytes from = {};
   };
 
   // Whether the plan does not fit the particles: some were added or removed, or the program has
@@ -443,40 +440,28 @@ class SharedParticles : public P {
   void exchange_rows(const SentCount& sent_count, const Sent& sent,
                      const ReceivedCount& received_count, const Received& received,
                      const Get& get, const Set& set) const {
-    constexpr int tag = 3;
-    const MPI_Comm communicator = world_->communicator();
-    std::vector<Bytes> to(partners_.size()), from(partners_.size());
+    std::vector<Transfer> transfers;
     std::vector<MPI_Request> requests;
     agree_([&] {
-      for (Index k = 0; k < partners_.size(); ++k) {
-        to[k].resize(Index(detail::count_of(sent_count(partners_[k]) * sizeof(T))));
-        from[k].resize(Index(detail::count_of(received_count(partners_[k]) * sizeof(T))));
+      for (const Partner& each : partners_) {
+        const int to = detail::count_of(sent_count(each) * sizeof(T));
+        const int from = detail::count_of(received_count(each) * sizeof(T));
+        transfers.push_back({each.process, Bytes(Index(to)), Bytes(Index(from))});
       }
       requests.reserve(2 * partners_.size());
       return Reduced();
     });
     for (Index k = 0; k < partners_.size(); ++k) {
-      if (from[k].empty()) continue;
-      detail::check(MPI_Irecv(from[k].data(), int(from[k].size()), MPI_BYTE, partners_[k].process,
-                              tag, communicator, &requests.emplace_back()),
-                    "MPI_Irecv");
-    }
-    for (Index k = 0; k < partners_.size(); ++k) {
-      if (to[k].empty()) continue;
       for (Index n = 0; n < sent_count(partners_[k]); ++n) {
         const T value = get(sent(partners_[k], n));
-        std::memcpy(&to[k][n * sizeof(T)], static_cast<const void*>(&value), sizeof(T));
+        std::memcpy(&transfers[k].to[n * sizeof(T)], static_cast<const void*>(&value), sizeof(T));
       }
-      detail::check(MPI_Isend(to[k].data(), int(to[k].size()), MPI_BYTE, partners_[k].process, tag,
-                              communicator, &requests.emplace_back()),
-                    "MPI_Isend");
     }
-    detail::check(MPI_Waitall(int(requests.size()), requests.data(), MPI_STATUSES_IGNORE),
-                  "MPI_Waitall");
+    do_transfers(*world_, transfers, requests);
     for (Index k = 0; k < partners_.size(); ++k) {
       for (Index n = 0; n < received_count(partners_[k]); ++n) {
         T value;
-        std::memcpy(static_cast<void*>(&value), &from[k][n * sizeof(T)], sizeof(T));
+        std::memcpy(static_cast<void*>(&value), &transfers[k].from[n * sizeof(T)], sizeof(T));
         set(received(partners_[k], n), value);
       }
     }
@@ -491,39 +476,32 @@ class SharedParticles : public P {
   void prepare_refresh() {
     Index bytes = 0;
     each_state([&]<class F>(F) { bytes += sizeof(value_of<F, dimension, Real>); });
-    for (Partner& each : partners_) {
-      each.to.bytes().reserve(Index(detail::count_of(each.sent.size() * bytes)));
-      each.from.resize(Index(detail::count_of(each.received * bytes)));
+    transfers_.clear();
+    for (const Partner& each : partners_) {
+      const int to = detail::count_of(each.sent.size() * bytes);
+      const int from = detail::count_of(each.received * bytes);
+      transfers_.push_back({each.process, Bytes(Index(to)), Bytes(Index(from))});
     }
     requests_.reserve(2 * partners_.size());
   }
   // The state of the halo. After an agreement; throws nothing but errors of MPI.
   void refresh() {
-    constexpr int tag = 2;
-    const MPI_Comm communicator = world_->communicator();
-    requests_.clear();
-    for (Partner& each : partners_) {
-      if (each.from.empty()) continue;
-      detail::check(MPI_Irecv(each.from.data(), int(each.from.size()), MPI_BYTE, each.process, tag,
-                              communicator, &requests_.emplace_back()),
-                    "MPI_Irecv");
-    }
-    for (Partner& each : partners_) {
-      Bytes& bytes = each.to.bytes();
-      bytes.clear();
-      each_state([&](auto field) {
-        for (const std::uint32_t i : each.sent) write_value(each.to, field, i);
+    for (Index k = 0; k < partners_.size(); ++k) {
+      std::byte* to = transfers_[k].to.data();
+      each_state([&]<class F>(F field) {
+        using T = value_of<F, dimension, Real>;
+        const auto values = P::with_halo(field);
+        for (const std::uint32_t i : partners_[k].sent) {
+          const T value = values[i];
+          std::memcpy(to, static_cast<const void*>(&value), sizeof(T));
+          to += sizeof(T);
+        }
       });
-      if (bytes.empty()) continue;
-      detail::check(MPI_Isend(bytes.data(), int(bytes.size()), MPI_BYTE, each.process, tag,
-                              communicator, &requests_.emplace_back()),
-                    "MPI_Isend");
     }
-    detail::check(MPI_Waitall(int(requests_.size()), requests_.data(), MPI_STATUSES_IGNORE),
-                  "MPI_Waitall");
-    for (const Partner& each : partners_) {
-      Reader read(each.from);
-      each_state([&](auto field) { read_values(read, field, each); });
+    do_transfers(*world_, transfers_, requests_);
+    for (Index k = 0; k < partners_.size(); ++k) {
+      Reader read(transfers_[k].from);
+      each_state([&](auto field) { read_values(read, field, partners_[k]); });
     }
     P::note_state();
   }
@@ -570,7 +548,9 @@ class SharedParticles : public P {
   Cuts<dimension> cuts_;
   std::uint64_t number_ = 0;  // of particles of all processes
   std::vector<Partner> partners_;
-  std::vector<MPI_Request> requests_;  // of refresh()
+  // Of refresh(), which allocates nothing.
+  std::vector<Transfer> transfers_;
+  std::vector<MPI_Request> requests_;
   double planned_depth_ = 0;  // [m]
   double travel_ = 0;         // of all particles since the plan was made [m]
   std::uint64_t planned_revision_ = 0;
