@@ -42,7 +42,8 @@ struct Process {
 ///   p.sum(values)               the sums of an array of up to 12 numbers of all processes, likewise
 ///   p.largest(values)           of each the largest
 ///   p.report_fault(exception)   makes the next together() throw
-///   p.update_halo(i, radius)    gives particles to the processes that own the space in which they
+///   p.moved_since_halo()        how far an own particle has moved since the halo was found [m]
+///   p.update_halo(i, radius, m) with the largest m of these of all processes, gives particles to the processes that own the space in which they
 ///                               are, with what the interaction i remembers of them, and finds the
 ///                               halo for a search with this radius [m], if necessary
 ///   p.finish_step(d, all)       refreshes the halo after a step; d is the largest displacement of the

@@ -182,7 +182,7 @@ class Simulation {
       if (is_saved) restore();
     };
     try {
-      prepare([&] {
+      [[maybe_unused]] const Largest before = prepare([&] {
         require_positive("Simulation: time_step", dt);
         if (time_ + dt == time_) {
           fail("Simulation: time_step = " + to_text(dt) +
@@ -192,7 +192,9 @@ class Simulation {
       });
       FinishedStep finished;
       const Largest all = detail::together(particles_, [&] {
-        if constexpr (Shared<P>) particles_.update_halo(interaction_, search_.radius());
+        if constexpr (Shared<P>) {
+          particles_.update_halo(interaction_, search_.radius(), before.displacement);
+        }
         sort();
         save();
         is_saved = true;
@@ -275,12 +277,14 @@ class Simulation {
 
   // Calls check(). The search radius must be at least the interaction range.
   template <class Check = void (*)()>
-  void prepare(Check&& check = [] {}) {
+  Largest prepare(Check&& check = [] {}) {
     const Largest all = detail::together(particles_, [&] {
       check();
       const auto own = double(interaction_.reach(particles_));
       require_not_negative("Simulation: interaction range", own);
-      return Largest{.reach = own};
+      Largest largest{.reach = own};
+      if constexpr (Shared<P>) largest.displacement = particles_.moved_since_halo();
+      return largest;
     });
     const auto reach = static_cast<typename P::Real>(all.reach);
     if (chooses_radius_) {
@@ -290,6 +294,7 @@ class Simulation {
            " m is smaller than the interaction range, " + to_text(double(reach)) +
            " m; increase it, or do not set it");
     }
+    return all;
   }
 
   // Search radius if the interaction range is 0: arbitrary, but with its skin it must fit into a

@@ -15,8 +15,11 @@
 #include <silt/core/concepts.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/fields.hpp>
+#include <silt/core/nearest_image.hpp>
+#include <silt/core/parallel.hpp>
 #include <silt/core/particles.hpp>
 #include <silt/core/shared_particles.hpp>
+#include <silt/core/travel.hpp>
 #include <silt/core/types.hpp>
 #include <silt/mpi/agreement.hpp>
 #include <silt/mpi/cuts.hpp>
@@ -25,10 +28,12 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <exception>
+#include <limits>
 #include <numeric>
 #include <span>
 #include <string>
@@ -37,6 +42,18 @@
 #include <vector>
 
 namespace silt::mpi {
+
+namespace detail {
+/// How far an interaction moves particles within a step before it needs their neighbours again [m].
+template <class I>
+double max_move_within_step(const I& interaction) {
+  if constexpr (requires { interaction.max_move_within_step(); }) {
+    return interaction.max_move_within_step();
+  } else {
+    return 0;
+  }
+}
+}  // namespace detail
 
 /// P, a Particles, as a part of the particles of all processes. Made by distribute().
 template <class P>
@@ -57,14 +74,18 @@ class SharedParticles : public P {
 
   void reorder(std::span<const Index> order) {
     std::vector<std::uint32_t> now(order.size());
-    const bool is_planned = !needs_plan();
+    const double moved = moved_since_halo();
     P::reorder(order);
-    if (!is_planned) return;
+    if (!is_finite(moved)) return;
     for (Index i = 0; i < order.size(); ++i) now[order[i]] = std::uint32_t(i);
     for (Partner& each : partners_) {
       for (std::uint32_t& i : each.sent) i = now[i];
     }
+    std::vector<Vec> planned(order.size());
+    for (Index i = 0; i < order.size(); ++i) planned[i] = planned_positions_[order[i]];
+    planned_positions_ = std::move(planned);
     note_plan();
+    planned_travel_.distance -= moved;
   }
 
   // Begins a step, see Particles.
@@ -123,17 +144,31 @@ class SharedParticles : public P {
   }
   void report_fault(std::exception_ptr fault) { agree_.report(std::move(fault)); }
 
+  /// How far an own particle has moved since the halo was found, at least [m]; infinite if it does not
+  /// fit the particles.
+  double moved_since_halo() const {
+    if (needs_plan()) return std::numeric_limits<double>::infinity();
+    const Travel now = P::travel();
+    if (now.epoch == planned_travel_.epoch) return now.distance - planned_travel_.distance;
+    const auto x = std::as_const(*this)[position];
+    const NearestImage<dimension, Real> image(P::box());
+    return std::sqrt(silt::largest(x.size(), 0.0, [&](Index i) {
+      return double(image(Vec(x[i] - planned_positions_[i])).squaredNorm());
+    }));
+  }
   template <class I>
-  void update_halo(I& interaction, Real radius) {
+  void update_halo(I& interaction, Real radius, double moved) {
+    moved_ = moved;
     // Enough for the search, and for a skin of a twentieth of its radius.
-    if (must_plan_ || !(depth_of_halo() >= 1.05 * double(radius))) {
-      plan(interaction, double(radius));
+    const double moves_in_step = detail::max_move_within_step(interaction);
+    const double least = 1.05 * double(radius) + 2 * moves_in_step;
+    if (must_plan_ || !(depth_of_halo() >= least)) {
+      plan(interaction, 1.5 * double(radius) + 2 * moves_in_step);
     } else if (must_refresh_) {
       refresh();
     }
   }
   void finish_step(double displacement, const Largest& all) {
-    travel_ += all.displacement;
     if (must_plan_) return;  // particles were removed
     P::add_travel(std::max(0.0, all.displacement - displacement));
     refresh();
@@ -206,7 +241,7 @@ class SharedParticles : public P {
   /// How often the halo was found.
   std::uint64_t plans() const noexcept { return plans_; }
   Process process() const noexcept { return {world_->rank(), world_->size()}; }
-  double depth_of_halo() const noexcept { return planned_depth_ - 2 * travel_; }
+  double depth_of_halo() const noexcept { return planned_depth_ - 2 * moved_; }
 
  private:
   // A process with particles near some of ours: we send it rows, and receive others.
@@ -217,15 +252,15 @@ class SharedParticles : public P {
     Index received = 0;
   };
 
-  // Whether the plan does not fit the particles: some were added or removed, or the program has
-  // moved one, or has changed a constant.
+  // Whether the plan does not fit the particles: some were added or removed, or the program has changed
+  // a constant.
   bool needs_plan() const {
-    return planned_revision_ != P::owned_revision() || planned_epoch_ != P::travel().epoch ||
+    return planned_revision_ != P::owned_revision() ||
            planned_constants_ != P::constants_revision();
   }
 
   template <class I>
-  void plan(I& interaction, double radius) {
+  void plan(I& interaction, double depth) {
     planned_revision_ = 0;
     partners_.clear();
     const Count count = count_particles();
@@ -234,16 +269,18 @@ class SharedParticles : public P {
       cut_if_uneven(count);
       migrate(interaction, [this](const auto& x) { return cuts_.owner_of(x); });
     }
-    find_halo(1.5 * radius);
-    planned_depth_ = 1.5 * radius;
-    travel_ = 0;
+    find_halo(depth);
+    planned_depth_ = depth;
+    moved_ = 0;
+    const auto x = std::as_const(*this)[position];
+    planned_positions_.assign(x.begin(), x.end());
     ++plans_;
     note_plan();
     P::note_state();
   }
   void note_plan() {
     planned_revision_ = P::owned_revision();
-    planned_epoch_ = P::travel().epoch;
+    planned_travel_ = P::travel();
     planned_constants_ = P::constants_revision();
   }
 
@@ -552,9 +589,10 @@ class SharedParticles : public P {
   std::vector<Transfer> transfers_;
   std::vector<MPI_Request> requests_;
   double planned_depth_ = 0;  // [m]
-  double travel_ = 0;         // of all particles since the plan was made [m]
+  double moved_ = 0;          // by a particle since the plan was made [m]
+  std::vector<Vec> planned_positions_;
   std::uint64_t planned_revision_ = 0;
-  std::uint64_t planned_epoch_ = 0;
+  Travel planned_travel_;
   std::uint64_t planned_constants_ = 0;
   std::uint64_t plans_ = 0;
   bool cuts_anew_ = false;

@@ -83,6 +83,11 @@ class BasicFlow {
     return operators_.reach();
   }
 
+  /// How far particles are moved before their neighbours are found again [m], see check_step().
+  double max_move_within_step() const noexcept {
+    return needs_moved_particles ? settings_.spacing : 0;
+  }
+
   /// Limits of the next time step [s].
   template <FluidParticles P>
   TimeStepLimits time_step_limits(const P& particles) const {
