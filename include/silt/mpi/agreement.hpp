@@ -17,7 +17,6 @@
 #include <cstdint>
 #include <exception>
 #include <limits>
-#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -34,23 +33,22 @@ struct Reduced {
   Reduced() { largest.fill(-std::numeric_limits<double>::infinity()); }
 };
 
-/// Copies share what is reported, and whether all have thrown.
 class Agreement {
  public:
-  explicit Agreement(const World& world) : world_(&world), state_(std::make_shared<State>()) {}
+  explicit Agreement(const World& world) : world_(&world) {}
 
   /// f() returns a Reduced; returns that of all processes. Throws in all if f() does in one: there
   /// what f() threw, elsewhere an Error with its message. f() may contain other agreements.
   template <class F>
   Reduced operator()(F&& f) const {
     Reduced own;
-    std::exception_ptr fault = std::exchange(state_->reported, nullptr);
-    state_->have_all_thrown = false;
+    std::exception_ptr fault = std::exchange(world_->faults().reported, nullptr);
+    world_->faults().have_all_thrown = false;
     if (!fault) {
       try {
         own = f();
       } catch (...) {
-        if (state_->have_all_thrown) throw;  // in an agreement within f()
+        if (world_->faults().have_all_thrown) throw;  // in an agreement within f()
         fault = std::current_exception();
       }
     }
@@ -62,14 +60,10 @@ class Agreement {
   }
   /// The next agreement throws.
   void report(std::exception_ptr fault) const {
-    if (!state_->reported) state_->reported = std::move(fault);
+    if (!world_->faults().reported) world_->faults().reported = std::move(fault);
   }
 
  private:
-  struct State {
-    std::exception_ptr reported;
-    bool have_all_thrown = false;
-  };
   // As it is reduced: first the largest, then the sums.
   struct Message {
     double failed = 0;  // number of processes, minus the rank, of the first one that failed
@@ -91,7 +85,7 @@ class Agreement {
                                 world_->communicator()),
                   "MPI_Allreduce");
     if (received.failed > 0) {
-      state_->have_all_thrown = true;
+      world_->faults().have_all_thrown = true;
       rethrow(fault, world_->size() - int(received.failed), -received.minus_stable_time_step);
     }
     return received.numbers;
@@ -167,7 +161,6 @@ class Agreement {
   }
 
   const World* world_;
-  std::shared_ptr<State> state_;
 };
 
 }  // namespace silt::mpi

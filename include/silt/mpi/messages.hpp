@@ -14,6 +14,7 @@
 #include <limits>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace silt::mpi {
@@ -55,6 +56,16 @@ struct Message {
   int process;
   Bytes bytes;
 };
+
+/// What was written for each process, where this is anything. The writers are empty afterwards.
+inline std::vector<Message> messages_of(std::vector<Writer>& writers) {
+  std::vector<Message> messages;
+  for (Index process = 0; process < writers.size(); ++process) {
+    if (writers[process].bytes().empty()) continue;
+    messages.push_back({int(process), std::move(writers[process].bytes())});
+  }
+  return messages;
+}
 
 namespace detail {
 inline int count_of(Index bytes) {

@@ -12,7 +12,6 @@
 // moved by a part of the radius.
 #pragma once
 
-#include <silt/core/concepts.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/fields.hpp>
 #include <silt/core/nearest_image.hpp>
@@ -23,7 +22,9 @@
 #include <silt/core/types.hpp>
 #include <silt/mpi/agreement.hpp>
 #include <silt/mpi/cuts.hpp>
+#include <silt/mpi/halo_rows.hpp>
 #include <silt/mpi/messages.hpp>
+#include <silt/mpi/pair_memory.hpp>
 #include <silt/mpi/world.hpp>
 
 #include <algorithm>
@@ -65,7 +66,7 @@ class SharedParticles : public P {
 
   /// `own` are those of this process; no other has one of the same ids.
   SharedParticles(P own, const World& world)
-      : P(std::move(own)), world_(&world), agree_(world), cuts_(world) {}
+      : P(std::move(own)), world_(&world), agree_(world), cuts_(world), rows_(world, agree_) {}
 
   const World& world() const noexcept { return *world_; }
 
@@ -73,14 +74,10 @@ class SharedParticles : public P {
   Index add(const Vec&) = delete;
 
   void reorder(std::span<const Index> order) {
-    std::vector<std::uint32_t> now(order.size());
     const double moved = moved_since_halo();
     P::reorder(order);
     if (!is_finite(moved)) return;
-    for (Index i = 0; i < order.size(); ++i) now[order[i]] = std::uint32_t(i);
-    for (Partner& each : partners_) {
-      for (std::uint32_t& i : each.sent) i = now[i];
-    }
+    rows_.reorder(order);
     std::vector<Vec> planned(order.size());
     for (Index i = 0; i < order.size(); ++i) planned[i] = planned_positions_[order[i]];
     planned_positions_ = std::move(planned);
@@ -204,7 +201,7 @@ class SharedParticles : public P {
       const Index i = P::index_of(id);
       return i != no_index && is_own[i];
     };
-    change_memory(interaction, [&](auto history) {
+    change_memory(interaction, *this, [&](auto history) {
       history.keep_if([&](Id a, Id b) { return is_of_own(a) || is_of_own(b); });
       return history;
     });
@@ -212,19 +209,11 @@ class SharedParticles : public P {
   }
   template <class T, class Get, class Set>
   void exchange(const Get& get, const Set& set) const {
-    exchange_rows<T>(
-        [](const Partner& each) { return each.sent.size(); },
-        [](const Partner& each, Index k) { return Index(each.sent[k]); },
-        [](const Partner& each) { return each.received; },
-        [](const Partner& each, Index k) { return each.first_received + k; }, get, set);
+    rows_.template exchange<T>(get, set);
   }
   template <class T, class Get, class Set>
   void exchange_back(const Get& get, const Set& set) const {
-    exchange_rows<T>(
-        [](const Partner& each) { return each.received; },
-        [](const Partner& each, Index k) { return each.first_received + k; },
-        [](const Partner& each) { return each.sent.size(); },
-        [](const Partner& each, Index k) { return Index(each.sent[k]); }, get, set);
+    rows_.template exchange_back<T>(get, set);
   }
   /// Also to the halo, from the owners.
   template <Field... F>
@@ -244,14 +233,6 @@ class SharedParticles : public P {
   double depth_of_halo() const noexcept { return planned_depth_ - 2 * moved_; }
 
  private:
-  // A process with particles near some of ours: we send it rows, and receive others.
-  struct Partner {
-    int process;
-    std::vector<std::uint32_t> sent;
-    Index first_received = 0;  // row
-    Index received = 0;
-  };
-
   // Whether the plan does not fit the particles: some were added or removed, or the program has changed
   // a constant.
   bool needs_plan() const {
@@ -262,7 +243,7 @@ class SharedParticles : public P {
   template <class I>
   void plan(I& interaction, double depth) {
     planned_revision_ = 0;
-    partners_.clear();
+    rows_.partners().clear();
     const Count count = count_particles();
     number_ = count.all;
     if (number_ > 0) {
@@ -320,7 +301,10 @@ class SharedParticles : public P {
     const int rank = world_->rank();
     std::vector<int> owners(P::local());
     for (Index i = 0; i < owners.size(); ++i) owners[i] = owner_of(point(i));
-    change_memory(interaction, [&](const auto& history) { return migrated(history, owners); });
+    change_memory(interaction, *this, [&](const auto& history) {
+      return migrated(history, *this, owners, *world_,
+                      [this](auto& writers) { return exchange(writers); });
+    });
     std::vector<Writer> writers(Index(world_->size()));
     for (Index i = 0; i < P::size(); ++i) {
       if (owners[i] == rank) continue;
@@ -344,50 +328,6 @@ class SharedParticles : public P {
       fail("mpi: there are " + std::to_string(now) + " particles instead of " +
            std::to_string(number_) + " after some moved to other processes; please report it");
     }
-  }
-
-  // Replaces what the interaction remembers of pairs by change(history), see PairHistory.
-  template <class I, class F>
-  void change_memory(I& interaction, const F& change) {
-    if constexpr (requires { interaction.for_each_part([](auto&) {}); }) {
-      interaction.for_each_part([&](auto& part) { change_memory(part, change); });
-    } else if constexpr (requires { interaction.set_history(*this, interaction.history(*this)); }) {
-      interaction.set_history(*this, change(interaction.history(*this)));
-    } else {
-      static_assert(!Transactional<I> || requires { requires !I::remembers_particles; },
-                    "silt::mpi: this interaction has state that does not migrate between "
-                    "processes yet (contacts do)");
-    }
-  }
-  // Sent to the new owners of both particles of a pair: by the process that owns the one with the
-  // lower id, and, if that does not know the other yet, by the process that owns the other.
-  template <class History>
-  History migrated(const History& history, const std::vector<int>& owners) const {
-    std::vector<typename History::Entry> kept;
-    std::vector<Writer> writers(Index(world_->size()));
-    history.for_each_pair([&](Id a, Id b, const auto& value) {
-      const typename History::Entry entry{a, b, value};
-      const Index first = P::index_of(a), second = P::index_of(b);
-      const bool owns_first = first < P::size(), owns_second = second < P::size();
-      const auto send = [&](int process) {
-        if (process == world_->rank()) {
-          kept.push_back(entry);
-        } else {
-          writers[Index(process)](entry);
-        }
-      };
-      if (owns_first) send(owners[first]);
-      if (owns_second || (owns_first && second != no_index)) send(owners[second]);
-    });
-    for (const Message& message : exchange(writers)) {
-      Reader read(message.bytes);
-      while (!read.is_at_end()) read(kept.emplace_back());
-    }
-    const auto ids = [](const auto& entry) { return std::pair(entry.owner, entry.partner); };
-    std::ranges::sort(kept, {}, ids);
-    const auto repeated = std::ranges::unique(kept, {}, ids);
-    kept.erase(repeated.begin(), repeated.end());
-    return History(std::move(kept));
   }
 
   void find_halo(double depth) {
@@ -421,23 +361,18 @@ class SharedParticles : public P {
     P::set_halo(ids);
     Index row = P::size();
     for (Index process = 0; process < near.size(); ++process) {
-      if (!near[process].empty()) partners_.push_back({int(process), std::move(near[process])});
+      if (near[process].empty()) continue;
+      rows_.partners().push_back({int(process), std::move(near[process])});
     }
     for (const Message& message : messages) {
-      Partner& partner = partner_with(message.process);
+      HaloRows::Partner& partner = rows_.partner_with(message.process);
       partner.first_received = row;
       partner.received = message.bytes.size() / bytes;
       row += partner.received;
       Reader read(std::span(message.bytes).subspan(partner.received * sizeof(Id)));
       each_field([&](auto field) { read_values(read, field, partner); });
     }
-    prepare_refresh();
-  }
-  Partner& partner_with(int process) {
-    for (Partner& each : partners_) {
-      if (each.process == process) return each;
-    }
-    return partners_.emplace_back(Partner{process, {}});
+    rows_.prepare_refresh(bytes_of_state());
   }
   // Also those that are near across a periodic side.
   void add_processes_near(const silt::Vec<dimension>& x, double depth,
@@ -472,74 +407,35 @@ class SharedParticles : public P {
     exchange<T>([&](Index i) -> T { return values[i]; },
                 [&](Index row, const T& value) { values[row] = value; });
   }
-  template <class T, class SentCount, class Sent, class ReceivedCount, class Received, class Get,
-            class Set>
-  void exchange_rows(const SentCount& sent_count, const Sent& sent,
-                     const ReceivedCount& received_count, const Received& received,
-                     const Get& get, const Set& set) const {
-    std::vector<Transfer> transfers;
-    std::vector<MPI_Request> requests;
-    agree_([&] {
-      for (const Partner& each : partners_) {
-        const int to = detail::count_of(sent_count(each) * sizeof(T));
-        const int from = detail::count_of(received_count(each) * sizeof(T));
-        transfers.push_back({each.process, Bytes(Index(to)), Bytes(Index(from))});
-      }
-      requests.reserve(2 * partners_.size());
-      return Reduced();
-    });
-    for (Index k = 0; k < partners_.size(); ++k) {
-      for (Index n = 0; n < sent_count(partners_[k]); ++n) {
-        const T value = get(sent(partners_[k], n));
-        std::memcpy(&transfers[k].to[n * sizeof(T)], static_cast<const void*>(&value), sizeof(T));
-      }
-    }
-    do_transfers(*world_, transfers, requests);
-    for (Index k = 0; k < partners_.size(); ++k) {
-      for (Index n = 0; n < received_count(partners_[k]); ++n) {
-        T value;
-        std::memcpy(static_cast<void*>(&value), &transfers[k].from[n * sizeof(T)], sizeof(T));
-        set(received(partners_[k], n), value);
-      }
-    }
-  }
-
   template <class F>
   void each_state(F&& f) const {
     each_field([&]<class Field>(Field field) {
       if constexpr (role_of<Field>() == Role::state) f(field);
     });
   }
-  void prepare_refresh() {
+  Index bytes_of_state() const {
     Index bytes = 0;
     each_state([&]<class F>(F) { bytes += sizeof(value_of<F, dimension, Real>); });
-    transfers_.clear();
-    for (const Partner& each : partners_) {
-      const int to = detail::count_of(each.sent.size() * bytes);
-      const int from = detail::count_of(each.received * bytes);
-      transfers_.push_back({each.process, Bytes(Index(to)), Bytes(Index(from))});
-    }
-    requests_.reserve(2 * partners_.size());
+    return bytes;
   }
   // The state of the halo. After an agreement; throws nothing but errors of MPI.
   void refresh() {
-    for (Index k = 0; k < partners_.size(); ++k) {
-      std::byte* to = transfers_[k].to.data();
+    const P& particles = *this;
+    const auto write = [&](std::byte* to, const std::vector<std::uint32_t>& rows) {
       each_state([&]<class F>(F field) {
         using T = value_of<F, dimension, Real>;
-        const auto values = P::with_halo(field);
-        for (const std::uint32_t i : partners_[k].sent) {
+        const auto values = particles.with_halo(field);
+        for (const std::uint32_t i : rows) {
           const T value = values[i];
           std::memcpy(to, static_cast<const void*>(&value), sizeof(T));
           to += sizeof(T);
         }
       });
-    }
-    do_transfers(*world_, transfers_, requests_);
-    for (Index k = 0; k < partners_.size(); ++k) {
-      Reader read(transfers_[k].from);
-      each_state([&](auto field) { read_values(read, field, partners_[k]); });
-    }
+    };
+    rows_.refresh(write, [this](const Bytes& from, const HaloRows::Partner& partner) {
+      Reader read(from);
+      each_state([&](auto field) { read_values(read, field, partner); });
+    });
     P::note_state();
   }
 
@@ -564,7 +460,7 @@ class SharedParticles : public P {
     values[i] = value;
   }
   template <class F>
-  void read_values(Reader& read, F field, const Partner& partner) {
+  void read_values(Reader& read, F field, const HaloRows::Partner& partner) {
     const auto values = P::halo_to_change(field);
     for (Index k = 0; k < partner.received; ++k) {
       read_value(read, values, partner.first_received + k);
@@ -572,22 +468,14 @@ class SharedParticles : public P {
   }
   // Sends what was written for each process, and returns what others have written for this one.
   std::vector<Message> exchange(std::vector<Writer>& writers) const {
-    std::vector<Message> messages;
-    for (Index process = 0; process < writers.size(); ++process) {
-      if (writers[process].bytes().empty()) continue;
-      messages.push_back({int(process), std::move(writers[process].bytes())});
-    }
-    return exchange_messages(*world_, agree_, messages);
+    return exchange_messages(*world_, agree_, messages_of(writers));
   }
 
   const World* world_;
   Agreement agree_;
   Cuts<dimension> cuts_;
   std::uint64_t number_ = 0;  // of particles of all processes
-  std::vector<Partner> partners_;
-  // Of refresh(), which allocates nothing.
-  std::vector<Transfer> transfers_;
-  std::vector<MPI_Request> requests_;
+  HaloRows rows_;
   double planned_depth_ = 0;  // [m]
   double moved_ = 0;          // by a particle since the plan was made [m]
   std::vector<Vec> planned_positions_;

@@ -68,6 +68,13 @@ class World {
   bool is_first() const noexcept { return rank_ == 0; }
   MPI_Comm communicator() const noexcept { return communicator_; }
 
+  /// Of the agreements of its processes, see agreement.hpp.
+  struct Faults {
+    std::exception_ptr reported;  ///< which the next agreement throws in all
+    bool have_all_thrown = false;
+  };
+  Faults& faults() const noexcept { return faults_; }
+
   // Of the values of all processes, in all processes. To be called by all.
 
   double sum(double value) const { return reduce(value, MPI_DOUBLE, MPI_SUM); }
@@ -99,6 +106,7 @@ class World {
   int rank_ = 0;
   int size_ = 1;
   bool finalizes_ = false;
+  mutable Faults faults_;
 };
 
 }  // namespace silt::mpi

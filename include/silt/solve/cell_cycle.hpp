@@ -29,8 +29,6 @@ class CellCycle {
   using Level = CellLevel<Dim>;
   /// Maximum number of cells of a direct solve, so that its matrix needs no heap memory.
   static constexpr int max_direct = CellMultigridSettings::max_direct;
-  // Minimum mass of a cell over the sum of its conductances, on the finest level.
-  static constexpr float min_mass = 1e-6f;
 
   CellCycle() = default;
   explicit CellCycle(const CellMultigridSettings& settings) : settings_(settings) {}
@@ -42,7 +40,7 @@ class CellCycle {
     return levels_[0];
   }
   void prepare() {
-    finest().finish(min_mass);
+    finest().finish(CellMultigridSettings::min_mass);
     used_ = 1;
     while (coarsest().size() > settings_.max_coarsest_cells && coarsen()) {
     }
@@ -67,7 +65,7 @@ class CellCycle {
     if (coarsenings_.size() < used_) coarsenings_.emplace_back();
     Level& coarse = levels_[used_];
     if (!coarsenings_[used_ - 1].build(levels_[used_ - 1], coarse)) return false;
-    coarse.finish(min_mass * std::pow(4.0f, float(used_)));
+    coarse.finish(CellMultigridSettings::min_mass * std::pow(4.0f, float(used_)));
     ++used_;
     return true;
   }

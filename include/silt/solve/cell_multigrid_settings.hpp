@@ -9,6 +9,8 @@ namespace silt {
 struct CellMultigridSettings {
   /// Most cells that are solved for directly.
   static constexpr int max_direct = 64;
+  /// Least mass of a cell over the sum of its conductances, on the finest level.
+  static constexpr float min_mass = 1e-6f;
 
   double cell_size = 2;  ///< edge of the finest cells, in particle spacings [-]
   /// Rows with a smaller diagonal, relative to that of a full neighbourhood, are not part of
