@@ -80,6 +80,7 @@ class Agreement {
       sent.failed = world_->size() - world_->rank();
       if (const auto stable = stable_time_step_of(fault)) sent.minus_stable_time_step = -*stable;
     }
+    ++world_->traffic().reductions;
     const Operation operation;
     detail::check(MPI_Allreduce(&sent, &received, 1, operation.type, operation.reduce,
                                 world_->communicator()),

@@ -98,6 +98,8 @@ inline void do_transfers(const World& world, std::span<Transfer> transfers,
   }
   for (const Transfer& each : transfers) {
     if (each.to.empty()) continue;
+    ++world.traffic().messages;
+    world.traffic().bytes += each.to.size();
     detail::check(MPI_Isend(each.to.data(), int(each.to.size()), MPI_BYTE, each.process, tag,
                             world.communicator(), &requests.emplace_back()),
                   "MPI_Isend");
@@ -140,6 +142,8 @@ inline std::vector<Message> exchange_messages(const World& world, const Agreemen
                   "MPI_Irecv");
   }
   for (const Message& each : to_others) {
+    ++world.traffic().messages;
+    world.traffic().bytes += each.bytes.size();
     detail::check(MPI_Isend(each.bytes.data(), int(each.bytes.size()), MPI_BYTE, each.process, tag,
                             world.communicator(), &requests.emplace_back()),
                   "MPI_Isend");

@@ -68,6 +68,14 @@ class World {
   bool is_first() const noexcept { return rank_ == 0; }
   MPI_Comm communicator() const noexcept { return communicator_; }
 
+  /// What this process has sent so far to others.
+  struct Traffic {
+    std::uint64_t messages = 0;
+    std::uint64_t bytes = 0;
+    std::uint64_t reductions = 0;
+  };
+  Traffic& traffic() const noexcept { return traffic_; }
+
   /// Of the agreements of its processes, see agreement.hpp.
   struct Faults {
     std::exception_ptr reported;  ///< which the next agreement throws in all
@@ -107,6 +115,7 @@ class World {
   int size_ = 1;
   bool finalizes_ = false;
   mutable Faults faults_;
+  mutable Traffic traffic_;
 };
 
 }  // namespace silt::mpi
