@@ -8,11 +8,15 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
+#include <limits>
 #include <memory>
+#include <random>
 #include <string>
 #include <utility>
 #include <vector>
@@ -269,6 +273,84 @@ TEST(SharedGrains, AreFewerThanProcesses) {
       shared.step(1e-5);
     }
     EXPECT_EQ(hash_of(serial.particles(), false), hash_of(shared.particles(), true)) << n;
+  }
+}
+
+struct NoInteraction {};
+
+// Every process sees every pair of which it owns a grain, once.
+template <int Dim>
+void expect_all_pairs(const std::vector<Vec<Dim>>& points, const Box<Dim>& box, double radius) {
+  Particles<Dim, double> all;
+  all.set_box(box);
+  for (const auto& x : points) all.add(x);
+  auto shared = mpi::distribute(all, *world);
+  NoInteraction none;
+  // Also after all have moved by less than the halo allows for.
+  for (const double moved : {std::numeric_limits<double>::infinity(), 0.2 * radius}) {
+    shared.together([] { return Largest{}; });
+    shared.update_halo(none, radius, moved);
+    UniformGrid<Dim> search;
+    search.set_radius(radius);
+    search.update(shared);
+    const NearestImage<Dim, double> image(box);
+    for (Index i = 0; i < shared.size(); ++i) {
+      std::vector<Id> found, expected;
+      search.for_each_neighbour(i, [&](Index j, const auto&, auto) {
+        found.push_back(shared.id(shared.owner(j)));
+      });
+      for (Index j = 0; j < all.size(); ++j) {
+        if (all.id(j) == shared.id(i)) continue;
+        const Vec<Dim> r = image(Vec<Dim>(all[position][j] - std::as_const(shared)[position][i]));
+        if (r.norm() < radius) expected.push_back(all.id(j));
+      }
+      std::ranges::sort(found);
+      std::ranges::sort(expected);
+      ASSERT_EQ(found, expected) << i;
+    }
+    EXPECT_EQ(shared.plans(), 1u);
+    // The same move everywhere, by an own rule for each.
+    std::vector<Vec<Dim>> now;
+    for (Index i = 0; i < all.size(); ++i) {
+      const double angle = double(all.id(i) * 7 % 13);
+      Vec<Dim> by = Vec<Dim>::Zero();
+      by[0] = 0.19 * radius * std::cos(angle);
+      by[1] = 0.19 * radius * std::sin(angle);
+      now.push_back(all[position][i] + by);
+    }
+    for (Index i = 0; i < all.size(); ++i) all[position][i] = now[i];
+    for (Index i = 0; i < shared.size(); ++i) {
+      shared[position][i] = now[all.index_of(shared.id(i))];
+    }
+  }
+}
+TEST(SharedGrains, SeeAllPairsOnce) {
+  std::mt19937 random(5);
+  const auto in = [&](double length) {
+    return std::uniform_real_distribution<double>(0, length)(random);
+  };
+  for (const bool periodic : {false, true}) {
+    Box<2> plane;
+    Box<3> space;
+    if (periodic) {
+      plane = {.lower = {0, 0}, .upper = {1, 1}, .periodic = {true, true}};
+      space = {.lower = {0, 0, 0}, .upper = {1, 1, 1}, .periodic = {true, false, true}};
+    }
+    std::vector<Vec<2>> even, cluster, line, few;
+    std::vector<Vec<3>> in_space;
+    for (int k = 0; k < 300; ++k) {
+      even.push_back({in(1), in(1)});
+      cluster.push_back(k < 290 ? Vec<2>(0.5 + in(0.001), 0.5 + in(0.001)) : Vec<2>(in(1), in(1)));
+      line.push_back({in(1), 0.5});
+      in_space.push_back({in(1), in(1), in(1)});
+    }
+    for (int k = 0; k < 2; ++k) few.push_back({in(1), in(1)});
+    expect_all_pairs<2>(even, plane, 0.1);
+    expect_all_pairs<2>(even, plane, 0.3);  // thicker than what a process owns
+    expect_all_pairs<2>(cluster, plane, 0.05);
+    expect_all_pairs<2>(line, plane, 0.05);
+    expect_all_pairs<2>(few, plane, 0.3);
+    expect_all_pairs<3>(in_space, space, 0.2);
   }
 }
 

@@ -57,6 +57,8 @@ struct Process {
 ///                               the first process
 ///   p.keep_own(i)               if every process has all particles, leaves to each its own
 ///   p.depth_of_halo()           it has all particles closer than this to one that is owned [m]
+///   p.exchange_of(place_of)     an exchange(x), a P::ElementExchange, that gives elements of vectors to
+///                               the halo: place_of(row) is the element of a row, or no_index
 ///   p.process()                 which process this is
 ///   p.world()                   all of them, for libraries that need to know
 template <class P>

@@ -10,7 +10,9 @@
 
 #include <array>
 #include <concepts>
+#include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -41,21 +43,24 @@ struct LinearSystem {
   };
   Geometry geometry;
 
-  /// If processes share the unknowns; otherwise null.
-  const SharedUnknowns* shared = nullptr;
+  /// If processes share the unknowns.
+  std::optional<SharedUnknowns> shared;
   Index columns_of_others = 0;
 
   Index size() const noexcept { return diagonal.size(); }
   Index columns() const noexcept { return size() + columns_of_others; }
 
-  /// The sum of the values of all processes.
-  double sum_of_all(double own) const {
-    if (shared != nullptr) shared->sum(std::span(&own, 1));
+  /// The sums of the values of all processes.
+  template <std::size_t N>
+  std::array<double, N> sum_of_all(std::array<double, N> own) const {
+    if (shared) shared->sum(own);
     return own;
   }
-  /// Sets the elements of a vector with columns() elements that are of other processes.
+  double sum_of_all(double own) const { return sum_of_all(std::array{own})[0]; }
+  /// Sets the elements of a vector with columns() elements that are of other processes. To be called
+  /// after a sum.
   void refresh(std::vector<double>& x) const {
-    if (shared != nullptr) shared->refresh(x);
+    if (shared) shared->refresh(x);
   }
 
   /// f(i, (A x)_i) for the rows of one range of rows_together; x has columns() elements.
@@ -74,7 +79,7 @@ struct LinearSystem {
       sum[closed_body[row]] += v[row];
       members[closed_body[row]] += 1;
     }
-    if (shared != nullptr) {
+    if (shared) {
       shared->sum(sum);
       shared->sum(members);
     }

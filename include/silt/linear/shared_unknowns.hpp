@@ -3,28 +3,22 @@
 // unknowns; the columns of others come after its own.
 #pragma once
 
-#include <silt/core/types.hpp>
-
+#include <functional>
 #include <span>
 #include <vector>
 
 namespace silt {
 
-class SharedUnknowns {
- public:
-  virtual ~SharedUnknowns() = default;
-
-  // To be called by all processes in the same order. They throw in all if one has failed.
-
-  /// Sets the elements of x, one for each column, that are of others.
-  virtual void refresh(std::vector<double>& x) const = 0;
-  /// Replaces each value by the sum of those of all processes.
-  virtual void sum(std::span<double> values) const = 0;
-  /// By the largest.
-  virtual void largest(std::span<double> values) const = 0;
+/// To be called by all processes in the same order. Reductions throw in all if one has failed.
+struct SharedUnknowns {
+  /// Sets the elements of x, one for each column, that are of others. To be called after a reduction,
+  /// so that no process fails before it.
+  std::function<void(std::vector<double>& x)> refresh;
+  /// Reductions: replace each value by the sum, or the largest, of those of all processes.
+  std::function<void(std::span<double> values)> sum, largest;
   /// What the processes are, for solvers that use another library: of particles that
   /// mpi::distribute() has made, the mpi::World.
-  virtual const void* processes() const = 0;
+  const void* processes = nullptr;
 };
 
 }  // namespace silt

@@ -57,6 +57,69 @@ class HaloRows {
     exchange<T>(RowsOfHalo{}, OwnRows{}, get, set);
   }
 
+  /// Exchanges elements of vectors, for which all memory is there.
+  class ElementExchange {
+   public:
+    /// Gives the elements of own rows to the elements of the halo of others. After an agreement; throws
+    /// nothing but errors of MPI.
+    void operator()(std::vector<double>& x) {
+      for (Index k = 0; k < partners_.size(); ++k) {
+        std::byte* to = transfers_[k].to.data();
+        for (const Index place : partners_[k].sent) {
+          std::memcpy(to, &x[place], sizeof(double));
+          to += sizeof(double);
+        }
+      }
+      do_transfers(*world_, transfers_, requests_);
+      for (Index k = 0; k < partners_.size(); ++k) {
+        const std::byte* from = transfers_[k].from.data();
+        for (const Index place : partners_[k].received) {
+          std::memcpy(&x[place], from, sizeof(double));
+          from += sizeof(double);
+        }
+      }
+    }
+
+   private:
+    friend class HaloRows;
+    struct Places {
+      std::vector<Index> sent, received;
+    };
+
+    const World* world_ = nullptr;
+    std::vector<Places> partners_;
+    std::vector<Transfer> transfers_;
+    std::vector<MPI_Request> requests_;
+  };
+  /// For vectors in which place_of(row) is the element of a row, own or of the halo, or no_index, in all
+  /// processes that have it.
+  template <class PlaceOf>
+  ElementExchange elements(const PlaceOf& place_of) const {
+    ElementExchange exchange;
+    exchange.world_ = world_;
+    agree_([&] {
+      for (const Partner& each : partners_) {
+        const auto places = [&](const auto& rows) {
+          std::vector<Index> found;
+          for (Index k = 0; k < rows.count(each); ++k) {
+            const Index place = place_of(rows.row(each, k));
+            if (place != no_index) found.push_back(place);
+          }
+          return found;
+        };
+        const auto& all =
+            exchange.partners_.emplace_back(typename ElementExchange::Places{
+                places(OwnRows{}), places(RowsOfHalo{})});
+        const int to = detail::count_of(all.sent.size() * sizeof(double));
+        const int from = detail::count_of(all.received.size() * sizeof(double));
+        exchange.transfers_.push_back({each.process, Bytes(Index(to)), Bytes(Index(from))});
+      }
+      exchange.requests_.reserve(2 * partners_.size());
+      return Reduced();
+    });
+    return exchange;
+  }
+
   /// Memory for refresh(), with so many bytes for each row.
   void prepare_refresh(Index bytes) {
     transfers_ = transfers(OwnRows{}, RowsOfHalo{}, bytes);

@@ -43,7 +43,7 @@ class SharedCellCycle {
 
   std::vector<Cell> share(const LinearSystem& system, std::span<const Cell> occupied,
                           std::span<const Cell> corners) {
-    world_ = static_cast<const World*>(system.shared->processes());
+    world_ = static_cast<const World*>(system.shared->processes);
     agree_.emplace(*world_);
     has_users_ = false;
     owners_.clear();

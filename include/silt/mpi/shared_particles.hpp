@@ -215,6 +215,11 @@ class SharedParticles : public P {
   void exchange_back(const Get& get, const Set& set) const {
     rows_.template exchange_back<T>(get, set);
   }
+  using ElementExchange = HaloRows::ElementExchange;
+  template <class PlaceOf>
+  ElementExchange exchange_of(const PlaceOf& place_of) const {
+    return rows_.elements(place_of);
+  }
   /// Also to the halo, from the owners.
   template <Field... F>
   void refresh_ghosts(F... fields) {

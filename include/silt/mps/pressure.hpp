@@ -21,7 +21,6 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <memory>
 #include <vector>
 
 namespace silt::mps {
@@ -41,12 +40,11 @@ class PressureEquation {
   template <FluidParticles P, class S, class T, class Source, class Boundary>
   void assemble(const P& particles, const S& neighbours, const T& stencil, Source&& source,
                 const Boundary& boundary) {
-    system_.shared = nullptr;
+    system_.shared.reset();
     number_unknowns(particles, neighbours, stencil, boundary);
     if constexpr (Shared<P>) {
-      shared_ = std::make_shared<SharedPressures<P>>(
-          particles, row_of_, unknowns_.size() + system_.columns_of_others);
-      system_.shared = shared_.get();
+      system_.shared = shared_pressures(particles, row_of_,
+                                        unknowns_.size() + system_.columns_of_others);
     }
     system_.diagonal.resize(unknowns_.size());
     system_.right_side.resize(unknowns_.size());
@@ -186,8 +184,9 @@ class PressureEquation {
   }
   // Whether rows of other processes are open that were not.
   bool others_have_opened() {
-    if (system_.shared == nullptr) return false;
+    if (!system_.shared) return false;
     std::vector<double> marks(is_open_.begin(), is_open_.end());
+    system_.sum_of_all(0);
     system_.refresh(marks);
     double opened = 0;
     for (Index column = system_.size(); column < marks.size(); ++column) {
@@ -222,6 +221,7 @@ class PressureEquation {
     for (Index k = 1; k < label.size(); ++k) label[k] = 0x1p32 * rank + double(k);
     std::vector<double> labels(system_.columns());
     double lowered = 0;
+    system_.sum_of_all(0);
     do {
       for (Index row = 0; row < body.size(); ++row) labels[row] = label[body[row]];
       system_.refresh(labels);
@@ -283,7 +283,7 @@ class PressureEquation {
       for (Index row = 0; row < b.size(); ++row) {
         largest[body[row]] = std::max(largest[body[row]], std::abs(b[row]));
       }
-      if (system_.shared != nullptr) system_.shared->largest(largest);
+      if (system_.shared) system_.shared->largest(largest);
       return largest;
     };
     const auto original = max_of_bodies();
@@ -305,14 +305,13 @@ class PressureEquation {
     for (Index row = 0; row < body.size(); ++row) {
       minus_minimum[body[row]] = std::max(minus_minimum[body[row]], -solution_[row]);
     }
-    if (system_.shared != nullptr) system_.shared->largest(minus_minimum);
+    if (system_.shared) system_.shared->largest(minus_minimum);
     for (Index row = 0; row < body.size(); ++row) {
       if (body[row] > 0) solution_[row] += minus_minimum[body[row]];
     }
   }
 
   LinearSystem system_;
-  std::shared_ptr<const SharedUnknowns> shared_;  // to which system_ refers
   std::vector<std::uint32_t> unknowns_;     // particle of each row
   std::vector<std::uint32_t> row_of_;       // row of each particle; ghosts have that of their owner
   std::vector<std::uint32_t> last_column_;  // last column with an entry, or the row itself

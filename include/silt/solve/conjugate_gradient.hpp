@@ -73,11 +73,22 @@ class ConjugateGradient {
           if (settings_.is_met_by(report.residual)) report.reason = SolveReport::Reason::converged;
           return report;
         }
-        residual = std::sqrt(system.sum_of_all(advance(rho / curvature, x))) / size_of_b;  // x += α p;  r −= α q
+        const double of_r = advance(rho / curvature, x);  // x += α p;  r −= α q
         ++report.iterations;
-        if (residual <= goal) break;
-        precondition(system);
-        const double next = system.sum_of_all(dot(r_, z_));
+        double next = 0;  // r·z
+        if (system.shared) {
+          // Processes wait for each sum: once more than needed is M applied to save half of them.
+          precondition(system);
+          const auto sums = system.sum_of_all(std::array{of_r, dot(r_, z_)});
+          residual = std::sqrt(sums[0]) / size_of_b;
+          next = sums[1];
+          if (residual <= goal) break;
+        } else {
+          residual = std::sqrt(of_r) / size_of_b;
+          if (residual <= goal) break;
+          precondition(system);
+          next = dot(r_, z_);
+        }
         update_direction(next / rho);  // p = z + β p
         rho = next;
       }
