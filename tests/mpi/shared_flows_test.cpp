@@ -5,6 +5,8 @@
 #include <silt/mpi.hpp>
 #include <silt/mps.hpp>
 
+#include "processes.hpp"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -18,8 +20,6 @@
 
 namespace silt::test::shared_flows_test {
 namespace {
-
-const mpi::World* world = nullptr;
 
 template <class Scheme, int Dim>
 using SerialFlow = mps::Flow<Scheme, Dim>;
@@ -257,15 +257,3 @@ TEST(SharedFlows, ContinueFromCheckpointsOnAnyNumberOfProcesses) {
 
 }  // namespace
 }  // namespace silt::test::shared_flows_test
-
-int main(int argc, char** argv) {
-  const silt::mpi::World world;
-  silt::test::shared_flows_test::world = &world;
-  testing::InitGoogleTest(&argc, argv);
-  if (!world.is_first()) {
-    auto& listeners = testing::UnitTest::GetInstance()->listeners();
-    delete listeners.Release(listeners.default_result_printer());
-  }
-  const int failed = RUN_ALL_TESTS();
-  return int(world.max(double(failed)));
-}

@@ -77,9 +77,13 @@ inline std::string to_text(double value) {
 /// A vector as "(1, 2)".
 template <class Real, int Dim>
 std::string to_text(const Eigen::Matrix<Real, Dim, 1>& value) {
-  std::string text = "(" + to_text(double(value[0]));
-  for (int k = 1; k < Dim; ++k) text += ", " + to_text(double(value[k]));
-  return text + ")";
+  // Appended to: g++ 12 warns of "(" + std::string.
+  std::string text = "(";
+  for (int k = 0; k < Dim; ++k) {
+    if (k > 0) text += ", ";
+    text += to_text(double(value[k]));
+  }
+  return text += ')';
 }
 
 inline std::string Error::compose(const std::string& message, const Where& where) {

@@ -131,6 +131,12 @@ class Particles {
     return constants_revision_;
   }
 
+  /// From now on, views that were taken before are not written to: constants_revision() is the same
+  /// until the next access.
+  void note_constants() noexcept {
+    if (constants_changed_.test_and_clear()) constants_revision_ = next_revision();
+  }
+
   /// Whether a field of the state may have been changed otherwise than by a step, since the last
   /// call of note_state(): by an access that is not const.
   bool has_state_changed() const noexcept { return state_changed_.is_set(); }
@@ -285,9 +291,15 @@ class Particles {
     shifts_.push_back(total_shift);
   }
 
-  /// Copies these fields of the owners to their ghosts; positions are shifted.
+  /// Copies these fields of the owners to their ghosts; positions are shifted. Of particles that
+  /// processes share, all call it, and it copies them to the halo before.
   template <Field... F>
-  void refresh_ghosts(F...) {
+  void refresh_ghosts(F... fields) {
+    copy_to_ghosts(fields...);
+  }
+  /// The same without the halo, which one process may do alone.
+  template <Field... F>
+  void copy_to_ghosts(F...) {
     (check_field<F>(), ...);
     ghosts_revision_ = next_revision();
     for_each(owners_.size(), [&](Index g) { (refresh_ghost<F>(g), ...); });
@@ -328,7 +340,7 @@ class Particles {
   // For rolling back a failed step, see Columns: save() before the step, restore() if it throws.
 
   void save() noexcept {
-    if (constants_changed_.test_and_clear()) constants_revision_ = next_revision();
+    note_constants();
     columns_.save();
   }
   template <Field F>

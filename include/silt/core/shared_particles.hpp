@@ -6,11 +6,13 @@
 #include <silt/core/error.hpp>
 #include <silt/core/types.hpp>
 
+#include <algorithm>
 #include <array>
 #include <concepts>
 #include <cstddef>
 #include <exception>
 #include <limits>
+#include <span>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -76,6 +78,19 @@ concept Shared = requires(P p, const P q, Largest (*f)(), std::exception_ptr fau
 
 namespace detail {
 
+/// Replaces any number of values by those of reduce(array), which takes up to 12.
+template <class Reduce>
+void reduce_by_parts(std::span<double> values, const Reduce& reduce) {
+  constexpr std::size_t size = 12;
+  for (std::size_t first = 0; first < values.size(); first += size) {
+    const auto some = values.subspan(first, std::min(size, values.size() - first));
+    std::array<double, size> own{};
+    std::ranges::copy(some, own.begin());
+    const auto result = reduce(own);
+    std::copy_n(result.begin(), some.size(), some.begin());
+  }
+}
+
 template <class P, class F>
 Largest together([[maybe_unused]] const P& particles, F&& f) {
   if constexpr (Shared<P>) {
@@ -135,6 +150,24 @@ std::array<double, N> sum_of_all([[maybe_unused]] const P& particles,
     return particles.sum(own);
   } else {
     return own;
+  }
+}
+template <class P>
+double sum_of_all(const P& particles, double own) {
+  return sum_of_all(particles, std::array{own})[0];
+}
+template <class P, int N>
+Vec<N> sum_of_all(const P& particles, const Vec<N>& own) {
+  std::array<double, std::size_t(N)> numbers;
+  std::copy_n(own.data(), N, numbers.begin());
+  numbers = sum_of_all(particles, numbers);
+  return Vec<N>(numbers.data());
+}
+/// Replaces these numbers, of which there are as many in every process, by the sums of all processes.
+template <class P>
+void replace_by_sums([[maybe_unused]] const P& particles, [[maybe_unused]] std::span<double> values) {
+  if constexpr (Shared<P>) {
+    reduce_by_parts(values, [&](const auto& own) { return particles.sum(own); });
   }
 }
 template <class P>

@@ -65,7 +65,7 @@ class Simulation {
   double last_time_step() const noexcept { return last_time_step_; }  ///< [s]
   /// Whether its state was read from a checkpoint.
   bool was_read() const noexcept { return was_read_; }
-  /// Particles removed because they left the box; see OnEscape.
+  /// Particles removed because they left the box, of all processes; see OnEscape.
   std::uint64_t particles_lost() const noexcept { return particles_lost_; }
 
   P& particles() noexcept { return particles_; }
@@ -226,6 +226,7 @@ class Simulation {
           removed = remove_escaped();
           return Largest{};
         });
+        removed = Index(detail::sum_of_all(particles_, double(removed)));
       }
       if constexpr (Shared<P>) particles_.finish_step(finished.max_displacement, all);
     } catch (const Error& error) {

@@ -12,8 +12,8 @@
 
 #include <mpi.h>
 
-#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <exception>
 #include <limits>
@@ -115,11 +115,15 @@ class Agreement {
       MPI_Type_free(&type);
     }
   };
+  // NaN if one is, so that the order does not matter.
+  static void raise(double& to, double more) {
+    if (std::isnan(more) || more > to) to = more;
+  }
   static void add(const Message& more, Message& to) {
-    to.failed = std::max(to.failed, more.failed);
-    to.minus_stable_time_step = std::max(to.minus_stable_time_step, more.minus_stable_time_step);
+    raise(to.failed, more.failed);
+    raise(to.minus_stable_time_step, more.minus_stable_time_step);
     for (Index k = 0; k < Reduced::count; ++k) {
-      to.numbers.largest[k] = std::max(to.numbers.largest[k], more.numbers.largest[k]);
+      raise(to.numbers.largest[k], more.numbers.largest[k]);
       to.numbers.sum[k] += more.numbers.sum[k];
     }
   }

@@ -46,15 +46,16 @@ class HaloRows {
     }
   }
 
-  /// Gives get(i), a T, of own rows to the processes in whose halo they are: set(row, value).
-  template <class T, class Get, class Set>
-  void exchange(const Get& get, const Set& set) const {
-    exchange<T>(OwnRows{}, RowsOfHalo{}, get, set);
+  /// Gives get(i), a T, of own rows to the processes in whose halo they are: set(row, value). check() may
+  /// throw, in one process or several.
+  template <class T, class Get, class Set, class Check>
+  void exchange(const Get& get, const Set& set, const Check& check) const {
+    exchange<T>(OwnRows{}, RowsOfHalo{}, get, set, check);
   }
   /// Gives get(row) of rows of the halo to the processes that own them: set(i, value).
-  template <class T, class Get, class Set>
-  void exchange_back(const Get& get, const Set& set) const {
-    exchange<T>(RowsOfHalo{}, OwnRows{}, get, set);
+  template <class T, class Get, class Set, class Check>
+  void exchange_back(const Get& get, const Set& set, const Check& check) const {
+    exchange<T>(RowsOfHalo{}, OwnRows{}, get, set, check);
   }
 
   /// Exchanges elements of vectors, for which all memory is there.
@@ -155,11 +156,13 @@ class HaloRows {
     return all;
   }
 
-  template <class T, class Sent, class Received, class Get, class Set>
-  void exchange(const Sent& sent, const Received& received, const Get& get, const Set& set) const {
+  template <class T, class Sent, class Received, class Get, class Set, class Check>
+  void exchange(const Sent& sent, const Received& received, const Get& get, const Set& set,
+                const Check& check) const {
     std::vector<Transfer> all;
     std::vector<MPI_Request> requests;
     agree_([&] {
+      check();
       all = transfers(sent, received, sizeof(T));
       requests.reserve(2 * partners_.size());
       return Reduced();

@@ -104,11 +104,13 @@ class SharedParticles : public P {
                          own.energy_gain,
                          own.wanted,
                          needs_plan() ? 1.0 : 0.0,
-                         P::has_state_changed() ? 1.0 : 0.0};
+                         P::has_state_changed() ? 1.0 : 0.0,
+                         do_rows_fit() ? 0.0 : 1.0};
       return numbers;
     }).largest;
     must_plan_ = all[5] > 0;
     must_refresh_ = all[6] > 0;
+    do_all_rows_fit_ = !(all[7] > 0);
     return {.reach = all[0],
             .displacement = all[1],
             .minus_time_step = all[2],
@@ -166,13 +168,13 @@ class SharedParticles : public P {
     }
   }
   void finish_step(double displacement, const Largest& all) {
-    if (must_plan_) return;  // particles were removed
+    if (!do_all_rows_fit_) return;
     P::add_travel(std::max(0.0, all.displacement - displacement));
     refresh();
   }
   void refresh_halo() {
     together([] { return Largest{}; });
-    refresh();
+    if (do_all_rows_fit_) refresh();
   }
   template <class I>
   void gather(I& interaction) {
@@ -209,22 +211,21 @@ class SharedParticles : public P {
   }
   template <class T, class Get, class Set>
   void exchange(const Get& get, const Set& set) const {
-    rows_.template exchange<T>(get, set);
+    rows_.template exchange<T>(get, set, [this] { require_fitting_rows(); });
   }
   template <class T, class Get, class Set>
   void exchange_back(const Get& get, const Set& set) const {
-    rows_.template exchange_back<T>(get, set);
+    rows_.template exchange_back<T>(get, set, [this] { require_fitting_rows(); });
   }
   using ElementExchange = HaloRows::ElementExchange;
   template <class PlaceOf>
   ElementExchange exchange_of(const PlaceOf& place_of) const {
     return rows_.elements(place_of);
   }
-  /// Also to the halo, from the owners.
   template <Field... F>
   void refresh_ghosts(F... fields) {
     (exchange_field(fields), ...);
-    P::refresh_ghosts(fields...);
+    P::copy_to_ghosts(fields...);
   }
   /// Space is cut anew in the next step, as it is when particles are unevenly divided. To be called by
   /// all processes.
@@ -238,11 +239,16 @@ class SharedParticles : public P {
   double depth_of_halo() const noexcept { return planned_depth_ - 2 * moved_; }
 
  private:
-  // Whether the plan does not fit the particles: some were added or removed, or the program has changed
-  // a constant.
+  // Whether the rows of the plan are those of the particles, of which none was removed.
+  bool do_rows_fit() const { return planned_revision_ == P::owned_revision(); }
+  void require_fitting_rows() const {
+    if (do_rows_fit()) return;
+    fail("mpi: particles were removed or reordered since the last step, and those of other processes "
+         "are not known before the next one; measure before particles are changed");
+  }
+  // Also if the program may have changed a constant.
   bool needs_plan() const {
-    return planned_revision_ != P::owned_revision() ||
-           planned_constants_ != P::constants_revision();
+    return !do_rows_fit() || planned_constants_ != P::constants_revision();
   }
 
   template <class I>
@@ -267,6 +273,7 @@ class SharedParticles : public P {
   void note_plan() {
     planned_revision_ = P::owned_revision();
     planned_travel_ = P::travel();
+    P::note_constants();
     planned_constants_ = P::constants_revision();
   }
 
@@ -492,6 +499,7 @@ class SharedParticles : public P {
   // Found by the last reduction.
   mutable bool must_plan_ = true;
   mutable bool must_refresh_ = false;
+  mutable bool do_all_rows_fit_ = false;
 };
 
 /// The share of this process of particles that all processes have made alike, for up to some 10⁷.
@@ -502,6 +510,42 @@ SharedParticles<P> distribute(P particles, const World& world) {
   const auto size = Index(world.size());
   particles.remove_if([&](Index i) { return particles.id(i) % size != rank; });
   return SharedParticles<P>(std::move(particles), world);
+}
+
+/// Particles of which every process has made a part, numbered together: those of the first process
+/// first. Throws in all processes unless all parts have the same box.
+template <class P>
+SharedParticles<P> distribute_parts(const P& part, const World& world) {
+  const auto& box = part.box();
+  const Agreement agree(world);
+  const auto all = agree([&] {
+    Reduced own;
+    for (int k = 0; k < P::dimension; ++k) {
+      const double lower = double(box.lower[k]), upper = double(box.upper[k]);
+      std::ranges::copy(std::array{lower, -lower, upper, -upper}, &own.largest[Index(4 * k)]);
+    }
+    return own;
+  });
+  std::uint64_t first = 0;
+  const std::uint64_t number = part.size();
+  detail::check(MPI_Exscan(&number, &first, 1, MPI_UINT64_T, MPI_SUM, world.communicator()),
+                "MPI_Exscan");
+  P numbered(box);
+  agree([&] {
+    for (Index k = 0; k < Index(4 * P::dimension); k += 2) {
+      if (all.largest[k] == -all.largest[k + 1]) continue;
+      fail("mpi::distribute_parts: a side of the box is at " + to_text(-all.largest[k + 1]) +
+           " m in one process and at " + to_text(all.largest[k]) +
+           " m in another; give all parts the same box");
+    }
+    numbered.reserve(part.size());
+    for (Index i = 0; i < part.size(); ++i) numbered.adopt(Id(first + i));
+    part.for_each_field([&](const auto& values, auto field) {
+      std::ranges::copy(values, numbered[field].begin());
+    });
+    return Reduced();
+  });
+  return SharedParticles<P>(std::move(numbered), world);
 }
 
 }  // namespace silt::mpi

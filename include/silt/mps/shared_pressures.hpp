@@ -6,8 +6,6 @@
 #include <silt/core/types.hpp>
 #include <silt/linear/shared_unknowns.hpp>
 
-#include <algorithm>
-#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -20,25 +18,21 @@ namespace silt::mps {
 template <class P>
 SharedUnknowns shared_pressures(const P& particles, const std::vector<std::uint32_t>& column_of,
                                 Index columns) {
-  const auto by_parts = [](const auto& reduced) {
-    return [reduced](std::span<double> values) {
-      constexpr Index size = 12;
-      for (Index first = 0; first < values.size(); first += size) {
-        const auto some = values.subspan(first, std::min(size, values.size() - first));
-        std::array<double, size> own{};
-        std::ranges::copy(some, own.begin());
-        const auto result = reduced(own);
-        std::copy_n(result.begin(), some.size(), some.begin());
-      }
-    };
-  };
   auto exchange = particles.exchange_of([&](Index i) {
     return column_of[i] < columns ? Index(column_of[i]) : no_index;
   });
   return {
       .refresh = [exchange](std::vector<double>& x) mutable { exchange(x); },
-      .sum = by_parts([&particles](const auto& own) { return particles.sum(own); }),
-      .largest = by_parts([&particles](const auto& own) { return particles.largest(own); }),
+      .sum =
+          [&particles](std::span<double> values) {
+            silt::detail::reduce_by_parts(
+                values, [&](const auto& own) { return particles.sum(own); });
+          },
+      .largest =
+          [&particles](std::span<double> values) {
+            silt::detail::reduce_by_parts(
+                values, [&](const auto& own) { return particles.largest(own); });
+          },
       .processes = &particles.world()};
 }
 

@@ -99,7 +99,7 @@ class NeighbourList {
       state_.displacement = positions_.max_displacement_from(list_.reference, particles);
     }
     if (is_valid && state_.displacement <= list_.skin / 2) {
-      particles.refresh_ghosts(position);
+      particles.copy_to_ghosts(position);
       positions_.update_ghosts(particles);
     } else {
       if (is_valid) tune_skin();
@@ -342,7 +342,7 @@ class NeighbourList {
   template <class P>
   void repeat_update(P& particles, const std::vector<Vec>& last) {
     at_positions(particles, last, [&] {
-      particles.refresh_ghosts(position);
+      particles.copy_to_ghosts(position);
       positions_.update_all(particles);
     });
   }

@@ -192,7 +192,8 @@ class ContactsOf : public Contacts<Law, Walls...> {
   // are then unknown: these functions throw.
 
   /// f(i, j, contact, force on i) for every contact of the last step whose grains still exist; i
-  /// and j are the current indices of the two (owned particles), j is `no_index` for a wall. The
+  /// and j are the current indices of the two, j is `no_index` for a wall. Of grains that processes
+  /// share, the grain i is owned and j may be of the halo: each contact is visited in one process. The
   /// contact's velocity is computed from the velocities in `grains`, and for a wall from its
   /// velocity at the time N of the contact. The law is evaluated again in every call.
   template <class F>
@@ -208,7 +209,8 @@ class ContactsOf : public Contacts<Law, Walls...> {
   }
 
   /// Load on a wall, given by its number, in the last step; the torque is about the point `about`
-  /// [m]. Bitwise identical for any number of threads. Throws if there is no such wall, or if the
+  /// [m]. Bitwise identical for any number of threads. Of grains that processes share, all call it, and
+  /// get the load of all; likewise for elastic_energy(). Throws if there is no such wall, or if the
   /// point is not finite.
   auto load_on(const P& grains, Index wall, const typename P::Vec& about = P::Vec::Zero()) const {
     return last_step(grains).load_on(wall, about);
