@@ -35,7 +35,7 @@ int main() {
   dem::EnergyLedger ledger(bed);
 #endif
 #if defined INFLOW || defined SILT_VALID
-  dem::Inflow inflow(Box<2>{{0, 0}, {1, 1}}, dem::Blend{dem::Uniform{0.04, 0.05}, {.density = 2500}},
+  dem::Inflow inflow(Box<2>{{0, 0}, {1, 1}}, dem::Blend{dem::UniformSizes{0.04, 0.05}, 2500},
                      {.number = 10});
   bed.run({.until = 1}, inflow);
 #endif
