@@ -16,7 +16,7 @@
 
 namespace silt::mpi {
 
-/// Cuts space so that every process owns as many points as the others. Copies share the cuts.
+/// Cuts space so that every process has as much work as the others. Copies share the cuts.
 template <int Dim>
 class Cuts {
  public:
@@ -35,14 +35,15 @@ class Cuts {
     set("RETURN_LISTS", "NONE");
     set("NUM_GID_ENTRIES", "2");
     set("NUM_LID_ENTRIES", "1");
-    set("OBJ_WEIGHT_DIM", "0");
+    set("OBJ_WEIGHT_DIM", "1");
   }
 
   bool are_made() const noexcept { return are_made_; }
 
-  /// Makes them for the points of all processes. To be called by all.
-  void make(std::span<const Vec<Dim>> points) {
+  /// Makes them for the points of all processes, each with some work. To be called by all.
+  void make(std::span<const Vec<Dim>> points, std::span<const double> work) {
     points_ = points;
+    work_ = work;
     auto* const z = zoltan_.get();
     Zoltan_Set_Num_Geom_Fn(z, [](void*, int* error) { return *error = ZOLTAN_OK, Dim; }, this);
     Zoltan_Set_Num_Obj_Fn(
@@ -54,12 +55,13 @@ class Cuts {
         this);
     Zoltan_Set_Obj_List_Fn(
         z,
-        [](void* self, int, int, ZOLTAN_ID_PTR global, ZOLTAN_ID_PTR local, int, float*,
+        [](void* self, int, int, ZOLTAN_ID_PTR global, ZOLTAN_ID_PTR local, int, float* weights,
            int* error) {
           const Cuts& own = *static_cast<Cuts*>(self);
           for (Index i = 0; i < own.points_.size(); ++i) {
             global[2 * i] = static_cast<ZOLTAN_ID_TYPE>(own.world_->rank());
             global[2 * i + 1] = local[i] = static_cast<ZOLTAN_ID_TYPE>(i);
+            weights[i] = float(own.work_[i]);
           }
           *error = ZOLTAN_OK;
         },
@@ -86,6 +88,7 @@ class Cuts {
                               &export_part),
           "Zoltan_LB_Partition");
     points_ = {};
+    work_ = {};
     are_made_ = true;
   }
 
@@ -119,6 +122,7 @@ class Cuts {
   std::shared_ptr<Zoltan_Struct> zoltan_;
   bool are_made_ = false;
   std::span<const Vec<Dim>> points_;
+  std::span<const double> work_;
   std::vector<int> found_;
 };
 

@@ -25,6 +25,7 @@
 #include <silt/mpi/halo_rows.hpp>
 #include <silt/mpi/messages.hpp>
 #include <silt/mpi/pair_memory.hpp>
+#include <silt/mpi/work.hpp>
 #include <silt/mpi/world.hpp>
 
 #include <algorithm>
@@ -178,7 +179,7 @@ class SharedParticles : public P {
   }
   template <class I>
   void gather(I& interaction) {
-    number_ = count_particles().all;
+    number_ = count_particles();
     migrate(interaction, [](const auto&) { return 0; });
     // In an order that every number of processes gives.
     std::vector<Index> order(P::size());
@@ -196,7 +197,7 @@ class SharedParticles : public P {
       }
       return Reduced();
     });
-    if (number_ > 0) cuts_.make(points);
+    if (number_ > 0) cuts_.make(points, std::vector<double>(points.size(), 1.0));
     std::vector<std::uint8_t> is_own(P::size());
     for (Index i = 0; i < P::size(); ++i) is_own[i] = cuts_.owner_of(point(i)) == world_->rank();
     const auto is_of_own = [&](Id id) {
@@ -255,10 +256,9 @@ class SharedParticles : public P {
   void plan(I& interaction, double depth) {
     planned_revision_ = 0;
     rows_.partners().clear();
-    const Count count = count_particles();
-    number_ = count.all;
+    number_ = count_particles();
     if (number_ > 0) {
-      cut_if_uneven(count);
+      cut_if_uneven(interaction);
       migrate(interaction, [this](const auto& x) { return cuts_.owner_of(x); });
     }
     find_halo(depth);
@@ -282,29 +282,34 @@ class SharedParticles : public P {
     return P::with_halo(position)[i].template cast<double>();
   }
 
-  struct Count {
-    std::uint64_t all;
-    std::uint64_t most;  // in a process
-  };
-  Count count_particles() const {
-    const Reduced reduced = agree_([&] {
+  std::uint64_t count_particles() const { return std::uint64_t(sum(std::array{double(P::size())})[0]); }
+
+  // Not more often than every few plans: some particles cannot be divided evenly.
+  template <class I>
+  void cut_if_uneven(const I& interaction) {
+    constexpr std::uint64_t plans_between_cuts = 8;
+    std::vector<double> work;
+    const Reduced all = agree_([&] {
+      work.assign(P::size(), 1.0);
+      const bool is_known = mpi::add_work(interaction, *this, work);
       Reduced own;
-      own.sum[0] = own.largest[0] = double(P::size());
+      own.sum[0] = own.largest[0] = std::accumulate(work.begin(), work.end(), 0.0);
+      own.largest[1] = is_known ? 0 : 1;
       return own;
     });
-    return {std::uint64_t(reduced.sum[0]), std::uint64_t(reduced.largest[0])};
-  }
-
-  void cut_if_uneven(const Count& count) {
-    const double mean = double(count.all) / world_->size();
-    const bool is_even = double(count.most) <= 1.1 * mean + 16;
-    if (!std::exchange(cuts_anew_, false) && cuts_.are_made() && is_even) return;
+    const bool is_known = !(all.largest[1] > 0);
+    const bool is_even = all.largest[0] <= 1.1 * all.sum[0] / world_->size();
+    const bool is_soon = plans_ < last_cut_ + plans_between_cuts;
+    const bool is_asked = std::exchange(cuts_anew_, false);
+    if (!is_asked && cuts_.are_made() && (!is_known || is_even || is_soon)) return;
     std::vector<silt::Vec<dimension>> points;
     agree_([&] {
+      if (!is_known) work.assign(P::size(), 1.0);
       for (Index i = 0; i < P::size(); ++i) points.push_back(point(i));
       return Reduced();
     });
-    cuts_.make(points);
+    cuts_.make(points, work);
+    last_cut_ = plans_;
   }
 
   // Moves particles, and what the interaction remembers of them, to the processes owner_of(position).
@@ -335,7 +340,7 @@ class SharedParticles : public P {
         each_field([&](auto field) { read_value(read, (*this)[field], i); });
       }
     }
-    const auto now = count_particles().all;
+    const auto now = count_particles();
     if (now != number_) {
       fail("mpi: there are " + std::to_string(now) + " particles instead of " +
            std::to_string(number_) + " after some moved to other processes; please report it");
@@ -495,6 +500,7 @@ class SharedParticles : public P {
   Travel planned_travel_;
   std::uint64_t planned_constants_ = 0;
   std::uint64_t plans_ = 0;
+  std::uint64_t last_cut_ = 0;  // of plans_
   bool cuts_anew_ = false;
   // Found by the last reduction.
   mutable bool must_plan_ = true;

@@ -88,6 +88,16 @@ class BasicFlow {
     return needs_moved_particles ? settings_.spacing : 0;
   }
 
+  /// Adds the work of each particle in units of that of a dummy, which has no neighbours, see
+  /// mpi/work.hpp. Returns false, and adds nothing, if neighbours are not known.
+  template <FluidParticles P>
+  bool add_work(const P& particles, std::span<double> work) const {
+    const auto& neighbours = operators_.neighbourhood();
+    if (!neighbours.has_rows_of(particles)) return false;
+    for (Index i = 0; i < work.size(); ++i) work[i] += double(neighbours[i].size());
+    return true;
+  }
+
   /// Limits of the next time step [s].
   template <FluidParticles P>
   TimeStepLimits time_step_limits(const P& particles) const {

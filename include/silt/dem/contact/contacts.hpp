@@ -47,6 +47,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -181,6 +182,15 @@ class ContactsOf : public Contacts<Law, Walls...> {
   /// [s].
   bool would_touch_wall(const typename P::Vec& x, Real radius, double time) const {
     return walls_.would_touch(x, radius, time);
+  }
+
+  /// Adds the work of each grain in units of that of a grain without contacts, see mpi/work.hpp: its
+  /// near contacts. Returns false, and adds nothing, if they are not known.
+  bool add_work(const P& grains, std::span<double> work) const {
+    const List& list = *state_.last.list;
+    if (list.owned_revision != grains.owned_revision()) return false;
+    for (Index i = 0; i < work.size(); ++i) work[i] += double(list.contacts.count(i));
+    return true;
   }
 
   /// Number of contacts in the last step, including those with walls.
