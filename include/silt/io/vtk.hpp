@@ -27,6 +27,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -204,22 +205,32 @@ class VtkSeries {
     const auto piece = [&](int rank) {
       return frame_name(number) + "_" + std::to_string(rank) + ".vtu";
     };
-    const std::string extension = process.count > 1 ? ".pvtu" : ".vtu";
-    if (process.count > 1) file::replace("VtkSeries", folder_ / piece(process.rank), frame);
-    if (process.rank > 0) return;
     if (process.count > 1) {
+      file::replace("VtkSeries", folder_ / piece(process.rank), frame);
+      if (process.rank > 0) return;
       std::vector<std::string> pieces;
       for (int rank = 0; rank < process.count; ++rank) pieces.push_back(piece(rank));
-      file::replace("VtkSeries", folder_ / (frame_name(number) + extension),
+      file::replace("VtkSeries", folder_ / (frame_name(number) + of_pieces),
                     vtk_frame_of_pieces(frame, pieces));
     } else {
-      file::replace("VtkSeries", folder_ / (frame_name(number) + extension), frame);
+      file::replace("VtkSeries", folder_ / (frame_name(number) + of_one), frame);
     }
+    // Of an earlier run, on another number of processes.
+    std::error_code ignored;
+    std::filesystem::remove(folder_ / (frame_name(number) + (process.count > 1 ? of_one : of_pieces)),
+                            ignored);
+
+    while (is_in_pieces_.size() < times_.size()) {
+      const auto name = frame_name(is_in_pieces_.size());
+      is_in_pieces_.push_back(file::exists("VtkSeries", folder_ / (name + of_pieces)));
+    }
+    is_in_pieces_[number] = process.count > 1;
 
     std::string list;
     for (Index k = 0; k < times_.size(); ++k) {
       list += "<DataSet " + std::string(time_begins) + file::digits(times_[k]) + "\" file=\"" +
-              folder_.filename().string() + "/" + frame_name(k) + extension + "\"/>\n";
+              folder_.filename().string() + "/" + frame_name(k) +
+              (is_in_pieces_[k] ? of_pieces : of_one) + "\"/>\n";
     }
     file::replace("VtkSeries", list_path(),
                   "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\">\n"
@@ -233,11 +244,14 @@ class VtkSeries {
   template <class Archive>
   void transfer(Archive& archive) {
     archive("times", times_);
+    is_in_pieces_.clear();
     if constexpr (Archive::reads) was_read_ = true;
   }
 
  private:
   static constexpr std::string_view time_begins = "timestep=\"";
+  static constexpr const char* of_one = ".vtu";
+  static constexpr const char* of_pieces = ".pvtu";
 
   std::filesystem::path list_path() const {
     std::filesystem::path path = folder_;
@@ -268,6 +282,7 @@ class VtkSeries {
 
   std::filesystem::path folder_;
   std::vector<double> times_;  // of the frames [s]
+  std::vector<bool> is_in_pieces_;  // by frame; or fewer
   bool was_read_ = false;      // from a checkpoint
 };
 
