@@ -116,8 +116,7 @@ class RunLoop {
   }
 
   void advance() {
-    double dt = run_.time_step.value_or(0);
-    if (!run_.time_step) dt = simulation_.time_step();
+    const double dt = run_.time_step ? *run_.time_step : simulation_.time_step();
     require_feasible("Run: time_step", dt, "steps", {simulation_.time(), run_.until}, [&] {
       return run_.time_step
                  ? std::string("increase it")
