@@ -59,8 +59,8 @@ History migrated(const History& history, const P& particles, const std::vector<i
   }
   const auto ids = [](const auto& entry) { return std::pair(entry.owner, entry.partner); };
   std::ranges::sort(kept, {}, ids);
-  const auto repeated = std::ranges::unique(kept, {}, ids);
-  kept.erase(repeated.begin(), repeated.end());
+  const auto are_same = [&](const auto& a, const auto& b) { return ids(a) == ids(b); };
+  kept.erase(std::unique(kept.begin(), kept.end(), are_same), kept.end());
   return History(std::move(kept));
 }
 

@@ -320,7 +320,7 @@ class SharedParticles : public P {
     for (Index i = 0; i < owners.size(); ++i) owners[i] = owner_of(point(i));
     change_memory(interaction, *this, [&](const auto& history) {
       return migrated(history, *this, owners, *world_,
-                      [this](auto& writers) { return exchange(writers); });
+                      [this](auto& writers) { return this->exchange(writers); });
     });
     std::vector<Writer> writers(Index(world_->size()));
     for (Index i = 0; i < P::size(); ++i) {
