@@ -143,6 +143,51 @@ TEST(SharedGrains, HaveTheBitsOfOneProcessInAPeriodicBox) {
   expect_same_bits<true>(gas<3>(), NeighbourList<3>{}, 300);
 }
 
+// Grains of one size fly into those of another, of other material, where a process owns only one kind.
+TEST(SharedGrains, OfTwoKindsHaveTheBitsOfOneProcess) {
+  const auto meet = [](double small_radius, double gap, const auto& search) {
+    dem::Grains<2> grains;
+    constexpr double R = 0.02;
+    for (int k = 0; k < 16; ++k) {
+      const double y = 2.5 * R * (k % 8);
+      const double further = 2.5 * R * (k / 8);
+      dem::add_grain(grains, {-small_radius - gap / 2 - further, y},
+                     {.radius = small_radius, .density = 2500});
+      dem::add_grain(grains, {R + gap / 2 + further, y},
+                     {.radius = R, .density = 2000, .material = 1});
+      grains[velocity][grains.size() - 2] = {1, 0.1};
+      grains[velocity][grains.size() - 1] = {-1, 0};
+    }
+    const auto law_of = [](double stiffness) {
+      return dem::CundallStrack{.normal_stiffness = stiffness,
+                                .tangential_stiffness = stiffness / 2,
+                                .restitution = 0.5,
+                                .friction_angle = 0.46};
+    };
+    const dem::Materials<dem::CundallStrack> materials{law_of(1e5), law_of(1e6)};
+    const auto bed_of = [&](auto own) {
+      return Simulation{std::move(own), search, dem::Contacts{materials}, Leapfrog{}};
+    };
+    auto serial = bed_of(grains);
+    auto shared = bed_of(mpi::distribute(grains, *world));
+    ASSERT_EQ(serial.time_step(), shared.time_step());
+    for (int k = 0; k < 120; ++k) {
+      serial.step();
+      shared.step();
+      ASSERT_EQ(hash_of(serial.particles(), false), hash_of(shared.particles(), true))
+          << k << " radius " << small_radius << " gap " << gap;
+    }
+  };
+  for (const double gap : {0.0004, 0.0024, 0.0028, 0.0032}) {
+    for (const double small_radius : {0.018, 0.012, 0.005}) {
+      meet(small_radius, gap, UniformGrid<2>{});
+      meet(small_radius, gap, NeighbourList<2>{});
+      meet(small_radius, gap, LevelGrid<2>{});
+      meet(small_radius, gap, NeighbourList<2, double, LevelGrid<2>>{});
+    }
+  }
+}
+
 // A control: with contacts that begin anew the bits are others.
 TEST(SharedGrains, HaveOtherBitsIfContactsAreForgotten) {
   auto serial = simulation_of(tower(), UniformGrid<2>{});
@@ -233,7 +278,7 @@ struct Refuses {
 
 TEST(SharedGrains, AreAsBeforeInAllProcessesIfOneRefusesAStep) {
   auto serial = simulation_of(tower(), NeighbourList<2>{});
-  int attempt = 1;
+  int attempt = 2 * world->size() * Refuses::at_end;  // the first one is refused there
   const dem::Plane<2> floor{.normal = {0, 1}};
   Simulation shared{mpi::distribute(tower(), *world), NeighbourList<2>{},
                     Forces{Gravity<2>{{0, -9.81}}, dem::Contacts{law, floor}, Refuses{&attempt, 2}},
@@ -273,6 +318,25 @@ TEST(SharedGrains, EndARunInAllProcessesIfAnObserverFailsInOne) {
   } catch (const Error& error) {
     EXPECT_NE(std::string(error.what()).find("the disc is full"), std::string::npos);
   }
+}
+
+// One process fails in an observer of its own while the others are in one that all do together.
+TEST(SharedGrains, EndARunInAllProcessesIfAnObserverFailsBeforeAnotherMeasures) {
+  auto shared = simulation_of(mpi::distribute(tower(), *world), NeighbourList<2>{});
+  const auto fails = [](const auto&) {
+    if (world->is_first()) fail("the disc is full");
+  };
+  double energy = 0;
+  const auto measures = [&](const auto& simulation) {
+    energy = kinetic_energy(simulation.snapshot());
+  };
+  try {
+    shared.run({.until = 0.1, .output_every = 0.01}, fails, measures);
+    ADD_FAILURE();
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("the disc is full"), std::string::npos);
+  }
+  EXPECT_EQ(kinetic_energy(shared.snapshot()), 0);  // the run may go on
 }
 
 TEST(SharedGrains, UseTheTimeStepOfAll) {

@@ -375,6 +375,7 @@ class Particles {
   void restore() noexcept {
     columns_.restore(size());
     positions_changed_.set();
+    state_changed_.set();  // the halo has values of the step that was undone
   }
 
  private:

@@ -26,7 +26,7 @@ struct Largest {
   /// The negative of the time step that is chosen [s].
   double minus_time_step = -std::numeric_limits<double>::infinity();
   double energy_gain = 0;  ///< FinishedStep::max_energy_gain, in core/watch.hpp [-]
-  double wanted = 0;  ///< 1 if a process wants what is asked, such as the end of a run
+  double wanted = 0;      ///< 1 if a process wants what is asked, such as the end of a run
 };
 
 /// One of several processes.
@@ -44,10 +44,13 @@ struct Process {
 ///   p.sum(values)               the sums of an array of up to 12 numbers of all processes, likewise
 ///   p.largest(values)           of each the largest
 ///   p.report_fault(exception)   makes the next together() throw
+///   p.have_all_thrown()         whether all processes have thrown, since p.forget_faults(), what
+///                               together() or the like threw
 ///   p.moved_since_halo()        how far an own particle has moved since the halo was found [m]
-///   p.update_halo(i, radius, m) with the largest m of these of all processes, gives particles to the processes that own the space in which they
-///                               are, with what the interaction i remembers of them, and finds the
-///                               halo for a search with this radius [m], if necessary
+///   p.update_halo(i, radius, m) with the largest m of these of all processes, gives particles to
+///                               the processes that own the space in which they are, with what the
+///                               interaction i remembers of them, and finds the halo for a search
+///                               with this radius [m], if necessary
 ///   p.finish_step(d, all)       refreshes the halo after a step; d is the largest displacement of the
 ///                               own particles, all.displacement that of all [m]
 ///   p.refresh_halo()            refreshes it within a step
@@ -99,13 +102,16 @@ Largest together([[maybe_unused]] const P& particles, F&& f) {
     return f();
   }
 }
-/// Calls f(), which only some processes may do without an exception.
+/// Calls f(). If it throws in some processes only, outside of together() and the like, all throw in
+/// their next together().
 template <class P, class F>
 void alone(P& particles, F&& f) {
   if constexpr (Shared<P>) {
+    particles.forget_faults();
     try {
       f();
     } catch (...) {
+      if (particles.have_all_thrown()) throw;
       particles.report_fault(std::current_exception());
     }
   } else {
@@ -165,9 +171,18 @@ Vec<N> sum_of_all(const P& particles, const Vec<N>& own) {
 }
 /// Replaces these numbers, of which there are as many in every process, by the sums of all processes.
 template <class P>
-void replace_by_sums([[maybe_unused]] const P& particles, [[maybe_unused]] std::span<double> values) {
+void replace_by_sums([[maybe_unused]] const P& particles,
+                     [[maybe_unused]] std::span<double> values) {
   if constexpr (Shared<P>) {
     reduce_by_parts(values, [&](const auto& own) { return particles.sum(own); });
+  }
+}
+/// The same by the largest of each.
+template <class P>
+void replace_by_largest([[maybe_unused]] const P& particles,
+                        [[maybe_unused]] std::span<double> values) {
+  if constexpr (Shared<P>) {
+    reduce_by_parts(values, [&](const auto& own) { return particles.largest(own); });
   }
 }
 template <class P>

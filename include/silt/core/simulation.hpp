@@ -52,8 +52,9 @@ class Simulation {
         chooses_radius_(!(search_.radius() > 0)) {
     detail::require_ordered_sums();
     const detail::Team team(thread_choice_, particles_.size());
-    prepare();
+    const Largest before = prepare();
     detail::together(particles_, [&] {
+      update_halo(before);
       sort();
       search_.update(particles_);
       return Largest{};
@@ -87,7 +88,11 @@ class Simulation {
     if constexpr (synchronises) {
       Simulation copy = *this;
       set_time(copy.interaction_, time_);
-      copy.integrator_.synchronise(copy.particles_, copy.search_, copy.interaction_);
+      detail::together(copy.particles_, [&] {
+        detail::refresh_halo(copy.particles_);  // the program may have changed velocities
+        copy.integrator_.synchronise(copy.particles_, copy.search_, copy.interaction_);
+        return Largest{};
+      });
       return {std::move(copy.particles_), std::move(copy.interaction_)};
     } else {
       return {particles_, interaction_};
@@ -136,7 +141,10 @@ class Simulation {
     archive.finite([&] { detail::transfer_part(archive, "integrator", integrator_, particles_); });
     set_time(interaction_, time_);
     detail::transfer_part(archive, "interaction", interaction_, particles_);
-    if constexpr (Shared<P> && Archive::reads) particles_.keep_own(interaction_);
+    if constexpr (Shared<P> && Archive::reads) {
+      particles_.keep_own(interaction_);
+      update_halo(prepare());
+    }
   }
 
   /// The time step that the interaction chooses for the present state [s]; the last one if all
@@ -144,17 +152,20 @@ class Simulation {
   double time_step() {
     const detail::Team team(thread_choice_, particles_.size());
     set_time(interaction_, time_);
-    double dt = std::numeric_limits<double>::infinity();
-    if constexpr (ChoosesTimeStep<TypedInteraction, P>) {
-      dt = -detail::together(particles_, [&] {
-              return Largest{.minus_time_step = -interaction_.time_step(particles_)};
-            }).minus_time_step;
-    }
+    const Largest all = detail::together(particles_, [&] {
+      Largest own{.wanted = particles_.empty() ? 0.0 : 1.0};
+      if constexpr (ChoosesTimeStep<TypedInteraction, P>) {
+        own.minus_time_step = -interaction_.time_step(particles_);
+      }
+      return own;
+    });
+    const double dt = -all.minus_time_step;
+    const bool are_there_none = !(all.wanted > 0);
     // The last particle may leave during a run.
-    if (!is_finite(dt) && particles_.size() == 0 && last_time_step_ > 0) return last_time_step_;
+    if (!is_finite(dt) && are_there_none && last_time_step_ > 0) return last_time_step_;
     if (!is_finite(dt)) {
       fail("Simulation: the interaction chooses no time step" +
-           std::string(particles_.size() == 0 ? ", as there are no particles" : "") +
+           std::string(are_there_none ? ", as there are no particles" : "") +
            "; pass one: run({.time_step = …}) or step(dt)");
     }
     return dt;
@@ -182,7 +193,7 @@ class Simulation {
       if (is_saved) restore();
     };
     try {
-      [[maybe_unused]] const Largest before = prepare([&] {
+      const Largest before = prepare([&] {
         require_positive("Simulation: time_step", dt);
         if (time_ + dt == time_) {
           fail("Simulation: time_step = " + to_text(dt) +
@@ -192,9 +203,7 @@ class Simulation {
       });
       FinishedStep finished;
       const Largest all = detail::together(particles_, [&] {
-        if constexpr (Shared<P>) {
-          particles_.update_halo(interaction_, search_.radius(), before.displacement);
-        }
+        update_halo(before);
         sort();
         save();
         is_saved = true;
@@ -268,6 +277,13 @@ class Simulation {
 
   static constexpr bool synchronises =
       requires(T t, P p, S s, TypedInteraction i) { t.synchronise(p, s, i); };
+
+  // After prepare().
+  void update_halo([[maybe_unused]] const Largest& before) {
+    if constexpr (Shared<P>) {
+      particles_.update_halo(interaction_, search_.radius(), before.displacement);
+    }
+  }
 
   // Called before the state is saved: rolling back a step does not undo the reordering.
   void sort() {

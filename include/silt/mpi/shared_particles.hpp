@@ -143,6 +143,8 @@ class SharedParticles : public P {
     return largest;
   }
   void report_fault(std::exception_ptr fault) { agree_.report(std::move(fault)); }
+  void forget_faults() noexcept { world_->faults().have_all_thrown = false; }
+  bool have_all_thrown() const noexcept { return world_->faults().have_all_thrown; }
 
   /// How far an own particle has moved since the halo was found, at least [m]; infinite if it does not
   /// fit the particles.

@@ -67,19 +67,14 @@ class EnergyAccount {
   const FlowEnergy& energy() const noexcept { return energy_; }
   double mass() const noexcept { return properties_.mass; }  ///< of a particle [kg]
 
-  /// Current kinetic and potential energy of the particles of this process; no work.
+  /// Current kinetic and potential energy of the particles, of all processes; no work.
   template <FluidParticles P>
   FlowEnergy of(const P& particles) const {
-    const auto u = particles[velocity];
-    const auto x = particles[position];
-    const auto kinds = particles[kind];
-    const Wide g = wide(properties_.gravity);
-    const State sum = ordered_sum(particles.size(), State{}, [&](Index i) {
-      if (kinds[i] != Kind::fluid) return State{};
-      return State{.kinetic = wide(u[i]).squaredNorm() / 2, .potential = -g.dot(wide(x[i]))};
-    });
-    FlowEnergy energy{.kinetic = properties_.mass * sum.kinetic,
-                      .potential = properties_.mass * sum.potential};
+    const State own = state_of_own(particles);
+    const auto [kinetic, potential] =
+        silt::detail::sum_of_all(particles, std::array{own.kinetic, own.potential});
+    FlowEnergy energy{.kinetic = properties_.mass * kinetic,
+                      .potential = properties_.mass * potential};
     energy.initial = energy.total();
     return energy;
   }
@@ -87,7 +82,7 @@ class EnergyAccount {
   /// To be called before a step changes any velocity.
   template <FluidParticles P>
   void begin(const P& particles) {
-    const FlowEnergy found = of_all(particles);
+    const FlowEnergy found = of(particles);
     if (has_begun_) {
       energy_.added += found.kinetic - energy_.kinetic + (found.potential - energy_.potential);
     } else {
@@ -134,7 +129,7 @@ class EnergyAccount {
                     .collision = sums[4],
                     .pressure = sums[5],
                     .shifting = sums[6]};
-    const FlowEnergy found = of_all(particles);
+    const FlowEnergy found = of(particles);
     energy_.by_viscosity += properties_.mass * work.viscosity;
     energy_.by_force += properties_.mass * work.force;
     energy_.by_friction += properties_.mass * work.friction;
@@ -197,15 +192,17 @@ class EnergyAccount {
     }
   };
 
-  // Those of all processes.
+  // Of the particles of this process, divided by the mass of one.
   template <class P>
-  FlowEnergy of_all(const P& particles) const {
-    const FlowEnergy own = of(particles);
-    const auto [kinetic, potential] =
-        silt::detail::sum_of_all(particles, std::array{own.kinetic, own.potential});
-    FlowEnergy energy{.kinetic = kinetic, .potential = potential};
-    energy.initial = energy.total();
-    return energy;
+  State state_of_own(const P& particles) const {
+    const auto u = particles[velocity];
+    const auto x = particles[position];
+    const auto kinds = particles[kind];
+    const Wide g = wide(properties_.gravity);
+    return ordered_sum(particles.size(), State{}, [&](Index i) {
+      if (kinds[i] != Kind::fluid) return State{};
+      return State{.kinetic = wide(u[i]).squaredNorm() / 2, .potential = -g.dot(wide(x[i]))};
+    });
   }
   static Wide wide(const Vec& v) { return v.template cast<double>(); }
   static Wide change_of(const std::vector<Vec>& changes, Index i) {

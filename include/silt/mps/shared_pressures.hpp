@@ -23,15 +23,11 @@ SharedUnknowns shared_pressures(const P& particles, const std::vector<std::uint3
   });
   return {
       .refresh = [exchange](std::vector<double>& x) mutable { exchange(x); },
-      .sum =
-          [&particles](std::span<double> values) {
-            silt::detail::reduce_by_parts(
-                values, [&](const auto& own) { return particles.sum(own); });
-          },
+      .sum = [&particles](
+                 std::span<double> values) { silt::detail::replace_by_sums(particles, values); },
       .largest =
           [&particles](std::span<double> values) {
-            silt::detail::reduce_by_parts(
-                values, [&](const auto& own) { return particles.largest(own); });
+            silt::detail::replace_by_largest(particles, values);
           },
       .processes = &particles.world()};
 }

@@ -74,8 +74,8 @@ class LevelGrid {
     radii_.assign(R.begin(), R.end());
     owners_.resize(x.size() - owned_);
     for (Index g = 0; g < owners_.size(); ++g) owners_[g] = particles.owner(owned_ + g);
-    gap_ = gap_of(particles[silt::radius]);
-    highest_ = highest_of(particles[silt::radius], gap_);
+    gap_ = gap_of(particles.with_halo(silt::radius));
+    highest_ = highest_of(particles.with_halo(silt::radius), gap_);
     levels_.resize(std::max<Index>(highest_.size(), 1));
     for (Index l = 0; l < highest_.size(); ++l) {
       levels_[l].largest = largest_of_level(highest_[l], gap_);
@@ -96,9 +96,9 @@ class LevelGrid {
   /// Whether the particles have the radii of the last update, on which the candidates depend.
   template <class P>
   bool has_radii_of(const P& particles) const {
-    const auto R = particles[silt::radius];
-    return owned_ == R.size() &&
-           first_where(owned_, [&](Index i) { return R[i] != radii_[i]; }) == no_index;
+    const auto R = particles.with_halo(silt::radius);
+    return owned_ == particles.size() && R.size() <= radii_.size() &&
+           first_where(R.size(), [&](Index i) { return R[i] != radii_[i]; }) == no_index;
   }
   /// Whether the rows of all particles would take too much memory, see max_row.
   bool has_long_rows() const {

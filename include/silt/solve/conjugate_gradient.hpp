@@ -48,6 +48,7 @@ class ConjugateGradient {
     for (auto* v : {&r_, &z_, &q_}) v->resize(n);
     p_.resize(system.columns());
     preconditioner_.prepare(system);
+    system.sum_of_all(0.0);  // it may have failed in one process
 
     // Restarted if, because of round-off, the recursive residual differs from the true one.
     for (int round = 0; round < 3; ++round) {

@@ -193,7 +193,8 @@ class ContactsOf : public Contacts<Law, Walls...> {
     return true;
   }
 
-  /// Number of contacts in the last step, including those with walls.
+  /// Number of contacts in the last step, including those with walls. Of grains that processes share,
+  /// those of owned grains: contacts between two processes are counted by both.
   Index size() const noexcept { return state_.last.count; }
 
   // Results of the last step, see ContactsOfStep. They are evaluated again, from the grains and
@@ -342,6 +343,8 @@ class ContactsOf : public Contacts<Law, Walls...> {
     });
   }
   const detail::ShortestContacts& shortest_contacts(const P& grains) const {
+    // They are evaluated by all processes, or by none.
+    if (silt::detail::any_of_all(grains, !shortest_.is_of(grains))) shortest_.forget();
     return shortest_.get(grains, [&] {
       if constexpr (knows_stiffness) {
         detail::check_grains(grains, materials_);
@@ -366,8 +369,9 @@ class ContactsOf : public Contacts<Law, Walls...> {
     if (rebuilds) {
       detail::refuse_unnoticed_changes(grains, *state_.last.list, state_.last.lifetime);
       detail::check_grains(grains, materials_);
-      silt::detail::check_digits_of_positions("dem::Contacts", grains, "radius",
-                                              [R = std::as_const(grains)[radius]](Index i) { return R[i]; });
+      silt::detail::check_digits_of_positions(
+          "dem::Contacts", grains, "radius",
+          [R = std::as_const(grains)[radius]](Index i) { return R[i]; });
       const auto list = take_list();
       rebuild(grains, search, step, *list);
       evaluation.list = list;
