@@ -57,7 +57,7 @@ NEEDED = {
 # Headers that need files, which wasm32 does not have, and headers of optional packages.
 FOR_FILES = {"archive", "black_box", "checkpoint", "checkpoints", "csv", "file", "particle_csv",
              "replace_file", "stl", "vtk"}
-OPTIONAL = re.compile("mpi.*|solve/hypre.hpp")
+OPTIONAL = re.compile("mpi.*|solve/hypre.*")
 
 
 def skip(message):
