@@ -587,6 +587,7 @@ TEST(SharedGrains, ContinueOnAnyNumberOfProcesses) {
       read_checkpoint(file, read);
       ASSERT_EQ(hash_of(serial.particles(), false), hash_of(read.particles(), false)) << steps;
       ASSERT_EQ(serial.time(), read.time());
+      world->sum(0.0);  // until all have read it
     }
   };
   check(tower(), UniformGrid<2>{});
