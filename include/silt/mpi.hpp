@@ -2,7 +2,7 @@
 // Simulations on several processes, see docs/many_machines.md. Flows need hypre in addition.
 #pragma once
 
-#include <silt/mpi/shared_particles.hpp>
+#include <silt/mpi/distribute.hpp>
 #include <silt/mpi/world.hpp>
 
 #if __has_include(<HYPRE.h>)

@@ -395,7 +395,7 @@ void expect_all_pairs(const std::vector<Vec<Dim>>& points, const Box<Dim>& box, 
       std::ranges::sort(expected);
       ASSERT_EQ(found, expected) << i;
     }
-    EXPECT_EQ(shared.plans(), 1u);
+    EXPECT_EQ(shared.halos_found(), 1u);
     // The same move everywhere, by an own rule for each.
     std::vector<Vec<Dim>> now;
     for (Index i = 0; i < all.size(); ++i) {

@@ -46,8 +46,8 @@ class CellExchange {
       }
     }
     number_own(agree, cells.size());
-    for (const Message& message : exchange_messages(world, agree, messages_of(wishes))) {
-      Reader read(message.bytes);
+    for (const Transfer& message : exchange_messages(world, agree, wishes)) {
+      Reader read(message.from);
       while (!read.is_at_end()) {
         Cell cell;
         read(cell);
@@ -56,8 +56,8 @@ class CellExchange {
         answers[Index(message.process)](numbers_[c]);
       }
     }
-    for (const Message& message : exchange_messages(world, agree, messages_of(answers))) {
-      Reader read(message.bytes);
+    for (const Transfer& message : exchange_messages(world, agree, answers)) {
+      Reader read(message.from);
       auto& list = list_with(message.process);
       list.used = std::move(used[Index(message.process)]);
       for (const std::uint32_t c : list.used) read(numbers_[c]);

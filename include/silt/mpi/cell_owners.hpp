@@ -40,10 +40,10 @@ class CellOwners {
       questions[process](is_occupied);
       asked[process].push_back(cell);
     }
-    const auto messages = exchange_messages(world, agree, messages_of(questions));
+    const auto messages = exchange_messages(world, agree, questions);
     const auto for_each_question = [&](auto&& f) {
-      for (const Message& message : messages) {
-        Reader read(message.bytes);
+      for (const Transfer& message : messages) {
+        Reader read(message.from);
         while (!read.is_at_end()) {
           Cell cell;
           bool is_occupied = false;
@@ -62,8 +62,8 @@ class CellOwners {
       const auto found = directory_.find(cell);
       answers[Index(process)](found == directory_.end() ? nobody : found->second);
     });
-    for (const Message& message : exchange_messages(world, agree, messages_of(answers))) {
-      Reader read(message.bytes);
+    for (const Transfer& message : exchange_messages(world, agree, answers)) {
+      Reader read(message.from);
       for (const Cell& cell : asked[Index(message.process)]) {
         int owner = nobody;
         read(owner);

@@ -51,22 +51,6 @@ class Reader {
   std::span<const std::byte> left_;
 };
 
-/// Bytes for, or from, each of some processes.
-struct Message {
-  int process;
-  Bytes bytes;
-};
-
-/// What was written for each process, where this is anything. The writers are empty afterwards.
-inline std::vector<Message> messages_of(std::vector<Writer>& writers) {
-  std::vector<Message> messages;
-  for (Index process = 0; process < writers.size(); ++process) {
-    if (writers[process].bytes().empty()) continue;
-    messages.push_back({int(process), std::move(writers[process].bytes())});
-  }
-  return messages;
-}
-
 namespace detail {
 inline int count_of(Index bytes) {
   if (bytes > Index(std::numeric_limits<int>::max())) {
@@ -77,7 +61,7 @@ inline int count_of(Index bytes) {
 }
 }  // namespace detail
 
-/// Bytes to and from another process, which knows their numbers.
+/// Bytes to and from another process.
 struct Transfer {
   int process;
   Bytes to = {};
@@ -88,7 +72,7 @@ struct Transfer {
 /// but errors of MPI if `requests` has memory for two of each.
 inline void do_transfers(const World& world, std::span<Transfer> transfers,
                          std::vector<MPI_Request>& requests) {
-  constexpr int tag = 2;
+  constexpr int tag = 1;
   requests.clear();
   for (Transfer& each : transfers) {
     if (each.from.empty()) continue;
@@ -108,49 +92,33 @@ inline void do_transfers(const World& world, std::span<Transfer> transfers,
                 "MPI_Waitall");
 }
 
-/// Sends the messages, and returns those that others have sent to this process, by their numbers.
-/// To be called by all, also if there are none. Throws in all if a process is out of memory.
-inline std::vector<Message> exchange_messages(const World& world, const Agreement& agree,
-                                              const std::vector<Message>& to_others) {
-  constexpr int tag = 1;
-  constexpr int none = -1;
+/// Sends what was written for each process, and returns what others have written for this one: the
+/// bytes `from` each process with which it exchanges any. To be called by all, also if nothing was
+/// written. Throws in all if a process is out of memory.
+inline std::vector<Transfer> exchange_messages(const World& world, const Agreement& agree,
+                                               std::vector<Writer>& writers) {
   std::vector<int> sizes, received;
   agree([&] {
-    sizes.assign(Index(world.size()), none);
-    received.assign(Index(world.size()), none);
-    for (const Message& each : to_others) {
-      sizes[Index(each.process)] = detail::count_of(each.bytes.size());
-    }
+    received.resize(Index(world.size()));
+    for (const Writer& each : writers) sizes.push_back(detail::count_of(each.bytes().size()));
     return Reduced();
   });
   detail::check(MPI_Alltoall(sizes.data(), 1, MPI_INT, received.data(), 1, MPI_INT,
                              world.communicator()),
                 "MPI_Alltoall");
-  std::vector<Message> from_others;
+  std::vector<Transfer> messages;
   std::vector<MPI_Request> requests;
   agree([&] {
-    for (int process = 0; process < world.size(); ++process) {
-      const int size = received[Index(process)];
-      if (size != none) from_others.push_back({process, Bytes(Index(size))});
+    for (Index process = 0; process < writers.size(); ++process) {
+      if (sizes[process] == 0 && received[process] == 0) continue;
+      messages.push_back({int(process), std::move(writers[process].bytes()),
+                          Bytes(Index(received[process]))});
     }
-    requests.reserve(from_others.size() + to_others.size());
+    requests.reserve(2 * messages.size());
     return Reduced();
   });
-  for (Message& each : from_others) {
-    detail::check(MPI_Irecv(each.bytes.data(), int(each.bytes.size()), MPI_BYTE, each.process, tag,
-                            world.communicator(), &requests.emplace_back()),
-                  "MPI_Irecv");
-  }
-  for (const Message& each : to_others) {
-    ++world.traffic().messages;
-    world.traffic().bytes += each.bytes.size();
-    detail::check(MPI_Isend(each.bytes.data(), int(each.bytes.size()), MPI_BYTE, each.process, tag,
-                            world.communicator(), &requests.emplace_back()),
-                  "MPI_Isend");
-  }
-  detail::check(MPI_Waitall(int(requests.size()), requests.data(), MPI_STATUSES_IGNORE),
-                "MPI_Waitall");
-  return from_others;
+  do_transfers(world, messages, requests);
+  return messages;
 }
 
 }  // namespace silt::mpi

@@ -53,8 +53,8 @@ History migrated(const History& history, const P& particles, const std::vector<i
     if (owns_first) send(owners[first]);
     if (owns_second || (owns_first && second != no_index)) send(owners[second]);
   });
-  for (const Message& message : exchange(writers)) {
-    Reader read(message.bytes);
+  for (const Transfer& message : exchange(writers)) {
+    Reader read(message.from);
     while (!read.is_at_end()) read(kept.emplace_back());
   }
   const auto ids = [](const auto& entry) { return std::pair(entry.owner, entry.partner); };

@@ -24,6 +24,7 @@
 #include <silt/mpi/cuts.hpp>
 #include <silt/mpi/halo_rows.hpp>
 #include <silt/mpi/messages.hpp>
+#include <silt/mpi/near_processes.hpp>
 #include <silt/mpi/pair_memory.hpp>
 #include <silt/mpi/work.hpp>
 #include <silt/mpi/world.hpp>
@@ -79,17 +80,17 @@ class SharedParticles : public P {
     P::reorder(order);
     if (!is_finite(moved)) return;
     rows_.reorder(order);
-    std::vector<Vec> planned(order.size());
-    for (Index i = 0; i < order.size(); ++i) planned[i] = planned_positions_[order[i]];
-    planned_positions_ = std::move(planned);
-    note_plan();
-    planned_travel_.distance -= moved;
+    std::vector<Vec> positions(order.size());
+    for (Index i = 0; i < order.size(); ++i) positions[i] = found_.positions[order[i]];
+    found_.positions = std::move(positions);
+    note_halo();
+    found_.travel.distance -= moved;
   }
 
   // Begins a step, see Particles.
   void save() noexcept {
     P::save();
-    planned_constants_ = P::constants_revision();
+    found_.constants = P::constants_revision();
   }
 
   // See Shared in core/shared_particles.hpp.
@@ -104,12 +105,12 @@ class SharedParticles : public P {
                          own.minus_time_step,
                          own.energy_gain,
                          own.wanted,
-                         needs_plan() ? 1.0 : 0.0,
+                         is_halo_outdated() ? 1.0 : 0.0,
                          P::has_state_changed() ? 1.0 : 0.0,
                          do_rows_fit() ? 0.0 : 1.0};
       return numbers;
     }).largest;
-    must_plan_ = all[5] > 0;
+    must_find_halo_ = all[5] > 0;
     must_refresh_ = all[6] > 0;
     do_all_rows_fit_ = !(all[7] > 0);
     return {.reach = all[0],
@@ -119,28 +120,12 @@ class SharedParticles : public P {
             .wanted = all[4]};
   }
   template <std::size_t N>
-    requires(N <= Reduced::count)
   std::array<double, N> sum(const std::array<double, N>& own) const {
-    const Reduced all = agree_([&] {
-      Reduced numbers;
-      std::ranges::copy(own, numbers.sum.begin());
-      return numbers;
-    });
-    std::array<double, N> sums;
-    std::copy_n(all.sum.begin(), N, sums.begin());
-    return sums;
+    return reduced(&Reduced::sum, own);
   }
   template <std::size_t N>
-    requires(N <= Reduced::count)
   std::array<double, N> largest(const std::array<double, N>& own) const {
-    const Reduced all = agree_([&] {
-      Reduced numbers;
-      std::ranges::copy(own, numbers.largest.begin());
-      return numbers;
-    });
-    std::array<double, N> largest;
-    std::copy_n(all.largest.begin(), N, largest.begin());
-    return largest;
+    return reduced(&Reduced::largest, own);
   }
   void report_fault(std::exception_ptr fault) { agree_.report(std::move(fault)); }
   void forget_faults() noexcept { world_->faults().have_all_thrown = false; }
@@ -149,13 +134,13 @@ class SharedParticles : public P {
   /// How far an own particle has moved since the halo was found, at least [m]; infinite if it does not
   /// fit the particles.
   double moved_since_halo() const {
-    if (needs_plan()) return std::numeric_limits<double>::infinity();
+    if (is_halo_outdated()) return std::numeric_limits<double>::infinity();
     const Travel now = P::travel();
-    if (now.epoch == planned_travel_.epoch) return now.distance - planned_travel_.distance;
+    if (now.epoch == found_.travel.epoch) return now.distance - found_.travel.distance;
     const auto x = std::as_const(*this)[position];
     const NearestImage<dimension, Real> image(P::box());
     return std::sqrt(silt::largest(x.size(), 0.0, [&](Index i) {
-      return double(image(Vec(x[i] - planned_positions_[i])).squaredNorm());
+      return double(image(Vec(x[i] - found_.positions[i])).squaredNorm());
     }));
   }
   template <class I>
@@ -164,8 +149,8 @@ class SharedParticles : public P {
     // Enough for the search, and for a skin of a twentieth of its radius.
     const double moves_in_step = detail::max_move_within_step(interaction);
     const double least = 1.05 * double(radius) + 2 * moves_in_step;
-    if (must_plan_ || !(depth_of_halo() >= least)) {
-      plan(interaction, 1.5 * double(radius) + 2 * moves_in_step);
+    if (must_find_halo_ || !(depth_of_halo() >= least)) {
+      find_halo(interaction, 1.5 * double(radius) + 2 * moves_in_step);
     } else if (must_refresh_) {
       refresh();
     }
@@ -234,49 +219,63 @@ class SharedParticles : public P {
   /// all processes.
   void cut_anew() {
     cuts_anew_ = true;
-    planned_revision_ = 0;
+    found_.revision = 0;
   }
   /// How often the halo was found.
-  std::uint64_t plans() const noexcept { return plans_; }
+  std::uint64_t halos_found() const noexcept { return halos_found_; }
   Process process() const noexcept { return {world_->rank(), world_->size()}; }
-  double depth_of_halo() const noexcept { return planned_depth_ - 2 * moved_; }
+  double depth_of_halo() const noexcept { return found_.depth - 2 * moved_; }
 
  private:
-  // Whether the rows of the plan are those of the particles, of which none was removed.
-  bool do_rows_fit() const { return planned_revision_ == P::owned_revision(); }
+  template <std::size_t N>
+    requires(N <= Reduced::count)
+  std::array<double, N> reduced(std::array<double, Reduced::count> Reduced::*numbers,
+                                const std::array<double, N>& own) const {
+    const Reduced all = agree_([&] {
+      Reduced message;
+      std::ranges::copy(own, (message.*numbers).begin());
+      return message;
+    });
+    std::array<double, N> result;
+    std::copy_n((all.*numbers).begin(), N, result.begin());
+    return result;
+  }
+
+  // Whether the rows are those of the particles, of which none was removed since the halo was found.
+  bool do_rows_fit() const { return found_.revision == P::owned_revision(); }
   void require_fitting_rows() const {
     if (do_rows_fit()) return;
     fail("mpi: particles were removed or reordered since the last step, and those of other processes "
          "are not known before the next one; measure before particles are changed");
   }
   // Also if the program may have changed a constant.
-  bool needs_plan() const {
-    return !do_rows_fit() || planned_constants_ != P::constants_revision();
+  bool is_halo_outdated() const {
+    return !do_rows_fit() || found_.constants != P::constants_revision();
   }
 
   template <class I>
-  void plan(I& interaction, double depth) {
-    planned_revision_ = 0;
+  void find_halo(I& interaction, double depth) {
+    found_.revision = 0;
     rows_.partners().clear();
     number_ = count_particles();
     if (number_ > 0) {
       cut_if_uneven(interaction);
       migrate(interaction, [this](const auto& x) { return cuts_.owner_of(x); });
     }
-    find_halo(depth);
-    planned_depth_ = depth;
+    receive_halo(depth);
+    found_.depth = depth;
     moved_ = 0;
     const auto x = std::as_const(*this)[position];
-    planned_positions_.assign(x.begin(), x.end());
-    ++plans_;
-    note_plan();
+    found_.positions.assign(x.begin(), x.end());
+    ++halos_found_;
+    note_halo();
     P::note_state();
   }
-  void note_plan() {
-    planned_revision_ = P::owned_revision();
-    planned_travel_ = P::travel();
+  void note_halo() {
+    found_.revision = P::owned_revision();
+    found_.travel = P::travel();
     P::note_constants();
-    planned_constants_ = P::constants_revision();
+    found_.constants = P::constants_revision();
   }
 
   // Position of a particle, also of the halo [m].
@@ -286,10 +285,10 @@ class SharedParticles : public P {
 
   std::uint64_t count_particles() const { return std::uint64_t(sum(std::array{double(P::size())})[0]); }
 
-  // Not more often than every few plans: some particles cannot be divided evenly.
+  // Not whenever the halo is found: some particles cannot be divided evenly.
   template <class I>
   void cut_if_uneven(const I& interaction) {
-    constexpr std::uint64_t plans_between_cuts = 8;
+    constexpr std::uint64_t halos_between_cuts = 8;
     std::vector<double> work;
     const Reduced all = agree_([&] {
       work.assign(P::size(), 1.0);
@@ -301,7 +300,7 @@ class SharedParticles : public P {
     });
     const bool is_known = !(all.largest[1] > 0);
     const bool is_even = all.largest[0] <= 1.1 * all.sum[0] / world_->size();
-    const bool is_soon = plans_ < last_cut_ + plans_between_cuts;
+    const bool is_soon = halos_found_ < last_cut_ + halos_between_cuts;
     const bool is_asked = std::exchange(cuts_anew_, false);
     if (!is_asked && cuts_.are_made() && (!is_known || is_even || is_soon)) return;
     std::vector<silt::Vec<dimension>> points;
@@ -311,7 +310,7 @@ class SharedParticles : public P {
       return Reduced();
     });
     cuts_.make(points, work);
-    last_cut_ = plans_;
+    last_cut_ = halos_found_;
   }
 
   // Moves particles, and what the interaction remembers of them, to the processes owner_of(position).
@@ -333,8 +332,8 @@ class SharedParticles : public P {
     }
     P::clear_halo();
     P::remove_if([&](Index i) { return owners[i] != rank; });
-    for (const Message& message : exchange(writers)) {
-      Reader read(message.bytes);
+    for (const Transfer& message : exchange(writers)) {
+      Reader read(message.from);
       while (!read.is_at_end()) {
         Id id = 0;
         read(id);
@@ -349,20 +348,9 @@ class SharedParticles : public P {
     }
   }
 
-  void find_halo(double depth) {
+  void receive_halo(double depth) {
     if (number_ == 0) return P::clear_halo();
-    const auto x = std::as_const(*this)[position];
-    std::vector<std::vector<std::uint32_t>> near(Index(world_->size()));
-    std::vector<int> processes;
-    for (Index i = 0; i < x.size(); ++i) {
-      processes.clear();
-      add_processes_near(x[i].template cast<double>(), depth, processes);
-      std::sort(processes.begin(), processes.end());
-      processes.erase(std::unique(processes.begin(), processes.end()), processes.end());
-      for (const int process : processes) {
-        if (process != world_->rank()) near[Index(process)].push_back(std::uint32_t(i));
-      }
-    }
+    auto near = rows_near_processes(std::as_const(*this), depth, cuts_, *world_);
     std::vector<Writer> writers(near.size());
     for (Index process = 0; process < near.size(); ++process) {
       for (const std::uint32_t i : near[process]) writers[process](P::id(i));
@@ -373,9 +361,9 @@ class SharedParticles : public P {
     const auto messages = exchange(writers);
     const Index bytes = bytes_of_particle();
     std::vector<Id> ids;
-    for (const Message& message : messages) {
-      Reader read(message.bytes);
-      for (Index k = 0; k < message.bytes.size() / bytes; ++k) read(ids.emplace_back());
+    for (const Transfer& message : messages) {
+      Reader read(message.from);
+      for (Index k = 0; k < message.from.size() / bytes; ++k) read(ids.emplace_back());
     }
     P::set_halo(ids);
     Index row = P::size();
@@ -383,40 +371,15 @@ class SharedParticles : public P {
       if (near[process].empty()) continue;
       rows_.partners().push_back({int(process), std::move(near[process])});
     }
-    for (const Message& message : messages) {
+    for (const Transfer& message : messages) {
       HaloRows::Partner& partner = rows_.partner_with(message.process);
       partner.first_received = row;
-      partner.received = message.bytes.size() / bytes;
+      partner.received = message.from.size() / bytes;
       row += partner.received;
-      Reader read(std::span(message.bytes).subspan(partner.received * sizeof(Id)));
+      Reader read(std::span(message.from).subspan(partner.received * sizeof(Id)));
       each_field([&](auto field) { read_values(read, field, partner); });
     }
     rows_.prepare_refresh(bytes_of_state());
-  }
-  // Also those that are near across a periodic side.
-  void add_processes_near(const silt::Vec<dimension>& x, double depth,
-                          std::vector<int>& processes) {
-    const auto& box = P::box();
-    std::array<std::array<double, 3>, 3> shifts{};
-    std::array<int, 3> count{1, 1, 1};
-    for (int k = 0; k < dimension; ++k) {
-      if (!box.periodic[Index(k)]) continue;
-      const double period = double(box.upper[k]) - double(box.lower[k]);
-      auto& of_axis = shifts[Index(k)];
-      int& n = count[Index(k)];
-      if (x[k] - depth < double(box.lower[k])) of_axis[Index(n++)] = period;
-      if (x[k] + depth > double(box.upper[k])) of_axis[Index(n++)] = -period;
-    }
-    for (int a = 0; a < count[0]; ++a) {
-      for (int b = 0; b < count[1]; ++b) {
-        for (int c = 0; c < count[2]; ++c) {
-          silt::Vec<dimension> at = x;
-          const std::array<int, 3> chosen{a, b, c};
-          for (int k = 0; k < dimension; ++k) at[k] += shifts[Index(k)][Index(chosen[Index(k)])];
-          cuts_.add_owners_of(at.array() - depth, at.array() + depth, processes);
-        }
-      }
-    }
   }
 
   template <class F>
@@ -486,8 +449,8 @@ class SharedParticles : public P {
     }
   }
   // Sends what was written for each process, and returns what others have written for this one.
-  std::vector<Message> exchange(std::vector<Writer>& writers) const {
-    return exchange_messages(*world_, agree_, messages_of(writers));
+  std::vector<Transfer> exchange(std::vector<Writer>& writers) const {
+    return exchange_messages(*world_, agree_, writers);
   }
 
   const World* world_;
@@ -495,65 +458,22 @@ class SharedParticles : public P {
   Cuts<dimension> cuts_;
   std::uint64_t number_ = 0;  // of particles of all processes
   HaloRows rows_;
-  double planned_depth_ = 0;  // [m]
-  double moved_ = 0;          // by a particle since the plan was made [m]
-  std::vector<Vec> planned_positions_;
-  std::uint64_t planned_revision_ = 0;
-  Travel planned_travel_;
-  std::uint64_t planned_constants_ = 0;
-  std::uint64_t plans_ = 0;
-  std::uint64_t last_cut_ = 0;  // of plans_
+  struct Found {
+    double depth = 0;  // [m]
+    std::vector<Vec> positions;
+    std::uint64_t revision = 0;  // of the owned particles; 0: there is no halo
+    Travel travel;
+    std::uint64_t constants = 0;
+  };
+  Found found_;       // when the halo was found
+  double moved_ = 0;  // by a particle since then [m]
+  std::uint64_t halos_found_ = 0;
+  std::uint64_t last_cut_ = 0;  // of halos_found_
   bool cuts_anew_ = false;
   // Found by the last reduction.
-  mutable bool must_plan_ = true;
+  mutable bool must_find_halo_ = true;
   mutable bool must_refresh_ = false;
   mutable bool do_all_rows_fit_ = false;
 };
-
-/// The share of this process of particles that all processes have made alike, for up to some 10⁷.
-template <class P>
-SharedParticles<P> distribute(P particles, const World& world) {
-  // Until space is cut, in turn.
-  const auto rank = Index(world.rank());
-  const auto size = Index(world.size());
-  particles.remove_if([&](Index i) { return particles.id(i) % size != rank; });
-  return SharedParticles<P>(std::move(particles), world);
-}
-
-/// Particles of which every process has made a part, numbered together: those of the first process
-/// first. Throws in all processes unless all parts have the same box.
-template <class P>
-SharedParticles<P> distribute_parts(const P& part, const World& world) {
-  const auto& box = part.box();
-  const Agreement agree(world);
-  const auto all = agree([&] {
-    Reduced own;
-    for (int k = 0; k < P::dimension; ++k) {
-      const double lower = double(box.lower[k]), upper = double(box.upper[k]);
-      std::ranges::copy(std::array{lower, -lower, upper, -upper}, &own.largest[Index(4 * k)]);
-    }
-    return own;
-  });
-  std::uint64_t first = 0;
-  const std::uint64_t number = part.size();
-  detail::check(MPI_Exscan(&number, &first, 1, MPI_UINT64_T, MPI_SUM, world.communicator()),
-                "MPI_Exscan");
-  P numbered(box);
-  agree([&] {
-    for (Index k = 0; k < Index(4 * P::dimension); k += 2) {
-      if (all.largest[k] == -all.largest[k + 1]) continue;
-      fail("mpi::distribute_parts: a side of the box is at " + to_text(-all.largest[k + 1]) +
-           " m in one process and at " + to_text(all.largest[k]) +
-           " m in another; give all parts the same box");
-    }
-    numbered.reserve(part.size());
-    for (Index i = 0; i < part.size(); ++i) numbered.adopt(Id(first + i));
-    part.for_each_field([&](const auto& values, auto field) {
-      std::ranges::copy(values, numbered[field].begin());
-    });
-    return Reduced();
-  });
-  return SharedParticles<P>(std::move(numbered), world);
-}
 
 }  // namespace silt::mpi
