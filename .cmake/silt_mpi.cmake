@@ -2,7 +2,8 @@
 # The component mpi: silt::mpi, for programs on several processes. Needs MPI, Zoltan and hypre; for
 # the last two Debian has no CMake files.
 
-# silt_find_mpi(RESULT): creates the target silt::mpi.
+# silt_find_mpi(RESULT): creates the target silt::mpi. Called by find_package(silt COMPONENTS mpi), and
+# by programs that use the library with add_subdirectory or FetchContent.
 function(silt_find_mpi result)
   if(NOT TARGET silt::mpi)
     set(${result} FALSE PARENT_SCOPE)
