@@ -45,8 +45,8 @@ def medians(program, scene, steps):
 
 def table(program):
     lines = ["| scene | particles, halo | 1 thread | 2 threads | shared, 1 process | 2 processes | speed of "
-             "these over 2 threads | processor time over 1 thread | reductions, messages, kB a step |",
-             "|---|---|---|---|---|---|---|---|---|"]
+             "these over 2 threads | processor time over 1 thread | in messages and waiting | reductions, messages, kB "
+             "a step |", "|---|---|---|---|---|---|---|---|---|---|"]
     for scene, title, steps in SCENES:
         found = medians(program, scene, steps)
         one, two, alone, shared = (found[kind] for kind in KINDS)
@@ -54,6 +54,7 @@ def table(program):
             f"| {title} | {shared['particles']:.0f}, {100 * shared['halo'] / shared['particles']:.0f} % "
             f"| {one['ms']:.1f} ms | {two['ms']:.1f} ms | {alone['ms']:.1f} ms | {shared['ms']:.1f} ms "
             f"| {two['ms'] / shared['ms']:.2f} | {shared['processor_ms'] / one['processor_ms']:.2f} "
+            f"| {100 * shared['waiting_ms'] / shared['ms']:.0f} % "
             f"| {shared['reductions']:.0f}, {shared['messages']:.0f}, {shared['kB']:.0f} |")
         print(lines[-1], flush=True)
     return "\n".join(lines)

@@ -39,6 +39,7 @@ void measure(Sim& simulation, const mpi::World& world, int steps) {
   for (int k = 0; k < steps; ++k) simulation.step();
   const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
   const double used = world.sum(processor_seconds() - processor);
+  const double waited = world.sum(world.traffic().seconds - traffic.seconds) / world.size();
   const double halo = world.sum(double(simulation.particles().local() - simulation.particles().size()));
   const double all = world.sum(double(simulation.particles().size()));
   if (!world.is_first()) return;
@@ -47,8 +48,8 @@ void measure(Sim& simulation, const mpi::World& world, int steps) {
     return double(after - before) / steps;
   };
   std::printf("{\"particles\": %.0f, \"halo\": %.0f, \"ms\": %.4f, \"processor_ms\": %.4f, "
-              "\"messages\": %.2f, \"kB\": %.2f, \"reductions\": %.2f}\n",
-              all, halo, 1e3 * wall.count() / steps, 1e3 * used / steps,
+              "\"waiting_ms\": %.4f, \"messages\": %.2f, \"kB\": %.2f, \"reductions\": %.2f}\n",
+              all, halo, 1e3 * wall.count() / steps, 1e3 * used / steps, 1e3 * waited / steps,
               per_step(traffic.messages, now.messages),
               per_step(traffic.bytes, now.bytes) / 1024,
               per_step(traffic.reductions, now.reductions));

@@ -15,6 +15,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <csignal>
 #include <cstdint>
 #include <cstdio>
 #include <cstring>
@@ -26,6 +27,7 @@
 #include <utility>
 #include <vector>
 
+#include <sys/resource.h>
 #include <sys/wait.h>
 
 namespace silt::test::shared_grains_test {
@@ -624,6 +626,66 @@ TEST(SharedGrains, ThrowInAllProcessesIfACheckpointCannotBeWrittenOrRead) {
   if (world->is_first()) std::filesystem::remove(file);
 }
 
+// While it exists, no file of this process gets longer: as on a full disk.
+class FullDisk {
+ public:
+  explicit FullDisk(bool is_here) {
+    if (!is_here) return;
+    old_handler_ = std::signal(SIGXFSZ, SIG_IGN);
+    getrlimit(RLIMIT_FSIZE, &old_);
+    const rlimit few{100, old_.rlim_max};
+    setrlimit(RLIMIT_FSIZE, &few);
+    is_here_ = true;
+  }
+  FullDisk(const FullDisk&) = delete;
+  FullDisk& operator=(const FullDisk&) = delete;
+  ~FullDisk() {
+    if (!is_here_) return;
+    setrlimit(RLIMIT_FSIZE, &old_);
+    std::signal(SIGXFSZ, old_handler_);
+  }
+
+ private:
+  bool is_here_ = false;
+  rlimit old_{};
+  void (*old_handler_)(int) = nullptr;
+};
+
+TEST(SharedGrains, ThrowInAllProcessesIfTheDiskOfOneIsFull) {
+  const std::string name = "full_disk_" + std::to_string(world->size());
+  auto shared = simulation_of(mpi::distribute(tower(), *world), UniformGrid<2>{});
+  for (int k = 0; k < 10; ++k) shared.step();
+  const auto before = hash_of(shared.particles(), true);
+  write_checkpoint(name + ".silt", shared);
+  const auto expect_error = [](int process, const auto& f) {
+    const FullDisk full(world->rank() == process);
+    try {
+      f();
+      ADD_FAILURE();
+    } catch (const Error& error) {
+      const std::string message = error.what();
+      EXPECT_NE(message.find("File too large"), std::string::npos) << message;
+    }
+  };
+  expect_error(0, [&] { write_checkpoint(name + ".silt", shared); });
+  EXPECT_EQ(hash_of(shared.particles(), true), before);
+  world->sum(0.0);
+  // The checkpoint before is whole.
+  auto read = simulation_of(mpi::distribute(tower(), *world), UniformGrid<2>{});
+  read_checkpoint(name + ".silt", read);
+  EXPECT_EQ(hash_of(read.particles(), true), before);
+  for (int process = 0; process < world->size(); ++process) {
+    expect_error(process, [&] {
+      read.run({.until = read.time() + 0.002, .output_every = 0.001}, VtkSeries{name});
+    });
+  }
+  world->sum(0.0);
+  if (!world->is_first()) return;
+  std::filesystem::remove(name + ".silt");
+  std::filesystem::remove_all(name);
+  std::filesystem::remove(name + ".pvd");
+}
+
 TEST(SharedGrains, WriteCheckpointsDuringARun) {
   const std::filesystem::path file = "shared_grains_" + std::to_string(world->size()) + ".silt";
   auto shared = simulation_of(mpi::distribute(tower(), *world), NeighbourList<2>{});
@@ -666,9 +728,10 @@ TEST(SharedGrains, WriteFramesThatHaveEachOnce) {
     const std::string again = file::read("test", folder + ".pvd");
     EXPECT_NE(again.find("_000001.vtu"), std::string::npos) << again;
     EXPECT_EQ(again.find(".pvtu"), std::string::npos) << again;
-    std::filesystem::remove_all(folder);
-    std::filesystem::remove(folder + ".pvd");
   }
+  if (!world->is_first()) return;
+  std::filesystem::remove_all(folder);
+  std::filesystem::remove(folder + ".pvd");
 }
 
 }  // namespace

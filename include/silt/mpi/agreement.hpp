@@ -82,9 +82,11 @@ class Agreement {
     }
     ++world_->traffic().reductions;
     const Operation operation;
+    const double begin = MPI_Wtime();
     detail::check(MPI_Allreduce(&sent, &received, 1, operation.type, operation.reduce,
                                 world_->communicator()),
                   "MPI_Allreduce");
+    world_->traffic().seconds += MPI_Wtime() - begin;
     if (received.failed > 0) {
       world_->faults().have_all_thrown = true;
       rethrow(fault, world_->size() - int(received.failed), -received.minus_stable_time_step);

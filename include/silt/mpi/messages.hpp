@@ -73,6 +73,7 @@ struct Transfer {
 inline void do_transfers(const World& world, std::span<Transfer> transfers,
                          std::vector<MPI_Request>& requests) {
   constexpr int tag = 1;
+  const double begin = MPI_Wtime();
   requests.clear();
   for (Transfer& each : transfers) {
     if (each.from.empty()) continue;
@@ -90,6 +91,7 @@ inline void do_transfers(const World& world, std::span<Transfer> transfers,
   }
   detail::check(MPI_Waitall(int(requests.size()), requests.data(), MPI_STATUSES_IGNORE),
                 "MPI_Waitall");
+  world.traffic().seconds += MPI_Wtime() - begin;
 }
 
 /// Sends what was written for each process, and returns what others have written for this one: the

@@ -68,11 +68,12 @@ class World {
   bool is_first() const noexcept { return rank_ == 0; }
   MPI_Comm communicator() const noexcept { return communicator_; }
 
-  /// What this process has sent so far to others.
+  /// What this process has sent so far to others in steps.
   struct Traffic {
     std::uint64_t messages = 0;
     std::uint64_t bytes = 0;
     std::uint64_t reductions = 0;
+    double seconds = 0;  ///< taken by these, with waiting for others
   };
   Traffic& traffic() const noexcept { return traffic_; }
 
