@@ -58,7 +58,7 @@ void expect_same(const auto& tank, const mps::FlowSettings<Dim, Scheme>& setting
   auto serial = simulation_of<SerialFlow<Scheme, Dim>>(tank, settings);
   auto shared = simulation_of<SharedFlow<Scheme, Dim>>(mpi::distribute(tank, *world), settings);
   for (int k = 0; k < steps; ++k) {
-    if (k % 37 == 36) shared.particles().cut_anew();
+    if (k % 37 == 36) shared.particles().repartition();
     serial.step();
     shared.step(serial.last_time_step());
     const double found = difference(serial.particles(), shared.particles());

@@ -103,7 +103,7 @@ void expect_same_bits(const P& grains, const Search& search, int steps) {
   auto shared = simulation_of<is_periodic>(mpi::distribute(grains, *world), search);
   for (int k = 0; k < steps; ++k) {
     // Every grain may move to another process.
-    if (k % 37 == 36) shared.particles().cut_anew();
+    if (k % 37 == 36) shared.particles().repartition();
     serial.step();
     shared.step();
     ASSERT_EQ(world->sum(std::uint64_t{shared.particles().size()}), grains.size());
@@ -271,11 +271,8 @@ struct Refuses {
     refuse_in(at_end);
   }
   template <class P>
-  void check_energy(const P& grains, const FinishedStep&) const {
-    silt::detail::together(grains, [&] {
-      refuse_in(at_end_of_all);
-      return Largest{};
-    });
+  void check_energy(const P&, const FinishedStep&) const {
+    refuse_in(at_end_of_all);
   }
 };
 
@@ -340,6 +337,88 @@ TEST(SharedGrains, EndARunInAllProcessesIfAnObserverFailsBeforeAnotherMeasures) 
     EXPECT_NE(std::string(error.what()).find("the disc is full"), std::string::npos);
   }
   EXPECT_EQ(kinetic_energy(shared.snapshot()), 0);  // the run may go on
+}
+
+// f() throws in all processes, with these words.
+template <class F>
+void expect_error_in_all(const std::string& words, const F& f) {
+  try {
+    f();
+    ADD_FAILURE() << "nothing was thrown; expected: " << words;
+  } catch (const Error& error) {
+    const std::string message = error.what();
+    EXPECT_NE(message.find(words), std::string::npos) << message;
+  }
+}
+
+TEST(SharedGrains, EndARunInAllProcessesIfAnObserverFailsBeforeAnotherFormsASum) {
+  auto shared = simulation_of(mpi::distribute(tower(), *world), NeighbourList<2>{});
+  const auto fails = [](const auto&) {
+    if (world->is_first()) fail("the disc is full");
+  };
+  const auto sums = [](const auto& simulation) {
+    world->sum(double(simulation.particles().size()));
+  };
+  expect_error_in_all("the disc is full", [&] {
+    shared.run({.until = 0.1, .output_every = 0.01}, fails, sums);
+  });
+}
+
+// An exception that all processes caught is not taken for a later one of one process.
+TEST(SharedGrains, EndARunInAllProcessesIfAnObserverFailsAfterAllHaveFailed) {
+  auto shared = simulation_of(mpi::distribute(tower(), *world), NeighbourList<2>{});
+  const auto catches = [](const auto& simulation) {
+    try {
+      write_checkpoint("no_such_folder/a.silt", simulation);
+    } catch (const Error&) {
+    }
+  };
+  const auto fails = [](const auto&) {
+    if (world->is_first()) fail("the disc is full");
+  };
+  expect_error_in_all("the disc is full", [&] {
+    shared.run({.until = 0.1, .output_every = 0.01}, catches, fails);
+  });
+}
+
+TEST(SharedGrains, RefuseWhatProcessesDoNotGiveAlike) {
+  if (world->size() == 1) return;
+  const bool is_other = world->rank() == world->size() - 1;
+  auto shared = simulation_of(mpi::distribute(tower(), *world), NeighbourList<2>{});
+  shared.step();
+  const auto before = hash_of(shared.particles(), true);
+  expect_error_in_all("time_step is 1e-05 s in one process and 2e-05 s in another",
+                      [&] { shared.step(is_other ? 2e-5 : 1e-5); });
+  expect_error_in_all("is 0.1 in one process and 0.2 in another",
+                      [&] { shared.run({.until = is_other ? 0.2 : 0.1}); });
+  expect_error_in_all("output_every", [&] {
+    shared.run({.until = 0.1, .output_every = is_other ? -1.0 : 0.01});
+  });
+  expect_error_in_all("call step(), run(), snapshot() and measures in all processes", [&] {
+    if (is_other) {
+      kinetic_energy(shared.particles());
+    } else {
+      shared.step(1e-5);
+    }
+  });
+  expect_error_in_all("call step(), run(), snapshot() and measures in all processes", [&] {
+    if (is_other) {
+      shared.snapshot();
+    } else {
+      shared.step(1e-5);
+    }
+  });
+  EXPECT_EQ(shared.steps(), 1u);
+  EXPECT_EQ(hash_of(shared.particles(), true), before);
+
+  auto grains = tower();
+  if (is_other) grains[position][3][0] += 1e-9;
+  expect_error_in_all("hash of ids and positions", [&] { mpi::distribute(grains, *world); });
+  if (is_other) dem::add_grain(grains, {1, 1}, {.radius = 0.02, .density = 2500});
+  expect_error_in_all("number of particles", [&] { mpi::distribute(grains, *world); });
+  auto boxed = tower();
+  boxed.set_box({.lower = {-1, -1}, .upper = {is_other ? 3.0 : 2.0, 3}});
+  expect_error_in_all("a side of the box", [&] { mpi::distribute(boxed, *world); });
 }
 
 TEST(SharedGrains, UseTheTimeStepOfAll) {

@@ -10,6 +10,7 @@
 #include <silt/core/types.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -63,7 +64,13 @@ class RunLoop {
   /// this object.
   RunLoop(Sim& simulation, const Run& run, Observers&... observers)
       : simulation_(simulation), state_(simulation.run_), run_(run), observers_(observers...) {
-    run.check(simulation.time());
+    together(simulation.particles_, [&] {
+      run.check(simulation.time());
+      return Largest{};
+    });
+    require_same_in_all(simulation.particles_, "Run: until, output_every, time_step or end_exactly",
+                        std::array{run.until, run.output_every, run.time_step.value_or(0),
+                                   run.end_exactly ? 1.0 : 0.0});
   }
 
   /// See Simulation::run.
@@ -167,8 +174,8 @@ class RunLoop {
   }
   template <class F>
   void for_each_observer(F&& f) {
-    alone(simulation_.particles_,
-          [&] { std::apply([&](auto&... each) { (f(each), ...); }, observers_); });
+    call_alone(simulation_.particles_,
+               [&] { std::apply([&](auto&... each) { (f(each), ...); }, observers_); });
   }
 
   Sim& simulation_;

@@ -13,6 +13,8 @@
 #include <exception>
 #include <limits>
 #include <span>
+#include <string>
+#include <string_view>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -23,8 +25,9 @@ namespace silt {
 struct Largest {
   double reach = 0;                ///< interaction range [m]
   double displacement = 0;         ///< in the step [m]
-  /// The negative of the time step that is chosen [s].
+  /// The negative of the time step that is chosen, or given [s].
   double minus_time_step = -std::numeric_limits<double>::infinity();
+  double time_step = -std::numeric_limits<double>::infinity();  ///< that is given [s]
   double energy_gain = 0;  ///< FinishedStep::max_energy_gain, in core/watch.hpp [-]
   double wanted = 0;      ///< 1 if a process wants what is asked, such as the end of a run
 };
@@ -44,8 +47,7 @@ struct Process {
 ///   p.sum(values)               the sums of an array of up to 12 numbers of all processes, likewise
 ///   p.largest(values)           of each the largest
 ///   p.report_fault(exception)   makes the next together() throw
-///   p.have_all_thrown()         whether all processes have thrown, since p.forget_faults(), what
-///                               together() or the like threw
+///   p.have_all_thrown(exception) whether all processes have thrown with it, in together() or the like
 ///   p.moved_since_halo()        how far an own particle has moved since the halo was found [m]
 ///   p.update_halo(i, radius, m) with the largest m of these of all processes, gives particles to
 ///                               the processes that own the space in which they are, with what the
@@ -54,6 +56,8 @@ struct Process {
 ///   p.finish_step(d, all)       refreshes the halo after a step; d is the largest displacement of the
 ///                               own particles, all.displacement that of all [m]
 ///   p.refresh_halo()            refreshes it within a step
+///   p.find_halo_of_changed()    between steps: finds it anew if particles were removed, or constants
+///                               changed; no particle moves to another process
 ///   p.exchange<T>(get, set)     calls set(row, value) for all rows of the halo with the values get(i)
 ///                               of a type T that the particles have where they are owned
 ///   p.exchange_back<T>(get, set)  calls set(i, value) with the values get(row) in all halos that have
@@ -74,6 +78,9 @@ concept Shared = requires(P p, const P q, Largest (*f)(), std::exception_ptr fau
   p.report_fault(fault);
   p.finish_step(double{}, Largest{});
   p.refresh_halo();
+  p.find_halo_of_changed();
+  { q.have_all_thrown(fault) } -> std::same_as<bool>;
+  { q.moved_since_halo() } -> std::same_as<double>;
   { q.depth_of_halo() } -> std::convertible_to<double>;
   { q.process() } -> std::same_as<Process>;
   q.world();
@@ -105,13 +112,12 @@ Largest together([[maybe_unused]] const P& particles, F&& f) {
 /// Calls f(). If it throws in some processes only, outside of together() and the like, all throw in
 /// their next together().
 template <class P, class F>
-void alone(P& particles, F&& f) {
+void call_alone(P& particles, F&& f) {
   if constexpr (Shared<P>) {
-    particles.forget_faults();
     try {
       f();
     } catch (...) {
-      if (particles.have_all_thrown()) throw;
+      if (particles.have_all_thrown(std::current_exception())) throw;
       particles.report_fault(std::current_exception());
     }
   } else {
@@ -183,6 +189,25 @@ void replace_by_largest([[maybe_unused]] const P& particles,
                         [[maybe_unused]] std::span<double> values) {
   if constexpr (Shared<P>) {
     reduce_by_parts(values, [&](const auto& own) { return particles.largest(own); });
+  }
+}
+/// Throws in all processes if they do not give the same numbers, at most six; `what` names them.
+template <class P, std::size_t N>
+void require_same_in_all([[maybe_unused]] const P& particles, [[maybe_unused]] std::string_view what,
+                         [[maybe_unused]] const std::array<double, N>& own) {
+  if constexpr (Shared<P>) {
+    std::array<double, 2 * N> both;
+    for (std::size_t k = 0; k < N; ++k) {
+      both[2 * k] = own[k];
+      both[2 * k + 1] = -own[k];
+    }
+    both = particles.largest(both);
+    for (std::size_t k = 0; k < N; ++k) {
+      const double least = -both[2 * k + 1], most = both[2 * k];
+      if (least == most) continue;
+      fail(std::string(what) + " is " + to_text(least) + " in one process and " + to_text(most) +
+           " in another; give all the same");
+    }
   }
 }
 template <class P>

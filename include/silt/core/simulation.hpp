@@ -85,12 +85,15 @@ class Simulation {
     TypedInteraction interaction;  ///< its results, such as the contacts, refer to `particles`
   };
   State state() const {
-    if constexpr (synchronises) {
+    if constexpr (synchronises || Shared<P>) {
       Simulation copy = *this;
       set_time(copy.interaction_, time_);
       detail::together(copy.particles_, [&] {
-        detail::refresh_halo(copy.particles_);  // the program may have changed velocities
-        copy.integrator_.synchronise(copy.particles_, copy.search_, copy.interaction_);
+        // The program may have changed particles, or removed some.
+        if constexpr (Shared<P>) copy.particles_.find_halo_of_changed();
+        if constexpr (synchronises) {
+          copy.integrator_.synchronise(copy.particles_, copy.search_, copy.interaction_);
+        }
         return Largest{};
       });
       return {std::move(copy.particles_), std::move(copy.interaction_)};
@@ -101,7 +104,7 @@ class Simulation {
 
   /// The particles of state().
   P snapshot() const {
-    if constexpr (synchronises) {
+    if constexpr (synchronises || Shared<P>) {
       return state().particles;
     } else {
       return particles_;
@@ -193,14 +196,17 @@ class Simulation {
       if (is_saved) restore();
     };
     try {
-      const Largest before = prepare([&] {
+      const Largest before = prepare([&](Largest& own) {
         require_positive("Simulation: time_step", dt);
         if (time_ + dt == time_) {
           fail("Simulation: time_step = " + to_text(dt) +
                " s does not change the time; increase it");
         }
         set_time(interaction_, time_);
+        own.time_step = dt;
+        own.minus_time_step = -dt;
       });
+      require_same_time_step(before);
       FinishedStep finished;
       const Largest all = detail::together(particles_, [&] {
         update_halo(before);
@@ -219,25 +225,33 @@ class Simulation {
                     .max_displacement = detail::max_displacement_since(travel, particles_),
                     .max_energy_gain = detail::max_energy_gain_of(integrator_)};
         detail::check_step(interaction_, particles_, finished);
-        if constexpr (!Shared<P>) detail::check_energy(interaction_, particles_, finished);
         if (!is_verified) detail::check_escaped(particles_);
         return Largest{.displacement = finished.max_displacement,
                        .energy_gain = particles_.empty() ? 0 : finished.max_energy_gain,
                        .wanted = !is_verified && must_remove_escaped() ? 1.0 : 0.0};
       });
-      if constexpr (Shared<P>) {
-        finished.max_energy_gain = all.energy_gain;
-        detail::check_energy(interaction_, particles_, finished);
+      finished.max_energy_gain = all.energy_gain;
+      if (detail::must_check_energy(interaction_, particles_, finished)) {
+        detail::together(particles_, [&] {
+          detail::check_energy(interaction_, particles_, finished);
+          return Largest{};
+        });
       }
       if (all.wanted > 0) {
         detail::together(particles_, [&] {
           before_removal = particles_;
-          removed = remove_escaped();
+          removed = particles_.remove_if(is_outside());
           return Largest{};
         });
         removed = Index(detail::sum_of_all(particles_, double(removed)));
       }
       if constexpr (Shared<P>) particles_.finish_step(finished.max_displacement, all);
+      if (all.wanted > 0) {
+        detail::together(particles_, [&] {
+          search_.update(particles_);  // its indices are out of date
+          return Largest{};
+        });
+      }
     } catch (const Error& error) {
       undo();
       if (!is_result_finite) {
@@ -293,13 +307,13 @@ class Simulation {
   }
 
   // Calls check(). The search radius must be at least the interaction range.
-  template <class Check = void (*)()>
-  Largest prepare(Check&& check = [] {}) {
+  template <class Check = void (*)(Largest&)>
+  Largest prepare(Check&& check = [](Largest&) {}) {
     const Largest all = detail::together(particles_, [&] {
-      check();
-      const auto own = double(interaction_.reach(particles_));
-      require_not_negative("Simulation: interaction range", own);
-      Largest largest{.reach = own};
+      Largest largest;
+      check(largest);
+      largest.reach = double(interaction_.reach(particles_));
+      require_not_negative("Simulation: interaction range", largest.reach);
       if constexpr (Shared<P>) largest.displacement = particles_.moved_since_halo();
       return largest;
     });
@@ -312,6 +326,13 @@ class Simulation {
            " m; increase it, or do not set it");
     }
     return all;
+  }
+
+  // Of all processes, which all throw.
+  static void require_same_time_step(const Largest& before) {
+    if (before.time_step == -before.minus_time_step) return;
+    fail("Simulation: time_step is " + to_text(-before.minus_time_step) + " s in one process and " +
+         to_text(before.time_step) + " s in another; give all the same");
   }
 
   // Search radius if the interaction range is 0: arbitrary, but with its skin it must fit into a
@@ -361,12 +382,6 @@ class Simulation {
   bool must_remove_escaped() const {
     return particles_.box().on_escape == OnEscape::remove &&
            first_where(particles_.size(), is_outside()) != no_index;
-  }
-  // Returns how many there were.
-  Index remove_escaped() {
-    const Index removed = particles_.remove_if(is_outside());
-    search_.update(particles_);  // its indices are out of date
-    return removed;
   }
 
   P particles_;

@@ -62,8 +62,8 @@ void transfer_part(Archive& archive, std::string_view name, T& part, P& particle
 }
 }  // namespace detail
 
-/// Calls f() with the particles, those of the halo included, temporarily at the positions x [m]. Throws if there are not as many
-/// as particles, or if one is not finite: they may have been read.
+/// Calls f() with the particles, those of the halo included, temporarily at the positions x [m].
+/// Throws if there are not as many as particles, or if one is not finite: they may have been read.
 template <class P, class F>
 void at_positions(P& particles, const std::vector<typename P::Vec>& x, F&& f) {
   if (x.size() != particles.local()) {

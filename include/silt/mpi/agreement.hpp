@@ -33,6 +33,9 @@ struct Reduced {
   Reduced() { largest.fill(-std::numeric_limits<double>::infinity()); }
 };
 
+/// What all processes are doing in an agreement.
+enum class Doing { communication, step, state, sum, largest };
+
 class Agreement {
  public:
   explicit Agreement(const World& world) : world_(&world) {}
@@ -40,23 +43,33 @@ class Agreement {
   /// f() returns a Reduced; returns that of all processes. Throws in all if f() does in one: there
   /// what f() threw, elsewhere an Error with its message. f() may contain other agreements.
   template <class F>
-  Reduced operator()(F&& f) const {
+  Reduced operator()(F&& f, Doing doing = Doing::communication) const {
     Reduced own;
     std::exception_ptr fault = std::exchange(world_->faults().reported, nullptr);
-    world_->faults().have_all_thrown = false;
     if (!fault) {
       try {
         own = f();
       } catch (...) {
-        if (world_->faults().have_all_thrown) throw;  // in an agreement within f()
         fault = std::current_exception();
+        if (have_all_thrown(fault)) throw;  // in an agreement within f()
       }
     }
-    return agree(own, fault);
+    return agree(own, fault, doing);
   }
   /// The same without numbers.
   void operator()() const {
     (*this)([] { return Reduced(); });
+  }
+  /// Whether all processes have thrown when this one did.
+  bool have_all_thrown(const std::exception_ptr& fault) const {
+    if (fault == world_->faults().of_all) return true;
+    try {
+      std::rethrow_exception(fault);
+    } catch (const Error& error) {
+      return error.is_of_all();
+    } catch (...) {
+      return false;
+    }
   }
   /// The next agreement throws.
   void report(std::exception_ptr fault) const {
@@ -68,17 +81,23 @@ class Agreement {
   struct Message {
     double failed = 0;  // number of processes, minus the rank, of the first one that failed
     double minus_stable_time_step = -std::numeric_limits<double>::infinity();  // the shortest [s]
+    // Last and first of what the processes do that did not fail.
+    double doing = -std::numeric_limits<double>::infinity();
+    double minus_doing = -std::numeric_limits<double>::infinity();
     Reduced numbers;
   };
-  static constexpr int numbers_of_message = 2 + 2 * int(Reduced::count);
+  static constexpr int numbers_of_message = 4 + 2 * int(Reduced::count);
   static_assert(sizeof(Message) == std::size_t(numbers_of_message) * sizeof(double));
 
-  Reduced agree(const Reduced& own, const std::exception_ptr& fault) const {
+  Reduced agree(const Reduced& own, const std::exception_ptr& fault, Doing doing) const {
     Message sent, received;
     sent.numbers = own;
     if (fault) {
       sent.failed = world_->size() - world_->rank();
       if (const auto stable = stable_time_step_of(fault)) sent.minus_stable_time_step = -*stable;
+    } else {
+      sent.doing = double(doing);
+      sent.minus_doing = -sent.doing;
     }
     ++world_->traffic().reductions;
     const Operation operation;
@@ -87,11 +106,15 @@ class Agreement {
                                 world_->communicator()),
                   "MPI_Allreduce");
     world_->traffic().seconds += MPI_Wtime() - begin;
-    if (received.failed > 0) {
-      world_->faults().have_all_thrown = true;
+    const bool has_failed = received.failed > 0;
+    if (!has_failed && received.doing == -received.minus_doing) return received.numbers;
+    try {
+      if (!has_failed) fail_in_different(Doing(int(-received.minus_doing)), Doing(int(received.doing)));
       rethrow(fault, world_->size() - int(received.failed), -received.minus_stable_time_step);
+    } catch (...) {
+      world_->faults().of_all = std::current_exception();
+      throw;
     }
-    return received.numbers;
   }
 
   // Made for each reduction, which takes no time to speak of, so that none is left at the end.
@@ -124,6 +147,8 @@ class Agreement {
   static void add(const Message& more, Message& to) {
     raise(to.failed, more.failed);
     raise(to.minus_stable_time_step, more.minus_stable_time_step);
+    raise(to.doing, more.doing);
+    raise(to.minus_doing, more.minus_doing);
     for (Index k = 0; k < Reduced::count; ++k) {
       raise(to.numbers.largest[k], more.numbers.largest[k]);
       to.numbers.sum[k] += more.numbers.sum[k];
@@ -138,6 +163,21 @@ class Agreement {
     } catch (...) {
       return std::nullopt;
     }
+  }
+  [[noreturn]] static void fail_in_different(Doing first, Doing last) {
+    const auto name = [](Doing doing) -> std::string {
+      switch (doing) {
+        case Doing::communication: return "receives values of others";
+        case Doing::step: return "makes a step, or reads or writes a file";
+        case Doing::state: return "asks for snapshot() or state()";
+        case Doing::sum: return "forms a sum of all processes, as measures do";
+        case Doing::largest: return "finds the largest value of all processes, as measures do";
+      }
+      return "does something else";
+    };
+    throw Error("mpi: one process " + name(first) + ", while another " + name(last) +
+                "; call step(), run(), snapshot() and measures in all processes, in the same order")
+        .of_all({});
   }
   [[noreturn]] void rethrow(const std::exception_ptr& fault, int first, double stable) const {
     std::string message;
@@ -161,13 +201,41 @@ class Agreement {
       try {
         std::rethrow_exception(fault);
       } catch (const Error& error) {
-        throw error.with_stable_time_step(common);
+        throw error.of_all(common);
       }
     }
-    throw Error("process " + std::to_string(first) + ": " + message, {}, common);
+    throw Error("process " + std::to_string(first) + ": " + message).of_all(common);
   }
 
   const World* world_;
 };
+
+inline double World::sum(double value) const {
+  const auto own = [&] {
+    Reduced numbers;
+    numbers.sum[0] = value;
+    return numbers;
+  };
+  return Agreement(*this)(own, Doing::sum).sum[0];
+}
+inline double World::max(double value) const {
+  const auto own = [&] {
+    Reduced numbers;
+    numbers.largest[0] = value;
+    return numbers;
+  };
+  return Agreement(*this)(own, Doing::largest).largest[0];
+}
+inline std::uint64_t World::sum(std::uint64_t value) const {
+  constexpr std::uint64_t half = std::uint64_t(1) << 32;
+  const auto own = [&] {
+    Reduced numbers;
+    numbers.sum[0] = double(value / half);
+    numbers.sum[1] = double(value % half);
+    return numbers;
+  };
+  const Reduced all = Agreement(*this)(own, Doing::sum);
+  return std::uint64_t(all.sum[0]) * half + std::uint64_t(all.sum[1]);
+}
 
 }  // namespace silt::mpi

@@ -121,8 +121,9 @@ class CellExchange {
   std::vector<Transfer> transfers(Cells sent, Cells received) const {
     std::vector<Transfer> all;
     for (const List& each : lists_) {
-      all.push_back({each.process, Bytes((each.*sent).size() * sizeof(float)),
-                     Bytes((each.*received).size() * sizeof(float))});
+      const int to = detail::count_of((each.*sent).size() * sizeof(float));
+      const int from = detail::count_of((each.*received).size() * sizeof(float));
+      all.push_back({each.process, Bytes(Index(to)), Bytes(Index(from))});
     }
     return all;
   }

@@ -95,6 +95,7 @@ class SharedCellCycle {
       }
       b_.resize(exchange_.own().size());
       x_.resize(b_.size());
+      multigrid_.set_rows(matrix_);
       return Reduced();
     });
     multigrid_.prepare(world_->communicator(), matrix_, strong_threshold);

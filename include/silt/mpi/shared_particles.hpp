@@ -32,6 +32,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -75,16 +76,43 @@ class SharedParticles : public P {
   /// Particles get their ids before they are distributed.
   Index add(const Vec&) = delete;
 
+  template <std::predicate<Index> Removed>
+  Index remove_if(Removed&& removed) {
+    std::vector<std::uint8_t> is_removed(P::size());
+    for (Index i = 0; i < P::size(); ++i) is_removed[i] = removed(i);
+    const bool knows_positions = found_.positions.size() == P::size();
+    const Index count = P::remove_if([&](Index i) { return is_removed[i]; });
+    if (count == 0 || !knows_positions) return count;
+    Index kept = 0;
+    for (Index i = 0; i < is_removed.size(); ++i) {
+      if (!is_removed[i]) found_.positions[kept++] = found_.positions[i];
+    }
+    found_.positions.resize(kept);
+    return count;
+  }
+  /// Removes one by id, in the process that owns it. Throws elsewhere.
+  void remove(Id id) {
+    const Index index = P::index_of(id);
+    if (index == no_index) P::remove(id);  // throws
+    if (index >= P::size()) {
+      fail("mpi: the particle " + std::to_string(id) +
+           " belongs to another process; remove it there");
+    }
+    remove_if([index](Index i) { return i == index; });
+  }
   void reorder(std::span<const Index> order) {
-    const double moved = moved_since_halo();
+    const bool is_found = found_.positions.size() == P::size();
+    const bool is_current = !is_halo_outdated();
+    const double moved_before = is_found ? moved() : 0;
     P::reorder(order);
-    if (!is_finite(moved)) return;
-    rows_.reorder(order);
+    if (!is_found) return;
     std::vector<Vec> positions(order.size());
     for (Index i = 0; i < order.size(); ++i) positions[i] = found_.positions[order[i]];
     found_.positions = std::move(positions);
-    note_halo();
-    found_.travel.distance -= moved;
+    if (!is_current) return;
+    rows_.reorder(order);
+    note_rows();
+    found_.travel.distance -= moved_before;
   }
 
   // Begins a step, see Particles.
@@ -96,8 +124,8 @@ class SharedParticles : public P {
   // See Shared in core/shared_particles.hpp.
 
   template <class F>
-  Largest together(F&& f) const {
-    const auto all = agree_([&] {
+  Largest together(F&& f, Doing doing = Doing::step) const {
+    const auto own_numbers = [&] {
       const Largest own = f();
       Reduced numbers;
       numbers.largest = {own.reach,
@@ -105,64 +133,71 @@ class SharedParticles : public P {
                          own.minus_time_step,
                          own.energy_gain,
                          own.wanted,
+                         own.time_step,
                          is_halo_outdated() ? 1.0 : 0.0,
                          P::has_state_changed() ? 1.0 : 0.0,
-                         do_rows_fit() ? 0.0 : 1.0};
+                         do_rows_match() ? 0.0 : 1.0};
       return numbers;
-    }).largest;
-    must_find_halo_ = all[5] > 0;
-    must_refresh_ = all[6] > 0;
-    do_all_rows_fit_ = !(all[7] > 0);
+    };
+    const auto all = agree_(own_numbers, doing).largest;
+    must_find_halo_ = all[6] > 0;
+    must_refresh_ = all[7] > 0;
+    do_all_rows_match_ = !(all[8] > 0);
     return {.reach = all[0],
             .displacement = all[1],
             .minus_time_step = all[2],
+            .time_step = all[5],
             .energy_gain = all[3],
             .wanted = all[4]};
   }
   template <std::size_t N>
   std::array<double, N> sum(const std::array<double, N>& own) const {
-    return reduced(&Reduced::sum, own);
+    return reduced(&Reduced::sum, own, Doing::sum);
   }
   template <std::size_t N>
   std::array<double, N> largest(const std::array<double, N>& own) const {
-    return reduced(&Reduced::largest, own);
+    return reduced(&Reduced::largest, own, Doing::largest);
   }
   void report_fault(std::exception_ptr fault) { agree_.report(std::move(fault)); }
-  void forget_faults() noexcept { world_->faults().have_all_thrown = false; }
-  bool have_all_thrown() const noexcept { return world_->faults().have_all_thrown; }
+  bool have_all_thrown(const std::exception_ptr& fault) const {
+    return agree_.have_all_thrown(fault);
+  }
 
   /// How far an own particle has moved since the halo was found, at least [m]; infinite if it does not
   /// fit the particles.
   double moved_since_halo() const {
-    if (is_halo_outdated()) return std::numeric_limits<double>::infinity();
-    const Travel now = P::travel();
-    if (now.epoch == found_.travel.epoch) return now.distance - found_.travel.distance;
-    const auto x = std::as_const(*this)[position];
-    const NearestImage<dimension, Real> image(P::box());
-    return std::sqrt(silt::largest(x.size(), 0.0, [&](Index i) {
-      return double(image(Vec(x[i] - found_.positions[i])).squaredNorm());
-    }));
+    return is_halo_outdated() ? std::numeric_limits<double>::infinity() : moved();
   }
   template <class I>
-  void update_halo(I& interaction, Real radius, double moved) {
-    moved_ = moved;
+  void update_halo(I& interaction, Real radius, double moved_by_all) {
+    moved_ = moved_by_all;
     // Enough for the search, and for a skin of a twentieth of its radius.
     const double moves_in_step = detail::max_move_within_step(interaction);
-    const double least = 1.05 * double(radius) + 2 * moves_in_step;
-    if (must_find_halo_ || !(depth_of_halo() >= least)) {
+    found_.least_depth = 1.05 * double(radius) + 2 * moves_in_step;
+    if (must_find_halo_ || !(depth_of_halo() >= found_.least_depth)) {
       find_halo(interaction, 1.5 * double(radius) + 2 * moves_in_step);
     } else if (must_refresh_) {
       refresh();
     }
   }
   void finish_step(double displacement, const Largest& all) {
-    if (!do_all_rows_fit_) return;
     P::add_travel(std::max(0.0, all.displacement - displacement));
+    if (!do_all_rows_match_) return find_halo_of_same_owners(moved_ + all.displacement);
     refresh();
   }
   void refresh_halo() {
     together([] { return Largest{}; });
-    if (do_all_rows_fit_) refresh();
+    if (do_all_rows_match_) refresh();
+  }
+  void find_halo_of_changed() {
+    const auto own = [&] { return Largest{.displacement = moved()}; };
+    const double moved_by_all = together(own, Doing::state).displacement;
+    const bool is_deep = found_.depth - 2 * moved_by_all >= found_.least_depth;
+    if (must_find_halo_ || !is_deep) {
+      find_halo_of_same_owners(moved_by_all);
+    } else {
+      refresh();
+    }
   }
   template <class I>
   void gather(I& interaction) {
@@ -199,11 +234,11 @@ class SharedParticles : public P {
   }
   template <class T, class Get, class Set>
   void exchange(const Get& get, const Set& set) const {
-    rows_.template exchange<T>(get, set, [this] { require_fitting_rows(); });
+    rows_.template exchange<T>(get, set, [this] { require_matching_rows(); });
   }
   template <class T, class Get, class Set>
   void exchange_back(const Get& get, const Set& set) const {
-    rows_.template exchange_back<T>(get, set, [this] { require_fitting_rows(); });
+    rows_.template exchange_back<T>(get, set, [this] { require_matching_rows(); });
   }
   using ElementExchange = HaloRows::ElementExchange;
   template <class PlaceOf>
@@ -215,12 +250,9 @@ class SharedParticles : public P {
     (exchange_field(fields), ...);
     P::copy_to_ghosts(fields...);
   }
-  /// Space is cut anew in the next step, as it is when particles are unevenly divided. To be called by
+  /// Divides space anew in the next step, as is done when the work is unevenly divided. To be called by
   /// all processes.
-  void cut_anew() {
-    cuts_anew_ = true;
-    found_.revision = 0;
-  }
+  void repartition() { must_repartition_ = true; }
   /// How often the halo was found.
   std::uint64_t halos_found() const noexcept { return halos_found_; }
   Process process() const noexcept { return {world_->rank(), world_->size()}; }
@@ -230,27 +262,39 @@ class SharedParticles : public P {
   template <std::size_t N>
     requires(N <= Reduced::count)
   std::array<double, N> reduced(std::array<double, Reduced::count> Reduced::*numbers,
-                                const std::array<double, N>& own) const {
-    const Reduced all = agree_([&] {
-      Reduced message;
-      std::ranges::copy(own, (message.*numbers).begin());
-      return message;
-    });
+                                const std::array<double, N>& own, Doing doing) const {
+    const auto message = [&] {
+      Reduced own_numbers;
+      std::ranges::copy(own, (own_numbers.*numbers).begin());
+      return own_numbers;
+    };
+    const Reduced all = agree_(message, doing);
     std::array<double, N> result;
     std::copy_n((all.*numbers).begin(), N, result.begin());
     return result;
   }
 
+  // How far an own particle has moved since the halo was found, at least [m].
+  double moved() const {
+    const Travel now = P::travel();
+    if (now.epoch == found_.travel.epoch) return now.distance - found_.travel.distance;
+    const auto x = std::as_const(*this)[position];
+    const NearestImage<dimension, Real> image(P::box());
+    return std::sqrt(silt::largest(x.size(), 0.0, [&](Index i) {
+      return double(image(Vec(x[i] - found_.positions[i])).squaredNorm());
+    }));
+  }
+
   // Whether the rows are those of the particles, of which none was removed since the halo was found.
-  bool do_rows_fit() const { return found_.revision == P::owned_revision(); }
-  void require_fitting_rows() const {
-    if (do_rows_fit()) return;
+  bool do_rows_match() const { return found_.revision == P::owned_revision(); }
+  void require_matching_rows() const {
+    if (do_rows_match()) return;
     fail("mpi: particles were removed or reordered since the last step, and those of other processes "
          "are not known before the next one; measure before particles are changed");
   }
   // Also if the program may have changed a constant.
   bool is_halo_outdated() const {
-    return !do_rows_fit() || found_.constants != P::constants_revision();
+    return must_repartition_ || !do_rows_match() || found_.constants != P::constants_revision();
   }
 
   template <class I>
@@ -264,14 +308,26 @@ class SharedParticles : public P {
     }
     receive_halo(depth);
     found_.depth = depth;
+    note_halo();
+  }
+  // Between migrations: every particle stays where it is owned, and was in the space of that process
+  // before it moved, by so much at most [m].
+  void find_halo_of_same_owners(double moved_by_all) {
+    rows_.partners().clear();
+    number_ = count_particles();
+    receive_halo(found_.depth + moved_by_all);
+    note_halo();
+  }
+  // That is, where the particles are now, and with these constants.
+  void note_halo() {
     moved_ = 0;
     const auto x = std::as_const(*this)[position];
     found_.positions.assign(x.begin(), x.end());
     ++halos_found_;
-    note_halo();
+    note_rows();
     P::note_state();
   }
-  void note_halo() {
+  void note_rows() {
     found_.revision = P::owned_revision();
     found_.travel = P::travel();
     P::note_constants();
@@ -301,7 +357,7 @@ class SharedParticles : public P {
     const bool is_known = !(all.largest[1] > 0);
     const bool is_even = all.largest[0] <= 1.1 * all.sum[0] / world_->size();
     const bool is_soon = halos_found_ < last_cut_ + halos_between_cuts;
-    const bool is_asked = std::exchange(cuts_anew_, false);
+    const bool is_asked = std::exchange(must_repartition_, false);
     if (!is_asked && cuts_.are_made() && (!is_known || is_even || is_soon)) return;
     std::vector<silt::Vec<dimension>> points;
     agree_([&] {
@@ -459,7 +515,8 @@ class SharedParticles : public P {
   std::uint64_t number_ = 0;  // of particles of all processes
   HaloRows rows_;
   struct Found {
-    double depth = 0;  // [m]
+    double depth = 0;        // of the halo [m]
+    double least_depth = 0;  // until it is found anew [m]
     std::vector<Vec> positions;
     std::uint64_t revision = 0;  // of the owned particles; 0: there is no halo
     Travel travel;
@@ -469,11 +526,11 @@ class SharedParticles : public P {
   double moved_ = 0;  // by a particle since then [m]
   std::uint64_t halos_found_ = 0;
   std::uint64_t last_cut_ = 0;  // of halos_found_
-  bool cuts_anew_ = false;
+  bool must_repartition_ = false;
   // Found by the last reduction.
   mutable bool must_find_halo_ = true;
   mutable bool must_refresh_ = false;
-  mutable bool do_all_rows_fit_ = false;
+  mutable bool do_all_rows_match_ = false;
 };
 
 }  // namespace silt::mpi

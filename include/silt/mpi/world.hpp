@@ -36,6 +36,9 @@ class World {
   explicit World(MPI_Comm processes) {
     int is_initialised = 0;
     MPI_Initialized(&is_initialised);
+    int is_finalised = 0;
+    MPI_Finalized(&is_finalised);
+    if (is_finalised != 0) fail("mpi::World: MPI has ended; make one World, at the beginning of main()");
     if (is_initialised == 0) {
       int level = 0;
       detail::check(MPI_Init_thread(nullptr, nullptr, MPI_THREAD_FUNNELED, &level),
@@ -58,7 +61,7 @@ class World {
   World& operator=(const World&) = delete;
   ~World() {
     // With an exception that the others do not have, they do not come here.
-    if (std::uncaught_exceptions() > 0 && !do_all_end()) return;
+    if (std::uncaught_exceptions() > 0 && !all_processes_end()) return;
     MPI_Comm_free(&communicator_);
     if (finalizes_) MPI_Finalize();
   }
@@ -80,27 +83,21 @@ class World {
   /// Of the agreements of its processes, see agreement.hpp.
   struct Faults {
     std::exception_ptr reported;  ///< which the next agreement throws in all
-    bool have_all_thrown = false;
+    std::exception_ptr of_all;    ///< the last one that all processes have thrown
   };
   Faults& faults() const noexcept { return faults_; }
 
-  // Of the values of all processes, in all processes. To be called by all.
+  // Of the values of all processes, in all processes. To be called by all; they throw in all if one has
+  // failed in a run or a step. Defined in agreement.hpp.
 
-  double sum(double value) const { return reduce(value, MPI_DOUBLE, MPI_SUM); }
-  double max(double value) const { return reduce(value, MPI_DOUBLE, MPI_MAX); }
-  double min(double value) const { return reduce(value, MPI_DOUBLE, MPI_MIN); }
-  std::uint64_t sum(std::uint64_t value) const { return reduce(value, MPI_UINT64_T, MPI_SUM); }
-  std::uint64_t max(std::uint64_t value) const { return reduce(value, MPI_UINT64_T, MPI_MAX); }
+  double sum(double value) const;
+  double max(double value) const;
+  double min(double value) const { return -max(-value); }
+  /// Modulo 2⁶⁴.
+  std::uint64_t sum(std::uint64_t value) const;
 
  private:
-  template <class T>
-  T reduce(T value, MPI_Datatype type, MPI_Op operation) const {
-    T result{};
-    detail::check(MPI_Allreduce(&value, &result, 1, type, operation, communicator_),
-                  "MPI_Allreduce");
-    return result;
-  }
-  bool do_all_end() const {
+  bool all_processes_end() const {
     MPI_Request request;
     if (MPI_Ibarrier(communicator_, &request) != MPI_SUCCESS) return false;
     int is_done = 0;
@@ -120,3 +117,5 @@ class World {
 };
 
 }  // namespace silt::mpi
+
+#include <silt/mpi/agreement.hpp>

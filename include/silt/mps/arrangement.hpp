@@ -76,7 +76,7 @@ void check_spacing(const P& particles, const N& neighbourhood, const T& stencil)
   for (Index i = 0; i < particles.size(); ++i) {
     if (particles[kind][i] == Kind::fluid) distances.push_back(nearest(i));
   }
-  if (distances.empty()) return;  // others tell
+  if (distances.empty()) return;  // another process may have some
   const auto median = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
   std::nth_element(distances.begin(), median, distances.end());
   fail("mps::Flow: the fluid particles are " + to_text(*median) +

@@ -91,6 +91,9 @@ class PressureEquation {
   /// unknowns get P = 0. Pressures are changed only if the solve converged.
   template <FluidParticles P, class L>
   SolveReport solve(P& particles, L& solver) {
+    static_assert(!Shared<P> || requires { requires L::shares_unknowns; },
+                  "mps: this solver does not know the unknowns of other processes; use mpi::Flow "
+                  "instead of mps::Flow (see shares_unknowns in silt/solve/jacobi.hpp)");
     using Real = typename P::Real;
     const auto values = particles[pressure];
     solution_.resize(system_.columns());

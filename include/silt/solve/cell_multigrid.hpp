@@ -45,6 +45,10 @@ template <int Dim, class Cycle = CellCycle<Dim>>
 class CellMultigrid {
  public:
   using Settings = CellMultigridSettings;
+  static constexpr bool shares_unknowns = requires(
+      Cycle cycle, const LinearSystem& system, std::span<const GridCell<Dim>> cells) {
+    cycle.share(system, cells, cells);
+  };
 
   CellMultigrid() = default;
   /// Throws if the settings are out of range.
@@ -56,7 +60,7 @@ class CellMultigrid {
   void prepare(const LinearSystem& system) {
     inverse_.resize(system.size());
     for_each(system.size(), [&](Index i) { inverse_[i] = 1 / system.diagonal[i]; });
-    uses_cells_ = !system.geometry.points.empty() || shares_cells;
+    uses_cells_ = !system.geometry.points.empty() || shares_unknowns;
     if (!uses_cells_) return;
     build_finest_level(system);
     cycle_.prepare();
@@ -82,10 +86,6 @@ class CellMultigrid {
  private:
   using Level = CellLevel<Dim>;
   using Point = std::array<double, Dim>;
-  static constexpr bool shares_cells = requires(
-      Cycle cycle, const LinearSystem& system, std::span<const GridCell<Dim>> cells) {
-    cycle.share(system, cells, cells);
-  };
 
   void build_finest_level(const LinearSystem& system) {
     const auto& geometry = system.geometry;
@@ -103,11 +103,11 @@ class CellMultigrid {
       for (Index i = 0; i < system.size(); ++i) {
         if (takes_part(i)) occupied_.push_back(cell_at(point(i)));
       }
-      if constexpr (!shares_cells) finest_cells_.number(occupied_, CellOrder::chessboard);
+      if constexpr (!shares_unknowns) finest_cells_.number(occupied_, CellOrder::chessboard);
     };
     const auto sort_points = [&] { to_particles_.sort(system.size(), point, takes_part); };
     for_each_task(2, [&](Index task) { task == 0 ? number_cells() : sort_points(); });
-    if constexpr (shares_cells) {
+    if constexpr (shares_unknowns) {
       finest_cells_.number(cycle_.share(system, occupied_, to_particles_.corner_cells()),
                            CellOrder::chessboard);
     }
@@ -126,7 +126,7 @@ class CellMultigrid {
     to_particles_.restrict_to(stiffness_, [&](Index i) {
       return scale * (system.diagonal[i] - double(geometry.to_surface[i]));
     });
-    if constexpr (shares_cells) {
+    if constexpr (shares_unknowns) {
       cycle_.add_of_others(finest_cells_, level.mass);
       cycle_.add_of_others(finest_cells_, stiffness_);
     }

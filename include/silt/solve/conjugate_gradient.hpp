@@ -22,6 +22,8 @@ namespace silt {
 template <Preconditioner M = Jacobi>
 class ConjugateGradient {
  public:
+  static constexpr bool shares_unknowns = requires { requires M::shares_unknowns; };
+
   ConjugateGradient() = default;
   explicit ConjugateGradient(const SolveSettings& settings, M preconditioner = {})
       : settings_(settings), preconditioner_(std::move(preconditioner)) {

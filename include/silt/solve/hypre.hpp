@@ -35,6 +35,7 @@ class BoomerAmg {
       system.off_diagonal.for_each_entry(
           i, [&](Index column, double value) { matrix_.add(HYPRE_BigInt(column), value); });
     }
+    multigrid_.set_rows(matrix_);
     multigrid_.prepare(MPI_COMM_SELF, matrix_, settings_.strong_threshold);
   }
 

@@ -52,14 +52,17 @@ class HypreMultigrid {
   }
   ~HypreMultigrid() { release(); }
 
-  /// To be called by all processes. Throws if hypre fails.
+  /// Memory for the rows of this process.
+  void set_rows(const HypreMatrix& matrix) {
+    rows_.resize(matrix.entries.size());
+    std::iota(rows_.begin(), rows_.end(), matrix.first_row);
+    zeros_.assign(rows_.size(), 0);
+  }
+  /// To be called by all processes, after set_rows(). Throws in all if hypre fails.
   void prepare(MPI_Comm processes, HypreMatrix& matrix, double strong_threshold) {
     release();
     const auto n = HYPRE_Int(matrix.entries.size());
     const HYPRE_BigInt first = matrix.first_row, last = first + HYPRE_BigInt(n) - 1;
-    rows_.resize(matrix.entries.size());
-    std::iota(rows_.begin(), rows_.end(), first);
-    zeros_.assign(rows_.size(), 0);
     HYPRE_IJMatrixCreate(processes, first, last, first, last, &matrix_);
     HYPRE_IJMatrixSetObjectType(matrix_, HYPRE_PARCSR);
     HYPRE_IJMatrixInitialize(matrix_);

@@ -1,10 +1,12 @@
-// expect: EnergyLedger: it knows the grains of one|Inflow: grains cannot be added|state that does not migrate|write_csv: a file has|write_black_box: the particles around
+// expect: EnergyLedger: it knows the grains of one|does not know the unknowns of other processes|cannot be settled yet|Inflow: grains cannot be added|state that does not migrate|write_csv: a file has|write_black_box: the particles around
 // SPDX-License-Identifier: MIT
 // flags: -DLEDGER
 // flags: -DINFLOW
 // flags: -DBONDS
 // flags: -DCSV
 // flags: -DBLACK_BOX
+// flags: -DSETTLE
+// flags: -DSOLVER
 #include <silt/dem.hpp>
 #include <silt/io/black_box.hpp>
 #include <silt/io/particle_csv.hpp>
@@ -50,5 +52,15 @@ int main() {
 #endif
 #if defined BLACK_BOX || defined SILT_VALID
   write_black_box({"bed.silt"}, bed, Error("none"));
+#endif
+#if defined SETTLE || defined SILT_VALID
+  dem::settle(bed, {.speed = 1e-3, .check_every = 0.1, .max_time = 1});
+#endif
+#if defined SOLVER || defined SILT_VALID
+  const auto tank = mps::make_tank(
+      mps::Tank<2>{.column = {0.4, 0.4}, .size = {.length = 0.8, .height = 0.8}, .spacing = 0.04});
+  Simulation dam{given(tank, world), UniformGrid<2>{}, mps::Flow<mps::Case10>{{.spacing = 0.04}},
+                 SemiImplicit<>{}};
+  dam.step();
 #endif
 }

@@ -130,8 +130,13 @@ class ContactsOf : public Contacts<Law, Walls...> {
       detail::check_motion_of_walls(walls_, state_.last.list->extent, smallest, settings_, step);
     }
   }
-  /// Throws if contacts gave more energy than they had, see ContactSettings::max_energy_gain. Called
-  /// by Simulation.
+  /// See ContactSettings::max_energy_gain; infinite if the energy of the contacts is not known.
+  double max_energy_gain() const {
+    return ContactsOfStep::knows_springs ? settings_.max_energy_gain
+                                         : std::numeric_limits<double>::infinity();
+  }
+  /// Throws if contacts gave more energy than they had. Called by Simulation after a step in which a
+  /// grain gained more than max_energy_gain().
   void check_energy(const P& grains, const FinishedStep& step) const {
     if constexpr (ContactsOfStep::knows_springs) {
       if (!Shared<P> && state_.last.count == 0) return;

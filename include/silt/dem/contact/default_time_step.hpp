@@ -66,8 +66,8 @@ std::vector<std::uint32_t> materials_of(const P& grains, const Materials<Law>& m
 }
 
 /// The shortest contacts of the lightest grains, π √(m*/k) with the largest stiffness at
-/// usual_overlap. Of grains that processes share, all call it. The grains are valid, see check_grains(); `walls` is a WallSet. Throws if a law
-/// returns a stiffness that is not possible.
+/// usual_overlap. Of grains that processes share, all call it. The grains are valid, see
+/// check_grains(); `walls` is a WallSet. Throws if a law returns a stiffness that is not possible.
 template <class P, class Law, class Walls>
 ShortestContacts shortest_contacts(const P& grains, const Materials<Law>& materials,
                                    const Walls& walls) {

@@ -39,11 +39,15 @@ double energy_of_motion(const P& grains, Index i, const Velocity& v, const Spin&
          2;
 }
 
-/// Throws if the kinetic energy rose and the energies of contacts do not explain it.
+/// Throws if the contacts gave more energy than they had: if the kinetic energy rose to more than
+/// ContactSettings::max_energy_gain times what explains it. `rows` are the grains with which the law was
+/// evaluated; energy_of_contacts(before, mean) returns the ContactEnergy for the grains then, and with
+/// the mean of their velocities then and now.
 template <class P, class EnergyOfContacts>
-void require_explained_energy(const P& grains,
-                              const GrainRows<P::dimension, typename P::Real>& rows, double most,
-                              double time_step, EnergyOfContacts&& energy_of_contacts) {
+void check_energy(const P& grains, const GrainRows<P::dimension, typename P::Real>& rows,
+                  const ContactSettings& settings, const FinishedStep& step,
+                  EnergyOfContacts&& energy_of_contacts) {
+  const double most = settings.max_energy_gain;
   const auto before = [&](Index i) {
     return energy_of_motion(grains, i, rows.velocity_of(i), rows.spin_of(i));
   };
@@ -90,7 +94,7 @@ void require_explained_energy(const P& grains,
                         }).energy_gain;
   if (of_fastest < of_all) return;  // it is a grain of another process
   fail("dem::Contacts: the kinetic energy rose from " + to_text(energy_before) + " J to " +
-           to_text(energy_after) + " J in a step of " + to_text(time_step) +
+           to_text(energy_after) + " J in a step of " + to_text(step.time_step) +
            " s, more than max_energy_gain = " + to_text(most) + " times the sum of " +
            to_text(energy_before) + " J, the " + to_text(stored) +
            " J in the springs of contacts" +
@@ -100,21 +104,6 @@ void require_explained_energy(const P& grains,
            " m/s gained most; the law gives more energy than its springs hold: check its force and "
            "its elastic energy, lower the time step, or raise ContactSettings::max_energy_gain",
        {.particle = fastest, .id = grains.id(fastest)});
-}
-
-/// Throws if the contacts gave more energy than they had, see ContactSettings::max_energy_gain.
-/// `rows` are the grains with which the law was evaluated; energy_of_contacts(before, mean) returns
-/// the ContactEnergy for the grains then, and with the mean of their velocities then and now.
-template <class P, class EnergyOfContacts>
-void check_energy(const P& grains, const GrainRows<P::dimension, typename P::Real>& rows,
-                  const ContactSettings& settings, const FinishedStep& step,
-                  EnergyOfContacts&& energy_of_contacts) {
-  const double most = settings.max_energy_gain;
-  if (step.max_energy_gain <= most) return;
-  silt::detail::together(grains, [&] {
-    require_explained_energy(grains, rows, most, step.time_step, energy_of_contacts);
-    return Largest{};
-  });
 }
 
 }  // namespace silt::dem::detail
