@@ -36,7 +36,7 @@ class BoomerAmg {
           i, [&](Index column, double value) { matrix_.add(HYPRE_BigInt(column), value); });
     }
     multigrid_.set_rows(matrix_);
-    multigrid_.prepare(MPI_COMM_SELF, matrix_, settings_.strong_threshold);
+    multigrid_.prepare(MPI_COMM_SELF, matrix_, {.strong_threshold = settings_.strong_threshold});
   }
 
   void apply(const std::vector<double>& r, std::vector<double>& z) {

@@ -41,6 +41,11 @@ struct HypreMatrix {
   }
 };
 
+struct HypreCoarsening {
+  double strong_threshold = 0.25;  // in [0, 1]
+  int aggressive_levels = 0;       // from the finest: few unknowns are left, and iterations are more
+};
+
 class HypreMultigrid {
  public:
   HypreMultigrid() = default;
@@ -59,7 +64,7 @@ class HypreMultigrid {
     zeros_.assign(rows_.size(), 0);
   }
   /// To be called by all processes, after set_rows(). Throws in all if hypre fails.
-  void prepare(MPI_Comm processes, HypreMatrix& matrix, double strong_threshold) {
+  void prepare(MPI_Comm processes, HypreMatrix& matrix, const HypreCoarsening& coarsening) {
     release();
     const auto n = HYPRE_Int(matrix.entries.size());
     const HYPRE_BigInt first = matrix.first_row, last = first + HYPRE_BigInt(n) - 1;
@@ -77,7 +82,8 @@ class HypreMultigrid {
       HYPRE_IJVectorAssemble(*vector);
     }
     HYPRE_BoomerAMGCreate(&multigrid_);
-    HYPRE_BoomerAMGSetStrongThreshold(multigrid_, strong_threshold);
+    HYPRE_BoomerAMGSetStrongThreshold(multigrid_, coarsening.strong_threshold);
+    HYPRE_BoomerAMGSetAggNumLevels(multigrid_, coarsening.aggressive_levels);
     HYPRE_BoomerAMGSetRelaxType(multigrid_, 6);  // symmetric Gauss–Seidel
     HYPRE_BoomerAMGSetTol(multigrid_, 0);
     HYPRE_BoomerAMGSetMaxIter(multigrid_, 1);
