@@ -174,7 +174,7 @@ class SharedParticles : public P {
     // Enough for the search, and for a skin of a twentieth of its radius.
     const double moves_in_step = detail::max_move_within_step(interaction);
     found_.least_depth = 1.05 * double(radius) + 2 * moves_in_step;
-    if (must_find_halo_ || !(depth_of_halo() >= found_.least_depth)) {
+    if (must_find_halo_ || found_.strayed > 0 || !(depth_of_halo() >= found_.least_depth)) {
       find_halo(interaction, 1.5 * double(radius) + 2 * moves_in_step);
     } else if (must_refresh_) {
       refresh();
@@ -308,14 +308,16 @@ class SharedParticles : public P {
     }
     receive_halo(depth);
     found_.depth = depth;
+    found_.strayed = 0;
     note_halo();
   }
-  // Between migrations: every particle stays where it is owned, and was in the space of that process
-  // before it moved, by so much at most [m].
+  // No particle migrates until the next step: those outside the space of their process are at most as
+  // far from it as they have moved since they were there.
   void find_halo_of_same_owners(double moved_by_all) {
     rows_.partners().clear();
     number_ = count_particles();
-    receive_halo(found_.depth + moved_by_all);
+    found_.strayed += moved_by_all;
+    receive_halo(found_.depth + found_.strayed);
     note_halo();
   }
   // That is, where the particles are now, and with these constants.
@@ -517,6 +519,7 @@ class SharedParticles : public P {
   struct Found {
     double depth = 0;        // of the halo [m]
     double least_depth = 0;  // until it is found anew [m]
+    double strayed = 0;      // by particles, since they migrated and until it was found [m]
     std::vector<Vec> positions;
     std::uint64_t revision = 0;  // of the owned particles; 0: there is no halo
     Travel travel;
