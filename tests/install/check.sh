@@ -6,7 +6,8 @@
 # Builds and runs consumer/ against the library, by one of the methods available to users.
 #   METHOD    prefix | build_tree | subdirectory | fetch_content | pkg_config, or
 #             choices: checks that the user's choices of build type, OpenMP and -ffp-contract=off,
-#             and no others, are applied to the user's program
+#             and no others, are applied to the user's program, or
+#             processes: a program on two processes, by prefix and by subdirectory
 #   SOURCE    source tree of the library;  BUILD  its configured build tree
 #   SCRATCH   a folder for this test
 #   OPENMP    ON if COMPILER has OpenMP
@@ -53,10 +54,12 @@ compiled_with() {
   ((times == $1)) || give_up "expected $2 in $1 of the commands, found it in $times"
 }
 
+# run_consumer EXPECTED PROGRAM...
 run_consumer() {
-  local printed
-  printed=$("$1")
-  [[ $printed = "$2" ]] || give_up "expected a program with $2, found $printed"
+  local expected=$1 printed
+  shift
+  printed=$("$@")
+  [[ $printed = "$expected" ]] || give_up "expected a program with $expected, found $printed"
 }
 
 consume() {
@@ -64,7 +67,7 @@ consume() {
   expect_printed 0 "CMake Warning"
   compiled_with 1 -ffp-contract=off
   cmake --build "$scratch/build"
-  run_consumer "$scratch/build/consumer" "$expected"
+  run_consumer "$expected" "$scratch/build/consumer"
 }
 
 # CMake options of each method of using the library with CMake.
@@ -109,7 +112,7 @@ check_choices() {
   done
   # Only the last one is built.
   cmake --build "$scratch/build"
-  run_consumer "$scratch/build/consumer" "one thread"
+  run_consumer "one thread" "$scratch/build/consumer"
 }
 
 case $method in
@@ -137,15 +140,24 @@ case $method in
     [[ " ${flags[*]} " = *" -ffp-contract=off "* ]] || give_up "no -ffp-contract=off: ${flags[*]}"
     [[ ${flags[*]} != *openmp* ]] || give_up "unexpected OpenMP flag: ${flags[*]}"
     "$compiler" -std=c++20 "$here/consumer/main.cpp" -o "$scratch/consumer" "${flags[@]}"
-    run_consumer "$scratch/consumer" "one thread"
+    run_consumer "one thread" "$scratch/consumer"
     if [[ $openmp = ON ]]; then
       "$compiler" -std=c++20 -fopenmp "$here/consumer/main.cpp" -o "$scratch/consumer" "${flags[@]}"
-      run_consumer "$scratch/consumer" OpenMP
+      run_consumer OpenMP "$scratch/consumer"
     fi
     without=$(pkg-config --define-variable=same_bits= --cflags silt)
     [[ $without != *contract* ]] || give_up "same_bits= leaves the flag: $without"
     ;;
   choices) check_choices ;;
+  processes)
+    install_and_move
+    for line in "${cmake_methods[0]}" "${cmake_methods[2]}"; do
+      IFS=' ' read -ra options <<<"$line"
+      configure_consumer -DCMAKE_BUILD_TYPE=Debug -DPROCESSES=ON "${options[@]}"
+      cmake --build "$scratch/build"
+    done
+    run_consumer "2 processes" mpirun -np 2 "$scratch/build/consumer"
+    ;;
   *)
     echo "unknown method $method"
     exit 2

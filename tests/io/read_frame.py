@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: MIT
-"""Reads a frame with VTK's own reader or with meshio and prints its contents, for vtk_test.cpp.
+"""Reads a frame with VTK's own reader or with meshio and prints its contents, for tests.
 
     read_frame.py vtk|meshio FILE
 
-One line per array: name, number of components, and the sums over the particles. Exits with 77 if
-the module is not installed.
+One line per array: name, number of components, and the sums over the particles; for a frame in
+pieces (.pvtu), only the number of particles and that of different ids. Exits with 77 if the module
+is not installed.
 """
 
 import sys
@@ -12,9 +13,10 @@ import sys
 
 def read_with_vtk(path):
     from vtkmodules.util.numpy_support import vtk_to_numpy
-    from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridReader
+    from vtkmodules.vtkIOXML import vtkXMLPUnstructuredGridReader, vtkXMLUnstructuredGridReader
 
-    reader = vtkXMLUnstructuredGridReader()
+    pieces = path.endswith(".pvtu")
+    reader = vtkXMLPUnstructuredGridReader() if pieces else vtkXMLUnstructuredGridReader()
     reader.SetFileName(path)
     reader.Update()
     grid = reader.GetOutput()
@@ -36,6 +38,9 @@ def main(tool, path):
         cells, points, arrays = {"vtk": read_with_vtk, "meshio": read_with_meshio}[tool](path)
     except ImportError:
         sys.exit(77)
+    if path.endswith(".pvtu"):
+        print(cells, len(set(arrays["id"])))
+        return
     print("cells", cells)
     for name, values in sorted({"position": points, **arrays}.items()):
         values = values.reshape(len(points), -1)

@@ -19,7 +19,8 @@ from processes import Ran
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]', re.MULTILINE)
 FOLDERS = ("core", "dem", "geometry", "integrate", "io", "measure", "mps", "trust", "search",
            "solve", "validation")
-NOT_TESTED = {"solve/hypre.hpp": "it needs an optional library"}
+NOT_TESTED = {name: "it needs an optional library"
+              for name in ("solve/hypre.hpp", "solve/hypre_multigrid.hpp")}
 HASHES = "tests/portability/hashes.cpp"
 MEMBERS = "tests/restart_members/check.py"
 # Programs with the first need one copy of the second, which another source may include.

@@ -36,7 +36,7 @@ TEST(LastPositions, AreAlsoThoseOfMoreOrFewerGhosts) {
   for (const Index ghosts : {Index(2), Index(50), Index(1)}) {
     points.clear_ghosts();
     for (Index g = 0; g < ghosts; ++g) points.add_ghost(0, {double(g + 1), 0});
-    ASSERT_TRUE(positions.update_owned(points));
+    ASSERT_TRUE(positions.update_local(points));
     positions.update_ghosts(points);
     expect_positions(positions, points);
   }
@@ -45,13 +45,13 @@ TEST(LastPositions, AreAlsoThoseOfMoreOrFewerGhosts) {
 TEST(LastPositions, MeasureDisplacementsAcrossAPeriodicSide) {
   auto points = two_points();
   LastPositions<2, double> positions;
-  EXPECT_FALSE(positions.update_owned(points)) << "they belong to no particles";
+  EXPECT_FALSE(positions.update_local(points)) << "they belong to no particles";
   positions.update_all(points);
   points[position][1] = {0.05, 0.5};
-  EXPECT_NEAR(*positions.update_owned(points), 0.15, 1e-15);
-  EXPECT_EQ(*positions.update_owned(points), 0);
+  EXPECT_NEAR(*positions.update_local(points), 0.15, 1e-15);
+  EXPECT_EQ(*positions.update_local(points), 0);
   points.add({0.3, 0.3});
-  EXPECT_FALSE(positions.update_owned(points)) << "one was added";
+  EXPECT_FALSE(positions.update_local(points)) << "one was added";
 }
 
 TEST(LastPositions, AreRolledBackWithTheirParticles) {
@@ -61,7 +61,7 @@ TEST(LastPositions, AreRolledBackWithTheirParticles) {
   const auto before = points;
   positions.save();
   points[position][0] = {0.2, 0.2};
-  ASSERT_TRUE(positions.update_owned(points));
+  ASSERT_TRUE(positions.update_local(points));
   positions.update_ghosts(points);
   expect_positions(positions, points);
   positions.restore();

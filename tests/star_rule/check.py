@@ -20,8 +20,8 @@ OPENMP = re.compile(r'#\s*pragma\s+omp\b|_Pragma\s*\(\s*"omp\b')
 FORBIDDEN = re.compile(r"^(iostream|regex|ranges|Eigen/Dense|(unsupported/)?Eigen/src/.*)$")
 THREADS = "core/parallel.hpp"
 # What folders may include in addition to core/ and themselves.
-SHARED = {"dem": {"geometry"}, "measure": {"geometry"}, "mps": {"geometry", "linear"},
-          "solve": {"linear"}}
+SHARED = {"dem": {"geometry"}, "measure": {"geometry"}, "mpi": {"linear", "solve"},
+          "mps": {"geometry", "linear"}, "solve": {"linear"}}
 # The rooms of folders, from the lowest floor to the highest.
 FLOORS = {"dem": [{"law", "wall", "setup"}, {"contact"}, {"bond", "measure", "conformance"}]}
 

@@ -5,8 +5,8 @@
 //   normal n of a contact                 direction of a repulsive force on i: n = −r_ij / r
 //   an interaction ADDS forces and torques; the integrator sets them to zero before
 //   a spin is positive counter-clockwise; SI units
-//   an index below size() is an owned particle, any other a ghost; fields of ghosts have the values
-//   of the last refresh_ghosts(field)
+//   an index below size() is an owned particle, from local() on a ghost, between both one of the
+//   halo (shared_particles.hpp); fields of ghosts have the values of the last refresh_ghosts(field)
 #pragma once
 
 #include <silt/core/error.hpp>

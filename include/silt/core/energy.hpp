@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
-// Kinetic energies of particles, summed in double precision. Bitwise identical for any number of
-// threads.
+// Kinetic energies of particles, summed in double precision, of all processes that share them.
+// Bitwise identical for any number of threads.
 #pragma once
 
 #include <silt/core/fields.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/particles.hpp>
+#include <silt/core/shared_particles.hpp>
 #include <silt/core/types.hpp>
 
 namespace silt {
@@ -16,8 +17,9 @@ template <class P>
 double kinetic_energy(const P& particles) {
   const auto v = particles[velocity];
   const auto m = particles[mass];
-  return ordered_sum(particles.size(), 0.0,
-                     [&](Index i) { return double(m[i]) * in_double(v[i]).squaredNorm() / 2; });
+  return detail::sum_of_all(particles, ordered_sum(particles.size(), 0.0, [&](Index i) {
+    return double(m[i]) * in_double(v[i]).squaredNorm() / 2;
+  }));
 }
 
 /// Σ ½ I ω² [J].
@@ -26,9 +28,9 @@ template <class P>
 double rotational_energy(const P& particles) {
   const auto w = particles[spin];
   const auto inertias = particles[inertia];
-  return ordered_sum(particles.size(), 0.0, [&](Index i) {
+  return detail::sum_of_all(particles, ordered_sum(particles.size(), 0.0, [&](Index i) {
     return double(inertias[i]) * squared_norm(in_double(w[i])) / 2;
-  });
+  }));
 }
 
 }  // namespace silt

@@ -46,20 +46,34 @@ class Error : public std::runtime_error {
     Where where = where_;
     where.step = step;
     where.time = time;
-    return Error(message_, where, stable_time_step_);
+    return with_flag(Error(message_, where, stable_time_step_));
   }
+
+  /// The same error, that all processes throw, with the stable time step of all; called by particles
+  /// that processes share.
+  Error of_all(std::optional<double> stable) const {
+    Error error(message_, where_, stable);
+    error.is_of_all_ = true;
+    return error;
+  }
+  bool is_of_all() const noexcept { return is_of_all_; }
 
   /// The same error with a text before its message; called by read_checkpoint().
   Error with_prefix(const std::string& text) const {
-    return Error(text + message_, where_, stable_time_step_);
+    return with_flag(Error(text + message_, where_, stable_time_step_));
   }
 
  private:
+  Error with_flag(Error error) const {
+    error.is_of_all_ = is_of_all_;
+    return error;
+  }
   static std::string compose(const std::string& message, const Where& where);
 
   std::string message_;
   Where where_;
   std::optional<double> stable_time_step_;
+  bool is_of_all_ = false;
 };
 
 /// A number for messages, with six significant digits.
@@ -72,9 +86,13 @@ inline std::string to_text(double value) {
 /// A vector as "(1, 2)".
 template <class Real, int Dim>
 std::string to_text(const Eigen::Matrix<Real, Dim, 1>& value) {
-  std::string text = "(" + to_text(double(value[0]));
-  for (int k = 1; k < Dim; ++k) text += ", " + to_text(double(value[k]));
-  return text + ")";
+  // Appended to: g++ 12 warns of "(" + std::string.
+  std::string text = "(";
+  for (int k = 0; k < Dim; ++k) {
+    if (k > 0) text += ", ";
+    text += to_text(double(value[k]));
+  }
+  return text += ')';
 }
 
 inline std::string Error::compose(const std::string& message, const Where& where) {

@@ -108,6 +108,10 @@ class Forces {
   void for_each_part(F&& f) const {
     std::apply([&](const auto&... part) { (f(part), ...); }, parts_);
   }
+  template <class F>
+  void for_each_part(F&& f) {
+    std::apply([&](auto&... part) { (f(part), ...); }, parts_);
+  }
 
   /// The largest interaction range of the parts [m]. Throws if that of one is negative or not
   /// finite.
@@ -198,6 +202,10 @@ class Forces {
   void check_step(const P& particles, const FinishedStep& step) const {
     for_each_part([&](const auto& part) { detail::check_step(part, particles, step); });
   }
+  template <class P>
+  void check_energy(const P& particles, const FinishedStep& step) const {
+    for_each_part([&](const auto& part) { detail::check_energy(part, particles, step); });
+  }
 
   /// Writes or reads the state of the parts for a checkpoint, see core/transfer.hpp.
   template <class Archive, class P>
@@ -222,11 +230,6 @@ class Forces {
  private:
   template <class...>
   friend class Forces;
-
-  template <class F>
-  void for_each_part(F&& f) {
-    std::apply([&](auto&... part) { (f(part), ...); }, parts_);
-  }
 
   [[noreturn]] static void refuse_part(Index number, const char* name, double value,
                                        const char* unit_and_rule) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The permanent ids of particles: by index, first those of owned particles, then those of ghosts,
-// which have their owner's id; and the index of each.
+// The permanent ids of particles: by index, first those of owned particles, then those of the halo,
+// then those of ghosts, which have their owner's id; and the index of each.
 #pragma once
 
 #include <silt/core/id_table.hpp>
@@ -15,17 +15,17 @@ namespace silt::detail {
 
 class Ids {
  public:
-  /// Number of owned particles and ghosts.
+  /// Number of owned particles, halo and ghosts.
   Index size() const noexcept { return ids_.size(); }
   Id operator[](Index i) const noexcept { return ids_[i]; }
   std::span<const Id> first(Index n) const noexcept { return {ids_.data(), n}; }
   /// `no_index` if the particle was removed or never added.
   Index index_of(Id id) const noexcept { return id < next_id_ ? table_.find(id, ids_) : no_index; }
 
-  /// For n particles, of which `owned` are there.
-  void reserve(Index n, Index owned) {
+  /// For n particles, of which `present` are there.
+  void reserve(Index n, Index present) {
     ids_.reserve(n);
-    table_.make_room(n, std::max<Id>(next_id_, n), first(owned));
+    table_.make_room(n, std::max<Id>(next_id_, n), first(present));
   }
   /// For one more particle or ghost: adding it does not throw. Returns the capacity.
   Index make_room() {
@@ -49,9 +49,9 @@ class Ids {
     ids_.resize(n);
     table_.assign(ids_);
   }
-  /// The ids of particles order[i].
+  /// The ids of particles order[i], then those of the halo.
   std::vector<Id> in_order(std::span<const Index> order) const {
-    std::vector<Id> ids(order.size());
+    std::vector<Id> ids = ids_;
     for (Index i = 0; i < order.size(); ++i) ids[i] = ids_[order[i]];
     return ids;
   }
@@ -61,6 +61,13 @@ class Ids {
     table_.assign(ids_);
   }
 
+  /// Adds a particle of another process. False if there is one with this id; it is added all the same.
+  bool add_other(Id id) {
+    next_id_ = std::max(next_id_, id + 1);
+    table_.make_room(ids_.size() + 1, next_id_, ids_);
+    ids_.push_back(id);
+    return table_.add(ids_.size() - 1, ids_);
+  }
   void add_ghost(Index owner) { ids_.push_back(ids_[owner]); }
   /// Removes the ghosts of n particles.
   void resize(Index n) { ids_.resize(n); }

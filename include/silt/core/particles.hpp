@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: MIT
 // The particle container: a column for each field, or rows of several fields
-// (field_storage.hpp), permanent ids, and ghosts.
+// (field_storage.hpp), permanent ids, halo and ghosts.
 //
-//            owned: 0 … size()-1              ghosts: size() … total()-1
-//   position [ x0 x1 x2 …                   | copies of owned particles, shifted by a period ]
-//   velocity [ u0 u1 u2 …                   | copies                                         ]
-//   id       [ 17  3  4 …                   | the owner's id                                 ]
+//            owned: 0 … size()-1   halo: … local()-1        ghosts: … total()-1
+//   position [ x0 x1 x2 …        | those of particles of  | copies of the particles before,
+//                                | other processes        | shifted by a period             ]
+//   velocity [ u0 u1 u2 …        | u7 u8 …                | copies                          ]
+//   id       [ 17  3  4 …        | 21 5 …                 | that of the copied particle     ]
 //
+// Only processes that share their particles have a halo, see mpi/shared_particles.hpp.
 // Identify particles across steps by id, not by index: a search may reorder them in memory.
 #pragma once
 
@@ -58,9 +60,11 @@ class Particles {
   explicit Particles(Box<Dim, Real> box) : box_(std::move(box)) { box_.check(); }
 
   /// Number of owned particles.
-  Index size() const noexcept { return ids_.size() - owners_.size(); }
+  Index size() const noexcept { return local() - halo_; }
   bool empty() const noexcept { return size() == 0; }
-  /// Number of owned particles and ghosts.
+  /// Number of owned particles and those of the halo.
+  Index local() const noexcept { return ids_.size() - owners_.size(); }
+  /// Number of owned particles, those of the halo, and ghosts.
   Index total() const noexcept { return ids_.size(); }
 
   template <Field F>
@@ -68,6 +72,7 @@ class Particles {
     check_field<F>();
     if constexpr (std::same_as<F, position_t>) positions_changed_.set();
     if constexpr (role_of<F>() == Role::constant) constants_changed_.set();
+    if constexpr (role_of<F>() == Role::state) state_changed_.set();
     return columns_.view(field, size());
   }
   template <Field F>
@@ -76,12 +81,18 @@ class Particles {
     return columns_.view(field, size());
   }
 
-  /// The values of the owned particles, followed by those of the ghosts; an index from a search may
-  /// refer to either.
+  /// The values of the owned particles, followed by those of the halo and the ghosts; an index from a
+  /// search may refer to any.
   template <Field F>
   auto with_ghosts(F field) const noexcept {
     check_field<F>();
     return columns_.view(field, total());
+  }
+  /// The values of the owned particles, followed by those of the halo; owner(i) refers to either.
+  template <Field F>
+  auto with_halo(F field) const noexcept {
+    check_field<F>();
+    return columns_.view(field, local());
   }
   /// The storage of a field: a column, or the rows of a bundle, see core/field_storage.hpp.
   template <Field F>
@@ -91,10 +102,12 @@ class Particles {
 
   Id id(Index i) const noexcept { return ids_[i]; }
   std::span<const Id> ids() const noexcept { return ids_.first(size()); }
-  /// Index of the particle with this id; `no_index` if it was removed or never added.
+  std::span<const Id> ids_with_halo() const noexcept { return ids_.first(local()); }
+  /// Index of the particle with this id, owned or of the halo; `no_index` if it was removed or never
+  /// added.
   Index index_of(Id id) const noexcept { return ids_.index_of(id); }
-  /// Index of the owned particle of which i is a ghost; i itself if i is owned.
-  Index owner(Index i) const noexcept { return i < size() ? i : owners_[i - size()]; }
+  /// Index of the particle, owned or of the halo, of which i is a ghost; i itself if i is none.
+  Index owner(Index i) const noexcept { return i < local() ? i : owners_[i - local()]; }
 
   /// Increases whenever particles or ghosts are added, removed or reordered. Two containers have
   /// the same value only if one is a copy of the other.
@@ -118,6 +131,17 @@ class Particles {
     return constants_revision_;
   }
 
+  /// From now on, views that were taken before are not written to: constants_revision() is the same
+  /// until the next access.
+  void note_constants() noexcept {
+    if (constants_changed_.test_and_clear()) constants_revision_ = next_revision();
+  }
+
+  /// Whether a field of the state may have been changed otherwise than by a step, since the last
+  /// call of note_state(): by an access that is not const.
+  bool has_state_changed() const noexcept { return state_changed_.is_set(); }
+  void note_state() noexcept { state_changed_.test_and_clear(); }
+
   const Box<Dim, Real>& box() const noexcept { return box_; }
   /// Throws if the box has no volume, or if a periodic side is not finite.
   void set_box(const Box<Dim, Real>& box) {
@@ -129,15 +153,15 @@ class Particles {
 
   void reserve(Index n) {
     columns_.for_each([n](auto& storage) { storage.reserve(n); });
-    ids_.reserve(n, size());
+    ids_.reserve(n, local());
   }
 
-  /// Adds a particle at x [m], all other fields zero, and returns its index. Removes all ghosts.
+  /// Adds a particle at x [m], all other fields zero, and returns its index. Removes halo and ghosts.
   /// Throws if x is not finite. If it throws, no particle is added.
   Index add(const Vec& x) {
     require_finite("Particles::add: position", x);
     const Vec at = x;  // x may be one of the positions
-    clear_ghosts();
+    clear_halo();
     make_room();
     ids_.make_room_for_id();
     const Index i = size();
@@ -156,14 +180,13 @@ class Particles {
     clear_ghosts();
     // All are known before the first row is moved: removed(i) may throw, or read other rows.
     std::vector<Index> gone;
-    const Index before = size();
-    for (Index i = 0; i < before; ++i) {
+    for (Index i = 0; i < size(); ++i) {
       if (removed(i)) gone.push_back(i);
     }
     if (gone.empty()) return 0;
     Index kept = gone.front();
     auto next_gone = gone.begin();
-    for (Index i = kept; i < before; ++i) {
+    for (Index i = kept; i < local(); ++i) {
       if (next_gone != gone.end() && *next_gone == i) {
         ++next_gone;
       } else {
@@ -196,24 +219,71 @@ class Particles {
     note_change();
   }
 
+  // The halo, see mpi/shared_particles.hpp.
+
+  /// Removes it, and the ghosts.
+  void clear_halo() {
+    clear_ghosts();
+    if (halo_ == 0) return;
+    const Index owned = size();
+    columns_.for_each([owned](auto& storage) { storage.resize(owned); });
+    ids_.finish_removal(owned);
+    halo_ = 0;
+    note_change();
+  }
+  /// Replaces it by particles with these ids, all fields zero. Removes the ghosts. Throws if a
+  /// particle is here already; the halo is then empty.
+  void set_halo(std::span<const Id> ids) {
+    clear_halo();
+    reserve(size() + ids.size());
+    for (const Id id : ids) {
+      columns_.for_each([](auto& storage) { storage.push_zero(); });
+      ++halo_;
+      if (ids_.add_other(id)) continue;
+      clear_halo();
+      fail("Particles: the particle " + std::to_string(id) + " is on two processes");
+    }
+    note_change();
+  }
+  /// Adds an owned particle with this id, all fields zero, and returns its index. Removes halo and
+  /// ghosts. Throws if it is here already.
+  Index adopt(Id id) {
+    clear_halo();
+    if (index_of(id) != no_index) {
+      fail("Particles::adopt: the particle " + std::to_string(id) + " is here already");
+    }
+    make_room();
+    columns_.for_each([](auto& storage) { storage.push_zero(); });
+    ids_.add_other(id);
+    note_change();
+    return size() - 1;
+  }
+  /// The values of the owned particles and of the halo, to be changed in the halo only.
+  template <Field F>
+  auto halo_to_change(F field) noexcept {
+    check_field<F>();
+    ghosts_revision_ = next_revision();
+    return columns_.view(field, local());
+  }
+
   // Ghosts, see search/ghosts.hpp.
 
   void clear_ghosts() {
     if (owners_.empty()) return;
     revision_ = next_revision();
-    const Index owned = size();
-    columns_.for_each([owned](auto& storage) { storage.resize(owned); });
-    ids_.resize(owned);
+    const Index rows = local();
+    columns_.for_each([rows](auto& storage) { storage.resize(rows); });
+    ids_.resize(rows);
     owners_.clear();
     shifts_.clear();
   }
 
-  /// Adds a ghost of row `source` (owned or ghost), displaced by `shift` [m].
+  /// Adds a ghost of row `source` (of any kind), displaced by `shift` [m].
   void add_ghost(Index source, const Vec& shift) {
     revision_ = next_revision();
     make_room();
     const Index owner_index = owner(source);
-    const Vec total_shift = source < size() ? shift : Vec(shifts_[source - size()] + shift);
+    const Vec total_shift = source < local() ? shift : Vec(shifts_[source - local()] + shift);
     columns_.for_each([source](auto& storage) { storage.push_copy(source); });
     ids_.add_ghost(owner_index);
     columns_.view(position, total()).back() += shift;
@@ -221,9 +291,15 @@ class Particles {
     shifts_.push_back(total_shift);
   }
 
-  /// Copies these fields of the owners to their ghosts; positions are shifted.
+  /// Copies these fields of the owners to their ghosts; positions are shifted. Of particles that
+  /// processes share, all call it, and it copies them to the halo before.
   template <Field... F>
-  void refresh_ghosts(F...) {
+  void refresh_ghosts(F... fields) {
+    copy_to_ghosts(fields...);
+  }
+  /// The same without the halo, which one process may do alone.
+  template <Field... F>
+  void copy_to_ghosts(F...) {
     (check_field<F>(), ...);
     ghosts_revision_ = next_revision();
     for_each(owners_.size(), [&](Index g) { (refresh_ghost<F>(g), ...); });
@@ -246,7 +322,7 @@ class Particles {
       names += name_of<F>();
     });
     archive.same("fields", names);
-    if constexpr (Archive::reads) clear_ghosts();
+    if constexpr (Archive::reads) clear_halo();
     const Index owned = size();
     ids_.transfer(archive, owned);
     archive.within("box", [&] { box_.transfer(archive); });
@@ -264,7 +340,7 @@ class Particles {
   // For rolling back a failed step, see Columns: save() before the step, restore() if it throws.
 
   void save() noexcept {
-    if (constants_changed_.test_and_clear()) constants_revision_ = next_revision();
+    note_constants();
     columns_.save();
   }
   template <Field F>
@@ -289,12 +365,17 @@ class Particles {
   /// farther than max_displacement [m], except across a periodic side.
   void finish_advance(double max_displacement = std::numeric_limits<double>::infinity()) {
     columns_.finish_advance(size(), std::max(revision_, ghosts_revision_));
-    travel_.distance += max_displacement;
+    add_travel(max_displacement);
+  }
+  /// For the halo, which others advance.
+  void add_travel(double distance) {
+    travel_.distance += distance;
     if (!is_finite(travel_.distance)) positions_changed_.set();
   }
   void restore() noexcept {
     columns_.restore(size());
     positions_changed_.set();
+    state_changed_.set();  // the halo has values of the step that was undone
   }
 
  private:
@@ -335,7 +416,7 @@ class Particles {
   template <class F>
   void refresh_ghost(Index g) {
     const auto values = columns_.view(F{}, total());
-    auto& ghost = values[size() + g];
+    auto& ghost = values[local() + g];
     ghost = values[owners_[g]];
     if constexpr (std::same_as<F, position_t>) ghost += shifts_[g];
   }
@@ -370,6 +451,7 @@ class Particles {
 
   Columns<Dim, Real, typename Storage::Units> columns_;
   detail::Ids ids_;
+  Index halo_ = 0;             // number of particles in it
   std::vector<Index> owners_;  // by ghost
   std::vector<Vec> shifts_;    // by ghost
   Box<Dim, Real> box_;
@@ -378,6 +460,7 @@ class Particles {
   std::uint64_t ghosts_revision_ = 0;  // of their values
   mutable detail::Mark positions_changed_{detail::Mark::Copied::set};
   mutable detail::Mark constants_changed_;
+  detail::Mark state_changed_;
   mutable Travel travel_;
   mutable std::uint64_t constants_revision_ = 0;
 };

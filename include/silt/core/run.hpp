@@ -5,10 +5,12 @@
 #include <silt/core/concepts.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/parallel.hpp>
+#include <silt/core/shared_particles.hpp>
 #include <silt/core/step_checks.hpp>
 #include <silt/core/types.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -62,7 +64,13 @@ class RunLoop {
   /// this object.
   RunLoop(Sim& simulation, const Run& run, Observers&... observers)
       : simulation_(simulation), state_(simulation.run_), run_(run), observers_(observers...) {
-    run.check(simulation.time());
+    together(simulation.particles_, [&] {
+      run.check(simulation.time());
+      return Largest{};
+    });
+    require_same_in_all(simulation.particles_, "Run: until, output_every, time_step or end_exactly",
+                        std::array{run.until, run.output_every, run.time_step.value_or(0),
+                                   run.end_exactly ? 1.0 : 0.0});
   }
 
   /// See Simulation::run.
@@ -84,6 +92,8 @@ class RunLoop {
     // The loop may end within round-off before `until`.
     if (run_.end_exactly && simulation_.time() < run_.until) simulation_.time_ = run_.until;
     if (state_.output_step != simulation_.steps()) make_output();
+    // An observer may have failed in one process.
+    together(simulation_.particles_, [] { return Largest{}; });
     return true;
   }
 
@@ -151,11 +161,21 @@ class RunLoop {
   }
 
   bool is_stop_requested() {
-    return std::apply([](auto&... each) { return (requests_stop(each) || ...); }, observers_);
+    if constexpr ((EndsRuns<Observers> || ...)) {
+      const auto own = [&] {
+        const bool ends =
+            std::apply([](auto&... each) { return (requests_stop(each) || ...); }, observers_);
+        return Largest{.wanted = ends ? 1.0 : 0.0};
+      };
+      return together(simulation_.particles_, own).wanted > 0;
+    } else {
+      return false;
+    }
   }
   template <class F>
   void for_each_observer(F&& f) {
-    std::apply([&](auto&... each) { (f(each), ...); }, observers_);
+    call_alone(simulation_.particles_,
+               [&] { std::apply([&](auto&... each) { (f(each), ...); }, observers_); });
   }
 
   Sim& simulation_;

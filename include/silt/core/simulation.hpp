@@ -8,6 +8,7 @@
 #include <silt/core/parallel.hpp>
 #include <silt/core/particles.hpp>
 #include <silt/core/run.hpp>
+#include <silt/core/shared_particles.hpp>
 #include <silt/core/step_checks.hpp>
 #include <silt/core/transfer.hpp>
 #include <silt/core/types.hpp>
@@ -51,9 +52,13 @@ class Simulation {
         chooses_radius_(!(search_.radius() > 0)) {
     detail::require_ordered_sums();
     const detail::Team team(thread_choice_, particles_.size());
-    prepare();
-    sort();
-    search_.update(particles_);
+    const Largest before = prepare();
+    detail::together(particles_, [&] {
+      update_halo(before);
+      sort();
+      search_.update(particles_);
+      return Largest{};
+    });
   }
 
   double time() const noexcept { return time_; }                      ///< [s]
@@ -61,7 +66,7 @@ class Simulation {
   double last_time_step() const noexcept { return last_time_step_; }  ///< [s]
   /// Whether its state was read from a checkpoint.
   bool was_read() const noexcept { return was_read_; }
-  /// Particles removed because they left the box; see OnEscape.
+  /// Particles removed because they left the box, of all processes; see OnEscape.
   std::uint64_t particles_lost() const noexcept { return particles_lost_; }
 
   P& particles() noexcept { return particles_; }
@@ -80,10 +85,17 @@ class Simulation {
     TypedInteraction interaction;  ///< its results, such as the contacts, refer to `particles`
   };
   State state() const {
-    if constexpr (synchronises) {
+    if constexpr (synchronises || Shared<P>) {
       Simulation copy = *this;
       set_time(copy.interaction_, time_);
-      copy.integrator_.synchronise(copy.particles_, copy.search_, copy.interaction_);
+      detail::together(copy.particles_, [&] {
+        // The program may have changed particles, or removed some.
+        if constexpr (Shared<P>) copy.particles_.find_halo_of_changed();
+        if constexpr (synchronises) {
+          copy.integrator_.synchronise(copy.particles_, copy.search_, copy.interaction_);
+        }
+        return Largest{};
+      });
       return {std::move(copy.particles_), std::move(copy.interaction_)};
     } else {
       return {particles_, interaction_};
@@ -92,7 +104,7 @@ class Simulation {
 
   /// The particles of state().
   P snapshot() const {
-    if constexpr (synchronises) {
+    if constexpr (synchronises || Shared<P>) {
       return state().particles;
     } else {
       return particles_;
@@ -100,13 +112,15 @@ class Simulation {
   }
 
   /// Writes or reads the state of the run for a checkpoint, see core/transfer.hpp. What the program
-  /// passes to constructors (laws, walls, settings) is not restored; laws and walls are compared.
+  /// passes to constructors (laws, walls, settings) is not restored; laws and walls are compared. Of
+  /// shared particles the first process writes all, and the others none; each reads all.
   template <class Archive>
   void transfer(Archive& archive) {
     static_assert(!Transactional<TypedInteraction> || Transferable<TypedInteraction, Archive, P> ||
                       Transferable<TypedInteraction, Archive>,
                   "silt::Simulation: this interaction has state (it has save() and restore()), so "
                   "a checkpoint needs its transfer(archive, particles)");
+    if constexpr (Shared<P> && !Archive::reads) particles_.gather(interaction_);
     archive.finite([&] {
       archive("time", time_);
       archive("steps", steps_);
@@ -124,13 +138,16 @@ class Simulation {
       archive.finite([&] { detail::transfer_part(archive, "search", search_, particles_); });
     } else if constexpr (Archive::reads) {
       // The particles must not move, but an update wraps positions into a periodic box.
-      const std::vector<typename P::Vec> now(particles_[position].begin(),
-                                             particles_[position].end());
-      at_positions(particles_, now, [&] { search_.update(particles_); });
+      const auto x = std::as_const(particles_).with_halo(position);
+      at_positions(particles_, std::vector<typename P::Vec>(x.begin(), x.end()), [&] { search_.update(particles_); });
     }
     archive.finite([&] { detail::transfer_part(archive, "integrator", integrator_, particles_); });
     set_time(interaction_, time_);
     detail::transfer_part(archive, "interaction", interaction_, particles_);
+    if constexpr (Shared<P> && Archive::reads) {
+      particles_.keep_own(interaction_);
+      update_halo(prepare());
+    }
   }
 
   /// The time step that the interaction chooses for the present state [s]; the last one if all
@@ -138,13 +155,20 @@ class Simulation {
   double time_step() {
     const detail::Team team(thread_choice_, particles_.size());
     set_time(interaction_, time_);
-    double dt = std::numeric_limits<double>::infinity();
-    if constexpr (ChoosesTimeStep<TypedInteraction, P>) dt = interaction_.time_step(particles_);
+    const Largest all = detail::together(particles_, [&] {
+      Largest own{.wanted = particles_.empty() ? 0.0 : 1.0};
+      if constexpr (ChoosesTimeStep<TypedInteraction, P>) {
+        own.minus_time_step = -interaction_.time_step(particles_);
+      }
+      return own;
+    });
+    const double dt = -all.minus_time_step;
+    const bool are_there_none = !(all.wanted > 0);
     // The last particle may leave during a run.
-    if (!is_finite(dt) && particles_.size() == 0 && last_time_step_ > 0) return last_time_step_;
+    if (!is_finite(dt) && are_there_none && last_time_step_ > 0) return last_time_step_;
     if (!is_finite(dt)) {
       fail("Simulation: the interaction chooses no time step" +
-           std::string(particles_.size() == 0 ? ", as there are no particles" : "") +
+           std::string(are_there_none ? ", as there are no particles" : "") +
            "; pass one: run({.time_step = …}) or step(dt)");
     }
     return dt;
@@ -163,45 +187,79 @@ class Simulation {
   void step(double dt) {
     detail::Team team(thread_choice_, particles_.size());
     team.begin_step();
-    try {
-      require_positive("Simulation: time_step", dt);
-      if (time_ + dt == time_) {
-        fail("Simulation: time_step = " + to_text(dt) + " s does not change the time; increase it");
-      }
-      set_time(interaction_, time_);
-      prepare();
-      sort();
-      save();
-    } catch (const Error& error) {
-      throw error.with_step(steps_, time_);
-    }
+    bool is_saved = false;
     bool is_result_finite = true;
     Index removed = 0;
+    std::optional<P> before_removal;
+    const auto undo = [&] {
+      if (before_removal) particles_ = std::move(*before_removal);
+      if (is_saved) restore();
+    };
     try {
-      const Travel travel = detail::travel_of(particles_);
-      const bool is_verified = integrate(dt);
-      if (!is_verified) {
-        const auto broken = detail::find_not_finite(particles_);
-        is_result_finite = !broken;
-        if (broken) detail::fail_after_step(particles_, *broken);
+      const Largest before = prepare([&](Largest& own) {
+        require_positive("Simulation: time_step", dt);
+        if (time_ + dt == time_) {
+          fail("Simulation: time_step = " + to_text(dt) +
+               " s does not change the time; increase it");
+        }
+        set_time(interaction_, time_);
+        own.time_step = dt;
+        own.minus_time_step = -dt;
+      });
+      require_same_time_step(before);
+      FinishedStep finished;
+      const Largest all = detail::together(particles_, [&] {
+        update_halo(before);
+        sort();
+        save();
+        is_saved = true;
+        const Travel travel = detail::travel_of(particles_);
+        const bool is_verified = integrate(dt);
+        if (!is_verified) {
+          const auto broken = detail::find_not_finite(particles_);
+          is_result_finite = !broken;
+          if (broken) detail::fail_after_step(particles_, *broken);
+        }
+        finished = {.time = time_,
+                    .time_step = dt,
+                    .max_displacement = detail::max_displacement_since(travel, particles_),
+                    .max_energy_gain = detail::max_energy_gain_of(integrator_)};
+        detail::check_step(interaction_, particles_, finished);
+        if (!is_verified) detail::check_escaped(particles_);
+        return Largest{.displacement = finished.max_displacement,
+                       .energy_gain = particles_.empty() ? 0 : finished.max_energy_gain,
+                       .wanted = !is_verified && must_remove_escaped() ? 1.0 : 0.0};
+      });
+      finished.max_energy_gain = all.energy_gain;
+      if (detail::must_check_energy(interaction_, particles_, finished)) {
+        detail::together(particles_, [&] {
+          detail::check_energy(interaction_, particles_, finished);
+          return Largest{};
+        });
       }
-      detail::check_step(interaction_, particles_,
-                         {.time = time_,
-                          .time_step = dt,
-                          .max_displacement = detail::max_displacement_since(travel, particles_),
-                          .max_energy_gain = detail::max_energy_gain_of(integrator_)});
-      if (!is_verified) {
-        detail::check_escaped(particles_);
-        removed = remove_escaped();
+      if (all.wanted > 0) {
+        detail::together(particles_, [&] {
+          before_removal = particles_;
+          removed = particles_.remove_if(is_outside());
+          return Largest{};
+        });
+        removed = Index(detail::sum_of_all(particles_, double(removed)));
+      }
+      if constexpr (Shared<P>) particles_.finish_step(finished.max_displacement, all);
+      if (all.wanted > 0) {
+        detail::together(particles_, [&] {
+          search_.update(particles_);  // its indices are out of date
+          return Largest{};
+        });
       }
     } catch (const Error& error) {
-      restore();
+      undo();
       if (!is_result_finite) {
         detail::check_finite_before_step(particles_, {.step = steps_, .time = time_});
       }
       throw error.with_step(steps_, time_);
     } catch (...) {
-      restore();
+      undo();
       throw;
     }
     particles_lost_ += removed;
@@ -234,6 +292,13 @@ class Simulation {
   static constexpr bool synchronises =
       requires(T t, P p, S s, TypedInteraction i) { t.synchronise(p, s, i); };
 
+  // After prepare().
+  void update_halo([[maybe_unused]] const Largest& before) {
+    if constexpr (Shared<P>) {
+      particles_.update_halo(interaction_, search_.radius(), before.displacement);
+    }
+  }
+
   // Called before the state is saved: rolling back a step does not undo the reordering.
   void sort() {
     if constexpr (SortsParticles<S, P>) {
@@ -241,10 +306,18 @@ class Simulation {
     }
   }
 
-  // The search radius must be at least the interaction range.
-  void prepare() {
-    const auto reach = interaction_.reach(particles_);
-    require_not_negative("Simulation: interaction range", double(reach));
+  // Calls check(). The search radius must be at least the interaction range.
+  template <class Check = void (*)(Largest&)>
+  Largest prepare(Check&& check = [](Largest&) {}) {
+    const Largest all = detail::together(particles_, [&] {
+      Largest largest;
+      check(largest);
+      largest.reach = double(interaction_.reach(particles_));
+      require_not_negative("Simulation: interaction range", largest.reach);
+      if constexpr (Shared<P>) largest.displacement = particles_.moved_since_halo();
+      return largest;
+    });
+    const auto reach = static_cast<typename P::Real>(all.reach);
     if (chooses_radius_) {
       search_.set_radius(reach > 0 ? reach : radius_without_range());
     } else if (search_.radius() < reach) {
@@ -252,6 +325,14 @@ class Simulation {
            " m is smaller than the interaction range, " + to_text(double(reach)) +
            " m; increase it, or do not set it");
     }
+    return all;
+  }
+
+  // Of all processes, which all throw.
+  static void require_same_time_step(const Largest& before) {
+    if (before.time_step == -before.minus_time_step) return;
+    fail("Simulation: time_step is " + to_text(-before.minus_time_step) + " s in one process and " +
+         to_text(before.time_step) + " s in another; give all the same");
   }
 
   // Search radius if the interaction range is 0: arbitrary, but with its skin it must fit into a
@@ -293,22 +374,14 @@ class Simulation {
     }
   }
 
-  // Returns how many there were. If it throws, only the search has changed.
-  Index remove_escaped() {
-    const auto& box = particles_.box();
-    if (box.on_escape != OnEscape::remove) return 0;
-    const P& particles = particles_;  // to read its positions does not count as a change of them
-    const auto outside = [&](Index i) { return !box.contains(particles[position][i]); };
-    if (first_where(particles_.size(), outside) == no_index) return 0;
-    P all = particles_;
-    try {
-      const Index removed = particles_.remove_if(outside);
-      search_.update(particles_);  // its indices are out of date
-      return removed;
-    } catch (...) {
-      particles_ = std::move(all);
-      throw;
-    }
+  auto is_outside() const {
+    return [&box = particles_.box(), x = std::as_const(particles_)[position]](Index i) {
+      return !box.contains(x[i]);
+    };
+  }
+  bool must_remove_escaped() const {
+    return particles_.box().on_escape == OnEscape::remove &&
+           first_where(particles_.size(), is_outside()) != no_index;
   }
 
   P particles_;

@@ -62,19 +62,26 @@ void transfer_part(Archive& archive, std::string_view name, T& part, P& particle
 }
 }  // namespace detail
 
-/// Calls f() with the particles temporarily at the positions x [m]. Throws if there are not as many
-/// as particles, or if one is not finite: they may have been read.
+/// Calls f() with the particles, those of the halo included, temporarily at the positions x [m].
+/// Throws if there are not as many as particles, or if one is not finite: they may have been read.
 template <class P, class F>
 void at_positions(P& particles, const std::vector<typename P::Vec>& x, F&& f) {
-  if (x.size() != particles.size()) {
+  if (x.size() != particles.local()) {
     fail("search: there are " + std::to_string(x.size()) + " positions of the last update for " +
-         std::to_string(particles.size()) + " particles; use an earlier checkpoint");
+         std::to_string(particles.local()) + " particles; use an earlier checkpoint");
   }
   for (const auto& each : x) require_finite("search: position of the last update", each);
-  const std::vector<typename P::Vec> now(particles[position].begin(), particles[position].end());
-  std::copy(x.begin(), x.end(), particles[position].begin());
+  const auto all = particles.with_halo(position);
+  const std::vector<typename P::Vec> now(all.begin(), all.end());
+  const auto put = [&](const std::vector<typename P::Vec>& to) {
+    const auto owned = std::ptrdiff_t(particles.size());
+    std::copy(to.begin(), to.begin() + owned, particles[position].begin());
+    if (particles.local() == particles.size()) return;
+    std::copy(to.begin() + owned, to.end(), particles.halo_to_change(position).begin() + owned);
+  };
+  put(x);
   f();
-  std::copy(now.begin(), now.end(), particles[position].begin());
+  put(now);
 }
 
 /// Transfers the positions [m] of the last update of a search; in reading, updates the search at
@@ -86,7 +93,7 @@ bool transfer_update(Archive& archive, P& particles, bool is_known, PositionAt&&
                      Update&& update) {
   std::vector<typename P::Vec> x;
   if (!Archive::reads && is_known) {
-    for (Index i = 0; i < particles.size(); ++i) x.push_back(position_at(i));
+    for (Index i = 0; i < particles.local(); ++i) x.push_back(position_at(i));
   }
   archive("is_known", is_known);
   archive("positions", x);
@@ -95,7 +102,10 @@ bool transfer_update(Archive& archive, P& particles, bool is_known, PositionAt&&
       fail("search: is_known = 0, but there are " + std::to_string(x.size()) +
            " positions; use an earlier checkpoint");
     }
-    if (!is_known) x.assign(particles[position].begin(), particles[position].end());
+    if (!is_known) {
+      const auto now = particles.with_halo(position);
+      x.assign(now.begin(), now.end());
+    }
     at_positions(particles, x, update);
   }
   return is_known;

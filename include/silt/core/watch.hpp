@@ -29,6 +29,14 @@ template <class I, class P>
 concept ChecksSteps =
     requires(const I i, const P& p, const FinishedStep& step) { i.check_step(p, step); };
 
+/// i.check_energy(p, step) throws if the interaction gave the particles energy that nothing had. It is
+/// called if step.max_energy_gain exceeds i.max_energy_gain(), or after every step if there is no such
+/// function; in all processes that share the particles, for those of all, see
+/// core/shared_particles.hpp. Models: dem::ContactsOf, Forces.
+template <class I, class P>
+concept ChecksEnergy =
+    requires(const I i, const P& p, const FinishedStep& step) { i.check_energy(p, step); };
+
 /// Number of the first particle whose velocity takes it farther in the step than most(i) [m];
 /// `no_index` if there is none. least_most [m] is at most each of them.
 template <class P, class F>
@@ -75,6 +83,30 @@ double max_energy_gain_of(const T& integrator) {
 template <class I, class P>
 void check_step(const I& interaction, const P& particles, const FinishedStep& step) {
   if constexpr (ChecksSteps<I, P>) interaction.check_step(particles, step);
+}
+/// Whether check_energy() has to be called, by an interaction or one of its parts.
+template <class I, class P>
+bool must_check_energy([[maybe_unused]] const I& interaction, [[maybe_unused]] const P& particles,
+                       [[maybe_unused]] const FinishedStep& step) {
+  if constexpr (requires { interaction.for_each_part([](const auto&) {}); }) {
+    bool must = false;
+    interaction.for_each_part(
+        [&](const auto& part) { must = must || must_check_energy(part, particles, step); });
+    return must;
+  } else if constexpr (!ChecksEnergy<I, P>) {
+    return false;
+  } else if constexpr (requires { interaction.max_energy_gain(); }) {
+    return !(step.max_energy_gain <= double(interaction.max_energy_gain()));
+  } else {
+    return true;
+  }
+}
+/// Calls it there.
+template <class I, class P>
+void check_energy(const I& interaction, const P& particles, const FinishedStep& step) {
+  if constexpr (ChecksEnergy<I, P>) {
+    if (must_check_energy(interaction, particles, step)) interaction.check_energy(particles, step);
+  }
 }
 
 }  // namespace detail

@@ -77,6 +77,7 @@ class Faces {
       Element element{faces[k], normal, normal.dot(faces[k].corners[0]),
                       std::uint32_t(elements_.size()), {}, false, {}, {}};
       element.is_rim.fill(true);
+      element.inwards.fill(Vec::Zero());  // by find_edges(); g++ 12 warns of a copy without
       elements_.push_back(element);
     }
     join_facets();

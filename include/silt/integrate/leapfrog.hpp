@@ -7,6 +7,7 @@
 #include <silt/core/fields.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/particles.hpp>
+#include <silt/core/shared_particles.hpp>
 #include <silt/core/types.hpp>
 #include <silt/integrate/damping.hpp>
 #include <silt/integrate/leapfrog_operations.hpp>
@@ -144,6 +145,7 @@ class Leapfrog {
       motion.step_back(particle, damping, dt);
     };
     advance(particles, search, trial, dt, detail::UpdateOfRange<P>(step_back));
+    detail::refresh_halo(particles);
   }
 
   D damping_{};

@@ -5,6 +5,7 @@
 
 #include <silt/core/concepts.hpp>
 #include <silt/core/particles.hpp>
+#include <silt/core/shared_particles.hpp>
 
 namespace silt {
 
@@ -44,6 +45,7 @@ class SemiImplicit {
     flow.predict(particles, search, dt);  // u* = u + Δt (ν∇²u + F)
     if constexpr (moves) {
       flow.advect(particles, dt);  // r* = r + Δt u*
+      detail::refresh_halo(particles);
       search.update(particles);
     }
     flow.collide(particles, search, dt);

@@ -274,7 +274,7 @@ class Reader {
     try {
       f();
     } catch (const Error& error) {
-      if (is_rejected_) throw;
+      if (is_rejected_ || error.is_of_all()) throw;
       throw error.with_prefix("read_checkpoint: " + file_ + " cannot be restored, in " +
                               path_.of("") + ": ");
     }

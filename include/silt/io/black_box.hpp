@@ -5,6 +5,7 @@
 
 #include <silt/core/error.hpp>
 #include <silt/core/nearest_image.hpp>
+#include <silt/core/shared_particles.hpp>
 #include <silt/core/types.hpp>
 #include <silt/io/checkpoint.hpp>
 
@@ -32,6 +33,9 @@ template <class Sim>
 void write_black_box(const BlackBox& box, const Sim& simulation, const Error& error) {
   const auto& all = simulation.particles();
   using P = std::remove_cvref_t<decltype(all)>;
+  static_assert(!Shared<P>,
+                "silt::write_black_box: the particles around one may belong to several processes, "
+                "which it does not collect; use write_checkpoint");
   const std::optional<Id> id = error.where().id;
   const Index guilty = id ? all.index_of(*id) : no_index;
   if (guilty == no_index) {

@@ -10,6 +10,7 @@
 // The file format is defined in io/archive.hpp; entries are in the order of the transfer() calls.
 #pragma once
 
+#include <silt/core/shared_particles.hpp>
 #include <silt/core/transfer.hpp>
 #include <silt/core/types.hpp>
 #include <silt/io/archive.hpp>
@@ -53,15 +54,22 @@ void restore(const CheckpointToRead& from, std::string_view bytes, Sim& simulati
 }  // namespace checkpoint
 
 /// Writes the whole state of the simulation and of further parts of the run, such as an inflow, to
-/// resume from. The file is written atomically. Throws silt::Error if it cannot be written.
+/// resume from. The file is written atomically. Throws silt::Error if it cannot be written. Of
+/// particles that processes share, the first process writes all: any number of processes, also one,
+/// reads the file.
 template <class Sim, class... Parts>
 void write_checkpoint(const std::filesystem::path& path, const Sim& simulation,
                       const Parts&... parts) {
-  checkpoint::Writer writer;
-  std::tuple<Sim, Parts...> copies(simulation, parts...);
-  std::apply([&](auto&... each) { checkpoint::transfer_all(writer, each...); }, copies);
-  file::replace("write_checkpoint", path, std::move(writer).finish(),
-                file::Outlasts::power_failure);
+  detail::together(simulation.particles(), [&] {
+    checkpoint::Writer writer;
+    std::tuple<Sim, Parts...> copies(simulation, parts...);
+    std::apply([&](auto&... each) { checkpoint::transfer_all(writer, each...); }, copies);
+    if (process_of(simulation.particles()).rank == 0) {
+      file::replace("write_checkpoint", path, std::move(writer).finish(),
+                    file::Outlasts::power_failure);
+    }
+    return Largest{};
+  });
 }
 
 /// Restores the state of a simulation and of further parts from a checkpoint. They must have been
@@ -71,7 +79,10 @@ void write_checkpoint(const std::filesystem::path& path, const Sim& simulation,
 /// or wall, or another spacing or density of a flow.
 template <class Sim, class... Parts>
 void read_checkpoint(const CheckpointToRead& from, Sim& simulation, Parts&... parts) {
-  checkpoint::restore(from, file::read("read_checkpoint", from.file), simulation, parts...);
+  detail::together(simulation.particles(), [&] {
+    checkpoint::restore(from, file::read("read_checkpoint", from.file), simulation, parts...);
+    return Largest{};
+  });
 }
 template <class Sim, class... Parts>
 void read_checkpoint(const std::filesystem::path& path, Sim& simulation, Parts&... parts) {

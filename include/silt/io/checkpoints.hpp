@@ -11,6 +11,7 @@
 #pragma once
 
 #include <silt/core/error.hpp>
+#include <silt/core/shared_particles.hpp>
 #include <silt/io/checkpoint.hpp>
 #include <silt/io/file.hpp>
 
@@ -59,11 +60,23 @@ class Checkpoints {
 
   template <class Sim>
   void between_steps(const Sim& simulation) {
-    if (std::chrono::duration<double>(Clock::now() - written_).count() >= every_) write(simulation);
+    if (is_due(simulation)) write(simulation);
   }
 
  private:
   using Clock = std::chrono::steady_clock;
+
+  // By the clock of the first process.
+  template <class Sim>
+  bool is_due(const Sim& simulation) const {
+    if (!is_finite(every_)) return false;
+    const auto is_asked = [&] {
+      const std::chrono::duration<double> elapsed = Clock::now() - written_;
+      const bool is_first = process_of(simulation.particles()).rank == 0;
+      return Largest{.wanted = is_first && elapsed.count() >= every_ ? 1.0 : 0.0};
+    };
+    return detail::together(simulation.particles(), is_asked).wanted > 0;
+  }
 
   std::filesystem::path path_;
   double every_;

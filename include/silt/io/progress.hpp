@@ -3,6 +3,8 @@
 // such as the log of a batch job.
 #pragma once
 
+#include <silt/core/shared_particles.hpp>
+
 #include <algorithm>
 #include <chrono>
 #include <cstdint>
@@ -34,11 +36,13 @@ class Progress {
 
   template <class Sim>
   void operator()(const Sim& simulation) {
+    if (!is_first_of(simulation)) return;
     if (!begun_) begin(simulation.time(), simulation.time());
   }
 
   template <class Sim, class Run>
   void after_step(const Sim& simulation, const Run& run) {
+    if (!is_first_of(simulation)) return;
     // A resumed run has no output at its beginning; its percentage counts from time 0.
     if (!begun_) begin(0, simulation.time() - simulation.last_time_step());
     last_ = {.step = static_cast<std::uint64_t>(simulation.steps()),
@@ -58,6 +62,16 @@ class Progress {
   }
 
  private:
+  // Of several processes, one shows the progress.
+  template <class Sim>
+  static bool is_first_of(const Sim& simulation) {
+    if constexpr (requires { simulation.particles(); }) {
+      return process_of(simulation.particles()).rank == 0;
+    } else {
+      return true;
+    }
+  }
+
   struct State {
     std::uint64_t step = 0;
     double time = 0;       // [s]

@@ -4,12 +4,16 @@
 //   VtkSeries{"out/tower"}   out/tower.pvd                list of frames and times: open this file
 //                            out/tower/tower_000000.vtu   one frame: particles with their fields
 //
+// Several processes write a piece of a frame each, out/tower/tower_000000_3.vtu, and the first one
+// out/tower/tower_000000.pvtu, which names them.
+//
 // A frame is an unstructured grid of vertices. Its arrays are stored in binary after the XML
 // ("appended raw"), each preceded by its size in bytes.
 #pragma once
 
 #include <silt/core/fields.hpp>
 #include <silt/core/parallel.hpp>
+#include <silt/core/shared_particles.hpp>
 #include <silt/core/types.hpp>
 #include <silt/io/file.hpp>
 #include <silt/io/replace_file.hpp>
@@ -23,6 +27,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -141,6 +146,28 @@ std::string vtk_frame(const P& particles) {
          "\n</AppendedData>\n</VTKFile>\n";
 }
 
+/// The bytes of a .pvtu file: a frame that consists of files with such frames.
+inline std::string vtk_frame_of_pieces(const std::string& frame,
+                                       const std::vector<std::string>& files) {
+  const auto begin = frame.substr(0, frame.find("<UnstructuredGrid>"));
+  // The arrays of this part of the frame, as a .pvtu file declares them.
+  const auto declared = [&frame](const std::string& part) {
+    const auto first = frame.find("<" + part + ">");
+    const auto last = frame.find("</" + part + ">");
+    std::string text;
+    for (auto from = frame.find("<DataArray", first); from < last;
+         from = frame.find("<DataArray", from + 1)) {
+      text += "<P" + frame.substr(from + 1, frame.find(" format=", from) - from - 1) + "/>\n";
+    }
+    return "<P" + part + ">\n" + text + "</P" + part + ">\n";
+  };
+  std::string text = begin;
+  text.replace(text.find("UnstructuredGrid"), 0, "P");
+  text += "<PUnstructuredGrid>\n" + declared("Points") + declared("PointData");
+  for (const std::string& file : files) text += "<Piece Source=\"" + file + "\"/>\n";
+  return text + "</PUnstructuredGrid>\n</VTKFile>\n";
+}
+
 /// Observer that writes a frame at every output, followed by the list of all frames with their
 /// times [s]. The fields are those of Simulation::snapshot(), all at the same time. A second frame
 /// at the same time, e.g. at the beginning of a second run, replaces the first.
@@ -171,13 +198,39 @@ class VtkSeries {
       if (times_.empty() && simulation.was_read() && !was_read_) times_ = listed_before(time);
     }
     if (times_.empty() || times_.back() != time) times_.push_back(time);
-    file::replace("VtkSeries", folder_ / frame_name(times_.size() - 1),
-                  vtk_frame(simulation.snapshot()));
+    const Index number = times_.size() - 1;
+    const auto particles = simulation.snapshot();
+    const std::string frame = vtk_frame(particles);
+    const Process process = process_of(particles);
+    const auto piece = [&](int rank) {
+      return frame_name(number) + "_" + std::to_string(rank) + ".vtu";
+    };
+    if (process.count > 1) {
+      file::replace("VtkSeries", folder_ / piece(process.rank), frame);
+      if (process.rank > 0) return;
+      std::vector<std::string> pieces;
+      for (int rank = 0; rank < process.count; ++rank) pieces.push_back(piece(rank));
+      file::replace("VtkSeries", folder_ / (frame_name(number) + of_pieces),
+                    vtk_frame_of_pieces(frame, pieces));
+    } else {
+      file::replace("VtkSeries", folder_ / (frame_name(number) + of_one), frame);
+    }
+    // Of an earlier run, on another number of processes.
+    std::error_code ignored;
+    std::filesystem::remove(folder_ / (frame_name(number) + (process.count > 1 ? of_one : of_pieces)),
+                            ignored);
+
+    while (is_in_pieces_.size() < times_.size()) {
+      const auto name = frame_name(is_in_pieces_.size());
+      is_in_pieces_.push_back(file::exists("VtkSeries", folder_ / (name + of_pieces)));
+    }
+    is_in_pieces_[number] = process.count > 1;
 
     std::string list;
     for (Index k = 0; k < times_.size(); ++k) {
       list += "<DataSet " + std::string(time_begins) + file::digits(times_[k]) + "\" file=\"" +
-              folder_.filename().string() + "/" + frame_name(k) + "\"/>\n";
+              folder_.filename().string() + "/" + frame_name(k) +
+              (is_in_pieces_[k] ? of_pieces : of_one) + "\"/>\n";
     }
     file::replace("VtkSeries", list_path(),
                   "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\">\n"
@@ -191,11 +244,14 @@ class VtkSeries {
   template <class Archive>
   void transfer(Archive& archive) {
     archive("times", times_);
+    is_in_pieces_.clear();
     if constexpr (Archive::reads) was_read_ = true;
   }
 
  private:
   static constexpr std::string_view time_begins = "timestep=\"";
+  static constexpr const char* of_one = ".vtu";
+  static constexpr const char* of_pieces = ".pvtu";
 
   std::filesystem::path list_path() const {
     std::filesystem::path path = folder_;
@@ -205,7 +261,7 @@ class VtkSeries {
   std::string frame_name(Index k) const {
     std::string number = std::to_string(k);
     number.insert(0, number.size() < 6 ? 6 - number.size() : 0, '0');
-    return folder_.filename().string() + "_" + number + ".vtu";
+    return folder_.filename().string() + "_" + number;
   }
 
   // The times of the listed frames of an earlier run before `time`.
@@ -226,6 +282,7 @@ class VtkSeries {
 
   std::filesystem::path folder_;
   std::vector<double> times_;  // of the frames [s]
+  std::vector<bool> is_in_pieces_;  // by frame; or fewer
   bool was_read_ = false;      // from a checkpoint
 };
 

@@ -5,11 +5,14 @@
 #include <silt/core/error.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/types.hpp>
+#include <silt/linear/shared_unknowns.hpp>
 #include <silt/linear/window_rows.hpp>
 
 #include <array>
 #include <concepts>
+#include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -40,9 +43,27 @@ struct LinearSystem {
   };
   Geometry geometry;
 
-  Index size() const noexcept { return diagonal.size(); }
+  /// If processes share the unknowns.
+  std::optional<SharedUnknowns> shared;
+  Index columns_of_others = 0;
 
-  /// f(i, (A x)_i) for the rows of one range of rows_together.
+  Index size() const noexcept { return diagonal.size(); }
+  Index columns() const noexcept { return size() + columns_of_others; }
+
+  /// The sums of the values of all processes.
+  template <std::size_t N>
+  std::array<double, N> sum_of_all(std::array<double, N> own) const {
+    if (shared) shared->sum(own);
+    return own;
+  }
+  double sum_of_all(double own) const { return sum_of_all(std::array{own})[0]; }
+  /// Sets the elements of a vector with columns() elements that are of other processes. To be called
+  /// after a sum.
+  void refresh(std::vector<double>& x) const {
+    if (shared) shared->refresh(x);
+  }
+
+  /// f(i, (A x)_i) for the rows of one range of rows_together; x has columns() elements.
   template <class F>
   void multiply(Index first, Index last, std::span<const double> x, F&& f) const {
     off_diagonal.multiply(first, last, x,
@@ -54,11 +75,15 @@ struct LinearSystem {
     if (closed_bodies == 0) return;
     std::vector<double> sum(closed_bodies + 1, 0);
     std::vector<double> members(closed_bodies + 1, 0);
-    for (Index row = 0; row < v.size(); ++row) {
+    for (Index row = 0; row < size(); ++row) {
       sum[closed_body[row]] += v[row];
       members[closed_body[row]] += 1;
     }
-    for_each(v.size(), [&](Index row) {
+    if (shared) {
+      shared->sum(sum);
+      shared->sum(members);
+    }
+    for_each(size(), [&](Index row) {
       const Index body = closed_body[row];
       if (body > 0) v[row] -= sum[body] / members[body];
     });

@@ -28,15 +28,20 @@ class WindowRows {
   /// Number of columns of a window.
   static constexpr Index window_size = 4;
 
-  /// Builds a square matrix of n rows: f(i, add) calls add(column, value) for the entries of row i,
+  /// Builds a matrix of n rows and n columns: f(i, add) calls add(column, value) for the entries of row i,
   /// and values of the same column are summed. Columns may be in any order; ascending order gives
   /// the fewest windows. Memory of earlier builds is reused.
   template <class F>
   void build(Index n, F&& f) {
+    build(n, n, f);
+  }
+  /// The same with another number of columns.
+  template <class F>
+  void build(Index n, Index columns, F&& f) {
     size_ = n;
     sets_.resize(row_sets(n));
     const Index last_window =
-        n > window_size ? n - window_size : 0;  // none reaches beyond the last column
+        columns > window_size ? columns - window_size : 0;  // none reaches beyond the last column
     for_each_range<rows_together>(
         n, [&](Index first, Index last) { fill(first, last, last_window, f); });
   }
@@ -44,7 +49,7 @@ class WindowRows {
   /// Number of rows.
   Index size() const noexcept { return size_; }
 
-  /// f(i, Σ_j a_ij x_j) for the rows of one range of rows_together; x has size() elements.
+  /// f(i, Σ_j a_ij x_j) for the rows of one range of rows_together; x has an element for each column.
   template <class F>
   void multiply(Index first_row, Index last_row, std::span<const double> x, F&& f) const {
     const RowSet& rows = sets_[first_row / rows_together];

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: MIT
 // Energies and momenta of particles. Call these functions with a snapshot(), because positions and
-// velocities must belong to the same time. Bitwise identical for any number of threads.
+// velocities must belong to the same time. Bitwise identical for any number of threads. Of particles
+// that processes share, all call them, and get the sum of all.
 #pragma once
 
 #include <silt/core/energy.hpp>
 #include <silt/core/fields.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/particles.hpp>
+#include <silt/core/shared_particles.hpp>
 #include <silt/core/types.hpp>
 
 namespace silt {
@@ -17,8 +19,10 @@ template <class P>
 double potential_energy(const P& particles, const typename P::Vec& g) {
   const auto x = particles[position];
   const auto m = particles[mass];
-  return -ordered_sum(particles.size(), 0.0,
-                      [&](Index i) { return double(m[i]) * double(g.dot(x[i])); });
+  const double own = -ordered_sum(particles.size(), 0.0, [&](Index i) {
+    return double(m[i]) * double(g.dot(x[i]));
+  });
+  return detail::sum_of_all(particles, own);
 }
 
 /// Σ m v [kg m/s].
@@ -28,9 +32,10 @@ Vec<P::dimension> momentum(const P& particles) {
   using Sum = Vec<P::dimension>;
   const auto v = particles[velocity];
   const auto m = particles[mass];
-  return ordered_sum(particles.size(), Sum(Sum::Zero()), [&](Index i) {
+  const Sum own = ordered_sum(particles.size(), Sum(Sum::Zero()), [&](Index i) {
     return Sum(double(m[i]) * v[i].template cast<double>());
   });
+  return detail::sum_of_all(particles, own);
 }
 
 /// Σ (x − about) × m v + I ω, orbital and spin, about a point [m] [kg m²/s]. Contacts conserve it
@@ -45,11 +50,12 @@ AngularVec<P::dimension> angular_momentum(const P& particles, const typename P::
   const auto m = particles[mass];
   const auto w = particles[spin];
   const auto inertias = particles[inertia];
-  return ordered_sum(particles.size(), zero_of<Sum>(), [&](Index i) {
+  const Sum own = ordered_sum(particles.size(), zero_of<Sum>(), [&](Index i) {
     const Wide arm = (x[i] - about).template cast<double>();
     const Wide p = double(m[i]) * v[i].template cast<double>();
     return Sum(cross(arm, p) + double(inertias[i]) * in_double(w[i]));
   });
+  return detail::sum_of_all(particles, own);
 }
 
 }  // namespace silt

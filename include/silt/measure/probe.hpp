@@ -4,9 +4,11 @@
 
 #include <silt/core/concepts.hpp>
 #include <silt/core/error.hpp>
+#include <silt/core/shared_particles.hpp>
 #include <silt/core/types.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <concepts>
 #include <optional>
@@ -21,8 +23,8 @@ struct Probe {
 
   /// Σ φ_j s_j / Σ s_j with the hat function s = Π_k (1 − |x_k − point_k|/l0), over the particles
   /// for which belongs(j) is true; empty if there are none. At a flat wall half a spacing behind
-  /// the point, this is the linear interpolation along the wall. Throws if the spacing is not
-  /// positive.
+  /// the point, this is the linear interpolation along the wall. Of particles that
+  /// processes share, all call it. Throws if the spacing is not positive.
   template <ParticleSet P, Field F, std::predicate<Index> Belongs>
   std::optional<double> read(const P& particles, F field, Belongs&& belongs) const {
     static_assert(P::dimension == Dim, "silt::Probe: the particles have another dimension");
@@ -30,17 +32,19 @@ struct Probe {
     require_finite("Probe: point", point);
     const auto x = particles[position];
     const auto values = particles[field];
-    double sum = 0;
-    double shares = 0;
+    double of_own = 0;
+    double shares_of_own = 0;
     for (Index j = 0; j < particles.size(); ++j) {
       double share = 1;
       for (int k = 0; k < Dim && share > 0; ++k) {
         share *= std::max(0.0, 1 - std::abs(double(x[j][k]) - point[k]) / spacing);
       }
       if (!(share > 0) || !belongs(j)) continue;
-      sum += share * double(values[j]);
-      shares += share;
+      of_own += share * double(values[j]);
+      shares_of_own += share;
     }
+    const auto [sum, shares] =
+        detail::sum_of_all(particles, std::array{of_own, shares_of_own});
     if (!(shares > 0)) return std::nullopt;
     return sum / shares;
   }

@@ -6,6 +6,7 @@
 #include <silt/core/error.hpp>
 #include <silt/core/fields.hpp>
 #include <silt/core/particles.hpp>
+#include <silt/core/shared_particles.hpp>
 #include <silt/core/types.hpp>
 #include <silt/measure/block_sums.hpp>
 
@@ -97,6 +98,7 @@ class Profiles {
       add_grain(grains, i, height - side);
       add_grain(grains, i, height + side);
     }
+    silt::detail::replace_by_sums(grains, sample_);
     sums_.add(sample_);
   }
 

@@ -4,6 +4,7 @@
 
 #include <silt/core/concepts.hpp>
 #include <silt/core/error.hpp>
+#include <silt/core/shared_particles.hpp>
 #include <silt/core/types.hpp>
 
 #include <Eigen/LU>
@@ -11,6 +12,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <span>
 
 namespace silt {
 
@@ -26,8 +28,8 @@ struct WallGauge {
   /// Σ_j w_j (a + b·(x_j − point) − φ_j)² + ε Σ_j w_j |b|² l0² is least, with w = (1 − (r/2 l0)²)²
   /// and ε = 0.005, because of which few particles give their mean, and a linear field has an error
   /// of up to 3 % of its change over a spacing. Returns a, not below 0, times Σ w_j over a quarter of
-  /// that before a flat wall, if it is less: in a corner of three walls it is not. Throws if the
-  /// spacing is not positive or the normal zero.
+  /// that before a flat wall, if it is less: in a corner of three walls it is not. Of particles that
+  /// processes share, all call it. Throws if the spacing is not positive or the normal zero.
   template <ParticleSet P, Field F>
   double read(const P& particles, F field) const {
     static_assert(P::dimension == Dim, "silt::WallGauge: the particles have another dimension");
@@ -55,6 +57,10 @@ struct WallGauge {
       centre += w * r;
       slope += (w * value) * r;
       for (int k = 0; k < Dim; ++k) moments.col(k) += (w * r[k]) * r;
+    }
+    for (const auto sum : {std::span(&weights, 1), std::span(&mean, 1), std::span(centre.data(), Dim),
+                           std::span(slope.data(), Dim), std::span(moments.data(), Dim * Dim)}) {
+      detail::replace_by_sums(particles, sum);
     }
     if (!(weights > 0)) return 0;
     // About the centre of the particles, a is the mean and independent of b.

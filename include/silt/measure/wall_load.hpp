@@ -5,6 +5,7 @@
 #include <silt/core/box.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/parallel.hpp>
+#include <silt/core/shared_particles.hpp>
 #include <silt/core/types.hpp>
 #include <silt/geometry/face.hpp>
 #include <silt/geometry/faces.hpp>
@@ -45,7 +46,8 @@ class WallLoad {
   }
 
   /// In 3D [N], in 2D per depth [N/m]; zero before the first step, and after reading a checkpoint
-  /// until the next one. Throws if fluid sees a face that is not on a wall of the flow.
+  /// until the next one. Of particles that processes share, all call it, and get the load of all.
+  /// Throws if fluid sees a face that is not on a wall of the flow.
   template <class Sim>
   Vec<Dim> read(const Sim& simulation) const {
     static_assert(requires { simulation.interaction().walls().faces(); },
@@ -69,7 +71,7 @@ class WallLoad {
     Vec<Dim> aside = 1e-7 * l0 * Vec<Dim>::Ones();
     for (int k = 0; k < Dim; ++k) aside[k] /= std::sqrt(k + 2);
     std::vector<Vec<Dim>> loads(changes.size());
-    for_each(changes.size(), [&](Index i) {
+    const auto read_load = [&](Index i) {
       const auto& change = changes[i];
       const Vec<Dim> x = change.position + aside;
       loads[i].setZero();
@@ -85,10 +87,15 @@ class WallLoad {
                             share * momentum * change.velocity_change[axis];
         }
       }
+    };
+    const auto& particles = simulation.particles();
+    detail::together(particles, [&] {
+      for_each(changes.size(), read_load);
+      return Largest{};
     });
     Vec<Dim> load = Vec<Dim>::Zero();
     for (const auto& part : loads) load += part;
-    return load;
+    return detail::sum_of_all(particles, load);
   }
 
  private:

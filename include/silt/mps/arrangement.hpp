@@ -7,12 +7,14 @@
 
 #include <silt/core/error.hpp>
 #include <silt/core/parallel.hpp>
+#include <silt/core/shared_particles.hpp>
 #include <silt/core/step_checks.hpp>
 #include <silt/core/types.hpp>
 #include <silt/mps/fluid.hpp>
 #include <silt/mps/neighbourhood.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <limits>
@@ -60,18 +62,21 @@ void check_spacing(const P& particles, const N& neighbourhood, const T& stencil)
     }
     return std::sqrt(double(r2));
   };
-  const Index fluid = count(particles, Kind::fluid);
-  const Index crowded = detail::count_fluid(
+  const Index own_crowded = detail::count_fluid(
       particles, [&](Index i) { return double(neighbourhood[i].size()) > too_many; });
-  const Index sparse = detail::count_fluid(particles, [&](Index i) {
+  const Index own_sparse = detail::count_fluid(particles, [&](Index i) {
     return neighbourhood[i].size() >= 4 && nearest(i) > 1.4 * l0;
   });
+  const auto [fluid, crowded, sparse] = silt::detail::sum_of_all(
+      particles, std::array{double(count(particles, Kind::fluid)), double(own_crowded),
+                            double(own_sparse)});
   if (2 * std::max(crowded, sparse) <= fluid) return;
 
   std::vector<double> distances;
   for (Index i = 0; i < particles.size(); ++i) {
     if (particles[kind][i] == Kind::fluid) distances.push_back(nearest(i));
   }
+  if (distances.empty()) return;  // another process may have some
   const auto median = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
   std::nth_element(distances.begin(), median, distances.end());
   fail("mps::Flow: the fluid particles are " + to_text(*median) +
@@ -99,19 +104,22 @@ void check_periodic_lattice(const P& particles, const N& neighbourhood, const T&
     if (!box.periodic[static_cast<std::size_t>(k)]) continue;
     const double side = double(box.upper[k]) - double(box.lower[k]);
     if (std::abs(side / l0 - std::round(side / l0)) <= 0.01) continue;
-    const Index aligned = detail::count_fluid(particles, [&](Index i) {
+    const Index own_aligned = detail::count_fluid(particles, [&](Index i) {
       return any_neighbour(i, [&](Index, const auto& r_ij) {
         const double along = std::abs(double(r_ij[k]));
         return along > 0.999 * l0 && double(r_ij.norm()) < 1.001 * l0;
       });
     });
-    const Index across = detail::count_fluid(particles, [&](Index i) {
+    const Index own_across = detail::count_fluid(particles, [&](Index i) {
       return any_neighbour(i, [&](Index j, const auto& /*r_ij*/) {
         const double x = double(neighbourhood.position_of(j)[k]);
-        return j >= particles.size() && !(x >= double(box.lower[k]) && x < double(box.upper[k]));
+        return j >= particles.local() && !(x >= double(box.lower[k]) && x < double(box.upper[k]));
       });
     });
-    if (2 * aligned <= count(particles, Kind::fluid) || across == 0) continue;
+    const auto [fluid, aligned, across] = silt::detail::sum_of_all(
+        particles, std::array{double(count(particles, Kind::fluid)), double(own_aligned),
+                              double(own_across)});
+    if (2 * aligned <= fluid || across == 0) continue;
     fail("mps::Flow: the periodic side " + to_text(side) + " m along axis " + std::to_string(k) +
          " is " + to_text(side / l0) + " spacings of " + to_text(l0) +
          " m; give the box an integer number of spacings");

@@ -25,17 +25,17 @@ class BodyForce {
   void find(const P& particles, const Force& further, double time) {
     forces_.clear();
     if (!further) return;
-    forces_.resize(particles.size());
-    const auto x = particles[position];
-    for_each(particles.size(), [&](Index i) {
+    const auto x = particles.with_halo(position);
+    forces_.resize(x.size());
+    for_each(x.size(), [&](Index i) {
       forces_[i] = gravity_ + further(x[i].template cast<double>(), time).template cast<Real>();
     });
   }
 
   const Vec& gravity() const noexcept { return gravity_; }  ///< g [m/s²]
-  /// F at an owned particle [m/s²].
+  /// F at a particle, owned or of the halo [m/s²].
   Vec operator[](Index i) const { return forces_.empty() ? gravity_ : forces_[i]; }
-  /// F at each owned particle [m/s²]; empty if it is gravity only.
+  /// F at each of these [m/s²]; empty if it is gravity only.
   const std::vector<Vec>& values() const noexcept { return forces_; }
 
  private:

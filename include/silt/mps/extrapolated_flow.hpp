@@ -4,6 +4,7 @@
 #pragma once
 
 #include <silt/core/parallel.hpp>
+#include <silt/core/shared_particles.hpp>
 #include <silt/core/types.hpp>
 #include <silt/mps/fluid.hpp>
 #include <silt/mps/velocity_gradient.hpp>
@@ -47,6 +48,7 @@ class ExtrapolatedFlow {
         particles_[i] = {velocity_gradient(u, i, operators), is_beyond_walls, misses_neighbours};
       }
     });
+    silt::detail::share(particles, particles_);
   }
 
  private:

@@ -42,6 +42,8 @@ class BasicFlow {
   using Real = RealType;
   using Vec = silt::Vec<Dim, Real>;
   using Settings = FlowSettings<Dim, Scheme>;
+  /// Its state is that of the fluid as a whole.
+  static constexpr bool remembers_particles = false;
   static constexpr bool needs_moved_particles = SourceOf<Scheme>::needs_moved_particles;
 
   /// Throws if a setting, also of the solver, is out of range.
@@ -79,6 +81,21 @@ class BasicFlow {
   template <FluidParticles P>
   Real reach(const P&) const {
     return operators_.reach();
+  }
+
+  /// How far particles are moved before their neighbours are found again [m], see check_step().
+  double max_move_within_step() const noexcept {
+    return needs_moved_particles ? settings_.spacing : 0;
+  }
+
+  /// Adds the work of each particle in units of that of a dummy, which has no neighbours, see
+  /// mpi/work.hpp. Returns false, and adds nothing, if neighbours are not known.
+  template <FluidParticles P>
+  bool add_work(const P& particles, std::span<double> work) const {
+    const auto& neighbours = operators_.neighbourhood();
+    if (!neighbours.has_rows_of(particles)) return false;
+    for (Index i = 0; i < work.size(); ++i) work[i] += double(neighbours[i].size());
+    return true;
   }
 
   /// Limits of the next time step [s].

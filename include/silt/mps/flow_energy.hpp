@@ -13,10 +13,12 @@
 #pragma once
 
 #include <silt/core/parallel.hpp>
+#include <silt/core/shared_particles.hpp>
 #include <silt/core/types.hpp>
 #include <silt/mps/fluid.hpp>
 #include <silt/mps/step_changes.hpp>
 
+#include <array>
 #include <vector>
 
 namespace silt::mps {
@@ -65,19 +67,14 @@ class EnergyAccount {
   const FlowEnergy& energy() const noexcept { return energy_; }
   double mass() const noexcept { return properties_.mass; }  ///< of a particle [kg]
 
-  /// Current kinetic and potential energy; no work.
+  /// Current kinetic and potential energy of the particles, of all processes; no work.
   template <FluidParticles P>
   FlowEnergy of(const P& particles) const {
-    const auto u = particles[velocity];
-    const auto x = particles[position];
-    const auto kinds = particles[kind];
-    const Wide g = wide(properties_.gravity);
-    const State sum = ordered_sum(particles.size(), State{}, [&](Index i) {
-      if (kinds[i] != Kind::fluid) return State{};
-      return State{.kinetic = wide(u[i]).squaredNorm() / 2, .potential = -g.dot(wide(x[i]))};
-    });
-    FlowEnergy energy{.kinetic = properties_.mass * sum.kinetic,
-                      .potential = properties_.mass * sum.potential};
+    const State own = state_of_own(particles);
+    const auto [kinetic, potential] =
+        silt::detail::sum_of_all(particles, std::array{own.kinetic, own.potential});
+    FlowEnergy energy{.kinetic = properties_.mass * kinetic,
+                      .potential = properties_.mass * potential};
     energy.initial = energy.total();
     return energy;
   }
@@ -105,7 +102,7 @@ class EnergyAccount {
     const auto kinds = particles[kind];
     const Vec gravity_change = Real(dt) * properties_.gravity;  // rounded as in the predictor
     const Wide g = wide(properties_.gravity);
-    const Work work = ordered_sum(particles.size(), Work{}, [&](Index i) {
+    const Work own = ordered_sum(particles.size(), Work{}, [&](Index i) {
       if (kinds[i] != Kind::fluid) return Work{};
       const Wide predicted = change_of(changes.predictor, i);
       const Wide forced =
@@ -122,6 +119,16 @@ class EnergyAccount {
                   .pressure = pressed.dot(mean),
                   .shifting = -g.dot(change_of(changes.shift, i))};
     });
+    const auto sums = silt::detail::sum_of_all(
+        particles, std::array{own.gravity, own.viscosity, own.force, own.friction, own.collision,
+                              own.pressure, own.shifting});
+    const Work work{.gravity = sums[0],
+                    .viscosity = sums[1],
+                    .force = sums[2],
+                    .friction = sums[3],
+                    .collision = sums[4],
+                    .pressure = sums[5],
+                    .shifting = sums[6]};
     const FlowEnergy found = of(particles);
     energy_.by_viscosity += properties_.mass * work.viscosity;
     energy_.by_force += properties_.mass * work.force;
@@ -185,6 +192,18 @@ class EnergyAccount {
     }
   };
 
+  // Of the particles of this process, divided by the mass of one.
+  template <class P>
+  State state_of_own(const P& particles) const {
+    const auto u = particles[velocity];
+    const auto x = particles[position];
+    const auto kinds = particles[kind];
+    const Wide g = wide(properties_.gravity);
+    return ordered_sum(particles.size(), State{}, [&](Index i) {
+      if (kinds[i] != Kind::fluid) return State{};
+      return State{.kinetic = wide(u[i]).squaredNorm() / 2, .potential = -g.dot(wide(x[i]))};
+    });
+  }
   static Wide wide(const Vec& v) { return v.template cast<double>(); }
   static Wide change_of(const std::vector<Vec>& changes, Index i) {
     return changes.empty() ? Wide(Wide::Zero()) : wide(changes[i]);

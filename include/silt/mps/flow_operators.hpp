@@ -3,6 +3,7 @@
 // positions the neighbours within them and the walls.
 #pragma once
 
+#include <silt/core/shared_particles.hpp>
 #include <silt/core/types.hpp>
 #include <silt/mps/flow_settings.hpp>
 #include <silt/mps/fluid.hpp>
@@ -86,7 +87,7 @@ class FlowOperators {
   /// went through a wall that hides neighbours.
   template <FluidParticles P, class S>
   void find_if_moved(const P& particles, const S& search) {
-    if (neighbourhood_.is_current(particles)) return;
+    if (!silt::detail::any_of_all(particles, !neighbourhood_.is_current(particles))) return;
     check_moves(particles);
     find(particles, search);
   }

@@ -4,11 +4,13 @@
 
 #include <silt/core/error.hpp>
 #include <silt/core/parallel.hpp>
+#include <silt/core/shared_particles.hpp>
 #include <silt/core/types.hpp>
 #include <silt/mps/body_force.hpp>
 #include <silt/mps/fluid.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <limits>
@@ -28,26 +30,26 @@ class FlowWatch {
     const auto x = particles[position];
     const auto kinds = particles[kind];
     const Vec g = force.gravity();
-    const double fastest = fastest_of(particles);
-    // Faster than after the last step: a speed that was set, or of a wall.
-    if (fastest > now_.fastest) now_.given_speed = std::max(now_.given_speed, fastest);
     const auto largest_of_fluid = [&](const auto& value) {
       constexpr double none = -std::numeric_limits<double>::max();
       return largest(x.size(), none,
                      [&](Index i) { return kinds[i] == Kind::fluid ? double(value(i)) : none; });
     };
-    now_.highest_potential =
-        std::max(now_.highest_potential, largest_of_fluid([&](Index i) { return -g.dot(x[i]); }));
-    now_.lowest_potential =
-        std::min(now_.lowest_potential, -largest_of_fluid([&](Index i) { return g.dot(x[i]); }));
     // In a periodic box, a fall has no end.
     Vec endless = Vec::Zero();
     for (int axis = 0; axis < Dim; ++axis) {
       if (particles.box().periodic[std::size_t(axis)]) endless[axis] = g[axis];
     }
-    const double further = std::max(0.0, largest_of_fluid([&](Index i) {
-      return Vec(force[i] - g + endless).norm();
-    }));
+    const auto [fastest, highest, minus_lowest, largest_further] = silt::detail::largest_of_all(
+        particles,
+        std::array{fastest_of(particles), largest_of_fluid([&](Index i) { return -g.dot(x[i]); }),
+                   largest_of_fluid([&](Index i) { return g.dot(x[i]); }),
+                   largest_of_fluid([&](Index i) { return Vec(force[i] - g + endless).norm(); })});
+    // Faster than after the last step: a speed that was set, or of a wall.
+    if (fastest > now_.fastest) now_.given_speed = std::max(now_.given_speed, fastest);
+    now_.highest_potential = std::max(now_.highest_potential, highest);
+    now_.lowest_potential = std::min(now_.lowest_potential, -minus_lowest);
+    const double further = std::max(0.0, largest_further);
     now_.speed_of_forces += dt * further;
     kinetic_ = kinetic;
     speed_of_step_ = dt * (further + double(g.norm()));
@@ -55,7 +57,7 @@ class FlowWatch {
   /// After it.
   template <FluidParticles P>
   void end(const P& particles) {
-    now_.fastest = fastest_of(particles);
+    now_.fastest = silt::detail::largest_of_all(particles, std::array{fastest_of(particles)})[0];
   }
 
   /// Throws if a particle is more than ten times faster than the fluid was at first, or would be after
@@ -79,18 +81,21 @@ class FlowWatch {
     if (now_.fastest > factor * (usual + noise)) {
       const Index i =
           first_where(u.size(), [&](Index k) { return double(u[k].norm()) >= now_.fastest; });
+      if (i == no_index) return;  // it is one of another process
       fail("mps::Flow: velocity = " + to_text(Vec(u[i])) + " m/s is more than ten times " +
                to_text(usual) + " m/s, the speed of the fluid at first and of its deepest fall; " +
                advice,
            {.particle = i, .id = particles.id(i)});
     }
     const auto kinds = particles[kind];
-    const bool walls_move = first_where(u.size(), [&](Index i) {
-                              return kinds[i] != Kind::fluid && !(u[i].norm() == 0);
-                            }) != no_index;
-    const double there = kinetic_ + 0.5 * mass * double(count(particles, Kind::fluid)) *
-                                        (squared(speed_of_step_) + squared(disorder));
-    if (!walls_move && kinetic > factor * there) {
+    const Index moving_wall = first_where(
+        u.size(), [&](Index i) { return kinds[i] != Kind::fluid && !(u[i].norm() == 0); });
+    const auto [number, moving_walls] = silt::detail::sum_of_all(
+        particles, std::array{double(count(particles, Kind::fluid)),
+                              moving_wall == no_index ? 0.0 : 1.0});
+    const double there =
+        kinetic_ + 0.5 * mass * number * (squared(speed_of_step_) + squared(disorder));
+    if (moving_walls == 0 && kinetic > factor * there) {
       fail("mps::Flow: the kinetic energy after the step, " + to_text(kinetic) +
            " J, is more than ten times that before it and of the forces in it, " + to_text(there) +
            " J; " + advice);

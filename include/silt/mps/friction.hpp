@@ -5,6 +5,7 @@
 #include <silt/core/error.hpp>
 #include <silt/core/four.hpp>
 #include <silt/core/parallel.hpp>
+#include <silt/core/shared_particles.hpp>
 #include <silt/core/types.hpp>
 #include <silt/mps/any_particle_view.hpp>
 #include <silt/mps/fluid.hpp>
@@ -80,8 +81,9 @@ class PairFriction::InFlow {
         }
       }
     });
-    for_each(particles.total() - particles.size(), [&](Index ghost) {
-      const Index j = particles.size() + ghost;
+    silt::detail::share(particles, strains_);
+    for_each(particles.total() - particles.local(), [&](Index ghost) {
+      const Index j = particles.local() + ghost;
       strains_[j] = strains_[particles.owner(j)];
     });
   }

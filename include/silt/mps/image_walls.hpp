@@ -124,7 +124,7 @@ class ImageWalls::InFlow {
     for_each(owned, [&](Index j) { owners_[j] = std::uint32_t(j); });
     for_each(x.size() - owned,
              [&](Index g) { owners_[owned + g] = std::uint32_t(particles.owner(owned + g)); });
-    flow_.clear(particles.size());
+    flow_.clear(particles.local());
     revision_ = particles.owned_revision();
   }
   /// The share of particle j that particle i sees: see MirrorsAround.

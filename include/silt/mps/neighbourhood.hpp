@@ -80,8 +80,14 @@ class Neighbourhood {
   template <FluidParticles P>
   bool is_current(const P& particles) const {
     const auto x = particles.with_ghosts(position);
-    return particles.revision() == revision_ && x.size() == positions_.size() &&
+    return has_rows_of(particles) && x.size() == positions_.size() &&
            first_where(x.size(), [&](Index i) { return x[i] != positions_[i]; }) == no_index;
+  }
+
+  /// Whether the rows of particles are those of the last update.
+  template <FluidParticles P>
+  bool has_rows_of(const P& particles) const {
+    return particles.revision() == revision_;
   }
 
   /// f(j, r_ij, r) for the neighbours of i closer than `reach` [m]. All of them must have a weight

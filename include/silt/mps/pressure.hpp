@@ -9,10 +9,12 @@
 #pragma once
 
 #include <silt/core/parallel.hpp>
+#include <silt/core/shared_particles.hpp>
 #include <silt/core/types.hpp>
 #include <silt/linear/linear_system.hpp>
 #include <silt/mps/fluid.hpp>
 #include <silt/mps/operators.hpp>
+#include <silt/mps/shared_pressures.hpp>
 
 #include <algorithm>
 #include <array>
@@ -38,7 +40,12 @@ class PressureEquation {
   template <FluidParticles P, class S, class T, class Source, class Boundary>
   void assemble(const P& particles, const S& neighbours, const T& stencil, Source&& source,
                 const Boundary& boundary) {
+    system_.shared.reset();
     number_unknowns(particles, neighbours, stencil, boundary);
+    if constexpr (Shared<P>) {
+      system_.shared = shared_pressures(particles, row_of_,
+                                        unknowns_.size() + system_.columns_of_others);
+    }
     system_.diagonal.resize(unknowns_.size());
     system_.right_side.resize(unknowns_.size());
     auto& geometry = system_.geometry;
@@ -50,7 +57,7 @@ class PressureEquation {
     last_column_.resize(unknowns_.size());
     const auto x = particles[position];
     const double scale = double(stencil.lambda) * double(stencil.n0) / (2 * T::dimension);
-    system_.off_diagonal.build(unknowns_.size(), [&](Index row, auto&& add) {
+    const auto fill_row = [&](Index row, auto&& add) {
       const Index i = unknowns_[row];
       double to_surface = boundary.weight_of_surface(i);
       double diagonal = to_surface;
@@ -64,7 +71,7 @@ class PressureEquation {
           to_surface += w;
         } else {
           add(column, -w);
-          last_column = std::max(last_column, column);
+          if (column < unknowns_.size()) last_column = std::max(last_column, column);
         }
       });
       system_.diagonal[row] = diagonal;
@@ -72,8 +79,11 @@ class PressureEquation {
       geometry.to_surface[row] = static_cast<float>(to_surface);
       last_column_[row] = last_column;
       for (int k = 0; k < P::dimension; ++k) geometry.points[row][Index(k)] = double(x[i][k]);
-    });
+    };
+    system_.off_diagonal.build(unknowns_.size(), system_.columns(), fill_row);
+    find_open_rows();
     find_closed_bodies();
+    if constexpr (Shared<P>) join_closed_bodies(particles.process().rank);
     balance_closed_bodies();
   }
 
@@ -81,9 +91,12 @@ class PressureEquation {
   /// unknowns get P = 0. Pressures are changed only if the solve converged.
   template <FluidParticles P, class L>
   SolveReport solve(P& particles, L& solver) {
+    static_assert(!Shared<P> || requires { requires L::shares_unknowns; },
+                  "mps: this solver does not know the unknowns of other processes; use mpi::Flow "
+                  "instead of mps::Flow (see shares_unknowns in silt/solve/jacobi.hpp)");
     using Real = typename P::Real;
     const auto values = particles[pressure];
-    solution_.resize(unknowns_.size());
+    solution_.resize(system_.columns());
     for_each(unknowns_.size(), [&](Index row) { solution_[row] = double(values[unknowns_[row]]); });
     system_.remove_constants(solution_);
     const SolveReport report = solver.solve(system_, solution_);
@@ -116,7 +129,7 @@ class PressureEquation {
   struct AllButDummies {
     const P& particles;
 
-    bool has_pressure(Index i) const { return particles[kind][i] != Kind::dummy; }
+    bool has_pressure(Index i) const { return particles.with_halo(kind)[i] != Kind::dummy; }
     double weight_of_surface(Index) const { return 0; }
   };
 
@@ -143,26 +156,52 @@ class PressureEquation {
       row_of_[i] = static_cast<std::uint32_t>(unknowns_.size());
       unknowns_.push_back(static_cast<std::uint32_t>(i));
     }
-    for (Index i = particles.size(); i < particles.total(); ++i) {
+    silt::detail::share(particles, row_of_);
+    // Behind the own columns, those of others.
+    system_.columns_of_others = 0;
+    for (Index j = particles.size(); j < particles.local(); ++j) {
+      if (row_of_[j] >= excluded) continue;
+      row_of_[j] = static_cast<std::uint32_t>(unknowns_.size() + system_.columns_of_others++);
+    }
+    for (Index i = particles.local(); i < particles.total(); ++i) {
       row_of_[i] = row_of_[particles.owner(i)];
     }
   }
 
-  // A body of fluid without a free surface (a closed full tank) has a pressure up to a constant.
-  // Such bodies are the rows that cannot be reached from the free surface.
-  void find_closed_bodies() {
+  // Those that can be reached from the free surface.
+  void find_open_rows() {
     const Index n = unknowns_.size();
     const auto& entries = system_.off_diagonal;
-    is_open_.assign(n, 0);
+    is_open_.assign(system_.columns(), 0);
     // Free surfaces are mostly at the top, with the last rows: one pass downwards, which follows
     // the last connection of each row, reaches nearly all rows.
     for (Index row = n; row-- > 0;) {
       is_open_[row] = system_.geometry.to_surface[row] > 0 || is_open_[last_column_[row]];
     }
-    for (Index row = 0; row < n; ++row) {
-      if (is_open_[row] || !entries.has_entry_in(row, is_open_)) continue;
-      flood(row, [&](Index r) { return !is_open_[r]; }, [&](Index r) { is_open_[r] = true; });
+    do {
+      for (Index row = 0; row < n; ++row) {
+        if (is_open_[row] || !entries.has_entry_in(row, is_open_)) continue;
+        flood(row, [&](Index r) { return !is_open_[r]; }, [&](Index r) { is_open_[r] = true; });
+      }
+    } while (others_have_opened());
+  }
+  // Whether rows of other processes are open that were not.
+  bool others_have_opened() {
+    if (!system_.shared) return false;
+    std::vector<double> marks(is_open_.begin(), is_open_.end());
+    system_.sum_of_all(0);
+    system_.refresh(marks);
+    double opened = 0;
+    for (Index column = system_.size(); column < marks.size(); ++column) {
+      if (marks[column] > 0 && !is_open_[column]) ++opened;
+      is_open_[column] = marks[column] > 0;
     }
+    return system_.sum_of_all(opened) > 0;
+  }
+
+  // A body of fluid without a free surface (a closed full tank) has a pressure up to a constant.
+  void find_closed_bodies() {
+    const Index n = unknowns_.size();
     auto& body = system_.closed_body;
     system_.closed_bodies = 0;
     body.clear();
@@ -174,6 +213,52 @@ class PressureEquation {
       flood(row, [&](Index r) { return body[r] == 0; }, [&](Index r) { body[r] = number; });
     }
   }
+  // Numbers those of all processes, of which one may be a part here and a part there.
+  void join_closed_bodies(int rank) {
+    auto& body = system_.closed_body;
+    if (!(system_.sum_of_all(double(system_.closed_bodies)) > 0)) return;
+    body.resize(system_.size(), 0);
+    // A label for each of the own bodies: the lowest of its parts.
+    constexpr double none = std::numeric_limits<double>::infinity();
+    std::vector<double> label(system_.closed_bodies + 1, none);
+    for (Index k = 1; k < label.size(); ++k) label[k] = 0x1p32 * rank + double(k);
+    std::vector<double> labels(system_.columns());
+    double lowered = 0;
+    system_.sum_of_all(0);
+    do {
+      for (Index row = 0; row < body.size(); ++row) labels[row] = label[body[row]];
+      system_.refresh(labels);
+      lowered = 0;
+      for (Index row = 0; row < body.size(); ++row) {
+        if (body[row] == 0) continue;
+        double& own = label[body[row]];
+        system_.off_diagonal.for_each_entry(row, [&](Index column, double) {
+          if (column < body.size() || !(labels[column] < own)) return;
+          own = labels[column];
+          lowered = 1;
+        });
+      }
+    } while (system_.sum_of_all(lowered) > 0);
+    // From the lowest label on.
+    std::vector<std::uint32_t> number(label.size(), 0);
+    std::uint32_t bodies = 0;
+    for (double last = -none;;) {
+      double next = none;
+      for (const double each : label) {
+        if (each > last) next = std::min(next, each);
+      }
+      double minus_next = -next;
+      system_.shared->largest(std::span(&minus_next, 1));
+      if (minus_next == -none) break;
+      last = -minus_next;
+      ++bodies;
+      for (Index k = 1; k < label.size(); ++k) {
+        if (label[k] == last) number[k] = bodies;
+      }
+    }
+    for (std::uint32_t& each : body) each = number[each];
+    system_.closed_bodies = bodies;
+  }
 
   // Marks the row and all rows that can be reached from it over rows for which is_new is true.
   template <class IsNew, class Mark>
@@ -184,7 +269,7 @@ class PressureEquation {
       const Index next = front_.back();
       front_.pop_back();
       system_.off_diagonal.for_each_entry(next, [&](Index column, double) {
-        if (!is_new(column)) return;
+        if (column >= system_.size() || !is_new(column)) return;
         mark(column);
         front_.push_back(static_cast<std::uint32_t>(column));
       });
@@ -201,6 +286,7 @@ class PressureEquation {
       for (Index row = 0; row < b.size(); ++row) {
         largest[body[row]] = std::max(largest[body[row]], std::abs(b[row]));
       }
+      if (system_.shared) system_.shared->largest(largest);
       return largest;
     };
     const auto original = max_of_bodies();
@@ -217,12 +303,14 @@ class PressureEquation {
   void set_reference_pressures() {
     const auto& body = system_.closed_body;
     if (system_.closed_bodies == 0) return;
-    std::vector<double> minimum(system_.closed_bodies + 1, std::numeric_limits<double>::infinity());
+    std::vector<double> minus_minimum(system_.closed_bodies + 1,
+                                      -std::numeric_limits<double>::infinity());
     for (Index row = 0; row < body.size(); ++row) {
-      minimum[body[row]] = std::min(minimum[body[row]], solution_[row]);
+      minus_minimum[body[row]] = std::max(minus_minimum[body[row]], -solution_[row]);
     }
+    if (system_.shared) system_.shared->largest(minus_minimum);
     for (Index row = 0; row < body.size(); ++row) {
-      if (body[row] > 0) solution_[row] -= minimum[body[row]];
+      if (body[row] > 0) solution_[row] += minus_minimum[body[row]];
     }
   }
 
@@ -230,7 +318,7 @@ class PressureEquation {
   std::vector<std::uint32_t> unknowns_;     // particle of each row
   std::vector<std::uint32_t> row_of_;       // row of each particle; ghosts have that of their owner
   std::vector<std::uint32_t> last_column_;  // last column with an entry, or the row itself
-  std::vector<std::uint8_t> is_open_;       // rows connected with a free surface
+  std::vector<std::uint8_t> is_open_;       // columns connected with a free surface
   std::vector<std::uint32_t> front_;        // of flood()
   std::vector<double> solution_;
 };

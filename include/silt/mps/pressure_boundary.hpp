@@ -5,6 +5,7 @@
 
 #include <silt/core/error.hpp>
 #include <silt/core/parallel.hpp>
+#include <silt/core/shared_particles.hpp>
 #include <silt/core/types.hpp>
 #include <silt/mps/flow_operators.hpp>
 #include <silt/mps/fluid.hpp>
@@ -29,7 +30,7 @@ class PressureBoundary {
     const auto& stencil = operators.stencil();
     const auto n = particles[number_density];
     const auto on_surface = particles[surface];
-    has_pressure_.resize(particles.size());
+    has_pressure_.resize(particles.local());
     near_boundary_.assign(particles.size(), Answer::unknown);
     if constexpr (HasOuterSurface<SurfaceOf<Scheme>>) weight_of_surface_.resize(particles.size());
     for_each(particles.size(), [&](Index i) {
@@ -46,9 +47,10 @@ class PressureBoundary {
       }
     });
     particles.refresh_ghosts(surface);
+    if constexpr (!all_have_pressure) silt::detail::share(particles, has_pressure_);
   }
 
-  /// Whether an owned particle has a pressure: an unknown one, or P = 0 on the free surface.
+  /// Whether a particle, owned or of the halo, has a pressure: an unknown one, or P = 0 on the free surface.
   bool has_pressure(Index i) const noexcept { return all_have_pressure || has_pressure_[i] != 0; }
 
   /// Weight of the free surface in the pressure equation of an owned particle [-], if the pressure

@@ -35,7 +35,7 @@ class PressureRise {
  private:
   const StepView<Scheme, P>& step_;
   typename ParticleView<Scheme, P>::Velocities u_ = step_.particles.with_ghosts(velocity);
-  decltype(step_.particles[surface]) on_surface_ = step_.particles[surface];
+  decltype(step_.particles.with_halo(surface)) on_surface_ = step_.particles.with_halo(surface);
   Real time_step_over_density_;
 };
 

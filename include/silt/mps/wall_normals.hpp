@@ -3,6 +3,7 @@
 #pragma once
 
 #include <silt/core/parallel.hpp>
+#include <silt/core/shared_particles.hpp>
 #include <silt/core/types.hpp>
 #include <silt/mps/fluid.hpp>
 #include <silt/mps/neighbourhood.hpp>
@@ -28,10 +29,10 @@ class WallNormals {
   /// if walls or dummies moved.
   template <FluidParticles P, class T>
   void find(const P& particles, const Neighbourhood<Dim, Real>& around, const T& stencil) {
-    if (are_current(particles)) return;
+    if (!silt::detail::any_of_all(particles, !are_current(particles))) return;
     const auto kinds = particles.with_ghosts(kind);
     revision_ = 0;  // until all normals are found
-    normals_.assign(particles.size(), Vec::Zero());
+    normals_.assign(particles.local(), Vec::Zero());
     for_each(particles.size(), [&](Index i) {
       if (kinds[i] != Kind::wall) return;
       static thread_local std::vector<std::pair<Id, Vec>> solids;  // keeps its capacity
@@ -45,18 +46,20 @@ class WallNormals {
       const Real size = away.norm();
       if (size > Real(min_size) * stencil.n0) normals_[i] = away / size;
     });
-    std::vector<Vec> of_dummies(particles.size(), Vec::Zero());
+    std::vector<Vec> of_dummies(particles.local(), Vec::Zero());
     for (Index i = 0; i < particles.size(); ++i) {
       if (kinds[i] != Kind::wall) continue;
       for_each_weighted(around, i, stencil, [&](Index j, const Vec&, Real w, Real) {
         if (kinds[j] == Kind::dummy) of_dummies[particles.owner(j)] += w * normals_[i];
       });
     }
+    silt::detail::add_to_owners(particles, of_dummies);
     for_each(particles.size(), [&](Index i) {
       if (kinds[i] == Kind::dummy && of_dummies[i].norm() > 0) {
         normals_[i] = of_dummies[i].normalized();
       }
     });
+    silt::detail::share(particles, normals_);
     store_state(particles);
   }
 
@@ -83,7 +86,7 @@ class WallNormals {
     revision_ = particles.owned_revision();
   }
 
-  std::vector<Vec> normals_;    // of owned particles, zero for fluid
+  std::vector<Vec> normals_;    // of particles, also of the halo; zero for fluid
   std::vector<Vec> positions_;  // at the last update; those of fluid are not used
   std::vector<Kind> kinds_;     // at the last update
   std::uint64_t revision_ = 0;

@@ -39,28 +39,30 @@ void check_periodic_sides(const Box<Dim, Real>& box, const GhostDepth<Real>& dep
   }
 }
 
-/// Wraps owned particles into the periodic box, makes the ghosts within `depth` [m] of it, and
-/// returns the extent of all. Throws if a position is not finite, and as check_periodic_sides does
-/// with the radius `depth`.
+/// Wraps owned particles into the periodic box, makes the ghosts of these and of the halo within
+/// `depth` [m] of it, and returns the extent of all. Throws if a position is not finite, and as
+/// check_periodic_sides does with the radius `depth`.
 template <class P>
 Extent<P::dimension, typename P::Real> make_ghosts(P& particles, typename P::Real depth) {
   using Vec = typename P::Vec;
   particles.clear_ghosts();
-  const auto x_owned = particles[position];
-  const auto extent = extent_of_points(x_owned);
+  const auto x = particles.with_halo(position);
+  const auto extent = extent_of_points(x);
   if (!extent.is_finite()) {
-    const auto is_broken = [&](Index i) { return !is_finite(x_owned[i]); };
-    const Index broken = first_where(x_owned.size(), is_broken);
-    fail("search: position = " + to_text(x_owned[broken]) +
+    const auto is_broken = [&](Index i) { return !is_finite(x[i]); };
+    const Index broken = first_where(x.size(), is_broken);
+    fail("search: position = " + to_text(typename P::Vec(x[broken])) +
              " m is not finite; check the velocity of the particle",
          {.particle = broken, .id = particles.id(broken)});
   }
   const auto& box = particles.box();
   if (!box.any_periodic()) return extent;
 
-  const auto leaves = [&](Index i) { return x_owned[i] != box.wrap(x_owned[i]); };
-  if (first_where(x_owned.size(), leaves) != no_index) particles.keep(position);
-  for (auto& x : x_owned) x = box.wrap(x);
+  const auto leaves = [&](Index i) { return x[i] != box.wrap(x[i]); };
+  if (first_where(particles.size(), leaves) != no_index) {
+    particles.keep(position);
+    for (auto& each : particles[position]) each = box.wrap(each);
+  }
   check_periodic_sides(box, {.radius = depth});
   for (int k = 0; k < P::dimension; ++k) {
     if (!box.periodic[static_cast<std::size_t>(k)]) continue;

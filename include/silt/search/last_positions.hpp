@@ -28,39 +28,39 @@ class LastPositions {
   using Real = RealType;
   using Vec = silt::Vec<Dim, Real>;
 
-  /// Position of an owned particle or a ghost [m].
+  /// Position of a particle, owned or of the halo, or of a ghost [m].
   const Vec& operator[](Index i) const { return positions_[i]; }
   std::span<const Vec> first(Index n) const { return {positions_.data(), n}; }
 
   /// Whether the positions are those of these particles, in the same order.
   template <class P>
   bool belong_to(const P& particles) const {
-    return particles.owned_revision() == update_.revision && particles.size() == update_.owned;
+    return particles.owned_revision() == update_.revision && particles.local() == update_.local;
   }
 
-  /// Maximum displacement [m] of the owned particles from these positions, where crossing a
-  /// periodic side does not count; infinity if a position is NaN.
+  /// Maximum displacement [m] of the particles, owned and of the halo, from these positions, where
+  /// crossing a periodic side does not count; infinity if a position is NaN.
   template <class P>
   Real max_displacement_from(const std::vector<Vec>& reference, const P& particles) {
-    const auto x = lanes_of(particles[position]);
+    const auto x = lanes_of(particles.with_halo(position));
     const auto* const from = lanes_of(reference.data());
     const NearestImage<Dim, Real> image(particles.box());
-    return max_root(particles.size(),
+    return max_root(particles.local(),
                     [=](Index i) { return squared_distance(x[i], from[i], image); });
   }
 
-  /// Begins an update: copies the positions of the owned particles and returns their maximum
-  /// displacement [m] since the previous update. Copies nothing and returns nothing if that was
-  /// with other particles.
+  /// Begins an update: copies the positions of the particles, owned and of the halo, and returns
+  /// their maximum displacement [m] since the previous update. Copies nothing and returns nothing if
+  /// that was with other particles.
   template <class P>
-  std::optional<Real> update_owned(const P& particles) {
+  std::optional<Real> update_local(const P& particles) {
     const std::span<const Vec> before = keep_previous();
     if (!belong_to(particles)) return std::nullopt;
-    const auto x = lanes_of(particles[position]);
+    const auto x = lanes_of(particles.with_halo(position));
     const auto* const last = lanes_of(before.data());
     auto* const current = lanes_of(positions_.data());
     const NearestImage<Dim, Real> image(particles.box());
-    return max_root(particles.size(), [=](Index i) {
+    return max_root(particles.local(), [=](Index i) {
       const auto squared_move = squared_distance(x[i], last[i], image);
       current[i] = x[i];
       return squared_move;
@@ -70,9 +70,9 @@ class LastPositions {
   template <class P>
   void update_ghosts(const P& particles) {
     const auto x = particles.with_ghosts(position);
-    const auto owned = static_cast<std::ptrdiff_t>(particles.size());
+    const auto rows = static_cast<std::ptrdiff_t>(particles.local());
     positions_.resize(x.size());
-    std::copy(x.begin() + owned, x.end(), positions_.begin() + owned);
+    std::copy(x.begin() + rows, x.end(), positions_.begin() + rows);
   }
   /// Ends an update with other particles: copies all positions.
   template <class P>
@@ -96,7 +96,7 @@ class LastPositions {
   using Bits = std::conditional_t<sizeof(Real) == 4, std::uint32_t, std::uint64_t>;
   struct Update {
     std::uint64_t revision = 0;  // of the owned particles
-    Index owned = 0;             // number of owned particles
+    Index local = 0;             // number of these and of the halo
   };
 
   template <class LaneVec>
@@ -109,7 +109,7 @@ class LastPositions {
 
   template <class P>
   void set_owner(const P& particles) {
-    update_ = {.revision = particles.owned_revision(), .owned = particles.size()};
+    update_ = {.revision = particles.owned_revision(), .local = particles.local()};
   }
 
   // Keeps and returns the positions of the last update before the step, for rolling back.

@@ -74,8 +74,8 @@ class LevelGrid {
     radii_.assign(R.begin(), R.end());
     owners_.resize(x.size() - owned_);
     for (Index g = 0; g < owners_.size(); ++g) owners_[g] = particles.owner(owned_ + g);
-    gap_ = gap_of(particles[silt::radius]);
-    highest_ = highest_of(particles[silt::radius], gap_);
+    gap_ = gap_of(particles.with_halo(silt::radius));
+    highest_ = highest_of(particles.with_halo(silt::radius), gap_);
     levels_.resize(std::max<Index>(highest_.size(), 1));
     for (Index l = 0; l < highest_.size(); ++l) {
       levels_[l].largest = largest_of_level(highest_[l], gap_);
@@ -96,9 +96,9 @@ class LevelGrid {
   /// Whether the particles have the radii of the last update, on which the candidates depend.
   template <class P>
   bool has_radii_of(const P& particles) const {
-    const auto R = particles[silt::radius];
-    return owned_ == R.size() &&
-           first_where(owned_, [&](Index i) { return R[i] != radii_[i]; }) == no_index;
+    const auto R = particles.with_halo(silt::radius);
+    return owned_ == particles.size() && R.size() <= radii_.size() &&
+           first_where(R.size(), [&](Index i) { return R[i] != radii_[i]; }) == no_index;
   }
   /// Whether the rows of all particles would take too much memory, see max_row.
   bool has_long_rows() const {
@@ -112,11 +112,14 @@ class LevelGrid {
   void sort(P& particles) {
     if (particles.size() < worth_sorting) return;
     require_positive("LevelGrid: radius", double(radius_));
-    const Real gap = gap_of(particles[silt::radius]);
-    const SizeClass finest = highest_of(particles[silt::radius], gap).front();
-    const auto extent = extent_of_points(particles[position]);
+    const P& unchanged = particles;
+    const auto x = unchanged[position];
+    const auto R = unchanged[silt::radius];
+    const Real gap = gap_of(R);
+    const SizeClass finest = highest_of(R, gap).front();
+    const auto extent = extent_of_points(x);
     if (!extent.is_finite()) return;  // update() throws
-    all_levels_.sort(particles[position], extent, 2 * largest_of_level(finest, gap) + gap);
+    all_levels_.sort(x, extent, 2 * largest_of_level(finest, gap) + gap);
     const bool is_new = !is_of(particles);
     if (all_levels_.descents() <= (is_new ? 0 : particles.size() / 16)) return;
     const auto items = all_levels_.item_of();

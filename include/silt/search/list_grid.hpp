@@ -119,7 +119,7 @@ class ListGrid {
  private:
   template <class P>
   Real update_levels(P& particles, const Reach& reach) {
-    const auto R = std::as_const(particles)[radius];  // else they would count as changed
+    const auto R = particles.with_halo(radius);
     const Real max_radius = largest(R.size(), Real(0), [&](Index i) { return Real(R[i]); });
     // Levels require a radius that includes all contacts.
     if (reach.radius < 2 * max_radius) {

@@ -10,6 +10,7 @@
 
 #include <silt/core/error.hpp>
 #include <silt/core/nearest_image.hpp>
+#include <silt/core/shared_particles.hpp>
 #include <silt/core/transfer.hpp>
 #include <silt/core/types.hpp>
 #include <silt/search/ghosts.hpp>
@@ -87,7 +88,7 @@ class NeighbourList {
     restore_ghosts(particles);
     ++state_.updates;
     const bool is_valid = is_valid_for(particles);
-    if (const auto displacement = positions_.update_owned(particles)) {
+    if (const auto displacement = positions_.update_local(particles)) {
       // Its square may overflow; a checkpoint has finite numbers only.
       state_.last_displacement = std::min(*displacement, std::numeric_limits<Real>::max());
       state_.displacement += state_.last_displacement;
@@ -98,7 +99,7 @@ class NeighbourList {
       state_.displacement = positions_.max_displacement_from(list_.reference, particles);
     }
     if (is_valid && state_.displacement <= list_.skin / 2) {
-      particles.refresh_ghosts(position);
+      particles.copy_to_ghosts(position);
       positions_.update_ghosts(particles);
     } else {
       if (is_valid) tune_skin();
@@ -153,7 +154,7 @@ class NeighbourList {
   template <class F>
   void for_each_pair(F&& f) const {
     const Real reach = radius() * radius();
-    for (Index a = 0; a < list_.reference.size(); ++a) {
+    for (Index a = 0; a < list_.owned; ++a) {
       const auto report = [&](Index b) {
         if (list_.grid.is_second_image(a, b)) return;
         const Index i = std::min(a, b);
@@ -195,7 +196,7 @@ class NeighbourList {
     std::vector<Vec> reference, last;
     if (!Archive::reads && is_of_these) reference = list_.reference;
     if (!Archive::reads && has_last) {
-      const auto first = positions_.first(particles.size());
+      const auto first = positions_.first(particles.local());
       last.assign(first.begin(), first.end());
     }
     bool built = list_.built && is_of_these;
@@ -239,8 +240,9 @@ class NeighbourList {
     Real wanted_skin = 0;  // which decides how they are found, see ListGrid [m]
     std::uint64_t revision = 0;  // of the particles when it was built
     std::uint64_t owned_revision = 0;
+    Index owned = 0;  // number of particles
     ListGrid<Inner> grid;
-    std::vector<Vec> reference;  // positions when it was built
+    std::vector<Vec> reference;  // positions when it was built, with the halo
     std::array<NeighbourRows, 2> rows;
   };
 
@@ -284,7 +286,7 @@ class NeighbourList {
   template <class P>
   bool is_built_from(const P& particles) const {
     return list_.owned_revision == particles.owned_revision() &&
-           list_.reference.size() == particles.size() && list_.grid.has_radii_of(particles);
+           list_.reference.size() == particles.local() && list_.grid.has_radii_of(particles);
   }
   template <class P>
   void build(P& particles) {
@@ -295,10 +297,11 @@ class NeighbourList {
     list_.built = false;
     state_.has_rows = {};
     list_.radius = radius();
-    list_.wanted_skin = radius() * Real(state_.tuning.fraction());
+    list_.wanted_skin = std::min(radius() * Real(state_.tuning.fraction()),
+                                 std::max(Real(0), depth_of_halo(particles) - radius()));
     check_periodic_sides(particles.box(), {.radius = list_.radius, .skin = list_.wanted_skin});
     update_grid(particles);
-    const auto x = particles[position];
+    const auto x = particles.with_halo(position);
     list_.reference.assign(x.begin(), x.end());
     set_revisions(particles);
     list_.built = true;
@@ -310,6 +313,7 @@ class NeighbourList {
   void set_revisions(const P& particles) {
     list_.revision = particles.revision();
     list_.owned_revision = particles.owned_revision();
+    list_.owned = particles.size();
   }
 
   // The ghosts are not those of the list after a step was rolled back or another search was
@@ -317,7 +321,7 @@ class NeighbourList {
   template <class P>
   void restore_ghosts(P& particles) {
     if (!is_valid_for(particles) || list_.revision == particles.revision()) return;
-    const auto first = positions_.first(particles.size());
+    const auto first = positions_.first(particles.local());
     const std::vector<Vec> last(first.begin(), first.end());
     repeat_build(particles, std::vector<Vec>(list_.reference));
     repeat_update(particles, last);
@@ -338,7 +342,7 @@ class NeighbourList {
   template <class P>
   void repeat_update(P& particles, const std::vector<Vec>& last) {
     at_positions(particles, last, [&] {
-      particles.refresh_ghosts(position);
+      particles.copy_to_ghosts(position);
       positions_.update_all(particles);
     });
   }
@@ -348,7 +352,7 @@ class NeighbourList {
     if (list_.grid.finds_only_contacts()) return;
     for (const Pairs pairs : {Pairs::once, Pairs::twice}) {
       if (!state_.has_rows[static_cast<Index>(pairs)]) continue;
-      const auto particles = double(std::max<Index>(list_.reference.size(), 1));
+      const auto particles = double(std::max<Index>(list_.owned, 1));
       state_.tuning.update({.dimension = Dim,
                             .entries = double(rows(pairs).entries()) / particles,
                             .updates = std::max<Index>(state_.updates, 1)});

@@ -66,9 +66,10 @@ class UniformGrid {
     const Index many = is_new ? 0 : particles.size() / 16;
     if (!is_new && descents_ <= many) return;
     require_positive("UniformGrid: radius", double(radius_));
-    const auto extent = extent_of_points(particles[position]);
+    const auto x = std::as_const(particles)[position];
+    const auto extent = extent_of_points(x);
     if (!extent.is_finite()) return;  // update() throws
-    points_.sort(particles[position], extent, radius_);
+    points_.sort(x, extent, radius_);
     owned_ = particles.size();
     if (points_.descents() > many) particles.reorder(order());
   }

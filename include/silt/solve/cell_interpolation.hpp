@@ -53,6 +53,15 @@ class CellInterpolation {
     for (Index i = 0; i < n; ++i) member_[first_[patch_of_[i] + 1]++] = std::uint32_t(i);
   }
 
+  /// After sort(): the cells from which points are interpolated, if they are among those of build().
+  std::vector<Cell> corner_cells() const {
+    std::vector<Cell> cells;
+    for (const Cell& low : patches_.cells()) {
+      for (Index c = 0; c < corners; ++c) cells.push_back(corner(low, c));
+    }
+    return cells;
+  }
+
   /// P from the centres of these cells.
   template <class Where>
   void build(const Cells& cells, Where&& point) {

@@ -22,6 +22,8 @@ namespace silt {
 template <Preconditioner M = Jacobi>
 class ConjugateGradient {
  public:
+  static constexpr bool shares_unknowns = requires { requires M::shares_unknowns; };
+
   ConjugateGradient() = default;
   explicit ConjugateGradient(const SolveSettings& settings, M preconditioner = {})
       : settings_(settings), preconditioner_(std::move(preconditioner)) {
@@ -38,14 +40,17 @@ class ConjugateGradient {
   /// reported in SolveReport::reason.
   SolveReport solve(const LinearSystem& system, std::vector<double>& x) {
     const Index n = system.size();
-    SolveReport report{.unknowns = n};
-    const double size_of_b = std::sqrt(dot(system.right_side, system.right_side));
-    if (n == 0 || size_of_b == 0) {
+    SolveReport report{.unknowns = Index(system.sum_of_all(double(n)))};
+    const double size_of_b =
+        std::sqrt(system.sum_of_all(dot(system.right_side, system.right_side)));
+    if (size_of_b == 0) {
       for_each(n, [&](Index i) { x[i] = 0; });
       return report;
     }
-    for (auto* v : {&r_, &z_, &p_, &q_}) v->resize(n);
+    for (auto* v : {&r_, &z_, &q_}) v->resize(n);
+    p_.resize(system.columns());
     preconditioner_.prepare(system);
+    system.sum_of_all(0.0);  // it may have failed in one process
 
     // Restarted if, because of round-off, the recursive residual differs from the true one.
     for (int round = 0; round < 3; ++round) {
@@ -56,8 +61,8 @@ class ConjugateGradient {
 
       system.remove_constants(r_);  // due to round-off; iterations would not reduce them
       precondition(system);         // z = M⁻¹ r
-      p_ = z_;
-      double rho = dot(r_, z_);
+      std::copy(z_.begin(), z_.end(), p_.begin());
+      double rho = system.sum_of_all(dot(r_, z_));
       double residual = report.residual;
       // After a reduction by 1e-14, the recursive residual is only round-off.
       const double goal = std::max(settings_.tolerance, 1e-14 * residual);
@@ -71,11 +76,22 @@ class ConjugateGradient {
           if (settings_.is_met_by(report.residual)) report.reason = SolveReport::Reason::converged;
           return report;
         }
-        residual = std::sqrt(advance(rho / curvature, x)) / size_of_b;  // x += α p;  r −= α q
+        const double of_r = advance(rho / curvature, x);  // x += α p;  r −= α q
         ++report.iterations;
-        if (residual <= goal) break;
-        precondition(system);
-        const double next = dot(r_, z_);
+        double next = 0;  // r·z
+        if (system.shared) {
+          // Processes wait for each sum: once more than needed is M applied to save half of them.
+          precondition(system);
+          const auto sums = system.sum_of_all(std::array{of_r, dot(r_, z_)});
+          residual = std::sqrt(sums[0]) / size_of_b;
+          next = sums[1];
+          if (residual <= goal) break;
+        } else {
+          residual = std::sqrt(of_r) / size_of_b;
+          if (residual <= goal) break;
+          precondition(system);
+          next = dot(r_, z_);
+        }
         update_direction(next / rho);  // p = z + β p
         rho = next;
       }
@@ -88,24 +104,26 @@ class ConjugateGradient {
 
  private:
   // r = b − A x, and |r|.
-  double find_residual(const LinearSystem& system, const std::vector<double>& x) {
+  double find_residual(const LinearSystem& system, std::vector<double>& x) {
+    system.refresh(x);
     const auto subtract = [&](Index i, double product) { r_[i] = system.right_side[i] - product; };
     for_each_range<rows_together>(system.size(), [&](Index first, Index last) {
       system.multiply(first, last, x, subtract);
     });
-    return std::sqrt(dot(r_, r_));
+    return std::sqrt(system.sum_of_all(dot(r_, r_)));
   }
 
   double multiply(const LinearSystem& system) {
+    system.refresh(p_);
     const auto store = [&](Index i, double product) { q_[i] = product; };
     for_each_range<rows_together>(system.size(), [&](Index first, Index last) {
       system.multiply(first, last, p_, store);
     });
-    return dot(p_, q_);
+    return system.sum_of_all(dot(q_, p_));
   }
 
   double advance(double alpha, std::vector<double>& x) {
-    return sum_over_chunks(x.size(), [&](Chunk chunk) {
+    return sum_over_chunks(r_.size(), [&](Chunk chunk) {
       add(chunk, x, alpha, p_);
       add(chunk, r_, -alpha, q_);
       return dot(chunk, r_, r_);
@@ -118,7 +136,7 @@ class ConjugateGradient {
   }
 
   void update_direction(double beta) {
-    for_each(p_.size(),
+    for_each(z_.size(),
              [beta, p = p_.data(), z = z_.data()](Index i) { p[i] = z[i] + beta * p[i]; });
   }
 

@@ -12,7 +12,9 @@
 
 namespace silt {
 
-/// prepare(system) is called once per solve, apply(r, z) computes z ≈ A⁻¹ r. Model: Jacobi.
+/// prepare(system) is called once per solve, apply(r, z) computes z ≈ A⁻¹ r. One for unknowns that
+/// processes share, see LinearSystem::shared, has `static constexpr bool shares_unknowns = true`. Model:
+/// Jacobi.
 template <class M>
 concept Preconditioner = requires(M m, const LinearSystem& system, const std::vector<double>& r,
                                   std::vector<double>& z) {
@@ -23,6 +25,8 @@ concept Preconditioner = requires(M m, const LinearSystem& system, const std::ve
 /// z = D⁻¹ r.
 class Jacobi {
  public:
+  static constexpr bool shares_unknowns = true;
+
   void prepare(const LinearSystem& system) {
     inverse_.resize(system.size());
     for_each(system.size(), [&](Index i) { inverse_[i] = 1 / system.diagonal[i]; });

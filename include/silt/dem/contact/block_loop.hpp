@@ -115,19 +115,19 @@ class BlockLoop {
         for (int k = 0; k < Lanes::words; ++k) {
           histories.at(contact, k) = eight.history[k][lane];
         }
-        add(list.first(contact));
-        if (!list.is_of_wall(contact)) add(list.second(contact));
+        add_if_owned(list.first(contact));
+        if (!list.is_of_wall(contact)) add_if_owned(list.second(contact));
       }
     }
     // Also those whose contacts do not touch.
     void add_grains_of_dense_block(Index block) {
       grains.add_block(block);
       const auto [first, last] = list.block(block).pairs;
-      for (Index c = first; c < last; ++c) add(std::max(list.first(c), list.second(c)));
+      for (Index c = first; c < last; ++c) add_if_owned(std::max(list.first(c), list.second(c)));
     }
-    // Those that are deferred may belong to another thread.
-    void add(Index grain) {
-      if (!division.is_deferred(grain)) grains.add(grain);
+    void add_if_owned(std::uint32_t grain) {
+      // Those that are deferred may belong to another thread.
+      if (list.is_owned(grain) && !division.is_deferred(grain)) grains.add(grain);
     }
   };
 

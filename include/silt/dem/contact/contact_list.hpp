@@ -6,7 +6,8 @@
 //   first    [ 3   3   5 …           index of the grain with the lower id, times index_scale
 //   second   [ 9   4   9 …           index of the other, or the element of a wall, likewise
 //
-// A pair belongs to the block of the grain with the lower index. The pairs of a block, and its
+// A pair belongs to the block of the grain with the lower index; one of the two may be of the halo,
+// whose indices are the highest. The pairs of a block, and its
 // contacts with walls, are each padded to a multiple of eight: contacts are evaluated in groups of
 // eight.
 //
@@ -60,7 +61,9 @@ class ContactList {
   Index size() const noexcept { return first_.size(); }
   Index groups() const noexcept { return size() / lanes; }
   Index blocks() const noexcept { return blocks_.size(); }
-  Index grains() const noexcept { return ids_.size(); }
+  /// Number of owned grains.
+  Index grains() const noexcept { return owned_; }
+  bool is_owned(std::uint32_t grain) const noexcept { return grain < owned_; }
   bool is_of_wall(Index contact) const noexcept { return second_[contact] >= wall_bit; }
   /// Indices of the two grains, or of the wall's element.
   std::uint32_t first(Index contact) const noexcept { return unscaled(first_[contact]); }
@@ -153,9 +156,10 @@ class ContactList {
   template <class P, class PairsAt, class WallsAt>
   void build(const P& grains, PairsAt&& pairs_at, WallsAt&& walls_at,
              std::vector<PairsOfBlock>& by_block) {
-    const auto ids = grains.ids();
+    const auto ids = grains.ids_with_halo();
     ids_.assign(ids.begin(), ids.end());
-    by_block.resize(block_count(ids.size()));
+    owned_ = grains.size();
+    by_block.resize(block_count(owned_));
     for_each_block([&](Index b, Index first, Index last) {
       PairsOfBlock& own = by_block[b];
       own.pairs.clear();
@@ -178,12 +182,17 @@ class ContactList {
   /// index_of(id) is the index of a grain when the list was built, or any number if there was none.
   template <class IndexOf>
   Index find(Id a, Id b, IndexOf&& index_of) const {
-    const Index i = index_of(a);
-    if (i >= grains() || ids_[i] != a) return no_index;
-    for (const Side side : of(i)) {
-      if (!side.is_second() && second_id(side.contact()) == b) return side.contact();
-    }
-    return no_index;
+    const auto find_at = [&](Index i, Id id, Id partner) {
+      if (i >= grains() || ids_[i] != id) return no_index;
+      for (const Side side : of(i)) {
+        const Index c = side.contact();
+        if ((side.is_second() ? first_id(c) : second_id(c)) == partner) return c;
+      }
+      return no_index;
+    };
+    const Index found = find_at(index_of(a), a, b);
+    // The grain with the lower id may be of the halo.
+    return found != no_index || is_wall_id(b) ? found : find_at(index_of(b), b, a);
   }
 
  private:
@@ -208,8 +217,8 @@ class ContactList {
       size = block.all().last;
       further[b] = block.pairs.first + by_block[b].pairs.size();
     }
-    if (grains() * index_scale >= wall_bit || 4 * size >= wall_bit) {
-      fail("dem::Contacts: there are " + std::to_string(grains()) + " grains and " +
+    if (ids_.size() * index_scale >= wall_bit || 4 * size >= wall_bit) {
+      fail("dem::Contacts: there are " + std::to_string(ids_.size()) + " grains and " +
            std::to_string(size) +
            " near contacts, more than 2^28 of the former or 2^29 of the latter; use fewer grains");
     }
@@ -327,7 +336,8 @@ class ContactList {
   std::vector<std::uint32_t> second_;
   std::vector<std::uint32_t> begin_;  // by grain
   std::vector<Side> sides_;
-  std::vector<Id> ids_;
+  std::vector<Id> ids_;  // with those of the halo
+  Index owned_ = 0;
 };
 
 }  // namespace silt::dem::detail

@@ -16,6 +16,7 @@
 #include <silt/core/concepts.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/parallel.hpp>
+#include <silt/core/shared_particles.hpp>
 #include <silt/core/step_checks.hpp>
 #include <silt/core/travel.hpp>
 #include <silt/core/types.hpp>
@@ -46,6 +47,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -118,9 +120,8 @@ class ContactsOf : public Contacts<Law, Walls...> {
     state_.given_history.reset();
   }
 
-  /// Throws if a grain or a wall moved too far in the step, see ContactSettings::max_displacement,
-  /// if the step is too long for a vibrating wall, or if contacts gave more energy than they had,
-  /// see ContactSettings::max_energy_gain. Called by Simulation.
+  /// Throws if a grain or a wall moved too far in the step, see ContactSettings::max_displacement, or
+  /// if the step is too long for a vibrating wall. Called by Simulation.
   void check_step(const P& grains, const FinishedStep& step) const {
     if (grains.empty()) return;
     const double smallest = double(radii_of(grains).smallest);
@@ -128,8 +129,17 @@ class ContactsOf : public Contacts<Law, Walls...> {
     if constexpr (WallSet<Walls...>::move) {
       detail::check_motion_of_walls(walls_, state_.last.list->extent, smallest, settings_, step);
     }
+  }
+  /// See ContactSettings::max_energy_gain; infinite if the energy of the contacts is not known.
+  double max_energy_gain() const {
+    return ContactsOfStep::knows_springs ? settings_.max_energy_gain
+                                         : std::numeric_limits<double>::infinity();
+  }
+  /// Throws if contacts gave more energy than they had. Called by Simulation after a step in which a
+  /// grain gained more than max_energy_gain().
+  void check_energy(const P& grains, const FinishedStep& step) const {
     if constexpr (ContactsOfStep::knows_springs) {
-      if (state_.last.count == 0) return;
+      if (!Shared<P> && state_.last.count == 0) return;
       detail::check_energy(
           grains, state_.last.grains.rows(), settings_, step,
           [this](const P& before, const P& mean) { return results_for(before).energy(mean); });
@@ -179,7 +189,17 @@ class ContactsOf : public Contacts<Law, Walls...> {
     return walls_.would_touch(x, radius, time);
   }
 
-  /// Number of contacts in the last step, including those with walls.
+  /// Adds the work of each grain in units of that of a grain without contacts, see mpi/work.hpp: its
+  /// near contacts. Returns false, and adds nothing, if they are not known.
+  bool add_work(const P& grains, std::span<double> work) const {
+    const List& list = *state_.last.list;
+    if (list.owned_revision != grains.owned_revision()) return false;
+    for (Index i = 0; i < work.size(); ++i) work[i] += double(list.contacts.count(i));
+    return true;
+  }
+
+  /// Number of contacts in the last step, including those with walls. Of grains that processes share,
+  /// those of owned grains: contacts between two processes are counted by both.
   Index size() const noexcept { return state_.last.count; }
 
   // Results of the last step, see ContactsOfStep. They are evaluated again, from the grains and
@@ -188,7 +208,8 @@ class ContactsOf : public Contacts<Law, Walls...> {
   // are then unknown: these functions throw.
 
   /// f(i, j, contact, force on i) for every contact of the last step whose grains still exist; i
-  /// and j are the current indices of the two (owned particles), j is `no_index` for a wall. The
+  /// and j are the current indices of the two, j is `no_index` for a wall. Of grains that processes
+  /// share, the grain i is owned and j may be of the halo: each contact is visited in one process. The
   /// contact's velocity is computed from the velocities in `grains`, and for a wall from its
   /// velocity at the time N of the contact. The law is evaluated again in every call.
   template <class F>
@@ -204,7 +225,8 @@ class ContactsOf : public Contacts<Law, Walls...> {
   }
 
   /// Load on a wall, given by its number, in the last step; the torque is about the point `about`
-  /// [m]. Bitwise identical for any number of threads. Throws if there is no such wall, or if the
+  /// [m]. Bitwise identical for any number of threads. Of grains that processes share, all call it, and
+  /// get the load of all; likewise for elastic_energy(). Throws if there is no such wall, or if the
   /// point is not finite.
   auto load_on(const P& grains, Index wall, const typename P::Vec& about = P::Vec::Zero()) const {
     return last_step(grains).load_on(wall, about);
@@ -326,6 +348,8 @@ class ContactsOf : public Contacts<Law, Walls...> {
     });
   }
   const detail::ShortestContacts& shortest_contacts(const P& grains) const {
+    // They are evaluated by all processes, or by none.
+    if (silt::detail::any_of_all(grains, !shortest_.is_of(grains))) shortest_.forget();
     return shortest_.get(grains, [&] {
       if constexpr (knows_stiffness) {
         detail::check_grains(grains, materials_);
@@ -350,8 +374,9 @@ class ContactsOf : public Contacts<Law, Walls...> {
     if (rebuilds) {
       detail::refuse_unnoticed_changes(grains, *state_.last.list, state_.last.lifetime);
       detail::check_grains(grains, materials_);
-      silt::detail::check_digits_of_positions("dem::Contacts", grains, "radius",
-                                              [R = grains[radius]](Index i) { return R[i]; });
+      silt::detail::check_digits_of_positions(
+          "dem::Contacts", grains, "radius",
+          [R = std::as_const(grains)[radius]](Index i) { return R[i]; });
       const auto list = take_list();
       rebuild(grains, search, step, *list);
       evaluation.list = list;

@@ -5,6 +5,7 @@
 #include <silt/core/error.hpp>
 #include <silt/core/four.hpp>
 #include <silt/core/parallel.hpp>
+#include <silt/core/shared_particles.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/contact/block_evaluator.hpp>
 #include <silt/dem/contact/contact_settings.hpp>
@@ -60,7 +61,7 @@ class ContactsOfStep {
   template <class F>
   void for_each(F&& f) const {
     const auto walls = walls_then();
-    for_each_with_row([&](Index, const auto& bodies, const Real* row) {
+    for_each_of_own([&](Index, const auto& bodies, const Real* row) {
       f(bodies.i, bodies.j, contact_at(row, bodies, walls),
         Row::template force_in<P::dimension>(row));
     });
@@ -70,7 +71,7 @@ class ContactsOfStep {
   template <class F>
   void for_each_at_walls(F&& f) const {
     const auto walls = walls_then();
-    for_each_with_row([&](Index, const auto& bodies, const Real* row) {
+    for_each_of_own([&](Index, const auto& bodies, const Real* row) {
       if (bodies.wall == no_index) return;
       WallContact<P::dimension, Real> touch;
       touch.grain = bodies.i;
@@ -95,7 +96,7 @@ class ContactsOfStep {
       load.force += touch.force;
       load.torque += cross(Vec(touch.point - about), touch.force) + touch.couple;
     });
-    return load;
+    return load_of_all(load);
   }
 
   /// See ContactEnergy. `mean` are the grains with the mean velocities of the step, those of this
@@ -105,7 +106,7 @@ class ContactsOfStep {
     const auto walls = walls_then();
     const auto walls_of_law = walls_in_law<P>(walls_, evaluation_.step);
     const double duration = evaluation_.step.between_velocities();
-    for_each_with_row([&](Index c, const auto& bodies, const Real* row) {
+    for_each_of_own([&](Index c, const auto& bodies, const Real* row) {
       const auto contact = contact_at(row, bodies, walls_of_law);
       const ElasticEnergies elastic = elastic_energies(law_of(c), contact, c);
       energy.stored += std::max(0.0, elastic.normal + elastic.tangential + elastic.rolling);
@@ -131,7 +132,7 @@ class ContactsOfStep {
   void for_each_evaluated_contact(F&& f) const {
     const auto walls = walls_then();
     const auto walls_of_law = walls_in_law<P>(walls_, evaluation_.step);
-    for_each_with_row([&](Index c, const auto& bodies, const Real* row) {
+    for_each_of_own([&](Index c, const auto& bodies, const Real* row) {
       const auto contact = contact_at(row, bodies, walls_of_law);
       RigidVelocity<P::dimension, Real> wall;
       if (bodies.wall != no_index) wall = walls.velocity(bodies.wall);
@@ -168,12 +169,12 @@ class ContactsOfStep {
     double energy = 0;
     if constexpr (GivesEnergy<Law, P::dimension, Real>) {
       const auto walls = walls_then();
-      for_each_with_row([&](Index c, const auto& bodies, const Real* row) {
+      for_each_of_own([&](Index c, const auto& bodies, const Real* row) {
         energy += double(
             law_of(c).elastic_energy(contact_at(row, bodies, walls), evaluation_.after->of(c)));
       });
     }
-    return energy;
+    return silt::detail::sum_of_all(grains_, energy);
   }
 
   /// See Contacts::history.
@@ -200,6 +201,20 @@ class ContactsOfStep {
   const ContactList& list() const { return evaluation_.contacts(); }
 
  private:
+  // Of all processes.
+  WallLoad<P::dimension, Real> load_of_all(WallLoad<P::dimension, Real> load) const {
+    if constexpr (Shared<P>) {
+      for (int k = 0; k < P::dimension; ++k) {
+        load.force[k] = Real(silt::detail::sum_of_all(grains_, double(load.force[k])));
+      }
+      for (int k = 0; k < angular_size<P::dimension>; ++k) {
+        Real& torque = component(load.torque, k);
+        torque = Real(silt::detail::sum_of_all(grains_, double(torque)));
+      }
+    }
+    return load;
+  }
+
   const Law& law_of(Index c) const { return law_between(*evaluation_.list, materials_, walls_, c); }
 
   auto walls_then() const { return walls_at<P>(walls_, evaluation_.step); }
@@ -241,7 +256,14 @@ class ContactsOfStep {
       if (bodies.i != no_index && (at_wall || bodies.j != no_index)) f(c, bodies);
     });
   }
-  // f(c, bodies, row) for the same; the rows are computed again.
+  // The same for each contact in one process only, the one that owns the grain with the lower id.
+  template <class F>
+  void for_each_of_own(F&& f) const {
+    for_each_with_row([&](Index c, const ContactBodies& bodies, const Real* row) {
+      if (bodies.i < grains_.size()) f(c, bodies, row);
+    });
+  }
+  // f(c, bodies, row) for all of them; the rows are computed again.
   template <class F>
   void for_each_with_row(F&& f) const {
     if (evaluation_.count == 0) return;

@@ -5,6 +5,7 @@
 
 #include <silt/core/error.hpp>
 #include <silt/core/parallel.hpp>
+#include <silt/core/shared_particles.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/contact/elementary_time_steps.hpp>
 #include <silt/dem/law/contact.hpp>
@@ -12,6 +13,7 @@
 #include <silt/dem/setup/grains.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <limits>
 #include <string>
@@ -46,33 +48,45 @@ struct ShortestContacts {
   TypicalContact of_all;
 };
 
-/// The numbers, in ascending order, of the materials that at least one grain has.
+/// The numbers, in ascending order, of the materials that at least one grain has, of all processes.
 template <class P, class Law>
 std::vector<std::uint32_t> materials_of(const P& grains, const Materials<Law>& materials) {
   const auto of_grain = grains[material];
-  std::vector<std::uint32_t> result;
+  std::vector<double> is_present(materials.count());
   for (std::uint32_t a = 0; a < materials.count(); ++a) {
     const auto is_it = [&](Index i) { return of_grain[i] == a; };
-    if (first_where(grains.size(), is_it) != no_index) result.push_back(a);
+    is_present[a] = first_where(grains.size(), is_it) != no_index;
+  }
+  silt::detail::replace_by_largest(grains, is_present);
+  std::vector<std::uint32_t> result;
+  for (std::uint32_t a = 0; a < materials.count(); ++a) {
+    if (is_present[a] > 0) result.push_back(a);
   }
   return result;
 }
 
 /// The shortest contacts of the lightest grains, π √(m*/k) with the largest stiffness at
-/// usual_overlap. The grains are valid, see check_grains(); `walls` is a WallSet. Throws if a law
-/// returns a stiffness that is not possible.
+/// usual_overlap. Of grains that processes share, all call it. The grains are valid, see
+/// check_grains(); `walls` is a WallSet. Throws if a law returns a stiffness that is not possible.
 template <class P, class Law, class Walls>
 ShortestContacts shortest_contacts(const P& grains, const Materials<Law>& materials,
                                    const Walls& walls) {
   using Real = typename P::Real;
   ShortestContacts shortest;
-  if (grains.size() == 0) return shortest;
+  constexpr double none = -std::numeric_limits<double>::infinity();
   const auto m = grains[mass];
-  const double lightest = -largest(m.size(), -std::numeric_limits<double>::infinity(),
-                                   [&](Index i) { return -double(m[i]); });
-  const Index grain = first_where(m.size(), [&](Index i) { return double(m[i]) == lightest; });
-  const double R = double(grains[radius][grain]);
-  const double m_over_I = lightest / double(grains[inertia][grain]);
+  const auto minus_m = largest(m.size(), none, [&](Index i) { return -double(m[i]); });
+  const double lightest = -silt::detail::largest_of_all(grains, std::array{minus_m})[0];
+  if (!is_finite(lightest)) return shortest;
+  const auto minus_least = [&](const auto& values) {
+    return largest(m.size(), none, [&](Index i) {
+      return double(m[i]) == lightest ? -double(values[i]) : none;
+    });
+  };
+  const auto [minus_R, minus_I] = silt::detail::largest_of_all(
+      grains, std::array{minus_least(grains[radius]), minus_least(grains[inertia])});
+  const double R = -minus_R;
+  const double m_over_I = lightest / -minus_I;
   // `share` is ½ between two such grains and 1 at a wall.
   const auto add = [&](TypicalContact& to, const Law& law, double share, TypicalContact typical) {
     Contact<P::dimension, Real> contact{};

@@ -17,6 +17,7 @@
 #include <silt/core/energy.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/parallel.hpp>
+#include <silt/core/shared_particles.hpp>
 #include <silt/core/types.hpp>
 #include <silt/core/watch.hpp>
 #include <silt/dem/contact/contact_settings.hpp>
@@ -24,6 +25,8 @@
 #include <silt/dem/setup/grains.hpp>
 
 #include <algorithm>
+#include <array>
+#include <limits>
 #include <utility>
 
 namespace silt::dem::detail {
@@ -36,53 +39,64 @@ double energy_of_motion(const P& grains, Index i, const Velocity& v, const Spin&
          2;
 }
 
-/// Throws if the contacts gave more energy than they had, see ContactSettings::max_energy_gain.
-/// `rows` are the grains with which the law was evaluated; energy_of_contacts(before, mean) returns
-/// the ContactEnergy for the grains then, and with the mean of their velocities then and now.
+/// Throws if the contacts gave more energy than they had: if the kinetic energy rose to more than
+/// ContactSettings::max_energy_gain times what explains it. `rows` are the grains with which the law was
+/// evaluated; energy_of_contacts(before, mean) returns the ContactEnergy for the grains then, and with
+/// the mean of their velocities then and now.
 template <class P, class EnergyOfContacts>
 void check_energy(const P& grains, const GrainRows<P::dimension, typename P::Real>& rows,
                   const ContactSettings& settings, const FinishedStep& step,
                   EnergyOfContacts&& energy_of_contacts) {
   const double most = settings.max_energy_gain;
-  if (step.max_energy_gain <= most) return;
   const auto before = [&](Index i) {
     return energy_of_motion(grains, i, rows.velocity_of(i), rows.spin_of(i));
   };
   const auto after = [&](Index i) {
     return energy_of_motion(grains, i, grains[velocity][i], grains[spin][i]);
   };
-  const double energy_before = ordered_sum(grains.size(), 0.0, before);
-  const double energy_after = ordered_sum(grains.size(), 0.0, after);
+  const auto [energy_before, energy_after] =
+      silt::detail::sum_of_all(grains, std::array{ordered_sum(grains.size(), 0.0, before),
+                                                  ordered_sum(grains.size(), 0.0, after)});
   if (!(energy_after > most * energy_before)) return;
 
   P then = grains;
   P mean = grains;
-  const auto x = then[position];
-  const auto v = then[velocity];
-  const auto w = then[spin];
-  const auto mean_v = mean[velocity];
-  const auto mean_w = mean[spin];
-  for_each(grains.size(), [&](Index i) {
+  silt::detail::refresh_halo(mean);
+  const auto x = then.halo_to_change(position);
+  const auto v = then.halo_to_change(velocity);
+  const auto w = then.halo_to_change(spin);
+  const auto mean_v = mean.halo_to_change(velocity);
+  const auto mean_w = mean.halo_to_change(spin);
+  for_each(grains.local(), [&](Index i) {
     x[i] = rows.position_of(i);
     v[i] = rows.velocity_of(i);
     w[i] = rows.spin_of(i);
     mean_v[i] = (mean_v[i] + v[i]) / 2;
     mean_w[i] = (mean_w[i] + w[i]) / 2;
   });
-  const auto contacts = energy_of_contacts(then, mean);
-  const double by_rest = energy_after - energy_before - contacts.work - contacts.work_of_walls;
+  const auto own = energy_of_contacts(then, mean);
+  const auto [stored, work, work_of_walls] =
+      silt::detail::sum_of_all(grains, std::array{own.stored, own.work, own.work_of_walls});
+  const double by_rest = energy_after - energy_before - work - work_of_walls;
   const double by_others = std::max(0.0, by_rest);
-  const double by_walls = std::max(0.0, contacts.work_of_walls);
-  if (!(energy_after > most * (energy_before + contacts.stored + (by_others + by_walls)))) return;
+  const double by_walls = std::max(0.0, work_of_walls);
+  if (!(energy_after > most * (energy_before + stored + (by_others + by_walls)))) return;
 
-  Index fastest = 0;
-  for (Index i = 1; i < grains.size(); ++i) {
-    if (after(i) - before(i) > after(fastest) - before(fastest)) fastest = i;
+  const auto gain = [&](Index i) { return after(i) - before(i); };
+  Index fastest = no_index;
+  for (Index i = 0; i < grains.size(); ++i) {
+    if (fastest == no_index || gain(i) > gain(fastest)) fastest = i;
   }
+  const double of_fastest =
+      fastest == no_index ? -std::numeric_limits<double>::infinity() : gain(fastest);
+  const double of_all = silt::detail::together(grains, [&] {
+                          return Largest{.energy_gain = of_fastest};
+                        }).energy_gain;
+  if (of_fastest < of_all) return;  // it is a grain of another process
   fail("dem::Contacts: the kinetic energy rose from " + to_text(energy_before) + " J to " +
            to_text(energy_after) + " J in a step of " + to_text(step.time_step) +
            " s, more than max_energy_gain = " + to_text(most) + " times the sum of " +
-           to_text(energy_before) + " J, the " + to_text(contacts.stored) +
+           to_text(energy_before) + " J, the " + to_text(stored) +
            " J in the springs of contacts" +
            (by_walls > 0 ? ", the " + to_text(by_walls) + " J by moving walls" : "") + " and the " +
            to_text(by_others) + " J by other forces; of all grains, this one with velocity = " +

@@ -16,7 +16,7 @@
 
 namespace silt::dem::detail {
 
-/// Copies of the constants of all grains.
+/// Copies of the constants of all grains, those of the halo included.
 template <class Real>
 struct ListConstants {
   std::vector<Real> radii;               ///< [m]
@@ -27,7 +27,7 @@ struct ListConstants {
   template <class P>
   void keep(const P& grains) {
     const auto assign = [&](auto field, auto& values) {
-      const auto now = grains[field];
+      const auto now = grains.with_halo(field);
       values.assign(now.begin(), now.end());
     };
     assign(radius, radii);
@@ -39,15 +39,15 @@ struct ListConstants {
   /// Compares all values.
   template <class P>
   bool are_those_of(const P& grains) const {
-    return radii.size() == grains.size() &&
-           first_where(grains.size(), differ_from(grains)) == no_index;
+    return radii.size() == grains.local() &&
+           first_where(grains.local(), differ_from(grains)) == no_index;
   }
 
   /// A function of the grain i: whether it has other constants. For as many grains.
   template <class P>
   auto differ_from(const P& grains) const {
-    return [this, R = grains[radius], m = grains[mass], I = grains[inertia],
-            numbers = grains[material]](Index i) {
+    return [this, R = grains.with_halo(radius), m = grains.with_halo(mass),
+            I = grains.with_halo(inertia), numbers = grains.with_halo(material)](Index i) {
       return R[i] != radii[i] || m[i] != masses[i] || I[i] != inertias[i] ||
              numbers[i] != materials[i];
     };
@@ -81,7 +81,7 @@ class UnnoticedChanges {
       : constants_(list.constants),
         is_changed_(constants_.differ_from(grains)),
         is_comparable_(list.owned_revision == grains.owned_revision() &&
-                       constants_.radii.size() == grains.size() &&
+                       constants_.radii.size() == grains.local() &&
                        lifetime.constants_revision == grains.constants_revision()),
         turn_(lifetime.steps % period) {}
 

@@ -29,7 +29,7 @@ namespace silt::dem::detail {
 /// When and with which margin a list was built; kept in checkpoints.
 template <int Dim, class Real>
 struct ListOrigin {
-  std::vector<Vec<Dim, Real>> since;  ///< positions of the grains when it was built [m]
+  std::vector<Vec<Dim, Real>> since;  ///< positions of the grains, with the halo, when it was built [m]
   Real margin = 0;                    ///< largest gap of its pairs [m]
   double time = 0;                    ///< of these positions and of the walls [s]
   Box<Dim, Real> extent;              ///< contains all grains while the list is valid [m]
@@ -128,7 +128,7 @@ bool is_stale(const P& grains, const Walls& walls, double time, const List& list
   }
   const Travel travel = grains.travel();
   if (travel.is_within(lifetime.distance, lifetime.since)) return false;
-  const auto x = grains[position];
+  const auto x = grains.with_halo(position);
   const auto& box = grains.box();
   const NearestImage<P::dimension, Real> image(box);
   const auto displacement = [&](Index i) { return image(typename P::Vec(x[i] - list.since[i])); };
@@ -187,7 +187,7 @@ void begin_list(const P& grains, const S& search, const Walls& walls, const Step
   if (grains.box().any_periodic()) walls.check_in(grains.box(), reach / 2);
   // A small margin gives few pairs, a large one few rebuilds; the search limits it.
   constexpr double lasting_steps = 40;
-  const auto v = grains[velocity];
+  const auto v = grains.with_halo(velocity);
   Real fastest = std::sqrt(largest(v.size(), Real(0), [&](Index i) { return v[i].squaredNorm(); }));
   if constexpr (Walls::move) {
     if (grains.size() > 0) {
@@ -209,7 +209,7 @@ void begin_list(const P& grains, const S& search, const Walls& walls, const Step
   list.time = step.time;
   list.extent.lower.array() -= list.margin;
   list.extent.upper.array() += list.margin;
-  const auto x = grains[position];
+  const auto x = grains.with_halo(position);
   list.since.assign(x.begin(), x.end());
   list.constants.keep(grains);
 }
@@ -220,16 +220,16 @@ template <class P, class S, class Walls, class List>
 void find_contacts(const P& grains, const S& search, const Walls& walls, List& list,
                    std::vector<ContactList::PairsOfBlock>& by_block) {
   using Real = typename P::Real;
-  const auto x = grains[position];
-  const auto R = grains[radius];
+  const auto x = grains.with_halo(position);
+  const auto R = grains.with_halo(radius);
   const NearestImage<P::dimension, Real> image(grains.box());
   list.contacts.build(
       grains,
       [&](Index i, auto&& add) {
         for_each_candidate(search, i, [&](Index found_j) {
           const Index j = grains.owner(found_j);
-          // A pair across a periodic side is found at both grains; one is enough.
-          if (j != found_j && grains.id(j) < grains.id(i)) return;
+          // A pair across a periodic side is found at both grains, if both are owned; one is enough.
+          if (j != found_j && j < grains.size() && grains.id(j) < grains.id(i)) return;
           const Real limit = R[i] + R[j] + list.margin;
           if (!(image(typename P::Vec(x[j] - x[i])).squaredNorm() < squared(limit))) return;
           const bool in_order = grains.id(i) < grains.id(j);

@@ -15,6 +15,12 @@ namespace silt::dem::detail {
 template <class T>
 class OfConstants {
  public:
+  /// Whether the last result is of these grains.
+  template <class P>
+  bool is_of(const P& grains) const {
+    return revision_ == grains.constants_revision();
+  }
+  void forget() { revision_ = 0; }
   /// evaluate(), or its last result. If it throws, it is evaluated again by the next call.
   template <class P, class F>
   const T& get(const P& grains, F&& evaluate) {
@@ -30,7 +36,7 @@ class OfConstants {
   T value_{};
 };
 
-/// Of the radii of all grains.
+/// Of the radii of all grains, with the halo.
 template <class Real>
 struct RadiusRange {
   Real smallest = 0;  ///< [m]; infinite without grains
@@ -39,7 +45,7 @@ struct RadiusRange {
 template <class P>
 RadiusRange<typename P::Real> radius_range(const P& grains) {
   using Real = typename P::Real;
-  const auto R = grains[radius];
+  const auto R = grains.with_halo(radius);
   constexpr Real infinity = std::numeric_limits<Real>::infinity();
   return {.smallest = -largest(R.size(), -infinity, [&](Index i) { return -R[i]; }),
           .largest = largest(R.size(), Real(0), [&](Index i) { return R[i]; })};

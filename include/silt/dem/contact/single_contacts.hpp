@@ -44,8 +44,8 @@ inline ContactBodies bodies_of(const ContactList& list, Index c) {
 template <class P, class Row>
 typename P::Vec contact_point(const P& grains, const typename P::Real* row,
                               const ContactBodies& bodies) {
-  const auto arm = grains[radius][bodies.i] - row[Row::arm_reduction];
-  typename P::Vec point = grains[position][bodies.i];
+  const auto arm = grains.with_halo(radius)[bodies.i] - row[Row::arm_reduction];
+  typename P::Vec point = grains.with_halo(position)[bodies.i];
   for (int k = 0; k < P::dimension; ++k) point[k] -= arm * row[Row::n + k];
   return point;
 }
@@ -64,16 +64,17 @@ auto contact_of(const P& grains, const typename P::Real* row, const ContactBodie
   const auto times = step.of_contacts<typename P::Real>();
   contact.time_step = times.time_step;
   contact.first_time_step = times.first_time_step;
+  const auto w = grains.with_halo(spin);
   const auto surface = [&](Index i, typename P::Real towards) {
-    const auto arm = towards * (grains[radius][i] - row[Row::arm_reduction]);
+    const auto arm = towards * (grains.with_halo(radius)[i] - row[Row::arm_reduction]);
     // This order of operations reproduces the law's input bitwise.
-    return Vec(grains[velocity][i] + arm * cross(grains[spin][i], contact.normal));
+    return Vec(grains.with_halo(velocity)[i] + arm * cross(w[i], contact.normal));
   };
   contact.relative_velocity = surface(bodies.i, -1);
-  contact.relative_spin = grains[spin][bodies.i];
+  contact.relative_spin = w[bodies.i];
   if (bodies.j != no_index) {
     contact.relative_velocity -= surface(bodies.j, 1);
-    contact.relative_spin -= grains[spin][bodies.j];
+    contact.relative_spin -= w[bodies.j];
   } else if constexpr (Walls::move) {
     const auto velocity = walls.velocity(bodies.wall);
     contact.relative_velocity -= velocity.at(contact_point<P, Row>(grains, row, bodies));

@@ -158,9 +158,9 @@ template <class P, class Walls, class LawOf>
 double stable_for_all(const P& grains, const ContactList& list, const Walls& walls,
                       typename P::Real margin, LawOf&& law_of) {
   using Real = typename P::Real;
-  const auto x = grains[position];
-  const auto R = grains[radius];
-  const auto m = grains[mass];
+  const auto x = grains.with_halo(position);
+  const auto R = grains.with_halo(radius);
+  const auto m = grains.with_halo(mass);
   const auto I = grains[inertia];
   const NearestImage<P::dimension, Real> image(grains.box());
   const auto contribution = [&](Index i, Index c, const Lever& lever) {

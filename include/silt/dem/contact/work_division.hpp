@@ -174,11 +174,13 @@ class WorkDivision {
   }
   // The last block in which the row of a contact is read; `never` if after all blocks.
   Index last_reader(const ContactList& list, Index c, Index never) const {
-    const Index i = list.first(c);
+    Index i = list.first(c);
+    if (!list.is_owned(list.first(c))) i = list.second(c);
     if (is_deferred_[i]) return never;
     if (list.is_of_wall(c)) return i / block_size;
-    const Index j = list.second(c);
-    return is_deferred_[j] ? never : std::min(never, std::max(i, j) / block_size);
+    const std::uint32_t j = list.second(c);
+    if (!list.is_owned(j)) return i / block_size;
+    return is_deferred_[j] ? never : std::min(never, std::max<Index>(i, j) / block_size);
   }
 
   const ContactList* list_ = nullptr;  // for comparison only

@@ -2,8 +2,10 @@
 // Coordination number: contacts per grain.
 #pragma once
 
+#include <silt/core/shared_particles.hpp>
 #include <silt/core/types.hpp>
 
+#include <array>
 #include <vector>
 
 namespace silt::dem {
@@ -16,23 +18,25 @@ struct Coordination {
   double rattlers = 0;  ///< fraction of grains with one contact or none [-]
 };
 
-/// Coordination in the last step; all 0 without grains.
+/// Coordination in the last step; all 0 without grains. Of grains that processes share, all call it.
 template <class P, class C>
 Coordination coordination(const P& grains, const C& contacts) {
-  std::vector<Index> number(grains.size());
+  std::vector<Index> number(grains.local());
   contacts.for_each_contact(grains, [&](Index i, Index j, const auto&, const auto&) {
     ++number[i];
     if (j != no_index) ++number[j];
   });
-  double sum = 0;
-  double with_one = 0;
-  double with_none = 0;
-  for (const Index each : number) {
-    sum += double(each);
-    with_one += each == 1;
-    with_none += each == 0;
+  silt::detail::add_to_owners(grains, number);
+  double own = 0;
+  double own_with_one = 0;
+  double own_with_none = 0;
+  for (Index i = 0; i < grains.size(); ++i) {
+    own += double(number[i]);
+    own_with_one += number[i] == 1;
+    own_with_none += number[i] == 0;
   }
-  const double all = double(grains.size());
+  const auto [sum, with_one, with_none, all] = silt::detail::sum_of_all(
+      grains, std::array{own, own_with_one, own_with_none, double(grains.size())});
   const double bearing = all - with_one - with_none;
   Coordination coordination;
   if (all > 0) {

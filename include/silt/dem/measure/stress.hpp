@@ -14,9 +14,11 @@
 #include <silt/core/error.hpp>
 #include <silt/core/fields.hpp>
 #include <silt/core/nearest_image.hpp>
+#include <silt/core/shared_particles.hpp>
 #include <silt/core/types.hpp>
 
 #include <algorithm>
+#include <cstddef>
 #include <limits>
 
 namespace silt::dem {
@@ -54,7 +56,8 @@ double share_within(const Box<Dim, double>& box, const Vec<Dim>& a, const Vec<Di
 }  // namespace detail
 
 /// Stress in a region of finite size inside the grains' box. Positions, velocities and contacts
-/// must belong to the same time, as in a simulation's state(). Throws if the volume of the region
+/// must belong to the same time, as in a simulation's state(). Of grains that processes share, all call
+/// it. Throws if the volume of the region
 /// is zero or infinite.
 template <class P, class C>
 Stress<P::dimension> stress(const P& grains, const C& contacts,
@@ -74,12 +77,14 @@ Stress<P::dimension> stress(const P& grains, const C& contacts,
       }
     }
   };
-  double mass_within = 0;
-  Vector momentum = Vector::Zero();
+  double mass_of_own = 0;
+  Vector momentum_of_own = Vector::Zero();
   for_each_within([&](double m, const Vector& u) {
-    mass_within += m;
-    momentum += m * u;
+    mass_of_own += m;
+    momentum_of_own += m * u;
   });
+  const double mass_within = silt::detail::sum_of_all(grains, mass_of_own);
+  const Vector momentum = silt::detail::sum_of_all(grains, momentum_of_own);
   Stress<dimension> stress;
   for_each_within([&](double m, const Vector& u) {
     const Vector off = u - momentum / mass_within;
@@ -87,7 +92,7 @@ Stress<P::dimension> stress(const P& grains, const C& contacts,
   });
   contacts.for_each_contact(grains, [&](Index i, Index j, const auto& contact, const auto& force) {
     double length = double(grains[radius][i]) - double(contact.overlap);
-    if (j != no_index) length += double(grains[radius][j]);
+    if (j != no_index) length += double(grains.with_halo(radius)[j]);
     const Vector l = length * in_double(contact.normal);
     double share = 0;
     constexpr double any_distance = std::numeric_limits<double>::infinity();
@@ -96,6 +101,9 @@ Stress<P::dimension> stress(const P& grains, const C& contacts,
     });
     stress.contact += share * in_double(force) * l.transpose();
   });
+  for (auto* const each : {&stress.kinetic, &stress.contact}) {
+    silt::detail::replace_by_sums(grains, {each->data(), std::size_t(dimension * dimension)});
+  }
   const double volume = region.length().prod();
   stress.kinetic /= volume;
   stress.contact /= volume;

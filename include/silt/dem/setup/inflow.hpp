@@ -5,6 +5,7 @@
 
 #include <silt/core/error.hpp>
 #include <silt/core/parallel.hpp>
+#include <silt/core/shared_particles.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/setup/grains.hpp>
 #include <silt/dem/setup/packing.hpp>
@@ -14,6 +15,7 @@
 #include <silt/dem/setup/size_distribution.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <type_traits>
@@ -97,6 +99,9 @@ class Inflow {
 
   template <class Sim>
   void before_step(Sim& simulation) {
+    static_assert(!Shared<std::remove_cvref_t<decltype(simulation.particles())>>,
+                  "silt::dem::Inflow: grains cannot be added to those that processes share; add "
+                  "them before mpi::distribute");
     const double since = simulation.time() - settings_.from;
     if (since < 0 || added_ >= due(since)) return;
     if (!schedule_.is_due({.since = since, .every = settings_.every})) return;
@@ -162,7 +167,8 @@ class Inflow {
 template <class R, class Sizes>
 Inflow(R, Blend<Sizes>, typename Inflow<R, Sizes>::Settings) -> Inflow<R, Sizes>;
 
-/// Observer that removes, before a step, the grains whose centres are in a region, and counts them.
+/// Observer that removes, before a step, the grains whose centres are in a region, and counts them,
+/// those of all processes that share the grains.
 /// The region may be unbounded, e.g. a Box with a single finite side.
 template <class R>
 class Outflow {
@@ -186,11 +192,21 @@ class Outflow {
     if (!schedule_.is_due({.since = simulation.time(), .every = settings_.every})) return;
     const auto& grains = std::as_const(simulation.particles());  // only removal changes them
     const auto is_in = [&](Index i) { return region_.clearance(grains[position][i]) >= 0; };
-    if (first_where(grains.size(), is_in) == no_index) return;
-    for (Index i = 0; i < grains.size(); ++i) {
-      if (is_in(i)) mass_ += double(grains[silt::mass][i]);
-    }
-    number_ += simulation.particles().remove_if(is_in);
+    double own_number = 0;
+    double own_mass = 0;
+    silt::detail::together(grains, [&] {
+      if (first_where(grains.size(), is_in) != no_index) {
+        for (Index i = 0; i < grains.size(); ++i) {
+          if (is_in(i)) own_mass += double(grains[silt::mass][i]);
+        }
+        own_number = double(simulation.particles().remove_if(is_in));
+      }
+      return Largest{};
+    });
+    const auto [number, mass] =
+        silt::detail::sum_of_all(grains, std::array{own_number, own_mass});
+    number_ += Index(number);
+    mass_ += mass;
   }
 
   /// State for a checkpoint, see core/transfer.hpp.

@@ -5,11 +5,13 @@
 #include <silt/core/energy.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/parallel.hpp>
+#include <silt/core/shared_particles.hpp>
 #include <silt/core/step_checks.hpp>
 #include <silt/core/types.hpp>
 
 #include <cmath>
 #include <optional>
+#include <type_traits>
 
 namespace silt::dem {
 
@@ -35,6 +37,9 @@ double rms_speed(const P& grains) {
 /// without a step, or, before a step is made, if more than 10¹² steps are ahead.
 template <class Sim, class... Observers>
 double settle(Sim& simulation, const Settling& settling, Observers&&... observers) {
+  static_assert(!Shared<std::remove_cvref_t<decltype(simulation.particles())>>,
+                "dem::settle: particles that processes share cannot be settled yet; let them settle "
+                "in one process, and write a checkpoint");
   require_positive("Settling: speed", settling.speed);
   require_positive("Settling: check_every", settling.check_every);
   require_positive("Settling: max_time", settling.max_time);
