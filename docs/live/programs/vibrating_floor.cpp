@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: MIT
+// A bed of discs on a floor that vibrates. Writes vibrating_floor.pvd, for ParaView.
+#include <silt/dem.hpp>
+#include <silt/io/progress.hpp>
+#include <silt/io/vtk.hpp>
+
+#include <cstdio>
+
+int main() try {
+  using namespace silt;
+  constexpr double depth = 0.15;          // of the bed [m]
+  constexpr double amplitude = 0.012;     // of the floor [m]
+  constexpr double frequency = 9;         // of the floor [Hz]
+  constexpr double restitution = 0.7;     // coefficient [-]
+  constexpr double friction_angle = 0.3;  // of grains and walls [rad]
+
+  dem::Grains<2> grains;
+  for (const auto& x : lattice<2>({{-0.5, 0.02}, {0.5, 0.02 + depth}}, 0.025)) {
+    Random random{.seed = 1, .id = grains.size()};
+    dem::add_grain(grains, x, {.radius = random.uniform({0.01, 0.012}), .density = 2500});
+  }
+  const dem::CundallStrack law{.normal_stiffness = 1e6,
+                               .tangential_stiffness = 5e5,
+                               .restitution = restitution,
+                               .friction_angle = friction_angle};
+  const dem::Moving floor{dem::Plane<2>{},
+                          dem::Vibration<2>{.amplitude = {0, amplitude}, .frequency = frequency}};
+  const dem::Plane<2> left{.point = {-0.5, 0}, .normal = {1, 0}};
+  const dem::Plane<2> right{.point = {0.5, 0}, .normal = {-1, 0}};
+
+  Simulation bed{grains, NeighbourList<2>{},
+                 Forces{Gravity<2>{{0, -9.81}}, dem::Contacts{law, floor, left, right}},
+                 Leapfrog{}};
+  bed.run({.until = 2, .output_every = 0.02}, VtkSeries{"vibrating_floor"}, Progress{});
+} catch (const silt::Error& error) {
+  std::fprintf(stderr, "%s\n", error.what());
+  return 1;
+}

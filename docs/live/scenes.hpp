@@ -1,0 +1,372 @@
+// SPDX-License-Identifier: MIT
+// The simulations of the live page: those of programs/, made from the numbers of the sliders, behind
+// one interface. native.cpp shows that both have the same bits.
+#pragma once
+
+#include <silt/dem.hpp>
+#include <silt/dem/setup/random.hpp>
+#include <silt/measure/energy.hpp>
+#include <silt/measure/wall_gauge.hpp>
+#include <silt/mps.hpp>
+
+#include "../../tests/portability/hash.hpp"
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <memory>
+#include <numbers>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+namespace live {
+
+using namespace silt;
+
+inline constexpr double g = 9.81;  // [m/s²]
+
+// What the colours show.
+enum class Quantity { speed, pressure, spin };
+
+// Of the curves: energies [J/m]; the pressure at the right wall [Pa], for flows.
+struct Curves {
+  double kinetic = 0;
+  double potential = 0;
+  double pressure = 0;
+};
+
+struct Line {
+  Vec<2> from, to;  // [m]
+};
+
+// A simulation whose type the page need not know.
+class Scene {
+ public:
+  virtual ~Scene() = default;
+
+  // Steps while time() < until [s], at most `most` of them; returns their number.
+  virtual int step_until(double until, int most) = 0;
+  virtual double time() const = 0;  // [s]
+  virtual double time_step() = 0;   // the last one, or the first before it [s]
+  virtual Index size() const = 0;
+  // Turns gravity by an angle [rad], against the clock.
+  virtual void tilt(double angle) = 0;
+  virtual std::uint64_t hash() const = 0;
+
+  // Takes the state at time() for the functions below.
+  virtual void observe(Quantity quantity) = 0;
+  // x, y, radius [m], quantity, angle [rad] of each particle.
+  const std::vector<float>& picture() const { return picture_; }
+  // x, y of both ends of each line [m].
+  const std::vector<float>& walls() const { return walls_; }
+  const Curves& curves() const { return curves_; }
+
+ protected:
+  std::vector<float> picture_;
+  std::vector<float> walls_;
+  Curves curves_;
+};
+
+// Run::until is reached within this, see core/run.hpp: the scene then makes the same steps.
+inline double almost(double until) { return until * (1 - 1e-12); }
+
+// `Setup` has simulation(), lines(time) [m], tilt(simulation, gravity), before_step(simulation) and
+// curves(particles, gravity); it is kept as long as its simulation.
+template <class Setup>
+class SceneOf final : public Scene {
+ public:
+  explicit SceneOf(Setup setup) : setup_(std::move(setup)), simulation_(setup_.simulation()) {}
+
+  int step_until(double until, int most) override {
+    int steps = 0;
+    for (; steps < most && time() < almost(until); ++steps) {
+      setup_.before_step(simulation_);
+      simulation_.step();
+    }
+    return steps;
+  }
+  double time() const override { return simulation_.time(); }
+  double time_step() override {
+    return simulation_.steps() > 0 ? simulation_.last_time_step() : simulation_.time_step();
+  }
+  Index size() const override { return simulation_.particles().size(); }
+  std::uint64_t hash() const override { return portability::hash_of(simulation_); }
+
+  void tilt(double angle) override {
+    gravity_ = {g * std::sin(angle), -g * std::cos(angle)};
+    // Exactly the gravity of the program.
+    if (angle == 0) gravity_ = {0, -g};
+    setup_.tilt(simulation_, gravity_);
+  }
+
+  void observe(Quantity quantity) override {
+    const auto particles = simulation_.snapshot();
+    picture_.clear();
+    for (Index i = 0; i < particles.size(); ++i) {
+      const Vec<2> x = particles[position][i];
+      for (const double number : {x[0], x[1], setup_.radius(particles, i),
+                                  value(particles, i, quantity), angle(particles, i)}) {
+        picture_.push_back(float(number));
+      }
+    }
+    walls_.clear();
+    for (const Line& line : setup_.lines(simulation_)) {
+      for (const double number : {line.from[0], line.from[1], line.to[0], line.to[1]}) {
+        walls_.push_back(float(number));
+      }
+    }
+    curves_ = setup_.curves(particles, gravity_);
+  }
+
+ private:
+  using Particles = std::remove_cvref_t<
+      decltype(std::declval<Setup&>().simulation().particles())>;
+
+  static double value(const Particles& particles, Index i, Quantity quantity) {
+    if constexpr (Particles::template has<spin_t>) {
+      if (quantity == Quantity::spin) return std::abs(particles[spin][i]);
+    } else {
+      if (quantity == Quantity::pressure) return particles[mps::pressure][i];
+    }
+    return particles[velocity][i].norm();
+  }
+  static double angle(const Particles& particles, Index i) {
+    if constexpr (Particles::template has<angle_t>) return std::remainder(particles[silt::angle][i], 2 * std::numbers::pi);
+    return 0;
+  }
+
+  Setup setup_;
+  decltype(std::declval<Setup&>().simulation()) simulation_;
+  Vec<2> gravity_{0, -g};
+};
+
+inline std::vector<Line> polygon(const std::vector<Vec<2>>& points) {
+  std::vector<Line> lines;
+  for (Index k = 1; k < points.size(); ++k) lines.push_back({points[k - 1], points[k]});
+  return lines;
+}
+inline std::vector<Line> lines_of(const Box<2>& box) {
+  return polygon({box.lower, {box.upper[0], box.lower[1]}, box.upper,
+                  {box.lower[0], box.upper[1]}, box.lower});
+}
+
+// --- flows ---------------------------------------------------------------------------------------
+
+struct DamBreak {
+  double spacing, width, height, viscosity;
+  // Settings of a flow do not change while it runs; the body force reads this.
+  std::shared_ptr<Vec<2>> added_gravity = std::make_shared<Vec<2>>(Vec<2>::Zero());
+
+  static constexpr double length = 1.6;  // of the tank [m]
+
+  auto simulation() const {
+    const auto tank = mps::make_tank<mps::Recommended, 2>({.column = {width, height},
+                                                           .size = {.length = length, .height = 1.2},
+                                                           .spacing = spacing,
+                                                           .lid = true});
+    const mps::Flow<mps::Recommended> water{
+        {.spacing = spacing,
+         .density = 1000,
+         .viscosity = viscosity,
+         .speed_scale = std::sqrt(9.81 * height),
+         .walls = tank.walls,
+         .body_force = [added = added_gravity](const Vec<2>&, double) { return *added; }}};
+    return Simulation{tank.particles, UniformGrid<2>{}, water, SemiImplicit<>{}};
+  }
+  template <class Sim>
+  static void before_step(Sim&) {}
+  template <class Sim>
+  void tilt(Sim&, const Vec<2>& gravity) const {
+    *added_gravity = gravity - Vec<2>{0, -g};
+  }
+  template <class P>
+  double radius(const P&, Index) const {
+    return spacing / 2;
+  }
+  template <class Sim>
+  std::vector<Line> lines(const Sim&) const {
+    // As many whole spacings as the tank has.
+    const auto rounded = [this](double size) { return spacing * std::round(size / spacing); };
+    return lines_of({.lower = {0, 0}, .upper = {rounded(length), rounded(1.2)}});
+  }
+  template <class P>
+  Curves curves(const P& water, const Vec<2>& gravity) const {
+    const double mass = 1000 * spacing * spacing;
+    const double wall = spacing * std::round(length / spacing);
+    Curves curves;
+    for (Index i = 0; i < water.size(); ++i) {
+      curves.kinetic += mass * water[velocity][i].squaredNorm() / 2;
+      curves.potential -= mass * gravity.dot(water[position][i]);
+    }
+    curves.pressure = WallGauge<2>{{wall, 0.05}, {-1, 0}, spacing}.read(water, mps::pressure);
+    return curves;
+  }
+};
+
+// --- grains --------------------------------------------------------------------------------------
+
+struct OfGrains {
+  template <class Sim>
+  static void before_step(Sim&) {}
+  template <class Sim>
+  static void tilt(Sim& simulation, const Vec<2>& gravity) {
+    simulation.interaction().template part<0>() = Gravity<2>{gravity};
+  }
+  template <class P>
+  static double radius(const P& grains, Index i) {
+    return grains[silt::radius][i];
+  }
+  template <class P>
+  static Curves curves(const P& grains, const Vec<2>& gravity) {
+    return {.kinetic = kinetic_energy(grains) + rotational_energy(grains),
+            .potential = potential_energy(grains, gravity)};
+  }
+};
+
+inline const Box<2> room{.lower = {-0.8, 0}, .upper = {0.8, 1.2}};
+
+struct Tower : OfGrains {
+  double R, friction_angle, restitution, alpha;
+
+  Tower(double R, double friction_angle, double restitution, double alpha)
+      : R(R), friction_angle(friction_angle), restitution(restitution), alpha(alpha) {}
+
+  auto simulation() const {
+    auto grains = dem::make_grains(lattice<2>({{-0.1, 0}, {0.1, 0.8}}, 2 * R),
+                                   {.radius = R, .density = 2500});
+    dem::add_grain(grains, {0.3 * R, 0.8 + 2 * R}, {.radius = R, .density = 2500});
+    const dem::CundallStrack law{.normal_stiffness = 5e5,
+                                 .tangential_stiffness = 2.5e5,
+                                 .restitution = restitution,
+                                 .friction_angle = friction_angle};
+    return Simulation{grains, NeighbourList<2>{},
+                      Forces{Gravity<2>{{0, -g}}, dem::Contacts{law, dem::BoxWall<2>{room}}},
+                      Leapfrog{GlobalDamping{.alpha = alpha}}};
+  }
+  template <class Sim>
+  std::vector<Line> lines(const Sim&) const {
+    return lines_of(room);
+  }
+};
+
+struct VibratingFloor : OfGrains {
+  double depth, amplitude, frequency, restitution, friction_angle;
+
+  VibratingFloor(double depth, double amplitude, double frequency, double restitution,
+                 double friction_angle)
+      : depth(depth),
+        amplitude(amplitude),
+        frequency(frequency),
+        restitution(restitution),
+        friction_angle(friction_angle) {}
+
+  dem::Vibration<2> motion() const {
+    return {.amplitude = {0, amplitude}, .frequency = frequency};
+  }
+  auto simulation() const {
+    dem::Grains<2> grains;
+    for (const auto& x : lattice<2>({{-0.5, 0.02}, {0.5, 0.02 + depth}}, 0.025)) {
+      Random random{.seed = 1, .id = grains.size()};
+      dem::add_grain(grains, x, {.radius = random.uniform({0.01, 0.012}), .density = 2500});
+    }
+    const dem::CundallStrack law{.normal_stiffness = 1e6,
+                                 .tangential_stiffness = 5e5,
+                                 .restitution = restitution,
+                                 .friction_angle = friction_angle};
+    const dem::Moving floor{dem::Plane<2>{}, motion()};
+    const dem::Plane<2> left{.point = {-0.5, 0}, .normal = {1, 0}};
+    const dem::Plane<2> right{.point = {0.5, 0}, .normal = {-1, 0}};
+    return Simulation{grains, NeighbourList<2>{},
+                      Forces{Gravity<2>{{0, -g}}, dem::Contacts{law, floor, left, right}},
+                      Leapfrog{}};
+  }
+  template <class Sim>
+  std::vector<Line> lines(const Sim& simulation) const {
+    const double y = motion().pose_at(simulation.time()).shift[1];
+    return {{{-0.5, y}, {0.5, y}}, {{-0.5, -0.05}, {-0.5, 0.75}}, {{0.5, -0.05}, {0.5, 0.75}}};
+  }
+};
+
+struct Hopper : OfGrains {
+  double R, opening, friction_angle, restitution;
+
+  Hopper(double R, double opening, double friction_angle, double restitution)
+      : R(R), opening(opening), friction_angle(friction_angle), restitution(restitution) {}
+
+  static constexpr Index lid_number = 2;
+  static constexpr double opens_at = 0.6;  // [s]
+
+  dem::Polyline<> side(double sign) const {
+    return {{{sign * 0.3, 1.2}, {sign * 0.3, 0.7}, {sign * opening / 2, 0.4}}};
+  }
+  dem::Polyline<> lid() const { return {{{-opening / 2, 0.4}, {opening / 2, 0.4}}}; }
+
+  auto simulation() const {
+    dem::Grains<2> grains;
+    for (const auto& x : lattice<2>({{-0.28, 0.72}, {0.28, 1.04}}, 2.45 * R)) {
+      Random random{.seed = 1, .id = grains.size()};
+      dem::add_grain(grains, x, {.radius = R * random.uniform({0.8, 1.2}), .density = 2500});
+    }
+    const dem::CundallStrack law{.normal_stiffness = 1e6,
+                                 .tangential_stiffness = 5e5,
+                                 .restitution = restitution,
+                                 .friction_angle = friction_angle};
+    return Simulation{
+        grains, NeighbourList<2>{},
+        Forces{Gravity<2>{{0, -g}},
+               dem::Contacts{law, side(-1), side(1), lid(), dem::BoxWall<2>{room}}.with(
+                   {.steps_per_contact = 20})},
+        Leapfrog{}};
+  }
+  template <class Sim>
+  static void before_step(Sim& simulation) {
+    auto& contacts = simulation.interaction().template part<1>();
+    if (contacts.is_wall_present(lid_number) && simulation.time() >= almost(opens_at)) {
+      contacts.set_wall_present(lid_number, false);
+    }
+  }
+  template <class Sim>
+  std::vector<Line> lines(const Sim& simulation) const {
+    auto lines = lines_of(room);
+    const bool closed = simulation.interaction().template part<1>().is_wall_present(lid_number);
+    for (const auto& wall : {side(-1), side(1)}) {
+      for (const Line& line : polygon(wall.points)) lines.push_back(line);
+    }
+    if (closed) lines.push_back(polygon(lid().points)[0]);
+    return lines;
+  }
+};
+
+// --- all -----------------------------------------------------------------------------------------
+
+inline constexpr std::array names{"dam_break", "tower", "vibrating_floor", "hopper"};
+
+// The end of the program of the same name [s].
+inline constexpr std::array ends{1.0, 1.5, 2.0, 2.5};
+
+// The numbers in the order of the constants at the top of the program of the same name.
+inline std::unique_ptr<Scene> make_scene(Index scene, const std::array<double, 5>& numbers) {
+  const auto [a, b, c, d, e] = numbers;
+  switch (scene) {
+    case 0:
+      return std::make_unique<SceneOf<DamBreak>>(DamBreak{a, b, c, d});
+    case 1:
+      return std::make_unique<SceneOf<Tower>>(Tower{a, b, c, d});
+    case 2:
+      return std::make_unique<SceneOf<VibratingFloor>>(VibratingFloor{a, b, c, d, e});
+    case 3:
+      return std::make_unique<SceneOf<Hopper>>(Hopper{a, b, c, d});
+    default:
+      fail("live: scene = " + std::to_string(scene) + " does not exist; give one below 4");
+  }
+}
+
+// Of the programs.
+inline constexpr std::array<double, 5> defaults[] = {{0.028, 0.4, 0.8, 1e-6},
+                                         {0.0125, 0.46, 0.5, 0.5},
+                                         {0.15, 0.012, 9, 0.7, 0.3},
+                                         {0.0095, 0.12, 0.46, 0.5}};
+
+}  // namespace live

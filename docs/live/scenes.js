@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: MIT
+// What the page offers for each scene: the numbers at the top of its program, in the same order, the
+// quantities that colours show, and the part of space that is drawn.
+
+// As the enumeration Quantity in scenes.hpp.
+const speed = (most) => ({ id: 0, name: 'Speed', unit: 'm/s', most });
+const pressure = (most) => ({ id: 1, name: 'Pressure', unit: 'kPa', most, scale: 1e-3 });
+const spin = (most) => ({ id: 2, name: 'Spin', unit: 'rad/s', most });
+
+// `digits` are those after the point. A slider with `decades` changes the exponent.
+const frictionAngle = (value) => ({
+  name: 'friction_angle', label: 'Friction angle', unit: 'rad', value, least: 0, most: 1.2, step: 0.02, digits: 2,
+});
+const restitution = (value) => ({
+  name: 'restitution', label: 'Restitution', unit: '', value, least: 0.05, most: 1, step: 0.05, digits: 2,
+});
+
+export const scenes = [
+  {
+    name: 'dam_break', title: 'Dam break', method: 'MPS', particles: 'fluid particles',
+    text: 'A column of water collapses in a closed tank and runs up its wall.',
+    numbers: [
+      { name: 'spacing', label: 'Particle spacing', unit: 'm', value: 0.028, least: 0.01, most: 0.05, step: 0.001, digits: 3 },
+      { name: 'width', label: 'Width of the column', unit: 'm', value: 0.4, least: 0.1, most: 1.5, step: 0.05, digits: 2 },
+      { name: 'height', label: 'Height of the column', unit: 'm', value: 0.8, least: 0.1, most: 1.1, step: 0.05, digits: 2 },
+      { name: 'viscosity', label: 'Kinematic viscosity', unit: 'm²/s', value: 1e-6, least: -6, most: -1, step: 0.5, decades: true },
+    ],
+    quantities: [pressure(8), speed(4)],
+    view: [-0.03, -0.03, 1.63, 1.23], hasGauge: true,
+  },
+  {
+    name: 'tower', title: 'Broken tower', method: 'DEM', particles: 'grains',
+    text: 'A disc falls on a tower of discs, which breaks and collapses to a heap.',
+    numbers: [
+      { name: 'R', label: 'Radius of a grain', unit: 'm', value: 0.0125, least: 0.005, most: 0.025, step: 0.0005, digits: 4 },
+      frictionAngle(0.46), restitution(0.5),
+      { name: 'alpha', label: 'Global damping', unit: '1/s', value: 0.5, least: 0, most: 5, step: 0.1, digits: 1 },
+    ],
+    quantities: [speed(2.5), spin(60)],
+    view: [-0.83, -0.03, 0.83, 1.23],
+  },
+  {
+    name: 'vibrating_floor', title: 'Vibrating floor', method: 'DEM', particles: 'grains',
+    text: 'A floor shakes a bed of discs, which is thrown up, lands and forms waves.',
+    numbers: [
+      { name: 'depth', label: 'Depth of the bed', unit: 'm', value: 0.15, least: 0.025, most: 0.5, step: 0.025, digits: 3 },
+      { name: 'amplitude', label: 'Amplitude of the floor', unit: 'm', value: 0.012, least: 0, most: 0.03, step: 0.001, digits: 3 },
+      { name: 'frequency', label: 'Frequency of the floor', unit: 'Hz', value: 9, least: 1, most: 30, step: 0.5, digits: 1 },
+      restitution(0.7), frictionAngle(0.3),
+    ],
+    quantities: [speed(1.2), spin(60)],
+    view: [-0.53, -0.06, 0.53, 0.745],
+  },
+  {
+    name: 'hopper', title: 'Hopper', method: 'DEM', particles: 'grains',
+    text: 'Discs settle in a hopper; after 0.6 s its lid opens and they run out.',
+    numbers: [
+      { name: 'R', label: 'Mean radius of the grains', unit: 'm', value: 0.0095, least: 0.005, most: 0.02, step: 0.0005, digits: 4 },
+      { name: 'opening', label: 'Opening', unit: 'm', value: 0.12, least: 0.02, most: 0.4, step: 0.01, digits: 2 },
+      frictionAngle(0.46), restitution(0.5),
+    ],
+    quantities: [speed(2.5), spin(60)],
+    view: [-0.83, -0.03, 0.83, 1.23],
+  },
+];
+
+// A number as it stands in a program.
+export function toText(value) {
+  return Number.isFinite(value) ? String(Number(value.toPrecision(6))).replace('e-', 'e-') : String(value);
+}
+
+// The text of a program with other numbers.
+export function withNumbers(program, scene, values) {
+  let text = program;
+  scene.numbers.forEach((number, k) => {
+    const line = new RegExp(`(constexpr double ${number.name} = )[^;]*;( *)//`);
+    text = text.replace(line, (whole, start, space) => {
+      const changed = `${start}${toText(values[k])};`;
+      const width = whole.length - 2;  // so that the comments stay below each other
+      return `${changed.padEnd(Math.max(width, changed.length + 2))}//`;
+    });
+  });
+  return text;
+}
