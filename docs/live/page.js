@@ -91,7 +91,7 @@ function draw() {
     .map((part) => parseInt(part, 16) / 255);
   const isGrain = scenes[scene].method === 'DEM';
   drawing.draw(shown, {
-    view: scenes[scene].view, most: quantity.most / (quantity.scale ?? 1), isGrain, ink, swell: isGrain ? 1 : 1.12,
+    view: scenes[scene].view, most: quantity.most / (quantity.scale ?? 1), isGrain, ink, swell: isGrain ? 1 : 1.18,
   });
 }
 
@@ -168,9 +168,9 @@ function makePlot() {
   const colour = (name) => style.getPropertyValue(name).trim();
   const lines = curve === 'pressure' ? [['Pressure', '--accent']]
     : [['Kinetic', '--accent'], ['Potential', '--second']];
-  const unit = curve === 'pressure' ? 'kPa, at the right wall, 5 cm high' : 'J per metre of depth';
+  const unit = curve === 'pressure' ? 'kPa, right wall, 5 cm high' : 'J/m';
   const legend = find('legend');
-  legend.replaceChildren(...lines.slice(0, curve === 'pressure' ? 0 : 2).map(([name, of]) => {
+  legend.replaceChildren(...(lines.length > 1 ? lines : []).map(([name, of]) => {
     const entry = document.createElement('span'), line = document.createElement('i');
     line.style.background = colour(of);
     entry.append(line, name);

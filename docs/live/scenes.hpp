@@ -14,6 +14,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <numbers>
 #include <string>
@@ -133,7 +134,9 @@ class SceneOf final : public Scene {
     return particles[velocity][i].norm();
   }
   static double angle(const Particles& particles, Index i) {
-    if constexpr (Particles::template has<angle_t>) return std::remainder(particles[silt::angle][i], 2 * std::numbers::pi);
+    if constexpr (Particles::template has<angle_t>) {
+      return std::remainder(particles[silt::angle][i], 2 * std::numbers::pi);
+    }
     return 0;
   }
 
@@ -207,12 +210,62 @@ struct DamBreak {
 
 // --- grains --------------------------------------------------------------------------------------
 
+// All have the same walls and damping, those that a scene does not use being absent, far or zero, so
+// that the module has the code for one type of simulation.
 struct OfGrains {
-  template <class Sim>
-  static void before_step(Sim&) {}
+  dem::Grains<2> grains;
+  double stiffness;  // normal [N/m]
+  double restitution;
+  double friction_angle;  // [rad]
+  double alpha = 0;       // global damping [1/s]
+  double steps_per_contact = dem::ContactSettings{}.steps_per_contact;
+  Box<2> room = {.lower = {-0.8, 0}, .upper = {0.8, 1.2}};
+  double hopper = 0;        // its opening [m]; 0: none
+  dem::Vibration<2> floor = {};  // of frequency 0: none
+
+  static constexpr Index lid_number = 2;
+  static constexpr Index floor_number = 4;
+  static constexpr double opens_at = 0.6;  // the lid [s]
+
+  dem::Polyline<> side(double sign) const {
+    return {{{sign * 0.3, 1.2}, {sign * 0.3, 0.7}, {sign * hopper / 2, 0.4}}};
+  }
+  dem::Polyline<> lid() const { return {{{-hopper / 2, 0.4}, {hopper / 2, 0.4}}}; }
+  bool has_floor() const { return floor.frequency != 0; }
+
+  auto simulation() const {
+    const dem::CundallStrack law{.normal_stiffness = stiffness,
+                                 .tangential_stiffness = stiffness / 2,
+                                 .restitution = restitution,
+                                 .friction_angle = friction_angle};
+    const dem::Polyline<> absent{{{0, 0}, {1, 0}}};
+    const bool is_hopper = hopper != 0;
+    const dem::Contacts contacts{law,
+                                 is_hopper ? side(-1) : absent,
+                                 is_hopper ? side(1) : absent,
+                                 is_hopper ? lid() : absent,
+                                 dem::BoxWall<2>{room},
+                                 dem::Moving{dem::Plane<2>{}, floor}};
+    Simulation simulation{grains, NeighbourList<2>{},
+                          Forces{Gravity<2>{{0, -g}},
+                                 contacts.with({.steps_per_contact = steps_per_contact})},
+                          Leapfrog{GlobalDamping{.alpha = alpha}}};
+    auto& walls = simulation.interaction().template part<1>();
+    for (Index wall = 0; wall <= lid_number; ++wall) walls.set_wall_present(wall, is_hopper);
+    walls.set_wall_present(floor_number, has_floor());
+    return simulation;
+  }
+
   template <class Sim>
   static void tilt(Sim& simulation, const Vec<2>& gravity) {
     simulation.interaction().template part<0>() = Gravity<2>{gravity};
+  }
+  template <class Sim>
+  static void before_step(Sim& simulation) {
+    auto& walls = simulation.interaction().template part<1>();
+    if (walls.is_wall_present(lid_number) && simulation.time() >= almost(opens_at)) {
+      walls.set_wall_present(lid_number, false);
+    }
   }
   template <class P>
   static double radius(const P& grains, Index i) {
@@ -223,121 +276,66 @@ struct OfGrains {
     return {.kinetic = kinetic_energy(grains) + rotational_energy(grains),
             .potential = potential_energy(grains, gravity)};
   }
-};
-
-inline const Box<2> room{.lower = {-0.8, 0}, .upper = {0.8, 1.2}};
-
-struct Tower : OfGrains {
-  double R, friction_angle, restitution, alpha;
-
-  Tower(double R, double friction_angle, double restitution, double alpha)
-      : R(R), friction_angle(friction_angle), restitution(restitution), alpha(alpha) {}
-
-  auto simulation() const {
-    auto grains = dem::make_grains(lattice<2>({{-0.1, 0}, {0.1, 0.8}}, 2 * R),
-                                   {.radius = R, .density = 2500});
-    dem::add_grain(grains, {0.3 * R, 0.8 + 2 * R}, {.radius = R, .density = 2500});
-    const dem::CundallStrack law{.normal_stiffness = 5e5,
-                                 .tangential_stiffness = 2.5e5,
-                                 .restitution = restitution,
-                                 .friction_angle = friction_angle};
-    return Simulation{grains, NeighbourList<2>{},
-                      Forces{Gravity<2>{{0, -g}}, dem::Contacts{law, dem::BoxWall<2>{room}}},
-                      Leapfrog{GlobalDamping{.alpha = alpha}}};
-  }
-  template <class Sim>
-  std::vector<Line> lines(const Sim&) const {
-    return lines_of(room);
-  }
-};
-
-struct VibratingFloor : OfGrains {
-  double depth, amplitude, frequency, restitution, friction_angle;
-
-  VibratingFloor(double depth, double amplitude, double frequency, double restitution,
-                 double friction_angle)
-      : depth(depth),
-        amplitude(amplitude),
-        frequency(frequency),
-        restitution(restitution),
-        friction_angle(friction_angle) {}
-
-  dem::Vibration<2> motion() const {
-    return {.amplitude = {0, amplitude}, .frequency = frequency};
-  }
-  auto simulation() const {
-    dem::Grains<2> grains;
-    for (const auto& x : lattice<2>({{-0.5, 0.02}, {0.5, 0.02 + depth}}, 0.025)) {
-      Random random{.seed = 1, .id = grains.size()};
-      dem::add_grain(grains, x, {.radius = random.uniform({0.01, 0.012}), .density = 2500});
-    }
-    const dem::CundallStrack law{.normal_stiffness = 1e6,
-                                 .tangential_stiffness = 5e5,
-                                 .restitution = restitution,
-                                 .friction_angle = friction_angle};
-    const dem::Moving floor{dem::Plane<2>{}, motion()};
-    const dem::Plane<2> left{.point = {-0.5, 0}, .normal = {1, 0}};
-    const dem::Plane<2> right{.point = {0.5, 0}, .normal = {-1, 0}};
-    return Simulation{grains, NeighbourList<2>{},
-                      Forces{Gravity<2>{{0, -g}}, dem::Contacts{law, floor, left, right}},
-                      Leapfrog{}};
-  }
   template <class Sim>
   std::vector<Line> lines(const Sim& simulation) const {
-    const double y = motion().pose_at(simulation.time()).shift[1];
-    return {{{-0.5, y}, {0.5, y}}, {{-0.5, -0.05}, {-0.5, 0.75}}, {{0.5, -0.05}, {0.5, 0.75}}};
-  }
-};
-
-struct Hopper : OfGrains {
-  double R, opening, friction_angle, restitution;
-
-  Hopper(double R, double opening, double friction_angle, double restitution)
-      : R(R), opening(opening), friction_angle(friction_angle), restitution(restitution) {}
-
-  static constexpr Index lid_number = 2;
-  static constexpr double opens_at = 0.6;  // [s]
-
-  dem::Polyline<> side(double sign) const {
-    return {{{sign * 0.3, 1.2}, {sign * 0.3, 0.7}, {sign * opening / 2, 0.4}}};
-  }
-  dem::Polyline<> lid() const { return {{{-opening / 2, 0.4}, {opening / 2, 0.4}}}; }
-
-  auto simulation() const {
-    dem::Grains<2> grains;
-    for (const auto& x : lattice<2>({{-0.28, 0.72}, {0.28, 1.04}}, 2.45 * R)) {
-      Random random{.seed = 1, .id = grains.size()};
-      dem::add_grain(grains, x, {.radius = R * random.uniform({0.8, 1.2}), .density = 2500});
+    if (has_floor()) {
+      const double y = floor.pose_at(simulation.time()).shift[1];
+      const double left = room.lower[0], right = room.upper[0];
+      return {{{left, y}, {right, y}}, {{left, -0.05}, {left, 0.74}}, {{right, -0.05}, {right, 0.74}}};
     }
-    const dem::CundallStrack law{.normal_stiffness = 1e6,
-                                 .tangential_stiffness = 5e5,
-                                 .restitution = restitution,
-                                 .friction_angle = friction_angle};
-    return Simulation{
-        grains, NeighbourList<2>{},
-        Forces{Gravity<2>{{0, -g}},
-               dem::Contacts{law, side(-1), side(1), lid(), dem::BoxWall<2>{room}}.with(
-                   {.steps_per_contact = 20})},
-        Leapfrog{}};
-  }
-  template <class Sim>
-  static void before_step(Sim& simulation) {
-    auto& contacts = simulation.interaction().template part<1>();
-    if (contacts.is_wall_present(lid_number) && simulation.time() >= almost(opens_at)) {
-      contacts.set_wall_present(lid_number, false);
-    }
-  }
-  template <class Sim>
-  std::vector<Line> lines(const Sim& simulation) const {
     auto lines = lines_of(room);
-    const bool closed = simulation.interaction().template part<1>().is_wall_present(lid_number);
+    if (hopper == 0) return lines;
     for (const auto& wall : {side(-1), side(1)}) {
       for (const Line& line : polygon(wall.points)) lines.push_back(line);
     }
-    if (closed) lines.push_back(polygon(lid().points)[0]);
+    if (simulation.interaction().template part<1>().is_wall_present(lid_number)) {
+      lines.push_back(polygon(lid().points)[0]);
+    }
     return lines;
   }
 };
+
+inline OfGrains tower(double R, double friction_angle, double restitution, double alpha) {
+  auto grains = dem::make_grains(lattice<2>({{-0.1, 0}, {0.1, 0.8}}, 2 * R),
+                                 {.radius = R, .density = 2500});
+  dem::add_grain(grains, {0.3 * R, 0.8 + 2 * R}, {.radius = R, .density = 2500});
+  return {.grains = grains,
+          .stiffness = 5e5,
+          .restitution = restitution,
+          .friction_angle = friction_angle,
+          .alpha = alpha};
+}
+
+inline OfGrains vibrating_floor(double depth, double amplitude, double frequency,
+                                double restitution, double friction_angle) {
+  dem::Grains<2> grains;
+  for (const auto& x : lattice<2>({{-0.5, 0.02}, {0.5, 0.02 + depth}}, 0.025)) {
+    Random random{.seed = 1, .id = grains.size()};
+    dem::add_grain(grains, x, {.radius = random.uniform({0.01, 0.012}), .density = 2500});
+  }
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  return {.grains = grains,
+          .stiffness = 1e6,
+          .restitution = restitution,
+          .friction_angle = friction_angle,
+          .room = {.lower = {-0.5, -infinity}, .upper = {0.5, infinity}},
+          .floor = {.amplitude = {0, amplitude}, .frequency = frequency}};
+}
+
+inline OfGrains hopper(double R, double opening, double friction_angle, double restitution) {
+  require_positive("hopper: opening", opening);
+  dem::Grains<2> grains;
+  for (const auto& x : lattice<2>({{-0.28, 0.72}, {0.28, 1.04}}, 2.45 * R)) {
+    Random random{.seed = 1, .id = grains.size()};
+    dem::add_grain(grains, x, {.radius = R * random.uniform({0.8, 1.2}), .density = 2500});
+  }
+  return {.grains = grains,
+          .stiffness = 1e6,
+          .restitution = restitution,
+          .friction_angle = friction_angle,
+          .steps_per_contact = 20,
+          .hopper = opening};
+}
 
 // --- all -----------------------------------------------------------------------------------------
 
@@ -353,11 +351,11 @@ inline std::unique_ptr<Scene> make_scene(Index scene, const std::array<double, 5
     case 0:
       return std::make_unique<SceneOf<DamBreak>>(DamBreak{a, b, c, d});
     case 1:
-      return std::make_unique<SceneOf<Tower>>(Tower{a, b, c, d});
+      return std::make_unique<SceneOf<OfGrains>>(tower(a, b, c, d));
     case 2:
-      return std::make_unique<SceneOf<VibratingFloor>>(VibratingFloor{a, b, c, d, e});
+      return std::make_unique<SceneOf<OfGrains>>(vibrating_floor(a, b, c, d, e));
     case 3:
-      return std::make_unique<SceneOf<Hopper>>(Hopper{a, b, c, d});
+      return std::make_unique<SceneOf<OfGrains>>(hopper(a, b, c, d));
     default:
       fail("live: scene = " + std::to_string(scene) + " does not exist; give one below 4");
   }

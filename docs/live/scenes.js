@@ -64,9 +64,13 @@ export const scenes = [
   },
 ];
 
-// A number as it stands in a program.
+// A number as it stands in a program: small ones with an exponent.
 export function toText(value) {
-  return Number.isFinite(value) ? String(Number(value.toPrecision(6))).replace('e-', 'e-') : String(value);
+  if (!Number.isFinite(value)) return String(value);
+  const rounded = Number(value.toPrecision(6));
+  if (rounded === 0 || Math.abs(rounded) >= 1e-3) return String(rounded);
+  const [digits, exponent] = rounded.toExponential().split('e');
+  return `${Number(Number(digits).toFixed(3))}e${exponent}`;
 }
 
 // The text of a program with other numbers.

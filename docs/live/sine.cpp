@@ -2,7 +2,6 @@
 // sin and cos of the page and of the programs that its test compares with it. C libraries differ in
 // their last bits, glibc even between processors, and the vibrating floor moves by them; what chaos
 // makes of such a bit would hide any other difference. Errors are below 1e-15.
-#include <cmath>
 
 namespace {
 
@@ -13,7 +12,7 @@ struct Reduced {
 
 // π/2 is the sum of three numbers; products of the first two with quarters below 2²⁰ are exact.
 Reduced reduce(double x) {
-  const double quarters = std::nearbyint(x * 0.63661977236758134308);
+  const double quarters = __builtin_nearbyint(x * 0.63661977236758134308);
   constexpr double half_pi[] = {0x1.921fb544p+0, 0x1.0b4611a6p-34, 0x1.3198a2e037073p-69};
   const double r = ((x - quarters * half_pi[0]) - quarters * half_pi[1]) - quarters * half_pi[2];
   return {r, int(static_cast<long long>(quarters) & 3)};

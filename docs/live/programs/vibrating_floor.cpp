@@ -5,6 +5,7 @@
 #include <silt/io/vtk.hpp>
 
 #include <cstdio>
+#include <limits>
 
 int main() try {
   using namespace silt;
@@ -23,14 +24,13 @@ int main() try {
                                .tangential_stiffness = 5e5,
                                .restitution = restitution,
                                .friction_angle = friction_angle};
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  const dem::BoxWall<2> sides{{.lower = {-0.5, -infinity}, .upper = {0.5, infinity}}};
   const dem::Moving floor{dem::Plane<2>{},
                           dem::Vibration<2>{.amplitude = {0, amplitude}, .frequency = frequency}};
-  const dem::Plane<2> left{.point = {-0.5, 0}, .normal = {1, 0}};
-  const dem::Plane<2> right{.point = {0.5, 0}, .normal = {-1, 0}};
 
   Simulation bed{grains, NeighbourList<2>{},
-                 Forces{Gravity<2>{{0, -9.81}}, dem::Contacts{law, floor, left, right}},
-                 Leapfrog{}};
+                 Forces{Gravity<2>{{0, -9.81}}, dem::Contacts{law, sides, floor}}, Leapfrog{}};
   bed.run({.until = 2, .output_every = 0.02}, VtkSeries{"vibrating_floor"}, Progress{});
 } catch (const silt::Error& error) {
   std::fprintf(stderr, "%s\n", error.what());
