@@ -168,7 +168,7 @@ function makePlot() {
   const colour = (name) => style.getPropertyValue(name).trim();
   const lines = curve === 'pressure' ? [['Pressure', '--accent']]
     : [['Kinetic', '--accent'], ['Potential', '--second']];
-  const unit = curve === 'pressure' ? 'kPa, right wall, 5 cm high' : 'J/m';
+  const unit = curve === 'pressure' ? 'kPa' : 'J/m';
   const legend = find('legend');
   legend.replaceChildren(...(lines.length > 1 ? lines : []).map(([name, of]) => {
     const entry = document.createElement('span'), line = document.createElement('i');
@@ -176,14 +176,14 @@ function makePlot() {
     entry.append(line, name);
     return entry;
   }));
-  legend.append(Object.assign(document.createElement('span'), { textContent: unit }));
+  if (curve === 'pressure') legend.append('Right wall, 5 cm up');
   const axis = { stroke: colour('--quiet'), grid: { stroke: colour('--line'), width: 1 }, ticks: { show: false },
     font: '12px system-ui, sans-serif' };
   plot = new uPlot({
     width: find('plot').clientWidth, height: 150, legend: { show: false }, cursor: { show: false }, padding: [8, 8, 0, 0],
     scales: { x: { time: false, range: (_, low, high) => [0, Math.max(0.5, high ?? 0)] } },
     axes: [{ ...axis, size: 26, gap: 4, values: (_, ticks) => ticks.map((tick) => `${tick} s`), space: 60 },
-      { ...axis, size: 46, gap: 6, space: 34 }],
+      { ...axis, size: 70, gap: 6, space: 34, values: (_, ticks) => ticks.map((tick) => `${tick.toLocaleString('en-GB')} ${unit}`) }],
     series: [{}, ...lines.map(([label, of]) => ({ label, stroke: colour(of), width: 2, points: { show: false } }))],
   }, [[]], find('plot'));
   updatePlot();

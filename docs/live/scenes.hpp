@@ -309,9 +309,11 @@ inline OfGrains tower(double R, double friction_angle, double restitution, doubl
 inline OfGrains vibrating_floor(double depth, double amplitude, double frequency,
                                 double restitution, double friction_angle) {
   dem::Grains<2> grains;
-  for (const auto& x : lattice<2>({{-0.5, 0.02}, {0.5, 0.02 + depth}}, 0.025)) {
+  for (const auto& x : lattice<2>({{-0.5, 0.02}, {0.5, 0.02 + depth}}, 0.02)) {
     Random random{.seed = 1, .id = grains.size()};
-    dem::add_grain(grains, x, {.radius = random.uniform({0.01, 0.012}), .density = 2500});
+    const double R = random.uniform({0.008, 0.0095});
+    const Index i = dem::add_grain(grains, x, {.radius = R, .density = 2500});
+    grains[velocity][i] = {0.2 * random.normal(), 0};
   }
   constexpr double infinity = std::numeric_limits<double>::infinity();
   return {.grains = grains,
@@ -364,7 +366,7 @@ inline std::unique_ptr<Scene> make_scene(Index scene, const std::array<double, 5
 // Of the programs.
 inline constexpr std::array<double, 5> defaults[] = {{0.028, 0.4, 0.8, 1e-6},
                                          {0.0125, 0.46, 0.5, 0.5},
-                                         {0.15, 0.012, 9, 0.7, 0.3},
+                                         {0.16, 0.012, 9, 0.6, 0.3},
                                          {0.0095, 0.12, 0.46, 0.5}};
 
 }  // namespace live

@@ -9,16 +9,18 @@
 
 int main() try {
   using namespace silt;
-  constexpr double depth = 0.15;          // of the bed [m]
+  constexpr double depth = 0.16;          // of the bed [m]
   constexpr double amplitude = 0.012;     // of the floor [m]
   constexpr double frequency = 9;         // of the floor [Hz]
-  constexpr double restitution = 0.7;     // coefficient [-]
+  constexpr double restitution = 0.6;     // coefficient [-]
   constexpr double friction_angle = 0.3;  // of grains and walls [rad]
 
   dem::Grains<2> grains;
-  for (const auto& x : lattice<2>({{-0.5, 0.02}, {0.5, 0.02 + depth}}, 0.025)) {
+  for (const auto& x : lattice<2>({{-0.5, 0.02}, {0.5, 0.02 + depth}}, 0.02)) {
     Random random{.seed = 1, .id = grains.size()};
-    dem::add_grain(grains, x, {.radius = random.uniform({0.01, 0.012}), .density = 2500});
+    const double R = random.uniform({0.008, 0.0095});
+    const Index i = dem::add_grain(grains, x, {.radius = R, .density = 2500});
+    grains[velocity][i] = {0.2 * random.normal(), 0};
   }
   const dem::CundallStrack law{.normal_stiffness = 1e6,
                                .tangential_stiffness = 5e5,
