@@ -43,6 +43,8 @@ const answers = {
   frame(frame) {
     isWaiting = false;
     if (frame.steps > 0) pace.push({ at: performance.now(), advanced: frame.advanced, steps: frame.steps, spent: frame.spent });
+    // A simulation slower than real time need not wait until this frame is drawn.
+    if (isPlaying && frame.isLate) ask();
     show(frame);
   },
   refused({ message, key: of }) {
@@ -95,13 +97,16 @@ function draw() {
   });
 }
 
-function loop(now) {
-  if (isPlaying && !isWaiting && shown) {
-    isWaiting = true;
-    const seconds = Math.min(longest, (now - lastAsked) / 1000);
-    lastAsked = now;
-    worker.postMessage({ type: 'next', seconds, budget });
-  }
+// Asks the worker for the next frame: as much time later as has passed since it was asked before.
+function ask() {
+  isWaiting = true;
+  const now = performance.now();
+  const seconds = Math.min(longest, (now - lastAsked) / 1000);
+  lastAsked = now;
+  worker.postMessage({ type: 'next', seconds, budget });
+}
+function loop() {
+  if (isPlaying && !isWaiting && shown) ask();
   requestAnimationFrame(loop);
 }
 

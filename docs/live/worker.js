@@ -56,7 +56,8 @@ const orders = {
   next({ seconds, budget }) {
     const before = silt.time;
     const done = run(before + seconds, budget);
-    reply('frame', { ...done, advanced: silt.time - before });
+    const advanced = silt.time - before;
+    reply('frame', { ...done, advanced, isLate: advanced < seconds });
   },
   step() {
     const before = silt.time;

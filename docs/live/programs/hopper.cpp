@@ -18,10 +18,8 @@ int main() try {
     Random random{.seed = 1, .id = grains.size()};
     dem::add_grain(grains, x, {.radius = R * random.uniform({0.8, 1.2}), .density = 2500});
   }
-  const dem::CundallStrack law{.normal_stiffness = 1e6,
-                               .tangential_stiffness = 5e5,
-                               .restitution = restitution,
-                               .friction_angle = friction_angle};
+  const dem::CundallStrack law{.normal_stiffness = 1e6, .tangential_stiffness = 5e5,
+                               .restitution = restitution, .friction_angle = friction_angle};
   const dem::Polyline<> left{{{-0.3, 1.2}, {-0.3, 0.7}, {-opening / 2, 0.4}}};
   const dem::Polyline<> right{{{0.3, 1.2}, {0.3, 0.7}, {opening / 2, 0.4}}};
   const dem::Polyline<> lid{{{-opening / 2, 0.4}, {opening / 2, 0.4}}};

@@ -17,10 +17,8 @@ int main() try {
                                  {.radius = R, .density = 2500});
   dem::add_grain(grains, {0.3 * R, 0.8 + 2 * R}, {.radius = R, .density = 2500});
 
-  const dem::CundallStrack law{.normal_stiffness = 5e5,
-                               .tangential_stiffness = 2.5e5,
-                               .restitution = restitution,
-                               .friction_angle = friction_angle};
+  const dem::CundallStrack law{.normal_stiffness = 5e5, .tangential_stiffness = 2.5e5,
+                               .restitution = restitution, .friction_angle = friction_angle};
   const dem::BoxWall<2> room{{.lower = {-0.8, 0}, .upper = {0.8, 1.2}}};
 
   Simulation tower{grains, NeighbourList<2>{},

@@ -22,10 +22,8 @@ int main() try {
     const Index i = dem::add_grain(grains, x, {.radius = R, .density = 2500});
     grains[velocity][i] = {0.2 * random.normal(), 0};
   }
-  const dem::CundallStrack law{.normal_stiffness = 1e6,
-                               .tangential_stiffness = 5e5,
-                               .restitution = restitution,
-                               .friction_angle = friction_angle};
+  const dem::CundallStrack law{.normal_stiffness = 1e6, .tangential_stiffness = 5e5,
+                               .restitution = restitution, .friction_angle = friction_angle};
   constexpr double infinity = std::numeric_limits<double>::infinity();
   const dem::BoxWall<2> sides{{.lower = {-0.5, -infinity}, .upper = {0.5, infinity}}};
   const dem::Moving floor{dem::Plane<2>{},
