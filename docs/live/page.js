@@ -33,6 +33,7 @@ const answers = {
   started(frame) {
     if (frame.key !== key) return;
     isWaiting = false;
+    if (!find('failed').hidden) play(true);
     tell(find('refused'), '');
     tell(find('failed'), '');
     markRefused(null);

@@ -218,7 +218,6 @@ struct OfGrains {
   double restitution;
   double friction_angle;  // [rad]
   double alpha = 0;       // global damping [1/s]
-  double steps_per_contact = dem::ContactSettings{}.steps_per_contact;
   Box<2> room = {.lower = {-0.8, 0}, .upper = {0.8, 1.2}};
   double hopper = 0;        // its opening [m]; 0: none
   dem::Vibration<2> floor = {};  // of frequency 0: none
@@ -248,7 +247,7 @@ struct OfGrains {
                                  dem::Moving{dem::Plane<2>{}, floor}};
     Simulation simulation{grains, NeighbourList<2>{},
                           Forces{Gravity<2>{{0, -g}},
-                                 contacts.with({.steps_per_contact = steps_per_contact})},
+                                 contacts.with({.steps_per_contact = 20})},
                           Leapfrog{GlobalDamping{.alpha = alpha}}};
     auto& walls = simulation.interaction().template part<1>();
     for (Index wall = 0; wall <= lid_number; ++wall) walls.set_wall_present(wall, is_hopper);
@@ -300,7 +299,7 @@ inline OfGrains tower(double R, double friction_angle, double restitution, doubl
                                  {.radius = R, .density = 2500});
   dem::add_grain(grains, {0.3 * R, 0.8 + 2 * R}, {.radius = R, .density = 2500});
   return {.grains = grains,
-          .stiffness = 5e5,
+          .stiffness = 2e6,
           .restitution = restitution,
           .friction_angle = friction_angle,
           .alpha = alpha};
@@ -317,7 +316,7 @@ inline OfGrains vibrating_floor(double depth, double amplitude, double frequency
   }
   constexpr double infinity = std::numeric_limits<double>::infinity();
   return {.grains = grains,
-          .stiffness = 1e6,
+          .stiffness = 4e6,
           .restitution = restitution,
           .friction_angle = friction_angle,
           .room = {.lower = {-0.5, -infinity}, .upper = {0.5, infinity}},
@@ -335,7 +334,6 @@ inline OfGrains hopper(double R, double opening, double friction_angle, double r
           .stiffness = 1e6,
           .restitution = restitution,
           .friction_angle = friction_angle,
-          .steps_per_contact = 20,
           .hopper = opening};
 }
 

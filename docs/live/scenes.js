@@ -45,7 +45,7 @@ export const scenes = [
     numbers: [
       { name: 'depth', label: 'Depth of the bed', unit: 'm', value: 0.16, least: 0.02, most: 0.5, step: 0.02, digits: 2 },
       { name: 'amplitude', label: 'Amplitude of the floor', unit: 'm', value: 0.012, least: 0, most: 0.03, step: 0.001, digits: 3 },
-      { name: 'frequency', label: 'Frequency of the floor', unit: 'Hz', value: 9, least: 1, most: 30, step: 0.5, digits: 1 },
+      { name: 'frequency', label: 'Frequency of the floor', unit: 'Hz', value: 9, least: 1, most: 25, step: 0.5, digits: 1 },
       restitution(0.6), frictionAngle(0.3),
     ],
     quantities: [speed(1.2), spin(60)],

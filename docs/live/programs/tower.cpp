@@ -17,12 +17,13 @@ int main() try {
                                  {.radius = R, .density = 2500});
   dem::add_grain(grains, {0.3 * R, 0.8 + 2 * R}, {.radius = R, .density = 2500});
 
-  const dem::CundallStrack law{.normal_stiffness = 5e5, .tangential_stiffness = 2.5e5,
+  const dem::CundallStrack law{.normal_stiffness = 2e6, .tangential_stiffness = 1e6,
                                .restitution = restitution, .friction_angle = friction_angle};
   const dem::BoxWall<2> room{{.lower = {-0.8, 0}, .upper = {0.8, 1.2}}};
 
   Simulation tower{grains, NeighbourList<2>{},
-                   Forces{Gravity<2>{{0, -9.81}}, dem::Contacts{law, room}},
+                   Forces{Gravity<2>{{0, -9.81}},
+                          dem::Contacts{law, room}.with({.steps_per_contact = 20})},
                    Leapfrog{GlobalDamping{.alpha = alpha}}};
   tower.run({.until = 1.5, .output_every = 0.02}, VtkSeries{"tower"}, Progress{});
 } catch (const silt::Error& error) {

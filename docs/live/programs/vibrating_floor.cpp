@@ -22,7 +22,7 @@ int main() try {
     const Index i = dem::add_grain(grains, x, {.radius = R, .density = 2500});
     grains[velocity][i] = {0.2 * random.normal(), 0};
   }
-  const dem::CundallStrack law{.normal_stiffness = 1e6, .tangential_stiffness = 5e5,
+  const dem::CundallStrack law{.normal_stiffness = 4e6, .tangential_stiffness = 2e6,
                                .restitution = restitution, .friction_angle = friction_angle};
   constexpr double infinity = std::numeric_limits<double>::infinity();
   const dem::BoxWall<2> sides{{.lower = {-0.5, -infinity}, .upper = {0.5, infinity}}};
@@ -30,7 +30,9 @@ int main() try {
                           dem::Vibration<2>{.amplitude = {0, amplitude}, .frequency = frequency}};
 
   Simulation bed{grains, NeighbourList<2>{},
-                 Forces{Gravity<2>{{0, -9.81}}, dem::Contacts{law, sides, floor}}, Leapfrog{}};
+                 Forces{Gravity<2>{{0, -9.81}},
+                        dem::Contacts{law, sides, floor}.with({.steps_per_contact = 20})},
+                 Leapfrog{}};
   bed.run({.until = 2, .output_every = 0.02}, VtkSeries{"vibrating_floor"}, Progress{});
 } catch (const silt::Error& error) {
   std::fprintf(stderr, "%s\n", error.what());
