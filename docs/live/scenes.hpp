@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The simulations of the live page: those of programs/, made from the numbers of the sliders, behind
-// one interface. native.cpp shows that both have the same bits.
+// one interface. test_node.mjs compares their bits with those of the programs.
 #pragma once
 
 #include <silt/dem.hpp>
@@ -159,16 +159,16 @@ inline std::vector<Line> lines_of(const Box<2>& box) {
 
 struct DamBreak {
   double spacing, width, height, viscosity;
-  // Settings of a flow do not change while it runs; the body force reads this.
+  // Settings of a flow do not change while it runs; the body force reads this. Without tilt it adds
+  // zero, which changes no bit.
   std::shared_ptr<Vec<2>> added_gravity = std::make_shared<Vec<2>>(Vec<2>::Zero());
 
   static constexpr double length = 1.6;  // of the tank [m]
 
   auto simulation() const {
-    const auto tank = mps::make_tank<mps::Recommended, 2>({.column = {width, height},
-                                                           .size = {.length = length, .height = 1.2},
-                                                           .spacing = spacing,
-                                                           .lid = true});
+    const auto tank = mps::make_tank<mps::Recommended, 2>(
+        {.column = {width, height}, .size = {.length = length, .height = 1.2}, .spacing = spacing,
+         .lid = true});
     const mps::Flow<mps::Recommended> water{
         {.spacing = spacing,
          .density = 1000,
@@ -210,8 +210,8 @@ struct DamBreak {
 
 // --- grains --------------------------------------------------------------------------------------
 
-// All have the same walls and damping, those that a scene does not use being absent, far or zero, so
-// that the module has the code for one type of simulation.
+// All have the same walls and damping, those that a scene does not use being absent or zero, so that
+// the module has the code for one type of simulation.
 struct OfGrains {
   dem::Grains<2> grains;
   double stiffness;  // normal [N/m]
@@ -280,7 +280,9 @@ struct OfGrains {
     if (has_floor()) {
       const double y = floor.pose_at(simulation.time()).shift[1];
       const double left = room.lower[0], right = room.upper[0];
-      return {{{left, y}, {right, y}}, {{left, -0.05}, {left, 0.74}}, {{right, -0.05}, {right, 0.74}}};
+      return {{{left, y}, {right, y}},
+              {{left, -0.05}, {left, 0.74}},
+              {{right, -0.05}, {right, 0.74}}};
     }
     auto lines = lines_of(room);
     if (hopper == 0) return lines;
