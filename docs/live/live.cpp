@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The functions of the live page: one simulation at a time. No exception leaves them: those that may
-// fail return false, or -1, and error() then has Silt's own sentence.
+// The functions of the live page: one simulation at a time. No exception leaves them: those that
+// may fail return false, or -1, and error() then has Silt's own sentence.
 #include "scenes.hpp"
 
 #include <exception>

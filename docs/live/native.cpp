@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The scenes of the live page, natively. Prints of each its name, the hash of its state at the end of
-// its program, and the mean processor time of a step [ms].
+// The scenes of the live page, natively. Prints of each its name, the hash of its state at the end
+// of its program, and the mean processor time of a step [ms].
 #include "scenes.hpp"
 
 #include <cstdio>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The simulations of the live page: those of programs/, made from the numbers of the sliders, behind
-// one interface. test_node.mjs compares their bits with those of the programs.
+// The simulations of the live page: those of programs/, made from the numbers of the sliders,
+// behind one interface. test_node.mjs compares their bits with those of the programs.
 #pragma once
 
 #include <silt/dem.hpp>
@@ -210,8 +210,8 @@ struct DamBreak {
 
 // --- grains --------------------------------------------------------------------------------------
 
-// All have the same walls and damping, those that a scene does not use being absent or zero, so that
-// the module has the code for one type of simulation.
+// All have the same walls and damping, those that a scene does not use being absent or zero, so
+// that the module has the code for one type of simulation.
 struct OfGrains {
   dem::Grains<2> grains;
   double stiffness;  // normal [N/m]

@@ -124,6 +124,8 @@ try {
     for (const [name, time] of Object.entries(times)) {
       const { page: shown } = await open(size, colours, `#${name}`);
       await untilTime(shown, time);
+      const pace = await shown.locator('#share').textContent();
+      if (size === 'laptop' && colours === 'light') console.log(`     ${name}: ${pace}, drawn by software`);
       await shown.locator('#pause').click();
       await shown.waitForTimeout(300);
       const overflow = await shown.evaluate(() => document.documentElement.scrollWidth - window.innerWidth);
