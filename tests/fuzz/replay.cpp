@@ -6,6 +6,7 @@
 
 #include "fuzz/counts.hpp"
 #include "fuzz/mutation.hpp"
+#include "support/sanitizers.hpp"
 #include <sys/time.h>
 
 #include <algorithm>
@@ -23,16 +24,8 @@
 #include <utility>
 #include <vector>
 
-#ifdef __has_feature
-#define SILT_HAS_FEATURE(feature) __has_feature(feature)
-#else
-#define SILT_HAS_FEATURE(feature) 0
-#endif
-#if defined(__SANITIZE_ADDRESS__) || SILT_HAS_FEATURE(address_sanitizer)
-#define SILT_HAS_ADDRESS_SANITIZER 1
+#if SILT_HAS_ADDRESS_SANITIZER
 extern "C" void __sanitizer_set_death_callback(void (*callback)());
-#else
-#define SILT_HAS_ADDRESS_SANITIZER 0
 #endif
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);

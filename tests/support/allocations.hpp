@@ -4,6 +4,8 @@
 // of a program only.
 #pragma once
 
+#include "support/sanitizers.hpp"
+
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
@@ -16,13 +18,7 @@ inline std::atomic<std::uint64_t> allocations{0};
 
 }  // namespace silt::test
 
-#ifdef __has_feature
-#define SILT_HAS_FEATURE(feature) __has_feature(feature)
-#else
-#define SILT_HAS_FEATURE(feature) 0
-#endif
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__) || \
-    SILT_HAS_FEATURE(address_sanitizer) || SILT_HAS_FEATURE(thread_sanitizer)
+#if SILT_HAS_ADDRESS_SANITIZER || SILT_HAS_THREAD_SANITIZER
 
 extern "C" int __sanitizer_install_malloc_and_free_hooks(
     void (*on_malloc)(const volatile void*, std::size_t), void (*on_free)(const volatile void*));

@@ -32,10 +32,7 @@ struct Where {
 class Error : public std::runtime_error {
  public:
   explicit Error(std::string message, Where where = {}, std::optional<double> stable_time_step = {})
-      : std::runtime_error(compose(message, where)),
-        message_(std::move(message)),
-        where_(where),
-        stable_time_step_(stable_time_step) {}
+      : Error(std::move(message), where, stable_time_step, false) {}
 
   const Where& where() const noexcept { return where_; }
   /// If a step failed because its time step was too long: one that is not [s].
@@ -46,34 +43,34 @@ class Error : public std::runtime_error {
     Where where = where_;
     where.step = step;
     where.time = time;
-    return with_flag(Error(message_, where, stable_time_step_));
+    return Error(message_, where, stable_time_step_, is_of_all_);
   }
 
   /// The same error, that all processes throw, with the stable time step of all; called by particles
   /// that processes share.
   Error of_all(std::optional<double> stable) const {
-    Error error(message_, where_, stable);
-    error.is_of_all_ = true;
-    return error;
+    return Error(message_, where_, stable, true);
   }
   bool is_of_all() const noexcept { return is_of_all_; }
 
   /// The same error with a text before its message; called by read_checkpoint().
   Error with_prefix(const std::string& text) const {
-    return with_flag(Error(text + message_, where_, stable_time_step_));
+    return Error(text + message_, where_, stable_time_step_, is_of_all_);
   }
 
  private:
-  Error with_flag(Error error) const {
-    error.is_of_all_ = is_of_all_;
-    return error;
-  }
+  Error(std::string message, Where where, std::optional<double> stable_time_step, bool is_of_all)
+      : std::runtime_error(compose(message, where)),
+        message_(std::move(message)),
+        where_(where),
+        stable_time_step_(stable_time_step),
+        is_of_all_(is_of_all) {}
   static std::string compose(const std::string& message, const Where& where);
 
   std::string message_;
   Where where_;
   std::optional<double> stable_time_step_;
-  bool is_of_all_ = false;
+  bool is_of_all_;
 };
 
 /// A number for messages, with six significant digits.

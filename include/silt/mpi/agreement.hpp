@@ -12,8 +12,10 @@
 
 #include <mpi.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <exception>
 #include <limits>
@@ -60,6 +62,15 @@ class Agreement {
   void operator()() const {
     (*this)([] { return Reduced(); });
   }
+  /// The sums of numbers of all processes.
+  template <std::size_t N>
+  std::array<double, N> sum(const std::array<double, N>& own) const {
+    return reduce(&Reduced::sum, own, Doing::sum);
+  }
+  template <std::size_t N>
+  std::array<double, N> largest(const std::array<double, N>& own) const {
+    return reduce(&Reduced::largest, own, Doing::largest);
+  }
   /// Whether all processes have thrown when this one did.
   bool have_all_thrown(const std::exception_ptr& fault) const {
     if (fault == world_->faults().of_all) return true;
@@ -88,6 +99,21 @@ class Agreement {
   };
   static constexpr int numbers_of_message = 4 + 2 * int(Reduced::count);
   static_assert(sizeof(Message) == std::size_t(numbers_of_message) * sizeof(double));
+
+  template <std::size_t N>
+    requires(N <= Reduced::count)
+  std::array<double, N> reduce(std::array<double, Reduced::count> Reduced::*numbers,
+                               const std::array<double, N>& own, Doing doing) const {
+    const auto of_this_process = [&] {
+      Reduced reduced;
+      std::ranges::copy(own, (reduced.*numbers).begin());
+      return reduced;
+    };
+    const Reduced all = (*this)(of_this_process, doing);
+    std::array<double, N> result;
+    std::copy_n((all.*numbers).begin(), N, result.begin());
+    return result;
+  }
 
   Reduced agree(const Reduced& own, const std::exception_ptr& fault, Doing doing) const {
     Message sent, received;
@@ -210,32 +236,16 @@ class Agreement {
   const World* world_;
 };
 
-inline double World::sum(double value) const {
-  const auto own = [&] {
-    Reduced numbers;
-    numbers.sum[0] = value;
-    return numbers;
-  };
-  return Agreement(*this)(own, Doing::sum).sum[0];
-}
+inline double World::sum(double value) const { return Agreement(*this).sum(std::array{value})[0]; }
 inline double World::max(double value) const {
-  const auto own = [&] {
-    Reduced numbers;
-    numbers.largest[0] = value;
-    return numbers;
-  };
-  return Agreement(*this)(own, Doing::largest).largest[0];
+  return Agreement(*this).largest(std::array{value})[0];
 }
 inline std::uint64_t World::sum(std::uint64_t value) const {
+  // Of halves, whose sums are exact.
   constexpr std::uint64_t half = std::uint64_t(1) << 32;
-  const auto own = [&] {
-    Reduced numbers;
-    numbers.sum[0] = double(value / half);
-    numbers.sum[1] = double(value % half);
-    return numbers;
-  };
-  const Reduced all = Agreement(*this)(own, Doing::sum);
-  return std::uint64_t(all.sum[0]) * half + std::uint64_t(all.sum[1]);
+  const auto all =
+      Agreement(*this).sum(std::array{double(value / half), double(value % half)});
+  return std::uint64_t(all[0]) * half + std::uint64_t(all[1]);
 }
 
 }  // namespace silt::mpi

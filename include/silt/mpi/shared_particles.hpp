@@ -26,6 +26,7 @@
 #include <silt/mpi/messages.hpp>
 #include <silt/mpi/near_processes.hpp>
 #include <silt/mpi/pair_memory.hpp>
+#include <silt/mpi/particle_messages.hpp>
 #include <silt/mpi/work.hpp>
 #include <silt/mpi/world.hpp>
 
@@ -35,7 +36,6 @@
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <exception>
 #include <limits>
 #include <numeric>
@@ -152,11 +152,11 @@ class SharedParticles : public P {
   }
   template <std::size_t N>
   std::array<double, N> sum(const std::array<double, N>& own) const {
-    return reduced(&Reduced::sum, own, Doing::sum);
+    return agree_.sum(own);
   }
   template <std::size_t N>
   std::array<double, N> largest(const std::array<double, N>& own) const {
-    return reduced(&Reduced::largest, own, Doing::largest);
+    return agree_.largest(own);
   }
   void report_fault(std::exception_ptr fault) { agree_.report(std::move(fault)); }
   bool have_all_thrown(const std::exception_ptr& fault) const {
@@ -259,21 +259,6 @@ class SharedParticles : public P {
   double depth_of_halo() const noexcept { return found_.depth - 2 * moved_; }
 
  private:
-  template <std::size_t N>
-    requires(N <= Reduced::count)
-  std::array<double, N> reduced(std::array<double, Reduced::count> Reduced::*numbers,
-                                const std::array<double, N>& own, Doing doing) const {
-    const auto message = [&] {
-      Reduced own_numbers;
-      std::ranges::copy(own, (own_numbers.*numbers).begin());
-      return own_numbers;
-    };
-    const Reduced all = agree_(message, doing);
-    std::array<double, N> result;
-    std::copy_n((all.*numbers).begin(), N, result.begin());
-    return result;
-  }
-
   // How far an own particle has moved since the halo was found, at least [m].
   double moved() const {
     const Travel now = P::travel();
@@ -384,20 +369,13 @@ class SharedParticles : public P {
     std::vector<Writer> writers(Index(world_->size()));
     for (Index i = 0; i < P::size(); ++i) {
       if (owners[i] == rank) continue;
-      Writer& write = writers[Index(owners[i])];
-      write(P::id(i));
-      each_field([&](auto field) { write_value(write, field, i); });
+      detail::write_particle<P>(writers[Index(owners[i])], *this, i);
     }
     P::clear_halo();
     P::remove_if([&](Index i) { return owners[i] != rank; });
     for (const Transfer& message : exchange(writers)) {
       Reader read(message.from);
-      while (!read.is_at_end()) {
-        Id id = 0;
-        read(id);
-        const Index i = P::adopt(id);
-        each_field([&](auto field) { read_value(read, (*this)[field], i); });
-      }
+      while (!read.is_at_end()) detail::read_particle<P>(read, *this);
     }
     const auto now = count_particles();
     if (now != number_) {
@@ -411,17 +389,12 @@ class SharedParticles : public P {
     auto near = rows_near_processes(std::as_const(*this), depth, cuts_, *world_);
     std::vector<Writer> writers(near.size());
     for (Index process = 0; process < near.size(); ++process) {
-      for (const std::uint32_t i : near[process]) writers[process](P::id(i));
-      each_field([&](auto field) {
-        for (const std::uint32_t i : near[process]) write_value(writers[process], field, i);
-      });
+      detail::write_copies<P>(writers[process], *this, near[process]);
     }
     const auto messages = exchange(writers);
-    const Index bytes = bytes_of_particle();
     std::vector<Id> ids;
     for (const Transfer& message : messages) {
-      Reader read(message.from);
-      for (Index k = 0; k < message.from.size() / bytes; ++k) read(ids.emplace_back());
+      detail::read_ids_of_copies<P>(message.from, *this, ids);
     }
     P::set_halo(ids);
     Index row = P::size();
@@ -432,12 +405,11 @@ class SharedParticles : public P {
     for (const Transfer& message : messages) {
       HaloRows::Partner& partner = rows_.partner_with(message.process);
       partner.first_received = row;
-      partner.received = message.from.size() / bytes;
+      partner.received = detail::number_of_copies<P>(*this, message.from);
+      detail::read_fields_of_copies<P>(message.from, *this, row);
       row += partner.received;
-      Reader read(std::span(message.from).subspan(partner.received * sizeof(Id)));
-      each_field([&](auto field) { read_values(read, field, partner); });
     }
-    rows_.prepare_refresh(bytes_of_state());
+    rows_.prepare_refresh(detail::bytes_of_state<P>(*this));
   }
 
   template <class F>
@@ -447,65 +419,18 @@ class SharedParticles : public P {
     exchange<T>([&](Index i) -> T { return values[i]; },
                 [&](Index row, const T& value) { values[row] = value; });
   }
-  template <class F>
-  void each_state(F&& f) const {
-    each_field([&]<class Field>(Field field) {
-      if constexpr (role_of<Field>() == Role::state) f(field);
-    });
-  }
-  Index bytes_of_state() const {
-    Index bytes = 0;
-    each_state([&]<class F>(F) { bytes += sizeof(value_of<F, dimension, Real>); });
-    return bytes;
-  }
   // The state of the halo. After an agreement; throws nothing but errors of MPI.
   void refresh() {
-    const P& particles = *this;
-    const auto write = [&](std::byte* to, const std::vector<std::uint32_t>& rows) {
-      each_state([&]<class F>(F field) {
-        using T = value_of<F, dimension, Real>;
-        const auto values = particles.with_halo(field);
-        for (const std::uint32_t i : rows) {
-          const T value = values[i];
-          std::memcpy(to, static_cast<const void*>(&value), sizeof(T));
-          to += sizeof(T);
-        }
-      });
+    const auto write = [this](std::byte* to, const std::vector<std::uint32_t>& rows) {
+      detail::write_state<P>(to, *this, rows);
     };
-    rows_.refresh(write, [this](const Bytes& from, const HaloRows::Partner& partner) {
-      Reader read(from);
-      each_state([&](auto field) { read_values(read, field, partner); });
-    });
+    const auto read = [this](const Bytes& from, const HaloRows::Partner& partner) {
+      detail::read_state<P>(from, *this, partner.first_received, partner.received);
+    };
+    rows_.refresh(write, read);
     P::note_state();
   }
 
-  template <class F>
-  void each_field(F&& f) const {
-    P::for_each_field([&](auto, auto field) { f(field); });
-  }
-  Index bytes_of_particle() const {
-    Index bytes = sizeof(Id);
-    each_field([&]<class F>(F) { bytes += sizeof(value_of<F, dimension, Real>); });
-    return bytes;
-  }
-  template <class F>
-  void write_value(Writer& write, F field, Index i) const {
-    const value_of<F, dimension, Real> value = P::with_halo(field)[i];
-    write(value);
-  }
-  template <class Values>
-  static void read_value(Reader& read, const Values& values, Index i) {
-    typename Values::value_type value;
-    read(value);
-    values[i] = value;
-  }
-  template <class F>
-  void read_values(Reader& read, F field, const HaloRows::Partner& partner) {
-    const auto values = P::halo_to_change(field);
-    for (Index k = 0; k < partner.received; ++k) {
-      read_value(read, values, partner.first_received + k);
-    }
-  }
   // Sends what was written for each process, and returns what others have written for this one.
   std::vector<Transfer> exchange(std::vector<Writer>& writers) const {
     return exchange_messages(*world_, agree_, writers);
