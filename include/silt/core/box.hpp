@@ -18,6 +18,7 @@ enum class OnEscape {
   refuse,  ///< the step throws and is rolled back
   remove,  ///< the particle is removed and counted, see Simulation::particles_lost()
 };
+/// Whether the value is one of the enumeration's, and not another number, as from a damaged file.
 constexpr bool is_enumerator(OnEscape value) {
   return value == OnEscape::refuse || value == OnEscape::remove;
 }

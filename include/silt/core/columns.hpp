@@ -26,6 +26,7 @@ class Columns<Dim, Real, std::tuple<All...>> {
   using StorageOf = typename detail::StorageOf<Dim, Real, S>::type;
 
  public:
+  /// Whether F is one of the fields.
   template <class F>
   static constexpr bool has = (StorageOf<All>::template has<F> || ...);
 

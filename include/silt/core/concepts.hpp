@@ -129,6 +129,7 @@ concept Interaction =
     NeighbourSearch<S, P> && HasReach<I, P> &&
     requires(ForParticles<I, P> i, P& p, S& s, double dt) { i.accelerate(p, s, dt); };
 
+/// The function of ranges that does nothing; see Pass.
 struct DoNothing {
   void operator()(Index, Index) const {}
 };
@@ -223,6 +224,7 @@ bool needs_search(const I& interaction, const P& particles) {
 template <class I>
 concept DependsOnTime = requires(I i, double time) { i.set_time(time); };
 
+/// Calls set_time(time [s]) of an interaction that has it.
 template <class I>
 void set_time(I& interaction, double time) {
   if constexpr (DependsOnTime<I>) interaction.set_time(time);
@@ -235,6 +237,7 @@ void set_time(I& interaction, double time) {
 template <class I>
 concept DependsOnLastTimeStep = requires(I i, double dt) { i.set_last_time_step(dt); };
 
+/// Calls set_last_time_step(dt [s]) of an interaction that has it.
 template <class I>
 void set_last_time_step(I& interaction, double dt) {
   if constexpr (DependsOnLastTimeStep<I>) interaction.set_last_time_step(dt);

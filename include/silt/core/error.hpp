@@ -31,6 +31,8 @@ struct Where {
 /// the location.
 class Error : public std::runtime_error {
  public:
+  /// Composes what() from the message and the location. `stable_time_step` [s] is for steps that
+  /// failed because theirs was too long.
   explicit Error(std::string message, Where where = {}, std::optional<double> stable_time_step = {})
       : Error(std::move(message), where, stable_time_step, false) {}
 
@@ -51,6 +53,7 @@ class Error : public std::runtime_error {
   Error of_all(std::optional<double> stable) const {
     return Error(message_, where_, stable, true);
   }
+  /// Whether it was made by of_all().
   bool is_of_all() const noexcept { return is_of_all_; }
 
   /// The same error with a text before its message; called by read_checkpoint().
@@ -173,6 +176,7 @@ inline void require_not_negative(std::string_view name, double value) {
     fail(std::string(name) + " = " + to_text(value) + " is negative; give a value of at least 0");
   }
 }
+/// The bounds of a parameter, `lower` and `upper`, [in its unit].
 struct Range {
   double lower;
   double upper;
@@ -195,9 +199,15 @@ inline void require_above(std::string_view name, double value, Range range) {
   }
 }
 
-/// Result of an iterative solve.
+/// Result of an iterative solve, of a system of `unknowns` equations with `iterations` iterations.
 struct SolveReport {
-  enum class Reason { nothing_to_solve, converged, not_converged, broke_down };
+  /// Why the solve ended.
+  enum class Reason {
+    nothing_to_solve,  ///< there are no unknowns, or b = 0
+    converged,         ///< the residual is within the tolerance
+    not_converged,     ///< it is not after the largest number of iterations
+    broke_down,        ///< a number is not finite, or A is not positive definite
+  };
 
   Reason reason = Reason::nothing_to_solve;
   int iterations = 0;

@@ -33,6 +33,7 @@ namespace silt {
 template <Field... Fs>
 struct Bundle {};
 
+/// Whether T is a Bundle.
 template <class T>
 inline constexpr bool is_bundle = false;
 template <Field... Fs>

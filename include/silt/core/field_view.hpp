@@ -56,6 +56,7 @@ class FieldView {
   FieldView() = default;
   /// From the first value, any pointer if there are none.
   FieldView(Byte* first, Index size) : first_(first), size_(size) {}
+  /// A view of const values from one of values that are not const.
   template <class Other>
     requires std::same_as<const Other, Value>
   FieldView(const FieldView<Other, Real, width>& other)
@@ -72,6 +73,7 @@ class FieldView {
   iterator end() const noexcept {
     return begin() + static_cast<std::ptrdiff_t>(size_);
   }
+  /// Address of the first value.
   Byte* bytes() const noexcept { return first_; }
 
  private:

@@ -11,6 +11,7 @@
 
 namespace silt {
 
+/// Base of all fields.
 struct any_field {};
 
 /// One Real per particle.
@@ -38,9 +39,11 @@ struct field_of : any_field {
   using value = T;
 };
 
+/// A tag type for a quantity of every particle.
 template <class F>
 concept Field = std::derived_from<F, any_field>;
 
+/// The type of the value of F for one particle.
 template <Field F, int Dim, class Real>
 using value_of = typename F::template value<Dim, Real>;
 
@@ -60,6 +63,7 @@ constexpr std::string_view name_of() {
 /// step, and its values after a failed step are unspecified.
 enum class Role { state, constant, derived };
 
+/// F::role, or Role::state for a field without it.
 template <Field F>
 constexpr Role role_of() {
   if constexpr (requires { F::role; }) {
@@ -69,9 +73,11 @@ constexpr Role role_of() {
   }
 }
 
+/// Second base of a field that no step changes: its `role`.
 struct constant_field {
   static constexpr Role role = Role::constant;
 };
+/// Second base of a field that every step computes anew: its `role`.
 struct derived_field {
   static constexpr Role role = Role::derived;
 };

@@ -26,6 +26,7 @@ class Gravity {
   /// g [m/s²]. Throws if it is not finite.
   explicit Gravity(const Vec<Dim, Real>& g) : g_(g) { require_finite("Gravity: acceleration", g); }
 
+  /// g [m/s²].
   const Vec<Dim, Real>& acceleration() const noexcept { return g_; }
 
   template <class P>
@@ -62,12 +63,14 @@ Gravity(const Eigen::Matrix<Real, 3, 1>&) -> Gravity<3, Real>;
 template <class... Parts>
 class Forces {
  public:
+  /// The parts are moved into the sum.
   explicit Forces(Parts... parts) : parts_(std::move(parts)...) {}
 
   // See ForParticles in core/concepts.hpp.
   using Description = Forces;
   template <class P>
   using For = Forces<ForParticles<Parts, P>...>;
+  /// The sum for particles, from the descriptions of its parts; see ForParticles.
   template <class... Descriptions>
     requires(sizeof...(Descriptions) == sizeof...(Parts) &&
              !std::same_as<Forces<Descriptions...>, Forces> &&

@@ -9,11 +9,13 @@
 
 namespace silt {
 
+/// Four numbers.
 template <class Real>
 using Four = simd::Pack<Real, 4>;
 
 // Packs are passed by reference, because how they are returned depends on the processor flags.
 
+/// Reads the four numbers at `from`, which need not be aligned.
 template <class Real, class F>
 void load_four(const Real* from, F& four) {
   four = *reinterpret_cast<const typename simd::UnalignedPackOf<Real, 4>::type*>(from);
@@ -21,9 +23,11 @@ void load_four(const Real* from, F& four) {
 
 // Packs of eight numbers as two packs of four; where `Pack` has only four, the second is not used.
 
+/// Whether Pack has eight numbers.
 template <class Pack>
 inline constexpr bool is_two_fours = sizeof(Pack) == 8 * sizeof(std::declval<Pack>()[0]);
 
+/// Reads four numbers at `first`, and for a pack of eight four more at `second`.
 template <class Real, class Pack>
 void load_fours(const Real* first, [[maybe_unused]] const Real* second, Pack& to) {
   if constexpr (is_two_fours<Pack>) {
@@ -47,6 +51,7 @@ void load_threes(const Real* first, [[maybe_unused]] const Real* second, Pack& t
     simd::load_three(first, to);
   }
 }
+/// Writes the first four numbers to `first`, and those after them, if there are any, to `second`.
 template <class Real, class Pack>
 void store_fours(const Pack& p, Real* first, [[maybe_unused]] Real* second) {
   if constexpr (is_two_fours<Pack>) {
@@ -98,6 +103,7 @@ template <class F>
 void cross_turned(const F& a, const F& b, F& c) {
   c = __builtin_shufflevector(a, a, 1, 2, 0, 3) * b - a * __builtin_shufflevector(b, b, 1, 2, 0, 3);
 }
+/// (z, x, y), as from cross_turned(), back to (x, y, z).
 template <class F>
 void turn_back(F& c) {
   c = __builtin_shufflevector(c, c, 1, 2, 0, 3);

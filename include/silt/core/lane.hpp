@@ -30,6 +30,7 @@ template <class T>
 concept Arithmetic = std::is_arithmetic_v<T>;
 }  // namespace detail
 
+/// A number of type Real, which behaves as Real itself.
 template <std::floating_point Real>
 class Lane {
  public:
@@ -39,6 +40,7 @@ class Lane {
     value_ = b.value_;
     return *this;
   }
+  /// From a number of any arithmetic type, rounded to Real.
   constexpr Lane(detail::Arithmetic auto value) : value_(static_cast<Real>(value)) {}
   constexpr operator Real() const { return value_; }
 

@@ -80,8 +80,10 @@ struct Chunk {
   Index last;
 };
 
+/// Number of indices of a chunk; the last one may have fewer.
 inline constexpr Index chunk_size = 1024;
 
+/// Number of chunks of [0, n).
 inline Index chunk_count(Index n) { return (n + chunk_size - 1) / chunk_size; }
 
 namespace detail {
@@ -271,10 +273,11 @@ void for_each_chunk(Index n, F&& f) {
   });
 }
 
+/// Number of indices of a range, unless given.
+inline constexpr Index range_size = 64;
 /// f(first, last) for short ranges of [0, n) that together cover it, in parallel: all ranges but
 /// the last have `size` indices. What one range reads and writes stays in the cache between several
 /// loops over it.
-inline constexpr Index range_size = 64;
 template <Index size = range_size, class F>
 void for_each_range(Index n, F&& f) {
   detail::run_tasks((n + size - 1) / size, threads_for(n),
@@ -284,6 +287,7 @@ void for_each_range(Index n, F&& f) {
 /// Number of rows of different lengths, such as those of neighbours, that are stored together, by
 /// one thread. A few chunks alone could not be divided equally.
 inline constexpr Index rows_together = 256;
+/// Number of sets of rows_together rows, of which the last may have fewer.
 inline Index row_sets(Index rows) { return (rows + rows_together - 1) / rows_together; }
 
 /// f(i) for every i in [0, n), in parallel.
@@ -298,6 +302,7 @@ void for_each(Index n, F&& f) {
 template <class Value>
 class PerChunk {
  public:
+  /// All values are `initial`.
   PerChunk(Index n, const Value& initial) : values_(std::move(spare())) {
     values_.assign(chunk_count(n), initial);
   }

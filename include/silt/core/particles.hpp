@@ -53,10 +53,12 @@ class Particles {
   using Vec = silt::Vec<Dim, Real>;
   using AngularVec = silt::AngularVec<Dim, Real>;
 
+  /// Whether the particles have this field; see HasFields.
   template <class F>
   static constexpr bool has = std::same_as<F, position_t> || (std::same_as<F, Fields> || ...);
 
   Particles() = default;
+  /// No particles, in this box. Throws as Box::check() does.
   explicit Particles(Box<Dim, Real> box) : box_(std::move(box)) { box_.check(); }
 
   /// Number of owned particles.
@@ -100,8 +102,11 @@ class Particles {
     return columns_.storage(field);
   }
 
+  /// Permanent id of particle i, which may be of the halo or a ghost.
   Id id(Index i) const noexcept { return ids_[i]; }
+  /// Ids of the owned particles.
   std::span<const Id> ids() const noexcept { return ids_.first(size()); }
+  /// Ids of the owned particles and of those of the halo.
   std::span<const Id> ids_with_halo() const noexcept { return ids_.first(local()); }
   /// Index of the particle with this id, owned or of the halo; `no_index` if it was removed or never
   /// added.
@@ -140,6 +145,7 @@ class Particles {
   /// Whether a field of the state may have been changed otherwise than by a step, since the last
   /// call of note_state(): by an access that is not const.
   bool has_state_changed() const noexcept { return state_changed_.is_set(); }
+  /// The state is that of now: has_state_changed() is false until the next access.
   void note_state() noexcept { state_changed_.test_and_clear(); }
 
   const Box<Dim, Real>& box() const noexcept { return box_; }
@@ -268,6 +274,7 @@ class Particles {
 
   // Ghosts, see search/ghosts.hpp.
 
+  /// Removes all ghosts.
   void clear_ghosts() {
     if (owners_.empty()) return;
     revision_ = next_revision();
@@ -339,19 +346,24 @@ class Particles {
 
   // For rolling back a failed step, see Columns: save() before the step, restore() if it throws.
 
+  /// Begins a step, of which restore() undoes what is passed to keep() and advance().
   void save() noexcept {
     note_constants();
     columns_.save();
   }
+  /// Saves the values of a field that the step then changes in place.
   template <Field F>
   void keep(F field) {
     if constexpr (std::same_as<F, position_t>) positions_changed_.set();
     columns_.keep(field);
   }
+  /// Views of the values before the step, `before`, and of the memory for those after it, `after`,
+  /// of the owned particles. They become the values by finish_advance().
   template <Field F>
   auto advance(F field) {
     return columns_.advance(field, size());
   }
+  /// The same of a bundle: the addresses of its rows.
   template <Field F>
   auto advance_rows(F field) {
     return columns_.advance_rows(field);
@@ -372,6 +384,7 @@ class Particles {
     travel_.distance += distance;
     if (!is_finite(travel_.distance)) positions_changed_.set();
   }
+  /// The values before save(), of the fields passed to keep() and advance().
   void restore() noexcept {
     columns_.restore(size());
     positions_changed_.set();

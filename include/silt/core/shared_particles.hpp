@@ -29,13 +29,13 @@ struct Largest {
   double minus_time_step = -std::numeric_limits<double>::infinity();
   double time_step = -std::numeric_limits<double>::infinity();  ///< that is given [s]
   double energy_gain = 0;  ///< FinishedStep::max_energy_gain, in core/watch.hpp [-]
-  double wanted = 0;      ///< 1 if a process wants what is asked, such as the end of a run
+  double wanted = 0;      ///< [-] 1 if a process wants what is asked, such as the end of a run
 };
 
 /// One of several processes.
 struct Process {
   int rank = 0;  ///< from 0 on
-  int count = 1;
+  int count = 1;  ///< number of processes
 };
 
 /// Particles of which every process owns some, and has those of others within the interaction range

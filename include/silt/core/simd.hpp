@@ -50,19 +50,19 @@
 
 namespace silt::simd {
 
-/// Size of a register in bytes.
 #if defined(SILT_AVX512)
-inline constexpr int width = 64;
+inline constexpr int width = 64;  ///< of a register [bytes]
 #elif defined(SILT_AVX2)
-inline constexpr int width = 32;
+inline constexpr int width = 32;  ///< of a register [bytes]
 #else
-inline constexpr int width = 16;
+inline constexpr int width = 16;  ///< of a register [bytes]
 #endif
 
 /// Number of lanes of type T in a register.
 template <class T>
 inline constexpr int lanes = width / static_cast<int>(sizeof(T));
 
+/// The vector type of the compiler with N numbers of type T.
 template <class T, int N>
 struct PackOf {
   typedef T type __attribute__((vector_size(N * sizeof(T))));
@@ -76,15 +76,18 @@ using Mask = std::uint32_t;
 
 // A pack at any address of a T. (g++ expands std::memcpy of a pack in pieces of 16 bytes unless it
 // is tuned for a certain processor, and a load of the whole after such stores has to wait.)
+/// The same for access to memory of any alignment.
 template <class T, int N>
 struct UnalignedPackOf {
   typedef T type __attribute__((vector_size(N * sizeof(T)), aligned(alignof(T)), may_alias));
 };
 
+/// Reads N numbers, which need not be aligned.
 template <class T, int N = lanes<T>>
 Pack<T, N> load(const T* from) {
   return *reinterpret_cast<const typename UnalignedPackOf<T, N>::type*>(from);
 }
+/// Writes N numbers to memory of any alignment.
 template <class T, int N = lanes<T>>
 void store(T* to, const Pack<T, N>& pack) {
   *reinterpret_cast<typename UnalignedPackOf<T, N>::type*>(to) = pack;
@@ -109,11 +112,13 @@ void load_three(const T* from, Pack<T, 4>& to) {
 #endif
 }
 
+/// The value in all lanes.
 template <class T, int N = lanes<T>>
 Pack<T, N> broadcast(T value) {
   return value - Pack<T, N>{};
 }
 
+/// |a|, lane by lane.
 template <class T, int N = lanes<T>>
 Pack<T, N> abs(const Pack<T, N>& a) {
   using Bits = std::conditional_t<sizeof(T) == 4, std::uint32_t, std::uint64_t>;

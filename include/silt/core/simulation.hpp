@@ -25,6 +25,8 @@
 
 namespace silt {
 
+/// Advances particles P in time under an interaction I, with the integrator T; the search S finds
+/// the neighbours. A step that throws is rolled back: the simulation is as before it.
 template <class P, class S, class I, class T>
 class Simulation {
   static_assert(ParticleSet<P>, "silt::Simulation: the first argument must be particles");
@@ -69,13 +71,17 @@ class Simulation {
   /// Particles removed because they left the box, of all processes; see OnEscape.
   std::uint64_t particles_lost() const noexcept { return particles_lost_; }
 
+  /// The particles at time(), with velocities as the integrator stores them: at half steps with
+  /// Leapfrog. What the program changes holds from the next step on.
   P& particles() noexcept { return particles_; }
   const P& particles() const noexcept { return particles_; }
   /// In the state of its last update, which may be several steps ago: contacts search only when
   /// their list must be rebuilt.
   const S& search() const noexcept { return search_; }
+  /// The interaction, stored as ForParticles<I, P>.
   TypedInteraction& interaction() noexcept { return interaction_; }
   const TypedInteraction& interaction() const noexcept { return interaction_; }
+  /// The integrator, with what it keeps from step to step.
   const T& integrator() const noexcept { return integrator_; }
 
   /// Copies of the particles and the interaction with all quantities at time(); an integrator that

@@ -38,8 +38,8 @@ namespace silt {
 
 /// Something that a program sets up, and numbers that characterise it.
 struct SetupPart {
-  std::string name;
-  std::vector<double> numbers;
+  std::string name;  ///< of the type and its member, such as "ParallelBond::beta"
+  std::vector<double> numbers;  ///< in the units of their parameters
   double tolerance = 1e-9;  ///< of differences, relative to the largest number [-]
 };
 
@@ -87,7 +87,8 @@ void at_positions(P& particles, const std::vector<typename P::Vec>& x, F&& f) {
 /// Transfers the positions [m] of the last update of a search; in reading, updates the search at
 /// them. position_at(i) is the position of particle i at the last update. If is_known is false, the
 /// last update was with other particles, and the search is updated at the present positions. The
-/// particles are not moved. Returns is_known.
+/// particles are not moved. Returns is_known. Throws if what is read has positions although
+/// is_known is false.
 template <class Archive, class P, class PositionAt, class Update>
 bool transfer_update(Archive& archive, P& particles, bool is_known, PositionAt&& position_at,
                      Update&& update) {

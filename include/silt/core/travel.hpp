@@ -11,8 +11,8 @@ namespace silt {
 /// Sum of the maximum displacements of all steps since the last reset, which began the epoch: while
 /// `distance` [m] has increased by less than d, no particle has moved by d.
 struct Travel {
-  std::uint64_t epoch = 0;
-  double distance = 0;
+  std::uint64_t epoch = 0;  ///< number of the reset
+  double distance = 0;  ///< [m]
 
   /// Whether no particle has moved farther than d [m] since `then`; false if `then` belongs to
   /// another epoch.

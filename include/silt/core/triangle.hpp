@@ -11,6 +11,7 @@
 
 namespace silt {
 
+/// A triangle by its corners.
 template <class Real = double>
 struct Triangle {
   std::array<Vec<3, Real>, 3> corners;  ///< [m]

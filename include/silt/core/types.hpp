@@ -34,6 +34,7 @@ using Index = std::size_t;
 /// Permanent identifier of a particle.
 using Id = std::uint64_t;
 
+/// No particle, no element: result of a search for an index that found none.
 inline constexpr Index no_index = std::numeric_limits<Index>::max();
 
 /// Zero of any type of a field or a history; Eigen does not initialise its types.
@@ -95,6 +96,7 @@ void reserve_one_more(Vector& values) {
   if (values.size() == values.capacity()) values.reserve(2 * values.size() + 16);
 }
 
+/// x².
 template <class Real>
 Real squared(Real x) {
   return x * x;
