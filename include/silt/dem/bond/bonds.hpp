@@ -88,7 +88,7 @@ std::uint64_t checksum_of_constants(const P& grains) {
 
 }  // namespace detail
 
-/// The ids of two grains, in either order.
+/// The ids `one` and `other` of two grains, in either order.
 struct IdPair {
   Id one = 0;
   Id other = 0;
@@ -99,7 +99,7 @@ struct Touching {
   double max_gap = 0;  ///< largest distance between the two surfaces [m]
 };
 
-/// Bonds that have broken so far.
+/// Numbers of the bonds that have broken so far, `in_tension` or `in_shear`.
 struct BrokenBonds {
   std::uint64_t in_tension = 0;
   std::uint64_t in_shear = 0;
@@ -165,14 +165,17 @@ class Bonds {
     return found.size();
   }
 
+  /// Whether there is an intact bond between the two, in either order.
   bool is_bonded(const IdPair& pair) const {
     const auto [a, b] = std::minmax(pair.one, pair.other);
     return std::binary_search(bonds_.begin(), bonds_.end(), Bond{.a = a, .b = b}, comes_before);
   }
 
+  /// The parameters of all bonds.
   const ParallelBond& law() const noexcept { return law_; }
   /// The intact bonds, sorted by ids, in their state at the last step.
   std::span<const Bond> bonds() const noexcept { return bonds_; }
+  /// Numbers of broken bonds since the beginning.
   const BrokenBonds& broken() const noexcept { return broken_; }
 
   /// 0: bonds need no neighbour search.

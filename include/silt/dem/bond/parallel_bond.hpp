@@ -70,6 +70,8 @@ struct BeamSection {
   double twisting;  ///< polar moment J [m⁴]; 0 in 2D
 };
 
+/// Section of a bond between grains of which the smaller one has this radius [m];
+/// [PotyondyCundall2004] section 2.2.
 template <int Dim>
 BeamSection section_of(const ParallelBond& law, double smaller_radius) {
   const double R = law.radius_share * smaller_radius;
@@ -88,6 +90,7 @@ struct BeamSprings {
   double bending;   ///< k̄_n I [N m]
   double twisting;  ///< k̄_s J [N m]
 
+  /// For the stability of a time step, with β [s].
   Stiffness stiffness(double beta) const {
     const double rolling = std::max(bending, twisting);
     return {.normal = normal,
@@ -97,6 +100,7 @@ struct BeamSprings {
             .rolling_dashpot = beta * rolling};
   }
 };
+/// Springs of a bond with this section; [PotyondyCundall2004] section 2.2.
 inline BeamSprings springs_of(const ParallelBond& law, const BeamSection& section) {
   return {.normal = law.normal_stiffness * section.area,
           .shear = law.tangential_stiffness * section.area,
@@ -116,7 +120,7 @@ struct Bond {
   Id b = 0;
   Real rest_length = 0;      ///< distance of the centres when bonded [m]
   Real length = 0;           ///< distance of the centres in the last step [m]
-  Vec normal = Vec::Zero();  ///< unit vector from b to a in the last step
+  Vec normal = Vec::Zero();  ///< unit vector from b to a in the last step [-]
   Vec shear = Vec::Zero();   ///< shear displacement of a's side of the section [m]
   AngularVec rotation = zero_of<AngularVec>();  ///< of a relative to b [rad]
   Vec force = Vec::Zero();                      ///< [N]

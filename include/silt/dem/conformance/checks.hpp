@@ -42,18 +42,21 @@ struct ConformanceConditions {
 
 /// Result of one check.
 struct ConformanceCheck {
-  int dimension = 0;
+  int dimension = 0;        ///< 2 or 3, of the contact that was checked
   std::string name;         ///< e.g. "action equals reaction"
   double value = 0;         ///< measured [-]
   double limit = 0;         ///< of the value [-]
   std::string explanation;  ///< meaning of the value, and hints if it is too large
 
+  /// Whether the value is within the limit.
   bool passes() const { return value <= limit; }
 };
 
+/// Results of all checks of a law.
 struct ConformanceReport {
-  std::vector<ConformanceCheck> checks;
+  std::vector<ConformanceCheck> checks;  ///< in the order in which they were made
 
+  /// Whether all checks pass.
   bool passes() const {
     return std::all_of(checks.begin(), checks.end(),
                        [](const auto& check) { return check.passes(); });

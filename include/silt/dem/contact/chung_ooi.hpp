@@ -13,6 +13,7 @@
 
 namespace silt::dem {
 
+/// Parameters of chung_ooi_law().
 struct ChungOoiMaterial {
   Elastic elastic = {};               ///< of a rigid wall E = 1e30 Pa
   Restitution restitution = {};       ///< e [-] in (0, 1]

@@ -67,6 +67,8 @@ class ContactsOf : public Contacts<Law, Walls...> {
   using ContactsOfStep = detail::ContactsOfStep<P, Law, WallSet<Walls...>>;
 
  public:
+  /// Contacts for grains of type P, from their description; made by a Simulation or by
+  /// for_particles().
   ContactsOf(Contacts<Law, Walls...> contacts) : Contacts<Law, Walls...>(std::move(contacts)) {}
 
   /// A copy with other settings and the same histories. Throws if a setting is out of range.
@@ -181,6 +183,7 @@ class ContactsOf : public Contacts<Law, Walls...> {
   /// Takes a wall, given by its number, away or puts it back, from the next step on: a gate that
   /// opens. All are present at first. Kept in checkpoints. Throws if there is no such wall.
   void set_wall_present(Index wall, bool present) { walls_.set_present(wall, present); }
+  /// Whether the wall acts on grains. Throws if there is no such wall.
   bool is_wall_present(Index wall) const { return walls_.is_present(wall); }
 
   /// Whether a grain at x [m] with this radius [m] would touch a wall, or be behind one, at a time

@@ -11,6 +11,7 @@
 
 namespace silt::dem {
 
+/// A mass at a spring to the ground, or the effective mass m* of a pair and the spring between.
 struct Spring {
   double mass = 0;       ///< m [kg], above 0
   double stiffness = 0;  ///< k [N/m], above 0
@@ -35,12 +36,14 @@ inline double contact_duration(const Spring& spring) {
   return std::numbers::pi * std::sqrt(spring.mass / spring.stiffness);
 }
 
-/// Largest stable Δt of leapfrog [s] for the angular frequency ω [1/s] with dashpots c = β k that
-/// use the velocity of the previous half step: (2/ω) (√(1 + ζ²) − ζ), ζ = β ω/2.
+/// A damped oscillator: its `angular_frequency` ω without damping [1/s], and `beta`, β = c/k [s],
+/// of its dashpot c and spring k.
 struct Oscillator {
   double angular_frequency = 0;
   double beta = 0;
 };
+/// Largest stable Δt of leapfrog [s] with dashpots that use the velocity of the previous half step:
+/// (2/ω) (√(1 + ζ²) − ζ), ζ = β ω/2.
 inline double stable_time_step(const Oscillator& o) {
   const double zeta = o.beta * o.angular_frequency / 2;
   return 2 / o.angular_frequency * (std::sqrt(1 + zeta * zeta) - zeta);

@@ -16,8 +16,10 @@ namespace silt {
 
 /// Partner id of wall w; larger than the id of any particle.
 constexpr Id wall_id(Index wall) { return ~static_cast<Id>(wall); }
+/// Whether an id is one that wall_id() gives.
 constexpr bool is_wall_id(Id id) { return id >> 63 != 0; }
 
+/// A table of pairs of ids, with a Value each.
 template <class Value>
 class PairHistory {
  public:

@@ -11,7 +11,7 @@
 
 namespace silt::dem {
 
-/// Both bodies of a contact: indices of owned grains, or of an element of a wall.
+/// Both bodies of a contact, i and j: indices of owned grains, or of an element of a wall.
 struct ContactBodies {
   Index i = no_index;
   Index j = no_index;     ///< `no_index`: a wall
@@ -23,7 +23,7 @@ template <int Dim, class Real, class Answer>
 struct EvaluatedContact {
   ContactBodies bodies;  ///< indices in the given grains
   Id first;              ///< ids of the two; the second may be wall_id()
-  Id second;
+  Id second;             ///< id of the other body
   Contact<Dim, Real> contact;       ///< input of the law
   Real arm_reduction;               ///< R minus the lever arm [m]
   Answer answer;                    ///< a force, ForceComponents or LoadComponents

@@ -53,7 +53,8 @@ class Law {
                   "adhesion, or there are two of a kind (see silt/dem/law/law_components.hpp)");
   }
 
-  /// The histories of all components.
+  /// The histories of all components; empty for those that have none. `Of` is the type of one, and
+  /// there are `normal`, `tangential`, `rolling` and `adhesion`.
   template <int Dim, class Real>
   struct History {
     template <class Component, int slot>

@@ -65,13 +65,14 @@ void check_stiffness(const Stiffness& k, F&& contact, const Where& where = {}) {
   check("rolling_dashpot", k.rolling_dashpot, "N m s");
 }
 
-/// Energy stored in the springs of a contact [J].
+/// Energy stored in the springs of a contact, all in [J].
 struct ElasticEnergies {
   double normal = 0;
   double tangential = 0;
   double rolling = 0;   ///< and twisting
   double adhesion = 0;  ///< not above 0: minus the work needed to separate the two
 
+  /// Energy of all springs [J].
   double sum() const { return normal + tangential + rolling + adhesion; }
   ElasticEnergies& operator+=(const ElasticEnergies& more) {
     normal += more.normal;
@@ -88,7 +89,7 @@ inline void check_magnitude(std::string_view name, double value) {
   require_positive(name, value);
   require_between(name, value, {1e-100, 1e100});
 }
-/// The same, or 0.
+/// The same, but the value may also be 0. Throws unless it is one of these.
 inline void check_magnitude_or_zero(std::string_view name, double value) {
   require_not_negative(name, value);
   if (value > 0) check_magnitude(name, value);
@@ -112,6 +113,7 @@ struct ForceComponents {
   Real plastic = 0;   ///< energy dissipated in this step by a yielding spring [J]
   Real friction = 0;  ///< energy dissipated in this step by the slider [J]
 
+  /// The force on i for the unit vector of its contact, its normal [N].
   Vec force(const Vec& normal) const {
     return (normal_spring + normal_dashpot + adhesion) * normal + tangential_spring +
            tangential_dashpot;
@@ -128,6 +130,7 @@ struct LoadComponents : ForceComponents<Dim, RealType> {
   AngularVec rolling_dashpot = zero_of<AngularVec>();  ///< [N m]
   RealType rolling_friction = 0;  ///< energy dissipated in this step by the sliders [J]
 
+  /// The couple on i [N m].
   AngularVec couple() const { return rolling_spring + rolling_dashpot; }
 };
 

@@ -30,11 +30,13 @@ struct OverlapForm {
     }
   };
 
+  /// F_n [N].
   template <class C, class M>
   static typename C::Real spring_force(const C& contact, M&, typename C::Real k_n) {
     return k_n * contact.overlap;
   }
 
+  /// D_n [N]; see CentredDashpot.
   template <class C, class M>
   static typename C::Real dashpot_force(const C& contact, M& history, typename C::Real k_n,
                                         typename C::Real c_n) {
@@ -47,6 +49,7 @@ struct OverlapForm {
     return double(contact.overlap);
   }
 
+  /// The β of a dashpot counts so many times for the stable time step [-]; see CentredDashpot.
   static constexpr double stability_factor = CentredDashpot::stability_factor;
 };
 
@@ -65,26 +68,32 @@ struct IncrementalForm {
     }
   };
 
+  /// F_n^N [N], (8) (10) (12), which is added to in the history.
   template <class C, class M>
   static typename C::Real spring_force(const C& contact, M& history, typename C::Real k_n) {
     history.normal_force += k_n * contact.approach_speed() * contact.time_step;
     return history.normal_force;
   }
 
+  /// D_n^N [N], (22).
   template <class C, class M>
   static typename C::Real dashpot_force(const C& contact, M&, typename C::Real,
                                         typename C::Real c_n) {
     return c_n * contact.approach_speed();
   }
 
+  /// F_n/k_n [m].
   template <class C, class M>
   static double compression(const C&, const M& history, double k_n) {
     return double(history.normal_force) / k_n;
   }
 
+  /// The dashpot uses the velocity at N − ½, as the stability limit assumes [-].
   static constexpr double stability_factor = 1;
 };
 
+/// The law of [CundallStrack1979] as in [SahChoi2004], with the normal force of a NormalForm: see
+/// CundallStrack and CundallStrackIncremental.
 template <class NormalForm>
 struct CundallStrackLaw {
   double normal_stiffness = 0;      ///< k_n [N/m], above 0
@@ -205,7 +214,9 @@ struct CundallStrackLaw {
   }
 };
 
+/// F_n from the overlap; second order in Δt.
 using CundallStrack = CundallStrackLaw<OverlapForm>;
+/// F_n by increments, as in the paper; first order in Δt.
 using CundallStrackIncremental = CundallStrackLaw<IncrementalForm>;
 
 }  // namespace silt::dem

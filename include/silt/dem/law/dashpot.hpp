@@ -15,10 +15,11 @@ namespace silt::dem {
 /// Restitution e of a head-on impact whose contact ends at zero overlap (the total force may be
 /// attractive just before), and the damping ratio that yields it: ζ = −ln e / √(π² + ln² e).
 struct Restitution {
-  double value = 1;
-  double damping_ratio = 0;
+  double value = 1;          ///< e [-]
+  double damping_ratio = 0;  ///< ζ [-]
 
   constexpr Restitution() = default;
+  /// From e [-]; check() tests its range.
   Restitution(double e)
       : value(e),
         damping_ratio(-std::log(e) /

@@ -10,6 +10,7 @@
 
 namespace silt::dem {
 
+/// An isotropic elastic material.
 struct Elastic {
   double young_modulus = 0;  ///< E [Pa], above 0; for a rigid wall e.g. 1e30
   double poisson_ratio = 0;  ///< ν [-] in (−1, ½]

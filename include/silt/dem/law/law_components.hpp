@@ -96,6 +96,8 @@ auto with_history(M& history, F&& f) {
 
 }  // namespace detail
 
+/// A component with normal_force(contact) → NormalForce, the force on i along the normal; see the
+/// list in this file.
 template <class P, int Dim, class Real>
 concept NormalComponent =
     requires(const P p, const Contact<Dim, Real> c) {
@@ -105,6 +107,8 @@ concept NormalComponent =
       { p.normal_force(c, history) } -> std::convertible_to<NormalForce<Contact<Dim, Real>>>;
     };
 
+/// A component with tangential_force(contact, normal force) → TangentialForce, on i in the contact
+/// plane.
 template <class P, int Dim, class Real>
 concept TangentialComponent =
     requires(const P p, const Contact<Dim, Real> c, const NormalForce<Contact<Dim, Real>> n) {
@@ -116,6 +120,8 @@ concept TangentialComponent =
       } -> std::convertible_to<TangentialForce<Contact<Dim, Real>>>;
     };
 
+/// A component with rolling_couple(contact, normal force) → RollingCouple, on i in addition to the
+/// moment of the force.
 template <class P, int Dim, class Real>
 concept RollingComponent =
     requires(const P p, const Contact<Dim, Real> c, const NormalForce<Contact<Dim, Real>> n) {
@@ -125,6 +131,8 @@ concept RollingComponent =
       { p.rolling_couple(c, n, history) } -> std::convertible_to<RollingCouple<Contact<Dim, Real>>>;
     };
 
+/// A component with adhesion_force(contact) → force on i along the normal [N], negative if
+/// attractive.
 template <class P, int Dim, class Real>
 concept AdhesionComponent =
     requires(const P p, const Contact<Dim, Real> c) {

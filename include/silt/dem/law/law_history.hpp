@@ -11,7 +11,8 @@
 
 namespace silt::dem {
 
-/// The history of a law as an array of Reals; empty for a law without history.
+/// The history of a law as an array of `words` Reals; empty for a law without history. from(row)
+/// reads it from the array, put(history, row) writes it there.
 template <class Law, int Dim, class Real>
 struct LawHistory {
   using type = NoHistory;

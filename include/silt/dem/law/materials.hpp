@@ -39,6 +39,7 @@ class Materials {
     }
   }
 
+  /// Number of materials.
   std::uint32_t count() const noexcept { return static_cast<std::uint32_t>(count_); }
 
   /// Throws if there is no material with this number; `whose` and `where` describe its owner.

@@ -21,6 +21,7 @@ struct FrictionAngle {
   double tangent = 0;
 
   constexpr FrictionAngle() = default;
+  /// From φ [rad]; check() tests its range.
   FrictionAngle(double angle) : value(angle), tangent(std::tan(angle)) {}
 
   /// Throws unless 0 ≤ φ < π/2; the message also says how to convert degrees and coefficients.
@@ -76,6 +77,7 @@ struct Slider {
   Real limit = 0;      ///< of the spring force, not below 0 [N]
 };
 
+/// What slide() returns: force on i, or couple [N m].
 template <class Vec>
 struct SliderForce {
   Vec spring;                 ///< [N]
@@ -113,6 +115,7 @@ SliderForce<Vec> slide(const Slider<Real>& slider, const Vec& before, const Vec&
   return {F, -c * v, std::max(Real(0), lost)};
 }
 
+/// What with_stiffness() and with_displacement() return: force on i, or couple [N m].
 template <class Vec>
 struct RescaledForce {
   Vec force;                  ///< [N]

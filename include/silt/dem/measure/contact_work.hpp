@@ -24,6 +24,7 @@ struct Energies {
                           ///< side along g
   ElasticEnergies elastic{};  ///< in the springs of contacts
 
+  /// Sum of all [J].
   double sum() const { return kinetic + rotational + potential + elastic.sum(); }
 };
 
@@ -43,7 +44,9 @@ struct Work {
   double removed_grains = 0;  ///< by grains removed in the step, on the remaining ones
   double other = 0;           ///< by forces unknown to the ledger
 
+  /// By all springs of contacts, adhesion included [J].
   double springs() const { return normal_spring + tangential_spring + rolling_spring + adhesion; }
+  /// Sum of all terms [J].
   double sum() const {
     double sum = 0;
     for_each([&](double Work::* term) { sum += this->*term; });
@@ -79,6 +82,7 @@ struct Losses {
   double plastic = 0;           ///< dissipated by yielding normal springs
   double separation = 0;        ///< stored in tangential and rolling springs when contacts ended
 
+  /// Sum of all [J].
   double sum() const { return friction + rolling_friction + plastic + separation; }
   Losses& operator+=(const Losses& more) {
     friction += more.friction;

@@ -10,6 +10,7 @@
 
 namespace silt::dem {
 
+/// What coordination() returns.
 struct Coordination {
   double mean = 0;  ///< Z: contacts per grain; a contact counts for each of its grains [-]
   /// Z_m of [Thornton2000]: without grains that have one contact or none, which cannot bear a load,

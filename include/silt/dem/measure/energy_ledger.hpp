@@ -44,6 +44,7 @@ class EnergyLedger {
   using Motion = detail::MeanMotion<P>;
 
  public:
+  /// The balance begins with this state of the simulation.
   template <class Sim>
   explicit EnergyLedger(const Sim& simulation) {
     keep_state(simulation);
@@ -77,6 +78,7 @@ class EnergyLedger {
   const Energies& initial_energies() const noexcept { return initial_energies_; }
   /// Totals since the beginning.
   const Work& work() const noexcept { return work_; }
+  /// Energy lost from springs since the beginning [J].
   const Losses& losses() const noexcept { return losses_; }
   /// Kinetic energy, including rotation, that was added between steps from outside: by adding or
   /// removing grains or by setting their velocities [J].

@@ -23,12 +23,15 @@
 
 namespace silt::dem {
 
+/// What stress() returns: the momentum that grains carry, and the forces that contacts transmit;
+/// compression is positive.
 template <int Dim>
 struct Stress {
   using Matrix = Eigen::Matrix<double, Dim, Dim>;
   Matrix kinetic = Matrix::Zero();  ///< [Pa]; in 2D [N/m]
   Matrix contact = Matrix::Zero();  ///< [Pa]; in 2D [N/m]
 
+  /// σ [Pa]; in 2D [N/m].
   Matrix sum() const { return kinetic + contact; }
   /// A third of the trace, in 2D half of it.
   double pressure() const { return sum().trace() / Dim; }

@@ -64,6 +64,7 @@ bool would_touch_wall(const I& interaction, const Vec& x, Real radius, double ti
 template <class R, SizeDistribution Sizes>
 class Inflow {
  public:
+  /// The bounding Box of the region.
   using Bounds = std::remove_cvref_t<decltype(std::declval<const R&>().bounds())>;
   using Vec = decltype(Bounds::lower);
   using Real = typename Vec::Scalar;
@@ -75,7 +76,7 @@ class Inflow {
     Vec velocity = Vec::Zero();       ///< initial velocity of the grains [m/s]
     double every = 0;                 ///< time between two attempts [s]; 0: every step
     Index tries = 100;                ///< positions to try for a grain in one attempt; 1 to 1e7
-    std::uint64_t seed = 0;
+    std::uint64_t seed = 0;           ///< of the random numbers
   };
 
   /// Throws if the region, the blend or a setting is out of range, and if more than 1e8 grains
@@ -95,6 +96,7 @@ class Inflow {
 
   /// Grains added so far.
   Index number() const noexcept { return added_; }
+  /// Whether all grains have been added.
   bool is_done() const noexcept { return added_ == settings_.number; }
 
   template <class Sim>

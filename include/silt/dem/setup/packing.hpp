@@ -33,7 +33,7 @@ namespace silt::dem {
 struct Scatter {
   std::optional<Index> number = {};
   std::optional<double> solid_fraction = {};  ///< volume of the added grains over the region's [-]
-  std::uint64_t seed = 0;
+  std::uint64_t seed = 0;                     ///< of the random numbers
   Index tries = 2000;  ///< positions to try for each grain; 1 to 1e7
 };
 

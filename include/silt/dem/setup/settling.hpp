@@ -15,6 +15,7 @@
 
 namespace silt::dem {
 
+/// When settle() regards grains as at rest.
 struct Settling {
   double speed = 0;        ///< at rest below this rms speed [m/s], above 0
   double check_every = 0;  ///< time between two checks [s], above 0 and at most max_time

@@ -20,6 +20,11 @@
 
 namespace silt::dem {
 
+/// Has
+///   radius(random)   → [m], drawn from a Random
+///   largest()        → [m], upper bound of the radii
+///   check()          throws if the distribution is invalid
+/// Models: EqualSizes, UniformSizes, LognormalSizes, SieveSizes.
 template <class S>
 concept SizeDistribution = requires(const S sizes, Random random) {
   { sizes.radius(random) } -> std::convertible_to<double>;
@@ -101,7 +106,7 @@ class SieveSizes {
   struct Fraction {
     double min_radius = 0;  ///< [m], above 0
     double max_radius = 0;  ///< [m]
-    double mass = 0;        ///< mass of the fraction, in any unit; not below 0
+    double mass = 0;        ///< mass of the fraction [any unit, the same for all]; not below 0
   };
 
   struct Settings {

@@ -21,7 +21,9 @@ struct Pose {
   Eigen::Matrix<Real, Dim, Dim> rotation = Eigen::Matrix<Real, Dim, Dim>::Identity();
   Vec<Dim, Real> shift = Vec<Dim, Real>::Zero();  ///< [m]
 
+  /// Where a point defined at X is [m].
   Vec<Dim, Real> x_of(const Vec<Dim, Real>& X) const { return multiply(rotation, X) + shift; }
+  /// Where a point that is at x was defined [m].
   Vec<Dim, Real> X_of(const Vec<Dim, Real>& x) const {
     return multiply<Dim, Real>(rotation.transpose(), x - shift);
   }
@@ -34,6 +36,7 @@ struct RigidVelocity {
   AngularVec<Dim, Real> spin = zero_of<AngularVec<Dim, Real>>();  ///< [1/s]
   Vec<Dim, Real> about = Vec<Dim, Real>::Zero();                  ///< [m]
 
+  /// Velocity of its point at x [m/s].
   Vec<Dim, Real> at(const Vec<Dim, Real>& x) const {
     return linear + cross(spin, Vec<Dim, Real>(x - about));
   }
@@ -117,12 +120,12 @@ struct Vibration {
   double omega() const { return 2 * std::numbers::pi * frequency; }
 };
 
-/// A moving wall: Moving{Plane<3>{}, Vibration<3>{.amplitude = {0, 0, 1e-3}, .frequency = 50}}.
-/// pose_at(t) takes the wall from its initial position to that at time t. The velocity of its
-/// surface at a contact enters the contact's relative velocity, its spin the relative spin. A law
-/// is evaluated with grain positions x^N and velocities v^{N−½}; therefore the pose of the wall is
-/// that of t^N and its velocity that of t^N − Δt/2, and springs follow the actual relative
-/// displacement.
+/// A moving wall: Moving{Plane<3>{}, Vibration<3>{.amplitude = {0, 0, 1e-3}, .frequency = 50}}. Its
+/// `motion`, a WallMotion, takes the `wall`, a WallAtRest, from its initial position: pose_at(t)
+/// gives the position at time t. The velocity of its surface at a contact enters the contact's
+/// relative velocity, its spin the relative spin. A law is evaluated with grain positions x^N and
+/// velocities v^{N−½}; therefore the pose of the wall is that of t^N and its velocity that of t^N −
+/// Δt/2, and springs follow the actual relative displacement.
 template <class W, class M>
 struct Moving {
   W wall;
@@ -142,6 +145,7 @@ struct Moving {
 template <class W, class M>
 Moving(W, M) -> Moving<W, M>;
 
+/// Whether W is a Moving wall.
 template <class W>
 inline constexpr bool is_moving = false;
 template <class W, class M>

@@ -17,7 +17,8 @@ namespace silt::dem {
 template <int Dim, class Real = double>
 struct Plane {
   Vec<Dim, Real> point = Vec<Dim, Real>::Zero();          ///< any point of the plane [m]
-  Vec<Dim, Real> normal = Vec<Dim, Real>::Unit(Dim - 1);  ///< out of the solid; any non-zero length
+  /// Out of the solid; any non-zero length [-].
+  Vec<Dim, Real> normal = Vec<Dim, Real>::Unit(Dim - 1);
   std::uint32_t material = 0;                             ///< index in dem::Materials
 
   /// Normalises `normal`; throws if its length is 0.

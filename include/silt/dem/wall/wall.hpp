@@ -18,7 +18,7 @@ namespace silt::dem {
 /// contact.
 template <int Dim, class Real>
 struct NearestPoint {
-  Vec<Dim, Real> normal;  ///< unit vector from the wall to the grain
+  Vec<Dim, Real> normal;  ///< unit vector from the wall to the grain [-]
   Real distance;  ///< of the centre from the wall [m]; negative behind the surface; finite, except
                   ///< in no_nearest_point()
 };

@@ -26,12 +26,13 @@ namespace silt::dem {
 /// an element in a few bits.
 inline constexpr Index max_wall_elements = Index(1) << 28;
 
-/// Times at which the poses and velocities of walls are evaluated [s].
+/// Times at which the poses (`positions`) and velocities (`velocities`) of walls are evaluated [s].
 struct WallTimes {
   double positions = 0;
   double velocities = 0;
 };
 
+/// From one time to another.
 struct TimeSpan {
   double from = 0;  ///< [s]
   double to = 0;    ///< [s]
@@ -119,6 +120,7 @@ class WallsAtTime {
   /// At least one wall moves.
   static constexpr bool move = (is_moving<Walls> || ...);
 
+  /// Made by WallSet::at(); `first` has the index of the first element of each wall.
   WallsAtTime(const std::tuple<Walls...>& walls,
               const std::array<Index, sizeof...(Walls) + 1>& first,
               const std::array<bool, sizeof...(Walls) + 1>& present, const WallTimes& times)
@@ -227,11 +229,13 @@ class WallSet {
     check_number(number);
     return present_[number];
   }
+  /// Lets a wall act on grains, or not. Throws if there is no wall with this number.
   void set_present(Index number, bool present) {
     check_number(number);
     if (present_[number] != present) ++revision_;
     present_[number] = present;
   }
+  /// Lets all walls act on grains.
   void set_all_present() {
     for (Index w = 0; w < size(); ++w) set_present(w, true);
   }

@@ -16,16 +16,17 @@
 
 namespace silt::dem {
 
+/// The features of a welded mesh. Faces, edges, facets, lines and corners have numbers, from 0.
 template <class Real>
 struct MeshFeatures {
   using Vec = silt::Vec<3, Real>;
-  static constexpr std::uint32_t none = ~std::uint32_t(0);
+  static constexpr std::uint32_t none = ~std::uint32_t(0);  ///< in place of a number
 
-  /// Between two vertices.
+  /// Between two vertices, `from` and `to`.
   struct Edge {
     std::uint32_t from;
     std::uint32_t to;
-    Vec along;                  ///< unit vector, from → to
+    Vec along;                  ///< unit vector, from → to [-]
     Real length;                ///< [m]
     std::uint32_t first_side;   ///< index of its first side
     std::uint32_t last_side;    ///< one past its last side
@@ -33,32 +34,34 @@ struct MeshFeatures {
   };
   /// A face at an edge.
   struct EdgeSide {
-    Vec inwards;  ///< unit vector from the edge into the face
+    Vec inwards;  ///< unit vector from the edge into the face [-]
     std::uint32_t face;
   };
+  /// A triangle of the mesh: its `vertices`, and the `facet` that it is part of.
   struct Face {
     std::array<std::uint32_t, 3> vertices;
     std::array<std::uint32_t, 3> edges{};  ///< from each vertex to the next
     std::array<Vec, 3> inwards;            ///< unit vectors from these edges into the face
-    Vec normal;
+    Vec normal;  ///< unit vector [-], by the right-hand rule from the vertices
     std::uint32_t facet = none;
   };
-  /// An edge with a direction.
+  /// An edge with a direction: from → to, unless it `is_reversed`.
   struct Piece {
     std::uint32_t edge;
     bool is_reversed;
   };
+  /// A straight line of edges: its `pieces`, one behind the other.
   struct Line {
     std::vector<Piece> pieces;
     std::vector<Real> begins;  ///< position along the line where each begins [m]
   };
 
   std::vector<Vec> vertices;  ///< [m]
-  std::vector<Face> faces;
-  std::vector<Edge> edges;
+  std::vector<Face> faces;    ///< of the mesh, in the order of its triangles
+  std::vector<Edge> edges;    ///< each once
   std::vector<EdgeSide> sides;                     ///< in the order of the edges
   std::vector<std::vector<std::uint32_t>> facets;  ///< the faces of each facet
-  std::vector<Line> lines;
+  std::vector<Line> lines;                         ///< where facets meet or end
   std::vector<std::uint32_t> corners;        ///< vertex of each corner
   std::vector<std::uint32_t> corner_at;      ///< corner at each vertex, or none
   std::vector<std::vector<Piece>> edges_at;  ///< edges at each vertex, directed away from it
@@ -73,15 +76,19 @@ struct MeshFeatures {
     find_corners();
   }
 
+  /// The faces that meet at an edge.
   std::span<const EdgeSide> sides_of(const Edge& edge) const {
     return std::span(sides).subspan(edge.first_side, edge.last_side - edge.first_side);
   }
+  /// Unit vector in the direction of the piece [-].
   Vec along(const Piece& piece) const {
     return piece.is_reversed ? Vec(-edges[piece.edge].along) : edges[piece.edge].along;
   }
+  /// The vertex at which the piece begins.
   std::uint32_t begin_of(const Piece& piece) const {
     return piece.is_reversed ? edges[piece.edge].to : edges[piece.edge].from;
   }
+  /// The vertex at which the piece ends.
   std::uint32_t end_of(const Piece& piece) const {
     return piece.is_reversed ? edges[piece.edge].from : edges[piece.edge].to;
   }

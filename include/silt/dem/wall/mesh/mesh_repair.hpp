@@ -32,6 +32,7 @@ namespace silt::dem {
 /// Triangles with shared vertices.
 template <class Real>
 struct WeldedMesh {
+  /// Indices of the three vertices of a triangle.
   using Corners = std::array<std::uint32_t, 3>;
   std::vector<Vec<3, Real>> vertices;  ///< [m]
   std::vector<Corners> triangles;      ///< indices of the vertices; no duplicates

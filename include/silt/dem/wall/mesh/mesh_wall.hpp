@@ -24,6 +24,7 @@
 
 namespace silt::dem {
 
+/// How a MeshWall is made of its triangles.
 struct MeshSettings {
   std::uint32_t material = 0;  ///< index in dem::Materials
   double flat_angle = 1e-3;    ///< triangles at smaller angles form one facet [rad]
@@ -61,8 +62,11 @@ class MeshWall {
     return all.sum();
   }
 
+  /// Number of facets, which are its first elements.
   Index facets() const { return mesh_->features.facets.size(); }
+  /// Number of lines, which are its elements behind the facets.
   Index lines() const { return mesh_->features.lines.size(); }
+  /// Number of corners, which are its last elements.
   Index corners() const { return mesh_->features.corners.size(); }
 
   Index element_count() const { return facets() + lines() + corners(); }
