@@ -29,7 +29,7 @@ struct Largest {
   double minus_time_step = -std::numeric_limits<double>::infinity();
   double time_step = -std::numeric_limits<double>::infinity();  ///< that is given [s]
   double energy_gain = 0;  ///< FinishedStep::max_energy_gain, in core/watch.hpp [-]
-  double wanted = 0;      ///< [-] 1 if a process wants what is asked, such as the end of a run
+  double wanted = 0;       ///< [-] 1 if a process wants what is asked, such as the end of a run
 };
 
 /// One of several processes.

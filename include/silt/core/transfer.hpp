@@ -38,7 +38,7 @@ namespace silt {
 
 /// Something that a program sets up, and numbers that characterise it.
 struct SetupPart {
-  std::string name;  ///< of the type and its member, such as "ParallelBond::beta"
+  std::string name;             ///< of the type and its member, such as "ParallelBond::beta"
   std::vector<double> numbers;  ///< in the units of their parameters
   double tolerance = 1e-9;  ///< of differences, relative to the largest number [-]
 };

@@ -12,7 +12,7 @@ namespace silt {
 /// `distance` [m] has increased by less than d, no particle has moved by d.
 struct Travel {
   std::uint64_t epoch = 0;  ///< number of the reset
-  double distance = 0;  ///< [m]
+  double distance = 0;      ///< [m]
 
   /// Whether no particle has moved farther than d [m] since `then`; false if `then` belongs to
   /// another epoch.
