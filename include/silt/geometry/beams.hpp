@@ -23,10 +23,12 @@ class Beams {
   using Element = typename Faces<Dim>::Element;
 
   /// One of them.
+  /// The lines from one viewpoint through one facet: those points beyond it.
   struct Beam {
-    Vec viewpoint = Vec::Zero();
-    std::uint32_t first = 0, end = 0;              // of the half-spaces that have all of it
-    std::uint32_t first_piece = 0, end_piece = 0;  // in one of which each point is; none: everywhere
+    Vec viewpoint = Vec::Zero();       ///< [m]
+    std::uint32_t first = 0, end = 0;  ///< of the half-spaces that have all of it
+    /// In one of which each point is; none: everywhere.
+    std::uint32_t first_piece = 0, end_piece = 0;
   };
 
   void clear() {

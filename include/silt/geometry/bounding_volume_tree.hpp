@@ -13,18 +13,22 @@
 
 namespace silt {
 
+/// Finds the items near a point by their bounding boxes.
 template <int Dim, class Real>
 class BoxTree {
  public:
   using Vec = silt::Vec<Dim, Real>;
+  /// A bounding box, from its corner `lower` to `upper` [m].
   struct Bounds {
     Vec lower = Vec::Zero();
     Vec upper = Vec::Zero();
 
+    /// Extends the box, so that it has the other one inside.
     void enclose(const Bounds& other) {
       lower = lower.cwiseMin(other.lower);
       upper = upper.cwiseMax(other.upper);
     }
+    /// Of a point, or of another box, from the box [m²]; 0 inside.
     Real squared_distance(const Vec& x) const {
       return (x - x.cwiseMax(lower).cwiseMin(upper)).squaredNorm();
     }

@@ -115,7 +115,11 @@ inline double side_of(const Vec<3>& p, const Vec<3>& q, const Vec<3>& a, const V
 }  // namespace detail
 
 /// How a line passes a face.
-enum class Passage : std::uint8_t { beside, through, at_rim };
+enum class Passage : std::uint8_t {
+  beside,   ///< outside of it
+  through,  ///< inside of it
+  at_rim,   ///< near an edge of it, in 2D an end
+};
 
 /// How the line through p and q, which does not lie in the face, passes it; at_rim: closer to the line
 /// of one of its edges (in 2D, to an end) than about `margin` [m].

@@ -29,20 +29,22 @@ template <int Dim>
 class Faces {
  public:
   using Vec = silt::Vec<Dim>;
+  /// As columns, unit vectors.
   using Axes = Eigen::Matrix<double, Dim, Dim>;
 
+  /// A face of the surface, with what is asked of it often.
   struct Element {
     Face<Dim> face;
-    Vec normal;
+    Vec normal;           ///< unit vector [-]
     double offset;        ///< normal·x of the points x of its plane [m]
     std::uint32_t facet;  ///< the number of its facet
     /// Whether the edge from corner k to the next one (in 2D, the end k) is on the facet's rim.
     std::array<bool, std::size_t(Dim)> is_rim;
     /// Whether its facet is known to be convex.
     bool is_convex;
-    /// Unit vectors in the plane, from these edges (ends) into the face, and their products with
-    /// the points of the edges [m].
+    /// Unit vectors in the plane, from these edges (ends) into the face [-].
     std::array<Vec, std::size_t(Dim)> inwards;
+    /// Their products with the points of the edges [m].
     std::array<double, std::size_t(Dim)> inner_offset;
 
     /// Signed distance of x, a point of the plane, from the line of an edge, positive on the side
@@ -87,6 +89,7 @@ class Faces {
     find_axes();
   }
 
+  /// All faces, each once; their numbers are those of this array.
   std::span<const Element> elements() const { return elements_; }
   /// Orthogonal unit vectors, columns, along the normals of the first faces that have different ones.
   const Axes& axes() const { return axes_; }

@@ -14,7 +14,7 @@
 
 namespace silt {
 
-/// A direction along an axis: forwards (+1) or backwards (−1).
+/// A direction along an `axis` (0: x, 1: y, 2: z): its `sign` is +1, forwards, or −1, backwards.
 struct Direction {
   int axis;
   int sign;

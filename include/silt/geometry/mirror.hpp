@@ -16,6 +16,7 @@ struct Mirror {
   Vec translation = Vec::Zero();         ///< t [m]
 
   Vec operator()(const Vec& x) const { return multiply<Dim, double>(rotation, x) + translation; }
+  /// The map of images to their points.
   Mirror inverse() const {
     const Matrix back = rotation.transpose();
     return {back, -multiply<Dim, double>(back, translation)};

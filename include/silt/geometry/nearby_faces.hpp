@@ -25,12 +25,14 @@ class NearbyFaces {
   using Vec = silt::Vec<Dim>;
   using Element = typename Faces<Dim>::Element;
 
-  /// The part of a facet near x.
+  /// The part of a facet near x, in the plane normal·x = offset: `normal` is a unit vector [-],
+  /// `offset` [m].
   struct NearFacet {
     Vec normal;
     double offset;
     std::uint32_t first, end;  ///< of its faces in faces()
 
+    /// Signed distance from the plane [m].
     double height(const Vec& x) const { return normal.dot(x) - offset; }
   };
 
@@ -108,10 +110,13 @@ class NearbyFaces {
   const Element& operator[](std::uint32_t face) const { return (*surface_)[face]; }
   /// Unless they are one plane.
   std::span<const NearFacet> facets() const { return facets_; }
+  /// The numbers of its faces near x.
   std::span<const std::uint32_t> faces_of(const NearFacet& facet) const {
     return faces().subspan(facet.first, facet.end - facet.first);
   }
+  /// The whole surface.
   const Faces<Dim>& surface() const { return *surface_; }
+  /// The point x [m].
   const Vec& x() const { return x_; }
   double reach() const { return reach_; }  ///< [m]
 

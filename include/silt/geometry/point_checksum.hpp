@@ -12,6 +12,7 @@ namespace silt {
 /// Checksum of points: FNV-1a over their coordinates.
 class PointChecksum {
  public:
+  /// Adds the coordinates of a point, or another number.
   template <int Dim, class Real>
   void add(const Vec<Dim, Real>& point) {
     for (int k = 0; k < Dim; ++k)
@@ -21,6 +22,7 @@ class PointChecksum {
     for (int byte = 0; byte < 8; ++byte)
       sum_ = (sum_ ^ (number >> 8 * byte & 255)) * 1099511628211u;
   }
+  /// The checksum of all that was added.
   std::uint64_t sum() const { return sum_; }
 
  private:

@@ -41,6 +41,7 @@ struct Sides {
     sides.upper[std::size_t(Dim) - 1] = false;
     return sides;
   }
+  /// A closed box.
   static Sides all() {
     Sides sides;
     sides.lower.fill(true);
