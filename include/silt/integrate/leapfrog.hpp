@@ -22,6 +22,7 @@
 
 namespace silt {
 
+/// Whether F is one of the Fs.
 template <class F, class... Fs>
 inline constexpr bool one_of = (std::same_as<F, Fs> || ...);
 
@@ -62,6 +63,7 @@ class Leapfrog {
     if constexpr (requires { damping.check(); }) damping.check();
   }
 
+  /// The model with its parameters.
   const D& damping() const noexcept { return damping_; }
 
   template <class P, class S, class I>

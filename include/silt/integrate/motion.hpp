@@ -11,6 +11,7 @@
 
 namespace silt {
 
+/// MotionInRows or MotionInColumns, whichever is faster for the storage of the particles P.
 template <class P>
 using MotionOf =
     std::conditional_t<in_rows_of_four<P>() && 4 * sizeof(typename P::Real) <= simd::width,

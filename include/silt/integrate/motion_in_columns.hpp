@@ -20,7 +20,7 @@ namespace silt {
 
 /// The motion of particles one by one, from the fields before a step to those after it. It works on
 /// components, so that compilers vectorise loops over particles stored in columns, and no value is
-/// read again after it was stored.
+/// read again after it was stored. MotionInRows has the same functions.
 template <class P>
 class MotionInColumns {
   using Real = typename P::Real;
@@ -28,9 +28,11 @@ class MotionInColumns {
   static constexpr int angular = angular_size<Dim>;
 
  public:
+  /// Whether the particles have a spin.
   static constexpr bool rotates = HasFields<P, spin_t, torque_t, inertia_t>;
+  /// Whether they also have an angle.
   static constexpr bool has_angle = rotates && HasFields<P, angle_t>;
-  static constexpr bool is_in_rows = false;
+  static constexpr bool is_in_rows = false;  ///< see MotionInRows
   /// Number of particles that are processed together.
   static constexpr Index at_once = 1;
 
@@ -47,6 +49,7 @@ class MotionInColumns {
     Real squared_displacement = 0;  ///< by drift() [m²]
   };
 
+  /// Begins a step: Particles::advance() of the fields that move.
   explicit MotionInColumns(P& particles)
       : x_(particles.advance(position)),
         v_(particles.advance(velocity)),
@@ -67,6 +70,7 @@ class MotionInColumns {
     }
   }
 
+  /// Particle i before the step. The second argument is used by MotionInRows only.
   [[gnu::always_inline]] State load(Index i, Index) const {
     State p;
     p.m = m_[i];
@@ -88,6 +92,7 @@ class MotionInColumns {
     return p;
   }
 
+  /// Writes particle i after the step.
   [[gnu::always_inline]] void store(Index i, Index, const State& p) const {
     for (int k = 0; k < Dim; ++k) {
       x_.after[i][k] = p.x[k];
@@ -143,11 +148,12 @@ class MotionInColumns {
 
   /// Only for particles in rows of four, such as grains: compilers do not vectorise a sum.
   static constexpr bool knows_energy = in_rows_of_four<P>();
-  /// Sums of twice the kinetic energy [J].
+  /// Sums of twice the kinetic energy [J], `before` the kick and `after` it.
   struct Energies {
     Real before = 0;  ///< without rotation
     Real after = 0;
   };
+  /// The sum of all particles [J].
   static double sum_of(Real energy) { return double(energy); }
 
   /// What a step did to particles.

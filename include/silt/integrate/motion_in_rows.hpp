@@ -31,18 +31,20 @@ class MotionInRows {
   static constexpr bool is_in_rows = true;
   static constexpr Index at_once = N / 4;
 
+  /// One or two particles, in lanes. Members as in MotionInColumns.
   struct State {
-    Pack x;
-    Pack v;        ///< in 2D with the spin
-    Pack a;        ///< F/m [m/s²]; in 2D with M/I
-    Pack w;        ///< 3D only
+    Pack x;        ///< [m]
+    Pack v;        ///< [m/s]; in 2D with the spin [1/s]
+    Pack a;        ///< F/m [m/s²]; in 2D with M/I [1/s²]
+    Pack w;        ///< [1/s]; 3D only
     Pack w_dot;    ///< M/I [1/s²]; 3D only
     Pack m;        ///< of the first three of v [kg]; in 2D {m, m, I}
     Pack inertia;  ///< of the first three of w [kg m²]; 3D only
-    Real angle[at_once][angular];
+    Real angle[at_once][angular];  ///< of each particle [rad]
     Pack squares{};  ///< of the displacement by drift() [m²]
   };
 
+  /// Begins a step: Particles::advance_rows() of the rows that move.
   explicit MotionInRows(P& particles)
       : f_(std::as_const(particles)[force]), t_(std::as_const(particles)[torque]) {
     linear_ = particles.advance_rows(position);
@@ -165,7 +167,8 @@ class MotionInRows {
   }
 
   static constexpr bool knows_energy = true;
-  /// Sums of twice the kinetic energy [J]. The fourth of each four is unspecified.
+  /// Sums of twice the kinetic energy [J], `before` the kick and `after` it. The fourth of each
+  /// four is unspecified.
   struct Energies {
     Pack before{};  ///< in 3D without rotation
     Pack after{};
@@ -180,8 +183,10 @@ class MotionInRows {
 
   // Extremes and sums that become infinite or NaN take less time than comparisons for every
   // particle.
+  /// What a step did to particles, as in MotionInColumns.
   class Outcome {
    public:
+    /// As in MotionInColumns.
     bool is_valid(const MotionInRows& motion) const {
       // Copies, so that the members need not be in memory while particles are added.
       const Pack squares = squares_, lowest = lowest_, highest = highest_;
@@ -195,6 +200,7 @@ class MotionInRows {
       }
       return is_finite(angles_);
     }
+    /// The maximum [m²].
     Real squared_displacement() const { return std::max(farthest_[0], farthest_[N - 4]); }
     /// The round-off depends on the order of the particles.
     const Energies& energies() const { return energies_; }

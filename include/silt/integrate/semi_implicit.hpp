@@ -11,18 +11,21 @@ namespace silt {
 
 /// Original variant: the predictor moves the particles to r*, and a second search gives n*.
 struct MovesParticles {
+  /// Whether the predictor moves the particles.
   template <class Flow>
   static constexpr bool moves = true;
 };
 
 /// Improved variant: the predictor changes velocities only; one search per step.
 struct KeepsParticles {
+  /// Whether the predictor moves the particles.
   template <class Flow>
   static constexpr bool moves = false;
 };
 
 /// The variant that the source term of the flow requires.
 struct OrderRequiredBySource {
+  /// Whether the predictor moves the particles.
   template <class Flow>
   static constexpr bool moves = [] {
     if constexpr (requires { Flow::needs_moved_particles; }) return Flow::needs_moved_particles;
