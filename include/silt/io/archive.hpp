@@ -35,6 +35,7 @@ namespace checkpoint {
 /// Nested names of entries: "particles/velocity".
 class Path {
  public:
+  /// f() with the names in it behind this one.
   template <class F>
   void within(std::string_view name, F&& f) {
     const auto length = parent_.size();
@@ -42,12 +43,14 @@ class Path {
     f();
     parent_.resize(length);
   }
+  /// The whole name of an entry.
   std::string of(std::string_view name) const { return parent_ + std::string(name); }
 
  private:
   std::string parent_;
 };
 
+/// Writes entries to a string; see core/transfer.hpp for its functions.
 class Writer {
  public:
   static constexpr bool reads = false;
@@ -118,6 +121,7 @@ class Writer {
     must_be_finite_ = before;
   }
 
+  /// All bytes of the file, with the checksum.
   std::string finish() && {
     const std::uint64_t sum = checksum(bytes_);
     append(&sum, sizeof sum);
@@ -163,6 +167,7 @@ class Writer {
   bool must_be_finite_ = false;
 };
 
+/// Reads what a Writer wrote, and refuses anything else; see core/transfer.hpp for its functions.
 class Reader {
  public:
   static constexpr bool reads = true;

@@ -17,7 +17,9 @@
 
 namespace silt::checkpoint {
 
+/// First bytes of a checkpoint. The number is that of the format.
 inline constexpr std::string_view magic = "silt checkpoint 1\n";
+/// Is read as another number where the order of bytes differs.
 inline constexpr std::uint32_t byte_order = 0x01020304;
 
 /// Type of one value.
@@ -28,6 +30,7 @@ struct Item {
 
   bool operator==(const Item&) const = default;
 
+  /// For messages: "3 floating-point numbers of 8 bytes".
   std::string text() const {
     const std::string names = kind == 'f'   ? "floating-point numbers"
                               : kind == 'x' ? "blocks"
@@ -73,6 +76,7 @@ std::string fault_of(const char* bytes, bool must_be_finite) {
   return {};
 }
 
+/// How a value of type T is stored: a number, an enum, or a vector or array of numbers.
 template <class T>
 constexpr Item item_of() {
   if constexpr (std::is_enum_v<T>) {

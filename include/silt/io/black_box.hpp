@@ -16,8 +16,9 @@
 
 namespace silt {
 
+/// What write_black_box() writes.
 struct BlackBox {
-  std::filesystem::path file;
+  std::filesystem::path file;  ///< the one that is replaced
   /// Of the particles, from the one that failed [m]; five interaction ranges if not given.
   std::optional<double> max_distance = {};
 };

@@ -25,14 +25,16 @@
 
 namespace silt {
 
+/// Which checkpoint read_checkpoint() reads.
 struct CheckpointToRead {
-  std::filesystem::path file;
+  std::filesystem::path file;  ///< made by write_checkpoint()
   /// Read it although it is of other laws, walls or settings.
   bool accepts_other_setup = false;
 };
 
 namespace checkpoint {
 
+/// Lists the state of a simulation and of further parts, as they are in a file.
 template <class Archive, class Sim, class... Parts>
 void transfer_all(Archive& archive, Sim& simulation, Parts&... parts) {
   archive.within("simulation", [&] { simulation.transfer(archive); });

@@ -146,6 +146,8 @@ class CsvFile {
 /// A table read from a file, with access by column name.
 class CsvTable {
  public:
+  /// `columns` has the numbers of each of the names, `lines` for messages the line in the file of
+  /// each row. The name is that of the file.
   CsvTable(std::string name, std::vector<std::string> names,
            std::vector<std::vector<double>> columns, std::vector<Index> lines = {})
       : name_(std::move(name)),
@@ -153,7 +155,9 @@ class CsvTable {
         columns_(std::move(columns)),
         lines_(std::move(lines)) {}
 
+  /// Names of the columns, in the order of the file.
   const std::vector<std::string>& names() const noexcept { return names_; }
+  /// Number of rows.
   Index rows() const noexcept { return columns_.empty() ? 0 : columns_.front().size(); }
 
   /// The column of that name. Throws silt::Error, listing the columns, if there is none.

@@ -21,9 +21,11 @@
 
 namespace silt::file {
 
+/// Closes a file that a Stream held.
 struct Close {
   void operator()(std::FILE* stream) const noexcept { std::fclose(stream); }
 };
+/// An open file, closed at the end of its life.
 using Stream = std::unique_ptr<std::FILE, Close>;
 
 /// Throws silt::Error for a failed system call on a file: `what` names the function and the action
@@ -34,6 +36,7 @@ using Stream = std::unique_ptr<std::FILE, Close>;
        advice);
 }
 
+/// The reason why a function of the C library failed.
 inline std::error_code last_error() { return {errno, std::generic_category()}; }
 
 /// Whether a file exists. Throws silt::Error, with a message that begins with `caller`, if that

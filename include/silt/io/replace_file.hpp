@@ -30,16 +30,19 @@
 
 namespace silt::file {
 
-/// The system's calls. All set errno when they fail; tests pass others, which do.
 #if defined(SILT_HAS_POSIX_FILES)
+/// The system's calls. All set errno when they fail; tests pass others, which do.
 struct SystemCalls {
+  /// Handle of an open file.
   using File = int;
+  /// Handle that stands for no file.
   static constexpr File none = -1;
 
   /// `none` if there is such a file already.
   static File create(const char* path) {
     return ::open(path, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
   }
+  /// For sync(), which a rename needs.
   static File open_folder(const char* path) {
     return ::open(path, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   }
@@ -49,13 +52,19 @@ struct SystemCalls {
   }
   /// Returns when the data are on the disc; like the others, 0 unless it fails.
   static int sync(File file) { return ::fsync(file); }
+  /// Returns 0 unless it fails.
   static int close(File file) { return ::close(file); }
+  /// Returns 0 unless it fails; replaces a file `to`.
   static int rename(const char* from, const char* to) { return std::rename(from, to); }
+  /// Returns 0 unless it fails.
   static int remove(const char* path) { return ::unlink(path); }
+  /// Number of this process.
   static std::uint64_t process() { return static_cast<std::uint64_t>(::getpid()); }
+  /// Whether no process of this computer has the number any more.
   static bool has_ended(std::uint64_t process) {
     return ::kill(static_cast<pid_t>(process), 0) != 0 && errno == ESRCH;
   }
+  /// Name of this computer.
   static std::string computer() {
     std::array<char, 256> name{};
     ::gethostname(name.data(), name.size() - 1);
@@ -63,6 +72,7 @@ struct SystemCalls {
   }
 };
 #else
+/// The same with what the C++ library has.
 struct SystemCalls {
   using File = std::FILE*;
   static constexpr File none = nullptr;

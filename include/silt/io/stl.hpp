@@ -20,8 +20,13 @@
 
 namespace silt {
 
-enum class StlFormat { binary, text };
+/// How numbers are stored in an STL file.
+enum class StlFormat {
+  binary,  ///< 50 bytes for each triangle
+  text,    ///< a line for each corner
+};
 
+/// How read_stl() understands the numbers of a file.
 struct StlSettings {
   double scale = 1;  ///< length unit of the file [m], e.g. 1e-3 for mm; STL does not define one
 };

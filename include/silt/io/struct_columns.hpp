@@ -62,8 +62,10 @@ template <class Archive, class T>
 class StructColumns {
  public:
   static constexpr bool reads = Archive::reads;
+  /// The structs, const for writing.
   using Values = std::conditional_t<reads, std::vector<T>&, const std::vector<T>&>;
 
+  /// Writes all `values`, or reads `count` of them. `model` is any T, whose transfer() is called.
   StructColumns(Archive& archive, T& model, Values values, Index count)
       : archive_(archive), model_(model), values_(values), count_(count) {}
 
