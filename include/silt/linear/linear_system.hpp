@@ -18,9 +18,10 @@
 
 namespace silt {
 
-/// A x = b with A symmetric and positive definite, or semi-definite with b in its range. Unknowns
-/// and sums are double, because float is not sufficient for a pressure to six digits. The
-/// off-diagonal entries of A are stored as float.
+/// A x = b with A symmetric and positive definite, or semi-definite with b in its range: its
+/// `diagonal` and `off_diagonal` entries, and b, the `right_side`. Unknowns and sums are double,
+/// because float is not sufficient for a pressure to six digits. The off-diagonal entries of A are
+/// stored as float.
 struct LinearSystem {
   std::vector<double> diagonal;
   WindowRows off_diagonal;
@@ -30,14 +31,14 @@ struct LinearSystem {
   /// the body of each row, 0 for rows of none; empty if there are no such bodies. A solver removes
   /// these constants from what it adds to x.
   std::vector<std::uint32_t> closed_body;
-  Index closed_bodies = 0;
+  Index closed_bodies = 0;  ///< number of these bodies
 
   /// Positions of the unknowns, for preconditioners that use them; without points they are not
   /// used.
   struct Geometry {
     double spacing = 0;        ///< of the particles [m]
-    double full_diagonal = 0;  ///< of an unknown with all its neighbours
-    double second_moment = 0;  ///< Σ_j |a_ij| Δx²/spacing² over Σ_j |a_ij|, along an axis
+    double full_diagonal = 0;  ///< of an unknown with all its neighbours [unit of A]
+    double second_moment = 0;  ///< Σ_j |a_ij| Δx²/spacing² over Σ_j |a_ij|, along an axis [-]
     std::vector<std::array<double, 3>> points;  ///< [m]
     std::vector<float> to_surface;  ///< Σ of the weights to points of given value
   };
@@ -45,9 +46,11 @@ struct LinearSystem {
 
   /// If processes share the unknowns.
   std::optional<SharedUnknowns> shared;
+  /// Columns of A behind the own ones, for unknowns of other processes.
   Index columns_of_others = 0;
 
   Index size() const noexcept { return diagonal.size(); }
+  /// Number of columns of A, also of the elements of a vector that it multiplies.
   Index columns() const noexcept { return size() + columns_of_others; }
 
   /// The sums of the values of all processes.

@@ -15,6 +15,7 @@
 
 namespace silt {
 
+/// A list of items for each of many rows.
 template <class T>
 class Rows {
  public:

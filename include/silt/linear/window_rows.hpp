@@ -23,6 +23,7 @@
 
 namespace silt {
 
+/// A matrix by its entries that are not zero.
 class WindowRows {
  public:
   /// Number of columns of a window.
