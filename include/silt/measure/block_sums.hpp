@@ -15,9 +15,11 @@
 
 namespace silt {
 
+/// An average over time, in the unit of the samples.
 struct Estimate {
-  double value = 0;
-  double standard_error = std::numeric_limits<double>::infinity();  ///< infinite: not known yet
+  double value = 0;  ///< [unit of the samples]
+  /// [unit of the samples]; infinite: not known yet.
+  double standard_error = std::numeric_limits<double>::infinity();
 };
 
 /// Sums of samples, each of which consists of a fixed number of values. The samples are collected
@@ -71,6 +73,7 @@ class BlockSums {
     }
   }
 
+  /// Number of samples so far.
   Index samples() const noexcept { return samples_; }
   /// Number of complete blocks.
   Index blocks() const noexcept { return blocks_.size(); }

@@ -17,13 +17,14 @@ namespace silt {
 /// Parameters that distinguish the edge of the fluid from spray.
 struct FrontRule {
   double spacing = 0;              ///< l0 [m]: particles extend by half of it
-  double band = 2;                 ///< height above the floor, or distance to the wall, over l0
-  double neighbour_radius = 2.1;   ///< over l0; at most the search radius
+  double band = 2;                 ///< height above the floor, or distance to the wall, over l0 [-]
+  double neighbour_radius = 2.1;   ///< over l0 [-]; at most the search radius
   /// In that radius: a particle is at the edge, and not spray, if it or one of its neighbours has so
   /// many neighbours.
   int min_neighbours = 3;
 };
 
+/// What find_front() returns.
 struct Front {
   double x = 0;       ///< largest x of the fluid along the floor [m]
   double height = 0;  ///< of the fluid at the back wall [m]

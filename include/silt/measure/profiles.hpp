@@ -51,9 +51,11 @@ struct Slices {
            to_text(volume) + " m³, which is beyond the range of normal numbers; change them");
     }
   }
+  /// Of a slice [m].
   double thickness() const { return (upper - lower) / double(count); }
 };
 
+/// Averages in one slice.
 template <int Dim>
 struct ProfileRow {
   double height = 0;        ///< of the middle of the slice [m]
@@ -108,6 +110,7 @@ class Profiles {
     sums_.transfer(archive);
   }
 
+  /// Number of samples so far.
   Index samples() const noexcept { return sums_.samples(); }
   const Slices& slices() const noexcept { return slices_; }
 

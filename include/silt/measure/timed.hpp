@@ -14,8 +14,10 @@ namespace silt {
 /// destroyed.
 class Stopwatch {
  public:
+  /// Adds the time of its own life.
   class Span {
    public:
+    /// To this sum of times [s].
     explicit Span(double& seconds) : seconds_(seconds), begin_(Clock::now()) {}
     Span(const Span&) = delete;
     Span& operator=(const Span&) = delete;
@@ -28,6 +30,7 @@ class Stopwatch {
   };
 
   [[nodiscard]] Span start() { return Span(seconds_); }
+  /// Of all spans that have ended [s].
   double seconds() const noexcept { return seconds_; }
 
  private:
@@ -38,6 +41,7 @@ class Stopwatch {
 template <class S>
 class TimedSearch : public S {
  public:
+  /// The search is moved into it.
   explicit TimedSearch(S search) : S(std::move(search)) {}
 
   template <class P>
@@ -57,12 +61,14 @@ class TimedSearch : public S {
 template <class I>
 class TimedInteraction : public I {
  public:
+  /// The interaction is moved into it.
   explicit TimedInteraction(I interaction) : I(std::move(interaction)) {}
 
   // See ForParticles in core/concepts.hpp.
   using Description = TimedInteraction;
   template <class P>
   using For = TimedInteraction<ForParticles<I, P>>;
+  /// For particles, from the same of a description; see ForParticles.
   template <class Described>
     requires(!std::same_as<Described, I> && std::constructible_from<I, Described>)
   TimedInteraction(TimedInteraction<Described> described)

@@ -22,7 +22,7 @@ namespace silt {
 template <int Dim>
 struct WallGauge {
   Vec<Dim> point = Vec<Dim>::Zero();   ///< on the wall [m]
-  Vec<Dim> normal = Vec<Dim>::Zero();  ///< of the wall, into the fluid, of any length
+  Vec<Dim> normal = Vec<Dim>::Zero();  ///< of the wall, into the fluid, of any length [-]
   double spacing = 0;                  ///< l0 [m]
 
   /// Σ_j w_j (a + b·(x_j − point) − φ_j)² + ε Σ_j w_j |b|² l0² is least, with w = (1 − (r/2 l0)²)²
