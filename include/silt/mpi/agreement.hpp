@@ -27,7 +27,7 @@ namespace silt::mpi {
 
 /// What an agreement reduces: some numbers to their largest, others to their sum.
 struct Reduced {
-  static constexpr Index count = 12;
+  static constexpr Index count = 12;  ///< [-] of each kind
 
   std::array<double, count> largest;
   std::array<double, count> sum{};
@@ -38,8 +38,10 @@ struct Reduced {
 /// What all processes are doing in an agreement.
 enum class Doing { communication, step, state, sum, largest };
 
+/// Reductions over all processes of a World, in which all learn whether one has failed.
 class Agreement {
  public:
+  /// The World must exist as long as it is used.
   explicit Agreement(const World& world) : world_(&world) {}
 
   /// f() returns a Reduced; returns that of all processes. Throws in all if f() does in one: there

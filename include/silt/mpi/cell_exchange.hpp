@@ -78,11 +78,13 @@ class CellExchange {
   // To be called by all, after an agreement; they throw nothing but errors of MPI. Values are floats,
   // by cell.
 
+  /// Adds the values of each used cell to that of the process that owns it.
   template <class Values>
   void add_to_owners(Values& values) {
     transfer(to_owners_, &List::used, &List::owned, values,
              [](float& own, float more) { own += more; });
   }
+  /// Sets the value of each used cell to that of the process that owns it.
   template <class Values>
   void give_to_users(Values& values) {
     transfer(to_users_, &List::owned, &List::used, values,

@@ -20,6 +20,7 @@ namespace silt::mpi {
 template <int Dim>
 class Cuts {
  public:
+  /// Nothing is cut yet. Throws if Zoltan fails.
   explicit Cuts(const World& world) : world_(&world) {
     float version = 0;
     check(Zoltan_Initialize(0, nullptr, &version), "Zoltan_Initialize");
@@ -40,6 +41,7 @@ class Cuts {
     set("TFLOPS_SPECIAL", "1");
   }
 
+  /// Whether space has been cut.
   bool are_made() const noexcept { return are_made_; }
 
   /// Makes them for the points of all processes, each with some work. To be called by all.

@@ -17,6 +17,7 @@
 
 namespace silt::mpi {
 
+/// The rows of a halo, and of the particles that it has copies of, process by process.
 class HaloRows {
  public:
   /// A process with particles near some of ours.
@@ -24,13 +25,16 @@ class HaloRows {
     int process;
     std::vector<std::uint32_t> sent;  ///< rows of ours, in its halo
     Index first_received = 0;         ///< row of our halo
-    Index received = 0;
+    Index received = 0;               ///< number of rows of our halo
   };
 
+  /// Without partners.
   HaloRows(const World& world, const Agreement& agree) : world_(&world), agree_(agree) {}
 
+  /// The processes with which rows are exchanged.
   std::vector<Partner>& partners() noexcept { return partners_; }
   const std::vector<Partner>& partners() const noexcept { return partners_; }
+  /// That with the process, without rows if it is new.
   Partner& partner_with(int process) {
     for (Partner& each : partners_) {
       if (each.process == process) return each;

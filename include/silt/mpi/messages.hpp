@@ -19,6 +19,7 @@
 
 namespace silt::mpi {
 
+/// Values one behind the other, as a Writer adds them.
 using Bytes = std::vector<std::byte>;
 
 /// Adds values to bytes, and takes them out in the same order. Values are copied as they lie in
@@ -36,8 +37,10 @@ class Writer {
  private:
   Bytes bytes_;
 };
+/// Takes values out of bytes. Throws if there are too few.
 class Reader {
  public:
+  /// From the first of the bytes on, which are not copied.
   explicit Reader(std::span<const std::byte> bytes) : left_(bytes) {}
   template <class T>
   void operator()(T& value) {
@@ -45,6 +48,7 @@ class Reader {
     std::memcpy(static_cast<void*>(&value), left_.data(), sizeof(T));
     left_ = left_.subspan(sizeof(T));
   }
+  /// Whether all have been taken out.
   bool is_at_end() const { return left_.empty(); }
 
  private:

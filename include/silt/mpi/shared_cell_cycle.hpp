@@ -39,6 +39,7 @@ class SharedCellCycle {
   using Cell = GridCell<Dim>;
 
   SharedCellCycle() = default;
+  /// The settings have no effect: hypre has its own.
   explicit SharedCellCycle(const CellMultigridSettings&) {}
 
   std::vector<Cell> share(const LinearSystem& system, std::span<const Cell> occupied,
@@ -113,6 +114,7 @@ class SharedCellCycle {
     exchange_.give_to_users(level_.x);
   }
 
+  /// As hypre's are not known: 1.
   Index levels() const noexcept { return 1; }
 
  private:

@@ -76,6 +76,7 @@ class SharedParticles : public P {
   /// Particles get their ids before they are distributed.
   Index add(const Vec&) = delete;
 
+  /// Removes the own particles i for which removed(i) is true, and returns their number.
   template <std::predicate<Index> Removed>
   Index remove_if(Removed&& removed) {
     std::vector<std::uint8_t> is_removed(P::size());
@@ -100,6 +101,7 @@ class SharedParticles : public P {
     }
     remove_if([index](Index i) { return i == index; });
   }
+  /// Moves particle order[i] to place i, as Particles::reorder() does; the rows of the halo stay.
   void reorder(std::span<const Index> order) {
     const bool is_found = found_.positions.size() == P::size();
     const bool is_current = !is_halo_outdated();
@@ -245,6 +247,8 @@ class SharedParticles : public P {
   ElementExchange exchange_of(const PlaceOf& place_of) const {
     return rows_.elements(place_of);
   }
+  /// As that of Particles, after the halo has the values of the processes that own its particles.
+  /// To be called by all.
   template <Field... F>
   void refresh_ghosts(F... fields) {
     (exchange_field(fields), ...);

@@ -32,7 +32,7 @@ class World {
  public:
   World() : World(MPI_COMM_WORLD) {}
   /// Those of a communicator of the program. Other than that of all processes, it can only be given
-  /// after MPI_Init.
+  /// after MPI_Init. Throws if MPI has ended, or was initialised for a single thread.
   explicit World(MPI_Comm processes) {
     int is_initialised = 0;
     MPI_Initialized(&is_initialised);
@@ -68,15 +68,18 @@ class World {
 
   int rank() const noexcept { return rank_; }  ///< of this process, from 0 on
   int size() const noexcept { return size_; }  ///< number of processes
+  /// Whether this is the process that writes files and messages: the first.
   bool is_first() const noexcept { return rank_ == 0; }
+  /// For calls of MPI: a duplicate of the communicator given.
   MPI_Comm communicator() const noexcept { return communicator_; }
 
-  /// What this process has sent so far to others in steps.
+  /// What this process has sent so far to others in steps: `messages` of so many `bytes`, and
+  /// `reductions` of all processes.
   struct Traffic {
     std::uint64_t messages = 0;
     std::uint64_t bytes = 0;
     std::uint64_t reductions = 0;
-    double seconds = 0;  ///< taken by these, with waiting for others
+    double seconds = 0;  ///< taken by these, with waiting for others [s]
   };
   Traffic& traffic() const noexcept { return traffic_; }
 
@@ -90,8 +93,11 @@ class World {
   // Of the values of all processes, in all processes. To be called by all; they throw in all if one has
   // failed in a run or a step. Defined in agreement.hpp.
 
+  /// Sum of the values of all processes.
   double sum(double value) const;
+  /// The largest of the values of all processes.
   double max(double value) const;
+  /// The smallest of the values of all processes.
   double min(double value) const { return -max(-value); }
   /// Modulo 2⁶⁴.
   std::uint64_t sum(std::uint64_t value) const;
