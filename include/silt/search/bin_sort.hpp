@@ -23,6 +23,7 @@
 
 namespace silt {
 
+/// Sorts the numbers 0 … n−1 of particles by bin.
 class BinSort {
  public:
   /// Sorts 0 … n-1 by bin_of(i) < bins; n and bins are less than 2³². in_order(chunk) is called for
@@ -70,8 +71,11 @@ class BinSort {
     return sum;
   }
 
+  /// The first slot of each bin, and the number of particles.
   std::span<const std::uint32_t> start() const noexcept { return start_; }
+  /// The particle in each slot.
   std::span<const std::uint32_t> item_of() const noexcept { return {item_of_.data(), size()}; }
+  /// The slot of each particle.
   std::span<const std::uint32_t> slot_of() const noexcept { return slot_of_; }
 
  private:

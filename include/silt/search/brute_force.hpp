@@ -13,6 +13,7 @@
 
 namespace silt {
 
+/// A NeighbourSearch for tests.
 template <int Dim, class RealType = double>
 class BruteForce {
  public:
@@ -36,7 +37,8 @@ class BruteForce {
     radius_ = radius;
   }
 
-  /// Copies the positions, and makes the ghosts of periodic sides.
+  /// Copies the positions, and makes the ghosts of periodic sides. Throws as make_ghosts() does,
+  /// and if there is no radius.
   template <class P>
   void update(P& particles) {
     require_positive("BruteForce: radius", double(radius_));

@@ -28,6 +28,7 @@
 
 namespace silt {
 
+/// The lattice and its bins for a given search radius.
 template <int Dim, class Real>
 class Cells {
  public:
@@ -71,6 +72,7 @@ class Cells {
     list_rows();
   }
 
+  /// Number of bins.
   Index bins() const noexcept { return static_cast<Index>(bins_); }
   /// Whether distant cells share bins.
   bool shared() const noexcept { return shared_; }

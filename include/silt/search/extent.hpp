@@ -15,12 +15,14 @@
 
 namespace silt {
 
+/// Corners of the smallest box around some points.
 template <int Dim, class Real>
 struct Extent {
   Vec<Dim, Real> lower = Vec<Dim, Real>::Zero();   ///< [m]
   Vec<Dim, Real> upper = Vec<Dim, Real>::Zero();   ///< [m]
   Vec<Dim, Real> middle = Vec<Dim, Real>::Zero();  ///< a typical point [m]
 
+  /// Whether all coordinates are.
   bool is_finite() const { return silt::is_finite(lower) && silt::is_finite(upper); }
 };
 

@@ -22,6 +22,7 @@
 
 namespace silt {
 
+/// Remembers positions, to find out how far particles have moved.
 template <int Dim, class RealType>
 class LastPositions {
  public:
@@ -30,6 +31,7 @@ class LastPositions {
 
   /// Position of a particle, owned or of the halo, or of a ghost [m].
   const Vec& operator[](Index i) const { return positions_[i]; }
+  /// Those of the first n.
   std::span<const Vec> first(Index n) const { return {positions_.data(), n}; }
 
   /// Whether the positions are those of these particles, in the same order.

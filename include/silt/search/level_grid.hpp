@@ -107,7 +107,8 @@ class LevelGrid {
 
   /// Sorts the owned particles of all sizes by the cells of the finest level if many are out of
   /// order, so that neighbours in space are close in memory. If particles were added or removed, or
-  /// radii changed, since the last update, sorts if any is out of order.
+  /// radii changed, since the last update, sorts if any is out of order. Throws if there is no
+  /// radius.
   template <class P>
   void sort(P& particles) {
     if (particles.size() < worth_sorting) return;

@@ -16,6 +16,7 @@
 
 namespace silt {
 
+/// A UniformGrid or the like, Inner, and for grains of very different sizes a LevelGrid.
 template <class Inner>
 class ListGrid {
  public:
@@ -25,6 +26,7 @@ class ListGrid {
   struct Reach {
     Real radius = 0;
     Real skin = 0;
+    /// Radius that the search below the list has [m].
     Real sum() const { return radius + skin; }
   };
 
@@ -98,7 +100,9 @@ class ListGrid {
   void for_each_distant_candidate(Index i, F&& f) const {
     inner_.for_each_candidate(i, f);
   }
+  /// Whether for_each_candidate() gives only pairs near contact.
   bool finds_only_contacts() const noexcept { return has_levels_; }
+  /// See UniformGrid::is_second_image().
   bool is_second_image(Index i, Index j) const noexcept { return inner_.is_second_image(i, j); }
 
   /// Fills the rows and returns true, or returns false if they would take too much memory.
@@ -114,6 +118,7 @@ class ListGrid {
   }
   /// The row of particle i with every pair once, or twice.
   Index row_of(Index i) const noexcept { return has_levels_ ? i : inner_.slot_of(i); }
+  /// The same for rows of for_each_distant_candidate().
   Index distant_row_of(Index i) const noexcept { return inner_.slot_of(i); }
 
  private:

@@ -32,6 +32,8 @@
 
 namespace silt {
 
+/// A NeighbourSearch that is fast if particles move little between steps, as grains do. Inner is
+/// the search that finds the pairs of its rows.
 template <int Dim, class RealType = double, class Inner = UniformGrid<Dim, RealType>>
 class NeighbourList {
  public:
@@ -64,7 +66,7 @@ class NeighbourList {
   /// [m]: the skin minus twice the maximum displacement.
   Real margin() const noexcept { return std::max(Real(0), list_.skin - 2 * state_.displacement); }
 
-  /// Sorts the owned particles by cell if the list must be rebuilt.
+  /// Sorts the owned particles by cell if the list must be rebuilt. Throws if there is no radius.
   template <class P>
   void sort(P& particles) {
     require_positive("NeighbourList: radius", double(radius()));
@@ -81,6 +83,7 @@ class NeighbourList {
 
   /// Reads the positions; rebuilds the list if particles were added, removed or reordered, if one
   /// has moved by more than half the skin, or if radii changed on which its candidates depend.
+  /// Throws as make_ghosts() does, and if there is no radius.
   template <class P>
   void update(P& particles) {
     require_positive("NeighbourList: radius", double(radius()));

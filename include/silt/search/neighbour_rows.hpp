@@ -25,6 +25,7 @@ enum class Pairs { twice, once };
 /// about twice as many entries on average, and at most 27 times as many.
 inline constexpr Index max_row = 512;
 
+/// The neighbours or candidates of every particle, by their indices.
 class NeighbourRows {
  public:
   /// Writes the rows of one chunk, one after the other.
@@ -106,10 +107,13 @@ class NeighbourRows {
 template <class F>
 class RowReader {
  public:
+  /// For the set of rows that begins with `first`, which are those of `items`, by place; `memory`
+  /// is reused.
   RowReader(F& f, Index first, std::span<const std::uint32_t> items,
             std::vector<std::uint32_t>& memory)
       : f_(f), set_(first / rows_together), items_(items), row_(first), memory_(memory) {}
 
+  /// As NeighbourRows::Writer::room().
   std::uint32_t* room(Index size) {
     begin_ = 0;
     return room(size, memory_.data());
@@ -119,6 +123,7 @@ class RowReader {
     if (used + size > memory_.size()) memory_.resize(2 * (used + size));
     return memory_.data() + used;
   }
+  /// Ends a row, of which the entries up to `to` have been written.
   void end_row(const std::uint32_t* to) {
     const auto end = static_cast<Index>(to - memory_.data());
     const Index i = items_[row_++];

@@ -25,6 +25,7 @@
 
 namespace silt {
 
+/// The candidates of one block at a time.
 template <int Dim, class Real>
 class SharedCandidates {
  public:

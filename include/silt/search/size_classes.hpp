@@ -28,7 +28,7 @@ namespace silt {
 
 /// Number of a size class; there are two for each power of 2.
 using SizeClass = std::uint32_t;
-inline constexpr SizeClass size_classes = 4096;
+inline constexpr SizeClass size_classes = 4096;  ///< number of bins of the histogram of sizes
 
 /// Class of a radius; the lowest if it is not positive.
 inline SizeClass size_class_of(double size) {

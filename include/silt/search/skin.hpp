@@ -16,6 +16,7 @@
 
 namespace silt {
 
+/// The ratio of skin to radius, which it may tune.
 class Skin {
  public:
   /// Tuned automatically.
@@ -23,6 +24,7 @@ class Skin {
   /// Fixed ratio of skin to radius [-].
   explicit Skin(double fraction) : fraction_(fraction), tunes_(false) {}
 
+  /// Ratio of skin to radius [-].
   double fraction() const noexcept { return fraction_; }
 
   /// Writes or reads the ratio for a checkpoint, see core/transfer.hpp.
@@ -34,9 +36,10 @@ class Skin {
   /// Statistics of a list when a particle has moved by half its skin.
   struct Usage {
     int dimension;
-    double entries;  ///< per particle, including those within the skin
+    double entries;  ///< per particle, including those within the skin [-]
     Index updates;   ///< since it was built, at least 1
   };
+  /// Tunes the ratio for the next list, unless it is fixed.
   void update(const Usage& usage) {
     if (!tunes_) return;
     const double speed = fraction_ / 2 / double(usage.updates);

@@ -25,6 +25,7 @@
 
 namespace silt {
 
+/// Points with their cells.
 template <int Dim, class Real>
 class SortedCells {
  public:
@@ -62,9 +63,12 @@ class SortedCells {
   const Cells<Dim, Real>& cells() const noexcept { return cells_; }
   /// First slot of each bin, and the number of points.
   std::span<const std::uint32_t> start() const noexcept { return order_.start(); }
+  /// The point in each slot.
   std::span<const std::uint32_t> item_of() const noexcept { return order_.item_of(); }
+  /// The slot of a point.
   Index slot_of(Index item) const noexcept { return order_.slot_of()[item]; }
 
+  /// The point in a slot [m]. Only after sort_and_copy().
   Vec at(Index slot) const {
     Vec x;
     for (std::size_t k = 0; k < Dim; ++k) x[static_cast<int>(k)] = x_[k][slot];

@@ -30,6 +30,7 @@
 
 namespace silt {
 
+/// A NeighbourSearch for particles of similar sizes: O(N), also with a few particles far away.
 template <int Dim, class RealType = double>
 class UniformGrid {
  public:
@@ -57,7 +58,7 @@ class UniformGrid {
 
   /// Sorts the owned particles by cell if many are out of order, so that neighbours in space are
   /// close in memory. If particles were added or removed since the last update, sorts if any is out
-  /// of order, because a lattice added row by row has few descents.
+  /// of order, because a lattice added row by row has few descents. Throws if there is no radius.
   template <class P>
   void sort(P& particles) {
     if (particles.size() < worth_sorting) return;
@@ -81,7 +82,7 @@ class UniformGrid {
     read(particles);
     refuse_crowd(particles);
   }
-  /// The two parts of update().
+  /// The first part of update(). Throws if there is no radius, and as make_ghosts() does.
   template <class P>
   void read(P& particles) {
     require_positive("UniformGrid: radius", double(radius_));
@@ -97,6 +98,7 @@ class UniformGrid {
     }
   }
 
+  /// The second part: throws if too many grains overlap, see check_crowd().
   template <class P>
   void refuse_crowd(const P& particles) const {
     if constexpr (HasFields<P, radius_t>) {
