@@ -19,6 +19,7 @@ namespace silt {
 /// Number of cells from which several threads pay off, if each cell takes a few nanoseconds; if it
 /// takes tens of nanoseconds.
 inline constexpr Index many_cells = 1536;
+/// The same if each cell takes tens of nanoseconds.
 inline constexpr Index some_cells = 192;
 
 /// f(c) for c in [0, n), in parallel if there are at least min_parallel cells.
@@ -44,6 +45,7 @@ enum class CellOrder {
   chessboard,  ///< red cells before black cells; cells of one colour share no face
 };
 
+/// Numbers occupied cells, and finds the number of one.
 template <int Dim>
 class BackgroundCells {
  public:

@@ -25,6 +25,7 @@
 
 namespace silt {
 
+/// Makes one CellLevel from another, and passes values between them.
 template <int Dim>
 class CellCoarsening {
  public:

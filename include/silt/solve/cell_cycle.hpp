@@ -31,6 +31,7 @@ class CellCycle {
   static constexpr int max_direct = CellMultigridSettings::max_direct;
 
   CellCycle() = default;
+  /// Settings must be valid.
   explicit CellCycle(const CellMultigridSettings& settings) : settings_(settings) {}
 
   // See CellMultigrid.
@@ -50,6 +51,7 @@ class CellCycle {
     if (levels_[0].size() > 0) cycle(0);
   }
 
+  /// Number of levels, with the finest one.
   Index levels() const noexcept { return used_; }
 
  private:

@@ -23,13 +23,14 @@
 
 namespace silt {
 
+/// P of some points and cells, and Pᵀ.
 template <int Dim>
 class CellInterpolation {
  public:
   using Cells = BackgroundCells<Dim>;
   using Cell = GridCell<Dim>;
-  using Point = std::array<double, Dim>;  // in edge lengths of a cell
-  static constexpr Index corners = Index(1) << Dim;
+  using Point = std::array<double, Dim>;             ///< in edge lengths of a cell
+  static constexpr Index corners = Index(1) << Dim;  ///< cells from which a point is interpolated
 
   /// Sorts n points with positions point(i) into patches: before build(). P is zero at points where
   /// takes_part(i) is false.

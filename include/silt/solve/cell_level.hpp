@@ -17,20 +17,23 @@
 
 namespace silt {
 
+/// The cells of one level, with their equations, solutions `x`, right sides `b` and residuals `r`.
 template <int Dim>
 struct CellLevel {
+  /// To a neighbouring `cell`, by its number.
   struct Link {
     std::uint32_t cell;
-    float conductance;  // above 0
+    float conductance;  ///< above 0 [as the entries of A]
   };
+  /// Cells of one colour have no links to each other: `red` and `black`, as on a chessboard.
   enum Colour { red, black };
 
-  std::vector<GridCell<Dim>> cells;  // red ones first; several at a position divided by walls
-  Index reds = 0;
-  Rows<Link> links;  // to cells of the other colour
-  std::vector<float> mass;
-  std::vector<float> diagonal;
-  std::vector<float> inverse;  // of the diagonal
+  std::vector<GridCell<Dim>> cells;  ///< red ones first; several at a position divided by walls
+  Index reds = 0;                    ///< number of red cells
+  Rows<Link> links;                  ///< to cells of the other colour
+  std::vector<float> mass;           ///< coupling to the free surface
+  std::vector<float> diagonal;       ///< of the matrix
+  std::vector<float> inverse;        ///< of the diagonal
   std::vector<float> x, b, r;
 
   Index size() const noexcept { return cells.size(); }
@@ -63,6 +66,7 @@ struct CellLevel {
     });
   }
 
+  /// r = b − A x.
   void find_residual() {
     for_each_cell(size(), [&](Index c) { r[c] = b[c] + inflow(c) - diagonal[c] * x[c]; });
   }

@@ -81,6 +81,7 @@ class CellMultigrid {
     }
   }
 
+  /// Number of levels in the last solve; 0 if it was done without cells.
   Index levels() const noexcept { return uses_cells_ ? cycle_.levels() : 0; }
 
  private:

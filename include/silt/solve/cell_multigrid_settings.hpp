@@ -6,6 +6,7 @@
 
 namespace silt {
 
+/// Settings of CellMultigrid.
 struct CellMultigridSettings {
   /// Most cells that are solved for directly.
   static constexpr int max_direct = 64;

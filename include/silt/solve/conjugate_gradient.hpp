@@ -19,12 +19,14 @@
 
 namespace silt {
 
+/// A LinearSolver with the preconditioner M; [HestenesStiefel1952].
 template <Preconditioner M = Jacobi>
 class ConjugateGradient {
  public:
   static constexpr bool shares_unknowns = requires { requires M::shares_unknowns; };
 
   ConjugateGradient() = default;
+  /// Throws if the settings are out of range.
   explicit ConjugateGradient(const SolveSettings& settings, M preconditioner = {})
       : settings_(settings), preconditioner_(std::move(preconditioner)) {
     check();
@@ -34,6 +36,7 @@ class ConjugateGradient {
   void check() const { settings_.check(); }
 
   const SolveSettings& settings() const noexcept { return settings_; }
+  /// The preconditioner, after the last solve.
   const M& preconditioner() const noexcept { return preconditioner_; }
 
   /// Iterates from x until the residual is within the tolerance. Does not throw; failure is

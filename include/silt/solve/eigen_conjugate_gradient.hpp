@@ -18,9 +18,11 @@
 
 namespace silt {
 
+/// A LinearSolver for comparisons.
 class EigenConjugateGradient {
  public:
   EigenConjugateGradient() = default;
+  /// Throws if the settings are out of range.
   explicit EigenConjugateGradient(const SolveSettings& settings) : settings_(settings) { check(); }
 
   /// Throws if the settings are out of range.

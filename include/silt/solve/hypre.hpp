@@ -15,6 +15,7 @@
 
 namespace silt {
 
+/// A Preconditioner for comparisons.
 class BoomerAmg {
  public:
   struct Settings {

@@ -39,6 +39,7 @@ inline Eigen::SparseMatrix<double, Eigen::RowMajor> eigen_matrix(const LinearSys
   return A;
 }
 
+/// A Preconditioner for ConjugateGradient.
 class IncompleteCholesky {
  public:
   void prepare(const LinearSystem& system) {

@@ -6,8 +6,10 @@
 
 namespace silt {
 
+/// When an iterative solve ends.
 struct SolveSettings {
   double tolerance = 1e-6;  ///< |b − A x| ≤ tolerance |b| [-]; above 0 and at most 0.5
+  /// Number of iterations after which a solve has not converged; above 0.
   int max_iterations = 5000;
 
   /// Throws if a setting is out of range.
