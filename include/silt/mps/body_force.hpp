@@ -10,6 +10,7 @@
 
 namespace silt::mps {
 
+/// F of a flow: the acceleration of its particles by gravity and the body force.
 template <int Dim, class RealType>
 class BodyForce {
  public:
@@ -17,6 +18,7 @@ class BodyForce {
   using Vec = silt::Vec<Dim, Real>;
 
   BodyForce() = default;
+  /// Gravity g [m/s²].
   explicit BodyForce(const Vec& gravity) : gravity_(gravity) {}
 
   /// Evaluates F at the positions of the particles and this time [s]; `further` is

@@ -14,7 +14,7 @@ struct CloseRange {
   using Real = RealType;
 
   Real reach;        ///< [m]
-  float min_weight;  ///< below that of any neighbour within reach
+  float min_weight;  ///< below that of any neighbour within reach [-]
   Real time_step;    ///< Δt [s]
 
   /// reach is that of the collision model of the settings; step is Δt [s].
@@ -37,13 +37,17 @@ class ClosePairs {
   using Vec = silt::Vec<dimension, Real>;
   using Pair = CollidingPair<dimension, Real>;
 
+  /// The close pairs of particle i.
   ClosePairs(const P& particles, const Operators& operators, const CloseRange<Real>& range,
              Index i)
       : particles_(particles), operators_(operators), range_(range), index_(i) {}
 
   Index index() const { return index_; }
+  /// Position of the particle [m].
   Vec position() const { return particles_[silt::position][index_]; }
+  /// The owned particle of which j is a ghost, or j itself.
   Index owner(Index j) const { return particles_.owner(j); }
+  /// Kind of a particle or ghost j.
   Kind kind(Index j) const { return particles_.with_ghosts(mps::kind)[j]; }
 
   /// f(pair, j) for each; j is an owned or ghost particle.

@@ -22,7 +22,8 @@ struct CorrectedGradient {
   void check() const {
     require_between("CorrectedGradient: min_determinant", min_determinant, {0, 1});
   }
-  /// C⁻¹ d/n0 of a particle. It depends on positions only, and serves for several φ.
+  /// C⁻¹ d/n0 of a particle, its `determinant` [-] and its `inverse` [-]. It depends on positions
+  /// only, and serves for several φ.
   template <int Dim, class Real>
   struct Moments {
     Real determinant;

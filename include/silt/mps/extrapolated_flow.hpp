@@ -19,9 +19,10 @@ class ExtrapolatedFlow {
  public:
   using Real = RealType;
 
+  /// The velocity gradient of one particle, and where the flow is extrapolated with it.
   struct OfParticle {
     VelocityGradient<Dim, Real> gradient;
-    bool is_beyond_walls = false;
+    bool is_beyond_walls = false;    ///< whether the flow is extrapolated beyond walls
     bool misses_neighbours = false;  ///< see divergence_with_images()
   };
 

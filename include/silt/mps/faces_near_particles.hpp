@@ -17,11 +17,13 @@
 
 namespace silt::mps {
 
+/// The faces of walls around each particle.
 template <int Dim>
 class FacesNearParticles {
  public:
   using Vec = silt::Vec<Dim>;
 
+  /// For the faces of this surface.
   explicit FacesNearParticles(std::shared_ptr<const Faces<Dim>> faces) : faces_(std::move(faces)) {}
 
   /// The faces closer than reach [m] to each of the first particles, their number `owned`, of those at
@@ -39,6 +41,7 @@ class FacesNearParticles {
   const Faces<Dim>& faces() const noexcept { return *faces_; }
   double reach() const { return reach_; }  ///< [m]
   Index size() const { return around_.size(); }
+  /// The faces around each particle.
   const std::vector<MirrorsAround<Dim>>& around() const { return around_; }
   const MirrorsAround<Dim>& operator[](Index i) const { return around_[i]; }
   const Vec& position(Index j) const { return positions_[j]; }  ///< when they were found [m]

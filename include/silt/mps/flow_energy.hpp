@@ -23,8 +23,8 @@
 
 namespace silt::mps {
 
-/// Energy of the fluid particles and work since the first step of the flow [J]; in 2D per metre of
-/// depth [J/m]. Work is negative if it removes energy.
+/// Energy of the fluid particles and work since the first step of the flow, all in [J]; in 2D per
+/// metre of depth [J/m]. Work is negative if it removes energy.
 struct FlowEnergy {
   double kinetic = 0;    ///< current
   double potential = 0;  ///< current: −Σ m g·x, of gravity only, zero at the origin
@@ -41,6 +41,7 @@ struct FlowEnergy {
   double added = 0;  ///< between steps: by changes of the particles, added or removed particles, or
                      ///< crossing a periodic boundary along gravity
 
+  /// kinetic + potential [J].
   double total() const { return kinetic + potential; }
   /// Energy change that the exact solution does not have.
   double numerical() const { return by_pressure + by_shifting + by_integration; }
@@ -56,12 +57,14 @@ template <int Dim, class Real>
 class EnergyAccount {
  public:
   using Vec = silt::Vec<Dim, Real>;
+  /// What all particles of a flow have in common.
   struct Properties {
     double mass;  ///< of a particle [kg]; in 2D per metre of depth
     Vec gravity;  ///< g [m/s²]
   };
 
   EnergyAccount() = default;
+  /// The account begins with the first step.
   explicit EnergyAccount(const Properties& properties) : properties_(properties) {}
 
   const FlowEnergy& energy() const noexcept { return energy_; }

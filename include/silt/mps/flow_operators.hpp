@@ -46,19 +46,25 @@ bool any_weighted(const PressureNeighbours<Operators>& neighbours, Index i, cons
   return any;
 }
 
+/// The stencils of a Scheme, and the neighbours and walls of the particles at present.
 template <class Scheme, int Dim, class RealType>
 class FlowOperators {
  public:
   using Real = RealType;
   using Vec = silt::Vec<Dim, Real>;
   using Settings = FlowSettings<Dim, Scheme>;
+  /// The kernel of the scheme.
   using Kernel = KernelOf<Scheme>;
+  /// Weights of the Laplacian, from the same kernel.
   using LaplacianKernel =
       decltype(std::declval<LaplacianOf<Scheme>>().template weights<Dim>(std::declval<Kernel>()));
   using Stencil = mps::Stencil<Dim, Real, Kernel>;
+  /// The stencil of the Laplacian, with its own effective radius.
   using LaplacianStencil = mps::Stencil<Dim, Real, LaplacianKernel>;
+  /// The walls of the scheme in this flow.
   using Walls = typename WallsOf<Scheme>::template InFlow<Dim, Real>;
 
+  /// The settings must be valid.
   explicit FlowOperators(const Settings& settings)
       : stencil_({.spacing = settings.spacing, .radius = settings.radius}, settings.kernel),
         laplacian_stencil_({.spacing = settings.spacing, .radius = settings.laplacian_radius},
@@ -106,6 +112,7 @@ class FlowOperators {
   }
 
   const Neighbourhood<Dim, Real>& neighbourhood() const noexcept { return neighbourhood_; }
+  /// The neighbours within laplacian_stencil().
   const Neighbourhood<Dim, Real>& laplacian_neighbourhood() const noexcept {
     return shares_neighbourhood() ? neighbourhood_ : laplacian_neighbourhood_;
   }
@@ -139,6 +146,7 @@ class FlowOperators {
   [[gnu::always_inline]] inline void for_each_image(Index i, F&& f) const {
     for_each_image_in(stencil_, i, f);
   }
+  /// The same within laplacian_stencil().
   template <class F>
   [[gnu::always_inline]] inline void for_each_image_in_laplacian(Index i, F&& f) const {
     for_each_image_in(laplacian_stencil_, i, f);

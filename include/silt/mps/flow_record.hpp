@@ -53,6 +53,7 @@ class FlowRecord {
 
   /// Time of the positions before the next step [s].
   void set_time(double time) noexcept { time_ = time; }
+  /// Time of the positions [s].
   double time() const noexcept { return time_; }
 
   /// Limits of the next time step [s].

@@ -10,13 +10,14 @@ namespace silt::mps {
 struct FlowSeconds {
   double neighbours = 0;  ///< updating the neighbour lists
   double assembly = 0;    ///< of the pressure equation, including source and divergence
-  double solve = 0;
+  double solve = 0;       ///< of the pressure equation
   double pressure = 0;  ///< the whole projection: assembly, solve and pressure gradient
 };
 
 /// Adds the time from its construction to its destruction to `seconds`.
 class ScopedTimer {
  public:
+  /// `seconds` is a sum of times [s].
   explicit ScopedTimer(double& seconds) : seconds_(seconds) {}
   ScopedTimer(const ScopedTimer&) = delete;
   ScopedTimer& operator=(const ScopedTimer&) = delete;

@@ -10,17 +10,19 @@
 
 namespace silt::mps {
 
+/// What a particle of a flow is.
 enum class Kind : std::uint8_t {
   fluid,  ///< moves
   wall,   ///< fixed; its pressure is an unknown of the pressure equation
   dummy,  ///< fixed, behind a wall; enters number density, divergence and viscosity only
 };
+/// Whether the value is one of the enumeration's, and not another number, as from a damaged file.
 constexpr bool is_enumerator(Kind value) { return value <= Kind::dummy; }
 
 inline constexpr struct pressure_t : scalar_field {
 } pressure{};  ///< P [Pa]
 inline constexpr struct kind_t : field_of<Kind>, constant_field {
-} kind{};
+} kind{};  ///< what the particle is, see Kind
 inline constexpr struct number_density_t : scalar_field, derived_field {
 } number_density{};  ///< n_i of the last step, (5) [-]
 inline constexpr struct surface_t : field_of<std::uint8_t>, derived_field {

@@ -69,7 +69,7 @@ struct CountSurface {
   bool is_on_surface(const LocalDensity& local) const { return local.neighbours < beta; }
 };
 
-/// Both conditions must hold, as adopted in the paper.
+/// Both conditions must hold, the `first` and the `second`, as adopted in the paper.
 template <FreeSurface A, FreeSurface B>
 struct BothSurfaces {
   A first{};
@@ -85,6 +85,6 @@ struct BothSurfaces {
   }
 };
 
-using BothConditions = BothSurfaces<DensitySurface, CountSurface>;  // (13) and (17)
+using BothConditions = BothSurfaces<DensitySurface, CountSurface>;  ///< (13) and (17)
 
 }  // namespace silt::mps

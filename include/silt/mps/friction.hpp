@@ -59,6 +59,7 @@ class PairFriction::InFlow {
 
   explicit InFlow(const PairFriction& friction) : rate_(Real(friction.rate)) {}
 
+  /// Finds the strain of the flow around each particle, before its velocities are changed.
   template <class Step>
   void find(const Step& step) {
     const auto& particles = step.particles;

@@ -25,6 +25,7 @@ class GrainyWalls::InFlow {
 
   explicit InFlow(const GrainyWalls&) {}
 
+  /// Does nothing: the walls are particles.
   template <class P, class Operators>
   void find(const P&, const Operators&) {}
 

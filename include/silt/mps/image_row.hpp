@@ -19,7 +19,7 @@ struct ImageOfParticle {
   using Real = RealType;
   using Vec = silt::Vec<Dim, Real>;
   using Matrix = Eigen::Matrix<Real, Dim, Dim>;
-  static constexpr bool is_image = true;
+  static constexpr bool is_image = true;  ///< see AddsImages
 
   Index index;              ///< of the particle
   const Vec& r_ij;          ///< [m]
@@ -32,10 +32,13 @@ struct ImageOfParticle {
   /// ∇u at the particle, ∂u_a/∂x_b [1/s]; null if the flow is not continued.
   const Matrix* gradient;
 
+  /// In sums over kinds it counts as a dummy.
   Kind kind(const auto&) const { return Kind::dummy; }
+  /// The mirrored velocity, with which particles collide [m/s].
   Vec mirrored(const auto& u) const { return multiply<Dim, Real>(rotation, Vec(u[index])); }
   /// That of a flow that sticks to the walls.
   Vec sticking(const auto& u) const { return is_reflection ? Vec(-u[index]) : Vec(u[index]); }
+  /// Whether velocity(u) is that of the flow continued beyond the wall.
   bool continues_flow() const { return gradient != nullptr; }
   /// Mirrored, without the jump that the flow towards the wall then has there.
   Vec velocity(const auto& u) const {
@@ -43,7 +46,9 @@ struct ImageOfParticle {
     const Vec at_wall = half_way(u);
     return mirrored(u) + at_wall - multiply<Dim, Real>(rotation, at_wall);
   }
+  /// ∫u·dx [m²/s] in the continued flow, if there is one, from the particle to its image.
   Real rise_along(const auto& u) const { return half_way(u).dot(shift); }
+  /// Its pressure above that of the particle [Pa], for the gradient of the pressure [Pa/m].
   Real rise(const Vec& of_pressure) const { return of_pressure.dot(shift); }
 
  private:
@@ -64,12 +69,15 @@ class ImageRows {
   /// Rows [k together, (k + 1) together) have to be added by one thread.
   static constexpr Index together = 64;
 
+  /// One image of a row.
   struct Place {
-    std::uint32_t index;  // of the particle
-    float share;          // that is seen
-    Real weight;          // 0 beyond the effective radius
-    Real weight_over_square;
+    std::uint32_t index;      ///< of the particle
+    float share;              ///< of it that is seen [-]
+    Real weight;              ///< w, 0 beyond the effective radius [-]
+    Real weight_over_square;  ///< w/r² [1/m²]
   };
+  /// A mirror through which particles of a row see images. `rotation` and `is_reflection` are as in
+  /// ImageOfParticle.
   struct MirrorOfRow {
     Mirror<Dim> mirror;
     Matrix rotation;

@@ -10,6 +10,7 @@
 
 namespace silt::mps {
 
+/// Sums of a kernel over the neighbours on the full lattice; see lattice_values().
 struct LatticeValues {
   double n0 = 0;          ///< number density Σ w, (5) [-]
   double lambda = 0;      ///< Σ w r² / Σ w over l0², (7) [-]

@@ -11,6 +11,7 @@
 
 namespace silt::mps {
 
+/// What changed the velocity of one particle.
 template <int Dim>
 struct MomentumChange {
   Vec<Dim> position = Vec<Dim>::Zero();         ///< of the particle [m]
@@ -23,12 +24,14 @@ struct MomentumChange {
 template <int Dim>
 class MomentumChanges {
  public:
+  /// The changes of all particles.
   const std::vector<MomentumChange<Dim>>& all() const noexcept { return all_; }
   void clear() noexcept { all_.clear(); }
   /// Keeps those of the last step in the next one, until it has found its own.
   void save() noexcept { all_.swap(saved_); }
   void restore() noexcept { all_.swap(saved_); }
 
+  /// Finds them from the particles and from what the stages of the step changed.
   template <FluidParticles P, class Change>
   void find(const P& particles, const StepChanges<Change>& changes) {
     all_.resize(particles.size());

@@ -19,6 +19,7 @@ class MovesBeforeWalls {
   using Real = typename P::Real;
   using Vec = typename P::Vec;
 
+  /// For the particles of this step; see Advection.
   MovesBeforeWalls(const StepView<Scheme, P>& step, const Advection<Vec>& advection)
       : step_(step), advection_(advection) {}
 

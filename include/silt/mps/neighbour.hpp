@@ -14,7 +14,7 @@ template <int Dim, class RealType>
 struct Neighbour {
   using Real = RealType;
   using Vec = silt::Vec<Dim, Real>;
-  static constexpr bool is_image = false;
+  static constexpr bool is_image = false;  ///< see ImageOfParticle
 
   Index index;              ///< of an owned or ghost particle
   const Vec& r_ij;          ///< [m]; a reference, because a copy would be made in memory

@@ -29,7 +29,7 @@ struct NeighbourPack {
   const std::uint32_t* index;  ///< of owned or ghost particles
   FourVectors<Dim, Real> r_ij;
   Four<Real> weight;
-  Four<Real> weight_over_square;
+  Four<Real> weight_over_square;  ///< w/r² [1/m²]
 
   /// The numbers or vectors of the neighbours, of those of all particles.
   [[gnu::always_inline]] void get(const auto& numbers, Four<Real>& of_these) const {

@@ -21,22 +21,30 @@ class NeighbourView {
   static constexpr int dimension = P::dimension;
   using Real = typename P::Real;
   using Vec = silt::Vec<dimension, Real>;
+  /// Whether walls add images to the neighbours.
   static constexpr bool has_images = AddsImages<typename Operators::Walls>;
+  /// What kinds() returns.
   using Kinds = decltype(std::declval<const P&>().with_ghosts(mps::kind));
+  /// What velocities() returns.
   using Velocities = decltype(std::declval<const P&>().with_ghosts(silt::velocity));
 
+  /// The view of particle i.
   NeighbourView(const P& particles, const Operators& operators, Index i)
       : particles_(particles), operators_(operators), index_(i) {}
 
+  /// All particles of the flow.
   const P& particles() const { return particles_; }
   Index index() const { return index_; }
   Kind kind() const { return particles_[mps::kind][index_]; }
+  /// Velocity of the particle [m/s].
   Vec velocity() const { return particles_[silt::velocity][index_]; }
   Real spacing() const { return stencil().spacing; }  ///< l0 [m]
 
   /// Of density, gradient and divergence.
   const auto& stencil() const { return operators_.stencil(); }
+  /// The stencil of the Laplacian.
   const auto& laplacian_stencil() const { return operators_.laplacian_stencil(); }
+  /// The neighbours of all particles within stencil().
   const auto& neighbourhood() const { return operators_.neighbourhood(); }
 
   /// Kinds, and velocities [m/s], of all particles and ghosts.

@@ -23,7 +23,9 @@ namespace silt::mps {
 
 /// All neighbours are visible, with all of their weight.
 struct AllVisible {
+  /// True, see HidesNeighbours.
   static constexpr bool sees_all(Index) { return true; }
+  /// 1 [-], see HidesNeighbours.
   static constexpr double visible_share(Index, Index) { return 1; }
 };
 
@@ -41,10 +43,10 @@ class Neighbourhood {
 
   /// The neighbours of one particle, in three arrays.
   struct Row {
-    const std::uint32_t* index;  // of an owned or ghost particle
+    const std::uint32_t* index;  ///< of an owned or ghost particle
     const float* weight;
-    const float* weight_over_square;  // w/r² [1/m²]
-    Index length;
+    const float* weight_over_square;  ///< w/r² [1/m²]
+    Index length;                     ///< number of neighbours
 
     Index size() const noexcept { return length; }
   };
@@ -122,6 +124,7 @@ class Neighbourhood {
     return {rows.index.data() + row.first, rows.weight.data() + row.first,
             rows.weight_over_square.data() + row.first, row.length};
   }
+  /// Position of a particle or ghost when the neighbours were found [m].
   Vec position_of(Index i) const noexcept { return positions_[i]; }
   /// Of all particles and ghosts.
   std::span<const Vec> positions() const noexcept { return positions_; }

@@ -35,6 +35,7 @@ struct Stencil {
     double spacing;
     double radius;
   };
+  /// Computes the sums. Throws as lattice_values() does.
   explicit Stencil(const Size& size, const K& with_kernel = {}) : kernel(with_kernel) {
     const LatticeValues values = lattice_values<Dim, K>(size.radius, kernel);
     spacing = Real(size.spacing);

@@ -29,7 +29,7 @@ class ParticleView;
 /// given to.
 template <class Scheme, FluidParticles P>
 struct StepView {
-  static constexpr int Dim = P::dimension;
+  static constexpr int Dim = P::dimension;  ///< 2 or 3
   using Real = typename P::Real;
 
   const P& particles;
@@ -41,6 +41,7 @@ struct StepView {
   double time_step;  ///< Δt [s]
   bool is_first;     ///< no step of the flow was made before it
 
+  /// The view of an owned particle.
   ParticleView<Scheme, P> at(Index i) const { return {*this, i}; }
 };
 
@@ -51,13 +52,16 @@ template <class Scheme, FluidParticles P>
 class ParticleView
     : public NeighbourView<FlowOperators<Scheme, P::dimension, typename P::Real>, P> {
  public:
-  static constexpr int Dim = P::dimension;
+  static constexpr int Dim = P::dimension;  ///< 2 or 3
   using Real = typename P::Real;
   using Vec = silt::Vec<Dim, Real>;
   using Operators = FlowOperators<Scheme, Dim, Real>;
+  /// What is known without the state of the flow.
   using Neighbours = NeighbourView<Operators, P>;
+  /// See the concept AllHavePressure.
   static constexpr bool all_have_pressure = AllHavePressure<WallsOf<Scheme>>;
 
+  /// The view of particle i.
   ParticleView(const StepView<Scheme, P>& step, Index i)
       : Neighbours(step.particles, step.operators, i), step_(step) {}
 

@@ -25,6 +25,7 @@
 
 namespace silt::mps {
 
+/// Assembles the equation of a flow, solves it, and sets the pressures.
 class PressureEquation {
  public:
   /// Numbers the unknowns, which are the fluid and wall particles off the free surface that have a

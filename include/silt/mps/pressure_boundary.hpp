@@ -20,6 +20,8 @@
 
 namespace silt::mps {
 
+/// Finds the free surface and the particles with a pressure, with the criterion and the walls of a
+/// Scheme.
 template <class Scheme>
 class PressureBoundary {
  public:
@@ -60,7 +62,8 @@ class PressureBoundary {
   }
 
   /// Whether the particle of a view or a neighbour lies on the free surface, or a neighbour has no
-  /// pressure. Found when it is asked for, as most schemes do not ask; the answer is kept.
+  /// pressure. Found when it is asked for, as most schemes do not ask; the answer is kept. Throws
+  /// before the free surface was found.
   template <class View>
   bool near_boundary(const View& at) const {
     if (at.index() >= near_boundary_.size()) {

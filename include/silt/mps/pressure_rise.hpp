@@ -20,6 +20,7 @@ class PressureRise {
  public:
   using Real = typename P::Real;
 
+  /// For the images of this step.
   explicit PressureRise(const StepView<Scheme, P>& step)
       : step_(step), time_step_over_density_(Real(step.time_step) / Real(step.settings.density)) {}
 

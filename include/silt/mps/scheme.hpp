@@ -6,6 +6,14 @@
 //     mps::Collision collision{.distance = 0.8, .restitution = 0.2};
 //   };
 //   mps::Flow<Mine> water{{.spacing = 0.01}};
+//
+// The members, and the concepts that they model:
+//   source       PressureSource         walls        WallModel
+//   collision    CollisionModel         shifting     Shifting
+//   kernel       Kernel                 friction     Friction
+//   surface      FreeSurface            wall_stress  WallStress
+//   gradient     Gradient               laplacian    LaplacianWeights
+// Schemes of Silt: Case00 to Case10, Recommended and RecommendedForWallParticles.
 #pragma once
 
 #include <silt/mps/collision.hpp>
@@ -27,27 +35,37 @@
 
 namespace silt::mps {
 
+/// Type of the policy `source` of a scheme.
 template <class Scheme>
 using SourceOf = std::remove_cv_t<decltype(Scheme::source)>;
 /// n* of moved particles already includes what has gone towards walls.
 template <class Scheme>
 inline constexpr bool counts_flow_to_walls = SourceOf<Scheme>::needs_moved_particles;
+/// Type of the policy `collision` of a scheme.
 template <class Scheme>
 using CollisionOf = std::remove_cv_t<decltype(Scheme::collision)>;
+/// Type of the policy `kernel` of a scheme.
 template <class Scheme>
 using KernelOf = std::remove_cv_t<decltype(Scheme::kernel)>;
+/// Type of the policy `surface` of a scheme.
 template <class Scheme>
 using SurfaceOf = std::remove_cv_t<decltype(Scheme::surface)>;
+/// Type of the policy `gradient` of a scheme.
 template <class Scheme>
 using GradientOf = std::remove_cv_t<decltype(Scheme::gradient)>;
+/// Type of the policy `walls` of a scheme.
 template <class Scheme>
 using WallsOf = std::remove_cv_t<decltype(Scheme::walls)>;
+/// Type of the policy `shifting` of a scheme.
 template <class Scheme>
 using ShiftingOf = std::remove_cv_t<decltype(Scheme::shifting)>;
+/// Type of the policy `friction` of a scheme.
 template <class Scheme>
 using FrictionOf = std::remove_cv_t<decltype(Scheme::friction)>;
+/// Type of the policy `wall_stress` of a scheme.
 template <class Scheme>
 using WallStressOf = std::remove_cv_t<decltype(Scheme::wall_stress)>;
+/// Type of the policy `laplacian` of a scheme.
 template <class Scheme>
 using LaplacianOf = std::remove_cv_t<decltype(Scheme::laplacian)>;
 

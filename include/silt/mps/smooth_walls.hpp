@@ -30,6 +30,7 @@ class SmoothWalls::InFlow {
 
   explicit InFlow(const SmoothWalls&) {}
 
+  /// Finds the normals of the walls.
   template <FluidParticles P, class Operators>
   void find(const P& particles, const Operators& operators) {
     normals_.find(particles, operators.neighbourhood(), operators.stencil());

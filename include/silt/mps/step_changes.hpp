@@ -12,8 +12,8 @@
 
 namespace silt::mps {
 
-/// Change of the velocity of each particle by each stage of a step [m/s], and its shift [m]; empty
-/// for a stage without effect.
+/// Change of the velocity of each particle by each stage of a step [m/s] (`friction` and
+/// `collision` of pairs, `pressure`), and its shift [m]; empty for a stage without effect.
 template <class Vec>
 struct StepChanges {
   std::vector<Vec> predictor;  ///< gravity, force and viscosity

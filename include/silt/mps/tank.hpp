@@ -25,12 +25,14 @@
 
 namespace silt::mps {
 
+/// Size of a tank, from the corner at the origin.
 struct TankSize {
   double length = 0;  ///< along x [m]
   double height = 0;  ///< of the walls, along y (2D) or z (3D) [m]
   double depth = 0;   ///< along y, 3D only [m]
 };
 
+/// A tank, and the fluid in it before it is released.
 template <int Dim>
 struct Tank {
   Vec<2> column = Vec<2>::Zero();  ///< width and height of the fluid [m]; in 3D it fills the depth

@@ -26,10 +26,11 @@ struct TimeStepLimits {
 
   double courant = infinite;  ///< from the maximum speed and speed_scale
   double force = infinite;    ///< from gravity and the body force, for fluid at rest
-  double viscous = infinite;
+  double viscous = infinite;  ///< from the viscosity
   double growth = infinite;         ///< from the previous step
   double max_time_step = infinite;  ///< of FlowSettings
 
+  /// The smallest limit [s].
   double smallest() const { return std::min({courant, force, viscous, growth, max_time_step}); }
   /// Which one is the smallest, and what to do about it.
   std::string name_of_smallest() const {
@@ -61,6 +62,8 @@ class TimeStep {
     double time;     ///< at which the body force is evaluated
   };
 
+  /// The limits for the present velocities of the particles and the force on them. Throws if a
+  /// velocity is not finite.
   template <FluidParticles P, class Settings>
   TimeStepLimits limits(const P& particles, const Settings& settings, const Input& input) const {
     TimeStepLimits limits{.viscous = input.viscous, .max_time_step = settings.max_time_step};

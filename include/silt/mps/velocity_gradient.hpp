@@ -18,7 +18,7 @@ struct VelocityGradient {
   using Matrix = Eigen::Matrix<Real, Dim, Dim>;
 
   Matrix value = Matrix::Zero();  ///< ∂u_a/∂x_b [1/s]; zero if it is not known
-  bool is_known = false;
+  bool is_known = false;          ///< false where neighbours are nearly on a line or plane
 };
 
 /// Least squares with the weights of the stencil, exact for linear flows. From the particles alone:
