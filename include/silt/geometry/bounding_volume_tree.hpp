@@ -28,7 +28,7 @@ class BoxTree {
       lower = lower.cwiseMin(other.lower);
       upper = upper.cwiseMax(other.upper);
     }
-    /// Of a point, or of another box, from the box [m²]; 0 inside.
+    /// Squared distance of a point, or of another box, from the box [m²]; 0 inside.
     Real squared_distance(const Vec& x) const {
       return (x - x.cwiseMax(lower).cwiseMin(upper)).squaredNorm();
     }

@@ -29,7 +29,7 @@ template <int Dim>
 class Faces {
  public:
   using Vec = silt::Vec<Dim>;
-  /// As columns, unit vectors.
+  /// Orthogonal unit vectors, as columns.
   using Axes = Eigen::Matrix<double, Dim, Dim>;
 
   /// A face of the surface, with what is asked of it often.

@@ -110,7 +110,7 @@ class NearbyFaces {
   const Element& operator[](std::uint32_t face) const { return (*surface_)[face]; }
   /// Unless they are one plane.
   std::span<const NearFacet> facets() const { return facets_; }
-  /// The numbers of its faces near x.
+  /// The numbers of the faces of the facet that are near x.
   std::span<const std::uint32_t> faces_of(const NearFacet& facet) const {
     return faces().subspan(facet.first, facet.end - facet.first);
   }

@@ -24,7 +24,7 @@ class SharesOfLines {
   using Element = typename Faces<Dim>::Element;
   using NearFacet = typename NearbyFaces<Dim>::NearFacet;
 
-  /// From the faces around x.
+  /// For the point x that these faces are around.
   explicit SharesOfLines(const NearbyFaces<Dim>& around) : around_(around) {}
 
   /// The share of lines around the one from x to the image of the point, shifted in all directions

@@ -153,7 +153,7 @@ class MotionInColumns {
     Real before = 0;  ///< without rotation
     Real after = 0;
   };
-  /// The sum of all particles [J].
+  /// A member of Energies as one number [J].
   static double sum_of(Real energy) { return double(energy); }
 
   /// What a step did to particles.

@@ -35,7 +35,7 @@ namespace checkpoint {
 /// Nested names of entries: "particles/velocity".
 class Path {
  public:
-  /// f() with the names in it behind this one.
+  /// Calls f(); the names in it are nested in this one.
   template <class F>
   void within(std::string_view name, F&& f) {
     const auto length = parent_.size();
@@ -43,7 +43,7 @@ class Path {
     f();
     parent_.resize(length);
   }
-  /// The whole name of an entry.
+  /// The whole name of an entry, with the names that it is nested in.
   std::string of(std::string_view name) const { return parent_ + std::string(name); }
 
  private:

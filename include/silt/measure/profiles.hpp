@@ -51,7 +51,7 @@ struct Slices {
            to_text(volume) + " m³, which is beyond the range of normal numbers; change them");
     }
   }
-  /// Of a slice [m].
+  /// Thickness of a slice [m].
   double thickness() const { return (upper - lower) / double(count); }
 };
 

@@ -14,10 +14,10 @@ namespace silt {
 /// destroyed.
 class Stopwatch {
  public:
-  /// Adds the time of its own life.
+  /// Adds the time of its own life to the sum.
   class Span {
    public:
-    /// To this sum of times [s].
+    /// `seconds` is the sum [s].
     explicit Span(double& seconds) : seconds_(seconds), begin_(Clock::now()) {}
     Span(const Span&) = delete;
     Span& operator=(const Span&) = delete;
@@ -30,7 +30,7 @@ class Stopwatch {
   };
 
   [[nodiscard]] Span start() { return Span(seconds_); }
-  /// Of all spans that have ended [s].
+  /// Sum of the times of all spans that have ended [s].
   double seconds() const noexcept { return seconds_; }
 
  private:

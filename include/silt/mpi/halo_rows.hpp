@@ -28,13 +28,13 @@ class HaloRows {
     Index received = 0;               ///< number of rows of our halo
   };
 
-  /// Without partners.
+  /// There are no partners yet.
   HaloRows(const World& world, const Agreement& agree) : world_(&world), agree_(agree) {}
 
   /// The processes with which rows are exchanged.
   std::vector<Partner>& partners() noexcept { return partners_; }
   const std::vector<Partner>& partners() const noexcept { return partners_; }
-  /// That with the process, without rows if it is new.
+  /// The partner with this process; a new one, without rows, if there is none.
   Partner& partner_with(int process) {
     for (Partner& each : partners_) {
       if (each.process == process) return each;

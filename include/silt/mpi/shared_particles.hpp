@@ -247,8 +247,8 @@ class SharedParticles : public P {
   ElementExchange exchange_of(const PlaceOf& place_of) const {
     return rows_.elements(place_of);
   }
-  /// As that of Particles, after the halo has the values of the processes that own its particles.
-  /// To be called by all.
+  /// Copies these fields to the halo, from the processes that own its particles, and to the ghosts.
+  /// To be called by all processes.
   template <Field... F>
   void refresh_ghosts(F... fields) {
     (exchange_field(fields), ...);

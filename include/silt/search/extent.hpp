@@ -22,7 +22,7 @@ struct Extent {
   Vec<Dim, Real> upper = Vec<Dim, Real>::Zero();   ///< [m]
   Vec<Dim, Real> middle = Vec<Dim, Real>::Zero();  ///< a typical point [m]
 
-  /// Whether all coordinates are.
+  /// Whether all coordinates are finite.
   bool is_finite() const { return silt::is_finite(lower) && silt::is_finite(upper); }
 };
 

@@ -31,7 +31,7 @@ class LastPositions {
 
   /// Position of a particle, owned or of the halo, or of a ghost [m].
   const Vec& operator[](Index i) const { return positions_[i]; }
-  /// Those of the first n.
+  /// The positions of the first n particles [m].
   std::span<const Vec> first(Index n) const { return {positions_.data(), n}; }
 
   /// Whether the positions are those of these particles, in the same order.

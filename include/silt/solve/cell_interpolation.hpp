@@ -23,7 +23,7 @@
 
 namespace silt {
 
-/// P of some points and cells, and Pᵀ.
+/// The interpolation P between given points and cells, and Pᵀ.
 template <int Dim>
 class CellInterpolation {
  public:

@@ -20,7 +20,7 @@ namespace silt {
 /// The cells of one level, with their equations, solutions `x`, right sides `b` and residuals `r`.
 template <int Dim>
 struct CellLevel {
-  /// To a neighbouring `cell`, by its number.
+  /// A link to a neighbouring `cell`, by its number.
   struct Link {
     std::uint32_t cell;
     float conductance;  ///< above 0 [as the entries of A]

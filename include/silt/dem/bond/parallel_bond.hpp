@@ -90,7 +90,7 @@ struct BeamSprings {
   double bending;   ///< k̄_n I [N m]
   double twisting;  ///< k̄_s J [N m]
 
-  /// For the stability of a time step, with β [s].
+  /// Stiffness of the bond for the stability limit, with the β [s] of its dashpots.
   Stiffness stiffness(double beta) const {
     const double rolling = std::max(bending, twisting);
     return {.normal = normal,

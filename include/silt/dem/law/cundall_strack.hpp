@@ -30,13 +30,13 @@ struct OverlapForm {
     }
   };
 
-  /// F_n [N].
+  /// Spring force F_n [N].
   template <class C, class M>
   static typename C::Real spring_force(const C& contact, M&, typename C::Real k_n) {
     return k_n * contact.overlap;
   }
 
-  /// D_n [N]; see CentredDashpot.
+  /// Dashpot force D_n [N]; see CentredDashpot.
   template <class C, class M>
   static typename C::Real dashpot_force(const C& contact, M& history, typename C::Real k_n,
                                         typename C::Real c_n) {
@@ -68,21 +68,21 @@ struct IncrementalForm {
     }
   };
 
-  /// F_n^N [N], (8) (10) (12), which is added to in the history.
+  /// Spring force F_n^N [N], (8) (10) (12); kept in the history.
   template <class C, class M>
   static typename C::Real spring_force(const C& contact, M& history, typename C::Real k_n) {
     history.normal_force += k_n * contact.approach_speed() * contact.time_step;
     return history.normal_force;
   }
 
-  /// D_n^N [N], (22).
+  /// Dashpot force D_n [N], (22).
   template <class C, class M>
   static typename C::Real dashpot_force(const C& contact, M&, typename C::Real,
                                         typename C::Real c_n) {
     return c_n * contact.approach_speed();
   }
 
-  /// F_n/k_n [m].
+  /// Deflection of the spring, F_n/k_n [m].
   template <class C, class M>
   static double compression(const C&, const M& history, double k_n) {
     return double(history.normal_force) / k_n;
