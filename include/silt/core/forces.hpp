@@ -200,7 +200,7 @@ class Forces {
     return limit;
   }
 
-  /// Checks of the parts after a step, see core/watch.hpp.
+  /// Checks of the parts after a step, see core/watch.hpp. Throws as they do.
   template <class P>
   void check_step(const P& particles, const FinishedStep& step) const {
     for_each_part([&](const auto& part) { detail::check_step(part, particles, step); });

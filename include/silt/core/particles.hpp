@@ -379,7 +379,7 @@ class Particles {
     columns_.finish_advance(size(), std::max(revision_, ghosts_revision_));
     add_travel(max_displacement);
   }
-  /// For the halo, which others advance.
+  /// For the halo, which others advance: no particle of it has moved farther than this [m].
   void add_travel(double distance) {
     travel_.distance += distance;
     if (!is_finite(travel_.distance)) positions_changed_.set();

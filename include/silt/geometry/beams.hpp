@@ -89,7 +89,7 @@ class Beams {
     return beam;
   }
 
-  /// Whether a line of the beam may lead to x.
+  /// Whether a line of the beam may lead to x [m].
   bool contains(const Beam& beam, const Vec& x) const {
     const double distance = (x - beam.viewpoint).norm();
     return has_part(beam, [&](const HalfSpace& half) { return half.contains(x, distance); });

@@ -49,8 +49,8 @@ inline void require_size(const std::string& name, const Face<3>& face) {
   require_area(name, Triangle<>{face.corners});
 }
 
-/// A unit vector normal to the face: in 2D on the left of the direction from the first end to the
-/// second, in 3D on the side from which the corners are anticlockwise.
+/// A unit vector normal to the face [-]: in 2D on the left of the direction from the first end to
+/// the second, in 3D on the side from which the corners are anticlockwise.
 inline Vec<2> normal_of(const Face<2>& face) {
   const Vec<2> along = face.corners[1] - face.corners[0];
   return Vec<2>(-along[1], along[0]).normalized();
@@ -67,7 +67,7 @@ Face<Dim> reversed(Face<Dim> face) {
   return face;
 }
 
-/// The point of a segment that is nearest to x.
+/// The point of a segment that is nearest to x [m].
 template <int Dim>
 Vec<Dim> nearest_of_segment(const Vec<Dim>& a, const Vec<Dim>& b, const Vec<Dim>& x) {
   const Vec<Dim> along = b - a;
@@ -75,7 +75,7 @@ Vec<Dim> nearest_of_segment(const Vec<Dim>& a, const Vec<Dim>& b, const Vec<Dim>
   return a + std::clamp(share, 0.0, 1.0) * along;
 }
 
-/// The point of the face that is nearest to x.
+/// The point of the face that is nearest to x [m].
 inline Vec<2> nearest_of(const Face<2>& face, const Vec<2>& x) {
   return nearest_of_segment(face.corners[0], face.corners[1], x);
 }

@@ -103,7 +103,7 @@ class Faces {
   void for_each_near(const Vec& x, double distance, F&& f) const {
     for_each_near_shape(x, distance, f);
   }
-  /// The same for bounds instead of a point.
+  /// The same for bounds [m] instead of a point.
   template <class F>
   void for_each_near_bounds(const Bounds& bounds, double distance, F&& f) const {
     for_each_near_shape(bounds, distance, f);

@@ -31,7 +31,7 @@ struct Mirror {
   }
 };
 
-/// In the plane (in 2D, the line) of the points x with n·x = offset, n a unit vector.
+/// In the plane (in 2D, the line) of the points x with n·x = offset [m], n a unit vector.
 template <int Dim>
 Mirror<Dim> mirror_in(const Vec<Dim>& n, double offset) {
   return {Mirror<Dim>::Matrix::Identity() - 2 * n * n.transpose(), 2 * offset * n};

@@ -19,9 +19,9 @@ class MirrorsAround : public NearbyFaces<Dim> {
  public:
   using Vec = silt::Vec<Dim>;
 
-  /// The share of a point, closer than the reach, that is seen from x: 0 if a face is in between,
-  /// else 1; the share of the lines close to it if it goes through an edge, behind which something
-  /// else is seen.
+  /// The share [-] of a point, closer than the reach, that is seen from x: 0 if a face is in
+  /// between, else 1; the share of the lines close to it if it goes through an edge, behind which
+  /// something else is seen.
   double visible_share(const Vec& point) const {
     if (this->empty()) return 1;
     if (this->is_plane()) return is_before_plane(point);

@@ -183,13 +183,13 @@ class NearbyFaces {
 
   // Lengths [m] of lines that are seen: see SharesOfLines.
 
-  /// Of positions, also beside faces of a thousand kilometres.
+  /// Round-off of positions [m], also beside faces of a thousand kilometres.
   double round_off() const { return 1e-7 * reach_; }
-  /// Of the lines for a share: less than the usual distance of fluid from a wall.
+  /// Width of the lines for a share [m]: less than the usual distance of fluid from a wall.
   double width() const { return width_for(reach_); }
-  /// Longer than their shifts.
+  /// Longer than the shifts of these lines [m].
   double margin() const { return margin_for(reach_); }
-  /// Of faces that they meet.
+  /// Distance of the furthest faces that these lines meet [m].
   double furthest() const { return furthest_for(reach_); }
 
  private:

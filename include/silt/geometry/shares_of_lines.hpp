@@ -27,11 +27,11 @@ class SharesOfLines {
   /// For the point x that these faces are around.
   explicit SharesOfLines(const NearbyFaces<Dim>& around) : around_(around) {}
 
-  /// The share of lines around the one from x to the image of the point, shifted in all directions
-  /// alike: the shares of all that is seen in this direction sum to 1 also beside edges and corners
-  /// of the surface, exactly where facets are parallel or at right angles, otherwise on average over
-  /// directions. A share changes in small steps when points move. The same from the point to the
-  /// image of x.
+  /// The share [-] of lines around the one from x to the image of the point, shifted in all
+  /// directions alike: the shares of all that is seen in this direction sum to 1 also beside edges
+  /// and corners of the surface, exactly where facets are parallel or at right angles, otherwise on
+  /// average over directions. A share changes in small steps when points move. The same from the
+  /// point to the image of x.
   double of(const Vec& point, const Mirror<Dim>& mirror) const {
     const bool is_reversed =
         std::lexicographical_compare(point.begin(), point.end(), around_.x().begin(),

@@ -31,7 +31,7 @@ struct GlobalDamping {
   /// Throws if alpha is negative or not finite.
   void check() const { require_not_negative("GlobalDamping: alpha", alpha); }
 
-  /// Throws if α Δt > 2: a step would reverse the velocities.
+  /// Throws if α Δt > 2 for the time step Δt [s]: a step would reverse the velocities.
   void check(double time_step) const {
     if (alpha * time_step > 2) {
       fail("GlobalDamping: alpha = " + to_text(alpha) + " 1/s reverses velocities in a step of " +

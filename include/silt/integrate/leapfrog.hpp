@@ -110,7 +110,7 @@ class Leapfrog {
     archive("last_time_step", last_time_step_);
   }
 
-  /// Upper bound of the gain of kinetic energy in the last step, see FinishedStep in
+  /// Upper bound of the gain of kinetic energy in the last step [-], see FinishedStep in
   /// core/watch.hpp.
   double max_energy_gain() const noexcept { return max_energy_gain_; }
 

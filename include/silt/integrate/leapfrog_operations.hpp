@@ -54,7 +54,7 @@ void clear(P& particles) {
   for_each_chunk(particles.size(), [&](Chunk c) { clear(particles, c.first, c.last); });
 }
 
-/// v^{N−½} → v^{N+½} (32) and, if the particles rotate, θ'^{N−½} → θ'^{N+½} (33).
+/// v^{N−½} → v^{N+½} (32) and, if the particles rotate, θ'^{N−½} → θ'^{N+½} (33); Δt in [s].
 template <class P, class D>
 void kick(P& particles, const D& damping, double time_step) {
   detail::change_motion(particles, [&](const auto& motion, auto& particle) {

@@ -106,7 +106,7 @@ class MotionInColumns {
     }
   }
 
-  /// v^{N−½} → v^{N+½} (32) and, if the particles rotate, θ'^{N−½} → θ'^{N+½} (33).
+  /// v^{N−½} → v^{N+½} (32) and, if the particles rotate, θ'^{N−½} → θ'^{N+½} (33); dt [s].
   template <class D>
   [[gnu::always_inline]] void kick(State& p, const D& damping, double dt) const {
     change_velocities(p, [&](Real v, Real a) { return damping.kicked(v, a, Real(dt)); });

@@ -272,8 +272,8 @@ class Reader {
     if (number > rest_.size() / bytes_of_each) reject("ends too early", damaged);
   }
 
-  /// Calls f(), which reads all entries. Errors of the components get the name of the file and the
-  /// place in it.
+  /// Calls f(), which reads all entries. Throws if the file has more, and what the components
+  /// throw, with the name of the file and the place in it.
   template <class F>
   void read_all(F&& f) {
     try {

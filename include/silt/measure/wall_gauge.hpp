@@ -27,9 +27,10 @@ struct WallGauge {
 
   /// Σ_j w_j (a + b·(x_j − point) − φ_j)² + ε Σ_j w_j |b|² l0² is least, with w = (1 − (r/2 l0)²)²
   /// and ε = 0.005, because of which few particles give their mean, and a linear field has an error
-  /// of up to 3 % of its change over a spacing. Returns a, not below 0, times Σ w_j over a quarter of
-  /// that before a flat wall, if it is less: in a corner of three walls it is not. Of particles that
-  /// processes share, all call it. Throws if the spacing is not positive or the normal zero.
+  /// of up to 3 % of its change over a spacing. Returns a [unit of the field], not below 0, times Σ
+  /// w_j over a quarter of that before a flat wall, if it is less: in a corner of three walls it is
+  /// not. Of particles that processes share, all call it. Throws if the spacing is not positive or
+  /// the normal zero.
   template <ParticleSet P, Field F>
   double read(const P& particles, F field) const {
     static_assert(P::dimension == Dim, "silt::WallGauge: the particles have another dimension");

@@ -36,7 +36,13 @@ struct Reduced {
 };
 
 /// What all processes are doing in an agreement.
-enum class Doing { communication, step, state, sum, largest };
+enum class Doing {
+  communication,  ///< values of others are received
+  step,           ///< a step is made, or a file is read or written
+  state,          ///< snapshot() or state() is asked for
+  sum,            ///< a sum of all processes is formed, as by measures
+  largest,        ///< the largest value of all processes is found, as by measures
+};
 
 /// Reductions over all processes of a World, in which all learn whether one has failed.
 class Agreement {

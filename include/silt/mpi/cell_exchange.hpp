@@ -71,9 +71,9 @@ class CellExchange {
   }
 
   const std::vector<std::uint32_t>& own() const noexcept { return own_; }  ///< cells
-  double number(Index cell) const { return numbers_[cell]; }  ///< among those of all processes
-  double first() const noexcept { return first_; }            ///< number of the first own cell
-  double all() const noexcept { return all_; }                ///< cells of all processes
+  double number(Index cell) const { return numbers_[cell]; }  ///< among those of all processes [-]
+  double first() const noexcept { return first_; }            ///< number of the first own cell [-]
+  double all() const noexcept { return all_; }                ///< cells of all processes [-]
 
   // To be called by all, after an agreement; they throw nothing but errors of MPI. Values are floats,
   // by cell.

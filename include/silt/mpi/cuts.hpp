@@ -96,7 +96,7 @@ class Cuts {
     are_made_ = true;
   }
 
-  /// The process that owns this point.
+  /// The process that owns this point [m].
   int owner_of(const Vec<Dim>& point) const {
     double x[3] = {};
     for (int axis = 0; axis < Dim; ++axis) x[axis] = point[axis];
@@ -104,7 +104,7 @@ class Cuts {
     check(Zoltan_LB_Point_Assign(zoltan_.get(), x, &process), "Zoltan_LB_Point_Assign");
     return process;
   }
-  /// Adds the processes that own a part of this box.
+  /// Adds the processes that own a part of this box [m].
   void add_owners_of(const Vec<Dim>& lower, const Vec<Dim>& upper, std::vector<int>& processes) {
     found_.resize(Index(world_->size()));
     int count = 0;

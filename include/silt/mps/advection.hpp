@@ -29,8 +29,8 @@ class Advection {
     for_each_of_fluid(particles, [&](Index i) { x[i] += time_step * u[i]; });
   }
 
-  /// The velocity of particle i in the rest of its move, where u are the present velocities: u, or
-  /// u' = u − u* if it was moved with u*.
+  /// The velocity [m/s] of particle i in the rest of its move, where u are the present velocities:
+  /// u, or u' = u − u* if it was moved with u*.
   template <class U>
   Vec rest(const U& u, Index i) const {
     return moved_with_.empty() ? Vec(u[i]) : Vec(u[i] - moved_with_[i]);

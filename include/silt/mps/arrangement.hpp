@@ -126,7 +126,8 @@ void check_periodic_lattice(const P& particles, const N& neighbourhood, const T&
   }
 }
 
-/// Those of the first step, with the neighbours and the stencil of FlowOperators.
+/// The checks of the first step, with the neighbours and the stencil of FlowOperators. Throws as
+/// check_spacing() and check_periodic_lattice() do.
 template <FluidParticles P, class Operators>
 void check_arrangement(const P& particles, const Operators& operators) {
   check_spacing(particles, operators.neighbourhood(), operators.stencil());

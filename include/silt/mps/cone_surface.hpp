@@ -12,7 +12,7 @@
 
 namespace silt::mps {
 
-/// After Marrone et al. (2010). The smallest eigenvalue of d/n0 Σ r_ij r_ijᵀ w/r², which is 1 in
+/// After [MarroneColagrossi2010]. The smallest eigenvalue of d/n0 Σ r_ij r_ijᵀ w/r², which is 1 in
 /// the full lattice, identifies spray (small) and interior particles (large). In between, a
 /// particle is on the surface if the cone around −Σ w r_ij/r contains no fluid. The number density
 /// is not used.

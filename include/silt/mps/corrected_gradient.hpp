@@ -13,7 +13,7 @@
 namespace silt::mps {
 
 /// <∇φ>_i = C Σ (φ_j − φ_i) r_ij w/r²,  C⁻¹ = Σ r_ij r_ijᵀ w/r²: first-order consistent, as in
-/// Khayyer and Gotoh (2011). Does not conserve momentum to round-off.
+/// [KhayyerGotoh2011]. Does not conserve momentum to round-off.
 struct CorrectedGradient {
   /// Below this value of det (d/n0 C⁻¹) [-], which is 1 in the full lattice, C is nearly singular
   /// and is replaced by d/n0; in [0, 1].

@@ -43,9 +43,9 @@ struct FlowEnergy {
 
   /// kinetic + potential [J].
   double total() const { return kinetic + potential; }
-  /// Energy change that the exact solution does not have.
+  /// Energy change that the exact solution does not have [J].
   double numerical() const { return by_pressure + by_shifting + by_integration; }
-  /// total() minus the sum of initial and all other terms: round-off.
+  /// total() minus the sum of initial and all other terms: round-off [J].
   double imbalance() const {
     return total() - initial - (by_viscosity + by_force + by_friction + by_collision + by_pressure +
                                 by_shifting + by_integration + added);

@@ -160,7 +160,7 @@ class FlowOperators {
     }
   }
 
-  /// n_i      (5)
+  /// n_i [-]      (5)
   Real density(Index i) const {
     Real n = neighbourhood_.density(i);
     for_each_image(i, [&](const auto& image) { n += image.weight; });
@@ -181,7 +181,7 @@ class FlowOperators {
       });
     };
   }
-  /// <∇²u>_i of velocities      (6)
+  /// <∇²u>_i of velocities [1/(m s)]      (6)
   template <class U>
   [[gnu::flatten]] Vec laplacian(Index i, const U& u) const {
     return mps::laplacian(laplacian_stencil_, Vec(u[i]), [&](auto&& f) {

@@ -29,7 +29,7 @@ class ScopedTimer {
   Clock::time_point begin_ = Clock::now();
 };
 
-/// Calls f, and adds the time that it takes to `seconds`.
+/// Calls f, and adds the time that it takes to `seconds` [s].
 template <class F>
 void timed(double& seconds, F&& f) {
   const ScopedTimer timer(seconds);

@@ -61,7 +61,7 @@ struct DensitySurface {
   bool is_on_surface(const LocalDensity& local) const { return local.density < beta; }
 };
 
-/// N_i < β' N0 (17), Tanaka and Masunaga (2010).
+/// N_i < β' N0 (17) [TanakaMasunaga2010].
 struct CountSurface {
   double beta = 0.85;  ///< β' [-] in (0, 1]; not given in the paper, 0.85 is usual
 

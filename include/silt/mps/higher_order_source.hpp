@@ -12,7 +12,8 @@
 
 namespace silt::mps {
 
-/// −(ρ/Δt) (1/n0) Dn*/Dt + γ (ρ/Δt²) (n0 − n)/n0,  Dn/Dt = Σ w'(r) u_ij·r_ij/r      (HS)
+/// −(ρ/Δt) (1/n0) Dn*/Dt + γ (ρ/Δt²) (n0 − n)/n0,  Dn/Dt = Σ w'(r) u_ij·r_ij/r
+/// (HS) [KhayyerGotoh2009]
 struct HigherOrderSource {
   static constexpr bool needs_moved_particles = false;
 
@@ -25,7 +26,8 @@ struct HigherOrderSource {
   }
 };
 
-/// The same, with two terms proportional to the errors instead of the term with γ; c = (n − n0)/n0:
+/// The same, with two terms proportional to the errors instead of the term with γ
+/// [KhayyerGotoh2011]; c = (n − n0)/n0:
 ///   −(ρ/Δt) [ (1/n0) Dn*/Dt + |c| (1/n0) Dn/Dt + |Δt (1/n0) Dn/Dt| c/Δt ]      (HS with ECS)
 class ErrorCompensatingSource {
  public:

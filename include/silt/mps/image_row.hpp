@@ -36,11 +36,11 @@ struct ImageOfParticle {
   Kind kind(const auto&) const { return Kind::dummy; }
   /// The mirrored velocity, with which particles collide [m/s].
   Vec mirrored(const auto& u) const { return multiply<Dim, Real>(rotation, Vec(u[index])); }
-  /// That of a flow that sticks to the walls.
+  /// The velocity [m/s] in a flow that sticks to the walls.
   Vec sticking(const auto& u) const { return is_reflection ? Vec(-u[index]) : Vec(u[index]); }
   /// Whether velocity(u) is that of the flow continued beyond the wall.
   bool continues_flow() const { return gradient != nullptr; }
-  /// Mirrored, without the jump that the flow towards the wall then has there.
+  /// The mirrored velocity [m/s], without the jump that the flow towards the wall then has there.
   Vec velocity(const auto& u) const {
     if (!continues_flow()) return mirrored(u);
     const Vec at_wall = half_way(u);
@@ -99,7 +99,7 @@ class ImageRows {
     const Set& set = set_of(i);
     rows_[i] = {size_of(set.parts), size_of(set.parts), size_of(set.places)};
   }
-  /// Adds an image in the next mirror to row i, at a distance whose square is r2.
+  /// Adds an image in the next mirror to row i, at a distance whose square is r2 [m²].
   template <class T>
   void add(Index i, Index j, double share, Real r2, const T& stencil) {
     const Real w = r2 < squared(stencil.re) ? Real(share) * stencil.weight(std::sqrt(r2)) : 0;

@@ -127,7 +127,7 @@ class ImageWalls::InFlow {
     flow_.clear(particles.local());
     revision_ = particles.owned_revision();
   }
-  /// The share of particle j that particle i sees: see MirrorsAround.
+  /// The share [-] of particle j that particle i sees: see MirrorsAround.
   Real visible_share(Index i, Index j) const {
     return Real(near_[i].visible_share(near_.position(j)));
   }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Collision models that keep a minimum distance at the end of the step: the dynamic stabilisation
-// of Tsuruta, Khayyer and Gotoh (2013), and a variant limited to the impulse of a collision.
+// of [TsurutaKhayyerGotoh2013], and a variant limited to the impulse of a collision.
 #pragma once
 
 #include <silt/core/error.hpp>

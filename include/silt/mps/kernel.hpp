@@ -25,7 +25,7 @@ concept SmoothKernel = Kernel<K> && requires(const K kernel, double q, float p) 
   { kernel.curvature(p) } -> std::same_as<float>;
 };
 
-/// re/r − 1 (3a), Koshizuka and Oka (1996): infinite at r = 0.
+/// re/r − 1 (3a) [KoshizukaOka1996]: infinite at r = 0.
 struct InverseKernel {
   template <class Real>
   static Real weight(Real q) {
@@ -76,7 +76,7 @@ struct CubicKernel {
   }
 };
 
-/// (1 − q)⁴ (1 + 4 q), q = r/re, Wendland (1995): smooth at re, and its Fourier transform is
+/// (1 − q)⁴ (1 + 4 q), q = r/re [Wendland1995]: smooth at re, and its Fourier transform is
 /// positive, which prevents the pairing of particles.
 struct WendlandKernel {
   template <class Real>

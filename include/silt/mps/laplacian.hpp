@@ -17,8 +17,8 @@ struct KernelLaplacian {
   }
 };
 
-/// w'' + (d − 3) w'/q, the divergence of the gradient, of Khayyer and Gotoh (2010, 2012); zero
-/// where this is negative, as for some kernels at small q in 3D.
+/// w'' + (d − 3) w'/q, the divergence of the gradient, of [KhayyerGotoh2010] and Khayyer and Gotoh
+/// (2012); zero where this is negative, as for some kernels at small q in 3D.
 struct HigherOrderLaplacian {
   /// The weights for this `kernel`.
   template <int Dim, SmoothKernel K>

@@ -129,7 +129,7 @@ class Neighbourhood {
   /// Of all particles and ghosts.
   std::span<const Vec> positions() const noexcept { return positions_; }
 
-  /// n_i = Σ w      (5)
+  /// n_i = Σ w [-]      (5)
   Real density(Index i) const noexcept { return density_[i]; }
 
  private:

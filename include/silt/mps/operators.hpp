@@ -80,7 +80,7 @@ bool any_weighted(const S& search, Index i, const T& stencil, F&& f) {
 /// <∇φ>_i = d/n0 Σ (φ_j − φ̂_i) r_ij w/r²,  φ̂_i the minimum over i and its neighbours          (4)
 /// As a pressure gradient always repulsive; does not conserve momentum.
 struct MinimumGradient {
-  /// for_each(f) calls f(φ_j, r_ij, w, w/r²).
+  /// <∇φ>_i [unit of φ per m]; for_each(f) calls f(φ_j, r_ij, w, w/r²).
   template <class T, class Real, class Neighbours>
   static Vec<T::dimension, Real> evaluate(const T& stencil, Real phi_i, Neighbours&& for_each) {
     using Vec = silt::Vec<T::dimension, Real>;
@@ -116,7 +116,7 @@ concept Gradient = requires(const G gradient, const Stencil<Dim, Real, CubicKern
   } -> std::convertible_to<Vec<Dim, Real>>;
 };
 
-/// <∇·u>_i = d/n0 Σ (u_j − u_i)·r_ij w/r²; for_each(f) calls f(u_j, r_ij, w, w/r²)
+/// <∇·u>_i = d/n0 Σ (u_j − u_i)·r_ij w/r² [1/s]; for_each(f) calls f(u_j, r_ij, w, w/r²)
 template <class T, class Vec, class Neighbours>
 typename T::Real divergence(const T& stencil, const Vec& u_i, Neighbours&& for_each) {
   // One sum per axis; the sum over the axes is left to the end.
@@ -127,7 +127,7 @@ typename T::Real divergence(const T& stencil, const Vec& u_i, Neighbours&& for_e
   return T::dimension / stencil.n0 * sum.sum();
 }
 
-/// (1/n0) Dn_i/Dt = 1/n0 Σ w'(r) (u_j − u_i)·r_ij/r, Khayyer and Gotoh (2009) [1/s]
+/// (1/n0) Dn_i/Dt = 1/n0 Σ w'(r) (u_j − u_i)·r_ij/r, [KhayyerGotoh2009] [1/s]
 template <class T, class Vec, class Neighbours>
 typename T::Real density_rate(const T& stencil, const Vec& u_i, Neighbours&& for_each) {
   typename T::Real sum = 0;

@@ -15,10 +15,11 @@ struct NoShifting {
   void check() const {}
 };
 
-/// δr = −A max|u_ij| Δt l0/n0 Σ w r_ij/r², at most a tenth of a spacing; after Lind et al. (2012),
-/// but with relative speeds, because strain is what aligns particles: fluid at rest or in uniform
-/// motion is not shifted. Particles near a boundary of the fluid, where one side is empty, are not
-/// shifted either, so that none is pushed out. Velocities and momentum are unchanged.
+/// δr = −A max|u_ij| Δt l0/n0 Σ w r_ij/r², at most a tenth of a spacing; after
+/// [LindXuStansbyRogers2012], but with relative speeds, because strain is what aligns particles:
+/// fluid at rest or in uniform motion is not shifted. Particles near a boundary of the fluid, where
+/// one side is empty, are not shifted either, so that none is pushed out. Velocities and momentum
+/// are unchanged.
 struct ParticleShifting {
   double strength = 4;  ///< A [-], at most 1e6
 

@@ -54,7 +54,7 @@ struct DensitySource {
   }
 };
 
-/// (ρ/Δt) ∇·u* + γ (ρ/Δt²) (n0 − n^k)/n0 (16), Tanaka and Masunaga (2010).
+/// (ρ/Δt) ∇·u* + γ (ρ/Δt²) (n0 − n^k)/n0 (16) [TanakaMasunaga2010].
 struct DivergenceSource {
   static constexpr bool needs_moved_particles = false;
 

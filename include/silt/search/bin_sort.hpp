@@ -55,7 +55,7 @@ class BinSort {
   /// Number of particles in a lower bin than the previous particle; 0 if all are in order.
   Index descents() const noexcept { return descents_; }
 
-  /// Sum of m² over all bins with m particles; if none has 31 or more, it may be 0 instead.
+  /// Sum of m² over all bins with m particles [-]; if none has 31 or more, it may be 0 instead.
   double squares() const {
     // A bin with 31 or more has an aligned window of 16, one with 16 or more may have one. To test
     // these windows is much faster than to read all bins; there may be 16 for each particle.

@@ -31,7 +31,7 @@ class BruteForce {
   }
 
   Real radius() const noexcept { return radius_; }
-  /// Throws if the radius is not positive.
+  /// Throws if the radius [m] is not positive.
   void set_radius(Real radius) {
     require_positive("BruteForce: radius", double(radius));
     radius_ = radius;

@@ -76,7 +76,7 @@ class Cells {
   Index bins() const noexcept { return static_cast<Index>(bins_); }
   /// Whether distant cells share bins.
   bool shared() const noexcept { return shared_; }
-  /// Bin of the cell that contains x, for any x.
+  /// Bin of the cell that contains x [m], for any x.
   Index bin_of(const Vec& x) const {
     std::int64_t bin = 0;
     for (std::size_t k = 0; k < Dim; ++k) bin += cell_on_ring(x, k) * stride_[k];
@@ -114,8 +114,8 @@ class Cells {
     }
   }
 
-  /// f(first, last) for every range of bins that may have points closer to x than `distance`, which
-  /// may span many cells; all bins if it spans all cells along an axis.
+  /// f(first, last) for every range of bins that may have points closer to x than `distance` [m],
+  /// which may span many cells; all bins if it spans all cells along an axis.
   template <class F>
   void for_each_range_within(const Vec& x, Real distance, F&& f) const {
     const double cells = std::ceil(double(distance) * (1 + 0x1p-18) * inverse_edge_);

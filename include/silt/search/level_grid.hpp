@@ -45,7 +45,7 @@ class LevelGrid {
   }
 
   Real radius() const noexcept { return radius_; }
-  /// Throws if the radius is not positive.
+  /// Throws if the radius [m] is not positive.
   void set_radius(Real radius) {
     require_positive("LevelGrid: radius", double(radius));
     radius_ = radius;
@@ -63,7 +63,7 @@ class LevelGrid {
     make_ghosts(particles, radius_);
     read(particles);
   }
-  /// The same with the present ghosts, which are those within radius() or more.
+  /// The same with the present ghosts, which are those within radius() or more. Throws alike.
   template <class P>
     requires HasFields<P, radius_t>
   void read(const P& particles) {

@@ -45,7 +45,8 @@ class ListGrid {
     if constexpr (requires { inner_.sort(particles); }) inner_.sort(particles);
   }
 
-  /// Reads the particles; returns the skin with which candidates are found [m].
+  /// Reads the particles; returns the skin with which candidates are found [m]. Throws as the
+  /// search does.
   template <class P>
   Real update(P& particles, const Reach& reach) {
     inner_.set_radius(reach.sum());

@@ -57,7 +57,7 @@ class NeighbourList {
   }
 
   Real radius() const noexcept { return radius_; }
-  /// Throws if the radius is not positive.
+  /// Throws if the radius [m] is not positive.
   void set_radius(Real radius) {
     require_positive("NeighbourList: radius", double(radius));
     radius_ = radius;

@@ -30,12 +30,12 @@ namespace silt {
 using SizeClass = std::uint32_t;
 inline constexpr SizeClass size_classes = 4096;  ///< number of bins of the histogram of sizes
 
-/// Class of a radius; the lowest if it is not positive.
+/// Class of a radius [m]; the lowest if it is not positive.
 inline SizeClass size_class_of(double size) {
   if (!(size > 0)) return 0;
   return static_cast<SizeClass>(std::bit_cast<std::uint64_t>(size) >> 51);
 }
-/// Upper bound of the radii of a class.
+/// Upper bound of the radii of a class [m].
 inline double largest_of(SizeClass size) {
   return std::bit_cast<double>((std::uint64_t{size} + 1) << 51);
 }

@@ -39,7 +39,7 @@ class SortedCells {
     sort(x, extent, reach, [](Chunk) {});
   }
 
-  /// The same, and copies the points into their slots.
+  /// The same, and copies the points [m] into their slots.
   template <class Points>
   void sort_and_copy(const Points& x, const Extent& extent, Real reach) {
     for (auto& column : x_) column.resize(x.size() + simd::lanes<Real>);
@@ -58,7 +58,7 @@ class SortedCells {
   Index size() const noexcept { return order_.size(); }
   /// Number of points in a lower bin than the previous point.
   Index descents() const noexcept { return order_.descents(); }
-  /// Sum of m² over all bins with m points; if none has 31 or more, it may be 0 instead.
+  /// Sum of m² over all bins with m points [-]; if none has 31 or more, it may be 0 instead.
   double squares() const { return order_.squares(); }
   const Cells<Dim, Real>& cells() const noexcept { return cells_; }
   /// First slot of each bin, and the number of points.
@@ -81,8 +81,8 @@ class SortedCells {
     return columns;
   }
 
-  /// f(slot) for every slot except `own` closer to x than `distance`; slots farther by a rounding
-  /// error may be included.
+  /// f(slot) for every slot except `own` closer to x than `distance` [m]; slots farther by a
+  /// rounding error may be included.
   template <class F>
   void for_each_around(const Vec& x, Real distance, Index own, F&& f) const {
     Near near(columns(), x, distance, own);
@@ -97,8 +97,8 @@ class SortedCells {
     near.flush(f);
   }
 
-  /// The same for the slots after `own`, around its point, if `distance` does not exceed the edge
-  /// of a cell and no bins are shared.
+  /// The same for the slots after `own`, around its point, if `distance` [m] does not exceed the
+  /// edge of a cell and no bins are shared.
   template <class F>
   void for_each_forward(Index own, Real distance, F&& f) const {
     const Vec x = at(own);

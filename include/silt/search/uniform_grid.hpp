@@ -48,7 +48,7 @@ class UniformGrid {
   }
 
   Real radius() const noexcept { return radius_; }
-  /// Throws if the radius is not positive.
+  /// Throws if the radius [m] is not positive.
   void set_radius(Real radius) {
     require_positive("UniformGrid: radius", double(radius));
     radius_ = radius;

@@ -178,7 +178,7 @@ class Bonds {
   /// Numbers of broken bonds since the beginning.
   const BrokenBonds& broken() const noexcept { return broken_; }
 
-  /// 0: bonds need no neighbour search.
+  /// 0 [m]: bonds need no neighbour search.
   template <class P>
   typename P::Real reach(const P&) const {
     return 0;
@@ -189,9 +189,9 @@ class Bonds {
     return false;
   }
 
-  /// Adds forces and torques, in a pass over the grains if one is given, see AcceleratesInPass in
-  /// core/concepts.hpp. Throws if the grains of a bond coincide, or if dt exceeds the stability
-  /// limit of the bonds alone.
+  /// Adds forces [N] and torques [N m], in a pass over the grains if one is given, see
+  /// AcceleratesInPass in core/concepts.hpp. Throws if the grains of a bond coincide, or if dt
+  /// exceeds the stability limit of the bonds alone.
   template <class P, class S, class Before = DoNothing, class After = DoNothing>
     requires HasFields<P, spin_t, force_t, torque_t, mass_t, inertia_t, radius_t> &&
              std::same_as<typename P::Vec, Vec>

@@ -90,7 +90,7 @@ class ContactsOf : public Contacts<Law, Walls...> {
     return *is_rebuild_announced_;
   }
 
-  /// Adds contact forces and torques, in a pass over the grains if one is given, see
+  /// Adds contact forces [N] and torques [N m], in a pass over the grains if one is given, see
   /// AcceleratesInPass in core/concepts.hpp. Throws if two centres coincide to round-off, if a
   /// radius, mass or inertia is not positive and finite, if products of them underflow or overflow,
   /// if a material does not exist, if positions have too few digits, if an overlap exceeds
@@ -132,7 +132,7 @@ class ContactsOf : public Contacts<Law, Walls...> {
       detail::check_motion_of_walls(walls_, state_.last.list->extent, smallest, settings_, step);
     }
   }
-  /// See ContactSettings::max_energy_gain; infinite if the energy of the contacts is not known.
+  /// See ContactSettings::max_energy_gain; infinite if the energy of the contacts is not known [-].
   double max_energy_gain() const {
     return ContactsOfStep::knows_springs ? settings_.max_energy_gain
                                          : std::numeric_limits<double>::infinity();

@@ -30,7 +30,8 @@ inline double sah_choi_critical_time_step(const Spring& spring) {
   return 2 * std::sqrt(spring.mass / spring.stiffness);
 }
 
-/// Half a period of an undamped contact, π √(m*/k) [s]; `mass` is the effective mass m*.
+/// Half a period of an undamped contact, π √(m*/k) [s]; `mass` is the effective mass m*. Throws if
+/// the mass or the stiffness is not positive.
 inline double contact_duration(const Spring& spring) {
   spring.check();
   return std::numbers::pi * std::sqrt(spring.mass / spring.stiffness);

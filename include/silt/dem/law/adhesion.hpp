@@ -42,7 +42,7 @@ struct DmtAdhesion {
     return detail::pull_while_touching(contact, pull_off(contact));
   }
 
-  /// 0 at δ = 0; otherwise minus the work needed to separate the two.
+  /// 0 at δ = 0; otherwise minus the work needed to separate the two [J].
   template <class C>
   double elastic_energy(const C& contact) const {
     return -double(pull_off(contact)) * double(contact.overlap);

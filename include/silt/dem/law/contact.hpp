@@ -95,8 +95,8 @@ inline void check_magnitude_or_zero(std::string_view name, double value) {
   if (value > 0) check_magnitude(name, value);
 }
 
-/// Stiffness between two materials. k is the stiffness of a pair of equal grains, so the spring of
-/// one grain has 2 k, and those of two grains act in series.
+/// Stiffness between two materials, in the unit of both, such as [N/m]. k is the stiffness of a
+/// pair of equal grains, so the spring of one grain has 2 k, and those of two grains act in series.
 inline double in_series(double a, double b) { return a + b > 0 ? 2 * a * b / (a + b) : 0; }
 
 /// The components of the force on i, for the energy ledger.

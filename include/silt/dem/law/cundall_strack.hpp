@@ -103,7 +103,7 @@ struct CundallStrackLaw {
   FrictionAngle friction_angle = {};  ///< φ_μ [rad] in [0, π/2)
   double cohesion = 0;                ///< c of (13): limit of the tangential force without load [N]
   /// Limits the dashpot so that the normal force is never attractive; the restitution is then the
-  /// larger e_clip(ζ) of Schwager and Pöschel (2007).
+  /// larger e_clip(ζ) of [SchwagerPoeschel2007].
   bool limit_damping = false;
 
   template <int Dim, class Real>

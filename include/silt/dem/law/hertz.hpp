@@ -47,7 +47,7 @@ struct Hertz {
             .beta = c / divisor};
   }
 
-  /// 8/15 E* √R* δ^{5/2}.
+  /// 8/15 E* √R* δ^{5/2} [J].
   template <class C, class M>
   double elastic_energy(const C& contact, const M&) const {
     return double(tangent(contact)) * squared(double(contact.overlap)) * 4 / 15;

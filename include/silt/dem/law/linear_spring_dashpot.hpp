@@ -19,7 +19,7 @@ struct LinearSpringDashpot {
   double normal_stiffness = 0;   ///< k [N/m], above 0
   Restitution restitution = {};  ///< e [-] in (0, 1]
   /// Limits the dashpot so that the normal force is never attractive; the restitution is then the
-  /// larger e_clip(ζ) of Schwager and Pöschel (2007).
+  /// larger e_clip(ζ) of [SchwagerPoeschel2007].
   bool limit_damping = false;
 
   template <int, class Real>

@@ -57,8 +57,8 @@ inline void check_resistance(std::string_view name, double coefficient) {
                          : ""));
 }
 
-/// The spring force of the previous step, rotated into the current contact plane with its magnitude
-/// unchanged.
+/// The spring force [N] of the previous step, or couple [N m], rotated into the current contact
+/// plane, to which n is normal, with its magnitude unchanged.
 template <class Vec>
 Vec rotated_into_plane(const Vec& spring, const Vec& n) {
   using Real = typename Vec::Scalar;
@@ -85,7 +85,7 @@ struct SliderForce {
   typename Vec::Scalar lost;  ///< energy dissipated by sliding in this step [J]
 };
 
-/// |v|; of a single number without a root.
+/// |v| [unit of v]; of a single number without a root.
 template <class Vec>
 typename Vec::Scalar magnitude(const Vec& v) {
   if constexpr (Vec::SizeAtCompileTime == 1) {
@@ -135,7 +135,7 @@ RescaledForce<Vec> with_stiffness(Real k, Real ratio, const Vec& force, const Ve
   return {kept, had_spring && ratio > 0 && k > 0 ? std::max(Real(0), lost / 2) : Real(0)};
 }
 
-/// The same if the displacement F/k is always kept. If the stiffness rises, the lost energy is
+/// The same if the displacement F/k [m] is always kept. If the stiffness rises, the lost energy is
 /// negative.
 template <class Vec, class Real>
 RescaledForce<Vec> with_displacement(Real k, Real ratio, const Vec& force) {

@@ -55,7 +55,7 @@ struct WaltonBraun {
     return {.spring = spring_force(contact, history), .stiffness = K_1, .plastic = plastic};
   }
 
-  /// Energy recovered when unloaded.
+  /// Energy recovered when unloaded [J].
   template <class C, class M>
   double elastic_energy(const C& contact, const M& history) const {
     return squared(double(spring_force(contact, history))) / (2 * unloading_stiffness());

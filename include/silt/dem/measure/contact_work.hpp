@@ -52,7 +52,7 @@ struct Work {
     for_each([&](double Work::* term) { sum += this->*term; });
     return sum;
   }
-  /// max |term|
+  /// max |term| [J]
   double max_term() const {
     double maximum = 0;
     for_each([&](double Work::* term) { maximum = std::max(maximum, std::abs(this->*term)); });

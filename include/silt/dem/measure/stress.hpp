@@ -33,7 +33,7 @@ struct Stress {
 
   /// σ [Pa]; in 2D [N/m].
   Matrix sum() const { return kinetic + contact; }
-  /// A third of the trace, in 2D half of it.
+  /// A third of the trace [Pa]; in 2D half of it [N/m].
   double pressure() const { return sum().trace() / Dim; }
 };
 

@@ -65,16 +65,16 @@ double volume_of(double radius) {
                   : std::numbers::pi * radius * radius * radius * 4 / 3;
 }
 
-/// Whether this is the radius of a grain: the squares of the distances between such grains in
-/// contact neither overflow nor underflow.
+/// Whether this may be the radius of a grain [m]: the squares of the distances between such grains
+/// in contact neither overflow nor underflow.
 template <class Real>
 bool is_radius(Real R) {
   return R > 0 && is_positive_normal(R * R) && is_finite(64 * R * R);
 }
 
-/// Whether the products that contacts compute neither underflow nor overflow: those of two radii,
-/// of two masses, and of a mass, a radius and the distance of two centres, which is at least the
-/// round-off of a radius and at most two of them.
+/// Whether the products that contacts compute neither underflow nor overflow in [m] and [kg]: those
+/// of two radii, of two masses, and of a mass, a radius and the distance of two centres, which is
+/// at least the round-off of a radius and at most two of them.
 template <class Real>
 bool has_products(Real R, Real m) {
   using Limits = std::numeric_limits<Real>;

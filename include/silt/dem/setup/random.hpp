@@ -42,16 +42,16 @@ struct Random {
   Id id = 0;                  ///< of the particle or other object
   std::uint64_t counter = 0;  ///< numbers drawn so far
 
-  /// Uniform in [0, 1); the same bits on every machine.
+  /// Uniform in [0, 1), a number [-]; the same bits on every machine.
   double uniform() { return unit(draw()[0]); }
 
-  /// Uniform in [lower, upper).
+  /// Uniform in [lower, upper) [unit of the range].
   double uniform(const Range& range) {
     return range.lower + uniform() * (range.upper - range.lower);
   }
 
-  /// Normal with mean 0 and variance 1 (Box and Muller 1958); the same bits on machines with the
-  /// same log and cos.
+  /// Normal with mean 0 and variance 1 [-] (Box and Muller 1958); the same bits on machines with
+  /// the same log and cos.
   double normal() {
     const auto words = draw();
     const double u = 1 - unit(words[0]);  // in (0, 1]

@@ -57,7 +57,7 @@ bool has_direction(Real length) {
 }
 }  // namespace detail
 
-/// On which side of a wall the grains are.
+/// On which side of a wall the grains are: `inside` or `outside` of it.
 enum class Side { inside, outside };
 
 /// A wall with at most one contact per grain: wall.nearest(x) → NearestPoint.

@@ -129,7 +129,7 @@ class WallsAtTime {
         first_(first),
         present_(present) {}
 
-  /// Nearest point of an element.
+  /// The point of an element that is nearest to x [m].
   NearestPoint<Dim, Real> nearest(Index index, const Vec<Dim, Real>& x) const {
     NearestPoint<Dim, Real> nearest{};
     with(index, [&](const auto& wall, Index element) { nearest = wall.nearest(element, x); });
