@@ -75,6 +75,7 @@ class Agreement {
   std::array<double, N> sum(const std::array<double, N>& own) const {
     return reduce(&Reduced::sum, own, Doing::sum);
   }
+  /// Of each of the numbers the largest of all processes.
   template <std::size_t N>
   std::array<double, N> largest(const std::array<double, N>& own) const {
     return reduce(&Reduced::largest, own, Doing::largest);
