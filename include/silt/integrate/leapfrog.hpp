@@ -45,8 +45,9 @@ void check_inertia(const P& particles) {
 }
 }  // namespace detail
 
-/// Advances particles under forces. The initial velocities are those at time 0; from the first step
-/// on, `velocity` and `spin` hold v^{N−½}, and Simulation::snapshot() returns v^N (27), (28).
+/// Advances particles under forces, [SahChoi2004] (15)–(33). The initial velocities are those at
+/// time 0; from the first step on, `velocity` and `spin` hold v^{N−½}, and Simulation::snapshot()
+/// returns v^N (27), (28).
 ///
 /// The first step evaluates the forces at time 0 twice, for v^{−½} and v^{½}. Pairs that overlap at
 /// time 0 have not slipped or rolled yet: their springs, apart from k_n δ, are unwound, and

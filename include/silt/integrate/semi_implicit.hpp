@@ -33,7 +33,8 @@ struct OrderRequiredBySource {
   }();
 };
 
-/// Advances an incompressible flow. Predictor is one of the three policies above.
+/// Advances an incompressible flow, [HwangLeePark2010] (8)–(12), (16) and Fig. 10. Predictor is
+/// MovesParticles, KeepsParticles or OrderRequiredBySource.
 template <class Predictor = OrderRequiredBySource>
 class SemiImplicit {
  public:

@@ -15,7 +15,7 @@
 
 namespace silt {
 
-/// An average over time, in the unit of the samples.
+/// An average over time with its standard error, from averages of blocks [FlyvbjergPetersen1989].
 struct Estimate {
   double value = 0;  ///< [unit of the samples]
   /// [unit of the samples]; infinite: not known yet.

@@ -60,10 +60,10 @@ template <int Dim>
 struct ProfileRow {
   double height = 0;        ///< of the middle of the slice [m]
   Estimate solid_fraction;  ///< fraction of the volume (2D: area) inside grains [-]
-  std::array<Estimate, Dim> velocity;  ///< mean flow <v_k> [m/s]
-  /// <v_k'²>, where v' = v − <v> and <v> is the mean flow over all samples [m²/s²].
+  std::array<Estimate, Dim> velocity;  ///< mean flow ⟨v_k⟩ [m/s]
+  /// ⟨v_k'²⟩, where v' = v − ⟨v⟩ and ⟨v⟩ is the mean flow over all samples [m²/s²].
   std::array<Estimate, Dim> component;
-  Estimate temperature;  ///< <v'²>/Dim [m²/s²]
+  Estimate temperature;  ///< ⟨v'²⟩/Dim [m²/s²]
 };
 
 /// An observer that takes a sample whenever it is called. A grain is weighted in a slice with the

@@ -15,7 +15,7 @@ namespace silt::mps {
 /// pressure is not zero, and fluid at rest starts to move. The source therefore includes this
 /// error, with the pressure gradient ρ F beyond walls and that of the previous step (k) elsewhere:
 ///
-///   (ρ/Δt) ∇·u* + 2d/(λ n0) [ Σ_all w r_ij·<∇P^k>_i − Σ_without-pressure w r_ij·ρF ]
+///   (ρ/Δt) ∇·u* + 2d/(λ n0) [ Σ_all w r_ij·⟨∇P^k⟩_i − Σ_without-pressure w r_ij·ρF ]
 ///     + γ (ρ/Δt²) (n0 − n)/n0
 ///
 /// where walls and dummies have u* = Δt F, as fluid at rest has. Fluid at rest then stays at rest,

@@ -16,8 +16,8 @@
 
 namespace silt::mps {
 
-/// The original MPS: source (9), kernel (3a), free surface (13), gradient (4), and collisions below
-/// 0.5 l0 with the restitution 0.2.
+/// Case 00 of [HwangLeePark2010], the original MPS: source (9), kernel (3a), free surface (13),
+/// gradient (4), and collisions below 0.5 l0 with the restitution 0.2.
 struct Case00 {
   DensitySource source{};
   Collision collision{.distance = 0.5, .restitution = 0.2};

@@ -34,7 +34,7 @@ struct CollidingPair {
   }
 };
 
-/// Collisions with a and b of Table 1; by default those that the paper adopts.
+/// Collisions with a and b of [HwangLeePark2010], Table 1; by default those that the paper adopts.
 struct Collision {
   double distance = 1;       ///< a, in l0 [-]; 0: no collisions
   double restitution = 0.2;  ///< b [-] in [0, 1]

@@ -12,7 +12,7 @@
 
 namespace silt::mps {
 
-/// <∇φ>_i = C Σ (φ_j − φ_i) r_ij w/r²,  C⁻¹ = Σ r_ij r_ijᵀ w/r²: first-order consistent, as in
+/// ⟨∇φ⟩_i = C Σ (φ_j − φ_i) r_ij w/r²,  C⁻¹ = Σ r_ij r_ijᵀ w/r²: first-order consistent, as in
 /// [KhayyerGotoh2011]. Does not conserve momentum to round-off.
 struct CorrectedGradient {
   /// Below this value of det (d/n0 C⁻¹) [-], which is 1 in the full lattice, C is nearly singular

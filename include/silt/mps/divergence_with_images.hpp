@@ -65,7 +65,7 @@ template <int Dim, class Real, class View, class Walls, class F, class G>
 
 }  // namespace detail
 
-/// <∇·u>_i = −(Dn/Dt) / (−1/d Σ w' r), with the sum over the full lattice [1/s]: a flow without
+/// ⟨∇·u⟩_i = −(Dn/Dt) / (−1/d Σ w' r), with the sum over the full lattice [1/s]: a flow without
 /// divergence keeps n, to which fluid and images contribute alike, and so its volume. Below an
 /// even surface, missing neighbours are taken to have the velocities of the linear flow around i:
 /// `flow`, see ExtrapolatedFlow::OfParticle.

@@ -32,8 +32,8 @@
 
 namespace silt::mps {
 
-/// Incompressible flow in Dim dimensions with the policies of a Scheme, such as mps::Case10; Solver
-/// solves the pressure equation.
+/// Incompressible flow in Dim dimensions [HwangLeePark2010] with the policies of a Scheme, such as
+/// mps::Case10; Solver solves the pressure equation.
 template <class Scheme, int Dim, class RealType, LinearSolver Solver>
 class BasicFlow {
   static_assert(check_scheme<Scheme>());

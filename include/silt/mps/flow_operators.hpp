@@ -181,7 +181,7 @@ class FlowOperators {
       });
     };
   }
-  /// <∇²u>_i of velocities [1/(m s)]      (6)
+  /// ⟨∇²u⟩_i of velocities [1/(m s)]      (6)
   template <class U>
   [[gnu::flatten]] Vec laplacian(Index i, const U& u) const {
     return mps::laplacian(laplacian_stencil_, Vec(u[i]), [&](auto&& f) {

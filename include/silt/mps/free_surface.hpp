@@ -51,7 +51,7 @@ concept FreeSurface =
       criterion.check();
     };
 
-/// n_i < β n0 (13).
+/// n_i < β n0, [HwangLeePark2010] (13).
 struct DensitySurface {
   /// β [-] in (0, 1]. The paper does not give it; 0.97 is usual. At re = 3.1 l0 this includes the
   /// second row of particles below a flat surface, where n = 0.93 n0; 0.9 only the outermost one.
@@ -61,7 +61,7 @@ struct DensitySurface {
   bool is_on_surface(const LocalDensity& local) const { return local.density < beta; }
 };
 
-/// N_i < β' N0 (17) [TanakaMasunaga2010].
+/// N_i < β' N0, [HwangLeePark2010] (17), [TanakaMasunaga2010].
 struct CountSurface {
   double beta = 0.85;  ///< β' [-] in (0, 1]; not given in the paper, 0.85 is usual
 
@@ -69,7 +69,7 @@ struct CountSurface {
   bool is_on_surface(const LocalDensity& local) const { return local.neighbours < beta; }
 };
 
-/// Both conditions must hold, the `first` and the `second`, as adopted in the paper.
+/// Both conditions must hold, the `first` and the `second`, as [HwangLeePark2010] adopts.
 template <FreeSurface A, FreeSurface B>
 struct BothSurfaces {
   A first{};

@@ -31,7 +31,8 @@ template <int Dim, class Real>
   return std::max(Real(0), std::sqrt(min2 - across2) - along) / pair.time_step;
 }
 
-/// Separates the pair by exactly the required speed: conserves momentum, may increase the energy.
+/// Separates the pair by exactly the required speed [TsurutaKhayyerGotoh2013]: conserves momentum,
+/// may increase the energy.
 struct DynamicStabilisation {
   double distance = 0.9;  ///< minimum distance after the step, in units of l0 [-]
 

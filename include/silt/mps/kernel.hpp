@@ -25,7 +25,7 @@ concept SmoothKernel = Kernel<K> && requires(const K kernel, double q, float p) 
   { kernel.curvature(p) } -> std::same_as<float>;
 };
 
-/// re/r − 1 (3a) [KoshizukaOka1996]: infinite at r = 0.
+/// re/r − 1, [HwangLeePark2010] (3a), [KoshizukaOka1996]: infinite at r = 0.
 struct InverseKernel {
   template <class Real>
   static Real weight(Real q) {
@@ -41,7 +41,7 @@ struct InverseKernel {
   }
 };
 
-/// exp(−6.3 r²/re²) (3b): discontinuous at re, by 0.0018.
+/// exp(−6.3 r²/re²), [HwangLeePark2010] (3b): discontinuous at re, by 0.0018.
 struct GaussianKernel {
   template <class Real>
   static Real weight(Real q) {
@@ -57,7 +57,7 @@ struct GaussianKernel {
   }
 };
 
-/// (1 − r/re)³ (1 + r/re)³ (3c), adopted in the paper.
+/// (1 − r/re)³ (1 + r/re)³, [HwangLeePark2010] (3c), adopted there.
 struct CubicKernel {
   template <class Real>
   static Real weight(Real q) {

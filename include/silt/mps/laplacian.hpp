@@ -9,7 +9,7 @@
 
 namespace silt::mps {
 
-/// The weights of the kernel      (6)
+/// The weights of the kernel, [HwangLeePark2010] (6).
 struct KernelLaplacian {
   template <int Dim, Kernel K>
   K weights(const K& kernel) const {

@@ -98,7 +98,7 @@ class NeighbourView {
   auto values_of(const U& u) const {
     return operators_.velocities_around(index_, u);
   }
-  /// <∇·u>_i of the velocities u, as the walls define it [1/s].
+  /// ⟨∇·u⟩_i of the velocities u, as the walls define it [1/s].
   template <class U>
   Real divergence(const U& u) const {
     return operators_.walls().divergence(*this, u);

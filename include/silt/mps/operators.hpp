@@ -77,10 +77,10 @@ bool any_weighted(const S& search, Index i, const T& stencil, F&& f) {
   return any;
 }
 
-/// <∇φ>_i = d/n0 Σ (φ_j − φ̂_i) r_ij w/r²,  φ̂_i the minimum over i and its neighbours          (4)
-/// As a pressure gradient always repulsive; does not conserve momentum.
+/// ⟨∇φ⟩_i = d/n0 Σ (φ_j − φ̂_i) r_ij w/r²,  φ̂_i the minimum over i and its neighbours
+/// [HwangLeePark2010] (4). As a pressure gradient always repulsive; does not conserve momentum.
 struct MinimumGradient {
-  /// <∇φ>_i [unit of φ per m]; for_each(f) calls f(φ_j, r_ij, w, w/r²).
+  /// ⟨∇φ⟩_i [unit of φ per m]; for_each(f) calls f(φ_j, r_ij, w, w/r²).
   template <class T, class Real, class Neighbours>
   static Vec<T::dimension, Real> evaluate(const T& stencil, Real phi_i, Neighbours&& for_each) {
     using Vec = silt::Vec<T::dimension, Real>;
@@ -94,7 +94,8 @@ struct MinimumGradient {
   }
 };
 
-/// <∇φ>_i = d/n0 Σ (φ_j + φ_i) r_ij w/r²      conserves momentum, Toyota et al. (2005)        (18)
+/// ⟨∇φ⟩_i = d/n0 Σ (φ_j + φ_i) r_ij w/r²: conserves momentum. Toyota et al. (2005),
+/// [HwangLeePark2010] (18).
 struct ConservingGradient {
   template <class T, class Real, class Neighbours>
   static Vec<T::dimension, Real> evaluate(const T& stencil, Real phi_i, Neighbours&& for_each) {
@@ -116,7 +117,7 @@ concept Gradient = requires(const G gradient, const Stencil<Dim, Real, CubicKern
   } -> std::convertible_to<Vec<Dim, Real>>;
 };
 
-/// <∇·u>_i = d/n0 Σ (u_j − u_i)·r_ij w/r² [1/s]; for_each(f) calls f(u_j, r_ij, w, w/r²)
+/// ⟨∇·u⟩_i = d/n0 Σ (u_j − u_i)·r_ij w/r² [1/s]; for_each(f) calls f(u_j, r_ij, w, w/r²)
 template <class T, class Vec, class Neighbours>
 typename T::Real divergence(const T& stencil, const Vec& u_i, Neighbours&& for_each) {
   // One sum per axis; the sum over the axes is left to the end.
@@ -138,7 +139,7 @@ typename T::Real density_rate(const T& stencil, const Vec& u_i, Neighbours&& for
   return sum / stencil.n0;
 }
 
-/// <∇²φ>_i = 2d/(λ n0) Σ (φ_j − φ_i) w     (6), with the usual n0 instead of the printed n_i
+/// ⟨∇²φ⟩_i = 2d/(λ n0) Σ (φ_j − φ_i) w     (6), with the usual n0 instead of the printed n_i
 template <class T, class Value, class Neighbours>
 Value laplacian(const T& stencil, const Value& phi_i, Neighbours&& for_each) {
   Value sum = phi_i - phi_i;

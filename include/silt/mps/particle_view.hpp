@@ -83,12 +83,12 @@ class ParticleView
     return double(mps::density_rate(this->stencil(), this->velocity(),
                                     this->values_of(this->velocities())));
   }
-  /// <∇²u>_i of the velocities u [1/(m s)]      (6)
+  /// ⟨∇²u⟩_i of the velocities u [1/(m s)]      (6)
   template <class U>
   auto laplacian(const U& u) const {
     return step_.operators.laplacian(this->index(), u);
   }
-  /// <∇P>_i over the neighbours with pressure [Pa/m]; in images, P rises as in fluid at rest.
+  /// ⟨∇P⟩_i over the neighbours with pressure [Pa/m]; in images, P rises as in fluid at rest.
   template <class G>
   Vec pressure_gradient(const G& gradient) const {
     return pressure_gradient(

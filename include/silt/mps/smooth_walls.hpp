@@ -36,7 +36,7 @@ class SmoothWalls::InFlow {
     normals_.find(particles, operators.neighbourhood(), operators.stencil());
   }
 
-  /// <∇·u>_i [1/s] with slip along walls: a wall or dummy particle j enters with its own velocity
+  /// ⟨∇·u⟩_i [1/s] with slip along walls: a wall or dummy particle j enters with its own velocity
   /// component along its normal, and with that of i tangentially. If i is a wall particle, its
   /// tangential velocity is the mean of the fluid around it.
   template <class View, class U>

@@ -44,7 +44,8 @@ concept PressureSource = requires(const S source, const detail::AnyParticleView<
 template <class S>
 concept UsesLastPressure = requires { requires S::uses_last_pressure; };
 
-/// −(ρ/Δt²) (n* − n0)/n0, n* of the particles moved with u* (9): the original MPS.
+/// −(ρ/Δt²) (n* − n0)/n0, n* of the particles moved with u*, [HwangLeePark2010] (9): the original
+/// MPS.
 struct DensitySource {
   static constexpr bool needs_moved_particles = true;
 
@@ -54,7 +55,7 @@ struct DensitySource {
   }
 };
 
-/// (ρ/Δt) ∇·u* + γ (ρ/Δt²) (n0 − n^k)/n0 (16) [TanakaMasunaga2010].
+/// (ρ/Δt) ∇·u* + γ (ρ/Δt²) (n0 − n^k)/n0, [HwangLeePark2010] (16), [TanakaMasunaga2010].
 struct DivergenceSource {
   static constexpr bool needs_moved_particles = false;
 

@@ -73,7 +73,7 @@ struct AnyClosePairs {
 
 /// The walls of a flow in Dim dimensions:
 ///   find(particles, operators)               after the neighbours have been found
-///   divergence(at, u)                        <∇·u>_i of the velocities u, from a NeighbourView
+///   divergence(at, u)                        ⟨∇·u⟩_i of the velocities u, from a NeighbourView
 ///   is_dry(at)                               a particle that counts as free surface, whatever the
 ///                                            criterion says
 ///   has_pressure(kind, on_surface)           whether a particle has a pressure

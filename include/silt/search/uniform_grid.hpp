@@ -30,7 +30,8 @@
 
 namespace silt {
 
-/// A NeighbourSearch for particles of similar sizes: O(N), also with a few particles far away.
+/// A NeighbourSearch for particles of similar sizes, [SahChoi2004] (1): O(N), also with a few
+/// particles far away.
 template <int Dim, class RealType = double>
 class UniformGrid {
  public:

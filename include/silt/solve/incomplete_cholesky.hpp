@@ -39,7 +39,7 @@ inline Eigen::SparseMatrix<double, Eigen::RowMajor> eigen_matrix(const LinearSys
   return A;
 }
 
-/// A Preconditioner for ConjugateGradient.
+/// A Preconditioner for ConjugateGradient: A ≈ L Lᵀ (Lin and Moré 1999).
 class IncompleteCholesky {
  public:
   void prepare(const LinearSystem& system) {

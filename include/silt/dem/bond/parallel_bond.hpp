@@ -21,8 +21,9 @@
 
 namespace silt::dem {
 
-/// The stiffnesses are per unit area of the cross-section: a beam with Young's modulus E and shear
-/// modulus G between centres at a distance L has k̄_n = E/L and k̄_s = G/L.
+/// The parallel bond of [PotyondyCundall2004], section 2.2. The stiffnesses are per unit area of
+/// the cross-section: a beam with Young's modulus E and shear modulus G between centres at a
+/// distance L has k̄_n = E/L and k̄_s = G/L.
 struct ParallelBond {
   double normal_stiffness = 0;      ///< k̄_n [N/m³], above 0
   double tangential_stiffness = 0;  ///< k̄_s [N/m³]

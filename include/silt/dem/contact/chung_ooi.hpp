@@ -20,8 +20,9 @@ struct ChungOoiMaterial {
   FrictionAngle friction_angle = {};  ///< φ_μ [rad] in [0, π/2)
 };
 
-/// Hertz's and Mindlin's springs with Tsuji's dashpots; the tangential spring keeps its
-/// displacement, F_s = −k_t ξ, also while the contact area grows. Use it with chung_ooi_settings:
+/// The contacts of [ChungOoi2011]: Hertz's and Mindlin's springs with Tsuji's dashpots; the
+/// tangential spring keeps its displacement, F_s = −k_t ξ, also while the contact area grows. Use
+/// it with chung_ooi_settings:
 ///
 ///   dem::Contacts{dem::Materials{chung_ooi_law(sphere), chung_ooi_law(rigid)}, plane}
 ///       .with(dem::chung_ooi_settings)

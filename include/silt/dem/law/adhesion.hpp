@@ -31,7 +31,7 @@ typename C::Real pull_while_touching(const C& contact, typename C::Real pull) {
 }  // namespace detail
 
 /// An attractive force 4 π γ R* while the contact lasts, equal to the pull-off force. With Hertz it
-/// gives the DMT contact, F = 4/3 E* √R* δ^{3/2} − 4 π γ R*.
+/// gives the contact of [DerjaguinMullerToporov1975], F = 4/3 E* √R* δ^{3/2} − 4 π γ R*.
 struct DmtAdhesion {
   double surface_energy = 0;  ///< γ [J/m²] of one surface; the work of adhesion is 2 γ
 

@@ -53,8 +53,8 @@ struct OverlapForm {
   static constexpr double stability_factor = CentredDashpot::stability_factor;
 };
 
-/// F_n^N = F_n^{N−1} + k_n v_n Δt and D_n = c_n v_n^{N−½}: exactly the paper's (8), (10), (12) and
-/// (22), first order in Δt. Converges to OverlapForm as Δt → 0.
+/// F_n^N = F_n^{N−1} + k_n v_n Δt and D_n = c_n v_n^{N−½}: exactly (8), (10), (12) and (22) of
+/// [SahChoi2004], first order in Δt. Converges to OverlapForm as Δt → 0.
 struct IncrementalForm {
   template <int Dim, class Real>
   struct History {

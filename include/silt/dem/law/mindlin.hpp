@@ -14,12 +14,13 @@
 
 namespace silt::dem {
 
-/// F_s changes by −k_t v_s Δt with k_t = 8 G* √(R* δ), the stiffness for the contact area of this
-/// step, and is limited to F_n tan φ_μ. When the area grows, F_s is kept; when it shrinks, F_s is
-/// reduced in proportion to k_t [ThorntonCumminsCleary2013]. Otherwise a closed path of loading
-/// and shearing would generate energy. The energy lost by this reduction is part of the friction.
-/// The dashpot is c_t = c_n √(k_t/k_n), with Hertz that of Tsuji, and 0 while the contact slides.
-/// Micro-slip at the rim before gross sliding (Mindlin and Deresiewicz 1953) is not modelled.
+/// F_s changes by −k_t v_s Δt with k_t = 8 G* √(R* δ) [Mindlin1949], the stiffness for the contact
+/// area of this step, and is limited to F_n tan φ_μ. When the area grows, F_s is kept; when it
+/// shrinks, F_s is reduced in proportion to k_t [ThorntonCumminsCleary2013]. Otherwise a closed
+/// path of loading and shearing would generate energy. The energy lost by this reduction is part of
+/// the friction. The dashpot is c_t = c_n √(k_t/k_n), with Hertz that of Tsuji, and 0 while the
+/// contact slides. Micro-slip at the rim before gross sliding (Mindlin and Deresiewicz 1953) is not
+/// modelled.
 ///
 /// With keeps_displacement, F_s = −k_t ξ, where ξ is the displacement of the spring, also while the
 /// area grows. This is the form of the benchmarks of [ChungOoi2011] and of many codes; a contact

@@ -3,7 +3,7 @@
 // contacts across the boundary of the region count in part, as in [Goldhirsch2010] with a weight
 // that is constant in the region:
 //
-//   σ = 1/V ( Σ_i m_i v_i' ⊗ v_i' + Σ_c F_c ⊗ l_c s_c ),  v' = v − <v>,
+//   σ = 1/V ( Σ_i m_i v_i' ⊗ v_i' + Σ_c F_c ⊗ l_c s_c ),  v' = v − ⟨v⟩,
 //
 // where F is the force on grain i, l the vector from the centre of the partner (at a wall from the
 // contact) to that of i, and s the fraction of l inside the region. Compression is positive.
@@ -58,10 +58,10 @@ double share_within(const Box<Dim, double>& box, const Vec<Dim>& a, const Vec<Di
 }
 }  // namespace detail
 
-/// Stress in a region of finite size inside the grains' box. Positions, velocities and contacts
-/// must belong to the same time, as in a simulation's state(). Of grains that processes share, all call
-/// it. Throws if the volume of the region
-/// is zero or infinite.
+/// Stress in a region of finite size inside the grains' box, after [Weber1966]; contacts across its
+/// boundary count in part, as in [Goldhirsch2010]. Positions, velocities and contacts must belong
+/// to the same time, as in a simulation's state(). Of grains that processes share, all call it.
+/// Throws if the volume of the region is zero or infinite.
 template <class P, class C>
 Stress<P::dimension> stress(const P& grains, const C& contacts,
                             const Box<P::dimension, double>& region) {
