@@ -252,7 +252,6 @@ def declarations_of(unit, root):
                 own = Declaration(child, parent, scope, source)
             if own.kind == CursorKind.VAR_DECL and last_class and own.holds(last_class):
                 last_class.declares_variable = True
-                own.comment = own.comment or last_class.comment
             if own.kind in CLASSES:
                 last_class = own
                 # A specialisation, or a definition after the declaration, has its comment there.
@@ -433,8 +432,6 @@ struct Good {
 /// An enumeration: `one` or `two`.
 enum class Which { one, two };
 inline constexpr struct mass_t {} mass{};  ///< m [kg]
-/// An index [-].
-inline constexpr struct kind_t {} kind{};
 /// From a number.
 inline void twice(auto number) { number = 2; }
 namespace detail { struct Inside { int any; }; }
@@ -463,6 +460,7 @@ FAULTS = {
     "/// A.\nstruct A { void go(); };": "A::go has no comment",
     "/// A.\nclass A { int x;\n public:\n  int y; };": "A::y has no comment",
     "/// Which.\nenum class Which { yes };": "Which::yes has no comment",
+    "/// A kind.\ninline constexpr struct kind_t {} kind{};": "kind has no comment",
     "using Alias = int;": "Alias has no comment",
     "inline constexpr int number = 1;": "number has no comment",
     "template <class T> inline constexpr int number = 1;": "number has no comment",

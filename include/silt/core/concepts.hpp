@@ -263,6 +263,7 @@ concept AdvancesField = bool(T::template advances<F>);
 /// Advances particles by one step. step() may return a bool: true if it has verified that all
 /// positions, velocities, spins and angles after the step are finite and all positions within the
 /// box. It may also have
+///
 ///   advances<F>           true for the fields that it saves itself, see AdvancesField
 ///   max_energy_gain()     → [-], of the kinetic energy in the last step, see FinishedStep in
 ///                         core/watch.hpp
@@ -294,6 +295,7 @@ concept Transactional = requires(T t) {
 
 /// kicked(v, a, dt) is the velocity after dt, from the velocity before and the acceleration. It may
 /// also have
+///
 ///   check(), check(dt)            throw if a parameter, or the time step, is out of range
 ///   half_step_before(v, a, dt)    v^{N−½} from v^N, if it is not v − ½ a Δt
 ///   drag(v)                       acceleration due to damping at v^N, for an energy ledger

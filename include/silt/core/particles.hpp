@@ -38,6 +38,7 @@ namespace silt {
 
 /// Particles in Dim dimensions with a position and the given fields. A Bundle among them says that
 /// these fields, which are given as well, are stored side by side; see core/field_storage.hpp.
+///
 ///   p[position][i]   Vec<Dim, Real>& of owned particle i [m]
 ///   p[field]         the values of the size() owned particles: a std::span, or a FieldView if the
 ///                    field is stored in a bundle. Valid until particles are added, removed or

@@ -41,32 +41,40 @@ struct Process {
 /// Particles of which every process owns some, and has those of others within the interaction range
 /// of its own in its halo. Model: mpi::SharedParticles. Functions that are not const are called by
 /// all processes in the same order.
-///   p.together(f)               calls f(), which returns a Largest, and returns the Largest of all.
+///
+///   p.together(f)               calls f(), which returns a Largest, and returns the Largest of
+///   all.
 ///                               Throws in all processes if f() does in one, also in calls of
 ///                               together() within f(). May be called for a copy
-///   p.sum(values)               the sums of an array of up to 12 numbers of all processes, likewise
-///   p.largest(values)           of each the largest
-///   p.report_fault(exception)   makes the next together() throw
-///   p.have_all_thrown(exception) whether all processes have thrown with it, in together() or the like
-///   p.moved_since_halo()        how far an own particle has moved since the halo was found [m]
-///   p.update_halo(i, radius, m) with the largest m of these of all processes, gives particles to
+///   p.sum(values)               the sums of an array of up to 12 numbers of all processes,
+///   likewise p.largest(values)           of each the largest p.report_fault(exception)   makes the
+///   next together() throw p.have_all_thrown(exception) whether all processes have thrown with it,
+///   in together() or the like p.moved_since_halo()        how far an own particle has moved since
+///   the halo was found [m] p.update_halo(i, radius, m) with the largest m of these of all
+///   processes, gives particles to
 ///                               the processes that own the space in which they are, with what the
 ///                               interaction i remembers of them, and finds the halo for a search
 ///                               with this radius [m], if necessary
-///   p.finish_step(d, all)       refreshes the halo after a step; d is the largest displacement of the
+///   p.finish_step(d, all)       refreshes the halo after a step; d is the largest displacement of
+///   the
 ///                               own particles, all.displacement that of all [m]
 ///   p.refresh_halo()            refreshes it within a step
-///   p.find_halo_of_changed()    between steps: finds it anew if particles were removed, or constants
+///   p.find_halo_of_changed()    between steps: finds it anew if particles were removed, or
+///   constants
 ///                               changed; no particle moves to another process
-///   p.exchange<T>(get, set)     calls set(row, value) for all rows of the halo with the values get(i)
+///   p.exchange<T>(get, set)     calls set(row, value) for all rows of the halo with the values
+///   get(i)
 ///                               of a type T that the particles have where they are owned
-///   p.exchange_back<T>(get, set)  calls set(i, value) with the values get(row) in all halos that have
+///   p.exchange_back<T>(get, set)  calls set(i, value) with the values get(row) in all halos that
+///   have
 ///                               the owned particle i
-///   p.gather(i)                 moves all particles, and what the interaction i remembers of them, to
+///   p.gather(i)                 moves all particles, and what the interaction i remembers of them,
+///   to
 ///                               the first process
 ///   p.keep_own(i)               if every process has all particles, leaves to each its own
 ///   p.depth_of_halo()           it has all particles closer than this to one that is owned [m]
-///   p.exchange_of(place_of)     an exchange(x), a P::ElementExchange, that gives elements of vectors to
+///   p.exchange_of(place_of)     an exchange(x), a P::ElementExchange, that gives elements of
+///   vectors to
 ///                               the halo: place_of(row) is the element of a row, or no_index
 ///   p.process()                 which process this is
 ///   p.world()                   all of them, for libraries that need to know

@@ -152,6 +152,7 @@ class PairFriction::InFlow {
 };
 
 /// The friction of a flow in Dim dimensions:
+///
 ///   find(step)            from a StepView, before the velocities are changed
 ///   velocity_change(at)   of a fluid particle [m/s], from its ParticleView
 template <class F, int Dim>

@@ -28,6 +28,7 @@ struct HigherOrderSource {
 
 /// The same, with two terms proportional to the errors instead of the term with γ
 /// [KhayyerGotoh2011]; c = (n − n0)/n0:
+///
 ///   −(ρ/Δt) [ (1/n0) Dn*/Dt + |c| (1/n0) Dn/Dt + |Δt (1/n0) Dn/Dt| c/Δt ]      (HS with ECS)
 class ErrorCompensatingSource {
  public:

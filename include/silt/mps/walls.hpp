@@ -72,12 +72,14 @@ struct AnyClosePairs {
 }  // namespace detail
 
 /// The walls of a flow in Dim dimensions:
+///
 ///   find(particles, operators)               after the neighbours have been found
 ///   divergence(at, u)                        ⟨∇·u⟩_i of the velocities u, from a NeighbourView
 ///   is_dry(at)                               a particle that counts as free surface, whatever the
 ///                                            criterion says
 ///   has_pressure(kind, on_surface)           whether a particle has a pressure
-///   velocity_change(pairs, collision)        of a fluid particle, by its collisions, see ClosePairs
+///   velocity_change(pairs, collision)        of a fluid particle, by its collisions, see
+///   ClosePairs
 template <class W, int Dim>
 concept WallsInFlow =
     requires(W walls, const W found, const Fluid<Dim> particles,
@@ -121,7 +123,9 @@ struct BothContinueFlow : W, HasContinueFlow {};
 /// Walls that mirror the fluid: for_each_image(i, stencil, f) calls f(image) for every image within
 /// the stencil around particle i. Images enter every sum over neighbours. An image has the members
 /// of a Neighbour, with is_image = true and the index of the mirrored particle, which may be i, and
-///   rise(g)           its pressure above that of the particle [Pa] if the pressure has the gradient
+///
+///   rise(g)           its pressure above that of the particle [Pa] if the pressure has the
+///   gradient
 ///                     g [Pa/m]
 ///   mirrored(u)       the mirrored velocity [m/s], with which particles collide
 ///   continues_flow()  whether velocity(u) is that of the flow continued beyond the wall, instead

@@ -34,11 +34,14 @@
 namespace silt {
 
 /// Cycle does the V-cycle over the cells:
+///
 ///   cycle.finest()    the finest CellLevel, to be filled except for its diagonal
 ///   cycle.prepare()   once it is filled
 ///   cycle.solve()     x = V b of the finest level
 /// If processes share the cells, as in mpi::SharedCellCycle,
-///   cycle.share(system, occupied, corners)   the occupied cells that a process has to know, from those
+///
+///   cycle.share(system, occupied, corners)   the occupied cells that a process has to know, from
+///   those
 ///                                            that its unknowns occupy and interpolate from
 ///   cycle.add_of_others(cells, values)       of numbered cells, adds those of other processes
 template <int Dim, class Cycle = CellCycle<Dim>>

@@ -27,6 +27,7 @@ using EightNumbers = std::array<std::uint32_t, lanes>;
 
 /// Goes through the contacts of a block, group by group, and passes the law's results for those
 /// that touch to a Results object:
+///
 ///   results.begin(group, touching, is_whole)        once for each group; bit l of `touching` is
 ///                                                   set if contact l touches
 ///   results.store_group(group, lanes, touching)     the results of a group that is whole

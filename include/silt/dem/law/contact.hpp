@@ -180,6 +180,7 @@ concept LawWithHistory =
 /// The function is const and has no side effects: when several contacts are evaluated at once, it
 /// may also be called for a pair that does not touch. Overlap and normal are then arbitrary, and
 /// the result is discarded. Optional members:
+///
 ///   check()                  throws if a parameter is out of range
 ///   stiffness(contact)       → Stiffness; provides the default and the stable time step
 ///   elastic_energy(contact, history)     → [J], stored in the springs

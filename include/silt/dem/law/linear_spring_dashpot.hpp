@@ -13,6 +13,7 @@
 namespace silt::dem {
 
 /// F = k δ + c v_n with c = 2 ζ √(k m*). Without other forces, an impact at any speed has exactly
+///
 ///   e = exp(−π ζ/√(1 − ζ²)), t_c = π/(ω √(1 − ζ²)), ω = √(k/m*).
 /// With Δt = t_c/50 the restitution is within 0.5 % of the given e.
 struct LinearSpringDashpot {

@@ -15,9 +15,8 @@
 
 namespace silt::dem {
 
-/// Material of a grain: an index in dem::Materials [-].
 inline constexpr struct material_t : field_of<std::uint32_t>, constant_field {
-} material{};
+} material{};  ///< of a grain: an index in dem::Materials [-]
 
 namespace detail {
 // The contacts read position, radius, velocity, mass and spin of single grains: they are stored

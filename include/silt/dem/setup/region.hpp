@@ -14,6 +14,7 @@
 namespace silt::dem {
 
 /// A region has
+///
 ///   clearance(x)   → distance of x to the boundary [m]; negative outside
 ///   bounds()       → the bounding Box; must be finite for adding grains
 ///   volume()       → [m³], in 2D [m²]

@@ -21,6 +21,7 @@
 namespace silt::dem {
 
 /// Has
+///
 ///   radius(random)   → [m], drawn from a Random
 ///   largest()        → [m], upper bound of the radii
 ///   check()          throws if the distribution is invalid

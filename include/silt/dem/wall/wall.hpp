@@ -68,6 +68,7 @@ concept SimpleWall = requires(const W wall, const Vec<Dim, Real> x) {
 
 /// A wall of several elements (faces, edges, corners), numbered from 0, with at most one contact
 /// per grain and element:
+///
 ///   wall.element_count()                  → number of elements
 ///   wall.nearest(element, x)              → NearestPoint, or no_nearest_point() if another element
 ///                                           is in contact there
@@ -82,6 +83,7 @@ concept CompositeWall = requires(const W wall, const Vec<Dim, Real> x, Index ele
 
 /// A simple or composite wall at rest, with wall.material, its index in dem::Materials, and
 /// wall.check(), which throws if the wall is invalid. It may also have
+///
 ///   wall.check_in(box, max_radius)  throws if it cannot be used in the box of the grains
 ///   wall.checksum()                 → std::uint64_t, of all points that define it, by which a
 ///                                   checkpoint recognises another wall; see PointChecksum
