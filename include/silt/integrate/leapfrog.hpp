@@ -64,7 +64,7 @@ class Leapfrog {
     if constexpr (requires { damping.check(); }) damping.check();
   }
 
-  /// The model with its parameters.
+  /// The damping model with its parameters.
   const D& damping() const noexcept { return damping_; }
 
   template <class P, class S, class I>

@@ -148,7 +148,7 @@ class MotionInColumns {
 
   /// Only for particles in rows of four, such as grains: compilers do not vectorise a sum.
   static constexpr bool knows_energy = in_rows_of_four<P>();
-  /// Sums of twice the kinetic energy [J], `before` the kick and `after` it.
+  /// Sums of twice the kinetic energy [J], `before` the step and `after` it.
   struct Energies {
     Real before = 0;  ///< without rotation
     Real after = 0;

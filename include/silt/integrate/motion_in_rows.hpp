@@ -167,7 +167,7 @@ class MotionInRows {
   }
 
   static constexpr bool knows_energy = true;
-  /// Sums of twice the kinetic energy [J], `before` the kick and `after` it. The fourth of each
+  /// Sums of twice the kinetic energy [J], `before` the step and `after` it. The fourth of each
   /// four is unspecified.
   struct Energies {
     Pack before{};  ///< in 3D without rotation

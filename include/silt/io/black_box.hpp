@@ -18,7 +18,7 @@ namespace silt {
 
 /// What write_black_box() writes.
 struct BlackBox {
-  std::filesystem::path file;  ///< the one that is replaced
+  std::filesystem::path file;  ///< replaced if it exists
   /// Of the particles, from the one that failed [m]; five interaction ranges if not given.
   std::optional<double> max_distance = {};
 };

@@ -65,7 +65,8 @@ class StructColumns {
   /// The structs, const for writing.
   using Values = std::conditional_t<reads, std::vector<T>&, const std::vector<T>&>;
 
-  /// Writes all `values`, or reads `count` of them. `model` is any T, whose transfer() is called.
+  /// Writes the first `count` of the values, or reads as many as there are. `model` is the T whose
+  /// transfer() is called.
   StructColumns(Archive& archive, T& model, Values values, Index count)
       : archive_(archive), model_(model), values_(values), count_(count) {}
 
