@@ -1,0 +1,358 @@
+# SPDX-License-Identifier: MIT
+"""Hooks of mkdocs: pages of the site that are not files of docs/, and links to them.
+
+- index.md is start.md beside this file, with parts of README.
+- references.md is made from docs/references.bib; [Key] links to it.
+- Links to other files of the repository lead to source/PATH.md, a page with the highlighted file, or,
+  for headers, to the source page of the API reference.
+- `code` that is the name of something public in the library links to the API reference.
+- a_b, x^{2} outside code and formulas are set as subscript and superscript.
+
+The environment variable SILT_SITE_BUILD names the folder in which docs/run has made api/, with the
+tag file api.tag, live/ and assets/.
+"""
+
+import html
+import os
+import pathlib
+import posixpath
+import re
+import xml.etree.ElementTree
+
+import pybtex.database
+import pybtex.plugin
+from mkdocs.structure.files import File
+from mkdocs.utils import get_relative_url
+
+REPOSITORY = pathlib.Path(__file__).resolve().parent.parent
+MADE = pathlib.Path(os.environ.get("SILT_SITE_BUILD", REPOSITORY / "build" / "site"))
+
+LANGUAGES = {".cpp": "cpp", ".hpp": "cpp", ".py": "python", ".sh": "bash", ".mjs": "js", ".js": "js",
+             ".html": "html", ".css": "css", ".cmake": "cmake", ".txt": "cmake", ".json": "json"}
+
+CODE = re.compile(r"(^[ ]*```.*?^[ ]*```[ ]*$|`[^`\n]+`|^\$\$.*?\$\$)", re.M | re.S)
+LINK = re.compile(r"(\]\()([^)\s]+)(\))")
+
+
+def outside_code(text, function):
+    """The Markdown text with the function applied to what is not code."""
+    return "".join(part if i % 2 else function(part) for i, part in enumerate(CODE.split(text)))
+
+
+# --- navigation ----------------------------------------------------------------------------------
+
+
+def pages_of_folder(docs, folder):
+    pages = sorted(path.relative_to(docs).as_posix() for path in (docs / folder).glob("*.md"))
+    return sorted(pages, key=lambda page: not page.endswith("/index.md"))
+
+
+GENERATED = {"index.md", "references.md"}  # and source/
+NO_LIVE_PAGE = """# Live page
+
+It is not part of this copy of the site, which was built without the compiler for WebAssembly.
+`docs/live/run` installs the compiler, builds the page and opens it.
+"""
+if not (MADE / "live" / "index.html").exists():
+    GENERATED.add("live/index.md")
+
+
+def on_config(config):
+    docs = pathlib.Path(config["docs_dir"])
+    listed = set()
+
+    def resolve(entries):
+        result = []
+        for entry in entries:
+            if isinstance(entry, dict):
+                (title, value), = entry.items()
+                value = resolve(value if isinstance(value, list) else [value])
+                if value:
+                    result.append({title: value if isinstance(entry[title], list) else value[0]})
+            elif entry.startswith("/") or entry in GENERATED or (docs / entry).is_file():
+                listed.add(entry)
+                result.append(entry)
+            elif entry.endswith("/"):
+                result += resolve(pages_of_folder(docs, entry))
+        return result
+
+    config["nav"] = resolve(config["nav"])
+    rest = sorted(path.relative_to(docs).as_posix() for path in docs.rglob("*.md"))
+    last, = config["nav"][-1].values()
+    last += [page for page in rest if page not in listed]
+    return config
+
+
+def on_nav(nav, config, files):
+    def mend(items):
+        for item in items:
+            if item.is_link:
+                item.url = item.url.lstrip("/")
+            mend(item.children or [])
+
+    mend(nav.items)
+    return nav
+
+
+# --- pages and files -----------------------------------------------------------------------------
+
+
+def file_of(path, folder, config):
+    return File(path, str(folder), config["site_dir"], config["use_directory_urls"])
+
+
+def on_files(files, config):
+    docs = pathlib.Path(config["docs_dir"])
+    for file in list(files):
+        is_page = file.src_uri.endswith(".md") or file.src_uri.startswith("images/")
+        if docs in pathlib.Path(file.abs_src_path).parents and not is_page:
+            files.remove(file)
+    for path in sorted(MADE.rglob("*")):
+        name = path.relative_to(MADE)
+        if path.is_file() and name.parts[0] in ("api", "assets", "live"):
+            files.append(file_of(name.as_posix(), MADE, config))
+    for name in sorted(GENERATED):
+        files.append(file_of(name, docs, config))
+    pending = [(posixpath.dirname(f.src_uri), read_source(f.src_uri) or text_of(docs / f.src_uri))
+               for f in files.documentation_pages()]
+    while pending:
+        folder, text = pending.pop()
+        for _, link, _ in LINK.findall(CODE.sub("", text)):
+            path = path_in_repository(folder, link)
+            target = target_of(path) if path else None
+            if target and target.startswith("source/") and target not in files:
+                files.append(file_of(target, docs, config))
+                pending.append((posixpath.dirname(target), read_source(target)))
+    return files
+
+
+def text_of(path):
+    return path.read_text(encoding="utf-8")
+
+
+def on_page_read_source(page, config):
+    return read_source(page.file.src_uri)
+
+
+def read_source(name):
+    """The text of a page that is not a file of docs/."""
+    if name == "index.md":
+        return start_page()
+    if name == "references.md":
+        return references()
+    if name == "live/index.md":
+        return NO_LIVE_PAGE
+    if name.startswith("source/"):
+        return source_page(name[len("source/"):-len(".md")])
+    return None
+
+
+def start_page():
+    readme = text_of(REPOSITORY / "README.md")
+    readme = LINK.sub(lambda m: m[1] + posixpath.relpath(m[2], "docs") + m[3]
+                      if not re.match(r"\w+:|#", m[2]) else m[0], readme)
+    sections = dict(re.findall(r"^#+ (.*?)\n(.*?)(?=^#+ |\Z)", outside_fences(readme), re.M | re.S))
+
+    def part(match):
+        text = sections[match[1]]
+        return re.sub("\0(\\d+)\0", lambda m: FENCES[int(m[1])], text).strip()
+
+    docs = REPOSITORY / "docs"
+
+    def item(match):
+        pages = pages_of_folder(docs, match[2]) if match[2].endswith("/") else [match[2]]
+        if not pages or pages[0].endswith(".md") and not (docs / pages[0]).exists():
+            return ""
+        return f"- [{match[1]}]({pages[0]}){match[3]}\n"
+
+    text = re.sub(r"^- \[(.*?)\]\((.*?)\)(.*)\n", item, text_of(REPOSITORY / ".mkdocs" / "start.md"), flags=re.M)
+    return re.sub(r"\{\{ README: (.*?) \}\}", part, text)
+
+
+FENCES = []
+
+
+def outside_fences(text):
+    def keep(match):
+        FENCES.append(match[0])
+        return f"\0{len(FENCES) - 1}\0"
+
+    return re.sub(r"^```.*?^```", keep, text, flags=re.M | re.S)
+
+
+def bibliography():
+    return pybtex.database.parse_file(str(REPOSITORY / "docs" / "references.bib"))
+
+
+KEYS = set(bibliography().entries)
+
+
+def references():
+    style = pybtex.plugin.find_plugin("pybtex.style.formatting", "plain")()
+    backend = pybtex.plugin.find_plugin("pybtex.backends", "html")()
+    data = bibliography()
+    lines = ["# References", "", '<dl class="references">']
+    for entry in sorted(style.format_entries(data.entries.values()), key=lambda e: e.key.lower()):
+        lines.append(f'<dt id="{entry.key.lower()}">{entry.key}</dt>')
+        lines.append(f"<dd>{entry.text.render(backend)}</dd>")
+    return "\n".join([*lines, "</dl>", ""])
+
+
+def source_page(name):
+    path = REPOSITORY / name
+    title = f"---\ntitle: {name}\nsearch:\n  exclude: true\n---\n\n# `{name}`\n\n"
+    if path.is_dir():
+        entries = sorted(p for p in path.iterdir() if not p.name.startswith((".", "__")))
+        rows = [f"| [{p.name}](/{p.relative_to(REPOSITORY).as_posix()}) | {summary(p)} |" for p in entries]
+        return title + "| | |\n|---|---|\n" + "\n".join(rows) + "\n"
+    text = text_of(path)
+    language = LANGUAGES.get(path.suffix) or ("bash" if text.startswith("#!") else "text")
+    if text.startswith("#!") and "python" in text.partition("\n")[0]:
+        language = "python"
+    fence = "`" * (3 + max(map(len, re.findall("`{3,}", text)), default=0))
+    return f"{title}{fence}{language}\n{text.rstrip()}\n{fence}\n"
+
+
+def summary(path):
+    """The first sentence of the comment at the beginning of a file."""
+    if path.is_dir():
+        return ""
+    comment = re.match(r"(?:#!.*\n)?(?://|#) SPDX.*\n(?:#\n)?((?:(?://|#) .*\n|\"\"\".*\n)*)", text_of(path))
+    text = re.sub(r"^(?://|#) |\"\"\"", "", comment[1] if comment else "", flags=re.M)
+    return html.escape(re.split(r"(?<=\.)\s", text.replace("\n", " "))[0]).replace("|", "\\|")
+
+
+# --- links ---------------------------------------------------------------------------------------
+
+
+def path_in_repository(folder, link):
+    """The file or folder of the repository to which a link of a page in this folder of docs/ leads,
+    if it is no page or picture."""
+    if re.match(r"\w+:|#", link):
+        return None
+    link = link.partition("#")[0]
+    path = link.lstrip("/") if link.startswith("/") else posixpath.normpath(posixpath.join("docs", folder, link))
+    if not (REPOSITORY / path).exists() or (path.startswith("docs/") and path.endswith((".md", ".png", ".webp", ".svg"))):
+        return None
+    return path
+
+
+def target_of(path):
+    """The page of the site for a file or folder of the repository."""
+    if path == "README.md":
+        return "index.md"
+    if path == "docs/references.bib":
+        return "references.md"
+    return API_SOURCES.get(path) or f"source/{path}.md"
+
+
+def on_page_markdown(markdown, page, config, files):
+    folder = posixpath.dirname(page.file.src_uri)
+
+    def relative(target):
+        return posixpath.relpath(target, folder or ".")
+
+    def link(match):
+        path = path_in_repository(folder, match[2])
+        if path is None:
+            return match[0]
+        _, mark, anchor = match[2].partition("#")
+        return match[1] + relative(target_of(path)) + mark + anchor + match[3]
+
+    def cite(match):
+        if match[1] not in KEYS:
+            return match[0]
+        return f"[\\[{match[1]}\\]]({relative('references.md')}#{match[1].lower()})"
+
+    def mend(text):
+        text = re.sub(r"^<!-- silt: .*? -->\n", "", text, flags=re.M)
+        return re.sub(r"(?<!\\)\[(\w+)\](?![(\[:])", cite, LINK.sub(link, text))
+
+    return outside_code(markdown, mend)
+
+
+# --- the API reference ---------------------------------------------------------------------------
+
+
+def read_tags():
+    """From the tag file of Doxygen: the pages of names, and those of the sources of headers."""
+    names, sources = {}, {}
+    path = MADE / "api.tag"
+    if not path.exists():
+        return names, sources
+    for compound in xml.etree.ElementTree.parse(path).getroot():
+        kind, name, page = compound.get("kind"), compound.findtext("name"), compound.findtext("filename")
+        page = page if page.endswith(".html") else page + ".html"
+        if kind == "file":
+            header = f"include/{compound.findtext('path')}{name}"
+            sources[header[header.rindex("include/"):]] = f"api/{page.removesuffix('.html')}_source.html"
+        elif kind in ("class", "struct", "concept"):
+            names[name] = f"api/{page}"
+        if kind == "namespace":
+            for member in compound.iter("member"):
+                where = f"api/{member.findtext('anchorfile')}#{member.findtext('anchor')}"
+                names.setdefault(f"{name}::{member.findtext('name')}", where)
+        elif kind in ("class", "struct"):
+            for member in compound.iter("member"):
+                where = f"api/{member.findtext('anchorfile')}#{member.findtext('anchor')}"
+                names.setdefault(f"{name}::{member.findtext('name')}", where)
+    return names, sources
+
+
+API_NAMES, API_SOURCES = read_tags()
+
+
+def api_page(code):
+    """The page of the API reference for the text of a code span, if it names something public."""
+    name = re.fullmatch(r"(?:silt::)?((?:\w+::)*\w+)(?:<[^()]*>)?(?:\(.*\))?(?:\{.*\})?", html.unescape(code))
+    if not name or "_" not in name[1] and not re.search("[A-Z]|::", name[1]):
+        return None
+    return next((API_NAMES[f"silt::{scope}{name[1]}"] for scope in ("", "dem::", "mps::", "mpi::")
+                 if f"silt::{scope}{name[1]}" in API_NAMES), None)
+
+
+# Parts of HTML that stay as they are, and inline code.
+KEPT = re.compile(r"(<pre.*?</pre>|<h\d.*?</h\d>|<a .*?</a>|<div class=\"arithmatex\">.*?</div>"
+                  r"|<span class=\"arithmatex\">.*?</span>|<script.*?</script>|<code>.*?</code>|<[^>]*>)", re.S)
+SCRIPT = re.compile(r"(?<![\w/])(\w['̄̂̇*′’]*)_(?:\{([^{}]+)\}|(\w+))"  # a_b, a_{b c}
+                    r"|(?<=[\w)\]′'’])\^(?:\{([^{}]+)\}|(−?\w+))")  # a^b, a^{b c}
+
+
+def script(match):
+    lower, upper = match[2] or match[3], match[4] or match[5]
+    return f"{match[1]}<sub>{lower}</sub>" if lower else f"<sup>{upper}</sup>"
+
+
+def set_scripts(match):
+    """HTML with a_b and x^{2} outside code as subscript and superscript."""
+    parts = KEPT.split(match[0])
+    return "".join(part if i % 2 else SCRIPT.sub(script, part) for i, part in enumerate(parts))
+
+
+def on_page_content(content, page, config, files):
+    if page.file.src_uri.startswith("source/"):
+        return content
+    parts = KEPT.split(content)
+    for i, part in enumerate(parts):
+        if i % 2 == 0:
+            parts[i] = SCRIPT.sub(script, part)
+        elif part.startswith("<code>") and (target := api_page(part[6:-7])):
+            parts[i] = f'<a class="api" href="{get_relative_url(target, page.url)}">{part}</a>'
+    return "".join(parts)
+
+
+def on_post_build(config):
+    """Puts the top navigation of the site into the pages of the API reference."""
+    links = []
+    for entry in config["nav"]:
+        (title, value), = entry.items()
+        while isinstance(value, (list, dict)):
+            value = value[0] if isinstance(value, list) else next(iter(value.values()))
+        address = value.lstrip("/").removesuffix(".md") + (".html" if value.endswith(".md") else "")
+        here = ' class="here"' if address.startswith("api/") else ""
+        links.append(f'<a href="../{address}"{here}>{html.escape(title)}</a>')
+    for path in pathlib.Path(config["site_dir"]).glob("api/*.html"):
+        text = text_of(path)
+        text = text.replace("<!-- navigation -->", "".join(links))
+        text = re.sub(r"<p>.*?</p>|<td class=\"mdescRight\">.*?</td>", set_scripts, text, flags=re.S)
+        path.write_text(text, encoding="utf-8")
