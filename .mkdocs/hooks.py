@@ -265,7 +265,8 @@ def on_page_markdown(markdown, page, config, files):
         return f"[\\[{match[1]}\\]]({relative('references.md')}#{match[1].lower()})"
 
     def mend(text):
-        text = re.sub(r"^<!-- silt: .*? -->\n", "", text, flags=re.M)
+        text = re.sub(r"^[ ]*<!-- silt: .*? -->\n", "", text, flags=re.M)
+        text = text.replace("\\<", "&lt;").replace("\\>", "&gt;")
         return re.sub(r"(?<!\\)\[(\w+)\](?![(\[:])", cite, LINK.sub(link, text))
 
     return outside_code(markdown, mend)
@@ -342,7 +343,7 @@ def on_page_content(content, page, config, files):
 
 
 def on_post_build(config):
-    """Puts the top navigation of the site into the pages of the API reference."""
+    """Puts the top navigation of the site into the pages of the API reference, and mends them."""
     links = []
     for entry in config["nav"]:
         (title, value), = entry.items()
@@ -351,8 +352,28 @@ def on_post_build(config):
         address = value.lstrip("/").removesuffix(".md") + (".html" if value.endswith(".md") else "")
         here = ' class="here"' if address.startswith("api/") else ""
         links.append(f'<a href="../{address}"{here}>{html.escape(title)}</a>')
-    for path in pathlib.Path(config["site_dir"]).glob("api/*.html"):
+    api = pathlib.Path(config["site_dir"]) / "api"
+    anchors, group_of = {}, {}
+    for path in api.glob("*.html"):
         text = text_of(path)
         text = text.replace("<!-- navigation -->", "".join(links))
         text = re.sub(r"<p>.*?</p>|<td class=\"mdescRight\">.*?</td>", set_scripts, text, flags=re.S)
+        text = text.replace(" Concept Reference</div>", "</div>")
+        anchors[path.name] = set(re.findall(r'\b(?:id|name)="([\w-]+)"', text))
+        if "nested-classes" not in anchors[path.name]:  # they are private
+            text = re.sub(r'<a href="#nested-classes">.*?</a>(?: &#124;\s*)?', "", text)
+        path.write_text(text, encoding="utf-8")
+        if path.name.startswith("group__"):
+            group_of.update(dict.fromkeys(anchors[path.name], path.name))
+
+    # Doxygen's tree looks for the members of a group in the page of their header, and for enumerators
+    # and others without a comment, which have no anchor.
+    def mend(match):
+        page, anchor = match[1], match[2]
+        if anchor in anchors.get(page, ()):
+            return match[0]
+        return f'"{group_of[anchor]}#{anchor}"' if anchor in group_of else f'"{page}"'
+
+    for path in api.glob("*.js"):
+        text = re.sub(r'"(\w+\.html)#(\w+)"', mend, text_of(path))
         path.write_text(text, encoding="utf-8")
