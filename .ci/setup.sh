@@ -227,6 +227,14 @@ dpkg_has() {
   [[ $installed = "$#" ]]
 }
 
+# What docs/run needs.
+site_packages=(mkdocs-material python3-pybtex doxygen doxygen-awesome-css libjs-mathjax
+  fonts-roboto-fontface)
+want_site_packages() {
+  local package
+  for package in "${site_packages[@]}"; do want "dpkg_has $package" "$package" "the site"; done
+}
+
 # install_optional FEATURE PACKAGE...: installs what the calls of want found missing, unless
 # SILT_DOCS_INSTALL=OFF; exits with 77 if one of these packages is missing then.
 install_optional() {
