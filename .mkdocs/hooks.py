@@ -43,8 +43,11 @@ def outside_code(text, function):
 
 
 def pages_of_folder(docs, folder):
+    """Its README.md or index.md first, the others in the order of its links to them."""
     pages = sorted(path.relative_to(docs).as_posix() for path in (docs / folder).glob("*.md"))
-    return sorted(pages, key=lambda page: not page.endswith("/index.md"))
+    first = next((page for page in pages if page.endswith(("/README.md", "/index.md"))), None)
+    links = [posixpath.join(folder, link) for _, link, _ in LINK.findall(text_of(docs / first))] if first else []
+    return sorted(pages, key=lambda page: (page != first, links.index(page) if page in links else len(links)))
 
 
 GENERATED = {"index.md", "references.md"}  # and source/
@@ -66,9 +69,10 @@ def on_config(config):
         for entry in entries:
             if isinstance(entry, dict):
                 (title, value), = entry.items()
+                several = isinstance(value, list) or value.endswith("/")
                 value = resolve(value if isinstance(value, list) else [value])
                 if value:
-                    result.append({title: value if isinstance(entry[title], list) else value[0]})
+                    result.append({title: value if several else value[0]})
             elif entry.startswith("/") or entry in GENERATED or (docs / entry).is_file():
                 listed.add(entry)
                 result.append(entry)
