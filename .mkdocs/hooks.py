@@ -51,13 +51,14 @@ def pages_of_folder(docs, folder):
 
 
 GENERATED = {"index.md", "references.md"}  # and source/
+LIVE_PAGE = "live/index.html" if (MADE / "live" / "index.html").exists() else "live/index.md"
 NO_LIVE_PAGE = """# Live page
 
 It is not part of this copy of the site, which was built without the compiler for WebAssembly.
 `docs/live/run` installs the compiler, builds the page and opens it.
 """
-if not (MADE / "live" / "index.html").exists():
-    GENERATED.add("live/index.md")
+if LIVE_PAGE.endswith(".md"):
+    GENERATED.add(LIVE_PAGE)
 
 
 def on_config(config):
@@ -144,7 +145,7 @@ def read_source(name):
         return start_page()
     if name == "references.md":
         return references()
-    if name == "live/index.md":
+    if name == LIVE_PAGE:
         return NO_LIVE_PAGE
     if name.startswith("source/"):
         return source_page(name[len("source/"):-len(".md")])
@@ -247,6 +248,8 @@ def target_of(path):
         return "index.md"
     if path == "docs/references.bib":
         return "references.md"
+    if path in ("docs/live", "docs/live/index.html"):
+        return LIVE_PAGE
     return API_SOURCES.get(path) or f"source/{path}.md"
 
 
