@@ -88,6 +88,9 @@ def on_config(config):
     return config
 
 
+TABS = []  # titles and addresses of the top navigation
+
+
 def on_nav(nav, config, files):
     def mend(items):
         for item in items:
@@ -95,7 +98,11 @@ def on_nav(nav, config, files):
                 item.url = item.url.lstrip("/")
             mend(item.children or [])
 
+    def first(item):
+        return first(item.children[0]) if item.children else item.url if item.is_link else item.file.url
+
     mend(nav.items)
+    TABS[:] = [(item.title, first(item)) for item in nav.items]
     return nav
 
 
@@ -351,14 +358,8 @@ def on_page_content(content, page, config, files):
 
 def on_post_build(config):
     """Puts the top navigation of the site into the pages of the API reference, and mends them."""
-    links = []
-    for entry in config["nav"]:
-        (title, value), = entry.items()
-        while isinstance(value, (list, dict)):
-            value = value[0] if isinstance(value, list) else next(iter(value.values()))
-        address = value.lstrip("/").removesuffix(".md") + (".html" if value.endswith(".md") else "")
-        here = ' class="here"' if address.startswith("api/") else ""
-        links.append(f'<a href="../{address}"{here}>{html.escape(title)}</a>')
+    links = [f'<a href="../{address}"{' class="here"' * address.startswith("api/")}>{html.escape(title)}</a>'
+             for title, address in TABS]
     api = pathlib.Path(config["site_dir"]) / "api"
     anchors, group_of = {}, {}
     for path in api.glob("*.html"):
