@@ -358,7 +358,8 @@ def on_page_content(content, page, config, files):
 
 def on_post_build(config):
     """Puts the top navigation of the site into the pages of the API reference, and mends them."""
-    links = [f'<a href="../{address}"{' class="here"' * address.startswith("api/")}>{html.escape(title)}</a>'
+    here = {True: ' class="here"', False: ""}
+    links = [f'<a href="../{address}"{here[address.startswith("api/")]}>{html.escape(title)}</a>'
              for title, address in TABS]
     api = pathlib.Path(config["site_dir"]) / "api"
     anchors, group_of = {}, {}
