@@ -261,6 +261,7 @@ def target_of(path):
 
 
 def on_page_markdown(markdown, page, config, files):
+    docs = pathlib.Path(config["docs_dir"])
     folder = posixpath.dirname(page.file.src_uri)
 
     def relative(target):
@@ -273,6 +274,12 @@ def on_page_markdown(markdown, page, config, files):
         _, mark, anchor = match[2].partition("#")
         return match[1] + relative(target_of(path)) + mark + anchor + match[3]
 
+    def title(match):
+        target = posixpath.normpath(posixpath.join(folder, match[2]))
+        heading = re.search(r"^# (.*)", read_source(target) or text_of(docs / target), re.M) \
+            if target in files else None
+        return f"[{heading[1]}]({match[2]}{match[3]})" if heading else match[0]
+
     def cite(match):
         if match[1] not in KEYS:
             return match[0]
@@ -281,6 +288,7 @@ def on_page_markdown(markdown, page, config, files):
     def mend(text):
         text = re.sub(r"^[ ]*<!-- silt: .*? -->\n", "", text, flags=re.M)
         text = text.replace("\\<", "&lt;").replace("\\>", "&gt;")
+        text = re.sub(r"\[([\w/]+\.md)\]\(([^)\s#:]+\.md)((?:#[^)\s]*)?)\)", title, text)
         return re.sub(r"(?<!\\)\[(\w+)\](?![(\[:])", cite, LINK.sub(link, text))
 
     return outside_code(markdown, mend)
