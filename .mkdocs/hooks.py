@@ -21,6 +21,7 @@ import xml.etree.ElementTree
 
 import pybtex.database
 import pybtex.plugin
+from mkdocs.exceptions import PluginError
 from mkdocs.structure.files import File
 from mkdocs.utils import get_relative_url
 
@@ -30,8 +31,23 @@ MADE = pathlib.Path(os.environ.get("SILT_SITE_BUILD", REPOSITORY / "build" / "si
 LANGUAGES = {".cpp": "cpp", ".hpp": "cpp", ".py": "python", ".sh": "bash", ".mjs": "js", ".js": "js",
              ".html": "html", ".css": "css", ".cmake": "cmake", ".txt": "cmake", ".json": "json"}
 
+# The live page, or a page in its place.
+LIVE_PAGE = "live/index.html" if (MADE / "live" / "index.html").exists() else "live/index.md"
+NO_LIVE_PAGE = """# Live page
+
+It is not part of this copy of the site, which was built without the compiler for WebAssembly.
+`docs/live/run` installs the compiler, builds the page and opens it.
+"""
+
+# Pages that are always there; those in source/ depend on links.
+GENERATED = {"index.md", "references.md"} | ({LIVE_PAGE} if LIVE_PAGE.endswith(".md") else set())
+
 CODE = re.compile(r"(^[ ]*```.*?^[ ]*```[ ]*$|`[^`\n]+`|^\$\$.*?\$\$)", re.M | re.S)
 LINK = re.compile(r"(\]\()([^)\s]+)(\))")
+
+
+def text_of(path):
+    return path.read_text(encoding="utf-8")
 
 
 def outside_code(text, function):
@@ -46,19 +62,12 @@ def pages_of_folder(docs, folder):
     """Its README.md or index.md first, the others in the order of its links to them."""
     pages = sorted(path.relative_to(docs).as_posix() for path in (docs / folder).glob("*.md"))
     first = next((page for page in pages if page.endswith(("/README.md", "/index.md"))), None)
-    links = [posixpath.join(folder, link) for _, link, _ in LINK.findall(text_of(docs / first))] if first else []
-    return sorted(pages, key=lambda page: (page != first, links.index(page) if page in links else len(links)))
+    text = text_of(docs / first) if first else ""
+    order = [first, *(posixpath.join(folder, link) for _, link, _ in LINK.findall(text))]
+    return sorted(pages, key=lambda page: order.index(page) if page in order else len(order))
 
 
-GENERATED = {"index.md", "references.md"}  # and source/
-LIVE_PAGE = "live/index.html" if (MADE / "live" / "index.html").exists() else "live/index.md"
-NO_LIVE_PAGE = """# Live page
-
-It is not part of this copy of the site, which was built without the compiler for WebAssembly.
-`docs/live/run` installs the compiler, builds the page and opens it.
-"""
-if LIVE_PAGE.endswith(".md"):
-    GENERATED.add(LIVE_PAGE)
+TABS = []  # titles and addresses of the top navigation
 
 
 def on_config(config):
@@ -86,9 +95,6 @@ def on_config(config):
     last, = config["nav"][-1].values()
     last += [page for page in rest if page not in listed]
     return config
-
-
-TABS = []  # titles and addresses of the top navigation
 
 
 def on_nav(nav, config, files):
@@ -138,10 +144,6 @@ def on_files(files, config):
     return files
 
 
-def text_of(path):
-    return path.read_text(encoding="utf-8")
-
-
 def on_page_read_source(page, config):
     return read_source(page.file.src_uri)
 
@@ -160,36 +162,39 @@ def read_source(name):
 
 
 def start_page():
-    readme = text_of(REPOSITORY / "README.md")
-    readme = LINK.sub(lambda m: m[1] + posixpath.relpath(m[2], "docs") + m[3]
-                      if not re.match(r"\w+:|#", m[2]) else m[0], readme)
-    sections = dict(re.findall(r"^#+ (.*?)\n(.*?)(?=^#+ |\Z)", outside_fences(readme), re.M | re.S))
+    docs = REPOSITORY / "docs"
+    # Links of Markdown and HTML, from docs/ instead of the top folder.
+    readme = re.sub(r"""(\]\(|\b(?:src|href|poster)=")(?!\w+:|#)([^)\s"]+)""",
+                    lambda m: m[1] + posixpath.relpath(m[2], "docs"), text_of(REPOSITORY / "README.md"))
+    sections = sections_of(readme)
 
     def part(match):
-        text = sections[match[1]]
-        return re.sub("\0(\\d+)\0", lambda m: FENCES[int(m[1])], text).strip()
-
-    docs = REPOSITORY / "docs"
+        if match[1] not in sections:
+            raise PluginError(f".mkdocs/start.md: README has no section '{match[1]}'")
+        return sections[match[1]].strip()
 
     def item(match):
-        pages = pages_of_folder(docs, match[2]) if match[2].endswith("/") else [match[2]]
-        if not pages or pages[0].endswith(".md") and not (docs / pages[0]).exists():
+        title, page, text = match.groups()
+        pages = pages_of_folder(docs, page) if page.endswith("/") else [page]
+        if not pages or (pages[0].endswith(".md") and not (docs / pages[0]).exists()):
             return ""
-        return f"- [{match[1]}]({pages[0]}){match[3]}\n"
+        return f"- [{title}]({pages[0]}){text}\n"
 
-    text = re.sub(r"^- \[(.*?)\]\((.*?)\)(.*)\n", item, text_of(REPOSITORY / ".mkdocs" / "start.md"), flags=re.M)
+    text = text_of(REPOSITORY / ".mkdocs" / "start.md")
+    text = re.sub(r"^- \[(.*?)\]\((.*?)\)(.*)\n", item, text, flags=re.M)
     return re.sub(r"\{\{ README: (.*?) \}\}", part, text)
 
 
-FENCES = []
-
-
-def outside_fences(text):
-    def keep(match):
-        FENCES.append(match[0])
-        return f"\0{len(FENCES) - 1}\0"
-
-    return re.sub(r"^```.*?^```", keep, text, flags=re.M | re.S)
+def sections_of(text):
+    """The text below each heading, up to the next one."""
+    sections, title, is_code = {}, "", False
+    for line in text.splitlines(keepends=True):
+        is_code ^= line.startswith("```")
+        if line.startswith("#") and not is_code:
+            title = line.strip("# \n")
+        else:
+            sections[title] = sections.get(title, "") + line
+    return sections
 
 
 def bibliography():
@@ -242,9 +247,10 @@ def path_in_repository(folder, link):
     if it is no page or picture."""
     if re.match(r"\w+:|#", link):
         return None
-    link = link.partition("#")[0]
-    path = link.lstrip("/") if link.startswith("/") else posixpath.normpath(posixpath.join("docs", folder, link))
-    if not (REPOSITORY / path).exists() or (path.startswith("docs/") and path.endswith((".md", ".png", ".webp", ".svg"))):
+    # A link that begins with / is relative to the top folder.
+    path = posixpath.normpath(posixpath.join("/docs", folder, link.partition("#")[0])).lstrip("/")
+    is_part = path.startswith("docs/images/") or (path.startswith("docs/") and path.endswith(".md"))
+    if is_part or not (REPOSITORY / path).exists():
         return None
     return path
 
@@ -300,10 +306,7 @@ def on_page_markdown(markdown, page, config, files):
 def read_tags():
     """From the tag file of Doxygen: the pages of names, and those of the sources of headers."""
     names, sources = {}, {}
-    path = MADE / "api.tag"
-    if not path.exists():
-        return names, sources
-    for compound in xml.etree.ElementTree.parse(path).getroot():
+    for compound in xml.etree.ElementTree.parse(MADE / "api.tag").getroot():
         kind, name, page = compound.get("kind"), compound.findtext("name"), compound.findtext("filename")
         page = page if page.endswith(".html") else page + ".html"
         if kind == "file":
@@ -311,11 +314,7 @@ def read_tags():
             sources[header[header.rindex("include/"):]] = f"api/{page.removesuffix('.html')}_source.html"
         elif kind in ("class", "struct", "concept"):
             names[name] = f"api/{page}"
-        if kind == "namespace":
-            for member in compound.iter("member"):
-                where = f"api/{member.findtext('anchorfile')}#{member.findtext('anchor')}"
-                names.setdefault(f"{name}::{member.findtext('name')}", where)
-        elif kind in ("class", "struct"):
+        if kind in ("namespace", "class", "struct"):
             for member in compound.iter("member"):
                 where = f"api/{member.findtext('anchorfile')}#{member.findtext('anchor')}"
                 names.setdefault(f"{name}::{member.findtext('name')}", where)
@@ -346,22 +345,20 @@ def script(match):
     return f"{match[1]}<sub>{lower}</sub>" if lower else f"<sup>{upper}</sup>"
 
 
-def set_scripts(match):
+def set_scripts(text, mend_code=lambda code: code):
     """HTML with a_b and x^{2} outside code as subscript and superscript."""
-    parts = KEPT.split(match[0])
-    return "".join(part if i % 2 else SCRIPT.sub(script, part) for i, part in enumerate(parts))
+    parts = KEPT.split(text)
+    parts[::2] = [SCRIPT.sub(script, part) for part in parts[::2]]
+    parts[1::2] = [mend_code(part) if part.startswith("<code>") else part for part in parts[1::2]]
+    return "".join(parts)
 
 
 def on_page_content(content, page, config, files):
-    if page.file.src_uri.startswith("source/"):
-        return content
-    parts = KEPT.split(content)
-    for i, part in enumerate(parts):
-        if i % 2 == 0:
-            parts[i] = SCRIPT.sub(script, part)
-        elif part.startswith("<code>") and (target := api_page(part[6:-7])):
-            parts[i] = f'<a class="api" href="{get_relative_url(target, page.url)}">{part}</a>'
-    return "".join(parts)
+    def link(code):
+        target = api_page(code.removeprefix("<code>").removesuffix("</code>"))
+        return f'<a class="api" href="{get_relative_url(target, page.url)}">{code}</a>' if target else code
+
+    return content if page.file.src_uri.startswith("source/") else set_scripts(content, link)
 
 
 def on_post_build(config):
@@ -374,7 +371,7 @@ def on_post_build(config):
     for path in api.glob("*.html"):
         text = text_of(path)
         text = text.replace("<!-- navigation -->", "".join(links))
-        text = re.sub(r"<p>.*?</p>|<td class=\"mdescRight\">.*?</td>", set_scripts, text, flags=re.S)
+        text = re.sub(r"<p>.*?</p>|<td class=\"mdescRight\">.*?</td>", lambda m: set_scripts(m[0]), text, flags=re.S)
         text = text.replace(" Concept Reference</div>", "</div>")
         anchors[path.name] = set(re.findall(r'\b(?:id|name)="([\w-]+)"', text))
         if "nested-classes" not in anchors[path.name]:  # they are private

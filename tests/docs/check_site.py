@@ -20,9 +20,10 @@ import tempfile
 import threading
 import urllib.parse
 
-# Attributes that load what they name; of links only rel="stylesheet", "icon" and the like.
+# Attributes that load what they name; of links those without a rel of NAMED.
 LOADED = {("script", "src"), ("img", "src"), ("iframe", "src"), ("video", "src"), ("video", "poster"),
           ("audio", "src"), ("source", "src"), ("embed", "src"), ("object", "data"), ("link", "href")}
+NAMED = ("canonical", "next", "prev")
 # Directives as text: a code block is preceded by a comment with them, which must not be in the page.
 DIRECTIVE = re.compile(r"<!-- silt:|&lt;!-- silt:")
 
@@ -33,7 +34,6 @@ class Page(html.parser.HTMLParser):
     def __init__(self, text):
         super().__init__()
         self.anchors, self.links, self.loaded, self.formulas = set(), [], [], 0
-        self.in_source = 0
         self.feed(text)
 
     def handle_starttag(self, tag, attributes):
@@ -44,7 +44,7 @@ class Page(html.parser.HTMLParser):
         for name, value in attributes:
             if value is None:
                 continue
-            if (tag, name) in LOADED and values.get("rel") not in ("canonical", "next", "prev"):
+            if (tag, name) in LOADED and values.get("rel") not in NAMED:
                 self.loaded.append(value)
             elif (tag, name) in (("a", "href"), ("area", "href"), ("link", "href")):
                 self.links.append(value)
@@ -66,7 +66,9 @@ def fault_of_link(site, page, link):
     address, _, anchor = link.partition("#")
     address = urllib.parse.unquote(address.partition("?")[0])
     # The error page is served at any address and has absolute links.
-    target = site / address.lstrip("/") if address.startswith("/") else page.parent / address if address else page
+    target = page.parent / address if address else page
+    if address.startswith("/"):
+        target = site / address.lstrip("/")
     if target.is_dir():
         target /= "index.html"
     if not target.is_file():
@@ -92,7 +94,8 @@ def faults_of_page(site, path):
 
 def faults_of_tree(site, path):
     """Faults of the links in the navigation tree of Doxygen, which are in scripts."""
-    links = dict.fromkeys(re.findall(r'\[\s*"[^"]*",\s*"(\w+\.html(?:#\w+)?)"', path.read_text(encoding="utf-8")))
+    text = path.read_text(encoding="utf-8")
+    links = dict.fromkeys(re.findall(r'\[\s*"[^"]*",\s*"(\w+\.html(?:#\w+)?)"', text))
     return [f"{path.relative_to(site)}: the link to {link} is broken: {fault}"
             for link in links if (fault := fault_of_link(site, path, link))]
 
@@ -168,7 +171,8 @@ def self_test():
         site = pathlib.Path(folder).resolve()
         (site / "api").mkdir()
         (site / "b.html").write_text('<h2 id="there">B</h2><a name="old"></a>')
-        sound = '<a href="b.html#there">b</a> <a href="b.html#old">c</a> <a href="https://a.b/c">d</a> <a href="#e" id="e">e</a>'
+        sound = ('<a href="b.html#there">b</a> <a href="b.html#old">c</a> <a href="https://a.b/c">d</a>'
+                 '<a href="#e" id="e">e</a>')
         for text, count in (
             (sound, 0),
             (sound + '<a href="none.html">', 1),
