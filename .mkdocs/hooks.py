@@ -336,7 +336,7 @@ def api_page(code):
 # Parts of HTML that stay as they are, and inline code.
 KEPT = re.compile(r"(<pre.*?</pre>|<h\d.*?</h\d>|<a .*?</a>|<div class=\"arithmatex\">.*?</div>"
                   r"|<span class=\"arithmatex\">.*?</span>|<script.*?</script>|<code>.*?</code>|<[^>]*>)", re.S)
-SCRIPT = re.compile(r"(?<![\w/])(\w['̄̂̇*′’]*)_(?:\{([^{}]+)\}|(\w+))"  # a_b, a_{b c}
+SCRIPT = re.compile(r"((?<!\w)\w['̄̂̇*′’]*|⟩|&gt;)_(?:\{([^{}]+)\}|([^\W_²³ᵀ]+(?!\w*_)))"  # a_b, a_{b c}
                     r"|(?<=[\w)\]′'’])\^(?:\{([^{}]+)\}|(−?\w+))")  # a^b, a^{b c}
 
 

@@ -138,7 +138,7 @@ def faults_in_browser(site, chromium, pages):
                      f"http://127.0.0.1:{server.server_port}/{name}"],
                     capture_output=True, text=True, timeout=300)
             formulas = page_of(path).formulas
-            # One for the formula; another one holds it while it is not displayed, which is no formula.
+            # MathJax makes one frame of each formula.
             typeset = len(re.findall(r'id="MathJax-Element-\d+-Frame"', shown.stdout))
             errors = len(re.findall(r'class="[^"]*merror', shown.stdout))
             if typeset != formulas or errors:
