@@ -13,6 +13,7 @@ tag file api.tag, live/ and assets/.
 """
 
 import html
+import json
 import os
 import pathlib
 import posixpath
@@ -217,7 +218,7 @@ def references():
 
 def source_page(name):
     path = REPOSITORY / name
-    title = f"---\ntitle: {name}\nsearch:\n  exclude: true\n---\n\n# `{name}`\n\n"
+    title = f"---\ntitle: {name}\n---\n\n# `{name}`\n\n"
     if path.is_dir():
         entries = sorted(p for p in path.iterdir() if not p.name.startswith((".", "__")))
         rows = [f"| [{p.name}](/{p.relative_to(REPOSITORY).as_posix()}) | {summary(p)} |" for p in entries]
@@ -362,11 +363,24 @@ def on_page_content(content, page, config, files):
 
 
 def on_post_build(config):
-    """Puts the top navigation of the site into the pages of the API reference, and mends them."""
+    site = pathlib.Path(config["site_dir"])
+    leave_sources_out(site / "search" / "search_index.json")
+    mend_api(site / "api")
+
+
+def leave_sources_out(index):
+    """Takes the sources out of the search, which would be found for every word of the code."""
+    found = json.loads(text_of(index))
+    found["docs"] = [part for part in found["docs"] if not part["location"].startswith("source/")]
+    index.write_text(json.dumps(found), encoding="utf-8")
+
+
+def mend_api(api):
+    """Puts the top navigation of the site into the pages of the API reference, sets subscripts, and
+    mends what Doxygen 1.9.4 gets wrong."""
     here = {True: ' class="here"', False: ""}
     links = [f'<a href="../{address}"{here[address.startswith("api/")]}>{html.escape(title)}</a>'
              for title, address in TABS]
-    api = pathlib.Path(config["site_dir"]) / "api"
     anchors, group_of = {}, {}
     for path in api.glob("*.html"):
         text = text_of(path)
