@@ -170,9 +170,12 @@ def start_page():
     sections = sections_of(readme)
 
     def part(match):
-        if match[1] not in sections:
-            raise PluginError(f".mkdocs/start.md: README has no section '{match[1]}'")
-        return sections[match[1]].strip()
+        title, _, share = match[1].partition(", ")
+        if title not in sections:
+            raise PluginError(f".mkdocs/start.md: README has no section '{title}'")
+        before, bar, after = sections[title].partition("\n|")
+        shares = {"": before + bar + after, "before its table": before, "from its table on": bar + after}
+        return shares[share].strip()
 
     def item(match):
         title, page, text = match.groups()
