@@ -330,7 +330,8 @@ API_NAMES, API_SOURCES = read_tags()
 
 def api_page(code):
     """The page of the API reference for the text of a code span, if it names something public."""
-    name = re.fullmatch(r"(?:silt::)?((?:\w+::)*\w+)(?:<[^()]*>)?(?:\(.*\))?(?:\{.*\})?", html.unescape(code))
+    name = re.fullmatch(r"(?:silt::)?((?:\w+::)*\w+)(?:<[^()]*>)?(?:\(.*\))?(?:\{.*\})?",
+                        html.unescape(code))
     if not name or "_" not in name[1] and not re.search("[A-Z]|::", name[1]):
         return None
     return next((API_NAMES[f"silt::{scope}{name[1]}"] for scope in ("", "dem::", "mps::", "mpi::")
@@ -388,7 +389,8 @@ def mend_api(api):
     for path in api.glob("*.html"):
         text = text_of(path)
         text = text.replace("<!-- navigation -->", "".join(links))
-        text = re.sub(r"<p>.*?</p>|<td class=\"mdescRight\">.*?</td>", lambda m: set_scripts(m[0]), text, flags=re.S)
+        text = re.sub(r"<p>.*?</p>|<td class=\"mdescRight\">.*?</td>", lambda m: set_scripts(m[0]), text,
+                      flags=re.S)
         text = text.replace(" Concept Reference</div>", "</div>")
         anchors[path.name] = set(re.findall(r'\b(?:id|name)="([\w-]+)"', text))
         if "nested-classes" not in anchors[path.name]:  # they are private
