@@ -1,11 +1,14 @@
 # shellcheck shell=bash
 # SPDX-License-Identifier: MIT
-# Sourced by tests/run, examples/run and bench/run, which set -euo pipefail: finds the repository,
-# installs missing system packages, configures and builds. Nothing here prompts for input, and
+# Sourced by tests/run, examples/run, bench/run and docs/run, which set -euo pipefail: finds the
+# repository, installs missing system packages, configures and builds. Nothing here prompts for input, and
 # nothing is silent for more than ten seconds.
 
 repo=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 cores=$(nproc 2>/dev/null || echo 2)
+
+# The usage of the script: its comments that are indented by more than one space.
+print_usage() { sed -n 's/^#  //p' "$0"; }
 
 # [kB]; a guess if the system does not tell.
 available_memory() {
@@ -224,6 +227,24 @@ dpkg_has() {
   [[ $installed = "$#" ]]
 }
 
+# What docs/run needs.
+site_packages=(mkdocs-material python3-pybtex doxygen doxygen-awesome-css libjs-mathjax
+  fonts-roboto-fontface)
+want_site_packages() {
+  local package
+  for package in "${site_packages[@]}"; do want "dpkg_has $package" "$package" "the site"; done
+}
+
+# install_optional FEATURE PACKAGE...: installs what the calls of want found missing, unless
+# SILT_DOCS_INSTALL=OFF; exits with 77 if one of these packages is missing then.
+install_optional() {
+  local package
+  if [[ ${SILT_DOCS_INSTALL:-ON} = ON ]]; then install_missing; fi
+  for package in "${@:2}"; do
+    dpkg_has "$package" || { echo "silt: $1 is skipped without $package" >&2; exit 77; }
+  done
+}
+
 print_install_command() {
   if ! command -v apt-get >/dev/null; then
     echo "silt: install these packages, named here as in Debian: $*" >&2
@@ -258,4 +279,14 @@ build() {
     grep 'warning:' "$log" | sort -u >&2
     echo "The whole output of the compiler is in $log" >&2
   fi
+}
+
+# --- showing -------------------------------------------------------------------------------------
+
+# serve TEXT FOLDER PORT: serves the folder to this machine only, until Ctrl-C.
+serve() {
+  need python3 python3
+  install_missing
+  echo "$1: http://localhost:$3 (Ctrl-C ends it)"
+  exec python3 -m http.server "$3" --bind 127.0.0.1 --directory "$2"
 }

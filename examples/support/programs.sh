@@ -1,10 +1,7 @@
 # shellcheck shell=bash
 # SPDX-License-Identifier: MIT
-# Sourced by examples/run, examples/pictures and examples/paper_figures, after .ci/setup.sh: prints
-# their usage, installs the packages that examples need, and builds them.
-
-# The usage of the script: its comments that are indented by more than one space.
-print_usage() { sed -n 's/^#  //p' "$0"; }
+# Sourced by examples/run, examples/pictures and examples/paper_figures, after .ci/setup.sh:
+# installs the packages that examples need, and builds them.
 
 # exit_after_help ARGUMENT...: prints the usage and exits if an argument is -h or --help.
 exit_after_help() {
