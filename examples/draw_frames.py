@@ -77,6 +77,13 @@ def particle_radius(frame):
     return np.linalg.norm(x[1:] - x[0], axis=1).min() / 2 if len(x) > 1 else 0.01
 
 
+def edges_of(frame, radius):
+    """Corners of the squares around the circles, as points (x, height)."""
+    x, R = frame["position"][:, :2], np.broadcast_to(
+        frame["radius"] if radius is None else radius, len(frame["position"]))
+    return np.concatenate([x - R[:, None], x + R[:, None]])
+
+
 def columns_for(count, ratio):
     """Of axes with this ratio of width to height, so that the figure is about twice as wide as high."""
     full = [columns for columns in range(1, count + 1) if count % columns == 0]
@@ -102,9 +109,10 @@ def main():
     # No pressure is computed before the first step.
     waits = options.field == "pressure" and numbers[0] == 0 and not values[0].any()
     norm = plt.Normalize(*style.range_of(values[1:] if waits and len(values) > 1 else values))
-    x = np.concatenate([frame["position"][:, :2] for frame in frames + walls])
-    margin = 0.05 * (x.max(axis=0) - x.min(axis=0)).max()
-    low, high = x.min(axis=0) - margin, x.max(axis=0) + margin
+    edges = np.concatenate([edges_of(frame, radius) for frame in frames + walls])
+    low, high = edges.min(axis=0), edges.max(axis=0)
+    margin = 0.05 * (high - low).max()
+    low, high = low - margin, high + margin
     ratio = (high[0] - low[0]) / (high[1] - low[1])
 
     def show(axes, k):
@@ -119,6 +127,7 @@ def main():
             circles.set(array=None, facecolor=UNKNOWN_COLOUR)
             title += ", not yet computed"
         axes.set_title(title)
+        axes.locator_params(nbins=5)
         style.box(axes, (low[0], high[0]), (low[1], high[1]), ("x [m]", "height [m]"))
         return circles
 

@@ -3,6 +3,7 @@
 #include <silt/dem.hpp>
 #include <silt/io/vtk.hpp>
 
+#include <algorithm>
 #include <cstdio>
 
 int main() {
@@ -23,9 +24,9 @@ int main() {
 
   // A search finds the neighbours of each grain, and an integrator moves the grains.
   Simulation fall{grains, NeighbourList<2>{}, forces, Leapfrog{}};
-  fall.run({.until = 0.6, .output_every = 0.1}, VtkSeries{"fall"}, [](const auto& now) {
+  fall.run({.until = 0.45, .output_every = 0.15}, VtkSeries{"fall"}, [](const auto& now) {
     double highest = 0;
     for (const auto& x : now.particles()[position]) highest = std::max(highest, x[1]);
-    std::printf("%.1f s: the highest grain is at %.2f m\n", now.time(), highest);
+    std::printf("%.2f s: the highest grain is at %.2f m\n", now.time(), highest);
   });
 }
