@@ -127,8 +127,9 @@ class Step:
         return {"program": self.program_digest(), "shown": {"printed": printed.splitlines()}}
 
     def program_digest(self, examples=EXAMPLES):
-        """Of the program without its comments."""
-        return digest_of(re.sub(r"//.*", "", program_text(self.program, examples)).encode())
+        """Of the program without its comments and empty lines."""
+        rows = re.sub(r"//.*", "", program_text(self.program, examples)).splitlines()
+        return digest_of("\n".join(row.rstrip() for row in rows if row.strip()).encode())
 
     def command_on_page(self):
         picture = pathlib.PurePosixPath(self.file).with_suffix(".png")
