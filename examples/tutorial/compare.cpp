@@ -15,8 +15,7 @@ int main() {
 
   const auto tank = mps::make_tank<mps::Recommended, 2>(
       {.column = {a, 2 * a}, .size = {.length = 5 * a, .height = 3 * a}, .spacing = l0});
-  const mps::Flow<mps::Recommended> water{
-      {.spacing = l0, .speed_scale = 2, .walls = tank.walls}};
+  const mps::Flow<mps::Recommended> water{{.spacing = l0, .speed_scale = 2, .walls = tank.walls}};
   Simulation dam{tank.particles, UniformGrid<2>{}, water, SemiImplicit<>{}};
 
   // Measure the front in every output, in units without dimension: T = t √(2g/a), Z = x/a.
@@ -37,8 +36,8 @@ int main() {
     while (k + 1 < Z.size() && Z[k] < z) ++k;
     return T[k - 1] + (T[k] - T[k - 1]) * (z - Z[k - 1]) / (Z[k] - Z[k - 1]);
   };
-  constexpr double measured[][2] = {{0.24, 1.67}, {0.64, 2.11}, {1.01, 2.56}, {1.32, 3.00},
-                                    {1.64, 3.44}, {1.92, 3.89}};  // their Table 2
+  constexpr double measured[][2] = {{0.24, 1.67}, {0.64, 2.11}, {1.01, 2.56},
+                                    {1.32, 3.00}, {1.64, 3.44}, {1.92, 3.89}};  // their Table 2
   std::printf("front at  time measured  computed\n");
   for (const auto& [time, z] : measured) {
     std::printf("%.2f a %14.2f %9.2f\n", z, time, time_at(z) - time_at(1.44));

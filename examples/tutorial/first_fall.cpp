@@ -10,8 +10,8 @@ int main() {
   using namespace silt;
 
   // Particles: discs on a lattice, and a larger one that flies at them.
-  auto grains = dem::make_grains(lattice<2>({{0, 0}, {0.2, 0.6}}, 0.02),
-                                 {.radius = 0.01, .density = 2500});
+  auto grains =
+      dem::make_grains(lattice<2>({{0, 0}, {0.2, 0.6}}, 0.02), {.radius = 0.01, .density = 2500});
   const Index ball = dem::add_grain(grains, {-0.1, 0.35}, {.radius = 0.06, .density = 2500});
   grains[velocity][ball] = {2, 0};
 

@@ -41,6 +41,7 @@ int main() {
         if (all[colour][i] != all[colour][j]) ++mixed;
       }
     }
-    std::printf("%.0f s: %2.0f %% of the pairs have two colours\n", now.time(), 100 * mixed / pairs);
+    std::printf("%.0f s: %2.0f %% of the pairs have two colours\n", now.time(),
+                100 * mixed / pairs);
   });
 }

@@ -27,8 +27,8 @@ int main() {
   using namespace silt;
 
   // A little closer than 2 R, so that neighbours touch and stick from the beginning.
-  auto grains = dem::make_grains(lattice<2>({{0, 0}, {0.2, 0.6}}, 0.0197),
-                                 {.radius = 0.01, .density = 2500});
+  auto grains =
+      dem::make_grains(lattice<2>({{0, 0}, {0.2, 0.6}}, 0.0197), {.radius = 0.01, .density = 2500});
   const Index ball = dem::add_grain(grains, {-0.1, 0.35}, {.radius = 0.06, .density = 2500});
   grains[velocity][ball] = {2, 0};
 
