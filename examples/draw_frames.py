@@ -13,6 +13,7 @@ python3-matplotlib).
 """
 
 import argparse
+import math
 import pathlib
 import sys
 
@@ -20,9 +21,8 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 from support.modules import need
 
 need("numpy", "matplotlib")
-import matplotlib
+from support import plot_style as style  # before matplotlib.pyplot
 
-matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.animation import FuncAnimation, PillowWriter
@@ -33,6 +33,7 @@ from support.frames import Series, draw, speed
 WALL = 1  # of mps::Kind
 WALL_COLOUR = "#c8ccd0"
 UNKNOWN_COLOUR = "#8a9099"
+COLOURS = {"speed": style.SPEED, "pressure": style.PRESSURE}
 UNITS = {"speed": "m/s", "pressure": "Pa", "radius": "m", "mass": "kg"}
 
 
@@ -76,6 +77,19 @@ def particle_radius(frame):
     return np.linalg.norm(x[1:] - x[0], axis=1).min() / 2 if len(x) > 1 else 0.01
 
 
+def edges_of(frame, radius):
+    """Corners of the squares around the circles, as points (x, height)."""
+    x, R = frame["position"][:, :2], np.broadcast_to(
+        frame["radius"] if radius is None else radius, len(frame["position"]))
+    return np.concatenate([x - R[:, None], x + R[:, None]])
+
+
+def columns_for(count, ratio):
+    """Of axes with this ratio of width to height, so that the figure is about twice as wide as high."""
+    full = [columns for columns in range(1, count + 1) if count % columns == 0]
+    return min(full, key=lambda columns: abs(math.log(columns**2 * ratio / count / 2)))
+
+
 def main():
     parser = argparse.ArgumentParser(description="Draws frames written by silt::VtkSeries.")
     parser.add_argument("series", help="the .pvd file")
@@ -94,39 +108,46 @@ def main():
     values = [values_of(frame, options.field) for frame in frames]
     # No pressure is computed before the first step.
     waits = options.field == "pressure" and numbers[0] == 0 and not values[0].any()
-    coloured = values[1:] if waits and len(values) > 1 else values
-    norm = plt.Normalize(min(v.min() for v in coloured), max(v.max() for v in coloured))
-    x = np.concatenate([frame["position"][:, :2] for frame in frames + walls])
-    margin = 0.05 * (x.max(axis=0) - x.min(axis=0)).max()
-    low, high = x.min(axis=0) - margin, x.max(axis=0) + margin
+    norm = plt.Normalize(*style.range_of(values[1:] if waits and len(values) > 1 else values))
+    edges = np.concatenate([edges_of(frame, radius) for frame in frames + walls])
+    low, high = edges.min(axis=0), edges.max(axis=0)
+    margin = 0.05 * (high - low).max()
+    low, high = low - margin, high + margin
+    ratio = (high[0] - low[0]) / (high[1] - low[1])
 
     def show(axes, k):
         axes.clear()
         if len(walls[k]["position"]):
             draw(axes, walls[k], np.zeros(len(walls[k]["position"])), radius,
                  cmap=ListedColormap([WALL_COLOUR]))
-        circles = draw(axes, frames[k], values[k], radius, norm=norm, cmap="viridis")
+        circles = draw(axes, frames[k], values[k], radius, norm=norm,
+                       cmap=COLOURS.get(options.field, "viridis"))
         title = f"t = {series.times[numbers[k]]:.3g} s"
         if k == 0 and waits:
             circles.set(array=None, facecolor=UNKNOWN_COLOUR)
             title += ", not yet computed"
-        axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), xlabel="x [m]",
-                 ylabel="height [m]" if k == 0 or is_film else "", title=title)
+        axes.set_title(title)
+        axes.locator_params(nbins=5)
+        style.box(axes, (low[0], high[0]), (low[1], high[1]), ("x [m]", "height [m]"))
         return circles
 
     count = 1 if is_film else len(frames)
-    width = 6.5 if is_film else 3
-    height = min(max(width * (high[1] - low[1]) / (high[0] - low[0]), 2), 8)
-    figure, all_axes = plt.subplots(1, count, squeeze=False, sharey=True, layout="constrained",
-                                    figsize=(width * count + 1.5, height + 0.8))
-    circles = [show(axes, k) for k, axes in enumerate(all_axes[0])]
+    columns = columns_for(count, ratio)
+    rows = count // columns
+    width = 6.5 if is_film else (style.WIDE - 1) / columns
+    height = min(max(width / ratio, 0.8), 8)
+    figure, all_axes = plt.subplots(rows, columns, squeeze=False,
+                                    figsize=(width * columns + 1, (height + 0.35) * rows + 0.4))
+    all_axes = list(all_axes.ravel())
+    circles = [show(axes, k) for k, axes in enumerate(all_axes)]
     unit = UNITS.get(options.field)
-    figure.colorbar(circles[-1], ax=all_axes, label=options.field + (f" [{unit}]" if unit else ""))
+    style.bar_of(figure, circles[-1], all_axes, options.field + (f" [{unit}]" if unit else ""),
+                 values, aspect=15 * rows, pad=0.02)
     if is_film:
-        film = FuncAnimation(figure, lambda k: [show(all_axes[0, 0], k)], len(frames))
+        film = FuncAnimation(figure, lambda k: [show(all_axes[0], k)], len(frames))
         film.save(options.picture, PillowWriter(fps=15), dpi=100)
     else:
-        figure.savefig(options.picture, dpi=150)
+        style.make(options.picture, lambda: figure)
 
 
 if __name__ == "__main__":

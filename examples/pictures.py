@@ -59,12 +59,13 @@ def make(source, options):
         return folder
     if not options.redraw:
         shutil.rmtree(folder, ignore_errors=True)
-        for subfolder in source.runs:
-            (folder / subfolder).mkdir(parents=True, exist_ok=True)
-            program, *given = source.command_of(subfolder)
-            call(options.programs / program, *given, "--threads", options.threads,
-                 "--out", folder / subfolder)
-    call(sys.executable, HERE / source.drawn_by, folder)
+        print(f"Running {source.program}", flush=True)
+        try:
+            source.run(options.programs, folder, options.threads)
+        except subprocess.CalledProcessError as error:
+            sys.exit(f"pictures: {source.program} ended with {error.returncode}")
+    script, *arguments = source.drawing_command(folder)
+    call(sys.executable, HERE / script, *arguments)
     return folder
 
 
@@ -74,7 +75,7 @@ def entry_of(source, folder):
                           for name in source.pictures.values()},
              "drawing": drawing_of(source.drawn_by)}
     if not isinstance(source, Study):
-        entry |= {"options": source.options_of(folder), "shown": source.shown(folder)}
+        entry |= source.record(folder)
     return entry
 
 

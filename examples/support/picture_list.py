@@ -7,7 +7,8 @@
 
 docs/images/made_from.json has an entry for each source: the commands, the digests of the pictures
 and of the drawing code, the options of the runs, and the results that are visible in the pictures.
-examples/pictures writes it, tests/examples/check_pictures.py reads it.
+examples/pictures writes it, tests/examples/check_pictures.py reads it. For the programs of the
+tutorial the options are replaced by a digest of the program, and the results by what it printed.
 """
 
 import ast
@@ -15,8 +16,10 @@ import hashlib
 import io
 import json
 import math
+import os
 import pathlib
 import re
+import subprocess
 import tokenize
 
 EXAMPLES = pathlib.Path(__file__).resolve().parents[1]
@@ -74,6 +77,21 @@ class Source:
         options = [f"--{name}={value}" for name, value in self.runs[subfolder].items()]
         return [self.program, *options]
 
+    def run(self, programs, folder, threads):
+        """Runs the programs in subfolders; raises CalledProcessError if one fails."""
+        for subfolder in self.runs:
+            (folder / subfolder).mkdir(parents=True, exist_ok=True)
+            program, *options = self.command_of(subfolder)
+            subprocess.run([programs / program, *options, "--threads", str(threads), "--out",
+                            folder / subfolder], check=True)
+
+    def drawing_command(self, folder):
+        return [self.drawn_by, folder]
+
+    def record(self, folder):
+        """What is compared with a later run."""
+        return {"options": self.options_of(folder), "shown": self.shown(folder)}
+
     def options_of(self, folder):
         """Options of the runs in a folder, without those that do not affect a picture."""
         return {subfolder: {name: value for name, value in
@@ -85,6 +103,40 @@ class Source:
         return [" ".join(["examples/run", *self.command_of(subfolder), "--out",
                           folder + ("/" + subfolder if subfolder else "")])
                 for subfolder in self.runs] + [f"examples/{self.drawn_by} {folder}"]
+
+
+class Step:
+    """A program of the tutorial, and the script that draws one of the files that it writes."""
+
+    def __init__(self, name, drawn_by, file, *options):
+        self.name, self.program = f"tutorial_{name}", f"tutorial/{name}"
+        self.drawn_by, self.file, self.options = drawn_by, file, options
+        self.pictures = {"picture.png": f"{self.name}.png"}
+
+    def run(self, programs, folder, threads):
+        folder.mkdir(parents=True, exist_ok=True)
+        with open(folder / "printed.txt", "w", encoding="utf-8") as printed:
+            subprocess.run([programs.absolute() / self.program], cwd=folder, check=True,
+                           stdout=printed, env={**os.environ, "OMP_NUM_THREADS": str(threads)})
+
+    def drawing_command(self, folder):
+        return [self.drawn_by, folder / self.file, folder / "picture.png", *self.options]
+
+    def record(self, folder):
+        printed = (folder / "printed.txt").read_text(encoding="utf-8")
+        return {"program": self.program_digest(), "shown": {"printed": printed.splitlines()}}
+
+    def program_digest(self, examples=EXAMPLES):
+        """Of the program without its comments and empty lines."""
+        rows = re.sub(r"//.*", "", program_text(self.program, examples)).splitlines()
+        return digest_of("\n".join(row.rstrip() for row in rows if row.strip()).encode())
+
+    def command_on_page(self):
+        picture = pathlib.PurePosixPath(self.file).with_suffix(".png")
+        return " ".join([f"examples/{self.drawn_by} out/{self.file} out/{picture}", *self.options])
+
+    def command_lines(self):
+        return [self.program, self.command_on_page()]
 
 
 class Study:
@@ -110,6 +162,14 @@ SOURCES = [
     Source("rotating_square", "fluid_cases", {"": {"case": "rotating_square", "spacing": 0.02}},
            {"frames.png": "rotating_square.png"}, flow_shown),
 ]
+STEPS = [
+    Step("first_fall", "draw_frames.py", "fall.pvd"),
+    Step("first_flow", "draw_frames.py", "splash.pvd", "--field", "pressure"),
+    Step("own_law", "draw_frames.py", "wet.pvd"),
+    Step("own_field", "draw_frames.py", "drum.pvd", "--field", "colour"),
+    Step("compare", "tutorial/draw_front.py", "front.csv"),
+]
+SOURCES += STEPS
 STUDIES = [
     Study("vibrating_floor", "examples/run --study vibrating_floor", "plot_vibrating_floor.py",
           lambda programs, folder, threads: [

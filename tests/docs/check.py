@@ -6,7 +6,7 @@
     check.py [--compile-only] REPOSITORY SCRATCH FLAGS-FILE COMPILER...
     check.py --self-test
 
-With --compile-only, nothing is run.
+With --compile-only, nothing is run, and several programs are compiled at once.
 
 A block is a separate file, unless HTML comments directly before it say otherwise:
 
@@ -22,6 +22,9 @@ A block is a separate file, unless HTML comments directly before it say otherwis
 
 There may be several comments before a block. A block without wrap that others continue stays
 outside of main(), so that it can declare types; #include lines always go to the top.
+
+A ```text block with <!-- silt: prints NAME -->, a block of this page or the path of a program of the
+repository, must be what this program prints. Such a program is compiled and run here.
 
 A Python block has `after NAME`, and runs in the folder of that block's program, with the modules of
 examples/support. It is skipped if a module that it imports is not installed.
@@ -46,6 +49,8 @@ FENCE = re.compile(r"^\s*```\s*([\w+]*)")
 MAIN = re.compile(r"\bint\s+main\s*\(")
 SPDX = "// SPDX-License-Identifier: MIT\n"
 RUN_SECONDS = 300
+PRINTED = "printed.txt"
+AT_ONCE = 8  # programs that are compiled together
 
 
 class PageError(Exception):
@@ -71,7 +76,7 @@ class Program:
             rest.append("" if is_include else row)
         body = f'#line {line} "{page}"\n' + "\n".join(rest) + "\n"
         return Program(
-            where=f"{page}:{line}",
+            where=f"{page}:{line}" if line > 1 else page,
             includes=self.includes + tuple(includes),
             outside=self.outside + ("" if wrap else body),
             inside=self.inside + (body if wrap else ""),
@@ -175,6 +180,20 @@ def scripts_of(page, text):
     return scripts
 
 
+def outputs_of(page, text, repository=pathlib.Path()):
+    """The ```text blocks that a program must print: (location, text, location of the program)."""
+    named = {d["name"]: f"{page}:{line}" for line, d, _ in blocks_of(text) if "name" in d}
+    outputs = []
+    for line, directives, block in blocks_of(text, ("text",)):
+        if "prints" not in directives:
+            continue
+        program = directives["prints"]
+        if program not in named and not (repository / program).is_file():
+            raise PageError(f"{page}: line {line}: there is neither a block nor a file {program}")
+        outputs.append((f"{page}:{line}", block, named.get(program, program)))
+    return outputs
+
+
 def headings_of(text):
     """The anchors of the headings of a page."""
     titles = re.findall(r"^#+ +(.*)$", re.sub(r"^```.*?^```", "", text, flags=re.M | re.S), re.M)
@@ -241,27 +260,63 @@ def merged(programs):
     return apart + list(pages.values())
 
 
+def in_groups(programs, size):
+    """Sources of up to `size` programs each, for compiling only, with their programs: each program is
+    in a namespace of its own. Most of the time goes into templates that they have in common."""
+    for first in range(0, len(programs), size):
+        group = programs[first : first + size]
+        text = "#include <silt/silt.hpp>\n" + "".join("".join(each.includes) for each in group)
+        for number, each in enumerate(group):
+            text += f"namespace block_{number} {{\n"
+            if each.inside:
+                text += "using namespace silt;\n"
+            text += each.outside
+            if each.inside:
+                text += "int main() {\n" + each.inside + "return 0;\n}\n"
+            text += "}\n"
+        yield text, group
+
+
 def folder_of(where, scratch):
     return scratch / re.sub(r"\W+", "_", where)
 
 
-def run_program(program, scratch, compile_command, compile_only):
-    """Compiles and runs one program; returns the fault, or an empty string."""
-    folder = folder_of(program.where, scratch)
+def errors_of_compiling(text, folder, compile_command, mode=("-fsyntax-only",)):
+    """Compiles a source, written to a folder; returns None, or the errors."""
     folder.mkdir(parents=True, exist_ok=True)
     source = folder / "block.cpp"
-    text = program.source()
     source.write_text(text, encoding="utf-8")
-    is_run = MAIN.search(text) is not None and not compile_only
-    mode = ["-Og", "-o", str(folder / "block")] if is_run else ["-fsyntax-only"]
     # The file of flags comes last, because it also names libraries.
     made = subprocess.run(
         [compile_command[1], *compile_command[2:], str(source), *mode, f"@{compile_command[0]}"],
         capture_output=True,
         text=True,
     )
-    if made.returncode != 0:
-        return f"{program.where}: does not compile\n{made.stderr}"
+    return made.stderr if made.returncode != 0 else None
+
+
+def compile_group(text, group, scratch, compile_command):
+    """Compiles programs at once, and each separately if that fails; returns the faults."""
+    folder = folder_of(group[0].where, scratch)
+    if errors_of_compiling(text, folder, compile_command) is None:
+        return []
+    faults = []
+    for each in group:
+        errors = errors_of_compiling(each.source(), folder_of(each.where, scratch), compile_command)
+        if errors is not None:
+            faults.append(f"{each.where}: does not compile\n{errors}")
+    return faults
+
+
+def run_program(program, scratch, compile_command):
+    """Compiles and runs one program; returns the fault, or an empty string."""
+    folder = folder_of(program.where, scratch)
+    text = program.source()
+    is_run = MAIN.search(text) is not None
+    mode = ["-Og", "-o", str(folder / "block")] if is_run else ["-fsyntax-only"]
+    errors = errors_of_compiling(text, folder, compile_command, mode)
+    if errors is not None:
+        return f"{program.where}: does not compile\n{errors}"
     if not is_run:
         return ""
     try:
@@ -278,7 +333,19 @@ def run_program(program, scratch, compile_command, compile_only):
         return f"{program.where}: still running after {RUN_SECONDS} s"
     if ran.returncode != 0:
         return f"{program.where}: ended with {ran.returncode}\n{ran.stdout}{ran.stderr}"
+    (folder / PRINTED).write_text(ran.stdout, encoding="utf-8")
     return ""
+
+
+def wrong_output(where, text, folder):
+    """The fault if a program, run in this folder, has not printed this text."""
+    printed = folder / PRINTED
+    if not printed.is_file():
+        return f"{where}: the program of this output is not a separate one, or failed"
+    found = printed.read_text(encoding="utf-8")
+    if found.rstrip("\n") == text.rstrip("\n"):
+        return ""
+    return f"{where}: this is not what the program prints, which is\n{found}"
 
 
 def run_script(where, text, folder, repository):
@@ -316,10 +383,22 @@ def check(repository, scratch, compile_command, compile_only):
         program for page, text in pages.items() for program in programs_of(page, text, repository)
     ]
     scripts = [script for page, text in pages.items() for script in scripts_of(page, text)]
+    outputs = [
+        output for page, text in pages.items() for output in outputs_of(page, text, repository)
+    ]
+    for path in sorted({path for _, _, path in outputs if (repository / path).is_file()}):
+        text = (repository / path).read_text(encoding="utf-8")
+        programs.append(Program().then(path, 1, text, wrap=False))
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as workers:
         whole = merged(longest_programs(programs))
-        outcomes = workers.map(lambda p: run_program(p, scratch, compile_command, compile_only), whole)
-        faults = [fault for fault in outcomes if fault]
+        if compile_only:
+            compiled = workers.map(
+                lambda group: compile_group(*group, scratch, compile_command),
+                in_groups(whole, AT_ONCE))
+            faults = [fault for each in compiled for fault in each]
+        else:
+            outcomes = workers.map(lambda p: run_program(p, scratch, compile_command), whole)
+            faults = [fault for fault in outcomes if fault]
     for page, text in pages.items():
         faults += dead_links(page, text, repository)
         if page == "docs/changelog.md":
@@ -327,6 +406,9 @@ def check(repository, scratch, compile_command, compile_only):
     for where, text, program in [] if compile_only else scripts:
         folder = folder_of(program, scratch)
         if fault := run_script(where, text, folder, repository):
+            faults.append(fault)
+    for where, text, program in [] if compile_only else outputs:
+        if fault := wrong_output(where, text, folder_of(program, scratch)):
             faults.append(fault)
     for fault in faults:
         print(fault)
@@ -399,8 +481,23 @@ def self_test():
         raise AssertionError("no error for a Python block without a name")
     except PageError:
         pass
+    [(text, group)] = in_groups([whole, both], 8)
+    assert group == [whole, both] and text.index("<vector>") < text.index("namespace block_0 {")
+    assert text.count("int main() {") == 2
+    assert [len(group) for _, group in in_groups([whole] * 5, 2)] == [2, 2, 1]
+    printing = "<!-- silt: name run -->\n```cpp\nint main() {}\n```\n<!-- silt: prints %s -->\n"
+    printing += "```text\na\n\n b\n```\n```text\nother\n```\n"
+    assert outputs_of("p.md", printing % "run") == [("p.md:7", "a\n\n b", "p.md:3")]
+    try:
+        outputs_of("p.md", printing % "walk")
+        raise AssertionError("no error for the output of a program that is not there")
+    except PageError:
+        pass
     with tempfile.TemporaryDirectory() as folder:
         folder = pathlib.Path(folder)
+        assert wrong_output("p.md:7", "a", folder)
+        (folder / PRINTED).write_text("a\n b\n")
+        assert not wrong_output("p.md:7", "a\n b", folder) and wrong_output("p.md:7", "a\nb", folder)
         for text, fault in (("", False), ("import no_such_module", False), ("1/0", True)):
             assert bool(run_script("p.md:1", text, folder, folder)) == fault
         assert run_script("p.md:1", "", folder / "none", folder)
@@ -415,6 +512,7 @@ def self_test():
         (copied / "copied.cpp").write_text(SPDX + "int main() {}\n", encoding="utf-8")
         copy = "<!-- silt: file copied.cpp -->\n```cpp\nint main() {%s}\n```"
         assert not programs_of("p.md", copy % "", copied)
+        assert outputs_of("p.md", printing % "copied.cpp", copied)[0][2] == "copied.cpp"
         try:
             programs_of("p.md", copy % " return 1; ", copied)
             raise AssertionError("no error for a text that differs from its file")

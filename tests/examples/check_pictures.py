@@ -64,6 +64,12 @@ def faults_of_source(source, entry, images, examples):
         yield "its pictures were drawn with other commands"
     if entry["drawing"] != pictures.drawing_of(source.drawn_by, examples):
         yield f"{source.drawn_by}, or a module of support/ that it imports, has changed since"
+    if isinstance(source, pictures.Step):
+        if entry["program"] != source.program_digest(examples):
+            yield f"{source.program}.cpp has changed since"
+        pages = (examples.parent / "docs" / "tutorial").glob("*.md")
+        if not any(source.command_on_page() in page.read_text(encoding="utf-8") for page in pages):
+            yield f"no page of the tutorial has its command, {source.command_on_page()}"
     if "options" in entry:
         # Two runs may give the same message.
         yield from dict.fromkeys(
@@ -105,12 +111,8 @@ def rerun(repository, programs):
     for source in pictures.SOURCES:
         with tempfile.TemporaryDirectory() as name:
             folder = pathlib.Path(name)
-            for subfolder in source.runs:
-                (folder / subfolder).mkdir(exist_ok=True)
-                program, *options = source.command_of(subfolder)
-                subprocess.run([programs / program, *options, "--threads", "2", "--out",
-                                folder / subfolder], check=True, stdout=subprocess.DEVNULL)
-            now = {"options": source.options_of(folder), "shown": source.shown(folder)}
+            source.run(programs, folder, threads=2)
+            now = source.record(folder)
         then = {key: record[source.name][key] for key in now}
         for difference in differences(then, now):
             yield f"{source.name}: {difference}; run examples/pictures"
@@ -141,6 +143,9 @@ def self_test(repository):
         assert not after(script, "class Run:", "# A comment.\nclass Run:")
         assert "dam_break" in after("examples/support/plot_style.py", "NARROW = 6.4",
                                         "NARROW = 6.5")
+        assert after("examples/tutorial/first_fall.cpp", "int main() {", "int main() {;") == [
+            "tutorial_first_fall"]
+        assert not after("examples/tutorial/first_fall.cpp", "int main() {", "int main() {  // Run")
         (copy / "docs" / "images" / "hopper.png").write_bytes(b"another")
         assert [fault.split(":")[0] for fault in faults_of(copy)] == ["hopper"]
     assert not list(differences({"a": 1, "b": 1.0}, {"a": 1, "b": 1.005}))
