@@ -136,6 +136,9 @@ def faults_of_version(repository):
             count += 1
             if asked != minor:
                 yield f"{page.relative_to(repository)} asks for version {asked}, not {minor}"
+        for asked in re.findall(r"libsilt-dev_(.*?)_all", page.read_text(encoding="utf-8")):
+            if asked != version:
+                yield f"{page.relative_to(repository)} has the package of version {asked}, not {version}"
     if count < 4:
         yield "README, building.md or the install tests ask for no version"
 
