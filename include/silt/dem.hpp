@@ -29,3 +29,4 @@
 #include <silt/search/level_grid.hpp>
 #include <silt/search/neighbour_list.hpp>
 #include <silt/search/uniform_grid.hpp>
+#include <silt/version.hpp>

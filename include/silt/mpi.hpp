@@ -4,6 +4,7 @@
 
 #include <silt/mpi/distribute.hpp>
 #include <silt/mpi/world.hpp>
+#include <silt/version.hpp>
 
 #if __has_include(<HYPRE.h>)
 

@@ -17,6 +17,7 @@
 #include <silt/search/uniform_grid.hpp>
 #include <silt/solve/cell_multigrid.hpp>
 #include <silt/solve/conjugate_gradient.hpp>
+#include <silt/version.hpp>
 
 namespace silt::mps {
 

@@ -17,7 +17,6 @@
 # Needs root, debootstrap and a Debian mirror in /etc/apt; otherwise exits with 77, "skipped".
 set -euo pipefail
 
-release=bookworm
 longest_silence=10  # [s]
 
 source=$(cd "$1" && pwd)
@@ -27,55 +26,8 @@ shift 2
 names=("$@")
 if ((${#names[@]} == 0)); then names=(root user); fi
 
-skip() {
-  echo "Skipped: $*"
-  exit 77
-}
-give_up() {
-  echo "FAILED: $*"
-  exit 1
-}
-
-# The Debian mirror that this machine uses.
-mirror() {
-  local files=(/etc/apt/sources.list /etc/apt/sources.list.d/*.list /etc/apt/sources.list.d/*.sources)
-  { cat "${files[@]}" 2>/dev/null || true; } |
-    sed -nE 's/^(URIs:|deb +(\[[^]]*\] *)?) *((https?|file):[^ ]*\/debian)\/?( .*)?$/\3/p' | head -n 1
-}
-
-[[ $(id -u) -eq 0 ]] || skip "only root can create a root file system"
-command -v debootstrap >/dev/null || skip "debootstrap is not installed"
-command -v unshare >/dev/null || skip "unshare is not installed"
+source "$(dirname "${BASH_SOURCE[0]}")/root.sh"
 git -C "$source" rev-parse HEAD >/dev/null || skip "$source is not a git repository"
-mirror=$(mirror)
-[[ -n $mirror ]] || skip "no Debian mirror was found in /etc/apt"
-
-# --- the minimal system --------------------------------------------------------------------------
-
-# Created once; every user gets a copy.
-base=$scratch/base
-if [[ ! -e $base.done ]]; then
-  rm -rf "$base"
-  debootstrap --variant=minbase --include=git,ca-certificates "$release" "$base" "$mirror" \
-    >"$scratch/debootstrap.txt" 2>&1 ||
-    { tail -n 5 "$scratch/debootstrap.txt"; skip "debootstrap failed"; }
-  rm -rf "$base"/var/lib/apt/lists/* "$base"/var/cache/apt/archives/*.deb
-  # Same network configuration as this machine.
-  cp -L /etc/resolv.conf /etc/hosts "$base/etc/"
-  apt-config dump | grep -i '^Acquire::[a-z]*::Proxy' >"$base/etc/apt/apt.conf.d/90proxy" || true
-  chroot "$base" useradd --create-home --shell /bin/bash user
-  touch "$base.done"
-fi
-
-# inside ROOT USER SCRIPT: runs it as USER, without terminal and input, in its own process and mount
-# namespaces, which end with it.
-inside() {
-  # shellcheck disable=SC2016
-  unshare --mount --pid --fork --kill-child setsid --wait bash -c '
-    mount -t proc proc "$1/proc"
-    mkdir -p "$1/dev/shm" && mount -t tmpfs tmpfs "$1/dev/shm"
-    exec env -i TERM=dumb PATH=/usr/sbin:/usr/bin:/sbin:/bin chroot "$1" su - "$2" -c "$3"' _ "$1" "$2" "$3" </dev/null
-}
 
 # --- README --------------------------------------------------------------------------------------
 

@@ -139,6 +139,8 @@ case $method in
     read -ra flags <<<"$(pkg-config --cflags --libs silt)"
     [[ " ${flags[*]} " = *" -ffp-contract=off "* ]] || give_up "no -ffp-contract=off: ${flags[*]}"
     [[ ${flags[*]} != *openmp* ]] || give_up "unexpected OpenMP flag: ${flags[*]}"
+    IFS=. read -r major minor patch <<<"$(pkg-config --modversion silt)"
+    flags+=("-DVERSION_FOUND=$((major * 10000 + minor * 100 + patch))")
     "$compiler" -std=c++20 "$here/consumer/main.cpp" -o "$scratch/consumer" "${flags[@]}"
     run_consumer "one thread" "$scratch/consumer"
     if [[ $openmp = ON ]]; then

@@ -12,8 +12,8 @@ import subprocess
 import sys
 import tempfile
 
-BELONGS = {"CMakeLists.txt", "CMakePresets.json", "LICENSE", "README.md", "bench", "docs", "examples", "include",
-           "tests"}
+BELONGS = {"CITATION.cff", "CMakeLists.txt", "CMakePresets.json", "LICENSE", "README.md", "bench", "docs", "examples",
+           "include", "tests"}
 
 
 def committed(folder):

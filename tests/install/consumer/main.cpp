@@ -2,8 +2,13 @@
 // Prints whether the library was compiled with OpenMP.
 #include <silt/core/parallel.hpp>
 #include <silt/core/types.hpp>
+#include <silt/version.hpp>
 
 #include <cstdio>
+
+#ifdef VERSION_FOUND
+static_assert(SILT_VERSION == VERSION_FOUND, "the package has another version than its headers");
+#endif
 
 int main() {
   std::puts(

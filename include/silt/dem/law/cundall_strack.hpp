@@ -143,7 +143,7 @@ struct CundallStrackLaw {
     const Slider<Real> slider{
         .stiffness = k_s,
         .dashpot = c_over_k * k_s,
-        .limit = std::max(Real(0), F_n * Real(friction_angle.tangent) + Real(cohesion))};
+        .limit = std::max<Real>(Real(0), F_n * Real(friction_angle.tangent) + Real(cohesion))};
     const auto tangential =
         slide(slider, rotated_into_plane(history.tangential_force, contact.normal),
               contact.tangential_velocity(), contact);
@@ -207,10 +207,10 @@ struct CundallStrackLaw {
   // β = c/k [s]: the given value, or 2 ζ √(m*/k_n).
   template <class Real>
   Real dashpot_over_spring(Real effective_mass) const {
+    using std::sqrt;
     // Only one of the two is set; the other is 0.
     return Real(beta.value_or(0)) +
-           Real(2 * restitution.damping_ratio / std::sqrt(normal_stiffness)) *
-               std::sqrt(effective_mass);
+           Real(2 * restitution.damping_ratio / std::sqrt(normal_stiffness)) * sqrt(effective_mass);
   }
 };
 

@@ -46,7 +46,7 @@ struct Restitution {
 template <class Real>
 Real share_of_step(Real overlap, Real change_per_step) {
   const Real u = overlap / change_per_step;
-  return u < 1 ? u * 3 / 2 : std::max(Real(1), 2 - u / 2);
+  return u < 1 ? Real(u * 3 / 2) : std::max<Real>(Real(1), 2 - u / 2);
 }
 
 /// D_n = c v_n with v_n at the time N of the positions: second order in Δt.
@@ -69,6 +69,7 @@ struct CentredDashpot {
   template <class C, class M>
   static typename C::Real force(const C& contact, M& history, typename C::Real k_n,
                                 typename C::Real c_n) {
+    using std::abs;
     using Real = typename C::Real;
     const Real v_half = contact.approach_speed();
     // In the first step there is no previous value: v_n was constant before the contact.
@@ -78,7 +79,7 @@ struct CentredDashpot {
     // The extrapolated velocity of an oscillation is too large by the factor 1 + ⅜ (ω Δt)².
     const Real m = contact.effective_mass;
     const Real dt = contact.kick();
-    return c_n * v_n * share_of_step(contact.overlap, std::abs(v_n) * dt) * m /
+    return c_n * v_n * share_of_step(contact.overlap, Real(abs(v_n) * dt)) * m /
            (m + k_n * squared(dt) * 3 / 8);
   }
 

@@ -73,17 +73,18 @@ struct Hertz {
   // S [N/m].
   template <class C>
   typename C::Real tangent(const C& contact) const {
+    using std::sqrt;
     using Real = typename C::Real;
-    return Real(2 * elastic.contact_modulus()) *
-           std::sqrt(contact.effective_radius * contact.overlap);
+    return Real(2 * elastic.contact_modulus()) * sqrt(contact.effective_radius * contact.overlap);
   }
 
   // c [N s/m].
   template <class C>
   typename C::Real dashpot(const C& contact, typename C::Real S) const {
+    using std::sqrt;
     using Real = typename C::Real;
     return Real(2 * std::sqrt(5.0 / 6) * restitution.damping_ratio) *
-           std::sqrt(S * contact.effective_mass);
+           sqrt(S * contact.effective_mass);
   }
 };
 

@@ -45,7 +45,8 @@ struct LinearFriction {
     const Slider<Real> slider{
         .stiffness = k,
         .dashpot = normal.beta * k,
-        .limit = std::max(Real(0), normal.spring * Real(friction_angle.tangent) + Real(cohesion))};
+        .limit =
+            std::max<Real>(Real(0), normal.spring * Real(friction_angle.tangent) + Real(cohesion))};
     const auto result = slide(slider, rotated_into_plane(history.force, contact.normal),
                               contact.tangential_velocity(), contact);
     history.force = result.spring;

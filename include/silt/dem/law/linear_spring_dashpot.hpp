@@ -68,8 +68,8 @@ struct LinearSpringDashpot {
   // c/k = 2 ζ √(m*/k) [s].
   template <class Real>
   Real dashpot_over_spring(Real effective_mass) const {
-    return Real(2 * restitution.damping_ratio / std::sqrt(normal_stiffness)) *
-           std::sqrt(effective_mass);
+    using std::sqrt;
+    return Real(2 * restitution.damping_ratio / std::sqrt(normal_stiffness)) * sqrt(effective_mass);
   }
 };
 

@@ -50,13 +50,14 @@ struct Mindlin {
   template <class C, class M>
   TangentialForce<C> tangential_force(const C& contact, const NormalForce<C>& normal,
                                       M& history) const {
+    using std::sqrt;
     using Real = typename C::Real;
     using Vec = typename C::Vec;
     const Real k = stiffness_of_area(contact);
     const Slider<Real> slider{
         .stiffness = k,
-        .dashpot = normal.beta * std::sqrt(normal.stiffness * k),
-        .limit = std::max(Real(0), normal.spring * Real(friction_angle.tangent))};
+        .dashpot = normal.beta * sqrt(normal.stiffness * k),
+        .limit = std::max<Real>(Real(0), normal.spring * Real(friction_angle.tangent))};
     const Vec v = contact.tangential_velocity();
     const Real ratio = k / history.stiffness;
     const Vec last = rotated_into_plane(history.force, contact.normal);
@@ -93,9 +94,10 @@ struct Mindlin {
   // k_t [N/m].
   template <class C>
   typename C::Real stiffness_of_area(const C& contact) const {
+    using std::sqrt;
     using Real = typename C::Real;
     return Real(8 * elastic.contact_shear_modulus()) *
-           std::sqrt(contact.effective_radius * contact.overlap);
+           sqrt(contact.effective_radius * contact.overlap);
   }
 };
 

@@ -61,12 +61,14 @@ inline void check_resistance(std::string_view name, double coefficient) {
 /// plane, to which n is normal, with its magnitude unchanged.
 template <class Vec>
 Vec rotated_into_plane(const Vec& spring, const Vec& n) {
+  using std::sqrt;
   using Real = typename Vec::Scalar;
   const Vec in_plane = spring - spring.dot(n) * n;
   const Real squared_length = in_plane.squaredNorm();
-  const Real ratio = squared_length > 0 ? spring.squaredNorm() / squared_length : Real(0);
+  // Without a force in the plane it does not matter, but a root has no derivative at 0.
+  const Real ratio = squared_length > 0 ? Real(spring.squaredNorm() / squared_length) : Real(1);
   // The ratio of a finite spring overflows if it is normal to the plane but for rounding errors.
-  return in_plane * std::sqrt(std::min(ratio, Real(Eigen::NumTraits<Real>::highest())));
+  return in_plane * sqrt(std::min(ratio, Real(Eigen::NumTraits<Real>::highest())));
 }
 
 /// In units of a force; for rolling and twisting, in those of a couple.
@@ -89,7 +91,8 @@ struct SliderForce {
 template <class Vec>
 typename Vec::Scalar magnitude(const Vec& v) {
   if constexpr (Vec::SizeAtCompileTime == 1) {
-    return std::abs(v[0]);
+    using std::abs;
+    return abs(v[0]);
   } else {
     return v.norm();
   }
@@ -112,7 +115,7 @@ SliderForce<Vec> slide(const Slider<Real>& slider, const Vec& before, const Vec&
   const Real c = will_slide ? Real(0) : c_unless_sliding;
   // The slider moved by (F − trial)/k, against the mean of the forces before and after.
   const Real lost = slides ? (trial - F).dot(before + F) / (2 * slider.stiffness) : Real(0);
-  return {F, -c * v, std::max(Real(0), lost)};
+  return {F, -c * v, std::max<Real>(Real(0), lost)};
 }
 
 /// What with_stiffness() and with_displacement() return: force on i, or couple [N m].
@@ -131,15 +134,15 @@ RescaledForce<Vec> with_stiffness(Real k, Real ratio, const Vec& force, const Ve
   // The force changes during the displacement: the work is that of the mean of both.
   const Real lost =
       (force.squaredNorm() * ratio - kept.squaredNorm()) / k - displacement.dot(force - kept);
-  const bool had_spring = double(ratio) < std::numeric_limits<double>::infinity();
-  return {kept, had_spring && ratio > 0 && k > 0 ? std::max(Real(0), lost / 2) : Real(0)};
+  const bool had_spring = ratio < std::numeric_limits<double>::infinity();
+  return {kept, had_spring && ratio > 0 && k > 0 ? std::max<Real>(Real(0), lost / 2) : Real(0)};
 }
 
 /// The same if the displacement F/k [m] is always kept. If the stiffness rises, the lost energy is
 /// negative.
 template <class Vec, class Real>
 RescaledForce<Vec> with_displacement(Real k, Real ratio, const Vec& force) {
-  const bool had_spring = double(ratio) < std::numeric_limits<double>::infinity() && ratio > 0;
+  const bool had_spring = ratio < std::numeric_limits<double>::infinity() && ratio > 0;
   const Real finite_ratio = had_spring ? ratio : Real(1);
   const Real lost = force.squaredNorm() * finite_ratio * (1 - finite_ratio) / k;
   const Real share = k > 0 ? finite_ratio : Real(0);
