@@ -98,18 +98,10 @@ class Core : public std::enable_shared_from_this<Core> {
   py::array view(const std::string& field, bool is_written) {
     AnySimulation& simulation = use("view");
     const ColumnMemory memory = simulation.column(field, is_written);
-    loans_.push_back({field, is_written, simulation.steps()});
-    const auto loan = std::prev(loans_.end());
-    struct Borrower {
-      std::shared_ptr<Core> core;
-      std::list<Loan>::iterator loan;
-    };
-    auto borrower = std::make_unique<Borrower>(Borrower{shared_from_this(), loan});
-    const py::capsule owner(borrower.get(), [](void* pointer) {
-      const std::unique_ptr<Borrower> back(static_cast<Borrower*>(pointer));
-      back->core->note_written(*back->loan);
-      back->core->loans_.erase(back->loan);
-    });
+    auto borrower = std::make_unique<Borrower>(shared_from_this(),
+                                               Loan{field, is_written, simulation.steps()});
+    const py::capsule owner(borrower.get(),
+                            [](void* pointer) { delete static_cast<Borrower*>(pointer); });
     static_cast<void>(borrower.release());
     py::array array = array_of(memory, owner);
     if (!is_written) array.attr("flags").attr("writeable") = false;
@@ -149,6 +141,23 @@ class Core : public std::enable_shared_from_this<Core> {
     std::string field;
     bool is_written;
     std::uint64_t step;
+  };
+
+  /// Belongs to such an array, and ends with it and all that refer to it.
+  class Borrower {
+   public:
+    Borrower(std::shared_ptr<Core> core, Loan loan)
+        : core_(std::move(core)), loan_(core_->loans_.insert(core_->loans_.end(), std::move(loan))) {}
+    Borrower(const Borrower&) = delete;
+    Borrower& operator=(const Borrower&) = delete;
+    ~Borrower() {
+      core_->note_written(*loan_);
+      core_->loans_.erase(loan_);
+    }
+
+   private:
+    std::shared_ptr<Core> core_;
+    std::list<Loan>::iterator loan_;
   };
 
   /// A step, run or other change of the time, as long as it lasts.

@@ -26,8 +26,8 @@ class Setup(unittest.TestCase):
         bad_point = x.copy()
         bad_point[3, 1] = NAN
         self.check_refused(grains, "position", [x.T, x[0], 1, None, "here", [], [[1]], x + 1j, bad_point, x[:, :1],
-                                                [[1, 2], [3]], np.zeros((2, 4)), np.full((2, 2), INF), x[None], object(),
-                                                x.astype("U9")])
+                                                [[1, 2], [3]], np.zeros((2, 4)), np.full((2, 2), INF), x[None],
+                                                object(), x.astype("U9")])
         self.check_refused(grains, "velocity", [x[1:], 1j, "fast", np.zeros((20, 3)), np.zeros(3), [[1], [2]]])
         self.check_refused(grains, "radius", [-1, 0, NAN, INF, 1e-200, 1e200, [], np.full(19, R), np.full((20, 1), R),
                                               None, "small", [R] * 19 + [-R]])

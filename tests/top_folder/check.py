@@ -13,7 +13,7 @@ import sys
 import tempfile
 
 BELONGS = {"CMakeLists.txt", "CMakePresets.json", "LICENSE", "README.md", "bench", "docs", "examples", "include",
-           "tests"}
+           "python", "tests"}
 
 
 def committed(folder):
