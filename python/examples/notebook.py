@@ -53,13 +53,13 @@ left.set(xlabel="time [s]", ylabel="[m]")
 left.legend()
 right.stackplot(t, kinetic, potential, labels=["kinetic", "potential"])
 right.set(xlabel="time [s]", ylabel="energy [J/m]")
-right.legend(loc="lower left")
+right.legend(loc="lower right")
 plt.show()
 
 # %% [markdown]
 # ## Grains
-# Columns always show the present values, and can be written to between steps: here, one tower in two
-# is pushed.
+# Columns always show the present values, and can be written to between steps: here, the upper half of a
+# tower is pushed.
 
 # %%
 R = 0.02  # radius of a grain [m]
@@ -71,10 +71,10 @@ position = tower["position"]
 tower.run(until=0.2)
 above = position[:, 1] > 0.4
 tower["velocity"][above] += [1.0, 0.0]
-tower.run(until=1.2)
+tower.run(until=0.6)
 
 # %%
-figure, axes = plt.subplots(figsize=(8, 3.2), layout="constrained")
+figure, axes = plt.subplots(figsize=(8, 3.8), layout="constrained")
 speed = np.linalg.norm(tower["velocity"], axis=1)
 axes.scatter(*position[:].T, c=speed, s=60, edgecolors="black")
 axes.set(xlabel="x [m]", ylabel="y [m]", aspect="equal", title=f"t = {tower.time:.2f} s")

@@ -18,6 +18,8 @@
 #include <silt/io/vtk.hpp>
 #include <silt/measure/front.hpp>
 
+#include "any_wall.hpp"
+
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -27,8 +29,6 @@
 #include <string_view>
 #include <utility>
 #include <vector>
-
-#include "any_wall.hpp"
 
 namespace silt::python {
 
@@ -101,7 +101,9 @@ class AnySimulation {
   virtual void read_checkpoint(const std::filesystem::path& path) = 0;
 
   // Of grains; others throw.
-  virtual void set_wall_present(Index wall, bool present) { no_grains("set_wall_present", wall, present); }
+  virtual void set_wall_present(Index wall, bool present) {
+    no_grains("set_wall_present", wall, present);
+  }
   virtual bool is_wall_present(Index wall) const { return no_grains("is_wall_present", wall); }
   virtual Load wall_load(Index wall) const { return no_grains("wall_load", wall), Load{}; }
 
@@ -153,10 +155,10 @@ Vec<Dim> to_vector(const std::string& name, const std::vector<double>& numbers) 
 /// A simulation of grains, but for its law. Arrays have a row for each grain.
 template <int Dim>
 struct GrainSetup {
-  Rows positions;                ///< [m]
-  Rows velocities;               ///< [m/s]
-  std::vector<double> radii;     ///< [m]
-  std::vector<double> densities; ///< [kg/m³]
+  Rows positions;                 ///< [m]
+  Rows velocities;                ///< [m/s]
+  std::vector<double> radii;      ///< [m]
+  std::vector<double> densities;  ///< [kg/m³]
   std::vector<AnyWall<Dim>> walls;
   Vec<Dim> gravity = Vec<Dim>::Zero();  ///< [m/s²]
   double damping = 0;                   ///< global [1/s]
@@ -182,10 +184,10 @@ struct FlowSetup {
   std::vector<double> tank;  ///< length[, depth] and height [m]
   bool lid = false;
   OnEscape on_escape = OnEscape::refuse;
-  double spacing = 0;      ///< [m]
-  double density = 0;      ///< [kg/m³]
-  double viscosity = 0;    ///< kinematic [m²/s]
-  double speed_scale = 0;  ///< [m/s]
+  double spacing = 0;                                  ///< [m]
+  double density = 0;                                  ///< [kg/m³]
+  double viscosity = 0;                                ///< kinematic [m²/s]
+  double speed_scale = 0;                              ///< [m/s]
   Vec<Dim> gravity = -9.81 * Vec<Dim>::Unit(Dim - 1);  ///< [m/s²]
 };
 

@@ -38,8 +38,8 @@ struct WallShapes {
 };
 template <>
 struct WallShapes<3> {
-  using Type = std::variant<NoWall<3>, dem::Plane<3>, dem::BoxWall<3>, dem::Cylinder<>,
-                            dem::MeshWall<>>;
+  using Type =
+      std::variant<NoWall<3>, dem::Plane<3>, dem::BoxWall<3>, dem::Cylinder<>, dem::MeshWall<>>;
 };
 
 /// A composite wall of any shape.

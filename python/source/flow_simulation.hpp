@@ -10,14 +10,14 @@
 #include <silt/mps.hpp>
 #include <silt/search/uniform_grid.hpp>
 
+#include "any_simulation.hpp"
+#include "typed_simulation.hpp"
+
 #include <cmath>
 #include <memory>
 #include <string>
 #include <utility>
 #include <vector>
-
-#include "any_simulation.hpp"
-#include "typed_simulation.hpp"
 
 namespace silt::python {
 
@@ -79,14 +79,16 @@ class FlowSimulation final : public TypedSimulation<FlowSimulationType<Dim>> {
   explicit FlowSimulation(const FlowSetup<Dim>& setup)
       : Base(simulation_of(setup)),
         spacing_(setup.spacing),
-        account_({.mass = setup.density * std::pow(setup.spacing, Dim), .gravity = setup.gravity}) {}
+        account_({.mass = setup.density * std::pow(setup.spacing, Dim), .gravity = setup.gravity}) {
+  }
 
   std::vector<std::pair<std::string, double>> energies() const override {
     const auto energy = account_.of(simulation_.particles());
     return {{"kinetic", energy.kinetic}, {"potential", energy.potential}};
   }
 
-  // The search is that of the beginning of the last step, and particles may have been removed since.
+  // The search is that of the beginning of the last step, and particles may have been removed
+  // since.
   Front front() const override {
     auto water = simulation_.particles();
     auto search = simulation_.search();

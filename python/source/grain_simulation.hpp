@@ -11,14 +11,14 @@
 #include <silt/measure/energy.hpp>
 #include <silt/search/neighbour_list.hpp>
 
+#include "any_simulation.hpp"
+#include "any_wall.hpp"
+#include "typed_simulation.hpp"
+
 #include <memory>
 #include <string>
 #include <utility>
 #include <vector>
-
-#include "any_simulation.hpp"
-#include "any_wall.hpp"
-#include "typed_simulation.hpp"
 
 namespace silt::python {
 
@@ -48,10 +48,10 @@ auto simulation_of(const GrainSetup<Dim>& setup, const Law& law) {
   std::vector<AnyWall<Dim>> walls = setup.walls;
   walls.resize(max_walls);
   const auto with_walls = [&]<std::size_t... w>(std::index_sequence<w...>) {
-    return Simulation{grains_of(setup), NeighbourList<Dim>{},
-                      Forces{Gravity<Dim>{setup.gravity},
-                             dem::Contacts{law, walls[w]...}.with(setup.settings)},
-                      Leapfrog{GlobalDamping{.alpha = setup.damping}}};
+    return Simulation{
+        grains_of(setup), NeighbourList<Dim>{},
+        Forces{Gravity<Dim>{setup.gravity}, dem::Contacts{law, walls[w]...}.with(setup.settings)},
+        Leapfrog{GlobalDamping{.alpha = setup.damping}}};
   };
   return with_walls(std::make_index_sequence<max_walls>());
 }
@@ -75,8 +75,7 @@ class GrainSimulation final : public TypedSimulation<GrainSimulationType<Dim, La
     const auto& forces = state.interaction;
     return {{"kinetic", kinetic_energy(grains)},
             {"rotational", rotational_energy(grains)},
-            {"potential",
-             potential_energy(grains, forces.template part<0>().acceleration())},
+            {"potential", potential_energy(grains, forces.template part<0>().acceleration())},
             {"elastic", forces.template part<1>().elastic_energy(grains)}};
   }
 

@@ -12,6 +12,8 @@
 #include <silt/core/run.hpp>
 #include <silt/core/types.hpp>
 
+#include "any_simulation.hpp"
+#include "any_wall.hpp"
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
@@ -32,9 +34,6 @@
 #include <type_traits>
 #include <utility>
 #include <vector>
-
-#include "any_simulation.hpp"
-#include "any_wall.hpp"
 
 namespace silt::python {
 namespace {
@@ -98,8 +97,8 @@ class Core : public std::enable_shared_from_this<Core> {
   py::array view(const std::string& field, bool is_written) {
     AnySimulation& simulation = use("view");
     const ColumnMemory memory = simulation.column(field, is_written);
-    auto borrower = std::make_unique<Borrower>(shared_from_this(),
-                                               Loan{field, is_written, simulation.steps()});
+    auto borrower =
+        std::make_unique<Borrower>(shared_from_this(), Loan{field, is_written, simulation.steps()});
     const py::capsule owner(borrower.get(),
                             [](void* pointer) { delete static_cast<Borrower*>(pointer); });
     static_cast<void>(borrower.release());
@@ -147,7 +146,8 @@ class Core : public std::enable_shared_from_this<Core> {
   class Borrower {
    public:
     Borrower(std::shared_ptr<Core> core, Loan loan)
-        : core_(std::move(core)), loan_(core_->loans_.insert(core_->loans_.end(), std::move(loan))) {}
+        : core_(std::move(core)),
+          loan_(core_->loans_.insert(core_->loans_.end(), std::move(loan))) {}
     Borrower(const Borrower&) = delete;
     Borrower& operator=(const Borrower&) = delete;
     ~Borrower() {
@@ -286,7 +286,8 @@ AnyWall<Dim> wall_of(const py::handle& object, Index place) {
                             .normal = vector<Dim>(object, "normal")}};
   }
   if (type == "BoxWall") {
-    const Box<Dim> box{.lower = vector<Dim>(object, "lower"), .upper = vector<Dim>(object, "upper")};
+    const Box<Dim> box{.lower = vector<Dim>(object, "lower"),
+                       .upper = vector<Dim>(object, "upper")};
     return {dem::BoxWall<Dim>{.box = box, .grains = side(object)}};
   }
   if constexpr (Dim == 2) {
@@ -339,19 +340,20 @@ std::unique_ptr<AnySimulation> grains(const py::handle& law, const GrainSetup<Di
   }
   if (type == "LinearSpringDashpot") {
     return make_grain_simulation(
-        setup, LinearLaw(dem::LinearSpringDashpot{.normal_stiffness = number(law, "normal_stiffness"),
-                                                  .restitution = number(law, "restitution")},
-                         dem::LinearFriction{
-                             .tangential_stiffness = number(law, "tangential_stiffness"),
-                             .friction_angle = number(law, "friction_angle")}));
+        setup,
+        LinearLaw(dem::LinearSpringDashpot{.normal_stiffness = number(law, "normal_stiffness"),
+                                           .restitution = number(law, "restitution")},
+                  dem::LinearFriction{.tangential_stiffness = number(law, "tangential_stiffness"),
+                                      .friction_angle = number(law, "friction_angle")}));
   }
   if (type == "HertzMindlin") {
     const dem::Elastic elastic{.young_modulus = number(law, "young_modulus"),
                                .poisson_ratio = number(law, "poisson_ratio")};
     return make_grain_simulation(
-        setup, HertzMindlin(dem::Hertz{.elastic = elastic, .restitution = number(law, "restitution")},
-                            dem::Mindlin{.elastic = elastic,
-                                         .friction_angle = number(law, "friction_angle")}));
+        setup,
+        HertzMindlin(
+            dem::Hertz{.elastic = elastic, .restitution = number(law, "restitution")},
+            dem::Mindlin{.elastic = elastic, .friction_angle = number(law, "friction_angle")}));
   }
   fail("grain_simulation: law is a " + type +
        "; give a CundallStrack, a LinearSpringDashpot or a HertzMindlin");
@@ -451,7 +453,8 @@ PYBIND11_MODULE(_silt, module) {
       .def_property_readonly("frames", &VtkSeries::frames);
 
   py::class_<Core, std::shared_ptr<Core>>(module, "Core")
-      .def_property_readonly("dimension", [](Core& core) { return core.use("dimension").dimension(); })
+      .def_property_readonly("dimension",
+                             [](Core& core) { return core.use("dimension").dimension(); })
       .def_property_readonly("size", [](Core& core) { return core.use("size").size(); })
       .def_property_readonly("time", [](Core& core) { return core.use("time").time(); })
       .def_property_readonly("steps", [](Core& core) { return core.use("steps").steps(); })
@@ -485,8 +488,8 @@ PYBIND11_MODULE(_silt, module) {
                        .end_exactly = end_exactly},
                       observer);
            })
-      .def("remove", [](Core& core,
-                        const std::vector<Id>& ids) { core.change("remove").remove(ids); })
+      .def("remove",
+           [](Core& core, const std::vector<Id>& ids) { core.change("remove").remove(ids); })
       .def("energies",
            [](Core& core) {
              py::dict all;
@@ -519,10 +522,10 @@ PYBIND11_MODULE(_silt, module) {
              const Front front = core.use("front").front();
              return std::pair{front.x, front.height};
            })
-      .def("wall_pressure", [](Core& core, const std::vector<double>& point,
-                               const std::vector<double>& normal) {
-        return core.use("wall_pressure").wall_pressure(point, normal);
-      });
+      .def("wall_pressure",
+           [](Core& core, const std::vector<double>& point, const std::vector<double>& normal) {
+             return core.use("wall_pressure").wall_pressure(point, normal);
+           });
 
   module.def("grains", [](const Doubles& position, const Doubles& velocity, const Doubles& radius,
                           const Doubles& density, const py::object& law, const py::list& walls,
@@ -548,9 +551,8 @@ PYBIND11_MODULE(_silt, module) {
                         .speed_scale = speed_scale},
                        gravity);
     };
-    return std::make_shared<Core>(position.shape(1) == 2
-                                      ? make(std::integral_constant<int, 2>())
-                                      : make(std::integral_constant<int, 3>()));
+    return std::make_shared<Core>(position.shape(1) == 2 ? make(std::integral_constant<int, 2>())
+                                                         : make(std::integral_constant<int, 3>()));
   });
   module.def("lattice", [](const std::vector<double>& lower, const std::vector<double>& upper,
                            double spacing) {

@@ -10,6 +10,8 @@
 #include <silt/io/checkpoint.hpp>
 #include <silt/io/vtk.hpp>
 
+#include "any_simulation.hpp"
+
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
@@ -23,8 +25,6 @@
 #include <unordered_set>
 #include <utility>
 #include <vector>
-
-#include "any_simulation.hpp"
 
 namespace silt::python {
 
@@ -88,12 +88,14 @@ class TypedSimulation : public AnySimulation {
   ColumnMemory column(std::string_view name, bool is_written) override {
     ColumnMemory memory;
     std::string names;
-    std::as_const(simulation_).particles().for_each_field([&]<class F>(const auto& values, F field) {
-      names += names.empty() ? "" : ", ";
-      names += name_of<F>();
-      if (name_of<F>() != name) return;
-      memory = is_written ? memory_of<F>(simulation_.particles()[field]) : memory_of<F>(values);
-    });
+    std::as_const(simulation_)
+        .particles()
+        .for_each_field([&]<class F>(const auto& values, F field) {
+          names += names.empty() ? "" : ", ";
+          names += name_of<F>();
+          if (name_of<F>() != name) return;
+          memory = is_written ? memory_of<F>(simulation_.particles()[field]) : memory_of<F>(values);
+        });
     if (memory.field.name.empty()) {
       fail("Simulation: there is no field \"" + std::string(name) + "\"; give one of " + names);
     }
@@ -146,7 +148,8 @@ class TypedSimulation : public AnySimulation {
 
  private:
   template <class Values>
-  static ColumnCopy copy_of(FieldInfo field, const Values& values, const std::vector<Index>& order) {
+  static ColumnCopy copy_of(FieldInfo field, const Values& values,
+                            const std::vector<Index>& order) {
     using Value = std::remove_cvref_t<decltype(values[0])>;
     ColumnCopy copy{std::move(field), order.size(),
                     std::vector<std::byte>(order.size() * sizeof(Value))};
