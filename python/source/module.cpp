@@ -20,6 +20,7 @@
 #include <pybind11/stl/filesystem.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cctype>
 #include <chrono>
 #include <cstddef>
@@ -31,6 +32,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <thread>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -67,6 +69,75 @@ Rows rows_of(const Doubles& array) {
 std::vector<double> numbers_of(const Doubles& array) {
   return {array.data(), array.data() + array.size()};
 }
+
+// --- the lock of the interpreter -----------------------------------------------------------------
+
+// A thread that asks for the lock while the interpreter ends is ended by it, whose destructors then
+// end the process as an error. At the end of the interpreter, the runs of other threads therefore
+// stop for good before they ask for it.
+class AtExit {
+ public:
+  /// Called by the interpreter, with its lock.
+  static void stop_others() {
+    const py::gil_scoped_release unlocked;
+    thread_ = PyThread_get_thread_ident();
+    is_ending_ = true;
+    while (unlocked_ > stopped_) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  /// To be called without the lock. Does not return if this thread must stop.
+  static void stop_here() {
+    if (!is_ending_ || thread_ == PyThread_get_thread_ident()) return;
+    ++stopped_;
+    while (true) std::this_thread::sleep_for(std::chrono::hours(1));
+  }
+
+ private:
+  friend class Unlocked;
+  friend class LockedAgain;
+
+  inline static std::atomic<bool> is_ending_ = false;
+  inline static std::atomic<unsigned long> thread_ = 0;  // that ends the interpreter
+  inline static std::atomic<int> unlocked_ = 0;          // threads without the lock
+  inline static std::atomic<int> stopped_ = 0;           // of them
+};
+
+/// Releases the lock for a step or run.
+class Unlocked {
+ public:
+  Unlocked() {
+    ++AtExit::unlocked_;
+    release_.emplace();
+  }
+  Unlocked(const Unlocked&) = delete;
+  Unlocked& operator=(const Unlocked&) = delete;
+  ~Unlocked() {
+    AtExit::stop_here();
+    release_.reset();
+    --AtExit::unlocked_;
+  }
+
+ private:
+  std::optional<py::gil_scoped_release> release_;
+};
+
+/// Takes the lock within a step or run.
+class LockedAgain {
+ public:
+  LockedAgain() {
+    AtExit::stop_here();
+    acquire_.emplace();
+    --AtExit::unlocked_;
+  }
+  LockedAgain(const LockedAgain&) = delete;
+  LockedAgain& operator=(const LockedAgain&) = delete;
+  ~LockedAgain() {
+    ++AtExit::unlocked_;
+    acquire_.reset();
+  }
+
+ private:
+  std::optional<py::gil_scoped_acquire> acquire_;
+};
 
 // --- simulations ---------------------------------------------------------------------------------
 
@@ -116,7 +187,7 @@ class Core : public std::enable_shared_from_this<Core> {
     const Running running(*this, "step");
     Interrupts hooks;
     {
-      const py::gil_scoped_release unlocked;
+      const Unlocked unlocked;
       for (std::uint64_t k = 0; k < count && !hooks.stop_requested(); ++k) {
         time_step ? simulation_->step(*time_step) : simulation_->step();
       }
@@ -128,7 +199,7 @@ class Core : public std::enable_shared_from_this<Core> {
     const Running running(*this, "run");
     Observers hooks(*this, observer);
     {
-      const py::gil_scoped_release unlocked;
+      const Unlocked unlocked;
       simulation_->run(run, hooks);
     }
     hooks.rethrow();
@@ -185,10 +256,11 @@ class Core : public std::enable_shared_from_this<Core> {
    public:
     void make_output() override {}
     bool stop_requested() override {
+      AtExit::stop_here();
       const auto now = std::chrono::steady_clock::now();
       if (now - last_ < std::chrono::milliseconds(50)) return false;
       last_ = now;
-      const py::gil_scoped_acquire locked;
+      const LockedAgain locked;
       if (PyErr_CheckSignals() == 0) return false;
       error_.emplace();
       return true;
@@ -207,7 +279,7 @@ class Core : public std::enable_shared_from_this<Core> {
    public:
     Observers(Core& core, const py::object& observer) : core_(core), observer_(observer) {}
     void make_output() override {
-      const py::gil_scoped_acquire locked;
+      const LockedAgain locked;
       core_.is_in_observer_ = true;
       try {
         observer_();
@@ -560,5 +632,5 @@ PYBIND11_MODULE(_silt, module) {
                              : lattice_of<3>(lower, upper, spacing);
   });
   module.def("use_threads", &use_threads);
-  module.def("threads", &threads);
+  py::module_::import("atexit").attr("register")(py::cpp_function(&AtExit::stop_others));
 }

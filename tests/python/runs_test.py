@@ -4,6 +4,7 @@
 import os
 import pathlib
 import signal
+import subprocess
 import sys
 import tempfile
 import threading
@@ -309,6 +310,29 @@ class Threads(unittest.TestCase):
         thread.start()
         del simulation
         thread.join()
+
+
+class EndOfTheInterpreter(unittest.TestCase):
+    def test_is_no_crash_while_other_threads_run_simulations(self):
+        program = (
+            "import atexit, sys, threading\n"
+            f"sys.path.insert(0, {str(pathlib.Path(__file__).parent)!r})\n"
+            "later = []\n"
+            "atexit.register(lambda: later[0].run(until=0.01))\n"  # after that of the package
+            "from simulations import grains, water\n"
+            "later.append(grains())\n"
+            "begun = threading.Semaphore(0)\n"
+            "for simulation in (grains(), grains(), water()):\n"
+            "    run = (1e4, 1e-3, lambda s: begun.release())\n"
+            "    threading.Thread(target=simulation.run, args=run, daemon=True).start()\n"
+            "for _ in range(30):\n"
+            "    begun.acquire()\n"
+            "view = later[0]['mass'].view()\n"
+            "del view\n"
+            "sys.exit(5)\n")
+        for _ in range(5):
+            ended = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
+            self.assertEqual((ended.returncode, ended.stdout, ended.stderr), (5, "", ""))
 
 
 class Checkpoints(unittest.TestCase):
