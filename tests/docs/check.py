@@ -27,7 +27,8 @@ A ```text block with <!-- silt: prints NAME -->, a block of this page or the pat
 repository, must be what this program prints. Such a program is compiled and run here.
 
 A Python block has `after NAME`, and runs in the folder of that block's program, with the modules of
-examples/support. It is skipped if a module that it imports is not installed.
+examples/support. It is skipped if a module that it imports is not installed. Or it has `file` or
+`lines`, with the path of a script that other tests run.
 
 All links of the pages to files of the repository, or to headings in them, must be valid. In
 changelog.md every bullet must be a complete sentence, and no two may begin with the same words: a
@@ -47,7 +48,7 @@ import textwrap
 COMMENT = re.compile(r"^\s*<!--\s*silt:\s*(\w+)\s*(.*?)\s*-->\s*$")
 FENCE = re.compile(r"^\s*```\s*([\w+]*)")
 MAIN = re.compile(r"\bint\s+main\s*\(")
-SPDX = "// SPDX-License-Identifier: MIT\n"
+SPDX = re.compile(r"\A(//|#) SPDX-License-Identifier: MIT\n")
 RUN_SECONDS = 300
 PRINTED = "printed.txt"
 AT_ONCE = 8  # programs that are compiled together
@@ -122,7 +123,7 @@ def require_same_text(line, block, path):
     """Raises unless a block is the text of a file."""
     if not path.is_file():
         raise PageError(f"line {line}: there is no file {path}")
-    if block.strip() != path.read_text(encoding="utf-8").removeprefix(SPDX).strip():
+    if block.strip() != SPDX.sub("", path.read_text(encoding="utf-8")).strip():
         raise PageError(f"line {line}: this block differs from {path}; copy it again")
 
 
@@ -169,13 +170,24 @@ def programs_of(page, text, repository=pathlib.Path()):
     return programs
 
 
-def scripts_of(page, text):
-    """The Python blocks of one page: (location, text, location of the block that it continues)."""
+def scripts_of(page, text, repository=pathlib.Path()):
+    """The Python blocks of one page that are no copies of files: (location, text, location of the
+    block that it continues)."""
     named = {d["name"]: f"{page}:{line}" for line, d, _ in blocks_of(text) if "name" in d}
     scripts = []
     for line, directives, block in blocks_of(text, ("python",)):
+        if set(directives) in ({"file"}, {"lines"}):
+            try:
+                if "file" in directives:
+                    require_same_text(line, block, repository / directives["file"])
+                else:
+                    require_lines(line, block, repository / directives["lines"])
+            except PageError as error:
+                raise PageError(f"{page}: {error}") from None
+            continue
         if set(directives) != {"after"} or directives["after"] not in named:
-            raise PageError(f"{page}: line {line}: a Python block needs `after` and a block's name")
+            raise PageError(f"{page}: line {line}: a Python block needs `after` and a block's name, or `file` or "
+                            "`lines`")
         scripts.append((f"{page}:{line}", block, named[directives["after"]]))
     return scripts
 
@@ -382,7 +394,7 @@ def check(repository, scratch, compile_command, compile_only):
     programs = [
         program for page, text in pages.items() for program in programs_of(page, text, repository)
     ]
-    scripts = [script for page, text in pages.items() for script in scripts_of(page, text)]
+    scripts = [script for page, text in pages.items() for script in scripts_of(page, text, repository)]
     outputs = [
         output for page, text in pages.items() for output in outputs_of(page, text, repository)
     ]
@@ -509,7 +521,16 @@ def self_test():
         broken = "- The first five words are equal; rand\n- Other.\n- The first five words are old.\n"
         assert [fault.split(":")[1] for fault in changelog_faults("c.md", broken)] == ["1", "3"]
         copied = folder
-        (copied / "copied.cpp").write_text(SPDX + "int main() {}\n", encoding="utf-8")
+        spdx = " SPDX-License-Identifier: MIT\n"
+        (copied / "copied.cpp").write_text("//" + spdx + "int main() {}\n", encoding="utf-8")
+        (copied / "copied.py").write_text("#" + spdx + "import sys\n", encoding="utf-8")
+        copy = "<!-- silt: file copied.py -->\n```python\nimport %s\n```"
+        assert not scripts_of("p.md", copy % "sys", copied)
+        try:
+            scripts_of("p.md", copy % "os", copied)
+            raise AssertionError("no error for a script that differs from its file")
+        except PageError:
+            pass
         copy = "<!-- silt: file copied.cpp -->\n```cpp\nint main() {%s}\n```"
         assert not programs_of("p.md", copy % "", copied)
         assert outputs_of("p.md", printing % "copied.cpp", copied)[0][2] == "copied.cpp"

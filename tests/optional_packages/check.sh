@@ -91,3 +91,16 @@ cmake -S "$source" -B "$build" -DCMAKE_CXX_COMPILER="$compiler" -DSILT_BUILD_TES
 grep -q '^SILT_MPI_WORKS:INTERNAL=TRUE' "$build/CMakeCache.txt" ||
   grep -q '^-- MPI was not found or does not work' "$build.txt" ||
   { cat "$build.txt"; give_up "MPI was neither used nor reported"; }
+
+# If the Python package is asked for, what it lacks ends the configuration with its name.
+for package in pybind11 Python; do
+  echo "== the Python package without $package"
+  build=$scratch/build_without_$package
+  if cmake -S "$source" -B "$build" -DCMAKE_CXX_COMPILER="$compiler" -DSILT_BUILD_PYTHON=ON \
+    "-DCMAKE_DISABLE_FIND_PACKAGE_$package=ON" >"$build.txt" 2>&1; then
+    give_up "the configuration succeeded"
+  fi
+  # Without headers or NumPy the message is that about Python.
+  grep -qE "Silt: the Python package needs (Python|$package)" "$build.txt" ||
+    { cat "$build.txt"; give_up "what is missing was not named"; }
+done

@@ -13,7 +13,7 @@ import sys
 import tempfile
 
 BELONGS = {"CITATION.cff", "CMakeLists.txt", "CMakePresets.json", "LICENSE", "README.md", "bench", "docs", "examples",
-           "include", "tests"}
+           "include", "python", "tests"}
 
 
 def committed(folder):

@@ -1,0 +1,58 @@
+# SPDX-License-Identifier: MIT
+"""Silt: granular flow (DEM) and incompressible flow with a free surface (MPS), in 2D and 3D.
+
+    import silt
+
+    R = 0.02
+    heap = silt.grain_simulation(
+        position=silt.lattice((-0.1, 0), (0.1, 0.8), 2 * R), radius=R, density=2500,
+        law=silt.CundallStrack(normal_stiffness=1e6, tangential_stiffness=5e5, restitution=0.5,
+                               friction_angle=0.46),
+        walls=[silt.Plane(normal=(0, 1))])
+    heap.run(until=1.0)
+    print(heap["position"][:, 1].max())
+
+See grain_simulation, flow_simulation, Simulation and Column. All quantities are in SI units.
+"""
+
+from ._silt import version as __version__
+from .column import Column
+from .error import Error
+from .setup import (
+    Box,
+    BoxWall,
+    Circle,
+    CundallStrack,
+    Cylinder,
+    HertzMindlin,
+    LinearSpringDashpot,
+    MeshWall,
+    Plane,
+    Polyline,
+    Segment,
+    lattice,
+)
+from .simulation import Simulation, VtkSeries, flow_simulation, grain_simulation, use_threads
+
+__all__ = [
+    "Box",
+    "BoxWall",
+    "Circle",
+    "Column",
+    "CundallStrack",
+    "Cylinder",
+    "Error",
+    "HertzMindlin",
+    "LinearSpringDashpot",
+    "MeshWall",
+    "Plane",
+    "Polyline",
+    "Segment",
+    "Simulation",
+    "VtkSeries",
+    "__version__",
+    "flow_simulation",
+    "grain_simulation",
+    "lattice",
+    "use_threads",
+]

@@ -1,0 +1,368 @@
+# SPDX-License-Identifier: MIT
+"""Simulations of grains and flows."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+
+import numpy as np
+
+from . import _silt, arguments
+from .column import Column
+from .error import Error
+from .setup import LAWS, WALLS, Box
+
+
+class Simulation:
+    """Particles, and what moves them; made by grain_simulation() or flow_simulation().
+
+        simulation["velocity"]    the values of a field of all particles, see Column
+        simulation["velocity"] = array
+
+    Particles have an order in memory, which steps may change, and permanent ids, from 0 in the order in
+    which they were given. All quantities are in SI units; in 2D the thickness is 1 m, and angles and
+    spins are positive counter-clockwise.
+
+    While a step or run is made in one thread, all functions raise silt.Error in other threads. A step
+    that fails, with silt.Error, leaves the simulation as it was before.
+    """
+
+    __slots__ = ("__weakref__", "_core")
+
+    def __init__(self):
+        raise TypeError("silt.Simulation is made by silt.grain_simulation() or silt.flow_simulation()")
+
+    @classmethod
+    def _of(cls, core) -> Simulation:
+        simulation = cls.__new__(cls)
+        simulation._core = core
+        return simulation
+
+    def __reduce_ex__(self, protocol):
+        raise TypeError("a silt.Simulation cannot be copied or pickled; write_checkpoint() writes its state")
+
+    # --- state
+
+    @property
+    def dimension(self) -> int:
+        """2 or 3."""
+        return self._core.dimension
+
+    @property
+    def time(self) -> float:
+        """[s]"""
+        return self._core.time
+
+    @property
+    def steps(self) -> int:
+        """Number of completed steps."""
+        return self._core.steps
+
+    @property
+    def last_time_step(self) -> float:
+        """[s]; 0 before the first step."""
+        return self._core.last_time_step
+
+    @property
+    def particles_lost(self) -> int:
+        """Number of particles that were removed because they left the box."""
+        return self._core.particles_lost
+
+    @property
+    def ids(self) -> np.ndarray:
+        """Permanent ids of the particles, in their present order in memory: a copy of shape (n,)."""
+        return self._core.ids
+
+    @property
+    def fields(self) -> tuple[str, ...]:
+        """Names of the fields."""
+        return tuple(self._core.fields)
+
+    def __len__(self) -> int:
+        """Number of particles."""
+        return self._core.size
+
+    def __getitem__(self, field: str) -> Column:
+        """The values of a field, see Column. The velocities of grains are those of half a time step before
+        time(): snapshot() has all quantities at the same time."""
+        if not isinstance(field, str):
+            raise Error(f"Simulation: {field!r} is not the name of a field; "
+                        f"give one of {', '.join(self.fields)}")
+        return Column(self, field)
+
+    def __setitem__(self, field: str, values) -> None:
+        if isinstance(values, Column) and values.simulation is self and values.name == field:
+            return  # simulation["velocity"] += …, which has written them
+        self[field][...] = values
+
+    def __iter__(self):
+        raise TypeError("a silt.Simulation is not a sequence; its fields are in Simulation.fields")
+
+    def __contains__(self, field) -> bool:
+        return field in self.fields
+
+    def __repr__(self) -> str:
+        return (f"<silt.Simulation in {self.dimension}D: {len(self)} particles at step {self.steps}, "
+                f"t = {self.time:g} s>")
+
+    def snapshot(self) -> dict[str, np.ndarray]:
+        """Copies of all fields, with all quantities at the present time, in the order of the ids, which are
+        "id". Arrays of shape (n,), (n, 2) or (n, 3), see Column."""
+        return self._core.snapshot()
+
+    # --- advancing
+
+    def time_step(self) -> float:
+        """The time step that the next step would have [s]."""
+        return self._core.time_step()
+
+    def step(self, count: int = 1, *, time_step: float | None = None) -> None:
+        """Makes `count` steps.
+
+        time_step    [s]; if not given, the simulation chooses it
+
+        Raises silt.Error if a step fails, which is then undone; those before it are not. Ctrl-C ends it
+        after a step, with KeyboardInterrupt.
+        """
+        if time_step is not None:
+            time_step = arguments.number("Simulation.step: time_step", time_step)
+        self._core.step(arguments.count("Simulation.step: count", count), time_step)
+
+    def run(
+        self,
+        until: float,
+        output_every: float = 0.0,
+        observer: Observer | Sequence[Observer] | None = None,
+        *,
+        time_step: float | None = None,
+        end_exactly: bool = False,
+    ) -> None:
+        """Makes steps until the time is at least `until`.
+
+        until           [s], not before the present time
+        output_every    interval of the calls of observers [s]; 0: only at the beginning and at the end
+        observer        what is called at the beginning, at the first step at or after every multiple of
+                        `output_every`, and at the end: observer(simulation). One, or several in a list.
+                        It may read and change the simulation, but not advance it
+        time_step       [s]; if not given, the simulation chooses it
+        end_exactly     whether the last steps are shortened to end at exactly `until`
+
+        Other threads of Python run meanwhile. What an observer raises ends the run, and is raised by it.
+        Ctrl-C ends it after the present step, with KeyboardInterrupt. In both cases, and after silt.Error,
+        the simulation is as after its last step; run() again continues.
+        """
+        until = arguments.number("Simulation.run: until", until)
+        output_every = arguments.number("Simulation.run: output_every", output_every)
+        if time_step is not None:
+            time_step = arguments.number("Simulation.run: time_step", time_step)
+        # A run ends up to one step after its `until`: it may be repeated.
+        if until < self.time - self.last_time_step:
+            raise Error(f"Simulation.run: until = {until:g} s is in the past, as the time is {self.time:g} s; "
+                        "give a later one")
+        if observer is None:
+            observers = []
+        elif isinstance(observer, Iterable) and not callable(observer):
+            observers = list(observer)
+        else:
+            observers = [observer]
+        for each in observers:
+            if not callable(each):
+                raise Error(f"Simulation.run: the observer {each!r} cannot be called; give a function of "
+                            "the simulation")
+
+        def observe():
+            for each in observers:
+                each(self)
+
+        self._core.run(until, output_every, time_step, bool(end_exactly), observe)
+
+    def remove(self, ids) -> None:
+        """Removes the particles with these ids, an array of shape (k,) or one id. Raises silt.Error, and
+        removes none, if there is no such particle."""
+        numbers = np.atleast_1d(np.asarray(ids))
+        if numbers.size == 0:
+            return
+        if numbers.ndim != 1 or numbers.dtype.kind not in "iu" or numbers.min() < 0:
+            raise Error(f"Simulation.remove: ids of the type {numbers.dtype} and shape {numbers.shape}; "
+                        "give an array of integers of at least 0, of shape (k,)")
+        self._core.remove(numbers.tolist())
+
+    # --- measures
+
+    def energies(self) -> dict[str, float]:
+        """Energies by name [J], in 2D per metre of thickness: "kinetic" and "potential" (zero at the origin);
+        of grains also "rotational", and "elastic", in the contacts of the last step."""
+        return self._core.energies()
+
+    def set_wall_present(self, wall: int, present: bool) -> None:
+        """Takes a wall of grains away, or puts it back, from the next step on. Walls are numbered from 0, in
+        the order in which they were given."""
+        self._core.set_wall_present(arguments.count("Simulation: wall", wall), bool(present))
+
+    def is_wall_present(self, wall: int) -> bool:
+        """Whether a wall of grains acts on them."""
+        return self._core.is_wall_present(arguments.count("Simulation: wall", wall))
+
+    def wall_load(self, wall: int) -> tuple[np.ndarray, np.ndarray]:
+        """Force [N] of all grains on a wall in the last step, and its torque about the origin [N m]: arrays of
+        2 and 1 numbers in 2D (per metre of thickness), of 3 and 3 in 3D."""
+        force, torque = self._core.wall_load(arguments.count("Simulation: wall", wall))
+        return np.array(force), np.array(torque)
+
+    def front(self) -> tuple[float, float]:
+        """Of a flow: the largest x of the fluid along the floor, and its height at the wall at x = 0 [m], both
+        without spray."""
+        return self._core.front()
+
+    def wall_pressure(self, point, normal) -> float:
+        """Of a flow: the pressure at a point of a wall [Pa], extrapolated from the fluid before it.
+
+        point     on the wall, 2 or 3 numbers [m]
+        normal    of the wall, into the fluid, 2 or 3 numbers of any length
+        """
+        return self._core.wall_pressure(list(arguments.vector("Simulation.wall_pressure: point", point)),
+                                        list(arguments.vector("Simulation.wall_pressure: normal", normal)))
+
+    # --- files
+
+    def write_checkpoint(self, path) -> None:
+        """Writes the complete state, from which read_checkpoint() continues with the same bits."""
+        self._core.write_checkpoint(arguments.path("Simulation.write_checkpoint: path", path))
+
+    def read_checkpoint(self, path) -> None:
+        """Replaces the state by that of a file. Raises silt.Error, and changes nothing, if the file is of a
+        simulation that was made with other arguments."""
+        self._core.read_checkpoint(arguments.path("Simulation.read_checkpoint: path", path))
+
+
+Observer = Callable[[Simulation], object]
+
+
+class VtkSeries:
+    """Observer that writes frames for ParaView: the folder `path`, and `path`.pvd, the file to open."""
+
+    def __init__(self, path):
+        self._frames = _silt.VtkSeries(arguments.path("VtkSeries: path", path))
+
+    def __call__(self, simulation: Simulation) -> None:
+        simulation._core.write_frame(self._frames)
+
+    @property
+    def frames(self) -> int:
+        """Number of frames written so far."""
+        return self._frames.frames
+
+
+def grain_simulation(
+    *,
+    position,
+    radius,
+    density,
+    law,
+    walls: Sequence = (),
+    velocity=0.0,
+    gravity=None,
+    damping: float = 0.0,
+    box: Box | None = None,
+    steps_per_contact: float = 50.0,
+    max_overlap: float = 0.5,
+) -> Simulation:
+    """A simulation of grains: discs in 2D, spheres in 3D.
+
+    position             of the centres, shape (n, 2) or (n, 3) [m]
+    radius               shape (n,), or a number for all [m]
+    density              of the material, shape (n,), or a number for all [kg/m³]
+    law                  of all contacts: CundallStrack, LinearSpringDashpot or HertzMindlin
+    walls                up to eight: Plane, BoxWall; in 2D Circle, Segment, Polyline; in 3D Cylinder, MeshWall
+    velocity             shape (n, 2) or (n, 3), or one vector or number for all [m/s]
+    gravity              2 or 3 numbers [m/s²]; 9.81 downwards, along the last axis, if not given
+    damping              global damping, a deceleration proportional to the velocity [1/s]
+    box                  the space of the grains, see Box
+    steps_per_contact    duration of the shortest contact over the time step [-]
+    max_overlap          a step fails if an overlap exceeds this share of the radius [-]
+
+    Raises silt.Error if a number is out of range, or an array has another shape or type.
+    """
+    name = "grain_simulation: "
+    x = arguments.points(name + "position", position)
+    n, dimension = x.shape
+    if not isinstance(law, LAWS):
+        raise Error(f"{name}law = {law!r} is none; give a CundallStrack, LinearSpringDashpot or HertzMindlin")
+    if isinstance(walls, WALLS):
+        walls = [walls]
+    walls = list(walls) if isinstance(walls, Iterable) else [walls]
+    for place, wall in enumerate(walls):
+        if not isinstance(wall, WALLS):
+            raise Error(f"{name}walls: {wall!r}, at place {place}, is no wall; give a Plane, for example")
+    if box is not None and not isinstance(box, Box):
+        raise Error(f"{name}box = {box!r} is none; give a Box")
+    if gravity is None:
+        gravity = (0.0,) * (dimension - 1) + (-9.81,)
+    return Simulation._of(_silt.grains(
+        x,
+        arguments.filled(name + "velocity", velocity, (n, dimension)),
+        arguments.filled(name + "radius", radius, (n,)),
+        arguments.filled(name + "density", density, (n,)),
+        law,
+        walls,
+        np.array(arguments.vector(name + "gravity", gravity)),
+        arguments.number(name + "damping", damping),
+        box,
+        arguments.number(name + "steps_per_contact", steps_per_contact),
+        arguments.number(name + "max_overlap", max_overlap),
+    ))
+
+
+def flow_simulation(
+    *,
+    position,
+    spacing: float,
+    tank,
+    lid: bool = False,
+    velocity=0.0,
+    density: float = 1000.0,
+    viscosity: float = 1e-6,
+    speed_scale: float = 0.0,
+    gravity=None,
+    on_escape: str = "refuse",
+) -> Simulation:
+    """A simulation of an incompressible flow with a free surface in a rectangular tank, by the scheme
+    mps::Recommended.
+
+    position       of the particles, shape (n, 2) or (n, 3) [m]: on a lattice of the spacing, half a spacing
+                   from walls
+    spacing        of the particles [m]
+    tank           (length, height) in 2D, (length, depth, height) in 3D [m], rounded to whole spacings; a corner
+                   is at the origin
+    lid            whether the tank is closed
+    velocity       shape (n, 2) or (n, 3), or one vector or number for all [m/s]
+    density        [kg/m³]
+    viscosity      kinematic [m²/s]
+    speed_scale    expected speed, such as √(g H), which limits the time step from the beginning [m/s]
+    gravity        2 or 3 numbers [m/s²]; 9.81 downwards, along the last axis, if not given
+    on_escape      what happens to a particle that leaves the open tank, three of its heights above the floor:
+                   "refuse" raises an error, "remove" removes it
+
+    Raises silt.Error if a number is out of range, or an array has another shape or type.
+    """
+    name = "flow_simulation: "
+    x = arguments.points(name + "position", position)
+    on_escape = arguments.choice(name + "on_escape", on_escape, ("refuse", "remove"))
+    return Simulation._of(_silt.flow(
+        x,
+        arguments.filled(name + "velocity", velocity, x.shape),
+        list(arguments.vector(name + "tank", tank)),
+        bool(lid),
+        on_escape == "remove",
+        arguments.number(name + "spacing", spacing),
+        arguments.number(name + "density", density),
+        arguments.number(name + "viscosity", viscosity),
+        arguments.number(name + "speed_scale", speed_scale),
+        None if gravity is None else np.array(arguments.vector(name + "gravity", gravity)),
+    ))
+
+
+def use_threads(number: int) -> None:
+    """Sets the number of threads of all steps that the calling thread of Python makes from now on; otherwise it
+    is chosen automatically. Results are bitwise identical for any number."""
+    _silt.use_threads(min(arguments.count("use_threads: number", number), 2**31 - 1))

@@ -1,0 +1,46 @@
+# SPDX-License-Identifier: MIT
+"""Small simulations for the tests, and the hash of their state."""
+
+import struct
+
+import numpy as np
+
+import silt
+
+R = 0.02  # of grains [m]
+LAW = silt.CundallStrack(normal_stiffness=1e6, tangential_stiffness=5e5, restitution=0.5, friction_angle=0.46)
+
+
+def grains(**further):
+    """Twenty discs above a floor."""
+    arguments = {"position": silt.lattice((-0.08, 0.1), (0.08, 0.3), 2 * R), "radius": R, "density": 2500,
+                 "law": LAW, "walls": [silt.Plane(normal=(0, 1))]}
+    return silt.grain_simulation(**(arguments | further))
+
+
+def spheres(**further):
+    return grains(**({"position": silt.lattice((0, 0, 0), (0.12, 0.12, 0.12), 2 * R),
+                      "walls": [silt.Plane(normal=(0, 0, 1))]} | further))
+
+
+def water(**further):
+    """A small column in a tank."""
+    arguments = {"position": silt.lattice((0, 0), (0.2, 0.3), 0.02), "spacing": 0.02, "tank": (0.6, 0.5),
+                 "speed_scale": 1.7}
+    return silt.flow_simulation(**(arguments | further))
+
+
+def bits(simulation):
+    """All bits of the state, by field."""
+    return {name: values.tobytes() for name, values in simulation.snapshot().items()}
+
+
+def hash_of(simulation):
+    """That of tests/portability/hash.hpp, as text."""
+    state = simulation.snapshot()
+    columns = [state[name].reshape(len(state["id"]), -1) for name in ("position", "velocity", "spin") if name in state]
+    data = struct.pack("<d", simulation.time) + np.ascontiguousarray(np.hstack(columns)).tobytes()
+    value = 0xCBF29CE484222325
+    for byte in data:
+        value = (value ^ byte) * 0x100000001B3 % 2**64
+    return f"{value:016x}"
