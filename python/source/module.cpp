@@ -599,33 +599,33 @@ PYBIND11_MODULE(_silt, module) {
              return core.use("wall_pressure").wall_pressure(point, normal);
            });
 
-  module.def("grains", [](const Doubles& position, const Doubles& velocity, const Doubles& radius,
+  module.def("grains", [](const Doubles& x, const Doubles& u, const Doubles& R,
                           const Doubles& density, const py::object& law, const py::list& walls,
                           const Doubles& gravity, double damping, const py::object& box,
                           double steps_per_contact, double max_overlap) {
-    const GrainArguments given{position, velocity, radius, density,           law,        walls,
-                               gravity,  damping,  box,    steps_per_contact, max_overlap};
-    return std::make_shared<Core>(position.shape(1) == 2 ? grains<2>(given) : grains<3>(given));
+    const GrainArguments given{x,       u,       R,   density,           law,        walls,
+                               gravity, damping, box, steps_per_contact, max_overlap};
+    return std::make_shared<Core>(x.shape(1) == 2 ? grains<2>(given) : grains<3>(given));
   });
-  module.def("flow", [](const Doubles& position, const Doubles& velocity,
-                        const std::vector<double>& tank, bool lid, bool removes_escaped,
-                        double spacing, double density, double viscosity, double speed_scale,
-                        const std::optional<Doubles>& gravity) {
-    const auto make = [&]<int Dim>(std::integral_constant<int, Dim>) {
-      return flow<Dim>({.positions = rows_of(position),
-                        .velocities = rows_of(velocity),
-                        .tank = tank,
-                        .lid = lid,
-                        .on_escape = removes_escaped ? OnEscape::remove : OnEscape::refuse,
-                        .spacing = spacing,
-                        .density = density,
-                        .viscosity = viscosity,
-                        .speed_scale = speed_scale},
-                       gravity);
-    };
-    return std::make_shared<Core>(position.shape(1) == 2 ? make(std::integral_constant<int, 2>())
-                                                         : make(std::integral_constant<int, 3>()));
-  });
+  module.def(
+      "flow", [](const Doubles& x, const Doubles& u, const std::vector<double>& tank, bool lid,
+                 bool removes_escaped, double spacing, double density, double viscosity,
+                 double speed_scale, const std::optional<Doubles>& gravity) {
+        const auto make = [&]<int Dim>(std::integral_constant<int, Dim>) {
+          return flow<Dim>({.positions = rows_of(x),
+                            .velocities = rows_of(u),
+                            .tank = tank,
+                            .lid = lid,
+                            .on_escape = removes_escaped ? OnEscape::remove : OnEscape::refuse,
+                            .spacing = spacing,
+                            .density = density,
+                            .viscosity = viscosity,
+                            .speed_scale = speed_scale},
+                           gravity);
+        };
+        return std::make_shared<Core>(x.shape(1) == 2 ? make(std::integral_constant<int, 2>())
+                                                      : make(std::integral_constant<int, 3>()));
+      });
   module.def("lattice", [](const std::vector<double>& lower, const std::vector<double>& upper,
                            double spacing) {
     return lower.size() == 2 ? lattice_of<2>(lower, upper, spacing)
