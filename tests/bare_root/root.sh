@@ -29,6 +29,7 @@ mirror=$(mirror)
 [[ -n $mirror ]] || skip "no Debian mirror was found in /etc/apt"
 
 # Created once; every user gets a copy.
+# shellcheck disable=SC2154
 base=$scratch/base
 if [[ ! -e $base.done ]]; then
   rm -rf "$base"

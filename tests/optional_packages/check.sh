@@ -10,8 +10,8 @@ set -euo pipefail
 source=$1 scratch=$2 compiler=$3
 rm -rf "$scratch"
 mkdir -p "$scratch/bin"
-packages=(GTest benchmark CLI11 nlohmann_json)
-targets=(GTest::gtest_main benchmark::benchmark CLI11::CLI11 nlohmann_json::nlohmann_json)
+packages=(GTest benchmark CLI11 nlohmann_json Boost)
+targets=(GTest::gtest_main benchmark::benchmark CLI11::CLI11 nlohmann_json::nlohmann_json Boost::headers)
 
 give_up() {
   echo "$*"

@@ -51,13 +51,13 @@ def body_of(text, begin):
 def is_declared(name, text):
     """Whether the text declares the name of a type, function or variable, and does not only use it as that of a
     parameter."""
-    return re.search(rf"\b(?:class|struct|concept|using|enum class|define)\s+{name}\b(?!\s*[,>])|"
+    return name in text and re.search(rf"\b(?:class|struct|concept|using|enum class|define)\s+{name}\b(?!\s*[,>])|"
                      rf"\bconstexpr\s[^;()=]*\s{name}\s*[={{;]|(?<![\w.>:]){name}\s*[<(]", text) is not None
 
 
 def is_member(name, text):
     """Whether the body of a class declares the name, apart from parameters of functions."""
-    return re.search(rf"(?<![\w.>:]){name}\s*[(={{;<]", text) is not None
+    return name in text and re.search(rf"(?<![\w.>:]){name}\s*[(={{;<]", text) is not None
 
 
 class Headers:
