@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: MIT
+// A simulation, as Python uses it. It guarantees that
+//
+// - no step is made, and no particle added, removed or reordered, while an array refers to the
+//   memory of the particles;
+// - caches of the simulation notice whatever was written through an array, because the access that
+//   they notice is repeated when the array is deleted, which is before the next step;
+// - no other thread has access during a step or run.
+#pragma once
+
+#include <silt/core/error.hpp>
+#include <silt/core/run.hpp>
+#include <silt/core/types.hpp>
+
+#include "any_simulation.hpp"
+#include "arrays.hpp"
+#include "interpreter_lock.hpp"
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <list>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+
+namespace silt::python {
+
+namespace py = pybind11;
+
+// A simulation, and who uses it. All members are read and written with the interpreter's lock,
+// except the simulation itself during a step or run.
+class Core : public std::enable_shared_from_this<Core> {
+ public:
+  explicit Core(std::unique_ptr<AnySimulation> simulation) : simulation_(std::move(simulation)) {}
+
+  /// To read it, or to change it between steps.
+  AnySimulation& use(const std::string& function) {
+    if (runner_ && !(is_in_observer_ && *runner_ == this_thread())) {
+      fail("Simulation." + function +
+           ": a step or run is in progress in another thread; wait for its end");
+    }
+    // The measures may cache what is written to these.
+    for (const Loan& loan : loans_) note_written(loan);
+    return *simulation_;
+  }
+
+  /// To change particles so that their memory may be moved.
+  AnySimulation& change(const std::string& function) {
+    AnySimulation& simulation = use(function);
+    require_no_views("Simulation." + function);
+    return simulation;
+  }
+
+  py::array view(const std::string& field, bool is_written) {
+    AnySimulation& simulation = use("view");
+    const ColumnMemory memory = simulation.column(field, is_written);
+    auto borrower =
+        std::make_unique<Borrower>(shared_from_this(), Loan{field, is_written, simulation.steps()});
+    const py::capsule owner(borrower.get(),
+                            [](void* pointer) { delete static_cast<Borrower*>(pointer); });
+    static_cast<void>(borrower.release());
+    py::array array = array_of(memory, owner);
+    if (!is_written) array.attr("flags").attr("writeable") = false;
+    return array;
+  }
+
+  void read_checkpoint(const std::filesystem::path& path) {
+    const Running running(*this, "read_checkpoint");
+    simulation_->read_checkpoint(path);
+  }
+
+  void step(std::uint64_t count, std::optional<double> time_step) {
+    const Running running(*this, "step");
+    Interrupts hooks;
+    {
+      const Unlocked unlocked;
+      for (std::uint64_t k = 0; k < count && !hooks.stop_requested(); ++k) {
+        time_step ? simulation_->step(*time_step) : simulation_->step();
+      }
+    }
+    hooks.rethrow();
+  }
+
+  void run(const Run& run, const py::object& observer) {
+    const Running running(*this, "run");
+    Observers hooks(*this, observer);
+    {
+      const Unlocked unlocked;
+      simulation_->run(run, hooks);
+    }
+    hooks.rethrow();
+  }
+
+ private:
+  /// An array that refers to the memory of a field.
+  struct Loan {
+    std::string field;
+    bool is_written;
+    std::uint64_t step;
+  };
+
+  /// Belongs to such an array, and ends with it and all that refer to it.
+  class Borrower {
+   public:
+    Borrower(std::shared_ptr<Core> core, Loan loan)
+        : core_(std::move(core)),
+          loan_(core_->loans_.insert(core_->loans_.end(), std::move(loan))) {}
+    Borrower(const Borrower&) = delete;
+    Borrower& operator=(const Borrower&) = delete;
+    ~Borrower() {
+      core_->note_written(*loan_);
+      core_->loans_.erase(loan_);
+    }
+
+   private:
+    std::shared_ptr<Core> core_;
+    std::list<Loan>::iterator loan_;
+  };
+
+  /// A step, run or other change of the time, as long as it lasts.
+  class Running {
+   public:
+    Running(Core& core, const std::string& function) : core_(core) {
+      if (core.runner_ && *core.runner_ == this_thread()) {
+        fail("Simulation." + function +
+             ": an observer must not advance or replace the simulation that calls it; do this "
+             "after the run");
+      }
+      core.change(function);
+      core.runner_ = this_thread();
+    }
+    Running(const Running&) = delete;
+    Running& operator=(const Running&) = delete;
+    ~Running() { core_.runner_.reset(); }
+
+   private:
+    Core& core_;
+  };
+
+  // Ends a run after Ctrl-C; the signal handlers of Python run only when they are asked for.
+  class Interrupts : public Hooks {
+   public:
+    void make_output() override {}
+    bool stop_requested() override {
+      AtExit::stop_here();
+      const auto now = std::chrono::steady_clock::now();
+      if (now - last_ < std::chrono::milliseconds(50)) return false;
+      last_ = now;
+      const LockedAgain locked;
+      if (PyErr_CheckSignals() == 0) return false;
+      error_.emplace();
+      return true;
+    }
+    /// With the interpreter's lock.
+    void rethrow() {
+      if (error_) throw py::error_already_set(*error_);
+    }
+
+   private:
+    std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+    std::optional<py::error_already_set> error_;
+  };
+
+  class Observers : public Interrupts {
+   public:
+    Observers(Core& core, const py::object& observer) : core_(core), observer_(observer) {}
+    void make_output() override {
+      const LockedAgain locked;
+      core_.is_in_observer_ = true;
+      try {
+        observer_();
+      } catch (...) {
+        core_.is_in_observer_ = false;
+        throw;
+      }
+      core_.is_in_observer_ = false;
+      core_.require_no_views("Simulation.run: after an observer was called");
+    }
+
+   private:
+    Core& core_;
+    const py::object& observer_;
+  };
+
+  static unsigned long this_thread() { return PyThread_get_thread_ident(); }
+
+  void require_no_views(const std::string& where) const {
+    if (loans_.empty()) return;
+    const Loan& first = loans_.front();
+    fail(where + ": an array still refers to the memory of the field \"" + first.field +
+         "\", which a step may change or move; it was taken by view() at step " +
+         std::to_string(first.step) +
+         (loans_.size() > 1 ? ", and so do " + std::to_string(loans_.size() - 1) + " more" : "") +
+         ". Delete the array and all slices of it, or use a copy, simulation[\"" + first.field +
+         "\"][:]");
+  }
+  void note_written(const Loan& loan) {
+    if (loan.is_written) static_cast<void>(simulation_->column(loan.field, true));
+  }
+
+  std::unique_ptr<AnySimulation> simulation_;
+  std::list<Loan> loans_;
+  std::optional<unsigned long> runner_;  // thread of the step or run
+  bool is_in_observer_ = false;
+};
+
+}  // namespace silt::python

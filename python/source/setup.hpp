@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: MIT
+// Simulations from the objects of the package.
+#pragma once
+
+#include <silt/core/error.hpp>
+#include <silt/core/lattice.hpp>
+#include <silt/core/types.hpp>
+
+#include "any_simulation.hpp"
+#include "any_wall.hpp"
+#include "arrays.hpp"
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include <algorithm>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace silt::python {
+
+namespace py = pybind11;
+
+// Arguments are objects of the package, whose attributes are numbers and tuples of numbers.
+
+inline double number(const py::handle& object, const char* name) {
+  return object.attr(name).cast<double>();
+}
+inline std::string type_of(const py::handle& object) {
+  return py::type::of(object).attr("__name__").cast<std::string>();
+}
+template <int Dim>
+Vec<Dim> vector(const py::handle& object, const char* name) {
+  return to_vector<Dim>(type_of(object) + ": " + name,
+                        object.attr(name).cast<std::vector<double>>());
+}
+inline dem::Side side(const py::handle& object) {
+  return object.attr("grains").cast<std::string>() == "inside" ? dem::Side::inside
+                                                               : dem::Side::outside;
+}
+
+template <int Dim>
+Box<Dim> box_of(const py::handle& object) {
+  Box<Dim> box;
+  if (object.is_none()) return box;
+  box.lower = vector<Dim>(object, "lower");
+  box.upper = vector<Dim>(object, "upper");
+  const Vec<Dim> periodic = vector<Dim>(object, "periodic");
+  for (int k = 0; k < Dim; ++k) box.periodic[Index(k)] = periodic[k] != 0;
+  if (object.attr("on_escape").cast<std::string>() == "remove") box.on_escape = OnEscape::remove;
+  return box;
+}
+
+template <int Dim>
+AnyWall<Dim> wall_of(const py::handle& object, Index place) {
+  const std::string type = type_of(object);
+  if (type == "Plane") {
+    return {dem::Plane<Dim>{.point = vector<Dim>(object, "point"),
+                            .normal = vector<Dim>(object, "normal")}};
+  }
+  if (type == "BoxWall") {
+    const Box<Dim> box{.lower = vector<Dim>(object, "lower"),
+                       .upper = vector<Dim>(object, "upper")};
+    return {dem::BoxWall<Dim>{.box = box, .grains = side(object)}};
+  }
+  if constexpr (Dim == 2) {
+    if (type == "Circle") {
+      return {dem::Circle<>{.centre = vector<2>(object, "centre"),
+                            .radius = number(object, "radius"),
+                            .grains = side(object)}};
+    }
+    if (type == "Segment") {
+      return {dem::Segment<>{.from = vector<2>(object, "start"), .to = vector<2>(object, "end")}};
+    }
+    if (type == "Polyline") {
+      dem::Polyline<> line{.points = {}, .closed = object.attr("closed").cast<bool>()};
+      const Rows points = rows_of(object.attr("points").cast<Doubles>());
+      for (Index i = 0; i < points.size(); ++i) line.points.push_back(points.vector<2>(i));
+      return {line};
+    }
+  } else {
+    if (type == "Cylinder") {
+      return {dem::Cylinder<>{.from = vector<3>(object, "start"),
+                              .to = vector<3>(object, "end"),
+                              .radius = number(object, "radius"),
+                              .grains = side(object),
+                              .ends = object.attr("ends").cast<bool>()}};
+    }
+    if (type == "MeshWall") {
+      std::vector<Triangle<>> triangles;
+      const Rows corners = rows_of(object.attr("corners").cast<Doubles>());
+      for (Index i = 0; i + 2 < corners.size(); i += 3) {
+        triangles.push_back(
+            {{corners.vector<3>(i), corners.vector<3>(i + 1), corners.vector<3>(i + 2)}});
+      }
+      return {dem::MeshWall<>(triangles)};
+    }
+  }
+  fail("grain_simulation: wall " + std::to_string(place) + " is a " + type +
+       ", which is no wall in " + std::to_string(Dim) + "D; give a Plane, a BoxWall or " +
+       (Dim == 2 ? "a Circle, Segment or Polyline" : "a Cylinder or MeshWall"));
+}
+
+template <int Dim>
+std::unique_ptr<AnySimulation> grains(const py::handle& law, const GrainSetup<Dim>& setup) {
+  const std::string type = type_of(law);
+  if (type == "CundallStrack") {
+    return make_grain_simulation(
+        setup, dem::CundallStrack{.normal_stiffness = number(law, "normal_stiffness"),
+                                  .tangential_stiffness = number(law, "tangential_stiffness"),
+                                  .restitution = number(law, "restitution"),
+                                  .friction_angle = number(law, "friction_angle")});
+  }
+  if (type == "LinearSpringDashpot") {
+    return make_grain_simulation(
+        setup,
+        LinearLaw(dem::LinearSpringDashpot{.normal_stiffness = number(law, "normal_stiffness"),
+                                           .restitution = number(law, "restitution")},
+                  dem::LinearFriction{.tangential_stiffness = number(law, "tangential_stiffness"),
+                                      .friction_angle = number(law, "friction_angle")}));
+  }
+  if (type == "HertzMindlin") {
+    const dem::Elastic elastic{.young_modulus = number(law, "young_modulus"),
+                               .poisson_ratio = number(law, "poisson_ratio")};
+    return make_grain_simulation(
+        setup,
+        HertzMindlin(
+            dem::Hertz{.elastic = elastic, .restitution = number(law, "restitution")},
+            dem::Mindlin{.elastic = elastic, .friction_angle = number(law, "friction_angle")}));
+  }
+  fail("grain_simulation: law is a " + type +
+       "; give a CundallStrack, a LinearSpringDashpot or a HertzMindlin");
+}
+
+// The arrays have been checked by the package.
+struct GrainArguments {
+  Doubles position, velocity, radius, density;
+  py::object law;
+  py::list walls;
+  Doubles gravity;
+  double damping;
+  py::object box;
+  double steps_per_contact;
+  double max_overlap;
+};
+
+template <int Dim>
+std::unique_ptr<AnySimulation> grains(const GrainArguments& given) {
+  GrainSetup<Dim> setup{
+      .positions = rows_of(given.position),
+      .velocities = rows_of(given.velocity),
+      .radii = numbers_of(given.radius),
+      .densities = numbers_of(given.density),
+      .walls = {},
+      .gravity = to_vector<Dim>("grain_simulation: gravity", numbers_of(given.gravity)),
+      .damping = given.damping,
+      .box = box_of<Dim>(given.box),
+      .settings = {.steps_per_contact = given.steps_per_contact, .max_overlap = given.max_overlap}};
+  for (const auto wall : given.walls) {
+    setup.walls.push_back(wall_of<Dim>(wall, setup.walls.size()));
+  }
+  return grains(given.law, setup);
+}
+
+template <int Dim>
+std::unique_ptr<AnySimulation> flow(FlowSetup<Dim> setup, const std::optional<Doubles>& gravity) {
+  if (gravity) setup.gravity = to_vector<Dim>("flow_simulation: gravity", numbers_of(*gravity));
+  return make_flow_simulation(setup);
+}
+
+template <int Dim>
+py::array lattice_of(const std::vector<double>& lower, const std::vector<double>& upper,
+                     double spacing) {
+  const auto points = lattice<Dim>({.lower = to_vector<Dim>("lattice: lower", lower),
+                                    .upper = to_vector<Dim>("lattice: upper", upper)},
+                                   spacing);
+  py::array_t<double> array({py::ssize_t(points.size()), py::ssize_t(Dim)});
+  double* to = array.mutable_data();
+  for (const Vec<Dim>& x : points) to = std::copy(x.begin(), x.end(), to);
+  return array;
+}
+
+}  // namespace silt::python
