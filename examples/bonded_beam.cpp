@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
 // A cantilever beam of bonded grains with a load at its free end. The deflection is compared with
 // Timoshenko's theory. Then the load is increased until a bond breaks, which should be the one at
-// the root, at the load given by the strength.
+// the root, at the load given by the strength. The bent beam is written to beam.pvd in the current
+// folder.
 #include <silt/dem.hpp>
+#include <silt/io/vtk.hpp>
 
 #include <cmath>
 #include <cstdio>
@@ -57,6 +59,7 @@ int main() try {
   const auto beam = beam_under(load);
   const double beam_theory = load * length * length * length / (3 * E * section.bending) +
                              load * length / (G * section.area);
+  VtkSeries{"beam"}(beam);
   const auto& grains = beam.particles();
   std::printf("under %g N the tip deflects by %.3f mm; a Timoshenko beam by %.3f mm\n", load,
               -1e3 * grains[position][grains.index_of(sections)][1], 1e3 * beam_theory);

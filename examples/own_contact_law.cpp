@@ -4,7 +4,9 @@
 // registration and works for discs and spheres, in double and in float.
 //
 // A ball is thrown along a floor and bounces. It leaves the floor rolling, with 5/7 of its speed.
+// Run it in any folder, then open bounce_2d.pvd and bounce_3d.pvd in ParaView.
 #include <silt/dem.hpp>
+#include <silt/io/vtk.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -48,7 +50,8 @@ void bounce() {
                                dem::Contacts{law, dem::Plane<Dim, Real>{}}},
                         Leapfrog{}};
   // This law has no stiffness(), so no time step can be computed; it is set here.
-  simulation.run({.until = 0.25, .time_step = 1e-5});
+  simulation.run({.until = 0.25, .output_every = 0.005, .time_step = 1e-5},
+                 VtkSeries{Dim == 2 ? "bounce_2d" : "bounce_3d"});
   const auto after = simulation.snapshot();
   const Real v = after[velocity][0].dot(up);
   const Real height = after[position][0].dot(up) - R + v * v / Real(2 * 9.81);

@@ -7,8 +7,9 @@
 
 docs/images/made_from.json has an entry for each source: the commands, the digests of the pictures
 and of the drawing code, the options of the runs, and the results that are visible in the pictures.
-examples/pictures writes it, tests/examples/check_pictures.py reads it. For the programs of the
-tutorial the options are replaced by a digest of the program, and the results by what it printed.
+examples/pictures and examples/gallery write it, tests/examples/check_pictures.py reads it. For the
+programs of the tutorial the options are replaced by a digest of the program, and the results by what
+it printed.
 """
 
 import ast
@@ -72,6 +73,11 @@ class Source:
         self.name, self.program, self.runs, self.pictures = name, program, runs, pictures
         self.shown = shown
         self.drawn_by = f"plot_{program}.py"
+        self.draw = [self.drawn_by]  # the command, without the folder
+
+    def picked_by(self):
+        """Names by which the sources are chosen on the command line."""
+        return list(self.pictures.values())
 
     def command_of(self, subfolder):
         options = [f"--{name}={value}" for name, value in self.runs[subfolder].items()]
@@ -102,7 +108,41 @@ class Source:
         folder = f"out/pictures/{self.name}"
         return [" ".join(["examples/run", *self.command_of(subfolder), "--out",
                           folder + ("/" + subfolder if subfolder else "")])
-                for subfolder in self.runs] + [f"examples/{self.drawn_by} {folder}"]
+                for subfolder in self.runs] + [f"examples/{' '.join(self.draw)} {folder}"]
+
+
+class GalleryItem(Source):
+    """A film or picture of docs/gallery.md. short: options of a run for tests, which takes seconds."""
+
+    def __init__(self, name, program, options=None, short=None):
+        super().__init__(f"gallery/{name}", program, {"": options or {}},
+                         {f"{name}.webp": f"gallery/{name}.webp"}, None)
+        self.short_name = name
+        self.short = short or {}
+        self.is_3d = name.endswith("_3d")
+        self.drawn_by = "draw_gallery_3d.py" if self.is_3d else "draw_gallery_2d.py"
+        self.draw = [self.drawn_by, name]
+
+    def picked_by(self):
+        return [self.short_name]
+
+    def command_of(self, subfolder, is_short=False):
+        options = self.runs[subfolder] | (self.short if is_short else {})
+        return [self.program, *(f"--{name}={value}" for name, value in options.items())]
+
+    def record(self, folder):
+        return {"options": self.options_of(folder)} if self.has_options else {}
+
+    @property
+    def has_options(self):
+        """Whether the program has options; the others write to the current folder."""
+        return '"--out"' in program_text(self.program)
+
+    def command_lines(self):
+        if self.has_options:
+            return super().command_lines()
+        return [f"examples/run {self.program}",
+                f"examples/{' '.join(self.draw)} out/{self.program}"]
 
 
 class Step:
@@ -146,6 +186,9 @@ class Study:
         self.name, self.command, self.drawn_by, self.argv = name, command, drawn_by, argv
         self.pictures = pictures
 
+    def picked_by(self):
+        return list(self.pictures.values())
+
     def command_lines(self):
         return [self.command]
 
@@ -170,6 +213,44 @@ STEPS = [
     Step("compare", "tutorial/draw_front.py", "front.csv"),
 ]
 SOURCES += STEPS
+GALLERY = [
+    GalleryItem("broken_tower_3d", "broken_tower",
+                {"dimension": 3, "columns": 8, "depth": 8, "until": 1.6, "output-every": 0.04},
+                {"columns": 4, "depth": 4, "rows": 10, "until": 0.12}),
+    GalleryItem("dam_break_3d", "dam_break",
+                {"dimension": 3, "spacing": 0.025, "depth": 0.4, "until": 1.2,
+                 "output-every": 0.025},
+                {"spacing": 0.05, "until": 0.1}),
+    GalleryItem("hopper_3d", "hopper",
+                {"openings": 7, "width": 14, "fill-height": 16, "half-angle": 50,
+                 "share": 0.8, "longest": 40},
+                {"width": 10, "fill-height": 8, "openings": 5, "stiffness": 1000}),
+    GalleryItem("vibrating_floor_3d", "vibrating_floor",
+                {"loading-stiffness": 2.7e6, "warm-up": 1, "until": 1.4, "frames-every": 0.02},
+                {"cell-width": 4, "warm-up": 0.1, "until": 0.5, "frames-every": 0.1}),
+    GalleryItem("broken_tower_2d", "broken_tower", {"until": 2.4, "output-every": 0.04},
+                {"columns": 4, "rows": 10, "until": 0.12}),
+    GalleryItem("dam_break_2d", "dam_break", {"until": 1.2, "output-every": 0.02},
+                {"spacing": 0.04, "until": 0.08}),
+    GalleryItem("hopper_2d", "hopper",
+                {"dimension": 2, "openings": 9, "width": 26, "fill-height": 32, "half-angle": 60,
+                 "share": 0.8},
+                {"width": 20, "fill-height": 20, "openings": 8, "stiffness": 1000}),
+    GalleryItem("rotating_square", "fluid_cases",
+                {"case": "rotating_square", "spacing": 0.02, "frames": 60},
+                {"spacing": 0.1, "until": 0.5, "frames": 4}),
+    GalleryItem("oscillating_drop", "fluid_cases",
+                {"case": "oscillating_drop", "spacing": 0.05, "frames": 60},
+                {"spacing": 0.2, "until": 0.5, "frames": 4}),
+    GalleryItem("taylor_green", "fluid_cases",
+                {"case": "taylor_green", "spacing": 0.02, "frames": 50},
+                {"spacing": 0.1, "until": 0.2, "frames": 4}),
+    GalleryItem("quickstart_tower", "quickstart_tower"),
+    GalleryItem("quickstart_dam", "quickstart_dam"),
+    GalleryItem("own_field", "own_field"),
+    GalleryItem("own_contact_law", "own_contact_law"),
+    GalleryItem("bonded_beam", "bonded_beam"),
+]
 STUDIES = [
     Study("vibrating_floor", "examples/run --study vibrating_floor", "plot_vibrating_floor.py",
           lambda programs, folder, threads: [

@@ -7,7 +7,7 @@
                                                       compares their results with the record;
                                                       exits with 77 if NumPy is not installed
 
-Faults are mended by examples/pictures, which redraws the pictures.
+Faults are mended by examples/pictures and examples/gallery, which redraw the pictures.
 """
 
 import json
@@ -21,6 +21,7 @@ import sys
 import tempfile
 
 SKIPPED = 77
+LARGEST = {".png": 150_000, ".webp": 300_000}  # [bytes]
 
 
 def faults_of(repository):
@@ -31,21 +32,27 @@ def faults_of(repository):
     record = json.loads((images / "made_from.json").read_text(encoding="utf-8"))
     pages = [repository / "README.md", *(repository / "docs").rglob("*.md")]
     shown = {name for page in pages for name in
-             re.findall(r"images/([\w.-]+\.png)", page.read_text(encoding="utf-8"))}
-    there = {path.name for path in images.glob("*.png")}
-    made = {name for source in pictures.SOURCES + pictures.STUDIES
-            for name in source.pictures.values()}
+             re.findall(r"images/([\w./-]+\.(?:png|webp))", page.read_text(encoding="utf-8"))}
+    there = {path.relative_to(images).as_posix() for path in images.rglob("*")
+             if path.suffix in LARGEST}
+    sources = pictures.SOURCES + pictures.STUDIES + pictures.GALLERY
+    made = {name for source in sources for name in source.pictures.values()}
     for name in sorted(shown | there | made):
         if name not in there:
             yield f"{name}: shown on a page, but there is no such file"
         elif name not in shown:
             yield f"{name}: shown on no page"
         elif name not in made:
-            yield f"{name}: examples/pictures does not make it"
-        elif (images / name).stat().st_size > 150_000:
-            yield f"{name}: larger than 150 kB"
-    for source in pictures.SOURCES + pictures.STUDIES:
-        command = f"examples/pictures {next(iter(source.pictures.values()))}"
+            yield f"{name}: neither examples/pictures nor examples/gallery makes it"
+        elif (images / name).stat().st_size > (most := LARGEST[(images / name).suffix]):
+            yield f"{name}: larger than {most / 1000:g} kB"
+    page = (repository / "docs" / "gallery.md").read_text(encoding="utf-8")
+    for item in pictures.GALLERY:
+        if f"`examples/gallery {item.short_name}`" not in page:
+            yield f"{item.short_name}: docs/gallery.md does not name the command that makes it"
+    for source in sources:
+        is_item = isinstance(source, pictures.GalleryItem)
+        command = f"examples/{'gallery' if is_item else 'pictures'} {source.picked_by()[0]}"
         for fault in faults_of_source(source, record.get(source.name), images, examples):
             yield f"{source.name}: {fault}; run {command}"
 
@@ -120,6 +127,8 @@ def rerun(repository, programs):
 
 def self_test(repository):
     """Checks that relevant changes are detected, and that others are not."""
+    from support.picture_list import GALLERY
+
     with tempfile.TemporaryDirectory() as name:
         copy = pathlib.Path(name)
         for part in ("examples", "docs"):
@@ -137,7 +146,11 @@ def self_test(repository):
             return faults
 
         tower = ["broken_tower"]
-        assert after("examples/broken_tower.cpp", "int rows = 30;", "int rows = 31;") == tower
+        films = ["gallery/broken_tower_3d", "gallery/broken_tower_2d"]
+        assert after("examples/broken_tower.cpp", "int rows = 30;", "int rows = 31;") == \
+            tower + films
+        assert set(after("examples/support/scenes.py", "SUPERSAMPLING = 2", "SUPERSAMPLING = 1")) \
+            == {item.name for item in GALLERY if item.is_3d}
         script = "examples/plot_broken_tower.py"
         assert after(script, "class Run:", "COLOUR = 1\nclass Run:") == tower
         assert not after(script, "class Run:", "# A comment.\nclass Run:")
