@@ -103,9 +103,9 @@ def make_item(item, options, folder):
         else:
             call(program, cwd=folder)
         complete.write_text(json.dumps(given), encoding="utf-8")
-    script, *arguments = item.draw
+    script, *arguments = item.drawing_command(folder)
     display = ["xvfb-run", "-a"] if item.is_3d else []
-    call(*display, sys.executable, HERE / script, *arguments, folder,
+    call(*display, sys.executable, HERE / script, *arguments,
          *(["--frames", 3] if options.short else []))
 
 

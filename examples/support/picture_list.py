@@ -63,21 +63,24 @@ def flow_shown(folder):
             if "one body" not in finding["quantity"]}
 
 
-class Source:
+class Drawn:
+    """Has pictures: names in docs/images by the names used by the script that draws them."""
+
+    def picked_by(self):
+        """Names by which it is chosen on the command line."""
+        return list(self.pictures.values())
+
+
+class Source(Drawn):
     """The runs of a program, by subfolder, that its plot script draws together.
 
-    pictures: names in docs/images by the names used by the script. shown(folder): visible results.
+    shown(folder): visible results.
     """
 
     def __init__(self, name, program, runs, pictures, shown):
         self.name, self.program, self.runs, self.pictures = name, program, runs, pictures
         self.shown = shown
         self.drawn_by = f"plot_{program}.py"
-        self.draw = [self.drawn_by]  # the command, without the folder
-
-    def picked_by(self):
-        """Names by which the sources are chosen on the command line."""
-        return list(self.pictures.values())
 
     def command_of(self, subfolder):
         options = [f"--{name}={value}" for name, value in self.runs[subfolder].items()]
@@ -108,7 +111,10 @@ class Source:
         folder = f"out/pictures/{self.name}"
         return [" ".join(["examples/run", *self.command_of(subfolder), "--out",
                           folder + ("/" + subfolder if subfolder else "")])
-                for subfolder in self.runs] + [f"examples/{' '.join(self.draw)} {folder}"]
+                for subfolder in self.runs] + [self.drawing_line(folder)]
+
+    def drawing_line(self, folder):
+        return "examples/" + " ".join(self.drawing_command(folder))
 
 
 class GalleryItem(Source):
@@ -121,10 +127,12 @@ class GalleryItem(Source):
         self.short = short or {}
         self.is_3d = name.endswith("_3d")
         self.drawn_by = "draw_gallery_3d.py" if self.is_3d else "draw_gallery_2d.py"
-        self.draw = [self.drawn_by, name]
 
     def picked_by(self):
         return [self.short_name]
+
+    def drawing_command(self, folder):
+        return [self.drawn_by, self.short_name, folder]
 
     def command_of(self, subfolder, is_short=False):
         options = self.runs[subfolder] | (self.short if is_short else {})
@@ -141,11 +149,10 @@ class GalleryItem(Source):
     def command_lines(self):
         if self.has_options:
             return super().command_lines()
-        return [f"examples/run {self.program}",
-                f"examples/{' '.join(self.draw)} out/{self.program}"]
+        return [f"examples/run {self.program}", self.drawing_line(f"out/{self.program}")]
 
 
-class Step:
+class Step(Drawn):
     """A program of the tutorial, and the script that draws one of the files that it writes."""
 
     def __init__(self, name, drawn_by, file, *options):
@@ -179,15 +186,12 @@ class Step:
         return [self.program, self.command_on_page()]
 
 
-class Study:
+class Study(Drawn):
     """Long runs, done and drawn by a separate script. argv: arguments of that script."""
 
     def __init__(self, name, command, drawn_by, argv, pictures):
         self.name, self.command, self.drawn_by, self.argv = name, command, drawn_by, argv
         self.pictures = pictures
-
-    def picked_by(self):
-        return list(self.pictures.values())
 
     def command_lines(self):
         return [self.command]
