@@ -283,6 +283,21 @@ build() {
 
 # --- showing -------------------------------------------------------------------------------------
 
+# require_port NUMBER: exits if this port cannot be served.
+require_port() {
+  command -v python3 >/dev/null || return 0  # not installed yet
+  python3 - "$1" <<'END' || exit 2
+import socket, sys
+try:
+    with socket.socket() as listener:
+        listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        listener.bind(("127.0.0.1", int(sys.argv[1])))
+except (OSError, OverflowError, ValueError) as error:
+    why = getattr(error, "strerror", None) or "not a number from 1 to 65535"
+    sys.exit(f"Cannot serve port {sys.argv[1]} ({why}); give another one with --port")
+END
+}
+
 # serve TEXT FOLDER PORT: serves the folder to this machine only, until Ctrl-C.
 serve() {
   need python3 python3
