@@ -128,7 +128,10 @@ def main(arguments):
         text = amalgamate(REPOSITORY, headers)
     except Refused as refusal:
         sys.exit(f"amalgamate.py: {refusal}")
-    pathlib.Path(output).write_text(text, encoding="utf-8")
+    try:
+        pathlib.Path(output).write_text(text, encoding="utf-8")
+    except OSError as error:
+        sys.exit(f"amalgamate.py: cannot write {output}: {error.strerror}")
 
 
 if __name__ == "__main__":
