@@ -92,9 +92,9 @@ def on_config(config):
         return result
 
     config["nav"] = resolve(config["nav"])
-    rest = sorted(path.relative_to(docs).as_posix() for path in docs.rglob("*.md"))
-    last, = config["nav"][-1].values()
-    last += [page for page in rest if page not in listed]
+    pages = {path.relative_to(docs).as_posix() for path in docs.rglob("*.md")}
+    if rest := sorted(pages - listed):
+        raise PluginError(f"not listed in .mkdocs/mkdocs.yml: {', '.join(rest)}")
     return config
 
 
