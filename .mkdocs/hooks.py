@@ -6,7 +6,7 @@
 - Links to other files of the repository lead to source/PATH.md, a page with the highlighted file, or,
   for headers, to the source page of the API reference.
 - `code` that is the name of something public in the library links to the API reference.
-- a_b, x^{2} outside code and formulas are set as subscript and superscript.
+- a_b, x^{2}, l0 outside code and formulas are set as subscript and superscript.
 
 The environment variable SILT_SITE_BUILD names the folder in which docs/run has made api/, with the
 tag file api.tag, live/ and assets/.
@@ -343,6 +343,7 @@ KEPT = re.compile(r"(<pre.*?</pre>|<h\d.*?</h\d>|<a .*?</a>|<div class=\"arithma
                   r"|<span class=\"arithmatex\">.*?</span>|<script.*?</script>|<code>.*?</code>|<[^>]*>)", re.S)
 SCRIPT = re.compile(r"((?<!\w)\w['̄̂̇*′’]*|⟩|&gt;)_(?:\{([^{}]+)\}|([^\W_²³ᵀ]+(?!\w*_)))"  # a_b, a_{b c}
                     r"|(?<=[\w)\]′'’])\^(?:\{([^{}]+)\}|(−?\w+))")  # a^b, a^{b c}
+LATTICE_VALUE = re.compile(r"(?<!\w)([lnN])0(?!\w)")  # l0, n0, N0
 
 
 def script(match):
@@ -353,7 +354,7 @@ def script(match):
 def set_scripts(text, mend_code=lambda code: code):
     """HTML with a_b and x^{2} outside code as subscript and superscript."""
     parts = KEPT.split(text)
-    parts[::2] = [SCRIPT.sub(script, part) for part in parts[::2]]
+    parts[::2] = [SCRIPT.sub(script, LATTICE_VALUE.sub(r"\1_0", part)) for part in parts[::2]]
     parts[1::2] = [mend_code(part) if part.startswith("<code>") else part for part in parts[1::2]]
     return "".join(parts)
 
