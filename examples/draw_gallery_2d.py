@@ -7,14 +7,13 @@
 Reads the output of the run of this item in FOLDER, and writes FOLDER/NAME.webp.
 """
 
-import argparse
 import json
 import pathlib
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
-from support.films import (BANDS, GRAINS, HEAT, INK, WALL, WATER, ListedColormap, Series, Sheet, np,
-                           plt, write)
+from support.films import (BANDS, GRAINS, HEAT, INK, WALL, WATER, ListedColormap, Series, Sheet,
+                           draw_one_of, np, plt)
 from support.frames import draw, speed
 
 FLUID = 0  # of mps::Kind
@@ -226,23 +225,11 @@ def bonded_beam(folder, _):
     return [sheet.image()]
 
 
-DRAWN = {item.__name__: item for item in (
-    broken_tower_2d, dam_break_2d, hopper_2d, rotating_square, oscillating_drop, taylor_green,
-    quickstart_tower, quickstart_dam, own_field, own_contact_law, bonded_beam)}
+FILMS = (broken_tower_2d, dam_break_2d, hopper_2d, rotating_square, oscillating_drop, taylor_green,
+         quickstart_tower, quickstart_dam, own_field, own_contact_law, bonded_beam)
 
-SLOW = {"hopper_2d": 10}  # frames per second; few frames, because all of the picture changes
-
-
-def main():
-    parser = argparse.ArgumentParser(
-        description="Draws a two-dimensional film or picture of the gallery.")
-    parser.add_argument("name", choices=DRAWN)
-    parser.add_argument("folder", type=pathlib.Path)
-    parser.add_argument("--frames", type=int, default=60, help="maximum number of frames (%(default)s)")
-    options = parser.parse_args()
-    images = DRAWN[options.name](options.folder, options.frames)
-    write(options.folder / f"{options.name}.webp", images, SLOW.get(options.name, 15))
-
+# Frames per second; few frames, because all of the picture changes.
+SLOW = {"hopper_2d": 10}
 
 if __name__ == "__main__":
-    main()
+    draw_one_of(FILMS, "Draws a two-dimensional film or picture of the gallery.", 60, SLOW)

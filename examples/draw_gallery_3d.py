@@ -7,13 +7,13 @@
 Reads the output of the run of this film in FOLDER, and writes FOLDER/NAME.webp.
 """
 
-import argparse
 import json
 import pathlib
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
-from support.films import BANDS, FOAM, GRAINS, HEAT, Series, Sheet, np, plt, to_rgb, write
+from support.films import (BANDS, FOAM, GRAINS, HEAT, Series, Sheet, draw_one_of, np, plt,
+                           to_rgb)
 from support.scenes import Scene
 
 
@@ -43,7 +43,7 @@ def broken_tower_3d(folder, count):
     height = np.empty(int(first["id"].max()) + 1)
     height[first["id"]] = first["position"][:, 1]
     norm = plt.Normalize(0, height.max())
-    scene = Scene((640, 480), eye=(3.4, -4.6, 2.1), focus=(0, 0, 0.5), view_angle=18)
+    scene = Scene((500, 375), eye=(3.4, -4.6, 2.1), focus=(0, 0, 0.5), view_angle=18)
 
     def show(frame):
         x = frame["position"][:, [0, 2, 1]] * [1, -1, 1]  # y is the vertical axis of the run
@@ -66,7 +66,7 @@ def dam_break_3d(folder, count):
     series = Series(folder / "frames.pvd")
     size, spacing = (1.6, 0.4, 1.45), 0.025
     norm = plt.Normalize(0, 4)
-    scene = Scene((640, 480), eye=(2.9, -4.3, 2.2), focus=(0.88, 0.2, 0.5), view_angle=21.5,
+    scene = Scene((560, 420), eye=(2.9, -4.3, 2.2), focus=(0.88, 0.2, 0.5), view_angle=21.5,
                   occlusion=0.15)
 
     def show(frame):
@@ -127,21 +127,10 @@ def hopper_3d(folder, count):
     return render(scene, series, series.numbers(min(count, 21)), show, None)
 
 
-FILMS = {film.__name__: film for film in (
-    broken_tower_3d, dam_break_3d, vibrating_floor_3d, hopper_3d)}
+FILMS = (broken_tower_3d, dam_break_3d, vibrating_floor_3d, hopper_3d)
 
-SLOW = {"hopper_3d": 10, "vibrating_floor_3d": 10}  # frames per second; few frames, because all of the picture changes
-
-
-def main():
-    parser = argparse.ArgumentParser(description="Draws a three-dimensional film of the gallery.")
-    parser.add_argument("name", choices=FILMS)
-    parser.add_argument("folder", type=pathlib.Path)
-    parser.add_argument("--frames", type=int, default=48, help="maximum number of frames (%(default)s)")
-    options = parser.parse_args()
-    images = FILMS[options.name](options.folder, options.frames)
-    write(options.folder / f"{options.name}.webp", images, SLOW.get(options.name, 15))
-
+# Frames per second; few frames, because all of the picture changes.
+SLOW = {"hopper_3d": 10, "vibrating_floor_3d": 10}
 
 if __name__ == "__main__":
-    main()
+    draw_one_of(FILMS, "Draws a three-dimensional film of the gallery.", 48, SLOW)

@@ -9,6 +9,7 @@
 Without its modules, the import prints a message and ends the program with exit code 3.
 """
 
+import argparse
 import io
 import pathlib
 import sys
@@ -160,30 +161,30 @@ class Sheet:
         return images
 
 
-def encoded(images, rate, quality):
+def encoded(images, rate, quality, only_key_frames):
     """The bytes of the file."""
     memory = io.BytesIO()
     further = {}
     if len(images) > 1:
         duration = [round(1000 / rate)] * (len(images) - 1) + [round(1000 * HOLD)]
-        further = {"save_all": True, "append_images": images[1:], "duration": duration, "loop": 0,
-                   "minimize_size": True}
+        further = {"save_all": True, "append_images": images[1:], "duration": duration, "loop": 0}
+        further |= {"kmin": 0, "kmax": 1} if only_key_frames else {"minimize_size": True}
     images[0].save(memory, "WEBP", quality=quality, method=4, **further)
     return memory.getvalue()
 
 
-def best_of(images, rate):
+def best_of(images, rate, lowest, only_key_frames):
     """The encoded images and their quality: the highest for which the file is small enough; None if
-    that would be too low."""
-    low, high = 38, 95
-    if len(data := encoded(images, rate, high)) <= LARGEST_FILE:
-        return data, high
-    best = encoded(images, rate, low)
+    that is below the lowest."""
+    low, high = lowest, 95
+    best = encoded(images, rate, low, only_key_frames)
     if len(best) > LARGEST_FILE:
         return None
+    if len(data := encoded(images, rate, high, only_key_frames)) <= LARGEST_FILE:
+        return data, high
     while high - low > 5:
         middle = (low + high) // 2
-        if len(data := encoded(images, rate, middle)) > LARGEST_FILE:
+        if len(data := encoded(images, rate, middle, only_key_frames)) > LARGEST_FILE:
             high = middle
         else:
             low, best = middle, data
@@ -192,8 +193,11 @@ def best_of(images, rate):
 
 def write(path, images, rate=1):
     """Writes the images as a film with this rate [1/s], or a single image as a picture. The file is
-    small enough, if necessary because the images are made smaller."""
-    while (best := best_of(images, rate)) is None:
+    small enough, if necessary because the images are made smaller.
+
+    Frames encoded as differences leave blocks of earlier frames in soft shadows; they are used only if
+    key frames alone would be of too low a quality."""
+    while (best := best_of(images, rate, 45, True) or best_of(images, rate, 38, False)) is None:
         size = [round(0.88 * pixels) for pixels in images[0].size]
         images = [image.resize(size, Image.LANCZOS) for image in images]
     data, quality = best
@@ -201,3 +205,22 @@ def write(path, images, rate=1):
     width, height = images[0].size
     print(f"Written: {path}, {len(images)} frames of {width} by {height} pixels, quality {quality}, "
           f"{len(data) / 1e3:.0f} kB", flush=True)
+
+
+def draw_one_of(films, description, count, slow):
+    """The main function of a program that draws one of its films or pictures, which the first argument
+    names, and writes FOLDER/NAME.webp.
+
+    films: functions of the folder of a run and the maximum number of frames; description: of the
+    program; count: default number of frames; slow: frames per second of those films that are shown
+    with fewer than 15.
+    """
+    named = {film.__name__: film for film in films}
+    parser = argparse.ArgumentParser(description=description)
+    parser.add_argument("name", choices=named)
+    parser.add_argument("folder", type=pathlib.Path)
+    parser.add_argument("--frames", type=int, default=count,
+                        help="maximum number of frames (%(default)s)")
+    options = parser.parse_args()
+    images = named[options.name](options.folder, options.frames)
+    write(options.folder / f"{options.name}.webp", images, slow.get(options.name, 15))
