@@ -9,8 +9,8 @@
 Reading needs NumPy only; drawing also needs Matplotlib.
 """
 
+import base64
 import pathlib
-import re
 import xml.etree.ElementTree as xml
 
 import numpy as np
@@ -24,19 +24,13 @@ TYPES = {
 
 def read_frame(path):
     """All arrays of one .vtu file, by name: (n,) for scalars, (n, 3) for vectors."""
-    data = pathlib.Path(path).read_bytes()
-    # The XML contains raw bytes, so only the part before them is parsed.
-    begin = data.index(b"<AppendedData")
-    start = data.index(b"_", begin) + 1
-    root = xml.fromstring(data[:begin] + b"</VTKFile>")
+    root = xml.parse(path).getroot()
     order = "<" if root.get("byte_order") == "LittleEndian" else ">"
-    length = np.dtype(order + TYPES[root.get("header_type")])
+    length = np.dtype(order + TYPES[root.get("header_type")]).itemsize
     arrays = {}
     for array in root.iter("DataArray"):
         kind = np.dtype(order + TYPES[array.get("type")])
-        at = start + int(array.get("offset"))
-        size = int(np.frombuffer(data, length, 1, at)[0])
-        values = np.frombuffer(data, kind, size // kind.itemsize, at + length.itemsize)
+        values = np.frombuffer(base64.b64decode(array.text), kind, offset=length)
         width = int(array.get("NumberOfComponents"))
         arrays[array.get("Name")] = values.reshape(-1, width) if width > 1 else values
     return arrays

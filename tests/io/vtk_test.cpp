@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <silt/core/forces.hpp>
 #include <silt/core/simulation.hpp>
-#include <silt/dem/setup/grains.hpp>
 #include <silt/integrate/leapfrog.hpp>
 #include <silt/io/vtk.hpp>
 #include <silt/search/uniform_grid.hpp>
@@ -93,20 +92,11 @@ TEST(VtkFrame, In3DIsReadByVtk) { expect_readable_by<3, float>("vtk"); }
 TEST(VtkFrame, In2DIsReadByMeshio) { expect_readable_by<2, float>("meshio"); }
 TEST(VtkFrame, In3DIsReadByMeshio) { expect_readable_by<3, double>("meshio"); }
 
-// meshio confuses arrays whose offsets are unfortunate; those of spheres were, for any number.
-TEST(VtkFrame, OfSpheresIsReadByMeshio) {
-  Folder folder;
-  const auto frame = folder.path / "frame.vtu";
-  dem::Grains<3> grains;
-  for (int k = 0; k < 7; ++k) {
-    dem::add_grain(grains, {0.1 * k, 0, 0}, {.radius = 0.01, .density = 2500});
+// ParaView 5.11 of Debian 12 does not read a frame that contains raw bytes.
+TEST(VtkFrame, IsText) {
+  for (const char c : vtk_frame(particles<3, double>())) {
+    ASSERT_TRUE(c == '\n' || (c >= ' ' && c <= '~')) << int(c);
   }
-  std::ofstream(frame, std::ios::binary) << vtk_frame(grains);
-  const std::string found = read_with("meshio", frame);
-  if (found.empty()) return;
-  EXPECT_NE(found.find("cells 7\n"), std::string::npos) << found;
-  EXPECT_NE(found.find("\nradius 1 0.07\n"), std::string::npos) << found;
-  EXPECT_NE(found.find("\nposition 3 2.1 0 0\n"), std::string::npos) << found;
 }
 
 TEST(VtkFrame, HasEveryNumericFieldAndNoOther) {

@@ -7,8 +7,9 @@
 // Several processes write a piece of a frame each, out/tower/tower_000000_3.vtu, and the first one
 // out/tower/tower_000000.pvtu, which names them.
 //
-// A frame is an unstructured grid of vertices. Its arrays are stored in binary after the XML
-// ("appended raw"), each preceded by its size in bytes.
+// A frame is an unstructured grid of vertices. Each array is stored in its XML element, in base64 and
+// preceded by its size in bytes. Raw bytes after the XML ("appended") would need 3/4 of the space, but
+// some programs cannot read them, such as ParaView 5.11 of Debian 12 (its VTK with its expat).
 #pragma once
 
 #include <silt/core/fields.hpp>
@@ -18,6 +19,7 @@
 #include <silt/io/file.hpp>
 #include <silt/io/replace_file.hpp>
 
+#include <algorithm>
 #include <bit>
 #include <concepts>
 #include <cstdint>
@@ -60,41 +62,49 @@ struct VtkValues {
   Index stride;
 };
 
-/// The appended arrays of a VTK file. Not a template over the number type, because instantiating it
-/// for every field would cost more compile time than copying bytes costs run time.
-class VtkArrays {
- public:
-  /// Appends the values, each padded with zeros to `width` bytes, and returns the XML element that
-  /// describes them.
-  std::string add(std::string_view type, std::string_view name, int components,
-                  const VtkValues& values, Index width) {
-    std::string xml = "<DataArray type=\"" + std::string(type) + "\" Name=\"" + std::string(name) +
-                      "\" NumberOfComponents=\"" + std::to_string(components) +
-                      "\" format=\"appended\" offset=\"" + std::to_string(bytes_.size()) + "\"/>\n";
-    const std::uint64_t length = values.count * width;
-    const Index begin = bytes_.size() + sizeof length;
-    bytes_.resize(begin + length);
-    char* const to = bytes_.data() + begin;
-    std::memcpy(to - sizeof length, &length, sizeof length);
-    const auto* const from = static_cast<const char*>(values.first);
-    for_each_chunk(values.count, [=](Chunk chunk) {
-      for (Index i = chunk.first; i < chunk.last; ++i) {
-        std::memcpy(to + i * width, from + i * values.stride, values.size);
+/// Bytes in base64: four characters for every three bytes.
+inline std::string base64(const std::string& bytes) {
+  constexpr std::string_view digits =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  const Index groups = (bytes.size() + 2) / 3;
+  std::string text(4 * groups, '=');
+  for_each_chunk(groups, [&](Chunk chunk) {
+    for (Index group = chunk.first; group < chunk.last; ++group) {
+      const Index count = std::min<Index>(3, bytes.size() - 3 * group);
+      std::uint32_t bits = 0;
+      for (Index k = 0; k < count; ++k) {
+        bits |= std::uint32_t(static_cast<unsigned char>(bytes[3 * group + k])) << (16 - 8 * k);
       }
-    });
-    return xml;
-  }
-  template <class Number>
-  std::string add(std::string_view name, std::span<const Number> values) {
-    return add(vtk_type<Number>(), name, 1,
-               {values.data(), values.size(), sizeof(Number), sizeof(Number)}, sizeof(Number));
-  }
+      for (Index k = 0; k <= count; ++k) text[4 * group + k] = digits[(bits >> (18 - 6 * k)) & 63];
+    }
+  });
+  return text;
+}
 
-  const std::string& bytes() const noexcept { return bytes_; }
-
- private:
-  std::string bytes_;
-};
+/// The XML element of an array, in which each of the values is padded with zeros to `width` bytes. Not
+/// a template over the number type, because instantiating it for every field would cost more compile
+/// time than copying bytes costs run time.
+inline std::string vtk_array(std::string_view type, std::string_view name, int components,
+                             const VtkValues& values, Index width) {
+  const std::uint64_t length = values.count * width;
+  std::string bytes(sizeof length + length, '\0');
+  std::memcpy(bytes.data(), &length, sizeof length);
+  char* const to = bytes.data() + sizeof length;
+  const auto* const from = static_cast<const char*>(values.first);
+  for_each_chunk(values.count, [=](Chunk chunk) {
+    for (Index i = chunk.first; i < chunk.last; ++i) {
+      std::memcpy(to + i * width, from + i * values.stride, values.size);
+    }
+  });
+  return "<DataArray type=\"" + std::string(type) + "\" Name=\"" + std::string(name) +
+         "\" NumberOfComponents=\"" + std::to_string(components) + "\" format=\"binary\">" +
+         base64(bytes) + "</DataArray>\n";
+}
+template <class Number>
+std::string vtk_array(std::string_view name, std::span<const Number> values) {
+  return vtk_array(vtk_type<Number>(), name, 1,
+                   {values.data(), values.size(), sizeof(Number), sizeof(Number)}, sizeof(Number));
+}
 
 }  // namespace detail
 
@@ -104,21 +114,16 @@ class VtkArrays {
 template <class P>
 std::string vtk_frame(const P& particles) {
   const Index n = particles.size();
-  std::string points, point_data;
-  detail::VtkArrays arrays;
-
-  // First, because of a fault of meshio, which finds arrays by their offsets while it replaces
-  // the offsets by those of the arrays in base64, 4/3 as large: if such an offset is also that of a
-  // later array, it reads the wrong one. In another order this happens with any number of spheres.
   std::vector<std::int64_t> numbers(n);
   std::iota(numbers.begin(), numbers.end(), std::int64_t{0});
-  std::string cells = arrays.add("connectivity", std::span<const std::int64_t>(numbers));
+  std::string cells = detail::vtk_array("connectivity", std::span<const std::int64_t>(numbers));
   for (std::int64_t& number : numbers) ++number;
-  cells += arrays.add("offsets", std::span<const std::int64_t>(numbers));
+  cells += detail::vtk_array("offsets", std::span<const std::int64_t>(numbers));
   const std::vector<std::uint8_t> vertices(n, 1);  // VTK_VERTEX
-  cells += arrays.add("types", std::span<const std::uint8_t>(vertices));
-  point_data += arrays.add("id", particles.ids());
+  cells += detail::vtk_array("types", std::span<const std::uint8_t>(vertices));
 
+  std::string points;
+  std::string point_data = detail::vtk_array("id", particles.ids());
   particles.for_each_field([&]<class Values, class F>(const Values& values, F) {
     using Value = typename Values::value_type;
     if constexpr (requires { typename Value::Scalar; Value::SizeAtCompileTime; }) {
@@ -128,13 +133,13 @@ std::string vtk_frame(const P& particles) {
         constexpr int components = size == 2 ? 3 : size;
         auto& xml = std::same_as<F, position_t> ? points : point_data;
         const std::vector<Value> column(values.begin(), values.end());
-        xml += arrays.add(vtk_type<Number>(), name_of<F>(), components,
-                          {column.data(), n, size * sizeof(Number), sizeof(Value)},
-                          components * sizeof(Number));
+        xml += detail::vtk_array(vtk_type<Number>(), name_of<F>(), components,
+                                 {column.data(), n, size * sizeof(Number), sizeof(Value)},
+                                 components * sizeof(Number));
       }
     } else if constexpr (vtk_type<Value>() != nullptr) {
       const std::vector<Value> column(values.begin(), values.end());
-      point_data += arrays.add(name_of<F>(), std::span<const Value>(column));
+      point_data += detail::vtk_array(name_of<F>(), std::span<const Value>(column));
     }
   });
 
@@ -146,8 +151,7 @@ std::string vtk_frame(const P& particles) {
          "\" header_type=\"UInt64\">\n<UnstructuredGrid>\n<Piece NumberOfPoints=\"" + count +
          "\" NumberOfCells=\"" + count + "\">\n<Points>\n" + points + "</Points>\n<Cells>\n" +
          cells + "</Cells>\n<PointData>\n" + point_data + "</PointData>\n</Piece>\n"
-         "</UnstructuredGrid>\n<AppendedData encoding=\"raw\">\n_" + arrays.bytes() +
-         "\n</AppendedData>\n</VTKFile>\n";
+         "</UnstructuredGrid>\n</VTKFile>\n";
 }
 
 /// The bytes of a .pvtu file: a frame that consists of files with such frames.
