@@ -308,6 +308,7 @@ function showTilt() {
 
 function play(should) {
   isPlaying = should;
+  if (isPlaying) tell(find('failed'), '');
   find('pause').textContent = isPlaying ? 'Pause' : 'Play';
   lastAsked = performance.now();
   pace.length = 0;
