@@ -261,8 +261,8 @@ function numberRow({ label, unit, least, most, step, digits, decades }, value, c
   };
   write(value);
   slider.addEventListener('input', () => {
-    const number = decades ? 10 ** Number(slider.value) : Number(slider.value);
-    field.value = decades ? toText(number) : number.toFixed(digits);
+    field.value = decades ? toText(Number((10 ** Number(slider.value)).toPrecision(3)))
+      : Number(slider.value).toFixed(digits);
     change(Number(field.value));
   });
   field.addEventListener('change', () => {
