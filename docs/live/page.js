@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The page: starts the worker, draws what it sends, and passes on what the user changes.
 import uPlot from './uPlot.esm.js';
-import { Drawing, drawBar } from './draw.js';
+import { Drawing, colourTable, drawBar } from './draw.js';
 import { scenes, toText, withNumbers } from './scenes.js';
 
 const budget = 12;         // of the worker for a frame [ms]
@@ -422,11 +422,20 @@ new ResizeObserver(() => {
   plot?.setSize({ width: find('plot').clientWidth, height: 150 });
   draw();
 }).observe(document.querySelector('main'));
-matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => { makePlot(); draw(); });
+const dark = matchMedia('(prefers-color-scheme: dark)');
+function paint() {
+  drawing.colourBy(colourTable(dark.matches));
+  drawBar(find('bar'), colourTable(dark.matches));
+  draw();
+}
+dark.addEventListener('change', () => {
+  if (plot) makePlot();
+  if (drawing) paint();
+});
 
 try {
-  drawing = new Drawing(find('canvas'));
-  drawBar(find('bar'));
+  drawing = new Drawing(find('canvas'), paint);
+  paint();
   await Promise.all(scenes.map(async ({ name }, k) => {
     programs[k] = await (await fetch(`programs/${name}.cpp`)).text();
   }));
