@@ -14,6 +14,8 @@ const worker = new Worker('worker.js', { type: 'module' });
 
 let scene = 0;             // its number
 let values = [];           // those of the sliders
+let lastStarted = [];      // those of the last start that was not refused
+let isLoaded = false;
 let tilt = 0;              // [degrees]
 let quantity;
 let curve = 'energy';
@@ -36,7 +38,8 @@ const answers = {
     if (!find('failed').hidden) play(true);
     tell(find('refused'), '');
     tell(find('failed'), '');
-    markRefused(null);
+    lastStarted = values.slice();
+    markRefused(false);
     history.times.length = history.kinetic.length = history.potential.length = history.pressure.length = 0;
     pace.length = 0;
     show(frame);
@@ -52,7 +55,7 @@ const answers = {
     if (of !== key) return;
     isWaiting = false;
     tell(find('refused'), message);
-    markRefused(message);
+    markRefused(true);
   },
   failed({ message }) {
     isWaiting = false;
@@ -218,6 +221,7 @@ function choose(number) {
   scene = number;
   const { text, particles, numbers, quantities, hasGauge, name } = scenes[scene];
   values = numbers.map((one) => one.value);
+  lastStarted = values.slice();
   tilt = 0;
   [...find('scenes').children].forEach((button, k) => button.setAttribute('aria-selected', k === scene));
   find('text').textContent = text;
@@ -279,7 +283,7 @@ function numberRow({ label, unit, least, most, step, digits, decades }, value, c
 let tiltRow;
 function fillNumbers() {
   tiltRow = numberRow({ label: 'Tilt of gravity', unit: '°', least: -maxTilt, most: maxTilt, step: 1, digits: 0 }, tilt,
-    (value) => setTilt(value));
+    (value) => Number.isFinite(value) ? setTilt(value) : tiltRow.write(tilt));
   find('numbers').replaceChildren(...scenes[scene].numbers.map((number, k) => numberRow(number, values[k], (value) => {
     values[k] = value;
     showProgram();
@@ -287,12 +291,11 @@ function fillNumbers() {
   })), tiltRow);
 }
 
-// The field whose name is in the sentence.
-function markRefused(message) {
-  [...find('numbers').children].forEach((row, k) => {
-    const number = scenes[scene].numbers[k];
-    const word = number && (number.name === 'R' ? 'radius' : number.name === 'alpha' ? 'alpha' : number.name);
-    row.querySelector('input').classList.toggle('bad', Boolean(message && word && message.includes(word)));
+// Marks the fields that were changed since the last start: one of them is the reason.
+function markRefused(isRefused) {
+  values.forEach((value, k) => {
+    const field = find('numbers').children[k].querySelector('input');
+    field.setAttribute('aria-invalid', isRefused && !Object.is(value, lastStarted[k]));
   });
 }
 
