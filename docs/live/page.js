@@ -48,7 +48,7 @@ const answers = {
     isWaiting = false;
     if (frame.steps > 0) pace.push({ at: performance.now(), advanced: frame.advanced, steps: frame.steps, spent: frame.spent });
     // A simulation slower than real time need not wait until this frame is drawn.
-    if (isPlaying && frame.isLate) ask();
+    if (isPlaying && frame.isLate && !document.hidden) ask();
     show(frame);
   },
   refused({ message, key: of }) {
@@ -136,7 +136,7 @@ function describe(frame) {
   while (pace.length > 2 && now - pace[0].at > 1500) pace.shift();
   if (!isPlaying) {
     find('share').textContent = 'paused';
-  } else if (pace.length > 5) {
+  } else if (pace.length > 5 || (pace.length > 1 && pace.at(-1).at - pace[0].at > 1000)) {
     const rest = pace.slice(1);
     const sum = (of) => rest.reduce((all, one) => all + one[of], 0);
     find('share').textContent = shareText(1000 * sum('advanced') / (pace.at(-1).at - pace[0].at));
@@ -186,13 +186,15 @@ function makePlot() {
     return entry;
   }));
   if (curve === 'pressure') legend.append('Right wall, 5 cm up');
+  const width = (texts) => 14 + 7 * Math.max(0, ...texts.map((text) => text.length));  // [pixels], about
   const axis = { stroke: colour('--quiet'), grid: { stroke: colour('--line'), width: 1 }, ticks: { show: false },
     font: '12px system-ui, sans-serif' };
   plot = new uPlot({
     width: find('plot').clientWidth, height: 150, legend: { show: false }, cursor: { show: false }, padding: [8, 8, 0, 0],
     scales: { x: { time: false, range: (_, low, high) => [0, Math.max(0.5, high ?? 0)] } },
     axes: [{ ...axis, size: 26, gap: 4, values: (_, ticks) => ticks.map((tick) => `${tick} s`), space: 60 },
-      { ...axis, size: 70, gap: 6, space: 34, values: (_, ticks) => ticks.map((tick) => `${tick.toLocaleString('en-GB')} ${unit}`) }],
+      { ...axis, size: (_, texts) => width(texts ?? []), gap: 6, space: 34,
+        values: (_, ticks) => ticks.map((tick) => `${tick.toLocaleString('en-GB')} ${unit}`) }],
     series: [{}, ...lines.map(([label, of]) => ({ label, stroke: colour(of), width: 2, points: { show: false } }))],
   }, [[]], find('plot'));
   updatePlot();
