@@ -31,7 +31,11 @@ const programs = [];
 // --- the worker ----------------------------------------------------------------------------------
 
 const answers = {
-  loaded() { choose(startingScene()); },
+  loaded() {
+    isLoaded = true;
+    for (const id of ['pause', 'step', 'reset', 'copy']) find(id).disabled = false;
+    choose(Math.max(0, sceneOfAddress()));
+  },
   started(frame) {
     if (frame.key !== key) return;
     isWaiting = false;
@@ -202,10 +206,8 @@ function makePlot() {
 
 // --- what the user changes -----------------------------------------------------------------------
 
-function startingScene() {
-  const named = scenes.findIndex((one) => `#${one.name}` === location.hash);
-  return Math.max(0, named);
-}
+// -1 if it names none.
+const sceneOfAddress = () => scenes.findIndex((one) => `#${one.name}` === location.hash);
 
 // Choices of one of several: texts, which one is chosen, and what then happens.
 function fillChoice(place, name, texts, chosen, then) {
@@ -225,8 +227,12 @@ function choose(number) {
   values = numbers.map((one) => one.value);
   lastStarted = values.slice();
   tilt = 0;
-  [...find('scenes').children].forEach((button, k) => button.setAttribute('aria-selected', k === scene));
+  [...find('scenes').children].forEach((button, k) => button.setAttribute('aria-pressed', k === scene));
   find('text').textContent = text;
+  find('canvas').setAttribute('aria-label', text);
+  find('file').textContent = `${name}.cpp`;
+  find('commands').textContent = `g++ -std=c++20 -O3 -ffp-contract=off -I include -I /usr/include/eigen3 \\\n  ${name}.cpp -o ${name}\n./${name}`;
+  tell(find('refused'), '');
   find('kind').textContent = particles[0].toUpperCase() + particles.slice(1);
   find('sine').hidden = name !== 'vibrating_floor';
   fillNumbers();
@@ -320,8 +326,9 @@ function play(should) {
   if (shown) { describedAt = 0; describe(shown); }
 }
 function step() {
+  if (!shown) return;
   play(false);
-  if (isWaiting || !shown) return;
+  if (isWaiting) return;
   isWaiting = true;
   worker.postMessage({ type: 'step' });
 }
@@ -349,10 +356,10 @@ function showProgram() {
   if (!programs[scene]) return;
   const nodes = [];
   for (const line of programText().split(/(?<=\n)/)) {
-    const number = line.match(/^(  constexpr double \w+ = )([^;]+)(;.*\n)$/s);
-    if (number) {
-      nodes.push(...highlighted(number[1]), Object.assign(document.createElement('mark'), { textContent: number[2] }),
-        ...highlighted(number[3]));
+    const [, start, name, value, rest] = line.match(/^(  constexpr double (\w+) = )([^;]+)(;.*\n)$/s) ?? [];
+    if (scenes[scene].numbers.some((number) => number.name === name)) {
+      nodes.push(...highlighted(start), Object.assign(document.createElement('mark'), { textContent: value }),
+        ...highlighted(rest));
     } else {
       nodes.push(...highlighted(line));
     }
@@ -388,11 +395,11 @@ window.silt = {
 };
 
 find('scenes').replaceChildren(...scenes.map(({ title, method, name }, k) => {
-  const button = Object.assign(document.createElement('button'), { role: 'tab' });
+  const button = document.createElement('button');
   button.append(title, Object.assign(document.createElement('small'), { textContent: method }));
   button.addEventListener('click', () => {
     window.history.replaceState(null, '', `#${name}`);
-    choose(k);
+    if (isLoaded) choose(k);
   });
   return button;
 }));
@@ -400,6 +407,20 @@ find('pause').addEventListener('click', () => play(!isPlaying));
 find('step').addEventListener('click', step);
 find('reset').addEventListener('click', () => { play(true); start(); });
 find('copy').addEventListener('click', copyProgram);
+window.addEventListener('hashchange', () => {
+  if (isLoaded && sceneOfAddress() >= 0) choose(sceneOfAddress());
+});
+// Not by the address, which names the scene.
+find('to-program').addEventListener('click', (event) => {
+  event.preventDefault();
+  find('program').focus({ preventScroll: true });
+  find('program').scrollIntoView();
+});
+// By itself, the page is at the root of the server; in the site, below the documentation.
+if (new URL('..', location).pathname !== new URL('.', location).pathname) {
+  find('home').href = '../';
+  find('documentation').hidden = false;
+}
 find('numbers').addEventListener('submit', (event) => event.preventDefault());
 
 const keys = {
@@ -416,9 +437,11 @@ function turn(by) {
 }
 document.addEventListener('keydown', (event) => {
   if (event.ctrlKey || event.metaKey || event.altKey) return;
+  if (!isLoaded || !Object.hasOwn(keys, event.key)) return;
   const { type, tagName } = event.target;
-  const writes = type === 'text' || (event.key.startsWith('Arrow') && (type === 'range' || type === 'radio'));
-  if (writes || (event.key === ' ' && tagName === 'BUTTON') || !keys[event.key]) return;
+  const isUsed = type === 'text' || (event.key === ' ' && (tagName === 'BUTTON' || type === 'radio'))
+    || (event.key.startsWith('Arrow') && (type === 'range' || type === 'radio' || tagName === 'PRE'));
+  if (isUsed) return;
   event.preventDefault();
   keys[event.key]();
 });
