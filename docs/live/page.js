@@ -231,7 +231,8 @@ function choose(number) {
   find('text').textContent = text;
   find('canvas').setAttribute('aria-label', text);
   find('file').textContent = `${name}.cpp`;
-  find('commands').textContent = `g++ -std=c++20 -O3 -ffp-contract=off -I include -I /usr/include/eigen3 \\\n  ${name}.cpp -o ${name}\n./${name}`;
+  // The frames are in a folder of the name of the scene, which no program may have.
+  find('commands').textContent = `g++ -std=c++20 -O3 -ffp-contract=off -I include -I /usr/include/eigen3 \\\n  ${name}.cpp -o program\n./program`;
   tell(find('refused'), '');
   find('kind').textContent = particles[0].toUpperCase() + particles.slice(1);
   find('sine').hidden = name !== 'vibrating_floor';
