@@ -17,19 +17,21 @@ function fromOklch(L, C, h) {
     .map((linear) => linear <= 0.0031308 ? 12.92 * linear : 1.055 * linear ** (1 / 2.4) - 0.055);
 }
 
-// The colours of 256 values: lightness rises, and the hue falls, in equal perceived steps.
-export function colourTable() {
+// The colours of 256 values: lightness rises, and the hue falls, in equal perceived steps. On a dark
+// page it begins lighter, so that what rests is seen there, too.
+export function colourTable(isDark) {
+  const lowest = isDark ? 0.54 : 0.41;
   const table = new Uint8Array(4 * 256);
   for (let k = 0; k < 256; ++k) {
     const t = k / 255;
-    const colour = fromOklch(0.41 + 0.47 * t, 0.115 + 0.03 * Math.abs(2 * t - 1), (272 - 170 * t) * Math.PI / 180);
+    const colour = fromOklch(lowest + (0.88 - lowest) * t, 0.115 + 0.03 * Math.abs(2 * t - 1), (272 - 170 * t) * Math.PI / 180);
     table.set([...colour.map((part) => Math.round(255 * part)), 255], 4 * k);
   }
   return table;
 }
 
-export function drawBar(canvas) {
-  const image = new ImageData(new Uint8ClampedArray(colourTable()), 256, 1);
+export function drawBar(canvas, table) {
+  const image = new ImageData(new Uint8ClampedArray(table), 256, 1);
   canvas.getContext('2d').putImageData(image, 0, 0);
 }
 
@@ -100,26 +102,43 @@ function compile(gl, vertex, fragment) {
 }
 
 export class Drawing {
-  constructor(canvas) {
+  // colourBy() and draw() are due after construction, and when `restored` is called after a lost context.
+  constructor(canvas, restored) {
     this.canvas = canvas;
     const gl = canvas.getContext('webgl2', { alpha: true, antialias: true });
     if (!gl) throw new Error('This browser has no WebGL2, which draws the particles.');
     this.gl = gl;
+    this.prepare();
+    // Otherwise the browser does not restore it.
+    canvas.addEventListener('webglcontextlost', (event) => event.preventDefault());
+    canvas.addEventListener('webglcontextrestored', () => {
+      this.prepare();
+      restored();
+    });
+  }
+
+  prepare() {
+    const { gl } = this;
     this.particles = compile(gl, particleVertex, particleFragment);
     this.walls = compile(gl, wallVertex, wallFragment);
     this.buffer = gl.createBuffer();
     this.wallBuffer = gl.createBuffer();
-    const texture = gl.createTexture();
-    gl.bindTexture(gl.TEXTURE_2D, texture);
-    gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA, 256, 1, 0, gl.RGBA, gl.UNSIGNED_BYTE, colourTable());
+    gl.bindTexture(gl.TEXTURE_2D, gl.createTexture());
     for (const name of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_2D, name, gl.LINEAR);
     gl.enable(gl.BLEND);
     gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
   }
 
+  // By a table of colourTable().
+  colourBy(table) {
+    const { gl } = this;
+    gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA, 256, 1, 0, gl.RGBA, gl.UNSIGNED_BYTE, table);
+  }
+
   // `look` has view [m], most, isGrain, ink (sRGB, 0 to 1) and swell, by which discs are larger.
   draw(frame, look) {
     const { gl, canvas } = this;
+    if (gl.isContextLost()) return;
     const ratio = Math.min(window.devicePixelRatio || 1, 2);
     const width = Math.round(canvas.clientWidth * ratio), height = Math.round(canvas.clientHeight * ratio);
     if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, { width, height });

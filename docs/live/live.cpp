@@ -71,6 +71,7 @@ SILT_EXPORT(hash) std::uint64_t live_hash() {
 }
 /// Text in UTF-8, ended by zero.
 SILT_EXPORT(error) const char* live_error() { return message.c_str(); }
+/// [s]; 0 for a scene that does not exist.
 SILT_EXPORT(end_of_program) double live_end_of_program(unsigned number) {
-  return live::ends.at(number);
+  return number < live::ends.size() ? live::ends[number] : 0;
 }

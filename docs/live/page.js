@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The page: starts the worker, draws what it sends, and passes on what the user changes.
 import uPlot from './uPlot.esm.js';
-import { Drawing, drawBar } from './draw.js';
+import { Drawing, colourTable, drawBar } from './draw.js';
 import { scenes, toText, withNumbers } from './scenes.js';
 
 const budget = 12;         // of the worker for a frame [ms]
@@ -14,6 +14,8 @@ const worker = new Worker('worker.js', { type: 'module' });
 
 let scene = 0;             // its number
 let values = [];           // those of the sliders
+let lastStarted = [];      // those of the last start that was not refused
+let isLoaded = false;
 let tilt = 0;              // [degrees]
 let quantity;
 let curve = 'energy';
@@ -29,14 +31,19 @@ const programs = [];
 // --- the worker ----------------------------------------------------------------------------------
 
 const answers = {
-  loaded() { choose(startingScene()); },
+  loaded() {
+    isLoaded = true;
+    for (const id of ['pause', 'step', 'reset', 'copy']) find(id).disabled = false;
+    choose(Math.max(0, sceneOfAddress()));
+  },
   started(frame) {
     if (frame.key !== key) return;
     isWaiting = false;
     if (!find('failed').hidden) play(true);
     tell(find('refused'), '');
     tell(find('failed'), '');
-    markRefused(null);
+    lastStarted = values.slice();
+    markRefused(false);
     history.times.length = history.kinetic.length = history.potential.length = history.pressure.length = 0;
     pace.length = 0;
     show(frame);
@@ -45,14 +52,14 @@ const answers = {
     isWaiting = false;
     if (frame.steps > 0) pace.push({ at: performance.now(), advanced: frame.advanced, steps: frame.steps, spent: frame.spent });
     // A simulation slower than real time need not wait until this frame is drawn.
-    if (isPlaying && frame.isLate) ask();
+    if (isPlaying && frame.isLate && !document.hidden) ask();
     show(frame);
   },
   refused({ message, key: of }) {
     if (of !== key) return;
     isWaiting = false;
     tell(find('refused'), message);
-    markRefused(message);
+    markRefused(true);
   },
   failed({ message }) {
     isWaiting = false;
@@ -133,7 +140,7 @@ function describe(frame) {
   while (pace.length > 2 && now - pace[0].at > 1500) pace.shift();
   if (!isPlaying) {
     find('share').textContent = 'paused';
-  } else if (pace.length > 5) {
+  } else if (pace.length > 5 || (pace.length > 1 && pace.at(-1).at - pace[0].at > 1000)) {
     const rest = pace.slice(1);
     const sum = (of) => rest.reduce((all, one) => all + one[of], 0);
     find('share').textContent = shareText(1000 * sum('advanced') / (pace.at(-1).at - pace[0].at));
@@ -183,13 +190,15 @@ function makePlot() {
     return entry;
   }));
   if (curve === 'pressure') legend.append('Right wall, 5 cm up');
+  const width = (texts) => 14 + 7 * Math.max(0, ...texts.map((text) => text.length));  // [pixels], about
   const axis = { stroke: colour('--quiet'), grid: { stroke: colour('--line'), width: 1 }, ticks: { show: false },
     font: '12px system-ui, sans-serif' };
   plot = new uPlot({
     width: find('plot').clientWidth, height: 150, legend: { show: false }, cursor: { show: false }, padding: [8, 8, 0, 0],
     scales: { x: { time: false, range: (_, low, high) => [0, Math.max(0.5, high ?? 0)] } },
     axes: [{ ...axis, size: 26, gap: 4, values: (_, ticks) => ticks.map((tick) => `${tick} s`), space: 60 },
-      { ...axis, size: 70, gap: 6, space: 34, values: (_, ticks) => ticks.map((tick) => `${tick.toLocaleString('en-GB')} ${unit}`) }],
+      { ...axis, size: (_, texts) => width(texts ?? []), gap: 6, space: 34,
+        values: (_, ticks) => ticks.map((tick) => `${tick.toLocaleString('en-GB')} ${unit}`) }],
     series: [{}, ...lines.map(([label, of]) => ({ label, stroke: colour(of), width: 2, points: { show: false } }))],
   }, [[]], find('plot'));
   updatePlot();
@@ -197,10 +206,8 @@ function makePlot() {
 
 // --- what the user changes -----------------------------------------------------------------------
 
-function startingScene() {
-  const named = scenes.findIndex((one) => `#${one.name}` === location.hash);
-  return Math.max(0, named);
-}
+// -1 if it names none.
+const sceneOfAddress = () => scenes.findIndex((one) => `#${one.name}` === location.hash);
 
 // Choices of one of several: texts, which one is chosen, and what then happens.
 function fillChoice(place, name, texts, chosen, then) {
@@ -218,9 +225,15 @@ function choose(number) {
   scene = number;
   const { text, particles, numbers, quantities, hasGauge, name } = scenes[scene];
   values = numbers.map((one) => one.value);
+  lastStarted = values.slice();
   tilt = 0;
-  [...find('scenes').children].forEach((button, k) => button.setAttribute('aria-selected', k === scene));
+  [...find('scenes').children].forEach((button, k) => button.setAttribute('aria-pressed', k === scene));
   find('text').textContent = text;
+  find('canvas').setAttribute('aria-label', text);
+  find('file').textContent = `${name}.cpp`;
+  // The frames are in a folder of the name of the scene, which no program may have.
+  find('commands').textContent = `g++ -std=c++20 -O3 -ffp-contract=off -I include -I /usr/include/eigen3 \\\n  ${name}.cpp -o program\n./program`;
+  tell(find('refused'), '');
   find('kind').textContent = particles[0].toUpperCase() + particles.slice(1);
   find('sine').hidden = name !== 'vibrating_floor';
   fillNumbers();
@@ -261,8 +274,8 @@ function numberRow({ label, unit, least, most, step, digits, decades }, value, c
   };
   write(value);
   slider.addEventListener('input', () => {
-    const number = decades ? 10 ** Number(slider.value) : Number(slider.value);
-    field.value = decades ? toText(number) : number.toFixed(digits);
+    field.value = decades ? toText(Number((10 ** Number(slider.value)).toPrecision(3)))
+      : Number(slider.value).toFixed(digits);
     change(Number(field.value));
   });
   field.addEventListener('change', () => {
@@ -279,7 +292,7 @@ function numberRow({ label, unit, least, most, step, digits, decades }, value, c
 let tiltRow;
 function fillNumbers() {
   tiltRow = numberRow({ label: 'Tilt of gravity', unit: '°', least: -maxTilt, most: maxTilt, step: 1, digits: 0 }, tilt,
-    (value) => setTilt(value));
+    (value) => Number.isFinite(value) ? setTilt(value) : tiltRow.write(tilt));
   find('numbers').replaceChildren(...scenes[scene].numbers.map((number, k) => numberRow(number, values[k], (value) => {
     values[k] = value;
     showProgram();
@@ -287,12 +300,11 @@ function fillNumbers() {
   })), tiltRow);
 }
 
-// The field whose name is in the sentence.
-function markRefused(message) {
-  [...find('numbers').children].forEach((row, k) => {
-    const number = scenes[scene].numbers[k];
-    const word = number && (number.name === 'R' ? 'radius' : number.name === 'alpha' ? 'alpha' : number.name);
-    row.querySelector('input').classList.toggle('bad', Boolean(message && word && message.includes(word)));
+// Marks the fields that were changed since the last start: one of them is the reason.
+function markRefused(isRefused) {
+  values.forEach((value, k) => {
+    const field = find('numbers').children[k].querySelector('input');
+    field.setAttribute('aria-invalid', isRefused && !Object.is(value, lastStarted[k]));
   });
 }
 
@@ -308,14 +320,16 @@ function showTilt() {
 
 function play(should) {
   isPlaying = should;
+  if (isPlaying) tell(find('failed'), '');
   find('pause').textContent = isPlaying ? 'Pause' : 'Play';
   lastAsked = performance.now();
   pace.length = 0;
   if (shown) { describedAt = 0; describe(shown); }
 }
 function step() {
+  if (!shown) return;
   play(false);
-  if (isWaiting || !shown) return;
+  if (isWaiting) return;
   isWaiting = true;
   worker.postMessage({ type: 'step' });
 }
@@ -343,10 +357,10 @@ function showProgram() {
   if (!programs[scene]) return;
   const nodes = [];
   for (const line of programText().split(/(?<=\n)/)) {
-    const number = line.match(/^(  constexpr double \w+ = )([^;]+)(;.*\n)$/s);
-    if (number) {
-      nodes.push(...highlighted(number[1]), Object.assign(document.createElement('mark'), { textContent: number[2] }),
-        ...highlighted(number[3]));
+    const [, start, name, value, rest] = line.match(/^(  constexpr double (\w+) = )([^;]+)(;.*\n)$/s) ?? [];
+    if (scenes[scene].numbers.some((number) => number.name === name)) {
+      nodes.push(...highlighted(start), Object.assign(document.createElement('mark'), { textContent: value }),
+        ...highlighted(rest));
     } else {
       nodes.push(...highlighted(line));
     }
@@ -382,11 +396,11 @@ window.silt = {
 };
 
 find('scenes').replaceChildren(...scenes.map(({ title, method, name }, k) => {
-  const button = Object.assign(document.createElement('button'), { role: 'tab' });
+  const button = document.createElement('button');
   button.append(title, Object.assign(document.createElement('small'), { textContent: method }));
   button.addEventListener('click', () => {
     window.history.replaceState(null, '', `#${name}`);
-    choose(k);
+    if (isLoaded) choose(k);
   });
   return button;
 }));
@@ -394,6 +408,20 @@ find('pause').addEventListener('click', () => play(!isPlaying));
 find('step').addEventListener('click', step);
 find('reset').addEventListener('click', () => { play(true); start(); });
 find('copy').addEventListener('click', copyProgram);
+window.addEventListener('hashchange', () => {
+  if (isLoaded && sceneOfAddress() >= 0) choose(sceneOfAddress());
+});
+// Not by the address, which names the scene.
+find('to-program').addEventListener('click', (event) => {
+  event.preventDefault();
+  find('program').focus({ preventScroll: true });
+  find('program').scrollIntoView();
+});
+// By itself, the page is at the root of the server; in the site, below the documentation.
+if (new URL('..', location).pathname !== new URL('.', location).pathname) {
+  find('home').href = '../';
+  find('documentation').hidden = false;
+}
 find('numbers').addEventListener('submit', (event) => event.preventDefault());
 
 const keys = {
@@ -410,9 +438,11 @@ function turn(by) {
 }
 document.addEventListener('keydown', (event) => {
   if (event.ctrlKey || event.metaKey || event.altKey) return;
+  if (!isLoaded || !Object.hasOwn(keys, event.key)) return;
   const { type, tagName } = event.target;
-  const writes = type === 'text' || (event.key.startsWith('Arrow') && (type === 'range' || type === 'radio'));
-  if (writes || (event.key === ' ' && tagName === 'BUTTON') || !keys[event.key]) return;
+  const isUsed = type === 'text' || (event.key === ' ' && (tagName === 'BUTTON' || type === 'radio'))
+    || (event.key.startsWith('Arrow') && (type === 'range' || type === 'radio' || tagName === 'PRE'));
+  if (isUsed) return;
   event.preventDefault();
   keys[event.key]();
 });
@@ -421,11 +451,20 @@ new ResizeObserver(() => {
   plot?.setSize({ width: find('plot').clientWidth, height: 150 });
   draw();
 }).observe(document.querySelector('main'));
-matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => { makePlot(); draw(); });
+const dark = matchMedia('(prefers-color-scheme: dark)');
+function paint() {
+  drawing.colourBy(colourTable(dark.matches));
+  drawBar(find('bar'), colourTable(dark.matches));
+  draw();
+}
+dark.addEventListener('change', () => {
+  if (plot) makePlot();
+  if (drawing) paint();
+});
 
 try {
-  drawing = new Drawing(find('canvas'));
-  drawBar(find('bar'));
+  drawing = new Drawing(find('canvas'), paint);
+  paint();
   await Promise.all(scenes.map(async ({ name }, k) => {
     programs[k] = await (await fetch(`programs/${name}.cpp`)).text();
   }));

@@ -11,6 +11,7 @@
 
 #include "../../tests/portability/hash.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -220,7 +221,8 @@ struct OfGrains {
   double alpha = 0;       // global damping [1/s]
   Box<2> room = {.lower = {-0.8, 0}, .upper = {0.8, 1.2}};
   double hopper = 0;        // its opening [m]; 0: none
-  dem::Vibration<2> floor = {};  // of frequency 0: none
+  bool is_bed = false;      // whether it has the floor
+  dem::Vibration<2> floor = {};
 
   static constexpr Index lid_number = 2;
   static constexpr Index floor_number = 4;
@@ -230,7 +232,6 @@ struct OfGrains {
     return {{{sign * 0.3, 1.2}, {sign * 0.3, 0.7}, {sign * hopper / 2, 0.4}}};
   }
   dem::Polyline<> lid() const { return {{{-hopper / 2, 0.4}, {hopper / 2, 0.4}}}; }
-  bool has_floor() const { return floor.frequency != 0; }
 
   auto simulation() const {
     const dem::CundallStrack law{.normal_stiffness = stiffness,
@@ -251,7 +252,7 @@ struct OfGrains {
                           Leapfrog{GlobalDamping{.alpha = alpha}}};
     auto& walls = simulation.interaction().template part<1>();
     for (Index wall = 0; wall <= lid_number; ++wall) walls.set_wall_present(wall, is_hopper);
-    walls.set_wall_present(floor_number, has_floor());
+    walls.set_wall_present(floor_number, is_bed);
     return simulation;
   }
 
@@ -277,7 +278,7 @@ struct OfGrains {
   }
   template <class Sim>
   std::vector<Line> lines(const Sim& simulation) const {
-    if (has_floor()) {
+    if (is_bed) {
       const double y = floor.pose_at(simulation.time()).shift[1];
       const double left = room.lower[0], right = room.upper[0];
       return {{{left, y}, {right, y}},
@@ -322,6 +323,7 @@ inline OfGrains vibrating_floor(double depth, double amplitude, double frequency
           .restitution = restitution,
           .friction_angle = friction_angle,
           .room = {.lower = {-0.5, -infinity}, .upper = {0.5, infinity}},
+          .is_bed = true,
           .floor = {.amplitude = {0, amplitude}, .frequency = frequency}};
 }
 
@@ -346,9 +348,26 @@ inline constexpr std::array names{"dam_break", "tower", "vibrating_floor", "hopp
 // The end of the program of the same name [s].
 inline constexpr std::array ends{1.0, 1.5, 2.0, 2.5};
 
+// More take a browser seconds for a step, and many more exceed the memory of the module.
+inline constexpr double max_particles = 20000;
+
+// About the number of particles of a scene, known before any is made. A side that is not positive
+// gives 0: Silt refuses it, and its message says why.
+inline double estimated_size(Index scene, const std::array<double, 5>& numbers) {
+  const double area = std::array{std::min(numbers[1], DamBreak::length) * std::min(numbers[2], 1.2),
+                                 0.2 * 0.8, numbers[0], 0.56 * 0.32}[scene];
+  const double side = std::array{numbers[0], 2 * numbers[0], 0.02, 2.45 * numbers[0]}[scene];
+  return side > 0 ? area / (side * side) : 0;
+}
+
 // The numbers in the order of the constants at the top of the program of the same name.
 inline std::unique_ptr<Scene> make_scene(Index scene, const std::array<double, 5>& numbers) {
   const auto [a, b, c, d, e] = numbers;
+  if (scene < names.size() && estimated_size(scene, numbers) > max_particles) {
+    fail(std::string("live: ") + names[scene] + " would have about " +
+         to_text(estimated_size(scene, numbers)) + " particles, more than the " +
+         to_text(max_particles) + " of this page; give larger or fewer ones");
+  }
   switch (scene) {
     case 0:
       return std::make_unique<SceneOf<DamBreak>>(DamBreak{a, b, c, d});

@@ -64,13 +64,9 @@ export const scenes = [
   },
 ];
 
-// A number as it stands in a program: small ones with an exponent.
+// A number as it stands in a program, with all of its digits: small ones with an exponent.
 export function toText(value) {
-  if (!Number.isFinite(value)) return String(value);
-  const rounded = Number(value.toPrecision(6));
-  if (rounded === 0 || Math.abs(rounded) >= 1e-3) return String(rounded);
-  const [digits, exponent] = rounded.toExponential().split('e');
-  return `${Number(Number(digits).toFixed(3))}e${exponent}`;
+  return value === 0 || Math.abs(value) >= 1e-3 ? String(value) : value.toExponential();
 }
 
 // The text of a program with other numbers.

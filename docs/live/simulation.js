@@ -29,7 +29,7 @@ class Simulation {
 
   // The numbers are those at the top of the program, in its order. Throws Silt's own sentence.
   start(scene, numbers) {
-    new Float64Array(this.silt.memory.buffer, this.silt.numbers(), 5).set(numbers);
+    new Float64Array(this.silt.memory.buffer, this.silt.numbers() >>> 0, 5).set(numbers);
     if (!this.silt.start(scene)) throw new Error(this.message());
   }
   // Steps until this time [s], at most `most` of them; returns their number.
@@ -45,12 +45,12 @@ class Simulation {
   observe(quantity) {
     const { silt } = this;
     if (!silt.observe(quantity)) throw new Error(this.message());
-    const floats = (at, size) => new Float32Array(silt.memory.buffer, at, size).slice();
-    const [kinetic, potential, pressure] = new Float64Array(silt.memory.buffer, silt.curves(), 3);
+    const floats = (at, size) => new Float32Array(silt.memory.buffer, at >>> 0, size >>> 0).slice();
+    const [kinetic, potential, pressure] = new Float64Array(silt.memory.buffer, silt.curves() >>> 0, 3);
     return {
       time: silt.time(),
       timeStep: silt.time_step(),
-      size: silt.size(),
+      size: silt.size() >>> 0,
       particles: floats(silt.picture(), silt.picture_size()),
       walls: floats(silt.walls(), silt.walls_size()),
       kinetic, potential, pressure,
@@ -63,7 +63,7 @@ class Simulation {
 
   message() {
     const bytes = new Uint8Array(this.silt.memory.buffer);
-    const begin = this.silt.error();
+    const begin = this.silt.error() >>> 0;
     return decoder.decode(bytes.slice(begin, bytes.indexOf(0, begin)));
   }
 }

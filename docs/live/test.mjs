@@ -83,21 +83,31 @@ try {
   await page.waitForFunction((size) => window.silt.state().size < size, before);
   check((await page.locator('#code').textContent()).includes('constexpr double spacing = 0.04;'),
     'the slider of the spacing changes particles and program');
-  const field = page.getByLabel('Particle spacing, any number');
-  await field.fill('-0.02');
-  await field.press('Enter');
-  const sentence = 'Tank: spacing = -0.02 must be positive; give a value above 0';
-  await page.waitForFunction((text) => document.querySelector('#refused').textContent === text, sentence);
-  check(await page.locator('#refused').isVisible(), `a value out of range: ${sentence}`);
-  await page.screenshot({ path: `${pictures}/refused.png` });
-  await field.fill('0.03');
-  await field.press('Enter');
-  await page.locator('#refused').waitFor({ state: 'hidden' });
-  await untilTime(page, 0.02);
-  check(true, 'the next value runs');
+  const field = (name) => page.getByLabel(`${name}, any number`);
+  const type = async (name, text) => {
+    await field(name).fill(text);
+    await field(name).press('Enter');
+  };
+  const marked = () => page.locator('[aria-invalid=true]').evaluateAll((all) => all.map((one) => one.ariaLabel).join());
+  for (const [name, text, good, sentence] of [
+    ['Width of the column', '3', '0.4', 'the column has 75 spacings, but the tank has 40'],
+    ['Particle spacing', '-0.02', '0.04', 'Tank: spacing = -0.02 must be positive; give a value above 0'],
+    ['Particle spacing', '0.0001', '0.03', 'more than the 20000 of this page'],
+  ]) {
+    await type(name, text);
+    await page.waitForFunction((part) => document.querySelector('#refused').textContent.includes(part), sentence);
+    const said = await page.locator('#refused').textContent();
+    check(await page.locator('#refused').isVisible() && await marked() === `${name}, any number`,
+      `a value out of range, at ${await marked()}: ${said}`);
+    await page.screenshot({ path: `${pictures}/refused.png` });
+    await type(name, good);
+    await page.locator('#refused').waitFor({ state: 'hidden' });
+    await untilTime(page, 0.02);
+    check(await marked() === '', `${good} runs`);
+  }
 
   // Gravity along the floor carries the grains there.
-  await page.getByRole('tab', { name: 'Broken tower' }).click();
+  await page.getByRole('button', { name: 'Broken tower' }).click();
   await page.waitForFunction(() => window.silt.state().size === 257);
   await page.getByRole('slider', { name: 'Tilt of gravity' }).fill('45');
   await untilTime(page, 0.3);
@@ -107,9 +117,23 @@ try {
     for (let k = 0; k < particles.length; k += 5) sum += particles[k] / size;
     return sum;
   });
+  await type('Tilt of gravity', 'abc');
+  const tilted = (await state(page)).time;
+  await untilTime(page, tilted + 0.05);
+  check(await field('Tilt of gravity').inputValue() === '45', 'a tilt that is not a number changes nothing');
   check(mean > 0.05, `tilted gravity moves the tower by ${mean.toFixed(2)} m in 0.3 s`);
   await page.getByText('Spin', { exact: true }).click();
   check((await page.locator('#most').textContent()).includes('rad/s'), 'colours show the spin');
+
+  // A floor at rest, as in the program.
+  await page.evaluate(() => { location.hash = '#vibrating_floor'; });
+  await page.waitForFunction(() => document.querySelector('#file').textContent === 'vibrating_floor.cpp');
+  await type('Frequency of the floor', '0');
+  await page.waitForFunction(() => window.silt.state().walls.length === 12 && window.silt.state().time < 0.1);
+  await untilTime(page, 0.5);
+  const lowest = await page.evaluate(() => window.silt.state().particles.filter((_, k) => k % 5 === 1)
+    .reduce((least, y) => Math.min(least, y)));
+  check(lowest > 0, `frequency 0: the lowest grain is at ${lowest.toFixed(3)} m`);
 
   for (const name of await page.evaluate(() => window.silt.scenes)) {
     const expected = execFileSync(`${build}/${name}`, { encoding: 'utf8' }).trim();

@@ -2,7 +2,8 @@
 // Runs the simulation beside the page, so that the page never waits for it.
 import { compileSimulation } from './simulation.js';
 
-let silt;
+let silt;             // undefined after a trap, until the next start
+let bytes;            // of the module
 let quantity = 0;
 let costPerStep = 1;  // [ms], about
 
@@ -33,13 +34,17 @@ const orders = {
   async load({ url }) {
     const answer = await fetch(url);
     if (!answer.ok) throw new Error(`${url} is missing: ${answer.status}`);
-    silt = await compileSimulation(await answer.arrayBuffer());
+    bytes = await answer.arrayBuffer();
+    silt = await compileSimulation(bytes);
     postMessage({ type: 'loaded' });
   },
-  start({ scene, numbers, tilt, key }) {
+  async start({ scene, numbers, tilt, key }) {
     try {
-      silt.start(scene, numbers);
+      const started = silt ?? await compileSimulation(bytes);
+      started.start(scene, numbers);
+      silt = started;
     } catch (error) {
+      if (isTrap(error)) throw error;
       postMessage({ type: 'refused', message: error.message, key });
       return;
     }
@@ -72,11 +77,25 @@ const orders = {
   },
 };
 
-onmessage = async ({ data }) => {
+// After a trap, such as that of a lack of memory, the state of the module is not defined: the next start
+// compiles a new one.
+const isTrap = (error) => error instanceof WebAssembly.RuntimeError || error instanceof RangeError;
+let reason;  // the message of the last trap
+
+async function obey(order) {
   try {
-    if (data.quantity !== undefined) quantity = data.quantity;
-    await orders[data.type](data);
+    if (order.quantity !== undefined) quantity = order.quantity;
+    if (!silt && order.type !== 'load' && order.type !== 'start') throw new Error(reason);
+    await orders[order.type](order);
   } catch (error) {
-    postMessage({ type: 'failed', message: error.message });
+    if (isTrap(error)) {
+      silt = undefined;
+      reason = `The simulation has stopped (${error.message}); change a number or press Reset to start it anew`;
+    }
+    postMessage({ type: 'failed', message: isTrap(error) ? reason : error.message });
   }
-};
+}
+
+// One order after the other, also while a module is compiled.
+let last = Promise.resolve();
+onmessage = ({ data }) => { last = last.then(() => obey(data)); };
