@@ -33,8 +33,15 @@ def lattice(lower, upper, spacing: float) -> np.ndarray:
 # --- laws ------------------------------------------------------------------------------------------
 
 
+class _Law:
+    """Base of the laws, all of whose attributes are numbers."""
+
+    def __post_init__(self):
+        _convert(self, **{field.name: arguments.number for field in dataclasses.fields(self)})
+
+
 @dataclasses.dataclass(frozen=True, kw_only=True)
-class CundallStrack:
+class CundallStrack(_Law):
     """Linear springs and dashpots with Coulomb friction, after Cundall and Strack.
 
     normal_stiffness        [N/m], above 0
@@ -48,12 +55,9 @@ class CundallStrack:
     restitution: float = 1.0
     friction_angle: float = 0.0
 
-    def __post_init__(self):
-        _convert(self, **{field.name: arguments.number for field in dataclasses.fields(self)})
-
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
-class LinearSpringDashpot:
+class LinearSpringDashpot(_Law):
     """A linear spring and dashpot along the normal, a linear spring with Coulomb friction across it.
 
     normal_stiffness        [N/m], above 0
@@ -67,12 +71,9 @@ class LinearSpringDashpot:
     restitution: float = 1.0
     friction_angle: float = 0.0
 
-    def __post_init__(self):
-        _convert(self, **{field.name: arguments.number for field in dataclasses.fields(self)})
-
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
-class HertzMindlin:
+class HertzMindlin(_Law):
     """Elastic spheres: Hertz's normal force, and Mindlin's tangential force with Coulomb friction.
 
     young_modulus     [Pa], above 0
@@ -85,9 +86,6 @@ class HertzMindlin:
     poisson_ratio: float
     restitution: float = 1.0
     friction_angle: float = 0.0
-
-    def __post_init__(self):
-        _convert(self, **{field.name: arguments.number for field in dataclasses.fields(self)})
 
 
 LAWS = (CundallStrack, LinearSpringDashpot, HertzMindlin)
