@@ -97,10 +97,6 @@ def _side(name, value):
     return arguments.choice(name, value, ("inside", "outside"))
 
 
-def _flag(_, value):
-    return bool(value)
-
-
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Plane:
     """A half-space: everything behind the plane is solid. In 2D the plane is a line.
@@ -176,7 +172,7 @@ class Polyline:
     closed: bool = False
 
     def __post_init__(self):
-        _convert(self, points=arguments.points, closed=_flag)
+        _convert(self, points=arguments.points, closed=arguments.flag)
         if self.points.shape[1] != 2:
             raise Error(f"Polyline: points has the shape {self.points.shape}; give (n, 2)")
 
@@ -198,7 +194,7 @@ class Cylinder:
 
     def __post_init__(self):
         _convert(self, start=arguments.vector, end=arguments.vector, radius=arguments.number, grains=_side,
-                 ends=_flag)
+                 ends=arguments.flag)
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True, eq=False)

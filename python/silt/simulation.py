@@ -174,7 +174,8 @@ class Simulation:
             for each in observers:
                 each(self)
 
-        self._core.run(until, output_every, time_step, bool(end_exactly), observe)
+        ends_exactly = arguments.flag("Simulation.run: end_exactly", end_exactly)
+        self._core.run(until, output_every, time_step, ends_exactly, observe)
 
     def remove(self, ids) -> None:
         """Removes the particles with these ids, an array of shape (k,) or one id. Raises silt.Error, and
@@ -197,7 +198,8 @@ class Simulation:
     def set_wall_present(self, wall: int, present: bool) -> None:
         """Takes a wall of grains away, or puts it back, from the next step on. Walls are numbered from 0, in
         the order in which they were given."""
-        self._core.set_wall_present(arguments.count("Simulation: wall", wall), bool(present))
+        self._core.set_wall_present(arguments.count("Simulation: wall", wall),
+                                    arguments.flag("Simulation.set_wall_present: present", present))
 
     def is_wall_present(self, wall: int) -> bool:
         """Whether a wall of grains acts on them."""
@@ -300,7 +302,7 @@ def grain_simulation(
         gravity = (0.0,) * (dimension - 1) + (-9.81,)
     return Simulation._of(_silt.grains(
         x,
-        arguments.filled(name + "velocity", velocity, (n, dimension)),
+        arguments.finite(name + "velocity", arguments.filled(name + "velocity", velocity, (n, dimension))),
         arguments.filled(name + "radius", radius, (n,)),
         arguments.filled(name + "density", density, (n,)),
         law,
@@ -350,9 +352,9 @@ def flow_simulation(
     on_escape = arguments.choice(name + "on_escape", on_escape, ("refuse", "remove"))
     return Simulation._of(_silt.flow(
         x,
-        arguments.filled(name + "velocity", velocity, x.shape),
+        arguments.finite(name + "velocity", arguments.filled(name + "velocity", velocity, x.shape)),
         list(arguments.vector(name + "tank", tank)),
-        bool(lid),
+        arguments.flag(name + "lid", lid),
         on_escape == "remove",
         arguments.number(name + "spacing", spacing),
         arguments.number(name + "density", density),
