@@ -334,6 +334,23 @@ class EndOfTheInterpreter(unittest.TestCase):
             ended = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
             self.assertEqual((ended.returncode, ended.stdout, ended.stderr), (5, "", ""))
 
+    def test_is_no_crash_while_an_observer_is_in_python(self):
+        program = (
+            "import sys, threading\n"
+            f"sys.path.insert(0, {str(pathlib.Path(__file__).parent)!r})\n"
+            "from simulations import grains\n"
+            "begun = threading.Event()\n"
+            "def observe(simulation):\n"
+            "    begun.set()\n"
+            "    while True:\n"
+            "        simulation['position'][:] + 1\n"
+            "threading.Thread(target=grains().run, args=(1, 1e-3, observe), daemon=True).start()\n"
+            "begun.wait()\n"
+            "sys.exit(5)\n")
+        for _ in range(5):
+            ended = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
+            self.assertEqual((ended.returncode, ended.stdout, ended.stderr), (5, "", ""))
+
 
 class Checkpoints(unittest.TestCase):
     def test_continue_with_the_same_bits(self):
