@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Iterable, Sequence
 
 import numpy as np
@@ -364,7 +365,29 @@ def flow_simulation(
     ))
 
 
+_is_forked = False
+
+
+def _after_fork() -> None:
+    global _is_forked  # noqa: PLW0603
+    _is_forked = True
+    _silt.after_fork()
+
+
+# A step with several threads would wait for ever for those of the parent.
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_after_fork)
+
+
 def use_threads(number: int) -> None:
     """Sets the number of threads of all steps that the calling thread of Python makes from now on; otherwise it
-    is chosen automatically. Results are bitwise identical for any number."""
-    _silt.use_threads(min(arguments.count("use_threads: number", number), 2**31 - 1))
+    is chosen automatically. Results are bitwise identical for any number.
+
+    A process that was forked, as by multiprocessing on Linux, uses one thread; for it, silt.Error is raised if the
+    number is above 1.
+    """
+    threads = min(arguments.count("use_threads: number", number), 2**31 - 1)
+    if _is_forked and threads > 1:
+        raise Error(f"use_threads: number = {threads}, but this process was forked, and uses one thread; start "
+                    'it by multiprocessing.get_context("spawn"), or give 1')
+    _silt.use_threads(threads)

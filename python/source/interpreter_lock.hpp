@@ -34,6 +34,11 @@ class AtExit {
   [[noreturn]] static void stop_for_good() {
     while (true) std::this_thread::sleep_for(std::chrono::hours(1));
   }
+  /// In the only thread of a process that was forked, with its lock.
+  static void forget_others() {
+    unlocked_ = 0;
+    stopped_ = 0;
+  }
 
  private:
   friend class Unlocked;

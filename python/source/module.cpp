@@ -169,5 +169,10 @@ PYBIND11_MODULE(_silt, module) {
                              : lattice_of<3>(lower, upper, spacing);
   });
   module.def("use_threads", &use_threads);
+  // The threads of OpenMP do not exist in a process that was forked.
+  module.def("after_fork", [] {
+    AtExit::forget_others();
+    use_threads(1);
+  });
   py::module_::import("atexit").attr("register")(py::cpp_function(&AtExit::stop_others));
 }

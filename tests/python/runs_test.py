@@ -352,6 +352,40 @@ class EndOfTheInterpreter(unittest.TestCase):
             self.assertEqual((ended.returncode, ended.stdout, ended.stderr), (5, "", ""))
 
 
+@unittest.skipUnless(hasattr(os, "fork"), "this system has no fork")
+class Forks(unittest.TestCase):
+    def test_make_steps_with_one_thread(self):
+        program = (
+            "import multiprocessing, sys\n"
+            f"sys.path.insert(0, {str(pathlib.Path(__file__).parent)!r})\n"
+            "import silt\n"
+            "from simulations import bits, grains\n"
+            "silt.use_threads(2)\n"
+            "heap = grains(position=silt.lattice((-1, 0.1), (1, 2.1), 0.04))\n"
+            "heap.step(10)\n"
+            "def go_on(results):\n"
+            "    heap.step(10)\n"
+            "    try:\n"
+            "        silt.use_threads(2)\n"
+            "    except silt.Error as error:\n"
+            "        results.send((bits(heap), error.what))\n"
+            "fork = multiprocessing.get_context('fork')\n"
+            "results, ours = fork.Pipe()\n"
+            "child = fork.Process(target=go_on, args=(ours,))\n"
+            "child.start()\n"
+            "if not results.poll(60):\n"
+            "    child.kill()\n"
+            "    sys.exit('the steps of the child do not end')\n"
+            "state, sentence = results.recv()\n"
+            "child.join()\n"
+            "heap.step(10)\n"
+            "assert state == bits(heap)\n"
+            "assert 'spawn' in sentence\n")
+        ended = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False,
+                               timeout=120)
+        self.assertEqual((ended.returncode, ended.stdout, ended.stderr), (0, "", ""))
+
+
 class Checkpoints(unittest.TestCase):
     def test_continue_with_the_same_bits(self):
         with tempfile.TemporaryDirectory() as folder:
