@@ -12,7 +12,7 @@ import traceback
 import unittest
 
 import numpy as np
-from simulations import bits, grains, spheres, water
+from simulations import R, bits, grains, spheres, water
 
 import silt
 
@@ -60,11 +60,14 @@ class Runs(unittest.TestCase):
                     {"until": 1, "output_every": float("nan")}, {"until": 1, "output_every": 1e-14},
                     {"until": 1, "time_step": 0}, {"until": 1, "time_step": -1e-5}, {"until": 1, "time_step": 1e-20},
                     {"until": 1, "time_step": float("nan")}, {"until": 1, "time_step": "short"},
-                    {"until": 1, "time_step": 1}, {"until": 1, "observer": 3}, {"until": 1, "observer": [print, None]}):
+                    {"until": 1, "time_step": 1}, {"until": 1, "end_exactly": "no"}, {"until": 1, "observer": 3},
+                    {"until": 1, "observer": [print, None]}):
             with self.assertRaises(silt.Error, msg=repr(bad)) as caught:
                 simulation.run(**bad)
             self.assertEqual(caught.exception.what, str(caught.exception))
             self.assertGreater(len(caught.exception.what), 20)
+        with self.assertRaisesRegex(silt.Error, r"run\(until, time_step="):
+            grains(position=np.zeros((0, 2)), radius=R).step()
         for bad in ({"count": -1}, {"count": 0.5}, {"count": "two"}, {"count": 2**70}, {"time_step": 0},
                     {"time_step": []}):
             with self.assertRaises(silt.Error, msg=repr(bad)):
@@ -333,6 +336,7 @@ class EndOfTheInterpreter(unittest.TestCase):
         for _ in range(5):
             ended = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
             self.assertEqual((ended.returncode, ended.stdout, ended.stderr), (5, "", ""))
+
 
     def test_is_no_crash_while_an_observer_is_in_python(self):
         program = (
