@@ -232,10 +232,20 @@ class Simulation:
         """Writes the complete state, from which read_checkpoint() continues with the same bits."""
         self._core.write_checkpoint(arguments.path("Simulation.write_checkpoint: path", path))
 
-    def read_checkpoint(self, path) -> None:
-        """Replaces the state by that of a file. Raises silt.Error, and changes nothing, if the file is of a
-        simulation that was made with other arguments."""
-        self._core.read_checkpoint(arguments.path("Simulation.read_checkpoint: path", path))
+    def read_checkpoint(self, path, *, accepts_other_setup: bool = False) -> None:
+        """Replaces the state by that of a file.
+
+        accepts_other_setup    reads it although it was written with other arguments than those of this
+                               simulation, which then hold, but for the box and on_escape, those of the file
+
+        Positions, velocities, radii and densities are state, which the file has. All other arguments must be
+        those with which the file was written, except speed_scale of a flow, which only limits the time step.
+        Raises silt.Error, and changes nothing, if they are not, unless that is accepted; also if the file
+        cannot be read, or is of another dimension or kind of simulation.
+        """
+        self._core.read_checkpoint(
+            arguments.path("Simulation.read_checkpoint: path", path),
+            arguments.flag("Simulation.read_checkpoint: accepts_other_setup", accepts_other_setup))
 
 
 Observer = Callable[[Simulation], object]

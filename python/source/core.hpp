@@ -11,6 +11,7 @@
 #include <silt/core/error.hpp>
 #include <silt/core/run.hpp>
 #include <silt/core/types.hpp>
+#include <silt/io/checkpoint.hpp>
 
 #include "any_simulation.hpp"
 #include "arrays.hpp"
@@ -71,9 +72,9 @@ class Core : public std::enable_shared_from_this<Core> {
     return array;
   }
 
-  void read_checkpoint(const std::filesystem::path& path) {
+  void read_checkpoint(const CheckpointToRead& from) {
     const Running running(*this, "read_checkpoint");
-    simulation_->read_checkpoint(path);
+    simulation_->read_checkpoint(from);
   }
 
   void step(std::uint64_t count, std::optional<double> time_step) {

@@ -2,18 +2,23 @@
 // Flows of mps::Recommended in tanks, for Python.
 #pragma once
 
+#include <silt/core/box.hpp>
+#include <silt/core/error.hpp>
 #include <silt/core/simulation.hpp>
 #include <silt/core/types.hpp>
 #include <silt/integrate/semi_implicit.hpp>
+#include <silt/io/checkpoint.hpp>
 #include <silt/measure/front.hpp>
 #include <silt/measure/wall_gauge.hpp>
 #include <silt/mps.hpp>
 #include <silt/search/uniform_grid.hpp>
 
 #include "any_simulation.hpp"
+#include "setup_in_file.hpp"
 #include "typed_simulation.hpp"
 
 #include <cmath>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <utility>
@@ -85,6 +90,16 @@ class FlowSimulation final : public TypedSimulation<FlowSimulationType<Dim>> {
   std::vector<std::pair<std::string, double>> energies() const override {
     const auto energy = account_.of(simulation_.particles());
     return {{"kinetic", energy.kinetic}, {"potential", energy.potential}};
+  }
+
+  // As of a C++ program, with which files can be exchanged.
+  void write_checkpoint(const std::filesystem::path& path) const override {
+    silt::write_checkpoint(path, simulation_);
+  }
+  void read_checkpoint(const CheckpointToRead& from) override {
+    this->read(from, [&](const Box<Dim>& box) {
+      require_same(from.file, "on_escape", box.on_escape, simulation_.particles().box().on_escape);
+    });
   }
 
   // The search is that of the beginning of the last step, and particles may have been removed

@@ -141,7 +141,9 @@ PYBIND11_MODULE(_silt, module) {
              core.use("write_checkpoint").write_checkpoint(path);
            })
       .def("read_checkpoint",
-           [](Core& core, const std::filesystem::path& path) { core.read_checkpoint(path); })
+           [](Core& core, const std::filesystem::path& path, bool accepts_other_setup) {
+             core.read_checkpoint({.file = path, .accepts_other_setup = accepts_other_setup});
+           })
       .def("set_wall_present",
            [](Core& core, Index wall, bool present) {
              core.use("set_wall_present").set_wall_present(wall, present);

@@ -419,9 +419,60 @@ class Checkpoints(unittest.TestCase):
             for bad in (file, folder, folder + "/none", "", 3, b"\0", "a\0b"):
                 with self.assertRaises(silt.Error, msg=repr(bad)):
                     grains().read_checkpoint(bad)
+            with self.assertRaisesRegex(silt.Error, "accepts_other_setup"):
+                grains().read_checkpoint(file, accepts_other_setup="no")
             for bad in (folder, folder + "/none/state", "", None):
                 with self.assertRaises(silt.Error, msg=repr(bad)):
                     grains().write_checkpoint(bad)
+
+    def test_of_other_arguments_are_refused_by_name(self):
+        box = silt.Box(lower=(-1, -1), upper=(1, 1))
+        of_grains = {
+            "gravity = (0, -9.81), but here it is (1, -9.81)": {"gravity": (1, -9.81)},
+            "damping = 0, but here it is 0.5": {"damping": 0.5},
+            "steps_per_contact = 50, but here it is 60": {"steps_per_contact": 60},
+            "max_overlap = 0.5, but here it is 0.25": {"max_overlap": 0.25},
+            "box: upper = (1, 1), but here it is (1, 2)": {"box": silt.Box(lower=(-1, -1), upper=(1, 2))},
+            "box: lower = (-1, -1), but here it is (-inf, -inf)": {"box": None},
+            "box: periodic = (False, False), but here it is (True, False)":
+                {"box": silt.Box(lower=(-1, -1), upper=(1, 1), periodic=(True, False)), "walls": []},
+            "box: on_escape = 'refuse', but here it is 'remove'":
+                {"box": silt.Box(lower=(-1, -1), upper=(1, 1), on_escape="remove")},
+        }
+        of_water = {
+            "on_escape = 'refuse', but here it is 'remove'": {"on_escape": "remove"},
+            "another gravity": {"gravity": (0, -1)},
+            "another tank or lid": {"lid": True},
+        }
+        with tempfile.TemporaryDirectory() as folder:
+            file = pathlib.Path(folder) / "state"
+            for make, cases in ((lambda **given: grains(**({"box": box} | given)), of_grains), (water, of_water)):
+                for sentence, further in cases.items():
+                    written = make(walls=[]) if "walls" in further else make()
+                    written.step(5)
+                    written.write_checkpoint(file)
+                    other = make(**further)
+                    before = bits(other)
+                    with self.assertRaisesRegex(silt.Error, "accepts_other_setup=True$") as caught:
+                        other.read_checkpoint(file)
+                    self.assertIn("was written with " + sentence, caught.exception.what)
+                    self.assertEqual((bits(other), other.time), (before, 0))
+                    other.read_checkpoint(file, accepts_other_setup=True)
+                    # A snapshot depends on the forces of the arguments.
+                    for field in written.fields:
+                        self.assertTrue(np.array_equal(other[field], written[field]), field)
+                    self.assertEqual(other.time, written.time)
+                    other.step()
+
+    def test_restore_radii_and_densities(self):
+        with tempfile.TemporaryDirectory() as folder:
+            file = pathlib.Path(folder) / "state"
+            written, other = grains(), grains(radius=0.01, density=1000, velocity=1)
+            written.write_checkpoint(file)
+            other.read_checkpoint(file)
+            written.step(50)
+            other.step(50)
+            self.assertEqual(bits(written), bits(other))
 
 
 if __name__ == "__main__":
