@@ -220,8 +220,10 @@ class Simulation:
     def wall_pressure(self, point, normal) -> float:
         """Of a flow: the pressure at a point of a wall [Pa], extrapolated from the fluid before it.
 
-        point     on the wall, 2 or 3 numbers [m]
+        point     on the wall, at most half a spacing off, 2 or 3 numbers [m]
         normal    of the wall, into the fluid, 2 or 3 numbers of any length
+
+        Raises silt.Error if the point is farther from all walls. The pressure of a dry wall is 0.
         """
         return self._core.wall_pressure(list(arguments.vector("Simulation.wall_pressure: point", point)),
                                         list(arguments.vector("Simulation.wall_pressure: normal", normal)))

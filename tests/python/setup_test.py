@@ -203,7 +203,9 @@ class Measures(unittest.TestCase):
         for call in (lambda: grains().front(), lambda: grains().wall_pressure((0, 0), (0, 1)),
                      lambda: water().wall_load(0), lambda: water().set_wall_present(0, False),
                      lambda: water().wall_pressure((0, 0), (0, 0)), lambda: water().wall_pressure((0, 0, 0), (0, 1)),
-                     lambda: water().wall_pressure(0, 1)):
+                     lambda: water().wall_pressure(0, 1), lambda: water().wall_pressure((50, 50), (-1, 0)),
+                     lambda: water().wall_pressure((0.3, 0.2), (0, 1)),
+                     lambda: water().wall_pressure((NAN, 0), (0, 1)), lambda: grains().set_wall_present(0, "no")):
             with self.assertRaises(silt.Error):
                 call()
 
