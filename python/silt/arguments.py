@@ -32,6 +32,13 @@ def count(name: str, value) -> int:
     return converted
 
 
+def flag(name: str, value) -> bool:
+    """True or False, also of NumPy."""
+    if isinstance(value, (bool, np.bool_)):
+        return bool(value)
+    raise Error(f"{name} = {value!r}; give True or False")
+
+
 def array(name: str, value) -> np.ndarray:
     """An array of double precision, from numbers that convert to it without loss of their kind."""
     try:
@@ -66,6 +73,15 @@ def filled(name: str, value, shape: tuple[int, ...]) -> np.ndarray:
         return np.ascontiguousarray(np.broadcast_to(numbers, shape))
     except ValueError:
         raise Error(f"{name} has the shape {numbers.shape}; give {shape}, or one value for all") from None
+
+
+def finite(name: str, numbers: np.ndarray) -> np.ndarray:
+    """This array of one row per particle, if all of its numbers are finite."""
+    odd = np.argwhere(~np.isfinite(numbers))
+    if len(odd) > 0:
+        row = int(odd[0][0])
+        raise Error(f"{name} of particle {row} = {numbers[row].tolist()} is not finite; give finite numbers")
+    return numbers
 
 
 def choice(name: str, value, choices: tuple[str, ...]) -> str:

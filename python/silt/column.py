@@ -21,6 +21,13 @@ def _can_convert(values: np.ndarray, kind: np.dtype) -> bool:
     return np.can_cast(values.dtype, kind, "same_kind")
 
 
+# What arrays have that changes none of them; in a column it is that of a copy.
+_OF_ARRAYS = frozenset({
+    "T", "all", "any", "argmax", "argmin", "argsort", "astype", "clip", "copy", "cumsum", "dot", "flatten", "max",
+    "mean", "min", "nonzero", "prod", "ravel", "repeat", "reshape", "round", "std", "sum", "take", "tolist",
+    "transpose", "var"})
+
+
 class Column(np.lib.mixins.NDArrayOperatorsMixin):
     """The present values of one field of all particles, in their order in memory: simulation["velocity"].
 
@@ -32,6 +39,7 @@ class Column(np.lib.mixins.NDArrayOperatorsMixin):
         column += [1, 0]        the same, without a copy
         numpy.sin(column)       without a copy of the column, as with any ufunc
         numpy.array(column)     a copy
+        column.max()            and other functions of arrays that do not change them, of a copy
         column.view()           an array that is this memory: see there
 
     A row is a place in memory, which a step may give to another particle: row i is of the particle
@@ -102,6 +110,18 @@ class Column(np.lib.mixins.NDArrayOperatorsMixin):
         finally:
             del to
 
+    def __getattr__(self, name: str):
+        if name in _OF_ARRAYS:
+            return getattr(self[:], name)
+        raise AttributeError(f"Column has no attribute {name!r}; an array has it, such as column[:], a copy, or "
+                             "column.view()")
+
+    def __dir__(self):
+        return [*super().__dir__(), *_OF_ARRAYS]
+
+    def __bool__(self) -> bool:
+        return bool(self._values())
+
     def __iter__(self):
         return iter(self[:])
 
@@ -111,7 +131,9 @@ class Column(np.lib.mixins.NDArrayOperatorsMixin):
         return np.array(self._values(), dtype=dtype)
 
     def __array_ufunc__(self, ufunc, method, *inputs, out=(), **keywords):
-        arrays = [each._values() if isinstance(each, Column) else each for each in inputs]
+        # numpy.add.at() and the like write to their first input.
+        arrays = [each._values(writable=method == "at" and place == 0) if isinstance(each, Column) else each
+                  for place, each in enumerate(inputs)]
         if out:
             keywords["out"] = tuple(
                 each._values(writable=True) if isinstance(each, Column) else each for each in out)

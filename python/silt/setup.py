@@ -33,8 +33,15 @@ def lattice(lower, upper, spacing: float) -> np.ndarray:
 # --- laws ------------------------------------------------------------------------------------------
 
 
+class _Law:
+    """Base of the laws, all of whose attributes are numbers."""
+
+    def __post_init__(self):
+        _convert(self, **{field.name: arguments.number for field in dataclasses.fields(self)})
+
+
 @dataclasses.dataclass(frozen=True, kw_only=True)
-class CundallStrack:
+class CundallStrack(_Law):
     """Linear springs and dashpots with Coulomb friction, after Cundall and Strack.
 
     normal_stiffness        [N/m], above 0
@@ -48,12 +55,9 @@ class CundallStrack:
     restitution: float = 1.0
     friction_angle: float = 0.0
 
-    def __post_init__(self):
-        _convert(self, **{field.name: arguments.number for field in dataclasses.fields(self)})
-
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
-class LinearSpringDashpot:
+class LinearSpringDashpot(_Law):
     """A linear spring and dashpot along the normal, a linear spring with Coulomb friction across it.
 
     normal_stiffness        [N/m], above 0
@@ -67,12 +71,9 @@ class LinearSpringDashpot:
     restitution: float = 1.0
     friction_angle: float = 0.0
 
-    def __post_init__(self):
-        _convert(self, **{field.name: arguments.number for field in dataclasses.fields(self)})
-
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
-class HertzMindlin:
+class HertzMindlin(_Law):
     """Elastic spheres: Hertz's normal force, and Mindlin's tangential force with Coulomb friction.
 
     young_modulus     [Pa], above 0
@@ -86,9 +87,6 @@ class HertzMindlin:
     restitution: float = 1.0
     friction_angle: float = 0.0
 
-    def __post_init__(self):
-        _convert(self, **{field.name: arguments.number for field in dataclasses.fields(self)})
-
 
 LAWS = (CundallStrack, LinearSpringDashpot, HertzMindlin)
 
@@ -97,10 +95,6 @@ LAWS = (CundallStrack, LinearSpringDashpot, HertzMindlin)
 
 def _side(name, value):
     return arguments.choice(name, value, ("inside", "outside"))
-
-
-def _flag(_, value):
-    return bool(value)
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -178,7 +172,7 @@ class Polyline:
     closed: bool = False
 
     def __post_init__(self):
-        _convert(self, points=arguments.points, closed=_flag)
+        _convert(self, points=arguments.points, closed=arguments.flag)
         if self.points.shape[1] != 2:
             raise Error(f"Polyline: points has the shape {self.points.shape}; give (n, 2)")
 
@@ -200,7 +194,7 @@ class Cylinder:
 
     def __post_init__(self):
         _convert(self, start=arguments.vector, end=arguments.vector, radius=arguments.number, grains=_side,
-                 ends=_flag)
+                 ends=arguments.flag)
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True, eq=False)

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Iterable, Sequence
 
 import numpy as np
@@ -174,7 +175,8 @@ class Simulation:
             for each in observers:
                 each(self)
 
-        self._core.run(until, output_every, time_step, bool(end_exactly), observe)
+        ends_exactly = arguments.flag("Simulation.run: end_exactly", end_exactly)
+        self._core.run(until, output_every, time_step, ends_exactly, observe)
 
     def remove(self, ids) -> None:
         """Removes the particles with these ids, an array of shape (k,) or one id. Raises silt.Error, and
@@ -197,7 +199,8 @@ class Simulation:
     def set_wall_present(self, wall: int, present: bool) -> None:
         """Takes a wall of grains away, or puts it back, from the next step on. Walls are numbered from 0, in
         the order in which they were given."""
-        self._core.set_wall_present(arguments.count("Simulation: wall", wall), bool(present))
+        self._core.set_wall_present(arguments.count("Simulation: wall", wall),
+                                    arguments.flag("Simulation.set_wall_present: present", present))
 
     def is_wall_present(self, wall: int) -> bool:
         """Whether a wall of grains acts on them."""
@@ -217,8 +220,10 @@ class Simulation:
     def wall_pressure(self, point, normal) -> float:
         """Of a flow: the pressure at a point of a wall [Pa], extrapolated from the fluid before it.
 
-        point     on the wall, 2 or 3 numbers [m]
+        point     on the wall, at most half a spacing off, 2 or 3 numbers [m]
         normal    of the wall, into the fluid, 2 or 3 numbers of any length
+
+        Raises silt.Error if the point is farther from all walls. The pressure of a dry wall is 0.
         """
         return self._core.wall_pressure(list(arguments.vector("Simulation.wall_pressure: point", point)),
                                         list(arguments.vector("Simulation.wall_pressure: normal", normal)))
@@ -229,10 +234,20 @@ class Simulation:
         """Writes the complete state, from which read_checkpoint() continues with the same bits."""
         self._core.write_checkpoint(arguments.path("Simulation.write_checkpoint: path", path))
 
-    def read_checkpoint(self, path) -> None:
-        """Replaces the state by that of a file. Raises silt.Error, and changes nothing, if the file is of a
-        simulation that was made with other arguments."""
-        self._core.read_checkpoint(arguments.path("Simulation.read_checkpoint: path", path))
+    def read_checkpoint(self, path, *, accepts_other_setup: bool = False) -> None:
+        """Replaces the state by that of a file.
+
+        accepts_other_setup    reads it although it was written with other arguments than those of this
+                               simulation, which then hold, but for the box and on_escape, those of the file
+
+        Positions, velocities, radii and densities are state, which the file has. All other arguments must be
+        those with which the file was written, except speed_scale of a flow, which only limits the time step.
+        Raises silt.Error, and changes nothing, if they are not, unless that is accepted; also if the file
+        cannot be read, or is of another dimension or kind of simulation.
+        """
+        self._core.read_checkpoint(
+            arguments.path("Simulation.read_checkpoint: path", path),
+            arguments.flag("Simulation.read_checkpoint: accepts_other_setup", accepts_other_setup))
 
 
 Observer = Callable[[Simulation], object]
@@ -300,7 +315,7 @@ def grain_simulation(
         gravity = (0.0,) * (dimension - 1) + (-9.81,)
     return Simulation._of(_silt.grains(
         x,
-        arguments.filled(name + "velocity", velocity, (n, dimension)),
+        arguments.finite(name + "velocity", arguments.filled(name + "velocity", velocity, (n, dimension))),
         arguments.filled(name + "radius", radius, (n,)),
         arguments.filled(name + "density", density, (n,)),
         law,
@@ -350,9 +365,9 @@ def flow_simulation(
     on_escape = arguments.choice(name + "on_escape", on_escape, ("refuse", "remove"))
     return Simulation._of(_silt.flow(
         x,
-        arguments.filled(name + "velocity", velocity, x.shape),
+        arguments.finite(name + "velocity", arguments.filled(name + "velocity", velocity, x.shape)),
         list(arguments.vector(name + "tank", tank)),
-        bool(lid),
+        arguments.flag(name + "lid", lid),
         on_escape == "remove",
         arguments.number(name + "spacing", spacing),
         arguments.number(name + "density", density),
@@ -362,7 +377,29 @@ def flow_simulation(
     ))
 
 
+_is_forked = False
+
+
+def _after_fork() -> None:
+    global _is_forked  # noqa: PLW0603
+    _is_forked = True
+    _silt.after_fork()
+
+
+# A step with several threads would wait for ever for those of the parent.
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_after_fork)
+
+
 def use_threads(number: int) -> None:
     """Sets the number of threads of all steps that the calling thread of Python makes from now on; otherwise it
-    is chosen automatically. Results are bitwise identical for any number."""
-    _silt.use_threads(min(arguments.count("use_threads: number", number), 2**31 - 1))
+    is chosen automatically. Results are bitwise identical for any number.
+
+    A process that was forked, as by multiprocessing on Linux, uses one thread; for it, silt.Error is raised if the
+    number is above 1.
+    """
+    threads = min(arguments.count("use_threads: number", number), 2**31 - 1)
+    if _is_forked and threads > 1:
+        raise Error(f"use_threads: number = {threads}, but this process was forked, and uses one thread; start "
+                    'it by multiprocessing.get_context("spawn"), or give 1')
+    _silt.use_threads(threads)

@@ -15,6 +15,7 @@
 #include <silt/dem/law/linear_friction.hpp>
 #include <silt/dem/law/linear_spring_dashpot.hpp>
 #include <silt/dem/law/mindlin.hpp>
+#include <silt/io/checkpoint.hpp>
 #include <silt/io/vtk.hpp>
 #include <silt/measure/front.hpp>
 
@@ -98,7 +99,8 @@ class AnySimulation {
   virtual std::vector<std::pair<std::string, double>> energies() const = 0;
   virtual void write_frame(VtkSeries& frames) const = 0;
   virtual void write_checkpoint(const std::filesystem::path& path) const = 0;
-  virtual void read_checkpoint(const std::filesystem::path& path) = 0;
+  /// Throws if the file is of another set-up, unless that is accepted.
+  virtual void read_checkpoint(const CheckpointToRead& from) = 0;
 
   // Of grains; others throw.
   virtual void set_wall_present(Index wall, bool present) {

@@ -11,6 +11,7 @@
 #include <silt/core/error.hpp>
 #include <silt/core/run.hpp>
 #include <silt/core/types.hpp>
+#include <silt/io/checkpoint.hpp>
 
 #include "any_simulation.hpp"
 #include "arrays.hpp"
@@ -18,9 +19,12 @@
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 
+#ifdef __GLIBCXX__
+#include <cxxabi.h>
+#endif
+
 #include <chrono>
 #include <cstdint>
-#include <filesystem>
 #include <list>
 #include <memory>
 #include <optional>
@@ -68,9 +72,9 @@ class Core : public std::enable_shared_from_this<Core> {
     return array;
   }
 
-  void read_checkpoint(const std::filesystem::path& path) {
+  void read_checkpoint(const CheckpointToRead& from) {
     const Running running(*this, "read_checkpoint");
-    simulation_->read_checkpoint(path);
+    simulation_->read_checkpoint(from);
   }
 
   void step(std::uint64_t count, std::optional<double> time_step) {
@@ -172,7 +176,13 @@ class Core : public std::enable_shared_from_this<Core> {
       const LockedAgain locked;
       core_.is_in_observer_ = true;
       try {
-        observer_();
+        // Without a temporary object, which would be released without the lock in the case below.
+        const auto result = py::reinterpret_steal<py::object>(PyObject_CallNoArgs(observer_.ptr()));
+        if (!result) throw py::error_already_set();
+#ifdef __GLIBCXX__
+      } catch (const abi::__forced_unwind&) {
+        AtExit::stop_for_good();  // before the destructor of `locked`
+#endif
       } catch (...) {
         core_.is_in_observer_ = false;
         throw;

@@ -2,24 +2,40 @@
 // Flows of mps::Recommended in tanks, for Python.
 #pragma once
 
+#include <silt/core/box.hpp>
+#include <silt/core/error.hpp>
 #include <silt/core/simulation.hpp>
 #include <silt/core/types.hpp>
 #include <silt/integrate/semi_implicit.hpp>
+#include <silt/io/checkpoint.hpp>
 #include <silt/measure/front.hpp>
 #include <silt/measure/wall_gauge.hpp>
 #include <silt/mps.hpp>
 #include <silt/search/uniform_grid.hpp>
 
 #include "any_simulation.hpp"
+#include "setup_in_file.hpp"
 #include "typed_simulation.hpp"
 
 #include <cmath>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <utility>
 #include <vector>
 
 namespace silt::python {
+
+/// What the fluid may fill of the box of a tank: an open one goes on above its walls.
+template <int Dim>
+Box<Dim> room_of(const FlowSetup<Dim>& setup, Box<Dim> box) {
+  for (int k = 0; k < Dim; ++k) {
+    box.lower[k] = 0;
+    if (k + 1 == Dim && !setup.lid) break;
+    box.upper[k] = setup.spacing * std::round(setup.tank[Index(k)] / setup.spacing);
+  }
+  return box;
+}
 
 template <int Dim>
 mps::TankOf<mps::Recommended, Dim> tank_of(const FlowSetup<Dim>& setup) {
@@ -33,12 +49,7 @@ mps::TankOf<mps::Recommended, Dim> tank_of(const FlowSetup<Dim>& setup) {
   // Walls and box alone: the fluid is that of Python.
   auto made = mps::make_tank<mps::Recommended, Dim>(tank);
   mps::Fluid<Dim> fluid(made.particles.box());
-  Box<Dim> room = fluid.box();
-  for (int k = 0; k < Dim; ++k) {
-    room.lower[k] = 0;
-    if (k + 1 == Dim && !setup.lid) break;
-    room.upper[k] = setup.spacing * std::round(size[k] / setup.spacing);
-  }
+  const Box<Dim> room = room_of(setup, fluid.box());
   fluid.reserve(setup.positions.size());
   for (Index i = 0; i < setup.positions.size(); ++i) {
     const Vec<Dim> x = setup.positions.template vector<Dim>(i);
@@ -79,12 +90,24 @@ class FlowSimulation final : public TypedSimulation<FlowSimulationType<Dim>> {
   explicit FlowSimulation(const FlowSetup<Dim>& setup)
       : Base(simulation_of(setup)),
         spacing_(setup.spacing),
+        has_lid_(setup.lid),
+        room_(room_of(setup, simulation_.particles().box())),
         account_({.mass = setup.density * std::pow(setup.spacing, Dim), .gravity = setup.gravity}) {
   }
 
   std::vector<std::pair<std::string, double>> energies() const override {
     const auto energy = account_.of(simulation_.particles());
     return {{"kinetic", energy.kinetic}, {"potential", energy.potential}};
+  }
+
+  // As of a C++ program, with which files can be exchanged.
+  void write_checkpoint(const std::filesystem::path& path) const override {
+    silt::write_checkpoint(path, simulation_);
+  }
+  void read_checkpoint(const CheckpointToRead& from) override {
+    this->read(from, [&](const Box<Dim>& box) {
+      require_same(from.file, "on_escape", box.on_escape, simulation_.particles().box().on_escape);
+    });
   }
 
   // The search is that of the beginning of the last step, and particles may have been removed
@@ -97,13 +120,30 @@ class FlowSimulation final : public TypedSimulation<FlowSimulationType<Dim>> {
   }
   double wall_pressure(const std::vector<double>& point,
                        const std::vector<double>& normal) const override {
-    return WallGauge<Dim>{to_vector<Dim>("Simulation.wall_pressure: point", point),
-                          to_vector<Dim>("Simulation.wall_pressure: normal", normal), spacing_}
+    const Vec<Dim> x = to_vector<Dim>("Simulation.wall_pressure: point", point);
+    check_on_wall(x);
+    return WallGauge<Dim>{x, to_vector<Dim>("Simulation.wall_pressure: normal", normal), spacing_}
         .read(simulation_.particles(), mps::pressure);
   }
 
  private:
+  void check_on_wall(const Vec<Dim>& x) const {
+    // The sides of the tank may be half a spacing from where they were asked for.
+    const double near = 0.5 * (1 + 1e-9) * spacing_;
+    bool is_in_tank = true, is_at_side = false;
+    for (int k = 0; k < Dim; ++k) {
+      const double to_lower = x[k] - room_.lower[k], to_upper = room_.upper[k] - x[k];
+      is_in_tank &= to_lower >= -near && to_upper >= -near;
+      is_at_side |= to_lower <= near || (to_upper <= near && (k + 1 < Dim || has_lid_));
+    }
+    if (is_in_tank && is_at_side) return;
+    fail("Simulation.wall_pressure: point = " + to_text(x) + " m is on no wall of the tank, from " +
+         to_text(room_.lower) + " to " + to_text(room_.upper) + " m; give a point of a wall");
+  }
+
   double spacing_;
+  bool has_lid_;
+  Box<Dim> room_;  // that the fluid may fill
   mps::EnergyAccount<Dim, double> account_;
 };
 

@@ -8,13 +8,16 @@
 #include <silt/dem/contact/contacts.hpp>
 #include <silt/dem/setup/grains.hpp>
 #include <silt/integrate/leapfrog.hpp>
+#include <silt/io/checkpoint.hpp>
 #include <silt/measure/energy.hpp>
 #include <silt/search/neighbour_list.hpp>
 
 #include "any_simulation.hpp"
 #include "any_wall.hpp"
+#include "setup_in_file.hpp"
 #include "typed_simulation.hpp"
 
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <utility>
@@ -67,7 +70,12 @@ class GrainSimulation final : public TypedSimulation<GrainSimulationType<Dim, La
 
  public:
   GrainSimulation(const GrainSetup<Dim>& setup, const Law& law)
-      : Base(simulation_of(setup, law)), wall_count_(setup.walls.size()) {}
+      : Base(simulation_of(setup, law)),
+        wall_count_(setup.walls.size()),
+        arguments_{{{"gravity", {setup.gravity.begin(), setup.gravity.end()}},
+                    {"damping", {setup.damping}},
+                    {"steps_per_contact", {setup.settings.steps_per_contact}},
+                    {"max_overlap", {setup.settings.max_overlap}}}} {}
 
   std::vector<std::pair<std::string, double>> energies() const override {
     const auto state = simulation_.state();
@@ -77,6 +85,18 @@ class GrainSimulation final : public TypedSimulation<GrainSimulationType<Dim, La
             {"rotational", rotational_energy(grains)},
             {"potential", potential_energy(grains, forces.template part<0>().acceleration())},
             {"elastic", forces.template part<1>().elastic_energy(grains)}};
+  }
+
+  void write_checkpoint(const std::filesystem::path& path) const override {
+    silt::write_checkpoint(path, simulation_, arguments_);
+  }
+  void read_checkpoint(const CheckpointToRead& from) override {
+    ArgumentsInFile written = arguments_;
+    const auto compare = [&](const Box<Dim>& box) {
+      require_same(from.file, written, arguments_);
+      require_same(from.file, box, simulation_.particles().box());
+    };
+    this->read(from, compare, written);
   }
 
   void set_wall_present(Index wall, bool present) override {
@@ -108,6 +128,7 @@ class GrainSimulation final : public TypedSimulation<GrainSimulationType<Dim, La
   }
 
   Index wall_count_;
+  ArgumentsInFile arguments_;
 };
 
 template <int Dim, class Law>

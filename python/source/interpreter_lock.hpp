@@ -15,7 +15,7 @@ namespace py = pybind11;
 
 // A thread that asks for the lock while the interpreter ends is ended by it, whose destructors then
 // end the process as an error. At the end of the interpreter, the runs of other threads therefore
-// stop for good before they ask for it.
+// stop for good before they ask for it, and those whose observer was ended so, in that moment.
 class AtExit {
  public:
   /// Called by the interpreter, with its lock.
@@ -29,7 +29,15 @@ class AtExit {
   static void stop_here() {
     if (!is_ending_ || thread_ == PyThread_get_thread_ident()) return;
     ++stopped_;
+    stop_for_good();
+  }
+  [[noreturn]] static void stop_for_good() {
     while (true) std::this_thread::sleep_for(std::chrono::hours(1));
+  }
+  /// In the only thread of a process that was forked, with its lock.
+  static void forget_others() {
+    unlocked_ = 0;
+    stopped_ = 0;
   }
 
  private:

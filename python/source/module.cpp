@@ -22,6 +22,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -29,12 +30,38 @@
 namespace silt::python {
 namespace {
 
+// Advice that C++ programs are given, and what it is in Python; the longer one first.
+constexpr std::pair<std::string_view, std::string_view> advice[] = {
+    {"run({.time_step = …}) or step(dt)", "run(until, time_step=…) or step(time_step=…)"},
+    {"run({.time_step = …})", "run(until, time_step=…)"},
+    {"{.file = …, .accepts_other_setup = true}", "accepts_other_setup=True"},
+    {"set up the same simulation and pass the same parts as", "set up the same simulation as"},
+    {"another FlowSettings::walls", "another tank or lid"},
+    {"another FlowSettings::", "another "},
+    {"ContactSettings::max_overlap", "max_overlap of grain_simulation()"},
+    {"lower the time step, use a stiffer material, or raise ContactSettings::max_displacement",
+     "lower the time step, or use a stiffer material"},
+    {"the law gives more energy than its springs hold: check its force and its elastic energy, "
+     "lower the time step, or raise ContactSettings::max_energy_gain",
+     "lower the time step"},
+    {"; set it, or add grains by add_grain()", "; set it"},
+    {"set Box::on_escape to OnEscape::remove", "set on_escape to 'remove'"},
+};
+
+std::string in_python(std::string text) {
+  for (const auto& [written, meant] : advice) {
+    const auto at = text.find(written);
+    if (at != std::string::npos) text.replace(at, written.size(), meant);
+  }
+  return text;
+}
+
 void translate(std::exception_ptr thrown) {
   try {
     if (thrown) std::rethrow_exception(thrown);
   } catch (const Error& error) {
     const py::object type = py::module_::import("silt.error").attr("Error");
-    const py::object made = type(error.what());
+    const py::object made = type(in_python(error.what()));
     const Where& where = error.where();
     made.attr("id") = where.id;
     made.attr("step") = where.step;
@@ -114,7 +141,9 @@ PYBIND11_MODULE(_silt, module) {
              core.use("write_checkpoint").write_checkpoint(path);
            })
       .def("read_checkpoint",
-           [](Core& core, const std::filesystem::path& path) { core.read_checkpoint(path); })
+           [](Core& core, const std::filesystem::path& path, bool accepts_other_setup) {
+             core.read_checkpoint({.file = path, .accepts_other_setup = accepts_other_setup});
+           })
       .def("set_wall_present",
            [](Core& core, Index wall, bool present) {
              core.use("set_wall_present").set_wall_present(wall, present);
@@ -169,5 +198,10 @@ PYBIND11_MODULE(_silt, module) {
                              : lattice_of<3>(lower, upper, spacing);
   });
   module.def("use_threads", &use_threads);
+  // The threads of OpenMP do not exist in a process that was forked.
+  module.def("after_fork", [] {
+    AtExit::forget_others();
+    use_threads(1);
+  });
   py::module_::import("atexit").attr("register")(py::cpp_function(&AtExit::stop_others));
 }

@@ -134,15 +134,19 @@ class TypedSimulation : public AnySimulation {
   }
 
   void write_frame(VtkSeries& frames) const override { frames(simulation_); }
-  void write_checkpoint(const std::filesystem::path& path) const override {
-    silt::write_checkpoint(path, simulation_);
-  }
-  void read_checkpoint(const std::filesystem::path& path) override {
-    silt::read_checkpoint(path, simulation_);
-  }
 
  protected:
   using Particles = std::remove_cvref_t<decltype(std::declval<Sim&>().particles())>;
+
+  /// Reads the simulation and further parts; compare(box), with the box of the file, throws if the
+  /// set-up is another one.
+  template <class Compare, class... Parts>
+  void read(const CheckpointToRead& from, Compare&& compare, Parts&... parts) {
+    Sim copy = simulation_;
+    silt::read_checkpoint(from, copy, parts...);
+    if (!from.accepts_other_setup) compare(copy.particles().box());
+    simulation_ = std::move(copy);
+  }
 
   Sim simulation_;
 

@@ -104,6 +104,37 @@ class Columns(unittest.TestCase):
         self.assertIn("velocity", repr(v))
         self.assertEqual(np.add.reduce(m), np.sum(m[:]))
 
+    def test_have_the_functions_of_arrays(self):
+        simulation = grains()
+        column = simulation["velocity"]
+        column[:] = np.arange(column.size).reshape(column.shape)
+        values = column[:]
+        for name in ("all", "any", "max", "mean", "min", "std", "sum", "tolist", "copy", "flatten"):
+            self.assertTrue(np.array_equal(getattr(column, name)(), getattr(values, name)()), name)
+        self.assertEqual(column.T.shape, values.T.shape)
+        self.assertEqual(column.max(axis=0).tolist(), values.max(axis=0).tolist())
+        column.T[:] = -1  # a copy
+        self.assertTrue(np.array_equal(column, values))
+        with self.assertRaises(ValueError):
+            bool(column)
+        with self.assertRaisesRegex(AttributeError, "sort.*view"):
+            column.sort()
+        simulation.step()
+
+    def test_are_written_to_at_repeated_rows(self):
+        for field, value in (("velocity", (0.5, 0.25)), ("radius", 1e-4)):
+            one, other = grains(), grains()
+            energy = one.energies()["kinetic"]
+            np.add.at(one[field], [3, 3, 5], value)
+            for row in (3, 3, 5):
+                other[field][row] += value
+            self.assertEqual(bits(one), bits(other))
+            if field == "velocity":
+                self.assertGreater(one.energies()["kinetic"], energy)
+            one.step(20)
+            other.step(20)
+            self.assertEqual(bits(one), bits(other))
+
     def test_of_unknown_fields_are_refused(self):
         for name in ("temperature", "", 0, None, ("position",), slice(None)):
             with self.assertRaisesRegex(silt.Error, "position"):

@@ -12,7 +12,7 @@ import traceback
 import unittest
 
 import numpy as np
-from simulations import bits, grains, spheres, water
+from simulations import R, bits, grains, spheres, water
 
 import silt
 
@@ -60,11 +60,14 @@ class Runs(unittest.TestCase):
                     {"until": 1, "output_every": float("nan")}, {"until": 1, "output_every": 1e-14},
                     {"until": 1, "time_step": 0}, {"until": 1, "time_step": -1e-5}, {"until": 1, "time_step": 1e-20},
                     {"until": 1, "time_step": float("nan")}, {"until": 1, "time_step": "short"},
-                    {"until": 1, "time_step": 1}, {"until": 1, "observer": 3}, {"until": 1, "observer": [print, None]}):
+                    {"until": 1, "time_step": 1}, {"until": 1, "end_exactly": "no"}, {"until": 1, "observer": 3},
+                    {"until": 1, "observer": [print, None]}):
             with self.assertRaises(silt.Error, msg=repr(bad)) as caught:
                 simulation.run(**bad)
             self.assertEqual(caught.exception.what, str(caught.exception))
             self.assertGreater(len(caught.exception.what), 20)
+        with self.assertRaisesRegex(silt.Error, r"run\(until, time_step="):
+            grains(position=np.zeros((0, 2)), radius=R).step()
         for bad in ({"count": -1}, {"count": 0.5}, {"count": "two"}, {"count": 2**70}, {"time_step": 0},
                     {"time_step": []}):
             with self.assertRaises(silt.Error, msg=repr(bad)):
@@ -335,6 +338,58 @@ class EndOfTheInterpreter(unittest.TestCase):
             self.assertEqual((ended.returncode, ended.stdout, ended.stderr), (5, "", ""))
 
 
+    def test_is_no_crash_while_an_observer_is_in_python(self):
+        program = (
+            "import sys, threading\n"
+            f"sys.path.insert(0, {str(pathlib.Path(__file__).parent)!r})\n"
+            "from simulations import grains\n"
+            "begun = threading.Event()\n"
+            "def observe(simulation):\n"
+            "    begun.set()\n"
+            "    while True:\n"
+            "        simulation['position'][:] + 1\n"
+            "threading.Thread(target=grains().run, args=(1, 1e-3, observe), daemon=True).start()\n"
+            "begun.wait()\n"
+            "sys.exit(5)\n")
+        for _ in range(5):
+            ended = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
+            self.assertEqual((ended.returncode, ended.stdout, ended.stderr), (5, "", ""))
+
+
+@unittest.skipUnless(hasattr(os, "fork"), "this system has no fork")
+class Forks(unittest.TestCase):
+    def test_make_steps_with_one_thread(self):
+        program = (
+            "import multiprocessing, sys\n"
+            f"sys.path.insert(0, {str(pathlib.Path(__file__).parent)!r})\n"
+            "import silt\n"
+            "from simulations import bits, grains\n"
+            "silt.use_threads(2)\n"
+            "heap = grains(position=silt.lattice((-1, 0.1), (1, 2.1), 0.04))\n"
+            "heap.step(10)\n"
+            "def go_on(results):\n"
+            "    heap.step(10)\n"
+            "    try:\n"
+            "        silt.use_threads(2)\n"
+            "    except silt.Error as error:\n"
+            "        results.send((bits(heap), error.what))\n"
+            "fork = multiprocessing.get_context('fork')\n"
+            "results, ours = fork.Pipe()\n"
+            "child = fork.Process(target=go_on, args=(ours,))\n"
+            "child.start()\n"
+            "if not results.poll(60):\n"
+            "    child.kill()\n"
+            "    sys.exit('the steps of the child do not end')\n"
+            "state, sentence = results.recv()\n"
+            "child.join()\n"
+            "heap.step(10)\n"
+            "assert state == bits(heap)\n"
+            "assert 'spawn' in sentence\n")
+        ended = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False,
+                               timeout=120)
+        self.assertEqual((ended.returncode, ended.stdout, ended.stderr), (0, "", ""))
+
+
 class Checkpoints(unittest.TestCase):
     def test_continue_with_the_same_bits(self):
         with tempfile.TemporaryDirectory() as folder:
@@ -364,9 +419,60 @@ class Checkpoints(unittest.TestCase):
             for bad in (file, folder, folder + "/none", "", 3, b"\0", "a\0b"):
                 with self.assertRaises(silt.Error, msg=repr(bad)):
                     grains().read_checkpoint(bad)
+            with self.assertRaisesRegex(silt.Error, "accepts_other_setup"):
+                grains().read_checkpoint(file, accepts_other_setup="no")
             for bad in (folder, folder + "/none/state", "", None):
                 with self.assertRaises(silt.Error, msg=repr(bad)):
                     grains().write_checkpoint(bad)
+
+    def test_of_other_arguments_are_refused_by_name(self):
+        box = silt.Box(lower=(-1, -1), upper=(1, 1))
+        of_grains = {
+            "gravity = (0, -9.81), but here it is (1, -9.81)": {"gravity": (1, -9.81)},
+            "damping = 0, but here it is 0.5": {"damping": 0.5},
+            "steps_per_contact = 50, but here it is 60": {"steps_per_contact": 60},
+            "max_overlap = 0.5, but here it is 0.25": {"max_overlap": 0.25},
+            "box: upper = (1, 1), but here it is (1, 2)": {"box": silt.Box(lower=(-1, -1), upper=(1, 2))},
+            "box: lower = (-1, -1), but here it is (-inf, -inf)": {"box": None},
+            "box: periodic = (False, False), but here it is (True, False)":
+                {"box": silt.Box(lower=(-1, -1), upper=(1, 1), periodic=(True, False)), "walls": []},
+            "box: on_escape = 'refuse', but here it is 'remove'":
+                {"box": silt.Box(lower=(-1, -1), upper=(1, 1), on_escape="remove")},
+        }
+        of_water = {
+            "on_escape = 'refuse', but here it is 'remove'": {"on_escape": "remove"},
+            "another gravity": {"gravity": (0, -1)},
+            "another tank or lid": {"lid": True},
+        }
+        with tempfile.TemporaryDirectory() as folder:
+            file = pathlib.Path(folder) / "state"
+            for make, cases in ((lambda **given: grains(**({"box": box} | given)), of_grains), (water, of_water)):
+                for sentence, further in cases.items():
+                    written = make(walls=[]) if "walls" in further else make()
+                    written.step(5)
+                    written.write_checkpoint(file)
+                    other = make(**further)
+                    before = bits(other)
+                    with self.assertRaisesRegex(silt.Error, "accepts_other_setup=True$") as caught:
+                        other.read_checkpoint(file)
+                    self.assertIn("was written with " + sentence, caught.exception.what)
+                    self.assertEqual((bits(other), other.time), (before, 0))
+                    other.read_checkpoint(file, accepts_other_setup=True)
+                    # A snapshot depends on the forces of the arguments.
+                    for field in written.fields:
+                        self.assertTrue(np.array_equal(other[field], written[field]), field)
+                    self.assertEqual(other.time, written.time)
+                    other.step()
+
+    def test_restore_radii_and_densities(self):
+        with tempfile.TemporaryDirectory() as folder:
+            file = pathlib.Path(folder) / "state"
+            written, other = grains(), grains(radius=0.01, density=1000, velocity=1)
+            written.write_checkpoint(file)
+            other.read_checkpoint(file)
+            written.step(50)
+            other.step(50)
+            self.assertEqual(bits(written), bits(other))
 
 
 if __name__ == "__main__":

@@ -28,7 +28,8 @@ class Setup(unittest.TestCase):
         self.check_refused(grains, "position", [x.T, x[0], 1, None, "here", [], [[1]], x + 1j, bad_point, x[:, :1],
                                                 [[1, 2], [3]], np.zeros((2, 4)), np.full((2, 2), INF), x[None],
                                                 object(), x.astype("U9")])
-        self.check_refused(grains, "velocity", [x[1:], 1j, "fast", np.zeros((20, 3)), np.zeros(3), [[1], [2]]])
+        self.check_refused(grains, "velocity", [x[1:], 1j, "fast", np.zeros((20, 3)), np.zeros(3), [[1], [2]],
+                                                INF, (0, NAN)])
         self.check_refused(grains, "radius", [-1, 0, NAN, INF, 1e-200, 1e200, [], np.full(19, R), np.full((20, 1), R),
                                               None, "small", [R] * 19 + [-R]])
         self.check_refused(grains, "density", [-1, 0, NAN, INF, [], None])
@@ -68,7 +69,8 @@ class Setup(unittest.TestCase):
         self.check_refused(water, "speed_scale", [-1, NAN, INF])
         self.check_refused(water, "gravity", [(0, 0, 1), (NAN, 0), 9.81])
         self.check_refused(water, "on_escape", ["delete", None, 3])
-        self.check_refused(water, "velocity", [np.zeros((2, 2)), 1j])
+        self.check_refused(water, "velocity", [np.zeros((2, 2)), 1j, INF, (NAN, 0)])
+        self.check_refused(water, "lid", ["no", 0, None])
 
     def test_of_laws_refuses_bad_numbers(self):
         def with_law(**numbers):
@@ -201,7 +203,9 @@ class Measures(unittest.TestCase):
         for call in (lambda: grains().front(), lambda: grains().wall_pressure((0, 0), (0, 1)),
                      lambda: water().wall_load(0), lambda: water().set_wall_present(0, False),
                      lambda: water().wall_pressure((0, 0), (0, 0)), lambda: water().wall_pressure((0, 0, 0), (0, 1)),
-                     lambda: water().wall_pressure(0, 1)):
+                     lambda: water().wall_pressure(0, 1), lambda: water().wall_pressure((50, 50), (-1, 0)),
+                     lambda: water().wall_pressure((0.3, 0.2), (0, 1)),
+                     lambda: water().wall_pressure((NAN, 0), (0, 1)), lambda: grains().set_wall_present(0, "no")):
             with self.assertRaises(silt.Error):
                 call()
 
