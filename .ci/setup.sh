@@ -204,12 +204,16 @@ install_missing() {
     fi
   fi
   hash -r
-  local left=()
+  local left=() feature
+  local -A without=()
   for i in "${!optional[@]}"; do
     if ! eval "${optional_checks[i]}" >/dev/null 2>&1; then
-      echo "silt: skipped without the package ${optional[i]}: ${optional_features[i]}" >&2
+      without[${optional_features[i]}]+=" ${optional[i]}"
       left+=("${optional[i]}")
     fi
+  done
+  for feature in "${!without[@]}"; do
+    echo "silt: skipped without the packages${without[$feature]}: $feature" >&2
   done
   if ((${#missing[@]})) && ! dpkg_has "${missing[@]}"; then left+=("${missing[@]}"); fi
   if ((${#left[@]})); then print_install_command "${left[@]}"; fi
@@ -235,14 +239,25 @@ want_site_packages() {
   for package in "${site_packages[@]}"; do want "dpkg_has $package" "$package" "the site"; done
 }
 
+# What docs/live/run needs; docs/run can do without.
+live_packages=(clang-19 lld-19 libc++-19-dev-wasm32 libc++abi-19-dev-wasm32 libclang-rt-19-dev-wasm32
+  wasi-libc libeigen3-dev)
+want_live_packages() {
+  local package
+  for package in "${live_packages[@]}"; do want "dpkg_has $package" "$package" "the live page"; done
+  want "command -v npm" npm "the live page"
+}
+
 # install_optional FEATURE PACKAGE...: installs what the calls of want found missing, unless
 # SILT_DOCS_INSTALL=OFF; exits with 77 if one of these packages is missing then.
 install_optional() {
-  local package
+  local package absent=()
   if [[ ${SILT_DOCS_INSTALL:-ON} = ON ]]; then install_missing; fi
-  for package in "${@:2}"; do
-    dpkg_has "$package" || { echo "silt: $1 is skipped without $package" >&2; exit 77; }
-  done
+  for package in "${@:2}"; do dpkg_has "$package" || absent+=("$package"); done
+  if ((${#absent[@]})); then
+    echo "silt: $1 is skipped without ${absent[*]}; install, and run this script again" >&2
+    exit 77
+  fi
 }
 
 print_install_command() {

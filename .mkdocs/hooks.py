@@ -36,8 +36,8 @@ LANGUAGES = {".cpp": "cpp", ".hpp": "cpp", ".py": "python", ".sh": "bash", ".mjs
 LIVE_PAGE = "live/index.html" if (MADE / "live" / "index.html").exists() else "live/index.md"
 NO_LIVE_PAGE = """# Live page
 
-It is not part of this copy of the site, which was built without the compiler for WebAssembly.
-`docs/live/run` installs the compiler, builds the page and opens it.
+It is not part of this copy of the site, because a package that it needs was not installed, or npm could not
+download the library that draws its curve. `docs/live/run` says which, and serves the page once it is built.
 """
 
 # Pages that are always there; those in source/ depend on links.
