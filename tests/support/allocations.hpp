@@ -4,7 +4,7 @@
 // of a program only.
 #pragma once
 
-#include "support/sanitizers.hpp"
+#include "sanitizers.hpp"
 
 #include <atomic>
 #include <cstddef>
