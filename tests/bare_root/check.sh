@@ -19,14 +19,10 @@ set -euo pipefail
 
 longest_silence=10  # [s]
 
-source=$(cd "$1" && pwd)
-mkdir -p "$2"
-scratch=$(cd "$2" && pwd)
-shift 2
-names=("$@")
+source "$(dirname "${BASH_SOURCE[0]}")/root.sh"
+names=("${@:3}")
 if ((${#names[@]} == 0)); then names=(root user); fi
 
-source "$(dirname "${BASH_SOURCE[0]}")/root.sh"
 git -C "$source" rev-parse HEAD >/dev/null || skip "$source is not a git repository"
 
 # --- README --------------------------------------------------------------------------------------

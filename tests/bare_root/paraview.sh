@@ -8,9 +8,6 @@
 # exclude each other. Skipped with exit code 77 like check.sh.
 set -euo pipefail
 
-source=$(cd "$1" && pwd)
-mkdir -p "$2"
-scratch=$(cd "$2" && pwd)
 source "$(dirname "${BASH_SOURCE[0]}")/root.sh"
 root=$scratch/paraview
 trap 'rm -rf "$root"' EXIT

@@ -1,10 +1,14 @@
 # shellcheck shell=bash
 # SPDX-License-Identifier: MIT
-# Sourced by the tests in a minimal Debian system, with the folder $scratch: makes $base, a root file
-# system with git only, and runs commands in copies of it. Without root, debootstrap or a Debian mirror
-# in /etc/apt it exits with 77, "skipped".
+# Sourced by the tests in a minimal Debian system, which are called with SOURCE SCRATCH: makes $base, a
+# root file system with git only, and runs commands in copies of it. Without root, debootstrap or a
+# Debian mirror in /etc/apt it exits with 77, "skipped".
 
 release=bookworm
+# shellcheck disable=SC2034
+source=$(cd "$1" && pwd)
+mkdir -p "$2"
+scratch=$(cd "$2" && pwd)
 
 skip() {
   echo "Skipped: $*"
@@ -29,7 +33,6 @@ mirror=$(mirror)
 [[ -n $mirror ]] || skip "no Debian mirror was found in /etc/apt"
 
 # Created once; every user gets a copy.
-# shellcheck disable=SC2154
 base=$scratch/base
 if [[ ! -e $base.done ]]; then
   rm -rf "$base"

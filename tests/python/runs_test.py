@@ -316,6 +316,11 @@ class Threads(unittest.TestCase):
 
 
 class EndOfTheInterpreter(unittest.TestCase):
+    def check(self, program):
+        for _ in range(5):
+            ended = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
+            self.assertEqual((ended.returncode, ended.stdout, ended.stderr), (5, "", ""))
+
     def test_is_no_crash_while_other_threads_run_simulations(self):
         program = (
             "import atexit, sys, threading\n"
@@ -333,10 +338,7 @@ class EndOfTheInterpreter(unittest.TestCase):
             "view = later[0]['mass'].view()\n"
             "del view\n"
             "sys.exit(5)\n")
-        for _ in range(5):
-            ended = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
-            self.assertEqual((ended.returncode, ended.stdout, ended.stderr), (5, "", ""))
-
+        self.check(program)
 
     def test_is_no_crash_while_an_observer_is_in_python(self):
         program = (
@@ -351,9 +353,7 @@ class EndOfTheInterpreter(unittest.TestCase):
             "threading.Thread(target=grains().run, args=(1, 1e-3, observe), daemon=True).start()\n"
             "begun.wait()\n"
             "sys.exit(5)\n")
-        for _ in range(5):
-            ended = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
-            self.assertEqual((ended.returncode, ended.stdout, ended.stderr), (5, "", ""))
+        self.check(program)
 
 
 @unittest.skipUnless(hasattr(os, "fork"), "this system has no fork")
