@@ -3,7 +3,7 @@
 #
 #   check.sh FLAGS-FILE SOURCE COMPILER...
 #
-# Passes if SOURCE does not compile and the compiler's output matches the regular expression
+# Passes if SOURCE does not compile and the compiler's first two errors match the regular expression
 # (grep -E) in its first line, "// expect: REGEX". With SILT_VALID defined the same file must
 # compile, which excludes unrelated errors, such as a misspelt include. A line "// flags: FLAGS" is
 # for the compilation that fails, and repeated for each line.
@@ -27,7 +27,7 @@ fi
 mapfile -t variants < <(sed -n 's|^// flags: ||p' "$source")
 for flags in "${variants[@]:-}"; do
   # shellcheck disable=SC2086
-  if output=$("${compile[@]}" $flags 2>&1); then
+  if output=$("${compile[@]}" -fmax-errors=2 $flags 2>&1); then
     echo "$source: compiles, but must not${flags:+ with $flags}"
     exit 1
   fi

@@ -51,7 +51,7 @@ MAIN = re.compile(r"\bint\s+main\s*\(")
 SPDX = re.compile(r"\A(//|#) SPDX-License-Identifier: MIT\n")
 RUN_SECONDS = 300
 PRINTED = "printed.txt"
-AT_ONCE = 8  # programs that are compiled together
+AT_ONCE = 32  # programs that are compiled together
 
 
 class PageError(Exception):
