@@ -10,6 +10,7 @@
 #pragma once
 
 #include <silt/core/error.hpp>
+#include <silt/core/function_ref.hpp>
 #include <silt/core/thread_choice.hpp>
 #include <silt/core/types.hpp>
 
@@ -218,11 +219,14 @@ class Shares {
   std::vector<Share> shares_;
 };
 
-/// f(k) for every k in [0, count), with at most `team` threads. Each has a contiguous share, so
+/// Processes the tasks from `task` on, and increases it, until it is `last`.
+using RunTasks = FunctionRef<void(Index& task, Index last)>;
+
+/// run() for all tasks in [0, count), with at most `team` threads. Each has a contiguous share, so
 /// that successive loops find their data in its cache; once it has finished its share, it helps the
-/// others, because tasks may take different times and a core may be busy.
-template <class F>
-void run_tasks(Index count, [[maybe_unused]] int team, F&& f) {
+/// others, because tasks may take different times and a core may be busy. Not a template: a program
+/// has hundreds of loops, and each would compile all of this.
+inline void run_tasks(Index count, [[maybe_unused]] int team, RunTasks run) {
 #ifdef _OPENMP
   if (count > 1 && team > 1 && !omp_in_parallel()) {
     // Only the tasks of a thread that follow its exception are left out; the lowest exception of
@@ -230,9 +234,9 @@ void run_tasks(Index count, [[maybe_unused]] int team, F&& f) {
     std::exception_ptr fault;
     Index fault_task = no_index;
     Shares shares(count, team);
-    const auto run = [&](Share::Tasks tasks) {
+    const auto run_share = [&](Share::Tasks tasks) {
       try {
-        for (; tasks.first < tasks.last; ++tasks.first) f(tasks.first);
+        run(tasks.first, tasks.last);
       } catch (...) {
 #pragma omp critical(silt_fault)
         if (tasks.first < fault_task) {
@@ -244,13 +248,22 @@ void run_tasks(Index count, [[maybe_unused]] int team, F&& f) {
 #pragma omp parallel num_threads(team)
     for (Index k = 0; k < shares.size(); ++k) {
       Share& share = shares[(static_cast<Index>(omp_get_thread_num()) + k) % shares.size()];
-      while (const auto tasks = share.take()) run(tasks);
+      while (const auto tasks = share.take()) run_share(tasks);
     }
     if (fault) std::rethrow_exception(fault);
     return;
   }
 #endif
-  for (Index task = 0; task < count; ++task) f(task);
+  Index task = 0;
+  run(task, count);
+}
+
+/// f(k) for every k in [0, count), likewise.
+template <class F>
+void for_each_task(Index count, int team, F&& f) {
+  run_tasks(count, team, [&f](Index& task, Index last) {
+    for (; task < last; ++task) f(task);
+  });
 }
 
 }  // namespace detail
@@ -262,13 +275,13 @@ inline int threads_for(Index n) { return detail::Team::size_for_chunks(chunk_cou
 /// f(k) for every k in [0, count), in parallel, for few long tasks.
 template <class F>
 void for_each_task(Index count, F&& f) {
-  detail::run_tasks(count, detail::Team::size_for_tasks(count), f);
+  detail::for_each_task(count, detail::Team::size_for_tasks(count), f);
 }
 
 /// f(chunk) for every chunk of [0, n), in parallel.
 template <class F>
 void for_each_chunk(Index n, F&& f) {
-  detail::run_tasks(chunk_count(n), threads_for(n), [&f, n](Index number) {
+  detail::for_each_task(chunk_count(n), threads_for(n), [&f, n](Index number) {
     f(Chunk{number, number * chunk_size, std::min(n, (number + 1) * chunk_size)});
   });
 }
@@ -280,8 +293,8 @@ inline constexpr Index range_size = 64;
 /// loops over it.
 template <Index size = range_size, class F>
 void for_each_range(Index n, F&& f) {
-  detail::run_tasks((n + size - 1) / size, threads_for(n),
-                    [&f, n](Index r) { f(r * size, std::min(n, (r + 1) * size)); });
+  detail::for_each_task((n + size - 1) / size, threads_for(n),
+                        [&f, n](Index r) { f(r * size, std::min(n, (r + 1) * size)); });
 }
 
 /// Number of rows of different lengths, such as those of neighbours, that are stored together, by
