@@ -7,7 +7,7 @@
 
 #include <silt/core/error.hpp>
 #include <silt/core/parallel.hpp>
-#include <silt/core/shared_particles.hpp>
+#include <silt/core/processes.hpp>
 #include <silt/core/step_checks.hpp>
 #include <silt/core/types.hpp>
 #include <silt/mps/fluid.hpp>

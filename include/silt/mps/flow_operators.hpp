@@ -3,7 +3,7 @@
 // positions the neighbours within them and the walls.
 #pragma once
 
-#include <silt/core/shared_particles.hpp>
+#include <silt/core/processes.hpp>
 #include <silt/core/types.hpp>
 #include <silt/mps/flow_settings.hpp>
 #include <silt/mps/fluid.hpp>

@@ -9,7 +9,7 @@
 #pragma once
 
 #include <silt/core/parallel.hpp>
-#include <silt/core/shared_particles.hpp>
+#include <silt/core/processes.hpp>
 #include <silt/core/types.hpp>
 #include <silt/linear/linear_system.hpp>
 #include <silt/mps/fluid.hpp>
@@ -41,9 +41,10 @@ class PressureEquation {
   template <FluidParticles P, class S, class T, class Source, class Boundary>
   void assemble(const P& particles, const S& neighbours, const T& stencil, Source&& source,
                 const Boundary& boundary) {
+    using Processes = silt::detail::Processes<P>;
     system_.shared.reset();
     number_unknowns(particles, neighbours, stencil, boundary);
-    if constexpr (Shared<P>) {
+    if constexpr (Processes::are_several) {
       system_.shared = shared_pressures(particles, row_of_,
                                         unknowns_.size() + system_.columns_of_others);
     }
@@ -84,7 +85,7 @@ class PressureEquation {
     system_.off_diagonal.build(unknowns_.size(), system_.columns(), fill_row);
     find_open_rows();
     find_closed_bodies();
-    if constexpr (Shared<P>) join_closed_bodies(particles.process().rank);
+    if constexpr (Processes::are_several) join_closed_bodies(process_of(particles).rank);
     balance_closed_bodies();
   }
 
@@ -92,7 +93,7 @@ class PressureEquation {
   /// unknowns get P = 0. Pressures are changed only if the solve converged.
   template <FluidParticles P, class L>
   SolveReport solve(P& particles, L& solver) {
-    static_assert(!Shared<P> || requires { requires L::shares_unknowns; },
+    static_assert(silt::detail::are_of_one_process<P> || requires { requires L::shares_unknowns; },
                   "mps: this solver does not know the unknowns of other processes; use mpi::Flow "
                   "instead of mps::Flow (see shares_unknowns in silt/solve/jacobi.hpp)");
     using Real = typename P::Real;

@@ -2,7 +2,7 @@
 // The unknown pressures of a flow that several processes share.
 #pragma once
 
-#include <silt/core/shared_particles.hpp>
+#include <silt/core/processes.hpp>
 #include <silt/core/types.hpp>
 #include <silt/linear/shared_unknowns.hpp>
 
