@@ -99,7 +99,7 @@ NOT_STORED = {
     "PressureBoundary": all_of(ANEW, "has_pressure_ weight_of_surface_ near_boundary_"),
     "KeptMoments": all_of(ANEW, "is_known_ moments_"),
     "ErrorCompensatingSource": {"last_rate_": ANEW},
-    "PressureEquation": {**all_of(ANEW, "system_ unknowns_ row_of_ last_column_ is_open_ front_"),
+    "PressureEquation": {**all_of(ANEW, "system_ unknowns_ row_of_ last_column_ closed_bodies_"),
                          "solution_": "begins with the pressures of the particles"},
     "EnergyAccount": {"properties_": GIVEN, **all_of(ROLLBACK, "saved_ had_begun_")},
     "TimeStep": {"saved_": ROLLBACK},

@@ -4,8 +4,7 @@
 //
 //   Σ_j w_ij (P_i − P_j) = −source_i λ n0 / (2d),   P_j = 0 on the free surface, no dummies in Σ
 //
-// Positive definite for a body of fluid with a free surface. Without one (a closed full tank), the
-// pressure is defined up to a constant.
+// Positive definite for a body of fluid with a free surface; without one, see closed_bodies.hpp.
 #pragma once
 
 #include <silt/core/parallel.hpp>
@@ -14,11 +13,10 @@
 #include <silt/linear/linear_system.hpp>
 #include <silt/mps/fluid/fluid.hpp>
 #include <silt/mps/operator/operators.hpp>
+#include <silt/mps/pressure/closed_bodies.hpp>
 #include <silt/mps/pressure/shared_pressures.hpp>
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <vector>
@@ -82,10 +80,9 @@ class PressureEquation {
       for (int k = 0; k < P::dimension; ++k) geometry.points[row][Index(k)] = double(x[i][k]);
     };
     system_.off_diagonal.build(unknowns_.size(), system_.columns(), fill_row);
-    find_open_rows();
-    find_closed_bodies();
-    if constexpr (Shared<P>) join_closed_bodies(particles.process().rank);
-    balance_closed_bodies();
+    closed_bodies_.find(system_, last_column_);
+    if constexpr (Shared<P>) ClosedBodies::join(system_, particles.process().rank);
+    ClosedBodies::balance(system_);
   }
 
   /// Solves for the pressures, with the present ones as initial guess; particles that are not
@@ -105,7 +102,7 @@ class PressureEquation {
         report.reason == SolveReport::Reason::broke_down) {
       return report;
     }
-    set_reference_pressures();
+    ClosedBodies::set_minimum_to_zero(system_, solution_);
     for_each(values.size(), [&](Index i) {
       values[i] = row_of_[i] < unknowns_.size() ? Real(solution_[row_of_[i]]) : Real(0);
     });
@@ -169,158 +166,11 @@ class PressureEquation {
     }
   }
 
-  // Those that can be reached from the free surface.
-  void find_open_rows() {
-    const Index n = unknowns_.size();
-    const auto& entries = system_.off_diagonal;
-    is_open_.assign(system_.columns(), 0);
-    // Free surfaces are mostly at the top, with the last rows: one pass downwards, which follows
-    // the last connection of each row, reaches nearly all rows.
-    for (Index row = n; row-- > 0;) {
-      is_open_[row] = system_.geometry.to_surface[row] > 0 || is_open_[last_column_[row]];
-    }
-    do {
-      for (Index row = 0; row < n; ++row) {
-        if (is_open_[row] || !entries.has_entry_in(row, is_open_)) continue;
-        flood(row, [&](Index r) { return !is_open_[r]; }, [&](Index r) { is_open_[r] = true; });
-      }
-    } while (others_have_opened());
-  }
-  // Whether rows of other processes are open that were not.
-  bool others_have_opened() {
-    if (!system_.shared) return false;
-    std::vector<double> marks(is_open_.begin(), is_open_.end());
-    system_.sum_of_all(0);
-    system_.refresh(marks);
-    double opened = 0;
-    for (Index column = system_.size(); column < marks.size(); ++column) {
-      if (marks[column] > 0 && !is_open_[column]) ++opened;
-      is_open_[column] = marks[column] > 0;
-    }
-    return system_.sum_of_all(opened) > 0;
-  }
-
-  // A body of fluid without a free surface (a closed full tank) has a pressure up to a constant.
-  void find_closed_bodies() {
-    const Index n = unknowns_.size();
-    auto& body = system_.closed_body;
-    system_.closed_bodies = 0;
-    body.clear();
-    for (Index row = 0; row < n; ++row) {
-      if (is_open_[row]) continue;
-      if (body.empty()) body.assign(n, 0);
-      if (body[row] > 0) continue;
-      const auto number = static_cast<std::uint32_t>(++system_.closed_bodies);
-      flood(row, [&](Index r) { return body[r] == 0; }, [&](Index r) { body[r] = number; });
-    }
-  }
-  // Numbers those of all processes, of which one may be a part here and a part there.
-  void join_closed_bodies(int rank) {
-    auto& body = system_.closed_body;
-    if (!(system_.sum_of_all(double(system_.closed_bodies)) > 0)) return;
-    body.resize(system_.size(), 0);
-    // A label for each of the own bodies: the lowest of its parts.
-    constexpr double none = std::numeric_limits<double>::infinity();
-    std::vector<double> label(system_.closed_bodies + 1, none);
-    for (Index k = 1; k < label.size(); ++k) label[k] = 0x1p32 * rank + double(k);
-    std::vector<double> labels(system_.columns());
-    double lowered = 0;
-    system_.sum_of_all(0);
-    do {
-      for (Index row = 0; row < body.size(); ++row) labels[row] = label[body[row]];
-      system_.refresh(labels);
-      lowered = 0;
-      for (Index row = 0; row < body.size(); ++row) {
-        if (body[row] == 0) continue;
-        double& own = label[body[row]];
-        system_.off_diagonal.for_each_entry(row, [&](Index column, double) {
-          if (column < body.size() || !(labels[column] < own)) return;
-          own = labels[column];
-          lowered = 1;
-        });
-      }
-    } while (system_.sum_of_all(lowered) > 0);
-    // From the lowest label on.
-    std::vector<std::uint32_t> number(label.size(), 0);
-    std::uint32_t bodies = 0;
-    for (double last = -none;;) {
-      double next = none;
-      for (const double each : label) {
-        if (each > last) next = std::min(next, each);
-      }
-      double minus_next = -next;
-      system_.shared->largest(std::span(&minus_next, 1));
-      if (minus_next == -none) break;
-      last = -minus_next;
-      ++bodies;
-      for (Index k = 1; k < label.size(); ++k) {
-        if (label[k] == last) number[k] = bodies;
-      }
-    }
-    for (std::uint32_t& each : body) each = number[each];
-    system_.closed_bodies = bodies;
-  }
-
-  // Marks the row and all rows that can be reached from it over rows for which is_new is true.
-  template <class IsNew, class Mark>
-  void flood(Index row, IsNew&& is_new, Mark&& mark) {
-    mark(row);
-    front_.assign(1, static_cast<std::uint32_t>(row));
-    while (!front_.empty()) {
-      const Index next = front_.back();
-      front_.pop_back();
-      system_.off_diagonal.for_each_entry(next, [&](Index column, double) {
-        if (column >= system_.size() || !is_new(column)) return;
-        mark(column);
-        front_.push_back(static_cast<std::uint32_t>(column));
-      });
-    }
-  }
-
-  // A closed body cannot expand: its sources are shifted so that they sum to zero.
-  void balance_closed_bodies() {
-    if (system_.closed_bodies == 0) return;
-    auto& b = system_.right_side;
-    const auto& body = system_.closed_body;
-    const auto max_of_bodies = [&] {
-      std::vector<double> largest(system_.closed_bodies + 1, 0);
-      for (Index row = 0; row < b.size(); ++row) {
-        largest[body[row]] = std::max(largest[body[row]], std::abs(b[row]));
-      }
-      if (system_.shared) system_.shared->largest(largest);
-      return largest;
-    };
-    const auto original = max_of_bodies();
-    system_.remove_constants(b);
-    system_.remove_constants(b);  // removes the round-off of the first call
-    // If all sources were equal, only round-off is left.
-    const auto balanced = max_of_bodies();
-    for (Index row = 0; row < b.size(); ++row) {
-      if (body[row] > 0 && balanced[body[row]] <= 1e-14 * original[body[row]]) b[row] = 0;
-    }
-  }
-
-  // The constant of a closed body is chosen such that its minimum pressure is zero.
-  void set_reference_pressures() {
-    const auto& body = system_.closed_body;
-    if (system_.closed_bodies == 0) return;
-    std::vector<double> minus_minimum(system_.closed_bodies + 1,
-                                      -std::numeric_limits<double>::infinity());
-    for (Index row = 0; row < body.size(); ++row) {
-      minus_minimum[body[row]] = std::max(minus_minimum[body[row]], -solution_[row]);
-    }
-    if (system_.shared) system_.shared->largest(minus_minimum);
-    for (Index row = 0; row < body.size(); ++row) {
-      if (body[row] > 0) solution_[row] += minus_minimum[body[row]];
-    }
-  }
-
   LinearSystem system_;
   std::vector<std::uint32_t> unknowns_;     // particle of each row
   std::vector<std::uint32_t> row_of_;       // row of each particle; ghosts have that of their owner
   std::vector<std::uint32_t> last_column_;  // last column with an entry, or the row itself
-  std::vector<std::uint8_t> is_open_;       // columns connected with a free surface
-  std::vector<std::uint32_t> front_;        // of flood()
+  ClosedBodies closed_bodies_;
   std::vector<double> solution_;
 };
 
