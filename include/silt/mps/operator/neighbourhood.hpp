@@ -8,13 +8,12 @@
 #include <silt/core/simd.hpp>
 #include <silt/core/types.hpp>
 #include <silt/mps/fluid/fluid.hpp>
+#include <silt/mps/operator/weighted_rows.hpp>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <limits>
-#include <numeric>
 #include <span>
 #include <string>
 #include <vector>
@@ -29,27 +28,13 @@ struct AllVisible {
   static constexpr double visible_share(Index, Index) { return 1; }
 };
 
-/// The neighbours of fluid and wall particles within one stencil. Weights w, and w/r² for gradient
-/// and divergence, are stored in single precision, which halves the memory traffic; sums are not.
+/// The neighbours of fluid and wall particles within one stencil. Their weights are in single precision,
+/// sums are not.
 template <int Dim, class RealType>
 class Neighbourhood {
  public:
   using Real = RealType;
   using Vec = silt::Vec<Dim, Real>;
-
-  /// Rows are completed by the particle itself, without weight, to a multiple of so many neighbours:
-  /// see NeighbourPack.
-  static constexpr Index lanes_of_sums = 4;
-
-  /// The neighbours of one particle, in three arrays.
-  struct Row {
-    const std::uint32_t* index;  ///< of an owned or ghost particle
-    const float* weight;
-    const float* weight_over_square;  ///< w/r² [1/m²]
-    Index length;                     ///< number of neighbours
-
-    Index size() const noexcept { return length; }
-  };
 
   /// Updates all neighbours from the search. Throws if two particles coincide, to the round-off of
   /// weights in single precision.
@@ -67,13 +52,14 @@ class Neighbourhood {
     rows_.assign(particles.size(), RowPlace{});
     density_.assign(particles.size(), 0);
     sets_.resize(row_sets(x.size()));
-    for (RowSet& rows : sets_) rows.used = 0;
+    for (WeightedRows<Real>& rows : sets_) rows.clear();
     const auto has_row = [kinds = particles[kind]](Index i) { return kinds[i] != Kind::dummy; };
     using Indices = std::span<const std::uint32_t>;
     for_each_row(particles, search, has_row, [&](Index set, Index i, Indices js) {
-      if (!add_row(set, i, js, stencil, visible)) {
-        refuse_coincident(particles, i, js, stencil);
-      }
+      const auto added = sets_[set].add(i, js, positions_, stencil, visible);
+      rows_[i] = {added.row, static_cast<std::uint32_t>(set)};
+      density_[i] = added.density;
+      if (!added.is_distinct) refuse_coincident(particles, i, js, stencil);
     });
     revision_ = particles.revision();
   }
@@ -99,7 +85,7 @@ class Neighbourhood {
     constexpr Index step = simd::lanes<float>;
     constexpr Index block = 4 * step;
     std::array<std::uint32_t, block> candidates;
-    const Row row = (*this)[i];
+    const WeightedRow row = (*this)[i];
     const Vec x_i = positions_[i];
     const auto limit = simd::broadcast<float>(min_weight);
     for (Index from = 0; from < row.size(); from += block) {
@@ -118,11 +104,8 @@ class Neighbourhood {
     }
   }
 
-  Row operator[](Index i) const noexcept {
-    const RowPlace& row = rows_[i];
-    const RowSet& rows = sets_[row.set];
-    return {rows.index.data() + row.first, rows.weight.data() + row.first,
-            rows.weight_over_square.data() + row.first, row.length};
+  WeightedRow operator[](Index i) const noexcept {
+    return sets_[rows_[i].set][rows_[i].row];
   }
   /// Position of a particle or ghost when the neighbours were found [m].
   Vec position_of(Index i) const noexcept { return positions_[i]; }
@@ -133,46 +116,9 @@ class Neighbourhood {
   Real density(Index i) const noexcept { return density_[i]; }
 
  private:
-  // Location of the neighbours of a particle in sets_.
   struct RowPlace {
-    std::uint32_t set = 0;
-    std::uint32_t first = 0;
-    std::uint32_t length = 0;
-  };
-
-  // Of the sum of a row, on every processor: the same bits.
-  static constexpr Index sum_lanes = 8;
-  // Memory beyond the end of a row, for sums and packs.
-  static constexpr Index padding = std::max<Index>(sum_lanes, simd::lanes<float>);
-
-  // Neighbours whose rows are stored together, with spare capacity.
-  struct RowSet {
-    std::vector<std::uint32_t> index;
-    std::vector<float> weight;
-    std::vector<float> weight_over_square;
-    Index used = 0;
-    std::vector<Real> square;  // r² of the row being added
-    std::vector<Real> share;   // of its neighbours that is visible
-    std::vector<Real> exact;   // its weights before rounding to single precision
-
-    // Reserves memory for a row of this length and its padding.
-    void reserve(Index length) {
-      // The arrays compared are the last to grow: they all have, unless an allocation has failed.
-      if (length + padding > exact.size()) {
-        square.resize(2 * length + padding);
-        share.resize(2 * length + padding);
-        exact.resize(2 * length + padding);
-      }
-      const Index min_size = used + length + padding;
-      if (min_size <= weight_over_square.size()) return;
-      const auto grow = [size = min_size * 9 / 8](auto& values) {
-        values.reserve(size);  // resize() alone would double the capacity
-        values.resize(size);
-      };
-      grow(index);
-      grow(weight);
-      grow(weight_over_square);
-    }
+    typename WeightedRows<Real>::Place row;
+    std::uint32_t set = 0;  // in sets_
   };
 
   // f(set, i, js) for the particles that have a row; js may include particles beyond the radius.
@@ -195,12 +141,6 @@ class Neighbourhood {
     }
   }
 
-  // r² of particles with the same position to round-off.
-  template <class T>
-  static Real least_square(const T& stencil) {
-    return squared(Real(std::numeric_limits<float>::epsilon()) * stencil.re);
-  }
-
   template <class P, class T>
   [[noreturn, gnu::cold, gnu::noinline]] void refuse_coincident(const P& particles, Index i,
                                                                 std::span<const std::uint32_t> js,
@@ -216,76 +156,8 @@ class Neighbourhood {
          {.particle = i, .id = id});
   }
 
-  // False if a neighbour has the same position as i.
-  template <class T, class Visible>
-  bool add_row(Index set, Index i, std::span<const std::uint32_t> js, T stencil,
-               const Visible& visible) {
-    RowSet& to = sets_[set];
-    to.reserve(js.size());
-    std::uint32_t* const index = to.index.data() + to.used;
-    float* const weight = to.weight.data() + to.used;
-    float* const weight_over_square = to.weight_over_square.data() + to.used;
-    Real* const square = to.square.data();
-    Real* const exact = to.exact.data();
-    Real* const share = to.share.data();
-
-    const Vec x_i = positions_[i];
-    const Real re2 = stencil.re * stencil.re;
-    const Real min_square = least_square(stencil);
-    Index length = 0;
-    bool distinct = true;
-    for (const std::uint32_t j : js) {
-      const Real r2 = (positions_[j] - x_i).squaredNorm();
-      index[length] = j;
-      square[length] = r2;
-      length += r2 < re2;
-      distinct &= r2 > min_square;
-    }
-
-    const bool sees_all = visible.sees_all(i);
-    if (!sees_all) {
-      Index seen = 0;
-      for (Index k = 0; k < length; ++k) {
-        const Real of_k = Real(visible.visible_share(i, Index(index[k])));
-        share[seen] = of_k;
-        index[seen] = index[k];
-        square[seen] = square[k];
-        seen += of_k > 0;
-      }
-      length = seen;
-    }
-    const Index padded = (length + sum_lanes - 1) / sum_lanes * sum_lanes;
-    std::fill(square + length, square + padded, re2);
-    for (Index k = 0; k < padded; ++k) {
-      const Real w = stencil.weight(std::sqrt(square[k]));
-      exact[k] = w;
-      weight[k] = static_cast<float>(w);
-      weight_over_square[k] = static_cast<float>(w / square[k]);
-    }
-    if (!sees_all) {
-      for (Index k = 0; k < length; ++k) {
-        exact[k] *= share[k];
-        weight[k] = static_cast<float>(exact[k]);
-        weight_over_square[k] = static_cast<float>(exact[k] / square[k]);
-      }
-    }
-    std::fill(index + length, index + padded, static_cast<std::uint32_t>(i));
-    std::fill(weight + length, weight + padded, 0.0f);
-    std::fill(weight_over_square + length, weight_over_square + padded, 0.0f);
-    std::fill(exact + length, exact + padded, Real(0));
-    std::array<Real, sum_lanes> sum{};
-    for (Index k = 0; k < padded; k += sum_lanes) {
-      for (Index lane = 0; lane < sum_lanes; ++lane) sum[lane] += exact[k + lane];
-    }
-    density_[i] = std::accumulate(sum.begin(), sum.end(), Real(0));
-    rows_[i] = {static_cast<std::uint32_t>(set), static_cast<std::uint32_t>(to.used),
-                static_cast<std::uint32_t>(length)};
-    to.used += (length + lanes_of_sums - 1) / lanes_of_sums * lanes_of_sums;
-    return distinct;
-  }
-
   std::vector<RowPlace> rows_;  // by particle
-  std::vector<RowSet> sets_;
+  std::vector<WeightedRows<Real>> sets_;
   std::vector<Real> density_;
   std::vector<Vec> positions_;  // with ghosts
   std::uint64_t revision_ = 0;
