@@ -163,8 +163,7 @@ NOT_SAVED = {
                       "image_": "a function of the box, which steps do not change"},
     # dem
     "Bonds": {"law_": GIVEN, "indices_": ANEW,
-              **all_of("of the constants of the grains and the bonds before the step, and found again to the same bits",
-                       "stability_ is_stability_known_ constants_ constants_revision_")},
+              "stability_": "of the constants of the grains and the bonds before the step, and found again to the same bits"},
     "ContactsOf": {**all_of(GIVEN, "materials_ settings_"),
                    "walls_": "the program takes them away and puts them back between steps",
                    **all_of("a function of the constants of the grains", "radii_ shortest_"),
