@@ -3,8 +3,8 @@
 #pragma once
 
 #include <silt/core/error.hpp>
-#include <silt/core/four.hpp>
 #include <silt/core/particles.hpp>
+#include <silt/core/rows_of_four.hpp>
 #include <silt/core/types.hpp>
 
 #include <algorithm>

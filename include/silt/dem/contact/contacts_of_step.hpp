@@ -3,8 +3,8 @@
 #pragma once
 
 #include <silt/core/error.hpp>
-#include <silt/core/four.hpp>
 #include <silt/core/parallel.hpp>
+#include <silt/core/rows_of_four.hpp>
 #include <silt/core/shared_particles.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/contact/block_evaluator.hpp>

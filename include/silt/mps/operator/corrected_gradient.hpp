@@ -3,7 +3,7 @@
 #pragma once
 
 #include <silt/core/error.hpp>
-#include <silt/core/four.hpp>
+#include <silt/core/simd.hpp>
 #include <silt/core/types.hpp>
 #include <silt/mps/operator/neighbour_pack.hpp>
 #include <silt/mps/operator/operators.hpp>

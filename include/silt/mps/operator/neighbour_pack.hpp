@@ -3,7 +3,6 @@
 // four partial sums, one for each lane.
 #pragma once
 
-#include <silt/core/four.hpp>
 #include <silt/core/simd.hpp>
 #include <silt/core/types.hpp>
 #include <silt/mps/operator/neighbourhood.hpp>

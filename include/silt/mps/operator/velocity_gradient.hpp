@@ -2,7 +2,7 @@
 // The velocity gradient of the fluid at a particle.
 #pragma once
 
-#include <silt/core/four.hpp>
+#include <silt/core/simd.hpp>
 #include <silt/core/types.hpp>
 #include <silt/mps/operator/neighbour_pack.hpp>
 

@@ -2,7 +2,7 @@
 // What the policies of a flow see of it during a step, around one particle.
 #pragma once
 
-#include <silt/core/four.hpp>
+#include <silt/core/simd.hpp>
 #include <silt/core/types.hpp>
 #include <silt/mps/fluid/body_force.hpp>
 #include <silt/mps/fluid/fluid.hpp>

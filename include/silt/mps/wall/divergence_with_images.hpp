@@ -2,7 +2,6 @@
 // The divergence of a velocity, to which neighbours and images contribute alike.
 #pragma once
 
-#include <silt/core/four.hpp>
 #include <silt/core/simd.hpp>
 #include <silt/core/types.hpp>
 #include <silt/mps/operator/neighbour_pack.hpp>
@@ -53,7 +52,7 @@ template <int Dim, class Real, class View, class Walls, class F, class G>
     next = 0;
     for_each_four(neighbourhood, i, from, from + size, [&](const NeighbourPack<Dim, Real>& j) {
       Four<Real> slope;
-      load_four(&slopes[next], slope);
+      simd::load_four(&slopes[next], slope);
       f(j, slope);
       next += 4;
     });
