@@ -110,7 +110,7 @@ MODELS = {
     "mps/scheme.hpp": ["source", "collision", "kernel", "surface", "gradient", "walls", "shifting",
                        "friction", "wall_stress", "laplacian"],
     "CellMultigrid": ["finest", "solve", "share", "add_of_others"],
-    "MotionInColumns": ["State", "at_once", "is_in_rows", "kick", "kick_to_mean", "step_back", "drift",
+    "MotionInColumns": ["State", "at_once", "is_in_rows", "change_velocities", "drift",
                         "store", "knows_energy", "Energies", "sum_of", "Outcome"],
 }
 
