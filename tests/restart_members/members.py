@@ -84,7 +84,7 @@ NOT_STORED = {
                   **all_of(ANEW, "operators_ force_ friction_ pressure_ changes_ advection_"),
                   "seconds_": CLOCK},
     "FlowPressure": {"solver_": GIVEN, **all_of(ANEW, "boundary_ moments_ source_ equation_"), "report_": LAST},
-    "FlowRecord": {"viscous_limit_": GIVEN, "is_first_step_": ANEW, "momentum_changes_": LAST,
+    "FlowRecord": {"viscous_limit_": GIVEN, "is_first_step_": ANEW, "momentum_changes_": LAST, "saved_": ROLLBACK,
                    "time_": "set_time() sets it before it is used"},
     "MomentumChanges": all_of(LAST, "all_ saved_"),
     "Advection": {"moved_with_": ANEW},
@@ -101,9 +101,8 @@ NOT_STORED = {
     "ErrorCompensatingSource": {"last_rate_": ANEW},
     "PressureEquation": {**all_of(ANEW, "system_ unknowns_ row_of_ last_column_ closed_bodies_"),
                          "solution_": "begins with the pressures of the particles"},
-    "EnergyAccount": {"properties_": GIVEN, **all_of(ROLLBACK, "saved_ had_begun_")},
-    "TimeStep": {"saved_": ROLLBACK},
-    "FlowWatch": {"saved_": ROLLBACK, **all_of(ANEW, "kinetic_ speed_of_step_")},
+    "EnergyAccount": {"properties_": GIVEN},
+    "FlowWatch": all_of(ANEW, "kinetic_ speed_of_step_"),
     # solve
     "ConjugateGradient": {"settings_": GIVEN, "preconditioner_": "prepare() makes it anew in every solve",
                           **all_of(MEMORY, "r_ z_ p_ q_ partial_")},
@@ -176,6 +175,4 @@ NOT_SAVED = {
                   "pressure_": "found anew; the report of its solver tells why the step failed", "seconds_": CLOCK},
     "FlowRecord": {"viscous_limit_": GIVEN, "is_first_step_": ANEW,
                    "time_": "set_time() sets it before it is used"},
-    "EnergyAccount": {"properties_": GIVEN},
-    "FlowWatch": all_of(UPDATE, "kinetic_ speed_of_step_"),
 }

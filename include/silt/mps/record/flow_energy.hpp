@@ -18,7 +18,6 @@
 #include <silt/mps/fluid/fluid.hpp>
 #include <silt/mps/fluid/step_changes.hpp>
 
-#include <array>
 #include <vector>
 
 namespace silt::mps {
@@ -73,11 +72,19 @@ class EnergyAccount {
   /// Current kinetic and potential energy of the particles, of all processes; no work.
   template <FluidParticles P>
   FlowEnergy of(const P& particles) const {
-    const State own = state_of_own(particles);
-    const auto [kinetic, potential] =
-        silt::detail::sum_of_all(particles, std::array{own.kinetic, own.potential});
-    FlowEnergy energy{.kinetic = properties_.mass * kinetic,
-                      .potential = properties_.mass * potential};
+    const auto u = particles[velocity];
+    const auto x = particles[position];
+    const auto kinds = particles[kind];
+    const Wide g = wide(properties_.gravity);
+    // Divided by the mass of a particle.
+    const silt::Vec<2> sums = silt::detail::sum_of_all(
+        particles,
+        ordered_sum(particles.size(), zero_of<silt::Vec<2>>(), [&](Index i) {
+          if (kinds[i] != Kind::fluid) return zero_of<silt::Vec<2>>();
+          return silt::Vec<2>(wide(u[i]).squaredNorm() / 2, -g.dot(wide(x[i])));
+        }));
+    FlowEnergy energy{.kinetic = properties_.mass * sums[0],
+                      .potential = properties_.mass * sums[1]};
     energy.initial = energy.total();
     return energy;
   }
@@ -105,54 +112,39 @@ class EnergyAccount {
     const auto kinds = particles[kind];
     const Vec gravity_change = Real(dt) * properties_.gravity;  // rounded as in the predictor
     const Wide g = wide(properties_.gravity);
-    const Work own = ordered_sum(particles.size(), Work{}, [&](Index i) {
-      if (kinds[i] != Kind::fluid) return Work{};
+    const auto work_on = [&](Index i) -> Work {
+      if (kinds[i] != Kind::fluid) return Work::Zero();
       const Wide predicted = change_of(changes.predictor, i);
-      const Wide forced =
-          forces.empty() ? wide(gravity_change) : wide(Real(dt) * forces[i]);
+      const Wide forced = wide(forces.empty() ? gravity_change : Vec(Real(dt) * forces[i]));
       const Wide rubbed = change_of(changes.friction, i);
       const Wide collided = change_of(changes.collision, i);
       const Wide pressed = change_of(changes.pressure, i);
       const Wide mean = wide(u[i]) - (predicted + rubbed + collided + pressed) / 2;
-      return Work{.gravity = wide(gravity_change).dot(mean),
-                  .viscosity = (predicted - forced).dot(mean),
-                  .force = (forced - wide(gravity_change)).dot(mean),
-                  .friction = rubbed.dot(mean),
-                  .collision = collided.dot(mean),
-                  .pressure = pressed.dot(mean),
-                  .shifting = -g.dot(change_of(changes.shift, i))};
-    });
-    const auto sums = silt::detail::sum_of_all(
-        particles, std::array{own.gravity, own.viscosity, own.force, own.friction, own.collision,
-                              own.pressure, own.shifting});
-    const Work work{.gravity = sums[0],
-                    .viscosity = sums[1],
-                    .force = sums[2],
-                    .friction = sums[3],
-                    .collision = sums[4],
-                    .pressure = sums[5],
-                    .shifting = sums[6]};
+      Work work;
+      work[by_gravity] = wide(gravity_change).dot(mean);
+      work[by_viscosity] = (predicted - forced).dot(mean);
+      work[by_force] = (forced - wide(gravity_change)).dot(mean);
+      work[by_friction] = rubbed.dot(mean);
+      work[by_collision] = collided.dot(mean);
+      work[by_pressure] = pressed.dot(mean);
+      work[by_shifting] = -g.dot(change_of(changes.shift, i));
+      return work;
+    };
+    const Work work = silt::detail::sum_of_all(
+        particles, ordered_sum(particles.size(), zero_of<Work>(), work_on));
     const FlowEnergy found = of(particles);
-    energy_.by_viscosity += properties_.mass * work.viscosity;
-    energy_.by_force += properties_.mass * work.force;
-    energy_.by_friction += properties_.mass * work.friction;
-    energy_.by_collision += properties_.mass * work.collision;
-    energy_.by_pressure += properties_.mass * work.pressure;
-    energy_.by_shifting += properties_.mass * work.shifting;
-    energy_.by_integration += properties_.mass * (work.gravity - work.shifting) +
+    energy_.by_viscosity += properties_.mass * work[by_viscosity];
+    energy_.by_force += properties_.mass * work[by_force];
+    energy_.by_friction += properties_.mass * work[by_friction];
+    energy_.by_collision += properties_.mass * work[by_collision];
+    energy_.by_pressure += properties_.mass * work[by_pressure];
+    energy_.by_shifting += properties_.mass * work[by_shifting];
+    energy_.by_integration += properties_.mass * (work[by_gravity] - work[by_shifting]) +
                               (found.potential - energy_.potential);
     energy_.kinetic = found.kinetic;
     energy_.potential = found.potential;
   }
 
-  void save() noexcept {
-    saved_ = energy_;
-    had_begun_ = has_begun_;
-  }
-  void restore() noexcept {
-    energy_ = saved_;
-    has_begun_ = had_begun_;
-  }
   template <class Archive>
   void transfer(Archive& archive) {
     archive("has_begun", has_begun_);
@@ -171,42 +163,12 @@ class EnergyAccount {
 
  private:
   using Wide = silt::Vec<Dim>;
-  // Per mass of a particle [m²/s²].
-  struct Work {
-    double gravity = 0, viscosity = 0, force = 0, friction = 0, collision = 0, pressure = 0,
-           shifting = 0;
-    Work& operator+=(const Work& more) {
-      gravity += more.gravity;
-      viscosity += more.viscosity;
-      force += more.force;
-      friction += more.friction;
-      collision += more.collision;
-      pressure += more.pressure;
-      shifting += more.shifting;
-      return *this;
-    }
+  // Work on the particles, divided by the mass of one [m²/s²], by term.
+  enum Term {
+    by_gravity, by_viscosity, by_force, by_friction, by_collision, by_pressure, by_shifting, terms
   };
-  struct State {
-    double kinetic = 0, potential = 0;
-    State& operator+=(const State& more) {
-      kinetic += more.kinetic;
-      potential += more.potential;
-      return *this;
-    }
-  };
+  using Work = silt::Vec<terms>;
 
-  // Of the particles of this process, divided by the mass of one.
-  template <class P>
-  State state_of_own(const P& particles) const {
-    const auto u = particles[velocity];
-    const auto x = particles[position];
-    const auto kinds = particles[kind];
-    const Wide g = wide(properties_.gravity);
-    return ordered_sum(particles.size(), State{}, [&](Index i) {
-      if (kinds[i] != Kind::fluid) return State{};
-      return State{.kinetic = wide(u[i]).squaredNorm() / 2, .potential = -g.dot(wide(x[i]))};
-    });
-  }
   static Wide wide(const Vec& v) { return v.template cast<double>(); }
   static Wide change_of(const std::vector<Vec>& changes, Index i) {
     return changes.empty() ? Wide(Wide::Zero()) : wide(changes[i]);
@@ -214,9 +176,7 @@ class EnergyAccount {
 
   Properties properties_{0, Vec::Zero()};
   FlowEnergy energy_;
-  FlowEnergy saved_;
   bool has_begun_ = false;
-  bool had_begun_ = false;
 };
 
 }  // namespace silt::mps

@@ -32,15 +32,18 @@ class FlowRecord {
   template <class Settings, class Stencil>
   FlowRecord(const Settings& settings, const Stencil& laplacian)
       : viscous_limit_(viscous_limit(laplacian, settings.viscosity)),
-        energy_({.mass = settings.density * std::pow(settings.spacing, Dim),
-                 .gravity = settings.gravity.template cast<Real>()}) {}
+        now_{.time_step = {},
+             .energy = EnergyAccount<Dim, Real>(
+                 {.mass = settings.density * std::pow(settings.spacing, Dim),
+                  .gravity = settings.gravity.template cast<Real>()}),
+             .watch = {}} {}
 
   /// Of the fluid after the last step, and the work since the first one.
-  const FlowEnergy& energy() const noexcept { return energy_.energy(); }
+  const FlowEnergy& energy() const noexcept { return now_.energy.energy(); }
   /// Kinetic and potential energy of the particles; no work.
   template <FluidParticles P>
   FlowEnergy energy_of(const P& particles) const {
-    return energy_.of(particles);
+    return now_.energy.of(particles);
   }
   /// Whether no step was begun before the present one, also in the run from which a checkpoint was
   /// read.
@@ -59,20 +62,20 @@ class FlowRecord {
   /// Limits of the next time step [s].
   template <FluidParticles P, class Settings>
   TimeStepLimits time_step_limits(const P& particles, const Settings& settings) const {
-    return time_step_.limits(particles, settings, {.viscous = viscous_limit_, .time = time_});
+    return now_.time_step.limits(particles, settings, {.viscous = viscous_limit_, .time = time_});
   }
 
   /// Throws if the time step [s] is unstable: see TimeStep::begin().
   template <FluidParticles P, class Settings>
   void begin_step(const P& particles, const Settings& settings, double time_step) {
-    is_first_step_ = time_step_.is_first();
-    time_step_.begin(particles, settings, {.viscous = viscous_limit_, .time = time_}, time_step);
-    energy_.begin(particles);
+    is_first_step_ = now_.time_step.is_first();
+    now_.time_step.begin(particles, settings, {.viscous = viscous_limit_, .time = time_}, time_step);
+    now_.energy.begin(particles);
   }
   /// Before the step of this length [s] changes any velocity.
   template <FluidParticles P>
   void begin_changes(const P& particles, const BodyForce<Dim, Real>& force, double time_step) {
-    watch_.begin(particles, force, time_step, energy().kinetic);
+    now_.watch.begin(particles, force, time_step, energy().kinetic);
   }
   /// With walls of faces, when these changes of the velocities are known, and before the particles are
   /// moved with them.
@@ -84,48 +87,49 @@ class FlowRecord {
   template <FluidParticles P>
   void end_step(const P& particles, const StepChanges<Vec>& changes,
                 const BodyForce<Dim, Real>& force, double time_step) {
-    energy_.end(particles, changes, force.values(), time_step);
-    watch_.end(particles);
+    now_.energy.end(particles, changes, force.values(), time_step);
+    now_.watch.end(particles);
   }
 
   /// Throws if a particle moved by more than a spacing in the step.
   template <FluidParticles P, class Settings>
   void check_moves(const P& particles, const Settings& settings, const FinishedStep& step) const {
-    time_step_.end(particles, settings, step);
+    now_.time_step.end(particles, settings, step);
   }
   /// Throws if the fluid gained speed or energy that nothing had: see FlowWatch.
   template <FluidParticles P, class Settings>
   void check_gains(const P& particles, const Settings& settings, const FinishedStep& step) const {
-    watch_.check(particles, settings, energy().kinetic, energy_.mass(), step.time_step);
+    now_.watch.check(particles, settings, energy().kinetic, now_.energy.mass(), step.time_step);
   }
 
   void save() noexcept {
-    time_step_.save();
-    watch_.save();
-    energy_.save();
+    saved_ = now_;
     momentum_changes_.save();
   }
   void restore() noexcept {
-    time_step_.restore();
-    watch_.restore();
-    energy_.restore();
+    now_ = saved_;
     momentum_changes_.restore();
   }
   template <class Archive>
   void transfer(Archive& archive) {
-    archive.within("time_step", [&] { time_step_.transfer(archive); });
-    archive.within("energy", [&] { energy_.transfer(archive); });
-    archive.within("watch", [&] { watch_.transfer(archive); });
+    archive.within("time_step", [&] { now_.time_step.transfer(archive); });
+    archive.within("energy", [&] { now_.energy.transfer(archive); });
+    archive.within("watch", [&] { now_.watch.transfer(archive); });
     if constexpr (Archive::reads) momentum_changes_.clear();
   }
 
  private:
+  struct State {
+    TimeStep time_step;
+    EnergyAccount<Dim, Real> energy;
+    FlowWatch<Dim, Real> watch;
+  };
+
   double viscous_limit_;  // of the time step [s]
   double time_ = 0;
   bool is_first_step_ = false;
-  TimeStep time_step_;
-  EnergyAccount<Dim, Real> energy_;
-  FlowWatch<Dim, Real> watch_;
+  State now_;
+  State saved_;
   MomentumChanges<Dim> momentum_changes_;
 };
 

@@ -102,8 +102,6 @@ class FlowWatch {
     }
   }
 
-  void save() noexcept { saved_ = now_; }
-  void restore() noexcept { now_ = saved_; }
   template <class Archive>
   void transfer(Archive& archive) {
     archive("given_speed", now_.given_speed);
@@ -130,7 +128,6 @@ class FlowWatch {
   }
 
   State now_;
-  State saved_;
   double kinetic_ = 0;        // before the step [J]
   double speed_of_step_ = 0;  // |F| dt [m/s]
 };

@@ -123,8 +123,6 @@ class TimeStep {
   /// Whether no step was begun, also in the run from which a checkpoint was read.
   bool is_first() const noexcept { return last_ == 0; }
 
-  void save() noexcept { saved_ = last_; }
-  void restore() noexcept { last_ = saved_; }
   template <class Archive>
   void transfer(Archive& archive) {
     archive("last_time_step", last_);
@@ -173,7 +171,6 @@ class TimeStep {
   }
 
   double last_ = 0;  // previous step [s]; 0 before the first
-  double saved_ = 0;
 };
 
 }  // namespace silt::mps
