@@ -14,8 +14,9 @@
 
 namespace silt::mps::detail {
 
+/// Without the state of the flow, as models of walls see it: NeighbourView.
 template <int Dim>
-struct AnyParticleView {
+struct AnyNeighbourView {
   static constexpr int dimension = Dim;
   using Real = double;
   using Vec = silt::Vec<Dim>;
@@ -28,13 +29,6 @@ struct AnyParticleView {
   Kind kind() const;
   Vec velocity() const;
   Real spacing() const;
-  double density() const;
-  double time_step() const;
-  double compression() const;
-  Vec force() const;
-  Vec force(Index owned) const;
-  Vec weight() const;
-
   Index owner(const Neighbour<Dim, Real>& neighbour) const;
   Index owner(Index j) const;
   Kinds kinds() const;
@@ -56,10 +50,25 @@ struct AnyParticleView {
   auto values_of(const U&) const {
     return [](auto&& f) { f(Vec(), Vec(), Real(), Real()); };
   }
-
-  double divergence() const;
   template <class U>
   Real divergence(const U& u) const;
+};
+
+/// With it: ParticleView.
+template <int Dim>
+struct AnyParticleView : AnyNeighbourView<Dim> {
+  using Real = double;
+  using Vec = silt::Vec<Dim>;
+
+  double density() const;
+  double time_step() const;
+  double compression() const;
+  Vec force() const;
+  Vec force(Index owned) const;
+  Vec weight() const;
+
+  using AnyNeighbourView<Dim>::divergence;
+  double divergence() const;
   double density_rate() const;
   template <class U>
   Vec laplacian(const U& u) const;

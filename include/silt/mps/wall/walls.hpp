@@ -5,21 +5,20 @@
 #include <silt/core/types.hpp>
 #include <silt/mps/fluid/fluid.hpp>
 #include <silt/mps/operator/kernel.hpp>
-#include <silt/mps/operator/neighbour.hpp>
 #include <silt/mps/operator/neighbourhood.hpp>
 #include <silt/mps/operator/operators.hpp>
+#include <silt/mps/policy/any_particle_view.hpp>
 #include <silt/mps/policy/collision.hpp>
 
 #include <concepts>
-#include <span>
 #include <type_traits>
 
 namespace silt::mps {
 
 namespace detail {
 
-/// What a model of walls may use of FlowOperators, NeighbourView and ClosePairs, to check it when
-/// it is compiled.
+/// What a model of walls may use of FlowOperators and ClosePairs, to check it when it is compiled;
+/// of NeighbourView, it is AnyNeighbourView.
 template <int Dim>
 struct AnyOperators {
   const Stencil<Dim, double, CubicKernel>& stencil() const;
@@ -27,31 +26,6 @@ struct AnyOperators {
   double reach() const;
   const Neighbourhood<Dim, double>& neighbourhood() const;
   const Neighbourhood<Dim, double>& laplacian_neighbourhood() const;
-};
-template <int Dim>
-struct AnyNeighbourView {
-  static constexpr int dimension = Dim;
-  using Real = double;
-  using Vec = silt::Vec<Dim>;
-
-  Index index() const;
-  Kind kind() const;
-  Vec velocity() const;
-  Real spacing() const;
-  Index owner(Index j) const;
-  Index owner(const Neighbour<Dim, Real>& neighbour) const;
-  std::span<const Kind> kinds() const;
-  std::span<const Vec> velocities() const;
-  const Stencil<Dim, Real, CubicKernel>& stencil() const;
-  const Neighbourhood<Dim, Real>& neighbourhood() const;
-  template <class F>
-  void for_each(F&& f) const;
-  template <class F>
-  bool any(F&& is) const;
-  template <class U>
-  auto values_of(const U&) const {
-    return [](auto&& f) { f(Vec(), Vec(), Real(), Real()); };
-  }
 };
 template <int Dim>
 struct AnyClosePairs {
