@@ -107,7 +107,7 @@ MODELS = {
     "SizeDistribution": ["radius", "largest"],
     "NeighbourSearch": ["radius"],
     "Shared": ["sum", "largest", "process", "world"],
-    "mps/scheme.hpp": ["source", "collision", "kernel", "surface", "gradient", "walls", "shifting",
+    "mps/scheme/scheme.hpp": ["source", "collision", "kernel", "surface", "gradient", "walls", "shifting",
                        "friction", "wall_stress", "laplacian"],
     "CellMultigrid": ["finest", "solve", "share", "add_of_others"],
     "MotionInColumns": ["State", "at_once", "is_in_rows", "change_velocities", "drift",

@@ -40,8 +40,8 @@ class WeightedRows {
  public:
   /// Where a row is.
   struct Place {
-    std::uint32_t first = 0;
-    std::uint32_t length = 0;
+    std::uint32_t first = 0;   ///< of its neighbours, among those of all rows
+    std::uint32_t length = 0;  ///< number of them
   };
   /// A row that was added.
   struct Added {
