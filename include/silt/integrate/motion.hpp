@@ -33,17 +33,15 @@ class MotionOf : public detail::MotionInStorage<P> {
   /// v^{N−½} → v^{N+½} (32) and, if the particles rotate, θ'^{N−½} → θ'^{N+½} (33); dt [s].
   template <class D>
   [[gnu::always_inline]] void kick(State& p, const D& damping, double dt) const {
-    Storage::template change_velocities<D>(p, [&](auto& v, const auto& a) {
-      set(v, damping.kicked(v, a, Real(dt)));
-    });
+    Storage::template change_velocities<D>(
+        p, [&](auto& v, const auto& a) { set(v, damping.kicked(v, a, Real(dt))); });
   }
 
   /// v^N = ½ (v^{N−½} + v^{N+½}) (27), (28).
   template <class D>
   [[gnu::always_inline]] void kick_to_mean(State& p, const D& damping, double dt) const {
-    Storage::template change_velocities<D>(p, [&](auto& v, const auto& a) {
-      set(v, (damping.kicked(v, a, Real(dt)) + v) / 2);
-    });
+    Storage::template change_velocities<D>(
+        p, [&](auto& v, const auto& a) { set(v, (damping.kicked(v, a, Real(dt)) + v) / 2); });
   }
 
   /// v^N → v^{N−½}.

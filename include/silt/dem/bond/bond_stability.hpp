@@ -78,10 +78,11 @@ class BondStability {
         const Real m_a = grains[mass][ends.a];
         const Real m_b = grains[mass][ends.b];
         const Real share = arm_of_a(grains, ends);
-        bound.add(bonds[k].normal, springs_of(law, section_at(grains, ends, law)).stiffness(law.beta),
-                  {.mass_over_inertia = double(grains[mass][i]) / double(grains[inertia][i]),
-                   .arm = double((ends.a == i ? share : 1 - share) * bonds[k].length)},
-                  share_of(double(grains[mass][i]), double(m_a / (m_a + m_b) * m_b), Shares::equal));
+        bound.add(
+            bonds[k].normal, springs_of(law, section_at(grains, ends, law)).stiffness(law.beta),
+            {.mass_over_inertia = double(grains[mass][i]) / double(grains[inertia][i]),
+             .arm = double((ends.a == i ? share : 1 - share) * bonds[k].length)},
+            share_of(double(grains[mass][i]), double(m_a / (m_a + m_b) * m_b), Shares::equal));
       }
       const double stable = bound.stable_time_step();
       if (!(stable < time_step_)) continue;

@@ -104,9 +104,7 @@ class Neighbourhood {
     }
   }
 
-  WeightedRow operator[](Index i) const noexcept {
-    return sets_[rows_[i].set][rows_[i].row];
-  }
+  WeightedRow operator[](Index i) const noexcept { return sets_[rows_[i].set][rows_[i].row]; }
   /// Position of a particle or ghost when the neighbours were found [m].
   Vec position_of(Index i) const noexcept { return positions_[i]; }
   /// Of all particles and ghosts.

@@ -60,8 +60,8 @@ class WeightedRows {
   /// Adds that of particle i, of those particles js that are within the stencil and visible, see
   /// Neighbourhood::find().
   template <int Dim, class T, class Visible>
-  Added add(Index i, std::span<const std::uint32_t> js, const std::vector<Vec<Dim, Real>>& positions,
-            T stencil, const Visible& visible) {
+  Added add(Index i, std::span<const std::uint32_t> js,
+            const std::vector<Vec<Dim, Real>>& positions, T stencil, const Visible& visible) {
     reserve(js.size());
     std::uint32_t* const index = index_.data() + used_;
     float* const weight = weight_.data() + used_;

@@ -33,7 +33,8 @@ class ClosedBodies {
       if (body.empty()) body.assign(n, 0);
       if (body[row] > 0) continue;
       const auto number = static_cast<std::uint32_t>(++system.closed_bodies);
-      flood(system, row, [&](Index r) { return body[r] == 0; }, [&](Index r) { body[r] = number; });
+      flood(
+          system, row, [&](Index r) { return body[r] == 0; }, [&](Index r) { body[r] = number; });
     }
   }
 
@@ -140,7 +141,9 @@ class ClosedBodies {
     do {
       for (Index row = 0; row < n; ++row) {
         if (is_open_[row] || !entries.has_entry_in(row, is_open_)) continue;
-        flood(system, row, [&](Index r) { return !is_open_[r]; }, [&](Index r) { is_open_[r] = true; });
+        flood(
+            system, row, [&](Index r) { return !is_open_[r]; },
+            [&](Index r) { is_open_[r] = true; });
       }
     } while (others_have_opened(system));
   }

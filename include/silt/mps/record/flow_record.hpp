@@ -69,7 +69,8 @@ class FlowRecord {
   template <FluidParticles P, class Settings>
   void begin_step(const P& particles, const Settings& settings, double time_step) {
     is_first_step_ = now_.time_step.is_first();
-    now_.time_step.begin(particles, settings, {.viscous = viscous_limit_, .time = time_}, time_step);
+    now_.time_step.begin(particles, settings, {.viscous = viscous_limit_, .time = time_},
+                         time_step);
     now_.energy.begin(particles);
   }
   /// Before the step of this length [s] changes any velocity.
