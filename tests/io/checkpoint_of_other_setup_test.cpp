@@ -4,7 +4,7 @@
 #include <silt/dem/wall/walls.hpp>
 #include <silt/io/checkpoint.hpp>
 #include <silt/mps.hpp>
-#include <silt/mps/image_walls.hpp>
+#include <silt/mps/wall/image_walls.hpp>
 
 #include "support/check.hpp"
 #include "support/file_test.hpp"

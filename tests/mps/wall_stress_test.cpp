@@ -3,7 +3,7 @@
 // wall.
 #include <silt/geometry/shapes.hpp>
 #include <silt/mps.hpp>
-#include <silt/mps/wall_stress.hpp>
+#include <silt/mps/policy/wall_stress.hpp>
 
 #include "support/check.hpp"
 #include "support/fluid.hpp"

@@ -3,9 +3,9 @@
 #pragma once
 
 #include <silt/core/error.hpp>
-#include <silt/core/four.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/processes.hpp>
+#include <silt/core/rows_of_four.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/contact/block_evaluator.hpp>
 #include <silt/dem/contact/contact_settings.hpp>
