@@ -158,6 +158,7 @@ TYPED_TEST(Cases, SimulateACollapsingColumnInTheOrderOfTheirSource) {
   expect_a_column_to_collapse<typename TypeParam::Case, TypeParam::dimension>(SemiImplicit{});
 }
 
+#if SILT_SLOW_TESTS
 // Case 10 has the order that it does not have by default.
 TEST(Cases, SimulateACollapsingColumnWithMovedParticles) {
   static_assert(!mps::SourceOf<mps::Case10>::needs_moved_particles);
@@ -176,6 +177,7 @@ TEST(Cases, UseTheOrderOfTheirSourceByDefault) {
   EXPECT_TRUE(after(improved, SemiImplicit{}) == after(improved, SemiImplicit<KeepsParticles>{}));
   EXPECT_FALSE(after(improved, SemiImplicit{}) == after(improved, SemiImplicit<MovesParticles>{}));
 }
+#endif
 
 }  // namespace
 }  // namespace silt::test::cases_test
