@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // A checkpoint recognises that the program that reads it has other laws, walls or settings.
+// Only with --all: many kinds of walls and laws; checkpoint_file_test.cpp has other refusals.
 #include <silt/dem.hpp>
 #include <silt/dem/wall/walls.hpp>
 #include <silt/io/checkpoint.hpp>
