@@ -5,13 +5,20 @@
 #pragma once
 
 #include <silt/core/error.hpp>
+#include <silt/core/lane.hpp>
 #include <silt/core/nearest_image.hpp>
 #include <silt/core/simd.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/contact/contact_geometry.hpp>
 #include <silt/dem/contact/contact_list.hpp>
+#include <silt/dem/contact/contact_results.hpp>
+#include <silt/dem/contact/contact_settings.hpp>
 #include <silt/dem/contact/evaluation.hpp>
+#include <silt/dem/contact/law_between.hpp>
 #include <silt/dem/contact/law_lanes.hpp>
+#include <silt/dem/contact/step_time.hpp>
+#include <silt/dem/law/law_history.hpp>
+#include <silt/dem/law/materials.hpp>
 
 #include <algorithm>
 #include <array>
@@ -19,63 +26,60 @@
 #include <cstdint>
 #include <numeric>
 #include <string>
+#include <utility>
 
 namespace silt::dem::detail {
 
-/// The numbers of eight contacts.
-using EightNumbers = std::array<std::uint32_t, lanes>;
-
-/// Goes through the contacts of a block, group by group, and passes the law's results for those
-/// that touch to a Results object:
-///
-///   results.begin(group, touching, is_whole)        once for each group; bit l of `touching` is
-///                                                   set if contact l touches
-///   results.store_group(group, lanes, touching)     the results of a group that is whole
-///   results.store_contacts(contacts, count, lanes)  those of contacts of other groups
-/// evaluate(lanes, count, touching, contacts) evaluates the law for lane l of lanes[e] if bit l of
-/// touching[e] is set, and possibly for other lanes; contacts[e] are its contacts. `walls` is a
-/// WallsAtTime.
+/// Goes through the contacts of a block, group by group, and passes what the law returns for those
+/// that touch to a ContactResults. Refers to its arguments; Walls is a WallSet.
 ///
 /// In a dense block, groups are evaluated as a whole, including contacts that do not touch. In
 /// other blocks, the contacts that touch are collected until there are eight. The results are the
 /// same.
-template <class Lanes, class Histories, class Walls, class Evaluate>
+template <class P, class Law, class Walls>
 class BlockEvaluator {
-  using Real = typename Lanes::Real;
-  static constexpr int dimension = Lanes::dimension;
-  using Vec = silt::Vec<dimension, Real>;
+  using Evaluation = detail::Evaluation<P, Law>;
+  using Lanes = typename Evaluation::Lanes;
+  using Histories = typename Evaluation::Histories;
+  using Real = typename P::Real;
+  static constexpr int dimension = P::dimension;
+  using Vec = typename P::Vec;
   using Grains = GrainRows<dimension, Real>;
   static constexpr Index batch_size = 16;
 
  public:
-  struct Input {
-    const ContactList& contacts;
-    Grains grains;
-    NearestImage<dimension, Real> image;
-    const Histories& before;
-    const Walls& walls;
-    /// Fraction of δ by which the lever arms of two grains are shorter than R; at a wall it is
-    /// twice as large.
-    Real reduction_per_overlap;
-    Real max_overlap;  ///< see ContactSettings
-  };
+  using Results = ContactResults<Lanes, Histories>;
 
-  BlockEvaluator(const Input& input, const Evaluate& evaluate)
-      : input_(input), evaluate_(evaluate) {}
+  /// `grains` as in the step of the evaluation.
+  BlockEvaluator(const Evaluation& evaluation, const Grains& grains,
+                 const Materials<Law>& materials, const Walls& walls,
+                 const ContactSettings& settings)
+      : evaluation_(evaluation),
+        contacts_(evaluation.contacts()),
+        before_(*evaluation.before),
+        grains_(grains),
+        image_(evaluation.box),
+        materials_(materials),
+        walls_(walls),
+        walls_now_(walls_in_law<P>(walls, evaluation.step)),
+        times_(evaluation.step.template of_contacts<Real>()),
+        reduction_per_overlap_(settings.lever_arm == LeverArm::radius ? Real(0) : Real(0.5)),
+        max_overlap_(Real(settings.max_overlap)) {
+    if constexpr (Lanes::words > 0) Histories::LawHistory::put({}, new_history_.data());
+  }
 
-  /// Returns the number of contacts that touch.
-  template <class Results>
-  Index operator()(Index block, bool is_dense, Results& results) const {
-    const ContactList::Block& of = input_.contacts.block(block);
+  /// Evaluates the contacts of a block; returns the number of those that touch.
+  Index evaluate(Index block, bool is_dense, Results& results) const {
+    const ContactList::Block& of = contacts_.block(block);
     Batch batch;
-    const Index pairs = is_dense ? evaluate_groups<false>(of.pairs, batch, results)
+    const Index pairs = is_dense ? evaluate_groups(of.pairs, batch, results)
                                  : evaluate_collected<false>(of.pairs, batch, results);
     // Grains may come near to several elements of a wall, but touch few of them.
     return pairs + evaluate_collected<true>(of.walls, batch, results);
   }
   /// Whether a block with so many contacts that touch should be evaluated as a dense one.
   bool is_dense(Index block, Index touching) const {
-    const ContactList::Range pairs = input_.contacts.block(block).pairs;
+    const ContactList::Range pairs = contacts_.block(block).pairs;
     return touching * 3 > pairs.last - pairs.first;
   }
 
@@ -97,37 +101,36 @@ class BlockEvaluator {
     Index count = 0;
   };
 
-  template <bool of_walls, class Results>
   Index evaluate_groups(ContactList::Range range, Batch& batch, Results& results) const {
     Index count = 0;
     for (Index c = range.first; c < range.last; c += lanes) {
       const auto group = static_cast<std::uint32_t>(c / lanes);
-      const std::uint32_t* const first = input_.contacts.first_of_group(c);
-      const std::uint32_t* const second = input_.contacts.second_of_group(c);
+      const std::uint32_t* const first = contacts_.first_of_group(c);
+      const std::uint32_t* const second = contacts_.second_of_group(c);
       Lanes& next = batch.lanes[batch.count];
       ContactGeometry<Lanes> geometry;
-      const unsigned touching = find_touching<of_walls>(geometry, first, second, next) &
+      const unsigned touching = find_touching<false>(geometry, first, second, next) &
                                 simd::first_lanes<lanes>(range.last - c);
       results.begin(group, touching, true);
       count += static_cast<Index>(std::popcount(touching));
-      compute<of_walls>(geometry, first, second, touching, next);
+      compute<false>(geometry, first, second, touching, next);
       EightNumbers& contacts = batch.contacts[batch.count];
       for (Index lane = 0; lane < lanes; ++lane) {
         contacts[lane] = static_cast<std::uint32_t>(c + lane);
       }
       add_to_batch(batch, group, touching, results);
     }
-    flush(batch, results);
+    evaluate_batch(batch, results);
     return count;
   }
 
-  template <bool of_walls, class Results>
+  template <bool of_walls>
   Index evaluate_collected(ContactList::Range range, Batch& batch, Results& results) const {
     Collection collection;
     Index count = 0;
     for (Index c = range.first; c < range.last; c += lanes) {
-      const std::uint32_t* const first = input_.contacts.first_of_group(c);
-      const std::uint32_t* const second = input_.contacts.second_of_group(c);
+      const std::uint32_t* const first = contacts_.first_of_group(c);
+      const std::uint32_t* const second = contacts_.second_of_group(c);
       ContactGeometry<Lanes> geometry;
       const unsigned touching =
           find_touching<of_walls>(geometry, first, second, batch.lanes[batch.count]) &
@@ -147,7 +150,7 @@ class BlockEvaluator {
       }
     }
     if (collection.count > 0) add_collected<of_walls>(batch, collection, results);
-    flush(batch, results);
+    evaluate_batch(batch, results);
     return count;
   }
   static Index append(const std::uint32_t* values, std::array<std::uint32_t, 2 * lanes>& to,
@@ -161,11 +164,11 @@ class BlockEvaluator {
                                                 const std::uint32_t* second, Lanes& into) const {
     if constexpr (of_walls) {
       const auto nearest = [this](std::uint32_t element, const Vec& x) {
-        return input_.walls.nearest(ContactList::unscaled(element), x);
+        return walls_now_.nearest(ContactList::unscaled(element), x);
       };
-      return geometry.find_touching_walls(input_.grains, first, second, nearest, into);
+      return geometry.find_touching_walls(grains_, first, second, nearest, into);
     } else {
-      return geometry.find_touching(input_.grains, input_.image, first, second);
+      return geometry.find_touching(grains_, image_, first, second);
     }
   }
 
@@ -175,26 +178,24 @@ class BlockEvaluator {
                                       const std::uint32_t* first, const std::uint32_t* second,
                                       unsigned touching, Lanes& into) const {
     if constexpr (of_walls) {
-      const unsigned refused = geometry.too_deep_in_walls(input_.max_overlap) & touching;
+      const unsigned refused = geometry.too_deep_in_walls(max_overlap_) & touching;
       if (refused != 0) refuse<true>(first, second, refused);
       if constexpr (Walls::move) {
         const auto velocity = [this](std::uint32_t element) {
-          return input_.walls.velocity(ContactList::unscaled(element));
+          return walls_now_.velocity(ContactList::unscaled(element));
         };
-        geometry.compute_walls(input_.grains, first, second, 2 * input_.reduction_per_overlap,
-                               velocity, into);
+        geometry.compute_walls(grains_, first, second, 2 * reduction_per_overlap_, velocity, into);
       } else {
-        geometry.compute_walls(input_.grains, first, second, 2 * input_.reduction_per_overlap,
-                               nullptr, into);
+        geometry.compute_walls(grains_, first, second, 2 * reduction_per_overlap_, nullptr, into);
       }
     } else {
-      const unsigned refused = geometry.too_close(input_.max_overlap) & touching;
+      const unsigned refused = geometry.too_close(max_overlap_) & touching;
       if (refused != 0) refuse<false>(first, second, refused);
-      geometry.compute_pairs(input_.grains, first, second, input_.reduction_per_overlap, into);
+      geometry.compute_pairs(grains_, first, second, reduction_per_overlap_, into);
     }
   }
 
-  template <bool of_walls, class Results>
+  template <bool of_walls>
   [[gnu::noinline]] void add_collected(Batch& batch, Collection& collection,
                                        Results& results) const {
     const Index number = std::min<Index>(collection.count, lanes);
@@ -212,15 +213,13 @@ class BlockEvaluator {
     add_to_batch(batch, collected, touching, results);
   }
 
-  template <class Results>
   void add_to_batch(Batch& batch, std::uint32_t group, unsigned touching, Results& results) const {
     batch.touching[batch.count] = touching;
     batch.group[batch.count] = group;
-    if (++batch.count == batch_size) flush(batch, results);
+    if (++batch.count == batch_size) evaluate_batch(batch, results);
   }
 
-  template <class Results>
-  [[gnu::noinline]] void flush(Batch& batch, Results& results) const {
+  [[gnu::noinline]] void evaluate_batch(Batch& batch, Results& results) const {
     for (Index e = 0; e < batch.count; ++e) {
       if (batch.group[e] != collected) {
         load_histories(batch.group[e], batch.lanes[e]);
@@ -228,7 +227,7 @@ class BlockEvaluator {
         load_histories(batch.contacts[e], batch.lanes[e]);
       }
     }
-    evaluate_(batch.lanes.data(), batch.count, batch.touching.data(), batch.contacts.data());
+    evaluate_law(batch);
     for (Index e = 0; e < batch.count; ++e) {
       if (batch.group[e] != collected) {
         results.store_group(batch.group[e], batch.lanes[e], batch.touching[e]);
@@ -240,12 +239,40 @@ class BlockEvaluator {
     batch.count = 0;
   }
 
+  // Evaluates the law for the contacts of a batch, and possibly for others in its lanes.
+  [[gnu::flatten, gnu::noinline]] void evaluate_law(Batch& batch) const {
+    // Copies that no store below can change.
+    const ContactTimes<Real> times = times_;
+    const Index count = batch.count;
+    if constexpr (LawInLanes<Law, dimension, Real>) {
+      if (materials_.count() == 1) {
+        const Law law = materials_.between(0, 0);
+        for (Index e = 0; e < count; ++e) {
+          Lanes& eight = batch.lanes[e];
+          SILT_INDEPENDENT_ITERATIONS
+          for (int lane = 0; lane < lanes; ++lane) {
+            eight.template evaluate<Lane<Real>>(law, times, lane);
+          }
+        }
+        return;
+      }
+    }
+    for (Index e = 0; e < count; ++e) {
+      for (int lane = 0; lane < lanes; ++lane) {
+        if ((batch.touching[e] >> lane & 1) == 0) continue;
+        const Index c = batch.contacts[e][static_cast<Index>(lane)];
+        batch.lanes[e].template evaluate<Real>(
+            law_between(*evaluation_.list, materials_, walls_, c), times, lane);
+      }
+    }
+  }
+
   [[gnu::always_inline]] void load_histories(Index group, Lanes& into) const {
     constexpr int N = Grains::N;
-    const unsigned known = input_.before.touching_in_group(group);
-    const Real* const from = input_.before.group(group);
+    const unsigned known = before_.touching_in_group(group);
+    const Real* const from = before_.group(group);
     for (int k = 0; k < Lanes::words; ++k) {
-      const auto fresh = simd::broadcast<Real, N>(new_history_.numbers[k]);
+      const auto fresh = simd::broadcast<Real, N>(new_history_[Index(k)]);
       for (int first = 0; first < lanes; first += N) {
         const auto kept = simd::load<Real, N>(from + k * lanes + first);
         simd::store<Real, N>(into.history[k] + first,
@@ -255,10 +282,9 @@ class BlockEvaluator {
   }
   [[gnu::always_inline]] void load_histories(const EightNumbers& contacts, Lanes& into) const {
     for (Index lane = 0; lane < lanes; ++lane) {
-      const bool is_known = input_.before.touches(contacts[lane]);
+      const bool is_known = before_.touches(contacts[lane]);
       for (int k = 0; k < Lanes::words; ++k) {
-        into.history[k][lane] =
-            is_known ? input_.before.at(contacts[lane], k) : new_history_.numbers[k];
+        into.history[k][lane] = is_known ? before_.at(contacts[lane], k) : new_history_[Index(k)];
       }
     }
   }
@@ -272,7 +298,7 @@ class BlockEvaluator {
     const auto lane = static_cast<Index>(std::countr_zero(refused));
     const Index i = ContactList::unscaled(first[lane]);
     const Index other = ContactList::unscaled(second[lane]);
-    const Where where{.particle = i, .id = input_.contacts.id(i)};
+    const Where where{.particle = i, .id = contacts_.id(i)};
     Lanes unused;
     ContactGeometry<Lanes> geometry;
     find_touching<of_walls>(geometry, first, second, unused);
@@ -281,33 +307,35 @@ class BlockEvaluator {
     if constexpr (of_walls) {
       contact = geometry.deep_contact_at_wall(lane);
       names = "grain " + std::to_string(*where.id) + " and wall " +
-              std::to_string(input_.walls.number_of(other));
+              std::to_string(walls_now_.number_of(other));
     } else {
       contact = geometry.deep_contact(lane);
-      names = "grains " + std::to_string(*where.id) + " and " +
-              std::to_string(input_.contacts.id(other));
+      names = "grains " + std::to_string(*where.id) + " and " + std::to_string(contacts_.id(other));
     }
     if (!contact.has_normal) {
       fail({"dem::Contacts: the centres of ", names, " coincide; place them apart"}, where);
     }
     fail({"dem::Contacts: ", names, " overlap by ", contact.overlap,
-          " m, more than max_overlap = ", input_.max_overlap, " of the radius ", contact.radius,
+          " m, more than max_overlap = ", max_overlap_, " of the radius ", contact.radius,
           " m; place them apart, use a stiffer material or a shorter time step, or raise "
           "ContactSettings::max_overlap"},
          where);
   }
 
-  // The history of a new contact.
-  struct NewHistory {
-    Real numbers[std::max(Lanes::words, 1)] = {};
-    NewHistory() {
-      if constexpr (Lanes::words > 0) Histories::LawHistory::put({}, numbers);
-    }
-  };
-
-  Input input_;
-  const Evaluate& evaluate_;
-  NewHistory new_history_;
+  const Evaluation& evaluation_;
+  const ContactList& contacts_;
+  const Histories& before_;
+  Grains grains_;
+  NearestImage<dimension, Real> image_;
+  const Materials<Law>& materials_;
+  const Walls& walls_;
+  decltype(walls_in_law<P>(std::declval<const Walls&>(), StepTime{})) walls_now_;
+  ContactTimes<Real> times_;
+  // Fraction of δ by which the lever arms of two grains are shorter than R; at a wall it is twice
+  // as large.
+  Real reduction_per_overlap_;
+  Real max_overlap_;                                              // see ContactSettings
+  std::array<Real, std::max(Lanes::words, 1)> new_history_ = {};  // of a new contact
 };
 
 }  // namespace silt::dem::detail

@@ -21,6 +21,7 @@
 #include <silt/core/travel.hpp>
 #include <silt/core/types.hpp>
 #include <silt/core/watch.hpp>
+#include <silt/dem/contact/block_evaluator.hpp>
 #include <silt/dem/contact/block_loop.hpp>
 #include <silt/dem/contact/contact_settings.hpp>
 #include <silt/dem/contact/contacts_of_step.hpp>
@@ -28,7 +29,7 @@
 #include <silt/dem/contact/described_contacts.hpp>
 #include <silt/dem/contact/energy_check.hpp>
 #include <silt/dem/contact/evaluation.hpp>
-#include <silt/dem/contact/law_evaluation.hpp>
+#include <silt/dem/contact/law_between.hpp>
 #include <silt/dem/contact/list_rebuild.hpp>
 #include <silt/dem/contact/of_constants.hpp>
 #include <silt/dem/contact/pair_history.hpp>
@@ -63,6 +64,7 @@ class ContactsOf : public Contacts<Law, Walls...> {
   using History = typename Evaluation::LawHistory::type;
   using List = typename Evaluation::List;
   using Histories = typename Evaluation::Histories;
+  using Evaluator = detail::BlockEvaluator<P, Law, WallSet<Walls...>>;
   using SavedList = detail::SavedList<dimension, Real>;
   using ContactsOfStep = detail::ContactsOfStep<P, Law, WallSet<Walls...>>;
 
@@ -95,20 +97,17 @@ class ContactsOf : public Contacts<Law, Walls...> {
   /// radius, mass or inertia is not positive and finite, if products of them underflow or overflow,
   /// if a material does not exist, if positions have too few digits, if an overlap exceeds
   /// ContactSettings::max_overlap, or if dt exceeds the stability limit.
-  template <class S, class Before = DoNothing, class After = DoNothing>
-  void accelerate(P& grains, const S& search, double dt, const Pass<Before, After>& pass = {}) {
+  template <class S>
+  void accelerate(P& grains, const S& search, double dt, const Pass& pass = {}) {
     const double since_last = std::exchange(last_time_step_, std::nullopt).value_or(dt);
     Evaluation evaluation = begin_step(
         grains, search, {.time = time_, .time_step = dt, .last_time_step = since_last});
     const auto after = memory_.histories.take();
-    const auto walls = detail::walls_in_law<P>(walls_, evaluation.step);
-    const auto evaluate_law = detail::law_evaluation<P>(evaluation, materials_, walls_);
     const detail::GrainRows<dimension, Real> rows(std::as_const(grains));
     detail::UnnoticedChanges changes(std::as_const(grains), *evaluation.list, evaluation.lifetime);
-    evaluation.count = memory_.loop(
-        grains, evaluation.contacts(),
-        detail::block_evaluator<P>(evaluation, rows, walls, settings_, evaluate_law), changes,
-        *after, pass);
+    evaluation.count = memory_.loop.add_forces(
+        grains, evaluation.contacts(), Evaluator(evaluation, rows, materials_, walls_, settings_),
+        changes, *after, pass);
     changes.check(grains);
     evaluation.after = after;
     evaluation.grains = detail::SharedGrains<P>(grains, memory_.copies);

@@ -3,14 +3,14 @@
 #pragma once
 
 #include <silt/core/error.hpp>
-#include <silt/core/four.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/shared_particles.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/contact/block_evaluator.hpp>
+#include <silt/dem/contact/contact_results.hpp>
 #include <silt/dem/contact/contact_settings.hpp>
 #include <silt/dem/contact/evaluation.hpp>
-#include <silt/dem/contact/law_evaluation.hpp>
+#include <silt/dem/contact/law_between.hpp>
 #include <silt/dem/contact/pair_history.hpp>
 #include <silt/dem/contact/single_contacts.hpp>
 #include <silt/dem/law/contact.hpp>
@@ -278,32 +278,12 @@ class ContactsOfStep {
         [&](Index c, const auto& bodies) { f(c, bodies, rows.data() + c * Row::words); });
   }
 
-  struct Results {
-    Real* rows;
-
-    void begin(Index, unsigned, bool) {}
-    template <class Lanes>
-    void store_group(Index group, const Lanes& eight, unsigned) {
-      for (int k = 0; k < Row::words; k += 4) {
-        rows_from(&eight.row[k], rows + group * lanes * Row::words + k, Row::words);
-      }
-    }
-    template <class Lanes>
-    void store_contacts(const EightNumbers& contacts, Index count, const Lanes& eight) {
-      for (Index lane = 0; lane < count; ++lane) {
-        Real* const row = rows + contacts[lane] * Row::words;
-        for (int k = 0; k < Row::words; ++k) row[k] = eight.row[k][lane];
-      }
-    }
-  };
   void evaluate_again(Real* rows) const {
-    const auto walls = walls_in_law<P>(walls_, evaluation_.step);
-    const auto evaluate = law_evaluation<P>(evaluation_, materials_, walls_);
-    const auto evaluate_block =
-        block_evaluator<P>(evaluation_, evaluation_.grains.rows(), walls, settings_, evaluate);
+    const BlockEvaluator<P, Law, Walls> evaluator(evaluation_, evaluation_.grains.rows(),
+                                                  materials_, walls_, settings_);
     evaluation_.contacts().for_each_block([&](Index block, Index, Index) {
-      Results results{rows};
-      evaluate_block(block, true, results);
+      ContactResults<typename Evaluation::Lanes, typename Evaluation::Histories> results(rows);
+      evaluator.evaluate(block, true, results);
     });
   }
 

@@ -88,18 +88,4 @@ struct LawLanes {
   }
 };
 
-/// Evaluates one law for all lanes of `count` eights.
-template <class Law, class Eights>
-[[gnu::flatten, gnu::noinline]] void evaluate_in_lanes(const Law& shared, Eights* eights, int count,
-                                                       ContactTimes<typename Eights::Real> times) {
-  const Law law = shared;  // a copy that no store below can change
-  for (int e = 0; e < count; ++e) {
-    Eights& eight = eights[e];
-    SILT_INDEPENDENT_ITERATIONS
-    for (int lane = 0; lane < lanes; ++lane) {
-      eight.template evaluate<Lane<typename Eights::Real>>(law, times, lane);
-    }
-  }
-}
-
 }  // namespace silt::dem::detail
