@@ -210,10 +210,11 @@ bool is_finite(const Eigen::Matrix<Real, Dim, 1>& v) {
   return finite;
 }
 
-// Checks of parameters. `name` is that of the parameter, such as "Leapfrog: time_step".
+// Checks of parameters. `name` is that of the parameter, such as "Leapfrog: time_step". Not
+// inlined, because a program has many of them.
 
 /// Throws unless the value is finite.
-inline void require_finite(std::string_view name, double value) {
+[[gnu::noinline]] inline void require_finite(std::string_view name, double value) {
   if (!is_finite(value)) {
     fail({name, " = ", value, " is not a finite number; give one"});
   }
@@ -223,14 +224,14 @@ void require_finite(std::string_view name, const Eigen::Matrix<Real, Dim, 1>& va
   for (int k = 0; k < Dim; ++k) require_finite(name, double(value[k]));
 }
 /// Throws unless value > 0 and finite.
-inline void require_positive(std::string_view name, double value) {
+[[gnu::noinline]] inline void require_positive(std::string_view name, double value) {
   require_finite(name, value);
   if (!(value > 0)) {
     fail({name, " = ", value, " must be positive; give a value above 0"});
   }
 }
 /// Throws unless value ≥ 0 and finite.
-inline void require_not_negative(std::string_view name, double value) {
+[[gnu::noinline]] inline void require_not_negative(std::string_view name, double value) {
   require_finite(name, value);
   if (value < 0) {
     fail({name, " = ", value, " is negative; give a value of at least 0"});
@@ -242,7 +243,7 @@ struct Range {
   double upper;
 };
 /// Throws unless lower ≤ value ≤ upper.
-inline void require_between(std::string_view name, double value, Range range) {
+[[gnu::noinline]] inline void require_between(std::string_view name, double value, Range range) {
   require_finite(name, value);
   if (value < range.lower || value > range.upper) {
     fail({name, " = ", value, " is outside ", range.lower, " to ", range.upper,
@@ -251,7 +252,7 @@ inline void require_between(std::string_view name, double value, Range range) {
 }
 
 /// Throws unless lower < value ≤ upper.
-inline void require_above(std::string_view name, double value, Range range) {
+[[gnu::noinline]] inline void require_above(std::string_view name, double value, Range range) {
   require_finite(name, value);
   if (value <= range.lower || value > range.upper) {
     fail({name, " = ", value, " must be above ", range.lower, " and at most ", range.upper,

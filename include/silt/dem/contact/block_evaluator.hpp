@@ -240,29 +240,30 @@ class BlockEvaluator {
   }
 
   // Evaluates the law for the contacts of a batch, and possibly for others in its lanes.
-  [[gnu::flatten, gnu::noinline]] void evaluate_law(Batch& batch) const {
-    // Copies that no store below can change.
-    const ContactTimes<Real> times = times_;
-    const Index count = batch.count;
+  void evaluate_law(Batch& batch) const {
     if constexpr (LawInLanes<Law, dimension, Real>) {
-      if (materials_.count() == 1) {
-        const Law law = materials_.between(0, 0);
-        for (Index e = 0; e < count; ++e) {
-          Lanes& eight = batch.lanes[e];
-          SILT_INDEPENDENT_ITERATIONS
-          for (int lane = 0; lane < lanes; ++lane) {
-            eight.template evaluate<Lane<Real>>(law, times, lane);
-          }
-        }
-        return;
-      }
+      if (materials_.count() == 1) return evaluate_in_lanes(batch);
     }
-    for (Index e = 0; e < count; ++e) {
+    for (Index e = 0; e < batch.count; ++e) {
       for (int lane = 0; lane < lanes; ++lane) {
         if ((batch.touching[e] >> lane & 1) == 0) continue;
         const Index c = batch.contacts[e][static_cast<Index>(lane)];
         batch.lanes[e].template evaluate<Real>(
-            law_between(*evaluation_.list, materials_, walls_, c), times, lane);
+            law_between(*evaluation_.list, materials_, walls_, c), times_, lane);
+      }
+    }
+  }
+  // The only law for all of them.
+  [[gnu::flatten, gnu::noinline]] void evaluate_in_lanes(Batch& batch) const {
+    // Copies that no store below can change.
+    const Law law = materials_.between(0, 0);
+    const ContactTimes<Real> times = times_;
+    const Index count = batch.count;
+    for (Index e = 0; e < count; ++e) {
+      Lanes& eight = batch.lanes[e];
+      SILT_INDEPENDENT_ITERATIONS
+      for (int lane = 0; lane < lanes; ++lane) {
+        eight.template evaluate<Lane<Real>>(law, times, lane);
       }
     }
   }

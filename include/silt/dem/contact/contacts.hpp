@@ -172,11 +172,11 @@ class ContactsOf : public Contacts<Law, Walls...> {
     const auto& shortest = shortest_contacts(grains).of_all;
     const double period = walls_.shortest_period();
     if (period / detail::steps_per_period < shortest.duration / settings_.steps_per_contact) {
-      return "dem::Contacts: a wall vibrates with the period " + to_text(period) +
-             " s; lower its frequency";
+      return message_of(
+          {"dem::Contacts: a wall vibrates with the period ", period, " s; lower its frequency"});
     }
-    return "dem::Contacts: " + shortest.name() + " lasts " + to_text(shortest.duration) +
-           " s; use a softer material";
+    return message_of({"dem::Contacts: ", shortest.name(), " lasts ", shortest.duration,
+                       " s; use a softer material"});
   }
 
   /// Takes a wall, given by its number, away or puts it back, from the next step on: a gate that

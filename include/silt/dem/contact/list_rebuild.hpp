@@ -16,7 +16,6 @@
 #include <silt/dem/setup/grains.hpp>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -222,35 +221,41 @@ void find_contacts(const P& grains, const S& search, const Walls& walls, List& l
   const auto x = grains.with_halo(position);
   const auto R = grains.with_halo(radius);
   const NearestImage<P::dimension, Real> image(grains.box());
+  const auto add_pairs = [&](Index i, ContactList::PairsOfBlock& pairs) {
+    // Collected first: a search has several loops over candidates, and what follows is long.
+    pairs.candidates.clear();
+    for_each_candidate(search, i, [&pairs](Index j) { pairs.candidates.push_back(j); });
+    for (const Index found_j : pairs.candidates) {
+      const Index j = grains.owner(found_j);
+      // A pair across a periodic side is found at both grains, if both are owned; one is enough.
+      if (j != found_j && j < grains.size() && grains.id(j) < grains.id(i)) continue;
+      const Real limit = R[i] + R[j] + list.margin;
+      if (!(image(typename P::Vec(x[j] - x[i])).squaredNorm() < squared(limit))) continue;
+      const bool in_order = grains.id(i) < grains.id(j);
+      pairs.add_pair(in_order ? i : j, in_order ? j : i);
+    }
+  };
+  const auto add_walls = [&](Index i, ContactList::PairsOfBlock& pairs) {
+    const auto first = std::ptrdiff_t(pairs.walls.size());
+    auto of_other_images = first;
+    // Also near the images of a grain that may cross a periodic side while the list is valid.
+    for_each_image(grains.box(), typename P::Vec(x[i]), list.margin, [&](const auto& at) {
+      walls.for_each_element_near(at, Real(R[i] + list.margin), [&](Index element) {
+        const auto begin = pairs.walls.begin();
+        if (std::any_of(begin + first, begin + of_other_images,
+                        [element](const auto& pair) { return pair.second == element; })) {
+          return;
+        }
+        pairs.add_wall(i, element);
+      });
+      of_other_images = std::ptrdiff_t(pairs.walls.size());
+    });
+  };
   list.contacts.build(
-      grains,
-      [&](Index i, auto&& add) {
-        for_each_candidate(search, i, [&](Index found_j) {
-          const Index j = grains.owner(found_j);
-          // A pair across a periodic side is found at both grains, if both are owned; one is enough.
-          if (j != found_j && j < grains.size() && grains.id(j) < grains.id(i)) return;
-          const Real limit = R[i] + R[j] + list.margin;
-          if (!(image(typename P::Vec(x[j] - x[i])).squaredNorm() < squared(limit))) return;
-          const bool in_order = grains.id(i) < grains.id(j);
-          const auto one = static_cast<std::uint32_t>(i);
-          const auto other = static_cast<std::uint32_t>(j);
-          add(in_order ? ContactList::Pair{one, other} : ContactList::Pair{other, one});
-        });
-      },
-      [&](Index i, auto&& add) {
-        std::array<std::uint32_t, 64> added;
-        Index count = 0;
-        // Also near the images of a grain that may cross a periodic side while the list is valid.
-        for_each_image(grains.box(), typename P::Vec(x[i]), list.margin, [&](const auto& at) {
-          walls.for_each_element_near(at, Real(R[i] + list.margin), [&](Index element) {
-            const auto number = static_cast<std::uint32_t>(element);
-            const auto end = added.begin() + std::ptrdiff_t(std::min(count, added.size()));
-            if (std::find(added.begin(), end, number) != end) return;
-            if (count < added.size()) added[count] = number;
-            ++count;
-            add(number);
-          });
-        });
+      grains.ids_with_halo(), grains.size(),
+      [&](Index i, ContactList::PairsOfBlock& pairs) {
+        add_pairs(i, pairs);
+        if (Walls::count > 0) add_walls(i, pairs);
       },
       by_block);
 }
