@@ -205,7 +205,7 @@ class Forces {
 
   /// What limits the time step of the part with the smallest; empty if it does not tell.
   template <class P>
-  std::string limit_of_time_step(const P& particles) const {
+  [[gnu::cold]] std::string limit_of_time_step(const P& particles) const {
     double minimum = std::numeric_limits<double>::infinity();
     std::string limit;
     for_each_part([&]<class Part>(Part part) {  // a copy, because time_step() may change it

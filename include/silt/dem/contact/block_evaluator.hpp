@@ -24,11 +24,36 @@
 #include <array>
 #include <bit>
 #include <cstdint>
+#include <limits>
 #include <numeric>
 #include <string>
+#include <string_view>
 #include <utility>
 
 namespace silt::dem::detail {
+
+/// A contact that is refused.
+struct DeepOverlap {
+  double overlap = 0;      ///< [m]
+  double radius = 0;       ///< the smaller one [m]
+  double max_overlap = 0;  ///< see ContactSettings
+  bool has_normal = true;  ///< the centres do not coincide to round-off
+};
+/// `first` is the id of the grain i, `second` that of another or the number of a wall.
+[[noreturn, gnu::cold]] inline void refuse_overlap(const DeepOverlap& deep, Id first,
+                                                   const char* between, Index second, Index i) {
+  const bool at_wall = between != std::string_view(" and ");
+  const std::string names = message_of({at_wall ? "grain " : "grains ", first, between, second});
+  const Where where{.particle = i, .id = first};
+  if (!deep.has_normal) {
+    fail({"dem::Contacts: the centres of ", names, " coincide; place them apart"}, where);
+  }
+  fail({"dem::Contacts: ", names, " overlap by ", deep.overlap,
+        " m, more than max_overlap = ", deep.max_overlap, " of the radius ", deep.radius,
+        " m; place them apart, use a stiffer material or a shorter time step, or raise "
+        "ContactSettings::max_overlap"},
+       where);
+}
 
 /// Goes through the contacts of a block, group by group, and passes what the law returns for those
 /// that touch to a ContactResults. Refers to its arguments; Walls is a WallSet.
@@ -290,37 +315,30 @@ class BlockEvaluator {
     }
   }
 
-  // The first contact in the lanes `refused` is too deep. The geometry is computed again, because
-  // one that is passed to a function cannot be kept in registers.
+  // The first contact in the lanes `refused` is too deep.
   template <bool of_walls>
   [[noreturn, gnu::cold, gnu::noinline]] void refuse(const std::uint32_t* first,
                                                      const std::uint32_t* second,
                                                      unsigned refused) const {
-    const auto lane = static_cast<Index>(std::countr_zero(refused));
+    const int lane = std::countr_zero(refused);
     const Index i = ContactList::unscaled(first[lane]);
     const Index other = ContactList::unscaled(second[lane]);
-    const Where where{.particle = i, .id = contacts_.id(i)};
-    Lanes unused;
-    ContactGeometry<Lanes> geometry;
-    find_touching<of_walls>(geometry, first, second, unused);
-    DeepContact<Real> contact;
-    std::string names;
+    const Real R = grains_.radius_of(i);
+    const Vec x = grains_.position_of(i);
     if constexpr (of_walls) {
-      contact = geometry.deep_contact_at_wall(lane);
-      names = "grain " + std::to_string(*where.id) + " and wall " +
-              std::to_string(walls_now_.number_of(other));
+      refuse_overlap({.overlap = double(R - walls_now_.nearest(other, x).distance),
+                      .radius = double(R),
+                      .max_overlap = double(max_overlap_)},
+                     contacts_.id(i), " and wall ", walls_now_.number_of(other), i);
     } else {
-      contact = geometry.deep_contact(lane);
-      names = "grains " + std::to_string(*where.id) + " and " + std::to_string(contacts_.id(other));
+      const Real R_j = grains_.radius_of(other);
+      const Real distance = image_(grains_.position_of(other) - x).norm();
+      refuse_overlap({.overlap = double(R + R_j - distance),
+                      .radius = double(std::min(R, R_j)),
+                      .max_overlap = double(max_overlap_),
+                      .has_normal = distance > std::numeric_limits<Real>::epsilon() * (R + R_j)},
+                     contacts_.id(i), " and ", contacts_.id(other), i);
     }
-    if (!contact.has_normal) {
-      fail({"dem::Contacts: the centres of ", names, " coincide; place them apart"}, where);
-    }
-    fail({"dem::Contacts: ", names, " overlap by ", contact.overlap,
-          " m, more than max_overlap = ", max_overlap_, " of the radius ", contact.radius,
-          " m; place them apart, use a stiffer material or a shorter time step, or raise "
-          "ContactSettings::max_overlap"},
-         where);
   }
 
   const Evaluation& evaluation_;

@@ -15,6 +15,7 @@
 
 #include <silt/core/concepts.hpp>
 #include <silt/core/error.hpp>
+#include <silt/core/own_memory.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/shared_particles.hpp>
 #include <silt/core/step_checks.hpp>
@@ -71,7 +72,9 @@ class ContactsOf : public Contacts<Law, Walls...> {
  public:
   /// Contacts for grains of type P, from their description; made by a Simulation or by
   /// for_particles().
-  ContactsOf(Contacts<Law, Walls...> contacts) : Contacts<Law, Walls...>(std::move(contacts)) {}
+  ContactsOf(Contacts<Law, Walls...> contacts) : Contacts<Law, Walls...>(std::move(contacts)) {
+    state_.last = Evaluation::of_no_step();
+  }
 
   /// A copy with other settings and the same histories. Throws if a setting is out of range.
   ContactsOf with(const ContactSettings& settings) const {
@@ -102,15 +105,15 @@ class ContactsOf : public Contacts<Law, Walls...> {
     const double since_last = std::exchange(last_time_step_, std::nullopt).value_or(dt);
     Evaluation evaluation = begin_step(
         grains, search, {.time = time_, .time_step = dt, .last_time_step = since_last});
-    const auto after = memory_.histories.take();
+    const auto after = memory_->histories.take();
     const detail::GrainRows<dimension, Real> rows(std::as_const(grains));
     detail::UnnoticedChanges changes(std::as_const(grains), *evaluation.list, evaluation.lifetime);
-    evaluation.count = memory_.loop.add_forces(
+    evaluation.count = memory_->loop.add_forces(
         grains, evaluation.contacts(), Evaluator(evaluation, rows, materials_, walls_, settings_),
         changes, *after, pass);
     changes.check(grains);
     evaluation.after = after;
-    evaluation.grains = detail::SharedGrains<P>(grains, memory_.copies);
+    evaluation.grains = detail::SharedGrains<P>(grains, memory_->copies);
     if constexpr (knows_stiffness) {
       if (settings_.check_stability && dt > evaluation.list->stable_time_step) {
         const ContactsOfStep contacts(grains, materials_, walls_, settings_, evaluation);
@@ -168,7 +171,7 @@ class ContactsOf : public Contacts<Law, Walls...> {
     return std::min(of_contacts, walls_.shortest_period() / detail::steps_per_period);
   }
   /// What determines time_step(); see LimitsTimeStep in core/concepts.hpp.
-  std::string limit_of_time_step(const P& grains) const {
+  [[gnu::cold]] std::string limit_of_time_step(const P& grains) const {
     const auto& shortest = shortest_contacts(grains).of_all;
     const double period = walls_.shortest_period();
     if (period / detail::steps_per_period < shortest.duration / settings_.steps_per_contact) {
@@ -308,17 +311,8 @@ class ContactsOf : public Contacts<Law, Walls...> {
     // By set_history(), until the next step.
     std::shared_ptr<const PairHistory<History>> given_history;
   };
-  // Used again in every step; a copy is empty.
+  // Used again in every step.
   struct Memory {
-    Memory() = default;
-    Memory(Memory&&) = default;
-    Memory& operator=(Memory&&) = default;
-    Memory(const Memory&) {}
-    Memory& operator=(const Memory&) {
-      loop.forget_list();
-      return *this;
-    }
-
     detail::Pool<List> lists;
     detail::Pool<Histories> histories;
     typename detail::SharedGrains<P>::Pools copies;
@@ -400,7 +394,7 @@ class ContactsOf : public Contacts<Law, Walls...> {
     begin_list(grains, search, walls_, step, reach(grains), list);
     const auto walls = detail::walls_at<P>(walls_, step);
     if constexpr (sizeof...(Walls) > 0) detail::check_walls_at_sides(grains, walls, list.margin);
-    find_contacts(grains, search, walls, list, memory_.by_block);
+    find_contacts(grains, search, walls, list, memory_->by_block);
     if constexpr (knows_stiffness) {
       list.stable_time_step = stable_for_all(
           grains, list.contacts, walls, list.margin,
@@ -409,13 +403,13 @@ class ContactsOf : public Contacts<Law, Walls...> {
   }
 
   std::shared_ptr<List> take_list() {
-    memory_.loop.forget_list();
-    return memory_.lists.take();
+    memory_->loop.forget_list();
+    return memory_->lists.take();
   }
 
   // The histories that contacts of a new list had in the last step.
   std::shared_ptr<const Histories> histories_on(const detail::ContactList& list, const P& grains) {
-    const auto histories = memory_.histories.take();
+    const auto histories = memory_->histories.take();
     if (state_.given_history) {
       histories->fill(list, *state_.given_history);
     } else {
@@ -435,7 +429,7 @@ class ContactsOf : public Contacts<Law, Walls...> {
   void restore_list(const SavedList& saved, const P& grains) {
     if (!saved.fits(walls_.elements())) return;
     const auto list = take_list();
-    saved.restore(grains, *list, memory_.by_block);
+    saved.restore(grains, *list, memory_->by_block);
     list->walls_revision = walls_.revision();
     Evaluation last;
     last.list = list;
@@ -453,7 +447,7 @@ class ContactsOf : public Contacts<Law, Walls...> {
   std::optional<double> last_time_step_;              // from set_last_time_step()
   State state_;
   State saved_;
-  Memory memory_;
+  silt::detail::OwnMemory<Memory> memory_;
 };
 
 }  // namespace silt::dem

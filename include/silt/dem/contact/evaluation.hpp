@@ -94,14 +94,22 @@ struct Evaluation {
   using List = ReusableList<P::dimension, Real>;
   using Histories = detail::Histories<Real, LawHistory>;
 
-  std::shared_ptr<const List> list = std::make_shared<List>();
-  std::shared_ptr<const Histories> before = std::make_shared<Histories>();
-  std::shared_ptr<const Histories> after = std::make_shared<Histories>();
+  std::shared_ptr<const List> list;
+  std::shared_ptr<const Histories> before;
+  std::shared_ptr<const Histories> after;
   SharedGrains<P> grains;
   Box<P::dimension, Real> box;
   Index count = 0;  ///< of contacts that touch
   StepTime step;
   mutable ListLifetime lifetime;  ///< of the list
+
+  /// Before the first step: without contacts.
+  static Evaluation of_no_step() {
+    Evaluation evaluation;
+    evaluation.list = std::make_shared<List>();
+    evaluation.before = evaluation.after = std::make_shared<Histories>();
+    return evaluation;
+  }
 
   const ContactList& contacts() const noexcept { return list->contacts; }
 

@@ -53,6 +53,37 @@ struct ListLifetime {
   Index steps = 0;  ///< after the one that built it
 };
 
+/// The constants of a grain, and which of them cannot be.
+struct GrainConstants {
+  double radius;   ///< [m]
+  double mass;     ///< [kg]
+  double inertia;  ///< [kg m²]
+  bool is_radius_valid;
+  bool is_mass_valid;
+  bool is_inertia_valid;
+};
+[[noreturn, gnu::cold]] inline void refuse_grain(const GrainConstants& grain, const Where& where) {
+  const auto refuse = [&where](const char* name, double value, const char* unit_and_rule) {
+    fail({"dem::Contacts: ", name, " = ", value, " ", unit_and_rule,
+          "; set it, or add grains by add_grain()"},
+         where);
+  };
+  if (!grain.is_radius_valid) {
+    refuse("radius", grain.radius,
+           "m of a grain must be positive and finite, and so must its square");
+  }
+  if (!grain.is_mass_valid) {
+    refuse("mass", grain.mass, "kg of a grain must be a positive, finite and normal number");
+  }
+  if (!grain.is_inertia_valid) {
+    refuse("inertia", grain.inertia,
+           "kg m² of a grain must be a positive, finite and normal number");
+  }
+  fail({"dem::Contacts: radius = ", grain.radius, " m and mass = ", grain.mass,
+        " kg of a grain have products that underflow or overflow; use other units, or double"},
+       where);
+}
+
 /// Throws if a radius, mass or inertia is not positive and finite, if products of radius and mass
 /// underflow or overflow, or if a grain's material does not exist.
 template <class P, class Law>
@@ -61,32 +92,20 @@ void check_grains(const P& grains, const Materials<Law>& materials) {
   const auto m = grains[mass];
   const auto inertias = grains[inertia];
   const auto numbers = grains[material];
-  const auto is_valid = [](auto value) { return is_positive_normal(value); };
   const Index odd = first_where(grains.size(), [&](Index i) {
-    return !(is_radius(R[i]) && is_valid(m[i]) && is_valid(inertias[i]) &&
+    return !(is_radius(R[i]) && is_positive_normal(m[i]) && is_positive_normal(inertias[i]) &&
              has_products(R[i], m[i]) && numbers[i] < materials.count());
   });
   if (odd == no_index) return;
   const Where where{.particle = odd, .id = grains.id(odd)};
   materials.check(numbers[odd], "of a grain", where);
-  const auto reject = [&](const char* name, auto value, const char* unit_and_rule) {
-    fail({"dem::Contacts: ", name, " = ", value, " ", unit_and_rule,
-          "; set it, or add grains by add_grain()"},
-         where);
-  };
-  if (!is_radius(R[odd])) {
-    reject("radius", R[odd], "m of a grain must be positive and finite, and so must its square");
-  }
-  if (!is_valid(m[odd])) {
-    reject("mass", m[odd], "kg of a grain must be a positive, finite and normal number");
-  }
-  if (!is_valid(inertias[odd])) {
-    reject("inertia", inertias[odd],
-           "kg m² of a grain must be a positive, finite and normal number");
-  }
-  fail({"dem::Contacts: radius = ", R[odd], " m and mass = ", m[odd],
-        " kg of a grain have products that underflow or overflow; use other units, or double"},
-       where);
+  refuse_grain({.radius = double(R[odd]),
+                .mass = double(m[odd]),
+                .inertia = double(inertias[odd]),
+                .is_radius_valid = is_radius(R[odd]),
+                .is_mass_valid = is_positive_normal(m[odd]),
+                .is_inertia_valid = is_positive_normal(inertias[odd])},
+               where);
 }
 
 /// Half of the shortest period of the box [m]; infinite if no side is periodic.
