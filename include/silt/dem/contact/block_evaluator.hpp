@@ -56,7 +56,12 @@ struct DeepOverlap {
 }
 
 /// Goes through the contacts of a block, group by group, and passes what the law returns for those
-/// that touch to a ContactResults. Refers to its arguments; Walls is a WallSet.
+/// that touch to a ContactResults:
+///
+///   auto remaining = evaluator.contacts_of(block, is_dense);
+///   while (evaluator.fill(batch, remaining, results)) evaluator.evaluate(batch, results);
+///
+/// Refers to its arguments; Walls is a WallSet.
 ///
 /// In a dense block, groups are evaluated as a whole, including contacts that do not touch. In
 /// other blocks, the contacts that touch are collected until there are eight. The results are the
@@ -65,14 +70,24 @@ template <class P, class Law, class Walls>
 class BlockEvaluator {
   using Evaluation = detail::Evaluation<P, Law>;
   using Lanes = typename Evaluation::Lanes;
-  using Histories = typename Evaluation::Histories;
   using Real = typename P::Real;
   static constexpr int dimension = P::dimension;
   using Vec = typename P::Vec;
   using Grains = GrainRows<dimension, Real>;
-  static constexpr Index batch_size = 16;
+  // Pairs or walls of a block: those that are left, and the last ones that touch, until there are
+  // eight. Twice as many, because those of a further group are added before eight are removed.
+  struct Collection {
+    explicit Collection(const ContactList::Range& range) : left(range) {}
+
+    ContactList::Range left;
+    std::array<std::uint32_t, 2 * lanes> contacts;
+    std::array<std::uint32_t, 2 * lanes> first;
+    std::array<std::uint32_t, 2 * lanes> second;
+    Index count = 0;
+  };
 
  public:
+  using Histories = typename Evaluation::Histories;
   using Results = ContactResults<Lanes, Histories>;
 
   /// `grains` as in the step of the evaluation.
@@ -93,14 +108,85 @@ class BlockEvaluator {
     if constexpr (Lanes::words > 0) Histories::LawHistory::put({}, new_history_.data());
   }
 
-  /// Evaluates the contacts of a block; returns the number of those that touch.
-  Index evaluate(Index block, bool is_dense, Results& results) const {
-    const ContactList::Block& of = contacts_.block(block);
-    Batch batch;
-    const Index pairs = is_dense ? evaluate_groups(of.pairs, batch, results)
-                                 : evaluate_collected<false>(of.pairs, batch, results);
+  /// Groups of contacts whose law is evaluated together.
+  class Batch {
+    friend class BlockEvaluator;
+    static constexpr Index size = 16;
+    bool is_full() const { return count_ == size; }
+
+    std::array<Lanes, size> lanes_;
+    std::array<EightNumbers, size> contacts_;
+    std::array<unsigned, size> touching_;
+    std::array<std::uint32_t, size> group_;  // `collected`: from several groups
+    Index count_ = 0;
+  };
+  /// The contacts of a block that are not in a batch yet.
+  class Remaining {
+   public:
+    /// Number of contacts that touch, of those that are no longer among them.
+    Index touching() const { return touching_; }
+
+   private:
+    friend class BlockEvaluator;
+    Remaining(const ContactList::Block& block, bool is_dense)
+        : pairs_(block.pairs), walls_(block.walls), is_dense_(is_dense) {}
+
+    Collection pairs_;
+    Collection walls_;
+    bool is_dense_;
+    Index touching_ = 0;
+  };
+
+  /// All contacts of a block.
+  Remaining contacts_of(Index block, bool is_dense) const {
+    return {contacts_.block(block), is_dense};
+  }
+  /// Fills a batch with the next contacts that touch; returns false if there are none.
+  bool fill(Batch& batch, Remaining& of, Results& results) const {
+    batch.count_ = 0;
+    if (of.is_dense_) {
+      add_groups(batch, of, results);
+    } else {
+      add_touching<false>(batch, of.pairs_, of.touching_, results);
+    }
     // Grains may come near to several elements of a wall, but touch few of them.
-    return pairs + evaluate_collected<true>(of.walls, batch, results);
+    add_touching<true>(batch, of.walls_, of.touching_, results);
+    return batch.count_ > 0;
+  }
+  /// Evaluates the law for the contacts of a batch, and possibly for others in its lanes.
+  [[gnu::flatten, gnu::noinline]] void evaluate(Batch& batch, Results& results) const {
+    const Index count = batch.count_;
+    for (Index e = 0; e < count; ++e) {
+      if (batch.group_[e] != collected) {
+        load_histories(batch.group_[e], batch.lanes_[e]);
+      } else {
+        load_histories(batch.contacts_[e], batch.lanes_[e]);
+      }
+    }
+    if (LawInLanes<Law, dimension, Real> && materials_.count() == 1) {
+      if constexpr (LawInLanes<Law, dimension, Real>) {
+        // Copies that no store below can change.
+        const Law law = materials_.between(0, 0);
+        const ContactTimes<Real> times = times_;
+        for (Index e = 0; e < count; ++e) {
+          Lanes& eight = batch.lanes_[e];
+          SILT_INDEPENDENT_ITERATIONS
+          for (int lane = 0; lane < lanes; ++lane) {
+            eight.template evaluate<Lane<Real>>(law, times, lane);
+          }
+        }
+      }
+    } else {
+      evaluate_one_by_one(batch);
+    }
+    for (Index e = 0; e < count; ++e) {
+      if (batch.group_[e] != collected) {
+        results.store_group(batch.group_[e], batch.lanes_[e], batch.touching_[e]);
+      } else {
+        const auto touching = static_cast<Index>(std::popcount(batch.touching_[e]));
+        results.store_contacts(batch.contacts_[e], touching, batch.lanes_[e]);
+      }
+    }
   }
   /// Whether a block with so many contacts that touch should be evaluated as a dense one.
   bool is_dense(Index block, Index touching) const {
@@ -110,73 +196,61 @@ class BlockEvaluator {
 
  private:
   static constexpr std::uint32_t collected = ~std::uint32_t(0);
-  struct Batch {
-    std::array<Lanes, batch_size> lanes;
-    std::array<EightNumbers, batch_size> contacts;
-    std::array<unsigned, batch_size> touching;
-    std::array<std::uint32_t, batch_size> group;  // `collected`: from several groups
-    Index count = 0;
-  };
-  // Contacts that touch, until there are eight. Twice as large, because those of a further group
-  // are added before eight are removed.
-  struct Collection {
-    std::array<std::uint32_t, 2 * lanes> contacts;
-    std::array<std::uint32_t, 2 * lanes> first;
-    std::array<std::uint32_t, 2 * lanes> second;
-    Index count = 0;
-  };
 
-  Index evaluate_groups(ContactList::Range range, Batch& batch, Results& results) const {
-    Index count = 0;
-    for (Index c = range.first; c < range.last; c += lanes) {
-      const auto group = static_cast<std::uint32_t>(c / lanes);
+  void add_groups(Batch& batch, Remaining& of, Results& results) const {
+    const auto [begin, last] = of.pairs_.left;
+    Index c = begin;
+    for (; c < last && !batch.is_full(); c += lanes) {
       const std::uint32_t* const first = contacts_.first_of_group(c);
       const std::uint32_t* const second = contacts_.second_of_group(c);
-      Lanes& next = batch.lanes[batch.count];
+      Lanes& next = batch.lanes_[batch.count_];
       ContactGeometry<Lanes> geometry;
-      const unsigned touching = find_touching<false>(geometry, first, second, next) &
-                                simd::first_lanes<lanes>(range.last - c);
-      results.begin(group, touching, true);
-      count += static_cast<Index>(std::popcount(touching));
+      const unsigned touching =
+          find_touching<false>(geometry, first, second, next) & simd::first_lanes<lanes>(last - c);
+      results.begin(c / lanes, touching, true);
+      of.touching_ += static_cast<Index>(std::popcount(touching));
       compute<false>(geometry, first, second, touching, next);
-      EightNumbers& contacts = batch.contacts[batch.count];
-      for (Index lane = 0; lane < lanes; ++lane) {
-        contacts[lane] = static_cast<std::uint32_t>(c + lane);
-      }
-      add_to_batch(batch, group, touching, results);
+      batch.contacts_[batch.count_] = eight_from(c);
+      batch.touching_[batch.count_] = touching;
+      batch.group_[batch.count_++] = static_cast<std::uint32_t>(c / lanes);
     }
-    evaluate_batch(batch, results);
-    return count;
+    of.pairs_.left.first = c;
   }
 
   template <bool of_walls>
-  Index evaluate_collected(ContactList::Range range, Batch& batch, Results& results) const {
-    Collection collection;
-    Index count = 0;
-    for (Index c = range.first; c < range.last; c += lanes) {
+  void add_touching(Batch& batch, Collection& collection, Index& count, Results& results) const {
+    const Index last = collection.left.last;
+    Index c = collection.left.first;
+    for (; c < last && !batch.is_full(); c += lanes) {
       const std::uint32_t* const first = contacts_.first_of_group(c);
       const std::uint32_t* const second = contacts_.second_of_group(c);
       ContactGeometry<Lanes> geometry;
       const unsigned touching =
-          find_touching<of_walls>(geometry, first, second, batch.lanes[batch.count]) &
-          simd::first_lanes<lanes>(range.last - c);
-      results.begin(static_cast<std::uint32_t>(c / lanes), touching, false);
+          find_touching<of_walls>(geometry, first, second, batch.lanes_[batch.count_]) &
+          simd::first_lanes<lanes>(last - c);
+      results.begin(c / lanes, touching, false);
       count += static_cast<Index>(std::popcount(touching));
-      std::array<std::uint32_t, lanes> numbers;
-      std::iota(numbers.begin(), numbers.end(), static_cast<std::uint32_t>(c));
+      const EightNumbers numbers = eight_from(c);
       append(numbers.data(), collection.contacts, collection.count, touching);
       append(first, collection.first, collection.count, touching);
       collection.count += append(second, collection.second, collection.count, touching);
       if (collection.count < Index(lanes)) continue;
-      add_collected<of_walls>(batch, collection, results);
+      add_collected<of_walls>(batch, collection);
       collection.count -= Index(lanes);
       for (auto* const column : {&collection.contacts, &collection.first, &collection.second}) {
         std::copy_n(column->begin() + lanes, lanes, column->begin());
       }
     }
-    if (collection.count > 0) add_collected<of_walls>(batch, collection, results);
-    evaluate_batch(batch, results);
-    return count;
+    collection.left.first = c;
+    if (collection.count > 0 && c >= last && !batch.is_full()) {
+      add_collected<of_walls>(batch, collection);
+      collection.count = 0;
+    }
+  }
+  static EightNumbers eight_from(Index first) {
+    EightNumbers numbers;
+    std::iota(numbers.begin(), numbers.end(), static_cast<std::uint32_t>(first));
+    return numbers;
   }
   static Index append(const std::uint32_t* values, std::array<std::uint32_t, 2 * lanes>& to,
                       Index count, unsigned chosen) {
@@ -221,8 +295,7 @@ class BlockEvaluator {
   }
 
   template <bool of_walls>
-  [[gnu::noinline]] void add_collected(Batch& batch, Collection& collection,
-                                       Results& results) const {
+  [[gnu::noinline]] void add_collected(Batch& batch, Collection& collection) const {
     const Index number = std::min<Index>(collection.count, lanes);
     for (Index lane = number; lane < Index(lanes); ++lane) {
       collection.contacts[lane] = collection.contacts[0];
@@ -230,65 +303,23 @@ class BlockEvaluator {
       collection.second[lane] = collection.second[0];
     }
     const unsigned touching = simd::first_lanes<lanes>(number);
-    Lanes& next = batch.lanes[batch.count];
+    Lanes& next = batch.lanes_[batch.count_];
     ContactGeometry<Lanes> geometry;
     find_touching<of_walls>(geometry, collection.first.data(), collection.second.data(), next);
     compute<of_walls>(geometry, collection.first.data(), collection.second.data(), touching, next);
-    std::copy_n(collection.contacts.begin(), lanes, batch.contacts[batch.count].begin());
-    add_to_batch(batch, collected, touching, results);
+    std::copy_n(collection.contacts.begin(), lanes, batch.contacts_[batch.count_].begin());
+    batch.touching_[batch.count_] = touching;
+    batch.group_[batch.count_++] = collected;
   }
 
-  void add_to_batch(Batch& batch, std::uint32_t group, unsigned touching, Results& results) const {
-    batch.touching[batch.count] = touching;
-    batch.group[batch.count] = group;
-    if (++batch.count == batch_size) evaluate_batch(batch, results);
-  }
-
-  [[gnu::noinline]] void evaluate_batch(Batch& batch, Results& results) const {
-    for (Index e = 0; e < batch.count; ++e) {
-      if (batch.group[e] != collected) {
-        load_histories(batch.group[e], batch.lanes[e]);
-      } else {
-        load_histories(batch.contacts[e], batch.lanes[e]);
-      }
-    }
-    evaluate_law(batch);
-    for (Index e = 0; e < batch.count; ++e) {
-      if (batch.group[e] != collected) {
-        results.store_group(batch.group[e], batch.lanes[e], batch.touching[e]);
-      } else {
-        const auto count = static_cast<Index>(std::popcount(batch.touching[e]));
-        results.store_contacts(batch.contacts[e], count, batch.lanes[e]);
-      }
-    }
-    batch.count = 0;
-  }
-
-  // Evaluates the law for the contacts of a batch, and possibly for others in its lanes.
-  void evaluate_law(Batch& batch) const {
-    if constexpr (LawInLanes<Law, dimension, Real>) {
-      if (materials_.count() == 1) return evaluate_in_lanes(batch);
-    }
-    for (Index e = 0; e < batch.count; ++e) {
+  // For laws that are not written for lanes, or that depend on the materials.
+  [[gnu::noinline]] void evaluate_one_by_one(Batch& batch) const {
+    for (Index e = 0; e < batch.count_; ++e) {
       for (int lane = 0; lane < lanes; ++lane) {
-        if ((batch.touching[e] >> lane & 1) == 0) continue;
-        const Index c = batch.contacts[e][static_cast<Index>(lane)];
-        batch.lanes[e].template evaluate<Real>(
+        if ((batch.touching_[e] >> lane & 1) == 0) continue;
+        const Index c = batch.contacts_[e][static_cast<Index>(lane)];
+        batch.lanes_[e].template evaluate<Real>(
             law_between(*evaluation_.list, materials_, walls_, c), times_, lane);
-      }
-    }
-  }
-  // The only law for all of them.
-  [[gnu::flatten, gnu::noinline]] void evaluate_in_lanes(Batch& batch) const {
-    // Copies that no store below can change.
-    const Law law = materials_.between(0, 0);
-    const ContactTimes<Real> times = times_;
-    const Index count = batch.count;
-    for (Index e = 0; e < count; ++e) {
-      Lanes& eight = batch.lanes[e];
-      SILT_INDEPENDENT_ITERATIONS
-      for (int lane = 0; lane < lanes; ++lane) {
-        eight.template evaluate<Lane<Real>>(law, times, lane);
       }
     }
   }

@@ -153,7 +153,6 @@ class ContactList {
     std::vector<Pair> pairs;
     std::vector<Pair> walls;  ///< a grain and the element of a wall
     std::vector<Pair> of_other_blocks;
-    std::vector<Index> candidates;  ///< of one grain
 
     void add_pair(Index first, Index second) {
       const Pair pair{static_cast<std::uint32_t>(first), static_cast<std::uint32_t>(second)};

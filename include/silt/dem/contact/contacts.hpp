@@ -66,6 +66,7 @@ class ContactsOf : public Contacts<Law, Walls...> {
   using List = typename Evaluation::List;
   using Histories = typename Evaluation::Histories;
   using Evaluator = detail::BlockEvaluator<P, Law, WallSet<Walls...>>;
+  using Loop = detail::BlockLoop<P, Evaluator>;
   using SavedList = detail::SavedList<dimension, Real>;
   using ContactsOfStep = detail::ContactsOfStep<P, Law, WallSet<Walls...>>;
 
@@ -108,9 +109,9 @@ class ContactsOf : public Contacts<Law, Walls...> {
     const auto after = memory_->histories.take();
     const detail::GrainRows<dimension, Real> rows(std::as_const(grains));
     detail::UnnoticedChanges changes(std::as_const(grains), *evaluation.list, evaluation.lifetime);
-    evaluation.count = memory_->loop.add_forces(
-        grains, evaluation.contacts(), Evaluator(evaluation, rows, materials_, walls_, settings_),
-        changes, *after, pass);
+    const Evaluator evaluator(evaluation, rows, materials_, walls_, settings_);
+    Loop loop(grains, evaluation.contacts(), evaluator, changes, *after, pass, memory_->loop);
+    evaluation.count = loop.add_forces();
     changes.check(grains);
     evaluation.after = after;
     evaluation.grains = detail::SharedGrains<P>(grains, memory_->copies);
@@ -316,7 +317,7 @@ class ContactsOf : public Contacts<Law, Walls...> {
     detail::Pool<List> lists;
     detail::Pool<Histories> histories;
     typename detail::SharedGrains<P>::Pools copies;
-    detail::BlockLoop<P, Evaluation> loop;
+    typename Loop::Memory loop;
     std::vector<detail::ContactList::PairsOfBlock> by_block;
   };
 
@@ -403,7 +404,7 @@ class ContactsOf : public Contacts<Law, Walls...> {
   }
 
   std::shared_ptr<List> take_list() {
-    memory_->loop.forget_list();
+    memory_->loop.division.reset();
     return memory_->lists.take();
   }
 

@@ -8,7 +8,6 @@
 #include <silt/core/shared_particles.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/contact/block_evaluator.hpp>
-#include <silt/dem/contact/contact_results.hpp>
 #include <silt/dem/contact/contact_settings.hpp>
 #include <silt/dem/contact/evaluation.hpp>
 #include <silt/dem/contact/law_between.hpp>
@@ -278,11 +277,14 @@ class ContactsOfStep {
   }
 
   void evaluate_again(Real* rows) const {
-    const BlockEvaluator<P, Law, Walls> evaluator(evaluation_, evaluation_.grains.rows(),
-                                                  materials_, walls_, settings_);
+    using Evaluator = BlockEvaluator<P, Law, Walls>;
+    const Evaluator evaluator(evaluation_, evaluation_.grains.rows(), materials_, walls_,
+                              settings_);
     evaluation_.contacts().for_each_block([&](Index block, Index, Index) {
-      ContactResults<typename Evaluation::Lanes, typename Evaluation::Histories> results(rows);
-      evaluator.evaluate(block, true, results);
+      typename Evaluator::Results results(rows);
+      typename Evaluator::Batch batch;
+      auto contacts = evaluator.contacts_of(block, true);
+      while (evaluator.fill(batch, contacts, results)) evaluator.evaluate(batch, results);
     });
   }
 

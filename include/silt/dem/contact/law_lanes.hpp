@@ -38,21 +38,19 @@ struct LawLanes {
   void evaluate(const Law& law, const ContactTimes<Real>& times, int lane) {
     const auto contact = this->contact<Scalar>(lane, times);
     if constexpr (history_words == 0) {
-      keep(lane, contact, evaluate_law(law, contact));
-    } else if constexpr (std::is_same_v<Scalar, Real>) {
-      using History = LawHistory<Law, Dim, Real>;
-      Real own_words[history_words];
-      for (int k = 0; k < history_words; ++k) own_words[k] = history[k][lane];
-      auto own = History::from(own_words);
-      keep(lane, contact, evaluate_law(law, contact, own));
-      History::put(own, own_words);
-      for (int k = 0; k < history_words; ++k) history[k][lane] = own_words[k];
+      if constexpr (requires { law.components(contact); }) {
+        keep(lane, contact, law.components(contact));
+      } else {
+        keep(lane, contact, Vec<Dim, Scalar>(law.force(contact)));
+      }
     } else {
-      typename LawHistory<Law, Dim, Scalar>::type own;
-      auto* const word = reinterpret_cast<Scalar*>(&own);
-      for (int k = 0; k < history_words; ++k) word[k] = history[k][lane];
-      keep(lane, contact, evaluate_law(law, contact, own));
-      for (int k = 0; k < history_words; ++k) history[k][lane] = word[k];
+      auto own = history_of<Law, Scalar>(lane);
+      if constexpr (requires { law.components(contact, own); }) {
+        keep(lane, contact, law.components(contact, own));
+      } else {
+        keep(lane, contact, Vec<Dim, Scalar>(law.force(contact, own)));
+      }
+      keep_history<Law>(lane, own);
     }
   }
 
@@ -75,6 +73,31 @@ struct LawLanes {
     contact.time_step = times.time_step;
     contact.first_time_step = times.first_time_step;
     return contact;
+  }
+
+  template <class Law, class Scalar>
+  typename LawHistory<Law, Dim, Scalar>::type history_of(int lane) const {
+    if constexpr (std::is_same_v<Scalar, Real>) {
+      Real words[history_words];
+      for (int k = 0; k < history_words; ++k) words[k] = history[k][lane];
+      return LawHistory<Law, Dim, Real>::from(words);
+    } else {
+      typename LawHistory<Law, Dim, Scalar>::type own;
+      auto* const words = reinterpret_cast<Scalar*>(&own);
+      for (int k = 0; k < history_words; ++k) words[k] = history[k][lane];
+      return own;
+    }
+  }
+  template <class Law, class History>
+  void keep_history(int lane, const History& own) {
+    if constexpr (std::is_same_v<History, typename LawHistory<Law, Dim, Real>::type>) {
+      Real words[history_words];
+      LawHistory<Law, Dim, Real>::put(own, words);
+      for (int k = 0; k < history_words; ++k) history[k][lane] = words[k];
+    } else {
+      const auto* const words = reinterpret_cast<const Lane<Real>*>(&own);
+      for (int k = 0; k < history_words; ++k) history[k][lane] = words[k];
+    }
   }
 
   template <class C, class Answer>

@@ -241,18 +241,15 @@ void find_contacts(const P& grains, const S& search, const Walls& walls, List& l
   const auto R = grains.with_halo(radius);
   const NearestImage<P::dimension, Real> image(grains.box());
   const auto add_pairs = [&](Index i, ContactList::PairsOfBlock& pairs) {
-    // Collected first: a search has several loops over candidates, and what follows is long.
-    pairs.candidates.clear();
-    for_each_candidate(search, i, [&pairs](Index j) { pairs.candidates.push_back(j); });
-    for (const Index found_j : pairs.candidates) {
+    for_each_candidate(search, i, [&](Index found_j) {
       const Index j = grains.owner(found_j);
       // A pair across a periodic side is found at both grains, if both are owned; one is enough.
-      if (j != found_j && j < grains.size() && grains.id(j) < grains.id(i)) continue;
+      if (j != found_j && j < grains.size() && grains.id(j) < grains.id(i)) return;
       const Real limit = R[i] + R[j] + list.margin;
-      if (!(image(typename P::Vec(x[j] - x[i])).squaredNorm() < squared(limit))) continue;
+      if (!(image(typename P::Vec(x[j] - x[i])).squaredNorm() < squared(limit))) return;
       const bool in_order = grains.id(i) < grains.id(j);
       pairs.add_pair(in_order ? i : j, in_order ? j : i);
-    }
+    });
   };
   const auto add_walls = [&](Index i, ContactList::PairsOfBlock& pairs) {
     const auto first = std::ptrdiff_t(pairs.walls.size());
