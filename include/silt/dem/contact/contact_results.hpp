@@ -3,7 +3,7 @@
 // of the contacts. One class, so that the evaluation of contacts is compiled once for both.
 #pragma once
 
-#include <silt/core/four.hpp>
+#include <silt/core/rows_of_four.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/contact/contact_list.hpp>
 #include <silt/dem/contact/grain_rows.hpp>
