@@ -166,21 +166,6 @@ bool moves_in_other_memory(const P& particles) {
 }
 }  // namespace detail
 
-/// Evaluates an interaction in a pass, one function after the other for all particles if it has no
-/// accelerate(p, s, dt, pass), or if the particles are moved in place: contacts of a range would
-/// then see others that have moved.
-template <class I, class P, class S>
-void accelerate_in_pass(I& interaction, P& particles, S& search, double dt, const Pass& pass) {
-  if constexpr (AcceleratesInPass<I, P, S>) {
-    if (detail::moves_in_other_memory(particles)) {
-      return interaction.accelerate(particles, search, dt, pass);
-    }
-  }
-  for_each_range(particles.size(), pass.before);
-  interaction.accelerate(particles, search, dt);
-  for_each_range(particles.size(), pass.after);
-}
-
 /// add_forces(p, i) adds to the owned particle i alone what accelerate() adds to all; it reads only
 /// this particle. Forces adds them in the pass of another interaction. Model: Gravity.
 template <class I, class P>
