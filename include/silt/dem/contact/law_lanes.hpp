@@ -78,25 +78,25 @@ struct LawLanes {
   template <class Law, class Scalar>
   typename LawHistory<Law, Dim, Scalar>::type history_of(int lane) const {
     if constexpr (std::is_same_v<Scalar, Real>) {
-      Real words[history_words];
-      for (int k = 0; k < history_words; ++k) words[k] = history[k][lane];
-      return LawHistory<Law, Dim, Real>::from(words);
+      Real numbers[history_words];
+      for (int k = 0; k < history_words; ++k) numbers[k] = history[k][lane];
+      return LawHistory<Law, Dim, Real>::from(numbers);
     } else {
       typename LawHistory<Law, Dim, Scalar>::type own;
-      auto* const words = reinterpret_cast<Scalar*>(&own);
-      for (int k = 0; k < history_words; ++k) words[k] = history[k][lane];
+      auto* const numbers = reinterpret_cast<Scalar*>(&own);
+      for (int k = 0; k < history_words; ++k) numbers[k] = history[k][lane];
       return own;
     }
   }
   template <class Law, class History>
   void keep_history(int lane, const History& own) {
     if constexpr (std::is_same_v<History, typename LawHistory<Law, Dim, Real>::type>) {
-      Real words[history_words];
-      LawHistory<Law, Dim, Real>::put(own, words);
-      for (int k = 0; k < history_words; ++k) history[k][lane] = words[k];
+      Real numbers[history_words];
+      LawHistory<Law, Dim, Real>::put(own, numbers);
+      for (int k = 0; k < history_words; ++k) history[k][lane] = numbers[k];
     } else {
-      const auto* const words = reinterpret_cast<const Lane<Real>*>(&own);
-      for (int k = 0; k < history_words; ++k) history[k][lane] = words[k];
+      const auto* const numbers = reinterpret_cast<const Lane<Real>*>(&own);
+      for (int k = 0; k < history_words; ++k) history[k][lane] = numbers[k];
     }
   }
 
