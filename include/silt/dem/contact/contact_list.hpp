@@ -230,19 +230,23 @@ class ContactList {
     for_each_block([&](Index b, Index grain, Index) {
       const Block& block = blocks_[b];
       // Padding: a grain with itself, which is never evaluated.
-      for (Index c = block.all().first; c < block.all().last; ++c) {
-        put(c, {static_cast<std::uint32_t>(grain), static_cast<std::uint32_t>(grain)});
+      const auto [first_contact, last_contact] = block.all();
+      for (auto* const column : {&first_, &second_}) {
+        std::fill(column->begin() + std::ptrdiff_t(first_contact),
+                  column->begin() + std::ptrdiff_t(last_contact),
+                  static_cast<std::uint32_t>(grain) * index_scale);
       }
-      Index c = block.pairs.first;
-      for (const Pair& pair : by_block[b].pairs) put(c++, pair);
-      c = block.walls.first;
-      for (const Pair& pair : by_block[b].walls) {
-        put(c, pair);
-        second_[c++] |= wall_bit;
-      }
+      put_all(block.pairs.first, by_block[b].pairs, 0);
+      put_all(block.walls.first, by_block[b].walls, wall_bit);
     });
     for (const PairsOfBlock& each : by_block) {
       for (const Pair& pair : each.of_other_blocks) put(further[block_of(pair)]++, pair);
+    }
+  }
+  [[gnu::noinline]] void put_all(Index contact, const std::vector<Pair>& pairs, std::uint32_t bit) {
+    for (const Pair& pair : pairs) {
+      put(contact, pair);
+      second_[contact++] |= bit;
     }
   }
   void put(Index contact, const Pair& pair) {

@@ -103,6 +103,14 @@ struct Evaluation {
   StepTime step;
   mutable ListLifetime lifetime;  ///< of the list
 
+  Evaluation() = default;
+  // Not inlined, because each is used in several places.
+  [[gnu::noinline]] Evaluation(const Evaluation&) = default;
+  [[gnu::noinline]] Evaluation(Evaluation&&) noexcept = default;
+  [[gnu::noinline]] Evaluation& operator=(const Evaluation&) = default;
+  [[gnu::noinline]] Evaluation& operator=(Evaluation&&) noexcept = default;
+  [[gnu::noinline]] ~Evaluation() = default;
+
   /// Before the first step: without contacts.
   static Evaluation of_no_step() {
     Evaluation evaluation;
