@@ -24,8 +24,8 @@ inline Index element_of(Id id) { return ~id; }
   const std::string name = is_wall_id(second)
                                ? "element " + std::to_string(element_of(second)) + " of the walls"
                                : "grain " + std::to_string(second);
-  fail("dem::Contacts: the contact of grain " + std::to_string(first) + " with " + name + ' ' +
-       reason + "; use an earlier checkpoint");
+  fail({"dem::Contacts: the contact of grain ", first, " with ", name, " ", reason,
+        "; use an earlier checkpoint"});
 }
 
 /// Whether these ids may be those of a contact: of a present grain, and of another with a higher id
@@ -75,10 +75,9 @@ class SavedList {
   void check(const P& grains) const {
     if (!is_known_) return;
     if (origin_.since.size() != grains.size() || first_.size() != second_.size()) {
-      fail("dem::Contacts: the list has " + std::to_string(origin_.since.size()) +
-           " positions for " + std::to_string(grains.size()) + " grains, and " +
-           std::to_string(first_.size()) + " and " + std::to_string(second_.size()) +
-           " partners of pairs; use an earlier checkpoint");
+      fail({"dem::Contacts: the list has ", origin_.since.size(), " positions for ", grains.size(),
+            " grains, and ", first_.size(), " and ", second_.size(),
+            " partners of pairs; use an earlier checkpoint"});
     }
     std::vector<std::pair<Id, Id>> pairs(first_.size());
     for (Index k = 0; k < pairs.size(); ++k) {
@@ -104,17 +103,14 @@ class SavedList {
     std::vector<std::vector<Index>> of_grain(grains.size());
     for (Index k = 0; k < first_.size(); ++k) of_grain[grains.index_of(first_[k])].push_back(k);
     list.contacts.build(
-        grains,
-        [&](Index i, auto&& add) {
+        grains.ids_with_halo(), grains.size(),
+        [&](Index i, ContactList::PairsOfBlock& pairs) {
           for (const Index k : of_grain[i]) {
-            if (is_wall_id(second_[k])) continue;
-            add({static_cast<std::uint32_t>(i),
-                 static_cast<std::uint32_t>(grains.index_of(second_[k]))});
-          }
-        },
-        [&](Index i, auto&& add) {
-          for (const Index k : of_grain[i]) {
-            if (is_wall_id(second_[k])) add(static_cast<std::uint32_t>(element_of(second_[k])));
+            if (is_wall_id(second_[k])) {
+              pairs.add_wall(i, element_of(second_[k]));
+            } else {
+              pairs.add_pair(i, grains.index_of(second_[k]));
+            }
           }
         },
         by_block);
