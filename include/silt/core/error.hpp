@@ -77,7 +77,7 @@ class Error : public std::runtime_error {
 };
 
 /// A number for messages, with six significant digits.
-inline std::string to_text(double value) {
+[[gnu::cold]] inline std::string to_text(double value) {
   char text[32];
   std::snprintf(text, sizeof text, "%.6g", value);
   return text;
@@ -95,7 +95,7 @@ std::string to_text(const Eigen::Matrix<Real, Dim, 1>& value) {
   return text += ')';
 }
 
-inline std::string Error::compose(const std::string& message, const Where& where) {
+[[gnu::cold]] inline std::string Error::compose(const std::string& message, const Where& where) {
   std::string text = message;
   auto add = [&, first = true](const std::string& part) mutable {
     text += first ? " (" : ", ";
@@ -112,13 +112,13 @@ inline std::string Error::compose(const std::string& message, const Where& where
 }
 
 /// Throws an Error.
-[[noreturn]] inline void fail(std::string message, Where where = {}) {
+[[noreturn, gnu::cold]] inline void fail(std::string message, Where where = {}) {
   throw Error(std::move(message), where);
 }
 
 /// Throws an Error about a time step [s] beyond the stability limit of `what`, such as "a grain
 /// with its contacts".
-[[noreturn]] inline void fail_as_unstable(const std::string& name, double time_step, double stable,
+[[noreturn, gnu::cold]] inline void fail_as_unstable(const std::string& name, double time_step, double stable,
                                           const std::string& what, Where where) {
   throw Error(name + ": time_step = " + to_text(time_step) + " s exceeds the stable time step " +
                   to_text(stable) + " s of " + what + "; lower it",
@@ -150,13 +150,18 @@ bool is_finite(const Eigen::Matrix<Real, Dim, 1>& v) {
   return finite;
 }
 
+namespace detail {
+[[noreturn, gnu::cold]] inline void refuse(std::string_view name, double value,
+                                           std::string_view reason) {
+  fail(std::string(name) + " = " + to_text(value) + " " + std::string(reason));
+}
+}  // namespace detail
+
 // Checks of parameters. `name` is that of the parameter, such as "Leapfrog: time_step".
 
 /// Throws unless the value is finite.
 inline void require_finite(std::string_view name, double value) {
-  if (!is_finite(value)) {
-    fail(std::string(name) + " = " + to_text(value) + " is not a finite number; give one");
-  }
+  if (!is_finite(value)) detail::refuse(name, value, "is not a finite number; give one");
 }
 template <class Real, int Dim>
 void require_finite(std::string_view name, const Eigen::Matrix<Real, Dim, 1>& value) {
@@ -165,16 +170,12 @@ void require_finite(std::string_view name, const Eigen::Matrix<Real, Dim, 1>& va
 /// Throws unless value > 0 and finite.
 inline void require_positive(std::string_view name, double value) {
   require_finite(name, value);
-  if (!(value > 0)) {
-    fail(std::string(name) + " = " + to_text(value) + " must be positive; give a value above 0");
-  }
+  if (!(value > 0)) detail::refuse(name, value, "must be positive; give a value above 0");
 }
 /// Throws unless value ≥ 0 and finite.
 inline void require_not_negative(std::string_view name, double value) {
   require_finite(name, value);
-  if (value < 0) {
-    fail(std::string(name) + " = " + to_text(value) + " is negative; give a value of at least 0");
-  }
+  if (value < 0) detail::refuse(name, value, "is negative; give a value of at least 0");
 }
 /// The bounds of a parameter, `lower` and `upper`, [in its unit].
 struct Range {
@@ -185,8 +186,9 @@ struct Range {
 inline void require_between(std::string_view name, double value, Range range) {
   require_finite(name, value);
   if (value < range.lower || value > range.upper) {
-    fail(std::string(name) + " = " + to_text(value) + " is outside " + to_text(range.lower) +
-         " to " + to_text(range.upper) + "; give a value in that range");
+    detail::refuse(name, value,
+                   "is outside " + to_text(range.lower) + " to " + to_text(range.upper) +
+                       "; give a value in that range");
   }
 }
 
@@ -194,8 +196,9 @@ inline void require_between(std::string_view name, double value, Range range) {
 inline void require_above(std::string_view name, double value, Range range) {
   require_finite(name, value);
   if (value <= range.lower || value > range.upper) {
-    fail(std::string(name) + " = " + to_text(value) + " must be above " + to_text(range.lower) +
-         " and at most " + to_text(range.upper) + "; give a value in that range");
+    detail::refuse(name, value,
+                   "must be above " + to_text(range.lower) + " and at most " +
+                       to_text(range.upper) + "; give a value in that range");
   }
 }
 
