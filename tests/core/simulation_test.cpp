@@ -2,6 +2,7 @@
 // A failed step is rolled back completely, and run() calls its observers at the documented times.
 #include "support/check.hpp"
 #include "support/grains.hpp"
+#include "support/slow_types.hpp"
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -124,8 +125,10 @@ void expect_no_trace(const std::vector<std::string>& words, Provoke&& provoke) {
 
 template <class T>
 class Transactions : public ::testing::Test {};
-using Settings = ::testing::Types<Setting<UniformGrid<2>, true>, Setting<NeighbourList<2>, true>,
-                                  Setting<NeighbourList<3>, false>, Setting<BruteForce<2>, false>>;
+using Settings =
+    AllOrUsual<::testing::Types<Setting<UniformGrid<2>, true>, Setting<NeighbourList<2>, true>,
+                                Setting<NeighbourList<3>, false>, Setting<BruteForce<2>, false>>,
+               ::testing::Types<Setting<NeighbourList<2>, true>>>;
 TYPED_TEST_SUITE(Transactions, Settings);
 
 TYPED_TEST(Transactions, AForceThatIsNotFiniteLeavesTheSimulationUnchanged) {

@@ -6,6 +6,7 @@
 
 #include "support/check.hpp"
 #include "support/grains.hpp"
+#include "support/slow_types.hpp"
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -69,8 +70,9 @@ auto block(Index along, double strength = 2e3) {
 
 template <class P>
 class BondsOf : public ::testing::Test {};
-using Kinds = ::testing::Types<dem::Grains<2, double>, dem::Grains<2, float>,
-                               dem::Grains<3, double>, dem::Grains<3, float>>;
+using Kinds = AllOrUsual<::testing::Types<dem::Grains<2, double>, dem::Grains<2, float>,
+                                          dem::Grains<3, double>, dem::Grains<3, float>>,
+                         ::testing::Types<dem::Grains<2>, dem::Grains<3>>>;
 TYPED_TEST_SUITE(BondsOf, Kinds);
 
 TYPED_TEST(BondsOf, HaveTheForceAndEnergyOfTheirSpring) {
@@ -94,7 +96,8 @@ TYPED_TEST(BondsOf, HaveTheForceAndEnergyOfTheirSpring) {
 
 template <class P>
 class BlockOf : public ::testing::Test {};
-using SomeKinds = ::testing::Types<dem::Grains<2, float>, dem::Grains<3, double>>;
+using SomeKinds = AllOrUsual<::testing::Types<dem::Grains<2, float>, dem::Grains<3, double>>,
+                             ::testing::Types<dem::Grains<3>>>;
 TYPED_TEST_SUITE(BlockOf, SomeKinds);
 
 TYPED_TEST(BlockOf, BondedGrainsIsReproducibleForOneToFourThreadsAndAnyOrderInMemory) {
@@ -326,7 +329,7 @@ TEST(Bonds, AreRemovedWithTheirGrainsAndActAcrossPeriodicSides) {
   EXPECT_EQ(bonds.bonds().size(), 5u) << "a ring";
   EXPECT_TRUE(bonds.is_bonded({4, 0}));
   for (auto& v : grains[velocity]) v = {30, 0};
-  Simulation sim{grains, UniformGrid<2>{}, bonds, Leapfrog{}};
+  Simulation sim{grains, BruteForce<2>{}, bonds, Leapfrog{}};
   for (int k = 0; k < 500; ++k) sim.step(1e-5);  // across the side
   for (const auto& v : sim.particles()[velocity]) EXPECT_NEAR((v - Vec<2>(30, 0)).norm(), 0, 1e-9);
   sim.particles().remove(2);

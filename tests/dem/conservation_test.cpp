@@ -2,6 +2,7 @@
 // Conservation of momentum and angular momentum in contacts, and of energy in elastic ones.
 #include "support/check.hpp"
 #include "support/grains.hpp"
+#include "support/slow_types.hpp"
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -21,8 +22,9 @@ double size_of(const Vec<3>& spin) { return spin.norm(); }
 
 template <class S>
 class AllGrains : public ::testing::Test {};
-using Searches = ::testing::Types<UniformGrid<2>, NeighbourList<2>, BruteForce<2>, UniformGrid<3>,
-                                  NeighbourList<3>, BruteForce<3>>;
+using Searches = AllOrUsual<::testing::Types<UniformGrid<2>, NeighbourList<2>, BruteForce<2>,
+                                             UniformGrid<3>, NeighbourList<3>, BruteForce<3>>,
+                            ::testing::Types<NeighbourList<2>, UniformGrid<3>>>;
 TYPED_TEST_SUITE(AllGrains, Searches);
 
 TYPED_TEST(AllGrains, ConserveMomentumAndAngularMomentumToRoundOff) {

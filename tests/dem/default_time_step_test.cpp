@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The default time step follows from the pairs of materials that can meet, and from no others.
+// Only with --all: many pairs of materials; stability_test.cpp has the limit of every law.
 #include "support/check.hpp"
 #include "support/grains.hpp"
 #include <gtest/gtest.h>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Results are bitwise independent of the threads, the search, the order in memory and the units.
+// Only with --all: every kind of grains with every search; trust/threads_test.cpp has one of each.
 #include "support/check.hpp"
 #include "support/grains.hpp"
 #include <gtest/gtest.h>

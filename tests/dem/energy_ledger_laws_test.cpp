@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The energy ledger and the momenta for each law, with moving walls.
+// Only with --all: energy_ledger_test.cpp has one law.
 #include <silt/dem/law/composed_law.hpp>
 #include <silt/dem/law/linear_friction.hpp>
 #include <silt/dem/law/linear_spring_dashpot.hpp>

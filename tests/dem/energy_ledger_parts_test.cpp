@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The energy ledger for Hertz, Mindlin, rolling resistance and adhesion, with moving walls.
+// Only with --all: energy_ledger_test.cpp has one law.
 #include <silt/dem/law/adhesion.hpp>
 #include <silt/dem/law/composed_law.hpp>
 #include <silt/dem/law/hertz.hpp>

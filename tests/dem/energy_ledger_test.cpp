@@ -6,6 +6,7 @@
 #include "support/file_test.hpp"
 #include "support/grains.hpp"
 #include "support/ledger.hpp"
+#include "support/slow_types.hpp"
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -206,6 +207,7 @@ TEST(EnergyLedger, SumsUnknownForcesInOneTerm) {
   EXPECT_NEAR(ledger.work().other, 0.3 * (0.18 + a * (squared(0.19) - squared(0.01)) / 2), 1e-6);
 }
 
+#if SILT_SLOW_TESTS
 TEST(EnergyLedger, ClosesInFloatToItsRoundOff) {
   Simulation sim{crowd<2, float>(6, 3), BruteForce<2, float>{}, dem::Contacts{rough_spring},
                  Leapfrog{}};
@@ -219,6 +221,7 @@ TEST(EnergyLedger, ClosesInFloatToItsRoundOff) {
   }
   EXPECT_GT(ledger.losses().friction, 0.01 * ledger.energies().kinetic);
 }
+#endif
 
 TEST(EnergyLedger, ThrowsForGrainsAddedWithoutBeforeStep) {
   auto sim = simulation(heap(), rough_spring, {});

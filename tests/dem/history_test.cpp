@@ -3,6 +3,7 @@
 // step.
 #include "support/check.hpp"
 #include "support/grains.hpp"
+#include "support/slow_types.hpp"
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -61,7 +62,9 @@ void expect_counts() {
 
 TEST(LawHistory, MayContainOtherTypesThanReal) {
   expect_counts<double>();
+#if SILT_SLOW_TESTS
   expect_counts<float>();
+#endif
 }
 
 TEST(LawHistory, ContinuesFromSetHistory) {

@@ -2,6 +2,7 @@
 // Constants of grains that are changed through views from before the last step. After an even
 // number of steps one of the next 16, or that which rebuilds the list, refuses them, and the next
 // one is for the grains as they are. After an odd number, nothing is changed, except materials.
+// Only with --all: a rare mistake in use, with every constant in 2D and 3D.
 #include <silt/dem.hpp>
 #include <silt/io/checkpoint.hpp>
 

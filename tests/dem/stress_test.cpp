@@ -19,7 +19,7 @@ const dem::CundallStrack spring{.normal_stiffness = k};
 // With contacts evaluated in a very short step.
 template <class P, class Contacts>
 auto state_of(const P& grains, const Contacts& contacts) {
-  Simulation sim{grains, BruteForce<P::dimension>{}, contacts, Leapfrog{}};
+  Simulation sim{grains, UniformGrid<P::dimension>{}, contacts, Leapfrog{}};
   sim.step(1e-9);
   return sim.state();
 }

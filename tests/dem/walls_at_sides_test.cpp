@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Walls at the sides of a periodic box: they act on grains across a side as anywhere else, or are
 // refused.
+// Only with --all: every wall there; walls_test.cpp refuses a plane that breaks off at a side.
 #include <silt/dem.hpp>
 #include <silt/dem/wall/walls.hpp>
 

@@ -6,7 +6,8 @@
     check.py [--compile-only] REPOSITORY SCRATCH FLAGS-FILE COMPILER...
     check.py --self-test
 
-With --compile-only, nothing is run, and several programs are compiled at once.
+With --compile-only, nothing is run, and several programs are compiled at once, with them the examples
+that include the library and the standard library only.
 
 A block is a separate file, unless HTML comments directly before it say otherwise:
 
@@ -289,6 +290,16 @@ def in_groups(programs, size):
         yield text, group
 
 
+def plain_examples(repository):
+    """The programs of examples/ that include the library and the standard library only."""
+    for path in sorted((repository / "examples").glob("*.cpp")):
+        text = path.read_text(encoding="utf-8")
+        if re.search(r'^#include ("|<(?!silt/)\w+[./])', text, re.M):
+            continue
+        name = path.relative_to(repository).as_posix()
+        yield Program().then(name, 1, text, wrap=False)
+
+
 def folder_of(where, scratch):
     return scratch / re.sub(r"\W+", "_", where)
 
@@ -401,6 +412,8 @@ def check(repository, scratch, compile_command, compile_only):
     for path in sorted({path for _, _, path in outputs if (repository / path).is_file()}):
         text = (repository / path).read_text(encoding="utf-8")
         programs.append(Program().then(path, 1, text, wrap=False))
+    if compile_only:
+        programs += plain_examples(repository)
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as workers:
         whole = merged(longest_programs(programs))
         if compile_only:

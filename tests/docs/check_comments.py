@@ -107,10 +107,10 @@ MODELS = {
     "SizeDistribution": ["radius", "largest"],
     "NeighbourSearch": ["radius"],
     "Shared": ["sum", "largest", "process", "world"],
-    "mps/scheme.hpp": ["source", "collision", "kernel", "surface", "gradient", "walls", "shifting",
+    "mps/scheme/scheme.hpp": ["source", "collision", "kernel", "surface", "gradient", "walls", "shifting",
                        "friction", "wall_stress", "laplacian"],
     "CellMultigrid": ["finest", "solve", "share", "add_of_others"],
-    "MotionInColumns": ["State", "at_once", "is_in_rows", "kick", "kick_to_mean", "step_back", "drift",
+    "MotionInColumns": ["State", "at_once", "is_in_rows", "change_velocities", "drift",
                         "store", "knows_energy", "Energies", "sum_of", "Outcome"],
 }
 

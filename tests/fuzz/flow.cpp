@@ -4,7 +4,7 @@
 // one follows.
 #include <silt/geometry/shapes.hpp>
 #include <silt/mps.hpp>
-#include <silt/mps/image_walls.hpp>
+#include <silt/mps/wall/image_walls.hpp>
 
 #include "fuzz/target.hpp"
 #include "support/checkpoint_bytes.hpp"

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
 // A checkpoint recognises that the program that reads it has other laws, walls or settings.
+// Only with --all: many kinds of walls and laws; checkpoint_file_test.cpp has other refusals.
 #include <silt/dem.hpp>
 #include <silt/dem/wall/walls.hpp>
 #include <silt/io/checkpoint.hpp>
 #include <silt/mps.hpp>
-#include <silt/mps/image_walls.hpp>
+#include <silt/mps/wall/image_walls.hpp>
 
 #include "support/check.hpp"
 #include "support/file_test.hpp"

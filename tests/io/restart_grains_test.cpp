@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // A DEM run stopped at random steps and resumed with another number of threads is bitwise identical
 // to an uninterrupted run. restart_slow_test.cpp covers the other searches and laws.
+// Only with --all: random steps; checkpoint_test.cpp and resume_test.cpp resume at one.
 #include "support/file_test.hpp"
 #include "support/restarted_grains.hpp"
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // A run stopped at random steps and resumed with another number of threads is bitwise identical to
 // an uninterrupted run. restart_slow_test.cpp covers the other searches and methods.
+// Only with --all: random steps; resume_test.cpp resumes a flow at one.
 #include "support/file_test.hpp"
 #include "support/restart.hpp"
 

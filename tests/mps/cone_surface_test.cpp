@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The criterion for the free surface that looks for fluid in a cone.
-#include <silt/mps/cone_surface.hpp>
+#include <silt/mps/policy/cone_surface.hpp>
 
 #include <silt/core/types.hpp>
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Bitwise identical results: for any number of threads, for units that differ by powers of four,
 // and for searches with the same order of neighbours.
+// Only with --all: units and searches; trust/threads_test.cpp has one flow.
 #include "support/check.hpp"
 #include "support/fluid.hpp"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Friction between pairs of particles.
 #include <silt/mps.hpp>
-#include <silt/mps/friction.hpp>
+#include <silt/mps/policy/friction.hpp>
 
 #include "support/check.hpp"
 #include "support/fluid.hpp"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include <silt/mps.hpp>
 #include <silt/geometry/shapes.hpp>
-#include <silt/mps/image_walls.hpp>
+#include <silt/mps.hpp>
+#include <silt/mps/wall/image_walls.hpp>
 
 #include <Eigen/Geometry>
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // A model of walls that mirrors the fluid: a floor without particles, in this file alone. Images
 // enter every operator, so that fluid on the floor is what it would be inside the fluid.
+// Only with --all: a model of walls that no scheme has; image_walls_test.cpp mirrors fluid in faces.
 #include "support/fluid.hpp"
 
 #include <gtest/gtest.h>

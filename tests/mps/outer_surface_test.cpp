@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // A free surface half a spacing outside of the outermost particles.
-#include <silt/mps.hpp>
 #include <silt/geometry/shapes.hpp>
-#include <silt/mps/image_walls.hpp>
-#include <silt/mps/outer_surface.hpp>
+#include <silt/mps.hpp>
+#include <silt/mps/policy/outer_surface.hpp>
+#include <silt/mps/wall/image_walls.hpp>
 
 #include "support/check.hpp"
 #include "support/fluid.hpp"

@@ -6,7 +6,7 @@
 #include "support/view.hpp"
 
 #include <silt/mps.hpp>
-#include <silt/mps/corrected_gradient.hpp>
+#include <silt/mps/operator/corrected_gradient.hpp>
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Test programs: one per test source, compiled as by tests/CMakeLists.txt without --all, and the
+"""Test programs: one per test source, compiled as by tests/CMakeLists.txt, and the
 sources that include a header."""
 
 import collections
@@ -26,6 +26,7 @@ MEMBERS = "tests/restart_members/check.py"
 # Programs with the first need one copy of the second, which another source may include.
 COUNTED, COUNTING = "tests/support/counted_memory.hpp", "tests/support/failing_allocations.hpp"
 FLAGS = ["-std=c++20", "-D_GLIBCXX_ASSERTIONS", "-ffp-contract=off", "-fopenmp", "-w",
+         "-DSILT_SLOW_TESTS=1",
          "-fmax-errors=1"]
 PRECOMPILED = "#include <Eigen/Core>\n#include <Eigen/Geometry>\n#include <gtest/gtest.h>\n"
 MEMORY = 8 << 30  # of a test [bytes]
@@ -58,7 +59,7 @@ class Tree:
                       for path in (silt / folder).rglob("*.hpp"))
 
     def test_sources(self):
-        """The sources of tests that run without --all and without optional libraries."""
+        """The sources of tests that do not run long, and without optional libraries."""
         found = []
         for folder in FOLDERS:
             for path in sorted((self.root / "tests" / folder).glob("*_test.cpp")):

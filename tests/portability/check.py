@@ -6,7 +6,7 @@
     check.py warnings VARIANT INCLUDE...        the quickstarts, which must compile without warnings
     check.py hashes VARIANT INCLUDE...          hashes.cpp, which must print hashes.txt
     check.py arithmetic VARIANT INCLUDE...      few_steps.cpp: with fused operations it runs, at
-                                                three levels of optimisation; one_particle.cpp:
+                                                two levels of optimisation; one_particle.cpp:
                                                 options that reorder sums or assume finite numbers
                                                 are refused
 
@@ -31,7 +31,7 @@ FLAGS = ["-std=c++20", "-O3", "-ffp-contract=off", "-Wall", "-Wextra", "-Wpedant
 CLANG19 = ["clang++-19", "-Wno-invalid-feature-combination"]
 WASM = ["clang++-19", "--target=wasm32-wasi", "-stdlib=libc++"]
 LIBCXX = [*CLANG19, "-stdlib=libc++"]
-# Compiler and -march; "" is the compiler's default, "widest" the last one in NEEDED that this
+# Compiler and -march, some for use by hand only; "" is the compiler's default, "widest" the last one in NEEDED that this
 # processor supports.
 VARIANTS = {
     "gcc": (["g++"], ""),
@@ -193,7 +193,7 @@ def check_arithmetic(variant, includes, scratch):
 
     if not runs_here(processor):
         skip(f"this processor does not support {processor}")
-    for level in ("-O1", "-O2", "-O3"):
+    for level in ("-O1", "-O3"):
         for flags in REFUSED:
             # After a refusal, the compiler need not read the rest.
             for code, text in results("one_particle.cpp", level, "-Wfatal-errors", *flags):

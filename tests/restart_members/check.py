@@ -10,7 +10,7 @@ or named in members.py. Each of its data members must
   be named in its transfer(), or be in NOT_STORED in members.py, with the reason;
   if it has save() and restore(), be named in one of them, or be in NOT_SAVED.
 If only members of a member are named there (state_.displacement), all of them must be, in the same way. A base class
-counts as its members. members.py must not name members that do not exist.
+counts as its members. A function that returns an element of an array (list() { return lists_[…]; }) names the array. members.py must not name members that do not exist.
 """
 
 import dataclasses
@@ -146,8 +146,16 @@ def classes_of(text, where, around=""):
     return classes
 
 
+def with_arrays_named(text, one):
+    """The text with the names of arrays instead of calls of functions that return one of their elements."""
+    for function, member in re.findall(r"(\w+)\(\)[^{};]*\{\s*return (\w+)\[", one.body):
+        text = re.sub(rf"(?<![\w.]){function}\(\)", member, text)
+    return text
+
+
 def resolve(classes, kind, around):
     """The class of the library that a type names, seen from within a class; None if there is none."""
+    kind = re.sub(r"^std::array<(.*),[^,]*>$", r"\1", kind)
     name = re.sub(r"<.*", "", kind.removeprefix("const ").replace("typename ", "").replace("detail::", ""))
     if name.startswith("std::"):
         return None
@@ -212,7 +220,7 @@ def check(folders, not_stored=NOT_STORED, not_saved=NOT_SAVED):
         rolls_back = "save" in one.functions and "restore" in one.functions
         # Bases such as Contacts have no state of their own.
         if stores or rolls_back or (is_part and one.members):
-            text = " ".join(one.functions.get("transfer", []))
+            text = with_arrays_named(" ".join(one.functions.get("transfer", [])), one)
             reasons = not_stored.get(one.name, {})
             named = used["NOT_STORED"].setdefault(one.name, set())
             if re.search(r"::transfer\s*\(\s*archive", text):  # of the base
@@ -221,7 +229,7 @@ def check(folders, not_stored=NOT_STORED, not_saved=NOT_SAVED):
                 faults.append(f"{one.where}: {one.name}: {member} is not in a checkpoint: "
                               f"{advice('transfer()', 'NOT_STORED', one.name)}")
         if rolls_back:
-            text = " ".join(one.functions["save"] + one.functions["restore"])
+            text = with_arrays_named(" ".join(one.functions["save"] + one.functions["restore"]), one)
             reasons = not_saved.get(one.name, {})
             named = used["NOT_SAVED"].setdefault(one.name, set())
             for member in missing_in(classes, one, text, reasons, named):

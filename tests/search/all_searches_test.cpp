@@ -3,6 +3,7 @@
 #include "support/check.hpp"
 #include "support/grains.hpp"
 #include "support/points.hpp"
+#include "support/slow_types.hpp"
 
 #include <silt/search/brute_force.hpp>
 #include <silt/search/level_grid.hpp>
@@ -58,11 +59,12 @@ class AllSearches : public ::testing::Test {
   }
 };
 
-using Searches =
+using Searches = AllOrUsual<
     ::testing::Types<BruteForce<2, double>, BruteForce<2, float>, BruteForce<3, double>,
                      BruteForce<3, float>, UniformGrid<2, double>, UniformGrid<2, float>,
                      UniformGrid<3, double>, UniformGrid<3, float>, NeighbourList<2, double>,
-                     NeighbourList<2, float>, NeighbourList<3, double>, NeighbourList<3, float>>;
+                     NeighbourList<2, float>, NeighbourList<3, double>, NeighbourList<3, float>>,
+    ::testing::Types<BruteForce<2>, UniformGrid<2>, NeighbourList<3>>>;
 TYPED_TEST_SUITE(AllSearches, Searches);
 
 TYPED_TEST(AllSearches, FindEveryPairOfRandomPoints) {

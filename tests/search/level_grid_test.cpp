@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "support/check.hpp"
 #include "support/points.hpp"
+#include "support/slow_types.hpp"
 
 #include <silt/core/fields.hpp>
 #include <silt/core/lattice.hpp>
@@ -98,7 +99,7 @@ void expect_right_in_space_and_in_periods() {
     box.periodic.fill(periodic);
     for (const auto size_of : {bimodal, spread, similar}) {
       for (const double gap : {0.0, 0.01, 0.1}) {
-        auto grains = grains_in<Dim, Real>(box, 1200, 3, size_of);
+        auto grains = grains_in<Dim, Real>(box, SILT_SLOW_TESTS ? 1200 : 400, 3, size_of);
         const auto R = grains[radius];
         const Real max_radius = *std::max_element(R.begin(), R.end());
         LevelGrid<Dim, Real> search({.radius = 2 * max_radius + Real(gap)});

@@ -23,7 +23,9 @@ THREADS = "core/parallel.hpp"
 SHARED = {"dem": {"geometry"}, "measure": {"geometry"}, "mpi": {"linear", "solve"},
           "mps": {"geometry", "linear"}, "solve": {"linear"}}
 # The rooms of folders, from the lowest floor to the highest.
-FLOORS = {"dem": [{"law", "wall", "setup"}, {"contact"}, {"bond", "measure", "conformance"}]}
+FLOORS = {"dem": [{"law", "wall", "setup"}, {"contact"}, {"bond", "measure", "conformance"}],
+          "mps": [{"fluid"}, {"operator"}, {"policy"}, {"wall"}, {"scheme", "record"},
+                  {"view", "setup"}, {"pressure"}, {"step"}]}
 
 
 def floor_of(folder, room):

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "support/points.hpp"
+#include "support/slow_types.hpp"
 
 #include <silt/mps.hpp>
 
@@ -27,8 +28,9 @@ struct Space {
   /// Bound of the rounding error of a sum over a neighbourhood.
   static constexpr Real rounding = 200 * std::numeric_limits<Real>::epsilon();
 };
-using Spaces =
-    ::testing::Types<Space<2, double>, Space<2, float>, Space<3, double>, Space<3, float>>;
+using Spaces = AllOrUsual<
+    ::testing::Types<Space<2, double>, Space<2, float>, Space<3, double>, Space<3, float>>,
+    ::testing::Types<Space<2, double>, Space<3, double>>>;
 
 template <int Dim, class Real>
 mps::Fluid<Dim, Real> fluid_at(const std::vector<Vec<Dim, Real>>& points,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Memory and time of a search, of contacts and of a placement are bounded for any sizes, positions
 // and numbers, or an error names the value.
+// Only with --all: every search at extreme sizes and extents.
 #include <silt/dem.hpp>
 #include <silt/dem/setup/inflow.hpp>
 #include <silt/dem/setup/packing.hpp>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // A checkpoint has the bits of the state, and no others.
+// Only with --all: every law and search.
 #include <silt/dem.hpp>
 #include <silt/io/archive.hpp>
 #include <silt/io/checkpoint.hpp>

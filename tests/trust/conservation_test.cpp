@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Long runs conserve momentum, angular momentum and, without losses, energy; with friction or
 // damping they never gain energy, by any law. A million collisions: dem/gas_slow_test.cpp.
+// Only with --all: long runs with many laws; dem/conservation_test.cpp has short ones.
 #include <silt/dem.hpp>
 #include <silt/dem/wall/box_wall.hpp>
 

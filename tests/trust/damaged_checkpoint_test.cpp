@@ -2,6 +2,7 @@
 // A checkpoint that was damaged, or made by somebody, with the checksum of its bytes: reading it
 // gives a legal state or throws silt::Error, changes nothing if it throws, and needs no memory out
 // of proportion to the file.
+// Only with --all: every byte of large states; io/checkpoint_file_test.cpp refuses damaged files, too.
 #include <silt/dem.hpp>
 #include <silt/mps.hpp>
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Flows at the edges of what is defined: particles at the same point, at exactly the effective
 // radius, in any units. A result is finite and symmetric, or an error names the particles.
+// Only with --all: schemes and units at their edges.
 #include <silt/mps.hpp>
 
 #include "support/check.hpp"

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Grains at the edges of what is defined: at the same point, at exactly the sum of their radii, of
 // any size, at a periodic side. A result is finite and antisymmetric, or an error names the grains.
+// Only with --all: laws, searches and precisions at their edges.
 #include <silt/dem.hpp>
 #include <silt/dem/setup/grain_table.hpp>
 

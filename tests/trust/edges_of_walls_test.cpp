@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Grains whose centre is exactly on a wall, an edge, a corner or an axis, or so close to it that
 // squares of the distance underflow: they have at least one contact, with a unit normal.
+// Only with --all: every wall at its edges.
 #include <silt/dem.hpp>
 #include <silt/dem/wall/mesh/mesh_wall.hpp>
 #include <silt/dem/wall/walls.hpp>

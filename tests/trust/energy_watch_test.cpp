@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The watch over the energy of a step: contacts that give more energy than they had are refused in
 // that step, and nothing else is.
+// Only with --all: forty kinds of contacts; watch_test.cpp has errors of each kind of step.
 #include <silt/dem.hpp>
 #include <silt/dem/setup/inflow.hpp>
 #include <silt/io/checkpoint.hpp>

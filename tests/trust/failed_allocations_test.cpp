@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // A step or a change of the particles in which any one allocation fails changes nothing, and the
 // next one has the same bits as without the failure.
+// Only with --all: every allocation of several simulations; core/simulation_test.cpp rolls back one.
 #include <silt/dem.hpp>
 #include <silt/dem/setup/packing.hpp>
 #include <silt/mps.hpp>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Every function works for no particles and for a single one: its results are finite and those that
 // follow from their number.
+// Only with --all: every function; a run without particles is in mps/flow_test.cpp and dem/contact_list_test.cpp.
 #include <silt/dem.hpp>
 #include <silt/dem/setup/grain_table.hpp>
 #include <silt/io/checkpoint.hpp>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // A run that is observed, measured and written in every step has the same bits as one that is not:
 // its checkpoint, which has the complete state, is the same.
+// Only with --all: every observer and measurement.
 #include <silt/dem.hpp>
 #include <silt/io/checkpoints.hpp>
 #include <silt/io/csv.hpp>

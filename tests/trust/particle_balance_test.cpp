@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Particles present plus those removed are those added, and each keeps what a step does not change,
 // while particles enter, leave, cross periodic sides and are sorted.
+// Only with --all: every search, in 2D and 3D.
 #include <silt/dem.hpp>
 #include <silt/dem/wall/box_wall.hpp>
 #include <silt/mps.hpp>

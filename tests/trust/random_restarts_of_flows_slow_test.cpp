@@ -3,7 +3,7 @@
 // steps, with every search, in 2D and 3D, in double and single precision.
 #include <silt/measure/timed.hpp>
 #include <silt/mps.hpp>
-#include <silt/mps/higher_order_source.hpp>
+#include <silt/mps/policy/higher_order_source.hpp>
 
 #include "support/fluid_cases/all.hpp"
 #include "support/random_restarts.hpp"

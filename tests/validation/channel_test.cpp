@@ -6,6 +6,7 @@
 // larger radius also includes the rows behind it, all at rest, and the effective wall is deeper: at
 // the mean row at which a random walk with the row weights of the stencil first reaches a wall;
 // there, profiles are linear.
+// Only with --all: a comparison of whole flows.
 #include "support/check.hpp"
 #include "support/fluid.hpp"
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The dam break at twice the spacing of the slow test.
+// Only with --all: a comparison of whole flows.
 #include "support/dam_break.hpp"
 
 #include <gtest/gtest.h>

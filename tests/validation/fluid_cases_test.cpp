@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Exact solutions, and the corresponding flows at a low resolution. docs/verification.md has them
 // at full resolution.
+// Only with --all: a comparison of whole flows.
 #include "support/fluid_cases/all.hpp"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The broken tower. Exact results are in validation/dem_reference.
+// Only with --all: a comparison of whole beds.
 #include "support/check.hpp"
 #include "support/grains.hpp"
 #include <gtest/gtest.h>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The recommended schemes at twice the spacing of docs/theory_mps.md, and, in slow tests, at that
 // spacing.
+// Only with --all: a comparison of whole flows.
 #include "support/dam_break.hpp"
 #include "support/still_tank.hpp"
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The pressure of water at rest on the floor is ρ g h. The distance of the wall particles of the
 // floor from the particles of the free surface, where P = 0, is the depth of the water.
+// Only with --all: a comparison of whole flows.
 #include "support/still_tank.hpp"
 
 #include <gtest/gtest.h>

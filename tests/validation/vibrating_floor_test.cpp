@@ -2,6 +2,7 @@
 // Smooth spheres on a vibrating floor, as in examples/vibrating_floor.cpp, but fewer and softer:
 // exact results and trends. The slow test compares with the kinetic theory of
 // examples/support/kinetic_theory.py.
+// Only with --all: a comparison of whole beds.
 #include <silt/dem.hpp>
 #include <silt/measure/block_sums.hpp>
 #include <silt/measure/profiles.hpp>

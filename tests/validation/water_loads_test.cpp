@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Pressures at walls against the change of the fluid's momentum, energy, and rest, of the recommended
 // scheme. The Slow tests have half the spacing.
+// Only with --all: a comparison of whole flows.
 #include "support/sanitizers.hpp"
 #include "support/water_cases.hpp"
 #include "support/water_loads.hpp"

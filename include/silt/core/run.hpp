@@ -5,7 +5,7 @@
 #include <silt/core/concepts.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/parallel.hpp>
-#include <silt/core/shared_particles.hpp>
+#include <silt/core/processes.hpp>
 #include <silt/core/step_checks.hpp>
 #include <silt/core/types.hpp>
 
@@ -116,36 +116,35 @@ class RunLoop {
     // Also for the observers.
     const Team team(simulation_.thread_choice_, simulation_.particles().size());
     for_each_observer([&](auto& each) { call_before_step(each, simulation_); });
-    advance();
+    advance(run_.time_step ? *run_.time_step : simulation_.time_step());
     for_each_observer([&](auto& each) { call_after_step(each, simulation_, run_); });
     if (is_output_due()) make_output();
     for_each_observer([&](auto& each) { call_between_steps(each, simulation_); });
   }
 
-  void advance() {
-    const double dt = run_.time_step ? *run_.time_step : simulation_.time_step();
+  // A step of dt [s], or less if the end has to be met, or if dt was chosen and is not stable.
+  void advance(double dt) {
     require_feasible("Run: time_step", dt, "steps", {simulation_.time(), run_.until}, [&] {
       return run_.time_step
                  ? std::string("increase it")
                  : remedy_for_time_step(simulation_.interaction(), simulation_.particles());
     });
-    const auto advance_by = [this](double time_step) {
-      run_.end_exactly ? step_towards_end(time_step) : simulation_.step(time_step);
-    };
-    if (run_.time_step) {
-      advance_by(dt);
-    } else {
-      advance_by_stable_step(dt, advance_by);
+    while (true) {
+      const double left = run_.until - simulation_.time();
+      const bool is_last = run_.end_exactly && left <= dt * (1 + 1e-9);
+      // Never longer than dt, which may be the longest that is stable. No step is shorter than
+      // dt/2: the last two steps are made equal instead.
+      const double shortened = is_last ? std::min(left, dt) : left < 2 * dt ? left / 2 : dt;
+      try {
+        simulation_.step(run_.end_exactly ? shortened : dt);
+      } catch (const Error& error) {
+        if (run_.time_step || !error.stable_time_step()) throw;
+        dt = shorter_time_step(dt, error);
+        continue;
+      }
+      if (is_last) simulation_.time_ = run_.until;
+      return;
     }
-  }
-  // A step of dt, or a shorter one so that the time becomes exactly `until`. No step is shorter
-  // than dt/2: the last two steps are made equal instead.
-  void step_towards_end(double dt) {
-    const double left = run_.until - simulation_.time();
-    const bool is_last = left <= dt * (1 + 1e-9);
-    // Never longer than dt, which may be the longest that is stable.
-    simulation_.step(is_last ? std::min(left, dt) : left < 2 * dt ? left / 2 : dt);
-    if (is_last) simulation_.time_ = run_.until;
   }
 
   void make_output() {

@@ -112,6 +112,12 @@ void load_three(const T* from, Pack<T, 4>& to) {
 #endif
 }
 
+/// {from[0], …, from[3]}; by reference, because how a pack is returned depends on the processor flags.
+template <class T, class F>
+void load_four(const T* from, F& to) {
+  to = *reinterpret_cast<const typename UnalignedPackOf<T, 4>::type*>(from);
+}
+
 /// The value in all lanes.
 template <class T, int N = lanes<T>>
 Pack<T, N> broadcast(T value) {
@@ -365,6 +371,12 @@ std::uint32_t* compress_near(const std::array<const Real*, Dim>& x, Index first,
 }
 
 }  // namespace silt::simd
+
+namespace silt {
+/// Four numbers.
+template <class Real>
+using Four = simd::Pack<Real, 4>;
+}  // namespace silt
 
 #if defined(__GNUC__)
 #pragma GCC diagnostic pop

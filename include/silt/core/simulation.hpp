@@ -7,9 +7,10 @@
 #include <silt/core/error.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/particles.hpp>
+#include <silt/core/processes.hpp>
 #include <silt/core/run.hpp>
-#include <silt/core/shared_particles.hpp>
 #include <silt/core/step_checks.hpp>
+#include <silt/core/step_transaction.hpp>
 #include <silt/core/transfer.hpp>
 #include <silt/core/types.hpp>
 #include <silt/core/watch.hpp>
@@ -55,7 +56,7 @@ class Simulation {
     detail::require_ordered_sums();
     const detail::Team team(thread_choice_, particles_.size());
     const Largest before = prepare();
-    detail::together(particles_, [&] {
+    together([&] {
       update_halo(before);
       sort();
       search_.update(particles_);
@@ -91,12 +92,12 @@ class Simulation {
     TypedInteraction interaction;  ///< its results, such as the contacts, refer to `particles`
   };
   State state() const {
-    if constexpr (synchronises || Shared<P>) {
+    if constexpr (copies_for_state) {
       Simulation copy = *this;
       set_time(copy.interaction_, time_);
-      detail::together(copy.particles_, [&] {
+      copy.together([&] {
         // The program may have changed particles, or removed some.
-        if constexpr (Shared<P>) copy.particles_.find_halo_of_changed();
+        Processes::find_halo_of_changed(copy.particles_);
         if constexpr (synchronises) {
           copy.integrator_.synchronise(copy.particles_, copy.search_, copy.interaction_);
         }
@@ -110,7 +111,7 @@ class Simulation {
 
   /// The particles of state().
   P snapshot() const {
-    if constexpr (synchronises || Shared<P>) {
+    if constexpr (copies_for_state) {
       return state().particles;
     } else {
       return particles_;
@@ -126,7 +127,7 @@ class Simulation {
                       Transferable<TypedInteraction, Archive>,
                   "silt::Simulation: this interaction has state (it has save() and restore()), so "
                   "a checkpoint needs its transfer(archive, particles)");
-    if constexpr (Shared<P> && !Archive::reads) particles_.gather(interaction_);
+    if constexpr (!Archive::reads) Processes::gather(particles_, interaction_);
     archive.finite([&] {
       archive("time", time_);
       archive("steps", steps_);
@@ -150,8 +151,8 @@ class Simulation {
     archive.finite([&] { detail::transfer_part(archive, "integrator", integrator_, particles_); });
     set_time(interaction_, time_);
     detail::transfer_part(archive, "interaction", interaction_, particles_);
-    if constexpr (Shared<P> && Archive::reads) {
-      particles_.keep_own(interaction_);
+    if constexpr (Archive::reads && Processes::are_several) {
+      Processes::keep_own(particles_, interaction_);
       update_halo(prepare());
     }
   }
@@ -161,7 +162,7 @@ class Simulation {
   double time_step() {
     const detail::Team team(thread_choice_, particles_.size());
     set_time(interaction_, time_);
-    const Largest all = detail::together(particles_, [&] {
+    const Largest all = together([&] {
       Largest own{.wanted = particles_.empty() ? 0.0 : 1.0};
       if constexpr (ChoosesTimeStep<TypedInteraction, P>) {
         own.minus_time_step = -interaction_.time_step(particles_);
@@ -183,7 +184,15 @@ class Simulation {
   /// One step with the time step that the interaction chooses; shorter if that is not stable for
   /// the present contacts.
   void step() {
-    detail::advance_by_stable_step(time_step(), [this](double dt) { step(dt); });
+    double dt = time_step();
+    while (true) {
+      try {
+        return step(dt);
+      } catch (const Error& error) {
+        if (!error.stable_time_step()) throw;
+        dt = detail::shorter_time_step(dt, error);
+      }
+    }
   }
 
   /// One step of dt [s]. Throws silt::Error if dt is not positive or exceeds the stability limit,
@@ -193,82 +202,24 @@ class Simulation {
   void step(double dt) {
     detail::Team team(thread_choice_, particles_.size());
     team.begin_step();
-    bool is_saved = false;
-    bool is_result_finite = true;
-    Index removed = 0;
-    std::optional<P> before_removal;
-    const auto undo = [&] {
-      if (before_removal) particles_ = std::move(*before_removal);
-      if (is_saved) restore();
-    };
+    StepState step{.finished = {.time = time_, .time_step = dt}};
     try {
-      const Largest before = prepare([&](Largest& own) {
-        require_positive("Simulation: time_step", dt);
-        if (time_ + dt == time_) {
-          fail("Simulation: time_step = " + to_text(dt) +
-               " s does not change the time; increase it");
-        }
-        set_time(interaction_, time_);
-        own.time_step = dt;
-        own.minus_time_step = -dt;
-      });
-      require_same_time_step(before);
-      FinishedStep finished;
-      const Largest all = detail::together(particles_, [&] {
+      Transaction transaction(*this);
+      const Largest before = prepare_step(dt);
+      const Largest after = together([&] {
         update_halo(before);
         sort();
-        save();
-        is_saved = true;
-        const Travel travel = detail::travel_of(particles_);
-        const bool is_verified = integrate(dt);
-        if (!is_verified) {
-          const auto broken = detail::find_not_finite(particles_);
-          is_result_finite = !broken;
-          if (broken) detail::fail_after_step(particles_, *broken);
-        }
-        finished = {.time = time_,
-                    .time_step = dt,
-                    .max_displacement = detail::max_displacement_since(travel, particles_),
-                    .max_energy_gain = detail::max_energy_gain_of(integrator_)};
-        detail::check_step(interaction_, particles_, finished);
-        if (!is_verified) detail::check_escaped(particles_);
-        return Largest{.displacement = finished.max_displacement,
-                       .energy_gain = particles_.empty() ? 0 : finished.max_energy_gain,
-                       .wanted = !is_verified && must_remove_escaped() ? 1.0 : 0.0};
+        transaction.save();
+        return advance(step);
       });
-      finished.max_energy_gain = all.energy_gain;
-      if (detail::must_check_energy(interaction_, particles_, finished)) {
-        detail::together(particles_, [&] {
-          detail::check_energy(interaction_, particles_, finished);
-          return Largest{};
-        });
-      }
-      if (all.wanted > 0) {
-        detail::together(particles_, [&] {
-          before_removal = particles_;
-          removed = particles_.remove_if(is_outside());
-          return Largest{};
-        });
-        removed = Index(detail::sum_of_all(particles_, double(removed)));
-      }
-      if constexpr (Shared<P>) particles_.finish_step(finished.max_displacement, all);
-      if (all.wanted > 0) {
-        detail::together(particles_, [&] {
-          search_.update(particles_);  // its indices are out of date
-          return Largest{};
-        });
-      }
+      check_energy(step.finished, after);
+      remove_escaped(step, after, transaction);
+      transaction.commit();
     } catch (const Error& error) {
-      undo();
-      if (!is_result_finite) {
-        detail::check_finite_before_step(particles_, {.step = steps_, .time = time_});
-      }
+      if (!step.is_result_finite) detail::check_finite_before_step(particles_, {.step = steps_, .time = time_});
       throw error.with_step(steps_, time_);
-    } catch (...) {
-      undo();
-      throw;
     }
-    particles_lost_ += removed;
+    particles_lost_ += step.removed;
     time_ += dt;
     ++steps_;
     last_time_step_ = dt;
@@ -295,34 +246,57 @@ class Simulation {
   template <class, class...>
   friend class detail::RunLoop;
 
+  using Processes = detail::Processes<P>;
+  using Transaction = detail::StepTransaction<Simulation, P>;
+  friend Transaction;
+
   static constexpr bool synchronises =
       requires(T t, P p, S s, TypedInteraction i) { t.synchronise(p, s, i); };
+  static constexpr bool copies_for_state = synchronises || Processes::are_several;
 
-  // After prepare().
-  void update_halo([[maybe_unused]] const Largest& before) {
-    if constexpr (Shared<P>) {
-      particles_.update_halo(interaction_, search_.radius(), before.displacement);
-    }
+  // What becomes known in a step.
+  struct StepState {
+    FinishedStep finished;
+    bool is_result_finite = true;
+    Index removed = 0;  // of the particles of all processes
+  };
+
+  template <class F>
+  Largest together(F&& f) {
+    return Processes::together(particles_, f);
   }
 
-  // Called before the state is saved: rolling back a step does not undo the reordering.
-  void sort() {
-    if constexpr (SortsParticles<S, P>) {
-      if (needs_search(interaction_, particles_)) search_.sort(particles_);
-    }
-  }
+  // --- prepare ---
 
-  // Calls check(). The search radius must be at least the interaction range.
-  template <class Check = void (*)(Largest&)>
-  Largest prepare(Check&& check = [](Largest&) {}) {
-    const Largest all = detail::together(particles_, [&] {
-      Largest largest;
-      check(largest);
-      largest.reach = double(interaction_.reach(particles_));
-      require_not_negative("Simulation: interaction range", largest.reach);
-      if constexpr (Shared<P>) largest.displacement = particles_.moved_since_halo();
-      return largest;
+  // Sets the search radius, which must be at least the interaction range, of all processes.
+  Largest prepare() {
+    return set_radius(together([&] { return range(); }));
+  }
+  Largest prepare_step(double dt) {
+    const Largest all = together([&] {
+      require_positive("Simulation: time_step", dt);
+      if (time_ + dt == time_) {
+        fail("Simulation: time_step = " + to_text(dt) + " s does not change the time; increase it");
+      }
+      set_time(interaction_, time_);
+      Largest own = range();
+      own.time_step = dt;
+      own.minus_time_step = -dt;
+      return own;
     });
+    if (all.time_step != -all.minus_time_step) {
+      fail("Simulation: time_step is " + to_text(-all.minus_time_step) + " s in one process and " +
+           to_text(all.time_step) + " s in another; give all the same");
+    }
+    return set_radius(all);
+  }
+  Largest range() const {
+    Largest own{.reach = double(interaction_.reach(particles_)),
+                .displacement = Processes::moved_since_halo(particles_)};
+    require_not_negative("Simulation: interaction range", own.reach);
+    return own;
+  }
+  Largest set_radius(const Largest& all) {
     const auto reach = static_cast<typename P::Real>(all.reach);
     if (chooses_radius_) {
       search_.set_radius(reach > 0 ? reach : radius_without_range());
@@ -333,12 +307,70 @@ class Simulation {
     }
     return all;
   }
+  void update_halo(const Largest& before) {
+    Processes::update_halo(particles_, interaction_, double(search_.radius()), before);
+  }
+  // Called before the state is saved: rolling back a step does not undo the reordering.
+  void sort() {
+    if constexpr (SortsParticles<S, P>) {
+      if (needs_search(interaction_, particles_)) search_.sort(particles_);
+    }
+  }
 
-  // Of all processes, which all throw.
-  static void require_same_time_step(const Largest& before) {
-    if (before.time_step == -before.minus_time_step) return;
-    fail("Simulation: time_step is " + to_text(-before.minus_time_step) + " s in one process and " +
-         to_text(before.time_step) + " s in another; give all the same");
+  // --- advance and check ---
+
+  Largest advance(StepState& step) {
+    FinishedStep& finished = step.finished;
+    const Travel travel = detail::travel_of(particles_);
+    const bool is_verified = integrate(finished.time_step);
+    if (!is_verified) {
+      const auto broken = detail::find_not_finite(particles_);
+      step.is_result_finite = !broken;
+      if (broken) detail::fail_after_step(particles_, *broken);
+    }
+    finished.max_displacement = detail::max_displacement_since(travel, particles_);
+    finished.max_energy_gain = detail::max_energy_gain_of(integrator_);
+    detail::check_step(interaction_, particles_, finished);
+    if (!is_verified) detail::check_escaped(particles_);
+    return {.displacement = finished.max_displacement,
+            .energy_gain = particles_.empty() ? 0 : finished.max_energy_gain,
+            .wanted = !is_verified && must_remove_escaped() ? 1.0 : 0.0};
+  }
+  // Returns whether the integrator has verified the results, see Integrator in core/concepts.hpp.
+  bool integrate(double dt) {
+    if constexpr (std::same_as<decltype(integrator_.step(particles_, search_, interaction_, dt)),
+                               bool>) {
+      return integrator_.step(particles_, search_, interaction_, dt);
+    } else {
+      integrator_.step(particles_, search_, interaction_, dt);
+      return false;
+    }
+  }
+  void check_energy(FinishedStep finished, const Largest& after) {
+    finished.max_energy_gain = after.energy_gain;
+    if (!detail::must_check_energy(interaction_, particles_, finished)) return;
+    together([&] {
+      detail::check_energy(interaction_, particles_, finished);
+      return Largest{};
+    });
+  }
+  // The last part of a step: the removed particles are copied before, and the halo is of those that
+  // remain.
+  void remove_escaped(StepState& step, const Largest& after, Transaction& transaction) {
+    const bool must_remove = after.wanted > 0;
+    if (must_remove) {
+      together([&] {
+        step.removed = transaction.remove_if(is_outside());
+        return Largest{};
+      });
+      step.removed = Index(detail::sum_of_all(particles_, double(step.removed)));
+    }
+    Processes::finish_step(particles_, step.finished.max_displacement, after);
+    if (!must_remove) return;
+    together([&] {
+      search_.update(particles_);  // its indices are out of date
+      return Largest{};
+    });
   }
 
   // Search radius if the interaction range is 0: arbitrary, but with its skin it must fit into a
@@ -352,6 +384,8 @@ class Simulation {
     }
     return result;
   }
+
+  // --- the transaction ---
 
   void save() {
     particles_.save();
@@ -367,17 +401,6 @@ class Simulation {
     if constexpr (Transactional<S>) search_.restore();
     if constexpr (Transactional<TypedInteraction>) interaction_.restore();
     integrator_ = *saved_integrator_;
-  }
-
-  // Returns whether the integrator has verified the results, see Integrator in core/concepts.hpp.
-  bool integrate(double dt) {
-    const auto step = [&] { return integrator_.step(particles_, search_, interaction_, dt); };
-    if constexpr (std::same_as<decltype(step()), bool>) {
-      return step();
-    } else {
-      step();
-      return false;
-    }
   }
 
   auto is_outside() const {

@@ -44,20 +44,10 @@ std::string remedy_for_time_step(const I& interaction, const P& particles) {
   return (limit.empty() ? "" : limit + "; or ") + "pass a longer one: run({.time_step = …})";
 }
 
-/// Calls advance(dt), and as long as that fails because dt [s] is not stable, with a shorter one.
-/// The limit is known only when a step has found its contacts; a failed step changes nothing.
-template <class F>
-void advance_by_stable_step(double dt, F&& advance) {
-  while (true) {
-    try {
-      advance(dt);
-      return;
-    } catch (const Error& error) {
-      const auto stable = error.stable_time_step();
-      if (!stable) throw;
-      dt = 0.9 * std::min(dt, *stable);
-    }
-  }
+/// The time step [s] after one of dt failed because it was not stable. The limit is known only when a
+/// step has found its contacts.
+inline double shorter_time_step(double dt, const Error& error) {
+  return 0.9 * std::min(dt, error.stable_time_step().value());
 }
 
 /// Throws if the compiler may reorder sums; see core/types.hpp.

@@ -6,25 +6,19 @@
 #include <silt/core/types.hpp>
 #include <silt/geometry/bounding_volume_tree.hpp>
 #include <silt/geometry/face.hpp>
+#include <silt/geometry/facets.hpp>
 
-#include <algorithm>
-#include <array>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
-#include <map>
 #include <set>
 #include <span>
 #include <string>
-#include <utility>
 #include <vector>
 
 namespace silt {
 
 /// Faces that may form closed or open surfaces, with normals; a face that is given twice counts
-/// once. Faces with a common edge (in 2D a common end) and the same plane (line) form one facet.
-/// Its rim are the edges (ends) at which it ends.
+/// once. Those that continue each other form facets, see facets.hpp.
 template <int Dim>
 class Faces {
  public:
@@ -33,58 +27,24 @@ class Faces {
   using Axes = Eigen::Matrix<double, Dim, Dim>;
 
   /// A face of the surface, with what is asked of it often.
-  struct Element {
-    Face<Dim> face;
-    Vec normal;           ///< unit vector [-]
-    double offset;        ///< normal·x of the points x of its plane [m]
-    std::uint32_t facet;  ///< the number of its facet
-    /// Whether the edge from corner k to the next one (in 2D, the end k) is on the facet's rim.
-    std::array<bool, std::size_t(Dim)> is_rim;
-    /// Whether its facet is known to be convex.
-    bool is_convex;
-    /// Unit vectors in the plane, from these edges (ends) into the face [-].
-    std::array<Vec, std::size_t(Dim)> inwards;
-    /// Their products with the points of the edges [m].
-    std::array<double, std::size_t(Dim)> inner_offset;
-
-    /// Signed distance of x, a point of the plane, from the line of an edge, positive on the side
-    /// of the face [m].
-    double inside(std::size_t k, const Vec& x) const { return inwards[k].dot(x) - inner_offset[k]; }
-    /// Signed distance of x from the plane [m].
-    double height(const Vec& x) const { return normal.dot(x) - offset; }
-    /// Distance of x from the part of the facet's rim that belongs to the face [m]; infinite if
-    /// there is none.
-    double distance_from_rim(const Vec& x) const {
-      double least = std::numeric_limits<double>::infinity();
-      for (std::size_t k = 0; k < std::size_t(Dim); ++k) {
-        if (!is_rim[k]) continue;
-        const Vec& a = face.corners[k];
-        const Vec& b = face.corners[Dim == 2 ? k : (k + 1) % std::size_t(Dim)];
-        const Vec nearest = Dim == 2 ? a : nearest_of_segment<Dim>(a, b, x);
-        least = std::min(least, (x - nearest).norm());
-      }
-      return least;
-    }
-  };
+  using Element = FaceOfSurface<Dim>;
 
   Faces() = default;
   /// Throws if a face is invalid, see require_size(); `name` identifies the surface.
   Faces(const std::string& name, const std::vector<Face<Dim>>& faces) {
     elements_.reserve(faces.size());
-    std::set<Corners<std::size_t(Dim)>> known;
+    std::set<detail::Corners<Dim, std::size_t(Dim)>> known;
     for (std::size_t k = 0; k < faces.size(); ++k) {
       require_size(name + ": face " + std::to_string(k), faces[k]);
-      if (!known.insert(sorted(faces[k].corners)).second) continue;
+      if (!known.insert(detail::sorted_corners<Dim>(faces[k].corners)).second) continue;
       const Vec normal = normal_of(faces[k]);
       Element element{faces[k], normal, normal.dot(faces[k].corners[0]),
                       std::uint32_t(elements_.size()), {}, false, {}, {}};
       element.is_rim.fill(true);
-      element.inwards.fill(Vec::Zero());  // by find_edges(); g++ 12 warns of a copy without
+      element.inwards.fill(Vec::Zero());  // by detail::Facets; g++ 12 warns of a copy without
       elements_.push_back(element);
     }
-    join_facets();
-    find_edges();
-    find_convex_facets();
+    detail::Facets<Dim>::join(elements_);
     make_tree();
     find_axes();
   }
@@ -98,20 +58,10 @@ class Faces {
   using Tree = BoxTree<Dim, double>;
   using Bounds = typename Tree::Bounds;
 
-  /// f(k) for the numbers k of all faces closer to x than `distance` [m], and of some further ones.
-  template <class F>
-  void for_each_near(const Vec& x, double distance, F&& f) const {
-    for_each_near_shape(x, distance, f);
-  }
-  /// The same for bounds [m] instead of a point.
-  template <class F>
-  void for_each_near_bounds(const Bounds& bounds, double distance, F&& f) const {
-    for_each_near_shape(bounds, distance, f);
-  }
-
- private:
-  template <class Shape, class F>
-  void for_each_near_shape(const Shape& x, double distance, F&& f) const {
+  /// f(k) for the numbers k of all faces closer to x, a point or bounds [m], than `distance` [m], and of
+  /// some further ones.
+  template <class Shape = Vec, class F>
+  void for_each_near(const Shape& x, double distance, F&& f) const {
     const double limit = squared(distance);
     tree_.visit_near(x, limit, [&](std::uint32_t k) {
       f(k);
@@ -119,148 +69,7 @@ class Faces {
     });
   }
 
-  // A side of a face: the edge from corner k to the next one (in 2D, the end k).
-  struct SideOfFace {
-    std::uint32_t element;
-    std::size_t k;
-  };
-  // In an order that does not depend on which is given first.
-  template <std::size_t n>
-  using Corners = std::array<std::array<double, std::size_t(Dim)>, n>;
-  using Edge = Corners<std::size_t(Dim) - 1>;
-
-  template <std::size_t n>
-  static Corners<n> sorted(const std::array<Vec, n>& corners) {
-    Corners<n> result;
-    for (std::size_t k = 0; k < n; ++k) {
-      for (int axis = 0; axis < Dim; ++axis) {
-        result[k][std::size_t(axis)] = corners[k][axis] + 0.0;  // no −0
-      }
-    }
-    std::ranges::sort(result);
-    return result;
-  }
-  Edge edge_of(const SideOfFace& side) const {
-    std::array<Vec, std::size_t(Dim) - 1> ends;
-    for (std::size_t end = 0; end < ends.size(); ++end) {
-      ends[end] = elements_[side.element].face.corners[(side.k + end) % std::size_t(Dim)];
-    }
-    return sorted(ends);
-  }
-  // From a point of the edge to the opposite corner (in 2D, to the other end).
-  Vec inwards(const SideOfFace& side, const Vec& from) const {
-    const auto& corners = elements_[side.element].face.corners;
-    return corners[(side.k + std::size_t(Dim) - 1) % std::size_t(Dim)] - from;
-  }
-
-  // A facet is the faces connected with its first one in the plane of that one.
-  void join_facets() {
-    std::map<Edge, std::vector<SideOfFace>> edges;
-    for (std::uint32_t e = 0; e < elements_.size(); ++e) {
-      for (std::size_t k = 0; k < std::size_t(Dim); ++k) edges[edge_of({e, k})].push_back({e, k});
-    }
-    std::vector<bool> has_facet(elements_.size(), false);
-    std::vector<std::uint32_t> waiting;
-    for (std::uint32_t first = 0; first < elements_.size(); ++first) {
-      if (has_facet[first]) continue;
-      has_facet[first] = true;
-      waiting.assign(1, first);
-      while (!waiting.empty()) {
-        const std::uint32_t e = waiting.back();
-        waiting.pop_back();
-        for (std::size_t k = 0; k < std::size_t(Dim); ++k) {
-          for (const SideOfFace& other : edges[edge_of({e, k})]) {
-            if (has_facet[other.element] || !continues({e, k}, other, elements_[first])) continue;
-            has_facet[other.element] = true;
-            take_plane(elements_[other.element], elements_[first]);
-            waiting.push_back(other.element);
-          }
-        }
-      }
-    }
-    for (const auto& [edge, sides] : edges) {
-      for (const SideOfFace& one : sides) {
-        for (const SideOfFace& other : sides) {
-          if (elements_[one.element].facet == elements_[other.element].facet &&
-              are_opposite(one, other)) {
-            elements_[one.element].is_rim[one.k] = false;
-          }
-        }
-      }
-    }
-  }
-  // Whether a face lies beyond the edge of another one, in the plane of a third, to the round-off
-  // of corners in single precision.
-  bool continues(const SideOfFace& one, const SideOfFace& other, const Element& plane) const {
-    if (!are_opposite(one, other)) return false;
-    const Vec& a = plane.face.corners[0];
-    const double size = (plane.face.corners[1] - a).norm();
-    return std::ranges::all_of(elements_[other.element].face.corners, [&](const Vec& corner) {
-      const double round_off =
-          4 * double(std::numeric_limits<float>::epsilon()) * corner.cwiseAbs().maxCoeff();
-      return std::abs(plane.height(corner)) <= round_off * (1 + (corner - a).norm() / size);
-    });
-  }
-  // Not of a face that lies on the other one.
-  bool are_opposite(const SideOfFace& one, const SideOfFace& other) const {
-    const Vec& x = elements_[one.element].face.corners[one.k];
-    Vec across = inwards(one, x);
-    if constexpr (Dim == 3) {
-      const auto& corners = elements_[one.element].face.corners;
-      const Vec along = corners[(one.k + 1) % 3] - corners[one.k];
-      across -= across.dot(along) / along.squaredNorm() * along;
-    }
-    return across.dot(inwards(other, x)) < 0;
-  }
-  static void take_plane(Element& element, const Element& plane) {
-    const double sign = element.normal.dot(plane.normal) > 0 ? 1 : -1;
-    element.normal = sign * plane.normal;
-    element.offset = sign * plane.offset;
-    element.facet = plane.facet;
-  }
-
-  void find_edges() {
-    for (Element& element : elements_) {
-      const auto& corners = element.face.corners;
-      for (std::size_t k = 0; k < std::size_t(Dim); ++k) {
-        Vec across = corners[(k + std::size_t(Dim) - 1) % std::size_t(Dim)] - corners[k];
-        if constexpr (Dim == 3) {
-          const Vec along = (corners[(k + 1) % 3] - corners[k]).normalized();
-          across -= across.dot(along) * along;
-        }
-        element.inwards[k] = across.normalized();
-        element.inner_offset[k] = element.inwards[k].dot(corners[k]);
-      }
-    }
-  }
-  // Those with few corners, all of which are on the inner side of all edges of the rim.
-  void find_convex_facets() {
-    constexpr std::size_t max_faces = 200;
-    std::vector<std::vector<std::uint32_t>> facets(elements_.size());
-    for (std::uint32_t e = 0; e < elements_.size(); ++e) facets[elements_[e].facet].push_back(e);
-    for (const auto& facet : facets) {
-      if (facet.size() > max_faces) continue;
-      const bool is_convex = std::ranges::all_of(facet, [&](std::uint32_t one) {
-        return std::ranges::all_of(facet, [&](std::uint32_t other) {
-          return is_inside_rim(elements_[other], elements_[one]);
-        });
-      });
-      for (const std::uint32_t e : facet) elements_[e].is_convex = is_convex;
-    }
-  }
-  // Whether a face is on the inner side of those edges of another one that are on the rim.
-  static bool is_inside_rim(const Element& face, const Element& of_rim) {
-    for (std::size_t k = 0; k < std::size_t(Dim); ++k) {
-      if (!of_rim.is_rim[k]) continue;
-      for (const Vec& corner : face.face.corners) {
-        const double round_off =
-            4 * double(std::numeric_limits<float>::epsilon()) * corner.cwiseAbs().maxCoeff();
-        if (of_rim.inside(k, corner) < -round_off) return false;
-      }
-    }
-    return true;
-  }
-
+ private:
   void make_tree() {
     std::vector<typename Tree::Bounds> bounds;
     bounds.reserve(elements_.size());

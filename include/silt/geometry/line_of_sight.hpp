@@ -50,7 +50,7 @@ double distance_to_face(const Faces<Dim>& faces, const Vec<Dim>& x, const Direct
       direction.sign * std::numeric_limits<double>::infinity();
   double first = std::numeric_limits<double>::infinity();
   constexpr double margin = 1e-12;  // [m]: bounds of faces may have no width
-  faces.for_each_near_bounds(line, margin, [&](std::uint32_t k) {
+  faces.for_each_near(line, margin, [&](std::uint32_t k) {
     const Face<Dim>& face = faces[k].face;
     if (!detail::is_crossed(face, x, Vec<Dim>(x + along))) return;
     // Its own: that of a facet differs by round-off of single precision.

@@ -59,7 +59,7 @@ class NearbyFaces {
     for (const Vec& x : points) bounds.enclose({x, x});
     std::array<std::uint32_t, 16> candidates;
     std::size_t number = 0;
-    surface.for_each_near_bounds(bounds, furthest_for(reach), [&](std::uint32_t k) {
+    surface.for_each_near(bounds, furthest_for(reach), [&](std::uint32_t k) {
       if (number < candidates.size()) candidates[number] = k;
       ++number;
     });

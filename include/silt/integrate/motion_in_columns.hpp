@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The equations of motion of the leapfrog, [SahChoi2004] (15)–(33), for particles stored in any
-// way.
+// The motion of particles stored in any way.
 #pragma once
 
 #include <silt/core/error.hpp>
@@ -106,28 +105,14 @@ class MotionInColumns {
     }
   }
 
-  /// v^{N−½} → v^{N+½} (32) and, if the particles rotate, θ'^{N−½} → θ'^{N+½} (33); dt [s].
-  template <class D>
-  [[gnu::always_inline]] void kick(State& p, const D& damping, double dt) const {
-    change_velocities(p, [&](Real v, Real a) { return damping.kicked(v, a, Real(dt)); });
-  }
-
-  /// v^N = ½ (v^{N−½} + v^{N+½}) (27), (28).
-  template <class D>
-  [[gnu::always_inline]] void kick_to_mean(State& p, const D& damping, double dt) const {
-    change_velocities(p, [&](Real v, Real a) { return (damping.kicked(v, a, Real(dt)) + v) / 2; });
-  }
-
-  /// v^N → v^{N−½}.
-  template <class D>
-  [[gnu::always_inline]] void step_back(State& p, const D& damping, double dt) const {
-    change_velocities(p, [&](Real v, Real a) {
-      if constexpr (requires { damping.half_step_before(v, a, Real(dt)); }) {
-        return damping.half_step_before(v, a, Real(dt));
-      } else {
-        return v - a * Real(dt / 2);
-      }
-    });
+  /// change(velocity, acceleration) for each component of the velocity and spin; D is that of
+  /// MotionInRows.
+  template <class D, class Change>
+  [[gnu::always_inline]] static void change_velocities(State& p, Change&& change) {
+    for (int k = 0; k < Dim; ++k) change(p.v[k], p.a[k]);
+    if constexpr (rotates) {
+      for (int k = 0; k < angular; ++k) change(p.w[k], p.w_dot[k]);
+    }
   }
 
   /// x^{N+1} = x^N + v^{N+½} Δt,  θ^{N+1} = θ^N + θ'^{N+½} Δt        (19)
@@ -216,15 +201,6 @@ class MotionInColumns {
     Real sum = v[0] * v[0];
     for (int k = 1; k < n; ++k) sum += v[k] * v[k];
     return sum;
-  }
-
-  // change(velocity before, acceleration) returns the velocity after.
-  template <class Change>
-  [[gnu::always_inline]] static void change_velocities(State& p, Change&& change) {
-    for (int k = 0; k < Dim; ++k) p.v[k] = static_cast<Real>(change(p.v[k], p.a[k]));
-    if constexpr (rotates) {
-      for (int k = 0; k < angular; ++k) p.w[k] = static_cast<Real>(change(p.w[k], p.w_dot[k]));
-    }
   }
 
   // For fields that the particles do not have.

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-// The equations of motion of the leapfrog, [SahChoi2004] (15)–(33), for particles stored in rows.
+// The motion of particles stored in rows.
 #pragma once
 
 #include <silt/core/error.hpp>
-#include <silt/core/four.hpp>
 #include <silt/core/particles.hpp>
+#include <silt/core/rows_of_four.hpp>
 #include <silt/core/types.hpp>
 
 #include <algorithm>
@@ -120,27 +120,26 @@ class MotionInRows {
     }
   }
 
-  // As in MotionInColumns. Packs are passed by reference, because how they are returned depends on
-  // the processor flags.
-
-  template <class D>
-  [[gnu::always_inline]] void kick(State& p, const D& damping, double dt) const {
-    change_velocities<D>(p, [&](auto& v, const auto& a) { v = damping.kicked(v, a, Real(dt)); });
-  }
-  template <class D>
-  [[gnu::always_inline]] void kick_to_mean(State& p, const D& damping, double dt) const {
-    change_velocities<D>(
-        p, [&](auto& v, const auto& a) { v = (damping.kicked(v, a, Real(dt)) + v) / 2; });
-  }
-  template <class D>
-  [[gnu::always_inline]] void step_back(State& p, const D& damping, double dt) const {
-    change_velocities<D>(p, [&](auto& v, const auto& a) {
-      if constexpr (requires { damping.half_step_before(v, a, Real(dt)); }) {
-        v = damping.half_step_before(v, a, Real(dt));
+  /// As in MotionInColumns; change() is called with numbers, or with whole packs if the damping model D
+  /// accepts them, too. The fourth of each four is not a velocity.
+  template <class D, class Change>
+  [[gnu::always_inline]] static void change_velocities(State& p, Change&& change) {
+    const auto change_threes = [&](Pack& v, const Pack& a) {
+      Pack changed = v;
+      if constexpr (requires { requires D::accepts_packs; }) {
+        change(changed, a);
       } else {
-        v = v - a * Real(dt / 2);
+        Real numbers[N];
+        simd::store<Real, N>(numbers, v);
+        for (int k = 0; k < N; ++k) {
+          if (k % 4 < 3) change(numbers[k], Real(a[k]));
+        }
+        changed = simd::load<Real, N>(numbers);
       }
-    });
+      shuffle_fours<0, 1, 2, 7>(changed, v, v);
+    };
+    change_threes(p.v, p.a);
+    if constexpr (Dim == 3) change_threes(p.w, p.w_dot);
   }
 
   [[gnu::always_inline]] void drift(State& p, double dt) const {
@@ -248,28 +247,6 @@ class MotionInRows {
     } else {
       to = Pack{a[0], a[1], a[2], 0, b[0], b[1], b[2], 0};
     }
-  }
-
-  // change(velocity, acceleration) for numbers, or for whole packs if the damping model D accepts
-  // them, too. The fourth of each four is not a velocity.
-  template <class D, class Change>
-  [[gnu::always_inline]] static void change_velocities(State& p, Change&& change) {
-    const auto change_threes = [&](Pack& v, const Pack& a) {
-      Pack changed = v;
-      if constexpr (requires { requires D::accepts_packs; }) {
-        change(changed, a);
-      } else {
-        Real numbers[N];
-        simd::store<Real, N>(numbers, v);
-        for (int k = 0; k < N; ++k) {
-          if (k % 4 < 3) change(numbers[k], Real(a[k]));
-        }
-        changed = simd::load<Real, N>(numbers);
-      }
-      shuffle_fours<0, 1, 2, 7>(changed, v, v);
-    };
-    change_threes(p.v, p.a);
-    if constexpr (Dim == 3) change_threes(p.w, p.w_dot);
   }
 
   using Rows = decltype(std::declval<P&>().advance_rows(position));

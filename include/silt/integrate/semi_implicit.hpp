@@ -5,7 +5,7 @@
 
 #include <silt/core/concepts.hpp>
 #include <silt/core/particles.hpp>
-#include <silt/core/shared_particles.hpp>
+#include <silt/core/processes.hpp>
 
 namespace silt {
 

@@ -5,7 +5,7 @@
 
 #include <silt/core/error.hpp>
 #include <silt/core/nearest_image.hpp>
-#include <silt/core/shared_particles.hpp>
+#include <silt/core/processes.hpp>
 #include <silt/core/types.hpp>
 #include <silt/io/checkpoint.hpp>
 
@@ -34,7 +34,7 @@ template <class Sim>
 void write_black_box(const BlackBox& box, const Sim& simulation, const Error& error) {
   const auto& all = simulation.particles();
   using P = std::remove_cvref_t<decltype(all)>;
-  static_assert(!Shared<P>,
+  static_assert(detail::are_of_one_process<P>,
                 "silt::write_black_box: the particles around one may belong to several processes, "
                 "which it does not collect; use write_checkpoint");
   const std::optional<Id> id = error.where().id;

@@ -10,7 +10,7 @@
 // The file format is defined in io/archive.hpp; entries are in the order of the transfer() calls.
 #pragma once
 
-#include <silt/core/shared_particles.hpp>
+#include <silt/core/processes.hpp>
 #include <silt/core/transfer.hpp>
 #include <silt/core/types.hpp>
 #include <silt/io/archive.hpp>

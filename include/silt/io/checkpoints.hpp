@@ -11,7 +11,7 @@
 #pragma once
 
 #include <silt/core/error.hpp>
-#include <silt/core/shared_particles.hpp>
+#include <silt/core/processes.hpp>
 #include <silt/io/checkpoint.hpp>
 #include <silt/io/file.hpp>
 

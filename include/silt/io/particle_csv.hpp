@@ -4,7 +4,7 @@
 
 #include <silt/core/field_numbers.hpp>
 #include <silt/core/fields.hpp>
-#include <silt/core/shared_particles.hpp>
+#include <silt/core/processes.hpp>
 #include <silt/core/types.hpp>
 #include <silt/io/file.hpp>
 #include <silt/io/replace_file.hpp>
@@ -21,7 +21,7 @@ namespace silt {
 /// the ids. The file is written atomically. Throws silt::Error if it cannot be written.
 template <class P>
 void write_csv(const std::filesystem::path& path, const P& particles) {
-  static_assert(!Shared<P>,
+  static_assert(detail::are_of_one_process<P>,
                 "silt::write_csv: a file has the particles of one process; use VtkSeries, or "
                 "write_checkpoint and a program of one process that reads it");
   std::vector<Id> ids(particles.ids().begin(), particles.ids().end());

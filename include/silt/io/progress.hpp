@@ -3,7 +3,7 @@
 // such as the log of a batch job.
 #pragma once
 
-#include <silt/core/shared_particles.hpp>
+#include <silt/core/processes.hpp>
 
 #include <algorithm>
 #include <chrono>

@@ -14,7 +14,7 @@
 
 #include <silt/core/fields.hpp>
 #include <silt/core/parallel.hpp>
-#include <silt/core/shared_particles.hpp>
+#include <silt/core/processes.hpp>
 #include <silt/core/types.hpp>
 #include <silt/io/file.hpp>
 #include <silt/io/replace_file.hpp>

@@ -8,7 +8,7 @@
 #include <silt/core/fields.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/particles.hpp>
-#include <silt/core/shared_particles.hpp>
+#include <silt/core/processes.hpp>
 #include <silt/core/types.hpp>
 
 namespace silt {

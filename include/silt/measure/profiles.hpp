@@ -6,7 +6,7 @@
 #include <silt/core/error.hpp>
 #include <silt/core/fields.hpp>
 #include <silt/core/particles.hpp>
-#include <silt/core/shared_particles.hpp>
+#include <silt/core/processes.hpp>
 #include <silt/core/types.hpp>
 #include <silt/measure/block_sums.hpp>
 

@@ -4,7 +4,7 @@
 
 #include <silt/core/concepts.hpp>
 #include <silt/core/error.hpp>
-#include <silt/core/shared_particles.hpp>
+#include <silt/core/processes.hpp>
 #include <silt/core/types.hpp>
 
 #include <Eigen/LU>

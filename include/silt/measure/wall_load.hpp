@@ -5,7 +5,7 @@
 #include <silt/core/box.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/parallel.hpp>
-#include <silt/core/shared_particles.hpp>
+#include <silt/core/processes.hpp>
 #include <silt/core/types.hpp>
 #include <silt/geometry/face.hpp>
 #include <silt/geometry/faces.hpp>

@@ -10,6 +10,7 @@
 // Particles that are in order already, as after Particles::reorder, are not counted.
 #pragma once
 
+#include <silt/core/function_ref.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/simd.hpp>
 #include <silt/core/types.hpp>
@@ -26,18 +27,18 @@ namespace silt {
 /// Sorts the numbers 0 … n−1 of particles by bin.
 class BinSort {
  public:
-  /// Sorts 0 … n-1 by bin_of(i) < bins; n and bins are less than 2³². in_order(chunk) is called for
-  /// every chunk whose particles are in order, which are all if descents() is 0.
-  template <class F, class InOrder>
-  void sort(Index n, Index bins, F&& bin_of, InOrder&& in_order) {
+  /// bins_of(chunk, bins) writes the bins of the particles of a chunk.
+  using BinsOf = FunctionRef<void(Chunk, std::uint32_t*)>;
+
+  /// Sorts 0 … n-1 by their bins, from 0 to bins - 1; n and bins are less than 2³². in_order(chunk)
+  /// is called for every chunk whose particles are in order, which are all if descents() is 0.
+  void sort(Index n, Index bins, BinsOf bins_of, FunctionRef<void(Chunk)> in_order) {
     bin_.resize(n);
     start_.resize(bins + 1);
     descents_of_.resize(chunk_count(n));
     for_each_chunk(n, [&](Chunk chunk) {
       Index descents = 0;
-      for (Index i = chunk.first; i < chunk.last; ++i) {
-        bin_[i] = static_cast<std::uint32_t>(bin_of(i));
-      }
+      bins_of(chunk, bin_.data() + chunk.first);
       for (Index i = chunk.first + 1; i < chunk.last; ++i) descents += bin_[i] < bin_[i - 1];
       descents_of_[chunk.number] = descents;
       if (descents == 0) in_order(chunk);

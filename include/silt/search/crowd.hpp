@@ -6,6 +6,7 @@
 
 #include <silt/core/error.hpp>
 #include <silt/core/fields.hpp>
+#include <silt/core/function_ref.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/particles.hpp>
 #include <silt/core/types.hpp>
@@ -28,12 +29,13 @@ inline bool may_be_crowd(Index particles, double squares) {
 /// Throws if grains overlap with more than max_overlaps others on average. near(i, f) calls f(j),
 /// where j may be a ghost, for the grains near grain i, so that every overlapping pair is reported
 /// at one of the two.
-template <class P, class Near>
+template <class P>
   requires HasFields<P, radius_t>
-void check_crowd(const P& grains, const Near& near) {
+[[gnu::cold]] void check_crowd(const P& grains,
+                               FunctionRef<void(Index, FunctionRef<void(Index)>)> near) {
   const auto x = grains.with_ghosts(position);
   const auto R = grains.with_ghosts(radius);
-  const auto for_each_overlap = [&](Index i, auto&& f) {
+  const auto for_each_overlap = [&](Index i, FunctionRef<void(Index, double)> f) {
     near(i, [&](Index j) {
       const double reach = double(R[i]) + double(R[j]);
       const double r2 = double((x[j] - x[i]).squaredNorm());

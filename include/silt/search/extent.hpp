@@ -5,6 +5,7 @@
 #include <silt/core/error.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/types.hpp>
+#include <silt/search/points.hpp>
 
 #include <algorithm>
 #include <array>
@@ -40,14 +41,12 @@ constexpr Bits ordered(Bits bits) {
 
 }  // namespace detail
 
-/// Extent of the points x. It is not finite if one of them is not.
-template <class Points>
-auto extent_of_points(const Points& x) {
-  using Vec = std::remove_cvref_t<decltype(x[0])>;
-  using Real = typename Vec::Scalar;
+/// Extent of points. It is not finite if one of them is not.
+template <int dimension, class Real>
+Extent<dimension, Real> extent_of(const Points<dimension, Real>& x) {
   using Bits = std::conditional_t<sizeof(Real) == 4, std::int32_t, std::int64_t>;
-  constexpr auto Dim = static_cast<std::size_t>(Vec::RowsAtCompileTime);
-  Extent<Vec::RowsAtCompileTime, Real> extent;
+  constexpr auto Dim = static_cast<std::size_t>(dimension);
+  Extent<dimension, Real> extent;
   if (x.empty()) return extent;
 
   struct Corners {
@@ -61,8 +60,9 @@ auto extent_of_points(const Points& x) {
   for_each_chunk(x.size(), [&x, &corners](Chunk chunk) {
     Corners own = corners[chunk.number];
     for (Index i = chunk.first; i < chunk.last; ++i) {
+      const auto x_i = x[i];
       for (std::size_t k = 0; k < Dim; ++k) {
-        const Bits bits = detail::ordered(std::bit_cast<Bits>(Real(x[i][static_cast<int>(k)])));
+        const Bits bits = detail::ordered(std::bit_cast<Bits>(Real(x_i[static_cast<int>(k)])));
         own.lower[k] = std::min(own.lower[k], bits);
         own.upper[k] = std::max(own.upper[k], bits);
       }
@@ -79,6 +79,11 @@ auto extent_of_points(const Points& x) {
   }
   extent.middle = x[x.size() / 2];
   return extent;
+}
+/// The same of a column of positions, or of the like.
+template <class Positions>
+auto extent_of_points(const Positions& x) {
+  return extent_of(Points(x));
 }
 
 }  // namespace silt

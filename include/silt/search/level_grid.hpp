@@ -80,8 +80,12 @@ class LevelGrid {
     for (Index l = 0; l < highest_.size(); ++l) {
       levels_[l].largest = largest_of_level(highest_[l], gap_);
     }
-    by_level_.sort(
-        x.size(), levels_.size(), [&](Index i) { return level_of_size(radii_[i]); }, [](Chunk) {});
+    const auto levels_of = [&](Chunk chunk, std::uint32_t* level) {
+      for (Index i = chunk.first; i < chunk.last; ++i) {
+        *level++ = static_cast<std::uint32_t>(level_of_size(radii_[i]));
+      }
+    };
+    by_level_.sort(x.size(), levels_.size(), levels_of, [](Chunk) {});
     for (Index l = 0; l < levels_.size(); ++l) {
       Level& level = levels_[l];
       level.first = by_level_.start()[l];
@@ -90,7 +94,8 @@ class LevelGrid {
       level.points.sort_and_copy(level.x, extent_of_points(level.x), 2 * level.largest + gap_);
     }
     if (may_be_crowd(owned_, squares())) {
-      check_crowd(particles, [&](Index i, auto&& f) { for_each_candidate(i, f); });
+      check_crowd(particles,
+                  [&](Index i, FunctionRef<void(Index)> f) { for_each_candidate(i, f); });
     }
   }
   /// Whether the particles have the radii of the last update, on which the candidates depend.

@@ -10,7 +10,7 @@
 
 #include <silt/core/error.hpp>
 #include <silt/core/nearest_image.hpp>
-#include <silt/core/shared_particles.hpp>
+#include <silt/core/processes.hpp>
 #include <silt/core/transfer.hpp>
 #include <silt/core/types.hpp>
 #include <silt/search/ghosts.hpp>
@@ -64,7 +64,7 @@ class NeighbourList {
   }
   /// The candidates include all pairs closer than radius() plus this distance at the last update
   /// [m]: the skin minus twice the maximum displacement.
-  Real margin() const noexcept { return std::max(Real(0), list_.skin - 2 * state_.displacement); }
+  Real margin() const noexcept { return std::max(Real(0), list().skin - 2 * state_.displacement); }
 
   /// Sorts the owned particles by cell if the list must be rebuilt. Throws if there is no radius.
   template <class P>
@@ -73,12 +73,12 @@ class NeighbourList {
     restore_ghosts(particles);
     if (is_valid_for(particles)) {
       // Much of the skin is left: skip the loop over the particles.
-      if (state_.displacement + 2 * state_.last_displacement < list_.skin / 2) return;
-      if (positions_.max_displacement_from(list_.reference, particles) <= list_.skin / 2) return;
+      if (state_.displacement + 2 * state_.last_displacement < list().skin / 2) return;
+      if (positions_.max_displacement_from(list().reference, particles) <= list().skin / 2) return;
       tune_skin();
-      list_.built = false;
+      list().built = false;
     }
-    list_.grid.sort(particles, radius() * (1 + Real(state_.tuning.fraction())));
+    list().grid.sort(particles, radius() * (1 + Real(state_.tuning.fraction())));
   }
 
   /// Reads the positions; rebuilds the list if particles were added, removed or reordered, if one
@@ -98,10 +98,10 @@ class NeighbourList {
     }
     // The sum of the maximum displacements of all updates is an upper bound for the maximum
     // displacement, and cheaper.
-    if (is_valid && state_.displacement > list_.skin / 2) {
-      state_.displacement = positions_.max_displacement_from(list_.reference, particles);
+    if (is_valid && state_.displacement > list().skin / 2) {
+      state_.displacement = positions_.max_displacement_from(list().reference, particles);
     }
-    if (is_valid && state_.displacement <= list_.skin / 2) {
+    if (is_valid && state_.displacement <= list().skin / 2) {
       particles.copy_to_ghosts(position);
       positions_.update_ghosts(particles);
     } else {
@@ -123,11 +123,11 @@ class NeighbourList {
       if (r2 < reach) f(j, r_ij, std::sqrt(r2));
     };
     if (!has_rows(Pairs::twice)) {
-      list_.grid.for_each_neighbour(i, [&](Index j, const Vec&, Real) { report(j); });
+      list().grid.for_each_neighbour(i, [&](Index j, const Vec&, Real) { report(j); });
       return;
     }
     // Branches on the distance would be mispredicted: collect first, without a branch.
-    const auto row = rows(Pairs::twice)[list_.grid.distant_row_of(i)];
+    const auto row = rows(Pairs::twice)[list().grid.distant_row_of(i)];
     std::array<std::uint32_t, 64> near;
     for (Index from = 0; from < row.size(); from += near.size()) {
       Index count = 0;
@@ -147,27 +147,27 @@ class NeighbourList {
   template <class F>
   void for_each_candidate(Index i, F&& f) const {
     if (!has_rows(Pairs::once)) {
-      list_.grid.for_each_candidate(i, f);
+      list().grid.for_each_candidate(i, f);
       return;
     }
-    for (const std::uint32_t j : rows(Pairs::once)[list_.grid.row_of(i)]) f(Index{j});
+    for (const std::uint32_t j : rows(Pairs::once)[list().grid.row_of(i)]) f(Index{j});
   }
 
   /// f(i, j, r_ij, r) for every pair once; i is owned, j owned or ghost.
   template <class F>
   void for_each_pair(F&& f) const {
     const Real reach = radius() * radius();
-    for (Index a = 0; a < list_.owned; ++a) {
+    for (Index a = 0; a < list().owned; ++a) {
       const auto report = [&](Index b) {
-        if (list_.grid.is_second_image(a, b)) return;
+        if (list().grid.is_second_image(a, b)) return;
         const Index i = std::min(a, b);
         const Index j = std::max(a, b);
         const Vec r_ij = image_(positions_[j] - positions_[i]);
         const Real r2 = r_ij.squaredNorm();
         if (r2 < reach) f(i, j, r_ij, std::sqrt(r2));
       };
-      if (list_.grid.finds_only_contacts()) {
-        list_.grid.for_each_distant_candidate(a, report);
+      if (list().grid.finds_only_contacts()) {
+        list().grid.for_each_distant_candidate(a, report);
       } else {
         for_each_candidate(a, report);
       }
@@ -185,7 +185,7 @@ class NeighbourList {
     state_ = saved_;
     requested_ = saved_requested_;
     positions_.restore();
-    if (keeps_previous_) std::swap(list_, previous_);
+    if (keeps_previous_) current_ = 1 - current_;
     keeps_previous_ = false;
   }
 
@@ -194,24 +194,24 @@ class NeighbourList {
   /// without a restart.
   template <class Archive, class P>
   void transfer(Archive& archive, P& particles) {
-    bool is_of_these = list_.radius > 0 && is_built_from(particles);
+    bool is_of_these = list().radius > 0 && is_built_from(particles);
     bool has_last = positions_.belong_to(particles);
     std::vector<Vec> reference, last;
-    if (!Archive::reads && is_of_these) reference = list_.reference;
+    if (!Archive::reads && is_of_these) reference = list().reference;
     if (!Archive::reads && has_last) {
       const auto first = positions_.first(particles.local());
       last.assign(first.begin(), first.end());
     }
-    bool built = list_.built && is_of_these;
+    bool built = list().built && is_of_these;
     archive("built", built);
     archive("is_of_these", is_of_these);
     archive("reference", reference);
     archive("has_last", has_last);
     archive("last", last);
-    archive("radius", list_.radius);
-    archive("skin", list_.skin);
-    archive("wanted_skin", list_.wanted_skin);
-    archive.within("grid", [&] { list_.grid.transfer(archive); });
+    archive("radius", list().radius);
+    archive("skin", list().skin);
+    archive("wanted_skin", list().wanted_skin);
+    archive.within("grid", [&] { list().grid.transfer(archive); });
     archive("has_rows", state_.has_rows);
     archive("requested", requested_);
     archive.within("tuning", [&] { state_.tuning.transfer(archive); });
@@ -221,9 +221,9 @@ class NeighbourList {
     archive("rebuilds", state_.rebuilds);
     if constexpr (Archive::reads) {
       image_ = NearestImage<Dim, Real>(particles.box());
-      require_not_negative("NeighbourList: radius", double(list_.radius));
-      require_not_negative("NeighbourList: skin", double(list_.wanted_skin));
-      list_.built = built && is_of_these;
+      require_not_negative("NeighbourList: radius", double(list().radius));
+      require_not_negative("NeighbourList: skin", double(list().wanted_skin));
+      list().built = built && is_of_these;
       if (is_of_these) repeat_build(particles, reference);
       if (has_last) repeat_update(particles, last);
     }
@@ -232,7 +232,7 @@ class NeighbourList {
   /// Number of times the list was built.
   std::uint64_t rebuilds() const noexcept { return state_.rebuilds; }
   /// Skin of the present list [m].
-  Real skin() const noexcept { return list_.skin; }
+  Real skin() const noexcept { return list().skin; }
 
  private:
   // Replaced by a rebuild.
@@ -259,7 +259,10 @@ class NeighbourList {
     std::uint64_t rebuilds = 0;
   };
 
-  const NeighbourRows& rows(Pairs pairs) const { return list_.rows[static_cast<Index>(pairs)]; }
+  List& list() noexcept { return lists_[current_]; }
+  const List& list() const noexcept { return lists_[current_]; }
+
+  const NeighbourRows& rows(Pairs pairs) const { return list().rows[static_cast<Index>(pairs)]; }
   bool has_rows(Pairs pairs) const {
     const auto kind = static_cast<Index>(pairs);
     // May be called by several threads.
@@ -271,74 +274,77 @@ class NeighbourList {
   void build_rows(Pairs pairs) {
     const auto kind = static_cast<Index>(pairs);
     if (!requested_[kind] || state_.has_rows[kind]) return;
-    state_.has_rows[kind] = list_.grid.build_rows(list_.rows[kind], pairs);
+    state_.has_rows[kind] = list().grid.build_rows(list().rows[kind], pairs);
   }
 
   template <class P>
   void update_grid(P& particles) {
-    list_.skin =
-        list_.grid.update(particles, {.radius = list_.radius, .skin = list_.wanted_skin});
+    list().skin =
+        list().grid.update(particles, {.radius = list().radius, .skin = list().wanted_skin});
   }
   // Whether the list can be used for these particles.
   template <class P>
   bool is_valid_for(const P& particles) const {
-    return list_.built && list_.radius == radius_ && positions_.belong_to(particles) &&
+    return list().built && list().radius == radius_ && positions_.belong_to(particles) &&
            is_built_from(particles);
   }
   // Whether the list was built from these particles in this order, with these radii.
   template <class P>
   bool is_built_from(const P& particles) const {
-    return list_.owned_revision == particles.owned_revision() &&
-           list_.reference.size() == particles.local() && list_.grid.has_radii_of(particles);
+    return list().owned_revision == particles.owned_revision() &&
+           list().reference.size() == particles.local() && list().grid.has_radii_of(particles);
   }
   template <class P>
   void build(P& particles) {
     if (!keeps_previous_) {
-      std::swap(list_, previous_);
+      current_ = 1 - current_;
       keeps_previous_ = true;
     }
-    list_.built = false;
+    list().built = false;
     state_.has_rows = {};
-    list_.radius = radius();
-    list_.wanted_skin = std::min(radius() * Real(state_.tuning.fraction()),
+    list().radius = radius();
+    list().wanted_skin = std::min(radius() * Real(state_.tuning.fraction()),
                                  std::max(Real(0), depth_of_halo(particles) - radius()));
-    check_periodic_sides(particles.box(), {.radius = list_.radius, .skin = list_.wanted_skin});
+    check_periodic_sides(particles.box(), {.radius = list().radius, .skin = list().wanted_skin});
     update_grid(particles);
     const auto x = particles.with_halo(position);
-    list_.reference.assign(x.begin(), x.end());
+    list().reference.assign(x.begin(), x.end());
     set_revisions(particles);
-    list_.built = true;
+    list().built = true;
     state_.displacement = 0;
     state_.updates = 0;
     ++state_.rebuilds;
   }
   template <class P>
   void set_revisions(const P& particles) {
-    list_.revision = particles.revision();
-    list_.owned_revision = particles.owned_revision();
-    list_.owned = particles.size();
+    list().revision = particles.revision();
+    list().owned_revision = particles.owned_revision();
+    list().owned = particles.size();
   }
 
   // The ghosts are not those of the list after a step was rolled back or another search was
   // updated.
   template <class P>
   void restore_ghosts(P& particles) {
-    if (!is_valid_for(particles) || list_.revision == particles.revision()) return;
+    if (is_valid_for(particles) && list().revision != particles.revision()) repeat_all(particles);
+  }
+  template <class P>
+  [[gnu::cold]] void repeat_all(P& particles) {
     const auto first = positions_.first(particles.local());
     const std::vector<Vec> last(first.begin(), first.end());
-    repeat_build(particles, std::vector<Vec>(list_.reference));
+    repeat_build(particles, std::vector<Vec>(list().reference));
     repeat_update(particles, last);
   }
   // Builds the list again from the positions at which it was built.
   template <class P>
-  void repeat_build(P& particles, const std::vector<Vec>& reference) {
+  [[gnu::cold]] void repeat_build(P& particles, const std::vector<Vec>& reference) {
     at_positions(particles, reference, [&] { update_grid(particles); });
-    list_.reference = reference;
+    list().reference = reference;
     set_revisions(particles);
     for (const Pairs pairs : {Pairs::twice, Pairs::once}) {
       const auto kind = static_cast<Index>(pairs);
       if (!state_.has_rows[kind]) continue;
-      state_.has_rows[kind] = list_.grid.build_rows(list_.rows[kind], pairs);
+      state_.has_rows[kind] = list().grid.build_rows(list().rows[kind], pairs);
     }
   }
   // Repeats the last update at the positions of that time.
@@ -351,11 +357,11 @@ class NeighbourList {
   }
 
   // A particle has moved by more than half the skin: adjust the skin.
-  void tune_skin() {
-    if (list_.grid.finds_only_contacts()) return;
+  [[gnu::cold]] void tune_skin() {
+    if (list().grid.finds_only_contacts()) return;
     for (const Pairs pairs : {Pairs::once, Pairs::twice}) {
       if (!state_.has_rows[static_cast<Index>(pairs)]) continue;
-      const auto particles = double(std::max<Index>(list_.owned, 1));
+      const auto particles = double(std::max<Index>(list().owned, 1));
       state_.tuning.update({.dimension = Dim,
                             .entries = double(rows(pairs).entries()) / particles,
                             .updates = std::max<Index>(state_.updates, 1)});
@@ -366,8 +372,8 @@ class NeighbourList {
   Real radius_ = 0;
   State state_;
   State saved_;
-  List list_;
-  List previous_;
+  std::array<List, 2> lists_;  // the present one, and that before the first rebuild in a step
+  Index current_ = 0;
   bool keeps_previous_ = false;
   mutable std::array<bool, 2> requested_{};  // rows of each kind
   std::array<bool, 2> saved_requested_{};

@@ -8,12 +8,14 @@
 #pragma once
 
 #include <silt/core/error.hpp>
+#include <silt/core/function_ref.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/simd.hpp>
 #include <silt/core/types.hpp>
 #include <silt/search/bin_sort.hpp>
 #include <silt/search/cells.hpp>
 #include <silt/search/extent.hpp>
+#include <silt/search/points.hpp>
 
 #include <algorithm>
 #include <array>
@@ -31,20 +33,21 @@ class SortedCells {
  public:
   using Vec = silt::Vec<Dim, Real>;
   using Extent = silt::Extent<Dim, Real>;
+  using Points = silt::Points<Dim, Real>;
+  /// Called for slots, many at once.
+  using UseSlots = FunctionRef<void(std::span<const std::uint32_t>)>;
 
   /// Sorts points in this finite extent into cells whose edge is `reach` [m]. Throws if there are
   /// 2³² or more.
-  template <class Points>
   void sort(const Points& x, const Extent& extent, Real reach) {
     sort(x, extent, reach, [](Chunk) {});
   }
 
   /// The same, and copies the points [m] into their slots.
-  template <class Points>
   void sort_and_copy(const Points& x, const Extent& extent, Real reach) {
     for (auto& column : x_) column.resize(x.size() + simd::lanes<Real>);
     const auto copy = [&](Index item, Index slot) {
-      const Vec& point = x[item];
+      const Vec point = x[item];
       for (std::size_t k = 0; k < Dim; ++k) x_[k][slot] = point[static_cast<int>(k)];
     };
     // Points that are in order already are copied while they are in cache.
@@ -85,46 +88,59 @@ class SortedCells {
   /// rounding error may be included.
   template <class F>
   void for_each_around(const Vec& x, Real distance, Index own, F&& f) const {
-    Near near(columns(), x, distance, own);
+    find_around(x, distance, own, [&f](std::span<const std::uint32_t> slots) {
+      for (const Index slot : slots) f(slot);
+    });
+  }
+  void find_around(const Vec& x, Real distance, Index own, UseSlots use) const {
+    Near near(columns(), x, distance, own, use);
     const auto collect = [&](Index first, Index last) {
-      near.collect(start()[first], start()[last], f);
+      near.collect(start()[first], start()[last]);
     };
     if (distance <= reach_) {
       cells_.for_each_range_around(cells_.bin_of(x), 1, collect);
     } else {
       cells_.for_each_range_within(x, distance, collect);
     }
-    near.flush(f);
+    near.flush();
   }
 
   /// The same for the slots after `own`, around its point, if `distance` [m] does not exceed the
   /// edge of a cell and no bins are shared.
   template <class F>
   void for_each_forward(Index own, Real distance, F&& f) const {
-    const Vec x = at(own);
-    Near near(columns(), x, distance, own);
-    cells_.for_each_range_forward(cells_.bin_in_extent(x), 1, [&](Index first, Index last) {
-      near.collect(std::max<Index>(start()[first], own + 1), start()[last], f);
+    find_forward(own, distance, [&f](std::span<const std::uint32_t> slots) {
+      for (const Index slot : slots) f(slot);
     });
-    near.flush(f);
+  }
+  void find_forward(Index own, Real distance, UseSlots use) const {
+    const Vec x = at(own);
+    Near near(columns(), x, distance, own, use);
+    cells_.for_each_range_forward(cells_.bin_in_extent(x), 1, [&](Index first, Index last) {
+      near.collect(std::max<Index>(start()[first], own + 1), start()[last]);
+    });
+    near.flush();
   }
 
  private:
   // in_order(chunk) is called for chunks of points that are in order, see BinSort.
-  template <class Points, class F>
-  void sort(const Points& x, const Extent& extent, Real reach, F&& in_order) {
+  void sort(const Points& x, const Extent& extent, Real reach, FunctionRef<void(Chunk)> in_order) {
     if (x.size() >= std::numeric_limits<std::uint32_t>::max()) {
       fail("search: " + std::to_string(x.size()) +
            " particles and ghosts exceed the limit of 2^32 - 2; reduce their number");
     }
     reach_ = reach;
     cells_.set_up(extent, x.size(), reach);
-    if (cells_.shared()) {
-      order_.sort(x.size(), cells_.bins(), [&](Index i) { return cells_.bin_of(x[i]); }, in_order);
-    } else {
-      order_.sort(
-          x.size(), cells_.bins(), [&](Index i) { return cells_.bin_in_extent(x[i]); }, in_order);
-    }
+    const auto bins_of = [&](Chunk chunk, std::uint32_t* bin) {
+      if (cells_.shared()) {
+        for (Index i = chunk.first; i < chunk.last; ++i) {
+          *bin++ = static_cast<std::uint32_t>(cells_.bin_of(x[i]));
+        }
+      } else {
+        for (Index i = chunk.first; i < chunk.last; ++i) *bin++ = cells_.bin_in_extent(x[i]);
+      }
+    };
+    order_.sort(x.size(), cells_.bins(), bins_of, in_order);
   }
 
   // A branch on the distance would be mispredicted and take longer than computing it. Slots are
@@ -133,32 +149,32 @@ class SortedCells {
     static constexpr Index capacity = 256;
     static constexpr Index piece = 128;
 
-    Near(const simd::Columns<Dim, Real>& columns, const Vec& middle, Real distance, Index own_slot)
-        : x(columns), own(static_cast<std::uint32_t>(own_slot)) {
+    Near(const simd::Columns<Dim, Real>& columns, const Vec& middle, Real distance, Index own_slot,
+         UseSlots use_slots)
+        : x(columns), own(static_cast<std::uint32_t>(own_slot)), use(use_slots) {
       for (std::size_t k = 0; k < Dim; ++k) centre[k] = middle[static_cast<int>(k)];
       reach = squared(distance) * (1 + 8 * std::numeric_limits<Real>::epsilon());
     }
 
-    template <class F>
-    void collect(Index first, Index last, F&& f) {
+    void collect(Index first, Index last) {
       constexpr int N = simd::lanes<Real>;
       const auto slots = [](Index s) { return simd::count_from<N>(s); };
       for (; first < last; first += piece) {
-        if (count > capacity - piece) flush(f);
+        if (count > capacity - piece) flush();
         const Index end = std::min(last, first + piece);
         const auto* const end_of_near = simd::compress_near<N>(
             x, first, end, centre, reach, slots, own, slots_near.data() + count);
         count = static_cast<Index>(end_of_near - slots_near.data());
       }
     }
-    template <class F>
-    void flush(F&& f) {
-      for (Index k = 0; k < count; ++k) f(Index{slots_near[k]});
+    void flush() {
+      if (count > 0) use({slots_near.data(), count});
       count = 0;
     }
 
     simd::Columns<Dim, Real> x;
     std::uint32_t own;
+    UseSlots use;
     std::array<Real, Dim> centre;
     Real reach;
     std::array<std::uint32_t, capacity + simd::lanes<Real>> slots_near;

@@ -106,7 +106,7 @@ class UniformGrid {
       if (!may_be_crowd(owned_, points_.squares())) return;
       // Every pair is counted at the larger grain.
       const auto R = particles.with_ghosts(silt::radius);
-      check_crowd(particles, [&](Index i, auto&& f) {
+      check_crowd(particles, [&](Index i, FunctionRef<void(Index)> f) {
         const Real diameter = std::min(2 * R[i], radius_);
         points_.for_each_around(points_.at(slot_of(i)), diameter, slot_of(i), [&](Index slot) {
           const Index j = points_.item_of()[slot];

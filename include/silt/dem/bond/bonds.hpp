@@ -11,12 +11,12 @@
 #include <silt/core/types.hpp>
 #include <silt/core/watch.hpp>
 #include <silt/dem/bond/bond_indices.hpp>
+#include <silt/dem/bond/bond_stability.hpp>
 #include <silt/dem/bond/parallel_bond.hpp>
 #include <silt/dem/contact/stable_time_step.hpp>
 #include <silt/dem/law/contact.hpp>
 
 #include <algorithm>
-#include <bit>
 #include <concepts>
 #include <cstdint>
 #include <limits>
@@ -27,66 +27,6 @@
 #include <vector>
 
 namespace silt::dem {
-
-namespace detail {
-
-/// R_a/(R_a + R_b) [-]: the position between the centres at which the bond's force acts.
-template <class P>
-typename P::Real arm_of_a(const P& grains, const BondEnds& ends) {
-  const auto R = grains[radius][ends.a];
-  return R / (R + grains[radius][ends.b]);
-}
-
-template <class P>
-BeamSection section_at(const P& grains, const BondEnds& ends, const ParallelBond& law) {
-  const auto R = grains[radius];
-  return section_of<P::dimension>(law, double(std::min(R[ends.a], R[ends.b])));
-}
-
-/// Stability limit of the bonds alone, and the grain that has it.
-struct BondStability {
-  double time_step = std::numeric_limits<double>::infinity();  ///< [s]
-  Id grain = 0;
-};
-template <class P, class B>
-BondStability stability_of(const P& grains, const std::vector<B>& bonds, const BondIndices& indices,
-                           const ParallelBond& law) {
-  using Real = typename P::Real;
-  BondStability least;
-  for (Index i = 0; i < grains.size(); ++i) {
-    FrequencyBound<P::dimension, Real> bound;
-    for (const Index k : indices.of(i)) {
-      const BondEnds ends = indices.ends(k);
-      const Real m_a = grains[mass][ends.a];
-      const Real m_b = grains[mass][ends.b];
-      const Real share = arm_of_a(grains, ends);
-      bound.add(bonds[k].normal, springs_of(law, section_at(grains, ends, law)).stiffness(law.beta),
-                {.mass_over_inertia = double(grains[mass][i]) / double(grains[inertia][i]),
-                 .arm = double((ends.a == i ? share : 1 - share) * bonds[k].length)},
-                share_of(double(grains[mass][i]), double(m_a / (m_a + m_b) * m_b), Shares::equal));
-    }
-    const double stable = bound.stable_time_step();
-    if (stable < least.time_step) least = {.time_step = stable, .grain = grains.id(i)};
-  }
-  return least;
-}
-
-/// Of the radii, masses and moments of inertia of all grains, in any order in memory.
-template <class P>
-std::uint64_t checksum_of_constants(const P& grains) {
-  std::uint64_t sum = 0;
-  for (Index i = 0; i < grains.size(); ++i) {
-    std::uint64_t of_grain = grains.id(i);
-    for (const auto value : {grains[radius][i], grains[mass][i], grains[inertia][i]}) {
-      of_grain = (of_grain ^ std::bit_cast<std::uint64_t>(double(value))) * 0x9e3779b97f4a7c15;
-      of_grain ^= of_grain >> 32;
-    }
-    sum += of_grain;
-  }
-  return sum;
-}
-
-}  // namespace detail
 
 /// The ids `one` and `other` of two grains, in either order.
 struct IdPair {
@@ -129,8 +69,7 @@ class Bonds {
       fail("dem::Bonds: the grains " + names_of(bond) + " are already bonded; bond each pair once");
     }
     bonds_.insert(std::lower_bound(bonds_.begin(), bonds_.end(), bond, comes_before), bond);
-    is_stability_known_ = false;
-    constants_revision_ = 0;
+    stability_.forget();
     indices_.invalidate();
   }
 
@@ -159,8 +98,7 @@ class Bonds {
     });
     bonds_.insert(bonds_.end(), found.begin(), found.end());
     std::sort(bonds_.begin(), bonds_.end(), comes_before);
-    is_stability_known_ = false;
-    constants_revision_ = 0;
+    stability_.forget();
     indices_.invalidate();
     return found.size();
   }
@@ -204,7 +142,7 @@ class Bonds {
   template <class P>
   double time_step(const P& grains) {
     update_indices(grains);
-    return stability_.time_step * std::numbers::pi / 100;
+    return stability_.time_step() * std::numbers::pi / 100;
   }
 
   /// Energy in the bonds of the last step [J].
@@ -260,12 +198,8 @@ class Bonds {
       archive("broken_in_shear", broken_.in_shear);
       archive("broken_energy", broken_.energy);
     });
-    archive("stable_time_step", stability_.time_step);
-    archive("least_stable", stability_.grain);
-    archive("is_stability_known", is_stability_known_);
-    archive("constants", constants_);
+    stability_.transfer(archive);
     if constexpr (Archive::reads) {
-      constants_revision_ = 0;
       for (Index k = 0; k < bonds_.size(); ++k) {
         const bool is_sorted = k == 0 || comes_before(bonds_[k - 1], bonds_[k]);
         if (is_sorted && bonds_[k].a < bonds_[k].b) continue;
@@ -293,7 +227,7 @@ class Bonds {
   void advance_bonds(P& grains, double dt) {
     keep_state();
     update_indices(grains);
-    if (!(dt <= stability_.time_step)) refuse(grains, dt);
+    if (!(dt <= stability_.time_step())) refuse(grains, dt);
     const Real passed = static_cast<Real>(last_time_step_);
     const NearestImage<Dim, Real> image(grains.box());
     for_each(bonds_.size(), [&](Index k) { advance_bond(grains, k, image, passed); });
@@ -360,21 +294,13 @@ class Bonds {
   template <class P>
   void update_indices(const P& grains) {
     if (!indices_.are_valid_for(grains)) indices_.find(grains, bonds_);
-    // Rotations hardly change the stability limit, and broken bonds do not lower it.
-    if (constants_revision_ == grains.constants_revision()) return;
-    const std::uint64_t constants = detail::checksum_of_constants(grains);
-    if (!is_stability_known_ || constants != constants_) {
-      stability_ = detail::stability_of(grains, bonds_, indices_, law_);
-      constants_ = constants;
-      is_stability_known_ = true;
-    }
-    constants_revision_ = grains.constants_revision();
+    stability_.update(grains, bonds_, indices_, law_);
   }
 
   template <class P>
   [[noreturn]] void refuse(const P& grains, double dt) const {
-    fail_as_unstable("dem::Bonds", dt, stability_.time_step, "a grain with its bonds",
-                     {.particle = grains.index_of(stability_.grain), .id = stability_.grain});
+    fail_as_unstable("dem::Bonds", dt, stability_.time_step(), "a grain with its bonds",
+                     {.particle = grains.index_of(stability_.grain()), .id = stability_.grain()});
   }
 
   template <class P>
@@ -432,9 +358,6 @@ class Bonds {
 
   detail::BondIndices indices_;
   detail::BondStability stability_;
-  bool is_stability_known_ = false;
-  std::uint64_t constants_ = 0;           // checksum of those with which it was found
-  std::uint64_t constants_revision_ = 0;  // of the grains with this checksum
 
   std::vector<Bond> kept_bonds_;
   BrokenBonds kept_broken_;

@@ -16,7 +16,7 @@
 #include <silt/core/concepts.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/parallel.hpp>
-#include <silt/core/shared_particles.hpp>
+#include <silt/core/processes.hpp>
 #include <silt/core/step_checks.hpp>
 #include <silt/core/travel.hpp>
 #include <silt/core/types.hpp>
@@ -141,7 +141,7 @@ class ContactsOf : public Contacts<Law, Walls...> {
   /// grain gained more than max_energy_gain().
   void check_energy(const P& grains, const FinishedStep& step) const {
     if constexpr (ContactsOfStep::knows_springs) {
-      if (!Shared<P> && state_.last.count == 0) return;
+      if (silt::detail::are_of_one_process<P> && state_.last.count == 0) return;
       detail::check_energy(
           grains, state_.last.grains.rows(), settings_, step,
           [this](const P& before, const P& mean) { return results_for(before).energy(mean); });

@@ -3,9 +3,9 @@
 #pragma once
 
 #include <silt/core/error.hpp>
-#include <silt/core/four.hpp>
 #include <silt/core/parallel.hpp>
-#include <silt/core/shared_particles.hpp>
+#include <silt/core/processes.hpp>
+#include <silt/core/rows_of_four.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/contact/block_evaluator.hpp>
 #include <silt/dem/contact/contact_settings.hpp>
@@ -203,14 +203,12 @@ class ContactsOfStep {
  private:
   // Of all processes.
   WallLoad<P::dimension, Real> load_of_all(WallLoad<P::dimension, Real> load) const {
-    if constexpr (Shared<P>) {
-      for (int k = 0; k < P::dimension; ++k) {
-        load.force[k] = Real(silt::detail::sum_of_all(grains_, double(load.force[k])));
-      }
-      for (int k = 0; k < angular_size<P::dimension>; ++k) {
-        Real& torque = component(load.torque, k);
-        torque = Real(silt::detail::sum_of_all(grains_, double(torque)));
-      }
+    for (int k = 0; k < P::dimension; ++k) {
+      load.force[k] = Real(silt::detail::sum_of_all(grains_, double(load.force[k])));
+    }
+    for (int k = 0; k < angular_size<P::dimension>; ++k) {
+      Real& torque = component(load.torque, k);
+      torque = Real(silt::detail::sum_of_all(grains_, double(torque)));
     }
     return load;
   }

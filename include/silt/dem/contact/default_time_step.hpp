@@ -5,7 +5,7 @@
 
 #include <silt/core/error.hpp>
 #include <silt/core/parallel.hpp>
-#include <silt/core/shared_particles.hpp>
+#include <silt/core/processes.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/contact/elementary_time_steps.hpp>
 #include <silt/dem/law/contact.hpp>

@@ -17,7 +17,7 @@
 #include <silt/core/energy.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/parallel.hpp>
-#include <silt/core/shared_particles.hpp>
+#include <silt/core/processes.hpp>
 #include <silt/core/types.hpp>
 #include <silt/core/watch.hpp>
 #include <silt/dem/contact/contact_settings.hpp>

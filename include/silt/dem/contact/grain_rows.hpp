@@ -2,8 +2,8 @@
 // Loads the data of several grains into SIMD registers, one register per number.
 #pragma once
 
-#include <silt/core/four.hpp>
 #include <silt/core/particles.hpp>
+#include <silt/core/rows_of_four.hpp>
 #include <silt/core/simd.hpp>
 #include <silt/core/types.hpp>
 

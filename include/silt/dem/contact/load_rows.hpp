@@ -5,8 +5,8 @@
 #pragma once
 
 #include <silt/core/cache_aligned.hpp>
-#include <silt/core/four.hpp>
 #include <silt/core/parallel.hpp>
+#include <silt/core/rows_of_four.hpp>
 #include <silt/core/simd.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/contact/contact_list.hpp>

@@ -2,7 +2,6 @@
 // The sums of the forces and torques of contacts on a grain, [SahChoi2004] (13), (14).
 #pragma once
 
-#include <silt/core/four.hpp>
 #include <silt/core/simd.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/contact/load_row.hpp>
@@ -46,12 +45,12 @@ class LoadSum {
     } else {
       sum_ += load * factors_[second];
       Four<Real> F_x_n;
-      load_four(row + Row::F_x_n, F_x_n);
+      simd::load_four(row + Row::F_x_n, F_x_n);
       moment_ += (R_ - row[Row::arm_reduction]) * F_x_n;
     }
     if constexpr (has_couple) {
       Four<Real> couple;
-      load_four(row + Row::couple, couple);
+      simd::load_four(row + Row::couple, couple);
       couple_ += (second == 0 ? Real(1) : Real(-1)) * couple;
     }
   }

@@ -2,7 +2,7 @@
 // Coordination number: contacts per grain.
 #pragma once
 
-#include <silt/core/shared_particles.hpp>
+#include <silt/core/processes.hpp>
 #include <silt/core/types.hpp>
 
 #include <array>

@@ -15,7 +15,7 @@
 #include <silt/core/energy.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/parallel.hpp>
-#include <silt/core/shared_particles.hpp>
+#include <silt/core/processes.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/contact/pair_history.hpp>
 #include <silt/dem/measure/contact_work.hpp>
@@ -38,7 +38,7 @@ namespace silt::dem {
 /// Pass it after all other observers, so that it accounts for their changes before a step.
 template <class P>
 class EnergyLedger {
-  static_assert(!Shared<P>,
+  static_assert(silt::detail::are_of_one_process<P>,
                 "silt::dem::EnergyLedger: it knows the grains of one process only; use "
                 "kinetic_energy() and Contacts::elastic_energy(), which are of all processes");
   using Motion = detail::MeanMotion<P>;

@@ -14,7 +14,7 @@
 #include <silt/core/error.hpp>
 #include <silt/core/fields.hpp>
 #include <silt/core/nearest_image.hpp>
-#include <silt/core/shared_particles.hpp>
+#include <silt/core/processes.hpp>
 #include <silt/core/types.hpp>
 
 #include <algorithm>

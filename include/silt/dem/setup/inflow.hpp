@@ -5,7 +5,7 @@
 
 #include <silt/core/error.hpp>
 #include <silt/core/parallel.hpp>
-#include <silt/core/shared_particles.hpp>
+#include <silt/core/processes.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/setup/grains.hpp>
 #include <silt/dem/setup/packing.hpp>
@@ -101,7 +101,7 @@ class Inflow {
 
   template <class Sim>
   void before_step(Sim& simulation) {
-    static_assert(!Shared<std::remove_cvref_t<decltype(simulation.particles())>>,
+    static_assert(silt::detail::are_of_one_process<std::remove_cvref_t<decltype(simulation.particles())>>,
                   "silt::dem::Inflow: grains cannot be added to those that processes share; add "
                   "them before mpi::distribute");
     const double since = simulation.time() - settings_.from;

@@ -5,7 +5,7 @@
 #include <silt/core/energy.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/parallel.hpp>
-#include <silt/core/shared_particles.hpp>
+#include <silt/core/processes.hpp>
 #include <silt/core/step_checks.hpp>
 #include <silt/core/types.hpp>
 
@@ -38,7 +38,7 @@ double rms_speed(const P& grains) {
 /// without a step, or, before a step is made, if more than 10¹² steps are ahead.
 template <class Sim, class... Observers>
 double settle(Sim& simulation, const Settling& settling, Observers&&... observers) {
-  static_assert(!Shared<std::remove_cvref_t<decltype(simulation.particles())>>,
+  static_assert(silt::detail::are_of_one_process<std::remove_cvref_t<decltype(simulation.particles())>>,
                 "dem::settle: particles that processes share cannot be settled yet; let them settle "
                 "in one process, and write a checkpoint");
   require_positive("Settling: speed", settling.speed);

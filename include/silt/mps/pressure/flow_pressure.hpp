@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: MIT
+// The pressure in the steps of a flow: where it is unknown, the equation for it, and its solution.
+#pragma once
+
+#include <silt/core/types.hpp>
+#include <silt/linear/linear_system.hpp>
+#include <silt/mps/fluid/fluid.hpp>
+#include <silt/mps/operator/corrected_gradient.hpp>
+#include <silt/mps/operator/kept_moments.hpp>
+#include <silt/mps/policy/source.hpp>
+#include <silt/mps/pressure/pressure_equation.hpp>
+#include <silt/mps/pressure/pressure_rise.hpp>
+#include <silt/mps/pressure/solve_check.hpp>
+#include <silt/mps/record/flow_seconds.hpp>
+#include <silt/mps/scheme/scheme.hpp>
+#include <silt/mps/view/flow_operators.hpp>
+#include <silt/mps/view/particle_view.hpp>
+#include <silt/mps/view/pressure_boundary.hpp>
+
+#include <concepts>
+#include <utility>
+
+namespace silt::mps {
+
+/// Finds the pressures of a flow from ∇²P = source, with the policies of a Scheme and a Solver. In
+/// each step, begin(), find_boundary() and solve() are called in this order.
+template <class Scheme, int Dim, class RealType, LinearSolver Solver>
+class FlowPressure {
+ public:
+  using Real = RealType;
+
+  /// Throws if a setting of the solver is out of range.
+  FlowPressure(const SourceOf<Scheme>& source, Solver solver)
+      : source_(source), solver_(std::move(solver)) {
+    solver_.check();
+  }
+
+  /// Before the velocities are changed: begins the step of the source.
+  template <FluidParticles P>
+  void begin(const StepView<Scheme, P>& step) {
+    moments_.clear();
+    if constexpr (BeginsSteps<SourceOf<Scheme>>) {
+      static_assert(requires { source_.begin(step); },
+                    "mps: begin() of the source cannot be called with a const StepView");
+      source_.begin(step);
+    }
+  }
+
+  /// Finds n (5), the free surface (13), (17), and which particles have a pressure. From then until
+  /// the gradient of the pressure has been found, particles must not move.
+  template <FluidParticles P>
+  void find_boundary(P& particles, const FlowOperators<Scheme, Dim, Real>& operators,
+                     const SurfaceOf<Scheme>& criterion) {
+    if constexpr (std::same_as<GradientOf<Scheme>, CorrectedGradient>) {
+      moments_.begin(particles.size());
+    }
+    boundary_.find(particles, operators, criterion);
+  }
+
+  /// ∇²P = source      (9), (16), with the pressures of the previous step as initial guess. Throws
+  /// if the solve does not converge. Velocities and pressures of ghosts must be up to date;
+  /// afterwards, those pressures are again.
+  template <FluidParticles P>
+  void solve(P& particles, const StepView<Scheme, P>& step, const PressureRise<Scheme, P>& rise,
+             FlowSeconds& seconds) {
+    // In the first step, the pressures before it are unknown to sources that use them: zero, in
+    // most cases. A kick would be left.
+    constexpr int max_passes = 30;
+    const int passes = UsesLastPressure<SourceOf<Scheme>> && step.is_first ? max_passes : 1;
+    for (int pass = 0; pass < passes; ++pass) {
+      timed(seconds.assembly, [&] {
+        equation_.assemble(particles, step.operators.pressure_neighbours(),
+                           step.operators.laplacian_stencil(),
+                           [&](Index i) { return source(step, i, rise); }, boundary_);
+      });
+      timed(seconds.solve, [&] { report_ = equation_.solve(particles, solver_); });
+      check_solve(particles, report_, step.time_step);
+      if (step.settings.clip_negative_pressure) clip_negative_pressure(particles);
+      particles.refresh_ghosts(pressure);
+      if (report_.iterations == 0) return;  // they were the pressures of this step
+    }
+  }
+
+  /// Iterations and residual of the last solve, also of one that failed.
+  const SolveReport& report() const noexcept { return report_; }
+  const PressureBoundary<Scheme>& boundary() const noexcept { return boundary_; }
+  const KeptMoments<Dim, Real>& moments() const noexcept { return moments_; }
+
+ private:
+  // ∇²P of particle i, without what images are known to add to it: (9), (16). Not inlined, so that
+  // the loop that assembles the equation keeps its sums in registers.
+  template <class P>
+  [[gnu::noinline]] double source(const StepView<Scheme, P>& step, Index i,
+                                  const PressureRise<Scheme, P>& rise) const {
+    const double own = boundary_.weight_of_surface(i) > 0 ? 0 : source_.value(step.at(i));
+    return own - step.at(i).laplacian_of_rises(rise);
+  }
+
+  SourceOf<Scheme> source_;  // which may keep something from begin() to the end of the step
+  Solver solver_;
+  PressureBoundary<Scheme> boundary_;
+  KeptMoments<Dim, Real> moments_;
+  PressureEquation equation_;
+  SolveReport report_;
+};
+
+}  // namespace silt::mps

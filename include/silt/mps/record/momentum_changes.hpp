@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: MIT
+// What changed the momentum of a fluid in a step, from which the loads of walls are found.
+#pragma once
+
+#include <silt/core/parallel.hpp>
+#include <silt/core/types.hpp>
+#include <silt/mps/fluid/fluid.hpp>
+#include <silt/mps/fluid/step_changes.hpp>
+
+#include <vector>
+
+namespace silt::mps {
+
+/// What changed the velocity of one particle.
+template <int Dim>
+struct MomentumChange {
+  Vec<Dim> position = Vec<Dim>::Zero();         ///< of the particle [m]
+  Vec<Dim> velocity_change = Vec<Dim>::Zero();  ///< by pressure, collisions and friction [m/s]
+  double pressure = 0;                          ///< [Pa]
+};
+
+/// Those of the particles in the last step, where they were when the pressure was found: some may
+/// have been removed since.
+template <int Dim>
+class MomentumChanges {
+ public:
+  /// The changes of all particles.
+  const std::vector<MomentumChange<Dim>>& all() const noexcept { return all_; }
+  void clear() noexcept { all_.clear(); }
+  /// Keeps those of the last step in the next one, until it has found its own.
+  void save() noexcept { all_.swap(saved_); }
+  void restore() noexcept { all_.swap(saved_); }
+
+  /// Finds them from the particles and from what the stages of the step changed.
+  template <FluidParticles P, class Change>
+  void find(const P& particles, const StepChanges<Change>& changes) {
+    all_.resize(particles.size());
+    const auto x = particles[position];
+    const auto pressures = particles[pressure];
+    for_each(particles.size(), [&](Index i) {
+      Change change = changes.pressure[i];
+      if (!changes.friction.empty()) change += changes.friction[i];
+      if (!changes.collision.empty()) change += changes.collision[i];
+      all_[i] = {x[i].template cast<double>(), change.template cast<double>(),
+                 double(pressures[i])};
+    });
+  }
+
+ private:
+  std::vector<MomentumChange<Dim>> all_;
+  std::vector<MomentumChange<Dim>> saved_;
+};
+
+}  // namespace silt::mps
