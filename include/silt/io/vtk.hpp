@@ -12,6 +12,7 @@
 // some programs cannot read them, such as ParaView 5.11 of Debian 12 (its VTK with its expat).
 #pragma once
 
+#include <silt/core/field_view.hpp>
 #include <silt/core/fields.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/processes.hpp>
