@@ -104,8 +104,8 @@ struct Box {
         require_finite(axis + ": upper", double(upper[k]));
       }
       if (!(lower[k] < upper[k])) {
-        fail(axis + ": lower = " + to_text(double(lower[k])) + " is not below upper = " +
-             to_text(double(upper[k])) + "; give a box with a positive length");
+        fail({axis, ": lower = ", lower[k], " is not below upper = ", upper[k],
+              "; give a box with a positive length"});
       }
       if (periodic[static_cast<std::size_t>(k)]) {
         require_finite(axis + ": upper - lower", double(Real(upper[k] - lower[k])));

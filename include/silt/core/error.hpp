@@ -8,8 +8,12 @@
 #include <silt/core/types.hpp>
 
 #include <bit>
+#include <concepts>
+#include <cstddef>
 #include <cstdint>
 #include <cstdio>
+#include <cstring>
+#include <initializer_list>
 #include <limits>
 #include <optional>
 #include <stdexcept>
@@ -77,7 +81,7 @@ class Error : public std::runtime_error {
 };
 
 /// A number for messages, with six significant digits.
-[[gnu::cold]] inline std::string to_text(double value) {
+inline std::string to_text(double value) {
   char text[32];
   std::snprintf(text, sizeof text, "%.6g", value);
   return text;
@@ -95,7 +99,7 @@ std::string to_text(const Eigen::Matrix<Real, Dim, 1>& value) {
   return text += ')';
 }
 
-[[gnu::cold]] inline std::string Error::compose(const std::string& message, const Where& where) {
+inline std::string Error::compose(const std::string& message, const Where& where) {
   std::string text = message;
   auto add = [&, first = true](const std::string& part) mutable {
     text += first ? " (" : ", ";
@@ -111,17 +115,73 @@ std::string to_text(const Eigen::Matrix<Real, Dim, 1>& value) {
   return text;
 }
 
+/// A part of a message: text, or a number as to_text() and std::to_string() write it. The text must
+/// outlive it.
+class MessagePart {
+ public:
+  MessagePart(const char* text) : kind_(Kind::text), text_(text), size_(std::strlen(text)) {}
+  MessagePart(std::string_view text) : kind_(Kind::text), text_(text.data()), size_(text.size()) {}
+  MessagePart(const std::string& text) : MessagePart(std::string_view(text)) {}
+  template <std::floating_point Real>
+  MessagePart(Real number) : kind_(Kind::real), real_(double(number)) {}
+  template <std::integral Integer>
+  MessagePart(Integer number)
+      : kind_(std::signed_integral<Integer> ? Kind::integer : Kind::natural),
+        integer_(static_cast<long long>(number)) {}
+
+  void add_to(std::string& message) const {
+    switch (kind_) {
+      case Kind::text:
+        message.append(text_, size_);
+        return;
+      case Kind::real:
+        message += to_text(real_);
+        return;
+      case Kind::integer:
+        message += std::to_string(integer_);
+        return;
+      case Kind::natural:
+        message += std::to_string(static_cast<unsigned long long>(integer_));
+    }
+  }
+
+ private:
+  enum class Kind { text, real, integer, natural };
+  Kind kind_;
+  union {
+    const char* text_;
+    double real_;
+    long long integer_;
+  };
+  std::size_t size_ = 0;
+};
+/// Parts of a message as one. A program has hundreds of messages: `text + to_text(number) + …`
+/// would compile to ten times as much.
+[[gnu::cold, gnu::noinline]] inline std::string message_of(
+    std::initializer_list<MessagePart> parts) {
+  std::string message;
+  for (const MessagePart& part : parts) part.add_to(message);
+  return message;
+}
+
 /// Throws an Error.
-[[noreturn, gnu::cold]] inline void fail(std::string message, Where where = {}) {
+[[noreturn, gnu::cold, gnu::noinline]] inline void fail(std::string message, Where where = {}) {
   throw Error(std::move(message), where);
+}
+/// The same with a message of several parts: fail({"Leapfrog: mass = ", m, " kg …"}).
+[[noreturn, gnu::cold, gnu::noinline]] inline void fail(std::initializer_list<MessagePart> message,
+                                                        const Where& where = {}) {
+  throw Error(message_of(message), where);
 }
 
 /// Throws an Error about a time step [s] beyond the stability limit of `what`, such as "a grain
 /// with its contacts".
-[[noreturn, gnu::cold]] inline void fail_as_unstable(const std::string& name, double time_step, double stable,
-                                          const std::string& what, Where where) {
-  throw Error(name + ": time_step = " + to_text(time_step) + " s exceeds the stable time step " +
-                  to_text(stable) + " s of " + what + "; lower it",
+[[noreturn, gnu::cold, gnu::noinline]] inline void fail_as_unstable(std::string_view name,
+                                                                    double time_step, double stable,
+                                                                    std::string_view what,
+                                                                    const Where& where) {
+  throw Error(message_of({name, ": time_step = ", time_step, " s exceeds the stable time step ",
+                          stable, " s of ", what, "; lower it"}),
               where, stable);
 }
 
@@ -150,32 +210,32 @@ bool is_finite(const Eigen::Matrix<Real, Dim, 1>& v) {
   return finite;
 }
 
-namespace detail {
-[[noreturn, gnu::cold]] inline void refuse(std::string_view name, double value,
-                                           std::string_view reason) {
-  fail(std::string(name) + " = " + to_text(value) + " " + std::string(reason));
-}
-}  // namespace detail
-
-// Checks of parameters. `name` is that of the parameter, such as "Leapfrog: time_step".
+// Checks of parameters. `name` is that of the parameter, such as "Leapfrog: time_step". Not
+// inlined, because a program has many of them.
 
 /// Throws unless the value is finite.
-inline void require_finite(std::string_view name, double value) {
-  if (!is_finite(value)) detail::refuse(name, value, "is not a finite number; give one");
+[[gnu::noinline]] inline void require_finite(std::string_view name, double value) {
+  if (!is_finite(value)) {
+    fail({name, " = ", value, " is not a finite number; give one"});
+  }
 }
 template <class Real, int Dim>
 void require_finite(std::string_view name, const Eigen::Matrix<Real, Dim, 1>& value) {
   for (int k = 0; k < Dim; ++k) require_finite(name, double(value[k]));
 }
 /// Throws unless value > 0 and finite.
-inline void require_positive(std::string_view name, double value) {
+[[gnu::noinline]] inline void require_positive(std::string_view name, double value) {
   require_finite(name, value);
-  if (!(value > 0)) detail::refuse(name, value, "must be positive; give a value above 0");
+  if (!(value > 0)) {
+    fail({name, " = ", value, " must be positive; give a value above 0"});
+  }
 }
 /// Throws unless value ≥ 0 and finite.
-inline void require_not_negative(std::string_view name, double value) {
+[[gnu::noinline]] inline void require_not_negative(std::string_view name, double value) {
   require_finite(name, value);
-  if (value < 0) detail::refuse(name, value, "is negative; give a value of at least 0");
+  if (value < 0) {
+    fail({name, " = ", value, " is negative; give a value of at least 0"});
+  }
 }
 /// The bounds of a parameter, `lower` and `upper`, [in its unit].
 struct Range {
@@ -183,22 +243,20 @@ struct Range {
   double upper;
 };
 /// Throws unless lower ≤ value ≤ upper.
-inline void require_between(std::string_view name, double value, Range range) {
+[[gnu::noinline]] inline void require_between(std::string_view name, double value, Range range) {
   require_finite(name, value);
   if (value < range.lower || value > range.upper) {
-    detail::refuse(name, value,
-                   "is outside " + to_text(range.lower) + " to " + to_text(range.upper) +
-                       "; give a value in that range");
+    fail({name, " = ", value, " is outside ", range.lower, " to ", range.upper,
+          "; give a value in that range"});
   }
 }
 
 /// Throws unless lower < value ≤ upper.
-inline void require_above(std::string_view name, double value, Range range) {
+[[gnu::noinline]] inline void require_above(std::string_view name, double value, Range range) {
   require_finite(name, value);
   if (value <= range.lower || value > range.upper) {
-    detail::refuse(name, value,
-                   "must be above " + to_text(range.lower) + " and at most " +
-                       to_text(range.upper) + "; give a value in that range");
+    fail({name, " = ", value, " must be above ", range.lower, " and at most ", range.upper,
+          "; give a value in that range"});
   }
 }
 

@@ -236,8 +236,7 @@ class Forces {
 
   [[noreturn]] static void refuse_part(Index number, const char* name, double value,
                                        const char* unit_and_rule) {
-    fail(std::string("Forces: ") + name + " = " + to_text(value) + " " + unit_and_rule +
-         "; correct part " + std::to_string(number));
+    fail({"Forces: ", name, " = ", value, " ", unit_and_rule, "; correct part ", number});
   }
 
   template <class Part>

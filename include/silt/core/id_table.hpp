@@ -25,7 +25,7 @@ class IdTable {
   /// 2^63: larger ids belong to walls, see wall_id().
   IdTable(std::span<const Id> ids, Id next_id) {
     const auto refuse = [](Id id, const std::string& reason) {
-      fail("Particles: id = " + std::to_string(id) + reason + "; use an earlier checkpoint");
+      fail({"Particles: id = ", id, reason, "; use an earlier checkpoint"});
     };
     if (next_id > Id(1) << 63) refuse(next_id, " as the next one is above 2^63");
     for (const Id id : ids) {

@@ -31,9 +31,8 @@ std::vector<Vec<Dim, Real>> lattice(const Box<Dim, Real>& box, Real spacing) {
     const double cells = std::floor(length / double(spacing) * (1 + rounding) + 1e-6);
     points_in_all *= cells;
     if (!(cells <= 1e8) || !(points_in_all <= 1e8)) {
-      fail("lattice: spacing = " + to_text(double(spacing)) +
-           " m gives more than 1e8 points from lower = " + to_text(box.lower) +
-           " to upper = " + to_text(box.upper) + " m; increase the spacing");
+      fail({"lattice: spacing = ", spacing, " m gives more than 1e8 points from lower = ",
+            to_text(box.lower), " to upper = ", to_text(box.upper), " m; increase the spacing"});
     }
     count[static_cast<std::size_t>(k)] = static_cast<Index>(cells);
   }

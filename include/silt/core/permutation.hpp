@@ -20,9 +20,8 @@ inline void check_permutation(std::span<const Index> order, Index size) {
     if (good) seen[order[k]] = 1;
   }
   if (!good) {
-    fail("Particles::reorder: the order of " + std::to_string(order.size()) +
-         " indices is not a permutation of the " + std::to_string(size) +
-         " particles; give each index once");
+    fail({"Particles::reorder: the order of ", order.size(),
+          " indices is not a permutation of the ", size, " particles; give each index once"});
   }
 }
 

@@ -67,8 +67,8 @@ void transfer_part(Archive& archive, std::string_view name, T& part, P& particle
 template <class P, class F>
 void at_positions(P& particles, const std::vector<typename P::Vec>& x, F&& f) {
   if (x.size() != particles.local()) {
-    fail("search: there are " + std::to_string(x.size()) + " positions of the last update for " +
-         std::to_string(particles.local()) + " particles; use an earlier checkpoint");
+    fail({"search: there are ", x.size(), " positions of the last update for ", particles.local(),
+          " particles; use an earlier checkpoint"});
   }
   for (const auto& each : x) require_finite("search: position of the last update", each);
   const auto all = particles.with_halo(position);
@@ -100,8 +100,8 @@ bool transfer_update(Archive& archive, P& particles, bool is_known, PositionAt&&
   archive("positions", x);
   if constexpr (Archive::reads) {
     if (!is_known && !x.empty()) {
-      fail("search: is_known = 0, but there are " + std::to_string(x.size()) +
-           " positions; use an earlier checkpoint");
+      fail({"search: is_known = 0, but there are ", x.size(),
+            " positions; use an earlier checkpoint"});
     }
     if (!is_known) {
       const auto now = particles.with_halo(position);

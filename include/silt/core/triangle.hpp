@@ -29,8 +29,8 @@ void require_area(const std::string& name, const Triangle<Real>& triangle) {
   const Vec<3, double> v = (c - a).template cast<double>();
   const double longest = std::max({u.squaredNorm(), v.squaredNorm(), (u - v).squaredNorm()});
   if (!(cross(u, v).norm() > 1e-6 * longest)) {
-    fail(name + " with the corners " + to_text(a) + ", " + to_text(b) + " and " + to_text(c) +
-         " m has no area; remove it, or repair the mesh");
+    fail({name, " with the corners ", to_text(a), ", ", to_text(b), " and ", to_text(c),
+          " m has no area; remove it, or repair the mesh"});
   }
 }
 

@@ -34,8 +34,8 @@ struct GlobalDamping {
   /// Throws if α Δt > 2 for the time step Δt [s]: a step would reverse the velocities.
   void check(double time_step) const {
     if (alpha * time_step > 2) {
-      fail("GlobalDamping: alpha = " + to_text(alpha) + " 1/s reverses velocities in a step of " +
-           to_text(time_step) + " s; use a time step of at most " + to_text(2 / alpha) + " s");
+      fail({"GlobalDamping: alpha = ", alpha, " 1/s reverses velocities in a step of ", time_step,
+            " s; use a time step of at most ", 2 / alpha, " s"});
     }
   }
 

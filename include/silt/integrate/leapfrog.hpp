@@ -36,8 +36,8 @@ void check_inertia(const P& particles) {
     const Index odd =
         first_where(values.size(), [&](Index i) { return !is_positive_normal(values[i]); });
     if (odd == no_index) return;
-    fail(std::string("Leapfrog: ") + name + " = " + to_text(double(values[odd])) + " " + unit +
-             " of a particle must be a positive, finite and normal number; set it",
+    fail({"Leapfrog: ", name, " = ", values[odd], " ", unit,
+          " of a particle must be a positive, finite and normal number; set it"},
          {.particle = odd, .id = particles.id(odd)});
   };
   check(mass, "mass", "kg");

@@ -36,8 +36,8 @@ class BlockSums {
   /// Throws if the sample has another number of values.
   void add(std::span<const double> sample) {
     if (sample.size() != current_.size()) {
-      fail("BlockSums: a sample has " + std::to_string(sample.size()) + " values, not " +
-           std::to_string(current_.size()) + "; give all of them");
+      fail({"BlockSums: a sample has ", sample.size(), " values, not ", current_.size(),
+            "; give all of them"});
     }
     for (Index k = 0; k < sample.size(); ++k) current_[k] += sample[k];
     ++samples_;
@@ -58,13 +58,12 @@ class BlockSums {
     archive("samples", samples_);
     if constexpr (Archive::reads) {
       if (current_.size() != numbers || blocks.size() % numbers != 0) {
-        fail("BlockSums: the data read have samples of " + std::to_string(current_.size()) +
-             " values, not " + std::to_string(numbers) + "; use the same number as when writing");
+        fail({"BlockSums: the data read have samples of ", current_.size(), " values, not ",
+              numbers, "; use the same number as when writing"});
       }
       if (in_current_ >= block_length_) {
-        fail("BlockSums: in_current = " + std::to_string(in_current_) +
-             " is not below block_length = " + std::to_string(block_length_) +
-             "; use an earlier checkpoint");
+        fail({"BlockSums: in_current = ", in_current_,
+              " is not below block_length = ", block_length_, "; use an earlier checkpoint"});
       }
       blocks_.clear();
       for (auto at = blocks.begin(); at != blocks.end(); at += std::ptrdiff_t(numbers)) {

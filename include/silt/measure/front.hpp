@@ -39,9 +39,8 @@ Front find_front(const P& particles, const S& search, const FrontRule& rule, IsF
   require_not_negative("FrontRule: band", rule.band);
   require_not_negative("FrontRule: neighbour_radius", rule.neighbour_radius);
   if (rule.neighbour_radius * rule.spacing > double(search.radius()) * (1 + 1e-6)) {
-    fail("FrontRule: neighbour_radius = " + to_text(rule.neighbour_radius) + " times the spacing " +
-         to_text(rule.spacing) + " m exceeds the search radius " +
-         to_text(double(search.radius())) + " m; decrease it");
+    fail({"FrontRule: neighbour_radius = ", rule.neighbour_radius, " times the spacing ",
+          rule.spacing, " m exceeds the search radius ", search.radius(), " m; decrease it"});
   }
   constexpr int up = P::dimension - 1;
   const double band = rule.band * rule.spacing;

@@ -46,9 +46,9 @@ struct Slices {
     require_positive("Slices: cross_section", cross_section);
     const double volume = cross_section * thickness();
     if (!is_positive_normal(volume)) {
-      fail("Slices: lower = " + to_text(lower) + " m, upper = " + to_text(upper) +
-           " m and cross_section = " + to_text(cross_section) + " m² give slices of " +
-           to_text(volume) + " m³, which is beyond the range of normal numbers; change them");
+      fail({"Slices: lower = ", lower, " m, upper = ", upper,
+            " m and cross_section = ", cross_section, " m² give slices of ", volume,
+            " m³, which is beyond the range of normal numbers; change them"});
     }
   }
   /// Thickness of a slice [m].

@@ -119,8 +119,8 @@ class WallLoad {
       const double wall = distance(walls, direction, x, true);
       const double face = distance(faces, direction, x, false);
       if (face < wall - margin) {
-        fail("WallLoad: a face is not on a wall of the flow, but " + to_text(face) + " m from " +
-             to_text(x) + " m in the fluid; give faces of the walls, or parts of them");
+        fail({"WallLoad: a face is not on a wall of the flow, but ", face, " m from ", to_text(x),
+              " m in the fluid; give faces of the walls, or parts of them"});
       }
       return {wall, is_finite(face) && face < wall + margin};
     }

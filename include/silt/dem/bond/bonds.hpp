@@ -66,7 +66,7 @@ class Bonds {
   void bond(const P& grains, const IdPair& pair) {
     const Bond bond = bond_between(grains, pair);
     if (is_bonded(pair)) {
-      fail("dem::Bonds: the grains " + names_of(bond) + " are already bonded; bond each pair once");
+      fail({"dem::Bonds: the grains ", names_of(bond), " are already bonded; bond each pair once"});
     }
     bonds_.insert(std::lower_bound(bonds_.begin(), bonds_.end(), bond, comes_before), bond);
     stability_.forget();
@@ -162,8 +162,8 @@ class Bonds {
   BondState state(const P& grains, const Bond& bond) const {
     const detail::BondEnds ends = detail::ends_of(grains, bond);
     if (ends.a == no_index || ends.b == no_index) {
-      fail("dem::Bonds: of the bond between the grains " + names_of(bond) +
-           ", a grain has been removed; ask only for the state of bonds() after the next step");
+      fail({"dem::Bonds: of the bond between the grains ", names_of(bond),
+            ", a grain has been removed; ask only for the state of bonds() after the next step"});
     }
     return state_at(grains, bond, ends);
   }
@@ -181,9 +181,9 @@ class Bonds {
       return !(displacement(bond) <= double(bonds_[bond].rest_length));
     });
     if (k == no_index) return;
-    fail("dem::Bonds: the bonded grains " + names_of(bonds_[k]) + " move by " +
-             to_text(displacement(k)) + " m relative to each other in the step, but their bond is " +
-             to_text(bonds_[k].rest_length) + " m long; reduce the time step",
+    fail({"dem::Bonds: the bonded grains ", names_of(bonds_[k]), " move by ", displacement(k),
+          " m relative to each other in the step, but their bond is ", bonds_[k].rest_length,
+          " m long; reduce the time step"},
          {.particle = indices_.ends(k).a, .id = bonds_[k].a});
   }
 
@@ -203,8 +203,8 @@ class Bonds {
       for (Index k = 0; k < bonds_.size(); ++k) {
         const bool is_sorted = k == 0 || comes_before(bonds_[k - 1], bonds_[k]);
         if (is_sorted && bonds_[k].a < bonds_[k].b) continue;
-        fail("dem::Bonds: the bond between the grains " + names_of(bonds_[k]) +
-             " occurs twice or is out of order; use an earlier checkpoint");
+        fail({"dem::Bonds: the bond between the grains ", names_of(bonds_[k]),
+              " occurs twice or is out of order; use an earlier checkpoint"});
       }
       indices_.invalidate();
     }
@@ -258,8 +258,8 @@ class Bonds {
     Bond bond{.a = a, .b = b};
     const detail::BondEnds ends = detail::ends_of(grains, bond);
     if (a == b || ends.a == no_index || ends.b == no_index) {
-      fail("dem::Bonds: the ids " + names_of(bond) +
-           " are not those of two different grains; give two existing ids");
+      fail({"dem::Bonds: the ids ", names_of(bond),
+            " are not those of two different grains; give two existing ids"});
     }
     const NearestImage<Dim, Real> image(grains.box());
     const Vec between = image(grains[position][ends.a] - grains[position][ends.b]);
@@ -318,8 +318,8 @@ class Bonds {
                                                .arm_a = arm_of_a(grains, ends),
                                                .time_step = passed};
     if (!(motion.between.squaredNorm() >= std::numeric_limits<Real>::min())) {
-      fail("dem::Bonds: the bonded grains " + names_of(bonds_[k]) +
-               " coincide or have an invalid position; use a smaller time step",
+      fail({"dem::Bonds: the bonded grains ", names_of(bonds_[k]),
+            " coincide or have an invalid position; use a smaller time step"},
            {.particle = ends.a, .id = bonds_[k].a});
     }
     advance(bonds_[k], motion, springs_of(law_, section_at(grains, ends, law_)), law_.beta);

@@ -54,8 +54,8 @@ struct ParallelBond {
     check_magnitude_or_zero("ParallelBond: beta", beta);
     const auto require_strength = [](const char* name, double strength) {
       if (!(strength > 0)) {  // may be infinite
-        fail(std::string(name) + " = " + to_text(strength) +
-             " must be positive; omit it for a bond that does not break in this mode");
+        fail({name, " = ", strength,
+              " must be positive; omit it for a bond that does not break in this mode"});
       }
     };
     require_strength("ParallelBond: tensile_strength", tensile_strength);

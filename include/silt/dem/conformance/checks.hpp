@@ -34,8 +34,8 @@ struct ConformanceConditions {
     require_positive("ConformanceConditions: density", density);
     require_positive("ConformanceConditions: overlap", overlap);
     if (overlap > radius / 2) {
-      fail("ConformanceConditions: overlap = " + to_text(overlap) +
-           " m is more than half of radius = " + to_text(radius) + " m; decrease it");
+      fail({"ConformanceConditions: overlap = ", overlap,
+            " m is more than half of radius = ", radius, " m; decrease it"});
     }
   }
 };

@@ -288,13 +288,12 @@ class BlockEvaluator {
               std::to_string(input_.contacts.id(other));
     }
     if (!contact.has_normal) {
-      fail("dem::Contacts: the centres of " + names + " coincide; place them apart", where);
+      fail({"dem::Contacts: the centres of ", names, " coincide; place them apart"}, where);
     }
-    fail("dem::Contacts: " + names + " overlap by " + to_text(double(contact.overlap)) +
-             " m, more than max_overlap = " + to_text(double(input_.max_overlap)) +
-             " of the radius " + to_text(double(contact.radius)) +
-             " m; place them apart, use a stiffer material or a shorter time step, or raise "
-             "ContactSettings::max_overlap",
+    fail({"dem::Contacts: ", names, " overlap by ", contact.overlap,
+          " m, more than max_overlap = ", input_.max_overlap, " of the radius ", contact.radius,
+          " m; place them apart, use a stiffer material or a shorter time step, or raise "
+          "ContactSettings::max_overlap"},
          where);
   }
 

@@ -218,9 +218,9 @@ class ContactList {
       further[b] = block.pairs.first + by_block[b].pairs.size();
     }
     if (ids_.size() * index_scale >= wall_bit || 4 * size >= wall_bit) {
-      fail("dem::Contacts: there are " + std::to_string(ids_.size()) + " grains and " +
-           std::to_string(size) +
-           " near contacts, more than 2^28 of the former or 2^29 of the latter; use fewer grains");
+      fail(
+          {"dem::Contacts: there are ", ids_.size(), " grains and ", size,
+           " near contacts, more than 2^28 of the former or 2^29 of the latter; use fewer grains"});
     }
     resize_tightly(first_, size);
     resize_tightly(second_, size);

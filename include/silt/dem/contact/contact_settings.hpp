@@ -39,16 +39,15 @@ struct ContactSettings {
     check_limit("ContactSettings: max_overlap", max_overlap);
     check_limit("ContactSettings: max_displacement", max_displacement);
     if (!(max_energy_gain > 1)) {  // also NaN
-      fail("ContactSettings: max_energy_gain = " + to_text(max_energy_gain) +
-           " must be above 1; give a ratio of energies, or infinity");
+      fail({"ContactSettings: max_energy_gain = ", max_energy_gain,
+            " must be above 1; give a ratio of energies, or infinity"});
     }
   }
 
  private:
   static void check_limit(const std::string& name, double limit) {
     if (limit > 0) return;  // false for NaN
-    fail(name + " = " + to_text(limit) +
-         " must be positive; give a share of the radius, or infinity");
+    fail({name, " = ", limit, " must be positive; give a share of the radius, or infinity"});
   }
 };
 

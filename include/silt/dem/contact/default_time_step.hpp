@@ -124,10 +124,10 @@ inline void check_walls_are_not_too_stiff(const ShortestContacts& shortest,
   constexpr double least = 1e-3;
   const double alone = shortest.of_grains.duration;
   if (!is_finite(alone) || !(shortest.of_all.duration < least * alone)) return;
-  fail("dem::Contacts: the default time step, " +
-       to_text(shortest.of_all.duration / steps_per_contact) + " s for " + shortest.of_all.name() +
-       ", is less than a thousandth of the " + to_text(alone / steps_per_contact) +
-       " s for contacts between grains; use a softer wall, or pass a time step");
+  fail({"dem::Contacts: the default time step, ", shortest.of_all.duration / steps_per_contact,
+        " s for ", shortest.of_all.name(), ", is less than a thousandth of the ",
+        alone / steps_per_contact,
+        " s for contacts between grains; use a softer wall, or pass a time step"});
 }
 
 }  // namespace silt::dem::detail

@@ -93,16 +93,14 @@ void check_energy(const P& grains, const GrainRows<P::dimension, typename P::Rea
                           return Largest{.energy_gain = of_fastest};
                         }).energy_gain;
   if (of_fastest < of_all) return;  // it is a grain of another process
-  fail("dem::Contacts: the kinetic energy rose from " + to_text(energy_before) + " J to " +
-           to_text(energy_after) + " J in a step of " + to_text(step.time_step) +
-           " s, more than max_energy_gain = " + to_text(most) + " times the sum of " +
-           to_text(energy_before) + " J, the " + to_text(stored) +
-           " J in the springs of contacts" +
-           (by_walls > 0 ? ", the " + to_text(by_walls) + " J by moving walls" : "") + " and the " +
-           to_text(by_others) + " J by other forces; of all grains, this one with velocity = " +
-           to_text(typename P::Vec(grains[velocity][fastest])) +
-           " m/s gained most; the law gives more energy than its springs hold: check its force and "
-           "its elastic energy, lower the time step, or raise ContactSettings::max_energy_gain",
+  fail({"dem::Contacts: the kinetic energy rose from ", energy_before, " J to ", energy_after,
+        " J in a step of ", step.time_step, " s, more than max_energy_gain = ", most,
+        " times the sum of ", energy_before, " J, the ", stored, " J in the springs of contacts",
+        (by_walls > 0 ? ", the " + to_text(by_walls) + " J by moving walls" : ""), " and the ",
+        by_others, " J by other forces; of all grains, this one with velocity = ",
+        to_text(typename P::Vec(grains[velocity][fastest])),
+        " m/s gained most; the law gives more energy than its springs hold: check its force and "
+        "its elastic energy, lower the time step, or raise ContactSettings::max_energy_gain"},
        {.particle = fastest, .id = grains.id(fastest)});
 }
 

@@ -109,10 +109,10 @@ class UnnoticedChanges {
     grains[radius];  // access that is not const
     const auto reject = [&](const char* name, auto before, auto now, const char* unit) {
       if (before == now) return;
-      fail(std::string("dem::Contacts: ") + name + " changed from " + to_text(double(before)) +
-               " to " + to_text(double(now)) + unit +
-               " through a view that was obtained too early, before a step that has been made "
-               "since; obtain it again after every step, by simulation.particles()[" + name + "]",
+      fail({"dem::Contacts: ", name, " changed from ", before, " to ", now, unit,
+            " through a view that was obtained too early, before a step that has been made "
+            "since; obtain it again after every step, by simulation.particles()[",
+            name, "]"},
            {.particle = i, .id = grains.id(i)});
     };
     const P& now = grains;

@@ -71,8 +71,8 @@ void check_grains(const P& grains, const Materials<Law>& materials) {
   const Where where{.particle = odd, .id = grains.id(odd)};
   materials.check(numbers[odd], "of a grain", where);
   const auto reject = [&](const char* name, auto value, const char* unit_and_rule) {
-    fail(std::string("dem::Contacts: ") + name + " = " + to_text(double(value)) + " " +
-             unit_and_rule + "; set it, or add grains by add_grain()",
+    fail({"dem::Contacts: ", name, " = ", value, " ", unit_and_rule,
+          "; set it, or add grains by add_grain()"},
          where);
   };
   if (!is_radius(R[odd])) {
@@ -85,9 +85,8 @@ void check_grains(const P& grains, const Materials<Law>& materials) {
     reject("inertia", inertias[odd],
            "kg m² of a grain must be a positive, finite and normal number");
   }
-  fail("dem::Contacts: radius = " + to_text(double(R[odd])) +
-           " m and mass = " + to_text(double(m[odd])) +
-           " kg of a grain have products that underflow or overflow; use other units, or double",
+  fail({"dem::Contacts: radius = ", R[odd], " m and mass = ", m[odd],
+        " kg of a grain have products that underflow or overflow; use other units, or double"},
        where);
 }
 

@@ -38,10 +38,9 @@ class PairHistory {
     for (Index e = 0; e < entries_.size(); ++e) {
       const bool twice = e > 0 && ids(entries_[e - 1]) == ids(entries_[e]);
       if (entries_[e].owner >= entries_[e].partner || twice) {
-        fail("PairHistory: the pair " + std::to_string(entries_[e].owner) + ", " +
-             std::to_string(entries_[e].partner) +
-             (twice ? " occurs twice" : " does not begin with the lower id") +
-             "; give each pair once, lower id first");
+        fail({"PairHistory: the pair ", entries_[e].owner, ", ", entries_[e].partner,
+              (twice ? " occurs twice" : " does not begin with the lower id"),
+              "; give each pair once, lower id first"});
       }
     }
   }

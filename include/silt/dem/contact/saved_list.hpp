@@ -24,8 +24,8 @@ inline Index element_of(Id id) { return ~id; }
   const std::string name = is_wall_id(second)
                                ? "element " + std::to_string(element_of(second)) + " of the walls"
                                : "grain " + std::to_string(second);
-  fail("dem::Contacts: the contact of grain " + std::to_string(first) + " with " + name + ' ' +
-       reason + "; use an earlier checkpoint");
+  fail({"dem::Contacts: the contact of grain ", first, " with ", name, " ", reason,
+        "; use an earlier checkpoint"});
 }
 
 /// Whether these ids may be those of a contact: of a present grain, and of another with a higher id
@@ -75,10 +75,9 @@ class SavedList {
   void check(const P& grains) const {
     if (!is_known_) return;
     if (origin_.since.size() != grains.size() || first_.size() != second_.size()) {
-      fail("dem::Contacts: the list has " + std::to_string(origin_.since.size()) +
-           " positions for " + std::to_string(grains.size()) + " grains, and " +
-           std::to_string(first_.size()) + " and " + std::to_string(second_.size()) +
-           " partners of pairs; use an earlier checkpoint");
+      fail({"dem::Contacts: the list has ", origin_.since.size(), " positions for ", grains.size(),
+            " grains, and ", first_.size(), " and ", second_.size(),
+            " partners of pairs; use an earlier checkpoint"});
     }
     std::vector<std::pair<Id, Id>> pairs(first_.size());
     for (Index k = 0; k < pairs.size(); ++k) {

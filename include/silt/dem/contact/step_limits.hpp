@@ -28,12 +28,11 @@ void check_displacements(const P& grains, double smallest_radius, const ContactS
                          [&](Index k) { return settings.max_displacement * double(R[k]); });
   if (i == no_index) return;
   const auto v = grains[velocity][i];
-  fail("dem::Contacts: velocity = " + to_text(typename P::Vec(v)) +
-           " m/s moved a grain with the radius " + to_text(double(R[i])) + " m by " +
-           to_text(double(v.norm()) * step.time_step) +
-           " m in a step, more than max_displacement = " + to_text(settings.max_displacement) +
-           " of the radius; lower the time step, use a stiffer material, or raise "
-           "ContactSettings::max_displacement",
+  fail({"dem::Contacts: velocity = ", to_text(typename P::Vec(v)),
+        " m/s moved a grain with the radius ", R[i], " m by ", double(v.norm()) * step.time_step,
+        " m in a step, more than max_displacement = ", settings.max_displacement,
+        " of the radius; lower the time step, use a stiffer material, or raise "
+        "ContactSettings::max_displacement"},
        {.particle = i, .id = grains.id(i)});
 }
 
@@ -45,19 +44,17 @@ void check_motion_of_walls(const Walls& walls, const Box<Dim, Real>& extent, dou
                            const ContactSettings& settings, const FinishedStep& step) {
   const double period = walls.shortest_period();
   if (step.time_step * least_steps_per_period > period) {
-    fail("dem::Contacts: time_step = " + to_text(step.time_step) + " s is longer than 1/" +
-         to_text(least_steps_per_period) + " of the period " + to_text(period) +
-         " s of a vibrating wall; lower it");
+    fail({"dem::Contacts: time_step = ", step.time_step, " s is longer than 1/",
+          least_steps_per_period, " of the period ", period, " s of a vibrating wall; lower it"});
   }
   const double most = settings.max_displacement * smallest_radius;
   if (!is_finite(most)) return;
   const auto moved =
       double(walls.max_displacement({.from = step.time, .to = step.time + step.time_step}, extent));
   if (moved <= most) return;
-  fail("dem::Contacts: a wall moved " + to_text(moved) +
-       " m in a step, more than max_displacement = " + to_text(settings.max_displacement) +
-       " of the smallest radius " + to_text(smallest_radius) +
-       " m; lower the time step, or raise ContactSettings::max_displacement");
+  fail({"dem::Contacts: a wall moved ", moved, " m in a step, more than max_displacement = ",
+        settings.max_displacement, " of the smallest radius ", smallest_radius,
+        " m; lower the time step, or raise ContactSettings::max_displacement"});
 }
 
 }  // namespace silt::dem::detail

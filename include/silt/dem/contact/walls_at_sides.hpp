@@ -53,10 +53,10 @@ void check_walls_at_sides(const P& grains, const Walls& walls, typename P::Real 
   };
   const Index i = first_where(grains.size(), [&](Index k) { return element_near(k) != no_index; });
   if (i == no_index) return;
-  fail("dem::Contacts: wall " + std::to_string(walls.number_of(element_near(i))) +
-           " breaks off at a periodic side: a grain at x = " + to_text(typename P::Vec(x[i])) +
-           " m is closer to its image than " + to_text(double(R[i] + margin)) +
-           " m; continue the wall beyond the side by this length, or move it away",
+  fail({"dem::Contacts: wall ", walls.number_of(element_near(i)),
+        " breaks off at a periodic side: a grain at x = ", to_text(typename P::Vec(x[i])),
+        " m is closer to its image than ", R[i] + margin,
+        " m; continue the wall beyond the side by this length, or move it away"},
        {.particle = i, .id = grains.id(i)});
 }
 

@@ -53,9 +53,9 @@ template <class F>
 void check_stiffness(const Stiffness& k, F&& contact, const Where& where = {}) {
   const auto check = [&](const char* member, double value, const char* unit) {
     if (value >= 0 && is_finite(value)) return;
-    fail(std::string("dem::Contacts: stiffness(contact).") + member + " = " + to_text(value) + " " +
-             unit + ", which the law returned for " + contact() +
-             ", must be finite and not negative; correct the law",
+    fail({"dem::Contacts: stiffness(contact).", member, " = ", value, " ", unit,
+          ", which the law returned for ", contact(),
+          ", must be finite and not negative; correct the law"},
          where);
   };
   check("normal", k.normal, "N/m");

@@ -121,8 +121,8 @@ struct CundallStrackLaw {
     if (beta) {
       check_magnitude_or_zero("CundallStrack: beta", *beta);
       if (restitution.value != 1) {
-        fail("CundallStrack: restitution = " + to_text(restitution.value) +
-             " and beta = " + to_text(*beta) + " s both define the dashpot; give only one of them");
+        fail({"CundallStrack: restitution = ", restitution.value, " and beta = ", *beta,
+              " s both define the dashpot; give only one of them"});
       }
     }
   }
@@ -180,9 +180,9 @@ struct CundallStrackLaw {
   /// Throws if one material defines its dashpot by e and the other by β.
   static CundallStrackLaw mix(const CundallStrackLaw& a, const CundallStrackLaw& b) {
     if (a.beta.has_value() != b.beta.has_value()) {
-      fail("CundallStrack: one material has restitution = " +
-           to_text((a.beta ? b : a).restitution.value) + ", the other beta = " +
-           to_text(*(a.beta ? a : b).beta) + " s; use the same of the two for both materials");
+      fail({"CundallStrack: one material has restitution = ", (a.beta ? b : a).restitution.value,
+            ", the other beta = ", *(a.beta ? a : b).beta,
+            " s; use the same of the two for both materials"});
     }
     CundallStrackLaw law = a.restitution.value <= b.restitution.value ? a : b;
     law.normal_stiffness = in_series(a.normal_stiffness, b.normal_stiffness);
@@ -198,10 +198,10 @@ struct CundallStrackLaw {
   // Friction limits the tangential force, which is zero without its spring.
   void require_spring_for(const std::string& name, double value, const std::string& unit) const {
     if (!(value > 0) || tangential_stiffness > 0) return;
-    fail("CundallStrack: " + name + " = " + to_text(value) + " " + unit +
-         " has no effect, because tangential_stiffness = 0 gives no tangential force; set "
-         "tangential_stiffness, e.g. to half of normal_stiffness, or " +
-         name + " to 0");
+    fail({"CundallStrack: ", name, " = ", value, " ", unit,
+          " has no effect, because tangential_stiffness = 0 gives no tangential force; set "
+          "tangential_stiffness, e.g. to half of normal_stiffness, or ",
+          name, " to 0"});
   }
 
   // β = c/k [s]: the given value, or 2 ζ √(m*/k_n).

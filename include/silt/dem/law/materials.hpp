@@ -45,9 +45,8 @@ class Materials {
   /// Throws if there is no material with this number; `whose` and `where` describe its owner.
   void check(std::uint32_t number, const std::string& whose, Where where = {}) const {
     if (number >= count_) {
-      fail("dem::Contacts: material " + std::to_string(number) + " " + whose +
-               " does not exist: there are only " + std::to_string(count_) +
-               "; pass all materials to Contacts",
+      fail({"dem::Contacts: material ", number, " ", whose, " does not exist: there are only ",
+            count_, "; pass all materials to Contacts"},
            where);
     }
   }

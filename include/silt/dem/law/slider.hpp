@@ -29,10 +29,10 @@ struct FrictionAngle {
     require_not_negative(name, value);
     if (value <= std::numbers::pi / 2 - 1e-6) return;
     const std::string own = to_text(value);
-    fail(std::string(name) + " = " + own + " rad is not below π/2; give radians: " +
-         (value < 90 ? own + " degrees are " + to_text(value * std::numbers::pi / 180)
-                     : "degrees times π/180") +
-         ", and a coefficient μ is the angle atan(μ)");
+    fail({name, " = ", own, " rad is not below π/2; give radians: ",
+          (value < 90 ? own + " degrees are " + to_text(value * std::numbers::pi / 180)
+                      : "degrees times π/180"),
+          ", and a coefficient μ is the angle atan(μ)"});
   }
 
   /// The smaller one.
@@ -50,11 +50,11 @@ inline void check_resistance(std::string_view name, double coefficient) {
   require_not_negative(name, coefficient);
   if (coefficient <= max_resistance) return;
   const std::string own = to_text(coefficient);
-  fail(std::string(name) + " = " + own + " is above " + to_text(max_resistance) +
-       "; give a coefficient, not an angle in degrees" +
-       (coefficient < 90 ? ": for " + own + " degrees it is " +
-                               to_text(std::tan(coefficient * std::numbers::pi / 180))
-                         : ""));
+  fail({name, " = ", own, " is above ", max_resistance,
+        "; give a coefficient, not an angle in degrees",
+        (coefficient < 90 ? ": for " + own + " degrees it is " +
+                                to_text(std::tan(coefficient * std::numbers::pi / 180))
+                          : "")});
 }
 
 /// The spring force [N] of the previous step, or couple [N m], rotated into the current contact

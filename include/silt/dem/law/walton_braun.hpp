@@ -37,9 +37,8 @@ struct WaltonBraun {
     check_magnitude("WaltonBraun: loading_stiffness", loading_stiffness);
     restitution.check("WaltonBraun: restitution");
     if (unloading_stiffness() > 1e100) {
-      fail("WaltonBraun: restitution = " + to_text(restitution.value) +
-           " gives an unloading stiffness of " + to_text(unloading_stiffness()) +
-           " N/m, above 1e100 N/m; give a higher restitution");
+      fail({"WaltonBraun: restitution = ", restitution.value, " gives an unloading stiffness of ",
+            unloading_stiffness(), " N/m, above 1e100 N/m; give a higher restitution"});
     }
   }
 

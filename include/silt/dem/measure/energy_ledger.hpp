@@ -63,9 +63,8 @@ class EnergyLedger {
   template <class Sim, class... Run>
   void after_step(const Sim& simulation, const Run&...) {
     if (simulation.steps() != steps_ + 1) {
-      fail("dem::EnergyLedger: step " + std::to_string(simulation.steps()) +
-           " does not follow step " + std::to_string(steps_) +
-           "; call after_step() after every step");
+      fail({"dem::EnergyLedger: step ", simulation.steps(), " does not follow step ", steps_,
+            "; call after_step() after every step"});
     }
     check_all_known(simulation.particles());
     if (steps_ > 0) add_step(simulation);

@@ -43,8 +43,8 @@ void check_columns(const T& table, const P& grains) {
   });
   for (const std::string& name : table.names()) {
     if (name == "density" || std::find(known.begin(), known.end(), name) != known.end()) continue;
-    fail("dem::grains_from: unknown column " + name + "; known are " + all +
-         "density; correct its name, or remove it");
+    fail({"dem::grains_from: unknown column ", name, "; known are ", all,
+          "density; correct its name, or remove it"});
   }
   if (has_column(table, "density") && has_column(table, "mass")) {
     fail("dem::grains_from: the table has both density and mass; remove one of them");

@@ -102,14 +102,14 @@ Inertia inertia_of(const Grain& grain) {
   // In the precision of the grains, to reject values that underflow or overflow in it.
   if (!is_radius(Real(r)) || !is_positive_normal(Real(m)) || !is_positive_normal(Real(I)) ||
       !has_products(Real(r), Real(m))) {
-    fail("Grain: radius = " + to_text(r) + " m and density = " + to_text(grain.density) +
-         " kg/m³ give the mass " + to_text(m) + " kg and the moment of inertia " + to_text(I) +
-         " kg m²; change them so that these, and products of radius and mass, are normal numbers "
-         "in the precision of the grains");
+    fail({"Grain: radius = ", r, " m and density = ", grain.density, " kg/m³ give the mass ", m,
+          " kg and the moment of inertia ", I,
+          " kg m²; change them so that these, and products of radius and mass, are normal numbers "
+          "in the precision of the grains"});
   }
   if (grain.material > std::numeric_limits<std::uint32_t>::max()) {
-    fail("Grain: material = " + std::to_string(grain.material) +
-         " is not below 2^32; give an index in dem::Materials");
+    fail({"Grain: material = ", grain.material,
+          " is not below 2^32; give an index in dem::Materials"});
   }
   return {m, I};
 }

@@ -133,9 +133,9 @@ class Inflow {
     if (double(number) <= detail::max_placed) return;
     const double room = detail::number_in<Dim>(region_.volume(), blend_, settings_.seed);
     if (room <= detail::max_placed) return;
-    fail("Inflow: number = " + to_text(double(number)) +
-         " grains at once, of which the region has room for up to " + to_text(room) +
-         ", are more than 1e8; add fewer or larger grains, or set a lower rate");
+    fail({"Inflow: number = ", double(number),
+          " grains at once, of which the region has room for up to ", room,
+          ", are more than 1e8; add fewer or larger grains, or set a lower rate"});
   }
 
   template <class P, class TouchesWall>

@@ -175,8 +175,8 @@ class Placement {
       const Ball ball{box_.wrap(random.point_in(bounds_)), radius};
       const Real clearance = region_.clearance(ball.centre);
       if (is_nan(double(clearance))) {
-        fail("dem: clearance(x) of the region returned nan at x = " + to_text(ball.centre) +
-             " m; correct it to return the distance to the boundary");
+        fail({"dem: clearance(x) of the region returned nan at x = ", to_text(ball.centre),
+              " m; correct it to return the distance to the boundary"});
       }
       if (clearance < radius || !occupancy_.has_room_for(ball)) continue;
       if (touches_wall(ball.centre, radius)) continue;
@@ -213,8 +213,8 @@ double expected_number(const Blend<Sizes>& blend, const Scatter& scatter, double
   const double expected = scatter.number ? double(*scatter.number)
                                          : number_in<Dim>(share * volume, blend, scatter.seed);
   if (!(expected <= max_placed)) {
-    fail("dem::scatter: " + text_of(scatter, expected) +
-         " are more than 1e8; place fewer or larger grains");
+    fail({"dem::scatter: ", text_of(scatter, expected),
+          " are more than 1e8; place fewer or larger grains"});
   }
   return expected;
 }
@@ -227,10 +227,9 @@ std::vector<Grain> draw_grains(const Blend<Sizes>& blend, const Scatter& scatter
   for (double filled = 0; scatter.number ? drawn.size() < *scatter.number : filled < share * volume;
        filled += volume_of<Dim>(drawn.back().radius)) {
     if (filled > volume) {
-      fail("dem::scatter: number = " + std::to_string(*scatter.number) +
-           " grains have no room: the first " + std::to_string(drawn.size()) +
-           " of them have the volume of the region, " + to_text(volume) +
-           "; place fewer or smaller grains");
+      fail({"dem::scatter: number = ", *scatter.number, " grains have no room: the first ",
+            drawn.size(), " of them have the volume of the region, ", volume,
+            "; place fewer or smaller grains"});
     }
     Random random{.seed = scatter.seed, .id = drawn.size()};
     drawn.push_back(blend.draw(random));
@@ -269,11 +268,10 @@ void scatter_in(P& grains, const Blend<Sizes>& blend, const R& region, const Sca
     Random random{.seed = scatter.seed, .id = placed.size(), .counter = std::uint64_t{1} << 32};
     const auto ball = placement.find(random, Real(grain.radius), scatter.tries, touches_wall);
     if (!ball) {
-      fail("dem::scatter: placed " + std::to_string(placed.size()) + " of " +
-           std::to_string(drawn.size()) + " grains, " + to_text(filled / volume) +
-           " of the region, and found no free position for a grain of radius " +
-           to_text(grain.radius) + " m in " + std::to_string(scatter.tries) +
-           " tries; place fewer grains, or let grains fall and settle");
+      fail({"dem::scatter: placed ", placed.size(), " of ", drawn.size(), " grains, ",
+            filled / volume, " of the region, and found no free position for a grain of radius ",
+            grain.radius, " m in ", scatter.tries,
+            " tries; place fewer grains, or let grains fall and settle"});
     }
     placed.push_back(*ball);
     filled += volume_of<P::dimension>(grain.radius);
@@ -302,8 +300,8 @@ void scatter(P& grains, const Blend<Sizes>& blend, const R& region, const Scatte
   detail::check_bounds(Box<P::dimension, Real>(region.bounds()));
   const double expected = detail::expected_number<P::dimension>(blend, scatter, volume);
   const auto fail_for_memory = [&] {
-    fail("dem::scatter: " + detail::text_of(scatter, expected) +
-         " do not fit into memory; place fewer or larger grains");
+    fail({"dem::scatter: ", detail::text_of(scatter, expected),
+          " do not fit into memory; place fewer or larger grains"});
   };
   try {
     detail::scatter_in(grains, blend, region, scatter, volume, walls);

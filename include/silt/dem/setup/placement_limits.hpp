@@ -23,8 +23,8 @@ inline constexpr Index max_tries = 10'000'000;
 /// `name` is that of the function or observer.
 inline void check_tries(const std::string& name, Index tries) {
   if (tries >= 1 && tries <= max_tries) return;
-  fail(name + ": tries = " + std::to_string(tries) +
-       " must be at least 1 and at most 1e7; give a value in that range");
+  fail({name, ": tries = ", tries,
+        " must be at least 1 and at most 1e7; give a value in that range"});
 }
 
 /// Throws unless the corners of the region are finite.
@@ -41,9 +41,8 @@ void check_fits(const std::string& name, const Box<Dim, Real>& bounds, double ra
     if (bounds.periodic[static_cast<std::size_t>(k)]) continue;
     const double length = double(bounds.upper[k]) - double(bounds.lower[k]);
     if (2 * radius <= length * (1 + 1e-6)) continue;
-    fail(name + ": a grain of radius " + to_text(radius) +
-         " m has no room in the region, which is " + to_text(length) + " m long along axis " +
-         std::to_string(k) + "; enlarge the region, or use smaller grains");
+    fail({name, ": a grain of radius ", radius, " m has no room in the region, which is ", length,
+          " m long along axis ", k, "; enlarge the region, or use smaller grains"});
   }
 }
 
@@ -55,9 +54,9 @@ void check_in_box(const Box<Dim, Real>& box, const Vec<Dim, Real>& x) {
     if (box.periodic[static_cast<std::size_t>(k)]) continue;
     if (box.lower[k] <= x[k] && x[k] <= box.upper[k]) continue;
     const Real side = x[k] < box.lower[k] ? box.lower[k] : box.upper[k];
-    fail("dem: the region has a free position x = " + to_text(x) +
-         " m beyond the side of the box at " + to_text(double(side)) + " m along axis " +
-         std::to_string(k) + "; keep the region within the box, or enlarge the box");
+    fail({"dem: the region has a free position x = ", to_text(x),
+          " m beyond the side of the box at ", side, " m along axis ", k,
+          "; keep the region within the box, or enlarge the box"});
   }
 }
 

@@ -45,9 +45,8 @@ double settle(Sim& simulation, const Settling& settling, Observers&&... observer
   require_positive("Settling: check_every", settling.check_every);
   require_positive("Settling: max_time", settling.max_time);
   if (settling.check_every > settling.max_time) {
-    fail("Settling: check_every = " + to_text(settling.check_every) +
-         " s is longer than max_time = " + to_text(settling.max_time) +
-         " s; check more often, or increase max_time");
+    fail({"Settling: check_every = ", settling.check_every, " s is longer than max_time = ",
+          settling.max_time, " s; check more often, or increase max_time"});
   }
   if (settling.time_step) require_positive("Settling: time_step", *settling.time_step);
   const double began = simulation.time();
@@ -68,15 +67,15 @@ double settle(Sim& simulation, const Settling& settling, Observers&&... observer
                                           observers...);
     if (!completed) return simulation.time() - began;
     if (simulation.steps() == steps) {
-      fail("Settling: check_every = " + to_text(settling.check_every) +
-           " s is too short for a step at t = " + to_text(simulation.time()) + " s; increase it");
+      fail({"Settling: check_every = ", settling.check_every,
+            " s is too short for a step at t = ", simulation.time(), " s; increase it"});
     }
     speed = rms_speed(simulation.particles());
     if (speed < settling.speed) return simulation.time() - began;
   }
-  fail("dem::settle: after " + to_text(settling.max_time) + " s the rms speed is still " +
-       to_text(speed) + " m/s, above speed = " + to_text(settling.speed) +
-       " m/s; increase max_time or speed, or add damping");
+  fail({"dem::settle: after ", settling.max_time, " s the rms speed is still ", speed,
+        " m/s, above speed = ", settling.speed,
+        " m/s; increase max_time or speed, or add damping"});
 }
 
 }  // namespace silt::dem

@@ -41,8 +41,8 @@ inline void check_sizes(const std::string& name, const Range& radii) {
   require_between(name + ": min_radius", radii.lower, allowed);
   require_between(name + ": max_radius", radii.upper, allowed);
   if (radii.lower > radii.upper) {
-    fail(name + ": min_radius = " + to_text(radii.lower) +
-         " m is above max_radius = " + to_text(radii.upper) + " m; swap them");
+    fail({name, ": min_radius = ", radii.lower, " m is above max_radius = ", radii.upper,
+          " m; swap them"});
   }
 }
 }  // namespace detail
@@ -80,10 +80,10 @@ struct LognormalSizes {
     require_positive("LognormalSizes: deviation", deviation);
     const double left = share_below(max_radius) - share_below(min_radius);
     if (!(left >= 0.01)) {  // also for NaN
-      fail("LognormalSizes: only " + to_text(left) + " of all grains of median = " +
-           to_text(median) + " m and deviation = " + to_text(deviation) +
-           " have radii from min_radius = " + to_text(min_radius) + " to max_radius = " +
-           to_text(max_radius) + " m; widen these limits, or choose a median between them");
+      fail({"LognormalSizes: only ", left, " of all grains of median = ", median,
+            " m and deviation = ", deviation, " have radii from min_radius = ", min_radius,
+            " to max_radius = ", max_radius,
+            " m; widen these limits, or choose a median between them"});
     }
   }
   double radius(Random& random) const {
@@ -185,8 +185,8 @@ struct Blend {
   Grain draw(Random& random) const {
     const double R = sizes.radius(random);
     if (!is_finite(R) || !(R > 0)) {
-      fail("Blend: radius(random) of the distribution of sizes returned " + to_text(R) +
-           " m; correct it to return positive and finite radii");
+      fail({"Blend: radius(random) of the distribution of sizes returned ", R,
+            " m; correct it to return positive and finite radii"});
     }
     return {.radius = R, .density = density, .shape = shape, .material = material};
   }

@@ -71,7 +71,7 @@ struct Rotation {
     require_finite("Rotation: about", about);
     require_finite("Rotation: spin", spin);
     if (is_finite(squared_norm(spin))) return;
-    fail("Rotation: spin = " + to_text(spin) + " 1/s has an infinite square; give a lower one");
+    fail({"Rotation: spin = ", spin, " 1/s has an infinite square; give a lower one"});
   }
   Pose<Dim, Real> pose_at(double t) const {
     Pose<Dim, Real> pose;
@@ -137,8 +137,8 @@ struct Moving {
     if constexpr (requires { motion.period(); }) {
       const double period = motion.period();
       if (period > 0) return;  // false for NaN
-      fail("Moving: period = " + to_text(period) +
-           " s of the motion must be positive; give one, or infinity without vibration");
+      fail({"Moving: period = ", period,
+            " s of the motion must be positive; give one, or infinity without vibration"});
     }
   }
 };

@@ -43,10 +43,9 @@ struct Plane {
     if (nearest(nearest_corner).distance > max_radius) return;
     for (int k = 0; k < Dim; ++k) {
       if (!box.periodic[Index(k)] || std::abs(normal[k]) < Real(1e-6)) continue;
-      fail("Plane: the normal " + to_text(normal) + " has a component along axis " +
-           std::to_string(k) +
-           ", which is periodic in the grains' box: the plane would break off at its sides; make "
-           "the axis non-periodic, or turn the plane");
+      fail({"Plane: the normal ", to_text(normal), " has a component along axis ", k,
+            ", which is periodic in the grains' box: the plane would break off at its sides; make "
+            "the axis non-periodic, or turn the plane"});
     }
   }
 

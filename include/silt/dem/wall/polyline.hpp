@@ -28,8 +28,7 @@ struct Polyline {
   void check() {
     const Index least = closed ? 3 : 2;
     if (points.size() < least) {
-      fail("Polyline: number of points = " + std::to_string(points.size()) + "; give at least " +
-           std::to_string(least));
+      fail({"Polyline: number of points = ", points.size(), "; give at least ", least});
     }
     const auto name_of = [](Index k) { return "Polyline: point " + std::to_string(k); };
     for (Index k = 0; k < points.size(); ++k) require_finite(name_of(k), points[k]);

@@ -37,8 +37,8 @@ struct Circle {
   void check() const {
     require_finite("Circle: centre", centre);
     if (!is_finite(centre.squaredNorm())) {
-      fail("Circle: centre = " + to_text(centre) +
-           " m has an infinite square; move it nearer to 0");
+      fail(
+          {"Circle: centre = ", to_text(centre), " m has an infinite square; move it nearer to 0"});
     }
     require_positive("Circle: radius", double(radius));
   }

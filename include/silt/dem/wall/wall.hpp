@@ -44,8 +44,8 @@ void check_points(const std::string& name, const TwoPoints<Dim, Real>& points) {
   require_finite(name + ": to", to);
   const double distance = double((to - from).norm());
   if (distance > 0 && is_finite(distance)) return;
-  fail(name + ": from = " + to_text(from) + " and to = " + to_text(to) + " m have the distance " +
-       to_text(distance) + " m, which must be positive and finite; give other points");
+  fail({name, ": from = ", from, " and to = ", to, " m have the distance ", distance,
+        " m, which must be positive and finite; give other points"});
 }
 
 namespace detail {

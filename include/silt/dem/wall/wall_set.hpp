@@ -203,9 +203,9 @@ class WallSet {
       ++w;
     });
     if (elements() > max_wall_elements) {
-      fail("dem::Contacts: the walls have " + std::to_string(elements()) +
-           " elements (faces, edges and corners), more than 2^28; use coarser meshes or fewer "
-           "walls");
+      fail({"dem::Contacts: the walls have ", elements(),
+            " elements (faces, edges and corners), more than 2^28; use coarser meshes or fewer "
+            "walls"});
     }
   }
 
@@ -214,8 +214,7 @@ class WallSet {
   /// Throws if there is no wall with this number.
   static void check_number(Index number) {
     if (number < size()) return;
-    fail("dem::Contacts: there is no wall " + std::to_string(number) + "; give a number below " +
-         std::to_string(size()));
+    fail({"dem::Contacts: there is no wall ", number, "; give a number below ", size()});
   }
 
   /// Their poses and velocities at the given times.
@@ -251,8 +250,8 @@ class WallSet {
     if (present.size() != size()) present.assign(size(), 1);
     for (Index w = 0; w < size(); ++w) {
       if (present[w] > 1) {
-        fail("dem::Contacts: present = " + std::to_string(present[w]) + " of wall " +
-             std::to_string(w) + " is neither 0 nor 1; use an earlier checkpoint");
+        fail({"dem::Contacts: present = ", present[w], " of wall ", w,
+              " is neither 0 nor 1; use an earlier checkpoint"});
       }
       set_present(w, present[w] == 1);
     }

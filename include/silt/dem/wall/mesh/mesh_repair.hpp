@@ -103,9 +103,9 @@ WeldedMesh<Real> weld(const std::vector<Triangle<Real>>& triangles) {
     auto sorted = corners;
     std::ranges::sort(sorted);
     if (sorted[0] == sorted[1] || sorted[1] == sorted[2]) {
-      fail("MeshWall: triangle " + std::to_string(t) + " at " + to_text(triangles[t].corners[0]) +
-           " m is too small compared with the mesh: two of its corners coincide in single "
-           "precision; remove it, or move the mesh to the origin");
+      fail({"MeshWall: triangle ", t, " at ", to_text(triangles[t].corners[0]),
+            " m is too small compared with the mesh: two of its corners coincide in single "
+            "precision; remove it, or move the mesh to the origin"});
     }
     if (known.insert(sorted).second) mesh.triangles.push_back(corners);
   }
