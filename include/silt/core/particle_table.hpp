@@ -153,14 +153,14 @@ class ParticleTable {
       ++halo_;
       if (ids_.add_other(id)) continue;
       clear_halo(columns);
-      fail("Particles: the particle " + std::to_string(id) + " is on two processes");
+      fail({"Particles: the particle ", id, " is on two processes"});
     }
     note_change();
   }
   Index adopt(AllColumns columns, Id id) {
     clear_halo(columns);
     if (index_of(id) != no_index) {
-      fail("Particles::adopt: the particle " + std::to_string(id) + " is here already");
+      fail({"Particles::adopt: the particle ", id, " is here already"});
     }
     make_room(columns);
     resize(columns, total() + 1);

@@ -134,8 +134,7 @@ class Particles : public ParticleTable {
   void remove(Id id) {
     const Index index = index_of(id);
     if (index == no_index) {
-      fail("Particles::remove: no particle has the id " + std::to_string(id) +
-           "; it was removed or never added");
+      fail({"Particles::remove: no particle has the id ", id, "; it was removed or never added"});
     }
     remove_if([index](Index i) { return i == index; });
   }
@@ -294,9 +293,8 @@ class Particles : public ParticleTable {
     }
     if constexpr (Archive::reads) {
       if (column.size() != values.size()) {
-        fail("Particles: " + std::string(name_of<F>()) + " has " + std::to_string(column.size()) +
-             " values for " + std::to_string(values.size()) +
-             " particles; use an earlier checkpoint");
+        fail({"Particles: ", name_of<F>(), " has ", column.size(), " values for ", values.size(),
+              " particles; use an earlier checkpoint"});
       }
       std::copy(column.begin(), column.end(), values.begin());
     }

@@ -32,8 +32,7 @@ using Stream = std::unique_ptr<std::FILE, Close>;
 /// that failed, `advice` is what the user can do.
 [[noreturn, gnu::cold]] inline void fail_with(const std::string& what, const std::filesystem::path& path,
                                    const std::error_code& reason, const std::string& advice) {
-  fail(what + " " + (path.empty() ? "\"\"" : path.string()) + ": " + reason.message() + "; " +
-       advice);
+  fail({what, " ", (path.empty() ? "\"\"" : path.string()), ": ", reason.message(), "; ", advice});
 }
 
 /// The reason why a function of the C library failed.
@@ -56,8 +55,8 @@ inline std::error_code last_error() { return {errno, std::generic_category()}; }
   std::error_code ignored;
   if (std::filesystem::is_directory(folder, ignored)) return;
   if (std::filesystem::exists(folder, ignored)) {  // often the program itself
-    fail(caller + ": cannot create the folder " + folder.string() +
-         ": a file with this name exists; rename it, or choose another folder");
+    fail({caller, ": cannot create the folder ", folder.string(),
+          ": a file with this name exists; rename it, or choose another folder"});
   }
   fail_with(caller + ": cannot create the folder", folder, reason, "choose a writable folder");
 }
@@ -70,7 +69,7 @@ inline std::error_code last_error() { return {errno, std::generic_category()}; }
   const auto type = std::filesystem::status(path, ignored).type();
   // It may have no end, as /dev/zero.
   if (type == std::filesystem::file_type::character || type == std::filesystem::file_type::block) {
-    fail(caller + ": cannot read " + path.string() + ", which is a device; give a file or pipe");
+    fail({caller, ": cannot read ", path.string(), ", which is a device; give a file or pipe"});
   }
   errno = 0;
   const Stream stream(std::fopen(path.string().c_str(), "rb"));

@@ -111,8 +111,7 @@ namespace detail {
     if (status.type() != std::filesystem::file_type::symlink) {
       // A rename would replace even a device.
       if (!std::filesystem::exists(status) || std::filesystem::is_regular_file(status)) return path;
-      fail(caller + ": cannot replace " + path.string() +
-           ": it is not a file; choose another name");
+      fail({caller, ": cannot replace ", path.string(), ": it is not a file; choose another name"});
     }
     const auto target = std::filesystem::read_symlink(path, reason);
     if (reason) fail_with(caller + ": cannot read the link", path, reason, "check the path");

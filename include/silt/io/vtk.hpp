@@ -12,6 +12,7 @@
 // some programs cannot read them, such as ParaView 5.11 of Debian 12 (its VTK with its expat).
 #pragma once
 
+#include <silt/core/error.hpp>
 #include <silt/core/field_view.hpp>
 #include <silt/core/fields.hpp>
 #include <silt/core/parallel.hpp>
@@ -77,14 +78,14 @@ inline constexpr VtkType vtk_type_of = [] {
 /// A named array of `count` values, `stride` bytes apart.
 struct VtkArray {
   std::string_view name;
-  VtkType values;
+  const VtkType* values;
   const void* first;
   Index count;
   Index stride;
 };
 template <class Value>
 VtkArray vtk_array(std::string_view name, std::span<const Value> values) {
-  return {name, vtk_type_of<Value>, values.data(), values.size(), sizeof(Value)};
+  return {name, &vtk_type_of<Value>, values.data(), values.size(), sizeof(Value)};
 }
 
 /// Bytes in base64: four characters for every three bytes.
@@ -106,9 +107,16 @@ VtkArray vtk_array(std::string_view name, std::span<const Value> values) {
   return text;
 }
 
+/// Of fields, which have as many values as there are ids. Not inlined for every field.
+[[gnu::noinline, gnu::cold]] inline void add_vtk_array(std::vector<VtkArray>& arrays,
+                                                       std::string_view name, const VtkType& values,
+                                                       const void* first, Index stride) {
+  arrays.push_back({name, &values, first, 0, stride});
+}
+
 /// The XML element of an array.
 [[gnu::cold]] inline std::string xml_of(const VtkArray& array) {
-  const auto [type, components, size, width] = array.values;
+  const auto [type, components, size, width] = *array.values;
   const std::uint64_t length = array.count * width;
   std::string bytes(sizeof length + length, '\0');
   std::memcpy(bytes.data(), &length, sizeof length);
@@ -118,13 +126,13 @@ VtkArray vtk_array(std::string_view name, std::span<const Value> values) {
       std::memcpy(to + i * width, from + i * array.stride, size);
     }
   });
-  return "<DataArray type=\"" + std::string(type) + "\" Name=\"" + std::string(array.name) +
-         "\" NumberOfComponents=\"" + std::to_string(components) + "\" format=\"binary\">" +
-         base64(bytes) + "</DataArray>\n";
+  return message_of({"<DataArray type=\"", type, "\" Name=\"", array.name,
+                     "\" NumberOfComponents=\"", components, "\" format=\"binary\">", base64(bytes),
+                     "</DataArray>\n"});
 }
 
 /// A frame of the positions, as points, and the other fields.
-[[gnu::cold]] inline std::string vtk_frame(std::span<const Id> ids, std::span<const VtkArray> fields) {
+[[gnu::cold]] inline std::string vtk_frame(std::span<const Id> ids, std::span<VtkArray> fields) {
   const Index n = ids.size();
   std::vector<std::int64_t> numbers(n);
   std::iota(numbers.begin(), numbers.end(), std::int64_t{0});
@@ -136,19 +144,21 @@ VtkArray vtk_array(std::string_view name, std::span<const Value> values) {
 
   std::string points;
   std::string point_data = xml_of(vtk_array("id", ids));
-  for (const VtkArray& field : fields) {
-    if (field.values.type) (field.name == name_of<position_t>() ? points : point_data) += xml_of(field);
+  for (VtkArray& field : fields) {
+    field.count = n;
+    if (field.values->type)
+      (field.name == name_of<position_t>() ? points : point_data) += xml_of(field);
   }
 
-  const std::string order =
+  const char* const order =
       std::endian::native == std::endian::little ? "LittleEndian" : "BigEndian";
-  const std::string count = std::to_string(n);
-  return "<?xml version=\"1.0\"?>\n"
-         "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"" + order +
-         "\" header_type=\"UInt64\">\n<UnstructuredGrid>\n<Piece NumberOfPoints=\"" + count +
-         "\" NumberOfCells=\"" + count + "\">\n<Points>\n" + points + "</Points>\n<Cells>\n" +
-         cells + "</Cells>\n<PointData>\n" + point_data + "</PointData>\n</Piece>\n"
-         "</UnstructuredGrid>\n</VTKFile>\n";
+  return message_of(
+      {"<?xml version=\"1.0\"?>\n"
+       "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"",
+       order, "\" header_type=\"UInt64\">\n<UnstructuredGrid>\n<Piece NumberOfPoints=\"", n,
+       "\" NumberOfCells=\"", n, "\">\n<Points>\n", points, "</Points>\n<Cells>\n", cells,
+       "</Cells>\n<PointData>\n", point_data,
+       "</PointData>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n"});
 }
 
 }  // namespace detail
@@ -161,8 +171,8 @@ template <class P>
   std::vector<detail::VtkArray> fields;
   particles.for_each_field([&]<class Values, class F>(const Values& values, F) {
     using Value = typename Values::value_type;
-    fields.push_back({name_of<F>(), detail::vtk_type_of<Value>,
-                      values.empty() ? nullptr : &values.front(), values.size(), stride_of(values)});
+    detail::add_vtk_array(fields, name_of<F>(), detail::vtk_type_of<Value>,
+                          values.empty() ? nullptr : &values.front(), stride_of(values));
   });
   return detail::vtk_frame(particles.ids(), fields);
 }
@@ -178,15 +188,16 @@ template <class P>
     std::string text;
     for (auto from = frame.find("<DataArray", first); from < last;
          from = frame.find("<DataArray", from + 1)) {
-      text += "<P" + frame.substr(from + 1, frame.find(" format=", from) - from - 1) + "/>\n";
+      text += message_of(
+          {"<P", frame.substr(from + 1, frame.find(" format=", from) - from - 1), "/>\n"});
     }
-    return "<P" + part + ">\n" + text + "</P" + part + ">\n";
+    return message_of({"<P", part, ">\n", text, "</P", part, ">\n"});
   };
   std::string text = begin;
   text.replace(text.find("UnstructuredGrid"), 0, "P");
-  text += "<PUnstructuredGrid>\n" + declared("Points") + declared("PointData");
-  for (const std::string& file : files) text += "<Piece Source=\"" + file + "\"/>\n";
-  return text + "</PUnstructuredGrid>\n</VTKFile>\n";
+  text += message_of({"<PUnstructuredGrid>\n", declared("Points"), declared("PointData")});
+  for (const std::string& file : files) text += message_of({"<Piece Source=\"", file, "\"/>\n"});
+  return text += "</PUnstructuredGrid>\n</VTKFile>\n";
 }
 
 /// Observer that writes a frame at every output, followed by the list of all frames with their
@@ -243,7 +254,7 @@ class VtkSeries {
     if (times_.empty() || times_.back() != time) times_.push_back(time);
     const Index number = times_.size() - 1;
     const auto piece = [&](int rank) {
-      return frame_name(number) + "_" + std::to_string(rank) + ".vtu";
+      return message_of({frame_name(number), "_", rank, of_one});
     };
     if (process.count > 1) {
       file::replace("VtkSeries", folder_ / piece(process.rank), frame);
@@ -268,13 +279,15 @@ class VtkSeries {
 
     std::string list;
     for (Index k = 0; k < times_.size(); ++k) {
-      list += "<DataSet " + std::string(time_begins) + file::digits(times_[k]) + "\" file=\"" +
-              folder_.filename().string() + "/" + frame_name(k) +
-              (is_in_pieces_[k] ? of_pieces : of_one) + "\"/>\n";
+      list += message_of({"<DataSet ", time_begins, file::digits(times_[k]), "\" file=\"",
+                          folder_.filename().string(), "/", frame_name(k),
+                          is_in_pieces_[k] ? of_pieces : of_one, "\"/>\n"});
     }
-    file::replace("VtkSeries", list_path(),
-                  "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\">\n"
-                  "<Collection>\n" + list + "</Collection>\n</VTKFile>\n");
+    file::replace(
+        "VtkSeries", list_path(),
+        message_of({"<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\">\n"
+                    "<Collection>\n",
+                    list, "</Collection>\n</VTKFile>\n"}));
   }
 
   [[gnu::cold]] std::filesystem::path list_path() const {
@@ -285,7 +298,7 @@ class VtkSeries {
   [[gnu::cold]] std::string frame_name(Index k) const {
     std::string number = std::to_string(k);
     number.insert(0, number.size() < 6 ? 6 - number.size() : 0, '0');
-    return folder_.filename().string() + "_" + number;
+    return message_of({folder_.filename().string(), "_", number});
   }
 
   // The times of the listed frames of an earlier run before `time`.
