@@ -36,6 +36,40 @@ TYPED_TEST(AllParticles, AreAddedWithAPositionAndZeros) {
   EXPECT_EQ(particles[colour][0], (std::array<unsigned char, 3>{}));
 }
 
+// The values of a field may be of any type that can be copied.
+struct Label {
+  std::string text = "none, in memory of its own";
+};
+inline constexpr struct label_t : field_of<Label> {
+} label{};
+TEST(Particles, HaveFieldsOfAnyType) {
+  Particles<2, double, label_t> particles;
+  for (int k = 0; k < 5; ++k) particles.add({k, 0});
+  EXPECT_EQ(particles[label][3].text, Label{}.text);
+  for (Index i = 0; i < 5; ++i) particles[label][i].text = "that of the particle " + std::to_string(i);
+  particles.remove_if([](Index i) { return i == 1; });
+  particles.reorder(std::array<Index, 4>{3, 1, 0, 2});
+  particles.add_ghost(0, {1, 0});
+  EXPECT_EQ(particles.with_ghosts(label).back().text, "that of the particle 4");
+  particles.save();
+  particles.keep(label);
+  const auto copy = particles;
+  for (auto& each : particles[label]) each.text = "changed";
+  particles.copy_to_ghosts(label);
+  EXPECT_EQ(particles.with_ghosts(label).back().text, "changed");
+  particles.restore();
+  for (const auto& each : {particles, copy}) {
+    for (Index i = 0; i < 4; ++i) {
+      EXPECT_EQ(each[label][i].text,
+                "that of the particle " + std::to_string(int(each[position][i][0])));
+    }
+  }
+  const auto [before, after] = particles.advance(label);
+  for (Index i = 0; i < 4; ++i) after[i].text = before[i].text + " after the step";
+  particles.finish_advance();
+  EXPECT_EQ(particles[label][0].text, "that of the particle 4 after the step");
+}
+
 TYPED_TEST(AllParticles, StayInTheirMemoryWhenItIsReserved) {
   TypeParam particles;
   particles.reserve(1000);

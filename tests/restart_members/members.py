@@ -19,17 +19,23 @@ def all_of(reason, names):
     return {name: reason for name in names.split()}
 
 
+def particles(of_table, **further):
+    """Of particles and of their base, whose members they have as well."""
+    return {"ParticleTable": of_table, "Particles": {**of_table, **further}}
+
+
 NOT_STORED = {
     # core
     "Columns<Dim,Real,std::tuple<All...>>": {"units_": "Particles::transfer() names their fields"},
     "TimeLevels": {"now_": "Particles::transfer() names its fields",
                    **all_of(ROLLBACK, "other_ spare_ is_kept_ is_next_ advanced_")},
-    "Particles": {**all_of("ghosts: those of the last update of the search, which makes them again when it is read",
-                           "owners_ shifts_"),
-                  **all_of(NUMBER, "revision_ owned_revision_ ghosts_revision_ positions_changed_ constants_changed_ "
-                                   "constants_revision_"),
-                  "travel_": "a bound that only saves time",
-                  **all_of("of the halo, which processes find anew", "halo_ state_changed_")},
+    **particles({"ids_": "Particles::transfer() names them",
+                 **all_of("ghosts: those of the last update of the search, which makes them again when it is "
+                          "read", "owners_ shifts_"),
+                 **all_of(NUMBER, "revision_ owned_revision_ ghosts_revision_ positions_changed_ "
+                                  "constants_changed_ constants_revision_"),
+                 "travel_": "a bound that only saves time",
+                 **all_of("of the halo, which processes find anew", "halo_ state_changed_")}),
     "Gravity": {"g_": GIVEN},
     "Forces": {"parts_": "for_each_part() passes them to transfer_part()"},
     "Simulation": {"saved_integrator_": ROLLBACK, "chooses_radius_": GIVEN, "thread_choice_": CLOCK},
@@ -145,12 +151,13 @@ NOT_SAVED = {
     "TimeLevels": {**all_of("restore() copies the owned particles; the search makes the ghosts anew",
                             "now_.ghosts other_.ghosts"),
                    "spare_": MEMORY, "advanced_": "begin_advance() clears it"},
-    "Particles": {**all_of("the step removes particles when nothing can fail any more", "ids_"), "box_": UNCHANGED,
-                  **all_of("ghosts: the search makes them anew", "owners_ shifts_ ghosts_revision_"),
-                  **all_of(NUMBER, "revision_ owned_revision_ positions_changed_ constants_changed_ "
-                                   "constants_revision_"),
-                  "travel_": "positions_changed_ begins it anew",
-                  "halo_": "changed between steps", "state_changed_": "decides whether the halo is sent again"},
+    **particles({**all_of("the step removes particles when nothing can fail any more", "ids_"),
+                 **all_of("ghosts: the search makes them anew", "owners_ shifts_ ghosts_revision_"),
+                 **all_of(NUMBER, "revision_ owned_revision_ positions_changed_ constants_changed_ "
+                                  "constants_revision_"),
+                 "travel_": "positions_changed_ begins it anew",
+                 "halo_": "changed between steps", "state_changed_": "decides whether the halo is sent again"},
+                box_=UNCHANGED),
     "Forces": {"parts_": "for_each_part() saves and restores each"},
     "Simulation": {"chooses_radius_": GIVEN, "thread_choice_": CLOCK,
                    **all_of(SUCCESS, "steps_ particles_lost_ time_ last_time_step_"),

@@ -5,11 +5,10 @@
 
 #include <silt/core/field_storage.hpp>
 #include <silt/core/fields.hpp>
-#include <silt/core/parallel.hpp>
 #include <silt/core/time_levels.hpp>
 #include <silt/core/types.hpp>
 
-#include <cstdint>
+#include <array>
 #include <span>
 #include <tuple>
 
@@ -30,47 +29,22 @@ class Columns<Dim, Real, std::tuple<All...>> {
   template <class F>
   static constexpr bool has = (StorageOf<All>::template has<F> || ...);
 
+  /// All columns and bundles.
+  std::span<detail::TimeLevels> all() noexcept { return units_; }
+
   /// The values of field F of the first n particles.
   template <Field F>
   auto view(F field, Index n) noexcept {
-    return unit_of<F>().now().view(field, n);
+    return StorageWith<F>::view(field, unit_of<F>().now().data(), n);
   }
   template <Field F>
   auto view(F field, Index n) const noexcept {
-    return unit_of<F>().now().view(field, n);
+    return StorageWith<F>::view(field, unit_of<F>().now().data(), n);
   }
   /// The storage of field F: a column, or the rows of a bundle.
   template <Field F>
-  const auto& storage(F) const noexcept {
-    return unit_of<F>().now();
-  }
-
-  /// f(storage) for each.
-  template <class F>
-  void for_each(F&& f) {
-    std::apply([&](auto&... unit) { (f(unit.now()), ...); }, units_);
-  }
-  /// Moves row order[i] to row i. If it throws, nothing has changed.
-  void reorder(std::span<const Index> order) {
-    const auto sorted_copy = [order](const auto& storage) {
-      auto sorted = storage;
-      storage.for_each_field([&](auto field) {
-        const auto from = storage.view(field, storage.size());
-        const auto to = sorted.view(field, sorted.size());
-        silt::for_each(order.size(), [&](Index i) { to[i] = from[order[i]]; });
-      });
-      return sorted;
-    };
-    std::apply(
-        [&](auto&... unit) {
-          auto sorted = std::tuple{sorted_copy(unit.now())...};
-          std::apply([&](auto&... each) { (unit.now().swap(each), ...); }, sorted);
-        },
-        units_);
-  }
-
-  void save() noexcept {
-    std::apply([](auto&... unit) { (unit.save(), ...); }, units_);
+  auto storage(F) const noexcept {
+    return StorageWith<F>(unit_of<F>().now());
   }
   /// Saves field F for restore(); to be called before F is changed in place.
   template <Field F>
@@ -79,16 +53,20 @@ class Columns<Dim, Real, std::tuple<All...>> {
   }
   /// {before, after}: the values of field F of the owned particles, and the memory for the next
   /// ones, all of which must be written; the other fields of a bundle keep their values unless they
-  /// are advanced, too. They become the values of F with finish_advance(). If F was kept before,
-  /// both are the same memory.
+  /// are advanced, too. They become the values of F with TimeLevels::finish_advance(). If F was
+  /// kept before, both are the same memory.
   template <Field F>
   auto advance(F field, Index owned) {
-    return unit_of<F>().advance(field, owned);
+    const auto levels = unit_of<F>().advance(StorageWith<F>::template bits_of<F>);
+    return detail::Advance{StorageWith<F>::view(field, levels.before, owned),
+                           StorageWith<F>::view(field, levels.after, owned)};
   }
   /// The same for all fields of the bundle with field F; every number must be written.
   template <Field F>
   auto advance_rows(F) {
-    return unit_of<F>().advance_rows();
+    const auto levels = unit_of<F>().advance(~0u);
+    return detail::Advance{reinterpret_cast<const Real*>(levels.before),
+                           reinterpret_cast<Real*>(levels.after)};
   }
   /// Whether the next values of field F are written to other memory, so that its present ones may
   /// be shared.
@@ -96,13 +74,11 @@ class Columns<Dim, Real, std::tuple<All...>> {
   bool is_advancing(F) const noexcept {
     return unit_of<F>().is_advancing();
   }
-  /// Makes the next values of all fields passed to advance() their values. `ghosts` is another
-  /// number whenever ghosts have changed.
-  void finish_advance(Index owned, std::uint64_t ghosts) {
-    std::apply([=](auto&... unit) { (unit.finish_advance(owned, ghosts), ...); }, units_);
-  }
-  void restore(Index owned) noexcept {
-    std::apply([owned](auto&... unit) { (unit.restore(owned), ...); }, units_);
+  /// Replaces the values of field F in rows [first, first + owners.size()) by those of the owners.
+  template <Field F>
+  void copy_from_owners(F, Index first, std::span<const Index> owners) {
+    unit_of<F>().now().copy_to_rows(first, owners, StorageWith<F>::template place_of<F>,
+                                    sizeof(value_of<F, Dim, Real>));
   }
 
  private:
@@ -114,15 +90,18 @@ class Columns<Dim, Real, std::tuple<All...>> {
     return place;
   }();
   template <class F>
+  using StorageWith = std::tuple_element_t<place_of<F>, std::tuple<StorageOf<All>...>>;
+  template <class F>
   auto& unit_of() noexcept {
-    return std::get<place_of<F>>(units_);
+    return units_[place_of<F>];
   }
   template <class F>
   const auto& unit_of() const noexcept {
-    return std::get<place_of<F>>(units_);
+    return units_[place_of<F>];
   }
 
-  std::tuple<detail::TimeLevels<StorageOf<All>>...> units_;
+  std::array<detail::TimeLevels, sizeof...(All)> units_{
+      detail::TimeLevels(StorageOf<All>::type)...};
 };
 
 }  // namespace silt

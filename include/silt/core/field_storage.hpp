@@ -9,13 +9,11 @@
 // of grains, is faster in a bundle, because their values share a cache line.
 #pragma once
 
-#include <silt/core/cache_aligned.hpp>
+#include <silt/core/column.hpp>
 #include <silt/core/field_view.hpp>
 #include <silt/core/fields.hpp>
 #include <silt/core/types.hpp>
 
-#include <algorithm>
-#include <atomic>
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
@@ -24,7 +22,6 @@
 #include <tuple>
 #include <type_traits>
 #include <utility>
-#include <vector>
 
 namespace silt {
 
@@ -62,58 +59,42 @@ struct StorageList {
   using Units = decltype(std::tuple_cat(std::declval<If<!in_bundle<All>, All>>()...));
 };
 
-// The values of one field.
+// How a field that has a column of its own lies in it.
 template <int Dim, class Real, Field F>
-class Column {
+class ColumnOf {
   using Value = value_of<F, Dim, Real>;
-  static_assert(!std::same_as<Value, bool>,
-                "silt::Particles: a column of bool is not contiguous; use std::uint8_t");
+  static_assert(alignof(Value) <= Column::alignment,
+                "silt::Particles: a field's values are overaligned");
 
  public:
   template <class Other>
   static constexpr bool has = std::same_as<F, Other>;
-  /// A bit for each field stored here.
+  static constexpr const RowType& type = row_type_of<Value>;
+  /// A bit for each number of a field in a row.
   template <class>
-  static constexpr unsigned bit_of = 1;
+  static constexpr unsigned bits_of = 1;
+  template <class>
+  static constexpr Index place_of = 0;  // in a row [bytes]
 
-  Index size() const noexcept { return values_.size(); }
-  void reserve(Index n) { values_.reserve(n); }
-  void resize(Index n) {
-    if (n > values_.capacity()) values_.reserve(n + n / 16);
-    values_.resize(n, zero_of<Value>());
-  }
-  void push_zero() { values_.push_back(zero_of<Value>()); }
-  void push_copy(Index i) {
-    const Value value = values_[i];
-    values_.push_back(value);
-  }
-  void copy(Index from, Index to) { values_[to] = values_[from]; }
-  void copy_from(const Column& other, Index first, Index last) {
-    std::copy(other.values_.begin() + std::ptrdiff_t(first),
-              other.values_.begin() + std::ptrdiff_t(last),
-              values_.begin() + std::ptrdiff_t(first));
-  }
-  void swap(Column& other) noexcept { values_.swap(other.values_); }
+  explicit ColumnOf(const Column&) {}
 
-  std::span<Value> view(F, Index n) noexcept { return {values_.data(), n}; }
-  std::span<const Value> view(F, Index n) const noexcept { return {values_.data(), n}; }
-  template <class Visit>
-  void for_each_field(Visit&& visit) const {
-    visit(F{});
+  static std::span<Value> view(F, std::byte* first, Index n) noexcept {
+    return {reinterpret_cast<Value*>(first), n};
   }
-
- private:
-  std::vector<Value> values_;
+  static std::span<const Value> view(F, const std::byte* first, Index n) noexcept {
+    return {reinterpret_cast<const Value*>(first), n};
+  }
 };
 
 template <int Dim, class Real, class B>
-class Rows;
-// The values of several fields, by particle.
+class RowsOf;
+// How several fields lie in the rows of their bundle.
 template <int Dim, class Real, Field... Fs>
-class Rows<Dim, Real, Bundle<Fs...>> {
+class RowsOf<Dim, Real, Bundle<Fs...>> {
   template <class F>
   static constexpr Index numbers_of = sizeof(value_of<F, Dim, Real>) / sizeof(Real);
-  static_assert(((sizeof(value_of<Fs, Dim, Real>) % sizeof(Real) == 0) && ...),
+  static_assert((is_of_numbers<value_of<Fs, Dim, Real>> && ...) &&
+                    ((sizeof(value_of<Fs, Dim, Real>) % sizeof(Real) == 0) && ...),
                 "silt::Bundle: a field does not consist of Reals");
 
  public:
@@ -129,98 +110,56 @@ class Rows<Dim, Real, Bundle<Fs...>> {
     ((found = found || std::same_as<F, Fs>, sum += found ? 0 : numbers_of<Fs>), ...);
     return sum;
   }();
-  /// A bit for each field stored here.
+  /// A bit for each number of a field in a row.
   template <class F>
-  static constexpr unsigned bit_of = 1u << offset<F>;
-  static_assert(width <= 32, "silt::Bundle: more than 32 numbers");
-  static_assert(((offset<Fs> * sizeof(Real) % alignof(value_of<Fs, Dim, Real>) == 0 &&
+  static constexpr unsigned bits_of = ((1u << numbers_of<F>)-1) << offset<F>;
+  template <class F>
+  static constexpr Index place_of = offset<F> * sizeof(Real);  // in a row [bytes]
+  static_assert(width < 32, "silt::Bundle: more than 31 numbers");
+  static_assert(((place_of<Fs> % alignof(value_of<Fs, Dim, Real>) == 0 &&
                   width * sizeof(Real) % alignof(value_of<Fs, Dim, Real>) == 0) &&
                  ...),
                 "silt::Bundle: in this order, a vector is not aligned");
+  static constexpr RowType type{width * sizeof(Real), sizeof(Real)};
 
-  using Numbers = std::vector<Real, CacheAligned<Real>>;
-
-  Rows() = default;
-  Rows(Rows&& other) { swap(other); }
-  Rows& operator=(Rows&& other) {
-    swap(other);
-    return *this;
-  }
-  Rows(const Rows& other) : numbers_(std::make_shared<Numbers>(*other.numbers_)) {}
-  Rows& operator=(const Rows& other) {
-    replace_if_shared();
-    *numbers_ = *other.numbers_;
-    return *this;
-  }
-
-  /// The numbers, which must not be changed while they are shared.
-  std::shared_ptr<const Numbers> share() const { return numbers_; }
-  bool is_shared() const noexcept {
-    if (numbers_.use_count() > 1) return true;
-    // The last other owner may have read them in another thread.
-    std::atomic_thread_fence(std::memory_order_acquire);
-    return false;
-  }
-  /// Whether the numbers were replaced by none.
-  bool replace_if_shared() {
-    if (!is_shared()) return false;
-    numbers_ = std::make_shared<Numbers>();
-    return true;
-  }
-
-  Index size() const noexcept { return numbers_->size() / width; }
-  void reserve(Index n) { numbers_->reserve(n * width); }
-  void resize(Index n) { resize_tightly(*numbers_, n * width); }
-  void push_zero() { numbers_->resize(numbers_->size() + width); }
-  void push_copy(Index i) {
-    push_zero();
-    copy(i, size() - 1);
-  }
-  void copy(Index from, Index to) {
-    std::copy_n(numbers_->data() + from * width, width, numbers_->data() + to * width);
-  }
-  void copy_from(const Rows& other, Index first, Index last) {
-    std::copy(other.numbers_->data() + first * width, other.numbers_->data() + last * width,
-              numbers_->data() + first * width);
-  }
-  void swap(Rows& other) noexcept { numbers_.swap(other.numbers_); }
-
-  template <class F>
-  FieldView<value_of<F, Dim, Real>, Real, width> view(F, Index n) noexcept {
-    return {beyond<F>(reinterpret_cast<std::byte*>(numbers_->data())), n};
-  }
-  template <class F>
-  FieldView<const value_of<F, Dim, Real>, Real, width> view(F, Index n) const noexcept {
-    return {beyond<F>(reinterpret_cast<const std::byte*>(numbers_->data())), n};
-  }
-  template <class Visit>
-  void for_each_field(Visit&& visit) const {
-    (visit(Fs{}), ...);
-  }
+  explicit RowsOf(const Column& rows) : rows_(&rows) {}
 
   /// Number k of particle i is rows()[width i + k].
-  Real* rows() noexcept { return numbers_->data(); }
-  const Real* rows() const noexcept { return numbers_->data(); }
+  const Real* rows() const noexcept { return reinterpret_cast<const Real*>(rows_->data()); }
+  /// All numbers.
+  std::span<const Real> numbers() const noexcept { return {rows(), width * rows_->size()}; }
+  /// The numbers, which must not be changed while they are shared.
+  std::shared_ptr<const Real> share() const { return {rows_->share(), rows()}; }
+
+  template <class F>
+  static FieldView<value_of<F, Dim, Real>, Real, width> view(F, std::byte* first,
+                                                             Index n) noexcept {
+    return {beyond<F>(first), n};
+  }
+  template <class F>
+  static FieldView<const value_of<F, Dim, Real>, Real, width> view(F, const std::byte* first,
+                                                                   Index n) noexcept {
+    return {beyond<F>(first), n};
+  }
 
  private:
   // The field in the first row. An offset of the null pointer, of empty storage, is undefined for
   // pointers, but not for integers.
   template <class F, class Byte>
-  static Byte* beyond(Byte* rows) noexcept {
-    return reinterpret_cast<Byte*>(reinterpret_cast<std::uintptr_t>(rows) +
-                                   offset<F> * sizeof(Real));
+  static Byte* beyond(Byte* first) noexcept {
+    return reinterpret_cast<Byte*>(reinterpret_cast<std::uintptr_t>(first) + place_of<F>);
   }
 
-  std::shared_ptr<Numbers> numbers_ = std::make_shared<Numbers>();
+  const Column* rows_;
 };
 
 template <int Dim, class Real, class S>
 struct StorageOf {
-  using type = Column<Dim, Real, S>;
+  using type = ColumnOf<Dim, Real, S>;
 };
 template <int Dim, class Real, Field... Fs>
 struct StorageOf<Dim, Real, Bundle<Fs...>> {
-  using type = Rows<Dim, Real, Bundle<Fs...>>;
+  using type = RowsOf<Dim, Real, Bundle<Fs...>>;
 };
 
 }  // namespace detail

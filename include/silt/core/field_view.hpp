@@ -18,9 +18,10 @@ namespace silt {
 template <class Value, class Real, Index width>
 class FieldView {
   using Byte = std::conditional_t<std::is_const_v<Value>, const std::byte, std::byte>;
-  static constexpr std::ptrdiff_t stride = static_cast<std::ptrdiff_t>(width * sizeof(Real));
 
  public:
+  /// Distance of two successive values [bytes].
+  static constexpr std::ptrdiff_t stride = static_cast<std::ptrdiff_t>(width * sizeof(Real));
   using value_type = std::remove_cv_t<Value>;
 
   class iterator {
@@ -80,5 +81,15 @@ class FieldView {
   Byte* first_ = nullptr;
   Index size_ = 0;
 };
+
+/// Distance of two successive values of a column [bytes].
+template <class Values>
+constexpr Index stride_of(const Values&) {
+  if constexpr (requires { Values::stride; }) {
+    return Index(Values::stride);
+  } else {
+    return sizeof(typename Values::value_type);
+  }
+}
 
 }  // namespace silt

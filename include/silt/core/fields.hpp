@@ -47,15 +47,24 @@ concept Field = std::derived_from<F, any_field>;
 template <Field F, int Dim, class Real>
 using value_of = typename F::template value<Dim, Real>;
 
-/// Name of the field in files and error messages: "temperature" for temperature_t.
+namespace detail {
 template <Field F>
-constexpr std::string_view name_of() {
+constexpr std::string_view find_name() {
   std::string_view name = __PRETTY_FUNCTION__;
   name = name.substr(name.find("F = ") + 4);
   name = name.substr(0, name.find_first_of(";]"));
   if (const auto scope = name.rfind("::"); scope != name.npos) name = name.substr(scope + 2);
   if (name.ends_with("_t")) name.remove_suffix(2);
   return name;
+}
+template <Field F>
+inline constexpr std::string_view name = find_name<F>();
+}  // namespace detail
+
+/// Name of the field in files and error messages: "temperature" for temperature_t.
+template <Field F>
+constexpr std::string_view name_of() {
+  return detail::name<F>;
 }
 
 /// How a step changes a field, so that only `state` fields are saved for rolling back a failed

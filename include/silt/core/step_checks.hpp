@@ -30,9 +30,8 @@ void require_feasible(std::string_view name, double interval, std::string_view i
   constexpr double most = 1e12;
   const double duration = left.until - left.now;
   if (!(duration > most * interval)) return;
-  fail(std::string(name) + " = " + to_text(interval) + " s: " + to_text(duration / interval) + " " +
-       std::string(intervals) + " are ahead, more than " + to_text(most) +
-       ", until = " + to_text(left.until) + " s; " + remedy());
+  fail({name, " = ", interval, " s: ", duration / interval, " ", intervals,
+        " are ahead, more than ", most, ", until = ", left.until, " s; ", remedy()});
 }
 
 /// What to do about a time step that an interaction chose too short; `interaction` and `particles`
@@ -96,8 +95,8 @@ void check_finite_before_step(const P& particles, Where where) {
   if (!broken) return;
   where.particle = broken->particle;
   where.id = particles.id(broken->particle);
-  fail("Simulation: before the step, " + std::string(broken->field) + " = " + broken->value +
-           " is not finite; set it to a finite value",
+  fail({"Simulation: before the step, ", broken->field, " = ", broken->value,
+        " is not finite; set it to a finite value"},
        where);
 }
 
@@ -112,8 +111,8 @@ template <class P>
     broken = {i, name, to_text(values[i])};
     is_derived = true;
   });
-  fail("Simulation: after the step, " + std::string(broken.field) + " = " + broken.value +
-           " is not finite; reduce the time step or check the forces",
+  fail({"Simulation: after the step, ", broken.field, " = ", broken.value,
+        " is not finite; reduce the time step or check the forces"},
        {.particle = i, .id = particles.id(i)});
 }
 
@@ -130,10 +129,9 @@ void check_digits_of_positions(std::string_view owner, const P& particles, std::
     return 100 * epsilon * distance(i) > size_of(i) && is_finite(distance(i));
   });
   if (far == no_index) return;
-  fail(std::string(owner) + ": x = " + to_text(typename P::Vec(x[far])) + " m is known to " +
-           to_text(double(epsilon * distance(far))) + " m only, more than a hundredth of the " +
-           std::string(size) + " " + to_text(double(size_of(far))) +
-           " m; move the origin to the particles, or use double",
+  fail({owner, ": x = ", to_text(typename P::Vec(x[far])), " m is known to ",
+        epsilon * distance(far), " m only, more than a hundredth of the ", size, " ", size_of(far),
+        " m; move the origin to the particles, or use double"},
        {.particle = far, .id = particles.id(far)});
 }
 
@@ -145,8 +143,8 @@ void check_escaped(const P& particles) {
   const auto x = particles[position];
   const Index escaped = first_where(x.size(), [&](Index i) { return !box.contains(x[i]); });
   if (escaped == no_index) return;
-  fail("Simulation: a particle left the box at x = " + to_text(x[escaped]) +
-           " m; enlarge the box, close the gap, or set Box::on_escape to OnEscape::remove",
+  fail({"Simulation: a particle left the box at x = ", to_text(x[escaped]),
+        " m; enlarge the box, close the gap, or set Box::on_escape to OnEscape::remove"},
        {.particle = escaped, .id = particles.id(escaped)});
 }
 

@@ -10,13 +10,11 @@
 //   keep()            [ being changed in place   | before the step            ]
 #pragma once
 
-#include <silt/core/field_storage.hpp>
-#include <silt/core/fields.hpp>
-#include <silt/core/parallel.hpp>
+#include <silt/core/column.hpp>
 #include <silt/core/types.hpp>
 
+#include <cstddef>
 #include <cstdint>
-#include <type_traits>
 #include <utility>
 
 namespace silt::detail {
@@ -28,12 +26,20 @@ struct Advance {
   After after;
 };
 
-/// The values of what a Column or Rows stores, of the owned particles and the ghosts.
-template <class Storage>
+/// The values of a column, or of the rows of a bundle, of the owned particles and the ghosts.
 class TimeLevels {
  public:
-  Storage& now() noexcept { return now_.values; }
-  const Storage& now() const noexcept { return now_.values; }
+  // Not inlined, because particles have one for every column.
+  [[gnu::noinline]] explicit TimeLevels(const RowType& type)
+      : now_{Column(type)}, other_{Column(type)}, spare_{Column(type)} {}
+  [[gnu::noinline]] TimeLevels(const TimeLevels&) = default;
+  [[gnu::noinline]] TimeLevels(TimeLevels&&) = default;
+  [[gnu::noinline]] TimeLevels& operator=(const TimeLevels&) = default;
+  [[gnu::noinline]] TimeLevels& operator=(TimeLevels&&) = default;
+  [[gnu::noinline]] ~TimeLevels() = default;
+
+  Column& now() noexcept { return now_.values; }
+  const Column& now() const noexcept { return now_.values; }
 
   /// Begins a step, of which nothing is saved yet.
   void save() noexcept { is_kept_ = is_next_ = false; }
@@ -46,24 +52,13 @@ class TimeLevels {
     is_next_ = false;
   }
 
-  /// The values of a field of the owned particles, and the memory for the next ones, all of which
-  /// must be written. If the values were kept before, both are the same memory.
-  template <Field F>
-  auto advance(F field, Index owned) {
-    auto before = std::as_const(now_.values).view(field, owned);
-    auto present = now_.values.view(field, owned);
-    if (is_kept_) return Advance<decltype(before), decltype(present)>{before, present};
-    begin_advance();
-    advanced_ |= Storage::template bit_of<F>;
-    return Advance<decltype(before), decltype(present)>{before, other_.values.view(field, owned)};
-  }
-  /// The same for all fields of a bundle; every number must be written.
-  auto advance_rows() {
-    if (!is_kept_) begin_advance();
-    advanced_ = ~0u;
-    auto* before = std::as_const(now_.values).rows();
-    auto* after = is_next_ ? other_.values.rows() : now_.values.rows();
-    return Advance<decltype(before), decltype(after)>{before, after};
+  /// The values, and the memory for the next ones of these numbers of a row, a bit for each, all of
+  /// which must be written. If the values were kept before, both are the same memory.
+  Advance<const std::byte*, std::byte*> advance(unsigned numbers) {
+    if (is_kept_) return {now().data(), now().data()};
+    if (!is_next_) begin_advance();
+    advanced_ |= numbers;
+    return {now().data(), other_.values.data()};
   }
   /// Whether the next values are written to the other buffer.
   bool is_advancing() const noexcept { return is_next_; }
@@ -71,13 +66,11 @@ class TimeLevels {
   /// changed; they keep their values, which the other buffer may have from an earlier step.
   void finish_advance(Index owned, std::uint64_t ghosts) {
     if (!is_next_) return;
-    now_.values.for_each_field([&]<class F>(F field) {
-      if ((advanced_ & Storage::template bit_of<F>) != 0) return;
-      const auto from = std::as_const(now_.values).view(field, owned);
-      const auto to = other_.values.view(field, owned);
-      for_each(owned, [&](Index i) { to[i] = from[i]; });
-    });
-    if (other_.ghosts != ghosts) other_.values.copy_from(now_.values, owned, now_.values.size());
+    const Index width = now().type().size / now().type().number_size;
+    for (Index k = 0; k < width; ++k) {
+      if ((advanced_ >> k & 1) == 0) other_.values.copy_numbers(now(), k, owned);
+    }
+    if (other_.ghosts != ghosts) other_.values.copy_from(now(), owned, now().size());
     now_.ghosts = other_.ghosts = ghosts;
     now_.swap(other_);
     is_next_ = false;
@@ -93,7 +86,7 @@ class TimeLevels {
 
  private:
   struct Buffer {
-    Storage values;
+    Column values;
     std::uint64_t ghosts = 0;  // those of its last finish_advance()
 
     void swap(Buffer& other) noexcept {
@@ -101,27 +94,21 @@ class TimeLevels {
       std::swap(ghosts, other.ghosts);
     }
   };
-  static constexpr bool is_of_bundle = requires(Storage s) { s.rows(); };
-  struct None {};
 
   void begin_advance() {
-    if (is_next_) return;
-    if constexpr (is_of_bundle) {
-      if (other_.values.is_shared()) other_.swap(spare_);
-      if (other_.values.replace_if_shared()) other_.ghosts = 0;
-    }
-    if (other_.values.size() != now_.values.size()) other_.values.resize(now_.values.size());
+    if (other_.values.is_shared()) other_.swap(spare_);
+    if (other_.values.is_shared()) other_ = Buffer{Column(now().type())};
+    if (other_.values.size() != now().size()) other_.values.resize(now().size());
     is_next_ = true;
     advanced_ = 0;
   }
 
   Buffer now_;
   Buffer other_;
-  // Takes the place of the other buffer while that is shared.
-  [[no_unique_address]] std::conditional_t<is_of_bundle, Buffer, None> spare_;
+  Buffer spare_;           // takes the place of the other one while that is shared
   bool is_kept_ = true;    // nothing more to save
   bool is_next_ = false;   // the other buffer is for the next values
-  unsigned advanced_ = 0;  // of which fields, by bit_of
+  unsigned advanced_ = 0;  // of which numbers, by bit
 };
 
 }  // namespace silt::detail

@@ -29,8 +29,8 @@ void require_corners(const std::string& name, const Face<Dim>& face) {
   constexpr double most = 1e100;  // its square does not overflow
   for (const Vec<Dim>& x : face.corners) {
     if (x.cwiseAbs().maxCoeff() < most && is_finite(x)) continue;
-    fail(name + " has the corner " + to_text(x) +
-         " m; give finite coordinates of less than " + to_text(most) + " m");
+    fail({name, " has the corner ", to_text(x), " m; give finite coordinates of less than ", most,
+          " m"});
   }
 }
 }  // namespace detail
@@ -41,7 +41,7 @@ inline void require_size(const std::string& name, const Face<2>& face) {
   detail::require_corners(name, face);
   const auto& [a, b] = face.corners;
   if (!((b - a).norm() > 1e-150)) {
-    fail(name + " has both ends at " + to_text(a) + " m; remove it");
+    fail({name, " has both ends at ", to_text(a), " m; remove it"});
   }
 }
 inline void require_size(const std::string& name, const Face<3>& face) {

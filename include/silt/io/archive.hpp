@@ -155,9 +155,8 @@ class Writer {
         Number number;
         std::memcpy(&number, bytes + at, sizeof number);
         if (is_finite(number)) continue;
-        fail("write_checkpoint: " + path_.of(name) + " = " + to_text(double(number)) +
-             ", value " + std::to_string(at / sizeof(T)) +
-             ", is not finite, and the file could not be read; correct it");
+        fail({"write_checkpoint: ", path_.of(name), " = ", double(number), ", value ",
+              at / sizeof(T), ", is not finite, and the file could not be read; correct it"});
       }
     }
   }
@@ -311,7 +310,7 @@ class Reader {
   }
   [[noreturn]] void reject(const std::string& what, const std::string& advice) const {
     is_rejected_ = true;
-    fail("read_checkpoint: " + file_ + " " + what + "; " + advice);
+    fail({"read_checkpoint: ", file_, " ", what, "; ", advice});
   }
 
   // Throws unless the next values are complete, and each is possible.

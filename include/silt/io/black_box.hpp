@@ -40,10 +40,10 @@ void write_black_box(const BlackBox& box, const Sim& simulation, const Error& er
   const std::optional<Id> id = error.where().id;
   const Index guilty = id ? all.index_of(*id) : no_index;
   if (guilty == no_index) {
-    fail("write_black_box: " +
-         (id ? "the simulation no longer has particle " + std::to_string(*id)
-             : std::string("the error names no particle")) +
-         ": " + std::string(error.what()) + "; write a checkpoint of the whole simulation instead");
+    fail({"write_black_box: ",
+          (id ? "the simulation no longer has particle " + std::to_string(*id)
+              : std::string("the error names no particle")),
+          ": ", error.what(), "; write a checkpoint of the whole simulation instead"});
   }
   const double most = box.max_distance.value_or(5 * double(simulation.interaction().reach(all)));
   require_positive("BlackBox: max_distance", most);

@@ -35,7 +35,7 @@ class CsvFile {
   CsvFile(std::filesystem::path path, const std::vector<std::string>& columns)
       : path_(std::move(path)), columns_(columns.size()) {
     if (columns.empty()) {
-      fail("CsvFile: " + path_.string() + " has no columns; name at least one");
+      fail({"CsvFile: ", path_.string(), " has no columns; name at least one"});
     }
     for (auto name = columns.begin(); name != columns.end(); ++name) check_name(columns, name);
     for (const std::string& name : columns) {
@@ -60,9 +60,8 @@ class CsvFile {
   void row(std::initializer_list<double> values) { row(std::span(values.begin(), values.size())); }
   void row(std::span<const double> values) {
     if (values.size() != columns_) {
-      fail("CsvFile: a row of " + std::to_string(values.size()) + " values for the " +
-           std::to_string(columns_) + " columns of " + path_.string() +
-           "; pass one value per column");
+      fail({"CsvFile: a row of ", values.size(), " values for the ", columns_, " columns of ",
+            path_.string(), "; pass one value per column"});
     }
     std::string line;
     for (const double value : values) {
@@ -89,8 +88,8 @@ class CsvFile {
   void check_name(const Names& names, const Names::const_iterator& name) const {
     const bool is_unique = std::find(names.begin(), name, *name) == name;
     if (is_unique && !name->empty() && name->find_first_of(",\n\r") == std::string::npos) return;
-    fail("CsvFile: the column \"" + *name + "\" of " + path_.string() +
-         " has no name, the name of another one, or a comma or line break in it; rename it");
+    fail({"CsvFile: the column \"", *name, "\" of ", path_.string(),
+          " has no name, the name of another one, or a comma or line break in it; rename it"});
   }
 
   void open(const char* mode) {
@@ -104,10 +103,9 @@ class CsvFile {
     const auto present = std::filesystem::file_size(path_, reason);
     if (reason) fail_to_write(reason);
     if (present < size_) {
-      fail("CsvFile: " + path_.string() + " has " + std::to_string(present) +
-           " bytes, but had " + std::to_string(size_) +
-           " when the checkpoint was written; restore that file, or restart the run from its "
-           "beginning");
+      fail({"CsvFile: ", path_.string(), " has ", present, " bytes, but had ", size_,
+            " when the checkpoint was written; restore that file, or restart the run from its "
+            "beginning"});
     }
   }
 
@@ -166,8 +164,8 @@ class CsvTable {
     if (found == names_.end()) {
       std::string all;
       for (const std::string& name : names_) all += (all.empty() ? "" : ", ") + name;
-      fail("CsvTable: " + name_ + " has no column " +
-           (column.empty() ? "\"\"" : std::string(column)) + "; it has " + all);
+      fail({"CsvTable: ", name_, " has no column ", (column.empty() ? "\"\"" : std::string(column)),
+            "; it has ", all});
     }
     return columns_[static_cast<Index>(found - names_.begin())];
   }
@@ -177,8 +175,8 @@ class CsvTable {
   [[noreturn]] void reject(Index row, std::string_view column, const std::string& reason) const {
     const std::string line =
         row < lines_.size() ? ", line " + std::to_string(lines_[row]) : std::string();
-    fail(name_ + line + ", column " + std::string(column) + ": " +
-         file::digits((*this)[column][row]) + " " + reason + "; correct it");
+    fail({name_, line, ", column ", column, ": ", file::digits((*this)[column][row]), " ", reason,
+          "; correct it"});
   }
 
  private:
@@ -225,8 +223,8 @@ inline CsvTable read_csv(const std::filesystem::path& path) {
     if (names.empty()) {
       for (const std::string_view name : cells) {
         if (name.empty() || std::find(names.begin(), names.end(), name) != names.end()) {
-          fail(where + ": the column name \"" + std::string(name) +
-               "\" is empty or used twice; give every column a unique name");
+          fail({where, ": the column name \"", name,
+                "\" is empty or used twice; give every column a unique name"});
         }
         names.emplace_back(name);
       }
@@ -234,22 +232,21 @@ inline CsvTable read_csv(const std::filesystem::path& path) {
       continue;
     }
     if (cells.size() != names.size()) {
-      fail(where + ": " + std::to_string(cells.size()) + " values for " +
-           std::to_string(names.size()) + " columns; write one value per column");
+      fail({where, ": ", cells.size(), " values for ", names.size(),
+            " columns; write one value per column"});
     }
     lines.push_back(number);
     for (Index c = 0; c < cells.size(); ++c) {
       const auto value = file::number(cells[c]);
       if (!value) {
-        fail(where + ", column " + names[c] + ": \"" + std::string(cells[c]) +
-             "\" is not a number; correct it");
+        fail({where, ", column ", names[c], ": \"", cells[c], "\" is not a number; correct it"});
       }
       columns[c].push_back(*value);
     }
   }
   if (names.empty()) {
-    fail("read_csv: " + path.string() +
-         " has no line of column names; check that it is a CSV file");
+    fail(
+        {"read_csv: ", path.string(), " has no line of column names; check that it is a CSV file"});
   }
   return {path.string(), std::move(names), std::move(columns), std::move(lines)};
 }

@@ -32,7 +32,7 @@ class Progress {
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
   /// Shows the progress of a run that threw or was stopped.
-  ~Progress() { show_last(); }
+  [[gnu::cold]] ~Progress() { show_last(); }
 
   template <class Sim>
   void operator()(const Sim& simulation) {
@@ -92,7 +92,7 @@ class Progress {
 #endif
   }
 
-  void begin(double run_begin, double time) {
+  [[gnu::cold]] void begin(double run_begin, double time) {
     begun_ = true;
     run_begin_ = run_begin;
     wall_begin_ = clock_();
@@ -100,7 +100,7 @@ class Progress {
     time_begin_ = time;
   }
 
-  void show(const char* what, double wall) {
+  [[gnu::cold]] void show(const char* what, double wall) {
     std::fprintf(stream_, "%sstep %llu  t = %.4g s  dt = %.2e s  %5.1f %%  %s %.0f s%s",
                  is_terminal_ ? "\r" : "", static_cast<unsigned long long>(last_.step), last_.time,
                  last_.time_step, 100 * last_.fraction, what, wall,
@@ -108,7 +108,7 @@ class Progress {
     std::fflush(stream_);
   }
 
-  void show_last() {
+  [[gnu::cold]] void show_last() {
     if (is_ended_) return;
     is_ended_ = true;
     show("took", clock_() - wall_begin_);

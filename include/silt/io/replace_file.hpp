@@ -103,7 +103,7 @@ namespace detail {
 
 /// The file to which a symbolic link leads, which need not exist; other paths are returned as they
 /// are. Throws if links lead to each other, or if the path is a folder, device or pipe.
-inline std::filesystem::path target_of(const std::string& caller, std::filesystem::path path) {
+[[gnu::cold]] inline std::filesystem::path target_of(const std::string& caller, std::filesystem::path path) {
   const std::filesystem::path given = path;
   for (int links = 0; links < 40; ++links) {  // as Linux does
     std::error_code reason;
@@ -111,8 +111,7 @@ inline std::filesystem::path target_of(const std::string& caller, std::filesyste
     if (status.type() != std::filesystem::file_type::symlink) {
       // A rename would replace even a device.
       if (!std::filesystem::exists(status) || std::filesystem::is_regular_file(status)) return path;
-      fail(caller + ": cannot replace " + path.string() +
-           ": it is not a file; choose another name");
+      fail({caller, ": cannot replace ", path.string(), ": it is not a file; choose another name"});
     }
     const auto target = std::filesystem::read_symlink(path, reason);
     if (reason) fail_with(caller + ": cannot read the link", path, reason, "check the path");
@@ -133,7 +132,7 @@ inline bool cannot_sync_folders(int reason) {
 /// The beginning of the names of the files with which processes of this computer replace a file; a
 /// process, a number and .part follow.
 template <class Calls>
-std::filesystem::path part_prefix(std::filesystem::path path) {
+[[gnu::cold]] std::filesystem::path part_prefix(std::filesystem::path path) {
   // In pieces: g++ 12 warns of the sum of these strings without reason.
   path += '.';
   path += Calls::computer();
@@ -144,7 +143,7 @@ std::filesystem::path part_prefix(std::filesystem::path path) {
 /// Removes what processes of this computer that were killed while they replaced this file have
 /// left. Those of other computers may still run.
 template <class Calls>
-void remove_parts_of_ended_processes(const std::filesystem::path& path) {
+[[gnu::cold]] void remove_parts_of_ended_processes(const std::filesystem::path& path) {
   const std::string prefix = part_prefix<Calls>(path).filename().string();
   std::error_code ignored;
   std::filesystem::directory_iterator files(
@@ -164,7 +163,7 @@ void remove_parts_of_ended_processes(const std::filesystem::path& path) {
 template <class Calls>
 class PartOfReplacement {
  public:
-  PartOfReplacement(std::string caller, std::filesystem::path path)
+  [[gnu::cold]] PartOfReplacement(std::string caller, std::filesystem::path path)
       : caller_(std::move(caller)), path_(std::move(path)) {
     static std::atomic<std::uint64_t> calls{0};
     do {
@@ -181,12 +180,12 @@ class PartOfReplacement {
   }
   PartOfReplacement(const PartOfReplacement&) = delete;
   PartOfReplacement& operator=(const PartOfReplacement&) = delete;
-  ~PartOfReplacement() {
+  [[gnu::cold]] ~PartOfReplacement() {
     if (file_ != Calls::none) Calls::close(file_);
     if (!is_renamed_) Calls::remove(part_.string().c_str());
   }
 
-  void write(std::string_view bytes) {
+  [[gnu::cold]] void write(std::string_view bytes) {
     while (!bytes.empty()) {
       errno = 0;
       const std::ptrdiff_t written = Calls::write(file_, bytes.data(), bytes.size());
@@ -207,7 +206,7 @@ class PartOfReplacement {
     is_renamed_ = true;
   }
 
-  [[noreturn]] void fail_to(const std::string& action, const std::filesystem::path& path) const {
+  [[noreturn, gnu::cold]] void fail_to(const std::string& action, const std::filesystem::path& path) const {
     fail_with(caller_ + ": cannot " + action, path, last_error(),
               "check that the folder exists, is writable and has space left");
   }
@@ -237,7 +236,7 @@ enum class Outlasts {
 /// that were killed. Throws silt::Error, with a message that begins with `caller`, if that fails;
 /// an existing file is then unchanged, and no other file remains.
 template <class Calls = SystemCalls>
-void replace(const std::string& caller, const std::filesystem::path& path, std::string_view bytes,
+[[gnu::cold]] void replace(const std::string& caller, const std::filesystem::path& path, std::string_view bytes,
              Outlasts outlasts = Outlasts::the_process) {
   const std::filesystem::path target = detail::target_of(caller, path);
   detail::remove_parts_of_ended_processes<Calls>(target);

@@ -45,14 +45,14 @@ inline std::uint32_t stl_word(std::string_view bytes, Index offset) {
 inline std::vector<Triangle<double>> binary_stl(const std::string& file, std::string_view bytes,
                                                 double scale) {
   if (bytes.size() < stl_header) {
-    fail("read_stl: " + file + " is not an STL file: it has " + std::to_string(bytes.size()) +
-         " bytes and does not begin with \"solid\"; check the path");
+    fail({"read_stl: ", file, " is not an STL file: it has ", bytes.size(),
+          " bytes and does not begin with \"solid\"; check the path"});
   }
   const Index count = stl_word(bytes, stl_header - 4);
   const Index whole = (bytes.size() - stl_header) / stl_triangle;
   if (whole < count) {
-    fail("read_stl: " + file + " is truncated in triangle " + std::to_string(whole) + " of " +
-         std::to_string(count) + ", or is not an STL file; export it again");
+    fail({"read_stl: ", file, " is truncated in triangle ", whole, " of ", count,
+          ", or is not an STL file; export it again"});
   }
   std::vector<Triangle<double>> triangles(count);
   for (Index t = 0; t < count; ++t) {
@@ -95,10 +95,9 @@ class StlWords {
     return *value;
   }
   [[noreturn]] void reject(std::string_view wanted, const std::string& word) const {
-    fail("read_stl: " + file_ + ", line " + std::to_string(line_) + ", triangle " +
-         std::to_string(triangles) + ": " +
-         (word.empty() ? std::string("the file ends") : "\"" + word + "\" is found") + " where " +
-         std::string(wanted) + " is expected; correct it, or export it again");
+    fail({"read_stl: ", file_, ", line ", line_, ", triangle ", triangles, ": ",
+          (word.empty() ? std::string("the file ends") : "\"" + word + "\" is found"), " where ",
+          wanted, " is expected; correct it, or export it again"});
   }
 
   Index triangles = 0;  ///< read so far
@@ -175,7 +174,7 @@ inline std::vector<Triangle<double>> read_stl(const std::filesystem::path& path,
   const auto triangles = detail::is_text_stl(bytes)
                              ? detail::text_stl(name, bytes, settings.scale)
                              : detail::binary_stl(name, bytes, settings.scale);
-  if (triangles.empty()) fail("read_stl: " + name + " has no triangles; check how it was exported");
+  if (triangles.empty()) fail({"read_stl: ", name, " has no triangles; check how it was exported"});
   for (Index t = 0; t < triangles.size(); ++t) {
     require_area("read_stl: " + name + ": triangle " + std::to_string(t), triangles[t]);
   }

@@ -83,8 +83,8 @@ class StructColumns {
         archive_(name, column);
         if (!has_column_) values_.assign(column.size(), T{});
         if (column.size() != values_.size()) {
-          fail("member " + std::string(name) + " has " + std::to_string(column.size()) +
-               " values, not " + std::to_string(values_.size()) + "; use an earlier checkpoint");
+          fail({"member ", name, " has ", column.size(), " values, not ", values_.size(),
+                "; use an earlier checkpoint"});
         }
         for (Index k = 0; k < column.size(); ++k) {
           std::memcpy(bytes_of(values_[k]) + place, static_cast<const void*>(&column[k]),

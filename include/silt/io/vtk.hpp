@@ -12,6 +12,8 @@
 // some programs cannot read them, such as ParaView 5.11 of Debian 12 (its VTK with its expat).
 #pragma once
 
+#include <silt/core/error.hpp>
+#include <silt/core/field_view.hpp>
 #include <silt/core/fields.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/processes.hpp>
@@ -54,16 +56,40 @@ constexpr const char* vtk_type() {
 
 namespace detail {
 
-/// Values to be written: `count` values of `size` bytes each, `stride` bytes apart.
-struct VtkValues {
+/// How VTK stores values of a type; `type` is nullptr if it cannot.
+struct VtkType {
+  const char* type;
+  int components;
+  Index size;   ///< of a value [bytes]
+  Index width;  ///< of a value in the file, where zeros follow it [bytes]
+};
+template <class Value>
+inline constexpr VtkType vtk_type_of = [] {
+  if constexpr (requires { typename Value::Scalar; Value::SizeAtCompileTime; }) {
+    using Number = typename Value::Scalar;
+    constexpr int size = Value::SizeAtCompileTime, components = size == 2 ? 3 : size;
+    return VtkType{size > 0 ? vtk_type<Number>() : nullptr, components, size * sizeof(Number),
+                   components * sizeof(Number)};
+  } else {
+    return VtkType{vtk_type<Value>(), 1, sizeof(Value), sizeof(Value)};
+  }
+}();
+
+/// A named array of `count` values, `stride` bytes apart.
+struct VtkArray {
+  std::string_view name;
+  const VtkType* values;
   const void* first;
   Index count;
-  Index size;
   Index stride;
 };
+template <class Value>
+VtkArray vtk_array(std::string_view name, std::span<const Value> values) {
+  return {name, &vtk_type_of<Value>, values.data(), values.size(), sizeof(Value)};
+}
 
 /// Bytes in base64: four characters for every three bytes.
-inline std::string base64(const std::string& bytes) {
+[[gnu::cold]] inline std::string base64(const std::string& bytes) {
   constexpr std::string_view digits =
       "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
   const Index groups = (bytes.size() + 2) / 3;
@@ -81,29 +107,58 @@ inline std::string base64(const std::string& bytes) {
   return text;
 }
 
-/// The XML element of an array, in which each of the values is padded with zeros to `width` bytes. Not
-/// a template over the number type, because instantiating it for every field would cost more compile
-/// time than copying bytes costs run time.
-inline std::string vtk_array(std::string_view type, std::string_view name, int components,
-                             const VtkValues& values, Index width) {
-  const std::uint64_t length = values.count * width;
+/// Of fields, which have as many values as there are ids. Not inlined for every field.
+[[gnu::noinline, gnu::cold]] inline void add_vtk_array(std::vector<VtkArray>& arrays,
+                                                       std::string_view name, const VtkType& values,
+                                                       const void* first, Index stride) {
+  arrays.push_back({name, &values, first, 0, stride});
+}
+
+/// The XML element of an array.
+[[gnu::cold]] inline std::string xml_of(const VtkArray& array) {
+  const auto [type, components, size, width] = *array.values;
+  const std::uint64_t length = array.count * width;
   std::string bytes(sizeof length + length, '\0');
   std::memcpy(bytes.data(), &length, sizeof length);
-  char* const to = bytes.data() + sizeof length;
-  const auto* const from = static_cast<const char*>(values.first);
-  for_each_chunk(values.count, [=](Chunk chunk) {
+  for_each_chunk(array.count, [&array, size, width, to = bytes.data() + sizeof length](Chunk chunk) {
+    const auto* const from = static_cast<const char*>(array.first);
     for (Index i = chunk.first; i < chunk.last; ++i) {
-      std::memcpy(to + i * width, from + i * values.stride, values.size);
+      std::memcpy(to + i * width, from + i * array.stride, size);
     }
   });
-  return "<DataArray type=\"" + std::string(type) + "\" Name=\"" + std::string(name) +
-         "\" NumberOfComponents=\"" + std::to_string(components) + "\" format=\"binary\">" +
-         base64(bytes) + "</DataArray>\n";
+  return message_of({"<DataArray type=\"", type, "\" Name=\"", array.name,
+                     "\" NumberOfComponents=\"", components, "\" format=\"binary\">", base64(bytes),
+                     "</DataArray>\n"});
 }
-template <class Number>
-std::string vtk_array(std::string_view name, std::span<const Number> values) {
-  return vtk_array(vtk_type<Number>(), name, 1,
-                   {values.data(), values.size(), sizeof(Number), sizeof(Number)}, sizeof(Number));
+
+/// A frame of the positions, as points, and the other fields.
+[[gnu::cold]] inline std::string vtk_frame(std::span<const Id> ids, std::span<VtkArray> fields) {
+  const Index n = ids.size();
+  std::vector<std::int64_t> numbers(n);
+  std::iota(numbers.begin(), numbers.end(), std::int64_t{0});
+  std::string cells = xml_of(vtk_array<std::int64_t>("connectivity", numbers));
+  for (std::int64_t& number : numbers) ++number;
+  cells += xml_of(vtk_array<std::int64_t>("offsets", numbers));
+  const std::vector<std::uint8_t> vertices(n, 1);  // VTK_VERTEX
+  cells += xml_of(vtk_array<std::uint8_t>("types", vertices));
+
+  std::string points;
+  std::string point_data = xml_of(vtk_array("id", ids));
+  for (VtkArray& field : fields) {
+    field.count = n;
+    if (field.values->type)
+      (field.name == name_of<position_t>() ? points : point_data) += xml_of(field);
+  }
+
+  const char* const order =
+      std::endian::native == std::endian::little ? "LittleEndian" : "BigEndian";
+  return message_of(
+      {"<?xml version=\"1.0\"?>\n"
+       "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"",
+       order, "\" header_type=\"UInt64\">\n<UnstructuredGrid>\n<Piece NumberOfPoints=\"", n,
+       "\" NumberOfCells=\"", n, "\">\n<Points>\n", points, "</Points>\n<Cells>\n", cells,
+       "</Cells>\n<PointData>\n", point_data,
+       "</PointData>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n"});
 }
 
 }  // namespace detail
@@ -112,50 +167,18 @@ std::string vtk_array(std::string_view name, std::span<const Number> values) {
 /// F, and the ids, as point data named name_of<F>(). Vectors in 2D get a third component 0. Fields
 /// of other types are omitted. The bytes depend on the particles only.
 template <class P>
-std::string vtk_frame(const P& particles) {
-  const Index n = particles.size();
-  std::vector<std::int64_t> numbers(n);
-  std::iota(numbers.begin(), numbers.end(), std::int64_t{0});
-  std::string cells = detail::vtk_array("connectivity", std::span<const std::int64_t>(numbers));
-  for (std::int64_t& number : numbers) ++number;
-  cells += detail::vtk_array("offsets", std::span<const std::int64_t>(numbers));
-  const std::vector<std::uint8_t> vertices(n, 1);  // VTK_VERTEX
-  cells += detail::vtk_array("types", std::span<const std::uint8_t>(vertices));
-
-  std::string points;
-  std::string point_data = detail::vtk_array("id", particles.ids());
+[[gnu::cold]] std::string vtk_frame(const P& particles) {
+  std::vector<detail::VtkArray> fields;
   particles.for_each_field([&]<class Values, class F>(const Values& values, F) {
     using Value = typename Values::value_type;
-    if constexpr (requires { typename Value::Scalar; Value::SizeAtCompileTime; }) {
-      using Number = typename Value::Scalar;
-      constexpr int size = Value::SizeAtCompileTime;
-      if constexpr (size > 0 && vtk_type<Number>() != nullptr) {
-        constexpr int components = size == 2 ? 3 : size;
-        auto& xml = std::same_as<F, position_t> ? points : point_data;
-        const std::vector<Value> column(values.begin(), values.end());
-        xml += detail::vtk_array(vtk_type<Number>(), name_of<F>(), components,
-                                 {column.data(), n, size * sizeof(Number), sizeof(Value)},
-                                 components * sizeof(Number));
-      }
-    } else if constexpr (vtk_type<Value>() != nullptr) {
-      const std::vector<Value> column(values.begin(), values.end());
-      point_data += detail::vtk_array(name_of<F>(), std::span<const Value>(column));
-    }
+    detail::add_vtk_array(fields, name_of<F>(), detail::vtk_type_of<Value>,
+                          values.empty() ? nullptr : &values.front(), stride_of(values));
   });
-
-  const std::string order =
-      std::endian::native == std::endian::little ? "LittleEndian" : "BigEndian";
-  const std::string count = std::to_string(n);
-  return "<?xml version=\"1.0\"?>\n"
-         "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"" + order +
-         "\" header_type=\"UInt64\">\n<UnstructuredGrid>\n<Piece NumberOfPoints=\"" + count +
-         "\" NumberOfCells=\"" + count + "\">\n<Points>\n" + points + "</Points>\n<Cells>\n" +
-         cells + "</Cells>\n<PointData>\n" + point_data + "</PointData>\n</Piece>\n"
-         "</UnstructuredGrid>\n</VTKFile>\n";
+  return detail::vtk_frame(particles.ids(), fields);
 }
 
 /// The bytes of a .pvtu file: a frame that consists of files with such frames.
-inline std::string vtk_frame_of_pieces(const std::string& frame,
+[[gnu::cold]] inline std::string vtk_frame_of_pieces(const std::string& frame,
                                        const std::vector<std::string>& files) {
   const auto begin = frame.substr(0, frame.find("<UnstructuredGrid>"));
   // The arrays of this part of the frame, as a .pvtu file declares them.
@@ -165,15 +188,16 @@ inline std::string vtk_frame_of_pieces(const std::string& frame,
     std::string text;
     for (auto from = frame.find("<DataArray", first); from < last;
          from = frame.find("<DataArray", from + 1)) {
-      text += "<P" + frame.substr(from + 1, frame.find(" format=", from) - from - 1) + "/>\n";
+      text += message_of(
+          {"<P", frame.substr(from + 1, frame.find(" format=", from) - from - 1), "/>\n"});
     }
-    return "<P" + part + ">\n" + text + "</P" + part + ">\n";
+    return message_of({"<P", part, ">\n", text, "</P", part, ">\n"});
   };
   std::string text = begin;
   text.replace(text.find("UnstructuredGrid"), 0, "P");
-  text += "<PUnstructuredGrid>\n" + declared("Points") + declared("PointData");
-  for (const std::string& file : files) text += "<Piece Source=\"" + file + "\"/>\n";
-  return text + "</PUnstructuredGrid>\n</VTKFile>\n";
+  text += message_of({"<PUnstructuredGrid>\n", declared("Points"), declared("PointData")});
+  for (const std::string& file : files) text += message_of({"<Piece Source=\"", file, "\"/>\n"});
+  return text += "</PUnstructuredGrid>\n</VTKFile>\n";
 }
 
 /// Observer that writes a frame at every output, followed by the list of all frames with their
@@ -189,7 +213,7 @@ class VtkSeries {
   /// Existing files of the same names are replaced from the first frame on. Further frames of an
   /// earlier, longer run remain in the folder: read those in the list, or delete the folder before
   /// a run. Throws silt::Error if the folder cannot be created.
-  explicit VtkSeries(std::filesystem::path path) : folder_(std::move(path)) {
+  [[gnu::cold]] explicit VtkSeries(std::filesystem::path path) : folder_(std::move(path)) {
     if (!folder_.has_filename()) folder_ = folder_.parent_path();  // "tower/" is "tower"
     file::create_folder("VtkSeries", folder_);
   }
@@ -200,18 +224,37 @@ class VtkSeries {
       simulation.snapshot();
       simulation.time();
     }
-  void operator()(const Sim& simulation) {
-    const double time = double(simulation.time());
-    if constexpr (requires { simulation.was_read(); }) {
-      if (times_.empty() && simulation.was_read() && !was_read_) times_ = listed_before(time);
-    }
+  [[gnu::cold]] void operator()(const Sim& simulation) {
+    bool was_read = false;
+    if constexpr (requires { simulation.was_read(); }) was_read = simulation.was_read();
+    const auto particles = simulation.snapshot();
+    write(double(simulation.time()), was_read, process_of(particles), vtk_frame(particles));
+  }
+
+  /// Number of frames written so far.
+  Index frames() const noexcept { return times_.size(); }
+
+  /// For a checkpoint: the times of the frames.
+  template <class Archive>
+  void transfer(Archive& archive) {
+    archive("times", times_);
+    is_in_pieces_.clear();
+    if constexpr (Archive::reads) was_read_ = true;
+  }
+
+ private:
+  static constexpr std::string_view time_begins = "timestep=\"";
+  static constexpr const char* of_one = ".vtu";
+  static constexpr const char* of_pieces = ".pvtu";
+
+  // Writes the next frame. Like all that runs once for a frame, it is compiled for a small program.
+  [[gnu::cold]] void write(double time, bool is_resumed, const Process& process,
+                           const std::string& frame) {
+    if (times_.empty() && is_resumed && !was_read_) times_ = listed_before(time);
     if (times_.empty() || times_.back() != time) times_.push_back(time);
     const Index number = times_.size() - 1;
-    const auto particles = simulation.snapshot();
-    const std::string frame = vtk_frame(particles);
-    const Process process = process_of(particles);
     const auto piece = [&](int rank) {
-      return frame_name(number) + "_" + std::to_string(rank) + ".vtu";
+      return message_of({frame_name(number), "_", rank, of_one});
     };
     if (process.count > 1) {
       file::replace("VtkSeries", folder_ / piece(process.rank), frame);
@@ -236,44 +279,30 @@ class VtkSeries {
 
     std::string list;
     for (Index k = 0; k < times_.size(); ++k) {
-      list += "<DataSet " + std::string(time_begins) + file::digits(times_[k]) + "\" file=\"" +
-              folder_.filename().string() + "/" + frame_name(k) +
-              (is_in_pieces_[k] ? of_pieces : of_one) + "\"/>\n";
+      list += message_of({"<DataSet ", time_begins, file::digits(times_[k]), "\" file=\"",
+                          folder_.filename().string(), "/", frame_name(k),
+                          is_in_pieces_[k] ? of_pieces : of_one, "\"/>\n"});
     }
-    file::replace("VtkSeries", list_path(),
-                  "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\">\n"
-                  "<Collection>\n" + list + "</Collection>\n</VTKFile>\n");
+    file::replace(
+        "VtkSeries", list_path(),
+        message_of({"<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\">\n"
+                    "<Collection>\n",
+                    list, "</Collection>\n</VTKFile>\n"}));
   }
 
-  /// Number of frames written so far.
-  Index frames() const noexcept { return times_.size(); }
-
-  /// For a checkpoint: the times of the frames.
-  template <class Archive>
-  void transfer(Archive& archive) {
-    archive("times", times_);
-    is_in_pieces_.clear();
-    if constexpr (Archive::reads) was_read_ = true;
-  }
-
- private:
-  static constexpr std::string_view time_begins = "timestep=\"";
-  static constexpr const char* of_one = ".vtu";
-  static constexpr const char* of_pieces = ".pvtu";
-
-  std::filesystem::path list_path() const {
+  [[gnu::cold]] std::filesystem::path list_path() const {
     std::filesystem::path path = folder_;
     path += ".pvd";
     return path;
   }
-  std::string frame_name(Index k) const {
+  [[gnu::cold]] std::string frame_name(Index k) const {
     std::string number = std::to_string(k);
     number.insert(0, number.size() < 6 ? 6 - number.size() : 0, '0');
-    return folder_.filename().string() + "_" + number;
+    return message_of({folder_.filename().string(), "_", number});
   }
 
   // The times of the listed frames of an earlier run before `time`.
-  std::vector<double> listed_before(double time) const {
+  [[gnu::cold]] std::vector<double> listed_before(double time) const {
     std::vector<double> times;
     if (!file::exists("VtkSeries", list_path())) return times;
     const std::string list = file::read("VtkSeries", list_path());

@@ -66,11 +66,10 @@ template <class P>
       closest = grains.owner(j);
     });
     if (overlaps <= max_overlaps) continue;
-    fail("search: more than " + std::to_string(max_overlaps) +
-             " overlaps per grain: the grains with ids " + std::to_string(grains.id(i)) + " and " +
-             std::to_string(grains.id(closest)) + ", at " + to_text(x[i]) + " and " +
-             to_text(x[closest]) + " m with radii " + to_text(double(R[i])) + " and " +
-             to_text(double(R[closest])) + " m, overlap, and so do many others; place them apart",
+    fail({"search: more than ", max_overlaps, " overlaps per grain: the grains with ids ",
+          grains.id(i), " and ", grains.id(closest), ", at ", to_text(x[i]), " and ",
+          to_text(x[closest]), " m with radii ", double(R[i]), " and ", double(R[closest]),
+          " m, overlap, and so do many others; place them apart"},
          {.particle = i, .id = grains.id(i)});
   }
 }

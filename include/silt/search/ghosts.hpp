@@ -31,11 +31,11 @@ void check_periodic_sides(const Box<Dim, Real>& box, const GhostDepth<Real>& dep
     if (!(side < 2 * (depth.radius + depth.skin))) continue;
     const std::string reach = to_text(double(depth.radius)) + " m";
     const std::string margin = to_text(double(depth.skin)) + " m";
-    fail("Box: the periodic side " + to_text(double(side)) + " m along axis " + std::to_string(k) +
-         " is shorter than twice the search radius " +
-         (depth.skin > 0 ? "plus skin, 2 (" + reach + " + " + margin +
-                               "); enlarge the box, or set a smaller skin"
-                         : reach + "; enlarge the box"));
+    fail({"Box: the periodic side ", double(side), " m along axis ", k,
+          " is shorter than twice the search radius ",
+          (depth.skin > 0 ? "plus skin, 2 (" + reach + " + " + margin +
+                                "); enlarge the box, or set a smaller skin"
+                          : reach + "; enlarge the box")});
   }
 }
 
@@ -51,8 +51,8 @@ Extent<P::dimension, typename P::Real> make_ghosts(P& particles, typename P::Rea
   if (!extent.is_finite()) {
     const auto is_broken = [&](Index i) { return !is_finite(x[i]); };
     const Index broken = first_where(x.size(), is_broken);
-    fail("search: position = " + to_text(typename P::Vec(x[broken])) +
-             " m is not finite; check the velocity of the particle",
+    fail({"search: position = ", to_text(typename P::Vec(x[broken])),
+          " m is not finite; check the velocity of the particle"},
          {.particle = broken, .id = particles.id(broken)});
   }
   const auto& box = particles.box();

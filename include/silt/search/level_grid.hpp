@@ -263,9 +263,8 @@ class LevelGrid {
     const Real max_radius = silt::largest(radii.size(), Real(0), [&](Index i) { return radii[i]; });
     const Real gap = radius_ - 2 * max_radius;
     if (gap < 0) {
-      fail("LevelGrid: radius = " + to_text(double(radius_)) +
-           " m is smaller than the largest diameter, " + to_text(2 * double(max_radius)) +
-           " m; increase it, or do not set it");
+      fail({"LevelGrid: radius = ", double(radius_), " m is smaller than the largest diameter, ",
+            2 * double(max_radius), " m; increase it, or do not set it"});
     }
     return gap;
   }

@@ -126,8 +126,8 @@ class SortedCells {
   // in_order(chunk) is called for chunks of points that are in order, see BinSort.
   void sort(const Points& x, const Extent& extent, Real reach, FunctionRef<void(Chunk)> in_order) {
     if (x.size() >= std::numeric_limits<std::uint32_t>::max()) {
-      fail("search: " + std::to_string(x.size()) +
-           " particles and ghosts exceed the limit of 2^32 - 2; reduce their number");
+      fail({"search: ", x.size(),
+            " particles and ghosts exceed the limit of 2^32 - 2; reduce their number"});
     }
     reach_ = reach;
     cells_.set_up(extent, x.size(), reach);

@@ -91,8 +91,8 @@ class HypreMultigrid {
     const HYPRE_Int code = HYPRE_GetError();
     if (code == 0) return;
     HYPRE_ClearAllErrors();
-    fail("hypre: BoomerAMG failed with the error flags " + std::to_string(code) +
-         "; use another solver, or fewer unknowns");
+    fail({"hypre: BoomerAMG failed with the error flags ", code,
+          "; use another solver, or fewer unknowns"});
   }
 
   /// x = V b, for the rows of this process. Does not throw.

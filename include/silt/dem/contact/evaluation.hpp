@@ -57,15 +57,16 @@ class SharedGrains {
   SharedGrains() = default;
   /// Copies the grains, unless a step of their integrator leaves them unchanged.
   SharedGrains(const P& grains, Pools& copies) {
-    const auto share = [&](auto field) -> std::shared_ptr<const Numbers> {
-      const auto shared = grains.storage(field).share();
+    const auto share = [&](auto field) -> std::shared_ptr<const Real> {
+      const auto stored = grains.storage(field);
       if (grains.is_advancing(field)) {
         copies.free_unused();
-        return shared;
+        return stored.share();
       }
       const auto copy = copies.take();
-      *copy = *shared;
-      return copy;
+      const auto numbers = stored.numbers();
+      copy->assign(numbers.begin(), numbers.end());
+      return {copy, copy->data()};
     };
     rows_ = share(position);
     if constexpr (P::dimension == 2) {
@@ -76,12 +77,12 @@ class SharedGrains {
   }
 
   GrainRows<P::dimension, Real> rows() const {
-    return {rows_ ? rows_->data() : nullptr, spins_ ? spins_->data() : nullptr};
+    return {rows_.get(), spins_.get()};
   }
 
  private:
-  std::shared_ptr<const Numbers> rows_;
-  std::shared_ptr<const Numbers> spins_;
+  std::shared_ptr<const Real> rows_;
+  std::shared_ptr<const Real> spins_;
 };
 
 /// An evaluation of all contacts in one step.

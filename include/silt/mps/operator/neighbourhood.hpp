@@ -148,9 +148,8 @@ class Neighbourhood {
     });
     const Id id = particles.id(i);
     const Id id_of_other = particles.id(particles.owner(*other));
-    fail("mps::Flow: two particles have the same position, those with the ids " +
-             std::to_string(std::min(id, id_of_other)) + " and " +
-             std::to_string(std::max(id, id_of_other)) + "; move them apart",
+    fail({"mps::Flow: two particles have the same position, those with the ids ",
+          std::min(id, id_of_other), " and ", std::max(id, id_of_other), "; move them apart"},
          {.particle = i, .id = id});
   }
 

@@ -24,20 +24,19 @@ void check_solve(const P& particles, const SolveReport& report, double time_step
   const auto p = particles[pressure];
   const Index broken = first_where(p.size(), [&](Index i) { return !is_finite(p[i]); });
   if (broken != no_index) {
-    fail("mps::Flow: the pressure " + to_text(double(p[broken])) +
-             " Pa is not finite; set a finite pressure",
-         {.particle = broken, .id = particles.id(broken)});
+    fail(
+        {"mps::Flow: the pressure ", double(p[broken]), " Pa is not finite; set a finite pressure"},
+        {.particle = broken, .id = particles.id(broken)});
   }
   if (!is_finite(report.residual)) {
     const double highest = largest(p.size(), 0.0, [&](Index i) { return std::abs(double(p[i])); });
-    fail("mps::Flow: time_step = " + to_text(time_step) + " s and pressures of up to " +
-         to_text(highest) +
-         " Pa give a pressure equation that overflows; set a longer time step or lower pressures");
+    fail(
+        {"mps::Flow: time_step = ", time_step, " s and pressures of up to ", highest,
+         " Pa give a pressure equation that overflows; set a longer time step or lower pressures"});
   }
-  fail("mps::Flow: the pressure solve did not converge: residual " + to_text(report.residual) +
-       " after " + std::to_string(report.iterations) + " iterations for " +
-       std::to_string(report.unknowns) +
-       " unknowns; decrease the time step, or increase max_iterations or tolerance");
+  fail({"mps::Flow: the pressure solve did not converge: residual ", report.residual, " after ",
+        report.iterations, " iterations for ", report.unknowns,
+        " unknowns; decrease the time step, or increase max_iterations or tolerance"});
 }
 
 }  // namespace silt::mps

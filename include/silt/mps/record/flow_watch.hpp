@@ -82,9 +82,8 @@ class FlowWatch {
       const Index i =
           first_where(u.size(), [&](Index k) { return double(u[k].norm()) >= now_.fastest; });
       if (i == no_index) return;  // it is one of another process
-      fail("mps::Flow: velocity = " + to_text(Vec(u[i])) + " m/s is more than ten times " +
-               to_text(usual) + " m/s, the speed of the fluid at first and of its deepest fall; " +
-               advice,
+      fail({"mps::Flow: velocity = ", to_text(Vec(u[i])), " m/s is more than ten times ", usual,
+            " m/s, the speed of the fluid at first and of its deepest fall; ", advice},
            {.particle = i, .id = particles.id(i)});
     }
     const auto kinds = particles[kind];
@@ -96,9 +95,9 @@ class FlowWatch {
     const double there =
         kinetic_ + 0.5 * mass * number * (squared(speed_of_step_) + squared(disorder));
     if (moving_walls == 0 && kinetic > factor * there) {
-      fail("mps::Flow: the kinetic energy after the step, " + to_text(kinetic) +
-           " J, is more than ten times that before it and of the forces in it, " + to_text(there) +
-           " J; " + advice);
+      fail({"mps::Flow: the kinetic energy after the step, ", kinetic,
+            " J, is more than ten times that before it and of the forces in it, ", there, " J; ",
+            advice});
     }
   }
 

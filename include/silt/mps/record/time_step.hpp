@@ -89,8 +89,8 @@ class TimeStep {
   template <FluidParticles P, class Settings>
   void begin(const P& particles, const Settings& settings, const Input& input, double dt) {
     if (dt > 2 * input.viscous) {
-      fail("mps::Flow: time_step = " + to_text(dt) + " s exceeds the viscous limit " +
-           to_text(2 * input.viscous) + " s; lower it");
+      fail({"mps::Flow: time_step = ", dt, " s exceeds the viscous limit ", 2 * input.viscous,
+            " s; lower it"});
     }
     const auto u = particles[velocity];
     const Index broken = first_where(u.size(), [&](Index i) {
@@ -99,10 +99,10 @@ class TimeStep {
     if (broken != no_index) fail_too_fast(particles, settings, broken, dt);
     const double force = max_force(particles, settings, input.time);
     if (dt * dt * force > settings.spacing) {
-      fail("mps::Flow: time_step = " + to_text(dt) +
-           " s moves a particle from rest by more than "
-           "the spacing; use at most " +
-           to_text(std::sqrt(settings.courant * settings.spacing / force)) + " s");
+      fail({"mps::Flow: time_step = ", dt,
+            " s moves a particle from rest by more than "
+            "the spacing; use at most ",
+            std::sqrt(settings.courant * settings.spacing / force), " s"});
     }
     last_ = dt;
   }
@@ -114,9 +114,9 @@ class TimeStep {
     const Index fast = find_too_far_moved(particles, step, most, [=](Index) { return most; });
     if (fast == no_index) return;
     const auto u = particles[velocity][fast];
-    fail("mps::Flow: velocity = " + to_text(typename P::Vec(u)) + " m/s moved a particle by " +
-             to_text(double(u.norm()) * step.time_step) + " m in a step, more than the spacing " +
-             to_text(settings.spacing) + " m; lower the time step",
+    fail({"mps::Flow: velocity = ", to_text(typename P::Vec(u)), " m/s moved a particle by ",
+          double(u.norm()) * step.time_step, " m in a step, more than the spacing ",
+          settings.spacing, " m; lower the time step"},
          {.particle = fast, .id = particles.id(fast)});
   }
 
@@ -147,9 +147,9 @@ class TimeStep {
     const Index broken = first_where(particles.size(), [&](Index i) {
       return !is_finite((settings.gravity + force_at(i)).norm());
     });
-    fail("FlowSettings: body_force = " + to_text(force_at(broken)) + " m/s² at " +
-             to_text(typename P::Vec(x[broken])) + " m and " + to_text(time) +
-             " s is not finite or its square overflows; return a finite acceleration",
+    fail({"FlowSettings: body_force = ", to_text(force_at(broken)), " m/s² at ",
+          to_text(typename P::Vec(x[broken])), " m and ", time,
+          " s is not finite or its square overflows; return a finite acceleration"},
          {.particle = broken, .id = particles.id(broken)});
   }
 
@@ -160,13 +160,13 @@ class TimeStep {
     const auto u = particles[velocity][broken];
     const double speed = double(u.norm());
     if (!is_finite(speed)) {
-      fail("mps::Flow: the velocity " + to_text(u) +
-               " m/s is not finite or its square overflows; set a finite velocity",
+      fail({"mps::Flow: the velocity ", to_text(u),
+            " m/s is not finite or its square overflows; set a finite velocity"},
            where);
     }
-    fail("mps::Flow: time_step = " + to_text(dt) + " s moves a particle of " + to_text(speed) +
-             " m/s by more than the spacing; use at most " +
-             to_text(settings.courant * settings.spacing / speed) + " s",
+    fail({"mps::Flow: time_step = ", dt, " s moves a particle of ", speed,
+          " m/s by more than the spacing; use at most ",
+          settings.courant * settings.spacing / speed, " s"},
          where);
   }
 

@@ -79,14 +79,14 @@ struct FlowSettings {
     // 1/l0² is the scale of weights in single precision, the mass of a particle that of energies.
     const double mass = density * std::pow(spacing, Dim);
     if (spacing < 1e-12 || spacing > 1e12 || mass < 1e-200 || mass > 1e200) {
-      fail("FlowSettings: spacing = " + to_text(spacing) + " m and density = " + to_text(density) +
-           " kg/m³ give weights and masses that underflow or overflow; use other units");
+      fail({"FlowSettings: spacing = ", spacing, " m and density = ", density,
+            " kg/m³ give weights and masses that underflow or overflow; use other units"});
     }
     require_not_negative("FlowSettings: viscosity", viscosity);
     require_finite("FlowSettings: gravity", gravity);
     if (!is_finite(gravity.squaredNorm())) {
-      fail("FlowSettings: gravity = " + to_text(gravity) +
-           " m/s² has a square that overflows; use other units");
+      fail({"FlowSettings: gravity = ", to_text(gravity),
+            " m/s² has a square that overflows; use other units"});
     }
     // At a radius of 1, the kernel is zero at the nearest neighbours.
     require_above("FlowSettings: radius", radius, {1 + 1e-9, 10});
@@ -95,12 +95,12 @@ struct FlowSettings {
     require_above("FlowSettings: courant", courant, {0, 1});
     require_not_negative("FlowSettings: speed_scale", speed_scale);
     if (!(max_growth >= 1)) {
-      fail("FlowSettings: max_growth = " + to_text(max_growth) +
-           " would only allow the time step to decrease; give a value of at least 1");
+      fail({"FlowSettings: max_growth = ", max_growth,
+            " would only allow the time step to decrease; give a value of at least 1"});
     }
     if (!(max_time_step > 0)) {
-      fail("FlowSettings: max_time_step = " + to_text(max_time_step) +
-           " s must be positive; give a value above 0");
+      fail({"FlowSettings: max_time_step = ", max_time_step,
+            " s must be positive; give a value above 0"});
     }
     const auto check = [](const auto& policy) {
       if constexpr (requires { policy.check(); }) policy.check();
@@ -108,9 +108,9 @@ struct FlowSettings {
     check(source), check(collision), check(kernel), check(surface);
     check(gradient), check(walls), check(shifting), check(friction), check(wall_stress), check(laplacian);
     if (collision.reach() > radius) {
-      fail("Collision: distance = " + to_text(collision.reach()) +
-           " spacings exceeds FlowSettings: radius = " + to_text(radius) +
-           "; decrease the distance or increase the radius");
+      fail({"Collision: distance = ", collision.reach(),
+            " spacings exceeds FlowSettings: radius = ", radius,
+            "; decrease the distance or increase the radius"});
     }
   }
 };
