@@ -216,8 +216,7 @@ class Simulation {
       remove_escaped(step, after, transaction);
       transaction.commit();
     } catch (const Error& error) {
-      if (!step.is_result_finite) detail::check_finite_before_step(particles_, {.step = steps_, .time = time_});
-      throw error.with_step(steps_, time_);
+      fail_step(step, error);
     }
     particles_lost_ += step.removed;
     time_ += dt;
@@ -386,6 +385,14 @@ class Simulation {
   }
 
   // --- the transaction ---
+
+  // After it was rolled back.
+  [[noreturn]] void fail_step(const StepState& step, const Error& error) const {
+    if (!step.is_result_finite) {
+      detail::check_finite_before_step(particles_, {.step = steps_, .time = time_});
+    }
+    throw error.with_step(steps_, time_);
+  }
 
   void save() {
     particles_.save();
