@@ -142,7 +142,7 @@ class BlockEvaluator {
     return {contacts_.block(block), is_dense};
   }
   /// Fills a batch with the next contacts that touch; returns false if there are none.
-  bool fill(Batch& batch, Remaining& of, Results& results) const {
+  [[gnu::noinline]] bool fill(Batch& batch, Remaining& of, Results& results) const {
     batch.count_ = 0;
     if (of.is_dense_) {
       add_groups(batch, of, results);
