@@ -12,7 +12,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
-#include <cstring>
 #include <initializer_list>
 #include <limits>
 #include <optional>
@@ -81,80 +80,73 @@ class Error : public std::runtime_error {
 };
 
 /// A number for messages, with six significant digits.
-inline std::string to_text(double value) {
+[[gnu::cold]] inline std::string to_text(double value) {
   char text[32];
   std::snprintf(text, sizeof text, "%.6g", value);
   return text;
 }
 
-/// A vector as "(1, 2)".
-template <class Real, int Dim>
-std::string to_text(const Eigen::Matrix<Real, Dim, 1>& value) {
-  // Appended to: g++ 12 warns of "(" + std::string.
-  std::string text = "(";
-  for (int k = 0; k < Dim; ++k) {
-    if (k > 0) text += ", ";
-    text += to_text(double(value[k]));
-  }
-  return text += ')';
-}
-
-inline std::string Error::compose(const std::string& message, const Where& where) {
-  std::string text = message;
-  auto add = [&, first = true](const std::string& part) mutable {
-    text += first ? " (" : ", ";
-    text += part;
-    first = false;
-  };
-  const bool any = where.particle || where.id || where.step || where.time;
-  if (where.particle) add("particle " + std::to_string(*where.particle));
-  if (where.id) add("id " + std::to_string(*where.id));
-  if (where.step) add("step " + std::to_string(*where.step));
-  if (where.time) add("t = " + to_text(*where.time) + " s");
-  if (any) text += ")";
-  return text;
-}
-
-/// A part of a message: text, or a number as to_text() and std::to_string() write it. The text must
-/// outlive it.
+/// A part of a message: a text or vector, which must outlive it, or a number.
 class MessagePart {
  public:
-  MessagePart(const char* text) : kind_(Kind::text), text_(text), size_(std::strlen(text)) {}
-  MessagePart(std::string_view text) : kind_(Kind::text), text_(text.data()), size_(text.size()) {}
+  MessagePart(std::string_view text)
+      : text_(text.data()), length_(static_cast<std::ptrdiff_t>(text.size())) {}
+  MessagePart(const char* text) : MessagePart(std::string_view(text)) {}
   MessagePart(const std::string& text) : MessagePart(std::string_view(text)) {}
-  template <std::floating_point Real>
-  MessagePart(Real number) : kind_(Kind::real), real_(double(number)) {}
-  template <std::integral Integer>
-  MessagePart(Integer number)
-      : kind_(std::signed_integral<Integer> ? Kind::integer : Kind::natural),
-        integer_(static_cast<long long>(number)) {}
+  /// As to_text() writes it.
+  MessagePart(std::floating_point auto value) : value_(double(value)), length_(is_value) {}
+  MessagePart(std::signed_integral auto number) : number_(number), length_(is_number) {}
+  MessagePart(std::unsigned_integral auto count) : count_(count), length_(is_count) {}
+  MessagePart(char) = delete;  // would be a number
+  MessagePart(bool) = delete;
+  /// As "(1, 2)".
+  template <std::floating_point Real, int Dim>
+  MessagePart(const Eigen::Matrix<Real, Dim, 1>& vector)
+      : vector_(vector.data()),
+        length_((std::same_as<Real, float> ? is_vector_of_float : is_vector) - Dim) {
+    static_assert(Dim == 2 || Dim == 3);
+  }
 
   void add_to(std::string& message) const {
-    switch (kind_) {
-      case Kind::text:
-        message.append(text_, size_);
-        return;
-      case Kind::real:
-        message += to_text(real_);
-        return;
-      case Kind::integer:
-        message += std::to_string(integer_);
-        return;
-      case Kind::natural:
-        message += std::to_string(static_cast<unsigned long long>(integer_));
+    if (length_ >= 0) {
+      message.append(text_, static_cast<std::size_t>(length_));
+    } else if (length_ < is_vector) {
+      const bool is_float = length_ < is_vector_of_float;
+      const auto size = (is_float ? is_vector_of_float : is_vector) - length_;
+      for (std::ptrdiff_t k = 0; k < size; ++k) {
+        message += k == 0 ? "(" : ", ";
+        message += to_text(is_float ? double(static_cast<const float*>(vector_)[k])
+                                    : static_cast<const double*>(vector_)[k]);
+      }
+      message += ')';
+    } else {
+      message += length_ == is_value    ? to_text(value_)
+                 : length_ == is_number ? std::to_string(number_)
+                                        : std::to_string(count_);
     }
   }
 
  private:
-  enum class Kind { text, real, integer, natural };
-  Kind kind_;
+  // From the last two, the number of components is subtracted.
+  enum Kind {
+    is_value = -1,
+    is_number = -2,
+    is_count = -3,
+    is_vector = -4,
+    is_vector_of_float = -8
+  };
+
+  // Two words, because a program has many parts.
   union {
     const char* text_;
-    double real_;
-    long long integer_;
+    const void* vector_;
+    double value_;
+    long long number_;
+    unsigned long long count_;
   };
-  std::size_t size_ = 0;
+  std::ptrdiff_t length_;  // of the text, or the kind
 };
+
 /// Parts of a message as one. A program has hundreds of messages: `text + to_text(number) + …`
 /// would compile to ten times as much.
 [[gnu::cold, gnu::noinline]] inline std::string message_of(
@@ -162,6 +154,26 @@ class MessagePart {
   std::string message;
   for (const MessagePart& part : parts) part.add_to(message);
   return message;
+}
+
+[[gnu::cold]] inline std::string Error::compose(const std::string& message, const Where& where) {
+  std::string text = message;
+  const auto add = [&](std::initializer_list<MessagePart> part) {
+    text += text.size() == message.size() ? " (" : ", ";
+    text += message_of(part);
+  };
+  if (where.particle) add({"particle ", *where.particle});
+  if (where.id) add({"id ", *where.id});
+  if (where.step) add({"step ", *where.step});
+  if (where.time) add({"t = ", *where.time, " s"});
+  if (text.size() > message.size()) text += ')';
+  return text;
+}
+
+/// A vector as "(1, 2)".
+template <class Real, int Dim>
+std::string to_text(const Eigen::Matrix<Real, Dim, 1>& value) {
+  return message_of({value});
 }
 
 /// Throws an Error.
