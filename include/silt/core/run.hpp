@@ -87,7 +87,13 @@ class RunLoop {
         open.stays_open = true;
         return false;
       }
-      step();
+      // Also for the observers.
+      const Team team(simulation_.thread_choice_, simulation_.particles().size());
+      for_each_observer([&](auto& each) { call_before_step(each, simulation_); });
+      advance(run_.time_step ? *run_.time_step : simulation_.time_step());
+      for_each_observer([&](auto& each) { call_after_step(each, simulation_, run_); });
+      if (is_output_due()) make_output();
+      for_each_observer([&](auto& each) { call_between_steps(each, simulation_); });
     }
     // The loop may end within round-off before `until`.
     if (run_.end_exactly && simulation_.time() < run_.until) simulation_.time_ = run_.until;
@@ -110,17 +116,6 @@ class RunLoop {
    private:
     bool& is_open_;
   };
-
-  // A step, with all calls of observers around it.
-  void step() {
-    // Also for the observers.
-    const Team team(simulation_.thread_choice_, simulation_.particles().size());
-    for_each_observer([&](auto& each) { call_before_step(each, simulation_); });
-    advance(run_.time_step ? *run_.time_step : simulation_.time_step());
-    for_each_observer([&](auto& each) { call_after_step(each, simulation_, run_); });
-    if (is_output_due()) make_output();
-    for_each_observer([&](auto& each) { call_between_steps(each, simulation_); });
-  }
 
   // A step of dt [s], or less if the end has to be met, or if dt was chosen and is not stable.
   void advance(double dt) {

@@ -56,7 +56,7 @@ class Simulation {
     detail::require_ordered_sums();
     const detail::Team team(thread_choice_, particles_.size());
     const Largest before = prepare();
-    together([&] {
+    Processes::together(particles_, [&] {
       update_halo(before);
       sort();
       search_.update(particles_);
@@ -95,7 +95,7 @@ class Simulation {
     if constexpr (copies_for_state) {
       Simulation copy = *this;
       set_time(copy.interaction_, time_);
-      copy.together([&] {
+      Processes::together(copy.particles_, [&] {
         // The program may have changed particles, or removed some.
         Processes::find_halo_of_changed(copy.particles_);
         if constexpr (synchronises) {
@@ -162,7 +162,7 @@ class Simulation {
   double time_step() {
     const detail::Team team(thread_choice_, particles_.size());
     set_time(interaction_, time_);
-    const Largest all = together([&] {
+    const Largest all = Processes::together(particles_, [&] {
       Largest own{.wanted = particles_.empty() ? 0.0 : 1.0};
       if constexpr (ChoosesTimeStep<TypedInteraction, P>) {
         own.minus_time_step = -interaction_.time_step(particles_);
@@ -206,7 +206,7 @@ class Simulation {
     try {
       Transaction transaction(*this);
       const Largest before = prepare_step(dt);
-      const Largest after = together([&] {
+      const Largest after = Processes::together(particles_, [&] {
         update_halo(before);
         sort();
         transaction.save();
@@ -251,6 +251,10 @@ class Simulation {
 
   static constexpr bool synchronises =
       requires(T t, P p, S s, TypedInteraction i) { t.synchronise(p, s, i); };
+  // See Integrator in core/concepts.hpp.
+  static constexpr bool verifies_results = requires(T t, P p, S s, TypedInteraction i) {
+    { t.step(p, s, i, 0.0) } -> std::same_as<bool>;
+  };
   static constexpr bool copies_for_state = synchronises || Processes::are_several;
 
   // What becomes known in a step.
@@ -260,19 +264,14 @@ class Simulation {
     Index removed = 0;  // of the particles of all processes
   };
 
-  template <class F>
-  Largest together(F&& f) {
-    return Processes::together(particles_, f);
-  }
-
   // --- prepare ---
 
   // Sets the search radius, which must be at least the interaction range, of all processes.
   Largest prepare() {
-    return set_radius(together([&] { return range(); }));
+    return set_radius(Processes::together(particles_, [&] { return range(); }));
   }
   Largest prepare_step(double dt) {
-    const Largest all = together([&] {
+    const Largest all = Processes::together(particles_, [&] {
       require_positive("Simulation: time_step", dt);
       if (time_ + dt == time_) {
         fail({"Simulation: time_step = ", dt, " s does not change the time; increase it"});
@@ -321,7 +320,12 @@ class Simulation {
   Largest advance(StepState& step) {
     FinishedStep& finished = step.finished;
     const Travel travel = detail::travel_of(particles_);
-    const bool is_verified = integrate(finished.time_step);
+    bool is_verified = false;
+    if constexpr (verifies_results) {
+      is_verified = integrator_.step(particles_, search_, interaction_, finished.time_step);
+    } else {
+      integrator_.step(particles_, search_, interaction_, finished.time_step);
+    }
     if (!is_verified) {
       const auto broken = detail::find_not_finite(particles_);
       step.is_result_finite = !broken;
@@ -335,20 +339,10 @@ class Simulation {
             .energy_gain = particles_.empty() ? 0 : finished.max_energy_gain,
             .wanted = !is_verified && must_remove_escaped() ? 1.0 : 0.0};
   }
-  // Returns whether the integrator has verified the results, see Integrator in core/concepts.hpp.
-  bool integrate(double dt) {
-    if constexpr (std::same_as<decltype(integrator_.step(particles_, search_, interaction_, dt)),
-                               bool>) {
-      return integrator_.step(particles_, search_, interaction_, dt);
-    } else {
-      integrator_.step(particles_, search_, interaction_, dt);
-      return false;
-    }
-  }
   void check_energy(FinishedStep finished, const Largest& after) {
     finished.max_energy_gain = after.energy_gain;
     if (!detail::must_check_energy(interaction_, particles_, finished)) return;
-    together([&] {
+    Processes::together(particles_, [&] {
       detail::check_energy(interaction_, particles_, finished);
       return Largest{};
     });
@@ -358,7 +352,7 @@ class Simulation {
   void remove_escaped(StepState& step, const Largest& after, Transaction& transaction) {
     const bool must_remove = after.wanted > 0;
     if (must_remove) {
-      together([&] {
+      Processes::together(particles_, [&] {
         step.removed = transaction.remove_if(is_outside());
         return Largest{};
       });
@@ -366,7 +360,7 @@ class Simulation {
     }
     Processes::finish_step(particles_, step.finished.max_displacement, after);
     if (!must_remove) return;
-    together([&] {
+    Processes::together(particles_, [&] {
       search_.update(particles_);  // its indices are out of date
       return Largest{};
     });
