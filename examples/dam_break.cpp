@@ -42,12 +42,12 @@ void describe(CLI::App& app, Options& o) {
       ->check(support::between({for_wall_particles, 10}))
       ->transform(CLI::Validator(number_of, ""))
       ->default_str("recommended");
-  add("--column", o.column, "width,height of the column of water [m]", positive())
-      ->delimiter(',')->expected(2);
-  add("--tank", o.tank, "length,height of the tank [m]; by default four column widths long, as in "
-      "Koshizuka and Oka (1996), since the paper does not give it", positive())
-      ->delimiter(',')->expected(2);
-  add("--depth", o.depth, "depth of the tank in 3D [m]", positive());
+  add("--column", o.column, "width,height of the column of water [m], whole numbers of spacings",
+      positive())->delimiter(',')->expected(2);
+  add("--tank", o.tank, "length,height of the tank [m], with the schemes of Table 1 whole numbers of "
+      "spacings; by default four column widths long, as in Koshizuka and Oka (1996), since the paper "
+      "does not give it", positive())->delimiter(',')->expected(2);
+  add("--depth", o.depth, "depth of the tank in 3D [m], a whole number of spacings", positive());
   support::describe_flow(app, o, "P2 of the paper: on the right wall, 0.02 m above the floor",
                          "front.csv, pressure.csv, energy.csv, summary.json and frames.pvd");
 }

@@ -10,12 +10,12 @@
 //   hydrostatic --dimension 3 --spacing 0.02 --thickness 0.2 --out out/hydrostatic_3d
 //   examples/plot_hydrostatic.py out/hydrostatic
 //
-// Depths are measured downwards from the still surface, which is --depth above the floor (rounded
-// to a multiple of the spacing, like all lengths of the tank). With the recommended scheme, the
-// exact pressure at a depth z, of fluid and of the gauge P1 on the floor, is ρ g z. With the paper's,
-// a gauge on a wall reads the pressure of the nearby wall particles, which lie half a spacing behind
-// the wall, and P = 0 holds at the surface particles, half a spacing below the still surface: the
-// exact reading of P1, at the depth h, is ρ g h, and the exact pressure of fluid ρ g (z − l0/2).
+// Depths are measured downwards from the still surface, which is --depth above the floor. With the
+// recommended scheme, the exact pressure at a depth z, of fluid and of the gauge P1 on the floor, is
+// ρ g z. With the paper's, a gauge on a wall reads the pressure of the nearby wall particles, which lie
+// half a spacing behind the wall, and P = 0 holds at the surface particles, half a spacing below the
+// still surface: the exact reading of P1, at the depth h, is ρ g h, and the exact pressure of fluid
+// ρ g (z − l0/2).
 #include <silt/io/csv.hpp>
 #include <silt/io/progress.hpp>
 #include <silt/io/vtk.hpp>
@@ -70,7 +70,8 @@ void describe(CLI::App& app, Options& o) {
       CLI::IsMember({"13", "17", "both"}));
   add("--gradient", o.gradient, "pressure gradient: 4, from the lowest neighbouring pressure, or "
       "18", CLI::IsMember({4, 18}));
-  add("--width", o.width, "width of the tank [m]", positive());
+  add("--width", o.width, "width of the tank [m], a whole number of spacings, like the next two",
+      positive());
   add("--depth", o.depth, "depth of the water [m]", positive());
   add("--thickness", o.thickness, "thickness of the tank in 3D, along y [m]", positive());
   add("--statistics-from", o.statistics_from, "beginning of the time over which means and standard "
@@ -78,9 +79,6 @@ void describe(CLI::App& app, Options& o) {
   support::describe_flow(app, o, "P1 of the paper: the middle of the floor",
                          "pressure.csv, profile.csv, summary.json and frames.pvd");
 }
-
-// The depth of the water, rounded to a multiple of the spacing like the tank [m].
-double still_depth(const Options& o) { return std::round(o.depth / o.spacing) * o.spacing; }
 
 // Chooses the scheme from the other options if --scheme is not given.
 void choose_scheme(const CLI::App& app, Options& o) {
@@ -95,8 +93,11 @@ void choose_scheme(const CLI::App& app, Options& o) {
   if (o.scheme.empty()) o.scheme = "recommended";
 }
 
-// Walls extend above the water, because unstable schemes splash.
-double wall_height(const Options& o) { return 1.5 * o.depth; }
+// Walls extend above the water, because unstable schemes splash; by whole spacings, as they may be
+// particles [m].
+double wall_height(const Options& o) {
+  return o.spacing * std::round(1.5 * o.depth / o.spacing);
+}
 
 template <class Scheme, int Dim>
 auto make_tank(const Options& o) {
@@ -175,7 +176,7 @@ class Statistics {
     std::vector<Sums> sums(layers_.size());
     for (Index i = 0; i < particles.size(); ++i) {
       if (particles[mps::kind][i] != mps::Kind::fluid) continue;
-      const double depth = still_depth(*options_) - particles[position][i][Dim - 1];
+      const double depth = options_->depth - particles[position][i][Dim - 1];
       const double layer = std::floor(depth / options_->spacing);
       if (!(layer >= 0 && layer < double(layers_.size()))) continue;
       Sums& sum = sums[static_cast<Index>(layer)];
@@ -265,7 +266,7 @@ void simulate(const Options& o, mps::FlowSettings<Dim, Scheme> settings) {
   statistics.write_profile(o.out + "/profile.csv");
 
   nlohmann::ordered_json summary;
-  const double gauge_depth = still_depth(o) - o.probes.front().back();
+  const double gauge_depth = o.depth - o.probes.front().back();
   const double analytic = settings.density * support::g * gauge_depth;
   const Average& gauge = statistics.gauge();
   summary["rer"] = nullptr;  // (14)
@@ -277,7 +278,7 @@ void simulate(const Options& o, mps::FlowSettings<Dim, Scheme> settings) {
     summary["mean"] = gauge.mean();
   }
   summary["analytic"] = analytic;  // ρ g times the depth of the gauge
-  summary["still_depth"] = still_depth(o);
+  summary["still_depth"] = o.depth;
   summary["level"] = level(tank.particles());
   summary.update(support::summary_of(tank, particles, iterations, wall.seconds()));
   auto& options = summary["options"];
@@ -363,10 +364,10 @@ void simulate_3d(const Options& o) {
 
 void check_probes(const Options& o) {
   for (const auto& probe : o.probes) {
-    if (probe.back() < still_depth(o)) continue;
+    if (probe.back() < o.depth) continue;
     throw support::OptionError("--probe at a height of " + to_text(probe.back()) +
                                " m must lie below the still surface, at " +
-                               to_text(still_depth(o)) + " m");
+                               to_text(o.depth) + " m");
   }
 }
 

@@ -166,9 +166,13 @@ struct DamBreak {
 
   static constexpr double length = 1.6;  // of the tank [m]
 
+  // A column is a whole number of particles wide and high.
+  double whole(double size) const { return spacing * std::round(size / spacing); }
   auto simulation() const {
     const auto tank = mps::make_tank<mps::Recommended, 2>(
-        {.column = {width, height}, .size = {.length = length, .height = 1.2}, .spacing = spacing,
+        {.column = {whole(width), whole(height)},
+         .size = {.length = length, .height = 1.2},
+         .spacing = spacing,
          .lid = true});
     const mps::Flow<mps::Recommended> water{
         {.spacing = spacing,
@@ -191,20 +195,17 @@ struct DamBreak {
   }
   template <class Sim>
   std::vector<Line> lines(const Sim&) const {
-    // As many whole spacings as the tank has.
-    const auto rounded = [this](double size) { return spacing * std::round(size / spacing); };
-    return lines_of({.lower = {0, 0}, .upper = {rounded(length), rounded(1.2)}});
+    return lines_of({.lower = {0, 0}, .upper = {length, 1.2}});
   }
   template <class P>
   Curves curves(const P& water, const Vec<2>& gravity) const {
     const double mass = 1000 * spacing * spacing;
-    const double wall = spacing * std::round(length / spacing);
     Curves curves;
     for (Index i = 0; i < water.size(); ++i) {
       curves.kinetic += mass * water[velocity][i].squaredNorm() / 2;
       curves.potential -= mass * gravity.dot(water[position][i]);
     }
-    curves.pressure = WallGauge<2>{{wall, 0.05}, {-1, 0}, spacing}.read(water, mps::pressure);
+    curves.pressure = WallGauge<2>{{length, 0.05}, {-1, 0}, spacing}.read(water, mps::pressure);
     return curves;
   }
 };

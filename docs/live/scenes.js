@@ -18,7 +18,7 @@ const restitution = (value) => ({
 export const scenes = [
   {
     name: 'dam_break', title: 'Dam break', method: 'MPS', particles: 'fluid particles',
-    text: 'A column of water collapses in a closed tank and runs up its wall.',
+    text: 'A column of water, rounded to whole particles, collapses in a closed tank and runs up its wall.',
     numbers: [
       { name: 'spacing', label: 'Particle spacing', unit: 'm', value: 0.028, least: 0.01, most: 0.05, step: 0.001, digits: 3 },
       { name: 'width', label: 'Width of the column', unit: 'm', value: 0.4, least: 0.1, most: 1.5, step: 0.05, digits: 2 },

@@ -347,8 +347,8 @@ def flow_simulation(
     position       of the particles, shape (n, 2) or (n, 3) [m]: on a lattice of the spacing, half a spacing
                    from walls
     spacing        of the particles [m]
-    tank           (length, height) in 2D, (length, depth, height) in 3D [m], rounded to whole spacings; a corner
-                   is at the origin
+    tank           (length, height) in 2D, (length, depth, height) in 3D [m]; a corner is at the origin, and the
+                   walls are exactly there: where fluid should rest, they are half a spacing from its lattice
     lid            whether the tank is closed
     velocity       shape (n, 2) or (n, 3), or one vector or number for all [m/s]
     density        [kg/m³]

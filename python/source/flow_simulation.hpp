@@ -32,7 +32,7 @@ Box<Dim> room_of(const FlowSetup<Dim>& setup, Box<Dim> box) {
   for (int k = 0; k < Dim; ++k) {
     box.lower[k] = 0;
     if (k + 1 == Dim && !setup.lid) break;
-    box.upper[k] = setup.spacing * std::round(setup.tank[Index(k)] / setup.spacing);
+    box.upper[k] = setup.tank[Index(k)];
   }
   return box;
 }
@@ -40,15 +40,13 @@ Box<Dim> room_of(const FlowSetup<Dim>& setup, Box<Dim> box) {
 template <int Dim>
 mps::TankOf<mps::Recommended, Dim> tank_of(const FlowSetup<Dim>& setup) {
   const Vec<Dim> size = to_vector<Dim>("flow_simulation: tank", setup.tank);
-  mps::Tank<Dim> tank{.column = {setup.spacing, setup.spacing},
-                      .size = {.length = size[0], .height = size[Dim - 1]},
+  mps::Tank<Dim> tank{.size = {.length = size[0], .height = size[Dim - 1]},
                       .spacing = setup.spacing,
                       .lid = setup.lid,
                       .on_escape = setup.on_escape};
   if constexpr (Dim == 3) tank.size.depth = size[1];
-  // Walls and box alone: the fluid is that of Python.
-  auto made = mps::make_tank<mps::Recommended, Dim>(tank);
-  mps::Fluid<Dim> fluid(made.particles.box());
+  auto made = mps::make_empty_tank<mps::Recommended, Dim>(tank);
+  auto& fluid = made.particles;
   const Box<Dim> room = room_of(setup, fluid.box());
   fluid.reserve(setup.positions.size());
   for (Index i = 0; i < setup.positions.size(); ++i) {
@@ -62,7 +60,6 @@ mps::TankOf<mps::Recommended, Dim> tank_of(const FlowSetup<Dim>& setup) {
     mps::add_particle(fluid, x, mps::Kind::fluid);
     fluid[velocity][i] = setup.velocities.template vector<Dim>(i);
   }
-  made.particles = std::move(fluid);
   return made;
 }
 
@@ -128,8 +125,7 @@ class FlowSimulation final : public TypedSimulation<FlowSimulationType<Dim>> {
 
  private:
   void check_on_wall(const Vec<Dim>& x) const {
-    // The sides of the tank may be half a spacing from where they were asked for.
-    const double near = 0.5 * (1 + 1e-9) * spacing_;
+    const double near = 1e-6 * spacing_;
     bool is_in_tank = true, is_at_side = false;
     for (int k = 0; k < Dim; ++k) {
       const double to_lower = x[k] - room_.lower[k], to_upper = room_.upper[k] - x[k];

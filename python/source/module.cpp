@@ -46,6 +46,8 @@ constexpr std::pair<std::string_view, std::string_view> advice[] = {
      "lower the time step"},
     {"; set it, or add grains by add_grain()", "; set it"},
     {"set Box::on_escape to OnEscape::remove", "set on_escape to 'remove'"},
+    {"move it to the other side of the wall beside it, or set ImageWalls::let_fluid_fall",
+     "change the gravity, or close the tank by lid=True"},
 };
 
 std::string in_python(std::string text) {

@@ -114,7 +114,9 @@ TYPED_TEST(Boxes, AreFilledByALatticeWithTheRightNumberOfPoints) {
 
 TEST(Lattice, LeavesOutCellsThatDoNotFit) {
   EXPECT_EQ(lattice<3>({{0, 0, 0}, {0.99, 1, 1.01}}, 0.25).size(), 3u * 4u * 4u);
-  EXPECT_TRUE(lattice<2>({{0, 0}, {1, 0.2}}, 0.25).empty());
+  EXPECT_TRUE(refuses(
+      [] { lattice<2>({{0, 0}, {1, 0.2}}, 0.25); },
+      {"lattice: spacing = 0.25 m is longer than the box along axis 1", "(1, 0.2) m"}));
 }
 
 TEST(Lattice, RejectsInvalidSpacingsAndBoxes) {

@@ -103,6 +103,70 @@ TEST(Inflow, KeepsClearOfAMovingWallAtThatTime) {
   }
 }
 
+// Discs of a radius of up to 12 mm in a slot: whether there is ever room for the next of them.
+TEST(Inflow, RefusesARegionInWhichAGrainHasNeverRoom) {
+  const auto pour = [](const Box<2>& region, const Box<2>& box = {}) {
+    Simulation empty{dem::Grains<2>{box}, NeighbourList<2>{}, dem::Contacts{law}, Leapfrog{}};
+    dem::Inflow filling{region, pebbles, {.number = 100}};
+    for (int attempt = 0; attempt < 100; ++attempt) filling.before_step(empty);
+    return filling.number();
+  };
+  // Wide enough for the first ones, but not for all.
+  EXPECT_TRUE(refuses([&] { pour({{0, 0}, {0.0235, 1}}); },
+                      {"Inflow: a grain of radius 0.011", "no room in the region"}));
+  // As wide as a grain: no random position is exactly in its middle.
+  const dem::Blend<dem::EqualSizes> equal{.sizes = {0.01}, .density = 2500};
+  auto bin = empty_bin();
+  dem::Inflow slot{Box<2>{{0.1, 0.1}, {0.12, 0.3}}, equal, {.number = 1}};
+  EXPECT_TRUE(refuses([&] { slot.before_step(bin); },
+                      {"Inflow: a grain of radius 0.01 m has no room in the region: none of 100000",
+                       "enlarge the region"}));
+  // Wrapped, all positions are outside of the region.
+  const Box<2> box{.lower = {0, 0}, .upper = {1, 1}, .periodic = {true, false}};
+  EXPECT_TRUE(refuses([&] { pour({{1.2, 0}, {1.6, 1}}, box); }, {"periodic box", "move it"}));
+  EXPECT_GT(pour({{0.8, 0}, {1.2, 1}}, box), 20u) << "across a periodic side";
+}
+
+TEST(Inflow, RefusesARegionBehindWalls) {
+  auto bin = empty_bin();
+  dem::Inflow below{Box<2>{{0, -0.2}, {0.2, 0.015}}, pebbles, {.number = 5}};
+  EXPECT_TRUE(refuses([&] { below.before_step(bin); },
+                      {"Inflow: a grain of radius 0.0", "clear of the walls", "t = 0 s", "(from)"}));
+  EXPECT_EQ(bin.particles().size(), 0u);
+  EXPECT_EQ(below.number(), 0u);
+
+  // Beside a wall that moves away, it may begin then.
+  const dem::Moving lift{dem::Plane<2>{.point = {0, 0.1}}, dem::Translation<2>{.velocity = {0, -1}}};
+  Simulation opened{dem::Grains<2>{}, NeighbourList<2>{}, dem::Contacts{law, lift}, Leapfrog{}};
+  const Box<2> region{.lower = {0, 0}, .upper = {0.2, 0.1}};
+  dem::Inflow early{region, pebbles, {.number = 5}};
+  EXPECT_TRUE(refuses([&] { early.before_step(opened); }, {"clear of the walls"}));
+  dem::Inflow later{region, pebbles, {.number = 5, .from = 0.09}};
+  opened.run({.until = 0.1, .time_step = 1e-3}, later);
+  EXPECT_TRUE(later.is_done());
+}
+
+// It may be drained, and is only counted: also when a wall comes later.
+TEST(Inflow, WaitsForOtherGrainsToMoveAway) {
+  const dem::Moving lid{dem::Plane<2>{.point = {0, 0.4}, .normal = {0, -1}},
+                        dem::Translation<2>{.velocity = {0, -1}}};
+  Simulation filled{dem::Grains<2>{}, NeighbourList<2>{}, dem::Contacts{law, lid}, Leapfrog{}};
+  dem::Inflow rain{above, pebbles, {.number = 1000, .tries = 50}};
+  for (int attempt = 0; attempt < 100; ++attempt) rain.before_step(filled);
+  EXPECT_FALSE(rain.is_done());
+  const Index before = rain.number();
+  EXPECT_EQ(rain.positions_tried() % 50, 0u);
+  const auto tried = rain.positions_tried();
+  EXPECT_GT(tried, 500u);
+  rain.before_step(filled);
+  EXPECT_EQ(rain.number(), before);
+  EXPECT_EQ(rain.positions_tried(), tried + 50);
+  filled.particles().remove_if([](Index) { return true; });
+  filled.run({.until = 0.12, .time_step = 1e-3});
+  EXPECT_NO_THROW(rain.before_step(filled)) << "the lid is below the region";
+  EXPECT_EQ(rain.number(), before);
+}
+
 TEST(Outflow, CountsRemovedGrains) {
   dem::Grains<2> grains;
   for (const double x : {0.0, 0.1, 0.2}) {

@@ -197,6 +197,14 @@ TEST(Settling, ThatWouldNeverEndIsRefusedBeforeTheFirstStep) {
   }
 }
 
+// Also if it is no multiple of check_every.
+TEST(Settling, EndsAtItsLongestTime) {
+  Simulation sim{one_grain<2>({0, 0}, {0.5, 0}), UniformGrid<2>{}, Gravity<2>{{0, 0}}, Leapfrog{}};
+  const dem::Settling rest{.speed = 0.1, .check_every = 0.4, .max_time = 1, .time_step = 1e-3};
+  EXPECT_TRUE(refuses([&] { dem::settle(sim, rest); }, {"after 1 s the rms speed is still 0.5"}));
+  EXPECT_NEAR(sim.time(), 1, 1e-9);
+}
+
 TEST(Settling, NeedsASpeedBelowTheLimit) {
   dem::Grains<2> grains;
   dem::add_grain(grains, {0, 0}, {.radius = 0.1, .density = 1});

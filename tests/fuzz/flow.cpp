@@ -25,13 +25,21 @@ using fuzz::Choices;
 
 constexpr double l0 = 0.02;  // usual spacing [m]
 
-mps::Tank<2> any_tank(Choices& choices) {
-  return {.column = choices.vector<2>({3 * l0, 3 * l0}),
-          .size = {.length = choices.number(4 * l0), .height = choices.number(4 * l0)},
-          .spacing = choices.number(l0),
-          .dummy_layers = static_cast<int>(std::min<Index>(choices.count(3), 1000)) - 1,
-          .lid = choices.flag(),
-          .on_escape = choices.flag() ? OnEscape::remove : OnEscape::refuse};
+// Others are refused: a column, and with wall particles a tank, of whole spacings.
+mps::Tank<2> any_tank(Choices& choices, bool has_wall_particles) {
+  mps::Tank<2> tank{
+      .column = choices.vector<2>({3 * l0, 3 * l0}),
+      .size = {.length = choices.number(4 * l0), .height = choices.number(4 * l0)},
+      .spacing = choices.number(l0),
+      .dummy_layers = static_cast<int>(std::min<Index>(choices.count(3), 1000)) - 1,
+      .lid = choices.flag(),
+      .on_escape = choices.flag() ? OnEscape::remove : OnEscape::refuse};
+  const auto make_whole = [&](double& length) {
+    length = tank.spacing * std::round(length / tank.spacing);
+  };
+  make_whole(tank.column[0]), make_whole(tank.column[1]);
+  if (has_wall_particles) make_whole(tank.size.length), make_whole(tank.size.height);
+  return tank;
 }
 
 std::vector<Face<2>> any_walls(Choices& choices) {
@@ -94,12 +102,14 @@ void call(Choices& choices, Sim& simulation) {
 
 template <class Scheme>
 void flow(Choices& choices) {
-  const auto tank = any_tank(choices);
+  constexpr bool has_faces = std::same_as<Scheme, mps::Recommended>;
+  const auto tank = any_tank(choices, !has_faces);
   if (is_large(tank)) return;
   const auto made = mps::make_tank<Scheme>(tank);
   auto settings = any_settings<Scheme>(choices);
-  if constexpr (std::same_as<Scheme, mps::Recommended>) {
+  if constexpr (has_faces) {
     settings.walls.segments = any_walls(choices);
+    settings.walls.let_fluid_fall = tank.lid;
   }
   Simulation simulation{made.particles, UniformGrid<2>{}, mps::Flow<Scheme>(settings), SemiImplicit{}};
   for (int calls = 0; calls < 10; ++calls) {

@@ -73,7 +73,7 @@ template <class Scheme, class S>
 void expect_same_water(const std::filesystem::path& path, S search) {
   const double l0 = 0.03;
   const auto tank = mps::make_tank<Scheme, 2>(
-      {.column = {0.4, 0.8}, .size = {.length = 1.2, .height = 1}, .spacing = l0});
+      {.column = {0.39, 0.81}, .size = {.length = 1.2, .height = 0.99}, .spacing = l0});
   const mps::Flow<Scheme> water{{.spacing = l0, .speed_scale = 2.8, .walls = tank.walls}};
   expect_same_flow(path, tank.particles, water, search);
 }

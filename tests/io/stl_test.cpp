@@ -75,6 +75,25 @@ TEST_F(Stl, RejectsTruncatedFiles) {
   EXPECT_TRUE(refuses_to_read("", {"0 bytes"}));
 }
 
+// What is beyond the number in the head would be lost.
+TEST_F(Stl, RejectsMoreTrianglesThanAFileSaysItHas) {
+  write_stl(path, two);
+  auto one_more = bytes() + std::string(50, '\0');
+  EXPECT_TRUE(refuses_to_read(one_more, {"has 2 triangles, but has the bytes of 3", "again"}));
+  one_more.pop_back();
+  write(one_more);
+  expect_same(read_stl(path), two);
+}
+
+TEST_F(Stl, RefusesToWriteCoordinatesBeyondTheirPrecision) {
+  auto large = two;
+  for (auto& corner : large[1].corners) corner *= -1e39;
+  EXPECT_TRUE(test::refuses([&] { write_stl(path, large); },
+                            {"write_stl: a coordinate of 1e+39 m", "StlFormat::text"}));
+  write_stl(path, large, StlFormat::text);
+  expect_same(read_stl(path), large);
+}
+
 TEST_F(Stl, ReportsTheLocationOfAnErrorInText) {
   const std::string begin = "solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\n";
   const std::string end = "endloop\nendfacet\nendsolid\n";

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 // make_tank, and runs of all eleven cases of Table 1 in 2D, of three of them in 3D.
+#include <silt/dem/setup/random.hpp>
+
 #include "support/check.hpp"
 #include "support/fluid.hpp"
 #include "support/slow_types.hpp"
@@ -11,6 +13,7 @@
 #include <functional>
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace silt::test::cases_test {
 namespace {
@@ -58,10 +61,150 @@ TEST(Tank, HasAFullNeighbourhoodForEveryParticleOffTheSurface) {
   expect_full_below_the_surface<3>();
 }
 
-TEST(Tank, RoundsLengthsToWholeSpacings) {
-  const auto tank = mps::make_tank<2>(
-      {.column = {0.104, 0.096}, .size = {.length = 0.2, .height = 0.2}, .spacing = 0.01});
-  EXPECT_EQ(mps::count(tank, Kind::fluid), 100u);
+// Walls of faces may stand between two points of the lattice.
+TEST(Tank, HasFacesExactlyWhereTheyWereAskedToBe) {
+  const auto tank = mps::make_tank<mps::Recommended, 2>(
+      {.column = {0.4, 0.38}, .size = {.length = 1.61, .height = 1.01}, .spacing = 0.02});
+  EXPECT_EQ(tank.particles.size(), 20u * 19u);
+  Vec<2> corner = Vec<2>::Zero();
+  for (const auto& face : tank.walls.segments) {
+    for (const Vec<2>& end : face.corners) corner = corner.cwiseMax(end);
+  }
+  EXPECT_EQ(corner, Vec<2>(1.61, 1.01));
+  EXPECT_EQ(tank.particles.box().upper[1], 3 * 1.01);
+}
+
+// By name, with both, and only what is on the lattice of the particles.
+TEST(Tank, RefusesWhatIsNoWholeNumberOfSpacingsWithTheNearestThatAre) {
+  const mps::Tank<3> whole{.column = {0.4, 0.4},
+                           .size = {.length = 1.6, .height = 1, .depth = 0.2},
+                           .spacing = 0.02};
+  const auto refused = [&](auto&& make, const std::function<void(mps::Tank<3>&)>& modify,
+                           const std::string& message) {
+    mps::Tank<3> tank = whole;
+    modify(tank);
+    return refuses([&] { make(tank); }, {"Tank: " + message, " m"});
+  };
+  const auto of_faces = [](const auto& tank) { mps::make_tank<mps::Recommended>(tank); };
+  const auto of_particles = [](const auto& tank) { mps::make_tank(tank); };
+  const auto width = [](auto& tank) { tank.column[0] = 0.41; };
+  const auto height = [](auto& tank) { tank.column[1] = 0.395; };
+  const auto depth = [](auto& tank) { tank.size.depth = 0.21; };
+  EXPECT_TRUE(refused(of_faces, width,
+                      "column width = 0.41 m is 20.5 times the spacing = 0.02 m, and the column is "
+                      "on a lattice; give a whole number of spacings, such as 0.4 or 0.42 m"));
+  EXPECT_TRUE(refused(of_particles, width, "column width = 0.41 m"));
+  EXPECT_TRUE(refused(of_faces, height, "column height = 0.395 m is 19.75 times"));
+  EXPECT_TRUE(refused(of_faces, depth, "depth = 0.21 m is 10.5 times"));
+  const auto length_of_tank = [](auto& tank) { tank.size.length = 1.61; };
+  const auto height_of_tank = [](auto& tank) { tank.size.height = 1.01; };
+  EXPECT_NO_THROW(of_faces(whole));
+  EXPECT_TRUE(refused(of_particles, length_of_tank,
+                      "length = 1.61 m is 80.5 times the spacing = 0.02 m, and wall particles are "
+                      "on the lattice of the fluid; give a whole number of spacings, such as 1.6 or "
+                      "1.62 m"));
+  EXPECT_TRUE(refused(of_particles, height_of_tank, "height = 1.01 m"));
+  EXPECT_TRUE(refused(of_particles, depth, "depth = 0.21 m"));
+}
+
+// That of sums and quotients, but not a length with too few digits.
+TEST(Tank, TakesLengthsThatAreWholeUpToRoundOff) {
+  const auto columns = [](double width, double spacing) {
+    const auto tank = mps::make_tank<mps::Recommended, 2>(
+        {.column = {width, spacing}, .size = {.length = width, .height = 1}, .spacing = spacing});
+    return tank.particles.size();
+  };
+  EXPECT_EQ(columns(0.3, 0.1), 3u);
+  EXPECT_EQ(columns(0.1 + 0.1 + 0.1, 0.1), 3u);
+  EXPECT_EQ(columns(1, 1.0 / 49), 49u);
+  EXPECT_EQ(columns(0.3333333333, 1.0 / 3), 1u) << "ten digits, as in messages";
+  double sum = 0;
+  for (int k = 0; k < 1000; ++k) sum += 0.001;
+  EXPECT_EQ(columns(sum, 0.001), 1000u);
+  EXPECT_TRUE(refuses([&] { columns(0.3333333, 1.0 / 30); },
+                      {"column width = 0.3333333 m is 9.999999 times", " or 0.3333333333 m"}));
+}
+
+// Half a spacing of air beside the fluid is no start at rest: no particle fits into it.
+TEST(Tank, RefusesAGapBesideTheColumnThatHoldsNoParticle) {
+  mps::Tank<2> tank{
+      .column = {0.4, 0.2}, .size = {.length = 0.41, .height = 0.3}, .spacing = 0.02};
+  const auto make = [&] { mps::make_tank<mps::Recommended>(tank); };
+  EXPECT_TRUE(refuses(make, {"Tank: length = 0.41 m leaves a gap of 0.5 times the spacing = 0.02 m",
+                             "give 0.4 m, or at least 0.42 m"}));
+  tank.size.length = 0.425;
+  EXPECT_NO_THROW(make()) << "beyond a gap of a spacing and more";
+  tank.size.height = 0.21;
+  EXPECT_NO_THROW(make()) << "the surface is free";
+  tank.lid = true;
+  EXPECT_TRUE(refuses(make, {"Tank: height = 0.21 m leaves a gap of 0.5 times", "give 0.2 m"}));
+}
+
+// For fluid of another shape, with the same walls and box to the bit as with a column.
+TEST(Tank, MayBeEmpty) {
+  mps::Tank<3> tank{.size = {.length = 0.41, .height = 0.3, .depth = 0.215}, .spacing = 0.02};
+  const auto empty = mps::make_empty_tank<mps::Recommended>(tank);
+  EXPECT_TRUE(empty.particles.empty());
+  EXPECT_EQ(empty.walls.triangles.size(), 2u * 5u);
+  tank.size.depth = 0.22;
+  tank.column = {0.02, 0.02};
+  const auto full = mps::make_tank<mps::Recommended>(tank);
+  EXPECT_TRUE(refuses([&] { mps::make_empty_tank<mps::Recommended>(tank); },
+                      {"Tank: column = (0.02, 0.02) m in a tank without fluid", "leave it out"}));
+  tank.column.setZero();
+  const auto same = mps::make_empty_tank<mps::Recommended>(tank);
+  EXPECT_EQ(same.walls.checksum(), full.walls.checksum());
+  EXPECT_EQ(same.particles.box().upper, full.particles.box().upper);
+}
+
+// Of any lengths: the extents of what is made, between faces and of the lattice with half a spacing
+// around it, are those that were asked for, or there is an error.
+TEST(Tank, IsWhatWasAskedForOrAnError) {
+  Random random{.seed = 3, .id = 1};
+  const auto any_length = [&](double spacing, int most) {
+    const double whole = std::floor(random.uniform({1, double(most)})) * spacing;
+    const double kind = random.uniform();
+    if (kind < 0.6) return whole;
+    return kind < 0.8 ? whole * (1 + 3e-9) : whole + random.uniform() * spacing;
+  };
+  const auto extent = [](const auto& points) {
+    Vec<2> farthest = Vec<2>::Zero();
+    for (const auto& x : points) farthest = farthest.cwiseMax(x);
+    return farthest;
+  };
+  int made = 0, refused = 0;
+  for (int k = 0; k < 2000; ++k) {
+    const double l0 = random.uniform({0.005, 0.03});
+    const mps::Tank<2> tank{.column = {any_length(l0, 6), any_length(l0, 6)},
+                            .size = {.length = any_length(l0, 12), .height = any_length(l0, 12)},
+                            .spacing = l0,
+                            .dummy_layers = 0,
+                            .lid = k % 2 == 0};
+    const Vec<2> size(tank.size.length, tank.size.height);
+    const auto is = [](const Vec<2>& found, const Vec<2>& asked) {
+      return ((found - asked).array().abs() <= 1e-9 * asked.array()).all();
+    };
+    try {
+      const auto with_faces = mps::make_tank<mps::Recommended>(tank);
+      ++made;
+      const Vec<2> half = Vec<2>::Constant(l0 / 2);
+      EXPECT_TRUE(is(extent(with_faces.particles[position]) + half, tank.column));
+      std::vector<Vec<2>> ends;
+      for (const auto& face : with_faces.walls.segments) {
+        for (const Vec<2>& end : face.corners) ends.push_back(end);
+      }
+      EXPECT_TRUE(is(extent(ends), size));
+      const auto with_particles = mps::make_tank(tank);
+      ++made;
+      Vec<2> inner = extent(with_particles[position]) - half;
+      if (!tank.lid) inner[1] += l0;  // it ends with the walls
+      EXPECT_TRUE(is(inner, size));
+    } catch (const Error&) {
+      ++refused;
+    }
+  }
+  EXPECT_GT(made, 300);
+  EXPECT_GT(refused, 300);
 }
 
 TEST(Tank, RejectsInvalidInputByNameAndValue) {

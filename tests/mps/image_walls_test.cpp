@@ -393,5 +393,136 @@ TEST(ImageWalls, RefuseWallParticlesAndInvalidFaces) {
   EXPECT_TRUE(refuses([&] { mps::Flow<Mirrored, 3>{in_3d}; }, {"ImageWalls: triangle 0", "inf"}));
 }
 
+// --- a start -------------------------------------------------------------------------------------
+
+// Without gravity along the only axis that ends, nothing has to hold the fluid.
+TEST(ImageWalls, MustBeGivenIfGravityPullsTheFluid) {
+  const auto step = [](Settings2D settings, const Box<2>& box) {
+    settings.spacing = l0;
+    Simulation sim{fluid_at(lattice<2>({{0, 0}, {0.2, 0.2}}, l0), box), UniformGrid<2>{},
+                   mps::Flow<Mirrored>{settings}, SemiImplicit<>{}};
+    sim.step(1e-4);
+  };
+  const Box<2> bounded{.lower = {0, -1}, .upper = {0.2, 1}};
+  auto remove = bounded;
+  remove.on_escape = OnEscape::remove;
+  auto periodic = bounded;
+  periodic.periodic = {true, false};
+  for (const auto& box : {Box<2>{}, bounded, remove, periodic}) {
+    EXPECT_TRUE(refuses([&] { step({}, box); },
+                        {"ImageWalls: there are no faces", "gravity = (0, -9.81) m/s²",
+                         "give FlowSettings::walls", "let_fluid_fall"}));
+    EXPECT_NO_THROW(step({.walls = {.let_fluid_fall = true}}, box));
+    EXPECT_NO_THROW(step({.gravity = {0, 0}}, box));
+  }
+  EXPECT_NO_THROW(step({.gravity = {2, 0}}, periodic));
+  EXPECT_TRUE(refuses([&] { step({.gravity = {2, -1}}, periodic); }, {"there are no faces"}));
+  // Walls of particles are no faces, and fluid without them may be meant to fall.
+  Simulation drop{fluid_at(lattice<2>({{0, 0}, {0.2, 0.2}}, l0)), UniformGrid<2>{},
+                  mps::Flow<mps::RecommendedForWallParticles>{{.spacing = l0}}, SemiImplicit<>{}};
+  EXPECT_NO_THROW(drop.step(1e-4));
+}
+
+// Fluid beside a tank and below it, in the box and without one; and what may begin.
+TEST(ImageWalls, RefuseFluidThatBeginsBehindThem) {
+  const auto step = [](const std::vector<Vec<2>>& points, const Vec<2>& u = {0, 0},
+                       bool let_fluid_fall = false) {
+    auto water = fluid_at(lattice<2>({{0, 0}, {0.2, 0.2}}, l0),
+                          Box<2>{.lower = {-1, -1}, .upper = {1, 1}});
+    for (const auto& x : points) {
+      const Index i = mps::add_particle(water, x, mps::Kind::fluid);
+      water[velocity][i] = u;
+    }
+    Settings2D settings{.spacing = l0, .speed_scale = 1};
+    settings.walls.segments = polyline({{0, 0.4}, {0, 0}, {0.4, 0}, {0.4, 0.4}});
+    settings.walls.let_fluid_fall = let_fluid_fall;
+    Simulation sim{water, UniformGrid<2>{}, mps::Flow<Mirrored>{settings}, SemiImplicit<>{}};
+    sim.step(1e-4);
+    sim.particles()[position][sim.particles().size() - 1] = {0.7, 0.7};
+    EXPECT_NO_THROW(sim.step(1e-4)) << "later than in the first step";
+  };
+  const auto behind = lattice<2>({{0.4, 0}, {0.5, 0.2}}, l0);
+  EXPECT_TRUE(refuses([&] { step(behind); },
+                      {"ImageWalls: the fluid at (0.41, 0.01) m is at rest and has no wall below it",
+                       "other side", "let_fluid_fall", "particle 100, id 100, step 0"}));
+  EXPECT_TRUE(refuses([&] { step({{-l0 / 2, 0.3}}); }, {"(-0.01, 0.3) m", "id 100"}));
+  EXPECT_TRUE(refuses([&] { step({{0.1, -l0 / 2}}); }, {"(0.1, -0.01) m"}));
+  EXPECT_NO_THROW(step(behind, {-1, 1})) << "it is thrown";
+  EXPECT_NO_THROW(step(behind, {0, 0}, true));
+  EXPECT_NO_THROW(step({{0.3, 0.9}})) << "a drop above the tank";
+  EXPECT_NO_THROW(step(lattice<2>({{0, 0.2}, {0.2, 0.5}}, l0))) << "above the rim";
+}
+
+// Below a hole, and over an edge, fluid is of one body with that which is held.
+TEST(ImageWalls, LetFluidRunOutOfTheTank) {
+  Settings2D settings{.spacing = l0, .speed_scale = 1};
+  settings.walls.segments = polyline({{0, 1}, {0, 0}, {0.1, 0}});
+  settings.walls.segments.push_back({{Vec<2>(0.16, 0), Vec<2>(1, 0)}});
+  Simulation sim{fluid_at(lattice<2>({{0, 0}, {0.2, 0.2}}, l0)), UniformGrid<2>{},
+                 mps::Flow<Mirrored>{settings}, SemiImplicit<>{}};
+  for (int k = 0; k < 50; ++k) sim.step();
+  EXPECT_LT(sim.particles()[velocity][6][1], -0.1);
+}
+
+// A line that passes a common edge of two triangles to round-off, and slopes.
+TEST(ImageWalls, AreFoundBelowFluidIn3D) {
+  const Box<3> room{.lower = {0, 0, 0}, .upper = {0.2, 0.2, 0.4}};
+  const auto step = [&](const Vec<3>& extra, const Vec<3>& gravity) {
+    auto points = lattice<3>({.lower = room.lower, .upper = {0.2, 0.2, 0.1}}, l0);
+    points.push_back(extra);
+    Settings3D settings{.spacing = l0, .gravity = gravity, .speed_scale = 1};
+    settings.walls.triangles = silt::faces_of(room, Sides<3>::open());
+    Simulation sim{fluid_at(points), UniformGrid<3>{}, mps::Flow<Mirrored, 3>{settings},
+                   SemiImplicit<>{}};
+    sim.step(1e-4);
+  };
+  EXPECT_NO_THROW(step({0.1, 0.1, 0.3}, {0, 0, -g}));  // on the diagonal of the floor
+  EXPECT_TRUE(refuses([&] { step({0.21, 0.1, 0.3}, {0, 0, -g}); }, {"(0.21, 0.1, 0.3) m"}));
+  EXPECT_TRUE(refuses([&] { step({0.1, 0.1, -0.01}, {0, 0, -g}); }, {"(0.1, 0.1, -0.01) m"}));
+  EXPECT_NO_THROW(step({0.21, 0.1, 0.3}, {-g, 0, -g}));  // above the slope of a side
+  EXPECT_TRUE(refuses([&] { step({0.21, 0.1, 0.3}, {g, 0, -g}); }, {"(0.21, 0.1, 0.3) m"}));
+}
+
+// Water rests on the floor of a periodic box, whose faces go on beyond its sides, as they have to.
+TEST(ImageWalls, MayBeTheSidesOfAPeriodicBox) {
+  const Box<2> channel{
+      .lower = {0.1, 0}, .upper = {0.1 + 8 * l0, 0.4}, .periodic = {true, false}};
+  Settings2D settings{.spacing = l0, .speed_scale = 1};
+  settings.walls.segments = silt::faces_of(channel);
+  ASSERT_EQ(settings.walls.segments.size(), 2u) << "none across the periodic axis";
+  for (const auto& face : settings.walls.segments) {
+    EXPECT_NEAR((face.corners[1] - face.corners[0]).norm(), 3 * 8 * l0, 1e-15);
+  }
+  const auto water_in = [](auto box, double surface) {
+    auto filled = box;
+    filled.upper[filled.upper.size() - 1] = surface;
+    auto water = fluid_at(lattice(filled, l0), box);
+    for (Index i = 0; i < water.size(); ++i) {
+      const double height = water[position][i][filled.upper.size() - 1];
+      water[mps::pressure][i] = 1000 * g * (surface - l0 / 2 - height);
+    }
+    return water;
+  };
+  expect_rest<2>(Simulation{water_in(channel, 0.2), UniformGrid<2>{},
+                            mps::Flow<Mirrored>{settings}, SemiImplicit<>{}},
+                 l0, 0.2);
+
+  // As narrow as a search allows: the fluid sees half a period far.
+  const Box<3> shaft{.lower = {0, 0, 0},
+                     .upper = {7 * l0, 5 * l0, 0.2},
+                     .periodic = {true, false, false}};
+  Settings3D in_3d{.spacing = l0, .speed_scale = 1};
+  in_3d.walls.triangles = silt::faces_of(shaft, Sides<3>::open());
+  ASSERT_EQ(in_3d.walls.triangles.size(), 2u * 3u);
+  expect_rest<3>(Simulation{water_in(shaft, 0.1), UniformGrid<3>{},
+                            mps::Flow<Mirrored, 3>{in_3d}, SemiImplicit<>{}},
+                 l0, 0.1);
+}
+
+// It had no segments: a wall that is not there.
+TEST(Polyline, NeedsTwoPoints) {
+  EXPECT_TRUE(refuses([] { polyline({{0, 0}}); }, {"polyline: number of points = 1", "at least 2"}));
+}
+
 }  // namespace
 }  // namespace silt::test::image_walls_test

@@ -72,6 +72,21 @@ class Setup(unittest.TestCase):
         self.check_refused(water, "velocity", [np.zeros((2, 2)), 1j, INF, (NAN, 0)])
         self.check_refused(water, "lid", ["no", 0, None])
 
+    def test_tanks_are_where_they_were_asked_to_be(self):
+        dam = water(tank=(0.61, 0.505))
+        self.assertEqual(dam.wall_pressure((0.61, 0.1), (-1, 0)), 0)
+        for aside in (0.6, 0.62):
+            with self.assertRaisesRegex(silt.Error, "is on no wall"):
+                dam.wall_pressure((aside, 0.1), (-1, 0))
+        dam.run(until=0.01)
+        with self.assertRaisesRegex(silt.Error, "outside of the tank"):
+            water(tank=(0.19, 0.505))
+
+    def test_gravity_out_of_the_tank_is_refused_in_the_first_step(self):
+        with self.assertRaisesRegex(silt.Error, "no wall below it; change the gravity, or close the tank by lid=True"):
+            water(gravity=(0, 9.81)).step()
+        water(gravity=(0, 9.81), lid=True).step()
+
     def test_of_laws_refuses_bad_numbers(self):
         def with_law(**numbers):
             return grains(law=silt.CundallStrack(**({"normal_stiffness": 1e6, "tangential_stiffness": 5e5} | numbers)))

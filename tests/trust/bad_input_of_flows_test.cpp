@@ -186,7 +186,7 @@ TEST(BadInput, OfStepsOfFlowsIsRefused) {
 
 TEST(BadInput, OfBodyForcesIsRefused) {
   const auto step = [](const Vec<2>& force) {
-    Settings settings{.spacing = l0};
+    Settings settings{.spacing = l0, .walls = {.let_fluid_fall = true}};
     settings.body_force = [=](const Vec<2>& x, double) {
       return x[0] > l0 ? force : Vec<2>(Vec<2>::Zero());
     };

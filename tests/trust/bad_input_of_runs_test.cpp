@@ -102,10 +102,10 @@ TEST(BadInput, OfBoxesIsRefused) {
        [](double x) { use_box({.lower = {0, 0}, .upper = {x, 1}, .periodic = {true, false}}); },
        accepts::positive},
       {"lattice: spacing", [](double x) { lattice<2>({.lower = {0, 0}, .upper = {1, 1}}, x); },
-       accepts::huge},
+       accepts::nothing},
       {"lower", [](double x) { lattice<2>({.lower = {x, 0}, .upper = {1, 1}}, 0.5); }, below_one},
       {"upper", [](double x) { lattice<2>({.lower = {0, 0}, .upper = {x, 1}}, 0.5); },
-       accepts::tiny}});
+       accepts::nothing}});
 }
 
 // Finds pairs of grains.

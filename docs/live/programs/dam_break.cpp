@@ -14,8 +14,12 @@ int main() try {
   constexpr double height = 0.8;      // of the column [m]
   constexpr double viscosity = 1e-6;  // kinematic [m²/s]
 
+  // A column is a whole number of particles wide and high.
+  const auto whole = [](double size) { return spacing * std::round(size / spacing); };
   const auto tank = mps::make_tank<mps::Recommended, 2>(
-      {.column = {width, height}, .size = {.length = 1.6, .height = 1.2}, .spacing = spacing,
+      {.column = {whole(width), whole(height)},
+       .size = {.length = 1.6, .height = 1.2},
+       .spacing = spacing,
        .lid = true});
   const mps::Flow<mps::Recommended> water{{.spacing = spacing,
                                            .density = 1000,

@@ -110,6 +110,7 @@ auto simulation_of(const FluidCase& flow, const Numerics& numerics) {
   auto start = flow.start;
   if constexpr (std::derived_from<mps::WallsOf<Scheme>, mps::ImageWalls>) {
     settings.walls.segments = flow.walls;
+    settings.walls.let_fluid_fall = flow.walls.empty();
   } else {
     for (const auto& [x, kind] : flow.wall_particles) mps::add_particle(start, x, kind);
   }

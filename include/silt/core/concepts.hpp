@@ -10,6 +10,7 @@
 #pragma once
 
 #include <silt/core/error.hpp>
+#include <silt/core/function_ref.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/particles.hpp>
 #include <silt/core/types.hpp>
@@ -129,19 +130,17 @@ concept Interaction =
     NeighbourSearch<S, P> && HasReach<I, P> &&
     requires(ForParticles<I, P> i, P& p, S& s, double dt) { i.accelerate(p, s, dt); };
 
-/// The function of ranges that does nothing; see Pass.
-struct DoNothing {
-  void operator()(Index, Index) const {}
-};
+/// A function of a range [first, last) of particles.
+using FunctionOfRange = FunctionRef<void(Index first, Index last)>;
+/// The one that does nothing.
+inline constexpr auto do_nothing = [](Index, Index) {};
 
-/// Functions called by accelerate(p, s, dt, pass) for ranges of particles; see below.
-template <class Before = DoNothing, class After = DoNothing>
+/// Functions called by accelerate(p, s, dt, pass) for ranges of particles; see below. They must
+/// outlive the call.
 struct Pass {
-  [[no_unique_address]] Before before{};  ///< before(first, last)
-  [[no_unique_address]] After after{};    ///< after(first, last)
+  FunctionOfRange before = do_nothing;
+  FunctionOfRange after = do_nothing;
 };
-template <class Before, class After>
-Pass(Before, After) -> Pass<Before, After>;
 
 /// accelerate(p, s, dt, pass) adds the same forces as accelerate(p, s, dt) in one pass over the
 /// particles, range by range: it calls pass.before(first, last) before it adds forces to the
@@ -149,10 +148,8 @@ Pass(Before, After) -> Pass<Before, After>;
 /// exactly one range; ranges are processed in parallel. pass.after() may advance these particles,
 /// see Particles::advance. Models: dem::ContactsOf, dem::Bonds, Forces of these.
 template <class I, class P, class S>
-concept AcceleratesInPass = requires(I i, P& p, S& s, double dt,
-                                     Pass<void (*)(Index, Index), void (*)(Index, Index)> pass) {
-  i.accelerate(p, s, dt, pass);
-};
+concept AcceleratesInPass =
+    requires(I i, P& p, S& s, double dt, const Pass& pass) { i.accelerate(p, s, dt, pass); };
 
 namespace detail {
 /// Whether what a step moves is written to other memory than it is read from, see
@@ -169,30 +166,14 @@ bool moves_in_other_memory(const P& particles) {
 }
 }  // namespace detail
 
-/// Evaluates an interaction in a pass, one function after the other for all particles if it has no
-/// accelerate(p, s, dt, pass), or if the particles are moved in place: contacts of a range would
-/// then see others that have moved.
-template <class I, class P, class S, class Before, class After>
-void accelerate_in_pass(I& interaction, P& particles, S& search, double dt,
-                        const Pass<Before, After>& pass) {
-  if constexpr (AcceleratesInPass<I, P, S>) {
-    if (detail::moves_in_other_memory(particles)) {
-      return interaction.accelerate(particles, search, dt, pass);
-    }
-  }
-  for_each_range(particles.size(), pass.before);
-  interaction.accelerate(particles, search, dt);
-  for_each_range(particles.size(), pass.after);
-}
-
 /// add_forces(p, i) adds to the owned particle i alone what accelerate() adds to all; it reads only
 /// this particle. Forces adds them in the pass of another interaction. Model: Gravity.
 template <class I, class P>
 concept AddsForces = requires(const I i, P& p, Index k) { i.add_forces(p, k); };
 
 /// f(i) for all n particles, in a pass over them.
-template <class Before, class After, class F>
-void for_each_in_pass(Index n, const Pass<Before, After>& pass, F&& f) {
+template <class F>
+void for_each_in_pass(Index n, const Pass& pass, F&& f) {
   for_each_range(n, [&](Index first, Index last) {
     pass.before(first, last);
     for (Index i = first; i < last; ++i) f(i);
@@ -200,9 +181,9 @@ void for_each_in_pass(Index n, const Pass<Before, After>& pass, F&& f) {
   });
 }
 /// accelerate() of an interaction with add_forces().
-template <class I, class P, class Before = DoNothing, class After = DoNothing>
+template <class I, class P>
   requires AddsForces<I, P>
-void accelerate_each(const I& interaction, P& particles, const Pass<Before, After>& pass = {}) {
+void accelerate_each(const I& interaction, P& particles, const Pass& pass = {}) {
   for_each_in_pass(particles.size(), pass, [&](Index i) { interaction.add_forces(particles, i); });
 }
 

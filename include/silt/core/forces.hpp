@@ -39,9 +39,9 @@ class Gravity {
     return false;
   }
 
-  template <class P, class S, class Before = DoNothing, class After = DoNothing>
+  template <class P, class S>
     requires AddsForces<Gravity, P>
-  void accelerate(P& particles, S&, double, const Pass<Before, After>& pass = {}) const {
+  void accelerate(P& particles, S&, double, const Pass& pass = {}) const {
     accelerate_each(*this, particles, pass);
   }
   template <class P>
@@ -151,10 +151,30 @@ class Forces {
 
   /// The parts with add_forces() act within the pass of the part before or after them, so that the
   /// particles are read once.
-  template <class P, class S, class Before, class After>
+  template <Index K = 0, class P, class S>
     requires((AddsForces<Parts, P> || AcceleratesInPass<Parts, P, S>) && ...)
-  void accelerate(P& particles, S& search, double dt, const Pass<Before, After>& pass) {
-    accelerate_from<0>(particles, search, dt, pass.before, pass.after);
+  void accelerate(P& particles, S& search, double dt, const Pass& pass) {
+    // The next part that does not act on single particles; those of them around it act in its pass.
+    constexpr Index shared = next_shared<K, P>();
+    const auto before = [&](Index first, Index last) {
+      pass.before(first, last);
+      add_forces_of<K, shared>(particles, first, last);
+    };
+    if constexpr (shared == sizeof...(Parts)) {
+      for_each_range(particles.size(), [&](Index first, Index last) {
+        before(first, last);
+        pass.after(first, last);
+      });
+    } else if constexpr (next_shared<shared + 1, P>() == sizeof...(Parts)) {
+      const auto after = [&](Index first, Index last) {
+        add_forces_of<shared + 1, sizeof...(Parts)>(particles, first, last);
+        pass.after(first, last);
+      };
+      part<shared>().accelerate(particles, search, dt, {before, after});
+    } else {
+      part<shared>().accelerate(particles, search, dt, {before, do_nothing});
+      accelerate<shared + 1>(particles, search, dt, {do_nothing, pass.after});
+    }
   }
 
   template <class P>
@@ -185,7 +205,7 @@ class Forces {
 
   /// What limits the time step of the part with the smallest; empty if it does not tell.
   template <class P>
-  std::string limit_of_time_step(const P& particles) const {
+  [[gnu::cold]] std::string limit_of_time_step(const P& particles) const {
     double minimum = std::numeric_limits<double>::infinity();
     std::string limit;
     for_each_part([&]<class Part>(Part part) {  // a copy, because time_step() may change it
@@ -267,33 +287,6 @@ class Forces {
     if constexpr (K < L) {
       for (Index i = first; i < last; ++i) part<K>().add_forces(particles, i);
       add_forces_of<K + 1, L>(particles, first, last);
-    }
-  }
-
-  // Evaluates the parts from K on: those that act on single particles before or after the next
-  // other one, in its pass.
-  template <Index K, class P, class S, class Before, class After>
-  void accelerate_from(P& particles, S& search, double dt, const Before& before,
-                       const After& after) {
-    constexpr Index shared = next_shared<K, P>();
-    const auto before_shared = [&](Index first, Index last) {
-      before(first, last);
-      add_forces_of<K, shared>(particles, first, last);
-    };
-    if constexpr (shared == sizeof...(Parts)) {
-      for_each_range(particles.size(), [&](Index first, Index last) {
-        before_shared(first, last);
-        after(first, last);
-      });
-    } else if constexpr (next_shared<shared + 1, P>() == sizeof...(Parts)) {
-      const auto after_shared = [&](Index first, Index last) {
-        add_forces_of<shared + 1, sizeof...(Parts)>(particles, first, last);
-        after(first, last);
-      };
-      std::get<shared>(parts_).accelerate(particles, search, dt, Pass{before_shared, after_shared});
-    } else {
-      std::get<shared>(parts_).accelerate(particles, search, dt, Pass{before_shared, DoNothing{}});
-      accelerate_from<shared + 1>(particles, search, dt, DoNothing{}, after);
     }
   }
 

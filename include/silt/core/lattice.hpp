@@ -9,13 +9,15 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <string>
 #include <vector>
 
 namespace silt {
 
-/// Centres of the cells of edge `spacing` [m] that fill the box from its lower corner; x varies
-/// fastest. A last cell that exceeds the box by less than a millionth of its edge, or by a rounding
-/// error, is included. Throws if the spacing is not positive, if the box is not finite, or if there
+/// Centres of the cells of edge `spacing` [m] that fit into the box, from its lower corner; x
+/// varies fastest. What is left at the upper sides, less than a cell, stays empty. A last cell that
+/// exceeds the box by less than a millionth of its edge, or by a rounding error, is included.
+/// Throws if the spacing is not positive, if the box is not finite, if no cell fits, or if there
 /// are more than 1e8 points.
 template <int Dim, class Real = double>
 std::vector<Vec<Dim, Real>> lattice(const Box<Dim, Real>& box, Real spacing) {
@@ -29,6 +31,12 @@ std::vector<Vec<Dim, Real>> lattice(const Box<Dim, Real>& box, Real spacing) {
     const double length = double(box.upper[k]) - double(box.lower[k]);
     const double rounding = 4 * double(std::numeric_limits<Real>::epsilon());
     const double cells = std::floor(length / double(spacing) * (1 + rounding) + 1e-6);
+    if (cells < 1) {
+      fail("lattice: spacing = " + to_text(double(spacing)) +
+           " m is longer than the box along axis " + std::to_string(k) +
+           ", from lower = " + to_text(box.lower) + " to upper = " + to_text(box.upper) +
+           " m; decrease the spacing, or enlarge the box");
+    }
     points_in_all *= cells;
     if (!(cells <= 1e8) || !(points_in_all <= 1e8)) {
       fail({"lattice: spacing = ", spacing, " m gives more than 1e8 points from lower = ",

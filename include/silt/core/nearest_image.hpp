@@ -3,10 +3,12 @@
 #pragma once
 
 #include <silt/core/box.hpp>
+#include <silt/core/function_ref.hpp>
 #include <silt/core/types.hpp>
 
 #include <cstddef>
 #include <limits>
+#include <type_traits>
 
 namespace silt {
 
@@ -52,8 +54,9 @@ class NearestImage {
 };
 
 /// f(x) and f(image) for the images of x [m] beyond the periodic sides closer than a distance [m].
-template <int Dim, class Real, class Number, class F>
-void for_each_image(const Box<Dim, Real>& box, const Vec<Dim, Number>& x, Number distance, F&& f,
+template <int Dim, class Real, class Number>
+void for_each_image(const Box<Dim, Real>& box, const Vec<Dim, Number>& x, Number distance,
+                    std::type_identity_t<FunctionRef<void(const Vec<Dim, Number>&)>> f,
                     int axis = 0) {
   if (axis == Dim) return f(x);
   for_each_image(box, x, distance, f, axis + 1);

@@ -216,8 +216,7 @@ class Simulation {
       remove_escaped(step, after, transaction);
       transaction.commit();
     } catch (const Error& error) {
-      if (!step.is_result_finite) detail::check_finite_before_step(particles_, {.step = steps_, .time = time_});
-      throw error.with_step(steps_, time_);
+      fail_step(step, error);
     }
     particles_lost_ += step.removed;
     time_ += dt;
@@ -276,7 +275,7 @@ class Simulation {
     const Largest all = together([&] {
       require_positive("Simulation: time_step", dt);
       if (time_ + dt == time_) {
-        fail("Simulation: time_step = " + to_text(dt) + " s does not change the time; increase it");
+        fail({"Simulation: time_step = ", dt, " s does not change the time; increase it"});
       }
       set_time(interaction_, time_);
       Largest own = range();
@@ -285,8 +284,8 @@ class Simulation {
       return own;
     });
     if (all.time_step != -all.minus_time_step) {
-      fail("Simulation: time_step is " + to_text(-all.minus_time_step) + " s in one process and " +
-           to_text(all.time_step) + " s in another; give all the same");
+      fail({"Simulation: time_step is ", -all.minus_time_step, " s in one process and ",
+            all.time_step, " s in another; give all the same"});
     }
     return set_radius(all);
   }
@@ -301,9 +300,9 @@ class Simulation {
     if (chooses_radius_) {
       search_.set_radius(reach > 0 ? reach : radius_without_range());
     } else if (search_.radius() < reach) {
-      fail("Simulation: the search radius " + to_text(double(search_.radius())) +
-           " m is smaller than the interaction range, " + to_text(double(reach)) +
-           " m; increase it, or do not set it");
+      fail({"Simulation: the search radius ", search_.radius(),
+            " m is smaller than the interaction range, ", reach,
+            " m; increase it, or do not set it"});
     }
     return all;
   }
@@ -386,6 +385,14 @@ class Simulation {
   }
 
   // --- the transaction ---
+
+  // After it was rolled back.
+  [[noreturn]] void fail_step(const StepState& step, const Error& error) const {
+    if (!step.is_result_finite) {
+      detail::check_finite_before_step(particles_, {.step = steps_, .time = time_});
+    }
+    throw error.with_step(steps_, time_);
+  }
 
   void save() {
     particles_.save();

@@ -3,18 +3,24 @@
 #pragma once
 
 #include <silt/core/box.hpp>
+#include <silt/core/error.hpp>
 #include <silt/core/triangle.hpp>
 #include <silt/core/types.hpp>
 #include <silt/geometry/face.hpp>
 
 #include <array>
 #include <cstddef>
+#include <string>
 #include <vector>
 
 namespace silt {
 
-/// The segments between consecutive points, with normals on the left of their direction.
+/// The segments between consecutive points, with normals on the left of their direction. Throws if
+/// there are fewer than two points.
 inline std::vector<Face<2>> polyline(const std::vector<Vec<2>>& points) {
+  if (points.size() < 2) {
+    fail("polyline: number of points = " + std::to_string(points.size()) + "; give at least 2");
+  }
   std::vector<Face<2>> faces;
   for (std::size_t k = 0; k + 1 < points.size(); ++k) {
     faces.push_back({{points[k], points[k + 1]}});
@@ -50,17 +56,26 @@ struct Sides {
   }
 };
 
-/// Faces on sides of a box, with normals into it: segments in 2D, two triangles for each side in 3D.
+/// Faces on sides of a box, with normals into it: segments in 2D, two triangles for each side in
+/// 3D. There are none across a periodic axis; along one, the others go on by a period beyond both
+/// ends, twice as far as a flow sees at most.
 template <int Dim>
 std::vector<Face<Dim>> faces_of(const Box<Dim>& box, const Sides<Dim>& sides = Sides<Dim>::all()) {
   std::vector<Face<Dim>> faces;
+  Vec<Dim> lower = box.lower, upper = box.upper;  // between which the sides reach
+  for (int axis = 0; axis < Dim; ++axis) {
+    if (!box.periodic[std::size_t(axis)]) continue;
+    const double period = box.upper[axis] - box.lower[axis];
+    lower[axis] -= period;
+    upper[axis] += period;
+  }
   const auto add = [&](int axis, bool is_upper, const Vec<Dim>& end) {
     // The corners of a side, in their order around it.
     const auto corner = [&](bool second, [[maybe_unused]] bool third) {
       Vec<Dim> x = end;
-      x[(axis + 1) % Dim] = second ? box.upper[(axis + 1) % Dim] : box.lower[(axis + 1) % Dim];
+      x[(axis + 1) % Dim] = second ? upper[(axis + 1) % Dim] : lower[(axis + 1) % Dim];
       if constexpr (Dim == 3) {
-        x[(axis + 2) % Dim] = third ? box.upper[(axis + 2) % Dim] : box.lower[(axis + 2) % Dim];
+        x[(axis + 2) % Dim] = third ? upper[(axis + 2) % Dim] : lower[(axis + 2) % Dim];
       }
       return x;
     };
@@ -78,6 +93,7 @@ std::vector<Face<Dim>> faces_of(const Box<Dim>& box, const Sides<Dim>& sides = S
     }
   };
   for (int axis = 0; axis < Dim; ++axis) {
+    if (box.periodic[std::size_t(axis)]) continue;
     if (sides.lower[std::size_t(axis)]) add(axis, false, box.lower);
     if (sides.upper[std::size_t(axis)]) add(axis, true, box.upper);
   }

@@ -132,7 +132,19 @@ class Leapfrog {
     const auto move = [&](Index first, Index last) {
       outcome.add(first, update(motion, first, last));
     };
-    accelerate_in_pass(interaction, particles, search, dt, Pass{clear_forces, move});
+    bool is_done = false;
+    if constexpr (AcceleratesInPass<I, P, S>) {
+      // Otherwise contacts of a range would see others that have moved.
+      if (detail::moves_in_other_memory(particles)) {
+        interaction.accelerate(particles, search, dt, {clear_forces, move});
+        is_done = true;
+      }
+    }
+    if (!is_done) {
+      for_each_range(particles.size(), clear_forces);
+      interaction.accelerate(particles, search, dt);
+      for_each_range(particles.size(), move);
+    }
     particles.finish_advance(outcome.max_displacement());
     max_energy_gain_ = outcome.max_energy_gain();
     return outcome.is_valid();

@@ -14,6 +14,7 @@
 #include <cctype>
 #include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -54,6 +55,10 @@ inline std::vector<Triangle<double>> binary_stl(const std::string& file, std::st
     fail({"read_stl: ", file, " is truncated in triangle ", whole, " of ", count,
           ", or is not an STL file; export it again"});
   }
+  if (whole > count) {
+    fail("read_stl: " + file + " says that it has " + std::to_string(count) +
+         " triangles, but has the bytes of " + std::to_string(whole) + "; export it again");
+  }
   std::vector<Triangle<double>> triangles(count);
   for (Index t = 0; t < count; ++t) {
     Index offset = stl_header + t * stl_triangle + 12;  // after the normal
@@ -64,6 +69,28 @@ inline std::vector<Triangle<double>> binary_stl(const std::string& file, std::st
     }
   }
   return triangles;
+}
+
+template <class Real>
+double largest_coordinate(const std::vector<Triangle<Real>>& triangles) {
+  double largest = 0;
+  for (const Triangle<Real>& triangle : triangles) {
+    for (const auto& corner : triangle.corners) {
+      largest = std::max(largest, double(corner.cwiseAbs().maxCoeff()));
+    }
+  }
+  return largest;
+}
+// The largest coordinate is in [m].
+inline void require_in_binary_stl(Index triangles, double largest) {
+  if (triangles > std::numeric_limits<std::uint32_t>::max()) {
+    fail("write_stl: number of triangles = " + std::to_string(triangles) +
+         " is not below 2^32; write several files");
+  }
+  if (largest > double(std::numeric_limits<float>::max())) {
+    fail("write_stl: a coordinate of " + to_text(largest) +
+         " m is beyond single precision; write StlFormat::text");
+  }
 }
 
 // Splits a text into words in lower case.
@@ -163,8 +190,8 @@ inline bool is_text_stl(std::string_view bytes) {
 
 /// Reads the triangles of a binary or text file, in the order of the file. Normals and attributes
 /// are ignored: normals follow from the corners. Throws silt::Error, naming file and triangle, if
-/// the file cannot be read, is truncated, is not STL, has no triangles, or contains a triangle
-/// without area or a number that is not finite.
+/// the file cannot be read, has fewer or more triangles than it says, is not STL, has no triangles,
+/// or contains a triangle without area or a number that is not finite.
 inline std::vector<Triangle<double>> read_stl(const std::filesystem::path& path,
                                               const StlSettings& settings = {}) {
   require_positive("StlSettings: scale", settings.scale);
@@ -182,7 +209,7 @@ inline std::vector<Triangle<double>> read_stl(const std::filesystem::path& path,
 }
 
 /// Writes triangles [m]; binary files are in single precision. Throws silt::Error if the file
-/// cannot be written.
+/// cannot be written, or if a binary one cannot hold the number of triangles or a coordinate.
 template <class Real>
 void write_stl(const std::filesystem::path& path, const std::vector<Triangle<Real>>& triangles,
                StlFormat format = StlFormat::binary) {
@@ -191,7 +218,10 @@ void write_stl(const std::filesystem::path& path, const std::vector<Triangle<Rea
   const auto put = [&](std::uint32_t word) {
     for (int k = 0; k < 4; ++k) bytes += static_cast<char>(word >> (8 * k) & 0xff);
   };
-  if (format == StlFormat::binary) put(static_cast<std::uint32_t>(triangles.size()));
+  if (format == StlFormat::binary) {
+    detail::require_in_binary_stl(triangles.size(), detail::largest_coordinate(triangles));
+    put(static_cast<std::uint32_t>(triangles.size()));
+  }
   for (const Triangle<Real>& triangle : triangles) {
     const auto& [a, b, c] = triangle.corners;
     const Vec<3, Real> normal = cross(Vec<3, Real>(b - a), Vec<3, Real>(c - a)).normalized();

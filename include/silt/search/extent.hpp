@@ -83,7 +83,8 @@ Extent<dimension, Real> extent_of(const Points<dimension, Real>& x) {
 /// The same of a column of positions, or of the like.
 template <class Positions>
 auto extent_of_points(const Positions& x) {
-  return extent_of(Points(x));
+  using Vec = std::remove_cvref_t<decltype(x[0])>;
+  return extent_of(Points<Vec::RowsAtCompileTime, typename Vec::Scalar>(x));
 }
 
 }  // namespace silt

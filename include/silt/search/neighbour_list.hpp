@@ -9,6 +9,7 @@
 #pragma once
 
 #include <silt/core/error.hpp>
+#include <silt/core/function_ref.hpp>
 #include <silt/core/nearest_image.hpp>
 #include <silt/core/processes.hpp>
 #include <silt/core/transfer.hpp>
@@ -147,7 +148,9 @@ class NeighbourList {
   template <class F>
   void for_each_candidate(Index i, F&& f) const {
     if (!has_rows(Pairs::once)) {
-      list().grid.for_each_candidate(i, f);
+      // Through a reference: the loops of a grid are long, and are compiled for each type of f.
+      const FunctionRef<void(Index)> call = f;
+      list().grid.for_each_candidate(i, call);
       return;
     }
     for (const std::uint32_t j : rows(Pairs::once)[list().grid.row_of(i)]) f(Index{j});

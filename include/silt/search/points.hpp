@@ -39,11 +39,4 @@ class Points {
   Index stride_;  // in numbers
 };
 
-template <class Range>
-using PointsIn =
-    Points<std::remove_cvref_t<decltype(std::declval<const Range&>()[0])>::RowsAtCompileTime,
-           typename std::remove_cvref_t<decltype(std::declval<const Range&>()[0])>::Scalar>;
-template <class Range>
-Points(const Range&)->PointsIn<Range>;
-
 }  // namespace silt

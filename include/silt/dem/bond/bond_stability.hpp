@@ -72,14 +72,15 @@ class BondStability {
     time_step_ = std::numeric_limits<double>::infinity();
     grain_ = 0;
     for (Index i = 0; i < grains.size(); ++i) {
-      FrequencyBound<P::dimension, Real> bound;
+      FrequencyBound bound(P::dimension);
       for (const Index k : indices.of(i)) {
         const BondEnds ends = indices.ends(k);
         const Real m_a = grains[mass][ends.a];
         const Real m_b = grains[mass][ends.b];
         const Real share = arm_of_a(grains, ends);
         bound.add(
-            bonds[k].normal, springs_of(law, section_at(grains, ends, law)).stiffness(law.beta),
+            three_components(bonds[k].normal),
+            springs_of(law, section_at(grains, ends, law)).stiffness(law.beta),
             {.mass_over_inertia = double(grains[mass][i]) / double(grains[inertia][i]),
              .arm = double((ends.a == i ? share : 1 - share) * bonds[k].length)},
             share_of(double(grains[mass][i]), double(m_a / (m_a + m_b) * m_b), Shares::equal));

@@ -130,10 +130,10 @@ class Bonds {
   /// Adds forces [N] and torques [N m], in a pass over the grains if one is given, see
   /// AcceleratesInPass in core/concepts.hpp. Throws if the grains of a bond coincide, or if dt
   /// exceeds the stability limit of the bonds alone.
-  template <class P, class S, class Before = DoNothing, class After = DoNothing>
+  template <class P, class S>
     requires HasFields<P, spin_t, force_t, torque_t, mass_t, inertia_t, radius_t> &&
              std::same_as<typename P::Vec, Vec>
-  void accelerate(P& grains, S&, double dt, const Pass<Before, After>& pass = {}) {
+  void accelerate(P& grains, S&, double dt, const Pass& pass = {}) {
     advance_bonds(grains, dt);
     for_each_in_pass(grains.size(), pass, [&](Index i) { add_loads(grains, i); });
   }

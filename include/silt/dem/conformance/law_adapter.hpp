@@ -53,7 +53,10 @@ EightLoads<Dim> loads_in_lanes(const Law& law, const EightContacts<Dim>& contact
       eight.row[Row::mass][lane] = contact.effective_mass;
       eight.row[Row::radius][lane] = contact.effective_radius;
     }
-    evaluate_in_lanes(law, &eight, 1, {.time_step = contacts[0][k].time_step});
+    SILT_INDEPENDENT_ITERATIONS
+    for (int lane = 0; lane < lanes; ++lane) {
+      eight.template evaluate<Lane<double>>(law, {.time_step = contacts[0][k].time_step}, lane);
+    }
     for (int lane = 0; lane < lanes; ++lane) {
       LawLoad<Dim>& load = loads[static_cast<Index>(lane)].emplace_back();
       if (!(contacts[static_cast<Index>(lane)][k].overlap > 0)) continue;

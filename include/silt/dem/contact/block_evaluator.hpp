@@ -5,150 +5,252 @@
 #pragma once
 
 #include <silt/core/error.hpp>
+#include <silt/core/lane.hpp>
 #include <silt/core/nearest_image.hpp>
 #include <silt/core/simd.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/contact/contact_geometry.hpp>
 #include <silt/dem/contact/contact_list.hpp>
+#include <silt/dem/contact/contact_results.hpp>
+#include <silt/dem/contact/contact_settings.hpp>
 #include <silt/dem/contact/evaluation.hpp>
+#include <silt/dem/contact/law_between.hpp>
 #include <silt/dem/contact/law_lanes.hpp>
+#include <silt/dem/contact/step_time.hpp>
+#include <silt/dem/law/law_history.hpp>
+#include <silt/dem/law/materials.hpp>
 
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cstdint>
+#include <limits>
 #include <numeric>
 #include <string>
+#include <string_view>
+#include <utility>
 
 namespace silt::dem::detail {
 
-/// The numbers of eight contacts.
-using EightNumbers = std::array<std::uint32_t, lanes>;
+/// A contact that is refused.
+struct DeepOverlap {
+  double overlap = 0;      ///< [m]
+  double radius = 0;       ///< the smaller one [m]
+  double max_overlap = 0;  ///< see ContactSettings
+  bool has_normal = true;  ///< the centres do not coincide to round-off
+};
+/// `first` is the id of the grain i, `second` that of another or the number of a wall.
+[[noreturn, gnu::cold]] inline void refuse_overlap(const DeepOverlap& deep, Id first,
+                                                   const char* between, Index second, Index i) {
+  const bool at_wall = between != std::string_view(" and ");
+  const std::string names = message_of({at_wall ? "grain " : "grains ", first, between, second});
+  const Where where{.particle = i, .id = first};
+  if (!deep.has_normal) {
+    fail({"dem::Contacts: the centres of ", names, " coincide; place them apart"}, where);
+  }
+  fail({"dem::Contacts: ", names, " overlap by ", deep.overlap,
+        " m, more than max_overlap = ", deep.max_overlap, " of the radius ", deep.radius,
+        " m; place them apart, use a stiffer material or a shorter time step, or raise "
+        "ContactSettings::max_overlap"},
+       where);
+}
 
-/// Goes through the contacts of a block, group by group, and passes the law's results for those
-/// that touch to a Results object:
+/// Goes through the contacts of a block, group by group, and passes what the law returns for those
+/// that touch to a ContactResults:
 ///
-///   results.begin(group, touching, is_whole)        once for each group; bit l of `touching` is
-///                                                   set if contact l touches
-///   results.store_group(group, lanes, touching)     the results of a group that is whole
-///   results.store_contacts(contacts, count, lanes)  those of contacts of other groups
-/// evaluate(lanes, count, touching, contacts) evaluates the law for lane l of lanes[e] if bit l of
-/// touching[e] is set, and possibly for other lanes; contacts[e] are its contacts. `walls` is a
-/// WallsAtTime.
+///   auto remaining = evaluator.contacts_of(block, is_dense);
+///   while (evaluator.fill(batch, remaining, results)) evaluator.evaluate(batch, results);
+///
+/// Refers to its arguments; Walls is a WallSet.
 ///
 /// In a dense block, groups are evaluated as a whole, including contacts that do not touch. In
 /// other blocks, the contacts that touch are collected until there are eight. The results are the
 /// same.
-template <class Lanes, class Histories, class Walls, class Evaluate>
+template <class P, class Law, class Walls>
 class BlockEvaluator {
-  using Real = typename Lanes::Real;
-  static constexpr int dimension = Lanes::dimension;
-  using Vec = silt::Vec<dimension, Real>;
+  using Evaluation = detail::Evaluation<P, Law>;
+  using Lanes = typename Evaluation::Lanes;
+  using Real = typename P::Real;
+  static constexpr int dimension = P::dimension;
+  using Vec = typename P::Vec;
   using Grains = GrainRows<dimension, Real>;
-  static constexpr Index batch_size = 16;
-
- public:
-  struct Input {
-    const ContactList& contacts;
-    Grains grains;
-    NearestImage<dimension, Real> image;
-    const Histories& before;
-    const Walls& walls;
-    /// Fraction of δ by which the lever arms of two grains are shorter than R; at a wall it is
-    /// twice as large.
-    Real reduction_per_overlap;
-    Real max_overlap;  ///< see ContactSettings
-  };
-
-  BlockEvaluator(const Input& input, const Evaluate& evaluate)
-      : input_(input), evaluate_(evaluate) {}
-
-  /// Returns the number of contacts that touch.
-  template <class Results>
-  Index operator()(Index block, bool is_dense, Results& results) const {
-    const ContactList::Block& of = input_.contacts.block(block);
-    Batch batch;
-    const Index pairs = is_dense ? evaluate_groups<false>(of.pairs, batch, results)
-                                 : evaluate_collected<false>(of.pairs, batch, results);
-    // Grains may come near to several elements of a wall, but touch few of them.
-    return pairs + evaluate_collected<true>(of.walls, batch, results);
-  }
-  /// Whether a block with so many contacts that touch should be evaluated as a dense one.
-  bool is_dense(Index block, Index touching) const {
-    const ContactList::Range pairs = input_.contacts.block(block).pairs;
-    return touching * 3 > pairs.last - pairs.first;
-  }
-
- private:
-  static constexpr std::uint32_t collected = ~std::uint32_t(0);
-  struct Batch {
-    std::array<Lanes, batch_size> lanes;
-    std::array<EightNumbers, batch_size> contacts;
-    std::array<unsigned, batch_size> touching;
-    std::array<std::uint32_t, batch_size> group;  // `collected`: from several groups
-    Index count = 0;
-  };
-  // Contacts that touch, until there are eight. Twice as large, because those of a further group
-  // are added before eight are removed.
+  // Pairs or walls of a block: those that are left, and the last ones that touch, until there are
+  // eight. Twice as many, because those of a further group are added before eight are removed.
   struct Collection {
+    explicit Collection(const ContactList::Range& range) : left(range) {}
+
+    ContactList::Range left;
     std::array<std::uint32_t, 2 * lanes> contacts;
     std::array<std::uint32_t, 2 * lanes> first;
     std::array<std::uint32_t, 2 * lanes> second;
     Index count = 0;
   };
 
-  template <bool of_walls, class Results>
-  Index evaluate_groups(ContactList::Range range, Batch& batch, Results& results) const {
-    Index count = 0;
-    for (Index c = range.first; c < range.last; c += lanes) {
-      const auto group = static_cast<std::uint32_t>(c / lanes);
-      const std::uint32_t* const first = input_.contacts.first_of_group(c);
-      const std::uint32_t* const second = input_.contacts.second_of_group(c);
-      Lanes& next = batch.lanes[batch.count];
-      ContactGeometry<Lanes> geometry;
-      const unsigned touching = find_touching<of_walls>(geometry, first, second, next) &
-                                simd::first_lanes<lanes>(range.last - c);
-      results.begin(group, touching, true);
-      count += static_cast<Index>(std::popcount(touching));
-      compute<of_walls>(geometry, first, second, touching, next);
-      EightNumbers& contacts = batch.contacts[batch.count];
-      for (Index lane = 0; lane < lanes; ++lane) {
-        contacts[lane] = static_cast<std::uint32_t>(c + lane);
-      }
-      add_to_batch(batch, group, touching, results);
-    }
-    flush(batch, results);
-    return count;
+ public:
+  using Histories = typename Evaluation::Histories;
+  using Results = ContactResults<Lanes, Histories>;
+
+  /// `grains` as in the step of the evaluation.
+  BlockEvaluator(const Evaluation& evaluation, const Grains& grains,
+                 const Materials<Law>& materials, const Walls& walls,
+                 const ContactSettings& settings)
+      : evaluation_(evaluation),
+        contacts_(evaluation.contacts()),
+        before_(*evaluation.before),
+        grains_(grains),
+        image_(evaluation.box),
+        materials_(materials),
+        walls_(walls),
+        walls_now_(walls_in_law<P>(walls, evaluation.step)),
+        times_(evaluation.step.template of_contacts<Real>()),
+        reduction_per_overlap_(settings.lever_arm == LeverArm::radius ? Real(0) : Real(0.5)),
+        max_overlap_(Real(settings.max_overlap)) {
+    if constexpr (Lanes::words > 0) Histories::LawHistory::put({}, new_history_.data());
   }
 
-  template <bool of_walls, class Results>
-  Index evaluate_collected(ContactList::Range range, Batch& batch, Results& results) const {
-    Collection collection;
-    Index count = 0;
-    for (Index c = range.first; c < range.last; c += lanes) {
-      const std::uint32_t* const first = input_.contacts.first_of_group(c);
-      const std::uint32_t* const second = input_.contacts.second_of_group(c);
+  /// Groups of contacts whose law is evaluated together.
+  class Batch {
+    friend class BlockEvaluator;
+    static constexpr Index size = 16;
+    bool is_full() const { return count_ == size; }
+
+    std::array<Lanes, size> lanes_;
+    std::array<EightNumbers, size> contacts_;
+    std::array<unsigned, size> touching_;
+    std::array<std::uint32_t, size> group_;  // `collected`: from several groups
+    Index count_ = 0;
+  };
+  /// The contacts of a block that are not in a batch yet.
+  class Remaining {
+   public:
+    /// Number of contacts that touch, of those that are no longer among them.
+    Index touching() const { return touching_; }
+
+   private:
+    friend class BlockEvaluator;
+    Remaining(const ContactList::Block& block, bool is_dense)
+        : pairs_(block.pairs), walls_(block.walls), is_dense_(is_dense) {}
+
+    Collection pairs_;
+    Collection walls_;
+    bool is_dense_;
+    Index touching_ = 0;
+  };
+
+  /// All contacts of a block.
+  Remaining contacts_of(Index block, bool is_dense) const {
+    return {contacts_.block(block), is_dense};
+  }
+  /// Fills a batch with the next contacts that touch; returns false if there are none.
+  [[gnu::noinline]] bool fill(Batch& batch, Remaining& of, Results& results) const {
+    batch.count_ = 0;
+    if (of.is_dense_) {
+      add_groups(batch, of, results);
+    } else {
+      add_touching<false>(batch, of.pairs_, of.touching_, results);
+    }
+    // Grains may come near to several elements of a wall, but touch few of them.
+    add_touching<true>(batch, of.walls_, of.touching_, results);
+    return batch.count_ > 0;
+  }
+  /// Evaluates the law for the contacts of a batch, and possibly for others in its lanes.
+  [[gnu::flatten, gnu::noinline]] void evaluate(Batch& batch, Results& results) const {
+    const Index count = batch.count_;
+    for (Index e = 0; e < count; ++e) {
+      if (batch.group_[e] != collected) {
+        load_histories(batch.group_[e], batch.lanes_[e]);
+      } else {
+        load_histories(batch.contacts_[e], batch.lanes_[e]);
+      }
+    }
+    if (LawInLanes<Law, dimension, Real> && materials_.count() == 1) {
+      if constexpr (LawInLanes<Law, dimension, Real>) {
+        // Copies that no store below can change.
+        const Law law = materials_.between(0, 0);
+        const ContactTimes<Real> times = times_;
+        for (Index e = 0; e < count; ++e) {
+          Lanes& eight = batch.lanes_[e];
+          SILT_INDEPENDENT_ITERATIONS
+          for (int lane = 0; lane < lanes; ++lane) {
+            eight.template evaluate<Lane<Real>>(law, times, lane);
+          }
+        }
+      }
+    } else {
+      evaluate_one_by_one(batch);
+    }
+    for (Index e = 0; e < count; ++e) {
+      if (batch.group_[e] != collected) {
+        results.store_group(batch.group_[e], batch.lanes_[e], batch.touching_[e]);
+      } else {
+        const auto touching = static_cast<Index>(std::popcount(batch.touching_[e]));
+        results.store_contacts(batch.contacts_[e], touching, batch.lanes_[e]);
+      }
+    }
+  }
+  /// Whether a block with so many contacts that touch should be evaluated as a dense one.
+  bool is_dense(Index block, Index touching) const {
+    const ContactList::Range pairs = contacts_.block(block).pairs;
+    return touching * 3 > pairs.last - pairs.first;
+  }
+
+ private:
+  static constexpr std::uint32_t collected = ~std::uint32_t(0);
+
+  void add_groups(Batch& batch, Remaining& of, Results& results) const {
+    const auto [begin, last] = of.pairs_.left;
+    Index c = begin;
+    for (; c < last && !batch.is_full(); c += lanes) {
+      const std::uint32_t* const first = contacts_.first_of_group(c);
+      const std::uint32_t* const second = contacts_.second_of_group(c);
+      Lanes& next = batch.lanes_[batch.count_];
       ContactGeometry<Lanes> geometry;
       const unsigned touching =
-          find_touching<of_walls>(geometry, first, second, batch.lanes[batch.count]) &
-          simd::first_lanes<lanes>(range.last - c);
-      results.begin(static_cast<std::uint32_t>(c / lanes), touching, false);
+          find_touching<false>(geometry, first, second, next) & simd::first_lanes<lanes>(last - c);
+      results.begin(c / lanes, touching, true);
+      of.touching_ += static_cast<Index>(std::popcount(touching));
+      compute<false>(geometry, first, second, touching, next);
+      batch.contacts_[batch.count_] = eight_from(c);
+      batch.touching_[batch.count_] = touching;
+      batch.group_[batch.count_++] = static_cast<std::uint32_t>(c / lanes);
+    }
+    of.pairs_.left.first = c;
+  }
+
+  template <bool of_walls>
+  void add_touching(Batch& batch, Collection& collection, Index& count, Results& results) const {
+    const Index last = collection.left.last;
+    Index c = collection.left.first;
+    for (; c < last && !batch.is_full(); c += lanes) {
+      const std::uint32_t* const first = contacts_.first_of_group(c);
+      const std::uint32_t* const second = contacts_.second_of_group(c);
+      ContactGeometry<Lanes> geometry;
+      const unsigned touching =
+          find_touching<of_walls>(geometry, first, second, batch.lanes_[batch.count_]) &
+          simd::first_lanes<lanes>(last - c);
+      results.begin(c / lanes, touching, false);
       count += static_cast<Index>(std::popcount(touching));
-      std::array<std::uint32_t, lanes> numbers;
-      std::iota(numbers.begin(), numbers.end(), static_cast<std::uint32_t>(c));
+      const EightNumbers numbers = eight_from(c);
       append(numbers.data(), collection.contacts, collection.count, touching);
       append(first, collection.first, collection.count, touching);
       collection.count += append(second, collection.second, collection.count, touching);
       if (collection.count < Index(lanes)) continue;
-      add_collected<of_walls>(batch, collection, results);
+      add_collected<of_walls>(batch, collection);
       collection.count -= Index(lanes);
       for (auto* const column : {&collection.contacts, &collection.first, &collection.second}) {
         std::copy_n(column->begin() + lanes, lanes, column->begin());
       }
     }
-    if (collection.count > 0) add_collected<of_walls>(batch, collection, results);
-    flush(batch, results);
-    return count;
+    collection.left.first = c;
+    if (collection.count > 0 && c >= last && !batch.is_full()) {
+      add_collected<of_walls>(batch, collection);
+      collection.count = 0;
+    }
+  }
+  static EightNumbers eight_from(Index first) {
+    EightNumbers numbers;
+    std::iota(numbers.begin(), numbers.end(), static_cast<std::uint32_t>(first));
+    return numbers;
   }
   static Index append(const std::uint32_t* values, std::array<std::uint32_t, 2 * lanes>& to,
                       Index count, unsigned chosen) {
@@ -161,11 +263,11 @@ class BlockEvaluator {
                                                 const std::uint32_t* second, Lanes& into) const {
     if constexpr (of_walls) {
       const auto nearest = [this](std::uint32_t element, const Vec& x) {
-        return input_.walls.nearest(ContactList::unscaled(element), x);
+        return walls_now_.nearest(ContactList::unscaled(element), x);
       };
-      return geometry.find_touching_walls(input_.grains, first, second, nearest, into);
+      return geometry.find_touching_walls(grains_, first, second, nearest, into);
     } else {
-      return geometry.find_touching(input_.grains, input_.image, first, second);
+      return geometry.find_touching(grains_, image_, first, second);
     }
   }
 
@@ -175,28 +277,25 @@ class BlockEvaluator {
                                       const std::uint32_t* first, const std::uint32_t* second,
                                       unsigned touching, Lanes& into) const {
     if constexpr (of_walls) {
-      const unsigned refused = geometry.too_deep_in_walls(input_.max_overlap) & touching;
+      const unsigned refused = geometry.too_deep_in_walls(max_overlap_) & touching;
       if (refused != 0) refuse<true>(first, second, refused);
       if constexpr (Walls::move) {
         const auto velocity = [this](std::uint32_t element) {
-          return input_.walls.velocity(ContactList::unscaled(element));
+          return walls_now_.velocity(ContactList::unscaled(element));
         };
-        geometry.compute_walls(input_.grains, first, second, 2 * input_.reduction_per_overlap,
-                               velocity, into);
+        geometry.compute_walls(grains_, first, second, 2 * reduction_per_overlap_, velocity, into);
       } else {
-        geometry.compute_walls(input_.grains, first, second, 2 * input_.reduction_per_overlap,
-                               nullptr, into);
+        geometry.compute_walls(grains_, first, second, 2 * reduction_per_overlap_, nullptr, into);
       }
     } else {
-      const unsigned refused = geometry.too_close(input_.max_overlap) & touching;
+      const unsigned refused = geometry.too_close(max_overlap_) & touching;
       if (refused != 0) refuse<false>(first, second, refused);
-      geometry.compute_pairs(input_.grains, first, second, input_.reduction_per_overlap, into);
+      geometry.compute_pairs(grains_, first, second, reduction_per_overlap_, into);
     }
   }
 
-  template <bool of_walls, class Results>
-  [[gnu::noinline]] void add_collected(Batch& batch, Collection& collection,
-                                       Results& results) const {
+  template <bool of_walls>
+  [[gnu::noinline]] void add_collected(Batch& batch, Collection& collection) const {
     const Index number = std::min<Index>(collection.count, lanes);
     for (Index lane = number; lane < Index(lanes); ++lane) {
       collection.contacts[lane] = collection.contacts[0];
@@ -204,48 +303,33 @@ class BlockEvaluator {
       collection.second[lane] = collection.second[0];
     }
     const unsigned touching = simd::first_lanes<lanes>(number);
-    Lanes& next = batch.lanes[batch.count];
+    Lanes& next = batch.lanes_[batch.count_];
     ContactGeometry<Lanes> geometry;
     find_touching<of_walls>(geometry, collection.first.data(), collection.second.data(), next);
     compute<of_walls>(geometry, collection.first.data(), collection.second.data(), touching, next);
-    std::copy_n(collection.contacts.begin(), lanes, batch.contacts[batch.count].begin());
-    add_to_batch(batch, collected, touching, results);
+    std::copy_n(collection.contacts.begin(), lanes, batch.contacts_[batch.count_].begin());
+    batch.touching_[batch.count_] = touching;
+    batch.group_[batch.count_++] = collected;
   }
 
-  template <class Results>
-  void add_to_batch(Batch& batch, std::uint32_t group, unsigned touching, Results& results) const {
-    batch.touching[batch.count] = touching;
-    batch.group[batch.count] = group;
-    if (++batch.count == batch_size) flush(batch, results);
-  }
-
-  template <class Results>
-  [[gnu::noinline]] void flush(Batch& batch, Results& results) const {
-    for (Index e = 0; e < batch.count; ++e) {
-      if (batch.group[e] != collected) {
-        load_histories(batch.group[e], batch.lanes[e]);
-      } else {
-        load_histories(batch.contacts[e], batch.lanes[e]);
+  // For laws that are not written for lanes, or that depend on the materials.
+  [[gnu::noinline]] void evaluate_one_by_one(Batch& batch) const {
+    for (Index e = 0; e < batch.count_; ++e) {
+      for (int lane = 0; lane < lanes; ++lane) {
+        if ((batch.touching_[e] >> lane & 1) == 0) continue;
+        const Index c = batch.contacts_[e][static_cast<Index>(lane)];
+        batch.lanes_[e].template evaluate<Real>(
+            law_between(*evaluation_.list, materials_, walls_, c), times_, lane);
       }
     }
-    evaluate_(batch.lanes.data(), batch.count, batch.touching.data(), batch.contacts.data());
-    for (Index e = 0; e < batch.count; ++e) {
-      if (batch.group[e] != collected) {
-        results.store_group(batch.group[e], batch.lanes[e], batch.touching[e]);
-      } else {
-        const auto count = static_cast<Index>(std::popcount(batch.touching[e]));
-        results.store_contacts(batch.contacts[e], count, batch.lanes[e]);
-      }
-    }
-    batch.count = 0;
   }
 
   [[gnu::always_inline]] void load_histories(Index group, Lanes& into) const {
     constexpr int N = Grains::N;
-    const unsigned known = input_.before.touching_in_group(group);
-    const Real* const from = input_.before.group(group);
+    const unsigned known = before_.touching_in_group(group);
+    const Real* const from = before_.group(group);
     for (int k = 0; k < Lanes::words; ++k) {
-      const auto fresh = simd::broadcast<Real, N>(new_history_.numbers[k]);
+      const auto fresh = simd::broadcast<Real, N>(new_history_[Index(k)]);
       for (int first = 0; first < lanes; first += N) {
         const auto kept = simd::load<Real, N>(from + k * lanes + first);
         simd::store<Real, N>(into.history[k] + first,
@@ -255,59 +339,53 @@ class BlockEvaluator {
   }
   [[gnu::always_inline]] void load_histories(const EightNumbers& contacts, Lanes& into) const {
     for (Index lane = 0; lane < lanes; ++lane) {
-      const bool is_known = input_.before.touches(contacts[lane]);
+      const bool is_known = before_.touches(contacts[lane]);
       for (int k = 0; k < Lanes::words; ++k) {
-        into.history[k][lane] =
-            is_known ? input_.before.at(contacts[lane], k) : new_history_.numbers[k];
+        into.history[k][lane] = is_known ? before_.at(contacts[lane], k) : new_history_[Index(k)];
       }
     }
   }
 
-  // The first contact in the lanes `refused` is too deep. The geometry is computed again, because
-  // one that is passed to a function cannot be kept in registers.
+  // The first contact in the lanes `refused` is too deep.
   template <bool of_walls>
   [[noreturn, gnu::cold, gnu::noinline]] void refuse(const std::uint32_t* first,
                                                      const std::uint32_t* second,
                                                      unsigned refused) const {
-    const auto lane = static_cast<Index>(std::countr_zero(refused));
+    const int lane = std::countr_zero(refused);
     const Index i = ContactList::unscaled(first[lane]);
     const Index other = ContactList::unscaled(second[lane]);
-    const Where where{.particle = i, .id = input_.contacts.id(i)};
-    Lanes unused;
-    ContactGeometry<Lanes> geometry;
-    find_touching<of_walls>(geometry, first, second, unused);
-    DeepContact<Real> contact;
-    std::string names;
+    const Real R = grains_.radius_of(i);
+    const Vec x = grains_.position_of(i);
     if constexpr (of_walls) {
-      contact = geometry.deep_contact_at_wall(lane);
-      names = "grain " + std::to_string(*where.id) + " and wall " +
-              std::to_string(input_.walls.number_of(other));
+      refuse_overlap({.overlap = double(R - walls_now_.nearest(other, x).distance),
+                      .radius = double(R),
+                      .max_overlap = double(max_overlap_)},
+                     contacts_.id(i), " and wall ", walls_now_.number_of(other), i);
     } else {
-      contact = geometry.deep_contact(lane);
-      names = "grains " + std::to_string(*where.id) + " and " +
-              std::to_string(input_.contacts.id(other));
+      const Real R_j = grains_.radius_of(other);
+      const Real distance = image_(grains_.position_of(other) - x).norm();
+      refuse_overlap({.overlap = double(R + R_j - distance),
+                      .radius = double(std::min(R, R_j)),
+                      .max_overlap = double(max_overlap_),
+                      .has_normal = distance > std::numeric_limits<Real>::epsilon() * (R + R_j)},
+                     contacts_.id(i), " and ", contacts_.id(other), i);
     }
-    if (!contact.has_normal) {
-      fail({"dem::Contacts: the centres of ", names, " coincide; place them apart"}, where);
-    }
-    fail({"dem::Contacts: ", names, " overlap by ", contact.overlap,
-          " m, more than max_overlap = ", input_.max_overlap, " of the radius ", contact.radius,
-          " m; place them apart, use a stiffer material or a shorter time step, or raise "
-          "ContactSettings::max_overlap"},
-         where);
   }
 
-  // The history of a new contact.
-  struct NewHistory {
-    Real numbers[std::max(Lanes::words, 1)] = {};
-    NewHistory() {
-      if constexpr (Lanes::words > 0) Histories::LawHistory::put({}, numbers);
-    }
-  };
-
-  Input input_;
-  const Evaluate& evaluate_;
-  NewHistory new_history_;
+  const Evaluation& evaluation_;
+  const ContactList& contacts_;
+  const Histories& before_;
+  Grains grains_;
+  NearestImage<dimension, Real> image_;
+  const Materials<Law>& materials_;
+  const Walls& walls_;
+  decltype(walls_in_law<P>(std::declval<const Walls&>(), StepTime{})) walls_now_;
+  ContactTimes<Real> times_;
+  // Fraction of δ by which the lever arms of two grains are shorter than R; at a wall it is twice
+  // as large.
+  Real reduction_per_overlap_;
+  Real max_overlap_;                                              // see ContactSettings
+  std::array<Real, std::max(Lanes::words, 1)> new_history_ = {};  // of a new contact
 };
 
 }  // namespace silt::dem::detail

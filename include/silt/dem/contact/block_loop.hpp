@@ -10,131 +10,128 @@
 #include <silt/core/types.hpp>
 #include <silt/dem/contact/block_evaluator.hpp>
 #include <silt/dem/contact/contact_list.hpp>
-#include <silt/dem/contact/load_rows.hpp>
+#include <silt/dem/contact/contact_results.hpp>
+#include <silt/dem/contact/list_constants.hpp>
 #include <silt/dem/contact/touching_grains.hpp>
 #include <silt/dem/contact/work_division.hpp>
 
 #include <algorithm>
 #include <cstddef>
-#include <cstring>
 #include <numeric>
 #include <vector>
 
 namespace silt::dem::detail {
 
-/// The loop and the memory that it uses again in every step.
-template <class P, class Evaluation>
+/// The memory that the loop uses again in every step.
+template <class Loads>
+struct BlockMemory {
+  WorkDivision division;
+  Loads loads;
+  TouchingGrains touching;
+  std::vector<char> is_dense;  ///< by block, from the last step
+  std::vector<Index> counts;   ///< by thread, of contacts that touch
+};
+
+/// Adds the forces and torques of all contacts to the grains, and stores their histories. Refers to
+/// its arguments; Evaluator is a BlockEvaluator.
+template <class P, class Evaluator>
 class BlockLoop {
-  using Real = typename P::Real;
-  using Histories = typename Evaluation::Histories;
-  using Loads = LoadRows<P::dimension, Real, Evaluation::Lanes::Row::has_couple>;
+  using Results = typename Evaluator::Results;
 
  public:
-  /// Has to be called when a list has been rebuilt in the same memory.
-  void forget_list() { division_.reset(); }
+  using Memory = BlockMemory<typename Results::Loads>;
 
-  /// Adds the forces and torques of all contacts and stores their histories in `after`. Returns how
-  /// many contacts touch. evaluate_block is a BlockEvaluator for this list; compare(b, first, last)
-  /// is called for the grains [first, last) of each block b.
-  template <class BlockEvaluator, class Compare, class Pass>
-  Index operator()(P& grains, const ContactList& list, const BlockEvaluator& evaluate_block,
-                   Compare& compare, Histories& after, const Pass& pass) {
-    after.resize(list.groups());
-    division_.fit(list, static_cast<Index>(threads_for(grains.size())));
-    loads_.resize(division_.slots());
-    is_dense_.resize(list.blocks(), false);
-    touching_.resize(grains.size());
-    const auto sum_loads = loads_.sums_for(grains, list, division_);
-    const auto sum_in_pass = [&pass](Index first, Index last, const auto& sum) {
-      pass.before(first, last);
-      sum();
-      pass.after(first, last);
-    };
-    std::vector<Index> counts(division_.threads(), 0);
-    for_each_task(division_.threads(), [&](Index thread) {
-      const Index first_block = division_.first_block(thread);
-      const Index last_block = division_.first_block(thread + 1);
-      const bool are_most_dense =
-          2 * dense_blocks(first_block, last_block) > last_block - first_block;
-      touching_.remove_blocks(first_block, last_block);
-      Results results{list, division_, loads_, after, touching_};
-      for (Index b = first_block; b < last_block; ++b) {
-        const bool is_dense = is_dense_[b] != 0;
-        const Index touching = evaluate_block(b, is_dense, results);
-        if (is_dense && !are_most_dense) results.add_grains_of_dense_block(b);
-        is_dense_[b] = evaluate_block.is_dense(b, touching);
-        counts[thread] += touching;
-        const Index end = std::min(grains.size(), (b + 1) * block_size);
-        compare(b, b * block_size, end);
-        division_.for_each_ready(b * block_size, end, [&](Index first, Index last) {
-          sum_in_pass(first, last, [&] {
-            if (are_most_dense) {
-              division_.for_each_in_order(first, last, sum_loads);
-            } else {
-              touching_.for_each(first, last, sum_loads);
-            }
-          });
-        });
-      }
-    });
-    for_each_task(division_.threads(), [&](Index thread) {
-      division_.for_each_deferred(thread,
-                                  [&](Index i) { sum_in_pass(i, i + 1, [&] { sum_loads(i); }); });
-    });
-    return std::accumulate(counts.begin(), counts.end(), Index(0));
+  /// Changes of the grains' constants are looked for in the same loop. `after` takes the histories.
+  template <class Changes>
+  BlockLoop(P& grains, const ContactList& list, const Evaluator& evaluator, Changes& changes,
+            typename Evaluator::Histories& after, const Pass& pass, Memory& memory)
+      : grains_(grains.size()),
+        evaluator_(evaluator),
+        find_changes_(changes),
+        pass_(pass),
+        memory_(fit(memory, list, grains.size(), after)),
+        results_{list, memory.division, memory.loads, after, memory.touching},
+        sum_loads_(memory.loads.sums_for(grains, list, memory.division)) {}
+
+  /// Returns how many contacts touch.
+  Index add_forces() {
+    const Index threads = memory_.division.threads();
+    memory_.counts.assign(threads, 0);
+    if (threads == 1) {
+      evaluate_blocks(0);
+    } else {
+      for_each_task(threads, [this](Index thread) { evaluate_blocks(thread); });
+      for_each_task(threads, [this](Index thread) { sum_deferred(thread); });
+    }
+    return std::accumulate(memory_.counts.begin(), memory_.counts.end(), Index(0));
   }
 
  private:
-  Index dense_blocks(Index first, Index last) const {
-    return static_cast<Index>(std::count(is_dense_.begin() + std::ptrdiff_t(first),
-                                         is_dense_.begin() + std::ptrdiff_t(last), 1));
+  static Memory& fit(Memory& memory, const ContactList& list, Index grains,
+                     typename Evaluator::Histories& after) {
+    after.resize(list.groups());
+    memory.division.fit(list, static_cast<Index>(threads_for(grains)));
+    memory.loads.resize(memory.division.slots());
+    memory.is_dense.resize(list.blocks(), false);
+    memory.touching.resize(grains);
+    return memory;
   }
 
-  // Where a BlockEvaluator stores its results.
-  struct Results {
-    const ContactList& list;
-    const WorkDivision& division;
-    Loads& loads;
-    Histories& histories;
-    TouchingGrains& grains;
-
-    void begin(Index group, unsigned touching, bool is_whole) {
-      histories.set_touching_in_group(group, touching);
-      if (!is_whole) loads.clear(division.slot_of(group));
-    }
-    template <class Lanes>
-    void store_group(Index group, const Lanes& eight, unsigned touching) {
-      loads.store(division.slot_of(group), eight, touching);
-      std::memcpy(histories.group(group), eight.history, sizeof(Real) * Lanes::words * lanes);
-    }
-    template <class Lanes>
-    void store_contacts(const EightNumbers& contacts, Index count, const Lanes& eight) {
-      loads.store(eight, count, [&](Index lane) { return division.row_of(contacts[lane]); });
-      for (Index lane = 0; lane < count; ++lane) {
-        const Index contact = contacts[lane];
-        for (int k = 0; k < Lanes::words; ++k) {
-          histories.at(contact, k) = eight.history[k][lane];
+  // Evaluates the contacts of a thread's blocks and sums the forces on their grains, but those that
+  // are deferred.
+  void evaluate_blocks(Index thread) {
+    const WorkDivision& division = memory_.division;
+    const Index first_block = division.first_block(thread);
+    const Index last_block = division.first_block(thread + 1);
+    const bool are_most_dense =
+        2 * dense_blocks(first_block, last_block) > last_block - first_block;
+    memory_.touching.remove_blocks(first_block, last_block);
+    const auto sum_loads = sum_loads_;
+    Results results(results_);
+    typename Evaluator::Batch batch;
+    for (Index b = first_block; b < last_block; ++b) {
+      const bool is_dense = memory_.is_dense[b] != 0;
+      auto contacts = evaluator_.contacts_of(b, is_dense);
+      while (evaluator_.fill(batch, contacts, results)) evaluator_.evaluate(batch, results);
+      if (is_dense && !are_most_dense) results.add_grains_of_dense_block(b);
+      memory_.is_dense[b] = evaluator_.is_dense(b, contacts.touching());
+      memory_.counts[thread] += contacts.touching();
+      const Index end = std::min(grains_, (b + 1) * block_size);
+      find_changes_(b, b * block_size, end);
+      division.for_each_ready(b * block_size, end, [&](Index first, Index last) {
+        pass_.before(first, last);
+        if (are_most_dense) {
+          division.for_each_in_order(first, last, sum_loads);
+        } else {
+          memory_.touching.for_each(first, last, sum_loads);
         }
-        add_if_owned(list.first(contact));
-        if (!list.is_of_wall(contact)) add_if_owned(list.second(contact));
-      }
+        pass_.after(first, last);
+      });
     }
-    // Also those whose contacts do not touch.
-    void add_grains_of_dense_block(Index block) {
-      grains.add_block(block);
-      const auto [first, last] = list.block(block).pairs;
-      for (Index c = first; c < last; ++c) add_if_owned(std::max(list.first(c), list.second(c)));
-    }
-    void add_if_owned(std::uint32_t grain) {
-      // Those that are deferred may belong to another thread.
-      if (list.is_owned(grain) && !division.is_deferred(grain)) grains.add(grain);
-    }
-  };
+  }
+  void sum_deferred(Index thread) {
+    memory_.division.for_each_deferred(thread, [&](Index i) {
+      pass_.before(i, i + 1);
+      sum_loads_(i);
+      pass_.after(i, i + 1);
+    });
+  }
 
-  WorkDivision division_;
-  Loads loads_;
-  TouchingGrains touching_;
-  std::vector<char> is_dense_;  // by block, from the last step
+  Index dense_blocks(Index first, Index last) const {
+    const auto begin = memory_.is_dense.begin();
+    return static_cast<Index>(
+        std::count(begin + std::ptrdiff_t(first), begin + std::ptrdiff_t(last), 1));
+  }
+
+  Index grains_;
+  const Evaluator& evaluator_;
+  FunctionRef<void(Index, Index, Index)> find_changes_;
+  const Pass& pass_;
+  Memory& memory_;
+  typename Results::OfStep results_;
+  decltype(std::declval<Memory&>().loads.sums_for(std::declval<P&>(),
+                                                  std::declval<const ContactList&>(),
+                                                  std::declval<const WorkDivision&>())) sum_loads_;
 };
 
 }  // namespace silt::dem::detail

@@ -9,22 +9,11 @@
 #include <silt/dem/wall/moving.hpp>
 #include <silt/dem/wall/wall.hpp>
 
-#include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <type_traits>
-#include <utility>
 
 namespace silt::dem::detail {
-
-/// A contact that is refused, for the message.
-template <class Real>
-struct DeepContact {
-  Real overlap = 0;        ///< [m]
-  Real radius = 0;         ///< the smaller one [m]
-  bool has_normal = true;  ///< the centres do not coincide to round-off
-};
 
 /// The grains of up to eight pairs, or at up to eight wall elements, and their distances. Into is a
 /// LawLanes.
@@ -86,22 +75,6 @@ class ContactGeometry {
       too_deep |= simd::less<Real, N>(max_overlap * i_[p].R, overlap_[p]) << (p * N);
     }
     return too_deep;
-  }
-
-  /// The contact of the pair in a lane.
-  DeepContact<Real> deep_contact(Index lane) const {
-    const auto [p, k] = place(lane);
-    const Real R_i = i_[p].R[k];
-    const Real R_j = j_[p].R[k];
-    const Real distance = std::sqrt(r_squared_[p][k]);
-    return {.overlap = R_i + R_j - distance,
-            .radius = std::min(R_i, R_j),
-            .has_normal = distance > std::numeric_limits<Real>::epsilon() * (R_i + R_j)};
-  }
-  /// The contact of the grain at a wall in a lane.
-  DeepContact<Real> deep_contact_at_wall(Index lane) const {
-    const auto [p, k] = place(lane);
-    return {.overlap = overlap_[p][k], .radius = i_[p].R[k]};
   }
 
   /// Computes the contacts of the loaded pairs. reduction_per_overlap is the fraction of δ by which
@@ -202,11 +175,6 @@ class ContactGeometry {
   }
 
  private:
-  // Number of the pack of a lane, and of the lane in it.
-  static std::pair<int, int> place(Index lane) {
-    return {static_cast<int>(lane) / N, static_cast<int>(lane) % N};
-  }
-
   // u = v + a ω × n, with a to the surface along n, (5).
   [[gnu::always_inline]] static void surface_velocity(const typename Grains::Motion& grain,
                                                       const Pack& a, const Pack (&n)[Dim],

@@ -16,6 +16,7 @@
 #pragma once
 
 #include <silt/core/error.hpp>
+#include <silt/core/function_ref.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/contact/grain_rows.hpp>
@@ -116,8 +117,9 @@ class ContactList {
   /// f(contact) for each of a block.
   template <class F>
   void for_each_contact(Index block, F&& f) const {
-    for (const Range range : {blocks_[block].pairs, blocks_[block].walls}) {
-      for (Index c = range.first; c < range.last; ++c) f(c);
+    const auto [pairs, walls] = blocks_[block];
+    for (Index c = pairs.first; c < walls.last; ++c) {
+      if (c < pairs.last || c >= walls.first) f(c);
     }
   }
 
@@ -147,32 +149,33 @@ class ContactList {
   /// The pairs found at the grains of a block, before they are put into one list. The memory is
   /// reused.
   struct PairsOfBlock {
+    Index block = 0;
     std::vector<Pair> pairs;
     std::vector<Pair> walls;  ///< a grain and the element of a wall
     std::vector<Pair> of_other_blocks;
+
+    void add_pair(Index first, Index second) {
+      const Pair pair{static_cast<std::uint32_t>(first), static_cast<std::uint32_t>(second)};
+      (block_of(pair) == block ? pairs : of_other_blocks).push_back(pair);
+    }
+    void add_wall(Index grain, Index element) {
+      walls.push_back({static_cast<std::uint32_t>(grain), static_cast<std::uint32_t>(element)});
+    }
   };
-  /// Builds the list: pairs_at(i, add) and walls_at(i, add) call add for each pair and each wall
-  /// element found at grain i.
-  template <class P, class PairsAt, class WallsAt>
-  void build(const P& grains, PairsAt&& pairs_at, WallsAt&& walls_at,
+  /// Builds the list for grains with these ids, of which the first `owned` are owned: find(i,
+  /// pairs) adds the pairs found at grain i, for each of a block.
+  void build(std::span<const Id> ids, Index owned, FunctionRef<void(Index, PairsOfBlock&)> find,
              std::vector<PairsOfBlock>& by_block) {
-    const auto ids = grains.ids_with_halo();
     ids_.assign(ids.begin(), ids.end());
-    owned_ = grains.size();
+    owned_ = owned;
     by_block.resize(block_count(owned_));
     for_each_block([&](Index b, Index first, Index last) {
       PairsOfBlock& own = by_block[b];
+      own.block = b;
       own.pairs.clear();
       own.walls.clear();
       own.of_other_blocks.clear();
-      for (Index i = first; i < last; ++i) {
-        pairs_at(i, [&](const Pair& pair) {
-          (block_of(pair) == b ? own.pairs : own.of_other_blocks).push_back(pair);
-        });
-        walls_at(i, [&](std::uint32_t element) {
-          own.walls.push_back({static_cast<std::uint32_t>(i), element});
-        });
-      }
+      for (Index i = first; i < last; ++i) find(i, own);
     });
     concatenate(by_block);
     list_sides();
@@ -227,19 +230,23 @@ class ContactList {
     for_each_block([&](Index b, Index grain, Index) {
       const Block& block = blocks_[b];
       // Padding: a grain with itself, which is never evaluated.
-      for (Index c = block.all().first; c < block.all().last; ++c) {
-        put(c, {static_cast<std::uint32_t>(grain), static_cast<std::uint32_t>(grain)});
+      const auto [first_contact, last_contact] = block.all();
+      for (auto* const column : {&first_, &second_}) {
+        std::fill(column->begin() + std::ptrdiff_t(first_contact),
+                  column->begin() + std::ptrdiff_t(last_contact),
+                  static_cast<std::uint32_t>(grain) * index_scale);
       }
-      Index c = block.pairs.first;
-      for (const Pair& pair : by_block[b].pairs) put(c++, pair);
-      c = block.walls.first;
-      for (const Pair& pair : by_block[b].walls) {
-        put(c, pair);
-        second_[c++] |= wall_bit;
-      }
+      put_all(block.pairs.first, by_block[b].pairs, 0);
+      put_all(block.walls.first, by_block[b].walls, wall_bit);
     });
     for (const PairsOfBlock& each : by_block) {
       for (const Pair& pair : each.of_other_blocks) put(further[block_of(pair)]++, pair);
+    }
+  }
+  [[gnu::noinline]] void put_all(Index contact, const std::vector<Pair>& pairs, std::uint32_t bit) {
+    for (const Pair& pair : pairs) {
+      put(contact, pair);
+      second_[contact++] |= bit;
     }
   }
   void put(Index contact, const Pair& pair) {

@@ -5,7 +5,7 @@
 #include <silt/core/error.hpp>
 
 #include <cmath>
-#include <string>
+#include <string_view>
 
 namespace silt::dem {
 
@@ -45,7 +45,7 @@ struct ContactSettings {
   }
 
  private:
-  static void check_limit(const std::string& name, double limit) {
+  static void check_limit(std::string_view name, double limit) {
     if (limit > 0) return;  // false for NaN
     fail({name, " = ", limit, " must be positive; give a share of the radius, or infinity"});
   }

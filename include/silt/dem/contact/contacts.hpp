@@ -15,12 +15,14 @@
 
 #include <silt/core/concepts.hpp>
 #include <silt/core/error.hpp>
+#include <silt/core/own_memory.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/processes.hpp>
 #include <silt/core/step_checks.hpp>
 #include <silt/core/travel.hpp>
 #include <silt/core/types.hpp>
 #include <silt/core/watch.hpp>
+#include <silt/dem/contact/block_evaluator.hpp>
 #include <silt/dem/contact/block_loop.hpp>
 #include <silt/dem/contact/contact_settings.hpp>
 #include <silt/dem/contact/contacts_of_step.hpp>
@@ -28,7 +30,7 @@
 #include <silt/dem/contact/described_contacts.hpp>
 #include <silt/dem/contact/energy_check.hpp>
 #include <silt/dem/contact/evaluation.hpp>
-#include <silt/dem/contact/law_evaluation.hpp>
+#include <silt/dem/contact/law_between.hpp>
 #include <silt/dem/contact/list_rebuild.hpp>
 #include <silt/dem/contact/of_constants.hpp>
 #include <silt/dem/contact/pair_history.hpp>
@@ -63,13 +65,17 @@ class ContactsOf : public Contacts<Law, Walls...> {
   using History = typename Evaluation::LawHistory::type;
   using List = typename Evaluation::List;
   using Histories = typename Evaluation::Histories;
+  using Evaluator = detail::BlockEvaluator<P, Law, WallSet<Walls...>>;
+  using Loop = detail::BlockLoop<P, Evaluator>;
   using SavedList = detail::SavedList<dimension, Real>;
   using ContactsOfStep = detail::ContactsOfStep<P, Law, WallSet<Walls...>>;
 
  public:
   /// Contacts for grains of type P, from their description; made by a Simulation or by
   /// for_particles().
-  ContactsOf(Contacts<Law, Walls...> contacts) : Contacts<Law, Walls...>(std::move(contacts)) {}
+  ContactsOf(Contacts<Law, Walls...> contacts) : Contacts<Law, Walls...>(std::move(contacts)) {
+    state_.last = Evaluation::of_no_step();
+  }
 
   /// A copy with other settings and the same histories. Throws if a setting is out of range.
   ContactsOf with(const ContactSettings& settings) const {
@@ -95,23 +101,20 @@ class ContactsOf : public Contacts<Law, Walls...> {
   /// radius, mass or inertia is not positive and finite, if products of them underflow or overflow,
   /// if a material does not exist, if positions have too few digits, if an overlap exceeds
   /// ContactSettings::max_overlap, or if dt exceeds the stability limit.
-  template <class S, class Before = DoNothing, class After = DoNothing>
-  void accelerate(P& grains, const S& search, double dt, const Pass<Before, After>& pass = {}) {
+  template <class S>
+  void accelerate(P& grains, const S& search, double dt, const Pass& pass = {}) {
     const double since_last = std::exchange(last_time_step_, std::nullopt).value_or(dt);
     Evaluation evaluation = begin_step(
         grains, search, {.time = time_, .time_step = dt, .last_time_step = since_last});
-    const auto after = memory_.histories.take();
-    const auto walls = detail::walls_in_law<P>(walls_, evaluation.step);
-    const auto evaluate_law = detail::law_evaluation<P>(evaluation, materials_, walls_);
+    const auto after = memory_->histories.take();
     const detail::GrainRows<dimension, Real> rows(std::as_const(grains));
     detail::UnnoticedChanges changes(std::as_const(grains), *evaluation.list, evaluation.lifetime);
-    evaluation.count = memory_.loop(
-        grains, evaluation.contacts(),
-        detail::block_evaluator<P>(evaluation, rows, walls, settings_, evaluate_law), changes,
-        *after, pass);
+    const Evaluator evaluator(evaluation, rows, materials_, walls_, settings_);
+    Loop loop(grains, evaluation.contacts(), evaluator, changes, *after, pass, memory_->loop);
+    evaluation.count = loop.add_forces();
     changes.check(grains);
     evaluation.after = after;
-    evaluation.grains = detail::SharedGrains<P>(grains, memory_.copies);
+    evaluation.grains = detail::SharedGrains<P>(grains, memory_->copies);
     if constexpr (knows_stiffness) {
       if (settings_.check_stability && dt > evaluation.list->stable_time_step) {
         const ContactsOfStep contacts(grains, materials_, walls_, settings_, evaluation);
@@ -169,15 +172,15 @@ class ContactsOf : public Contacts<Law, Walls...> {
     return std::min(of_contacts, walls_.shortest_period() / detail::steps_per_period);
   }
   /// What determines time_step(); see LimitsTimeStep in core/concepts.hpp.
-  std::string limit_of_time_step(const P& grains) const {
+  [[gnu::cold]] std::string limit_of_time_step(const P& grains) const {
     const auto& shortest = shortest_contacts(grains).of_all;
     const double period = walls_.shortest_period();
     if (period / detail::steps_per_period < shortest.duration / settings_.steps_per_contact) {
-      return "dem::Contacts: a wall vibrates with the period " + to_text(period) +
-             " s; lower its frequency";
+      return message_of(
+          {"dem::Contacts: a wall vibrates with the period ", period, " s; lower its frequency"});
     }
-    return "dem::Contacts: " + shortest.name() + " lasts " + to_text(shortest.duration) +
-           " s; use a softer material";
+    return message_of({"dem::Contacts: ", shortest.name(), " lasts ", shortest.duration,
+                       " s; use a softer material"});
   }
 
   /// Takes a wall, given by its number, away or puts it back, from the next step on: a gate that
@@ -309,21 +312,12 @@ class ContactsOf : public Contacts<Law, Walls...> {
     // By set_history(), until the next step.
     std::shared_ptr<const PairHistory<History>> given_history;
   };
-  // Used again in every step; a copy is empty.
+  // Used again in every step.
   struct Memory {
-    Memory() = default;
-    Memory(Memory&&) = default;
-    Memory& operator=(Memory&&) = default;
-    Memory(const Memory&) {}
-    Memory& operator=(const Memory&) {
-      loop.forget_list();
-      return *this;
-    }
-
     detail::Pool<List> lists;
     detail::Pool<Histories> histories;
     typename detail::SharedGrains<P>::Pools copies;
-    detail::BlockLoop<P, Evaluation> loop;
+    typename Loop::Memory loop;
     std::vector<detail::ContactList::PairsOfBlock> by_block;
   };
 
@@ -401,7 +395,7 @@ class ContactsOf : public Contacts<Law, Walls...> {
     begin_list(grains, search, walls_, step, reach(grains), list);
     const auto walls = detail::walls_at<P>(walls_, step);
     if constexpr (sizeof...(Walls) > 0) detail::check_walls_at_sides(grains, walls, list.margin);
-    find_contacts(grains, search, walls, list, memory_.by_block);
+    find_contacts(grains, search, walls, list, memory_->by_block);
     if constexpr (knows_stiffness) {
       list.stable_time_step = stable_for_all(
           grains, list.contacts, walls, list.margin,
@@ -410,13 +404,13 @@ class ContactsOf : public Contacts<Law, Walls...> {
   }
 
   std::shared_ptr<List> take_list() {
-    memory_.loop.forget_list();
-    return memory_.lists.take();
+    memory_->loop.division.reset();
+    return memory_->lists.take();
   }
 
   // The histories that contacts of a new list had in the last step.
   std::shared_ptr<const Histories> histories_on(const detail::ContactList& list, const P& grains) {
-    const auto histories = memory_.histories.take();
+    const auto histories = memory_->histories.take();
     if (state_.given_history) {
       histories->fill(list, *state_.given_history);
     } else {
@@ -436,7 +430,7 @@ class ContactsOf : public Contacts<Law, Walls...> {
   void restore_list(const SavedList& saved, const P& grains) {
     if (!saved.fits(walls_.elements())) return;
     const auto list = take_list();
-    saved.restore(grains, *list, memory_.by_block);
+    saved.restore(grains, *list, memory_->by_block);
     list->walls_revision = walls_.revision();
     Evaluation last;
     last.list = list;
@@ -454,7 +448,7 @@ class ContactsOf : public Contacts<Law, Walls...> {
   std::optional<double> last_time_step_;              // from set_last_time_step()
   State state_;
   State saved_;
-  Memory memory_;
+  silt::detail::OwnMemory<Memory> memory_;
 };
 
 }  // namespace silt::dem

@@ -3,14 +3,14 @@
 #pragma once
 
 #include <silt/core/error.hpp>
+#include <silt/core/function_ref.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/processes.hpp>
-#include <silt/core/rows_of_four.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/contact/block_evaluator.hpp>
 #include <silt/dem/contact/contact_settings.hpp>
 #include <silt/dem/contact/evaluation.hpp>
-#include <silt/dem/contact/law_evaluation.hpp>
+#include <silt/dem/contact/law_between.hpp>
 #include <silt/dem/contact/pair_history.hpp>
 #include <silt/dem/contact/single_contacts.hpp>
 #include <silt/dem/law/contact.hpp>
@@ -101,7 +101,7 @@ class ContactsOfStep {
 
   /// See ContactEnergy. `mean` are the grains with the mean velocities of the step, those of this
   /// view have the velocities at its beginning. For a law with knows_springs.
-  ContactEnergy energy(const P& mean) const {
+  [[gnu::cold]] ContactEnergy energy(const P& mean) const {
     ContactEnergy energy;
     const auto walls = walls_then();
     const auto walls_of_law = walls_in_law<P>(walls_, evaluation_.step);
@@ -188,14 +188,14 @@ class ContactsOfStep {
     return Table(std::move(entries));
   }
 
-  /// f(c, contact, stiffness, arm_reduction) for every contact, with the velocities of walls at the
-  /// time N of the contacts.
+  /// f(c, bodies, contact, stiffness, arm_reduction) for every contact, with the velocities of
+  /// walls at the time N of the contacts.
   template <class F>
   void for_each_stiffness(F&& f) const {
     const auto walls = walls_then();
     for_each_with_row([&](Index c, const auto& bodies, const Real* row) {
       const auto contact = contact_at(row, bodies, walls);
-      f(c, contact, law_of(c).stiffness(contact), row[Row::arm_reduction]);
+      f(c, bodies, contact, law_of(c).stiffness(contact), row[Row::arm_reduction]);
     });
   }
   const ContactList& list() const { return evaluation_.contacts(); }
@@ -242,8 +242,7 @@ class ContactsOfStep {
   // f(c, bodies) for every contact of the step whose grains still exist. They are visited in the
   // order of the grains in memory, those of a grain in the order of the partners' ids, so that sums
   // do not depend on when the list was built.
-  template <class F>
-  void for_each_in_order(F&& f) const {
+  void for_each_in_order(FunctionRef<void(Index, const ContactBodies&)> f) const {
     const ContactList& list = evaluation_.contacts();
     list.for_each_contact_by_grain([&](Index c) {
       if (!evaluation_.after->touches(c)) return;
@@ -262,8 +261,7 @@ class ContactsOfStep {
     });
   }
   // f(c, bodies, row) for all of them; the rows are computed again.
-  template <class F>
-  void for_each_with_row(F&& f) const {
+  void for_each_with_row(FunctionRef<void(Index, const ContactBodies&, const Real*)> f) const {
     if (evaluation_.count == 0) return;
     if (!evaluation_.is_repeatable()) {
       fail(
@@ -273,35 +271,18 @@ class ContactsOfStep {
     std::vector<Real> rows(evaluation_.contacts().size() * Row::words);
     evaluate_again(rows.data());
     for_each_in_order(
-        [&](Index c, const auto& bodies) { f(c, bodies, rows.data() + c * Row::words); });
+        [&](Index c, const ContactBodies& bodies) { f(c, bodies, rows.data() + c * Row::words); });
   }
 
-  struct Results {
-    Real* rows;
-
-    void begin(Index, unsigned, bool) {}
-    template <class Lanes>
-    void store_group(Index group, const Lanes& eight, unsigned) {
-      for (int k = 0; k < Row::words; k += 4) {
-        rows_from(&eight.row[k], rows + group * lanes * Row::words + k, Row::words);
-      }
-    }
-    template <class Lanes>
-    void store_contacts(const EightNumbers& contacts, Index count, const Lanes& eight) {
-      for (Index lane = 0; lane < count; ++lane) {
-        Real* const row = rows + contacts[lane] * Row::words;
-        for (int k = 0; k < Row::words; ++k) row[k] = eight.row[k][lane];
-      }
-    }
-  };
   void evaluate_again(Real* rows) const {
-    const auto walls = walls_in_law<P>(walls_, evaluation_.step);
-    const auto evaluate = law_evaluation<P>(evaluation_, materials_, walls_);
-    const auto evaluate_block =
-        block_evaluator<P>(evaluation_, evaluation_.grains.rows(), walls, settings_, evaluate);
+    using Evaluator = BlockEvaluator<P, Law, Walls>;
+    const Evaluator evaluator(evaluation_, evaluation_.grains.rows(), materials_, walls_,
+                              settings_);
     evaluation_.contacts().for_each_block([&](Index block, Index, Index) {
-      Results results{rows};
-      evaluate_block(block, true, results);
+      typename Evaluator::Results results(rows);
+      typename Evaluator::Batch batch;
+      auto contacts = evaluator.contacts_of(block, true);
+      while (evaluator.fill(batch, contacts, results)) evaluator.evaluate(batch, results);
     });
   }
 

@@ -32,13 +32,13 @@ struct TypicalContact {
   Index wall = no_index;                                      ///< `no_index`: another grain
 
   std::string name() const {
-    const std::string grains = "of material " + std::to_string(material);
     if (wall != no_index) {
-      return "a contact of a grain " + grains + " with wall " + std::to_string(wall) +
-             " of material " + std::to_string(other);
+      return message_of({"a contact of a grain of material ", material, " with wall ", wall,
+                         " of material ", other});
     }
-    if (material == other) return "a contact of two grains " + grains;
-    return "a contact of a grain " + grains + " with one of material " + std::to_string(other);
+    if (material == other) return message_of({"a contact of two grains of material ", material});
+    return message_of(
+        {"a contact of a grain of material ", material, " with one of material ", other});
   }
 };
 
@@ -50,7 +50,8 @@ struct ShortestContacts {
 
 /// The numbers, in ascending order, of the materials that at least one grain has, of all processes.
 template <class P, class Law>
-std::vector<std::uint32_t> materials_of(const P& grains, const Materials<Law>& materials) {
+[[gnu::cold]] std::vector<std::uint32_t> materials_of(const P& grains,
+                                                      const Materials<Law>& materials) {
   const auto of_grain = grains[material];
   std::vector<double> is_present(materials.count());
   for (std::uint32_t a = 0; a < materials.count(); ++a) {
@@ -69,8 +70,8 @@ std::vector<std::uint32_t> materials_of(const P& grains, const Materials<Law>& m
 /// usual_overlap. Of grains that processes share, all call it. The grains are valid, see
 /// check_grains(); `walls` is a WallSet. Throws if a law returns a stiffness that is not possible.
 template <class P, class Law, class Walls>
-ShortestContacts shortest_contacts(const P& grains, const Materials<Law>& materials,
-                                   const Walls& walls) {
+[[gnu::cold]] ShortestContacts shortest_contacts(const P& grains, const Materials<Law>& materials,
+                                                 const Walls& walls) {
   using Real = typename P::Real;
   ShortestContacts shortest;
   constexpr double none = -std::numeric_limits<double>::infinity();

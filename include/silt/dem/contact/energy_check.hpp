@@ -44,9 +44,10 @@ double energy_of_motion(const P& grains, Index i, const Velocity& v, const Spin&
 /// evaluated; energy_of_contacts(before, mean) returns the ContactEnergy for the grains then, and with
 /// the mean of their velocities then and now.
 template <class P, class EnergyOfContacts>
-void check_energy(const P& grains, const GrainRows<P::dimension, typename P::Real>& rows,
-                  const ContactSettings& settings, const FinishedStep& step,
-                  EnergyOfContacts&& energy_of_contacts) {
+[[gnu::cold]] void check_energy(const P& grains,
+                                const GrainRows<P::dimension, typename P::Real>& rows,
+                                const ContactSettings& settings, const FinishedStep& step,
+                                EnergyOfContacts&& energy_of_contacts) {
   const double most = settings.max_energy_gain;
   const auto before = [&](Index i) {
     return energy_of_motion(grains, i, rows.velocity_of(i), rows.spin_of(i));

@@ -95,14 +95,30 @@ struct Evaluation {
   using List = ReusableList<P::dimension, Real>;
   using Histories = detail::Histories<Real, LawHistory>;
 
-  std::shared_ptr<const List> list = std::make_shared<List>();
-  std::shared_ptr<const Histories> before = std::make_shared<Histories>();
-  std::shared_ptr<const Histories> after = std::make_shared<Histories>();
+  std::shared_ptr<const List> list;
+  std::shared_ptr<const Histories> before;
+  std::shared_ptr<const Histories> after;
   SharedGrains<P> grains;
   Box<P::dimension, Real> box;
   Index count = 0;  ///< of contacts that touch
   StepTime step;
   mutable ListLifetime lifetime;  ///< of the list
+
+  Evaluation() = default;
+  // Not inlined, because each is used in several places.
+  [[gnu::noinline]] Evaluation(const Evaluation&) = default;
+  [[gnu::noinline]] Evaluation(Evaluation&&) noexcept = default;
+  [[gnu::noinline]] Evaluation& operator=(const Evaluation&) = default;
+  [[gnu::noinline]] Evaluation& operator=(Evaluation&&) noexcept = default;
+  [[gnu::noinline]] ~Evaluation() = default;
+
+  /// Before the first step: without contacts.
+  static Evaluation of_no_step() {
+    Evaluation evaluation;
+    evaluation.list = std::make_shared<List>();
+    evaluation.before = evaluation.after = std::make_shared<Histories>();
+    return evaluation;
+  }
 
   const ContactList& contacts() const noexcept { return list->contacts; }
 

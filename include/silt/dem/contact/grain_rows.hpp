@@ -78,6 +78,7 @@ class GrainRows {
   // Of one grain.
 
   Vec position_of(Index i) const { return Eigen::Map<const Vec>(rows_ + row_length * i); }
+  Real radius_of(Index i) const { return rows_[row_length * i + Dim]; }
   Vec velocity_of(Index i) const { return Eigen::Map<const Vec>(rows_ + row_length * i + 4); }
   AngularVec<Dim, Real> spin_of(Index i) const {
     if constexpr (Dim == 2) {

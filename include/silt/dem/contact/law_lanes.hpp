@@ -38,21 +38,19 @@ struct LawLanes {
   void evaluate(const Law& law, const ContactTimes<Real>& times, int lane) {
     const auto contact = this->contact<Scalar>(lane, times);
     if constexpr (history_words == 0) {
-      keep(lane, contact, evaluate_law(law, contact));
-    } else if constexpr (std::is_same_v<Scalar, Real>) {
-      using History = LawHistory<Law, Dim, Real>;
-      Real own_words[history_words];
-      for (int k = 0; k < history_words; ++k) own_words[k] = history[k][lane];
-      auto own = History::from(own_words);
-      keep(lane, contact, evaluate_law(law, contact, own));
-      History::put(own, own_words);
-      for (int k = 0; k < history_words; ++k) history[k][lane] = own_words[k];
+      if constexpr (requires { law.components(contact); }) {
+        keep(lane, contact, law.components(contact));
+      } else {
+        keep(lane, contact, Vec<Dim, Scalar>(law.force(contact)));
+      }
     } else {
-      typename LawHistory<Law, Dim, Scalar>::type own;
-      auto* const word = reinterpret_cast<Scalar*>(&own);
-      for (int k = 0; k < history_words; ++k) word[k] = history[k][lane];
-      keep(lane, contact, evaluate_law(law, contact, own));
-      for (int k = 0; k < history_words; ++k) history[k][lane] = word[k];
+      auto own = history_of<Law, Scalar>(lane);
+      if constexpr (requires { law.components(contact, own); }) {
+        keep(lane, contact, law.components(contact, own));
+      } else {
+        keep(lane, contact, Vec<Dim, Scalar>(law.force(contact, own)));
+      }
+      keep_history<Law>(lane, own);
     }
   }
 
@@ -77,6 +75,31 @@ struct LawLanes {
     return contact;
   }
 
+  template <class Law, class Scalar>
+  typename LawHistory<Law, Dim, Scalar>::type history_of(int lane) const {
+    if constexpr (std::is_same_v<Scalar, Real>) {
+      Real numbers[history_words];
+      for (int k = 0; k < history_words; ++k) numbers[k] = history[k][lane];
+      return LawHistory<Law, Dim, Real>::from(numbers);
+    } else {
+      typename LawHistory<Law, Dim, Scalar>::type own;
+      auto* const numbers = reinterpret_cast<Scalar*>(&own);
+      for (int k = 0; k < history_words; ++k) numbers[k] = history[k][lane];
+      return own;
+    }
+  }
+  template <class Law, class History>
+  void keep_history(int lane, const History& own) {
+    if constexpr (std::is_same_v<History, typename LawHistory<Law, Dim, Real>::type>) {
+      Real numbers[history_words];
+      LawHistory<Law, Dim, Real>::put(own, numbers);
+      for (int k = 0; k < history_words; ++k) history[k][lane] = numbers[k];
+    } else {
+      const auto* const numbers = reinterpret_cast<const Lane<Real>*>(&own);
+      for (int k = 0; k < history_words; ++k) history[k][lane] = numbers[k];
+    }
+  }
+
   template <class C, class Answer>
   void keep(int lane, const C& contact, const Answer& answer) {
     const auto force = force_of(answer, contact.normal);
@@ -87,19 +110,5 @@ struct LawLanes {
     }
   }
 };
-
-/// Evaluates one law for all lanes of `count` eights.
-template <class Law, class Eights>
-[[gnu::flatten, gnu::noinline]] void evaluate_in_lanes(const Law& shared, Eights* eights, int count,
-                                                       ContactTimes<typename Eights::Real> times) {
-  const Law law = shared;  // a copy that no store below can change
-  for (int e = 0; e < count; ++e) {
-    Eights& eight = eights[e];
-    SILT_INDEPENDENT_ITERATIONS
-    for (int lane = 0; lane < lanes; ++lane) {
-      eight.template evaluate<Lane<typename Eights::Real>>(law, times, lane);
-    }
-  }
-}
 
 }  // namespace silt::dem::detail

@@ -16,7 +16,6 @@
 #include <silt/dem/setup/grains.hpp>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -54,6 +53,37 @@ struct ListLifetime {
   Index steps = 0;  ///< after the one that built it
 };
 
+/// The constants of a grain, and which of them cannot be.
+struct GrainConstants {
+  double radius;   ///< [m]
+  double mass;     ///< [kg]
+  double inertia;  ///< [kg m²]
+  bool is_radius_valid;
+  bool is_mass_valid;
+  bool is_inertia_valid;
+};
+[[noreturn, gnu::cold]] inline void refuse_grain(const GrainConstants& grain, const Where& where) {
+  const auto refuse = [&where](const char* name, double value, const char* unit_and_rule) {
+    fail({"dem::Contacts: ", name, " = ", value, " ", unit_and_rule,
+          "; set it, or add grains by add_grain()"},
+         where);
+  };
+  if (!grain.is_radius_valid) {
+    refuse("radius", grain.radius,
+           "m of a grain must be positive and finite, and so must its square");
+  }
+  if (!grain.is_mass_valid) {
+    refuse("mass", grain.mass, "kg of a grain must be a positive, finite and normal number");
+  }
+  if (!grain.is_inertia_valid) {
+    refuse("inertia", grain.inertia,
+           "kg m² of a grain must be a positive, finite and normal number");
+  }
+  fail({"dem::Contacts: radius = ", grain.radius, " m and mass = ", grain.mass,
+        " kg of a grain have products that underflow or overflow; use other units, or double"},
+       where);
+}
+
 /// Throws if a radius, mass or inertia is not positive and finite, if products of radius and mass
 /// underflow or overflow, or if a grain's material does not exist.
 template <class P, class Law>
@@ -62,32 +92,20 @@ void check_grains(const P& grains, const Materials<Law>& materials) {
   const auto m = grains[mass];
   const auto inertias = grains[inertia];
   const auto numbers = grains[material];
-  const auto is_valid = [](auto value) { return is_positive_normal(value); };
   const Index odd = first_where(grains.size(), [&](Index i) {
-    return !(is_radius(R[i]) && is_valid(m[i]) && is_valid(inertias[i]) &&
+    return !(is_radius(R[i]) && is_positive_normal(m[i]) && is_positive_normal(inertias[i]) &&
              has_products(R[i], m[i]) && numbers[i] < materials.count());
   });
   if (odd == no_index) return;
   const Where where{.particle = odd, .id = grains.id(odd)};
   materials.check(numbers[odd], "of a grain", where);
-  const auto reject = [&](const char* name, auto value, const char* unit_and_rule) {
-    fail({"dem::Contacts: ", name, " = ", value, " ", unit_and_rule,
-          "; set it, or add grains by add_grain()"},
-         where);
-  };
-  if (!is_radius(R[odd])) {
-    reject("radius", R[odd], "m of a grain must be positive and finite, and so must its square");
-  }
-  if (!is_valid(m[odd])) {
-    reject("mass", m[odd], "kg of a grain must be a positive, finite and normal number");
-  }
-  if (!is_valid(inertias[odd])) {
-    reject("inertia", inertias[odd],
-           "kg m² of a grain must be a positive, finite and normal number");
-  }
-  fail({"dem::Contacts: radius = ", R[odd], " m and mass = ", m[odd],
-        " kg of a grain have products that underflow or overflow; use other units, or double"},
-       where);
+  refuse_grain({.radius = double(R[odd]),
+                .mass = double(m[odd]),
+                .inertia = double(inertias[odd]),
+                .is_radius_valid = is_radius(R[odd]),
+                .is_mass_valid = is_positive_normal(m[odd]),
+                .is_inertia_valid = is_positive_normal(inertias[odd])},
+               where);
 }
 
 /// Half of the shortest period of the box [m]; infinite if no side is periodic.
@@ -222,35 +240,38 @@ void find_contacts(const P& grains, const S& search, const Walls& walls, List& l
   const auto x = grains.with_halo(position);
   const auto R = grains.with_halo(radius);
   const NearestImage<P::dimension, Real> image(grains.box());
+  const auto add_pairs = [&](Index i, ContactList::PairsOfBlock& pairs) {
+    for_each_candidate(search, i, [&](Index found_j) {
+      const Index j = grains.owner(found_j);
+      // A pair across a periodic side is found at both grains, if both are owned; one is enough.
+      if (j != found_j && j < grains.size() && grains.id(j) < grains.id(i)) return;
+      const Real limit = R[i] + R[j] + list.margin;
+      if (!(image(typename P::Vec(x[j] - x[i])).squaredNorm() < squared(limit))) return;
+      const bool in_order = grains.id(i) < grains.id(j);
+      pairs.add_pair(in_order ? i : j, in_order ? j : i);
+    });
+  };
+  const auto add_walls = [&](Index i, ContactList::PairsOfBlock& pairs) {
+    const auto first = std::ptrdiff_t(pairs.walls.size());
+    auto of_other_images = first;
+    // Also near the images of a grain that may cross a periodic side while the list is valid.
+    for_each_image(grains.box(), typename P::Vec(x[i]), list.margin, [&](const auto& at) {
+      walls.for_each_element_near(at, Real(R[i] + list.margin), [&](Index element) {
+        const auto begin = pairs.walls.begin();
+        if (std::any_of(begin + first, begin + of_other_images,
+                        [element](const auto& pair) { return pair.second == element; })) {
+          return;
+        }
+        pairs.add_wall(i, element);
+      });
+      of_other_images = std::ptrdiff_t(pairs.walls.size());
+    });
+  };
   list.contacts.build(
-      grains,
-      [&](Index i, auto&& add) {
-        for_each_candidate(search, i, [&](Index found_j) {
-          const Index j = grains.owner(found_j);
-          // A pair across a periodic side is found at both grains, if both are owned; one is enough.
-          if (j != found_j && j < grains.size() && grains.id(j) < grains.id(i)) return;
-          const Real limit = R[i] + R[j] + list.margin;
-          if (!(image(typename P::Vec(x[j] - x[i])).squaredNorm() < squared(limit))) return;
-          const bool in_order = grains.id(i) < grains.id(j);
-          const auto one = static_cast<std::uint32_t>(i);
-          const auto other = static_cast<std::uint32_t>(j);
-          add(in_order ? ContactList::Pair{one, other} : ContactList::Pair{other, one});
-        });
-      },
-      [&](Index i, auto&& add) {
-        std::array<std::uint32_t, 64> added;
-        Index count = 0;
-        // Also near the images of a grain that may cross a periodic side while the list is valid.
-        for_each_image(grains.box(), typename P::Vec(x[i]), list.margin, [&](const auto& at) {
-          walls.for_each_element_near(at, Real(R[i] + list.margin), [&](Index element) {
-            const auto number = static_cast<std::uint32_t>(element);
-            const auto end = added.begin() + std::ptrdiff_t(std::min(count, added.size()));
-            if (std::find(added.begin(), end, number) != end) return;
-            if (count < added.size()) added[count] = number;
-            ++count;
-            add(number);
-          });
-        });
+      grains.ids_with_halo(), grains.size(),
+      [&](Index i, ContactList::PairsOfBlock& pairs) {
+        add_pairs(i, pairs);
+        if (Walls::count > 0) add_walls(i, pairs);
       },
       by_block);
 }

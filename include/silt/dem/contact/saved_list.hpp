@@ -103,17 +103,14 @@ class SavedList {
     std::vector<std::vector<Index>> of_grain(grains.size());
     for (Index k = 0; k < first_.size(); ++k) of_grain[grains.index_of(first_[k])].push_back(k);
     list.contacts.build(
-        grains,
-        [&](Index i, auto&& add) {
+        grains.ids_with_halo(), grains.size(),
+        [&](Index i, ContactList::PairsOfBlock& pairs) {
           for (const Index k : of_grain[i]) {
-            if (is_wall_id(second_[k])) continue;
-            add({static_cast<std::uint32_t>(i),
-                 static_cast<std::uint32_t>(grains.index_of(second_[k]))});
-          }
-        },
-        [&](Index i, auto&& add) {
-          for (const Index k : of_grain[i]) {
-            if (is_wall_id(second_[k])) add(static_cast<std::uint32_t>(element_of(second_[k])));
+            if (is_wall_id(second_[k])) {
+              pairs.add_wall(i, element_of(second_[k]));
+            } else {
+              pairs.add_pair(i, grains.index_of(second_[k]));
+            }
           }
         },
         by_block);

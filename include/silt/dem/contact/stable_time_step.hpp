@@ -3,6 +3,7 @@
 #pragma once
 
 #include <silt/core/error.hpp>
+#include <silt/core/function_ref.hpp>
 #include <silt/core/nearest_image.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/particles.hpp>
@@ -17,6 +18,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <vector>
 
 namespace silt::dem::detail {
@@ -25,6 +27,12 @@ namespace silt::dem::detail {
 struct StabilityBounds {
   double spring = 0;   ///< ω² [1/s²]
   double dashpot = 0;  ///< Σ c/m [1/s], for dashpots that use v^{N−½}
+
+  StabilityBounds& operator+=(const StabilityBounds& more) {
+    spring += more.spring;
+    dashpot += more.dashpot;
+    return *this;
+  }
 
   /// [s]; infinite without stiffness.
   double stable_time_step() const {
@@ -61,6 +69,14 @@ inline StabilityBounds contribution_bound(const Stiffness& k, double share, cons
           .dashpot = (k.beta * linear + k.rolling_dashpot * m_over_I) * share};
 }
 
+/// A vector as three numbers, 0 beyond its dimensions.
+template <int Dim, class Real>
+std::array<double, 3> three_components(const Eigen::Matrix<Real, Dim, 1>& vector) {
+  std::array<double, 3> three{};
+  for (int k = 0; k < Dim; ++k) three[Index(k)] = double(vector[k]);
+  return three;
+}
+
 /// Upper bound of the squared angular frequency [1/s²] of a grain with all its contacts, and
 /// likewise of its dashpots.
 ///
@@ -69,35 +85,36 @@ inline StabilityBounds contribution_bound(const Stiffness& k, double share, cons
 /// ½ k ((1 + 1/a) (g_i·q_i)² + (1 + a) (g_j·q_j)²), a share of each of the two grains, for any
 /// a > 0. The maximum, over all grains, of the largest eigenvalue of the sum of a grain's shares is
 /// an upper bound of ω² of the whole system, for a = m_j/m_i exact for a single pair.
-template <int Dim, class Real>
 class FrequencyBound {
-  static constexpr Index size = Dim == 2 ? 3 : 6;
-  using Matrix = std::array<std::array<double, size>, size>;
+  using Matrix = std::array<std::array<double, 6>, 6>;
 
  public:
-  /// `share` as of share_of().
-  void add(const Vec<Dim, Real>& normal, const Stiffness& k, const Lever& lever, double share) {
+  /// In 2 or 3 dimensions.
+  explicit FrequencyBound(Index dimension) : dim_(dimension), size_(dimension == 2 ? 3 : 6) {}
+
+  /// `normal` has as many components as there are dimensions, `share` is as of share_of().
+  [[gnu::cold]] void add(const std::array<double, 3>& normal, const Stiffness& k,
+                         const Lever& lever, double share) {
     // By coefficients: Eigen's products take long to compile, and are made of fused multiply-adds
     // where the processor has them.
-    std::array<double, Dim> n;
-    for (int a = 0; a < Dim; ++a) n[Index(a)] = double(normal[a]);
+    const auto& n = normal;
     // Velocity of the contact point as a function of the grain's velocity and scaled spin w √(I/m).
-    std::array<std::array<double, size>, Dim> motion{};
+    std::array<std::array<double, 6>, 3> motion{};
     const double scaled_arm = lever.arm * std::sqrt(lever.mass_over_inertia);
-    for (Index a = 0; a < Dim; ++a) {
+    for (Index a = 0; a < dim_; ++a) {
       motion[a][a] = 1;
-      if constexpr (Dim == 2) {
+      if (dim_ == 2) {
         motion[a][2] = scaled_arm * (a == 0 ? n[1] : -n[0]);
       } else {
-        motion[a][Dim + (a + 1) % 3] = -scaled_arm * n[(a + 2) % 3];
-        motion[a][Dim + (a + 2) % 3] = scaled_arm * n[(a + 1) % 3];
+        motion[a][3 + (a + 1) % 3] = -scaled_arm * n[(a + 2) % 3];
+        motion[a][3 + (a + 2) % 3] = scaled_arm * n[(a + 1) % 3];
       }
     }
-    for (Index r = 0; r < size; ++r) {
-      for (Index c = 0; c < size; ++c) {
+    for (Index r = 0; r < size_; ++r) {
+      for (Index c = 0; c < size_; ++c) {
         double sum = 0;
-        for (Index a = 0; a < Dim; ++a) {
-          for (Index b = 0; b < Dim; ++b) {
+        for (Index a = 0; a < dim_; ++a) {
+          for (Index b = 0; b < dim_; ++b) {
             const double spring =
                 (a == b ? k.tangential : 0) + (k.normal - k.tangential) * n[a] * n[b];
             sum += motion[a][r] * spring * motion[b][c] * share;
@@ -107,13 +124,13 @@ class FrequencyBound {
         dashpots_[r][c] += k.beta * sum;
       }
     }
-    for (Index r = Dim; r < size; ++r) {
+    for (Index r = dim_; r < size_; ++r) {
       springs_[r][r] += k.rolling * lever.mass_over_inertia * share;
       dashpots_[r][r] += k.rolling_dashpot * lever.mass_over_inertia * share;
     }
   }
 
-  double stable_time_step() const {
+  [[gnu::cold]] double stable_time_step() const {
     return StabilityBounds{.spring = largest_eigenvalue(springs_),
                            .dashpot = largest_eigenvalue(dashpots_)}
         .stable_time_step();
@@ -121,7 +138,7 @@ class FrequencyBound {
 
  private:
   // Upper bound, less than 6 % too large: from the trace of the 32nd power.
-  static double largest_eigenvalue(const Matrix& matrix) {
+  [[gnu::cold]] double largest_eigenvalue(const Matrix& matrix) const {
     const double scale = trace(matrix);
     if (!(scale > 0)) return 0;
     Matrix power = matrix;
@@ -131,9 +148,9 @@ class FrequencyBound {
     double exponent = 1;
     for (int squarings = 0; squarings < 5; ++squarings) {
       Matrix square{};
-      for (Index r = 0; r < size; ++r) {
-        for (Index k = 0; k < size; ++k) {
-          for (Index c = 0; c < size; ++c) square[r][c] += power[r][k] * power[k][c];
+      for (Index r = 0; r < size_; ++r) {
+        for (Index k = 0; k < size_; ++k) {
+          for (Index c = 0; c < size_; ++c) square[r][c] += power[r][k] * power[k][c];
         }
       }
       power = square;
@@ -141,12 +158,14 @@ class FrequencyBound {
     }
     return scale * std::pow(trace(power), exponent);
   }
-  static double trace(const Matrix& matrix) {
+  double trace(const Matrix& matrix) const {
     double sum = 0;
-    for (Index k = 0; k < size; ++k) sum += matrix[k][k];
+    for (Index k = 0; k < size_; ++k) sum += matrix[k][k];
     return sum;
   }
 
+  Index dim_;
+  Index size_;
   Matrix springs_{};
   Matrix dashpots_{};
 };
@@ -191,9 +210,7 @@ double stable_for_all(const P& grains, const ContactList& list, const Walls& wal
       const Lever lever{.mass_over_inertia = double(m[i]) / double(I[i]), .arm = double(R[i])};
       StabilityBounds sum;
       for (const ContactList::Side side : list.of(i)) {
-        const StabilityBounds one = contribution(i, side.contact(), lever);
-        sum.spring += one.spring;
-        sum.dashpot += one.dashpot;
+        sum += contribution(i, side.contact(), lever);
       }
       of_block[b].spring = std::max(of_block[b].spring, sum.spring);
       of_block[b].dashpot = std::max(of_block[b].dashpot, sum.dashpot);
@@ -207,61 +224,98 @@ double stable_for_all(const P& grains, const ContactList& list, const Walls& wal
   return all.stable_time_step();
 }
 
+/// A contact of a step with its springs.
+struct LinearisedContact {
+  bool touches = false;
+  Stiffness stiffness{};
+  double effective_mass = 0;       ///< [kg]
+  std::array<double, 3> normal{};  ///< 0 beyond the dimensions
+  std::array<double, 2> arms{};    ///< lever arms, of the first and the second [m]
+};
+/// The mass of a grain [kg] and its ratio to the moment of inertia [1/m²].
+struct MassOfGrain {
+  double mass;
+  double mass_over_inertia;
+};
+
+/// Whether steps are stable for the contacts of a list, which `contacts` has by their numbers.
+class StabilityCheck {
+ public:
+  StabilityCheck(Index dimension, const ContactList& list,
+                 std::span<const LinearisedContact> contacts,
+                 FunctionRef<MassOfGrain(Index)> mass_of)
+      : dim_(dimension), list_(list), contacts_(contacts), mass_of_(mass_of) {}
+
+  /// A grain for which dt [s] is unstable, however the energies of springs are shared; `no_index`
+  /// if there is none. A cheap bound is nearly always sufficient; otherwise FrequencyBound decides.
+  Index find_unstable(double dt) const {
+    if (find_unstable(dt, Shares::by_root_mass) == no_index) return no_index;
+    return find_unstable(dt, Shares::equal);
+  }
+  /// For one grain [s].
+  double stable_time_step(Index grain, Shares shares = Shares::equal) const {
+    FrequencyBound bound(dim_);
+    for_each_contact_of(grain, shares,
+                        [&](const LinearisedContact& contact, const Lever& lever, double share) {
+                          bound.add(contact.normal, contact.stiffness, lever, share);
+                        });
+    return bound.stable_time_step();
+  }
+
+ private:
+  Index find_unstable(double dt, Shares shares) const {
+    return first_where(list_.grains(), [&](Index i) {
+      return dt > cheap_bound(i, shares) && dt > stable_time_step(i, shares);
+    });
+  }
+  double cheap_bound(Index grain, Shares shares) const {
+    StabilityBounds sum;
+    for_each_contact_of(grain, shares,
+                        [&](const LinearisedContact& contact, const Lever& lever, double share) {
+                          sum += contribution_bound(contact.stiffness, share, lever);
+                        });
+    return sum.stable_time_step();
+  }
+  // f(contact, lever, share)
+  template <class F>
+  void for_each_contact_of(Index grain, Shares shares, F&& f) const {
+    const MassOfGrain m = mass_of_(grain);
+    for (const ContactList::Side side : list_.of(grain)) {
+      const LinearisedContact& contact = contacts_[side.contact()];
+      if (!contact.touches) continue;
+      f(contact,
+        Lever{.mass_over_inertia = m.mass_over_inertia, .arm = contact.arms[side.is_second()]},
+        share_of(m.mass, contact.effective_mass, shares));
+    }
+  }
+
+  Index dim_;
+  const ContactList& list_;
+  std::span<const LinearisedContact> contacts_;
+  FunctionRef<MassOfGrain(Index)> mass_of_;
+};
+
 /// Throws if dt [s] exceeds the stability limit of a grain with the contacts of this step, a
-/// ContactsOfStep, however the energies of springs are shared. A cheap bound is nearly always
-/// sufficient; otherwise FrequencyBound decides.
+/// ContactsOfStep.
 template <class P, class ContactsOfStep>
 void check_stability(const P& grains, const ContactsOfStep& contacts, double dt) {
-  const auto m = grains[mass];
-  const auto I = grains[inertia];
-  struct LinearisedContact {
-    Contact<P::dimension, typename P::Real> contact{};
-    Stiffness stiffness{};
-    typename P::Real arm_reduction = 0;
-    bool touches = false;
-  };
   std::vector<LinearisedContact> linearised(contacts.list().size());
-  contacts.for_each_stiffness(
-      [&](Index c, const auto& contact, const Stiffness& k, auto arm_reduction) {
-        linearised[c] = {contact, k, arm_reduction, true};
-      });
-  // f(contact, stiffness, lever of i)
-  const auto for_each_contact_of = [&](Index i, auto&& f) {
-    for (const ContactList::Side side : contacts.list().of(i)) {
-      const LinearisedContact& each = linearised[side.contact()];
-      if (!each.touches) continue;
-      f(each.contact, each.stiffness,
-        Lever{.mass_over_inertia = double(m[i]) / double(I[i]),
-              .arm = double(grains[radius][i] - each.arm_reduction)});
-    }
+  contacts.for_each_stiffness([&](Index c, const ContactBodies& bodies, const auto& contact,
+                                  const Stiffness& k, auto arm_reduction) {
+    const auto R = grains.with_halo(radius);
+    LinearisedContact& each = linearised[c];
+    each = {.touches = true, .stiffness = k, .effective_mass = double(contact.effective_mass)};
+    each.normal = three_components(contact.normal);
+    each.arms[0] = double(R[bodies.i] - arm_reduction);
+    if (bodies.j != no_index) each.arms[1] = double(R[bodies.j] - arm_reduction);
+  });
+  const auto mass_of = [m = grains[mass], I = grains[inertia]](Index i) {
+    return MassOfGrain{double(m[i]), double(m[i]) / double(I[i])};
   };
-  const auto share = [&](Index i, const auto& contact, Shares shares) {
-    return share_of(double(m[i]), double(contact.effective_mass), shares);
-  };
-  const auto is_beyond = [&](Index i, Shares shares) {
-    StabilityBounds sum;
-    for_each_contact_of(i, [&](const auto& contact, const Stiffness& k, const Lever& lever) {
-      const StabilityBounds one = contribution_bound(k, share(i, contact, shares), lever);
-      sum.spring += one.spring;
-      sum.dashpot += one.dashpot;
-    });
-    return dt > sum.stable_time_step();
-  };
-  const auto stable_of = [&](Index i, Shares shares) {
-    FrequencyBound<P::dimension, typename P::Real> bound;
-    for_each_contact_of(i, [&](const auto& contact, const Stiffness& k, const Lever& lever) {
-      bound.add(contact.normal, k, lever, share(i, contact, shares));
-    });
-    return bound.stable_time_step();
-  };
-  const auto find_unstable = [&](Shares shares) {
-    return first_where(grains.size(),
-                       [&](Index i) { return is_beyond(i, shares) && dt > stable_of(i, shares); });
-  };
-  if (find_unstable(Shares::by_root_mass) == no_index) return;
-  const Index unstable = find_unstable(Shares::equal);
+  const StabilityCheck check(P::dimension, contacts.list(), linearised, mass_of);
+  const Index unstable = check.find_unstable(dt);
   if (unstable == no_index) return;
-  fail_as_unstable("dem::Contacts", dt, stable_of(unstable, Shares::equal),
+  fail_as_unstable("dem::Contacts", dt, check.stable_time_step(unstable),
                    "a grain with its contacts", {.particle = unstable, .id = grains.id(unstable)});
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <silt/core/error.hpp>
+#include <silt/core/function_ref.hpp>
 #include <silt/core/types.hpp>
 
 #include <concepts>
@@ -49,8 +50,8 @@ struct Stiffness {
 
 /// Throws unless all members of a stiffness are finite and not negative. contact() describes the
 /// contact for which the law returned it.
-template <class F>
-void check_stiffness(const Stiffness& k, F&& contact, const Where& where = {}) {
+inline void check_stiffness(const Stiffness& k, FunctionRef<std::string()> contact,
+                            const Where& where = {}) {
   const auto check = [&](const char* member, double value, const char* unit) {
     if (value >= 0 && is_finite(value)) return;
     fail({"dem::Contacts: stiffness(contact).", member, " = ", value, " ", unit,
@@ -85,12 +86,12 @@ struct ElasticEnergies {
 
 /// Throws unless a parameter, such as a stiffness, is from 1e-100 to 1e100 in its unit, so that the
 /// product of two neither overflows nor underflows.
-inline void check_magnitude(std::string_view name, double value) {
+[[gnu::noinline]] inline void check_magnitude(std::string_view name, double value) {
   require_positive(name, value);
   require_between(name, value, {1e-100, 1e100});
 }
 /// The same, but the value may also be 0. Throws unless it is one of these.
-inline void check_magnitude_or_zero(std::string_view name, double value) {
+[[gnu::noinline]] inline void check_magnitude_or_zero(std::string_view name, double value) {
   require_not_negative(name, value);
   if (value > 0) check_magnitude(name, value);
 }

@@ -12,7 +12,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <string>
+#include <string_view>
 
 namespace silt::dem {
 
@@ -196,7 +196,7 @@ struct CundallStrackLaw {
 
  private:
   // Friction limits the tangential force, which is zero without its spring.
-  void require_spring_for(const std::string& name, double value, const std::string& unit) const {
+  void require_spring_for(std::string_view name, double value, std::string_view unit) const {
     if (!(value > 0) || tangential_stiffness > 0) return;
     fail({"CundallStrack: ", name, " = ", value, " ", unit,
           " has no effect, because tangential_stiffness = 0 gives no tangential force; set "

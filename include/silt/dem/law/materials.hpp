@@ -7,7 +7,7 @@
 
 #include <cstdint>
 #include <initializer_list>
-#include <string>
+#include <string_view>
 #include <vector>
 
 namespace silt::dem {
@@ -17,7 +17,7 @@ template <class Law>
 class Materials {
  public:
   /// Throws if the list is empty or a parameter of a law is out of range.
-  Materials(std::initializer_list<Law> laws) : count_(laws.size()) {
+  [[gnu::cold]] Materials(std::initializer_list<Law> laws) : count_(laws.size()) {
     if (count_ == 0) fail("Materials: the list is empty; give at least one law");
     const std::vector<Law> own(laws);
     for (const Law& a : own) {
@@ -43,7 +43,7 @@ class Materials {
   std::uint32_t count() const noexcept { return static_cast<std::uint32_t>(count_); }
 
   /// Throws if there is no material with this number; `whose` and `where` describe its owner.
-  void check(std::uint32_t number, const std::string& whose, Where where = {}) const {
+  void check(std::uint32_t number, std::string_view whose, const Where& where = {}) const {
     if (number >= count_) {
       fail({"dem::Contacts: material ", number, " ", whose, " does not exist: there are only ",
             count_, "; pass all materials to Contacts"},

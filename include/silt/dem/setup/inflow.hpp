@@ -61,6 +61,10 @@ bool would_touch_wall(const I& interaction, const Vec& x, Real radius, double ti
 /// of the simulation's contacts. The k-th grain uses the random numbers of the stream (seed, k),
 /// which do not depend on the course of the run. If there is no free position for a grain, it and
 /// all following grains are added later, so that the size distribution is kept.
+///
+/// At the first attempt to add a grain, throws silt::Error if other grains are not the reason that
+/// there is none: if it has no room in the region, or the first grain none beside the walls. Other
+/// grains may move away: see positions_tried().
 template <class R, SizeDistribution Sizes>
 class Inflow {
  public:
@@ -96,6 +100,8 @@ class Inflow {
 
   /// Grains added so far.
   Index number() const noexcept { return added_; }
+  /// Positions tried so far for the next grain. It grows as long as there is none for it.
+  std::uint64_t positions_tried() const noexcept { return tried_ / dimension; }
   /// Whether all grains have been added.
   bool is_done() const noexcept { return added_ == settings_.number; }
 
@@ -107,9 +113,10 @@ class Inflow {
     const double since = simulation.time() - settings_.from;
     if (since < 0 || added_ >= due(since)) return;
     if (!schedule_.is_due({.since = since, .every = settings_.every})) return;
-    add_grains(simulation.particles(), due(since), [&](const Vec& x, Real radius) {
-      return detail::would_touch_wall(simulation.interaction(), x, radius, simulation.time());
-    });
+    add_grains(
+        simulation.particles(), due(since), simulation.time(), [&](const Vec& x, Real radius) {
+          return detail::would_touch_wall(simulation.interaction(), x, radius, simulation.time());
+        });
   }
 
   /// State for a checkpoint, see core/transfer.hpp.
@@ -139,7 +146,7 @@ class Inflow {
   }
 
   template <class P, class TouchesWall>
-  void add_grains(P& grains, Index target, TouchesWall&& touches_wall) {
+  void add_grains(P& grains, Index target, double time, TouchesWall&& touches_wall) {
     check_number(target - added_);
     detail::Placement<R, P::dimension, Real> placement(grains, region_, blend_.sizes.largest());
     while (added_ < target) {
@@ -149,14 +156,37 @@ class Inflow {
       const auto drawn = random.counter;
       detail::check_fits("Inflow", Bounds(region_.bounds()), grain.radius);
       const auto ball = placement.find(random, Real(grain.radius), settings_.tries, touches_wall);
+      const bool is_first_attempt = tried_ == 0;
       tried_ += random.counter - drawn;
-      if (!ball) return;
+      if (!ball) {
+        if (is_first_attempt) require_room(placement, Real(grain.radius), time, touches_wall);
+        return;
+      }
       const Index i = add_grain(grains, ball->centre, grain);
       grains[velocity][i] = settings_.velocity;
       ++added_;
       tried_ = 0;
     }
   }
+
+  // Throws if other grains are not the reason that there was no position for the next one. Walls
+  // may move: they are asked once, at the beginning.
+  template <class Placement, class TouchesWall>
+  void require_room(const Placement& placement, Real radius, double time,
+                    TouchesWall&& touches_wall) const {
+    const Random random{.seed = settings_.seed, .id = added_, .counter = std::uint64_t{1} << 32};
+    const auto touches_none = [](const Vec&, Real) { return false; };
+    if (!placement.has_room(random, radius, detail::tries_for_room, touches_none)) {
+      detail::fail_for_room("Inflow", double(radius));
+    }
+    if (added_ > 0 || placement.has_room(random, radius, detail::tries_for_room, touches_wall)) {
+      return;
+    }
+    detail::fail_for_walls("Inflow", double(radius), time);
+  }
+
+  // A position takes as many random numbers.
+  static constexpr std::uint64_t dimension = Vec::RowsAtCompileTime;
 
   R region_;
   Blend<Sizes> blend_;

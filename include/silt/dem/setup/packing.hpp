@@ -29,7 +29,8 @@
 
 namespace silt::dem {
 
-/// How many grains scatter() adds: a given number, or up to a given solid fraction; at most 1e8.
+/// How many grains scatter() adds: a given number, or as many as reach a given solid fraction,
+/// which the last of them exceeds; at most 1e8.
 struct Scatter {
   std::optional<Index> number = {};
   std::optional<double> solid_fraction = {};  ///< volume of the added grains over the region's [-]
@@ -173,12 +174,7 @@ class Placement {
   std::optional<Ball> find(Random& random, Real radius, Index tries, TouchesWall&& touches_wall) {
     for (Index k = 0; k < tries; ++k) {
       const Ball ball{box_.wrap(random.point_in(bounds_)), radius};
-      const Real clearance = region_.clearance(ball.centre);
-      if (is_nan(double(clearance))) {
-        fail({"dem: clearance(x) of the region returned nan at x = ", to_text(ball.centre),
-              " m; correct it to return the distance to the boundary"});
-      }
-      if (clearance < radius || !occupancy_.has_room_for(ball)) continue;
+      if (clearance(ball.centre) < radius || !occupancy_.has_room_for(ball)) continue;
       if (touches_wall(ball.centre, radius)) continue;
       check_in_box(box_, ball.centre);
       occupancy_.add(ball);
@@ -187,7 +183,27 @@ class Placement {
     return {};
   }
 
+  /// Whether a grain of this radius has room in the region at one of so many positions, if there
+  /// were no other grains and, unless touches_wall(x, R), no walls.
+  template <class TouchesWall>
+  bool has_room(Random random, Real radius, Index tries, TouchesWall&& touches_wall) const {
+    for (Index k = 0; k < tries; ++k) {
+      const Vec<Dim, Real> x = box_.wrap(random.point_in(bounds_));
+      if (!(clearance(x) < radius) && !touches_wall(x, radius)) return true;
+    }
+    return false;
+  }
+
  private:
+  Real clearance(const Vec<Dim, Real>& x) const {
+    const Real distance = region_.clearance(x);
+    if (is_nan(double(distance))) {
+      fail({"dem: clearance(x) of the region returned nan at x = ", to_text(x),
+           " m; correct it to return the distance to the boundary"});
+    }
+    return distance;
+  }
+
   const Region& region_;
   Box<Dim, Real> bounds_;
   Box<Dim, Real> box_;

@@ -9,6 +9,7 @@
 #include <silt/core/step_checks.hpp>
 #include <silt/core/types.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <type_traits>
@@ -33,9 +34,10 @@ double rms_speed(const P& grains) {
 }
 
 /// Runs the simulation with these observers until a check finds the grains at rest; the first check
-/// is after check_every. Returns the time it took [s]; returns early if an observer ends the run.
-/// Throws silt::Error if the grains are not at rest after max_time, if a check follows another
-/// without a step, or, before a step is made, if more than 10¹² steps are ahead.
+/// is after check_every, the last one after max_time. Returns the time it took [s]; returns early
+/// if an observer ends the run. Throws silt::Error if the grains are not at rest after max_time, if
+/// a check follows another without a step, or, before a step is made, if more than 10¹² steps are
+/// ahead.
 template <class Sim, class... Observers>
 double settle(Sim& simulation, const Settling& settling, Observers&&... observers) {
   static_assert(silt::detail::are_of_one_process<std::remove_cvref_t<decltype(simulation.particles())>>,
@@ -49,22 +51,21 @@ double settle(Sim& simulation, const Settling& settling, Observers&&... observer
           settling.max_time, " s; check more often, or increase max_time"});
   }
   if (settling.time_step) require_positive("Settling: time_step", *settling.time_step);
-  const double began = simulation.time();
+  const double began = simulation.time(), end = began + settling.max_time;
   double speed = 0;
-  while (simulation.time() - began < settling.max_time) {
+  do {
     // Without grains no step is known: an observer may add them. The runs below see only the steps
     // until the next check.
     if (settling.time_step || !simulation.particles().empty()) {
       silt::detail::require_feasible(
           "Settling: time_step", settling.time_step ? *settling.time_step : simulation.time_step(),
-          "steps", {simulation.time(), began + settling.max_time},
+          "steps", {simulation.time(), end},
           [] { return "lower max_time, or give a longer time_step"; });
     }
     const auto steps = simulation.steps();
-    const bool completed = simulation.run({.until = simulation.time() + settling.check_every,
-                                           .output_every = 0,
-                                           .time_step = settling.time_step},
-                                          observers...);
+    const double next = std::min(simulation.time() + settling.check_every, end);
+    const bool completed = simulation.run(
+        {.until = next, .output_every = 0, .time_step = settling.time_step}, observers...);
     if (!completed) return simulation.time() - began;
     if (simulation.steps() == steps) {
       fail({"Settling: check_every = ", settling.check_every,
@@ -72,7 +73,7 @@ double settle(Sim& simulation, const Settling& settling, Observers&&... observer
     }
     speed = rms_speed(simulation.particles());
     if (speed < settling.speed) return simulation.time() - began;
-  }
+  } while (simulation.time() < end * (1 - 1e-12));  // as a run ends
   fail({"dem::settle: after ", settling.max_time, " s the rms speed is still ", speed,
         " m/s, above speed = ", settling.speed,
         " m/s; increase max_time or speed, or add damping"});

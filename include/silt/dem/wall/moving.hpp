@@ -71,7 +71,7 @@ struct Rotation {
     require_finite("Rotation: about", about);
     require_finite("Rotation: spin", spin);
     if (is_finite(squared_norm(spin))) return;
-    fail({"Rotation: spin = ", spin, " 1/s has an infinite square; give a lower one"});
+    fail({"Rotation: spin = ", to_text(spin), " 1/s has an infinite square; give a lower one"});
   }
   Pose<Dim, Real> pose_at(double t) const {
     Pose<Dim, Real> pose;

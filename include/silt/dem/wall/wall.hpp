@@ -44,7 +44,7 @@ void check_points(const std::string& name, const TwoPoints<Dim, Real>& points) {
   require_finite(name + ": to", to);
   const double distance = double((to - from).norm());
   if (distance > 0 && is_finite(distance)) return;
-  fail({name, ": from = ", from, " and to = ", to, " m have the distance ", distance,
+  fail({name, ": from = ", to_text(from), " and to = ", to_text(to), " m have the distance ", distance,
         " m, which must be positive and finite; give other points"});
 }
 

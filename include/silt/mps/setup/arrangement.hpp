@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Checks of the particles before a step of a flow, for mistakes that would only show as wrong
 // results: positions with too few digits; before the first step, also particles and flow of
-// different spacings, and a lattice that does not fit into a periodic box. Random and disordered
-// arrangements, such as those of a flow in motion, pass.
+// different spacings, a lattice that does not fit into a periodic box, and what the walls require
+// of a start. Random and disordered arrangements, such as those of a flow in motion, pass.
 #pragma once
 
 #include <silt/core/error.hpp>
@@ -126,12 +126,17 @@ void check_periodic_lattice(const P& particles, const N& neighbourhood, const T&
   }
 }
 
-/// The checks of the first step, with the neighbours and the stencil of FlowOperators. Throws as
-/// check_spacing() and check_periodic_lattice() do.
+/// The checks of the first step, with the neighbours, stencil and walls of FlowOperators, and
+/// gravity [m/s²]. Throws as check_spacing(), check_periodic_lattice() and check_start() of the
+/// walls do.
 template <FluidParticles P, class Operators>
-void check_arrangement(const P& particles, const Operators& operators) {
+void check_arrangement(const P& particles, const Operators& operators,
+                       [[maybe_unused]] const Vec<P::dimension>& gravity) {
   check_spacing(particles, operators.neighbourhood(), operators.stencil());
   check_periodic_lattice(particles, operators.neighbourhood(), operators.stencil());
+  if constexpr (requires { operators.walls().check_start(particles, operators, gravity); }) {
+    operators.walls().check_start(particles, operators, gravity);
+  }
 }
 
 }  // namespace silt::mps

@@ -21,11 +21,15 @@
 #include <algorithm>
 #include <cmath>
 #include <concepts>
+#include <cstdio>
 #include <string>
+#include <vector>
 
 namespace silt::mps {
 
-/// Size of a tank, from the corner at the origin.
+/// Size of a tank, from the corner at the origin. With walls of particles, each is a whole number
+/// of spacings; with walls of faces, which stand exactly there, the depth is, which the fluid
+/// fills.
 struct TankSize {
   double length = 0;  ///< along x [m]
   double height = 0;  ///< of the walls, along y (2D) or z (3D) [m]
@@ -35,7 +39,8 @@ struct TankSize {
 /// A tank, and the fluid in it before it is released.
 template <int Dim>
 struct Tank {
-  Vec<2> column = Vec<2>::Zero();  ///< width and height of the fluid [m]; in 3D it fills the depth
+  /// Width and height of the fluid [m], whole numbers of spacings; in 3D it fills the depth.
+  Vec<2> column = Vec<2>::Zero();
   TankSize size = {};
   double spacing = 0;    ///< l0 [m]
   int dummy_layers = 4;  ///< behind walls of particles: at least the largest re/l0, rounded up
@@ -45,94 +50,187 @@ struct Tank {
 
 namespace detail {
 
-/// A tank on the lattice of its particles. Throws if a length is below a spacing or the column does
-/// not fit.
+/// A number with ten digits, for messages: what is given back is the same up to round-off.
+inline std::string ten_digits(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.10g", value);
+  return text;
+}
+
+/// A length of a tank, which `name` identifies [m].
+struct TankLength {
+  const char* name;
+  double length;
+  double spacing;  ///< l0 [m]
+
+  /// How many spacings it is [-]: a whole number if it is one up to round-off, a billionth of it.
+  /// That of a few operations is a millionth of this; a length with ten digits is within a half of
+  /// it.
+  double spacings() const {
+    const double whole = std::round(length / spacing);
+    return std::abs(length - whole * spacing) <= 1e-9 * length ? whole : length / spacing;
+  }
+  bool is_whole() const { return spacings() == std::round(spacings()); }
+
+  /// Throws unless it is from 1 to 1e6 spacings.
+  void check() const {
+    require_finite(name, length);
+    if (spacings() >= 1 && spacings() < 1e6) return;
+    fail(std::string(name) + " = " + to_text(length) + " m is " + to_text(spacings()) +
+         " times the spacing = " + to_text(spacing) + " m; give between 1 and 1e6 spacings");
+  }
+  /// Throws unless it is a whole number of spacings, too. `why` it has to be.
+  void check_is_whole(const char* why) const {
+    check();
+    if (is_whole()) return;
+    const double less = std::floor(spacings());
+    fail(std::string(name) + " = " + ten_digits(length) + " m is " + ten_digits(spacings()) +
+         " times the spacing = " + ten_digits(spacing) + " m, and " + why +
+         "; give a whole number of spacings, such as " + ten_digits(less * spacing) + " or " +
+         ten_digits((less + 1) * spacing) + " m");
+  }
+};
+
+/// Throws if a gap [spacings] between the column and the wall beyond it holds no particle: fluid at
+/// rest would flow into it.
+inline void require_no_narrow_gap(const TankLength& tank, double column) {
+  const double gap = tank.spacings() - column;
+  if (gap <= 0 || gap >= 1) return;
+  fail(std::string(tank.name) + " = " + ten_digits(tank.length) + " m leaves a gap of " +
+       ten_digits(gap) + " times the spacing = " + ten_digits(tank.spacing) +
+       " m beyond the column, into which the fluid would flow at once; give " +
+       ten_digits(column * tank.spacing) + " m, or at least " +
+       ten_digits((column + 1) * tank.spacing) + " m");
+}
+
+/// Throws if the column does not fit along an axis; both in [spacings].
+inline void require_room(int axis, const char* name, double column, double tank) {
+  if (column <= tank) return;
+  fail("Tank: along axis " + std::to_string(axis) + " (" + name + "), the column has " +
+       ten_digits(column) + " spacings, but the tank has " + ten_digits(tank) +
+       "; enlarge the tank, or make the column smaller");
+}
+
+/// The room within the walls of a tank. Throws if a length is below a spacing, or, with walls of
+/// particles, no whole number of spacings.
 template <int Dim>
-class TankLattice {
+class TankRoom {
  public:
   static constexpr int up = Dim - 1;
-  using Cell = Eigen::Matrix<int, Dim, 1>;
 
-  explicit TankLattice(const Tank<Dim>& tank) : tank_(tank) {
+  TankRoom(const Tank<Dim>& tank, bool has_wall_particles) : tank_(tank) {
     require_positive("Tank: spacing", tank.spacing);
     require_between("Tank: dummy_layers", tank.dummy_layers, {0, 100});
-    inside_[0] = cell_count("Tank: length", tank.size.length);
-    inside_[up] = cell_count("Tank: height", tank.size.height);
-    fluid_[0] = cell_count("Tank: column width", tank.column[0]);
-    fluid_[up] = cell_count("Tank: column height", tank.column[1]);
-    if constexpr (Dim == 3) fluid_[1] = inside_[1] = cell_count("Tank: depth", tank.size.depth);
-    for (int k = 0; k < Dim; ++k) {
-      if (fluid_[k] > inside_[k]) {
-        const std::string name = k == 0 ? "length" : k == up ? "height" : "depth";
-        fail("Tank: along axis " + std::to_string(k) + " (" + name + "), the column has " +
-             std::to_string(fluid_[k]) + " spacings, but the tank has " +
-             std::to_string(inside_[k]) + "; enlarge the tank, or make the column smaller");
-      }
-    }
     double all_cells = 1;
-    for (int k = 0; k < Dim; ++k) all_cells *= inside_[k] + 2.0 * (1 + tank.dummy_layers);
+    for (int axis = 0; axis < Dim; ++axis) {
+      const TankLength length = along(axis);
+      has_wall_particles ? length.check_is_whole("wall particles are on the lattice of the fluid")
+                         : length.check();
+      spacings_[axis] = length.spacings();
+      upper_[axis] = length.is_whole() ? spacings_[axis] * tank.spacing : length.length;
+      all_cells *= spacings_[axis] + 2.0 * layers();
+    }
     if (all_cells > 1e9) {
       fail("Tank: " + to_text(all_cells) + " cells of the spacing " + to_text(tank.spacing) +
            " m are more than 1e9; increase the spacing");
     }
   }
 
+  /// Of the tank along an axis.
+  TankLength along(int axis) const {
+    if (axis == 0) return {"Tank: length", tank_.size.length, tank_.spacing};
+    if (axis == up) return {"Tank: height", tank_.size.height, tank_.spacing};
+    return {"Tank: depth", tank_.size.depth, tank_.spacing};
+  }
+  /// The same [spacings]; not always whole.
+  const Vec<Dim>& spacings() const { return spacings_; }
+  /// Layers of wall and dummy particles.
+  int layers() const { return 1 + tank_.dummy_layers; }
+
+  /// Between the walls.
+  Box<Dim> box() const { return {.lower = Vec<Dim>::Zero(), .upper = upper_}; }
   /// Of all particles, with the walls; three tank heights high if the tank is open.
   template <class Real>
-  Box<Dim, Real> box() const {
+  Box<Dim, Real> box_of_particles() const {
     Box<Dim, Real> box;
-    const int outside = layers() + 1;
     for (int k = 0; k < Dim; ++k) {
-      box.lower[k] = Real(-outside * tank_.spacing);
-      box.upper[k] = Real((inside_[k] + outside) * tank_.spacing);
+      box.lower[k] = Real(-layers() * tank_.spacing);
+      box.upper[k] = Real((spacings_[k] + layers()) * tank_.spacing);
     }
-    box.upper[up] =
-        Real((tank_.lid ? inside_[up] + outside : 3 * inside_[up]) * tank_.spacing);
+    if (!tank_.lid) box.upper[up] = Real(3 * spacings_[up] * tank_.spacing);
     box.on_escape = tank_.on_escape;
     return box;
   }
-  /// The inside of the tank.
-  Box<Dim> room() const {
-    return {.lower = Vec<Dim>::Zero(), .upper = inside_.template cast<double>() * tank_.spacing};
+  /// The sides of box().
+  std::vector<Face<Dim>> faces() const {
+    return faces_of(box(), tank_.lid ? Sides<Dim>::all() : Sides<Dim>::open());
   }
+
+ private:
+  const Tank<Dim>& tank_;
+  Vec<Dim> spacings_ = Vec<Dim>::Zero();
+  Vec<Dim> upper_ = Vec<Dim>::Zero();
+};
+
+/// The cells of the column, on a lattice that begins in the corner of the tank. Throws if the
+/// column is no whole number of spacings, does not fit, or leaves a gap that holds no particle.
+template <int Dim>
+Eigen::Matrix<int, Dim, 1> cells_of_column(const Tank<Dim>& tank, const TankRoom<Dim>& room) {
+  constexpr int up = TankRoom<Dim>::up;
+  constexpr const char* names[] = {"length", Dim == 2 ? "height" : "depth", "height"};
+  Eigen::Matrix<int, Dim, 1> cells;
+  for (int axis = 0; axis < Dim; ++axis) {
+    TankLength column = room.along(axis);
+    if (axis == 0) column = {"Tank: column width", tank.column[0], tank.spacing};
+    if (axis == up) column = {"Tank: column height", tank.column[1], tank.spacing};
+    column.check_is_whole(axis == 0 || axis == up ? "the column is on a lattice"
+                                                  : "the fluid fills it with a lattice");
+    require_room(axis, names[axis], column.spacings(), room.spacings()[axis]);
+    // The surface below an open top is free.
+    if (axis != up || tank.lid) require_no_narrow_gap(room.along(axis), column.spacings());
+    cells[axis] = static_cast<int>(column.spacings());
+  }
+  return cells;
+}
+
+/// A tank on the lattice of its particles. Throws as TankRoom and cells_of_column() do.
+template <int Dim>
+class TankLattice {
+ public:
+  static constexpr int up = Dim - 1;
+  using Cell = Eigen::Matrix<int, Dim, 1>;
+
+  TankLattice(const Tank<Dim>& tank, bool has_wall_particles)
+      : tank_(tank), room_(tank, has_wall_particles), fluid_(cells_of_column(tank, room_)) {}
+
+  const TankRoom<Dim>& room() const { return room_; }
 
   template <class P>
   void add_column(P& particles) const {
-    for_each_cell([&](const Cell& cell) {
-      if (layer(cell) == 0 && (cell.array() < fluid_.array()).all()) {
-        add(particles, cell, Kind::fluid);
-      }
-    });
+    for_each_cell(Cell::Zero(), fluid_,
+                  [&](const Cell& cell) { add(particles, cell, Kind::fluid); });
   }
   template <class P>
   void add_walls(P& particles) const {
-    for_each_cell([&](const Cell& cell) {
+    const Cell around = Cell::Constant(room_.layers());
+    Cell end = room_.spacings().template cast<int>() + around;
+    if (!tank_.lid) end[up] -= room_.layers();
+    for_each_cell(-around, end, [&](const Cell& cell) {
       if (layer(cell) == 1) add(particles, cell, Kind::wall);
     });
-    for_each_cell([&](const Cell& cell) {
+    for_each_cell(-around, end, [&](const Cell& cell) {
       if (layer(cell) > 1) add(particles, cell, Kind::dummy);
     });
   }
 
  private:
-  int cell_count(const char* name, double length) const {
-    require_finite(name, length);
-    const double number = std::round(length / tank_.spacing);
-    if (!(number >= 1) || !(number < 1e6)) {
-      fail(std::string(name) + " = " + to_text(length) + " m is " + to_text(number) +
-           " times the spacing = " + to_text(tank_.spacing) +
-           " m; give between 1 and 1e6 spacings");
-    }
-    return static_cast<int>(number);
-  }
-  // Of wall and dummy particles.
-  int layers() const { return 1 + tank_.dummy_layers; }
   // 0 inside the tank, 1 in the wall, above 1 in the dummies behind it.
   int layer(const Cell& cell) const {
     int outside = 0;
     for (int k = 0; k < Dim; ++k) {
       outside = std::max(outside, -cell[k]);
-      if (k != up || tank_.lid) outside = std::max(outside, cell[k] - inside_[k] + 1);
+      if (k == up && !tank_.lid) continue;
+      outside = std::max(outside, cell[k] - static_cast<int>(room_.spacings()[k]) + 1);
     }
     return outside;
   }
@@ -142,14 +240,12 @@ class TankLattice {
     add_particle(particles,
                  (cell.template cast<Real>().array() + Real(0.5)) * Real(tank_.spacing), of_kind);
   }
+  // Those from `first` to before `end`; x varies fastest, the height slowest.
   template <class F>
-  void for_each_cell(F&& f) const {
-    const int depth = Dim == 3 ? layers() : 0;
-    const int across = Dim == 3 ? inside_[1] : 1;
-    const int top = inside_[up] + (tank_.lid ? layers() : 0);
-    for (int z = -layers(); z < top; ++z) {
-      for (int y = -depth; y < across + depth; ++y) {
-        for (int x = -layers(); x < inside_[0] + layers(); ++x) {
+  static void for_each_cell(const Cell& first, const Cell& end, F&& f) {
+    for (int z = first[up]; z < end[up]; ++z) {
+      for (int y = Dim == 3 ? first[1] : 0; y < (Dim == 3 ? end[1] : 1); ++y) {
+        for (int x = first[0]; x < end[0]; ++x) {
           Cell cell;
           cell[0] = x;
           if constexpr (Dim == 3) cell[1] = y;
@@ -161,19 +257,20 @@ class TankLattice {
   }
 
   const Tank<Dim>& tank_;
-  Cell inside_;
+  TankRoom<Dim> room_;
   Cell fluid_;
 };
 
 }  // namespace detail
 
-/// Fluid at rest in a tank of wall and dummy particles; lengths are rounded to whole spacings. The
-/// box of an open tank is three tank heights high. Throws if a length is below a spacing or the
-/// column does not fit.
+/// Fluid at rest in a tank of wall and dummy particles. The box of an open tank is three tank
+/// heights high. Throws if a length is no whole number of spacings, up to a billionth of it, or if
+/// the column does not fit.
 template <int Dim, class Real = double, Field... Further>
 Fluid<Dim, Real, Further...> make_tank(const Tank<Dim>& tank) {
-  const detail::TankLattice<Dim> lattice(tank);
-  silt::mps::Fluid<Dim, Real, Further...> particles(lattice.template box<Real>());
+  const detail::TankLattice<Dim> lattice(tank, true);
+  silt::mps::Fluid<Dim, Real, Further...> particles(
+      lattice.room().template box_of_particles<Real>());
   lattice.add_column(particles);
   lattice.add_walls(particles);
   return particles;
@@ -187,20 +284,40 @@ struct TankOf {
 };
 
 /// The same for the walls of a scheme: fluid alone with walls of faces, such as those of
-/// Recommended, otherwise with wall and dummy particles.
+/// Recommended, otherwise with wall and dummy particles. Faces are exactly where they are asked to
+/// be: the column alone has to be a whole number of spacings wide and high, and the depth in 3D,
+/// which it fills. Throws also if faces leave a gap of less than a spacing beside the column or
+/// below a lid.
 template <class Scheme, int Dim, class Real = double, Field... Further>
 TankOf<Scheme, Dim, Real, Further...> make_tank(const Tank<Dim>& tank) {
   if constexpr (std::derived_from<WallsOf<Scheme>, ImageWalls>) {
-    const detail::TankLattice<Dim> lattice(tank);
+    const detail::TankLattice<Dim> lattice(tank, false);
     TankOf<Scheme, Dim, Real, Further...> made{
-        silt::mps::Fluid<Dim, Real, Further...>(lattice.template box<Real>()), Scheme{}.walls};
+        silt::mps::Fluid<Dim, Real, Further...>(lattice.room().template box_of_particles<Real>()),
+        Scheme{}.walls};
     lattice.add_column(made.particles);
-    const auto sides = tank.lid ? Sides<Dim>::all() : Sides<Dim>::open();
-    made.walls.template faces<Dim>() = faces_of(lattice.room(), sides);
+    made.walls.template faces<Dim>() = lattice.room().faces();
     return made;
   } else {
     return {make_tank<Dim, Real, Further...>(tank), Scheme{}.walls};
   }
+}
+
+/// A tank with walls of faces, without fluid: for a body of any shape. It has no column: throws if
+/// one is given, or if a length is below a spacing.
+template <class Scheme, int Dim, class Real = double, Field... Further>
+  requires std::derived_from<WallsOf<Scheme>, ImageWalls>
+TankOf<Scheme, Dim, Real, Further...> make_empty_tank(const Tank<Dim>& tank) {
+  if (!(tank.column.array() == 0).all()) {
+    fail("Tank: column = " + to_text(tank.column) +
+         " m in a tank without fluid; leave it out, or call make_tank()");
+  }
+  const detail::TankRoom<Dim> room(tank, false);
+  TankOf<Scheme, Dim, Real, Further...> made{
+      silt::mps::Fluid<Dim, Real, Further...>(room.template box_of_particles<Real>()),
+      Scheme{}.walls};
+  made.walls.template faces<Dim>() = room.faces();
+  return made;
 }
 
 }  // namespace silt::mps

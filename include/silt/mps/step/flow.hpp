@@ -119,7 +119,7 @@ class BasicFlow {
 
   /// u* = u + Δt (ν∇²u + F)      (8), with the stress of walls, and friction
   /// Throws if Δt is unstable: see TimeStep::begin(). The first step throws if the particles do not
-  /// fit the spacing: see mps/setup/arrangement.hpp.
+  /// fit the spacing, or the walls do not hold them: see mps/setup/arrangement.hpp.
   template <FluidParticles P, class S>
   void predict(P& particles, const S& search, double time_step) {
     static_assert(P::dimension == Dim, "mps::Flow: the particles have another dimension");
@@ -235,7 +235,7 @@ class BasicFlow {
     particles.refresh_ghosts(kind);  // may have changed since the search made them
     check_positions(particles, operators_.stencil());
     timed(seconds_.neighbours, [&] { operators_.find(particles, search); });
-    if (record_.is_first_step()) check_arrangement(particles, operators_);
+    if (record_.is_first_step()) check_arrangement(particles, operators_, settings_.gravity);
     particles.refresh_ghosts(velocity);
     force_.find(particles, settings_.body_force, record_.time());
     record_.begin_changes(particles, force_, time_step);

@@ -12,7 +12,10 @@
 #include <silt/mps/wall/faces_near_particles.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
+#include <cstdint>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -79,6 +82,96 @@ void require_walls_beyond_sides(const Faces<Dim>& faces, const Box<Dim, Real>& b
              to_text(reach) + " m");
       }
     }
+  }
+}
+
+/// Whether a face is beyond x [m] in a direction, a unit vector; also if the line from x only
+/// passes it closely.
+template <int Dim>
+class FacesAlong {
+ public:
+  using Vec = silt::Vec<Dim>;
+
+  FacesAlong(const Faces<Dim>& faces, const Vec& direction) : faces_(faces), direction_(direction) {
+    for (const auto& element : faces.elements()) {
+      for (const Vec& corner : element.face.corners) {
+        farthest_ = std::max(farthest_, direction.dot(corner));
+      }
+    }
+  }
+
+  bool is_any_beyond(const Vec& x) const {
+    const double length = farthest_ - direction_.dot(x);
+    if (!(length > 0)) return false;
+    const Vec end = x + length * direction_;
+    const double round_off = 1e-9 * length;
+    bool found = false;
+    const typename Faces<Dim>::Bounds bounds{x.cwiseMin(end), x.cwiseMax(end)};
+    faces_.for_each_near(bounds, round_off, [&](std::uint32_t k) {
+      const auto& element = faces_[k];
+      const double along = element.normal.dot(direction_);
+      const bool is_beyond = std::abs(along) > 1e-12 && element.height(x) / along < 0;
+      found =
+          found || (is_beyond && passage_of(element.face, x, end, round_off) != Passage::beside);
+    });
+    return found;
+  }
+
+ private:
+  const Faces<Dim>& faces_;
+  Vec direction_;
+  double farthest_ =
+      -std::numeric_limits<double>::infinity();  // of all corners, in the direction [m]
+};
+
+/// Throws if there are no faces, or if a body of fluid at rest has none below it along gravity
+/// [m/s²]: it would fall freely, out of the box or for ever. Particles that see each other are of
+/// one body.
+template <FluidParticles P, class N, int Dim>
+void require_held(const P& particles, const N& neighbourhood, const Faces<Dim>& faces,
+                  const Vec<Dim>& gravity) {
+  bool has_end = false, is_endless = false;
+  for (int axis = 0; axis < Dim; ++axis) {
+    if (gravity[axis] == 0) continue;
+    (particles.box().periodic[std::size_t(axis)] ? is_endless : has_end) = true;
+  }
+  if (!has_end || particles.size() == 0) return;
+  if (faces.elements().empty()) {
+    fail("ImageWalls: there are no faces, and nothing else holds the fluid against gravity = " +
+         to_text(Vec<Dim>(gravity.array() + 0.0)) +  // no −0
+         " m/s²; give FlowSettings::walls, such as those of make_tank<Scheme, Dim>(), or set "
+         "ImageWalls::let_fluid_fall");
+  }
+  if (is_endless) return;
+  const FacesAlong<Dim> below(faces, gravity.normalized());
+  const auto u = particles[velocity];
+  std::vector<bool> is_known(particles.size(), false);
+  std::vector<Index> body;
+  for (Index first = 0; first < particles.size(); ++first) {
+    if (is_known[first]) continue;
+    is_known[first] = true;
+    body.assign(1, first);
+    bool is_held = false;
+    for (Index k = 0; k < body.size(); ++k) {
+      const Index i = body[k];
+      is_held = is_held || !(u[i].squaredNorm() == 0) ||
+                below.is_any_beyond(neighbourhood.position_of(i).template cast<double>());
+      const auto row = neighbourhood[i];
+      for (Index n = 0; n < row.size(); ++n) {
+        const Index j = particles.owner(row.index[n]);
+        if (j >= particles.size()) {
+          is_held = true;  // perhaps: it is one of another process
+        } else if (!is_known[j]) {
+          is_known[j] = true;
+          body.push_back(j);
+        }
+      }
+    }
+    if (is_held) continue;
+    fail("ImageWalls: the fluid at " + to_text(typename P::Vec(particles[position][first])) +
+             " m is at rest and has no wall below it; move it to the other side of the wall beside "
+             "it, or set ImageWalls::let_fluid_fall",
+         {.particle = first, .id = particles.id(first)});
   }
 }
 

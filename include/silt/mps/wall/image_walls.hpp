@@ -43,8 +43,11 @@ namespace silt::mps {
 struct ImageWalls {
   static constexpr bool all_have_pressure = true;  ///< see AllHavePressure
 
-  std::vector<Face<2>> segments;   ///< in 2D, see polyline() in silt/geometry/shapes.hpp
-  std::vector<Face<3>> triangles;  ///< in 3D, see faces_of()
+  std::vector<Face<2>> segments = {};   ///< in 2D, see polyline() in silt/geometry/shapes.hpp
+  std::vector<Face<3>> triangles = {};  ///< in 3D, see faces_of()
+  /// Whether fluid may begin where nothing holds it against gravity. Otherwise the first step
+  /// throws if there are no faces, or if no face is below a body of fluid at rest.
+  bool let_fluid_fall = false;
 
   /// Those of the dimension.
   template <int Dim>
@@ -94,7 +97,8 @@ class ImageWalls::InFlow {
   using Vec = silt::Vec<Dim, Real>;
 
   /// Throws if there are faces of the other dimension.
-  explicit InFlow(const ImageWalls& walls) : near_(faces_of_flow(walls)) {}
+  explicit InFlow(const ImageWalls& walls)
+      : near_(faces_of_flow(walls)), lets_fluid_fall_(walls.let_fluid_fall) {}
 
   const Faces<Dim>& faces() const noexcept { return near_.faces(); }
 
@@ -126,6 +130,14 @@ class ImageWalls::InFlow {
              [&](Index g) { owners_[owned + g] = std::uint32_t(particles.owner(owned + g)); });
     flow_.clear(particles.local());
     revision_ = particles.owned_revision();
+  }
+  /// Before the first step: throws if the fluid would fall freely, unless that is allowed. Gravity
+  /// is in [m/s²].
+  template <FluidParticles P, class Operators>
+  void check_start(const P& particles, const Operators& operators,
+                   const silt::Vec<Dim>& gravity) const {
+    if (lets_fluid_fall_) return;
+    detail::require_held(particles, operators.neighbourhood(), near_.faces(), gravity);
   }
   /// The share [-] of particle j that particle i sees: see MirrorsAround.
   Real visible_share(Index i, Index j) const {
@@ -260,6 +272,7 @@ class ImageWalls::InFlow {
   }
 
   FacesNearParticles<Dim> near_;
+  bool lets_fluid_fall_;
   double spacing_ = 0;          // l0 [m]
   std::uint64_t revision_ = 0;  // of the particles at the positions of near_
   ImageRows<Dim, Real> images_;

@@ -67,7 +67,9 @@ concept WallsInFlow =
     };
 
 /// W::InFlow<Dim, Real> are the walls of a flow, constructed from a W. What they keep is neither
-/// restored after a throw nor saved in a checkpoint: find() has to set all of it.
+/// restored after a throw nor saved in a checkpoint: find() has to set all of it. If they have
+/// check_start(particles, operators, gravity), the first step calls it after find(), to throw if they
+/// do not hold the fluid.
 template <class W>
 concept WallModel = std::constructible_from<typename W::template InFlow<2, double>, const W&> &&
                     std::constructible_from<typename W::template InFlow<3, double>, const W&> &&
