@@ -65,24 +65,14 @@ inline constexpr RowType row_type_of{sizeof(Value), sizeof(Value),
 
 /// Copies bytes; for the sizes of most rows without a call.
 inline void copy_bytes(std::byte* to, const std::byte* from, Index size) {
-  switch (size) {
-    case 4:
-      std::memcpy(to, from, 4);
-      break;
-    case 8:
-      std::memcpy(to, from, 8);
-      break;
-    case 16:
-      std::memcpy(to, from, 16);
-      break;
-    case 24:
-      std::memcpy(to, from, 24);
-      break;
-    case 64:
-      std::memcpy(to, from, 64);
-      break;
-    default:
-      if (size > 0) std::memcpy(to, from, size);
+  if (size == 8) {
+    std::memcpy(to, from, 8);
+  } else if (size == 16) {
+    std::memcpy(to, from, 16);
+  } else if (size == 64) {
+    std::memcpy(to, from, 64);
+  } else if (size > 0) {
+    std::memcpy(to, from, size);
   }
 }
 

@@ -25,6 +25,8 @@ struct Advance {
   Before before;
   After after;
 };
+template <class Before, class After>
+Advance(Before, After) -> Advance<Before, After>;
 
 /// The values of a column, or of the rows of a bundle, of the owned particles and the ghosts.
 class TimeLevels {

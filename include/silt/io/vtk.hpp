@@ -116,19 +116,19 @@ VtkArray vtk_array(std::string_view name, std::span<const Value> values) {
 
 /// The XML element of an array.
 [[gnu::cold]] inline std::string xml_of(const VtkArray& array) {
-  const auto [type, components, size, width] = *array.values;
-  const std::uint64_t length = array.count * width;
+  const VtkType& values = *array.values;
+  const std::uint64_t length = array.count * values.width;
   std::string bytes(sizeof length + length, '\0');
   std::memcpy(bytes.data(), &length, sizeof length);
-  for_each_chunk(array.count, [&array, size, width, to = bytes.data() + sizeof length](Chunk chunk) {
+  for_each_chunk(array.count, [&, to = bytes.data() + sizeof length](Chunk chunk) {
     const auto* const from = static_cast<const char*>(array.first);
     for (Index i = chunk.first; i < chunk.last; ++i) {
-      std::memcpy(to + i * width, from + i * array.stride, size);
+      std::memcpy(to + i * values.width, from + i * array.stride, values.size);
     }
   });
-  return message_of({"<DataArray type=\"", type, "\" Name=\"", array.name,
-                     "\" NumberOfComponents=\"", components, "\" format=\"binary\">", base64(bytes),
-                     "</DataArray>\n"});
+  return message_of({"<DataArray type=\"", values.type, "\" Name=\"", array.name,
+                     "\" NumberOfComponents=\"", values.components, "\" format=\"binary\">",
+                     base64(bytes), "</DataArray>\n"});
 }
 
 /// A frame of the positions, as points, and the other fields.
