@@ -21,8 +21,8 @@
 #include <algorithm>
 #include <cmath>
 #include <concepts>
+#include <cstdarg>
 #include <cstdio>
-#include <string>
 #include <vector>
 
 namespace silt::mps {
@@ -50,11 +50,14 @@ struct Tank {
 
 namespace detail {
 
-/// A number with ten digits, for messages: what is given back is the same up to round-off.
-inline std::string ten_digits(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.10g", value);
-  return text;
+/// Throws an error whose text is that of printf.
+[[noreturn, gnu::format(printf, 1, 2)]] inline void fail_as(const char* format, ...) {
+  char text[300];
+  std::va_list values;
+  va_start(values, format);
+  std::vsnprintf(text, sizeof text, format, values);
+  va_end(values);
+  fail(text);
 }
 
 /// A length of a tank, which `name` identifies [m].
@@ -64,8 +67,8 @@ struct TankLength {
   double spacing;  ///< l0 [m]
 
   /// How many spacings it is [-]: a whole number if it is one up to round-off, a billionth of it.
-  /// That of a few operations is a millionth of this; a length with ten digits is within a half of
-  /// it.
+  /// That of a few operations is a millionth of this; a length with ten digits, as messages have
+  /// them, is within a half of it.
   double spacings() const {
     const double whole = std::round(length / spacing);
     return std::abs(length - whole * spacing) <= 1e-9 * length ? whole : length / spacing;
@@ -76,40 +79,30 @@ struct TankLength {
   void check() const {
     require_finite(name, length);
     if (spacings() >= 1 && spacings() < 1e6) return;
-    fail(std::string(name) + " = " + to_text(length) + " m is " + to_text(spacings()) +
-         " times the spacing = " + to_text(spacing) + " m; give between 1 and 1e6 spacings");
+    fail_as("%s = %.6g m is %.6g times the spacing = %.6g m; give between 1 and 1e6 spacings", name,
+            length, spacings(), spacing);
   }
   /// Throws unless it is a whole number of spacings, too. `why` it has to be.
   void check_is_whole(const char* why) const {
     check();
     if (is_whole()) return;
     const double less = std::floor(spacings());
-    fail(std::string(name) + " = " + ten_digits(length) + " m is " + ten_digits(spacings()) +
-         " times the spacing = " + ten_digits(spacing) + " m, and " + why +
-         "; give a whole number of spacings, such as " + ten_digits(less * spacing) + " or " +
-         ten_digits((less + 1) * spacing) + " m");
+    fail_as(
+        "%s = %.10g m is %.10g times the spacing = %.10g m, and %s; give a whole number of "
+        "spacings, such as %.10g or %.10g m",
+        name, length, spacings(), spacing, why, less * spacing, (less + 1) * spacing);
+  }
+  /// Throws if it ends less than a spacing beyond a column [spacings]: no particle fits into such a
+  /// gap, and fluid at rest would flow into it.
+  void check_gap(double column) const {
+    const double gap = spacings() - column;
+    if (gap <= 0 || gap >= 1) return;
+    fail_as(
+        "%s = %.10g m leaves a gap of %.10g times the spacing = %.10g m beyond the column, into "
+        "which the fluid would flow at once; give %.10g m, or at least %.10g m",
+        name, length, gap, spacing, column * spacing, (column + 1) * spacing);
   }
 };
-
-/// Throws if a gap [spacings] between the column and the wall beyond it holds no particle: fluid at
-/// rest would flow into it.
-inline void require_no_narrow_gap(const TankLength& tank, double column) {
-  const double gap = tank.spacings() - column;
-  if (gap <= 0 || gap >= 1) return;
-  fail(std::string(tank.name) + " = " + ten_digits(tank.length) + " m leaves a gap of " +
-       ten_digits(gap) + " times the spacing = " + ten_digits(tank.spacing) +
-       " m beyond the column, into which the fluid would flow at once; give " +
-       ten_digits(column * tank.spacing) + " m, or at least " +
-       ten_digits((column + 1) * tank.spacing) + " m");
-}
-
-/// Throws if the column does not fit along an axis; both in [spacings].
-inline void require_room(int axis, const char* name, double column, double tank) {
-  if (column <= tank) return;
-  fail("Tank: along axis " + std::to_string(axis) + " (" + name + "), the column has " +
-       ten_digits(column) + " spacings, but the tank has " + ten_digits(tank) +
-       "; enlarge the tank, or make the column smaller");
-}
 
 /// The room within the walls of a tank. Throws if a length is below a spacing, or, with walls of
 /// particles, no whole number of spacings.
@@ -131,8 +124,8 @@ class TankRoom {
       all_cells *= spacings_[axis] + 2.0 * layers();
     }
     if (all_cells > 1e9) {
-      fail("Tank: " + to_text(all_cells) + " cells of the spacing " + to_text(tank.spacing) +
-           " m are more than 1e9; increase the spacing");
+      fail_as("Tank: %.6g cells of the spacing %.6g m are more than 1e9; increase the spacing",
+              all_cells, tank.spacing);
     }
   }
 
@@ -185,9 +178,14 @@ Eigen::Matrix<int, Dim, 1> cells_of_column(const Tank<Dim>& tank, const TankRoom
     if (axis == up) column = {"Tank: column height", tank.column[1], tank.spacing};
     column.check_is_whole(axis == 0 || axis == up ? "the column is on a lattice"
                                                   : "the fluid fills it with a lattice");
-    require_room(axis, names[axis], column.spacings(), room.spacings()[axis]);
+    if (column.spacings() > room.spacings()[axis]) {
+      fail_as(
+          "Tank: along axis %d (%s), the column has %.10g spacings, but the tank has %.10g; "
+          "enlarge the tank, or make the column smaller",
+          axis, names[axis], column.spacings(), room.spacings()[axis]);
+    }
     // The surface below an open top is free.
-    if (axis != up || tank.lid) require_no_narrow_gap(room.along(axis), column.spacings());
+    if (axis != up || tank.lid) room.along(axis).check_gap(column.spacings());
     cells[axis] = static_cast<int>(column.spacings());
   }
   return cells;
@@ -243,15 +241,12 @@ class TankLattice {
   // Those from `first` to before `end`; x varies fastest, the height slowest.
   template <class F>
   static void for_each_cell(const Cell& first, const Cell& end, F&& f) {
-    for (int z = first[up]; z < end[up]; ++z) {
-      for (int y = Dim == 3 ? first[1] : 0; y < (Dim == 3 ? end[1] : 1); ++y) {
-        for (int x = first[0]; x < end[0]; ++x) {
-          Cell cell;
-          cell[0] = x;
-          if constexpr (Dim == 3) cell[1] = y;
-          cell[up] = z;
-          f(cell);
-        }
+    for (Cell cell = first; cell[up] < end[up];) {
+      f(cell);
+      ++cell[0];
+      for (int k = 0; k < up && cell[k] == end[k]; ++k) {
+        cell[k] = first[k];
+        ++cell[k + 1];
       }
     }
   }
