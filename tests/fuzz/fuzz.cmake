@@ -63,10 +63,7 @@ silt_add_fuzz_target(checkpoint 20000)
 silt_add_fuzz_target(grains 20000)
 silt_add_fuzz_target(flow 500)
 
-silt_find_optional(found_cli CLI11 CLI11::CLI11 "#include <CLI/CLI.hpp>\nint main() {}")
-silt_find_optional(found_json nlohmann_json nlohmann_json::nlohmann_json
-  "#include <nlohmann/json.hpp>\nint main() {}")
-if(found_cli AND found_json)
+if(CLI11_FOUND AND nlohmann_json_FOUND)
   silt_add_fuzz_target(options 5000)
   target_link_libraries(fuzz_options PRIVATE CLI11::CLI11 nlohmann_json::nlohmann_json)
 else()
