@@ -100,8 +100,9 @@ python_with() {
 # need_python MODULE PACKAGE
 need_python() { python_with "$1" >/dev/null || missing+=("$2"); }
 
-# want CHECK PACKAGE FEATURE: an optional package; CHECK is a command that succeeds if it is
-# installed, FEATURE is skipped without it.
+# want CHECK PACKAGE FEATURE: an optional package; CHECK is a command that succeeds if it is installed,
+# completely (dpkg -s also succeeds if the package was removed, but not its configuration: dpkg_has);
+# FEATURE is skipped without it.
 want() {
   if [[ " ${optional[*]} " = *" $2 "* ]] || eval "$1" >/dev/null 2>&1; then return; fi
   optional+=("$2")
@@ -144,10 +145,10 @@ find_cmake_packages() {
   cmake -S "$scratch" -B "$scratch/build" >/dev/null 2>&1
 }
 
-# Requires the tools that every build needs.
+# Requires the tools that every build needs, and that they work.
 need_toolchain() {
-  need "${CXX:-c++}" g++
-  need cmake cmake
+  echo '#include <vector>' | "${CXX:-c++}" -fsyntax-only -x c++ - 2>/dev/null || missing+=(g++)
+  cmake --version >/dev/null 2>&1 || missing+=(cmake)
   if ! command -v make >/dev/null; then
     if command -v ninja >/dev/null; then export CMAKE_GENERATOR=Ninja; else missing+=(make); fi
   fi
@@ -163,20 +164,30 @@ become_root() {
   command -v sudo >/dev/null && sudo -n true 2>/dev/null
 }
 
-# install_packages PACKAGE...: installs with apt-get, which waits while another program installs
-# packages. If the list of packages is missing or stale, it is updated.
+# apt_install ARGUMENT...: apt-get install, which waits while another program installs packages.
+apt_install() {
+  "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y --no-install-recommends \
+    -o DPkg::Lock::Timeout=600 "$@"
+}
+# Prints those of the packages that can be installed.
+installable() {
+  local package
+  for package in "$@"; do
+    if apt_install --dry-run "$package" >/dev/null 2>&1; then echo "$package"; fi
+  done
+}
+
+# install_packages PACKAGE...: installs them; if the list of packages is missing or stale, it is updated.
 install_packages() {
   command -v apt-get >/dev/null || return 1
   local log=$repo/build/install.log
-  local install=("${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y
-    --no-install-recommends -o DPkg::Lock::Timeout=600 "$@")
-  if "${install[@]}" --dry-run >/dev/null 2>&1 </dev/null &&
-    quietly "Installing packages" "$log" "${install[@]}"; then
+  if apt_install --dry-run "$@" >/dev/null 2>&1 </dev/null &&
+    quietly "Installing packages" "$log" apt_install "$@"; then
     return
   fi
   logged "Updating the list of packages" "$repo/build/update.log" \
     wait_for_lock "${as_root[@]}" apt-get update &&
-    logged "Installing packages" "$log" "${install[@]}"
+    logged "Installing packages" "$log" apt_install "$@"
 }
 # apt-get update does not wait for its lock by itself.
 wait_for_lock() {
@@ -199,8 +210,12 @@ install_missing() {
 
   if become_root; then
     echo "Missing packages: ${packages[*]}" >&2
-    if ! install_packages "${packages[@]}" && ((${#missing[@]} && ${#optional[@]})); then
-      install_packages "${missing[@]}" || true
+    if ! install_packages "${packages[@]}" && ((${#packages[@]} > 1)); then
+      # One that cannot be installed must not keep the others away.
+      local file=$repo/build/installable.txt
+      quietly "Looking for those that can be installed" "$file" installable "${packages[@]}"
+      mapfile -t packages <"$file"
+      if ((${#packages[@]})); then install_packages "${packages[@]}" || true; fi
     fi
   fi
   hash -r

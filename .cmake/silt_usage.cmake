@@ -1,10 +1,19 @@
 # SPDX-License-Identifier: MIT
 # Compile options of the user's program, chosen when the user configures, for the user's compiler.
-# Included by CMakeLists.txt and by the installed siltConfig.cmake.
+# Included by CMakeLists.txt and by the installed siltConfig.cmake, after silt_find.cmake.
 
 option(SILT_OPENMP "Run Silt's loops on threads with OpenMP if the compiler supports it" ON)
 option(SILT_SAME_BITS
   "Compile with -ffp-contract=off, for the same bits with every compiler and processor" ON)
+
+silt_package(Eigen3 FIND 3.4 NO_MODULE TARGETS Eigen3::Eigen HEADER Eigen/Core
+  WITHOUT "All of Silt needs it (Debian: libeigen3-dev)")
+silt_package(OpenMP FIND COMPONENTS CXX TARGETS OpenMP::OpenMP_CXX
+  WITHOUT "Programs run on one thread (clang on Debian needs the package libomp-dev; -DSILT_OPENMP=OFF \
+hides this message)")
+if(SILT_OPENMP)
+  silt_try(Eigen3 OpenMP)  # both in one project
+endif()
 
 # silt_usage(TARGET): sets the options chosen above on TARGET, which has the headers and Eigen. They
 # replace those of TARGET, so that none from the exporting machine remain, and are not installed.
@@ -12,13 +21,9 @@ macro(silt_usage target)
   set(silt_libraries Eigen3::Eigen)
   set(silt_flags "")
   if(SILT_OPENMP)
-    find_package(OpenMP QUIET COMPONENTS CXX)
-    if(OpenMP_CXX_FOUND)
+    silt_find(OpenMP)
+    if(OpenMP_FOUND)
       list(APPEND silt_libraries $<BUILD_INTERFACE:OpenMP::OpenMP_CXX>)
-    else()
-      silt_message_once(STATUS NO_OPENMP "OpenMP was not found for ${CMAKE_CXX_COMPILER}, so \
-programs run on one thread (clang on Debian needs the package libomp-dev; -DSILT_OPENMP=OFF hides \
-this message)")
     endif()
   endif()
   if(SILT_SAME_BITS)
@@ -41,14 +46,4 @@ function(silt_warn_without_build_type)
   silt_message_once(WARNING NO_BUILD_TYPE "No build type is set, so the compiler does not optimise, \
 and programs that use Silt run up to 100 times slower. \
 Type\n  cmake -DCMAKE_BUILD_TYPE=Release ${CMAKE_BINARY_DIR}")
-endfunction()
-
-# silt_message_once(KIND KEY TEXT): prints TEXT only once, even if find_package(silt) is called twice,
-# and not for find_package(silt QUIET).
-function(silt_message_once kind key text)
-  get_property(printed GLOBAL PROPERTY SILT_PRINTED_${key})
-  if(NOT printed AND NOT silt_FIND_QUIETLY)
-    set_property(GLOBAL PROPERTY SILT_PRINTED_${key} TRUE)
-    message(${kind} "Silt: ${text}")
-  endif()
 endfunction()

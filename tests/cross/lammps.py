@@ -132,8 +132,8 @@ def collapse_rows(program, folder, state):
 def main():
     if len(sys.argv) != 3:
         sys.exit(__doc__)
-    if not shutil.which("lmp"):
-        print("LAMMPS (Debian's package lammps) is not installed: Silt is not checked against it.")
+    if not shutil.which("lmp") or subprocess.run(["lmp", "-help"], capture_output=True, check=False).returncode:
+        print("LAMMPS (Debian's package lammps) is not installed, or does not run: Silt is not checked against it.")
         sys.exit(SKIPPED)
     program, folder = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2]).resolve()
     folder.mkdir(parents=True, exist_ok=True)

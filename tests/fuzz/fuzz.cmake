@@ -72,10 +72,7 @@ silt_add_fuzz_target(checkpoint 0)
 silt_add_fuzz_target(grains 0)
 silt_add_fuzz_target(flow 0)
 
-silt_find_optional(found_cli CLI11 CLI11::CLI11 "#include <CLI/CLI.hpp>\nint main() {}")
-silt_find_optional(found_json nlohmann_json nlohmann_json::nlohmann_json
-  "#include <nlohmann/json.hpp>\nint main() {}")
-if(found_cli AND found_json)
+if(CLI11_FOUND AND nlohmann_json_FOUND)
   silt_add_fuzz_target(options 0)
   if(TARGET fuzz_options)
     target_link_libraries(fuzz_options PRIVATE CLI11::CLI11 nlohmann_json::nlohmann_json)

@@ -127,7 +127,7 @@ case $method in
   subdirectory | fetch_content)
     consume "-DMETHOD=$method" "-DSILT_SOURCE=$source"
     # As a subproject, the library must not build, install or test anything.
-    if find "$scratch/build" -name '*.o' | grep -v /consumer.dir/ | grep -v /CMakeFiles/3; then
+    if find "$scratch/build" -name '*.o' | grep -vE '/consumer.dir/|/CMakeFiles/3|/silt_packages/'; then
       give_up "the library built something"
     fi
     cmake --install "$scratch/build" --prefix "$scratch/prefix"

@@ -165,8 +165,8 @@ def main():
     parser.add_argument("--repeat", type=int, default=5)
     parser.add_argument("--variants", default=VARIANTS)
     arguments = parser.parse_args()
-    if not shutil.which("lmp"):
-        print("LAMMPS (Debian's package lammps) is not installed: Silt is not compared with it.")
+    if not shutil.which("lmp") or subprocess.run(["lmp", "-help"], capture_output=True, check=False).returncode:
+        print("LAMMPS (Debian's package lammps) is not installed, or does not run: Silt is not compared with it.")
         return
     arguments.folder.mkdir(parents=True, exist_ok=True)
     variants = arguments.variants.split(",")
