@@ -138,8 +138,8 @@ inline constexpr auto do_nothing = [](Index, Index) {};
 /// Functions called by accelerate(p, s, dt, pass) for ranges of particles; see below. They must
 /// outlive the call.
 struct Pass {
-  FunctionOfRange before = do_nothing;
-  FunctionOfRange after = do_nothing;
+  FunctionOfRange before = do_nothing;  ///< before forces are added to a range
+  FunctionOfRange after = do_nothing;   ///< when all are added
 };
 
 /// accelerate(p, s, dt, pass) adds the same forces as accelerate(p, s, dt) in one pass over the

@@ -89,13 +89,18 @@ class Error : public std::runtime_error {
 /// A part of a message: a text or vector, which must outlive it, or a number.
 class MessagePart {
  public:
+  /// The text itself.
   MessagePart(std::string_view text)
       : text_(text.data()), length_(static_cast<std::ptrdiff_t>(text.size())) {}
+  /// The text itself.
   MessagePart(const char* text) : MessagePart(std::string_view(text)) {}
+  /// The text itself.
   MessagePart(const std::string& text) : MessagePart(std::string_view(text)) {}
   /// As to_text() writes it.
   MessagePart(std::floating_point auto value) : value_(double(value)), length_(is_value) {}
+  /// As std::to_string() writes it.
   MessagePart(std::signed_integral auto number) : number_(number), length_(is_number) {}
+  /// As std::to_string() writes it.
   MessagePart(std::unsigned_integral auto count) : count_(count), length_(is_count) {}
   MessagePart(char) = delete;  // would be a number
   MessagePart(bool) = delete;
@@ -107,6 +112,7 @@ class MessagePart {
     static_assert(Dim == 2 || Dim == 3);
   }
 
+  /// Appends it to a message.
   void add_to(std::string& message) const {
     if (length_ >= 0) {
       message.append(text_, static_cast<std::size_t>(length_));
@@ -180,7 +186,7 @@ std::string to_text(const Eigen::Matrix<Real, Dim, 1>& value) {
 [[noreturn, gnu::cold, gnu::noinline]] inline void fail(std::string message, Where where = {}) {
   throw Error(std::move(message), where);
 }
-/// The same with a message of several parts: fail({"Leapfrog: mass = ", m, " kg …"}).
+/// Throws an Error with a message of several parts: fail({"Leapfrog: mass = ", m, " kg …"}).
 [[noreturn, gnu::cold, gnu::noinline]] inline void fail(std::initializer_list<MessagePart> message,
                                                         const Where& where = {}) {
   throw Error(message_of(message), where);

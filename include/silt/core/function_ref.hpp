@@ -11,6 +11,7 @@
 
 namespace silt {
 
+/// A reference to any object that can be called like a function Result(Arguments…).
 template <class Signature>
 class FunctionRef;
 
@@ -18,6 +19,7 @@ class FunctionRef;
 template <class Result, class... Arguments>
 class FunctionRef<Result(Arguments...)> {
  public:
+  /// Refers to this object; no copy is made.
   template <class F>
     requires(!std::same_as<std::remove_cvref_t<F>, FunctionRef> &&
              std::is_invocable_r_v<Result, F&, Arguments...>)

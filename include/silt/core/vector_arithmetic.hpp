@@ -11,6 +11,7 @@
 
 namespace silt {
 
+/// Vectors of two or three floating-point numbers.
 template <class Real, int Dim>
 concept OfSpace = std::floating_point<Real> && (Dim == 2 || Dim == 3);
 /// Factors that do not change the precision of a vector.

@@ -18,12 +18,14 @@ class Points {
  public:
   using Vec = silt::Vec<Dim, Real>;
 
+  /// Of a column, such as a std::vector or a std::span of positions.
   template <class Column>
     requires std::constructible_from<std::span<const Vec>, const Column&>
   Points(const Column& x)
       : first_(reinterpret_cast<const Real*>(std::span<const Vec>(x).data())),
         size_(x.size()),
         stride_(sizeof(Vec) / sizeof(Real)) {}
+  /// Of positions in the rows of a Bundle.
   template <class V, Index width>
     requires std::same_as<std::remove_const_t<V>, Vec>
   Points(const FieldView<V, Real, width>& x)

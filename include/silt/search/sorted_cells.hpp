@@ -92,6 +92,7 @@ class SortedCells {
       for (const Index slot : slots) f(slot);
     });
   }
+  /// The same, with one call for many slots.
   void find_around(const Vec& x, Real distance, Index own, UseSlots use) const {
     Near near(columns(), x, distance, own, use);
     const auto collect = [&](Index first, Index last) {
@@ -113,6 +114,7 @@ class SortedCells {
       for (const Index slot : slots) f(slot);
     });
   }
+  /// The same, with one call for many slots.
   void find_forward(Index own, Real distance, UseSlots use) const {
     const Vec x = at(own);
     Near near(columns(), x, distance, own, use);

@@ -117,6 +117,7 @@ class WallAtTime<Moving<W, M>, Dim, Real> {
 template <int Dim, class Real, class... Walls>
 class WallsAtTime {
  public:
+  /// Number of walls.
   static constexpr Index count = sizeof...(Walls);
   /// At least one wall moves.
   static constexpr bool move = (is_moving<Walls> || ...);
