@@ -63,8 +63,7 @@ def check_text(script, repository, header):
     assert macros == MACROS, macros ^ MACROS
 
     part = headers_in(script.amalgamate(repository, ["silt/core/error.hpp"]))
-    assert part == ["silt/core/eigen.hpp", "silt/core/vector_arithmetic.hpp", "silt/core/types.hpp",
-                    "silt/core/error.hpp"], part
+    assert part == ["silt/core/eigen.hpp", "silt/core/types.hpp", "silt/core/error.hpp"], part
     whole = headers_in(script.amalgamate(repository, ["silt/silt.hpp", "silt/mpi.hpp"]))
     assert "silt/mpi/world.hpp" in whole and len(whole) == len(set(whole))
 

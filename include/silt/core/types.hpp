@@ -3,7 +3,6 @@
 #pragma once
 
 #include <silt/core/eigen.hpp>
-#include <silt/core/vector_arithmetic.hpp>
 
 #include <algorithm>
 #include <cstddef>
