@@ -13,7 +13,7 @@ silt_package(CLI11 FIND 2.0 TARGETS CLI11::CLI11 HEADER CLI/CLI.hpp
   WITHOUT "The larger examples need it (Debian: libcli11-dev)")
 silt_package(nlohmann_json FIND 3.9 TARGETS nlohmann_json::nlohmann_json HEADER nlohmann/json.hpp
   WITHOUT "The larger examples need it (Debian: nlohmann-json3-dev)")
-silt_package(Boost TARGETS Boost::headers HEADER boost/units/systems/si.hpp
+silt_package(Boost FIND CONFIG TARGETS Boost::headers HEADER boost/units/systems/si.hpp
   WITHOUT "The example with units needs it (Debian: libboost-dev)")
 silt_package(Python3 FIND COMPONENTS Interpreter TARGETS Python3::Interpreter
   WITHOUT "Tests, such as those of the pages, need it (Debian: python3)")

@@ -9,8 +9,9 @@ silt_package(Zoltan TARGETS Zoltan::Zoltan HEADER zoltan.h USES "Zoltan_Destroy(
 silt_package(HYPRE TARGETS HYPRE::HYPRE HEADER HYPRE_utilities.h USES "HYPRE_ClearAllErrors()" NEEDS MPI
   WITHOUT "Programs on several processes need it (Debian: libhypre-dev)")
 
-# silt_find_mpi(RESULT): creates the target silt::mpi, or sets silt_not_found. Called by find_package(silt COMPONENTS mpi), and
-# by programs that use the library with add_subdirectory or FetchContent.
+# silt_find_mpi(RESULT): creates the target silt::mpi, or sets silt_not_found. Called by
+# find_package(silt COMPONENTS mpi), and by programs that use the library with add_subdirectory or
+# FetchContent.
 function(silt_find_mpi result)
   if(NOT TARGET silt::mpi)
     silt_find(MPI Zoltan HYPRE)
