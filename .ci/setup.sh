@@ -292,12 +292,13 @@ print_install_command() {
 
 # --- building ------------------------------------------------------------------------------------
 
-# configure FOLDER [CMake options]: configures build/FOLDER.
+# configure FOLDER [CMake options]: configures build/FOLDER, and shows which packages are half there.
 configure() {
   local folder=$1
   shift
   logged "Configuring build/$folder" "$repo/build/$folder.log" \
     cmake -S "$repo" -B "$repo/build/$folder" "$@"
+  grep '^-- Silt: .* does not work' "$repo/build/$folder.log" >&2 || true
 }
 
 # build FOLDER TEXT [CMake build options]: compiles TEXT in build/FOLDER; shows each warning once.

@@ -26,8 +26,9 @@ text_of() {
 install_for() {
   local packages=("Eigen3 3.4" libeigen3-dev) name includes=""
   for name in "$@"; do includes+=$(text_of "$name" | grep '^#include'); done
-  if [[ $includes = *"<CLI/"* ]]; then packages+=(CLI11 libcli11-dev); fi
-  if [[ $includes = *"<nlohmann/"* ]]; then packages+=(nlohmann_json nlohmann-json3-dev); fi
+  if [[ $includes = *"<CLI/"* ]]; then packages+=("CLI11 2.0" libcli11-dev); fi
+  if [[ $includes = *"<nlohmann/"* ]]; then packages+=("nlohmann_json 3.9" nlohmann-json3-dev); fi
+  if [[ $includes = *"<boost/"* ]]; then packages+=(Boost libboost-dev); fi
   need_toolchain
   need_cmake_packages "${packages[@]}"
   install_missing

@@ -298,6 +298,11 @@ class Runs:
         code, output = self.configure(self.scratch / "flags", [
             "-DCMAKE_BUILD_TYPE=Release", "-DCMAKE_EXE_LINKER_FLAGS_RELEASE=-lsilt_has_no_such_library"])
         self.expect(code == 0 and "Eigen" not in output, "the flags are taken for a fault of a package", output)
+        # An example that is asked for by name.
+        code, output = self.configure(self.scratch / "dam_break", [
+            "-DSILT_BUILD_EXAMPLES=ON", "-DSILT_EXAMPLES=dam_break", *self.packages.options({"CLI11": "broken"})])
+        self.expect(code != 0 and re.findall(r"^CMake Error.*\n +(.*)", output, re.M)
+                    == ["Silt: the example dam_break needs CLI11"], "it is not said what it needs", output)
         self.program(build, "Eigen3", "broken")
         for package in self.packages.required:
             for state in STATES:
