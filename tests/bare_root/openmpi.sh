@@ -37,7 +37,7 @@ expect() {
 }
 line="-- Silt: MPI does not work, see [^ ]+\. Programs on several processes need it \(Debian: libopenmpi-dev\)"
 
-expect 0 "examples/run quickstart_tower"
+expect 0 "examples/run quickstart_tower" "$line"
 for folder in EXAMPLES TESTS BENCH; do
   expect 0 "cmake -B build/$folder -DCMAKE_BUILD_TYPE=Release -DSILT_BUILD_$folder=ON" "$line"
 done
