@@ -80,7 +80,7 @@ class Setup(unittest.TestCase):
                 dam.wall_pressure((aside, 0.1), (-1, 0))
         dam.run(until=0.01)
         with self.assertRaisesRegex(silt.Error, "outside of the tank"):
-            water(tank=(0.19, 0.505))
+            water(tank=(0.18, 0.505))
 
     def test_gravity_out_of_the_tank_is_refused_in_the_first_step(self):
         with self.assertRaisesRegex(silt.Error, "no wall below it; change the gravity, or close the tank by lid=True"):
