@@ -132,19 +132,20 @@ class Leapfrog {
     const auto move = [&](Index first, Index last) {
       outcome.add(first, update(motion, first, last));
     };
-    bool is_done = false;
     if constexpr (AcceleratesInPass<I, P, S>) {
       // Otherwise contacts of a range would see others that have moved.
       if (detail::moves_in_other_memory(particles)) {
         interaction.accelerate(particles, search, dt, {clear_forces, move});
-        is_done = true;
+        return finish(particles, outcome);
       }
     }
-    if (!is_done) {
-      for_each_range(particles.size(), clear_forces);
-      interaction.accelerate(particles, search, dt);
-      for_each_range(particles.size(), move);
-    }
+    for_each_range(particles.size(), clear_forces);
+    interaction.accelerate(particles, search, dt);
+    for_each_range(particles.size(), move);
+    return finish(particles, outcome);
+  }
+  template <class P>
+  bool finish(P& particles, const detail::OutcomeOfStep<P>& outcome) {
     particles.finish_advance(outcome.max_displacement());
     max_energy_gain_ = outcome.max_energy_gain();
     return outcome.is_valid();
