@@ -27,7 +27,6 @@
 #include <limits>
 #include <numeric>
 #include <string>
-#include <string_view>
 #include <utility>
 
 namespace silt::dem::detail {
@@ -39,12 +38,9 @@ struct DeepOverlap {
   double max_overlap = 0;  ///< see ContactSettings
   bool has_normal = true;  ///< the centres do not coincide to round-off
 };
-/// `first` is the id of the grain i, `second` that of another or the number of a wall.
-[[noreturn, gnu::cold]] inline void refuse_overlap(const DeepOverlap& deep, Id first,
-                                                   const char* between, Index second, Index i) {
-  const bool at_wall = between != std::string_view(" and ");
-  const std::string names = message_of({at_wall ? "grain " : "grains ", first, between, second});
-  const Where where{.particle = i, .id = first};
+/// `names` are those of the two, and `where` the first grain.
+[[noreturn, gnu::cold]] inline void refuse_overlap(const DeepOverlap& deep,
+                                                   const std::string& names, const Where& where) {
   if (!deep.has_normal) {
     fail({"dem::Contacts: the centres of ", names, " coincide; place them apart"}, where);
   }
@@ -354,13 +350,15 @@ class BlockEvaluator {
     const int lane = std::countr_zero(refused);
     const Index i = ContactList::unscaled(first[lane]);
     const Index other = ContactList::unscaled(second[lane]);
+    const Id id = contacts_.id(i);
+    const Where where{.particle = i, .id = id};
     const Real R = grains_.radius_of(i);
     const Vec x = grains_.position_of(i);
     if constexpr (of_walls) {
       refuse_overlap({.overlap = double(R - walls_now_.nearest(other, x).distance),
                       .radius = double(R),
                       .max_overlap = double(max_overlap_)},
-                     contacts_.id(i), " and wall ", walls_now_.number_of(other), i);
+                     message_of({"grain ", id, " and wall ", walls_now_.number_of(other)}), where);
     } else {
       const Real R_j = grains_.radius_of(other);
       const Real distance = image_(grains_.position_of(other) - x).norm();
@@ -368,7 +366,7 @@ class BlockEvaluator {
                       .radius = double(std::min(R, R_j)),
                       .max_overlap = double(max_overlap_),
                       .has_normal = distance > std::numeric_limits<Real>::epsilon() * (R + R_j)},
-                     contacts_.id(i), " and ", contacts_.id(other), i);
+                     message_of({"grains ", id, " and ", contacts_.id(other)}), where);
     }
   }
 
