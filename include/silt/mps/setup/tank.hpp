@@ -21,8 +21,8 @@
 #include <algorithm>
 #include <cmath>
 #include <concepts>
-#include <cstdarg>
 #include <cstdio>
+#include <string>
 #include <vector>
 
 namespace silt::mps {
@@ -50,14 +50,12 @@ struct Tank {
 
 namespace detail {
 
-/// Throws an error whose text is that of printf.
-[[noreturn, gnu::format(printf, 1, 2)]] inline void fail_as(const char* format, ...) {
-  char text[300];
-  std::va_list values;
-  va_start(values, format);
-  std::vsnprintf(text, sizeof text, format, values);
-  va_end(values);
-  fail(text);
+/// With ten digits: with six, a length that a message proposes might be no whole number of
+/// spacings.
+[[gnu::cold]] inline std::string ten_digits(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.10g", value);
+  return text;
 }
 
 /// A length of a tank, which `name` identifies [m].
@@ -79,28 +77,29 @@ struct TankLength {
   void check() const {
     require_finite(name, length);
     if (spacings() >= 1 && spacings() < 1e6) return;
-    fail_as("%s = %.6g m is %.6g times the spacing = %.6g m; give between 1 and 1e6 spacings", name,
-            length, spacings(), spacing);
+    fail({name, " = ", length, " m is ", spacings(), " times the spacing = ", spacing,
+          " m; give between 1 and 1e6 spacings"});
   }
   /// Throws unless it is a whole number of spacings, too. `why` it has to be.
   void check_is_whole(const char* why) const {
     check();
     if (is_whole()) return;
     const double less = std::floor(spacings());
-    fail_as(
-        "%s = %.10g m is %.10g times the spacing = %.10g m, and %s; give a whole number of "
-        "spacings, such as %.10g or %.10g m",
-        name, length, spacings(), spacing, why, less * spacing, (less + 1) * spacing);
+    fail({name, " = ", ten_digits(length), " m is ", ten_digits(spacings()),
+          " times the spacing = ", ten_digits(spacing), " m, and ", why,
+          "; give a whole number of spacings, such as ", ten_digits(less * spacing), " or ",
+          ten_digits((less + 1) * spacing), " m"});
   }
   /// Throws if it ends less than a spacing beyond a column [spacings]: no particle fits into such a
   /// gap, and fluid at rest would flow into it.
   void check_gap(double column) const {
     const double gap = spacings() - column;
     if (gap <= 0 || gap >= 1) return;
-    fail_as(
-        "%s = %.10g m leaves a gap of %.10g times the spacing = %.10g m beyond the column, into "
-        "which the fluid would flow at once; give %.10g m, or at least %.10g m",
-        name, length, gap, spacing, column * spacing, (column + 1) * spacing);
+    fail({name, " = ", ten_digits(length), " m leaves a gap of ", ten_digits(gap),
+          " times the spacing = ", ten_digits(spacing),
+          " m beyond the column, into which the fluid would flow at once; give ",
+          ten_digits(column * spacing), " m, or at least ", ten_digits((column + 1) * spacing),
+          " m"});
   }
 };
 
@@ -124,8 +123,8 @@ class TankRoom {
       all_cells *= spacings_[axis] + 2.0 * layers();
     }
     if (all_cells > 1e9) {
-      fail_as("Tank: %.6g cells of the spacing %.6g m are more than 1e9; increase the spacing",
-              all_cells, tank.spacing);
+      fail({"Tank: ", all_cells, " cells of the spacing ", tank.spacing,
+            " m are more than 1e9; increase the spacing"});
     }
   }
 
@@ -179,10 +178,9 @@ Eigen::Matrix<int, Dim, 1> cells_of_column(const Tank<Dim>& tank, const TankRoom
     column.check_is_whole(axis == 0 || axis == up ? "the column is on a lattice"
                                                   : "the fluid fills it with a lattice");
     if (column.spacings() > room.spacings()[axis]) {
-      fail_as(
-          "Tank: along axis %d (%s), the column has %.10g spacings, but the tank has %.10g; "
-          "enlarge the tank, or make the column smaller",
-          axis, names[axis], column.spacings(), room.spacings()[axis]);
+      fail({"Tank: along axis ", axis, " (", names[axis], "), the column has ",
+            ten_digits(column.spacings()), " spacings, but the tank has ",
+            ten_digits(room.spacings()[axis]), "; enlarge the tank, or make the column smaller"});
     }
     // The surface below an open top is free.
     if (axis != up || tank.lid) room.along(axis).check_gap(column.spacings());
@@ -304,8 +302,8 @@ template <class Scheme, int Dim, class Real = double, Field... Further>
   requires std::derived_from<WallsOf<Scheme>, ImageWalls>
 TankOf<Scheme, Dim, Real, Further...> make_empty_tank(const Tank<Dim>& tank) {
   if (!(tank.column.array() == 0).all()) {
-    fail("Tank: column = " + to_text(tank.column) +
-         " m in a tank without fluid; leave it out, or call make_tank()");
+    fail({"Tank: column = ", tank.column,
+          " m in a tank without fluid; leave it out, or call make_tank()"});
   }
   const detail::TankRoom<Dim> room(tank, false);
   TankOf<Scheme, Dim, Real, Further...> made{
