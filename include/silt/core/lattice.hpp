@@ -32,15 +32,14 @@ std::vector<Vec<Dim, Real>> lattice(const Box<Dim, Real>& box, Real spacing) {
     const double rounding = 4 * double(std::numeric_limits<Real>::epsilon());
     const double cells = std::floor(length / double(spacing) * (1 + rounding) + 1e-6);
     if (cells < 1) {
-      fail("lattice: spacing = " + to_text(double(spacing)) +
-           " m is longer than the box along axis " + std::to_string(k) +
-           ", from lower = " + to_text(box.lower) + " to upper = " + to_text(box.upper) +
-           " m; decrease the spacing, or enlarge the box");
+      fail({"lattice: spacing = ", spacing, " m is longer than the box along axis ", k,
+            ", from lower = ", box.lower, " to upper = ", box.upper,
+            " m; decrease the spacing, or enlarge the box"});
     }
     points_in_all *= cells;
     if (!(cells <= 1e8) || !(points_in_all <= 1e8)) {
       fail({"lattice: spacing = ", spacing, " m gives more than 1e8 points from lower = ",
-            to_text(box.lower), " to upper = ", to_text(box.upper), " m; increase the spacing"});
+            box.lower, " to upper = ", box.upper, " m; increase the spacing"});
     }
     count[static_cast<std::size_t>(k)] = static_cast<Index>(cells);
   }

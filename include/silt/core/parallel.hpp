@@ -58,17 +58,17 @@ inline bool& threads_are_given() {
 /// is below 1 or above 1024, or above 1 in a build without OpenMP.
 inline void use_threads(int number) {
   if (number < 1) {
-    fail("use_threads: number = " + std::to_string(number) + " is below 1; give at least 1");
+    fail({"use_threads: number = ", number, " is below 1; give at least 1"});
   }
   if (number > 1024) {
-    fail("use_threads: number = " + std::to_string(number) + " is above 1024; give at most 1024");
+    fail({"use_threads: number = ", number, " is above 1024; give at most 1024"});
   }
 #ifdef _OPENMP
   omp_set_num_threads(number);
 #else
   if (number > 1) {
-    fail("use_threads: number = " + std::to_string(number) +
-         ", but this program was built without OpenMP; build it with -fopenmp or give 1");
+    fail({"use_threads: number = ", number,
+          ", but this program was built without OpenMP; build it with -fopenmp or give 1"});
   }
 #endif
   detail::threads_are_given() = true;

@@ -12,7 +12,6 @@
 #include <cstddef>
 #include <exception>
 #include <span>
-#include <string>
 #include <string_view>
 #include <vector>
 
@@ -126,8 +125,7 @@ struct Processes<P> {
     for (std::size_t k = 0; k < N; ++k) {
       const double least = -both[2 * k + 1], most = both[2 * k];
       if (least == most) continue;
-      fail(std::string(what) + " is " + to_text(least) + " in one process and " + to_text(most) +
-           " in another; give all the same");
+      fail({what, " is ", least, " in one process and ", most, " in another; give all the same"});
     }
   }
   template <class T>

@@ -174,9 +174,9 @@ class Simulation {
     // The last particle may leave during a run.
     if (!is_finite(dt) && are_there_none && last_time_step_ > 0) return last_time_step_;
     if (!is_finite(dt)) {
-      fail("Simulation: the interaction chooses no time step" +
-           std::string(are_there_none ? ", as there are no particles" : "") +
-           "; pass one: run({.time_step = …}) or step(dt)");
+      fail({"Simulation: the interaction chooses no time step",
+            are_there_none ? ", as there are no particles" : "",
+            "; pass one: run({.time_step = …}) or step(dt)"});
     }
     return dt;
   }

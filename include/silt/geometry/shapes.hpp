@@ -19,7 +19,7 @@ namespace silt {
 /// there are fewer than two points.
 inline std::vector<Face<2>> polyline(const std::vector<Vec<2>>& points) {
   if (points.size() < 2) {
-    fail("polyline: number of points = " + std::to_string(points.size()) + "; give at least 2");
+    fail({"polyline: number of points = ", points.size(), "; give at least 2"});
   }
   std::vector<Face<2>> faces;
   for (std::size_t k = 0; k + 1 < points.size(); ++k) {

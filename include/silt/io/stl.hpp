@@ -56,8 +56,8 @@ inline std::vector<Triangle<double>> binary_stl(const std::string& file, std::st
           ", or is not an STL file; export it again"});
   }
   if (whole > count) {
-    fail("read_stl: " + file + " says that it has " + std::to_string(count) +
-         " triangles, but has the bytes of " + std::to_string(whole) + "; export it again");
+    fail({"read_stl: ", file, " says that it has ", count, " triangles, but has the bytes of ",
+          whole, "; export it again"});
   }
   std::vector<Triangle<double>> triangles(count);
   for (Index t = 0; t < count; ++t) {
@@ -84,12 +84,12 @@ double largest_coordinate(const std::vector<Triangle<Real>>& triangles) {
 // The largest coordinate is in [m].
 inline void require_in_binary_stl(Index triangles, double largest) {
   if (triangles > std::numeric_limits<std::uint32_t>::max()) {
-    fail("write_stl: number of triangles = " + std::to_string(triangles) +
-         " is not below 2^32; write several files");
+    fail({"write_stl: number of triangles = ", triangles,
+          " is not below 2^32; write several files"});
   }
   if (largest > double(std::numeric_limits<float>::max())) {
-    fail("write_stl: a coordinate of " + to_text(largest) +
-         " m is beyond single precision; write StlFormat::text");
+    fail({"write_stl: a coordinate of ", largest,
+          " m is beyond single precision; write StlFormat::text"});
   }
 }
 

@@ -307,7 +307,7 @@ class NeighbourList {
     state_.has_rows = {};
     list().radius = radius();
     list().wanted_skin = std::min(radius() * Real(state_.tuning.fraction()),
-                                 std::max(Real(0), depth_of_halo(particles) - radius()));
+                                  std::max(Real(0), depth_of_halo(particles) - radius()));
     check_periodic_sides(particles.box(), {.radius = list().radius, .skin = list().wanted_skin});
     update_grid(particles);
     const auto x = particles.with_halo(position);

@@ -52,17 +52,17 @@ inline constexpr Index tries_for_room = 100'000;
 /// Throws because a grain of this radius [m] has room at none of them, whatever the other grains
 /// do.
 [[noreturn]] inline void fail_for_room(const std::string& name, double radius) {
-  fail(name + ": a grain of radius " + to_text(radius) + " m has no room in the region: none of " +
-       std::to_string(tries_for_room) +
-       " random positions in its bounds, wrapped into a periodic box, is that far within it; "
-       "enlarge the region, move it into the box, or use smaller grains");
+  fail({name, ": a grain of radius ", radius, " m has no room in the region: none of ",
+        tries_for_room,
+        " random positions in its bounds, wrapped into a periodic box, is that far within it; "
+        "enlarge the region, move it into the box, or use smaller grains"});
 }
 /// The same, because of the walls at a time [s].
 [[noreturn]] inline void fail_for_walls(const std::string& name, double radius, double time) {
-  fail(name + ": a grain of radius " + to_text(radius) +
-       " m has no room in the region: at none of " + std::to_string(tries_for_room) +
-       " random positions it is clear of the walls, and before them, at t = " + to_text(time) +
-       " s; move the region, use smaller grains, or begin later, when walls have moved (from)");
+  fail({name, ": a grain of radius ", radius, " m has no room in the region: at none of ",
+        tries_for_room,
+        " random positions it is clear of the walls, and before them, at t = ", time,
+        " s; move the region, use smaller grains, or begin later, when walls have moved (from)"});
 }
 
 /// Throws if x [m] is beyond a side of the box that is not periodic: the first step would throw, or

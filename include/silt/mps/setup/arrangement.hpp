@@ -79,9 +79,9 @@ void check_spacing(const P& particles, const N& neighbourhood, const T& stencil)
   if (distances.empty()) return;  // another process may have some
   const auto median = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
   std::nth_element(distances.begin(), median, distances.end());
-  fail("mps::Flow: the fluid particles are " + to_text(*median) +
-       " m apart (median distance of the nearest neighbour), but FlowSettings: spacing = " +
-       to_text(l0) + " m; use the same spacing for both");
+  fail({"mps::Flow: the fluid particles are ", *median,
+        " m apart (median distance of the nearest neighbour), but FlowSettings: spacing = ", l0,
+        " m; use the same spacing for both"});
 }
 
 /// Throws if the fluid is a lattice of the spacing of the stencil along a periodic axis, interacts
@@ -120,9 +120,8 @@ void check_periodic_lattice(const P& particles, const N& neighbourhood, const T&
         particles, std::array{double(count(particles, Kind::fluid)), double(own_aligned),
                               double(own_across)});
     if (2 * aligned <= fluid || across == 0) continue;
-    fail("mps::Flow: the periodic side " + to_text(side) + " m along axis " + std::to_string(k) +
-         " is " + to_text(side / l0) + " spacings of " + to_text(l0) +
-         " m; give the box an integer number of spacings");
+    fail({"mps::Flow: the periodic side ", side, " m along axis ", k, " is ", side / l0,
+          " spacings of ", l0, " m; give the box an integer number of spacings"});
   }
 }
 

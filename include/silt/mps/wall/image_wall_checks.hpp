@@ -43,8 +43,8 @@ void require_distance_from_faces(const P& particles, const std::vector<Around>& 
     return around[k].distance() < closest * spacing;
   });
   if (i == no_index) return;
-  fail("ImageWalls: a particle at " + to_text(around[i].x()) + " m has a distance of " +
-           to_text(around[i].distance()) + " m from a wall; begin with half a spacing",
+  fail({"ImageWalls: a particle at ", around[i].x(), " m has a distance of ", around[i].distance(),
+        " m from a wall; begin with half a spacing"},
        {.particle = i, .id = particles.id(i)});
 }
 
@@ -59,8 +59,8 @@ void require_no_passage(const P& particles, const FacesNearParticles<Dim>& near)
     return !(near[k].visible_share(near.position(k) + move.template cast<double>()) > 0);
   });
   if (i == no_index) return;
-  fail("ImageWalls: a particle went through a wall, from " + to_text(near.position(i)) + " to " +
-           to_text(x[i]) + " m; reduce the time step, or let particles collide with the walls",
+  fail({"ImageWalls: a particle went through a wall, from ", near.position(i), " to ", x[i],
+        " m; reduce the time step, or let particles collide with the walls"},
        {.particle = i, .id = particles.id(i)});
 }
 
@@ -77,9 +77,8 @@ void require_walls_beyond_sides(const Faces<Dim>& faces, const Box<Dim, Real>& b
         const double lower = double(box.lower[axis]), upper = double(box.upper[axis]);
         const double beyond = std::max(lower - x, x - upper);
         if (beyond < -1e-9 * (upper - lower) || beyond >= reach) continue;
-        fail("ImageWalls: a wall ends at " + to_text(element.face.corners[std::size_t(k)]) +
-             " m, at a periodic side of the box; let it extend beyond by at least " +
-             to_text(reach) + " m");
+        fail({"ImageWalls: a wall ends at ", element.face.corners[std::size_t(k)],
+              " m, at a periodic side of the box; let it extend beyond by at least ", reach, " m"});
       }
     }
   }
@@ -137,10 +136,10 @@ void require_held(const P& particles, const N& neighbourhood, const Faces<Dim>& 
   }
   if (!has_end || particles.size() == 0) return;
   if (faces.elements().empty()) {
-    fail("ImageWalls: there are no faces, and nothing else holds the fluid against gravity = " +
-         to_text(Vec<Dim>(gravity.array() + 0.0)) +  // no −0
-         " m/s²; give FlowSettings::walls, such as those of make_tank<Scheme, Dim>(), or set "
-         "ImageWalls::let_fluid_fall");
+    fail({"ImageWalls: there are no faces, and nothing else holds the fluid against gravity = ",
+          Vec<Dim>(gravity.array() + 0.0),  // no −0
+          " m/s²; give FlowSettings::walls, such as those of make_tank<Scheme, Dim>(), or set "
+          "ImageWalls::let_fluid_fall"});
   }
   if (is_endless) return;
   const FacesAlong<Dim> below(faces, gravity.normalized());
@@ -168,9 +167,9 @@ void require_held(const P& particles, const N& neighbourhood, const Faces<Dim>& 
       }
     }
     if (is_held) continue;
-    fail("ImageWalls: the fluid at " + to_text(typename P::Vec(particles[position][first])) +
-             " m is at rest and has no wall below it; move it to the other side of the wall beside "
-             "it, or set ImageWalls::let_fluid_fall",
+    fail({"ImageWalls: the fluid at ", typename P::Vec(particles[position][first]),
+          " m is at rest and has no wall below it; move it to the other side of the wall beside "
+          "it, or set ImageWalls::let_fluid_fall"},
          {.particle = first, .id = particles.id(first)});
   }
 }

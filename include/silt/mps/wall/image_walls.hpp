@@ -267,8 +267,8 @@ class ImageWalls::InFlow {
   static void refuse_others(const std::string& others, std::size_t number,
                             const std::string& those_of_flow) {
     if (number == 0) return;
-    fail("ImageWalls: " + others + " = " + std::to_string(number) + " faces in a flow in " +
-         std::to_string(Dim) + "D, whose walls are " + those_of_flow + "; remove them");
+    fail({"ImageWalls: ", others, " = ", number, " faces in a flow in ", Dim, "D, whose walls are ",
+          those_of_flow, "; remove them"});
   }
 
   FacesNearParticles<Dim> near_;
