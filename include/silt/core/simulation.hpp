@@ -146,7 +146,8 @@ class Simulation {
     } else if constexpr (Archive::reads) {
       // The particles must not move, but an update wraps positions into a periodic box.
       const auto x = std::as_const(particles_).with_halo(position);
-      at_positions(particles_, std::vector<typename P::Vec>(x.begin(), x.end()), [&] { search_.update(particles_); });
+      at_positions(particles_, std::vector<typename P::Vec>(x.begin(), x.end()),
+                   [&] { search_.update(particles_); });
     }
     archive.finite([&] { detail::transfer_part(archive, "integrator", integrator_, particles_); });
     set_time(interaction_, time_);
