@@ -4,10 +4,7 @@
 // for work on many particles, not for that on one.
 #pragma once
 
-#include <concepts>
-#include <memory>
 #include <type_traits>
-#include <utility>
 
 namespace silt {
 
@@ -21,20 +18,22 @@ class FunctionRef<Result(Arguments...)> {
  public:
   /// Refers to this object; no copy is made.
   template <class F>
-    requires(!std::same_as<std::remove_cvref_t<F>, FunctionRef> &&
-             std::is_invocable_r_v<Result, F&, Arguments...>)
+    requires(!std::is_same_v<std::remove_cvref_t<F>, FunctionRef> &&
+             requires(F& function, Arguments... arguments) { function(arguments...); })
   FunctionRef(F&& function) noexcept
-      : object_(const_cast<void*>(static_cast<const void*>(std::addressof(function)))),
-        call_([](void* object, Arguments... arguments) -> Result {
-          return (*static_cast<std::remove_reference_t<F>*>(object))(
-              std::forward<Arguments>(arguments)...);
-        }) {}
+      : object_(const_cast<void*>(static_cast<const void*>(&function))),
+        call_(&call<std::remove_reference_t<F>>) {}
 
   Result operator()(Arguments... arguments) const {
-    return call_(object_, std::forward<Arguments>(arguments)...);
+    return call_(object_, static_cast<Arguments&&>(arguments)...);
   }
 
  private:
+  template <class F>
+  static Result call(void* object, Arguments... arguments) {
+    return (*static_cast<F*>(object))(static_cast<Arguments&&>(arguments)...);
+  }
+
   void* object_;
   Result (*call_)(void*, Arguments...);
 };

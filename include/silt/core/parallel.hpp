@@ -219,14 +219,11 @@ class Shares {
   std::vector<Share> shares_;
 };
 
-/// Processes the tasks from `task` on, and increases it, until it is `last`.
-using RunTasks = FunctionRef<void(Index& task, Index last)>;
-
-/// run() for all tasks in [0, count), with at most `team` threads. Each has a contiguous share, so
-/// that successive loops find their data in its cache; once it has finished its share, it helps the
-/// others, because tasks may take different times and a core may be busy. Not a template: a program
-/// has hundreds of loops, and each would compile all of this.
-inline void run_tasks(Index count, [[maybe_unused]] int team, RunTasks run) {
+/// run(k) for every task k in [0, count), with at most `team` threads. Each has a contiguous share,
+/// so that successive loops find their data in its cache; once it has finished its share, it helps
+/// the others, because tasks may take different times and a core may be busy. Not a template: a
+/// program has hundreds of loops, and each would compile all of this.
+inline void run_tasks(Index count, [[maybe_unused]] int team, FunctionRef<void(Index)> run) {
 #ifdef _OPENMP
   if (count > 1 && team > 1 && !omp_in_parallel()) {
     // Only the tasks of a thread that follow its exception are left out; the lowest exception of
@@ -236,7 +233,7 @@ inline void run_tasks(Index count, [[maybe_unused]] int team, RunTasks run) {
     Shares shares(count, team);
     const auto run_share = [&](Share::Tasks tasks) {
       try {
-        run(tasks.first, tasks.last);
+        for (; tasks.first < tasks.last; ++tasks.first) run(tasks.first);
       } catch (...) {
 #pragma omp critical(silt_fault)
         if (tasks.first < fault_task) {
@@ -254,16 +251,7 @@ inline void run_tasks(Index count, [[maybe_unused]] int team, RunTasks run) {
     return;
   }
 #endif
-  Index task = 0;
-  run(task, count);
-}
-
-/// f(k) for every k in [0, count), likewise.
-template <class F>
-void for_each_task(Index count, int team, F&& f) {
-  run_tasks(count, team, [&f](Index& task, Index last) {
-    for (; task < last; ++task) f(task);
-  });
+  for (Index task = 0; task < count; ++task) run(task);
 }
 
 }  // namespace detail
@@ -273,16 +261,14 @@ void for_each_task(Index count, int team, F&& f) {
 inline int threads_for(Index n) { return detail::Team::size_for_chunks(chunk_count(n)); }
 
 /// f(k) for every k in [0, count), in parallel, for few long tasks.
-template <class F>
-void for_each_task(Index count, F&& f) {
-  detail::for_each_task(count, detail::Team::size_for_tasks(count), f);
+inline void for_each_task(Index count, FunctionRef<void(Index)> f) {
+  detail::run_tasks(count, detail::Team::size_for_tasks(count), f);
 }
 
 /// f(chunk) for every chunk of [0, n), in parallel.
-template <class F>
-void for_each_chunk(Index n, F&& f) {
-  detail::for_each_task(chunk_count(n), threads_for(n), [&f, n](Index number) {
-    f(Chunk{number, number * chunk_size, std::min(n, (number + 1) * chunk_size)});
+inline void for_each_chunk(Index n, FunctionRef<void(Chunk)> f) {
+  detail::run_tasks(chunk_count(n), threads_for(n), [f, n](Index number) {
+    f({number, number * chunk_size, std::min(n, (number + 1) * chunk_size)});
   });
 }
 
@@ -291,10 +277,10 @@ inline constexpr Index range_size = 64;
 /// f(first, last) for short ranges of [0, n) that together cover it, in parallel: all ranges but
 /// the last have `size` indices. What one range reads and writes stays in the cache between several
 /// loops over it.
-template <Index size = range_size, class F>
-void for_each_range(Index n, F&& f) {
-  detail::for_each_task((n + size - 1) / size, threads_for(n),
-                        [&f, n](Index r) { f(r * size, std::min(n, (r + 1) * size)); });
+template <Index size = range_size>
+void for_each_range(Index n, FunctionRef<void(Index first, Index last)> f) {
+  detail::run_tasks((n + size - 1) / size, threads_for(n),
+                    [f, n](Index r) { f(r * size, std::min(n, (r + 1) * size)); });
 }
 
 /// Number of rows of different lengths, such as those of neighbours, that are stored together, by
@@ -336,50 +322,65 @@ class PerChunk {
   std::vector<Value> values_;
 };
 
+namespace detail {
+
+/// add(chunk, value) to `initial` for each chunk of [0, n), in parallel; combined in their order.
+template <class Value>
+Value reduce_chunks(Index n, const Value& initial, FunctionRef<void(Chunk, Value&)> add,
+                    void (*combine)(Value& result, const Value& of_chunk)) {
+  PerChunk<Value> values(n, initial);
+  for_each_chunk(n, [&](Chunk chunk) {
+    Value value = initial;
+    add(chunk, value);
+    values[chunk.number] = value;
+  });
+  Value result = initial;
+  for (const Value& value : values) combine(result, value);
+  return result;
+}
+
+}  // namespace detail
+
 /// Σ f(i), bitwise identical for any number of threads.
 template <class Value, class F>
 Value ordered_sum(Index n, const Value& zero, F&& f) {
-  PerChunk<Value> partial(n, zero);
-  for_each_chunk(n, [&](Chunk chunk) {
-    Value sum = zero;
-    for (Index i = chunk.first; i < chunk.last; ++i) sum += f(i);
-    partial[chunk.number] = sum;
-  });
-  Value sum = zero;
-  for (const Value& part : partial) sum += part;
-  return sum;
+  return detail::reduce_chunks<Value>(
+      n, zero,
+      [&f](Chunk chunk, Value& result) {
+        Value sum = result;
+        for (Index i = chunk.first; i < chunk.last; ++i) sum += f(i);
+        result = sum;
+      },
+      [](Value& sum, const Value& of_chunk) { sum += of_chunk; });
 }
 
 /// Maximum of `initial` and all f(i).
 template <class Value, class F>
 Value largest(Index n, Value initial, F&& f) {
-  PerChunk<Value> partial(n, initial);
-  for_each_chunk(n, [&](Chunk chunk) {
-    Value maximum = initial;
-    for (Index i = chunk.first; i < chunk.last; ++i) maximum = std::max<Value>(maximum, f(i));
-    partial[chunk.number] = maximum;
-  });
-  Value maximum = initial;
-  for (const Value& part : partial) maximum = std::max<Value>(maximum, part);
-  return maximum;
+  return detail::reduce_chunks<Value>(
+      n, initial,
+      [&f](Chunk chunk, Value& result) {
+        Value maximum = result;
+        for (Index i = chunk.first; i < chunk.last; ++i) maximum = std::max<Value>(maximum, f(i));
+        result = maximum;
+      },
+      [](Value& maximum, const Value& of_chunk) { maximum = std::max<Value>(maximum, of_chunk); });
 }
 
 /// Lowest i for which f(i) is true; `no_index` if there is none.
 template <class F>
 Index first_where(Index n, F&& f) {
-  PerChunk<Index> found(n, no_index);
-  for_each_chunk(n, [&](Chunk chunk) {
-    for (Index i = chunk.first; i < chunk.last; ++i) {
-      if (f(i)) {
-        found[chunk.number] = i;
-        return;
-      }
-    }
-  });
-  for (const Index i : found) {
-    if (i != no_index) return i;
-  }
-  return no_index;
+  return detail::reduce_chunks<Index>(
+      n, no_index,
+      [&f](Chunk chunk, Index& result) {
+        for (Index i = chunk.first; i < chunk.last; ++i) {
+          if (f(i)) {
+            result = i;
+            return;
+          }
+        }
+      },
+      [](Index& lowest, const Index& of_chunk) { lowest = std::min(lowest, of_chunk); });
 }
 
 }  // namespace silt
