@@ -9,6 +9,7 @@
 // (thread_choice.hpp), and other loops use several threads if they are long enough.
 #pragma once
 
+#include <silt/core/buffer.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/function_ref.hpp>
 #include <silt/core/thread_choice.hpp>
@@ -23,7 +24,6 @@
 #include <limits>
 #include <string>
 #include <utility>
-#include <vector>
 
 #ifdef _OPENMP
 #include <omp.h>
@@ -212,11 +212,11 @@ class Shares {
   Share& operator[](Index k) { return shares_[k]; }
 
  private:
-  static std::vector<Share>& spare() {
-    static thread_local std::vector<Share> memory;
+  static Buffer<Share>& spare() {
+    static thread_local Buffer<Share> memory;
     return memory;
   }
-  std::vector<Share> shares_;
+  Buffer<Share> shares_;
 };
 
 /// run(k) for every task k in [0, count), with at most `team` threads. Each has a contiguous share,
@@ -315,11 +315,11 @@ class PerChunk {
 
  private:
   // Empty for an object constructed during the lifetime of another one.
-  static std::vector<Value>& spare() noexcept {
-    thread_local std::vector<Value> memory;
+  static Buffer<Value>& spare() noexcept {
+    thread_local Buffer<Value> memory;
     return memory;
   }
-  std::vector<Value> values_;
+  Buffer<Value> values_;
 };
 
 namespace detail {

@@ -12,7 +12,6 @@
 #include <limits>
 #include <span>
 #include <string_view>
-#include <vector>
 
 namespace silt {
 
@@ -71,10 +70,10 @@ struct Processes {
   static void require_same(const P&, std::string_view, const std::array<double, N>&) {}
   /// Gives the values of owned particles, of an array with elements for the halo as well, to the
   /// halo; or adds those of the halo to those of the owned particles.
-  template <class T>
-  static void share(const P&, std::vector<T>&) {}
-  template <class T>
-  static void add_to_owners(const P&, std::vector<T>&) {}
+  template <class Values>
+  static void share(const P&, Values&) {}
+  template <class Values>
+  static void add_to_owners(const P&, Values&) {}
 
   static Process this_one(const P&) { return {}; }
   /// The halo has all particles closer than this to one that is owned [m].
@@ -141,12 +140,12 @@ void require_same_in_all(const P& particles, std::string_view what,
                          const std::array<double, N>& own) {
   Processes<P>::require_same(particles, what, own);
 }
-template <class P, class T>
-void share(const P& particles, std::vector<T>& values) {
+template <class P, class Values>
+void share(const P& particles, Values& values) {
   Processes<P>::share(particles, values);
 }
-template <class P, class T>
-void add_to_owners(const P& particles, std::vector<T>& values) {
+template <class P, class Values>
+void add_to_owners(const P& particles, Values& values) {
   Processes<P>::add_to_owners(particles, values);
 }
 template <class P>

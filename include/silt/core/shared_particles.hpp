@@ -13,7 +13,6 @@
 #include <exception>
 #include <span>
 #include <string_view>
-#include <vector>
 
 namespace silt {
 
@@ -128,13 +127,15 @@ struct Processes<P> {
       fail({what, " is ", least, " in one process and ", most, " in another; give all the same"});
     }
   }
-  template <class T>
-  static void share(const P& particles, std::vector<T>& values) {
+  template <class Values>
+  static void share(const P& particles, Values& values) {
+    using T = typename Values::value_type;
     particles.template exchange<T>([&](Index i) -> const T& { return values[i]; },
                                    [&](Index row, const T& value) { values[row] = value; });
   }
-  template <class T>
-  static void add_to_owners(const P& particles, std::vector<T>& values) {
+  template <class Values>
+  static void add_to_owners(const P& particles, Values& values) {
+    using T = typename Values::value_type;
     particles.template exchange_back<T>([&](Index row) -> const T& { return values[row]; },
                                         [&](Index i, const T& value) { values[i] += value; });
   }

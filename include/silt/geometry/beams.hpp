@@ -2,6 +2,7 @@
 // Beams: where lines from a viewpoint go that pass through one facet after another.
 #pragma once
 
+#include <silt/core/buffer.hpp>
 #include <silt/core/types.hpp>
 #include <silt/geometry/face.hpp>
 #include <silt/geometry/faces.hpp>
@@ -11,7 +12,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <vector>
 
 namespace silt {
 
@@ -119,7 +119,7 @@ class Beams {
     std::uint32_t first, end;  // of its half-spaces
   };
   template <class T>
-  static std::uint32_t size_of(const std::vector<T>& values) {
+  static std::uint32_t size_of(const Buffer<T>& values) {
     return static_cast<std::uint32_t>(values.size());
   }
   template <class F>
@@ -138,8 +138,8 @@ class Beams {
     return false;
   }
 
-  std::vector<HalfSpace> half_spaces_;
-  std::vector<Piece> pieces_;
+  Buffer<HalfSpace> half_spaces_;
+  Buffer<Piece> pieces_;
 };
 
 }  // namespace silt

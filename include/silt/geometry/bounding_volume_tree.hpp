@@ -2,6 +2,7 @@
 // A tree of bounding boxes, for finding the items near a point.
 #pragma once
 
+#include <silt/core/buffer.hpp>
 #include <silt/core/types.hpp>
 
 #include <algorithm>
@@ -39,7 +40,7 @@ class BoxTree {
 
   BoxTree() = default;
   /// Items are known by their index in this vector.
-  explicit BoxTree(const std::vector<Bounds>& items) : items_(items.size()) {
+  explicit BoxTree(const Buffer<Bounds>& items) : items_(items.size()) {
     std::iota(items_.begin(), items_.end(), std::uint32_t(0));
     nodes_.reserve(2 * items.size());
     if (!items.empty()) build(items, {0, static_cast<std::uint32_t>(items.size())});
@@ -83,9 +84,9 @@ class BoxTree {
   };
   static constexpr std::uint32_t leaf_size = 4;
 
-  void build(const std::vector<Bounds>& bounds, Range range) {
+  void build(const Buffer<Bounds>& bounds, Range range) {
     const Index number = nodes_.size();
-    nodes_.emplace_back();
+    nodes_.resize(number + 1);
     Bounds all = bounds[items_[range.first]];
     for (std::uint32_t k = range.first; k < range.last; ++k) all.enclose(bounds[items_[k]]);
     nodes_[number].bounds = all;
@@ -108,7 +109,7 @@ class BoxTree {
   }
 
   std::vector<std::uint32_t> items_;
-  std::vector<Node> nodes_;
+  Buffer<Node> nodes_;
 };
 
 }  // namespace silt

@@ -2,6 +2,7 @@
 // A surface of faces, of which those near a point are found.
 #pragma once
 
+#include <silt/core/buffer.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/types.hpp>
 #include <silt/geometry/bounding_volume_tree.hpp>
@@ -71,7 +72,7 @@ class Faces {
 
  private:
   void make_tree() {
-    std::vector<typename Tree::Bounds> bounds;
+    Buffer<typename Tree::Bounds> bounds;
     bounds.reserve(elements_.size());
     for (const Element& element : elements_) {
       const Vec& first = element.face.corners[0];
@@ -93,7 +94,7 @@ class Faces {
     for (int axis = 0; axis < Dim; ++axis) add(Vec::Unit(axis));
   }
 
-  std::vector<Element> elements_;
+  Buffer<Element> elements_;
   Axes axes_ = Axes::Identity();
   Tree tree_;
 };

@@ -3,6 +3,7 @@
 // which of them are convex.
 #pragma once
 
+#include <silt/core/buffer.hpp>
 #include <silt/core/types.hpp>
 #include <silt/geometry/face.hpp>
 
@@ -81,7 +82,7 @@ class Facets {
 
  public:
   /// Changes the elements of `elements`.
-  static void join(std::vector<Element>& elements) {
+  static void join(Buffer<Element>& elements) {
     Facets facets(elements);
     facets.join_facets();
     facets.find_edges();
@@ -89,7 +90,7 @@ class Facets {
   }
 
  private:
-  explicit Facets(std::vector<Element>& elements) : elements_(elements) {}
+  explicit Facets(Buffer<Element>& elements) : elements_(elements) {}
 
   // A side of a face: the edge from corner k to the next one (in 2D, the end k).
   struct SideOfFace {
@@ -113,7 +114,7 @@ class Facets {
 
   // A facet is the faces connected with its first one in the plane of that one.
   void join_facets() {
-    std::map<Edge, std::vector<SideOfFace>> edges;
+    std::map<Edge, Buffer<SideOfFace>> edges;
     for (std::uint32_t e = 0; e < elements_.size(); ++e) {
       for (std::size_t k = 0; k < std::size_t(Dim); ++k) edges[edge_of({e, k})].push_back({e, k});
     }
@@ -219,7 +220,7 @@ class Facets {
     return true;
   }
 
-  std::vector<Element>& elements_;
+  Buffer<Element>& elements_;
 };
 
 }  // namespace detail

@@ -2,6 +2,7 @@
 // Finds the mirrors in which a point may see others, and those in mirrors.
 #pragma once
 
+#include <silt/core/buffer.hpp>
 #include <silt/core/types.hpp>
 #include <silt/geometry/beams.hpp>
 #include <silt/geometry/face.hpp>
@@ -15,7 +16,6 @@
 #include <cstdint>
 #include <limits>
 #include <span>
-#include <vector>
 
 namespace silt {
 
@@ -162,10 +162,10 @@ class MirrorSearch {
   }
 
   const NearbyFaces<Dim>* around_ = nullptr;
-  std::vector<Seen> seen_;  // the first is x itself
+  Buffer<Seen> seen_;  // the first is x itself
   Beams<Dim> beams_;
   // Of the points that are closest to the plane of each facet, on its two sides [m].
-  std::vector<std::array<double, 2>> least_heights_;
+  Buffer<std::array<double, 2>> least_heights_;
 };
 
 }  // namespace silt

@@ -2,6 +2,7 @@
 // The faces of a surface near a point, and moves of the point that end before them.
 #pragma once
 
+#include <silt/core/buffer.hpp>
 #include <silt/core/types.hpp>
 #include <silt/geometry/face.hpp>
 #include <silt/geometry/faces.hpp>
@@ -242,7 +243,7 @@ class NearbyFaces {
 
   const Faces<Dim>* surface_ = nullptr;
   std::vector<std::uint32_t> near_;  // facet by facet
-  std::vector<NearFacet> facets_;     // unless they are one plane
+  Buffer<NearFacet> facets_;     // unless they are one plane
   Vec x_ = Vec::Zero();
   double reach_ = 0;     // [m]
   double distance_ = 0;  // of x from the nearest face [m]

@@ -6,6 +6,7 @@
 //   items  [a b c|d |e f g h  ]
 #pragma once
 
+#include <silt/core/buffer.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/types.hpp>
 
@@ -54,8 +55,8 @@ class Rows {
 
  private:
   std::vector<Index> first_;  // of each row, and the total number
-  std::vector<T> items_;
-  std::vector<std::vector<T>> chunks_;
+  Buffer<T> items_;
+  std::vector<Buffer<T>> chunks_;
 };
 
 }  // namespace silt

@@ -3,6 +3,7 @@
 // can be rolled back.
 #pragma once
 
+#include <silt/core/buffer.hpp>
 #include <silt/core/fields.hpp>
 #include <silt/core/lane.hpp>
 #include <silt/core/nearest_image.hpp>
@@ -148,7 +149,7 @@ class LastPositions {
   bool has_previous_ = true;
   Update update_;
   Update saved_;
-  std::vector<Bits> maxima_;  // squared, by chunk
+  Buffer<Bits> maxima_;  // squared, by chunk
 };
 
 }  // namespace silt

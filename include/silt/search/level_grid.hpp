@@ -4,6 +4,7 @@
 // level, and the search is that of UniformGrid.
 #pragma once
 
+#include <silt/core/buffer.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/fields.hpp>
 #include <silt/core/parallel.hpp>
@@ -271,7 +272,7 @@ class LevelGrid {
 
   // The highest size class of each level.
   template <class Radii>
-  std::vector<SizeClass> highest_of(const Radii& radii, Real gap) {
+  Buffer<SizeClass> highest_of(const Radii& radii, Real gap) {
     histogram_.assign(size_classes, 0);
     for (const Real size : radii) ++histogram_[size_class_of(double(size))];
     return choose_levels(histogram_, double(gap), Dim);
@@ -310,7 +311,7 @@ class LevelGrid {
   std::vector<Real> radii_;  // with ghosts
   std::vector<Index> owners_;
   std::vector<Index> histogram_;
-  std::vector<SizeClass> highest_;  // of each level
+  Buffer<SizeClass> highest_;  // of each level
   std::vector<Level> levels_;       // the finest first
   BinSort by_level_;
   SortedCells<Dim, Real> all_levels_;  // for the order in memory

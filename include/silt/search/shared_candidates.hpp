@@ -14,6 +14,7 @@
 // radius by a rounding error.
 #pragma once
 
+#include <silt/core/buffer.hpp>
 #include <silt/core/simd.hpp>
 #include <silt/core/types.hpp>
 
@@ -21,7 +22,6 @@
 #include <array>
 #include <cstdint>
 #include <limits>
-#include <vector>
 
 namespace silt {
 
@@ -180,24 +180,6 @@ class SharedCandidates {
     count_ = count;
   }
 
-  // Memory at the address of a register, because a load across two cache lines takes twice as long.
-  template <class T>
-  class Registers {
-   public:
-    T* data() { return memory_.data()->values; }
-    const T* data() const { return memory_.data()->values; }
-    Index size() const { return memory_.size() * N; }
-    void resize(Index size) { memory_.resize((size + N - 1) / N); }
-    T operator[](Index i) const { return data()[i]; }
-
-   private:
-    static constexpr Index N = simd::lanes<T>;
-    struct alignas(simd::width) Register {
-      T values[N];
-    };
-    std::vector<Register> memory_;
-  };
-
   void reserve(Index size) {
     if (size <= near_items_.size()) return;
     for (auto& x : near_x_) x.resize(2 * size);
@@ -214,8 +196,8 @@ class SharedCandidates {
   float reach_ = 0;                  // squared
   Index own_ = 0;                    // index of the first slot of the block among the candidates
   Index count_ = 0;
-  std::array<Registers<float>, Dim> near_x_;
-  Registers<std::uint32_t> near_items_;
+  std::array<Buffer<float>, Dim> near_x_;
+  Buffer<std::uint32_t> near_items_;
 };
 
 }  // namespace silt

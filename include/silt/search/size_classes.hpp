@@ -15,6 +15,7 @@
 // would pay only if the small particles were not close together, which the histogram does not tell.
 #pragma once
 
+#include <silt/core/buffer.hpp>
 #include <silt/core/types.hpp>
 
 #include <algorithm>
@@ -42,12 +43,12 @@ inline double largest_of(SizeClass size) {
 
 /// The highest size class of each level, finest level first: the optimum for so many particles of
 /// each class, if pairs up to a gap of `gap` [m] are found. No level is empty.
-inline std::vector<SizeClass> choose_levels(const std::vector<Index>& histogram, double gap,
+inline Buffer<SizeClass> choose_levels(const std::vector<Index>& histogram, double gap,
                                             int dimension) {
   // Cost of finding the cells and of starting a loop in each row, in distance tests.
   constexpr double cell_cost = 30;
   constexpr SizeClass max_span = 8;
-  std::vector<SizeClass> sizes;
+  Buffer<SizeClass> sizes;
   std::vector<double> cumulative{0};  // cumulative number of particles
   double volume = 0;
   for (SizeClass size = 0; size < histogram.size(); ++size) {
@@ -77,7 +78,7 @@ inline std::vector<SizeClass> choose_levels(const std::vector<Index>& histogram,
       }
     }
   }
-  std::vector<SizeClass> highest;
+  Buffer<SizeClass> highest;
   for (std::size_t to = sizes.size(); to > 0; to = begin[to]) highest.push_back(sizes[to - 1]);
   std::reverse(highest.begin(), highest.end());
   return highest;

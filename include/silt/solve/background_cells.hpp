@@ -3,6 +3,7 @@
 // the number of a cell.
 #pragma once
 
+#include <silt/core/buffer.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/types.hpp>
 
@@ -67,9 +68,9 @@ class BackgroundCells {
     if (has_table_) {
       collect_by_table(given, static_cast<Index>(box));
     } else {
-      cells_.assign(given.begin(), given.end());
+      cells_.assign(given);
       std::sort(cells_.begin(), cells_.end(), comes_before);
-      cells_.erase(std::unique(cells_.begin(), cells_.end()), cells_.end());
+      cells_.resize(static_cast<Index>(std::unique(cells_.begin(), cells_.end()) - cells_.begin()));
     }
     sort_by_colour();
     for (Index c = 0; has_table_ && c < cells_.size(); ++c) {
@@ -154,8 +155,8 @@ class BackgroundCells {
   }
 
   CellOrder order_ = CellOrder::plain;
-  std::vector<Cell> cells_;
-  std::vector<Cell> by_colour_;
+  Buffer<Cell> cells_;
+  Buffer<Cell> by_colour_;
   std::vector<std::uint32_t> table_;  // numbers of the cells of the bounding box
   Cell lower_{};
   std::array<std::int64_t, Dim> extent_{};

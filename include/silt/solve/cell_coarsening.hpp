@@ -12,6 +12,7 @@
 // with weights 9/16, 3/16, 3/16, 1/16 (in 2D).
 #pragma once
 
+#include <silt/core/buffer.hpp>
 #include <silt/core/types.hpp>
 #include <silt/solve/background_cells.hpp>
 #include <silt/solve/cell_level.hpp>
@@ -129,7 +130,7 @@ class CellCoarsening {
       for (const Index c : children_of(parent)) coarse.mass[parent] += fine.mass[c];
     });
     coarse.links.build(coarse.size(), [&](Index parent, auto&& add) {
-      static thread_local std::vector<Link> links;
+      static thread_local Buffer<Link> links;
       links.clear();
       for (const Index c : children_of(parent)) {
         for (const Link& link : fine.links[c]) {
@@ -215,16 +216,16 @@ class CellCoarsening {
     return best;
   }
 
-  std::vector<GridCell<Dim>> positions_;    // coarse position, by fine cell
+  Buffer<GridCell<Dim>> positions_;    // coarse position, by fine cell
   BackgroundCells<Dim> numbering_;          // of the coarse positions
   std::vector<std::uint32_t> joined_;       // by fine cell
   std::vector<std::uint32_t> first_at_position_;     // first coarse cell, by position
   std::vector<std::uint32_t> parent_;       // by fine cell
   std::vector<std::uint32_t> first_child_;  // by coarse cell
   std::vector<std::uint32_t> child_;
-  std::vector<std::array<Weight, corners>> rows_;  // of P, by fine cell
+  Buffer<std::array<Weight, corners>> rows_;  // of P, by fine cell
   std::vector<std::uint32_t> first_in_column_;     // by coarse cell
-  std::vector<Weight> columns_;                    // of P, the rows of Pᵀ
+  Buffer<Weight> columns_;                    // of P, the rows of Pᵀ
 };
 
 }  // namespace silt

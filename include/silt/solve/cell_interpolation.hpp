@@ -10,6 +10,7 @@
 // Centres of unoccupied cells are omitted, and the weights of the others scaled to sum to 1.
 #pragma once
 
+#include <silt/core/buffer.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/types.hpp>
 #include <silt/solve/background_cells.hpp>
@@ -55,8 +56,8 @@ class CellInterpolation {
   }
 
   /// After sort(): the cells from which points are interpolated, if they are among those of build().
-  std::vector<Cell> corner_cells() const {
-    std::vector<Cell> cells;
+  Buffer<Cell> corner_cells() const {
+    Buffer<Cell> cells;
     for (const Cell& low : patches_.cells()) {
       for (Index c = 0; c < corners; ++c) cells.push_back(corner(low, c));
     }
@@ -161,15 +162,15 @@ class CellInterpolation {
   }
 
   BackgroundCells<Dim> patches_;  // identified by their low corners
-  std::vector<Cell> low_corners_;
+  Buffer<Cell> low_corners_;
   std::vector<std::uint32_t> patch_of_;                // by point
   std::vector<std::uint32_t> first_;                   // first entry of each patch in member_
   std::vector<std::uint32_t> member_;                  // points, sorted by patch
   std::vector<float> weight_;                          // by entry of member_ and corner
-  std::vector<Corners> cells_of_;                      // by patch
-  std::vector<std::array<bool, corners>> present_;     // by patch
-  std::vector<Corners> patches_of_;                    // by cell
-  std::vector<std::array<float, corners>> sum_;        // by patch
+  Buffer<Corners> cells_of_;                      // by patch
+  Buffer<std::array<bool, corners>> present_;     // by patch
+  Buffer<Corners> patches_of_;                    // by cell
+  Buffer<std::array<float, corners>> sum_;        // by patch
 };
 
 }  // namespace silt

@@ -7,6 +7,7 @@
 // free surface.
 #pragma once
 
+#include <silt/core/buffer.hpp>
 #include <silt/core/types.hpp>
 #include <silt/linear/rows.hpp>
 #include <silt/solve/background_cells.hpp>
@@ -28,7 +29,7 @@ struct CellLevel {
   /// Cells of one colour have no links to each other: `red` and `black`, as on a chessboard.
   enum Colour { red, black };
 
-  std::vector<GridCell<Dim>> cells;  ///< red ones first; several at a position divided by walls
+  Buffer<GridCell<Dim>> cells;  ///< red ones first; several at a position divided by walls
   Index reds = 0;                    ///< number of red cells
   Rows<Link> links;                  ///< to cells of the other colour
   std::vector<float> mass;           ///< coupling to the free surface

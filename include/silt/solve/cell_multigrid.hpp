@@ -16,6 +16,7 @@
 // Bitwise identical for any number of threads.
 #pragma once
 
+#include <silt/core/buffer.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/types.hpp>
 #include <silt/linear/linear_system.hpp>
@@ -118,7 +119,7 @@ class CellMultigrid {
     to_particles_.build(finest_cells_, point);
     Level& level = cycle_.finest();
     level.reset(finest_cells_.size());
-    level.cells.assign(finest_cells_.cells().begin(), finest_cells_.cells().end());
+    level.cells.assign(finest_cells_.cells());
     level.reds = finest_cells_.reds();
 
     // The masses m_i = Σ w_ij to the free surface and the stiffnesses ½ Σ_j w_ij Δx²/edge² of the
@@ -156,7 +157,7 @@ class CellMultigrid {
 
   Settings settings_;
   std::vector<double> inverse_;  // of the system's diagonal
-  std::vector<GridCell<Dim>> occupied_;
+  Buffer<GridCell<Dim>> occupied_;
   BackgroundCells<Dim> finest_cells_;
   CellInterpolation<Dim> to_particles_;
   std::vector<float> stiffness_;  // by finest cell

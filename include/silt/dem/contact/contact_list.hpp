@@ -15,6 +15,7 @@
 // in this order, so that they depend neither on the search nor on the order in memory.
 #pragma once
 
+#include <silt/core/buffer.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/function_ref.hpp>
 #include <silt/core/parallel.hpp>
@@ -150,9 +151,9 @@ class ContactList {
   /// reused.
   struct PairsOfBlock {
     Index block = 0;
-    std::vector<Pair> pairs;
-    std::vector<Pair> walls;  ///< a grain and the element of a wall
-    std::vector<Pair> of_other_blocks;
+    Buffer<Pair> pairs;
+    Buffer<Pair> walls;  ///< a grain and the element of a wall
+    Buffer<Pair> of_other_blocks;
 
     void add_pair(Index first, Index second) {
       const Pair pair{static_cast<std::uint32_t>(first), static_cast<std::uint32_t>(second)};
@@ -243,7 +244,7 @@ class ContactList {
       for (const Pair& pair : each.of_other_blocks) put(further[block_of(pair)]++, pair);
     }
   }
-  [[gnu::noinline]] void put_all(Index contact, const std::vector<Pair>& pairs, std::uint32_t bit) {
+  [[gnu::noinline]] void put_all(Index contact, const Buffer<Pair>& pairs, std::uint32_t bit) {
     for (const Pair& pair : pairs) {
       put(contact, pair);
       second_[contact++] |= bit;
@@ -267,7 +268,7 @@ class ContactList {
       std::uint32_t grain;
       Side side;
     };
-    std::vector<std::vector<SideOf>> of_later_tasks(tasks);
+    std::vector<Buffer<SideOf>> of_later_tasks(tasks);
     // f(grain, side) for those of a task's own contacts, then for those that earlier tasks met.
     const auto for_each_own = [&](Index task, auto&& f) {
       for (Index b = first_block_of(task); b < first_block_of(task + 1); ++b) {
@@ -322,27 +323,27 @@ class ContactList {
       for_each_of_earlier(task, add);
     });
     for_each_block([&](Index, Index first, Index last) {
-      std::vector<std::pair<Id, Side>> by_partner;
+      Buffer<std::pair<Id, Side>> by_partner;
       for (Index i = first; i < last; ++i) sort_sides(i, by_partner);
     });
   }
 
-  void sort_sides(Index i, std::vector<std::pair<Id, Side>>& by_partner) {
+  void sort_sides(Index i, Buffer<std::pair<Id, Side>>& by_partner) {
     by_partner.clear();
     for (const Side side : of(i)) {
       const Index c = side.contact();
-      by_partner.emplace_back(side.is_second() ? first_id(c) : second_id(c), side);
+      by_partner.push_back({side.is_second() ? first_id(c) : second_id(c), side});
     }
     std::sort(by_partner.begin(), by_partner.end(),
               [](const auto& a, const auto& b) { return a.first < b.first; });
     for (Index k = 0; k < by_partner.size(); ++k) sides_[begin_[i] + k] = by_partner[k].second;
   }
 
-  std::vector<Block> blocks_;
+  Buffer<Block> blocks_;
   std::vector<std::uint32_t> first_;
   std::vector<std::uint32_t> second_;
   std::vector<std::uint32_t> begin_;  // by grain
-  std::vector<Side> sides_;
+  Buffer<Side> sides_;
   std::vector<Id> ids_;  // with those of the halo
   Index owned_ = 0;
 };

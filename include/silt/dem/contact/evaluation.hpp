@@ -6,7 +6,7 @@
 #pragma once
 
 #include <silt/core/box.hpp>
-#include <silt/core/cache_aligned.hpp>
+#include <silt/core/buffer.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/contact/contact_list.hpp>
 #include <silt/dem/contact/grain_rows.hpp>
@@ -49,7 +49,7 @@ class Pool {
 template <class P>
 class SharedGrains {
   using Real = typename P::Real;
-  using Numbers = std::vector<Real, silt::detail::CacheAligned<Real>>;
+  using Numbers = Buffer<Real>;
 
  public:
   using Pools = Pool<Numbers>;
@@ -64,8 +64,7 @@ class SharedGrains {
         return stored.share();
       }
       const auto copy = copies.take();
-      const auto numbers = stored.numbers();
-      copy->assign(numbers.begin(), numbers.end());
+      copy->assign(stored.numbers());
       return {copy, copy->data()};
     };
     rows_ = share(position);

@@ -3,7 +3,7 @@
 // grains, because their indices may have changed.
 #pragma once
 
-#include <silt/core/cache_aligned.hpp>
+#include <silt/core/buffer.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/contact/contact_list.hpp>
 #include <silt/dem/contact/grain_rows.hpp>
@@ -98,7 +98,7 @@ class Histories {
     }
   }
 
-  std::vector<Real, silt::detail::CacheAligned<Real>> numbers_;
+  Buffer<Real> numbers_;
   std::vector<std::uint8_t> touching_;  // a bit for each contact of a group
 };
 

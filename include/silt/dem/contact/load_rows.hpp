@@ -4,7 +4,7 @@
 // processed: their memory is used again, so that it stays in the cache.
 #pragma once
 
-#include <silt/core/cache_aligned.hpp>
+#include <silt/core/buffer.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/rows_of_four.hpp>
 #include <silt/core/simd.hpp>
@@ -19,7 +19,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <utility>
-#include <vector>
 
 namespace silt::dem::detail {
 
@@ -119,7 +118,7 @@ class LoadRows {
     }
   }
 
-  std::vector<Real, silt::detail::CacheAligned<Real>> numbers_;
+  Buffer<Real> numbers_;
 };
 
 }  // namespace silt::dem::detail

@@ -2,6 +2,7 @@
 // Stability limit of the time step for the existing contacts.
 #pragma once
 
+#include <silt/core/buffer.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/function_ref.hpp>
 #include <silt/core/nearest_image.hpp>
@@ -19,7 +20,6 @@
 #include <cstdint>
 #include <limits>
 #include <span>
-#include <vector>
 
 namespace silt::dem::detail {
 
@@ -204,7 +204,7 @@ double stable_for_all(const P& grains, const ContactList& list, const Walls& wal
     check_stiffness(k, [] { return "a contact of this grain"; }, {i, grains.id(i)});
     return contribution_bound(k, share, lever);
   };
-  std::vector<StabilityBounds> of_block(list.blocks());
+  Buffer<StabilityBounds> of_block(list.blocks());
   list.for_each_block([&](Index b, Index first, Index last) {
     for (Index i = first; i < last; ++i) {
       const Lever lever{.mass_over_inertia = double(m[i]) / double(I[i]), .arm = double(R[i])};
@@ -299,7 +299,7 @@ class StabilityCheck {
 /// ContactsOfStep.
 template <class P, class ContactsOfStep>
 void check_stability(const P& grains, const ContactsOfStep& contacts, double dt) {
-  std::vector<LinearisedContact> linearised(contacts.list().size());
+  Buffer<LinearisedContact> linearised(contacts.list().size());
   contacts.for_each_stiffness([&](Index c, const ContactBodies& bodies, const auto& contact,
                                   const Stiffness& k, auto arm_reduction) {
     const auto R = grains.with_halo(radius);

@@ -2,6 +2,7 @@
 // The moments of CorrectedGradient, which the source and the corrector of a step have in common.
 #pragma once
 
+#include <silt/core/buffer.hpp>
 #include <silt/core/types.hpp>
 #include <silt/mps/operator/corrected_gradient.hpp>
 
@@ -44,7 +45,7 @@ class KeptMoments {
  private:
   // Each written by the evaluation of its particle.
   mutable std::vector<std::uint8_t> is_known_;
-  mutable std::vector<Moments> moments_;
+  mutable Buffer<Moments> moments_;
 };
 
 }  // namespace silt::mps

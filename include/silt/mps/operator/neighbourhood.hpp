@@ -2,6 +2,7 @@
 // Neighbours and their weights: updated once per step, and used by all operators of the step.
 #pragma once
 
+#include <silt/core/buffer.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/fields.hpp>
 #include <silt/core/parallel.hpp>
@@ -153,7 +154,7 @@ class Neighbourhood {
          {.particle = i, .id = id});
   }
 
-  std::vector<RowPlace> rows_;  // by particle
+  Buffer<RowPlace> rows_;  // by particle
   std::vector<WeightedRows<Real>> sets_;
   std::vector<Real> density_;
   std::vector<Vec> positions_;  // with ghosts

@@ -2,6 +2,7 @@
 // Friction between particles, which takes away the noise of their velocities.
 #pragma once
 
+#include <silt/core/buffer.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/processes.hpp>
@@ -148,7 +149,7 @@ class PairFriction::InFlow {
   };
 
   Real rate_;
-  std::vector<Strain> strains_;  // with ghosts
+  Buffer<Strain> strains_;  // with ghosts
 };
 
 /// The friction of a flow in Dim dimensions:

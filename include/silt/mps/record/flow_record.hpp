@@ -2,6 +2,7 @@
 // What a flow keeps from step to step.
 #pragma once
 
+#include <silt/core/buffer.hpp>
 #include <silt/core/types.hpp>
 #include <silt/core/watch.hpp>
 #include <silt/mps/fluid/body_force.hpp>
@@ -14,7 +15,6 @@
 #include <silt/mps/wall/walls.hpp>
 
 #include <cmath>
-#include <vector>
 
 namespace silt::mps {
 
@@ -50,7 +50,7 @@ class FlowRecord {
   bool is_first_step() const noexcept { return is_first_step_; }
 
   /// Those of the last step; empty if it was before a checkpoint was read.
-  const std::vector<MomentumChange<Dim>>& momentum_changes() const noexcept {
+  const Buffer<MomentumChange<Dim>>& momentum_changes() const noexcept {
     return momentum_changes_.all();
   }
 

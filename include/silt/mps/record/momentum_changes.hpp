@@ -2,12 +2,12 @@
 // What changed the momentum of a fluid in a step, from which the loads of walls are found.
 #pragma once
 
+#include <silt/core/buffer.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/types.hpp>
 #include <silt/mps/fluid/fluid.hpp>
 #include <silt/mps/fluid/step_changes.hpp>
 
-#include <vector>
 
 namespace silt::mps {
 
@@ -25,7 +25,7 @@ template <int Dim>
 class MomentumChanges {
  public:
   /// The changes of all particles.
-  const std::vector<MomentumChange<Dim>>& all() const noexcept { return all_; }
+  const Buffer<MomentumChange<Dim>>& all() const noexcept { return all_; }
   void clear() noexcept { all_.clear(); }
   /// Keeps those of the last step in the next one, until it has found its own.
   void save() noexcept { all_.swap(saved_); }
@@ -47,8 +47,8 @@ class MomentumChanges {
   }
 
  private:
-  std::vector<MomentumChange<Dim>> all_;
-  std::vector<MomentumChange<Dim>> saved_;
+  Buffer<MomentumChange<Dim>> all_;
+  Buffer<MomentumChange<Dim>> saved_;
 };
 
 }  // namespace silt::mps

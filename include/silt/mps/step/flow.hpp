@@ -3,6 +3,7 @@
 // order of SemiImplicit.
 #pragma once
 
+#include <silt/core/buffer.hpp>
 #include <silt/core/types.hpp>
 #include <silt/core/watch.hpp>
 #include <silt/linear/linear_system.hpp>
@@ -28,7 +29,6 @@
 
 #include <string>
 #include <utility>
-#include <vector>
 
 namespace silt::mps {
 
@@ -72,7 +72,7 @@ class BasicFlow {
   /// The walls as the flow sees them.
   const auto& walls() const noexcept { return operators_.walls(); }
   /// Those of the last step with walls of faces, for WallLoad; otherwise empty.
-  const std::vector<MomentumChange<Dim>>& momentum_changes() const noexcept {
+  const Buffer<MomentumChange<Dim>>& momentum_changes() const noexcept {
     return record_.momentum_changes();
   }
   double seconds_in_pressure() const noexcept { return seconds_.pressure; }  ///< [s], wall time

@@ -3,6 +3,7 @@
 // have no pressure; nor have the particles of walls to which their model gives none.
 #pragma once
 
+#include <silt/core/buffer.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/processes.hpp>
@@ -102,7 +103,7 @@ class PressureBoundary {
 
   std::vector<std::uint8_t> has_pressure_;
   std::vector<double> weight_of_surface_;
-  mutable std::vector<Answer> near_boundary_;  // each written by the evaluation of its particle
+  mutable Buffer<Answer> near_boundary_;  // each written by the evaluation of its particle
 };
 
 }  // namespace silt::mps

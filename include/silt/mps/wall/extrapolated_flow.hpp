@@ -3,11 +3,13 @@
 // missing by the scatter of their positions.
 #pragma once
 
+#include <silt/core/buffer.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/processes.hpp>
 #include <silt/core/types.hpp>
 #include <silt/mps/fluid/fluid.hpp>
 #include <silt/mps/operator/velocity_gradient.hpp>
+
 
 #include <vector>
 
@@ -59,7 +61,7 @@ class ExtrapolatedFlow {
   static constexpr Real least_even = Real(0.9);
   static constexpr Real least_full = Real(0.97);
 
-  std::vector<OfParticle> particles_;
+  Buffer<OfParticle> particles_;
 };
 
 }  // namespace silt::mps

@@ -2,6 +2,7 @@
 // Images of particles in walls, and those that a particle sees.
 #pragma once
 
+#include <silt/core/buffer.hpp>
 #include <silt/core/types.hpp>
 #include <silt/geometry/mirrors.hpp>
 #include <silt/mps/fluid/fluid.hpp>
@@ -143,13 +144,13 @@ class ImageRows {
     std::uint32_t end;  // of its places
   };
   struct Set {
-    std::vector<MirrorOfRow> mirrors;
-    std::vector<Part> parts;
-    std::vector<Place> places;
+    Buffer<MirrorOfRow> mirrors;
+    Buffer<Part> parts;
+    Buffer<Place> places;
   };
 
   template <class T>
-  static std::uint32_t size_of(const std::vector<T>& values) {
+  static std::uint32_t size_of(const Buffer<T>& values) {
     return static_cast<std::uint32_t>(values.size());
   }
   Set& set_of(Index i) { return sets_[i / together]; }
@@ -169,7 +170,7 @@ class ImageRows {
     return size;
   }
 
-  std::vector<Row> rows_;
+  Buffer<Row> rows_;
   std::vector<Set> sets_;
 };
 

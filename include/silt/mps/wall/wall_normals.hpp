@@ -2,6 +2,7 @@
 // Normals of walls made of particles.
 #pragma once
 
+#include <silt/core/buffer.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/processes.hpp>
 #include <silt/core/types.hpp>
@@ -35,7 +36,7 @@ class WallNormals {
     normals_.assign(particles.local(), Vec::Zero());
     for_each(particles.size(), [&](Index i) {
       if (kinds[i] != Kind::wall) return;
-      static thread_local std::vector<std::pair<Id, Vec>> solids;  // keeps its capacity
+      static thread_local Buffer<std::pair<Id, Vec>> solids;  // keeps its capacity
       solids.clear();
       for_each_weighted(around, i, stencil, [&](Index j, const Vec& r_ij, Real w, Real) {
         if (kinds[j] != Kind::fluid) solids.emplace_back(particles.id(j), (w / r_ij.norm()) * r_ij);
@@ -88,7 +89,7 @@ class WallNormals {
 
   std::vector<Vec> normals_;    // of particles, also of the halo; zero for fluid
   std::vector<Vec> positions_;  // at the last update; those of fluid are not used
-  std::vector<Kind> kinds_;     // at the last update
+  Buffer<Kind> kinds_;     // at the last update
   std::uint64_t revision_ = 0;
 };
 

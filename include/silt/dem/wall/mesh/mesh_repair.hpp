@@ -11,6 +11,7 @@
 // Without the split the triangles share no edge there, and a sphere would be disturbed at the seam.
 #pragma once
 
+#include <silt/core/buffer.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/triangle.hpp>
 #include <silt/core/types.hpp>
@@ -129,7 +130,7 @@ void split_at_junctions(WeldedMesh<Real>& mesh) {
       for (std::size_t k = 0; k < 3; ++k) ++sides[side_of(t, k)];
     }
     std::vector<Ends> border;
-    std::vector<typename Tree::Bounds> bounds;
+    Buffer<typename Tree::Bounds> bounds;
     std::vector<std::uint32_t> ends;
     for (const auto& [side, count] : sides) {
       if (count != 1) continue;

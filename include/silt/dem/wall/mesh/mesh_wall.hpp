@@ -5,6 +5,7 @@
 // is nearer than the facets and edges that meet there.
 #pragma once
 
+#include <silt/core/buffer.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/triangle.hpp>
 #include <silt/core/types.hpp>
@@ -115,7 +116,7 @@ class MeshWall {
       }
     }
     Tree tree_of(const std::vector<std::uint32_t>& some) const {
-      std::vector<typename Tree::Bounds> bounds;
+      Buffer<typename Tree::Bounds> bounds;
       for (const std::uint32_t f : some) {
         const auto& [a, b, c] = features.faces[f].vertices;
         const auto& x = features.vertices;
