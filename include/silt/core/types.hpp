@@ -47,6 +47,66 @@ Value zero_of() {
   }
 }
 
+namespace detail {
+
+/// f of each component of a and b. Two numbers of double are one register, in which Eigen, too, keeps
+/// them.
+template <class Real, int Dim, class F>
+[[gnu::always_inline]] inline Vec<Dim, Real> by_component(const Vec<Dim, Real>& a, const Vec<Dim, Real>& b, F f) {
+  Vec<Dim, Real> result;
+  if constexpr (Dim == 2 && std::is_same_v<Real, double>) {
+    typedef double Both __attribute__((vector_size(16), may_alias));
+    *reinterpret_cast<Both*>(result.data()) = f(*reinterpret_cast<const Both*>(a.data()), *reinterpret_cast<const Both*>(b.data()));
+  } else {
+    for (int k = 0; k < Dim; ++k) result.data()[k] = f(a.data()[k], b.data()[k]);
+  }
+  return result;
+}
+template <class Real, int Dim, class F>
+[[gnu::always_inline]] inline Vec<Dim, Real> by_component(const Vec<Dim, Real>& a, Real s, F f) {
+  Vec<Dim, Real> result;
+  if constexpr (Dim == 2 && std::is_same_v<Real, double>) {
+    typedef double Both __attribute__((vector_size(16), may_alias));
+    *reinterpret_cast<Both*>(result.data()) = f(*reinterpret_cast<const Both*>(a.data()), Both{s, s});
+  } else {
+    for (int k = 0; k < Dim; ++k) result.data()[k] = f(a.data()[k], s);
+  }
+  return result;
+}
+
+template <class Real, int Dim>
+concept OfSpace = std::is_floating_point_v<Real> && (Dim == 2 || Dim == 3);
+
+}  // namespace detail
+
+// Vectors of space are added, subtracted and scaled at once, and not by the expressions of Eigen,
+// of which a program would have, and compile, as many types as it has formulas.
+template <class Real, int Dim>
+  requires detail::OfSpace<Real, Dim>
+[[gnu::always_inline]] inline Eigen::Matrix<Real, Dim, 1> operator+(const Eigen::Matrix<Real, Dim, 1>& a, const Eigen::Matrix<Real, Dim, 1>& b) {
+  return detail::by_component<Real, Dim>(a, b, [](auto x, auto y) { return x + y; });
+}
+template <class Real, int Dim>
+  requires detail::OfSpace<Real, Dim>
+[[gnu::always_inline]] inline Eigen::Matrix<Real, Dim, 1> operator-(const Eigen::Matrix<Real, Dim, 1>& a, const Eigen::Matrix<Real, Dim, 1>& b) {
+  return detail::by_component<Real, Dim>(a, b, [](auto x, auto y) { return x - y; });
+}
+template <class Real, int Dim, class S>
+  requires detail::OfSpace<Real, Dim> && std::is_arithmetic_v<S>
+[[gnu::always_inline]] inline Eigen::Matrix<Real, Dim, 1> operator*(const Eigen::Matrix<Real, Dim, 1>& a, S s) {
+  return detail::by_component<Real, Dim>(a, Real(s), [](auto x, auto y) { return x * y; });
+}
+template <class Real, int Dim, class S>
+  requires detail::OfSpace<Real, Dim> && std::is_arithmetic_v<S>
+[[gnu::always_inline]] inline Eigen::Matrix<Real, Dim, 1> operator*(S s, const Eigen::Matrix<Real, Dim, 1>& a) {
+  return detail::by_component<Real, Dim>(a, Real(s), [](auto x, auto y) { return x * y; });
+}
+template <class Real, int Dim, class S>
+  requires detail::OfSpace<Real, Dim> && std::is_arithmetic_v<S>
+[[gnu::always_inline]] inline Eigen::Matrix<Real, Dim, 1> operator/(const Eigen::Matrix<Real, Dim, 1>& a, S s) {
+  return detail::by_component<Real, Dim>(a, Real(s), [](auto x, auto y) { return x / y; });
+}
+
 /// Cross product a × b; in 2D its out-of-plane component.
 template <class Real>
 Real cross(const Vec<2, Real>& arm, const Vec<2, Real>& force) {
