@@ -10,6 +10,8 @@
 #include <cstddef>
 #include <cstring>
 #include <exception>
+#include <initializer_list>
+#include <iterator>
 #include <new>
 #include <span>
 #include <type_traits>
@@ -94,6 +96,11 @@ class Buffer {
   Buffer() = default;
   explicit Buffer(Index count) { resize(count); }
   Buffer(Index count, const T& value) { resize(count, value); }
+  Buffer(std::initializer_list<T> values) { append(values); }
+  template <std::input_iterator Iterator>
+  Buffer(Iterator first, Iterator last) {
+    assign(first, last);
+  }
 
   Index size() const noexcept { return bytes_.size() / sizeof(T); }
   bool empty() const noexcept { return bytes_.size() == 0; }
@@ -136,6 +143,11 @@ class Buffer {
   void assign(std::span<const T> values) {
     clear();
     append(values);
+  }
+  template <std::input_iterator Iterator>
+  void assign(Iterator first, Iterator last) {
+    clear();
+    for (; first != last; ++first) push_back(*first);
   }
   void push_back(const T& value) {
     const T copy = value;  // may be one of these

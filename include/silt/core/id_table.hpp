@@ -2,6 +2,7 @@
 // The index in memory of every id of the present particles.
 #pragma once
 
+#include <silt/core/buffer.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/types.hpp>
 
@@ -9,7 +10,6 @@
 #include <bit>
 #include <span>
 #include <string>
-#include <vector>
 
 namespace silt::detail {
 
@@ -52,7 +52,7 @@ class IdTable {
       if (!is_direct_) return;
       is_direct_ = false;
     } else {
-      std::vector<Index> slots(std::bit_ceil(std::max<Index>(2 * number, 16)), no_index);
+      Buffer<Index> slots(std::bit_ceil(std::max<Index>(2 * number, 16)), no_index);
       slots_.swap(slots);
       is_direct_ = next_id <= slots_.size();
     }
@@ -82,7 +82,7 @@ class IdTable {
   }
   Index next(Index slot) const noexcept { return (slot + 1) & (slots_.size() - 1); }
 
-  std::vector<Index> slots_;  // a power of two
+  Buffer<Index> slots_;  // a power of two
   bool is_direct_ = true;
 };
 

@@ -3,6 +3,7 @@
 // rows there are, and what has changed. Compiled once in a program, not for each list of fields.
 #pragma once
 
+#include <silt/core/buffer.hpp>
 #include <silt/core/column.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/ids.hpp>
@@ -214,7 +215,7 @@ class ParticleTable {
     constants_changed_.set();
   }
   detail::Ids ids_;
-  std::vector<Index> owners_;  // by ghost
+  Buffer<Index> owners_;       // by ghost
   detail::Column shifts_;      // by ghost
   mutable detail::Mark positions_changed_{detail::Mark::Copied::set};
   mutable detail::Mark constants_changed_;

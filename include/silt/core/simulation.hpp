@@ -3,6 +3,7 @@
 // integrator T.
 #pragma once
 
+#include <silt/core/buffer.hpp>
 #include <silt/core/concepts.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/parallel.hpp>
@@ -22,7 +23,6 @@
 #include <optional>
 #include <string>
 #include <utility>
-#include <vector>
 
 namespace silt {
 
@@ -146,7 +146,7 @@ class Simulation {
     } else if constexpr (Archive::reads) {
       // The particles must not move, but an update wraps positions into a periodic box.
       const auto x = std::as_const(particles_).with_halo(position);
-      at_positions(particles_, std::vector<typename P::Vec>(x.begin(), x.end()),
+      at_positions(particles_, Buffer<typename P::Vec>(x.begin(), x.end()),
                    [&] { search_.update(particles_); });
     }
     archive.finite([&] { detail::transfer_part(archive, "integrator", integrator_, particles_); });

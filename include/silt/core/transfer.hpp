@@ -25,6 +25,7 @@
 // bytes that are left.
 #pragma once
 
+#include <silt/core/buffer.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/fields.hpp>
 #include <silt/core/types.hpp>
@@ -65,15 +66,15 @@ void transfer_part(Archive& archive, std::string_view name, T& part, P& particle
 /// Calls f() with the particles, those of the halo included, temporarily at the positions x [m].
 /// Throws if there are not as many as particles, or if one is not finite: they may have been read.
 template <class P, class F>
-void at_positions(P& particles, const std::vector<typename P::Vec>& x, F&& f) {
+void at_positions(P& particles, std::span<const typename P::Vec> x, F&& f) {
   if (x.size() != particles.local()) {
     fail({"search: there are ", x.size(), " positions of the last update for ", particles.local(),
           " particles; use an earlier checkpoint"});
   }
   for (const auto& each : x) require_finite("search: position of the last update", each);
   const auto all = particles.with_halo(position);
-  const std::vector<typename P::Vec> now(all.begin(), all.end());
-  const auto put = [&](const std::vector<typename P::Vec>& to) {
+  const Buffer<typename P::Vec> now(all.begin(), all.end());
+  const auto put = [&](std::span<const typename P::Vec> to) {
     const auto owned = std::ptrdiff_t(particles.size());
     std::copy(to.begin(), to.begin() + owned, particles[position].begin());
     if (particles.local() == particles.size()) return;

@@ -10,7 +10,6 @@
 #include <cstdint>
 #include <numeric>
 #include <utility>
-#include <vector>
 
 namespace silt {
 
@@ -108,7 +107,7 @@ class BoxTree {
     build(bounds, {middle, range.last});
   }
 
-  std::vector<std::uint32_t> items_;
+  Buffer<std::uint32_t> items_;
   Buffer<Node> nodes_;
 };
 

@@ -118,8 +118,8 @@ class Facets {
     for (std::uint32_t e = 0; e < elements_.size(); ++e) {
       for (std::size_t k = 0; k < std::size_t(Dim); ++k) edges[edge_of({e, k})].push_back({e, k});
     }
-    std::vector<bool> has_facet(elements_.size(), false);
-    std::vector<std::uint32_t> waiting;
+    Buffer<bool> has_facet(elements_.size(), false);
+    Buffer<std::uint32_t> waiting;
     for (std::uint32_t first = 0; first < elements_.size(); ++first) {
       if (has_facet[first]) continue;
       has_facet[first] = true;
@@ -195,7 +195,7 @@ class Facets {
   // Those with few corners, all of which are on the inner side of all edges of the rim.
   void find_convex_facets() {
     constexpr std::size_t max_faces = 200;
-    std::vector<std::vector<std::uint32_t>> facets(elements_.size());
+    std::vector<Buffer<std::uint32_t>> facets(elements_.size());
     for (std::uint32_t e = 0; e < elements_.size(); ++e) facets[elements_[e].facet].push_back(e);
     for (const auto& facet : facets) {
       if (facet.size() > max_faces) continue;

@@ -15,7 +15,6 @@
 #include <limits>
 #include <span>
 #include <utility>
-#include <vector>
 
 namespace silt {
 
@@ -242,7 +241,7 @@ class NearbyFaces {
   }
 
   const Faces<Dim>* surface_ = nullptr;
-  std::vector<std::uint32_t> near_;  // facet by facet
+  Buffer<std::uint32_t> near_;   // facet by facet
   Buffer<NearFacet> facets_;     // unless they are one plane
   Vec x_ = Vec::Zero();
   double reach_ = 0;     // [m]

@@ -2,6 +2,7 @@
 // A symmetric linear system, assembled by an interaction and solved by a LinearSolver.
 #pragma once
 
+#include <silt/core/buffer.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/types.hpp>
@@ -30,7 +31,7 @@ struct LinearSystem {
   /// Closed bodies, that is, sets of unknowns that A determines only up to a constant: number of
   /// the body of each row, 0 for rows of none; empty if there are no such bodies. A solver removes
   /// these constants from what it adds to x.
-  std::vector<std::uint32_t> closed_body;
+  Buffer<std::uint32_t> closed_body;
   Index closed_bodies = 0;  ///< number of these bodies
 
   /// Positions of the unknowns, for preconditioners that use them; without points they are not
@@ -39,8 +40,8 @@ struct LinearSystem {
     double spacing = 0;        ///< of the particles [m]
     double full_diagonal = 0;  ///< of an unknown with all its neighbours [unit of A]
     double second_moment = 0;  ///< Σ_j |a_ij| Δx²/spacing² over Σ_j |a_ij|, along an axis [-]
-    std::vector<std::array<double, 3>> points;  ///< [m]
-    std::vector<float> to_surface;  ///< Σ of the weights to points of given value
+    Buffer<std::array<double, 3>> points;  ///< [m]
+    Buffer<float> to_surface;              ///< Σ of the weights to points of given value
   };
   Geometry geometry;
 

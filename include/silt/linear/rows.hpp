@@ -54,7 +54,7 @@ class Rows {
   }
 
  private:
-  std::vector<Index> first_;  // of each row, and the total number
+  Buffer<Index> first_;  // of each row, and the total number
   Buffer<T> items_;
   std::vector<Buffer<T>> chunks_;
 };

@@ -11,6 +11,7 @@
 // a third less memory and time than windows of eight.
 #pragma once
 
+#include <silt/core/buffer.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/simd.hpp>
 #include <silt/core/types.hpp>
@@ -112,9 +113,9 @@ class WindowRows {
  private:
   // Windows of the rows stored together.
   struct RowSet {
-    std::vector<std::uint32_t> first;    // window of each row
-    std::vector<std::uint32_t> columns;  // of each window
-    std::vector<float> values;
+    Buffer<std::uint32_t> first;    // window of each row
+    Buffer<std::uint32_t> columns;  // of each window
+    Buffer<float> values;
 
     // Appends a window and returns its values, set to zero.
     float* open_window(Index window, Index column) {

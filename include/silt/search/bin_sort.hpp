@@ -10,6 +10,7 @@
 // Particles that are in order already, as after Particles::reorder, are not counted.
 #pragma once
 
+#include <silt/core/buffer.hpp>
 #include <silt/core/function_ref.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/simd.hpp>
@@ -20,7 +21,6 @@
 #include <numeric>
 #include <span>
 #include <utility>
-#include <vector>
 
 namespace silt {
 
@@ -175,14 +175,14 @@ class BinSort {
     item_of_.resize(size() + simd::lanes<std::uint32_t>);
   }
 
-  std::vector<std::uint32_t> bin_;
-  std::vector<std::uint32_t> start_;
-  std::vector<std::uint32_t> item_of_;
-  std::vector<std::uint32_t> slot_of_;
-  std::vector<std::uint32_t> next_;  // by range and bin
-  std::vector<std::uint32_t> in_chunk_;      // by range and chunk of bins
-  std::vector<std::uint32_t> before_chunk_;  // of bins
-  std::vector<Index> descents_of_;  // by chunk
+  Buffer<std::uint32_t> bin_;
+  Buffer<std::uint32_t> start_;
+  Buffer<std::uint32_t> item_of_;
+  Buffer<std::uint32_t> slot_of_;
+  Buffer<std::uint32_t> next_;          // by range and bin
+  Buffer<std::uint32_t> in_chunk_;      // by range and chunk of bins
+  Buffer<std::uint32_t> before_chunk_;  // of bins
+  Buffer<Index> descents_of_;           // by chunk
   Index descents_ = 0;
   bool in_order_ = false;
 };

@@ -19,7 +19,6 @@
 #include <optional>
 #include <span>
 #include <type_traits>
-#include <vector>
 
 namespace silt {
 
@@ -44,7 +43,7 @@ class LastPositions {
   /// Maximum displacement [m] of the particles, owned and of the halo, from these positions, where
   /// crossing a periodic side does not count; infinity if a position is NaN.
   template <class P>
-  Real max_displacement_from(const std::vector<Vec>& reference, const P& particles) {
+  Real max_displacement_from(const Buffer<Vec>& reference, const P& particles) {
     const auto x = lanes_of(particles.with_halo(position));
     const auto* const from = lanes_of(reference.data());
     const NearestImage<Dim, Real> image(particles.box());
@@ -144,8 +143,8 @@ class LastPositions {
     return maximum >= 0 ? std::sqrt(maximum) : std::numeric_limits<Real>::infinity();
   }
 
-  std::vector<Vec> positions_;  // with ghosts
-  std::vector<Vec> previous_;   // of the last update before the step
+  Buffer<Vec> positions_;  // with ghosts
+  Buffer<Vec> previous_;   // of the last update before the step
   bool has_previous_ = true;
   Update update_;
   Update saved_;

@@ -130,7 +130,7 @@ class LevelGrid {
     const bool is_new = !is_of(particles);
     if (all_levels_.descents() <= (is_new ? 0 : particles.size() / 16)) return;
     const auto items = all_levels_.item_of();
-    particles.reorder(std::vector<Index>(items.begin(), items.end()));
+    particles.reorder(Buffer<Index>(items.begin(), items.end()));
   }
 
   /// Writes or reads the positions of the last update for a checkpoint, see core/transfer.hpp.
@@ -241,7 +241,7 @@ class LevelGrid {
   struct Level {
     Real largest = 0;  // upper bound of the radii [m]
     Index first = 0;   // of its particles in the order of the levels
-    std::vector<Vec> x;
+    Buffer<Vec> x;
     SortedCells<Dim, Real> points;
   };
 
@@ -308,9 +308,9 @@ class LevelGrid {
   Real gap_ = 0;
   Index owned_ = 0;
   std::uint64_t revision_ = 0;  // of the particles at the last update
-  std::vector<Real> radii_;  // with ghosts
-  std::vector<Index> owners_;
-  std::vector<Index> histogram_;
+  Buffer<Real> radii_;          // with ghosts
+  Buffer<Index> owners_;
+  Buffer<Index> histogram_;
   Buffer<SizeClass> highest_;  // of each level
   std::vector<Level> levels_;       // the finest first
   BinSort by_level_;

@@ -8,6 +8,7 @@
 // below the list, and the next update builds the rows, if they are bounded (list_grid.hpp).
 #pragma once
 
+#include <silt/core/buffer.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/function_ref.hpp>
 #include <silt/core/nearest_image.hpp>
@@ -29,7 +30,6 @@
 #include <limits>
 #include <optional>
 #include <utility>
-#include <vector>
 
 namespace silt {
 
@@ -199,7 +199,7 @@ class NeighbourList {
   void transfer(Archive& archive, P& particles) {
     bool is_of_these = list().radius > 0 && is_built_from(particles);
     bool has_last = positions_.belong_to(particles);
-    std::vector<Vec> reference, last;
+    Buffer<Vec> reference, last;
     if (!Archive::reads && is_of_these) reference = list().reference;
     if (!Archive::reads && has_last) {
       const auto first = positions_.first(particles.local());
@@ -248,7 +248,7 @@ class NeighbourList {
     std::uint64_t owned_revision = 0;
     Index owned = 0;  // number of particles
     ListGrid<Inner> grid;
-    std::vector<Vec> reference;  // positions when it was built, with the halo
+    Buffer<Vec> reference;  // positions when it was built, with the halo
     std::array<NeighbourRows, 2> rows;
   };
 
@@ -334,13 +334,13 @@ class NeighbourList {
   template <class P>
   [[gnu::cold]] void repeat_all(P& particles) {
     const auto first = positions_.first(particles.local());
-    const std::vector<Vec> last(first.begin(), first.end());
-    repeat_build(particles, std::vector<Vec>(list().reference));
+    const Buffer<Vec> last(first.begin(), first.end());
+    repeat_build(particles, Buffer<Vec>(list().reference));
     repeat_update(particles, last);
   }
   // Builds the list again from the positions at which it was built.
   template <class P>
-  [[gnu::cold]] void repeat_build(P& particles, const std::vector<Vec>& reference) {
+  [[gnu::cold]] void repeat_build(P& particles, const Buffer<Vec>& reference) {
     at_positions(particles, reference, [&] { update_grid(particles); });
     list().reference = reference;
     set_revisions(particles);
@@ -352,7 +352,7 @@ class NeighbourList {
   }
   // Repeats the last update at the positions of that time.
   template <class P>
-  void repeat_update(P& particles, const std::vector<Vec>& last) {
+  void repeat_update(P& particles, const Buffer<Vec>& last) {
     at_positions(particles, last, [&] {
       particles.copy_to_ghosts(position);
       positions_.update_all(particles);

@@ -6,6 +6,7 @@
 // neighbours in a row, copying would take longer than finding them.
 #pragma once
 
+#include <silt/core/buffer.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/types.hpp>
@@ -48,8 +49,7 @@ class NeighbourRows {
 
    private:
     friend NeighbourRows;
-    Writer(std::vector<std::uint32_t>& entries, std::uint32_t* begin)
-        : entries_(entries), end_(begin) {
+    Writer(Buffer<std::uint32_t>& entries, std::uint32_t* begin) : entries_(entries), end_(begin) {
       *begin = 0;
     }
     void grow(Index min_size) {
@@ -61,7 +61,7 @@ class NeighbourRows {
       entries_.resize(std::min(max_size, min_size + min_size / 4));
     }
 
-    std::vector<std::uint32_t>& entries_;
+    Buffer<std::uint32_t>& entries_;
     std::uint32_t* end_;
     Index used_ = 0;
   };
@@ -98,8 +98,8 @@ class NeighbourRows {
 
  private:
   Index rows_ = 0;
-  std::vector<std::uint32_t> end_;  // by chunk: 0, and the end of each row
-  std::vector<std::vector<std::uint32_t>> entries_;  // by chunk
+  Buffer<std::uint32_t> end_;                   // by chunk: 0, and the end of each row
+  std::vector<Buffer<std::uint32_t>> entries_;  // by chunk
 };
 
 /// The interface of NeighbourRows::Writer for rows that are read only once: calls
@@ -109,8 +109,7 @@ class RowReader {
  public:
   /// For the set of rows that begins with `first`, which are those of `items`, by place; `memory`
   /// is reused.
-  RowReader(F& f, Index first, std::span<const std::uint32_t> items,
-            std::vector<std::uint32_t>& memory)
+  RowReader(F& f, Index first, std::span<const std::uint32_t> items, Buffer<std::uint32_t>& memory)
       : f_(f), set_(first / rows_together), items_(items), row_(first), memory_(memory) {}
 
   /// As NeighbourRows::Writer::room().
@@ -137,7 +136,7 @@ class RowReader {
   Index set_;
   std::span<const std::uint32_t> items_;
   Index row_;
-  std::vector<std::uint32_t>& memory_;
+  Buffer<std::uint32_t>& memory_;
   Index begin_ = 0;
 };
 

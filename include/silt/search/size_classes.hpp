@@ -23,7 +23,6 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <vector>
 
 namespace silt {
 
@@ -43,13 +42,12 @@ inline double largest_of(SizeClass size) {
 
 /// The highest size class of each level, finest level first: the optimum for so many particles of
 /// each class, if pairs up to a gap of `gap` [m] are found. No level is empty.
-inline Buffer<SizeClass> choose_levels(const std::vector<Index>& histogram, double gap,
-                                            int dimension) {
+inline Buffer<SizeClass> choose_levels(const Buffer<Index>& histogram, double gap, int dimension) {
   // Cost of finding the cells and of starting a loop in each row, in distance tests.
   constexpr double cell_cost = 30;
   constexpr SizeClass max_span = 8;
   Buffer<SizeClass> sizes;
-  std::vector<double> cumulative{0};  // cumulative number of particles
+  Buffer<double> cumulative{0};  // cumulative number of particles
   double volume = 0;
   for (SizeClass size = 0; size < histogram.size(); ++size) {
     if (histogram[size] == 0) continue;
@@ -65,8 +63,8 @@ inline Buffer<SizeClass> choose_levels(const std::vector<Index>& histogram, doub
     const double tests = std::pow(3 * edge, dimension) * own / volume;
     return own * (tests / 2 + cell_cost) + finer * (tests + cell_cost);
   };
-  std::vector<double> cost(sizes.size() + 1, std::numeric_limits<double>::infinity());
-  std::vector<std::size_t> begin(sizes.size() + 1, 0);
+  Buffer<double> cost(sizes.size() + 1, std::numeric_limits<double>::infinity());
+  Buffer<std::size_t> begin(sizes.size() + 1, 0);
   cost[0] = 0;
   for (std::size_t to = 1; to <= sizes.size(); ++to) {
     for (std::size_t from = 0; from < to; ++from) {

@@ -7,6 +7,7 @@
 //   item       3    0    7    1  …       their indices before sorting
 #pragma once
 
+#include <silt/core/buffer.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/function_ref.hpp>
 #include <silt/core/parallel.hpp>
@@ -23,7 +24,6 @@
 #include <limits>
 #include <span>
 #include <string>
-#include <vector>
 
 namespace silt {
 
@@ -186,7 +186,7 @@ class SortedCells {
   Real reach_ = 0;
   Cells<Dim, Real> cells_;
   BinSort order_;
-  std::array<std::vector<Real>, Dim> x_;  // by slot
+  std::array<Buffer<Real>, Dim> x_;  // by slot
 };
 
 }  // namespace silt

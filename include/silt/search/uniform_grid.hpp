@@ -8,6 +8,7 @@
 // (shared_candidates.hpp).
 #pragma once
 
+#include <silt/core/buffer.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/fields.hpp>
 #include <silt/core/parallel.hpp>
@@ -26,7 +27,6 @@
 #include <cmath>
 #include <cstdint>
 #include <type_traits>
-#include <vector>
 
 namespace silt {
 
@@ -202,7 +202,7 @@ class UniformGrid {
   template <class Wanted, class F>
   void for_each_row(Wanted&& wanted, F&& f) const {
     for_each_range<rows_together>(points_.size(), [&](Index first, Index last) {
-      static thread_local std::vector<std::uint32_t> memory;
+      static thread_local Buffer<std::uint32_t> memory;
       RowReader<std::remove_reference_t<F>> row{f, first, points_.item_of(), memory};
       add_rows({.first = first, .last = last}, Pairs::twice, wanted, row);
     });
@@ -215,8 +215,8 @@ class UniformGrid {
   Index bins() const noexcept { return points_.start().empty() ? 0 : points_.cells().bins(); }
 
   /// Owned particles in cell order, for Particles::reorder.
-  std::vector<Index> order() const {
-    std::vector<Index> order;
+  Buffer<Index> order() const {
+    Buffer<Index> order;
     order.reserve(owned_);
     for (const Index i : points_.item_of()) {
       if (i < owned_) order.push_back(i);
@@ -348,7 +348,7 @@ class UniformGrid {
   Index descents_ = 0;          // of their cells at the last update, ghosts included
   Index saved_descents_ = 0;
   SortedCells<Dim, Real> points_;
-  std::vector<Index> ghost_owners_;
+  Buffer<Index> ghost_owners_;
 };
 
 }  // namespace silt

@@ -13,7 +13,6 @@
 #include <limits>
 #include <numeric>
 #include <span>
-#include <vector>
 
 namespace silt {
 
@@ -157,7 +156,7 @@ class BackgroundCells {
   CellOrder order_ = CellOrder::plain;
   Buffer<Cell> cells_;
   Buffer<Cell> by_colour_;
-  std::vector<std::uint32_t> table_;  // numbers of the cells of the bounding box
+  Buffer<std::uint32_t> table_;  // numbers of the cells of the bounding box
   Cell lower_{};
   std::array<std::int64_t, Dim> extent_{};
   Index reds_ = 0;

@@ -22,7 +22,6 @@
 #include <cstdint>
 #include <numeric>
 #include <span>
-#include <vector>
 
 namespace silt {
 
@@ -218,13 +217,13 @@ class CellCoarsening {
 
   Buffer<GridCell<Dim>> positions_;    // coarse position, by fine cell
   BackgroundCells<Dim> numbering_;          // of the coarse positions
-  std::vector<std::uint32_t> joined_;       // by fine cell
-  std::vector<std::uint32_t> first_at_position_;     // first coarse cell, by position
-  std::vector<std::uint32_t> parent_;       // by fine cell
-  std::vector<std::uint32_t> first_child_;  // by coarse cell
-  std::vector<std::uint32_t> child_;
+  Buffer<std::uint32_t> joined_;            // by fine cell
+  Buffer<std::uint32_t> first_at_position_;  // first coarse cell, by position
+  Buffer<std::uint32_t> parent_;             // by fine cell
+  Buffer<std::uint32_t> first_child_;        // by coarse cell
+  Buffer<std::uint32_t> child_;
   Buffer<std::array<Weight, corners>> rows_;  // of P, by fine cell
-  std::vector<std::uint32_t> first_in_column_;     // by coarse cell
+  Buffer<std::uint32_t> first_in_column_;     // by coarse cell
   Buffer<Weight> columns_;                    // of P, the rows of Pᵀ
 };
 

@@ -9,6 +9,7 @@
 // that it is symmetric. Bitwise identical for any number of threads.
 #pragma once
 
+#include <silt/core/buffer.hpp>
 #include <silt/core/eigen.hpp>
 #include <silt/core/types.hpp>
 #include <silt/solve/background_cells.hpp>
@@ -108,7 +109,7 @@ class CellCycle {
     }
   }
 
-  void solve_coarsest(const std::vector<float>& b, std::vector<float>& x) const {
+  void solve_coarsest(const Buffer<float>& b, Buffer<float>& x) const {
     std::fill(x.begin(), x.end(), 0.0f);
     for (Index j = 0; j < b.size(); ++j) {
       const float* const column = coarsest_inverse_.col(static_cast<Eigen::Index>(j)).data();

@@ -20,7 +20,6 @@
 #include <cstdint>
 #include <numeric>
 #include <span>
-#include <vector>
 
 namespace silt {
 
@@ -163,10 +162,10 @@ class CellInterpolation {
 
   BackgroundCells<Dim> patches_;  // identified by their low corners
   Buffer<Cell> low_corners_;
-  std::vector<std::uint32_t> patch_of_;                // by point
-  std::vector<std::uint32_t> first_;                   // first entry of each patch in member_
-  std::vector<std::uint32_t> member_;                  // points, sorted by patch
-  std::vector<float> weight_;                          // by entry of member_ and corner
+  Buffer<std::uint32_t> patch_of_;                // by point
+  Buffer<std::uint32_t> first_;                   // first entry of each patch in member_
+  Buffer<std::uint32_t> member_;                  // points, sorted by patch
+  Buffer<float> weight_;                          // by entry of member_ and corner
   Buffer<Corners> cells_of_;                      // by patch
   Buffer<std::array<bool, corners>> present_;     // by patch
   Buffer<Corners> patches_of_;                    // by cell

@@ -14,7 +14,6 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <vector>
 
 namespace silt {
 
@@ -32,10 +31,10 @@ struct CellLevel {
   Buffer<GridCell<Dim>> cells;  ///< red ones first; several at a position divided by walls
   Index reds = 0;                    ///< number of red cells
   Rows<Link> links;                  ///< to cells of the other colour
-  std::vector<float> mass;           ///< coupling to the free surface
-  std::vector<float> diagonal;       ///< of the matrix
-  std::vector<float> inverse;        ///< of the diagonal
-  std::vector<float> x, b, r;
+  Buffer<float> mass;                ///< coupling to the free surface
+  Buffer<float> diagonal;            ///< of the matrix
+  Buffer<float> inverse;             ///< of the diagonal
+  Buffer<float> x, b, r;
 
   Index size() const noexcept { return cells.size(); }
 

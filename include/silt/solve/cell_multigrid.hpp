@@ -30,7 +30,6 @@
 #include <cmath>
 #include <cstdint>
 #include <span>
-#include <vector>
 
 namespace silt {
 
@@ -156,11 +155,11 @@ class CellMultigrid {
   }
 
   Settings settings_;
-  std::vector<double> inverse_;  // of the system's diagonal
+  Buffer<double> inverse_;  // of the system's diagonal
   Buffer<GridCell<Dim>> occupied_;
   BackgroundCells<Dim> finest_cells_;
   CellInterpolation<Dim> to_particles_;
-  std::vector<float> stiffness_;  // by finest cell
+  Buffer<float> stiffness_;  // by finest cell
   Cycle cycle_;
   bool uses_cells_ = false;
 };

@@ -2,6 +2,7 @@
 // Which grains a bond connects, and which bonds a grain has, by their indices in memory.
 #pragma once
 
+#include <silt/core/buffer.hpp>
 #include <silt/core/types.hpp>
 
 #include <cstdint>
@@ -64,9 +65,9 @@ class BondIndices {
 
  private:
   std::vector<BondEnds> ends_;
-  std::vector<Index> first_;  // by grain
-  std::vector<Index> numbers_;
-  std::vector<Index> next_;
+  Buffer<Index> first_;  // by grain
+  Buffer<Index> numbers_;
+  Buffer<Index> next_;
   std::uint64_t revision_ = 0;
   bool is_valid_ = false;
 };

@@ -5,6 +5,7 @@
 // deferred until all blocks have been evaluated.
 #pragma once
 
+#include <silt/core/buffer.hpp>
 #include <silt/core/concepts.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/types.hpp>
@@ -18,7 +19,6 @@
 #include <algorithm>
 #include <cstddef>
 #include <numeric>
-#include <vector>
 
 namespace silt::dem::detail {
 
@@ -28,8 +28,8 @@ struct BlockMemory {
   WorkDivision division;
   Loads loads;
   TouchingGrains touching;
-  std::vector<char> is_dense;  ///< by block, from the last step
-  std::vector<Index> counts;   ///< by thread, of contacts that touch
+  Buffer<char> is_dense;  ///< by block, from the last step
+  Buffer<Index> counts;   ///< by thread, of contacts that touch
 };
 
 /// Adds the forces and torques of all contacts to the grains, and stores their histories. Refers to

@@ -207,7 +207,7 @@ class ContactList {
   static Index block_of(const Pair& pair) { return std::min(pair.first, pair.second) / block_size; }
 
   void concatenate(const std::vector<PairsOfBlock>& by_block) {
-    std::vector<Index> further(by_block.size(), 0);
+    Buffer<Index> further(by_block.size(), 0);
     for (const PairsOfBlock& each : by_block) {
       for (const Pair& pair : each.of_other_blocks) ++further[block_of(pair)];
     }
@@ -301,7 +301,7 @@ class ContactList {
         }
       });
     });
-    std::vector<std::uint32_t> before(tasks + 1, 0);
+    Buffer<std::uint32_t> before(tasks + 1, 0);
     for_each_task(tasks, [&](Index task) {
       for_each_of_earlier(task, [&](std::uint32_t i, Side) { ++begin_[i]; });
       std::uint32_t sum = 0;
@@ -340,11 +340,11 @@ class ContactList {
   }
 
   Buffer<Block> blocks_;
-  std::vector<std::uint32_t> first_;
-  std::vector<std::uint32_t> second_;
-  std::vector<std::uint32_t> begin_;  // by grain
+  Buffer<std::uint32_t> first_;
+  Buffer<std::uint32_t> second_;
+  Buffer<std::uint32_t> begin_;  // by grain
   Buffer<Side> sides_;
-  std::vector<Id> ids_;  // with those of the halo
+  Buffer<Id> ids_;  // with those of the halo
   Index owned_ = 0;
 };
 

@@ -2,6 +2,7 @@
 // Access to the contacts of the last step for observers, measurements and the energy ledger.
 #pragma once
 
+#include <silt/core/buffer.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/function_ref.hpp>
 #include <silt/core/parallel.hpp>
@@ -268,7 +269,7 @@ class ContactsOfStep {
           "dem::Contacts: the contacts of the step before a failed one are unknown, because they "
           "had not been asked for in any step before; use those of Simulation::state()");
     }
-    std::vector<Real> rows(evaluation_.contacts().size() * Row::words);
+    Buffer<Real> rows(evaluation_.contacts().size() * Row::words);
     evaluate_again(rows.data());
     for_each_in_order(
         [&](Index c, const ContactBodies& bodies) { f(c, bodies, rows.data() + c * Row::words); });

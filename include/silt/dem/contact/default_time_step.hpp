@@ -3,6 +3,7 @@
 // materials that grains or walls have count, and no pair of two walls, which never touch.
 #pragma once
 
+#include <silt/core/buffer.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/processes.hpp>
@@ -17,7 +18,6 @@
 #include <cstdint>
 #include <limits>
 #include <string>
-#include <vector>
 
 namespace silt::dem::detail {
 
@@ -50,16 +50,15 @@ struct ShortestContacts {
 
 /// The numbers, in ascending order, of the materials that at least one grain has, of all processes.
 template <class P, class Law>
-[[gnu::cold]] std::vector<std::uint32_t> materials_of(const P& grains,
-                                                      const Materials<Law>& materials) {
+[[gnu::cold]] Buffer<std::uint32_t> materials_of(const P& grains, const Materials<Law>& materials) {
   const auto of_grain = grains[material];
-  std::vector<double> is_present(materials.count());
+  Buffer<double> is_present(materials.count());
   for (std::uint32_t a = 0; a < materials.count(); ++a) {
     const auto is_it = [&](Index i) { return of_grain[i] == a; };
     is_present[a] = first_where(grains.size(), is_it) != no_index;
   }
   silt::detail::replace_by_largest(grains, is_present);
-  std::vector<std::uint32_t> result;
+  Buffer<std::uint32_t> result;
   for (std::uint32_t a = 0; a < materials.count(); ++a) {
     if (is_present[a] > 0) result.push_back(a);
   }

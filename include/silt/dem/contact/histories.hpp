@@ -11,7 +11,6 @@
 #include <algorithm>
 #include <atomic>
 #include <cstdint>
-#include <vector>
 
 namespace silt::dem::detail {
 
@@ -99,7 +98,7 @@ class Histories {
   }
 
   Buffer<Real> numbers_;
-  std::vector<std::uint8_t> touching_;  // a bit for each contact of a group
+  Buffer<std::uint8_t> touching_;  // a bit for each contact of a group
 };
 
 }  // namespace silt::dem::detail

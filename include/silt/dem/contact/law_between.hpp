@@ -2,13 +2,13 @@
 // The law between the two sides of a contact, and the walls at its time.
 #pragma once
 
+#include <silt/core/buffer.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/contact/contact_list.hpp>
 #include <silt/dem/contact/step_time.hpp>
 #include <silt/dem/law/materials.hpp>
 
 #include <cstdint>
-#include <vector>
 
 namespace silt::dem::detail {
 
@@ -17,7 +17,7 @@ template <class List, class Law, class Walls>
 const Law& law_between(const List& list, const Materials<Law>& materials, const Walls& walls,
                        Index c) {
   const ContactList& contacts = list.contacts;
-  const std::vector<std::uint32_t>& of_grains = list.constants.materials;
+  const Buffer<std::uint32_t>& of_grains = list.constants.materials;
   const Index second = contacts.second(c);
   return materials.between(
       of_grains[contacts.first(c)],

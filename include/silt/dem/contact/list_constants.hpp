@@ -3,6 +3,7 @@
 // contacts was built. Steps do not change them; if the user does, the list has to be rebuilt.
 #pragma once
 
+#include <silt/core/buffer.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/types.hpp>
@@ -12,17 +13,16 @@
 #include <cstdint>
 #include <string>
 #include <utility>
-#include <vector>
 
 namespace silt::dem::detail {
 
 /// Copies of the constants of all grains, those of the halo included.
 template <class Real>
 struct ListConstants {
-  std::vector<Real> radii;               ///< [m]
-  std::vector<Real> masses;              ///< [kg]
-  std::vector<Real> inertias;            ///< [kg m²]
-  std::vector<std::uint32_t> materials;  ///< indices in dem::Materials
+  Buffer<Real> radii;               ///< [m]
+  Buffer<Real> masses;              ///< [kg]
+  Buffer<Real> inertias;            ///< [kg m²]
+  Buffer<std::uint32_t> materials;  ///< indices in dem::Materials
 
   template <class P>
   void keep(const P& grains) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <silt/core/box.hpp>
+#include <silt/core/buffer.hpp>
 #include <silt/core/concepts.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/nearest_image.hpp>
@@ -28,7 +29,7 @@ namespace silt::dem::detail {
 /// When and with which margin a list was built; kept in checkpoints.
 template <int Dim, class Real>
 struct ListOrigin {
-  std::vector<Vec<Dim, Real>> since;  ///< positions of the grains, with the halo, when it was built [m]
+  Buffer<Vec<Dim, Real>> since;  ///< positions of the grains, with the halo, when it was built [m]
   Real margin = 0;                    ///< largest gap of its pairs [m]
   double time = 0;                    ///< of these positions and of the walls [s]
   Box<Dim, Real> extent;              ///< contains all grains while the list is valid [m]

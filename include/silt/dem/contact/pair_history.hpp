@@ -3,6 +3,7 @@
 // checkpoints. Ids remain valid when particles are reordered or removed.
 #pragma once
 
+#include <silt/core/buffer.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/types.hpp>
 
@@ -56,7 +57,7 @@ class PairHistory {
   /// Writes or reads the table for a checkpoint, see core/transfer.hpp.
   template <class Archive>
   void transfer(Archive& archive) {
-    std::vector<Id> owners, partners;
+    Buffer<Id> owners, partners;
     std::vector<Value> values;
     for (const Entry& entry : entries_) {
       owners.push_back(entry.owner);

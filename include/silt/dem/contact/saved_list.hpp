@@ -3,6 +3,7 @@
 // grains, in the same steps as without a restart; see is_stale().
 #pragma once
 
+#include <silt/core/buffer.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/contact/contact_list.hpp>
@@ -100,7 +101,7 @@ class SavedList {
   template <class P>
   void restore(const P& grains, List& list,
                std::vector<ContactList::PairsOfBlock>& by_block) const {
-    std::vector<std::vector<Index>> of_grain(grains.size());
+    std::vector<Buffer<Index>> of_grain(grains.size());
     for (Index k = 0; k < first_.size(); ++k) of_grain[grains.index_of(first_[k])].push_back(k);
     list.contacts.build(
         grains.ids_with_halo(), grains.size(),
@@ -121,8 +122,8 @@ class SavedList {
 
  private:
   bool is_known_ = false;
-  std::vector<Id> first_;
-  std::vector<Id> second_;
+  Buffer<Id> first_;
+  Buffer<Id> second_;
   ListOrigin<Dim, Real> origin_;
 };
 

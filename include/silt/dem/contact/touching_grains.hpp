@@ -3,6 +3,7 @@
 // would take most of the time.
 #pragma once
 
+#include <silt/core/buffer.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/contact/contact_list.hpp>
@@ -11,7 +12,6 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
 namespace silt::dem::detail {
 
@@ -47,7 +47,7 @@ class TouchingGrains {
  private:
   static constexpr Index words_per_block = block_size / 64;
   static_assert(block_size % 64 == 0);
-  std::vector<std::uint64_t> words_;
+  Buffer<std::uint64_t> words_;
 };
 
 }  // namespace silt::dem::detail

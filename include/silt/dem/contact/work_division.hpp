@@ -2,6 +2,7 @@
 // How the blocks of grains are divided among threads, and where the loads of contacts are kept.
 #pragma once
 
+#include <silt/core/buffer.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/contact/contact_list.hpp>
@@ -100,7 +101,7 @@ class WorkDivision {
  private:
   // Equal shares of the work, where a grain takes as long as two contacts.
   void divide(const ContactList& list, Index threads) {
-    std::vector<Index> work(list.blocks() + 1, 0);
+    Buffer<Index> work(list.blocks() + 1, 0);
     for (Index b = 0; b < list.blocks(); ++b) {
       const auto [pairs, walls] = list.block(b);
       work[b + 1] =
@@ -148,8 +149,8 @@ class WorkDivision {
   Index assign_slots(const ContactList& list, Index t) {
     const Index first_block = first_block_[t];
     const Index last_block = first_block_[t + 1];
-    std::vector<std::vector<std::uint32_t>> released(last_block - first_block);
-    std::vector<std::uint32_t> free;
+    std::vector<Buffer<std::uint32_t>> released(last_block - first_block);
+    Buffer<std::uint32_t> free;
     Index count = 0;
     for (Index b = first_block; b < last_block; ++b) {
       const ContactList::Range all = list.block(b).all();
@@ -168,7 +169,7 @@ class WorkDivision {
         }
         if (last_read < last_block) released[last_read - first_block].push_back(slot);
       }
-      free.insert(free.end(), released[b - first_block].begin(), released[b - first_block].end());
+      free.append(released[b - first_block]);
     }
     return count;
   }
@@ -184,13 +185,13 @@ class WorkDivision {
   }
 
   const ContactList* list_ = nullptr;  // for comparison only
-  std::vector<Index> first_block_;     // by thread
-  std::vector<std::uint32_t> slot_of_group_;
-  std::vector<Index> slots_;  // before those of each thread
-  std::vector<std::uint32_t> row_of_side_;
-  std::vector<std::uint8_t> order_;  // by range of grains, the offsets from the first
-  std::vector<char> is_deferred_;    // by grain
-  std::vector<std::vector<std::uint32_t>> deferred_;  // by the thread of their block
+  Buffer<Index> first_block_;          // by thread
+  Buffer<std::uint32_t> slot_of_group_;
+  Buffer<Index> slots_;  // before those of each thread
+  Buffer<std::uint32_t> row_of_side_;
+  Buffer<std::uint8_t> order_;                   // by range of grains, the offsets from the first
+  Buffer<char> is_deferred_;                     // by grain
+  std::vector<Buffer<std::uint32_t>> deferred_;  // by the thread of their block
 };
 
 }  // namespace silt::dem::detail

@@ -2,11 +2,11 @@
 // The force per mass F on the particles of a flow: gravity, and a body force if there is one.
 #pragma once
 
+#include <silt/core/buffer.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/types.hpp>
 #include <silt/mps/fluid/fluid.hpp>
 
-#include <vector>
 
 namespace silt::mps {
 
@@ -38,11 +38,11 @@ class BodyForce {
   /// F at a particle, owned or of the halo [m/s²].
   Vec operator[](Index i) const { return forces_.empty() ? gravity_ : forces_[i]; }
   /// F at each of these [m/s²]; empty if it is gravity only.
-  const std::vector<Vec>& values() const noexcept { return forces_; }
+  const Buffer<Vec>& values() const noexcept { return forces_; }
 
  private:
   Vec gravity_ = Vec::Zero();
-  std::vector<Vec> forces_;
+  Buffer<Vec> forces_;
 };
 
 }  // namespace silt::mps

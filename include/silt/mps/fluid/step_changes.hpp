@@ -3,12 +3,12 @@
 // before any of them is applied, and are kept for the energy balance.
 #pragma once
 
+#include <silt/core/buffer.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/types.hpp>
 #include <silt/mps/fluid/fluid.hpp>
 
 #include <type_traits>
-#include <vector>
 
 namespace silt::mps {
 
@@ -16,11 +16,11 @@ namespace silt::mps {
 /// `collision` of pairs, `pressure`), and its shift [m]; empty for a stage without effect.
 template <class Vec>
 struct StepChanges {
-  std::vector<Vec> predictor;  ///< gravity, force and viscosity
-  std::vector<Vec> friction;
-  std::vector<Vec> collision;
-  std::vector<Vec> pressure;
-  std::vector<Vec> shift;
+  Buffer<Vec> predictor;  ///< gravity, force and viscosity
+  Buffer<Vec> friction;
+  Buffer<Vec> collision;
+  Buffer<Vec> pressure;
+  Buffer<Vec> shift;
 
   void clear() {
     for (auto* changes : {&predictor, &friction, &collision, &pressure, &shift}) changes->clear();
@@ -37,7 +37,7 @@ void for_each_of_fluid(const P& particles, F&& f) {
 
 /// changes[i] = change_of(i) for every fluid particle.
 template <FluidParticles P, class Vec, class F>
-void find_changes(const P& particles, std::vector<Vec>& changes, F&& change_of) {
+void find_changes(const P& particles, Buffer<Vec>& changes, F&& change_of) {
   // An expression of Eigen could refer to temporary objects.
   static_assert(std::is_same_v<std::invoke_result_t<F, Index>, Vec>);
   changes.resize(particles.size());
@@ -46,7 +46,7 @@ void find_changes(const P& particles, std::vector<Vec>& changes, F&& change_of) 
 
 /// Adds the changes to the velocity, or position, of every fluid particle.
 template <class Vec, FluidParticles P, Field F>
-void apply_changes(const std::vector<Vec>& changes, P& particles, F field) {
+void apply_changes(const Buffer<Vec>& changes, P& particles, F field) {
   const auto values = particles[field];
   for_each_of_fluid(particles, [&](Index i) { values[i] += changes[i]; });
 }

@@ -8,7 +8,6 @@
 
 #include <cstdint>
 #include <type_traits>
-#include <vector>
 
 namespace silt::mps {
 
@@ -44,7 +43,7 @@ class KeptMoments {
 
  private:
   // Each written by the evaluation of its particle.
-  mutable std::vector<std::uint8_t> is_known_;
+  mutable Buffer<std::uint8_t> is_known_;
   mutable Buffer<Moments> moments_;
 };
 

@@ -128,7 +128,7 @@ class Neighbourhood {
       search.for_each_row(has_row, f);
     } else {
       for_each_range<rows_together>(particles.size(), [&](Index first, Index last) {
-        static thread_local std::vector<std::uint32_t> js;  // keeps its capacity
+        static thread_local Buffer<std::uint32_t> js;  // keeps its capacity
         for (Index i = first; i < last; ++i) {
           if (!has_row(i)) continue;
           js.clear();
@@ -156,8 +156,8 @@ class Neighbourhood {
 
   Buffer<RowPlace> rows_;  // by particle
   std::vector<WeightedRows<Real>> sets_;
-  std::vector<Real> density_;
-  std::vector<Vec> positions_;  // with ghosts
+  Buffer<Real> density_;
+  Buffer<Vec> positions_;  // with ghosts
   std::uint64_t revision_ = 0;
 };
 

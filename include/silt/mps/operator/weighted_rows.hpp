@@ -2,6 +2,7 @@
 // Neighbours of particles with their weights, one row after another in memory.
 #pragma once
 
+#include <silt/core/buffer.hpp>
 #include <silt/core/simd.hpp>
 #include <silt/core/types.hpp>
 
@@ -12,7 +13,6 @@
 #include <limits>
 #include <numeric>
 #include <span>
-#include <vector>
 
 namespace silt::mps {
 
@@ -60,8 +60,8 @@ class WeightedRows {
   /// Adds that of particle i, of those particles js that are within the stencil and visible, see
   /// Neighbourhood::find().
   template <int Dim, class T, class Visible>
-  Added add(Index i, std::span<const std::uint32_t> js,
-            const std::vector<Vec<Dim, Real>>& positions, T stencil, const Visible& visible) {
+  Added add(Index i, std::span<const std::uint32_t> js, const Buffer<Vec<Dim, Real>>& positions,
+            T stencil, const Visible& visible) {
     reserve(js.size());
     std::uint32_t* const index = index_.data() + used_;
     float* const weight = weight_.data() + used_;
@@ -154,13 +154,13 @@ class WeightedRows {
     grow(weight_over_square_);
   }
 
-  std::vector<std::uint32_t> index_;
-  std::vector<float> weight_;
-  std::vector<float> weight_over_square_;
+  Buffer<std::uint32_t> index_;
+  Buffer<float> weight_;
+  Buffer<float> weight_over_square_;
   Index used_ = 0;
-  std::vector<Real> square_;  // r² of the row being added
-  std::vector<Real> share_;   // of its neighbours that is visible
-  std::vector<Real> exact_;   // its weights before rounding to single precision
+  Buffer<Real> square_;  // r² of the row being added
+  Buffer<Real> share_;   // of its neighbours that is visible
+  Buffer<Real> exact_;   // its weights before rounding to single precision
 };
 
 }  // namespace silt::mps

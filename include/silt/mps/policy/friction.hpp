@@ -17,7 +17,6 @@
 #include <algorithm>
 #include <cmath>
 #include <concepts>
-#include <vector>
 
 namespace silt::mps {
 
@@ -176,7 +175,7 @@ concept Friction = (HasFriction<F> || std::same_as<F, NoFriction>) &&
 /// Finds the change of the velocity of every fluid particle by a FrictionInFlow [m/s], from a
 /// StepView.
 template <class InFlow, class Step, class Vec>
-void find_friction(InFlow& friction, const Step& step, std::vector<Vec>& changes) {
+void find_friction(InFlow& friction, const Step& step, Buffer<Vec>& changes) {
   static_assert(requires { friction.find(step); },
                 "mps: find() of the friction cannot be called with a const StepView");
   friction.find(step);

@@ -3,12 +3,12 @@
 // kernel (2009), and terms that compensate its errors without a free parameter (2011).
 #pragma once
 
+#include <silt/core/buffer.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/types.hpp>
 
 #include <cmath>
-#include <vector>
 
 namespace silt::mps {
 
@@ -49,7 +49,7 @@ class ErrorCompensatingSource {
   }
 
  private:
-  std::vector<double> last_rate_;  // (1/n0) Dn/Dt [1/s]
+  Buffer<double> last_rate_;  // (1/n0) Dn/Dt [1/s]
 };
 
 }  // namespace silt::mps

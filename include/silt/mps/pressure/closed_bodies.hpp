@@ -3,6 +3,7 @@
 // constant.
 #pragma once
 
+#include <silt/core/buffer.hpp>
 #include <silt/core/types.hpp>
 #include <silt/linear/linear_system.hpp>
 
@@ -22,7 +23,7 @@ class ClosedBodies {
  public:
   /// Numbers them, LinearSystem::closed_body, from 1. `last_column` of each row is the last one with an
   /// entry, or the row itself.
-  void find(LinearSystem& system, const std::vector<std::uint32_t>& last_column) {
+  void find(LinearSystem& system, const Buffer<std::uint32_t>& last_column) {
     find_open_rows(system, last_column);
     const Index n = system.size();
     auto& body = system.closed_body;
@@ -65,7 +66,7 @@ class ClosedBodies {
       }
     } while (system.sum_of_all(lowered) > 0);
     // From the lowest label on.
-    std::vector<std::uint32_t> number(label.size(), 0);
+    Buffer<std::uint32_t> number(label.size(), 0);
     std::uint32_t bodies = 0;
     for (double last = -infinity;;) {
       double next = infinity;
@@ -129,7 +130,7 @@ class ClosedBodies {
   }
 
   // Those that can be reached from the free surface.
-  void find_open_rows(const LinearSystem& system, const std::vector<std::uint32_t>& last_column) {
+  void find_open_rows(const LinearSystem& system, const Buffer<std::uint32_t>& last_column) {
     const Index n = system.size();
     const auto& entries = system.off_diagonal;
     is_open_.assign(system.columns(), 0);
@@ -176,8 +177,8 @@ class ClosedBodies {
     }
   }
 
-  std::vector<std::uint8_t> is_open_;  // columns connected with a free surface
-  std::vector<std::uint32_t> front_;   // of flood()
+  Buffer<std::uint8_t> is_open_;  // columns connected with a free surface
+  Buffer<std::uint32_t> front_;   // of flood()
 };
 
 }  // namespace silt::mps

@@ -7,6 +7,7 @@
 // Positive definite for a body of fluid with a free surface; without one, see closed_bodies.hpp.
 #pragma once
 
+#include <silt/core/buffer.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/processes.hpp>
 #include <silt/core/types.hpp>
@@ -19,7 +20,6 @@
 #include <algorithm>
 #include <cstdint>
 #include <limits>
-#include <vector>
 
 namespace silt::mps {
 
@@ -170,9 +170,9 @@ class PressureEquation {
   }
 
   LinearSystem system_;
-  std::vector<std::uint32_t> unknowns_;     // particle of each row
-  std::vector<std::uint32_t> row_of_;       // row of each particle; ghosts have that of their owner
-  std::vector<std::uint32_t> last_column_;  // last column with an entry, or the row itself
+  Buffer<std::uint32_t> unknowns_;     // particle of each row
+  Buffer<std::uint32_t> row_of_;       // row of each particle; ghosts have that of their owner
+  Buffer<std::uint32_t> last_column_;  // last column with an entry, or the row itself
   ClosedBodies closed_bodies_;
   std::vector<double> solution_;
 };

@@ -2,6 +2,7 @@
 // The unknown pressures of a flow that several processes share.
 #pragma once
 
+#include <silt/core/buffer.hpp>
 #include <silt/core/processes.hpp>
 #include <silt/core/types.hpp>
 #include <silt/linear/shared_unknowns.hpp>
@@ -16,7 +17,7 @@ namespace silt::mps {
 /// halo: column_of of particles and halo is less than `columns` for them. The particles must outlive what
 /// is returned.
 template <class P>
-SharedUnknowns shared_pressures(const P& particles, const std::vector<std::uint32_t>& column_of,
+SharedUnknowns shared_pressures(const P& particles, const Buffer<std::uint32_t>& column_of,
                                 Index columns) {
   auto exchange = particles.exchange_of([&](Index i) {
     return column_of[i] < columns ? Index(column_of[i]) : no_index;

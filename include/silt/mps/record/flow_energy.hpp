@@ -12,13 +12,13 @@
 // energy. Any difference is numerical, and is listed separately.
 #pragma once
 
+#include <silt/core/buffer.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/processes.hpp>
 #include <silt/core/types.hpp>
 #include <silt/mps/fluid/fluid.hpp>
 #include <silt/mps/fluid/step_changes.hpp>
 
-#include <vector>
 
 namespace silt::mps {
 
@@ -106,7 +106,7 @@ class EnergyAccount {
   /// To be called after a step of dt [s] made `changes` and moved the particles. `forces` are
   /// gravity plus body force of each particle [m/s²]; empty if there is no body force.
   template <FluidParticles P>
-  void end(const P& particles, const StepChanges<Vec>& changes, const std::vector<Vec>& forces,
+  void end(const P& particles, const StepChanges<Vec>& changes, const Buffer<Vec>& forces,
            double dt) {
     const auto u = particles[velocity];
     const auto kinds = particles[kind];
@@ -170,7 +170,7 @@ class EnergyAccount {
   using Work = silt::Vec<terms>;
 
   static Wide wide(const Vec& v) { return v.template cast<double>(); }
-  static Wide change_of(const std::vector<Vec>& changes, Index i) {
+  static Wide change_of(const Buffer<Vec>& changes, Index i) {
     return changes.empty() ? Wide(Wide::Zero()) : wide(changes[i]);
   }
 

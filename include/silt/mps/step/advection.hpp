@@ -2,11 +2,11 @@
 // The moves of the particles of a flow with their velocities.
 #pragma once
 
+#include <silt/core/buffer.hpp>
 #include <silt/core/types.hpp>
 #include <silt/mps/fluid/fluid.hpp>
 #include <silt/mps/fluid/step_changes.hpp>
 
-#include <vector>
 
 namespace silt::mps {
 
@@ -45,7 +45,7 @@ class Advection {
   }
 
  private:
-  std::vector<Vec> moved_with_;  // u* of move(); empty if the particles were not moved
+  Buffer<Vec> moved_with_;  // u* of move(); empty if the particles were not moved
 };
 
 }  // namespace silt::mps

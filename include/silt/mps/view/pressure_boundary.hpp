@@ -17,7 +17,6 @@
 #include <silt/mps/wall/walls.hpp>
 
 #include <cstdint>
-#include <vector>
 
 namespace silt::mps {
 
@@ -101,8 +100,8 @@ class PressureBoundary {
         View{local, at.stencil().spacing, at.stencil().n0, for_each_neighbour});
   }
 
-  std::vector<std::uint8_t> has_pressure_;
-  std::vector<double> weight_of_surface_;
+  Buffer<std::uint8_t> has_pressure_;
+  Buffer<double> weight_of_surface_;
   mutable Buffer<Answer> near_boundary_;  // each written by the evaluation of its particle
 };
 

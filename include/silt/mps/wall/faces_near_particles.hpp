@@ -2,6 +2,7 @@
 // The faces of walls near each particle, and what they hide.
 #pragma once
 
+#include <silt/core/buffer.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/types.hpp>
 #include <silt/geometry/faces.hpp>
@@ -87,10 +88,10 @@ class FacesNearParticles {
 
   std::shared_ptr<const Faces<Dim>> faces_;  // which around_ refers to
   double reach_ = 0;                         // [m]
-  std::vector<Vec> positions_;
+  Buffer<Vec> positions_;
   std::vector<MirrorsAround<Dim>> around_;
-  std::vector<std::uint8_t> sides_;     // of each face that have particles near it, as bits
-  std::vector<std::uint8_t> sees_all_;  // of each particle
+  Buffer<std::uint8_t> sides_;     // of each face that have particles near it, as bits
+  Buffer<std::uint8_t> sees_all_;  // of each particle
 };
 
 }  // namespace silt::mps

@@ -2,6 +2,7 @@
 // Finds the images that a particle sees.
 #pragma once
 
+#include <silt/core/buffer.hpp>
 #include <silt/core/types.hpp>
 #include <silt/geometry/mirror.hpp>
 #include <silt/mps/wall/faces_near_particles.hpp>
@@ -10,7 +11,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <vector>
 
 namespace silt::mps {
 
@@ -21,7 +21,7 @@ void add_images(ImageRows<Dim, Real>& images, const FacesNearParticles<Dim>& nea
   images.begin_row(i);
   const Vec<Dim> x_i = near.position(i);
   const double reach2 = squared(near.reach());
-  static thread_local std::vector<Vec<Dim>> points;  // keeps its capacity
+  static thread_local Buffer<Vec<Dim>> points;  // keeps its capacity
   points.assign(1, x_i);
   for (const std::uint32_t j : others) points.push_back(near.position(j));
   near[i].for_each_mirror(points, [&](const Mirror<Dim>& mirror, const auto& share_of) {

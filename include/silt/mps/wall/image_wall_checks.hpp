@@ -3,6 +3,7 @@
 #pragma once
 
 #include <silt/core/box.hpp>
+#include <silt/core/buffer.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/nearest_image.hpp>
 #include <silt/core/parallel.hpp>
@@ -144,8 +145,8 @@ void require_held(const P& particles, const N& neighbourhood, const Faces<Dim>& 
   if (is_endless) return;
   const FacesAlong<Dim> below(faces, gravity.normalized());
   const auto u = particles[velocity];
-  std::vector<bool> is_known(particles.size(), false);
-  std::vector<Index> body;
+  Buffer<bool> is_known(particles.size(), false);
+  Buffer<Index> body;
   for (Index first = 0; first < particles.size(); ++first) {
     if (is_known[first]) continue;
     is_known[first] = true;

@@ -12,7 +12,6 @@
 #include <algorithm>
 #include <cstdint>
 #include <utility>
-#include <vector>
 
 namespace silt::mps {
 
@@ -47,7 +46,7 @@ class WallNormals {
       const Real size = away.norm();
       if (size > Real(min_size) * stencil.n0) normals_[i] = away / size;
     });
-    std::vector<Vec> of_dummies(particles.local(), Vec::Zero());
+    Buffer<Vec> of_dummies(particles.local(), Vec::Zero());
     for (Index i = 0; i < particles.size(); ++i) {
       if (kinds[i] != Kind::wall) continue;
       for_each_weighted(around, i, stencil, [&](Index j, const Vec&, Real w, Real) {
@@ -87,8 +86,8 @@ class WallNormals {
     revision_ = particles.owned_revision();
   }
 
-  std::vector<Vec> normals_;    // of particles, also of the halo; zero for fluid
-  std::vector<Vec> positions_;  // at the last update; those of fluid are not used
+  Buffer<Vec> normals_;    // of particles, also of the halo; zero for fluid
+  Buffer<Vec> positions_;  // at the last update; those of fluid are not used
   Buffer<Kind> kinds_;     // at the last update
   std::uint64_t revision_ = 0;
 };
