@@ -71,21 +71,22 @@ class Writer {
       put(name, item_of<T>(), 1, &value);
     }
   }
-  template <class T, class A>
-  void operator()(std::string_view name, const std::vector<T, A>& values) {
+  template <ArrayOfValues Values>
+  void operator()(std::string_view name, const Values& values) {
     (*this)(name, values, values.size());
   }
-  template <class T, class A>
-  void operator()(std::string_view name, const std::vector<T, A>& values, Index count) {
+  template <ArrayOfValues Values>
+  void operator()(std::string_view name, const Values& values, Index count) {
+    using T = typename Values::value_type;
     if constexpr (HasMembers<T>) {
       within(name, [&] {
         T model{};
-        StructColumns<Writer, T> columns(*this, model, values, count);
+        StructColumns<Writer, Values> columns(*this, model, values, count);
         model.transfer(columns);
         columns.finish();
       });
     } else if constexpr (item_of<T>().kind == 'x') {
-      std::vector<T> copies(values.begin(), values.begin() + std::ptrdiff_t(count));
+      Values copies(values.begin(), values.begin() + std::ptrdiff_t(count));
       for (T& each : copies) clear_padding(each);
       put(name, item_of<T>(), count, copies.data());
     } else {
@@ -205,13 +206,14 @@ class Reader {
     check_values<T>(name, 1);
     read(static_cast<void*>(&value), sizeof value);
   }
-  template <class T, class A>
-  void operator()(std::string_view name, std::vector<T, A>& values) {
+  template <ArrayOfValues Values>
+  void operator()(std::string_view name, Values& values) {
+    using T = typename Values::value_type;
     if constexpr (HasMembers<T>) {
       within(name, [&] {
         T model{};
         values.clear();
-        StructColumns<Reader, T> columns(*this, model, values, 0);
+        StructColumns<Reader, Values> columns(*this, model, values, 0);
         model.transfer(columns);
         columns.finish();
       });
@@ -222,8 +224,8 @@ class Reader {
       read(static_cast<void*>(values.data()), count * sizeof(T));
     }
   }
-  template <class T, class A>
-  void operator()(std::string_view name, std::vector<T, A>& values, Index) {
+  template <ArrayOfValues Values>
+  void operator()(std::string_view name, Values& values, Index) {
     (*this)(name, values);
   }
   void operator()(std::string_view name, std::string& text) {

@@ -13,6 +13,7 @@
 //   };
 #pragma once
 
+#include <silt/core/buffer.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/types.hpp>
 
@@ -27,6 +28,16 @@
 #include <vector>
 
 namespace silt::checkpoint {
+
+/// Values that an archive writes one after the other.
+template <class V>
+inline constexpr bool is_array_of_values = false;
+template <class T, class A>
+inline constexpr bool is_array_of_values<std::vector<T, A>> = true;
+template <class T>
+inline constexpr bool is_array_of_values<Buffer<T>> = true;
+template <class V>
+concept ArrayOfValues = is_array_of_values<V>;
 
 namespace detail {
 struct AnyArchive {
@@ -58,12 +69,13 @@ void clear_padding([[maybe_unused]] T& value) {
 
 /// The archive that transfer() of a struct gets: each call writes or reads one member of all
 /// structs. The place of a member in the struct is that in `model`.
-template <class Archive, class T>
+template <class Archive, ArrayOfValues Array>
 class StructColumns {
  public:
   static constexpr bool reads = Archive::reads;
+  using T = typename Array::value_type;
   /// The structs, const for writing.
-  using Values = std::conditional_t<reads, std::vector<T>&, const std::vector<T>&>;
+  using Values = std::conditional_t<reads, Array&, const Array&>;
 
   /// Writes the first `count` of the values, or reads as many as there are. `model` is the T whose
   /// transfer() is called.
