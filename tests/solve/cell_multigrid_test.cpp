@@ -160,8 +160,8 @@ LinearSystem system_at(const std::vector<std::array<double, 3>>& points,
   system.geometry.spacing = 1;
   system.geometry.full_diagonal = 4;
   system.geometry.second_moment = 16;
-  system.geometry.points = points;
-  system.geometry.to_surface = to_surface;
+  system.geometry.points.assign(points);
+  system.geometry.to_surface.assign(to_surface);
   return system;
 }
 

@@ -124,7 +124,7 @@ void check_digits_of_positions(std::string_view owner, const P& particles, std::
   using Real = typename P::Real;
   constexpr Real epsilon = std::numeric_limits<Real>::epsilon();
   const auto x = particles[position];
-  const auto distance = [&](Index i) { return x[i].template lpNorm<Eigen::Infinity>(); };
+  const auto distance = [&](Index i) { return max_norm(x[i]); };
   const Index far = first_where(particles.size(), [&](Index i) {
     return 100 * epsilon * distance(i) > size_of(i) && is_finite(distance(i));
   });

@@ -25,15 +25,19 @@ class BoxTree {
 
     /// Extends the box, so that it has the other one inside.
     void enclose(const Bounds& other) {
-      lower = lower.cwiseMin(other.lower);
-      upper = upper.cwiseMax(other.upper);
+      for (int k = 0; k < Dim; ++k) {
+        lower[k] = std::min(lower[k], other.lower[k]);
+        upper[k] = std::max(upper[k], other.upper[k]);
+      }
     }
     /// Squared distance of a point, or of another box, from the box [m²]; 0 inside.
-    Real squared_distance(const Vec& x) const {
-      return (x - x.cwiseMax(lower).cwiseMin(upper)).squaredNorm();
-    }
+    Real squared_distance(const Vec& x) const { return squared_distance(Bounds{x, x}); }
     Real squared_distance(const Bounds& other) const {
-      return (lower - other.upper).cwiseMax(other.lower - upper).cwiseMax(Real(0)).squaredNorm();
+      Vec gap;
+      for (int k = 0; k < Dim; ++k) {
+        gap[k] = std::max({lower[k] - other.upper[k], other.lower[k] - upper[k], Real(0)});
+      }
+      return gap.squaredNorm();
     }
   };
 
@@ -94,7 +98,10 @@ class BoxTree {
       return;
     }
     int axis = 0;
-    (all.upper - all.lower).maxCoeff(&axis);
+    const Vec size = all.upper - all.lower;
+    for (int k = 1; k < Dim; ++k) {
+      if (size[k] > size[axis]) axis = k;
+    }
     const std::uint32_t middle = range.first + (range.last - range.first) / 2;
     const auto key = [&](std::uint32_t item) {
       return std::pair(bounds[item].lower[axis] + bounds[item].upper[axis], item);

@@ -28,7 +28,7 @@ template <int Dim>
 void require_corners(const std::string& name, const Face<Dim>& face) {
   constexpr double most = 1e100;  // its square does not overflow
   for (const Vec<Dim>& x : face.corners) {
-    if (x.cwiseAbs().maxCoeff() < most && is_finite(x)) continue;
+    if (max_norm(x) < most && is_finite(x)) continue;
     fail({name, " has the corner ", to_text(x), " m; give finite coordinates of less than ", most,
           " m"});
   }

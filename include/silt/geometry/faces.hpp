@@ -24,8 +24,8 @@ template <int Dim>
 class Faces {
  public:
   using Vec = silt::Vec<Dim>;
-  /// Orthogonal unit vectors, as columns.
-  using Axes = Eigen::Matrix<double, Dim, Dim>;
+  /// Orthogonal unit vectors.
+  using Axes = std::array<Vec, std::size_t(Dim)>;
 
   /// A face of the surface, with what is asked of it often.
   using Element = FaceOfSurface<Dim>;
@@ -84,18 +84,18 @@ class Faces {
   }
 
   void find_axes() {
-    int found = 0;
+    std::size_t found = 0;
     const auto add = [&](Vec direction) {
       constexpr double least = 0.1;  // of the sine of its angle with the others
-      for (int k = 0; k < found; ++k) direction -= direction.dot(axes_.col(k)) * axes_.col(k);
-      if (found < Dim && direction.norm() > least) axes_.col(found++) = direction.normalized();
+      for (std::size_t k = 0; k < found; ++k) direction -= direction.dot(axes_[k]) * axes_[k];
+      if (found < axes_.size() && direction.norm() > least) axes_[found++] = direction.normalized();
     };
     for (const Element& element : elements_) add(element.normal);
     for (int axis = 0; axis < Dim; ++axis) add(Vec::Unit(axis));
   }
 
   Buffer<Element> elements_;
-  Axes axes_ = Axes::Identity();
+  Axes axes_;
   Tree tree_;
 };
 

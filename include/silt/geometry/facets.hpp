@@ -155,8 +155,7 @@ class Facets {
     const Vec& a = plane.face.corners[0];
     const double size = (plane.face.corners[1] - a).norm();
     return std::ranges::all_of(elements_[other.element].face.corners, [&](const Vec& corner) {
-      const double round_off =
-          4 * double(std::numeric_limits<float>::epsilon()) * corner.cwiseAbs().maxCoeff();
+      const double round_off = 4 * double(std::numeric_limits<float>::epsilon()) * max_norm(corner);
       return std::abs(plane.height(corner)) <= round_off * (1 + (corner - a).norm() / size);
     });
   }
@@ -213,7 +212,7 @@ class Facets {
       if (!of_rim.is_rim[k]) continue;
       for (const Vec& corner : face.face.corners) {
         const double round_off =
-            4 * double(std::numeric_limits<float>::epsilon()) * corner.cwiseAbs().maxCoeff();
+            4 * double(std::numeric_limits<float>::epsilon()) * max_norm(corner);
         if (of_rim.inside(k, corner) < -round_off) return false;
       }
     }

@@ -34,7 +34,12 @@ struct Mirror {
 /// In the plane (in 2D, the line) of the points x with n·x = offset [m], n a unit vector.
 template <int Dim>
 Mirror<Dim> mirror_in(const Vec<Dim>& n, double offset) {
-  return {Mirror<Dim>::Matrix::Identity() - 2 * n * n.transpose(), 2 * offset * n};
+  Mirror<Dim> mirror{.translation = 2 * offset * n};
+  for (int row = 0; row < Dim; ++row) {
+    for (int column = 0; column < Dim; ++column)
+      mirror.rotation(row, column) -= 2 * n[row] * n[column];
+  }
+  return mirror;
 }
 
 }  // namespace silt

@@ -76,7 +76,7 @@ double largest_coordinate(const std::vector<Triangle<Real>>& triangles) {
   double largest = 0;
   for (const Triangle<Real>& triangle : triangles) {
     for (const auto& corner : triangle.corners) {
-      largest = std::max(largest, double(corner.cwiseAbs().maxCoeff()));
+      largest = std::max(largest, double(max_norm(corner)));
     }
   }
   return largest;

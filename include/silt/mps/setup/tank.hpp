@@ -233,8 +233,9 @@ class TankLattice {
   template <class P>
   void add(P& particles, const Cell& cell, Kind of_kind) const {
     using Real = typename P::Real;
-    add_particle(particles,
-                 (cell.template cast<Real>().array() + Real(0.5)) * Real(tank_.spacing), of_kind);
+    Vec<Dim, Real> x;
+    for (int k = 0; k < Dim; ++k) x[k] = (Real(cell[k]) + Real(0.5)) * Real(tank_.spacing);
+    add_particle(particles, x, of_kind);
   }
   // Those from `first` to before `end`; x varies fastest, the height slowest.
   template <class F>

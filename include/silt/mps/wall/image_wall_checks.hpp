@@ -106,7 +106,8 @@ class FacesAlong {
     const Vec end = x + length * direction_;
     const double round_off = 1e-9 * length;
     bool found = false;
-    const typename Faces<Dim>::Bounds bounds{x.cwiseMin(end), x.cwiseMax(end)};
+    typename Faces<Dim>::Bounds bounds{x, x};
+    bounds.enclose({end, end});
     faces_.for_each_near(bounds, round_off, [&](std::uint32_t k) {
       const auto& element = faces_[k];
       const double along = element.normal.dot(direction_);
@@ -138,7 +139,7 @@ void require_held(const P& particles, const N& neighbourhood, const Faces<Dim>& 
   if (!has_end || particles.size() == 0) return;
   if (faces.elements().empty()) {
     fail({"ImageWalls: there are no faces, and nothing else holds the fluid against gravity = ",
-          Vec<Dim>(gravity.array() + 0.0),  // no −0
+          gravity + Vec<Dim>(Vec<Dim>::Zero()),  // no −0
           " m/s²; give FlowSettings::walls, such as those of make_tank<Scheme, Dim>(), or set "
           "ImageWalls::let_fluid_fall"});
   }

@@ -38,7 +38,7 @@ class WallNormals {
       static thread_local Buffer<std::pair<Id, Vec>> solids;  // keeps its capacity
       solids.clear();
       for_each_weighted(around, i, stencil, [&](Index j, const Vec& r_ij, Real w, Real) {
-        if (kinds[j] != Kind::fluid) solids.emplace_back(particles.id(j), (w / r_ij.norm()) * r_ij);
+        if (kinds[j] != Kind::fluid) solids.push_back({particles.id(j), (w / r_ij.norm()) * r_ij});
       });
       std::ranges::sort(solids, {}, &std::pair<Id, Vec>::first);
       Vec away = Vec::Zero();
