@@ -6,6 +6,7 @@
 #include <silt/core/error.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/transfer.hpp>
+#include <silt/core/tuples.hpp>
 #include <silt/core/types.hpp>
 #include <silt/core/watch.hpp>
 
@@ -109,11 +110,11 @@ class Forces {
   /// f(part) for each part, in order.
   template <class F>
   void for_each_part(F&& f) const {
-    std::apply([&](const auto&... part) { (f(part), ...); }, parts_);
+    detail::for_each_of(parts_, f);
   }
   template <class F>
   void for_each_part(F&& f) {
-    std::apply([&](auto&... part) { (f(part), ...); }, parts_);
+    detail::for_each_of(parts_, f);
   }
 
   /// The largest interaction range of the parts [m]. Throws if that of one is negative or not

@@ -19,6 +19,7 @@
 #include <silt/core/fields.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/particle_table.hpp>
+#include <silt/core/tuples.hpp>
 #include <silt/core/types.hpp>
 
 #include <algorithm>
@@ -197,7 +198,8 @@ class Particles : public ParticleTable {
   /// f(values, field) for every field, position first: the values of the owned particles.
   template <class F>
   void for_each_field(F&& f) const {
-    std::apply([&](auto... field) { (f(columns_.view(field, size()), field), ...); }, FieldList{});
+    constexpr FieldList fields;
+    detail::for_each_of(fields, [&](auto field) { f(columns_.view(field, size()), field); });
   }
 
   /// Writes or reads everything but the ghosts for a checkpoint, see core/transfer.hpp.
@@ -222,7 +224,8 @@ class Particles : public ParticleTable {
       archive.require_left(size(), bytes_of_each);
       resize(columns_.all(), ids_.size());
     }
-    std::apply([&](auto... field) { (transfer(archive, field, owned), ...); }, FieldList{});
+    constexpr FieldList fields;
+    detail::for_each_of(fields, [&](auto field) { transfer(archive, field, owned); });
     if constexpr (Archive::reads) note_change();
   }
 

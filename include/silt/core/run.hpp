@@ -7,6 +7,7 @@
 #include <silt/core/parallel.hpp>
 #include <silt/core/processes.hpp>
 #include <silt/core/step_checks.hpp>
+#include <silt/core/tuples.hpp>
 #include <silt/core/types.hpp>
 
 #include <algorithm>
@@ -157,8 +158,8 @@ class RunLoop {
   bool is_stop_requested() {
     if constexpr ((EndsRuns<Observers> || ...)) {
       const auto own = [&] {
-        const bool ends =
-            std::apply([](auto&... each) { return (requests_stop(each) || ...); }, observers_);
+        bool ends = false;
+        for_each_of(observers_, [&](auto& each) { ends = ends || requests_stop(each); });
         return Largest{.wanted = ends ? 1.0 : 0.0};
       };
       return together(simulation_.particles_, own).wanted > 0;
@@ -169,7 +170,7 @@ class RunLoop {
   template <class F>
   void for_each_observer(F&& f) {
     call_alone(simulation_.particles_,
-               [&] { std::apply([&](auto&... each) { (f(each), ...); }, observers_); });
+               [&] { for_each_of(observers_, f); });
   }
 
   Sim& simulation_;

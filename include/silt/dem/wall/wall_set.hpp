@@ -5,6 +5,7 @@
 
 #include <silt/core/box.hpp>
 #include <silt/core/error.hpp>
+#include <silt/core/tuples.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/wall/moving.hpp>
 #include <silt/dem/wall/wall.hpp>
@@ -156,7 +157,7 @@ class WallsAtTime {
       if (!is_present) return;
       wall.for_each_element_near(x, distance, [&](Index element) { f(first + element); });
     };
-    std::apply([&](const auto&... wall) { (visit(wall), ...); }, walls_);
+    silt::detail::for_each_of(walls_, visit);
   }
 
   /// Number of the wall to which an element belongs.
@@ -170,13 +171,10 @@ class WallsAtTime {
   template <class F>
   void with(Index index, F&& f) const {
     Index w = 0;
-    const auto is_it = [&](const auto& wall) {
+    silt::detail::for_each_of(walls_, [&](const auto& wall) {
       const Index first = first_[w++];
-      if (index >= first_[w]) return false;
-      f(wall, index - first);
-      return true;
-    };
-    std::apply([&](const auto&... wall) { static_cast<void>((is_it(wall) || ...)); }, walls_);
+      if (first <= index && index < first_[w]) f(wall, index - first);
+    });
   }
 
   Tuple walls_;
@@ -293,7 +291,7 @@ class WallSet {
       }
       ++w;
     };
-    std::apply([&](const auto&... wall) { (visit(wall), ...); }, walls_);
+    silt::detail::for_each_of(walls_, visit);
     return sum;
   }
   /// Number of elements of all walls.
@@ -342,7 +340,7 @@ class WallSet {
   }
   template <class F>
   void for_each(F&& f) {
-    std::apply([&](auto&... wall) { (f(wall), ...); }, walls_);
+    silt::detail::for_each_of(walls_, f);
   }
   template <class F>
   void for_each_present(F&& f) const {
@@ -350,7 +348,7 @@ class WallSet {
     const auto visit = [&](const auto& wall) {
       if (present_[w++]) f(wall);
     };
-    std::apply([&](const auto&... wall) { (visit(wall), ...); }, walls_);
+    silt::detail::for_each_of(walls_, visit);
   }
 
   // Maximum norm, within the box, of the vector fields field_of(motion). The fields are linear in
