@@ -246,9 +246,9 @@ TEST(ContactList, OfOtherGrainsIsRejectedInACheckpoint) {
   const Vec<2> zero(0, 0);
   dem::detail::SavedList<2, double> list;
   ReadsThese archive({{"is_known", true},
-                      {"first", std::vector<Id>{0}},
-                      {"second", std::vector<Id>{1}},
-                      {"since", std::vector<Vec<2>>{zero}},
+                      {"first", Buffer<Id>{0}},
+                      {"second", Buffer<Id>{1}},
+                      {"since", Buffer<Vec<2>>{zero}},
                       {"margin", 0.1},
                       {"time", 0.0},
                       {"extent_lower", zero},

@@ -135,7 +135,7 @@ FLOATING = re.compile(r"(const )?(double|float|Real|RealType|(typename )?\w+::(R
                       r"(silt::)?(Angular)?Vec(<.*>)?)( ?&)?$")
 # The unit is that of the arguments, or of the function that the comment names.
 UNIT_IS_ELSEWHERE = re.compile(r"\b([Ss]ee|[Ss]ame|of the values|lanes)\b")
-MATHEMATICS = "silt/core/types.hpp"
+MATHEMATICS = ("silt/core/types.hpp", "silt/core/vectors.hpp")
 INCLUDE = re.compile(r"^\s*#\s*include\s*<([^>]+)>", re.M)
 SOURCE = re.compile(r"\[([A-Z]\w*?(?:19|20)\d\d)\]")
 

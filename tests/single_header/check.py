@@ -63,7 +63,8 @@ def check_text(script, repository, header):
     assert macros == MACROS, macros ^ MACROS
 
     part = headers_in(script.amalgamate(repository, ["silt/core/error.hpp"]))
-    assert part == ["silt/core/eigen.hpp", "silt/core/types.hpp", "silt/core/error.hpp"], part
+    assert part == ["silt/core/eigen.hpp", "silt/core/vectors.hpp", "silt/core/types.hpp",
+                    "silt/core/error.hpp"], part
     whole = headers_in(script.amalgamate(repository, ["silt/silt.hpp", "silt/mpi.hpp"]))
     assert "silt/mpi/world.hpp" in whole and len(whole) == len(set(whole))
 

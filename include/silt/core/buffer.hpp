@@ -84,8 +84,9 @@ class GrowingBytes {
 
 }  // namespace detail
 
-/// Values that own nothing, whose bytes may therefore be copied, one after the other; used as
-/// std::vector is.
+/// Values that own nothing, whose bytes may therefore be copied, one after the other. As in
+/// std::vector: capacity(), resize(), assign(), push_back(), pop_back(), swap(); append() adds all
+/// values of a span. Memory that a resize() releases stays reserved.
 template <class T>
 class Buffer {
   static_assert(alignof(T) <= std::size_t(detail::GrowingBytes::alignment));
@@ -94,6 +95,7 @@ class Buffer {
   using value_type = T;
 
   Buffer() = default;
+  /// With `count` values, these values, or those of a range.
   explicit Buffer(Index count) { resize(count); }
   Buffer(Index count, const T& value) { resize(count, value); }
   Buffer(std::initializer_list<T> values) { append(values); }

@@ -120,7 +120,8 @@ Vec<2, Real> cross(Real spin, const Vec<2, Real>& arm) {
 /// Product A v. Eigen's product uses fused multiply-adds on processors that have them, regardless
 /// of compiler options, and its last bits would therefore depend on the processor.
 template <int Dim, class Real>
-[[gnu::always_inline]] inline Vec<Dim, Real> multiply(const Eigen::Matrix<Real, Dim, Dim>& A, const Vec<Dim, Real>& v) {
+[[gnu::always_inline]] inline Vec<Dim, Real> multiply(const Eigen::Matrix<Real, Dim, Dim>& A,
+                                                      const Vec<Dim, Real>& v) {
   if constexpr (Dim == 2) {
     return {A(0, 0) * v[0] + A(0, 1) * v[1], A(1, 0) * v[0] + A(1, 1) * v[1]};
   } else {

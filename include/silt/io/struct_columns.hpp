@@ -29,15 +29,18 @@
 
 namespace silt::checkpoint {
 
-/// Values that an archive writes one after the other.
+namespace detail {
 template <class V>
 inline constexpr bool is_array_of_values = false;
 template <class T, class A>
 inline constexpr bool is_array_of_values<std::vector<T, A>> = true;
 template <class T>
 inline constexpr bool is_array_of_values<Buffer<T>> = true;
+}  // namespace detail
+
+/// A container of values that an archive writes one after the other.
 template <class V>
-concept ArrayOfValues = is_array_of_values<V>;
+concept ArrayOfValues = detail::is_array_of_values<V>;
 
 namespace detail {
 struct AnyArchive {
@@ -73,7 +76,7 @@ template <class Archive, ArrayOfValues Array>
 class StructColumns {
  public:
   static constexpr bool reads = Archive::reads;
-  using T = typename Array::value_type;
+  using T = typename Array::value_type;  ///< a struct
   /// The structs, const for writing.
   using Values = std::conditional_t<reads, Array&, const Array&>;
 
