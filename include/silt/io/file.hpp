@@ -40,7 +40,7 @@ inline std::error_code last_error() { return {errno, std::generic_category()}; }
 
 /// Whether a file exists. Throws silt::Error, with a message that begins with `caller`, if that
 /// cannot be determined, such as for lack of permission.
-[[gnu::cold]] inline bool exists(const std::string& caller, const std::filesystem::path& path) {
+inline bool exists(const std::string& caller, const std::filesystem::path& path) {
   std::error_code reason;
   const bool answer = std::filesystem::exists(path, reason);
   if (reason) fail_with(caller + ": cannot access", path, reason, "check the path");
@@ -49,7 +49,7 @@ inline std::error_code last_error() { return {errno, std::generic_category()}; }
 
 /// Creates a folder and its parents. Throws silt::Error, with a message that begins with `caller`,
 /// if that fails.
-[[gnu::cold]] inline void create_folder(const std::string& caller, const std::filesystem::path& folder) {
+inline void create_folder(const std::string& caller, const std::filesystem::path& folder) {
   std::error_code reason;
   std::filesystem::create_directories(folder, reason);
   std::error_code ignored;
@@ -63,7 +63,7 @@ inline std::error_code last_error() { return {errno, std::generic_category()}; }
 
 /// All bytes of a file or pipe. Throws silt::Error, with a message that begins with `caller`, if it
 /// cannot be read, or is a device.
-[[gnu::cold]] inline std::string read(const std::string& caller, const std::filesystem::path& path) {
+inline std::string read(const std::string& caller, const std::filesystem::path& path) {
   const std::string advice = "check the path";
   std::error_code ignored;
   const auto type = std::filesystem::status(path, ignored).type();

@@ -213,7 +213,7 @@ class VtkSeries {
   /// Existing files of the same names are replaced from the first frame on. Further frames of an
   /// earlier, longer run remain in the folder: read those in the list, or delete the folder before
   /// a run. Throws silt::Error if the folder cannot be created.
-  [[gnu::cold]] explicit VtkSeries(std::filesystem::path path) : folder_(std::move(path)) {
+  explicit VtkSeries(std::filesystem::path path) : folder_(std::move(path)) {
     if (!folder_.has_filename()) folder_ = folder_.parent_path();  // "tower/" is "tower"
     file::create_folder("VtkSeries", folder_);
   }

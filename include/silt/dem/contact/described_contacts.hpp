@@ -28,7 +28,7 @@ class Contacts {
  public:
   /// Throws if a parameter of the law or of a wall is out of range.
   explicit Contacts(Law law, Walls... walls) : Contacts(Materials<Law>{law}, std::move(walls)...) {}
-  [[gnu::cold]] explicit Contacts(Materials<Law> materials, Walls... walls)
+  explicit Contacts(Materials<Law> materials, Walls... walls)
       : materials_(std::move(materials)), walls_(std::move(walls)...) {
     for (Index w = 0; w < walls_.size(); ++w) {
       materials_.check(walls_.material(w), "of wall " + std::to_string(w));

@@ -17,7 +17,7 @@ template <class Law>
 class Materials {
  public:
   /// Throws if the list is empty or a parameter of a law is out of range.
-  [[gnu::cold]] Materials(std::initializer_list<Law> laws) : count_(laws.size()) {
+  Materials(std::initializer_list<Law> laws) : count_(laws.size()) {
     if (count_ == 0) fail("Materials: the list is empty; give at least one law");
     const std::vector<Law> own(laws);
     for (const Law& a : own) {
