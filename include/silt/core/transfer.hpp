@@ -28,6 +28,7 @@
 #include <silt/core/buffer.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/fields.hpp>
+#include <silt/core/function_ref.hpp>
 #include <silt/core/types.hpp>
 
 #include <algorithm>
@@ -65,8 +66,8 @@ void transfer_part(Archive& archive, std::string_view name, T& part, P& particle
 
 /// Calls f() with the particles, those of the halo included, temporarily at the positions x [m].
 /// Throws if there are not as many as particles, or if one is not finite: they may have been read.
-template <class P, class F>
-void at_positions(P& particles, std::span<const typename P::Vec> x, F&& f) {
+template <class P>
+void at_positions(P& particles, std::span<const typename P::Vec> x, FunctionRef<void()> f) {
   if (x.size() != particles.local()) {
     fail({"search: there are ", x.size(), " positions of the last update for ", particles.local(),
           " particles; use an earlier checkpoint"});
