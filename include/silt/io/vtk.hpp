@@ -161,6 +161,19 @@ VtkArray vtk_array(std::string_view name, std::span<const Value> values) {
        "</PointData>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n"});
 }
 
+/// The arrays of a part of a frame, as a .pvtu file declares them.
+[[gnu::cold]] inline std::string declared_in_pieces(std::string_view frame, std::string_view part) {
+  const auto first = frame.find(message_of({"<", part, ">"}));
+  const auto last = frame.find(message_of({"</", part, ">"}));
+  std::string text = message_of({"<P", part, ">\n"});
+  for (auto from = frame.find("<DataArray", first); from < last;
+       from = frame.find("<DataArray", from + 1)) {
+    const auto length = frame.find(" format=", from) - from;
+    text += message_of({"<P", frame.substr(from + 1, length - 1), "/>\n"});
+  }
+  return text + message_of({"</P", part, ">\n"});
+}
+
 }  // namespace detail
 
 /// One frame, as the bytes of a .vtu file: positions as points; every other numeric or vector field
@@ -180,22 +193,10 @@ template <class P>
 /// The bytes of a .pvtu file: a frame that consists of files with such frames.
 [[gnu::cold]] inline std::string vtk_frame_of_pieces(const std::string& frame,
                                        const std::vector<std::string>& files) {
-  const auto begin = frame.substr(0, frame.find("<UnstructuredGrid>"));
-  // The arrays of this part of the frame, as a .pvtu file declares them.
-  const auto declared = [&frame](const std::string& part) {
-    const auto first = frame.find("<" + part + ">");
-    const auto last = frame.find("</" + part + ">");
-    std::string text;
-    for (auto from = frame.find("<DataArray", first); from < last;
-         from = frame.find("<DataArray", from + 1)) {
-      text += message_of(
-          {"<P", frame.substr(from + 1, frame.find(" format=", from) - from - 1), "/>\n"});
-    }
-    return message_of({"<P", part, ">\n", text, "</P", part, ">\n"});
-  };
-  std::string text = begin;
+  std::string text = frame.substr(0, frame.find("<UnstructuredGrid>"));
   text.replace(text.find("UnstructuredGrid"), 0, "P");
-  text += message_of({"<PUnstructuredGrid>\n", declared("Points"), declared("PointData")});
+  text += message_of({"<PUnstructuredGrid>\n", detail::declared_in_pieces(frame, "Points"),
+                      detail::declared_in_pieces(frame, "PointData")});
   for (const std::string& file : files) text += message_of({"<Piece Source=\"", file, "\"/>\n"});
   return text += "</PUnstructuredGrid>\n</VTKFile>\n";
 }
