@@ -44,7 +44,7 @@ class Error : public std::runtime_error {
   const std::optional<double>& stable_time_step() const noexcept { return stable_time_step_; }
 
   /// The same error with step and time added; called by Simulation.
-  Error with_step(std::uint64_t step, double time) const {
+  [[gnu::cold]] Error with_step(std::uint64_t step, double time) const {
     Where where = where_;
     where.step = step;
     where.time = time;
@@ -65,7 +65,8 @@ class Error : public std::runtime_error {
   }
 
  private:
-  Error(std::string message, Where where, std::optional<double> stable_time_step, bool is_of_all)
+  [[gnu::cold]] Error(std::string message, Where where, std::optional<double> stable_time_step,
+                      bool is_of_all)
       : std::runtime_error(compose(message, where)),
         message_(std::move(message)),
         where_(where),
@@ -113,7 +114,7 @@ class MessagePart {
   }
 
   /// Appends it to a message.
-  void add_to(std::string& message) const {
+  [[gnu::cold]] void add_to(std::string& message) const {
     if (length_ >= 0) {
       message.append(text_, static_cast<std::size_t>(length_));
     } else if (length_ < is_vector) {

@@ -398,7 +398,7 @@ class Simulation {
     if constexpr (Transactional<TypedInteraction>) interaction_.save();
     saved_integrator_ = integrator_;
   }
-  void restore() noexcept {
+  [[gnu::cold]] void restore() noexcept {
     particles_.restore();
     if constexpr (Transactional<S>) search_.restore();
     if constexpr (Transactional<TypedInteraction>) interaction_.restore();

@@ -37,7 +37,7 @@ void require_feasible(std::string_view name, double interval, std::string_view i
 /// What to do about a time step that an interaction chose too short; `interaction` and `particles`
 /// as in LimitsTimeStep.
 template <class I, class P>
-std::string remedy_for_time_step(const I& interaction, const P& particles) {
+[[gnu::cold]] std::string remedy_for_time_step(const I& interaction, const P& particles) {
   std::string limit;
   if constexpr (LimitsTimeStep<I, P>) limit = interaction.limit_of_time_step(particles);
   return (limit.empty() ? "" : limit + "; or ") + "pass a longer one: run({.time_step = …})";
@@ -103,7 +103,7 @@ void check_finite_before_step(const P& particles, Where where) {
 /// Reports a derived field that is not finite, if there is one, because it is the cause; the force
 /// rather than others, such as the torque, which follow from it.
 template <class P>
-[[noreturn]] void fail_after_step(const P& particles, NotFinite broken) {
+[[noreturn, gnu::cold]] void fail_after_step(const P& particles, NotFinite broken) {
   const Index i = broken.particle;
   bool is_derived = false;
   for_each_testable_field<Role::derived>(particles, [&](auto values, std::string_view name) {

@@ -34,7 +34,7 @@ class StepTransaction {
   void commit() noexcept { is_committed_ = true; }
 
  private:
-  void roll_back() noexcept {
+  [[gnu::cold]] void roll_back() noexcept {
     if (before_removal_) simulation_.particles_ = std::move(*before_removal_);
     if (is_saved_) simulation_.restore();
   }

@@ -153,7 +153,7 @@ class Leapfrog {
 
   // v^0 → v^{−½}, so that v^0 is the mean of its two half steps.
   template <class P, class S, class I>
-  void start(P& particles, S& search, I& interaction, double dt) {
+  [[gnu::cold]] void start(P& particles, S& search, I& interaction, double dt) {
     last_time_step_ = dt;
     started_ = true;
     I trial = interaction;  // a copy: the contact histories must not advance

@@ -201,7 +201,7 @@ class PartOfReplacement {
     const auto file = std::exchange(file_, Calls::none);
     require(Calls::close(file), "write");  // a full disc may be reported only here
   }
-  void rename() {
+  [[gnu::cold]] void rename() {
     require(Calls::rename(part_.string().c_str(), path_.string().c_str()), "replace");
     is_renamed_ = true;
   }

@@ -33,7 +33,7 @@ struct TimeStepLimits {
   /// The smallest limit [s].
   double smallest() const { return std::min({courant, force, viscous, growth, max_time_step}); }
   /// Which one is the smallest, and what to do about it.
-  std::string name_of_smallest() const {
+  [[gnu::cold]] std::string name_of_smallest() const {
     const double dt = smallest();
     const std::string allow = " allows " + to_text(dt) + " s; ";
     if (dt == viscous) return "FlowSettings: viscosity" + allow + "decrease it";

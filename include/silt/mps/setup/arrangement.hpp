@@ -47,7 +47,7 @@ void check_positions(const P& particles, const T& stencil) {
 /// Throws if most fluid particles have far more neighbours than at the spacing l0 of the stencil,
 /// or several, but none near l0.
 template <FluidParticles P, class N, class T>
-void check_spacing(const P& particles, const N& neighbourhood, const T& stencil) {
+[[gnu::cold]] void check_spacing(const P& particles, const N& neighbourhood, const T& stencil) {
   const double l0 = double(stencil.spacing);
   const double q = double(stencil.re) / l0;
   // Number of neighbours in a random arrangement: the volume of the neighbourhood in l0^Dim.
@@ -87,7 +87,8 @@ void check_spacing(const P& particles, const N& neighbourhood, const T& stencil)
 /// Throws if the fluid is a lattice of the spacing of the stencil along a periodic axis, interacts
 /// across the periodic side, and the box is not an integer number of spacings long.
 template <FluidParticles P, class N, class T>
-void check_periodic_lattice(const P& particles, const N& neighbourhood, const T& stencil) {
+[[gnu::cold]] void check_periodic_lattice(const P& particles, const N& neighbourhood,
+                                          const T& stencil) {
   const double l0 = double(stencil.spacing);
   const auto& box = particles.box();
   // Whether some neighbour j of i has has(j, x_j − x_i).
@@ -129,8 +130,8 @@ void check_periodic_lattice(const P& particles, const N& neighbourhood, const T&
 /// gravity [m/s²]. Throws as check_spacing(), check_periodic_lattice() and check_start() of the
 /// walls do.
 template <FluidParticles P, class Operators>
-void check_arrangement(const P& particles, const Operators& operators,
-                       [[maybe_unused]] const Vec<P::dimension>& gravity) {
+[[gnu::cold]] void check_arrangement(const P& particles, const Operators& operators,
+                                     [[maybe_unused]] const Vec<P::dimension>& gravity) {
   check_spacing(particles, operators.neighbourhood(), operators.stencil());
   check_periodic_lattice(particles, operators.neighbourhood(), operators.stencil());
   if constexpr (requires { operators.walls().check_start(particles, operators, gravity); }) {

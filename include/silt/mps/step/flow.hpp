@@ -110,7 +110,7 @@ class BasicFlow {
 
   /// What makes the time step as short as it is.
   template <FluidParticles P>
-  std::string limit_of_time_step(const P& particles) const {
+  [[gnu::cold]] std::string limit_of_time_step(const P& particles) const {
     return "mps::Flow: " + time_step_limits(particles).name_of_smallest();
   }
 

@@ -129,8 +129,8 @@ class FacesAlong {
 /// [m/s²]: it would fall freely, out of the box or for ever. Particles that see each other are of
 /// one body.
 template <FluidParticles P, class N, int Dim>
-void require_held(const P& particles, const N& neighbourhood, const Faces<Dim>& faces,
-                  const Vec<Dim>& gravity) {
+[[gnu::cold]] void require_held(const P& particles, const N& neighbourhood, const Faces<Dim>& faces,
+                                const Vec<Dim>& gravity) {
   bool has_end = false, is_endless = false;
   for (int axis = 0; axis < Dim; ++axis) {
     if (gravity[axis] == 0) continue;
