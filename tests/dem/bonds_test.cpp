@@ -4,6 +4,8 @@
 #include <silt/dem/bond/bonds.hpp>
 #include <silt/io/checkpoint.hpp>
 
+#include <Eigen/Geometry>
+
 #include "support/check.hpp"
 #include "support/grains.hpp"
 #include "support/slow_types.hpp"

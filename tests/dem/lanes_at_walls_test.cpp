@@ -6,6 +6,8 @@
 #include <silt/dem/law/cundall_strack.hpp>
 #include <silt/search/brute_force.hpp>
 
+#include <Eigen/Geometry>
+
 #include <gtest/gtest.h>
 
 namespace silt::test::lanes_at_walls_test {

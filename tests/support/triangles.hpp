@@ -6,6 +6,8 @@
 #include <silt/core/triangle.hpp>
 #include <silt/core/types.hpp>
 
+#include <Eigen/Geometry>
+
 #include <algorithm>
 #include <functional>
 #include <vector>

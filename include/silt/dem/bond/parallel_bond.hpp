@@ -5,11 +5,10 @@
 #pragma once
 
 #include <silt/core/error.hpp>
+#include <silt/core/rotation.hpp>
 #include <silt/core/transfer.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/law/contact.hpp>
-
-#include <Eigen/Geometry>
 
 #include <algorithm>
 #include <cmath>
@@ -186,13 +185,13 @@ struct SmallestRotation {
 /// A vector rotated by an angle [rad]; in 3D the angle times the unit vector of the axis.
 template <class Real>
 Vec<2, Real> rotated_by(Real angle, const Vec<2, Real>& v) {
-  return multiply(Eigen::Rotation2D<Real>(angle).toRotationMatrix(), v);
+  return multiply(rotation_by(angle), v);
 }
 template <class Real>
 Vec<3, Real> rotated_by(const Vec<3, Real>& angle, const Vec<3, Real>& v) {
   const Real size = angle.norm();
   if (!(size > 0)) return v;
-  return multiply(Eigen::AngleAxis<Real>(size, angle / size).toRotationMatrix(), v);
+  return multiply(rotation_about(Vec<3, Real>(angle / size), size), v);
 }
 /// In 2D rotations commute: nothing to do.
 template <class Real>

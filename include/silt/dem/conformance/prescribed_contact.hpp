@@ -2,11 +2,10 @@
 // A contact with a prescribed motion, the forces of a law along it, and the paths of the checks.
 #pragma once
 
+#include <silt/core/rotation.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/law/contact.hpp>
 #include <silt/dem/law/law_history.hpp>
-
-#include <Eigen/Geometry>
 
 #include <algorithm>
 #include <cmath>
@@ -176,9 +175,9 @@ PrescribedContact<Dim> from_the_other_side(PrescribedContact<Dim> instants) {
 template <int Dim>
 Eigen::Matrix<double, Dim, Dim> rotated_frame(double angle, const Vec<3>& axis) {
   if constexpr (Dim == 2) {
-    return Eigen::Rotation2D<double>(angle).toRotationMatrix();
+    return rotation_by(angle);
   } else {
-    return Eigen::AngleAxis<double>(angle, axis.normalized()).toRotationMatrix();
+    return rotation_about(Vec<3>(axis.normalized()), angle);
   }
 }
 /// A spin in this frame.

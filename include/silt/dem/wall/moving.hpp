@@ -3,10 +3,9 @@
 #pragma once
 
 #include <silt/core/error.hpp>
+#include <silt/core/rotation.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/wall/wall.hpp>
-
-#include <Eigen/Geometry>
 
 #include <cmath>
 #include <concepts>
@@ -77,13 +76,12 @@ struct Rotation {
     Pose<Dim, Real> pose;
     if constexpr (Dim == 2) {
       const Real angle = Real(double(spin) * t);
-      pose.rotation << std::cos(angle), -std::sin(angle), std::sin(angle), std::cos(angle);
+      pose.rotation = rotation_by(angle);
     } else {
       const Vec<3> rate = in_double(spin);
       if (rate.norm() > 0) {
-        pose.rotation = Eigen::AngleAxisd(rate.norm() * t, rate.normalized())
-                            .toRotationMatrix()
-                            .template cast<Real>();
+        const Vec<3> axis = rate.normalized();
+        pose.rotation = rotation_about(axis, rate.norm() * t).template cast<Real>();
       }
     }
     pose.shift = about - multiply(pose.rotation, about);

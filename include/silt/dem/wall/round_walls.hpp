@@ -3,6 +3,7 @@
 #pragma once
 
 #include <silt/core/error.hpp>
+#include <silt/core/rotation.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/wall/wall.hpp>
 
@@ -75,7 +76,7 @@ struct Cylinder {
     const Vec<3, Real> y = x - from;
     const Real along = y.dot(axis);
     const Vec<3, Real> out = y - along * axis;
-    const auto mantle = detail::nearest_round<3, Real>(out, radius, grains, axis.unitOrthogonal());
+    const auto mantle = detail::nearest_round<3, Real>(out, radius, grains, unit_across(axis));
     if (!ends || grains == Side::inside) return mantle;
     return nearest_of_column(axis, mantle, along);
   }

@@ -7,6 +7,8 @@
 #include <silt/geometry/mirrors.hpp>
 #include <silt/mps/fluid/fluid.hpp>
 
+#include <Eigen/LU>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: MIT
+// Rotations in space. Eigen's own are in a header that takes longer to compile than all others of it
+// that grains need.
+#pragma once
+
+#include <silt/core/types.hpp>
+
+#include <cmath>
+
+namespace silt {
+
+/// The matrix of a rotation by `turn` [rad] about an axis, a unit vector:
+/// cos φ 1 + (1 − cos φ) a aᵀ + sin φ [a]×
+template <class Real>
+Eigen::Matrix<Real, 3, 3> rotation_about(const Vec<3, Real>& axis, Real turn) {
+  const Real cosine = std::cos(turn);
+  const Vec<3, Real> s = std::sin(turn) * axis;
+  const Vec<3, Real> c = (1 - cosine) * axis;
+  const Real xy = c.x() * axis.y();
+  const Real xz = c.x() * axis.z();
+  const Real yz = c.y() * axis.z();
+  Eigen::Matrix<Real, 3, 3> matrix;
+  matrix << c.x() * axis.x() + cosine, xy - s.z(), xz + s.y(),  //
+      xy + s.z(), c.y() * axis.y() + cosine, yz - s.x(),        //
+      xz - s.y(), yz + s.x(), c.z() * axis.z() + cosine;
+  return matrix;
+}
+/// The same in the plane.
+template <class Real>
+Eigen::Matrix<Real, 2, 2> rotation_by(Real turn) {
+  const Real sine = std::sin(turn);
+  const Real cosine = std::cos(turn);
+  Eigen::Matrix<Real, 2, 2> matrix;
+  matrix << cosine, -sine, sine, cosine;
+  return matrix;
+}
+
+/// A unit vector at a right angle to another vector, which must not be 0.
+template <class Real>
+Vec<3, Real> unit_across(const Vec<3, Real>& v) {
+  // Its shadow on the x-y plane, turned by a quarter, unless that is nearly a point.
+  const Real little = Eigen::NumTraits<Real>::dummy_precision();
+  const Real least = little * std::abs(v.z());
+  if (std::abs(v.x()) > least || std::abs(v.y()) > least) {
+    const Real scale = 1 / v.template head<2>().norm();
+    return {-v.y() * scale, v.x() * scale, 0};
+  }
+  const Real scale = 1 / v.template tail<2>().norm();
+  return {0, -v.z() * scale, v.y() * scale};
+}
+
+}  // namespace silt
