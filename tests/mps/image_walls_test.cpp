@@ -387,10 +387,10 @@ TEST(ImageWalls, RefuseWallParticlesAndInvalidFaces) {
   EXPECT_TRUE(refuses([&] { at_side.step(1e-3); }, {"ImageWalls: a wall ends at", "periodic"}));
 
   settings.walls.segments = polyline({{0, 0}, {0, 0}});
-  EXPECT_TRUE(refuses([&] { mps::Flow<Mirrored>{settings}; }, {"ImageWalls: segment 0"}));
+  EXPECT_TRUE(refuses([&] { mps::Flow<Mirrored>{settings}; }, {"ImageWalls: face 0"}));
   Settings3D in_3d{.spacing = l0};
   in_3d.walls.triangles = {{{Vec<3>(0, 0, 0), {1, 1, 1}, {inf, 2, 2}}}};
-  EXPECT_TRUE(refuses([&] { mps::Flow<Mirrored, 3>{in_3d}; }, {"ImageWalls: triangle 0", "inf"}));
+  EXPECT_TRUE(refuses([&] { mps::Flow<Mirrored, 3>{in_3d}; }, {"ImageWalls: face 0", "inf"}));
 }
 
 // --- a start -------------------------------------------------------------------------------------

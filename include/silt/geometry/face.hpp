@@ -37,27 +37,30 @@ void require_corners(const std::string& name, const Face<Dim>& face) {
 
 /// Throws if a corner is not finite or beyond 1e100 m, or if the face has no length or area. `name`
 /// identifies it in the message.
-inline void require_size(const std::string& name, const Face<2>& face) {
+template <int Dim>
+void require_size(const std::string& name, const Face<Dim>& face) {
   detail::require_corners(name, face);
-  const auto& [a, b] = face.corners;
-  if (!((b - a).norm() > 1e-150)) {
-    fail({name, " has both ends at ", to_text(a), " m; remove it"});
+  if constexpr (Dim == 2) {
+    const auto& [a, b] = face.corners;
+    if (!((b - a).norm() > 1e-150)) {
+      fail({name, " has both ends at ", to_text(a), " m; remove it"});
+    }
+  } else {
+    require_area(name, Triangle<>{face.corners});
   }
-}
-inline void require_size(const std::string& name, const Face<3>& face) {
-  detail::require_corners(name, face);
-  require_area(name, Triangle<>{face.corners});
 }
 
 /// A unit vector normal to the face [-]: in 2D on the left of the direction from the first end to
 /// the second, in 3D on the side from which the corners are anticlockwise.
-inline Vec<2> normal_of(const Face<2>& face) {
-  const Vec<2> along = face.corners[1] - face.corners[0];
-  return Vec<2>(-along[1], along[0]).normalized();
-}
-inline Vec<3> normal_of(const Face<3>& face) {
-  const auto& [a, b, c] = face.corners;
-  return cross(Vec<3>(b - a), Vec<3>(c - a)).normalized();
+template <int Dim>
+Vec<Dim> normal_of(const Face<Dim>& face) {
+  if constexpr (Dim == 2) {
+    const Vec<2> along = face.corners[1] - face.corners[0];
+    return Vec<2>(-along[1], along[0]).normalized();
+  } else {
+    const auto& [a, b, c] = face.corners;
+    return cross(Vec<3>(b - a), Vec<3>(c - a)).normalized();
+  }
 }
 
 /// The same face with its normal on the other side.
@@ -76,27 +79,29 @@ Vec<Dim> nearest_of_segment(const Vec<Dim>& a, const Vec<Dim>& b, const Vec<Dim>
 }
 
 /// The point of the face that is nearest to x [m].
-inline Vec<2> nearest_of(const Face<2>& face, const Vec<2>& x) {
-  return nearest_of_segment(face.corners[0], face.corners[1], x);
-}
-inline Vec<3> nearest_of(const Face<3>& face, const Vec<3>& x) {
-  const Vec<3> normal = normal_of(face);
+template <int Dim>
+Vec<Dim> nearest_of(const Face<Dim>& face, const Vec<Dim>& x) {
   const auto& corners = face.corners;
-  bool is_above = true;
-  Vec<3> nearest = corners[0];
-  double least = std::numeric_limits<double>::infinity();
-  for (std::size_t k = 0; k < 3; ++k) {
-    const Vec<3>& a = corners[k];
-    const Vec<3>& b = corners[(k + 1) % 3];
-    is_above = is_above && cross(normal, Vec<3>(b - a)).dot(x - a) >= 0;
-    const Vec<3> candidate = nearest_of_segment(a, b, x);
-    const double distance = (x - candidate).squaredNorm();
-    if (distance < least) {
-      least = distance;
-      nearest = candidate;
+  if constexpr (Dim == 2) {
+    return nearest_of_segment(corners[0], corners[1], x);
+  } else {
+    const Vec<3> normal = normal_of(face);
+    bool is_above = true;
+    Vec<3> nearest = corners[0];
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vec<3>& a = corners[k];
+      const Vec<3>& b = corners[(k + 1) % 3];
+      is_above = is_above && cross(normal, Vec<3>(b - a)).dot(x - a) >= 0;
+      const Vec<3> candidate = nearest_of_segment(a, b, x);
+      const double distance = (x - candidate).squaredNorm();
+      if (distance < least) {
+        least = distance;
+        nearest = candidate;
+      }
     }
+    return is_above ? Vec<3>(x - normal.dot(x - corners[0]) * normal) : nearest;
   }
-  return is_above ? Vec<3>(x - normal.dot(x - corners[0]) * normal) : nearest;
 }
 
 namespace detail {
@@ -123,24 +128,26 @@ enum class Passage : std::uint8_t {
 
 /// How the line through p and q, which does not lie in the face, passes it; at_rim: closer to the line
 /// of one of its edges (in 2D, to an end) than about `margin` [m].
-inline Passage passage_of(const Face<2>& face, const Vec<2>& p, const Vec<2>& q, double margin) {
-  const double first = detail::side_of(p, q, face.corners[0]);
-  const double second = detail::side_of(p, q, face.corners[1]);
+template <int Dim>
+Passage passage_of(const Face<Dim>& face, const Vec<Dim>& p, const Vec<Dim>& q, double margin) {
   const double least = margin * (q - p).norm();
-  if (std::abs(first) < least || std::abs(second) < least) return Passage::at_rim;
-  return (first > 0) != (second > 0) ? Passage::through : Passage::beside;
-}
-inline Passage passage_of(const Face<3>& face, const Vec<3>& p, const Vec<3>& q, double margin) {
-  const double least = margin * (q - p).norm();
-  bool is_left[3];
-  for (std::size_t k = 0; k < 3; ++k) {
-    const Vec<3>& a = face.corners[k];
-    const Vec<3>& b = face.corners[(k + 1) % 3];
-    const double side = detail::side_of(p, q, a, b);
-    if (std::abs(side) < least * (b - a).norm()) return Passage::at_rim;
-    is_left[k] = side > 0;
+  if constexpr (Dim == 2) {
+    const double first = detail::side_of(p, q, face.corners[0]);
+    const double second = detail::side_of(p, q, face.corners[1]);
+    if (std::abs(first) < least || std::abs(second) < least) return Passage::at_rim;
+    return (first > 0) != (second > 0) ? Passage::through : Passage::beside;
+  } else {
+    bool is_left[3];
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vec<3>& a = face.corners[k];
+      const Vec<3>& b = face.corners[(k + 1) % 3];
+      const double side = detail::side_of(p, q, a, b);
+      if (std::abs(side) < least * (b - a).norm()) return Passage::at_rim;
+      is_left[k] = side > 0;
+    }
+    return is_left[0] == is_left[1] && is_left[0] == is_left[2] ? Passage::through
+                                                                : Passage::beside;
   }
-  return is_left[0] == is_left[1] && is_left[0] == is_left[2] ? Passage::through : Passage::beside;
 }
 
 }  // namespace silt

@@ -61,16 +61,6 @@ struct ImageWalls {
     if constexpr (Dim == 3) return triangles;
   }
 
-  /// Throws if a face has a corner that is not finite, or no length or area.
-  void check() const {
-    for (std::size_t k = 0; k < segments.size(); ++k) {
-      require_size("ImageWalls: segment " + std::to_string(k), segments[k]);
-    }
-    for (std::size_t k = 0; k < triangles.size(); ++k) {
-      require_size("ImageWalls: triangle " + std::to_string(k), triangles[k]);
-    }
-  }
-
   /// Of all corners, for checkpoints.
   std::uint64_t checksum() const {
     PointChecksum all;
@@ -96,7 +86,8 @@ class ImageWalls::InFlow {
   using Real = RealType;
   using Vec = silt::Vec<Dim, Real>;
 
-  /// Throws if there are faces of the other dimension.
+  /// Throws if there are faces of the other dimension, or if a face has a corner that is not
+  /// finite, or no length or area.
   explicit InFlow(const ImageWalls& walls)
       : near_(faces_of_flow(walls)), lets_fluid_fall_(walls.let_fluid_fall) {}
 
