@@ -14,6 +14,7 @@
 #include <cstdint>
 #include <limits>
 #include <map>
+#include <utility>
 #include <vector>
 
 namespace silt {
@@ -68,8 +69,11 @@ Corners<Dim, n> sorted_corners(const std::array<Vec<Dim>, n>& corners) {
     for (int axis = 0; axis < Dim; ++axis) {
       result[k][std::size_t(axis)] = corners[k][axis] + 0.0;  // no −0
     }
+    // std::sort() compiles to a sort of thousands.
+    for (std::size_t m = k; m > 0 && result[m] < result[m - 1]; --m) {
+      std::swap(result[m], result[m - 1]);
+    }
   }
-  std::ranges::sort(result);
   return result;
 }
 
