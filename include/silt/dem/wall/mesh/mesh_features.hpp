@@ -109,7 +109,7 @@ struct MeshFeatures {
         all.emplace_back(ends.first, ends.second, f, k);
       }
     }
-    std::ranges::sort(all);
+    std::sort(all.begin(), all.end());
     for (const auto& [from, to, f, k] : all) {
       if (edges.empty() || edges.back().from != from || edges.back().to != to) {
         const Vec difference = vertices[to] - vertices[from];
@@ -151,7 +151,7 @@ struct MeshFeatures {
           }
         }
       }
-      std::ranges::sort(facet);
+      std::sort(facet.begin(), facet.end());
       facets.push_back(std::move(facet));
     }
   }

@@ -102,7 +102,7 @@ WeldedMesh<Real> weld(const std::vector<Triangle<Real>>& triangles) {
     std::array<std::uint32_t, 3> corners;
     for (std::size_t k = 0; k < 3; ++k) corners[k] = welder.number_of(triangles[t].corners[k]);
     auto sorted = corners;
-    std::ranges::sort(sorted);
+    std::sort(sorted.begin(), sorted.end());
     if (sorted[0] == sorted[1] || sorted[1] == sorted[2]) {
       fail({"MeshWall: triangle ", t, " at ", to_text(triangles[t].corners[0]),
             " m is too small compared with the mesh: two of its corners coincide in single "
@@ -140,7 +140,7 @@ void split_at_junctions(WeldedMesh<Real>& mesh) {
       bounds.push_back({a.cwiseMin(b), a.cwiseMax(b)});
       ends.insert(ends.end(), {side.first, side.second});
     }
-    std::ranges::sort(ends);
+    std::sort(ends.begin(), ends.end());
     ends.erase(std::unique(ends.begin(), ends.end()), ends.end());
 
     // Vertices on each boundary side, with their positions along it.
@@ -170,8 +170,8 @@ void split_at_junctions(WeldedMesh<Real>& mesh) {
         const std::uint32_t to = corners[(k + 1) % 3];
         const std::uint32_t apex = corners[(k + 2) % 3];
         auto& between = found->second;
-        std::ranges::sort(between);
-        if (from > to) std::ranges::reverse(between);
+        std::sort(between.begin(), between.end());
+        if (from > to) std::reverse(between.begin(), between.end());
         mesh.triangles[t] = {from, between.front().second, apex};
         for (Index n = 0; n < between.size(); ++n) {
           const std::uint32_t next = n + 1 < between.size() ? between[n + 1].second : to;

@@ -100,7 +100,7 @@ class MeshWall {
       if (is_near) near.push_back(face.facet);
       return squared(distance);
     });
-    std::ranges::sort(near);
+    std::sort(near.begin(), near.end());
     near.erase(std::unique(near.begin(), near.end()), near.end());
     for (const Index element : near) f(element);
   }
