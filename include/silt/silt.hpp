@@ -4,3 +4,4 @@
 
 #include <silt/dem.hpp>
 #include <silt/mps.hpp>
+#include <silt/mps/policy/cone_surface.hpp>

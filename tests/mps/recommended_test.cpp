@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 // The policies beyond the paper, individually and combined in RecommendedForWallParticles.
+#include <silt/mps.hpp>
+#include <silt/mps/operator/corrected_gradient.hpp>
+#include <silt/mps/policy/cone_surface.hpp>
+
 #include "support/check.hpp"
 #include "support/fluid.hpp"
 #include "support/points.hpp"
 #include "support/view.hpp"
-
-#include <silt/mps.hpp>
-#include <silt/mps/operator/corrected_gradient.hpp>
-
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -63,7 +63,7 @@ class SharesOfLines {
     Vec shift = Vec::Zero();
     for (int axis = 0; axis < Dim; ++axis) {
       const double sign = (k >> axis) % 2 == 0 ? 1 : -1;
-      shift += sign * sizes[axis] * around_.surface().axes()[axis];
+      shift += sign * sizes[axis] * around_.surface().axes()[std::size_t(axis)];
     }
     return around_.width() / (1 + (k >> Dim)) * shift;
   }

@@ -5,7 +5,8 @@
 #include <silt/core/error.hpp>
 #include <silt/core/types.hpp>
 #include <silt/mps/policy/free_surface.hpp>
-#include <silt/mps/policy/smallest_eigenvalue.hpp>
+
+#include <Eigen/Eigenvalues>
 
 #include <cmath>
 
@@ -43,7 +44,9 @@ struct ConeSurface {
       outwards -= (w / r_ij.norm()) * r_ij;
     });
     moments *= Dim / at.n0;
-    const Real smallest_eigenvalue = detail::smallest_eigenvalue(moments);
+    Eigen::SelfAdjointEigenSolver<Matrix> solver;
+    solver.computeDirect(moments, Eigen::EigenvaluesOnly);
+    const Real smallest_eigenvalue = solver.eigenvalues()[0];
     if (smallest_eigenvalue < Real(spray)) return true;
     const Real size = outwards.norm();
     if (smallest_eigenvalue > Real(inside) || !(size > 0)) return false;
