@@ -17,8 +17,13 @@ using Vec = Eigen::Matrix<Real, Dim, 1>;
 
 namespace detail {
 
+/// Whether vectors of these numbers have the operators of this file.
+template <class Real>
+inline constexpr bool is_coordinate = std::is_floating_point_v<Real>;
 template <class Real, int Dim>
-concept OfSpace = std::is_floating_point_v<Real> && (Dim == 2 || Dim == 3);
+concept OfSpace = is_coordinate<Real> && (Dim == 2 || Dim == 3);
+template <class S, class Real>
+concept Factor = std::is_arithmetic_v<S> || std::is_same_v<S, Real>;
 
 // Eigen, too, keeps two numbers of double in one register.
 typedef double Two __attribute__((vector_size(16), may_alias));
@@ -28,11 +33,11 @@ typedef double Two __attribute__((vector_size(16), may_alias));
 [[gnu::always_inline]] inline Two two(double s) { return Two{s, s}; }
 
 template <class Real, int Dim>
-[[gnu::always_inline]] inline Real component(const Eigen::Matrix<Real, Dim, 1>& a, int k) {
+[[gnu::always_inline]] inline Real number_at(const Eigen::Matrix<Real, Dim, 1>& a, int k) {
   return a.data()[k];
 }
 template <class Real>
-[[gnu::always_inline]] inline Real component(Real s, int) {
+[[gnu::always_inline]] inline Real number_at(Real s, int) {
   return s;
 }
 
@@ -44,7 +49,7 @@ template <class F, class Real, int Dim, class B>
   if constexpr (Dim == 2 && std::is_same_v<Real, double>) {
     *reinterpret_cast<Two*>(result.data()) = f(two(a), two(b));
   } else {
-    for (int k = 0; k < Dim; ++k) result.data()[k] = f(component(a, k), component(b, k));
+    for (int k = 0; k < Dim; ++k) result.data()[k] = f(number_at(a, k), number_at(b, k));
   }
   return result;
 }
@@ -64,17 +69,17 @@ template <class Real, int Dim>
   return detail::by_component(a, b, [](auto x, auto y) { return x - y; });
 }
 template <class Real, int Dim, class S>
-  requires detail::OfSpace<Real, Dim> && std::is_arithmetic_v<S>
+  requires detail::OfSpace<Real, Dim> && detail::Factor<S, Real>
 [[gnu::always_inline]] inline Vec<Dim, Real> operator*(const Eigen::Matrix<Real, Dim, 1>& a, S s) {
   return detail::by_component(a, Real(s), [](auto x, auto y) { return x * y; });
 }
 template <class Real, int Dim, class S>
-  requires detail::OfSpace<Real, Dim> && std::is_arithmetic_v<S>
+  requires detail::OfSpace<Real, Dim> && detail::Factor<S, Real>
 [[gnu::always_inline]] inline Vec<Dim, Real> operator*(S s, const Eigen::Matrix<Real, Dim, 1>& a) {
   return a * s;
 }
 template <class Real, int Dim, class S>
-  requires detail::OfSpace<Real, Dim> && std::is_arithmetic_v<S>
+  requires detail::OfSpace<Real, Dim> && detail::Factor<S, Real>
 [[gnu::always_inline]] inline Vec<Dim, Real> operator/(const Eigen::Matrix<Real, Dim, 1>& a, S s) {
   return detail::by_component(a, Real(s), [](auto x, auto y) { return x / y; });
 }

@@ -44,7 +44,8 @@ inline bool is_crossed(const Face<3>& face, const Vec<3>& p, const Vec<3>& q) {
 template <int Dim>
 double distance_to_face(const Faces<Dim>& faces, const Vec<Dim>& x, const Direction& direction,
                         bool counts_back_sides = true) {
-  const Vec<Dim> along = direction.sign * Vec<Dim>::Unit(direction.axis);
+  Vec<Dim> along = Vec<Dim>::Zero();
+  along[direction.axis] = direction.sign;
   typename Faces<Dim>::Bounds line{x, x};
   (direction.sign > 0 ? line.upper : line.lower)[direction.axis] =
       direction.sign * std::numeric_limits<double>::infinity();

@@ -25,7 +25,10 @@ struct Mirror {
   Mirror after(const Mirror& first) const {
     Mirror both{.translation = (*this)(first.translation)};
     for (int k = 0; k < Dim; ++k) {
-      both.rotation.col(k) = multiply<Dim, double>(rotation, first.rotation.col(k));
+      Vec column;
+      for (int row = 0; row < Dim; ++row) column[row] = first.rotation(row, k);
+      column = multiply<Dim, double>(rotation, column);
+      for (int row = 0; row < Dim; ++row) both.rotation(row, k) = column[row];
     }
     return both;
   }

@@ -57,8 +57,10 @@ template <class U, class Operators>
   if (!(moments.determinant() > least_determinant)) return found;
   const Matrix inverse = moments.inverse();
   for (int a = 0; a < Dim; ++a) {
-    const Vec row = gradient.row(a).transpose();
-    found.value.row(a) = multiply<Dim, Real>(inverse, row).transpose();
+    Vec row;
+    for (int b = 0; b < Dim; ++b) row[b] = gradient(a, b);
+    row = multiply<Dim, Real>(inverse, row);
+    for (int b = 0; b < Dim; ++b) found.value(a, b) = row[b];
   }
   found.is_known = true;
   return found;
