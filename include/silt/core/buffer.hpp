@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// A std::vector for values that own nothing. A program has dozens of types of such values, and for
-// each std::vector compiles about fifty functions; these share one class of bytes. Their memory
-// begins at a cache line, so that no register is loaded across two.
+// A std::vector with few functions. A program has dozens of types of values in arrays, and for each
+// std::vector compiles about fifty functions; those of these arrays that are not short share one
+// class of bytes. Their memory begins at a cache line, so that no register is loaded across two.
 #pragma once
 
 #include <silt/core/types.hpp>
@@ -12,6 +12,7 @@
 #include <exception>
 #include <initializer_list>
 #include <iterator>
+#include <limits>
 #include <new>
 #include <span>
 #include <type_traits>
@@ -25,6 +26,8 @@ namespace detail {
 class GrowingBytes {
  public:
   static constexpr std::align_val_t alignment{64};
+  /// Moves values of this many bytes in all to other memory; nullptr if copying the bytes does.
+  using Move = void (*)(std::byte* to, std::byte* from, std::size_t size) noexcept;
 
   GrowingBytes() = default;
   [[gnu::noinline]] GrowingBytes(const GrowingBytes& other) { assign(other); }
@@ -49,18 +52,20 @@ class GrowingBytes {
   std::size_t size() const noexcept { return size_; }
   std::size_t capacity() const noexcept { return capacity_; }
 
-  /// Adds bytes without a value, and returns their place.
-  std::byte* add(std::size_t count) {
-    if (count > capacity_ - size_) reserve(size_ + std::max(size_, count));
-    std::byte* const place = data_ + size_;
-    size_ += count;
-    return place;
+  /// The place after the last byte, with memory for `count` more.
+  std::byte* place_for(std::size_t count, Move move = nullptr) {
+    if (count > capacity_ - size_) reserve(size_ + std::max(size_, count), move);
+    return data_ + size_;
   }
-  void shrink(std::size_t size) noexcept { size_ = size; }
-  [[gnu::noinline]] void reserve(std::size_t capacity) {
+  void set_size(std::size_t size) noexcept { size_ = size; }
+  [[gnu::noinline]] void reserve(std::size_t capacity, Move move = nullptr) {
     if (capacity <= capacity_) return;
     auto* const data = static_cast<std::byte*>(::operator new(capacity, alignment));
-    if (size_ > 0) std::memcpy(data, data_, size_);
+    if (move) {
+      move(data, data_, size_);
+    } else if (size_ > 0) {
+      std::memcpy(data, data_, size_);
+    }
     release();
     data_ = data;
     capacity_ = capacity;
@@ -82,11 +87,24 @@ class GrowingBytes {
   std::size_t capacity_ = 0;
 };
 
+/// What Buffer does with values that own something. Others are copied as bytes.
+template <class T>
+struct OwningValues {
+  static_assert(std::is_nothrow_move_constructible_v<T>);
+  static void move(std::byte* to, std::byte* from, std::size_t size) noexcept {
+    for (std::size_t at = 0; at < size; at += sizeof(T)) {
+      T& value = *reinterpret_cast<T*>(from + at);
+      ::new (static_cast<void*>(to + at)) T(std::move(value));
+      value.~T();
+    }
+  }
+};
+
 }  // namespace detail
 
-/// Values that own nothing, whose bytes may therefore be copied, one after the other. As in
-/// std::vector: capacity(), resize(), assign(), push_back(), pop_back(), swap(); append() adds all
-/// values of a span. Memory that a resize() releases stays reserved.
+/// Values one after the other. As in std::vector: capacity(), resize(), assign(), push_back(),
+/// pop_back(), swap(); append() adds all values of a span, of another array. The bytes of values
+/// that own nothing are copied. Memory that a resize() releases stays reserved.
 template <class T>
 class Buffer {
   static_assert(alignof(T) <= std::size_t(detail::GrowingBytes::alignment));
@@ -96,12 +114,31 @@ class Buffer {
 
   Buffer() = default;
   /// With `count` values, these values, or those of a range.
-  explicit Buffer(Index count) { resize(count); }
-  Buffer(Index count, const T& value) { resize(count, value); }
-  Buffer(std::initializer_list<T> values) { append(values); }
+  explicit Buffer(Index count) : Buffer() { resize(count); }
+  Buffer(Index count, const T& value) : Buffer() { resize(count, value); }
+  Buffer(std::initializer_list<T> values) : Buffer() { append(values); }
   template <std::input_iterator Iterator>
-  Buffer(Iterator first, Iterator last) {
+  Buffer(Iterator first, Iterator last) : Buffer() {
     assign(first, last);
+  }
+  Buffer(const Buffer& other) : Buffer() { *this = other; }
+  Buffer(Buffer&&) noexcept = default;
+  Buffer& operator=(const Buffer& other) {
+    if constexpr (!owns()) {
+      bytes_ = other.bytes_;
+    } else if (this != &other) {
+      clear();
+      append(other);
+    }
+    return *this;
+  }
+  Buffer& operator=(Buffer&& other) noexcept {
+    Buffer old(std::move(other));
+    swap(old);
+    return *this;
+  }
+  ~Buffer() {
+    if constexpr (owns()) destroy_from(0);
   }
 
   Index size() const noexcept { return bytes_.size() / sizeof(T); }
@@ -126,16 +163,29 @@ class Buffer {
   T& back() noexcept { return (*this)[size() - 1]; }
   const T& back() const noexcept { return (*this)[size() - 1]; }
 
-  void clear() noexcept { bytes_.shrink(0); }
-  void reserve(Index count) { bytes_.reserve(count * sizeof(T)); }
-  void resize(Index count) { resize(count, T{}); }
+  void clear() noexcept { shrink(0); }
+  void reserve(Index count) { bytes_.reserve(bytes_of(count), move_of()); }
+  void resize(Index count) {
+    if constexpr (owns()) {
+      if (count <= size()) return shrink(count);
+      bytes_.place_for(bytes_of(count - size()), move_of());
+      while (size() < count) emplace_back();
+    } else {
+      resize(count, T{});
+    }
+  }
   void resize(Index count, const T& value) {
-    static_assert(std::is_trivially_destructible_v<T>, "silt::Buffer: T must own nothing");
-    if (count <= size()) return bytes_.shrink(count * sizeof(T));
+    if (count <= size()) return shrink(count);
     const T copy = value;  // may be one of these
     const Index added = count - size();
-    auto* const place = reinterpret_cast<T*>(bytes_.add(added * sizeof(T)));
-    for (Index k = 0; k < added; ++k) ::new (static_cast<void*>(place + k)) T(copy);
+    [[maybe_unused]] auto* const place =
+        reinterpret_cast<T*>(bytes_.place_for(bytes_of(added), move_of()));
+    if constexpr (owns()) {
+      while (size() < count) emplace_back(copy);
+    } else {
+      for (Index k = 0; k < added; ++k) ::new (static_cast<void*>(place + k)) T(copy);
+      bytes_.set_size(bytes_of(count));
+    }
   }
   void assign(Index count, const T& value) {
     const T copy = value;
@@ -151,19 +201,48 @@ class Buffer {
     clear();
     for (; first != last; ++first) push_back(*first);
   }
-  void push_back(const T& value) {
-    const T copy = value;  // may be one of these
-    ::new (static_cast<void*>(bytes_.add(sizeof(T)))) T(copy);
+  void push_back(T value) { emplace_back(std::move(value)); }
+  /// The added value. The arguments must not be of one of these values.
+  template <class... Arguments>
+  T& emplace_back(Arguments&&... arguments) {
+    std::byte* const place = bytes_.place_for(sizeof(T), move_of());
+    T* const added = ::new (static_cast<void*>(place)) T{std::forward<Arguments>(arguments)...};
+    bytes_.set_size(bytes_.size() + sizeof(T));
+    return *added;
   }
   void append(std::span<const T> values) {
-    if (values.empty()) return;
-    std::memcpy(bytes_.add(values.size_bytes()), static_cast<const void*>(values.data()),
-                values.size_bytes());
+    if constexpr (owns()) {
+      bytes_.place_for(bytes_of(values.size()), move_of());
+      for (const T& value : values) emplace_back(value);
+    } else if (!values.empty()) {
+      std::memcpy(bytes_.place_for(values.size_bytes()), static_cast<const void*>(values.data()),
+                  values.size_bytes());
+      bytes_.set_size(bytes_.size() + values.size_bytes());
+    }
   }
-  void pop_back() noexcept { bytes_.shrink(bytes_.size() - sizeof(T)); }
+  void pop_back() noexcept { shrink(size() - 1); }
   void swap(Buffer& other) noexcept { bytes_.swap(other.bytes_); }
 
  private:
+  static constexpr bool owns() { return !std::is_trivially_destructible_v<T>; }
+  static constexpr detail::GrowingBytes::Move move_of() {
+    if constexpr (owns()) {
+      return &detail::OwningValues<T>::move;
+    } else {
+      return nullptr;
+    }
+  }
+  static std::size_t bytes_of(Index count) {
+    if (count > std::numeric_limits<std::ptrdiff_t>::max() / sizeof(T)) throw std::bad_alloc();
+    return count * sizeof(T);
+  }
+  void shrink(Index count) noexcept {
+    if constexpr (owns()) destroy_from(count);
+    bytes_.set_size(count * sizeof(T));
+  }
+  void destroy_from(Index count) noexcept {
+    for (T& value : std::span(data(), size()).subspan(count)) value.~T();
+  }
   void check([[maybe_unused]] Index i) const noexcept {
 #ifdef _GLIBCXX_ASSERTIONS  // as std::vector
     if (i >= size()) std::terminate();

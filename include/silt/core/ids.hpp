@@ -3,13 +3,13 @@
 // then those of ghosts, which have their owner's id; and the index of each.
 #pragma once
 
+#include <silt/core/buffer.hpp>
 #include <silt/core/id_table.hpp>
 #include <silt/core/types.hpp>
 
 #include <algorithm>
 #include <span>
 #include <utility>
-#include <vector>
 
 namespace silt::detail {
 
@@ -50,13 +50,13 @@ class Ids {
     table_.assign(ids_);
   }
   /// The ids of particles order[i], then those of the halo.
-  std::vector<Id> in_order(std::span<const Index> order) const {
-    std::vector<Id> ids = ids_;
+  Buffer<Id> in_order(std::span<const Index> order) const {
+    Buffer<Id> ids = ids_;
     for (Index i = 0; i < order.size(); ++i) ids[i] = ids_[order[i]];
     return ids;
   }
   /// Replaces the ids by the same ones in another order. Does not throw.
-  void set_order(std::vector<Id>&& ids) {
+  void set_order(Buffer<Id>&& ids) {
     ids_.swap(ids);
     table_.assign(ids_);
   }
@@ -82,7 +82,7 @@ class Ids {
   }
 
  private:
-  std::vector<Id> ids_;
+  Buffer<Id> ids_;
   Id next_id_ = 0;
   IdTable table_;
 };

@@ -18,7 +18,6 @@
 #include <span>
 #include <string>
 #include <utility>
-#include <vector>
 
 namespace silt {
 
@@ -129,7 +128,7 @@ class ParticleTable {
     detail::check_permutation(order, size());
     auto ids = ids_.in_order(order);
     // All of them before the first is replaced, because an allocation may fail.
-    std::vector<detail::Column> sorted;
+    Buffer<detail::Column> sorted;
     sorted.reserve(columns.size());
     for (const auto& each : columns) sorted.push_back(each.now().in_order(order));
     for (Index k = 0; k < sorted.size(); ++k) columns[k].now().swap(sorted[k]);

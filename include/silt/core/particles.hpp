@@ -123,7 +123,7 @@ class Particles : public ParticleTable {
   Index remove_if(Removed&& removed) {
     clear_ghosts();
     // All are known before the first row is moved: removed(i) may throw, or read other rows.
-    std::vector<Index> gone;
+    Buffer<Index> gone;
     for (Index i = 0; i < size(); ++i) {
       if (removed(i)) gone.push_back(i);
     }

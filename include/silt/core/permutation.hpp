@@ -2,18 +2,18 @@
 // The order in which particles are to be put.
 #pragma once
 
+#include <silt/core/buffer.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/types.hpp>
 
 #include <span>
 #include <string>
-#include <vector>
 
 namespace silt::detail {
 
 /// Throws unless `order` has each of 0 … size-1 once.
 inline void check_permutation(std::span<const Index> order, Index size) {
-  std::vector<char> seen(size, 0);
+  Buffer<char> seen(size, 0);
   bool good = order.size() == size;
   for (Index k = 0; good && k < order.size(); ++k) {
     good = order[k] < size && !seen[order[k]];

@@ -15,7 +15,6 @@
 #include <limits>
 #include <map>
 #include <utility>
-#include <vector>
 
 namespace silt {
 
@@ -198,7 +197,7 @@ class Facets {
   // Those with few corners, all of which are on the inner side of all edges of the rim.
   void find_convex_facets() {
     constexpr std::size_t max_faces = 200;
-    std::vector<Buffer<std::uint32_t>> facets(elements_.size());
+    Buffer<Buffer<std::uint32_t>> facets(elements_.size());
     for (std::uint32_t e = 0; e < elements_.size(); ++e) facets[elements_[e].facet].push_back(e);
     for (const auto& facet : facets) {
       if (facet.size() > max_faces) continue;

@@ -12,6 +12,7 @@
 // some programs cannot read them, such as ParaView 5.11 of Debian 12 (its VTK with its expat).
 #pragma once
 
+#include <silt/core/buffer.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/field_view.hpp>
 #include <silt/core/fields.hpp>
@@ -108,7 +109,7 @@ VtkArray vtk_array(std::string_view name, std::span<const Value> values) {
 }
 
 /// Of fields, which have as many values as there are ids. Not inlined for every field.
-[[gnu::noinline, gnu::cold]] inline void add_vtk_array(std::vector<VtkArray>& arrays,
+[[gnu::noinline, gnu::cold]] inline void add_vtk_array(Buffer<VtkArray>& arrays,
                                                        std::string_view name, const VtkType& values,
                                                        const void* first, Index stride) {
   arrays.push_back({name, &values, first, 0, stride});
@@ -134,12 +135,12 @@ VtkArray vtk_array(std::string_view name, std::span<const Value> values) {
 /// A frame of the positions, as points, and the other fields.
 [[gnu::cold]] inline std::string vtk_frame(std::span<const Id> ids, std::span<VtkArray> fields) {
   const Index n = ids.size();
-  std::vector<std::int64_t> numbers(n);
+  Buffer<std::int64_t> numbers(n);
   std::iota(numbers.begin(), numbers.end(), std::int64_t{0});
   std::string cells = xml_of(vtk_array<std::int64_t>("connectivity", numbers));
   for (std::int64_t& number : numbers) ++number;
   cells += xml_of(vtk_array<std::int64_t>("offsets", numbers));
-  const std::vector<std::uint8_t> vertices(n, 1);  // VTK_VERTEX
+  const Buffer<std::uint8_t> vertices(n, 1);  // VTK_VERTEX
   cells += xml_of(vtk_array<std::uint8_t>("types", vertices));
 
   std::string points;
@@ -181,7 +182,7 @@ VtkArray vtk_array(std::string_view name, std::span<const Value> values) {
 /// of other types are omitted. The bytes depend on the particles only.
 template <class P>
 [[gnu::cold]] std::string vtk_frame(const P& particles) {
-  std::vector<detail::VtkArray> fields;
+  Buffer<detail::VtkArray> fields;
   particles.for_each_field([&]<class Values, class F>(const Values& values, F) {
     using Value = typename Values::value_type;
     detail::add_vtk_array(fields, name_of<F>(), detail::vtk_type_of<Value>,

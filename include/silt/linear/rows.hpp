@@ -12,7 +12,6 @@
 
 #include <algorithm>
 #include <span>
-#include <vector>
 
 namespace silt {
 
@@ -56,7 +55,7 @@ class Rows {
  private:
   Buffer<Index> first_;  // of each row, and the total number
   Buffer<T> items_;
-  std::vector<Buffer<T>> chunks_;
+  Buffer<Buffer<T>> chunks_;
 };
 
 }  // namespace silt

@@ -20,7 +20,6 @@
 #include <array>
 #include <cstdint>
 #include <span>
-#include <vector>
 
 namespace silt {
 
@@ -173,7 +172,7 @@ class WindowRows {
   }
 
   Index size_ = 0;
-  std::vector<RowSet> sets_;
+  Buffer<RowSet> sets_;
 };
 
 }  // namespace silt

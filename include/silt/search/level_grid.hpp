@@ -23,7 +23,6 @@
 #include <cmath>
 #include <cstdint>
 #include <span>
-#include <vector>
 
 namespace silt {
 
@@ -312,7 +311,7 @@ class LevelGrid {
   Buffer<Index> owners_;
   Buffer<Index> histogram_;
   Buffer<SizeClass> highest_;  // of each level
-  std::vector<Level> levels_;       // the finest first
+  Buffer<Level> levels_;       // the finest first
   BinSort by_level_;
   SortedCells<Dim, Real> all_levels_;  // for the order in memory
 };

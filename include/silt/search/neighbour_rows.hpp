@@ -99,7 +99,7 @@ class NeighbourRows {
  private:
   Index rows_ = 0;
   Buffer<std::uint32_t> end_;                   // by chunk: 0, and the end of each row
-  std::vector<Buffer<std::uint32_t>> entries_;  // by chunk
+  Buffer<Buffer<std::uint32_t>> entries_;       // by chunk
 };
 
 /// The interface of NeighbourRows::Writer for rows that are read only once: calls

@@ -19,7 +19,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <vector>
 
 namespace silt {
 
@@ -143,8 +142,8 @@ class CellCycle {
   }
 
   CellMultigridSettings settings_;
-  std::vector<Level> levels_;  // only the first used_ are valid; the others keep their memory
-  std::vector<CellCoarsening<Dim>> coarsenings_;  // from each level to the next
+  Buffer<Level> levels_;  // only the first used_ are valid; the others keep their memory
+  Buffer<CellCoarsening<Dim>> coarsenings_;       // from each level to the next
   Index used_ = 0;                                // number of levels
   SmallMatrix<float> coarsest_inverse_;
 };

@@ -31,7 +31,6 @@
 #include <span>
 #include <string>
 #include <utility>
-#include <vector>
 
 namespace silt::dem::detail {
 
@@ -166,7 +165,7 @@ class ContactList {
   /// Builds the list for grains with these ids, of which the first `owned` are owned: find(i,
   /// pairs) adds the pairs found at grain i, for each of a block.
   void build(std::span<const Id> ids, Index owned, FunctionRef<void(Index, PairsOfBlock&)> find,
-             std::vector<PairsOfBlock>& by_block) {
+             Buffer<PairsOfBlock>& by_block) {
     ids_.assign(ids.begin(), ids.end());
     owned_ = owned;
     by_block.resize(block_count(owned_));
@@ -206,7 +205,7 @@ class ContactList {
   static constexpr Index full_groups(Index n) { return (n + lanes - 1) / lanes * lanes; }
   static Index block_of(const Pair& pair) { return std::min(pair.first, pair.second) / block_size; }
 
-  void concatenate(const std::vector<PairsOfBlock>& by_block) {
+  void concatenate(const Buffer<PairsOfBlock>& by_block) {
     Buffer<Index> further(by_block.size(), 0);
     for (const PairsOfBlock& each : by_block) {
       for (const Pair& pair : each.of_other_blocks) ++further[block_of(pair)];
@@ -268,7 +267,7 @@ class ContactList {
       std::uint32_t grain;
       Side side;
     };
-    std::vector<Buffer<SideOf>> of_later_tasks(tasks);
+    Buffer<Buffer<SideOf>> of_later_tasks(tasks);
     // f(grain, side) for those of a task's own contacts, then for those that earlier tasks met.
     const auto for_each_own = [&](Index task, auto&& f) {
       for (Index b = first_block_of(task); b < first_block_of(task + 1); ++b) {

@@ -13,6 +13,7 @@
 // this. Observers read it through ContactsOfStep (contacts_of_step.hpp).
 #pragma once
 
+#include <silt/core/buffer.hpp>
 #include <silt/core/concepts.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/own_memory.hpp>
@@ -52,7 +53,6 @@
 #include <span>
 #include <string>
 #include <utility>
-#include <vector>
 
 namespace silt::dem {
 
@@ -318,7 +318,7 @@ class ContactsOf : public Contacts<Law, Walls...> {
     detail::Pool<Histories> histories;
     typename detail::SharedGrains<P>::Pools copies;
     typename Loop::Memory loop;
-    std::vector<detail::ContactList::PairsOfBlock> by_block;
+    Buffer<detail::ContactList::PairsOfBlock> by_block;
   };
 
   bool have_constants_changed(const P& grains) const {

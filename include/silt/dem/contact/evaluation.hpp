@@ -19,7 +19,6 @@
 
 #include <atomic>
 #include <memory>
-#include <vector>
 
 namespace silt::dem::detail {
 
@@ -38,11 +37,15 @@ class Pool {
   }
   /// Frees those without another owner.
   void free_unused() {
-    std::erase_if(all_, [](const auto& each) { return each.use_count() == 1; });
+    for (Index k = all_.size(); k-- > 0;) {
+      if (all_[k].use_count() > 1) continue;
+      all_[k].swap(all_.back());
+      all_.pop_back();
+    }
   }
 
  private:
-  std::vector<std::shared_ptr<T>> all_;
+  Buffer<std::shared_ptr<T>> all_;
 };
 
 /// The rows of grains, owned together with their container; see GrainRows.

@@ -22,7 +22,6 @@
 #include <cstdint>
 #include <limits>
 #include <string>
-#include <vector>
 
 namespace silt::dem::detail {
 
@@ -236,7 +235,7 @@ void begin_list(const P& grains, const S& search, const Walls& walls, const Step
 /// WallsAtTime.
 template <class P, class S, class Walls, class List>
 void find_contacts(const P& grains, const S& search, const Walls& walls, List& list,
-                   std::vector<ContactList::PairsOfBlock>& by_block) {
+                   Buffer<ContactList::PairsOfBlock>& by_block) {
   using Real = typename P::Real;
   const auto x = grains.with_halo(position);
   const auto R = grains.with_halo(radius);

@@ -80,7 +80,7 @@ class SavedList {
             " grains, and ", first_.size(), " and ", second_.size(),
             " partners of pairs; use an earlier checkpoint"});
     }
-    std::vector<std::pair<Id, Id>> pairs(first_.size());
+    Buffer<std::pair<Id, Id>> pairs(first_.size());
     for (Index k = 0; k < pairs.size(); ++k) {
       check_pair(grains, first_[k], second_[k]);
       pairs[k] = {first_[k], second_[k]};
@@ -99,8 +99,7 @@ class SavedList {
 
   /// Requires check() and fits().
   template <class P>
-  void restore(const P& grains, List& list,
-               std::vector<ContactList::PairsOfBlock>& by_block) const {
+  void restore(const P& grains, List& list, Buffer<ContactList::PairsOfBlock>& by_block) const {
     std::vector<Buffer<Index>> of_grain(grains.size());
     for (Index k = 0; k < first_.size(); ++k) of_grain[grains.index_of(first_[k])].push_back(k);
     list.contacts.build(

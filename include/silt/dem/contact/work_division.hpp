@@ -11,7 +11,6 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
-#include <vector>
 
 namespace silt::dem::detail {
 
@@ -149,7 +148,7 @@ class WorkDivision {
   Index assign_slots(const ContactList& list, Index t) {
     const Index first_block = first_block_[t];
     const Index last_block = first_block_[t + 1];
-    std::vector<Buffer<std::uint32_t>> released(last_block - first_block);
+    Buffer<Buffer<std::uint32_t>> released(last_block - first_block);
     Buffer<std::uint32_t> free;
     Index count = 0;
     for (Index b = first_block; b < last_block; ++b) {
@@ -191,7 +190,7 @@ class WorkDivision {
   Buffer<std::uint32_t> row_of_side_;
   Buffer<std::uint8_t> order_;                   // by range of grains, the offsets from the first
   Buffer<char> is_deferred_;                     // by grain
-  std::vector<Buffer<std::uint32_t>> deferred_;  // by the thread of their block
+  Buffer<Buffer<std::uint32_t>> deferred_;       // by the thread of their block
 };
 
 }  // namespace silt::dem::detail

@@ -17,7 +17,6 @@
 #include <cstdint>
 #include <span>
 #include <string>
-#include <vector>
 
 namespace silt::mps {
 
@@ -155,7 +154,7 @@ class Neighbourhood {
   }
 
   Buffer<RowPlace> rows_;  // by particle
-  std::vector<WeightedRows<Real>> sets_;
+  Buffer<WeightedRows<Real>> sets_;
   Buffer<Real> density_;
   Buffer<Vec> positions_;  // with ghosts
   std::uint64_t revision_ = 0;

@@ -11,7 +11,6 @@
 #include <silt/mps/operator/velocity_gradient.hpp>
 
 
-#include <vector>
 
 namespace silt::mps {
 
@@ -37,7 +36,7 @@ class ExtrapolatedFlow {
   /// image in both is not on a wall: extrapolated there, fluid at rest would begin to circulate.
   /// `around` of each particle are the faces near it.
   template <FluidParticles P, class Operators, class Around>
-  void find(const P& particles, const Operators& operators, const std::vector<Around>& around) {
+  void find(const P& particles, const Operators& operators, const Buffer<Around>& around) {
     const auto u = particles.with_ghosts(velocity);
     const auto on_surface = particles[surface];
     const auto n = particles[number_density];

@@ -14,7 +14,6 @@
 #include <memory>
 #include <span>
 #include <utility>
-#include <vector>
 
 namespace silt::mps {
 
@@ -43,7 +42,7 @@ class FacesNearParticles {
   double reach() const { return reach_; }  ///< [m]
   Index size() const { return around_.size(); }
   /// The faces around each particle.
-  const std::vector<MirrorsAround<Dim>>& around() const { return around_; }
+  const Buffer<MirrorsAround<Dim>>& around() const { return around_; }
   const MirrorsAround<Dim>& operator[](Index i) const { return around_[i]; }
   const Vec& position(Index j) const { return positions_[j]; }  ///< when they were found [m]
   /// Whether no face hides a neighbour of particle i.
@@ -89,7 +88,7 @@ class FacesNearParticles {
   std::shared_ptr<const Faces<Dim>> faces_;  // which around_ refers to
   double reach_ = 0;                         // [m]
   Buffer<Vec> positions_;
-  std::vector<MirrorsAround<Dim>> around_;
+  Buffer<MirrorsAround<Dim>> around_;
   Buffer<std::uint8_t> sides_;     // of each face that have particles near it, as bits
   Buffer<std::uint8_t> sees_all_;  // of each particle
 };

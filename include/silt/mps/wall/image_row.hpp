@@ -12,7 +12,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <vector>
 
 namespace silt::mps {
 
@@ -173,7 +172,7 @@ class ImageRows {
   }
 
   Buffer<Row> rows_;
-  std::vector<Set> sets_;
+  Buffer<Set> sets_;
 };
 
 }  // namespace silt::mps

@@ -18,7 +18,6 @@
 #include <cstdint>
 #include <limits>
 #include <string>
-#include <vector>
 
 namespace silt::mps::detail {
 
@@ -37,8 +36,7 @@ void require_fluid_only(const P& particles) {
 /// Throws if a particle is on a face: its image would be at the same position. `around` of each
 /// particle are the faces near it, spacing in [m].
 template <FluidParticles P, class Around>
-void require_distance_from_faces(const P& particles, const std::vector<Around>& around,
-                                 double spacing) {
+void require_distance_from_faces(const P& particles, const Buffer<Around>& around, double spacing) {
   constexpr double closest = 1e-3;  // spacings
   const Index i = first_where(particles.size(), [&](Index k) {
     return around[k].distance() < closest * spacing;

@@ -241,7 +241,7 @@ class ImageWalls::InFlow {
   // images.
   template <class S, class T>
   void find_images(const S& search, const T& stencil, Index i) {
-    static thread_local std::vector<std::uint32_t> candidates;  // keeps its capacity
+    static thread_local Buffer<std::uint32_t> candidates;  // keeps its capacity
     candidates.clear();
     search.for_each_neighbour(
         i, [](Index j, const auto&, auto) { candidates.push_back(std::uint32_t(j)); });
@@ -268,7 +268,7 @@ class ImageWalls::InFlow {
   std::uint64_t revision_ = 0;  // of the particles at the positions of near_
   ImageRows<Dim, Real> images_;
   std::array<double, 3> sizes_{};      // re, n0 and λ of the stencil of their weights
-  std::vector<std::uint32_t> owners_;  // with ghosts
+  Buffer<std::uint32_t> owners_;       // with ghosts
   ExtrapolatedFlow<Dim, Real> flow_;
 };
 
