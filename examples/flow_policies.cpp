@@ -8,7 +8,6 @@
 #include <silt/measure/probe.hpp>
 #include <silt/measure/wall_gauge.hpp>
 #include <silt/mps.hpp>
-#include <silt/mps/policy/cone_surface.hpp>
 
 #include "support/command_line.hpp"
 #include "support/fluid_cases/all.hpp"

@@ -6,6 +6,7 @@
 #include <silt/core/simulation.hpp>
 #include <silt/integrate/semi_implicit.hpp>
 #include <silt/mps/fluid/fluid.hpp>
+#include <silt/mps/policy/cone_surface.hpp>
 #include <silt/mps/policy/higher_order_source.hpp>
 #include <silt/mps/scheme/cases.hpp>
 #include <silt/mps/scheme/recommended.hpp>

@@ -4,4 +4,3 @@
 
 #include <silt/dem.hpp>
 #include <silt/mps.hpp>
-#include <silt/mps/policy/cone_surface.hpp>

@@ -2,7 +2,6 @@
 // The policies beyond the paper, individually and combined in RecommendedForWallParticles.
 #include <silt/mps.hpp>
 #include <silt/mps/operator/corrected_gradient.hpp>
-#include <silt/mps/policy/cone_surface.hpp>
 
 #include "support/check.hpp"
 #include "support/fluid.hpp"

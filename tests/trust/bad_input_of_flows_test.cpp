@@ -2,7 +2,6 @@
 // Flows with their policies, tanks, solvers and measurements accept or refuse wrong and extreme
 // values as these tables say.
 #include <silt/measure/front.hpp>
-#include <silt/mps/policy/cone_surface.hpp>
 #include <silt/search/brute_force.hpp>
 
 #include "support/bad_input_table.hpp"

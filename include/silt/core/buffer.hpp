@@ -121,7 +121,10 @@ class Buffer {
   Buffer(Iterator first, Iterator last) : Buffer() {
     assign(first, last);
   }
-  Buffer(const Buffer& other) : Buffer() { *this = other; }
+  // Once the first constructor has returned, the destructor is called if the rest throws.
+  Buffer(const Buffer& other) : Buffer(copy_of(other.bytes_)) {
+    if constexpr (owns()) append(other);
+  }
   Buffer(Buffer&&) noexcept = default;
   Buffer& operator=(const Buffer& other) {
     if constexpr (!owns()) {
@@ -224,6 +227,14 @@ class Buffer {
   void swap(Buffer& other) noexcept { bytes_.swap(other.bytes_); }
 
  private:
+  explicit Buffer(detail::GrowingBytes bytes) noexcept : bytes_(std::move(bytes)) {}
+  static detail::GrowingBytes copy_of(const detail::GrowingBytes& bytes) {
+    if constexpr (owns()) {
+      return {};
+    } else {
+      return bytes;
+    }
+  }
   static constexpr bool owns() { return !std::is_trivially_destructible_v<T>; }
   static constexpr detail::GrowingBytes::Move move_of() {
     if constexpr (owns()) {

@@ -6,11 +6,37 @@
 #include <silt/core/types.hpp>
 #include <silt/mps/policy/free_surface.hpp>
 
-#include <Eigen/Eigenvalues>
-
+#include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace silt::mps {
+
+namespace detail {
+
+// The smallest eigenvalue of a symmetric matrix. Eigen's own takes longer to compile than all else
+// that a flow needs of Eigen.
+template <class Real>
+Real smallest_eigenvalue(const Eigen::Matrix<Real, 2, 2>& A) {
+  const Real mean = (A(0, 0) + A(1, 1)) / 2;
+  return mean - std::hypot((A(0, 0) - A(1, 1)) / 2, A(1, 0));
+}
+// By the angle of [Smith1961], whose cosine is half the determinant of the matrix without its mean,
+// scaled to a mean square of 2 of its eigenvalues.
+template <class Real>
+Real smallest_eigenvalue(const Eigen::Matrix<Real, 3, 3>& A) {
+  const Real mean = (A(0, 0) + A(1, 1) + A(2, 2)) / 3;
+  const Real a = A(0, 0) - mean, b = A(1, 1) - mean, c = A(2, 2) - mean;
+  const Real x = A(2, 1), y = A(2, 0), z = A(1, 0);
+  const Real size = std::sqrt((a * a + b * b + c * c + 2 * (x * x + y * y + z * z)) / 6);
+  if (!(size > 0)) return mean;
+  const Real determinant = a * (b * c - x * x) - z * (z * c - x * y) + y * (z * x - b * y);
+  const Real cosine = std::clamp(determinant / (2 * size * size * size), Real(-1), Real(1));
+  const Real third_of_turn = 2 * std::numbers::pi_v<Real> / 3;
+  return mean + 2 * size * std::cos(std::acos(cosine) / 3 + third_of_turn);
+}
+
+}  // namespace detail
 
 /// After [MarroneColagrossi2010]. The smallest eigenvalue of d/n0 Σ r_ij r_ijᵀ w/r², which is 1 in
 /// the full lattice, identifies spray (small) and interior particles (large). In between, a
@@ -44,12 +70,10 @@ struct ConeSurface {
       outwards -= (w / r_ij.norm()) * r_ij;
     });
     moments *= Dim / at.n0;
-    Eigen::SelfAdjointEigenSolver<Matrix> solver;
-    solver.computeDirect(moments, Eigen::EigenvaluesOnly);
-    const Real smallest_eigenvalue = solver.eigenvalues()[0];
-    if (smallest_eigenvalue < Real(spray)) return true;
+    const Real smallest = detail::smallest_eigenvalue(moments);
+    if (smallest < Real(spray)) return true;
     const Real size = outwards.norm();
-    if (smallest_eigenvalue > Real(inside) || !(size > 0)) return false;
+    if (smallest > Real(inside) || !(size > 0)) return false;
     outwards /= size;
     const Real max_distance = Real(length) * at.spacing;
     const Real cosine = Real(std::cos(half_angle));
