@@ -11,6 +11,7 @@
 #include <concepts>
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace silt {
 
@@ -32,7 +33,7 @@ class PairHistory {
 
   PairHistory() = default;
   /// Throws unless owner < partner in every entry and every pair occurs once.
-  explicit PairHistory(Buffer<Entry> entries) : entries_(std::move(entries)) {
+  explicit PairHistory(std::vector<Entry> entries) : entries_(std::move(entries)) {
     std::sort(entries_.begin(), entries_.end(),
               [](const Entry& a, const Entry& b) { return ids(a) < ids(b); });
     for (Index e = 0; e < entries_.size(); ++e) {
@@ -57,7 +58,7 @@ class PairHistory {
   template <class Archive>
   void transfer(Archive& archive) {
     Buffer<Id> owners, partners;
-    Buffer<Value> values;
+    std::vector<Value> values;
     for (const Entry& entry : entries_) {
       owners.push_back(entry.owner);
       partners.push_back(entry.partner);
@@ -72,7 +73,7 @@ class PairHistory {
             "PairHistory: the data read have columns of different lengths; they were not written "
             "by transfer()");
       }
-      Buffer<Entry> entries;
+      std::vector<Entry> entries;
       for (Index e = 0; e < owners.size(); ++e) {
         entries.push_back({owners[e], partners[e], values[e]});
       }
@@ -99,7 +100,7 @@ class PairHistory {
  private:
   static std::pair<Id, Id> ids(const Entry& entry) { return {entry.owner, entry.partner}; }
 
-  Buffer<Entry> entries_;
+  std::vector<Entry> entries_;
 };
 
 }  // namespace silt
