@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// A std::vector with few functions. A program has dozens of types of values in arrays, and for each
-// std::vector compiles about fifty functions; those of these arrays that are not short share one
-// class of bytes. Their memory begins at a cache line, so that no register is loaded across two.
+// An array with the most frequent functions of std::vector. A program has arrays of dozens of
+// types, and std::vector compiles about fifty functions for each of them; here, all functions but
+// the shortest are compiled once, for bytes. The memory begins at a cache line, so that no register
+// is loaded across two.
 #pragma once
 
 #include <silt/core/types.hpp>
@@ -26,7 +27,7 @@ namespace detail {
 class GrowingBytes {
  public:
   static constexpr std::align_val_t alignment{64};
-  /// Moves values of this many bytes in all to other memory; nullptr if copying the bytes does.
+  /// Moves values, `size` bytes in all, to other memory; nullptr: their bytes are copied.
   using Move = void (*)(std::byte* to, std::byte* from, std::size_t size) noexcept;
 
   GrowingBytes() = default;
@@ -90,7 +91,8 @@ class GrowingBytes {
 /// What Buffer does with values that own something. Others are copied as bytes.
 template <class T>
 struct OwningValues {
-  static_assert(std::is_nothrow_move_constructible_v<T>);
+  static_assert(std::is_nothrow_move_constructible_v<T>,
+                "silt::Buffer: moving a value that owns something must not throw");
   static void move(std::byte* to, std::byte* from, std::size_t size) noexcept {
     for (std::size_t at = 0; at < size; at += sizeof(T)) {
       T& value = *reinterpret_cast<T*>(from + at);
@@ -103,11 +105,13 @@ struct OwningValues {
 }  // namespace detail
 
 /// Values one after the other. As in std::vector: capacity(), resize(), assign(), push_back(),
-/// pop_back(), swap(); append() adds all values of a span, of another array. The bytes of values
-/// that own nothing are copied. Memory that a resize() releases stays reserved.
+/// pop_back(), swap(). append() adds all values of a span; they, and those that assign() copies,
+/// must not be its own. Values with a trivial destructor are copied as bytes, which must be a copy
+/// of them.
 template <class T>
 class Buffer {
-  static_assert(alignof(T) <= std::size_t(detail::GrowingBytes::alignment));
+  static_assert(alignof(T) <= std::size_t(detail::GrowingBytes::alignment),
+                "silt::Buffer: values are aligned to at most 64 bytes");
 
  public:
   using value_type = T;
@@ -121,7 +125,8 @@ class Buffer {
   Buffer(Iterator first, Iterator last) : Buffer() {
     assign(first, last);
   }
-  // Once the first constructor has returned, the destructor is called if the rest throws.
+  // Once the constructor to which it delegates has returned, the destructor is called if the rest
+  // throws.
   Buffer(const Buffer& other) : Buffer(copy_of(other.bytes_)) {
     if constexpr (owns()) append(other);
   }
@@ -202,6 +207,7 @@ class Buffer {
   template <std::input_iterator Iterator>
   void assign(Iterator first, Iterator last) {
     clear();
+    if constexpr (std::random_access_iterator<Iterator>) reserve(Index(last - first));
     for (; first != last; ++first) push_back(*first);
   }
   void push_back(T value) { emplace_back(std::move(value)); }
@@ -209,7 +215,12 @@ class Buffer {
   template <class... Arguments>
   T& emplace_back(Arguments&&... arguments) {
     std::byte* const place = bytes_.place_for(sizeof(T), move_of());
-    T* const added = ::new (static_cast<void*>(place)) T{std::forward<Arguments>(arguments)...};
+    T* added;
+    if constexpr (std::is_aggregate_v<T>) {
+      added = ::new (static_cast<void*>(place)) T{std::forward<Arguments>(arguments)...};
+    } else {
+      added = ::new (static_cast<void*>(place)) T(std::forward<Arguments>(arguments)...);
+    }
     bytes_.set_size(bytes_.size() + sizeof(T));
     return *added;
   }
@@ -223,7 +234,10 @@ class Buffer {
       bytes_.set_size(bytes_.size() + values.size_bytes());
     }
   }
-  void pop_back() noexcept { shrink(size() - 1); }
+  void pop_back() noexcept {
+    check(size() - 1);
+    shrink(size() - 1);
+  }
   void swap(Buffer& other) noexcept { bytes_.swap(other.bytes_); }
 
  private:

@@ -16,10 +16,13 @@ class FunctionRef;
 template <class Result, class... Arguments>
 class FunctionRef<Result(Arguments...)> {
  public:
-  /// Refers to this object; no copy is made.
+  /// Refers to this object, which is no plain function; no copy is made.
   template <class F>
     requires(!std::is_same_v<std::remove_cvref_t<F>, FunctionRef> &&
-             requires(F& function, Arguments... arguments) { function(arguments...); })
+             !std::is_function_v<std::remove_reference_t<F>> &&
+             requires(F& function, Arguments&&... arguments) {
+               function(static_cast<Arguments&&>(arguments)...);
+             })
   FunctionRef(F&& function) noexcept
       : object_(const_cast<void*>(static_cast<const void*>(&function))),
         call_(&call<std::remove_reference_t<F>>) {}
@@ -31,7 +34,11 @@ class FunctionRef<Result(Arguments...)> {
  private:
   template <class F>
   static Result call(void* object, Arguments... arguments) {
-    return (*static_cast<F*>(object))(static_cast<Arguments&&>(arguments)...);
+    if constexpr (std::is_void_v<Result>) {
+      (*static_cast<F*>(object))(static_cast<Arguments&&>(arguments)...);
+    } else {
+      return (*static_cast<F*>(object))(static_cast<Arguments&&>(arguments)...);
+    }
   }
 
   void* object_;

@@ -18,11 +18,9 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
-#include <cstdint>
 #include <cstdlib>
 #include <exception>
 #include <limits>
-#include <string>
 #include <utility>
 
 #ifdef _OPENMP
@@ -226,8 +224,8 @@ class Shares {
 inline void run_tasks(Index count, [[maybe_unused]] int team, FunctionRef<void(Index)> run) {
 #ifdef _OPENMP
   if (count > 1 && team > 1 && !omp_in_parallel()) {
-    // Only the tasks of a thread that follow its exception are left out; the lowest exception of
-    // all is therefore found.
+    // After an exception, a thread leaves out only the rest of the share that it took; the lowest
+    // exception of all is therefore found.
     std::exception_ptr fault;
     Index fault_task = no_index;
     Shares shares(count, team);
@@ -307,7 +305,10 @@ class PerChunk {
   }
   PerChunk(const PerChunk&) = delete;
   PerChunk& operator=(const PerChunk&) = delete;
-  ~PerChunk() { spare() = std::move(values_); }
+  ~PerChunk() {
+    values_.clear();
+    spare() = std::move(values_);
+  }
 
   Value& operator[](Index chunk) noexcept { return values_[chunk]; }
   auto begin() const noexcept { return values_.begin(); }

@@ -16,7 +16,6 @@
 #include <atomic>
 #include <cstdint>
 #include <span>
-#include <string>
 #include <utility>
 
 namespace silt {

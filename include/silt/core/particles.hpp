@@ -13,6 +13,7 @@
 #pragma once
 
 #include <silt/core/box.hpp>
+#include <silt/core/buffer.hpp>
 #include <silt/core/columns.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/field_storage.hpp>

@@ -7,7 +7,6 @@
 #include <silt/core/types.hpp>
 
 #include <span>
-#include <string>
 
 namespace silt::detail {
 

@@ -1,18 +1,21 @@
 // SPDX-License-Identifier: MIT
-// Rotations in space. Eigen's own are in a header that takes longer to compile than all others of it
-// that grains need.
+// Rotations in space. Eigen's own are in a header that grains need for nothing else, and that takes
+// long to compile.
 #pragma once
 
 #include <silt/core/types.hpp>
 
 #include <cmath>
+#include <concepts>
+#include <type_traits>
 
 namespace silt {
 
 /// The matrix of a rotation by `turn` [rad] about an axis, a unit vector:
 /// cos φ 1 + (1 − cos φ) a aᵀ + sin φ [a]×
 template <class Real>
-Eigen::Matrix<Real, 3, 3> rotation_about(const Vec<3, Real>& axis, Real turn) {
+Eigen::Matrix<Real, 3, 3> rotation_about(const Vec<3, Real>& axis,
+                                         std::type_identity_t<Real> turn) {
   const Real cosine = std::cos(turn);
   const Vec<3, Real> s = std::sin(turn) * axis;
   const Vec<3, Real> c = (1 - cosine) * axis;
@@ -26,7 +29,7 @@ Eigen::Matrix<Real, 3, 3> rotation_about(const Vec<3, Real>& axis, Real turn) {
   return matrix;
 }
 /// The same in the plane.
-template <class Real>
+template <std::floating_point Real>
 Eigen::Matrix<Real, 2, 2> rotation_by(Real turn) {
   const Real sine = std::sin(turn);
   const Real cosine = std::cos(turn);

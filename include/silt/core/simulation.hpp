@@ -19,9 +19,7 @@
 #include <algorithm>
 #include <concepts>
 #include <cstdint>
-#include <limits>
 #include <optional>
-#include <string>
 #include <utility>
 
 namespace silt {

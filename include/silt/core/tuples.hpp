@@ -11,7 +11,7 @@ namespace silt::detail {
 template <class Tuple, class F, std::size_t... k>
 void for_each_of([[maybe_unused]] Tuple& tuple, [[maybe_unused]] F& f,
                  std::index_sequence<k...>) {
-  (f(std::get<k>(tuple)), ...);
+  (static_cast<void>(f(std::get<k>(tuple))), ...);
 }
 
 /// f(element) for each element, in order.

@@ -50,14 +50,14 @@ inline Index completed_intervals(double count) {
   return static_cast<Index>(std::min(count * (1 + 1e-12), limit));
 }
 
-/// Resizes a std::vector. If it must grow, it reserves n/16 more elements, instead of doubling.
+/// Resizes an array. If it must grow, it reserves n/16 more elements, instead of doubling.
 template <class Vector>
 void resize_tightly(Vector& values, Index n) {
   if (n > values.capacity()) values.reserve(n + n / 16);
   values.resize(n);
 }
 
-/// Reserves memory for one more element of a std::vector: push_back() does not throw.
+/// Reserves memory for one more element of an array: push_back() does not throw.
 template <class Vector>
 void reserve_one_more(Vector& values) {
   if (values.size() == values.capacity()) values.reserve(2 * values.size() + 16);

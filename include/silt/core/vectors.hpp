@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Vectors of space, and their operators. They take the place of Eigen's expressions of such vectors,
-// of which a program would have, and compile, as many types as it has formulas.
+// Vectors of space, and their operators. They take the place of Eigen's expressions of such
+// vectors, of which a program would have, and compile, as many types as it has formulas. Their
+// results are vectors: a further expression of one, such as (a - b).head<2>(), must not be kept in
+// an `auto`.
 #pragma once
 
 #include <silt/core/eigen.hpp>
@@ -25,8 +27,9 @@ concept OfSpace = is_coordinate<Real> && (Dim == 2 || Dim == 3);
 template <class S, class Real>
 concept Factor = std::is_arithmetic_v<S> || std::is_same_v<S, Real>;
 
-// Eigen, too, keeps two numbers of double in one register.
-typedef double Two __attribute__((vector_size(16), may_alias));
+// Eigen, too, keeps two doubles in one register. Its vectors are aligned to one, unless a macro of
+// Eigen forbids it.
+typedef double Two __attribute__((vector_size(16), aligned(8), may_alias));
 [[gnu::always_inline]] inline Two two(const Vec<2>& a) {
   return *reinterpret_cast<const Two*>(a.data());
 }
@@ -97,8 +100,9 @@ bool operator==(const Eigen::Matrix<Real, Dim, 1>& a, const Eigen::Matrix<Real, 
   return true;
 }
 
-/// The largest component of a without its sign.
+/// The largest component of a without its sign; those that are not numbers do not count.
 template <class Real, int Dim>
+  requires detail::OfSpace<Real, Dim>
 Real max_norm(const Eigen::Matrix<Real, Dim, 1>& a) {
   Real most = 0;
   for (int k = 0; k < Dim; ++k) most = std::max(most, std::abs(a[k]));

@@ -17,7 +17,6 @@
 
 #include <concepts>
 #include <limits>
-#include <string>
 #include <utility>
 
 namespace silt {

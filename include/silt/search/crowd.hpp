@@ -13,7 +13,6 @@
 
 #include <atomic>
 #include <limits>
-#include <string>
 
 namespace silt {
 

@@ -23,7 +23,6 @@
 #include <cstdint>
 #include <limits>
 #include <span>
-#include <string>
 
 namespace silt {
 

@@ -11,6 +11,7 @@
 #include <silt/core/buffer.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/fields.hpp>
+#include <silt/core/function_ref.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/particles.hpp>
 #include <silt/core/simd.hpp>

@@ -15,7 +15,6 @@
 #include <cstdint>
 #include <limits>
 #include <numbers>
-#include <string>
 #include <vector>
 
 namespace silt::dem {

@@ -7,6 +7,7 @@
 
 #include <silt/core/buffer.hpp>
 #include <silt/core/concepts.hpp>
+#include <silt/core/function_ref.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/contact/block_evaluator.hpp>

@@ -29,7 +29,6 @@
 #include <cstdint>
 #include <numeric>
 #include <span>
-#include <string>
 #include <utility>
 
 namespace silt::dem::detail {

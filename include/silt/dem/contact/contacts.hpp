@@ -47,7 +47,6 @@
 
 #include <algorithm>
 #include <concepts>
-#include <cstdint>
 #include <memory>
 #include <optional>
 #include <span>

@@ -21,7 +21,6 @@
 #include <silt/dem/wall/wall.hpp>
 
 #include <algorithm>
-#include <string>
 #include <utility>
 #include <vector>
 

@@ -11,7 +11,6 @@
 
 #include <atomic>
 #include <cstdint>
-#include <string>
 #include <utility>
 
 namespace silt::dem::detail {

@@ -12,7 +12,6 @@
 #include <silt/dem/wall/wall_set.hpp>
 
 #include <algorithm>
-#include <cstdint>
 #include <string>
 #include <utility>
 #include <vector>

@@ -9,8 +9,6 @@
 #include <silt/core/watch.hpp>
 #include <silt/dem/contact/contact_settings.hpp>
 
-#include <string>
-
 namespace silt::dem::detail {
 
 /// Steps per period of a vibrating wall: at least, and by default.

@@ -11,7 +11,6 @@
 #include <silt/core/types.hpp>
 
 #include <cmath>
-#include <string>
 
 namespace silt::dem::detail {
 

@@ -16,7 +16,6 @@
 #include <cmath>
 #include <cstdint>
 #include <span>
-#include <string>
 
 namespace silt::mps {
 

@@ -9,7 +9,6 @@
 #include <silt/mps/fluid/fluid.hpp>
 
 #include <cmath>
-#include <string>
 
 namespace silt::mps {
 

@@ -19,7 +19,6 @@
 #include <cstddef>
 #include <limits>
 #include <numbers>
-#include <string>
 #include <vector>
 
 namespace silt::mps {

@@ -2,6 +2,7 @@
 // Walls as shapes, in which the fluid is mirrored.
 #pragma once
 
+#include <silt/core/buffer.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/types.hpp>
