@@ -174,24 +174,25 @@ class Buffer {
   void clear() noexcept { shrink(0); }
   void reserve(Index count) { bytes_.reserve(bytes_of(count), move_of()); }
   void resize(Index count) {
+    if (count <= size()) return shrink(count);
+    [[maybe_unused]] T* const place = place_for(count - size());
     if constexpr (owns()) {
-      if (count <= size()) return shrink(count);
-      bytes_.place_for(bytes_of(count - size()), move_of());
       while (size() < count) emplace_back();
     } else {
-      resize(count, T{});
+      T* const end = place + (count - size());
+      for (T* at = place; at != end; ++at) ::new (static_cast<void*>(at)) T{};
+      bytes_.set_size(bytes_of(count));
     }
   }
   void resize(Index count, const T& value) {
     if (count <= size()) return shrink(count);
     const T copy = value;  // may be one of these
-    const Index added = count - size();
-    [[maybe_unused]] auto* const place =
-        reinterpret_cast<T*>(bytes_.place_for(bytes_of(added), move_of()));
+    [[maybe_unused]] T* const place = place_for(count - size());
     if constexpr (owns()) {
       while (size() < count) emplace_back(copy);
     } else {
-      for (Index k = 0; k < added; ++k) ::new (static_cast<void*>(place + k)) T(copy);
+      T* const end = place + (count - size());
+      for (T* at = place; at != end; ++at) ::new (static_cast<void*>(at)) T(copy);
       bytes_.set_size(bytes_of(count));
     }
   }
@@ -256,6 +257,9 @@ class Buffer {
     } else {
       return nullptr;
     }
+  }
+  T* place_for(Index added) {
+    return reinterpret_cast<T*>(bytes_.place_for(bytes_of(added), move_of()));
   }
   static std::size_t bytes_of(Index count) {
     if (count > std::numeric_limits<std::ptrdiff_t>::max() / sizeof(T)) throw std::bad_alloc();
