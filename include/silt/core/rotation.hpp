@@ -38,7 +38,7 @@ Eigen::Matrix<Real, 2, 2> rotation_by(Real turn) {
   return matrix;
 }
 
-/// A unit vector at a right angle to another vector, which must not be 0.
+/// A unit vector [-] at a right angle to another vector, which must not be 0.
 template <class Real>
 Vec<3, Real> unit_across(const Vec<3, Real>& v) {
   // Its shadow on the x-y plane, turned by a quarter, unless that is nearly a point.
