@@ -67,11 +67,6 @@ class Lane {
   Real value_;
 };
 
-namespace detail {
-template <class Real>
-inline constexpr bool is_coordinate<Lane<Real>> = true;
-}  // namespace detail
-
 /// The same numbers in memory as Lanes, for use in such a loop.
 template <std::floating_point Real>
 auto* lanes_of(Real* values) {
