@@ -199,8 +199,8 @@ class Particles : public ParticleTable {
   /// f(values, field) for every field, position first: the values of the owned particles.
   template <class F>
   void for_each_field(F&& f) const {
-    constexpr FieldList fields;
-    detail::for_each_of(fields, [&](auto field) { f(columns_.view(field, size()), field); });
+    detail::for_each_tag(std::type_identity<FieldList>{},
+                         [&](auto field) { f(columns_.view(field, size()), field); });
   }
 
   /// Writes or reads everything but the ghosts for a checkpoint, see core/transfer.hpp.
@@ -225,8 +225,8 @@ class Particles : public ParticleTable {
       archive.require_left(size(), bytes_of_each);
       resize(columns_.all(), ids_.size());
     }
-    constexpr FieldList fields;
-    detail::for_each_of(fields, [&](auto field) { transfer(archive, field, owned); });
+    detail::for_each_tag(std::type_identity<FieldList>{},
+                         [&](auto field) { transfer(archive, field, owned); });
     if constexpr (Archive::reads) note_change();
   }
 
