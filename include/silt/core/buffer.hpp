@@ -74,8 +74,11 @@ class GrowingBytes {
 
  private:
   [[gnu::noinline]] void assign(const GrowingBytes& other) {
-    size_ = 0;
-    reserve(other.size_);
+    if (other.size_ > capacity_) {
+      GrowingBytes larger;
+      larger.reserve(other.size_);  // if this throws, nothing has changed
+      swap(larger);
+    }
     if (other.size_ > 0) std::memcpy(data_, other.data_, other.size_);
     size_ = other.size_;
   }
