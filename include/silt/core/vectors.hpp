@@ -23,8 +23,6 @@ namespace detail {
 // vectorises it with Eigen's expressions only.
 template <class Real, int Dim>
 concept OfSpace = std::is_floating_point_v<Real> && (Dim == 2 || Dim == 3);
-template <class S, class Real>
-concept Factor = std::is_arithmetic_v<S> || std::is_same_v<S, Real>;
 
 // Eigen, too, keeps two doubles in one register. Its vectors are aligned to one, unless a macro of
 // Eigen forbids it.
@@ -71,17 +69,17 @@ template <class Real, int Dim>
   return detail::by_component(a, b, [](auto x, auto y) { return x - y; });
 }
 template <class Real, int Dim, class S>
-  requires detail::OfSpace<Real, Dim> && detail::Factor<S, Real>
+  requires detail::OfSpace<Real, Dim> && std::is_arithmetic_v<S>
 [[gnu::always_inline]] inline Vec<Dim, Real> operator*(const Eigen::Matrix<Real, Dim, 1>& a, S s) {
   return detail::by_component(a, Real(s), [](auto x, auto y) { return x * y; });
 }
 template <class Real, int Dim, class S>
-  requires detail::OfSpace<Real, Dim> && detail::Factor<S, Real>
+  requires detail::OfSpace<Real, Dim> && std::is_arithmetic_v<S>
 [[gnu::always_inline]] inline Vec<Dim, Real> operator*(S s, const Eigen::Matrix<Real, Dim, 1>& a) {
   return a * s;
 }
 template <class Real, int Dim, class S>
-  requires detail::OfSpace<Real, Dim> && detail::Factor<S, Real>
+  requires detail::OfSpace<Real, Dim> && std::is_arithmetic_v<S>
 [[gnu::always_inline]] inline Vec<Dim, Real> operator/(const Eigen::Matrix<Real, Dim, 1>& a, S s) {
   return detail::by_component(a, Real(s), [](auto x, auto y) { return x / y; });
 }

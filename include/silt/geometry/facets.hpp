@@ -68,7 +68,7 @@ Corners<Dim, n> sorted_corners(const std::array<Vec<Dim>, n>& corners) {
     for (int axis = 0; axis < Dim; ++axis) {
       result[k][std::size_t(axis)] = corners[k][axis] + 0.0;  // no −0
     }
-    // std::sort() compiles to a sort of thousands.
+    // std::sort() would compile a sort for arrays of any size.
     for (std::size_t m = k; m > 0 && result[m] < result[m - 1]; --m) {
       std::swap(result[m], result[m - 1]);
     }

@@ -39,8 +39,9 @@ template <int Dim>
 Mirror<Dim> mirror_in(const Vec<Dim>& n, double offset) {
   Mirror<Dim> mirror{.translation = 2 * offset * n};
   for (int row = 0; row < Dim; ++row) {
-    for (int column = 0; column < Dim; ++column)
+    for (int column = 0; column < Dim; ++column) {
       mirror.rotation(row, column) -= 2 * n[row] * n[column];
+    }
   }
   return mirror;
 }
