@@ -55,7 +55,8 @@ class GrowingBytes {
 
   /// The place after the last byte, with memory for `count` more.
   std::byte* place_for(std::size_t count, Move move = nullptr) {
-    if (count > capacity_ - size_) reserve(size_ + std::max(size_, count), move);
+    if (count > capacity_ - size_)
+      reserve(size_ + std::max({size_, count, std::size_t(alignment)}), move);
     return data_ + size_;
   }
   void set_size(std::size_t size) noexcept { size_ = size; }
@@ -211,8 +212,13 @@ class Buffer {
   template <std::input_iterator Iterator>
   void assign(Iterator first, Iterator last) {
     clear();
-    if constexpr (std::random_access_iterator<Iterator>) reserve(Index(last - first));
-    for (; first != last; ++first) push_back(*first);
+    if constexpr (std::contiguous_iterator<Iterator> &&
+                  std::is_same_v<std::iter_value_t<Iterator>, T>) {
+      append({first, last});
+    } else {
+      if constexpr (std::random_access_iterator<Iterator>) reserve(Index(last - first));
+      for (; first != last; ++first) push_back(*first);
+    }
   }
   void push_back(T value) { emplace_back(std::move(value)); }
   /// The added value. The arguments must not be of one of these values.

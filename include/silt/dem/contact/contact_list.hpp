@@ -161,9 +161,10 @@ class ContactList {
       walls.push_back({static_cast<std::uint32_t>(grain), static_cast<std::uint32_t>(element)});
     }
   };
-  /// Builds the list for grains with these ids, of which the first `owned` are owned: find(i,
-  /// pairs) adds the pairs found at grain i, for each of a block.
-  void build(std::span<const Id> ids, Index owned, FunctionRef<void(Index, PairsOfBlock&)> find,
+  /// Builds the list for grains with these ids, of which the first `owned` are owned: find(first,
+  /// last, pairs) adds the pairs found at the grains [first, last), those of a block.
+  void build(std::span<const Id> ids, Index owned,
+             FunctionRef<void(Index first, Index last, PairsOfBlock&)> find,
              Buffer<PairsOfBlock>& by_block) {
     ids_.assign(ids.begin(), ids.end());
     owned_ = owned;
@@ -174,7 +175,7 @@ class ContactList {
       own.pairs.clear();
       own.walls.clear();
       own.of_other_blocks.clear();
-      for (Index i = first; i < last; ++i) find(i, own);
+      find(first, last, own);
     });
     concatenate(by_block);
     list_sides();

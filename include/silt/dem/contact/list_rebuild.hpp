@@ -239,12 +239,13 @@ void find_contacts(const P& grains, const S& search, const Walls& walls, List& l
   const auto x = grains.with_halo(position);
   const auto R = grains.with_halo(radius);
   const NearestImage<P::dimension, Real> image(grains.box());
-  const auto add_pairs = [&](Index i, ContactList::PairsOfBlock& pairs) {
+  const auto add_pairs = [&grains, &search, x, R, image, margin = list.margin](
+                             Index i, ContactList::PairsOfBlock& pairs) {
     for_each_candidate(search, i, [&](Index found_j) {
       const Index j = grains.owner(found_j);
       // A pair across a periodic side is found at both grains, if both are owned; one is enough.
       if (j != found_j && j < grains.size() && grains.id(j) < grains.id(i)) return;
-      const Real limit = R[i] + R[j] + list.margin;
+      const Real limit = R[i] + R[j] + margin;
       if (!(image(typename P::Vec(x[j] - x[i])).squaredNorm() < squared(limit))) return;
       const bool in_order = grains.id(i) < grains.id(j);
       pairs.add_pair(in_order ? i : j, in_order ? j : i);
@@ -268,9 +269,11 @@ void find_contacts(const P& grains, const S& search, const Walls& walls, List& l
   };
   list.contacts.build(
       grains.ids_with_halo(), grains.size(),
-      [&](Index i, ContactList::PairsOfBlock& pairs) {
-        add_pairs(i, pairs);
-        if (Walls::count > 0) add_walls(i, pairs);
+      [&](Index first, Index last, ContactList::PairsOfBlock& pairs) {
+        for (Index i = first; i < last; ++i) {
+          add_pairs(i, pairs);
+          if (Walls::count > 0) add_walls(i, pairs);
+        }
       },
       by_block);
 }

@@ -205,15 +205,17 @@ double stable_for_all(const P& grains, const ContactList& list, const Walls& wal
   };
   Buffer<StabilityBounds> of_block(list.blocks());
   list.for_each_block([&](Index b, Index first, Index last) {
+    StabilityBounds largest;
     for (Index i = first; i < last; ++i) {
       const Lever lever{.mass_over_inertia = double(m[i]) / double(I[i]), .arm = double(R[i])};
       StabilityBounds sum;
       for (const ContactList::Side side : list.of(i)) {
         sum += contribution(i, side.contact(), lever);
       }
-      of_block[b].spring = std::max(of_block[b].spring, sum.spring);
-      of_block[b].dashpot = std::max(of_block[b].dashpot, sum.dashpot);
+      largest.spring = std::max(largest.spring, sum.spring);
+      largest.dashpot = std::max(largest.dashpot, sum.dashpot);
     }
+    of_block[b] = largest;
   });
   StabilityBounds all;
   for (const StabilityBounds& one : of_block) {
