@@ -32,12 +32,12 @@ class GrowingBytes {
 
   GrowingBytes() = default;
   [[gnu::noinline]] GrowingBytes(const GrowingBytes& other) { assign(other); }
-  GrowingBytes(GrowingBytes&& other) noexcept { swap(other); }
+  [[gnu::noinline]] GrowingBytes(GrowingBytes&& other) noexcept { swap(other); }
   GrowingBytes& operator=(const GrowingBytes& other) {
     if (this != &other) assign(other);
     return *this;
   }
-  GrowingBytes& operator=(GrowingBytes&& other) noexcept {
+  [[gnu::noinline]] GrowingBytes& operator=(GrowingBytes&& other) noexcept {
     GrowingBytes old(std::move(other));
     swap(old);
     return *this;

@@ -179,7 +179,9 @@ class Column {
   }
   /// A copy with row order[i] in row i.
   Column in_order(std::span<const Index> order) const {
-    Column sorted = *this;
+    Column sorted(*type_);
+    sorted.reserve(capacity_);  // ghosts need it again
+    sorted.append(data(), size_);
     for_each(order.size(), [&](Index i) { sorted.assign(sorted.row(i), row(order[i]), 1); });
     return sorted;
   }

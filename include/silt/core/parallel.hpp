@@ -219,9 +219,11 @@ class Shares {
 
 /// run(k) for every task k in [0, count), with at most `team` threads. Each has a contiguous share,
 /// so that successive loops find their data in its cache; once it has finished its share, it helps
-/// the others, because tasks may take different times and a core may be busy. Not a template: a
-/// program has hundreds of loops, and each would compile all of this.
-inline void run_tasks(Index count, [[maybe_unused]] int team, FunctionRef<void(Index)> run) {
+/// the others, because tasks may take different times and a core may be busy. No template and not
+/// inlined, as other functions for loops: a program has hundreds of loops, and each would compile
+/// all of this.
+[[gnu::noinline]] inline void run_tasks(Index count, [[maybe_unused]] int team,
+                                        FunctionRef<void(Index)> run) {
 #ifdef _OPENMP
   if (count > 1 && team > 1 && !omp_in_parallel()) {
     // After an exception, a thread leaves out only the rest of the share that it took; the lowest
@@ -256,15 +258,17 @@ inline void run_tasks(Index count, [[maybe_unused]] int team, FunctionRef<void(I
 
 /// Maximum number of threads of a loop over n indices that the calling thread starts now, for work
 /// that is divided among threads. Results must not depend on it.
-inline int threads_for(Index n) { return detail::Team::size_for_chunks(chunk_count(n)); }
+[[gnu::noinline]] inline int threads_for(Index n) {
+  return detail::Team::size_for_chunks(chunk_count(n));
+}
 
 /// f(k) for every k in [0, count), in parallel, for few long tasks.
-inline void for_each_task(Index count, FunctionRef<void(Index)> f) {
+[[gnu::noinline]] inline void for_each_task(Index count, FunctionRef<void(Index)> f) {
   detail::run_tasks(count, detail::Team::size_for_tasks(count), f);
 }
 
 /// f(chunk) for every chunk of [0, n), in parallel.
-inline void for_each_chunk(Index n, FunctionRef<void(Chunk)> f) {
+[[gnu::noinline]] inline void for_each_chunk(Index n, FunctionRef<void(Chunk)> f) {
   detail::run_tasks(chunk_count(n), threads_for(n), [f, n](Index number) {
     f({number, number * chunk_size, std::min(n, (number + 1) * chunk_size)});
   });
@@ -276,7 +280,7 @@ inline constexpr Index range_size = 64;
 /// the last have `size` indices. What one range reads and writes stays in the cache between several
 /// loops over it.
 template <Index size = range_size>
-void for_each_range(Index n, FunctionRef<void(Index first, Index last)> f) {
+[[gnu::noinline]] void for_each_range(Index n, FunctionRef<void(Index first, Index last)> f) {
   detail::run_tasks((n + size - 1) / size, threads_for(n),
                     [f, n](Index r) { f(r * size, std::min(n, (r + 1) * size)); });
 }
