@@ -103,12 +103,14 @@ class SavedList {
     for (Index k = 0; k < first_.size(); ++k) of_grain[grains.index_of(first_[k])].push_back(k);
     list.contacts.build(
         grains.ids_with_halo(), grains.size(),
-        [&](Index i, ContactList::PairsOfBlock& pairs) {
-          for (const Index k : of_grain[i]) {
-            if (is_wall_id(second_[k])) {
-              pairs.add_wall(i, element_of(second_[k]));
-            } else {
-              pairs.add_pair(i, grains.index_of(second_[k]));
+        [&](Index first, Index last, ContactList::PairsOfBlock& pairs) {
+          for (Index i = first; i < last; ++i) {
+            for (const Index k : of_grain[i]) {
+              if (is_wall_id(second_[k])) {
+                pairs.add_wall(i, element_of(second_[k]));
+              } else {
+                pairs.add_pair(i, grains.index_of(second_[k]));
+              }
             }
           }
         },
