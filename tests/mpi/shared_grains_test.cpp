@@ -461,6 +461,33 @@ TEST(SharedGrains, AreFewerThanProcesses) {
   }
 }
 
+// Of three grains in a row, the one in the middle has the highest id: where space is cut beside it,
+// another process owns the first grain of one of its contacts.
+TEST(SharedGrains, RefuseTheStepsThatOneProcessFindsUnstable) {
+  constexpr double R = 0.02;
+  dem::Grains<2> grains;
+  for (const double k : {-1, 1, 0}) {
+    dem::add_grain(grains, {1.99 * R * k, 1}, {.radius = R, .density = 2500});
+  }
+  const auto is_refused = [](auto simulation, double dt) {
+    try {
+      simulation.step(dt);
+      return false;
+    } catch (const Error& error) {
+      return error.stable_time_step().has_value();
+    }
+  };
+  const auto serial = simulation_of(grains, NeighbourList<2>{});
+  double stable = 1e-7, unstable = 1e-3;
+  for (int k = 0; k < 30; ++k) {
+    const double dt = (stable + unstable) / 2;
+    (is_refused(serial, dt) ? unstable : stable) = dt;
+  }
+  const auto shared = simulation_of(mpi::distribute(grains, *world), NeighbourList<2>{});
+  EXPECT_FALSE(is_refused(shared, 0.99 * stable)) << stable;
+  EXPECT_TRUE(is_refused(shared, 1.01 * unstable)) << unstable;
+}
+
 struct NoInteraction {};
 
 // Every process sees every pair of which it owns a grain, once.

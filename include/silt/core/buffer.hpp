@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // An array with the most frequent functions of std::vector. A program has arrays of dozens of
-// types, and std::vector compiles about fifty functions for each of them; here, all functions but
-// the shortest are compiled once, for bytes. The memory begins at a cache line, so that no register
+// types, and std::vector compiles about fifty functions for each of them; here, what allocates and
+// moves memory is compiled once, for bytes. The memory begins at a cache line, so that no register
 // is loaded across two.
 #pragma once
 
@@ -139,8 +139,8 @@ class Buffer {
     if constexpr (!owns()) {
       bytes_ = other.bytes_;
     } else if (this != &other) {
-      clear();
-      append(other);
+      Buffer copy(other);
+      swap(copy);
     }
     return *this;
   }
@@ -202,21 +202,23 @@ class Buffer {
   }
   void assign(Index count, const T& value) {
     const T copy = value;
+    reserve(count);
     clear();
     resize(count, copy);
   }
   void assign(std::span<const T> values) {
+    reserve(values.size());
     clear();
     append(values);
   }
   template <std::input_iterator Iterator>
   void assign(Iterator first, Iterator last) {
-    clear();
     if constexpr (std::contiguous_iterator<Iterator> &&
                   std::is_same_v<std::iter_value_t<Iterator>, T>) {
-      append({first, last});
+      assign(std::span<const T>(first, last));
     } else {
       if constexpr (std::random_access_iterator<Iterator>) reserve(Index(last - first));
+      clear();
       for (; first != last; ++first) push_back(*first);
     }
   }

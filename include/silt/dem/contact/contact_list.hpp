@@ -133,7 +133,8 @@ class ContactList {
   void for_each_contact_by_grain(F&& f) const {
     for (Index i = 0; i < grains(); ++i) {
       for (const Side side : of(i)) {
-        if (!side.is_second()) f(side.contact());
+        const Index c = side.contact();
+        if (!side.is_second() || !is_owned(first(c))) f(c);
       }
     }
   }

@@ -9,8 +9,8 @@
 // After the integrator's part of the step, check_step() throws if grains or walls moved too far
 // (step_limits.hpp), or if contacts gave more energy than they had (energy_check.hpp).
 //
-// Its result, an Evaluation (evaluation.hpp), replaces that of the step before; restore() undoes
-// this. Observers read it through ContactsOfStep (contacts_of_step.hpp).
+// The result of accelerate(), an Evaluation (evaluation.hpp), replaces that of the step before;
+// restore() undoes this. Observers read it through ContactsOfStep (contacts_of_step.hpp).
 #pragma once
 
 #include <silt/core/buffer.hpp>

@@ -52,6 +52,7 @@ class SavedList {
   SavedList() = default;
   explicit SavedList(const List& list) : is_known_(true), origin_(list) {
     list.contacts.for_each_contact_by_grain([&](Index c) {
+      if (!list.contacts.is_owned(list.contacts.first(c))) return;  // another process saves it
       first_.push_back(list.contacts.first_id(c));
       second_.push_back(list.contacts.second_id(c));
     });

@@ -91,15 +91,14 @@ struct TankLength {
           ten_digits((less + 1) * spacing), " m"});
   }
   /// Throws if it ends less than a spacing beyond a column [spacings]: no particle fits into such a
-  /// gap, and fluid at rest would flow into it.
-  void check_gap(double column) const {
+  /// gap. `consequence` of the gap.
+  void check_gap(double column, const char* consequence) const {
     const double gap = spacings() - column;
     if (gap <= 0 || gap >= 1) return;
     fail({name, " = ", ten_digits(length), " m leaves a gap of ", ten_digits(gap),
-          " times the spacing = ", ten_digits(spacing),
-          " m beyond the column, into which the fluid would flow at once; give ",
-          ten_digits(column * spacing), " m, or at least ", ten_digits((column + 1) * spacing),
-          " m"});
+          " times the spacing = ", ten_digits(spacing), " m beyond the column, ", consequence,
+          "; give ", ten_digits(column * spacing), " m, or at least ",
+          ten_digits((column + 1) * spacing), " m"});
   }
 };
 
@@ -183,7 +182,11 @@ Eigen::Matrix<int, Dim, 1> cells_of_column(const Tank<Dim>& tank, const TankRoom
             ten_digits(room.spacings()[axis]), "; enlarge the tank, or make the column smaller"});
     }
     // The surface below an open top is free.
-    if (axis != up || tank.lid) room.along(axis).check_gap(column.spacings());
+    if (axis != up) {
+      room.along(axis).check_gap(column.spacings(), "into which the fluid would flow at once");
+    } else if (tank.lid) {
+      room.along(axis).check_gap(column.spacings(), "in which no particle fits below the lid");
+    }
     cells[axis] = static_cast<int>(column.spacings());
   }
   return cells;
