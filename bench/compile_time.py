@@ -2,12 +2,13 @@
 # SPDX-License-Identifier: MIT
 """Measures how long a user's program takes to compile.
 
-    compile_time.py          compiles the two quickstarts with g++ and, if installed, clang++, and
-                             prints a table
+    compile_time.py          compiles the two quickstarts with g++ and, if installed, clang++ and
+                             clang++-19, and prints a table
     compile_time.py PAGE     also puts the table between the two comments in PAGE that ask for it
 
 Figures are processor times, medians of three: they depend less than wall times on what else the
-machine is doing. `parsed` is the time without optimisation and code generation (-fsyntax-only).
+machine is doing. `parsed` is the time without optimisation and code generation (-fsyntax-only),
+`text` the size of the program's code as `size` counts it.
 To see which templates take the time, add -ftime-trace (clang++) to FLAGS.
 """
 
@@ -45,6 +46,11 @@ def median(command):
     return statistics.median(processor_seconds(command) for _ in range(RUNS))
 
 
+def text_of(program):
+    counted = subprocess.run(["size", program], capture_output=True, text=True, check=True).stdout
+    return int(counted.splitlines()[1].split()[0])
+
+
 def has_openmp(compiler):
     return subprocess.run([compiler, "-fopenmp", "-x", "c++", "-fsyntax-only", "-"],
                           input="#include <omp.h>\n", text=True, capture_output=True,
@@ -54,7 +60,7 @@ def has_openmp(compiler):
 def rows():
     with tempfile.TemporaryDirectory() as scratch:
         output = pathlib.Path(scratch, "program.o")
-        for compiler in filter(shutil.which, ("g++", "clang++")):
+        for compiler in filter(shutil.which, ("g++", "clang++", "clang++-19")):
             version = subprocess.run([compiler, "--version"], capture_output=True, text=True,
                                      check=True).stdout.splitlines()[0]
             openmp = ["-fopenmp"] if has_openmp(compiler) else []
@@ -64,7 +70,8 @@ def rows():
                 print(f"Compiling {name} with {compiler} …", file=sys.stderr, flush=True)
                 whole = median([*command, "-c", "-o", output])
                 parsed = median([*command, "-fsyntax-only"])
-                yield f"| {version} | `{name}` | {whole:.1f} | {parsed:.1f} |"
+                yield (f"| {version} | `{name}` | {whole:.1f} | {parsed:.1f} |"
+                       f" {text_of(output) / 1000:.0f} |")
 
 
 def main(arguments):
@@ -72,7 +79,7 @@ def main(arguments):
         sys.exit(__doc__)
     text = "\n".join([
         f"Processor seconds, with `{' '.join(FLAGS)}`, on {platform.machine()}:", "",
-        "| compiler | program | compiled | parsed |", "|---|---|---|---|", *rows()])
+        "| compiler | program | compiled | parsed | text [kB] |", "|---|---|---|---|---|", *rows()])
     print(text)
     if arguments:
         put_into_page(text, pathlib.Path(arguments[0]), "bench/compile_time.py")
