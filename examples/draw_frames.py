@@ -125,7 +125,7 @@ def main():
         title = f"t = {series.times[numbers[k]]:.3g} s"
         if k == 0 and waits:
             circles.set(array=None, facecolor=UNKNOWN_COLOUR)
-            title += ", not yet computed"
+            title += ",\nnot yet computed"
         axes.set_title(title)
         axes.locator_params(nbins=5)
         style.box(axes, (low[0], high[0]), (low[1], high[1]), ("x [m]", "height [m]"))
