@@ -128,7 +128,8 @@ class ContactList {
     for_each_block([&](Index b, Index, Index) { for_each_contact(b, f); });
   }
   /// f(contact) for each, grain by grain as they lie in memory, and at each in the order of the
-  /// partners' ids, which is independent of the search.
+  /// partners' ids, which is independent of the search: at its first grain, or at the second if
+  /// another process owns the first.
   template <class F>
   void for_each_contact_by_grain(F&& f) const {
     for (Index i = 0; i < grains(); ++i) {

@@ -49,39 +49,30 @@ struct Stiffness {
 };
 
 namespace detail {
+[[noreturn, gnu::cold, gnu::noinline]] inline void refuse_stiffness(
+    const char* member, double value, const char* unit, FunctionRef<std::string()> contact,
+    const Where& where) {
+  fail({"dem::Contacts: stiffness(contact).", member, " = ", value, " ", unit,
+        ", which the law returned for ", contact(),
+        ", must be finite and not negative; correct the law"},
+       where);
+}
+}  // namespace detail
 
-/// Whether this can be a member of a stiffness.
-inline bool is_stiffness(double value) { return value >= 0 && is_finite(value); }
-
-[[gnu::cold]] inline void refuse_stiffness(const Stiffness& k, FunctionRef<std::string()> contact,
-                                           const Where& where) {
+/// Throws unless all members of a stiffness are finite and not negative. contact() describes the
+/// contact for which the law returned it.
+[[gnu::always_inline]] inline void check_stiffness(const Stiffness& k,
+                                                   FunctionRef<std::string()> contact,
+                                                   const Where& where = {}) {
   const auto check = [&](const char* member, double value, const char* unit) {
-    if (is_stiffness(value)) return;
-    fail({"dem::Contacts: stiffness(contact).", member, " = ", value, " ", unit,
-          ", which the law returned for ", contact(),
-          ", must be finite and not negative; correct the law"},
-         where);
+    if (value >= 0 && is_finite(value)) return;
+    detail::refuse_stiffness(member, value, unit, contact, where);
   };
   check("normal", k.normal, "N/m");
   check("tangential", k.tangential, "N/m");
   check("beta", k.beta, "s");
   check("rolling", k.rolling, "N m/rad");
   check("rolling_dashpot", k.rolling_dashpot, "N m s");
-}
-
-}  // namespace detail
-
-/// Throws unless all members of a stiffness are finite and not negative. contact() describes the
-/// contact for which the law returned it.
-inline void check_stiffness(const Stiffness& k, FunctionRef<std::string()> contact,
-                            const Where& where = {}) {
-  // Of every contact of a new list.
-  if (detail::is_stiffness(k.normal) && detail::is_stiffness(k.tangential) &&
-      detail::is_stiffness(k.beta) && detail::is_stiffness(k.rolling) &&
-      detail::is_stiffness(k.rolling_dashpot)) {
-    return;
-  }
-  detail::refuse_stiffness(k, contact, where);
 }
 
 /// Energy stored in the springs of a contact, all in [J].
