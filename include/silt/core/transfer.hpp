@@ -34,6 +34,7 @@
 #include <silt/core/types.hpp>
 
 #include <algorithm>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>

@@ -9,6 +9,7 @@
 #include <silt/geometry/face.hpp>
 #include <silt/geometry/facets.hpp>
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <set>

@@ -4,7 +4,7 @@
 //
 //   decide     all reduce what must be known together      agreement.hpp
 //   migrate    particles that have left its part of space, with what the interaction remembers of
-//              them, move to the process that owns where they are; now and then space is cut anew
+//              them, move to the process that owns where they are     migration.hpp
 //   find halo  every process tells others of its particles near theirs
 //   refresh    the values of the halo after every step
 //
@@ -21,13 +21,11 @@
 #include <silt/core/travel.hpp>
 #include <silt/core/types.hpp>
 #include <silt/mpi/agreement.hpp>
-#include <silt/mpi/cuts.hpp>
 #include <silt/mpi/halo_rows.hpp>
 #include <silt/mpi/messages.hpp>
+#include <silt/mpi/migration.hpp>
 #include <silt/mpi/near_processes.hpp>
-#include <silt/mpi/pair_memory.hpp>
 #include <silt/mpi/particle_messages.hpp>
-#include <silt/mpi/work.hpp>
 #include <silt/mpi/world.hpp>
 
 #include <algorithm>
@@ -69,7 +67,11 @@ class SharedParticles : public P {
 
   /// `own` are those of this process; no other has one of the same ids.
   SharedParticles(P own, const World& world)
-      : P(std::move(own)), world_(&world), agree_(world), cuts_(world), rows_(world, agree_) {}
+      : P(std::move(own)),
+        world_(&world),
+        agree_(world),
+        migration_(world, agree_),
+        rows_(world, agree_) {}
 
   const World& world() const noexcept { return *world_; }
 
@@ -203,8 +205,8 @@ class SharedParticles : public P {
   }
   template <class I>
   void gather(I& interaction) {
-    number_ = count_particles();
-    migrate(interaction, [](const auto&) { return 0; });
+    migration_.count(*this);
+    migration_.migrate(interaction, *this, [](const auto&) { return 0; });
     // In an order that every number of processes gives.
     std::vector<Index> order(P::size());
     std::iota(order.begin(), order.end(), Index(0));
@@ -213,26 +215,7 @@ class SharedParticles : public P {
   }
   template <class I>
   void keep_own(I& interaction) {
-    number_ = P::size();
-    std::vector<silt::Vec<dimension>> points;
-    agree_([&] {
-      for (Index i = 0; i < P::size(); ++i) {
-        if (P::id(i) % Index(world_->size()) == Index(world_->rank())) points.push_back(point(i));
-      }
-      return Reduced();
-    });
-    if (number_ > 0) cuts_.make(points, std::vector<double>(points.size(), 1.0));
-    std::vector<std::uint8_t> is_own(P::size());
-    for (Index i = 0; i < P::size(); ++i) is_own[i] = cuts_.owner_of(point(i)) == world_->rank();
-    const auto is_of_own = [&](Id id) {
-      const Index i = P::index_of(id);
-      return i != no_index && is_own[i];
-    };
-    change_memory(interaction, *this, [&](auto history) {
-      history.keep_if([&](Id a, Id b) { return is_of_own(a) || is_of_own(b); });
-      return history;
-    });
-    P::remove_if([&](Index i) { return !is_own[i]; });
+    migration_.keep_own(interaction, *this);
   }
   template <class T, class Get, class Set>
   void exchange(const Get& get, const Set& set) const {
@@ -256,7 +239,7 @@ class SharedParticles : public P {
   }
   /// Divides space anew in the next step, as is done when the work is unevenly divided. To be called by
   /// all processes.
-  void repartition() { must_repartition_ = true; }
+  void repartition() { migration_.repartition(); }
   /// How often the halo was found.
   std::uint64_t halos_found() const noexcept { return halos_found_; }
   Process process() const noexcept { return {world_->rank(), world_->size()}; }
@@ -283,18 +266,15 @@ class SharedParticles : public P {
   }
   // Also if the program may have changed a constant.
   bool is_halo_outdated() const {
-    return must_repartition_ || !do_rows_match() || found_.constants != P::constants_revision();
+    return migration_.must_repartition() || !do_rows_match() ||
+           found_.constants != P::constants_revision();
   }
 
   template <class I>
   void find_halo(I& interaction, double depth) {
     found_.revision = 0;
     rows_.partners().clear();
-    number_ = count_particles();
-    if (number_ > 0) {
-      cut_if_uneven(interaction);
-      migrate(interaction, [this](const auto& x) { return cuts_.owner_of(x); });
-    }
+    migration_.run(interaction, *this, halos_found_);
     receive_halo(depth);
     found_.depth = depth;
     found_.strayed = 0;
@@ -304,7 +284,7 @@ class SharedParticles : public P {
   // far from it as they have moved since they were there.
   void find_halo_of_same_owners(double moved_by_all) {
     rows_.partners().clear();
-    number_ = count_particles();
+    migration_.count(*this);
     found_.strayed += moved_by_all;
     receive_halo(found_.depth + found_.strayed);
     note_halo();
@@ -325,72 +305,9 @@ class SharedParticles : public P {
     found_.constants = P::constants_revision();
   }
 
-  // Position of a particle, also of the halo [m].
-  silt::Vec<dimension> point(Index i) const {
-    return P::with_halo(position)[i].template cast<double>();
-  }
-
-  std::uint64_t count_particles() const { return std::uint64_t(sum(std::array{double(P::size())})[0]); }
-
-  // Not whenever the halo is found: some particles cannot be divided evenly.
-  template <class I>
-  void cut_if_uneven(const I& interaction) {
-    constexpr std::uint64_t halos_between_cuts = 8;
-    std::vector<double> work;
-    const Reduced all = agree_([&] {
-      work.assign(P::size(), 1.0);
-      const bool is_known = mpi::add_work(interaction, *this, work);
-      Reduced own;
-      own.sum[0] = own.largest[0] = std::accumulate(work.begin(), work.end(), 0.0);
-      own.largest[1] = is_known ? 0 : 1;
-      return own;
-    });
-    const bool is_known = !(all.largest[1] > 0);
-    const bool is_even = all.largest[0] <= 1.1 * all.sum[0] / world_->size();
-    const bool is_soon = halos_found_ < last_cut_ + halos_between_cuts;
-    const bool is_asked = std::exchange(must_repartition_, false);
-    if (!is_asked && cuts_.are_made() && (!is_known || is_even || is_soon)) return;
-    std::vector<silt::Vec<dimension>> points;
-    agree_([&] {
-      if (!is_known) work.assign(P::size(), 1.0);
-      for (Index i = 0; i < P::size(); ++i) points.push_back(point(i));
-      return Reduced();
-    });
-    cuts_.make(points, work);
-    last_cut_ = halos_found_;
-  }
-
-  // Moves particles, and what the interaction remembers of them, to the processes owner_of(position).
-  template <class I, class OwnerOf>
-  void migrate(I& interaction, const OwnerOf& owner_of) {
-    const int rank = world_->rank();
-    std::vector<int> owners(P::local());
-    for (Index i = 0; i < owners.size(); ++i) owners[i] = owner_of(point(i));
-    change_memory(interaction, *this, [&](const auto& history) {
-      return migrated(history, *this, owners, *world_,
-                      [this](auto& writers) { return this->exchange(writers); });
-    });
-    std::vector<Writer> writers(Index(world_->size()));
-    for (Index i = 0; i < P::size(); ++i) {
-      if (owners[i] == rank) continue;
-      detail::write_particle<P>(writers[Index(owners[i])], *this, i);
-    }
-    P::clear_halo();
-    P::remove_if([&](Index i) { return owners[i] != rank; });
-    for (const Transfer& message : exchange(writers)) {
-      Reader read(message.from);
-      while (!read.is_at_end()) detail::read_particle<P>(read, *this);
-    }
-    const auto now = count_particles();
-    if (now != number_) {
-      fail("mpi: there are " + std::to_string(now) + " particles instead of " +
-           std::to_string(number_) + " after some moved to other processes; please report it");
-    }
-  }
-
   void receive_halo(double depth) {
-    if (number_ == 0) return P::clear_halo();
-    auto near = rows_near_processes(std::as_const(*this), depth, cuts_, *world_);
+    if (migration_.number() == 0) return P::clear_halo();
+    auto near = rows_near_processes(std::as_const(*this), depth, migration_.cuts(), *world_);
     std::vector<Writer> writers(near.size());
     for (Index process = 0; process < near.size(); ++process) {
       detail::write_copies<P>(writers[process], *this, near[process]);
@@ -442,8 +359,7 @@ class SharedParticles : public P {
 
   const World* world_;
   Agreement agree_;
-  Cuts<dimension> cuts_;
-  std::uint64_t number_ = 0;  // of particles of all processes
+  Migration<dimension> migration_;
   HaloRows rows_;
   struct Found {
     double depth = 0;        // of the halo [m]
@@ -457,8 +373,6 @@ class SharedParticles : public P {
   Found found_;       // when the halo was found
   double moved_ = 0;  // by a particle since then [m]
   std::uint64_t halos_found_ = 0;
-  std::uint64_t last_cut_ = 0;  // of halos_found_
-  bool must_repartition_ = false;
   // Found by the last reduction.
   mutable bool must_find_halo_ = true;
   mutable bool must_refresh_ = false;

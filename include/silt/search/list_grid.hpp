@@ -12,7 +12,6 @@
 #include <silt/search/neighbour_rows.hpp>
 
 #include <algorithm>
-#include <utility>
 
 namespace silt {
 

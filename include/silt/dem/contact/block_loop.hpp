@@ -20,6 +20,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <numeric>
+#include <utility>
 
 namespace silt::dem::detail {
 

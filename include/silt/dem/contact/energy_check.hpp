@@ -27,7 +27,6 @@
 #include <algorithm>
 #include <array>
 #include <limits>
-#include <utility>
 
 namespace silt::dem::detail {
 

@@ -18,7 +18,6 @@
 #include <silt/mps/wall/image_search.hpp>
 #include <silt/mps/wall/image_wall_checks.hpp>
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -26,7 +25,6 @@
 #include <memory>
 #include <span>
 #include <string>
-#include <type_traits>
 #include <vector>
 
 namespace silt::mps {
