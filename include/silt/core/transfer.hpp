@@ -13,8 +13,8 @@
 //                                vector, an array, silt::Buffer or std::vector of these, a
 //                                std::string
 //   archive(name, values, n)     writes the first n values of a std::vector, or reads n values;
-//   they
-//                                may be structs with transfer(archive), as in io/struct_columns.hpp
+//                                these may be structs with transfer(archive), as in
+//                                io/struct_columns.hpp
 //   archive.same(name, text)     writes the text, or throws if the text read is different
 //   archive.setup(name, parts)   the same for numbers, apart from round-off, that characterise what
 //                                the program sets up, see SetupPart. Returns true; false if what

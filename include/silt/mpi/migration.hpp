@@ -23,7 +23,8 @@
 
 namespace silt::mpi {
 
-/// Moves particles to the processes that own them. Every function is to be called by all processes.
+/// Moves particles to the processes that own them. What communicates, count() and the functions
+/// after repartition(), is to be called by all processes.
 template <int Dim>
 class Migration {
  public:
@@ -33,7 +34,7 @@ class Migration {
 
   /// The parts of space.
   Cuts<Dim>& cuts() noexcept { return cuts_; }
-  /// Particles of all processes, when they were counted.
+  /// Number of particles of all processes, when they were counted.
   std::uint64_t number() const noexcept { return number_; }
   template <class P>
   void count(const P& particles) {
@@ -43,8 +44,8 @@ class Migration {
   void repartition() noexcept { must_repartition_ = true; }
   bool must_repartition() const noexcept { return must_repartition_; }
 
-  /// Counts the particles and moves those that have left the space of their process, which is cut
-  /// anew if the work is unevenly divided, but not at every one of the halos that were found: some
+  /// Counts the particles and moves those that have left the space of their process. Space is cut
+  /// anew if the work is unevenly divided, but at most at every eighth halo that is found: some
   /// particles cannot be divided evenly.
   template <class I, class P>
   void run(I& interaction, P& particles, std::uint64_t halos_found) {
@@ -55,7 +56,7 @@ class Migration {
   }
 
   /// Moves particles, and what the interaction remembers of them, to the processes
-  /// owner_of(position). Throws if their number is another one then.
+  /// owner_of(position). Throws if there are not number() particles after it.
   template <class I, class P, class OwnerOf>
   void migrate(I& interaction, P& particles, const OwnerOf& owner_of) {
     const auto exchange = [this](std::vector<Writer>& writers) {

@@ -250,7 +250,7 @@ class ContactsOf : public Contacts<Law, Walls...> {
   /// Energy in the springs of the last step's contacts [J]; 0 for a law without elastic_energy().
   double elastic_energy(const P& grains) const { return last_step(grains).elastic_energy(); }
 
-  /// The history of all contacts, by pairs of ids; for a checkpoint.
+  /// The history of all contacts of grains of this process, by pairs of ids; for a checkpoint.
   PairHistory<History> history(const P& grains) const {
     return state_.given_history ? *state_.given_history : results_for(grains).history();
   }
