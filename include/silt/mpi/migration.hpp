@@ -36,12 +36,14 @@ class Migration {
   Cuts<Dim>& cuts() noexcept { return cuts_; }
   /// Number of particles of all processes, when they were counted.
   std::uint64_t number() const noexcept { return number_; }
+  /// Counts them.
   template <class P>
   void count(const P& particles) {
     number_ = counted(particles);
   }
   /// Space is divided anew by the next run().
   void repartition() noexcept { must_repartition_ = true; }
+  /// Whether it has not been divided since.
   bool must_repartition() const noexcept { return must_repartition_; }
 
   /// Counts the particles and moves those that have left the space of their process. Space is cut
