@@ -312,7 +312,7 @@ class SharedParticles : public P {
     for (Index process = 0; process < near.size(); ++process) {
       detail::write_copies<P>(writers[process], *this, near[process]);
     }
-    const auto messages = exchange(writers);
+    const auto messages = exchange_messages(*world_, agree_, writers);
     std::vector<Id> ids;
     for (const Transfer& message : messages) {
       detail::read_ids_of_copies<P>(message.from, *this, ids);
@@ -350,11 +350,6 @@ class SharedParticles : public P {
     };
     rows_.refresh(write, read);
     P::note_state();
-  }
-
-  // Sends what was written for each process, and returns what others have written for this one.
-  std::vector<Transfer> exchange(std::vector<Writer>& writers) const {
-    return exchange_messages(*world_, agree_, writers);
   }
 
   const World* world_;

@@ -61,6 +61,7 @@ namespace detail {
 
 /// Throws unless all members of a stiffness are finite and not negative. contact() describes the
 /// contact for which the law returned it.
+// Inlined, because it checks every contact of a new list.
 [[gnu::always_inline]] inline void check_stiffness(const Stiffness& k,
                                                    FunctionRef<std::string()> contact,
                                                    const Where& where = {}) {
