@@ -30,7 +30,7 @@ string(JOIN "\n" flags -std=c++20 -O1 -g1 -ffp-contract=off -fno-sanitize-recove
 file(GENERATE OUTPUT ${fuzz_flags} CONTENT "${flags}\n")
 
 # silt_add_fuzz_target(NAME INPUTS): so many random changes without --all, none if 0; with it,
-# 250 000, and a minute of libFuzzer.
+# 100 000, and 20 s of libFuzzer.
 function(silt_add_fuzz_target name inputs)
   if(inputs EQUAL 0 AND NOT SILT_SLOW_TESTS)
     return()
@@ -46,9 +46,9 @@ function(silt_add_fuzz_target name inputs)
     add_test(NAME fuzz.${name} COMMAND ${program} ${corpus} ${inputs})
     set_tests_properties(fuzz.${name} PROPERTIES LABELS trust ${environment})
   endif()
-  add_test(NAME fuzz.${name}_many COMMAND ${program} ${corpus} 250000)
+  add_test(NAME fuzz.${name}_many COMMAND ${program} ${corpus} 100000)
   set_tests_properties(fuzz.${name}_many PROPERTIES
-    LABELS "trust;slow" TIMEOUT 7200 COST 200 ${environment})
+    LABELS "trust;slow" TIMEOUT 7200 COST 80 ${environment})
 
   if(links_fuzzer)
     set(binary ${CMAKE_CURRENT_BINARY_DIR}/libfuzzer_${name})
@@ -56,12 +56,12 @@ function(silt_add_fuzz_target name inputs)
     file(MAKE_DIRECTORY ${found})
     add_test(NAME fuzz.${name}_libfuzzer_build COMMAND ${SILT_FUZZ_COMPILER} @${fuzz_flags}
       ${fuzz_folder}/${name}.cpp $<TARGET_LINKER_FILE:GTest::gtest> -o ${binary})
-    add_test(NAME fuzz.${name}_libfuzzer COMMAND ${binary} -max_total_time=60 -timeout=60
+    add_test(NAME fuzz.${name}_libfuzzer COMMAND ${binary} -max_total_time=20 -timeout=60
       -artifact_prefix=${found}/failed_ -print_final_stats=1 ${found} ${corpus})
     set_tests_properties(fuzz.${name}_libfuzzer_build PROPERTIES
       LABELS "trust;slow" FIXTURES_SETUP libfuzzer_${name} TIMEOUT 1800 COST 200)
     set_tests_properties(fuzz.${name}_libfuzzer PROPERTIES
-      LABELS "trust;slow" FIXTURES_REQUIRED libfuzzer_${name} TIMEOUT 1800 COST 60
+      LABELS "trust;slow" FIXTURES_REQUIRED libfuzzer_${name} TIMEOUT 1800 COST 20
       ${environment})
   endif()
 endfunction()
